@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "ovoid/camera.h"
+#include "ovoid/dataset.h"
+#include "ovoid/image.h"
+#include "ovoid/renderer.h"
+#include "ovoid/transfer_function.h"
+
+namespace ovoid {
+
+// What a headerless file cannot say.
+struct RawOptions {
+  std::optional<Index3> dims;
+  std::optional<ScalarType> type;
+  std::optional<Vec3> spacing;
+  bool big_endian = false;
+};
+
+struct ReadOptions {
+  RawOptions raw;
+  std::string array;                             // read only this one if the format allows; empty: all
+  std::function<void(double fraction)> progress;
+  std::stop_token stop;
+};
+
+// Reads a volume: raw, NRRD/NHDR, NPY, and with VTK: VTI and legacy VTK (structured points). The format is told from content, then from
+// the name. Several paths are parts of one dataset where the format has parts; else an error. Peak memory is at most 2.1
+// times the decoded size; sizes in headers are checked against the file before anything is allocated. Throws Error: kFileNotFound,
+// kFileFormat (names file and field), kUnsupported, kInvalidArgument, kCancelled.
+Dataset read_dataset(const std::vector<std::string>& paths, const ReadOptions& options = {});
+
+// Writes a dataset; the name's ending chooses the format (.nrrd .nhdr .npy .raw, and .vti .vtk with VTK). Written beside and renamed: an
+// existing file stays whole until the new one is. Throws Error(kFileWrite, kUnsupported).
+void write_dataset(const Dataset& dataset, const std::string& path);
+
+// Writes a picture: .png (8 bit, straight alpha; x-ray pictures must be mapped first), .exr (float, premultiplied, with
+// depth channel Z), .npy (float32 [height, width, 4], premultiplied). Throws Error(kFileWrite, kUnsupported, kInvalidArgument).
+void write_image(const Image& image, const std::string& path, const double* background = nullptr);
+
+// ParaView JSON presets. Reading takes the first preset of a list, or the one called `preset`. Throws Error.
+TransferFunction read_transfer_function(const std::string& path, const std::string& preset = {});
+void write_transfer_function(const TransferFunction& tf, const std::string& path);
+
+// Camera files (JSON, VTK's words; docs/conventions.md). Missing members keep VTK's defaults. Throws Error.
+Camera read_camera(const std::string& path);
+void write_camera(const Camera& camera, const std::string& path);
+
+}  // namespace ovoid

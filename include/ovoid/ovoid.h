@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// Everything: volumes drawn straight from their points. A volume to a picture:
+//
+//   auto field = ovoid::make_lattice_field(ovoid::read_dataset({"head.nrrd"}));
+//   auto camera = ovoid::default_camera(field.world_bounds());
+//   auto look = ovoid::default_look(field.value_range());
+//   auto frame = ovoid::Renderer{}.render(field, camera, look);
+//   ovoid::write_image(frame.image, "head.png");
+#pragma once
+
+#include "ovoid/camera.h"
+#include "ovoid/dataset.h"
+#include "ovoid/error.h"
+#include "ovoid/field.h"
+#include "ovoid/image.h"
+#include "ovoid/io.h"
+#include "ovoid/kernels.h"
+#include "ovoid/lattice.h"
+#include "ovoid/look.h"
+#include "ovoid/math.h"
+#include "ovoid/model.h"
+#include "ovoid/renderer.h"
+#include "ovoid/transfer_function.h"

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace ovoid {
+
+using Rgb = std::array<double, 3>;  // sRGB-encoded components in [0, 1]; blended as they are, as VTK does
+
+enum class ColorSpace { kRgb, kHsv, kLab, kDiverging, kStep };
+
+struct ColorPoint {
+  double x = 0;  // value
+  Rgb rgb{0, 0, 0};
+};
+
+// A node of the opacity curve. Between two nodes the left one's midpoint and sharpness shape the curve, as in
+// vtkPiecewiseFunction: midpoint in [0, 1] moves the half-way value, sharpness in [0, 1] goes from linear to a step.
+struct OpacityPoint {
+  double x = 0;        // value
+  double opacity = 0;  // in [0, 1], per unit distance
+  double midpoint = 0.5;
+  double sharpness = 0;
+};
+
+// Colour and opacity by value: the content of a ParaView JSON preset. Points are sorted by x; equal x is a step, the later
+// point holding from there on. End values extend. An empty curve is a gray ramp over [0, 1] or opacity 1.
+struct TransferFunction {
+  std::string name;
+  std::vector<ColorPoint> colors;
+  std::vector<OpacityPoint> opacities;
+  ColorSpace color_space = ColorSpace::kRgb;
+  Rgb nan_color{1, 1, 0};
+  std::optional<double> unit_distance;  // world length over which `opacity` is meant; the file's ScalarOpacityUnitDistance
+
+  Rgb color_at(double value) const;        // exact evaluation, in double
+  double opacity_at(double value) const;   // exact evaluation, in double
+
+  double lo() const;  // least x of all points
+  double hi() const;  // greatest x
+  void map_range(double lo, double hi);    // moves all points so that the span becomes [lo, hi]
+  void sort();                             // stable, by x; called by readers
+};
+
+// The built-in colour maps by name ("viridis", "inferno", "gray", "cool-to-warm", ...; "_r" reverses), over [0, 1], without opacity
+// points. Throws Error(kInvalidArgument) that lists the names.
+TransferFunction color_map(const std::string& name);
+std::vector<std::string> color_map_names();
+
+}  // namespace ovoid

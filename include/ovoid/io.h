@@ -44,6 +44,18 @@ void write_dataset(const Dataset& dataset, const std::string& path);
 // depth channel Z), .npy (float32 [height, width, 4], premultiplied). Throws Error(kFileWrite, kUnsupported, kInvalidArgument).
 void write_image(const Image& image, const std::string& path, const double* background = nullptr);
 
+// Check, before long work, that write_image or write_dataset would accept the path: its ending is known and its folder can be
+// written. They create nothing. Throw Error(kUnsupported, kFileWrite).
+void check_image_path(const std::string& path);
+void check_dataset_path(const std::string& path);
+
+// Removes what unfinished writers of this process have written so far; for a program's Ctrl-C handler, which must exit
+// afterwards. Async-signal-safe.
+void remove_partial_files() noexcept;
+
+// The type called `name` as name_of(ScalarType) writes it or as C and numpy do ("uchar", "float", "f4"); empty if there is none.
+std::optional<ScalarType> find_scalar_type(const std::string& name) noexcept;
+
 // ParaView JSON presets. Reading takes the first preset of a list, or the one called `preset`. Throws Error.
 TransferFunction read_transfer_function(const std::string& path, const std::string& preset = {});
 void write_transfer_function(const TransferFunction& tf, const std::string& path);

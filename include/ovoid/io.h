@@ -10,7 +10,6 @@
 #include "ovoid/camera.h"
 #include "ovoid/dataset.h"
 #include "ovoid/image.h"
-#include "ovoid/renderer.h"
 #include "ovoid/transfer_function.h"
 
 namespace ovoid {

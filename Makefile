@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: Apache-2.0
+# Everything a person or CI does here, by one word each. `make help` lists the words.
+.DEFAULT_GOAL := help
+.PHONY: help run test build setup check format sanitize asan tsan scalar fuzz bench install clean
+
+JOBS ?= $(shell nproc)
+SECONDS ?= 60
+PREFIX ?= /usr/local
+export JOBS
+
+help:  ## list these words
+	@sed -nE 's/^([a-z]+):.*## (.*)/  make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 18
+
+run: build  ## set up, build, and draw a sample volume to build/sample.png
+	@scripts/sample.sh
+
+test: build  ## set up, build, and run all tests
+	@scripts/run_tests.sh release
+
+build: setup  ## set up and build the program: build/release/bin/ovoid
+	@scripts/build.sh release
+
+setup:  ## install the distribution's packages (nothing to do when they are there)
+	@scripts/setup.sh build
+
+check: build  ## style, dependency direction, licences, clang-tidy
+	@scripts/setup.sh check
+	@scripts/check.sh
+
+format: setup  ## clang-format all sources in place
+	@scripts/setup.sh check
+	@scripts/check_format.sh --fix
+
+sanitize: asan tsan scalar  ## the tests under sanitizers, and with the scalar SIMD target alone
+
+asan tsan scalar: setup
+	@scripts/build.sh $@
+	@scripts/run_tests.sh $@
+
+fuzz: setup  ## fuzz the readers for SECONDS (60) each
+	@scripts/setup.sh fuzz
+	@scripts/fuzz.sh $(SECONDS)
+
+bench: build  ## measure against the peers; the table goes to bench/results/
+	@scripts/setup.sh bench
+	@scripts/build.sh bench
+	@python3 bench/run.py $(BENCH)
+
+install: build  ## install program, library and headers under PREFIX (/usr/local)
+	@cmake --install build/release --prefix "$(PREFIX)"
+
+clean:  ## remove everything that was built
+	rm -rf build

@@ -1,0 +1,31 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Runs the checks that are not tests, all of them or those named: check.sh [NAME...]. Prints `ok NAME` or the findings.
+set -uo pipefail
+cd "$(dirname "$0")/.." || exit
+
+declare -A checks=(
+  [text]="python3 scripts/check_text.py"
+  [dependencies]="python3 scripts/check_dependencies.py"
+  [format]="scripts/check_format.sh"
+  [licences]="python3 scripts/check_licences.py build/release/bin/ovoid scripts/licences.txt"
+  [tidy]="python3 scripts/check_tidy.py build/release"
+)
+names=("$@")
+((${#names[@]})) || names=(text dependencies format licences tidy)
+
+passed=0
+failed=0
+for name in "${names[@]}"; do
+  command=${checks[$name]:?"check: no check is called '$name'"}
+  if output=$($command 2>&1); then
+    echo "ok $name${output:+: $(tail -n 1 <<<"$output")}"
+    ((++passed))
+  else
+    printf 'FAILED %s\n%s\n' "$name" "$output"
+    ((++failed))
+  fi
+done
+python3 scripts/tally.py add checks "$passed" "$failed" 0
+echo "checks: $passed passed, $failed failed"
+((failed == 0))

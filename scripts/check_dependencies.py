@@ -1,0 +1,138 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Holds every #include to the direction of dependencies that ARCHITECTURE.md draws.
+
+A file belongs to a part by its folder, a public header by PUBLIC below. A part may include what ALLOWED says, and third-party
+headers where OUTSIDE says. Tests beside their sources may include any part.
+"""
+import os
+import re
+import sys
+
+from sources import project_files, read_text
+
+# Which part stands behind each public header. A new header needs a line here.
+PUBLIC = {
+    "error.h": "data", "math.h": "data", "lattice.h": "data", "kernels.h": "data", "field.h": "data", "dataset.h": "data",
+    "model.h": "model",
+    "camera.h": "view", "transfer_function.h": "view", "look.h": "view", "image.h": "view",
+    "io.h": "io",
+    "renderer.h": "render",
+    "ovoid.h": "everything",
+}
+
+# part -> parts whose headers it may include besides its own. `view:public` is view's public headers only: readers
+# and writers of cameras, looks and pictures need those nouns, not what view does with them.
+ALLOWED = {
+    "data": set(),
+    "model": {"data"},
+    "view": {"data"},
+    "io": {"data", "view:public"},
+    "render": {"data", "view", "render/reference", "render/cpu"},  # src/render itself: chooses the back end
+    "render/reference": {"data", "view", "render"},
+    "render/cpu": {"data", "view", "render", "render/shared"},
+    "render/shared": {"data", "view", "render"},
+    "everything": {"data", "model", "view", "io", "render"},
+}
+
+# Third-party headers and the places that may see them, by prefix of the path.
+OUTSIDE = [
+    ("VTK", re.compile(r"^vtk\w*\.h"), ("src/io/", "bench/peers/")),
+    ("Highway", re.compile(r"^hwy/"), ("src/render/cpu/", "bench/")),
+    ("oneTBB", re.compile(r"^(oneapi/)?tbb/"), ("src/render/cpu/",)),
+    ("OpenEXR", re.compile(r"^(OpenEXR/)?(Imf|Imath|Iex)|^Imath/"), ("src/io/", "apps/", "tests/")),
+    ("libpng", re.compile(r"^png\.h"), ("src/io/", "tests/")),
+    ("zlib and bzip2", re.compile(r"^(zlib|bzlib)\.h"), ("src/io/", "tests/")),
+    ("nlohmann-json", re.compile(r"^nlohmann/"), ("src/io/", "apps/", "tests/", "bench/")),
+    ("CLI11", re.compile(r"^CLI/"), ("apps/",)),
+    ("GoogleTest", re.compile(r"^g(test|mock)/"), ("tests/",)),
+    ("fmt", re.compile(r"^fmt/"), ("src/", "apps/", "tests/", "bench/")),
+    ("Eigen", re.compile(r"^Eigen/"), ("",)),
+]
+# A C++20 standard header has no dot and no slash; the rest are POSIX ones that the program needs.
+STANDARD = re.compile(r"^[a-z0-9_]+$")
+POSIX = re.compile(r"^(sys/|unistd\.h|fcntl\.h|signal\.h|stdio\.h|stdlib\.h|dlfcn\.h|setjmp\.h|immintrin\.h|x86intrin\.h)")
+PROGRAMS = ("src/", "apps/", "tests/", "bench/")
+# A unit test beside its source, or what several of them share.
+IS_TEST = re.compile(r"(_test\.cpp|/test_\w+\.h)$")
+INCLUDE = re.compile(r'^\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>|(\w+))')
+
+
+def part_of(path):
+    """The part a project file belongs to, or None for programs, tests and benchmarks, which may join all."""
+    if path.startswith("include/ovoid/"):
+        return PUBLIC.get(os.path.basename(path), "unknown")
+    pieces = path.split("/")
+    if pieces[0] != "src":
+        return None
+    return "/".join(pieces[1:3]) if pieces[1] == "render" and len(pieces) > 3 else pieces[1]
+
+
+def resolve(path, included):
+    """The project file that an include names, or None."""
+    for folder in (os.path.dirname(path), "include", "src", "tests"):
+        candidate = os.path.normpath(os.path.join(folder, included))
+        if candidate in FILES:
+            return candidate
+    return None
+
+
+def check_own(path, target):
+    part, wanted = part_of(path), part_of(target)
+    is_public = target.startswith("include/")
+    if path.startswith("include/") and not is_public:
+        return "a public header includes a private one"
+    if part is None or IS_TEST.search(path) or part == wanted:
+        return None
+    allowed = ALLOWED.get(part)
+    if allowed is None or wanted == "unknown":
+        return f"'{part if allowed is None else target}' is not in the tables of {os.path.relpath(__file__)}"
+    if wanted in allowed or is_public and f"{wanted}:public" in allowed:
+        return None
+    return f"{part} must not see {wanted} ({target})"
+
+
+def check_outside(path, included):
+    public = path.startswith("include/")
+    if STANDARD.match(included):
+        return None
+    for name, pattern, places in OUTSIDE:
+        if not pattern.match(included):
+            continue
+        if public and name != "Eigen":
+            return f"a public header shows {name}"
+        if name == "GoogleTest" and IS_TEST.search(path) or path.startswith(places):
+            return None
+        return f"{name} is seen outside {', '.join(places)}"
+    if POSIX.match(included) and path.startswith(PROGRAMS):
+        return None
+    return f"'{included}' is neither the project's, nor standard, nor a library it stands on"
+
+
+def check_file(path):
+    for number, line in enumerate(read_text(path).split("\n"), 1):
+        match = INCLUDE.match(line)
+        if not match or match.group(3):  # a macro: Highway's foreach_target names the file itself
+            continue
+        included = match.group(1) or match.group(2)
+        target = resolve(path, included)
+        if match.group(1) and target is None and not path.startswith("examples/"):
+            message = check_outside(path, included) if included.startswith(("hwy/", "vtk")) else "no such file in the project"
+        elif path.startswith("examples/"):
+            message = None  # built against the installed package, by a test
+        else:
+            message = check_own(path, target) if target else check_outside(path, included)
+        if message:
+            yield f"{path}:{number}: {message}"
+
+
+def main():
+    findings = [finding for path in sorted(FILES) for finding in check_file(path)]
+    print("\n".join(findings + [f"{len(FILES)} files"]))
+    return 1 if findings else 0
+
+
+FILES = set(project_files("*.h", "*.cpp"))
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,48 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Installs the distribution's packages that a group of work needs: setup.sh build [check] [fuzz] [bench].
+# Does nothing, in a few milliseconds, when they are all there. Debian 12, Ubuntu 24.04 and later.
+set -euo pipefail
+
+# Comments say why a package is here when its name does not.
+declare -A groups=(
+  # make and g++ are what the newcomer brings; named so that a container without them gets them.
+  [build]="make g++ cmake ninja-build ccache pkg-config git python3
+    libeigen3-dev libfmt-dev nlohmann-json3-dev libcli11-dev
+    libpng-dev zlib1g-dev libbz2-dev libopenexr-dev
+    libhwy-dev libtbb-dev libvtk9-dev libgtest-dev libgmock-dev"
+  [check]="clang-format clang-tidy"
+  [fuzz]="clang"
+  # The GPU peer draws with Mesa's software driver on a virtual screen.
+  [bench]="xvfb xauth libgl1-mesa-dri"
+)
+
+if ! command -v dpkg-query >/dev/null; then
+  echo "setup: no dpkg here, so nothing is installed; the packages are named in scripts/setup.sh" >&2
+  exit 0
+fi
+
+wanted=()
+for group in "$@"; do
+  read -r -d '' -a packages <<<"${groups[$group]:?"setup: unknown group '$group'"}" || true
+  wanted+=("${packages[@]}")
+done
+installed=$(dpkg-query -W -f '${Package} ${db:Status-Abbrev}\n' "${wanted[@]}" 2>/dev/null || true)
+missing=()
+for package in "${wanted[@]}"; do
+  [[ $'\n'$installed == *$'\n'"$package ii"* ]] || missing+=("$package")
+done
+((${#missing[@]})) || exit 0
+
+echo "setup: installing ${missing[*]} (minutes, once)"
+as_root=()
+if ((EUID != 0)); then
+  command -v sudo >/dev/null || {
+    echo "setup: not root and no sudo; please install: ${missing[*]}" >&2
+    exit 1
+  }
+  as_root=(sudo)
+fi
+"${as_root[@]}" apt-get update -qq -o DPkg::Lock::Timeout=300
+"${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
+  apt-get install -y -qq -o DPkg::Lock::Timeout=300 --no-install-recommends "${missing[@]}" >/dev/null

@@ -1,0 +1,66 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Counts what passed, failed and was skipped, over several runs of tests and checks.
+
+  tally.py junit NAME FILE        counts a ctest JUnit file, prints one line, adds it to the tally
+  tally.py add NAME P F S         adds counts to the tally
+  tally.py failures               prints how many failures the tally holds
+  tally.py sum                    prints the tally's closing line; exits 1 if anything failed or nothing passed
+
+The tally is the file named by OVOID_TALLY; without that variable nothing is kept.
+"""
+import os
+import sys
+import xml.etree.ElementTree as ElementTree
+
+
+def closing_line(passed, failed, skipped):
+    return f"{passed} passed, {failed} failed" + (f", {skipped} skipped" if skipped else "")
+
+
+def add(name, passed, failed, skipped):
+    path = os.environ.get("OVOID_TALLY")
+    if path:
+        with open(path, "a", encoding="ascii") as tally:
+            tally.write(f"{name} {passed} {failed} {skipped}\n")
+
+
+def total():
+    counts = [0, 0, 0]
+    with open(os.environ["OVOID_TALLY"], encoding="ascii") as tally:
+        for line in tally:
+            for index, field in enumerate(line.split()[1:]):
+                counts[index] += int(field)
+    return counts
+
+
+def count_junit(path):
+    suite = ElementTree.parse(path).getroot()
+    tests = int(suite.get("tests", 0))
+    failed = int(suite.get("failures", 0))
+    skipped = int(suite.get("skipped", 0)) + int(suite.get("disabled", 0))
+    return tests - failed - skipped, failed, skipped
+
+
+def main(arguments):
+    command = arguments[0] if arguments else ""
+    if command == "junit":
+        counts = count_junit(arguments[2])
+        add(arguments[1], *counts)
+        print(f"{arguments[1]}: {closing_line(*counts)}")
+    elif command == "add":
+        add(arguments[1], *(int(value) for value in arguments[2:5]))
+    elif command == "failures":
+        print(total()[1])
+    elif command == "sum":
+        counts = total()
+        print(closing_line(*counts))
+        return 1 if counts[1] or not counts[0] else 0
+    else:
+        print(__doc__, file=sys.stderr)
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

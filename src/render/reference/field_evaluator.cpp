@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: Apache-2.0
+// The sums of docs/numerics.md. Input: a field's samples and a place (a point or a segment).
+// Output: value and gradient. Nothing is approximated and nothing is skipped: the loops run over
+// all lattice indices within the support box. The only economy is that the one-axis weights of a
+// point are computed once per axis and not once per kernel.
+#include "render/reference/field_evaluator.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <cstddef>
+#include <cstring>
+#include <new>
+#include <numbers>
+
+#include "ovoid/error.h"
+
+namespace ovoid::reference {
+namespace {
+
+double stored_number(const BrickView& view, std::int64_t position) {
+  const auto read = [&]<typename T>(T number) {
+    std::memcpy(&number,
+                static_cast<const std::byte*>(view.data) + position * std::int64_t{sizeof(T)},
+                sizeof(T));
+    return static_cast<double>(number);
+  };
+  switch (view.type) {
+    case ScalarType::kUInt8:
+      return read(std::uint8_t{});
+    case ScalarType::kInt8:
+      return read(std::int8_t{});
+    case ScalarType::kUInt16:
+      return read(std::uint16_t{});
+    case ScalarType::kInt16:
+      return read(std::int16_t{});
+    case ScalarType::kFloat32:
+      return read(float{});
+    default:
+      break;
+  }
+  throw Error(ErrorCode::kUnsupported, std::string("brick of type ") + name_of(view.type) +
+                                           ": expected uint8, int8, uint16, int16 or float32");
+}
+
+// The indices whose support along one axis holds the place u: |u - i| <= reach.
+struct IndexRange {
+  std::int64_t first;
+  std::int64_t last;  // inclusive
+};
+
+IndexRange indices_in_reach(double lowest_u, double highest_u, double reach) {
+  return {static_cast<std::int64_t>(std::ceil(lowest_u - reach)),
+          static_cast<std::int64_t>(std::floor(highest_u + reach))};
+}
+
+// g and dg/du at u of every kernel in reach along one axis, and their endless sum E.
+struct AxisWeights {
+  struct Weight {
+    double g;
+    double dg;
+  };
+  IndexRange indices;
+  std::vector<Weight> weights;
+  double endless = 0;
+
+  AxisWeights(double u, double sigma, double reach) : indices(indices_in_reach(u, u, reach)) {
+    for (std::int64_t i = indices.first; i <= indices.last; ++i) {
+      const double d = u - static_cast<double>(i);
+      const double g = std::exp(-0.5 * d * d / (sigma * sigma));
+      weights.push_back({g, -d / (sigma * sigma) * g});
+      endless += g;
+    }
+  }
+
+  const Weight& of(std::int64_t i) const {
+    return weights[static_cast<std::size_t>(i - indices.first)];
+  }
+};
+
+// erf(b) - erf(a) for a <= b, without cancellation where both lie in one tail.
+double difference_of_erf(double a, double b) {
+  if (a > 0) return std::erfc(a) - std::erfc(b);
+  if (b < 0) return std::erfc(-b) - std::erfc(-a);
+  return std::erf(b) - std::erf(a);
+}
+
+// Integrals over t in [0, 1] of one kernel and its gradient along d(t) = start + t step, where d is
+// the offset from the kernel's centre. Along the line phi is one Gaussian in t: exp(-q0 - k/2 (t -
+// t0)^2).
+struct LineIntegral {
+  double phi = 0;
+  Vec3 grad_phi = Vec3::Zero();
+
+  LineIntegral(const Vec3& start, const Vec3& step, const Vec3& sigma, const Vec3& reach) {
+    double t_in = 0;
+    double t_out = 1;
+    for (int a = 0; a < 3; ++a) {
+      if (step[a] == 0) {
+        if (std::abs(start[a]) > reach[a]) return;
+        continue;
+      }
+      const double t1 = (-reach[a] - start[a]) / step[a];
+      const double t2 = (reach[a] - start[a]) / step[a];
+      t_in = std::max(t_in, std::min(t1, t2));
+      t_out = std::min(t_out, std::max(t1, t2));
+    }
+    if (!(t_in < t_out)) return;
+
+    const Vec3 scaled_start = start.cwiseQuotient(sigma);
+    const Vec3 scaled_step = step.cwiseQuotient(sigma);
+    const double k = scaled_step.squaredNorm();
+    const double t0 = -scaled_start.dot(scaled_step) / k;
+    const double peak = std::exp(-0.5 * (scaled_start + t0 * scaled_step).squaredNorm());
+    const double a = t_in - t0;
+    const double b = t_out - t0;
+    const double root = std::sqrt(0.5 * k);
+    phi = peak * std::sqrt(std::numbers::pi / (2 * k)) * difference_of_erf(root * a, root * b);
+    // First moment about t0: the integral of (t - t0) phi.
+    const double moment = peak * (std::exp(-0.5 * k * a * a) - std::exp(-0.5 * k * b * b)) / k;
+    const Vec3 nearest = start + t0 * step;
+    grad_phi = -(nearest * phi + step * moment).cwiseQuotient(sigma.cwiseProduct(sigma));
+  }
+};
+
+}  // namespace
+
+FieldEvaluator::FieldEvaluator(const Field& field)
+    : dims_(field.geometry().dims),
+      world_gradient_from_index_(field.geometry().world_from_index.linear().inverse().transpose()),
+      index_from_world_(field.geometry().world_from_index.inverse()),
+      kernel_(field.kernel()),
+      reconstruction_(field.reconstruction()) {
+  const BrickSource& source = field.source();
+  try {
+    values_.assign(static_cast<std::size_t>(num_samples(dims_)), 0.0);
+    exists_.assign(static_cast<std::size_t>(num_samples(dims_)), 0);
+  } catch (const std::bad_alloc&) {
+    throw Error(ErrorCode::kOutOfMemory, "reference back end: no memory for " +
+                                             std::to_string(num_samples(dims_)) +
+                                             " samples of 9 bytes");
+  }
+  const std::int64_t edge = source.brick_edge();
+  for (std::int64_t bz = 0; bz * edge < dims_[2]; ++bz) {
+    for (std::int64_t by = 0; by * edge < dims_[1]; ++by) {
+      for (std::int64_t bx = 0; bx * edge < dims_[0]; ++bx) copy_brick(source, {bx, by, bz});
+    }
+  }
+}
+
+void FieldEvaluator::copy_brick(const BrickSource& source, const Index3& brick) {
+  const BrickView view = source.acquire(brick[0], brick[1], brick[2], 0.0);
+  Index3 begin;
+  Index3 end;
+  for (int a = 0; a < 3; ++a) {
+    begin[a] = brick[a] * source.brick_edge();
+    end[a] = std::min(begin[a] + source.brick_edge(), dims_[a]);
+  }
+  for (std::int64_t k = begin[2]; k < end[2]; ++k) {
+    for (std::int64_t j = begin[1]; j < end[1]; ++j) {
+      for (std::int64_t i = begin[0]; i < end[0]; ++i) {
+        const double stored =
+            stored_number(view, (i - view.lo[0]) + (j - view.lo[1]) * view.stride_y +
+                                    (k - view.lo[2]) * view.stride_z);
+        const double value = stored * source.value_scale() + source.value_offset();
+        if (!std::isfinite(value)) continue;
+        values_[offset_of({i, j, k})] = value;
+        exists_[offset_of({i, j, k})] = 1;
+        ++num_existing_;
+      }
+    }
+  }
+}
+
+FieldSample FieldEvaluator::at_index(const Vec3& position, const Vec3& widening) const {
+  // Also keeps what is no number, or too large for an index, from the loops.
+  if (!support_bounds(widening).contains(position)) return {};
+  const auto axis = [&](int a) {
+    return AxisWeights(position[a], kernel_.sigma * widening[a],
+                       kernel_.support_radius() * widening[a]);
+  };
+  const AxisWeights x = axis(0);
+  const AxisWeights y = axis(1);
+  const AxisWeights z = axis(2);
+
+  Sums sums;
+  sums.endless = x.endless * y.endless * z.endless;
+  for (std::int64_t k = z.indices.first; k <= z.indices.last; ++k) {
+    for (std::int64_t j = y.indices.first; j <= y.indices.last; ++j) {
+      for (std::int64_t i = x.indices.first; i <= x.indices.last; ++i) {
+        if (!is_inside({i, j, k})) continue;
+        const std::size_t offset = offset_of({i, j, k});
+        if (exists_[offset] == 0) continue;
+        const auto [gx, dgx] = x.of(i);
+        const auto [gy, dgy] = y.of(j);
+        const auto [gz, dgz] = z.of(k);
+        const double phi = gx * gy * gz;
+        const Vec3 grad_phi(dgx * gy * gz, gx * dgy * gz, gx * gy * dgz);
+        sums.numerator += values_[offset] * phi;
+        sums.denominator += phi;
+        sums.grad_numerator += values_[offset] * grad_phi;
+        sums.grad_denominator += grad_phi;
+      }
+    }
+  }
+  return reconstruct(sums, widening);
+}
+
+FieldSample FieldEvaluator::at_world(const Vec3& position, const Vec3& widening) const {
+  return at_index(index_from_world_ * position, widening);
+}
+
+FieldSample FieldEvaluator::mean_over(const Vec3& from, const Vec3& to,
+                                      const Vec3& widening) const {
+  const Vec3 lowest = from.cwiseMin(to);
+  const Vec3 highest = from.cwiseMax(to);
+  if (!from.allFinite() || !to.allFinite()) return {};
+  if (!support_bounds(widening).intersects(Bounds3(lowest, highest))) return {};
+  assert(from != to);
+  const Vec3 sigma = kernel_.sigma * widening;
+  const Vec3 reach = kernel_.support_radius() * widening;
+  const IndexRange x = indices_in_reach(lowest[0], highest[0], reach[0]);
+  const IndexRange y = indices_in_reach(lowest[1], highest[1], reach[1]);
+  const IndexRange z = indices_in_reach(lowest[2], highest[2], reach[2]);
+
+  Sums sums;
+  for (std::int64_t k = z.first; k <= z.last; ++k) {
+    for (std::int64_t j = y.first; j <= y.last; ++j) {
+      for (std::int64_t i = x.first; i <= x.last; ++i) {
+        const Vec3 center(static_cast<double>(i), static_cast<double>(j), static_cast<double>(k));
+        const LineIntegral integral(from - center, to - from, sigma, reach);
+        sums.endless += integral.phi;
+        if (!is_inside({i, j, k})) continue;
+        const std::size_t offset = offset_of({i, j, k});
+        if (exists_[offset] == 0) continue;
+        sums.numerator += values_[offset] * integral.phi;
+        sums.denominator += integral.phi;
+        sums.grad_numerator += values_[offset] * integral.grad_phi;
+        sums.grad_denominator += integral.grad_phi;
+      }
+    }
+  }
+  return reconstruct(sums, widening);
+}
+
+Bounds3 FieldEvaluator::support_bounds(const Vec3& widening) const {
+  const Vec3 reach = kernel_.support_radius() * widening;
+  const Vec3 last(static_cast<double>(dims_[0] - 1), static_cast<double>(dims_[1] - 1),
+                  static_cast<double>(dims_[2] - 1));
+  return {-reach, last + reach};
+}
+
+FieldSample FieldEvaluator::reconstruct(const Sums& sums, const Vec3& widening) const {
+  // No existing kernel reaches the place: the cutoff is at most 16 sigmas, so no phi within reach
+  // underflows.
+  if (!(sums.denominator > 0)) return {};
+  FieldSample sample;
+  sample.is_defined = true;
+  Vec3 grad_index;
+  if (reconstruction_ == Reconstruction::kSum) {
+    const double weight = 1 / (std::pow(2 * std::numbers::pi, 1.5) * std::pow(kernel_.sigma, 3)) /
+                          (widening[0] * widening[1] * widening[2]);
+    sample.value = weight * sums.numerator;
+    grad_index = weight * sums.grad_numerator;
+  } else {
+    if (sums.denominator < 0.5 * sums.endless) return {};
+    sample.value = sums.numerator / sums.denominator;
+    grad_index = (sums.grad_numerator - sample.value * sums.grad_denominator) / sums.denominator;
+  }
+  sample.gradient = world_gradient_from_index_ * grad_index;
+  return sample;
+}
+
+bool FieldEvaluator::is_inside(const Index3& index) const noexcept {
+  for (int a = 0; a < 3; ++a) {
+    if (index[a] < 0 || index[a] >= dims_[a]) return false;
+  }
+  return true;
+}
+
+std::size_t FieldEvaluator::offset_of(const Index3& index) const noexcept {
+  return static_cast<std::size_t>(index[0] + dims_[0] * (index[1] + dims_[1] * index[2]));
+}
+
+}  // namespace ovoid::reference

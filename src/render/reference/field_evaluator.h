@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "ovoid/field.h"
+#include "ovoid/math.h"
+
+namespace ovoid::reference {
+
+// The field at one place. Where it is not defined, value and gradient are zero.
+struct FieldSample {
+  double value = 0;
+  Vec3 gradient = Vec3::Zero();  // world units; the kernels' own derivative
+  bool is_defined = false;
+};
+
+// docs/numerics.md, "The field" and "Slabs", word for word: every sum runs over every kernel whose
+// support box holds the place, in double precision, without tables. Immutable after construction:
+// any number of threads may ask at once.
+class FieldEvaluator {
+ public:
+  // Copies all samples: 9 bytes each. Throws what the field's brick source throws, and
+  // Error(kOutOfMemory).
+  explicit FieldEvaluator(const Field& field);
+
+  // The field at a position in index space. `widening` holds the factors m_a >= 1 of
+  // "Minification", per lattice axis.
+  FieldSample at_index(const Vec3& position, const Vec3& widening = Vec3::Ones()) const;
+
+  // The field at a position in the world.
+  FieldSample at_world(const Vec3& position, const Vec3& widening = Vec3::Ones()) const;
+
+  // The field's mean over the straight segment between two different positions in index space:
+  // numerator and denominator are integrated along it before they are divided.
+  FieldSample mean_over(const Vec3& from, const Vec3& to,
+                        const Vec3& widening = Vec3::Ones()) const;
+
+  // The positions in index space that any kernel can reach.
+  Bounds3 support_bounds(const Vec3& widening) const;
+
+  std::int64_t num_existing() const noexcept { return num_existing_; }  // kernels, of finite value
+
+ private:
+  // Sums (or integrals) over the kernels in reach; gradients with respect to index space.
+  struct Sums {
+    double numerator = 0;    // sum v phi
+    double denominator = 0;  // sum phi, over the kernels that exist
+    double endless = 0;      // sum phi, over the endless lattice
+    Vec3 grad_numerator = Vec3::Zero();
+    Vec3 grad_denominator = Vec3::Zero();
+  };
+
+  void copy_brick(const BrickSource& source, const Index3& brick);
+  FieldSample reconstruct(const Sums& sums, const Vec3& widening) const;
+  bool is_inside(const Index3& index) const noexcept;
+  std::size_t offset_of(const Index3& index) const noexcept;
+
+  Index3 dims_;
+  Mat3 world_gradient_from_index_;  // inverse transpose of the axis vectors
+  Affine3 index_from_world_;
+  LatticeKernel kernel_;
+  Reconstruction reconstruction_;
+  std::vector<double> values_;        // [z, y, x]; 0 where missing
+  std::vector<std::uint8_t> exists_;  // [z, y, x]; 1 where the value is finite, else 0
+  std::int64_t num_existing_ = 0;
+};
+
+}  // namespace ovoid::reference

@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: Apache-2.0
+// A ray's samples and what becomes of them. Each mode is one loop over the sheets in order of
+// increasing k; a sheet has a sample where the field is defined and a part of the segment is left
+// by the clip planes.
+#include "render/reference/pixel_tracer.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ovoid::reference {
+namespace {
+
+double unit_distance_of(const Look& look, const Field& field) {
+  if (look.unit_distance > 0) return look.unit_distance;
+  return look.transfer_function.unit_distance.value_or(default_unit_distance(field));
+}
+
+double span_of(const Look& look, const Field& field) {
+  if (look.mode == Mode::kIsosurface) {
+    const ValueRange range = field.value_range();
+    return range.is_empty() ? 0.0 : static_cast<double>(range.hi) - static_cast<double>(range.lo);
+  }
+  return look.transfer_function.hi() - look.transfer_function.lo();
+}
+
+double sampling_distance_of(const RenderOptions& options, const Field& field) {
+  return options.sampling_distance > 0 ? options.sampling_distance
+                                       : field.default_sampling_distance();
+}
+
+Pixel premultiplied(const Rgb& color, double alpha, double depth) {
+  return {{alpha * color[0], alpha * color[1], alpha * color[2], alpha}, depth};
+}
+
+}  // namespace
+
+PixelTracer::PixelTracer(const Field& field, const FieldEvaluator& evaluator, const Camera& camera,
+                         const Look& look, const RenderOptions& options)
+    : evaluator_(evaluator),
+      look_(look),
+      slab_(options.slab),
+      gradient_method_(options.gradient),
+      view_(camera, field.geometry(), options, sampling_distance_of(options, field)),
+      index_from_world_(field.geometry().world_from_index.inverse()),
+      support_(evaluator.support_bounds(view_.greatest_widening())),
+      shading_{unit_distance_of(look, field), field.geometry().spacing().minCoeff(),
+               span_of(look, field)} {}
+
+Pixel PixelTracer::trace(int x, int y, TraceCounts& counts) const {
+  const Ray ray = view_.ray(x, y);
+  const PixelRay pixel{x, y, ray, view_.sheets_within(ray, support_)};
+  switch (look_.mode) {
+    case Mode::kComposite:
+      return composite(pixel, counts);
+    case Mode::kXray:
+      return xray(pixel, counts);
+    case Mode::kMaximum:
+      return maximum(pixel, counts);
+    case Mode::kMean:
+      return mean(pixel, counts);
+    case Mode::kIsosurface:
+      return isosurface(pixel, counts);
+  }
+  return {};
+}
+
+// The sample of a sheet, if there is one.
+std::optional<PixelTracer::RaySample> PixelTracer::sample(const PixelRay& pixel, std::int64_t sheet,
+                                                          TraceCounts& counts) const {
+  if (!view_.exists(sheet)) return std::nullopt;
+  const double path = view_.path(pixel.ray, sheet);
+  if (!(path > 0)) return std::nullopt;
+  ++counts.samples;
+  const FieldSample at = field_at(pixel.x, pixel.y, sheet);
+  if (!at.is_defined) return std::nullopt;
+  return RaySample{sheet, view_.z_of(sheet), path, at.value, at.gradient};
+}
+
+// The field on the sample (x, y, sheet) of the view lattice: on the slab's middle plane, or the
+// slab's mean.
+FieldSample PixelTracer::field_at(int x, int y, std::int64_t sheet) const {
+  const Ray ray = view_.ray(x, y);
+  const double z = view_.z_of(sheet);
+  const Vec3 widening = view_.widening(sheet);
+  if (slab_ == Slab::kMid) return field_on_ray(ray, z, widening);
+  const double half_slab = 0.5 * view_.sampling_distance();
+  return evaluator_.mean_over(index_from_world_ * ray.at(z - half_slab),
+                              index_from_world_ * ray.at(z + half_slab), widening);
+}
+
+FieldSample PixelTracer::field_on_ray(const Ray& ray, double z, const Vec3& widening) const {
+  return evaluator_.at_index(index_from_world_ * ray.at(z), widening);
+}
+
+Vec3 PixelTracer::gradient(const PixelRay& pixel, const RaySample& sample) const {
+  return gradient_method_ == GradientMethod::kExact ? sample.exact_gradient
+                                                    : central_gradient(pixel, sample);
+}
+
+Vec3 PixelTracer::central_gradient(const PixelRay& pixel, const RaySample& sample) const {
+  const auto difference = [&](int dx, int dy, int dk) -> double {
+    const FieldSample before = field_at(pixel.x - dx, pixel.y - dy, sample.sheet - dk);
+    const FieldSample behind = field_at(pixel.x + dx, pixel.y + dy, sample.sheet + dk);
+    if (before.is_defined && behind.is_defined) return 0.5 * (behind.value - before.value);
+    if (before.is_defined) return sample.value - before.value;
+    if (behind.is_defined) return behind.value - sample.value;
+    return 0;
+  };
+  const Vec3 differences(difference(1, 0, 0), difference(0, 1, 0), difference(0, 0, 1));
+  return view_.position_derivatives(pixel.ray, sample.sheet).transpose().inverse() * differences;
+}
+
+Pixel PixelTracer::composite(const PixelRay& pixel, TraceCounts& counts) const {
+  const Vec3 to_eye = -pixel.ray.direction.normalized();
+  Pixel result;
+  double& alpha = result.rgba[3];
+  for (std::int64_t k = pixel.sheets.first; k <= pixel.sheets.last; ++k) {
+    if (alpha >= RenderOptions::kOpaque) break;
+    const std::optional<RaySample> at = sample(pixel, k, counts);
+    if (!at) continue;
+    const double a = opacity_over(look_.transfer_function.opacity_at(at->value), at->path,
+                                  shading_.unit_distance);
+    if (a == 0) continue;
+    ++counts.visible;
+    Rgb color = look_.transfer_function.color_at(at->value);
+    if (look_.shade) {
+      ++counts.gradients;
+      color = shaded(color, gradient(pixel, *at), to_eye, look_, shading_);
+    }
+    for (std::size_t c = 0; c < 3; ++c) result.rgba[c] += (1 - alpha) * a * color[c];
+    alpha += (1 - alpha) * a;
+    if (alpha >= 0.5 && std::isinf(result.depth)) result.depth = at->z;
+  }
+  return result;
+}
+
+Pixel PixelTracer::xray(const PixelRay& pixel, TraceCounts& counts) const {
+  double integral = 0;
+  double depth = std::numeric_limits<double>::infinity();
+  bool is_defined = false;
+  for (std::int64_t k = pixel.sheets.first; k <= pixel.sheets.last; ++k) {
+    const std::optional<RaySample> at = sample(pixel, k, counts);
+    if (!at) continue;
+    ++counts.visible;
+    integral += at->value * at->path;
+    if (!is_defined) depth = at->z;
+    is_defined = true;
+  }
+  if (!is_defined) return {};
+  return {{integral, integral, integral, 1}, depth};
+}
+
+Pixel PixelTracer::maximum(const PixelRay& pixel, TraceCounts& counts) const {
+  std::optional<RaySample> greatest;
+  for (std::int64_t k = pixel.sheets.first; k <= pixel.sheets.last; ++k) {
+    const std::optional<RaySample> at = sample(pixel, k, counts);
+    if (at && (!greatest || at->value > greatest->value)) greatest = at;
+  }
+  return greatest ? classified(greatest->value, greatest->z, counts) : Pixel{};
+}
+
+Pixel PixelTracer::mean(const PixelRay& pixel, TraceCounts& counts) const {
+  double integral = 0;
+  double length = 0;
+  double depth = std::numeric_limits<double>::infinity();
+  for (std::int64_t k = pixel.sheets.first; k <= pixel.sheets.last; ++k) {
+    const std::optional<RaySample> at = sample(pixel, k, counts);
+    if (!at) continue;
+    if (length == 0) depth = at->z;
+    integral += at->value * at->path;
+    length += at->path;
+  }
+  return length > 0 ? classified(integral / length, depth, counts) : Pixel{};
+}
+
+// A pixel that one value stands for; the opacity is not corrected by a distance.
+Pixel PixelTracer::classified(double value, double depth, TraceCounts& counts) const {
+  const double opacity = look_.transfer_function.opacity_at(value);
+  if (opacity > 0) ++counts.visible;
+  return premultiplied(look_.transfer_function.color_at(value), opacity, depth);
+}
+
+Pixel PixelTracer::isosurface(const PixelRay& pixel, TraceCounts& counts) const {
+  const Vec3 to_eye = -pixel.ray.direction.normalized();
+  const double iso = look_.isovalue;
+  std::optional<RaySample> near;
+  for (std::int64_t k = pixel.sheets.first; k <= pixel.sheets.last; ++k) {
+    const std::optional<RaySample> far = sample(pixel, k, counts);
+    if (near && far && (near->value < iso) != (far->value < iso)) {
+      const double z = refined_crossing(pixel, *near, *far);
+      if (view_.is_kept(pixel.ray.at(z))) {
+        ++counts.visible;
+        Rgb color = look_.transfer_function.color_at(iso);
+        if (look_.shade) {
+          ++counts.gradients;
+          const FieldSample at = field_on_ray(pixel.ray, z, view_.widening(far->sheet));
+          color = shaded(color, at.gradient, to_eye, look_, shading_);
+        }
+        return premultiplied(color, 1, z);
+      }
+    }
+    near = far;
+  }
+  return {};
+}
+
+// Where between two neighbouring sheets the field on the ray meets the isovalue: docs/numerics.md,
+// "Modes".
+double PixelTracer::refined_crossing(const PixelRay& pixel, const RaySample& near,
+                                     const RaySample& far) const {
+  constexpr int kNumBisections = 8;
+  const double iso = look_.isovalue;
+  const Vec3 widening = view_.widening(far.sheet);
+  double z_near = near.z;
+  double z_far = far.z;
+  double f_near = near.value;
+  double f_far = far.value;
+  bool far_is_defined = true;
+  for (int step = 0; step < kNumBisections; ++step) {
+    const double z_middle = 0.5 * (z_near + z_far);
+    const FieldSample middle = field_on_ray(pixel.ray, z_middle, widening);
+    if (middle.is_defined && (middle.value < iso) == (near.value < iso)) {
+      z_near = z_middle;
+      f_near = middle.value;
+    } else {
+      z_far = z_middle;
+      f_far = middle.value;
+      far_is_defined = middle.is_defined;
+    }
+  }
+  if (!far_is_defined) return z_near;
+  return z_near + (iso - f_near) / (f_far - f_near) * (z_far - z_near);
+}
+
+}  // namespace ovoid::reference

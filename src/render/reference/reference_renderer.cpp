@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+// A frame of the reference back end: rows of pixels, handed to plain threads. Rows share nothing
+// but the picture they are written to, so the number of threads cannot be seen in it.
+#include "render/reference/reference_renderer.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <exception>
+#include <limits>
+#include <mutex>
+#include <new>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "ovoid/error.h"
+#include "render/reference/field_evaluator.h"
+#include "render/reference/pixel_tracer.h"
+
+namespace ovoid::reference {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double milliseconds_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+Image empty_image(const RenderOptions& options) {
+  Image image;
+  image.width = options.width;
+  image.height = options.height;
+  const std::size_t pixels =
+      static_cast<std::size_t>(options.width) * static_cast<std::size_t>(options.height);
+  try {
+    image.rgba.assign(4 * pixels, 0.0F);
+    image.depth.assign(pixels, std::numeric_limits<float>::infinity());
+  } catch (const std::bad_alloc&) {
+    throw Error(ErrorCode::kOutOfMemory, "width x height = " + std::to_string(options.width) +
+                                             " x " + std::to_string(options.height) +
+                                             ": no memory for the picture");
+  }
+  return image;
+}
+
+// Draws the rows of one picture with several threads.
+class RowPainter {
+ public:
+  RowPainter(const PixelTracer& tracer, const RenderHooks& hooks, Image& image)
+      : tracer_(tracer), hooks_(hooks), image_(image) {}
+
+  // Throws Error(kCancelled), and what a hook throws.
+  TraceCounts paint(int threads) {
+    {
+      std::vector<std::jthread> workers;
+      for (int t = 0; t < threads; ++t) workers.emplace_back([this] { work(); });
+    }
+    if (failure_) std::rethrow_exception(failure_);
+    if (num_done_ < image_.height) {
+      throw Error(ErrorCode::kCancelled, "rendering was cancelled");
+    }
+    return counts_;
+  }
+
+ private:
+  void work() noexcept {
+    try {
+      TraceCounts counts;
+      for (int y = next_row_++; y < image_.height; y = next_row_++) {
+        if (!paint_row(y, counts)) return;
+        report(y);
+      }
+      const std::lock_guard lock(mutex_);
+      counts_.samples += counts.samples;
+      counts_.visible += counts.visible;
+      counts_.gradients += counts.gradients;
+    } catch (...) {
+      const std::lock_guard lock(mutex_);
+      if (!failure_) failure_ = std::current_exception();
+      has_failed_ = true;
+    }
+  }
+
+  // False if it was told to stop before the row was complete.
+  bool paint_row(int y, TraceCounts& counts) {
+    for (int x = 0; x < image_.width; ++x) {
+      if (hooks_.stop.stop_requested() || has_failed_) return false;
+      const Pixel pixel = tracer_.trace(x, y, counts);
+      const std::size_t position =
+          static_cast<std::size_t>(y) * static_cast<std::size_t>(image_.width) +
+          static_cast<std::size_t>(x);
+      for (std::size_t c = 0; c < 4; ++c) {
+        image_.rgba[4 * position + c] = static_cast<float>(pixel.rgba[c]);
+      }
+      image_.depth[position] = static_cast<float>(pixel.depth);
+    }
+    return true;
+  }
+
+  void report(int y) {
+    const std::lock_guard lock(mutex_);
+    ++num_done_;
+    if (hooks_.tile_done) hooks_.tile_done({0, y, image_.width, y + 1, &image_});
+    if (hooks_.progress) hooks_.progress(static_cast<double>(num_done_) / image_.height);
+  }
+
+  const PixelTracer& tracer_;
+  const RenderHooks& hooks_;
+  Image& image_;
+  std::atomic<int> next_row_ = 0;
+  std::atomic<bool> has_failed_ = false;
+  std::mutex mutex_;  // guards the rest, and the hooks
+  int num_done_ = 0;
+  TraceCounts counts_;
+  std::exception_ptr failure_;
+};
+
+}  // namespace
+
+Frame render(const Field& field, const Camera& camera, const Look& look,
+             const RenderOptions& options, const RenderHooks& hooks, int threads) {
+  camera.validate();
+  look.validate();
+  options.validate();
+  if (threads < 0) {
+    throw Error(ErrorCode::kInvalidArgument,
+                "threads = " + std::to_string(threads) + ": must be >= 0");
+  }
+  if (threads == 0) threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  threads = std::min(threads, options.height);
+
+  const Clock::time_point start = Clock::now();
+  Frame frame;
+  frame.image = empty_image(options);
+  const FieldEvaluator evaluator(field);
+  const double copy_ms = milliseconds_since(start);
+
+  const Clock::time_point trace_start = Clock::now();
+  const PixelTracer tracer(field, evaluator, camera, look, options);
+  const TraceCounts counts = RowPainter(tracer, hooks, frame.image).paint(threads);
+
+  FrameProfile& profile = frame.profile;
+  profile.backend = "reference";
+  profile.threads = threads;
+  profile.frame_ms = milliseconds_since(start);
+  if (options.collect_profile) {
+    profile.stages_ms = {{"copy", copy_ms}, {"trace", threads * milliseconds_since(trace_start)}};
+  }
+  profile.kernels_total = field.num_kernels();
+  profile.kernels_drawn = evaluator.num_existing();
+  profile.samples_reconstructed = counts.samples;
+  profile.samples_shaded = counts.visible;
+  profile.gradients = counts.gradients;
+  return frame;
+}
+
+}  // namespace ovoid::reference

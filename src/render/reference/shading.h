@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "ovoid/look.h"
+#include "ovoid/math.h"
+
+namespace ovoid::reference {
+
+// What "Classification" and "Light" of docs/numerics.md need beside the look.
+struct ShadingContext {
+  double unit_distance;  // world length of the opacities
+  double least_spacing;  // h_min, world units
+  double span;           // of the values over which flatness is judged
+};
+
+// The opacity of a path through material of opacity `opacity` per unit distance.
+double opacity_over(double opacity, double path, double unit_distance);
+
+// The colour C under the light. `gradient` in world units; `to_eye` points from the sample to the
+// eye, unit length.
+Rgb shaded(const Rgb& color, const Vec3& gradient, const Vec3& to_eye, const Look& look,
+           const ShadingContext& context);
+
+}  // namespace ovoid::reference

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/reference/view_rays.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <utility>
+
+#include "ovoid/error.h"
+
+namespace ovoid::reference {
+namespace {
+
+// More sheets along one ray than anybody waits for; keeps sheet numbers exact in a double and an
+// int64.
+constexpr double kMaxSheets = 1e9;
+
+// An interval of z along a ray; empty if lo > hi.
+struct Interval {
+  double lo = -std::numeric_limits<double>::infinity();
+  double hi = std::numeric_limits<double>::infinity();
+
+  // Keeps the z with slope * z >= bound.
+  void keep(double slope, double bound) {
+    if (slope > 0) {
+      lo = std::max(lo, bound / slope);
+    } else if (slope < 0) {
+      hi = std::min(hi, bound / slope);
+    } else if (bound > 0) {
+      hi = -std::numeric_limits<double>::infinity();
+    }
+  }
+};
+
+}  // namespace
+
+ViewRays::ViewRays(const Camera& camera, const LatticeGeometry& geometry,
+                   const RenderOptions& options, double sampling_distance)
+    : index_from_world_(geometry.world_from_index.inverse()),
+      spacing_(geometry.spacing()),
+      clip_planes_(options.clip_planes),
+      position_(camera.position),
+      forward_((camera.focal_point - camera.position).normalized()),
+      right_(forward_.cross(camera.view_up).normalized()),
+      up_(right_.cross(forward_)),
+      is_perspective_(!camera.parallel_projection),
+      half_height_(is_perspective_ ? std::tan(0.5 * camera.view_angle * std::numbers::pi / 180)
+                                   : camera.parallel_scale),
+      width_(options.width),
+      height_(options.height),
+      ds_(sampling_distance),
+      z_focal_((camera.focal_point - camera.position).norm()),
+      z_far_(-std::numeric_limits<double>::infinity()) {
+  const Bounds3 bounds = geometry.index_bounds();
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3 world =
+        geometry.world_from_index * bounds.corner(static_cast<Bounds3::CornerType>(corner));
+    z_far_ = std::max(z_far_, forward_.dot(world - position_));
+  }
+}
+
+Ray ViewRays::ray(int x, int y) const {
+  const double aspect = static_cast<double>(width_) / height_;
+  const double across = (2 * (x + 0.5) / width_ - 1) * aspect;  // X
+  const double upwards = 1 - 2 * (y + 0.5) / height_;           // Y
+  const Vec3 offset = half_height_ * (across * right_ + upwards * up_);
+  if (is_perspective_) return {position_, forward_ + offset};
+  return {position_ + offset, forward_};
+}
+
+Vec3 ViewRays::widening(std::int64_t sheet) const {
+  const double pitch = 2 * half_height_ / height_;
+  return widening_for(is_perspective_ ? pitch * std::min(z_of(sheet), z_far_) : pitch);
+}
+
+Vec3 ViewRays::greatest_widening() const {
+  const double pitch = 2 * half_height_ / height_;
+  return widening_for(is_perspective_ ? pitch * z_far_ : pitch);
+}
+
+Vec3 ViewRays::widening_for(double pitch) const {
+  return (pitch * spacing_.cwiseInverse()).cwiseMax(Vec3::Ones());
+}
+
+double ViewRays::path(const Ray& ray, std::int64_t sheet) const {
+  Interval kept{z_of(sheet) - 0.5 * ds_, z_of(sheet) + 0.5 * ds_};
+  if (is_perspective_) kept.lo = std::max(kept.lo, z_near());
+  for (const ClipPlane& plane : clip_planes_) {
+    kept.keep(plane.normal.dot(ray.direction), plane.offset - plane.normal.dot(ray.origin));
+  }
+  return std::max(kept.hi - kept.lo, 0.0) * ray.direction.norm();
+}
+
+bool ViewRays::is_kept(const Vec3& position) const {
+  return std::all_of(clip_planes_.begin(), clip_planes_.end(), [&](const ClipPlane& plane) {
+    return plane.normal.dot(position) >= plane.offset;
+  });
+}
+
+SheetRange ViewRays::sheets_within(const Ray& ray, const Bounds3& box) const {
+  const Vec3 origin = index_from_world_ * ray.origin;
+  const Vec3 direction = index_from_world_.linear() * ray.direction;
+  Interval inside;
+  for (int a = 0; a < 3; ++a) {
+    inside.keep(direction[a], box.min()[a] - origin[a]);
+    inside.keep(-direction[a], origin[a] - box.max()[a]);
+  }
+  if (is_perspective_) inside.lo = std::max(inside.lo, z_near());
+  if (!(inside.lo <= inside.hi)) return {};
+  // Half a slab, and one sheet more for rounding, on either side.
+  const double first = std::floor((inside.lo - z_focal_) / ds_ - 2);
+  const double last = std::ceil((inside.hi - z_focal_) / ds_ + 1);
+  if (!(last - first <= kMaxSheets && std::abs(first) < 1e15 && std::abs(last) < 1e15)) {
+    throw Error(
+        ErrorCode::kInvalidArgument,
+        "sampling_distance = " + std::to_string(ds_) +
+            ": too small for this volume and camera; expected at most 1e9 sheets along a ray");
+  }
+  return {static_cast<std::int64_t>(first), static_cast<std::int64_t>(last)};
+}
+
+Mat3 ViewRays::position_derivatives(const Ray& ray, std::int64_t sheet) const {
+  const double pixel = 2 * half_height_ / height_ * (is_perspective_ ? z_of(sheet) : 1.0);
+  Mat3 derivatives;
+  derivatives << pixel * right_, -pixel * up_, ds_ * ray.direction;
+  return derivatives;
+}
+
+}  // namespace ovoid::reference

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Dataset -> field, for regular lattices: one kernel per sample, all of one shape.
+#include <fmt/format.h>
+
+#include <memory>
+#include <new>
+
+#include "data/parallel.h"
+#include "data/resident_lattice.h"
+#include "data/validate.h"
+#include "model/convert.h"
+#include "ovoid/error.h"
+#include "ovoid/model.h"
+
+namespace ovoid {
+
+namespace {
+
+[[noreturn]] void fail(const std::string& message) {
+  throw Error(ErrorCode::kInvalidArgument, message);
+}
+
+// The lattice of the array's samples. Cells lie between points: one fewer per axis, their centres
+// half an index on. Along an axis of a single point the cells are flat, and there is one.
+LatticeGeometry sample_geometry(const Dataset& dataset, const DataArray& array) {
+  LatticeGeometry geometry = dataset.lattice;
+  data::validate_geometry(geometry);
+  if (!array.is_cell_data) return geometry;
+  Vec3 shift = Vec3::Zero();
+  for (int axis = 0; axis < 3; ++axis) {
+    if (geometry.dims[axis] == 1) continue;
+    geometry.dims[axis] -= 1;
+    shift[axis] = 0.5;
+  }
+  geometry.world_from_index.translate(shift);
+  return geometry;
+}
+
+// A dataset may come from anywhere, so its sizes are not believed.
+void validate_array(const DataArray& array, const LatticeGeometry& geometry) {
+  if (array.num_components < 1) {
+    fail(fmt::format("array '{}': {} components, must be >= 1", array.name, array.num_components));
+  }
+  const std::int64_t expected = num_samples(geometry.dims);
+  if (array.num_tuples != expected) {
+    fail(fmt::format("array '{}': {} tuples, must be {} for a lattice of {} x {} x {} {}",
+                     array.name, array.num_tuples, expected, geometry.dims[0], geometry.dims[1],
+                     geometry.dims[2], array.is_cell_data ? "cells" : "samples"));
+  }
+  // Compared by division: a product of what a dataset claims may not fit 64 bits.
+  const std::size_t tuple_size =
+      size_of(array.type) * static_cast<std::size_t>(array.num_components);
+  const std::size_t stored = array.bytes.view.size();
+  if (stored % tuple_size != 0 || stored / tuple_size != static_cast<std::size_t>(expected)) {
+    fail(fmt::format("array '{}': {} bytes, must be {} tuples of {} bytes", array.name, stored,
+                     expected, tuple_size));
+  }
+}
+
+std::string note_on_missing(const DataArray& array, std::int64_t num_missing) {
+  return fmt::format("array '{}': {} of {} samples are not finite{} and are treated as missing",
+                     array.name, num_missing, array.num_tuples,
+                     array.type == ScalarType::kFloat64 ? " or beyond float32's range" : "");
+}
+
+}  // namespace
+
+Field make_lattice_field(const Dataset& dataset, const LatticeModelOptions& options,
+                         LatticeModelReport* report, std::stop_token stop) {
+  data::validate_kernel(options.kernel);
+  const int threads = data::resolve_threads(options.threads);
+  if (options.prefilter) throw Error(ErrorCode::kUnsupported, "prefilter: not in this build");
+  const DataArray& array = dataset.array(options.array);
+  const LatticeGeometry geometry = sample_geometry(dataset, array);
+  validate_array(array, geometry);
+
+  try {
+    const model::ScalarSamples samples =
+        model::take_component(array, {options.component, options.prefilter, threads, stop});
+    const auto lattice = std::make_shared<ResidentLattice>(
+        geometry, samples.type, samples.bytes,
+        ResidentLatticeOptions{options.kernel.support_radius(), 1.0, 0.0, threads, stop});
+    if (lattice->num_missing() == array.num_tuples) {
+      fail(fmt::format("array '{}': none of its {} samples is finite", array.name,
+                       array.num_tuples));
+    }
+    Field field(lattice, options.kernel, options.reconstruction);
+    if (report != nullptr) {
+      *report = {array.name,
+                 lattice->num_missing(),
+                 lattice->resident_bytes(),
+                 array.bytes.view.size(),
+                 {}};
+      if (report->num_missing > 0) {
+        report->notes.push_back(note_on_missing(array, report->num_missing));
+      }
+    }
+    return field;
+  } catch (const std::bad_alloc&) {
+    throw Error(ErrorCode::kOutOfMemory,
+                fmt::format("array '{}': no memory for a field of {} samples", array.name,
+                            array.num_tuples));
+  }
+}
+
+}  // namespace ovoid

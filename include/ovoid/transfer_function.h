@@ -10,7 +10,15 @@ namespace ovoid {
 
 using Rgb = std::array<double, 3>;  // sRGB-encoded components in [0, 1]; blended as they are, as VTK does
 
-enum class ColorSpace { kRgb, kHsv, kLab, kDiverging, kStep };
+// How colours between two points are found, as vtkColorTransferFunction does (docs/looks.md).
+enum class ColorSpace {
+  kRgb,        // straight lines in sRGB components
+  kHsv,        // hue, saturation, value; the hue never passes 0 (ParaView's HSV: blue to red is a rainbow)
+  kLab,        // CIE L*a*b*
+  kDiverging,  // Moreland's: two saturated colours of different hue meet in white
+  kStep,       // the interval's second colour throughout
+  kHsvWrap,    // as kHsv, but the hue takes the shorter way round the circle (ParaView's HSVWrap)
+};
 
 struct ColorPoint {
   double x = 0;  // value
@@ -36,12 +44,14 @@ struct TransferFunction {
   Rgb nan_color{1, 1, 0};
   std::optional<double> unit_distance;  // world length over which `opacity` is meant; the file's ScalarOpacityUnitDistance
 
-  Rgb color_at(double value) const;        // exact evaluation, in double
-  double opacity_at(double value) const;   // exact evaluation, in double
+  Rgb color_at(double value) const;        // exact evaluation, in double; nan_color at NaN
+  double opacity_at(double value) const;   // exact evaluation, in double; 0 at NaN
 
-  double lo() const;  // least x of all points
-  double hi() const;  // greatest x
-  void map_range(double lo, double hi);    // moves all points so that the span becomes [lo, hi]
+  double lo() const;  // least x of all points; 0 if there is none
+  double hi() const;  // greatest x; 1 if there is no point
+  // Moves all points so that the span becomes [lo, hi]; an empty colour curve's gray ramp becomes points and moves along, a
+  // single place goes to the middle. Throws Error(kInvalidArgument) unless lo < hi, both finite.
+  void map_range(double lo, double hi);
   void sort();                             // stable, by x; called by readers
 };
 

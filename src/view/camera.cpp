@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ovoid/camera.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <string_view>
+
+#include "ovoid/error.h"
+
+namespace ovoid {
+namespace {
+
+// Below this sine between view axis and view_up the right axis would lose more than ten of double's
+// sixteen digits.
+constexpr double kMinUpSine = 1e-6;
+
+// The radius that vtkRenderer::ResetCamera gives a box without extent (half of a unit diagonal).
+constexpr double kPointRadius = 0.5;
+
+double radians(double degrees) { return degrees * (std::numbers::pi / 180.0); }
+
+std::string text(const Vec3& v) { return fmt::format("({}, {}, {})", v.x(), v.y(), v.z()); }
+
+[[noreturn]] void refuse(const std::string& message) {
+  throw Error(ErrorCode::kInvalidArgument, message);
+}
+
+void require_finite(const char* name, const Vec3& v) {
+  if (!v.allFinite()) refuse(fmt::format("camera {} = {}: must be finite", name, text(v)));
+}
+
+Vec3 turned(const Vec3& v, double degrees, const Vec3& axis) {
+  return Eigen::AngleAxisd(radians(degrees), axis.normalized()) * v;
+}
+
+// A view by name: the camera stands at `from` (as seen from the focal point), `up` points up in the
+// picture.
+struct NamedView {
+  std::string_view name;
+  Vec3 from;
+  Vec3 up;
+};
+
+NamedView axis_view(int axis, double sign) {
+  static constexpr std::array<std::string_view, 6> kNames{"+x", "-x", "+y", "-y", "+z", "-z"};
+  const auto name = kNames[static_cast<std::size_t>(2 * axis + (sign < 0 ? 1 : 0))];
+  return {name, sign * Vec3::Unit(axis), axis == 2 ? Vec3::UnitY() : Vec3::UnitZ()};
+}
+
+std::array<NamedView, 6> patient_views(Space space) {
+  // LPS: +x left, +y posterior. RAS: +x right, +y anterior. Both: +z superior.
+  const double sign = space == Space::kRas ? -1.0 : 1.0;
+  const Vec3 left = sign * Vec3::UnitX();
+  const Vec3 posterior = sign * Vec3::UnitY();
+  const Vec3 superior = Vec3::UnitZ();
+  return {
+      NamedView{"anterior", -posterior, superior}, NamedView{"posterior", posterior, superior},
+      NamedView{"left", left, superior},           NamedView{"right", -left, superior},
+      NamedView{"superior", superior, -posterior}, NamedView{"inferior", -superior, -posterior}};
+}
+
+NamedView named_view(const std::string& name, Space space) {
+  if (name.empty()) return space == Space::kNone ? axis_view(2, 1.0) : patient_views(space)[0];
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double sign : {1.0, -1.0}) {
+      if (const NamedView view = axis_view(axis, sign); view.name == name) return view;
+    }
+  }
+  for (const NamedView& view : patient_views(space)) {
+    if (view.name != name) continue;
+    if (space == Space::kNone) {
+      refuse(fmt::format(
+          "view = {}: the data has no patient space (LPS or RAS); use +x -x +y -y +z -z", name));
+    }
+    return view;
+  }
+  refuse(fmt::format(
+      "view = {}: must be one of +x -x +y -y +z -z anterior posterior left right superior inferior",
+      name));
+}
+
+}  // namespace
+
+void Camera::validate() const {
+  require_finite("position", position);
+  require_finite("focal_point", focal_point);
+  require_finite("view_up", view_up);
+  const Vec3 axis = focal_point - position;
+  const double distance = axis.norm();
+  if (!(distance > 0.0) || !std::isfinite(distance)) {
+    refuse(fmt::format("camera position = {}: must differ from focal_point by a finite distance",
+                       text(position)));
+  }
+  const double sine = (axis / distance).cross(view_up.normalized()).norm();
+  if (!(sine > kMinUpSine)) {
+    refuse(fmt::format("camera view_up = {}: must not be zero or parallel to the view axis",
+                       text(view_up)));
+  }
+  if (!(parallel_scale > 0.0) || !std::isfinite(parallel_scale)) {
+    refuse(fmt::format("camera parallel_scale = {}: must be finite and > 0", parallel_scale));
+  }
+  if (!(view_angle > 0.0 && view_angle < 180.0)) {
+    refuse(fmt::format("camera view_angle = {}: must be between 0 and 180 degrees", view_angle));
+  }
+}
+
+void Camera::azimuth(double degrees) {
+  position = focal_point + turned(position - focal_point, degrees, view_up);
+}
+
+void Camera::elevation(double degrees) {
+  const Vec3 right = (focal_point - position).cross(view_up).normalized();
+  position = focal_point + turned(position - focal_point, degrees, -right);
+  // From the kept right axis, so that a motion over the pole neither degenerates nor flips the
+  // picture.
+  view_up = right.cross(focal_point - position).normalized();
+}
+
+void Camera::roll(double degrees) { view_up = turned(view_up, degrees, focal_point - position); }
+
+void Camera::zoom(double factor) {
+  if (!(factor > 0.0) || !std::isfinite(factor)) {
+    refuse(fmt::format("zoom factor = {}: must be finite and > 0", factor));
+  }
+  (parallel_projection ? parallel_scale : view_angle) /= factor;
+}
+
+Camera default_camera(const Bounds3& world_bounds, Space space, const std::string& view,
+                      double aspect) {
+  if (world_bounds.isEmpty() || !world_bounds.min().allFinite() ||
+      !world_bounds.max().allFinite()) {
+    refuse(fmt::format("bounds = {} to {}: must be a finite box that is not empty",
+                       text(world_bounds.min()), text(world_bounds.max())));
+  }
+  if (!(aspect > 0.0) || !std::isfinite(aspect)) {
+    refuse(fmt::format("aspect = {}: must be finite and > 0", aspect));
+  }
+  const NamedView named = named_view(view, space);
+  const double half_diagonal = 0.5 * world_bounds.diagonal().norm();
+  const double radius = half_diagonal > 0.0 ? half_diagonal : kPointRadius;
+
+  // As vtkRenderer::ResetCamera: the bounding sphere touches the sides of the view cone. In an
+  // upright picture the narrower, horizontal angle decides.
+  Camera camera;
+  const double narrow = std::min(aspect, 1.0);
+  const double half_angle = std::atan(std::tan(radians(camera.view_angle) / 2.0) * narrow);
+  camera.focal_point = world_bounds.center();
+  camera.position = camera.focal_point + radius / std::sin(half_angle) * named.from;
+  camera.view_up = named.up;
+  camera.parallel_scale = radius / narrow;
+  return camera;
+}
+
+}  // namespace ovoid

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ovoid/look.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "ovoid/error.h"
+
+namespace ovoid {
+namespace {
+
+[[noreturn]] void refuse(const std::string& member, double value, const char* expected) {
+  throw Error(ErrorCode::kInvalidArgument, fmt::format("{} = {}: {}", member, value, expected));
+}
+
+void require_finite(const std::string& member, double value) {
+  if (!std::isfinite(value)) refuse(member, value, "must be finite");
+}
+
+void require_unit(const std::string& member, double value) {
+  if (!(value >= 0.0 && value <= 1.0)) refuse(member, value, "must be in [0, 1]");
+}
+
+void require_color(const std::string& member, const Rgb& rgb) {
+  for (int c = 0; c < 3; ++c) require_unit(fmt::format("{}[{}]", member, c), rgb[c]);
+}
+
+void require_strength(const char* member, double value) {
+  if (!(value >= 0.0) || !std::isfinite(value)) refuse(member, value, "must be finite and >= 0");
+}
+
+template <class Points>
+void require_sorted(const char* member, const Points& points) {
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const std::string x = fmt::format("{}[{}].x", member, i);
+    require_finite(x, points[i].x);
+    if (i > 0 && points[i].x < points[i - 1].x)
+      refuse(x, points[i].x, "must not be less than the x before it");
+  }
+}
+
+void validate(const TransferFunction& tf) {
+  require_sorted("colors", tf.colors);
+  require_sorted("opacities", tf.opacities);
+  for (std::size_t i = 0; i < tf.colors.size(); ++i) {
+    require_color(fmt::format("colors[{}].rgb", i), tf.colors[i].rgb);
+  }
+  for (std::size_t i = 0; i < tf.opacities.size(); ++i) {
+    const OpacityPoint& point = tf.opacities[i];
+    require_unit(fmt::format("opacities[{}].opacity", i), point.opacity);
+    require_unit(fmt::format("opacities[{}].midpoint", i), point.midpoint);
+    require_unit(fmt::format("opacities[{}].sharpness", i), point.sharpness);
+  }
+  require_color("nan_color", tf.nan_color);
+  require_finite("transfer function span", tf.hi() - tf.lo());
+  if (tf.unit_distance && (!(*tf.unit_distance > 0.0) || !std::isfinite(*tf.unit_distance))) {
+    refuse("transfer function unit_distance", *tf.unit_distance, "must be finite and > 0");
+  }
+}
+
+}  // namespace
+
+void Look::validate() const {
+  ovoid::validate(transfer_function);
+  require_finite("isovalue", isovalue);
+  require_strength("ambient", material.ambient);
+  require_strength("diffuse", material.diffuse);
+  require_strength("specular", material.specular);
+  if (!(material.specular_power > 0.0) || !std::isfinite(material.specular_power)) {
+    refuse("specular_power", material.specular_power, "must be finite and > 0");
+  }
+  if (light_direction && !(light_direction->allFinite() && light_direction->norm() > 0.0 &&
+                           std::isfinite(light_direction->norm()))) {
+    const Vec3& light = *light_direction;
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("light_direction = ({}, {}, {}): must be finite and not zero",
+                            light.x(), light.y(), light.z()));
+  }
+  if (!(unit_distance >= 0.0) || !std::isfinite(unit_distance)) {
+    refuse("unit_distance", unit_distance, "must be finite and >= 0");
+  }
+}
+
+double default_unit_distance(const Field& field) { return field.default_sampling_distance(); }
+
+Look default_look(const ValueRange& range, const std::string& color_map_name) {
+  double lo = range.lo;
+  double hi = range.hi;
+  if (range.is_empty()) {
+    lo = 0.0;
+    hi = 1.0;
+  } else if (lo == hi) {
+    // A constant field shows at half of the full opacity, in the middle of the map.
+    const double half = std::max(0.5, 0.5 * std::abs(lo));
+    lo -= half;
+    hi += half;
+  }
+  Look look;
+  look.transfer_function = color_map(color_map_name);
+  look.transfer_function.map_range(lo, hi);
+  look.transfer_function.opacities = {{lo, 0.0}, {hi, 0.5}};
+  return look;
+}
+
+}  // namespace ovoid

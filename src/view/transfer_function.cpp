@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ovoid/transfer_function.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "ovoid/error.h"
+#include "view/color_spaces.h"
+
+namespace ovoid {
+namespace {
+
+// vtkPiecewiseFunction's own limits: a midpoint at an end would divide by zero, and beyond these
+// sharpnesses the curve is a straight line or a step.
+constexpr double kMinMidpoint = 0.00001;
+constexpr double kMaxMidpoint = 0.99999;
+constexpr double kLinearSharpness = 0.01;
+constexpr double kStepSharpness = 0.99;
+
+// The first point beyond `value`: neighbours (it - 1, it) enclose it, and at equal x the later
+// point holds from there on.
+template <class Points>
+auto first_beyond(const Points& points, double value) {
+  return std::upper_bound(points.begin(), points.end(), value,
+                          [](double v, const auto& p) { return v < p.x; });
+}
+
+// The curve between two nodes at `s` in [0, 1], shaped by the left one; docs/looks.md, "Opacity".
+double shaped_opacity(const OpacityPoint& left, double y2, double s) {
+  const double y1 = left.opacity;
+  const double midpoint = std::clamp(left.midpoint, kMinMidpoint, kMaxMidpoint);
+  s = s < midpoint ? 0.5 * s / midpoint : 0.5 + 0.5 * (s - midpoint) / (1.0 - midpoint);
+  if (left.sharpness > kStepSharpness) return s < 0.5 ? y1 : y2;
+  if (left.sharpness < kLinearSharpness) return (1.0 - s) * y1 + s * y2;
+
+  const double power = 1.0 + 10.0 * left.sharpness;
+  if (s < 0.5) {
+    s = 0.5 * std::pow(2.0 * s, power);
+  } else if (s > 0.5) {
+    s = 1.0 - 0.5 * std::pow(2.0 * (1.0 - s), power);
+  }
+  // Cubic Hermite with one slope at both ends, which sharpness flattens.
+  const double ss = s * s;
+  const double sss = ss * s;
+  const double slope = (1.0 - left.sharpness) * (y2 - y1);
+  const double y = (2.0 * sss - 3.0 * ss + 1.0) * y1 + (3.0 * ss - 2.0 * sss) * y2 +
+                   (sss - 2.0 * ss + s) * slope + (sss - ss) * slope;
+  return std::clamp(y, std::min(y1, y2), std::max(y1, y2));
+}
+
+template <class Point>
+bool is_before(const Point& a, const Point& b) {
+  // NaN after everything, so that the order stays a strict one whatever is in the points.
+  return a.x < b.x || (std::isnan(b.x) && !std::isnan(a.x));
+}
+
+}  // namespace
+
+Rgb TransferFunction::color_at(double value) const {
+  if (std::isnan(value)) return nan_color;
+  if (colors.empty()) {
+    const double gray = std::clamp(value, 0.0, 1.0);
+    return {gray, gray, gray};
+  }
+  const auto right = first_beyond(colors, value);
+  if (right == colors.begin()) return colors.front().rgb;
+  if (right == colors.end()) return colors.back().rgb;
+  const ColorPoint& left = right[-1];
+  return view::interpolate(color_space, left.rgb, right->rgb,
+                           (value - left.x) / (right->x - left.x));
+}
+
+double TransferFunction::opacity_at(double value) const {
+  if (std::isnan(value)) return 0.0;
+  if (opacities.empty()) return 1.0;
+  const auto right = first_beyond(opacities, value);
+  if (right == opacities.begin()) return opacities.front().opacity;
+  if (right == opacities.end()) return opacities.back().opacity;
+  const OpacityPoint& left = right[-1];
+  return shaped_opacity(left, right->opacity, (value - left.x) / (right->x - left.x));
+}
+
+double TransferFunction::lo() const {
+  double least = std::numeric_limits<double>::infinity();
+  for (const ColorPoint& p : colors) least = std::min(least, p.x);
+  for (const OpacityPoint& p : opacities) least = std::min(least, p.x);
+  return colors.empty() && opacities.empty() ? 0.0 : least;
+}
+
+double TransferFunction::hi() const {
+  double greatest = -std::numeric_limits<double>::infinity();
+  for (const ColorPoint& p : colors) greatest = std::max(greatest, p.x);
+  for (const OpacityPoint& p : opacities) greatest = std::max(greatest, p.x);
+  return colors.empty() && opacities.empty() ? 1.0 : greatest;
+}
+
+void TransferFunction::map_range(double new_lo, double new_hi) {
+  if (!(new_lo < new_hi) || !std::isfinite(new_lo) || !std::isfinite(new_hi)) {
+    throw Error(
+        ErrorCode::kInvalidArgument,
+        fmt::format("range = {}, {}: must be two finite values, the lower first", new_lo, new_hi));
+  }
+  const double old_lo = lo();
+  const double old_hi = hi();
+  if (colors.empty()) colors = {{0.0, {0, 0, 0}}, {1.0, {1, 1, 1}}};
+  if (old_lo == new_lo && old_hi == new_hi) return;
+  // std::lerp is exact at both ends and monotonic: steps stay steps, and the ends land on the
+  // range.
+  const auto moved = [=](double x) {
+    return old_lo < old_hi ? std::lerp(new_lo, new_hi, (x - old_lo) / (old_hi - old_lo))
+                           : std::midpoint(new_lo, new_hi);
+  };
+  for (ColorPoint& p : colors) p.x = moved(p.x);
+  for (OpacityPoint& p : opacities) p.x = moved(p.x);
+}
+
+void TransferFunction::sort() {
+  std::stable_sort(colors.begin(), colors.end(), is_before<ColorPoint>);
+  std::stable_sort(opacities.begin(), opacities.end(), is_before<OpacityPoint>);
+}
+
+}  // namespace ovoid

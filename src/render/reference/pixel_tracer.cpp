@@ -23,11 +23,6 @@ double span_of(const Look& look, const Field& field) {
   return look.transfer_function.hi() - look.transfer_function.lo();
 }
 
-double sampling_distance_of(const RenderOptions& options, const Field& field) {
-  return options.sampling_distance > 0 ? options.sampling_distance
-                                       : field.default_sampling_distance();
-}
-
 Pixel premultiplied(const Rgb& color, double alpha, double depth) {
   return {{alpha * color[0], alpha * color[1], alpha * color[2], alpha}, depth};
 }
@@ -40,7 +35,7 @@ PixelTracer::PixelTracer(const Field& field, const FieldEvaluator& evaluator, co
       look_(look),
       slab_(options.slab),
       gradient_method_(options.gradient),
-      view_(camera, field.geometry(), options, sampling_distance_of(options, field)),
+      view_(field, camera, options),
       index_from_world_(field.geometry().world_from_index.inverse()),
       support_(evaluator.support_bounds(view_.greatest_widening())),
       shading_{unit_distance_of(look, field), field.geometry().spacing().minCoeff(),

@@ -121,6 +121,10 @@ class RowPainter {
 
 Frame render(const Field& field, const Camera& camera, const Look& look,
              const RenderOptions& options, const RenderHooks& hooks, int threads) {
+  if (field.id() == 0) {
+    throw Error(ErrorCode::kInvalidArgument,
+                "field is empty: expected one made from a brick source");
+  }
   camera.validate();
   look.validate();
   options.validate();

@@ -36,10 +36,9 @@ struct Interval {
 
 }  // namespace
 
-ViewRays::ViewRays(const Camera& camera, const LatticeGeometry& geometry,
-                   const RenderOptions& options, double sampling_distance)
-    : index_from_world_(geometry.world_from_index.inverse()),
-      spacing_(geometry.spacing()),
+ViewRays::ViewRays(const Field& field, const Camera& camera, const RenderOptions& options)
+    : index_from_world_(field.geometry().world_from_index.inverse()),
+      spacing_(field.geometry().spacing()),
       clip_planes_(options.clip_planes),
       position_(camera.position),
       forward_((camera.focal_point - camera.position).normalized()),
@@ -50,14 +49,12 @@ ViewRays::ViewRays(const Camera& camera, const LatticeGeometry& geometry,
                                    : camera.parallel_scale),
       width_(options.width),
       height_(options.height),
-      ds_(sampling_distance),
-      z_focal_((camera.focal_point - camera.position).norm()),
-      z_far_(-std::numeric_limits<double>::infinity()) {
-  const Bounds3 bounds = geometry.index_bounds();
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3 world =
-        geometry.world_from_index * bounds.corner(static_cast<Bounds3::CornerType>(corner));
-    z_far_ = std::max(z_far_, forward_.dot(world - position_));
+      ds_(options.sampling_distance > 0 ? options.sampling_distance
+                                        : field.default_sampling_distance()),
+      z_focal_((camera.focal_point - camera.position).norm()) {
+  for (int a = 0; a < 3; ++a) {
+    const auto dims = static_cast<double>(field.geometry().dims[a]);
+    widest_[a] = std::max(1.0, dims / (4 * field.kernel().sigma));
   }
 }
 
@@ -71,18 +68,11 @@ Ray ViewRays::ray(int x, int y) const {
 }
 
 Vec3 ViewRays::widening(std::int64_t sheet) const {
-  const double pitch = 2 * half_height_ / height_;
-  return widening_for(is_perspective_ ? pitch * std::min(z_of(sheet), z_far_) : pitch);
+  const double pitch = 2 * half_height_ / height_ * (is_perspective_ ? z_of(sheet) : 1.0);
+  return (pitch * spacing_.cwiseInverse()).cwiseMin(widest_).cwiseMax(Vec3::Ones());
 }
 
-Vec3 ViewRays::greatest_widening() const {
-  const double pitch = 2 * half_height_ / height_;
-  return widening_for(is_perspective_ ? pitch * z_far_ : pitch);
-}
-
-Vec3 ViewRays::widening_for(double pitch) const {
-  return (pitch * spacing_.cwiseInverse()).cwiseMax(Vec3::Ones());
-}
+Vec3 ViewRays::greatest_widening() const { return is_perspective_ ? widest_ : widening(0); }
 
 double ViewRays::path(const Ray& ray, std::int64_t sheet) const {
   Interval kept{z_of(sheet) - 0.5 * ds_, z_of(sheet) + 0.5 * ds_};

@@ -2,9 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "ovoid/camera.h"
-#include "ovoid/lattice.h"
+#include "ovoid/field.h"
 #include "ovoid/math.h"
 #include "ovoid/renderer.h"
 
@@ -28,8 +29,7 @@ struct SheetRange {
 class ViewRays {
  public:
   // Camera and options are valid.
-  ViewRays(const Camera& camera, const LatticeGeometry& geometry, const RenderOptions& options,
-           double sampling_distance);
+  ViewRays(const Field& field, const Camera& camera, const RenderOptions& options);
 
   // The ray through the centre of pixel (x, y); pixels beyond the picture have one too.
   Ray ray(int x, int y) const;
@@ -42,9 +42,9 @@ class ViewRays {
   // False for the sheets of a perspective view at and before the near plane.
   bool exists(std::int64_t sheet) const { return !is_perspective_ || z_of(sheet) > z_near(); }
 
-  // The factors m_a of "Minification" on a sheet.
+  // The factors m_a of "Minification" on a sheet, and their bounds for any sheet.
   Vec3 widening(std::int64_t sheet) const;
-  Vec3 greatest_widening() const;  // of any sheet
+  Vec3 greatest_widening() const;
 
   // Length of the part of the sheet's segment that is before no clip plane nor the near plane.
   double path(const Ray& ray, std::int64_t sheet) const;
@@ -61,10 +61,10 @@ class ViewRays {
 
  private:
   double z_near() const { return 0.5 * ds_; }
-  Vec3 widening_for(double pitch) const;
 
   Affine3 index_from_world_;
   Vec3 spacing_;
+  Vec3 widest_;  // dims / (4 sigma), at least 1
   std::vector<ClipPlane> clip_planes_;
   Vec3 position_;
   Vec3 forward_;  // n
@@ -76,7 +76,6 @@ class ViewRays {
   int height_;
   double ds_;
   double z_focal_;
-  double z_far_;  // of the farthest corner of the lattice's index bounds
 };
 
 }  // namespace ovoid::reference

@@ -28,7 +28,8 @@ struct LatticeGeometry {
   Affine3 world_from_index = Affine3::Identity();   // finite, |determinant| > 0
 
   Vec3 spacing() const;       // lengths of the axis vectors, world units
-  // The box [-1/2, dims - 1/2] in index space: each sample's own cell. Where a normalized field is defined lies within it.
+  // The box [-1/2, dims - 1/2] in index space: each sample's own cell. Where a normalized field is defined
+  // lies within it, but for 0.02 spacings, in proportion to the kernels' width (docs/numerics.md).
   Bounds3 index_bounds() const;
   Bounds3 world_bounds() const;  // axis-aligned box around the corners of index_bounds(), world units
 };

@@ -19,6 +19,11 @@
 namespace ovoid::reference {
 namespace {
 
+// The share of the endless lattice's denominator below which a normalized field is undefined. On
+// the face of a lattice the share is 1/2; under that, so that rounding does not decide about a
+// sheet that lies on the face.
+constexpr double kLeastShare = 0.48;
+
 double stored_number(const BrickView& view, std::int64_t position) {
   const auto read = [&]<typename T>(T number) {
     std::memcpy(&number,
@@ -264,7 +269,7 @@ FieldSample FieldEvaluator::reconstruct(const Sums& sums, const Vec3& widening) 
     sample.value = weight * sums.numerator;
     grad_index = weight * sums.grad_numerator;
   } else {
-    if (sums.denominator < 0.5 * sums.endless) return {};
+    if (sums.denominator < kLeastShare * sums.endless) return {};
     sample.value = sums.numerator / sums.denominator;
     grad_index = (sums.grad_numerator - sample.value * sums.grad_denominator) / sums.denominator;
   }

@@ -65,8 +65,11 @@ class BrickSource {
 class LatticeField {
  public:
   LatticeField() = default;
-  // Throws Error(kInvalidArgument) for a null source, a degenerate geometry or a kernel out of range.
-  LatticeField(std::shared_ptr<const BrickSource> source, LatticeKernel kernel, Reconstruction reconstruction);
+  // `value_range`: of the samples that exist; empty: taken from the brick ranges. To be given where the source does not hold
+  // the samples themselves but coefficients (prefiltered). Throws Error(kInvalidArgument) for a null source, a degenerate
+  // geometry or a kernel out of range.
+  LatticeField(std::shared_ptr<const BrickSource> source, LatticeKernel kernel, Reconstruction reconstruction,
+               ValueRange value_range = {});
 
   const BrickSource& source() const noexcept { return *source_; }
   const LatticeGeometry& geometry() const noexcept { return source_->geometry(); }
@@ -75,7 +78,7 @@ class LatticeField {
 
   std::int64_t num_kernels() const noexcept { return num_samples(geometry().dims); }
   Bounds3 world_bounds() const { return geometry().world_bounds(); }
-  ValueRange value_range() const noexcept { return value_range_; }       // of the samples that exist
+  ValueRange value_range() const noexcept { return value_range_; }       // of the samples that exist, not of coefficients
   double default_sampling_distance() const noexcept;                     // the smallest spacing, world units
   std::uint64_t id() const noexcept { return id_; }
   std::uint64_t version() const noexcept { return version_; }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ovoid/field.h"
 
-#include <algorithm>
 #include <atomic>
 #include <utility>
 
+#include "data/merged_range.h"
 #include "data/validate.h"
 #include "ovoid/error.h"
 
@@ -17,38 +17,20 @@ std::uint64_t next_field_id() noexcept {
   return ++last;
 }
 
-// Every sample lies in the range of at least its own brick.
-ValueRange merged_range(const BrickSource& source) noexcept {
-  const Index3& dims = source.geometry().dims;
-  const std::int64_t edge = source.brick_edge();
-  ValueRange merged;
-  for (std::int64_t bz = 0; bz * edge < dims[2]; ++bz) {
-    for (std::int64_t by = 0; by * edge < dims[1]; ++by) {
-      for (std::int64_t bx = 0; bx * edge < dims[0]; ++bx) {
-        const ValueRange range = source.brick_range(bx, by, bz);
-        if (range.is_empty()) continue;
-        if (merged.is_empty()) {
-          merged = range;
-        } else {
-          merged = {std::min(merged.lo, range.lo), std::max(merged.hi, range.hi)};
-        }
-      }
-    }
-  }
-  return merged;
-}
-
 }  // namespace
 
 LatticeField::LatticeField(std::shared_ptr<const BrickSource> source, LatticeKernel kernel,
-                           Reconstruction reconstruction)
-    : source_(std::move(source)), kernel_(kernel), reconstruction_(reconstruction) {
+                           Reconstruction reconstruction, ValueRange value_range)
+    : source_(std::move(source)),
+      kernel_(kernel),
+      reconstruction_(reconstruction),
+      value_range_(value_range) {
   if (!source_) {
     throw Error(ErrorCode::kInvalidArgument, "source = null: a field needs a brick source");
   }
   data::validate_geometry(source_->geometry());
   data::validate_kernel(kernel_);
-  value_range_ = merged_range(*source_);
+  if (value_range_.is_empty()) value_range_ = data::merged_range(*source_);
   id_ = next_field_id();
   version_ = 1;
 }

@@ -6,10 +6,12 @@
 #include <memory>
 #include <new>
 
+#include "data/merged_range.h"
 #include "data/parallel.h"
 #include "data/resident_lattice.h"
 #include "data/validate.h"
 #include "model/convert.h"
+#include "model/prefilter.h"
 #include "ovoid/error.h"
 #include "ovoid/model.h"
 
@@ -70,7 +72,7 @@ Field make_lattice_field(const Dataset& dataset, const LatticeModelOptions& opti
                          LatticeModelReport* report, std::stop_token stop) {
   data::validate_kernel(options.kernel);
   const int threads = data::resolve_threads(options.threads);
-  if (options.prefilter) throw Error(ErrorCode::kUnsupported, "prefilter: not in this build");
+  if (options.prefilter) model::require_interpolating(options.kernel);
   const DataArray& array = dataset.array(options.array);
   const LatticeGeometry geometry = sample_geometry(dataset, array);
   validate_array(array, geometry);
@@ -78,14 +80,23 @@ Field make_lattice_field(const Dataset& dataset, const LatticeModelOptions& opti
   try {
     const model::ScalarSamples samples =
         model::take_component(array, {options.component, options.prefilter, threads, stop});
-    const auto lattice = std::make_shared<ResidentLattice>(
-        geometry, samples.type, samples.bytes,
-        ResidentLatticeOptions{options.kernel.support_radius(), 1.0, 0.0, threads, stop});
+    const auto in_bricks = [&] {
+      return std::make_shared<ResidentLattice>(
+          geometry, samples.type, samples.bytes,
+          ResidentLatticeOptions{options.kernel.support_radius(), 1.0, 0.0, threads, stop});
+    };
+    auto lattice = in_bricks();
     if (lattice->num_missing() == array.num_tuples) {
       fail(fmt::format("array '{}': none of its {} samples is finite", array.name,
                        array.num_tuples));
     }
-    Field field(lattice, options.kernel, options.reconstruction);
+    const ValueRange value_range = data::merged_range(*lattice);
+    if (options.prefilter) {
+      model::prefilter({samples.writable, static_cast<std::size_t>(array.num_tuples)},
+                       geometry.dims, {options.kernel, options.reconstruction, threads, stop});
+      lattice = in_bricks();
+    }
+    Field field(lattice, options.kernel, options.reconstruction, value_range);
     if (report != nullptr) {
       *report = {array.name,
                  lattice->num_missing(),

@@ -32,6 +32,10 @@ constexpr double kEye = 20;
 // Width of an edge: a voxel of the default size, 2 / 127, and a little more.
 constexpr double kEdge = 0.02;
 
+// The brain case's inside.
+const Vec3 kCavityCentre{0, 0.05, 0.25};
+const Vec3 kCavityRadii{0.445, 0.575, 0.535};
+
 // First-order distance to an ellipsoid: f / |grad f| with f = |p / r| - 1. Exact on the surface and
 // for spheres.
 double ellipsoid(const Vec3& p, const Vec3& centre, const Vec3& radii) {
@@ -70,11 +74,16 @@ Vec3 mirrored(const Vec3& p) { return {std::abs(p.x()), p.y(), p.z()}; }
 double skin(const Vec3& p) {
   const Vec3 m = mirrored(p);
   double d = ellipsoid(p, {0, 0.05, 0.24}, {0.56, 0.69, 0.65});
+  if (d < -0.15) return d;  // as deep as this no other part matters
   d = blend_union(d, ellipsoid(p, {0, -0.20, -0.22}, {0.40, 0.44, 0.52}), 0.15);
   d = blend_union(d, tube(p, {0, 0.16, -0.2}, {0, 0.22, -2}, 0.34), 0.15);
-  d = blend_union(d, tube(p, {0, -0.63, 0.04}, {0, -0.74, -0.16}, 0.055), 0.08);   // nose
-  d = blend_union(d, sphere(m, {0.06, -0.68, -0.18}, 0.05), 0.05);                 // nostrils
-  d = blend_union(d, ellipsoid(p, {0, -0.64, -0.36}, {0.14, 0.05, 0.035}), 0.04);  // lips
+  d = blend_union(d, tube(m, {0.10, -0.46, -0.55}, {0.31, -0.10, -0.46}, 0.10), 0.14);  // jaw
+  d = blend_union(d, tube(m, {0.31, -0.10, -0.46}, {0.38, 0.02, -0.05}, 0.11), 0.14);
+  d = blend_union(d, tube(m, {0.30, -0.40, -0.08}, {0.42, -0.10, -0.04}, 0.10), 0.10);  // cheek
+  d = blend_union(d, tube(m, {0.28, -0.42, 0.15}, {0.31, -0.34, 0.10}, 0.10), 0.10);    // temple
+  d = blend_union(d, tube(p, {0, -0.63, 0.04}, {0, -0.74, -0.16}, 0.055), 0.08);        // nose
+  d = blend_union(d, sphere(m, {0.06, -0.68, -0.18}, 0.05), 0.05);                      // nostrils
+  d = blend_union(d, ellipsoid(p, {0, -0.64, -0.36}, {0.14, 0.05, 0.035}), 0.04);       // lips
   d = blend_union(d, ellipsoid(p, {0, -0.64, -0.42}, {0.12, 0.05, 0.035}), 0.02);
   d = blend_union(d, sphere(p, {0, -0.56, -0.60}, 0.09), 0.12);                        // chin
   d = blend_union(d, tube(m, {0.10, -0.62, 0.13}, {0.28, -0.54, 0.12}, 0.045), 0.08);  // brow
@@ -89,14 +98,14 @@ double skin(const Vec3& p) {
 double skull(const Vec3& p) {
   const Vec3 m = mirrored(p);
   const double outside = ellipsoid(p, {0, 0.05, 0.25}, {0.50, 0.63, 0.59});
-  const double inside = ellipsoid(p, {0, 0.05, 0.25}, {0.445, 0.575, 0.535});
+  const double inside = ellipsoid(p, kCavityCentre, kCavityRadii);
   double face = ellipsoid(p, {0, -0.32, -0.14}, {0.30, 0.27, 0.30});
   face = blend_union(face, tube(m, {0.12, -0.55, 0.15}, {0.33, -0.42, 0.12}, 0.05), 0.06);  // brow
   face =
       blend_union(face, tube(m, {0.26, -0.47, -0.10}, {0.47, -0.05, -0.06}, 0.04), 0.05);  // zygoma
   face = blend_union(face, tube(m, {0.33, -0.42, 0.12}, {0.31, -0.45, -0.08}, 0.04), 0.05);
   double d = carve(blend_union(outside, face, 0.08), inside);
-  d = carve(d, ellipsoid(m, {0.19, -0.53, 0.02}, {0.13, 0.24, 0.115}));  // orbits
+  d = carve(d, ellipsoid(m, {0.19, -0.53, 0.02}, {0.13, 0.14, 0.115}));  // orbits
   d = carve(d, ellipsoid(p, {0, -0.55, -0.14}, {0.075, 0.25, 0.12}));    // nose
   d = carve(d, ellipsoid(m, {0.17, -0.36, -0.17}, {0.08, 0.12, 0.09}));  // sinuses
   return carve(d, tube(p, {0, 0.18, -0.2}, {0, 0.2, -0.6}, 0.08));       // to the spine
@@ -134,19 +143,24 @@ double spine(const Vec3& p, double& bone) {
 }
 
 double airways(const Vec3& p) {
-  double d = tube(p, {0, -0.62, -0.17}, {0, -0.16, -0.14}, 0.05);
-  d = blend_union(d, tube(p, {0, -0.14, -0.15}, {0, -0.06, -0.50}, 0.055), 0.06);
+  double d = tube(p, {0, -0.62, -0.17}, {0, -0.16, -0.36}, 0.05);
+  d = blend_union(d, tube(p, {0, -0.14, -0.36}, {0, -0.06, -0.50}, 0.055), 0.06);
   return blend_union(d, tube(p, {0, -0.06, -0.50}, {0, -0.04, -2}, 0.065), 0.06);
 }
 
+constexpr double kSulcusDepth = 0.2;
+
 // Folded grey matter around white matter and ventricles.
 double brain_value(const Vec3& p, std::uint64_t seed) {
-  const double folds = smooth_noise(9 * p, seed) + 0.5 * smooth_noise(18 * p, seed + 1);
-  const double depth = -ellipsoid(p, {0, 0.05, 0.25}, {0.43, 0.56, 0.52});
+  const double depth = -ellipsoid(p, kCavityCentre, kCavityRadii);
   // Sulci are the zero crossings of the noise near the surface, filled with fluid, and so is the
   // gap between the halves.
-  const double sulcus =
-      std::clamp(1 - std::abs(folds) / 0.15, 0.0, 1.0) * std::clamp(1 - depth / 0.12, 0.0, 1.0);
+  double sulcus = 0;
+  if (depth < kSulcusDepth) {
+    const double folds = smooth_noise(9 * p, seed) + 0.5 * smooth_noise(18 * p, seed + 1);
+    sulcus = std::clamp(1 - std::abs(folds) / 0.25, 0.0, 1.0) *
+             std::clamp(1 - depth / kSulcusDepth, 0.0, 1.0);
+  }
   const double fissure =
       std::clamp(1 - std::abs(p.x()) / 0.015, 0.0, 1.0) * std::clamp(1 - depth / 0.22, 0.0, 1.0);
   double value = kBrain - 8 * std::clamp((depth - 0.06) / 0.03, 0.0, 1.0);
@@ -158,13 +172,16 @@ double brain_value(const Vec3& p, std::uint64_t seed) {
 }
 
 double head_value(const Vec3& p, std::uint64_t seed) {
+  const bool is_in_box = std::abs(p.x()) < 0.66 && p.y() > -0.84 && p.y() < 0.78 && p.z() < 0.93;
+  if (!is_in_box) return kAir;
+  const double cavity = ellipsoid(p, kCavityCentre, kCavityRadii);
+  if (cavity < -kEdge) return brain_value(p, seed);
   const double surface = skin(p);
   if (surface > kEdge) return kAir;
   const double grain = smooth_noise(24 * p, seed + 2);
 
   double value = cover(kSkin, kFat, surface + 0.025);
   value = cover(value, kMuscle + 12 * grain, surface + 0.045);
-  const double cavity = ellipsoid(p, {0, 0.05, 0.25}, {0.445, 0.575, 0.535});
   if (cavity < kEdge) value = cover(value, brain_value(p, seed), cavity);
 
   const double socket = ellipsoid(mirrored(p), {0.19, -0.45, 0.02}, {0.13, 0.16, 0.115});

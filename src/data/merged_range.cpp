@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "data/merged_range.h"
+
+#include <algorithm>
+
+namespace ovoid::data {
+
+ValueRange merged_range(const BrickSource& source) noexcept {
+  const Index3& dims = source.geometry().dims;
+  const std::int64_t edge = source.brick_edge();
+  ValueRange merged;
+  for (std::int64_t bz = 0; bz * edge < dims[2]; ++bz) {
+    for (std::int64_t by = 0; by * edge < dims[1]; ++by) {
+      for (std::int64_t bx = 0; bx * edge < dims[0]; ++bx) {
+        const ValueRange range = source.brick_range(bx, by, bz);
+        if (range.is_empty()) continue;
+        if (merged.is_empty()) {
+          merged = range;
+        } else {
+          merged = {std::min(merged.lo, range.lo), std::max(merged.hi, range.hi)};
+        }
+      }
+    }
+  }
+  return merged;
+}
+
+}  // namespace ovoid::data

@@ -10,16 +10,10 @@
 
 #include "ovoid/error.h"
 #include "view/color_spaces.h"
+#include "view/opacity_curve.h"
 
 namespace ovoid {
 namespace {
-
-// vtkPiecewiseFunction's own limits: a midpoint at an end would divide by zero, and beyond these
-// sharpnesses the curve is a straight line or a step.
-constexpr double kMinMidpoint = 0.00001;
-constexpr double kMaxMidpoint = 0.99999;
-constexpr double kLinearSharpness = 0.01;
-constexpr double kStepSharpness = 0.99;
 
 // The first point beyond `value`: neighbours (it - 1, it) enclose it, and at equal x the later
 // point holds from there on.
@@ -31,6 +25,7 @@ auto first_beyond(const Points& points, double value) {
 
 // The curve between two nodes at `s` in [0, 1], shaped by the left one; docs/looks.md, "Opacity".
 double shaped_opacity(const OpacityPoint& left, double y2, double s) {
+  using namespace view;
   const double y1 = left.opacity;
   const double midpoint = std::clamp(left.midpoint, kMinMidpoint, kMaxMidpoint);
   s = s < midpoint ? 0.5 * s / midpoint : 0.5 + 0.5 * (s - midpoint) / (1.0 - midpoint);

@@ -44,7 +44,7 @@ OUTSIDE = [
     ("libpng", re.compile(r"^png\.h"), ("src/io/", "tests/")),
     ("zlib and bzip2", re.compile(r"^(zlib|bzlib)\.h"), ("src/io/", "tests/")),
     ("nlohmann-json", re.compile(r"^nlohmann/"), ("src/io/", "apps/", "tests/", "bench/")),
-    ("CLI11", re.compile(r"^CLI/"), ("apps/",)),
+    ("CLI11", re.compile(r"^CLI/"), ("apps/", "bench/")),
     ("GoogleTest", re.compile(r"^g(test|mock)/"), ("tests/",)),
     ("fmt", re.compile(r"^fmt/"), ("src/", "apps/", "tests/", "bench/")),
     ("Eigen", re.compile(r"^Eigen/"), ("",)),

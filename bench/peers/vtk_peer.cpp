@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: Apache-2.0
+// Does with VTK what `ovoid render --repeat N` does, and times it: one VTI volume, a ParaView
+// preset as look, a camera file, a picture size, a sampling distance. One warm-up frame, then N
+// frames, the camera turned by 0.01 degree before each. Prints JSON:
+//
+//   frame_ms   Render() until the picture stands in the off-screen window, everything included
+//   cast_ms    of it what the mapper itself says it took (fixed: without the upload of the
+//   picture), null for the gpu mapper
+//
+// The picture it writes is the warm-up frame, so that it can be laid beside Ovoid's.
+#include <vtkCamera.h>
+#include <vtkColorTransferFunction.h>
+#include <vtkFixedPointVolumeRayCastMapper.h>
+#include <vtkImageData.h>
+#include <vtkNew.h>
+#include <vtkOpenGLGPUVolumeRayCastMapper.h>
+#include <vtkPNMWriter.h>
+#include <vtkPiecewiseFunction.h>
+#include <vtkRenderWindow.h>
+#include <vtkRenderer.h>
+#include <vtkSmartPointer.h>
+#include <vtkVersion.h>
+#include <vtkVolume.h>
+#include <vtkVolumeProperty.h>
+#include <vtkWindowToImageFilter.h>
+#include <vtkXMLImageDataReader.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <exception>
+#include <fstream>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace {
+
+using Json = nlohmann::json;
+
+struct Settings {
+  std::string volume, look, camera, picture, mapper = "fixed";
+  int width = 512, height = 512, threads = 2, repeat = 10;
+  double sampling_distance = 1, unit_distance = 1;
+  bool shade = true;
+  double ambient = 0.1, diffuse = 0.7, specular = 0.2, specular_power = 10;
+};
+
+Json read_json(const std::string& path) {
+  std::ifstream file(path);
+  if (!file) throw std::runtime_error(path + ": cannot be opened");
+  return Json::parse(file);
+}
+
+// A preset file is a list of presets or a single one.
+void apply_look(const Settings& settings, vtkVolumeProperty* property) {
+  Json preset = read_json(settings.look);
+  if (preset.is_array()) preset = preset.at(0);
+
+  vtkNew<vtkColorTransferFunction> color;
+  const std::string space = preset.value("ColorSpace", "RGB");
+  if (space == "HSV") color->SetColorSpaceToHSV();
+  if (space == "Lab") color->SetColorSpaceToLab();
+  if (space == "Diverging") color->SetColorSpaceToDiverging();
+  if (space == "Step") color->SetColorSpaceToStep();
+  const auto rgb = preset.at("RGBPoints").get<std::vector<double>>();
+  for (size_t i = 0; i + 3 < rgb.size(); i += 4) {
+    color->AddRGBPoint(rgb[i], rgb[i + 1], rgb[i + 2], rgb[i + 3]);
+  }
+  vtkNew<vtkPiecewiseFunction> opacity;
+  const auto points = preset.at("Points").get<std::vector<double>>();
+  for (size_t i = 0; i + 3 < points.size(); i += 4) {
+    opacity->AddPoint(points[i], points[i + 1], points[i + 2], points[i + 3]);
+  }
+
+  property->SetColor(color);
+  property->SetScalarOpacity(opacity);
+  property->SetScalarOpacityUnitDistance(settings.unit_distance);
+  property->SetInterpolationTypeToLinear();
+  property->SetShade(settings.shade);
+  property->SetAmbient(settings.ambient);
+  property->SetDiffuse(settings.diffuse);
+  property->SetSpecular(settings.specular);
+  property->SetSpecularPower(settings.specular_power);
+}
+
+void apply_camera(const std::string& path, vtkCamera* camera) {
+  const Json file = read_json(path);
+  const auto vector = [&](const char* name) { return file.at(name).get<std::array<double, 3>>(); };
+  camera->SetPosition(vector("position").data());
+  camera->SetFocalPoint(vector("focal_point").data());
+  camera->SetViewUp(vector("view_up").data());
+  camera->SetParallelProjection(file.value("parallel_projection", false));
+  camera->SetParallelScale(file.value("parallel_scale", 1.0));
+  camera->SetViewAngle(file.value("view_angle", 30.0));
+}
+
+// Both mappers are kept from trading quality for time on their own.
+vtkSmartPointer<vtkVolumeMapper> make_mapper(const Settings& settings, vtkImageData* image) {
+  if (settings.mapper == "fixed") {
+    auto mapper = vtkSmartPointer<vtkFixedPointVolumeRayCastMapper>::New();
+    mapper->SetInputData(image);
+    mapper->SetNumberOfThreads(settings.threads);
+    mapper->AutoAdjustSampleDistancesOff();
+    mapper->LockSampleDistanceToInputSpacingOff();
+    mapper->SetImageSampleDistance(1);
+    mapper->SetSampleDistance(static_cast<float>(settings.sampling_distance));
+    mapper->SetInteractiveSampleDistance(static_cast<float>(settings.sampling_distance));
+    return mapper;
+  }
+  auto mapper = vtkSmartPointer<vtkOpenGLGPUVolumeRayCastMapper>::New();
+  mapper->SetInputData(image);
+  mapper->AutoAdjustSampleDistancesOff();
+  mapper->LockSampleDistanceToInputSpacingOff();
+  mapper->UseJitteringOff();
+  mapper->SetImageSampleDistance(1);
+  mapper->SetSampleDistance(static_cast<float>(settings.sampling_distance));
+  return mapper;
+}
+
+void write_picture(vtkRenderWindow* window, const std::string& path) {
+  vtkNew<vtkWindowToImageFilter> grab;
+  grab->SetInput(window);
+  grab->SetInputBufferTypeToRGB();
+  grab->ReadFrontBufferOff();
+  grab->ShouldRerenderOff();
+  vtkNew<vtkPNMWriter> writer;
+  writer->SetInputConnection(grab->GetOutputPort());
+  writer->SetFileName(path.c_str());
+  writer->Write();
+}
+
+Json summary(std::vector<double> values) {
+  if (values.empty()) return nullptr;
+  std::sort(values.begin(), values.end());
+  const size_t half = values.size() / 2;
+  const double median =
+      values.size() % 2 != 0 ? values[half] : (values[half - 1] + values[half]) / 2;
+  return {{"median", median}, {"min", values.front()}, {"max", values.back()}};
+}
+
+Json measure(const Settings& settings) {
+  vtkNew<vtkXMLImageDataReader> reader;
+  reader->SetFileName(settings.volume.c_str());
+  reader->Update();
+  vtkImageData* image = reader->GetOutput();
+  if (image->GetNumberOfPoints() == 0) throw std::runtime_error(settings.volume + ": no volume");
+
+  const auto mapper = make_mapper(settings, image);
+  vtkNew<vtkVolume> volume;
+  volume->SetMapper(mapper);
+  apply_look(settings, volume->GetProperty());
+
+  vtkNew<vtkRenderer> renderer;
+  renderer->SetBackground(0, 0, 0);
+  renderer->TwoSidedLightingOn();
+  renderer->AddVolume(volume);
+  vtkNew<vtkRenderWindow> window;
+  window->SetMultiSamples(0);
+  window->OffScreenRenderingOn();
+  window->SetSize(settings.width, settings.height);
+  window->AddRenderer(renderer);
+  apply_camera(settings.camera, renderer->GetActiveCamera());
+
+  std::vector<double> frames, casts;
+  for (int i = 0; i <= settings.repeat; ++i) {
+    if (i > 0) renderer->GetActiveCamera()->Azimuth(0.01);
+    renderer->ResetCameraClippingRange();
+    const auto start = std::chrono::steady_clock::now();
+    window->Render();
+    window->WaitForCompletion();
+    const std::chrono::duration<double, std::milli> elapsed =
+        std::chrono::steady_clock::now() - start;
+    if (i == 0) {
+      if (!settings.picture.empty()) write_picture(window, settings.picture);
+      continue;
+    }
+    frames.push_back(elapsed.count());
+    if (settings.mapper == "fixed") casts.push_back(mapper->GetTimeToDraw() * 1e3);
+  }
+  return {{"mapper", settings.mapper},
+          {"threads", settings.threads},
+          {"vtk", vtkVersion::GetVTKVersion()},
+          {"frame_ms", summary(frames)},
+          {"cast_ms", summary(casts)}};
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  Settings settings;
+  CLI::App app("VTK's volume mappers, timed");
+  app.add_option("--volume", settings.volume, "VTI file")->required();
+  app.add_option("--look", settings.look, "ParaView JSON preset")->required();
+  app.add_option("--camera", settings.camera, "camera JSON")->required();
+  app.add_option("-o", settings.picture, "picture of the first frame (PPM)");
+  app.add_option("--mapper", settings.mapper)->check(CLI::IsMember({"fixed", "gpu"}));
+  app.add_option("--width", settings.width)->check(CLI::PositiveNumber);
+  app.add_option("--height", settings.height)->check(CLI::PositiveNumber);
+  app.add_option("--threads", settings.threads, "of the fixed mapper")->check(CLI::PositiveNumber);
+  app.add_option("--repeat", settings.repeat)->check(CLI::PositiveNumber);
+  app.add_option("--sampling-distance", settings.sampling_distance, "world units");
+  app.add_option("--unit-distance", settings.unit_distance, "world units");
+  app.add_flag("--shade,!--no-shade", settings.shade);
+  app.add_option("--ambient", settings.ambient);
+  app.add_option("--diffuse", settings.diffuse);
+  app.add_option("--specular", settings.specular);
+  app.add_option("--specular-power", settings.specular_power);
+  CLI11_PARSE(app, argc, argv);
+  std::cout << measure(settings).dump(1) << '\n';
+} catch (const std::exception& error) {
+  std::cerr << "vtk_peer: " << error.what() << '\n';
+  return 1;
+}

@@ -20,7 +20,6 @@ LOUD = re.compile(r"std::(cout|cerr|clog|exit|abort|terminate)\b|\b(printf|fprin
                   r"|#include <iostream>")
 # Results must not depend on the machine that compiled: SIMD targets are chosen at run time.
 FLAGS = re.compile(r"-march=|-mtune=|-ffast-math|-Ofast")
-FORMAT_CONTROL = re.compile(r"clang-format off")
 
 
 def is_code(path):
@@ -52,8 +51,6 @@ def check_file(path, warnings):
                 yield number, "an unfinished-work marker"
             if code and FLAGS.search(line):
                 yield number, "a flag that ties results to the compiling machine"
-            if FORMAT_CONTROL.search(line) and "//" in line and ":" not in line.split("clang-format off", 1)[1]:
-                yield number, "clang-format off without a reason (write 'clang-format off: why')"
         if library and not line.lstrip().startswith("//") and LOUD.search(line):
             yield number, "the library neither prints nor exits"
         if path.endswith((".h", ".cpp")) and "\t" in line:

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// One writer for each picture format; write_image chooses. All throw Error(kFileWrite) and write
+// the same bytes for the same picture.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "ovoid/image.h"
+
+namespace ovoid::io {
+
+// 8-bit RGBA, straight alpha, with the sRGB chunk. `rgba8`: [height, width, 4].
+void write_png(std::span<const std::uint8_t> rgba8, int width, int height, const std::string& path);
+
+// 32-bit float channels R, G, B, A (premultiplied) and Z (depth), ZIP-compressed scan lines.
+void write_exr(const Image& image, const std::string& path);
+
+// float32 [height, width, 4], premultiplied.
+void write_picture_npy(const Image& image, const std::string& path);
+
+}  // namespace ovoid::io

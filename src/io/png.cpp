@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <png.h>
+
+#include <csetjmp>
+#include <exception>
+#include <string>
+
+#include "io/atomic_file.h"
+#include "io/pictures.h"
+#include "ovoid/error.h"
+
+namespace ovoid::io {
+namespace {
+
+// What libpng's callbacks need. Neither C++ exceptions nor messages may cross libpng: they are kept
+// here and it jumps out.
+struct PngState {
+  AtomicFile* file = nullptr;
+  std::exception_ptr write_error;
+  std::string message;
+};
+
+[[noreturn]] void on_error(png_structp png, png_const_charp message) {
+  auto* state = static_cast<PngState*>(png_get_error_ptr(png));
+  if (state->message.empty()) state->message = message;
+  png_longjmp(png, 1);
+}
+
+void on_warning(png_structp, png_const_charp) {}
+
+void on_write(png_structp png, png_bytep data, png_size_t size) {
+  auto* state = static_cast<PngState*>(png_get_io_ptr(png));
+  try {
+    state->file->write(data, size);
+    return;
+  } catch (...) {
+    state->write_error = std::current_exception();
+  }
+  png_error(png, "write failed");
+}
+
+// Everything between setjmp and a longjmp: no object with a destructor lives here.
+bool encode(png_structp png, png_infop info, PngState* state, const std::uint8_t* rgba8, int width,
+            int height) {
+  if (setjmp(png_jmpbuf(png)) != 0) return false;
+  png_set_write_fn(png, state, on_write, nullptr);
+  png_set_IHDR(png, info, static_cast<png_uint_32>(width), static_cast<png_uint_32>(height), 8,
+               PNG_COLOR_TYPE_RGB_ALPHA, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+               PNG_FILTER_TYPE_DEFAULT);
+  png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
+  png_write_info(png, info);
+  for (int row = 0; row < height; ++row) {
+    png_write_row(png, rgba8 + static_cast<std::size_t>(row) * static_cast<std::size_t>(width) * 4);
+  }
+  png_write_end(png, info);
+  return true;
+}
+
+}  // namespace
+
+void write_png(std::span<const std::uint8_t> rgba8, int width, int height,
+               const std::string& path) {
+  AtomicFile file(path);
+  PngState state{&file, nullptr, {}};
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &state, on_error, on_warning);
+  png_infop info = png != nullptr ? png_create_info_struct(png) : nullptr;
+  const bool done = info != nullptr && encode(png, info, &state, rgba8.data(), width, height);
+  if (png != nullptr) png_destroy_write_struct(&png, info != nullptr ? &info : nullptr);
+  if (state.write_error) std::rethrow_exception(state.write_error);
+  if (!done)
+    throw Error(ErrorCode::kFileWrite,
+                fmt::format("{}: cannot be written: libpng: {}", path, state.message));
+  file.commit();
+}
+
+}  // namespace ovoid::io

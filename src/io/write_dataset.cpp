@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <string>
+
+#include "io/atomic_file.h"
+#include "io/formats.h"
+#include "io/npy.h"
+#include "io/nrrd.h"
+#include "io/raw.h"
+#include "io/samples.h"
+#include "io/vtk_image.h"
+#include "ovoid/error.h"
+#include "ovoid/io.h"
+
+namespace ovoid {
+namespace {
+
+enum class Target { kNrrd, kNhdr, kNpy, kRaw, kVtk };
+
+Target target_of(const std::string& path) {
+  const std::string ending = io::ending_of(path);
+  if (ending == ".nrrd") return Target::kNrrd;
+  if (ending == ".nhdr") return Target::kNhdr;
+  if (ending == ".npy") return Target::kNpy;
+  if (ending == ".raw") return Target::kRaw;
+  if (ending == ".vti" || ending == ".vtk") {
+#ifdef OVOID_IO_VTK
+    return Target::kVtk;
+#else
+    throw Error(ErrorCode::kUnsupported,
+                fmt::format("{}: this build has no VTK and cannot write {}", path, ending));
+#endif
+  }
+  throw Error(ErrorCode::kUnsupported,
+              fmt::format("{}: the ending '{}' names no volume format: expected .nrrd, .nhdr, "
+                          ".npy, .raw, .vti or .vtk",
+                          path, ending));
+}
+
+// The lattice of the array's own samples: cells lie half a spacing from the points, one fewer along
+// every axis that has any.
+LatticeGeometry lattice_of(const LatticeGeometry& points, const DataArray& array) {
+  LatticeGeometry lattice = points;
+  if (!array.is_cell_data) return lattice;
+  Vec3 first = Vec3::Zero();
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (lattice.dims[axis] == 1) continue;
+    lattice.dims[axis] -= 1;
+    first[static_cast<Eigen::Index>(axis)] = 0.5;
+  }
+  lattice.world_from_index.translate(first);
+  return lattice;
+}
+
+void check_array(const Dataset& dataset, const DataArray& array) {
+  const std::string where = fmt::format("array '{}'", array.name);
+  if (array.num_components < 1) {
+    throw Error(
+        ErrorCode::kInvalidArgument,
+        fmt::format("{}: has {} components: expected at least 1", where, array.num_components));
+  }
+  const Index3 dims = lattice_of(dataset.lattice, array).dims;
+  const std::int64_t num_bytes =
+      io::checked_num_bytes(where, dims, array.type, array.num_components);
+  if (array.num_tuples != num_samples(dims) ||
+      static_cast<std::int64_t>(array.bytes.view.size()) != num_bytes) {
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("{}: has {} tuples in {} bytes: expected {} tuples in {} bytes for {}",
+                            where, array.num_tuples, array.bytes.view.size(), num_samples(dims),
+                            num_bytes, io::layout_text(dims, array.type, array.num_components)));
+  }
+}
+
+const DataArray& only_array(const Dataset& dataset, const std::string& path) {
+  if (dataset.arrays.size() == 1) return dataset.arrays[0];
+  std::string names;
+  for (const DataArray& array : dataset.arrays)
+    names += fmt::format("{}'{}'", names.empty() ? "" : ", ", array.name);
+  throw Error(
+      ErrorCode::kUnsupported,
+      fmt::format("{}: {} holds one array, the dataset has {} ({}): keep one, or write .vti", path,
+                  io::ending_of(path), dataset.arrays.size(), names));
+}
+
+}  // namespace
+
+void check_dataset_path(const std::string& path) {
+  target_of(path);
+  io::check_writable(path);
+}
+
+void write_dataset(const Dataset& dataset, const std::string& path) {
+  const Target target = target_of(path);
+  if (dataset.arrays.empty())
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("{}: the dataset has no array to write", path));
+  for (const DataArray& array : dataset.arrays) check_array(dataset, array);
+  if (target == Target::kVtk) return io::write_vtk_image(dataset, path);
+
+  const DataArray& array = only_array(dataset, path);
+  const LatticeGeometry lattice = lattice_of(dataset.lattice, array);
+  if (target == Target::kNpy) return io::write_npy(lattice.dims, array, path);
+  if (target == Target::kRaw) return io::write_raw(array, path);
+  Dataset described;  // cheap: arrays share their bytes
+  described.lattice = lattice;
+  described.space = dataset.space;
+  if (target == Target::kNrrd) return io::write_nrrd(described, array, path);
+  io::write_nhdr(described, array, path);
+}
+
+}  // namespace ovoid

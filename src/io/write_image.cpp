@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+#include "io/atomic_file.h"
+#include "io/formats.h"
+#include "io/npy.h"
+#include "io/pictures.h"
+#include "ovoid/error.h"
+#include "ovoid/io.h"
+
+namespace ovoid {
+namespace {
+
+enum class Target { kPng, kExr, kNpy };
+
+Target target_of(const std::string& path) {
+  const std::string ending = io::ending_of(path);
+  if (ending == ".png") return Target::kPng;
+  if (ending == ".exr") return Target::kExr;
+  if (ending == ".npy") return Target::kNpy;
+  throw Error(
+      ErrorCode::kUnsupported,
+      fmt::format("{}: the ending '{}' names no picture format: expected .png, .exr or .npy", path,
+                  ending));
+}
+
+void check_image(const Image& image) {
+  if (image.width < 1 || image.height < 1) {
+    throw Error(
+        ErrorCode::kInvalidArgument,
+        fmt::format("image: is {}x{}: expected at least one pixel", image.width, image.height));
+  }
+  const std::size_t num_pixels =
+      static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
+  if (image.rgba.size() != 4 * num_pixels || image.depth.size() != num_pixels) {
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("image: {}x{} has {} colour and {} depth values: expected {} and {}",
+                            image.width, image.height, image.rgba.size(), image.depth.size(),
+                            4 * num_pixels, num_pixels));
+  }
+}
+
+}  // namespace
+
+namespace io {
+
+void write_picture_npy(const Image& image, const std::string& path) {
+  const std::array<std::int64_t, 3> shape{image.height, image.width, 4};
+  AtomicFile file(path);
+  file.write(npy_header(ScalarType::kFloat32, shape));
+  file.write(image.rgba.data(), image.rgba.size() * sizeof(float));
+  file.commit();
+}
+
+}  // namespace io
+
+void check_image_path(const std::string& path) {
+  target_of(path);
+  io::check_writable(path);
+}
+
+void write_image(const Image& image, const std::string& path, const double* background) {
+  const Target target = target_of(path);
+  check_image(image);
+  switch (target) {
+    case Target::kPng:
+      return io::write_png(to_rgba8(image, background), image.width, image.height, path);
+    case Target::kExr:
+      return io::write_exr(image, path);
+    case Target::kNpy:
+      return io::write_picture_npy(image, path);
+  }
+}
+
+}  // namespace ovoid

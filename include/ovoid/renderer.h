@@ -76,7 +76,8 @@ struct FrameProfile {
   double frame_ms = 0;                                  // plan to finish, wall clock
   std::vector<std::pair<std::string, double>> stages_ms;  // summed over threads, in pipeline order; empty without collect_profile
   std::int64_t kernels_total = 0;
-  std::int64_t kernels_drawn = 0;                       // kernels in bricks that were loaded into some block
+  std::int64_t kernels_drawn = 0;                       // kernels in bricks that can meet a non-zero opacity
+  std::int64_t kernels_loaded = 0;                      // loaded for some block; one that several blocks share counts for each
   std::int64_t samples_reconstructed = 0;
   std::int64_t samples_shaded = 0;                      // samples with a non-zero opacity
   std::int64_t gradients = 0;                           // samples whose gradient was taken

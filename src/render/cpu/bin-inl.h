@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+// Stage "bin": which samples of a block can show, and which box of the lattice they reach.
+//
+// In:  the block's sheets and pixels, the open pixels, the relevance bits (one per brick of 4^3
+// samples). Out: row bits per sheet (active, relevant), the region. For a lattice positions are
+// implicit, so binning runs from the samples: each looks up the bit of the brick it lies in, a
+// group of neighbouring pixels at a time. The bits of 256^3 samples are 32 KiB, so the look-up hits
+// the L1 cache.
+#if defined(OVOID_RENDER_CPU_BIN_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef OVOID_RENDER_CPU_BIN_INL_H_
+#undef OVOID_RENDER_CPU_BIN_INL_H_
+#else
+#define OVOID_RENDER_CPU_BIN_INL_H_
+#endif
+
+#include "render/cpu/path-inl.h"
+#include "render/cpu/simd-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace ovoid::cpu {
+namespace HWY_NAMESPACE {
+
+// Bit of the brick that each position lies in; positions beyond the lattice belong to the outermost
+// bricks.
+struct BrickLookup {
+  const view::RelevanceMap* map;
+  std::int32_t origin[3];  // of the block
+
+  HWY_INLINE M operator()(const Position& u) const {
+    const auto brick = [&](V p, int a) {
+      const VI sample = hn::Add(hn::ConvertTo(di, hn::Floor(p)), hn::Set(di, origin[a]));
+      // Arithmetic shift by a number only known at run time; bricks are 4 to 64 wide.
+      const VI shifted = hn::Shr(sample, hn::Set(di, map->brick_shift()));
+      const auto last = static_cast<std::int32_t>(map->num_bricks()[a] - 1);
+      return hn::Min(hn::Max(shifted, hn::Zero(di)), hn::Set(di, last));
+    };
+    const VI bx = brick(u.x, 0);
+    const VI rows_per_layer = hn::Set(di, static_cast<std::int32_t>(map->num_bricks()[1]));
+    const VI row = hn::Add(hn::Mul(brick(u.z, 2), rows_per_layer), brick(u.y, 1));
+    const VI word = hn::Add(hn::Mul(row, hn::Set(di, map->words_per_row())), hn::ShiftRight<5>(bx));
+    const VI bits = hn::GatherIndex(di, reinterpret_cast<const std::int32_t*>(map->words()), word);
+    const VI bit = hn::And(hn::Shr(bits, hn::And(bx, hn::Set(di, 31))), hn::Set(di, 1));
+    return hn::RebindMask(d, hn::Ne(bit, hn::Zero(di)));
+  }
+};
+
+// Bits of the samples of one row that lie where the field can be defined / that also lie in a
+// relevant brick and have a path.
+struct RowMasks {
+  std::uint32_t inside = 0;
+  std::uint32_t relevant = 0;
+};
+
+HWY_INLINE RowMasks BinRow(const CpuFrame& frame, const Block& block, int s, int row,
+                           const BrickLookup& lookup, const V* support_lo, const V* support_hi) {
+  RowMasks masks;
+  for (int column = 0; column < block.columns; column += GroupSize()) {
+    const Position u = PositionOf(block.sheets[s], column, row);
+    const auto within = [&](V p, int a) {
+      return hn::And(hn::Ge(p, support_lo[a]), hn::Le(p, support_hi[a]));
+    };
+    const M inside = hn::And(within(u.x, 0), hn::And(within(u.y, 1), within(u.z, 2)));
+    if (hn::AllFalse(d, inside)) continue;
+    M relevant = hn::And(inside, lookup(u));
+    if (frame.plan->is_clipped) {
+      relevant = hn::And(relevant, hn::Gt(PathFraction(frame, block, s, column, row), hn::Zero(d)));
+    }
+    masks.inside |= BitsOf(inside) << column;
+    masks.relevant |= BitsOf(relevant) << column;
+  }
+  const std::uint32_t row_mask = block.columns == 32 ? ~0U : (1U << block.columns) - 1U;
+  masks.inside &= row_mask;
+  masks.relevant &= row_mask;
+  return masks;
+}
+
+// Central differences also need the six neighbours of every relevant sample.
+inline void DilateActive(Block& block, const RowBits* inside) {
+  for (int s = 0; s < block.num_sheets; ++s) {
+    for (int y = 0; y < block.rows; ++y) {
+      std::uint32_t bits = block.relevant[s][y];
+      bits |= bits << 1 | bits >> 1;
+      if (y > 0) bits |= block.relevant[s][y - 1];
+      if (y + 1 < block.rows) bits |= block.relevant[s][y + 1];
+      if (s > 0) bits |= block.relevant[s - 1][y];
+      if (s + 1 < block.num_sheets) bits |= block.relevant[s + 1][y];
+      block.active[s][y] = bits & inside[s][y];
+    }
+  }
+}
+
+// The box of samples that active samples reach. Positions are affine along a row, so its first and
+// last active sample bound it.
+inline void BoundRegion(const CpuFrame& frame, Block& block) {
+  float lo[3] = {1e30F, 1e30F, 1e30F};
+  float hi[3] = {-1e30F, -1e30F, -1e30F};
+  for (int s = 0; s < block.num_sheets; ++s) {
+    const SheetSetup& sheet = block.sheets[s];
+    for (int y = 0; y < block.rows; ++y) {
+      const std::uint32_t bits = block.active[s][y];
+      if (bits == 0) continue;
+      for (const int x : {std::countr_zero(bits), 31 - std::countl_zero(bits)}) {
+        for (int a = 0; a < 3; ++a) {
+          const float u = sheet.base[a] + static_cast<float>(y) * sheet.per_y[a] +
+                          static_cast<float>(x) * sheet.per_x[a];
+          float reach = frame.support * sheet.widening[a];
+          if (frame.num_slab_nodes > 1) {
+            reach += 0.5F * std::abs(sheet.step[a] + static_cast<float>(x) * sheet.step_per_x[a] +
+                                     static_cast<float>(y) * sheet.step_per_y[a]);
+          }
+          lo[a] = std::min(lo[a], u - reach);
+          hi[a] = std::max(hi[a], u + reach);
+        }
+      }
+    }
+  }
+  block.is_interior = true;
+  for (int a = 0; a < 3; ++a) {
+    // A hundredth of a sample of slack for rounding; what lies outside the lattice is cut off.
+    auto first = static_cast<std::int64_t>(std::floor(lo[a] - 0.01F));
+    auto last = static_cast<std::int64_t>(std::ceil(hi[a] + 0.01F));
+    const std::int64_t lattice_first = -block.origin[a];
+    const std::int64_t lattice_last = frame.dims[a] - 1 - block.origin[a];
+    if (first < lattice_first || last > lattice_last) block.is_interior = false;
+    first = std::clamp(first, lattice_first, lattice_last);
+    last = std::clamp(last, lattice_first, lattice_last);
+    block.region_lo[a] = static_cast<int>(first);
+    block.region_size[a] = static_cast<int>(last - first + 1);
+  }
+}
+
+// Returns the number of relevant samples; active bits and region are only valid if it is not zero.
+inline std::int64_t Bin(const CpuFrame& frame, Block& block, const TileState& tile) {
+  RowBits inside[kMaxSheets];
+  BrickLookup lookup{&frame.plan->relevance, {}};
+  V support_lo[3];
+  V support_hi[3];
+  for (int a = 0; a < 3; ++a) {
+    lookup.origin[a] = static_cast<std::int32_t>(block.origin[a]);
+    // Rounding slack; the reconstruct stage decides exactly.
+    support_lo[a] = hn::Set(d, static_cast<float>(frame.plan->index_support.min()[a] -
+                                                  static_cast<double>(block.origin[a]) - 1e-3));
+    support_hi[a] = hn::Set(d, static_cast<float>(frame.plan->index_support.max()[a] -
+                                                  static_cast<double>(block.origin[a]) + 1e-3));
+  }
+  const std::uint32_t pixels = ((1U << (block.x1 - block.x0)) - 1U) << block.margin;
+  std::int64_t num_relevant = 0;
+  for (int s = 0; s < block.num_sheets; ++s) {
+    const bool is_margin_sheet =
+        s < block.front_margin || s >= block.num_sheets - block.back_margin;
+    for (int y = 0; y < block.rows; ++y) {
+      RowMasks masks = BinRow(frame, block, s, y, lookup, support_lo, support_hi);
+      const int py = block.y0 + y - block.margin;
+      const bool is_pixel_row = py >= block.y0 && py < block.y1;
+      const std::uint32_t open =
+          is_pixel_row ? (tile.open[py] >> block.x0) << block.margin & pixels : 0;
+      inside[s][y] = masks.inside;
+      // An isosurface's front sheet is needed where it is relevant, though the block before has
+      // classified it.
+      const bool is_needed = !is_margin_sheet || frame.mode == Mode::kIsosurface;
+      block.relevant[s][y] = is_needed ? masks.relevant & open : 0;
+      num_relevant += std::popcount(block.relevant[s][y]);
+    }
+  }
+  if (num_relevant == 0) return 0;
+  if (block.margin > 0) {
+    DilateActive(block, inside);
+  } else {
+    for (int s = 0; s < block.num_sheets; ++s) block.active[s] = block.relevant[s];
+  }
+  BoundRegion(frame, block);
+  return num_relevant;
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace ovoid::cpu
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+// Stage "composite": one sheet's samples join the tile's pixels, front to back; a pixel that has
+// become opaque is closed.
+//
+// In:  visible samples with opacity and colour (composite), or defined samples (x-ray, maximum,
+// mean). Out: the tile's state.
+#if defined(OVOID_RENDER_CPU_COMPOSITE_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef OVOID_RENDER_CPU_COMPOSITE_INL_H_
+#undef OVOID_RENDER_CPU_COMPOSITE_INL_H_
+#else
+#define OVOID_RENDER_CPU_COMPOSITE_INL_H_
+#endif
+
+#include "render/cpu/path-inl.h"
+#include "render/cpu/simd-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace ovoid::cpu {
+namespace HWY_NAMESPACE {
+
+// Where a plane's sample lies in the tile's arrays.
+HWY_INLINE int TileIndex(const Block& block, int column, int row) {
+  return (block.y0 + row - block.margin) * kTileSize + block.x0 + column - block.margin;
+}
+HWY_INLINE int TileRow(const Block& block, int row) { return block.y0 + row - block.margin; }
+HWY_INLINE int TileColumn(const Block& block, int column) {
+  return block.x0 + column - block.margin;
+}
+
+HWY_INLINE void StoreMasked(M mask, V value, float* to) {
+  hn::StoreU(hn::IfThenElse(mask, value, hn::LoadU(d, to)), d, to);
+}
+
+inline void CompositeSheet(const CpuFrame& frame, Block& block, TileState& tile, int s) {
+  const V one = hn::Set(d, 1.0F);
+  const V half = hn::Set(d, 0.5F);
+  for (int y = 0; y < block.rows; ++y) {
+    ForEachGroup(
+        block.visible[y], block.margin, block.columns - block.margin,
+        [&](int column, std::uint32_t lanes) {
+          const int from = y * kPlaneStride + column;
+          const int to = TileIndex(block, column, y);
+          const V before = hn::LoadU(d, tile.alpha + to);
+          const V share = hn::IfThenElseZero(
+              MaskOf(lanes),
+              hn::Mul(hn::Sub(one, before), hn::LoadU(d, block.sample_alpha + from)));
+          const V after = hn::Add(before, share);
+          const auto add = [&](float* sum, const float* color) {
+            hn::StoreU(hn::MulAdd(share, hn::LoadU(d, color + from), hn::LoadU(d, sum + to)), d,
+                       sum + to);
+          };
+          add(tile.red, block.sample_red);
+          add(tile.green, block.sample_green);
+          add(tile.blue, block.sample_blue);
+          hn::StoreU(after, d, tile.alpha + to);
+          StoreMasked(hn::And(hn::Lt(before, half), hn::Ge(after, half)),
+                      hn::Set(d, block.sheets[s].depth), tile.depth + to);
+          const M opaque = hn::Ge(after, hn::Set(d, static_cast<float>(RenderOptions::kOpaque)));
+          tile.open[TileRow(block, y)] &= ~((BitsOf(opaque) & lanes) << TileColumn(block, column));
+        });
+  }
+  (void)frame;
+}
+
+// X-ray, maximum and mean: every defined sample counts.
+inline void AccumulateSheet(const CpuFrame& frame, Block& block, TileState& tile, int s,
+                            const RowBits& bits) {
+  const float* values = block.values[s & (kRingSheets - 1)];
+  for (int y = 0; y < block.rows; ++y) {
+    ForEachGroup(
+        bits[y], block.margin, block.columns - block.margin, [&](int column, std::uint32_t lanes) {
+          const M mask = MaskOf(lanes);
+          const int to = TileIndex(block, column, y);
+          std::uint32_t& seen_row = tile.seen[TileRow(block, y)];
+          const M seen = MaskOf(seen_row >> TileColumn(block, column) & GroupBits());
+          const V value = hn::LoadU(d, values + y * kPlaneStride + column);
+          const V depth = hn::Set(d, block.sheets[s].depth);
+          const V best = hn::LoadU(d, tile.best + to);
+          if (frame.mode == Mode::kMaximum) {
+            const M better = hn::And(mask, hn::Gt(value, best));
+            StoreMasked(better, value, tile.best + to);
+            StoreMasked(better, depth, tile.depth + to);
+          } else {
+            const V length = hn::Mul(hn::Mul(PathFraction(frame, block, s, column, y),
+                                             RayLength(frame, block, column, y)),
+                                     hn::Set(d, frame.sampling_distance));
+            const V sum = hn::IfThenElseZero(seen, best);
+            StoreMasked(mask, hn::MulAdd(value, length, sum), tile.best + to);
+            StoreMasked(mask, hn::Add(length, hn::LoadU(d, tile.path + to)), tile.path + to);
+            StoreMasked(hn::AndNot(seen, mask), depth, tile.depth + to);
+          }
+          seen_row |= lanes << TileColumn(block, column);
+        });
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace ovoid::cpu
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+// What every stage reads and none writes: one frame's constants, in the form that the SIMD code
+// wants.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <stop_token>
+
+#include "ovoid/renderer.h"
+#include "view/frame_plan.h"
+
+namespace ovoid::cpu {
+
+// Gauss-Legendre nodes over a slab, for mean samples: position in sheets from the middle, and
+// weight (sum 1).
+struct SlabNode {
+  float offset = 0;
+  float weight = 1;
+};
+
+inline constexpr int kMaxSlabNodes = 32;
+
+// A normalized field is undefined where the weights that exist are a smaller part of an endless
+// lattice's (docs/numerics.md).
+inline constexpr float kLeastWeight = 0.48F;
+
+// Transfer function sampled at kSize + 1 equidistant values, ready for linear interpolation. The
+// opacity is corrected for a path of one sampling distance.
+struct ClassificationTable {
+  const float* opacity = nullptr;  // [size + 2]
+  const float* red = nullptr;      // [size + 2]
+  const float* green = nullptr;
+  const float* blue = nullptr;
+  float value_lo = 0;  // value at node 0
+  float nodes_per_value = 1;
+  float last_node = 1;  // size
+};
+
+struct CpuFrame {
+  const view::FramePlan* plan = nullptr;
+  const LatticeField* field = nullptr;
+  std::stop_token stop;
+
+  // Kernel and lattice
+  std::array<std::int32_t, 3> dims{};
+  float sigma = 0.5F;                     // spacings, before widening
+  float support = 2.0F;                   // spacings, before widening
+  float inverse_variance = 4.0F;          // 1 / sigma^2
+  float near_weight = 0, far_weight = 0;  // g(1) / g(0), g(2) / g(0)
+  bool has_four_taps = true;  // support 2, normalized, mid samples: see reconstruct-inl.h
+  bool is_sum = false;
+  float sum_weight = 1;  // w of a `sum` field
+  float value_scale = 1, value_offset = 0;
+  float world_from_index_gradient[9] = {};  // row major: grad_world = M * grad_index
+
+  // View
+  bool is_parallel = true;
+  view::SheetMap ray_direction;
+  float right[3] = {}, up[3] = {}, axis[3] = {};    // of the camera, world
+  view::ClipMap ray_slope_right{}, ray_slope_up{};  // of the ray of pixel (x, y), per unit of depth
+  float sampling_distance = 1;
+  std::array<SlabNode, kMaxSlabNodes> slab_nodes{};
+  int num_slab_nodes = 1;  // 1: mid samples
+  bool central_gradient = false;
+  Evaluate evaluate = Evaluate::kAuto;
+  bool stop_opaque = true;
+  bool collect_profile = false;
+
+  // Appearance
+  Mode mode = Mode::kComposite;
+  bool shade = true;
+  ClassificationTable table;
+  float isovalue = 0;
+  std::array<float, 4> isosurface_color{};
+  float ambient = 0.1F, diffuse = 0.7F, specular = 0.2F, specular_power = 10.0F;
+  bool has_headlight = true;
+  float light[3] = {0, 0, 1};  // world, unit, towards the light
+  float flat_gradient_inverse =
+      0;  // 1 / (gradient length, world, below which a region counts as flat)
+};
+
+}  // namespace ovoid::cpu

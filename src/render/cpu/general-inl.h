@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: Apache-2.0
+// Gathering for every kernel and every place: any support, borders, holes, `sum`, widened kernels,
+// slab means. One sample after the other, SIMD along the taps of a row. See reconstruct-inl.h for
+// when it is used.
+#if defined(OVOID_RENDER_CPU_GENERAL_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef OVOID_RENDER_CPU_GENERAL_INL_H_
+#undef OVOID_RENDER_CPU_GENERAL_INL_H_
+#else
+#define OVOID_RENDER_CPU_GENERAL_INL_H_
+#endif
+
+#include "render/cpu/simd-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace ovoid::cpu {
+namespace HWY_NAMESPACE {
+
+// The weights g(u - i) of one axis for the samples that exist, and their sums.
+struct AxisTaps {
+  float* weight;       // [count], followed by zeros up to a whole vector
+  float* derivative;   // likewise
+  int first;           // of the region
+  int count;           // 0: no kernel reaches
+  float existing = 0;  // sum of weights
+  float existing_derivative = 0;
+  float endless = 0;  // sum if the lattice had no border
+};
+
+using DT = hn::CappedTag<float, 8>;  // taps of a row
+inline constexpr DT dt;
+
+inline int TapCapacity(const CpuFrame& frame, const SheetSetup& sheet) {
+  const float widest = std::max({sheet.widening[0], sheet.widening[1], sheet.widening[2]});
+  return static_cast<int>(2 * frame.support * widest) + 2 + 2 * kTapPadding;
+}
+
+inline void FillAxis(const CpuFrame& frame, const Block& block, int axis, float u, float widening,
+                     AxisTaps& taps) {
+  const float support = frame.support * widening;
+  const float inverse_variance = frame.inverse_variance / (widening * widening);
+  const int reach_first = static_cast<int>(std::ceil(u - support));
+  const int reach_last = static_cast<int>(std::floor(u + support));
+  const int lattice_first = static_cast<int>(-block.origin[axis]);
+  const int lattice_last = lattice_first + frame.dims[axis] - 1;
+  const int first = std::max(reach_first, lattice_first);
+  const int last = std::min(reach_last, lattice_last);
+  taps.first = first - block.region_lo[axis];
+  taps.count = std::max(0, last - first + 1);
+  const int lanes = static_cast<int>(hn::Lanes(dt));
+  constexpr float kLog2E = 1.44269504F;
+  const auto weigh = [&](auto distance) {
+    return Exp2(
+        dt, hn::Mul(hn::Mul(distance, distance), hn::Set(dt, -0.5F * inverse_variance * kLog2E)));
+  };
+  auto existing = hn::Zero(dt);
+  auto slope = hn::Zero(dt);
+  for (int k = 0; k < taps.count; k += lanes) {
+    const auto index = hn::Iota(dt, static_cast<float>(first + k));
+    const auto distance = hn::Sub(hn::Set(dt, u), index);
+    const auto exists = hn::Lt(index, hn::Set(dt, static_cast<float>(last) + 0.5F));
+    const auto weight = hn::IfThenElseZero(exists, weigh(distance));
+    const auto derivative = hn::Mul(weight, hn::Mul(distance, hn::Set(dt, -inverse_variance)));
+    hn::StoreU(weight, dt, taps.weight + k);
+    hn::StoreU(derivative, dt, taps.derivative + k);
+    existing = hn::Add(existing, weight);
+    slope = hn::Add(slope, derivative);
+  }
+  taps.existing = hn::GetLane(hn::SumOfLanes(dt, existing));
+  taps.existing_derivative = hn::GetLane(hn::SumOfLanes(dt, slope));
+  taps.endless = taps.existing;
+  const auto add_missing = [&](int from, int to) {
+    for (int k = from; k <= to; ++k) {
+      const float distance = u - static_cast<float>(k);
+      taps.endless += std::exp(-0.5F * inverse_variance * distance * distance);
+    }
+  };
+  if (taps.count == 0) {
+    add_missing(reach_first, reach_last);
+  } else {
+    add_missing(reach_first, first - 1);
+    add_missing(last + 1, reach_last);
+  }
+}
+
+struct TapSums {
+  float value = 0, x = 0, y = 0,
+        z = 0;  // sum of samples x weights, and its index-space derivatives
+};
+
+template <bool kGradient>
+inline TapSums SumTaps(const Block& block, const float* HWY_RESTRICT samples,
+                       const AxisTaps* axis) {
+  const int lanes = static_cast<int>(hn::Lanes(dt));
+  auto sum = hn::Zero(dt), sum_x = hn::Zero(dt), sum_y = hn::Zero(dt), sum_z = hn::Zero(dt);
+  for (int i = 0; i < axis[0].count; i += lanes) {
+    auto t = hn::Zero(dt), ty = hn::Zero(dt), tz = hn::Zero(dt);
+    for (int k = 0; k < axis[2].count; ++k) {
+      const float* slice = samples +
+                           static_cast<std::ptrdiff_t>(axis[2].first + k) * block.slice_stride +
+                           axis[0].first + i;
+      auto row_sum = hn::Zero(dt), row_sum_y = hn::Zero(dt);
+      for (int j = 0; j < axis[1].count; ++j) {
+        const auto row = hn::LoadU(
+            dt, slice + static_cast<std::ptrdiff_t>(axis[1].first + j) * block.row_stride);
+        row_sum = hn::MulAdd(row, hn::Set(dt, axis[1].weight[j]), row_sum);
+        if constexpr (kGradient)
+          row_sum_y = hn::MulAdd(row, hn::Set(dt, axis[1].derivative[j]), row_sum_y);
+      }
+      t = hn::MulAdd(row_sum, hn::Set(dt, axis[2].weight[k]), t);
+      if constexpr (kGradient) {
+        ty = hn::MulAdd(row_sum_y, hn::Set(dt, axis[2].weight[k]), ty);
+        tz = hn::MulAdd(row_sum, hn::Set(dt, axis[2].derivative[k]), tz);
+      }
+    }
+    const auto weight = hn::LoadU(dt, axis[0].weight + i);
+    sum = hn::MulAdd(t, weight, sum);
+    if constexpr (kGradient) {
+      sum_x = hn::MulAdd(t, hn::LoadU(dt, axis[0].derivative + i), sum_x);
+      sum_y = hn::MulAdd(ty, weight, sum_y);
+      sum_z = hn::MulAdd(tz, weight, sum_z);
+    }
+  }
+  const auto total = [&](auto v) { return hn::GetLane(hn::SumOfLanes(dt, v)); };
+  if constexpr (kGradient) return {total(sum), total(sum_x), total(sum_y), total(sum_z)};
+  return {total(sum), 0, 0, 0};
+}
+
+struct GeneralOut {
+  float *value, *x, *y, *z;  // [lanes]; the gradient's may be null
+};
+
+// Numerator, denominator and endless denominator of one sample, added up over its slab's nodes.
+struct Quotient {
+  TapSums numerator, denominator;
+  float endless = 0;
+};
+
+template <bool kGradient>
+inline void AddNode(const CpuFrame& frame, const Workspace& work, const float* u,
+                    const SheetSetup& sheet, float node_weight, float* tap_memory, int capacity,
+                    Quotient& q) {
+  const Block& block = work.block;
+  AxisTaps axis[3];
+  for (int a = 0; a < 3; ++a) {
+    axis[a].weight = tap_memory + 2 * a * capacity;
+    axis[a].derivative = axis[a].weight + capacity;
+    FillAxis(frame, block, a, u[a], sheet.widening[a], axis[a]);
+  }
+  q.endless += node_weight * axis[0].endless * axis[1].endless * axis[2].endless;
+  if (axis[0].count == 0 || axis[1].count == 0 || axis[2].count == 0) return;
+  const TapSums n = SumTaps<kGradient>(block, work.samples.data.get(), axis);
+  TapSums e;
+  if (block.has_missing) {
+    e = SumTaps<kGradient>(block, work.presence.data.get(), axis);
+  } else {
+    e.value = axis[0].existing * axis[1].existing * axis[2].existing;
+    e.x = axis[0].existing_derivative * axis[1].existing * axis[2].existing;
+    e.y = axis[0].existing * axis[1].existing_derivative * axis[2].existing;
+    e.z = axis[0].existing * axis[1].existing * axis[2].existing_derivative;
+  }
+  const auto add = [&](TapSums& to, const TapSums& from) {
+    to.value += node_weight * from.value;
+    to.x += node_weight * from.x;
+    to.y += node_weight * from.y;
+    to.z += node_weight * from.z;
+  };
+  add(q.numerator, n);
+  add(q.denominator, e);
+}
+
+// Returns the bits of the lanes whose field is defined.
+template <bool kGradient>
+inline std::uint32_t GatherGeneral(const CpuFrame& frame, Workspace& work, int s, int column,
+                                   int row, const Position& u, std::uint32_t lanes,
+                                   const GeneralOut& out) {
+  const SheetSetup& sheet = work.block.sheets[s];
+  alignas(64) float position[3][16];
+  hn::Store(u.x, d, position[0]);
+  hn::Store(u.y, d, position[1]);
+  hn::Store(u.z, d, position[2]);
+  const int capacity = TapCapacity(frame, sheet);
+  float* tap_memory = work.taps.reserve(static_cast<std::size_t>(6) * capacity);
+  const float mass = sheet.widening[0] * sheet.widening[1] * sheet.widening[2];
+  std::uint32_t defined = 0;
+  for (; lanes != 0; lanes &= lanes - 1) {
+    const int l = std::countr_zero(lanes);
+    Quotient q;
+    for (int node = 0; node < frame.num_slab_nodes; ++node) {
+      const SlabNode slab = frame.slab_nodes[node];
+      float at[3];
+      for (int a = 0; a < 3; ++a) {
+        const float step = sheet.step[a] + static_cast<float>(column + l) * sheet.step_per_x[a] +
+                           static_cast<float>(row) * sheet.step_per_y[a];
+        at[a] = position[a][l] + slab.offset * step;
+      }
+      AddNode<kGradient>(frame, work, at, sheet, slab.weight, tap_memory, capacity, q);
+    }
+    const TapSums& n = q.numerator;
+    const TapSums& e = q.denominator;
+    if (frame.is_sum) {
+      if (!(e.value > 0)) continue;
+      const float w = frame.sum_weight / mass;
+      out.value[l] = w * n.value;
+      if constexpr (kGradient) {
+        out.x[l] = w * n.x;
+        out.y[l] = w * n.y;
+        out.z[l] = w * n.z;
+      }
+    } else {
+      if (!(e.value >= kLeastWeight * q.endless) || !(e.value > 0)) continue;
+      const float inverse = 1.0F / e.value;
+      const float f = n.value * inverse;
+      out.value[l] = f;
+      if constexpr (kGradient) {
+        out.x[l] = (n.x - f * e.x) * inverse;
+        out.y[l] = (n.y - f * e.y) * inverse;
+        out.z[l] = (n.z - f * e.z) * inverse;
+      }
+    }
+    defined |= 1U << l;
+  }
+  return defined;
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace ovoid::cpu
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+// Isosurface mode: finds where a ray first crosses the isovalue between two sheets, refines the
+// place on the field and shades it. It stands for "shade" and "composite" in this mode. A group's
+// crossings are refined together.
+#if defined(OVOID_RENDER_CPU_ISOSURFACE_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef OVOID_RENDER_CPU_ISOSURFACE_INL_H_
+#undef OVOID_RENDER_CPU_ISOSURFACE_INL_H_
+#else
+#define OVOID_RENDER_CPU_ISOSURFACE_INL_H_
+#endif
+
+#include "render/cpu/composite-inl.h"
+#include "render/cpu/shade-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace ovoid::cpu {
+namespace HWY_NAMESPACE {
+
+inline constexpr int kBisections = 8;  // to 1/256 of a sheet's distance, before the secant step
+
+HWY_INLINE Position Between(const Position& a, const Position& b, V t) {
+  const auto mix = [&](V p, V q) { return hn::MulAdd(hn::Sub(q, p), t, p); };
+  return {mix(a.x, b.x), mix(a.y, b.y), mix(a.z, b.z)};
+}
+
+// Where between two samples (0 to 1) the field takes the isovalue; `before` and `after` lie on
+// different sides.
+HWY_INLINE V Refine(const CpuFrame& frame, Workspace& work, int s, int column, int row,
+                    const Position& from, const Position& to, V before, V after,
+                    std::uint32_t lanes) {
+  const V iso = hn::Set(d, frame.isovalue);
+  const M rises = hn::Lt(before, iso);
+  V near = hn::Zero(d);
+  V far = hn::Set(d, 1.0F);
+  for (int i = 0; i < kBisections; ++i) {
+    const V middle = hn::Mul(hn::Set(d, 0.5F), hn::Add(near, far));
+    const GroupValues f = Gather(frame, work, s, column, row, Between(from, to, middle), lanes);
+    const M is_low = hn::Lt(f.value, iso);
+    // Same side as the near end: the crossing is behind the middle. Where the field is undefined,
+    // stay in front of it.
+    const M same =
+        hn::And(MaskOf(f.defined), hn::Or(hn::And(is_low, rises), hn::Not(hn::Or(is_low, rises))));
+    near = hn::IfThenElse(same, middle, near);
+    before = hn::IfThenElse(same, f.value, before);
+    const M other = hn::And(hn::Not(same), MaskOf(lanes));
+    far = hn::IfThenElse(other, middle, far);
+    after = hn::IfThenElse(hn::And(other, MaskOf(f.defined)), f.value, after);
+  }
+  const V rise = hn::Sub(after, before);
+  const V share = hn::Div(hn::Sub(iso, before),
+                          hn::IfThenElse(hn::Eq(rise, hn::Zero(d)), hn::Set(d, 1.0F), rise));
+  const V clamped = hn::Min(hn::Max(share, hn::Zero(d)), hn::Set(d, 1.0F));
+  return hn::MulAdd(hn::Sub(far, near), clamped, near);
+}
+
+// Lanes whose crossing lies in all clip half spaces.
+HWY_INLINE std::uint32_t KeptByPlanes(const CpuFrame& frame, const Block& block, int s, int column,
+                                      int row, V t) {
+  std::uint32_t kept = GroupBits();
+  const view::FramePlan& plan = *frame.plan;
+  const V x = PixelX(block, column);
+  const float y = PixelY(block, row);
+  const V sheets_back = hn::Sub(t, hn::Set(d, 1.0F));
+  for (const ClipPlane& plane : plan.clip_planes) {
+    const V inside = Evaluate2d(plan.clip_distance(plane, block.first_sheet + s), x, y);
+    const V slope =
+        hn::Mul(Evaluate2d(plan.clip_slope(plane), x, y), hn::Set(d, frame.sampling_distance));
+    kept &= BitsOf(hn::Ge(hn::MulAdd(slope, sheets_back, inside), hn::Zero(d)));
+  }
+  return kept;
+}
+
+// Crossings between sheet s - 1 and sheet s of the block.
+inline void SurfaceSheet(const CpuFrame& frame, Workspace& work, int s) {
+  Block& block = work.block;
+  TileState& tile = work.tile;
+  const int here = s & (kRingSheets - 1);
+  const int front = (s - 1) & (kRingSheets - 1);
+  const V iso = hn::Set(d, frame.isovalue);
+  for (int y = 0; y < block.rows; ++y) {
+    std::uint32_t& open = tile.open[TileRow(block, y)];
+    const std::uint32_t both = block.defined[here][y] & block.defined[front][y] & open >> block.x0;
+    ForEachGroup(both, 0, block.columns, [&](int column, std::uint32_t lanes) {
+      const int at = y * kPlaneStride + column;
+      const V before = hn::LoadU(d, block.values[front] + at);
+      const V after = hn::LoadU(d, block.values[here] + at);
+      std::uint32_t crossing = BitsOf(hn::Xor(hn::Lt(before, iso), hn::Lt(after, iso))) & lanes;
+      if (crossing == 0) return;
+      const Position from = PositionOf(block.sheets[s - 1], column, y);
+      const Position to = PositionOf(block.sheets[s], column, y);
+      const V t = Refine(frame, work, s, column, y, from, to, before, after, crossing);
+      crossing &= KeptByPlanes(frame, block, s, column, y, t);
+      if (crossing == 0) return;
+      const V color[3] = {hn::Set(d, frame.isosurface_color[0]),
+                          hn::Set(d, frame.isosurface_color[1]),
+                          hn::Set(d, frame.isosurface_color[2])};
+      Lighting light{hn::Set(d, 1.0F), hn::Zero(d)};
+      if (frame.shade) {
+        const WorldVector g =
+            ExactGradient(frame, work, s, column, y, Between(from, to, t), crossing);
+        light = Light(frame, g, ToEye(frame, block, column, y));
+        work.stats.gradients += std::popcount(crossing);
+      }
+      const int pixel = TileIndex(block, column, y);
+      const M mask = MaskOf(crossing);
+      StoreMasked(mask, Lit(color[0], light), tile.red + pixel);
+      StoreMasked(mask, Lit(color[1], light), tile.green + pixel);
+      StoreMasked(mask, Lit(color[2], light), tile.blue + pixel);
+      StoreMasked(mask, hn::Set(d, 1.0F), tile.alpha + pixel);
+      const V depth = hn::MulAdd(hn::Sub(t, hn::Set(d, 1.0F)), hn::Set(d, frame.sampling_distance),
+                                 hn::Set(d, block.sheets[s].depth));
+      StoreMasked(mask, depth, tile.depth + pixel);
+      open &= ~(crossing << TileColumn(block, column));
+      work.stats.samples_shaded += std::popcount(crossing);
+    });
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace ovoid::cpu
+HWY_AFTER_NAMESPACE();
+
+#endif

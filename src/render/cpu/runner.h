@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+namespace ovoid::cpu {
+
+// Runs independent tasks on worker threads. Which worker takes which task, and in what order, must
+// not matter to the result.
+class Runner {
+ public:
+  // `worker` in [0, num_workers()): no two tasks run with the same worker at a time, so it names
+  // memory that a task may use alone.
+  using Task = std::function<void(int task, int worker)>;
+
+  virtual ~Runner() = default;
+  virtual int num_workers() const noexcept = 0;
+  // Returns when all tasks in [0, num_tasks) are done. An exception of a task is rethrown here, one
+  // of them if several; no new task starts after it.
+  virtual void run(int num_tasks, const Task& task) = 0;
+};
+
+// oneTBB if the build has it, else plain threads; environment OVOID_RUNNER = tbb | threads |
+// shuffle chooses. "shuffle" runs the tasks one after the other on the calling thread in a
+// scrambled order: for tests of independence.
+std::unique_ptr<Runner> make_runner(int num_threads);
+std::unique_ptr<Runner> make_runner(const std::string& kind, int num_threads);
+
+}  // namespace ovoid::cpu

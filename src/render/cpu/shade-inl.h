@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+// Stage "shade": reconstructed samples become colour and opacity. Classification comes first and
+// alone decides which samples are visible; only those get a gradient and light.
+//
+// In:  one sheet's values, the classification table; for light: the gradients.
+// Out: visible bits, sample opacity (corrected for its path) and colour.
+#if defined(OVOID_RENDER_CPU_SHADE_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef OVOID_RENDER_CPU_SHADE_INL_H_
+#undef OVOID_RENDER_CPU_SHADE_INL_H_
+#else
+#define OVOID_RENDER_CPU_SHADE_INL_H_
+#endif
+
+#include <hwy/contrib/math/math-inl.h>
+
+#include "render/cpu/gradient-inl.h"
+#include "render/cpu/path-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace ovoid::cpu {
+namespace HWY_NAMESPACE {
+
+struct TablePosition {
+  VI node;
+  V fraction;
+};
+
+HWY_INLINE TablePosition Locate(const ClassificationTable& table, V value) {
+  const V at =
+      hn::Mul(hn::Sub(value, hn::Set(d, table.value_lo)), hn::Set(d, table.nodes_per_value));
+  const V clamped = hn::Min(hn::Max(at, hn::Zero(d)), hn::Set(d, table.last_node));
+  const VI node = hn::ConvertTo(di, clamped);
+  return {node, hn::Sub(clamped, hn::ConvertTo(d, node))};
+}
+
+HWY_INLINE V LookUp(const float* column, const TablePosition& at) {
+  const V lo = hn::GatherIndex(d, column, at.node);
+  const V hi = hn::GatherIndex(d, column + 1, at.node);
+  return hn::MulAdd(hn::Sub(hi, lo), at.fraction, lo);
+}
+
+// x^power for x in [0, 1].
+HWY_INLINE V Power(V x, float power) {
+  const V log = hn::Log2(d, hn::Max(x, hn::Set(d, 1e-30F)));
+  return Exp2(d, hn::Max(hn::Mul(log, hn::Set(d, power)), hn::Set(d, -126.0F)));
+}
+
+// 1 - (1 - a)^exponent, the opacity of a path that is `exponent` sampling distances long.
+HWY_INLINE V CorrectOpacity(V a, V exponent) {
+  const V log = hn::Log2(d, hn::Max(hn::Sub(hn::Set(d, 1.0F), a), hn::Set(d, 1e-30F)));
+  const V through = Exp2(d, hn::Max(hn::Mul(log, exponent), hn::Set(d, -126.0F)));
+  // An opaque sample stays opaque however short its path, if it has one.
+  return hn::IfThenElse(hn::Ge(a, hn::Set(d, 1.0F)), a, hn::Sub(hn::Set(d, 1.0F), through));
+}
+
+// Opacity of every sample in `bits`, and which are visible.
+inline void ClassifySheet(const CpuFrame& frame, Block& block, int s, const RowBits& bits) {
+  const float* values = block.values[s & (kRingSheets - 1)];
+  const bool has_own_path = !frame.is_parallel || frame.plan->is_clipped;
+  for (int y = 0; y < block.rows; ++y) {
+    block.visible[y] = 0;
+    ForEachGroup(bits[y], block.margin, block.columns - block.margin,
+                 [&](int column, std::uint32_t lanes) {
+                   const int at = y * kPlaneStride + column;
+                   const TablePosition node = Locate(frame.table, hn::LoadU(d, values + at));
+                   V a = LookUp(frame.table.opacity, node);
+                   const std::uint32_t visible = BitsOf(hn::Gt(a, hn::Zero(d))) & lanes;
+                   if (visible == 0) return;
+                   if (has_own_path) {
+                     const V fraction = PathFraction(frame, block, s, column, y);
+                     a = CorrectOpacity(a, hn::Mul(fraction, RayLength(frame, block, column, y)));
+                   }
+                   hn::StoreU(a, d, block.sample_alpha + at);
+                   hn::StoreU(LookUp(frame.table.red, node), d, block.sample_red + at);
+                   hn::StoreU(LookUp(frame.table.green, node), d, block.sample_green + at);
+                   hn::StoreU(LookUp(frame.table.blue, node), d, block.sample_blue + at);
+                   block.visible[y] |= visible << column;
+                 });
+  }
+}
+
+// Direction from the sample to the eye, unit length.
+HWY_INLINE WorldVector ToEye(const CpuFrame& frame, const Block& block, int column, int row) {
+  const view::SheetMap& direction = frame.ray_direction;
+  if (frame.is_parallel) {
+    return {hn::Set(d, -frame.axis[0]), hn::Set(d, -frame.axis[1]), hn::Set(d, -frame.axis[2])};
+  }
+  const V x = PixelX(block, column);
+  const float y = PixelY(block, row);
+  const auto along = [&](int a) {
+    return Evaluate2d({direction.origin[a], direction.per_x[a], direction.per_y[a]}, x, y);
+  };
+  const V scale = hn::Div(hn::Set(d, -1.0F), RayLength(frame, block, column, row));
+  return {hn::Mul(along(0), scale), hn::Mul(along(1), scale), hn::Mul(along(2), scale)};
+}
+
+HWY_INLINE V Dot(const WorldVector& a, const WorldVector& b) {
+  return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z)));
+}
+
+// Factor on the colour, and what is added to it.
+struct Lighting {
+  V factor, highlight;
+};
+
+HWY_INLINE Lighting Light(const CpuFrame& frame, const WorldVector& gradient,
+                          const WorldVector& eye) {
+  const V length = hn::Sqrt(Dot(gradient, gradient));
+  const V inverse = hn::Div(hn::Set(d, 1.0F), hn::Max(length, hn::Set(d, 1e-37F)));
+  const WorldVector normal{hn::Mul(gradient.x, inverse), hn::Mul(gradient.y, inverse),
+                           hn::Mul(gradient.z, inverse)};
+  const V flatness =
+      hn::Min(hn::Mul(length, hn::Set(d, frame.flat_gradient_inverse)), hn::Set(d, 1.0F));
+  const V to_eye = Dot(normal, eye);
+  V diffuse = hn::Abs(to_eye);
+  V specular = diffuse;
+  if (!frame.has_headlight) {
+    const WorldVector light{hn::Set(d, frame.light[0]), hn::Set(d, frame.light[1]),
+                            hn::Set(d, frame.light[2])};
+    const V to_light = Dot(normal, light);
+    diffuse = hn::Abs(to_light);
+    const WorldVector half{hn::Add(light.x, eye.x), hn::Add(light.y, eye.y),
+                           hn::Add(light.z, eye.z)};
+    const V half_length = hn::Sqrt(Dot(half, half));
+    const V cosine = hn::Div(hn::Abs(Dot(normal, half)), hn::Max(half_length, hn::Set(d, 1e-6F)));
+    specular = hn::IfThenElseZero(hn::Ge(hn::Mul(to_light, to_eye), hn::Zero(d)), cosine);
+  }
+  const V lit = hn::MulAdd(flatness, hn::Sub(diffuse, hn::Set(d, 1.0F)), hn::Set(d, 1.0F));
+  Lighting out{hn::MulAdd(hn::Set(d, frame.diffuse), lit, hn::Set(d, frame.ambient)), hn::Zero(d)};
+  if (frame.specular > 0) {
+    const V shine = Power(hn::Min(specular, hn::Set(d, 1.0F)), frame.specular_power);
+    out.highlight = hn::Mul(hn::Mul(flatness, hn::Set(d, frame.specular)), shine);
+  }
+  return out;
+}
+
+HWY_INLINE V Lit(V color, const Lighting& light) {
+  const V c = hn::MulAdd(color, light.factor, light.highlight);
+  return hn::Min(hn::Max(c, hn::Zero(d)), hn::Set(d, 1.0F));
+}
+
+inline void LightSheet(const CpuFrame& frame, Block& block) {
+  for (int y = 0; y < block.rows; ++y) {
+    ForEachGroup(block.visible[y], block.margin, block.columns - block.margin,
+                 [&](int column, std::uint32_t) {
+                   const int at = y * kPlaneStride + column;
+                   const WorldVector g{hn::LoadU(d, block.gradient[0] + at),
+                                       hn::LoadU(d, block.gradient[1] + at),
+                                       hn::LoadU(d, block.gradient[2] + at)};
+                   const Lighting light = Light(frame, g, ToEye(frame, block, column, y));
+                   for (float* color :
+                        {block.sample_red + at, block.sample_green + at, block.sample_blue + at}) {
+                     hn::StoreU(Lit(hn::LoadU(d, color), light), d, color);
+                   }
+                 });
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace ovoid::cpu
+HWY_AFTER_NAMESPACE();
+
+#endif

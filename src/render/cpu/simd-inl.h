@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+// Names and small functions that all SIMD stages share. Included once per target (Highway's foreach
+// pattern).
+#if defined(OVOID_RENDER_CPU_SIMD_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef OVOID_RENDER_CPU_SIMD_INL_H_
+#undef OVOID_RENDER_CPU_SIMD_INL_H_
+#else
+#define OVOID_RENDER_CPU_SIMD_INL_H_
+#endif
+
+#include <hwy/highway.h>
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+#include "render/cpu/block.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace ovoid::cpu {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+// A group: as many neighbouring samples of a plane's row as a vector holds.
+using D = hn::CappedTag<float, 16>;
+using DI = hn::RebindToSigned<D>;
+using V = hn::Vec<D>;
+using VI = hn::Vec<DI>;
+using M = hn::Mask<D>;
+inline constexpr D d;
+inline constexpr DI di;
+
+inline int GroupSize() { return static_cast<int>(hn::Lanes(d)); }
+inline std::uint32_t GroupBits() { return GroupSize() == 32 ? ~0U : (1U << GroupSize()) - 1U; }
+
+HWY_INLINE M MaskOf(std::uint32_t bits) {
+  alignas(8) std::uint8_t bytes[8] = {static_cast<std::uint8_t>(bits),
+                                      static_cast<std::uint8_t>(bits >> 8)};
+  return hn::LoadMaskBits(d, bytes);
+}
+
+HWY_INLINE std::uint32_t BitsOf(M mask) {
+  alignas(8) std::uint8_t bytes[8] = {};
+  hn::StoreMaskBits(d, mask, bytes);
+  return bytes[0] | static_cast<std::uint32_t>(bytes[1]) << 8;
+}
+
+// Index position of a group of samples, relative to the block's origin.
+struct Position {
+  V x, y, z;
+};
+
+HWY_INLINE Position PositionOf(const SheetSetup& sheet, int column, int row) {
+  const V x = hn::Iota(d, static_cast<float>(column));
+  const float y = static_cast<float>(row);
+  const auto along = [&](int a) {
+    return hn::MulAdd(x, hn::Set(d, sheet.per_x[a]),
+                      hn::Set(d, sheet.base[a] + y * sheet.per_y[a]));
+  };
+  return {along(0), along(1), along(2)};
+}
+
+// 2^x for |x| <= 126 by Taylor's series on [-1/2, 1/2]; relative error below (ln 2 / 2)^(n + 1) /
+// (n + 1)! with n terms: kExp2CoarseError for five, kExp2Error for six (plus rounding).
+inline constexpr double kExp2CoarseError = 2.5e-6;
+inline constexpr double kExp2Error = 3e-7;
+
+template <bool kCoarse = false, class DF, class VF = hn::Vec<DF>>
+HWY_INLINE VF Exp2(DF df, VF x) {
+  const hn::RebindToSigned<DF> dint;
+  const VF whole = hn::Round(x);
+  const VF f = hn::Sub(x, whole);
+  VF p = kCoarse ? hn::Set(df, 1.3333558e-3F)
+                 : hn::MulAdd(f, hn::Set(df, 1.5403530e-4F), hn::Set(df, 1.3333558e-3F));
+  p = hn::MulAdd(p, f, hn::Set(df, 9.6181291e-3F));
+  p = hn::MulAdd(p, f, hn::Set(df, 5.5504109e-2F));
+  p = hn::MulAdd(p, f, hn::Set(df, 2.4022651e-1F));
+  p = hn::MulAdd(p, f, hn::Set(df, 6.9314718e-1F));
+  p = hn::MulAdd(p, f, hn::Set(df, 1.0F));
+  const auto exponent = hn::ShiftLeft<23>(hn::ConvertTo(dint, whole));
+  return hn::BitCast(df, hn::Add(hn::BitCast(dint, p), exponent));
+}
+
+// 1 / x to float precision: one Newton step on the hardware's estimate.
+HWY_INLINE V Reciprocal(V x) {
+  const V r = hn::ApproximateReciprocal(x);
+  return hn::Mul(r, hn::NegMulAdd(x, r, hn::Set(d, 2.0F)));
+}
+
+// Runs `body(column, bits)` for each group of a row in which `row_bits` has a bit set; bit i of
+// `bits` is sample column + i.
+template <class Body>
+HWY_INLINE void ForEachGroup(std::uint32_t row_bits, int first_column, int last_column,
+                             const Body& body) {
+  for (int column = first_column; column < last_column; column += GroupSize()) {
+    const std::uint32_t bits = row_bits >> column & GroupBits();
+    if (bits != 0) body(column, bits);
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace ovoid::cpu
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: Apache-2.0
+// Stage "reconstruct" by scattering: each kernel of the region adds itself to the samples it
+// covers, sheet by sheet; the method as it was published. The sums are the gathered ones in another
+// order.
+//
+// In:  the region, the sheets of the block.
+// Out: per sheet two planes, numerator and denominator; ReadSplatSheet() divides them.
+// On a sheet, index space is an affine function of the pixel; its inverse gives each kernel's
+// rectangle of pixels at once, and the range of kernels along a row that meet the sheet. SIMD runs
+// along the pixels of a row. Work is in proportion to kernels met x their footprint, so this wins
+// where samples are sparse among kernels or most kernels are zero (`sum`).
+#if defined(OVOID_RENDER_CPU_SPLAT_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef OVOID_RENDER_CPU_SPLAT_INL_H_
+#undef OVOID_RENDER_CPU_SPLAT_INL_H_
+#else
+#define OVOID_RENDER_CPU_SPLAT_INL_H_
+#endif
+
+#include "render/cpu/general-inl.h"
+#include "render/cpu/simd-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace ovoid::cpu {
+namespace HWY_NAMESPACE {
+
+inline constexpr std::size_t kPlaneFloats = kMaxPlaneRows * kPlaneStride + kTapPadding;
+
+inline float* NumeratorPlane(Workspace& work, int s) {
+  return work.splats.data.get() + 2 * kPlaneFloats * s;
+}
+inline float* DenominatorPlane(Workspace& work, int s) {
+  return NumeratorPlane(work, s) + kPlaneFloats;
+}
+
+// A plane of samples as kernels see it: u(x, y) = base + x per_x + y per_y, and the inverse of
+// (per_x, per_y, step).
+struct SplatPlane {
+  float base[3], per_x[3], per_y[3], step[3];
+  float inverse[3][3];   // row 0: x, row 1: y, row 2: sheets, from an index-space offset
+  float half_extent[3];  // of a kernel's support box in x, y, sheets
+  float support[3];      // of the box, index space
+  float exponent[3];     // log2 of the kernel is the sum of exponent * offset^2
+};
+
+// At `offset` sheets from sheet s, for slab means.
+inline SplatPlane MakeSplatPlane(const CpuFrame& frame, const SheetSetup& sheet, float offset) {
+  SplatPlane plane;
+  Eigen::Matrix3f columns;
+  for (int a = 0; a < 3; ++a) {
+    plane.base[a] = sheet.base[a] + offset * sheet.step[a];
+    plane.per_x[a] = sheet.per_x[a] + offset * sheet.step_per_x[a];
+    plane.per_y[a] = sheet.per_y[a] + offset * sheet.step_per_y[a];
+    plane.step[a] = sheet.step[a];
+    plane.support[a] = frame.support * sheet.widening[a];
+    plane.exponent[a] =
+        -0.5F * 1.44269504F * frame.inverse_variance / (sheet.widening[a] * sheet.widening[a]);
+    columns(a, 0) = plane.per_x[a];
+    columns(a, 1) = plane.per_y[a];
+    columns(a, 2) = plane.step[a];
+  }
+  const Eigen::Matrix3f inverse = columns.inverse();
+  for (int r = 0; r < 3; ++r) {
+    plane.half_extent[r] = 1e-3F;  // rounding slack; the support is tested sample by sample
+    for (int a = 0; a < 3; ++a) {
+      plane.inverse[r][a] = inverse(r, a);
+      plane.half_extent[r] += std::abs(inverse(r, a)) * plane.support[a];
+    }
+  }
+  return plane;
+}
+
+HWY_INLINE float Along(const float* row, const float* v) {
+  return row[0] * v[0] + row[1] * v[1] + row[2] * v[2];
+}
+
+// Adds one kernel at index position `center` to a plane's samples.
+HWY_INLINE void SplatKernel(const Block& block, const SplatPlane& plane, const float* center,
+                            float value, float weight, float* HWY_RESTRICT numerator,
+                            float* HWY_RESTRICT denominator) {
+  const float from_base[3] = {center[0] - plane.base[0], center[1] - plane.base[1],
+                              center[2] - plane.base[2]};
+  const float x = Along(plane.inverse[0], from_base);
+  const float y = Along(plane.inverse[1], from_base);
+  const int x0 = std::max(0, static_cast<int>(std::ceil(x - plane.half_extent[0])));
+  const int x1 =
+      std::min(block.columns - 1, static_cast<int>(std::floor(x + plane.half_extent[0])));
+  const int y0 = std::max(0, static_cast<int>(std::ceil(y - plane.half_extent[1])));
+  const int y1 = std::min(block.rows - 1, static_cast<int>(std::floor(y + plane.half_extent[1])));
+  const V scaled_value = hn::Set(d, value * weight);
+  const V scaled_one = hn::Set(d, weight);
+  for (int row = y0; row <= y1; ++row) {
+    for (int column = x0; column <= x1; column += GroupSize()) {
+      const V px = hn::Iota(d, static_cast<float>(column));
+      V log = hn::Zero(d);
+      M covered = hn::Lt(px, hn::Set(d, static_cast<float>(block.columns)));
+      for (int a = 0; a < 3; ++a) {
+        const V offset =
+            hn::MulAdd(px, hn::Set(d, plane.per_x[a]),
+                       hn::Set(d, static_cast<float>(row) * plane.per_y[a] - from_base[a]));
+        covered = hn::And(covered, hn::Le(hn::Abs(offset), hn::Set(d, plane.support[a])));
+        log = hn::MulAdd(hn::Mul(offset, offset), hn::Set(d, plane.exponent[a]), log);
+      }
+      const V phi = hn::IfThenElseZero(covered, Exp2(d, hn::Max(log, hn::Set(d, -126.0F))));
+      const int at = row * kPlaneStride + column;
+      hn::StoreU(hn::MulAdd(phi, scaled_value, hn::LoadU(d, numerator + at)), d, numerator + at);
+      hn::StoreU(hn::MulAdd(phi, scaled_one, hn::LoadU(d, denominator + at)), d, denominator + at);
+    }
+  }
+}
+
+inline void SplatOntoPlane(Workspace& work, const SplatPlane& plane, float weight, float* numerator,
+                           float* denominator) {
+  const Block& block = work.block;
+  for (int z = 0; z < block.region_size[2]; ++z) {
+    for (int y = 0; y < block.region_size[1]; ++y) {
+      float center[3] = {static_cast<float>(block.region_lo[0]),
+                         static_cast<float>(block.region_lo[1] + y),
+                         static_cast<float>(block.region_lo[2] + z)};
+      // Kernels of the row that meet the sheet: |sheet + i * slope| <= half extent.
+      const float from_base[3] = {center[0] - plane.base[0], center[1] - plane.base[1],
+                                  center[2] - plane.base[2]};
+      const float sheet = Along(plane.inverse[2], from_base);
+      const float slope = plane.inverse[2][0];
+      int first = 0;
+      int last = block.region_size[0] - 1;
+      if (std::abs(slope) > 1e-6F) {
+        const float a = (-plane.half_extent[2] - sheet) / slope;
+        const float b = (plane.half_extent[2] - sheet) / slope;
+        first = static_cast<int>(std::max(0.0F, std::ceil(std::min(a, b))));
+        last = static_cast<int>(std::min(static_cast<float>(last), std::floor(std::max(a, b))));
+      } else if (std::abs(sheet) > plane.half_extent[2]) {
+        continue;
+      }
+      const std::ptrdiff_t row =
+          static_cast<std::ptrdiff_t>(z) * block.slice_stride + y * block.row_stride;
+      const float x0 = center[0];
+      for (int i = first; i <= last; ++i) {
+        const float value = work.samples.data[row + i];
+        if (block.has_missing && work.presence.data[row + i] == 0.0F) continue;
+        center[0] = x0 + static_cast<float>(i);
+        SplatKernel(block, plane, center, value, weight, numerator, denominator);
+      }
+    }
+  }
+}
+
+inline void Splat(const CpuFrame& frame, Workspace& work) {
+  const Block& block = work.block;
+  const std::size_t count = 2 * kPlaneFloats * block.num_sheets;
+  std::fill_n(work.splats.reserve(count), count, 0.0F);
+  for (int s = 0; s < block.num_sheets; ++s) {
+    for (int node = 0; node < frame.num_slab_nodes; ++node) {
+      const SlabNode slab = frame.slab_nodes[node];
+      SplatOntoPlane(work, MakeSplatPlane(frame, block.sheets[s], slab.offset), slab.weight,
+                     NumeratorPlane(work, s), DenominatorPlane(work, s));
+    }
+  }
+}
+
+// The sum of all kernels of an endless lattice at a sample (its slab's mean).
+inline float EndlessSum(const CpuFrame& frame, Workspace& work, const SheetSetup& sheet, int column,
+                        int row) {
+  const int capacity = TapCapacity(frame, sheet);
+  float* memory = work.taps.reserve(static_cast<std::size_t>(6) * capacity);
+  float sum = 0;
+  for (int node = 0; node < frame.num_slab_nodes; ++node) {
+    const float x = static_cast<float>(column);
+    const float y = static_cast<float>(row);
+    float product = frame.slab_nodes[node].weight;
+    for (int a = 0; a < 3; ++a) {
+      const float step = sheet.step[a] + x * sheet.step_per_x[a] + y * sheet.step_per_y[a];
+      const float u = sheet.base[a] + x * sheet.per_x[a] + y * sheet.per_y[a] +
+                      frame.slab_nodes[node].offset * step;
+      AxisTaps taps;
+      taps.weight = memory;
+      taps.derivative = memory + capacity;
+      FillAxis(frame, work.block, a, u, sheet.widening[a], taps);
+      product *= taps.endless;
+    }
+    sum += product;
+  }
+  return sum;
+}
+
+inline void ReadSplatSheet(const CpuFrame& frame, Workspace& work, int s, const RowBits& wanted) {
+  Block& block = work.block;
+  const SheetSetup& sheet = block.sheets[s];
+  const float mass = sheet.widening[0] * sheet.widening[1] * sheet.widening[2];
+  float* values = block.values[s & (kRingSheets - 1)];
+  RowBits& defined = block.defined[s & (kRingSheets - 1)];
+  for (int y = 0; y < block.rows; ++y) {
+    defined[y] = 0;
+    for (std::uint32_t bits = wanted[y]; bits != 0; bits &= bits - 1) {
+      const int x = std::countr_zero(bits);
+      const int at = y * kPlaneStride + x;
+      const float n = NumeratorPlane(work, s)[at];
+      const float e = DenominatorPlane(work, s)[at];
+      if (!(e > 0)) continue;
+      if (frame.is_sum) {
+        values[at] = frame.sum_weight / mass * n;
+      } else {
+        const bool is_whole = block.is_interior && !block.has_missing;
+        if (!is_whole && !(e >= kLeastWeight * EndlessSum(frame, work, sheet, x, y))) continue;
+        values[at] = n / e;
+      }
+      defined[y] |= 1U << x;
+    }
+    work.stats.samples_reconstructed += std::popcount(wanted[y]);
+  }
+}
+
+// Scatter if asked to. Left to itself, gather: it reads each tap once for a sample that is needed,
+// scatter pays for samples that are not.
+inline bool ShouldScatter(const CpuFrame& frame, const Workspace&) {
+  return frame.evaluate == Evaluate::kScatter;
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace ovoid::cpu
+HWY_AFTER_NAMESPACE();
+
+#endif

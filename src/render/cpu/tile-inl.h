@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: Apache-2.0
+// One tile, front to back: sets up blocks, decides which can be skipped, and runs the stages on the
+// others sheet by sheet, so that a pixel that turns opaque stops costing anything at once.
+#if defined(OVOID_RENDER_CPU_TILE_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef OVOID_RENDER_CPU_TILE_INL_H_
+#undef OVOID_RENDER_CPU_TILE_INL_H_
+#else
+#define OVOID_RENDER_CPU_TILE_INL_H_
+#endif
+
+#include "render/cpu/bin-inl.h"
+#include "render/cpu/composite-inl.h"
+#include "render/cpu/isosurface-inl.h"
+#include "render/cpu/load-inl.h"
+#include "render/cpu/reconstruct-inl.h"
+#include "render/cpu/shade-inl.h"
+#include "render/cpu/splat-inl.h"
+#include "render/cpu/ticks.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace ovoid::cpu {
+namespace HWY_NAMESPACE {
+
+// A part of a tile's work: pixels of the tile x consecutive sheets.
+struct Part {
+  int x0, y0, x1, y1;
+  std::int64_t first_sheet, last_sheet;  // without margins
+};
+
+// Index-space box around a part's samples, margins and slabs included.
+inline Bounds3 BoxOf(const CpuFrame& frame, const Block& block, const Part& part, int margin) {
+  const view::ViewLattice& lattice = frame.plan->lattice;
+  Bounds3 box;
+  for (const std::int64_t sheet :
+       {part.first_sheet - block.front_margin, part.last_sheet - 1 + block.back_margin}) {
+    const view::SheetMap map = lattice.index_map(sheet);
+    for (const int x : {part.x0 - margin, part.x1 - 1 + margin}) {
+      for (const int y : {part.y0 - margin, part.y1 - 1 + margin}) {
+        box.extend(map.at(block.tile_x + x, block.tile_y + y));
+      }
+    }
+  }
+  return box;
+}
+
+// True if every sample's slab lies outside one of the half spaces.
+inline bool IsClippedAway(const CpuFrame& frame, const Block& block, const Part& part) {
+  const view::FramePlan& plan = *frame.plan;
+  for (const ClipPlane& plane : plan.clip_planes) {
+    double nearest = -1;
+    for (const std::int64_t sheet : {part.first_sheet, part.last_sheet - 1}) {
+      const view::ClipMap distance = plan.clip_distance(plane, sheet);
+      const view::ClipMap slope = plan.clip_slope(plane);
+      for (const int x : {part.x0, part.x1 - 1}) {
+        for (const int y : {part.y0, part.y1 - 1}) {
+          const double px = block.tile_x + x;
+          const double py = block.tile_y + y;
+          const double inside = distance.origin + px * distance.per_x + py * distance.per_y;
+          const double lean = std::abs(slope.origin + px * slope.per_x + py * slope.per_y);
+          nearest = std::max(nearest, inside + 0.5 * lean * plan.lattice.sampling_distance());
+        }
+      }
+    }
+    if (nearest < 0) return true;
+  }
+  return false;
+}
+
+inline void SetUpSheet(const CpuFrame& frame, Block& block, int s) {
+  const view::FramePlan& plan = *frame.plan;
+  const std::int64_t sheet = block.first_sheet + s;
+  const view::SheetMap map = plan.lattice.index_map(sheet);
+  const view::SheetMap next = plan.lattice.index_map(sheet + 1);
+  const double x = block.tile_x + block.x0 - block.margin;
+  const double y = block.tile_y + block.y0 - block.margin;
+  const Vec3 base = map.at(x, y);
+  const Vec3 step = next.at(x, y) - base;
+  const Vec3 widening = plan.widening(sheet);
+  SheetSetup& setup = block.sheets[s];
+  for (int a = 0; a < 3; ++a) {
+    setup.base[a] = static_cast<float>(base[a] - static_cast<double>(block.origin[a]));
+    setup.per_x[a] = static_cast<float>(map.per_x[a]);
+    setup.per_y[a] = static_cast<float>(map.per_y[a]);
+    setup.step[a] = static_cast<float>(step[a]);
+    setup.step_per_x[a] = static_cast<float>(next.per_x[a] - map.per_x[a]);
+    setup.step_per_y[a] = static_cast<float>(next.per_y[a] - map.per_y[a]);
+    setup.widening[a] = static_cast<float>(widening[a]);
+  }
+  setup.depth = static_cast<float>(plan.lattice.depth(sheet));
+  setup.inverse_pitch = static_cast<float>(1.0 / plan.lattice.pitch(sheet));
+}
+
+inline void SetUpBlock(const CpuFrame& frame, Block& block, const Part& part, const Bounds3& box) {
+  block.x0 = part.x0;
+  block.y0 = part.y0;
+  block.x1 = part.x1;
+  block.y1 = part.y1;
+  block.columns = part.x1 - part.x0 + 2 * block.margin;
+  block.rows = part.y1 - part.y0 + 2 * block.margin;
+  block.first_sheet = part.first_sheet - block.front_margin;
+  block.num_sheets =
+      static_cast<int>(part.last_sheet - part.first_sheet) + block.front_margin + block.back_margin;
+  for (int a = 0; a < 3; ++a) block.origin[a] = static_cast<std::int64_t>(std::floor(box.min()[a]));
+  for (int s = 0; s < block.num_sheets; ++s) SetUpSheet(frame, block, s);
+}
+
+// Samples to be classified now: relevant ones of open pixels.
+inline RowBits RelevantNow(const Block& block, const TileState& tile, int s) {
+  RowBits bits;
+  for (int y = 0; y < block.rows; ++y) {
+    const int row = TileRow(block, y);
+    const bool is_pixel_row = row >= block.y0 && row < block.y1;
+    const std::uint32_t open = is_pixel_row ? tile.open[row] >> block.x0 << block.margin : 0;
+    bits[y] = block.relevant[s][y] & open & block.defined[s & (kRingSheets - 1)][y];
+  }
+  return bits;
+}
+
+// Samples to be reconstructed now: active ones of open pixels, and of their neighbours where
+// differences are taken.
+inline RowBits WantedNow(const CpuFrame& frame, const Block& block, const TileState& tile, int s) {
+  if (!frame.stop_opaque) return block.active[s];
+  RowBits open{};
+  for (int y = 0; y < block.rows; ++y) {
+    const int row = TileRow(block, y);
+    if (row >= block.y0 && row < block.y1) open[y] = tile.open[row] >> block.x0 << block.margin;
+  }
+  RowBits bits;
+  for (int y = 0; y < block.rows; ++y) {
+    std::uint32_t near = open[y];
+    if (block.margin > 0) {
+      near |= near << 1 | near >> 1;
+      if (y > 0) near |= open[y - 1];
+      if (y + 1 < block.rows) near |= open[y + 1];
+    }
+    bits[y] = block.active[s][y] & near;
+  }
+  return bits;
+}
+
+inline std::int64_t CountBits(const Block& block, const RowBits& bits) {
+  std::int64_t count = 0;
+  for (int y = 0; y < block.rows; ++y) count += std::popcount(bits[y]);
+  return count;
+}
+
+// Classify, light and composite sheet s, whose values (and neighbours', if differences are taken)
+// are there.
+inline void FinishSheet(const CpuFrame& frame, Workspace& work, int s, StageClock& clock) {
+  Block& block = work.block;
+  TileState& tile = work.tile;
+  if (frame.mode == Mode::kIsosurface) {
+    if (s > 0) SurfaceSheet(frame, work, s);
+    clock.lap(kShade);
+    return;
+  }
+  const RowBits bits = RelevantNow(block, tile, s);
+  if (frame.mode != Mode::kComposite) {
+    AccumulateSheet(frame, block, tile, s, bits);
+    clock.lap(kComposite);
+    return;
+  }
+  ClassifySheet(frame, block, s, bits);
+  const std::int64_t num_visible = CountBits(block, block.visible);
+  clock.lap(kShade);
+  if (num_visible == 0) return;
+  work.stats.samples_shaded += num_visible;
+  if (frame.shade) {
+    GradientOfSheet(frame, work, s);
+    clock.lap(kGradient);
+    LightSheet(frame, block);
+    clock.lap(kShade);
+  }
+  CompositeSheet(frame, block, tile, s);
+  clock.lap(kComposite);
+}
+
+inline void RunSheets(const CpuFrame& frame, Workspace& work, StageClock& clock) {
+  Block& block = work.block;
+  const bool is_scattered = ShouldScatter(frame, work);
+  for (int s = 0; s < block.num_sheets; ++s)
+    block.uses_four_taps[s] = UsesFourTaps(frame, block, s);
+  if (is_scattered) Splat(frame, work);
+  clock.lap(kReconstruct);
+  for (int s = 0; s < block.num_sheets; ++s) {
+    if (frame.stop_opaque && !work.tile.any_open(block.x0, block.y0, block.x1, block.y1)) return;
+    const RowBits wanted = WantedNow(frame, block, work.tile, s);
+    if (is_scattered) {
+      ReadSplatSheet(frame, work, s, wanted);
+    } else {
+      ReconstructSheet(frame, work, s, wanted);
+    }
+    clock.lap(kReconstruct);
+    // With differences, a sheet is finished once its far neighbour is there.
+    if (!frame.central_gradient) {
+      FinishSheet(frame, work, s, clock);
+    } else if (s >= 2) {
+      FinishSheet(frame, work, s - 1, clock);
+    }
+  }
+}
+
+inline Part FirstHalf(const Part& part, int axis) {
+  Part half = part;
+  if (axis == 0) half.x1 = (part.x0 + part.x1) / 2;
+  if (axis == 1) half.y1 = (part.y0 + part.y1) / 2;
+  if (axis == 2) half.last_sheet = (part.first_sheet + part.last_sheet) / 2;
+  return half;
+}
+
+inline Part SecondHalf(const Part& part, int axis) {
+  Part half = part;
+  const Part first = FirstHalf(part, axis);
+  if (axis == 0) half.x0 = first.x1;
+  if (axis == 1) half.y0 = first.y1;
+  if (axis == 2) half.first_sheet = first.last_sheet;
+  return half;
+}
+
+// The axis (pixels x, y, sheets) along which a part spans most of the lattice, or -1 if it is a
+// single sample.
+inline int LongestAxis(const Block& block, const Part& part) {
+  const SheetSetup& sheet = block.sheets[0];
+  const auto reach = [](const float* v) {
+    return std::abs(v[0]) + std::abs(v[1]) + std::abs(v[2]);
+  };
+  const float spans[3] = {
+      static_cast<float>(part.x1 - part.x0 - 1) * reach(sheet.per_x),
+      static_cast<float>(part.y1 - part.y0 - 1) * reach(sheet.per_y),
+      static_cast<float>(part.last_sheet - part.first_sheet - 1) * reach(sheet.step)};
+  const int longest = static_cast<int>(std::max_element(spans, spans + 3) - spans);
+  return spans[longest] > 0 ? longest : -1;
+}
+
+// Draws a part; one whose region is too large for the cache is halved, the front half first.
+// Returns false if nothing in it was relevant.
+inline bool DrawPart(const CpuFrame& frame, Workspace& work, const Part& part, StageClock& clock) {
+  Block& block = work.block;
+  SetUpBlock(frame, block, part, BoxOf(frame, block, part, block.margin));
+  const std::int64_t num_relevant = Bin(frame, block, work.tile);
+  clock.lap(kBin);
+  if (num_relevant == 0) return false;
+  const std::int64_t region =
+      num_samples({block.region_size[0], block.region_size[1], block.region_size[2]});
+  if (region > kMaxRegionSamples) {
+    const int axis = LongestAxis(block, part);
+    if (axis >= 0) {
+      DrawPart(frame, work, FirstHalf(part, axis), clock);
+      DrawPart(frame, work, SecondHalf(part, axis), clock);
+      return true;
+    }
+  }
+  Load(frame, work);
+  clock.lap(kLoad);
+  RunSheets(frame, work, clock);
+  return true;
+}
+
+// Draws one tile into work.tile; `block` of the workspace holds the tile's place.
+inline void RenderTile(const CpuFrame& frame, Workspace& work, const TileRect& rect) {
+  const view::FramePlan& plan = *frame.plan;
+  Block& block = work.block;
+  WorkerStats& stats = work.stats;
+  StageClock clock(stats.ticks, frame.collect_profile);
+  block.tile_x = rect.x0;
+  block.tile_y = rect.y0;
+  const int width = rect.x1 - rect.x0;
+  const int height = rect.y1 - rect.y0;
+  block.margin = frame.central_gradient ? 1 : 0;
+  block.front_margin = frame.central_gradient || frame.mode == Mode::kIsosurface ? 1 : 0;
+  block.back_margin = block.margin;
+  work.tile.reset(width, height);
+
+  const std::int64_t last = plan.sheets.last;
+  for (std::int64_t sheet = plan.sheets.first; sheet < last; sheet += kBlockSheets) {
+    ++stats.blocks_total;
+    if (frame.stop.stop_requested()) return;
+    if (frame.stop_opaque && !work.tile.any_open(0, 0, width, height)) {
+      ++stats.skipped_opaque;
+      continue;
+    }
+    const Part part{0, 0, width, height, sheet, std::min<std::int64_t>(sheet + kBlockSheets, last)};
+    const Bounds3 box = BoxOf(frame, block, part, 0);
+    if (!box.intersects(plan.index_support) || IsClippedAway(frame, block, part)) {
+      ++stats.skipped_empty;
+    } else if (!plan.relevance.any_in(box.min(), box.max()) ||
+               !DrawPart(frame, work, part, clock)) {
+      ++stats.skipped_irrelevant;
+    } else {
+      ++stats.blocks_drawn;
+    }
+  }
+  clock.lap(kBin);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace ovoid::cpu
+HWY_AFTER_NAMESPACE();
+
+#endif

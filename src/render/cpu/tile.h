@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "render/cpu/block.h"
+
+namespace ovoid::cpu {
+
+// Draws one tile into work.tile with the best SIMD target (or the one that OVOID_TARGET names).
+// Brick sources may throw.
+void render_tile(const CpuFrame& frame, Workspace& work, const TileRect& rect);
+
+// The target that render_tile() uses, and all that could be used, best first. Throws
+// Error(kInvalidArgument) if OVOID_TARGET names one that this build or machine does not have.
+std::string simd_target_in_use();
+std::vector<std::string> usable_simd_targets();
+
+}  // namespace ovoid::cpu

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "view/frame_plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "ovoid/error.h"
+
+namespace ovoid::view {
+namespace {
+
+double effective_sampling_distance(const LatticeField& field, const RenderOptions& options) {
+  return options.sampling_distance > 0 ? options.sampling_distance
+                                       : field.default_sampling_distance();
+}
+
+double effective_unit_distance(const LatticeField& field, const Look& look) {
+  if (look.unit_distance > 0) return look.unit_distance;
+  return look.transfer_function.unit_distance.value_or(default_unit_distance(field));
+}
+
+ViewLattice::SheetRange checked_sheets(const ViewLattice& lattice, const Bounds3& box) {
+  const ViewLattice::SheetRange range = lattice.sheets_meeting(box);
+  if (range.last - range.first > kMaxSheets) {
+    throw Error(
+        ErrorCode::kInvalidArgument,
+        fmt::format(
+            "sampling_distance = {}: gives {} sheets through the field, must give at most {}",
+            lattice.sampling_distance(), range.last - range.first, kMaxSheets));
+  }
+  return range;
+}
+
+// Where the field can be defined: `sum` wherever a kernel reaches; normalized to where 0.48 of the
+// weights exist, which is at most 0.05 sigma (the slope of a Gaussian's integral) beyond the faces
+// of the outermost cells.
+Bounds3 support_of(const LatticeField& field, double widening) {
+  const LatticeKernel& kernel = field.kernel();
+  Bounds3 box = field.geometry().index_bounds();
+  const double beyond = field.reconstruction() == Reconstruction::kSum
+                            ? kernel.support_radius() * widening - 0.5
+                            : 0.06 * kernel.sigma * widening + 1e-3;
+  box.min().array() -= beyond;
+  box.max().array() += beyond;
+  return box;
+}
+
+double greatest_pitch(const ViewLattice& lattice, const Bounds3& index_box) {
+  if (lattice.is_parallel()) return lattice.pitch(0);
+  const ViewLattice::SheetRange range = lattice.sheets_meeting(index_box);
+  return range.first < range.last ? lattice.pitch(range.last - 1) : 0.0;
+}
+
+// Bricks by which an isosurface's relevant set grows: both samples around a crossing must be taken.
+int isosurface_grow(const ViewLattice& lattice, const LatticeField& field) {
+  const SheetMap near = lattice.index_map(0);
+  const SheetMap next = lattice.index_map(1);
+  double step = (next.origin - near.origin).cwiseAbs().maxCoeff();
+  if (!lattice.is_parallel()) {
+    // The ray of a corner pixel advances farthest per sheet.
+    for (const double x : {0.0, lattice.width() - 1.0}) {
+      for (const double y : {0.0, lattice.height() - 1.0}) {
+        step = std::max(step, (next.at(x, y) - near.at(x, y)).cwiseAbs().maxCoeff());
+      }
+    }
+  }
+  return static_cast<int>(std::ceil(step / field.source().brick_edge()));
+}
+
+MayMatter may_matter_for(const Look& look, const LookTable& table) {
+  if (look.mode == Mode::kComposite) {
+    return [&table](float lo, float hi) { return table.any_opacity(lo, hi); };
+  }
+  if (look.mode == Mode::kIsosurface) {
+    return [iso = static_cast<float>(look.isovalue)](float lo, float hi) {
+      return lo <= iso && iso <= hi;
+    };
+  }
+  return [](float, float) { return true; };
+}
+
+}  // namespace
+
+FramePlan::FramePlan(const LatticeField& field, const Camera& camera, const Look& look,
+                     const RenderOptions& options)
+    : lattice(camera, options.width, options.height, effective_sampling_distance(field, options),
+              field.geometry()),
+      look_table(look.transfer_function),
+      unit_distance(effective_unit_distance(field, look)),
+      greatest_widening(std::max(1.0, greatest_pitch(lattice, support_of(field, 1.0)) /
+                                          field.geometry().spacing().minCoeff())),
+      relevance(field, greatest_widening,
+                look.mode == Mode::kIsosurface ? isosurface_grow(lattice, field) : 0),
+      clip_planes(options.clip_planes),
+      is_clipped(!options.clip_planes.empty() || !lattice.is_parallel()),
+      spacing_(field.geometry().spacing()) {
+  for (int a = 0; a < 3; ++a) {
+    widening_limit_[a] = static_cast<double>(field.geometry().dims[a]) / (4 * field.kernel().sigma);
+  }
+  index_support = support_of(field, greatest_widening);
+  sheets = checked_sheets(lattice, index_support);
+  if (options.skip_irrelevant) may_matter = may_matter_for(look, look_table);
+  for (ClipPlane& plane : clip_planes) {
+    const double length = plane.normal.norm();
+    plane.normal /= length;
+    plane.offset /= length;
+  }
+}
+
+ClipMap FramePlan::clip_distance(const ClipPlane& plane, std::int64_t sheet) const {
+  const SheetMap map = lattice.world_map(sheet);
+  return {plane.normal.dot(map.origin) - plane.offset, plane.normal.dot(map.per_x),
+          plane.normal.dot(map.per_y)};
+}
+
+ClipMap FramePlan::clip_slope(const ClipPlane& plane) const {
+  const SheetMap direction = lattice.ray_direction();
+  return {plane.normal.dot(direction.origin), plane.normal.dot(direction.per_x),
+          plane.normal.dot(direction.per_y)};
+}
+
+Vec3 FramePlan::widening(std::int64_t sheet) const {
+  return (lattice.pitch(sheet) / spacing_.array()).min(widening_limit_.array()).max(1.0).matrix();
+}
+
+}  // namespace ovoid::view

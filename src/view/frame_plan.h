@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "ovoid/look.h"
+#include "ovoid/renderer.h"
+#include "view/look_table.h"
+#include "view/relevance.h"
+#include "view/view_lattice.h"
+
+namespace ovoid::view {
+
+// One clip plane as a function of the sample: distance(x, y) inside the half space (world units, >=
+// 0 is kept) on a sheet, and its change per unit of depth along the ray of pixel (x, y).
+struct ClipMap {
+  double origin, per_x, per_y;
+};
+
+// Everything about a frame that can be said before a sample is reconstructed.
+struct FramePlan {
+  FramePlan(const LatticeField& field, const Camera& camera, const Look& look,
+            const RenderOptions& options);
+
+  ViewLattice lattice;
+  ViewLattice::SheetRange sheets;  // that can meet the field
+  Bounds3 index_support;           // positions (index space) where the field can be defined
+  LookTable look_table;
+  double unit_distance;
+  double greatest_widening;            // of any kernel on any sheet
+  RelevanceMap relevance;              // to be filled: one fill_layer() per layer, then finish()
+  MayMatter may_matter;                // what to fill it with; empty: everything is relevant
+  std::vector<ClipPlane> clip_planes;  // normals of unit length
+  bool is_clipped;  // some samples' paths are shortened by planes or the near plane
+
+  ClipMap clip_distance(const ClipPlane& plane, std::int64_t sheet) const;
+  ClipMap clip_slope(const ClipPlane& plane) const;
+
+  // Factors by which kernels are widened along each lattice axis on a sheet.
+  Vec3 widening(std::int64_t sheet) const;
+
+ private:
+  Vec3 spacing_;
+  Vec3 widening_limit_;  // a kernel stays under a quarter of the lattice's extent
+};
+
+// The most sheets a frame may have; finer sampling distances are refused.
+inline constexpr std::int64_t kMaxSheets = std::int64_t{1} << 20;
+
+}  // namespace ovoid::view

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "view/relevance.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+
+namespace ovoid::view {
+namespace {
+
+// Rounding of float sums is covered by widening bounds by this fraction of their magnitude (64 taps
+// of half an ulp each are 4e-6).
+constexpr float kBoundSlack = 1e-5F;
+
+// Greatest value of sum_i w g(u - i) for one axis: a Gaussian comb peaks at the samples.
+double greatest_axis_sum(const LatticeKernel& kernel) {
+  const double radius = kernel.support_radius();
+  double sum = 1.0;
+  for (int i = 1; i <= static_cast<int>(std::floor(radius)); ++i) {
+    sum += 2 * std::exp(-0.5 * i * i / (kernel.sigma * kernel.sigma));
+  }
+  return sum / (std::sqrt(2 * std::numbers::pi) * kernel.sigma);
+}
+
+}  // namespace
+
+RelevanceMap::RelevanceMap(const LatticeField& field, double widening, int grow) : field_(&field) {
+  const BrickSource& source = field.source();
+  const int edge = source.brick_edge();
+  shift_ = std::countr_zero(static_cast<unsigned>(edge));
+  for (int a = 0; a < 3; ++a) num_bricks_[a] = (field.geometry().dims[a] + edge - 1) / edge;
+  for (int a = 0; a < 3; ++a) num_groups_[a] = (num_bricks_[a] + 3) / 4;
+  words_per_row_ = static_cast<int>((num_bricks_[0] + 31) / 32);
+  words_.assign(static_cast<std::size_t>(words_per_row_ * num_bricks_[1] * num_bricks_[2]), 0);
+  groups_.assign(static_cast<std::size_t>(num_samples(num_groups_)), 0);
+  const double reach = field.kernel().support_radius() * widening;
+  const double missing_reach = std::max(0.0, reach - source.range_reach());
+  dilation_ = grow + static_cast<int>(std::ceil(missing_reach / edge - 1e-9));
+  const double axis = greatest_axis_sum(field.kernel());
+  sum_bound_ = axis * axis * axis * 1.0001;
+}
+
+void RelevanceMap::fill_layer(int bz, const MayMatter& may_matter) {
+  const bool is_sum = field_->reconstruction() == Reconstruction::kSum;
+  for (std::int64_t by = 0; by < num_bricks_[1]; ++by) {
+    std::uint32_t* row = words_.data() + (bz * num_bricks_[1] + by) * words_per_row_;
+    for (std::int64_t bx = 0; bx < num_bricks_[0]; ++bx) {
+      const ValueRange range = field_->source().brick_range(bx, by, bz);
+      if (range.is_empty()) continue;
+      float lo = range.lo;
+      float hi = range.hi;
+      if (is_sum) {
+        lo = static_cast<float>(std::min(lo, 0.0F) * sum_bound_);
+        hi = static_cast<float>(std::max(hi, 0.0F) * sum_bound_);
+      }
+      lo -= kBoundSlack * std::abs(lo);
+      hi += kBoundSlack * std::abs(hi);
+      if (may_matter(lo, hi)) row[bx >> 5] |= 1U << (bx & 31);
+    }
+  }
+}
+
+void RelevanceMap::fill_everything() {
+  std::fill(words_.begin(), words_.end(), ~0U);
+  dilation_ = 0;
+}
+
+void RelevanceMap::finish() {
+  if (dilation_ > 0) dilate(dilation_);
+  for (std::int64_t bz = 0; bz < num_bricks_[2]; ++bz) {
+    for (std::int64_t by = 0; by < num_bricks_[1]; ++by) {
+      for (std::int64_t bx = 0; bx < num_bricks_[0]; bx += 4) {
+        const auto word = words_[static_cast<std::size_t>(
+            (bz * num_bricks_[1] + by) * words_per_row_ + (bx >> 5))];
+        const bool any = ((word >> (bx & 31)) & 0xFU) != 0;
+        const auto group = ((bz >> 2) * num_groups_[1] + (by >> 2)) * num_groups_[0] + (bx >> 2);
+        if (any) groups_[static_cast<std::size_t>(group)] = 1;
+      }
+    }
+  }
+}
+
+// Separable dilation by a cube, one axis after the other.
+void RelevanceMap::dilate(int bricks) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::vector<std::uint32_t> before = words_;
+    const auto was = [&](Index3 b) {
+      return (before[static_cast<std::size_t>((b[2] * num_bricks_[1] + b[1]) * words_per_row_ +
+                                              (b[0] >> 5))] >>
+              (b[0] & 31)) &
+             1U;
+    };
+    Index3 b{};
+    for (b[2] = 0; b[2] < num_bricks_[2]; ++b[2]) {
+      for (b[1] = 0; b[1] < num_bricks_[1]; ++b[1]) {
+        for (b[0] = 0; b[0] < num_bricks_[0]; ++b[0]) {
+          if (!was(b)) continue;
+          const auto first = std::max<std::int64_t>(0, b[axis] - bricks);
+          const auto last = std::min<std::int64_t>(num_bricks_[axis] - 1, b[axis] + bricks);
+          Index3 n = b;
+          for (n[axis] = first; n[axis] <= last; ++n[axis]) {
+            words_[static_cast<std::size_t>((n[2] * num_bricks_[1] + n[1]) * words_per_row_ +
+                                            (n[0] >> 5))] |= 1U << (n[0] & 31);
+          }
+        }
+      }
+    }
+  }
+}
+
+bool RelevanceMap::any_in(const Vec3& lo, const Vec3& hi) const noexcept {
+  Index3 first{};
+  Index3 last{};
+  for (int a = 0; a < 3; ++a) {
+    const double top = static_cast<double>(num_bricks_[a] - 1);
+    first[a] =
+        static_cast<std::int64_t>(std::clamp(std::floor(std::ldexp(lo[a], -shift_)), 0.0, top));
+    last[a] =
+        static_cast<std::int64_t>(std::clamp(std::floor(std::ldexp(hi[a], -shift_)), 0.0, top));
+  }
+  for (std::int64_t gz = first[2] >> 2; gz <= last[2] >> 2; ++gz) {
+    for (std::int64_t gy = first[1] >> 2; gy <= last[1] >> 2; ++gy) {
+      for (std::int64_t gx = first[0] >> 2; gx <= last[0] >> 2; ++gx) {
+        if (groups_[static_cast<std::size_t>((gz * num_groups_[1] + gy) * num_groups_[0] + gx)] ==
+            0)
+          continue;
+        for (std::int64_t bz = std::max(first[2], gz * 4); bz <= std::min(last[2], gz * 4 + 3);
+             ++bz) {
+          for (std::int64_t by = std::max(first[1], gy * 4); by <= std::min(last[1], gy * 4 + 3);
+               ++by) {
+            for (std::int64_t bx = std::max(first[0], gx * 4); bx <= std::min(last[0], gx * 4 + 3);
+                 ++bx) {
+              if (at(bx, by, bz)) return true;
+            }
+          }
+        }
+      }
+    }
+  }
+  return false;
+}
+
+std::int64_t RelevanceMap::num_relevant() const noexcept {
+  std::int64_t count = 0;
+  for (const std::uint32_t word : words_) count += std::popcount(word);
+  return count;
+}
+
+}  // namespace ovoid::view

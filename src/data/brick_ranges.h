@@ -30,7 +30,7 @@ struct BrickTableOptions {
   int edge = 4;        // samples per brick and axis
   double reach = 2.0;  // support radius of the kernels, spacings, >= 0
   int threads = 0;     // 0: one per hardware thread
-  std::stop_token stop;
+  std::stop_token stop{};
 };
 
 // Reads dims.x * dims.y * dims.z numbers of type uint8, int8, uint16, int16 or float. Brick b of an

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ovoid/lattice.h"
 
+#include <iterator>
+
 namespace ovoid {
 
 namespace {

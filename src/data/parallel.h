@@ -12,7 +12,7 @@ struct ParallelPlan {
   std::int64_t count = 0;  // items 0 to count - 1
   std::int64_t grain = 1;  // items handed out at a time, >= 1
   int threads = 0;         // as resolve_threads() takes it
-  std::stop_token stop;    // triggered: Error(kCancelled) once the ranges under way are done
+  std::stop_token stop{};  // triggered: Error(kCancelled) once the ranges under way are done
 };
 
 // 0: one per hardware thread. Throws Error(kInvalidArgument) for a negative number or more than

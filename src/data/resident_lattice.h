@@ -19,7 +19,7 @@ struct ResidentLatticeOptions {
   double value_scale = 1.0;  // value = stored number * scale + offset; finite, scale not 0
   double value_offset = 0.0;
   int threads = 0;  // for the brick ranges; 0: one per hardware thread
-  std::stop_token stop;
+  std::stop_token stop{};
 };
 
 // A brick source over one linear array in memory (x fastest), which is borrowed, not copied:

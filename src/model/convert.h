@@ -12,7 +12,7 @@ struct ComponentOptions {
   int component = 0;        // LatticeModelOptions::kMagnitude: Euclidean norm
   bool as_float32 = false;  // convert even what a BrickView can show as it is
   int threads = 0;          // 0: one per hardware thread
-  std::stop_token stop;
+  std::stop_token stop{};
 };
 
 // One scalar per tuple, packed and aligned.

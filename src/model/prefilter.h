@@ -27,7 +27,7 @@ struct PrefilterOptions {
   LatticeKernel kernel;
   Reconstruction reconstruction = Reconstruction::kNormalized;
   int threads = 0;  // 0: one per hardware thread
-  std::stop_token stop;
+  std::stop_token stop{};
 };
 
 // Replaces samples, x fastest, by the coefficients whose field takes the samples' values at the

@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "ovoid/error.h"
+#include "ovoid/model.h"
+
+namespace ovoid {
+namespace {
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+template <class T>
+DataArray array_of(ScalarType type, std::vector<T> values, int components = 1) {
+  const auto owner = std::make_shared<std::vector<T>>(std::move(values));
+  DataArray array;
+  array.name = "x";
+  array.type = type;
+  array.num_components = components;
+  array.num_tuples = static_cast<std::int64_t>(owner->size()) / components;
+  array.bytes = {owner, std::as_bytes(std::span<const T>(*owner))};
+  return array;
+}
+
+Dataset dataset_of(DataArray array, const Index3& dims) {
+  Dataset dataset;
+  dataset.source = "some.nrrd";
+  dataset.lattice.dims = dims;
+  dataset.arrays.push_back(std::move(array));
+  return dataset;
+}
+
+// The samples of a field, as float32.
+std::vector<float> samples_of(const Field& field) {
+  const BrickView view = field.source().acquire(0, 0, 0, 0.0);
+  EXPECT_EQ(view.type, ScalarType::kFloat32);
+  const auto* data = static_cast<const float*>(view.data);
+  return {data, data + field.num_kernels()};
+}
+
+std::string refusal(const Dataset& dataset, const LatticeModelOptions& options = {}) {
+  try {
+    make_lattice_field(dataset, options);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kInvalidArgument);
+    return error.what();
+  }
+  return "accepted";
+}
+
+// Fails if samples that can be shown are copied, or are let go with the dataset.
+TEST(MakeLatticeField, BorrowsWhatItCan) {
+  Field field;
+  const void* stored = nullptr;
+  {
+    const Dataset dataset =
+        dataset_of(array_of<std::uint16_t>(ScalarType::kUInt16, {1, 2, 3, 4, 5, 60000}), {3, 2, 1});
+    stored = dataset.arrays[0].bytes.view.data();
+    LatticeModelReport report;
+    field = make_lattice_field(dataset, {}, &report);
+    EXPECT_EQ(report.array, "x");
+    EXPECT_EQ(report.num_missing, 0);
+    EXPECT_EQ(report.source_bytes, 12U);
+    EXPECT_EQ(report.resident_bytes, field.source().resident_bytes());
+    EXPECT_TRUE(report.notes.empty());
+  }
+  const BrickView view = field.source().acquire(0, 0, 0, 0.0);
+  EXPECT_EQ(view.data, stored);
+  EXPECT_EQ(view.type, ScalarType::kUInt16);
+  EXPECT_EQ(static_cast<const std::uint16_t*>(view.data)[5], 60000);
+  EXPECT_EQ(field.value_range().hi, 60000);
+}
+
+TEST(MakeLatticeField, CopiesWhatIsNotAligned) {
+  std::vector<float> values = {1, 2, 3, 4};
+  std::vector<std::byte> shifted(values.size() * sizeof(float) + 1);
+  std::memcpy(shifted.data() + 1, values.data(), values.size() * sizeof(float));
+  DataArray array = array_of(ScalarType::kFloat32, values);
+  array.bytes = {nullptr, std::span<const std::byte>(shifted).subspan(1)};
+  EXPECT_EQ(samples_of(make_lattice_field(dataset_of(array, {4, 1, 1}))), values);
+}
+
+TEST(MakeLatticeField, OtherTypesBecomeFloat) {
+  const Index3 dims = {3, 1, 1};
+  EXPECT_EQ(samples_of(make_lattice_field(
+                dataset_of(array_of<std::int32_t>(ScalarType::kInt32, {-5, 0, 1 << 24}), dims))),
+            (std::vector<float>{-5, 0, 16777216}));
+  EXPECT_EQ(samples_of(make_lattice_field(dataset_of(
+                array_of<std::uint64_t>(ScalarType::kUInt64, {0, 1, ~std::uint64_t{0}}), dims))),
+            (std::vector<float>{0, 1, 0x1p64F}));
+}
+
+// Fails if a double beyond float32's range becomes an infinite or undefined value, or is not
+// counted.
+TEST(MakeLatticeField, CountsWhatIsMissing) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  LatticeModelReport report;
+  const Field field = make_lattice_field(
+      dataset_of(array_of<double>(ScalarType::kFloat64, {1e39, 1, nan, -1e300, 2, 3.5}), {6, 1, 1}),
+      {}, &report);
+  const std::vector<float> samples = samples_of(field);
+  EXPECT_TRUE(std::isnan(samples[0]) && std::isnan(samples[2]) && std::isnan(samples[3]));
+  EXPECT_EQ(samples[5], 3.5F);
+  EXPECT_EQ(field.value_range().lo, 1.0F);
+  EXPECT_EQ(field.value_range().hi, 3.5F);
+  EXPECT_TRUE(field.source().has_missing(0, 0, 0));
+  EXPECT_EQ(report.num_missing, 3);
+  ASSERT_EQ(report.notes.size(), 1U);
+  EXPECT_EQ(report.notes[0],
+            "array 'x': 3 of 6 samples are not finite or beyond float32's range and are treated as "
+            "missing");
+}
+
+TEST(MakeLatticeField, TakesAComponentOrTheMagnitude) {
+  const Dataset vectors = dataset_of(
+      array_of<float>(ScalarType::kFloat32, {3, 4, 0, -6, 1e-30F, 0, kInfinity, 1}, 2), {4, 1, 1});
+  LatticeModelOptions options;
+  options.component = 1;
+  EXPECT_EQ(samples_of(make_lattice_field(vectors, options)), (std::vector<float>{4, -6, 0, 1}));
+  options.component = LatticeModelOptions::kMagnitude;
+  const std::vector<float> norms = samples_of(make_lattice_field(vectors, options));
+  EXPECT_EQ(norms[0], 5.0F);
+  EXPECT_EQ(norms[1], 6.0F);
+  EXPECT_EQ(norms[2], 1e-30F);  // its square is no float
+  EXPECT_FALSE(std::isfinite(norms[3]));
+  // A component of bytes stays bytes.
+  const Field red = make_lattice_field(
+      dataset_of(array_of<std::uint8_t>(ScalarType::kUInt8, {1, 2, 3, 4, 5, 6}, 3), {2, 1, 1}));
+  const BrickView view = red.source().acquire(0, 0, 0, 0.0);
+  ASSERT_EQ(view.type, ScalarType::kUInt8);
+  EXPECT_EQ(static_cast<const std::uint8_t*>(view.data)[1], 4);
+}
+
+// 4 x 3 x 1 points: 3 x 2 cells in a plane, the first centre at (1/2, 1/2, 0) in index space.
+TEST(MakeLatticeField, CellsHaveTheirOwnLattice) {
+  DataArray cells = array_of<float>(ScalarType::kFloat32, {1, 2, 3, 4, 5, 6});
+  cells.is_cell_data = true;
+  Dataset dataset = dataset_of(cells, {4, 3, 1});
+  dataset.lattice.world_from_index =
+      Eigen::Translation3d(10, 20, 30) * Eigen::Scaling(2.0, 4.0, 8.0);
+  const Field field = make_lattice_field(dataset);
+  EXPECT_EQ(field.geometry().dims, (Index3{3, 2, 1}));
+  EXPECT_EQ(Vec3(field.geometry().world_from_index * Vec3(0, 0, 0)), Vec3(11, 22, 30));
+  EXPECT_EQ(Vec3(field.geometry().world_from_index * Vec3(2, 1, 0)), Vec3(15, 26, 30));
+}
+
+TEST(MakeLatticeField, DrawsOneVoxel) {
+  const Field field =
+      make_lattice_field(dataset_of(array_of<std::int8_t>(ScalarType::kInt8, {-7}), {1, 1, 1}));
+  EXPECT_EQ(field.num_kernels(), 1);
+  EXPECT_EQ(field.value_range().lo, -7);
+}
+
+// Fails if the field's range is that of the coefficients, or the caller's samples are written to.
+TEST(MakeLatticeField, PrefilteredKeepsTheSamplesRange) {
+  std::vector<float> values(32, 0.0F);
+  values[16] = 1.0F;
+  values[3] = kNan;
+  const Dataset dataset = dataset_of(array_of(ScalarType::kFloat32, values), {32, 1, 1});
+  LatticeModelOptions options;
+  options.prefilter = true;
+  LatticeModelReport report;
+  const Field field = make_lattice_field(dataset, options, &report);
+  EXPECT_EQ(field.value_range().lo, 0.0F);
+  EXPECT_EQ(field.value_range().hi, 1.0F);
+  EXPECT_LT(field.source().brick_range(4, 0, 0).lo, -0.1F);  // bounds are of coefficients
+  EXPECT_GT(field.source().brick_range(4, 0, 0).hi, 1.1F);
+  EXPECT_EQ(report.num_missing, 1);
+  EXPECT_TRUE(std::isnan(samples_of(field)[3]));
+  const auto* stored = reinterpret_cast<const float*>(dataset.arrays[0].bytes.view.data());
+  EXPECT_EQ(stored[16], 1.0F);
+  EXPECT_EQ(stored[15], 0.0F);
+}
+
+TEST(MakeLatticeField, NamesWhatIsWrong) {
+  const auto values = [](std::size_t count) {
+    return array_of(ScalarType::kFloat32, std::vector<float>(count, 1.0F));
+  };
+  const Dataset good = dataset_of(values(8), {2, 2, 2});
+  EXPECT_EQ(refusal(good), "accepted");
+  LatticeModelOptions options;
+  options.array = "y";
+  EXPECT_EQ(refusal(good, options), "array 'y': not in 'some.nrrd', which has 'x'");
+  options = {};
+  options.component = 1;
+  EXPECT_TRUE(refusal(good, options).starts_with("component = 1: array 'x'"));
+  options.component = -2;
+  EXPECT_TRUE(refusal(good, options).starts_with("component = -2: array 'x'"));
+  options = {};
+  options.kernel.sigma = 0;
+  EXPECT_TRUE(refusal(good, options).starts_with("kernel sigma = 0"));
+  options = {};
+  options.kernel.sigma = 2;
+  EXPECT_EQ(refusal(good, options), "accepted");
+  options.prefilter = true;
+  EXPECT_TRUE(refusal(good, options).starts_with("kernel sigma = 2: its samples cannot"));
+  options = {};
+  options.threads = -1;
+  EXPECT_TRUE(refusal(good, options).starts_with("threads = -1"));
+
+  EXPECT_TRUE(
+      refusal(dataset_of(values(7), {2, 2, 2})).starts_with("array 'x': 7 tuples, must be 8"));
+  EXPECT_TRUE(refusal(dataset_of(values(0), {2, 2, 0})).starts_with("lattice dims[2] = 0"));
+  Dataset liar = good;  // claims more than it holds
+  liar.lattice.dims = {1000, 1000, 1000};
+  liar.arrays[0].num_tuples = 1'000'000'000;
+  EXPECT_TRUE(refusal(liar).starts_with("array 'x': 32 bytes, must be 1000000000 tuples"));
+  liar.lattice.dims = {std::int64_t{1} << 40, std::int64_t{1} << 40, 4};
+  EXPECT_NE(refusal(liar), "accepted");
+  liar = good;
+  liar.arrays[0].num_components = 0;
+  EXPECT_TRUE(refusal(liar).starts_with("array 'x': 0 components"));
+  Dataset flat = good;
+  flat.lattice.world_from_index.linear().col(1).setZero();
+  EXPECT_TRUE(refusal(flat).starts_with("lattice spacing[1] = 0"));
+  EXPECT_EQ(
+      refusal(dataset_of(array_of<float>(ScalarType::kFloat32, {kNan, kInfinity}), {2, 1, 1})),
+      "array 'x': none of its 2 samples is finite");
+}
+
+TEST(MakeLatticeField, StopsWhenAsked) {
+  std::stop_source source;
+  source.request_stop();
+  const Dataset dataset = dataset_of(array_of<float>(ScalarType::kFloat32, {1, 2}), {2, 1, 1});
+  try {
+    make_lattice_field(dataset, {}, nullptr, source.get_token());
+    FAIL() << "not cancelled";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kCancelled);
+  }
+}
+
+}  // namespace
+}  // namespace ovoid

@@ -7,12 +7,13 @@ cd "$(dirname "$0")/.." || exit
 declare -A checks=(
   [text]="python3 scripts/check_text.py"
   [dependencies]="python3 scripts/check_dependencies.py"
+  [references]="python3 scripts/check_references.py"
   [format]="scripts/check_format.sh"
   [licences]="python3 scripts/check_licences.py build/release/bin/ovoid scripts/licences.txt"
   [tidy]="python3 scripts/check_tidy.py build/release"
 )
 names=("$@")
-((${#names[@]})) || names=(text dependencies format licences tidy)
+((${#names[@]})) || names=(text dependencies references format licences tidy)
 
 passed=0
 failed=0

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The built-in colour maps as control points, joined by straight lines in sRGB components
-// (cool-to-warm: Diverging). viridis, inferno, plasma, magma and cividis [Smith & van der Walt
-// 2015; Nunez 2018] and turbo [Mikhailov 2019] are published as 256 colours; kept are the fewest of
-// them that reproduce all others to half an 8-bit step, 1/512.
+// (cool-to-warm: Diverging). viridis, inferno, plasma and magma [Smith 2015], cividis [Nunez 2018]
+// and turbo [Mikhailov 2019] are published as 256 colours; kept are the fewest of them that
+// reproduce all others to half an 8-bit step, 1/512.
 #include <fmt/format.h>
 
 #include <algorithm>

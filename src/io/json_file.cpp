@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/json_file.h"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include "ovoid/error.h"
+
+namespace ovoid::io {
+namespace {
+
+std::string read_text(const std::string& path) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) {
+    throw Error(ErrorCode::kFileNotFound, fmt::format("{}: is a folder, must be a file", path));
+  }
+  errno = 0;
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) {
+    throw Error(ErrorCode::kFileNotFound, fmt::format("{}: cannot be read: {}", path,
+                                                      std::strerror(errno != 0 ? errno : EIO)));
+  }
+  // By pieces, so that a pipe works and an endless one ends.
+  std::string text;
+  char piece[65536];
+  while (text.size() <= kMaxJsonBytes && stream) {
+    stream.read(piece, sizeof(piece));
+    text.append(piece, static_cast<std::size_t>(stream.gcount()));
+  }
+  if (stream.bad()) throw Error(ErrorCode::kFileNotFound, fmt::format("{}: cannot be read", path));
+  if (text.size() > kMaxJsonBytes) {
+    throw Error(ErrorCode::kFileFormat,
+                fmt::format("{}: must have at most {} bytes", path, kMaxJsonBytes));
+  }
+  return text;
+}
+
+}  // namespace
+
+Json read_json(const std::string& path) {
+  const std::string text = read_text(path);
+  const auto check_depth = [&](int depth, Json::parse_event_t, Json&) {
+    if (depth > kMaxJsonDepth) {
+      throw Error(ErrorCode::kFileFormat,
+                  fmt::format("{}: nested deeper than {} levels", path, kMaxJsonDepth));
+    }
+    return true;
+  };
+  try {
+    return Json::parse(text, check_depth);
+  } catch (const Json::parse_error& error) {
+    throw Error(ErrorCode::kFileFormat, fmt::format("{}: not JSON at byte {}", path, error.byte));
+  } catch (const Json::exception&) {
+    throw Error(ErrorCode::kFileFormat, fmt::format("{}: holds a number that double cannot", path));
+  }
+}
+
+JsonValue JsonValue::member(const std::string& key) const {
+  const auto it = object().json_->find(key);
+  if (it == json_->end())
+    throw Error(ErrorCode::kFileFormat, fmt::format("{}: has no member {}", place_, key));
+  return {*it, fmt::format("{}{}{}", place_, place_.ends_with(' ') ? "" : ".", key)};
+}
+
+JsonValue JsonValue::element(std::size_t index) const {
+  return {array().json_->at(index), fmt::format("{}[{}]", place_, index)};
+}
+
+double JsonValue::number() const {
+  if (!json_->is_number()) refuse("must be a number");
+  return json_->get<double>();
+}
+
+std::string JsonValue::string() const {
+  if (!json_->is_string()) refuse("must be a string");
+  return json_->get<std::string>();
+}
+
+bool JsonValue::boolean() const {
+  if (json_->is_boolean()) return json_->get<bool>();
+  if (!json_->is_number()) refuse("must be true or false");
+  return json_->get<double>() != 0.0;
+}
+
+const JsonValue& JsonValue::object() const {
+  if (!json_->is_object()) refuse("must be an object");
+  return *this;
+}
+
+const JsonValue& JsonValue::array() const {
+  if (!json_->is_array()) refuse("must be an array");
+  return *this;
+}
+
+const JsonValue& JsonValue::array_of(std::size_t size) const {
+  if (array().size() != size) refuse(fmt::format("must have {} elements", size));
+  return *this;
+}
+
+void JsonValue::refuse(const std::string& expected) const {
+  constexpr std::size_t kShown = 40;
+  std::string value = json_->is_object() ? "{...}"
+                      : json_->is_array() && json_->size() > 4
+                          ? fmt::format("[{} elements]", json_->size())
+                          : json_->dump(-1, ' ', true);
+  if (value.size() > kShown) value = value.substr(0, kShown) + "...";
+  throw Error(ErrorCode::kFileFormat, fmt::format("{} = {}: {}", place_, value, expected));
+}
+
+}  // namespace ovoid::io

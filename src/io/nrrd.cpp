@@ -130,7 +130,7 @@ LatticeGeometry read_geometry(const std::string& name, NrrdHeader& header, const
 Space read_space(const std::string& name, NrrdHeader& header) {
   if (header.space.starts_with("left-posterior-superior")) return Space::kLps;
   if (header.space.starts_with("right-anterior-superior")) return Space::kRas;
-  if (header.space.starts_with("3d-left-handed") ||
+  if (header.space.starts_with("3D-left-handed") ||
       header.space.starts_with("left-anterior-superior")) {
     header.notes.push_back(fmt::format(
         "{}: space '{}' is left-handed and kept as it is: patient space none", name, header.space));

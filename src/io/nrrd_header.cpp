@@ -268,6 +268,7 @@ void parse_space(const Field& field, NrrdHeader& header) {
     header.space_dimension = abbreviation->second.second;
   } else if (const auto full = kNames.find(name); full != kNames.end()) {
     header.space = name;
+    if (name.starts_with("3d")) header.space[1] = 'D';
     header.space_dimension = full->second;
   } else {
     field.fail(

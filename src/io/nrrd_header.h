@@ -51,7 +51,7 @@ struct NrrdHeader {
   bool has_directions = false;  // "space directions" is there
   bool has_centers = false;
   std::string
-      space;  // lower case, as spelled in full ("left-posterior-superior"); empty if unnamed
+      space;  // as the format spells it in full ("left-posterior-superior"); empty if unnamed
   int space_dimension = 0;  // 0: no space
   std::optional<std::array<double, 3>> origin;
   std::string content, unit;

@@ -5,6 +5,8 @@
 
 #include "ovoid/error.h"
 
+#ifndef OVOID_IO_VTK
+
 namespace ovoid::io {
 
 Dataset read_vtk_image(const ByteSource& source, FileKind, const ReadOptions&) {
@@ -20,3 +22,359 @@ void write_vtk_image(const Dataset&, const std::string& path) {
 }
 
 }  // namespace ovoid::io
+
+#else
+
+#include <vtkAOSDataArrayTemplate.h>
+#include <vtkAlgorithm.h>
+#include <vtkCallbackCommand.h>
+#include <vtkCellData.h>
+#include <vtkDataArray.h>
+#include <vtkDataArraySelection.h>
+#include <vtkDataSetWriter.h>
+#include <vtkFieldData.h>
+#include <vtkImageData.h>
+#include <vtkInformation.h>
+#include <vtkInformationStringKey.h>
+#include <vtkMatrix3x3.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+#include <vtkSmartPointer.h>
+#include <vtkStructuredPoints.h>
+#include <vtkStructuredPointsReader.h>
+#include <vtkXMLImageDataReader.h>
+#include <vtkXMLImageDataWriter.h>
+
+#include <algorithm>
+#include <new>
+#include <vector>
+
+#include "io/atomic_file.h"
+#include "io/samples.h"
+#include "io/vtk_header.h"
+#include "io/vtk_messages.h"
+
+namespace ovoid::io {
+namespace {
+
+std::optional<ScalarType> scalar_type_of(int vtk_type) {
+  switch (vtk_type) {
+    case VTK_CHAR:
+      return std::is_signed_v<char> ? ScalarType::kInt8 : ScalarType::kUInt8;
+    case VTK_SIGNED_CHAR:
+      return ScalarType::kInt8;
+    case VTK_UNSIGNED_CHAR:
+      return ScalarType::kUInt8;
+    case VTK_SHORT:
+      return ScalarType::kInt16;
+    case VTK_UNSIGNED_SHORT:
+      return ScalarType::kUInt16;
+    case VTK_INT:
+      return ScalarType::kInt32;
+    case VTK_UNSIGNED_INT:
+      return ScalarType::kUInt32;
+    case VTK_LONG:
+      return sizeof(long) == 8 ? ScalarType::kInt64 : ScalarType::kInt32;
+    case VTK_UNSIGNED_LONG:
+      return sizeof(long) == 8 ? ScalarType::kUInt64 : ScalarType::kUInt32;
+    case VTK_LONG_LONG:
+      return ScalarType::kInt64;
+    case VTK_UNSIGNED_LONG_LONG:
+      return ScalarType::kUInt64;
+    case VTK_ID_TYPE:
+      return sizeof(vtkIdType) == 8 ? ScalarType::kInt64 : ScalarType::kInt32;
+    case VTK_FLOAT:
+      return ScalarType::kFloat32;
+    case VTK_DOUBLE:
+      return ScalarType::kFloat64;
+    default:
+      return std::nullopt;
+  }
+}
+
+// In the order of ScalarType.
+constexpr int kVtkTypes[] = {VTK_UNSIGNED_CHAR, VTK_SIGNED_CHAR, VTK_UNSIGNED_SHORT, VTK_SHORT,
+                             VTK_UNSIGNED_INT,  VTK_INT,         VTK_TYPE_UINT64,    VTK_TYPE_INT64,
+                             VTK_FLOAT,         VTK_DOUBLE};
+
+// Runs a reader: its messages are collected, its progress is passed on, and the caller may stop it.
+class ReaderRun {
+ public:
+  ReaderRun(const ByteSource& source, const ReadOptions& options)
+      : source_(source), options_(options) {}
+
+  template <typename Action>
+  void operator()(vtkAlgorithm* reader, const Action& action) {
+    vtkNew<vtkCallbackCommand> command;
+    command->SetClientData(this);
+    command->SetCallback([](vtkObject* object, unsigned long, void* self, void*) {
+      static_cast<ReaderRun*>(self)->on_progress(vtkAlgorithm::SafeDownCast(object));
+    });
+    const unsigned long tag = reader->AddObserver(vtkCommand::ProgressEvent, command);
+    try {
+      const VtkMessages messages;
+      action();
+      reader->RemoveObserver(tag);
+      was_stopped_ = was_stopped_ || options_.stop.stop_requested();
+      if (was_stopped_) throw Error(ErrorCode::kCancelled, "reading: stopped by the caller");
+      if (!messages.errors().empty()) {
+        throw Error(ErrorCode::kFileFormat,
+                    fmt::format("{}: {}", source_.name(), messages.errors().front()));
+      }
+      if (reader->GetErrorCode() != 0)
+        throw Error(ErrorCode::kFileFormat, fmt::format("{}: VTK cannot read it", source_.name()));
+      for (const std::string& warning : messages.warnings())
+        notes.push_back(fmt::format("{}: {}", source_.name(), warning));
+    } catch (const std::bad_alloc&) {
+      throw Error(
+          ErrorCode::kOutOfMemory,
+          fmt::format("{}: memory for its arrays: the system has none left", source_.name()));
+    }
+  }
+
+  std::vector<std::string> notes;
+
+ private:
+  void on_progress(vtkAlgorithm* reader) {
+    if (options_.stop.stop_requested()) {
+      was_stopped_ = true;
+      reader->SetAbortExecute(1);
+    } else if (options_.progress) {
+      options_.progress(std::clamp(reader->GetProgress(), 0.0, 1.0));
+    }
+  }
+
+  const ByteSource& source_;
+  const ReadOptions& options_;
+  bool was_stopped_ = false;
+};
+
+[[noreturn]] void throw_no_array(const ByteSource& source, const std::string& wanted,
+                                 const std::vector<std::string>& names) {
+  throw Error(ErrorCode::kInvalidArgument,
+              fmt::format("{}: array '{}': not there: expected one of '{}'", source.name(), wanted,
+                          fmt::join(names, "', '")));
+}
+
+// Leaves only the wanted array switched on.
+void select_array(const ByteSource& source, vtkXMLImageDataReader* reader,
+                  const std::string& wanted) {
+  std::vector<std::string> names;
+  bool is_found = false;
+  for (vtkDataArraySelection* selection :
+       {reader->GetPointDataArraySelection(), reader->GetCellDataArraySelection()}) {
+    for (int i = 0; i < selection->GetNumberOfArrays(); ++i)
+      names.emplace_back(selection->GetArrayName(i));
+    selection->DisableAllArrays();
+    if (selection->ArrayExists(wanted.c_str()) == 0) continue;
+    selection->EnableArray(wanted.c_str());
+    is_found = true;
+  }
+  if (!is_found) throw_no_array(source, wanted, names);
+}
+
+vtkSmartPointer<vtkImageData> run_xml_reader(const ByteSource& source, const ReadOptions& options,
+                                             ReaderRun& run) {
+  vtkNew<vtkXMLImageDataReader> reader;
+  reader->SetFileName(source.name().c_str());
+  if (!options.array.empty()) {
+    run(reader, [&] { reader->UpdateInformation(); });
+    select_array(source, reader, options.array);
+  }
+  run(reader, [&] { reader->Update(); });
+  return reader->GetOutput();
+}
+
+vtkSmartPointer<vtkImageData> run_legacy_reader(const ByteSource& source, ReaderRun& run) {
+  vtkNew<vtkStructuredPointsReader> reader;
+  reader->SetFileName(source.name().c_str());
+  reader->ReadAllScalarsOn();
+  reader->ReadAllVectorsOn();
+  reader->ReadAllNormalsOn();
+  reader->ReadAllTensorsOn();
+  reader->ReadAllColorScalarsOn();
+  reader->ReadAllTCoordsOn();
+  reader->ReadAllFieldsOn();
+  run(reader, [&] { reader->Update(); });
+  return reader->GetOutput();
+}
+
+// The image's lattice, with index 0 at its first sample whatever its extent.
+LatticeGeometry lattice_of(const ByteSource& source, vtkImageData* image) {
+  LatticeGeometry lattice;
+  Mat3 linear;
+  Vec3 first;
+  for (int axis = 0; axis < 3; ++axis) {
+    lattice.dims[static_cast<std::size_t>(axis)] = image->GetDimensions()[axis];
+    first[axis] = image->GetExtent()[2 * axis];
+    for (int row = 0; row < 3; ++row) {
+      linear(row, axis) =
+          image->GetDirectionMatrix()->GetElement(row, axis) * image->GetSpacing()[axis];
+    }
+  }
+  lattice.world_from_index.linear() = linear;
+  lattice.world_from_index.translation() = Vec3(image->GetOrigin()) + linear * first;
+  check_geometry(source.name() + ": Spacing, Direction or Origin", lattice.world_from_index);
+  return lattice;
+}
+
+Bytes share(vtkDataArray* array, std::int64_t num_bytes) {
+  vtkSmartPointer<vtkDataArray> plain = array;
+  if (!array->HasStandardMemoryLayout()) {
+    plain =
+        vtkSmartPointer<vtkDataArray>::Take(vtkDataArray::CreateDataArray(array->GetDataType()));
+    plain->DeepCopy(array);
+  }
+  const auto* data = static_cast<const std::byte*>(plain->GetVoidPointer(0));
+  return {std::make_shared<vtkSmartPointer<vtkDataArray>>(plain),
+          {data, static_cast<std::size_t>(num_bytes)}};
+}
+
+// Takes over the arrays of points or cells that hold numbers, one tuple for each sample.
+void add_arrays(Dataset& dataset, vtkFieldData* fields, std::int64_t num_expected,
+                bool is_cell_data, const std::string& wanted) {
+  for (int i = 0; i < fields->GetNumberOfArrays(); ++i) {
+    vtkAbstractArray* const abstract = fields->GetAbstractArray(i);
+    if (abstract == nullptr) continue;
+    std::string name = abstract->GetName() != nullptr ? abstract->GetName() : "";
+    if (name.empty()) name = fmt::format("{}{}", is_cell_data ? "cells" : "points", i);
+    if (!wanted.empty() && name != wanted) continue;
+    vtkDataArray* const array = vtkDataArray::SafeDownCast(abstract);
+    const auto type = scalar_type_of(abstract->GetDataType());
+    if (array == nullptr || !type || array->GetNumberOfTuples() != num_expected ||
+        array->GetNumberOfComponents() < 1) {
+      dataset.notes.push_back(fmt::format(
+          "{}: array '{}' ({} tuples of {} {}) is left out: expected {} tuples of numbers",
+          dataset.source, name, abstract->GetNumberOfTuples(), abstract->GetNumberOfComponents(),
+          abstract->GetDataTypeAsString(), num_expected));
+      continue;
+    }
+    DataArray result{name,         *type, array->GetNumberOfComponents(), num_expected, "",
+                     is_cell_data, {}};
+    vtkInformation* const information = array->HasInformation() ? array->GetInformation() : nullptr;
+    if (information != nullptr && information->Has(vtkDataArray::UNITS_LABEL()) != 0) {
+      result.unit = information->Get(vtkDataArray::UNITS_LABEL());
+    }
+    result.bytes = share(array, checked_num_bytes(dataset.source, std::array{num_expected}, *type,
+                                                  result.num_components));
+    dataset.arrays.push_back(std::move(result));
+  }
+}
+
+}  // namespace
+
+Dataset read_vtk_image(const ByteSource& source, FileKind kind, const ReadOptions& options) {
+  const bool is_xml = kind == FileKind::kVtkXml;
+  is_xml ? check_vti(source) : check_legacy_vtk(source);
+  ReaderRun run(source, options);
+  const vtkSmartPointer<vtkImageData> image =
+      is_xml ? run_xml_reader(source, options, run) : run_legacy_reader(source, run);
+  if (image == nullptr || image->GetNumberOfPoints() < 1) {
+    throw Error(ErrorCode::kFileFormat, fmt::format("{}: VTK finds no image in it", source.name()));
+  }
+  Dataset dataset;
+  dataset.source = source.name();
+  dataset.format = is_xml ? "VTI" : "legacy VTK";
+  dataset.notes = std::move(run.notes);
+  dataset.lattice = lattice_of(source, image);
+  add_arrays(dataset, image->GetPointData(), image->GetNumberOfPoints(), false, options.array);
+  add_arrays(dataset, image->GetCellData(), image->GetNumberOfCells(), true, options.array);
+  if (dataset.arrays.empty()) {
+    throw Error(
+        options.array.empty() ? ErrorCode::kFileFormat : ErrorCode::kInvalidArgument,
+        fmt::format("{}: {}", source.name(),
+                    options.array.empty() ? "has no array of numbers"
+                                          : "has no array '" + options.array + "' of numbers"));
+  }
+  if (vtkDataArray* const time = image->GetFieldData()->GetArray("TimeValue");
+      time != nullptr && time->GetNumberOfTuples() == 1) {
+    dataset.times.push_back(time->GetTuple1(0));
+  }
+  shorten_notes(dataset.notes);
+  return dataset;
+}
+
+namespace {
+
+vtkSmartPointer<vtkImageData> image_of(const Dataset& dataset) {
+  const auto image = vtkSmartPointer<vtkImageData>::New();
+  const Index3& dims = dataset.lattice.dims;
+  if (*std::max_element(dims.begin(), dims.end()) > kMaxAxisSize) {
+    throw Error(ErrorCode::kUnsupported,
+                fmt::format("dims {}: VTK images have at most {} samples along an axis",
+                            dims_text(dims), kMaxAxisSize));
+  }
+  image->SetDimensions(static_cast<int>(dims[0]), static_cast<int>(dims[1]),
+                       static_cast<int>(dims[2]));
+  const Vec3 spacing = dataset.lattice.spacing();
+  const Mat3 direction =
+      dataset.lattice.world_from_index.linear() * spacing.cwiseInverse().asDiagonal();
+  image->SetSpacing(spacing.data());
+  image->SetOrigin(Vec3(dataset.lattice.world_from_index.translation()).data());
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column)
+      image->GetDirectionMatrix()->SetElement(row, column, direction(row, column));
+  }
+  for (const DataArray& array : dataset.arrays) {
+    const auto values = vtkSmartPointer<vtkDataArray>::Take(
+        vtkDataArray::CreateDataArray(kVtkTypes[static_cast<std::size_t>(array.type)]));
+    values->SetName(array.name.c_str());
+    values->SetNumberOfComponents(array.num_components);
+    if (!array.unit.empty())
+      values->GetInformation()->Set(vtkDataArray::UNITS_LABEL(), array.unit.c_str());
+    // Lent, not copied; writers only read.
+    constexpr int kKeepForCaller = 1;
+    values->SetVoidArray(const_cast<std::byte*>(array.bytes.view.data()),
+                         array.num_tuples * array.num_components, kKeepForCaller);
+    vtkDataSetAttributes* const attributes =
+        array.is_cell_data ? static_cast<vtkDataSetAttributes*>(image->GetCellData())
+                           : image->GetPointData();
+    attributes->AddArray(values);
+    // Programs without a choice show the active scalars, and legacy files name them most plainly.
+    if (attributes->GetScalars() == nullptr && array.num_components == 1)
+      attributes->SetActiveScalars(array.name.c_str());
+  }
+  return image;
+}
+
+template <typename Writer>
+void run_writer(Writer* writer, const std::string& path) {
+  AtomicFile file(path);
+  writer->SetFileName(file.partial_path().c_str());
+  const VtkMessages messages;
+  if (writer->Write() == 0 || writer->GetErrorCode() != 0 || !messages.errors().empty()) {
+    throw Error(
+        ErrorCode::kFileWrite,
+        fmt::format("{}: cannot be written: VTK: {}", path,
+                    messages.errors().empty() ? "no reason given" : messages.errors().front()));
+  }
+  file.commit();
+}
+
+}  // namespace
+
+void write_vtk_image(const Dataset& dataset, const std::string& path) {
+  const auto image = image_of(dataset);
+  if (ending_of(path) == ".vti") {
+    vtkNew<vtkXMLImageDataWriter> writer;
+    writer->SetInputData(image);
+    writer->SetDataModeToAppended();
+    writer->EncodeAppendedDataOff();
+    writer->SetHeaderTypeToUInt64();
+    writer->SetCompressorTypeToZLib();
+    return run_writer(writer.Get(), path);
+  }
+  if (!image->GetDirectionMatrix()->IsIdentity()) {
+    throw Error(ErrorCode::kUnsupported, fmt::format("{}: legacy VTK knows no axis directions, the "
+                                                     "lattice is rotated or flipped: write .vti",
+                                                     path));
+  }
+  vtkNew<vtkDataSetWriter> writer;
+  writer->SetInputData(image);
+  writer->SetFileTypeToBinary();
+  run_writer(writer.Get(), path);
+}
+
+}  // namespace ovoid::io
+
+#endif

@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: Apache-2.0
+// read_dataset and write_dataset as callers see them: files, formats, round trips.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <numbers>
+#include <string>
+
+#include "io/test_folder.h"
+#include "io/test_volumes.h"
+#include "ovoid/io.h"
+
+namespace ovoid::io {
+namespace {
+
+Dataset oblique_dataset() {
+  Dataset dataset;
+  dataset.lattice.dims = {4, 3, 2};
+  dataset.lattice.world_from_index = Eigen::Translation3d(10, -20, 30) *
+                                     Eigen::AngleAxisd(0.4, Vec3(1, 2, 3).normalized()) *
+                                     Eigen::Scaling(0.5, 1.0, 2.5);
+  dataset.arrays.push_back(make_array("speed", ScalarType::kFloat32, counting<float>(24)));
+  return dataset;
+}
+
+bool has_vtk() {
+  return error_of([] { check_dataset_path("a.vti"); }).find("no VTK") == std::string::npos;
+}
+
+void expect_same_array(const DataArray& a, const DataArray& b) {
+  EXPECT_EQ(a.name, b.name);
+  EXPECT_EQ(a.type, b.type);
+  EXPECT_EQ(a.num_components, b.num_components);
+  EXPECT_EQ(a.num_tuples, b.num_tuples);
+  EXPECT_EQ(a.unit, b.unit);
+  EXPECT_EQ(a.is_cell_data, b.is_cell_data);
+  EXPECT_EQ(values_of<std::uint8_t>(a), values_of<std::uint8_t>(b));
+}
+
+TEST(DatasetFiles, EveryFormatKeepsTheSamples) {
+  const TestFolder folder;
+  const Dataset dataset = oblique_dataset();
+  for (const char* name : {"a.nrrd", "a.nhdr", "a.npy", "b_4x3x2_float32.raw", "A.NRRD"}) {
+    write_dataset(dataset, folder.file(name));
+    const Dataset back = read_dataset({folder.file(name)});
+    EXPECT_EQ(back.lattice.dims, dataset.lattice.dims) << name;
+    EXPECT_EQ(values_of<float>(back.array()), values_of<float>(dataset.array())) << name;
+    EXPECT_EQ(back.source, folder.file(name));
+  }
+}
+
+TEST(DatasetFiles, VtiKeepsEverything) {
+  if (!has_vtk()) GTEST_SKIP() << "this build has no VTK";
+  const TestFolder folder;
+  Dataset dataset = oblique_dataset();
+  dataset.arrays[0].unit = "m/s";
+  // Every type; vectors; cells, of which there are 3 x 2 x 1.
+  dataset.arrays.push_back(make_array("u8", ScalarType::kUInt8, counting<std::uint8_t>(24)));
+  dataset.arrays.push_back(make_array("i8", ScalarType::kInt8, counting<std::int8_t>(24)));
+  dataset.arrays.push_back(make_array("u16", ScalarType::kUInt16, counting<std::uint16_t>(24)));
+  dataset.arrays.push_back(make_array("i16", ScalarType::kInt16, counting<std::int16_t>(24)));
+  dataset.arrays.push_back(make_array("u32", ScalarType::kUInt32, counting<std::uint32_t>(24)));
+  dataset.arrays.push_back(make_array("i32", ScalarType::kInt32, counting<std::int32_t>(24)));
+  dataset.arrays.push_back(make_array("u64", ScalarType::kUInt64, counting<std::uint64_t>(24)));
+  dataset.arrays.push_back(make_array("i64", ScalarType::kInt64, counting<std::int64_t>(24)));
+  dataset.arrays.push_back(make_array("vector", ScalarType::kFloat64, counting<double>(72), 3));
+  dataset.arrays.push_back(make_array("cells", ScalarType::kInt16, counting<std::int16_t>(6)));
+  dataset.arrays.back().is_cell_data = true;
+  write_dataset(dataset, folder.file("a.vti"));
+  EXPECT_EQ(folder.count(), 1);
+  const Dataset back = read_dataset({folder.file("a.vti")});
+  EXPECT_EQ(back.lattice.dims, dataset.lattice.dims);
+  // VTK writes 11 significant digits; the origin is up to 30 from 0.
+  EXPECT_LT((back.lattice.world_from_index.matrix() - dataset.lattice.world_from_index.matrix())
+                .cwiseAbs()
+                .maxCoeff(),
+            30e-11);
+  ASSERT_EQ(back.arrays.size(), dataset.arrays.size());
+  for (std::size_t i = 0; i < back.arrays.size(); ++i)
+    expect_same_array(back.arrays[i], dataset.arrays[i]);
+  EXPECT_TRUE(back.notes.empty());
+  // The same dataset gives the same bytes.
+  write_dataset(dataset, folder.file("b.vti"));
+  EXPECT_EQ(folder.read("a.vti"), folder.read("b.vti"));
+}
+
+TEST(DatasetFiles, VtiReadsOneArrayIfAsked) {
+  if (!has_vtk()) GTEST_SKIP() << "this build has no VTK";
+  const TestFolder folder;
+  Dataset dataset = oblique_dataset();
+  dataset.arrays.push_back(make_array("other", ScalarType::kUInt8, counting<std::uint8_t>(24)));
+  write_dataset(dataset, folder.file("a.vti"));
+  ReadOptions options;
+  options.array = "other";
+  const Dataset back = read_dataset({folder.file("a.vti")}, options);
+  ASSERT_EQ(back.arrays.size(), 1U);
+  expect_same_array(back.arrays[0], dataset.arrays[1]);
+  options.array = "none";
+  EXPECT_EQ(error_of([&] { read_dataset({folder.file("a.vti")}, options); }),
+            "invalid-argument: " + folder.file("a.vti") +
+                ": array 'none': not there: expected one of 'speed', 'other'");
+}
+
+TEST(DatasetFiles, LegacyVtkKeepsAxisAlignedVolumes) {
+  if (!has_vtk()) GTEST_SKIP() << "this build has no VTK";
+  const TestFolder folder;
+  Dataset dataset = oblique_dataset();
+  EXPECT_EQ(
+      error_of([&] { write_dataset(dataset, folder.file("a.vtk")); }),
+      "unsupported: " + folder.file("a.vtk") +
+          ": legacy VTK knows no axis directions, the lattice is rotated or flipped: write .vti");
+  EXPECT_EQ(folder.count(), 0);
+  dataset.lattice.world_from_index =
+      Eigen::Translation3d(10, -20, 30) * Eigen::Scaling(0.5, 1.0, 2.5);
+  dataset.arrays.push_back(make_array("vector", ScalarType::kFloat64, counting<double>(72), 3));
+  write_dataset(dataset, folder.file("a.vtk"));
+  const Dataset back = read_dataset({folder.file("a.vtk")});
+  EXPECT_EQ(back.lattice.world_from_index.matrix(), dataset.lattice.world_from_index.matrix());
+  ASSERT_EQ(back.arrays.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) expect_same_array(back.arrays[i], dataset.arrays[i]);
+}
+
+// A damaged file must become one Error and not a word on stderr, whatever VTK thinks of it.
+TEST(DatasetFiles, DamagedVtkFilesAreErrorsAndVtkIsSilent) {
+  if (!has_vtk()) GTEST_SKIP() << "this build has no VTK";
+  const TestFolder folder;
+  Dataset dataset;
+  dataset.lattice.dims = {20, 20, 20};
+  dataset.arrays.push_back(make_array("v", ScalarType::kInt32, counting<std::int32_t>(8000)));
+  write_dataset(dataset, folder.file("a.vti"));
+  write_dataset(dataset, folder.file("a.vtk"));
+  testing::internal::CaptureStderr();
+  testing::internal::CaptureStdout();
+  for (const char* name : {"a.vti", "a.vtk"}) {
+    const std::string whole = folder.read(name);
+    for (const double part : {0.02, 0.1, 0.5, 0.9}) {
+      const std::string path = folder.write(
+          std::string("cut") + name,
+          whole.substr(0, static_cast<std::size_t>(part * static_cast<double>(whole.size()))));
+      EXPECT_NE(error_of([&] { read_dataset({path}); }).find(path + ": "), std::string::npos)
+          << name << " " << part;
+    }
+  }
+  std::string broken = folder.read("a.vti");
+  broken[broken.size() - 200] ^= 1;
+  const std::string path = folder.write("broken.vti", broken);
+  EXPECT_EQ(error_of([&] { read_dataset({path}); }).substr(0, 12), "file-format:");
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
+}
+
+TEST(DatasetFiles, CellsAreWrittenWithTheirOwnLattice) {
+  const TestFolder folder;
+  Dataset dataset = oblique_dataset();
+  dataset.arrays = {make_array("c", ScalarType::kInt16, counting<std::int16_t>(6))};
+  dataset.arrays[0].is_cell_data = true;
+  write_dataset(dataset, folder.file("a.nrrd"));
+  const Dataset back = read_dataset({folder.file("a.nrrd")});
+  EXPECT_EQ(back.lattice.dims, (Index3{3, 2, 1}));
+  EXPECT_TRUE((back.lattice.world_from_index * Vec3(0, 0, 0))
+                  .isApprox(dataset.lattice.world_from_index * Vec3(0.5, 0.5, 0.5), 1e-14));
+}
+
+TEST(DatasetFiles, FormatIsToldFromTheContent) {
+  const TestFolder folder;
+  write_dataset(oblique_dataset(), folder.file("a.nrrd"));
+  std::filesystem::rename(folder.file("a.nrrd"), folder.file("a.vti"));
+  EXPECT_EQ(read_dataset({folder.file("a.vti")}).format, "NRRD");
+}
+
+TEST(DatasetFiles, ReadErrors) {
+  const TestFolder folder;
+  const auto error = [&](const std::string& path, const ReadOptions& options = {}) {
+    return error_of([&] { read_dataset({path}, options); });
+  };
+  const auto expect = [&](const std::string& name, const std::string& code,
+                          const std::string& what) {
+    EXPECT_EQ(error(folder.file(name)), code + ": " + folder.file(name) + ": " + what);
+  };
+  folder.write("empty", "");
+  folder.write("unknown", "hello");
+  folder.write("name.vti", "hello");
+  folder.write("a.nii.gz", "\x1f\x8b\x08");
+  expect("missing.nrrd", "file-not-found", "no such file");
+  expect("", "unsupported", "is a folder: expected a regular file");
+  expect("empty", "file-format", "is empty");
+  expect("unknown", "unsupported",
+         "the format is not known: expected NRRD, NPY, VTI, legacy VTK, or raw samples with "
+         "dimensions and type");
+  expect("name.vti", "file-format", "the name ends in .vti but the content does not begin like it");
+  expect("a.nii.gz", "unsupported",
+         "is a gzip file, which is not read: expected NRRD, NPY, VTI, legacy VTK, or raw samples "
+         "with dimensions and type");
+  EXPECT_EQ(error_of([] { read_dataset({}); }), "invalid-argument: input: no file is named");
+  EXPECT_EQ(
+      error_of([] {
+        read_dataset({"a", "b"});
+      }),
+      "unsupported: a, b: 2 inputs: a volume is one file, or an NRRD header that lists its parts");
+  write_dataset(oblique_dataset(), folder.file("a.nrrd"));
+  ReadOptions options;
+  options.raw.dims = Index3{1, 1, 1};
+  EXPECT_EQ(error(folder.file("a.nrrd"), options),
+            "invalid-argument: " + folder.file("a.nrrd") +
+                ": is NRRD and states its own layout: dimensions can be given for raw files only");
+}
+
+TEST(DatasetFiles, WriteErrors) {
+  const TestFolder folder;
+  Dataset dataset = oblique_dataset();
+  const auto error = [&](const std::string& path) {
+    return error_of([&] { write_dataset(dataset, path); });
+  };
+  EXPECT_EQ(error("a.mhd"),
+            "unsupported: a.mhd: the ending '.mhd' names no volume format: expected .nrrd, .nhdr, "
+            ".npy, .raw, .vti or .vtk");
+  EXPECT_EQ(error_of([] { check_dataset_path("a"); }).substr(0, 12), "unsupported:");
+  EXPECT_EQ(error(folder.file("no/a.nrrd")).substr(0, 11), "file-write:");
+  dataset.arrays.push_back(dataset.arrays[0]);
+  EXPECT_EQ(
+      error(folder.file("a.npy")),
+      "unsupported: " + folder.file("a.npy") +
+          ": .npy holds one array, the dataset has 2 ('speed', 'speed'): keep one, or write .vti");
+  dataset.arrays.resize(1);
+  dataset.arrays[0].num_tuples = 23;
+  EXPECT_EQ(error(folder.file("a.npy")),
+            "invalid-argument: array 'speed': has 23 tuples in 96 bytes: expected 24 tuples in 96 "
+            "bytes for 4x3x2 float32");
+  dataset.arrays.clear();
+  EXPECT_EQ(error(folder.file("a.npy")),
+            "invalid-argument: " + folder.file("a.npy") + ": the dataset has no array to write");
+  EXPECT_EQ(folder.count(), 0);
+}
+
+TEST(ScalarTypeNames, AreFound) {
+  for (int i = 0; i <= static_cast<int>(ScalarType::kFloat64); ++i) {
+    const auto type = static_cast<ScalarType>(i);
+    EXPECT_EQ(find_scalar_type(name_of(type)), type);
+  }
+  EXPECT_EQ(find_scalar_type("double"), ScalarType::kFloat64);
+  EXPECT_FALSE(find_scalar_type("").has_value());
+  EXPECT_FALSE(find_scalar_type("Float32").has_value());
+}
+
+}  // namespace
+}  // namespace ovoid::io

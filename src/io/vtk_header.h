@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "io/byte_source.h"
+
+namespace ovoid::io {
+
+// VTK's readers believe what a file claims and allocate it. These look at the file first, without
+// VTK, and throw where it cannot hold what it says: Error(kFileFormat) naming file, array, what is
+// stored and what is needed; Error(kUnsupported) if the file is well-formed but no image. Nothing
+// is allocated in proportion to a claim. A file that passes may still be broken inside.
+
+// XML image data (.vti): extents, the sizes that every stored array states, and the ratios its
+// compressor can reach.
+void check_vti(const ByteSource& source);
+
+// Legacy structured points (.vtk): dimensions, number of samples, and the size of the first array.
+void check_legacy_vtk(const ByteSource& source);
+
+}  // namespace ovoid::io

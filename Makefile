@@ -14,11 +14,12 @@ help:  ## list these words
 run: build  ## set up, build, and draw a sample volume to build/sample.png
 	@scripts/sample.sh
 
-test: build  ## set up, build, and run all tests
+test: setup  ## set up, build, and run all tests
+	@scripts/build.sh release
 	@scripts/run_tests.sh release
 
 build: setup  ## set up and build the program: build/release/bin/ovoid
-	@scripts/build.sh release
+	@scripts/build.sh release ovoid_program
 
 setup:  ## install the distribution's packages (nothing to do when they are there)
 	@scripts/setup.sh build

@@ -66,7 +66,7 @@ void take(const DataArray& array, int component, std::int64_t begin, std::int64_
 // A new array of To for all tuples.
 template <class From, class To>
 std::shared_ptr<To[]> taken(const DataArray& array, const ComponentOptions& options) {
-  const auto to = std::make_shared_for_overwrite<To[]>(static_cast<std::size_t>(array.num_tuples));
+  auto to = std::make_shared_for_overwrite<To[]>(static_cast<std::size_t>(array.num_tuples));
   data::parallel_ranges({array.num_tuples, kGrain, options.threads, options.stop},
                         [&](std::int64_t begin, std::int64_t end) {
                           take<From>(array, options.component, begin, end, to.get());

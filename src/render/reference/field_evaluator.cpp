@@ -24,6 +24,9 @@ namespace {
 // sheet that lies on the face.
 constexpr double kLeastShare = 0.48;
 
+// Spacings; nobody waits for the sums of longer ones.
+constexpr double kMaxSegment = 1e6;
+
 double stored_number(const BrickView& view, std::int64_t position) {
   const auto read = [&]<typename T>(T number) {
     std::memcpy(&number,
@@ -91,35 +94,43 @@ double difference_of_erf(double a, double b) {
   return std::erf(b) - std::erf(a);
 }
 
-// Integrals over t in [0, 1] of one kernel and its gradient along d(t) = start + t step, where d is
-// the offset from the kernel's centre. Along the line phi is one Gaussian in t: exp(-q0 - k/2 (t -
-// t0)^2).
+// A part of a segment, in t; empty unless t_in < t_out.
+struct Part {
+  double t_in = 0;
+  double t_out = 1;
+
+  // What is left of it where |start + t step| <= reach.
+  Part within(double start, double step, double reach) const {
+    if (step == 0) return std::abs(start) <= reach ? *this : Part{1, 0};
+    const double t1 = (-reach - start) / step;
+    const double t2 = (reach - start) / step;
+    return {std::max(t_in, std::min(t1, t2)), std::min(t_out, std::max(t1, t2))};
+  }
+  bool is_empty() const { return !(t_in < t_out); }
+};
+
+// The indices in reach of some place u = from + t step of a part.
+IndexRange indices_in_reach(double from, double step, const Part& part, double reach) {
+  const double u_in = from + part.t_in * step;
+  const double u_out = from + part.t_out * step;
+  return indices_in_reach(std::min(u_in, u_out), std::max(u_in, u_out), reach);
+}
+
+// Integrals over a part of a segment, in t, of one kernel and its gradient along d(t) = start + t
+// step, where d is the offset from the kernel's centre. Along the line phi is one Gaussian in t:
+// exp(-q0 - k/2 (t - t0)^2).
 struct LineIntegral {
   double phi = 0;
   Vec3 grad_phi = Vec3::Zero();
 
-  LineIntegral(const Vec3& start, const Vec3& step, const Vec3& sigma, const Vec3& reach) {
-    double t_in = 0;
-    double t_out = 1;
-    for (int a = 0; a < 3; ++a) {
-      if (step[a] == 0) {
-        if (std::abs(start[a]) > reach[a]) return;
-        continue;
-      }
-      const double t1 = (-reach[a] - start[a]) / step[a];
-      const double t2 = (reach[a] - start[a]) / step[a];
-      t_in = std::max(t_in, std::min(t1, t2));
-      t_out = std::min(t_out, std::max(t1, t2));
-    }
-    if (!(t_in < t_out)) return;
-
+  LineIntegral(const Part& part, const Vec3& start, const Vec3& step, const Vec3& sigma) {
     const Vec3 scaled_start = start.cwiseQuotient(sigma);
     const Vec3 scaled_step = step.cwiseQuotient(sigma);
     const double k = scaled_step.squaredNorm();
     const double t0 = -scaled_start.dot(scaled_step) / k;
     const double peak = std::exp(-0.5 * (scaled_start + t0 * scaled_step).squaredNorm());
-    const double a = t_in - t0;
-    const double b = t_out - t0;
+    const double a = part.t_in - t0;
+    const double b = part.t_out - t0;
     const double root = std::sqrt(0.5 * k);
     phi = peak * std::sqrt(std::numbers::pi / (2 * k)) * difference_of_erf(root * a, root * b);
     // First moment about t0: the integral of (t - t0) phi.
@@ -218,23 +229,40 @@ FieldSample FieldEvaluator::at_world(const Vec3& position, const Vec3& widening)
 
 FieldSample FieldEvaluator::mean_over(const Vec3& from, const Vec3& to,
                                       const Vec3& widening) const {
-  const Vec3 lowest = from.cwiseMin(to);
-  const Vec3 highest = from.cwiseMax(to);
   if (!from.allFinite() || !to.allFinite()) return {};
-  if (!support_bounds(widening).intersects(Bounds3(lowest, highest))) return {};
+  if (!support_bounds(widening).intersects(Bounds3(from.cwiseMin(to), from.cwiseMax(to))))
+    return {};
+  const Vec3 step = to - from;
+  if (!(step.norm() <= kMaxSegment)) {
+    throw Error(ErrorCode::kInvalidArgument,
+                "mean over a segment of " + std::to_string(step.norm()) +
+                    " spacings: expected at most " + std::to_string(kMaxSegment));
+  }
   assert(from != to);
   const Vec3 sigma = kernel_.sigma * widening;
   const Vec3 reach = kernel_.support_radius() * widening;
-  const IndexRange x = indices_in_reach(lowest[0], highest[0], reach[0]);
-  const IndexRange y = indices_in_reach(lowest[1], highest[1], reach[1]);
-  const IndexRange z = indices_in_reach(lowest[2], highest[2], reach[2]);
 
+  // Axis by axis, the segment is narrowed to what lies in reach of the index: the kernels of the
+  // innermost loop are those whose boxes the segment meets, and the part that is left is the one
+  // inside the box.
   Sums sums;
+  const Part whole;
+  const IndexRange z = indices_in_reach(from[2], step[2], whole, reach[2]);
   for (std::int64_t k = z.first; k <= z.last; ++k) {
+    const double dz = from[2] - static_cast<double>(k);
+    const Part near_k = whole.within(dz, step[2], reach[2]);
+    if (near_k.is_empty()) continue;
+    const IndexRange y = indices_in_reach(from[1], step[1], near_k, reach[1]);
     for (std::int64_t j = y.first; j <= y.last; ++j) {
+      const double dy = from[1] - static_cast<double>(j);
+      const Part near_j = near_k.within(dy, step[1], reach[1]);
+      if (near_j.is_empty()) continue;
+      const IndexRange x = indices_in_reach(from[0], step[0], near_j, reach[0]);
       for (std::int64_t i = x.first; i <= x.last; ++i) {
-        const Vec3 center(static_cast<double>(i), static_cast<double>(j), static_cast<double>(k));
-        const LineIntegral integral(from - center, to - from, sigma, reach);
+        const double dx = from[0] - static_cast<double>(i);
+        const Part in_box = near_j.within(dx, step[0], reach[0]);
+        if (in_box.is_empty()) continue;
+        const LineIntegral integral(in_box, {dx, dy, dz}, step, sigma);
         sums.endless += integral.phi;
         if (!is_inside({i, j, k})) continue;
         const std::size_t offset = offset_of({i, j, k});

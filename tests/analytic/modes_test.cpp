@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+// Maximum and mean of known rays, and order of compositing.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "render/reference/reference_renderer.h"
+#include "support/scenes.h"
+#include "support/tolerances.h"
+#include "support/volumes.h"
+
+namespace ovoid::test {
+namespace {
+
+using reference::render;
+
+// One sample of 1 among zeros, sheets through the samples' planes: the greatest sample is the
+// kernel over E^3 at its own centre, 1 / 1.2713^3. Fails if the maximum is of colours or opacities,
+// or its opacity is corrected by a path.
+TEST(Maximum, OfASingleBrightSample) {
+  const Field field = make_field({9, 9, 10}, [](std::int64_t i, std::int64_t j, std::int64_t k) {
+    return i == 4 && j == 4 && k == 3 ? 1.0 : 0.0;
+  });
+  // Focal plane at 4.5: sheets at 5 and so on, on samples.
+  const Camera camera = parallel_camera({4, 4, 4.5}, {0, 0, 1}, 4.5);
+  const double endless = 1 + 2 * std::exp(-2.0) + 2 * std::exp(-8.0);
+  Look look = with_mode(gray_look(0, 1, 0.25), Mode::kMaximum);
+  look.unit_distance = 0.1;
+  const Image image = render(field, camera, look, picture(9, 9, 1)).image;
+  const double peak = std::pow(endless, -3);
+  EXPECT_NEAR(center_pixel(image).a(), 0.25, kFloatRelative);
+  EXPECT_NEAR(center_pixel(image).r(), 0.25 * peak, kFloatRelative);
+  EXPECT_NEAR(center_depth(image), 95.5 + 3, 100 * kFloatRelative);
+  EXPECT_NEAR(pixel(image, 5, 4).r(), 0.25 * peak * std::exp(-2.0), kFloatRelative);
+  EXPECT_NEAR(pixel(image, 5, 3).r(), 0.25 * peak * std::exp(-4.0), kFloatRelative);
+}
+
+// Equal samples (a power of two is: numerator over denominator without rounding): the first.
+// Negative ones count too; a ray without any is empty.
+TEST(Maximum, OfEqualAndNegativeSamples) {
+  const Camera camera = parallel_camera({3.5, 3.5, 3.5}, {0, 0, 1}, 8);
+  const Image image = render(constant_field({8, 8, 8}, -4), camera,
+                             with_mode(gray_look(-6, -2), Mode::kMaximum), picture(33, 33))
+                          .image;
+  EXPECT_NEAR(center_pixel(image).r(), 0.5, kFloatRelative);
+  EXPECT_NEAR(center_depth(image), 96.5, 100 * kFloatRelative);
+  EXPECT_EQ(pixel(image, 0, 16).a(), 0);
+  EXPECT_TRUE(std::isinf(depth(image, 0, 16)));
+}
+
+// A clip plane takes samples away, and shortens paths: of a ramp 0..7 the mean is that of what is
+// left. Slabs through the middles of the cells' faces, where the ramp's field is half-way: (k +
+// 1/2) exactly.
+TEST(Mean, OfARampIsWeightedByPath) {
+  const Field ramp = make_field(
+      {8, 8, 8}, [](std::int64_t, std::int64_t, std::int64_t k) { return static_cast<double>(k); });
+  const Camera camera = parallel_camera({3.5, 3.5, 4}, {0, 0, 1}, 4);
+  const Look look = with_mode(gray_look(0, 10, 0.75), Mode::kMean);
+  RenderOptions options = picture(5, 5, 1);
+  options.clip_planes = {{{0, 0, 1}, 2.0}, {{0, 0, -1}, -4.25}};
+  // [2, 3] at 2.5, [3, 4] at 3.5, [4, 4.25] at 4.5.
+  const double mean = (2.5 + 3.5 + 0.25 * 4.5) / 2.25;
+  const Image image = render(ramp, camera, look, options).image;
+  EXPECT_NEAR(center_pixel(image).r(), 0.75 * mean / 10, kFloatRelative);
+  EXPECT_NEAR(center_pixel(image).a(), 0.75, kFloatRelative);
+  EXPECT_NEAR(center_depth(image), 96 + 2.5, 100 * kFloatRelative);
+}
+
+// The field is undefined across a hole: those slabs count neither in the sum nor in the length.
+TEST(Mean, LeavesHolesOut) {
+  const Field torn = make_field({8, 8, 12}, [](std::int64_t, std::int64_t, std::int64_t k) {
+    return k >= 4 && k <= 7 ? kMissing : 6.0;
+  });
+  const Camera camera = parallel_camera({3.5, 3.5, 5.5}, {0, 0, 1}, 4);
+  EXPECT_NEAR(
+      center_pixel(
+          render(torn, camera, with_mode(gray_look(0, 10), Mode::kMean), picture(5, 5)).image)
+          .r(),
+      0.6, kFloatRelative);
+  // 4 spacings on either side, by x-ray.
+  EXPECT_NEAR(
+      center_pixel(
+          render(torn, camera, with_mode(gray_look(0, 10), Mode::kXray), picture(5, 5)).image)
+          .r(),
+      6 * 8, 100 * kFloatRelative);
+}
+
+// Front to back: what is near covers what is far. Two halves of pure colours, each of 4 slabs.
+TEST(Composite, NearCoversFar) {
+  const Field halves = make_field(
+      {8, 8, 16}, [](std::int64_t, std::int64_t, std::int64_t k) { return k < 8 ? 0.0 : 1.0; });
+  Look look;
+  look.transfer_function.colors = {
+      {0, {1, 0, 0}}, {0.5, {1, 0, 0}}, {0.5, {0, 1, 0}}, {1, {0, 1, 0}}};
+  look.transfer_function.opacities = {{0, 0.1}, {1, 0.1}};
+  look.shade = false;
+  look.unit_distance = 1;
+  const double near = 1 - std::pow(0.9, 8);
+  for (const double sign : {1.0, -1.0}) {
+    const Camera camera = parallel_camera({3.5, 3.5, 7.5}, {0, 0, sign}, 4);
+    const PixelView at = center_pixel(render(halves, camera, look, picture(5, 5, 1)).image);
+    EXPECT_NEAR(sign > 0 ? at.r() : at.g(), near, kFloatRelative);
+    EXPECT_NEAR(sign > 0 ? at.g() : at.r(), near * (1 - near), kFloatRelative);
+  }
+}
+
+// Classification comes after reconstruction: a step in the transfer function stays a step, whatever
+// the zoom. Samples 0 and 1 are blurred over some spacings, yet no pixel of an unshaded maximum has
+// a colour between.
+TEST(Composite, ClassifiesTheReconstructedValue) {
+  const Field halves = make_field(
+      {16, 8, 8}, [](std::int64_t i, std::int64_t, std::int64_t) { return i < 8 ? 0.0 : 1.0; });
+  Look look = uniform_look(1);
+  look.transfer_function.colors = {
+      {0, {0, 0, 0}}, {0.5, {0, 0, 0}}, {0.5, {1, 1, 1}}, {1, {1, 1, 1}}};
+  Camera camera = parallel_camera({7.5, 3.5, 3.5}, {0, 0, 1}, 1);
+  camera.view_up = {0, 1, 0};
+  const Image image = render(halves, camera, look, picture(64, 64)).image;
+  for (int x = 0; x < 64; ++x) {
+    // The camera looks along +z with y up: right is -x.
+    EXPECT_EQ(pixel(image, x, 32).r(), x < 32 ? 1 : 0) << x;
+  }
+}
+
+}  // namespace
+}  // namespace ovoid::test

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+// Isosurfaces: where they are, how they are lit, what cuts them.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "render/reference/field_evaluator.h"
+#include "render/reference/reference_renderer.h"
+#include "support/scenes.h"
+#include "support/tolerances.h"
+#include "support/volumes.h"
+
+namespace ovoid::test {
+namespace {
+
+using reference::render;
+
+Look surface_look(double iso) {
+  Look look = gray_look(0, 1);
+  look.mode = Mode::kIsosurface;
+  look.isovalue = iso;
+  return look;
+}
+
+double along_z(std::int64_t, std::int64_t, std::int64_t k) { return static_cast<double>(k); }
+
+// The field of the samples value = k along z, by its definition on one axis.
+double ramp_at(double z) {
+  double n = 0;
+  double d = 0;
+  for (auto k = static_cast<int>(std::ceil(z - 2)); k <= z + 2; ++k) {
+    const double g = std::exp(-2 * (z - k) * (z - k));
+    n += k * g;
+    d += g;
+  }
+  return n / d;
+}
+
+double ramp_crossing(double iso) {
+  double lo = iso - 0.5;
+  double hi = iso + 0.5;
+  for (int step = 0; step < 60; ++step) {
+    const double middle = 0.5 * (lo + hi);
+    (ramp_at(middle) < iso ? lo : hi) = middle;
+  }
+  return lo;
+}
+
+// A ramp's surfaces are planes at mu^-1(iso). After 8 bisections of a slab the secant step errs by
+// (ds / 256)^2 / 8 times f'' / f', which is below 6 there: 1e-5 of a unit for ds = 1. Fails if the
+// refinement stops early or takes the wrong half.
+TEST(Isosurface, DepthOfAPlane) {
+  const Field ramp = make_field({8, 8, 16}, along_z);
+  const Camera camera = parallel_camera({3.5, 3.5, 7.5}, {0, 0, 1}, 1);
+  for (const double iso : {3.3, 6.0, 7.4, 10.9}) {
+    for (const double ds : {1.0, 0.4}) {
+      for (const Slab slab : {Slab::kMid, Slab::kMean}) {
+        const Image image = render(ramp, camera, surface_look(iso), picture(3, 3, ds, slab)).image;
+        EXPECT_NEAR(center_depth(image), 92.5 + ramp_crossing(iso), 2e-5) << iso << " " << ds;
+        EXPECT_EQ(center_pixel(image).a(), 1);
+      }
+    }
+  }
+}
+
+// Distance r from a middle. The field is off by the normal times the three axes' |mu(t) - t| <=
+// 0.0226 (sigma^2 times the slope of the sum's ripple, 4 pi exp(-pi^2 / 2)), 0.0226 sqrt 3 = 0.039,
+// and by half the Laplacian 2 / r times the kernels' variance <= 0.286, 0.029. So the sphere of iso
+// 10 lies within 0.07 of radius 10, everywhere.
+TEST(Isosurface, RadiusOfABall) {
+  const double middle = 13.3;
+  const auto distance = [&](std::int64_t i, std::int64_t j, std::int64_t k) {
+    return Vec3(static_cast<double>(i) - middle, static_cast<double>(j) - middle,
+                static_cast<double>(k) - middle)
+        .norm();
+  };
+  const Field field = make_field({28, 28, 28}, distance);
+  const Vec3 direction = Vec3(1, -0.6, 0.8).normalized();
+  const double half_height = 9.9;
+  const Camera camera = parallel_camera(Vec3::Constant(middle), direction, half_height);
+  const RenderOptions options = picture(40, 40, 1);
+  const Image image = render(field, camera, surface_look(10), options).image;
+  for (int y = 0; y < 40; ++y) {
+    for (int x = 0; x < 40; ++x) {
+      const double across = (2 * (x + 0.5) / 40 - 1) * half_height;
+      const double up = (1 - 2 * (y + 0.5) / 40) * half_height;
+      const double r2 = across * across + up * up;
+      if (r2 > 9.7 * 9.7) continue;  // beyond, a sheet's step may pass through the rim
+      const double z = depth(image, x, y) - 100;
+      ASSERT_NEAR(std::sqrt(r2 + z * z), 10, 0.07) << x << " " << y;
+      ASSERT_LT(z, 0) << "the far side was taken";
+    }
+  }
+}
+
+// Crossings count downwards as well, and the first one wins.
+TEST(Isosurface, FirstCrossingEitherWay) {
+  const auto ridge = [](std::int64_t, std::int64_t, std::int64_t k) {
+    return 8.0 - std::abs(static_cast<double>(k) - 8);
+  };
+  const Field field = make_field({8, 8, 17}, ridge);
+  const Image up =
+      render(field, parallel_camera({3.5, 3.5, 8}, {0, 0, 1}, 1), surface_look(4.0), picture(3, 3))
+          .image;
+  EXPECT_NEAR(center_depth(up), 92 + 4, 1e-4);
+  RenderOptions from_inside = picture(3, 3);
+  from_inside.clip_planes = {{{0, 0, 1}, 6.0}};
+  const Image down =
+      render(field, parallel_camera({3.5, 3.5, 8}, {0, 0, 1}, 1), surface_look(4.0), from_inside)
+          .image;
+  EXPECT_NEAR(center_depth(down), 92 + 12, 1e-4);
+}
+
+// A plane just behind the surface cuts it away; just before it, leaves it.
+TEST(Isosurface, CrossingBehindAClipPlaneIsPassedOver) {
+  const Field ramp = make_field({8, 8, 16}, along_z);
+  const Camera camera = parallel_camera({3.5, 3.5, 7.5}, {0, 0, 1}, 1);
+  RenderOptions options = picture(3, 3);
+  options.clip_planes = {{{0, 0, 1}, ramp_crossing(7.4) + 1e-3}};
+  EXPECT_EQ(center_pixel(render(ramp, camera, surface_look(7.4), options).image).a(), 0);
+  options.clip_planes = {{{0, 0, 1}, ramp_crossing(7.4) - 1e-3}};
+  EXPECT_EQ(center_pixel(render(ramp, camera, surface_look(7.4), options).image).a(), 1);
+}
+
+// An isovalue that no sample straddles, one met only beyond the volume's face, and one across a
+// hole.
+TEST(Isosurface, NothingWhereTheFieldIsUndefined) {
+  const Camera camera = parallel_camera({3.5, 3.5, 7.5}, {0, 0, 1}, 1);
+  const Field ramp = make_field({8, 8, 16}, along_z);
+  for (const double iso : {-0.5, 15.5, 100.0}) {
+    EXPECT_EQ(center_pixel(render(ramp, camera, surface_look(iso), picture(3, 3)).image).a(), 0)
+        << iso;
+  }
+  const auto torn = [](std::int64_t i, std::int64_t j, std::int64_t k) {
+    return k >= 6 && k <= 9 ? kMissing : along_z(i, j, k);
+  };
+  EXPECT_EQ(
+      center_pixel(
+          render(make_field({8, 8, 16}, torn), camera, surface_look(7.5), picture(3, 3)).image)
+          .a(),
+      0);
+}
+
+// Lit like everything else: colour of the isovalue, headlight, the surface's slant.
+TEST(Isosurface, IsLitByItsGradient) {
+  const auto slanted = [](std::int64_t i, std::int64_t, std::int64_t k) {
+    return static_cast<double>(k) + 0.75 * static_cast<double>(i);
+  };
+  const Field field = make_field({17, 8, 17}, slanted);
+  Look look = surface_look(14);
+  look.transfer_function.colors = {{0, {0.2, 0.5, 0.8}}, {30, {0.2, 0.5, 0.8}}};
+  look.shade = true;
+  const Camera camera = parallel_camera({8, 3.5, 8}, {0, 0, 1}, 1);
+  const Image image = render(field, camera, look, picture(3, 3)).image;
+  // At the crossing the normal is the field's own gradient there.
+  const reference::FieldEvaluator evaluator(field);
+  const Vec3 normal = evaluator.at_world({8, 3.5, center_depth(image) - 92}).gradient.normalized();
+  EXPECT_NEAR(normal.z(), 0.8, 0.1);
+  const double specular = 0.2 * std::pow(normal.z(), 10);
+  EXPECT_NEAR(center_pixel(image).r(), 0.2 * (0.1 + 0.7 * normal.z()) + specular, 1e-4);
+  EXPECT_NEAR(center_pixel(image).b(), 0.8 * (0.1 + 0.7 * normal.z()) + specular, 1e-4);
+}
+
+}  // namespace
+}  // namespace ovoid::test

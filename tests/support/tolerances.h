@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every tolerance of the tests that need more than one part: name, metric, bound, and where the
+// bound comes from.
+#pragma once
+
+#include <limits>
+
+namespace ovoid::test {
+
+// ---- Agreement of a back end with the reference
+// ---------------------------------------------------------------------
+
+// PSNR over pixels covered in either picture, peak 1, premultiplied RGBA. The tier of the design
+// for pictures without post-convolution: float sums of some hundred terms err by 1e-6 of the range,
+// a transfer function with a peak of 2 % of the range makes 50 times that of it, compositing adds
+// up to some dozen such samples of one sign: 6e-4, -64 dB.
+inline constexpr double kAgreementPsnrDb = 60;
+
+// Greatest difference of a channel in 8-bit steps, premultiplied. One step is what rounding does by
+// itself at a tie, the other what the sums above can do.
+inline constexpr int kAgreement8BitDifference = 2;
+
+// ---- Closed forms against the reference
+// -----------------------------------------------------------------------------
+
+// Relative to the greatest magnitude of what is compared: some hundred additions in double (100 eps
+// = 2e-14), and closed forms with one erf or exp each; 50 times that for positions off the origin
+// by 1e2 spacings, rounded before use.
+inline constexpr double kDoubleRelative = 1e-12;
+
+// What a float32 picture can show of a number in double: half a unit in the last place is 6e-8 of
+// it.
+inline constexpr double kFloatRelative = 1.2e-7;
+
+// Gradient against differences of fourth order with step 1e-3 spacings. For sigma = 1/2 the fifth
+// derivative of a unit kernel is below 32 * 60: 1e-12 / 30 * 2e3 = 7e-11 of the values' range;
+// rounding adds eps / 1e-3 = 2e-13 of the values themselves. 30 times that, for quotients and for
+// several kernels adding up.
+inline constexpr double kGradientRelative = 2e-9;
+
+// Greatest share of a Gaussian line integral beyond the support box of cutoff 4: erfc(4 / sqrt 2)
+// = 6.3e-5 on each of three axes.
+inline constexpr double kCutOffShare = 2e-4;
+
+// Half-amplitude of the sum of Gaussians with sigma half their spacing, one axis, of its mean: 2
+// exp(-pi^2 / 2).
+inline constexpr double kAxisRipple = 0.0144;
+
+// A printed number of n digits after the point stands for +- half of the last one; names say which.
+inline constexpr double kFourDigits = 0.5e-4 * (1 + 1e-9);
+inline constexpr double kFiveDigits = 0.5e-5 * (1 + 1e-9);
+
+}  // namespace ovoid::test

@@ -73,8 +73,9 @@ Bytes evaluate(const LatticeGeometry& geometry, const Formula& formula, const To
   }
   data::parallel_ranges({dims[1] * dims[2], 1, 0, {}}, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t row = begin; row < end; ++row) {
-      const auto y = static_cast<double>(row % dims[1]);
-      const auto z = static_cast<double>(row / dims[1]);
+      const std::int64_t slice = row / dims[1];
+      const auto y = static_cast<double>(row - slice * dims[1]);
+      const auto z = static_cast<double>(slice);
       for (std::int64_t x = 0; x < dims[0]; ++x) {
         const Vec3 position = geometry.world_from_index * Vec3(static_cast<double>(x), y, z);
         samples[row * dims[0] + x] = to(formula(position));

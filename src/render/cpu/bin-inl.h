@@ -28,7 +28,7 @@ struct BrickLookup {
 
   HWY_INLINE M operator()(const Position& u) const {
     const auto brick = [&](V p, int a) {
-      const VI sample = hn::Add(hn::ConvertTo(di, hn::Floor(p)), hn::Set(di, origin[a]));
+      const VI sample = hn::Add(NearestInteger(hn::Floor(p)), hn::Set(di, origin[a]));
       // Arithmetic shift by a number only known at run time; bricks are 4 to 64 wide.
       const VI shifted = hn::Shr(sample, hn::Set(di, map->brick_shift()));
       const auto last = static_cast<std::int32_t>(map->num_bricks()[a] - 1);
@@ -116,17 +116,31 @@ inline void BoundRegion(const CpuFrame& frame, Block& block) {
   }
   block.is_interior = true;
   for (int a = 0; a < 3; ++a) {
-    // A hundredth of a sample of slack for rounding; what lies outside the lattice is cut off.
+    // A hundredth of a sample of slack for rounding; what lies farther outside the lattice is cut
+    // off.
     auto first = static_cast<std::int64_t>(std::floor(lo[a] - 0.01F));
     auto last = static_cast<std::int64_t>(std::ceil(hi[a] + 0.01F));
     const std::int64_t lattice_first = -block.origin[a];
     const std::int64_t lattice_last = frame.dims[a] - 1 - block.origin[a];
     if (first < lattice_first || last > lattice_last) block.is_interior = false;
-    first = std::clamp(first, lattice_first, lattice_last);
-    last = std::clamp(last, lattice_first, lattice_last);
+    first = std::clamp(first, lattice_first - kRegionBeyond, lattice_last + kRegionBeyond);
+    last = std::clamp(last, lattice_first - kRegionBeyond, lattice_last + kRegionBeyond);
     block.region_lo[a] = static_cast<int>(first);
     block.region_size[a] = static_cast<int>(last - first + 1);
   }
+}
+
+// Can a relevant brick touch the sheet at all? A quick no for sheets that pass between features.
+inline bool SheetMayMatter(const CpuFrame& frame, const Block& block, const SheetSetup& sheet) {
+  Vec3 lo, hi;
+  for (int a = 0; a < 3; ++a) {
+    const double x = sheet.per_x[a] * static_cast<float>(block.columns - 1);
+    const double y = sheet.per_y[a] * static_cast<float>(block.rows - 1);
+    const double base = static_cast<double>(block.origin[a]) + static_cast<double>(sheet.base[a]);
+    lo[a] = base + std::min(x, 0.0) + std::min(y, 0.0) - 1e-3;
+    hi[a] = base + std::max(x, 0.0) + std::max(y, 0.0) + 1e-3;
+  }
+  return frame.plan->relevance.any_in(lo, hi);
 }
 
 // Returns the number of relevant samples; active bits and region are only valid if it is not zero.
@@ -148,8 +162,13 @@ inline std::int64_t Bin(const CpuFrame& frame, Block& block, const TileState& ti
   for (int s = 0; s < block.num_sheets; ++s) {
     const bool is_margin_sheet =
         s < block.front_margin || s >= block.num_sheets - block.back_margin;
+    if (block.margin == 0 && !SheetMayMatter(frame, block, block.sheets[s])) {
+      block.relevant[s] = {};
+      inside[s] = {};
+      continue;
+    }
     for (int y = 0; y < block.rows; ++y) {
-      RowMasks masks = BinRow(frame, block, s, y, lookup, support_lo, support_hi);
+      const RowMasks masks = BinRow(frame, block, s, y, lookup, support_lo, support_hi);
       const int py = block.y0 + y - block.margin;
       const bool is_pixel_row = py >= block.y0 && py < block.y1;
       const std::uint32_t open =

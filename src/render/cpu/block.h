@@ -34,6 +34,8 @@ inline constexpr int kMaxSheets = kBlockSheets + 2 * kMaxMargin;
 inline constexpr int kRingSheets = 4;  // planes kept at a time: sheet s lives in plane s & 3
 inline constexpr int kTapPadding =
     16;  // floats readable beyond a region's row, so that a vector of taps may overrun
+inline constexpr int kRegionBeyond =
+    2;  // samples: how far regions go beyond the lattice, for four taps at its faces
 inline constexpr std::int64_t kMaxRegionSamples =
     72 * 1024;  // 288 KiB of floats, over half an L2 cache: larger blocks are split
 
@@ -110,10 +112,10 @@ struct Block {
 
   // The region, relative to `origin`
   int region_lo[3], region_size[3];
-  int row_stride, slice_stride;  // floats
+  int row_stride, slice_stride;  // samples
   bool is_interior;              // every tap of every active sample exists
   bool has_missing;
-  bool uses_four_taps[kMaxSheets];
+  bool uses_four_taps;  // the region is stored as pairs of slices (load-inl.h)
 
   // The ring of planes
   alignas(64) float values[kRingSheets][kMaxPlaneRows * kPlaneStride];

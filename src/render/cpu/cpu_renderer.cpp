@@ -105,26 +105,26 @@ void set_view(CpuFrame& frame, const view::FramePlan& plan) {
   frame.ray_slope_up = slope_along(up);
 }
 
-// The look table's opacities, corrected for a path of one sampling distance.
-std::vector<float> corrected_opacity(const view::LookTable& table, double path_in_units) {
-  std::vector<float> opacity(table.opacity(), table.opacity() + view::LookTable::kPaddedNodes);
-  for (float& a : opacity) {
-    a = static_cast<float>(1.0 - std::pow(1.0 - static_cast<double>(a), path_in_units));
+// The nodes of ClassificationTable.
+FloatBuffer classification_nodes(const view::LookTable& table, double path_in_units) {
+  FloatBuffer nodes;
+  float* node = nodes.reserve(std::size_t{4} * view::LookTable::kPaddedNodes);
+  for (int i = 0; i < view::LookTable::kPaddedNodes; ++i, node += 4) {
+    node[0] = table.red()[i];
+    node[1] = table.green()[i];
+    node[2] = table.blue()[i];
+    node[3] = static_cast<float>(
+        1.0 - std::pow(1.0 - static_cast<double>(table.opacity()[i]), path_in_units));
   }
-  return opacity;
+  return nodes;
 }
 
 void set_look(CpuFrame& frame, const LatticeField& field, const Look& look,
-              const view::FramePlan& plan, const std::vector<float>& opacity) {
+              const view::FramePlan& plan, const FloatBuffer& nodes) {
   const view::LookTable& table = plan.look_table;
   frame.mode = look.mode;
   frame.shade = look.shade;
-  frame.table = {opacity.data(),
-                 table.red(),
-                 table.green(),
-                 table.blue(),
-                 table.origin(),
-                 table.scale(),
+  frame.table = {nodes.data.get(), table.origin(), table.scale(),
                  static_cast<float>(view::LookTable::kCells)};
   frame.isovalue = static_cast<float>(look.isovalue);
   const Rgb color = look.transfer_function.color_at(look.isovalue);
@@ -259,15 +259,15 @@ Frame render(const LatticeField& field, const Camera& camera, const Look& look,
 
   view::FramePlan plan(field, camera, look, options);
   decide_relevance(plan, runner);
-  const std::vector<float> opacity =
-      corrected_opacity(plan.look_table, plan.lattice.sampling_distance() / plan.unit_distance);
+  const FloatBuffer nodes =
+      classification_nodes(plan.look_table, plan.lattice.sampling_distance() / plan.unit_distance);
   CpuFrame frame;
   frame.plan = &plan;
   frame.field = &field;
   frame.stop = hooks.stop;
   set_kernel(frame, field);
   set_view(frame, plan);
-  set_look(frame, field, look, plan, opacity);
+  set_look(frame, field, look, plan, nodes);
   const bool is_mean = options.slab == Slab::kMean;
   set_slab_nodes(frame, is_mean ? slab_nodes_for(field, plan.lattice) : 1);
   frame.central_gradient =

@@ -25,16 +25,13 @@ inline constexpr int kMaxSlabNodes = 32;
 // lattice's (docs/numerics.md).
 inline constexpr float kLeastWeight = 0.48F;
 
-// Transfer function sampled at kSize + 1 equidistant values, ready for linear interpolation. The
-// opacity is corrected for a path of one sampling distance.
+// The look table's nodes, ready for linear interpolation: red, green, blue and opacity side by
+// side. The opacity is corrected for a path of one sampling distance.
 struct ClassificationTable {
-  const float* opacity = nullptr;  // [size + 2]
-  const float* red = nullptr;      // [size + 2]
-  const float* green = nullptr;
-  const float* blue = nullptr;
-  float value_lo = 0;  // value at node 0
+  const float* nodes = nullptr;  // [last_node + 2][4], 16-byte aligned
+  float value_lo = 0;            // value at node 0
   float nodes_per_value = 1;
-  float last_node = 1;  // size
+  float last_node = 1;
 };
 
 struct CpuFrame {

@@ -39,6 +39,30 @@ HWY_INLINE WorldVector ExactGradient(const CpuFrame& frame, Workspace& work, int
   return ToWorld(frame, g.x, g.y, g.z);
 }
 
+HWY_INLINE void StoreGradient(Block& block, int column, int row, const WorldVector& g) {
+  const int at = row * kPlaneStride + column;
+  hn::StoreU(g.x, d, block.gradient[0] + at);
+  hn::StoreU(g.y, d, block.gradient[1] + at);
+  hn::StoreU(g.z, d, block.gradient[2] + at);
+}
+
+inline void FourTapGradientOfSheet(const CpuFrame& frame, Workspace& work, int s) {
+  Block& block = work.block;
+  FourTapGradientBatch batch;
+  ForEachBatch(block, block.visible, block.margin, batch, [&] {
+    for (int g = 0; g < batch.count; ++g) {
+      const GroupRef& group = batch.group[g];
+      WeighAt(frame, block, PositionOf(block.sheets[s], group.column, group.row), g, batch);
+    }
+    SumYzGradient(block, work.samples.data.get(), batch);
+    for (int g = 0; g < batch.count; ++g) {
+      const ValueAndGradient v = ReduceGradient(batch, g);
+      StoreGradient(block, batch.group[g].column, batch.group[g].row,
+                    ToWorld(frame, v.x, v.y, v.z));
+    }
+  });
+}
+
 // Difference of the samples on both sides of the middle one; one-sided, or zero, where they are
 // undefined.
 HWY_INLINE V Difference(V before, V middle, V after, M has_before, M has_after) {
@@ -91,19 +115,19 @@ HWY_INLINE WorldVector CentralGradient(const CpuFrame& frame, const Block& block
 
 inline void GradientOfSheet(const CpuFrame& frame, Workspace& work, int s) {
   Block& block = work.block;
+  for (int y = 0; y < block.rows; ++y) work.stats.gradients += std::popcount(block.visible[y]);
+  if (!frame.central_gradient && block.uses_four_taps) {
+    FourTapGradientOfSheet(frame, work, s);
+    return;
+  }
   for (int y = 0; y < block.rows; ++y) {
     ForEachGroup(block.visible[y], block.margin, block.columns - block.margin,
                  [&](int column, std::uint32_t lanes) {
-                   const WorldVector g =
-                       frame.central_gradient
-                           ? CentralGradient(frame, block, s, column, y)
-                           : ExactGradient(frame, work, s, column, y,
-                                           PositionOf(block.sheets[s], column, y), lanes);
-                   const int at = y * kPlaneStride + column;
-                   hn::StoreU(g.x, d, block.gradient[0] + at);
-                   hn::StoreU(g.y, d, block.gradient[1] + at);
-                   hn::StoreU(g.z, d, block.gradient[2] + at);
-                   work.stats.gradients += std::popcount(lanes);
+                   const Position u = PositionOf(block.sheets[s], column, y);
+                   StoreGradient(block, column, y,
+                                 frame.central_gradient
+                                     ? CentralGradient(frame, block, s, column, y)
+                                     : ExactGradient(frame, work, s, column, y, u, lanes));
                  });
   }
 }

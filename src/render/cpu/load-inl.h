@@ -3,9 +3,14 @@
 // kept in, as floats.
 //
 // In:  the region, the field's brick source.
-// Out: samples [size.z][size.y][row_stride], value * scale + offset, 0 where missing; the same for
-// presence (1 or 0) if any is. A sample is used by about 20 samples of the block, so it is
-// converted once; the region of a 16^3 block fits the L2 cache.
+// Out: either pairs of slices, [size.z][size.y][row_stride][2]: sample (x, y, z) and (x, y, z + 1)
+// side
+//      by side, as the four-tap way of reconstruction reads them; or plain samples
+//      [size.z][size.y][row_stride], and the same for presence (1 or 0) if any is missing. Values
+//      are stored * scale + offset, 0 where missing or outside the lattice.
+//
+// A sample is used by about 20 samples of the block, so it is converted once; the region of a
+// 16^3 block fits the L2 cache.
 #if defined(OVOID_RENDER_CPU_LOAD_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef OVOID_RENDER_CPU_LOAD_INL_H_
 #undef OVOID_RENDER_CPU_LOAD_INL_H_
@@ -66,6 +71,62 @@ HWY_INLINE void LoadRow(const T* from, int count, LoadScale map, float* samples,
   }
 }
 
+// Two rows of neighbouring slices, side by side; `after` null: zeros.
+template <typename T>
+HWY_INLINE void LoadRowPair(const T* row, const T* after, int count, LoadScale map, float* pairs) {
+  const int group = GroupSize();
+  const V scale = hn::Set(d, map.scale);
+  const V offset = hn::Set(d, map.offset);
+  const auto load_group = [&](int i) {
+    const V a = hn::MulAdd(LoadAsFloat(row + i), scale, offset);
+    const V b = after == nullptr ? hn::Zero(d) : hn::MulAdd(LoadAsFloat(after + i), scale, offset);
+#if HWY_TARGET == HWY_SCALAR
+    hn::Store(a, d, pairs + 2 * i);
+    hn::Store(b, d, pairs + 2 * i + 1);
+#else
+    hn::StoreInterleaved2(a, b, d, pairs + 2 * i);
+#endif
+  };
+  int i = 0;
+  for (; i + group <= count; i += group) load_group(i);
+  if (i == count) return;
+  if (count >= group) {
+    load_group(count - group);  // overlaps the group before
+    return;
+  }
+  for (; i < count; ++i) {
+    pairs[2 * i] = static_cast<float>(row[i]) * map.scale + map.offset;
+    pairs[2 * i + 1] =
+        after == nullptr ? 0.0F : static_cast<float>(after[i]) * map.scale + map.offset;
+  }
+}
+
+// The part of the region that `view` shows, [lo, hi) in lattice indices, as pairs. Parts come in
+// order of z: the second of a pair whose slice another view shows is set when that view's turn
+// comes.
+template <typename T>
+void LoadPartPairs(const Block& block, const BrickView& view, const Index3& lo, const Index3& hi,
+                   LoadScale map, float* pairs) {
+  const T* data = static_cast<const T*>(view.data);
+  const auto to_region = [&](std::int64_t index, int a) {
+    return static_cast<std::ptrdiff_t>(index - block.origin[a]) - block.region_lo[a];
+  };
+  const int count = static_cast<int>(hi[0] - lo[0]);
+  for (std::int64_t z = lo[2]; z < hi[2]; ++z) {
+    for (std::int64_t y = lo[1]; y < hi[1]; ++y) {
+      const T* from = data + (lo[0] - view.lo[0]) + (y - view.lo[1]) * view.stride_y +
+                      (z - view.lo[2]) * view.stride_z;
+      const std::ptrdiff_t to = to_region(z, 2) * block.slice_stride +
+                                to_region(y, 1) * block.row_stride + to_region(lo[0], 0);
+      LoadRowPair(from, z + 1 < hi[2] ? from + view.stride_z : nullptr, count, map, pairs + 2 * to);
+      if (z > lo[2] || to_region(z, 2) == 0) continue;
+      float* before = pairs + 2 * (to - block.slice_stride) + 1;
+      for (int i = 0; i < count; ++i)
+        before[2 * i] = static_cast<float>(from[i]) * map.scale + map.offset;
+    }
+  }
+}
+
 // The part of the region that `view` shows, [lo, hi) in lattice indices.
 template <typename T>
 void LoadPart(const Block& block, const BrickView& view, const Index3& lo, const Index3& hi,
@@ -87,19 +148,29 @@ void LoadPart(const Block& block, const BrickView& view, const Index3& lo, const
   }
 }
 
+template <typename T>
+void LoadPartAs(const Block& block, const BrickView& view, const Index3& lo, const Index3& hi,
+                LoadScale map, float* samples, float* presence) {
+  if (block.uses_four_taps) {
+    LoadPartPairs<T>(block, view, lo, hi, map, samples);
+  } else {
+    LoadPart<T>(block, view, lo, hi, map, samples, presence);
+  }
+}
+
 inline void LoadTypedPart(const Block& block, const BrickView& view, const Index3& lo,
                           const Index3& hi, LoadScale map, float* samples, float* presence) {
   switch (view.type) {
     case ScalarType::kUInt8:
-      return LoadPart<std::uint8_t>(block, view, lo, hi, map, samples, presence);
+      return LoadPartAs<std::uint8_t>(block, view, lo, hi, map, samples, presence);
     case ScalarType::kInt8:
-      return LoadPart<std::int8_t>(block, view, lo, hi, map, samples, presence);
+      return LoadPartAs<std::int8_t>(block, view, lo, hi, map, samples, presence);
     case ScalarType::kUInt16:
-      return LoadPart<std::uint16_t>(block, view, lo, hi, map, samples, presence);
+      return LoadPartAs<std::uint16_t>(block, view, lo, hi, map, samples, presence);
     case ScalarType::kInt16:
-      return LoadPart<std::int16_t>(block, view, lo, hi, map, samples, presence);
+      return LoadPartAs<std::int16_t>(block, view, lo, hi, map, samples, presence);
     default:
-      return LoadPart<float>(block, view, lo, hi, map, samples, presence);
+      return LoadPartAs<float>(block, view, lo, hi, map, samples, presence);
   }
 }
 
@@ -116,33 +187,66 @@ inline bool RegionMisses(const BrickSource& source, const Index3& lo, const Inde
   return false;
 }
 
-inline void Load(const CpuFrame& frame, Workspace& work) {
+// May this block take the four-tap way of reconstruction? Decided before loading, which stores the
+// region accordingly.
+inline bool UsesFourTaps(const CpuFrame& frame, const Block& block) {
+  if (!frame.has_four_taps || block.has_missing) return false;
+  for (int s = 0; s < block.num_sheets; ++s) {
+    const float* m = block.sheets[s].widening;
+    if (m[0] != 1.0F || m[1] != 1.0F || m[2] != 1.0F) return false;
+  }
+  return true;
+}
+
+// Behind every row, and behind the last.
+inline void ClearPadding(const Block& block, float* floats) {
+  const int num_rows = block.region_size[1] * block.region_size[2];
+  for (int row = 0; row < num_rows; ++row) {
+    std::fill_n(floats + static_cast<std::ptrdiff_t>(row) * block.row_stride + block.region_size[0],
+                kTapPadding, 0.0F);
+  }
+  std::fill_n(floats + static_cast<std::ptrdiff_t>(num_rows) * block.row_stride, kTapPadding, 0.0F);
+}
+
+// What of the region lies in the lattice: [lo, hi) in lattice indices.
+struct LatticePart {
+  Index3 lo, hi;
+};
+
+inline LatticePart PartInLattice(const CpuFrame& frame, const Block& block) {
+  LatticePart part{};
+  for (int a = 0; a < 3; ++a) {
+    const std::int64_t first = block.origin[a] + block.region_lo[a];
+    part.lo[a] = std::clamp<std::int64_t>(first, 0, frame.dims[a] - 1);
+    part.hi[a] =
+        std::clamp<std::int64_t>(first + block.region_size[a], part.lo[a] + 1, frame.dims[a]);
+  }
+  return part;
+}
+
+// `is_scattered`: the region is for kernels that splat themselves, which read it plainly.
+inline void Load(const CpuFrame& frame, Workspace& work, bool is_scattered) {
   Block& block = work.block;
   const BrickSource& source = frame.field->source();
-  block.row_stride = block.region_size[0] + kTapPadding;
-  block.slice_stride = block.row_stride * block.region_size[1];
-  const std::size_t count =
-      static_cast<std::size_t>(block.slice_stride) * block.region_size[2] + kTapPadding;
-  Index3 lo{};
-  Index3 hi{};
-  for (int a = 0; a < 3; ++a) {
-    lo[a] = block.origin[a] + block.region_lo[a];
-    hi[a] = lo[a] + block.region_size[a];
-  }
+  const auto [lo, hi] = PartInLattice(frame, block);
   block.has_missing = RegionMisses(source, lo, hi);
+  block.uses_four_taps = !is_scattered && UsesFourTaps(frame, block);
+  block.row_stride = block.region_size[0] + (block.uses_four_taps ? 0 : kTapPadding);
+  block.slice_stride = block.row_stride * block.region_size[1];
+  const std::size_t floats_per_sample = block.uses_four_taps ? 2 : 1;
+  const std::size_t count =
+      floats_per_sample * block.slice_stride * block.region_size[2] + kTapPadding;
   float* samples = work.samples.reserve(count);
   float* presence = block.has_missing ? work.presence.reserve(count) : nullptr;
-  // The padding is read under zero weights; it must not hold what times zero is not zero.
-  for (int z = 0; z < block.region_size[2]; ++z) {
-    for (int y = 0; y < block.region_size[1]; ++y) {
-      const std::ptrdiff_t end = static_cast<std::ptrdiff_t>(z) * block.slice_stride +
-                                 y * block.row_stride + block.region_size[0];
-      std::fill(samples + end, samples + end + kTapPadding, 0.0F);
-      if (presence != nullptr) std::fill(presence + end, presence + end + kTapPadding, 0.0F);
-    }
+  // Padding and places outside the lattice are read under zero weights; they must not hold what
+  // times zero is not zero.
+  if (!block.is_interior) {
+    std::fill_n(samples, count, 0.0F);
+    if (presence != nullptr) std::fill_n(presence, count, 0.0F);
+  } else if (!block.uses_four_taps) {
+    ClearPadding(block, samples);
+    if (presence != nullptr) ClearPadding(block, presence);
   }
-  std::fill(samples + count - kTapPadding, samples + count, 0.0F);
-  if (presence != nullptr) std::fill(presence + count - kTapPadding, presence + count, 0.0F);
   const LoadScale map{frame.value_scale, frame.value_offset};
 
   // A view may show more than its brick: walk over the region in the steps that the views allow.

@@ -2,19 +2,20 @@
 // Stage "reconstruct" by gathering: each sample of a sheet sums the kernels that reach it. The hot
 // loop.
 //
-// In:  a block's region as floats, the positions of a group of samples.
-// Out: field values (and, where asked, index-space gradients) of the group, and which of them are
+// In:  a block's region as floats, the positions of groups of samples.
+// Out: field values (and, where asked, index-space gradients) of the groups, and which of them are
 // defined.
 //
 // Two ways, same numbers:
-//  - four taps: kernels of support 2 around every position, all of them present (the default
-//  kernel, away from borders and
-//    holes). The normalized weights of one axis are a softmax of (-1, 0, 1, 2) times f / sigma^2, f
-//    the position's fraction, so one exponential serves four weights; they are computed for a group
-//    at once. The 4 x 4 x 4 taps of a sample are summed with SIMD along the taps: two rows of four
-//    fill a vector of eight, and x is reduced for the group together.
-//  - general: any support, borders, holes, `sum`, widened kernels, slab means. One sample after the
-//  other, SIMD along x.
+//  - four taps: kernels of support 2 around every position (the default kernel) away from holes.
+//  The normalized weights of
+//    one axis are a softmax of (-1, 0, 1, 2) times f / sigma^2, f the position's fraction, so one
+//    exponential serves four weights. Three passes over a batch of groups keep the processor from
+//    waiting for any of them: weigh (SIMD over samples), sum y and z (SIMD along the taps: the
+//    region is stored with z, z + 1 side by side, so one load of eight floats brings 4 x-taps of
+//    two slices and feeds one multiply-add), reduce x (SIMD over samples).
+//  - general: any support, holes, `sum`, widened kernels, slab means. One sample after the other,
+//  SIMD along x.
 #if defined(OVOID_RENDER_CPU_RECONSTRUCT_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef OVOID_RENDER_CPU_RECONSTRUCT_INL_H_
 #undef OVOID_RENDER_CPU_RECONSTRUCT_INL_H_
@@ -29,26 +30,53 @@ HWY_BEFORE_NAMESPACE();
 namespace ovoid::cpu {
 namespace HWY_NAMESPACE {
 
-// Normalized weights of the four taps around a position, and their derivatives.
+// Normalized weights of the four taps around a position.
 struct FourWeights {
   V w[4];
 };
 
-HWY_INLINE FourWeights FourWeightsAt(V fraction, const CpuFrame& frame) {
+// The lattice's end along one axis, as the four taps see it: bounds of the indices that exist,
+// relative to the block's origin.
+struct AxisEnds {
+  float first, last;
+};
+
+HWY_INLINE AxisEnds EndsOf(const CpuFrame& frame, const Block& block, int axis) {
+  const float first = static_cast<float>(-block.origin[axis]);
+  return {first, first + static_cast<float>(frame.dims[axis] - 1)};
+}
+
+// `whole` and `fraction` are the position's. At a border, taps that do not exist get no weight, and
+// `share` is multiplied by the part of the weights that is left.
+template <bool kBorder>
+HWY_INLINE FourWeights FourWeightsAt(V whole, V fraction, const CpuFrame& frame, AxisEnds ends,
+                                     V& share) {
   // g(f + 1) : g(f) : g(1 - f) : g(2 - f) = n : e : n e^2 : F e^3 with e = exp(f / sigma^2).
   constexpr float kLog2E = 1.44269504F;
   const V e =
       Exp2</*kCoarse=*/true>(d, hn::Mul(fraction, hn::Set(d, frame.inverse_variance * kLog2E)));
   const V n = hn::Set(d, frame.near_weight);
   const V ee = hn::Mul(e, e);
-  const V t0 = n;
-  const V t2 = hn::Mul(n, ee);
-  const V t3 = hn::Mul(hn::Set(d, frame.far_weight), hn::Mul(ee, e));
-  const V r = Reciprocal(hn::Add(hn::Add(t0, e), hn::Add(t2, t3)));
-  return {{hn::Mul(t0, r), hn::Mul(e, r), hn::Mul(t2, r), hn::Mul(t3, r)}};
+  FourWeights t{{n, e, hn::Mul(n, ee), hn::Mul(hn::Set(d, frame.far_weight), hn::Mul(ee, e))}};
+  const auto sum = [&] { return hn::Add(hn::Add(t.w[0], t.w[1]), hn::Add(t.w[2], t.w[3])); };
+  V total = sum();
+  if constexpr (kBorder) {
+    for (int k = 0; k < 4; ++k) {
+      const V index = hn::Add(whole, hn::Set(d, static_cast<float>(k - 1)));
+      const M exists =
+          hn::And(hn::Ge(index, hn::Set(d, ends.first)), hn::Le(index, hn::Set(d, ends.last)));
+      t.w[k] = hn::IfThenElseZero(exists, t.w[k]);
+    }
+    const V existing = sum();
+    share = hn::Mul(share, hn::Div(existing, total));
+    total = hn::Max(existing, hn::Set(d, 1e-30F));
+  }
+  const V r = Reciprocal(total);
+  for (V& w : t.w) w = hn::Mul(w, r);
+  return t;
 }
 
-// d w_k / d f = w_k (k - mean of k) / sigma^2, k = -1, 0, 1, 2.
+// d w_k / d f = w_k (k - mean of k) / sigma^2, k = -1, 0, 1, 2, whichever of them exist.
 HWY_INLINE FourWeights DerivativeOf(const FourWeights& w, const CpuFrame& frame) {
   const V mean = hn::Add(hn::Sub(w.w[2], w.w[0]), hn::Add(w.w[3], w.w[3]));
   const V scale = hn::Set(d, frame.inverse_variance);
@@ -60,110 +88,236 @@ HWY_INLINE FourWeights DerivativeOf(const FourWeights& w, const CpuFrame& frame)
   return out;
 }
 
-// Two rows of four taps: side by side where vectors are wide enough, else one after the other. The
-// same sums either way.
+// Eight floats: four x-taps, each of slice z and slice z + 1. One register where vectors are wide
+// enough.
 #if HWY_TARGET == HWY_SCALAR
-struct RowPair {
-  float a[4], b[4];
+struct Octet {
+  float v[8];
 };
-HWY_INLINE RowPair LoadPair(const float* a, const float* b) {
-  return {{a[0], a[1], a[2], a[3]}, {b[0], b[1], b[2], b[3]}};
+HWY_INLINE Octet LoadOctet(const float* p) {
+  Octet o;
+  std::memcpy(o.v, p, sizeof o.v);
+  return o;
 }
-HWY_INLINE RowPair SetPair(float a, float b) { return {{a, a, a, a}, {b, b, b, b}}; }
-HWY_INLINE RowPair SetBoth(float a) { return SetPair(a, a); }
-HWY_INLINE RowPair Mul(RowPair p, RowPair q) {
-  RowPair r;
-  for (int k = 0; k < 4; ++k) {
-    r.a[k] = p.a[k] * q.a[k];
-    r.b[k] = p.b[k] * q.b[k];
-  }
-  return r;
+HWY_INLINE Octet SetOctet(float a) { return {{a, a, a, a, a, a, a, a}}; }
+HWY_INLINE Octet SetPairs(const float* p) {
+  return {{p[0], p[1], p[0], p[1], p[0], p[1], p[0], p[1]}};
 }
-HWY_INLINE RowPair MulAdd(RowPair p, RowPair q, RowPair r) {
-  for (int k = 0; k < 4; ++k) {
-    r.a[k] += p.a[k] * q.a[k];
-    r.b[k] += p.b[k] * q.b[k];
-  }
-  return r;
+HWY_INLINE Octet Mul(Octet a, Octet b) {
+  for (int k = 0; k < 8; ++k) a.v[k] *= b.v[k];
+  return a;
 }
-HWY_INLINE void StoreFolded(RowPair p, float* to) {
-  for (int k = 0; k < 4; ++k) to[k] = p.a[k] + p.b[k];
+HWY_INLINE Octet MulAdd(Octet a, Octet b, Octet c) {
+  for (int k = 0; k < 8; ++k) c.v[k] += a.v[k] * b.v[k];
+  return c;
+}
+HWY_INLINE void StoreFolded(Octet o, float* to) {
+  for (int k = 0; k < 4; ++k) to[k] = o.v[2 * k] + o.v[2 * k + 1];
 }
 #elif HWY_MAX_BYTES >= 32
 using D4 = hn::FixedTag<float, 4>;
 using D8 = hn::FixedTag<float, 8>;
 inline constexpr D4 d4;
 inline constexpr D8 d8;
-struct RowPair {
+struct Octet {
   hn::Vec<D8> v;
 };
-HWY_INLINE RowPair LoadPair(const float* a, const float* b) {
-  return {hn::Combine(d8, hn::LoadU(d4, b), hn::LoadU(d4, a))};
+HWY_INLINE Octet LoadOctet(const float* p) { return {hn::LoadU(d8, p)}; }
+HWY_INLINE Octet SetOctet(float a) { return {hn::Set(d8, a)}; }
+HWY_INLINE Octet SetPairs(const float* p) {
+  std::uint64_t both;
+  std::memcpy(&both, p, sizeof both);
+  return {hn::BitCast(d8, hn::Set(hn::FixedTag<std::uint64_t, 4>(), both))};
 }
-HWY_INLINE RowPair SetPair(float a, float b) {
-  return {hn::Combine(d8, hn::Set(d4, b), hn::Set(d4, a))};
-}
-HWY_INLINE RowPair SetBoth(float a) { return {hn::Set(d8, a)}; }
-HWY_INLINE RowPair Mul(RowPair p, RowPair q) { return {hn::Mul(p.v, q.v)}; }
-HWY_INLINE RowPair MulAdd(RowPair p, RowPair q, RowPair r) { return {hn::MulAdd(p.v, q.v, r.v)}; }
-HWY_INLINE void StoreFolded(RowPair p, float* to) {
-  hn::Store(hn::Add(hn::LowerHalf(d4, p.v), hn::UpperHalf(d4, p.v)), d4, to);
+HWY_INLINE Octet Mul(Octet a, Octet b) { return {hn::Mul(a.v, b.v)}; }
+HWY_INLINE Octet MulAdd(Octet a, Octet b, Octet c) { return {hn::MulAdd(a.v, b.v, c.v)}; }
+// Adds each tap's two slices: [4].
+HWY_INLINE void StoreFolded(Octet o, float* to) {
+  const auto lo = hn::LowerHalf(d4, o.v);
+  const auto hi = hn::UpperHalf(d4, o.v);
+  hn::Store(hn::Add(hn::ConcatEven(d4, hi, lo), hn::ConcatOdd(d4, hi, lo)), d4, to);
 }
 #else
 using D4 = hn::FixedTag<float, 4>;
 inline constexpr D4 d4;
-struct RowPair {
-  hn::Vec<D4> a, b;
+struct Octet {
+  hn::Vec<D4> lo, hi;
 };
-HWY_INLINE RowPair LoadPair(const float* a, const float* b) {
-  return {hn::LoadU(d4, a), hn::LoadU(d4, b)};
+HWY_INLINE Octet LoadOctet(const float* p) { return {hn::LoadU(d4, p), hn::LoadU(d4, p + 4)}; }
+HWY_INLINE Octet SetOctet(float a) { return {hn::Set(d4, a), hn::Set(d4, a)}; }
+HWY_INLINE Octet SetPairs(const float* p) {
+  std::uint64_t both;
+  std::memcpy(&both, p, sizeof both);
+  const auto v = hn::BitCast(d4, hn::Set(hn::FixedTag<std::uint64_t, 2>(), both));
+  return {v, v};
 }
-HWY_INLINE RowPair SetPair(float a, float b) { return {hn::Set(d4, a), hn::Set(d4, b)}; }
-HWY_INLINE RowPair SetBoth(float a) { return SetPair(a, a); }
-HWY_INLINE RowPair Mul(RowPair p, RowPair q) { return {hn::Mul(p.a, q.a), hn::Mul(p.b, q.b)}; }
-HWY_INLINE RowPair MulAdd(RowPair p, RowPair q, RowPair r) {
-  return {hn::MulAdd(p.a, q.a, r.a), hn::MulAdd(p.b, q.b, r.b)};
+HWY_INLINE Octet Mul(Octet a, Octet b) { return {hn::Mul(a.lo, b.lo), hn::Mul(a.hi, b.hi)}; }
+HWY_INLINE Octet MulAdd(Octet a, Octet b, Octet c) {
+  return {hn::MulAdd(a.lo, b.lo, c.lo), hn::MulAdd(a.hi, b.hi, c.hi)};
 }
-HWY_INLINE void StoreFolded(RowPair p, float* to) { hn::Store(hn::Add(p.a, p.b), d4, to); }
+HWY_INLINE void StoreFolded(Octet o, float* to) {
+  hn::Store(hn::Add(hn::ConcatEven(d4, o.hi, o.lo), hn::ConcatOdd(d4, o.hi, o.lo)), d4, to);
+}
 #endif
+
 inline constexpr int kMaxLanes = 16;
+inline constexpr int kBatchGroups =
+    8;  // groups per batch: its weights take 17 KiB at most and stay in the L1 cache
 
-// Weights of a group along y and z, by tap and lane, and where each lane's first tap lies in the
-// region.
-struct FourTaps {
-  alignas(64) float y[4][kMaxLanes];
-  alignas(64) float z[4][kMaxLanes];
-  alignas(64) std::int32_t offset[kMaxLanes];
+struct GroupValues {
+  V value;
+  std::uint32_t defined;  // bits, a subset of the lanes asked for
 };
 
-struct FourTapsWithDerivatives : FourTaps {
-  alignas(64) float dy[4][kMaxLanes];
-  alignas(64) float dz[4][kMaxLanes];
+struct ValueAndGradient {
+  V value, x, y, z;  // gradient in index space
 };
 
-struct SplitPosition {
-  V fx, fy, fz;  // fractions in [0, 1)
+// One group of a batch: which samples, and where in index space.
+struct GroupRef {
+  int column, row;
+  std::uint32_t lanes;
 };
 
-HWY_INLINE SplitPosition SplitForFourTaps(const Block& block, const Position& u,
-                                          std::int32_t* offset) {
+// A batch of groups on its way through the passes. `x`, `y`, `dy` by group, tap and lane; `z`, `dz`
+// and `partial` by group, lane and tap.
+struct FourTapBatch {
+  int count = 0;
+  GroupRef group[kBatchGroups];
+  std::uint32_t defined[kBatchGroups];
+  alignas(64) float x[kBatchGroups][4][kMaxLanes];
+  alignas(64) float y[kBatchGroups][4][kMaxLanes];
+  alignas(64) float z[kBatchGroups][4 * kMaxLanes];
+  alignas(64) std::int32_t offset[kBatchGroups][kMaxLanes];
+  alignas(64) float partial[kBatchGroups][4 * kMaxLanes];
+};
+
+struct FourTapGradientBatch : FourTapBatch {
+  alignas(64) float dx[kBatchGroups][4][kMaxLanes];
+  alignas(64) float dy[kBatchGroups][4][kMaxLanes];
+  alignas(64) float dz[kBatchGroups][4 * kMaxLanes];
+  alignas(64) float partial_y[kBatchGroups][4 * kMaxLanes];
+  alignas(64) float partial_z[kBatchGroups][4 * kMaxLanes];
+};
+
+HWY_INLINE void StoreByTap(const FourWeights& w, float (*to)[kMaxLanes]) {
+  for (int k = 0; k < 4; ++k) hn::Store(w.w[k], d, to[k]);
+}
+
+HWY_INLINE void StoreByLane(const FourWeights& w, float* to) {
+#if HWY_TARGET == HWY_SCALAR
+  for (int k = 0; k < 4; ++k) hn::Store(w.w[k], d, to + k);
+#else
+  hn::StoreInterleaved4(w.w[0], w.w[1], w.w[2], w.w[3], d, to);
+#endif
+}
+
+// Pass 1: weights of a group's taps, and where each lane's first tap lies in the region (in
+// floats).
+template <bool kBorder, class Batch>
+HWY_INLINE void Weigh(const CpuFrame& frame, const Block& block, const Position& u, int g,
+                      Batch& batch) {
   const V x = hn::Floor(u.x);
   const V y = hn::Floor(u.y);
   const V z = hn::Floor(u.z);
   const auto index = [&](V p, int a) {
-    return hn::Sub(hn::ConvertTo(di, p), hn::Set(di, block.region_lo[a] + 1));
+    return hn::Sub(NearestInteger(p), hn::Set(di, block.region_lo[a] + 1));
   };
-  const VI in_slice = hn::Add(hn::Mul(index(y, 1), hn::Set(di, block.row_stride)), index(x, 0));
-  hn::Store(hn::Add(hn::Mul(index(z, 2), hn::Set(di, block.slice_stride)), in_slice), di, offset);
-  return {hn::Sub(u.x, x), hn::Sub(u.y, y), hn::Sub(u.z, z)};
+  const VI rows = hn::Add(hn::Mul(index(z, 2), hn::Set(di, block.region_size[1])), index(y, 1));
+  const VI samples = hn::Add(hn::Mul(rows, hn::Set(di, block.row_stride)), index(x, 0));
+  hn::Store(hn::ShiftLeft<1>(samples), di, batch.offset[g]);
+  V share = hn::Set(d, 1.0F);
+  const FourWeights wx =
+      FourWeightsAt<kBorder>(x, hn::Sub(u.x, x), frame, EndsOf(frame, block, 0), share);
+  const FourWeights wy =
+      FourWeightsAt<kBorder>(y, hn::Sub(u.y, y), frame, EndsOf(frame, block, 1), share);
+  const FourWeights wz =
+      FourWeightsAt<kBorder>(z, hn::Sub(u.z, z), frame, EndsOf(frame, block, 2), share);
+  StoreByTap(wx, batch.x[g]);
+  StoreByTap(wy, batch.y[g]);
+  StoreByLane(wz, batch.z[g]);
+  if constexpr (std::is_same_v<Batch, FourTapGradientBatch>) {
+    StoreByTap(DerivativeOf(wx, frame), batch.dx[g]);
+    StoreByTap(DerivativeOf(wy, frame), batch.dy[g]);
+    StoreByLane(DerivativeOf(wz, frame), batch.dz[g]);
+  }
+  const std::uint32_t lanes = batch.group[g].lanes;
+  batch.defined[g] = kBorder ? BitsOf(hn::Ge(share, hn::Set(d, kLeastWeight))) & lanes : lanes;
 }
 
-HWY_INLINE void StoreTaps(const FourWeights& w, float (*to)[kMaxLanes]) {
-  for (int k = 0; k < 4; ++k) hn::Store(w.w[k], d, to[k]);
+// Lanes that nobody asked for must hold numbers too.
+HWY_INLINE void ClearUnlessFull(std::uint32_t lanes, float* partial) {
+  if (lanes == GroupBits()) return;
+  for (int k = 0; k < 4; ++k) hn::Store(hn::Zero(d), d, partial + k * GroupSize());
 }
 
-// sum over the four x-taps, for all lanes: partial[lane][4] times weights.
-HWY_INLINE V ReduceX(const float* partial, const FourWeights& w) {
+// Pass 2: sums over y and z, four x-taps kept apart.
+HWY_INLINE void SumYz(const Block& block, const float* HWY_RESTRICT samples, FourTapBatch& batch) {
+  const std::ptrdiff_t row = 2 * static_cast<std::ptrdiff_t>(block.row_stride);
+  const std::ptrdiff_t two_slices = 4 * static_cast<std::ptrdiff_t>(block.slice_stride);
+  for (int g = 0; g < batch.count; ++g) {
+    float* HWY_RESTRICT partial = batch.partial[g];
+    ClearUnlessFull(batch.defined[g], partial);
+    for (std::uint32_t left = batch.defined[g]; left != 0; left &= left - 1) {
+      const int l = std::countr_zero(left);
+      const float* HWY_RESTRICT p = samples + batch.offset[g][l];
+      const float* HWY_RESTRICT q = p + two_slices;
+      const Octet y0 = SetOctet(batch.y[g][0][l]);
+      const Octet y1 = SetOctet(batch.y[g][1][l]);
+      const Octet y2 = SetOctet(batch.y[g][2][l]);
+      const Octet y3 = SetOctet(batch.y[g][3][l]);
+      const auto rows = [&](const float* HWY_RESTRICT r) {
+        Octet t = Mul(LoadOctet(r), y0);
+        t = MulAdd(LoadOctet(r + row), y1, t);
+        t = MulAdd(LoadOctet(r + 2 * row), y2, t);
+        return MulAdd(LoadOctet(r + 3 * row), y3, t);
+      };
+      const float* z = batch.z[g] + 4 * l;
+      StoreFolded(MulAdd(rows(q), SetPairs(z + 2), Mul(rows(p), SetPairs(z))), partial + 4 * l);
+    }
+  }
+}
+
+HWY_INLINE void SumYzGradient(const Block& block, const float* HWY_RESTRICT samples,
+                              FourTapGradientBatch& batch) {
+  const std::ptrdiff_t row = 2 * static_cast<std::ptrdiff_t>(block.row_stride);
+  const std::ptrdiff_t two_slices = 4 * static_cast<std::ptrdiff_t>(block.slice_stride);
+  for (int g = 0; g < batch.count; ++g) {
+    for (float* p : {batch.partial[g], batch.partial_y[g], batch.partial_z[g]}) {
+      ClearUnlessFull(batch.defined[g], p);
+    }
+    for (std::uint32_t left = batch.defined[g]; left != 0; left &= left - 1) {
+      const int l = std::countr_zero(left);
+      const float* HWY_RESTRICT p = samples + batch.offset[g][l];
+      const float* HWY_RESTRICT q = p + two_slices;
+      const Octet p0 = LoadOctet(p);
+      const Octet q0 = LoadOctet(q);
+      const Octet y0 = SetOctet(batch.y[g][0][l]);
+      const Octet dy0 = SetOctet(batch.dy[g][0][l]);
+      Octet tp = Mul(p0, y0), tq = Mul(q0, y0);
+      Octet sp = Mul(p0, dy0), sq = Mul(q0, dy0);
+      for (int j = 1; j < 4; ++j) {
+        const Octet pj = LoadOctet(p + j * row);
+        const Octet qj = LoadOctet(q + j * row);
+        const Octet y = SetOctet(batch.y[g][j][l]);
+        const Octet dy = SetOctet(batch.dy[g][j][l]);
+        tp = MulAdd(pj, y, tp);
+        tq = MulAdd(qj, y, tq);
+        sp = MulAdd(pj, dy, sp);
+        sq = MulAdd(qj, dy, sq);
+      }
+      const float* z = batch.z[g] + 4 * l;
+      const float* dz = batch.dz[g] + 4 * l;
+      const Octet zp = SetPairs(z), zq = SetPairs(z + 2);
+      StoreFolded(MulAdd(tq, zq, Mul(tp, zp)), batch.partial[g] + 4 * l);
+      StoreFolded(MulAdd(sq, zq, Mul(sp, zp)), batch.partial_y[g] + 4 * l);
+      StoreFolded(MulAdd(tq, SetPairs(dz + 2), Mul(tp, SetPairs(dz))), batch.partial_z[g] + 4 * l);
+    }
+  }
+}
+
+// Pass 3: the sum over the four x-taps of all lanes; partial[lane][4] times weights[4][lane].
+HWY_INLINE V ReduceX(const float* partial, const float (*weights)[kMaxLanes]) {
 #if HWY_TARGET == HWY_SCALAR
   const V p0 = hn::Load(d, partial), p1 = hn::Load(d, partial + 1), p2 = hn::Load(d, partial + 2),
           p3 = hn::Load(d, partial + 3);
@@ -171,101 +325,39 @@ HWY_INLINE V ReduceX(const float* partial, const FourWeights& w) {
   V p0, p1, p2, p3;
   hn::LoadInterleaved4(d, partial, p0, p1, p2, p3);
 #endif
-  return hn::MulAdd(p0, w.w[0],
-                    hn::MulAdd(p1, w.w[1], hn::MulAdd(p2, w.w[2], hn::Mul(p3, w.w[3]))));
+  const auto w = [&](int k) { return hn::Load(d, weights[k]); };
+  return hn::MulAdd(p0, w(0), hn::MulAdd(p1, w(1), hn::MulAdd(p2, w(2), hn::Mul(p3, w(3)))));
 }
 
-HWY_INLINE V GatherFour(const CpuFrame& frame, const Block& block,
-                        const float* HWY_RESTRICT samples, const Position& u, std::uint32_t lanes) {
-  FourTaps taps;
-  alignas(64) float partial[4 * kMaxLanes] = {};
-  const SplitPosition split = SplitForFourTaps(block, u, taps.offset);
-  StoreTaps(FourWeightsAt(split.fy, frame), taps.y);
-  StoreTaps(FourWeightsAt(split.fz, frame), taps.z);
-  const FourWeights x = FourWeightsAt(split.fx, frame);
-  const std::ptrdiff_t row = block.row_stride;
-  const std::ptrdiff_t slice = block.slice_stride;
-  for (; lanes != 0; lanes &= lanes - 1) {
-    const int l = std::countr_zero(lanes);
-    const float* HWY_RESTRICT p = samples + taps.offset[l];
-    const float* HWY_RESTRICT q = p + 2 * slice;
-    const RowPair y0 = SetBoth(taps.y[0][l]);
-    const RowPair y1 = SetBoth(taps.y[1][l]);
-    const RowPair y2 = SetBoth(taps.y[2][l]);
-    const RowPair y3 = SetBoth(taps.y[3][l]);
-    const auto slices = [&](std::ptrdiff_t at) {
-      RowPair t = Mul(LoadPair(p + at, q + at), y0);
-      t = MulAdd(LoadPair(p + at + row, q + at + row), y1, t);
-      t = MulAdd(LoadPair(p + at + 2 * row, q + at + 2 * row), y2, t);
-      return MulAdd(LoadPair(p + at + 3 * row, q + at + 3 * row), y3, t);
-    };
-    RowPair sum = Mul(slices(0), SetPair(taps.z[0][l], taps.z[2][l]));
-    sum = MulAdd(slices(slice), SetPair(taps.z[1][l], taps.z[3][l]), sum);
-    StoreFolded(sum, partial + 4 * l);
+template <class Batch>
+HWY_INLINE void WeighAt(const CpuFrame& frame, const Block& block, const Position& u, int g,
+                        Batch& batch) {
+  if (block.is_interior) {
+    Weigh<false>(frame, block, u, g, batch);
+  } else {
+    Weigh<true>(frame, block, u, g, batch);
   }
-  return ReduceX(partial, x);
 }
 
-struct ValueAndGradient {
-  V value, x, y, z;  // gradient in index space
-};
-
-HWY_INLINE ValueAndGradient GatherFourGradient(const CpuFrame& frame, const Block& block,
-                                               const float* HWY_RESTRICT samples, const Position& u,
-                                               std::uint32_t lanes) {
-  FourTapsWithDerivatives taps;
-  alignas(64) float partial[3][4 * kMaxLanes] = {};
-  const SplitPosition split = SplitForFourTaps(block, u, taps.offset);
-  const FourWeights y = FourWeightsAt(split.fy, frame);
-  const FourWeights z = FourWeightsAt(split.fz, frame);
-  StoreTaps(y, taps.y);
-  StoreTaps(z, taps.z);
-  StoreTaps(DerivativeOf(y, frame), taps.dy);
-  StoreTaps(DerivativeOf(z, frame), taps.dz);
-  const FourWeights x = FourWeightsAt(split.fx, frame);
-  const FourWeights dx = DerivativeOf(x, frame);
-  const std::ptrdiff_t row = block.row_stride;
-  const std::ptrdiff_t slice = block.slice_stride;
-  for (; lanes != 0; lanes &= lanes - 1) {
-    const int l = std::countr_zero(lanes);
-    const float* HWY_RESTRICT p = samples + taps.offset[l];
-    const float* HWY_RESTRICT q = p + 2 * slice;
-    RowPair sum, sum_y, sum_z;
-    for (int k = 0; k < 2; ++k) {
-      const std::ptrdiff_t at = k * slice;
-      const RowPair r0 = LoadPair(p + at, q + at);
-      RowPair t = Mul(r0, SetBoth(taps.y[0][l]));
-      RowPair ty = Mul(r0, SetBoth(taps.dy[0][l]));
-      for (int j = 1; j < 4; ++j) {
-        const RowPair r = LoadPair(p + at + j * row, q + at + j * row);
-        t = MulAdd(r, SetBoth(taps.y[j][l]), t);
-        ty = MulAdd(r, SetBoth(taps.dy[j][l]), ty);
-      }
-      const RowPair wz = SetPair(taps.z[k][l], taps.z[k + 2][l]);
-      const RowPair dz = SetPair(taps.dz[k][l], taps.dz[k + 2][l]);
-      sum = k == 0 ? Mul(t, wz) : MulAdd(t, wz, sum);
-      sum_y = k == 0 ? Mul(ty, wz) : MulAdd(ty, wz, sum_y);
-      sum_z = k == 0 ? Mul(t, dz) : MulAdd(t, dz, sum_z);
-    }
-    StoreFolded(sum, partial[0] + 4 * l);
-    StoreFolded(sum_y, partial[1] + 4 * l);
-    StoreFolded(sum_z, partial[2] + 4 * l);
-  }
-  return {ReduceX(partial[0], x), ReduceX(partial[0], dx), ReduceX(partial[1], x),
-          ReduceX(partial[2], x)};
+HWY_INLINE V ReduceValue(const FourTapBatch& batch, int g) {
+  return ReduceX(batch.partial[g], batch.x[g]);
 }
 
-struct GroupValues {
-  V value;
-  std::uint32_t defined;  // bits, a subset of the lanes asked for
-};
+HWY_INLINE ValueAndGradient ReduceGradient(const FourTapGradientBatch& batch, int g) {
+  return {ReduceX(batch.partial[g], batch.x[g]), ReduceX(batch.partial[g], batch.dx[g]),
+          ReduceX(batch.partial_y[g], batch.x[g]), ReduceX(batch.partial_z[g], batch.x[g])};
+}
 
-// Values of a group at positions of sheet s (or between sheets: then the caller passes them).
-// `lanes` must be active samples.
+// Values of one group at any positions near sheet s. `lanes` must be active samples.
 HWY_INLINE GroupValues Gather(const CpuFrame& frame, Workspace& work, int s, int column, int row,
                               const Position& u, std::uint32_t lanes) {
-  if (work.block.uses_four_taps[s]) {
-    return {GatherFour(frame, work.block, work.samples.data.get(), u, lanes), lanes};
+  if (work.block.uses_four_taps) {
+    FourTapBatch batch;
+    batch.count = 1;
+    batch.group[0] = {column, row, lanes};
+    WeighAt(frame, work.block, u, 0, batch);
+    SumYz(work.block, work.samples.data.get(), batch);
+    return {ReduceValue(batch, 0), batch.defined[0]};
   }
   alignas(64) float value[kMaxLanes] = {};
   const std::uint32_t defined = GatherGeneral<false>(frame, work, s, column, row, u, lanes,
@@ -276,8 +368,13 @@ HWY_INLINE GroupValues Gather(const CpuFrame& frame, Workspace& work, int s, int
 HWY_INLINE ValueAndGradient GatherGradient(const CpuFrame& frame, Workspace& work, int s,
                                            int column, int row, const Position& u,
                                            std::uint32_t lanes) {
-  if (work.block.uses_four_taps[s]) {
-    return GatherFourGradient(frame, work.block, work.samples.data.get(), u, lanes);
+  if (work.block.uses_four_taps) {
+    FourTapGradientBatch batch;
+    batch.count = 1;
+    batch.group[0] = {column, row, lanes};
+    WeighAt(frame, work.block, u, 0, batch);
+    SumYzGradient(work.block, work.samples.data.get(), batch);
+    return ReduceGradient(batch, 0);
   }
   alignas(64) float out[4][kMaxLanes] = {};
   GatherGeneral<true>(frame, work, s, column, row, u, lanes,
@@ -285,28 +382,69 @@ HWY_INLINE ValueAndGradient GatherGradient(const CpuFrame& frame, Workspace& wor
   return {hn::Load(d, out[0]), hn::Load(d, out[1]), hn::Load(d, out[2]), hn::Load(d, out[3])};
 }
 
-// May this sheet of the block take the four-tap way?
-inline bool UsesFourTaps(const CpuFrame& frame, const Block& block, int s) {
-  const float* m = block.sheets[s].widening;
-  return frame.has_four_taps && block.is_interior && !block.has_missing && m[0] == 1.0F &&
-         m[1] == 1.0F && m[2] == 1.0F;
+// Hands the groups of all rows to `run` in batches; groups that are not full are handed over like
+// the others.
+template <class Batch, class Run>
+HWY_INLINE void ForEachBatch(const Block& block, const RowBits& bits, int margin, Batch& batch,
+                             const Run& run) {
+  batch.count = 0;
+  for (int y = 0; y < block.rows; ++y) {
+    ForEachGroup(bits[y], margin, block.columns - margin, [&](int column, std::uint32_t lanes) {
+      batch.group[batch.count++] = {column, y, lanes};
+      if (batch.count < kBatchGroups) return;
+      run();
+      batch.count = 0;
+    });
+  }
+  if (batch.count > 0) run();
 }
 
-// One sheet of the block: the samples named by `wanted`.
-inline void ReconstructSheet(const CpuFrame& frame, Workspace& work, int s, const RowBits& wanted) {
+inline void ReconstructFourTaps(const CpuFrame& frame, Workspace& work, int s,
+                                const RowBits& wanted) {
+  Block& block = work.block;
+  const float* samples = work.samples.data.get();
+  float* values = block.values[s & (kRingSheets - 1)];
+  RowBits& defined = block.defined[s & (kRingSheets - 1)];
+  FourTapBatch batch;
+  ForEachBatch(block, wanted, 0, batch, [&] {
+    for (int g = 0; g < batch.count; ++g) {
+      WeighAt(frame, block, PositionOf(block.sheets[s], batch.group[g].column, batch.group[g].row),
+              g, batch);
+    }
+    SumYz(block, samples, batch);
+    for (int g = 0; g < batch.count; ++g) {
+      const GroupRef& group = batch.group[g];
+      hn::StoreU(ReduceValue(batch, g), d, values + group.row * kPlaneStride + group.column);
+      defined[group.row] |= batch.defined[g] << group.column;
+    }
+  });
+}
+
+inline void ReconstructGeneral(const CpuFrame& frame, Workspace& work, int s,
+                               const RowBits& wanted) {
   Block& block = work.block;
   float* values = block.values[s & (kRingSheets - 1)];
   RowBits& defined = block.defined[s & (kRingSheets - 1)];
   for (int y = 0; y < block.rows; ++y) {
-    defined[y] = 0;
     ForEachGroup(wanted[y], 0, block.columns, [&](int column, std::uint32_t lanes) {
       const Position u = PositionOf(block.sheets[s], column, y);
       const GroupValues group = Gather(frame, work, s, column, y, u, lanes);
       hn::StoreU(group.value, d, values + y * kPlaneStride + column);
       defined[y] |= group.defined << column;
     });
-    work.stats.samples_reconstructed += std::popcount(wanted[y]);
   }
+}
+
+// One sheet of the block: the samples named by `wanted`.
+inline void ReconstructSheet(const CpuFrame& frame, Workspace& work, int s, const RowBits& wanted) {
+  work.block.defined[s & (kRingSheets - 1)] = {};
+  if (work.block.uses_four_taps) {
+    ReconstructFourTaps(frame, work, s, wanted);
+  } else {
+    ReconstructGeneral(frame, work, s, wanted);
+  }
+  for (int y = 0; y < work.block.rows; ++y)
+    work.stats.samples_reconstructed += std::popcount(wanted[y]);
 }
 
 }  // namespace HWY_NAMESPACE

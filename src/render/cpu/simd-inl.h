@@ -60,6 +60,17 @@ HWY_INLINE Position PositionOf(const SheetSetup& sheet, int column, int row) {
   return {along(0), along(1), along(2)};
 }
 
+// Adding this to a float of magnitude under 2^22 leaves its nearest whole number in the low bits:
+// rounding and conversion to an integer in one addition.
+inline constexpr float kRoundingMagic = 12582912.0F;  // 1.5 * 2^23
+inline constexpr std::int32_t kRoundingMagicBits = 0x4B400000;
+
+// The integer nearest to x, |x| < 2^22.
+HWY_INLINE VI NearestInteger(V x) {
+  const V shifted = hn::Add(x, hn::Set(d, kRoundingMagic));
+  return hn::Sub(hn::BitCast(di, shifted), hn::Set(di, kRoundingMagicBits));
+}
+
 // 2^x for |x| <= 126 by Taylor's series on [-1/2, 1/2]; relative error below (ln 2 / 2)^(n + 1) /
 // (n + 1)! with n terms: kExp2CoarseError for five, kExp2Error for six (plus rounding).
 inline constexpr double kExp2CoarseError = 2.5e-6;
@@ -68,8 +79,8 @@ inline constexpr double kExp2Error = 3e-7;
 template <bool kCoarse = false, class DF, class VF = hn::Vec<DF>>
 HWY_INLINE VF Exp2(DF df, VF x) {
   const hn::RebindToSigned<DF> dint;
-  const VF whole = hn::Round(x);
-  const VF f = hn::Sub(x, whole);
+  const VF shifted = hn::Add(x, hn::Set(df, kRoundingMagic));
+  const VF f = hn::Sub(x, hn::Sub(shifted, hn::Set(df, kRoundingMagic)));
   VF p = kCoarse ? hn::Set(df, 1.3333558e-3F)
                  : hn::MulAdd(f, hn::Set(df, 1.5403530e-4F), hn::Set(df, 1.3333558e-3F));
   p = hn::MulAdd(p, f, hn::Set(df, 9.6181291e-3F));
@@ -77,7 +88,8 @@ HWY_INLINE VF Exp2(DF df, VF x) {
   p = hn::MulAdd(p, f, hn::Set(df, 2.4022651e-1F));
   p = hn::MulAdd(p, f, hn::Set(df, 6.9314718e-1F));
   p = hn::MulAdd(p, f, hn::Set(df, 1.0F));
-  const auto exponent = hn::ShiftLeft<23>(hn::ConvertTo(dint, whole));
+  // Only the low bits of `shifted` survive the shift: the whole part, in the exponent's place.
+  const auto exponent = hn::ShiftLeft<23>(hn::BitCast(dint, shifted));
   return hn::BitCast(df, hn::Add(hn::BitCast(dint, p), exponent));
 }
 
@@ -85,6 +97,34 @@ HWY_INLINE VF Exp2(DF df, VF x) {
 HWY_INLINE V Reciprocal(V x) {
   const V r = hn::ApproximateReciprocal(x);
   return hn::Mul(r, hn::NegMulAdd(x, r, hn::Set(d, 2.0F)));
+}
+
+// 1 / sqrt(x) for x > 0, to float precision: one Newton step.
+HWY_INLINE V ReciprocalSqrt(V x) {
+  const V r = hn::ApproximateReciprocalSqrt(x);
+  const V half = hn::Mul(hn::Set(d, 0.5F), x);
+  return hn::Mul(r, hn::NegMulAdd(hn::Mul(half, r), r, hn::Set(d, 1.5F)));
+}
+
+// log2 x for normal x > 0: exponent plus the series of 2 artanh(t) / ln 2, t = (m - 1) / (m + 1),
+// for a mantissa m within a factor sqrt(2) of 1. The first term left out is 2 t^9 / (9 ln 2) <
+// kLog2Error.
+inline constexpr double kLog2Error = 5e-8;
+
+HWY_INLINE V Log2(V x) {
+  constexpr std::int32_t kSqrtHalf = 0x3F3504F3;
+  const VI bits = hn::Sub(hn::BitCast(di, x), hn::Set(di, kSqrtHalf));
+  const V exponent = hn::ConvertTo(d, hn::ShiftRight<23>(bits));
+  const VI mantissa = hn::And(bits, hn::Set(di, 0x007FFFFF));
+  const V m = hn::BitCast(d, hn::Add(mantissa, hn::Set(di, kSqrtHalf)));
+  const V one = hn::Set(d, 1.0F);
+  const V t = hn::Mul(hn::Sub(m, one), Reciprocal(hn::Add(m, one)));
+  const V tt = hn::Mul(t, t);
+  V series = hn::Set(d, 0.41219859F);  // 2 / (7 ln 2)
+  series = hn::MulAdd(series, tt, hn::Set(d, 0.57707802F));
+  series = hn::MulAdd(series, tt, hn::Set(d, 0.96179669F));
+  series = hn::MulAdd(series, tt, hn::Set(d, 2.88539008F));
+  return hn::MulAdd(series, t, exponent);
 }
 
 // Runs `body(column, bits)` for each group of a row in which `row_bits` has a bit set; bit i of

@@ -17,6 +17,7 @@
 #endif
 
 #include "render/cpu/general-inl.h"
+#include "render/cpu/load-inl.h"
 #include "render/cpu/simd-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -108,37 +109,41 @@ HWY_INLINE void SplatKernel(const Block& block, const SplatPlane& plane, const f
   }
 }
 
-inline void SplatOntoPlane(Workspace& work, const SplatPlane& plane, float weight, float* numerator,
-                           float* denominator) {
+// The kernels of the region, as far as the lattice goes, on one plane.
+inline void SplatOntoPlane(const CpuFrame& frame, Workspace& work, const SplatPlane& plane,
+                           float weight, float* numerator, float* denominator) {
   const Block& block = work.block;
-  for (int z = 0; z < block.region_size[2]; ++z) {
-    for (int y = 0; y < block.region_size[1]; ++y) {
-      float center[3] = {static_cast<float>(block.region_lo[0]),
-                         static_cast<float>(block.region_lo[1] + y),
-                         static_cast<float>(block.region_lo[2] + z)};
+  const auto [lo, hi] = PartInLattice(frame, block);
+  for (std::int64_t z = lo[2]; z < hi[2]; ++z) {
+    for (std::int64_t y = lo[1]; y < hi[1]; ++y) {
+      float center[3] = {static_cast<float>(lo[0] - block.origin[0]),
+                         static_cast<float>(y - block.origin[1]),
+                         static_cast<float>(z - block.origin[2])};
       // Kernels of the row that meet the sheet: |sheet + i * slope| <= half extent.
       const float from_base[3] = {center[0] - plane.base[0], center[1] - plane.base[1],
                                   center[2] - plane.base[2]};
       const float sheet = Along(plane.inverse[2], from_base);
       const float slope = plane.inverse[2][0];
       int first = 0;
-      int last = block.region_size[0] - 1;
+      int last = static_cast<int>(hi[0] - lo[0]) - 1;
       if (std::abs(slope) > 1e-6F) {
         const float a = (-plane.half_extent[2] - sheet) / slope;
         const float b = (plane.half_extent[2] - sheet) / slope;
-        first = static_cast<int>(std::max(0.0F, std::ceil(std::min(a, b))));
-        last = static_cast<int>(std::min(static_cast<float>(last), std::floor(std::max(a, b))));
+        first = static_cast<int>(std::clamp(std::ceil(std::min(a, b)), 0.0F, 1e9F));
+        last = static_cast<int>(
+            std::clamp(std::floor(std::max(a, b)), -1.0F, static_cast<float>(last)));
       } else if (std::abs(sheet) > plane.half_extent[2]) {
         continue;
       }
-      const std::ptrdiff_t row =
-          static_cast<std::ptrdiff_t>(z) * block.slice_stride + y * block.row_stride;
+      const std::ptrdiff_t row = (z - block.origin[2] - block.region_lo[2]) * block.slice_stride +
+                                 (y - block.origin[1] - block.region_lo[1]) * block.row_stride +
+                                 (lo[0] - block.origin[0] - block.region_lo[0]);
       const float x0 = center[0];
       for (int i = first; i <= last; ++i) {
-        const float value = work.samples.data[row + i];
         if (block.has_missing && work.presence.data[row + i] == 0.0F) continue;
         center[0] = x0 + static_cast<float>(i);
-        SplatKernel(block, plane, center, value, weight, numerator, denominator);
+        SplatKernel(block, plane, center, work.samples.data[row + i], weight, numerator,
+                    denominator);
       }
     }
   }
@@ -151,7 +156,7 @@ inline void Splat(const CpuFrame& frame, Workspace& work) {
   for (int s = 0; s < block.num_sheets; ++s) {
     for (int node = 0; node < frame.num_slab_nodes; ++node) {
       const SlabNode slab = frame.slab_nodes[node];
-      SplatOntoPlane(work, MakeSplatPlane(frame, block.sheets[s], slab.offset), slab.weight,
+      SplatOntoPlane(frame, work, MakeSplatPlane(frame, block.sheets[s], slab.offset), slab.weight,
                      NumeratorPlane(work, s), DenominatorPlane(work, s));
     }
   }

@@ -175,11 +175,9 @@ inline void FinishSheet(const CpuFrame& frame, Workspace& work, int s, StageCloc
   clock.lap(kComposite);
 }
 
-inline void RunSheets(const CpuFrame& frame, Workspace& work, StageClock& clock) {
+inline void RunSheets(const CpuFrame& frame, Workspace& work, bool is_scattered,
+                      StageClock& clock) {
   Block& block = work.block;
-  const bool is_scattered = ShouldScatter(frame, work);
-  for (int s = 0; s < block.num_sheets; ++s)
-    block.uses_four_taps[s] = UsesFourTaps(frame, block, s);
   if (is_scattered) Splat(frame, work);
   clock.lap(kReconstruct);
   for (int s = 0; s < block.num_sheets; ++s) {
@@ -250,9 +248,10 @@ inline bool DrawPart(const CpuFrame& frame, Workspace& work, const Part& part, S
       return true;
     }
   }
-  Load(frame, work);
+  const bool is_scattered = ShouldScatter(frame, work);
+  Load(frame, work, is_scattered);
   clock.lap(kLoad);
-  RunSheets(frame, work, clock);
+  RunSheets(frame, work, is_scattered, clock);
   return true;
 }
 

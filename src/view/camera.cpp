@@ -45,10 +45,12 @@ struct NamedView {
   Vec3 up;
 };
 
-NamedView axis_view(int axis, double sign) {
-  static constexpr std::array<std::string_view, 6> kNames{"+x", "-x", "+y", "-y", "+z", "-z"};
-  const auto name = kNames[static_cast<std::size_t>(2 * axis + (sign < 0 ? 1 : 0))];
-  return {name, sign * Vec3::Unit(axis), axis == 2 ? Vec3::UnitY() : Vec3::UnitZ()};
+std::array<NamedView, 6> axis_views() {
+  const Vec3 x = Vec3::UnitX();
+  const Vec3 y = Vec3::UnitY();
+  const Vec3 z = Vec3::UnitZ();
+  return {NamedView{"+z", z, y},  NamedView{"-z", -z, y}, NamedView{"+x", x, z},
+          NamedView{"-x", -x, z}, NamedView{"+y", y, z},  NamedView{"-y", -y, z}};
 }
 
 std::array<NamedView, 6> patient_views(Space space) {
@@ -64,11 +66,9 @@ std::array<NamedView, 6> patient_views(Space space) {
 }
 
 NamedView named_view(const std::string& name, Space space) {
-  if (name.empty()) return space == Space::kNone ? axis_view(2, 1.0) : patient_views(space)[0];
-  for (int axis = 0; axis < 3; ++axis) {
-    for (const double sign : {1.0, -1.0}) {
-      if (const NamedView view = axis_view(axis, sign); view.name == name) return view;
-    }
+  if (name.empty()) return space == Space::kNone ? axis_views()[0] : patient_views(space)[0];
+  for (const NamedView& view : axis_views()) {
+    if (view.name == name) return view;
   }
   for (const NamedView& view : patient_views(space)) {
     if (view.name != name) continue;

@@ -15,7 +15,7 @@ namespace {
 // Round half up; what is not a number becomes 0 (every comparison with it is false).
 std::uint8_t to_byte(double v) {
   if (!(v > 0.0)) return 0;
-  return v >= 1.0 ? 255 : static_cast<std::uint8_t>(v * 255.0 + 0.5);
+  return v >= 1.0 ? 255 : static_cast<std::uint8_t>(std::floor(v * 255.0 + 0.5));
 }
 
 std::size_t num_pixels(const Image& image) {

@@ -23,36 +23,59 @@ struct Classified {
   V red, green, blue, opacity;
 };
 
+#if HWY_TARGET != HWY_SCALAR
+// Nodes of the lanes k, k + 4, k + 8, ...: one 128-bit block each.
+HWY_INLINE V LoadNodes(const float* nodes, const std::int32_t* index, int k) {
+  const hn::FixedTag<float, 4> four;
+  const auto block = [&](int lane) { return hn::Load(four, nodes + 4 * index[lane]); };
+#if HWY_MAX_BYTES >= 64
+  const hn::FixedTag<float, 8> eight;
+  return hn::Combine(d, hn::Combine(eight, block(k + 12), block(k + 8)),
+                     hn::Combine(eight, block(k + 4), block(k)));
+#elif HWY_MAX_BYTES >= 32
+  return hn::Combine(d, block(k + 4), block(k));
+#else
+  return block(k);
+#endif
+}
+
+// The four channels of every lane's node: a 4 x 4 transposition within blocks.
+HWY_INLINE Classified TransposeNodes(const float* nodes, const std::int32_t* index) {
+  const hn::RepartitionToWide<D> pairs;
+  const V n0 = LoadNodes(nodes, index, 0), n1 = LoadNodes(nodes, index, 1);
+  const V n2 = LoadNodes(nodes, index, 2), n3 = LoadNodes(nodes, index, 3);
+  const auto rg01 = hn::BitCast(pairs, hn::InterleaveLower(d, n0, n1));
+  const auto rg23 = hn::BitCast(pairs, hn::InterleaveLower(d, n2, n3));
+  const auto ba01 = hn::BitCast(pairs, hn::InterleaveUpper(d, n0, n1));
+  const auto ba23 = hn::BitCast(pairs, hn::InterleaveUpper(d, n2, n3));
+  return {hn::BitCast(d, hn::InterleaveLower(pairs, rg01, rg23)),
+          hn::BitCast(d, hn::InterleaveUpper(pairs, rg01, rg23)),
+          hn::BitCast(d, hn::InterleaveLower(pairs, ba01, ba23)),
+          hn::BitCast(d, hn::InterleaveUpper(pairs, ba01, ba23))};
+}
+#else
+HWY_INLINE Classified TransposeNodes(const float* nodes, const std::int32_t* index) {
+  const float* n = nodes + 4 * index[0];
+  return {hn::Load(d, n), hn::Load(d, n + 1), hn::Load(d, n + 2), hn::Load(d, n + 3)};
+}
+#endif
+
 // A node is four floats, so a lane's two nodes are two loads; hardware gathers of eight separate
-// columns take thrice the time.
+// columns take longer.
 HWY_INLINE Classified Classify(const ClassificationTable& table, V value) {
   const V at =
       hn::Mul(hn::Sub(value, hn::Set(d, table.value_lo)), hn::Set(d, table.nodes_per_value));
-  // NaN of lanes that nobody asked for becomes a node, too.
+  // The order of operands makes NaN, of lanes that nobody asked for, a node too.
   const V clamped = hn::Min(hn::Max(at, hn::Zero(d)), hn::Set(d, table.last_node));
   const V node = hn::Floor(clamped);
-  alignas(64) std::int32_t index[kMaxLanes];
-  alignas(64) float fraction[kMaxLanes];
-  alignas(64) float rgba[4 * kMaxLanes];
+  const V fraction = hn::Sub(clamped, node);
+  alignas(64) std::int32_t index[16];
   hn::Store(NearestInteger(node), di, index);
-  hn::Store(hn::Sub(clamped, node), d, fraction);
-#if HWY_TARGET == HWY_SCALAR
-  const float* n = table.nodes + 4 * index[0];
-  for (int c = 0; c < 4; ++c) rgba[c] = n[c] + fraction[0] * (n[c + 4] - n[c]);
-  const auto channel = [&](int c) { return hn::Load(d, rgba + c); };
-  return {channel(0), channel(1), channel(2), channel(3)};
-#else
-  const hn::FixedTag<float, 4> four;
-  for (int l = 0; l < GroupSize(); ++l) {
-    const float* n = table.nodes + 4 * index[l];
-    const auto lo = hn::Load(four, n);
-    const auto hi = hn::Load(four, n + 4);
-    hn::Store(hn::MulAdd(hn::Sub(hi, lo), hn::Set(four, fraction[l]), lo), four, rgba + 4 * l);
-  }
-  Classified out;
-  hn::LoadInterleaved4(d, rgba, out.red, out.green, out.blue, out.opacity);
-  return out;
-#endif
+  const Classified lo = TransposeNodes(table.nodes, index);
+  const Classified hi = TransposeNodes(table.nodes + 4, index);
+  const auto mix = [&](V a, V b) { return hn::MulAdd(hn::Sub(b, a), fraction, a); };
+  return {mix(lo.red, hi.red), mix(lo.green, hi.green), mix(lo.blue, hi.blue),
+          mix(lo.opacity, hi.opacity)};
 }
 
 // x^power for x in [0, 1].

@@ -9,6 +9,7 @@
 #include <exception>
 #include <mutex>
 #include <numeric>
+#include <optional>
 #include <random>
 #include <thread>
 #include <vector>
@@ -16,6 +17,8 @@
 #include "ovoid/error.h"
 
 #ifdef OVOID_TBB
+#include <tbb/global_control.h>
+#include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 #endif
@@ -87,7 +90,13 @@ class ShuffleRunner final : public Runner {
 #ifdef OVOID_TBB
 class TbbRunner final : public Runner {
  public:
-  explicit TbbRunner(int num_threads) : arena_(num_threads), num_threads_(num_threads) {}
+  explicit TbbRunner(int num_threads) : arena_(num_threads), num_threads_(num_threads) {
+    // More threads than the machine has must be allowed first, else TBB refuses them, and says so
+    // on standard error. Never less: the least control of a process holds for all its arenas.
+    if (num_threads > tbb::info::default_concurrency()) {
+      more_threads_.emplace(tbb::global_control::max_allowed_parallelism, num_threads);
+    }
+  }
   int num_workers() const noexcept override { return num_threads_; }
   void run(int num_tasks, const Task& task) override {
     arena_.execute([&] {
@@ -98,6 +107,7 @@ class TbbRunner final : public Runner {
   }
 
  private:
+  std::optional<tbb::global_control> more_threads_;
   tbb::task_arena arena_;
   int num_threads_;
 };

@@ -1,2 +1,112 @@
 // SPDX-License-Identifier: Apache-2.0
-int main() { return 0; }
+// The command line's front door: finds the command, and turns what it throws into one line and an
+// exit code.
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <new>
+#include <string>
+#include <system_error>
+
+#include "command.h"
+#include "ovoid/error.h"
+#include "session.h"
+#include "suggest.h"
+#include "usage.h"
+
+namespace ovoid::cli {
+namespace {
+
+struct Command {
+  const char* name;
+  const char* synopsis;
+  const char* summary;
+  void (*run)(const Words& words, Session& session);
+};
+
+constexpr std::array<Command, 5> kCommands = {{
+    {"render", "INPUT... -o OUT.png", "draw a volume to a picture", run_render},
+    {"info", "INPUT...", "what is in a file, and how it would be drawn", run_info},
+    {"make", "NAME -o OUT", "sample data by formula", run_make},
+    {"convert", "INPUT... -o OUT", "between formats", run_convert},
+    {"bench", "[SCENE...]", "time the stages on standard scenes", run_bench},
+}};
+
+std::string help() {
+  std::string out = "Ovoid draws volumes straight from their points.\n\n";
+  for (const Command& command : kCommands) {
+    out += fmt::format("  {:34}{}\n", fmt::format("ovoid {} {}", command.name, command.synopsis),
+                       command.summary);
+  }
+  out += fmt::format("  {:34}{}\n", "ovoid COMMAND --help", "all flags of a command");
+  out += fmt::format("  {:34}{}\n", "ovoid --version", "the version");
+  return out;
+}
+
+// The first word is no command: say what it might have been.
+[[noreturn]] void explain_first_word(const std::string& word) {
+  std::error_code ignored;
+  if (std::filesystem::exists(word, ignored)) {
+    throw UsageError(
+        fmt::format("'{}': the viewer is not available in this version; to draw to a file: ovoid "
+                    "render {} -o OUT.png",
+                    word, word));
+  }
+  if (word == "sample") throw UsageError("sample: not available in this version");
+  std::vector<std::string> names;
+  for (const Command& command : kCommands) names.emplace_back(command.name);
+  const char* const kind = word.rfind('-', 0) == 0 ? "flag" : "command";
+  throw UsageError(
+      fmt::format("'{}': unknown {}{} (see ovoid --help)", word, kind, did_you_mean(word, names)));
+}
+
+void run(const Words& words, Session& session) {
+  if (words.empty()) throw UsageError("no command given (see ovoid --help)");
+  const std::string& first = words.front();
+  if (first == "--help" || first == "-h" || first == "help") {
+    fmt::print("{}", help());
+    return;
+  }
+  if (first == "--version") {
+    fmt::print("ovoid {}\n", OVOID_VERSION);
+    return;
+  }
+  for (const Command& command : kCommands) {
+    if (first == command.name) return command.run({words.begin() + 1, words.end()}, session);
+  }
+  explain_first_word(first);
+}
+
+int complain(const std::string& message, int exit_code) {
+  fmt::print(stderr, "ovoid: error: {}\n", one_line(message));
+  return exit_code;
+}
+
+int run_guarded(int argc, char** argv) {
+  try {
+    const Words words(argv, argv + argc);
+    Session session(words);
+    run({words.begin() + 1, words.end()}, session);
+    if (std::fflush(stdout) != 0)
+      return complain("standard output: cannot be written", kExitFailed);
+    return kExitDone;
+  } catch (const UsageError& error) {
+    return complain(error.what(), kExitUsage);
+  } catch (const Error& error) {
+    const bool is_stopped = error.code() == ErrorCode::kCancelled;
+    return complain(error.what(), is_stopped ? kExitInterrupted : kExitFailed);
+  } catch (const std::bad_alloc&) {
+    return complain("out of memory", kExitFailed);
+  } catch (const std::exception& error) {
+    return complain(fmt::format("unexpected: {}", error.what()), kExitFailed);
+  }
+}
+
+}  // namespace
+}  // namespace ovoid::cli
+
+int main(int argc, char** argv) { return ovoid::cli::run_guarded(argc, argv); }

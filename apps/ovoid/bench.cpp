@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: Apache-2.0
+// ovoid bench: time the stages on standard scenes. Every picture is checked before it is timed.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "command.h"
+#include "data_flags.h"
+#include "flags.h"
+#include "ovoid/model.h"
+#include "profile.h"
+#include "render_flags.h"
+#include "scenes.h"
+#include "suggest.h"
+#include "usage.h"
+#include "values.h"
+
+namespace ovoid::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kMinFrames = 10;  // fewer make no quartiles
+constexpr int kMaxFrames = 10'000;
+constexpr double kTurnDegrees = 0.01;  // as `ovoid render --repeat`
+
+struct BenchFlags {
+  std::vector<std::string> names;
+  int frames = kMinFrames;
+  bool is_json = false;
+  bool lists = false;
+  LatticeModelOptions model;
+  RenderOptions options;
+  RunFlags run;
+};
+
+struct SceneResult {
+  Scene scene;
+  double model_ms = 0;
+  Spread frame_ms;
+  FrameProfile profile;  // of one more frame, with stage times
+};
+
+// The scenes whose name contains one of `names`, in the standard order; all, if there are none.
+std::vector<Scene> select_scenes(const std::vector<std::string>& names) {
+  const std::vector<Scene> all = standard_scenes();
+  if (names.empty()) return all;
+  std::vector<std::string> known;
+  for (const Scene& scene : all) known.push_back(scene.name());
+  const auto matches = [](const std::string& scene, const std::string& name) {
+    return scene.find(name) != std::string::npos;
+  };
+  for (const std::string& name : names) {
+    if (std::none_of(known.begin(), known.end(),
+                     [&](const std::string& scene) { return matches(scene, name); })) {
+      throw UsageError(fmt::format(
+          "SCENE '{}': expected a scene's name or a part of it{} (see ovoid bench --list)", name,
+          did_you_mean(name, known)));
+    }
+  }
+  std::vector<Scene> selected;
+  for (const Scene& scene : all) {
+    if (std::any_of(names.begin(), names.end(),
+                    [&](const std::string& name) { return matches(scene.name(), name); })) {
+      selected.push_back(scene);
+    }
+  }
+  return selected;
+}
+
+// A picture that is wrong must not be timed. Throws what is wrong with it.
+void check_picture(const Image& image, const std::string& scene) {
+  const bool is_finite =
+      std::all_of(image.rgba.begin(), image.rgba.end(), [](float v) { return std::isfinite(v); });
+  std::size_t covered = 0;
+  for (std::size_t i = 3; i < image.rgba.size(); i += 4) covered += image.rgba[i] > 0 ? 1 : 0;
+  if (is_finite && covered > 0) return;
+  throw std::runtime_error(
+      fmt::format("scene {}: the picture {}", scene, is_finite ? "is empty" : "is not finite"));
+}
+
+// The volume of a scene and what it took to model it; made once for the scenes that share it.
+struct Volume {
+  std::string name;
+  Field field;
+  Camera camera;
+  double model_ms = 0;
+};
+
+Volume make_volume(const Scene& scene, const BenchFlags& bench, const Session& session) {
+  const std::int64_t n = scene.samples;
+  const Dataset dataset =
+      make_sample(scene.volume, {.size = {n, n, n}, .type = ScalarType::kUInt8});
+  Volume volume;
+  volume.name = scene.volume_name();
+  const Stopwatch modelling;
+  volume.field = make_lattice_field(dataset, bench.model, nullptr, session.stop());
+  volume.model_ms = modelling.ms();
+  volume.camera = default_camera(volume.field.world_bounds(), dataset.space);
+  volume.camera.azimuth(kSceneAzimuth);
+  volume.camera.elevation(kSceneElevation);
+  return volume;
+}
+
+SceneResult measure(const Scene& scene, const Volume& volume, const BenchFlags& bench,
+                    Renderer& renderer, const Session& session) {
+  RenderOptions options = bench.options;
+  options.width = options.height = scene.pixels;
+  const Look look = make_scene_look(scene.look, volume.field.value_range());
+  RenderHooks hooks;
+  hooks.stop = session.stop();
+  const auto draw = [&](const Camera& camera) {
+    return renderer.render(volume.field, camera, look, options, hooks);
+  };
+  check_picture(draw(volume.camera).image, scene.name());  // also the frame to warm up
+
+  SceneResult result;
+  result.scene = scene;
+  result.model_ms = volume.model_ms;
+  std::vector<double> frames_ms;
+  for (int i = 0; i < bench.frames; ++i) {
+    Camera turned = volume.camera;
+    turned.azimuth(kTurnDegrees * i);
+    frames_ms.push_back(draw(turned).profile.frame_ms);
+  }
+  result.frame_ms = spread(frames_ms);
+  options.collect_profile = true;
+  result.profile = draw(volume.camera).profile;
+  return result;
+}
+
+// Samples per second of reconstruct-stage time and thread; 0 where the back end has no such stage.
+double reconstructed_per_second(const FrameProfile& frame) {
+  for (const auto& [stage, ms] : frame.stages_ms) {
+    if (stage == "reconstruct" && ms > 0)
+      return static_cast<double>(frame.samples_reconstructed) / ms * 1e3;
+  }
+  return 0;
+}
+
+Json to_json(const SceneResult& result) {
+  const Spread& time = result.frame_ms;
+  Json json;
+  json["name"] = result.scene.name();
+  json["volume"] = result.scene.volume;
+  json["samples_per_axis"] = result.scene.samples;
+  json["size"] = {result.scene.pixels, result.scene.pixels};
+  json["model_ms"] = result.model_ms;
+  json["frame_ms"] = {{"median", time.median},
+                      {"q1", time.q1},
+                      {"q3", time.q3},
+                      {"min", time.min},
+                      {"max", time.max}};
+  json["stages_ms"] = stages_json(result.profile);
+  json["samples_reconstructed_per_second"] = reconstructed_per_second(result.profile);
+  json.update(counts_json(result.profile));
+  return json;
+}
+
+// The processor's name as the system tells it; empty if it does not.
+std::string cpu_name() {
+  std::ifstream info("/proc/cpuinfo");
+  for (std::string line; std::getline(info, line);) {
+    if (line.rfind("model name", 0) != 0) continue;
+    const std::size_t colon = line.find(':');
+    return colon == std::string::npos ? "" : line.substr(std::min(colon + 2, line.size()));
+  }
+  return "";
+}
+
+Json run_json(const FrameProfile& profile, int frames, const std::string& command) {
+  Json json;
+  json["command"] = command;
+  json["version"] = OVOID_VERSION;
+  json["compiler"] = __VERSION__;
+  json["cpu"] = cpu_name();
+  json["backend"] = profile.backend;
+  json["simd_target"] = profile.simd_target;
+  json["threads"] = profile.threads;
+  json["frames"] = frames;
+  return json;
+}
+
+void print_row(const SceneResult& result) {
+  const FrameProfile& frame = result.profile;
+  fmt::print("{:<34}{:>9.1f}{:>9.1f}{:>9.1f}{:>10.1f}{:>10.2f}\n", result.scene.name(),
+             result.frame_ms.median, result.frame_ms.q1, result.frame_ms.q3,
+             reconstructed_per_second(frame) / 1e6,
+             static_cast<double>(frame.samples_shaded) / 1e6);
+  std::string stages;
+  for (const auto& [stage, ms] : frame.stages_ms) stages += fmt::format("  {} {:.1f}", stage, ms);
+  if (!stages.empty()) fmt::print("  {}\n", stages);
+  std::fflush(stdout);
+}
+
+void print_heading(const FrameProfile& frame, int frames) {
+  fmt::print("{} {}, {} threads, {} frames each, {}\n\n", frame.backend, frame.simd_target,
+             frame.threads, frames, cpu_name());
+  fmt::print("{:<34}{:>9}{:>9}{:>9}{:>10}{:>10}\n", "scene", "median ms", "q1", "q3", "Msample/s",
+             "M shaded");
+}
+
+void measure_all(const BenchFlags& bench, Session& session) {
+  Renderer renderer(bench.run.backend, bench.run.threads);
+  Json report;
+  Volume volume;
+  for (const Scene& scene : select_scenes(bench.names)) {
+    if (volume.name != scene.volume_name()) {
+      volume = {};  // before the next one is made
+      volume = make_volume(scene, bench, session);
+    }
+    const SceneResult result = measure(scene, volume, bench, renderer, session);
+    if (report.empty()) {
+      report = run_json(result.profile, bench.frames, session.command_line());
+      if (!bench.is_json) print_heading(result.profile, bench.frames);
+    }
+    report["scenes"].push_back(to_json(result));
+    if (!bench.is_json) print_row(result);
+  }
+  report["peak_memory_bytes"] = peak_memory_bytes();
+  if (bench.is_json) fmt::print("{}\n", report.dump(2, ' ', false, Json::error_handler_t::replace));
+}
+
+}  // namespace
+
+void run_bench(const Words& words, Session& session) {
+  BenchFlags bench;
+  Flags flags(
+      "bench", "[SCENE...] [FLAG...]",
+      "Times the stages on standard scenes: volumes by formula (uint8), semi-transparent (soft) "
+      "and opaque, at two picture sizes. Each scene is drawn once to check it, then timed.");
+  flags.section("");
+  flags.positionals("SCENE", "names, or parts of names: head-256, 512px, opaque (default: all)",
+                    &bench.names);
+  flags.toggle("--json", "results as JSON on standard output", &bench.is_json);
+  flags.toggle("--list", "names of the scenes", &bench.lists);
+  flags.value("--frames", "N",
+              fmt::format("frames per scene, at least {} (default {})", kMinFrames, bench.frames),
+              [&bench](const std::string& text) {
+                bench.frames = static_cast<int>(parse_integer(text, kMinFrames, kMaxFrames));
+              });
+  add_model_flags(flags, &bench.model);
+  add_number_flags(flags, &bench.options);
+  add_run_flags(flags, &bench.run);
+  add_switch_flags(flags, &bench.options);
+  if (!flags.parse(words)) return;
+  if (bench.lists) {
+    for (const Scene& scene : select_scenes(bench.names)) fmt::print("{}\n", scene.name());
+    return;
+  }
+  bench.model.threads = bench.run.threads;
+  measure_all(bench, session);
+}
+
+}  // namespace ovoid::cli

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "flags.h"
+#include "ovoid/camera.h"
+#include "ovoid/field.h"
+
+namespace ovoid::cli {
+
+// Where the picture is taken from. What is not given is the file's, or else the default camera's.
+struct CameraFlags {
+  std::string file;
+  std::string view;
+  double azimuth = 0;  // degrees, as are the next two
+  double elevation = 0;
+  double roll = 0;
+  double zoom = 1;
+  std::optional<bool> parallel_projection;
+  std::optional<double> view_angle;
+};
+
+void add_camera_flags(Flags& flags, CameraFlags* camera);
+void check_camera_flags(const Flags& flags);  // throws UsageError for contradictions
+
+// The default view of the field, or the file's camera, with the flags applied. `aspect` is width /
+// height. Throws Error.
+Camera make_camera(const CameraFlags& flags, const Field& field, Space space, double aspect);
+
+}  // namespace ovoid::cli

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// ovoid convert: a dataset from one format to another, or a look rewritten.
+
+#include <fmt/format.h>
+
+#include "command.h"
+#include "data_flags.h"
+#include "ovoid/io.h"
+#include "usage.h"
+
+namespace ovoid::cli {
+namespace {
+
+void convert_look(const std::vector<std::string>& inputs, const std::string& output) {
+  if (inputs.size() != 1 || !has_ending(inputs[0], ".json")) {
+    throw UsageError(fmt::format("--output '{}': expected one .json look as input", output));
+  }
+  write_transfer_function(read_transfer_function(inputs[0]), output);
+}
+
+}  // namespace
+
+void run_convert(const Words& words, Session& session) {
+  DataFlags data;
+  std::string output;
+  Flags flags("convert", "INPUT... -o OUT [FLAG...]",
+              "Writes a dataset in another format. A look (ParaView JSON) is converted to .json, "
+              "its points sorted and its defaults written out.");
+  flags.section("");
+  flags.value("-o,--output", "OUT", "the file: .nrrd, .nhdr, .npy, .raw, .vti, .vtk; looks: .json",
+              [&output](const std::string& text) { output = text; });
+  flags.value("--array", "NAME", "write this array alone (default: all)",
+              [&data](const std::string& text) { data.array = text; });
+  flags.refuse({"--size", "--time", "--step", "--block"});
+  add_input_flags(flags, &data);
+  if (!flags.parse(words)) return;
+
+  require_inputs(flags, data);
+  if (output.empty()) throw UsageError("--output: none given, expected -o OUT");
+  check_output(output, data.inputs);
+  if (has_ending(output, ".json")) {
+    convert_look(data.inputs, output);
+    return;
+  }
+  Dataset dataset = load(data, session);
+  if (!data.array.empty()) dataset.arrays = {dataset.array(data.array)};
+  session.check_stop();
+  write_dataset(dataset, output);
+}
+
+}  // namespace ovoid::cli

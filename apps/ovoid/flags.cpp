@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "flags.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <utility>
+
+#include "suggest.h"
+#include "usage.h"
+#include "values.h"
+
+namespace ovoid::cli {
+namespace {
+
+constexpr std::size_t kHelpColumns = 80;  // the least width a terminal is likely to have
+constexpr std::size_t kTextColumn = 30;   // where the sentences begin
+
+// `text` broken between words, so that no line passes kHelpColumns; lines but the first are
+// indented. A newline in the text starts a new line.
+std::string wrapped(const std::string& text, std::size_t indent) {
+  std::string out;
+  std::size_t column = indent;
+  bool is_first_line = true;
+  for (const std::string& line : split(text, '\n')) {
+    if (!is_first_line) {
+      out += '\n' + std::string(line.empty() ? 0 : indent, ' ');
+      column = indent;
+    }
+    is_first_line = false;
+    bool is_first_word = true;
+    for (const std::string& word : split(line, ' ')) {
+      if (!is_first_word && column + 1 + word.size() > kHelpColumns) {
+        out += '\n' + std::string(indent, ' ');
+        column = indent;
+        is_first_word = true;
+      }
+      out += (is_first_word ? "" : " ") + word;
+      column += word.size() + (is_first_word ? 0 : 1);
+      is_first_word = false;
+    }
+  }
+  return out;
+}
+
+// "-o,--output" as the flag that messages name: the long form if there is one.
+std::string long_name(const std::string& names) { return split(names, ',').back(); }
+
+// "-o, --output OUT", "--profile[=FILE]"
+std::string shown(const std::string& names, const std::string& form) {
+  std::string out;
+  for (const std::string& name : split(names, ',')) out += (out.empty() ? "" : ", ") + name;
+  if (!form.empty()) out += form.front() == '[' ? form : ' ' + form;
+  return out;
+}
+
+std::string complaint(const std::string& names, const std::string& value, const char* expected) {
+  return fmt::format("{} '{}': {}", long_name(names), value, expected);
+}
+
+}  // namespace
+
+Flags::Flags(std::string command, std::string usage, std::string summary)
+    : command_(std::move(command)),
+      usage_(std::move(usage)),
+      summary_(std::move(summary)),
+      app_(std::make_unique<CLI::App>()) {
+  app_->set_help_flag("-h,--help", "");
+  app_->allow_windows_style_options(false);
+}
+
+Flags::~Flags() = default;
+
+void Flags::section(std::string title) { sections_.push_back({std::move(title), {}}); }
+
+void Flags::footer(std::string text) { footer_ = std::move(text); }
+
+void Flags::add(Entry entry) {
+  if (sections_.empty()) section("");
+  sections_.back().entries.push_back(std::move(entry));
+}
+
+// An option that hands every value it is given to `take`, and completes what `take` complains
+// about.
+CLI::Option* Flags::add_taker(const std::string& names, const Take& take) {
+  const CLI::callback_t take_all = [names, take](const CLI::results_t& given) {
+    for (const std::string& value : given) {
+      try {
+        take(value);
+      } catch (const BadValue& bad) {
+        throw UsageError(complaint(names, value, bad.what()));
+      }
+    }
+    return true;
+  };
+  CLI::Option* const option = app_->add_option(names, take_all);
+  return option->type_size(1)->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+}
+
+void Flags::positionals(const std::string& name, const std::string& text,
+                        std::vector<std::string>* into) {
+  app_->add_option(name, *into);
+  add({name, "", text});
+}
+
+void Flags::explain(const std::string& name, const std::string& text) { add({name, "", text}); }
+
+void Flags::value(const std::string& names, const std::string& form, const std::string& text,
+                  Take take) {
+  add({names, form, text, add_taker(names, take)});
+}
+
+void Flags::repeatable(const std::string& names, const std::string& form, const std::string& text,
+                       Take take) {
+  add({names, form, text, add_taker(names, take), true});
+}
+
+void Flags::toggle(const std::string& names, const std::string& text, bool* into, bool set_to) {
+  const auto set = [into, set_to](std::int64_t) { *into = set_to; };
+  CLI::Option* const option = app_->add_flag_function(names, set);
+  option->disable_flag_override();
+  add({names, "", text, option});
+}
+
+void Flags::optional_value(const std::string& names, const std::string& form,
+                           const std::string& text, Take take) {
+  // CLI11 stores "true" for a flag without a value, so a value of exactly that name cannot be
+  // given.
+  const auto take_or_default = [take = std::move(take)](const std::string& value) {
+    take(value == "true" ? "" : value);
+  };
+  CLI::Option* const option = add_taker(names, take_or_default);
+  option->type_size(0)->expected(0);
+  add({names, form, text, option});
+}
+
+void Flags::refuse(std::initializer_list<const char*> names) {
+  for (const char* const name : names) {
+    const CLI::callback_t refuse_it = [name](const CLI::results_t&) -> bool {
+      throw UsageError(fmt::format("{}: not available in this version", name));
+    };
+    CLI::Option* const option = app_->add_option(name, refuse_it);
+    option->type_size(1)->expected(0, 1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  }
+}
+
+std::vector<std::string> Flags::known_flags() const {
+  std::vector<std::string> known = {"--help"};
+  for (const Section& section : sections_) {
+    for (const Entry& entry : section.entries) {
+      if (entry.option != nullptr) known.push_back(long_name(entry.names));
+    }
+  }
+  return known;
+}
+
+// What CLI11 would take differently from what was meant, or report without naming it.
+void Flags::check_words(const std::vector<std::string>& words) const {
+  for (const Section& section : sections_) {
+    for (const Entry& entry : section.entries) {
+      if (entry.option == nullptr) continue;
+      for (const std::string& name : split(entry.names, ',')) {
+        const bool takes_value = !entry.form.empty();
+        const bool is_optional = takes_value && entry.form.front() == '[';
+        for (const std::string& word : words) {
+          if (word == "--") break;
+          const bool has_value = word.rfind(name + '=', 0) == 0;
+          const bool has_nothing = has_value && word.size() == name.size() + 1;
+          const bool is_last = word == name && &word == &words.back();
+          if (has_value && !takes_value) throw UsageError(name + ": takes no value");
+          if (has_nothing || (is_last && takes_value && !is_optional)) {
+            throw UsageError(fmt::format("{}: expected a value, {}", name, entry.form));
+          }
+        }
+      }
+    }
+  }
+}
+
+void Flags::check_counts() const {
+  for (const Section& section : sections_) {
+    for (const Entry& entry : section.entries) {
+      if (entry.option == nullptr || entry.is_repeatable || entry.option->count() < 2) continue;
+      throw UsageError(fmt::format("{}: given {} times, expected once", long_name(entry.names),
+                                   entry.option->count()));
+    }
+  }
+}
+
+void Flags::explain_extras() const {
+  const std::vector<std::string> extras = app_->remaining();
+  for (const std::string& extra : extras) {
+    if (extra.size() < 2 || extra.front() != '-') continue;
+    const std::string name = extra.substr(0, extra.find('='));
+    throw UsageError(fmt::format("{}: unknown flag{} (see ovoid {} --help)", name,
+                                 did_you_mean(name, known_flags()), command_));
+  }
+  throw UsageError(
+      fmt::format("'{}': unexpected argument (see ovoid {} --help)", extras.front(), command_));
+}
+
+bool Flags::parse(const std::vector<std::string>& words) {
+  check_words(words);
+  try {
+    app_->parse(
+        std::vector<std::string>(words.rbegin(), words.rend()));  // CLI11 wants the last word first
+  } catch (const CLI::CallForHelp&) {
+    fmt::print("{}", help());
+    return false;
+  } catch (const CLI::ExtrasError&) {
+    explain_extras();
+  } catch (const CLI::ParseError& error) {
+    throw UsageError(fmt::format("{} (see ovoid {} --help)", error.what(), command_));
+  }
+  check_counts();
+  return true;
+}
+
+bool Flags::is_given(const std::string& name) const { return app_->get_option(name)->count() > 0; }
+
+const char* Flags::first_given(std::initializer_list<const char*> names) const {
+  const auto found =
+      std::find_if(names.begin(), names.end(), [&](const char* name) { return is_given(name); });
+  return found == names.end() ? nullptr : *found;
+}
+
+std::string Flags::help() const {
+  std::string out =
+      fmt::format("usage: ovoid {} {}\n\n{}\n", command_, usage_, wrapped(summary_, 0));
+  for (const Section& section : sections_) {
+    out += section.title.empty() ? "\n" : fmt::format("\n{}:\n", section.title);
+    for (const Entry& entry : section.entries) {
+      std::string line = "  " + shown(entry.names, entry.form);
+      if (line.size() + 2 > kTextColumn) {
+        line += '\n' + std::string(kTextColumn, ' ');
+      } else {
+        line += std::string(kTextColumn - line.size(), ' ');
+      }
+      out += line + wrapped(entry.text, kTextColumn) + '\n';
+    }
+  }
+  if (!footer_.empty()) out += '\n' + wrapped(footer_, 0) + '\n';
+  return out;
+}
+
+}  // namespace ovoid::cli

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <initializer_list>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace CLI {  // a header that takes long to compile, so only flags.cpp includes it
+class App;
+class Option;
+}  // namespace CLI
+
+namespace ovoid::cli {
+
+// The flags of one command. CLI11 takes the command line apart; this class keeps the words of each
+// flag, so that parsing, help text and error messages come from one declaration. Sections group the
+// help; a flag belongs to the section opened last.
+class Flags {
+ public:
+  using Take = std::function<void(const std::string& value)>;  // may throw BadValue (values.h)
+
+  // `usage` is the line under which the help stands: "INPUT... -o OUT".
+  Flags(std::string command, std::string usage, std::string summary);
+  ~Flags();
+  Flags(const Flags&) = delete;
+  Flags& operator=(const Flags&) = delete;
+
+  void section(std::string title);
+
+  // Arguments that are not flags, kept in order.
+  void positionals(const std::string& name, const std::string& text,
+                   std::vector<std::string>* into);
+
+  // A flag with a value of the form `form`; names are like "--size" or "-o,--output". Given at most
+  // once, except `repeatable` ones.
+  void value(const std::string& names, const std::string& form, const std::string& text, Take take);
+  void repeatable(const std::string& names, const std::string& form, const std::string& text,
+                  Take take);
+
+  // A flag without a value; it sets `*into` to `set_to`.
+  void toggle(const std::string& names, const std::string& text, bool* into, bool set_to = true);
+
+  // A flag whose value is optional and must follow an equals sign ("--profile", "--profile=FILE"):
+  // `take` gets "" without one.
+  void optional_value(const std::string& names, const std::string& form, const std::string& text,
+                      Take take);
+
+  // Flags of a later version: an error by their name, whatever follows them. Not in the help.
+  void refuse(std::initializer_list<const char*> names);
+
+  // A line of the help that is no flag: a name that a positional may take.
+  void explain(const std::string& name, const std::string& text);
+
+  // A paragraph printed under the flags.
+  void footer(std::string text);
+
+  // Takes the words after the command's name. Prints the help and returns false if that was asked
+  // for. Throws UsageError.
+  bool parse(const std::vector<std::string>& words);
+
+  bool is_given(const std::string& name) const;
+  // The first of `names` that is on the command line, or null.
+  const char* first_given(std::initializer_list<const char*> names) const;
+
+  const std::string& command() const noexcept { return command_; }
+  std::string help() const;
+
+ private:
+  struct Entry {
+    std::string names;  // "-o,--output"
+    std::string form;   // "OUT"; empty for flags without a value and positionals
+    std::string text;
+    CLI::Option* option = nullptr;
+    bool is_repeatable = false;
+  };
+  struct Section {
+    std::string title;
+    std::vector<Entry> entries;
+  };
+
+  CLI::Option* add_taker(const std::string& names, const Take& take);
+  void add(Entry entry);
+  void check_words(const std::vector<std::string>& words) const;
+  void check_counts() const;
+  [[noreturn]] void explain_extras() const;
+  std::vector<std::string> known_flags() const;
+
+  std::string command_;
+  std::string usage_;
+  std::string summary_;
+  std::string footer_;
+  std::vector<Section> sections_;
+  std::unique_ptr<CLI::App> app_;
+};
+
+}  // namespace ovoid::cli

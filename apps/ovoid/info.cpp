@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: Apache-2.0
+// ovoid info: what is in a file, and how it would be drawn. The facts are gathered as JSON, from
+// which the text for people is printed too, so that both say the same.
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "command.h"
+#include "data_flags.h"
+#include "ovoid/look.h"
+#include "ovoid/renderer.h"
+#include "profile.h"
+
+namespace ovoid::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// What the numbers of one array are, all components together.
+struct ArrayFacts {
+  double lo = std::numeric_limits<double>::infinity();
+  double hi = -std::numeric_limits<double>::infinity();
+  std::int64_t num_missing = 0;
+};
+
+template <typename T>
+ArrayFacts facts_of(const DataArray& array) {
+  ArrayFacts facts;
+  const std::byte* at = array.bytes.view.data();
+  const std::int64_t count = array.num_tuples * array.num_components;
+  for (std::int64_t i = 0; i < count; ++i, at += sizeof(T)) {
+    T stored;
+    std::memcpy(&stored, at, sizeof(T));  // a file's bytes need not be aligned
+    const auto value = static_cast<double>(stored);
+    if (!std::isfinite(value)) {
+      ++facts.num_missing;
+      continue;
+    }
+    facts.lo = std::min(facts.lo, value);
+    facts.hi = std::max(facts.hi, value);
+  }
+  return facts;
+}
+
+ArrayFacts facts_of(const DataArray& array) {
+  switch (array.type) {
+    case ScalarType::kUInt8:
+      return facts_of<std::uint8_t>(array);
+    case ScalarType::kInt8:
+      return facts_of<std::int8_t>(array);
+    case ScalarType::kUInt16:
+      return facts_of<std::uint16_t>(array);
+    case ScalarType::kInt16:
+      return facts_of<std::int16_t>(array);
+    case ScalarType::kUInt32:
+      return facts_of<std::uint32_t>(array);
+    case ScalarType::kInt32:
+      return facts_of<std::int32_t>(array);
+    case ScalarType::kUInt64:
+      return facts_of<std::uint64_t>(array);
+    case ScalarType::kInt64:
+      return facts_of<std::int64_t>(array);
+    case ScalarType::kFloat32:
+      return facts_of<float>(array);
+    case ScalarType::kFloat64:
+      return facts_of<double>(array);
+  }
+  return {};
+}
+
+Json json_of(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
+Json json_of(const DataArray& array) {
+  const ArrayFacts facts = facts_of(array);
+  Json json;
+  json["name"] = array.name;
+  json["type"] = name_of(array.type);
+  json["components"] = array.num_components;
+  json["tuples"] = array.num_tuples;
+  json["range"] = facts.lo <= facts.hi ? Json{facts.lo, facts.hi} : Json(nullptr);
+  json["missing"] = facts.num_missing;
+  json["unit"] = array.unit;
+  json["cell_data"] = array.is_cell_data;
+  return json;
+}
+
+Json lattice_json(const LatticeGeometry& lattice) {
+  const Vec3 spacing = lattice.spacing();
+  const Bounds3 bounds = lattice.world_bounds();
+  Json axes = Json::array();
+  for (int a = 0; a < 3; ++a)
+    axes.push_back(json_of(lattice.world_from_index.linear().col(a) / spacing[a]));
+  Json json;
+  json["dims"] = lattice.dims;
+  json["spacing"] = json_of(spacing);
+  json["origin"] = json_of(lattice.world_from_index.translation());
+  json["axes"] = axes;
+  json["bounds"] = {json_of(bounds.min()), json_of(bounds.max())};
+  return json;
+}
+
+Json field_json(const Field& field, const LatticeModelReport& report) {
+  Json json;
+  json["array"] = report.array;
+  json["num_kernels"] = field.num_kernels();
+  json["missing"] = report.num_missing;
+  const ValueRange range = field.value_range();
+  json["range"] = range.is_empty() ? Json(nullptr) : Json{range.lo, range.hi};
+  json["default_sampling_distance"] = field.default_sampling_distance();
+  json["default_unit_distance"] = default_unit_distance(field);
+  json["memory_bytes"] = report.resident_bytes;
+  return json;
+}
+
+Json gather(const DataFlags& data, const LatticeModelOptions& model, Session& session) {
+  const Dataset dataset = load(data, session);
+  Json json;
+  json["kind"] = "lattice";
+  json["source"] = dataset.source;
+  json["format"] = dataset.format;
+  json["space"] = name_of(dataset.space);
+  json.update(lattice_json(dataset.lattice));
+  json["times"] = dataset.times;
+  json["arrays"] = Json::array();
+  for (const DataArray& array : dataset.arrays) json["arrays"].push_back(json_of(array));
+  LatticeModelReport report;
+  const Field field = make_field(dataset, data, model, &report, session);
+  json["field"] = field_json(field, report);
+  return json;
+}
+
+// A number for people: nine digits tell any two float32 values apart.
+std::string number(const Json& value) {
+  return value.is_number_float() ? fmt::format("{:.9g}", value.get<double>()) : value.dump();
+}
+
+// "1 2.5 3"
+std::string numbers(const Json& values) {
+  std::string out;
+  for (const Json& value : values) {
+    if (!out.empty()) out += ' ';
+    out += number(value);
+  }
+  return out;
+}
+
+std::string range_text(const Json& range) {
+  return range.is_null() ? "no values" : number(range[0]) + " to " + number(range[1]);
+}
+
+void print_row(const char* name, const std::string& value) {
+  fmt::print("{:<26}{}\n", name, value);
+}
+
+void print_arrays(const Json& arrays) {
+  for (const Json& array : arrays) {
+    const auto unit = array["unit"].get<std::string>();
+    const auto missing = array["missing"].get<std::int64_t>();
+    print_row(
+        "array",
+        fmt::format(
+            "'{}': {}{}, {}{}{}{}", one_line(array["name"].get<std::string>()),
+            array["type"].get<std::string>(),
+            array["components"] == 1 ? "" : fmt::format(" x {}", array["components"].get<int>()),
+            range_text(array["range"]), unit.empty() ? "" : ' ' + one_line(unit),
+            missing == 0 ? "" : fmt::format(", {} missing", missing),
+            array["cell_data"].get<bool>() ? ", per cell" : ""));
+  }
+}
+
+void print_text(const Json& json) {
+  print_row("kind", json["kind"].get<std::string>());
+  print_row("source", one_line(json["source"].get<std::string>()));
+  print_row("format", json["format"].get<std::string>());
+  print_row("dims", numbers(json["dims"]));
+  print_row("spacing", numbers(json["spacing"]));
+  print_row("origin", numbers(json["origin"]));
+  print_row("axes", fmt::format("({}) ({}) ({})", numbers(json["axes"][0]),
+                                numbers(json["axes"][1]), numbers(json["axes"][2])));
+  print_row("space", json["space"].get<std::string>());
+  print_row("bounds",
+            fmt::format("({}) to ({})", numbers(json["bounds"][0]), numbers(json["bounds"][1])));
+  if (!json["times"].empty()) print_row("times", numbers(json["times"]));
+  print_arrays(json["arrays"]);
+  const Json& field = json["field"];
+  print_row("drawn array", fmt::format("'{}', {}", one_line(field["array"].get<std::string>()),
+                                       range_text(field["range"])));
+  print_row("kernels", number(field["num_kernels"]));
+  print_row("default sampling distance", number(field["default_sampling_distance"]));
+  print_row("default unit distance", number(field["default_unit_distance"]));
+  print_row("memory of the field", readable_bytes(field["memory_bytes"].get<double>()));
+}
+
+Json devices_json() {
+  Json cpu;
+  cpu["backend"] = "cpu";
+  cpu["simd_targets"] = simd_targets();
+  Json reference;
+  reference["backend"] = "reference";
+  return Json::array({cpu, reference});
+}
+
+void print_devices(const Json& devices) {
+  for (const Json& device : devices) {
+    const std::string name = device["backend"].get<std::string>();
+    const bool has_targets = device.contains("simd_targets");
+    fmt::print(
+        "{:<12}{}\n", name,
+        has_targets
+            ? fmt::format("SIMD targets, best first: {}",
+                          fmt::join(device["simd_targets"].get<std::vector<std::string>>(), ", "))
+            : "double precision, slow: the definition");
+  }
+}
+
+void print_json(const Json& json) {
+  // Names in files may hold any bytes; JSON is UTF-8.
+  fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
+}
+
+}  // namespace
+
+void run_info(const Words& words, Session& session) {
+  DataFlags data;
+  LatticeModelOptions model;
+  bool is_json = false;
+  bool lists_devices = false;
+  Flags flags("info", "INPUT... [FLAG...]", "Tells what is in a file, and how it would be drawn.");
+  flags.section("");
+  flags.toggle("--json", "as JSON", &is_json);
+  flags.toggle("--devices", "list what can draw on this machine; needs no INPUT", &lists_devices);
+  add_input_flags(flags, &data);
+  add_array_flags(flags, &data);
+  add_model_flags(flags, &model);
+  if (!flags.parse(words)) return;
+
+  if (lists_devices) {
+    const Json devices = devices_json();
+    return is_json ? print_json(devices) : print_devices(devices);
+  }
+  require_inputs(flags, data);
+  const Json json = gather(data, model, session);
+  return is_json ? print_json(json) : print_text(json);
+}
+
+}  // namespace ovoid::cli

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+// ovoid make: sample data by formula.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "command.h"
+#include "flags.h"
+#include "ovoid/io.h"
+#include "ovoid/model.h"
+#include "suggest.h"
+#include "usage.h"
+#include "values.h"
+
+namespace ovoid::cli {
+namespace {
+
+const Names<ScalarType> kTypes = {{"float32", ScalarType::kFloat32},
+                                  {"uint8", ScalarType::kUInt8},
+                                  {"uint16", ScalarType::kUInt16}};
+
+// "N" for a cube, or "XxYxZ"
+Index3 parse_samples(const std::string& text) {
+  if (text.find('x') != std::string::npos) return parse_dims(text);
+  try {
+    const std::int64_t n = parse_integer(text, 1, 1'000'000);
+    return {n, n, n};
+  } catch (const BadValue&) {
+    throw BadValue("expected N or XxYxZ, each a whole number >= 1");
+  }
+}
+
+}  // namespace
+
+void run_make(const Words& words, Session& session) {
+  std::vector<std::string> names;
+  std::string output;
+  MakeOptions options;
+  Flags flags("make", "NAME -o OUT [FLAG...]", "Writes a volume made by formula.");
+  flags.section("");
+  flags.positionals("NAME", "what to make, see below", &names);
+  flags.value("-o,--output", "OUT", "the file: .nrrd, .nhdr, .npy, .raw, .vti, .vtk",
+              [&output](const std::string& text) { output = text; });
+  flags.value("--size", "N|XxYxZ", "samples (default: the name's own)",
+              [&options](const std::string& text) { options.size = parse_samples(text); });
+  flags.value("--type", joined(kTypes),
+              fmt::format("of a sample; integers use their full range (default {})",
+                          name_in(kTypes, options.type)),
+              [&options](const std::string& text) { options.type = parse_name(text, kTypes); });
+  flags.value("--seed", "N",
+              fmt::format("of random numbers, where the name uses some (default {})", options.seed),
+              [&options](const std::string& text) { options.seed = parse_seed(text); });
+  flags.section("names");
+  for (const std::string& name : sample_names()) flags.explain(name, describe_sample(name));
+  if (!flags.parse(words)) return;
+
+  if (names.size() != 1)
+    throw UsageError(
+        fmt::format("NAME: {} given, expected one (see ovoid make --help)", names.size()));
+  const std::vector<std::string> known = sample_names();
+  if (std::find(known.begin(), known.end(), names[0]) == known.end()) {
+    throw UsageError(fmt::format("NAME '{}': expected one of {}{}", names[0],
+                                 fmt::join(known, ", "), did_you_mean(names[0], known)));
+  }
+  if (output.empty()) throw UsageError("--output: none given, expected -o OUT");
+  check_output(output, {});
+  const Dataset dataset = make_sample(names[0], options);
+  session.check_stop();
+  write_dataset(dataset, output);
+}
+
+}  // namespace ovoid::cli

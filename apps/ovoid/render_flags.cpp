@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render_flags.h"
+
+#include <fmt/format.h>
+
+#include "usage.h"
+#include "values.h"
+
+namespace ovoid::cli {
+namespace {
+
+const Names<Slab> kSlabs = {{"mid", Slab::kMid}, {"mean", Slab::kMean}};
+const Names<GradientMethod> kGradients = {{"exact", GradientMethod::kExact},
+                                          {"central", GradientMethod::kCentral}};
+const Names<Evaluate> kEvaluates = {
+    {"auto", Evaluate::kAuto}, {"gather", Evaluate::kGather}, {"scatter", Evaluate::kScatter}};
+const Names<Backend> kBackends = {
+    {"auto", Backend::kAuto}, {"cpu", Backend::kCpu}, {"reference", Backend::kReference}};
+
+constexpr int kMaxThreads = 1024;
+
+// A flag that takes one name of a table, with its default named in the help.
+template <typename T>
+void choice(Flags& flags, const char* name, const Names<T>& names, const char* text, T* into) {
+  flags.value(name, joined(names), fmt::format("{} (default {})", text, name_in(names, *into)),
+              [into, &names](const std::string& given) { *into = parse_name(given, names); });
+}
+
+ClipPlane parse_clip(const std::string& text) {
+  const std::vector<double> numbers = parse_numbers(text, 4);
+  const ClipPlane plane{{numbers[0], numbers[1], numbers[2]}, numbers[3]};
+  if (plane.normal.norm() == 0)
+    throw BadValue("expected NX,NY,NZ,D with a normal other than 0,0,0");
+  return plane;
+}
+
+// A flag of the full set of which this version knows the names in `known`; the others are refused
+// by name.
+Flags::Take refusing(const char* flag, std::initializer_list<const char*> later, Flags::Take take) {
+  return [flag, later = std::vector<std::string>(later.begin(), later.end()),
+          take = std::move(take)](const std::string& text) {
+    for (const std::string& name : later) {
+      if (text == name)
+        throw UsageError(fmt::format("{} {}: not available in this version", flag, name));
+    }
+    take(text);
+  };
+}
+
+}  // namespace
+
+void add_number_flags(Flags& flags, RenderOptions* options) {
+  flags.section("numbers");
+  flags.value("--sampling-distance", "D",
+              "distance of sheets, world (default: the smallest spacing)",
+              [options](const std::string& text) {
+                options->sampling_distance = parse_number(text, {.lo = 0, .lo_open = true});
+              });
+  choice(flags, "--slab", kSlabs,
+         "a sample is the field in the middle of its slab, or its mean there", &options->slab);
+  choice(flags, "--gradient", kGradients, "the kernels' derivative, or differences of samples",
+         &options->gradient);
+  choice(flags, "--evaluate", kEvaluates, "samples gather kernels, or kernels scatter to samples",
+         &options->evaluate);
+  flags.value("--post-convolution", "off", "coarse levels (default off)",
+              refusing("--post-convolution", {"bilinear", "gaussian", "cubic", "auto"},
+                       [](const std::string& text) {
+                         parse_name(text, Names<int>{{"off", 0}});
+                       }));
+  flags.repeatable(
+      "--clip", "NX,NY,NZ,D", "keep points with n.x >= D, world (repeatable)",
+      [options](const std::string& text) {
+        if (options->clip_planes.size() == RenderOptions::kMaxClipPlanes) {
+          throw BadValue(fmt::format("expected at most {} planes", RenderOptions::kMaxClipPlanes));
+        }
+        options->clip_planes.push_back(parse_clip(text));
+      });
+}
+
+void add_run_flags(Flags& flags, RunFlags* run) {
+  flags.section("running");
+  flags.value("--backend", joined(kBackends),
+              fmt::format("what draws (default {})", name_in(kBackends, run->backend)),
+              refusing("--backend", {"vulkan"}, [run](const std::string& text) {
+                run->backend = parse_name(text, kBackends);
+              }));
+  flags.value("--threads", "N", "(default 0: one per hardware thread)",
+              [run](const std::string& text) {
+                run->threads = static_cast<int>(parse_integer(text, 0, kMaxThreads));
+              });
+  flags.refuse({"--device", "--memory-limit"});
+}
+
+void add_switch_flags(Flags& flags, RenderOptions* options) {
+  flags.toggle("--no-skip", "reconstruct also what cannot be seen (slower, same picture)",
+               &options->skip_irrelevant, false);
+  flags.toggle("--no-stop", "reconstruct also behind what is opaque (slower, same picture)",
+               &options->stop_opaque, false);
+}
+
+}  // namespace ovoid::cli

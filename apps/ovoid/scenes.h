@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "ovoid/field.h"
+#include "ovoid/look.h"
+
+namespace ovoid::cli {
+
+enum class SceneLook {
+  kSoft,    // semi-transparent: most samples in sight are shaded, few pixels stop
+  kOpaque,  // a surface: most samples are either outside it or behind it
+};
+
+// One standard measurement: sample data by formula, seen from its default view turned by 30 and 20
+// degrees, so that no axis lies along the view.
+struct Scene {
+  std::string volume;  // a name that make_sample() knows
+  int samples = 256;   // along each axis
+  int pixels = 256;    // width and height of the picture
+  SceneLook look = SceneLook::kSoft;
+
+  std::string name() const;         // "head-256-512px-opaque"
+  std::string volume_name() const;  // "head-256"
+};
+
+inline constexpr double kSceneAzimuth = 30;    // degrees
+inline constexpr double kSceneElevation = 20;  // degrees
+
+// In this order the scenes with the same volume follow each other.
+std::vector<Scene> standard_scenes();
+
+// The look of a scene for values in `range`.
+Look make_scene_look(SceneLook look, const ValueRange& range);
+
+}  // namespace ovoid::cli

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "session.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include "ovoid/error.h"
+#include "usage.h"
+
+namespace ovoid::cli {
+namespace {
+
+constexpr double kQuietMs = 500;  // shorter work needs no progress line
+
+// The words as a shell would take them again.
+std::string quoted(const std::vector<std::string>& words) {
+  std::string line;
+  for (const std::string& word : words) {
+    if (!line.empty()) line += ' ';
+    const bool is_plain =
+        !word.empty() && std::all_of(word.begin(), word.end(), [](unsigned char c) {
+          return std::isalnum(c) != 0 || std::strchr("-_./=,:+%@", c) != nullptr;
+        });
+    if (is_plain) {
+      line += word;
+      continue;
+    }
+    line += '\'';
+    for (const char c : word) line += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    line += '\'';
+  }
+  return line;
+}
+
+}  // namespace
+
+Progress::Progress(std::string what)
+    : what_(std::move(what)), is_terminal_(isatty(STDERR_FILENO) == 1) {}
+
+Progress::~Progress() {
+  if (shown_percent_ < 0) return;
+  fmt::print(stderr, "\r{:{}}\r", "", what_.size() + 6);
+  std::fflush(stderr);
+}
+
+void Progress::show(double fraction) {
+  const int percent = static_cast<int>(100.0 * std::clamp(fraction, 0.0, 1.0));
+  if (!is_terminal_ || percent == shown_percent_ || since_.ms() < kQuietMs) return;
+  shown_percent_ = percent;
+  fmt::print(stderr, "\r{} {:3} %", what_, percent);
+  std::fflush(stderr);
+}
+
+Session::Session(std::vector<std::string> words) : command_line_(quoted(words)) {}
+
+void Session::note(const std::string& text) {
+  const std::string line = one_line(text);
+  if (std::find(told_.begin(), told_.end(), line) != told_.end()) return;
+  told_.push_back(line);
+  fmt::print(stderr, "note: {}\n", line);
+}
+
+void Session::notes(const std::vector<std::string>& texts) {
+  for (const std::string& text : texts) note(text);
+}
+
+void Session::check_stop() const {
+  if (stop().stop_requested()) throw Error(ErrorCode::kCancelled, "interrupted");
+}
+
+std::string one_line(const std::string& text) {
+  std::string line = text;
+  for (char& c : line) {
+    if (std::iscntrl(static_cast<unsigned char>(c)) != 0) c = '?';
+  }
+  return line;
+}
+
+void check_output(const std::string& path, const std::vector<std::string>& inputs) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;  // what cannot be looked at will be told by the write itself
+  for (const std::string& input : inputs) {
+    if (fs::equivalent(path, input, ignored)) {
+      throw UsageError(fmt::format("--output '{}': is an input, expected another file", path));
+    }
+  }
+  if (fs::is_directory(path, ignored)) {
+    throw Error(ErrorCode::kFileWrite, path + ": is a folder, expected a file to write");
+  }
+  if (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored)) {
+    // A device or pipe would be replaced by the renamed file.
+    throw Error(ErrorCode::kFileWrite, path + ": is no regular file, expected a file to write");
+  }
+  const fs::path folder = fs::path(path).parent_path();
+  if (!folder.empty() && !fs::is_directory(folder, ignored)) {
+    throw Error(ErrorCode::kFileWrite, fmt::format("{}: cannot be written, there is no folder '{}'",
+                                                   path, folder.string()));
+  }
+  const std::string place = folder.empty() ? "." : folder.string();
+  if (access(place.c_str(), W_OK) != 0) {
+    throw Error(ErrorCode::kFileWrite, fmt::format("{}: cannot be written, folder '{}': {}", path,
+                                                   place, std::strerror(errno)));
+  }
+}
+
+void write_text(const std::string& text, const std::string& path) {
+  const std::string beside = fmt::format("{}.{}.part", path, getpid());
+  std::FILE* const file = std::fopen(beside.c_str(), "wb");
+  bool is_written = file != nullptr;
+  if (file != nullptr) {
+    is_written = std::fwrite(text.data(), 1, text.size(), file) == text.size();
+    is_written = std::fclose(file) == 0 && is_written;
+  }
+  if (!is_written || std::rename(beside.c_str(), path.c_str()) != 0) {
+    const std::string reason = std::strerror(errno);
+    std::remove(beside.c_str());
+    throw Error(ErrorCode::kFileWrite, fmt::format("{}: cannot be written: {}", path, reason));
+  }
+}
+
+bool has_ending(const std::string& path, const std::string& ending) {
+  if (path.size() < ending.size()) return false;
+  return std::equal(ending.rbegin(), ending.rend(), path.rbegin(), [](char a, char b) {
+    return a == static_cast<char>(std::tolower(static_cast<unsigned char>(b)));
+  });
+}
+
+}  // namespace ovoid::cli

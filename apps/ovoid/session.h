@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "interrupt.h"
+
+namespace ovoid::cli {
+
+// Milliseconds since it was made.
+class Stopwatch {
+ public:
+  double ms() const {
+    return std::chrono::duration<double, std::milli>(Clock::now() - start_).count();
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point start_ = Clock::now();
+};
+
+// One line on a terminal that tells how far long work has come: "drawing  42 %". Appears after half
+// a second, and is gone when the object is; nothing is written where standard error is no terminal.
+class Progress {
+ public:
+  explicit Progress(std::string what);
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  // `fraction` in [0, 1]; one thread at a time.
+  void show(double fraction);
+  std::function<void(double)> callback() {
+    return [this](double fraction) { show(fraction); };
+  }
+
+ private:
+  std::string what_;
+  bool is_terminal_;
+  int shown_percent_ = -1;
+  Stopwatch since_;
+};
+
+// What lasts for one run of the program: Ctrl-C and what is told to the person.
+class Session {
+ public:
+  explicit Session(std::vector<std::string> words);
+
+  // A line on standard error, each text once.
+  void note(const std::string& text);
+  void notes(const std::vector<std::string>& texts);
+
+  std::stop_token stop() const { return interrupt_.token(); }
+  // Throws Error(kCancelled) if Ctrl-C was pressed; for work that does not look itself.
+  void check_stop() const;
+
+  const std::string& command_line() const noexcept { return command_line_; }
+
+ private:
+  std::string command_line_;
+  std::vector<std::string> told_;
+  Interrupt interrupt_;
+};
+
+// Text as one printable line: control characters, which file names may hold, become '?'.
+std::string one_line(const std::string& text);
+
+// Throws what keeps `path` from being written: UsageError if it is one of `inputs`,
+// Error(kFileWrite) if its folder does not exist or it is a folder itself. Said before the work
+// rather than after it.
+void check_output(const std::string& path, const std::vector<std::string>& inputs);
+
+// Writes beside and renames, so that no half-written file is left. Throws Error(kFileWrite).
+void write_text(const std::string& text, const std::string& path);
+
+bool has_ending(const std::string& path, const std::string& ending);  // "x.PNG" has ".png"
+
+}  // namespace ovoid::cli

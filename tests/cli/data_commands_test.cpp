@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+// info, make, convert and bench: what they print and write.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "program.h"
+
+namespace ovoid::cli_tests {
+namespace {
+
+using nlohmann::json;
+
+json info(const std::string& path, Words more = {}) {
+  more.insert(more.begin(), {"info", path, "--json"});
+  const Outcome result = run(more);
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  return json::parse(result.out, nullptr, false);
+}
+
+TEST(Info, TellsWhatIsInTheFile) {
+  const Folder folder;
+  const json facts = info(write_ball(folder), {"--spacing", "1,2,0.5"});
+  EXPECT_EQ(facts["kind"], "lattice");
+  EXPECT_EQ(facts["dims"], (json{16, 16, 16}));
+  EXPECT_EQ(facts["spacing"], (json{1.0, 2.0, 0.5}));
+  EXPECT_EQ(facts["space"], "none");
+  // The cells reach half a spacing beyond the first and last sample.
+  const json origin = facts["origin"];
+  EXPECT_EQ(facts["bounds"][0], (json{origin[0].get<double>() - 0.5, origin[1].get<double>() - 1,
+                                      origin[2].get<double>() - 0.25}));
+  EXPECT_EQ(facts["bounds"][1], (json{origin[0].get<double>() + 15.5, origin[1].get<double>() + 31,
+                                      origin[2].get<double>() + 7.75}));
+  ASSERT_EQ(facts["arrays"].size(), 1U);
+  EXPECT_EQ(facts["arrays"][0]["type"], "uint8");
+  EXPECT_EQ(facts["arrays"][0]["components"], 1);
+  EXPECT_EQ(facts["arrays"][0]["missing"], 0);
+  // The middle samples lie at sqrt(3)/2 from the centre: 255 (1 - 0.866 / 6) = 218.19.
+  EXPECT_EQ(facts["arrays"][0]["range"], (json{0.0, 218.0}));
+  EXPECT_EQ(facts["field"]["num_kernels"], 4096);
+  EXPECT_EQ(facts["field"]["default_sampling_distance"], 0.5);
+  EXPECT_EQ(facts["field"]["default_unit_distance"], 0.5);
+  EXPECT_GE(facts["field"]["memory_bytes"], 4096);
+}
+
+TEST(Info, CountsMissingSamples) {
+  const Folder folder;
+  std::vector<float> values(27, 2.0F);
+  values[3] = std::nanf("");
+  values[4] = INFINITY;
+  values[5] = -7.5F;
+  const std::string path = folder / "x_3x3x3_float32.raw";
+  write_file(path, {reinterpret_cast<const char*>(values.data()), 4 * values.size()});
+  const json facts = info(path);
+  EXPECT_EQ(facts["arrays"][0]["missing"], 2);
+  EXPECT_EQ(facts["arrays"][0]["range"], (json{-7.5, 2.0}));
+  EXPECT_EQ(facts["field"]["missing"], 2);
+}
+
+TEST(Info, TextAndJsonSayTheSame) {
+  const Folder folder;
+  const std::string ball = write_ball(folder);
+  const Outcome text = run({"info", ball});
+  EXPECT_EQ(text.exit_code, 0) << text.err;
+  for (const char* const row :
+       {"kind", "format", "dims", "spacing", "origin", "axes", "space", "bounds", "array",
+        "kernels", "default sampling distance", "default unit distance", "memory of the field"}) {
+    EXPECT_NE(('\n' + text.out).find(std::string("\n") + row), std::string::npos) << row;
+  }
+  EXPECT_NE(text.out.find("16 16 16"), std::string::npos) << text.out;
+  EXPECT_NE(text.out.find("0 to 218"), std::string::npos) << text.out;
+}
+
+TEST(Info, DevicesNeedNoInput) {
+  const Outcome text = run({"info", "--devices"});
+  EXPECT_EQ(text.exit_code, 0) << text.err;
+  EXPECT_NE(text.out.find("cpu"), std::string::npos) << text.out;
+  const json devices = json::parse(run({"info", "--devices", "--json"}).out);
+  EXPECT_EQ(devices[0]["backend"], "cpu");
+  EXPECT_GE(devices[0]["simd_targets"].size(), 1U);
+}
+
+TEST(Make, WritesWhatWasAskedFor) {
+  const Folder folder;
+  const std::string path = folder / "ml.nrrd";
+  expect_success({"make", "marschner-lobb", "-o", path, "--size", "9x8x7", "--type", "uint8"});
+  const json facts = info(path);
+  EXPECT_EQ(facts["dims"], (json{9, 8, 7}));
+  EXPECT_EQ(facts["arrays"][0]["type"], "uint8");
+  expect_success({"make", "marschner-lobb", "-o", folder / "cube.npy", "--size", "6"});
+  EXPECT_EQ(info(folder / "cube.npy")["dims"], (json{6, 6, 6}));
+  expect_success({"make", "marschner-lobb", "-o", folder / "again.nrrd", "--size", "9x8x7",
+                  "--type", "uint8"});
+  EXPECT_EQ(read_file(path), read_file(folder / "again.nrrd"));
+}
+
+TEST(Make, EveryNameInTheHelpWorks) {
+  const Folder folder;
+  const std::string help = run({"make", "--help"}).out;
+  std::istringstream names(help.substr(help.find("\nnames:\n") + 8));
+  int count = 0;
+  for (std::string line; std::getline(names, line) && line.rfind("  ", 0) == 0;) {
+    if (line[2] == ' ') continue;  // the second line of a description
+    const std::string name = line.substr(2, line.find(' ', 2) - 2);
+    expect_success({"make", name, "-o", folder / (name + ".nrrd"), "--size", "8"});
+    ++count;
+  }
+  EXPECT_GE(count, 3) << help;
+}
+
+TEST(Make, UnknownEndingsAreErrors) {
+  const Folder folder;
+  expect_failure({"make", "marschner-lobb", "-o", folder / "x.xyz", "--size", "4"}, 1, {"x.xyz"});
+  EXPECT_EQ(folder.num_files(), 0U);
+}
+
+TEST(Convert, KeepsSamplesAndGeometry) {
+  const Folder folder;
+  const std::string ball = write_ball(folder);
+  const std::string a = folder / "a.nrrd";
+  expect_success({"convert", ball, "-o", a, "--spacing", "1,2,3"});
+  const json facts = info(a);
+  EXPECT_EQ(facts["spacing"], (json{1.0, 2.0, 3.0}));
+  const std::string b = folder / "b.nhdr";
+  expect_success({"convert", a, "-o", b});
+  const std::string c = folder / "c_16x16x16_uint8.raw";
+  expect_success({"convert", b, "-o", c});
+  EXPECT_EQ(read_file(c), ball_bytes());
+  expect_success({"convert", ball, "-o", folder / "d.npy"});
+  expect_success({"convert", folder / "d.npy", "-o", folder / "e_16x16x16_uint8.raw"});
+  EXPECT_EQ(read_file(folder / "e_16x16x16_uint8.raw"), ball_bytes());
+}
+
+TEST(Convert, RewritesLooks) {
+  const Folder folder;
+  const std::string path = folder / "look.json";
+  write_file(path, R"([{"Name": "n", "ColorSpace": "Lab", "RGBPoints": [5, 0, 0, 1, 0, 1, 0, 0],
+    "Points": [0, 0, 0.5, 0, 5, 1, 0.25, 0.5], "ScalarOpacityUnitDistance": 2}])");
+  const std::string once = folder / "once.json";
+  const std::string twice = folder / "twice.json";
+  expect_success({"convert", path, "-o", once});
+  expect_success({"convert", once, "-o", twice});
+  EXPECT_EQ(read_file(once), read_file(twice));
+  const json look = json::parse(read_file(once))[0];
+  EXPECT_EQ(look["ColorSpace"], "Lab");
+  EXPECT_EQ(look["RGBPoints"], (json{0.0, 1.0, 0.0, 0.0, 5.0, 0.0, 0.0, 1.0}));  // sorted by value
+  EXPECT_EQ(look["ScalarOpacityUnitDistance"], 2.0);
+}
+
+TEST(Bench, ListsItsScenes) {
+  const Outcome list = run({"bench", "--list", "head", "512px"});
+  EXPECT_EQ(list.exit_code, 0) << list.err;
+  std::istringstream lines(list.out);
+  int count = 0;
+  for (std::string line; std::getline(lines, line); ++count) {
+    EXPECT_TRUE(line.find("head") != std::string::npos || line.find("512px") != std::string::npos)
+        << line;
+  }
+  EXPECT_EQ(count, 8);  // 4 scenes of the head, and 4 more at 512 pixels
+}
+
+TEST(Bench, ReportsTimesAndCountsOfOneScene) {
+  const Outcome result = run({"bench", "marschner-lobb-128-256px-opaque", "--json"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const json report = json::parse(result.out);
+  EXPECT_EQ(report["frames"], 10);
+  EXPECT_EQ(report["backend"], "cpu");
+  ASSERT_EQ(report["scenes"].size(), 1U);
+  const json& scene = report["scenes"][0];
+  EXPECT_EQ(scene["name"], "marschner-lobb-128-256px-opaque");
+  EXPECT_GT(scene["frame_ms"]["q1"], 0);
+  EXPECT_LE(scene["frame_ms"]["q1"], scene["frame_ms"]["median"]);
+  EXPECT_LE(scene["frame_ms"]["median"], scene["frame_ms"]["q3"]);
+  EXPECT_GT(scene["samples"]["shaded"], 0);
+  EXPECT_GT(scene["samples_reconstructed_per_second"], 0);
+  EXPECT_GT(report["peak_memory_bytes"], 128 * 128 * 128);
+}
+
+}  // namespace
+}  // namespace ovoid::cli_tests

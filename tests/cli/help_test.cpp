@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// Fails if the help texts and docs/command-line.md part ways, or if the program's first word is not
+// understood as documented.
+#include <gtest/gtest.h>
+
+#include "program.h"
+
+namespace ovoid::cli_tests {
+namespace {
+
+const char* const kCommands[] = {"render", "info", "make", "convert", "bench"};
+
+TEST(Help, StandsWordForWordInTheDocs) {
+  const std::string docs = read_file(OVOID_SOURCE_DIR "/docs/command-line.md");
+  for (const char* const command : kCommands) {
+    const Outcome help = run({command, "--help"});
+    EXPECT_EQ(help.exit_code, 0);
+    EXPECT_EQ(help.err, "");
+    EXPECT_NE(docs.find("```text\n" + help.out + "```"), std::string::npos)
+        << "docs/command-line.md does not hold the output of: ovoid " << command << " --help\n"
+        << help.out;
+    EXPECT_EQ(run({command, "-h"}).out, help.out);
+  }
+}
+
+TEST(Help, FitsATerminal) {
+  for (const char* const command : kCommands) {
+    std::istringstream lines(run({command, "--help"}).out);
+    for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 80U) << line;
+  }
+}
+
+TEST(Help, ListsEveryCommand) {
+  const Outcome help = run({"--help"});
+  EXPECT_EQ(help.exit_code, 0);
+  for (const char* const command : kCommands) {
+    EXPECT_NE(help.out.find(std::string("ovoid ") + command), std::string::npos) << command;
+  }
+}
+
+TEST(Help, VersionIsOneLine) {
+  const Outcome version = run({"--version"});
+  EXPECT_EQ(version.exit_code, 0);
+  EXPECT_EQ(version.out.rfind("ovoid ", 0), 0U) << version.out;
+  EXPECT_EQ(std::count(version.out.begin(), version.out.end(), '\n'), 1);
+}
+
+TEST(Help, NoCommandIsAnError) { expect_failure({}, 2, {"no command", "ovoid --help"}); }
+
+TEST(Help, UnknownCommandsGetTheNearest) {
+  expect_failure({"rendr", "x.nrrd"}, 2, {"'rendr'", "unknown command", "did you mean render?"});
+  expect_failure({"--versoin"}, 2, {"'--versoin'", "unknown flag"});
+  expect_failure({"sample", "x.nrrd"}, 2, {"sample: not available in this version"});
+}
+
+TEST(Help, AFileWithoutACommandNamesTheViewerAndTheWayOut) {
+  const Folder folder;
+  const std::string ball = write_ball(folder);
+  expect_failure({ball}, 2, {ball, "viewer is not available in this version", "ovoid render"});
+}
+
+}  // namespace
+}  // namespace ovoid::cli_tests

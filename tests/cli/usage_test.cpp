@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+// Command lines that cannot be right: exit code 2, one line that names the flag, its value and what
+// was expected, and no file.
+#include <gtest/gtest.h>
+
+#include "program.h"
+
+namespace ovoid::cli_tests {
+namespace {
+
+// Every case is `ovoid render BALL -o OUT` and these words.
+struct Case {
+  Words words;
+  Words fragments;
+};
+
+void expect_all_refused(const std::vector<Case>& cases) {
+  const Folder folder;
+  const std::string ball = write_ball(folder);
+  for (const Case& bad : cases) {
+    Words words = {"render", ball, "-o", folder / "out.png"};
+    words.insert(words.end(), bad.words.begin(), bad.words.end());
+    expect_failure(words, 2, bad.fragments);
+  }
+  EXPECT_EQ(folder.num_files(), 1U) << "a refused command left a file";
+}
+
+TEST(Usage, BadValuesNameFlagValueAndExpectation) {
+  expect_all_refused({
+      {{"--size", "640"}, {"--size '640'", "expected WIDTHxHEIGHT"}},
+      {{"--size", "0x5"}, {"--size '0x5'", "1 to 32768"}},
+      {{"--size", "99999x2"}, {"--size '99999x2'", "1 to 32768"}},
+      {{"--size", "64x48x2"}, {"--size '64x48x2'"}},
+      {{"--size", "64.5x48"}, {"--size '64.5x48'"}},
+      {{"--background", "1,1"}, {"--background '1,1'", "expected 3 numbers"}},
+      {{"--background", "0,0,2"}, {"--background '0,0,2'", "in [0, 1]"}},
+      {{"--dims", "4x4"}, {"--dims '4x4'", "expected XxYxZ"}},
+      {{"--dims", "4x4x0"}, {"--dims '4x4x0'"}},
+      {{"--dims", "99999999999999999999x1x1"}, {"--dims '99999999999999999999x1x1'"}},
+      {{"--type", "uint7"}, {"--type 'uint7'", "expected one of uint8"}},
+      {{"--spacing", "1,0,1"}, {"--spacing '1,0,1'", "> 0"}},
+      {{"--spacing", "1,nan,1"}, {"--spacing '1,nan,1'"}},
+      {{"--component", "-1"}, {"--component '-1'", "magnitude"}},
+      {{"--colormap", "viridiss"}, {"--colormap 'viridiss'", "did you mean viridis?"}},
+      {{"--opacity", "1"}, {"--opacity '1'", "VALUE:OPACITY"}},
+      {{"--opacity", "0:0,5:1.5"}, {"--opacity '0:0,5:1.5'", "'5:1.5'"}},
+      {{"--opacity", "5:0,2:1"}, {"--opacity '5:0,2:1'", "rising"}},
+      {{"--range", "5,5"}, {"--range '5,5'", "LO < HI"}},
+      {{"--range", "9,1"}, {"--range '9,1'", "LO < HI"}},
+      {{"--range", "0,inf"}, {"--range '0,inf'"}},
+      {{"--unit-distance", "0"}, {"--unit-distance '0'", "> 0"}},
+      {{"--view", "+w"}, {"--view '+w'", "+x, -x"}},
+      {{"--azimuth", "12deg"}, {"--azimuth '12deg'", "expected a number"}},
+      {{"--zoom", "0"}, {"--zoom '0'", "> 0"}},
+      {{"--projection", "oblique"}, {"--projection 'oblique'", "parallel"}},
+      {{"--view-angle", "180"}, {"--view-angle '180'", "> 0 and < 180"}},
+      {{"--mode", "minimum"}, {"--mode 'minimum'", "composite, xray"}},
+      {{"--ambient", "-0.1"}, {"--ambient '-0.1'", ">= 0"}},
+      {{"--specular-power", "0"}, {"--specular-power '0'"}},
+      {{"--light", "0,0,0"}, {"--light '0,0,0'"}},
+      {{"--clip", "1,0,0"}, {"--clip '1,0,0'", "expected 4 numbers"}},
+      {{"--clip", "0,0,0,1"}, {"--clip '0,0,0,1'", "normal"}},
+      {{"--sampling-distance", "-1"}, {"--sampling-distance '-1'", "> 0"}},
+      {{"--slab", "thick"}, {"--slab 'thick'", "mid, mean"}},
+      {{"--gradient", "none"}, {"--gradient 'none'", "exact, central"}},
+      {{"--kernel", "box"}, {"--kernel 'box'", "gaussian:SIGMA,CUTOFF"}},
+      {{"--kernel", "gaussian:9,4"}, {"--kernel 'gaussian:9,4'", "SIGMA"}},
+      {{"--kernel", "gaussian:0.5,0"}, {"--kernel 'gaussian:0.5,0'", "CUTOFF"}},
+      {{"--kernel", "gaussian:0.1,1"}, {"--kernel 'gaussian:0.1,1'", "gaps"}},
+      {{"--reconstruction", "max"}, {"--reconstruction 'max'", "normalized, sum"}},
+      {{"--evaluate", "both"}, {"--evaluate 'both'", "gather"}},
+      {{"--backend", "gpu"}, {"--backend 'gpu'", "cpu"}},
+      {{"--threads", "-2"}, {"--threads '-2'", "whole number"}},
+      {{"--repeat", "0"}, {"--repeat '0'", "whole number from 1"}},
+  });
+}
+
+TEST(Usage, FlagsOfALaterVersionAreRefusedByName) {
+  std::vector<Case> cases;
+  for (const char* const flag :
+       {"--colorbar", "--axes", "--color-array", "--block", "--time", "--step", "--positions",
+        "--radius-array", "--quantity", "--log", "--gradient-opacity", "--cutoff",
+        "--profile-kernel", "--neighbors", "--device", "--memory-limit"}) {
+    const std::string said = std::string(flag) + ": not available in this version";
+    cases.push_back({{flag}, {said}});
+    cases.push_back({{flag, "3"}, {said}});
+    cases.push_back({{std::string(flag) + "=3"}, {said}});
+  }
+  cases.push_back({{"--backend", "vulkan"}, {"--backend vulkan: not available in this version"}});
+  for (const char* const how : {"auto", "bilinear", "gaussian", "cubic"}) {
+    cases.push_back(
+        {{"--post-convolution", how},
+         {std::string("--post-convolution ") + how + ": not available in this version"}});
+  }
+  expect_all_refused(cases);
+}
+
+TEST(Usage, ContradictionsAreErrors) {
+  expect_all_refused({
+      {{"--shade", "--no-shade"}, {"--no-shade: contradicts --shade"}},
+      {{"--camera", "c.json", "--view", "+x"}, {"--view: contradicts --camera"}},
+      {{"--iso", "5"}, {"--iso: needs --mode isosurface"}},
+      {{"--mode", "isosurface"}, {"--mode isosurface: needs --iso"}},
+      {{"--no-shade", "--ambient", "0.5"}, {"--ambient: has no effect with --no-shade"}},
+      {{"--no-shade", "--light", "1,0,0"}, {"--light: has no effect with --no-shade"}},
+      {{"--mode", "xray", "--shade"}, {"--shade: has no effect with --mode xray"}},
+      {{"--mode", "maximum", "--diffuse", "1"}, {"--diffuse: has no effect with --mode maximum"}},
+      {{"--mode", "xray", "--opacity", "0:1"}, {"--opacity: has no effect with --mode xray"}},
+      {{"--mode", "isosurface", "--iso", "9", "--opacity", "0:1"},
+       {"--opacity: has no effect with --mode isosurface"}},
+      {{"--mode", "mean", "--unit-distance", "2"},
+       {"--unit-distance: has no effect with --mode mean"}},
+  });
+}
+
+TEST(Usage, FlagsAreGivenOnceAndWithTheirValue) {
+  expect_all_refused({
+      {{"--tf", "a.json", "--tf", "b.json"}, {"--tf: given 2 times, expected once"}},
+      {{"--size", "8x8", "--size=9x9"}, {"--size: given 2 times"}},
+      {{"--prefilter", "--prefilter"}, {"--prefilter: given 2 times"}},
+      {{"--size"}, {"--size: expected a value, WIDTHxHEIGHT"}},
+      {{"--array="}, {"--array: expected a value"}},
+      {{"--prefilter=yes"}, {"--prefilter: takes no value"}},
+      {{"-o", "twice.png"}, {"--output: given 2 times"}},
+  });
+}
+
+TEST(Usage, UnknownFlagsGetTheNearest) {
+  expect_all_refused({
+      {{"--colrmap", "gray"}, {"--colrmap: unknown flag", "did you mean --colormap?"}},
+      {{"--colormap=gray", "--backgroud=1,1,1"},
+       {"--backgroud: unknown flag", "did you mean --background?"}},
+      {{"--frobnicate"}, {"--frobnicate: unknown flag", "ovoid render --help"}},
+      {{"-x"}, {"-x: unknown flag"}},
+  });
+}
+
+TEST(Usage, OutputsAreCheckedBeforeAnythingIsRead) {
+  const Folder folder;
+  const std::string ball = write_ball(folder);
+  const std::string missing = folder / "missing.nrrd";
+  expect_failure({"render", missing}, 2, {"--output", "none given"});
+  expect_failure({"render", missing, "-o", folder / "out.jpg"}, 2,
+                 {"out.jpg", ".png, .exr or .npy"});
+  expect_failure({"render", missing, "-o", folder / "out"}, 2, {"/out'", ".png"});
+  expect_failure({"render", "-o", folder / "out.png"}, 2, {"INPUT", "none given"});
+  expect_failure({"render", missing, "-o", folder / "no/out.png"}, 1, {"no/out.png", "no folder"});
+  expect_failure({"render", missing, "-o", ball + "/out.png"}, 1, {"out.png", "no folder"});
+  for (const char* const format : {"out.exr", "out.npy"}) {
+    expect_failure({"render", ball, "-o", folder / format, "--background", "0,0,0"}, 2,
+                   {"--background", format});
+  }
+  std::filesystem::create_directory(folder / "folder.png");
+  expect_failure({"render", ball, "-o", folder / "folder.png"}, 1, {"folder.png", "is a folder"});
+  expect_failure({"convert", ball, "-o", ball}, 2, {ball, "is an input"});
+  expect_failure({"render", ball, "-o", folder / "x.png", "--profile=" + ball}, 2, {"is an input"});
+  expect_failure({"render", ball, "-o", folder / "x.png", "--profile=" + (folder / "x.png")}, 2,
+                 {"--profile", "same file"});
+  EXPECT_EQ(read_file(ball), ball_bytes());
+  EXPECT_EQ(folder.num_files(), 2U);
+}
+
+TEST(Usage, OtherCommandsCheckTheirWordsToo) {
+  const Folder folder;
+  expect_failure({"make", "-o", folder / "x.nrrd"}, 2, {"NAME", "0 given"});
+  expect_failure({"make", "marschner-lob", "-o", folder / "x.nrrd"}, 2,
+                 {"'marschner-lob'", "did you mean marschner-lobb?"});
+  expect_failure({"make", "marschner-lobb"}, 2, {"--output"});
+  expect_failure({"make", "marschner-lobb", "-o", folder / "x.nrrd", "--size", "0"}, 2,
+                 {"--size '0'", "N or XxYxZ"});
+  expect_failure({"make", "marschner-lobb", "-o", folder / "x.nrrd", "--type", "int64"}, 2,
+                 {"--type 'int64'", "uint16"});
+  expect_failure({"make", "marschner-lobb", "-o", folder / "x.nrrd", "--seed", "-1"}, 2,
+                 {"--seed '-1'"});
+  expect_failure({"info"}, 2, {"INPUT", "none given"});
+  expect_failure({"convert", "a.nrrd"}, 2, {"--output"});
+  expect_failure({"convert", "a.nrrd", "-o", folder / "b.json"}, 2,
+                 {"b.json", "expected one .json look"});
+  expect_failure({"convert", "a.nrrd", "-o", folder / "b.nrrd", "--size", "4x4x4"}, 2,
+                 {"--size: not available"});
+  expect_failure({"bench", "nothing-like-it"}, 2, {"'nothing-like-it'", "--list"});
+  expect_failure({"bench", "--frames", "3"}, 2, {"--frames '3'", "from 10"});
+  EXPECT_EQ(folder.num_files(), 0U);
+}
+
+}  // namespace
+}  // namespace ovoid::cli_tests

@@ -277,6 +277,9 @@ Frame render(const LatticeField& field, const Camera& camera, const Look& look,
   frame.collect_profile = options.collect_profile;
   frame.has_four_taps = frame.support == 2.0F && frame.sigma >= 0.25F && frame.sigma <= 2.0F &&
                         !frame.is_sum && !is_mean;
+  const int edge = field.source().brick_edge();
+  out.profile.kernels_drawn =
+      std::min(field.num_kernels(), plan.relevance.num_relevant() * edge * edge * edge);
   const double plan_ms = ms_since(start);
 
   const std::vector<TileRect> tiles = tiles_of(options.width, options.height);

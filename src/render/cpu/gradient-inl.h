@@ -49,16 +49,19 @@ HWY_INLINE void StoreGradient(Block& block, int column, int row, const WorldVect
 inline void FourTapGradientOfSheet(const CpuFrame& frame, Workspace& work, int s) {
   Block& block = work.block;
   FourTapGradientBatch batch;
-  ForEachBatch(block, block.visible, block.margin, batch, [&] {
-    for (int g = 0; g < batch.count; ++g) {
-      const GroupRef& group = batch.group[g];
-      WeighAt(frame, block, PositionOf(block.sheets[s], group.column, group.row), g, batch);
-    }
+  ForEachBatch(block, block.visible, batch, [&] {
+    WeighSheet(frame, block, s, batch);
     SumYzGradient(block, work.samples.data.get(), batch);
-    for (int g = 0; g < batch.count; ++g) {
-      const ValueAndGradient v = ReduceGradient(batch, g);
-      StoreGradient(block, batch.group[g].column, batch.group[g].row,
-                    ToWorld(frame, v.x, v.y, v.z));
+    alignas(64) float g[3][kBatchSamples];
+    for (int i = 0; i < batch.count; i += GroupSize()) {
+      const ValueAndGradient v = ReduceGradient(batch, i);
+      const WorldVector world = ToWorld(frame, v.x, v.y, v.z);
+      hn::Store(world.x, d, g[0] + i);
+      hn::Store(world.y, d, g[1] + i);
+      hn::Store(world.z, d, g[2] + i);
+    }
+    for (int i = 0; i < batch.count; ++i) {
+      for (int a = 0; a < 3; ++a) block.gradient[a][batch.at[i]] = g[a][i];
     }
   });
 }

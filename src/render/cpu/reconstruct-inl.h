@@ -161,8 +161,7 @@ HWY_INLINE void StoreFolded(Octet o, float* to) {
 #endif
 
 inline constexpr int kMaxLanes = 16;
-inline constexpr int kBatchGroups =
-    8;  // groups per batch: its weights take 17 KiB at most and stay in the L1 cache
+inline constexpr int kBatchSamples = 64;  // their weights take 5 KiB and stay in the L1 cache
 
 struct GroupValues {
   V value;
@@ -173,35 +172,34 @@ struct ValueAndGradient {
   V value, x, y, z;  // gradient in index space
 };
 
-// One group of a batch: which samples, and where in index space.
-struct GroupRef {
-  int column, row;
-  std::uint32_t lanes;
-};
-
-// A batch of groups on its way through the passes. `x`, `y`, `dy` by group, tap and lane; `z`, `dz`
-// and `partial` by group, lane and tap.
+// Samples of a sheet on their way through the passes, wherever they lie: groups are full even where
+// few samples are active. `x`, `y`, `dx`, `dy` by tap and sample; `z`, `dz` and `partial` by sample
+// and tap.
 struct FourTapBatch {
-  int count = 0;
-  GroupRef group[kBatchGroups];
-  std::uint32_t defined[kBatchGroups];
-  alignas(64) float x[kBatchGroups][4][kMaxLanes];
-  alignas(64) float y[kBatchGroups][4][kMaxLanes];
-  alignas(64) float z[kBatchGroups][4 * kMaxLanes];
-  alignas(64) std::int32_t offset[kBatchGroups][kMaxLanes];
-  alignas(64) float partial[kBatchGroups][4 * kMaxLanes];
+  int count = 0;                            // samples; padded to whole groups by repeating the last
+  alignas(64) float column[kBatchSamples];  // of the plane
+  alignas(64) float row[kBatchSamples];
+  alignas(64) std::int32_t at[kBatchSamples];  // row * kPlaneStride + column
+  alignas(64) float x[4][kBatchSamples];
+  alignas(64) float y[4][kBatchSamples];
+  alignas(64) float z[4 * kBatchSamples];
+  alignas(64) std::int32_t offset[kBatchSamples];
+  alignas(64) float partial[4 * kBatchSamples];
+  alignas(64) float share[kBatchSamples];  // of the weights that exist; only at borders
+
+  int padded_count() const { return (count + GroupSize() - 1) / GroupSize() * GroupSize(); }
 };
 
 struct FourTapGradientBatch : FourTapBatch {
-  alignas(64) float dx[kBatchGroups][4][kMaxLanes];
-  alignas(64) float dy[kBatchGroups][4][kMaxLanes];
-  alignas(64) float dz[kBatchGroups][4 * kMaxLanes];
-  alignas(64) float partial_y[kBatchGroups][4 * kMaxLanes];
-  alignas(64) float partial_z[kBatchGroups][4 * kMaxLanes];
+  alignas(64) float dx[4][kBatchSamples];
+  alignas(64) float dy[4][kBatchSamples];
+  alignas(64) float dz[4 * kBatchSamples];
+  alignas(64) float partial_y[4 * kBatchSamples];
+  alignas(64) float partial_z[4 * kBatchSamples];
 };
 
-HWY_INLINE void StoreByTap(const FourWeights& w, float (*to)[kMaxLanes]) {
-  for (int k = 0; k < 4; ++k) hn::Store(w.w[k], d, to[k]);
+HWY_INLINE void StoreByTap(const FourWeights& w, float (*to)[kBatchSamples], int i) {
+  for (int k = 0; k < 4; ++k) hn::Store(w.w[k], d, to[k] + i);
 }
 
 HWY_INLINE void StoreByLane(const FourWeights& w, float* to) {
@@ -212,10 +210,10 @@ HWY_INLINE void StoreByLane(const FourWeights& w, float* to) {
 #endif
 }
 
-// Pass 1: weights of a group's taps, and where each lane's first tap lies in the region (in
-// floats).
+// Pass 1: weights of a group's taps, samples i and following, and where each one's first tap lies
+// in the region (in floats).
 template <bool kBorder, class Batch>
-HWY_INLINE void Weigh(const CpuFrame& frame, const Block& block, const Position& u, int g,
+HWY_INLINE void Weigh(const CpuFrame& frame, const Block& block, const Position& u, int i,
                       Batch& batch) {
   const V x = hn::Floor(u.x);
   const V y = hn::Floor(u.y);
@@ -225,7 +223,7 @@ HWY_INLINE void Weigh(const CpuFrame& frame, const Block& block, const Position&
   };
   const VI rows = hn::Add(hn::Mul(index(z, 2), hn::Set(di, block.region_size[1])), index(y, 1));
   const VI samples = hn::Add(hn::Mul(rows, hn::Set(di, block.row_stride)), index(x, 0));
-  hn::Store(hn::ShiftLeft<1>(samples), di, batch.offset[g]);
+  hn::Store(hn::ShiftLeft<1>(samples), di, batch.offset + i);
   V share = hn::Set(d, 1.0F);
   const FourWeights wx =
       FourWeightsAt<kBorder>(x, hn::Sub(u.x, x), frame, EndsOf(frame, block, 0), share);
@@ -233,48 +231,62 @@ HWY_INLINE void Weigh(const CpuFrame& frame, const Block& block, const Position&
       FourWeightsAt<kBorder>(y, hn::Sub(u.y, y), frame, EndsOf(frame, block, 1), share);
   const FourWeights wz =
       FourWeightsAt<kBorder>(z, hn::Sub(u.z, z), frame, EndsOf(frame, block, 2), share);
-  StoreByTap(wx, batch.x[g]);
-  StoreByTap(wy, batch.y[g]);
-  StoreByLane(wz, batch.z[g]);
+  StoreByTap(wx, batch.x, i);
+  StoreByTap(wy, batch.y, i);
+  StoreByLane(wz, batch.z + 4 * i);
   if constexpr (std::is_same_v<Batch, FourTapGradientBatch>) {
-    StoreByTap(DerivativeOf(wx, frame), batch.dx[g]);
-    StoreByTap(DerivativeOf(wy, frame), batch.dy[g]);
-    StoreByLane(DerivativeOf(wz, frame), batch.dz[g]);
+    StoreByTap(DerivativeOf(wx, frame), batch.dx, i);
+    StoreByTap(DerivativeOf(wy, frame), batch.dy, i);
+    StoreByLane(DerivativeOf(wz, frame), batch.dz + 4 * i);
   }
-  const std::uint32_t lanes = batch.group[g].lanes;
-  batch.defined[g] = kBorder ? BitsOf(hn::Ge(share, hn::Set(d, kLeastWeight))) & lanes : lanes;
+  if constexpr (kBorder) hn::Store(share, d, batch.share + i);
 }
 
-// Lanes that nobody asked for must hold numbers too.
-HWY_INLINE void ClearUnlessFull(std::uint32_t lanes, float* partial) {
-  if (lanes == GroupBits()) return;
-  for (int k = 0; k < 4; ++k) hn::Store(hn::Zero(d), d, partial + k * GroupSize());
+template <class Batch>
+HWY_INLINE void WeighAt(const CpuFrame& frame, const Block& block, const Position& u, int i,
+                        Batch& batch) {
+  if (block.is_interior) {
+    Weigh<false>(frame, block, u, i, batch);
+  } else {
+    Weigh<true>(frame, block, u, i, batch);
+  }
+}
+
+// Pass 1 for all samples of a batch on one sheet.
+template <class Batch>
+HWY_INLINE void WeighSheet(const CpuFrame& frame, const Block& block, int s, Batch& batch) {
+  const SheetSetup& sheet = block.sheets[s];
+  for (int i = 0; i < batch.padded_count(); i += GroupSize()) {
+    const V column = hn::Load(d, batch.column + i);
+    const V row = hn::Load(d, batch.row + i);
+    const auto along = [&](int a) {
+      const V start = hn::MulAdd(row, hn::Set(d, sheet.per_y[a]), hn::Set(d, sheet.base[a]));
+      return hn::MulAdd(column, hn::Set(d, sheet.per_x[a]), start);
+    };
+    WeighAt(frame, block, {along(0), along(1), along(2)}, i, batch);
+  }
 }
 
 // Pass 2: sums over y and z, four x-taps kept apart.
 HWY_INLINE void SumYz(const Block& block, const float* HWY_RESTRICT samples, FourTapBatch& batch) {
   const std::ptrdiff_t row = 2 * static_cast<std::ptrdiff_t>(block.row_stride);
+  const std::ptrdiff_t three_rows = 3 * row;
   const std::ptrdiff_t two_slices = 4 * static_cast<std::ptrdiff_t>(block.slice_stride);
-  for (int g = 0; g < batch.count; ++g) {
-    float* HWY_RESTRICT partial = batch.partial[g];
-    ClearUnlessFull(batch.defined[g], partial);
-    for (std::uint32_t left = batch.defined[g]; left != 0; left &= left - 1) {
-      const int l = std::countr_zero(left);
-      const float* HWY_RESTRICT p = samples + batch.offset[g][l];
-      const float* HWY_RESTRICT q = p + two_slices;
-      const Octet y0 = SetOctet(batch.y[g][0][l]);
-      const Octet y1 = SetOctet(batch.y[g][1][l]);
-      const Octet y2 = SetOctet(batch.y[g][2][l]);
-      const Octet y3 = SetOctet(batch.y[g][3][l]);
-      const auto rows = [&](const float* HWY_RESTRICT r) {
-        Octet t = Mul(LoadOctet(r), y0);
-        t = MulAdd(LoadOctet(r + row), y1, t);
-        t = MulAdd(LoadOctet(r + 2 * row), y2, t);
-        return MulAdd(LoadOctet(r + 3 * row), y3, t);
-      };
-      const float* z = batch.z[g] + 4 * l;
-      StoreFolded(MulAdd(rows(q), SetPairs(z + 2), Mul(rows(p), SetPairs(z))), partial + 4 * l);
-    }
+  for (int i = 0, end = batch.padded_count(); i < end; ++i) {
+    const float* HWY_RESTRICT p = samples + batch.offset[i];
+    const float* HWY_RESTRICT q = p + two_slices;
+    const Octet y0 = SetOctet(batch.y[0][i]);
+    const Octet y1 = SetOctet(batch.y[1][i]);
+    const Octet y2 = SetOctet(batch.y[2][i]);
+    const Octet y3 = SetOctet(batch.y[3][i]);
+    const auto rows = [&](const float* HWY_RESTRICT r) {
+      Octet t = Mul(LoadOctet(r), y0);
+      t = MulAdd(LoadOctet(r + row), y1, t);
+      t = MulAdd(LoadOctet(r + 2 * row), y2, t);
+      return MulAdd(LoadOctet(r + three_rows), y3, t);
+    };
+    const float* z = batch.z + 4 * i;
+    StoreFolded(MulAdd(rows(q), SetPairs(z + 2), Mul(rows(p), SetPairs(z))), batch.partial + 4 * i);
   }
 }
 
@@ -282,42 +294,38 @@ HWY_INLINE void SumYzGradient(const Block& block, const float* HWY_RESTRICT samp
                               FourTapGradientBatch& batch) {
   const std::ptrdiff_t row = 2 * static_cast<std::ptrdiff_t>(block.row_stride);
   const std::ptrdiff_t two_slices = 4 * static_cast<std::ptrdiff_t>(block.slice_stride);
-  for (int g = 0; g < batch.count; ++g) {
-    for (float* p : {batch.partial[g], batch.partial_y[g], batch.partial_z[g]}) {
-      ClearUnlessFull(batch.defined[g], p);
+  for (int i = 0, end = batch.padded_count(); i < end; ++i) {
+    const float* HWY_RESTRICT p = samples + batch.offset[i];
+    const float* HWY_RESTRICT q = p + two_slices;
+    const Octet p0 = LoadOctet(p);
+    const Octet q0 = LoadOctet(q);
+    const Octet y0 = SetOctet(batch.y[0][i]);
+    const Octet dy0 = SetOctet(batch.dy[0][i]);
+    Octet tp = Mul(p0, y0), tq = Mul(q0, y0);
+    Octet sp = Mul(p0, dy0), sq = Mul(q0, dy0);
+    for (int j = 1; j < 4; ++j) {
+      const Octet pj = LoadOctet(p + j * row);
+      const Octet qj = LoadOctet(q + j * row);
+      const Octet y = SetOctet(batch.y[j][i]);
+      const Octet dy = SetOctet(batch.dy[j][i]);
+      tp = MulAdd(pj, y, tp);
+      tq = MulAdd(qj, y, tq);
+      sp = MulAdd(pj, dy, sp);
+      sq = MulAdd(qj, dy, sq);
     }
-    for (std::uint32_t left = batch.defined[g]; left != 0; left &= left - 1) {
-      const int l = std::countr_zero(left);
-      const float* HWY_RESTRICT p = samples + batch.offset[g][l];
-      const float* HWY_RESTRICT q = p + two_slices;
-      const Octet p0 = LoadOctet(p);
-      const Octet q0 = LoadOctet(q);
-      const Octet y0 = SetOctet(batch.y[g][0][l]);
-      const Octet dy0 = SetOctet(batch.dy[g][0][l]);
-      Octet tp = Mul(p0, y0), tq = Mul(q0, y0);
-      Octet sp = Mul(p0, dy0), sq = Mul(q0, dy0);
-      for (int j = 1; j < 4; ++j) {
-        const Octet pj = LoadOctet(p + j * row);
-        const Octet qj = LoadOctet(q + j * row);
-        const Octet y = SetOctet(batch.y[g][j][l]);
-        const Octet dy = SetOctet(batch.dy[g][j][l]);
-        tp = MulAdd(pj, y, tp);
-        tq = MulAdd(qj, y, tq);
-        sp = MulAdd(pj, dy, sp);
-        sq = MulAdd(qj, dy, sq);
-      }
-      const float* z = batch.z[g] + 4 * l;
-      const float* dz = batch.dz[g] + 4 * l;
-      const Octet zp = SetPairs(z), zq = SetPairs(z + 2);
-      StoreFolded(MulAdd(tq, zq, Mul(tp, zp)), batch.partial[g] + 4 * l);
-      StoreFolded(MulAdd(sq, zq, Mul(sp, zp)), batch.partial_y[g] + 4 * l);
-      StoreFolded(MulAdd(tq, SetPairs(dz + 2), Mul(tp, SetPairs(dz))), batch.partial_z[g] + 4 * l);
-    }
+    const float* z = batch.z + 4 * i;
+    const float* dz = batch.dz + 4 * i;
+    const Octet zp = SetPairs(z), zq = SetPairs(z + 2);
+    StoreFolded(MulAdd(tq, zq, Mul(tp, zp)), batch.partial + 4 * i);
+    StoreFolded(MulAdd(sq, zq, Mul(sp, zp)), batch.partial_y + 4 * i);
+    StoreFolded(MulAdd(tq, SetPairs(dz + 2), Mul(tp, SetPairs(dz))), batch.partial_z + 4 * i);
   }
 }
 
-// Pass 3: the sum over the four x-taps of all lanes; partial[lane][4] times weights[4][lane].
-HWY_INLINE V ReduceX(const float* partial, const float (*weights)[kMaxLanes]) {
+// Pass 3: the sum over the four x-taps of a group, samples i and following; partial[sample][4]
+// times weights[4][sample].
+HWY_INLINE V ReduceX(const float* partial, const float (*weights)[kBatchSamples], int i) {
+  partial += 4 * i;
 #if HWY_TARGET == HWY_SCALAR
   const V p0 = hn::Load(d, partial), p1 = hn::Load(d, partial + 1), p2 = hn::Load(d, partial + 2),
           p3 = hn::Load(d, partial + 3);
@@ -325,27 +333,31 @@ HWY_INLINE V ReduceX(const float* partial, const float (*weights)[kMaxLanes]) {
   V p0, p1, p2, p3;
   hn::LoadInterleaved4(d, partial, p0, p1, p2, p3);
 #endif
-  const auto w = [&](int k) { return hn::Load(d, weights[k]); };
+  const auto w = [&](int k) { return hn::Load(d, weights[k] + i); };
   return hn::MulAdd(p0, w(0), hn::MulAdd(p1, w(1), hn::MulAdd(p2, w(2), hn::Mul(p3, w(3)))));
 }
 
-template <class Batch>
-HWY_INLINE void WeighAt(const CpuFrame& frame, const Block& block, const Position& u, int g,
-                        Batch& batch) {
-  if (block.is_interior) {
-    Weigh<false>(frame, block, u, g, batch);
-  } else {
-    Weigh<true>(frame, block, u, g, batch);
-  }
+HWY_INLINE V ReduceValue(const FourTapBatch& batch, int i) {
+  return ReduceX(batch.partial, batch.x, i);
 }
 
-HWY_INLINE V ReduceValue(const FourTapBatch& batch, int g) {
-  return ReduceX(batch.partial[g], batch.x[g]);
+HWY_INLINE ValueAndGradient ReduceGradient(const FourTapGradientBatch& batch, int i) {
+  return {ReduceX(batch.partial, batch.x, i), ReduceX(batch.partial, batch.dx, i),
+          ReduceX(batch.partial_y, batch.x, i), ReduceX(batch.partial_z, batch.x, i)};
 }
 
-HWY_INLINE ValueAndGradient ReduceGradient(const FourTapGradientBatch& batch, int g) {
-  return {ReduceX(batch.partial[g], batch.x[g]), ReduceX(batch.partial[g], batch.dx[g]),
-          ReduceX(batch.partial_y[g], batch.x[g]), ReduceX(batch.partial_z[g], batch.x[g])};
+// Lanes that nobody asked for take the position of one that somebody did: their taps must lie in
+// the region, too.
+HWY_INLINE Position FillLanes(const Position& u, std::uint32_t lanes) {
+  const M mask = MaskOf(lanes);
+  const int first = std::countr_zero(lanes);
+  alignas(64) float p[3][kMaxLanes];
+  hn::Store(u.x, d, p[0]);
+  hn::Store(u.y, d, p[1]);
+  hn::Store(u.z, d, p[2]);
+  return {hn::IfThenElse(mask, u.x, hn::Set(d, p[0][first])),
+          hn::IfThenElse(mask, u.y, hn::Set(d, p[1][first])),
+          hn::IfThenElse(mask, u.z, hn::Set(d, p[2][first]))};
 }
 
 // Values of one group at any positions near sheet s. `lanes` must be active samples.
@@ -353,11 +365,13 @@ HWY_INLINE GroupValues Gather(const CpuFrame& frame, Workspace& work, int s, int
                               const Position& u, std::uint32_t lanes) {
   if (work.block.uses_four_taps) {
     FourTapBatch batch;
-    batch.count = 1;
-    batch.group[0] = {column, row, lanes};
-    WeighAt(frame, work.block, u, 0, batch);
+    batch.count = GroupSize();
+    WeighAt(frame, work.block, FillLanes(u, lanes), 0, batch);
     SumYz(work.block, work.samples.data.get(), batch);
-    return {ReduceValue(batch, 0), batch.defined[0]};
+    const std::uint32_t whole =
+        work.block.is_interior ? GroupBits()
+                               : BitsOf(hn::Ge(hn::Load(d, batch.share), hn::Set(d, kLeastWeight)));
+    return {ReduceValue(batch, 0), lanes & whole};
   }
   alignas(64) float value[kMaxLanes] = {};
   const std::uint32_t defined = GatherGeneral<false>(frame, work, s, column, row, u, lanes,
@@ -370,9 +384,8 @@ HWY_INLINE ValueAndGradient GatherGradient(const CpuFrame& frame, Workspace& wor
                                            std::uint32_t lanes) {
   if (work.block.uses_four_taps) {
     FourTapGradientBatch batch;
-    batch.count = 1;
-    batch.group[0] = {column, row, lanes};
-    WeighAt(frame, work.block, u, 0, batch);
+    batch.count = GroupSize();
+    WeighAt(frame, work.block, FillLanes(u, lanes), 0, batch);
     SumYzGradient(work.block, work.samples.data.get(), batch);
     return ReduceGradient(batch, 0);
   }
@@ -382,40 +395,49 @@ HWY_INLINE ValueAndGradient GatherGradient(const CpuFrame& frame, Workspace& wor
   return {hn::Load(d, out[0]), hn::Load(d, out[1]), hn::Load(d, out[2]), hn::Load(d, out[3])};
 }
 
-// Hands the groups of all rows to `run` in batches; groups that are not full are handed over like
-// the others.
+// Hands the samples named by `bits` to `run` in batches.
 template <class Batch, class Run>
-HWY_INLINE void ForEachBatch(const Block& block, const RowBits& bits, int margin, Batch& batch,
+HWY_INLINE void ForEachBatch(const Block& block, const RowBits& bits, Batch& batch,
                              const Run& run) {
+  const auto finish = [&] {
+    for (int i = batch.count; i < batch.padded_count(); ++i) {
+      batch.column[i] = batch.column[batch.count - 1];
+      batch.row[i] = batch.row[batch.count - 1];
+    }
+    run();
+    batch.count = 0;
+  };
   batch.count = 0;
   for (int y = 0; y < block.rows; ++y) {
-    ForEachGroup(bits[y], margin, block.columns - margin, [&](int column, std::uint32_t lanes) {
-      batch.group[batch.count++] = {column, y, lanes};
-      if (batch.count < kBatchGroups) return;
-      run();
-      batch.count = 0;
-    });
+    for (std::uint32_t left = bits[y]; left != 0; left &= left - 1) {
+      const int x = std::countr_zero(left);
+      batch.column[batch.count] = static_cast<float>(x);
+      batch.row[batch.count] = static_cast<float>(y);
+      batch.at[batch.count] = y * kPlaneStride + x;
+      if (++batch.count == kBatchSamples) finish();
+    }
   }
-  if (batch.count > 0) run();
+  if (batch.count > 0) finish();
 }
 
 inline void ReconstructFourTaps(const CpuFrame& frame, Workspace& work, int s,
                                 const RowBits& wanted) {
   Block& block = work.block;
-  const float* samples = work.samples.data.get();
   float* values = block.values[s & (kRingSheets - 1)];
   RowBits& defined = block.defined[s & (kRingSheets - 1)];
   FourTapBatch batch;
-  ForEachBatch(block, wanted, 0, batch, [&] {
-    for (int g = 0; g < batch.count; ++g) {
-      WeighAt(frame, block, PositionOf(block.sheets[s], batch.group[g].column, batch.group[g].row),
-              g, batch);
-    }
-    SumYz(block, samples, batch);
-    for (int g = 0; g < batch.count; ++g) {
-      const GroupRef& group = batch.group[g];
-      hn::StoreU(ReduceValue(batch, g), d, values + group.row * kPlaneStride + group.column);
-      defined[group.row] |= batch.defined[g] << group.column;
+  defined = wanted;
+  ForEachBatch(block, wanted, batch, [&] {
+    WeighSheet(frame, block, s, batch);
+    SumYz(block, work.samples.data.get(), batch);
+    alignas(64) float value[kBatchSamples];
+    for (int i = 0; i < batch.count; i += GroupSize())
+      hn::Store(ReduceValue(batch, i), d, value + i);
+    for (int i = 0; i < batch.count; ++i) values[batch.at[i]] = value[i];
+    if (block.is_interior) return;
+    for (int i = 0; i < batch.count; ++i) {
+      if (batch.share[i] >= kLeastWeight) continue;
+      defined[batch.at[i] / kPlaneStride] &= ~(1U << batch.at[i] % kPlaneStride);
     }
   });
 }

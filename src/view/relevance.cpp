@@ -43,11 +43,18 @@ RelevanceMap::RelevanceMap(const LatticeField& field, double widening, int grow)
 
 void RelevanceMap::fill_layer(int bz, const MayMatter& may_matter) {
   const bool is_sum = field_->reconstruction() == Reconstruction::kSum;
+  // Neighbouring bricks often have the same range, background above all.
+  ValueRange known;
+  bool known_matters = false;
   for (std::int64_t by = 0; by < num_bricks_[1]; ++by) {
     std::uint32_t* row = words_.data() + (bz * num_bricks_[1] + by) * words_per_row_;
     for (std::int64_t bx = 0; bx < num_bricks_[0]; ++bx) {
       const ValueRange range = field_->source().brick_range(bx, by, bz);
       if (range.is_empty()) continue;
+      if (range.lo == known.lo && range.hi == known.hi) {
+        if (known_matters) row[bx >> 5] |= 1U << (bx & 31);
+        continue;
+      }
       float lo = range.lo;
       float hi = range.hi;
       if (is_sum) {
@@ -56,7 +63,9 @@ void RelevanceMap::fill_layer(int bz, const MayMatter& may_matter) {
       }
       lo -= kBoundSlack * std::abs(lo);
       hi += kBoundSlack * std::abs(hi);
-      if (may_matter(lo, hi)) row[bx >> 5] |= 1U << (bx & 31);
+      known = range;
+      known_matters = may_matter(lo, hi);
+      if (known_matters) row[bx >> 5] |= 1U << (bx & 31);
     }
   }
 }
@@ -68,6 +77,7 @@ void RelevanceMap::fill_everything() {
 
 void RelevanceMap::finish() {
   if (dilation_ > 0) dilate(dilation_);
+  find_neighbours();
   for (std::int64_t bz = 0; bz < num_bricks_[2]; ++bz) {
     for (std::int64_t by = 0; by < num_bricks_[1]; ++by) {
       for (std::int64_t bx = 0; bx < num_bricks_[0]; bx += 4) {
@@ -107,6 +117,34 @@ void RelevanceMap::dilate(int bricks) {
       }
     }
   }
+}
+
+// Dilation by one brick, whole words at a time.
+void RelevanceMap::find_neighbours() {
+  const std::int64_t rows = num_bricks_[1] * num_bricks_[2];
+  std::vector<std::uint32_t> along_x(words_.size());
+  for (std::int64_t row = 0; row < rows; ++row) {
+    const std::uint32_t* in = words_.data() + row * words_per_row_;
+    std::uint32_t* out = along_x.data() + row * words_per_row_;
+    for (int w = 0; w < words_per_row_; ++w) {
+      out[w] = in[w] | in[w] << 1 | in[w] >> 1;
+      if (w > 0) out[w] |= in[w - 1] >> 31;
+      if (w + 1 < words_per_row_) out[w] |= in[w + 1] << 31;
+    }
+  }
+  const auto spread = [&](const std::vector<std::uint32_t>& in, std::vector<std::uint32_t>& out,
+                          std::int64_t stride, std::int64_t count) {
+    for (std::size_t i = 0; i < in.size(); ++i) {
+      const std::int64_t at = static_cast<std::int64_t>(i) / stride % count;
+      out[i] = in[i];
+      if (at > 0) out[i] |= in[i - static_cast<std::size_t>(stride)];
+      if (at + 1 < count) out[i] |= in[i + static_cast<std::size_t>(stride)];
+    }
+  };
+  std::vector<std::uint32_t> along_xy(words_.size());
+  spread(along_x, along_xy, words_per_row_, num_bricks_[1]);
+  neighbour_words_.resize(words_.size());
+  spread(along_xy, neighbour_words_, words_per_row_ * num_bricks_[1], num_bricks_[2]);
 }
 
 bool RelevanceMap::any_in(const Vec3& lo, const Vec3& hi) const noexcept {

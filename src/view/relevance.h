@@ -34,6 +34,10 @@ class RelevanceMap {
   // extend outwards without end).
   bool any_in(const Vec3& lo, const Vec3& hi) const noexcept;
 
+  // Bits like words(), set also for the 26 neighbours of relevant bricks: a no for a brick is a no
+  // for every position within a brick's edge of any position in it.
+  const std::uint32_t* neighbour_words() const noexcept { return neighbour_words_.data(); }
+
   int brick_shift() const noexcept { return shift_; }  // log2 of the brick edge
   const Index3& num_bricks() const noexcept { return num_bricks_; }
   int words_per_row() const noexcept {
@@ -51,6 +55,7 @@ class RelevanceMap {
            1U;
   }
   void dilate(int bricks);
+  void find_neighbours();
 
   const LatticeField* field_;
   int shift_ = 0;
@@ -60,6 +65,7 @@ class RelevanceMap {
   Index3 num_bricks_{};
   Index3 num_groups_{};
   std::vector<std::uint32_t> words_;
+  std::vector<std::uint32_t> neighbour_words_;
   std::vector<std::uint8_t> groups_;
 };
 

@@ -24,7 +24,8 @@ namespace HWY_NAMESPACE {
 // bricks.
 struct BrickLookup {
   const view::RelevanceMap* map;
-  std::int32_t origin[3];  // of the block
+  const std::uint32_t* words;  // the map's own, or those of its neighbours
+  std::int32_t origin[3];      // of the block
 
   HWY_INLINE M operator()(const Position& u) const {
     const auto brick = [&](V p, int a) {
@@ -38,7 +39,7 @@ struct BrickLookup {
     const VI rows_per_layer = hn::Set(di, static_cast<std::int32_t>(map->num_bricks()[1]));
     const VI row = hn::Add(hn::Mul(brick(u.z, 2), rows_per_layer), brick(u.y, 1));
     const VI word = hn::Add(hn::Mul(row, hn::Set(di, map->words_per_row())), hn::ShiftRight<5>(bx));
-    const VI bits = hn::GatherIndex(di, reinterpret_cast<const std::int32_t*>(map->words()), word);
+    const VI bits = hn::GatherIndex(di, reinterpret_cast<const std::int32_t*>(words), word);
     const VI bit = hn::And(hn::Shr(bits, hn::And(bx, hn::Set(di, 31))), hn::Set(di, 1));
     return hn::RebindMask(d, hn::Ne(bit, hn::Zero(di)));
   }
@@ -52,9 +53,11 @@ struct RowMasks {
 };
 
 HWY_INLINE RowMasks BinRow(const CpuFrame& frame, const Block& block, int s, int row,
-                           const BrickLookup& lookup, const V* support_lo, const V* support_hi) {
+                           const BrickLookup& lookup, const V* support_lo, const V* support_hi,
+                           std::uint32_t columns) {
   RowMasks masks;
   for (int column = 0; column < block.columns; column += GroupSize()) {
+    if ((columns >> column & GroupBits()) == 0) continue;
     const Position u = PositionOf(block.sheets[s], column, row);
     const auto within = [&](V p, int a) {
       return hn::And(hn::Ge(p, support_lo[a]), hn::Le(p, support_hi[a]));
@@ -130,23 +133,57 @@ inline void BoundRegion(const CpuFrame& frame, Block& block) {
   }
 }
 
-// Can a relevant brick touch the sheet at all? A quick no for sheets that pass between features.
-inline bool SheetMayMatter(const CpuFrame& frame, const Block& block, const SheetSetup& sheet) {
-  Vec3 lo, hi;
-  for (int a = 0; a < 3; ++a) {
-    const double x = sheet.per_x[a] * static_cast<float>(block.columns - 1);
-    const double y = sheet.per_y[a] * static_cast<float>(block.rows - 1);
-    const double base = static_cast<double>(block.origin[a]) + static_cast<double>(sheet.base[a]);
-    lo[a] = base + std::min(x, 0.0) + std::min(y, 0.0) - 1e-3;
-    hi[a] = base + std::max(x, 0.0) + std::max(y, 0.0) + 1e-3;
+// Columns of a block that can hold relevant samples, by groups of four sheets and four rows: one
+// look-up for 4 x 4 x 4 samples in the map that includes neighbours. Only valid while no sample is
+// farther from its group's middle than a brick's edge.
+using CellColumns = std::array<std::array<std::uint32_t, kTileSize / 4>, (kMaxSheets + 3) / 4>;
+
+inline bool CellsFitBricks(const CpuFrame& frame, const Block& block) {
+  const auto edge = static_cast<float>(1 << frame.plan->relevance.brick_shift());
+  for (const int s : {0, block.num_sheets - 1}) {
+    const SheetSetup& sheet = block.sheets[s];
+    for (int a = 0; a < 3; ++a) {
+      const float step = std::abs(sheet.step[a]) + kTileSize * (std::abs(sheet.step_per_x[a]) +
+                                                                std::abs(sheet.step_per_y[a]));
+      const float reach = 1.5F * (std::abs(sheet.per_x[a]) + std::abs(sheet.per_y[a]) + step);
+      if (reach > 0.99F * edge) return false;
+    }
   }
-  return frame.plan->relevance.any_in(lo, hi);
+  return true;
+}
+
+inline CellColumns BinCells(const Block& block, const BrickLookup& neighbours) {
+  CellColumns columns{};
+  for (int cz = 0; 4 * cz < block.num_sheets; ++cz) {
+    const int s = std::min(4 * cz + 1, block.num_sheets - 1);
+    const SheetSetup& near = block.sheets[s];
+    const SheetSetup& far = block.sheets[std::min(s + 1, block.num_sheets - 1)];
+    for (int cy = 0; 4 * cy < block.rows; ++cy) {
+      std::uint32_t cells = 0;
+      for (int first = 0; first < kTileSize / 4; first += GroupSize()) {
+        const V x =
+            hn::MulAdd(hn::Iota(d, static_cast<float>(first)), hn::Set(d, 4.0F), hn::Set(d, 1.5F));
+        const auto middle = [&](int a) {
+          const float y = 4.0F * static_cast<float>(cy) + 1.5F;
+          const float base =
+              0.5F * (near.base[a] + far.base[a]) + y * 0.5F * (near.per_y[a] + far.per_y[a]);
+          return hn::MulAdd(x, hn::Set(d, 0.5F * (near.per_x[a] + far.per_x[a])), hn::Set(d, base));
+        };
+        cells |= BitsOf(neighbours({middle(0), middle(1), middle(2)})) << first;
+      }
+      for (int cx = 0; cx < kTileSize / 4; ++cx) {
+        if ((cells >> cx & 1U) != 0) columns[cz][cy] |= 0xFU << (4 * cx);
+      }
+    }
+  }
+  return columns;
 }
 
 // Returns the number of relevant samples; active bits and region are only valid if it is not zero.
 inline std::int64_t Bin(const CpuFrame& frame, Block& block, const TileState& tile) {
   RowBits inside[kMaxSheets];
-  BrickLookup lookup{&frame.plan->relevance, {}};
+  const view::RelevanceMap& map = frame.plan->relevance;
+  BrickLookup lookup{&map, map.words(), {}};
   V support_lo[3];
   V support_hi[3];
   for (int a = 0; a < 3; ++a) {
@@ -157,18 +194,19 @@ inline std::int64_t Bin(const CpuFrame& frame, Block& block, const TileState& ti
     support_hi[a] = hn::Set(d, static_cast<float>(frame.plan->index_support.max()[a] -
                                                   static_cast<double>(block.origin[a]) + 1e-3));
   }
+  // Differences need every sample's surroundings; then all samples are looked up.
+  const bool has_cells = block.margin == 0 && CellsFitBricks(frame, block);
+  BrickLookup neighbours = lookup;
+  neighbours.words = map.neighbour_words();
+  const CellColumns cells = has_cells ? BinCells(block, neighbours) : CellColumns{};
   const std::uint32_t pixels = ((1U << (block.x1 - block.x0)) - 1U) << block.margin;
   std::int64_t num_relevant = 0;
   for (int s = 0; s < block.num_sheets; ++s) {
     const bool is_margin_sheet =
         s < block.front_margin || s >= block.num_sheets - block.back_margin;
-    if (block.margin == 0 && !SheetMayMatter(frame, block, block.sheets[s])) {
-      block.relevant[s] = {};
-      inside[s] = {};
-      continue;
-    }
     for (int y = 0; y < block.rows; ++y) {
-      const RowMasks masks = BinRow(frame, block, s, y, lookup, support_lo, support_hi);
+      const std::uint32_t columns = has_cells ? cells[s / 4][y / 4] : ~0U;
+      const RowMasks masks = BinRow(frame, block, s, y, lookup, support_lo, support_hi, columns);
       const int py = block.y0 + y - block.margin;
       const bool is_pixel_row = py >= block.y0 && py < block.y1;
       const std::uint32_t open =

@@ -66,28 +66,29 @@ inline bool IsClippedAway(const CpuFrame& frame, const Block& block, const Part&
   return false;
 }
 
-inline void SetUpSheet(const CpuFrame& frame, Block& block, int s) {
-  const view::FramePlan& plan = *frame.plan;
-  const std::int64_t sheet = block.first_sheet + s;
-  const view::SheetMap map = plan.lattice.index_map(sheet);
-  const view::SheetMap next = plan.lattice.index_map(sheet + 1);
+// Positions are affine in the sheet's number, too: every sheet's map is the first one's plus a
+// multiple of `step`.
+inline void SetUpSheet(const CpuFrame& frame, Block& block, int s, const view::SheetMap& first,
+                       const view::SheetMap& step, const Vec3& widening) {
+  const view::ViewLattice& lattice = frame.plan->lattice;
   const double x = block.tile_x + block.x0 - block.margin;
   const double y = block.tile_y + block.y0 - block.margin;
-  const Vec3 base = map.at(x, y);
-  const Vec3 step = next.at(x, y) - base;
-  const Vec3 widening = plan.widening(sheet);
   SheetSetup& setup = block.sheets[s];
   for (int a = 0; a < 3; ++a) {
-    setup.base[a] = static_cast<float>(base[a] - static_cast<double>(block.origin[a]));
-    setup.per_x[a] = static_cast<float>(map.per_x[a]);
-    setup.per_y[a] = static_cast<float>(map.per_y[a]);
-    setup.step[a] = static_cast<float>(step[a]);
-    setup.step_per_x[a] = static_cast<float>(next.per_x[a] - map.per_x[a]);
-    setup.step_per_y[a] = static_cast<float>(next.per_y[a] - map.per_y[a]);
+    const double per_x = first.per_x[a] + s * step.per_x[a];
+    const double per_y = first.per_y[a] + s * step.per_y[a];
+    const double base = first.origin[a] + s * step.origin[a] + x * per_x + y * per_y;
+    setup.base[a] = static_cast<float>(base - static_cast<double>(block.origin[a]));
+    setup.per_x[a] = static_cast<float>(per_x);
+    setup.per_y[a] = static_cast<float>(per_y);
+    setup.step[a] = static_cast<float>(step.origin[a] + x * step.per_x[a] + y * step.per_y[a]);
+    setup.step_per_x[a] = static_cast<float>(step.per_x[a]);
+    setup.step_per_y[a] = static_cast<float>(step.per_y[a]);
     setup.widening[a] = static_cast<float>(widening[a]);
   }
-  setup.depth = static_cast<float>(plan.lattice.depth(sheet));
-  setup.inverse_pitch = static_cast<float>(1.0 / plan.lattice.pitch(sheet));
+  const std::int64_t sheet = block.first_sheet + s;
+  setup.depth = static_cast<float>(lattice.depth(sheet));
+  setup.inverse_pitch = static_cast<float>(1.0 / lattice.pitch(sheet));
 }
 
 inline void SetUpBlock(const CpuFrame& frame, Block& block, const Part& part, const Bounds3& box) {
@@ -101,7 +102,17 @@ inline void SetUpBlock(const CpuFrame& frame, Block& block, const Part& part, co
   block.num_sheets =
       static_cast<int>(part.last_sheet - part.first_sheet) + block.front_margin + block.back_margin;
   for (int a = 0; a < 3; ++a) block.origin[a] = static_cast<std::int64_t>(std::floor(box.min()[a]));
-  for (int s = 0; s < block.num_sheets; ++s) SetUpSheet(frame, block, s);
+  const view::FramePlan& plan = *frame.plan;
+  const view::SheetMap first = plan.lattice.index_map(block.first_sheet);
+  view::SheetMap step = plan.lattice.index_map(block.first_sheet + 1);
+  step.origin -= first.origin;
+  step.per_x -= first.per_x;
+  step.per_y -= first.per_y;
+  Vec3 widening = plan.widening(block.first_sheet);
+  for (int s = 0; s < block.num_sheets; ++s) {
+    if (!frame.is_parallel) widening = plan.widening(block.first_sheet + s);
+    SetUpSheet(frame, block, s, first, step, widening);
+  }
 }
 
 // Samples to be classified now: relevant ones of open pixels.

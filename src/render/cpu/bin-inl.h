@@ -21,28 +21,37 @@ namespace ovoid::cpu {
 namespace HWY_NAMESPACE {
 
 // Bit of the brick that each position lies in; positions beyond the lattice belong to the outermost
-// bricks.
+// bricks. Positions within rounding of a brick's face may be given either brick: ranges cover both.
 struct BrickLookup {
-  const view::RelevanceMap* map;
-  const std::uint32_t* words;  // the map's own, or those of its neighbours
-  std::int32_t origin[3];      // of the block
+  BrickLookup(const view::RelevanceMap& map, const std::uint32_t* bits, const std::int64_t* origin)
+      : words(reinterpret_cast<const std::int32_t*>(bits)),
+        words_per_row(map.words_per_row()),
+        rows_per_layer(static_cast<std::int32_t>(map.num_bricks()[1])),
+        bricks_per_sample(std::ldexp(1.0F, -map.brick_shift())) {
+    for (int a = 0; a < 3; ++a) {
+      origin_bricks[a] = static_cast<float>(origin[a]) * bricks_per_sample;
+      last[a] = static_cast<float>(map.num_bricks()[a] - 1);
+    }
+  }
 
   HWY_INLINE M operator()(const Position& u) const {
     const auto brick = [&](V p, int a) {
-      const VI sample = hn::Add(NearestInteger(hn::Floor(p)), hn::Set(di, origin[a]));
-      // Arithmetic shift by a number only known at run time; bricks are 4 to 64 wide.
-      const VI shifted = hn::Shr(sample, hn::Set(di, map->brick_shift()));
-      const auto last = static_cast<std::int32_t>(map->num_bricks()[a] - 1);
-      return hn::Min(hn::Max(shifted, hn::Zero(di)), hn::Set(di, last));
+      const V b = hn::MulAdd(p, hn::Set(d, bricks_per_sample), hn::Set(d, origin_bricks[a]));
+      return NearestInteger(hn::Min(hn::Max(hn::Floor(b), hn::Zero(d)), hn::Set(d, last[a])));
     };
     const VI bx = brick(u.x, 0);
-    const VI rows_per_layer = hn::Set(di, static_cast<std::int32_t>(map->num_bricks()[1]));
-    const VI row = hn::Add(hn::Mul(brick(u.z, 2), rows_per_layer), brick(u.y, 1));
-    const VI word = hn::Add(hn::Mul(row, hn::Set(di, map->words_per_row())), hn::ShiftRight<5>(bx));
-    const VI bits = hn::GatherIndex(di, reinterpret_cast<const std::int32_t*>(words), word);
-    const VI bit = hn::And(hn::Shr(bits, hn::And(bx, hn::Set(di, 31))), hn::Set(di, 1));
-    return hn::RebindMask(d, hn::Ne(bit, hn::Zero(di)));
+    const VI row = hn::Add(hn::Mul(brick(u.z, 2), hn::Set(di, rows_per_layer)), brick(u.y, 1));
+    const VI word = hn::Add(hn::Mul(row, hn::Set(di, words_per_row)), hn::ShiftRight<5>(bx));
+    // Shifted so that the brick's bit is the sign.
+    const VI to_sign = hn::Sub(hn::Set(di, 31), hn::And(bx, hn::Set(di, 31)));
+    const VI bits = hn::Shl(hn::GatherIndex(di, words, word), to_sign);
+    return hn::RebindMask(d, hn::Lt(bits, hn::Zero(di)));
   }
+
+  const std::int32_t* words;
+  std::int32_t words_per_row, rows_per_layer;
+  float bricks_per_sample;
+  float origin_bricks[3], last[3];
 };
 
 // Bits of the samples of one row that lie where the field can be defined / that also lie in a
@@ -52,24 +61,36 @@ struct RowMasks {
   std::uint32_t relevant = 0;
 };
 
+// Where the field can be defined, relative to the block's origin; nothing to test if the whole
+// block lies inside.
+struct Support {
+  V lo[3], hi[3];
+  bool holds_block;
+
+  HWY_INLINE M operator()(const Position& u) const {
+    const auto within = [&](V p, int a) { return hn::And(hn::Ge(p, lo[a]), hn::Le(p, hi[a])); };
+    return hn::And(within(u.x, 0), hn::And(within(u.y, 1), within(u.z, 2)));
+  }
+};
+
 HWY_INLINE RowMasks BinRow(const CpuFrame& frame, const Block& block, int s, int row,
-                           const BrickLookup& lookup, const V* support_lo, const V* support_hi,
+                           const BrickLookup& lookup, const Support& support,
                            std::uint32_t columns) {
   RowMasks masks;
   for (int column = 0; column < block.columns; column += GroupSize()) {
     if ((columns >> column & GroupBits()) == 0) continue;
     const Position u = PositionOf(block.sheets[s], column, row);
-    const auto within = [&](V p, int a) {
-      return hn::And(hn::Ge(p, support_lo[a]), hn::Le(p, support_hi[a]));
-    };
-    const M inside = hn::And(within(u.x, 0), hn::And(within(u.y, 1), within(u.z, 2)));
-    if (hn::AllFalse(d, inside)) continue;
-    M relevant = hn::And(inside, lookup(u));
-    if (frame.plan->is_clipped) {
-      relevant = hn::And(relevant, hn::Gt(PathFraction(frame, block, s, column, row), hn::Zero(d)));
+    std::uint32_t inside = GroupBits();
+    if (!support.holds_block) {
+      inside = BitsOf(support(u));
+      if (inside == 0) continue;
     }
-    masks.inside |= BitsOf(inside) << column;
-    masks.relevant |= BitsOf(relevant) << column;
+    std::uint32_t relevant = BitsOf(lookup(u)) & inside;
+    if (frame.plan->is_clipped && relevant != 0) {
+      relevant &= BitsOf(hn::Gt(PathFraction(frame, block, s, column, row), hn::Zero(d)));
+    }
+    masks.inside |= inside << column;
+    masks.relevant |= relevant << column;
   }
   const std::uint32_t row_mask = block.columns == 32 ? ~0U : (1U << block.columns) - 1U;
   masks.inside &= row_mask;
@@ -179,43 +200,52 @@ inline CellColumns BinCells(const Block& block, const BrickLookup& neighbours) {
   return columns;
 }
 
-// Returns the number of relevant samples; active bits and region are only valid if it is not zero.
-inline std::int64_t Bin(const CpuFrame& frame, Block& block, const TileState& tile) {
+inline Support SupportOf(const CpuFrame& frame, const Block& block, const Bounds3& box) {
+  const Bounds3& defined = frame.plan->index_support;
+  Support support;
+  for (int a = 0; a < 3; ++a) {
+    // Rounding slack; the reconstruct stage decides exactly.
+    const auto origin = static_cast<double>(block.origin[a]);
+    support.lo[a] = hn::Set(d, static_cast<float>(defined.min()[a] - origin - 1e-3));
+    support.hi[a] = hn::Set(d, static_cast<float>(defined.max()[a] - origin + 1e-3));
+  }
+  support.holds_block = defined.contains(box);
+  return support;
+}
+
+// Pixels of a plane's row that still take samples, as bits of the plane.
+inline std::uint32_t OpenSamples(const Block& block, const TileState& tile, int row) {
+  const int y = block.y0 + row - block.margin;
+  if (y < block.y0 || y >= block.y1) return 0;
+  const std::uint32_t pixels = (1U << (block.x1 - block.x0)) - 1U;
+  return (tile.open[y] >> block.x0 & pixels) << block.margin;
+}
+
+// `box` holds all samples of the block, in index space. Returns the number of relevant samples;
+// active bits and region are only valid if it is not zero.
+inline std::int64_t Bin(const CpuFrame& frame, Block& block, const TileState& tile,
+                        const Bounds3& box) {
   RowBits inside[kMaxSheets];
   const view::RelevanceMap& map = frame.plan->relevance;
-  BrickLookup lookup{&map, map.words(), {}};
-  V support_lo[3];
-  V support_hi[3];
-  for (int a = 0; a < 3; ++a) {
-    lookup.origin[a] = static_cast<std::int32_t>(block.origin[a]);
-    // Rounding slack; the reconstruct stage decides exactly.
-    support_lo[a] = hn::Set(d, static_cast<float>(frame.plan->index_support.min()[a] -
-                                                  static_cast<double>(block.origin[a]) - 1e-3));
-    support_hi[a] = hn::Set(d, static_cast<float>(frame.plan->index_support.max()[a] -
-                                                  static_cast<double>(block.origin[a]) + 1e-3));
-  }
+  const BrickLookup lookup(map, map.words(), block.origin);
+  const Support support = SupportOf(frame, block, box);
   // Differences need every sample's surroundings; then all samples are looked up.
   const bool has_cells = block.margin == 0 && CellsFitBricks(frame, block);
-  BrickLookup neighbours = lookup;
-  neighbours.words = map.neighbour_words();
-  const CellColumns cells = has_cells ? BinCells(block, neighbours) : CellColumns{};
-  const std::uint32_t pixels = ((1U << (block.x1 - block.x0)) - 1U) << block.margin;
+  const CellColumns cells =
+      has_cells ? BinCells(block, BrickLookup(map, map.neighbour_words(), block.origin))
+                : CellColumns{};
   std::int64_t num_relevant = 0;
   for (int s = 0; s < block.num_sheets; ++s) {
     const bool is_margin_sheet =
         s < block.front_margin || s >= block.num_sheets - block.back_margin;
+    // An isosurface's front sheet is needed where it is relevant, though the block before has
+    // classified it.
+    const bool is_needed = !is_margin_sheet || frame.mode == Mode::kIsosurface;
     for (int y = 0; y < block.rows; ++y) {
       const std::uint32_t columns = has_cells ? cells[s / 4][y / 4] : ~0U;
-      const RowMasks masks = BinRow(frame, block, s, y, lookup, support_lo, support_hi, columns);
-      const int py = block.y0 + y - block.margin;
-      const bool is_pixel_row = py >= block.y0 && py < block.y1;
-      const std::uint32_t open =
-          is_pixel_row ? (tile.open[py] >> block.x0) << block.margin & pixels : 0;
+      const RowMasks masks = BinRow(frame, block, s, y, lookup, support, columns);
       inside[s][y] = masks.inside;
-      // An isosurface's front sheet is needed where it is relevant, though the block before has
-      // classified it.
-      const bool is_needed = !is_margin_sheet || frame.mode == Mode::kIsosurface;
-      block.relevant[s][y] = is_needed ? masks.relevant & open : 0;
+      block.relevant[s][y] = is_needed ? masks.relevant & OpenSamples(block, tile, y) : 0;
       num_relevant += std::popcount(block.relevant[s][y]);
     }
   }

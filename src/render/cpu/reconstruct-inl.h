@@ -395,29 +395,32 @@ HWY_INLINE ValueAndGradient GatherGradient(const CpuFrame& frame, Workspace& wor
   return {hn::Load(d, out[0]), hn::Load(d, out[1]), hn::Load(d, out[2]), hn::Load(d, out[3])};
 }
 
-// Hands the samples named by `bits` to `run` in batches.
+// Hands the samples named by `bits` to `run` in batches, packed. (Packing by vector compression is
+// slower: its overlapping stores must drain before the next pass may read.)
 template <class Batch, class Run>
 HWY_INLINE void ForEachBatch(const Block& block, const RowBits& bits, Batch& batch,
                              const Run& run) {
+  int count = 0;  // not in `batch`: the loop would wait for its own stores
   const auto finish = [&] {
-    for (int i = batch.count; i < batch.padded_count(); ++i) {
-      batch.column[i] = batch.column[batch.count - 1];
-      batch.row[i] = batch.row[batch.count - 1];
+    batch.count = count;
+    for (int i = count; i < batch.padded_count(); ++i) {
+      batch.column[i] = batch.column[count - 1];
+      batch.row[i] = batch.row[count - 1];
     }
     run();
-    batch.count = 0;
+    count = 0;
   };
-  batch.count = 0;
   for (int y = 0; y < block.rows; ++y) {
+    const auto row = static_cast<float>(y);
     for (std::uint32_t left = bits[y]; left != 0; left &= left - 1) {
       const int x = std::countr_zero(left);
-      batch.column[batch.count] = static_cast<float>(x);
-      batch.row[batch.count] = static_cast<float>(y);
-      batch.at[batch.count] = y * kPlaneStride + x;
-      if (++batch.count == kBatchSamples) finish();
+      batch.column[count] = static_cast<float>(x);
+      batch.row[count] = row;
+      batch.at[count] = y * kPlaneStride + x;
+      if (++count == kBatchSamples) finish();
     }
   }
-  if (batch.count > 0) finish();
+  if (count > 0) finish();
 }
 
 inline void ReconstructFourTaps(const CpuFrame& frame, Workspace& work, int s,

@@ -119,10 +119,8 @@ inline void SetUpBlock(const CpuFrame& frame, Block& block, const Part& part, co
 inline RowBits RelevantNow(const Block& block, const TileState& tile, int s) {
   RowBits bits;
   for (int y = 0; y < block.rows; ++y) {
-    const int row = TileRow(block, y);
-    const bool is_pixel_row = row >= block.y0 && row < block.y1;
-    const std::uint32_t open = is_pixel_row ? tile.open[row] >> block.x0 << block.margin : 0;
-    bits[y] = block.relevant[s][y] & open & block.defined[s & (kRingSheets - 1)][y];
+    bits[y] = block.relevant[s][y] & OpenSamples(block, tile, y) &
+              block.defined[s & (kRingSheets - 1)][y];
   }
   return bits;
 }
@@ -131,18 +129,12 @@ inline RowBits RelevantNow(const Block& block, const TileState& tile, int s) {
 // differences are taken.
 inline RowBits WantedNow(const CpuFrame& frame, const Block& block, const TileState& tile, int s) {
   if (!frame.stop_opaque) return block.active[s];
-  RowBits open{};
-  for (int y = 0; y < block.rows; ++y) {
-    const int row = TileRow(block, y);
-    if (row >= block.y0 && row < block.y1) open[y] = tile.open[row] >> block.x0 << block.margin;
-  }
   RowBits bits;
   for (int y = 0; y < block.rows; ++y) {
-    std::uint32_t near = open[y];
+    std::uint32_t near = OpenSamples(block, tile, y);
     if (block.margin > 0) {
       near |= near << 1 | near >> 1;
-      if (y > 0) near |= open[y - 1];
-      if (y + 1 < block.rows) near |= open[y + 1];
+      near |= OpenSamples(block, tile, y - 1) | OpenSamples(block, tile, y + 1);
     }
     bits[y] = block.active[s][y] & near;
   }
@@ -245,8 +237,9 @@ inline int LongestAxis(const Block& block, const Part& part) {
 // Returns false if nothing in it was relevant.
 inline bool DrawPart(const CpuFrame& frame, Workspace& work, const Part& part, StageClock& clock) {
   Block& block = work.block;
-  SetUpBlock(frame, block, part, BoxOf(frame, block, part, block.margin));
-  const std::int64_t num_relevant = Bin(frame, block, work.tile);
+  const Bounds3 box = BoxOf(frame, block, part, block.margin);
+  SetUpBlock(frame, block, part, box);
+  const std::int64_t num_relevant = Bin(frame, block, work.tile, box);
   clock.lap(kBin);
   if (num_relevant == 0) return false;
   const std::int64_t region =

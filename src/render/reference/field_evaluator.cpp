@@ -56,6 +56,11 @@ double stored_number(const BrickView& view, std::int64_t position) {
 struct IndexRange {
   std::int64_t first;
   std::int64_t last;  // inclusive
+
+  // Those of them that a lattice of `size` samples has.
+  IndexRange inside(std::int64_t size) const {
+    return {std::max<std::int64_t>(first, 0), std::min(last, size - 1)};
+  }
 };
 
 IndexRange indices_in_reach(double lowest_u, double highest_u, double reach) {
@@ -202,10 +207,12 @@ FieldSample FieldEvaluator::at_index(const Vec3& position, const Vec3& widening)
 
   Sums sums;
   sums.endless = x.endless * y.endless * z.endless;
-  for (std::int64_t k = z.indices.first; k <= z.indices.last; ++k) {
-    for (std::int64_t j = y.indices.first; j <= y.indices.last; ++j) {
-      for (std::int64_t i = x.indices.first; i <= x.indices.last; ++i) {
-        if (!is_inside({i, j, k})) continue;
+  const IndexRange in_x = x.indices.inside(dims_[0]);
+  const IndexRange in_y = y.indices.inside(dims_[1]);
+  const IndexRange in_z = z.indices.inside(dims_[2]);
+  for (std::int64_t k = in_z.first; k <= in_z.last; ++k) {
+    for (std::int64_t j = in_y.first; j <= in_y.last; ++j) {
+      for (std::int64_t i = in_x.first; i <= in_x.last; ++i) {
         const std::size_t offset = offset_of({i, j, k});
         if (exists_[offset] == 0) continue;
         const auto [gx, dgx] = x.of(i);

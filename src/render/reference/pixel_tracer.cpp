@@ -71,20 +71,17 @@ std::optional<PixelTracer::RaySample> PixelTracer::sample(const PixelRay& pixel,
   return RaySample{sheet, view_.z_of(sheet), path, at.value, at.gradient};
 }
 
-// The field on the sample (x, y, sheet) of the view lattice: on the slab's middle plane, or the
-// slab's mean.
+// The field on the sample (x, y, sheet) of the view lattice.
 FieldSample PixelTracer::field_at(int x, int y, std::int64_t sheet) const {
-  const Ray ray = view_.ray(x, y);
-  const double z = view_.z_of(sheet);
-  const Vec3 widening = view_.widening(sheet);
-  if (slab_ == Slab::kMid) return field_on_ray(ray, z, widening);
+  return field_on_ray(view_.ray(x, y), view_.z_of(sheet), view_.widening(sheet));
+}
+
+// The field where a ray meets the plane at z, or its mean over the slab around that plane.
+FieldSample PixelTracer::field_on_ray(const Ray& ray, double z, const Vec3& widening) const {
+  if (slab_ == Slab::kMid) return evaluator_.at_index(index_from_world_ * ray.at(z), widening);
   const double half_slab = 0.5 * view_.sampling_distance();
   return evaluator_.mean_over(index_from_world_ * ray.at(z - half_slab),
                               index_from_world_ * ray.at(z + half_slab), widening);
-}
-
-FieldSample PixelTracer::field_on_ray(const Ray& ray, double z, const Vec3& widening) const {
-  return evaluator_.at_index(index_from_world_ * ray.at(z), widening);
 }
 
 Vec3 PixelTracer::gradient(const PixelRay& pixel, const RaySample& sample) const {

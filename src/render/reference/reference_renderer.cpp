@@ -55,6 +55,7 @@ class RowPainter {
   TraceCounts paint(int threads) {
     {
       std::vector<std::jthread> workers;
+      workers.reserve(static_cast<std::size_t>(threads));
       for (int t = 0; t < threads; ++t) workers.emplace_back([this] { work(); });
     }
     if (failure_) std::rethrow_exception(failure_);

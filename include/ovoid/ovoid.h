@@ -19,5 +19,6 @@
 #include "ovoid/look.h"
 #include "ovoid/math.h"
 #include "ovoid/model.h"
+#include "ovoid/render_options.h"
 #include "ovoid/renderer.h"
 #include "ovoid/transfer_function.h"

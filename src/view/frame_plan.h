@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "ovoid/look.h"
-#include "ovoid/renderer.h"
+#include "ovoid/render_options.h"
 #include "view/look_table.h"
 #include "view/relevance.h"
 #include "view/view_lattice.h"

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ovoid/render_options.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "ovoid/error.h"
+
+namespace ovoid {
+namespace {
+
+void require(bool holds, const std::string& message) {
+  if (!holds) throw Error(ErrorCode::kInvalidArgument, message);
+}
+
+}  // namespace
+
+void RenderOptions::validate() const {
+  for (const auto& [name, side] : {std::pair{"width", width}, std::pair{"height", height}}) {
+    require(side >= 1 && side <= kMaxImageSide,
+            fmt::format("{} = {}: must be 1 to {}", name, side, kMaxImageSide));
+  }
+  require(std::isfinite(sampling_distance) && sampling_distance >= 0,
+          fmt::format("sampling_distance = {}: must be > 0, or 0 for the field's own",
+                      sampling_distance));
+  require(clip_planes.size() <= kMaxClipPlanes,
+          fmt::format("clip_planes: {} given, at most {} are possible", clip_planes.size(),
+                      kMaxClipPlanes));
+  for (std::size_t i = 0; i < clip_planes.size(); ++i) {
+    const ClipPlane& plane = clip_planes[i];
+    require(plane.normal.allFinite() && plane.normal.norm() > 0,
+            fmt::format("clip_planes[{}].normal: must be finite and not zero", i));
+    require(std::isfinite(plane.offset), fmt::format("clip_planes[{}].offset: must be finite", i));
+  }
+}
+
+}  // namespace ovoid

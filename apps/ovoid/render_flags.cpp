@@ -10,7 +10,8 @@ namespace ovoid::cli {
 namespace {
 
 const Names<Slab> kSlabs = {{"mid", Slab::kMid}, {"mean", Slab::kMean}};
-const Names<GradientMethod> kGradients = {{"exact", GradientMethod::kExact},
+const Names<GradientMethod> kGradients = {{"corrected", GradientMethod::kCorrected},
+                                          {"exact", GradientMethod::kExact},
                                           {"central", GradientMethod::kCentral}};
 const Names<Evaluate> kEvaluates = {
     {"auto", Evaluate::kAuto}, {"gather", Evaluate::kGather}, {"scatter", Evaluate::kScatter}};
@@ -58,7 +59,7 @@ void add_number_flags(Flags& flags, RenderOptions* options) {
               });
   choice(flags, "--slab", kSlabs,
          "a sample is the field in the middle of its slab, or its mean there", &options->slab);
-  choice(flags, "--gradient", kGradients, "the kernels' derivative, or differences of samples",
+  choice(flags, "--gradient", kGradients, "the kernels' derivative, constant on ramps or as it is, or differences of samples",
          &options->gradient);
   choice(flags, "--evaluate", kEvaluates, "samples gather kernels, or kernels scatter to samples",
          &options->evaluate);

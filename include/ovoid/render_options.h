@@ -10,8 +10,10 @@ namespace ovoid {
 // What a sample stands for: the field on its slab's middle plane, or the slab's mean (docs/numerics.md, "Slabs").
 enum class Slab { kMid, kMean };
 
-// Where the gradient comes from: the kernels' own derivative, or central differences over neighbouring samples.
-enum class GradientMethod { kExact, kCentral };
+// Where the gradient comes from: the kernels' own derivative corrected so that a linear field has a constant gradient (no grid
+// pattern on shaded surfaces), the derivative as it is, or central differences over neighbouring samples
+// (docs/numerics.md, "Gradients").
+enum class GradientMethod { kCorrected, kExact, kCentral };
 
 // How the cpu back end evaluates a block: each sample sums its kernels, each kernel adds to its samples, or the cheaper of both.
 enum class Evaluate { kAuto, kGather, kScatter };
@@ -28,7 +30,7 @@ struct RenderOptions {
   int height = 768;
   double sampling_distance = 0.0;            // distance of sheets, world units; 0: the field's default
   Slab slab = Slab::kMid;
-  GradientMethod gradient = GradientMethod::kExact;
+  GradientMethod gradient = GradientMethod::kCorrected;
   Evaluate evaluate = Evaluate::kAuto;
   std::vector<ClipPlane> clip_planes;        // at most kMaxClipPlanes
   bool skip_irrelevant = true;               // off: every block is reconstructed (time changes, pixels do not)

@@ -272,6 +272,7 @@ Frame render(const LatticeField& field, const Camera& camera, const Look& look,
   set_slab_nodes(frame, is_mean ? slab_nodes_for(field, plan.lattice) : 1);
   frame.central_gradient =
       options.gradient == GradientMethod::kCentral && look.mode == Mode::kComposite && look.shade;
+  frame.corrects_gradient = options.gradient != GradientMethod::kExact && !frame.is_sum;
   frame.evaluate = options.evaluate;
   frame.stop_opaque = options.stop_opaque;
   frame.collect_profile = options.collect_profile;

@@ -34,6 +34,9 @@ struct ClassificationTable {
   float last_node = 1;
 };
 
+// Spacings squared: a gradient is only corrected where more than one kernel has weight.
+inline constexpr float kLeastVariance = 1e-6F;
+
 struct CpuFrame {
   const view::FramePlan* plan = nullptr;
   const LatticeField* field = nullptr;
@@ -60,6 +63,7 @@ struct CpuFrame {
   std::array<SlabNode, kMaxSlabNodes> slab_nodes{};
   int num_slab_nodes = 1;  // 1: mid samples
   bool central_gradient = false;
+  bool corrects_gradient = true;  // constant on ramps (docs/numerics.md, "Gradients")
   Evaluate evaluate = Evaluate::kAuto;
   bool stop_opaque = true;
   bool collect_profile = false;

@@ -168,6 +168,24 @@ inline void AddNode(const CpuFrame& frame, const Workspace& work, const float* u
   add(q.denominator, e);
 }
 
+// Factor that makes the gradient of a ramp along one axis constant (docs/numerics.md, "Gradients").
+inline float AxisCorrection(const CpuFrame& frame, float u, float widening) {
+  const float support = frame.support * widening;
+  const float inverse_variance = frame.inverse_variance / (widening * widening);
+  float total = 0;
+  float mean = 0;
+  float square = 0;
+  for (float i = std::ceil(u - support); i <= u + support; i += 1.0F) {
+    const float distance = i - u;
+    const float weight = std::exp(-0.5F * inverse_variance * distance * distance);
+    total += weight;
+    mean += weight * distance;
+    square += weight * distance * distance;
+  }
+  const float variance = square / total - mean / total * (mean / total);
+  return variance > kLeastVariance ? 1.0F / (variance * inverse_variance) : 1.0F;
+}
+
 // Returns the bits of the lanes whose field is defined.
 template <bool kGradient>
 inline std::uint32_t GatherGeneral(const CpuFrame& frame, Workspace& work, int s, int column,
@@ -215,6 +233,11 @@ inline std::uint32_t GatherGeneral(const CpuFrame& frame, Workspace& work, int s
         out.x[l] = (n.x - f * e.x) * inverse;
         out.y[l] = (n.y - f * e.y) * inverse;
         out.z[l] = (n.z - f * e.z) * inverse;
+        if (frame.corrects_gradient) {
+          out.x[l] *= AxisCorrection(frame, position[0][l], sheet.widening[0]);
+          out.y[l] *= AxisCorrection(frame, position[1][l], sheet.widening[1]);
+          out.z[l] *= AxisCorrection(frame, position[2][l], sheet.widening[2]);
+        }
       }
     }
     defined |= 1U << l;

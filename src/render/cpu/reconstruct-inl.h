@@ -33,6 +33,7 @@ namespace HWY_NAMESPACE {
 // Normalized weights of the four taps around a position.
 struct FourWeights {
   V w[4];
+  V variance;  // of the tap's number under the endless lattice's weights, spacings squared
 };
 
 // The lattice's end along one axis, as the four taps see it: bounds of the indices that exist,
@@ -48,7 +49,7 @@ HWY_INLINE AxisEnds EndsOf(const CpuFrame& frame, const Block& block, int axis) 
 
 // `whole` and `fraction` are the position's. At a border, taps that do not exist get no weight, and
 // `share` is multiplied by the part of the weights that is left.
-template <bool kBorder>
+template <bool kBorder, bool kWithVariance>
 HWY_INLINE FourWeights FourWeightsAt(V whole, V fraction, const CpuFrame& frame, AxisEnds ends,
                                      V& share) {
   // g(f + 1) : g(f) : g(1 - f) : g(2 - f) = n : e : n e^2 : F e^3 with e = exp(f / sigma^2).
@@ -57,9 +58,16 @@ HWY_INLINE FourWeights FourWeightsAt(V whole, V fraction, const CpuFrame& frame,
       Exp2</*kCoarse=*/true>(d, hn::Mul(fraction, hn::Set(d, frame.inverse_variance * kLog2E)));
   const V n = hn::Set(d, frame.near_weight);
   const V ee = hn::Mul(e, e);
-  FourWeights t{{n, e, hn::Mul(n, ee), hn::Mul(hn::Set(d, frame.far_weight), hn::Mul(ee, e))}};
+  FourWeights t{{n, e, hn::Mul(n, ee), hn::Mul(hn::Set(d, frame.far_weight), hn::Mul(ee, e))}, n};
   const auto sum = [&] { return hn::Add(hn::Add(t.w[0], t.w[1]), hn::Add(t.w[2], t.w[3])); };
   V total = sum();
+  if constexpr (kWithVariance) {
+    const V inverse = Reciprocal(total);
+    const V mean = hn::Mul(inverse, hn::Add(hn::Sub(t.w[2], t.w[0]), hn::Add(t.w[3], t.w[3])));
+    const V square =
+        hn::Mul(inverse, hn::MulAdd(hn::Set(d, 4.0F), t.w[3], hn::Add(t.w[0], t.w[2])));
+    t.variance = hn::NegMulAdd(mean, mean, square);
+  }
   if constexpr (kBorder) {
     for (int k = 0; k < 4; ++k) {
       const V index = hn::Add(whole, hn::Set(d, static_cast<float>(k - 1)));
@@ -86,6 +94,15 @@ HWY_INLINE FourWeights DerivativeOf(const FourWeights& w, const CpuFrame& frame)
         hn::Mul(hn::Mul(w.w[k], scale), hn::Sub(hn::Set(d, static_cast<float>(k - 1)), mean));
   }
   return out;
+}
+
+// What makes the gradient of a ramp constant: the weights' derivative answers to slope 1 with
+// variance / sigma^2.
+HWY_INLINE V CorrectionFor(V variance, const CpuFrame& frame) {
+  if (!frame.corrects_gradient) return hn::Set(d, 1.0F);
+  const V answer = hn::Mul(variance, hn::Set(d, frame.inverse_variance));
+  return hn::IfThenElse(hn::Gt(variance, hn::Set(d, kLeastVariance)),
+                        hn::Div(hn::Set(d, 1.0F), answer), hn::Set(d, 1.0F));
 }
 
 // Eight floats: four x-taps, each of slice z and slice z + 1. One register where vectors are wide
@@ -194,6 +211,7 @@ struct FourTapGradientBatch : FourTapBatch {
   alignas(64) float dx[4][kBatchSamples];
   alignas(64) float dy[4][kBatchSamples];
   alignas(64) float dz[4 * kBatchSamples];
+  alignas(64) float correction[3][kBatchSamples];  // factors on the gradient's components
   alignas(64) float partial_y[4 * kBatchSamples];
   alignas(64) float partial_z[4 * kBatchSamples];
 };
@@ -224,20 +242,24 @@ HWY_INLINE void Weigh(const CpuFrame& frame, const Block& block, const Position&
   const VI rows = hn::Add(hn::Mul(index(z, 2), hn::Set(di, block.region_size[1])), index(y, 1));
   const VI samples = hn::Add(hn::Mul(rows, hn::Set(di, block.row_stride)), index(x, 0));
   hn::Store(hn::ShiftLeft<1>(samples), di, batch.offset + i);
+  constexpr bool kGradient = std::is_same_v<Batch, FourTapGradientBatch>;
   V share = hn::Set(d, 1.0F);
   const FourWeights wx =
-      FourWeightsAt<kBorder>(x, hn::Sub(u.x, x), frame, EndsOf(frame, block, 0), share);
+      FourWeightsAt<kBorder, kGradient>(x, hn::Sub(u.x, x), frame, EndsOf(frame, block, 0), share);
   const FourWeights wy =
-      FourWeightsAt<kBorder>(y, hn::Sub(u.y, y), frame, EndsOf(frame, block, 1), share);
+      FourWeightsAt<kBorder, kGradient>(y, hn::Sub(u.y, y), frame, EndsOf(frame, block, 1), share);
   const FourWeights wz =
-      FourWeightsAt<kBorder>(z, hn::Sub(u.z, z), frame, EndsOf(frame, block, 2), share);
+      FourWeightsAt<kBorder, kGradient>(z, hn::Sub(u.z, z), frame, EndsOf(frame, block, 2), share);
   StoreByTap(wx, batch.x, i);
   StoreByTap(wy, batch.y, i);
   StoreByLane(wz, batch.z + 4 * i);
-  if constexpr (std::is_same_v<Batch, FourTapGradientBatch>) {
+  if constexpr (kGradient) {
     StoreByTap(DerivativeOf(wx, frame), batch.dx, i);
     StoreByTap(DerivativeOf(wy, frame), batch.dy, i);
     StoreByLane(DerivativeOf(wz, frame), batch.dz + 4 * i);
+    hn::Store(CorrectionFor(wx.variance, frame), d, batch.correction[0] + i);
+    hn::Store(CorrectionFor(wy.variance, frame), d, batch.correction[1] + i);
+    hn::Store(CorrectionFor(wz.variance, frame), d, batch.correction[2] + i);
   }
   if constexpr (kBorder) hn::Store(share, d, batch.share + i);
 }
@@ -342,8 +364,11 @@ HWY_INLINE V ReduceValue(const FourTapBatch& batch, int i) {
 }
 
 HWY_INLINE ValueAndGradient ReduceGradient(const FourTapGradientBatch& batch, int i) {
-  return {ReduceX(batch.partial, batch.x, i), ReduceX(batch.partial, batch.dx, i),
-          ReduceX(batch.partial_y, batch.x, i), ReduceX(batch.partial_z, batch.x, i)};
+  const auto correction = [&](int a) { return hn::Load(d, batch.correction[a] + i); };
+  return {ReduceX(batch.partial, batch.x, i),
+          hn::Mul(ReduceX(batch.partial, batch.dx, i), correction(0)),
+          hn::Mul(ReduceX(batch.partial_y, batch.x, i), correction(1)),
+          hn::Mul(ReduceX(batch.partial_z, batch.x, i), correction(2))};
 }
 
 // Lanes that nobody asked for take the position of one that somebody did: their taps must lie in

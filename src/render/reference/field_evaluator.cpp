@@ -24,6 +24,9 @@ namespace {
 // sheet that lies on the face.
 constexpr double kLeastShare = 0.48;
 
+// Spacings squared: a gradient is only corrected where more than one kernel has weight.
+constexpr double kLeastVariance = 1e-6;
+
 // Spacings; nobody waits for the sums of longer ones.
 constexpr double kMaxSegment = 1e6;
 
@@ -151,6 +154,7 @@ FieldEvaluator::FieldEvaluator(const Field& field)
     : dims_(field.geometry().dims),
       world_gradient_from_index_(field.geometry().world_from_index.linear().inverse().transpose()),
       index_from_world_(field.geometry().world_from_index.inverse()),
+      index_gradient_from_world_(field.geometry().world_from_index.linear().transpose()),
       kernel_(field.kernel()),
       reconstruction_(field.reconstruction()) {
   const BrickSource& source = field.source();
@@ -282,6 +286,27 @@ FieldSample FieldEvaluator::mean_over(const Vec3& from, const Vec3& to,
     }
   }
   return reconstruct(sums, widening);
+}
+
+Vec3 FieldEvaluator::corrected_gradient(const Vec3& gradient, const Vec3& position,
+                                        const Vec3& widening) const {
+  if (reconstruction_ == Reconstruction::kSum) return gradient;
+  Vec3 grad_index = index_gradient_from_world_ * gradient;
+  for (int a = 0; a < 3; ++a) {
+    const double sigma = kernel_.sigma * widening[a];
+    const AxisWeights axis(position[a], sigma, kernel_.support_radius() * widening[a]);
+    double first_moment = 0;
+    double second_moment = 0;
+    for (std::int64_t i = axis.indices.first; i <= axis.indices.last; ++i) {
+      const double d = static_cast<double>(i) - position[a];
+      first_moment += d * axis.of(i).g / axis.endless;
+      second_moment += d * d * axis.of(i).g / axis.endless;
+    }
+    const double variance = second_moment - first_moment * first_moment;
+    // Where a single kernel reaches, no ramp has a slope.
+    if (variance > kLeastVariance) grad_index[a] *= sigma * sigma / variance;
+  }
+  return world_gradient_from_index_ * grad_index;
 }
 
 Bounds3 FieldEvaluator::support_bounds(const Vec3& widening) const {

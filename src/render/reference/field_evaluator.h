@@ -37,6 +37,11 @@ class FieldEvaluator {
   FieldSample mean_over(const Vec3& from, const Vec3& to,
                         const Vec3& widening = Vec3::Ones()) const;
 
+  // A world gradient found at a position (of a mean: the segment's middle) in index space, divided
+  // by what the endless lattice answers to a ramp of slope 1 along each lattice axis:
+  // docs/numerics.md, "Gradients". Unchanged for `sum`.
+  Vec3 corrected_gradient(const Vec3& gradient, const Vec3& position, const Vec3& widening) const;
+
   // The positions in index space that any kernel can reach.
   Bounds3 support_bounds(const Vec3& widening) const;
 
@@ -60,6 +65,7 @@ class FieldEvaluator {
   Index3 dims_;
   Mat3 world_gradient_from_index_;  // inverse transpose of the axis vectors
   Affine3 index_from_world_;
+  Mat3 index_gradient_from_world_;  // transpose of the axis vectors
   LatticeKernel kernel_;
   Reconstruction reconstruction_;
   std::vector<double> values_;        // [z, y, x]; 0 where missing

@@ -85,8 +85,15 @@ FieldSample PixelTracer::field_on_ray(const Ray& ray, double z, const Vec3& wide
 }
 
 Vec3 PixelTracer::gradient(const PixelRay& pixel, const RaySample& sample) const {
-  return gradient_method_ == GradientMethod::kExact ? sample.exact_gradient
-                                                    : central_gradient(pixel, sample);
+  if (gradient_method_ == GradientMethod::kCentral) return central_gradient(pixel, sample);
+  return own_gradient(sample.exact_gradient, pixel.ray.at(sample.z), view_.widening(sample.sheet));
+}
+
+// The kernels' own gradient at a place, corrected if so asked.
+Vec3 PixelTracer::own_gradient(const Vec3& exact, const Vec3& position,
+                               const Vec3& widening) const {
+  if (gradient_method_ == GradientMethod::kExact) return exact;
+  return evaluator_.corrected_gradient(exact, index_from_world_ * position, widening);
 }
 
 Vec3 PixelTracer::central_gradient(const PixelRay& pixel, const RaySample& sample) const {
@@ -185,8 +192,10 @@ Pixel PixelTracer::isosurface(const PixelRay& pixel, TraceCounts& counts) const 
         Rgb color = look_.transfer_function.color_at(iso);
         if (look_.shade) {
           ++counts.gradients;
-          const FieldSample at = field_on_ray(pixel.ray, z, view_.widening(far->sheet));
-          color = shaded(color, at.gradient, to_eye, look_, shading_);
+          const Vec3 widening = view_.widening(far->sheet);
+          const FieldSample at = field_on_ray(pixel.ray, z, widening);
+          const Vec3 gradient = own_gradient(at.gradient, pixel.ray.at(z), widening);
+          color = shaded(color, gradient, to_eye, look_, shading_);
         }
         return premultiplied(color, 1, z);
       }

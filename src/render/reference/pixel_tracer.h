@@ -56,6 +56,7 @@ class PixelTracer {
                                   TraceCounts& counts) const;
   FieldSample field_at(int x, int y, std::int64_t sheet) const;
   Vec3 gradient(const PixelRay& pixel, const RaySample& sample) const;
+  Vec3 own_gradient(const Vec3& exact, const Vec3& position, const Vec3& widening) const;
   Vec3 central_gradient(const PixelRay& pixel, const RaySample& sample) const;
 
   Pixel composite(const PixelRay& pixel, TraceCounts& counts) const;

@@ -147,8 +147,9 @@ inline void BoundRegion(const CpuFrame& frame, Block& block) {
     const std::int64_t lattice_first = -block.origin[a];
     const std::int64_t lattice_last = frame.dims[a] - 1 - block.origin[a];
     if (first < lattice_first || last > lattice_last) block.is_interior = false;
-    first = std::clamp(first, lattice_first - kRegionBeyond, lattice_last + kRegionBeyond);
-    last = std::clamp(last, lattice_first - kRegionBeyond, lattice_last + kRegionBeyond);
+    // At least one sample of the lattice stays in it: `sum` is binned to where no kernel reaches.
+    first = std::clamp(first, lattice_first - kRegionBeyond, lattice_last);
+    last = std::clamp(last, lattice_first, lattice_last + kRegionBeyond);
     block.region_lo[a] = static_cast<int>(first);
     block.region_size[a] = static_cast<int>(last - first + 1);
   }

@@ -288,7 +288,7 @@ inline void RenderTile(const CpuFrame& frame, Workspace& work, const TileRect& r
       ++stats.skipped_empty;
     } else if (!plan.relevance.any_in(box.min(), box.max()) ||
                !DrawPart(frame, work, part, clock)) {
-      ++stats.skipped_irrelevant;
+      ++(plan.may_matter ? stats.skipped_irrelevant : stats.skipped_empty);
     } else {
       ++stats.blocks_drawn;
     }

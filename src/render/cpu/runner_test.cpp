@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/cpu/runner.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <atomic>
+#include <cstdlib>
+#include <memory>
+#include <mutex>
+#include <stdexcept>
+#include <vector>
+
+#include "ovoid/error.h"
+
+namespace ovoid::cpu {
+namespace {
+
+class EveryRunner : public ::testing::TestWithParam<const char*> {
+ protected:
+  std::unique_ptr<Runner> make(int threads) const { return make_runner(GetParam(), threads); }
+};
+
+// Fails if a task is left out or done twice, or a worker's number is out of range.
+TEST_P(EveryRunner, DoesEachTaskOnce) {
+  for (const int threads : {1, 2, 5}) {
+    const auto runner = make(threads);
+    for (const int num_tasks : {0, 1, 3, 500}) {
+      std::vector<std::atomic<int>> times(static_cast<std::size_t>(num_tasks));
+      runner->run(num_tasks, [&](int task, int worker) {
+        ++times[static_cast<std::size_t>(task)];
+        EXPECT_GE(worker, 0);
+        EXPECT_LT(worker, runner->num_workers());
+      });
+      for (const auto& n : times) ASSERT_EQ(n, 1);
+    }
+  }
+}
+
+// Fails if two tasks run with one worker's number at a time: its memory would be written by both.
+TEST_P(EveryRunner, NoWorkerIsTwoAtATime) {
+  const auto runner = make(4);
+  std::array<std::atomic<int>, 4> busy{};
+  runner->run(400, [&](int, int worker) {
+    auto& mine = busy[static_cast<std::size_t>(worker)];
+    EXPECT_EQ(mine++, 0);
+    std::atomic<int> work{0};
+    while (work < 2000) ++work;
+    --mine;
+  });
+}
+
+// Fails if an exception is lost or changed, or all tasks are still done after it.
+TEST_P(EveryRunner, RethrowsAndStops) {
+  const auto runner = make(3);
+  std::atomic<int> done{0};
+  try {
+    runner->run(100000, [&](int, int) {
+      if (++done == 10) throw Error(ErrorCode::kFileFormat, "the tenth");
+    });
+    FAIL() << "nothing was thrown";
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(), "the tenth");
+    EXPECT_EQ(error.code(), ErrorCode::kFileFormat);
+  }
+  EXPECT_LT(done, 100000);
+  int after = 0;
+  runner->run(1, [&](int, int) { ++after; });
+  EXPECT_EQ(after, 1);
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, EveryRunner, ::testing::Values("", "threads", "shuffle"));
+
+// Fails if tasks come in order, which would hide that they depend on it.
+TEST(Runner, ShuffleScrambles) {
+  std::vector<int> order;
+  make_runner("shuffle", 4)->run(100, [&](int task, int) { order.push_back(task); });
+  EXPECT_FALSE(std::is_sorted(order.begin(), order.end()));
+}
+
+TEST(Runner, ZeroThreadsIsOnePerHardwareThread) {
+  EXPECT_GE(make_runner("threads", 0)->num_workers(), 1);
+}
+
+// Fails if a misspelt kind falls back to another in silence.
+TEST(Runner, UnknownKindIsAnError) {
+  try {
+    make_runner("looms", 1);
+    FAIL() << "nothing was thrown";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kInvalidArgument);
+    EXPECT_NE(std::string(error.what()).find("OVOID_RUNNER = looms"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace ovoid::cpu

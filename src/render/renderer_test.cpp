@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ovoid/renderer.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "ovoid/error.h"
+#include "support/scenes.h"
+#include "support/volumes.h"
+
+namespace ovoid {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// Expects an Error(kInvalidArgument) whose message starts with `start`.
+void expect_refused(const std::function<void()>& work, const std::string& start) {
+  try {
+    work();
+    ADD_FAILURE() << "accepted; expected: " << start;
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kInvalidArgument);
+    EXPECT_EQ(std::string(error.what()).substr(0, start.size()), start);
+  }
+}
+
+RenderOptions with(const std::function<void(RenderOptions&)>& change) {
+  RenderOptions options;
+  change(options);
+  return options;
+}
+
+// Fails if a member is not checked, or its message does not name it and its value.
+TEST(RenderOptions, EachMemberIsNamed) {
+  const std::pair<RenderOptions, const char*> cases[] = {
+      {with([](auto& o) { o.width = 0; }), "width = 0: must be 1 to 32768"},
+      {with([](auto& o) { o.width = 32769; }), "width = 32769: "},
+      {with([](auto& o) { o.height = -3; }), "height = -3: must be 1 to 32768"},
+      {with([](auto& o) { o.sampling_distance = -0.5; }), "sampling_distance = -0.5: must be > 0"},
+      {with([](auto& o) { o.sampling_distance = kNan; }), "sampling_distance = nan: "},
+      {with([](auto& o) { o.sampling_distance = kInfinity; }), "sampling_distance = inf: "},
+      {with([](auto& o) { o.clip_planes.resize(17); }), "clip_planes: 17 given, at most 16"},
+      {with([](auto& o) {
+         o.clip_planes = {{}, {{0, 0, 0}, 1}};
+       }),
+       "clip_planes[1].normal: "},
+      {with([](auto& o) {
+         o.clip_planes = {{{kNan, 0, 0}, 1}};
+       }),
+       "clip_planes[0].normal: "},
+      {with([](auto& o) {
+         o.clip_planes = {{{1, 0, 0}, kInfinity}};
+       }),
+       "clip_planes[0].offset: "},
+  };
+  for (const auto& [options, start] : cases) {
+    expect_refused([&] { options.validate(); }, start);
+  }
+}
+
+// Fails if a bound itself is refused.
+TEST(RenderOptions, DefaultsAndBoundsAreValid) {
+  RenderOptions().validate();
+  with([](auto& o) {
+    o.width = 1;
+    o.height = RenderOptions::kMaxImageSide;
+    o.sampling_distance = 1e-3;
+    o.clip_planes.resize(RenderOptions::kMaxClipPlanes);
+  }).validate();
+}
+
+TEST(Renderer, RefusesNegativeThreads) {
+  expect_refused([] { Renderer(Backend::kCpu, -1); }, "threads = -1: must be >= 1, or 0");
+}
+
+// Fails if either back end draws before camera, look and options have been looked at.
+TEST(Renderer, ChecksItsArguments) {
+  const Field field = test::constant_field({2, 2, 2}, 1);
+  const Camera camera = test::parallel_camera({0, 0, 0}, {0, 0, 1}, 1);
+  const RenderOptions options = test::picture(4, 4);
+  Camera flat = camera;
+  flat.parallel_scale = 0;
+  Look dark;
+  dark.material.ambient = -1;
+  for (const Backend backend : {Backend::kCpu, Backend::kReference}) {
+    Renderer renderer(backend, 1);
+    expect_refused([&] { renderer.render(field, flat, {}, options); }, "camera parallel_scale = 0");
+    expect_refused([&] { renderer.render(field, camera, dark, options); }, "ambient = -1");
+    expect_refused([&] { renderer.render(field, camera, {}, test::picture(4, 0)); }, "height = 0");
+    expect_refused([&] { renderer.render(field, camera, {}, test::picture(4, 4, 1e-9)); },
+                   "sampling_distance = ");
+  }
+}
+
+// Fails if kAuto draws with the reference, or a frame's profile names the wrong back end.
+TEST(Renderer, AutoIsTheCpu) {
+  const Field field = test::constant_field({2, 2, 2}, 1);
+  const Camera camera = test::parallel_camera({0, 0, 0}, {0, 0, 1}, 1);
+  const auto backend_of = [&](Backend backend) {
+    return Renderer(backend, 1).render(field, camera, {}, test::picture(4, 4)).profile.backend;
+  };
+  EXPECT_EQ(backend_of(Backend::kAuto), "cpu");
+  EXPECT_EQ(backend_of(Backend::kCpu), "cpu");
+  EXPECT_EQ(backend_of(Backend::kReference), "reference");
+}
+
+}  // namespace
+}  // namespace ovoid

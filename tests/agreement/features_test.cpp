@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: Apache-2.0
+// The cpu back end against the reference, one feature after the other.
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "data/resident_lattice.h"
+#include "ovoid/model.h"
+#include "support/agreement.h"
+#include "support/scenes.h"
+
+namespace ovoid::test {
+namespace {
+
+constexpr Mode kModes[] = {Mode::kComposite, Mode::kXray, Mode::kMaximum, Mode::kMean,
+                           Mode::kIsosurface};
+constexpr const char* kModeNames[] = {"composite", "xray", "maximum", "mean", "isosurface"};
+
+std::string projection_name(bool is_parallel) { return is_parallel ? "parallel" : "perspective"; }
+
+// The scene's field with another kernel or reconstruction.
+void set_kernel(Scene& scene, const LatticeKernel& kernel, Reconstruction reconstruction) {
+  const Index3 dims = scene.field.geometry().dims;
+  FieldSetup setup;
+  setup.world_from_index = scene.field.geometry().world_from_index;
+  setup.kernel = kernel;
+  setup.reconstruction = reconstruction;
+  scene.field = make_stored_field(dims, shells(dims), {ScalarType::kFloat32, 10, 50}, setup);
+}
+
+// Every way to evaluate the scene against one picture of the reference.
+void expect_agreement_however_evaluated(Scene scene, const std::string& name,
+                                        double least_covered = 0.05) {
+  const Image reference = draw(scene, Backend::kReference).image;
+  for (const Evaluate evaluate : {Evaluate::kGather, Evaluate::kScatter, Evaluate::kAuto}) {
+    scene.options.evaluate = evaluate;
+    const char* way = evaluate == Evaluate::kGather    ? ", gather"
+                      : evaluate == Evaluate::kScatter ? ", scatter"
+                                                       : "";
+    EXPECT_TRUE(agrees_with(reference, scene, name + way, least_covered));
+  }
+}
+
+// Where slab means agree.
+bool has_slab_means(Mode mode, Reconstruction reconstruction) {
+  if (mode == Mode::kIsosurface) return false;
+  return reconstruction == Reconstruction::kNormalized || mode == Mode::kComposite ||
+         mode == Mode::kMaximum;
+}
+
+class EveryMode : public ::testing::TestWithParam<int> {
+ protected:
+  Mode mode() const { return kModes[GetParam()]; }
+  std::string name() const { return kModeNames[GetParam()]; }
+};
+
+// Fails if a mode, a slab's mean, a sum or a way to evaluate takes a number otherwise than
+// docs/numerics.md says.
+TEST_P(EveryMode, SlabsReconstructionsEvaluations) {
+  for (const bool is_parallel : {true, false}) {
+    for (const Reconstruction reconstruction :
+         {Reconstruction::kNormalized, Reconstruction::kSum}) {
+      for (const Slab slab : {Slab::kMid, Slab::kMean}) {
+        if (slab == Slab::kMean && !has_slab_means(mode(), reconstruction)) continue;
+        Scene scene = small_scene(mode(), is_parallel);
+        set_kernel(scene, {}, reconstruction);
+        scene.options.slab = slab;
+        expect_agreement_however_evaluated(
+            scene, name() + ", " + projection_name(is_parallel) +
+                       (reconstruction == Reconstruction::kSum ? ", sum" : "") +
+                       (slab == Slab::kMean ? ", slab means" : ""));
+      }
+    }
+  }
+}
+
+// Fails if central differences do not reach over the edges of blocks, tiles and the picture, or
+// stop at the field's own.
+TEST_P(EveryMode, CentralDifferences) {
+  for (const bool is_parallel : {true, false}) {
+    Scene scene = small_scene(mode(), is_parallel);
+    scene.options.gradient = GradientMethod::kCentral;
+    expect_agreement_however_evaluated(scene,
+                                       name() + ", " + projection_name(is_parallel) + ", central");
+  }
+}
+
+// Fails if planes do not shorten paths, cut samples away or pass over crossings as they should.
+TEST_P(EveryMode, ClipPlanes) {
+  const Vec3 center = small_scene(mode(), true).field.world_bounds().center();
+  const ClipPlane straight{{0, 0, 2}, 2 * center.z() + 0.3};
+  const Vec3 slanted(-1.0, 0.6, 0.5);
+  const ClipPlane oblique{slanted, slanted.dot(center) - 1.7};
+  for (const bool is_parallel : {true, false}) {
+    Scene scene = small_scene(mode(), is_parallel);
+    const std::string view = name() + ", " + projection_name(is_parallel);
+    scene.options.clip_planes = {straight};
+    EXPECT_TRUE(backends_agree(scene, view + ", one plane"));
+    scene.options.clip_planes = {oblique};
+    EXPECT_TRUE(backends_agree(scene, view + ", oblique plane"));
+    scene.options.clip_planes = {straight, oblique};
+    EXPECT_TRUE(backends_agree(scene, view + ", two planes", 0.02));
+    scene.options.clip_planes = {{straight}, {-straight.normal, -straight.offset + 1}};
+    EXPECT_TRUE(backends_agree(scene, view + ", planes that leave nothing", 0));
+    const Image nothing = draw(scene).image;
+    for (const float component : nothing.rgba) ASSERT_EQ(component, 0.0F);
+  }
+}
+
+// Fails if sheets at and before the near plane are drawn, or those just behind it are not.
+TEST_P(EveryMode, CameraInsideTheVolume) {
+  Scene scene = small_scene(mode(), false);
+  scene.camera.position = scene.field.world_bounds().center();
+  scene.camera.focal_point = scene.camera.position + Vec3(1.1, 3.2, 4.0);
+  scene.camera.view_angle = 70;
+  expect_agreement_however_evaluated(scene, name() + ", camera inside");
+}
+
+// Fails if kernels narrower than a pixel are not widened, sheet by sheet in perspective.
+TEST_P(EveryMode, Minification) {
+  for (const bool is_parallel : {true, false}) {
+    for (const double pitch : {2.0, 5.0}) {
+      for (const Reconstruction reconstruction :
+           {Reconstruction::kNormalized, Reconstruction::kSum}) {
+        Scene scene = small_scene(mode(), is_parallel);
+        set_kernel(scene, {}, reconstruction);
+        scene.options = picture(20, 18, 1.5);
+        const double half_height = 0.5 * 18 * pitch * scene.field.default_sampling_distance();
+        const Vec3 center = scene.field.world_bounds().center();
+        const Vec3 direction(0.48, -0.31, 0.82);
+        scene.camera = is_parallel
+                           ? parallel_camera(center, direction, half_height, 60)
+                           : perspective_camera(center, direction, half_height, 4 * half_height);
+        const std::string name_here = name() + ", " + projection_name(is_parallel) +
+                                      (reconstruction == Reconstruction::kSum ? ", sum" : "") +
+                                      ", pitch " + (pitch == 2.0 ? "2" : "5");
+        // Sums fade towards the faces, out of the range that shows.
+        EXPECT_TRUE(
+            backends_agree(scene, name_here, reconstruction == Reconstruction::kSum ? 0.0 : 0.02));
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Modes, EveryMode, ::testing::Range(0, 5),
+                         [](const auto& test) { return kModeNames[test.param]; });
+
+// Fails if the far from default paths (other tap counts, wide supports) differ from the definition.
+TEST(Agreement, KernelShapes) {
+  constexpr LatticeKernel kKernels[] = {{0.3, 5}, {0.7, 4}, {0.5, 3}, {1.0, 3}};
+  for (const LatticeKernel& kernel : kKernels) {
+    for (const Reconstruction reconstruction :
+         {Reconstruction::kNormalized, Reconstruction::kSum}) {
+      for (const bool is_parallel : {true, false}) {
+        Scene scene = small_scene(Mode::kComposite, is_parallel);
+        set_kernel(scene, kernel, reconstruction);
+        const std::string name = "sigma " + std::to_string(kernel.sigma).substr(0, 3) + " cutoff " +
+                                 std::to_string(kernel.cutoff).substr(0, 1) + ", " +
+                                 projection_name(is_parallel) +
+                                 (reconstruction == Reconstruction::kSum ? ", sum" : "");
+        expect_agreement_however_evaluated(scene, name);
+      }
+    }
+  }
+}
+
+// Fails if missing samples are summed as zeros, or their places' weights as present.
+TEST(Agreement, HolesInEveryMode) {
+  const TestVolume volume = test_volumes()[2];
+  for (int m = 0; m < 5; ++m) {
+    Scene scene{volume.field, askew_camera(volume.field, m % 2 == 0, 1.4),
+                semi_transparent_look(volume.lo, volume.hi), picture(40, 36)};
+    scene.look.mode = kModes[m];
+    scene.look.isovalue = 0.3;
+    expect_agreement_however_evaluated(scene, std::string("holes, ") + kModeNames[m]);
+  }
+}
+
+// Fails if coefficients, which overshoot the samples, are taken for values anywhere.
+TEST(Agreement, PrefilteredField) {
+  const Index3 dims{14, 13, 12};
+  const VolumeFunction shape = shells(dims);
+  std::vector<float> samples;
+  for (std::int64_t k = 0; k < dims[2]; ++k) {
+    for (std::int64_t j = 0; j < dims[1]; ++j) {
+      for (std::int64_t i = 0; i < dims[0]; ++i) {
+        samples.push_back(static_cast<float>(shape(i, j, k)));
+      }
+    }
+  }
+  Dataset dataset;
+  dataset.lattice = {dims, scaled_axes(Vec3(1, 0.8, 1.3))};
+  DataArray array;
+  array.name = "shells";
+  array.num_tuples = num_samples(dims);
+  array.bytes = {nullptr, std::as_bytes(std::span<const float>(samples))};
+  dataset.arrays.push_back(array);
+  LatticeModelOptions model;
+  model.prefilter = true;
+  model.threads = 1;
+  const Field field = make_lattice_field(dataset, model);
+  for (const TestLook& look : test_looks(0, 1)) {
+    if (look.name == "colour step") continue;  // other tests' subject
+    const Scene scene{field, askew_camera(field, false, 1.4), look.look, picture(40, 36)};
+    expect_agreement_however_evaluated(scene, "prefiltered, " + look.name, 0.02);
+  }
+}
+
+// Fails if opacities or paths do not follow the distance of sheets.
+TEST(Agreement, SamplingDistances) {
+  for (const bool is_parallel : {true, false}) {
+    for (const double factor : {0.25, 0.5, 2.0, 4.0}) {
+      Scene scene = small_scene(Mode::kComposite, is_parallel);
+      scene.options.sampling_distance = factor * scene.field.default_sampling_distance();
+      expect_agreement_however_evaluated(scene, projection_name(is_parallel) + ", sheets at " +
+                                                    std::to_string(factor).substr(0, 4));
+    }
+  }
+}
+
+// Fails if blocks smaller than a sample's own cell lose their kernels.
+TEST(Agreement, Magnification) {
+  for (const bool is_parallel : {true, false}) {
+    Scene scene = small_scene(Mode::kComposite, is_parallel);
+    scene.camera = askew_camera(scene.field, is_parallel, 25);
+    scene.options.sampling_distance = 0.1;
+    expect_agreement_however_evaluated(scene, projection_name(is_parallel) + ", magnified", 0.9);
+  }
+}
+
+// Fails if the light's side, the half vector or the highlight is off.
+TEST(Agreement, Light) {
+  for (const bool is_parallel : {true, false}) {
+    for (const Mode mode : {Mode::kComposite, Mode::kIsosurface}) {
+      Scene scene = small_scene(mode, is_parallel);
+      scene.options = picture(48, 40);
+      const std::string view =
+          std::string(mode == Mode::kComposite ? "composite, " : "isosurface, ") +
+          projection_name(is_parallel);
+      scene.look.light_direction = Vec3(3, 1, -2);
+      EXPECT_TRUE(backends_agree(scene, view + ", directional light"));
+      scene.look.material = {0.2, 0.4, 0.9, 60};
+      EXPECT_TRUE(backends_agree(scene, view + ", highlight"));
+      scene.look.light_direction.reset();
+      EXPECT_TRUE(backends_agree(scene, view + ", headlight"));
+      scene.look.shade = false;
+      EXPECT_TRUE(backends_agree(scene, view + ", no light"));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace ovoid::test

@@ -1,0 +1,318 @@
+// SPDX-License-Identifier: Apache-2.0
+// What must not change a picture of the cpu back end, not even by a bit; and that every SIMD target
+// draws what the reference draws.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+
+#include "ovoid/error.h"
+#include "render/cpu/cpu_renderer.h"
+#include "support/agreement.h"
+#include "support/scenes.h"
+
+namespace ovoid::test {
+namespace {
+
+// The least brick source that the interface allows: acquire() shows one brick and nothing beside
+// it, in memory of its own that lives as long as the view's pin and is then overwritten.
+class OneBrickSource final : public BrickSource {
+ public:
+  OneBrickSource(const Field& field, int edge) : field_(field), edge_(edge) {}
+
+  const LatticeGeometry& geometry() const noexcept override { return field_.geometry(); }
+  int brick_edge() const noexcept override { return edge_; }
+  double value_scale() const noexcept override { return field_.source().value_scale(); }
+  double value_offset() const noexcept override { return field_.source().value_offset(); }
+  double range_reach() const noexcept override { return field_.source().range_reach(); }
+  std::size_t resident_bytes() const noexcept override { return 0; }
+
+  ValueRange brick_range(std::int64_t bx, std::int64_t by,
+                         std::int64_t bz) const noexcept override {
+    ValueRange merged;
+    for_each_inner({bx, by, bz}, [&](std::int64_t x, std::int64_t y, std::int64_t z) {
+      const ValueRange range = field_.source().brick_range(x, y, z);
+      if (range.is_empty()) return;
+      merged.lo = merged.is_empty() ? range.lo : std::min(merged.lo, range.lo);
+      merged.hi = std::max(merged.hi, range.hi);
+    });
+    return merged;
+  }
+
+  bool has_missing(std::int64_t bx, std::int64_t by, std::int64_t bz) const noexcept override {
+    bool any = false;
+    for_each_inner({bx, by, bz}, [&](std::int64_t x, std::int64_t y, std::int64_t z) {
+      any = any || field_.source().has_missing(x, y, z);
+    });
+    return any;
+  }
+
+  BrickView acquire(std::int64_t bx, std::int64_t by, std::int64_t bz, double time) const override {
+    const BrickView all = field_.source().acquire(0, 0, 0, time);
+    const Index3 brick{bx, by, bz};
+    BrickView one;
+    one.type = all.type;
+    for (int a = 0; a < 3; ++a) {
+      one.lo[a] = brick[a] * edge_;
+      one.hi[a] = std::min(one.lo[a] + edge_, geometry().dims[a]);
+    }
+    one.stride_y = one.hi[0] - one.lo[0];
+    one.stride_z = one.stride_y * (one.hi[1] - one.lo[1]);
+    const std::size_t size = size_of(all.type);
+    const std::size_t bytes =
+        static_cast<std::size_t>(one.stride_z * (one.hi[2] - one.lo[2])) * size;
+    const std::shared_ptr<std::byte> memory(new std::byte[bytes], [bytes](std::byte* p) {
+      std::memset(p, 0xFF, bytes);  // who reads on after letting go sees NaN
+      delete[] p;
+    });
+    std::byte* to = memory.get();
+    for (std::int64_t k = one.lo[2]; k < one.hi[2]; ++k) {
+      for (std::int64_t j = one.lo[1]; j < one.hi[1]; ++j) {
+        const std::int64_t from = one.lo[0] + j * all.stride_y + k * all.stride_z;
+        const std::size_t row = static_cast<std::size_t>(one.stride_y) * size;
+        std::memcpy(
+            to, static_cast<const std::byte*>(all.data) + from * static_cast<std::int64_t>(size),
+            row);
+        to += row;
+      }
+    }
+    one.data = memory.get();
+    one.pin = memory;
+    return one;
+  }
+
+ private:
+  // The smaller bricks of the field's own source inside one of ours.
+  template <class Visit>
+  void for_each_inner(const Index3& brick, const Visit& visit) const {
+    const int inner_edge = field_.source().brick_edge();
+    const std::int64_t ratio = edge_ / inner_edge;
+    Index3 end;
+    for (int a = 0; a < 3; ++a) {
+      const std::int64_t count = (geometry().dims[a] + inner_edge - 1) / inner_edge;
+      end[a] = std::min((brick[a] + 1) * ratio, count);
+    }
+    for (std::int64_t z = brick[2] * ratio; z < end[2]; ++z) {
+      for (std::int64_t y = brick[1] * ratio; y < end[1]; ++y) {
+        for (std::int64_t x = brick[0] * ratio; x < end[0]; ++x) visit(x, y, z);
+      }
+    }
+  }
+
+  Field field_;
+  int edge_;
+};
+
+// Scenes of all modes, with holes and without, over several tiles and blocks.
+std::vector<std::pair<std::string, Scene>> scenes() {
+  std::vector<std::pair<std::string, Scene>> result;
+  const std::vector<TestVolume> volumes = test_volumes();
+  const std::pair<Mode, const char*> modes[] = {{Mode::kComposite, "composite"},
+                                                {Mode::kXray, "xray"},
+                                                {Mode::kMaximum, "maximum"},
+                                                {Mode::kMean, "mean"},
+                                                {Mode::kIsosurface, "isosurface"}};
+  for (const TestVolume& volume : volumes) {
+    for (const auto& [mode, mode_name] : modes) {
+      const bool is_parallel = result.size() % 2 == 0;
+      Scene scene{volume.field, askew_camera(volume.field, is_parallel, 1.4),
+                  test_looks(volume.lo, volume.hi)[result.size() % 3].look, picture(60, 50)};
+      scene.look.mode = mode;
+      scene.look.isovalue = volume.lo + 0.55 * (volume.hi - volume.lo);
+      result.emplace_back(volume.name + ", " + mode_name, scene);
+    }
+    Scene central{volume.field, askew_camera(volume.field, true, 1.4),
+                  test_looks(volume.lo, volume.hi)[0].look, picture(60, 50)};
+    central.options.gradient = GradientMethod::kCentral;
+    result.emplace_back(volume.name + ", central", central);
+    Scene slabs = central;
+    slabs.options = picture(60, 50, 0, Slab::kMean);
+    result.emplace_back(volume.name + ", slab means", slabs);
+  }
+  return result;
+}
+
+Frame draw_with(const Scene& scene, const std::string& runner_kind, int threads) {
+  const auto runner = cpu::make_runner(runner_kind, threads);
+  return cpu::render(scene.field, scene.camera, scene.look, scene.options, {}, *runner);
+}
+
+// Bits, so that -0 and NaN count too.
+::testing::AssertionResult same_bits(const Image& a, const Image& b) {
+  if (a.rgba.size() != b.rgba.size() || a.depth.size() != b.depth.size()) {
+    return ::testing::AssertionFailure() << "pictures of two sizes";
+  }
+  const auto count_others = [](const std::vector<float>& x, const std::vector<float>& y) {
+    std::size_t others = 0;
+    for (std::size_t n = 0; n < x.size(); ++n) {
+      if (std::memcmp(&x[n], &y[n], sizeof(float)) != 0) ++others;
+    }
+    return others;
+  };
+  const std::size_t colors = count_others(a.rgba, b.rgba);
+  const std::size_t depths = count_others(a.depth, b.depth);
+  if (colors == 0 && depths == 0) return ::testing::AssertionSuccess();
+  return ::testing::AssertionFailure()
+         << colors << " components and " << depths << " depths have other bits";
+}
+
+// Fails if a tile sees what another one, or an earlier frame, left behind.
+TEST(Invariance, ThreadsAndTheirOrder) {
+  const char* own = "";
+  const std::pair<const char*, int> runners[] = {{own, 2},       {own, 3},       {"threads", 1},
+                                                 {"threads", 2}, {"threads", 3}, {"shuffle", 1}};
+  for (const auto& [name, scene] : scenes()) {
+    const Image expected = draw_with(scene, own, 1).image;
+    for (const auto& [kind, threads] : runners) {
+      EXPECT_TRUE(same_bits(draw_with(scene, kind, threads).image, expected))
+          << name << ", runner " << kind << ", threads " << threads;
+    }
+  }
+}
+
+// Fails if a renderer's second frame is not its first, or another field's frame between shows.
+TEST(Invariance, FramesOfOneRenderer) {
+  Renderer renderer(Backend::kCpu, 2);
+  std::vector<Image> first;
+  const auto all = scenes();
+  const auto frame = [&](const Scene& s) {
+    return renderer.render(s.field, s.camera, s.look, s.options).image;
+  };
+  for (const auto& [name, scene] : all) first.push_back(frame(scene));
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    EXPECT_TRUE(same_bits(frame(all[i].second), first[i])) << all[i].first;
+  }
+}
+
+// Fails if a sample that can be seen is skipped, or one more neighbour changes a sample's bits.
+TEST(Invariance, SkippingChangesNothing) {
+  std::int64_t skipped_irrelevant = 0;
+  std::int64_t skipped_opaque = 0;
+  for (const auto& [name, scene] : scenes()) {
+    const Frame frame = draw_with(scene, "", 2);
+    skipped_irrelevant += frame.profile.blocks_skipped_irrelevant;
+    skipped_opaque += frame.profile.blocks_skipped_opaque;
+    for (const bool keeps_irrelevant : {true, false}) {
+      for (const bool keeps_opaque : {true, false}) {
+        Scene all = scene;
+        all.options.skip_irrelevant = !keeps_irrelevant;
+        all.options.stop_opaque = !keeps_opaque;
+        const Frame thorough = draw_with(all, "", 2);
+        EXPECT_TRUE(same_bits(frame.image, thorough.image))
+            << name << (keeps_irrelevant ? ", nothing irrelevant" : "")
+            << (keeps_opaque ? ", nothing opaque" : "");
+        if (keeps_irrelevant) {
+          EXPECT_EQ(thorough.profile.blocks_skipped_irrelevant, 0) << name;
+        }
+        if (keeps_opaque) {
+          EXPECT_EQ(thorough.profile.blocks_skipped_opaque, 0) << name;
+        }
+      }
+    }
+  }
+  EXPECT_GT(skipped_irrelevant, 0);
+  EXPECT_GT(skipped_opaque, 0);
+}
+
+// Fails if asking for times changes a picture, or gives none.
+TEST(Invariance, ProfilesChangeNothing) {
+  for (const auto& [name, scene] : scenes()) {
+    Scene timed = scene;
+    timed.options.collect_profile = true;
+    const Frame frame = draw_with(timed, "", 2);
+    EXPECT_TRUE(same_bits(frame.image, draw_with(scene, "", 2).image)) << name;
+    EXPECT_FALSE(frame.profile.stages_ms.empty());
+    EXPECT_EQ(frame.profile.backend, "cpu");
+    EXPECT_EQ(frame.profile.threads, 2);
+  }
+}
+
+// Fails if the back end reads beyond the brick it asked for, keeps samples after their pin, or
+// draws by the size of bricks.
+TEST(Invariance, BricksOneAtATime) {
+  for (const auto& [name, scene] : scenes()) {
+    const Image expected = draw_with(scene, "", 2).image;
+    for (const int edge : {4, 8, 16, 64}) {
+      Scene bricked = scene;
+      bricked.field = Field(std::make_shared<OneBrickSource>(scene.field, edge),
+                            scene.field.kernel(), scene.field.reconstruction());
+      EXPECT_TRUE(same_bits(draw_with(bricked, "", 2).image, expected))
+          << name << ", bricks of " << edge;
+    }
+  }
+}
+
+// ---- SIMD targets. A process chooses its target once, so each is drawn in a process of its own:
+// ---- a death test's statement, whose process starts afresh.
+
+class SimdTargetDeathTest : public ::testing::Test {
+ protected:
+  void SetUp() override { GTEST_FLAG_SET(death_test_style, "threadsafe"); }
+  void TearDown() override { unsetenv("OVOID_TARGET"); }
+};
+
+// Draws all scenes; the process ends with 0 if `target` drew them and they agree.
+[[noreturn]] void draw_and_exit(const std::string& target) {
+  for (const auto& [name, scene] : scenes()) {
+    const Frame frame = draw(scene);
+    if (frame.profile.simd_target != target) {
+      fmt::print(stderr, "{}: drawn by target {}\n", name, frame.profile.simd_target);
+      std::exit(2);
+    }
+    if (scene.options.slab == Slab::kMean) continue;  // its reference takes long
+    const auto result = backends_agree(scene, target + ", " + name, 0);
+    if (!result) {
+      fmt::print(stderr, "{}\n", result.message());
+      std::exit(1);
+    }
+  }
+  std::exit(0);
+}
+
+// Fails if a target's code differs from the others' in what it computes, or is not run at all.
+TEST_F(SimdTargetDeathTest, EachAgreesWithTheReference) {
+  const std::vector<std::string> targets = simd_targets();
+  ASSERT_FALSE(targets.empty());
+  for (const std::string& target : targets) {
+    setenv("OVOID_TARGET", target.c_str(), 1);
+    EXPECT_EXIT(draw_and_exit(target), ::testing::ExitedWithCode(0), "") << target;
+  }
+}
+
+// Fails if a misspelt target falls back to another in silence.
+TEST_F(SimdTargetDeathTest, UnknownNameIsAnError) {
+  setenv("OVOID_TARGET", "mmx", 1);
+  EXPECT_EXIT(
+      {
+        try {
+          draw(small_scene(Mode::kComposite, true));
+        } catch (const Error& error) {
+          fmt::print(stderr, "{}\n", error.what());
+          std::exit(error.code() == ErrorCode::kInvalidArgument ? 3 : 4);
+        }
+        std::exit(5);
+      },
+      ::testing::ExitedWithCode(3), "OVOID_TARGET = mmx: must be one of .*scalar");
+}
+
+// Fails if the renderer takes its runner from elsewhere than the environment, or draws otherwise
+// with another one.
+TEST(Invariance, RunnerOfTheEnvironment) {
+  const Scene scene = small_scene(Mode::kComposite, true);
+  const Image expected = draw(scene).image;
+  for (const char* kind : {"threads", "shuffle"}) {
+    setenv("OVOID_RUNNER", kind, 1);
+    const Frame frame = draw(scene);
+    EXPECT_TRUE(same_bits(frame.image, expected)) << kind;
+    EXPECT_EQ(frame.profile.threads, std::string(kind) == "shuffle" ? 1 : 2);
+  }
+  setenv("OVOID_RUNNER", "looms", 1);
+  EXPECT_THROW(draw(scene), Error);
+  unsetenv("OVOID_RUNNER");
+}
+
+}  // namespace
+}  // namespace ovoid::test

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// The cpu back end against the reference: volumes by looks by projections.
+#include <gtest/gtest.h>
+
+#include "support/agreement.h"
+#include "support/scenes.h"
+
+namespace ovoid::test {
+namespace {
+
+// One sample alone passes for a field only within 0.09 spacings of its place: elsewhere less than
+// 0.48 of the weights are there.
+bool is_one_sample(const Field& field) { return field.num_kernels() == 1; }
+
+Camera table_camera(const Field& field, bool is_parallel) {
+  return askew_camera(field, is_parallel, is_one_sample(field) ? 8 : 1.4);
+}
+
+RenderOptions table_options(const Field& field) {
+  return picture(52, 48, is_one_sample(field) ? 0.06 : 0);
+}
+
+// The cpu back end's table makes of a step a ramp over one of its cells. And where a field ends, a
+// sample at the end itself exists or not by its rounding: one sample's small ball is all end.
+ImageTolerance tolerance_of(const Field& field, const TestLook& look) {
+  ImageTolerance tolerance;
+  if (look.name == "colour step" || is_one_sample(field)) {
+    tolerance.min_psnr_db = kStepPsnrDb;
+    tolerance.max_8bit = kStep8BitDifference;
+  }
+  return tolerance;
+}
+
+class AgreementTable : public ::testing::TestWithParam<int> {};
+
+// Fails if the cpu back end misreads a stored type, its scale, the axes or the missing samples of a
+// volume, or misses a feature of the look that is narrower than its tables resolve.
+TEST_P(AgreementTable, EveryLookBothProjections) {
+  const TestVolume volume = test_volumes()[static_cast<std::size_t>(GetParam())];
+  for (const TestLook& look : test_looks(volume.lo, volume.hi)) {
+    for (const bool is_parallel : {true, false}) {
+      const Scene scene{volume.field, table_camera(volume.field, is_parallel), look.look,
+                        table_options(volume.field)};
+      const std::string name =
+          volume.name + ", " + look.name + ", " + (is_parallel ? "parallel" : "perspective");
+      // A slice has few samples at values within a peak.
+      EXPECT_TRUE(backends_agree(scene, name, 0.01, tolerance_of(volume.field, look))) << name;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Volumes, AgreementTable, ::testing::Range(0, 5));
+
+}  // namespace
+}  // namespace ovoid::test

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the agreement tests draw: volumes, looks and views, each with something in it that a back
+// end could get wrong; and the comparison of the cpu back end with the reference.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "ovoid/renderer.h"
+#include "support/compare.h"
+#include "support/volumes.h"
+
+namespace ovoid::test {
+
+// A volume in memory of its own, of one stored type. `shape` is in [0, 1] (or kMissing, for
+// kFloat32 only); the stored numbers are lo + shape * (hi - lo), rounded for whole-numbered types.
+struct StoredRange {
+  ScalarType type = ScalarType::kFloat32;
+  double lo = 0;
+  double hi = 1;
+};
+Field make_stored_field(const Index3& dims, const VolumeFunction& shape, const StoredRange& stored,
+                        const FieldSetup& setup = {});
+
+// A function of period some samples with a slope everywhere, in [0, 1]: shells, no symmetry.
+VolumeFunction shells(const Index3& dims);
+
+struct TestVolume {
+  std::string name;
+  Field field;
+  double lo;  // the values' nominal range; a constant volume has none of its own
+  double hi;
+};
+// uint8 with anisotropic spacing; int16 on oblique left-handed axes with a value scale and offset;
+// float32 with holes; one slice; one sample.
+std::vector<TestVolume> test_volumes();
+
+struct TestLook {
+  std::string name;
+  Look look;
+};
+// Two with an opacity peak 2 % of the range wide, an opaque and a semi-transparent ramp, and one
+// whose colour has a step.
+std::vector<TestLook> test_looks(double lo, double hi);
+Look semi_transparent_look(double lo, double hi);
+
+struct Scene {
+  Field field;
+  Camera camera;
+  Look look;
+  RenderOptions options;
+};
+
+// A view from no axis' direction that shows the whole field, its bounding sphere `fill` times as
+// high as the picture.
+Camera askew_camera(const Field& field, bool is_parallel, double fill = 1.0);
+
+// 12 x 11 x 13 samples on oblique axes with all of it in a picture of 24 x 20: small enough for the
+// reference's slab means.
+Scene small_scene(Mode mode, bool is_parallel);
+
+// With a renderer of its own on two threads.
+Frame draw(const Scene& scene, Backend backend = Backend::kCpu);
+
+// Draws the scene with both back ends and holds the cpu back end to `tolerance` and
+// kAgreementOtherDepths; prints one line with what was measured. `least_covered`: share of the
+// picture that must show something, so that an empty scene does not pass for agreement.
+::testing::AssertionResult backends_agree(const Scene& scene, const std::string& name,
+                                          double least_covered = 0.05,
+                                          ImageTolerance tolerance = {});
+
+// The same with the reference's picture at hand.
+::testing::AssertionResult agrees_with(const Image& reference, const Scene& scene,
+                                       const std::string& name, double least_covered = 0.05,
+                                       ImageTolerance tolerance = {});
+
+}  // namespace ovoid::test

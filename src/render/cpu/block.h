@@ -126,7 +126,8 @@ struct Block {
   alignas(64) float sample_red[kMaxPlaneRows * kPlaneStride];
   alignas(64) float sample_green[kMaxPlaneRows * kPlaneStride];
   alignas(64) float sample_blue[kMaxPlaneRows * kPlaneStride];
-  RowBits visible;
+  RowBits visible;       // until a sheet is classified: of the sheet before, for a guess
+  RowBits has_gradient;  // samples of the sheet in hand whose gradient is known
   alignas(64) float gradient[3][kMaxPlaneRows * kPlaneStride];  // world
 };
 

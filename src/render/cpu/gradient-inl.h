@@ -46,24 +46,50 @@ HWY_INLINE void StoreGradient(Block& block, int column, int row, const WorldVect
   hn::StoreU(g.z, d, block.gradient[2] + at);
 }
 
-inline void FourTapGradientOfSheet(const CpuFrame& frame, Workspace& work, int s) {
+// Values and gradients of the samples named by `bits`, of which all must be active, in one pass.
+// Marks them in has_gradient and, where the field is, in the sheet's defined bits.
+inline void ReconstructWithGradients(const CpuFrame& frame, Workspace& work, int s,
+                                     const RowBits& bits) {
   Block& block = work.block;
+  float* values = block.values[s & (kRingSheets - 1)];
+  RowBits& defined = block.defined[s & (kRingSheets - 1)];
+  for (int y = 0; y < block.rows; ++y) {
+    defined[y] |= bits[y];
+    block.has_gradient[y] |= bits[y];
+    work.stats.gradients += std::popcount(bits[y]);
+  }
   FourTapGradientBatch batch;
-  ForEachBatch(block, block.visible, batch, [&] {
+  ForEachBatch(block, bits, batch, [&] {
     WeighSheet(frame, block, s, batch);
     SumYzGradient(block, work.samples.data.get(), batch);
+    alignas(64) float value[kBatchSamples];
     alignas(64) float g[3][kBatchSamples];
     for (int i = 0; i < batch.count; i += GroupSize()) {
       const ValueAndGradient v = ReduceGradient(batch, i);
       const WorldVector world = ToWorld(frame, v.x, v.y, v.z);
+      hn::Store(v.value, d, value + i);
       hn::Store(world.x, d, g[0] + i);
       hn::Store(world.y, d, g[1] + i);
       hn::Store(world.z, d, g[2] + i);
     }
     for (int i = 0; i < batch.count; ++i) {
+      values[batch.at[i]] = value[i];
       for (int a = 0; a < 3; ++a) block.gradient[a][batch.at[i]] = g[a][i];
     }
+    if (!block.is_interior) DropUndefined(batch, defined);
   });
+}
+
+// Samples of the next sheet whose gradient will probably be wanted: those behind samples that were
+// visible. Their value comes with the gradient for less than both would cost apart. A wrong guess
+// costs time, nothing else.
+inline RowBits GuessVisible(const CpuFrame& frame, const Block& block, const RowBits& wanted) {
+  RowBits guess{};
+  const bool is_worthwhile = frame.mode == Mode::kComposite && frame.shade &&
+                             !frame.central_gradient && block.uses_four_taps;
+  if (!is_worthwhile) return guess;
+  for (int y = 0; y < block.rows; ++y) guess[y] = wanted[y] & block.visible[y];
+  return guess;
 }
 
 // Difference of the samples on both sides of the middle one; one-sided, or zero, where they are
@@ -116,15 +142,18 @@ HWY_INLINE WorldVector CentralGradient(const CpuFrame& frame, const Block& block
   return {component(0), component(1), component(2)};
 }
 
+// The visible samples that have no gradient yet.
 inline void GradientOfSheet(const CpuFrame& frame, Workspace& work, int s) {
   Block& block = work.block;
-  for (int y = 0; y < block.rows; ++y) work.stats.gradients += std::popcount(block.visible[y]);
+  RowBits missing;
+  for (int y = 0; y < block.rows; ++y) missing[y] = block.visible[y] & ~block.has_gradient[y];
   if (!frame.central_gradient && block.uses_four_taps) {
-    FourTapGradientOfSheet(frame, work, s);
+    ReconstructWithGradients(frame, work, s, missing);
     return;
   }
   for (int y = 0; y < block.rows; ++y) {
-    ForEachGroup(block.visible[y], block.margin, block.columns - block.margin,
+    work.stats.gradients += std::popcount(missing[y]);
+    ForEachGroup(missing[y], block.margin, block.columns - block.margin,
                  [&](int column, std::uint32_t lanes) {
                    const Position u = PositionOf(block.sheets[s], column, y);
                    StoreGradient(block, column, y,

@@ -448,13 +448,21 @@ HWY_INLINE void ForEachBatch(const Block& block, const RowBits& bits, Batch& bat
   if (count > 0) finish();
 }
 
+// At a border: takes back the samples of a batch where too few kernels exist.
+HWY_INLINE void DropUndefined(const FourTapBatch& batch, RowBits& defined) {
+  for (int i = 0; i < batch.count; ++i) {
+    if (batch.share[i] >= kLeastWeight) continue;
+    defined[batch.at[i] / kPlaneStride] &= ~(1U << batch.at[i] % kPlaneStride);
+  }
+}
+
 inline void ReconstructFourTaps(const CpuFrame& frame, Workspace& work, int s,
                                 const RowBits& wanted) {
   Block& block = work.block;
   float* values = block.values[s & (kRingSheets - 1)];
   RowBits& defined = block.defined[s & (kRingSheets - 1)];
+  for (int y = 0; y < block.rows; ++y) defined[y] |= wanted[y];
   FourTapBatch batch;
-  defined = wanted;
   ForEachBatch(block, wanted, batch, [&] {
     WeighSheet(frame, block, s, batch);
     SumYz(block, work.samples.data.get(), batch);
@@ -462,11 +470,7 @@ inline void ReconstructFourTaps(const CpuFrame& frame, Workspace& work, int s,
     for (int i = 0; i < batch.count; i += GroupSize())
       hn::Store(ReduceValue(batch, i), d, value + i);
     for (int i = 0; i < batch.count; ++i) values[batch.at[i]] = value[i];
-    if (block.is_interior) return;
-    for (int i = 0; i < batch.count; ++i) {
-      if (batch.share[i] >= kLeastWeight) continue;
-      defined[batch.at[i] / kPlaneStride] &= ~(1U << batch.at[i] % kPlaneStride);
-    }
+    if (!block.is_interior) DropUndefined(batch, defined);
   });
 }
 
@@ -485,16 +489,13 @@ inline void ReconstructGeneral(const CpuFrame& frame, Workspace& work, int s,
   }
 }
 
-// One sheet of the block: the samples named by `wanted`.
+// Adds the samples named by `wanted` to sheet s of the block.
 inline void ReconstructSheet(const CpuFrame& frame, Workspace& work, int s, const RowBits& wanted) {
-  work.block.defined[s & (kRingSheets - 1)] = {};
   if (work.block.uses_four_taps) {
     ReconstructFourTaps(frame, work, s, wanted);
   } else {
     ReconstructGeneral(frame, work, s, wanted);
   }
-  for (int y = 0; y < work.block.rows; ++y)
-    work.stats.samples_reconstructed += std::popcount(wanted[y]);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -210,7 +210,6 @@ inline void ReadSplatSheet(const CpuFrame& frame, Workspace& work, int s, const 
       }
       defined[y] |= 1U << x;
     }
-    work.stats.samples_reconstructed += std::popcount(wanted[y]);
   }
 }
 

@@ -185,10 +185,17 @@ inline void RunSheets(const CpuFrame& frame, Workspace& work, bool is_scattered,
   clock.lap(kReconstruct);
   for (int s = 0; s < block.num_sheets; ++s) {
     if (frame.stop_opaque && !work.tile.any_open(block.x0, block.y0, block.x1, block.y1)) return;
-    const RowBits wanted = WantedNow(frame, block, work.tile, s);
+    RowBits wanted = WantedNow(frame, block, work.tile, s);
+    work.stats.samples_reconstructed += CountBits(block, wanted);
+    block.defined[s & (kRingSheets - 1)] = {};
+    block.has_gradient = {};
     if (is_scattered) {
       ReadSplatSheet(frame, work, s, wanted);
     } else {
+      const RowBits guess = GuessVisible(frame, block, wanted);
+      ReconstructWithGradients(frame, work, s, guess);
+      clock.lap(kGradient);
+      for (int y = 0; y < block.rows; ++y) wanted[y] &= ~guess[y];
       ReconstructSheet(frame, work, s, wanted);
     }
     clock.lap(kReconstruct);
@@ -273,6 +280,7 @@ inline void RenderTile(const CpuFrame& frame, Workspace& work, const TileRect& r
   block.front_margin = frame.central_gradient || frame.mode == Mode::kIsosurface ? 1 : 0;
   block.back_margin = block.margin;
   work.tile.reset(width, height);
+  block.visible = {};
 
   const std::int64_t last = plan.sheets.last;
   for (std::int64_t sheet = plan.sheets.first; sheet < last; sheet += kBlockSheets) {

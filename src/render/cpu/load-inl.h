@@ -18,6 +18,8 @@
 #define OVOID_RENDER_CPU_LOAD_INL_H_
 #endif
 
+#include <hwy/cache_control.h>
+
 #include "render/cpu/simd-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -33,6 +35,8 @@ HWY_INLINE V LoadAsFloat(const T* from) {
     return hn::ConvertTo(d, hn::PromoteTo(di, hn::LoadU(stored, from)));
   }
 }
+
+inline constexpr int kPrefetchRows = 6;  // about the time of a trip to memory
 
 struct LoadScale {
   float scale, offset;
@@ -118,6 +122,12 @@ void LoadPartPairs(const Block& block, const BrickView& view, const Index3& lo, 
                       (z - view.lo[2]) * view.stride_z;
       const std::ptrdiff_t to = to_region(z, 2) * block.slice_stride +
                                 to_region(y, 1) * block.row_stride + to_region(lo[0], 0);
+      // The slice behind is new; its rows are too short for the hardware to guess the next one.
+      if (y + kPrefetchRows < hi[1] && z + 1 < hi[2]) {
+        const T* ahead = from + view.stride_z + kPrefetchRows * view.stride_y;
+        hwy::Prefetch(ahead);
+        hwy::Prefetch(ahead + count - 1);
+      }
       LoadRowPair(from, z + 1 < hi[2] ? from + view.stride_z : nullptr, count, map, pairs + 2 * to);
       if (z > lo[2] || to_region(z, 2) == 0) continue;
       float* before = pairs + 2 * (to - block.slice_stride) + 1;

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Everything a person or CI does here, by one word each. `make help` lists the words.
 .DEFAULT_GOAL := help
-.PHONY: help run test build setup check format sanitize asan tsan scalar fuzz bench install clean
+.PHONY: help run test build setup check format sanitize asan tsan scalar fuzz bench experiments install clean
 
 JOBS ?= $(shell nproc)
 SECONDS ?= 60
@@ -46,6 +46,11 @@ bench: build  ## measure against the peers; the table goes to bench/results/
 	@scripts/setup.sh bench
 	@scripts/build.sh bench
 	@python3 bench/run.py $(BENCH)
+
+experiments: setup  ## the tables and pictures of docs/numerics.md, measured again
+	@scripts/build.sh release ovoid_experiments
+	@mkdir -p docs/images
+	@build/release/bin/ovoid_experiments docs/images
 
 install: build  ## install program, library and headers under PREFIX (/usr/local)
 	@cmake --install build/release --prefix "$(PREFIX)"

@@ -71,7 +71,7 @@ def part_of(path):
 
 def resolve(path, included):
     """The project file that an include names, or None."""
-    for folder in (os.path.dirname(path), "include", "src", "tests"):
+    for folder in (os.path.dirname(path), "include", "src", "tests", "bench"):
         candidate = os.path.normpath(os.path.join(folder, included))
         if candidate in FILES:
             return candidate

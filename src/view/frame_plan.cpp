@@ -33,15 +33,33 @@ ViewLattice::SheetRange checked_sheets(const ViewLattice& lattice, const Bounds3
   return range;
 }
 
-// Where the field can be defined: `sum` wherever a kernel reaches; normalized to where 0.48 of the
-// weights exist, which is at most 0.05 sigma (the slope of a Gaussian's integral) beyond the faces
-// of the outermost cells.
-Bounds3 support_of(const LatticeField& field, double widening) {
+// The farthest that the ray of any pixel advances along a lattice axis per sheet, spacings.
+double greatest_step(const ViewLattice& lattice) {
+  const SheetMap near = lattice.index_map(0);
+  const SheetMap next = lattice.index_map(1);
+  double step = 0;
+  for (const double x : {0.0, lattice.width() - 1.0}) {
+    for (const double y : {0.0, lattice.height() - 1.0}) {
+      step = std::max(step, (next.at(x, y) - near.at(x, y)).cwiseAbs().maxCoeff());
+    }
+  }
+  return step;
+}
+
+// How far from its place a sample sees the field, for its slab's sake, spacings.
+double slab_reach(const ViewLattice& lattice, const RenderOptions& options) {
+  return options.slab == Slab::kMean ? 0.5 * greatest_step(lattice) : 0.0;
+}
+
+// Places of samples that can be defined: `sum` wherever a kernel reaches the slab; normalized to
+// where 0.48 of the weights exist, which is at most 0.05 sigma (the slope of a Gaussian's integral)
+// beyond the faces of the outermost cells, or 0.02 of a slab's length if that is more.
+Bounds3 support_of(const LatticeField& field, double widening, double reach) {
   const LatticeKernel& kernel = field.kernel();
   Bounds3 box = field.geometry().index_bounds();
   const double beyond = field.reconstruction() == Reconstruction::kSum
-                            ? kernel.support_radius() * widening - 0.5
-                            : 0.06 * kernel.sigma * widening + 1e-3;
+                            ? kernel.support_radius() * widening - 0.5 + reach
+                            : 0.06 * kernel.sigma * widening + 0.05 * reach + 1e-3;
   box.min().array() -= beyond;
   box.max().array() += beyond;
   return box;
@@ -53,20 +71,13 @@ double greatest_pitch(const ViewLattice& lattice, const Bounds3& index_box) {
   return range.first < range.last ? lattice.pitch(range.last - 1) : 0.0;
 }
 
-// Bricks by which an isosurface's relevant set grows: both samples around a crossing must be taken.
-int isosurface_grow(const ViewLattice& lattice, const LatticeField& field) {
-  const SheetMap near = lattice.index_map(0);
-  const SheetMap next = lattice.index_map(1);
-  double step = (next.origin - near.origin).cwiseAbs().maxCoeff();
-  if (!lattice.is_parallel()) {
-    // The ray of a corner pixel advances farthest per sheet.
-    for (const double x : {0.0, lattice.width() - 1.0}) {
-      for (const double y : {0.0, lattice.height() - 1.0}) {
-        step = std::max(step, (next.at(x, y) - near.at(x, y)).cwiseAbs().maxCoeff());
-      }
-    }
-  }
-  return static_cast<int>(std::ceil(step / field.source().brick_edge()));
+// Bricks by which the relevant set grows: slabs reach into others, and both samples around an
+// isosurface's crossing must be taken.
+int relevance_grow(const ViewLattice& lattice, const LatticeField& field, const Look& look,
+                   const RenderOptions& options) {
+  const double step = look.mode == Mode::kIsosurface ? greatest_step(lattice) : 0.0;
+  const double reach = step + slab_reach(lattice, options);
+  return static_cast<int>(std::ceil(reach / field.source().brick_edge()));
 }
 
 MayMatter may_matter_for(const Look& look, const LookTable& table) {
@@ -89,17 +100,17 @@ FramePlan::FramePlan(const LatticeField& field, const Camera& camera, const Look
               field.geometry()),
       look_table(look.transfer_function),
       unit_distance(effective_unit_distance(field, look)),
-      greatest_widening(std::max(1.0, greatest_pitch(lattice, support_of(field, 1.0)) /
-                                          field.geometry().spacing().minCoeff())),
-      relevance(field, greatest_widening,
-                look.mode == Mode::kIsosurface ? isosurface_grow(lattice, field) : 0),
+      greatest_widening(std::max(
+          1.0, greatest_pitch(lattice, support_of(field, 1.0, slab_reach(lattice, options))) /
+                   field.geometry().spacing().minCoeff())),
+      relevance(field, greatest_widening, relevance_grow(lattice, field, look, options)),
       clip_planes(options.clip_planes),
       is_clipped(!options.clip_planes.empty() || !lattice.is_parallel()),
       spacing_(field.geometry().spacing()) {
   for (int a = 0; a < 3; ++a) {
     widening_limit_[a] = static_cast<double>(field.geometry().dims[a]) / (4 * field.kernel().sigma);
   }
-  index_support = support_of(field, greatest_widening);
+  index_support = support_of(field, greatest_widening, slab_reach(lattice, options));
   sheets = checked_sheets(lattice, index_support);
   if (options.skip_irrelevant) may_matter = may_matter_for(look, look_table);
   for (ClipPlane& plane : clip_planes) {

@@ -41,13 +41,6 @@ void expect_agreement_however_evaluated(Scene scene, const std::string& name,
   }
 }
 
-// Where slab means agree.
-bool has_slab_means(Mode mode, Reconstruction reconstruction) {
-  if (mode == Mode::kIsosurface) return false;
-  return reconstruction == Reconstruction::kNormalized || mode == Mode::kComposite ||
-         mode == Mode::kMaximum;
-}
-
 class EveryMode : public ::testing::TestWithParam<int> {
  protected:
   Mode mode() const { return kModes[GetParam()]; }
@@ -61,7 +54,6 @@ TEST_P(EveryMode, SlabsReconstructionsEvaluations) {
     for (const Reconstruction reconstruction :
          {Reconstruction::kNormalized, Reconstruction::kSum}) {
       for (const Slab slab : {Slab::kMid, Slab::kMean}) {
-        if (slab == Slab::kMean && !has_slab_means(mode(), reconstruction)) continue;
         Scene scene = small_scene(mode(), is_parallel);
         set_kernel(scene, {}, reconstruction);
         scene.options.slab = slab;
@@ -82,6 +74,17 @@ TEST_P(EveryMode, CentralDifferences) {
     scene.options.gradient = GradientMethod::kCentral;
     expect_agreement_however_evaluated(scene,
                                        name() + ", " + projection_name(is_parallel) + ", central");
+  }
+}
+
+// Fails if the correction of ramps is not left out where the derivative as it is was asked for.
+TEST_P(EveryMode, ExactGradients) {
+  for (const Slab slab : {Slab::kMid, Slab::kMean}) {
+    Scene scene = small_scene(mode(), slab == Slab::kMid);
+    scene.options.slab = slab;
+    scene.options.gradient = GradientMethod::kExact;
+    expect_agreement_however_evaluated(
+        scene, name() + (slab == Slab::kMean ? ", slab means" : "") + ", exact gradients");
   }
 }
 
@@ -214,6 +217,21 @@ TEST(Agreement, SamplingDistances) {
       scene.options.sampling_distance = factor * scene.field.default_sampling_distance();
       expect_agreement_however_evaluated(scene, projection_name(is_parallel) + ", sheets at " +
                                                     std::to_string(factor).substr(0, 4));
+    }
+  }
+}
+
+// Fails if samples are left out whose slab reaches the field though their own place does not.
+TEST(Agreement, LongSlabs) {
+  for (const bool is_parallel : {true, false}) {
+    for (const Reconstruction reconstruction :
+         {Reconstruction::kNormalized, Reconstruction::kSum}) {
+      Scene scene = small_scene(Mode::kXray, is_parallel);
+      set_kernel(scene, {}, reconstruction);
+      scene.options = picture(24, 20, 3.1, Slab::kMean);
+      EXPECT_TRUE(backends_agree(
+          scene, projection_name(is_parallel) +
+                     (reconstruction == Reconstruction::kSum ? ", sum" : "") + ", long slabs"));
     }
   }
 }

@@ -131,6 +131,8 @@ std::vector<std::pair<std::string, Scene>> scenes() {
     Scene slabs = central;
     slabs.options = picture(60, 50, 0, Slab::kMean);
     result.emplace_back(volume.name + ", slab means", slabs);
+    slabs.options.sampling_distance = 4 * volume.field.default_sampling_distance();
+    result.emplace_back(volume.name + ", long slabs", slabs);
   }
   return result;
 }

@@ -186,6 +186,31 @@ inline float AxisCorrection(const CpuFrame& frame, float u, float widening) {
   return variance > kLeastVariance ? 1.0F / (variance * inverse_variance) : 1.0F;
 }
 
+// Does any kernel reach the sample at u, or its slab, `step` long? Where no sample is missing the
+// supports fill one box. Nodes would miss a slab that has but an end in it.
+inline bool MeetsSupport(const CpuFrame& frame, const Block& block, const SheetSetup& sheet,
+                         const float* u, const float* step) {
+  const bool is_point = frame.num_slab_nodes == 1;
+  float from = -0.5F;
+  float to = 0.5F;
+  for (int a = 0; a < 3; ++a) {
+    const float support = frame.support * sheet.widening[a];
+    const float first = static_cast<float>(-block.origin[a]);
+    const float below = first - support - u[a];
+    const float above = first + static_cast<float>(frame.dims[a] - 1) + support - u[a];
+    if (is_point || step[a] == 0.0F) {
+      if (below > 0.0F || above < 0.0F) return false;
+      continue;
+    }
+    const float at_below = below / step[a];
+    const float at_above = above / step[a];
+    from = std::max(from, std::min(at_below, at_above));
+    to = std::min(to, std::max(at_below, at_above));
+    if (from > to) return false;
+  }
+  return true;
+}
+
 // Returns the bits of the lanes whose field is defined.
 template <bool kGradient>
 inline std::uint32_t GatherGeneral(const CpuFrame& frame, Workspace& work, int s, int column,
@@ -202,21 +227,27 @@ inline std::uint32_t GatherGeneral(const CpuFrame& frame, Workspace& work, int s
   std::uint32_t defined = 0;
   for (; lanes != 0; lanes &= lanes - 1) {
     const int l = std::countr_zero(lanes);
+    float step[3];
+    float center[3];
+    for (int a = 0; a < 3; ++a) {
+      step[a] = sheet.step[a] + static_cast<float>(column + l) * sheet.step_per_x[a] +
+                static_cast<float>(row) * sheet.step_per_y[a];
+      center[a] = position[a][l];
+    }
     Quotient q;
     for (int node = 0; node < frame.num_slab_nodes; ++node) {
       const SlabNode slab = frame.slab_nodes[node];
       float at[3];
-      for (int a = 0; a < 3; ++a) {
-        const float step = sheet.step[a] + static_cast<float>(column + l) * sheet.step_per_x[a] +
-                           static_cast<float>(row) * sheet.step_per_y[a];
-        at[a] = position[a][l] + slab.offset * step;
-      }
+      for (int a = 0; a < 3; ++a) at[a] = center[a] + slab.offset * step[a];
       AddNode<kGradient>(frame, work, at, sheet, slab.weight, tap_memory, capacity, q);
     }
     const TapSums& n = q.numerator;
     const TapSums& e = q.denominator;
     if (frame.is_sum) {
-      if (!(e.value > 0)) continue;
+      const bool is_defined = work.block.has_missing
+                                  ? e.value > 0
+                                  : MeetsSupport(frame, work.block, sheet, center, step);
+      if (!is_defined) continue;
       const float w = frame.sum_weight / mass;
       out.value[l] = w * n.value;
       if constexpr (kGradient) {

@@ -32,6 +32,7 @@ HWY_INLINE V Refine(const CpuFrame& frame, Workspace& work, int s, int column, i
   const M rises = hn::Lt(before, iso);
   V near = hn::Zero(d);
   V far = hn::Set(d, 1.0F);
+  M far_is_defined = MaskOf(lanes);
   for (int i = 0; i < kBisections; ++i) {
     const V middle = hn::Mul(hn::Set(d, 0.5F), hn::Add(near, far));
     const GroupValues f = Gather(frame, work, s, column, row, Between(from, to, middle), lanes);
@@ -44,13 +45,14 @@ HWY_INLINE V Refine(const CpuFrame& frame, Workspace& work, int s, int column, i
     before = hn::IfThenElse(same, f.value, before);
     const M other = hn::And(hn::Not(same), MaskOf(lanes));
     far = hn::IfThenElse(other, middle, far);
-    after = hn::IfThenElse(hn::And(other, MaskOf(f.defined)), f.value, after);
+    after = hn::IfThenElse(other, f.value, after);
+    far_is_defined = hn::Or(hn::And(other, MaskOf(f.defined)), hn::AndNot(other, far_is_defined));
   }
   const V rise = hn::Sub(after, before);
   const V share = hn::Div(hn::Sub(iso, before),
                           hn::IfThenElse(hn::Eq(rise, hn::Zero(d)), hn::Set(d, 1.0F), rise));
   const V clamped = hn::Min(hn::Max(share, hn::Zero(d)), hn::Set(d, 1.0F));
-  return hn::MulAdd(hn::Sub(far, near), clamped, near);
+  return hn::MulAdd(hn::Sub(far, near), hn::IfThenElseZero(far_is_defined, clamped), near);
 }
 
 // Lanes whose crossing lies in all clip half spaces.

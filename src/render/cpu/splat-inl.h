@@ -187,6 +187,21 @@ inline float EndlessSum(const CpuFrame& frame, Workspace& work, const SheetSetup
   return sum;
 }
 
+// Is a sample of `sum` defined, whose weights add up to e?
+inline bool IsSumDefined(const CpuFrame& frame, const Block& block, const SheetSetup& sheet,
+                         int column, int row, float e) {
+  if (block.has_missing) return e > 0;
+  const float x = static_cast<float>(column);
+  const float y = static_cast<float>(row);
+  float u[3];
+  float step[3];
+  for (int a = 0; a < 3; ++a) {
+    u[a] = sheet.base[a] + x * sheet.per_x[a] + y * sheet.per_y[a];
+    step[a] = sheet.step[a] + x * sheet.step_per_x[a] + y * sheet.step_per_y[a];
+  }
+  return MeetsSupport(frame, block, sheet, u, step);
+}
+
 inline void ReadSplatSheet(const CpuFrame& frame, Workspace& work, int s, const RowBits& wanted) {
   Block& block = work.block;
   const SheetSetup& sheet = block.sheets[s];
@@ -200,10 +215,11 @@ inline void ReadSplatSheet(const CpuFrame& frame, Workspace& work, int s, const 
       const int at = y * kPlaneStride + x;
       const float n = NumeratorPlane(work, s)[at];
       const float e = DenominatorPlane(work, s)[at];
-      if (!(e > 0)) continue;
       if (frame.is_sum) {
+        if (!IsSumDefined(frame, block, sheet, x, y, e)) continue;
         values[at] = frame.sum_weight / mass * n;
       } else {
+        if (!(e > 0)) continue;
         const bool is_whole = block.is_interior && !block.has_missing;
         if (!is_whole && !(e >= kLeastWeight * EndlessSum(frame, work, sheet, x, y))) continue;
         values[at] = n / e;

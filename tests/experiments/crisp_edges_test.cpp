@@ -8,9 +8,9 @@ namespace ovoid::experiments {
 namespace {
 
 // All or nothing between two neighbouring pixels: 10 to 90 % of a straight line between them is 0.8
-// pixels. At a distance of 16 pixels per sample one pixel of the outline may be half of a sheet's
-// width deep: bound 1. Fails if a value is classified before it is reconstructed, or if colours
-// are interpolated afterwards.
+// pixels. The box's first and last layers are rounder than the others and end a few pixels further
+// in at zoom 16, where they hold a tenth of the opacity: bound 1. Fails if a value is classified
+// before it is reconstructed, or if colours are interpolated afterwards.
 TEST(CrispEdges, StayAPixelWideUnderZoom) {
   for (const double zoom : {1.0, 2.0, 4.0, 8.0, 16.0}) {
     EXPECT_LE(measure_edge(zoom, 64).post_px, 1.0) << zoom;

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <string>
+#include <utility>
+
 #include "io/byte_source.h"
 #include "io/formats.h"
 #include "io/npy.h"
 #include "io/nrrd.h"
 #include "io/raw.h"
+#include "io/read_source.h"
 #include "io/vtk_image.h"
 #include "ovoid/error.h"
 #include "ovoid/io.h"
@@ -55,7 +59,54 @@ Dataset read_unknown(const io::ByteSource& source, const std::string& start,
                   kReadable));
 }
 
+Dataset read_any(const io::ByteSource& source, const ReadOptions& options, const io::Opener& open) {
+  const std::string start = source.text(0, 512);
+  const io::FileKind kind = io::kind_of(start);
+  switch (kind) {
+    case io::FileKind::kNrrd:
+      refuse_raw_options(source.name(), "NRRD", options.raw, true);
+      return io::read_nrrd(source, options, open);
+    case io::FileKind::kNpy:
+      refuse_raw_options(source.name(), "NPY", options.raw, false);
+      return io::read_npy(source, options);
+    case io::FileKind::kVtkXml:
+    case io::FileKind::kVtkLegacy:
+      refuse_raw_options(source.name(), "VTK", options.raw, true);
+      return io::read_vtk_image(source, kind, options);
+    case io::FileKind::kUnknown:
+      break;
+  }
+  return read_unknown(source, start, options);
+}
+
+// What a file wrote into a message must not steer the terminal that shows it, nor break the line.
+std::string printable(std::string text) {
+  for (char& c : text) {
+    const auto code = static_cast<unsigned char>(c);
+    if (code < 0x20 || code == 0x7f) c = '?';
+  }
+  return text;
+}
+
 }  // namespace
+
+namespace io {
+
+Dataset read_source(const ByteSource& source, const ReadOptions& options, const Opener& open) {
+  try {
+    Dataset dataset = read_any(source, options, open);
+    for (std::string& note : dataset.notes) note = printable(std::move(note));
+    for (DataArray& array : dataset.arrays) {
+      array.name = printable(std::move(array.name));
+      array.unit = printable(std::move(array.unit));
+    }
+    return dataset;
+  } catch (const Error& error) {
+    throw Error(error.code(), printable(error.what()));
+  }
+}
+
+}  // namespace io
 
 Dataset read_dataset(const std::vector<std::string>& paths, const ReadOptions& options) {
   if (paths.empty()) throw Error(ErrorCode::kInvalidArgument, "input: no file is named");
@@ -66,23 +117,7 @@ Dataset read_dataset(const std::vector<std::string>& paths, const ReadOptions& o
             "{}, {}: {} inputs: a volume is one file, or an NRRD header that lists its parts",
             paths[0], paths[1], paths.size()));
   }
-  const auto source = io::open_file(paths[0]);
-  const std::string start = source->text(0, 512);
-  switch (io::kind_of(start)) {
-    case io::FileKind::kNrrd:
-      refuse_raw_options(paths[0], "NRRD", options.raw, true);
-      return io::read_nrrd(*source, options);
-    case io::FileKind::kNpy:
-      refuse_raw_options(paths[0], "NPY", options.raw, false);
-      return io::read_npy(*source, options);
-    case io::FileKind::kVtkXml:
-    case io::FileKind::kVtkLegacy:
-      refuse_raw_options(paths[0], "VTK", options.raw, true);
-      return io::read_vtk_image(*source, io::kind_of(start), options);
-    case io::FileKind::kUnknown:
-      break;
-  }
-  return read_unknown(*source, start, options);
+  return io::read_source(*io::open_file(paths[0]), options);
 }
 
 }  // namespace ovoid

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+// Readers against damaged files: a short, reproducible form of fuzzing that runs with every build
+// (`make fuzz` is the long one). Valid inputs are cut, flipped, spliced and given absurd numbers; a
+// reader must throw ovoid::Error or return something consistent. What would make it fail: a size
+// that is believed before it is checked, an index one too far, another exception.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cctype>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "fuzz/seeds.h"
+#include "fuzz/targets.h"
+#include "io/test_folder.h"
+#include "io/test_volumes.h"
+#include "ovoid/io.h"
+
+namespace ovoid::io {
+namespace {
+
+constexpr std::uint64_t kSeed = 20240229;
+
+class Mutator {
+ public:
+  explicit Mutator(std::vector<std::string> seeds) : seeds_(std::move(seeds)) {}
+
+  // One of the seeds with one to four changes.
+  std::string next() {
+    std::string input = seeds_[below(seeds_.size())];
+    for (std::size_t i = 1 + below(4); i > 0; --i) mutate(input);
+    return input;
+  }
+
+ private:
+  std::size_t below(std::size_t count) { return count == 0 ? 0 : random_() % count; }
+
+  void mutate(std::string& input) {
+    const std::size_t position = below(input.size());
+    switch (below(8)) {
+      case 0:
+        input.resize(position);
+        break;
+      case 1:
+        if (!input.empty()) input[position] = static_cast<char>(input[position] ^ (1 << below(8)));
+        break;
+      case 2:
+        input.insert(position, 1, static_cast<char>(below(256)));
+        break;
+      case 3:
+        input.erase(position, 1 + below(8));
+        break;
+      case 4:
+        splice(input, position);
+        break;
+      case 5:
+        swap_lines(input, position);
+        break;
+      default:
+        replace_number(input);
+        break;  // twice as often: sizes are where readers break
+    }
+  }
+
+  void splice(std::string& input, std::size_t position) {
+    const std::string& other = seeds_[below(seeds_.size())];
+    const std::size_t begin = below(other.size());
+    input.insert(position, other.substr(begin, 1 + below(64)));
+  }
+
+  // The line at `position` goes to the front of the line before it, or is doubled.
+  void swap_lines(std::string& input, std::size_t position) {
+    const std::size_t begin = input.rfind('\n', position) + 1;
+    if (begin >= input.size()) return;
+    const std::size_t end = std::min(input.find('\n', begin), input.size() - 1) + 1;
+    const std::string line = input.substr(begin, end - begin);
+    if (below(2) == 0) input.erase(begin, line.size());
+    const std::size_t before = begin < 2 ? 0 : input.rfind('\n', begin - 2) + 1;
+    input.insert(before, line);
+  }
+
+  void replace_number(std::string& input) {
+    static const std::vector<std::string> kNumbers{"0",
+                                                   "-1",
+                                                   "1",
+                                                   "3",
+                                                   "65536",
+                                                   "2147483647",
+                                                   "2147483648",
+                                                   "4294967295",
+                                                   "4294967296",
+                                                   "9223372036854775807",
+                                                   "18446744073709551616",
+                                                   "99999999999999999999999",
+                                                   "1e308",
+                                                   "-1e-320",
+                                                   "nan",
+                                                   "inf",
+                                                   "0.5",
+                                                   ""};
+    const std::size_t from = below(input.size());
+    const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+    const auto begin =
+        std::find_if(input.begin() + static_cast<std::ptrdiff_t>(from), input.end(), is_digit);
+    const auto end = std::find_if_not(begin, input.end(), is_digit);
+    input.replace(begin, end, kNumbers[below(kNumbers.size())]);
+  }
+
+  std::vector<std::string> seeds_;
+  std::mt19937_64 random_{kSeed};
+};
+
+void run(const std::vector<std::string>& seeds, void (*target)(fuzz::Input), int count = 2000) {
+  for (const std::string& seed : seeds) target(std::as_bytes(std::span(seed)));
+  Mutator mutator(seeds);
+  for (int i = 0; i < count; ++i) {
+    const std::string input = mutator.next();
+    try {
+      target(std::as_bytes(std::span(input)));
+    } catch (const std::exception& error) {
+      FAIL() << "mutation " << i << " of seed " << kSeed << ": " << error.what() << "\n"
+             << testing::PrintToString(input);
+    }
+  }
+}
+
+TEST(Mutation, Nrrd) { run(fuzz::nrrd_seeds(), fuzz::nrrd); }
+TEST(Mutation, Npy) { run(fuzz::npy_seeds(), fuzz::npy); }
+TEST(Mutation, RawName) { run(fuzz::raw_name_seeds(), fuzz::raw_name); }
+TEST(Mutation, VtkHeader) { run(fuzz::vtk_header_seeds(), fuzz::vtk_header); }
+TEST(Mutation, TransferFunction) { run(fuzz::transfer_function_seeds(), fuzz::transfer_function); }
+TEST(Mutation, Camera) { run(fuzz::camera_seeds(), fuzz::camera); }
+
+// The seeds are worth nothing if they are refused at the door.
+TEST(Mutation, SeedsAreValid) {
+  for (const std::string& seed : fuzz::npy_seeds()) {
+    EXPECT_EQ(
+        error_of([&] { read_source(*open_memory("a.npy", std::as_bytes(std::span(seed))), {}); }),
+        "");
+  }
+  const auto nrrd = fuzz::nrrd_seeds();
+  for (std::size_t i = 0; i < 7; ++i) {  // the attached ones
+    EXPECT_EQ(error_of([&] {
+                read_source(*open_memory("a.nrrd", std::as_bytes(std::span(nrrd[i]))), {});
+              }),
+              "")
+        << i;
+  }
+  const auto vtk = fuzz::vtk_header_seeds();
+  for (std::size_t i = 0; i < vtk.size(); ++i) {
+    const auto source = open_memory("a.vti", std::as_bytes(std::span(vtk[i])));
+    EXPECT_EQ(error_of([&] { i < 4 ? check_vti(*source) : check_legacy_vtk(*source); }), "") << i;
+  }
+  for (const std::string& seed : fuzz::transfer_function_seeds()) {
+    const fuzz::MemoryFile file(std::as_bytes(std::span(seed)));
+    EXPECT_EQ(error_of([&] { read_transfer_function(file.path()); }), "") << seed;
+  }
+  for (const std::string& seed : fuzz::camera_seeds()) {
+    const fuzz::MemoryFile file(std::as_bytes(std::span(seed)));
+    EXPECT_EQ(error_of([&] { read_camera(file.path()); }), "") << seed;
+  }
+}
+
+// Through VTK itself, silently.
+TEST(Mutation, VtkFiles) {
+  const TestFolder folder;
+  testing::internal::CaptureStderr();
+  const std::string first = folder.write("seed.vti", fuzz::vtk_header_seeds()[0]);
+  const bool has_vtk = error_of([&] { read_dataset({first}); }).find("no VTK") == std::string::npos;
+  Mutator mutator(fuzz::vtk_header_seeds());
+  for (int i = 0; has_vtk && i < 500; ++i) {
+    const std::string input = mutator.next();
+    const std::string path = folder.write("a.vti", input);
+    try {
+      fuzz::expect_dataset_or_error([&] { return read_dataset({path}); });
+    } catch (const std::exception& error) {
+      ADD_FAILURE() << "mutation " << i << " of seed " << kSeed << ": " << error.what() << "\n"
+                    << testing::PrintToString(input);
+    }
+  }
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  if (!has_vtk) GTEST_SKIP() << "this build has no VTK";
+}
+
+}  // namespace
+}  // namespace ovoid::io

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+// One function for each family of readers: feeds it bytes as a hostile file would. What a reader
+// may do is return something consistent or throw ovoid::Error; anything else ends in an exception
+// of another type, a sanitizer's report or a crash. Called by the libFuzzer programs of this folder
+// and by the mutation test among the unit tests.
+#pragma once
+
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <stdexcept>
+#include <string>
+
+#include "io/byte_source.h"
+#include "io/read_source.h"
+#include "io/vtk_header.h"
+#include "ovoid/dataset.h"
+#include "ovoid/error.h"
+#include "ovoid/io.h"
+
+namespace ovoid::fuzz {
+
+using Input = std::span<const std::byte>;
+
+// Not derived from Error: says that a reader returned nonsense.
+struct Inconsistent : std::logic_error {
+  using std::logic_error::logic_error;
+};
+
+inline void require(bool holds, const char* what) {
+  if (!holds) throw Inconsistent(what);
+}
+
+// What every caller of a reader relies on.
+inline void check_dataset(const Dataset& dataset) {
+  const LatticeGeometry& lattice = dataset.lattice;
+  for (const std::int64_t dim : lattice.dims) require(dim >= 1, "an axis without samples");
+  require(lattice.world_from_index.matrix().allFinite(), "a geometry that is not finite");
+  require(lattice.world_from_index.linear().determinant() != 0, "a degenerate geometry");
+  require(!dataset.arrays.empty(), "no arrays");
+  for (const DataArray& array : dataset.arrays) {
+    require(array.num_components >= 1, "an array without components");
+    std::int64_t num_tuples = 1;
+    for (const std::int64_t dim : lattice.dims)
+      num_tuples *= array.is_cell_data ? std::max<std::int64_t>(1, dim - 1) : dim;
+    require(array.num_tuples == num_tuples, "tuples that do not fit the lattice");
+    const auto num_bytes = static_cast<std::uint64_t>(num_tuples) *
+                           static_cast<std::uint64_t>(array.num_components) * size_of(array.type);
+    require(array.bytes.view.size() == num_bytes, "bytes that do not fit the tuples");
+    require(reinterpret_cast<std::uintptr_t>(array.bytes.view.data()) % size_of(array.type) == 0,
+            "unaligned samples");
+    // Every byte must be readable and, under a sanitizer that knows, initialised.
+    unsigned sum = 0;
+    for (const std::byte byte : array.bytes.view) sum += static_cast<unsigned>(byte);
+    require(sum < 0xffffffffU || num_bytes > 0, "no bytes");
+  }
+}
+
+// Runs a reader; an Error is as good as a result.
+template <typename Read>
+void expect_dataset_or_error(const Read& read) {
+  try {
+    check_dataset(read());
+  } catch (const Error& error) {
+    require(std::string(error.what()).find('\n') == std::string::npos,
+            "a message of several lines");
+  }
+}
+
+// Detached data: every file that the header names has the input's own bytes, but for one that is
+// missing.
+inline void nrrd(Input input) {
+  const io::Opener open = [input](const std::string& path) {
+    if (path.ends_with("missing.raw"))
+      throw Error(ErrorCode::kFileNotFound, "missing.raw: no such file");
+    return io::open_memory(path, input);
+  };
+  expect_dataset_or_error(
+      [&] { return io::read_source(*io::open_memory("fuzz.nhdr", input), {}, open); });
+}
+
+inline void npy(Input input) {
+  expect_dataset_or_error([&] { return io::read_source(*io::open_memory("fuzz.npy", input), {}); });
+}
+
+// The input is a file's name; the file has 64 bytes.
+inline void raw_name(Input input) {
+  static constexpr std::byte kContent[64]{};
+  const std::string name(reinterpret_cast<const char*>(input.data()), input.size());
+  expect_dataset_or_error([&] { return io::read_source(*io::open_memory(name, kContent), {}); });
+}
+
+inline void vtk_header(Input input) {
+  const auto source = io::open_memory("fuzz.vti", input);
+  for (const auto check : {io::check_vti, io::check_legacy_vtk}) {
+    try {
+      check(*source);
+    } catch (const Error&) {
+      // Refused: as it should be.
+    }
+  }
+}
+
+// A path under which `input` can be opened, for readers that know files only. It lives in memory.
+class MemoryFile {
+ public:
+  explicit MemoryFile(Input input) : descriptor_(::memfd_create("fuzz", MFD_CLOEXEC)) {
+    require(descriptor_ >= 0, "no memory file");
+    require(::write(descriptor_, input.data(), input.size()) == static_cast<ssize_t>(input.size()),
+            "memory file not written");
+  }
+  ~MemoryFile() { ::close(descriptor_); }
+  MemoryFile(const MemoryFile&) = delete;
+  MemoryFile& operator=(const MemoryFile&) = delete;
+
+  std::string path() const { return "/proc/self/fd/" + std::to_string(descriptor_); }
+
+ private:
+  int descriptor_;
+};
+
+inline void transfer_function(Input input) {
+  const MemoryFile file(input);
+  try {
+    const TransferFunction tf = read_transfer_function(file.path());
+    const double lo = tf.lo(), hi = tf.hi();
+    require(lo <= hi, "a transfer function that is not sorted");
+    for (const double x : {lo, (lo + hi) / 2, hi}) {
+      const double opacity = tf.opacity_at(x);
+      require(opacity >= 0 && opacity <= 1, "an opacity outside [0, 1]");
+      for (const double c : tf.color_at(x)) require(c >= 0 && c <= 1, "a colour outside [0, 1]");
+    }
+  } catch (const Error&) {
+    // Refused: as it should be.
+  }
+}
+
+inline void camera(Input input) {
+  const MemoryFile file(input);
+  try {
+    read_camera(file.path()).validate();
+  } catch (const Error&) {
+    // Refused: as it should be.
+  }
+}
+
+}  // namespace ovoid::fuzz

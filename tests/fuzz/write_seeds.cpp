@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// write_seeds FOLDER: writes the seeds of every target to FOLDER/<target>/<number>.
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "fuzz/seeds.h"
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    std::fputs("usage: write_seeds FOLDER\n", stderr);
+    return 2;
+  }
+  const std::pair<const char*, std::vector<std::string>> targets[] = {
+      {"nrrd", ovoid::fuzz::nrrd_seeds()},
+      {"npy", ovoid::fuzz::npy_seeds()},
+      {"raw_name", ovoid::fuzz::raw_name_seeds()},
+      {"vtk_header", ovoid::fuzz::vtk_header_seeds()},
+      {"transfer_function", ovoid::fuzz::transfer_function_seeds()},
+      {"camera", ovoid::fuzz::camera_seeds()},
+  };
+  for (const auto& [target, seeds] : targets) {
+    const std::filesystem::path folder = std::filesystem::path(argv[1]) / target;
+    std::filesystem::create_directories(folder);
+    for (std::size_t i = 0; i < seeds.size(); ++i) {
+      std::ofstream stream(folder / std::to_string(i), std::ios::binary);
+      if (!(stream << seeds[i])) {
+        std::fprintf(stderr, "%s: cannot be written\n", folder.c_str());
+        return 1;
+      }
+    }
+  }
+}

@@ -6,6 +6,20 @@ add_library(ovoid_flags INTERFACE)
 target_compile_options(ovoid_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
                                              -ffp-contract=off)
 
+# ovoid_precompile(target owner headers...): the first target asked for under a name of `owner` compiles the headers, the rest reuse them.
+function(ovoid_precompile target owner)
+  if(NOT OVOID_PCH)
+    return()
+  endif()
+  get_property(first GLOBAL PROPERTY ${owner})
+  if(first)
+    target_precompile_headers(${target} REUSE_FROM ${first})
+  else()
+    target_precompile_headers(${target} PRIVATE ${ARGN})
+    set_property(GLOBAL PROPERTY ${owner} ${target})
+  endif()
+endfunction()
+
 # ovoid_part(name DEPENDS parts... LINK libraries...): an object library of the folder's sources (x_test.cpp files belong to tests/).
 function(ovoid_part name)
   cmake_parse_arguments(ARG "" "" "DEPENDS;LINK" ${ARGN})
@@ -18,6 +32,7 @@ function(ovoid_part name)
   add_library(${name} OBJECT ${sources})
   target_include_directories(${name} PUBLIC ${CMAKE_SOURCE_DIR}/include ${CMAKE_SOURCE_DIR}/src)
   target_link_libraries(${name} PUBLIC Eigen3::Eigen PRIVATE ovoid_flags fmt::fmt ${ARG_LINK})
+  ovoid_precompile(${name} OVOID_PCH_OF_PARTS <Eigen/Core> <Eigen/Geometry> <fmt/format.h> <algorithm> <functional> <memory> <string>)
   set_property(GLOBAL APPEND PROPERTY OVOID_PARTS ${name})
   set_property(GLOBAL APPEND PROPERTY OVOID_LINK ${ARG_LINK})
 endfunction()

@@ -17,6 +17,9 @@ if [[ ! -f $folder/build.ninja || CMakePresets.json -nt $folder/build.ninja ]]; 
   touch "$folder/build.ninja"
 fi
 
+# Without these ccache keeps nothing that used a precompiled header.
+export CCACHE_SLOPPINESS=${CCACHE_SLOPPINESS:-pch_defines,time_macros,include_file_mtime,include_file_ctime}
+
 targets=()
 (($# == 0)) || targets=(--target "$@")
 cmake --build "$folder" --parallel "${JOBS:-$(nproc)}" "${targets[@]}"

@@ -56,84 +56,153 @@ std::string shown(const std::string& names, const std::string& form) {
   return out;
 }
 
-std::string complaint(const std::string& names, const std::string& value, const char* expected) {
-  return fmt::format("{} '{}': {}", long_name(names), value, expected);
+struct Entry {
+  std::string names;  // "-o,--output"
+  std::string form;   // "OUT"; empty for flags without a value and what is no flag
+  std::string text;
+  CLI::Option* option = nullptr;  // null for what is no flag
+  bool is_repeatable = false;
+};
+
+struct Section {
+  std::string title;
+  std::vector<Entry> entries;
+};
+
+// What CLI11 would take differently from what was meant, or report without naming it.
+void check_words(const Entry& flag, const std::vector<std::string>& words) {
+  const bool takes_value = !flag.form.empty();
+  const bool is_optional = takes_value && flag.form.front() == '[';
+  for (const std::string& name : split(flag.names, ',')) {
+    for (const std::string& word : words) {
+      if (word == "--") break;
+      const bool has_value = word.rfind(name + '=', 0) == 0;
+      const bool has_nothing = has_value && word.size() == name.size() + 1;
+      const bool is_last = word == name && &word == &words.back();
+      if (has_value && !takes_value) throw UsageError(name + ": takes no value");
+      if (has_nothing || (is_last && takes_value && !is_optional)) {
+        throw UsageError(fmt::format("{}: expected a value, {}", name, flag.form));
+      }
+    }
+  }
 }
 
 }  // namespace
 
-Flags::Flags(std::string command, std::string usage, std::string summary)
-    : command_(std::move(command)),
-      usage_(std::move(usage)),
-      summary_(std::move(summary)),
-      app_(std::make_unique<CLI::App>()) {
-  app_->set_help_flag("-h,--help", "");
-  app_->allow_windows_style_options(false);
-}
+struct Flags::Impl {
+  std::string command;
+  std::string usage;
+  std::string summary;
+  std::string footer;
+  std::vector<Section> sections;
+  CLI::App app;
 
-Flags::~Flags() = default;
+  void add(Entry entry);
+  CLI::Option* add_taker(const std::string& names, const Take& take);
+  std::vector<const Entry*> flags() const;
+  [[noreturn]] void explain_extras() const;
+};
 
-void Flags::section(std::string title) { sections_.push_back({std::move(title), {}}); }
-
-void Flags::footer(std::string text) { footer_ = std::move(text); }
-
-void Flags::add(Entry entry) {
-  if (sections_.empty()) section("");
-  sections_.back().entries.push_back(std::move(entry));
+void Flags::Impl::add(Entry entry) {
+  if (sections.empty()) sections.emplace_back();
+  sections.back().entries.push_back(std::move(entry));
 }
 
 // An option that hands every value it is given to `take`, and completes what `take` complains
 // about.
-CLI::Option* Flags::add_taker(const std::string& names, const Take& take) {
+CLI::Option* Flags::Impl::add_taker(const std::string& names, const Take& take) {
   const CLI::callback_t take_all = [names, take](const CLI::results_t& given) {
     for (const std::string& value : given) {
       try {
         take(value);
       } catch (const BadValue& bad) {
-        throw UsageError(complaint(names, value, bad.what()));
+        throw UsageError(fmt::format("{} '{}': {}", long_name(names), value, bad.what()));
       }
     }
     return true;
   };
-  CLI::Option* const option = app_->add_option(names, take_all);
+  CLI::Option* const option = app.add_option(names, take_all);
   return option->type_size(1)->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
 }
 
-void Flags::positionals(const std::string& name, const std::string& text,
-                        std::vector<std::string>* into) {
-  app_->add_option(name, *into);
-  add({name, "", text});
+std::vector<const Entry*> Flags::Impl::flags() const {
+  std::vector<const Entry*> found;
+  for (const Section& section : sections) {
+    for (const Entry& entry : section.entries) {
+      if (entry.option != nullptr) found.push_back(&entry);
+    }
+  }
+  return found;
 }
 
-void Flags::explain(const std::string& name, const std::string& text) { add({name, "", text}); }
+void Flags::Impl::explain_extras() const {
+  std::vector<std::string> known = {"--help"};
+  for (const Entry* const flag : flags()) known.push_back(long_name(flag->names));
+  const std::vector<std::string> extras = app.remaining();
+  for (const std::string& extra : extras) {
+    if (extra.size() < 2 || extra.front() != '-') continue;
+    const std::string name = extra.substr(0, extra.find('='));
+    throw UsageError(fmt::format("{}: unknown flag{} (see ovoid {} --help)", name,
+                                 did_you_mean(name, known), command));
+  }
+  throw UsageError(
+      fmt::format("'{}': unexpected argument (see ovoid {} --help)", extras.front(), command));
+}
+
+Flags::Flags(std::string command, std::string usage, std::string summary)
+    : impl_(std::make_unique<Impl>()) {
+  impl_->command = std::move(command);
+  impl_->usage = std::move(usage);
+  impl_->summary = std::move(summary);
+  impl_->app.set_help_flag("-h,--help", "");
+  impl_->app.allow_windows_style_options(false);
+}
+
+Flags::~Flags() = default;
+
+const std::string& Flags::command() const noexcept { return impl_->command; }
+
+void Flags::section(std::string title) { impl_->sections.push_back({std::move(title), {}}); }
+
+void Flags::footer(std::string text) { impl_->footer = std::move(text); }
+
+void Flags::positionals(const std::string& name, const std::string& text,
+                        std::vector<std::string>* into) {
+  impl_->app.add_option(name, *into);
+  impl_->add({name, "", text});
+}
+
+void Flags::explain(const std::string& name, const std::string& text) {
+  impl_->add({name, "", text});
+}
 
 void Flags::value(const std::string& names, const std::string& form, const std::string& text,
-                  Take take) {
-  add({names, form, text, add_taker(names, take)});
+                  const Take& take) {
+  impl_->add({names, form, text, impl_->add_taker(names, take)});
 }
 
 void Flags::repeatable(const std::string& names, const std::string& form, const std::string& text,
-                       Take take) {
-  add({names, form, text, add_taker(names, take), true});
+                       const Take& take) {
+  impl_->add({names, form, text, impl_->add_taker(names, take), true});
 }
 
 void Flags::toggle(const std::string& names, const std::string& text, bool* into, bool set_to) {
   const auto set = [into, set_to](std::int64_t) { *into = set_to; };
-  CLI::Option* const option = app_->add_flag_function(names, set);
+  CLI::Option* const option = impl_->app.add_flag_function(names, set);
   option->disable_flag_override();
-  add({names, "", text, option});
+  impl_->add({names, "", text, option});
 }
 
 void Flags::optional_value(const std::string& names, const std::string& form,
-                           const std::string& text, Take take) {
+                           const std::string& text, const Take& take) {
   // CLI11 stores "true" for a flag without a value, so a value of exactly that name cannot be
   // given.
-  const auto take_or_default = [take = std::move(take)](const std::string& value) {
+  const Take take_or_default = [take](const std::string& value) {
     take(value == "true" ? "" : value);
   };
-  CLI::Option* const option = add_taker(names, take_or_default);
+  CLI::Option* const option = impl_->add_taker(names, take_or_default);
   option->type_size(0)->expected(0);
-  add({names, form, text, option});
+  impl_->add({names, form, text, option});
 }
 
 void Flags::refuse(std::initializer_list<const char*> names) {
@@ -141,95 +210,46 @@ void Flags::refuse(std::initializer_list<const char*> names) {
     const CLI::callback_t refuse_it = [name](const CLI::results_t&) -> bool {
       throw UsageError(fmt::format("{}: not available in this version", name));
     };
-    CLI::Option* const option = app_->add_option(name, refuse_it);
+    CLI::Option* const option = impl_->app.add_option(name, refuse_it);
     option->type_size(1)->expected(0, 1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   }
 }
 
-std::vector<std::string> Flags::known_flags() const {
-  std::vector<std::string> known = {"--help"};
-  for (const Section& section : sections_) {
-    for (const Entry& entry : section.entries) {
-      if (entry.option != nullptr) known.push_back(long_name(entry.names));
-    }
-  }
-  return known;
-}
-
-// What CLI11 would take differently from what was meant, or report without naming it.
-void Flags::check_words(const std::vector<std::string>& words) const {
-  for (const Section& section : sections_) {
-    for (const Entry& entry : section.entries) {
-      if (entry.option == nullptr) continue;
-      for (const std::string& name : split(entry.names, ',')) {
-        const bool takes_value = !entry.form.empty();
-        const bool is_optional = takes_value && entry.form.front() == '[';
-        for (const std::string& word : words) {
-          if (word == "--") break;
-          const bool has_value = word.rfind(name + '=', 0) == 0;
-          const bool has_nothing = has_value && word.size() == name.size() + 1;
-          const bool is_last = word == name && &word == &words.back();
-          if (has_value && !takes_value) throw UsageError(name + ": takes no value");
-          if (has_nothing || (is_last && takes_value && !is_optional)) {
-            throw UsageError(fmt::format("{}: expected a value, {}", name, entry.form));
-          }
-        }
-      }
-    }
-  }
-}
-
-void Flags::check_counts() const {
-  for (const Section& section : sections_) {
-    for (const Entry& entry : section.entries) {
-      if (entry.option == nullptr || entry.is_repeatable || entry.option->count() < 2) continue;
-      throw UsageError(fmt::format("{}: given {} times, expected once", long_name(entry.names),
-                                   entry.option->count()));
-    }
-  }
-}
-
-void Flags::explain_extras() const {
-  const std::vector<std::string> extras = app_->remaining();
-  for (const std::string& extra : extras) {
-    if (extra.size() < 2 || extra.front() != '-') continue;
-    const std::string name = extra.substr(0, extra.find('='));
-    throw UsageError(fmt::format("{}: unknown flag{} (see ovoid {} --help)", name,
-                                 did_you_mean(name, known_flags()), command_));
-  }
-  throw UsageError(
-      fmt::format("'{}': unexpected argument (see ovoid {} --help)", extras.front(), command_));
-}
-
 bool Flags::parse(const std::vector<std::string>& words) {
-  check_words(words);
+  for (const Entry* const flag : impl_->flags()) check_words(*flag, words);
   try {
-    app_->parse(
-        std::vector<std::string>(words.rbegin(), words.rend()));  // CLI11 wants the last word first
+    // CLI11 wants the last word first.
+    impl_->app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
   } catch (const CLI::CallForHelp&) {
     fmt::print("{}", help());
     return false;
   } catch (const CLI::ExtrasError&) {
-    explain_extras();
+    impl_->explain_extras();
   } catch (const CLI::ParseError& error) {
-    throw UsageError(fmt::format("{} (see ovoid {} --help)", error.what(), command_));
+    throw UsageError(fmt::format("{} (see ovoid {} --help)", error.what(), impl_->command));
   }
-  check_counts();
+  for (const Entry* const flag : impl_->flags()) {
+    if (flag->is_repeatable || flag->option->count() < 2) continue;
+    throw UsageError(fmt::format("{}: given {} times, expected once", long_name(flag->names),
+                                 flag->option->count()));
+  }
   return true;
 }
 
-bool Flags::is_given(const std::string& name) const { return app_->get_option(name)->count() > 0; }
+bool Flags::is_given(const std::string& name) const {
+  return impl_->app.get_option(name)->count() > 0;
+}
 
 const char* Flags::first_given(std::initializer_list<const char*> names) const {
-  const auto found =
+  const auto* const found =
       std::find_if(names.begin(), names.end(), [&](const char* name) { return is_given(name); });
   return found == names.end() ? nullptr : *found;
 }
 
 std::string Flags::help() const {
-  std::string out =
-      fmt::format("usage: ovoid {} {}\n\n{}\n", command_, usage_, wrapped(summary_, 0));
-  for (const Section& section : sections_) {
+  std::string out = fmt::format("usage: ovoid {} {}\n\n{}\n", impl_->command, impl_->usage,
+                                wrapped(impl_->summary, 0));
+  for (const Section& section : impl_->sections) {
     out += section.title.empty() ? "\n" : fmt::format("\n{}:\n", section.title);
     for (const Entry& entry : section.entries) {
       std::string line = "  " + shown(entry.names, entry.form);
@@ -241,7 +261,7 @@ std::string Flags::help() const {
       out += line + wrapped(entry.text, kTextColumn) + '\n';
     }
   }
-  if (!footer_.empty()) out += '\n' + wrapped(footer_, 0) + '\n';
+  if (!impl_->footer.empty()) out += '\n' + wrapped(impl_->footer, 0) + '\n';
   return out;
 }
 

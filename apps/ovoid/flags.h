@@ -7,11 +7,6 @@
 #include <string>
 #include <vector>
 
-namespace CLI {  // a header that takes long to compile, so only flags.cpp includes it
-class App;
-class Option;
-}  // namespace CLI
-
 namespace ovoid::cli {
 
 // The flags of one command. CLI11 takes the command line apart; this class keeps the words of each
@@ -35,9 +30,10 @@ class Flags {
 
   // A flag with a value of the form `form`; names are like "--size" or "-o,--output". Given at most
   // once, except `repeatable` ones.
-  void value(const std::string& names, const std::string& form, const std::string& text, Take take);
+  void value(const std::string& names, const std::string& form, const std::string& text,
+             const Take& take);
   void repeatable(const std::string& names, const std::string& form, const std::string& text,
-                  Take take);
+                  const Take& take);
 
   // A flag without a value; it sets `*into` to `set_to`.
   void toggle(const std::string& names, const std::string& text, bool* into, bool set_to = true);
@@ -45,7 +41,7 @@ class Flags {
   // A flag whose value is optional and must follow an equals sign ("--profile", "--profile=FILE"):
   // `take` gets "" without one.
   void optional_value(const std::string& names, const std::string& form, const std::string& text,
-                      Take take);
+                      const Take& take);
 
   // Flags of a later version: an error by their name, whatever follows them. Not in the help.
   void refuse(std::initializer_list<const char*> names);
@@ -64,35 +60,12 @@ class Flags {
   // The first of `names` that is on the command line, or null.
   const char* first_given(std::initializer_list<const char*> names) const;
 
-  const std::string& command() const noexcept { return command_; }
+  const std::string& command() const noexcept;
   std::string help() const;
 
  private:
-  struct Entry {
-    std::string names;  // "-o,--output"
-    std::string form;   // "OUT"; empty for flags without a value and positionals
-    std::string text;
-    CLI::Option* option = nullptr;
-    bool is_repeatable = false;
-  };
-  struct Section {
-    std::string title;
-    std::vector<Entry> entries;
-  };
-
-  CLI::Option* add_taker(const std::string& names, const Take& take);
-  void add(Entry entry);
-  void check_words(const std::vector<std::string>& words) const;
-  void check_counts() const;
-  [[noreturn]] void explain_extras() const;
-  std::vector<std::string> known_flags() const;
-
-  std::string command_;
-  std::string usage_;
-  std::string summary_;
-  std::string footer_;
-  std::vector<Section> sections_;
-  std::unique_ptr<CLI::App> app_;
+  struct Impl;  // keeps CLI11's header, which takes long to compile, out of every other file
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace ovoid::cli

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "ovoid/io.h"
 #include "suggest.h"
@@ -106,6 +107,32 @@ void add_light_flags(Flags& flags, LookFlags* look) {
               });
 }
 
+// Over a span of values that may be a single one, then around it.
+void spread(TransferFunction& tf, double lo, double hi) {
+  const double half = lo < hi ? 0 : std::max(0.5, 0.5 * std::abs(lo));
+  tf.map_range(lo - half, hi + half);
+}
+
+void take_colors(TransferFunction& tf, const TransferFunction& from) {
+  tf.colors = from.colors;
+  tf.color_space = from.color_space;
+  tf.nan_color = from.nan_color;
+}
+
+// What neither the file nor a flag says is the default look's, spread over the file's span.
+void complete(TransferFunction& file, TransferFunction defaults, const LookFlags& flags,
+              Session& session) {
+  spread(defaults, file.lo(), file.hi());
+  if (file.opacities.empty() && flags.opacities.empty() && uses_opacity(flags.mode)) {
+    session.note(flags.file + ": has no opacities, drawn with a ramp over its span");
+    file.opacities = defaults.opacities;
+  }
+  if (file.colors.empty() && flags.color_map.empty()) {
+    session.note(flags.file + ": has no colours, drawn with viridis over its span");
+    take_colors(file, defaults);
+  }
+}
+
 // A file's values that have little to do with the data's draw nothing, or one colour.
 void note_disjoint_span(const TransferFunction& tf, const ValueRange& range, Session& session) {
   if (range.is_empty() || (tf.hi() >= range.lo && tf.lo() <= range.hi)) return;
@@ -159,24 +186,14 @@ Look make_look(const LookFlags& flags, const ValueRange& range, Session& session
   }
   if (!flags.file.empty()) {
     TransferFunction file = read_transfer_function(flags.file);
-    if (file.opacities.empty() && flags.opacities.empty() && uses_opacity(flags.mode)) {
-      session.note(
-          fmt::format("{}: has no opacities; drawn with a ramp over its span", flags.file));
-      file.opacities = tf.opacities;
-      const double lo = tf.lo();
-      const double stretch = (file.hi() - file.lo()) / (tf.hi() - lo);
-      for (OpacityPoint& point : file.opacities) point.x = file.lo() + (point.x - lo) * stretch;
-    }
+    complete(file, std::move(tf), flags, session);
     tf = std::move(file);
     if (!flags.range && flags.mode != Mode::kXray) note_disjoint_span(tf, range, session);
   }
   if (!flags.color_map.empty()) {
     TransferFunction map = color_map(flags.color_map);
-    map.map_range(tf.lo(), tf.hi());
-    tf.colors = std::move(map.colors);
-    tf.color_space = map.color_space;
-    tf.nan_color = map.nan_color;
-    tf.name = map.name;
+    spread(map, tf.lo(), tf.hi());
+    take_colors(tf, map);
   }
   if (flags.range) tf.map_range(flags.range->first, flags.range->second);
   if (!flags.opacities.empty()) tf.opacities = flags.opacities;

@@ -58,6 +58,7 @@ std::string help() {
   }
   if (word == "sample") throw UsageError("sample: not available in this version");
   std::vector<std::string> names;
+  names.reserve(kCommands.size());
   for (const Command& command : kCommands) names.emplace_back(command.name);
   const char* const kind = word.rfind('-', 0) == 0 ? "flag" : "command";
   throw UsageError(

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "usage.h"
 #include "values.h"
 
@@ -37,12 +39,11 @@ ClipPlane parse_clip(const std::string& text) {
 
 // A flag of the full set of which this version knows the names in `known`; the others are refused
 // by name.
-Flags::Take refusing(const char* flag, std::initializer_list<const char*> later, Flags::Take take) {
-  return [flag, later = std::vector<std::string>(later.begin(), later.end()),
-          take = std::move(take)](const std::string& text) {
-    for (const std::string& name : later) {
-      if (text == name)
-        throw UsageError(fmt::format("{} {}: not available in this version", flag, name));
+Flags::Take refusing(const char* flag, const std::vector<std::string>& later,
+                     const Flags::Take& take) {
+  return [flag, later, take](const std::string& text) {
+    if (std::find(later.begin(), later.end(), text) != later.end()) {
+      throw UsageError(fmt::format("{} {}: not available in this version", flag, text));
     }
     take(text);
   };

@@ -60,7 +60,7 @@ void Progress::show(double fraction) {
   std::fflush(stderr);
 }
 
-Session::Session(std::vector<std::string> words) : command_line_(quoted(words)) {}
+Session::Session(const std::vector<std::string>& words) : command_line_(quoted(words)) {}
 
 void Session::note(const std::string& text) {
   const std::string line = one_line(text);

@@ -48,7 +48,7 @@ class Progress {
 // What lasts for one run of the program: Ctrl-C and what is told to the person.
 class Session {
  public:
-  explicit Session(std::vector<std::string> words);
+  explicit Session(const std::vector<std::string>& words);
 
   // A line on standard error, each text once.
   void note(const std::string& text);

@@ -100,6 +100,7 @@ struct StoredArray {
   std::int64_t num_values = 0;
   std::int64_t num_bytes = 0;
   std::string format;         // ascii, binary, appended
+  bool is_opaque = false;     // bits or strings: num_bytes is the least they can take
   std::int64_t position = 0;  // inline: offset in the file; appended: from the '_'
 };
 
@@ -125,23 +126,48 @@ class VtiChecker {
  private:
   void scan() {
     XmlTagReader reader(source_);
-    std::string section;
+    std::string section;  // PointData, CellData or FieldData while inside it
     while (auto tag = reader.next()) {
-      if (tag->name == "VTKFile") read_root(*tag);
-      if (tag->name == "ImageData") read_image(*tag);
-      if (tag->name == "Piece") read_piece(*tag);
-      if (tag->name == "PointData" || tag->name == "CellData" || tag->name == "FieldData")
-        section = tag->name;
-      if (tag->name == "DataArray") read_array(*tag, section);
-      if (tag->name == "AppendedData") {
+      const std::string& name = tag->name;
+      if (name == "PointData" || name == "CellData" || name == "FieldData") {
+        section = tag->is_empty_element ? "" : name;
+        continue;
+      }
+      if (name == "/" + section) section.clear();
+      if (name.starts_with('/')) continue;
+      refuse_references(*tag);
+      if (name == "VTKFile") read_root(*tag);
+      if (name == "ImageData") read_image(*tag);
+      if (name == "Piece") read_piece(*tag);
+      // To VTK every element here is an array, whatever it is called; these two stand within one.
+      if (!section.empty() && name != "InformationKey" && name != "Value")
+        read_array(*tag, section);
+      if (name == "AppendedData") {
         is_appended_raw_ = tag->attribute("encoding") == "raw";
-        std::int64_t begin = tag->end;
-        while (begin < source_.size() && begin < tag->end + 4096 && source_.text(begin, 1) != "_")
-          ++begin;
-        appended_begin_ = begin + 1;
+        find_appended(tag->end);
         return;  // bytes that may look like anything follow
       }
     }
+  }
+
+  // "&#49;" is 1 to VTK and not to this checker; no writer makes such numbers.
+  void refuse_references(const XmlTag& tag) const {
+    for (const auto& [key, value] : tag.attributes) {
+      if (key == "Name" || value.find('&') == std::string::npos) continue;
+      fail(source_, fmt::format("{}: {}=\"{}\": character references are not expected here",
+                                tag.name.substr(0, 40), key.substr(0, 40), value.substr(0, 40)));
+    }
+  }
+
+  // Behind blanks, an underscore stands before the first byte. VTK reads on from any other
+  // character, out of step.
+  void find_appended(std::int64_t position) {
+    constexpr std::int64_t kMostBlanks = 4096;
+    const std::string text = source_.text(position, kMostBlanks);
+    const auto mark = text.find_first_not_of(" \t\r\n");
+    if (mark == std::string::npos || text[mark] != '_')
+      fail(source_, "AppendedData: do not begin with '_'");
+    appended_begin_ = position + static_cast<std::int64_t>(mark) + 1;
   }
 
   void read_root(const XmlTag& tag) {
@@ -177,39 +203,50 @@ class VtiChecker {
   }
 
   void read_array(const XmlTag& tag, const std::string& section) {
-    const std::string type = tag.attribute("type");
-    const std::int64_t value_size = xml_type_size(type);
     StoredArray array;
     array.name = tag.attribute("Name").substr(0, 80);
     array.format = tag.attribute("format", "ascii");
-    const auto integer = [&](const char* key, const char* otherwise) {
+    if (array.format != "ascii" && array.format != "binary" && array.format != "appended") {
+      fail(source_, fmt::format("array '{}': format=\"{}\": expected ascii, binary or appended",
+                                array.name, array.format.substr(0, 40)));
+    }
+    const auto integer = [&](const char* key, const char* otherwise, std::int64_t least,
+                             std::int64_t most) {
       const std::string text = tag.attribute(key, otherwise);
-      const auto words_of_text = words(text);
-      const auto value = words_of_text.size() == 1 ? parse_integer(words_of_text[0]) : std::nullopt;
-      if (!value || *value < 0)
-        fail(source_, fmt::format("array '{}': {}=\"{}\": expected a count", array.name, key,
-                                  text.substr(0, 40)));
+      const auto parts = words(text);
+      const auto value = parts.size() == 1 ? parse_integer(parts[0]) : std::nullopt;
+      if (!value || *value < least || *value > most) {
+        fail(source_, fmt::format("array '{}': {}=\"{}\": expected {} to {}", array.name, key,
+                                  text.substr(0, 40), least, most));
+      }
       return *value;
     };
-    if (value_size == 0) return;
-    const std::int64_t num_components = integer("NumberOfComponents", "1");
-    const std::int64_t num_tuples = section == "FieldData" ? integer("NumberOfTuples", "1")
-                                    : section == "CellData"
-                                        ? num_cells(piece_dims_)
-                                        : num_points(source_, "Extent", piece_dims_);
+    const std::int64_t num_components = integer("NumberOfComponents", "1", 1, kMaxComponents);
+    const std::int64_t num_tuples =
+        section == "FieldData"  ? integer("NumberOfTuples", "1", 0, kMaxNumBytes)
+        : section == "CellData" ? num_cells(piece_dims_)
+                                : num_points(source_, "Extent", piece_dims_);
+    const std::string type = tag.attribute("type");
+    // What is no number (bits, strings) takes an eighth of a byte at least; VTK reads it and it is
+    // left out afterwards.
+    const std::int64_t value_size = xml_type_size(type);
+    array.is_opaque = value_size == 0;
+    array.layout =
+        fmt::format("{} tuples of {} {}", num_tuples, num_components, type.substr(0, 40));
     const auto num_values = checked_product(std::array{num_tuples, num_components});
-    const auto num_bytes = checked_product(std::array{num_values.value_or(-1), value_size});
-    array.layout = fmt::format("{} tuples of {} {}", num_tuples, num_components, type);
+    const auto num_bytes =
+        checked_product(std::array{num_values.value_or(-1), std::max<std::int64_t>(value_size, 1)});
     if (!num_bytes || *num_bytes > kMaxNumBytes) {
       fail(source_,
            fmt::format("array '{}': {} are larger than any file", array.name, array.layout));
     }
     array.num_values = *num_values;
-    array.num_bytes = *num_bytes;
-    array.position = array.format == "appended" ? integer("offset", "0") : tag.end;
+    array.num_bytes = array.is_opaque ? *num_bytes / 8 : *num_bytes;
+    array.position = array.format == "appended" ? integer("offset", "0", 0, kMaxNumBytes) : tag.end;
     arrays_.push_back(array);
-    if (arrays_.size() > kMaxArrays)
+    if (arrays_.size() > kMaxArrays) {
       fail(source_, fmt::format("has more than {} arrays", kMaxArrays), ErrorCode::kUnsupported);
+    }
   }
 
   void check_ratio(const std::string& what, std::int64_t num_bytes) const {
@@ -231,7 +268,8 @@ class VtiChecker {
     if (is_appended && is_appended_raw_) {
       bytes = source_.text(begin, static_cast<std::int64_t>(num_bytes));
     } else {
-      std::string text = source_.text(begin, 4096);
+      // Blanks and line breaks may stand before the digits.
+      std::string text = source_.text(begin, 4096 + static_cast<std::int64_t>(num_bytes * 4 / 3));
       text.erase(0, std::min(text.find_first_not_of(" \t\r\n"), text.size()));
       bytes = decode_base64(text, num_bytes);
     }
@@ -282,37 +320,58 @@ class VtiChecker {
       return;
     }
     check_ratio(what, array.num_bytes);
+    if (array.is_opaque) return;
     if (array.format == "appended" && appended_begin_ == 0)
       fail(source_, what + ": its data are appended, but no AppendedData follow");
-    const auto stated = read_words(array, is_compressed_ ? 3 : 1);
-    if (stated.empty())
-      fail(source_, fmt::format("{}: its data are missing: is the file truncated?", what));
-    constexpr std::uint64_t kLargest = kMaxNumBytes;
-    std::optional<std::uint64_t> num_stated = stated[0];
-    if (is_compressed_) {
-      // Number of blocks, size of each, size of the last if it is shorter.
-      const auto [num_blocks, block_size, last_size] = std::array{stated[0], stated[1], stated[2]};
-      if (num_blocks > static_cast<std::uint64_t>(source_.size()) || block_size > kLargest ||
-          last_size > block_size) {
-        fail(source_,
-             fmt::format("{}: states {} blocks of {} bytes, the last of {}: the file has {} bytes",
-                         what, num_blocks, block_size, last_size, source_.size()));
-      }
-      const std::uint64_t num_full = last_size > 0 ? num_blocks - 1 : num_blocks;
-      std::uint64_t full_size = 0;
-      const bool fits = num_blocks > 0 &&
-                        !__builtin_mul_overflow(num_full, block_size, &full_size) &&
-                        full_size <= kLargest;
-      num_stated = fits ? std::optional(full_size + last_size) : std::nullopt;
-    }
+    const std::uint64_t num_stated =
+        is_compressed_ ? stated_in_blocks(array) : stated_words(array, 1)[0];
     if (num_stated != static_cast<std::uint64_t>(array.num_bytes)) {
-      fail(source_, fmt::format("{}: states {} bytes, {} need {}", what,
-                                num_stated ? std::to_string(*num_stated) : "impossibly many",
-                                array.layout, array.num_bytes));
+      fail(source_, fmt::format("{}: states {} bytes, {} need {}", what, num_stated, array.layout,
+                                array.num_bytes));
     }
   }
 
+  std::vector<std::uint64_t> stated_words(const StoredArray& array, std::size_t count) const {
+    auto result = read_words(array, count);
+    if (result.empty()) {
+      fail(source_,
+           fmt::format("array '{}': its data are missing: is the file truncated?", array.name));
+    }
+    return result;
+  }
+
+  // Compressed arrays begin with: number of blocks, size of each, size of the last if it is
+  // shorter, compressed size of every block. Returns the sum of the sizes.
+  std::uint64_t stated_in_blocks(const StoredArray& array) const {
+    const auto head = stated_words(array, 3);
+    const auto [num_blocks, block_size, last_size] = std::array{head[0], head[1], head[2]};
+    const auto file_size = static_cast<std::uint64_t>(source_.size());
+    constexpr std::uint64_t kLargestBlock = std::uint64_t{1}
+                                            << 31;  // VTK's writers make blocks of 32 KiB to 4 MiB
+    const bool fits = num_blocks > 0 &&
+                      num_blocks <= file_size / static_cast<std::uint64_t>(word_size_) &&
+                      block_size <= kLargestBlock && last_size <= block_size &&
+                      num_blocks <= static_cast<std::uint64_t>(kMaxNumBytes) / kLargestBlock;
+    if (!fits) {
+      fail(source_,
+           fmt::format(
+               "array '{}': states {} blocks of {} bytes, the last of {}: the file has {} bytes",
+               array.name, num_blocks, block_size, last_size, file_size));
+    }
+    const auto all = stated_words(array, 3 + static_cast<std::size_t>(num_blocks));
+    for (std::size_t i = 3; i < all.size(); ++i) {
+      if (all[i] > file_size) {
+        fail(source_, fmt::format("array '{}': states that block {} has {} bytes: the file has {}",
+                                  array.name, i - 3, all[i], file_size));
+      }
+    }
+    // At most kMaxNumBytes.
+    return (last_size > 0 ? num_blocks - 1 : num_blocks) * block_size + last_size;
+  }
+
   static constexpr std::size_t kMaxArrays = 10000;
+  static constexpr std::int64_t kMaxComponents =
+      1 << 20;  // VTK works through the components' names one by one
 
   const ByteSource& source_;
   bool has_image_ = false;

@@ -70,14 +70,28 @@ TEST(VtiHeader, RefusesWhatTheFileCannotHold) {
             "file-format: a.vti: the pieces cover 12 of the 336 samples of WholeExtent");
   EXPECT_EQ(vti_error(with(kAppended, R"(Name="a > b")",
                            R"(Name="v" NumberOfComponents="9000000000000000000")")),
-            "file-format: a.vti: array 'v': 12 tuples of 9000000000000000000 UInt8 are larger than "
-            "any file");
+            "file-format: a.vti: array 'v': NumberOfComponents=\"9000000000000000000\": expected 1 "
+            "to 1048576");
   EXPECT_EQ(vti_error(with(kAppended, R"(offset="0")", R"(offset="99999")")),
             "file-format: a.vti: array 'a > b': its data are missing: is the file truncated?");
   EXPECT_EQ(vti_error(kAppended.substr(0, kAppended.find("<AppendedData"))),
             "file-format: a.vti: array 'a > b': its data are appended, but no AppendedData follow");
   EXPECT_EQ(vti_error(kAppended.substr(0, 155)),
             "file-format: a.vti: holds no ImageData element: is the file truncated?");
+}
+
+// What VTK's parser would take for something else than this one does.
+TEST(VtiHeader, RefusesWhatCouldBeReadInTwoWays) {
+  EXPECT_EQ(vti_error(with(kAppended, R"(Name="a > b")", R"(NumberOfComponents="&#49;")")),
+            "file-format: a.vti: DataArray: NumberOfComponents=\"&#49;\": character references are "
+            "not expected here");
+  EXPECT_EQ(vti_error("<!DOCTYPE a [<!ENTITY b \"c\">]>" + kAppended),
+            "unsupported: a.vti: the declaration at byte 0 is not read: expected tags and comments");
+  EXPECT_EQ(vti_error(with(kAppended, R"(format="appended")", R"(format="elsewhere")")),
+            "file-format: a.vti: array 'a > b': format=\"elsewhere\": expected ascii, binary or "
+            "appended");
+  EXPECT_EQ(vti_error(with(kAppended, "\n_", "\nx")),
+            "file-format: a.vti: AppendedData: do not begin with '_'");
 }
 
 TEST(VtiHeader, ChecksTheBlocksOfCompressedArrays) {

@@ -101,9 +101,16 @@ std::optional<XmlTag> XmlTagReader::next() {
       position_ = close + 1;
       continue;
     }
+    // Entities could be declared there that grow without end where they are used.
+    if (start.starts_with("<!")) {
+      throw Error(
+          ErrorCode::kUnsupported,
+          fmt::format("{}: the declaration at byte {} is not read: expected tags and comments",
+                      source_.name(), begin));
+    }
     const std::string text = tag_text(begin);
     position_ = begin + static_cast<std::int64_t>(text.size());
-    if (start.size() > 1 && (start[1] == '?' || start[1] == '!')) continue;
+    if (start.starts_with("<?")) continue;
     XmlTag tag = parse_tag(std::string_view(text).substr(1, text.size() - 2));
     tag.begin = begin;
     tag.end = position_;

@@ -22,7 +22,8 @@ struct XmlTag {
 };
 
 // Walks the tags of a file in order, without a tree and without keeping text: enough to look at a
-// header before a real parser is let loose on it. Comments, declarations and text are passed over.
+// header before a real parser is let loose on it. Comments, processing instructions and text are
+// passed over.
 class XmlTagReader {
  public:
   explicit XmlTagReader(const ByteSource& source) : source_(source) {}

@@ -46,6 +46,11 @@ float beyond(double x) {
   return static_cast<double>(f) > x ? f : std::nextafter(f, kInfinity);
 }
 
+// Where the piece of the curve that begins at `point` passes half of its change.
+double middle_of(const OpacityPoint& point, double width) {
+  return point.x + std::clamp(point.midpoint, kMinMidpoint, kMaxMidpoint) * width;
+}
+
 struct Span {
   double lo, hi;
 };
@@ -70,6 +75,7 @@ Span covered(const TransferFunction& tf) {
 LookTable::LookTable(const TransferFunction& tf) : tables_(std::make_unique<Tables>()) {
   place(tf);
   fill(tf);
+  keep_steps(tf);
   keep_zeros(tf);
   count_opaque_nodes();
   find_showing(tf);
@@ -91,9 +97,13 @@ void LookTable::place(const TransferFunction& tf) {
   scale_ = static_cast<float>(1.0 / cell);
 }
 
+double LookTable::node_value(int i) const noexcept {
+  return static_cast<double>(origin_) + i / static_cast<double>(scale_);
+}
+
 void LookTable::fill(const TransferFunction& tf) {
   for (int i = 0; i < kNodes; ++i) {
-    const double value = static_cast<double>(origin_) + i / static_cast<double>(scale_);
+    const double value = node_value(i);
     const Rgb rgb = tf.color_at(value);
     tables_->r[i] = static_cast<float>(rgb[0]);
     tables_->g[i] = static_cast<float>(rgb[1]);
@@ -102,6 +112,32 @@ void LookTable::fill(const TransferFunction& tf) {
   }
   for (float* x : {tables_->r, tables_->g, tables_->b, tables_->opacity}) {
     std::fill(x + kNodes, x + kPaddedNodes, x[kCells]);
+  }
+}
+
+// Makes the table change its side at `value`. The nodes decide which cell that is, because they were
+// read from one side or the other.
+void LookTable::keep_step_at(double value) {
+  int i = std::clamp(static_cast<int>(coordinate(static_cast<float>(value))), 0, kCells - 1);
+  if (i > 0 && node_value(i) >= value) --i;
+  if (i + 1 < kCells && node_value(i + 1) < value) ++i;
+  const float t = coordinate(ceil_to_float(value)) - static_cast<float>(i);
+  tables_->step[i] = std::clamp(t, 0.0F, 1.0F);
+  has_steps_ = true;
+}
+
+void LookTable::keep_steps(const TransferFunction& tf) {
+  std::fill_n(tables_->step, kPaddedNodes, -1.0F);
+  const auto& colors = tf.colors;
+  for (std::size_t k = 0; k + 1 < colors.size(); ++k) {
+    if (tf.color_space == ColorSpace::kStep || colors[k].x == colors[k + 1].x)
+      keep_step_at(colors[k].x);
+  }
+  const auto& points = tf.opacities;
+  for (std::size_t k = 0; k + 1 < points.size(); ++k) {
+    const double width = points[k + 1].x - points[k].x;
+    if (width == 0.0) keep_step_at(points[k].x);
+    if (width > 0.0 && points[k].sharpness > kStepSharpness) keep_step_at(middle_of(points[k], width));
   }
 }
 
@@ -161,7 +197,7 @@ void LookTable::find_showing(const TransferFunction& tf) {
     // Exactly where a step by sharpness lies is a matter of rounding: a float more on the safe
     // side.
     const bool is_step = a.sharpness > kStepSharpness;
-    const double middle = a.x + std::clamp(a.midpoint, kMinMidpoint, kMaxMidpoint) * (b.x - a.x);
+    const double middle = middle_of(a, b.x - a.x);
     add(a.opacity > 0.0 ? ceil_to_float(a.x)
         : is_step       ? before(middle)
                         : beyond(a.x),
@@ -178,9 +214,9 @@ bool LookTable::any_opacity(float lo, float hi) const noexcept {
   if (!(lo <= hi)) return false;
   const float t_lo = coordinate(lo);
   const float t_hi = coordinate(hi);
-  // A straight piece is zero between two zeros: the ends of the range and the nodes within it
-  // decide.
-  if (lerp(tables_->opacity, t_lo) > 0.0F || lerp(tables_->opacity, t_hi) > 0.0F) return true;
+  // A piece, straight or a step, is zero between two zeros: the ends of the range and the nodes
+  // within it decide.
+  if (read(tables_->opacity, t_lo) > 0.0F || read(tables_->opacity, t_hi) > 0.0F) return true;
   const std::int16_t* nodes_before = tables_->opaque_nodes_before;
   if (nodes_before[static_cast<int>(t_hi) + 1] > nodes_before[static_cast<int>(t_lo) + 1])
     return true;

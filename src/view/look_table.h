@@ -15,8 +15,9 @@ namespace ovoid::view {
 // A table of kCells cells over the values where a transfer function has something to show. The
 // reading rule, which vector code follows operation by operation (at() is its scalar form):
 //
-//   t = clamp((value - origin()) * scale(), 0, kCells);  i = int(t);  f = t - i;  x = x[i] + f *
-//   (x[i + 1] - x[i])
+//   t = clamp((value - origin()) * scale(), 0, kCells);  i = int(t);  f = t - i;
+//   if (step[i] >= 0) f = f >= step[i] ? 1 : 0;
+//   x = x[i] + f * (x[i + 1] - x[i])
 //
 // Node i stands for the value origin() + i / scale(). Whether the last line is fused does not
 // change where the opacity is zero. Every array has kPaddedNodes floats, 64-byte aligned, the last
@@ -30,13 +31,14 @@ namespace ovoid::view {
 //
 // Against exact evaluation: straight pieces agree to float rounding; at a corner the table errs by
 // at most a quarter of the difference of the slopes, times a cell; a step (two points of one x,
-// sharpness over 0.99, ColorSpace::kStep) becomes a ramp over the cell it lies in; a feature
-// narrower than kMinFeatureCells may be missed. Zero stays zero: where the curve is zero over more
+// sharpness over 0.99, ColorSpace::kStep) is where it should be to float rounding, and the rest of
+// its cell is flat, so that it errs by the slope times a cell; of several steps in one cell the
+// last is kept; a feature narrower than kMinFeatureCells may be missed. Zero stays zero: where the curve is zero over more
 // than a cell up to a corner and the corner included, the table is exactly zero, too (background
 // that sits at the foot of a ramp costs nothing); in turn the ramp may start up to a cell late.
 //
 // Immutable; all members may be called from many threads. Cost of construction: kNodes exact
-// evaluations, about 0.1 ms for colours in RGB, 2 ms for Lab and Diverging; 73 KiB.
+// evaluations, about 0.1 ms for colours in RGB, 2 ms for Lab and Diverging; 89 KiB.
 class LookTable {
  public:
   static constexpr int kCells = 4096;
@@ -59,10 +61,14 @@ class LookTable {
   const float* blue() const noexcept { return tables_->b; }
   const float* opacity() const noexcept { return tables_->opacity; }
 
+  // Whether any cell has a step; then which: the fraction of the cell where it lies, -1 in others.
+  bool has_steps() const noexcept { return has_steps_; }
+  const float* step() const noexcept { return tables_->step; }
+
   Sample at(float value) const noexcept {
     const float t = coordinate(value);
-    return {lerp(tables_->r, t), lerp(tables_->g, t), lerp(tables_->b, t),
-            lerp(tables_->opacity, t)};
+    return {read(tables_->r, t), read(tables_->g, t), read(tables_->b, t),
+            read(tables_->opacity, t)};
   }
 
   // Whether a value in [lo, hi] can have an opacity other than zero, in this table or by exact
@@ -77,19 +83,25 @@ class LookTable {
  private:
   struct alignas(64) Tables {
     float r[kPaddedNodes], g[kPaddedNodes], b[kPaddedNodes], opacity[kPaddedNodes];
+    float step[kPaddedNodes];
     std::int16_t opaque_nodes_before[kNodes + 1];  // how many of nodes 0 to i - 1 are not zero
   };
 
-  static float lerp(const float* x, float t) noexcept {
+  float read(const float* x, float t) const noexcept {
     const int i = static_cast<int>(t);
-    return x[i] + (t - static_cast<float>(i)) * (x[i + 1] - x[i]);
+    float f = t - static_cast<float>(i);
+    if (tables_->step[i] >= 0.0F) f = f >= tables_->step[i] ? 1.0F : 0.0F;
+    return x[i] + f * (x[i + 1] - x[i]);
   }
   float coordinate(float value) const noexcept {
     return std::min(std::max((value - origin_) * scale_, 0.0F), static_cast<float>(kCells));
   }
 
   void place(const TransferFunction& tf);
+  double node_value(int i) const noexcept;
   void fill(const TransferFunction& tf);
+  void keep_step_at(double value);
+  void keep_steps(const TransferFunction& tf);
   void keep_zero_at(float value);
   void keep_zeros(const TransferFunction& tf);
   void find_showing(const TransferFunction& tf);
@@ -101,6 +113,7 @@ class LookTable {
   float origin_ = 0.0F;
   float scale_ = 1.0F;
   float max_opacity_ = 0.0F;
+  bool has_steps_ = false;
   std::unique_ptr<Tables> tables_;
   std::vector<Interval> showing_;  // where the exact curve is not zero: rising, apart
 };

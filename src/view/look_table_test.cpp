@@ -123,18 +123,38 @@ TEST(LookTable, NarrowPeaksHaveAllTheCells) {
   EXPECT_NEAR(table.at(101).r, 0.505, 1e-6);
 }
 
-TEST(LookTable, AStepIsARampOverOneCell) {
+// Fails if a step is taken anywhere but at its value, from either curve.
+TEST(LookTable, StepsAreWhereTheyShouldBe) {
   TransferFunction tf;
-  tf.opacities = {{0, 0.125}, {33.3, 0.125}, {33.3, 0.75}, {100, 0.75}};
+  tf.opacities = {{0, 0.125}, {33.3, 0.125}, {33.3, 0.75}, {60, 0.75, 0.5, 1}, {80, 0.25}};
   tf.colors = {{0, {1, 0, 0}}, {50, {0, 1, 0}}, {100, {0, 0, 1}}};
   tf.color_space = ColorSpace::kStep;
   const LookTable table(tf);
-  const double cell = cell_of(table) * 1.01;
-  EXPECT_EQ(table.at(static_cast<float>(33.3 - cell)).opacity, 0.125F);
-  EXPECT_EQ(table.at(static_cast<float>(33.3 + cell)).opacity, 0.75F);
-  EXPECT_EQ(table.at(static_cast<float>(50 - cell)).g, 1.0F);
-  EXPECT_EQ(table.at(static_cast<float>(50 + cell)).b, 1.0F);
+  ASSERT_TRUE(table.has_steps());
+  // A coordinate of some thousand cells is rounded to 2^-12 cells, here 6e-6.
+  const float near = 1e-5F;
+  EXPECT_EQ(table.at(33.3F - near).opacity, 0.125F);
+  EXPECT_EQ(table.at(33.3F + near).opacity, 0.75F);
+  EXPECT_EQ(table.at(70 - near).opacity, 0.75F);
+  EXPECT_EQ(table.at(70 + near).opacity, 0.25F);
+  EXPECT_EQ(table.at(50 - near).g, 1.0F);
+  EXPECT_EQ(table.at(50 + near).b, 1.0F);
 }
+
+// Fails if a node that a step falls on is read from the wrong side: one of the many does.
+TEST(LookTable, EveryPlaceOfAStepIsSharp) {
+  for (int trial = 0; trial < 5000; ++trial) {
+    const double x = 10 + trial * 0.001;
+    TransferFunction tf;
+    tf.opacities = {{0, 0.5}, {x, 0.5}, {x, 1}, {20, 1}};
+    const LookTable table(tf);
+    const float near = 3e-6F;  // as above, for a fifth of the span
+    ASSERT_EQ(table.at(static_cast<float>(x) - near).opacity, 0.5F) << x;
+    ASSERT_EQ(table.at(static_cast<float>(x) + near).opacity, 1.0F) << x;
+  }
+}
+
+TEST(LookTable, SmoothCurvesHaveNoSteps) { EXPECT_FALSE(LookTable(hat(0, 1, 2)).has_steps()); }
 
 // Steps at the very ends of the points must not spoil the endless ranges beyond them.
 TEST(LookTable, StepsAtTheEnds) {

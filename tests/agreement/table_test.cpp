@@ -20,13 +20,13 @@ RenderOptions table_options(const Field& field) {
   return picture(52, 48, is_one_sample(field) ? 0.06 : 0);
 }
 
-// The cpu back end's table makes of a step a ramp over one of its cells. And where a field ends, a
-// sample at the end itself exists or not by its rounding: one sample's small ball is all end.
-ImageTolerance tolerance_of(const Field& field, const TestLook& look) {
+// Where a field ends, a sample at the end itself exists or not by its rounding: one sample's small
+// ball is all end.
+ImageTolerance tolerance_of(const Field& field) {
   ImageTolerance tolerance;
-  if (look.name == "colour step" || is_one_sample(field)) {
-    tolerance.min_psnr_db = kStepPsnrDb;
-    tolerance.max_8bit = kStep8BitDifference;
+  if (is_one_sample(field)) {
+    tolerance.min_psnr_db = kAllEndPsnrDb;
+    tolerance.max_8bit = kAllEnd8BitDifference;
   }
   return tolerance;
 }
@@ -44,7 +44,7 @@ TEST_P(AgreementTable, EveryLookBothProjections) {
       const std::string name =
           volume.name + ", " + look.name + ", " + (is_parallel ? "parallel" : "perspective");
       // A slice has few samples at values within a peak.
-      EXPECT_TRUE(backends_agree(scene, name, 0.01, tolerance_of(volume.field, look))) << name;
+      EXPECT_TRUE(backends_agree(scene, name, 0.01, tolerance_of(volume.field))) << name;
     }
   }
 }

@@ -271,6 +271,24 @@ TEST_F(RenderLook, AFileWithoutOpacitiesGetsTheRampAndANote) {
   EXPECT_EQ(read_npy(folder_ / "x.npy").rgba, npy({"--tf", red_}));
 }
 
+TEST_F(RenderLook, AFileWithoutColoursGetsTheDefaultOnesAndANote) {
+  const std::string points = preset("points.json", R"([{"Name": "points",
+    "Points": [20, 0, 0.5, 0, 60, 0.9, 0.5, 0]}])");
+  const Outcome result =
+      run({"render", ball_, "-o", folder_ / "x.npy", "--size", "40x30", "--tf", points});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.err.find("note: " + points), std::string::npos) << result.err;
+  EXPECT_EQ(read_npy(folder_ / "x.npy").rgba,
+            npy({"--range", "20,60", "--opacity", "20:0,60:0.9"}));
+}
+
+TEST_F(RenderLook, AFileOfASinglePointIsALook) {
+  const std::string one = preset("one.json", R"([{"Name": "one", "RGBPoints": [9, 1, 0, 0],
+    "Points": [9, 0.5, 0.5, 0]}])");
+  EXPECT_GT(draw(folder_, {ball_, "--tf", one}).num_covered(), 0U);
+  EXPECT_GT(draw(folder_, {ball_, "--tf", one, "--colormap", "gray"}).num_covered(), 0U);
+}
+
 TEST_F(RenderLook, AFileBesideTheDataIsNoted) {
   const Outcome result = run(
       {"render", ball_, "-o", folder_ / "x.npy", "--size", "40x30", "--tf",

@@ -14,10 +14,11 @@
 
 namespace ovoid::fuzz {
 
-inline std::string gzip(const std::string& data) {
+// zlib's own container for 15 window bits, gzip's for 16 more.
+inline std::string deflated(const std::string& data, int window_bits) {
   std::string out(data.size() + 1000, '\0');
   z_stream stream{};
-  deflateInit2(&stream, 9, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY);
+  deflateInit2(&stream, 9, Z_DEFLATED, window_bits, 8, Z_DEFAULT_STRATEGY);
   stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(data.data()));
   stream.avail_in = static_cast<uInt>(data.size());
   stream.next_out = reinterpret_cast<Bytef*>(out.data());
@@ -27,6 +28,8 @@ inline std::string gzip(const std::string& data) {
   deflateEnd(&stream);
   return out;
 }
+
+inline std::string gzip(const std::string& data) { return deflated(data, 15 + 16); }
 
 inline std::string bzip2(const std::string& data) {
   std::string out(data.size() + 1000, '\0');
@@ -113,7 +116,7 @@ inline std::vector<std::string> vtk_header_seeds() {
       "0 1 0 0 0 1\">\n";
   const std::string array = "<DataArray type=\"UInt8\" Name=\"v\" NumberOfComponents=\"1\" ";
   const std::string end = "</PointData>\n<CellData/>\n</Piece>\n</ImageData>\n";
-  const std::string compressed = gzip(samples(12));
+  const std::string compressed = deflated(samples(12), 15);
   return {
       start + ">\n" + image + piece + array +
           "format=\"ascii\">1 2 3 4 5 6 7 8 9 10 11 12</DataArray>\n" + end + "</VTKFile>\n",
@@ -124,8 +127,8 @@ inline std::vector<std::string> vtk_header_seeds() {
           "\n</AppendedData>\n</VTKFile>\n",
       start + " compressor=\"vtkZLibDataCompressor\">\n<!-- > -->" + image + piece + array +
           "format=\"appended\" offset=\"0\"/>\n" + end + "<AppendedData encoding=\"raw\">\n_" +
-          std::string("\1\0\0\0\x0c\0\0\0\0\0\0\0\x10\0\0\0", 16) + compressed +
-          "\n</AppendedData>\n</VTKFile>\n",
+          std::string("\1\0\0\0\x0c\0\0\0\0\0\0\0", 12) + static_cast<char>(compressed.size()) +
+          std::string(3, '\0') + compressed + "\n</AppendedData>\n</VTKFile>\n",
       "# vtk DataFile Version 3.0\ntitle\nBINARY\n\nDATASET STRUCTURED_POINTS\nDIMENSIONS 3 2 "
       "2\nSPACING 1 1 1\nORIGIN 0 0 0\n"
       "POINT_DATA 12\nSCALARS v unsigned_char 1\nLOOKUP_TABLE default\n" +

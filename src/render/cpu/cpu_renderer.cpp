@@ -124,8 +124,8 @@ void set_look(CpuFrame& frame, const LatticeField& field, const Look& look,
   const view::LookTable& table = plan.look_table;
   frame.mode = look.mode;
   frame.shade = look.shade;
-  frame.table = {nodes.data.get(), table.origin(), table.scale(),
-                 static_cast<float>(view::LookTable::kCells)};
+  frame.table = {nodes.data.get(), table.has_steps() ? table.step() : nullptr, table.origin(),
+                 table.scale(), static_cast<float>(view::LookTable::kCells)};
   frame.isovalue = static_cast<float>(look.isovalue);
   const Rgb color = look.transfer_function.color_at(look.isovalue);
   for (int c = 0; c < 3; ++c) frame.isosurface_color[c] = static_cast<float>(color[c]);

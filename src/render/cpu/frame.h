@@ -25,10 +25,11 @@ inline constexpr int kMaxSlabNodes = 32;
 // lattice's (docs/numerics.md).
 inline constexpr float kLeastWeight = 0.48F;
 
-// The look table's nodes, ready for linear interpolation: red, green, blue and opacity side by
-// side. The opacity is corrected for a path of one sampling distance.
+// The look table, to be read as it says: red, green, blue and opacity of a node side by side. The
+// opacity is corrected for a path of one sampling distance.
 struct ClassificationTable {
   const float* nodes = nullptr;  // [last_node + 2][4], 16-byte aligned
+  const float* steps = nullptr;  // [last_node + 1]; null if no cell has one
   float value_lo = 0;            // value at node 0
   float nodes_per_value = 1;
   float last_node = 1;

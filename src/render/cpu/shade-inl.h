@@ -68,9 +68,15 @@ HWY_INLINE Classified Classify(const ClassificationTable& table, V value) {
   // The order of operands makes NaN, of lanes that nobody asked for, a node too.
   const V clamped = hn::Min(hn::Max(at, hn::Zero(d)), hn::Set(d, table.last_node));
   const V node = hn::Floor(clamped);
-  const V fraction = hn::Sub(clamped, node);
+  V fraction = hn::Sub(clamped, node);
   alignas(64) std::int32_t index[16];
-  hn::Store(NearestInteger(node), di, index);
+  const auto integers = NearestInteger(node);
+  hn::Store(integers, di, index);
+  if (table.steps != nullptr) {
+    const V step = hn::GatherIndex(d, table.steps, integers);
+    const V side = hn::IfThenElseZero(hn::Ge(fraction, step), hn::Set(d, 1.0F));
+    fraction = hn::IfThenElse(hn::Lt(step, hn::Zero(d)), fraction, side);
+  }
   const Classified lo = TransposeNodes(table.nodes, index);
   const Classified hi = TransposeNodes(table.nodes + 4, index);
   const auto mix = [&](V a, V b) { return hn::MulAdd(hn::Sub(b, a), fraction, a); };

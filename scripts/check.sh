@@ -10,7 +10,7 @@ declare -A checks=(
   [references]="python3 scripts/check_references.py"
   [format]="scripts/check_format.sh"
   [licences]="python3 scripts/check_licences.py build/release/bin/ovoid scripts/licences.txt"
-  [tidy]="python3 scripts/check_tidy.py build/release"
+  [tidy]="python3 scripts/check_tidy.py"
 )
 names=("$@")
 ((${#names[@]})) || names=(text dependencies references format licences tidy)

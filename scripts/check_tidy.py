@@ -1,18 +1,22 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Runs clang-tidy over the project's own translation units, tests aside: check_tidy.py BUILD_FOLDER [FILE...].
+"""Runs clang-tidy over the project's own sources, tests aside: check_tidy.py [FILE...].
 
-A unit that passed is not read again until it, a header of the project, its flags or .clang-tidy change: what passed is remembered by
-hash in BUILD_FOLDER/tidy.
+Sources of one folder are read together (a unity build that is configured and never built), because most of the time goes into the
+headers they share. A unit that passed is not read again until one of its sources, a header of the project, its flags or .clang-tidy
+change: what passed is remembered by hash in build/tidy.
 """
 import concurrent.futures
 import hashlib
 import json
 import os
+import re
 import subprocess
 import sys
 
 from sources import ROOT, project_files, read_text
+
+FOLDER = os.path.join(ROOT, "build", "tidy")
 
 
 def hash_of(*texts):
@@ -22,51 +26,61 @@ def hash_of(*texts):
     return digest.hexdigest()
 
 
-def read_units(build_folder):
-    with open(os.path.join(build_folder, "compile_commands.json"), encoding="utf-8") as file:
+def read_units():
+    """Path of each unit to its command and the project's sources in it."""
+    subprocess.run(["cmake", "--preset", "tidy", "--log-level=ERROR"], cwd=ROOT, check=True, capture_output=True)
+    with open(os.path.join(FOLDER, "compile_commands.json"), encoding="utf-8") as file:
         entries = json.load(file)
-    own = {path for path in project_files("src/*.cpp", "apps/*.cpp", "bench/*.cpp") if not path.endswith("_test.cpp")}
+    own = set(project_files("src/*.cpp", "apps/*.cpp", "bench/*.cpp"))
     units = {}
     for entry in entries:
-        path = os.path.relpath(os.path.join(entry["directory"], entry["file"]), ROOT)
-        if path in own:
-            units[path] = entry.get("command") or " ".join(entry["arguments"])
+        path = os.path.join(entry["directory"], entry["file"])
+        sources = [path]
+        if "/Unity/" in path:
+            with open(path, encoding="utf-8") as file:
+                sources = re.findall(r'#include "(.*)"', file.read())
+        sources = [os.path.relpath(source, ROOT) for source in sources]
+        sources = [source for source in sources if source in own]
+        if sources:
+            units[path] = (entry["command"], sources)
     return units
 
 
-def run_tidy(build_folder, path):
+def run_tidy(path):
     # SIMD code is read once, not once per target.
-    command = ["clang-tidy", "-p", build_folder, "--quiet", "--extra-arg=-DHWY_COMPILE_ONLY_STATIC", path]
+    command = ["clang-tidy", "-p", FOLDER, "--quiet", "--extra-arg=-DHWY_COMPILE_ONLY_STATIC", path]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     broken = "Error parsing" in done.stderr  # of .clang-tidy, which clang-tidy does not think worth an exit code
     return done.returncode == 0 and not broken, done.stderr if broken else done.stdout
 
 
-def main(build_folder, wanted):
-    build_folder = os.path.abspath(build_folder)
-    units = read_units(build_folder)
-    unknown = [path for path in wanted if path not in units]
+def main(wanted):
+    units = read_units()
+    unknown = set(wanted) - {source for _, sources in units.values() for source in sources}
     if unknown:
-        sys.exit(f"not built in {build_folder}: {', '.join(unknown)}")
-    memory = os.path.join(build_folder, "tidy")
+        sys.exit(f"not a source that is built: {', '.join(sorted(unknown))}")
+    memory = os.path.join(FOLDER, "passed")
     os.makedirs(memory, exist_ok=True)
     common = hash_of(read_text(".clang-tidy"), *(read_text(path) for path in project_files("*.h")))
-    marks = {path: os.path.join(memory, hash_of(common, read_text(path), units[path])) for path in wanted or units}
-    due = [path for path, mark in marks.items() if not os.path.exists(mark)]
+    due = {}
+    for path, (command, sources) in units.items():
+        if wanted and not set(wanted) & set(sources):
+            continue
+        mark = os.path.join(memory, hash_of(common, command, *(read_text(source) for source in sources)))
+        if not os.path.exists(mark):
+            due[path] = mark
     failed = False
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        for path, (passed, output) in zip(due, pool.map(lambda unit: run_tidy(build_folder, unit), due)):
+        for (path, mark), (passed, output) in zip(due.items(), pool.map(run_tidy, due)):
             if passed:
-                with open(marks[path], "w", encoding="ascii"):
+                with open(mark, "w", encoding="ascii"):
                     pass
             else:
                 failed = True
                 print(output.strip() or f"{path}: clang-tidy failed without a word")
-    print(f"{len(marks)} units, {len(due)} of them read anew")
+    print(f"{sum(len(sources) for _, sources in units.values())} sources, {len(due)} of {len(units)} units read anew")
     return 1 if failed else 0
 
 
 if __name__ == "__main__":
-    if len(sys.argv) < 2:
-        sys.exit(__doc__)
-    sys.exit(main(sys.argv[1], sys.argv[2:]))
+    sys.exit(main(sys.argv[1:]))

@@ -26,7 +26,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kMinFrames = 10;  // fewer make no quartiles
 constexpr int kMaxFrames = 10'000;
-constexpr double kTurnDegrees = 0.01;  // as `ovoid render --repeat`
 
 struct BenchFlags {
   std::vector<std::string> names;
@@ -47,9 +46,10 @@ struct SceneResult {
 
 // The scenes whose name contains one of `names`, in the standard order; all, if there are none.
 std::vector<Scene> select_scenes(const std::vector<std::string>& names) {
-  const std::vector<Scene> all = standard_scenes();
+  std::vector<Scene> all = standard_scenes();
   if (names.empty()) return all;
   std::vector<std::string> known;
+  known.reserve(all.size());
   for (const Scene& scene : all) known.push_back(scene.name());
   const auto matches = [](const std::string& scene, const std::string& name) {
     return scene.find(name) != std::string::npos;

@@ -108,7 +108,7 @@ void add_light_flags(Flags& flags, LookFlags* look) {
 }
 
 // Over a span of values that may be a single one, then around it.
-void spread(TransferFunction& tf, double lo, double hi) {
+void spread_over(TransferFunction& tf, double lo, double hi) {
   const double half = lo < hi ? 0 : std::max(0.5, 0.5 * std::abs(lo));
   tf.map_range(lo - half, hi + half);
 }
@@ -122,7 +122,7 @@ void take_colors(TransferFunction& tf, const TransferFunction& from) {
 // What neither the file nor a flag says is the default look's, spread over the file's span.
 void complete(TransferFunction& file, TransferFunction defaults, const LookFlags& flags,
               Session& session) {
-  spread(defaults, file.lo(), file.hi());
+  spread_over(defaults, file.lo(), file.hi());
   if (file.opacities.empty() && flags.opacities.empty() && uses_opacity(flags.mode)) {
     session.note(flags.file + ": has no opacities, drawn with a ramp over its span");
     file.opacities = defaults.opacities;
@@ -192,7 +192,7 @@ Look make_look(const LookFlags& flags, const ValueRange& range, Session& session
   }
   if (!flags.color_map.empty()) {
     TransferFunction map = color_map(flags.color_map);
-    spread(map, tf.lo(), tf.hi());
+    spread_over(map, tf.lo(), tf.hi());
     take_colors(tf, map);
   }
   if (flags.range) tf.map_range(flags.range->first, flags.range->second);

@@ -22,6 +22,10 @@ struct RunProfile {
   std::string command;
 };
 
+// The camera turns by so much from each timed frame to the next, so that nothing can be kept
+// between them.
+inline constexpr double kTurnDegrees = 0.01;
+
 // Quartiles of measurements, by linear interpolation between the sorted values.
 struct Spread {
   double min = 0;

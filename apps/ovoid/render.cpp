@@ -21,8 +21,6 @@
 namespace ovoid::cli {
 namespace {
 
-constexpr double kTurnDegrees =
-    0.01;  // from each timed frame to the next, so that nothing can be kept between them
 constexpr int kMaxRepeat = 100'000;
 
 struct RenderFlags {

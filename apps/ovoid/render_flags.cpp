@@ -31,7 +31,7 @@ void choice(Flags& flags, const char* name, const Names<T>& names, const char* t
 
 ClipPlane parse_clip(const std::string& text) {
   const std::vector<double> numbers = parse_numbers(text, 4);
-  const ClipPlane plane{{numbers[0], numbers[1], numbers[2]}, numbers[3]};
+  ClipPlane plane{{numbers[0], numbers[1], numbers[2]}, numbers[3]};
   if (plane.normal.norm() == 0)
     throw BadValue("expected NX,NY,NZ,D with a normal other than 0,0,0");
   return plane;
@@ -60,7 +60,8 @@ void add_number_flags(Flags& flags, RenderOptions* options) {
               });
   choice(flags, "--slab", kSlabs,
          "a sample is the field in the middle of its slab, or its mean there", &options->slab);
-  choice(flags, "--gradient", kGradients, "the kernels' derivative, constant on ramps or as it is, or differences of samples",
+  choice(flags, "--gradient", kGradients,
+         "the kernels' derivative, constant on ramps or as it is, or differences of samples",
          &options->gradient);
   choice(flags, "--evaluate", kEvaluates, "samples gather kernels, or kernels scatter to samples",
          &options->evaluate);

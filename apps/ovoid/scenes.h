@@ -33,6 +33,6 @@ inline constexpr double kSceneElevation = 20;  // degrees
 std::vector<Scene> standard_scenes();
 
 // The look of a scene for values in `range`.
-Look make_scene_look(SceneLook look, const ValueRange& range);
+Look make_scene_look(SceneLook kind, const ValueRange& range);
 
 }  // namespace ovoid::cli

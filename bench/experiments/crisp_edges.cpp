@@ -92,6 +92,7 @@ Image draw_pre(double zoom, int pixels) {
 double outline_width(const Image& image) {
   const float* row = image.rgba.data() + 4 * (image.height / 2) * image.width;
   std::vector<double> alpha;
+  alpha.reserve(static_cast<std::size_t>(image.width));
   for (int x = 0; x < image.width; ++x) alpha.push_back(static_cast<double>(row[4 * x + 3]));
   const double greatest = *std::max_element(alpha.begin(), alpha.end());
   const auto passes = [&](double level) {

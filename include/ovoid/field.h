@@ -18,11 +18,13 @@ struct ValueRange {
   bool is_empty() const noexcept { return lo > hi; }
 };
 
-// Samples of a lattice somewhere in memory, as acquired from a brick source: sample (i, j, k) of the lattice, for
-// lo <= (i, j, k) < hi, is at data + ((i - lo.x) + (j - lo.y) * stride_y + (k - lo.z) * stride_z) * size_of(type).
+// Samples of a lattice somewhere in memory, as acquired from a brick source: sample (i, j, k) of
+// the lattice, for lo <= (i, j, k) < hi, is at data + ((i - lo.x) + (j - lo.y) * stride_y + (k -
+// lo.z) * stride_z) * size_of(type).
 struct BrickView {
   const void* data = nullptr;
-  ScalarType type = ScalarType::kFloat32;  // kUInt8, kInt8, kUInt16, kInt16 or kFloat32; NaN and infinities in kFloat32 are missing
+  ScalarType type = ScalarType::kFloat32;  // kUInt8, kInt8, kUInt16, kInt16 or kFloat32; NaN and
+                                           // infinities in kFloat32 are missing
   Index3 lo{};                             // first sample
   Index3 hi{};                             // one past the last
   std::int64_t stride_y = 0;               // samples
@@ -30,46 +32,52 @@ struct BrickView {
   std::shared_ptr<const void> pin;         // keeps `data` valid while the view lives; may be empty
 };
 
-// Where a lattice field gets its samples: in memory, out of core, varying in time or kept by another process, all behind
-// this one interface. The lattice is cut into bricks of brick_edge() samples per axis; brick (bx, by, bz) covers the samples
-// bx * edge <= i < min((bx + 1) * edge, dims.x) and so on. Implementations are immutable and all members are called from many
-// threads at once. A sample's stored number s stands for the value s * value_scale() + value_offset().
+// Where a lattice field gets its samples: in memory, out of core, varying in time or kept by
+// another process, all behind this one interface. The lattice is cut into bricks of brick_edge()
+// samples per axis; brick (bx, by, bz) covers the samples bx * edge <= i < min((bx + 1) * edge,
+// dims.x) and so on. Implementations are immutable and all members are called from many threads at
+// once. A sample's stored number s stands for the value s * value_scale() + value_offset().
 class BrickSource {
  public:
   virtual ~BrickSource() = default;
 
   virtual const LatticeGeometry& geometry() const noexcept = 0;
-  virtual int brick_edge() const noexcept = 0;  // a power of two, 4 to 64; 4 skips best, larger costs less to keep
+  virtual int brick_edge()
+      const noexcept = 0;  // a power of two, 4 to 64; 4 skips best, larger costs less to keep
 
   virtual double value_scale() const noexcept { return 1.0; }
   virtual double value_offset() const noexcept { return 0.0; }
 
-  // Value range of ALL samples that a kernel of support radius range_reach() can bring to a position inside the brick's
-  // cells [b * edge, (b + 1) * edge) (index space, every axis), missing ones excluded. Empty if there is none. Cheap: called for every
-  // brick and frame.
-  virtual ValueRange brick_range(std::int64_t bx, std::int64_t by, std::int64_t bz) const noexcept = 0;
+  // Value range of ALL samples that a kernel of support radius range_reach() can bring to a
+  // position inside the brick's cells [b * edge, (b + 1) * edge) (index space, every axis), missing
+  // ones excluded. Empty if there is none. Cheap: called for every brick and frame.
+  virtual ValueRange brick_range(std::int64_t bx, std::int64_t by,
+                                 std::int64_t bz) const noexcept = 0;
   virtual double range_reach() const noexcept = 0;  // spacings
 
-  // True if a sample that reaches the brick (as above) is missing; then weights are summed there, else known.
+  // True if a sample that reaches the brick (as above) is missing; then weights are summed there,
+  // else known.
   virtual bool has_missing(std::int64_t bx, std::int64_t by, std::int64_t bz) const noexcept = 0;
 
-  // The samples of one brick at a time (ignored by data without time). The view covers at least the brick and may cover more.
-  // Throws Error (file trouble of out-of-core data).
-  virtual BrickView acquire(std::int64_t bx, std::int64_t by, std::int64_t bz, double time) const = 0;
+  // The samples of one brick at a time (ignored by data without time). The view covers at least the
+  // brick and may cover more. Throws Error (file trouble of out-of-core data).
+  virtual BrickView acquire(std::int64_t bx, std::int64_t by, std::int64_t bz,
+                            double time) const = 0;
 
   virtual std::size_t resident_bytes() const noexcept = 0;  // memory held, samples and ranges
 };
 
-// What is drawn: kernels on a lattice and how they are summed. A value type: copies share the data. Identity and version tell
-// back ends what they may keep between frames: equal (id, version) means equal data.
+// What is drawn: kernels on a lattice and how they are summed. A value type: copies share the data.
+// Identity and version tell back ends what they may keep between frames: equal (id, version) means
+// equal data.
 class LatticeField {
  public:
   LatticeField() = default;
-  // `value_range`: of the samples that exist; empty: taken from the brick ranges. To be given where the source does not hold
-  // the samples themselves but coefficients (prefiltered). Throws Error(kInvalidArgument) for a null source, a degenerate
-  // geometry or a kernel out of range.
-  LatticeField(std::shared_ptr<const BrickSource> source, LatticeKernel kernel, Reconstruction reconstruction,
-               ValueRange value_range = {});
+  // `value_range`: of the samples that exist; empty: taken from the brick ranges. To be given where
+  // the source does not hold the samples themselves but coefficients (prefiltered). Throws
+  // Error(kInvalidArgument) for a null source, a degenerate geometry or a kernel out of range.
+  LatticeField(std::shared_ptr<const BrickSource> source, LatticeKernel kernel,
+               Reconstruction reconstruction, ValueRange value_range = {});
 
   const BrickSource& source() const noexcept { return *source_; }
   const LatticeGeometry& geometry() const noexcept { return source_->geometry(); }
@@ -78,8 +86,10 @@ class LatticeField {
 
   std::int64_t num_kernels() const noexcept { return num_samples(geometry().dims); }
   Bounds3 world_bounds() const { return geometry().world_bounds(); }
-  ValueRange value_range() const noexcept { return value_range_; }       // of the samples that exist, not of coefficients
-  double default_sampling_distance() const noexcept;                     // the smallest spacing, world units
+  ValueRange value_range() const noexcept {
+    return value_range_;
+  }  // of the samples that exist, not of coefficients
+  double default_sampling_distance() const noexcept;  // the smallest spacing, world units
   std::uint64_t id() const noexcept { return id_; }
   std::uint64_t version() const noexcept { return version_; }
 

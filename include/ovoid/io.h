@@ -24,42 +24,48 @@ struct RawOptions {
 
 struct ReadOptions {
   RawOptions raw;
-  std::string array;                             // read only this one if the format allows; empty: all
+  std::string array;  // read only this one if the format allows; empty: all
   std::function<void(double fraction)> progress;
   std::stop_token stop;
 };
 
-// Reads a volume: raw, NRRD/NHDR, NPY, and with VTK: VTI and legacy VTK (structured points). The format is told from content, then from
-// the name. Several paths are parts of one dataset where the format has parts; else an error. Peak memory is at most 2.1
-// times the decoded size; sizes in headers are checked against the file before anything is allocated. Throws Error: kFileNotFound,
+// Reads a volume: raw, NRRD/NHDR, NPY, and with VTK: VTI and legacy VTK (structured points). The
+// format is told from content, then from the name. Several paths are parts of one dataset where the
+// format has parts; else an error. Peak memory is at most 2.1 times the decoded size; sizes in
+// headers are checked against the file before anything is allocated. Throws Error: kFileNotFound,
 // kFileFormat (names file and field), kUnsupported, kInvalidArgument, kCancelled.
 Dataset read_dataset(const std::vector<std::string>& paths, const ReadOptions& options = {});
 
-// Writes a dataset; the name's ending chooses the format (.nrrd .nhdr .npy .raw, and .vti .vtk with VTK). Written beside and renamed: an
-// existing file stays whole until the new one is. Throws Error(kFileWrite, kUnsupported).
+// Writes a dataset; the name's ending chooses the format (.nrrd .nhdr .npy .raw, and .vti .vtk with
+// VTK). Written beside and renamed: an existing file stays whole until the new one is. Throws
+// Error(kFileWrite, kUnsupported).
 void write_dataset(const Dataset& dataset, const std::string& path);
 
-// Writes a picture: .png (8 bit, straight alpha; x-ray pictures must be mapped first), .exr (float, premultiplied, with
-// depth channel Z), .npy (float32 [height, width, 4], premultiplied). Throws Error(kFileWrite, kUnsupported, kInvalidArgument).
+// Writes a picture: .png (8 bit, straight alpha; x-ray pictures must be mapped first), .exr (float,
+// premultiplied, with depth channel Z), .npy (float32 [height, width, 4], premultiplied). Throws
+// Error(kFileWrite, kUnsupported, kInvalidArgument).
 void write_image(const Image& image, const std::string& path, const double* background = nullptr);
 
-// Check, before long work, that write_image or write_dataset would accept the path: its ending is known and its folder can be
-// written. They create nothing. Throw Error(kUnsupported, kFileWrite).
+// Check, before long work, that write_image or write_dataset would accept the path: its ending is
+// known and its folder can be written. They create nothing. Throw Error(kUnsupported, kFileWrite).
 void check_image_path(const std::string& path);
 void check_dataset_path(const std::string& path);
 
-// Removes what unfinished writers of this process have written so far; for a program's Ctrl-C handler, which must exit
-// afterwards. Async-signal-safe.
+// Removes what unfinished writers of this process have written so far; for a program's Ctrl-C
+// handler, which must exit afterwards. Async-signal-safe.
 void remove_partial_files() noexcept;
 
-// The type called `name` as name_of(ScalarType) writes it or as C and numpy do ("uchar", "float", "f4"); empty if there is none.
+// The type called `name` as name_of(ScalarType) writes it or as C and numpy do ("uchar", "float",
+// "f4"); empty if there is none.
 std::optional<ScalarType> find_scalar_type(const std::string& name) noexcept;
 
-// ParaView JSON presets. Reading takes the first preset of a list, or the one called `preset`. Throws Error.
+// ParaView JSON presets. Reading takes the first preset of a list, or the one called `preset`.
+// Throws Error.
 TransferFunction read_transfer_function(const std::string& path, const std::string& preset = {});
 void write_transfer_function(const TransferFunction& tf, const std::string& path);
 
-// Camera files (JSON, VTK's words; docs/conventions.md). Missing members keep VTK's defaults. Throws Error.
+// Camera files (JSON, VTK's words; docs/conventions.md). Missing members keep VTK's defaults.
+// Throws Error.
 Camera read_camera(const std::string& path);
 void write_camera(const Camera& camera, const std::string& path);
 

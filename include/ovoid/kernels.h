@@ -3,9 +3,10 @@
 
 namespace ovoid {
 
-// The shared kernel of a lattice: phi(d) = exp(-1/2 sum_a (d_a / sigma)^2), d in lattice axes and in spacings of each axis.
-// Its support is the BOX |d_a| <= cutoff * sigma. With the defaults that is exp(-2 r^2) cut at two spacings: four
-// samples reach any position along each axis. Source: [Neophytou 2006, eq. 7], docs/numerics.md.
+// The shared kernel of a lattice: phi(d) = exp(-1/2 sum_a (d_a / sigma)^2), d in lattice axes and
+// in spacings of each axis. Its support is the BOX |d_a| <= cutoff * sigma. With the defaults that
+// is exp(-2 r^2) cut at two spacings: four samples reach any position along each axis. Source:
+// [Neophytou 2006, eq. 7], docs/numerics.md.
 struct LatticeKernel {
   double sigma = 0.5;   // spacings, in [kMinSigma, kMaxSigma]
   double cutoff = 4.0;  // sigmas, in (0, kMaxCutoff]; support_radius() must be at least kMinSupport
@@ -21,7 +22,8 @@ struct LatticeKernel {
 
 // How a field is summed from its kernels (docs/numerics.md, "The field").
 enum class Reconstruction {
-  kNormalized,  // sum w v phi / sum w phi over the kernels that exist; undefined where the denominator is too small
+  kNormalized,  // sum w v phi / sum w phi over the kernels that exist; undefined where the
+                // denominator is too small
   kSum,         // sum w v phi, with w = cell volume / integral of phi; fades to zero outside
 };
 

@@ -24,23 +24,26 @@ struct Material {
 struct Look {
   TransferFunction transfer_function;
   Mode mode = Mode::kComposite;
-  double isovalue = 0.0;                  // for kIsosurface
-  bool shade = true;                      // composite and isosurface only
+  double isovalue = 0.0;  // for kIsosurface
+  bool shade = true;      // composite and isosurface only
   Material material;
-  std::optional<Vec3> light_direction;    // world, from the object towards the light; none: a headlight (along each ray to the eye)
-  double unit_distance = 0.0;             // world length of the opacities; 0: the transfer function's own, else default_unit_distance()
-  // Range of values over which "flat" is judged (shading fades where |gradient| * spacing < 1e-4 of it): the transfer function's span.
+  std::optional<Vec3> light_direction;  // world, from the object towards the light; none: a
+                                        // headlight (along each ray to the eye)
+  double unit_distance = 0.0;  // world length of the opacities; 0: the transfer function's own,
+                               // else default_unit_distance()
+  // Range of values over which "flat" is judged (shading fades where |gradient| * spacing < 1e-4 of
+  // it): the transfer function's span.
 
   // Throws Error(kInvalidArgument) that names the member.
   void validate() const;
 };
 
-// The unit distance when nobody names one: the field's default sampling distance (its smallest spacing), so that an opacity of 0.5
-// is what one sample step of a plain ray caster would absorb.
+// The unit distance when nobody names one: the field's default sampling distance (its smallest
+// spacing), so that an opacity of 0.5 is what one sample step of a plain ray caster would absorb.
 double default_unit_distance(const Field& field);
 
-// A look that shows something of a field whose values lie in `range`: the named colour map over the range, opacity rising
-// from 0 at the low end to 0.5 at the high end.
+// A look that shows something of a field whose values lie in `range`: the named colour map over the
+// range, opacity rising from 0 at the low end to 0.5 at the high end.
 Look default_look(const ValueRange& range, const std::string& color_map_name = "viridis");
 
 }  // namespace ovoid

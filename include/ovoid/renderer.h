@@ -22,35 +22,38 @@ enum class Backend { kAuto, kCpu, kReference };
 
 // A finished rectangle of the picture, passed to the tile sink while the rest is still drawn.
 struct TileDone {
-  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;        // pixels, half open
-  const Image* image = nullptr;              // the picture so far; only this rectangle of it may be read
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;  // pixels, half open
+  const Image* image = nullptr;        // the picture so far; only this rectangle of it may be read
 };
 
 // Ways to watch and to stop a frame. Callbacks come from worker threads, one at a time.
 struct RenderHooks {
-  std::stop_token stop;                                 // triggered: render throws Error(kCancelled) within a block's time
-  std::function<void(double fraction)> progress;        // in [0, 1], not decreasing
+  std::stop_token stop;  // triggered: render throws Error(kCancelled) within a block's time
+  std::function<void(double fraction)> progress;  // in [0, 1], not decreasing
   std::function<void(const TileDone&)> tile_done;
 };
 
 // Counts and times of one frame.
 struct FrameProfile {
-  std::string backend;                                  // "cpu", "reference"
-  std::string simd_target;                              // "AVX2", ...; empty for the reference
+  std::string backend;      // "cpu", "reference"
+  std::string simd_target;  // "AVX2", ...; empty for the reference
   int threads = 1;
-  double frame_ms = 0;                                  // plan to finish, wall clock
-  std::vector<std::pair<std::string, double>> stages_ms;  // summed over threads, in pipeline order; empty without collect_profile
+  double frame_ms = 0;  // plan to finish, wall clock
+  std::vector<std::pair<std::string, double>>
+      stages_ms;  // summed over threads, in pipeline order; empty without collect_profile
   std::int64_t kernels_total = 0;
-  std::int64_t kernels_drawn = 0;                       // kernels in bricks that can meet a non-zero opacity
-  std::int64_t kernels_loaded = 0;                      // loaded for some block; one that several blocks share counts for each
+  std::int64_t kernels_drawn = 0;  // kernels in bricks that can meet a non-zero opacity
+  std::int64_t kernels_loaded =
+      0;  // loaded for some block; one that several blocks share counts for each
   std::int64_t samples_reconstructed = 0;
-  std::int64_t samples_shaded = 0;                      // samples with a non-zero opacity
-  std::int64_t gradients = 0;                           // samples whose gradient was taken
+  std::int64_t samples_shaded = 0;  // samples with a non-zero opacity
+  std::int64_t gradients = 0;       // samples whose gradient was taken
   std::int64_t blocks_total = 0;
   std::int64_t blocks_drawn = 0;
-  std::int64_t blocks_skipped_empty = 0;                // no kernel reaches the block (outside the field, or clipped)
-  std::int64_t blocks_skipped_irrelevant = 0;           // the field cannot meet a non-zero opacity there
-  std::int64_t blocks_skipped_opaque = 0;               // every pixel had stopped
+  std::int64_t blocks_skipped_empty =
+      0;  // no kernel reaches the block (outside the field, or clipped)
+  std::int64_t blocks_skipped_irrelevant = 0;  // the field cannot meet a non-zero opacity there
+  std::int64_t blocks_skipped_opaque = 0;      // every pixel had stopped
 };
 
 struct Frame {
@@ -58,8 +61,8 @@ struct Frame {
   FrameProfile profile;
 };
 
-// Draws fields. Holds what outlives a frame: worker threads, and what a back end keeps of a field. One render() at a time per
-// renderer; several renderers may be used from several threads.
+// Draws fields. Holds what outlives a frame: worker threads, and what a back end keeps of a field.
+// One render() at a time per renderer; several renderers may be used from several threads.
 class Renderer {
  public:
   // `threads` 0: one per hardware thread. Throws Error(kInvalidArgument).
@@ -68,17 +71,19 @@ class Renderer {
   Renderer(Renderer&&) noexcept;
   Renderer& operator=(Renderer&&) noexcept;
 
-  // One picture. The same arguments give the same bytes, whatever the number of threads. Throws Error: invalid camera,
-  // look or options; kCancelled; what the field's brick source throws. Cost: in proportion to the visible, relevant samples.
-  Frame render(const Field& field, const Camera& camera, const Look& look, const RenderOptions& options = {},
-               const RenderHooks& hooks = {});
+  // One picture. The same arguments give the same bytes, whatever the number of threads. Throws
+  // Error: invalid camera, look or options; kCancelled; what the field's brick source throws. Cost:
+  // in proportion to the visible, relevant samples.
+  Frame render(const Field& field, const Camera& camera, const Look& look,
+               const RenderOptions& options = {}, const RenderHooks& hooks = {});
 
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
 
-// Names of the SIMD targets that this build has and this machine can run, best first. OVOID_TARGET=name forces one.
+// Names of the SIMD targets that this build has and this machine can run, best first.
+// OVOID_TARGET=name forces one.
 std::vector<std::string> simd_targets();
 
 }  // namespace ovoid

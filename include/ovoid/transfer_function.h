@@ -8,12 +8,14 @@
 
 namespace ovoid {
 
-using Rgb = std::array<double, 3>;  // sRGB-encoded components in [0, 1]; blended as they are, as VTK does
+using Rgb =
+    std::array<double, 3>;  // sRGB-encoded components in [0, 1]; blended as they are, as VTK does
 
 // How colours between two points are found, as vtkColorTransferFunction does (docs/looks.md).
 enum class ColorSpace {
   kRgb,        // straight lines in sRGB components
-  kHsv,        // hue, saturation, value; the hue never passes 0 (ParaView's HSV: blue to red is a rainbow)
+  kHsv,        // hue, saturation, value; the hue never passes 0 (ParaView's HSV: blue to red is a
+               // rainbow)
   kLab,        // CIE L*a*b*
   kDiverging,  // Moreland's: two saturated colours of different hue meet in white
   kStep,       // the interval's second colour throughout
@@ -25,8 +27,9 @@ struct ColorPoint {
   Rgb rgb{0, 0, 0};
 };
 
-// A node of the opacity curve. Between two nodes the left one's midpoint and sharpness shape the curve, as in
-// vtkPiecewiseFunction: midpoint in [0, 1] moves the half-way value, sharpness in [0, 1] goes from linear to a step.
+// A node of the opacity curve. Between two nodes the left one's midpoint and sharpness shape the
+// curve, as in vtkPiecewiseFunction: midpoint in [0, 1] moves the half-way value, sharpness in [0,
+// 1] goes from linear to a step.
 struct OpacityPoint {
   double x = 0;        // value
   double opacity = 0;  // in [0, 1], per unit distance
@@ -34,29 +37,33 @@ struct OpacityPoint {
   double sharpness = 0;
 };
 
-// Colour and opacity by value: the content of a ParaView JSON preset. Points are sorted by x; equal x is a step, the later
-// point holding from there on. End values extend. An empty curve is a gray ramp over [0, 1] or opacity 1.
+// Colour and opacity by value: the content of a ParaView JSON preset. Points are sorted by x; equal
+// x is a step, the later point holding from there on. End values extend. An empty curve is a gray
+// ramp over [0, 1] or opacity 1.
 struct TransferFunction {
   std::string name;
   std::vector<ColorPoint> colors;
   std::vector<OpacityPoint> opacities;
   ColorSpace color_space = ColorSpace::kRgb;
   Rgb nan_color{1, 1, 0};
-  std::optional<double> unit_distance;  // world length over which `opacity` is meant; the file's ScalarOpacityUnitDistance
+  std::optional<double> unit_distance;  // world length over which `opacity` is meant; the file's
+                                        // ScalarOpacityUnitDistance
 
-  Rgb color_at(double value) const;        // exact evaluation, in double; nan_color at NaN
-  double opacity_at(double value) const;   // exact evaluation, in double; 0 at NaN
+  Rgb color_at(double value) const;       // exact evaluation, in double; nan_color at NaN
+  double opacity_at(double value) const;  // exact evaluation, in double; 0 at NaN
 
   double lo() const;  // least x of all points; 0 if there is none
   double hi() const;  // greatest x; 1 if there is no point
-  // Moves all points so that the span becomes [lo, hi]; an empty colour curve's gray ramp becomes points and moves along, a
-  // single place goes to the middle. Throws Error(kInvalidArgument) unless lo < hi, both finite.
+  // Moves all points so that the span becomes [lo, hi]; an empty colour curve's gray ramp becomes
+  // points and moves along, a single place goes to the middle. Throws Error(kInvalidArgument)
+  // unless lo < hi, both finite.
   void map_range(double lo, double hi);
-  void sort();                             // stable, by x; called by readers
+  void sort();  // stable, by x; called by readers
 };
 
-// The built-in colour maps by name ("viridis", "inferno", "gray", "cool-to-warm", ...; "_r" reverses), over [0, 1], without opacity
-// points. Throws Error(kInvalidArgument) that lists the names.
+// The built-in colour maps by name ("viridis", "inferno", "gray", "cool-to-warm", ...; "_r"
+// reverses), over [0, 1], without opacity points. Throws Error(kInvalidArgument) that lists the
+// names.
 TransferFunction color_map(const std::string& name);
 std::vector<std::string> color_map_names();
 

@@ -10,11 +10,11 @@
 #include "data/validate.h"
 #include "ovoid/error.h"
 #include "ovoid/kernels.h"
+#include "support/numbers.h"
 
 namespace ovoid {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // The message of the Error(kInvalidArgument) that `call` throws; empty if it throws none.

@@ -19,7 +19,8 @@ namespace ovoid::io {
 namespace {
 
 constexpr std::string_view kMagic = "\x93NUMPY";
-constexpr std::int64_t kMaxHeaderSize = 65536;  // numpy itself refuses more than 10 000 characters
+constexpr std::int64_t kMaxNpyHeaderSize =
+    65536;                                   // numpy itself refuses more than 10 000 characters
 constexpr std::int64_t kMaxComponents = 64;  // a longer last axis is far more likely space or time
 
 struct NpyHeader {
@@ -155,10 +156,10 @@ NpyHeader read_header(const ByteSource& source) {
   }
   std::int64_t length = byte(8) + 256 * byte(9);
   if (version > 1) length += 65536 * byte(10) + 16777216 * byte(11);
-  if (length > kMaxHeaderSize || text_offset + length > source.size()) {
+  if (length > kMaxNpyHeaderSize || text_offset + length > source.size()) {
     throw Error(ErrorCode::kFileFormat,
                 fmt::format("{}: NPY header: claims {} bytes, the file has {} and {} are allowed",
-                            source.name(), length, source.size() - text_offset, kMaxHeaderSize));
+                            source.name(), length, source.size() - text_offset, kMaxNpyHeaderSize));
   }
   const std::string text = source.text(text_offset, length);
   NpyHeader header = DictParser(source.name(), text).run();

@@ -17,7 +17,7 @@ namespace {
 
 // Long enough for a list of 100 000 file names; a file that is all header is refused before it is
 // held in memory.
-constexpr std::int64_t kMaxHeaderSize = std::int64_t{16} << 20;
+constexpr std::int64_t kMaxNrrdHeaderSize = std::int64_t{16} << 20;
 constexpr int kMaxDimension = 16;  // NRRD_DIM_MAX
 
 std::string_view trim(std::string_view text) {
@@ -112,10 +112,10 @@ class LineReader {
     std::size_t end = text_.find('\n', position_);
     while (end == std::string::npos && static_cast<std::int64_t>(text_.size()) < source_.size()) {
       const auto searched = text_.size();
-      if (static_cast<std::int64_t>(searched) >= kMaxHeaderSize) {
+      if (static_cast<std::int64_t>(searched) >= kMaxNrrdHeaderSize) {
         throw Error(ErrorCode::kFileFormat,
                     fmt::format("{}: the header does not end within {} bytes", source_.name(),
-                                kMaxHeaderSize));
+                                kMaxNrrdHeaderSize));
       }
       text_ += source_.text(static_cast<std::int64_t>(searched), kStep);
       end = text_.find('\n', searched);

@@ -44,18 +44,14 @@ std::string nrrd(const std::string& fields, const std::string& data = {}) {
 
 const std::string kBase = "type: uint8\ndimension: 3\nsizes: 4 3 2\nencoding: raw\n";
 
-Dataset read(const std::string& content, const MemoryFiles& files = {},
-             const ReadOptions& options = {}) {
+Dataset read_text(const std::string& content, const MemoryFiles& files = {},
+                  const ReadOptions& options = {}) {
   return read_nrrd(*open_memory("dir/a.nrrd", std::as_bytes(std::span(content))), options,
                    files.opener());
 }
 
 std::string error(const std::string& content, const MemoryFiles& files = {}) {
-  return error_of([&] { read(content, files); });
-}
-
-std::string with(std::string text, const std::string& from, const std::string& to) {
-  return text.replace(text.find(from), from.size(), to);
+  return error_of([&] { read_text(content, files); });
 }
 
 TEST(Nrrd, ReadsEveryEncoding) {
@@ -78,7 +74,7 @@ TEST(Nrrd, ReadsEveryEncoding) {
       {"txt", text},
       {"hex", hex}};
   for (const auto& [encoding, data] : cases) {
-    const Dataset dataset = read(nrrd(with(kBase, "raw", encoding), data));
+    const Dataset dataset = read_text(nrrd(with(kBase, "raw", encoding), data));
     EXPECT_EQ(values_of<std::uint8_t>(dataset.array()), values) << encoding;
     EXPECT_EQ(dataset.lattice.dims, (Index3{4, 3, 2})) << encoding;
     EXPECT_TRUE(dataset.notes.empty()) << encoding << ": " << dataset.notes[0];
@@ -87,11 +83,11 @@ TEST(Nrrd, ReadsEveryEncoding) {
 
 TEST(Nrrd, TextKnowsEveryType) {
   const std::string fields = "type: double\ndimension: 3\nsizes: 2 2 1\nencoding: ascii\n";
-  EXPECT_EQ(values_of<double>(read(nrrd(fields, "-1.5e3 +2 inf 4")).array())[0], -1500);
-  EXPECT_EQ(
-      values_of<std::int64_t>(
-          read(nrrd(with(fields, "double", "int64"), "-9223372036854775808 2 3 4")).array())[0],
-      INT64_MIN);
+  EXPECT_EQ(values_of<double>(read_text(nrrd(fields, "-1.5e3 +2 inf 4")).array())[0], -1500);
+  EXPECT_EQ(values_of<std::int64_t>(
+                read_text(nrrd(with(fields, "double", "int64"), "-9223372036854775808 2 3 4"))
+                    .array())[0],
+            INT64_MIN);
   EXPECT_EQ(error(nrrd(with(fields, "double", "uint8"), "1 256 3 4")),
             "file-format: dir/a.nrrd: value 1 is '256': expected uint8 as text");
 }
@@ -101,15 +97,15 @@ TEST(Nrrd, ByteOrderTypesAndLineEnds) {
   const std::string fields =
       "Type: Signed  Short Int\r\nDIMENSION: 3\r\nsizes: 2 1 1\r\nencoding: raw\r\nendian: "
       "big\r\n# word\r\nkey:=value\r\n\r\n";
-  EXPECT_EQ(values_of<std::int16_t>(read("NRRD0001\r\n" + fields + data).array()),
+  EXPECT_EQ(values_of<std::int16_t>(read_text("NRRD0001\r\n" + fields + data).array()),
             (std::vector<std::int16_t>{0x102, 0x304}));
-  const Dataset little = read("NRRD0001\r\n" + with(fields, "endian: big\r\n", "") + data);
+  const Dataset little = read_text("NRRD0001\r\n" + with(fields, "endian: big\r\n", "") + data);
   EXPECT_EQ(values_of<std::int16_t>(little.array()), (std::vector<std::int16_t>{0x201, 0x403}));
   EXPECT_EQ(little.notes.size(), 1U);
 }
 
 TEST(Nrrd, GeometryFromDirections) {
-  const Dataset dataset = read(nrrd(
+  const Dataset dataset = read_text(nrrd(
       kBase + "space: LPS\nspace directions: (1,0,0) (0.5,2,0) (0,0,-3)\nspace origin: (10,20,30)\n"
               "sample units: \"HU\"\ncontent: head\n",
       std::string(24, 'x')));
@@ -121,31 +117,32 @@ TEST(Nrrd, GeometryFromDirections) {
 
 TEST(Nrrd, GeometryFromSpacingsAndMins) {
   const std::string data(24, 'x');
-  const Dataset spaced = read(nrrd(kBase + "spacings: 1 nan 3\nspace: 3D-left-handed\n", data));
+  const Dataset spaced =
+      read_text(nrrd(kBase + "spacings: 1 nan 3\nspace: 3D-left-handed\n", data));
   EXPECT_EQ(spaced.lattice.spacing(), Vec3(1, 1, 3));
   EXPECT_EQ(spaced.space, Space::kNone);
   EXPECT_EQ(spaced.notes.size(), 1U);
   // Node-centred: 4 samples from 0 to 6 are 2 apart. Cell-centred: 3 cells over 6 are 2 wide, the
   // first sample at 1.
-  const Dataset ranged =
-      read(nrrd(kBase + "axis mins: 0 0 nan\naxis maxs: 6 6 nan\ncenters: node cell none\n", data));
+  const Dataset ranged = read_text(
+      nrrd(kBase + "axis mins: 0 0 nan\naxis maxs: 6 6 nan\ncenters: node cell none\n", data));
   EXPECT_EQ(ranged.lattice.spacing(), Vec3(2, 2, 1));
   EXPECT_EQ(Vec3(ranged.lattice.world_from_index.translation()), Vec3(0, 1, 0));
 }
 
 TEST(Nrrd, SlicesAndComponents) {
   const Dataset slice =
-      read(nrrd("type: uint8\ndimension: 2\nsizes: 4 3\nspacings: 2 3\nencoding: raw\n",
-                std::string(12, 'x')));
+      read_text(nrrd("type: uint8\ndimension: 2\nsizes: 4 3\nspacings: 2 3\nencoding: raw\n",
+                     std::string(12, 'x')));
   EXPECT_EQ(slice.lattice.dims, (Index3{4, 3, 1}));
   EXPECT_EQ(slice.lattice.spacing(), Vec3(2, 3, 2));
   const std::string four = "type: uint8\ndimension: 4\nsizes: 3 4 3 2\nencoding: raw\n";
   const Dataset vectors =
-      read(nrrd(four + "kinds: vector domain domain domain\n", std::string(72, 'x')));
+      read_text(nrrd(four + "kinds: vector domain domain domain\n", std::string(72, 'x')));
   EXPECT_EQ(vectors.lattice.dims, (Index3{4, 3, 2}));
   EXPECT_EQ(vectors.array().num_components, 3);
-  EXPECT_EQ(read(nrrd(four + "space: RAS\nspace directions: none (1,0,0) (0,1,0) (0,0,1)\n",
-                      std::string(72, 'x')))
+  EXPECT_EQ(read_text(nrrd(four + "space: RAS\nspace directions: none (1,0,0) (0,1,0) (0,0,1)\n",
+                           std::string(72, 'x')))
                 .array()
                 .num_components,
             3);
@@ -171,10 +168,12 @@ TEST(Nrrd, DetachedDataLieBesideTheHeader) {
         "data file: LIST\nb 1.raw\nb 2.raw", "data file: LIST 2\nb 1.raw\nb 2.raw",
         "data file: LIST 3\nb 1.raw\nb 2.raw", "data file: s%02d.raw 8 10 2",
         "data file: s%02d.raw 8 11 2 2"}) {
-    EXPECT_EQ(values_of<std::uint8_t>(read("NRRD0004\n" + kBase + data, files).array()), values)
+    EXPECT_EQ(values_of<std::uint8_t>(read_text("NRRD0004\n" + kBase + data, files).array()),
+              values)
         << data;
   }
-  const Dataset backwards = read("NRRD0004\n" + kBase + "data file: s%02d.raw 10 8 -2\n", files);
+  const Dataset backwards =
+      read_text("NRRD0004\n" + kBase + "data file: s%02d.raw 10 8 -2\n", files);
   EXPECT_EQ(values_of<std::uint8_t>(backwards.array())[0], 13);
 }
 
@@ -214,15 +213,17 @@ TEST(Nrrd, SkipsLinesAndBytes) {
   const auto values = counting<std::uint8_t>(24);
   const std::string raw = bytes_of(values);
   const auto expect = [&](const std::string& fields, const std::string& data) {
-    EXPECT_EQ(values_of<std::uint8_t>(read(nrrd(kBase + fields, data)).array()), values) << fields;
+    EXPECT_EQ(values_of<std::uint8_t>(read_text(nrrd(kBase + fields, data)).array()), values)
+        << fields;
   };
   expect("line skip: 2\n", "one\ntwo\n" + raw);
   expect("byte skip: 3\n", "abc" + raw);
   expect("byte skip: -1\n", "anything" + raw);
   expect("line skip: 1\nbyte skip: 1\n", "one\nx" + raw);
-  EXPECT_EQ(values_of<std::uint8_t>(
-                read(nrrd(with(kBase, "raw", "gzip\nbyte skip: 3"), gzip("abc" + raw))).array()),
-            values);
+  EXPECT_EQ(
+      values_of<std::uint8_t>(
+          read_text(nrrd(with(kBase, "raw", "gzip\nbyte skip: 3"), gzip("abc" + raw))).array()),
+      values);
   EXPECT_EQ(error(nrrd(kBase + "line skip: 9\n", raw)).substr(0, 54),
             "file-format: dir/a.nrrd: line skip: 9 lines, dir/a.nrr");
   EXPECT_NE(error(nrrd(with(kBase, "raw", "gzip\nbyte skip: -1"), gzip(raw)))
@@ -273,9 +274,10 @@ TEST(Nrrd, ClaimsAreNotAllocated) {
 
 TEST(Nrrd, MoreDataThanNeededIsNoted) {
   EXPECT_EQ(
-      read(nrrd(kBase, std::string(30, 'x'))).notes,
+      read_text(nrrd(kBase, std::string(30, 'x'))).notes,
       std::vector<std::string>{"dir/a.nrrd: 6 bytes behind the 24 of 4x3x2 uint8 are ignored"});
-  EXPECT_EQ(read(nrrd(with(kBase, "raw", "gzip"), gzip(std::string(30, 'x')))).notes.size(), 1U);
+  EXPECT_EQ(read_text(nrrd(with(kBase, "raw", "gzip"), gzip(std::string(30, 'x')))).notes.size(),
+            1U);
 }
 
 TEST(Nrrd, HeaderErrorsNameLineAndField) {

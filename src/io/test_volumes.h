@@ -2,6 +2,8 @@
 // For tests of readers and writers: small volumes, and what an error says.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <cstring>
 #include <functional>
 #include <map>
@@ -25,6 +27,13 @@ inline std::string error_of(const std::function<void()>& action) {
     return std::string(name_of(error.code())) + ": " + error.what();
   }
   return {};
+}
+
+// `text` with the first `from`, which must be there, replaced.
+inline std::string with(std::string text, const std::string& from, const std::string& to) {
+  const auto position = text.find(from);
+  EXPECT_NE(position, std::string::npos) << from;
+  return position == std::string::npos ? text : text.replace(position, from.size(), to);
 }
 
 template <typename T>

@@ -19,12 +19,6 @@ std::string vtk_error(const std::string& content) {
       [&] { check_legacy_vtk(*open_memory("a.vtk", std::as_bytes(std::span(content)))); });
 }
 
-std::string with(std::string text, const std::string& from, const std::string& to) {
-  const auto position = text.find(from);
-  EXPECT_NE(position, std::string::npos) << from;
-  return position == std::string::npos ? text : text.replace(position, from.size(), to);
-}
-
 const std::string kStored = std::string("\x0c\0\0\0", 4) + "123456789012";
 
 // 3 x 2 x 2 bytes, appended raw behind a UInt32 count.
@@ -85,8 +79,9 @@ TEST(VtiHeader, RefusesWhatCouldBeReadInTwoWays) {
   EXPECT_EQ(vti_error(with(kAppended, R"(Name="a > b")", R"(NumberOfComponents="&#49;")")),
             "file-format: a.vti: DataArray: NumberOfComponents=\"&#49;\": character references are "
             "not expected here");
-  EXPECT_EQ(vti_error("<!DOCTYPE a [<!ENTITY b \"c\">]>" + kAppended),
-            "unsupported: a.vti: the declaration at byte 0 is not read: expected tags and comments");
+  EXPECT_EQ(
+      vti_error("<!DOCTYPE a [<!ENTITY b \"c\">]>" + kAppended),
+      "unsupported: a.vti: the declaration at byte 0 is not read: expected tags and comments");
   EXPECT_EQ(vti_error(with(kAppended, R"(format="appended")", R"(format="elsewhere")")),
             "file-format: a.vti: array 'a > b': format=\"elsewhere\": expected ascii, binary or "
             "appended");

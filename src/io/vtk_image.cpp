@@ -297,7 +297,7 @@ Dataset read_vtk_image(const ByteSource& source, FileKind kind, const ReadOption
 namespace {
 
 vtkSmartPointer<vtkImageData> image_of(const Dataset& dataset) {
-  const auto image = vtkSmartPointer<vtkImageData>::New();
+  auto image = vtkSmartPointer<vtkImageData>::New();
   const Index3& dims = dataset.lattice.dims;
   if (*std::max_element(dims.begin(), dims.end()) > kMaxAxisSize) {
     throw Error(ErrorCode::kUnsupported,

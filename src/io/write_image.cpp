@@ -15,13 +15,13 @@
 namespace ovoid {
 namespace {
 
-enum class Target { kPng, kExr, kNpy };
+enum class ImageFormat { kPng, kExr, kNpy };
 
-Target target_of(const std::string& path) {
+ImageFormat image_format_of(const std::string& path) {
   const std::string ending = io::ending_of(path);
-  if (ending == ".png") return Target::kPng;
-  if (ending == ".exr") return Target::kExr;
-  if (ending == ".npy") return Target::kNpy;
+  if (ending == ".png") return ImageFormat::kPng;
+  if (ending == ".exr") return ImageFormat::kExr;
+  if (ending == ".npy") return ImageFormat::kNpy;
   throw Error(
       ErrorCode::kUnsupported,
       fmt::format("{}: the ending '{}' names no picture format: expected .png, .exr or .npy", path,
@@ -59,19 +59,19 @@ void write_picture_npy(const Image& image, const std::string& path) {
 }  // namespace io
 
 void check_image_path(const std::string& path) {
-  target_of(path);
+  image_format_of(path);
   io::check_writable(path);
 }
 
 void write_image(const Image& image, const std::string& path, const double* background) {
-  const Target target = target_of(path);
+  const ImageFormat target = image_format_of(path);
   check_image(image);
   switch (target) {
-    case Target::kPng:
+    case ImageFormat::kPng:
       return io::write_png(to_rgba8(image, background), image.width, image.height, path);
-    case Target::kExr:
+    case ImageFormat::kExr:
       return io::write_exr(image, path);
-    case Target::kNpy:
+    case ImageFormat::kNpy:
       return io::write_picture_npy(image, path);
   }
 }

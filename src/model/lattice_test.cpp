@@ -10,11 +10,11 @@
 
 #include "ovoid/error.h"
 #include "ovoid/model.h"
+#include "support/numbers.h"
 
 namespace ovoid {
 namespace {
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 template <class T>
@@ -162,7 +162,7 @@ TEST(MakeLatticeField, DrawsOneVoxel) {
 TEST(MakeLatticeField, PrefilteredKeepsTheSamplesRange) {
   std::vector<float> values(32, 0.0F);
   values[16] = 1.0F;
-  values[3] = kNan;
+  values[3] = kNanF;
   const Dataset dataset = dataset_of(array_of(ScalarType::kFloat32, values), {32, 1, 1});
   LatticeModelOptions options;
   options.prefilter = true;
@@ -221,7 +221,7 @@ TEST(MakeLatticeField, NamesWhatIsWrong) {
   flat.lattice.world_from_index.linear().col(1).setZero();
   EXPECT_TRUE(refusal(flat).starts_with("lattice spacing[1] = 0"));
   EXPECT_EQ(
-      refusal(dataset_of(array_of<float>(ScalarType::kFloat32, {kNan, kInfinity}), {2, 1, 1})),
+      refusal(dataset_of(array_of<float>(ScalarType::kFloat32, {kNanF, kInfinity}), {2, 1, 1})),
       "array 'x': none of its 2 samples is finite");
 }
 

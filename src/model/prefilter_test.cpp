@@ -12,11 +12,10 @@
 
 #include "model/holes.h"
 #include "ovoid/error.h"
+#include "support/numbers.h"
 
 namespace ovoid::model {
 namespace {
-
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 // The field at sample (x, y, z) by docs/numerics.md, every existing kernel, no product form, in
 // double.
@@ -163,7 +162,7 @@ TEST(Prefilter, KeepsHolesAndIsExactAwayFromThem) {
   const auto index = [&](std::int64_t x, std::int64_t y, std::int64_t z) {
     return static_cast<std::size_t>(x + dims[0] * (y + dims[1] * z));
   };
-  samples[index(4, 5, 6)] = kNan;
+  samples[index(4, 5, 6)] = kNanF;
   samples[index(5, 5, 6)] = std::numeric_limits<float>::infinity();
   samples[index(4, 5, 7)] = -std::numeric_limits<float>::infinity();
   const auto is_away = [](const Index3& at) {
@@ -196,7 +195,7 @@ TEST(Prefilter, DoesNotDependOnTheNumberOfThreads) {
 TEST(Prefilter, StopsWhenAsked) {
   std::stop_source source;
   source.request_stop();
-  for (const float first : {0.0F, kNan}) {  // with holes: while they are filled
+  for (const float first : {0.0F, kNanF}) {  // with holes: while they are filled
     std::vector<float> samples(64, 1.0F);
     samples[0] = first;
     try {
@@ -211,7 +210,7 @@ TEST(Prefilter, StopsWhenAsked) {
 // One existing sample next to a hole three deep: 1 1 1 from the left; further right the mean of
 // both sides.
 TEST(Holes, AreFilledFromTheRimInwards) {
-  std::vector<float> line = {1, kNan, kNan, kNan, 5};
+  std::vector<float> line = {1, kNanF, kNanF, kNanF, 5};
   const std::vector<bool> missing = fill_missing(line, {5, 1, 1}, {});
   EXPECT_EQ(line, (std::vector<float>{1, 1, 3, 5, 5}));
   EXPECT_EQ(missing, (std::vector<bool>{false, true, true, true, false}));
@@ -222,11 +221,11 @@ TEST(Holes, AreFilledFromTheRimInwards) {
 
 // Fails if neighbours are taken across the end of a row or slice.
 TEST(Holes, NeighboursShareAFace) {
-  std::vector<float> slice = {1, 2, kNan,  //
+  std::vector<float> slice = {1, 2, kNanF,  //
                               9, 5, 6};
   fill_missing(slice, {3, 2, 1}, {});
   EXPECT_EQ(slice[2], 4);  // (2 + 6) / 2, without the 9 that follows in memory
-  std::vector<float> volume(27, kNan);
+  std::vector<float> volume(27, kNanF);
   volume[13] = 7;
   fill_missing(volume, {3, 3, 3}, {});
   EXPECT_EQ(volume, std::vector<float>(27, 7.0F));

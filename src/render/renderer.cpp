@@ -16,8 +16,9 @@ struct Renderer::Impl {
 
 Renderer::Renderer(Backend backend, int threads) : impl_(std::make_unique<Impl>()) {
   if (threads < 0) {
-    throw Error(ErrorCode::kInvalidArgument,
-                fmt::format("threads = {}: must be >= 1, or 0 for one per hardware thread", threads));
+    throw Error(
+        ErrorCode::kInvalidArgument,
+        fmt::format("threads = {}: must be >= 1, or 0 for one per hardware thread", threads));
   }
   impl_->backend = backend == Backend::kAuto ? Backend::kCpu : backend;
   impl_->runner = cpu::make_runner(threads);

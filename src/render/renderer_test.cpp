@@ -4,19 +4,16 @@
 #include <gtest/gtest.h>
 
 #include <functional>
-#include <limits>
 #include <string>
 #include <utility>
 
 #include "ovoid/error.h"
+#include "support/numbers.h"
 #include "support/scenes.h"
 #include "support/volumes.h"
 
 namespace ovoid {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Expects an Error(kInvalidArgument) whose message starts with `start`.
 void expect_refused(const std::function<void()>& work, const std::string& start) {

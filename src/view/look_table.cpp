@@ -115,8 +115,8 @@ void LookTable::fill(const TransferFunction& tf) {
   }
 }
 
-// Makes the table change its side at `value`. The nodes decide which cell that is, because they were
-// read from one side or the other.
+// Makes the table change its side at `value`. The nodes decide which cell that is, because they
+// were read from one side or the other.
 void LookTable::keep_step_at(double value) {
   int i = std::clamp(static_cast<int>(coordinate(static_cast<float>(value))), 0, kCells - 1);
   if (i > 0 && node_value(i) >= value) --i;
@@ -137,7 +137,8 @@ void LookTable::keep_steps(const TransferFunction& tf) {
   for (std::size_t k = 0; k + 1 < points.size(); ++k) {
     const double width = points[k + 1].x - points[k].x;
     if (width == 0.0) keep_step_at(points[k].x);
-    if (width > 0.0 && points[k].sharpness > kStepSharpness) keep_step_at(middle_of(points[k], width));
+    if (width > 0.0 && points[k].sharpness > kStepSharpness)
+      keep_step_at(middle_of(points[k], width));
   }
 }
 

@@ -33,9 +33,10 @@ namespace ovoid::view {
 // at most a quarter of the difference of the slopes, times a cell; a step (two points of one x,
 // sharpness over 0.99, ColorSpace::kStep) is where it should be to float rounding, and the rest of
 // its cell is flat, so that it errs by the slope times a cell; of several steps in one cell the
-// last is kept; a feature narrower than kMinFeatureCells may be missed. Zero stays zero: where the curve is zero over more
-// than a cell up to a corner and the corner included, the table is exactly zero, too (background
-// that sits at the foot of a ramp costs nothing); in turn the ramp may start up to a cell late.
+// last is kept; a feature narrower than kMinFeatureCells may be missed. Zero stays zero: where the
+// curve is zero over more than a cell up to a corner and the corner included, the table is exactly
+// zero, too (background that sits at the foot of a ramp costs nothing); in turn the ramp may start
+// up to a cell late.
 //
 // Immutable; all members may be called from many threads. Cost of construction: kNodes exact
 // evaluations, about 0.1 ms for colours in RGB, 2 ms for Lab and Diverging; 89 KiB.

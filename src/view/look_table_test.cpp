@@ -5,15 +5,13 @@
 
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <random>
 
 #include "ovoid/look.h"
+#include "support/numbers.h"
 
 namespace ovoid::view {
 namespace {
-
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 TransferFunction hat(double foot, double peak, double end, double low = 0.0, double high = 1.0) {
   TransferFunction tf;
@@ -79,8 +77,8 @@ TEST(LookTable, StraightPiecesAreExactToFloatRounding) {
     ASSERT_NEAR(s.g, tf.color_at(v)[1], tolerance) << v;
     ASSERT_NEAR(s.b, tf.color_at(v)[2], tolerance) << v;
   }
-  EXPECT_EQ(table.at(kInfinity).opacity, 0.75F);
-  EXPECT_EQ(table.at(-kInfinity).opacity, 0.25F);
+  EXPECT_EQ(table.at(kInfinityF).opacity, 0.75F);
+  EXPECT_EQ(table.at(-kInfinityF).opacity, 0.25F);
   EXPECT_EQ(table.at(1e30F).r, 1.0F);
 }
 
@@ -207,7 +205,7 @@ TEST(LookTable, TheFootOfARampIsExactlyZero) {
 
   const LookTable whole(default_look({0.0F, 255.0F}).transfer_function);
   EXPECT_FALSE(whole.any_opacity(0, 0));
-  EXPECT_FALSE(whole.any_opacity(-kInfinity, 0));
+  EXPECT_FALSE(whole.any_opacity(-kInfinityF, 0));
   EXPECT_TRUE(whole.any_opacity(0, 1e-3F));
 
   // Colours that reach below the background, and a foot that no node meets.
@@ -243,9 +241,9 @@ TEST(LookTable, AnyOpacityIsNeverWronglyFalseAndSeldomWronglyTrue) {
           case 0:
             return x;
           case 1:
-            return std::nextafter(x, kInfinity);
+            return std::nextafter(x, kInfinityF);
           case 2:
-            return std::nextafter(x, -kInfinity);
+            return std::nextafter(x, -kInfinityF);
           default:
             return static_cast<float>(v);
         }
@@ -260,7 +258,7 @@ TEST(LookTable, AnyOpacityIsNeverWronglyFalseAndSeldomWronglyTrue) {
       bool shows = table_most > 0 || tf.opacity_at(lo) > 0 || tf.opacity_at(hi) > 0;
       for (const OpacityPoint& p : tf.opacities) {
         const auto x = static_cast<float>(p.x);
-        for (const float v : {std::nextafter(x, -kInfinity), x, std::nextafter(x, kInfinity)}) {
+        for (const float v : {std::nextafter(x, -kInfinityF), x, std::nextafter(x, kInfinityF)}) {
           shows =
               shows || (v >= lo && v <= hi && (tf.opacity_at(v) > 0 || table.at(v).opacity > 0));
         }
@@ -316,7 +314,7 @@ TEST(LookTable, MaxOpacity) {
   TransferFunction nothing;
   nothing.opacities = {{0, 0}, {1, 0}};
   EXPECT_EQ(LookTable(nothing).max_opacity(), 0.0F);
-  EXPECT_FALSE(LookTable(nothing).any_opacity(-kInfinity, kInfinity));
+  EXPECT_FALSE(LookTable(nothing).any_opacity(-kInfinityF, kInfinityF));
 }
 
 // Spans that single precision cannot divide, single places, and values beyond its range. Fails if

@@ -4,15 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <functional>
-#include <limits>
 
 #include "ovoid/error.h"
+#include "support/numbers.h"
 
 namespace ovoid {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 Look valid() {
   Look look = default_look({0.0F, 255.0F});

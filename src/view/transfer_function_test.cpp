@@ -4,15 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
 #include "ovoid/error.h"
+#include "support/numbers.h"
 
 namespace ovoid {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 TransferFunction with_opacities(std::vector<OpacityPoint> points) {
   TransferFunction tf;

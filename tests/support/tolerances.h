@@ -25,8 +25,8 @@ inline constexpr int kAgreement8BitDifference = 2;
 inline constexpr double kAgreementOtherDepths = 0.005;
 
 // Where a field ends, a sample at the end itself exists or not by its rounding, and with it its
-// whole opacity, here at most 0.7 * 0.15 * 255 = 27 steps of 8 bits. Of a field that is all end (one
-// sample's ball of 0.09 spacings) a few hundred pixels are seen; one in them is 10 dB less.
+// whole opacity, here at most 0.7 * 0.15 * 255 = 27 steps of 8 bits. Of a field that is all end
+// (one sample's ball of 0.09 spacings) a few hundred pixels are seen; one in them is 10 dB less.
 inline constexpr double kAllEndPsnrDb = 50;
 inline constexpr int kAllEnd8BitDifference = 27;
 

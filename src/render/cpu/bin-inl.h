@@ -37,7 +37,7 @@ struct BrickLookup {
   HWY_INLINE M operator()(const Position& u) const {
     const auto brick = [&](V p, int a) {
       const V b = hn::MulAdd(p, hn::Set(d, bricks_per_sample), hn::Set(d, origin_bricks[a]));
-      return NearestInteger(hn::Min(hn::Max(hn::Floor(b), hn::Zero(d)), hn::Set(d, last[a])));
+      return nearest_integer(hn::Min(hn::Max(hn::Floor(b), hn::Zero(d)), hn::Set(d, last[a])));
     };
     const VI bx = brick(u.x, 0);
     const VI row = hn::Add(hn::Mul(brick(u.z, 2), hn::Set(di, rows_per_layer)), brick(u.y, 1));
@@ -73,21 +73,21 @@ struct Support {
   }
 };
 
-HWY_INLINE RowMasks BinRow(const CpuFrame& frame, const Block& block, int s, int row,
-                           const BrickLookup& lookup, const Support& support,
-                           std::uint32_t columns) {
+HWY_INLINE RowMasks bin_row(const CpuFrame& frame, const Block& block, int s, int row,
+                            const BrickLookup& lookup, const Support& support,
+                            std::uint32_t columns) {
   RowMasks masks;
-  for (int column = 0; column < block.columns; column += GroupSize()) {
-    if ((columns >> column & GroupBits()) == 0) continue;
-    const Position u = PositionOf(block.sheets[s], column, row);
-    std::uint32_t inside = GroupBits();
+  for (int column = 0; column < block.columns; column += group_size()) {
+    if ((columns >> column & group_bits()) == 0) continue;
+    const Position u = position_of(block.sheets[s], column, row);
+    std::uint32_t inside = group_bits();
     if (!support.holds_block) {
-      inside = BitsOf(support(u));
+      inside = bits_of(support(u));
       if (inside == 0) continue;
     }
-    std::uint32_t relevant = BitsOf(lookup(u)) & inside;
+    std::uint32_t relevant = bits_of(lookup(u)) & inside;
     if (frame.plan->is_clipped && relevant != 0) {
-      relevant &= BitsOf(hn::Gt(PathFraction(frame, block, s, column, row), hn::Zero(d)));
+      relevant &= bits_of(hn::Gt(path_fraction(frame, block, s, column, row), hn::Zero(d)));
     }
     masks.inside |= inside << column;
     masks.relevant |= relevant << column;
@@ -99,7 +99,7 @@ HWY_INLINE RowMasks BinRow(const CpuFrame& frame, const Block& block, int s, int
 }
 
 // Central differences also need the six neighbours of every relevant sample.
-inline void DilateActive(Block& block, const RowBits* inside) {
+inline void dilate_active(Block& block, const RowBits* inside) {
   for (int s = 0; s < block.num_sheets; ++s) {
     for (int y = 0; y < block.rows; ++y) {
       std::uint32_t bits = block.relevant[s][y];
@@ -115,7 +115,7 @@ inline void DilateActive(Block& block, const RowBits* inside) {
 
 // The box of samples that active samples reach. Positions are affine along a row, so its first and
 // last active sample bound it.
-inline void BoundRegion(const CpuFrame& frame, Block& block) {
+inline void bound_region(const CpuFrame& frame, Block& block) {
   float lo[3] = {1e30F, 1e30F, 1e30F};
   float hi[3] = {-1e30F, -1e30F, -1e30F};
   for (int s = 0; s < block.num_sheets; ++s) {
@@ -160,7 +160,7 @@ inline void BoundRegion(const CpuFrame& frame, Block& block) {
 // farther from its group's middle than a brick's edge.
 using CellColumns = std::array<std::array<std::uint32_t, kTileSize / 4>, (kMaxSheets + 3) / 4>;
 
-inline bool CellsFitBricks(const CpuFrame& frame, const Block& block) {
+inline bool cells_fit_bricks(const CpuFrame& frame, const Block& block) {
   const auto edge = static_cast<float>(1 << frame.plan->relevance.brick_shift());
   for (const int s : {0, block.num_sheets - 1}) {
     const SheetSetup& sheet = block.sheets[s];
@@ -174,7 +174,7 @@ inline bool CellsFitBricks(const CpuFrame& frame, const Block& block) {
   return true;
 }
 
-inline CellColumns BinCells(const Block& block, const BrickLookup& neighbours) {
+inline CellColumns bin_cells(const Block& block, const BrickLookup& neighbours) {
   CellColumns columns{};
   for (int cz = 0; 4 * cz < block.num_sheets; ++cz) {
     const int s = std::min(4 * cz + 1, block.num_sheets - 1);
@@ -182,7 +182,7 @@ inline CellColumns BinCells(const Block& block, const BrickLookup& neighbours) {
     const SheetSetup& far = block.sheets[std::min(s + 1, block.num_sheets - 1)];
     for (int cy = 0; 4 * cy < block.rows; ++cy) {
       std::uint32_t cells = 0;
-      for (int first = 0; first < kTileSize / 4; first += GroupSize()) {
+      for (int first = 0; first < kTileSize / 4; first += group_size()) {
         const V x =
             hn::MulAdd(hn::Iota(d, static_cast<float>(first)), hn::Set(d, 4.0F), hn::Set(d, 1.5F));
         const auto middle = [&](int a) {
@@ -191,7 +191,7 @@ inline CellColumns BinCells(const Block& block, const BrickLookup& neighbours) {
               0.5F * (near.base[a] + far.base[a]) + y * 0.5F * (near.per_y[a] + far.per_y[a]);
           return hn::MulAdd(x, hn::Set(d, 0.5F * (near.per_x[a] + far.per_x[a])), hn::Set(d, base));
         };
-        cells |= BitsOf(neighbours({middle(0), middle(1), middle(2)})) << first;
+        cells |= bits_of(neighbours({middle(0), middle(1), middle(2)})) << first;
       }
       for (int cx = 0; cx < kTileSize / 4; ++cx) {
         if ((cells >> cx & 1U) != 0) columns[cz][cy] |= 0xFU << (4 * cx);
@@ -201,7 +201,7 @@ inline CellColumns BinCells(const Block& block, const BrickLookup& neighbours) {
   return columns;
 }
 
-inline Support SupportOf(const CpuFrame& frame, const Block& block, const Bounds3& box) {
+inline Support support_of(const CpuFrame& frame, const Block& block, const Bounds3& box) {
   const Bounds3& defined = frame.plan->index_support;
   Support support;
   for (int a = 0; a < 3; ++a) {
@@ -215,7 +215,7 @@ inline Support SupportOf(const CpuFrame& frame, const Block& block, const Bounds
 }
 
 // Pixels of a plane's row that still take samples, as bits of the plane.
-inline std::uint32_t OpenSamples(const Block& block, const TileState& tile, int row) {
+inline std::uint32_t open_samples(const Block& block, const TileState& tile, int row) {
   const int y = block.y0 + row - block.margin;
   if (y < block.y0 || y >= block.y1) return 0;
   const std::uint32_t pixels = (1U << (block.x1 - block.x0)) - 1U;
@@ -224,16 +224,16 @@ inline std::uint32_t OpenSamples(const Block& block, const TileState& tile, int 
 
 // `box` holds all samples of the block, in index space. Returns the number of relevant samples;
 // active bits and region are only valid if it is not zero.
-inline std::int64_t Bin(const CpuFrame& frame, Block& block, const TileState& tile,
-                        const Bounds3& box) {
+inline std::int64_t bin_region(const CpuFrame& frame, Block& block, const TileState& tile,
+                               const Bounds3& box) {
   RowBits inside[kMaxSheets];
   const view::RelevanceMap& map = frame.plan->relevance;
   const BrickLookup lookup(map, map.words(), block.origin);
-  const Support support = SupportOf(frame, block, box);
+  const Support support = support_of(frame, block, box);
   // Differences need every sample's surroundings; then all samples are looked up.
-  const bool has_cells = block.margin == 0 && CellsFitBricks(frame, block);
+  const bool has_cells = block.margin == 0 && cells_fit_bricks(frame, block);
   const CellColumns cells =
-      has_cells ? BinCells(block, BrickLookup(map, map.neighbour_words(), block.origin))
+      has_cells ? bin_cells(block, BrickLookup(map, map.neighbour_words(), block.origin))
                 : CellColumns{};
   std::int64_t num_relevant = 0;
   for (int s = 0; s < block.num_sheets; ++s) {
@@ -244,19 +244,19 @@ inline std::int64_t Bin(const CpuFrame& frame, Block& block, const TileState& ti
     const bool is_needed = !is_margin_sheet || frame.mode == Mode::kIsosurface;
     for (int y = 0; y < block.rows; ++y) {
       const std::uint32_t columns = has_cells ? cells[s / 4][y / 4] : ~0U;
-      const RowMasks masks = BinRow(frame, block, s, y, lookup, support, columns);
+      const RowMasks masks = bin_row(frame, block, s, y, lookup, support, columns);
       inside[s][y] = masks.inside;
-      block.relevant[s][y] = is_needed ? masks.relevant & OpenSamples(block, tile, y) : 0;
+      block.relevant[s][y] = is_needed ? masks.relevant & open_samples(block, tile, y) : 0;
       num_relevant += std::popcount(block.relevant[s][y]);
     }
   }
   if (num_relevant == 0) return 0;
   if (block.margin > 0) {
-    DilateActive(block, inside);
+    dilate_active(block, inside);
   } else {
     for (int s = 0; s < block.num_sheets; ++s) block.active[s] = block.relevant[s];
   }
-  BoundRegion(frame, block);
+  bound_region(frame, block);
   return num_relevant;
 }
 

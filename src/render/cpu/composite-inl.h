@@ -19,30 +19,30 @@ namespace ovoid::cpu {
 namespace HWY_NAMESPACE {
 
 // Where a plane's sample lies in the tile's arrays.
-HWY_INLINE int TileIndex(const Block& block, int column, int row) {
+HWY_INLINE int tile_index(const Block& block, int column, int row) {
   return (block.y0 + row - block.margin) * kTileSize + block.x0 + column - block.margin;
 }
-HWY_INLINE int TileRow(const Block& block, int row) { return block.y0 + row - block.margin; }
-HWY_INLINE int TileColumn(const Block& block, int column) {
+HWY_INLINE int tile_row(const Block& block, int row) { return block.y0 + row - block.margin; }
+HWY_INLINE int tile_column(const Block& block, int column) {
   return block.x0 + column - block.margin;
 }
 
-HWY_INLINE void StoreMasked(M mask, V value, float* to) {
+HWY_INLINE void store_masked(M mask, V value, float* to) {
   hn::StoreU(hn::IfThenElse(mask, value, hn::LoadU(d, to)), d, to);
 }
 
-inline void CompositeSheet(const CpuFrame& frame, Block& block, TileState& tile, int s) {
+inline void composite_sheet(const CpuFrame& frame, Block& block, TileState& tile, int s) {
   const V one = hn::Set(d, 1.0F);
   const V half = hn::Set(d, 0.5F);
   for (int y = 0; y < block.rows; ++y) {
-    ForEachGroup(
+    for_each_group(
         block.visible[y], block.margin, block.columns - block.margin,
         [&](int column, std::uint32_t lanes) {
           const int from = y * kPlaneStride + column;
-          const int to = TileIndex(block, column, y);
+          const int to = tile_index(block, column, y);
           const V before = hn::LoadU(d, tile.alpha + to);
           const V share = hn::IfThenElseZero(
-              MaskOf(lanes),
+              mask_of(lanes),
               hn::Mul(hn::Sub(one, before), hn::LoadU(d, block.sample_alpha + from)));
           const V after = hn::Add(before, share);
           const auto add = [&](float* sum, const float* color) {
@@ -53,43 +53,44 @@ inline void CompositeSheet(const CpuFrame& frame, Block& block, TileState& tile,
           add(tile.green, block.sample_green);
           add(tile.blue, block.sample_blue);
           hn::StoreU(after, d, tile.alpha + to);
-          StoreMasked(hn::And(hn::Lt(before, half), hn::Ge(after, half)),
-                      hn::Set(d, block.sheets[s].depth), tile.depth + to);
+          store_masked(hn::And(hn::Lt(before, half), hn::Ge(after, half)),
+                       hn::Set(d, block.sheets[s].depth), tile.depth + to);
           const M opaque = hn::Ge(after, hn::Set(d, static_cast<float>(RenderOptions::kOpaque)));
-          tile.open[TileRow(block, y)] &= ~((BitsOf(opaque) & lanes) << TileColumn(block, column));
+          tile.open[tile_row(block, y)] &=
+              ~((bits_of(opaque) & lanes) << tile_column(block, column));
         });
   }
   (void)frame;
 }
 
 // X-ray, maximum and mean: every defined sample counts.
-inline void AccumulateSheet(const CpuFrame& frame, Block& block, TileState& tile, int s,
-                            const RowBits& bits) {
+inline void accumulate_sheet(const CpuFrame& frame, Block& block, TileState& tile, int s,
+                             const RowBits& bits) {
   const float* values = block.values[s & (kRingSheets - 1)];
   for (int y = 0; y < block.rows; ++y) {
-    ForEachGroup(
+    for_each_group(
         bits[y], block.margin, block.columns - block.margin, [&](int column, std::uint32_t lanes) {
-          const M mask = MaskOf(lanes);
-          const int to = TileIndex(block, column, y);
-          std::uint32_t& seen_row = tile.seen[TileRow(block, y)];
-          const M seen = MaskOf(seen_row >> TileColumn(block, column) & GroupBits());
+          const M mask = mask_of(lanes);
+          const int to = tile_index(block, column, y);
+          std::uint32_t& seen_row = tile.seen[tile_row(block, y)];
+          const M seen = mask_of(seen_row >> tile_column(block, column) & group_bits());
           const V value = hn::LoadU(d, values + y * kPlaneStride + column);
           const V depth = hn::Set(d, block.sheets[s].depth);
           const V best = hn::LoadU(d, tile.best + to);
           if (frame.mode == Mode::kMaximum) {
             const M better = hn::And(mask, hn::Gt(value, best));
-            StoreMasked(better, value, tile.best + to);
-            StoreMasked(better, depth, tile.depth + to);
+            store_masked(better, value, tile.best + to);
+            store_masked(better, depth, tile.depth + to);
           } else {
-            const V length = hn::Mul(hn::Mul(PathFraction(frame, block, s, column, y),
-                                             RayLength(frame, block, column, y)),
+            const V length = hn::Mul(hn::Mul(path_fraction(frame, block, s, column, y),
+                                             ray_length(frame, block, column, y)),
                                      hn::Set(d, frame.sampling_distance));
             const V sum = hn::IfThenElseZero(seen, best);
-            StoreMasked(mask, hn::MulAdd(value, length, sum), tile.best + to);
-            StoreMasked(mask, hn::Add(length, hn::LoadU(d, tile.path + to)), tile.path + to);
-            StoreMasked(hn::AndNot(seen, mask), depth, tile.depth + to);
+            store_masked(mask, hn::MulAdd(value, length, sum), tile.best + to);
+            store_masked(mask, hn::Add(length, hn::LoadU(d, tile.path + to)), tile.path + to);
+            store_masked(hn::AndNot(seen, mask), depth, tile.depth + to);
           }
-          seen_row |= lanes << TileColumn(block, column);
+          seen_row |= lanes << tile_column(block, column);
         });
   }
 }

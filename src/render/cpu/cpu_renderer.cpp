@@ -285,6 +285,7 @@ Frame render(const LatticeField& field, const Camera& camera, const Look& look,
 
   const std::vector<TileRect> tiles = tiles_of(options.width, options.height);
   std::vector<std::unique_ptr<Workspace>> workspaces;
+  workspaces.reserve(static_cast<std::size_t>(runner.num_workers()));
   for (int i = 0; i < runner.num_workers(); ++i)
     workspaces.push_back(std::make_unique<Workspace>());
   Watch watch(hooks, tiles.size());

@@ -29,13 +29,13 @@ struct AxisTaps {
 using DT = hn::CappedTag<float, 8>;  // taps of a row
 inline constexpr DT dt;
 
-inline int TapCapacity(const CpuFrame& frame, const SheetSetup& sheet) {
+inline int tap_capacity(const CpuFrame& frame, const SheetSetup& sheet) {
   const float widest = std::max({sheet.widening[0], sheet.widening[1], sheet.widening[2]});
   return static_cast<int>(2 * frame.support * widest) + 2 + 2 * kTapPadding;
 }
 
-inline void FillAxis(const CpuFrame& frame, const Block& block, int axis, float u, float widening,
-                     AxisTaps& taps) {
+inline void fill_axis(const CpuFrame& frame, const Block& block, int axis, float u, float widening,
+                      AxisTaps& taps) {
   const float support = frame.support * widening;
   const float inverse_variance = frame.inverse_variance / (widening * widening);
   const int reach_first = static_cast<int>(std::ceil(u - support));
@@ -49,7 +49,7 @@ inline void FillAxis(const CpuFrame& frame, const Block& block, int axis, float 
   const int lanes = static_cast<int>(hn::Lanes(dt));
   constexpr float kLog2E = 1.44269504F;
   const auto weigh = [&](auto distance) {
-    return Exp2(
+    return vector_exp2(
         dt, hn::Mul(hn::Mul(distance, distance), hn::Set(dt, -0.5F * inverse_variance * kLog2E)));
   };
   auto existing = hn::Zero(dt);
@@ -88,8 +88,8 @@ struct TapSums {
 };
 
 template <bool kGradient>
-inline TapSums SumTaps(const Block& block, const float* HWY_RESTRICT samples,
-                       const AxisTaps* axis) {
+inline TapSums sum_taps(const Block& block, const float* HWY_RESTRICT samples,
+                        const AxisTaps* axis) {
   const int lanes = static_cast<int>(hn::Lanes(dt));
   auto sum = hn::Zero(dt), sum_x = hn::Zero(dt), sum_y = hn::Zero(dt), sum_z = hn::Zero(dt);
   for (int i = 0; i < axis[0].count; i += lanes) {
@@ -136,22 +136,22 @@ struct Quotient {
 };
 
 template <bool kGradient>
-inline void AddNode(const CpuFrame& frame, const Workspace& work, const float* u,
-                    const SheetSetup& sheet, float node_weight, float* tap_memory, int capacity,
-                    Quotient& q) {
+inline void add_node(const CpuFrame& frame, const Workspace& work, const float* u,
+                     const SheetSetup& sheet, float node_weight, float* tap_memory, int capacity,
+                     Quotient& q) {
   const Block& block = work.block;
   AxisTaps axis[3];
   for (int a = 0; a < 3; ++a) {
     axis[a].weight = tap_memory + 2 * a * capacity;
     axis[a].derivative = axis[a].weight + capacity;
-    FillAxis(frame, block, a, u[a], sheet.widening[a], axis[a]);
+    fill_axis(frame, block, a, u[a], sheet.widening[a], axis[a]);
   }
   q.endless += node_weight * axis[0].endless * axis[1].endless * axis[2].endless;
   if (axis[0].count == 0 || axis[1].count == 0 || axis[2].count == 0) return;
-  const TapSums n = SumTaps<kGradient>(block, work.samples.data.get(), axis);
+  const TapSums n = sum_taps<kGradient>(block, work.samples.data.get(), axis);
   TapSums e;
   if (block.has_missing) {
-    e = SumTaps<kGradient>(block, work.presence.data.get(), axis);
+    e = sum_taps<kGradient>(block, work.presence.data.get(), axis);
   } else {
     e.value = axis[0].existing * axis[1].existing * axis[2].existing;
     e.x = axis[0].existing_derivative * axis[1].existing * axis[2].existing;
@@ -169,7 +169,7 @@ inline void AddNode(const CpuFrame& frame, const Workspace& work, const float* u
 }
 
 // Factor that makes the gradient of a ramp along one axis constant (docs/numerics.md, "Gradients").
-inline float AxisCorrection(const CpuFrame& frame, float u, float widening) {
+inline float axis_correction(const CpuFrame& frame, float u, float widening) {
   const float support = frame.support * widening;
   const float inverse_variance = frame.inverse_variance / (widening * widening);
   float total = 0;
@@ -188,8 +188,8 @@ inline float AxisCorrection(const CpuFrame& frame, float u, float widening) {
 
 // Does any kernel reach the sample at u, or its slab, `step` long? Where no sample is missing the
 // supports fill one box. Nodes would miss a slab that has but an end in it.
-inline bool MeetsSupport(const CpuFrame& frame, const Block& block, const SheetSetup& sheet,
-                         const float* u, const float* step) {
+inline bool meets_support(const CpuFrame& frame, const Block& block, const SheetSetup& sheet,
+                          const float* u, const float* step) {
   const bool is_point = frame.num_slab_nodes == 1;
   float from = -0.5F;
   float to = 0.5F;
@@ -213,15 +213,15 @@ inline bool MeetsSupport(const CpuFrame& frame, const Block& block, const SheetS
 
 // Returns the bits of the lanes whose field is defined.
 template <bool kGradient>
-inline std::uint32_t GatherGeneral(const CpuFrame& frame, Workspace& work, int s, int column,
-                                   int row, const Position& u, std::uint32_t lanes,
-                                   const GeneralOut& out) {
+inline std::uint32_t gather_general(const CpuFrame& frame, Workspace& work, int s, int column,
+                                    int row, const Position& u, std::uint32_t lanes,
+                                    const GeneralOut& out) {
   const SheetSetup& sheet = work.block.sheets[s];
   alignas(64) float position[3][16];
   hn::Store(u.x, d, position[0]);
   hn::Store(u.y, d, position[1]);
   hn::Store(u.z, d, position[2]);
-  const int capacity = TapCapacity(frame, sheet);
+  const int capacity = tap_capacity(frame, sheet);
   float* tap_memory = work.taps.reserve(static_cast<std::size_t>(6) * capacity);
   const float mass = sheet.widening[0] * sheet.widening[1] * sheet.widening[2];
   std::uint32_t defined = 0;
@@ -239,14 +239,14 @@ inline std::uint32_t GatherGeneral(const CpuFrame& frame, Workspace& work, int s
       const SlabNode slab = frame.slab_nodes[node];
       float at[3];
       for (int a = 0; a < 3; ++a) at[a] = center[a] + slab.offset * step[a];
-      AddNode<kGradient>(frame, work, at, sheet, slab.weight, tap_memory, capacity, q);
+      add_node<kGradient>(frame, work, at, sheet, slab.weight, tap_memory, capacity, q);
     }
     const TapSums& n = q.numerator;
     const TapSums& e = q.denominator;
     if (frame.is_sum) {
       const bool is_defined = work.block.has_missing
                                   ? e.value > 0
-                                  : MeetsSupport(frame, work.block, sheet, center, step);
+                                  : meets_support(frame, work.block, sheet, center, step);
       if (!is_defined) continue;
       const float w = frame.sum_weight / mass;
       out.value[l] = w * n.value;
@@ -265,9 +265,9 @@ inline std::uint32_t GatherGeneral(const CpuFrame& frame, Workspace& work, int s
         out.y[l] = (n.y - f * e.y) * inverse;
         out.z[l] = (n.z - f * e.z) * inverse;
         if (frame.corrects_gradient) {
-          out.x[l] *= AxisCorrection(frame, position[0][l], sheet.widening[0]);
-          out.y[l] *= AxisCorrection(frame, position[1][l], sheet.widening[1]);
-          out.z[l] *= AxisCorrection(frame, position[2][l], sheet.widening[2]);
+          out.x[l] *= axis_correction(frame, position[0][l], sheet.widening[0]);
+          out.y[l] *= axis_correction(frame, position[1][l], sheet.widening[1]);
+          out.z[l] *= axis_correction(frame, position[2][l], sheet.widening[2]);
         }
       }
     }

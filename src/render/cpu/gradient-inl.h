@@ -23,7 +23,7 @@ struct WorldVector {
   V x, y, z;
 };
 
-HWY_INLINE WorldVector ToWorld(const CpuFrame& frame, V x, V y, V z) {
+HWY_INLINE WorldVector to_world(const CpuFrame& frame, V x, V y, V z) {
   const float* m = frame.world_from_index_gradient;
   const auto row = [&](int r) {
     return hn::MulAdd(
@@ -33,13 +33,13 @@ HWY_INLINE WorldVector ToWorld(const CpuFrame& frame, V x, V y, V z) {
   return {row(0), row(1), row(2)};
 }
 
-HWY_INLINE WorldVector ExactGradient(const CpuFrame& frame, Workspace& work, int s, int column,
-                                     int row, const Position& u, std::uint32_t lanes) {
-  const ValueAndGradient g = GatherGradient(frame, work, s, column, row, u, lanes);
-  return ToWorld(frame, g.x, g.y, g.z);
+HWY_INLINE WorldVector exact_gradient(const CpuFrame& frame, Workspace& work, int s, int column,
+                                      int row, const Position& u, std::uint32_t lanes) {
+  const ValueAndGradient g = gather_gradient(frame, work, s, column, row, u, lanes);
+  return to_world(frame, g.x, g.y, g.z);
 }
 
-HWY_INLINE void StoreGradient(Block& block, int column, int row, const WorldVector& g) {
+HWY_INLINE void store_gradient(Block& block, int column, int row, const WorldVector& g) {
   const int at = row * kPlaneStride + column;
   hn::StoreU(g.x, d, block.gradient[0] + at);
   hn::StoreU(g.y, d, block.gradient[1] + at);
@@ -48,8 +48,8 @@ HWY_INLINE void StoreGradient(Block& block, int column, int row, const WorldVect
 
 // Values and gradients of the samples named by `bits`, of which all must be active, in one pass.
 // Marks them in has_gradient and, where the field is, in the sheet's defined bits.
-inline void ReconstructWithGradients(const CpuFrame& frame, Workspace& work, int s,
-                                     const RowBits& bits) {
+inline void reconstruct_with_gradients(const CpuFrame& frame, Workspace& work, int s,
+                                       const RowBits& bits) {
   Block& block = work.block;
   float* values = block.values[s & (kRingSheets - 1)];
   RowBits& defined = block.defined[s & (kRingSheets - 1)];
@@ -59,14 +59,14 @@ inline void ReconstructWithGradients(const CpuFrame& frame, Workspace& work, int
     work.stats.gradients += std::popcount(bits[y]);
   }
   FourTapGradientBatch batch;
-  ForEachBatch(block, bits, batch, [&] {
-    WeighSheet(frame, block, s, batch);
-    SumYzGradient(block, work.samples.data.get(), batch);
+  for_each_batch(block, bits, batch, [&] {
+    weigh_sheet(frame, block, s, batch);
+    sum_yz_gradient(block, work.samples.data.get(), batch);
     alignas(64) float value[kBatchSamples];
     alignas(64) float g[3][kBatchSamples];
-    for (int i = 0; i < batch.count; i += GroupSize()) {
-      const ValueAndGradient v = ReduceGradient(batch, i);
-      const WorldVector world = ToWorld(frame, v.x, v.y, v.z);
+    for (int i = 0; i < batch.count; i += group_size()) {
+      const ValueAndGradient v = reduce_gradient(batch, i);
+      const WorldVector world = to_world(frame, v.x, v.y, v.z);
       hn::Store(v.value, d, value + i);
       hn::Store(world.x, d, g[0] + i);
       hn::Store(world.y, d, g[1] + i);
@@ -76,14 +76,14 @@ inline void ReconstructWithGradients(const CpuFrame& frame, Workspace& work, int
       values[batch.at[i]] = value[i];
       for (int a = 0; a < 3; ++a) block.gradient[a][batch.at[i]] = g[a][i];
     }
-    if (!block.is_interior) DropUndefined(batch, defined);
+    if (!block.is_interior) drop_undefined(batch, defined);
   });
 }
 
 // Samples of the next sheet whose gradient will probably be wanted: those behind samples that were
 // visible. Their value comes with the gradient for less than both would cost apart. A wrong guess
 // costs time, nothing else.
-inline RowBits GuessVisible(const CpuFrame& frame, const Block& block, const RowBits& wanted) {
+inline RowBits guess_visible(const CpuFrame& frame, const Block& block, const RowBits& wanted) {
   RowBits guess{};
   const bool is_worthwhile = frame.mode == Mode::kComposite && frame.shade &&
                              !frame.central_gradient && block.uses_four_taps;
@@ -94,7 +94,7 @@ inline RowBits GuessVisible(const CpuFrame& frame, const Block& block, const Row
 
 // Difference of the samples on both sides of the middle one; one-sided, or zero, where they are
 // undefined.
-HWY_INLINE V Difference(V before, V middle, V after, M has_before, M has_after) {
+HWY_INLINE V difference(V before, V middle, V after, M has_before, M has_after) {
   const V forward = hn::Sub(after, middle);
   const V backward = hn::Sub(middle, before);
   const V both = hn::Mul(hn::Set(d, 0.5F), hn::Add(forward, backward));
@@ -103,24 +103,24 @@ HWY_INLINE V Difference(V before, V middle, V after, M has_before, M has_after) 
       hn::IfThenElse(has_after, forward, hn::IfThenElseZero(has_before, backward)));
 }
 
-HWY_INLINE WorldVector CentralGradient(const CpuFrame& frame, const Block& block, int s, int column,
-                                       int row) {
+HWY_INLINE WorldVector central_difference_gradient(const CpuFrame& frame, const Block& block, int s,
+                                                   int column, int row) {
   const auto plane = [&](int sheet) {
     return block.values[sheet & (kRingSheets - 1)] + row * kPlaneStride + column;
   };
   const auto defined = [&](int sheet, int y, int shift) {
     const std::uint32_t bits = block.defined[sheet & (kRingSheets - 1)][y];
     const int from = column + shift;
-    return MaskOf((from < 0 ? bits << 1 : bits >> from) & GroupBits());
+    return mask_of((from < 0 ? bits << 1 : bits >> from) & group_bits());
   };
   const float* here = plane(s);
   const V middle = hn::LoadU(d, here);
-  const V dx = Difference(hn::LoadU(d, here - 1), middle, hn::LoadU(d, here + 1),
+  const V dx = difference(hn::LoadU(d, here - 1), middle, hn::LoadU(d, here + 1),
                           defined(s, row, -1), defined(s, row, 1));
   const V dy =
-      Difference(hn::LoadU(d, here - kPlaneStride), middle, hn::LoadU(d, here + kPlaneStride),
+      difference(hn::LoadU(d, here - kPlaneStride), middle, hn::LoadU(d, here + kPlaneStride),
                  defined(s, row - 1, 0), defined(s, row + 1, 0));
-  const V ds = Difference(hn::LoadU(d, plane(s - 1)), middle, hn::LoadU(d, plane(s + 1)),
+  const V ds = difference(hn::LoadU(d, plane(s - 1)), middle, hn::LoadU(d, plane(s + 1)),
                           defined(s - 1, row, 0), defined(s + 1, row, 0));
   // The reciprocal basis of (pixel right, pixel down, next sheet): pixels are square and orthogonal
   // to the view axis, the step to the next sheet leans by the ray's slopes.
@@ -129,10 +129,10 @@ HWY_INLINE WorldVector CentralGradient(const CpuFrame& frame, const Block& block
   const V along_up = hn::Neg(hn::Mul(dy, inverse_pitch));
   V along_axis = hn::Mul(ds, hn::Set(d, 1.0F / frame.sampling_distance));
   if (!frame.is_parallel) {
-    const V x = PixelX(block, column);
-    const float y = PixelY(block, row);
-    along_axis = hn::NegMulAdd(Evaluate2d(frame.ray_slope_right, x, y), along_right, along_axis);
-    along_axis = hn::NegMulAdd(Evaluate2d(frame.ray_slope_up, x, y), along_up, along_axis);
+    const V x = pixel_x(block, column);
+    const float y = pixel_y(block, row);
+    along_axis = hn::NegMulAdd(evaluate2d(frame.ray_slope_right, x, y), along_right, along_axis);
+    along_axis = hn::NegMulAdd(evaluate2d(frame.ray_slope_up, x, y), along_up, along_axis);
   }
   const auto component = [&](int a) {
     return hn::MulAdd(along_right, hn::Set(d, frame.right[a]),
@@ -143,24 +143,24 @@ HWY_INLINE WorldVector CentralGradient(const CpuFrame& frame, const Block& block
 }
 
 // The visible samples that have no gradient yet.
-inline void GradientOfSheet(const CpuFrame& frame, Workspace& work, int s) {
+inline void gradient_of_sheet(const CpuFrame& frame, Workspace& work, int s) {
   Block& block = work.block;
   RowBits missing;
   for (int y = 0; y < block.rows; ++y) missing[y] = block.visible[y] & ~block.has_gradient[y];
   if (!frame.central_gradient && block.uses_four_taps) {
-    ReconstructWithGradients(frame, work, s, missing);
+    reconstruct_with_gradients(frame, work, s, missing);
     return;
   }
   for (int y = 0; y < block.rows; ++y) {
     work.stats.gradients += std::popcount(missing[y]);
-    ForEachGroup(missing[y], block.margin, block.columns - block.margin,
-                 [&](int column, std::uint32_t lanes) {
-                   const Position u = PositionOf(block.sheets[s], column, y);
-                   StoreGradient(block, column, y,
-                                 frame.central_gradient
-                                     ? CentralGradient(frame, block, s, column, y)
-                                     : ExactGradient(frame, work, s, column, y, u, lanes));
-                 });
+    for_each_group(missing[y], block.margin, block.columns - block.margin,
+                   [&](int column, std::uint32_t lanes) {
+                     const Position u = position_of(block.sheets[s], column, y);
+                     store_gradient(block, column, y,
+                                    frame.central_gradient
+                                        ? central_difference_gradient(frame, block, s, column, y)
+                                        : exact_gradient(frame, work, s, column, y, u, lanes));
+                   });
   }
 }
 

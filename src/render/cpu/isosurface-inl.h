@@ -18,35 +18,36 @@ namespace HWY_NAMESPACE {
 
 inline constexpr int kBisections = 8;  // to 1/256 of a sheet's distance, before the secant step
 
-HWY_INLINE Position Between(const Position& a, const Position& b, V t) {
+HWY_INLINE Position point_between(const Position& a, const Position& b, V t) {
   const auto mix = [&](V p, V q) { return hn::MulAdd(hn::Sub(q, p), t, p); };
   return {mix(a.x, b.x), mix(a.y, b.y), mix(a.z, b.z)};
 }
 
 // Where between two samples (0 to 1) the field takes the isovalue; `before` and `after` lie on
 // different sides.
-HWY_INLINE V Refine(const CpuFrame& frame, Workspace& work, int s, int column, int row,
+HWY_INLINE V refine(const CpuFrame& frame, Workspace& work, int s, int column, int row,
                     const Position& from, const Position& to, V before, V after,
                     std::uint32_t lanes) {
   const V iso = hn::Set(d, frame.isovalue);
   const M rises = hn::Lt(before, iso);
   V near = hn::Zero(d);
   V far = hn::Set(d, 1.0F);
-  M far_is_defined = MaskOf(lanes);
+  M far_is_defined = mask_of(lanes);
   for (int i = 0; i < kBisections; ++i) {
     const V middle = hn::Mul(hn::Set(d, 0.5F), hn::Add(near, far));
-    const GroupValues f = Gather(frame, work, s, column, row, Between(from, to, middle), lanes);
+    const GroupValues f =
+        gather_group(frame, work, s, column, row, point_between(from, to, middle), lanes);
     const M is_low = hn::Lt(f.value, iso);
     // Same side as the near end: the crossing is behind the middle. Where the field is undefined,
     // stay in front of it.
     const M same =
-        hn::And(MaskOf(f.defined), hn::Or(hn::And(is_low, rises), hn::Not(hn::Or(is_low, rises))));
+        hn::And(mask_of(f.defined), hn::Or(hn::And(is_low, rises), hn::Not(hn::Or(is_low, rises))));
     near = hn::IfThenElse(same, middle, near);
     before = hn::IfThenElse(same, f.value, before);
-    const M other = hn::And(hn::Not(same), MaskOf(lanes));
+    const M other = hn::And(hn::Not(same), mask_of(lanes));
     far = hn::IfThenElse(other, middle, far);
     after = hn::IfThenElse(other, f.value, after);
-    far_is_defined = hn::Or(hn::And(other, MaskOf(f.defined)), hn::AndNot(other, far_is_defined));
+    far_is_defined = hn::Or(hn::And(other, mask_of(f.defined)), hn::AndNot(other, far_is_defined));
   }
   const V rise = hn::Sub(after, before);
   const V share = hn::Div(hn::Sub(iso, before),
@@ -56,42 +57,42 @@ HWY_INLINE V Refine(const CpuFrame& frame, Workspace& work, int s, int column, i
 }
 
 // Lanes whose crossing lies in all clip half spaces.
-HWY_INLINE std::uint32_t KeptByPlanes(const CpuFrame& frame, const Block& block, int s, int column,
-                                      int row, V t) {
-  std::uint32_t kept = GroupBits();
+HWY_INLINE std::uint32_t kept_by_planes(const CpuFrame& frame, const Block& block, int s,
+                                        int column, int row, V t) {
+  std::uint32_t kept = group_bits();
   const view::FramePlan& plan = *frame.plan;
-  const V x = PixelX(block, column);
-  const float y = PixelY(block, row);
+  const V x = pixel_x(block, column);
+  const float y = pixel_y(block, row);
   const V sheets_back = hn::Sub(t, hn::Set(d, 1.0F));
   for (const ClipPlane& plane : plan.clip_planes) {
-    const V inside = Evaluate2d(plan.clip_distance(plane, block.first_sheet + s), x, y);
+    const V inside = evaluate2d(plan.clip_distance(plane, block.first_sheet + s), x, y);
     const V slope =
-        hn::Mul(Evaluate2d(plan.clip_slope(plane), x, y), hn::Set(d, frame.sampling_distance));
-    kept &= BitsOf(hn::Ge(hn::MulAdd(slope, sheets_back, inside), hn::Zero(d)));
+        hn::Mul(evaluate2d(plan.clip_slope(plane), x, y), hn::Set(d, frame.sampling_distance));
+    kept &= bits_of(hn::Ge(hn::MulAdd(slope, sheets_back, inside), hn::Zero(d)));
   }
   return kept;
 }
 
 // Crossings between sheet s - 1 and sheet s of the block.
-inline void SurfaceSheet(const CpuFrame& frame, Workspace& work, int s) {
+inline void surface_sheet(const CpuFrame& frame, Workspace& work, int s) {
   Block& block = work.block;
   TileState& tile = work.tile;
   const int here = s & (kRingSheets - 1);
   const int front = (s - 1) & (kRingSheets - 1);
   const V iso = hn::Set(d, frame.isovalue);
   for (int y = 0; y < block.rows; ++y) {
-    std::uint32_t& open = tile.open[TileRow(block, y)];
+    std::uint32_t& open = tile.open[tile_row(block, y)];
     const std::uint32_t both = block.defined[here][y] & block.defined[front][y] & open >> block.x0;
-    ForEachGroup(both, 0, block.columns, [&](int column, std::uint32_t lanes) {
+    for_each_group(both, 0, block.columns, [&](int column, std::uint32_t lanes) {
       const int at = y * kPlaneStride + column;
       const V before = hn::LoadU(d, block.values[front] + at);
       const V after = hn::LoadU(d, block.values[here] + at);
-      std::uint32_t crossing = BitsOf(hn::Xor(hn::Lt(before, iso), hn::Lt(after, iso))) & lanes;
+      std::uint32_t crossing = bits_of(hn::Xor(hn::Lt(before, iso), hn::Lt(after, iso))) & lanes;
       if (crossing == 0) return;
-      const Position from = PositionOf(block.sheets[s - 1], column, y);
-      const Position to = PositionOf(block.sheets[s], column, y);
-      const V t = Refine(frame, work, s, column, y, from, to, before, after, crossing);
-      crossing &= KeptByPlanes(frame, block, s, column, y, t);
+      const Position from = position_of(block.sheets[s - 1], column, y);
+      const Position to = position_of(block.sheets[s], column, y);
+      const V t = refine(frame, work, s, column, y, from, to, before, after, crossing);
+      crossing &= kept_by_planes(frame, block, s, column, y, t);
       if (crossing == 0) return;
       const V color[3] = {hn::Set(d, frame.isosurface_color[0]),
                           hn::Set(d, frame.isosurface_color[1]),
@@ -99,20 +100,20 @@ inline void SurfaceSheet(const CpuFrame& frame, Workspace& work, int s) {
       Lighting light{hn::Set(d, 1.0F), hn::Zero(d)};
       if (frame.shade) {
         const WorldVector g =
-            ExactGradient(frame, work, s, column, y, Between(from, to, t), crossing);
-        light = Light(frame, g, ToEye(frame, block, column, y));
+            exact_gradient(frame, work, s, column, y, point_between(from, to, t), crossing);
+        light = light_sample(frame, g, direction_to_eye(frame, block, column, y));
         work.stats.gradients += std::popcount(crossing);
       }
-      const int pixel = TileIndex(block, column, y);
-      const M mask = MaskOf(crossing);
-      StoreMasked(mask, Lit(color[0], light), tile.red + pixel);
-      StoreMasked(mask, Lit(color[1], light), tile.green + pixel);
-      StoreMasked(mask, Lit(color[2], light), tile.blue + pixel);
-      StoreMasked(mask, hn::Set(d, 1.0F), tile.alpha + pixel);
+      const int pixel = tile_index(block, column, y);
+      const M mask = mask_of(crossing);
+      store_masked(mask, lit_color(color[0], light), tile.red + pixel);
+      store_masked(mask, lit_color(color[1], light), tile.green + pixel);
+      store_masked(mask, lit_color(color[2], light), tile.blue + pixel);
+      store_masked(mask, hn::Set(d, 1.0F), tile.alpha + pixel);
       const V depth = hn::MulAdd(hn::Sub(t, hn::Set(d, 1.0F)), hn::Set(d, frame.sampling_distance),
                                  hn::Set(d, block.sheets[s].depth));
-      StoreMasked(mask, depth, tile.depth + pixel);
-      open &= ~(crossing << TileColumn(block, column));
+      store_masked(mask, depth, tile.depth + pixel);
+      open &= ~(crossing << tile_column(block, column));
       work.stats.samples_shaded += std::popcount(crossing);
     });
   }

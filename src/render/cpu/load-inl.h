@@ -27,7 +27,7 @@ namespace ovoid::cpu {
 namespace HWY_NAMESPACE {
 
 template <typename T>
-HWY_INLINE V LoadAsFloat(const T* from) {
+HWY_INLINE V load_as_float(const T* from) {
   if constexpr (std::is_same_v<T, float>) {
     return hn::LoadU(d, from);
   } else {
@@ -44,12 +44,12 @@ struct LoadScale {
 
 // One row: `presence` null for types that cannot miss.
 template <typename T>
-HWY_INLINE void LoadRow(const T* from, int count, LoadScale map, float* samples, float* presence) {
-  const int group = GroupSize();
+HWY_INLINE void load_row(const T* from, int count, LoadScale map, float* samples, float* presence) {
+  const int group = group_size();
   const V scale = hn::Set(d, map.scale);
   const V offset = hn::Set(d, map.offset);
   const auto load_group = [&](int i) {
-    V v = LoadAsFloat(from + i);
+    V v = load_as_float(from + i);
     if constexpr (std::is_same_v<T, float>) {
       const M exists = hn::Eq(hn::Sub(v, v), hn::Zero(d));  // false for NaN and infinities
       v = hn::IfThenElseZero(exists, hn::MulAdd(v, scale, offset));
@@ -77,13 +77,15 @@ HWY_INLINE void LoadRow(const T* from, int count, LoadScale map, float* samples,
 
 // Two rows of neighbouring slices, side by side; `after` null: zeros.
 template <typename T>
-HWY_INLINE void LoadRowPair(const T* row, const T* after, int count, LoadScale map, float* pairs) {
-  const int group = GroupSize();
+HWY_INLINE void load_row_pair(const T* row, const T* after, int count, LoadScale map,
+                              float* pairs) {
+  const int group = group_size();
   const V scale = hn::Set(d, map.scale);
   const V offset = hn::Set(d, map.offset);
   const auto load_group = [&](int i) {
-    const V a = hn::MulAdd(LoadAsFloat(row + i), scale, offset);
-    const V b = after == nullptr ? hn::Zero(d) : hn::MulAdd(LoadAsFloat(after + i), scale, offset);
+    const V a = hn::MulAdd(load_as_float(row + i), scale, offset);
+    const V b =
+        after == nullptr ? hn::Zero(d) : hn::MulAdd(load_as_float(after + i), scale, offset);
 #if HWY_TARGET == HWY_SCALAR
     hn::Store(a, d, pairs + 2 * i);
     hn::Store(b, d, pairs + 2 * i + 1);
@@ -109,8 +111,8 @@ HWY_INLINE void LoadRowPair(const T* row, const T* after, int count, LoadScale m
 // order of z: the second of a pair whose slice another view shows is set when that view's turn
 // comes.
 template <typename T>
-void LoadPartPairs(const Block& block, const BrickView& view, const Index3& lo, const Index3& hi,
-                   LoadScale map, float* pairs) {
+void load_part_pairs(const Block& block, const BrickView& view, const Index3& lo, const Index3& hi,
+                     LoadScale map, float* pairs) {
   const T* data = static_cast<const T*>(view.data);
   const auto to_region = [&](std::int64_t index, int a) {
     return static_cast<std::ptrdiff_t>(index - block.origin[a]) - block.region_lo[a];
@@ -128,7 +130,8 @@ void LoadPartPairs(const Block& block, const BrickView& view, const Index3& lo, 
         hwy::Prefetch(ahead);
         hwy::Prefetch(ahead + count - 1);
       }
-      LoadRowPair(from, z + 1 < hi[2] ? from + view.stride_z : nullptr, count, map, pairs + 2 * to);
+      load_row_pair(from, z + 1 < hi[2] ? from + view.stride_z : nullptr, count, map,
+                    pairs + 2 * to);
       if (z > lo[2] || to_region(z, 2) == 0) continue;
       float* before = pairs + 2 * (to - block.slice_stride) + 1;
       for (int i = 0; i < count; ++i)
@@ -139,8 +142,8 @@ void LoadPartPairs(const Block& block, const BrickView& view, const Index3& lo, 
 
 // The part of the region that `view` shows, [lo, hi) in lattice indices.
 template <typename T>
-void LoadPart(const Block& block, const BrickView& view, const Index3& lo, const Index3& hi,
-              LoadScale map, float* samples, float* presence) {
+void load_part(const Block& block, const BrickView& view, const Index3& lo, const Index3& hi,
+               LoadScale map, float* samples, float* presence) {
   const T* data = static_cast<const T*>(view.data);
   const auto to_region = [&](std::int64_t index, int a) {
     return static_cast<int>(index - block.origin[a]) - block.region_lo[a];
@@ -153,39 +156,39 @@ void LoadPart(const Block& block, const BrickView& view, const Index3& lo, const
       const std::ptrdiff_t to = static_cast<std::ptrdiff_t>(to_region(z, 2)) * block.slice_stride +
                                 static_cast<std::ptrdiff_t>(to_region(y, 1)) * block.row_stride +
                                 to_region(lo[0], 0);
-      LoadRow(from, count, map, samples + to, presence == nullptr ? nullptr : presence + to);
+      load_row(from, count, map, samples + to, presence == nullptr ? nullptr : presence + to);
     }
   }
 }
 
 template <typename T>
-void LoadPartAs(const Block& block, const BrickView& view, const Index3& lo, const Index3& hi,
-                LoadScale map, float* samples, float* presence) {
+void load_part_as(const Block& block, const BrickView& view, const Index3& lo, const Index3& hi,
+                  LoadScale map, float* samples, float* presence) {
   if (block.uses_four_taps) {
-    LoadPartPairs<T>(block, view, lo, hi, map, samples);
+    load_part_pairs<T>(block, view, lo, hi, map, samples);
   } else {
-    LoadPart<T>(block, view, lo, hi, map, samples, presence);
+    load_part<T>(block, view, lo, hi, map, samples, presence);
   }
 }
 
-inline void LoadTypedPart(const Block& block, const BrickView& view, const Index3& lo,
-                          const Index3& hi, LoadScale map, float* samples, float* presence) {
+inline void load_typed_part(const Block& block, const BrickView& view, const Index3& lo,
+                            const Index3& hi, LoadScale map, float* samples, float* presence) {
   switch (view.type) {
     case ScalarType::kUInt8:
-      return LoadPartAs<std::uint8_t>(block, view, lo, hi, map, samples, presence);
+      return load_part_as<std::uint8_t>(block, view, lo, hi, map, samples, presence);
     case ScalarType::kInt8:
-      return LoadPartAs<std::int8_t>(block, view, lo, hi, map, samples, presence);
+      return load_part_as<std::int8_t>(block, view, lo, hi, map, samples, presence);
     case ScalarType::kUInt16:
-      return LoadPartAs<std::uint16_t>(block, view, lo, hi, map, samples, presence);
+      return load_part_as<std::uint16_t>(block, view, lo, hi, map, samples, presence);
     case ScalarType::kInt16:
-      return LoadPartAs<std::int16_t>(block, view, lo, hi, map, samples, presence);
+      return load_part_as<std::int16_t>(block, view, lo, hi, map, samples, presence);
     default:
-      return LoadPartAs<float>(block, view, lo, hi, map, samples, presence);
+      return load_part_as<float>(block, view, lo, hi, map, samples, presence);
   }
 }
 
 // Does a brick that the region touches lack samples?
-inline bool RegionMisses(const BrickSource& source, const Index3& lo, const Index3& hi) {
+inline bool region_misses(const BrickSource& source, const Index3& lo, const Index3& hi) {
   const int edge = source.brick_edge();
   for (std::int64_t bz = lo[2] / edge; bz <= (hi[2] - 1) / edge; ++bz) {
     for (std::int64_t by = lo[1] / edge; by <= (hi[1] - 1) / edge; ++by) {
@@ -199,7 +202,7 @@ inline bool RegionMisses(const BrickSource& source, const Index3& lo, const Inde
 
 // May this block take the four-tap way of reconstruction? Decided before loading, which stores the
 // region accordingly.
-inline bool UsesFourTaps(const CpuFrame& frame, const Block& block) {
+inline bool can_use_four_taps(const CpuFrame& frame, const Block& block) {
   if (!frame.has_four_taps || block.has_missing) return false;
   for (int s = 0; s < block.num_sheets; ++s) {
     const float* m = block.sheets[s].widening;
@@ -209,7 +212,7 @@ inline bool UsesFourTaps(const CpuFrame& frame, const Block& block) {
 }
 
 // Behind every row, and behind the last.
-inline void ClearPadding(const Block& block, float* floats) {
+inline void clear_padding(const Block& block, float* floats) {
   const int num_rows = block.region_size[1] * block.region_size[2];
   for (int row = 0; row < num_rows; ++row) {
     std::fill_n(floats + static_cast<std::ptrdiff_t>(row) * block.row_stride + block.region_size[0],
@@ -223,7 +226,7 @@ struct LatticePart {
   Index3 lo, hi;
 };
 
-inline LatticePart PartInLattice(const CpuFrame& frame, const Block& block) {
+inline LatticePart part_in_lattice(const CpuFrame& frame, const Block& block) {
   LatticePart part{};
   for (int a = 0; a < 3; ++a) {
     const std::int64_t first = block.origin[a] + block.region_lo[a];
@@ -235,12 +238,12 @@ inline LatticePart PartInLattice(const CpuFrame& frame, const Block& block) {
 }
 
 // `is_scattered`: the region is for kernels that splat themselves, which read it plainly.
-inline void Load(const CpuFrame& frame, Workspace& work, bool is_scattered) {
+inline void load_region(const CpuFrame& frame, Workspace& work, bool is_scattered) {
   Block& block = work.block;
   const BrickSource& source = frame.field->source();
-  const auto [lo, hi] = PartInLattice(frame, block);
-  block.has_missing = RegionMisses(source, lo, hi);
-  block.uses_four_taps = !is_scattered && UsesFourTaps(frame, block);
+  const auto [lo, hi] = part_in_lattice(frame, block);
+  block.has_missing = region_misses(source, lo, hi);
+  block.uses_four_taps = !is_scattered && can_use_four_taps(frame, block);
   block.row_stride = block.region_size[0] + (block.uses_four_taps ? 0 : kTapPadding);
   block.slice_stride = block.row_stride * block.region_size[1];
   const std::size_t floats_per_sample = block.uses_four_taps ? 2 : 1;
@@ -254,8 +257,8 @@ inline void Load(const CpuFrame& frame, Workspace& work, bool is_scattered) {
     std::fill_n(samples, count, 0.0F);
     if (presence != nullptr) std::fill_n(presence, count, 0.0F);
   } else if (!block.uses_four_taps) {
-    ClearPadding(block, samples);
-    if (presence != nullptr) ClearPadding(block, presence);
+    clear_padding(block, samples);
+    if (presence != nullptr) clear_padding(block, presence);
   }
   const LoadScale map{frame.value_scale, frame.value_offset};
 
@@ -272,7 +275,7 @@ inline void Load(const CpuFrame& frame, Workspace& work, bool is_scattered) {
                              std::min(hi[2], view.hi[2])};
         next_y = std::min(next_y, part_hi[1]);
         next_z = std::min(next_z, part_hi[2]);
-        LoadTypedPart(block, view, at, part_hi, map, samples, presence);
+        load_typed_part(block, view, at, part_hi, map, samples, presence);
         at[0] = part_hi[0];
       }
       at[1] = next_y;

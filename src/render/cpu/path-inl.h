@@ -15,21 +15,21 @@ namespace ovoid::cpu {
 namespace HWY_NAMESPACE {
 
 // Picture coordinates of a group of a plane's samples.
-HWY_INLINE V PixelX(const Block& block, int column) {
+HWY_INLINE V pixel_x(const Block& block, int column) {
   return hn::Iota(d, static_cast<float>(block.tile_x + block.x0 + column - block.margin));
 }
-HWY_INLINE float PixelY(const Block& block, int row) {
+HWY_INLINE float pixel_y(const Block& block, int row) {
   return static_cast<float>(block.tile_y + block.y0 + row - block.margin);
 }
 
-HWY_INLINE V Evaluate2d(const view::ClipMap& map, V x, float y) {
+HWY_INLINE V evaluate2d(const view::ClipMap& map, V x, float y) {
   return hn::MulAdd(x, hn::Set(d, static_cast<float>(map.per_x)),
                     hn::Set(d, static_cast<float>(map.origin + y * map.per_y)));
 }
 
 // Fraction of the slab, in [0, 1]. The slab is [-1/2, 1/2] sheets around the sample; every half
 // space cuts off an end.
-HWY_INLINE V PathFraction(const CpuFrame& frame, const Block& block, int s, int column, int row) {
+HWY_INLINE V path_fraction(const CpuFrame& frame, const Block& block, int s, int column, int row) {
   const view::FramePlan& plan = *frame.plan;
   const std::int64_t sheet = block.first_sheet + s;
   V from = hn::Set(d, -0.5F);
@@ -39,12 +39,12 @@ HWY_INLINE V PathFraction(const CpuFrame& frame, const Block& block, int s, int 
         (plan.lattice.near_depth() - plan.lattice.depth(sheet)) / plan.lattice.sampling_distance();
     if (nearest > -0.5) from = hn::Set(d, static_cast<float>(nearest));
   }
-  const V x = PixelX(block, column);
-  const float y = PixelY(block, row);
+  const V x = pixel_x(block, column);
+  const float y = pixel_y(block, row);
   for (const ClipPlane& plane : plan.clip_planes) {
-    const V inside = Evaluate2d(plan.clip_distance(plane, sheet), x, y);
+    const V inside = evaluate2d(plan.clip_distance(plane, sheet), x, y);
     const V slope =
-        hn::Mul(Evaluate2d(plan.clip_slope(plane), x, y), hn::Set(d, frame.sampling_distance));
+        hn::Mul(evaluate2d(plan.clip_slope(plane), x, y), hn::Set(d, frame.sampling_distance));
     // inside + t slope >= 0. A slope of nothing keeps or drops the whole slab.
     const M is_parallel = hn::Lt(hn::Abs(slope), hn::Set(d, 1e-20F));
     const V crossing =
@@ -59,15 +59,15 @@ HWY_INLINE V PathFraction(const CpuFrame& frame, const Block& block, int s, int 
 }
 
 // Length of the ray per unit of depth: 1 for parallel projection.
-HWY_INLINE V RayLength(const CpuFrame& frame, const Block& block, int column, int row) {
+HWY_INLINE V ray_length(const CpuFrame& frame, const Block& block, int column, int row) {
   if (frame.is_parallel) return hn::Set(d, 1.0F);
   const view::SheetMap& direction = frame.ray_direction;
-  const V x = PixelX(block, column);
-  const float y = PixelY(block, row);
+  const V x = pixel_x(block, column);
+  const float y = pixel_y(block, row);
   V squared = hn::Zero(d);
   for (int a = 0; a < 3; ++a) {
     const V component =
-        Evaluate2d({direction.origin[a], direction.per_x[a], direction.per_y[a]}, x, y);
+        evaluate2d({direction.origin[a], direction.per_x[a], direction.per_y[a]}, x, y);
     squared = hn::MulAdd(component, component, squared);
   }
   return hn::Sqrt(squared);

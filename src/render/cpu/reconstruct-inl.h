@@ -42,7 +42,7 @@ struct AxisEnds {
   float first, last;
 };
 
-HWY_INLINE AxisEnds EndsOf(const CpuFrame& frame, const Block& block, int axis) {
+HWY_INLINE AxisEnds ends_of(const CpuFrame& frame, const Block& block, int axis) {
   const float first = static_cast<float>(-block.origin[axis]);
   return {first, first + static_cast<float>(frame.dims[axis] - 1)};
 }
@@ -50,19 +50,19 @@ HWY_INLINE AxisEnds EndsOf(const CpuFrame& frame, const Block& block, int axis) 
 // `whole` and `fraction` are the position's. At a border, taps that do not exist get no weight, and
 // `share` is multiplied by the part of the weights that is left.
 template <bool kBorder, bool kWithVariance>
-HWY_INLINE FourWeights FourWeightsAt(V whole, V fraction, const CpuFrame& frame, AxisEnds ends,
-                                     V& share) {
+HWY_INLINE FourWeights four_weights_at(V whole, V fraction, const CpuFrame& frame, AxisEnds ends,
+                                       V& share) {
   // g(f + 1) : g(f) : g(1 - f) : g(2 - f) = n : e : n e^2 : F e^3 with e = exp(f / sigma^2).
   constexpr float kLog2E = 1.44269504F;
-  const V e =
-      Exp2</*kCoarse=*/true>(d, hn::Mul(fraction, hn::Set(d, frame.inverse_variance * kLog2E)));
+  const V e = vector_exp2</*kCoarse=*/true>(
+      d, hn::Mul(fraction, hn::Set(d, frame.inverse_variance * kLog2E)));
   const V n = hn::Set(d, frame.near_weight);
   const V ee = hn::Mul(e, e);
   FourWeights t{{n, e, hn::Mul(n, ee), hn::Mul(hn::Set(d, frame.far_weight), hn::Mul(ee, e))}, n};
   const auto sum = [&] { return hn::Add(hn::Add(t.w[0], t.w[1]), hn::Add(t.w[2], t.w[3])); };
   V total = sum();
   if constexpr (kWithVariance) {
-    const V inverse = Reciprocal(total);
+    const V inverse = reciprocal_of(total);
     const V mean = hn::Mul(inverse, hn::Add(hn::Sub(t.w[2], t.w[0]), hn::Add(t.w[3], t.w[3])));
     const V square =
         hn::Mul(inverse, hn::MulAdd(hn::Set(d, 4.0F), t.w[3], hn::Add(t.w[0], t.w[2])));
@@ -79,13 +79,13 @@ HWY_INLINE FourWeights FourWeightsAt(V whole, V fraction, const CpuFrame& frame,
     share = hn::Mul(share, hn::Div(existing, total));
     total = hn::Max(existing, hn::Set(d, 1e-30F));
   }
-  const V r = Reciprocal(total);
+  const V r = reciprocal_of(total);
   for (V& w : t.w) w = hn::Mul(w, r);
   return t;
 }
 
 // d w_k / d f = w_k (k - mean of k) / sigma^2, k = -1, 0, 1, 2, whichever of them exist.
-HWY_INLINE FourWeights DerivativeOf(const FourWeights& w, const CpuFrame& frame) {
+HWY_INLINE FourWeights derivative_of(const FourWeights& w, const CpuFrame& frame) {
   const V mean = hn::Add(hn::Sub(w.w[2], w.w[0]), hn::Add(w.w[3], w.w[3]));
   const V scale = hn::Set(d, frame.inverse_variance);
   FourWeights out;
@@ -98,7 +98,7 @@ HWY_INLINE FourWeights DerivativeOf(const FourWeights& w, const CpuFrame& frame)
 
 // What makes the gradient of a ramp constant: the weights' derivative answers to slope 1 with
 // variance / sigma^2.
-HWY_INLINE V CorrectionFor(V variance, const CpuFrame& frame) {
+HWY_INLINE V correction_for(V variance, const CpuFrame& frame) {
   if (!frame.corrects_gradient) return hn::Set(d, 1.0F);
   const V answer = hn::Mul(variance, hn::Set(d, frame.inverse_variance));
   return hn::IfThenElse(hn::Gt(variance, hn::Set(d, kLeastVariance)),
@@ -111,24 +111,24 @@ HWY_INLINE V CorrectionFor(V variance, const CpuFrame& frame) {
 struct Octet {
   float v[8];
 };
-HWY_INLINE Octet LoadOctet(const float* p) {
+HWY_INLINE Octet load_octet(const float* p) {
   Octet o;
   std::memcpy(o.v, p, sizeof o.v);
   return o;
 }
-HWY_INLINE Octet SetOctet(float a) { return {{a, a, a, a, a, a, a, a}}; }
-HWY_INLINE Octet SetPairs(const float* p) {
+HWY_INLINE Octet set_octet(float a) { return {{a, a, a, a, a, a, a, a}}; }
+HWY_INLINE Octet set_pairs(const float* p) {
   return {{p[0], p[1], p[0], p[1], p[0], p[1], p[0], p[1]}};
 }
-HWY_INLINE Octet Mul(Octet a, Octet b) {
+HWY_INLINE Octet mul(Octet a, Octet b) {
   for (int k = 0; k < 8; ++k) a.v[k] *= b.v[k];
   return a;
 }
-HWY_INLINE Octet MulAdd(Octet a, Octet b, Octet c) {
+HWY_INLINE Octet mul_add(Octet a, Octet b, Octet c) {
   for (int k = 0; k < 8; ++k) c.v[k] += a.v[k] * b.v[k];
   return c;
 }
-HWY_INLINE void StoreFolded(Octet o, float* to) {
+HWY_INLINE void store_folded(Octet o, float* to) {
   for (int k = 0; k < 4; ++k) to[k] = o.v[2 * k] + o.v[2 * k + 1];
 }
 #elif HWY_MAX_BYTES >= 32
@@ -139,17 +139,17 @@ inline constexpr D8 d8;
 struct Octet {
   hn::Vec<D8> v;
 };
-HWY_INLINE Octet LoadOctet(const float* p) { return {hn::LoadU(d8, p)}; }
-HWY_INLINE Octet SetOctet(float a) { return {hn::Set(d8, a)}; }
-HWY_INLINE Octet SetPairs(const float* p) {
+HWY_INLINE Octet load_octet(const float* p) { return {hn::LoadU(d8, p)}; }
+HWY_INLINE Octet set_octet(float a) { return {hn::Set(d8, a)}; }
+HWY_INLINE Octet set_pairs(const float* p) {
   std::uint64_t both;
   std::memcpy(&both, p, sizeof both);
   return {hn::BitCast(d8, hn::Set(hn::FixedTag<std::uint64_t, 4>(), both))};
 }
-HWY_INLINE Octet Mul(Octet a, Octet b) { return {hn::Mul(a.v, b.v)}; }
-HWY_INLINE Octet MulAdd(Octet a, Octet b, Octet c) { return {hn::MulAdd(a.v, b.v, c.v)}; }
+HWY_INLINE Octet mul(Octet a, Octet b) { return {hn::Mul(a.v, b.v)}; }
+HWY_INLINE Octet mul_add(Octet a, Octet b, Octet c) { return {hn::MulAdd(a.v, b.v, c.v)}; }
 // Adds each tap's two slices: [4].
-HWY_INLINE void StoreFolded(Octet o, float* to) {
+HWY_INLINE void store_folded(Octet o, float* to) {
   const auto lo = hn::LowerHalf(d4, o.v);
   const auto hi = hn::UpperHalf(d4, o.v);
   hn::Store(hn::Add(hn::ConcatEven(d4, hi, lo), hn::ConcatOdd(d4, hi, lo)), d4, to);
@@ -160,19 +160,19 @@ inline constexpr D4 d4;
 struct Octet {
   hn::Vec<D4> lo, hi;
 };
-HWY_INLINE Octet LoadOctet(const float* p) { return {hn::LoadU(d4, p), hn::LoadU(d4, p + 4)}; }
-HWY_INLINE Octet SetOctet(float a) { return {hn::Set(d4, a), hn::Set(d4, a)}; }
-HWY_INLINE Octet SetPairs(const float* p) {
+HWY_INLINE Octet load_octet(const float* p) { return {hn::LoadU(d4, p), hn::LoadU(d4, p + 4)}; }
+HWY_INLINE Octet set_octet(float a) { return {hn::Set(d4, a), hn::Set(d4, a)}; }
+HWY_INLINE Octet set_pairs(const float* p) {
   std::uint64_t both;
   std::memcpy(&both, p, sizeof both);
   const auto v = hn::BitCast(d4, hn::Set(hn::FixedTag<std::uint64_t, 2>(), both));
   return {v, v};
 }
-HWY_INLINE Octet Mul(Octet a, Octet b) { return {hn::Mul(a.lo, b.lo), hn::Mul(a.hi, b.hi)}; }
-HWY_INLINE Octet MulAdd(Octet a, Octet b, Octet c) {
+HWY_INLINE Octet mul(Octet a, Octet b) { return {hn::Mul(a.lo, b.lo), hn::Mul(a.hi, b.hi)}; }
+HWY_INLINE Octet mul_add(Octet a, Octet b, Octet c) {
   return {hn::MulAdd(a.lo, b.lo, c.lo), hn::MulAdd(a.hi, b.hi, c.hi)};
 }
-HWY_INLINE void StoreFolded(Octet o, float* to) {
+HWY_INLINE void store_folded(Octet o, float* to) {
   hn::Store(hn::Add(hn::ConcatEven(d4, o.hi, o.lo), hn::ConcatOdd(d4, o.hi, o.lo)), d4, to);
 }
 #endif
@@ -204,7 +204,7 @@ struct FourTapBatch {
   alignas(64) float partial[4 * kBatchSamples];
   alignas(64) float share[kBatchSamples];  // of the weights that exist; only at borders
 
-  int padded_count() const { return (count + GroupSize() - 1) / GroupSize() * GroupSize(); }
+  int padded_count() const { return (count + group_size() - 1) / group_size() * group_size(); }
 };
 
 struct FourTapGradientBatch : FourTapBatch {
@@ -216,11 +216,11 @@ struct FourTapGradientBatch : FourTapBatch {
   alignas(64) float partial_z[4 * kBatchSamples];
 };
 
-HWY_INLINE void StoreByTap(const FourWeights& w, float (*to)[kBatchSamples], int i) {
+HWY_INLINE void store_by_tap(const FourWeights& w, float (*to)[kBatchSamples], int i) {
   for (int k = 0; k < 4; ++k) hn::Store(w.w[k], d, to[k] + i);
 }
 
-HWY_INLINE void StoreByLane(const FourWeights& w, float* to) {
+HWY_INLINE void store_by_lane(const FourWeights& w, float* to) {
 #if HWY_TARGET == HWY_SCALAR
   for (int k = 0; k < 4; ++k) hn::Store(w.w[k], d, to + k);
 #else
@@ -231,122 +231,123 @@ HWY_INLINE void StoreByLane(const FourWeights& w, float* to) {
 // Pass 1: weights of a group's taps, samples i and following, and where each one's first tap lies
 // in the region (in floats).
 template <bool kBorder, class Batch>
-HWY_INLINE void Weigh(const CpuFrame& frame, const Block& block, const Position& u, int i,
-                      Batch& batch) {
+HWY_INLINE void weigh_taps(const CpuFrame& frame, const Block& block, const Position& u, int i,
+                           Batch& batch) {
   const V x = hn::Floor(u.x);
   const V y = hn::Floor(u.y);
   const V z = hn::Floor(u.z);
   const auto index = [&](V p, int a) {
-    return hn::Sub(NearestInteger(p), hn::Set(di, block.region_lo[a] + 1));
+    return hn::Sub(nearest_integer(p), hn::Set(di, block.region_lo[a] + 1));
   };
   const VI rows = hn::Add(hn::Mul(index(z, 2), hn::Set(di, block.region_size[1])), index(y, 1));
   const VI samples = hn::Add(hn::Mul(rows, hn::Set(di, block.row_stride)), index(x, 0));
   hn::Store(hn::ShiftLeft<1>(samples), di, batch.offset + i);
   constexpr bool kGradient = std::is_same_v<Batch, FourTapGradientBatch>;
   V share = hn::Set(d, 1.0F);
-  const FourWeights wx =
-      FourWeightsAt<kBorder, kGradient>(x, hn::Sub(u.x, x), frame, EndsOf(frame, block, 0), share);
-  const FourWeights wy =
-      FourWeightsAt<kBorder, kGradient>(y, hn::Sub(u.y, y), frame, EndsOf(frame, block, 1), share);
-  const FourWeights wz =
-      FourWeightsAt<kBorder, kGradient>(z, hn::Sub(u.z, z), frame, EndsOf(frame, block, 2), share);
-  StoreByTap(wx, batch.x, i);
-  StoreByTap(wy, batch.y, i);
-  StoreByLane(wz, batch.z + 4 * i);
+  const FourWeights wx = four_weights_at<kBorder, kGradient>(x, hn::Sub(u.x, x), frame,
+                                                             ends_of(frame, block, 0), share);
+  const FourWeights wy = four_weights_at<kBorder, kGradient>(y, hn::Sub(u.y, y), frame,
+                                                             ends_of(frame, block, 1), share);
+  const FourWeights wz = four_weights_at<kBorder, kGradient>(z, hn::Sub(u.z, z), frame,
+                                                             ends_of(frame, block, 2), share);
+  store_by_tap(wx, batch.x, i);
+  store_by_tap(wy, batch.y, i);
+  store_by_lane(wz, batch.z + 4 * i);
   if constexpr (kGradient) {
-    StoreByTap(DerivativeOf(wx, frame), batch.dx, i);
-    StoreByTap(DerivativeOf(wy, frame), batch.dy, i);
-    StoreByLane(DerivativeOf(wz, frame), batch.dz + 4 * i);
-    hn::Store(CorrectionFor(wx.variance, frame), d, batch.correction[0] + i);
-    hn::Store(CorrectionFor(wy.variance, frame), d, batch.correction[1] + i);
-    hn::Store(CorrectionFor(wz.variance, frame), d, batch.correction[2] + i);
+    store_by_tap(derivative_of(wx, frame), batch.dx, i);
+    store_by_tap(derivative_of(wy, frame), batch.dy, i);
+    store_by_lane(derivative_of(wz, frame), batch.dz + 4 * i);
+    hn::Store(correction_for(wx.variance, frame), d, batch.correction[0] + i);
+    hn::Store(correction_for(wy.variance, frame), d, batch.correction[1] + i);
+    hn::Store(correction_for(wz.variance, frame), d, batch.correction[2] + i);
   }
   if constexpr (kBorder) hn::Store(share, d, batch.share + i);
 }
 
 template <class Batch>
-HWY_INLINE void WeighAt(const CpuFrame& frame, const Block& block, const Position& u, int i,
-                        Batch& batch) {
+HWY_INLINE void weigh_at(const CpuFrame& frame, const Block& block, const Position& u, int i,
+                         Batch& batch) {
   if (block.is_interior) {
-    Weigh<false>(frame, block, u, i, batch);
+    weigh_taps<false>(frame, block, u, i, batch);
   } else {
-    Weigh<true>(frame, block, u, i, batch);
+    weigh_taps<true>(frame, block, u, i, batch);
   }
 }
 
 // Pass 1 for all samples of a batch on one sheet.
 template <class Batch>
-HWY_INLINE void WeighSheet(const CpuFrame& frame, const Block& block, int s, Batch& batch) {
+HWY_INLINE void weigh_sheet(const CpuFrame& frame, const Block& block, int s, Batch& batch) {
   const SheetSetup& sheet = block.sheets[s];
-  for (int i = 0; i < batch.padded_count(); i += GroupSize()) {
+  for (int i = 0; i < batch.padded_count(); i += group_size()) {
     const V column = hn::Load(d, batch.column + i);
     const V row = hn::Load(d, batch.row + i);
     const auto along = [&](int a) {
       const V start = hn::MulAdd(row, hn::Set(d, sheet.per_y[a]), hn::Set(d, sheet.base[a]));
       return hn::MulAdd(column, hn::Set(d, sheet.per_x[a]), start);
     };
-    WeighAt(frame, block, {along(0), along(1), along(2)}, i, batch);
+    weigh_at(frame, block, {along(0), along(1), along(2)}, i, batch);
   }
 }
 
 // Pass 2: sums over y and z, four x-taps kept apart.
-HWY_INLINE void SumYz(const Block& block, const float* HWY_RESTRICT samples, FourTapBatch& batch) {
+HWY_INLINE void sum_yz(const Block& block, const float* HWY_RESTRICT samples, FourTapBatch& batch) {
   const std::ptrdiff_t row = 2 * static_cast<std::ptrdiff_t>(block.row_stride);
   const std::ptrdiff_t three_rows = 3 * row;
   const std::ptrdiff_t two_slices = 4 * static_cast<std::ptrdiff_t>(block.slice_stride);
   for (int i = 0, end = batch.padded_count(); i < end; ++i) {
     const float* HWY_RESTRICT p = samples + batch.offset[i];
     const float* HWY_RESTRICT q = p + two_slices;
-    const Octet y0 = SetOctet(batch.y[0][i]);
-    const Octet y1 = SetOctet(batch.y[1][i]);
-    const Octet y2 = SetOctet(batch.y[2][i]);
-    const Octet y3 = SetOctet(batch.y[3][i]);
+    const Octet y0 = set_octet(batch.y[0][i]);
+    const Octet y1 = set_octet(batch.y[1][i]);
+    const Octet y2 = set_octet(batch.y[2][i]);
+    const Octet y3 = set_octet(batch.y[3][i]);
     const auto rows = [&](const float* HWY_RESTRICT r) {
-      Octet t = Mul(LoadOctet(r), y0);
-      t = MulAdd(LoadOctet(r + row), y1, t);
-      t = MulAdd(LoadOctet(r + 2 * row), y2, t);
-      return MulAdd(LoadOctet(r + three_rows), y3, t);
+      Octet t = mul(load_octet(r), y0);
+      t = mul_add(load_octet(r + row), y1, t);
+      t = mul_add(load_octet(r + 2 * row), y2, t);
+      return mul_add(load_octet(r + three_rows), y3, t);
     };
     const float* z = batch.z + 4 * i;
-    StoreFolded(MulAdd(rows(q), SetPairs(z + 2), Mul(rows(p), SetPairs(z))), batch.partial + 4 * i);
+    store_folded(mul_add(rows(q), set_pairs(z + 2), mul(rows(p), set_pairs(z))),
+                 batch.partial + 4 * i);
   }
 }
 
-HWY_INLINE void SumYzGradient(const Block& block, const float* HWY_RESTRICT samples,
-                              FourTapGradientBatch& batch) {
+HWY_INLINE void sum_yz_gradient(const Block& block, const float* HWY_RESTRICT samples,
+                                FourTapGradientBatch& batch) {
   const std::ptrdiff_t row = 2 * static_cast<std::ptrdiff_t>(block.row_stride);
   const std::ptrdiff_t two_slices = 4 * static_cast<std::ptrdiff_t>(block.slice_stride);
   for (int i = 0, end = batch.padded_count(); i < end; ++i) {
     const float* HWY_RESTRICT p = samples + batch.offset[i];
     const float* HWY_RESTRICT q = p + two_slices;
-    const Octet p0 = LoadOctet(p);
-    const Octet q0 = LoadOctet(q);
-    const Octet y0 = SetOctet(batch.y[0][i]);
-    const Octet dy0 = SetOctet(batch.dy[0][i]);
-    Octet tp = Mul(p0, y0), tq = Mul(q0, y0);
-    Octet sp = Mul(p0, dy0), sq = Mul(q0, dy0);
+    const Octet p0 = load_octet(p);
+    const Octet q0 = load_octet(q);
+    const Octet y0 = set_octet(batch.y[0][i]);
+    const Octet dy0 = set_octet(batch.dy[0][i]);
+    Octet tp = mul(p0, y0), tq = mul(q0, y0);
+    Octet sp = mul(p0, dy0), sq = mul(q0, dy0);
     for (int j = 1; j < 4; ++j) {
-      const Octet pj = LoadOctet(p + j * row);
-      const Octet qj = LoadOctet(q + j * row);
-      const Octet y = SetOctet(batch.y[j][i]);
-      const Octet dy = SetOctet(batch.dy[j][i]);
-      tp = MulAdd(pj, y, tp);
-      tq = MulAdd(qj, y, tq);
-      sp = MulAdd(pj, dy, sp);
-      sq = MulAdd(qj, dy, sq);
+      const Octet pj = load_octet(p + j * row);
+      const Octet qj = load_octet(q + j * row);
+      const Octet y = set_octet(batch.y[j][i]);
+      const Octet dy = set_octet(batch.dy[j][i]);
+      tp = mul_add(pj, y, tp);
+      tq = mul_add(qj, y, tq);
+      sp = mul_add(pj, dy, sp);
+      sq = mul_add(qj, dy, sq);
     }
     const float* z = batch.z + 4 * i;
     const float* dz = batch.dz + 4 * i;
-    const Octet zp = SetPairs(z), zq = SetPairs(z + 2);
-    StoreFolded(MulAdd(tq, zq, Mul(tp, zp)), batch.partial + 4 * i);
-    StoreFolded(MulAdd(sq, zq, Mul(sp, zp)), batch.partial_y + 4 * i);
-    StoreFolded(MulAdd(tq, SetPairs(dz + 2), Mul(tp, SetPairs(dz))), batch.partial_z + 4 * i);
+    const Octet zp = set_pairs(z), zq = set_pairs(z + 2);
+    store_folded(mul_add(tq, zq, mul(tp, zp)), batch.partial + 4 * i);
+    store_folded(mul_add(sq, zq, mul(sp, zp)), batch.partial_y + 4 * i);
+    store_folded(mul_add(tq, set_pairs(dz + 2), mul(tp, set_pairs(dz))), batch.partial_z + 4 * i);
   }
 }
 
 // Pass 3: the sum over the four x-taps of a group, samples i and following; partial[sample][4]
 // times weights[4][sample].
-HWY_INLINE V ReduceX(const float* partial, const float (*weights)[kBatchSamples], int i) {
+HWY_INLINE V reduce_x(const float* partial, const float (*weights)[kBatchSamples], int i) {
   partial += 4 * i;
 #if HWY_TARGET == HWY_SCALAR
   const V p0 = hn::Load(d, partial), p1 = hn::Load(d, partial + 1), p2 = hn::Load(d, partial + 2),
@@ -359,22 +360,22 @@ HWY_INLINE V ReduceX(const float* partial, const float (*weights)[kBatchSamples]
   return hn::MulAdd(p0, w(0), hn::MulAdd(p1, w(1), hn::MulAdd(p2, w(2), hn::Mul(p3, w(3)))));
 }
 
-HWY_INLINE V ReduceValue(const FourTapBatch& batch, int i) {
-  return ReduceX(batch.partial, batch.x, i);
+HWY_INLINE V reduce_value(const FourTapBatch& batch, int i) {
+  return reduce_x(batch.partial, batch.x, i);
 }
 
-HWY_INLINE ValueAndGradient ReduceGradient(const FourTapGradientBatch& batch, int i) {
+HWY_INLINE ValueAndGradient reduce_gradient(const FourTapGradientBatch& batch, int i) {
   const auto correction = [&](int a) { return hn::Load(d, batch.correction[a] + i); };
-  return {ReduceX(batch.partial, batch.x, i),
-          hn::Mul(ReduceX(batch.partial, batch.dx, i), correction(0)),
-          hn::Mul(ReduceX(batch.partial_y, batch.x, i), correction(1)),
-          hn::Mul(ReduceX(batch.partial_z, batch.x, i), correction(2))};
+  return {reduce_x(batch.partial, batch.x, i),
+          hn::Mul(reduce_x(batch.partial, batch.dx, i), correction(0)),
+          hn::Mul(reduce_x(batch.partial_y, batch.x, i), correction(1)),
+          hn::Mul(reduce_x(batch.partial_z, batch.x, i), correction(2))};
 }
 
 // Lanes that nobody asked for take the position of one that somebody did: their taps must lie in
 // the region, too.
-HWY_INLINE Position FillLanes(const Position& u, std::uint32_t lanes) {
-  const M mask = MaskOf(lanes);
+HWY_INLINE Position fill_lanes(const Position& u, std::uint32_t lanes) {
+  const M mask = mask_of(lanes);
   const int first = std::countr_zero(lanes);
   alignas(64) float p[3][kMaxLanes];
   hn::Store(u.x, d, p[0]);
@@ -386,45 +387,46 @@ HWY_INLINE Position FillLanes(const Position& u, std::uint32_t lanes) {
 }
 
 // Values of one group at any positions near sheet s. `lanes` must be active samples.
-HWY_INLINE GroupValues Gather(const CpuFrame& frame, Workspace& work, int s, int column, int row,
-                              const Position& u, std::uint32_t lanes) {
+HWY_INLINE GroupValues gather_group(const CpuFrame& frame, Workspace& work, int s, int column,
+                                    int row, const Position& u, std::uint32_t lanes) {
   if (work.block.uses_four_taps) {
     FourTapBatch batch;
-    batch.count = GroupSize();
-    WeighAt(frame, work.block, FillLanes(u, lanes), 0, batch);
-    SumYz(work.block, work.samples.data.get(), batch);
+    batch.count = group_size();
+    weigh_at(frame, work.block, fill_lanes(u, lanes), 0, batch);
+    sum_yz(work.block, work.samples.data.get(), batch);
     const std::uint32_t whole =
-        work.block.is_interior ? GroupBits()
-                               : BitsOf(hn::Ge(hn::Load(d, batch.share), hn::Set(d, kLeastWeight)));
-    return {ReduceValue(batch, 0), lanes & whole};
+        work.block.is_interior
+            ? group_bits()
+            : bits_of(hn::Ge(hn::Load(d, batch.share), hn::Set(d, kLeastWeight)));
+    return {reduce_value(batch, 0), lanes & whole};
   }
   alignas(64) float value[kMaxLanes] = {};
-  const std::uint32_t defined = GatherGeneral<false>(frame, work, s, column, row, u, lanes,
-                                                     GeneralOut{value, nullptr, nullptr, nullptr});
+  const std::uint32_t defined = gather_general<false>(frame, work, s, column, row, u, lanes,
+                                                      GeneralOut{value, nullptr, nullptr, nullptr});
   return {hn::Load(d, value), defined};
 }
 
-HWY_INLINE ValueAndGradient GatherGradient(const CpuFrame& frame, Workspace& work, int s,
-                                           int column, int row, const Position& u,
-                                           std::uint32_t lanes) {
+HWY_INLINE ValueAndGradient gather_gradient(const CpuFrame& frame, Workspace& work, int s,
+                                            int column, int row, const Position& u,
+                                            std::uint32_t lanes) {
   if (work.block.uses_four_taps) {
     FourTapGradientBatch batch;
-    batch.count = GroupSize();
-    WeighAt(frame, work.block, FillLanes(u, lanes), 0, batch);
-    SumYzGradient(work.block, work.samples.data.get(), batch);
-    return ReduceGradient(batch, 0);
+    batch.count = group_size();
+    weigh_at(frame, work.block, fill_lanes(u, lanes), 0, batch);
+    sum_yz_gradient(work.block, work.samples.data.get(), batch);
+    return reduce_gradient(batch, 0);
   }
   alignas(64) float out[4][kMaxLanes] = {};
-  GatherGeneral<true>(frame, work, s, column, row, u, lanes,
-                      GeneralOut{out[0], out[1], out[2], out[3]});
+  gather_general<true>(frame, work, s, column, row, u, lanes,
+                       GeneralOut{out[0], out[1], out[2], out[3]});
   return {hn::Load(d, out[0]), hn::Load(d, out[1]), hn::Load(d, out[2]), hn::Load(d, out[3])};
 }
 
 // Hands the samples named by `bits` to `run` in batches, packed. (Packing by vector compression is
 // slower: its overlapping stores must drain before the next pass may read.)
 template <class Batch, class Run>
-HWY_INLINE void ForEachBatch(const Block& block, const RowBits& bits, Batch& batch,
-                             const Run& run) {
+HWY_INLINE void for_each_batch(const Block& block, const RowBits& bits, Batch& batch,
+                               const Run& run) {
   int count = 0;  // not in `batch`: the loop would wait for its own stores
   const auto finish = [&] {
     batch.count = count;
@@ -449,40 +451,40 @@ HWY_INLINE void ForEachBatch(const Block& block, const RowBits& bits, Batch& bat
 }
 
 // At a border: takes back the samples of a batch where too few kernels exist.
-HWY_INLINE void DropUndefined(const FourTapBatch& batch, RowBits& defined) {
+HWY_INLINE void drop_undefined(const FourTapBatch& batch, RowBits& defined) {
   for (int i = 0; i < batch.count; ++i) {
     if (batch.share[i] >= kLeastWeight) continue;
     defined[batch.at[i] / kPlaneStride] &= ~(1U << batch.at[i] % kPlaneStride);
   }
 }
 
-inline void ReconstructFourTaps(const CpuFrame& frame, Workspace& work, int s,
-                                const RowBits& wanted) {
+inline void reconstruct_four_taps(const CpuFrame& frame, Workspace& work, int s,
+                                  const RowBits& wanted) {
   Block& block = work.block;
   float* values = block.values[s & (kRingSheets - 1)];
   RowBits& defined = block.defined[s & (kRingSheets - 1)];
   for (int y = 0; y < block.rows; ++y) defined[y] |= wanted[y];
   FourTapBatch batch;
-  ForEachBatch(block, wanted, batch, [&] {
-    WeighSheet(frame, block, s, batch);
-    SumYz(block, work.samples.data.get(), batch);
+  for_each_batch(block, wanted, batch, [&] {
+    weigh_sheet(frame, block, s, batch);
+    sum_yz(block, work.samples.data.get(), batch);
     alignas(64) float value[kBatchSamples];
-    for (int i = 0; i < batch.count; i += GroupSize())
-      hn::Store(ReduceValue(batch, i), d, value + i);
+    for (int i = 0; i < batch.count; i += group_size())
+      hn::Store(reduce_value(batch, i), d, value + i);
     for (int i = 0; i < batch.count; ++i) values[batch.at[i]] = value[i];
-    if (!block.is_interior) DropUndefined(batch, defined);
+    if (!block.is_interior) drop_undefined(batch, defined);
   });
 }
 
-inline void ReconstructGeneral(const CpuFrame& frame, Workspace& work, int s,
-                               const RowBits& wanted) {
+inline void reconstruct_general(const CpuFrame& frame, Workspace& work, int s,
+                                const RowBits& wanted) {
   Block& block = work.block;
   float* values = block.values[s & (kRingSheets - 1)];
   RowBits& defined = block.defined[s & (kRingSheets - 1)];
   for (int y = 0; y < block.rows; ++y) {
-    ForEachGroup(wanted[y], 0, block.columns, [&](int column, std::uint32_t lanes) {
-      const Position u = PositionOf(block.sheets[s], column, y);
-      const GroupValues group = Gather(frame, work, s, column, y, u, lanes);
+    for_each_group(wanted[y], 0, block.columns, [&](int column, std::uint32_t lanes) {
+      const Position u = position_of(block.sheets[s], column, y);
+      const GroupValues group = gather_group(frame, work, s, column, y, u, lanes);
       hn::StoreU(group.value, d, values + y * kPlaneStride + column);
       defined[y] |= group.defined << column;
     });
@@ -490,11 +492,12 @@ inline void ReconstructGeneral(const CpuFrame& frame, Workspace& work, int s,
 }
 
 // Adds the samples named by `wanted` to sheet s of the block.
-inline void ReconstructSheet(const CpuFrame& frame, Workspace& work, int s, const RowBits& wanted) {
+inline void reconstruct_sheet(const CpuFrame& frame, Workspace& work, int s,
+                              const RowBits& wanted) {
   if (work.block.uses_four_taps) {
-    ReconstructFourTaps(frame, work, s, wanted);
+    reconstruct_four_taps(frame, work, s, wanted);
   } else {
-    ReconstructGeneral(frame, work, s, wanted);
+    reconstruct_general(frame, work, s, wanted);
   }
 }
 

@@ -30,16 +30,16 @@ using M = hn::Mask<D>;
 inline constexpr D d;
 inline constexpr DI di;
 
-inline int GroupSize() { return static_cast<int>(hn::Lanes(d)); }
-inline std::uint32_t GroupBits() { return GroupSize() == 32 ? ~0U : (1U << GroupSize()) - 1U; }
+inline int group_size() { return static_cast<int>(hn::Lanes(d)); }
+inline std::uint32_t group_bits() { return group_size() == 32 ? ~0U : (1U << group_size()) - 1U; }
 
-HWY_INLINE M MaskOf(std::uint32_t bits) {
+HWY_INLINE M mask_of(std::uint32_t bits) {
   alignas(8) std::uint8_t bytes[8] = {static_cast<std::uint8_t>(bits),
                                       static_cast<std::uint8_t>(bits >> 8)};
   return hn::LoadMaskBits(d, bytes);
 }
 
-HWY_INLINE std::uint32_t BitsOf(M mask) {
+HWY_INLINE std::uint32_t bits_of(M mask) {
   alignas(8) std::uint8_t bytes[8] = {};
   hn::StoreMaskBits(d, mask, bytes);
   return bytes[0] | static_cast<std::uint32_t>(bytes[1]) << 8;
@@ -50,7 +50,7 @@ struct Position {
   V x, y, z;
 };
 
-HWY_INLINE Position PositionOf(const SheetSetup& sheet, int column, int row) {
+HWY_INLINE Position position_of(const SheetSetup& sheet, int column, int row) {
   const V x = hn::Iota(d, static_cast<float>(column));
   const float y = static_cast<float>(row);
   const auto along = [&](int a) {
@@ -66,7 +66,7 @@ inline constexpr float kRoundingMagic = 12582912.0F;  // 1.5 * 2^23
 inline constexpr std::int32_t kRoundingMagicBits = 0x4B400000;
 
 // The integer nearest to x, |x| < 2^22.
-HWY_INLINE VI NearestInteger(V x) {
+HWY_INLINE VI nearest_integer(V x) {
   const V shifted = hn::Add(x, hn::Set(d, kRoundingMagic));
   return hn::Sub(hn::BitCast(di, shifted), hn::Set(di, kRoundingMagicBits));
 }
@@ -77,7 +77,7 @@ inline constexpr double kExp2CoarseError = 2.5e-6;
 inline constexpr double kExp2Error = 3e-7;
 
 template <bool kCoarse = false, class DF, class VF = hn::Vec<DF>>
-HWY_INLINE VF Exp2(DF df, VF x) {
+HWY_INLINE VF vector_exp2(DF df, VF x) {
   const hn::RebindToSigned<DF> dint;
   const VF shifted = hn::Add(x, hn::Set(df, kRoundingMagic));
   const VF f = hn::Sub(x, hn::Sub(shifted, hn::Set(df, kRoundingMagic)));
@@ -94,13 +94,13 @@ HWY_INLINE VF Exp2(DF df, VF x) {
 }
 
 // 1 / x to float precision: one Newton step on the hardware's estimate.
-HWY_INLINE V Reciprocal(V x) {
+HWY_INLINE V reciprocal_of(V x) {
   const V r = hn::ApproximateReciprocal(x);
   return hn::Mul(r, hn::NegMulAdd(x, r, hn::Set(d, 2.0F)));
 }
 
 // 1 / sqrt(x) for x > 0, to float precision: one Newton step.
-HWY_INLINE V ReciprocalSqrt(V x) {
+HWY_INLINE V reciprocal_sqrt(V x) {
   const V r = hn::ApproximateReciprocalSqrt(x);
   const V half = hn::Mul(hn::Set(d, 0.5F), x);
   return hn::Mul(r, hn::NegMulAdd(hn::Mul(half, r), r, hn::Set(d, 1.5F)));
@@ -111,14 +111,14 @@ HWY_INLINE V ReciprocalSqrt(V x) {
 // kLog2Error.
 inline constexpr double kLog2Error = 5e-8;
 
-HWY_INLINE V Log2(V x) {
+HWY_INLINE V vector_log2(V x) {
   constexpr std::int32_t kSqrtHalf = 0x3F3504F3;
   const VI bits = hn::Sub(hn::BitCast(di, x), hn::Set(di, kSqrtHalf));
   const V exponent = hn::ConvertTo(d, hn::ShiftRight<23>(bits));
   const VI mantissa = hn::And(bits, hn::Set(di, 0x007FFFFF));
   const V m = hn::BitCast(d, hn::Add(mantissa, hn::Set(di, kSqrtHalf)));
   const V one = hn::Set(d, 1.0F);
-  const V t = hn::Mul(hn::Sub(m, one), Reciprocal(hn::Add(m, one)));
+  const V t = hn::Mul(hn::Sub(m, one), reciprocal_of(hn::Add(m, one)));
   const V tt = hn::Mul(t, t);
   V series = hn::Set(d, 0.41219859F);  // 2 / (7 ln 2)
   series = hn::MulAdd(series, tt, hn::Set(d, 0.57707802F));
@@ -130,10 +130,10 @@ HWY_INLINE V Log2(V x) {
 // Runs `body(column, bits)` for each group of a row in which `row_bits` has a bit set; bit i of
 // `bits` is sample column + i.
 template <class Body>
-HWY_INLINE void ForEachGroup(std::uint32_t row_bits, int first_column, int last_column,
-                             const Body& body) {
-  for (int column = first_column; column < last_column; column += GroupSize()) {
-    const std::uint32_t bits = row_bits >> column & GroupBits();
+HWY_INLINE void for_each_group(std::uint32_t row_bits, int first_column, int last_column,
+                               const Body& body) {
+  for (int column = first_column; column < last_column; column += group_size()) {
+    const std::uint32_t bits = row_bits >> column & group_bits();
     if (bits != 0) body(column, bits);
   }
 }

@@ -4,7 +4,7 @@
 // order.
 //
 // In:  the region, the sheets of the block.
-// Out: per sheet two planes, numerator and denominator; ReadSplatSheet() divides them.
+// Out: per sheet two planes, numerator and denominator; read_splat_sheet() divides them.
 // On a sheet, index space is an affine function of the pixel; its inverse gives each kernel's
 // rectangle of pixels at once, and the range of kernels along a row that meet the sheet. SIMD runs
 // along the pixels of a row. Work is in proportion to kernels met x their footprint, so this wins
@@ -26,11 +26,11 @@ namespace HWY_NAMESPACE {
 
 inline constexpr std::size_t kPlaneFloats = kMaxPlaneRows * kPlaneStride + kTapPadding;
 
-inline float* NumeratorPlane(Workspace& work, int s) {
+inline float* numerator_plane(Workspace& work, int s) {
   return work.splats.data.get() + 2 * kPlaneFloats * s;
 }
-inline float* DenominatorPlane(Workspace& work, int s) {
-  return NumeratorPlane(work, s) + kPlaneFloats;
+inline float* denominator_plane(Workspace& work, int s) {
+  return numerator_plane(work, s) + kPlaneFloats;
 }
 
 // A plane of samples as kernels see it: u(x, y) = base + x per_x + y per_y, and the inverse of
@@ -44,7 +44,7 @@ struct SplatPlane {
 };
 
 // At `offset` sheets from sheet s, for slab means.
-inline SplatPlane MakeSplatPlane(const CpuFrame& frame, const SheetSetup& sheet, float offset) {
+inline SplatPlane make_splat_plane(const CpuFrame& frame, const SheetSetup& sheet, float offset) {
   SplatPlane plane;
   Eigen::Matrix3f columns;
   for (int a = 0; a < 3; ++a) {
@@ -70,18 +70,18 @@ inline SplatPlane MakeSplatPlane(const CpuFrame& frame, const SheetSetup& sheet,
   return plane;
 }
 
-HWY_INLINE float Along(const float* row, const float* v) {
+HWY_INLINE float product_with(const float* row, const float* v) {
   return row[0] * v[0] + row[1] * v[1] + row[2] * v[2];
 }
 
 // Adds one kernel at index position `center` to a plane's samples.
-HWY_INLINE void SplatKernel(const Block& block, const SplatPlane& plane, const float* center,
-                            float value, float weight, float* HWY_RESTRICT numerator,
-                            float* HWY_RESTRICT denominator) {
+HWY_INLINE void splat_kernel(const Block& block, const SplatPlane& plane, const float* center,
+                             float value, float weight, float* HWY_RESTRICT numerator,
+                             float* HWY_RESTRICT denominator) {
   const float from_base[3] = {center[0] - plane.base[0], center[1] - plane.base[1],
                               center[2] - plane.base[2]};
-  const float x = Along(plane.inverse[0], from_base);
-  const float y = Along(plane.inverse[1], from_base);
+  const float x = product_with(plane.inverse[0], from_base);
+  const float y = product_with(plane.inverse[1], from_base);
   const int x0 = std::max(0, static_cast<int>(std::ceil(x - plane.half_extent[0])));
   const int x1 =
       std::min(block.columns - 1, static_cast<int>(std::floor(x + plane.half_extent[0])));
@@ -90,7 +90,7 @@ HWY_INLINE void SplatKernel(const Block& block, const SplatPlane& plane, const f
   const V scaled_value = hn::Set(d, value * weight);
   const V scaled_one = hn::Set(d, weight);
   for (int row = y0; row <= y1; ++row) {
-    for (int column = x0; column <= x1; column += GroupSize()) {
+    for (int column = x0; column <= x1; column += group_size()) {
       const V px = hn::Iota(d, static_cast<float>(column));
       V log = hn::Zero(d);
       M covered = hn::Lt(px, hn::Set(d, static_cast<float>(block.columns)));
@@ -101,7 +101,7 @@ HWY_INLINE void SplatKernel(const Block& block, const SplatPlane& plane, const f
         covered = hn::And(covered, hn::Le(hn::Abs(offset), hn::Set(d, plane.support[a])));
         log = hn::MulAdd(hn::Mul(offset, offset), hn::Set(d, plane.exponent[a]), log);
       }
-      const V phi = hn::IfThenElseZero(covered, Exp2(d, hn::Max(log, hn::Set(d, -126.0F))));
+      const V phi = hn::IfThenElseZero(covered, vector_exp2(d, hn::Max(log, hn::Set(d, -126.0F))));
       const int at = row * kPlaneStride + column;
       hn::StoreU(hn::MulAdd(phi, scaled_value, hn::LoadU(d, numerator + at)), d, numerator + at);
       hn::StoreU(hn::MulAdd(phi, scaled_one, hn::LoadU(d, denominator + at)), d, denominator + at);
@@ -110,10 +110,10 @@ HWY_INLINE void SplatKernel(const Block& block, const SplatPlane& plane, const f
 }
 
 // The kernels of the region, as far as the lattice goes, on one plane.
-inline void SplatOntoPlane(const CpuFrame& frame, Workspace& work, const SplatPlane& plane,
-                           float weight, float* numerator, float* denominator) {
+inline void splat_onto_plane(const CpuFrame& frame, Workspace& work, const SplatPlane& plane,
+                             float weight, float* numerator, float* denominator) {
   const Block& block = work.block;
-  const auto [lo, hi] = PartInLattice(frame, block);
+  const auto [lo, hi] = part_in_lattice(frame, block);
   for (std::int64_t z = lo[2]; z < hi[2]; ++z) {
     for (std::int64_t y = lo[1]; y < hi[1]; ++y) {
       float center[3] = {static_cast<float>(lo[0] - block.origin[0]),
@@ -122,7 +122,7 @@ inline void SplatOntoPlane(const CpuFrame& frame, Workspace& work, const SplatPl
       // Kernels of the row that meet the sheet: |sheet + i * slope| <= half extent.
       const float from_base[3] = {center[0] - plane.base[0], center[1] - plane.base[1],
                                   center[2] - plane.base[2]};
-      const float sheet = Along(plane.inverse[2], from_base);
+      const float sheet = product_with(plane.inverse[2], from_base);
       const float slope = plane.inverse[2][0];
       int first = 0;
       int last = static_cast<int>(hi[0] - lo[0]) - 1;
@@ -142,30 +142,30 @@ inline void SplatOntoPlane(const CpuFrame& frame, Workspace& work, const SplatPl
       for (int i = first; i <= last; ++i) {
         if (block.has_missing && work.presence.data[row + i] == 0.0F) continue;
         center[0] = x0 + static_cast<float>(i);
-        SplatKernel(block, plane, center, work.samples.data[row + i], weight, numerator,
-                    denominator);
+        splat_kernel(block, plane, center, work.samples.data[row + i], weight, numerator,
+                     denominator);
       }
     }
   }
 }
 
-inline void Splat(const CpuFrame& frame, Workspace& work) {
+inline void splat_region(const CpuFrame& frame, Workspace& work) {
   const Block& block = work.block;
   const std::size_t count = 2 * kPlaneFloats * block.num_sheets;
   std::fill_n(work.splats.reserve(count), count, 0.0F);
   for (int s = 0; s < block.num_sheets; ++s) {
     for (int node = 0; node < frame.num_slab_nodes; ++node) {
       const SlabNode slab = frame.slab_nodes[node];
-      SplatOntoPlane(frame, work, MakeSplatPlane(frame, block.sheets[s], slab.offset), slab.weight,
-                     NumeratorPlane(work, s), DenominatorPlane(work, s));
+      splat_onto_plane(frame, work, make_splat_plane(frame, block.sheets[s], slab.offset),
+                       slab.weight, numerator_plane(work, s), denominator_plane(work, s));
     }
   }
 }
 
 // The sum of all kernels of an endless lattice at a sample (its slab's mean).
-inline float EndlessSum(const CpuFrame& frame, Workspace& work, const SheetSetup& sheet, int column,
-                        int row) {
-  const int capacity = TapCapacity(frame, sheet);
+inline float endless_sum(const CpuFrame& frame, Workspace& work, const SheetSetup& sheet,
+                         int column, int row) {
+  const int capacity = tap_capacity(frame, sheet);
   float* memory = work.taps.reserve(static_cast<std::size_t>(6) * capacity);
   float sum = 0;
   for (int node = 0; node < frame.num_slab_nodes; ++node) {
@@ -179,7 +179,7 @@ inline float EndlessSum(const CpuFrame& frame, Workspace& work, const SheetSetup
       AxisTaps taps;
       taps.weight = memory;
       taps.derivative = memory + capacity;
-      FillAxis(frame, work.block, a, u, sheet.widening[a], taps);
+      fill_axis(frame, work.block, a, u, sheet.widening[a], taps);
       product *= taps.endless;
     }
     sum += product;
@@ -188,8 +188,8 @@ inline float EndlessSum(const CpuFrame& frame, Workspace& work, const SheetSetup
 }
 
 // Is a sample of `sum` defined, whose weights add up to e?
-inline bool IsSumDefined(const CpuFrame& frame, const Block& block, const SheetSetup& sheet,
-                         int column, int row, float e) {
+inline bool is_sum_defined(const CpuFrame& frame, const Block& block, const SheetSetup& sheet,
+                           int column, int row, float e) {
   if (block.has_missing) return e > 0;
   const float x = static_cast<float>(column);
   const float y = static_cast<float>(row);
@@ -199,10 +199,10 @@ inline bool IsSumDefined(const CpuFrame& frame, const Block& block, const SheetS
     u[a] = sheet.base[a] + x * sheet.per_x[a] + y * sheet.per_y[a];
     step[a] = sheet.step[a] + x * sheet.step_per_x[a] + y * sheet.step_per_y[a];
   }
-  return MeetsSupport(frame, block, sheet, u, step);
+  return meets_support(frame, block, sheet, u, step);
 }
 
-inline void ReadSplatSheet(const CpuFrame& frame, Workspace& work, int s, const RowBits& wanted) {
+inline void read_splat_sheet(const CpuFrame& frame, Workspace& work, int s, const RowBits& wanted) {
   Block& block = work.block;
   const SheetSetup& sheet = block.sheets[s];
   const float mass = sheet.widening[0] * sheet.widening[1] * sheet.widening[2];
@@ -213,15 +213,15 @@ inline void ReadSplatSheet(const CpuFrame& frame, Workspace& work, int s, const 
     for (std::uint32_t bits = wanted[y]; bits != 0; bits &= bits - 1) {
       const int x = std::countr_zero(bits);
       const int at = y * kPlaneStride + x;
-      const float n = NumeratorPlane(work, s)[at];
-      const float e = DenominatorPlane(work, s)[at];
+      const float n = numerator_plane(work, s)[at];
+      const float e = denominator_plane(work, s)[at];
       if (frame.is_sum) {
-        if (!IsSumDefined(frame, block, sheet, x, y, e)) continue;
+        if (!is_sum_defined(frame, block, sheet, x, y, e)) continue;
         values[at] = frame.sum_weight / mass * n;
       } else {
         if (!(e > 0)) continue;
         const bool is_whole = block.is_interior && !block.has_missing;
-        if (!is_whole && !(e >= kLeastWeight * EndlessSum(frame, work, sheet, x, y))) continue;
+        if (!is_whole && !(e >= kLeastWeight * endless_sum(frame, work, sheet, x, y))) continue;
         values[at] = n / e;
       }
       defined[y] |= 1U << x;
@@ -231,7 +231,7 @@ inline void ReadSplatSheet(const CpuFrame& frame, Workspace& work, int s, const 
 
 // Scatter if asked to. Left to itself, gather: it reads each tap once for a sample that is needed,
 // scatter pays for samples that are not.
-inline bool ShouldScatter(const CpuFrame& frame, const Workspace&) {
+inline bool should_scatter(const CpuFrame& frame, const Workspace&) {
   return frame.evaluate == Evaluate::kScatter;
 }
 

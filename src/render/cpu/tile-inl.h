@@ -28,7 +28,7 @@ struct Part {
 };
 
 // Index-space box around a part's samples, margins and slabs included.
-inline Bounds3 BoxOf(const CpuFrame& frame, const Block& block, const Part& part, int margin) {
+inline Bounds3 box_of(const CpuFrame& frame, const Block& block, const Part& part, int margin) {
   const view::ViewLattice& lattice = frame.plan->lattice;
   Bounds3 box;
   for (const std::int64_t sheet :
@@ -44,7 +44,7 @@ inline Bounds3 BoxOf(const CpuFrame& frame, const Block& block, const Part& part
 }
 
 // True if every sample's slab lies outside one of the half spaces.
-inline bool IsClippedAway(const CpuFrame& frame, const Block& block, const Part& part) {
+inline bool is_clipped_away(const CpuFrame& frame, const Block& block, const Part& part) {
   const view::FramePlan& plan = *frame.plan;
   for (const ClipPlane& plane : plan.clip_planes) {
     double nearest = -1;
@@ -68,8 +68,8 @@ inline bool IsClippedAway(const CpuFrame& frame, const Block& block, const Part&
 
 // Positions are affine in the sheet's number, too: every sheet's map is the first one's plus a
 // multiple of `step`.
-inline void SetUpSheet(const CpuFrame& frame, Block& block, int s, const view::SheetMap& first,
-                       const view::SheetMap& step, const Vec3& widening) {
+inline void set_up_sheet(const CpuFrame& frame, Block& block, int s, const view::SheetMap& first,
+                         const view::SheetMap& step, const Vec3& widening) {
   const view::ViewLattice& lattice = frame.plan->lattice;
   const double x = block.tile_x + block.x0 - block.margin;
   const double y = block.tile_y + block.y0 - block.margin;
@@ -91,7 +91,8 @@ inline void SetUpSheet(const CpuFrame& frame, Block& block, int s, const view::S
   setup.inverse_pitch = static_cast<float>(1.0 / lattice.pitch(sheet));
 }
 
-inline void SetUpBlock(const CpuFrame& frame, Block& block, const Part& part, const Bounds3& box) {
+inline void set_up_block(const CpuFrame& frame, Block& block, const Part& part,
+                         const Bounds3& box) {
   block.x0 = part.x0;
   block.y0 = part.y0;
   block.x1 = part.x1;
@@ -111,15 +112,15 @@ inline void SetUpBlock(const CpuFrame& frame, Block& block, const Part& part, co
   Vec3 widening = plan.widening(block.first_sheet);
   for (int s = 0; s < block.num_sheets; ++s) {
     if (!frame.is_parallel) widening = plan.widening(block.first_sheet + s);
-    SetUpSheet(frame, block, s, first, step, widening);
+    set_up_sheet(frame, block, s, first, step, widening);
   }
 }
 
 // Samples to be classified now: relevant ones of open pixels.
-inline RowBits RelevantNow(const Block& block, const TileState& tile, int s) {
+inline RowBits relevant_now(const Block& block, const TileState& tile, int s) {
   RowBits bits;
   for (int y = 0; y < block.rows; ++y) {
-    bits[y] = block.relevant[s][y] & OpenSamples(block, tile, y) &
+    bits[y] = block.relevant[s][y] & open_samples(block, tile, y) &
               block.defined[s & (kRingSheets - 1)][y];
   }
   return bits;
@@ -127,88 +128,88 @@ inline RowBits RelevantNow(const Block& block, const TileState& tile, int s) {
 
 // Samples to be reconstructed now: active ones of open pixels, and of their neighbours where
 // differences are taken.
-inline RowBits WantedNow(const CpuFrame& frame, const Block& block, const TileState& tile, int s) {
+inline RowBits wanted_now(const CpuFrame& frame, const Block& block, const TileState& tile, int s) {
   if (!frame.stop_opaque) return block.active[s];
   RowBits bits;
   for (int y = 0; y < block.rows; ++y) {
-    std::uint32_t near = OpenSamples(block, tile, y);
+    std::uint32_t near = open_samples(block, tile, y);
     if (block.margin > 0) {
       near |= near << 1 | near >> 1;
-      near |= OpenSamples(block, tile, y - 1) | OpenSamples(block, tile, y + 1);
+      near |= open_samples(block, tile, y - 1) | open_samples(block, tile, y + 1);
     }
     bits[y] = block.active[s][y] & near;
   }
   return bits;
 }
 
-inline std::int64_t CountBits(const Block& block, const RowBits& bits) {
+inline std::int64_t count_bits(const Block& block, const RowBits& bits) {
   std::int64_t count = 0;
   for (int y = 0; y < block.rows; ++y) count += std::popcount(bits[y]);
   return count;
 }
 
-// Classify, light and composite sheet s, whose values (and neighbours', if differences are taken)
+// classify, light and composite sheet s, whose values (and neighbours', if differences are taken)
 // are there.
-inline void FinishSheet(const CpuFrame& frame, Workspace& work, int s, StageClock& clock) {
+inline void finish_sheet(const CpuFrame& frame, Workspace& work, int s, StageClock& clock) {
   Block& block = work.block;
   TileState& tile = work.tile;
   if (frame.mode == Mode::kIsosurface) {
-    if (s > 0) SurfaceSheet(frame, work, s);
+    if (s > 0) surface_sheet(frame, work, s);
     clock.lap(kShade);
     return;
   }
-  const RowBits bits = RelevantNow(block, tile, s);
+  const RowBits bits = relevant_now(block, tile, s);
   if (frame.mode != Mode::kComposite) {
-    AccumulateSheet(frame, block, tile, s, bits);
+    accumulate_sheet(frame, block, tile, s, bits);
     clock.lap(kComposite);
     return;
   }
-  ClassifySheet(frame, block, s, bits);
-  const std::int64_t num_visible = CountBits(block, block.visible);
+  classify_sheet(frame, block, s, bits);
+  const std::int64_t num_visible = count_bits(block, block.visible);
   clock.lap(kShade);
   if (num_visible == 0) return;
   work.stats.samples_shaded += num_visible;
   if (frame.shade) {
-    GradientOfSheet(frame, work, s);
+    gradient_of_sheet(frame, work, s);
     clock.lap(kGradient);
-    LightSheet(frame, block);
+    light_sheet(frame, block);
     clock.lap(kShade);
   }
-  CompositeSheet(frame, block, tile, s);
+  composite_sheet(frame, block, tile, s);
   clock.lap(kComposite);
 }
 
-inline void RunSheets(const CpuFrame& frame, Workspace& work, bool is_scattered,
-                      StageClock& clock) {
+inline void run_sheets(const CpuFrame& frame, Workspace& work, bool is_scattered,
+                       StageClock& clock) {
   Block& block = work.block;
-  if (is_scattered) Splat(frame, work);
+  if (is_scattered) splat_region(frame, work);
   clock.lap(kReconstruct);
   for (int s = 0; s < block.num_sheets; ++s) {
     if (frame.stop_opaque && !work.tile.any_open(block.x0, block.y0, block.x1, block.y1)) return;
-    RowBits wanted = WantedNow(frame, block, work.tile, s);
-    work.stats.samples_reconstructed += CountBits(block, wanted);
+    RowBits wanted = wanted_now(frame, block, work.tile, s);
+    work.stats.samples_reconstructed += count_bits(block, wanted);
     block.defined[s & (kRingSheets - 1)] = {};
     block.has_gradient = {};
     if (is_scattered) {
-      ReadSplatSheet(frame, work, s, wanted);
+      read_splat_sheet(frame, work, s, wanted);
     } else {
-      const RowBits guess = GuessVisible(frame, block, wanted);
-      ReconstructWithGradients(frame, work, s, guess);
+      const RowBits guess = guess_visible(frame, block, wanted);
+      reconstruct_with_gradients(frame, work, s, guess);
       clock.lap(kGradient);
       for (int y = 0; y < block.rows; ++y) wanted[y] &= ~guess[y];
-      ReconstructSheet(frame, work, s, wanted);
+      reconstruct_sheet(frame, work, s, wanted);
     }
     clock.lap(kReconstruct);
     // With differences, a sheet is finished once its far neighbour is there.
     if (!frame.central_gradient) {
-      FinishSheet(frame, work, s, clock);
+      finish_sheet(frame, work, s, clock);
     } else if (s >= 2) {
-      FinishSheet(frame, work, s - 1, clock);
+      finish_sheet(frame, work, s - 1, clock);
     }
   }
 }
 
-inline Part FirstHalf(const Part& part, int axis) {
+inline Part first_half(const Part& part, int axis) {
   Part half = part;
   if (axis == 0) half.x1 = (part.x0 + part.x1) / 2;
   if (axis == 1) half.y1 = (part.y0 + part.y1) / 2;
@@ -216,9 +217,9 @@ inline Part FirstHalf(const Part& part, int axis) {
   return half;
 }
 
-inline Part SecondHalf(const Part& part, int axis) {
+inline Part second_half(const Part& part, int axis) {
   Part half = part;
-  const Part first = FirstHalf(part, axis);
+  const Part first = first_half(part, axis);
   if (axis == 0) half.x0 = first.x1;
   if (axis == 1) half.y0 = first.y1;
   if (axis == 2) half.first_sheet = first.last_sheet;
@@ -227,7 +228,7 @@ inline Part SecondHalf(const Part& part, int axis) {
 
 // The axis (pixels x, y, sheets) along which a part spans most of the lattice, or -1 if it is a
 // single sample.
-inline int LongestAxis(const Block& block, const Part& part) {
+inline int longest_axis(const Block& block, const Part& part) {
   const SheetSetup& sheet = block.sheets[0];
   const auto reach = [](const float* v) {
     return std::abs(v[0]) + std::abs(v[1]) + std::abs(v[2]);
@@ -242,32 +243,32 @@ inline int LongestAxis(const Block& block, const Part& part) {
 
 // Draws a part; one whose region is too large for the cache is halved, the front half first.
 // Returns false if nothing in it was relevant.
-inline bool DrawPart(const CpuFrame& frame, Workspace& work, const Part& part, StageClock& clock) {
+inline bool draw_part(const CpuFrame& frame, Workspace& work, const Part& part, StageClock& clock) {
   Block& block = work.block;
-  const Bounds3 box = BoxOf(frame, block, part, block.margin);
-  SetUpBlock(frame, block, part, box);
-  const std::int64_t num_relevant = Bin(frame, block, work.tile, box);
+  const Bounds3 box = box_of(frame, block, part, block.margin);
+  set_up_block(frame, block, part, box);
+  const std::int64_t num_relevant = bin_region(frame, block, work.tile, box);
   clock.lap(kBin);
   if (num_relevant == 0) return false;
   const std::int64_t region =
       num_samples({block.region_size[0], block.region_size[1], block.region_size[2]});
   if (region > kMaxRegionSamples) {
-    const int axis = LongestAxis(block, part);
+    const int axis = longest_axis(block, part);
     if (axis >= 0) {
-      DrawPart(frame, work, FirstHalf(part, axis), clock);
-      DrawPart(frame, work, SecondHalf(part, axis), clock);
+      draw_part(frame, work, first_half(part, axis), clock);
+      draw_part(frame, work, second_half(part, axis), clock);
       return true;
     }
   }
-  const bool is_scattered = ShouldScatter(frame, work);
-  Load(frame, work, is_scattered);
+  const bool is_scattered = should_scatter(frame, work);
+  load_region(frame, work, is_scattered);
   clock.lap(kLoad);
-  RunSheets(frame, work, is_scattered, clock);
+  run_sheets(frame, work, is_scattered, clock);
   return true;
 }
 
 // Draws one tile into work.tile; `block` of the workspace holds the tile's place.
-inline void RenderTile(const CpuFrame& frame, Workspace& work, const TileRect& rect) {
+inline void render_tile_on_target(const CpuFrame& frame, Workspace& work, const TileRect& rect) {
   const view::FramePlan& plan = *frame.plan;
   Block& block = work.block;
   WorkerStats& stats = work.stats;
@@ -291,11 +292,11 @@ inline void RenderTile(const CpuFrame& frame, Workspace& work, const TileRect& r
       continue;
     }
     const Part part{0, 0, width, height, sheet, std::min<std::int64_t>(sheet + kBlockSheets, last)};
-    const Bounds3 box = BoxOf(frame, block, part, 0);
-    if (!box.intersects(plan.index_support) || IsClippedAway(frame, block, part)) {
+    const Bounds3 box = box_of(frame, block, part, 0);
+    if (!box.intersects(plan.index_support) || is_clipped_away(frame, block, part)) {
       ++stats.skipped_empty;
     } else if (!plan.relevance.any_in(box.min(), box.max()) ||
-               !DrawPart(frame, work, part, clock)) {
+               !draw_part(frame, work, part, clock)) {
       ++(plan.may_matter ? stats.skipped_irrelevant : stats.skipped_empty);
     } else {
       ++stats.blocks_drawn;

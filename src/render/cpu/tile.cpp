@@ -20,7 +20,7 @@
 
 namespace ovoid::cpu {
 
-HWY_EXPORT(RenderTile);
+HWY_EXPORT(render_tile_on_target);
 
 namespace {
 
@@ -60,7 +60,7 @@ void choose_target_once() {
 }  // namespace
 
 void render_tile(const CpuFrame& frame, Workspace& work, const TileRect& rect) {
-  HWY_DYNAMIC_DISPATCH(RenderTile)(frame, work, rect);
+  HWY_DYNAMIC_DISPATCH(render_tile_on_target)(frame, work, rect);
 }
 
 std::string simd_target_in_use() {

@@ -62,7 +62,7 @@ class ThreadRunner final : public Runner {
       }
     };
     std::vector<std::jthread> threads;
-    const int extra = std::min(num_threads_, num_tasks) - 1;
+    const int extra = std::max(std::min(num_threads_, num_tasks) - 1, 0);
     threads.reserve(static_cast<std::size_t>(extra));
     for (int t = 0; t < extra; ++t) threads.emplace_back(work, t + 1);
     work(0);

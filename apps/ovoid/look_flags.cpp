@@ -55,7 +55,6 @@ std::vector<OpacityPoint> parse_opacities(const std::string& text) {
 }
 
 bool is_lit(Mode mode) { return mode == Mode::kComposite || mode == Mode::kIsosurface; }
-bool uses_opacity(Mode mode) { return mode != Mode::kXray && mode != Mode::kIsosurface; }
 
 void add_color_flags(Flags& flags, LookFlags* look) {
   flags.section("colour and opacity");
@@ -142,6 +141,8 @@ void note_disjoint_span(const TransferFunction& tf, const ValueRange& range, Ses
 }
 
 }  // namespace
+
+bool uses_opacity(Mode mode) { return mode != Mode::kXray && mode != Mode::kIsosurface; }
 
 const char* name_of_mode(Mode mode) { return name_in(kModes, mode); }
 

@@ -35,6 +35,7 @@ void check_look_flags(const Flags& flags,
 // The look for a field, by the order of precedence in docs/command-line.md. Throws Error.
 Look make_look(const LookFlags& flags, const ValueRange& range, Session& session);
 
+bool uses_opacity(Mode mode);  // of the transfer function
 const char* name_of_mode(Mode mode);
 
 }  // namespace ovoid::cli

@@ -170,6 +170,31 @@ Image draw(const RenderFlags& render, const Field& field, const Camera& camera, 
   return std::move(first.image);
 }
 
+bool shows_any(const TransferFunction& tf, const ValueRange& range) {
+  if (tf.opacity_at(range.lo) > 0 || tf.opacity_at(range.hi) > 0) return true;
+  return std::any_of(tf.opacities.begin(), tf.opacities.end(), [&](const OpacityPoint& point) {
+    return range.lo <= point.x && point.x <= range.hi && point.opacity > 0;
+  });
+}
+
+// A picture without anything in it is seldom what was meant.
+void note_if_empty(const Image& image, const Look& look, const ValueRange& range,
+                   Session& session) {
+  for (std::size_t i = 3; i < image.rgba.size(); i += 4) {
+    if (image.rgba[i] > 0) return;
+  }
+  std::string cause =
+      "is all of the data clipped away or out of sight, or too thin for its sheets "
+      "(--sampling-distance)?";
+  if (look.mode == Mode::kIsosurface && !(range.lo <= look.isovalue && look.isovalue <= range.hi)) {
+    cause = fmt::format("--iso {:g} is not among them", look.isovalue);
+  } else if (uses_opacity(look.mode) && !shows_any(look.transfer_function, range)) {
+    cause = "the look gives them no opacity (--range, --opacity, --tf)";
+  }
+  session.note(fmt::format("nothing shows: the data's values are {:g} to {:g}; {}", range.lo,
+                           range.hi, cause));
+}
+
 void tell_times(const RenderFlags& render, const RunProfile& profile, Session& session) {
   if (render.profile && render.profile_file.empty()) fmt::print(stderr, "{}", to_table(profile));
   if (!render.profile_file.empty()) write_text(to_json(profile), render.profile_file);
@@ -208,6 +233,7 @@ void run_render(const Words& words, Session& session) {
   const Camera camera = make_camera(render.camera, field, space, aspect);
   const Look look = make_look(render.look, field.value_range(), session);
   Image image = draw(render, field, camera, look, &profile, session);
+  note_if_empty(image, look, field.value_range(), session);
   if (look.mode == Mode::kXray && has_ending(render.output, ".png")) {
     color_xray(image, render.look, look.transfer_function, session);
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "view/frame_plan.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <string>
@@ -86,13 +87,17 @@ TEST(FramePlan, ClipDistances) {
 // Fails if a frame of endlessly many sheets is begun.
 TEST(FramePlan, RefusesTooManySheets) {
   const Field field = stretched_field();
-  const RenderOptions options = test::picture(8, 8, 1e-6);
-  try {
-    const FramePlan plan(field, camera_of(field, true, 10), {}, options);
-    FAIL() << "nothing was thrown";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ErrorCode::kInvalidArgument);
-    EXPECT_EQ(std::string(error.what()).rfind("sampling_distance = 1e-06: gives ", 0), 0U);
+  for (const double distance : {1e-6, 1e-300}) {
+    const RenderOptions options = test::picture(8, 8, distance);
+    try {
+      const FramePlan plan(field, camera_of(field, true, 10), {}, options);
+      FAIL() << "nothing was thrown";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kInvalidArgument);
+      EXPECT_EQ(std::string(error.what())
+                    .rfind(fmt::format("sampling_distance = {}: gives ", distance), 0),
+                0U);
+    }
   }
 }
 

@@ -65,12 +65,12 @@ ViewLattice::SheetRange ViewLattice::sheets_meeting(const Bounds3& index_box) co
   }
   nearest = std::max(nearest, near_depth_);
   if (!(nearest <= farthest)) return {};
-  SheetRange range;
-  range.first =
-      static_cast<std::int64_t>(std::floor((nearest - focal_depth_) / sampling_distance_ - 0.5));
-  range.last =
-      static_cast<std::int64_t>(std::ceil((farthest - focal_depth_) / sampling_distance_ - 0.5)) +
-      1;
+  const double first = std::floor((nearest - focal_depth_) / sampling_distance_ - 0.5);
+  const double last = std::ceil((farthest - focal_depth_) / sampling_distance_ - 0.5) + 1;
+  // Beyond this numbers of sheets are not exact; whoever counts them finds too many.
+  constexpr std::int64_t kMost = std::int64_t{1} << 52;
+  if (!(first > -kMost && last < kMost)) return {-kMost, kMost};
+  SheetRange range{static_cast<std::int64_t>(first), static_cast<std::int64_t>(last)};
   while (range.first < range.last && depth(range.first) <= near_depth_) ++range.first;
   return range;
 }

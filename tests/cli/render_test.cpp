@@ -289,6 +289,22 @@ TEST_F(RenderLook, AFileOfASinglePointIsALook) {
   EXPECT_GT(draw(folder_, {ball_, "--tf", one, "--colormap", "gray"}).num_covered(), 0U);
 }
 
+// Fails if a picture without anything in it passes for a success, or if the note blames the wrong
+// thing.
+TEST_F(RenderLook, EmptyPicturesAreNoted) {
+  const auto note = [&](const std::vector<std::string>& flags) {
+    std::vector<std::string> words = {"render", ball_, "-o", folder_ / "x.npy", "--size", "40x30"};
+    words.insert(words.end(), flags.begin(), flags.end());
+    const Outcome result = run(words);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return result.err;
+  };
+  EXPECT_EQ(note({}).find("nothing shows"), std::string::npos);
+  EXPECT_NE(note({"--opacity", "1000:0,1001:0.5"}).find("no opacity"), std::string::npos);
+  EXPECT_NE(note({"--mode", "isosurface", "--iso", "1e6"}).find("--iso 1e+06"), std::string::npos);
+  EXPECT_NE(note({"--clip", "0,0,1,1e6"}).find("clipped away"), std::string::npos);
+}
+
 TEST_F(RenderLook, AFileBesideTheDataIsNoted) {
   const Outcome result = run(
       {"render", ball_, "-o", folder_ / "x.npy", "--size", "40x30", "--tf",

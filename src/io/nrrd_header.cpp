@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "io/samples.h"
+#include "io/text_scanner.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {
@@ -25,23 +26,6 @@ std::string_view trim(std::string_view text) {
   while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
   while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
   return text;
-}
-
-std::string lower(std::string_view text) {
-  std::string result(text);
-  for (char& c : result) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return result;
-}
-
-std::vector<std::string_view> words(std::string_view text) {
-  std::vector<std::string_view> result;
-  while (true) {
-    const auto begin = text.find_first_not_of(" \t");
-    if (begin == std::string_view::npos) return result;
-    const auto end = std::min(text.find_first_of(" \t", begin), text.size());
-    result.push_back(text.substr(begin, end - begin));
-    text.remove_prefix(end);
-  }
 }
 
 template <typename T>

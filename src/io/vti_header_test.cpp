@@ -14,11 +14,6 @@ namespace {
 std::string vti_error(const std::string& content) {
   return error_of([&] { check_vti(*open_memory("a.vti", std::as_bytes(std::span(content)))); });
 }
-std::string vtk_error(const std::string& content) {
-  return error_of(
-      [&] { check_legacy_vtk(*open_memory("a.vtk", std::as_bytes(std::span(content)))); });
-}
-
 const std::string kStored = std::string("\x0c\0\0\0", 4) + "123456789012";
 
 // 3 x 2 x 2 bytes, appended raw behind a UInt32 count.
@@ -33,15 +28,21 @@ const std::string kAppended =
 _)" +
     kStored + "</AppendedData></VTKFile>";
 
+// The array's data within its tags.
+std::string inline_data(const std::string& format, const std::string& data,
+                        const std::string& type = "UInt8") {
+  const std::string name = with(with(kAppended, "a > b", "v"), "UInt8", type);
+  return with(name, R"(format="appended" offset="0"/>)",
+              "format=\"" + format + "\">" + data + "</DataArray>");
+}
+
+// The count 12 in base64 is DAAAAA==.
+const std::string kBase64 = "DAAAADEyMzQ1Njc4OTAxMg==";
+
 TEST(VtiHeader, AcceptsWhatFits) {
   EXPECT_EQ(vti_error(kAppended), "");
-  const std::string inline_text = with(kAppended, R"(format="appended" offset="0"/>)",
-                                       R"(format="ascii">1 2 3 4 5 6 7 8 9 1 2 3</DataArray>)");
-  EXPECT_EQ(vti_error(inline_text), "");
-  // The count 12 in base64 is DAAAAA==.
-  EXPECT_EQ(vti_error(with(kAppended, R"(format="appended" offset="0"/>)", R"(format="binary">
-     DAAAADEyMzQ1Njc4OTAxMg==</DataArray>)")),
-            "");
+  EXPECT_EQ(vti_error(inline_data("ascii", "1 2 3 4 5 6 7 8 9 1 2 3")), "");
+  EXPECT_EQ(vti_error(inline_data("binary", "\n     " + kBase64)), "");
   // One cell data array: 2 x 1 x 1 cells.
   EXPECT_EQ(vti_error(with(
                 with(with(kAppended, "<PointData>", "<CellData>"), "</PointData>", "</CellData>"),
@@ -61,7 +62,7 @@ TEST(VtiHeader, RefusesWhatTheFileCannotHold) {
             "file-format: a.vti: WholeExtent: 2000000001x2000000001x2000000001 float64 is larger "
             "than any file");
   EXPECT_EQ(vti_error(with(kAppended, "0 2 0 1 5 6", "0 2 0 1 5 60")),
-            "file-format: a.vti: the pieces cover 12 of the 336 samples of WholeExtent");
+            "file-format: a.vti: the pieces cover 2 of the 110 cells of WholeExtent");
   EXPECT_EQ(vti_error(with(kAppended, R"(Name="a > b")",
                            R"(Name="v" NumberOfComponents="9000000000000000000")")),
             "file-format: a.vti: array 'v': NumberOfComponents=\"9000000000000000000\": expected 1 "
@@ -72,6 +73,88 @@ TEST(VtiHeader, RefusesWhatTheFileCannotHold) {
             "file-format: a.vti: array 'a > b': its data are appended, but no AppendedData follow");
   EXPECT_EQ(vti_error(kAppended.substr(0, 155)),
             "file-format: a.vti: holds no ImageData element: is the file truncated?");
+}
+
+// A cut file of megabytes must be told from a whole one by its last byte.
+TEST(VtiHeader, RefusesDataThatEndEarly) {
+  const std::string raw = kAppended.substr(0, kAppended.find("</AppendedData>"));
+  EXPECT_EQ(vti_error(raw), "");
+  EXPECT_EQ(vti_error(raw.substr(0, raw.size() - 1)),
+            "file-format: a.vti: array 'a > b': holds 11 bytes, its header says 12: is the file "
+            "truncated?");
+  const std::string zlib =
+      with(with(raw, R"(header_type="UInt32")",
+                R"(header_type="UInt32" compressor="vtkZLibDataCompressor")"),
+           kStored, std::string("\1\0\0\0\x0c\0\0\0\0\0\0\0\x05\0\0\0abcde", 21));
+  EXPECT_EQ(vti_error(zlib), "");
+  EXPECT_EQ(vti_error(zlib.substr(0, zlib.size() - 2)),
+            "file-format: a.vti: array 'a > b': holds 3 bytes, its header says 5: is the file "
+            "truncated?");
+  const std::string base64 = with(with(raw, "\"raw\"", "\"base64\""), kStored, kBase64);
+  EXPECT_EQ(vti_error(base64), "");
+  EXPECT_EQ(vti_error(base64.substr(0, base64.size() - 4)),
+            "file-format: a.vti: array 'a > b': holds 11 bytes, its header says 12: is the file "
+            "truncated, or its base64 not in one line?");
+}
+
+TEST(VtiHeader, RefusesTextThatDoesNotHoldItsArray) {
+  EXPECT_EQ(vti_error(inline_data("binary", kBase64.substr(0, 12) + "\n" + kBase64.substr(12))),
+            "file-format: a.vti: array 'v': holds 5 bytes, its header says 12: is the file "
+            "truncated, or its base64 not in one line?");
+  EXPECT_EQ(vti_error(inline_data("binary", kBase64.substr(0, 18))),
+            "file-format: a.vti: array 'v': holds 9 bytes, its header says 12: is the file "
+            "truncated, or its base64 not in one line?");
+  EXPECT_EQ(vti_error(inline_data("ascii", "1 2 3 4 5 6 7 8 9 10 11                ")),
+            "file-format: a.vti: array 'v': holds 11 numbers, 12 tuples of 1 UInt8 need more");
+  EXPECT_EQ(vti_error(inline_data("ascii", "1 2 3 4.5 5 6 7 8 9 10 11 12")),
+            "file-format: a.vti: array 'v': '4.5' after 3 numbers: expected 12 tuples of 1 UInt8");
+  EXPECT_EQ(vti_error(inline_data("ascii", "1 2 3 4.5 5 6 7 8 NaN -10 1e1 .5", "Float32")), "");
+  EXPECT_EQ(vti_error(inline_data("ascii", "1 2 3")),
+            "file-format: a.vti: array 'v': 5 bytes of text cannot hold 12 tuples of 1 UInt8");
+  // Many values in little text, as zeros are.
+  EXPECT_EQ(vti_error(inline_data("ascii", "0 0 0 0 0 0 0 0 0 0 0 0", "Float64")), "");
+}
+
+// VTK would leave the samples of no piece as memory happens to be.
+TEST(VtiHeader, RefusesPiecesThatDoNotTileTheExtent) {
+  const auto pieces = [](const std::string& extents) {
+    std::string text = kAppended;
+    const std::string piece = R"(<Piece Extent="0 2 0 1 5 6"/>)";
+    text = text.substr(0, text.find("<Piece"));
+    for (std::size_t i = 0; i < extents.size(); i += 4)
+      text += with(piece, "0 2", extents.substr(i, 3));
+    return vti_error(text + "</ImageData></VTKFile>");
+  };
+  EXPECT_EQ(pieces("0 2"), "");
+  EXPECT_EQ(pieces("0 1,1 2"), "");
+  EXPECT_EQ(pieces("0 1,1 2,2 1"), "");  // an empty one
+  EXPECT_EQ(pieces("4 6"),
+            "file-format: a.vti: Piece Extent=\"4 6 0 1 5 6\": lies outside WholeExtent");
+  EXPECT_EQ(pieces("0 1,0 1"), "file-format: a.vti: pieces 0 and 1 overlap");
+  EXPECT_EQ(pieces("0 1,2 2"),
+            "file-format: a.vti: the pieces cover 1 of the 2 cells of WholeExtent");
+}
+
+// VTK would take its defaults instead.
+TEST(VtiHeader, RefusesPlacesThatAreNoNumbers) {
+  EXPECT_EQ(vti_error(with(kAppended, R"(Spacing="1 1 1")", R"(Spacing="nan 1 1")")),
+            "file-format: a.vti: Spacing=\"nan 1 1\": expected 3 numbers");
+  EXPECT_EQ(vti_error(with(kAppended, R"(Spacing="1 1 1")", R"(Spacing="3 2")")),
+            "file-format: a.vti: Spacing=\"3 2\": expected 3 numbers");
+  EXPECT_EQ(vti_error(with(kAppended, R"(Origin="0 0 0")", R"(Origin="inf 0 0")")),
+            "file-format: a.vti: Origin=\"inf 0 0\": expected 3 numbers");
+  EXPECT_EQ(vti_error(with(kAppended, R"(Origin="0 0 0")", R"(Direction="1 0 0")")),
+            "file-format: a.vti: Direction=\"1 0 0\": expected 9 numbers");
+}
+
+TEST(VtiHeader, RefusesTextAsSamples) {
+  EXPECT_EQ(vti_error(inline_data("ascii", "", "String")),
+            "unsupported: a.vti: array 'v': holds text: expected numbers in PointData");
+  EXPECT_EQ(vti_error(with(kAppended, "<Piece",
+                           R"(<FieldData><Array type="String" Name="t" format="ascii">65 0</Array>)"
+                           "</FieldData><Piece")),
+            "");
+  EXPECT_EQ(vti_error(inline_data("ascii", "1 0 1 0 1 0 1 0 1 0 1 0", "Bit")), "");
 }
 
 // What VTK's parser would take for something else than this one does.
@@ -85,6 +168,9 @@ TEST(VtiHeader, RefusesWhatCouldBeReadInTwoWays) {
   EXPECT_EQ(vti_error(with(kAppended, R"(format="appended")", R"(format="elsewhere")")),
             "file-format: a.vti: array 'a > b': format=\"elsewhere\": expected ascii, binary or "
             "appended");
+  EXPECT_EQ(vti_error(with(inline_data("ascii", "1 2 3 4 5 6 7 8 9 1 2 3"), "\"v\"", "\"v>w\"")),
+            "file-format: a.vti: DataArray: Name=\"v>w\": expected '&gt;' for '>' where the data "
+            "are within the tags");
   EXPECT_EQ(vti_error(with(kAppended, "\n_", "\nx")),
             "file-format: a.vti: AppendedData: do not begin with '_'");
 }
@@ -109,41 +195,6 @@ TEST(VtiHeader, OtherKindsAreUnsupported) {
             "unsupported: a.vti: VTKFile type 'PolyData': expected ImageData");
   EXPECT_EQ(vti_error("<VTKFile type=\"ImageData\" " + std::string(70000, 'x')),
             "file-format: a.vti: the tag at byte 0 does not end");
-}
-
-const std::string kLegacy =
-    "# vtk DataFile Version 3.0\ntitle\nBINARY\n\nDATASET STRUCTURED_POINTS\nDIMENSIONS 3 2 "
-    "2\nSPACING 1 1 1\nORIGIN 0 0 0\nPOINT_DATA 12\n"
-    "SCALARS a b\nunsigned_char\nLOOKUP_TABLE default\n123456789012";
-
-TEST(LegacyVtkHeader, AcceptsWhatFits) {
-  const std::string plain = with(kLegacy, "a b\nunsigned_char", "a unsigned_char");
-  EXPECT_EQ(vtk_error(plain), "");
-  EXPECT_EQ(vtk_error(with(plain, "DIMENSIONS 3 2 2", "dimensions\n3\n2 2")), "");
-  EXPECT_EQ(vtk_error(with(with(plain, "POINT_DATA 12", "CELL_DATA 2"), "BINARY", "ascii")), "");
-}
-
-TEST(LegacyVtkHeader, RefusesWhatTheFileCannotHold) {
-  const std::string plain = with(kLegacy, "a b\nunsigned_char", "a unsigned_char");
-  EXPECT_EQ(vtk_error(with(plain, "a unsigned_char", "a double")),
-            "file-format: a.vtk: array 'a': 12 tuples of 1 double do not fit the 34 bytes behind "
-            "it: is the file truncated?");
-  EXPECT_EQ(vtk_error(with(plain, "unsigned_char", "unsigned_char 4")),
-            "file-format: a.vtk: array 'a': 12 tuples of 4 unsigned_char do not fit the 34 bytes "
-            "behind it: is the file truncated?");
-  EXPECT_EQ(vtk_error(with(plain, "POINT_DATA 12", "POINT_DATA 13")),
-            "file-format: a.vtk: POINT_DATA: '13': DIMENSIONS need 12");
-  EXPECT_EQ(vtk_error(with(with(plain, "3 2 2", "3000 2000 2000"), "POINT_DATA 12",
-                           "POINT_DATA 12000000000"))
-                .substr(0, 61),
-            "file-format: a.vtk: POINT_DATA: 12000000000 samples do not fi");
-  EXPECT_EQ(vtk_error(with(plain, "3 2 2", "3 0 2")),
-            "file-format: a.vtk: DIMENSIONS: '0': expected 1 to 2147483647");
-  EXPECT_EQ(vtk_error(plain.substr(0, 110)),
-            "file-format: a.vtk: has no POINT_DATA or CELL_DATA: is the file truncated?");
-  EXPECT_EQ(vtk_error(with(plain, "STRUCTURED_POINTS", "POLYDATA")),
-            "unsupported: a.vtk: DATASET 'polydata': expected STRUCTURED_POINTS");
-  EXPECT_EQ(vtk_error(""), "file-format: a.vtk: '' after the title: expected ASCII or BINARY");
 }
 
 TEST(XmlTags, FindsTagsAcrossTheWindow) {

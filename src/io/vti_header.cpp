@@ -1,0 +1,535 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/vtk_header.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "io/samples.h"
+#include "io/text_scanner.h"
+#include "io/vtk_header_parts.h"
+#include "io/xml_tags.h"
+#include "ovoid/error.h"
+
+namespace ovoid::io {
+namespace {
+
+// The first and last index along each axis.
+struct Extent {
+  std::array<std::int64_t, 3> lo{};
+  std::array<std::int64_t, 3> hi{};
+
+  // Samples along each axis; zeros if the extent is empty, as pieces may be.
+  std::array<std::int64_t, 3> dims() const {
+    std::array<std::int64_t, 3> result{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (hi[axis] < lo[axis]) return {};
+      result[axis] = hi[axis] - lo[axis] + 1;
+    }
+    return result;
+  }
+
+  bool contains(const Extent& other) const {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (other.lo[axis] < lo[axis] || other.hi[axis] > hi[axis]) return false;
+    }
+    return true;
+  }
+
+  // Neighbours share the samples between them, but no cell.
+  bool shares_cells(const Extent& other) const {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const std::int64_t first = std::max(lo[axis], other.lo[axis]);
+      const std::int64_t last = std::min(hi[axis], other.hi[axis]);
+      const bool is_flat = lo[axis] == hi[axis] && other.lo[axis] == other.hi[axis];
+      if (is_flat ? first > last : first >= last) return false;
+    }
+    return true;
+  }
+};
+
+// "i0 i1 j0 j1 k0 k1"
+Extent parse_extent(const ByteSource& source, const std::string& field, const std::string& text) {
+  const auto parts = words(text);
+  Extent extent;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    std::optional<std::int64_t> lo, hi;
+    if (parts.size() == 6) {
+      lo = parse_integer(parts[2 * axis]);
+      hi = parse_integer(parts[2 * axis + 1]);
+    }
+    constexpr std::int64_t kInt = kMaxAxisSize;  // VTK keeps extents in 32-bit integers
+    if (!lo || !hi || *lo < -kInt || *lo > kInt || *hi < -kInt || *hi > kInt) {
+      fail_header(source,
+                  fmt::format("{}=\"{}\": expected six integers", field, text.substr(0, 80)));
+    }
+    extent.lo[axis] = *lo;
+    extent.hi[axis] = *hi;
+  }
+  return extent;
+}
+
+// Cells of `piece`, a part of `whole`. Where the whole has one sample, so has every piece, and a
+// cell; elsewhere a piece of one sample has none.
+std::int64_t num_cells_within(const Extent& whole, const Extent& piece) {
+  std::int64_t result = 1;
+  const auto dims = piece.dims();
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    result *=
+        whole.lo[axis] == whole.hi[axis] ? dims[axis] : std::max<std::int64_t>(dims[axis] - 1, 0);
+  return result;
+}
+
+// Bytes of one value of VTK's XML types; 0 for what has no size of its own (String, Bit).
+std::int64_t xml_type_size(const std::string& type) {
+  static const std::map<std::string, std::int64_t> kSizes{
+      {"Int8", 1},   {"UInt8", 1}, {"Int16", 2},  {"UInt16", 2},  {"Int32", 4},
+      {"UInt32", 4}, {"Int64", 8}, {"UInt64", 8}, {"Float32", 4}, {"Float64", 8}};
+  const auto found = kSizes.find(type);
+  return found == kSizes.end() ? 0 : found->second;
+}
+
+// What one DataArray element says, and where its bytes begin.
+struct StoredArray {
+  std::string name;
+  std::string layout;  // "262144 tuples of 1 Float32"
+  std::int64_t num_values = 0;
+  std::int64_t num_bytes = 0;
+  std::string format;  // ascii, binary, appended
+  NumberKind kind = NumberKind::kInteger;
+  bool is_text = false;       // strings: num_bytes is the least they can take
+  std::int64_t position = 0;  // inline: offset in the file; appended: from the '_'
+  std::int64_t text_end = 0;  // inline: offset behind the text
+};
+
+bool is_base64_digit(char c) {
+  return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '+' ||
+         c == '/';
+}
+
+// VTK reads them as missing samples; it does not read infinity.
+bool is_nan(std::string_view text) {
+  const std::string word = lower(text);
+  return word == "nan" || word == "-nan";
+}
+
+class VtiChecker {
+ public:
+  explicit VtiChecker(const ByteSource& source) : source_(source) {}
+
+  void run() {
+    scan();
+    if (!has_image_) fail("holds no ImageData element: is the file truncated?");
+    check_pieces();
+    std::int64_t total = 0;
+    for (const StoredArray& array : arrays_) {
+      check(array);
+      // Several may mean the same bytes.
+      if (array.format != "ascii") total += std::min(array.num_bytes, kMaxNumBytes / 1024);
+      check_ratio("all arrays together", std::min(total, kMaxNumBytes));
+    }
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& what, ErrorCode code = ErrorCode::kFileFormat) const {
+    fail_header(source_, what, code);
+  }
+
+  void scan() {
+    XmlTagReader reader(source_);
+    std::string section;  // PointData, CellData or FieldData while inside it
+    while (auto tag = reader.next()) {
+      const std::string& name = tag->name;
+      end_text(tag->begin);
+      if (name == "PointData" || name == "CellData" || name == "FieldData") {
+        section = tag->is_empty_element ? "" : name;
+        continue;
+      }
+      if (name == "/" + section) section.clear();
+      if (name.starts_with('/')) continue;
+      refuse_references(*tag);
+      if (name == "VTKFile") read_root(*tag);
+      if (name == "ImageData") read_image(*tag);
+      if (name == "Piece") read_piece(*tag);
+      // To VTK every element here is an array, whatever it is called; these two stand within one.
+      if (!section.empty() && name != "InformationKey" && name != "Value")
+        read_array(*tag, section);
+      if (name == "AppendedData") {
+        is_appended_raw_ = tag->attribute("encoding") == "raw";
+        find_appended(tag->end);
+        return;  // bytes that may look like anything follow
+      }
+    }
+    end_text(source_.size());
+  }
+
+  // The text of an array within the tags ends where the next tag begins.
+  void end_text(std::int64_t position) {
+    if (!arrays_.empty() && arrays_.back().text_end == 0) arrays_.back().text_end = position;
+  }
+
+  // "&#49;" is 1 to VTK and not to this checker; no writer makes such numbers.
+  void refuse_references(const XmlTag& tag) const {
+    for (const auto& [key, value] : tag.attributes) {
+      if (key == "Name" || value.find('&') == std::string::npos) continue;
+      fail(fmt::format("{}: {}=\"{}\": character references are not expected here",
+                       tag.name.substr(0, 40), key.substr(0, 40), value.substr(0, 40)));
+    }
+  }
+
+  // Behind blanks, an underscore stands before the first byte. VTK reads on from any other
+  // character, out of step.
+  void find_appended(std::int64_t position) {
+    constexpr std::int64_t kMostBlanks = 4096;
+    const std::string text = source_.text(position, kMostBlanks);
+    const auto mark = text.find_first_not_of(" \t\r\n");
+    if (mark == std::string::npos || text[mark] != '_') fail("AppendedData: do not begin with '_'");
+    appended_begin_ = position + static_cast<std::int64_t>(mark) + 1;
+  }
+
+  void read_root(const XmlTag& tag) {
+    const std::string type = tag.attribute("type");
+    if (type != "ImageData") {
+      fail(fmt::format("VTKFile type '{}': expected ImageData", type.substr(0, 40)),
+           ErrorCode::kUnsupported);
+    }
+    is_big_endian_ = tag.attribute("byte_order") == "BigEndian";
+    word_size_ = tag.attribute("header_type", "UInt32") == "UInt64" ? 8 : 4;
+    const std::string compressor = tag.attribute("compressor");
+    is_compressed_ = !compressor.empty();
+    // Bytes out per byte in, at most. zlib: 1032 (its technical notes); LZ4: 255 (a match grows by
+    // 255 per byte); LZMA: 7090 measured on zeros, doubled.
+    max_ratio_ = !is_compressed_                         ? 1
+                 : compressor == "vtkZLibDataCompressor" ? 1032
+                 : compressor == "vtkLZ4DataCompressor"  ? 255
+                                                         : 14180;
+  }
+
+  void read_image(const XmlTag& tag) {
+    if (has_image_) fail("has two ImageData elements");
+    has_image_ = true;
+    whole_ = parse_extent(source_, "WholeExtent", tag.attribute("WholeExtent"));
+    if (num_points(source_, "WholeExtent", whole_.dims()) == 0)
+      fail(fmt::format("WholeExtent=\"{}\": is empty", tag.attribute("WholeExtent")));
+    check_numbers(tag, "Origin", 3);
+    check_numbers(tag, "Spacing", 3);
+    check_numbers(tag, "Direction", 9);
+  }
+
+  // VTK takes what it cannot read for its defaults.
+  void check_numbers(const XmlTag& tag, const char* key, std::size_t count) const {
+    if (!tag.attributes.contains(key)) return;
+    const std::string text = tag.attribute(key);
+    const auto parts = words(text);
+    const bool are_numbers = std::all_of(parts.begin(), parts.end(), [](std::string_view part) {
+      return is_number(part, NumberKind::kReal);
+    });
+    if (parts.size() != count || !are_numbers)
+      fail(fmt::format("{}=\"{}\": expected {} numbers", key, text.substr(0, 80), count));
+  }
+
+  void read_piece(const XmlTag& tag) {
+    piece_ = parse_extent(source_, "Extent", tag.attribute("Extent"));
+    if (num_points(source_, "Extent", piece_.dims()) == 0) return;
+    if (!whole_.contains(piece_)) {
+      fail(fmt::format("Piece Extent=\"{}\": lies outside WholeExtent", tag.attribute("Extent")));
+    }
+    pieces_.push_back(piece_);
+    constexpr std::size_t kMaxPieces = 10000;  // each is compared with each
+    if (pieces_.size() > kMaxPieces)
+      fail(fmt::format("has more than {} pieces", kMaxPieces), ErrorCode::kUnsupported);
+  }
+
+  // VTK leaves the samples of no piece as memory happens to be.
+  void check_pieces() const {
+    std::int64_t num_covered = 0;
+    for (std::size_t i = 0; i < pieces_.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        if (pieces_[i].shares_cells(pieces_[j]))
+          fail(fmt::format("pieces {} and {} overlap", j, i));
+      }
+      num_covered += num_cells_within(whole_, pieces_[i]);
+    }
+    const std::int64_t num_whole = num_cells(whole_.dims());
+    if (num_covered != num_whole)
+      fail(fmt::format("the pieces cover {} of the {} cells of WholeExtent", num_covered,
+                       num_whole));
+  }
+
+  void read_array(const XmlTag& tag, const std::string& section) {
+    StoredArray array;
+    array.name = tag.attribute("Name").substr(0, 80);
+    array.format = tag.attribute("format", "ascii");
+    if (array.format != "ascii" && array.format != "binary" && array.format != "appended") {
+      fail(fmt::format("array '{}': format=\"{}\": expected ascii, binary or appended", array.name,
+                       array.format.substr(0, 40)));
+    }
+    const auto integer = [&](const char* key, const char* otherwise, std::int64_t least,
+                             std::int64_t most) {
+      const std::string text = tag.attribute(key, otherwise);
+      const auto parts = words(text);
+      const auto value = parts.size() == 1 ? parse_integer(parts[0]) : std::nullopt;
+      if (!value || *value < least || *value > most) {
+        fail(fmt::format("array '{}': {}=\"{}\": expected {} to {}", array.name, key,
+                         text.substr(0, 40), least, most));
+      }
+      return *value;
+    };
+    const std::int64_t num_components = integer("NumberOfComponents", "1", 1, kMaxVtkComponents);
+    const std::int64_t num_tuples =
+        section == "FieldData"  ? integer("NumberOfTuples", "1", 0, kMaxNumBytes)
+        : section == "CellData" ? num_cells(piece_.dims())
+                                : num_points(source_, "Extent", piece_.dims());
+    const std::string type = tag.attribute("type");
+    if (type == "String" && section != "FieldData") {
+      // VTK falls over those that end early.
+      fail(fmt::format("array '{}': holds text: expected numbers in {}", array.name, section),
+           ErrorCode::kUnsupported);
+    }
+    const std::int64_t value_size = xml_type_size(type);
+    const bool is_bits = type == "Bit";
+    array.is_text = value_size == 0 && !is_bits;
+    array.kind = type.starts_with("Float") ? NumberKind::kReal : NumberKind::kInteger;
+    array.layout =
+        fmt::format("{} tuples of {} {}", num_tuples, num_components, type.substr(0, 40));
+    const auto num_values = checked_product(std::array{num_tuples, num_components});
+    const auto num_bytes =
+        checked_product(std::array{num_values.value_or(-1), std::max<std::int64_t>(value_size, 1)});
+    if (!num_bytes || *num_bytes > kMaxNumBytes)
+      fail(fmt::format("array '{}': {} are larger than any file", array.name, array.layout));
+    array.num_values = *num_values;
+    array.num_bytes = is_bits ? (*num_bytes + 7) / 8 : *num_bytes;
+    if (array.format == "appended") {
+      array.position = integer("offset", "0", 0, kMaxNumBytes);
+      array.text_end = -1;
+    } else {
+      refuse_brackets(tag);
+      array.position = tag.end;
+      if (tag.is_empty_element) array.text_end = tag.end;
+    }
+    arrays_.push_back(array);
+    if (arrays_.size() > kMaxVtkArrays)
+      fail(fmt::format("has more than {} arrays", kMaxVtkArrays), ErrorCode::kUnsupported);
+  }
+
+  // VTK takes the first '>' for the end of the tag when it looks for the text behind it.
+  void refuse_brackets(const XmlTag& tag) const {
+    for (const auto& [key, value] : tag.attributes) {
+      if (value.find('>') == std::string::npos) continue;
+      fail(fmt::format("{}: {}=\"{}\": expected '&gt;' for '>' where the data are within the tags",
+                       tag.name.substr(0, 40), key.substr(0, 40), value.substr(0, 40)));
+    }
+  }
+
+  void check_ratio(const std::string& what, std::int64_t num_bytes) const {
+    if (num_bytes / max_ratio_ > source_.size()) {
+      fail(fmt::format("{}: need {} bytes, which a file of {} bytes cannot hold: is it truncated?",
+                       what, num_bytes, source_.size()));
+    }
+  }
+
+  bool is_base64(const StoredArray& array) const {
+    return array.format != "appended" || !is_appended_raw_;
+  }
+
+  // Where the array's bytes, or the digits that stand for them, begin and at most end.
+  std::int64_t data_begin(const StoredArray& array) const {
+    if (array.format == "appended")
+      return appended_begin_ + std::min(array.position, source_.size());
+    TextScanner text(source_, array.position, array.text_end);
+    text.skip_blanks();
+    return text.position();
+  }
+  std::int64_t data_end(const StoredArray& array) const {
+    return array.format == "appended" ? source_.size() : array.text_end;
+  }
+
+  // `count` words of the array's own header; empty if they are not there.
+  std::vector<std::uint64_t> read_words(const StoredArray& array, std::size_t count) const {
+    const std::size_t num_bytes = count * static_cast<std::size_t>(word_size_);
+    const auto num_stored =
+        static_cast<std::int64_t>(is_base64(array) ? num_bytes * 4 / 3 + 4 : num_bytes);
+    std::string bytes = source_.text(data_begin(array), num_stored);
+    if (is_base64(array)) bytes = decode_base64(bytes, num_bytes);
+    if (bytes.size() < num_bytes) return {};
+    std::vector<std::uint64_t> result;
+    for (std::size_t i = 0; i < count; ++i) {
+      std::uint64_t word = 0;
+      for (std::int64_t j = 0; j < word_size_; ++j) {
+        const std::int64_t k = is_big_endian_ ? j : word_size_ - 1 - j;
+        word = word << 8U |
+               static_cast<unsigned char>(
+                   bytes[i * static_cast<std::size_t>(word_size_) + static_cast<std::size_t>(k)]);
+      }
+      result.push_back(word);
+    }
+    return result;
+  }
+
+  // The first `num_bytes` of the text, fewer if it ends or has other characters.
+  static std::string decode_base64(std::string_view text, std::size_t num_bytes) {
+    constexpr std::string_view kDigits =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string result;
+    std::uint32_t bits = 0;
+    int num_bits = 0;
+    for (const char c : text) {
+      const auto digit = kDigits.find(c);
+      if (digit == std::string_view::npos || result.size() == num_bytes) break;
+      bits = (bits << 6U | static_cast<std::uint32_t>(digit)) & 0xffffffU;
+      num_bits += 6;
+      if (num_bits >= 8) {
+        num_bits -= 8;
+        result += static_cast<char>(bits >> static_cast<unsigned>(num_bits) & 0xffU);
+      }
+    }
+    return result;
+  }
+
+  void check(const StoredArray& array) const {
+    const std::string what = fmt::format("array '{}'", array.name);
+    if (array.num_bytes == 0) return;
+    if (array.format == "ascii") return check_text(array, what);
+    check_ratio(what, array.num_bytes);
+    if (array.is_text) return;
+    if (array.format == "appended" && appended_begin_ == 0)
+      fail(what + ": its data are appended, but no AppendedData follow");
+    const StoredSize size = is_compressed_ ? compressed_size(array) : plain_size(array);
+    if (size.num_stated != static_cast<std::uint64_t>(array.num_bytes)) {
+      fail(fmt::format("{}: states {} bytes, {} need {}", what, size.num_stated, array.layout,
+                       array.num_bytes));
+    }
+    check_stored(array, what, size);
+  }
+
+  // Numbers between the tags.
+  void check_text(const StoredArray& array, const std::string& what) const {
+    // A digit and a blank for every number but the last.
+    if (array.num_values > (array.text_end - array.position + 1) / 2) {
+      fail(fmt::format("{}: {} bytes of text cannot hold {}", what, array.text_end - array.position,
+                       array.layout));
+    }
+    if (array.is_text) return;
+    TextScanner text(source_, array.position, array.text_end);
+    for (std::int64_t i = 0; i < array.num_values; ++i) {
+      const std::string_view word = text.word();
+      if (is_number(word, array.kind)) continue;
+      if (array.kind == NumberKind::kReal && is_nan(word)) continue;
+      if (word.empty())
+        fail(fmt::format("{}: holds {} numbers, {} need more", what, i, array.layout));
+      fail(fmt::format("{}: '{}' after {} numbers: expected {}", what, word.substr(0, 40), i,
+                       array.layout));
+    }
+  }
+
+  // What an array's own header says.
+  struct StoredSize {
+    std::uint64_t num_stated = 0;  // bytes of samples
+    std::int64_t num_header = 0;   // bytes of the header
+    std::int64_t num_data = 0;     // bytes behind it
+  };
+
+  StoredSize plain_size(const StoredArray& array) const {
+    const std::uint64_t num_bytes = stated_words(array, 1)[0];
+    return {num_bytes, word_size_,
+            static_cast<std::int64_t>(std::min<std::uint64_t>(num_bytes, kMaxNumBytes))};
+  }
+
+  std::vector<std::uint64_t> stated_words(const StoredArray& array, std::size_t count) const {
+    auto result = read_words(array, count);
+    if (result.empty())
+      fail(fmt::format("array '{}': its data are missing: is the file truncated?", array.name));
+    return result;
+  }
+
+  // Compressed arrays begin with: number of blocks, size of each, size of the last if it is
+  // shorter, compressed size of every block.
+  StoredSize compressed_size(const StoredArray& array) const {
+    const auto head = stated_words(array, 3);
+    const auto [num_blocks, block_size, last_size] = std::array{head[0], head[1], head[2]};
+    const auto file_size = static_cast<std::uint64_t>(source_.size());
+    // VTK's writers make blocks of 32 KiB to 4 MiB.
+    constexpr std::uint64_t kLargestBlock = std::uint64_t{1} << 31;
+    const bool fits = num_blocks > 0 &&
+                      num_blocks <= file_size / static_cast<std::uint64_t>(word_size_) &&
+                      block_size <= kLargestBlock && last_size <= block_size &&
+                      num_blocks <= static_cast<std::uint64_t>(kMaxNumBytes) / kLargestBlock;
+    if (!fits) {
+      fail(fmt::format(
+          "array '{}': states {} blocks of {} bytes, the last of {}: the file has {} bytes",
+          array.name, num_blocks, block_size, last_size, file_size));
+    }
+    const auto all = stated_words(array, 3 + static_cast<std::size_t>(num_blocks));
+    StoredSize size;
+    for (std::size_t i = 3; i < all.size(); ++i) {
+      size.num_data += static_cast<std::int64_t>(std::min(all[i], file_size));
+      if (all[i] > file_size || size.num_data > source_.size()) {
+        fail(fmt::format("array '{}': states that block {} has {} bytes: the file has {}",
+                         array.name, i - 3, all[i], file_size));
+      }
+    }
+    size.num_header = static_cast<std::int64_t>(all.size()) * word_size_;
+    // At most kMaxNumBytes.
+    size.num_stated = (last_size > 0 ? num_blocks - 1 : num_blocks) * block_size + last_size;
+    return size;
+  }
+
+  // Are all bytes there? VTK leaves those that are not as memory happens to be.
+  void check_stored(const StoredArray& array, const std::string& what,
+                    const StoredSize& size) const {
+    std::int64_t begin = data_begin(array);
+    std::int64_t num_wanted = size.num_data;
+    if (is_compressed_) {
+      begin += is_base64(array) ? (size.num_header + 2) / 3 * 4 : size.num_header;
+    } else {
+      num_wanted += size.num_header;  // one with the data
+    }
+    const std::int64_t num_there =
+        is_base64(array) ? num_base64_digits(begin, data_end(array), num_wanted) * 6 / 8
+                         : data_end(array) - begin;
+    if (num_there >= num_wanted) return;
+    fail(fmt::format("{}: holds {} bytes, its header says {}: is the file truncated{}?", what,
+                     std::max<std::int64_t>(num_there - (num_wanted - size.num_data), 0),
+                     size.num_data, is_base64(array) ? ", or its base64 not in one line" : ""));
+  }
+
+  // Digits in a row from `begin`, counted until they hold `num_bytes`.
+  std::int64_t num_base64_digits(std::int64_t begin, std::int64_t end,
+                                 std::int64_t num_bytes) const {
+    constexpr std::int64_t kWindow = std::int64_t{1} << 20;
+    const std::int64_t most = std::min(end - begin, (num_bytes * 8 + 5) / 6);
+    std::int64_t count = 0;
+    while (count < most) {
+      const std::string text = source_.text(begin + count, std::min(kWindow, most - count));
+      const auto stop = std::find_if_not(text.begin(), text.end(), is_base64_digit);
+      count += stop - text.begin();
+      if (stop != text.end()) break;
+    }
+    return count;
+  }
+
+  const ByteSource& source_;
+  bool has_image_ = false;
+  bool is_big_endian_ = false;
+  bool is_compressed_ = false;
+  bool is_appended_raw_ = false;
+  std::int64_t word_size_ = 4;
+  std::int64_t max_ratio_ = 1;
+  std::int64_t appended_begin_ = 0;
+  Extent whole_;
+  Extent piece_;  // the one that the arrays belong to
+  std::vector<Extent> pieces_;
+  std::vector<StoredArray> arrays_;
+};
+
+}  // namespace
+
+void check_vti(const ByteSource& source) { VtiChecker(source).run(); }
+
+}  // namespace ovoid::io

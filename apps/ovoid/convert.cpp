@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "check_files.h"
 #include "command.h"
 #include "data_flags.h"
 #include "ovoid/io.h"
@@ -37,11 +38,12 @@ void run_convert(const Words& words, Session& session) {
 
   require_inputs(flags, data);
   if (output.empty()) throw UsageError("--output: none given, expected -o OUT");
-  check_output(output, data.inputs);
+  check_files(volume_inputs(data.inputs), volume_outputs("--output", output));
   if (has_ending(output, ".json")) {
     convert_look(data.inputs, output);
     return;
   }
+  check_volume_output("--output", output);
   Dataset dataset = load(data, session);
   if (!data.array.empty()) dataset.arrays = {dataset.array(data.array)};
   session.check_stop();

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "check_files.h"
 #include "command.h"
 #include "flags.h"
 #include "ovoid/io.h"
@@ -64,7 +65,8 @@ void run_make(const Words& words, Session& session) {
                                  fmt::join(known, ", "), did_you_mean(names[0], known)));
   }
   if (output.empty()) throw UsageError("--output: none given, expected -o OUT");
-  check_output(output, {});
+  check_files({}, volume_outputs("--output", output));
+  check_volume_output("--output", output);
   const Dataset dataset = make_sample(names[0], options);
   session.check_stop();
   write_dataset(dataset, output);

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "camera_flags.h"
+#include "check_files.h"
 #include "command.h"
 #include "data_flags.h"
 #include "look_flags.h"
@@ -105,11 +106,13 @@ void check_flags(const Flags& flags, const RenderFlags& render) {
   }
   check_look_flags(flags, render.look);
   check_camera_flags(flags);
-  check_output(render.output, render.data.inputs);
-  if (render.profile_file.empty()) return;
-  if (render.profile_file == render.output)
-    throw UsageError("--profile: is the same file as --output");
-  check_output(render.profile_file, render.data.inputs);
+  std::vector<InputFile> inputs = volume_inputs(render.data.inputs);
+  if (!render.look.file.empty()) inputs.push_back({render.look.file, "the look of --tf"});
+  if (!render.camera.file.empty()) inputs.push_back({render.camera.file, "the camera of --camera"});
+  std::vector<OutputFile> outputs = {{"--output", render.output, render.output}};
+  if (!render.profile_file.empty())
+    outputs.push_back({"--profile", render.profile_file, render.profile_file});
+  check_files(inputs, outputs);
 }
 
 // An x-ray's integrals as colours: `tf` spread over the given range, or from 0 to the greatest.

@@ -9,12 +9,9 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <filesystem>
-#include <system_error>
 #include <utility>
 
 #include "ovoid/error.h"
-#include "usage.h"
 
 namespace ovoid::cli {
 namespace {
@@ -83,33 +80,6 @@ std::string one_line(const std::string& text) {
     if (std::iscntrl(static_cast<unsigned char>(c)) != 0) c = '?';
   }
   return line;
-}
-
-void check_output(const std::string& path, const std::vector<std::string>& inputs) {
-  namespace fs = std::filesystem;
-  std::error_code ignored;  // what cannot be looked at will be told by the write itself
-  for (const std::string& input : inputs) {
-    if (fs::equivalent(path, input, ignored)) {
-      throw UsageError(fmt::format("--output '{}': is an input, expected another file", path));
-    }
-  }
-  if (fs::is_directory(path, ignored)) {
-    throw Error(ErrorCode::kFileWrite, path + ": is a folder, expected a file to write");
-  }
-  if (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored)) {
-    // A device or pipe would be replaced by the renamed file.
-    throw Error(ErrorCode::kFileWrite, path + ": is no regular file, expected a file to write");
-  }
-  const fs::path folder = fs::path(path).parent_path();
-  if (!folder.empty() && !fs::is_directory(folder, ignored)) {
-    throw Error(ErrorCode::kFileWrite, fmt::format("{}: cannot be written, there is no folder '{}'",
-                                                   path, folder.string()));
-  }
-  const std::string place = folder.empty() ? "." : folder.string();
-  if (access(place.c_str(), W_OK) != 0) {
-    throw Error(ErrorCode::kFileWrite, fmt::format("{}: cannot be written, folder '{}': {}", path,
-                                                   place, std::strerror(errno)));
-  }
 }
 
 void write_text(const std::string& text, const std::string& path) {

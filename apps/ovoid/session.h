@@ -69,11 +69,6 @@ class Session {
 // Text as one printable line: control characters, which file names may hold, become '?'.
 std::string one_line(const std::string& text);
 
-// Throws what keeps `path` from being written: UsageError if it is one of `inputs`,
-// Error(kFileWrite) if its folder does not exist or it is a folder itself. Said before the work
-// rather than after it.
-void check_output(const std::string& path, const std::vector<std::string>& inputs);
-
 // Writes beside and renames, so that no half-written file is left. Throws Error(kFileWrite).
 void write_text(const std::string& text, const std::string& path);
 

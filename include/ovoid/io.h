@@ -37,14 +37,22 @@ struct ReadOptions {
 Dataset read_dataset(const std::vector<std::string>& paths, const ReadOptions& options = {});
 
 // Writes a dataset; the name's ending chooses the format (.nrrd .nhdr .npy .raw, and .vti .vtk with
-// VTK). Written beside and renamed: an existing file stays whole until the new one is. Throws
-// Error(kFileWrite, kUnsupported).
+// VTK). Written beside and renamed: an existing file stays whole until the new one is. The samples
+// of NAME.nhdr go to NAME.raw, which is replaced only if it belongs to an existing NAME.nhdr.
+// Throws Error(kFileWrite, kUnsupported).
 void write_dataset(const Dataset& dataset, const std::string& path);
 
 // Writes a picture: .png (8 bit, straight alpha; x-ray pictures must be mapped first), .exr (float,
 // premultiplied, with depth channel Z), .npy (float32 [height, width, 4], premultiplied). Throws
 // Error(kFileWrite, kUnsupported, kInvalidArgument).
 void write_image(const Image& image, const std::string& path, const double* background = nullptr);
+
+// The files that read_dataset would read for `path`: it and those that an NRRD header names, up to
+// the first that is not there. A file that cannot be read stands alone; reading it tells why.
+std::vector<std::string> files_read_for(const std::string& path);
+
+// The files that write_dataset would write for `path`: it and the samples of a .nhdr.
+std::vector<std::string> files_written_for(const std::string& path);
 
 // Check, before long work, that write_image or write_dataset would accept the path: its ending is
 // known and its folder can be written. They create nothing. Throw Error(kUnsupported, kFileWrite).

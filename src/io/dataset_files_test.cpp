@@ -149,6 +149,45 @@ TEST(DatasetFiles, DamagedVtkFilesAreErrorsAndVtkIsSilent) {
   EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
 }
 
+TEST(DatasetFiles, DetachedSamplesReplaceTheirOwnFileOnly) {
+  const TestFolder folder;
+  const std::string header = folder.file("a.nhdr");
+  const std::string samples = folder.write("a.raw", "precious");
+  const std::string refusal = "file-write: " + header + ": its samples would replace " + samples +
+                              ", which belongs to something else: choose another name, or .nrrd";
+  EXPECT_EQ(error_of([&] { check_dataset_path(header); }), refusal);
+  EXPECT_EQ(error_of([&] { write_dataset(oblique_dataset(), header); }), refusal);
+  EXPECT_EQ(folder.read("a.raw"), "precious");
+  folder.write(
+      "a.nhdr",
+      "NRRD0001\ntype: uint8\nencoding: raw\ndimension: 2\nsizes: 2 4\ndata file: b.raw\n");
+  EXPECT_EQ(error_of([&] { check_dataset_path(header); }), refusal);
+  std::filesystem::remove(samples);
+  write_dataset(oblique_dataset(), header);
+  write_dataset(oblique_dataset(), header);
+  EXPECT_EQ(folder.count(), 2);
+}
+
+TEST(DatasetFiles, TellsWhatIsReadAndWritten) {
+  const TestFolder folder;
+  const auto in_folder = [&](const std::vector<std::string>& names) {
+    std::vector<std::string> paths;
+    for (const std::string& name : names) paths.push_back(folder.file(name));
+    return paths;
+  };
+  const std::string start = "NRRD0001\ntype: uint8\nencoding: raw\ndimension: 3\nsizes: 2 2 4\n";
+  for (const char* name : {"s1", "s2", "s4"}) folder.write(name, "1234");
+  folder.write("numbered.nhdr", start + "data file: s%d 1 4 1\n");
+  folder.write("list.nhdr", start + "data file: LIST\ns4\ns2\n");
+  folder.write("attached.nrrd", start + "\n1234123412341234");
+  EXPECT_EQ(files_read_for(folder.file("numbered.nhdr")), in_folder({"numbered.nhdr", "s1", "s2"}));
+  EXPECT_EQ(files_read_for(folder.file("list.nhdr")), in_folder({"list.nhdr", "s4", "s2"}));
+  for (const char* name : {"attached.nrrd", "s1", "missing"})
+    EXPECT_EQ(files_read_for(folder.file(name)), in_folder({name}));
+  EXPECT_EQ(files_written_for("a.nhdr"), (std::vector<std::string>{"a.nhdr", "a.raw"}));
+  EXPECT_EQ(files_written_for("a.nrrd"), (std::vector<std::string>{"a.nrrd"}));
+}
+
 TEST(DatasetFiles, CellsAreWrittenWithTheirOwnLattice) {
   const TestFolder folder;
   Dataset dataset = oblique_dataset();

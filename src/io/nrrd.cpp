@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <filesystem>
 #include <limits>
 #include <utility>
 
@@ -253,8 +254,13 @@ class DataReader {
   }
 
   std::unique_ptr<ByteSource> open_beside(const std::string& name) const {
+    const std::string path = path_beside(source_.name(), name);
+    if (path == std::filesystem::path(source_.name()).lexically_normal()) {
+      throw Error(ErrorCode::kFileFormat,
+                  fmt::format("{}: data file: '{}': is the header itself", source_.name(), name));
+    }
     try {
-      return open_(path_beside(source_.name(), name));
+      return open_(path);
     } catch (const Error& error) {
       throw Error(error.code(), fmt::format("{}: data file: {}", source_.name(), error.what()));
     }

@@ -15,10 +15,16 @@ namespace ovoid::io {
 Dataset read_nrrd(const ByteSource& source, const ReadOptions& options,
                   const Opener& open = open_file);
 
-// Writes the dataset's only array: attached and raw (.nrrd), or as a text header beside a .raw file
-// of the same stem (.nhdr). Geometry, patient space, array name and unit are kept. Throws
-// Error(kFileWrite).
+// Writes the dataset's only array: attached and raw (.nrrd), or as a text header (.nhdr) beside the
+// samples. Geometry, patient space, array name and unit are kept. Throws Error(kFileWrite).
 void write_nrrd(const Dataset& dataset, const DataArray& array, const std::string& path);
 void write_nhdr(const Dataset& dataset, const DataArray& array, const std::string& path);
+
+// Where write_nhdr puts the samples: a .raw file of the same stem.
+std::string nhdr_data_path(const std::string& path);
+
+// Throws Error(kFileWrite) if that is a file that the header at `path` does not name: it would be
+// lost.
+void check_nhdr_data_path(const std::string& path);
 
 }  // namespace ovoid::io

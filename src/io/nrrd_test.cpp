@@ -192,6 +192,8 @@ TEST(Nrrd, DetachedErrorsNameBothFiles) {
   EXPECT_EQ(message("raw\ndata file: b.raw"),
             "file-format: dir/a.nrrd: dir/b.raw: holds 23 bytes, 4x3x2 uint8 needs 24: is the file "
             "truncated or a header field wrong?");
+  EXPECT_EQ(message("raw\ndata file: sub/../a.nrrd"),
+            "file-format: dir/a.nrrd: data file: 'sub/../a.nrrd': is the header itself");
   EXPECT_EQ(message("raw\ndata file: c.raw"),
             "file-not-found: dir/a.nrrd: data file: dir/c.raw: no such file");
   EXPECT_EQ(message("raw\ndata file: %d.raw 1 2 1"),

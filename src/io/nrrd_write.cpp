@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <filesystem>
 
 #include "io/atomic_file.h"
 #include "io/nrrd.h"
+#include "ovoid/error.h"
+#include "ovoid/io.h"
 
 namespace ovoid::io {
 namespace {
@@ -71,8 +74,29 @@ void write_nrrd(const Dataset& dataset, const DataArray& array, const std::strin
   file.commit();
 }
 
+std::string nhdr_data_path(const std::string& path) {
+  return std::filesystem::path(path).replace_extension(".raw").string();
+}
+
+void check_nhdr_data_path(const std::string& path) {
+  const std::string data_path = nhdr_data_path(path);
+  std::error_code ignored;  // what cannot be looked at will be told by the write itself
+  if (!std::filesystem::exists(data_path, ignored)) return;
+  const auto own = files_read_for(path);
+  if (std::any_of(own.begin(), own.end(), [&](const std::string& file) {
+        return std::filesystem::equivalent(file, data_path, ignored);
+      })) {
+    return;
+  }
+  throw Error(ErrorCode::kFileWrite,
+              fmt::format("{}: its samples would replace {}, which belongs to something else: "
+                          "choose another name, or .nrrd",
+                          path, data_path));
+}
+
 void write_nhdr(const Dataset& dataset, const DataArray& array, const std::string& path) {
-  const auto raw_path = std::filesystem::path(path).replace_extension(".raw");
+  check_nhdr_data_path(path);
+  const std::filesystem::path raw_path = nhdr_data_path(path);
   AtomicFile raw(raw_path.string());
   AtomicFile header(path);
   header.write(header_text(dataset, array) +

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include "io/byte_source.h"
 #include "io/formats.h"
 #include "io/npy.h"
 #include "io/nrrd.h"
+#include "io/nrrd_header.h"
 #include "io/raw.h"
 #include "io/read_source.h"
 #include "io/vtk_image.h"
@@ -107,6 +110,25 @@ Dataset read_source(const ByteSource& source, const ReadOptions& options, const 
 }
 
 }  // namespace io
+
+std::vector<std::string> files_read_for(const std::string& path) {
+  std::vector<std::string> files{path};
+  try {
+    const auto source = io::open_file(path);
+    if (io::kind_of(source->text(0, 512)) != io::FileKind::kNrrd) return files;
+    const io::NrrdHeader header = io::read_nrrd_header(*source);
+    const std::int64_t count = header.files ? header.files->count : 0;
+    for (std::int64_t i = 0; i < count; ++i) {
+      const std::string file = io::path_beside(path, header.files->name(i));
+      std::error_code ignored;
+      if (!std::filesystem::exists(file, ignored)) break;
+      files.push_back(file);
+    }
+  } catch (const Error&) {
+    // It is not for this function to tell.
+  }
+  return files;
+}
 
 Dataset read_dataset(const std::vector<std::string>& paths, const ReadOptions& options) {
   if (paths.empty()) throw Error(ErrorCode::kInvalidArgument, "input: no file is named");

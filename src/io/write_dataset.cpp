@@ -86,8 +86,14 @@ const DataArray& only_array(const Dataset& dataset, const std::string& path) {
 }  // namespace
 
 void check_dataset_path(const std::string& path) {
-  target_of(path);
+  const Target target = target_of(path);
   io::check_writable(path);
+  if (target == Target::kNhdr) io::check_nhdr_data_path(path);
+}
+
+std::vector<std::string> files_written_for(const std::string& path) {
+  if (io::ending_of(path) != ".nhdr") return {path};
+  return {path, io::nhdr_data_path(path)};
 }
 
 void write_dataset(const Dataset& dataset, const std::string& path) {

@@ -110,8 +110,26 @@ TEST(Make, EveryNameInTheHelpWorks) {
 
 TEST(Make, UnknownEndingsAreErrors) {
   const Folder folder;
-  expect_failure({"make", "marschner-lobb", "-o", folder / "x.xyz", "--size", "4"}, 1, {"x.xyz"});
+  expect_failure({"make", "marschner-lobb", "-o", folder / "x.xyz", "--size", "4"}, 2,
+                 {"--output", "x.xyz", "expected .nrrd"});
+  expect_failure({"convert", folder / "missing.nrrd", "-o", folder / "x.png"}, 2,
+                 {"--output", "x.png", "expected .nrrd"});
   EXPECT_EQ(folder.num_files(), 0U);
+}
+
+TEST(Make, ADetachedHeaderReplacesItsOwnSamplesOnly) {
+  const Folder folder;
+  const std::string header = folder / "ball.nhdr";
+  const std::string samples = folder / "ball.raw";
+  write_file(samples, "precious");
+  expect_failure({"make", "ball", "--size", "4", "-o", header}, 1,
+                 {header, samples, "belongs to something else"});
+  EXPECT_EQ(read_file(samples), "precious");
+  std::filesystem::remove(samples);
+  expect_success({"make", "ball", "--size", "4", "-o", header});
+  expect_success({"make", "ball", "--size", "5", "-o", header});
+  EXPECT_EQ(read_file(samples).size(), 5U * 5 * 5 * 4);
+  EXPECT_EQ(folder.num_files(), 2U);
 }
 
 TEST(Convert, KeepsSamplesAndGeometry) {

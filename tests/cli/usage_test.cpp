@@ -160,6 +160,41 @@ TEST(Usage, OutputsAreCheckedBeforeAnythingIsRead) {
   EXPECT_EQ(folder.num_files(), 2U);
 }
 
+// Whatever the command line names for reading must not be lost to what it writes.
+TEST(Usage, OutputsThatAreReadAreRefused) {
+  const Folder folder;
+  const std::string ball = write_ball(folder);
+  const std::string raw = folder / "q.raw";
+  const std::string header = folder / "q.nhdr";
+  const std::string json = folder / "look.json";
+  write_file(raw, ball_bytes());
+  write_file(header,
+             "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 16 16 16\nencoding: raw\ndata "
+             "file: q.raw\n");
+  write_file(json, R"([{"RGBPoints": [0, 1, 0, 0, 255, 0, 0, 1]}])");
+  std::filesystem::create_symlink(raw, folder / "link.raw");
+  const std::string png = folder / "x.png";
+  expect_failure({"convert", header, "-o", raw}, 2,
+                 {"--output '" + raw + "': is a data file of '" + header + "'"});
+  expect_failure({"convert", header, "-o", folder / "link.raw"}, 2, {"is a data file of"});
+  expect_failure({"convert", raw, "--dims", "16x16x16", "--type", "uint8", "-o", header}, 2,
+                 {"--output '" + header + "': its samples' file '" + raw + "' is an input"});
+  expect_failure({"convert", json, "-o", json}, 2, {"--output '" + json + "': is an input"});
+  expect_failure({"render", header, "-o", png, "--profile=" + raw}, 2,
+                 {"--profile '" + raw + "': is a data file of"});
+  expect_failure({"render", ball, "-o", png, "--tf", json, "--profile=" + json}, 2,
+                 {"--profile '" + json + "': is the look of --tf"});
+  expect_failure({"render", ball, "-o", png, "--camera", json, "--profile=" + json}, 2,
+                 {"--profile '" + json + "': is the camera of --camera"});
+  write_file(png, "not a look");
+  expect_failure({"render", ball, "-o", png, "--tf", png}, 2,
+                 {"--output '" + png + "': is the look"});
+  expect_failure({"render", ball, "-o", folder / "y.png", "--profile=" + (folder / "./y.png")}, 2,
+                 {"--profile", "is the same file as --output"});
+  EXPECT_EQ(read_file(raw), ball_bytes());
+  EXPECT_EQ(folder.num_files(), 6U);
+}
+
 TEST(Usage, OtherCommandsCheckTheirWordsToo) {
   const Folder folder;
   expect_failure({"make", "-o", folder / "x.nrrd"}, 2, {"NAME", "0 given"});

@@ -61,7 +61,7 @@ TEST(CameraFile, ErrorsNameFileAndMember) {
     const char* named;
   };
   const Row rows[] = {
-      {"[]", "= []: must be an object"},
+      {"[]", "c.json: []: must be an object"},
       {R"({"position": [1, 2]})", "c.json: position = [1,2]: must have 3 elements"},
       {R"({"position": [1, "2", 3]})", "c.json: position[1] = \"2\": must be a number"},
       {R"({"parallel_projection": "no"})", "parallel_projection = \"no\": must be true or false"},

@@ -120,6 +120,51 @@ TEST(DatasetFiles, LegacyVtkKeepsAxisAlignedVolumes) {
   for (std::size_t i = 0; i < 2; ++i) expect_same_array(back.arrays[i], dataset.arrays[i]);
 }
 
+// Directions that are the world's axes must not look turned for rounding, nor lose digits.
+TEST(DatasetFiles, LegacyVtkKeepsEveryDigitOfThePlace) {
+  if (!has_vtk()) GTEST_SKIP() << "this build has no VTK";
+  const TestFolder folder;
+  Dataset dataset = oblique_dataset();
+  for (const double size : {93.0, 61.0, 49.0, 127.0}) {
+    dataset.lattice.world_from_index =
+        Eigen::Translation3d(-1 / 3.0, 1e6 / 7, 0.1) * Eigen::Scaling(2 / size, 1 / size, size / 3);
+    write_dataset(dataset, folder.file("a.vtk"));
+    EXPECT_EQ(read_dataset({folder.file("a.vtk")}).lattice.world_from_index.matrix(),
+              dataset.lattice.world_from_index.matrix())
+        << size;
+  }
+}
+
+// What only VTK finds is said in its words, without its sources, lines and addresses.
+TEST(DatasetFiles, VtkIsQuotedWithoutItsSources) {
+  if (!has_vtk()) GTEST_SKIP() << "this build has no VTK";
+  const TestFolder folder;
+  const std::string path = folder.write(
+      "a.vtk",
+      "# vtk DataFile Version 3.0\nt\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS 2 1 "
+      "1\nSPACING 1 1 1\nORIGIN 0 0 0\nPOINT_DATA 2\nSCALARS a float\nLOOKUP_TABLE "
+      "default\n1 1e999\n");
+  EXPECT_EQ(error_of([&] { read_dataset({path}); }),
+            "file-format: " + path +
+                ": Error reading ascii data. Possible mismatch of datasize with declaration");
+}
+
+TEST(DatasetFiles, LegacyVtkListsItsArrays) {
+  if (!has_vtk()) GTEST_SKIP() << "this build has no VTK";
+  const TestFolder folder;
+  Dataset dataset = oblique_dataset();
+  dataset.lattice.world_from_index = Affine3::Identity();
+  dataset.arrays.push_back(make_array("other", ScalarType::kUInt8, counting<std::uint8_t>(24)));
+  write_dataset(dataset, folder.file("a.vtk"));
+  ReadOptions options;
+  options.array = "other";
+  EXPECT_EQ(read_dataset({folder.file("a.vtk")}, options).arrays.size(), 1U);
+  options.array = "none";
+  EXPECT_EQ(error_of([&] { read_dataset({folder.file("a.vtk")}, options); }),
+            "invalid-argument: " + folder.file("a.vtk") +
+                ": array 'none': not there: expected one of 'speed', 'other'");
+}
+
 // A damaged file must become one Error and not a word on stderr, whatever VTK thinks of it.
 TEST(DatasetFiles, DamagedVtkFilesAreErrorsAndVtkIsSilent) {
   if (!has_vtk()) GTEST_SKIP() << "this build has no VTK";

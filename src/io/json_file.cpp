@@ -108,7 +108,9 @@ void JsonValue::refuse(const std::string& expected) const {
                           ? fmt::format("[{} elements]", json_->size())
                           : json_->dump(-1, ' ', true);
   if (value.size() > kShown) value = value.substr(0, kShown) + "...";
-  throw Error(ErrorCode::kFileFormat, fmt::format("{} = {}: {}", place_, value, expected));
+  throw Error(
+      ErrorCode::kFileFormat,
+      fmt::format("{}{}{}: {}", place_, place_.ends_with(' ') ? "" : " = ", value, expected));
 }
 
 }  // namespace ovoid::io

@@ -64,12 +64,12 @@ Dataset read_raw(const ByteSource& source, const ReadOptions& options) {
   const auto type = options.raw.type ? options.raw.type : from_name.type;
   if (!dims || !type) {
     throw Error(ErrorCode::kInvalidArgument,
-                fmt::format("{}: a file without a header needs {}: give it, or name the file like "
+                fmt::format("{}: a file without a header needs {}, or a name like "
                             "x_256x256x256_uint8.raw",
                             source.name(),
-                            !dims && !type ? "dimensions and type"
-                            : !dims        ? "dimensions"
-                                           : "a type"));
+                            !dims && !type ? "dimensions (--dims) and a type (--type)"
+                            : !dims        ? "dimensions (--dims)"
+                                           : "a type (--type)"));
   }
   const std::int64_t num_bytes = checked_num_bytes(source.name(), *dims, *type);
   if (source.size() != num_bytes) {

@@ -62,9 +62,8 @@ TEST(Raw, SizesMustAgreeExactly) {
 
 TEST(Raw, ErrorsNameWhatIsMissingOrWrong) {
   EXPECT_EQ(error_of([] { read("a.raw", "x"); }),
-            "invalid-argument: a.raw: a file without a header needs dimensions and type: give it, "
-            "or name the file like "
-            "x_256x256x256_uint8.raw");
+            "invalid-argument: a.raw: a file without a header needs dimensions (--dims) and a type "
+            "(--type), or a name like x_256x256x256_uint8.raw");
   ReadOptions options;
   options.raw.dims = Index3{1, 1, 1};
   EXPECT_NE(error_of([&] { read("a.raw", "x", options); }).find("needs a type"), std::string::npos);

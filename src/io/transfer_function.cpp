@@ -61,17 +61,18 @@ ColorSpace color_space_of(const JsonValue& preset) {
 TransferFunction function_from(const JsonValue& preset, const std::string& path) {
   TransferFunction tf;
   if (preset.has("Name")) tf.name = preset.member("Name").string();
+  const std::string named = tf.name.empty() ? "the preset" : fmt::format("preset '{}'", tf.name);
   if (!preset.has("RGBPoints") && !preset.has("Points")) {
     const bool is_categorical = preset.has("IndexedColors");
     throw Error(
         is_categorical ? ErrorCode::kUnsupported : ErrorCode::kFileFormat,
-        fmt::format("{}: preset {} has neither RGBPoints nor Points{}", path, tf.name,
+        fmt::format("{}: {} has neither RGBPoints nor Points{}", path, named,
                     is_categorical ? "; categorical presets (IndexedColors) cannot be read" : ""));
   }
   if (preset.has("UseLogScale") && preset.member("UseLogScale").boolean()) {
-    throw Error(ErrorCode::kUnsupported,
-                fmt::format("{}: preset {} has UseLogScale: logarithmic presets cannot be read",
-                            path, tf.name));
+    throw Error(
+        ErrorCode::kUnsupported,
+        fmt::format("{}: {} has UseLogScale: logarithmic presets cannot be read", path, named));
   }
   tf.color_space = color_space_of(preset);
   if (preset.has("RGBPoints")) {
@@ -103,8 +104,8 @@ JsonValue chosen_preset(const JsonValue& root, const std::string& path, const st
   if (root.json().is_object()) {
     presets.push_back(root);
   } else {
-    for (std::size_t i = 0; i < root.array().size(); ++i)
-      presets.push_back(root.element(i).object());
+    if (!root.json().is_array()) root.refuse("must be a preset or an array of presets");
+    for (std::size_t i = 0; i < root.size(); ++i) presets.push_back(root.element(i).object());
   }
   if (presets.empty()) root.refuse("must hold at least one preset");
   if (name.empty()) return presets.front();

@@ -143,10 +143,11 @@ TEST(TransferFunctionFile, ErrorsNameFileKeyAndIndex) {
   const Row rows[] = {
       {"", kFormat, "tf.json: not JSON"},
       {"[{\"Points\": [0, 0, 0.5", kFormat, "tf.json: not JSON at byte"},
-      {"3", kFormat, "= 3: must be an array"},
+      {"3", kFormat, "tf.json: 3: must be a preset or an array of presets"},
       {"[]", kFormat, "at least one preset"},
       {"[7]", kFormat, "tf.json: [0] = 7: must be an object"},
-      {"{}", kFormat, "neither RGBPoints nor Points"},
+      {"{}", kFormat, "tf.json: the preset has neither RGBPoints nor Points"},
+      {R"({"Name": "n"})", kFormat, "tf.json: preset 'n' has neither RGBPoints nor Points"},
       {R"({"IndexedColors": [1, 0, 0]})", ErrorCode::kUnsupported, "IndexedColors"},
       {R"({"Points": [], "UseLogScale": 1})", ErrorCode::kUnsupported, "UseLogScale"},
       {R"({"Points": [], "ColorSpace": "CMYK"})", kFormat,

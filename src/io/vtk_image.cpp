@@ -31,21 +31,23 @@ void write_vtk_image(const Dataset&, const std::string& path) {
 #include <vtkCellData.h>
 #include <vtkDataArray.h>
 #include <vtkDataArraySelection.h>
-#include <vtkDataSetWriter.h>
 #include <vtkFieldData.h>
 #include <vtkImageData.h>
 #include <vtkInformation.h>
 #include <vtkInformationStringKey.h>
 #include <vtkMatrix3x3.h>
 #include <vtkNew.h>
+#include <vtkObjectFactory.h>
 #include <vtkPointData.h>
 #include <vtkSmartPointer.h>
 #include <vtkStructuredPoints.h>
 #include <vtkStructuredPointsReader.h>
+#include <vtkStructuredPointsWriter.h>
 #include <vtkXMLImageDataReader.h>
 #include <vtkXMLImageDataWriter.h>
 
 #include <algorithm>
+#include <limits>
 #include <new>
 #include <vector>
 
@@ -230,25 +232,29 @@ Bytes share(vtkDataArray* array, std::int64_t num_bytes) {
           {data, static_cast<std::size_t>(num_bytes)}};
 }
 
-// Takes over the arrays of points or cells that hold numbers, one tuple for each sample.
+// Takes over the arrays of points or cells that hold numbers, one tuple for each sample; adds the
+// names of those that it could take to `names`.
 void add_arrays(Dataset& dataset, vtkFieldData* fields, std::int64_t num_expected,
-                bool is_cell_data, const std::string& wanted) {
+                bool is_cell_data, const std::string& wanted, std::vector<std::string>& names) {
   for (int i = 0; i < fields->GetNumberOfArrays(); ++i) {
     vtkAbstractArray* const abstract = fields->GetAbstractArray(i);
     if (abstract == nullptr) continue;
     std::string name = abstract->GetName() != nullptr ? abstract->GetName() : "";
     if (name.empty()) name = fmt::format("{}{}", is_cell_data ? "cells" : "points", i);
-    if (!wanted.empty() && name != wanted) continue;
+    const bool is_wanted = wanted.empty() || name == wanted;
     vtkDataArray* const array = vtkDataArray::SafeDownCast(abstract);
     const auto type = scalar_type_of(abstract->GetDataType());
     if (array == nullptr || !type || array->GetNumberOfTuples() != num_expected ||
         array->GetNumberOfComponents() < 1) {
+      if (!is_wanted) continue;
       dataset.notes.push_back(fmt::format(
           "{}: array '{}' ({} tuples of {} {}) is left out: expected {} tuples of numbers",
           dataset.source, name, abstract->GetNumberOfTuples(), abstract->GetNumberOfComponents(),
           abstract->GetDataTypeAsString(), num_expected));
       continue;
     }
+    names.push_back(name);
+    if (!is_wanted) continue;
     DataArray result{name,         *type, array->GetNumberOfComponents(), num_expected, "",
                      is_cell_data, {}};
     vtkInformation* const information = array->HasInformation() ? array->GetInformation() : nullptr;
@@ -277,8 +283,11 @@ Dataset read_vtk_image(const ByteSource& source, FileKind kind, const ReadOption
   dataset.format = is_xml ? "VTI" : "legacy VTK";
   dataset.notes = std::move(run.notes);
   dataset.lattice = lattice_of(source, image);
-  add_arrays(dataset, image->GetPointData(), image->GetNumberOfPoints(), false, options.array);
-  add_arrays(dataset, image->GetCellData(), image->GetNumberOfCells(), true, options.array);
+  std::vector<std::string> names;
+  add_arrays(dataset, image->GetPointData(), image->GetNumberOfPoints(), false, options.array,
+             names);
+  add_arrays(dataset, image->GetCellData(), image->GetNumberOfCells(), true, options.array, names);
+  if (dataset.arrays.empty() && !names.empty()) throw_no_array(source, options.array, names);
   if (dataset.arrays.empty()) {
     throw Error(
         options.array.empty() ? ErrorCode::kFileFormat : ErrorCode::kInvalidArgument,
@@ -307,8 +316,9 @@ vtkSmartPointer<vtkImageData> image_of(const Dataset& dataset) {
   image->SetDimensions(static_cast<int>(dims[0]), static_cast<int>(dims[1]),
                        static_cast<int>(dims[2]));
   const Vec3 spacing = dataset.lattice.spacing();
+  // Divided, since a product with the inverse is not 1 where the axes are the world's.
   const Mat3 direction =
-      dataset.lattice.world_from_index.linear() * spacing.cwiseInverse().asDiagonal();
+      dataset.lattice.world_from_index.linear().array().rowwise() / spacing.transpose().array();
   image->SetSpacing(spacing.data());
   image->SetOrigin(Vec3(dataset.lattice.world_from_index.translation()).data());
   for (int row = 0; row < 3; ++row) {
@@ -336,6 +346,20 @@ vtkSmartPointer<vtkImageData> image_of(const Dataset& dataset) {
   }
   return image;
 }
+
+// VTK writes the numbers of the header in 6 digits if it is not told otherwise.
+class ExactPointsWriter final : public vtkStructuredPointsWriter {
+ public:
+  static ExactPointsWriter* New();
+
+  ostream* OpenVTKFile() override {
+    ostream* const stream = vtkStructuredPointsWriter::OpenVTKFile();
+    if (stream != nullptr) stream->precision(std::numeric_limits<double>::max_digits10);
+    return stream;
+  }
+};
+
+vtkStandardNewMacro(ExactPointsWriter);
 
 template <typename Writer>
 void run_writer(Writer* writer, const std::string& path) {
@@ -369,7 +393,7 @@ void write_vtk_image(const Dataset& dataset, const std::string& path) {
                                                      "lattice is rotated or flipped: write .vti",
                                                      path));
   }
-  vtkNew<vtkDataSetWriter> writer;
+  vtkNew<ExactPointsWriter> writer;
   writer->SetInputData(image);
   writer->SetFileTypeToBinary();
   run_writer(writer.Get(), path);

@@ -15,10 +15,34 @@
 namespace ovoid::io {
 namespace {
 
-// "ERROR: In x.cxx, line 7\nvtkReader (0x55): Message\n\n" -> "Message"
-std::string plain(std::string_view text) {
-  const auto object_end = text.find("): ");
-  if (object_end != std::string_view::npos) text.remove_prefix(object_end + 3);
+// A file may make VTK say something about each of its lines.
+constexpr std::size_t kMaxMessages = 100;
+
+// "x (0x55) and y(0x55)" -> "x and y": addresses differ from run to run.
+std::string without_addresses(std::string_view text) {
+  std::string result(text);
+  for (auto begin = result.find("(0x"); begin != std::string::npos; begin = result.find("(0x")) {
+    const auto end = result.find(')', begin);
+    if (begin > 0 && result[begin - 1] == ' ') --begin;
+    result.erase(begin, end == std::string::npos ? end : end + 1 - begin);
+  }
+  return result;
+}
+
+// "ERROR: In x.cxx, line 7\nvtkReader (0x55): Message\n\n" and "Generic Warning: In x.cxx, line
+// 7\nMessage\n\n" -> "Message"
+std::string plain(std::string_view whole) {
+  const std::string without = without_addresses(whole);
+  std::string_view text = without;
+  const auto line_end = text.find('\n');
+  if (line_end != std::string_view::npos &&
+      text.substr(0, line_end).find(", line ") != std::string_view::npos) {
+    text.remove_prefix(line_end + 1);
+  }
+  const auto class_end = text.find(": ");
+  if (text.starts_with("vtk") && class_end < text.find_first_of(" \n"))
+    text.remove_prefix(class_end + 2);
+  text = text.substr(0, text.find(" for request: vtkInformation"));
   std::string result;
   for (const char c : text) {
     const bool is_break = c == '\n' || c == '\r';
@@ -37,7 +61,7 @@ class CapturingWindow final : public vtkOutputWindow {
 
   void DisplayErrorText(const char* text) override {
     if (is_mine())
-      errors.push_back(plain(text));
+      take(text, errors);
     else
       previous->DisplayErrorText(text);
   }
@@ -71,9 +95,11 @@ class CapturingWindow final : public vtkOutputWindow {
   // The legacy reader says "Error reading binary data!" as a warning and goes on with what memory
   // happens to hold.
   void take_warning(const char* text) {
-    std::string message = plain(text);
-    const bool is_error = message.find("rror") != std::string::npos;
-    (is_error ? errors : warnings).push_back(std::move(message));
+    take(text, std::string_view(text).find("rror") != std::string_view::npos ? errors : warnings);
+  }
+
+  static void take(const char* text, std::vector<std::string>& into) {
+    if (into.size() < kMaxMessages) into.push_back(plain(text));
   }
 };
 

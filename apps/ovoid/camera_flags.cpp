@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "camera_flags.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <numbers>
 
+#include "ovoid/error.h"
 #include "ovoid/io.h"
 #include "usage.h"
 #include "values.h"
@@ -80,8 +83,13 @@ Camera make_camera(const CameraFlags& flags, const Field& field, Space space, do
   camera.azimuth(flags.azimuth);
   camera.elevation(flags.elevation);
   camera.roll(flags.roll);
-  camera.zoom(flags.zoom);
   camera.validate();
+  camera.zoom(flags.zoom);
+  try {
+    camera.validate();
+  } catch (const Error& error) {
+    throw Error(error.code(), fmt::format("--zoom {:g}: {}", flags.zoom, error.what()));
+  }
   return camera;
 }
 

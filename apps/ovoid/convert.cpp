@@ -19,6 +19,20 @@ void convert_look(const std::vector<std::string>& inputs, const std::string& out
   write_transfer_function(read_transfer_function(inputs[0]), output);
 }
 
+// What the format cannot hold, in one note.
+void note_losses(const Dataset& dataset, const std::string& output, Session& session) {
+  const bool has_space = dataset.space != Space::kNone;
+  const bool is_placed = !dataset.lattice.world_from_index.matrix().isIdentity(0);
+  if (has_ending(output, ".npy") || has_ending(output, ".raw")) {
+    if (has_space || is_placed)
+      session.note(
+          fmt::format("{}: holds no spacing, directions and origin: they are lost", output));
+  } else if (has_space && (has_ending(output, ".vti") || has_ending(output, ".vtk"))) {
+    session.note(fmt::format("{}: holds no patient space: that the axes are {} is lost", output,
+                             name_of(dataset.space)));
+  }
+}
+
 }  // namespace
 
 void run_convert(const Words& words, Session& session) {
@@ -48,6 +62,7 @@ void run_convert(const Words& words, Session& session) {
   if (!data.array.empty()) dataset.arrays = {dataset.array(data.array)};
   session.check_stop();
   write_dataset(dataset, output);
+  note_losses(dataset, output, session);
 }
 
 }  // namespace ovoid::cli

@@ -62,7 +62,9 @@ void add_input_flags(Flags& flags, DataFlags* data) {
   flags.value("--spacing", "A,B,C", "distance of samples along x, y, z (default 1,1,1)",
               [data](const std::string& text) {
                 const Vec3 spacing = parse_vec3(text);
-                if (!(spacing.minCoeff() > 0)) throw BadValue("expected three numbers > 0");
+                // What any reader takes for a distance of samples.
+                if (!(spacing.minCoeff() >= 1e-90 && spacing.maxCoeff() <= 1e90))
+                  throw BadValue("expected three numbers > 0, from 1e-90 to 1e90");
                 data->raw.spacing = spacing;
               });
   flags.toggle("--big-endian", "most significant byte first", &data->raw.big_endian);

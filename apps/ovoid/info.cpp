@@ -128,6 +128,13 @@ Json gather(const DataFlags& data, const LatticeModelOptions& model, Session& se
   json["times"] = dataset.times;
   json["arrays"] = Json::array();
   for (const DataArray& array : dataset.arrays) json["arrays"].push_back(json_of(array));
+  json["field"] = nullptr;
+  const DataArray& array = dataset.array(data.array);
+  if (facts_of(array).num_missing == array.num_tuples * array.num_components) {
+    session.note(fmt::format("array '{}': none of its {} samples is finite, nothing can be drawn",
+                             array.name, array.num_tuples));
+    return json;
+  }
   LatticeModelReport report;
   const Field field = make_field(dataset, data, model, &report, session);
   json["field"] = field_json(field, report);
@@ -188,6 +195,7 @@ void print_text(const Json& json) {
   if (!json["times"].empty()) print_row("times", numbers(json["times"]));
   print_arrays(json["arrays"]);
   const Json& field = json["field"];
+  if (field.is_null()) return;
   print_row("drawn array", fmt::format("'{}', {}", one_line(field["array"].get<std::string>()),
                                        range_text(field["range"])));
   print_row("kernels", number(field["num_kernels"]));

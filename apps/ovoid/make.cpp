@@ -8,6 +8,7 @@
 #include "check_files.h"
 #include "command.h"
 #include "flags.h"
+#include "ovoid/error.h"
 #include "ovoid/io.h"
 #include "ovoid/model.h"
 #include "suggest.h"
@@ -29,6 +30,16 @@ Index3 parse_samples(const std::string& text) {
     return {n, n, n};
   } catch (const BadValue&) {
     throw BadValue("expected N or XxYxZ, each a whole number >= 1");
+  }
+}
+
+// What it refuses is on the command line.
+Dataset make(const std::string& name, const MakeOptions& options) {
+  try {
+    return make_sample(name, options);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kInvalidArgument) throw;
+    throw UsageError(fmt::format("--{}", error.what()));
   }
 }
 
@@ -67,7 +78,7 @@ void run_make(const Words& words, Session& session) {
   if (output.empty()) throw UsageError("--output: none given, expected -o OUT");
   check_files({}, volume_outputs("--output", output));
   check_volume_output("--output", output);
-  const Dataset dataset = make_sample(names[0], options);
+  const Dataset dataset = make(names[0], options);
   session.check_stop();
   write_dataset(dataset, output);
 }

@@ -9,6 +9,8 @@
 #include <optional>
 #include <system_error>
 
+#include "ovoid/io.h"
+
 namespace ovoid::cli {
 namespace {
 
@@ -106,6 +108,8 @@ Vec3 parse_vec3(const std::string& text) {
 std::pair<double, double> parse_range(const std::string& text) {
   const std::vector<double> numbers = parse_numbers(text, 2);
   if (!(numbers[0] < numbers[1])) throw BadValue("expected LO,HI with LO < HI");
+  if (!std::isfinite(numbers[1] - numbers[0]))
+    throw BadValue("expected LO,HI whose difference a double can hold");
   return {numbers[0], numbers[1]};
 }
 
@@ -136,9 +140,9 @@ Index3 parse_dims(const std::string& text) {
 }
 
 ScalarType parse_scalar_type(const std::string& text) {
+  if (const auto type = find_scalar_type(text)) return *type;
   std::string known;
   for (const ScalarType type : kScalarTypes) {
-    if (text == name_of(type)) return type;
     known += (known.empty() ? "" : ", ") + std::string(name_of(type));
   }
   throw BadValue("expected one of " + known);

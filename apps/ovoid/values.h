@@ -39,7 +39,7 @@ std::pair<double, double> parse_range(const std::string& text);  // "LO,HI" with
 std::pair<int, int> parse_size(const std::string& text,
                                int greatest);           // "WIDTHxHEIGHT", each 1 to greatest
 Index3 parse_dims(const std::string& text);             // "XxYxZ", each >= 1
-ScalarType parse_scalar_type(const std::string& text);  // "uint8" ... as name_of() writes them
+ScalarType parse_scalar_type(const std::string& text);  // as find_scalar_type() knows them
 
 // The value whose name is `text`, from a table of names: {{"mid", Slab::kMid}, ...}.
 template <typename T>

@@ -87,7 +87,8 @@ TEST_F(BadInput, RawFilesOfTheWrongSize) {
                     {"short_16x16x16_uint8.raw", "4096"});
   expect_unreadable(file("long_16x16x16_uint8.raw", std::string(4097, 'x')),
                     {"long_16x16x16_uint8.raw", "4096"});
-  expect_unreadable(file("nameless.raw", std::string(64, 'x')), {"nameless.raw"});
+  expect_unreadable(file("nameless.raw", std::string(64, 'x')),
+                    {"nameless.raw", "--dims", "--type"});
   expect_unreadable(ball_, {"ball_16x16x16_uint8.raw"}, {"--dims", "16x16x17"});
   expect_unreadable(ball_, {"ball_16x16x16_uint8.raw"}, {"--type", "float64"});
 }
@@ -127,8 +128,8 @@ TEST_F(BadInput, HugeDimensionsAreNotAllocated) {
   expect_unreadable(file("x_99999x99999x99999_float64.raw", "abc"),
                     {"x_99999x99999x99999_float64.raw"});
   expect_unreadable(ball_, {"ball"}, {"--dims", "4611686018427387904x4x4"});
-  expect_failure({"make", "marschner-lobb", "-o", folder_ / "x.nrrd", "--size", "1000000"}, 1,
-                 {"1000000"});
+  expect_failure({"make", "marschner-lobb", "-o", folder_ / "x.nrrd", "--size", "1000000"}, 2,
+                 {"--size", "1000000", "1 to 8192"});
 }
 
 TEST_F(BadInput, HeadersThatContradictThemselves) {
@@ -184,6 +185,8 @@ TEST_F(BadInput, LooksAndCamerasThatAreNone) {
   fails("--tf", file("bad.json", "{"), {"bad.json"});
   fails("--tf", file("odd.json", R"([{"RGBPoints": [0, 1, 0]}])"), {"odd.json", "RGBPoints"});
   fails("--tf", file("list.json", "[]"), {"list.json"});
+  fails("--tf", file("number.json", "3"), {"number.json: 3: must be a preset or an array"});
+  expect_failure({"render", ball_, "-o", folder_ / "out.png", "--zoom", "1e-300"}, 1, {"--zoom"});
   fails("--camera", folder_ / "missing.json", {"missing.json"});
   fails("--camera", file("cam.json", R"({"position": [0, 0]})"), {"cam.json", "position"});
   fails("--camera", file("same.json", R"({"position": [1, 1, 1], "focal_point": [1, 1, 1]})"),

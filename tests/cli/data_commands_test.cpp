@@ -57,6 +57,21 @@ TEST(Info, CountsMissingSamples) {
   EXPECT_EQ(facts["field"]["missing"], 2);
 }
 
+TEST(Info, DescribesAVolumeOfHoles) {
+  const Folder folder;
+  const std::vector<float> values(8, std::nanf(""));
+  const std::string path = folder / "x_2x2x2_float32.raw";
+  write_file(path, {reinterpret_cast<const char*>(values.data()), 4 * values.size()});
+  const json facts = info(path);
+  EXPECT_EQ(facts["dims"], (json{2, 2, 2}));
+  EXPECT_EQ(facts["arrays"][0]["missing"], 8);
+  EXPECT_TRUE(facts["field"].is_null());
+  const Outcome text = run({"info", path});
+  EXPECT_EQ(text.exit_code, 0) << text.err;
+  EXPECT_NE(text.out.find("8 missing"), std::string::npos) << text.out;
+  EXPECT_NE(text.err.find("nothing can be drawn"), std::string::npos) << text.err;
+}
+
 TEST(Info, TextAndJsonSayTheSame) {
   const Folder folder;
   const std::string ball = write_ball(folder);
@@ -147,6 +162,37 @@ TEST(Convert, KeepsSamplesAndGeometry) {
   expect_success({"convert", ball, "-o", folder / "d.npy"});
   expect_success({"convert", folder / "d.npy", "-o", folder / "e_16x16x16_uint8.raw"});
   EXPECT_EQ(read_file(folder / "e_16x16x16_uint8.raw"), ball_bytes());
+}
+
+TEST(Convert, NotesWhatTheFormatCannotHold) {
+  const Folder folder;
+  const std::string placed = folder / "placed.nrrd";
+  write_file(placed,
+             "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nencoding: raw\nspace: LPS\nspace "
+             "directions: (2,0,0) (0,1,0) (0,0,1)\n\n12345678");
+  const auto notes = [&](const std::string& from, const std::string& to) {
+    const Outcome result = run({"convert", from, "-o", folder / to});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return result.err;
+  };
+  EXPECT_EQ(
+      notes(placed, "a.npy"),
+      "note: " + (folder / "a.npy") + ": holds no spacing, directions and origin: they are lost\n");
+  EXPECT_NE(notes(placed, "a_2x2x2_uint8.raw").find("are lost"), std::string::npos);
+  EXPECT_EQ(notes(placed, "a.nrrd"), "");
+  EXPECT_EQ(notes(write_ball(folder), "ball.npy"), "");
+  const std::string vti = folder / "a.vti";
+  if (run({"convert", placed, "-o", vti}).exit_code != 0) return;  // a build without VTK
+  EXPECT_EQ(notes(placed, "a.vti"),
+            "note: " + vti + ": holds no patient space: that the axes are LPS is lost\n");
+}
+
+TEST(Convert, TakesTheTypesThatNamesTake) {
+  const Folder folder;
+  write_file(folder / "x.raw", ball_bytes());
+  expect_success({"convert", folder / "x.raw", "--dims", "16x16x16", "--type", "uchar", "-o",
+                  folder / "y.nrrd"});
+  EXPECT_EQ(info(folder / "y.nrrd")["arrays"][0]["type"], "uint8");
 }
 
 TEST(Convert, RewritesLooks) {

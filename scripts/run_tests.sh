@@ -9,7 +9,7 @@ shift
 junit=$PWD/build/$preset/junit.xml
 rm -f "$junit"
 status=0
-ctest --test-dir "build/$preset" --parallel "${JOBS:-$(nproc)}" --output-on-failure --no-tests=error \
+ctest --preset "$preset" --parallel "${JOBS:-$(nproc)}" --no-tests=error \
   --output-junit "$junit" "$@" || status=$?
 python3 scripts/tally.py junit "$preset" "$junit"
 exit "$status"

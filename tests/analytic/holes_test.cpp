@@ -85,7 +85,7 @@ TEST_P(HolesInMode, ShowNoOtherValue) {
   int num_covered = 0;
   for (int y = 0; y < options.height; ++y) {
     for (int x = 0; x < options.width; ++x) {
-      const PixelView at = pixel(image, x, y);
+      const Pixel at = pixel(image, x, y);
       if (at.a() > 0) ++num_covered;
       ASSERT_NEAR(at.g(), at.a(), 1e-6) << x << " " << y;
       ASSERT_NEAR(at.r(), at.a(), 1e-6) << x << " " << y;

@@ -36,7 +36,7 @@ Vec3 shade_of(const Field& field, const Look& look, const Camera& camera,
   RenderOptions options = picture(9, 9, 1);
   options.gradient = gradient;
   options.clip_planes = {{{0, 0, 1}, 5.25}, {{0, 0, -1}, -10.75}};  // away from the faces
-  const PixelView at = center_pixel(render(field, camera, look, options).image);
+  const Pixel at = center_pixel(render(field, camera, look, options).image);
   EXPECT_EQ(at.a(), 1);
   return {at.r(), at.g(), at.b()};
 }
@@ -153,7 +153,7 @@ TEST(Light, CentralDifferencesSeeTheSameRamp) {
   RenderOptions options = picture(5, 5, 1);
   options.gradient = GradientMethod::kCentral;
   options.clip_planes = {{{0, 0, 1}, 5.25}};  // away from the face, where differences are one-sided
-  const PixelView at = center_pixel(render(ramp, camera, look, options).image);
+  const Pixel at = center_pixel(render(ramp, camera, look, options).image);
   const Vec3 expected = blinn_phong(look.material, n.dot(l), n.dot(h), is_same_side);
   EXPECT_NEAR((Vec3(at.r(), at.g(), at.b()) - expected).norm(), 0, 1e-6);
 }

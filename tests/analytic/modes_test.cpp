@@ -98,7 +98,7 @@ TEST(Composite, NearCoversFar) {
   const double near = 1 - std::pow(0.9, 8);
   for (const double sign : {1.0, -1.0}) {
     const Camera camera = parallel_camera({3.5, 3.5, 7.5}, {0, 0, sign}, 4);
-    const PixelView at = center_pixel(render(halves, camera, look, picture(5, 5, 1)).image);
+    const Pixel at = center_pixel(render(halves, camera, look, picture(5, 5, 1)).image);
     EXPECT_NEAR(sign > 0 ? at.r() : at.g(), near, kFloatRelative);
     EXPECT_NEAR(sign > 0 ? at.g() : at.r(), near * (1 - near), kFloatRelative);
   }

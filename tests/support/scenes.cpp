@@ -57,15 +57,14 @@ RenderOptions picture(int width, int height, double sampling_distance, Slab slab
   return options;
 }
 
-PixelView pixel(const Image& image, int x, int y) {
-  return {image.rgba.data() +
-          4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
-               static_cast<std::size_t>(x))};
+Pixel pixel(const Image& image, int x, int y) {
+  const float* p =
+      image.rgba.data() + 4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
+                               static_cast<std::size_t>(x));
+  return {{p[0], p[1], p[2], p[3]}};
 }
 
-PixelView center_pixel(const Image& image) {
-  return pixel(image, image.width / 2, image.height / 2);
-}
+Pixel center_pixel(const Image& image) { return pixel(image, image.width / 2, image.height / 2); }
 
 double depth(const Image& image, int x, int y) {
   return static_cast<double>(

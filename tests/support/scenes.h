@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+
 #include "ovoid/camera.h"
 #include "ovoid/look.h"
 #include "ovoid/renderer.h"
@@ -27,15 +29,15 @@ Look with_mode(Look look, Mode mode);
 RenderOptions picture(int width, int height, double sampling_distance = 0, Slab slab = Slab::kMid);
 
 // The four components of a pixel.
-struct PixelView {
-  const float* rgba;
+struct Pixel {
+  std::array<float, 4> rgba;
   double r() const { return static_cast<double>(rgba[0]); }
   double g() const { return static_cast<double>(rgba[1]); }
   double b() const { return static_cast<double>(rgba[2]); }
   double a() const { return static_cast<double>(rgba[3]); }
 };
-PixelView pixel(const Image& image, int x, int y);
-PixelView center_pixel(const Image& image);
+Pixel pixel(const Image& image, int x, int y);
+Pixel center_pixel(const Image& image);
 double depth(const Image& image, int x, int y);
 double center_depth(const Image& image);
 

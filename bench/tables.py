@@ -8,9 +8,9 @@ def label(row, table):
     """What distinguishes a row from the others of its table, in words."""
     keys = []
     for key, values in table["vary"].items():
-        keys += [k for value in values if isinstance(value, dict) for k in value if k not in keys] or [key]
+        keys += [k for value in values if isinstance(value, dict) for k in value] or [key]
     words = []
-    for key in keys:
+    for key in dict.fromkeys(keys):
         value = row[key]
         if key == "flags":
             words.append(" ".join(value))

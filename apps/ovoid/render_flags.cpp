@@ -97,7 +97,7 @@ void add_run_flags(Flags& flags, RunFlags* run) {
 void add_switch_flags(Flags& flags, RenderOptions* options) {
   flags.toggle("--no-skip", "reconstruct also what cannot be seen (slower, same picture)",
                &options->skip_irrelevant, false);
-  flags.toggle("--no-stop", "reconstruct also behind what is opaque (slower, same picture)",
+  flags.toggle("--no-stop", "work also on what is behind the opaque (slower, same picture)",
                &options->stop_opaque, false);
 }
 

@@ -38,7 +38,7 @@ struct RenderOptions {
   std::vector<ClipPlane> clip_planes;  // at most kMaxClipPlanes
   bool skip_irrelevant = true;  // off: every block is reconstructed (time changes, pixels do not)
   bool stop_opaque =
-      true;  // off: covered samples are still reconstructed (time changes, pixels do not)
+      true;  // off: covered samples are still worked out (time changes, pixels do not)
   bool collect_profile = false;  // stage times cost a few per cent
 
   static constexpr int kMaxImageSide = 32768;

@@ -214,12 +214,15 @@ inline Support support_of(const CpuFrame& frame, const Block& block, const Bound
   return support;
 }
 
-// Pixels of a plane's row that still take samples, as bits of the plane.
-inline std::uint32_t open_samples(const Block& block, const TileState& tile, int row) {
+// Samples of a plane's row that are worth the work, as bits of the plane: those of pixels that
+// still take samples, or all.
+inline std::uint32_t open_samples(const CpuFrame& frame, const Block& block, const TileState& tile,
+                                  int row) {
   const int y = block.y0 + row - block.margin;
   if (y < block.y0 || y >= block.y1) return 0;
   const std::uint32_t pixels = (1U << (block.x1 - block.x0)) - 1U;
-  return (tile.open[y] >> block.x0 & pixels) << block.margin;
+  const std::uint32_t open = frame.stop_opaque ? tile.open[y] >> block.x0 : ~0U;
+  return (open & pixels) << block.margin;
 }
 
 // `box` holds all samples of the block, in index space. Returns the number of relevant samples;
@@ -246,7 +249,7 @@ inline std::int64_t bin_region(const CpuFrame& frame, Block& block, const TileSt
       const std::uint32_t columns = has_cells ? cells[s / 4][y / 4] : ~0U;
       const RowMasks masks = bin_row(frame, block, s, y, lookup, support, columns);
       inside[s][y] = masks.inside;
-      block.relevant[s][y] = is_needed ? masks.relevant & open_samples(block, tile, y) : 0;
+      block.relevant[s][y] = is_needed ? masks.relevant & open_samples(frame, block, tile, y) : 0;
       num_relevant += std::popcount(block.relevant[s][y]);
     }
   }

@@ -31,13 +31,16 @@ HWY_INLINE void store_masked(M mask, V value, float* to) {
   hn::StoreU(hn::IfThenElse(mask, value, hn::LoadU(d, to)), d, to);
 }
 
-inline void composite_sheet(const CpuFrame& frame, Block& block, TileState& tile, int s) {
+inline void composite_sheet(const Block& block, TileState& tile, int s) {
   const V one = hn::Set(d, 1.0F);
   const V half = hn::Set(d, 0.5F);
   for (int y = 0; y < block.rows; ++y) {
+    if (block.visible[y] == 0) continue;  // as in all rows of the margin, which the tile lacks
+    // Nothing is added behind what is opaque, even if it was worked out.
+    std::uint32_t& open = tile.open[tile_row(block, y)];
     for_each_group(
-        block.visible[y], block.margin, block.columns - block.margin,
-        [&](int column, std::uint32_t lanes) {
+        block.visible[y] & open >> block.x0 << block.margin, block.margin,
+        block.columns - block.margin, [&](int column, std::uint32_t lanes) {
           const int from = y * kPlaneStride + column;
           const int to = tile_index(block, column, y);
           const V before = hn::LoadU(d, tile.alpha + to);
@@ -56,11 +59,9 @@ inline void composite_sheet(const CpuFrame& frame, Block& block, TileState& tile
           store_masked(hn::And(hn::Lt(before, half), hn::Ge(after, half)),
                        hn::Set(d, block.sheets[s].depth), tile.depth + to);
           const M opaque = hn::Ge(after, hn::Set(d, static_cast<float>(RenderOptions::kOpaque)));
-          tile.open[tile_row(block, y)] &=
-              ~((bits_of(opaque) & lanes) << tile_column(block, column));
+          open &= ~((bits_of(opaque) & lanes) << tile_column(block, column));
         });
   }
-  (void)frame;
 }
 
 // X-ray, maximum and mean: every defined sample counts.

@@ -7,8 +7,12 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <iterator>
+#include <limits>
 #include <mutex>
 #include <numbers>
+#include <tuple>
+#include <utility>
 
 #include "ovoid/error.h"
 #include "render/cpu/ticks.h"
@@ -119,6 +123,25 @@ FloatBuffer classification_nodes(const view::LookTable& table, double path_in_un
   return nodes;
 }
 
+// A range outside of which the table has no opacity, a cell wider than it need be.
+std::pair<float, float> visible_values(const view::LookTable& table) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  const float* const opacity = table.opacity();
+  const float* const end = opacity + view::LookTable::kNodes;
+  const auto shows = [](float a) { return a > 0.0F; };
+  const auto first = std::find_if(opacity, end, shows) - opacity;
+  if (first == view::LookTable::kNodes) return {kInfinity, -kInfinity};
+  const auto last =
+      std::find_if(std::reverse_iterator(end), std::reverse_iterator(opacity), shows).base() - 1 -
+      opacity;
+  const auto value_at = [&](std::ptrdiff_t node) {
+    return table.origin() + static_cast<float>(node) / table.scale();
+  };
+  // Values beyond the table read its ends.
+  return {first == 0 ? -kInfinity : value_at(first - 2),
+          last == view::LookTable::kCells ? kInfinity : value_at(last + 2)};
+}
+
 void set_look(CpuFrame& frame, const LatticeField& field, const Look& look,
               const view::FramePlan& plan, const FloatBuffer& nodes) {
   const view::LookTable& table = plan.look_table;
@@ -126,6 +149,7 @@ void set_look(CpuFrame& frame, const LatticeField& field, const Look& look,
   frame.shade = look.shade;
   frame.table = {nodes.data.get(), table.has_steps() ? table.step() : nullptr, table.origin(),
                  table.scale(), static_cast<float>(view::LookTable::kCells)};
+  std::tie(frame.table.visible_lo, frame.table.visible_hi) = visible_values(table);
   frame.isovalue = static_cast<float>(look.isovalue);
   const Rgb color = look.transfer_function.color_at(look.isovalue);
   for (int c = 0; c < 3; ++c) frame.isosurface_color[c] = static_cast<float>(color[c]);

@@ -33,6 +33,7 @@ struct ClassificationTable {
   float value_lo = 0;            // value at node 0
   float nodes_per_value = 1;
   float last_node = 1;
+  float visible_lo = 0, visible_hi = 0;  // values outside have no opacity
 };
 
 // Spacings squared: a gradient is only corrected where more than one kernel has weight.

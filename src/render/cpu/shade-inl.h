@@ -107,7 +107,11 @@ inline void classify_sheet(const CpuFrame& frame, Block& block, int s, const Row
     for_each_group(
         bits[y], block.margin, block.columns - block.margin, [&](int column, std::uint32_t lanes) {
           const int at = y * kPlaneStride + column;
-          const Classified color = classify(frame.table, hn::LoadU(d, values + at));
+          const V value = hn::LoadU(d, values + at);
+          const M may_show = hn::And(hn::Ge(value, hn::Set(d, frame.table.visible_lo)),
+                                     hn::Le(value, hn::Set(d, frame.table.visible_hi)));
+          if ((bits_of(may_show) & lanes) == 0) return;
+          const Classified color = classify(frame.table, value);
           V a = color.opacity;
           const std::uint32_t visible = bits_of(hn::Gt(a, hn::Zero(d))) & lanes;
           if (visible == 0) return;

@@ -117,10 +117,11 @@ inline void set_up_block(const CpuFrame& frame, Block& block, const Part& part,
 }
 
 // Samples to be classified now: relevant ones of open pixels.
-inline RowBits relevant_now(const Block& block, const TileState& tile, int s) {
+inline RowBits relevant_now(const CpuFrame& frame, const Block& block, const TileState& tile,
+                            int s) {
   RowBits bits;
   for (int y = 0; y < block.rows; ++y) {
-    bits[y] = block.relevant[s][y] & open_samples(block, tile, y) &
+    bits[y] = block.relevant[s][y] & open_samples(frame, block, tile, y) &
               block.defined[s & (kRingSheets - 1)][y];
   }
   return bits;
@@ -129,13 +130,12 @@ inline RowBits relevant_now(const Block& block, const TileState& tile, int s) {
 // Samples to be reconstructed now: active ones of open pixels, and of their neighbours where
 // differences are taken.
 inline RowBits wanted_now(const CpuFrame& frame, const Block& block, const TileState& tile, int s) {
-  if (!frame.stop_opaque) return block.active[s];
   RowBits bits;
   for (int y = 0; y < block.rows; ++y) {
-    std::uint32_t near = open_samples(block, tile, y);
+    std::uint32_t near = open_samples(frame, block, tile, y);
     if (block.margin > 0) {
       near |= near << 1 | near >> 1;
-      near |= open_samples(block, tile, y - 1) | open_samples(block, tile, y + 1);
+      near |= open_samples(frame, block, tile, y - 1) | open_samples(frame, block, tile, y + 1);
     }
     bits[y] = block.active[s][y] & near;
   }
@@ -158,7 +158,7 @@ inline void finish_sheet(const CpuFrame& frame, Workspace& work, int s, StageClo
     clock.lap(kShade);
     return;
   }
-  const RowBits bits = relevant_now(block, tile, s);
+  const RowBits bits = relevant_now(frame, block, tile, s);
   if (frame.mode != Mode::kComposite) {
     accumulate_sheet(frame, block, tile, s, bits);
     clock.lap(kComposite);
@@ -175,7 +175,7 @@ inline void finish_sheet(const CpuFrame& frame, Workspace& work, int s, StageClo
     light_sheet(frame, block);
     clock.lap(kShade);
   }
-  composite_sheet(frame, block, tile, s);
+  composite_sheet(block, tile, s);
   clock.lap(kComposite);
 }
 

@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "data/parallel.h"
+#include "experiments/pictures.h"
 
 namespace ovoid::experiments {
 
@@ -44,12 +44,7 @@ Image ControlRenderer::draw(double degrees, int pixels, double half_height, Shee
   const Vec3 right(std::cos(angle), 0, -std::sin(angle));
   const Affine3 index_from_world = dataset_.lattice.world_from_index.inverse();
   const double spacing = dataset_.lattice.spacing()[0];
-  Image image;
-  image.width = pixels;
-  image.height = pixels;
-  const auto count = static_cast<std::size_t>(pixels) * static_cast<std::size_t>(pixels);
-  image.rgba.resize(4 * count);
-  image.depth.assign(count, std::numeric_limits<float>::infinity());
+  Image image = blank(pixels, pixels);
   data::parallel_ranges({pixels, 1, 0, {}}, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t row = begin; row < end; ++row) {
       for (int column = 0; column < pixels; ++column) {

@@ -9,6 +9,7 @@
 
 #include "data/parallel.h"
 #include "experiments/fields.h"
+#include "experiments/pictures.h"
 #include "ovoid/renderer.h"
 
 namespace ovoid::experiments {
@@ -60,12 +61,7 @@ Image draw_pre(double zoom, int pixels) {
                                  return box(i, j, k) >= 0.5 ? kOpacity : 0.0;
                                }),
                     default_choice());
-  Image image;
-  image.width = pixels;
-  image.height = pixels;
-  const auto count = static_cast<std::size_t>(pixels) * static_cast<std::size_t>(pixels);
-  image.rgba.resize(4 * count);
-  image.depth.assign(count, std::numeric_limits<float>::infinity());
+  Image image = blank(pixels, pixels);
   data::parallel_ranges({pixels, 1, 0, {}}, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t row = begin; row < end; ++row) {
       for (int column = 0; column < pixels; ++column) {

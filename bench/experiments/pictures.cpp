@@ -12,16 +12,6 @@ namespace {
 
 constexpr int kGap = 8;
 
-Image blank(int width, int height) {
-  Image image;
-  image.width = width;
-  image.height = height;
-  const auto pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  image.rgba.assign(4 * pixels, 0.0F);
-  image.depth.assign(pixels, std::numeric_limits<float>::infinity());
-  return image;
-}
-
 float* pixel_at(Image& image, int x, int y) {
   return image.rgba.data() + 4 * (y * image.width + x);
 }
@@ -31,6 +21,16 @@ const float* pixel_at(const Image& image, int x, int y) {
 }
 
 }  // namespace
+
+Image blank(int width, int height) {
+  Image image;
+  image.width = width;
+  image.height = height;
+  const auto pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  image.rgba.assign(4 * pixels, 0.0F);
+  image.depth.assign(pixels, std::numeric_limits<float>::infinity());
+  return image;
+}
 
 Image side_by_side(const std::vector<Image>& images) {
   int width = -kGap;

@@ -8,6 +8,9 @@
 
 namespace ovoid::experiments {
 
+// A picture with nothing in it.
+Image blank(int width, int height);
+
 // Side by side, of one height, with a white gap.
 Image side_by_side(const std::vector<Image>& images);
 

@@ -1,41 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/nrrd.h"
 
-#include <bzlib.h>
 #include <gtest/gtest.h>
-#include <zlib.h>
 
 #include <string>
 #include <vector>
 
+#include "fuzz/seeds.h"
 #include "io/test_folder.h"
 #include "io/test_volumes.h"
 
 namespace ovoid::io {
 namespace {
 
-std::string gzip(const std::string& data) {
-  std::string out(data.size() + 1000, '\0');
-  z_stream stream{};
-  deflateInit2(&stream, 9, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY);
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(data.data()));
-  stream.avail_in = static_cast<uInt>(data.size());
-  stream.next_out = reinterpret_cast<Bytef*>(out.data());
-  stream.avail_out = static_cast<uInt>(out.size());
-  deflate(&stream, Z_FINISH);
-  out.resize(stream.total_out);
-  deflateEnd(&stream);
-  return out;
-}
-
-std::string bzip2(const std::string& data) {
-  std::string out(data.size() + 1000, '\0');
-  auto size = static_cast<unsigned>(out.size());
-  BZ2_bzBuffToBuffCompress(out.data(), &size, const_cast<char*>(data.data()),
-                           static_cast<unsigned>(data.size()), 9, 0, 0);
-  out.resize(size);
-  return out;
-}
+using fuzz::bzip2;
+using fuzz::gzip;
 
 // A header with these fields after magic and before the blank line, then the data.
 std::string nrrd(const std::string& fields, const std::string& data = {}) {

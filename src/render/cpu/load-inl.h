@@ -42,10 +42,22 @@ struct LoadScale {
   float scale, offset;
 };
 
+// All samples of a row: whole groups by `load_group`, of which the last may overlap the one before;
+// rows shorter than a group one by one.
+template <class LoadGroup, class LoadOne>
+HWY_INLINE void for_each_sample(int count, const LoadGroup& load_group, const LoadOne& load_one) {
+  const int group = group_size();
+  if (count < group) {
+    for (int i = 0; i < count; ++i) load_one(i);
+    return;
+  }
+  for (int i = 0; i + group <= count; i += group) load_group(i);
+  if (count % group != 0) load_group(count - group);
+}
+
 // One row: `presence` null for types that cannot miss.
 template <typename T>
 HWY_INLINE void load_row(const T* from, int count, LoadScale map, float* samples, float* presence) {
-  const int group = group_size();
   const V scale = hn::Set(d, map.scale);
   const V offset = hn::Set(d, map.offset);
   const auto load_group = [&](int i) {
@@ -60,26 +72,18 @@ HWY_INLINE void load_row(const T* from, int count, LoadScale map, float* samples
     }
     hn::StoreU(v, d, samples + i);
   };
-  int i = 0;
-  for (; i + group <= count; i += group) load_group(i);
-  if (i == count) return;
-  if (count >= group) {
-    load_group(count - group);  // overlaps the group before
-    return;
-  }
-  for (; i < count; ++i) {
+  for_each_sample(count, load_group, [&](int i) {
     const float v = static_cast<float>(from[i]);
     const bool exists = std::isfinite(v);
     samples[i] = exists ? v * map.scale + map.offset : 0.0F;
     if (presence != nullptr) presence[i] = exists ? 1.0F : 0.0F;
-  }
+  });
 }
 
 // Two rows of neighbouring slices, side by side; `after` null: zeros.
 template <typename T>
 HWY_INLINE void load_row_pair(const T* row, const T* after, int count, LoadScale map,
                               float* pairs) {
-  const int group = group_size();
   const V scale = hn::Set(d, map.scale);
   const V offset = hn::Set(d, map.offset);
   const auto load_group = [&](int i) {
@@ -93,18 +97,11 @@ HWY_INLINE void load_row_pair(const T* row, const T* after, int count, LoadScale
     hn::StoreInterleaved2(a, b, d, pairs + 2 * i);
 #endif
   };
-  int i = 0;
-  for (; i + group <= count; i += group) load_group(i);
-  if (i == count) return;
-  if (count >= group) {
-    load_group(count - group);  // overlaps the group before
-    return;
-  }
-  for (; i < count; ++i) {
+  for_each_sample(count, load_group, [&](int i) {
     pairs[2 * i] = static_cast<float>(row[i]) * map.scale + map.offset;
     pairs[2 * i + 1] =
         after == nullptr ? 0.0F : static_cast<float>(after[i]) * map.scale + map.offset;
-  }
+  });
 }
 
 // The part of the region that `view` shows, [lo, hi) in lattice indices, as pairs. Parts come in

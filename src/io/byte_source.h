@@ -10,6 +10,9 @@
 
 namespace ovoid::io {
 
+// Bytes of text that the readers of headers hold at a time.
+inline constexpr std::int64_t kTextWindow = std::int64_t{1} << 20;
+
 // Bytes of known size that readers read from: a file, or memory in tests and fuzzing. Readers take
 // it by reference and keep nothing of it.
 class ByteSource {

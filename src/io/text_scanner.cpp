@@ -7,8 +7,6 @@
 namespace ovoid::io {
 namespace {
 
-constexpr std::int64_t kWindow = std::int64_t{1} << 20;
-
 // Passes the digits at the front; tells whether there are any.
 bool skip_digits(std::string_view& text) noexcept {
   const std::size_t before = text.size();
@@ -28,7 +26,7 @@ std::string_view TextScanner::ahead(std::size_t count) {
   const auto wanted = std::min(static_cast<std::int64_t>(count), num_left());
   const auto window_size = static_cast<std::int64_t>(window_.size());
   if (position_ < window_begin_ || position_ + wanted > window_begin_ + window_size) {
-    window_ = source_.text(position_, std::min(kWindow, num_left()));
+    window_ = source_.text(position_, std::min(kTextWindow, num_left()));
     window_begin_ = position_;
   }
   return std::string_view(window_).substr(static_cast<std::size_t>(position_ - window_begin_),

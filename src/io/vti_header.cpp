@@ -502,11 +502,10 @@ class VtiChecker {
   // Digits in a row from `begin`, counted until they hold `num_bytes`.
   std::int64_t num_base64_digits(std::int64_t begin, std::int64_t end,
                                  std::int64_t num_bytes) const {
-    constexpr std::int64_t kWindow = std::int64_t{1} << 20;
     const std::int64_t most = std::min(end - begin, (num_bytes * 8 + 5) / 6);
     std::int64_t count = 0;
     while (count < most) {
-      const std::string text = source_.text(begin + count, std::min(kWindow, most - count));
+      const std::string text = source_.text(begin + count, std::min(kTextWindow, most - count));
       const auto stop = std::find_if_not(text.begin(), text.end(), is_base64_digit);
       count += stop - text.begin();
       if (stop != text.end()) break;

@@ -10,13 +10,12 @@
 namespace ovoid::io {
 namespace {
 
-constexpr std::int64_t kWindow = std::int64_t{1} << 20;
 constexpr std::int64_t kLongestTag = std::int64_t{1} << 16;
 
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
+bool is_xml_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 
 void skip_blanks(std::string_view& text) {
-  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_xml_blank(text.front())) text.remove_prefix(1);
 }
 
 // Name and attributes from the text between '<' and '>'. What is no attribute ends the list: the
@@ -28,7 +27,7 @@ XmlTag parse_tag(std::string_view text) {
     text.remove_suffix(1);
   }
   std::size_t end = 0;
-  while (end < text.size() && !is_blank(text[end])) ++end;
+  while (end < text.size() && !is_xml_blank(text[end])) ++end;
   tag.name = text.substr(0, end);
   text.remove_prefix(end);
   while (true) {
@@ -36,7 +35,7 @@ XmlTag parse_tag(std::string_view text) {
     const auto equals = text.find('=');
     if (equals == std::string_view::npos) return tag;
     std::string_view key = text.substr(0, equals);
-    while (!key.empty() && is_blank(key.back())) key.remove_suffix(1);
+    while (!key.empty() && is_xml_blank(key.back())) key.remove_suffix(1);
     text.remove_prefix(equals + 1);
     skip_blanks(text);
     if (text.empty() || (text.front() != '"' && text.front() != '\'')) return tag;
@@ -59,7 +58,7 @@ std::int64_t XmlTagReader::find(char c, std::int64_t from) {
     const bool is_inside =
         from >= window_begin_ && from < window_begin_ + static_cast<std::int64_t>(window_.size());
     if (!is_inside) {
-      window_ = source_.text(from, kWindow);
+      window_ = source_.text(from, kTextWindow);
       window_begin_ = from;
     }
     const auto found = window_.find(c, static_cast<std::size_t>(from - window_begin_));

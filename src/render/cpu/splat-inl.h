@@ -231,9 +231,7 @@ inline void read_splat_sheet(const CpuFrame& frame, Workspace& work, int s, cons
 
 // Scatter if asked to. Left to itself, gather: it reads each tap once for a sample that is needed,
 // scatter pays for samples that are not.
-inline bool should_scatter(const CpuFrame& frame, const Workspace&) {
-  return frame.evaluate == Evaluate::kScatter;
-}
+inline bool should_scatter(const CpuFrame& frame) { return frame.evaluate == Evaluate::kScatter; }
 
 }  // namespace HWY_NAMESPACE
 }  // namespace ovoid::cpu

@@ -260,7 +260,7 @@ inline bool draw_part(const CpuFrame& frame, Workspace& work, const Part& part, 
       return true;
     }
   }
-  const bool is_scattered = should_scatter(frame, work);
+  const bool is_scattered = should_scatter(frame);
   load_region(frame, work, is_scattered);
   clock.lap(kLoad);
   run_sheets(frame, work, is_scattered, clock);

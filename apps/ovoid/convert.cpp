@@ -46,7 +46,7 @@ void run_convert(const Words& words, Session& session) {
               [&output](const std::string& text) { output = text; });
   flags.value("--array", "NAME", "write this array alone (default: all)",
               [&data](const std::string& text) { data.array = text; });
-  flags.refuse({"--size", "--time", "--step", "--block"});
+  flags.refuse({"--size", "--time"});
   add_input_flags(flags, &data);
   if (!flags.parse(words)) return;
 

@@ -54,6 +54,12 @@ void add_input_flags(Flags& flags, DataFlags* data) {
       "INPUT",
       "a volume: NRRD, NHDR, NPY, raw, VTI, legacy VTK; several are the parts of one dataset",
       &data->inputs);
+  flags.value("--block", "NAME",
+              "which of several volumes, such as a DICOM series (default: the largest)",
+              [data](const std::string& text) { data->block = text; });
+  flags.value(
+      "--step", "N", "which time step, from 0 (default: the first that varies)",
+      [data](const std::string& text) { data->step = parse_integer(text, 0, 1'000'000'000); });
   flags.section("raw data, where the name is not like x_256x256x256_uint8.raw");
   flags.value("--dims", "XxYxZ", "samples along x, y, z",
               [data](const std::string& text) { data->raw.dims = parse_dims(text); });
@@ -76,8 +82,7 @@ void add_array_flags(Flags& flags, DataFlags* data) {
               [data](const std::string& text) { data->array = text; });
   flags.value("--component", "N|magnitude", "of arrays with several (default 0)",
               [data](const std::string& text) { data->component = parse_component(text); });
-  flags.refuse({"--color-array", "--block", "--time", "--step", "--positions", "--radius-array",
-                "--quantity"});
+  flags.refuse({"--color-array", "--time", "--positions", "--radius-array", "--quantity"});
 }
 
 void add_model_flags(Flags& flags, LatticeModelOptions* model) {
@@ -113,6 +118,8 @@ Dataset load(const DataFlags& data, Session& session) {
   ReadOptions options;
   options.raw = data.raw;
   options.array = data.array;
+  options.block = data.block;
+  options.step = data.step;
   options.progress = progress.callback();
   options.stop = session.stop();
   Dataset dataset = read_dataset(data.inputs, options);

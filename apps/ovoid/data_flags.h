@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +17,8 @@ namespace ovoid::cli {
 struct DataFlags {
   std::vector<std::string> inputs;
   RawOptions raw;
+  std::string block;
+  std::optional<std::int64_t> step;
   std::string array;
   int component = 0;
 };

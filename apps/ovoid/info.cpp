@@ -47,7 +47,7 @@ ArrayFacts facts_of(const DataArray& array) {
   return facts;
 }
 
-ArrayFacts facts_of(const DataArray& array) {
+ArrayFacts stored_facts_of(const DataArray& array) {
   switch (array.type) {
     case ScalarType::kUInt8:
       return facts_of<std::uint8_t>(array);
@@ -73,6 +73,15 @@ ArrayFacts facts_of(const DataArray& array) {
   return {};
 }
 
+ArrayFacts facts_of(const DataArray& array) {
+  ArrayFacts facts = stored_facts_of(array);
+  if (!array.is_scaled() || facts.lo > facts.hi) return facts;
+  facts.lo = facts.lo * array.value_scale + array.value_offset;
+  facts.hi = facts.hi * array.value_scale + array.value_offset;
+  if (facts.lo > facts.hi) std::swap(facts.lo, facts.hi);
+  return facts;
+}
+
 Json json_of(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
 Json json_of(const DataArray& array) {
@@ -86,6 +95,8 @@ Json json_of(const DataArray& array) {
   json["missing"] = facts.num_missing;
   json["unit"] = array.unit;
   json["cell_data"] = array.is_cell_data;
+  json["value_scale"] = array.value_scale;
+  json["value_offset"] = array.value_offset;
   return json;
 }
 
@@ -125,6 +136,12 @@ Json gather(const DataFlags& data, const LatticeModelOptions& model, Session& se
   json["format"] = dataset.format;
   json["space"] = name_of(dataset.space);
   json.update(lattice_json(dataset.lattice));
+  json["blocks"] = Json::array();
+  for (const DatasetBlock& block : dataset.blocks)
+    json["blocks"].push_back({{"name", block.name}, {"description", block.description}});
+  json["block"] = dataset.block;
+  json["steps"] = dataset.num_steps;
+  json["step"] = dataset.step;
   json["times"] = dataset.times;
   json["arrays"] = Json::array();
   for (const DataArray& array : dataset.arrays) json["arrays"].push_back(json_of(array));
@@ -164,6 +181,13 @@ void print_row(const char* name, const std::string& value) {
   fmt::print("{:<26}{}\n", name, value);
 }
 
+std::string scale_text(const Json& array) {
+  const auto scale = array["value_scale"].get<double>();
+  const auto offset = array["value_offset"].get<double>();
+  if (scale == 1.0 && offset == 0.0) return "";
+  return fmt::format(", stored x {:.9g} + {:.9g}", scale, offset);
+}
+
 void print_arrays(const Json& arrays) {
   for (const Json& array : arrays) {
     const auto unit = array["unit"].get<std::string>();
@@ -171,11 +195,11 @@ void print_arrays(const Json& arrays) {
     print_row(
         "array",
         fmt::format(
-            "'{}': {}{}, {}{}{}{}", one_line(array["name"].get<std::string>()),
+            "'{}': {}{}, {}{}{}{}{}", one_line(array["name"].get<std::string>()),
             array["type"].get<std::string>(),
             array["components"] == 1 ? "" : fmt::format(" x {}", array["components"].get<int>()),
             range_text(array["range"]), unit.empty() ? "" : ' ' + one_line(unit),
-            missing == 0 ? "" : fmt::format(", {} missing", missing),
+            missing == 0 ? "" : fmt::format(", {} missing", missing), scale_text(array),
             array["cell_data"].get<bool>() ? ", per cell" : ""));
   }
 }
@@ -192,6 +216,15 @@ void print_text(const Json& json) {
   print_row("space", json["space"].get<std::string>());
   print_row("bounds",
             fmt::format("({}) to ({})", numbers(json["bounds"][0]), numbers(json["bounds"][1])));
+  for (const Json& block : json["blocks"]) {
+    const auto name = block["name"].get<std::string>();
+    print_row(
+        name == json["block"].get<std::string>() ? "block (read)" : "block",
+        fmt::format("'{}': {}", one_line(name), one_line(block["description"].get<std::string>())));
+  }
+  if (json["steps"] != 1)
+    print_row("time steps", fmt::format("{}, step {} is read", json["steps"].get<std::int64_t>(),
+                                        json["step"].get<std::int64_t>()));
   if (!json["times"].empty()) print_row("times", numbers(json["times"]));
   print_arrays(json["arrays"]);
   const Json& field = json["field"];

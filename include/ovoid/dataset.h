@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -29,6 +30,18 @@ struct DataArray {
   std::string unit;  // empty if the file names none
   bool is_cell_data = false;
   Bytes bytes;  // num_tuples * num_components * size_of(type), native byte order
+  // What a stored number s stands for: s * value_scale + value_offset (NIfTI's slope and intercept,
+  // DICOM's rescale). Finite, value_scale not 0. Everything that shows or takes values applies it.
+  double value_scale = 1.0;
+  double value_offset = 0.0;
+
+  bool is_scaled() const noexcept { return value_scale != 1.0 || value_offset != 0.0; }
+};
+
+// One of several volumes that an input holds: a series of a DICOM folder.
+struct DatasetBlock {
+  std::string name;         // what ReadOptions::block takes
+  std::string description;  // one line for people
 };
 
 // The patient coordinate system of medical files. World coordinates are the file's own, nothing is
@@ -45,8 +58,12 @@ struct Dataset {
   LatticeGeometry lattice;
   Space space = Space::kNone;
   std::vector<DataArray> arrays;
-  std::vector<double> times;       // time values of the steps; empty if the data has no time
-  std::vector<std::string> notes;  // what a reader assumed or found odd, one line each
+  std::vector<DatasetBlock> blocks;  // all volumes of the input; empty if it is one
+  std::string block;                 // the one that was read; empty if the input is one
+  std::int64_t num_steps = 1;        // time steps that the input holds
+  std::int64_t step = 0;             // the one that was read
+  std::vector<double> times;         // time values of the steps; empty if the file names none
+  std::vector<std::string> notes;    // what a reader assumed or found odd, one line each
 
   // The array called `name`; empty name: the first that varies and is not a "vtk*" bookkeeping
   // array, else the first. Throws Error(kInvalidArgument) naming the arrays that exist. Cost of the

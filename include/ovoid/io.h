@@ -25,6 +25,8 @@ struct RawOptions {
 struct ReadOptions {
   RawOptions raw;
   std::string array;  // read only this one if the format allows; empty: all
+  std::string block;  // which of several volumes (Dataset::blocks); empty: the largest
+  std::optional<std::int64_t> step;  // which time step; none: the first whose samples vary
   std::function<void(double fraction)> progress;
   std::stop_token stop;
 };

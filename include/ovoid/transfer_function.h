@@ -37,6 +37,10 @@ struct OpacityPoint {
   double sharpness = 0;
 };
 
+// Along what the curves between two points run: the value itself, its logarithm, or a symmetric
+// logarithm that is straight around zero: sign(x) log10(1 + |x| / linear_width).
+enum class ValueScale { kLinear, kLog, kSymlog };
+
 // Colour and opacity by value: the content of a ParaView JSON preset. Points are sorted by x; equal
 // x is a step, the later point holding from there on. End values extend. An empty curve is a gray
 // ramp over [0, 1] or opacity 1.
@@ -45,7 +49,13 @@ struct TransferFunction {
   std::vector<ColorPoint> colors;
   std::vector<OpacityPoint> opacities;
   ColorSpace color_space = ColorSpace::kRgb;
+  ValueScale scale = ValueScale::kLinear;
+  double linear_width = 1.0;       // of kSymlog, > 0, in values
+  std::optional<Rgb> below_color;  // of values less than the first colour point's; none: its colour
+  std::optional<Rgb> above_color;  // of values greater than the last one's
   Rgb nan_color{1, 1, 0};
+  // Factor on the opacity by the length of the gradient (value per world length); empty: 1.
+  std::vector<OpacityPoint> gradient_opacities;
   std::optional<double> unit_distance;  // world length over which `opacity` is meant; the file's
                                         // ScalarOpacityUnitDistance
 

@@ -82,6 +82,20 @@ Dataset read_any(const io::ByteSource& source, const ReadOptions& options, const
   return read_unknown(source, start, options);
 }
 
+// Readers of files that hold one volume, or one step, need not look at what was asked for.
+void check_choice(const Dataset& dataset, const ReadOptions& options) {
+  if (!options.block.empty() && dataset.blocks.empty()) {
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("{}: block '{}': the input is one volume and has no blocks",
+                            dataset.source, options.block));
+  }
+  if (options.step.value_or(0) >= dataset.num_steps || options.step.value_or(0) < 0) {
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("{}: step {}: expected 0 to {}", dataset.source, *options.step,
+                            dataset.num_steps - 1));
+  }
+}
+
 // What a file wrote into a message must not steer the terminal that shows it, nor break the line.
 std::string printable(std::string text) {
   for (char& c : text) {
@@ -98,10 +112,15 @@ namespace io {
 Dataset read_source(const ByteSource& source, const ReadOptions& options, const Opener& open) {
   try {
     Dataset dataset = read_any(source, options, open);
+    check_choice(dataset, options);
     for (std::string& note : dataset.notes) note = printable(std::move(note));
     for (DataArray& array : dataset.arrays) {
       array.name = printable(std::move(array.name));
       array.unit = printable(std::move(array.unit));
+    }
+    for (DatasetBlock& block : dataset.blocks) {
+      block.name = printable(std::move(block.name));
+      block.description = printable(std::move(block.description));
     }
     return dataset;
   } catch (const Error& error) {

@@ -7,6 +7,7 @@
 #include "io/formats.h"
 #include "io/npy.h"
 #include "io/nrrd.h"
+#include "io/plain_values.h"
 #include "io/raw.h"
 #include "io/samples.h"
 #include "io/vtk_image.h"
@@ -102,9 +103,13 @@ void write_dataset(const Dataset& dataset, const std::string& path) {
     throw Error(ErrorCode::kInvalidArgument,
                 fmt::format("{}: the dataset has no array to write", path));
   for (const DataArray& array : dataset.arrays) check_array(dataset, array);
-  if (target == Target::kVtk) return io::write_vtk_image(dataset, path);
+  if (target == Target::kVtk) {
+    Dataset plain = dataset;  // cheap: arrays share their bytes
+    for (DataArray& array : plain.arrays) array = io::plain_values(array);
+    return io::write_vtk_image(plain, path);
+  }
 
-  const DataArray& array = only_array(dataset, path);
+  const DataArray array = io::plain_values(only_array(dataset, path));
   const LatticeGeometry lattice = lattice_of(dataset.lattice, array);
   if (target == Target::kNpy) return io::write_npy(lattice.dims, array, path);
   if (target == Target::kRaw) return io::write_raw(array, path);

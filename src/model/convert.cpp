@@ -32,12 +32,19 @@ float to_float(T value) noexcept {
   return static_cast<float>(value);
 }
 
+// What a stored number of the array stands for.
+template <class T>
+auto value_of(const DataArray& array, T stored) noexcept {
+  return static_cast<double>(stored) * array.value_scale + array.value_offset;
+}
+
 // In double: squares of what float32 can hold neither overflow nor vanish there.
 template <class T>
-float magnitude(const std::byte* bytes, std::int64_t first, int components) noexcept {
+float magnitude(const DataArray& array, std::int64_t tuple) noexcept {
   double sum = 0;
-  for (int c = 0; c < components; ++c) {
-    const auto value = static_cast<double>(data::load_scalar<T>(bytes, first + c));
+  for (int c = 0; c < array.num_components; ++c) {
+    const double value = value_of(
+        array, data::load_scalar<T>(array.bytes.view.data(), tuple * array.num_components + c));
     sum += value * value;
   }
   return to_float(std::sqrt(sum));
@@ -54,7 +61,12 @@ void take(const DataArray& array, int component, std::int64_t begin, std::int64_
     }
   } else if (component == LatticeModelOptions::kMagnitude) {
     for (std::int64_t i = begin; i < end; ++i) {
-      to[i] = static_cast<To>(magnitude<From>(bytes, i * components, components));
+      to[i] = static_cast<To>(magnitude<From>(array, i));
+    }
+  } else if (array.is_scaled()) {
+    for (std::int64_t i = begin; i < end; ++i) {
+      to[i] = static_cast<To>(
+          to_float(value_of(array, data::load_scalar<From>(bytes, i * components + component))));
     }
   } else {
     for (std::int64_t i = begin; i < end; ++i) {
@@ -94,19 +106,22 @@ ScalarSamples take_component(const DataArray& array, const ComponentOptions& opt
                             options.component, array.name, array.num_components - 1));
   }
   const bool keep_type = ResidentLattice::can_show(array.type) && !is_magnitude &&
-                         !(options.as_float32 && array.type != ScalarType::kFloat32);
-  if (keep_type && !options.as_float32 && array.num_components == 1 && is_aligned(array)) {
-    return {array.type, array.bytes, nullptr};
+                         !options.as_float32 &&
+                         !(array.is_scaled() && array.type == ScalarType::kFloat32);
+  if (keep_type && array.num_components == 1 && is_aligned(array)) {
+    return {array.type, array.bytes, nullptr, array.value_scale, array.value_offset};
   }
   return data::visit_scalar(array.type, [&]<class T>(std::type_identity<T>) -> ScalarSamples {
     if constexpr (std::is_integral_v<T> && sizeof(T) <= 2) {
       if (keep_type) {
-        return {array.type, bytes_of(taken<T, T>(array, options), array.num_tuples), nullptr};
+        return {array.type, bytes_of(taken<T, T>(array, options), array.num_tuples), nullptr,
+                array.value_scale, array.value_offset};
       }
     }
     std::shared_ptr<float[]> samples = taken<T, float>(array, options);
     float* writable = samples.get();
-    return {ScalarType::kFloat32, bytes_of(std::move(samples), array.num_tuples), writable};
+    return {ScalarType::kFloat32, bytes_of(std::move(samples), array.num_tuples), writable, 1.0,
+            0.0};
   });
 }
 

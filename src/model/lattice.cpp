@@ -83,7 +83,8 @@ Field make_lattice_field(const Dataset& dataset, const LatticeModelOptions& opti
     const auto in_bricks = [&] {
       return std::make_shared<ResidentLattice>(
           geometry, samples.type, samples.bytes,
-          ResidentLatticeOptions{options.kernel.support_radius(), 1.0, 0.0, threads, stop});
+          ResidentLatticeOptions{options.kernel.support_radius(), samples.value_scale,
+                                 samples.value_offset, threads, stop});
     };
     auto lattice = in_bricks();
     if (lattice->num_missing() == array.num_tuples) {

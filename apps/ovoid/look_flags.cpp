@@ -142,6 +142,11 @@ void note_disjoint_span(const TransferFunction& tf, const ValueRange& range, Ses
 
 }  // namespace
 
+// Who names a range wants it spread evenly; the other modes have no layers to tell apart.
+bool uses_default_look(const LookFlags& flags) {
+  return flags.file.empty() && !flags.range && flags.mode == Mode::kComposite;
+}
+
 bool uses_opacity(Mode mode) { return mode != Mode::kXray && mode != Mode::kIsosurface; }
 
 const char* name_of_mode(Mode mode) { return name_in(kModes, mode); }
@@ -176,8 +181,10 @@ void check_look_flags(const Flags& flags, const LookFlags& look) {
   }
 }
 
-Look make_look(const LookFlags& flags, const ValueRange& range, Session& session) {
-  Look look = default_look(range);
+Look make_look(const LookFlags& flags, const Field& field, const std::string& unit,
+               Session& session) {
+  const ValueRange range = field.value_range();
+  Look look = uses_default_look(flags) ? default_look(field, unit) : ramp_look(range);
   TransferFunction& tf = look.transfer_function;
   if (flags.mode == Mode::kMaximum || flags.mode == Mode::kMean) {
     // One sample makes the pixel, so its opacity is no longer a matter of thickness.

@@ -32,8 +32,13 @@ void add_look_flags(Flags& flags, LookFlags* look);
 void check_look_flags(const Flags& flags,
                       const LookFlags& look);  // throws UsageError for contradictions
 
-// The look for a field, by the order of precedence in docs/command-line.md. Throws Error.
-Look make_look(const LookFlags& flags, const ValueRange& range, Session& session);
+// The look for a field, whose array has `unit`, by the order of precedence in docs/command-line.md.
+// Throws Error.
+Look make_look(const LookFlags& flags, const Field& field, const std::string& unit,
+               Session& session);
+
+// Whether default_look() makes the look, or a part of it.
+bool uses_default_look(const LookFlags& flags);
 
 bool uses_opacity(Mode mode);  // of the transfer function
 const char* name_of_mode(Mode mode);

@@ -227,14 +227,22 @@ void run_render(const Words& words, Session& session) {
   profile.load_ms = loading.ms();
   const Stopwatch modelling;
   render.model.threads = render.run.threads;
-  const Field field = make_field(dataset, render.data, render.model, nullptr, session);
+  Field field = make_field(dataset, render.data, render.model, nullptr, session);
+  if (!flags.is_given("--kernel") && uses_default_look(render.look) && holds_labels(field)) {
+    session.note(
+        "the values look like labels: drawn with narrow kernels and a colour for each "
+        "(--kernel, --tf, --colormap with --range for another look)");
+    render.model.kernel = kLabelKernel;
+    field = make_field(dataset, render.data, render.model, nullptr, session);
+  }
   profile.model_ms = modelling.ms();
   const Space space = dataset.space;
+  const std::string unit = dataset.array(render.data.array).unit;
   dataset = {};  // the field keeps what it borrows; the rest is memory that the frame can use
 
   const double aspect = static_cast<double>(profile.width) / profile.height;
   const Camera camera = make_camera(render.camera, field, space, aspect);
-  const Look look = make_look(render.look, field.value_range(), session);
+  const Look look = make_look(render.look, field, unit, session);
   Image image = draw(render, field, camera, look, &profile, session);
   note_if_empty(image, look, field.value_range(), session);
   if (look.mode == Mode::kXray && has_ending(render.output, ".png")) {

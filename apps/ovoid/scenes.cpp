@@ -29,7 +29,7 @@ std::vector<Scene> standard_scenes() {
 }
 
 Look make_scene_look(SceneLook kind, const ValueRange& range) {
-  Look look = default_look(range);
+  Look look = ramp_look(range);
   const double lo = range.lo;
   const double width = static_cast<double>(range.hi) - lo;
   const auto at = [&](double fraction, double opacity) {

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <optional>
+#include <string>
+#include <string_view>
 
 #include "ovoid/field.h"
 #include "ovoid/math.h"
@@ -42,8 +44,21 @@ struct Look {
 // spacing), so that an opacity of 0.5 is what one sample step of a plain ray caster would absorb.
 double default_unit_distance(const Field& field);
 
-// A look that shows something of a field whose values lie in `range`: the named colour map over the
-// range, opacity rising from 0 at the low end to 0.5 at the high end.
-Look default_look(const ValueRange& range, const std::string& color_map_name = "viridis");
+// The plainest look for values in `range`: the named colour map over the range, opacity rising from
+// 0 at the low end to 0.5 at the high end.
+Look ramp_look(const ValueRange& range, const std::string& color_map_name = "viridis");
+
+// A look that shows something of a field that nobody said anything about: labels get categorical
+// colours, CT in Hounsfield units skin and bone, what stands in a background its layers, what fills
+// its box its upper half (docs/looks.md, "The default look"). `unit`: the array's, if known; "HU"
+// decides. A small change of the data is a small change of the look. Cost: some ten milliseconds;
+// for labels one pass. Throws what the field's source throws.
+Look default_look(const Field& field, std::string_view unit = {});
+
+// True if the field's values look like labels: at most 64 different integers in [0, 65535], in
+// regions. Between two labels the field passes all values between them, so labels want kernels so
+// narrow that nobody sees them: kLabelKernel. Cost and errors as of default_look().
+bool holds_labels(const Field& field);
+inline constexpr LatticeKernel kLabelKernel{.sigma = 0.15, .cutoff = 10.0};
 
 }  // namespace ovoid

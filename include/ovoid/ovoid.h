@@ -3,7 +3,7 @@
 //
 //   auto field = ovoid::make_lattice_field(ovoid::read_dataset({"head.nrrd"}));
 //   auto camera = ovoid::default_camera(field.world_bounds());
-//   auto look = ovoid::default_look(field.value_range());
+//   auto look = ovoid::default_look(field);
 //   auto frame = ovoid::Renderer{}.render(field, camera, look);
 //   ovoid::write_image(frame.image, "head.png");
 #pragma once

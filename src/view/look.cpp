@@ -85,7 +85,7 @@ void Look::validate() const {
 
 double default_unit_distance(const Field& field) { return field.default_sampling_distance(); }
 
-Look default_look(const ValueRange& range, const std::string& color_map_name) {
+Look ramp_look(const ValueRange& range, const std::string& color_map_name) {
   double lo = range.lo;
   double hi = range.hi;
   if (range.is_empty()) {

@@ -203,7 +203,7 @@ TEST(LookTable, TheFootOfARampIsExactlyZero) {
   EXPECT_TRUE(table.any_opacity(0, 255));
   EXPECT_FALSE(table.any_opacity(41, 40));
 
-  const LookTable whole(default_look({0.0F, 255.0F}).transfer_function);
+  const LookTable whole(ramp_look({0.0F, 255.0F}).transfer_function);
   EXPECT_FALSE(whole.any_opacity(0, 0));
   EXPECT_FALSE(whole.any_opacity(-kInfinityF, 0));
   EXPECT_TRUE(whole.any_opacity(0, 1e-3F));

@@ -12,7 +12,7 @@ namespace ovoid {
 namespace {
 
 Look valid() {
-  Look look = default_look({0.0F, 255.0F});
+  Look look = ramp_look({0.0F, 255.0F});
   look.transfer_function.unit_distance = 2.0;
   look.light_direction = Vec3(0, 0, 1);
   return look;
@@ -68,8 +68,8 @@ TEST(Look, ValidateNamesTheMember) {
   }
 }
 
-TEST(DefaultLook, RisesOverTheRange) {
-  const Look look = default_look({-1000.0F, 3071.0F}, "inferno");
+TEST(RampLook, RisesOverTheRange) {
+  const Look look = ramp_look({-1000.0F, 3071.0F}, "inferno");
   look.validate();
   const TransferFunction& tf = look.transfer_function;
   EXPECT_EQ(tf.lo(), -1000.0);
@@ -83,16 +83,16 @@ TEST(DefaultLook, RisesOverTheRange) {
 
 // Fails if a field of one value is invisible, or if no range can be built about it in single
 // precision.
-TEST(DefaultLook, ShowsAConstantField) {
+TEST(RampLook, ShowsAConstantField) {
   for (const float value : {0.0F, 100.0F, -1e30F, 1e-20F}) {
-    const Look look = default_look({value, value});
+    const Look look = ramp_look({value, value});
     look.validate();
     EXPECT_NEAR(look.transfer_function.opacity_at(value), 0.25, 1e-12) << value;
   }
 }
 
-TEST(DefaultLook, OfNoValuesIsOverZeroToOne) {
-  const Look look = default_look(ValueRange());
+TEST(RampLook, OfNoValuesIsOverZeroToOne) {
+  const Look look = ramp_look(ValueRange());
   look.validate();
   EXPECT_EQ(look.transfer_function.lo(), 0.0);
   EXPECT_EQ(look.transfer_function.hi(), 1.0);

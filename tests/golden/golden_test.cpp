@@ -88,7 +88,7 @@ void draw(const GoldenScene& scene, const std::string& path) {
   const Field field = make_lattice_field(dataset);
   Camera camera = default_camera(field.world_bounds(), dataset.space, {},
                                  static_cast<double>(kWidth) / kHeight);
-  Look look = default_look(field.value_range());
+  Look look = ramp_look(field.value_range());
   RenderOptions options;
   options.width = kWidth;
   options.height = kHeight;

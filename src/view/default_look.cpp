@@ -1,0 +1,317 @@
+// SPDX-License-Identifier: Apache-2.0
+// A look from nothing but the field. docs/looks.md, "The default look", says what is looked for and
+// in which order; the numbers of this page are chosen by eye on scans, simulations and formulas,
+// and moderate on purpose: a threshold a little off costs a little haze.
+//
+// Everything goes by quantiles of samples, so that a few odd samples change nothing and a small
+// change of the data is a small change of the look.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "ovoid/look.h"
+#include "view/field_samples.h"
+
+namespace ovoid {
+namespace {
+
+using view::FieldSamples;
+using view::quantile;
+
+constexpr std::size_t kMostLabels = 64;
+// Neighbours that are equal: regions of labels have it, quantized fields do not.
+constexpr double kEqualsOfLabels = 0.8;
+// In fewer samples nobody sees regions.
+constexpr std::size_t kFewestForLabels = 512;
+// Least quotient of the greatest and the median value that asks for a logarithmic scale.
+constexpr double kLogQuotient = 1000;
+
+// Opacity per sample at which `depth` samples in a row let half of the light through.
+double opacity_for_half_depth(double depth) { return 1.0 - std::pow(0.5, 1.0 / depth); }
+
+// Depths at which a layer shows well, in samples of a field with this many of them: what surrounds
+// is seen through, what is dense is a surface.
+struct Depths {
+  double thin, solid;
+};
+Depths depths_of(const LatticeField& field) {
+  const double edge = std::cbrt(static_cast<double>(num_samples(field.geometry().dims)));
+  return {std::max(2.0, 0.05 * edge), std::max(0.5, 0.006 * edge)};
+}
+
+void set_colors(Look& look, const char* map, double lo, double hi) {
+  look.transfer_function = color_map(map);
+  look.transfer_function.map_range(lo, hi);
+}
+
+// Light colours all along, since light and shade need room below them: what surrounds is cool, what
+// is dense is warm.
+void set_bright_colors(Look& look, double lo, double hi) {
+  TransferFunction& tf = look.transfer_function;
+  tf.name = "sky to rust";
+  tf.color_space = ColorSpace::kLab;
+  tf.colors = {{0.0, {0.38, 0.64, 0.88}},
+               {0.3, {0.70, 0.88, 0.92}},
+               {0.55, {0.97, 0.89, 0.60}},
+               {0.8, {0.93, 0.60, 0.26}},
+               {1.0, {0.76, 0.28, 0.16}}};
+  tf.map_range(lo, hi);
+}
+
+// --- labels
+
+// Hues by the golden angle, so that any number of labels get colours that differ.
+Rgb label_color(std::size_t i) {
+  const double hue = std::fmod(0.02 + static_cast<double>(i) * (std::numbers::phi - 1.0), 1.0);
+  const double saturation = i % 2 == 0 ? 0.62 : 0.45;
+  const double brightness = i % 3 == 2 ? 0.75 : 0.95;
+  Rgb rgb;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double k = std::fmod(hue * 6.0 + std::array{5.0, 3.0, 1.0}[c], 6.0);
+    rgb[c] = brightness * (1.0 - saturation * std::clamp(std::min(k, 4.0 - k), 0.0, 1.0));
+  }
+  return rgb;
+}
+
+// Each label holds from half-way to its neighbours; the background, 0 or what the faces show, is
+// transparent.
+Look label_look(const std::vector<int>& labels, const FieldSamples& samples) {
+  const int background =
+      labels.front() == 0 ? 0 : static_cast<int>(quantile(samples.on_faces, 0.5));
+  Look look;
+  TransferFunction& tf = look.transfer_function;
+  tf.name = "labels";
+  tf.color_space = ColorSpace::kRgb;
+  std::size_t num_shown = 0;
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    const bool is_shown = labels[i] != background || labels.size() == 1;
+    const double lo = i == 0 ? labels[i] - 0.5 : 0.5 * (labels[i - 1] + labels[i]);
+    const double hi = i + 1 == labels.size() ? labels[i] + 0.5 : 0.5 * (labels[i] + labels[i + 1]);
+    const Rgb color = is_shown ? label_color(num_shown++) : Rgb{0.5, 0.5, 0.5};
+    tf.colors.insert(tf.colors.end(), {{lo, color}, {hi, color}});
+    const double opacity = is_shown ? 1.0 : 0.0;
+    tf.opacities.push_back({.x = lo, .opacity = opacity});
+    tf.opacities.push_back({.x = hi, .opacity = opacity});
+  }
+  return look;
+}
+
+std::vector<int> labels_of(const LatticeField& field, const FieldSamples& samples) {
+  if (samples.values.size() < kFewestForLabels || samples.share_of_equals < kEqualsOfLabels)
+    return {};
+  std::size_t num_different = 1;
+  for (std::size_t i = 0; i < samples.values.size(); ++i) {
+    const float value = samples.values[i];
+    if (value < 0 || value != std::floor(value)) return {};
+    if (i > 0 && value != samples.values[i - 1] && ++num_different > kMostLabels) return {};
+  }
+  return view::few_integers(field, kMostLabels);
+}
+
+// --- CT in Hounsfield units
+
+// Air makes a peak at -1000, or padding lies far below it; nothing else in use has that.
+bool is_in_hounsfield_units(const FieldSamples& samples, std::string_view unit) {
+  if (unit == "HU" || unit == "hu" || unit == "Hounsfield") return true;
+  if (!unit.empty()) return false;
+  const auto share_between = [&](float lo, float hi) {
+    const auto& v = samples.values;
+    const auto count =
+        std::upper_bound(v.begin(), v.end(), hi) - std::lower_bound(v.begin(), v.end(), lo);
+    return static_cast<double>(count) / static_cast<double>(v.size());
+  };
+  const double highest = quantile(samples.values, 0.9999);
+  return samples.values.front() >= -4096 && highest > 100 && highest < 5000 &&
+         share_between(-1050, -900) > 0.1 && share_between(-200, 300) > 0.05 &&
+         share_between(-890, -210) < share_between(-1050, -900);
+}
+
+// Opacities are meant over 1/300 of the field's edge, a millimetre or two of a body.
+Look hounsfield_look(const LatticeField& field) {
+  Look look;
+  TransferFunction& tf = look.transfer_function;
+  tf.name = "CT in Hounsfield units";
+  tf.color_space = ColorSpace::kRgb;
+  tf.colors = {{-200, {0.85, 0.65, 0.50}}, {-50, {0.88, 0.62, 0.46}}, {60, {0.78, 0.36, 0.28}},
+               {200, {0.93, 0.55, 0.40}},  {350, {0.96, 0.88, 0.76}}, {1500, {1.0, 0.98, 0.94}}};
+  tf.opacities = {{-300, 0.0}, {-150, 0.004}, {100, 0.006}, {180, 0.05}, {300, 0.4}, {800, 0.8}};
+  const auto& dims = field.geometry().dims;
+  const Vec3 spacing = field.geometry().spacing();
+  double longest = 0;
+  for (int a = 0; a < 3; ++a)
+    longest =
+        std::max(longest, spacing[a] * static_cast<double>(dims[static_cast<std::size_t>(a)]));
+  tf.unit_distance = longest / 300.0;
+  return look;
+}
+
+// --- what has a background
+
+struct Background {
+  double value;
+  double spread;  // of its noise: about one standard deviation
+};
+
+// The value that most of the outer faces share, if they share one.
+std::optional<Background> background_of(const FieldSamples& samples) {
+  const auto& faces = samples.on_faces;
+  if (faces.size() < 16) return std::nullopt;
+  const double range = quantile(samples.values, 0.9995) - quantile(samples.values, 0.0005);
+  // The shortest interval that holds half of them.
+  const std::size_t half = faces.size() / 2;
+  std::size_t best = 0;
+  for (std::size_t i = 0; i + half < faces.size(); ++i) {
+    if (faces[i + half] - faces[i] < faces[best + half] - faces[best]) best = i;
+  }
+  const double width = static_cast<double>(faces[best + half]) - faces[best];
+  if (width > 0.1 * range) return std::nullopt;
+  return Background{quantile(std::span(faces).subspan(best, half + 1), 0.5), width / 1.35};
+}
+
+// Otsu's threshold: where two classes differ most between, least within [Otsu 1979].
+double best_split(std::span<const float> rising, double lo, double hi) {
+  constexpr int kBins = 256;
+  std::array<double, kBins> counts{};
+  for (const float value : rising) {
+    const double place = (value - lo) / (hi - lo) * kBins;
+    counts[static_cast<std::size_t>(std::clamp(static_cast<int>(place), 0, kBins - 1))] += 1;
+  }
+  double total = 0;
+  double moment = 0;
+  for (int i = 0; i < kBins; ++i) {
+    total += counts[static_cast<std::size_t>(i)];
+    moment += (i + 0.5) * counts[static_cast<std::size_t>(i)];
+  }
+  double below = 0;
+  double moment_below = 0;
+  double best = -1;
+  int first_best = 0;
+  int last_best = kBins;
+  for (int i = 0; i + 1 < kBins; ++i) {
+    below += counts[static_cast<std::size_t>(i)];
+    moment_below += (i + 0.5) * counts[static_cast<std::size_t>(i)];
+    if (below == 0 || below == total) continue;
+    const double difference = moment_below / below - (moment - moment_below) / (total - below);
+    const double between = below * (total - below) * difference * difference;
+    // Between two separate classes all splits are as good: the middle one is the least surprising.
+    if (between > best * (1.0 + 1e-9)) first_best = i + 1;
+    if (between >= best * (1.0 - 1e-9)) last_best = i + 1;
+    best = std::max(best, between);
+  }
+  return lo + 0.5 * (first_best + last_best) / kBins * (hi - lo);
+}
+
+// One side of a background: where it ends, where the dense part begins, and the end of the range.
+struct Layers {
+  double start, dense, end;
+};
+
+// Of distances from the background, rising; empty if nothing stands out.
+std::optional<Layers> layers_of(std::span<const float> distances, double spread) {
+  if (distances.empty() || !(distances.back() > 0)) return std::nullopt;
+  const double far = quantile(distances, 0.9999);
+  const double start = std::max({5.0 * spread, 0.04 * far});
+  const auto first =
+      std::upper_bound(distances.begin(), distances.end(), static_cast<float>(start));
+  const auto standing_out = distances.subspan(static_cast<std::size_t>(first - distances.begin()));
+  if (standing_out.size() < 4) return std::nullopt;
+  const double end = quantile(standing_out, 0.998);
+  if (!(end > start)) return std::nullopt;
+  return Layers{start, best_split(standing_out, start, end), end};
+}
+
+void add_layers(std::vector<OpacityPoint>& points, double background, double sign,
+                const Layers& layers, const Depths& depths) {
+  const double thin = opacity_for_half_depth(depths.thin);
+  const double solid = opacity_for_half_depth(depths.solid);
+  const double slope = 0.15 * (layers.end - layers.start);
+  const auto at = [&](double distance, double opacity) {
+    points.push_back({.x = background + sign * distance, .opacity = opacity});
+  };
+  const double thin_end =
+      std::max(layers.dense - slope, layers.start + 0.5 * (layers.dense - layers.start));
+  at(layers.start, 0.0);
+  at(layers.start + 0.5 * (thin_end - layers.start), thin);
+  at(thin_end, thin);
+  at(std::min(layers.dense + slope, layers.end), solid);
+}
+
+Look object_look(const LatticeField& field, const FieldSamples& samples,
+                 const Background& background) {
+  std::vector<float> above;
+  std::vector<float> below;
+  for (const float value : samples.values) {
+    const auto distance = static_cast<float>(value - background.value);
+    (distance >= 0 ? above : below).push_back(std::abs(distance));
+  }
+  std::reverse(below.begin(), below.end());
+  auto up = layers_of(above, background.spread);
+  auto down = layers_of(below, background.spread);
+  // A side that reaches less than a tenth as far is noise or ringing.
+  if (up && down && down->end < 0.1 * up->end) down.reset();
+  if (up && down && up->end < 0.1 * down->end) up.reset();
+  Look look;
+  if (!up && !down) return ramp_look(field.value_range());
+  const Depths depths = depths_of(field);
+  const double lo = down ? background.value - down->end : background.value + up->start;
+  const double hi = up ? background.value + up->end : background.value - down->start;
+  if (up && down) {
+    set_colors(look, "cool-to-warm", lo, hi);
+  } else {
+    set_bright_colors(look, lo, hi);
+  }
+  auto& points = look.transfer_function.opacities;
+  if (down) add_layers(points, background.value, -1.0, *down, depths);
+  std::reverse(points.begin(), points.end());
+  if (up) add_layers(points, background.value, 1.0, *up, depths);
+  return look;
+}
+
+// --- what fills its box
+
+Look filled_look(const LatticeField& field, const FieldSamples& samples) {
+  const double lo = quantile(samples.values, 0.001);
+  const double hi = quantile(samples.values, 0.999);
+  if (!(lo < hi)) return ramp_look(field.value_range());
+  Look look;
+  set_bright_colors(look, lo, hi);
+  const Depths depths = depths_of(field);
+  auto& points = look.transfer_function.opacities;
+  // Half of the samples are the background of the rest.
+  const std::pair<double, double> by_quantile[] = {
+      {0.5, 0.0},
+      {0.8, opacity_for_half_depth(4 * depths.thin)},
+      {0.95, opacity_for_half_depth(depths.thin)},
+      {0.998, opacity_for_half_depth(2 * depths.solid)}};
+  for (const auto& [q, opacity] : by_quantile) {
+    const double x = quantile(samples.values, q);
+    if (!points.empty() && x <= points.back().x) continue;
+    points.push_back({.x = x, .opacity = opacity});
+  }
+  return look;
+}
+
+}  // namespace
+
+bool holds_labels(const Field& field) {
+  const FieldSamples samples = view::take_samples(field);
+  return !samples.values.empty() && !labels_of(field, samples).empty();
+}
+
+Look default_look(const Field& field, std::string_view unit) {
+  const FieldSamples samples = view::take_samples(field);
+  if (samples.values.size() < 16 || samples.values.front() == samples.values.back())
+    return ramp_look(field.value_range());
+  if (const std::vector<int> labels = labels_of(field, samples); !labels.empty())
+    return label_look(labels, samples);
+  if (is_in_hounsfield_units(samples, unit)) return hounsfield_look(field);
+  if (const auto background = background_of(samples))
+    return object_look(field, samples, *background);
+  return filled_look(field, samples);
+}
+
+}  // namespace ovoid

@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "ovoid/look.h"
+#include "support/volumes.h"
+#include "view/field_samples.h"
+
+namespace ovoid {
+namespace {
+
+// Noise in [-1, 1] that depends on place and seed alone.
+double default_look_noise(std::int64_t i, std::int64_t j, std::int64_t k, int seed) {
+  auto x = static_cast<std::uint64_t>(i + 1000 * j + 1000000 * k + 7919L * seed);
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9U;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111ebU;
+  x ^= x >> 31;
+  return static_cast<double>(x >> 11) * 0x1p-52 - 1.0;
+}
+
+constexpr std::int64_t kSide = 48;
+
+double radius_at(std::int64_t i, std::int64_t j, std::int64_t k) {
+  const double c = 0.5 * (kSide - 1);
+  return std::hypot(static_cast<double>(i) - c, static_cast<double>(j) - c,
+                    static_cast<double>(k) - c);
+}
+
+// A dense core in a thin shell in a noisy background, as scans have them.
+Field scan(double noise, int seed = 1, double factor = 1.0) {
+  return test::make_field({kSide, kSide, kSide},
+                          [=](std::int64_t i, std::int64_t j, std::int64_t k) {
+                            const double r = radius_at(i, j, k);
+                            const double value = r < 8 ? 200.0 : r < 18 ? 80.0 : 10.0;
+                            return factor * (value + noise * default_look_noise(i, j, k, seed));
+                          });
+}
+
+double opacity_at(const Look& look, double value) {
+  return look.transfer_function.opacity_at(value);
+}
+
+TEST(DefaultLook, ScanHasATransparentBackgroundAThinShellAndADenseCore) {
+  const Look look = default_look(scan(2.0));
+  look.validate();
+  for (const double background : {8.0, 10.0, 12.0}) EXPECT_EQ(opacity_at(look, background), 0.0);
+  EXPECT_GT(opacity_at(look, 80), 0.05);
+  EXPECT_GT(opacity_at(look, 200), 2 * opacity_at(look, 80));
+  EXPECT_TRUE(look.shade);
+}
+
+TEST(DefaultLook, FollowsTheDataWhateverTheirUnit) {
+  const Look plain = default_look(scan(2.0));
+  for (const double factor : {1e-12, 1e12}) {
+    const Look scaled = default_look(scan(2.0, 1, factor));
+    for (const double value : {10.0, 50.0, 80.0, 120.0, 200.0}) {
+      EXPECT_NEAR(opacity_at(scaled, value * factor), opacity_at(plain, value), 1e-3)
+          << value << " x " << factor;
+    }
+  }
+}
+
+// Other noise of the same strength, and a hundredth more of it, move no point of the curves by more
+// than 3 % of the range.
+TEST(DefaultLook, IsStableUnderSmallChanges) {
+  const TransferFunction first = default_look(scan(2.0)).transfer_function;
+  for (const auto& [noise, seed] : {std::pair{2.0, 2}, {2.0, 3}, {2.02, 1}, {2.2, 5}}) {
+    const TransferFunction other = default_look(scan(noise, seed)).transfer_function;
+    ASSERT_EQ(first.opacities.size(), other.opacities.size());
+    ASSERT_EQ(first.colors.size(), other.colors.size());
+    for (std::size_t i = 0; i < first.opacities.size(); ++i) {
+      EXPECT_NEAR(first.opacities[i].x, other.opacities[i].x, 0.03 * 190) << "point " << i;
+      EXPECT_NEAR(first.opacities[i].opacity, other.opacities[i].opacity, 0.01) << "point " << i;
+    }
+    for (std::size_t i = 0; i < first.colors.size(); ++i)
+      EXPECT_NEAR(first.colors[i].x, other.colors[i].x, 0.03 * 190) << "point " << i;
+  }
+}
+
+// A detector's bright pixel must not turn all else into background.
+TEST(DefaultLook, SingleOddSamplesChangeLittle) {
+  const Look plain = default_look(scan(2.0));
+  const Look odd = default_look(
+      test::make_field({kSide, kSide, kSide}, [](std::int64_t i, std::int64_t j, std::int64_t k) {
+        if (i == 20 && j == 20 && k == 20) return 1e6;
+        const double r = radius_at(i, j, k);
+        return (r < 8 ? 200.0 : r < 18 ? 80.0 : 10.0) + 2.0 * default_look_noise(i, j, k, 1);
+      }));
+  for (const double value : {10.0, 80.0, 200.0})
+    EXPECT_NEAR(opacity_at(odd, value), opacity_at(plain, value), 0.05) << value;
+}
+
+TEST(DefaultLook, BrightBackgroundIsTheTransparentOne) {
+  const Look look = default_look(
+      test::make_field({kSide, kSide, kSide}, [](std::int64_t i, std::int64_t j, std::int64_t k) {
+        const double r = radius_at(i, j, k);
+        return (r < 18 ? 60.0 : 250.0) + default_look_noise(i, j, k, 1);
+      }));
+  EXPECT_EQ(opacity_at(look, 250), 0.0);
+  EXPECT_GT(opacity_at(look, 60), 0.1);
+}
+
+// Vorticity, potentials: both signs are the thing.
+TEST(DefaultLook, SignedFieldsShowBothSides) {
+  const Look look = default_look(
+      test::make_field({kSide, kSide, kSide}, [](std::int64_t i, std::int64_t j, std::int64_t k) {
+        const double r = radius_at(i, j, k);
+        return (i < kSide / 2 ? -1.0 : 1.0) * std::exp(-r * r / 60.0);
+      }));
+  EXPECT_EQ(opacity_at(look, 0), 0.0);
+  EXPECT_GT(opacity_at(look, 0.8), 0.1);
+  EXPECT_GT(opacity_at(look, -0.8), 0.1);
+  const Rgb cold = look.transfer_function.color_at(-0.8);
+  const Rgb warm = look.transfer_function.color_at(0.8);
+  EXPECT_GT(cold[2], cold[0]);
+  EXPECT_GT(warm[0], warm[2]);
+}
+
+TEST(DefaultLook, FieldsWithoutABackgroundShowTheirUpperHalf) {
+  const Look look = default_look(test::make_field(
+      {kSide, kSide, kSide},
+      [](std::int64_t i, std::int64_t, std::int64_t) { return 3.0 * static_cast<double>(i); }));
+  EXPECT_EQ(opacity_at(look, 3.0 * 10), 0.0);
+  EXPECT_GT(opacity_at(look, 3.0 * 44), opacity_at(look, 3.0 * 30));
+  EXPECT_GT(opacity_at(look, 3.0 * 30), 0.0);
+}
+
+Field head_in_hounsfield_units() {
+  return test::make_field(
+      {kSide, kSide, kSide}, [](std::int64_t i, std::int64_t j, std::int64_t k) {
+        const double r = radius_at(i, j, k);
+        const double value = r < 14 ? 40.0 : r < 17 ? 900.0 : r < 20 ? 30.0 : -1000.0;
+        return value + 5.0 * default_look_noise(i, j, k, 1);
+      });
+}
+
+TEST(DefaultLook, HounsfieldUnitsShowBoneThroughFaintTissue) {
+  for (const char* const unit : {"HU", ""}) {
+    const Look look = default_look(head_in_hounsfield_units(), unit);
+    EXPECT_EQ(look.transfer_function.name, "CT in Hounsfield units");
+    EXPECT_EQ(opacity_at(look, -1000), 0.0);
+    EXPECT_GT(opacity_at(look, 900), 0.5);
+    EXPECT_GT(opacity_at(look, 40), 0.0);
+    EXPECT_LT(opacity_at(look, 40), 0.05);
+  }
+  EXPECT_NE(default_look(head_in_hounsfield_units(), "K").transfer_function.name,
+            "CT in Hounsfield units");
+}
+
+Field labels(const std::vector<double>& values) {
+  return test::make_field({kSide, kSide, kSide},
+                          [&](std::int64_t i, std::int64_t j, std::int64_t k) {
+                            if (radius_at(i, j, k) > 20) return values[0];
+                            const auto part = static_cast<std::size_t>(i * 3 / kSide);
+                            return values[std::min(part + 1, values.size() - 1)];
+                          });
+}
+
+TEST(DefaultLook, LabelsGetAColourEach) {
+  const Field field = labels({0, 7, 2, 40});
+  EXPECT_TRUE(holds_labels(field));
+  const Look look = default_look(field);
+  EXPECT_EQ(opacity_at(look, 0), 0.0);
+  std::vector<Rgb> colors;
+  for (const double label : {2.0, 7.0, 40.0}) {
+    EXPECT_EQ(opacity_at(look, label), 1.0) << label;
+    const Rgb color = look.transfer_function.color_at(label);
+    // Flat around the label, so that rounding changes nothing.
+    EXPECT_EQ(color, look.transfer_function.color_at(label + 0.4)) << label;
+    EXPECT_EQ(color, look.transfer_function.color_at(label - 0.4)) << label;
+    for (const Rgb& other : colors) {
+      EXPECT_GT(std::abs(color[0] - other[0]) + std::abs(color[1] - other[1]) +
+                    std::abs(color[2] - other[2]),
+                0.2);
+    }
+    colors.push_back(color);
+  }
+}
+
+TEST(DefaultLook, OtherIntegersAreNoLabels) {
+  EXPECT_FALSE(holds_labels(labels({0, 7.5, 2})));     // not an integer
+  EXPECT_FALSE(holds_labels(labels({-1000, 0, 40})));  // CT
+  EXPECT_FALSE(holds_labels(test::make_field(          // quantized, but no regions
+      {kSide, kSide, kSide}, [](std::int64_t i, std::int64_t j, std::int64_t k) {
+        return std::floor(10 + 5 * default_look_noise(i, j, k, 1));
+      })));
+}
+
+TEST(DefaultLook, FieldsOfOneValueGetTheRamp) {
+  const Look look = default_look(test::constant_field({8, 8, 8}, 5.0));
+  EXPECT_EQ(opacity_at(look, 5), 0.25);
+  look.validate();
+}
+
+TEST(DefaultLook, TinyFieldsAreNoTrouble) {
+  for (const Index3& dims : {Index3{1, 1, 1}, Index3{2, 1, 1}, Index3{2, 2, 2}, Index3{5, 5, 1}}) {
+    const Look look =
+        default_look(test::make_field(dims, [](std::int64_t i, std::int64_t j, std::int64_t k) {
+          return static_cast<double>(i - k) + 0.3 * static_cast<double>(j);
+        }));
+    look.validate();
+    EXPECT_GT(opacity_at(look, 4), 0.0);
+  }
+}
+
+TEST(FieldSamples, AreSpreadOverAllOfAFieldAndLimited) {
+  const Index3 dims{200, 150, 100};
+  const Field field = test::make_field(dims, [](std::int64_t i, std::int64_t j, std::int64_t k) {
+    return static_cast<double>(i + 200 * (j + 150 * k));
+  });
+  const view::FieldSamples samples = view::take_samples(field);
+  EXPECT_NEAR(static_cast<double>(samples.values.size()), 3e6 / std::ceil(3e6 / (1 << 18)), 5000);
+  for (const double q : {0.0, 0.1, 0.5, 0.9, 1.0})
+    EXPECT_NEAR(view::quantile(samples.values, q), q * 3e6, 0.003 * 3e6) << q;
+  // The gradient is the same everywhere: (1, 200, 30000).
+  EXPECT_NEAR(view::quantile(samples.gradients, 0.01), std::hypot(1, 200, 30000), 1.0);
+  EXPECT_NEAR(view::quantile(samples.gradients, 0.99), std::hypot(1, 200, 30000), 1.0);
+  EXPECT_EQ(samples.share_of_equals, 0.0);
+}
+
+TEST(FieldSamples, TellFewIntegersFromMany) {
+  EXPECT_EQ(view::few_integers(labels({0, 7, 2, 40}), 4), (std::vector<int>{0, 2, 7, 40}));
+  EXPECT_TRUE(view::few_integers(labels({0, 7, 2, 40}), 3).empty());
+  EXPECT_TRUE(view::few_integers(labels({0, 7, 70000}), 8).empty());
+}
+
+}  // namespace
+}  // namespace ovoid

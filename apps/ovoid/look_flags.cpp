@@ -176,6 +176,9 @@ void check_look_flags(const Flags& flags, const LookFlags& look) {
   if (flags.is_given("--opacity") && !uses_opacity(look.mode)) {
     throw UsageError(fmt::format("--opacity: has no effect with {}", mode));
   }
+  if (flags.is_given("--classification") && look.mode != Mode::kComposite) {
+    throw UsageError(fmt::format("--classification: has no effect with {}", mode));
+  }
   if (flags.is_given("--unit-distance") && look.mode != Mode::kComposite) {
     throw UsageError(fmt::format("--unit-distance: has no effect with {}", mode));
   }

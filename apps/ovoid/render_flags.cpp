@@ -15,6 +15,8 @@ const Names<Slab> kSlabs = {{"mid", Slab::kMid}, {"mean", Slab::kMean}};
 const Names<GradientMethod> kGradients = {{"corrected", GradientMethod::kCorrected},
                                           {"exact", GradientMethod::kExact},
                                           {"central", GradientMethod::kCentral}};
+const Names<Classification> kClassifications = {{"sampled", Classification::kSampled},
+                                                {"pre-integrated", Classification::kPreintegrated}};
 const Names<Evaluate> kEvaluates = {
     {"auto", Evaluate::kAuto}, {"gather", Evaluate::kGather}, {"scatter", Evaluate::kScatter}};
 const Names<Backend> kBackends = {
@@ -63,6 +65,9 @@ void add_number_flags(Flags& flags, RenderOptions* options) {
   choice(flags, "--gradient", kGradients,
          "the kernels' derivative, constant on ramps or as it is, or differences of samples",
          &options->gradient);
+  choice(flags, "--classification", kClassifications,
+         "colour and opacity of a sample, or of the piece from the sheet before it",
+         &options->classification);
   choice(flags, "--evaluate", kEvaluates, "samples gather kernels, or kernels scatter to samples",
          &options->evaluate);
   flags.value("--post-convolution", "off", "coarse levels (default off)",

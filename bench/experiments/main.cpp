@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "experiments/between_sheets.h"
 #include "experiments/crisp_edges.h"
 #include "experiments/fields.h"
 #include "experiments/grid_pattern.h"
@@ -165,13 +166,37 @@ void edges(const std::string& folder) {
   write_figure(side_by_side({edge.post, edge.pre}), folder + "/crisp-edges.png");
 }
 
+void between(const std::string& folder) {
+  const std::vector<BetweenSheets> rows = measure_between_sheets(64, 256);
+  fmt::print(
+      "| look | classification | sheets per spacing | dB to 16 sheets | processor time |\n"
+      "|---|---|---|---|---|\n");
+  std::vector<Image> images;
+  for (const BetweenSheets& row : rows) {
+    const bool is_sampled = row.classification == Classification::kSampled;
+    const bool is_fine = row.cpu_ms == 0;
+    if (row.look == "layers" && (row.sheets_per_spacing == 1.0 || is_fine))
+      images.push_back(row.image);
+    if (is_fine) continue;
+    // Times are relative to samples at one sheet per spacing, the default.
+    const auto plain = std::find_if(rows.begin(), rows.end(), [&](const BetweenSheets& other) {
+      return other.look == row.look && other.classification == Classification::kSampled &&
+             other.sheets_per_spacing == 1.0;
+    });
+    fmt::print("| {} | {} | {} | {:.1f} | {:.2f} |\n", row.look,
+               is_sampled ? "sampled" : "pre-integrated", row.sheets_per_spacing, row.psnr_db,
+               row.cpu_ms / plain->cpu_ms);
+  }
+  write_figure(side_by_side(images), folder + "/between-sheets.png");
+}
+
 struct Experiment {
   const char* name;
   void (*run)(const std::string& folder);
 };
-constexpr Experiment kExperiments[] = {{"kernels", &kernels},   {"cost", &kernel_cost},
-                                       {"pictures", &pictures}, {"grid", &grid},
-                                       {"popping", &popping},   {"edges", &edges}};
+constexpr Experiment kExperiments[] = {
+    {"kernels", &kernels}, {"cost", &kernel_cost}, {"pictures", &pictures}, {"grid", &grid},
+    {"popping", &popping}, {"edges", &edges},      {"between", &between}};
 
 int run(const std::vector<std::string>& arguments) {
   const auto is_known = [](const std::string& name) {

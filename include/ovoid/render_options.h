@@ -16,6 +16,11 @@ enum class Slab { kMid, kMean };
 // differences over neighbouring samples (docs/numerics.md, "Gradients").
 enum class GradientMethod { kCorrected, kExact, kCentral };
 
+// What of a ray gets colour and opacity: the sample itself, or the piece from the sample before it,
+// along which the field is taken for straight, so that what lies between two sheets is not missed
+// (docs/numerics.md, "Classification"). Mode composite only.
+enum class Classification { kSampled, kPreintegrated };
+
 // How the cpu back end evaluates a block: each sample sums its kernels, each kernel adds to its
 // samples, or the cheaper of both.
 enum class Evaluate { kAuto, kGather, kScatter };
@@ -34,6 +39,7 @@ struct RenderOptions {
   double sampling_distance = 0.0;  // distance of sheets, world units; 0: the field's default
   Slab slab = Slab::kMid;
   GradientMethod gradient = GradientMethod::kCorrected;
+  Classification classification = Classification::kSampled;
   Evaluate evaluate = Evaluate::kAuto;
   std::vector<ClipPlane> clip_planes;  // at most kMaxClipPlanes
   bool skip_irrelevant = true;  // off: every block is reconstructed (time changes, pixels do not)

@@ -71,11 +71,23 @@ double greatest_pitch(const ViewLattice& lattice, const Bounds3& index_box) {
   return range.first < range.last ? lattice.pitch(range.last - 1) : 0.0;
 }
 
+bool preintegrates(const Look& look, const RenderOptions& options) {
+  return look.mode == Mode::kComposite && options.classification == Classification::kPreintegrated;
+}
+
+std::optional<LookTable> fading_table(const Look& look) {
+  if (look.transfer_function.gradient_opacities.empty()) return std::nullopt;
+  TransferFunction by_length;
+  by_length.opacities = look.transfer_function.gradient_opacities;
+  return LookTable(by_length);
+}
+
 // Bricks by which the relevant set grows: slabs reach into others, and both samples around an
-// isosurface's crossing must be taken.
+// isosurface's crossing, or at the ends of a piece, must be taken.
 int relevance_grow(const ViewLattice& lattice, const LatticeField& field, const Look& look,
                    const RenderOptions& options) {
-  const double step = look.mode == Mode::kIsosurface ? greatest_step(lattice) : 0.0;
+  const double step =
+      look.mode == Mode::kIsosurface || preintegrates(look, options) ? greatest_step(lattice) : 0.0;
   const double reach = step + slab_reach(lattice, options);
   return static_cast<int>(std::ceil(reach / field.source().brick_edge()));
 }
@@ -99,6 +111,8 @@ FramePlan::FramePlan(const LatticeField& field, const Camera& camera, const Look
     : lattice(camera, options.width, options.height, effective_sampling_distance(field, options),
               field.geometry()),
       look_table(look.transfer_function),
+      fading(fading_table(look)),
+      is_preintegrated(preintegrates(look, options)),
       unit_distance(effective_unit_distance(field, look)),
       greatest_widening(std::max(
           1.0, greatest_pitch(lattice, support_of(field, 1.0, slab_reach(lattice, options))) /

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "ovoid/look.h"
@@ -28,6 +29,8 @@ struct FramePlan {
   ViewLattice::SheetRange sheets;  // that can meet the field
   Bounds3 index_support;           // positions (index space) where the field can be defined
   LookTable look_table;
+  std::optional<LookTable> fading;  // opacity by the gradient's length, if the look has that
+  bool is_preintegrated;            // pieces between sheets are classified
   double unit_distance;
   double greatest_widening;            // of any kernel on any sheet
   RelevanceMap relevance;              // to be filled: one fill_layer() per layer, then finish()

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "view/opacity_curve.h"
+#include "view/value_scale.h"
 
 namespace ovoid::view {
 namespace {
@@ -46,9 +47,38 @@ float beyond(double x) {
   return static_cast<double>(f) > x ? f : std::nextafter(f, kInfinity);
 }
 
-// Where the piece of the curve that begins at `point` passes half of its change.
-double middle_of(const OpacityPoint& point, double width) {
-  return point.x + std::clamp(point.midpoint, kMinMidpoint, kMaxMidpoint) * width;
+// Where the piece of the curve between two points passes half of its change.
+double middle_of(const TransferFunction& tf, const OpacityPoint& left, double right) {
+  const double lo = along(tf.scale, tf.linear_width, left.x);
+  const double hi = along(tf.scale, tf.linear_width, right);
+  const double midpoint = std::clamp(left.midpoint, kMinMidpoint, kMaxMidpoint);
+  return value_at(tf.scale, tf.linear_width, lo + midpoint * (hi - lo));
+}
+
+// What LookAxis::warped() approximates from below, of any double and with the fraction that an
+// integer lacks.
+double warped_position(const LookAxis& axis, double value) {
+  const auto bits_of = [](double x) {
+    int exponent = 0;
+    const double mantissa = 2.0 * std::frexp(x, &exponent);  // in [1, 2)
+    return (exponent - 1 + 127 + mantissa - 1.0) * 0x1p23;
+  };
+  if (axis.scale == ValueScale::kLog)
+    return bits_of(std::max(value, static_cast<double>(LookAxis::kLeast)));
+  return std::copysign(bits_of(1.0 + std::abs(value) * axis.inverse_width) - bits_of(1.0), value);
+}
+
+// Undoes warped_position().
+double unwarped(const LookAxis& axis, double position) {
+  const auto number_of = [](double bits) {
+    const double octaves = bits * 0x1p-23;
+    const double whole = std::floor(octaves);
+    return std::ldexp(1.0 + (octaves - whole), static_cast<int>(whole) - 127);
+  };
+  if (axis.scale == ValueScale::kLog) return number_of(position);
+  constexpr double kBitsOfOne = 127 * 0x1p23;
+  return std::copysign((number_of(std::abs(position) + kBitsOfOne) - 1.0) / axis.inverse_width,
+                       position);
 }
 
 struct Span {
@@ -81,24 +111,40 @@ LookTable::LookTable(const TransferFunction& tf) : tables_(std::make_unique<Tabl
   find_showing(tf);
 }
 
+double LookAxis::value_of_node(double i) const noexcept {
+  const double steps = i / static_cast<double>(cells_per_step);
+  return scale == ValueScale::kLinear ? static_cast<double>(origin) + steps
+                                      : unwarped(*this, origin_bits + steps);
+}
+
 void LookTable::place(const TransferFunction& tf) {
   auto [lo, hi] = covered(tf);
   lo = std::clamp(lo, -kMaxValue, kMaxValue);
   hi = std::clamp(hi, -kMaxValue, kMaxValue);
-  // A cell is at least one step of float at these values; more would not be told apart, and origin
-  // would be lost in rounding.
-  const double magnitude = std::max(std::abs(lo), std::abs(hi));
-  const double float_step =
-      magnitude > 0.0
-          ? std::ldexp(1.0, std::ilogb(magnitude) + 1 - std::numeric_limits<float>::digits)
-          : 0.0;
-  const double cell = std::max({(hi - lo) / (kCells - 2 + 2 * kMargin), float_step, kMinCell});
-  origin_ = static_cast<float>(lo - (1.0 - kMargin) * cell);
-  scale_ = static_cast<float>(1.0 / cell);
-}
-
-double LookTable::node_value(int i) const noexcept {
-  return static_cast<double>(origin_) + i / static_cast<double>(scale_);
+  axis_.scale = tf.scale;
+  double least_cell = 1.0;  // of warped bits
+  if (tf.scale == ValueScale::kLinear) {
+    // A cell is at least one step of float at these values; more would not be told apart, and
+    // origin would be lost in rounding.
+    const double magnitude = std::max(std::abs(lo), std::abs(hi));
+    const double float_step =
+        magnitude > 0.0
+            ? std::ldexp(1.0, std::ilogb(magnitude) + 1 - std::numeric_limits<float>::digits)
+            : 0.0;
+    least_cell = std::max(float_step, kMinCell);
+  } else {
+    axis_.inverse_width = static_cast<float>(std::clamp(1.0 / tf.linear_width, 1e-30, 1e30));
+    lo = warped_position(axis_, lo);
+    hi = warped_position(axis_, hi);
+  }
+  const double cell = std::max((hi - lo) / (kCells - 2 + 2 * kMargin), least_cell);
+  const double first = lo - (1.0 - kMargin) * cell;
+  if (tf.scale == ValueScale::kLinear) {
+    axis_.origin = static_cast<float>(first);
+  } else {
+    axis_.origin_bits = static_cast<std::int32_t>(first);
+  }
+  axis_.cells_per_step = static_cast<float>(1.0 / cell);
 }
 
 void LookTable::fill(const TransferFunction& tf) {
@@ -138,7 +184,7 @@ void LookTable::keep_steps(const TransferFunction& tf) {
     const double width = points[k + 1].x - points[k].x;
     if (width == 0.0) keep_step_at(points[k].x);
     if (width > 0.0 && points[k].sharpness > kStepSharpness)
-      keep_step_at(middle_of(points[k], width));
+      keep_step_at(middle_of(tf, points[k], points[k + 1].x));
   }
 }
 
@@ -198,7 +244,7 @@ void LookTable::find_showing(const TransferFunction& tf) {
     // Exactly where a step by sharpness lies is a matter of rounding: a float more on the safe
     // side.
     const bool is_step = a.sharpness > kStepSharpness;
-    const double middle = middle_of(a, b.x - a.x);
+    const double middle = middle_of(tf, a, b.x);
     add(a.opacity > 0.0 ? ceil_to_float(a.x)
         : is_step       ? before(middle)
                         : beyond(a.x),

@@ -4,6 +4,8 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -12,14 +14,48 @@
 
 namespace ovoid::view {
 
+// Where a value lies among the table's nodes. Linear scales: in proportion to the value. Others: by
+// the bits of a float, which taken as an integer rise with it and are straight within each octave:
+// a logarithm that costs nothing, that vector code repeats exactly, and that gives every decade as
+// many cells.
+struct LookAxis {
+  ValueScale scale = ValueScale::kLinear;
+  float origin = 0.0F;           // kLinear: the value of node 0
+  std::int32_t origin_bits = 0;  // others: warped(value of node 0)
+  float cells_per_step = 1.0F;   // cells per unit of value, or per unit of warped(), > 0
+  float inverse_width = 1.0F;    // kSymlog: 1 / linear_width
+
+  static constexpr float kLeast = 1.17549435e-38F;  // kLog: what is smaller lies there, too
+
+  // The bits: kLog of the value, kSymlog of 1 + |value| / linear_width, counted from those of 1,
+  // with the value's sign.
+  std::int32_t warped(float value) const noexcept {
+    if (scale == ValueScale::kLog) return std::bit_cast<std::int32_t>(std::max(value, kLeast));
+    const float magnitude = 1.0F + std::abs(value) * inverse_width;
+    const std::int32_t bits =
+        std::bit_cast<std::int32_t>(magnitude) - std::bit_cast<std::int32_t>(1.0F);
+    return value < 0.0F ? -bits : bits;
+  }
+
+  // In cells from node 0, not clamped.
+  float place(float value) const noexcept {
+    const float steps = scale == ValueScale::kLinear
+                            ? value - origin
+                            : static_cast<float>(warped(value) - origin_bits);
+    return steps * cells_per_step;
+  }
+
+  double value_of_node(double i) const noexcept;
+};
+
 // A table of kCells cells over the values where a transfer function has something to show. The
 // reading rule, which vector code follows operation by operation (at() is its scalar form):
 //
-//   t = clamp((value - origin()) * scale(), 0, kCells);  i = int(t);  f = t - i;
+//   t = clamp(axis().place(value), 0, kCells);  i = int(t);  f = t - i;
 //   if (step[i] >= 0) f = f >= step[i] ? 1 : 0;
 //   x = x[i] + f * (x[i + 1] - x[i])
 //
-// Node i stands for the value origin() + i / scale(). Whether the last line is fused does not
+// Node i stands for the value axis().value_of_node(i). Whether the last line is fused does not
 // change where the opacity is zero. Every array has kPaddedNodes floats, 64-byte aligned, the last
 // node repeated, so that x[i + 1] exists for t = kCells, too. `value` must not be NaN; infinities
 // read as the ends.
@@ -29,14 +65,15 @@ namespace ovoid::view {
 // a peak 2 % of the range wide has all the cells to itself. Colours where nothing shows are not
 // kept: isosurfaces take theirs from TransferFunction::color_at().
 //
-// Against exact evaluation: straight pieces agree to float rounding; at a corner the table errs by
-// at most a quarter of the difference of the slopes, times a cell; a step (two points of one x,
-// sharpness over 0.99, ColorSpace::kStep) is where it should be to float rounding, and the rest of
-// its cell is flat, so that it errs by the slope times a cell; of several steps in one cell the
-// last is kept; a feature narrower than kMinFeatureCells may be missed. Zero stays zero: where the
-// curve is zero over more than a cell up to a corner and the corner included, the table is exactly
-// zero, too (background that sits at the foot of a ramp costs nothing); in turn the ramp may start
-// up to a cell late.
+// Against exact evaluation: straight pieces of a linear scale agree to float rounding; at a corner
+// the table errs by at most a quarter of the difference of the slopes, times a cell; a step (two
+// points of one x, sharpness over 0.99, ColorSpace::kStep) is where it should be to float rounding,
+// and the rest of its cell is flat, so that it errs by the slope times a cell; of several steps in
+// one cell the last is kept; a feature narrower than kMinFeatureCells may be missed. Pieces along a
+// logarithm err by an eighth of the second derivative times the square of a cell. Zero stays zero:
+// where the curve is zero over more than a cell up to a corner and the corner included, the table
+// is exactly zero, too (background that sits at the foot of a ramp costs nothing); in turn the ramp
+// may start up to a cell late.
 //
 // Immutable; all members may be called from many threads. Cost of construction: kNodes exact
 // evaluations, about 0.1 ms for colours in RGB, 2 ms for Lab and Diverging; 89 KiB.
@@ -55,8 +92,7 @@ class LookTable {
   // `tf` is sorted and valid (Look::validate()).
   explicit LookTable(const TransferFunction& tf);
 
-  float origin() const noexcept { return origin_; }  // the value of node 0
-  float scale() const noexcept { return scale_; }    // cells per unit of value, > 0
+  const LookAxis& axis() const noexcept { return axis_; }
   const float* red() const noexcept { return tables_->r; }
   const float* green() const noexcept { return tables_->g; }
   const float* blue() const noexcept { return tables_->b; }
@@ -95,11 +131,11 @@ class LookTable {
     return x[i] + f * (x[i + 1] - x[i]);
   }
   float coordinate(float value) const noexcept {
-    return std::min(std::max((value - origin_) * scale_, 0.0F), static_cast<float>(kCells));
+    return std::min(std::max(axis_.place(value), 0.0F), static_cast<float>(kCells));
   }
 
   void place(const TransferFunction& tf);
-  double node_value(int i) const noexcept;
+  double node_value(int i) const noexcept { return axis_.value_of_node(i); }
   void fill(const TransferFunction& tf);
   void keep_step_at(double value);
   void keep_steps(const TransferFunction& tf);
@@ -111,8 +147,7 @@ class LookTable {
   struct Interval {
     float first, last;  // both included
   };
-  float origin_ = 0.0F;
-  float scale_ = 1.0F;
+  LookAxis axis_;
   float max_opacity_ = 0.0F;
   bool has_steps_ = false;
   std::unique_ptr<Tables> tables_;

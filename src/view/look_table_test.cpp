@@ -19,7 +19,9 @@ TransferFunction hat(double foot, double peak, double end, double low = 0.0, dou
   return tf;
 }
 
-double cell_of(const LookTable& table) { return 1.0 / static_cast<double>(table.scale()); }
+double cell_of(const LookTable& table) {
+  return 1.0 / static_cast<double>(table.axis().cells_per_step);
+}
 
 // Random curves with plateaus of zero, steps, bent segments and ends of every kind; points at
 // multiples of 1/8, floats.
@@ -328,7 +330,8 @@ TEST(LookTable, ExtremeRanges) {
     tf.opacities = {{lo, 0.25}, {lo, 0.5}, {hi, 0.5}, {hi, 0.75}};
     tf.colors = {{lo, {0, 0, 0}}, {hi, {1, 1, 1}}};
     const LookTable table(tf);
-    EXPECT_TRUE(std::isfinite(table.origin()) && std::isfinite(table.scale()) && table.scale() > 0)
+    EXPECT_TRUE(std::isfinite(table.axis().origin) && std::isfinite(table.axis().cells_per_step) &&
+                table.axis().cells_per_step > 0)
         << lo;
     for (const double v : {lo, 0.5 * lo + 0.5 * hi, hi, 0.0, 1.0}) {
       const auto s = table.at(static_cast<float>(v));

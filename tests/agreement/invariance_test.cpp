@@ -128,6 +128,15 @@ std::vector<std::pair<std::string, Scene>> scenes() {
                   test_looks(volume.lo, volume.hi)[0].look, picture(60, 50)};
     central.options.gradient = GradientMethod::kCentral;
     result.emplace_back(volume.name + ", central", central);
+    Scene pieces = central;
+    pieces.options.classification = Classification::kPreintegrated;
+    result.emplace_back(volume.name + ", central, pre-integrated", pieces);
+    pieces.options.gradient = GradientMethod::kCorrected;
+    pieces.options.sampling_distance = 2.5 * volume.field.default_sampling_distance();
+    result.emplace_back(volume.name + ", pre-integrated", pieces);
+    pieces.look.transfer_function.gradient_opacities = {{0, 0.1},
+                                                        {0.5 * (volume.hi - volume.lo), 1}};
+    result.emplace_back(volume.name + ", pre-integrated, fading", pieces);
     Scene slabs = central;
     slabs.options = picture(60, 50, 0, Slab::kMean);
     result.emplace_back(volume.name + ", slab means", slabs);

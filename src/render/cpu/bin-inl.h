@@ -242,9 +242,10 @@ inline std::int64_t bin_region(const CpuFrame& frame, Block& block, const TileSt
   for (int s = 0; s < block.num_sheets; ++s) {
     const bool is_margin_sheet =
         s < block.front_margin || s >= block.num_sheets - block.back_margin;
-    // An isosurface's front sheet is needed where it is relevant, though the block before has
-    // classified it.
-    const bool is_needed = !is_margin_sheet || frame.mode == Mode::kIsosurface;
+    // The front sheet is needed where pieces between sheets are looked at, though the block before
+    // has classified it.
+    const bool is_needed = !is_margin_sheet || frame.mode == Mode::kIsosurface ||
+                           (frame.is_preintegrated && s < block.front_margin);
     for (int y = 0; y < block.rows; ++y) {
       const std::uint32_t columns = has_cells ? cells[s / 4][y / 4] : ~0U;
       const RowMasks masks = bin_row(frame, block, s, y, lookup, support, columns);

@@ -109,6 +109,11 @@ void set_view(CpuFrame& frame, const view::FramePlan& plan) {
   frame.ray_slope_up = slope_along(up);
 }
 
+// Memory of what a frame's tables point to.
+struct LookTables {
+  FloatBuffer look, integrals, fading;
+};
+
 // The nodes of ClassificationTable.
 FloatBuffer classification_nodes(const view::LookTable& table, double path_in_units) {
   FloatBuffer nodes;
@@ -135,21 +140,85 @@ std::pair<float, float> visible_values(const view::LookTable& table) {
       std::find_if(std::reverse_iterator(end), std::reverse_iterator(opacity), shows).base() - 1 -
       opacity;
   const auto value_at = [&](std::ptrdiff_t node) {
-    return table.origin() + static_cast<float>(node) / table.scale();
+    return static_cast<float>(table.axis().value_of_node(static_cast<double>(node)));
   };
   // Values beyond the table read its ends.
   return {first == 0 ? -kInfinity : value_at(first - 2),
           last == view::LookTable::kCells ? kInfinity : value_at(last + 2)};
 }
 
+// As ClassificationTable says; `nodes` is what classification_nodes() made of `table`.
+ClassificationTable classification_table(const view::LookTable& table, const FloatBuffer& nodes) {
+  ClassificationTable result{nodes.data.get(), table.has_steps() ? table.step() : nullptr,
+                             table.axis(), static_cast<float>(view::LookTable::kCells)};
+  std::tie(result.visible_lo, result.visible_hi) = visible_values(table);
+  return result;
+}
+
+// What IntegralTable integrates, at node i.
+std::array<double, 4> integrand_at(const view::LookTable& table, int i) {
+  const double opacity = table.opacity()[i];
+  const double extinction =
+      opacity < 1.0 ? std::min(-std::log1p(-opacity), kGreatestExtinction) : kGreatestExtinction;
+  return {extinction * table.red()[i], extinction * table.green()[i], extinction * table.blue()[i],
+          extinction};
+}
+
+// Fills `nodes`, and the frame's IntegralTable that points to them.
+IntegralTable integral_table(const view::LookTable& table, FloatBuffer& nodes) {
+  using view::LookTable;
+  constexpr int kParts = 8;
+  float* node = nodes.reserve(std::size_t{kParts} * LookTable::kPaddedNodes);
+  const double first = table.axis().value_of_node(0);
+  const double last = table.axis().value_of_node(LookTable::kCells);
+  const double per_value = LookTable::kCells / (last - first);
+  std::array<double, 4> sum{};
+  std::array<double, 4> here = integrand_at(table, 0);
+  for (int i = 0; i < LookTable::kPaddedNodes; ++i, node += kParts) {
+    for (std::size_t c = 0; c < 4; ++c) {
+      node[c] = static_cast<float>(sum[c]);
+      node[c + 4] = static_cast<float>(sum[c] - static_cast<double>(node[c]));
+    }
+    if (i >= LookTable::kCells) continue;
+    const std::array<double, 4> next = integrand_at(table, i + 1);
+    // Of a cell with a step, each side has its share.
+    const double share = table.step()[i] >= 0.0F ? static_cast<double>(table.step()[i]) : 0.5;
+    const double width =
+        (table.axis().value_of_node(i + 1) - table.axis().value_of_node(i)) * per_value;
+    for (std::size_t c = 0; c < 4; ++c)
+      sum[c] += width * (share * here[c] + (1.0 - share) * next[c]);
+    here = next;
+  }
+  IntegralTable result;
+  result.nodes = nodes.data.get();
+  result.per_value = static_cast<float>(per_value);
+  result.value_lo = static_cast<float>(first);
+  result.value_hi = static_cast<float>(last);
+  for (std::size_t c = 0; c < 4; ++c) {
+    result.before[c] = static_cast<float>(integrand_at(table, 0)[c]);
+    result.behind[c] = static_cast<float>(integrand_at(table, LookTable::kCells)[c]);
+  }
+  return result;
+}
+
 void set_look(CpuFrame& frame, const LatticeField& field, const Look& look,
-              const view::FramePlan& plan, const FloatBuffer& nodes) {
-  const view::LookTable& table = plan.look_table;
+              const view::FramePlan& plan, LookTables& tables) {
+  const bool is_composite = look.mode == Mode::kComposite;
   frame.mode = look.mode;
   frame.shade = look.shade;
-  frame.table = {nodes.data.get(), table.has_steps() ? table.step() : nullptr, table.origin(),
-                 table.scale(), static_cast<float>(view::LookTable::kCells)};
-  std::tie(frame.table.visible_lo, frame.table.visible_hi) = visible_values(table);
+  frame.is_preintegrated = is_composite && plan.is_preintegrated;
+  frame.fades_by_gradient = is_composite && plan.fading.has_value();
+  frame.takes_gradients = is_composite && (look.shade || frame.fades_by_gradient);
+  frame.corrects_late = frame.is_preintegrated || frame.fades_by_gradient;
+  const double path_in_units = plan.lattice.sampling_distance() / plan.unit_distance;
+  frame.path_in_units = static_cast<float>(path_in_units);
+  tables.look = classification_nodes(plan.look_table, frame.corrects_late ? 1.0 : path_in_units);
+  frame.table = classification_table(plan.look_table, tables.look);
+  if (frame.is_preintegrated) frame.integrals = integral_table(plan.look_table, tables.integrals);
+  if (frame.fades_by_gradient) {
+    tables.fading = classification_nodes(*plan.fading, 1.0);
+    frame.fading = classification_table(*plan.fading, tables.fading);
+  }
   frame.isovalue = static_cast<float>(look.isovalue);
   const Rgb color = look.transfer_function.color_at(look.isovalue);
   for (int c = 0; c < 3; ++c) frame.isosurface_color[c] = static_cast<float>(color[c]);
@@ -283,19 +352,17 @@ Frame render(const LatticeField& field, const Camera& camera, const Look& look,
 
   view::FramePlan plan(field, camera, look, options);
   decide_relevance(plan, runner);
-  const FloatBuffer nodes =
-      classification_nodes(plan.look_table, plan.lattice.sampling_distance() / plan.unit_distance);
+  LookTables tables;
   CpuFrame frame;
   frame.plan = &plan;
   frame.field = &field;
   frame.stop = hooks.stop;
   set_kernel(frame, field);
   set_view(frame, plan);
-  set_look(frame, field, look, plan, nodes);
+  set_look(frame, field, look, plan, tables);
   const bool is_mean = options.slab == Slab::kMean;
   set_slab_nodes(frame, is_mean ? slab_nodes_for(field, plan.lattice) : 1);
-  frame.central_gradient =
-      options.gradient == GradientMethod::kCentral && look.mode == Mode::kComposite && look.shade;
+  frame.central_gradient = options.gradient == GradientMethod::kCentral && frame.takes_gradients;
   frame.corrects_gradient = options.gradient != GradientMethod::kExact && !frame.is_sum;
   frame.evaluate = options.evaluate;
   frame.stop_opaque = options.stop_opaque;

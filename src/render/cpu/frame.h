@@ -26,15 +26,26 @@ inline constexpr int kMaxSlabNodes = 32;
 inline constexpr float kLeastWeight = 0.48F;
 
 // The look table, to be read as it says: red, green, blue and opacity of a node side by side. The
-// opacity is corrected for a path of one sampling distance.
+// opacity is corrected for a path of one sampling distance, unless the frame corrects_late.
 struct ClassificationTable {
   const float* nodes = nullptr;  // [last_node + 2][4], 16-byte aligned
   const float* steps = nullptr;  // [last_node + 1]; null if no cell has one
-  float value_lo = 0;            // value at node 0
-  float nodes_per_value = 1;
+  view::LookAxis axis;
   float last_node = 1;
   float visible_lo = 0, visible_hi = 0;  // values outside have no opacity
 };
+
+// Integrals of the look over the value, from node 0 on: extinction times red, green and blue, and
+// extinction, each as the sum of two floats, since differences are taken of large numbers.
+struct IntegralTable {
+  const float* nodes = nullptr;  // [last_node + 2][8], 16-byte aligned: four high parts, four low
+  float per_value = 1;           // the unit of the integrals, by value
+  float value_lo = 0, value_hi = 1;  // of the first and the last node; beyond, the ends go on
+  std::array<float, 4> before{}, behind{};  // what is integrated there
+};
+
+// The extinction that stands for an opacity of 1: light through one unit distance of it is 1.6e-28.
+inline constexpr double kGreatestExtinction = 64.0;
 
 // Spacings squared: a gradient is only corrected where more than one kernel has weight.
 inline constexpr float kLeastVariance = 1e-6F;
@@ -74,6 +85,13 @@ struct CpuFrame {
   Mode mode = Mode::kComposite;
   bool shade = true;
   ClassificationTable table;
+  IntegralTable integrals;     // if is_preintegrated
+  ClassificationTable fading;  // opacity by the gradient's length, if fades_by_gradient
+  bool is_preintegrated = false;
+  bool fades_by_gradient = false;
+  bool takes_gradients = true;  // for light or for fading
+  bool corrects_late = false;   // opacities are corrected for their path after the gradient
+  float path_in_units = 1;      // sampling distance over unit distance
   float isovalue = 0;
   std::array<float, 4> isosurface_color{};
   float ambient = 0.1F, diffuse = 0.7F, specular = 0.2F, specular_power = 10.0F;

@@ -39,6 +39,11 @@ HWY_INLINE WorldVector exact_gradient(const CpuFrame& frame, Workspace& work, in
   return to_world(frame, g.x, g.y, g.z);
 }
 
+HWY_INLINE Position point_between(const Position& a, const Position& b, V t) {
+  const auto mix = [&](V p, V q) { return hn::MulAdd(hn::Sub(q, p), t, p); };
+  return {mix(a.x, b.x), mix(a.y, b.y), mix(a.z, b.z)};
+}
+
 HWY_INLINE void store_gradient(Block& block, int column, int row, const WorldVector& g) {
   const int at = row * kPlaneStride + column;
   hn::StoreU(g.x, d, block.gradient[0] + at);
@@ -85,7 +90,7 @@ inline void reconstruct_with_gradients(const CpuFrame& frame, Workspace& work, i
 // costs time, nothing else.
 inline RowBits guess_visible(const CpuFrame& frame, const Block& block, const RowBits& wanted) {
   RowBits guess{};
-  const bool is_worthwhile = frame.mode == Mode::kComposite && frame.shade &&
+  const bool is_worthwhile = frame.takes_gradients && !frame.is_preintegrated &&
                              !frame.central_gradient && block.uses_four_taps;
   if (!is_worthwhile) return guess;
   for (int y = 0; y < block.rows; ++y) guess[y] = wanted[y] & block.visible[y];
@@ -142,11 +147,34 @@ HWY_INLINE WorldVector central_difference_gradient(const CpuFrame& frame, const 
   return {component(0), component(1), component(2)};
 }
 
+// A piece's gradient is that of its middle; of a sample that has none before it, the sample's own.
+inline void gradient_of_pieces(const CpuFrame& frame, Workspace& work, int s, const RowBits& bits) {
+  Block& block = work.block;
+  const RowBits& defined_before = block.defined[(s - 1) & (kRingSheets - 1)];
+  for (int y = 0; y < block.rows; ++y) {
+    work.stats.gradients += std::popcount(bits[y]);
+    for_each_group(bits[y], block.margin, block.columns - block.margin,
+                   [&](int column, std::uint32_t lanes) {
+                     const Position to = position_of(block.sheets[s], column, y);
+                     const Position from = position_of(block.sheets[s - 1], column, y);
+                     const M has_before = mask_of(defined_before[y] >> column & group_bits());
+                     const V share = hn::IfThenElseZero(has_before, hn::Set(d, 0.5F));
+                     const Position middle = point_between(to, from, share);
+                     store_gradient(block, column, y,
+                                    exact_gradient(frame, work, s, column, y, middle, lanes));
+                   });
+  }
+}
+
 // The visible samples that have no gradient yet.
 inline void gradient_of_sheet(const CpuFrame& frame, Workspace& work, int s) {
   Block& block = work.block;
   RowBits missing;
   for (int y = 0; y < block.rows; ++y) missing[y] = block.visible[y] & ~block.has_gradient[y];
+  if (frame.is_preintegrated && !frame.central_gradient) {
+    gradient_of_pieces(frame, work, s, missing);
+    return;
+  }
   if (!frame.central_gradient && block.uses_four_taps) {
     reconstruct_with_gradients(frame, work, s, missing);
     return;

@@ -18,11 +18,6 @@ namespace HWY_NAMESPACE {
 
 inline constexpr int kBisections = 8;  // to 1/256 of a sheet's distance, before the secant step
 
-HWY_INLINE Position point_between(const Position& a, const Position& b, V t) {
-  const auto mix = [&](V p, V q) { return hn::MulAdd(hn::Sub(q, p), t, p); };
-  return {mix(a.x, b.x), mix(a.y, b.y), mix(a.z, b.z)};
-}
-
 // Where between two samples (0 to 1) the field takes the isovalue; `before` and `after` lie on
 // different sides.
 HWY_INLINE V refine(const CpuFrame& frame, Workspace& work, int s, int column, int row,

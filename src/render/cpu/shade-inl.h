@@ -60,11 +60,29 @@ HWY_INLINE Classified transpose_nodes(const float* nodes, const std::int32_t* in
 }
 #endif
 
+// LookAxis::place().
+HWY_INLINE V place_of(const view::LookAxis& axis, V value) {
+  V steps;
+  if (axis.scale == ValueScale::kLinear) {
+    steps = hn::Sub(value, hn::Set(d, axis.origin));
+  } else if (axis.scale == ValueScale::kLog) {
+    const VI bits = hn::BitCast(di, hn::Max(value, hn::Set(d, view::LookAxis::kLeast)));
+    steps = hn::ConvertTo(d, hn::Sub(bits, hn::Set(di, axis.origin_bits)));
+  } else {
+    const V one = hn::Set(d, 1.0F);
+    const V scaled = hn::Mul(hn::Abs(value), hn::Set(d, axis.inverse_width));
+    const VI magnitude = hn::Sub(hn::BitCast(di, hn::Add(one, scaled)), hn::BitCast(di, one));
+    const auto is_negative = hn::RebindMask(di, hn::Lt(value, hn::Zero(d)));
+    const VI bits = hn::IfThenElse(is_negative, hn::Neg(magnitude), magnitude);
+    steps = hn::ConvertTo(d, hn::Sub(bits, hn::Set(di, axis.origin_bits)));
+  }
+  return hn::Mul(steps, hn::Set(d, axis.cells_per_step));
+}
+
 // A node is four floats, so a lane's two nodes are two loads; hardware gathers of eight separate
 // columns take longer.
 HWY_INLINE Classified classify(const ClassificationTable& table, V value) {
-  const V at =
-      hn::Mul(hn::Sub(value, hn::Set(d, table.value_lo)), hn::Set(d, table.nodes_per_value));
+  const V at = place_of(table.axis, value);
   // The order of operands makes NaN, of lanes that nobody asked for, a node too.
   const V clamped = hn::Min(hn::Max(at, hn::Zero(d)), hn::Set(d, table.last_node));
   const V node = hn::Floor(clamped);
@@ -98,9 +116,95 @@ HWY_INLINE V correct_opacity(V a, V exponent) {
   return hn::IfThenElse(hn::Ge(a, hn::Set(d, 1.0F)), a, hn::Sub(hn::Set(d, 1.0F), through));
 }
 
+// What a segment of straight values between `from` and `to` shows: the mean of what is integrated.
+HWY_INLINE Classified classify_segment(const CpuFrame& frame, V from, V to) {
+  const IntegralTable& table = frame.integrals;
+  alignas(64) std::int32_t index[16];
+  const V lo = hn::Set(d, table.value_lo);
+  const V hi = hn::Set(d, table.value_hi);
+  struct Integrals {
+    Classified high, low;
+  };
+  const auto integrals_to = [&](V value) -> Integrals {
+    const V inside = hn::Min(hn::Max(value, lo), hi);
+    const V place = hn::Min(hn::Max(place_of(frame.table.axis, inside), hn::Zero(d)),
+                            hn::Set(d, frame.table.last_node));
+    const V node = hn::Floor(place);
+    const V fraction = hn::Sub(place, node);
+    hn::Store(hn::ShiftLeft<1>(nearest_integer(node)), di, index);
+    const Classified a = transpose_nodes(table.nodes, index);
+    const Classified b = transpose_nodes(table.nodes + 8, index);
+    const Classified a_low = transpose_nodes(table.nodes + 4, index);
+    const Classified b_low = transpose_nodes(table.nodes + 12, index);
+    const V excess = hn::Mul(hn::Sub(value, inside), hn::Set(d, table.per_value));
+    const M is_before = hn::Lt(excess, hn::Zero(d));
+    const auto low = [&](V p, V q, V p_low, V q_low, std::size_t c) {
+      const V end =
+          hn::IfThenElse(is_before, hn::Set(d, table.before[c]), hn::Set(d, table.behind[c]));
+      const V step = hn::Add(hn::Sub(q, p), hn::Sub(q_low, p_low));
+      return hn::MulAdd(step, fraction, hn::MulAdd(end, excess, p_low));
+    };
+    return {a,
+            {low(a.red, b.red, a_low.red, b_low.red, 0),
+             low(a.green, b.green, a_low.green, b_low.green, 1),
+             low(a.blue, b.blue, a_low.blue, b_low.blue, 2),
+             low(a.opacity, b.opacity, a_low.opacity, b_low.opacity, 3)}};
+  };
+  const Integrals begin = integrals_to(from);
+  const Integrals end = integrals_to(to);
+  const auto difference = [](V p, V q, V p_low, V q_low) {
+    return hn::Add(hn::Sub(q, p), hn::Sub(q_low, p_low));
+  };
+  const V extinction =
+      difference(begin.high.opacity, end.high.opacity, begin.low.opacity, end.low.opacity);
+  const M is_something = hn::Ne(extinction, hn::Zero(d));
+  const V inverse =
+      hn::Div(hn::Set(d, 1.0F), hn::IfThenElse(is_something, extinction, hn::Set(d, 1.0F)));
+  const auto color = [&](V p, V q, V p_low, V q_low) {
+    const V c = hn::Mul(difference(p, q, p_low, q_low), inverse);
+    return hn::Min(hn::Max(c, hn::Zero(d)), hn::Set(d, 1.0F));
+  };
+  const V length = hn::Mul(hn::Sub(to, from), hn::Set(d, table.per_value));
+  const V mean = hn::Max(hn::Div(extinction, length), hn::Zero(d));
+  constexpr float kLog2E = 1.44269504F;
+  const V through =
+      vector_exp2(d, hn::Max(hn::Mul(mean, hn::Set(d, -kLog2E)), hn::Set(d, -126.0F)));
+  return {color(begin.high.red, end.high.red, begin.low.red, end.low.red),
+          color(begin.high.green, end.high.green, begin.low.green, end.low.green),
+          color(begin.high.blue, end.high.blue, begin.low.blue, end.low.blue),
+          hn::IfThenElseZero(is_something, hn::Sub(hn::Set(d, 1.0F), through))};
+}
+
+// Pre-integrated: the piece from the sheet before to the sample. Where both ends lie within
+// kCloseCells the look is as good as straight between them, and its middle stands for it; so it
+// does for a sample that has none before it.
+inline constexpr float kCloseCells = 2.0F;
+
+HWY_INLINE Classified classify_from(const CpuFrame& frame, V before, V value) {
+  const V middle = hn::MulAdd(hn::Sub(value, before), hn::Set(d, 0.5F), before);
+  const Classified close = classify(frame.table, middle);
+  const V cells =
+      hn::Abs(hn::Sub(place_of(frame.table.axis, value), place_of(frame.table.axis, before)));
+  const M is_far = hn::Gt(cells, hn::Set(d, kCloseCells));
+  if (bits_of(is_far) == 0) return close;
+  const Classified far = classify_segment(frame, before, value);
+  return {hn::IfThenElse(is_far, far.red, close.red),
+          hn::IfThenElse(is_far, far.green, close.green),
+          hn::IfThenElse(is_far, far.blue, close.blue),
+          hn::IfThenElse(is_far, far.opacity, close.opacity)};
+}
+
+// How many sampling distances long the path of a sample is.
+HWY_INLINE V path_length(const CpuFrame& frame, const Block& block, int s, int column, int row) {
+  return hn::Mul(path_fraction(frame, block, s, column, row),
+                 ray_length(frame, block, column, row));
+}
+
 // Opacity of every sample in `bits`, and which are visible.
 inline void classify_sheet(const CpuFrame& frame, Block& block, int s, const RowBits& bits) {
   const float* values = block.values[s & (kRingSheets - 1)];
+  const float* values_before = block.values[(s - 1) & (kRingSheets - 1)];
+  const RowBits& defined_before = block.defined[(s - 1) & (kRingSheets - 1)];
   const bool has_own_path = !frame.is_parallel || frame.plan->is_clipped;
   for (int y = 0; y < block.rows; ++y) {
     block.visible[y] = 0;
@@ -108,22 +212,55 @@ inline void classify_sheet(const CpuFrame& frame, Block& block, int s, const Row
         bits[y], block.margin, block.columns - block.margin, [&](int column, std::uint32_t lanes) {
           const int at = y * kPlaneStride + column;
           const V value = hn::LoadU(d, values + at);
-          const M may_show = hn::And(hn::Ge(value, hn::Set(d, frame.table.visible_lo)),
-                                     hn::Le(value, hn::Set(d, frame.table.visible_hi)));
+          V before = value;
+          if (frame.is_preintegrated) {
+            const M has_before = mask_of(defined_before[y] >> column & group_bits());
+            before = hn::IfThenElse(has_before, hn::LoadU(d, values_before + at), value);
+          }
+          const M may_show =
+              hn::And(hn::Ge(hn::Max(value, before), hn::Set(d, frame.table.visible_lo)),
+                      hn::Le(hn::Min(value, before), hn::Set(d, frame.table.visible_hi)));
           if ((bits_of(may_show) & lanes) == 0) return;
-          const Classified color = classify(frame.table, value);
+          const Classified color = frame.is_preintegrated ? classify_from(frame, before, value)
+                                                          : classify(frame.table, value);
           V a = color.opacity;
           const std::uint32_t visible = bits_of(hn::Gt(a, hn::Zero(d))) & lanes;
           if (visible == 0) return;
-          if (has_own_path) {
-            const V fraction = path_fraction(frame, block, s, column, y);
-            a = correct_opacity(a, hn::Mul(fraction, ray_length(frame, block, column, y)));
-          }
+          if (has_own_path && !frame.corrects_late)
+            a = correct_opacity(a, path_length(frame, block, s, column, y));
           hn::StoreU(a, d, block.sample_alpha + at);
           hn::StoreU(color.red, d, block.sample_red + at);
           hn::StoreU(color.green, d, block.sample_green + at);
           hn::StoreU(color.blue, d, block.sample_blue + at);
           block.visible[y] |= visible << column;
+        });
+  }
+}
+
+// Where opacities are corrected late: fades the visible samples by their gradients, which are
+// there, and corrects for the path. What fades away is no longer visible.
+inline void correct_sheet(const CpuFrame& frame, Block& block, int s) {
+  const bool has_own_path = !frame.is_parallel || frame.plan->is_clipped;
+  for (int y = 0; y < block.rows; ++y) {
+    const std::uint32_t candidates = block.visible[y];
+    for_each_group(
+        candidates, block.margin, block.columns - block.margin,
+        [&](int column, std::uint32_t lanes) {
+          const int at = y * kPlaneStride + column;
+          V a = hn::LoadU(d, block.sample_alpha + at);
+          if (frame.fades_by_gradient) {
+            V squared = hn::Zero(d);
+            for (const float* g : {block.gradient[0], block.gradient[1], block.gradient[2]}) {
+              const V component = hn::LoadU(d, g + at);
+              squared = hn::MulAdd(component, component, squared);
+            }
+            a = hn::Mul(a, classify(frame.fading, hn::Sqrt(squared)).opacity);
+          }
+          V length = hn::Set(d, frame.path_in_units);
+          if (has_own_path) length = hn::Mul(length, path_length(frame, block, s, column, y));
+          const std::uint32_t gone = bits_of(hn::Le(a, hn::Zero(d))) & lanes;
+          block.visible[y] &= ~(gone << column);
+          hn::StoreU(correct_opacity(a, length), d, block.sample_alpha + at);
         });
   }
 }

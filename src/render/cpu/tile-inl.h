@@ -158,6 +158,7 @@ inline void finish_sheet(const CpuFrame& frame, Workspace& work, int s, StageClo
     clock.lap(kShade);
     return;
   }
+  if (frame.is_preintegrated && s < block.front_margin) return;  // the block before has drawn it
   const RowBits bits = relevant_now(frame, block, tile, s);
   if (frame.mode != Mode::kComposite) {
     accumulate_sheet(frame, block, tile, s, bits);
@@ -169,12 +170,13 @@ inline void finish_sheet(const CpuFrame& frame, Workspace& work, int s, StageClo
   clock.lap(kShade);
   if (num_visible == 0) return;
   work.stats.samples_shaded += num_visible;
-  if (frame.shade) {
+  if (frame.takes_gradients) {
     gradient_of_sheet(frame, work, s);
     clock.lap(kGradient);
-    light_sheet(frame, block);
-    clock.lap(kShade);
   }
+  if (frame.corrects_late) correct_sheet(frame, block, s);
+  if (frame.shade) light_sheet(frame, block);
+  clock.lap(kShade);
   composite_sheet(block, tile, s);
   clock.lap(kComposite);
 }
@@ -278,7 +280,8 @@ inline void render_tile_on_target(const CpuFrame& frame, Workspace& work, const 
   const int width = rect.x1 - rect.x0;
   const int height = rect.y1 - rect.y0;
   block.margin = frame.central_gradient ? 1 : 0;
-  block.front_margin = frame.central_gradient || frame.mode == Mode::kIsosurface ? 1 : 0;
+  block.front_margin =
+      frame.central_gradient || frame.is_preintegrated || frame.mode == Mode::kIsosurface ? 1 : 0;
   block.back_margin = block.margin;
   work.tile.reset(width, height);
   block.visible = {};

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace ovoid::reference {
 namespace {
@@ -23,6 +24,13 @@ double span_of(const Look& look, const Field& field) {
   return look.transfer_function.hi() - look.transfer_function.lo();
 }
 
+// Opacity by the gradient's length, as a curve of its own.
+TransferFunction fading_of(const Look& look) {
+  TransferFunction fading;
+  fading.opacities = look.transfer_function.gradient_opacities;
+  return fading;
+}
+
 Pixel premultiplied(const Rgb& color, double alpha, double depth) {
   return {{alpha * color[0], alpha * color[1], alpha * color[2], alpha}, depth};
 }
@@ -35,6 +43,8 @@ PixelTracer::PixelTracer(const Field& field, const FieldEvaluator& evaluator, co
       look_(look),
       slab_(options.slab),
       gradient_method_(options.gradient),
+      classification_(options.classification),
+      fading_(fading_of(look)),
       view_(field, camera, options),
       index_from_world_(field.geometry().world_from_index.inverse()),
       support_(evaluator.support_bounds(view_.greatest_widening())),
@@ -89,6 +99,16 @@ Vec3 PixelTracer::gradient(const PixelRay& pixel, const RaySample& sample) const
   return own_gradient(sample.exact_gradient, pixel.ray.at(sample.z), view_.widening(sample.sheet));
 }
 
+// Half-way between two sheets; central differences are the second one's.
+Vec3 PixelTracer::piece_gradient(const PixelRay& pixel, const RaySample& from,
+                                 const RaySample& to) const {
+  if (gradient_method_ == GradientMethod::kCentral) return central_gradient(pixel, to);
+  const double z = 0.5 * (from.z + to.z);
+  const Vec3 widening = view_.widening(to.sheet);
+  const FieldSample middle = field_on_ray(pixel.ray, z, widening);
+  return own_gradient(middle.gradient, pixel.ray.at(z), widening);
+}
+
 // The kernels' own gradient at a place, corrected if so asked.
 Vec3 PixelTracer::own_gradient(const Vec3& exact, const Vec3& position,
                                const Vec3& widening) const {
@@ -113,24 +133,41 @@ Pixel PixelTracer::composite(const PixelRay& pixel, TraceCounts& counts) const {
   const Vec3 to_eye = -pixel.ray.direction.normalized();
   Pixel result;
   double& alpha = result.rgba[3];
+  std::optional<RaySample> before;
   for (std::int64_t k = pixel.sheets.first; k <= pixel.sheets.last; ++k) {
     if (alpha >= RenderOptions::kOpaque) break;
     const std::optional<RaySample> at = sample(pixel, k, counts);
-    if (!at) continue;
-    const double a = opacity_over(look_.transfer_function.opacity_at(at->value), at->path,
-                                  shading_.unit_distance);
-    if (a == 0) continue;
-    ++counts.visible;
-    Rgb color = look_.transfer_function.color_at(at->value);
-    if (look_.shade) {
-      ++counts.gradients;
-      color = shaded(color, gradient(pixel, *at), to_eye, look_, shading_);
+    if (!at) {
+      before.reset();
+      continue;
     }
+    const std::optional<RaySample> start = classification_ == Classification::kPreintegrated
+                                               ? std::exchange(before, at)
+                                               : std::nullopt;
+    ClassifiedSample seen = classified_sample(start, *at);
+    if (seen.opacity == 0) continue;
+    ++counts.visible;
+    if (look_.shade || !fading_.opacities.empty()) {
+      ++counts.gradients;
+      const Vec3 slope = start ? piece_gradient(pixel, *start, *at) : gradient(pixel, *at);
+      seen.opacity *= fading_.opacity_at(slope.norm());
+      if (look_.shade) seen.color = shaded(seen.color, slope, to_eye, look_, shading_);
+    }
+    const Rgb& color = seen.color;
+    const double a = opacity_over(seen.opacity, at->path, shading_.unit_distance);
     for (std::size_t c = 0; c < 3; ++c) result.rgba[c] += (1 - alpha) * a * color[c];
     alpha += (1 - alpha) * a;
     if (alpha >= 0.5 && std::isinf(result.depth)) result.depth = at->z;
   }
   return result;
+}
+
+// Colour, and opacity over a unit distance, of a sample, or of the piece that ends at it.
+ClassifiedSample PixelTracer::classified_sample(const std::optional<RaySample>& before,
+                                                const RaySample& at) const {
+  const TransferFunction& tf = look_.transfer_function;
+  if (before && before->value != at.value) return classified_piece(tf, before->value, at.value);
+  return {tf.color_at(at.value), tf.opacity_at(at.value)};
 }
 
 Pixel PixelTracer::xray(const PixelRay& pixel, TraceCounts& counts) const {

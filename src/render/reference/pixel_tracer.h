@@ -56,8 +56,12 @@ class PixelTracer {
                                   TraceCounts& counts) const;
   FieldSample field_at(int x, int y, std::int64_t sheet) const;
   Vec3 gradient(const PixelRay& pixel, const RaySample& sample) const;
+  Vec3 piece_gradient(const PixelRay& pixel, const RaySample& from, const RaySample& to) const;
   Vec3 own_gradient(const Vec3& exact, const Vec3& position, const Vec3& widening) const;
   Vec3 central_gradient(const PixelRay& pixel, const RaySample& sample) const;
+
+  ClassifiedSample classified_sample(const std::optional<RaySample>& before,
+                                     const RaySample& at) const;
 
   Pixel composite(const PixelRay& pixel, TraceCounts& counts) const;
   Pixel xray(const PixelRay& pixel, TraceCounts& counts) const;
@@ -72,6 +76,8 @@ class PixelTracer {
   const Look look_;
   const Slab slab_;
   const GradientMethod gradient_method_;
+  const Classification classification_;
+  const TransferFunction fading_;  // opacity by the gradient's length; without points 1
   const ViewRays view_;
   const Affine3 index_from_world_;
   const Bounds3 support_;  // index space, the whole frame's

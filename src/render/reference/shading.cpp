@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace ovoid::reference {
 namespace {
@@ -21,7 +22,47 @@ double flatness(const Vec3& gradient, const ShadingContext& context) {
   return rise / threshold;
 }
 
+// An opacity of 1 counts as this much extinction per unit distance.
+constexpr double kGreatestExtinction = 64;
+
+double extinction_of(double opacity) {
+  return opacity < 1 ? std::min(-std::log1p(-opacity), kGreatestExtinction) : kGreatestExtinction;
+}
+
+// The ends, and all places between them where the look may have a corner.
+std::vector<double> corners_between(const TransferFunction& tf, double from, double to) {
+  std::vector<double> corners{from, to};
+  const auto add = [&](double x) {
+    if (std::min(from, to) < x && x < std::max(from, to)) corners.push_back(x);
+  };
+  for (const ColorPoint& point : tf.colors) add(point.x);
+  for (const OpacityPoint& point : tf.opacities) add(point.x);
+  std::sort(corners.begin(), corners.end());
+  return corners;
+}
+
 }  // namespace
+
+ClassifiedSample classified_piece(const TransferFunction& tf, double from, double to) {
+  constexpr int kSamples = 64;
+  double extinction = 0;
+  Rgb color{0, 0, 0};
+  const std::vector<double> corners = corners_between(tf, from, to);
+  for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
+    const double width = (corners[i + 1] - corners[i]) / kSamples;
+    for (int k = 0; k < kSamples; ++k) {
+      const double value = corners[i] + (k + 0.5) * width;
+      const double share = width * extinction_of(tf.opacity_at(value));
+      if (share == 0) continue;
+      const Rgb here = tf.color_at(value);
+      extinction += share;
+      for (std::size_t c = 0; c < 3; ++c) color[c] += share * here[c];
+    }
+  }
+  if (extinction == 0) return {{0, 0, 0}, 0};
+  for (double& c : color) c /= extinction;
+  return {color, 1 - std::exp(-extinction / std::abs(to - from))};
+}
 
 double opacity_over(double opacity, double path, double unit_distance) {
   return 1 - std::pow(1 - opacity, path / unit_distance);

@@ -13,6 +13,15 @@ struct ShadingContext {
   double span;           // of the values over which flatness is judged
 };
 
+struct ClassifiedSample {
+  Rgb color;
+  double opacity;  // over a unit distance
+};
+
+// The piece of a ray along which the value goes straight from `from` to `to`, which differ:
+// docs/numerics.md, "Classification", pre-integrated.
+ClassifiedSample classified_piece(const TransferFunction& tf, double from, double to);
+
 // The opacity of a path through material of opacity `opacity` per unit distance.
 double opacity_over(double opacity, double path, double unit_distance);
 

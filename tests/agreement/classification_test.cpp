@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+// Classification beyond the plain look-up, the cpu back end against the reference: pieces between
+// sheets, and opacity by gradient.
+#include <gtest/gtest.h>
+
+#include "support/agreement.h"
+#include "support/scenes.h"
+
+namespace ovoid::test {
+namespace {
+
+// A gradient of the volume that is neither its least nor its greatest.
+double typical_gradient(const TestVolume& volume) {
+  return 0.2 * (volume.hi - volume.lo) / volume.field.default_sampling_distance();
+}
+
+void fade_by_gradient(Look& look, double gradient) {
+  look.transfer_function.gradient_opacities = {
+      {0.3 * gradient, 0}, {0.8 * gradient, 0.4, 0.3, 0.2}, {1.5 * gradient, 1}};
+}
+
+std::string view_name(bool is_parallel) { return is_parallel ? ", parallel" : ", perspective"; }
+
+// Fails if the integrals, the ends beyond the table, or which sample comes before which is off.
+TEST(Preintegrated, AgreesOnEveryVolumeAndLook) {
+  for (const TestVolume& volume : test_volumes()) {
+    if (volume.name == "one sample") continue;  // has nothing before it
+    for (const TestLook& look : test_looks(volume.lo, volume.hi)) {
+      for (const double distance : {1.0, 3.0}) {
+        const bool is_parallel = distance > 1;
+        Scene scene{volume.field, askew_camera(volume.field, is_parallel, 1.4), look.look,
+                    picture(40, 34, distance * volume.field.default_sampling_distance())};
+        scene.options.classification = Classification::kPreintegrated;
+        EXPECT_TRUE(
+            backends_agree(scene, volume.name + ", " + look.name + view_name(is_parallel), 0.002));
+      }
+    }
+  }
+}
+
+TEST(Preintegrated, AgreesWithOtherOptions) {
+  for (const bool is_parallel : {true, false}) {
+    Scene scene = small_scene(Mode::kComposite, is_parallel);
+    scene.options.classification = Classification::kPreintegrated;
+    const std::string view = "pre-integrated" + view_name(is_parallel);
+    Scene scattered = scene;
+    scattered.options.evaluate = Evaluate::kScatter;
+    EXPECT_TRUE(backends_agree(scattered, view + ", scatter"));
+    Scene central = scene;
+    central.options.gradient = GradientMethod::kCentral;
+    EXPECT_TRUE(backends_agree(central, view + ", central"));
+    Scene mean = scene;
+    mean.options.slab = Slab::kMean;
+    EXPECT_TRUE(backends_agree(mean, view + ", slab means"));
+    Scene clipped = scene;
+    const Vec3 normal(-1.0, 0.6, 0.5);
+    clipped.options.clip_planes = {{normal, normal.dot(scene.field.world_bounds().center()) - 0.7}};
+    EXPECT_TRUE(backends_agree(clipped, view + ", clipped"));
+    Scene unlit = scene;
+    unlit.look.shade = false;
+    EXPECT_TRUE(backends_agree(unlit, view + ", no light"));
+  }
+}
+
+// Fails if the factor is taken from another gradient, or after the correction for the path.
+TEST(GradientOpacity, AgreesOnEveryVolumeAndLook) {
+  for (const TestVolume& volume : test_volumes()) {
+    if (volume.name == "one sample") continue;  // has no gradient but rounding
+    for (const TestLook& test_look : test_looks(volume.lo, volume.hi)) {
+      Scene scene{volume.field, askew_camera(volume.field, true, 1.4), test_look.look,
+                  picture(40, 34)};
+      fade_by_gradient(scene.look, typical_gradient(volume));
+      EXPECT_TRUE(backends_agree(scene, volume.name + ", " + test_look.name, 0.01));
+    }
+  }
+}
+
+TEST(GradientOpacity, AgreesWithOtherOptions) {
+  for (const bool is_parallel : {true, false}) {
+    Scene scene = small_scene(Mode::kComposite, is_parallel);
+    const ValueRange range = scene.field.value_range();
+    fade_by_gradient(scene.look, 0.2 * (range.hi - range.lo));
+    const std::string view = "fading" + view_name(is_parallel);
+    Scene unlit = scene;
+    unlit.look.shade = false;
+    EXPECT_TRUE(backends_agree(unlit, view + ", no light"));
+    Scene scattered = scene;
+    scattered.options.evaluate = Evaluate::kScatter;
+    EXPECT_TRUE(backends_agree(scattered, view + ", scatter"));
+    for (const GradientMethod method : {GradientMethod::kCentral, GradientMethod::kExact}) {
+      Scene other = scene;
+      other.options.gradient = method;
+      EXPECT_TRUE(backends_agree(other, view + ", another gradient"));
+      other.look.shade = false;
+      EXPECT_TRUE(backends_agree(other, view + ", another gradient, no light"));
+    }
+    Scene both = scene;
+    both.options.classification = Classification::kPreintegrated;
+    EXPECT_TRUE(backends_agree(both, view + ", pre-integrated"));
+    Scene other_mode = scene;
+    other_mode.look.mode = Mode::kMaximum;  // fading is of composite alone
+    EXPECT_TRUE(backends_agree(other_mode, view + ", maximum"));
+  }
+}
+
+}  // namespace
+}  // namespace ovoid::test

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# Installs the build tree into a fresh folder, then configures, builds and runs the first example against it and nothing else.
+# Installs the build tree into a fresh folder, then configures, builds and runs the examples against it and nothing else.
 # Fails if a header, a dependency of the package file or the program is missing from what gets installed.
 #   cmake -DSOURCE=... -DBUILD=... -DWORK=... -P install_test.cmake
 
@@ -22,13 +22,29 @@ if(NOT "${public}" STREQUAL "${installed}")
   message(FATAL_ERROR "installed headers differ from include/:\n${installed}\n${public}")
 endif()
 
-run(${CMAKE_COMMAND} -G Ninja -S ${SOURCE}/examples/01_volume_to_png -B ${WORK}/build
-    -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_BUILD_TYPE=Release "-DCMAKE_CXX_FLAGS=${FLAGS}")
+run(${CMAKE_COMMAND} -G Ninja -S ${SOURCE}/examples -B ${WORK}/build
+    -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_BUILD_TYPE=Release "-DCMAKE_CXX_FLAGS=${FLAGS} -Wall -Wextra -Werror")
 run(${CMAKE_COMMAND} --build ${WORK}/build)
 
-run(${prefix}/bin/ovoid make marschner-lobb --size 32 -o ${WORK}/volume.nrrd)
-run(${WORK}/build/volume_to_png ${WORK}/volume.nrrd ${WORK}/picture.png)
-file(READ ${WORK}/picture.png signature LIMIT 4 HEX)
-if(NOT signature STREQUAL "89504e47")
-  message(FATAL_ERROR "the example's picture is no PNG: it starts with ${signature}")
-endif()
+function(expect_picture path)
+  file(READ ${path} signature LIMIT 4 HEX)
+  if(NOT signature STREQUAL "89504e47")
+    message(FATAL_ERROR "${path} is no PNG: it starts with ${signature}")
+  endif()
+endfunction()
+
+set(volume ${WORK}/volume.nrrd)
+run(${prefix}/bin/ovoid make marschner-lobb --size 32 -o ${volume})
+run(${WORK}/build/01_volume_to_png/volume_to_png ${volume} ${WORK}/picture.png)
+expect_picture(${WORK}/picture.png)
+run(${WORK}/build/02_looks/looks ${volume} ${WORK}/looks)
+foreach(look default ramp own brightest)
+  expect_picture(${WORK}/looks-${look}.png)
+endforeach()
+run(${WORK}/build/03_time_steps/time_steps ${volume} ${WORK}/step)
+expect_picture(${WORK}/step0.png)
+run(${WORK}/build/04_brick_source/brick_source ${WORK}/gyroid.png)
+expect_picture(${WORK}/gyroid.png)
+run(${WORK}/build/05_profile/profile ${volume})
+run(${WORK}/build/06_embedding/embedding ${volume} ${WORK}/embedded.png)
+expect_picture(${WORK}/embedded.png)

@@ -216,6 +216,12 @@ void Flags::refuse(std::initializer_list<const char*> names) {
 }
 
 bool Flags::parse(const std::vector<std::string>& words) {
+  if (words.size() == 1 && words[0] == kListFlags) {
+    for (const Entry* const flag : impl_->flags())
+      fmt::print("{}\t{}\t{}\n", flag->names, flag->form, flag->text);
+    fmt::print("-h,--help\t\tthis help\n");
+    return false;
+  }
   for (const Entry* const flag : impl_->flags()) check_words(*flag, words);
   try {
     // CLI11 wants the last word first.

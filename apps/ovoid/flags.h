@@ -9,6 +9,8 @@
 
 namespace ovoid::cli {
 
+inline constexpr const char* kListFlags = "--list-flags";
+
 // The flags of one command. CLI11 takes the command line apart; this class keeps the words of each
 // flag, so that parsing, help text and error messages come from one declaration. Sections group the
 // help; a flag belongs to the section opened last.
@@ -52,8 +54,9 @@ class Flags {
   // A paragraph printed under the flags.
   void footer(std::string text);
 
-  // Takes the words after the command's name. Prints the help and returns false if that was asked
-  // for. Throws UsageError.
+  // Takes the words after the command's name. Prints the help, or with the only word kListFlags the
+  // flags for a shell to complete (names, form, sentence, with tabs between), and returns false if
+  // that was asked for. Throws UsageError.
   bool parse(const std::vector<std::string>& words);
 
   bool is_given(const std::string& name) const;

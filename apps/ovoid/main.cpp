@@ -13,6 +13,7 @@
 #include <system_error>
 
 #include "command.h"
+#include "flags.h"
 #include "ovoid/error.h"
 #include "session.h"
 #include "suggest.h"
@@ -70,6 +71,12 @@ void run(const Words& words, Session& session) {
   const std::string& first = words.front();
   if (first == "--help" || first == "-h" || first == "help") {
     fmt::print("{}", help());
+    return;
+  }
+  if (first == kListFlags) {
+    for (const Command& command : kCommands)
+      fmt::print("{}\t{}\t{}\n", command.name, command.synopsis, command.summary);
+    fmt::print("--help\t\tcommands\n--version\t\tthe version\n");
     return;
   }
   if (first == "--version") {

@@ -23,6 +23,18 @@ Spread spread(std::vector<double> values) {
   return {at(0), at(0.25), at(0.5), at(0.75), at(1)};
 }
 
+// A row of the system's table about this process, which is in KiB; 0 if there is none.
+static std::int64_t status_bytes(const char* name) {
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;) {
+    if (word != name) continue;
+    std::int64_t kibibytes = 0;
+    status >> kibibytes;
+    return kibibytes * 1024;
+  }
+  return 0;
+}
+
 Json counts_json(const FrameProfile& frame) {
   Json json;
   json["kernels"] = {{"total", frame.kernels_total}, {"drawn", frame.kernels_drawn}};
@@ -91,16 +103,9 @@ std::string to_table(const RunProfile& profile) {
 }
 
 // VmHWM rather than getrusage(): the latter starts at the peak of the process that called exec().
-std::int64_t peak_memory_bytes() {
-  std::ifstream status("/proc/self/status");
-  for (std::string word; status >> word;) {
-    if (word != "VmHWM:") continue;
-    std::int64_t kibibytes = 0;
-    status >> kibibytes;
-    return kibibytes * 1024;
-  }
-  return 0;
-}
+std::int64_t peak_memory_bytes() { return status_bytes("VmHWM:"); }
+
+std::int64_t resident_memory_bytes() { return status_bytes("VmRSS:"); }
 
 std::string readable_bytes(double bytes) {
   constexpr const char* kUnits[] = {"bytes", "KiB", "MiB", "GiB", "TiB"};

@@ -46,6 +46,9 @@ nlohmann::ordered_json stages_json(const FrameProfile& frame);
 // The greatest resident memory of this process so far, bytes; 0 if the system does not tell.
 std::int64_t peak_memory_bytes();
 
+// Its resident memory now.
+std::int64_t resident_memory_bytes();
+
 // "4.2 MiB"
 std::string readable_bytes(double bytes);
 

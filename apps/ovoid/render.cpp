@@ -12,6 +12,7 @@
 #include "check_files.h"
 #include "command.h"
 #include "data_flags.h"
+#include "dry_run.h"
 #include "look_flags.h"
 #include "ovoid/io.h"
 #include "profile.h"
@@ -34,6 +35,7 @@ struct RenderFlags {
   RenderOptions options;
   RunFlags run;
   int repeat = 0;  // 0: one frame, the one that is written
+  bool dry_run = false;
   bool profile = false;
   std::string profile_file;  // empty: a table on standard error
 };
@@ -75,6 +77,9 @@ void add_measure_flags(Flags& flags, RenderFlags* render) {
                          render->profile = true;
                          render->profile_file = text;
                        });
+  flags.toggle("--dry-run",
+               "read the data, tell what the picture will cost, and write nothing; needs no -o",
+               &render->dry_run);
   add_switch_flags(flags, &render->options);
 }
 
@@ -93,9 +98,9 @@ void add_flags(Flags& flags, RenderFlags* render) {
 
 void check_flags(const Flags& flags, const RenderFlags& render) {
   require_inputs(flags, render.data);
-  if (render.output.empty())
+  if (render.output.empty() && !render.dry_run)
     throw UsageError("--output: none given, expected -o OUT.png, .exr or .npy");
-  const bool is_png = has_ending(render.output, ".png");
+  const bool is_png = render.output.empty() || has_ending(render.output, ".png");
   if (!is_png && !has_ending(render.output, ".exr") && !has_ending(render.output, ".npy")) {
     throw UsageError(fmt::format("--output '{}': expected a name that ends in .png, .exr or .npy",
                                  render.output));
@@ -109,7 +114,8 @@ void check_flags(const Flags& flags, const RenderFlags& render) {
   std::vector<InputFile> inputs = volume_inputs(render.data.inputs);
   if (!render.look.file.empty()) inputs.push_back({render.look.file, "the look of --tf"});
   if (!render.camera.file.empty()) inputs.push_back({render.camera.file, "the camera of --camera"});
-  std::vector<OutputFile> outputs = {{"--output", render.output, render.output}};
+  std::vector<OutputFile> outputs;
+  if (!render.output.empty()) outputs.push_back({"--output", render.output, render.output});
   if (!render.profile_file.empty())
     outputs.push_back({"--profile", render.profile_file, render.profile_file});
   check_files(inputs, outputs);
@@ -243,6 +249,12 @@ void run_render(const Words& words, Session& session) {
   const double aspect = static_cast<double>(profile.width) / profile.height;
   const Camera camera = make_camera(render.camera, field, space, aspect);
   const Look look = make_look(render.look, field, unit, session);
+  if (render.dry_run) {
+    const DryRun run{
+        field, camera, look, render.options, render.run.backend, render.run.threads, render.output};
+    fmt::print("{}", predict(run, session));
+    return;
+  }
   Image image = draw(render, field, camera, look, &profile, session);
   note_if_empty(image, look, field.value_range(), session);
   if (look.mode == Mode::kXray && has_ending(render.output, ".png")) {

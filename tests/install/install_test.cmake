@@ -22,6 +22,12 @@ if(NOT "${public}" STREQUAL "${installed}")
   message(FATAL_ERROR "installed headers differ from include/:\n${installed}\n${public}")
 endif()
 
+foreach(completion bash-completion/completions/ovoid zsh/site-functions/_ovoid fish/vendor_completions.d/ovoid.fish)
+  if(NOT EXISTS ${prefix}/share/${completion})
+    message(FATAL_ERROR "share/${completion} is not installed")
+  endif()
+endforeach()
+
 run(${CMAKE_COMMAND} -G Ninja -S ${SOURCE}/examples -B ${WORK}/build
     -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_BUILD_TYPE=Release "-DCMAKE_CXX_FLAGS=${FLAGS} -Wall -Wextra -Werror")
 run(${CMAKE_COMMAND} --build ${WORK}/build)

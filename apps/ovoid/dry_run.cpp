@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "dry_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "profile.h"
+
+namespace ovoid::cli {
+namespace {
+
+// Fewer pixels tell too little about a picture.
+constexpr int kLeastSide = 96;
+
+RenderOptions resized(RenderOptions options, int width_divisor, int height_divisor) {
+  const auto divided = [](int side, int divisor) {
+    return std::max(side / divisor, std::min(side, kLeastSide));
+  };
+  options.width = divided(options.width, width_divisor);
+  options.height = divided(options.height, height_divisor);
+  return options;
+}
+
+double num_pixels(const RenderOptions& options) {
+  return static_cast<double>(options.width) * options.height;
+}
+
+// Bytes per pixel: four colour floats and a depth while it is drawn; then the file's own form,
+// before it is compressed.
+double picture_bytes(const RenderOptions& options, const std::string& output) {
+  constexpr double kDrawn = 20;
+  const double written = has_ending(output, ".png") ? 4 : has_ending(output, ".exr") ? 20 : 0;
+  return (kDrawn + written) * num_pixels(options);
+}
+
+std::string readable_count(double count) {
+  if (count < 1e4) return fmt::format("{:.0f}", count);
+  if (count < 1e6) return fmt::format("{:.0f} thousand", count / 1e3);
+  return fmt::format("{:.{}f} million", count / 1e6, count < 1e7 ? 1 : 0);
+}
+
+std::string readable_time(double ms) {
+  if (ms < 1000) return fmt::format("{:.0f} ms", ms);
+  if (ms < 120'000) return fmt::format("{:.1f} s", ms / 1000);
+  return fmt::format("{:.0f} min", ms / 60'000);
+}
+
+}  // namespace
+
+std::string predict(const DryRun& run, Session& session) {
+  const double resident = static_cast<double>(resident_memory_bytes());
+  const RenderOptions small = resized(run.options, 4, 4);
+  // A camera's picture keeps its scale when it gets narrower.
+  const RenderOptions strip = resized(run.options, 8, 1);
+  const double ratio = num_pixels(run.options) / num_pixels(small);
+  Renderer renderer(run.backend, run.threads);
+  RenderHooks hooks;
+  hooks.stop = session.stop();
+  Progress progress("measuring");
+  hooks.progress = progress.callback();
+  const FrameProfile profile =
+      renderer.render(run.field, run.camera, run.look, small, hooks).profile;
+
+  hooks.progress = nullptr;
+  const FrameProfile timed = renderer.render(run.field, run.camera, run.look, strip, hooks).profile;
+  const double num_samples = ratio * static_cast<double>(profile.samples_reconstructed);
+  const double ms_per_sample =
+      timed.frame_ms / std::max(1.0, static_cast<double>(timed.samples_reconstructed));
+
+  std::string out;
+  const auto row = [&out](const char* name, const std::string& value) {
+    out += fmt::format("{:<26}{}\n", name, value);
+  };
+  row("picture", fmt::format("{} x {} pixels{}{}", run.options.width, run.options.height,
+                             run.output.empty() ? "" : ", ", one_line(run.output)));
+  row("kernels", fmt::format("{}, {} of them where something can show",
+                             readable_count(static_cast<double>(profile.kernels_total)),
+                             readable_count(static_cast<double>(profile.kernels_drawn))));
+  row("memory of the field",
+      readable_bytes(static_cast<double>(run.field.source().resident_bytes())));
+  row("sampling distance", fmt::format("{:.6g}", run.options.sampling_distance > 0
+                                                     ? run.options.sampling_distance
+                                                     : run.field.default_sampling_distance()));
+  row("samples",
+      fmt::format("about {} reconstructed, {} of them visible", readable_count(num_samples),
+                  readable_count(ratio * static_cast<double>(profile.samples_shaded))));
+  row("time of a frame",
+      fmt::format("about {} ({}{}{}, {} thread{})", readable_time(num_samples * ms_per_sample),
+                  profile.backend, profile.simd_target.empty() ? "" : ", ", profile.simd_target,
+                  profile.threads, profile.threads == 1 ? "" : "s"));
+  const double peak = std::max(static_cast<double>(peak_memory_bytes()),
+                               resident + picture_bytes(run.options, run.output));
+  row("greatest memory", fmt::format("about {}", readable_bytes(peak)));
+  return out;
+}
+
+}  // namespace ovoid::cli

@@ -100,6 +100,22 @@ Json json_of(const DataArray& array) {
   return json;
 }
 
+// Where the lattice's axes point in the patient, a letter for each, nearest direction of six:
+// "LPS". Null without a patient space.
+Json orientation_json(const LatticeGeometry& lattice, Space space) {
+  if (space == Space::kNone) return nullptr;
+  const char* const letters[2] = {space == Space::kLps ? "LPS" : "RAS",
+                                  space == Space::kLps ? "RAI" : "LPI"};
+  std::string orientation;
+  for (int a = 0; a < 3; ++a) {
+    const Vec3 axis = lattice.world_from_index.linear().col(a);
+    Eigen::Index nearest = 0;
+    axis.cwiseAbs().maxCoeff(&nearest);
+    orientation += letters[axis[nearest] < 0 ? 1 : 0][nearest];
+  }
+  return orientation;
+}
+
 Json lattice_json(const LatticeGeometry& lattice) {
   const Vec3 spacing = lattice.spacing();
   const Bounds3 bounds = lattice.world_bounds();
@@ -135,6 +151,7 @@ Json gather(const DataFlags& data, const LatticeModelOptions& model, Session& se
   json["source"] = dataset.source;
   json["format"] = dataset.format;
   json["space"] = name_of(dataset.space);
+  json["orientation"] = orientation_json(dataset.lattice, dataset.space);
   json.update(lattice_json(dataset.lattice));
   json["blocks"] = Json::array();
   for (const DatasetBlock& block : dataset.blocks)
@@ -214,6 +231,9 @@ void print_text(const Json& json) {
   print_row("axes", fmt::format("({}) ({}) ({})", numbers(json["axes"][0]),
                                 numbers(json["axes"][1]), numbers(json["axes"][2])));
   print_row("space", json["space"].get<std::string>());
+  if (!json["orientation"].is_null())
+    print_row("orientation",
+              json["orientation"].get<std::string>() + " (where x, y, z point, nearest)");
   print_row("bounds",
             fmt::format("({}) to ({})", numbers(json["bounds"][0]), numbers(json["bounds"][1])));
   for (const Json& block : json["blocks"]) {

@@ -43,6 +43,22 @@ TEST(Info, TellsWhatIsInTheFile) {
   EXPECT_GE(facts["field"]["memory_bytes"], 4096);
 }
 
+// Fails if a direction is taken for another axis' or for its opposite.
+TEST(Info, TellsWhereTheAxesPointInThePatient) {
+  const Folder folder;
+  const auto orientation = [&folder](const std::string& space, const std::string& directions) {
+    const std::string path = folder / "x.nrrd";
+    write_file(path, "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nencoding: raw\nspace: " +
+                         space + "\nspace directions: " + directions + "\n\n01234567");
+    return info(path)["orientation"];
+  };
+  EXPECT_EQ(orientation("LPS", "(1,0,0) (0,1,0) (0,0,1)"), "LPS");
+  EXPECT_EQ(orientation("RAS", "(1,0,0) (0,1,0) (0,0,1)"), "RAS");
+  EXPECT_EQ(orientation("LPS", "(-2,0.1,0) (0,0.3,-1) (0,4,0.1)"), "RIP");
+  EXPECT_EQ(orientation("RAS", "(0,0,3) (-1,0.2,0) (0,-2,0)"), "SLP");
+  EXPECT_TRUE(orientation("3D-right-handed", "(1,0,0) (0,1,0) (0,0,1)").is_null());
+}
+
 TEST(Info, CountsMissingSamples) {
   const Folder folder;
   std::vector<float> values(27, 2.0F);

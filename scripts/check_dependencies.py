@@ -16,7 +16,7 @@ PUBLIC = {
     "error.h": "data", "math.h": "data", "lattice.h": "data", "kernels.h": "data", "field.h": "data", "dataset.h": "data",
     "model.h": "model",
     "camera.h": "view", "transfer_function.h": "view", "look.h": "view", "image.h": "view",
-    "render_options.h": "view",
+    "render_options.h": "view", "crop.h": "view",
     "io.h": "io",
     "renderer.h": "render",
     "ovoid.h": "everything",

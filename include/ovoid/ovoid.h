@@ -9,6 +9,7 @@
 #pragma once
 
 #include "ovoid/camera.h"
+#include "ovoid/crop.h"
 #include "ovoid/dataset.h"
 #include "ovoid/error.h"
 #include "ovoid/field.h"

@@ -17,6 +17,7 @@ PUBLIC = {
     "model.h": "model",
     "camera.h": "view", "transfer_function.h": "view", "look.h": "view", "image.h": "view",
     "render_options.h": "view", "crop.h": "view",
+    "annotate.h": "annotate",
     "io.h": "io",
     "renderer.h": "render",
     "ovoid.h": "everything",
@@ -28,12 +29,13 @@ ALLOWED = {
     "data": set(),
     "model": {"data"},
     "view": {"data"},
+    "annotate": {"data", "view"},
     "io": {"data", "view:public"},
     "render": {"data", "view", "render/reference", "render/cpu"},  # src/render itself: chooses the back end
     "render/reference": {"data", "view", "render"},
     "render/cpu": {"data", "view", "render", "render/shared"},
     "render/shared": {"data", "view", "render"},
-    "everything": {"data", "model", "view", "io", "render"},
+    "everything": {"data", "model", "view", "annotate", "io", "render"},
 }
 
 # Third-party headers and the places that may see them, by prefix of the path.

@@ -8,6 +8,7 @@
 //   ovoid::write_image(frame.image, "head.png");
 #pragma once
 
+#include "ovoid/annotate.h"
 #include "ovoid/camera.h"
 #include "ovoid/crop.h"
 #include "ovoid/dataset.h"

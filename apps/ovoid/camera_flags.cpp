@@ -73,10 +73,10 @@ void check_camera_flags(const Flags& flags) {
   }
 }
 
-Camera make_camera(const CameraFlags& flags, const Field& field, Space space, double aspect) {
+Camera make_camera(const CameraFlags& flags, const Bounds3& bounds, Space space, double aspect) {
   const bool is_from_file = !flags.file.empty();
-  Camera camera = is_from_file ? read_camera(flags.file)
-                               : default_camera(field.world_bounds(), space, flags.view, aspect);
+  Camera camera =
+      is_from_file ? read_camera(flags.file) : default_camera(bounds, space, flags.view, aspect);
   if (flags.parallel_projection) camera.parallel_projection = *flags.parallel_projection;
   if (flags.view_angle && is_from_file) camera.view_angle = *flags.view_angle;
   if (flags.view_angle && !is_from_file) set_view_angle_in_sight(camera, *flags.view_angle);

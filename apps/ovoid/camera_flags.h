@@ -6,7 +6,6 @@
 
 #include "flags.h"
 #include "ovoid/camera.h"
-#include "ovoid/field.h"
 
 namespace ovoid::cli {
 
@@ -25,8 +24,8 @@ struct CameraFlags {
 void add_camera_flags(Flags& flags, CameraFlags* camera);
 void check_camera_flags(const Flags& flags);  // throws UsageError for contradictions
 
-// The default view of the field, or the file's camera, with the flags applied. `aspect` is width /
+// The default view of the bounds, or the file's camera, with the flags applied. `aspect` is width /
 // height. Throws Error.
-Camera make_camera(const CameraFlags& flags, const Field& field, Space space, double aspect);
+Camera make_camera(const CameraFlags& flags, const Bounds3& bounds, Space space, double aspect);
 
 }  // namespace ovoid::cli

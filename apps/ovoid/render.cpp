@@ -8,9 +8,11 @@
 #include <limits>
 #include <optional>
 
+#include "annotation_flags.h"
 #include "camera_flags.h"
 #include "check_files.h"
 #include "command.h"
+#include "crop_flags.h"
 #include "data_flags.h"
 #include "dry_run.h"
 #include "look_flags.h"
@@ -32,6 +34,8 @@ struct RenderFlags {
   LatticeModelOptions model;
   LookFlags look;
   CameraFlags camera;
+  CropFlags crop;
+  AnnotationFlags annotation;
   RenderOptions options;
   RunFlags run;
   int repeat = 0;  // 0: one frame, the one that is written
@@ -62,7 +66,6 @@ void add_picture_flags(Flags& flags, RenderFlags* render) {
                 }
                 render->background = {rgb[0], rgb[1], rgb[2]};
               });
-  flags.refuse({"--colorbar", "--axes"});
 }
 
 void add_measure_flags(Flags& flags, RenderFlags* render) {
@@ -86,9 +89,11 @@ void add_measure_flags(Flags& flags, RenderFlags* render) {
 void add_flags(Flags& flags, RenderFlags* render) {
   add_input_flags(flags, &render->data);
   add_picture_flags(flags, render);
+  add_annotation_flags(flags, &render->annotation);
   add_array_flags(flags, &render->data);
   add_look_flags(flags, &render->look);
   add_camera_flags(flags, &render->camera);
+  add_crop_flags(flags, &render->crop);
   add_model_flags(flags, &render->model);
   add_number_flags(flags, &render->options);
   add_run_flags(flags, &render->run);
@@ -111,6 +116,8 @@ void check_flags(const Flags& flags, const RenderFlags& render) {
   }
   check_look_flags(flags, render.look);
   check_camera_flags(flags);
+  check_crop_flags(flags);
+  check_annotation_flags(flags, render.output);
   std::vector<InputFile> inputs = volume_inputs(render.data.inputs);
   if (!render.look.file.empty()) inputs.push_back({render.look.file, "the look of --tf"});
   if (!render.camera.file.empty()) inputs.push_back({render.camera.file, "the camera of --camera"});
@@ -122,7 +129,7 @@ void check_flags(const Flags& flags, const RenderFlags& render) {
 }
 
 // An x-ray's integrals as colours: `tf` spread over the given range, or from 0 to the greatest.
-void color_xray(Image& image, const LookFlags& flags, TransferFunction tf, Session& session) {
+void color_xray(Image& image, const LookFlags& flags, TransferFunction& tf, Session& session) {
   double lo = 0;
   double hi = 0;
   for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
@@ -233,7 +240,8 @@ void run_render(const Words& words, Session& session) {
   profile.load_ms = loading.ms();
   const Stopwatch modelling;
   render.model.threads = render.run.threads;
-  Field field = make_field(dataset, render.data, render.model, nullptr, session);
+  LatticeModelReport report;
+  Field field = make_field(dataset, render.data, render.model, &report, session);
   if (!flags.is_given("--kernel") && uses_default_look(render.look) && holds_labels(field)) {
     session.note(
         "the values look like labels: drawn with narrow kernels and a colour for each "
@@ -242,13 +250,14 @@ void run_render(const Words& words, Session& session) {
     field = make_field(dataset, render.data, render.model, nullptr, session);
   }
   profile.model_ms = modelling.ms();
-  const Space space = dataset.space;
-  const std::string unit = dataset.array(render.data.array).unit;
+  Described described = describe(dataset, report.array, render.data.component);
   dataset = {};  // the field keeps what it borrows; the rest is memory that the frame can use
 
   const double aspect = static_cast<double>(profile.width) / profile.height;
-  const Camera camera = make_camera(render.camera, field, space, aspect);
-  const Look look = make_look(render.look, field, unit, session);
+  described.box = apply_crop(render.crop, field.geometry(), &render.options);
+  const Camera camera =
+      make_camera(render.camera, described.box.world_bounds(), described.space, aspect);
+  Look look = make_look(render.look, field, described.unit, session);
   if (render.dry_run) {
     const DryRun run{
         field, camera, look, render.options, render.run.backend, render.run.threads, render.output};
@@ -261,7 +270,9 @@ void run_render(const Words& words, Session& session) {
     color_xray(image, render.look, look.transfer_function, session);
   }
   session.check_stop();
-  write_image(image, render.output, render.background ? render.background->data() : nullptr);
+  const double* const background = render.background ? render.background->data() : nullptr;
+  draw_annotations(image, render.annotation, described, camera, look, background);
+  write_image(image, render.output, background);
   tell_times(render, profile, session);
 }
 

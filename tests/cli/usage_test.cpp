@@ -79,10 +79,9 @@ TEST(Usage, BadValuesNameFlagValueAndExpectation) {
 
 TEST(Usage, FlagsOfALaterVersionAreRefusedByName) {
   std::vector<Case> cases;
-  for (const char* const flag :
-       {"--colorbar", "--axes", "--color-array", "--time", "--positions", "--radius-array",
-        "--quantity", "--log", "--gradient-opacity", "--cutoff", "--profile-kernel", "--neighbors",
-        "--device", "--memory-limit"}) {
+  for (const char* const flag : {"--color-array", "--time", "--positions", "--radius-array",
+                                 "--quantity", "--log", "--gradient-opacity", "--cutoff",
+                                 "--profile-kernel", "--neighbors", "--device", "--memory-limit"}) {
     const std::string said = std::string(flag) + ": not available in this version";
     cases.push_back({{flag}, {said}});
     cases.push_back({{flag, "3"}, {said}});

@@ -9,6 +9,8 @@
 #include <cmath>
 #include <limits>
 
+#include "view/value_scale.h"
+
 namespace ovoid::annotate {
 namespace {
 
@@ -125,17 +127,15 @@ TickScale::TickScale(ValueScale kind, double lo, double hi, double linear_width)
   warped_hi_ = warp(hi_);
 }
 
-// By halves on a linear scale, as in linear_ticks().
+// As colours run; on a linear scale by halves, as in linear_ticks().
 double TickScale::warp(double value) const {
-  if (kind_ == ValueScale::kLog) return std::log10(value);
   if (kind_ == ValueScale::kLinear) return value / 2;
-  return std::copysign(std::log10(1 + std::abs(value) / linear_width_), value);
+  return view::along(kind_, linear_width_, value);
 }
 
 double TickScale::unwarp(double warped) const {
-  if (kind_ == ValueScale::kLog) return std::pow(10.0, warped);
   if (kind_ == ValueScale::kLinear) return warped * 2;
-  return std::copysign(linear_width_ * (std::pow(10.0, std::abs(warped)) - 1), warped);
+  return view::value_at(kind_, linear_width_, warped);
 }
 
 double TickScale::place(double value) const {

@@ -20,9 +20,9 @@ double law(double opacity, double length, double unit = 1) {
 
 // The box of 8 cells around (3.5, 3.5, 3.5), seen along z: 8 long.
 constexpr double kOpacity = 0.21;
-const Vec3 kMiddle(3.5, 3.5, 3.5);
+const Vec3 kHazeMiddle(3.5, 3.5, 3.5);
 Field box() { return constant_field({8, 8, 8}, 0.5); }
-Camera along_z() { return parallel_camera(kMiddle, {0, 0, 1}, 4); }
+Camera haze_camera() { return parallel_camera(kHazeMiddle, {0, 0, 1}, 4); }
 
 // Distances that divide half the box, so that slabs end on its faces. Fails if path, unit or the
 // count of sheets is off by anything.
@@ -30,7 +30,7 @@ TEST(Opacity, OfABoxDoesNotDependOnTheSamplingDistance) {
   for (const Slab slab : {Slab::kMid, Slab::kMean}) {
     for (const double ds : {4.0, 2.0, 1.0, 0.5, 0.125}) {
       const Image image =
-          render(box(), along_z(), uniform_look(kOpacity), picture(5, 5, ds, slab)).image;
+          render(box(), haze_camera(), uniform_look(kOpacity), picture(5, 5, ds, slab)).image;
       EXPECT_NEAR(center_pixel(image).a(), law(kOpacity, 8), kFloatRelative) << ds;
     }
   }
@@ -40,16 +40,16 @@ TEST(Opacity, IsPerUnitDistance) {
   for (const double unit : {0.5, 1.0, 3.7}) {
     Look look = uniform_look(kOpacity);
     look.unit_distance = unit;
-    const Image image = render(box(), along_z(), look, picture(5, 5)).image;
+    const Image image = render(box(), haze_camera(), look, picture(5, 5)).image;
     EXPECT_NEAR(center_pixel(image).a(), law(kOpacity, 8, unit), kFloatRelative) << unit;
   }
   // Unit by the transfer function, then by the field's smallest spacing.
   Look look = uniform_look(kOpacity);
   look.unit_distance = 0;
-  EXPECT_NEAR(center_pixel(render(box(), along_z(), look, picture(5, 5, 0.5)).image).a(),
+  EXPECT_NEAR(center_pixel(render(box(), haze_camera(), look, picture(5, 5, 0.5)).image).a(),
               law(kOpacity, 8), kFloatRelative);
   look.transfer_function.unit_distance = 2.0;
-  EXPECT_NEAR(center_pixel(render(box(), along_z(), look, picture(5, 5, 0.5)).image).a(),
+  EXPECT_NEAR(center_pixel(render(box(), haze_camera(), look, picture(5, 5, 0.5)).image).a(),
               law(kOpacity, 8, 2), kFloatRelative);
 }
 
@@ -57,7 +57,8 @@ TEST(Opacity, IsPerUnitDistance) {
 // wide.
 TEST(Opacity, OfABoxDoesNotDependOnTheResolution) {
   for (const int side : {5, 9, 25, 61}) {
-    const Image image = render(box(), along_z(), uniform_look(kOpacity), picture(side, side)).image;
+    const Image image =
+        render(box(), haze_camera(), uniform_look(kOpacity), picture(side, side)).image;
     EXPECT_NEAR(center_pixel(image).a(), law(kOpacity, 8), kFloatRelative) << side;
     // Every ray that is two pixels or spacings inside the box is as long.
     for (int x = 0; x < side; ++x) {
@@ -71,7 +72,7 @@ TEST(Opacity, OfABoxDoesNotDependOnTheResolution) {
 
 TEST(Opacity, ColourIsPremultiplied) {
   const Image image =
-      render(box(), along_z(), uniform_look(kOpacity, {0.25, 0.5, 1}), picture(5, 5)).image;
+      render(box(), haze_camera(), uniform_look(kOpacity, {0.25, 0.5, 1}), picture(5, 5)).image;
   const double alpha = law(kOpacity, 8);
   EXPECT_NEAR(center_pixel(image).r(), 0.25 * alpha, kFloatRelative);
   EXPECT_NEAR(center_pixel(image).g(), 0.5 * alpha, kFloatRelative);
@@ -100,7 +101,7 @@ TEST(Opacity, OfASlantedBoxConverges) {
   constexpr double kFaceMargin = 0.02;
   const Vec3 direction = Vec3(1, 0, 2).normalized();
   const double length = 8 / direction.z();
-  const Camera camera = parallel_camera(kMiddle, direction, 4);
+  const Camera camera = parallel_camera(kHazeMiddle, direction, 4);
   for (const double ds : {1.0, 0.3, 0.1, 0.01}) {
     const Image image = render(box(), camera, uniform_look(kOpacity), picture(9, 9, ds)).image;
     EXPECT_GE(center_pixel(image).a(), law(kOpacity, length - ds));
@@ -132,10 +133,10 @@ TEST(Opacity, OfAClippedBox) {
     for (const double cut : {3.5, 3.62, 0.01, -0.3, 7.499}) {
       RenderOptions options = picture(5, 5, 1, slab);
       options.clip_planes = {{{0, 0, 2}, 2 * cut}};  // keeps z >= cut, whatever the normal's length
-      const Image behind = render(box(), along_z(), uniform_look(kOpacity), options).image;
+      const Image behind = render(box(), haze_camera(), uniform_look(kOpacity), options).image;
       EXPECT_NEAR(center_pixel(behind).a(), law(kOpacity, 7.5 - cut), kFloatRelative) << cut;
       options.clip_planes = {{{0, 0, -1}, -cut}};
-      const Image before = render(box(), along_z(), uniform_look(kOpacity), options).image;
+      const Image before = render(box(), haze_camera(), uniform_look(kOpacity), options).image;
       EXPECT_NEAR(center_pixel(before).a(), law(kOpacity, cut + 0.5), kFloatRelative) << cut;
     }
   }
@@ -147,18 +148,18 @@ TEST(Opacity, OfSeveralClipPlanes) {
   RenderOptions options = picture(5, 5, 1);
   options.clip_planes = {{{0, 0, 1}, 3.1}, {{0, 0, -1}, -3.4}};
   const Look look = uniform_look(kOpacity);
-  EXPECT_NEAR(center_pixel(render(box(), along_z(), look, options).image).a(), law(kOpacity, 0.3),
-              kFloatRelative);
+  EXPECT_NEAR(center_pixel(render(box(), haze_camera(), look, options).image).a(),
+              law(kOpacity, 0.3), kFloatRelative);
   options.clip_planes = {{{1, 0, 1}, 3.5 + 2.25}};  // meets the middle ray at z = 2.25
-  EXPECT_NEAR(center_pixel(render(box(), along_z(), look, options).image).a(),
+  EXPECT_NEAR(center_pixel(render(box(), haze_camera(), look, options).image).a(),
               law(kOpacity, 7.5 - 2.25), kFloatRelative);
   options.clip_planes = {{{1, 0, 0}, 3.6}};
-  EXPECT_EQ(center_pixel(render(box(), along_z(), look, options).image).a(), 0);
+  EXPECT_EQ(center_pixel(render(box(), haze_camera(), look, options).image).a(), 0);
   options.clip_planes = {{{1, 0, 0}, 3.4}};
-  EXPECT_NEAR(center_pixel(render(box(), along_z(), look, options).image).a(), law(kOpacity, 8),
+  EXPECT_NEAR(center_pixel(render(box(), haze_camera(), look, options).image).a(), law(kOpacity, 8),
               kFloatRelative);
   options.clip_planes = {{{0, 0, 1}, 3.5}, {{0, 0, -1}, -3.4}};
-  EXPECT_EQ(center_pixel(render(box(), along_z(), look, options).image).a(), 0);
+  EXPECT_EQ(center_pixel(render(box(), haze_camera(), look, options).image).a(), 0);
 }
 
 // The near plane is half a sampling distance before the camera. A camera inside sees from there on,
@@ -194,7 +195,7 @@ TEST(Opacity, StopsWhereItIsOpaque) {
     const double to_half = std::ceil(std::log(0.5) / std::log(1 - opacity) - 1e-9);
     EXPECT_NEAR(center_depth(frame.image), 100 - 32 + to_half - 0.5, 100 * kFloatRelative);
   }
-  const Image faint = render(box(), along_z(), uniform_look(0.05), picture(5, 5)).image;
+  const Image faint = render(box(), haze_camera(), uniform_look(0.05), picture(5, 5)).image;
   EXPECT_TRUE(std::isinf(center_depth(faint)));
 }
 

@@ -21,7 +21,7 @@ namespace {
 
 using reference::render;
 
-double bumpy(std::int64_t i, std::int64_t j, std::int64_t k) {
+double viewed_bumps(std::int64_t i, std::int64_t j, std::int64_t k) {
   return 0.5 +
          0.3 * std::sin(0.9 * static_cast<double>(i)) * std::cos(0.7 * static_cast<double>(j)) +
          0.2 * std::sin(0.5 * static_cast<double>(k));
@@ -30,7 +30,7 @@ double bumpy(std::int64_t i, std::int64_t j, std::int64_t k) {
 Field bumps() {
   FieldSetup setup;
   setup.world_from_index = oblique_axes();
-  return make_field({12, 10, 9}, bumpy, setup);
+  return make_field({12, 10, 9}, viewed_bumps, setup);
 }
 
 Look colourful() {
@@ -64,7 +64,7 @@ TEST(View, PerspectiveFromFarIsParallel) {
 TEST(View, DoesNotDependOnTheOrigin) {
   FieldSetup setup;
   setup.world_from_index = Eigen::Translation3d(5e5, 4e6, -300) * oblique_axes();
-  const Field moved = make_field({12, 10, 9}, bumpy, setup);
+  const Field moved = make_field({12, 10, 9}, viewed_bumps, setup);
   const Vec3 direction(0.4, -0.3, 1);
   const Image here =
       render(bumps(), perspective_camera(kMiddle, direction, 9, 40), colourful(), picture(24, 20))
@@ -145,7 +145,7 @@ TEST(Frame, SameBytesForAnySource) {
   std::vector<float> samples;
   for (int k = 0; k < 9; ++k) {
     for (int j = 0; j < 10; ++j) {
-      for (int i = 0; i < 12; ++i) samples.push_back(static_cast<float>(bumpy(i, j, k)));
+      for (int i = 0; i < 12; ++i) samples.push_back(static_cast<float>(viewed_bumps(i, j, k)));
     }
   }
   Dataset dataset;
@@ -163,8 +163,9 @@ TEST(Frame, SameBytesForAnySource) {
   FieldSetup setup;
   setup.world_from_index = oblique_axes();
   setup.brick_edge = 4;
-  EXPECT_EQ(render(make_field(dims, bumpy, setup), kCamera, colourful(), picture(23, 17)).image,
-            resident);
+  EXPECT_EQ(
+      render(make_field(dims, viewed_bumps, setup), kCamera, colourful(), picture(23, 17)).image,
+      resident);
 }
 
 TEST(Frame, ProgressAndTilesAreReported) {

@@ -1,0 +1,87 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Draws volumes with no flag but -o and puts the pictures on one sheet: contact_sheet.py OUT.png INPUT...
+
+Every picture is drawn at the program's own size, put on white and reduced four times. A word "--" begins a new row."""
+import array
+import ast
+import os
+import struct
+import subprocess
+import sys
+import tempfile
+import zlib
+
+OVOID = os.path.join(os.path.dirname(__file__), "..", "build", "release", "bin", "ovoid")
+REDUCTION = 4
+GAP = 6  # pixels between pictures
+
+
+def drawn(inputs, folder):
+    """Rows of bytes, RGB, of the reduced picture on white."""
+    path = os.path.join(folder, "picture.npy")
+    subprocess.run([OVOID, "render", *inputs, "-o", path], check=True)
+    with open(path, "rb") as file:
+        data = file.read()
+    length, = struct.unpack_from("<H", data, 8)
+    height, width, _ = ast.literal_eval(data[10:10 + length].decode("latin-1"))["shape"]
+    values = array.array("f", data[10 + length:])
+    rows = []
+    for y in range(0, height - REDUCTION + 1, REDUCTION):
+        row = bytearray()
+        for x in range(0, width - REDUCTION + 1, REDUCTION):
+            sums = [0.0] * 4
+            for dy in range(REDUCTION):
+                start = 4 * ((y + dy) * width + x)
+                for c in range(4):  # premultiplied, so sums are means
+                    sums[c] += sum(values[start + c:start + 4 * REDUCTION:4])
+            background = 1 - sums[3] / REDUCTION ** 2
+            row += bytes(min(255, max(0, round(255 * (s / REDUCTION ** 2 + background)))) for s in sums[:3])
+        rows.append(bytes(row))
+    return rows
+
+
+def write_png(path, rows):
+    def chunk(kind, content):
+        body = kind + content
+        return struct.pack(">I", len(content)) + body + struct.pack(">I", zlib.crc32(body))
+
+    header = struct.pack(">IIBBBBB", len(rows[0]) // 3, len(rows), 8, 2, 0, 0, 0)
+    # Each row as differences to the one above (filter 2), which deflate likes.
+    lines, above = [], bytes(len(rows[0]))
+    for row in rows:
+        lines.append(b"\x02" + bytes((a - b) & 255 for a, b in zip(row, above)))
+        above = row
+    with open(path, "wb") as file:
+        file.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) +
+                   chunk(b"IDAT", zlib.compress(b"".join(lines), 9)) + chunk(b"IEND", b""))
+
+
+def sheet(pictures):
+    """`pictures`: rows of pictures of one size; a short row ends in white."""
+    height, width = len(pictures[0][0]), len(pictures[0][0][0])
+    columns = max(map(len, pictures))
+    rows = []
+    for line in pictures:
+        for y in range(height):
+            cells = [picture[y] for picture in line] + [b"\xff" * width] * (columns - len(line))
+            rows.append((b"\xff" * 3 * GAP).join(cells))
+        rows += [b"\xff" * len(rows[0])] * GAP
+    return rows[:-GAP]
+
+
+def main(arguments):
+    if len(arguments) < 2:
+        sys.exit(__doc__)
+    pictures = [[]]
+    with tempfile.TemporaryDirectory() as folder:
+        for word in arguments[1:]:
+            if word == "--":
+                pictures.append([])
+                continue
+            pictures[-1].append(drawn([word], folder))
+    write_png(arguments[0], sheet(pictures))
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

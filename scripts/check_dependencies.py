@@ -41,6 +41,7 @@ ALLOWED = {
 # Third-party headers and the places that may see them, by prefix of the path.
 OUTSIDE = [
     ("VTK", re.compile(r"^vtk\w*\.h"), ("src/io/", "bench/peers/")),
+    ("GDCM", re.compile(r"^gdcm\w*\.h"), ("src/io/",)),
     ("Highway", re.compile(r"^hwy/"), ("src/render/cpu/", "bench/")),
     ("oneTBB", re.compile(r"^(oneapi/)?tbb/"), ("src/render/cpu/",)),
     ("OpenEXR", re.compile(r"^(OpenEXR/)?(Imf|Imath|Iex)|^Imath/"), ("src/io/", "apps/", "tests/")),

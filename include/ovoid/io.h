@@ -31,11 +31,12 @@ struct ReadOptions {
   std::stop_token stop;
 };
 
-// Reads a volume: raw, NRRD/NHDR, NPY, and with VTK: VTI and legacy VTK (structured points). The
-// format is told from content, then from the name. Several paths are parts of one dataset where the
-// format has parts; else an error. Peak memory is at most 2.1 times the decoded size; sizes in
-// headers are checked against the file before anything is allocated. Throws Error: kFileNotFound,
-// kFileFormat (names file and field), kUnsupported, kInvalidArgument, kCancelled.
+// Reads a volume: raw, NRRD/NHDR, NPY, DICOM, and with VTK: VTI and legacy VTK (structured points).
+// The format is told from content, then from the name. Several paths are parts of one dataset where
+// the format has parts (the slices of a DICOM series, or a folder of them); else an error. Peak
+// memory is at most 2.1 times the decoded size; sizes in headers are checked against the file
+// before anything is allocated. Throws Error: kFileNotFound, kFileFormat (names file and field),
+// kUnsupported, kInvalidArgument, kCancelled.
 Dataset read_dataset(const std::vector<std::string>& paths, const ReadOptions& options = {});
 
 // Writes a dataset; the name's ending chooses the format (.nrrd .nhdr .npy .raw, and .vti .vtk with
@@ -50,7 +51,8 @@ void write_dataset(const Dataset& dataset, const std::string& path);
 void write_image(const Image& image, const std::string& path, const double* background = nullptr);
 
 // The files that read_dataset would read for `path`: it and those that an NRRD header names, up to
-// the first that is not there. A file that cannot be read stands alone; reading it tells why.
+// the first that is not there, or the DICOM files of a folder. A file that cannot be read stands
+// alone; reading it tells why.
 std::vector<std::string> files_read_for(const std::string& path);
 
 // The files that write_dataset would write for `path`: it and the samples of a .nhdr.

@@ -266,21 +266,24 @@ TEST(DatasetFiles, ReadErrors) {
   folder.write("name.vti", "hello");
   folder.write("a.nii.gz", "\x1f\x8b\x08");
   expect("missing.nrrd", "file-not-found", "no such file");
-  expect("", "unsupported", "is a folder: expected a regular file");
+  expect("", "unsupported", "none of its 4 files is DICOM: a folder is read as DICOM slices");
   expect("empty", "file-format", "is empty");
   expect("unknown", "unsupported",
-         "the format is not known: expected NRRD, NPY, VTI, legacy VTK, or raw samples with "
-         "dimensions and type");
+         "the format is not known: expected NRRD, NPY, VTI, legacy VTK, DICOM, or raw samples "
+         "with dimensions and type");
   expect("name.vti", "file-format", "the name ends in .vti but the content does not begin like it");
   expect("a.nii.gz", "unsupported",
-         "is a gzip file, which is not read: expected NRRD, NPY, VTI, legacy VTK, or raw samples "
-         "with dimensions and type");
+         "is a gzip file, which is not read: expected NRRD, NPY, VTI, legacy VTK, DICOM, or raw "
+         "samples with dimensions and type");
   EXPECT_EQ(error_of([] { read_dataset({}); }), "invalid-argument: input: no file is named");
-  EXPECT_EQ(
-      error_of([] {
-        read_dataset({"a", "b"});
-      }),
-      "unsupported: a, b: 2 inputs: a volume is one file, or an NRRD header that lists its parts");
+  const std::string first = folder.file("unknown"), second = folder.file("empty");
+  EXPECT_EQ(error_of([&] {
+              read_dataset({first, second});
+            }),
+            "unsupported: " + first + ", " + second +
+                ": 2 inputs: a volume is one file, an NRRD header that lists its parts, or the "
+                "files of a DICOM series, which " +
+                first + " is not");
   write_dataset(oblique_dataset(), folder.file("a.nrrd"));
   ReadOptions options;
   options.raw.dims = Index3{1, 1, 1};

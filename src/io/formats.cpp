@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <filesystem>
 
+#include "io/dicom_elements.h"
 #include "io/npy.h"
 #include "io/nrrd_header.h"
 
@@ -17,6 +18,7 @@ bool has_at(std::string_view start, std::size_t offset, std::string_view magic) 
 }  // namespace
 
 FileKind kind_of(std::string_view start) noexcept {
+  const std::string_view whole = start;
   if (looks_like_nrrd(start)) return FileKind::kNrrd;
   if (looks_like_npy(start)) return FileKind::kNpy;
   if (start.starts_with("# vtk DataFile")) return FileKind::kVtkLegacy;
@@ -26,12 +28,12 @@ FileKind kind_of(std::string_view start) noexcept {
       start.find("<VTKFile") != std::string_view::npos) {
     return FileKind::kVtkXml;
   }
+  if (looks_like_dicom(whole)) return FileKind::kDicom;
   return FileKind::kUnknown;
 }
 
 std::string unsupported_kind_of(std::string_view start) {
   using namespace std::string_view_literals;
-  if (has_at(start, 128, "DICM")) return "a DICOM file";
   if (has_at(start, 344, "n+1\0"sv) || has_at(start, 344, "ni1\0"sv) || has_at(start, 4, "n+2\0"sv))
     return "a NIfTI file";
   if (has_at(start, 0, "\x89HDF\r\n")) return "an HDF5 file";

@@ -7,12 +7,12 @@
 
 namespace ovoid::io {
 
-enum class FileKind { kUnknown, kNrrd, kNpy, kVtkXml, kVtkLegacy };
+enum class FileKind { kUnknown, kNrrd, kNpy, kVtkXml, kVtkLegacy, kDicom };
 
 // From the first 512 bytes of a file.
 FileKind kind_of(std::string_view start) noexcept;
 
-// A format that is recognised but not read, in words for a message ("a DICOM file"); empty if none
+// A format that is recognised but not read, in words for a message ("a NIfTI file"); empty if none
 // is.
 std::string unsupported_kind_of(std::string_view start);
 

@@ -128,6 +128,7 @@ void run(const std::vector<std::string>& seeds, void (*target)(fuzz::Input), int
 TEST(Mutation, Nrrd) { run(fuzz::nrrd_seeds(), fuzz::nrrd); }
 TEST(Mutation, Npy) { run(fuzz::npy_seeds(), fuzz::npy); }
 TEST(Mutation, RawName) { run(fuzz::raw_name_seeds(), fuzz::raw_name); }
+TEST(Mutation, Dicom) { run(fuzz::dicom_seeds(), fuzz::dicom); }
 TEST(Mutation, VtkHeader) { run(fuzz::vtk_header_seeds(), fuzz::vtk_header); }
 TEST(Mutation, TransferFunction) { run(fuzz::transfer_function_seeds(), fuzz::transfer_function); }
 TEST(Mutation, Camera) { run(fuzz::camera_seeds(), fuzz::camera); }
@@ -137,6 +138,11 @@ TEST(Mutation, SeedsAreValid) {
   for (const std::string& seed : fuzz::npy_seeds()) {
     EXPECT_EQ(
         error_of([&] { read_source(*open_memory("a.npy", std::as_bytes(std::span(seed))), {}); }),
+        "");
+  }
+  for (const std::string& seed : fuzz::dicom_seeds()) {
+    EXPECT_EQ(
+        error_of([&] { read_source(*open_memory("a.dcm", std::as_bytes(std::span(seed))), {}); }),
         "");
   }
   const auto nrrd = fuzz::nrrd_seeds();

@@ -7,6 +7,8 @@
 #include <utility>
 
 #include "io/byte_source.h"
+#include "io/dicom.h"
+#include "io/dicom_elements.h"
 #include "io/formats.h"
 #include "io/npy.h"
 #include "io/nrrd.h"
@@ -21,7 +23,7 @@ namespace ovoid {
 namespace {
 
 constexpr const char* kReadable =
-    "NRRD, NPY, VTI, legacy VTK, or raw samples with dimensions and type";
+    "NRRD, NPY, VTI, legacy VTK, DICOM, or raw samples with dimensions and type";
 
 // What a raw file cannot say, said about a file that says it itself: one of both is a mistake.
 void refuse_raw_options(const std::string& path, const char* format, const RawOptions& raw,
@@ -72,6 +74,9 @@ Dataset read_any(const io::ByteSource& source, const ReadOptions& options, const
     case io::FileKind::kNpy:
       refuse_raw_options(source.name(), "NPY", options.raw, false);
       return io::read_npy(source, options);
+    case io::FileKind::kDicom:
+      refuse_raw_options(source.name(), "DICOM", options.raw, true);
+      return io::read_dicom(source, options);
     case io::FileKind::kVtkXml:
     case io::FileKind::kVtkLegacy:
       refuse_raw_options(source.name(), "VTK", options.raw, true);
@@ -105,13 +110,11 @@ std::string printable(std::string text) {
   return text;
 }
 
-}  // namespace
-
-namespace io {
-
-Dataset read_source(const ByteSource& source, const ReadOptions& options, const Opener& open) {
+// What every reader's result goes through, and its error.
+template <typename Read>
+Dataset finished(const Read& read, const ReadOptions& options) {
   try {
-    Dataset dataset = read_any(source, options, open);
+    Dataset dataset = read();
     check_choice(dataset, options);
     for (std::string& note : dataset.notes) note = printable(std::move(note));
     for (DataArray& array : dataset.arrays) {
@@ -128,11 +131,53 @@ Dataset read_source(const ByteSource& source, const ReadOptions& options, const 
   }
 }
 
+bool is_folder(const std::string& path) {
+  std::error_code ignored;
+  return std::filesystem::is_directory(path, ignored);
+}
+
+// A folder, or several files: the slices of a DICOM series, which is the one format in parts.
+Dataset read_parts(const std::vector<std::string>& paths, const ReadOptions& options) {
+  std::vector<std::string> files;
+  for (const std::string& path : paths) {
+    if (is_folder(path)) {
+      const std::vector<std::string> inner = io::dicom_files_in(path);
+      files.insert(files.end(), inner.begin(), inner.end());
+      continue;
+    }
+    // A missing file is told as such, whatever it was meant to be.
+    if (!io::looks_like_dicom(io::open_file(path)->text(0, 512))) {
+      throw Error(ErrorCode::kUnsupported,
+                  fmt::format("{}, {}: {} inputs: a volume is one file, an NRRD header that lists "
+                              "its parts, or the files of a DICOM series, which {} is not",
+                              paths[0], paths[1], paths.size(), path));
+    }
+    files.push_back(path);
+  }
+  const std::string source =
+      paths.size() == 1 ? paths[0] : fmt::format("{} and {} more", paths[0], paths.size() - 1);
+  refuse_raw_options(source, "DICOM", options.raw, true);
+  return io::read_dicom(source, files, options);
+}
+
+}  // namespace
+
+namespace io {
+
+Dataset read_source(const ByteSource& source, const ReadOptions& options, const Opener& open) {
+  return finished([&] { return read_any(source, options, open); }, options);
+}
+
 }  // namespace io
 
 std::vector<std::string> files_read_for(const std::string& path) {
   std::vector<std::string> files{path};
   try {
+    if (is_folder(path)) {
+      for (std::string& file : io::dicom_files_in(path))
+        if (io::is_dicom_file(file)) files.push_back(std::move(file));
+      return files;
+    }
     const auto source = io::open_file(path);
     if (io::kind_of(source->text(0, 512)) != io::FileKind::kNrrd) return files;
     const io::NrrdHeader header = io::read_nrrd_header(*source);
@@ -151,13 +196,8 @@ std::vector<std::string> files_read_for(const std::string& path) {
 
 Dataset read_dataset(const std::vector<std::string>& paths, const ReadOptions& options) {
   if (paths.empty()) throw Error(ErrorCode::kInvalidArgument, "input: no file is named");
-  if (paths.size() > 1) {
-    throw Error(
-        ErrorCode::kUnsupported,
-        fmt::format(
-            "{}, {}: {} inputs: a volume is one file, or an NRRD header that lists its parts",
-            paths[0], paths[1], paths.size()));
-  }
+  if (paths.size() > 1 || is_folder(paths[0]))
+    return finished([&] { return read_parts(paths, options); }, options);
   return io::read_source(*io::open_file(paths[0]), options);
 }
 

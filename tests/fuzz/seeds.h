@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "io/npy.h"
+#include "io/test_dicom.h"
+#include "io/test_dicom_streams.h"
 
 namespace ovoid::fuzz {
 
@@ -104,6 +106,43 @@ inline std::vector<std::string> npy_seeds() {
 inline std::vector<std::string> raw_name_seeds() {
   return {"folder/x_4x4x4_uint8.raw", "a_b_2x4x8_uint8_le.raw", "x_2x2x2_float64.bin",
           "x_4x4x2_int16"};
+}
+
+inline std::vector<std::string> dicom_seeds() {
+  std::vector<std::string> seeds;
+  for (const char* uid : {io::kImplicitUid, io::kExplicitUid, io::kBigUid, io::kDeflatedUid}) {
+    io::TestSlice slice;
+    slice.uid = uid;
+    seeds.push_back(io::dicom_slice(slice));
+  }
+  seeds.push_back(io::dicom_slice(io::enhanced_slices(true)));
+  seeds.push_back(io::dicom_slice(io::enhanced_slices(false)));
+  seeds.push_back(io::data_set_of(io::TestSlice{}));
+  io::TestSlice times = io::enhanced_slices();
+  times.groups = io::DicomElements();
+  times.orientation = "1\\0\\0\\0\\1\\0";
+  times.position = "0\\0\\0";
+  seeds.push_back(io::dicom_slice(times));
+  io::TestSlice packed;
+  packed.uid = io::kRleUid;
+  packed.is_encapsulated = true;
+  packed.pixels = io::encapsulated({io::rle_frame(samples(12))});
+  seeds.push_back(io::dicom_slice(packed));
+  return seeds;
+}
+
+inline std::vector<std::string> dicom_codec_seeds() {
+  const std::string samples = io::pixels_of(17 * 23, 4095);
+  std::vector<std::string> seeds{std::string(1, '\0') + io::rle_frame(samples)};
+#ifdef OVOID_IO_GDCM
+  seeds.push_back('\1' + io::jpeg_lossless(samples));
+  seeds.push_back('\3' + io::jpeg_ls(samples));
+  seeds.push_back('\4' + io::jpeg2000(samples));
+  gdcm::JPEGCodec lossy;
+  lossy.SetLossless(false);
+  seeds.push_back('\2' + io::encoded(lossy, samples, 12, 12));
+#endif
+  return seeds;
 }
 
 inline std::vector<std::string> vtk_header_seeds() {

@@ -15,6 +15,7 @@
 #include <string>
 
 #include "io/byte_source.h"
+#include "io/dicom_codec.h"
 #include "io/read_source.h"
 #include "io/vtk_header.h"
 #include "ovoid/dataset.h"
@@ -91,6 +92,25 @@ inline void raw_name(Input input) {
   static constexpr std::byte kContent[64]{};
   const std::string name(reinterpret_cast<const char*>(input.data()), input.size());
   expect_dataset_or_error([&] { return io::read_source(*io::open_memory(name, kContent), {}); });
+}
+
+inline void dicom(Input input) {
+  expect_dataset_or_error([&] { return io::read_source(*io::open_memory("fuzz.dcm", input), {}); });
+}
+
+// The first byte chooses the transfer syntax, the rest is a stream for a frame of 23 x 17 samples.
+inline void dicom_codec(Input input) {
+  static constexpr const char* kSyntaxes[] = {"1.2.840.10008.1.2.5", "1.2.840.10008.1.2.4.70",
+                                              "1.2.840.10008.1.2.4.51", "1.2.840.10008.1.2.4.80",
+                                              "1.2.840.10008.1.2.4.90"};
+  if (input.empty()) return;
+  std::byte out[2 * 23 * 17];
+  try {
+    io::decode_dicom_frame(kSyntaxes[static_cast<unsigned>(input[0]) % std::size(kSyntaxes)],
+                           input.subspan(1), {"fuzz", 23, 17, 16}, out);
+  } catch (const Error&) {
+    // Refused: as it should be.
+  }
 }
 
 inline void vtk_header(Input input) {

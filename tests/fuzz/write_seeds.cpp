@@ -17,6 +17,8 @@ int main(int argc, char** argv) {
       {"nrrd", ovoid::fuzz::nrrd_seeds()},
       {"npy", ovoid::fuzz::npy_seeds()},
       {"raw_name", ovoid::fuzz::raw_name_seeds()},
+      {"dicom", ovoid::fuzz::dicom_seeds()},
+      {"dicom_codec", ovoid::fuzz::dicom_codec_seeds()},
       {"vtk_header", ovoid::fuzz::vtk_header_seeds()},
       {"transfer_function", ovoid::fuzz::transfer_function_seeds()},
       {"camera", ovoid::fuzz::camera_seeds()},

@@ -7,7 +7,9 @@
 #include <utility>
 
 #include "io/byte_source.h"
+#include "io/decode.h"
 #include "io/formats.h"
+#include "io/nifti.h"
 #include "io/npy.h"
 #include "io/nrrd.h"
 #include "io/nrrd_header.h"
@@ -21,7 +23,7 @@ namespace ovoid {
 namespace {
 
 constexpr const char* kReadable =
-    "NRRD, NPY, VTI, legacy VTK, or raw samples with dimensions and type";
+    "NRRD, NPY, NIfTI, VTI, legacy VTK, or raw samples with dimensions and type";
 
 // What a raw file cannot say, said about a file that says it itself: one of both is a mistake.
 void refuse_raw_options(const std::string& path, const char* format, const RawOptions& raw,
@@ -47,7 +49,7 @@ Dataset read_unknown(const io::ByteSource& source, const std::string& start,
   if (is_raw || ending == ".raw") return io::read_raw(source, options);
   if (source.size() == 0)
     throw Error(ErrorCode::kFileFormat, fmt::format("{}: is empty", source.name()));
-  for (const char* known : {".nrrd", ".nhdr", ".npy", ".vti", ".vtk"}) {
+  for (const char* known : {".nrrd", ".nhdr", ".npy", ".nii", ".nii.gz", ".vti", ".vtk"}) {
     if (ending == known) {
       throw Error(ErrorCode::kFileFormat,
                   fmt::format("{}: the name ends in {} but the content does not begin like it",
@@ -62,9 +64,16 @@ Dataset read_unknown(const io::ByteSource& source, const std::string& start,
                   kReadable));
 }
 
+// Only NIfTI is read through gzip; other headers speak of places in the file.
+io::FileKind gzip_kind_of(const io::ByteSource& source) {
+  const io::FileKind kind = io::kind_of(io::gzip_start(source, 512));
+  return kind == io::FileKind::kNifti ? kind : io::FileKind::kUnknown;
+}
+
 Dataset read_any(const io::ByteSource& source, const ReadOptions& options, const io::Opener& open) {
   const std::string start = source.text(0, 512);
-  const io::FileKind kind = io::kind_of(start);
+  const bool is_gzip = io::is_gzip(start);
+  const io::FileKind kind = is_gzip ? gzip_kind_of(source) : io::kind_of(start);
   switch (kind) {
     case io::FileKind::kNrrd:
       refuse_raw_options(source.name(), "NRRD", options.raw, true);
@@ -72,6 +81,10 @@ Dataset read_any(const io::ByteSource& source, const ReadOptions& options, const
     case io::FileKind::kNpy:
       refuse_raw_options(source.name(), "NPY", options.raw, false);
       return io::read_npy(source, options);
+    case io::FileKind::kNifti:
+      refuse_raw_options(source.name(), "NIfTI", options.raw, true);
+      return io::read_nifti(source, is_gzip ? io::Encoding::kGzip : io::Encoding::kRaw, options,
+                            open);
     case io::FileKind::kVtkXml:
     case io::FileKind::kVtkLegacy:
       refuse_raw_options(source.name(), "VTK", options.raw, true);

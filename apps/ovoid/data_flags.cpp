@@ -52,7 +52,8 @@ void add_input_flags(Flags& flags, DataFlags* data) {
   flags.section("data");
   flags.positionals(
       "INPUT",
-      "a volume: NRRD, NHDR, NPY, raw, VTI, legacy VTK; several are the parts of one dataset",
+      "a volume: NRRD, NIfTI, MetaImage, NPY, raw, SLC, VTI, VTR, legacy VTK; several are its time "
+      "steps",
       &data->inputs);
   flags.value("--block", "NAME",
               "which of several volumes, such as a DICOM series (default: the largest)",

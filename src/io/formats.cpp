@@ -4,9 +4,11 @@
 #include <cstddef>
 #include <filesystem>
 
+#include "io/metaimage_header.h"
 #include "io/nifti_header.h"
 #include "io/npy.h"
 #include "io/nrrd_header.h"
+#include "io/slc.h"
 
 namespace ovoid::io {
 namespace {
@@ -21,6 +23,8 @@ FileKind kind_of(std::string_view start) noexcept {
   if (looks_like_nrrd(start)) return FileKind::kNrrd;
   if (looks_like_npy(start)) return FileKind::kNpy;
   if (looks_like_nifti(start)) return FileKind::kNifti;
+  if (looks_like_slc(start)) return FileKind::kSlc;
+  if (looks_like_metaimage(start)) return FileKind::kMetaImage;
   if (start.starts_with("# vtk DataFile")) return FileKind::kVtkLegacy;
   if (start.starts_with("\xef\xbb\xbf")) start.remove_prefix(3);  // a byte order mark
   const auto first = start.find_first_not_of(" \t\r\n");
@@ -36,10 +40,9 @@ std::string unsupported_kind_of(std::string_view start) {
   if (looks_like_analyze(start)) return "an ANALYZE 7.5 header";
   if (has_at(start, 0, "\x89HDF\r\n")) return "an HDF5 file";
   if (has_at(start, 0, "CDF\x01") || has_at(start, 0, "CDF\x02")) return "a netCDF or Exodus file";
-  if (has_at(start, 0, "ObjectType =") || has_at(start, 0, "NDims =")) return "a MetaImage header";
   if (has_at(start, 0, "ply\n") || has_at(start, 0, "ply\r")) return "a PLY file";
   if (has_at(start, 0, "PK\x03\x04")) return "a zip archive or an NPZ file";
-  if (is_gzip(start)) return "a gzip file of something else";
+  if (is_gzip(start)) return "a gzip file of something other than NIfTI";
   if (has_at(start, 0, "BZh")) return "a bzip2 file";
   if (has_at(start, 0, "\x89PNG")) return "a PNG picture";
   if (has_at(start, 0, "\x76\x2f\x31\x01")) return "an OpenEXR picture";

@@ -7,7 +7,7 @@
 
 namespace ovoid::io {
 
-enum class FileKind { kUnknown, kNrrd, kNpy, kNifti, kVtkXml, kVtkLegacy };
+enum class FileKind { kUnknown, kNrrd, kNpy, kNifti, kMetaImage, kSlc, kVtkXml, kVtkLegacy };
 
 // From the first 512 bytes of a file.
 FileKind kind_of(std::string_view start) noexcept;

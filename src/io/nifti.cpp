@@ -21,9 +21,8 @@ namespace {
 
 NiftiHeader read_header(const ByteSource& source, Encoding encoding) {
   constexpr std::size_t kSize = kNifti2Size;
-  return parse_nifti_header(source.name(), encoding == Encoding::kGzip
-                                               ? gzip_start(source, kSize)
-                                               : source.text(0, kSize));
+  return parse_nifti_header(source.name(), encoding == Encoding::kGzip ? gzip_start(source, kSize)
+                                                                       : source.text(0, kSize));
 }
 
 // Step along an axis; where the file states none that could be one, 1.
@@ -115,9 +114,7 @@ void place(const NiftiHeader& header, Dataset& dataset) {
   const bool has_sform = usable(header.sform_code, "sform", sform);
   const bool has_qform = usable(header.qform_code, "qform", qform);
   LatticeGeometry& lattice = dataset.lattice;
-  lattice.world_from_index = has_sform   ? sform
-                             : has_qform ? qform
-                                         : spacing_transform(header);
+  lattice.world_from_index = has_sform ? sform : has_qform ? qform : spacing_transform(header);
   dataset.space = has_sform || has_qform ? Space::kRas : Space::kNone;
   if (!has_sform || !has_qform) return;
   // Both are rounded to float32, and the rotation once more when the quaternion was made.
@@ -179,9 +176,9 @@ void read_scale(const NiftiHeader& header, Dataset& dataset, DataArray& array) {
 std::unique_ptr<ByteSource> open_image(const std::string& header_name, const Opener& open) {
   const std::string path = nifti_image_path(header_name);
   if (path == header_name) {
-    throw Error(ErrorCode::kFileFormat,
-                fmt::format("{}: is the header of a pair: expected a name that ends in .hdr",
-                            header_name));
+    throw Error(
+        ErrorCode::kFileFormat,
+        fmt::format("{}: is the header of a pair: expected a name that ends in .hdr", header_name));
   }
   for (const std::string& candidate : {path, path + ".gz"}) {
     try {
@@ -266,8 +263,8 @@ Dataset read_nifti(const ByteSource& source, Encoding encoding, const ReadOption
   layout.num_bytes = num_bytes / layout.num_steps;
   layout.type = header.type;
   layout.num_components = array.num_components;
-  layout.order = header.num_channels > 1 ? StepLayout::Order::kInterleaved
-                                         : StepLayout::Order::kPlanar;
+  layout.order =
+      header.num_channels > 1 ? StepLayout::Order::kInterleaved : StepLayout::Order::kPlanar;
   layout.is_big_endian = header.is_big_endian;
   const std::string text =
       layout_text(sizes.first(layout.num_steps > 1 ? 4 : 3), header.type, array.num_components);

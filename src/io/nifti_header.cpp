@@ -26,15 +26,15 @@ struct DataType {
 };
 
 constexpr DataType kDataTypes[] = {
-    {2, "uint8", ScalarType::kUInt8},       {4, "int16", ScalarType::kInt16},
-    {8, "int32", ScalarType::kInt32},       {16, "float32", ScalarType::kFloat32},
-    {64, "float64", ScalarType::kFloat64},  {256, "int8", ScalarType::kInt8},
-    {512, "uint16", ScalarType::kUInt16},   {768, "uint32", ScalarType::kUInt32},
-    {1024, "int64", ScalarType::kInt64},    {1280, "uint64", ScalarType::kUInt64},
-    {128, "RGB24", ScalarType::kUInt8, 3},  {2304, "RGBA32", ScalarType::kUInt8, 4},
-    {0, "unknown", std::nullopt},           {1, "binary", std::nullopt},
-    {32, "complex64", std::nullopt},        {1536, "float128", std::nullopt},
-    {1792, "complex128", std::nullopt},     {2048, "complex256", std::nullopt},
+    {2, "uint8", ScalarType::kUInt8},      {4, "int16", ScalarType::kInt16},
+    {8, "int32", ScalarType::kInt32},      {16, "float32", ScalarType::kFloat32},
+    {64, "float64", ScalarType::kFloat64}, {256, "int8", ScalarType::kInt8},
+    {512, "uint16", ScalarType::kUInt16},  {768, "uint32", ScalarType::kUInt32},
+    {1024, "int64", ScalarType::kInt64},   {1280, "uint64", ScalarType::kUInt64},
+    {128, "RGB24", ScalarType::kUInt8, 3}, {2304, "RGBA32", ScalarType::kUInt8, 4},
+    {0, "unknown", std::nullopt},          {1, "binary", std::nullopt},
+    {32, "complex64", std::nullopt},       {1536, "float128", std::nullopt},
+    {1792, "complex128", std::nullopt},    {2048, "complex256", std::nullopt},
 };
 
 bool has_at(std::string_view start, std::size_t offset, std::string_view text) {
@@ -54,9 +54,8 @@ StatedSize stated_size(std::string_view bytes) {
   for (int i = 3; i >= 0; --i)
     little = little << 8U | static_cast<unsigned char>(bytes[static_cast<std::size_t>(i)]);
   const std::uint32_t big = __builtin_bswap32(little);
-  for (const std::uint32_t known : {kNifti1Size, kNifti2Size}) {
-    if (little == known || big == known)
-      return {static_cast<std::int32_t>(known), big == known};
+  for (const std::size_t known : {kNifti1Size, kNifti2Size}) {
+    if (little == known || big == known) return {static_cast<std::int32_t>(known), big == known};
   }
   return size;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The header of a NIfTI-1 or NIfTI-2 file as it stands, checked number by number, but not yet
-// understood as a volume. Sources: [NIfTI-1], [NIfTI-2].
+// understood as a volume. Sources: [Cox 2004], [NIfTI-2].
 #pragma once
 
 #include <array>
@@ -23,15 +23,15 @@ inline constexpr std::size_t kNiftiExtenderSize = 4;
 struct NiftiHeader {
   int version = 1;
   bool is_big_endian = false;
-  bool is_pair = false;  // the samples are in a file of their own
+  bool is_pair = false;                                   // the samples are in a file of their own
   std::array<std::int64_t, 7> dims{1, 1, 1, 1, 1, 1, 1};  // x y z t components, each >= 1
   ScalarType type = ScalarType::kUInt8;
-  int num_channels = 1;                      // values of one sample that lie together: colours
-  std::array<double, 8> pixdim{};            // [0] is qfac, [1] to [4] are steps along x y z t
-  std::int64_t vox_offset = 0;               // bytes before the samples
-  double slope = 0, intercept = 0;           // of the values; a slope of 0 says that there is none
-  int qform_code = 0, sform_code = 0;        // > 0: there is such a transform
-  std::array<double, 3> quaternion{};        // b c d
+  int num_channels = 1;                // values of one sample that lie together: colours
+  std::array<double, 8> pixdim{};      // [0] is qfac, [1] to [4] are steps along x y z t
+  std::int64_t vox_offset = 0;         // bytes before the samples
+  double slope = 0, intercept = 0;     // of the values; a slope of 0 says that there is none
+  int qform_code = 0, sform_code = 0;  // > 0: there is such a transform
+  std::array<double, 3> quaternion{};  // b c d
   std::array<double, 3> qform_offset{};
   std::array<std::array<double, 4>, 3> sform{};  // rows of world_from_index
   int units = 0;

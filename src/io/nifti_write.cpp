@@ -76,8 +76,8 @@ class OutputStream {
 struct Placement {
   Vec3 spacing;
   Affine3 sform;
-  int code = 0;             // of sform, and of qform if there is one
-  bool has_qform = false;   // the axes are orthogonal
+  int code = 0;            // of sform, and of qform if there is one
+  bool has_qform = false;  // the axes are orthogonal
   double qfac = 1;
   Vec3 quaternion = Vec3::Zero();  // b c d
 };
@@ -107,8 +107,8 @@ Placement placement_of(const Dataset& dataset) {
 
 bool fits_float(double value) {
   const double size = std::abs(value);
-  return size == 0 || (size >= std::numeric_limits<float>::min() &&
-                       size <= std::numeric_limits<float>::max());
+  return size == 0 ||
+         (size >= std::numeric_limits<float>::min() && size <= std::numeric_limits<float>::max());
 }
 
 bool fits_version_1(const Dataset& dataset, const DataArray& array, const Placement& placement) {
@@ -237,10 +237,9 @@ void write_planar(const DataArray& array, OutputStream& out) {
     for (std::size_t begin = 0; begin < num_tuples; begin += chunk_tuples) {
       const std::size_t count = std::min(chunk_tuples, num_tuples - begin);
       for (std::size_t i = 0; i < count; ++i) {
-        std::memcpy(
-            chunk.data() + i * sample_size,
-            array.bytes.view.data() + ((begin + i) * num_components + c) * sample_size,
-            sample_size);
+        std::memcpy(chunk.data() + i * sample_size,
+                    array.bytes.view.data() + ((begin + i) * num_components + c) * sample_size,
+                    sample_size);
       }
       out.write(chunk.data(), count * sample_size);
     }

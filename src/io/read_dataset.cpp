@@ -2,19 +2,25 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <system_error>
 #include <utility>
 
 #include "io/byte_source.h"
+#include "io/data_files.h"
 #include "io/decode.h"
 #include "io/formats.h"
+#include "io/metaimage.h"
+#include "io/metaimage_header.h"
 #include "io/nifti.h"
 #include "io/npy.h"
 #include "io/nrrd.h"
 #include "io/nrrd_header.h"
 #include "io/raw.h"
 #include "io/read_source.h"
+#include "io/slc.h"
+#include "io/step_files.h"
 #include "io/vtk_image.h"
 #include "ovoid/error.h"
 #include "ovoid/io.h"
@@ -23,7 +29,8 @@ namespace ovoid {
 namespace {
 
 constexpr const char* kReadable =
-    "NRRD, NPY, NIfTI, VTI, legacy VTK, or raw samples with dimensions and type";
+    "NRRD, NPY, NIfTI, MetaImage, SLC, VTI, VTR, legacy VTK, or raw samples with dimensions and "
+    "type";
 
 // What a raw file cannot say, said about a file that says it itself: one of both is a mistake.
 void refuse_raw_options(const std::string& path, const char* format, const RawOptions& raw,
@@ -46,10 +53,11 @@ Dataset read_unknown(const io::ByteSource& source, const std::string& start,
   const RawOptions from_name = io::parse_raw_name(source.name());
   const std::string ending = io::ending_of(source.name());
   const bool is_raw = options.raw.dims || options.raw.type || (from_name.dims && from_name.type);
-  if (is_raw || ending == ".raw") return io::read_raw(source, options);
+  if (is_raw || ending == ".raw" || ending == ".raw.gz") return io::read_raw(source, options);
   if (source.size() == 0)
     throw Error(ErrorCode::kFileFormat, fmt::format("{}: is empty", source.name()));
-  for (const char* known : {".nrrd", ".nhdr", ".npy", ".nii", ".nii.gz", ".vti", ".vtk"}) {
+  for (const char* known : {".nrrd", ".nhdr", ".npy", ".nii", ".nii.gz", ".mhd", ".mha", ".slc",
+                            ".vti", ".vtr", ".vtk"}) {
     if (ending == known) {
       throw Error(ErrorCode::kFileFormat,
                   fmt::format("{}: the name ends in {} but the content does not begin like it",
@@ -85,6 +93,12 @@ Dataset read_any(const io::ByteSource& source, const ReadOptions& options, const
       refuse_raw_options(source.name(), "NIfTI", options.raw, true);
       return io::read_nifti(source, is_gzip ? io::Encoding::kGzip : io::Encoding::kRaw, options,
                             open);
+    case io::FileKind::kMetaImage:
+      refuse_raw_options(source.name(), "MetaImage", options.raw, true);
+      return io::read_metaimage(source, options, open);
+    case io::FileKind::kSlc:
+      refuse_raw_options(source.name(), "SLC", options.raw, true);
+      return io::read_slc(source, options);
     case io::FileKind::kVtkXml:
     case io::FileKind::kVtkLegacy:
       refuse_raw_options(source.name(), "VTK", options.raw, true);
@@ -145,17 +159,31 @@ Dataset read_source(const ByteSource& source, const ReadOptions& options, const 
 
 std::vector<std::string> files_read_for(const std::string& path) {
   std::vector<std::string> files{path};
+  const auto add = [&](const std::string& file) {
+    std::error_code ignored;
+    const bool is_there = std::filesystem::exists(file, ignored);
+    if (is_there) files.push_back(file);
+    return is_there;
+  };
+  const auto add_all = [&](const std::optional<io::DataFiles>& named) {
+    const std::int64_t count = named ? named->count : 0;
+    for (std::int64_t i = 0; i < count && add(io::path_beside(path, named->name(i))); ++i) {
+    }
+  };
   try {
     const auto source = io::open_file(path);
-    if (io::kind_of(source->text(0, 512)) != io::FileKind::kNrrd) return files;
-    const io::NrrdHeader header = io::read_nrrd_header(*source);
-    const std::int64_t count = header.files ? header.files->count : 0;
-    for (std::int64_t i = 0; i < count; ++i) {
-      const std::string file = io::path_beside(path, header.files->name(i));
-      std::error_code ignored;
-      if (!std::filesystem::exists(file, ignored)) break;
-      files.push_back(file);
+    switch (io::kind_of(source->text(0, 512))) {
+      case io::FileKind::kNrrd:
+        add_all(io::read_nrrd_header(*source).files);
+        break;
+      case io::FileKind::kMetaImage:
+        add_all(io::read_metaimage_header(*source).files);
+        break;
+      default:
+        break;
     }
+    const std::string image = io::nifti_image_path(path);
+    if (image != path && !add(image)) add(image + ".gz");
   } catch (const Error&) {
     // It is not for this function to tell.
   }
@@ -164,13 +192,7 @@ std::vector<std::string> files_read_for(const std::string& path) {
 
 Dataset read_dataset(const std::vector<std::string>& paths, const ReadOptions& options) {
   if (paths.empty()) throw Error(ErrorCode::kInvalidArgument, "input: no file is named");
-  if (paths.size() > 1) {
-    throw Error(
-        ErrorCode::kUnsupported,
-        fmt::format(
-            "{}, {}: {} inputs: a volume is one file, or an NRRD header that lists its parts",
-            paths[0], paths[1], paths.size()));
-  }
+  if (paths.size() > 1) return io::read_step_files(paths, options);
   return io::read_source(*io::open_file(paths[0]), options);
 }
 

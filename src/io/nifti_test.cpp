@@ -227,6 +227,9 @@ TEST(Nifti, PairsOfFiles) {
                                     : header.bytes().substr(0, 348);
     EXPECT_EQ(values_of<char>(read_pair(name, content).array()), (std::vector<char>{'z', 'y'}));
   }
+  EXPECT_EQ(error_of([&] { read_pair("dir/a.img", "123zy"); }),
+            "unsupported: dir/a.img: may be the samples of a NIfTI pair: expected its header, the "
+            ".hdr file beside it");
   EXPECT_EQ(error_of([&] { read_pair("dir/a.nii", header.bytes()); }),
             "file-format: dir/a.nii: is the header of a pair: expected a name that ends in .hdr");
 }

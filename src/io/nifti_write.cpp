@@ -159,6 +159,12 @@ std::array<std::int64_t, 8> dims_of(const Dataset& dataset, const DataArray& arr
   return {num_axes, dims[0], dims[1], dims[2], 1, array.num_components, 1, 1};
 }
 
+// pixdim: no reader should find a step of 0 along an axis.
+std::array<double, 8> steps_of(const Placement& placement) {
+  const Vec3& spacing = placement.spacing;
+  return {placement.qfac, spacing[0], spacing[1], spacing[2], 1, 1, 1, 1};
+}
+
 constexpr int kVectorIntent = 1007;
 constexpr int kMillimetres = 2;
 constexpr std::string_view kDescription = "written by Ovoid";
@@ -182,14 +188,13 @@ void put_placement(HeaderBytes& header, const Placement& placement, std::size_t 
 std::vector<std::byte> header_1(const Dataset& dataset, const DataArray& array,
                                 const Placement& placement) {
   HeaderBytes header(kNifti1Size + kNiftiExtenderSize);
-  const Vec3& spacing = placement.spacing;
   header.put(0, static_cast<std::int32_t>(kNifti1Size));
   header.put(38, 'r');
   header.put_all<std::int16_t>(40, dims_of(dataset, array));
   header.put(68, static_cast<std::int16_t>(array.num_components > 1 ? kVectorIntent : 0));
   header.put(70, static_cast<std::int16_t>(nifti_code_of(array.type)));
   header.put(72, static_cast<std::int16_t>(8 * size_of(array.type)));
-  header.put_all<float>(76, std::array{placement.qfac, spacing[0], spacing[1], spacing[2]});
+  header.put_all<float>(76, steps_of(placement));
   header.put(108, static_cast<float>(kNifti1Size + kNiftiExtenderSize));
   header.put(112, static_cast<float>(array.value_scale));
   header.put(116, static_cast<float>(array.value_offset));
@@ -206,13 +211,12 @@ std::vector<std::byte> header_1(const Dataset& dataset, const DataArray& array,
 std::vector<std::byte> header_2(const Dataset& dataset, const DataArray& array,
                                 const Placement& placement) {
   HeaderBytes header(kNifti2Size + kNiftiExtenderSize);
-  const Vec3& spacing = placement.spacing;
   header.put(0, static_cast<std::int32_t>(kNifti2Size));
   header.put_all<char>(4, std::string_view("n+2\0\r\n\x1a\n", 8));
   header.put(12, static_cast<std::int16_t>(nifti_code_of(array.type)));
   header.put(14, static_cast<std::int16_t>(8 * size_of(array.type)));
   header.put_all<std::int64_t>(16, dims_of(dataset, array));
-  header.put_all<double>(104, std::array{placement.qfac, spacing[0], spacing[1], spacing[2]});
+  header.put_all<double>(104, steps_of(placement));
   header.put(168, static_cast<std::int64_t>(kNifti2Size + kNiftiExtenderSize));
   header.put(176, array.value_scale);
   header.put(184, array.value_offset);

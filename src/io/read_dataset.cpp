@@ -64,6 +64,12 @@ Dataset read_unknown(const io::ByteSource& source, const std::string& start,
                               source.name(), known));
     }
   }
+  if (ending == ".img" || ending == ".img.gz") {
+    throw Error(ErrorCode::kUnsupported,
+                fmt::format("{}: may be the samples of a NIfTI pair: expected its header, the .hdr "
+                            "file beside it",
+                            source.name()));
+  }
   const std::string kind = io::unsupported_kind_of(start);
   throw Error(
       ErrorCode::kUnsupported,

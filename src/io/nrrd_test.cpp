@@ -268,6 +268,12 @@ TEST(Nrrd, SkipsLinesAndBytes) {
       values_of<std::uint8_t>(
           read_text(nrrd(with(kBase, "raw", "gzip\nbyte skip: 3"), gzip("abc" + raw))).array()),
       values);
+  // Of text, characters are skipped.
+  std::string text;
+  for (const auto value : values) text += std::to_string(value) + " ";
+  EXPECT_EQ(values_of<std::uint8_t>(
+                read_text(nrrd(with(kBase, "raw", "ascii\nbyte skip: 3"), "99 " + text)).array()),
+            values);
   EXPECT_EQ(error(nrrd(kBase + "line skip: 9\n", raw)).substr(0, 54),
             "file-format: dir/a.nrrd: line skip: 9 lines, dir/a.nrr");
   EXPECT_NE(error(nrrd(with(kBase, "raw", "gzip\nbyte skip: -1"), gzip(raw)))

@@ -301,7 +301,7 @@ Dataset turned_dataset(Space space) {
 TEST(Nifti, RoundTripKeepsPlaceNameAndScale) {
   const TestFolder folder;
   for (const Space space : {Space::kRas, Space::kLps, Space::kNone}) {
-    for (const char* name : {"a.nii", "a.nii.gz"}) {
+    for (const char* name : {"a.nii", "a.nii.gz", "B.NII.GZ"}) {
       Dataset dataset = turned_dataset(space);
       dataset.arrays[0].value_scale = 0.5;
       dataset.arrays[0].value_offset = -1000;
@@ -310,6 +310,7 @@ TEST(Nifti, RoundTripKeepsPlaceNameAndScale) {
       Affine3 expected = dataset.lattice.world_from_index;
       if (space == Space::kLps) expected = Eigen::Scaling(-1.0, -1.0, 1.0) * expected;
       EXPECT_TRUE(back.lattice.world_from_index.isApprox(expected, 1e-6));
+      EXPECT_EQ(folder.read(name).starts_with("\x1f\x8b"), std::string(name) != "a.nii");
       EXPECT_EQ(back.space, Space::kRas);
       EXPECT_EQ(back.lattice.dims, dataset.lattice.dims);
       EXPECT_EQ(back.array().name, "speed");

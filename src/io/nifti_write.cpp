@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "io/atomic_file.h"
+#include "io/formats.h"
 #include "io/nifti.h"
 #include "io/nifti_header.h"
 #include "ovoid/error.h"
@@ -23,7 +24,7 @@ constexpr std::size_t kChunk = std::size_t{1} << 20;
 // A file, or gzip data into one.
 class OutputStream {
  public:
-  explicit OutputStream(const std::string& path) : file_(path), is_gzip_(path.ends_with("z")) {
+  explicit OutputStream(const std::string& path) : file_(path), is_gzip_(ending_of(path) == ".nii.gz") {
     constexpr int kGzipHeader = 16;
     constexpr int kDefaultMemory = 8;
     if (is_gzip_ && deflateInit2(&stream_, kLevel, Z_DEFLATED, 15 + kGzipHeader, kDefaultMemory,

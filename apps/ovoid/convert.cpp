@@ -30,6 +30,15 @@ void note_losses(const Dataset& dataset, const std::string& output, Session& ses
   } else if (has_space && (has_ending(output, ".vti") || has_ending(output, ".vtk"))) {
     session.note(fmt::format("{}: holds no patient space: that the axes are {} is lost", output,
                              name_of(dataset.space)));
+  } else if (has_ending(output, ".nii") || has_ending(output, ".nii.gz")) {
+    const Affine3& place = dataset.lattice.world_from_index;
+    const Mat3 axes = place.linear();
+    const bool is_spacing_alone =
+        axes.isDiagonal(0) && axes.diagonal().minCoeff() > 0 && place.translation().isZero(0);
+    if (!has_space && !is_spacing_alone)
+      session.note(fmt::format(
+          "{}: holds a place in patient space only: x, y, z are now right, anterior, superior",
+          output));
   }
 }
 
@@ -42,7 +51,8 @@ void run_convert(const Words& words, Session& session) {
               "Writes a dataset in another format. A look (ParaView JSON) is converted to .json, "
               "its points sorted and its defaults written out.");
   flags.section("");
-  flags.value("-o,--output", "OUT", "the file: .nrrd, .nhdr, .npy, .raw, .vti, .vtk; looks: .json",
+  flags.value("-o,--output", "OUT",
+              "the file: .nrrd, .nhdr, .nii, .nii.gz, .npy, .raw, .vti, .vtk; looks: .json",
               [&output](const std::string& text) { output = text; });
   flags.value("--array", "NAME", "write this array alone (default: all)",
               [&data](const std::string& text) { data.array = text; });

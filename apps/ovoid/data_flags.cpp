@@ -50,11 +50,11 @@ int parse_component(const std::string& text) {
 
 void add_input_flags(Flags& flags, DataFlags* data) {
   flags.section("data");
-  flags.positionals(
-      "INPUT",
-      "a volume: NRRD, NHDR, NPY, raw, VTI, legacy VTK, a DICOM file or folder; several are the "
-      "parts of one dataset",
-      &data->inputs);
+  flags.positionals("INPUT",
+                    "a volume: NRRD, NIfTI, MetaImage, NPY, raw, SLC, VTI, VTR, legacy VTK, a "
+                    "DICOM file or folder; "
+                    "several are its time steps, or the slices of a DICOM series",
+                    &data->inputs);
   flags.value("--block", "NAME",
               "which of several volumes, such as a DICOM series (default: the largest)",
               [data](const std::string& text) { data->block = text; });

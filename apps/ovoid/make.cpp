@@ -52,7 +52,7 @@ void run_make(const Words& words, Session& session) {
   Flags flags("make", "NAME -o OUT [FLAG...]", "Writes a volume made by formula.");
   flags.section("");
   flags.positionals("NAME", "what to make, see below", &names);
-  flags.value("-o,--output", "OUT", "the file: .nrrd, .nhdr, .npy, .raw, .vti, .vtk",
+  flags.value("-o,--output", "OUT", "the file: .nrrd, .nhdr, .nii, .nii.gz, .npy, .raw, .vti, .vtk",
               [&output](const std::string& text) { output = text; });
   flags.value("--size", "N|XxYxZ", "samples (default: the name's own)",
               [&options](const std::string& text) { options.size = parse_samples(text); });

@@ -31,18 +31,19 @@ struct ReadOptions {
   std::stop_token stop;
 };
 
-// Reads a volume: raw, NRRD/NHDR, NPY, DICOM, and with VTK: VTI and legacy VTK (structured points).
-// The format is told from content, then from the name. Several paths are parts of one dataset where
-// the format has parts (the slices of a DICOM series, or a folder of them); else an error. Peak
-// memory is at most 2.1 times the decoded size; sizes in headers are checked against the file
-// before anything is allocated. Throws Error: kFileNotFound, kFileFormat (names file and field),
+// Reads a volume: raw, NRRD/NHDR, NIfTI, MetaImage, SLC, NPY, DICOM, and with VTK: VTI, VTR and
+// legacy VTK (structured points, rectilinear grids of equal spacing). The format is told from
+// content, then from the name. A path may be a folder of DICOM files. Several paths are the slices
+// of a DICOM series, or else the time steps of one volume, of which one is read. Peak memory is at
+// most 2.1 times the decoded size; sizes in headers are checked against the file before anything is
+// allocated. Throws Error: kFileNotFound, kFileFormat (names file and field),
 // kUnsupported, kInvalidArgument, kCancelled.
 Dataset read_dataset(const std::vector<std::string>& paths, const ReadOptions& options = {});
 
-// Writes a dataset; the name's ending chooses the format (.nrrd .nhdr .npy .raw, and .vti .vtk with
-// VTK). Written beside and renamed: an existing file stays whole until the new one is. The samples
-// of NAME.nhdr go to NAME.raw, which is replaced only if it belongs to an existing NAME.nhdr.
-// Throws Error(kFileWrite, kUnsupported).
+// Writes a dataset; the name's ending chooses the format (.nrrd .nhdr .nii .nii.gz .npy .raw, and
+// .vti .vtk with VTK). Written beside and renamed: an existing file stays whole until the new one
+// is. The samples of NAME.nhdr go to NAME.raw, which is replaced only if it belongs to an existing
+// NAME.nhdr. Throws Error(kFileWrite, kUnsupported).
 void write_dataset(const Dataset& dataset, const std::string& path);
 
 // Writes a picture: .png (8 bit, straight alpha; x-ray pictures must be mapped first), .exr (float,
@@ -50,8 +51,9 @@ void write_dataset(const Dataset& dataset, const std::string& path);
 // Error(kFileWrite, kUnsupported, kInvalidArgument).
 void write_image(const Image& image, const std::string& path, const double* background = nullptr);
 
-// The files that read_dataset would read for `path`: it and those that an NRRD header names, up to
-// the first that is not there, or the DICOM files of a folder. A file that cannot be read stands
+// The files that read_dataset would read for `path`: it and those that its header names (NRRD,
+// MetaImage, a pair of NIfTI), up to the first that is not there, or the DICOM files of a folder. A
+// file that cannot be read stands
 // alone; reading it tells why.
 std::vector<std::string> files_read_for(const std::string& path);
 

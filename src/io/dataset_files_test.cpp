@@ -264,32 +264,59 @@ TEST(DatasetFiles, ReadErrors) {
   folder.write("empty", "");
   folder.write("unknown", "hello");
   folder.write("name.vti", "hello");
-  folder.write("a.nii.gz", "\x1f\x8b\x08");
+  folder.write("a.gz", "\x1f\x8b\x08");
+  const std::string readable =
+      "NRRD, NPY, NIfTI, MetaImage, SLC, VTI, VTR, legacy VTK, DICOM, or raw samples with "
+      "dimensions "
+      "and type";
   expect("missing.nrrd", "file-not-found", "no such file");
   expect("", "unsupported", "none of its 4 files is DICOM: a folder is read as DICOM slices");
   expect("empty", "file-format", "is empty");
-  expect("unknown", "unsupported",
-         "the format is not known: expected NRRD, NPY, VTI, legacy VTK, DICOM, or raw samples "
-         "with dimensions and type");
+  expect("unknown", "unsupported", "the format is not known: expected " + readable);
   expect("name.vti", "file-format", "the name ends in .vti but the content does not begin like it");
-  expect("a.nii.gz", "unsupported",
-         "is a gzip file, which is not read: expected NRRD, NPY, VTI, legacy VTK, DICOM, or raw "
-         "samples with dimensions and type");
+  expect("a.gz", "unsupported",
+         "is a gzip file of something other than NIfTI, which is not read: expected " + readable);
   EXPECT_EQ(error_of([] { read_dataset({}); }), "invalid-argument: input: no file is named");
-  const std::string first = folder.file("unknown"), second = folder.file("empty");
-  EXPECT_EQ(error_of([&] {
-              read_dataset({first, second});
-            }),
-            "unsupported: " + first + ", " + second +
-                ": 2 inputs: a volume is one file, an NRRD header that lists its parts, or the "
-                "files of a DICOM series, which " +
-                first + " is not");
   write_dataset(oblique_dataset(), folder.file("a.nrrd"));
   ReadOptions options;
   options.raw.dims = Index3{1, 1, 1};
   EXPECT_EQ(error(folder.file("a.nrrd"), options),
             "invalid-argument: " + folder.file("a.nrrd") +
                 ": is NRRD and states its own layout: dimensions can be given for raw files only");
+}
+
+// Fails if another file is read than the one that was asked for, or the first that varies.
+TEST(DatasetFiles, SeveralFilesAreSteps) {
+  const TestFolder folder;
+  Dataset dataset = oblique_dataset();
+  std::vector<std::string> paths;
+  for (const std::vector<float>& values :
+       {std::vector<float>(24, 1.0F), counting<float>(24), std::vector<float>(24, 2.0F)}) {
+    dataset.arrays[0] = make_array("speed", ScalarType::kFloat32, values);
+    paths.push_back(folder.file(std::to_string(paths.size()) + ".nrrd"));
+    write_dataset(dataset, paths.back());
+  }
+  const Dataset found = read_dataset(paths);
+  EXPECT_EQ(found.source, paths[1]);
+  EXPECT_EQ(found.num_steps, 3);
+  EXPECT_EQ(found.step, 1);
+  EXPECT_EQ(
+      found.notes,
+      (std::vector<std::string>{paths[1] + ": step 1 of 3, the first that varies; choose with "
+                                           "--step"}));
+  ReadOptions options;
+  options.step = 2;
+  folder.write("0.nrrd", "broken");  // and not looked at
+  const Dataset chosen = read_dataset(paths, options);
+  EXPECT_EQ(chosen.step, 2);
+  EXPECT_EQ(values_of<float>(chosen.array())[0], 2);
+  options.step = 3;
+  EXPECT_EQ(error_of([&] { read_dataset(paths, options); }),
+            "invalid-argument: " + paths[0] + " and 2 more: step 3: expected 0 to 2");
+  options.step = 1;
+  paths.push_back(folder.file("missing.nrrd"));
+  EXPECT_EQ(error_of([&] { read_dataset(paths, options); }),
+            "file-not-found: " + paths[3] + ": no such file");
 }
 
 TEST(DatasetFiles, WriteErrors) {
@@ -300,7 +327,7 @@ TEST(DatasetFiles, WriteErrors) {
   };
   EXPECT_EQ(error("a.mhd"),
             "unsupported: a.mhd: the ending '.mhd' names no volume format: expected .nrrd, .nhdr, "
-            ".npy, .raw, .vti or .vtk");
+            ".npy, .raw, .nii, .nii.gz, .vti or .vtk");
   EXPECT_EQ(error_of([] { check_dataset_path("a"); }).substr(0, 12), "unsupported:");
   EXPECT_EQ(error(folder.file("no/a.nrrd")).substr(0, 11), "file-write:");
   dataset.arrays.push_back(dataset.arrays[0]);

@@ -147,75 +147,100 @@ struct Bunzipper {
   }
 };
 
-// Decompresses one or more members until the wanted bytes and the end of their member (so that the
-// checksum is verified) have been met.
+// One or more members, one behind the other.
 template <typename Decompressor>
-void append_decompressed(const ByteSource& source, std::int64_t offset, const WantedSamples& wanted,
-                         SampleBuffer& out, ReadProgress& progress,
-                         std::vector<std::string>& notes) {
-  Decompressor decompressor;
-  auto& stream = decompressor.stream;
-  InputChunks input(source, offset, progress);
-  std::int64_t to_skip = wanted.num_skipped;
-  std::int64_t to_keep = wanted.num_bytes;
-  const std::int64_t final_size = out.size() + to_keep;
-  std::vector<std::byte> scratch(static_cast<std::size_t>(kOutputChunk));  // for what is skipped
-  const auto num_decoded = [&] {
-    return wanted.num_bytes + wanted.num_skipped - to_keep - to_skip;
-  };
+class DecompressedStream final : public SampleStream {
+ public:
+  DecompressedStream(const ByteSource& source, std::int64_t offset, const WantedSamples& wanted,
+                     ReadProgress& progress)
+      : source_(source), wanted_(wanted), input_(source, offset, progress) {}
 
-  while (true) {
-    if (stream.avail_in == 0) {
-      const auto chunk = input.next();
-      stream.next_in = reinterpret_cast<decltype(stream.next_in)>(chunk.data());
-      stream.avail_in = static_cast<unsigned>(chunk.size());
-      if (chunk.empty() && to_skip + to_keep == 0) {
-        throw_broken(source, wanted,
+  void append(std::int64_t count, SampleBuffer& out) override {
+    const std::int64_t final_size = out.size() + count;
+    while (out.size() < final_size) {
+      const auto room = out.extend(std::min(final_size - out.size(), kOutputChunk), final_size);
+      const auto made = static_cast<std::int64_t>(decode_wanted(room));
+      out.shrink(static_cast<std::int64_t>(room.size()) - made);
+    }
+  }
+
+  void skip(std::int64_t count) override {
+    std::vector<std::byte> scratch(static_cast<std::size_t>(std::min(count, kOutputChunk)));
+    while (count > 0) {
+      const auto room = std::span(scratch).first(
+          static_cast<std::size_t>(std::min<std::int64_t>(count, kOutputChunk)));
+      count -= static_cast<std::int64_t>(decode_wanted(room));
+    }
+  }
+
+  // One byte of room lets the decompressor reach the end, or shows that there is more.
+  void finish(std::vector<std::string>& notes) override {
+    while (!decompressor_.ended) {
+      if (!refill()) {
+        throw_broken(source_, wanted_,
                      fmt::format("the {} data lack their checksum: is the file truncated?",
                                  Decompressor::kName));
       }
-      if (chunk.empty())
-        throw_short(source, wanted, fmt::format("the {} data end after", Decompressor::kName),
-                    num_decoded());
+      std::byte behind{};
+      std::string problem;
+      if (step(std::span(&behind, 1), problem) > 0) {
+        notes.push_back(fmt::format("{}: more data follow the {} bytes of {} and are ignored",
+                                    file_and_header(source_, wanted_), wanted_.num_bytes,
+                                    wanted_.layout));
+        return;
+      }
+      check(problem);
     }
-    // Once nothing is wanted, one more byte of room lets the decompressor reach the end, or shows
-    // that there is more.
-    std::span<std::byte> room = scratch;
-    if (to_skip > 0) {
-      room = room.first(static_cast<std::size_t>(std::min(to_skip, kOutputChunk)));
-    } else if (to_keep > 0) {
-      room = out.extend(std::min(to_keep, kOutputChunk), final_size);
-    } else {
-      room = room.first(1);
+  }
+
+ private:
+  // At least a byte unless a member has ended.
+  std::size_t decode_wanted(std::span<std::byte> room) {
+    if (decompressor_.ended && !decompressor_.restart())
+      throw Error(ErrorCode::kOutOfMemory, "decompressor: cannot start");
+    if (!refill()) {
+      throw_short(source_, wanted_, fmt::format("the {} data end after", Decompressor::kName),
+                  num_decoded_);
     }
+    std::string problem;
+    const std::size_t made = step(room, problem);
+    num_decoded_ += static_cast<std::int64_t>(made);
+    check(problem);
+    return made;
+  }
+
+  // False at the end of the file.
+  bool refill() {
+    auto& stream = decompressor_.stream;
+    if (stream.avail_in > 0) return true;
+    const auto chunk = input_.next();
+    stream.next_in = reinterpret_cast<decltype(stream.next_in)>(chunk.data());
+    stream.avail_in = static_cast<unsigned>(chunk.size());
+    return !chunk.empty();
+  }
+
+  std::size_t step(std::span<std::byte> room, std::string& problem) {
+    auto& stream = decompressor_.stream;
     stream.next_out = reinterpret_cast<decltype(stream.next_out)>(room.data());
     stream.avail_out = static_cast<unsigned>(room.size());
-    const std::string problem = decompressor.step();
-    const std::int64_t unused = stream.avail_out;
-    const std::int64_t made = static_cast<std::int64_t>(room.size()) - unused;
-    const bool was_keeping = to_skip == 0 && to_keep > 0;
-    if (to_skip > 0) {
-      to_skip -= made;
-    } else if (was_keeping) {
-      out.shrink(unused);
-      to_keep -= made;
-    } else if (made > 0) {
-      notes.push_back(fmt::format("{}: more data follow the {} bytes of {} and are ignored",
-                                  file_and_header(source, wanted), wanted.num_bytes,
-                                  wanted.layout));
-      return;
-    }
-    if (!problem.empty()) {
-      throw_broken(source, wanted,
-                   fmt::format("the {} data are broken after {} of {} decoded bytes: {}",
-                               Decompressor::kName, num_decoded(),
-                               wanted.num_bytes + wanted.num_skipped, problem));
-    }
-    if (!decompressor.ended) continue;
-    if (to_skip == 0 && to_keep == 0) return;
-    if (!decompressor.restart()) throw Error(ErrorCode::kOutOfMemory, "decompressor: cannot start");
+    problem = decompressor_.step();
+    return room.size() - stream.avail_out;
   }
-}
+
+  void check(const std::string& problem) const {
+    if (problem.empty()) return;
+    throw_broken(
+        source_, wanted_,
+        fmt::format("the {} data are broken after {} of {} decoded bytes: {}", Decompressor::kName,
+                    num_decoded_, wanted_.num_bytes + wanted_.num_skipped, problem));
+  }
+
+  const ByteSource& source_;
+  WantedSamples wanted_;
+  InputChunks input_;
+  Decompressor decompressor_;
+  std::int64_t num_decoded_ = 0;
+};
 
 bool is_space(char c) {
   return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\v' || c == '\f';
@@ -242,47 +267,79 @@ constexpr std::array<NumberParser, 10> kNumberParsers{
     parse_number<std::uint64_t>, parse_number<std::int64_t>,  parse_number<float>,
     parse_number<double>};
 
+// The characters of a source, one after the other.
+class Characters {
+ public:
+  Characters(const ByteSource& source, std::int64_t offset, ReadProgress& progress)
+      : input_(source, offset, progress) {}
+
+  bool next(char& c) {
+    if (position_ == chunk_.size()) {
+      chunk_ = input_.next();
+      position_ = 0;
+      if (chunk_.empty()) return false;
+    }
+    c = static_cast<char>(chunk_[position_++]);
+    return true;
+  }
+
+ private:
+  InputChunks input_;
+  std::span<const std::byte> chunk_;
+  std::size_t position_ = 0;
+};
+
 // Numbers between white space or commas.
-void append_text(const ByteSource& source, std::int64_t offset, const WantedSamples& wanted,
-                 SampleBuffer& out, ReadProgress& progress) {
-  constexpr std::size_t kLongestWord =
-      512;  // a double in full decimal notation has at most 327 characters
-  const NumberParser parse = kNumberParsers[static_cast<std::size_t>(wanted.type)];
-  const auto sample_size = static_cast<std::int64_t>(size_of(wanted.type));
-  const std::int64_t num_wanted = wanted.num_bytes / sample_size;
-  const std::int64_t final_size = out.size() + wanted.num_bytes;
-  std::int64_t num_parsed = 0;
-  std::string word;
-  const auto finish_word = [&] {
-    if (word.empty()) return;
-    if (!parse(word, out.extend(sample_size, final_size).data())) {
-      throw_broken(source, wanted,
-                   fmt::format("value {} is '{}': expected {} as text", num_parsed,
-                               word.substr(0, 32), name_of(wanted.type)));
-    }
-    ++num_parsed;
-    word.clear();
-  };
-  InputChunks input(source, offset, progress);
-  for (auto chunk = input.next(); !chunk.empty() && num_parsed < num_wanted; chunk = input.next()) {
-    for (const std::byte byte : chunk) {
-      const char c = static_cast<char>(byte);
-      if (!is_space(c) && c != ',') {
-        word += c;
-        if (word.size() > kLongestWord) finish_word();
-        continue;
-      }
-      finish_word();
-      if (num_parsed == num_wanted) return;
-    }
+class TextStream final : public SampleStream {
+ public:
+  TextStream(const ByteSource& source, std::int64_t offset, const WantedSamples& wanted,
+             ReadProgress& progress)
+      : source_(source), wanted_(wanted), characters_(source, offset, progress) {}
+
+  void append(std::int64_t count, SampleBuffer& out) override {
+    const std::int64_t final_size = out.size() + count;
+    while (out.size() < final_size) next_number(out.extend(sample_size_, final_size).data());
   }
-  if (num_parsed < num_wanted) finish_word();
-  if (num_parsed < num_wanted) {
-    throw_broken(source, wanted,
-                 fmt::format("the text holds {} numbers, {} needs {}", num_parsed, wanted.layout,
-                             num_wanted));
+  void skip(std::int64_t count) override {
+    std::array<std::byte, 8> ignored{};
+    for (; count > 0; count -= sample_size_) next_number(ignored.data());
   }
-}
+  void finish(std::vector<std::string>&) override {}
+
+ private:
+  void next_number(std::byte* out) {
+    constexpr std::size_t kLongestWord =
+        512;  // a double in full decimal notation has at most 327 characters
+    word_.clear();
+    char c = ' ';
+    bool has_more = true;
+    while (word_.size() <= kLongestWord && (has_more = characters_.next(c))) {
+      if (!is_space(c) && c != ',')
+        word_ += c;
+      else if (!word_.empty())
+        break;
+    }
+    if (word_.empty()) {
+      throw_broken(source_, wanted_,
+                   fmt::format("the text holds {} numbers, {} needs {}", num_parsed_,
+                               wanted_.layout, wanted_.num_bytes / sample_size_));
+    }
+    if (!parse_(word_, out)) {
+      throw_broken(source_, wanted_,
+                   fmt::format("value {} is '{}': expected {} as text", num_parsed_,
+                               word_.substr(0, 32), name_of(wanted_.type)));
+    }
+    ++num_parsed_;
+  }
+
+  const ByteSource& source_;
+  WantedSamples wanted_;
+  Characters characters_;
+  NumberParser parse_ = kNumberParsers[static_cast<std::size_t>(wanted_.type)];
+  std::int64_t sample_size_ = static_cast<std::int64_t>(size_of(wanted_.type));
+  std::int64_t num_parsed_ = 0;
+  std::string word_;
+};
 
 int hex_digit(char c) {
   if (c >= '0' && c <= '9') return c - '0';
@@ -291,39 +348,95 @@ int hex_digit(char c) {
   return -1;
 }
 
-void append_hex(const ByteSource& source, std::int64_t offset, const WantedSamples& wanted,
-                SampleBuffer& out, ReadProgress& progress) {
-  const auto bytes = out.extend(
-      wanted.num_bytes, out.size() + wanted.num_bytes);  // plausible: checked against the file
-  std::size_t num_digits = 0;
-  InputChunks input(source, offset, progress);
-  for (auto chunk = input.next(); !chunk.empty(); chunk = input.next()) {
-    for (const std::byte byte : chunk) {
-      const char c = static_cast<char>(byte);
+class HexStream final : public SampleStream {
+ public:
+  HexStream(const ByteSource& source, std::int64_t offset, const WantedSamples& wanted,
+            ReadProgress& progress)
+      : source_(source), wanted_(wanted), characters_(source, offset, progress) {}
+
+  void append(std::int64_t count, SampleBuffer& out) override {
+    // As much as that is there: checked against the file.
+    for (std::byte& byte : out.extend(count, out.size() + count)) byte = next_byte();
+  }
+  void skip(std::int64_t count) override {
+    for (; count > 0; --count) next_byte();
+  }
+  void finish(std::vector<std::string>&) override {}
+
+ private:
+  std::byte next_byte() {
+    const int high = next_digit();
+    return static_cast<std::byte>(16 * high + next_digit());
+  }
+
+  int next_digit() {
+    char c = ' ';
+    while (characters_.next(c)) {
       if (is_space(c)) continue;
       const int digit = hex_digit(c);
-      if (digit < 0)
-        throw_broken(source, wanted,
-                     fmt::format("hex digit {} is character {:#04x}", num_digits, byte));
-      std::byte& target = bytes[num_digits / 2];
-      target = num_digits % 2 == 0 ? static_cast<std::byte>(digit << 4)
-                                   : target | static_cast<std::byte>(digit);
-      if (++num_digits == 2 * bytes.size()) return;
+      if (digit < 0) {
+        throw_broken(source_, wanted_,
+                     fmt::format("hex digit {} is character {:#04x}", num_digits_,
+                                 static_cast<unsigned char>(c)));
+      }
+      ++num_digits_;
+      return digit;
     }
+    throw_short(source_, wanted_, "the hex digits hold", num_digits_ / 2);
   }
-  throw_short(source, wanted, "the hex digits hold", static_cast<std::int64_t>(num_digits / 2));
-}
 
-void append_raw(const ByteSource& source, std::int64_t offset, const WantedSamples& wanted,
-                SampleBuffer& out, ReadProgress& progress, std::vector<std::string>& notes) {
-  const std::int64_t extra = source.size() - offset - wanted.num_bytes;
-  const std::int64_t skipped = wanted.num_skipped < 0 ? extra : wanted.num_skipped;
-  append_plain(source, offset + skipped, wanted.num_bytes, out, progress);
-  if (extra > skipped) {
-    notes.push_back(fmt::format("{}: {} bytes behind the {} of {} are ignored",
-                                file_and_header(source, wanted), extra - skipped, wanted.num_bytes,
-                                wanted.layout));
+  const ByteSource& source_;
+  WantedSamples wanted_;
+  Characters characters_;
+  std::int64_t num_digits_ = 0;
+};
+
+class RawStream final : public SampleStream {
+ public:
+  RawStream(const ByteSource& source, std::int64_t offset, const WantedSamples& wanted,
+            ReadProgress& progress)
+      : source_(source), wanted_(wanted), position_(offset), progress_(progress) {
+    if (wanted_.num_skipped < 0) position_ = source.size() - wanted_.num_bytes;
   }
+
+  void append(std::int64_t count, SampleBuffer& out) override {
+    append_plain(source_, position_, count, out, progress_);
+    position_ += count;
+  }
+  void skip(std::int64_t count) override {
+    progress_.advance(count);
+    position_ += count;
+  }
+  void finish(std::vector<std::string>& notes) override {
+    if (position_ == source_.size()) return;
+    notes.push_back(fmt::format("{}: {} bytes behind the {} of {} are ignored",
+                                file_and_header(source_, wanted_), source_.size() - position_,
+                                wanted_.num_bytes, wanted_.layout));
+  }
+
+ private:
+  const ByteSource& source_;
+  WantedSamples wanted_;
+  std::int64_t position_;
+  ReadProgress& progress_;
+};
+
+std::unique_ptr<SampleStream> make_stream(const ByteSource& source, std::int64_t offset,
+                                          Encoding encoding, const WantedSamples& wanted,
+                                          ReadProgress& progress) {
+  switch (encoding) {
+    case Encoding::kRaw:
+      break;
+    case Encoding::kGzip:
+      return std::make_unique<DecompressedStream<Inflater>>(source, offset, wanted, progress);
+    case Encoding::kBzip2:
+      return std::make_unique<DecompressedStream<Bunzipper>>(source, offset, wanted, progress);
+    case Encoding::kText:
+      return std::make_unique<TextStream>(source, offset, wanted, progress);
+    case Encoding::kHex:
+      return std::make_unique<HexStream>(source, offset, wanted, progress);
+  }
+  return std::make_unique<RawStream>(source, offset, wanted, progress);
 }
 
 }  // namespace
@@ -389,22 +502,26 @@ void check_plausible(const ByteSource& source, std::int64_t offset, Encoding enc
   }
 }
 
-void append_decoded(const ByteSource& source, std::int64_t offset, Encoding encoding,
-                    const WantedSamples& wanted, SampleBuffer& out, ReadProgress& progress,
-                    std::vector<std::string>& notes) {
+std::unique_ptr<SampleStream> open_samples(const ByteSource& source, std::int64_t offset,
+                                           Encoding encoding, const WantedSamples& wanted,
+                                           ReadProgress& progress) {
   check_plausible(source, offset, encoding, wanted);
-  switch (encoding) {
-    case Encoding::kRaw:
-      return append_raw(source, offset, wanted, out, progress, notes);
-    case Encoding::kGzip:
-      return append_decompressed<Inflater>(source, offset, wanted, out, progress, notes);
-    case Encoding::kBzip2:
-      return append_decompressed<Bunzipper>(source, offset, wanted, out, progress, notes);
-    case Encoding::kText:
-      return append_text(source, offset, wanted, out, progress);
-    case Encoding::kHex:
-      return append_hex(source, offset, wanted, out, progress);
-  }
+  auto stream = make_stream(source, offset, encoding, wanted, progress);
+  stream->skip(std::max<std::int64_t>(0, wanted.num_skipped));
+  return stream;
+}
+
+std::string gzip_start(const ByteSource& source, std::size_t count) {
+  std::string packed = source.text(0, kInputChunk);
+  std::string result(count, '\0');
+  Inflater inflater;
+  inflater.stream.next_in = reinterpret_cast<Bytef*>(packed.data());
+  inflater.stream.avail_in = static_cast<uInt>(packed.size());
+  inflater.stream.next_out = reinterpret_cast<Bytef*>(result.data());
+  inflater.stream.avail_out = static_cast<uInt>(count);
+  inflater.step();
+  result.resize(count - inflater.stream.avail_out);
+  return result;
 }
 
 }  // namespace ovoid::io

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Encoded samples to bytes in memory. Every function appends exactly `wanted.num_bytes` to a buffer
-// or throws Error(kFileFormat); memory grows with what is really decoded, never with what is
-// claimed. Samples come out in the byte order of the file (text: native).
+// Encoded samples to bytes in memory, from the front to the back. A stream gives exactly the bytes
+// that it is asked for or throws Error(kFileFormat); memory grows with what is really decoded,
+// never with what is claimed. Samples come out in the byte order of the file (text: native).
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -18,7 +19,7 @@ enum class Encoding { kRaw, kGzip, kBzip2, kText, kHex };
 
 const char* name_of(Encoding encoding) noexcept;
 
-// What the samples should be.
+// What the file should hold.
 struct WantedSamples {
   std::int64_t num_bytes = 0;
   std::int64_t num_skipped =
@@ -29,16 +30,36 @@ struct WantedSamples {
   std::string layout;
 };
 
-// Decodes from byte `offset` of the source to its end. Bytes behind the wanted ones are reported in
-// `notes` and otherwise ignored, as the NRRD format has it. gzip and bzip2 may consist of several
-// members; their checksums are verified.
-void append_decoded(const ByteSource& source, std::int64_t offset, Encoding encoding,
-                    const WantedSamples& wanted, SampleBuffer& out, ReadProgress& progress,
-                    std::vector<std::string>& notes);
+// Hands out the wanted bytes, decoded. In all, no more than wanted.num_bytes may be asked for; of
+// text only whole samples.
+class SampleStream {
+ public:
+  SampleStream() = default;
+  virtual ~SampleStream() = default;
+  SampleStream(const SampleStream&) = delete;
+  SampleStream& operator=(const SampleStream&) = delete;
 
-// Throws, as append_decoded would, if the size of the source alone shows that it cannot hold the
-// wanted samples.
+  // Appends the next `count` bytes to the buffer.
+  virtual void append(std::int64_t count, SampleBuffer& out) = 0;
+  // Passes the next `count` bytes. Of raw data they are not read.
+  virtual void skip(std::int64_t count) = 0;
+  // After the last wanted byte: verifies the checksum of gzip and bzip2. Bytes that follow are
+  // reported in `notes` and otherwise ignored, as the NRRD format has it.
+  virtual void finish(std::vector<std::string>& notes) = 0;
+};
+
+// Decodes from byte `offset` of the source to its end; the source and `progress` must outlive the
+// stream. gzip and bzip2 may consist of several members. Throws as check_plausible does.
+std::unique_ptr<SampleStream> open_samples(const ByteSource& source, std::int64_t offset,
+                                           Encoding encoding, const WantedSamples& wanted,
+                                           ReadProgress& progress);
+
+// Throws Error(kFileFormat) if the size of the source alone shows that it cannot hold the wanted
+// samples.
 void check_plausible(const ByteSource& source, std::int64_t offset, Encoding encoding,
                      const WantedSamples& wanted);
+
+// Up to `count` first bytes of what gzip data stand for; fewer if they end or are broken.
+std::string gzip_start(const ByteSource& source, std::size_t count);
 
 }  // namespace ovoid::io

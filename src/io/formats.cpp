@@ -5,8 +5,11 @@
 #include <filesystem>
 
 #include "io/dicom_elements.h"
+#include "io/metaimage_header.h"
+#include "io/nifti_header.h"
 #include "io/npy.h"
 #include "io/nrrd_header.h"
+#include "io/slc.h"
 
 namespace ovoid::io {
 namespace {
@@ -21,6 +24,9 @@ FileKind kind_of(std::string_view start) noexcept {
   const std::string_view whole = start;
   if (looks_like_nrrd(start)) return FileKind::kNrrd;
   if (looks_like_npy(start)) return FileKind::kNpy;
+  if (looks_like_nifti(start)) return FileKind::kNifti;
+  if (looks_like_slc(start)) return FileKind::kSlc;
+  if (looks_like_metaimage(start)) return FileKind::kMetaImage;
   if (start.starts_with("# vtk DataFile")) return FileKind::kVtkLegacy;
   if (start.starts_with("\xef\xbb\xbf")) start.remove_prefix(3);  // a byte order mark
   const auto first = start.find_first_not_of(" \t\r\n");
@@ -33,23 +39,24 @@ FileKind kind_of(std::string_view start) noexcept {
 }
 
 std::string unsupported_kind_of(std::string_view start) {
-  using namespace std::string_view_literals;
-  if (has_at(start, 344, "n+1\0"sv) || has_at(start, 344, "ni1\0"sv) || has_at(start, 4, "n+2\0"sv))
-    return "a NIfTI file";
+  if (looks_like_analyze(start)) return "an ANALYZE 7.5 header";
   if (has_at(start, 0, "\x89HDF\r\n")) return "an HDF5 file";
   if (has_at(start, 0, "CDF\x01") || has_at(start, 0, "CDF\x02")) return "a netCDF or Exodus file";
-  if (has_at(start, 0, "ObjectType =") || has_at(start, 0, "NDims =")) return "a MetaImage header";
   if (has_at(start, 0, "ply\n") || has_at(start, 0, "ply\r")) return "a PLY file";
   if (has_at(start, 0, "PK\x03\x04")) return "a zip archive or an NPZ file";
-  if (has_at(start, 0, "\x1f\x8b")) return "a gzip file";
+  if (is_gzip(start)) return "a gzip file of something other than NIfTI";
   if (has_at(start, 0, "BZh")) return "a bzip2 file";
   if (has_at(start, 0, "\x89PNG")) return "a PNG picture";
   if (has_at(start, 0, "\x76\x2f\x31\x01")) return "an OpenEXR picture";
   return {};
 }
 
+bool is_gzip(std::string_view start) noexcept { return start.starts_with("\x1f\x8b"); }
+
 std::string ending_of(const std::string& path) {
-  std::string ending = std::filesystem::path(path).extension().string();
+  const std::filesystem::path whole(path);
+  std::string ending = whole.extension().string();
+  if (ending == ".gz" || ending == ".GZ") ending = whole.stem().extension().string() + ending;
   for (char& c : ending) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
   return ending;
 }

@@ -7,7 +7,17 @@
 
 namespace ovoid::io {
 
-enum class FileKind { kUnknown, kNrrd, kNpy, kVtkXml, kVtkLegacy, kDicom };
+enum class FileKind {
+  kUnknown,
+  kNrrd,
+  kNpy,
+  kNifti,
+  kMetaImage,
+  kSlc,
+  kVtkXml,
+  kVtkLegacy,
+  kDicom
+};
 
 // From the first 512 bytes of a file.
 FileKind kind_of(std::string_view start) noexcept;
@@ -16,7 +26,11 @@ FileKind kind_of(std::string_view start) noexcept;
 // is.
 std::string unsupported_kind_of(std::string_view start);
 
-// The lower-case ending with its dot (".nrrd"); empty without one.
+// The data behind these bytes are compressed by gzip.
+bool is_gzip(std::string_view start) noexcept;
+
+// The lower-case ending with its dot (".nrrd"), with the one before it if it is ".gz" (".nii.gz");
+// empty without one.
 std::string ending_of(const std::string& path);
 
 }  // namespace ovoid::io

@@ -64,7 +64,7 @@ class LegacyChecker {
   explicit LegacyChecker(const ByteSource& source)
       : source_(source), text_(source, 0, source.size()) {}
 
-  void run() {
+  VtkGrid run() {
     text_.line();  // magic
     text_.line();  // title
     const std::string encoding = keyword();
@@ -75,12 +75,15 @@ class LegacyChecker {
     if (dataset != "dataset")
       fail(fmt::format("'{}' after the encoding: expected DATASET", shown(dataset)));
     const std::string kind = keyword();
-    if (kind != "structured_points") {
-      fail(fmt::format("DATASET '{}': expected STRUCTURED_POINTS", shown(kind)),
+    if (kind == "rectilinear_grid") {
+      grid_ = VtkGrid::kRectilinear;
+    } else if (kind != "structured_points") {
+      fail(fmt::format("DATASET '{}': expected STRUCTURED_POINTS or RECTILINEAR_GRID", shown(kind)),
            ErrorCode::kUnsupported);
     }
     for (std::string word = keyword(); !word.empty(); word = keyword()) check_part(word);
     if (num_tuples_ < 0) fail("has no POINT_DATA or CELL_DATA: is the file truncated?");
+    return grid_;
   }
 
  private:
@@ -120,18 +123,41 @@ class LegacyChecker {
     if (word == "field") return check_field();
     if (num_tuples_ >= 0) return check_attribute(word);
     if (word == "dimensions") return read_dimensions();
+    if (grid_ == VtkGrid::kRectilinear) return check_coordinates(word);
     if (word == "spacing" || word == "aspect_ratio") return check_vector("SPACING");
     if (word == "origin") return check_vector("ORIGIN");
     fail(fmt::format("'{}': expected DIMENSIONS, SPACING, ORIGIN, FIELD, POINT_DATA or CELL_DATA",
                      shown(word)));
   }
 
+  // X_COORDINATES count type, then numbers
+  void check_coordinates(const std::string& word) {
+    const std::size_t axis = num_coordinates_;
+    constexpr std::array<const char*, 3> kWords{"x_coordinates", "y_coordinates", "z_coordinates"};
+    constexpr std::array<const char*, 3> kNames{"X_COORDINATES", "Y_COORDINATES", "Z_COORDINATES"};
+    if (axis == 3 || word != kWords[axis]) {
+      fail(fmt::format("'{}': expected {}, FIELD, POINT_DATA or CELL_DATA", shown(word),
+                       axis == 3 ? "no more coordinates" : kNames[axis]));
+    }
+    if (!num_points_) fail(fmt::format("{} before DIMENSIONS", kNames[axis]));
+    LegacyArray array;
+    array.what = kNames[axis];
+    array.num_tuples = integer(array.what, 1, kMaxAxisSize);
+    if (array.num_tuples != dims_[axis]) {
+      fail(fmt::format("{}: {} of them: DIMENSIONS need {}", array.what, array.num_tuples,
+                       dims_[axis]));
+    }
+    array.type = keyword();
+    if (array.type == "bit") fail(fmt::format("{}: type 'bit': expected numbers", array.what));
+    check_numbers(array);
+    ++num_coordinates_;
+  }
+
   void read_dimensions() {
     if (num_points_) fail("DIMENSIONS: stand twice");
-    std::array<std::int64_t, 3> dims{};
-    for (std::int64_t& dim : dims) dim = integer("DIMENSIONS", 1, kMaxAxisSize);
-    num_points_ = num_points(source_, "DIMENSIONS", dims);
-    num_cells_ = num_cells(dims);
+    for (std::int64_t& dim : dims_) dim = integer("DIMENSIONS", 1, kMaxAxisSize);
+    num_points_ = num_points(source_, "DIMENSIONS", dims_);
+    num_cells_ = num_cells(dims_);
   }
 
   void check_vector(const char* field) {
@@ -150,6 +176,8 @@ class LegacyChecker {
     is_seen = true;
     const auto expected = is_of_points ? num_points_ : num_cells_;
     if (!expected) fail(fmt::format("{} before DIMENSIONS", keyword));
+    if (grid_ == VtkGrid::kRectilinear && num_coordinates_ < 3)
+      fail(fmt::format("{} before the coordinates along all three axes", keyword));
     const std::string text = word();
     if (parse_integer(text) != expected)
       fail(fmt::format("{}: '{}': DIMENSIONS need {}", keyword, shown(text), *expected));
@@ -423,6 +451,9 @@ class LegacyChecker {
 
   const ByteSource& source_;
   TextScanner text_;
+  VtkGrid grid_ = VtkGrid::kImage;
+  std::array<std::int64_t, 3> dims_{};
+  std::size_t num_coordinates_ = 0;  // axes whose coordinates have been passed
   bool is_binary_ = false;
   bool has_point_data_ = false;
   bool has_cell_data_ = false;
@@ -434,6 +465,6 @@ class LegacyChecker {
 
 }  // namespace
 
-void check_legacy_vtk(const ByteSource& source) { LegacyChecker(source).run(); }
+VtkGrid check_legacy_vtk(const ByteSource& source) { return LegacyChecker(source).run(); }
 
 }  // namespace ovoid::io

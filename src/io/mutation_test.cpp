@@ -127,6 +127,9 @@ void run(const std::vector<std::string>& seeds, void (*target)(fuzz::Input), int
 
 TEST(Mutation, Nrrd) { run(fuzz::nrrd_seeds(), fuzz::nrrd); }
 TEST(Mutation, Npy) { run(fuzz::npy_seeds(), fuzz::npy); }
+TEST(Mutation, Nifti) { run(fuzz::nifti_seeds(), fuzz::nifti, 4000); }
+TEST(Mutation, MetaImage) { run(fuzz::metaimage_seeds(), fuzz::metaimage); }
+TEST(Mutation, Slc) { run(fuzz::slc_seeds(), fuzz::slc); }
 TEST(Mutation, RawName) { run(fuzz::raw_name_seeds(), fuzz::raw_name); }
 TEST(Mutation, Dicom) { run(fuzz::dicom_seeds(), fuzz::dicom); }
 TEST(Mutation, VtkHeader) { run(fuzz::vtk_header_seeds(), fuzz::vtk_header); }
@@ -153,10 +156,27 @@ TEST(Mutation, SeedsAreValid) {
               "")
         << i;
   }
+  const std::pair<const char*, std::vector<std::string>> whole[] = {
+      {"a.nii", fuzz::nifti_seeds()},
+      {"a.mha", fuzz::metaimage_seeds()},
+      {"a.slc", fuzz::slc_seeds()}};
+  for (const auto& [name, seeds] : whole) {
+    for (std::size_t i = 0; i < std::min<std::size_t>(seeds.size(), 5); ++i) {  // in one file
+      EXPECT_EQ(error_of([&] {
+                  read_source(*open_memory(name, std::as_bytes(std::span(seeds[i]))), {});
+                }),
+                "")
+          << name << i;
+    }
+  }
   const auto vtk = fuzz::vtk_header_seeds();
   for (std::size_t i = 0; i < vtk.size(); ++i) {
     const auto source = open_memory("a.vti", std::as_bytes(std::span(vtk[i])));
-    EXPECT_EQ(error_of([&] { i < 4 ? check_vti(*source) : check_legacy_vtk(*source); }), "") << i;
+    EXPECT_EQ(error_of([&] {
+                vtk[i].starts_with("# vtk") ? check_legacy_vtk(*source) : check_vti(*source);
+              }),
+              "")
+        << i;
   }
   for (const std::string& seed : fuzz::transfer_function_seeds()) {
     const fuzz::MemoryFile file(std::as_bytes(std::span(seed)));

@@ -4,14 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <bit>
-#include <filesystem>
-#include <limits>
 #include <utility>
 
+#include "io/data_files.h"
 #include "io/decode.h"
 #include "io/nrrd_header.h"
+#include "io/sample_parts.h"
 #include "io/samples.h"
 #include "ovoid/error.h"
 
@@ -24,6 +22,7 @@ enum class AxisRole { kSpatial, kTime, kComponents };
 struct VolumeAxes {
   std::vector<std::size_t> spatial;  // two or three, fastest first
   int num_components = 1;
+  std::int64_t num_steps = 1;  // samples of the slowest axis, if that is time or a list
 };
 
 AxisRole role_of(const NrrdHeader& header, const NrrdAxis& axis) {
@@ -51,22 +50,24 @@ VolumeAxes find_axes(const std::string& name, const NrrdHeader& header) {
         name,
         fmt::format(
             "{} axes, and neither 'kinds' nor 'space directions' says which of them are spatial: "
-            "expected 2 or 3 spatial axes after at most one of components",
+            "expected 2 or 3 spatial axes after at most one of components, and then perhaps time",
             header.axes.size()));
   }
   VolumeAxes result;
   for (std::size_t i = 0; i < header.axes.size(); ++i) {
     const NrrdAxis& axis = header.axes[i];
     const AxisRole role = role_of(header, axis);
+    const bool is_slowest = i > 0 && i + 1 == header.axes.size();
     if (role == AxisRole::kSpatial) {
       result.spatial.push_back(i);
+    } else if (is_slowest && (role == AxisRole::kTime || axis.kind == "list")) {
+      result.num_steps = axis.size;
+      check_num_steps(name, axis.size);
     } else if (axis.size > 1 && (i != 0 || role == AxisRole::kTime)) {
       throw_unsupported(
-          name,
-          fmt::format(
-              "axis {} of {} ({} samples, kind '{}') is not spatial: only the first axis may be, "
-              "and then holds components",
-              i, header.axes.size(), axis.size, axis.kind));
+          name, fmt::format("axis {} of {} ({} samples, kind '{}') is not spatial: the first axis "
+                            "may hold components, and the last may be time or a list",
+                            i, header.axes.size(), axis.size, axis.kind));
     } else if (i == 0) {
       result.num_components = static_cast<int>(axis.size);
     }
@@ -88,12 +89,6 @@ std::pair<double, double> step_and_start(const NrrdAxis& axis) {
   }
   if (!axis.min) return {step, 0.0};
   return {step, axis.is_node_centered ? *axis.min : *axis.min + step / 2};
-}
-
-// The slice of a 2-D file gets a third axis normal to it, as long as the shorter of its own two.
-void complete_plane(Mat3& axes) {
-  const Vec3 normal = axes.col(0).stableNormalized().cross(axes.col(1).stableNormalized());
-  axes.col(2) = normal * std::min(axes.col(0).stableNorm(), axes.col(1).stableNorm());
 }
 
 LatticeGeometry read_geometry(const std::string& name, NrrdHeader& header, const VolumeAxes& axes) {
@@ -139,47 +134,6 @@ Space read_space(const std::string& name, NrrdHeader& header) {
   return Space::kNone;
 }
 
-// How the samples are spread over files: every part holds the same number of bytes.
-struct DataParts {
-  std::int64_t count = 1;
-  std::int64_t num_bytes_each = 0;
-  std::string layout_each;
-};
-
-DataParts divide(const std::string& name, const NrrdHeader& header, std::int64_t num_bytes) {
-  std::vector<std::int64_t> sizes;
-  for (const NrrdAxis& axis : header.axes) sizes.push_back(axis.size);
-  DataParts parts{1, num_bytes, layout_text(sizes, header.type)};
-  if (!header.files) return parts;
-  parts.count = header.files->count;
-  const auto dimension = static_cast<int>(sizes.size());
-  const int subdimension =
-      header.files->subdimension.value_or(parts.count == 1 ? dimension : dimension - 1);
-  if (subdimension == dimension) {
-    // Slabs of equal thickness along the slowest axis.
-    if (sizes.back() % parts.count != 0) {
-      throw Error(
-          ErrorCode::kFileFormat,
-          fmt::format("{}: data file: {} files cannot share the {} slices of sizes {} evenly", name,
-                      parts.count, sizes.back(), dims_text(sizes)));
-    }
-    sizes.back() /= parts.count;
-  } else {
-    const std::int64_t num_needed =
-        *checked_product(std::span(sizes).subspan(static_cast<std::size_t>(subdimension)));
-    if (num_needed != parts.count) {
-      throw Error(
-          ErrorCode::kFileFormat,
-          fmt::format("{}: data file: names {} files, sizes {} with {} axes in each need {}", name,
-                      parts.count, dims_text(sizes), subdimension, num_needed));
-    }
-    sizes.resize(static_cast<std::size_t>(subdimension));
-  }
-  parts.num_bytes_each = num_bytes / parts.count;
-  parts.layout_each = layout_text(sizes, header.type);
-  return parts;
-}
-
 // The offset behind `count` lines from `offset`.
 std::int64_t skip_lines(const std::string& header_name, const ByteSource& source,
                         std::int64_t offset, std::int64_t count) {
@@ -205,85 +159,56 @@ std::int64_t skip_lines(const std::string& header_name, const ByteSource& source
   return offset;
 }
 
-// Reads all parts of the data, one behind the other.
-class DataReader {
- public:
-  DataReader(const ByteSource& source, NrrdHeader& header, const Opener& open,
-             const ReadOptions& options)
-      : source_(source), header_(header), open_(open), options_(options) {}
+// Where the samples are. The result refers to all arguments.
+SampleParts find_parts(const ByteSource& source, const NrrdHeader& header, const Opener& open,
+                       std::int64_t num_bytes) {
+  std::vector<std::int64_t> sizes;
+  for (const NrrdAxis& axis : header.axes) sizes.push_back(axis.size);
+  const std::string where = source.name() + ": data file";
+  DataParts divided{1, num_bytes, layout_text(sizes, header.type)};
+  if (header.files) divided = divide_samples(where, *header.files, sizes, header.type, num_bytes);
+  // Of text, bytes are skipped as they stand in the file.
+  const bool is_text = header.encoding == Encoding::kText || header.encoding == Encoding::kHex;
+  SampleParts parts;
+  parts.count = divided.count;
+  parts.encoding = header.encoding;
+  parts.each = {divided.num_bytes_each, is_text ? 0 : header.byte_skip, header.type, source.name(),
+                divided.layout_each};
+  parts.open = [&source, &header, &open, where, is_text](std::int64_t index) {
+    SamplePart part;
+    part.source = &source;
+    part.offset = header.data_offset;
+    if (header.files) {
+      part.owned = open_data_file(source, where, header.files->name(index), open);
+      part.source = part.owned.get();
+      part.offset = 0;
+    }
+    part.offset = skip_lines(source.name(), *part.source, part.offset, header.line_skip);
+    if (is_text) part.offset = std::min(part.offset + header.byte_skip, part.source->size());
+    return part;
+  };
+  return parts;
+}
 
-  Bytes run(std::int64_t num_bytes) {
-    const DataParts parts = divide(source_.name(), header_, num_bytes);
-    wanted_.num_bytes = parts.num_bytes_each;
-    wanted_.num_skipped = header_.byte_skip;
-    wanted_.type = header_.type;
-    wanted_.header = source_.name();
-    wanted_.layout = parts.layout_each;
-    // All parts are looked at before memory is taken for the first: a missing slice is found at
-    // once.
-    std::int64_t num_stored = 0;
-    for (std::int64_t i = 0; i < parts.count; ++i) {
-      visit(i, [&](const ByteSource& part, std::int64_t offset) {
-        check_plausible(part, offset, header_.encoding, wanted_);
-        num_stored += part.size() - offset;
-      });
-      if (options_.stop.stop_requested())
-        throw Error(ErrorCode::kCancelled, "reading: stopped by the caller");
-    }
-    SampleBuffer samples;
-    if (header_.encoding == Encoding::kRaw) samples.reserve(num_bytes);
-    ReadProgress progress(options_, num_stored);
-    for (std::int64_t i = 0; i < parts.count; ++i) {
-      visit(i, [&](const ByteSource& part, std::int64_t offset) {
-        append_decoded(part, offset, header_.encoding, wanted_, samples, progress, header_.notes);
-      });
-    }
-    fix_byte_order(samples);
-    return samples.release();
+// Times of the steps, where the axis of time says them.
+std::vector<double> step_times(const NrrdHeader& header, std::int64_t num_steps) {
+  const NrrdAxis& axis = header.axes.back();
+  std::vector<double> times;
+  if (num_steps == 1 || axis.kind != "time" || (!axis.spacing && !(axis.min && axis.max)))
+    return times;
+  const auto [step, start] = step_and_start(axis);
+  for (std::int64_t i = 0; i < num_steps; ++i)
+    times.push_back(start + step * static_cast<double>(i));
+  return times;
+}
+
+bool is_big_endian(const std::string& name, NrrdHeader& header) {
+  if (!header.is_big_endian && header.encoding != Encoding::kText && size_of(header.type) > 1) {
+    header.notes.push_back(fmt::format("{}: no field 'endian' for {} samples: taken as little",
+                                       name, name_of(header.type)));
   }
-
- private:
-  template <typename Visitor>
-  void visit(std::int64_t index, const Visitor& visitor) {
-    if (!header_.files) {
-      visitor(source_, skip_lines(source_.name(), source_, header_.data_offset, header_.line_skip));
-      return;
-    }
-    const auto part = open_beside(header_.files->name(index));
-    visitor(*part, skip_lines(source_.name(), *part, 0, header_.line_skip));
-  }
-
-  std::unique_ptr<ByteSource> open_beside(const std::string& name) const {
-    const std::string path = path_beside(source_.name(), name);
-    if (path == std::filesystem::path(source_.name()).lexically_normal()) {
-      throw Error(ErrorCode::kFileFormat,
-                  fmt::format("{}: data file: '{}': is the header itself", source_.name(), name));
-    }
-    try {
-      return open_(path);
-    } catch (const Error& error) {
-      throw Error(error.code(), fmt::format("{}: data file: {}", source_.name(), error.what()));
-    }
-  }
-
-  void fix_byte_order(SampleBuffer& samples) {
-    const std::size_t sample_size = size_of(header_.type);
-    if (header_.encoding == Encoding::kText || sample_size == 1) return;
-    if (!header_.is_big_endian) {
-      header_.notes.push_back(fmt::format("{}: no field 'endian' for {} samples: taken as little",
-                                          source_.name(), name_of(header_.type)));
-    }
-    const bool is_native_big = std::endian::native == std::endian::big;
-    if (header_.is_big_endian.value_or(false) != is_native_big)
-      swap_bytes(samples.bytes(), sample_size);
-  }
-
-  const ByteSource& source_;
-  NrrdHeader& header_;
-  const Opener& open_;
-  const ReadOptions& options_;
-  WantedSamples wanted_;
-};
+  return header.is_big_endian.value_or(false);
+}
 
 }  // namespace
 
@@ -305,7 +230,18 @@ Dataset read_nrrd(const ByteSource& source, const ReadOptions& options, const Op
   array.num_components = axes.num_components;
   array.num_tuples = num_samples(dataset.lattice.dims);
   array.unit = header.unit;
-  array.bytes = DataReader(source, header, open, options).run(num_bytes);
+  StepLayout layout;
+  layout.num_steps = axes.num_steps;
+  layout.num_bytes = num_bytes / axes.num_steps;
+  layout.type = header.type;
+  layout.num_components = axes.num_components;
+  layout.is_big_endian = is_big_endian(source.name(), header);
+  StepSamples samples =
+      read_step(find_parts(source, header, open, num_bytes), layout, options, header.notes);
+  array.bytes = std::move(samples.bytes);
+  dataset.num_steps = axes.num_steps;
+  dataset.step = samples.step;
+  dataset.times = step_times(header, axes.num_steps);
   dataset.arrays.push_back(std::move(array));
   shorten_notes(header.notes);
   dataset.notes = std::move(header.notes);

@@ -9,6 +9,7 @@
 #include <functional>
 #include <utility>
 
+#include "io/header_lines.h"
 #include "io/samples.h"
 #include "io/text_scanner.h"
 #include "ovoid/error.h"
@@ -16,9 +17,6 @@
 namespace ovoid::io {
 namespace {
 
-// Long enough for a list of 100 000 file names; a file that is all header is refused before it is
-// held in memory.
-constexpr std::int64_t kMaxNrrdHeaderSize = std::int64_t{16} << 20;
 constexpr int kMaxDimension = 16;  // NRRD_DIM_MAX
 
 std::string_view trim(std::string_view text) {
@@ -86,47 +84,9 @@ std::string canonical_name(std::string_view name) {
   return alias == kAliases.end() ? result : alias->second;
 }
 
-// Walks the header line by line, holding no more of the file than the header itself.
-class LineReader {
- public:
-  explicit LineReader(const ByteSource& source) : source_(source) {}
-
-  // The next line without its end; false at the end of the file.
-  bool next(std::string& line) {
-    std::size_t end = text_.find('\n', position_);
-    while (end == std::string::npos && static_cast<std::int64_t>(text_.size()) < source_.size()) {
-      const auto searched = text_.size();
-      if (static_cast<std::int64_t>(searched) >= kMaxNrrdHeaderSize) {
-        throw Error(ErrorCode::kFileFormat,
-                    fmt::format("{}: the header does not end within {} bytes", source_.name(),
-                                kMaxNrrdHeaderSize));
-      }
-      text_ += source_.text(static_cast<std::int64_t>(searched), kStep);
-      end = text_.find('\n', searched);
-    }
-    if (position_ >= text_.size()) return false;
-    end = std::min(end, text_.size());
-    line.assign(text_, position_, end - position_);
-    if (line.ends_with('\r')) line.pop_back();
-    position_ = end + 1;
-    ++number_;
-    return true;
-  }
-
-  int number() const { return number_; }
-  std::int64_t offset() const { return static_cast<std::int64_t>(position_); }
-
- private:
-  static constexpr std::int64_t kStep = std::int64_t{1} << 16;
-  const ByteSource& source_;
-  std::string text_;
-  std::size_t position_ = 0;
-  int number_ = 0;
-};
-
 HeaderText read_text(const ByteSource& source) {
   HeaderText result;
-  LineReader reader(source);
+  HeaderLines reader(source);
   std::string line;
   reader.next(line);
   if (!looks_like_nrrd(line) || line.size() != 8 || line[7] < '1' || line[7] > '5' ||
@@ -297,26 +257,6 @@ std::vector<std::optional<std::array<double, 3>>> parse_vectors(const Field& fie
   return result;
 }
 
-// "name%03d.raw": splits at the one conversion. The text is never given to printf.
-bool parse_pattern(std::string_view pattern, NrrdDataFiles& files) {
-  const auto percent = pattern.find('%');
-  if (percent == std::string_view::npos) return false;
-  auto end = percent + 1;
-  files.padding = ' ';
-  if (end < pattern.size() && pattern[end] == '0') files.padding = pattern[end++];
-  int width = 0;
-  while (end < pattern.size() && pattern[end] >= '0' && pattern[end] <= '9' && width < 100) {
-    width = 10 * width + (pattern[end++] - '0');
-  }
-  if (end >= pattern.size() ||
-      (pattern[end] != 'd' && pattern[end] != 'i' && pattern[end] != 'u') || width > 20)
-    return false;
-  files.width = width;
-  files.before = pattern.substr(0, percent);
-  files.after = pattern.substr(end + 1);
-  return files.after.find('%') == std::string::npos;
-}
-
 int parse_subdimension(const Field& field, std::string_view word, std::size_t dimension) {
   const int result = field.number<int>(word, "a number of axes");
   if (result < 1 || result > static_cast<int>(dimension)) {
@@ -325,8 +265,8 @@ int parse_subdimension(const Field& field, std::string_view word, std::size_t di
   return result;
 }
 
-NrrdDataFiles parse_data_files(const Field& field, const HeaderText& text, std::size_t dimension) {
-  NrrdDataFiles files;
+DataFiles parse_data_files(const Field& field, const HeaderText& text, std::size_t dimension) {
+  DataFiles files;
   const auto parts = words(field.value);
   if (parts.empty()) field.fail("is empty: expected a file name");
   if (parts[0] == "LIST" && parts.size() <= 2) {
@@ -339,19 +279,15 @@ NrrdDataFiles parse_data_files(const Field& field, const HeaderText& text, std::
   // A pattern has no blanks in it, as its numbers are told from it by them; anything else is one
   // name, blanks included.
   if ((parts.size() == 4 || parts.size() == 5) && parse<std::int64_t>(parts[1]) &&
-      parse_pattern(parts[0], files)) {
+      parse_numbered_name(parts[0], files)) {
     constexpr const char* kExpected = "'name%d.raw MIN MAX STEP'";
     const auto first = field.number<std::int32_t>(parts[1], kExpected);
     const auto last = field.number<std::int32_t>(parts[2], kExpected);
     const auto step = field.number<std::int32_t>(parts[3], kExpected);
-    if (step == 0 || (step > 0) != (last >= first)) {
-      if (step == 0 || last != first)
-        field.fail(
-            fmt::format("{}: the step leads from {} away from {}", field.quoted(), first, last));
+    if (!number_files(files, first, last, step)) {
+      field.fail(
+          fmt::format("{}: the step leads from {} away from {}", field.quoted(), first, last));
     }
-    files.first = first;
-    files.step = step;
-    files.count = (static_cast<std::int64_t>(last) - first) / step + 1;
     if (parts.size() == 5) files.subdimension = parse_subdimension(field, parts[4], dimension);
     return files;
   }
@@ -544,17 +480,6 @@ class Interpreter {
 };
 
 }  // namespace
-
-std::string NrrdDataFiles::name(std::int64_t index) const {
-  if (!names.empty()) return names[static_cast<std::size_t>(index)];
-  const std::int64_t number = first + index * step;
-  std::string digits = std::to_string(number < 0 ? -number : number);
-  const std::string sign = number < 0 ? "-" : "";
-  const auto missing =
-      static_cast<std::ptrdiff_t>(width) - static_cast<std::ptrdiff_t>(digits.size() + sign.size());
-  const std::string fill(static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, missing)), padding);
-  return before + (padding == '0' ? sign + fill : fill + sign) + digits + after;
-}
 
 bool looks_like_nrrd(std::string_view start) noexcept { return start.starts_with("NRRD"); }
 

@@ -13,25 +13,11 @@
 #include <vector>
 
 #include "io/byte_source.h"
+#include "io/data_files.h"
 #include "io/decode.h"
 #include "ovoid/lattice.h"
 
 namespace ovoid::io {
-
-// Where detached samples lie: one name, a list, or numbered names, which are not spelled out
-// because a header may claim any number of them.
-struct NrrdDataFiles {
-  std::vector<std::string> names;  // one name or a list; empty if numbered
-  std::string before, after;  // numbered: name = before + number, padded to `width` digits, + after
-  char padding = ' ';
-  int width = 0;
-  std::int64_t first = 0, step = 1;
-  std::int64_t count = 0;
-  std::optional<int>
-      subdimension;  // axes in one file; default: all but the slowest if there are several files
-
-  std::string name(std::int64_t index) const;
-};
 
 // One axis as the per-axis fields describe it; absent fields are empty.
 struct NrrdAxis {
@@ -56,10 +42,10 @@ struct NrrdHeader {
   std::optional<std::array<double, 3>> origin;
   std::string content, unit;
   std::int64_t line_skip = 0;
-  std::int64_t byte_skip = 0;          // -1: the last bytes of the file
-  std::optional<NrrdDataFiles> files;  // empty: attached
-  std::int64_t data_offset = 0;        // attached: first byte after the blank line
-  std::vector<std::string> notes;      // fields that were not understood
+  std::int64_t byte_skip = 0;      // -1: the last bytes of the file
+  std::optional<DataFiles> files;  // empty: attached
+  std::int64_t data_offset = 0;    // attached: first byte after the blank line
+  std::vector<std::string> notes;  // fields that were not understood
 };
 
 bool looks_like_nrrd(std::string_view start) noexcept;

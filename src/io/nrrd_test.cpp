@@ -126,10 +126,73 @@ TEST(Nrrd, SlicesAndComponents) {
                 .num_components,
             3);
   EXPECT_EQ(error(nrrd(four, std::string(72, 'x'))).substr(0, 28), "unsupported: dir/a.nrrd: 4 a");
-  EXPECT_EQ(error(nrrd(four + "kinds: domain domain domain list\n", std::string(72, 'x'))),
-            "unsupported: dir/a.nrrd: axis 3 of 4 (2 samples, kind 'list') is not spatial: only "
-            "the first axis may be, and then "
-            "holds components");
+  EXPECT_EQ(error(nrrd(four + "kinds: domain domain domain vector\n", std::string(72, 'x'))),
+            "unsupported: dir/a.nrrd: axis 3 of 4 (2 samples, kind 'vector') is not spatial: the "
+            "first axis may hold components, and the last may be time or a list");
+}
+
+// Fails if a step is counted in wrong bytes, if the search begins again for each step or takes a
+// constant one, or if an encoding cannot skip.
+TEST(Nrrd, ReadsOneStepOfTime) {
+  const std::string fields =
+      "type: short\nendian: big\ndimension: 4\nsizes: 2 2 1 3\nkinds: domain domain domain time\n"
+      "spacings: 1 1 1 0.5\naxis mins: nan nan nan 2\ncenters: none none none node\nencoding: "
+      "raw\n";
+  const std::string constant("\0\7\0\7\0\7\0\7", 8);
+  const std::string second("\0\1\0\2\0\3\0\4", 8);
+  const std::string third("\0\5\0\6\0\7\1\0", 8);
+  const std::string data = constant + second + third;
+  const std::string text = "7 7 7 7 1 2 3 4 5 6 7 256";
+  const std::string hex = "0007000700070007 0001000200030004 0005000600070100";
+  const std::pair<const char*, std::string> cases[] = {
+      {"raw", data}, {"gzip", gzip(data)}, {"bzip2", bzip2(data)}, {"ascii", text}, {"hex", hex}};
+  for (const auto& [encoding, stored] : cases) {
+    const std::string content = nrrd(with(fields, "raw", encoding), stored);
+    const Dataset found = read_text(content);
+    EXPECT_EQ(values_of<std::int16_t>(found.array()), (std::vector<std::int16_t>{1, 2, 3, 4}))
+        << encoding;
+    EXPECT_EQ(found.lattice.dims, (Index3{2, 2, 1}));
+    EXPECT_EQ(found.num_steps, 3);
+    EXPECT_EQ(found.step, 1);
+    EXPECT_EQ(found.times, (std::vector<double>{2, 2.5, 3}));
+    EXPECT_EQ(found.notes, (std::vector<std::string>{
+                               "dir/a.nrrd: step 1 of 3, the first that varies; choose with "
+                               "--step"}));
+    ReadOptions last;
+    last.step = 2;
+    const Dataset chosen = read_text(content, {}, last);
+    EXPECT_EQ(values_of<std::int16_t>(chosen.array()), (std::vector<std::int16_t>{5, 6, 7, 256}));
+    EXPECT_TRUE(chosen.notes.empty()) << chosen.notes[0];
+    last.step = 3;
+    EXPECT_EQ(error_of([&] { read_text(content, {}, last); }),
+              "invalid-argument: dir/a.nrrd: step 3: expected 0 to 2");
+  }
+  // No step varies: the first. A list has no times.
+  const std::string list = with(with(fields, "time", "list"), "2 2 1 3", "2 2 1 2");
+  const Dataset still = read_text(nrrd(list, constant + constant));
+  EXPECT_EQ(still.step, 0);
+  EXPECT_EQ(still.num_steps, 2);
+  EXPECT_TRUE(still.times.empty());
+  EXPECT_EQ(values_of<std::int16_t>(still.array()), (std::vector<std::int16_t>{7, 7, 7, 7}));
+  // What a step does not need must be there all the same.
+  EXPECT_EQ(error(nrrd(fields, constant + second)).substr(0, 46),
+            "file-format: dir/a.nrrd: holds 16 bytes, 2x2x1");
+}
+
+TEST(Nrrd, StepsSpreadOverFiles) {
+  const std::string fields =
+      "type: uint8\ndimension: 4\nsizes: 2 1 1 3\nkinds: domain domain domain time\nencoding: "
+      "raw\ndata file: ";
+  MemoryFiles files;
+  files.files = {{"dir/0", "aa"}, {"dir/1", "ab"}, {"dir/2", "cd"}, {"dir/all", "aaabcd"}};
+  for (const char* names : {"%d 0 2 1", "LIST\n0\n1\n2", "LIST 4\nall", "all"}) {
+    const std::string content = "NRRD0004\n" + fields + names;
+    EXPECT_EQ(values_of<char>(read_text(content, files).array()), (std::vector<char>{'a', 'b'}));
+    ReadOptions last;
+    last.step = 2;
+    EXPECT_EQ(values_of<char>(read_text(content, files, last).array()),
+              (std::vector<char>{'c', 'd'}));
+  }
 }
 
 TEST(Nrrd, DetachedDataLieBesideTheHeader) {
@@ -205,6 +268,12 @@ TEST(Nrrd, SkipsLinesAndBytes) {
       values_of<std::uint8_t>(
           read_text(nrrd(with(kBase, "raw", "gzip\nbyte skip: 3"), gzip("abc" + raw))).array()),
       values);
+  // Of text, characters are skipped.
+  std::string text;
+  for (const auto value : values) text += std::to_string(value) + " ";
+  EXPECT_EQ(values_of<std::uint8_t>(
+                read_text(nrrd(with(kBase, "raw", "ascii\nbyte skip: 3"), "99 " + text)).array()),
+            values);
   EXPECT_EQ(error(nrrd(kBase + "line skip: 9\n", raw)).substr(0, 54),
             "file-format: dir/a.nrrd: line skip: 9 lines, dir/a.nrr");
   EXPECT_NE(error(nrrd(with(kBase, "raw", "gzip\nbyte skip: -1"), gzip(raw)))

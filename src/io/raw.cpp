@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "io/atomic_file.h"
+#include "io/decode.h"
 #include "io/samples.h"
 #include "ovoid/error.h"
 
@@ -47,7 +48,8 @@ std::vector<std::string> split(const std::string& text, char separator) {
 
 RawOptions parse_raw_name(const std::string& path) {
   RawOptions result;
-  const auto parts = split(std::filesystem::path(path).stem().string(), '_');
+  const std::string whole = path.ends_with(".gz") ? path.substr(0, path.size() - 3) : path;
+  const auto parts = split(std::filesystem::path(whole).stem().string(), '_');
   for (std::size_t i = 0; i + 1 < parts.size(); ++i) {
     const auto dims = parse_dims(parts[i]);
     const auto type = find_scalar_type(parts[i + 1]);
@@ -72,7 +74,8 @@ Dataset read_raw(const ByteSource& source, const ReadOptions& options) {
                                            : "a type (--type)"));
   }
   const std::int64_t num_bytes = checked_num_bytes(source.name(), *dims, *type);
-  if (source.size() != num_bytes) {
+  const bool is_gzip = source.name().ends_with(".gz") && source.text(0, 2) == "\x1f\x8b";
+  if (!is_gzip && source.size() != num_bytes) {
     throw Error(ErrorCode::kFileFormat,
                 fmt::format("{}: holds {} bytes, {} needs {}", source.name(), source.size(),
                             layout_text(*dims, *type), num_bytes));
@@ -91,8 +94,19 @@ Dataset read_raw(const ByteSource& source, const ReadOptions& options) {
                                         dims_text(*dims)));
   }
   SampleBuffer samples;
-  ReadProgress progress(options, num_bytes);
-  append_plain(source, 0, num_bytes, samples, progress);
+  ReadProgress progress(options, source.size());
+  std::vector<std::string> behind;
+  const WantedSamples wanted{num_bytes, 0, *type, source.name(), layout_text(*dims, *type)};
+  const auto stream =
+      open_samples(source, 0, is_gzip ? Encoding::kGzip : Encoding::kRaw, wanted, progress);
+  if (!is_gzip) samples.reserve(num_bytes);
+  stream->append(num_bytes, samples);
+  stream->finish(behind);
+  if (!behind.empty()) {
+    throw Error(ErrorCode::kFileFormat,
+                fmt::format("{}: holds more than the {} bytes that {} needs", source.name(),
+                            num_bytes, wanted.layout));
+  }
   if (options.raw.big_endian != (std::endian::native == std::endian::big))
     swap_bytes(samples.bytes(), size_of(*type));
   dataset.arrays.push_back({"values", *type, 1, num_samples(*dims), "", false, samples.release()});

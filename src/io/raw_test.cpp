@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "fuzz/seeds.h"
 #include "io/test_volumes.h"
 
 namespace ovoid::io {
@@ -97,6 +98,22 @@ TEST(Raw, StopsAndReportsProgress) {
   options.stop = stop.get_token();
   EXPECT_EQ(error_of([&] { read("a_4x4x4_uint8.raw", std::string(64, 'x'), options); }),
             "cancelled: reading: stopped by the caller");
+}
+
+TEST(Raw, ReadsGzipByItsName) {
+  const auto values = counting<std::uint8_t>(24);
+  const std::string content = fuzz::gzip(bytes_of(values));
+  const auto read = [&](const std::string& name, const std::string& bytes) {
+    return read_raw(*open_memory(name, std::as_bytes(std::span(bytes))), {});
+  };
+  EXPECT_EQ(values_of<std::uint8_t>(read("a_4x3x2_uint8.raw.gz", content).array()), values);
+  EXPECT_EQ(error_of([&] { read("a_4x3x1_uint8.raw.gz", content); }),
+            "file-format: a_4x3x1_uint8.raw.gz: holds more than the 12 bytes that 4x3x1 uint8 "
+            "needs");
+  EXPECT_EQ(error_of([&] { read("a_4x3x3_uint8.raw.gz", content); }).substr(0, 66),
+            "file-format: a_4x3x3_uint8.raw.gz: the gzip data end after 24 byte");
+  // Samples that happen to begin like gzip data.
+  EXPECT_EQ(values_of<char>(read("a_2x1x1_uint8.raw", "\x1f\x8b").array()).size(), 2U);
 }
 
 }  // namespace

@@ -2,19 +2,27 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <system_error>
 #include <utility>
 
 #include "io/byte_source.h"
+#include "io/data_files.h"
+#include "io/decode.h"
 #include "io/dicom.h"
 #include "io/dicom_elements.h"
 #include "io/formats.h"
+#include "io/metaimage.h"
+#include "io/metaimage_header.h"
+#include "io/nifti.h"
 #include "io/npy.h"
 #include "io/nrrd.h"
 #include "io/nrrd_header.h"
 #include "io/raw.h"
 #include "io/read_source.h"
+#include "io/slc.h"
+#include "io/step_files.h"
 #include "io/vtk_image.h"
 #include "ovoid/error.h"
 #include "ovoid/io.h"
@@ -23,7 +31,8 @@ namespace ovoid {
 namespace {
 
 constexpr const char* kReadable =
-    "NRRD, NPY, VTI, legacy VTK, DICOM, or raw samples with dimensions and type";
+    "NRRD, NPY, NIfTI, MetaImage, SLC, VTI, VTR, legacy VTK, DICOM, or raw samples with dimensions "
+    "and type";
 
 // What a raw file cannot say, said about a file that says it itself: one of both is a mistake.
 void refuse_raw_options(const std::string& path, const char* format, const RawOptions& raw,
@@ -46,15 +55,22 @@ Dataset read_unknown(const io::ByteSource& source, const std::string& start,
   const RawOptions from_name = io::parse_raw_name(source.name());
   const std::string ending = io::ending_of(source.name());
   const bool is_raw = options.raw.dims || options.raw.type || (from_name.dims && from_name.type);
-  if (is_raw || ending == ".raw") return io::read_raw(source, options);
+  if (is_raw || ending == ".raw" || ending == ".raw.gz") return io::read_raw(source, options);
   if (source.size() == 0)
     throw Error(ErrorCode::kFileFormat, fmt::format("{}: is empty", source.name()));
-  for (const char* known : {".nrrd", ".nhdr", ".npy", ".vti", ".vtk"}) {
+  for (const char* known : {".nrrd", ".nhdr", ".npy", ".nii", ".nii.gz", ".mhd", ".mha", ".slc",
+                            ".vti", ".vtr", ".vtk"}) {
     if (ending == known) {
       throw Error(ErrorCode::kFileFormat,
                   fmt::format("{}: the name ends in {} but the content does not begin like it",
                               source.name(), known));
     }
+  }
+  if (ending == ".img" || ending == ".img.gz") {
+    throw Error(ErrorCode::kUnsupported,
+                fmt::format("{}: may be the samples of a NIfTI pair: expected its header, the .hdr "
+                            "file beside it",
+                            source.name()));
   }
   const std::string kind = io::unsupported_kind_of(start);
   throw Error(
@@ -64,9 +80,16 @@ Dataset read_unknown(const io::ByteSource& source, const std::string& start,
                   kReadable));
 }
 
+// Only NIfTI is read through gzip; other headers speak of places in the file.
+io::FileKind gzip_kind_of(const io::ByteSource& source) {
+  const io::FileKind kind = io::kind_of(io::gzip_start(source, 512));
+  return kind == io::FileKind::kNifti ? kind : io::FileKind::kUnknown;
+}
+
 Dataset read_any(const io::ByteSource& source, const ReadOptions& options, const io::Opener& open) {
   const std::string start = source.text(0, 512);
-  const io::FileKind kind = io::kind_of(start);
+  const bool is_gzip = io::is_gzip(start);
+  const io::FileKind kind = is_gzip ? gzip_kind_of(source) : io::kind_of(start);
   switch (kind) {
     case io::FileKind::kNrrd:
       refuse_raw_options(source.name(), "NRRD", options.raw, true);
@@ -77,6 +100,16 @@ Dataset read_any(const io::ByteSource& source, const ReadOptions& options, const
     case io::FileKind::kDicom:
       refuse_raw_options(source.name(), "DICOM", options.raw, true);
       return io::read_dicom(source, options);
+    case io::FileKind::kNifti:
+      refuse_raw_options(source.name(), "NIfTI", options.raw, true);
+      return io::read_nifti(source, is_gzip ? io::Encoding::kGzip : io::Encoding::kRaw, options,
+                            open);
+    case io::FileKind::kMetaImage:
+      refuse_raw_options(source.name(), "MetaImage", options.raw, true);
+      return io::read_metaimage(source, options, open);
+    case io::FileKind::kSlc:
+      refuse_raw_options(source.name(), "SLC", options.raw, true);
+      return io::read_slc(source, options);
     case io::FileKind::kVtkXml:
     case io::FileKind::kVtkLegacy:
       refuse_raw_options(source.name(), "VTK", options.raw, true);
@@ -136,8 +169,13 @@ bool is_folder(const std::string& path) {
   return std::filesystem::is_directory(path, ignored);
 }
 
-// A folder, or several files: the slices of a DICOM series, which is the one format in parts.
-Dataset read_parts(const std::vector<std::string>& paths, const ReadOptions& options) {
+// A missing file is told as such, whatever it was meant to be.
+bool is_dicom(const std::string& path) {
+  return io::looks_like_dicom(io::open_file(path)->text(0, 512));
+}
+
+// A folder, or several files: the slices of a DICOM series.
+Dataset read_dicom_parts(const std::vector<std::string>& paths, const ReadOptions& options) {
   std::vector<std::string> files;
   for (const std::string& path : paths) {
     if (is_folder(path)) {
@@ -145,12 +183,11 @@ Dataset read_parts(const std::vector<std::string>& paths, const ReadOptions& opt
       files.insert(files.end(), inner.begin(), inner.end());
       continue;
     }
-    // A missing file is told as such, whatever it was meant to be.
-    if (!io::looks_like_dicom(io::open_file(path)->text(0, 512))) {
+    if (!is_dicom(path)) {
       throw Error(ErrorCode::kUnsupported,
-                  fmt::format("{}, {}: {} inputs: a volume is one file, an NRRD header that lists "
-                              "its parts, or the files of a DICOM series, which {} is not",
-                              paths[0], paths[1], paths.size(), path));
+                  fmt::format("{}: is no DICOM file: expected more slices of the series that {} "
+                              "belongs to",
+                              path, paths[0]));
     }
     files.push_back(path);
   }
@@ -172,6 +209,17 @@ Dataset read_source(const ByteSource& source, const ReadOptions& options, const 
 
 std::vector<std::string> files_read_for(const std::string& path) {
   std::vector<std::string> files{path};
+  const auto add = [&](const std::string& file) {
+    std::error_code ignored;
+    const bool is_there = std::filesystem::exists(file, ignored);
+    if (is_there) files.push_back(file);
+    return is_there;
+  };
+  const auto add_all = [&](const std::optional<io::DataFiles>& named) {
+    const std::int64_t count = named ? named->count : 0;
+    for (std::int64_t i = 0; i < count && add(io::path_beside(path, named->name(i))); ++i) {
+    }
+  };
   try {
     if (is_folder(path)) {
       for (std::string& file : io::dicom_files_in(path))
@@ -179,15 +227,18 @@ std::vector<std::string> files_read_for(const std::string& path) {
       return files;
     }
     const auto source = io::open_file(path);
-    if (io::kind_of(source->text(0, 512)) != io::FileKind::kNrrd) return files;
-    const io::NrrdHeader header = io::read_nrrd_header(*source);
-    const std::int64_t count = header.files ? header.files->count : 0;
-    for (std::int64_t i = 0; i < count; ++i) {
-      const std::string file = io::path_beside(path, header.files->name(i));
-      std::error_code ignored;
-      if (!std::filesystem::exists(file, ignored)) break;
-      files.push_back(file);
+    switch (io::kind_of(source->text(0, 512))) {
+      case io::FileKind::kNrrd:
+        add_all(io::read_nrrd_header(*source).files);
+        break;
+      case io::FileKind::kMetaImage:
+        add_all(io::read_metaimage_header(*source).files);
+        break;
+      default:
+        break;
     }
+    const std::string image = io::nifti_image_path(path);
+    if (image != path && !add(image)) add(image + ".gz");
   } catch (const Error&) {
     // It is not for this function to tell.
   }
@@ -196,8 +247,9 @@ std::vector<std::string> files_read_for(const std::string& path) {
 
 Dataset read_dataset(const std::vector<std::string>& paths, const ReadOptions& options) {
   if (paths.empty()) throw Error(ErrorCode::kInvalidArgument, "input: no file is named");
-  if (paths.size() > 1 || is_folder(paths[0]))
-    return finished([&] { return read_parts(paths, options); }, options);
+  if (is_folder(paths[0]) || (paths.size() > 1 && is_dicom(paths[0])))
+    return finished([&] { return read_dicom_parts(paths, options); }, options);
+  if (paths.size() > 1) return io::read_step_files(paths, options);
   return io::read_source(*io::open_file(paths[0]), options);
 }
 

@@ -110,6 +110,11 @@ void check_geometry(const std::string& where, const Affine3& world_from_index) {
   }
 }
 
+void complete_plane(Mat3& axes) {
+  const Vec3 normal = axes.col(0).stableNormalized().cross(axes.col(1).stableNormalized());
+  axes.col(2) = normal * std::min(axes.col(0).stableNorm(), axes.col(1).stableNorm());
+}
+
 SampleBuffer::~SampleBuffer() { std::free(data_); }
 
 void SampleBuffer::reserve(std::int64_t size) {

@@ -42,6 +42,9 @@ std::int64_t checked_num_bytes(const std::string& where, std::span<const std::in
 // (data::kMinRelativeVolume).
 void check_geometry(const std::string& where, const Affine3& world_from_index);
 
+// The slice of a 2-D file gets a third axis: normal to it, as long as the shorter of its own two.
+void complete_plane(Mat3& axes);
+
 // Memory for samples that grows in place, so that a reader holds what it has read and not what a
 // header claims. Aligned for every scalar type.
 class SampleBuffer {

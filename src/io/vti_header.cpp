@@ -123,9 +123,9 @@ class VtiChecker {
  public:
   explicit VtiChecker(const ByteSource& source) : source_(source) {}
 
-  void run() {
+  VtkGrid run() {
     scan();
-    if (!has_image_) fail("holds no ImageData element: is the file truncated?");
+    if (!has_image_) fail(fmt::format("holds no {} element: is the file truncated?", grid_name()));
     check_pieces();
     std::int64_t total = 0;
     for (const StoredArray& array : arrays_) {
@@ -134,6 +134,7 @@ class VtiChecker {
       if (array.format != "ascii") total += std::min(array.num_bytes, kMaxNumBytes / 1024);
       check_ratio("all arrays together", std::min(total, kMaxNumBytes));
     }
+    return grid_;
   }
 
  private:
@@ -141,21 +142,28 @@ class VtiChecker {
     fail_header(source_, what, code);
   }
 
+  const char* grid_name() const {
+    return grid_ == VtkGrid::kImage ? "ImageData" : "RectilinearGrid";
+  }
+
   void scan() {
     XmlTagReader reader(source_);
-    std::string section;  // PointData, CellData or FieldData while inside it
+    std::string section;  // PointData, CellData, FieldData or Coordinates while inside it
     while (auto tag = reader.next()) {
       const std::string& name = tag->name;
       end_text(tag->begin);
-      if (name == "PointData" || name == "CellData" || name == "FieldData") {
+      const bool are_coordinates = grid_ == VtkGrid::kRectilinear && name == "Coordinates";
+      if (name == "PointData" || name == "CellData" || name == "FieldData" || are_coordinates) {
         section = tag->is_empty_element ? "" : name;
+        if (are_coordinates) begin_coordinates();
         continue;
       }
       if (name == "/" + section) section.clear();
+      if (name == "/Piece") end_piece();
       if (name.starts_with('/')) continue;
       refuse_references(*tag);
       if (name == "VTKFile") read_root(*tag);
-      if (name == "ImageData") read_image(*tag);
+      if (name == grid_name()) read_image(*tag);
       if (name == "Piece") read_piece(*tag);
       // To VTK every element here is an array, whatever it is called; these two stand within one.
       if (!section.empty() && name != "InformationKey" && name != "Value")
@@ -195,8 +203,10 @@ class VtiChecker {
 
   void read_root(const XmlTag& tag) {
     const std::string type = tag.attribute("type");
-    if (type != "ImageData") {
-      fail(fmt::format("VTKFile type '{}': expected ImageData", type.substr(0, 40)),
+    if (type == "RectilinearGrid") grid_ = VtkGrid::kRectilinear;
+    if (type != grid_name()) {
+      fail(fmt::format("VTKFile type '{}': expected ImageData or RectilinearGrid",
+                       type.substr(0, 40)),
            ErrorCode::kUnsupported);
     }
     is_big_endian_ = tag.attribute("byte_order") == "BigEndian";
@@ -212,7 +222,7 @@ class VtiChecker {
   }
 
   void read_image(const XmlTag& tag) {
-    if (has_image_) fail("has two ImageData elements");
+    if (has_image_) fail(fmt::format("has two {} elements", grid_name()));
     has_image_ = true;
     whole_ = parse_extent(source_, "WholeExtent", tag.attribute("WholeExtent"));
     if (num_points(source_, "WholeExtent", whole_.dims()) == 0)
@@ -240,10 +250,29 @@ class VtiChecker {
     if (!whole_.contains(piece_)) {
       fail(fmt::format("Piece Extent=\"{}\": lies outside WholeExtent", tag.attribute("Extent")));
     }
+    num_coordinates_ = 0;
+    is_piece_open_ = true;
     pieces_.push_back(piece_);
     constexpr std::size_t kMaxPieces = 10000;  // each is compared with each
     if (pieces_.size() > kMaxPieces)
       fail(fmt::format("has more than {} pieces", kMaxPieces), ErrorCode::kUnsupported);
+  }
+
+  void begin_coordinates() {
+    if (!is_piece_open_ || num_coordinates_ > 0) fail("Coordinates: stand twice, or in no piece");
+  }
+
+  void end_piece() {
+    if (is_piece_open_ && grid_ == VtkGrid::kRectilinear && num_coordinates_ != 3) {
+      fail(fmt::format("Coordinates: a piece has {} arrays of them: expected 3", num_coordinates_));
+    }
+    is_piece_open_ = false;
+  }
+
+  // Along the next axis.
+  std::int64_t next_num_coordinates() {
+    if (num_coordinates_ == 3) fail("Coordinates: a piece has more than 3 arrays of them");
+    return piece_.dims()[num_coordinates_++];
   }
 
   // VTK leaves the samples of no piece as memory happens to be.
@@ -283,9 +312,10 @@ class VtiChecker {
     };
     const std::int64_t num_components = integer("NumberOfComponents", "1", 1, kMaxVtkComponents);
     const std::int64_t num_tuples =
-        section == "FieldData"  ? integer("NumberOfTuples", "1", 0, kMaxNumBytes)
-        : section == "CellData" ? num_cells(piece_.dims())
-                                : num_points(source_, "Extent", piece_.dims());
+        section == "FieldData"     ? integer("NumberOfTuples", "1", 0, kMaxNumBytes)
+        : section == "Coordinates" ? next_num_coordinates()
+        : section == "CellData"    ? num_cells(piece_.dims())
+                                   : num_points(source_, "Extent", piece_.dims());
     const std::string type = tag.attribute("type");
     if (type == "String" && section != "FieldData") {
       // VTK falls over those that end early.
@@ -294,6 +324,8 @@ class VtiChecker {
     }
     const std::int64_t value_size = xml_type_size(type);
     const bool is_bits = type == "Bit";
+    if (section == "Coordinates" && (value_size == 0 || num_components != 1))
+      fail(fmt::format("Coordinates: array '{}': expected numbers of one component", array.name));
     array.is_text = value_size == 0 && !is_bits;
     array.kind = type.starts_with("Float") ? NumberKind::kReal : NumberKind::kInteger;
     array.layout =
@@ -514,7 +546,10 @@ class VtiChecker {
   }
 
   const ByteSource& source_;
+  VtkGrid grid_ = VtkGrid::kImage;
   bool has_image_ = false;
+  bool is_piece_open_ = false;
+  std::size_t num_coordinates_ = 0;  // arrays of them in this piece
   bool is_big_endian_ = false;
   bool is_compressed_ = false;
   bool is_appended_raw_ = false;
@@ -529,6 +564,6 @@ class VtiChecker {
 
 }  // namespace
 
-void check_vti(const ByteSource& source) { VtiChecker(source).run(); }
+VtkGrid check_vti(const ByteSource& source) { return VtiChecker(source).run(); }
 
 }  // namespace ovoid::io

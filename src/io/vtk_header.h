@@ -10,11 +10,15 @@ namespace ovoid::io {
 // stored and what is needed; Error(kUnsupported) if the file is well-formed but no image. Nothing
 // is allocated in proportion to a claim. A file that passes may still be broken inside.
 
-// XML image data (.vti): extents and pieces, numbers of the image's place, what every stored array
-// states and whether its bytes or numbers are there, and the ratios its compressor can reach.
-void check_vti(const ByteSource& source);
+enum class VtkGrid { kImage, kRectilinear };
 
-// Legacy structured points (.vtk): dimensions, number of samples, and every array to the end.
-void check_legacy_vtk(const ByteSource& source);
+// XML image data (.vti) or rectilinear grid (.vtr): extents and pieces, numbers of the image's
+// place, what every stored array states and whether its bytes or numbers are there, and the ratios
+// its compressor can reach.
+VtkGrid check_vti(const ByteSource& source);
+
+// Legacy structured points or rectilinear grid (.vtk): dimensions, number of samples and
+// coordinates, and every array to the end.
+VtkGrid check_legacy_vtk(const ByteSource& source);
 
 }  // namespace ovoid::io

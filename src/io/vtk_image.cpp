@@ -11,7 +11,7 @@ namespace ovoid::io {
 
 Dataset read_vtk_image(const ByteSource& source, FileKind, const ReadOptions&) {
   throw Error(ErrorCode::kUnsupported,
-              fmt::format("{}: this build has no VTK and cannot read VTI and legacy VTK files",
+              fmt::format("{}: this build has no VTK and cannot read VTI, VTR and legacy VTK files",
                           source.name()));
 }
 
@@ -39,12 +39,15 @@ void write_vtk_image(const Dataset&, const std::string& path) {
 #include <vtkNew.h>
 #include <vtkObjectFactory.h>
 #include <vtkPointData.h>
+#include <vtkRectilinearGrid.h>
+#include <vtkRectilinearGridReader.h>
 #include <vtkSmartPointer.h>
 #include <vtkStructuredPoints.h>
 #include <vtkStructuredPointsReader.h>
 #include <vtkStructuredPointsWriter.h>
 #include <vtkXMLImageDataReader.h>
 #include <vtkXMLImageDataWriter.h>
+#include <vtkXMLRectilinearGridReader.h>
 
 #include <algorithm>
 #include <limits>
@@ -52,6 +55,7 @@ void write_vtk_image(const Dataset&, const std::string& path) {
 #include <vector>
 
 #include "io/atomic_file.h"
+#include "io/rectilinear.h"
 #include "io/samples.h"
 #include "io/vtk_header.h"
 #include "io/vtk_messages.h"
@@ -159,8 +163,7 @@ class ReaderRun {
 }
 
 // Leaves only the wanted array switched on.
-void select_array(const ByteSource& source, vtkXMLImageDataReader* reader,
-                  const std::string& wanted) {
+void select_array(const ByteSource& source, vtkXMLReader* reader, const std::string& wanted) {
   std::vector<std::string> names;
   bool is_found = false;
   for (vtkDataArraySelection* selection :
@@ -175,9 +178,10 @@ void select_array(const ByteSource& source, vtkXMLImageDataReader* reader,
   if (!is_found) throw_no_array(source, wanted, names);
 }
 
-vtkSmartPointer<vtkImageData> run_xml_reader(const ByteSource& source, const ReadOptions& options,
-                                             ReaderRun& run) {
-  vtkNew<vtkXMLImageDataReader> reader;
+template <typename Reader>
+vtkSmartPointer<vtkDataSet> run_xml_reader(const ByteSource& source, const ReadOptions& options,
+                                           ReaderRun& run) {
+  vtkNew<Reader> reader;
   reader->SetFileName(source.name().c_str());
   if (!options.array.empty()) {
     run(reader, [&] { reader->UpdateInformation(); });
@@ -187,8 +191,9 @@ vtkSmartPointer<vtkImageData> run_xml_reader(const ByteSource& source, const Rea
   return reader->GetOutput();
 }
 
-vtkSmartPointer<vtkImageData> run_legacy_reader(const ByteSource& source, ReaderRun& run) {
-  vtkNew<vtkStructuredPointsReader> reader;
+template <typename Reader>
+vtkSmartPointer<vtkDataSet> run_legacy_reader(const ByteSource& source, ReaderRun& run) {
+  vtkNew<Reader> reader;
   reader->SetFileName(source.name().c_str());
   reader->ReadAllScalarsOn();
   reader->ReadAllVectorsOn();
@@ -199,6 +204,15 @@ vtkSmartPointer<vtkImageData> run_legacy_reader(const ByteSource& source, Reader
   reader->ReadAllFieldsOn();
   run(reader, [&] { reader->Update(); });
   return reader->GetOutput();
+}
+
+vtkSmartPointer<vtkDataSet> run_reader(const ByteSource& source, bool is_xml, VtkGrid grid,
+                                       const ReadOptions& options, ReaderRun& run) {
+  const bool is_image = grid == VtkGrid::kImage;
+  if (is_xml && is_image) return run_xml_reader<vtkXMLImageDataReader>(source, options, run);
+  if (is_xml) return run_xml_reader<vtkXMLRectilinearGridReader>(source, options, run);
+  if (is_image) return run_legacy_reader<vtkStructuredPointsReader>(source, run);
+  return run_legacy_reader<vtkRectilinearGridReader>(source, run);
 }
 
 // The image's lattice, with index 0 at its first sample whatever its extent.
@@ -218,6 +232,30 @@ LatticeGeometry lattice_of(const ByteSource& source, vtkImageData* image) {
   lattice.world_from_index.translation() = Vec3(image->GetOrigin()) + linear * first;
   check_geometry(source.name() + ": Spacing, Direction or Origin", lattice.world_from_index);
   return lattice;
+}
+
+LatticeGeometry lattice_of(const ByteSource& source, vtkRectilinearGrid* grid) {
+  std::array<AxisCoordinates, 3> axes;
+  vtkDataArray* const arrays[] = {grid->GetXCoordinates(), grid->GetYCoordinates(),
+                                  grid->GetZCoordinates()};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const vtkIdType count = grid->GetDimensions()[axis];
+    if (arrays[axis] == nullptr || arrays[axis]->GetNumberOfTuples() != count ||
+        arrays[axis]->GetNumberOfComponents() != 1) {
+      throw Error(ErrorCode::kFileFormat,
+                  fmt::format("{}: VTK finds no {} coordinates for {} samples", source.name(),
+                              "xyz"[axis], count));
+    }
+    axes[axis].is_float32 = arrays[axis]->GetDataType() == VTK_FLOAT;
+    for (vtkIdType i = 0; i < count; ++i)
+      axes[axis].values.push_back(arrays[axis]->GetComponent(i, 0));
+  }
+  return lattice_of_coordinates(source.name(), axes);
+}
+
+LatticeGeometry lattice_of(const ByteSource& source, vtkDataSet* data) {
+  if (auto* const grid = vtkRectilinearGrid::SafeDownCast(data)) return lattice_of(source, grid);
+  return lattice_of(source, vtkImageData::SafeDownCast(data));
 }
 
 Bytes share(vtkDataArray* array, std::int64_t num_bytes) {
@@ -271,16 +309,15 @@ void add_arrays(Dataset& dataset, vtkFieldData* fields, std::int64_t num_expecte
 
 Dataset read_vtk_image(const ByteSource& source, FileKind kind, const ReadOptions& options) {
   const bool is_xml = kind == FileKind::kVtkXml;
-  is_xml ? check_vti(source) : check_legacy_vtk(source);
+  const VtkGrid grid = is_xml ? check_vti(source) : check_legacy_vtk(source);
   ReaderRun run(source, options);
-  const vtkSmartPointer<vtkImageData> image =
-      is_xml ? run_xml_reader(source, options, run) : run_legacy_reader(source, run);
+  const vtkSmartPointer<vtkDataSet> image = run_reader(source, is_xml, grid, options, run);
   if (image == nullptr || image->GetNumberOfPoints() < 1) {
     throw Error(ErrorCode::kFileFormat, fmt::format("{}: VTK finds no image in it", source.name()));
   }
   Dataset dataset;
   dataset.source = source.name();
-  dataset.format = is_xml ? "VTI" : "legacy VTK";
+  dataset.format = !is_xml ? "legacy VTK" : grid == VtkGrid::kImage ? "VTI" : "VTR";
   dataset.notes = std::move(run.notes);
   dataset.lattice = lattice_of(source, image);
   std::vector<std::string> names;

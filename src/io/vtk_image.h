@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// VTI and legacy VTK images through VTK's own readers and writers. Without VTK (OVOID_IO_VTK off)
-// every function throws Error(kUnsupported) that says so.
+// VTI and legacy VTK images, and rectilinear grids that are lattices, through VTK's own readers and
+// writers. Without VTK (OVOID_IO_VTK off) every function throws Error(kUnsupported) that says so.
 #pragma once
 
 #include <string>
@@ -13,8 +13,9 @@
 namespace ovoid::io {
 
 // Reads the image that `source` (a file, kVtkXml or kVtkLegacy) holds: its point and cell arrays of
-// numbers, origin, spacing and direction. The header is checked against the file's size before VTK
-// allocates. VTK's messages end up in the Error or in notes, never on stderr. Throws Error.
+// numbers, origin, spacing and direction. A rectilinear grid (VTR, legacy) must have equal spacing.
+// The header is checked against the file's size before VTK allocates. VTK's messages end up in the
+// Error or in notes, never on stderr. Throws Error.
 Dataset read_vtk_image(const ByteSource& source, FileKind kind, const ReadOptions& options);
 
 // Writes all arrays: .vti appended, zlib; .vtk legacy binary (which knows no direction: oblique

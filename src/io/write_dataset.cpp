@@ -5,6 +5,7 @@
 
 #include "io/atomic_file.h"
 #include "io/formats.h"
+#include "io/nifti.h"
 #include "io/npy.h"
 #include "io/nrrd.h"
 #include "io/plain_values.h"
@@ -17,7 +18,7 @@
 namespace ovoid {
 namespace {
 
-enum class Target { kNrrd, kNhdr, kNpy, kRaw, kVtk };
+enum class Target { kNrrd, kNhdr, kNpy, kRaw, kNifti, kVtk };
 
 Target target_of(const std::string& path) {
   const std::string ending = io::ending_of(path);
@@ -25,6 +26,7 @@ Target target_of(const std::string& path) {
   if (ending == ".nhdr") return Target::kNhdr;
   if (ending == ".npy") return Target::kNpy;
   if (ending == ".raw") return Target::kRaw;
+  if (ending == ".nii" || ending == ".nii.gz") return Target::kNifti;
   if (ending == ".vti" || ending == ".vtk") {
 #ifdef OVOID_IO_VTK
     return Target::kVtk;
@@ -35,7 +37,7 @@ Target target_of(const std::string& path) {
   }
   throw Error(ErrorCode::kUnsupported,
               fmt::format("{}: the ending '{}' names no volume format: expected .nrrd, .nhdr, "
-                          ".npy, .raw, .vti or .vtk",
+                          ".npy, .raw, .nii, .nii.gz, .vti or .vtk",
                           path, ending));
 }
 
@@ -109,13 +111,16 @@ void write_dataset(const Dataset& dataset, const std::string& path) {
     return io::write_vtk_image(plain, path);
   }
 
-  const DataArray array = io::plain_values(only_array(dataset, path));
+  const bool keeps_scale = target == Target::kNifti;
+  const DataArray array =
+      keeps_scale ? only_array(dataset, path) : io::plain_values(only_array(dataset, path));
   const LatticeGeometry lattice = lattice_of(dataset.lattice, array);
   if (target == Target::kNpy) return io::write_npy(lattice.dims, array, path);
   if (target == Target::kRaw) return io::write_raw(array, path);
   Dataset described;  // cheap: arrays share their bytes
   described.lattice = lattice;
   described.space = dataset.space;
+  if (target == Target::kNifti) return io::write_nifti(described, array, path);
   if (target == Target::kNrrd) return io::write_nrrd(described, array, path);
   io::write_nhdr(described, array, path);
 }

@@ -21,7 +21,7 @@ template <class T>
 DataArray array_of(ScalarType type, std::vector<T> values, int components = 1) {
   const auto owner = std::make_shared<std::vector<T>>(std::move(values));
   DataArray array;
-  array.name = "x";
+  array.name = std::string("x");
   array.type = type;
   array.num_components = components;
   array.num_tuples = static_cast<std::int64_t>(owner->size()) / components;
@@ -53,6 +53,60 @@ std::string refusal(const Dataset& dataset, const LatticeModelOptions& options =
     return error.what();
   }
   return "accepted";
+}
+
+// Fails if the scale of a file is lost on the way to the field, or applied twice.
+TEST(MakeLatticeField, AppliesTheScaleOfTheArray) {
+  const auto scaled = [](auto array) {
+    array.value_scale = -2;
+    array.value_offset = 10;
+    return dataset_of(std::move(array), {3, 2, 1});
+  };
+  const std::vector<std::int16_t> stored{0, 1, 2, 3, 4, 5};
+  // Samples that can be shown stay as they are, with the scale beside them.
+  const Dataset shorts = scaled(array_of<std::int16_t>(ScalarType::kInt16, stored));
+  const Field field = make_lattice_field(shorts);
+  EXPECT_EQ(field.source().acquire(0, 0, 0, 0.0).data, shorts.arrays[0].bytes.view.data());
+  EXPECT_EQ(field.source().value_scale(), -2);
+  EXPECT_EQ(field.source().value_offset(), 10);
+  EXPECT_EQ(field.value_range().lo, 0);
+  EXPECT_EQ(field.value_range().hi, 10);
+  // Those that become float32 are values then.
+  const Dataset doubles = scaled(array_of<double>(ScalarType::kFloat64, {0, 1, 2, 3, 4, 5}));
+  const Field converted = make_lattice_field(doubles);
+  const double scale = converted.source().value_scale();
+  const double offset = converted.source().value_offset();
+  EXPECT_EQ(samples_of(converted)[5] * scale + offset, 0);
+  EXPECT_EQ(samples_of(converted)[0] * scale + offset, 10);
+  EXPECT_EQ(converted.value_range().lo, 0);
+  // The norm is taken of values: (-2 * 2 + 10, -2 * 1 + 10) is (6, 8).
+  LatticeModelOptions norm;
+  norm.component = LatticeModelOptions::kMagnitude;
+  const Dataset pairs =
+      scaled(array_of<std::int16_t>(ScalarType::kInt16, {2, 1, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5}, 2));
+  const Field lengths = make_lattice_field(pairs, norm);
+  EXPECT_EQ(lengths.source().value_scale(), 1);
+  EXPECT_EQ(samples_of(lengths)[0], 10);
+  EXPECT_EQ(samples_of(lengths)[1], 0);
+}
+
+// Prefiltering is linear, and so is the scale: it must not matter which comes first.
+TEST(MakeLatticeField, PrefiltersScaledSamples) {
+  LatticeModelOptions options;
+  options.prefilter = true;
+  Dataset scaled =
+      dataset_of(array_of<std::int16_t>(ScalarType::kInt16, {0, 1, 5, 3, 4, 2, 9, 1}), {2, 2, 2});
+  scaled.arrays[0].value_scale = 0.5;
+  scaled.arrays[0].value_offset = -3;
+  const Dataset plain = dataset_of(
+      array_of<float>(ScalarType::kFloat32, {-3, -2.5F, -0.5F, -1.5F, -1, -2, 1.5F, -2.5F}),
+      {2, 2, 2});
+  const Field a = make_lattice_field(scaled, options);
+  const Field b = make_lattice_field(plain, options);
+  for (std::size_t i = 0; i < 8; ++i) {
+    EXPECT_NEAR(samples_of(a)[i] * a.source().value_scale() + a.source().value_offset(),
+                samples_of(b)[i], 1e-5);
+  }
 }
 
 // Fails if samples that can be shown are copied, or are let go with the dataset.

@@ -165,9 +165,14 @@ TEST_F(BadInput, HeadersThatContradictThemselves) {
 }
 
 TEST_F(BadInput, SeveralInputsThatAreNotOneDataset) {
-  const std::string other = file("other_16x16x16_uint8.raw", ball_bytes());
+  // Each has steps of its own, so they cannot be the steps of one.
+  const std::string in_time =
+      file("in_time.nrrd",
+           nrrd("uint8", "dimension: 4\nsizes: 3 3 1 3\nkinds: domain domain domain time",
+                std::string("abcdefghijklmnopqrstuvwxyzz")));
   const std::size_t before = folder_.num_files();
-  expect_failure({"render", ball_, other, "-o", folder_ / "out.png"}, 1, {});
+  expect_failure({"render", in_time, ball_, "-o", folder_ / "out.png"}, 1,
+                 {"in_time.nrrd", "3 steps of its own"});
   EXPECT_EQ(folder_.num_files(), before);
 }
 

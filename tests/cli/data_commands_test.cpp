@@ -180,6 +180,56 @@ TEST(Convert, KeepsSamplesAndGeometry) {
   EXPECT_EQ(read_file(folder / "e_16x16x16_uint8.raw"), ball_bytes());
 }
 
+// A NIfTI file's scale is shown by info, stays in NIfTI and becomes values elsewhere.
+TEST(Convert, ScaledValuesOfNifti) {
+  const Folder folder;
+  const std::string source = folder / "a_2x2x2_uint8.raw";
+  write_file(source, std::string("\0\1\2\3\4\5\6\7", 8));
+  const std::string nii = folder / "a.nii";
+  expect_success({"convert", source, "-o", nii});
+  std::string content = read_file(nii);
+  const float scale[] = {0.5F, -1.0F};
+  std::memcpy(content.data() + 112, scale, sizeof(scale));
+  write_file(nii, content);
+  const std::string packed = folder / "b.nii.gz";
+  expect_success({"convert", nii, "-o", packed});
+  for (const std::string& path : {nii, packed}) {
+    const json facts = info(path);
+    EXPECT_EQ(facts["format"], "NIfTI-1");
+    EXPECT_EQ(facts["arrays"][0]["type"], "uint8");
+    EXPECT_EQ(facts["arrays"][0]["range"], (json{-1.0, 2.5}));
+    EXPECT_EQ(facts["arrays"][0]["value_scale"], 0.5);
+  }
+  expect_success({"convert", packed, "-o", folder / "c.nrrd"});
+  const json facts = info(folder / "c.nrrd");
+  EXPECT_EQ(facts["arrays"][0]["type"], "float32");
+  EXPECT_EQ(facts["arrays"][0]["range"], (json{-1.0, 2.5}));
+  // Turned or moved without a patient space: it gets one, and that is told.
+  const Outcome moved = run({"make", "ball", "--size", "4", "-o", folder / "d.nrrd"});
+  EXPECT_EQ(moved.exit_code, 0);
+  const Outcome result = run({"convert", folder / "d.nrrd", "-o", folder / "d.nii"});
+  EXPECT_EQ(result.err, "note: " + (folder / "d.nii") +
+                            ": holds a place in patient space only: x, y, z are now right, "
+                            "anterior, superior\n");
+  expect_failure({"convert", nii, "-o", nii}, 2, {"--output", "is an input"});
+}
+
+TEST(Convert, SeveralInputsAreSteps) {
+  const Folder folder;
+  const std::string a = folder / "a_2x1x1_uint8.raw";
+  const std::string b = folder / "b_2x1x1_uint8.raw";
+  write_file(a, "xx");
+  write_file(b, "yz");
+  const Outcome found = run({"info", a, b, "--json"});
+  EXPECT_EQ(json::parse(found.out)["step"], 1);
+  EXPECT_EQ(json::parse(found.out)["steps"], 2);
+  EXPECT_EQ(found.err, "note: " + b + ": step 1 of 2, the first that varies; choose with --step\n");
+  expect_success({"convert", a, b, "--step", "0", "-o", folder / "c_2x1x1_uint8.raw"});
+  EXPECT_EQ(read_file(folder / "c_2x1x1_uint8.raw"), "xx");
+  expect_failure({"info", a, b, "--step", "2"}, 1, {"step 2", "expected 0 to 1"});
+  expect_failure({"convert", a, b, "-o", b}, 2, {"--output", "is an input"});
+}
+
 TEST(Convert, NotesWhatTheFormatCannotHold) {
   const Folder folder;
   const std::string placed = folder / "placed.nrrd";

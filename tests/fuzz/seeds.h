@@ -6,7 +6,10 @@
 #include <bzlib.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <cstdint>
+#include <cstring>
+#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -81,6 +84,107 @@ inline std::vector<std::string> nrrd_seeds() {
       base + "encoding: raw\ndata file: a%03d.raw 1 2 1\n",
       base + "encoding: raw\nline skip: 2\nbyte skip: 5\ndata file: LIST 3\none.raw\nmissing.raw\n",
       base + "encoding: gz\ndata file: a.raw\n",
+  };
+}
+
+// A binary header, number by number, in either byte order.
+class BinaryHeader {
+ public:
+  BinaryHeader(std::size_t size, bool is_big_endian)
+      : bytes_(size, '\0'), is_swapped_(is_big_endian) {}
+
+  template <typename T>
+  BinaryHeader& put(std::size_t at, std::initializer_list<T> values) {
+    for (const T value : values) {
+      std::memcpy(bytes_.data() + at, &value, sizeof(T));
+      char* const raw = bytes_.data() + at;
+      if (is_swapped_) std::reverse(raw, raw + sizeof(T));
+      at += sizeof(T);
+    }
+    return *this;
+  }
+  BinaryHeader& text(std::size_t at, const std::string& value) {
+    std::memcpy(bytes_.data() + at, value.data(), value.size());
+    return *this;
+  }
+  const std::string& bytes() const { return bytes_; }
+
+ private:
+  std::string bytes_;
+  bool is_swapped_;  // the machines that run tests are little endian
+};
+
+// dims: number of axes, then samples along each. Spacing 1 2 3, a step of time 0.5; no transform.
+inline BinaryHeader nifti1(std::initializer_list<std::int16_t> dims, std::int16_t type,
+                           std::int16_t bits, bool is_big_endian = false) {
+  BinaryHeader header(352, is_big_endian);
+  header.put<std::int32_t>(0, {348}).put(40, dims).put<std::int16_t>(70, {type, bits});
+  header.put<float>(76, {1, 1, 2, 3, 0.5F}).put<float>(108, {352});
+  return header.text(344, "n+1");
+}
+
+inline BinaryHeader nifti2(std::initializer_list<std::int64_t> dims, std::int16_t type,
+                           std::int16_t bits, bool is_big_endian = false) {
+  BinaryHeader header(544, is_big_endian);
+  header.put<std::int32_t>(0, {540}).text(4, std::string("n+2\0\r\n\x1a\n", 8));
+  header.put<std::int16_t>(12, {type, bits}).put(16, dims);
+  header.put<double>(104, {1, 1, 2, 3, 0.5}).put<std::int64_t>(168, {544});
+  return header;
+}
+
+// The last one is the header of a pair.
+inline std::vector<std::string> nifti_seeds() {
+  auto placed = nifti1({3, 4, 3, 2}, 4, 16);
+  placed.put<std::int16_t>(252, {1, 1}).put<float>(256, {0, 0, 0.70710678F, 5, 6, 7});
+  placed.put<float>(280, {0, -2, 0, 5, 1, 0, 0, 6, 0, 0, 3, 7}).put<float>(112, {2, -1});
+  auto in_time = nifti1({5, 2, 2, 2, 2, 3}, 16, 32, true);
+  in_time.put<char>(123, {2 + 16});
+  auto pair = nifti1({3, 2, 2, 2}, 2, 8);
+  pair.put<float>(108, {0}).text(344, "ni1");
+  return {
+      placed.bytes() + samples(48),
+      in_time.bytes() + samples(192),
+      gzip(nifti2({4, 3, 3, 1, 2}, 1280, 64, true).bytes() + samples(144)),
+      nifti2({3, 3, 2, 2}, 64, 64).bytes() + samples(96),
+      nifti1({3, 3, 2, 2}, 128, 24).bytes() + samples(36),
+      pair.bytes(),
+  };
+}
+
+// The last ones have data in other files.
+inline std::vector<std::string> metaimage_seeds() {
+  const std::string base =
+      "ObjectType = Image\nNDims = 3\nDimSize = 4 3 2\nElementType = MET_UCHAR\n";
+  const std::string raw = samples(24);
+  std::string text;
+  for (const char c : raw) text += std::to_string(static_cast<unsigned char>(c)) + " ";
+  return {
+      base +
+          "BinaryData = True\nTransformMatrix = 1 0 0 0 0 1 0 -1 0\nOffset = 1 2 -3\n"
+          "CenterOfRotation = 0 0 1\nElementSpacing = 1 2 0.5\nElementDataFile = LOCAL\n" +
+          raw,
+      base +
+          "CompressedData = True\nCompressedDataSize = 20\nUnknown = 1\nElementDataFile = LOCAL\n" +
+          deflated(raw, 15),
+      base + "BinaryData = False\nElementDataFile = LOCAL\n" + text,
+      "NDims = 4\nDimSize = 2 2 1 3\nElementType = MET_SHORT\nElementByteOrderMSB = True\n"
+      "ElementNumberOfChannels = 2\nElementDataFile = LOCAL\n" +
+          samples(48),
+      base + "HeaderSize = -1\nElementDataFile = LOCAL\n" + raw,
+      base + "HeaderSize = 5\nElementDataFile = a.raw\n",
+      base + "ElementDataFile = a%03d.raw 1 2 1\n",
+      base + "ElementDataFile = LIST 2\none.raw\nmissing.raw\n",
+  };
+}
+
+inline std::vector<std::string> slc_seeds() {
+  const std::string start = "11111 4 3 2 8 1.0 2.0 0.5 1 1 0 ";
+  const std::string icon = "2 1 X" + samples(6);
+  return {
+      start + "0\n" + icon + samples(24),
+      // 12 samples: ten times 7, then two as they are; then four, three runs of two and two single.
+      start + "1\n" + icon + "6 X" + std::string("\x0a\7\x82\1\2\0", 6) + "15X" +
+          std::string("\x84\1\2\3\4\2\5\2\6\2\7\x82\1\2\0", 15),
   };
 }
 
@@ -177,6 +281,18 @@ inline std::vector<std::string> vtk_header_seeds() {
       "POINT_DATA 8\nVECTORS v float\n1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 "
       "24\nCELL_DATA 1\nSCALARS c int\n"
       "LOOKUP_TABLE default\n7\n",
+      "<VTKFile type=\"RectilinearGrid\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
+      "<RectilinearGrid WholeExtent=\"0 2 0 1 0 1\">\n<Piece Extent=\"0 2 0 1 0 "
+      "1\">\n<PointData>\n" +
+          array +
+          "format=\"ascii\">1 2 3 4 5 6 7 8 9 10 11 12</DataArray>\n</PointData>\n"
+          "<Coordinates>\n<DataArray type=\"Float32\" Name=\"x\" format=\"ascii\">0 0.5 "
+          "1</DataArray>\n<DataArray type=\"Float64\" Name=\"y\" format=\"ascii\">0 "
+          "3</DataArray>\n<DataArray type=\"Int32\" Name=\"z\" format=\"ascii\">5 "
+          "4</DataArray>\n</Coordinates>\n</Piece>\n</RectilinearGrid>\n</VTKFile>\n",
+      "# vtk DataFile Version 3.0\ntitle\nASCII\nDATASET RECTILINEAR_GRID\nDIMENSIONS 3 2 "
+      "1\nX_COORDINATES 3 float\n0 0.5 1\nY_COORDINATES 2 double\n1 2\nZ_COORDINATES 1 int\n7\n"
+      "POINT_DATA 6\nSCALARS v float\nLOOKUP_TABLE default\n1 2 3 4 5 6\n",
   };
 }
 

@@ -73,14 +73,21 @@ void expect_dataset_or_error(const Read& read) {
 
 // Detached data: every file that the header names has the input's own bytes, but for one that is
 // missing.
-inline void nrrd(Input input) {
+inline void read_with_files(const std::string& name, Input input) {
   const io::Opener open = [input](const std::string& path) {
     if (path.ends_with("missing.raw"))
       throw Error(ErrorCode::kFileNotFound, "missing.raw: no such file");
     return io::open_memory(path, input);
   };
-  expect_dataset_or_error(
-      [&] { return io::read_source(*io::open_memory("fuzz.nhdr", input), {}, open); });
+  expect_dataset_or_error([&] { return io::read_source(*io::open_memory(name, input), {}, open); });
+}
+
+inline void nrrd(Input input) { read_with_files("fuzz.nhdr", input); }
+inline void nifti(Input input) { read_with_files("fuzz.hdr", input); }
+inline void metaimage(Input input) { read_with_files("fuzz.mhd", input); }
+
+inline void slc(Input input) {
+  expect_dataset_or_error([&] { return io::read_source(*io::open_memory("fuzz.slc", input), {}); });
 }
 
 inline void npy(Input input) {

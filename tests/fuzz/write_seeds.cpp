@@ -16,6 +16,9 @@ int main(int argc, char** argv) {
   const std::pair<const char*, std::vector<std::string>> targets[] = {
       {"nrrd", ovoid::fuzz::nrrd_seeds()},
       {"npy", ovoid::fuzz::npy_seeds()},
+      {"nifti", ovoid::fuzz::nifti_seeds()},
+      {"metaimage", ovoid::fuzz::metaimage_seeds()},
+      {"slc", ovoid::fuzz::slc_seeds()},
       {"raw_name", ovoid::fuzz::raw_name_seeds()},
       {"dicom", ovoid::fuzz::dicom_seeds()},
       {"dicom_codec", ovoid::fuzz::dicom_codec_seeds()},

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "io/byte_source.h"
+
+namespace ovoid::io {
+
+// Walks a text header line by line, holding no more of the file than the header itself.
+class HeaderLines {
+ public:
+  explicit HeaderLines(const ByteSource& source) : source_(source) {}
+
+  // The next line without its end, Unix or Windows; false at the end of the file. Throws
+  // Error(kFileFormat) if the header has more than 16 MiB: long enough for a list of 100 000 file
+  // names, and a file that is all header is refused before it is held in memory.
+  bool next(std::string& line);
+
+  int number() const { return number_; }  // of the line returned last, from 1
+  // Behind that line.
+  std::int64_t offset() const { return static_cast<std::int64_t>(position_); }
+
+ private:
+  const ByteSource& source_;
+  std::string text_;
+  std::size_t position_ = 0;
+  int number_ = 0;
+};
+
+}  // namespace ovoid::io

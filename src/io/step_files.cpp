@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/step_files.h"
+
+#include <fmt/format.h>
+
+#include "data/varies.h"
+#include "io/byte_source.h"
+#include "io/read_source.h"
+#include "io/sample_parts.h"
+#include "ovoid/error.h"
+
+namespace ovoid::io {
+namespace {
+
+Dataset read_step_file(const std::vector<std::string>& paths, std::int64_t step,
+                       const ReadOptions& options) {
+  ReadOptions own = options;
+  own.step.reset();
+  Dataset dataset = read_source(*open_file(paths[static_cast<std::size_t>(step)]), own);
+  if (dataset.num_steps > 1) {
+    throw Error(ErrorCode::kUnsupported,
+                fmt::format("{}: has {} steps of its own: several inputs are steps of one volume, "
+                            "one each",
+                            dataset.source, dataset.num_steps));
+  }
+  dataset.num_steps = static_cast<std::int64_t>(paths.size());
+  dataset.step = step;
+  dataset.times.clear();  // those of the others are not known
+  return dataset;
+}
+
+}  // namespace
+
+Dataset read_step_files(const std::vector<std::string>& paths, const ReadOptions& options) {
+  const auto num_steps = static_cast<std::int64_t>(paths.size());
+  const std::string name = fmt::format("{} and {} more", paths[0], num_steps - 1);
+  if (options.step) check_step(name, *options.step, num_steps);
+  for (const std::string& path : paths) open_file(path);
+  if (options.step) return read_step_file(paths, *options.step, options);
+  for (std::int64_t step = 0; step < num_steps; ++step) {
+    Dataset dataset = read_step_file(paths, step, options);
+    if (!data::varies(dataset.array(options.array))) continue;
+    dataset.notes.push_back(chosen_step_note(dataset.source, step, num_steps));
+    return dataset;
+  }
+  return read_step_file(paths, 0, options);
+}
+
+}  // namespace ovoid::io

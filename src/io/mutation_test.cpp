@@ -129,7 +129,7 @@ TEST(Mutation, Nrrd) { run(fuzz::nrrd_seeds(), fuzz::nrrd); }
 TEST(Mutation, Npy) { run(fuzz::npy_seeds(), fuzz::npy); }
 TEST(Mutation, RawName) { run(fuzz::raw_name_seeds(), fuzz::raw_name); }
 TEST(Mutation, VtkHeader) { run(fuzz::vtk_header_seeds(), fuzz::vtk_header); }
-TEST(Mutation, TransferFunction) { run(fuzz::transfer_function_seeds(), fuzz::transfer_function); }
+TEST(Mutation, Look) { run(fuzz::look_seeds(), fuzz::look, 4000); }
 TEST(Mutation, Camera) { run(fuzz::camera_seeds(), fuzz::camera); }
 
 // The seeds are worth nothing if they are refused at the door.
@@ -152,9 +152,9 @@ TEST(Mutation, SeedsAreValid) {
     const auto source = open_memory("a.vti", std::as_bytes(std::span(vtk[i])));
     EXPECT_EQ(error_of([&] { i < 4 ? check_vti(*source) : check_legacy_vtk(*source); }), "") << i;
   }
-  for (const std::string& seed : fuzz::transfer_function_seeds()) {
+  for (const std::string& seed : fuzz::look_seeds()) {
     const fuzz::MemoryFile file(std::as_bytes(std::span(seed)));
-    EXPECT_EQ(error_of([&] { read_transfer_function(file.path()); }), "") << seed;
+    EXPECT_EQ(error_of([&] { read_look(file.path()); }), "") << seed;
   }
   for (const std::string& seed : fuzz::camera_seeds()) {
     const fuzz::MemoryFile file(std::as_bytes(std::span(seed)));

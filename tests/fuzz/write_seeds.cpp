@@ -14,12 +14,9 @@ int main(int argc, char** argv) {
     return 2;
   }
   const std::pair<const char*, std::vector<std::string>> targets[] = {
-      {"nrrd", ovoid::fuzz::nrrd_seeds()},
-      {"npy", ovoid::fuzz::npy_seeds()},
-      {"raw_name", ovoid::fuzz::raw_name_seeds()},
-      {"vtk_header", ovoid::fuzz::vtk_header_seeds()},
-      {"transfer_function", ovoid::fuzz::transfer_function_seeds()},
-      {"camera", ovoid::fuzz::camera_seeds()},
+      {"nrrd", ovoid::fuzz::nrrd_seeds()},         {"npy", ovoid::fuzz::npy_seeds()},
+      {"raw_name", ovoid::fuzz::raw_name_seeds()}, {"vtk_header", ovoid::fuzz::vtk_header_seeds()},
+      {"look", ovoid::fuzz::look_seeds()},         {"camera", ovoid::fuzz::camera_seeds()},
   };
   for (const auto& [target, seeds] : targets) {
     const std::filesystem::path folder = std::filesystem::path(argv[1]) / target;

@@ -12,11 +12,12 @@
 namespace ovoid::cli {
 namespace {
 
-void convert_look(const std::vector<std::string>& inputs, const std::string& output) {
-  if (inputs.size() != 1 || !has_ending(inputs[0], ".json")) {
-    throw UsageError(fmt::format("--output '{}': expected one .json look as input", output));
+void convert_look(const std::vector<std::string>& inputs, const std::string& name,
+                  const std::string& output) {
+  if (inputs.size() != 1) {
+    throw UsageError(fmt::format("--output '{}': expected one look as input", output));
   }
-  write_transfer_function(read_transfer_function(inputs[0]), output);
+  write_look(read_look(inputs[0], name), output);
 }
 
 // What the format cannot hold, in one note.
@@ -47,15 +48,19 @@ void note_losses(const Dataset& dataset, const std::string& output, Session& ses
 void run_convert(const Words& words, Session& session) {
   DataFlags data;
   std::string output;
-  Flags flags("convert", "INPUT... -o OUT [FLAG...]",
-              "Writes a dataset in another format. A look (ParaView JSON) is converted to .json, "
-              "its points sorted and its defaults written out.");
+  Flags flags(
+      "convert", "INPUT... -o OUT [FLAG...]",
+      "Writes a dataset in another format. A look of any kind that --tf reads is written as "
+      "ParaView JSON if OUT ends in .json, its points sorted and its defaults written out.");
   flags.section("");
   flags.value("-o,--output", "OUT",
               "the file: .nrrd, .nhdr, .nii, .nii.gz, .npy, .raw, .vti, .vtk; looks: .json",
               [&output](const std::string& text) { output = text; });
   flags.value("--array", "NAME", "write this array alone (default: all)",
               [&data](const std::string& text) { data.array = text; });
+  std::string look_name;
+  flags.value("--tf-name", "NAME", "which look of a file with several (default: the first)",
+              [&look_name](const std::string& text) { look_name = text; });
   flags.refuse({"--size", "--time"});
   add_input_flags(flags, &data);
   if (!flags.parse(words)) return;
@@ -64,7 +69,7 @@ void run_convert(const Words& words, Session& session) {
   if (output.empty()) throw UsageError("--output: none given, expected -o OUT");
   check_files(volume_inputs(data.inputs), volume_outputs("--output", output));
   if (has_ending(output, ".json")) {
-    convert_look(data.inputs, output);
+    convert_look(data.inputs, look_name, output);
     return;
   }
   check_volume_output("--output", output);

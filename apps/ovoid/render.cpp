@@ -141,6 +141,7 @@ void color_xray(Image& image, const LookFlags& flags, TransferFunction& tf, Sess
   session.note(
       fmt::format("x-ray: colours span the integrals {:g} to {:g} (value x length)", lo, hi));
   if (!(lo < hi)) hi = lo + 1;  // nothing but zeros: the low end's colour
+  if (tf.scale == ValueScale::kLog) std::tie(lo, hi) = logarithmic_range(lo, hi, session);
   tf.map_range(lo, hi);
   for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
     if (image.rgba[i + 3] == 0) continue;
@@ -242,7 +243,7 @@ void run_render(const Words& words, Session& session) {
   render.model.threads = render.run.threads;
   LatticeModelReport report;
   Field field = make_field(dataset, render.data, render.model, &report, session);
-  if (!flags.is_given("--kernel") && uses_default_look(render.look) && holds_labels(field)) {
+  if (!flags.is_given("--kernel") && may_be_labels(render.look) && holds_labels(field)) {
     session.note(
         "the values look like labels: drawn with narrow kernels and a colour for each "
         "(--kernel, --tf, --colormap with --range for another look)");

@@ -10,6 +10,7 @@
 #include "ovoid/camera.h"
 #include "ovoid/dataset.h"
 #include "ovoid/image.h"
+#include "ovoid/look.h"
 #include "ovoid/transfer_function.h"
 
 namespace ovoid {
@@ -73,10 +74,29 @@ void remove_partial_files() noexcept;
 // "f4"); empty if there is none.
 std::optional<ScalarType> find_scalar_type(const std::string& name) noexcept;
 
-// ParaView JSON presets. Reading takes the first preset of a list, or the one called `preset`.
-// Throws Error.
+// A look from a file, its kind told from its content (docs/looks.md, "Files"): ParaView's JSON and
+// XML colour maps, 3D Slicer's volume properties (.vp.json, .vp, presets in MRML), Inviwo's
+// transfer functions (.itf, rows of value, opacity and #rrggbb), and lists of numbers. Of a file
+// with several it takes the first, or the one called `name`. What the file does not say keeps
+// Look's defaults; its unit distance is the transfer function's. The look is valid. At most 16 MiB
+// are read. Throws Error: kFileNotFound; kFileFormat (names file and place, or what the file looks
+// like); kUnsupported; kInvalidArgument for an unknown name.
+Look read_look(const std::string& path, const std::string& name = {});
+
+// Writes the transfer function, shading, material and unit distance as a ParaView JSON preset with
+// keys of our own for what ParaView has none; read_look() gives all of them back. Mode, isovalue
+// and light are left out. Throws Error(kFileWrite), kInvalidArgument for what is not valid.
+void write_look(const Look& look, const std::string& path);
+
+// The same for transfer functions alone.
 TransferFunction read_transfer_function(const std::string& path, const std::string& preset = {});
 void write_transfer_function(const TransferFunction& tf, const std::string& path);
+
+// The numbers of a list "v,r,g,b,v,r,g,b,..." as colours, or of "v,a,v,a,..." as opacities; values
+// rise, colours and opacities lie in [0, 1]. Throws Error(kInvalidArgument) that says what is
+// wrong.
+std::vector<ColorPoint> colors_from_list(const std::vector<double>& numbers);
+std::vector<OpacityPoint> opacities_from_list(const std::vector<double>& numbers);
 
 // Camera files (JSON, VTK's words; docs/conventions.md). Missing members keep VTK's defaults.
 // Throws Error.

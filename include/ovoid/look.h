@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "ovoid/field.h"
 #include "ovoid/math.h"
@@ -60,5 +61,13 @@ Look default_look(const Field& field, std::string_view unit = {});
 // narrow that nobody sees them: kLabelKernel. Cost and errors as of default_look().
 bool holds_labels(const Field& field);
 inline constexpr LatticeKernel kLabelKernel{.sigma = 0.15, .cutoff = 10.0};
+
+// A look made for one kind of data, by name (docs/looks.md, "Presets"): those that begin with "ct-"
+// are in Hounsfield units, absolute; "label" has a colour for each whole number; those that begin
+// with "mr-" are spread over `range`, the data's values. Transfer function, shading and material
+// are set, the unit distance is left to the field. Throws Error(kInvalidArgument) that lists the
+// names.
+Look look_preset(const std::string& name, const ValueRange& range = {});
+std::vector<std::string> look_preset_names();
 
 }  // namespace ovoid

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -43,7 +44,8 @@ enum class ValueScale { kLinear, kLog, kSymlog };
 
 // Colour and opacity by value: the content of a ParaView JSON preset. Points are sorted by x; equal
 // x is a step, the later point holding from there on. End values extend. An empty curve is a gray
-// ramp over [0, 1] or opacity 1.
+// ramp over [0, 1], straight in the value, or opacity 1. Under kLog all x must be > 0; values <= 0
+// lie below every point.
 struct TransferFunction {
   std::string name;
   std::vector<ColorPoint> colors;
@@ -64,12 +66,32 @@ struct TransferFunction {
 
   double lo() const;  // least x of all points; 0 if there is none
   double hi() const;  // greatest x; 1 if there is no point
-  // Moves all points so that the span becomes [lo, hi]; an empty colour curve's gray ramp becomes
-  // points and moves along, a single place goes to the middle. Throws Error(kInvalidArgument)
-  // unless lo < hi, both finite.
+  // Moves all points of colour and opacity so that the span becomes [lo, hi]; what lay at a
+  // fraction of the way along the scale stays there (geometric means keep their place under kLog).
+  // An empty colour curve's gray ramp becomes points and moves along, a single place goes to the
+  // middle. Throws Error(kInvalidArgument) unless lo < hi, both finite, and > 0 under kLog.
   void map_range(double lo, double hi);
+  // As above, onto another scale: what lay half way along the old one lies half way along the new
+  // one, so that a colour map spreads over the decades of [lo, hi].
+  void map_range(double lo, double hi, ValueScale new_scale, double new_linear_width = 1.0);
   void sort();  // stable, by x; called by readers
 };
+
+// Colours for categories: points such that every value has the colour of the nearest of `values`
+// (half way: the lower's), colours[i % colors.size()] for values[i]. Values are sorted; of equal
+// ones the last counts. ColorSpace::kStep, no opacities. Throws Error(kInvalidArgument) if either
+// is empty or a value is not finite.
+TransferFunction categorical(const std::vector<double>& values, const std::vector<Rgb>& colors);
+
+// Replaces the colours of `tf`, whatever its space, by points in ColorSpace::kLab along the ways
+// that vtkColorTransferFunction takes in its space Lab/CIEDE2000 [Zeyen 2018]: from each point to
+// the next the shortest chain of colours, steps counted by the CIEDE2000 difference [Sharma 2005],
+// among the 17 x 17 x 17 colours whose components are multiples of 1/16, to which the points' own
+// colours are rounded, too. Evaluation then agrees with VTK's to an 8-bit step, but at the points
+// themselves, where VTK has their own colours. At most kMaxCiede2000Points points; cost: about 2 ms
+// for each. Throws Error(kUnsupported) for more.
+inline constexpr std::size_t kMaxCiede2000Points = 256;
+void follow_ciede2000(TransferFunction& tf);
 
 // The built-in colour maps by name ("viridis", "inferno", "gray", "cool-to-warm", ...; "_r"
 // reverses), over [0, 1], without opacity points. Throws Error(kInvalidArgument) that lists the

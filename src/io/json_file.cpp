@@ -3,46 +3,14 @@
 
 #include <fmt/format.h>
 
-#include <cerrno>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
-
+#include "io/text_file.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {
-namespace {
 
-std::string read_text(const std::string& path) {
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) {
-    throw Error(ErrorCode::kFileNotFound, fmt::format("{}: is a folder, must be a file", path));
-  }
-  errno = 0;
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) {
-    throw Error(ErrorCode::kFileNotFound, fmt::format("{}: cannot be read: {}", path,
-                                                      std::strerror(errno != 0 ? errno : EIO)));
-  }
-  // By pieces, so that a pipe works and an endless one ends.
-  std::string text;
-  char piece[65536];
-  while (text.size() <= kMaxJsonBytes && stream) {
-    stream.read(piece, sizeof(piece));
-    text.append(piece, static_cast<std::size_t>(stream.gcount()));
-  }
-  if (stream.bad()) throw Error(ErrorCode::kFileNotFound, fmt::format("{}: cannot be read", path));
-  if (text.size() > kMaxJsonBytes) {
-    throw Error(ErrorCode::kFileFormat,
-                fmt::format("{}: must have at most {} bytes", path, kMaxJsonBytes));
-  }
-  return text;
-}
+Json read_json(const std::string& path) { return parse_json(read_text(path, kMaxJsonBytes), path); }
 
-}  // namespace
-
-Json read_json(const std::string& path) {
-  const std::string text = read_text(path);
+Json parse_json(const std::string& text, const std::string& path) {
   const auto check_depth = [&](int depth, Json::parse_event_t, Json&) {
     if (depth > kMaxJsonDepth) {
       throw Error(ErrorCode::kFileFormat,

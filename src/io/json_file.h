@@ -19,6 +19,9 @@ inline constexpr int kMaxJsonDepth = 64;
 // Error: kFileNotFound; kFileFormat for what is larger, deeper or not JSON.
 Json read_json(const std::string& path);
 
+// The same of text that was read from `path`.
+Json parse_json(const std::string& text, const std::string& path);
+
 // A value inside a JSON file and the way to it, "looks.json: [2].Points[7]".
 class JsonValue {
  public:

@@ -133,7 +133,7 @@ TEST(Mutation, Slc) { run(fuzz::slc_seeds(), fuzz::slc); }
 TEST(Mutation, RawName) { run(fuzz::raw_name_seeds(), fuzz::raw_name); }
 TEST(Mutation, Dicom) { run(fuzz::dicom_seeds(), fuzz::dicom); }
 TEST(Mutation, VtkHeader) { run(fuzz::vtk_header_seeds(), fuzz::vtk_header); }
-TEST(Mutation, TransferFunction) { run(fuzz::transfer_function_seeds(), fuzz::transfer_function); }
+TEST(Mutation, Look) { run(fuzz::look_seeds(), fuzz::look, 4000); }
 TEST(Mutation, Camera) { run(fuzz::camera_seeds(), fuzz::camera); }
 
 // The seeds are worth nothing if they are refused at the door.
@@ -178,9 +178,9 @@ TEST(Mutation, SeedsAreValid) {
               "")
         << i;
   }
-  for (const std::string& seed : fuzz::transfer_function_seeds()) {
+  for (const std::string& seed : fuzz::look_seeds()) {
     const fuzz::MemoryFile file(std::as_bytes(std::span(seed)));
-    EXPECT_EQ(error_of([&] { read_transfer_function(file.path()); }), "") << seed;
+    EXPECT_EQ(error_of([&] { read_look(file.path()); }), "") << seed;
   }
   for (const std::string& seed : fuzz::camera_seeds()) {
     const fuzz::MemoryFile file(std::as_bytes(std::span(seed)));

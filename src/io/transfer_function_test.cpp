@@ -141,15 +141,33 @@ TEST(TransferFunctionFile, ErrorsNameFileKeyAndIndex) {
   };
   const auto kFormat = ErrorCode::kFileFormat;
   const Row rows[] = {
-      {"", kFormat, "tf.json: not JSON"},
+      {"", kFormat, "tf.json: is empty, expected a look"},
       {"[{\"Points\": [0, 0, 0.5", kFormat, "tf.json: not JSON at byte"},
-      {"3", kFormat, "tf.json: 3: must be a preset or an array of presets"},
+      {"3", kFormat, "tf.json: has 1 numbers: must be value,opacity"},
       {"[]", kFormat, "at least one preset"},
       {"[7]", kFormat, "tf.json: [0] = 7: must be an object"},
-      {"{}", kFormat, "tf.json: the preset has neither RGBPoints nor Points"},
-      {R"({"Name": "n"})", kFormat, "tf.json: preset 'n' has neither RGBPoints nor Points"},
-      {R"({"IndexedColors": [1, 0, 0]})", ErrorCode::kUnsupported, "IndexedColors"},
-      {R"({"Points": [], "UseLogScale": 1})", ErrorCode::kUnsupported, "UseLogScale"},
+      {"{}", kFormat, "tf.json: the preset has neither RGBPoints, IndexedColors"},
+      {R"({"Name": "n"})", kFormat, "tf.json: preset 'n' has neither RGBPoints, IndexedColors"},
+      {R"({"Name": "n\n"})", kFormat, "preset 'n?' has"},
+      {R"({"position": [0, 0, 1], "focal_point": [0, 0, 0]})", kFormat, "looks like a camera"},
+      {R"({"IndexedColors": []})", kFormat, "IndexedColors = []: must have at least one colour"},
+      {R"({"IndexedColors": [1, 0]})", kFormat, "must have three numbers per colour"},
+      {R"({"IndexedColors": [1, 0, 0], "Annotations": ["H", "hydrogen"]})", kFormat,
+       "Annotations[0] = \"H\": must be a number"},
+      {R"({"IndexedColors": [1, 0, 0], "Annotations": ["1"]})", kFormat, "a value and a text"},
+      {R"([{"Points": [1, 0, 0.5, 0, 0, 1, 0.5, 0], "UseLogScale": 1}])", kFormat,
+       "tf.json: [0].Points[4] = 0: must be > 0 with UseLogScale"},
+      {R"({"RGBPoints": [-1, 0, 0, 0], "UseLogScale": 1})", kFormat, "RGBPoints[0] = -1"},
+      {R"({"Points": [], "SymlogLinearWidth": 0})", kFormat, "SymlogLinearWidth = 0: must be > 0"},
+      {R"({"Points": [], "UseBelowRangeColor": 1})", kFormat, "has no member BelowRangeColor"},
+      {R"({"Points": [], "UseAboveRangeColor": 1, "AboveRangeColor": [0, 2, 0]})", kFormat,
+       "AboveRangeColor[1] = 2"},
+      {R"({"Points": [], "Ambient": -1})", kFormat, "Ambient = -1: must be >= 0"},
+      {R"({"Points": [], "SpecularPower": 0})", kFormat, "specular_power = 0: must be"},
+      {R"({"Points": [], "GradientOpacityPoints": [-1, 1, 0.5, 0]})", kFormat,
+       "gradient_opacities[0].x = -1: must be >= 0"},
+      {R"({"Points": [-1e308, 0, 0.5, 0, 1e308, 1, 0.5, 0]})", kFormat,
+       "tf.json: transfer function span"},
       {R"({"Points": [], "ColorSpace": "CMYK"})", kFormat,
        "tf.json: ColorSpace = \"CMYK\": must be RGB"},
       {R"({"Points": [], "ColorSpace": 1})", kFormat, "ColorSpace = 1: must be a string"},
@@ -182,6 +200,92 @@ TEST(TransferFunctionFile, ErrorsNameFileKeyAndIndex) {
       EXPECT_NE(std::string(error.what()).find(row.named), std::string::npos) << error.what();
     }
   }
+}
+
+TEST(TransferFunctionFile, ReadsParaViewsOtherKeys) {
+  const TestFolder folder;
+  const TransferFunction tf = read_transfer_function(folder.write("tf.json", R"({
+    "RGBPoints": [1, 0, 0, 0, 100, 1, 1, 1], "UseLogScale": 1,
+    "BelowRangeColor": [0, 0, 1], "UseBelowRangeColor": 1,
+    "AboveRangeColor": [1, 0, 0], "UseAboveRangeColor": 0,
+    "NanOpacity": 1, "NumberOfTableValues": 256, "Discretize": 1})"));
+  EXPECT_EQ(tf.scale, ValueScale::kLog);
+  EXPECT_NEAR(tf.color_at(10)[0], 0.5, 1e-15);
+  EXPECT_EQ(tf.color_at(0.5), (Rgb{0, 0, 1}));
+  EXPECT_FALSE(tf.above_color);
+}
+
+TEST(TransferFunctionFile, ReadsCategories) {
+  const TestFolder folder;
+  const Rgb red{1, 0, 0}, green{0, 1, 0};
+  const TransferFunction plain = read_transfer_function(
+      folder.write("tf.json", R"({"Name": "c", "IndexedColors": [1, 0, 0, 0, 1, 0]})"));
+  EXPECT_EQ(plain.color_at(0.4), red);
+  EXPECT_EQ(plain.color_at(0.6), green);
+  const TransferFunction annotated = read_transfer_function(
+      folder.write("tf.json", R"({"IndexedColors": [1, 0, 0, 0, 1, 0], "IndexedLookup": true,
+        "RGBPoints": [0, 0, 0, 0, 1, 1, 1, 1], "Annotations": ["10", "a", "4", "b", 20, "c"]})"));
+  EXPECT_EQ(annotated.color_at(4), green);
+  EXPECT_EQ(annotated.color_at(10), red);
+  EXPECT_EQ(annotated.color_at(20), red);  // colours repeat
+}
+
+TEST(TransferFunctionFile, ReadsCiede2000AsLab) {
+  const TestFolder folder;
+  const TransferFunction tf = read_transfer_function(folder.write(
+      "tf.json", R"({"ColorSpace": "Lab/CIEDE2000", "RGBPoints": [1, 0, 0, 1, 0, 1, 0, 0]})"));
+  EXPECT_EQ(tf.color_space, ColorSpace::kLab);
+  const Rgb middle = tf.color_at(0.5);  // as VTK's own test has it
+  EXPECT_NEAR(middle[0], 196 / 255.0, 1.0 / 255);
+  EXPECT_NEAR(middle[1], 16 / 255.0, 1.0 / 255);
+  EXPECT_NEAR(middle[2], 123 / 255.0, 1.0 / 255);
+  std::string many = R"({"ColorSpace": "Lab/CIEDE2000", "RGBPoints": [0, 0, 0, 0)";
+  for (int i = 1; i <= 256; ++i) many += ", " + std::to_string(i) + ", 1, 0, 0";
+  try {
+    read_transfer_function(folder.write("many.json", many + "]}"));
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kUnsupported);
+    EXPECT_NE(std::string(error.what()).find("many.json: RGBPoints"), std::string::npos);
+  }
+}
+
+// Fails if a member of the look is left out, or comes back changed.
+TEST(LookFile, RoundTripIsExact) {
+  const TestFolder folder;
+  Look look;
+  TransferFunction& tf = look.transfer_function;
+  tf.name = "n";
+  tf.colors = {{0.1, {1, 0, 0}}, {7, {0, 0.25, 1}}};
+  tf.opacities = {{0.1, 0}, {7, 1.0 / 3}};
+  tf.gradient_opacities = {{0, 0, 0.25, 0.5}, {1e3, 1}};
+  tf.below_color = Rgb{0.1, 0.2, 0.3};
+  tf.above_color = Rgb{0.4, 0.5, 0.6};
+  tf.unit_distance = 2.5;
+  look.shade = false;
+  look.material = {.ambient = 0.3, .diffuse = 1.5, .specular = 0, .specular_power = 7};
+  for (const ValueScale scale : {ValueScale::kLinear, ValueScale::kLog, ValueScale::kSymlog}) {
+    tf.scale = scale;
+    tf.linear_width = scale == ValueScale::kSymlog ? 0.125 : 1.0;
+    write_look(look, folder.file("out.json"));
+    const Look back = read_look(folder.file("out.json"));
+    expect_equal(back.transfer_function, tf);
+    EXPECT_EQ(back.transfer_function.scale, scale);
+    EXPECT_EQ(back.transfer_function.linear_width, tf.linear_width);
+    EXPECT_EQ(back.transfer_function.below_color, tf.below_color);
+    EXPECT_EQ(back.transfer_function.above_color, tf.above_color);
+    ASSERT_EQ(back.transfer_function.gradient_opacities.size(), 2U);
+    EXPECT_EQ(back.transfer_function.gradient_opacities[0].midpoint, 0.25);
+    EXPECT_EQ(back.transfer_function.gradient_opacities[0].sharpness, 0.5);
+    EXPECT_EQ(back.shade, false);
+    EXPECT_EQ(back.material.ambient, 0.3);
+    EXPECT_EQ(back.material.diffuse, 1.5);
+    EXPECT_EQ(back.material.specular, 0);
+    EXPECT_EQ(back.material.specular_power, 7);
+  }
+  look.unit_distance = 9;  // beats the transfer function's
+  write_look(look, folder.file("out.json"));
+  EXPECT_EQ(read_look(folder.file("out.json")).transfer_function.unit_distance, 9);
 }
 
 TEST(TransferFunctionFile, AnUnknownPresetListsTheNames) {
@@ -232,8 +336,10 @@ TEST(TransferFunctionFile, TheDocumentedExampleAndNamesHold) {
   EXPECT_EQ(tf.colors.size(), 3U);
   EXPECT_EQ(tf.opacities.size(), 4U);
   EXPECT_EQ(tf.unit_distance, 1.0);
-  for (const std::string& name : color_map_names()) {
-    EXPECT_NE(page.find("`" + name + "`"), std::string::npos) << name;
+  for (const auto& names : {color_map_names(), look_preset_names()}) {
+    for (const std::string& name : names) {
+      EXPECT_NE(page.find("`" + name + "`"), std::string::npos) << name;
+    }
   }
 }
 

@@ -10,6 +10,7 @@
 namespace ovoid::io {
 namespace {
 
+constexpr std::int64_t kUsualTag = 256;
 constexpr std::int64_t kLongestTag = std::int64_t{1} << 16;
 
 bool is_xml_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
@@ -70,15 +71,18 @@ std::int64_t XmlTagReader::find(char c, std::int64_t from) {
 
 // The tag's text from '<' to '>', both included; a '>' within quotes does not end it.
 std::string XmlTagReader::tag_text(std::int64_t begin) {
-  const std::string text = source_.text(begin, kLongestTag);
-  char quote = '\0';
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (quote == '\0' && c == '>') return text.substr(0, i + 1);
-    if (quote == '\0' && (c == '"' || c == '\'')) {
-      quote = c;
-    } else if (c == quote) {
-      quote = '\0';
+  // A short piece first: files of many small tags would be copied over and over.
+  for (const std::int64_t size : {kUsualTag, kLongestTag}) {
+    const std::string text = source_.text(begin, size);
+    char quote = '\0';
+    for (std::size_t i = 0; i < text.size(); ++i) {
+      const char c = text[i];
+      if (quote == '\0' && c == '>') return text.substr(0, i + 1);
+      if (quote == '\0' && (c == '"' || c == '\'')) {
+        quote = c;
+      } else if (c == quote) {
+        quote = '\0';
+      }
     }
   }
   throw Error(ErrorCode::kFileFormat,

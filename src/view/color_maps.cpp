@@ -1,236 +1,102 @@
 // SPDX-License-Identifier: Apache-2.0
-// The built-in colour maps as control points, joined by straight lines in sRGB components
-// (cool-to-warm: Diverging). viridis, inferno, plasma and magma [Smith 2015], cividis [Nunez 2018]
-// and turbo [Mikhailov 2019] are published as 256 colours; kept are the fewest of them that
-// reproduce all others to half an 8-bit step, 1/512.
+// The built-in colour maps by name, from the tables of color_map_tables.h.
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <map>
 #include <span>
 #include <string_view>
 
 #include "ovoid/error.h"
 #include "ovoid/transfer_function.h"
+#include "view/color_map_tables.h"
 
 namespace ovoid {
 namespace {
 
-struct Knot {
-  double at;  // of 255
-  Rgb rgb;
-};
-
-// clang-format off
-constexpr Knot kViridis[] = {
-    {0, {0.267, 0.0049, 0.3294}},
-    {7, {0.276, 0.0442, 0.3702}},
-    {20, {0.2832, 0.1157, 0.4361}},
-    {32, {0.2788, 0.1755, 0.4834}},
-    {44, {0.2651, 0.233, 0.5166}},
-    {58, {0.2412, 0.2965, 0.5397}},
-    {77, {0.2049, 0.3757, 0.5535}},
-    {108, {0.1548, 0.4933, 0.5578}},
-    {130, {0.1254, 0.5743, 0.5491}},
-    {141, {0.1195, 0.6148, 0.5377}},
-    {149, {0.1263, 0.6441, 0.5253}},
-    {157, {0.1466, 0.6731, 0.5089}},
-    {165, {0.1807, 0.7014, 0.4882}},
-    {174, {0.2328, 0.7322, 0.4593}},
-    {185, {0.3119, 0.7678, 0.4156}},
-    {198, {0.4219, 0.8058, 0.3519}},
-    {212, {0.5555, 0.8403, 0.2693}},
-    {232, {0.7624, 0.8764, 0.1371}},
-    {238, {0.8249, 0.8847, 0.1062}},
-    {242, {0.866, 0.8899, 0.096}},
-    {246, {0.9063, 0.8949, 0.0981}},
-    {250, {0.9456, 0.8998, 0.1128}},
-    {255, {0.9932, 0.9062, 0.1439}}};
-
-constexpr Knot kInferno[] = {
-    {0, {0.0015, 0.0005, 0.0139}},
-    {3, {0.0045, 0.0034, 0.0309}},
-    {11, {0.0224, 0.0172, 0.0973}},
-    {19, {0.0564, 0.0346, 0.1684}},
-    {28, {0.1046, 0.047, 0.2534}},
-    {36, {0.1558, 0.0446, 0.3253}},
-    {42, {0.1973, 0.0384, 0.3675}},
-    {48, {0.2383, 0.0366, 0.3964}},
-    {56, {0.2908, 0.0456, 0.4186}},
-    {67, {0.3603, 0.0692, 0.4315}},
-    {81, {0.4474, 0.1016, 0.4311}},
-    {95, {0.5347, 0.1325, 0.4167}},
-    {110, {0.6278, 0.1666, 0.3863}},
-    {125, {0.7183, 0.2066, 0.3409}},
-    {140, {0.8019, 0.2587, 0.2831}},
-    {154, {0.8694, 0.3218, 0.2215}},
-    {168, {0.9232, 0.3994, 0.1552}},
-    {181, {0.9591, 0.482, 0.0895}},
-    {192, {0.9784, 0.5579, 0.0349}},
-    {196, {0.9829, 0.5866, 0.0247}},
-    {200, {0.986, 0.6158, 0.0256}},
-    {204, {0.9876, 0.6453, 0.0399}},
-    {210, {0.9875, 0.6904, 0.08}},
-    {218, {0.9822, 0.7514, 0.1476}},
-    {226, {0.9715, 0.8131, 0.2277}},
-    {233, {0.9587, 0.8666, 0.3108}},
-    {239, {0.9487, 0.9105, 0.3953}},
-    {245, {0.9479, 0.9493, 0.4914}},
-    {250, {0.9618, 0.9759, 0.5719}},
-    {255, {0.9884, 0.9984, 0.6449}}};
-
-constexpr Knot kPlasma[] = {
-    {0, {0.0504, 0.0298, 0.528}},
-    {3, {0.0862, 0.0261, 0.5427}},
-    {9, {0.1406, 0.0217, 0.567}},
-    {20, {0.2212, 0.0165, 0.6021}},
-    {35, {0.3189, 0.0076, 0.6376}},
-    {48, {0.3994, 0.0009, 0.6561}},
-    {59, {0.4656, 0.0045, 0.6601}},
-    {67, {0.5122, 0.0188, 0.6552}},
-    {75, {0.5572, 0.0473, 0.6434}},
-    {88, {0.626, 0.1033, 0.6113}},
-    {107, {0.7149, 0.1873, 0.5463}},
-    {128, {0.7982, 0.2802, 0.4695}},
-    {152, {0.8784, 0.3879, 0.3866}},
-    {173, {0.9356, 0.4877, 0.316}},
-    {191, {0.9718, 0.5804, 0.2549}},
-    {207, {0.9907, 0.6696, 0.2016}},
-    {221, {0.9941, 0.7531, 0.1614}},
-    {230, {0.9886, 0.8096, 0.1454}},
-    {238, {0.978, 0.8614, 0.1428}},
-    {250, {0.9517, 0.9417, 0.1529}},
-    {253, {0.9442, 0.9619, 0.1469}},
-    {255, {0.94, 0.9752, 0.1313}}};
-
-constexpr Knot kMagma[] = {
-    {0, {0.0015, 0.0005, 0.0139}},
-    {4, {0.006, 0.0048, 0.0371}},
-    {12, {0.0248, 0.0207, 0.1007}},
-    {26, {0.0834, 0.0562, 0.2208}},
-    {35, {0.1294, 0.0679, 0.3054}},
-    {44, {0.1848, 0.0657, 0.388}},
-    {50, {0.2253, 0.0604, 0.4317}},
-    {56, {0.2654, 0.0602, 0.4618}},
-    {64, {0.3167, 0.0717, 0.4854}},
-    {76, {0.3904, 0.1004, 0.5019}},
-    {93, {0.4943, 0.1415, 0.508}},
-    {110, {0.6009, 0.1777, 0.5004}},
-    {126, {0.7035, 0.2106, 0.479}},
-    {141, {0.7986, 0.247, 0.4448}},
-    {153, {0.8688, 0.2877, 0.4093}},
-    {163, {0.9177, 0.3355, 0.3799}},
-    {172, {0.9502, 0.3908, 0.3625}},
-    {180, {0.9697, 0.4469, 0.3603}},
-    {188, {0.9823, 0.5059, 0.3719}},
-    {197, {0.9909, 0.5727, 0.3987}},
-    {208, {0.9961, 0.6537, 0.4462}},
-    {222, {0.9971, 0.7552, 0.5228}},
-    {238, {0.9932, 0.87, 0.6262}},
-    {255, {0.9871, 0.9914, 0.7495}}};
-
-constexpr Knot kCividis[] = {
-    {0, {0, 0.1351, 0.3048}},
-    {12, {0, 0.1682, 0.3859}},
-    {19, {0, 0.1869, 0.4355}},
-    {21, {0, 0.191, 0.4411}},
-    {23, {0.0036, 0.1959, 0.4416}},
-    {27, {0.0584, 0.2066, 0.4395}},
-    {31, {0.0956, 0.2176, 0.4366}},
-    {38, {0.1429, 0.237, 0.4314}},
-    {49, {0.1998, 0.2671, 0.4255}},
-    {68, {0.2794, 0.3187, 0.423}},
-    {93, {0.3704, 0.3869, 0.4334}},
-    {116, {0.4484, 0.4511, 0.4563}},
-    {128, {0.4887, 0.4853, 0.471}},
-    {147, {0.5592, 0.5408, 0.4708}},
-    {169, {0.6443, 0.6075, 0.4559}},
-    {190, {0.7283, 0.6741, 0.4276}},
-    {208, {0.8027, 0.734, 0.3902}},
-    {223, {0.8664, 0.786, 0.3466}},
-    {235, {0.9188, 0.8292, 0.3}},
-    {244, {0.9593, 0.8624, 0.2536}},
-    {251, {0.9922, 0.8884, 0.2055}},
-    {252, {0.9948, 0.893, 0.2034}},
-    {255, {0.9957, 0.9093, 0.2178}}};
-
-constexpr Knot kTurbo[] = {
-    {0, {0.19, 0.0718, 0.2322}},
-    {5, {0.2129, 0.1295, 0.3731}},
-    {10, {0.2324, 0.186, 0.5}},
-    {15, {0.2483, 0.2414, 0.6129}},
-    {20, {0.2607, 0.2957, 0.7116}},
-    {25, {0.2697, 0.3488, 0.7963}},
-    {30, {0.2751, 0.4007, 0.8669}},
-    {35, {0.277, 0.4515, 0.9235}},
-    {40, {0.2754, 0.5011, 0.9659}},
-    {44, {0.2711, 0.5402, 0.9893}},
-    {48, {0.2586, 0.5796, 0.9988}},
-    {52, {0.2387, 0.6193, 0.9949}},
-    {56, {0.2138, 0.6589, 0.9796}},
-    {61, {0.1792, 0.7073, 0.9476}},
-    {67, {0.1389, 0.7628, 0.8955}},
-    {73, {0.1074, 0.8138, 0.8348}},
-    {78, {0.0938, 0.8518, 0.7826}},
-    {82, {0.0945, 0.8784, 0.7427}},
-    {86, {0.1081, 0.9014, 0.706}},
-    {90, {0.1353, 0.922, 0.6656}},
-    {94, {0.1738, 0.9405, 0.6194}},
-    {99, {0.2345, 0.9607, 0.5561}},
-    {106, {0.3352, 0.9823, 0.4632}},
-    {114, {0.4585, 0.9966, 0.3614}},
-    {120, {0.5466, 0.9991, 0.2958}},
-    {125, {0.6109, 0.9951, 0.2528}},
-    {130, {0.6643, 0.9852, 0.2237}},
-    {135, {0.7158, 0.9688, 0.2082}},
-    {141, {0.7759, 0.9411, 0.2031}},
-    {150, {0.8587, 0.8865, 0.2123}},
-    {158, {0.92, 0.8281, 0.2246}},
-    {165, {0.9605, 0.7718, 0.2281}},
-    {171, {0.9829, 0.7214, 0.2192}},
-    {178, {0.9953, 0.6534, 0.1958}},
-    {185, {0.9952, 0.5755, 0.1641}},
-    {193, {0.9811, 0.481, 0.1233}},
-    {202, {0.9498, 0.3773, 0.079}},
-    {210, {0.9102, 0.296, 0.0481}},
-    {219, {0.8538, 0.2217, 0.0268}},
-    {228, {0.7826, 0.1569, 0.0126}},
-    {237, {0.6965, 0.101, 0.0052}},
-    {246, {0.5955, 0.054, 0.0045}},
-    {255, {0.4796, 0.0158, 0.0106}}};
-
-// MATLAB's bone and hot, as matplotlib has them.
-constexpr Knot kBone[] = {
-    {0, {0, 0, 0}}, {93.095145, {0.319444, 0.319444, 0.444444}},
-    {190.23816, {0.652778, 0.777778, 0.777778}}, {255, {1, 1, 1}}};
-
-constexpr Knot kHot[] = {
-    {0, {0.0416, 0, 0}}, {93.095145, {1, 0, 0}}, {190.23816, {1, 1, 0}}, {255, {1, 1, 1}}};
-
-constexpr Knot kGray[] = {{0, {0, 0, 0}}, {255, {1, 1, 1}}};
-
-// [Moreland 2009], with ParaView's ends: (59, 76, 192) and (180, 4, 38) of 255.
-constexpr Knot kCoolToWarm[] = {
-    {0, {0.23137254902, 0.298039215686, 0.752941176471}}, {127.5, {0.865, 0.865, 0.865}},
-    {255, {0.705882352941, 0.0156862745098, 0.149019607843}}};
-// clang-format on
-
 struct NamedMap {
   std::string_view name;
-  std::span<const Knot> knots;
+  std::span<const view::Knot> knots;
+  std::span<const view::Knot8> knots8{};        // instead of `knots`
+  std::span<const std::uint32_t> categories{};  // instead of both: 0xrrggbb
   ColorSpace space = ColorSpace::kRgb;
 };
 
 constexpr NamedMap kMaps[] = {
-    {"viridis", kViridis}, {"inferno", kInferno},
-    {"plasma", kPlasma},   {"magma", kMagma},
-    {"cividis", kCividis}, {"turbo", kTurbo},
-    {"gray", kGray},       {"bone", kBone},
-    {"hot", kHot},         {"cool-to-warm", kCoolToWarm, ColorSpace::kDiverging},
+    {.name = "viridis", .knots = view::kViridis},
+    {.name = "inferno", .knots = view::kInferno},
+    {.name = "plasma", .knots = view::kPlasma},
+    {.name = "magma", .knots = view::kMagma},
+    {.name = "cividis", .knots = view::kCividis},
+    {.name = "turbo", .knots = view::kTurbo},
+    {.name = "gray", .knots = view::kGray},
+    {.name = "bone", .knots = view::kBone},
+    {.name = "hot", .knots = view::kHot},
+    {.name = "cool-to-warm", .knots = view::kCoolToWarm, .space = ColorSpace::kDiverging},
+    {.name = "coolwarm", .knots = view::kCoolwarm},
+    {.name = "fast", .knots = view::kFast, .space = ColorSpace::kLab},
+    {.name = "thermal", .knots8 = view::kThermal},
+    {.name = "haline", .knots8 = view::kHaline},
+    {.name = "batlow", .knots8 = view::kBatlow},
+    {.name = "vik", .knots8 = view::kVik},
+    {.name = "tab10", .categories = view::kTab10},
+    {.name = "tab20", .categories = view::kTab20},
+    {.name = "glasbey", .categories = view::kGlasbey},
 };
 
 constexpr std::string_view kReversed = "_r";
 
+Rgb unpacked(std::uint32_t rgb) {
+  return {(rgb >> 16 & 0xffU) / 255.0, (rgb >> 8 & 0xffU) / 255.0, (rgb & 0xffU) / 255.0};
+}
+
+// n colours side by side over [0, 1], each 1/n wide; the middle of each is its value.
+TransferFunction side_by_side(std::span<const std::uint32_t> rgbs) {
+  std::vector<double> middles;
+  std::vector<Rgb> colors;
+  for (std::size_t i = 0; i < rgbs.size(); ++i) {
+    middles.push_back((static_cast<double>(i) + 0.5) / static_cast<double>(rgbs.size()));
+    colors.push_back(unpacked(rgbs[i]));
+  }
+  TransferFunction tf = categorical(middles, colors);
+  tf.colors.front().x = 0.0;
+  tf.colors.back().x = 1.0;
+  return tf;
+}
+
+void reverse(TransferFunction& tf) {
+  std::reverse(tf.colors.begin(), tf.colors.end());
+  for (ColorPoint& point : tf.colors) point.x = 1.0 - point.x;
+}
+
 }  // namespace
+
+TransferFunction categorical(const std::vector<double>& values, const std::vector<Rgb>& colors) {
+  if (values.empty() || colors.empty()) {
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("categories with {} values and {} colours: must have one of each",
+                            values.size(), colors.size()));
+  }
+  std::map<double, Rgb> sorted;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (!std::isfinite(values[i])) {
+      throw Error(ErrorCode::kInvalidArgument,
+                  fmt::format("values[{}] = {}: must be finite", i, values[i]));
+    }
+    sorted[values[i]] = colors[i % colors.size()];
+  }
+  // An interval of kStep has the colour of its right point: one ends half way between two values.
+  TransferFunction tf;
+  tf.color_space = ColorSpace::kStep;
+  tf.colors.push_back({sorted.begin()->first, sorted.begin()->second});
+  for (auto it = sorted.begin(); it != sorted.end(); ++it) {
+    const auto next = std::next(it);
+    const double end = next == sorted.end() ? it->first : 0.5 * it->first + 0.5 * next->first;
+    tf.colors.push_back({end, it->second});
+  }
+  return tf;
+}
 
 TransferFunction color_map(const std::string& name) {
   std::string_view stem = name;
@@ -244,13 +110,18 @@ TransferFunction color_map(const std::string& name) {
                             fmt::join(color_map_names(), " "), kReversed));
   }
   TransferFunction tf;
-  tf.name = name;
-  tf.color_space = map->space;
-  for (const Knot& knot : map->knots) tf.colors.push_back({knot.at / 255.0, knot.rgb});
-  if (is_reversed) {
-    std::reverse(tf.colors.begin(), tf.colors.end());
-    for (ColorPoint& point : tf.colors) point.x = 1.0 - point.x;
+  if (!map->categories.empty()) {
+    std::vector<std::uint32_t> rgbs(map->categories.begin(), map->categories.end());
+    if (is_reversed) std::reverse(rgbs.begin(), rgbs.end());
+    tf = side_by_side(rgbs);
+  } else {
+    tf.color_space = map->space;
+    for (const view::Knot& knot : map->knots) tf.colors.push_back({knot.at / 255.0, knot.rgb});
+    for (const view::Knot8& knot : map->knots8)
+      tf.colors.push_back({knot.at / 255.0, unpacked(knot.rgb)});
+    if (is_reversed) reverse(tf);
   }
+  tf.name = name;
   return tf;
 }
 

@@ -41,20 +41,50 @@ void require_sorted(const char* member, const Points& points) {
   }
 }
 
+void require_opacities(const char* member, const std::vector<OpacityPoint>& points) {
+  require_sorted(member, points);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const OpacityPoint& point = points[i];
+    require_unit(fmt::format("{}[{}].opacity", member, i), point.opacity);
+    require_unit(fmt::format("{}[{}].midpoint", member, i), point.midpoint);
+    require_unit(fmt::format("{}[{}].sharpness", member, i), point.sharpness);
+  }
+}
+
+// Points are sorted: the first is the least.
+template <class Points>
+void require_first_x(const char* member, const Points& points, bool is_valid,
+                     const char* expected) {
+  if (!is_valid) refuse(fmt::format("{}[0].x", member), points.front().x, expected);
+}
+
+template <class Points>
+void require_logarithms(const char* member, const Points& points) {
+  require_first_x(member, points, points.empty() || points.front().x > 0.0,
+                  "must be > 0 on a logarithmic scale");
+}
+
 void validate(const TransferFunction& tf) {
   require_sorted("colors", tf.colors);
-  require_sorted("opacities", tf.opacities);
   for (std::size_t i = 0; i < tf.colors.size(); ++i) {
     require_color(fmt::format("colors[{}].rgb", i), tf.colors[i].rgb);
   }
-  for (std::size_t i = 0; i < tf.opacities.size(); ++i) {
-    const OpacityPoint& point = tf.opacities[i];
-    require_unit(fmt::format("opacities[{}].opacity", i), point.opacity);
-    require_unit(fmt::format("opacities[{}].midpoint", i), point.midpoint);
-    require_unit(fmt::format("opacities[{}].sharpness", i), point.sharpness);
-  }
+  require_opacities("opacities", tf.opacities);
   require_color("nan_color", tf.nan_color);
+  if (tf.below_color) require_color("below_color", *tf.below_color);
+  if (tf.above_color) require_color("above_color", *tf.above_color);
   require_finite("transfer function span", tf.hi() - tf.lo());
+  if (tf.scale == ValueScale::kLog) {
+    require_logarithms("colors", tf.colors);
+    require_logarithms("opacities", tf.opacities);
+  }
+  if (!(tf.linear_width > 0.0) || !std::isfinite(tf.linear_width)) {
+    refuse("linear_width", tf.linear_width, "must be finite and > 0");
+  }
+  const auto& gradients = tf.gradient_opacities;
+  require_opacities("gradient_opacities", gradients);
+  require_first_x("gradient_opacities", gradients, gradients.empty() || gradients.front().x >= 0.0,
+                  "must be >= 0");
   if (tf.unit_distance && (!(*tf.unit_distance > 0.0) || !std::isfinite(*tf.unit_distance))) {
     refuse("transfer function unit_distance", *tf.unit_distance, "must be finite and > 0");
   }

@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
+#include <set>
+#include <string>
 
 #include "ovoid/error.h"
 #include "support/numbers.h"
@@ -40,6 +43,36 @@ TEST(Look, ValidateNamesTheMember) {
       {"opacities[0].sharpness = 3",
        [](Look& l) { l.transfer_function.opacities[0].sharpness = 3; }},
       {"nan_color[1]", [](Look& l) { l.transfer_function.nan_color[1] = -1; }},
+      {"below_color[2] = 1.25",
+       [](Look& l) {
+         l.transfer_function.below_color = Rgb{0, 0, 1.25};
+       }},
+      {"above_color[0] = nan",
+       [](Look& l) {
+         l.transfer_function.above_color = Rgb{kNan, 0, 0};
+       }},
+      {"colors[0].x = 0: must be > 0 on a logarithmic scale",
+       [](Look& l) { l.transfer_function.scale = ValueScale::kLog; }},
+      {"opacities[0].x = -2: must be > 0 on a logarithmic scale",
+       [](Look& l) {
+         l.transfer_function.colors.clear();
+         l.transfer_function.opacities = {{-2, 0}, {1, 1}};
+         l.transfer_function.scale = ValueScale::kLog;
+       }},
+      {"linear_width = 0", [](Look& l) { l.transfer_function.linear_width = 0; }},
+      {"linear_width = inf", [](Look& l) { l.transfer_function.linear_width = kInfinity; }},
+      {"gradient_opacities[0].x = -1: must be >= 0",
+       [](Look& l) {
+         l.transfer_function.gradient_opacities = {{-1, 0}, {1, 1}};
+       }},
+      {"gradient_opacities[1].x = 1",
+       [](Look& l) {
+         l.transfer_function.gradient_opacities = {{2, 0}, {1, 1}};
+       }},
+      {"gradient_opacities[0].opacity = 2",
+       [](Look& l) {
+         l.transfer_function.gradient_opacities = {{0, 2}};
+       }},
       {"span = inf",
        [](Look& l) {
          l.transfer_function.opacities = {{-1e308, 0}, {1e308, 1}};
@@ -96,6 +129,60 @@ TEST(RampLook, OfNoValuesIsOverZeroToOne) {
   look.validate();
   EXPECT_EQ(look.transfer_function.lo(), 0.0);
   EXPECT_EQ(look.transfer_function.hi(), 1.0);
+}
+
+// ---- presets
+
+TEST(LookPreset, EveryNameIsAValidLook) {
+  for (const std::string& name : look_preset_names()) {
+    const Look look = look_preset(name, {10.0F, 20.0F});
+    look.validate();
+    EXPECT_EQ(look.transfer_function.name, name);
+    EXPECT_FALSE(look.transfer_function.unit_distance) << name;
+    double greatest = 0;
+    for (const OpacityPoint& p : look.transfer_function.opacities) {
+      greatest = std::max(greatest, p.opacity);
+    }
+    EXPECT_GT(greatest, 0.05) << name;
+    EXPECT_EQ(look.transfer_function.opacities.front().opacity, 0.0) << name;
+  }
+  try {
+    look_preset("ct-bones");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("ct-bone ct-skin"), std::string::npos);
+  }
+}
+
+// Fails if CT looks move with the data, or MR ones do not.
+TEST(LookPreset, CtIsAbsoluteAndMrIsRelative) {
+  for (const std::string& name : look_preset_names()) {
+    const TransferFunction near = look_preset(name, {0.0F, 1.0F}).transfer_function;
+    const TransferFunction far = look_preset(name, {100.0F, 300.0F}).transfer_function;
+    if (name.starts_with("mr-")) {
+      EXPECT_EQ(far.lo(), 100.0) << name;
+      EXPECT_EQ(far.hi(), 300.0) << name;
+      EXPECT_NEAR(far.opacity_at(200), near.opacity_at(0.5), 1e-12) << name;
+    } else {
+      EXPECT_EQ(far.lo(), near.lo()) << name;
+      EXPECT_EQ(far.hi(), near.hi()) << name;
+    }
+  }
+  look_preset("mr-default", {5.0F, 5.0F}).validate();
+  look_preset("mr-default").validate();
+}
+
+TEST(LookPreset, LabelsAreDistinctAndBackgroundShowsNothing) {
+  const TransferFunction tf = look_preset("label").transfer_function;
+  EXPECT_EQ(tf.opacity_at(0), 0.0);
+  EXPECT_EQ(tf.opacity_at(0.4), 0.0);
+  std::set<Rgb> colors;
+  for (int label = 1; label <= 256; ++label) {
+    EXPECT_NEAR(tf.opacity_at(label), 0.9, 1e-15);
+    colors.insert(tf.color_at(label));
+    EXPECT_EQ(tf.color_at(label - 0.4), tf.color_at(label + 0.4));
+  }
+  EXPECT_EQ(colors.size(), 256U);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "ovoid/error.h"
 #include "view/color_spaces.h"
 #include "view/opacity_curve.h"
+#include "view/value_scale.h"
 
 namespace ovoid {
 namespace {
@@ -53,10 +54,36 @@ bool is_before(const Point& a, const Point& b) {
   return a.x < b.x || (std::isnan(b.x) && !std::isnan(a.x));
 }
 
+// How much of the way from lo < hi lies before `value`, along the scale; in [0, 1] for values
+// between the two.
+double fraction(const TransferFunction& tf, double lo, double hi, double value) {
+  if (tf.scale == ValueScale::kLinear) return (value - lo) / (hi - lo);
+  const auto g = [&](double x) { return view::along(tf.scale, tf.linear_width, x); };
+  const double from = g(lo);
+  const double width = g(hi) - from;
+  // Neighbouring doubles can have one logarithm, and logarithms round.
+  return width > 0.0 ? std::clamp((g(value) - from) / width, 0.0, 1.0) : 0.0;
+}
+
+void require_range(double lo, double hi, ValueScale scale) {
+  if (!(lo < hi) || !std::isfinite(lo) || !std::isfinite(hi)) {
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("range = {}, {}: must be two finite values, the lower first", lo, hi));
+  }
+  if (scale == ValueScale::kLog && !(lo > 0.0)) {
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("range = {}, {}: must be > 0 on a logarithmic scale", lo, hi));
+  }
+}
+
 }  // namespace
 
 Rgb TransferFunction::color_at(double value) const {
   if (std::isnan(value)) return nan_color;
+  const double first = colors.empty() ? 0.0 : colors.front().x;
+  const double last = colors.empty() ? 1.0 : colors.back().x;
+  if (below_color && value < first) return *below_color;
+  if (above_color && value > last) return *above_color;
   if (colors.empty()) {
     const double gray = std::clamp(value, 0.0, 1.0);
     return {gray, gray, gray};
@@ -66,7 +93,7 @@ Rgb TransferFunction::color_at(double value) const {
   if (right == colors.end()) return colors.back().rgb;
   const ColorPoint& left = right[-1];
   return view::interpolate(color_space, left.rgb, right->rgb,
-                           (value - left.x) / (right->x - left.x));
+                           fraction(*this, left.x, right->x, value));
 }
 
 double TransferFunction::opacity_at(double value) const {
@@ -76,7 +103,7 @@ double TransferFunction::opacity_at(double value) const {
   if (right == opacities.begin()) return opacities.front().opacity;
   if (right == opacities.end()) return opacities.back().opacity;
   const OpacityPoint& left = right[-1];
-  return shaped_opacity(left, right->opacity, (value - left.x) / (right->x - left.x));
+  return shaped_opacity(left, right->opacity, fraction(*this, left.x, right->x, value));
 }
 
 double TransferFunction::lo() const {
@@ -94,28 +121,52 @@ double TransferFunction::hi() const {
 }
 
 void TransferFunction::map_range(double new_lo, double new_hi) {
-  if (!(new_lo < new_hi) || !std::isfinite(new_lo) || !std::isfinite(new_hi)) {
-    throw Error(
-        ErrorCode::kInvalidArgument,
-        fmt::format("range = {}, {}: must be two finite values, the lower first", new_lo, new_hi));
+  map_range(new_lo, new_hi, scale, linear_width);
+}
+
+void TransferFunction::map_range(double new_lo, double new_hi, ValueScale new_scale,
+                                 double new_linear_width) {
+  require_range(new_lo, new_hi, new_scale);
+  if (new_scale == ValueScale::kSymlog &&
+      (!(new_linear_width > 0.0) || !std::isfinite(new_linear_width))) {
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("linear_width = {}: must be finite and > 0", new_linear_width));
   }
   const double old_lo = lo();
   const double old_hi = hi();
+  if (old_lo < old_hi) require_range(old_lo, old_hi, scale);
   if (colors.empty()) colors = {{0.0, {0, 0, 0}}, {1.0, {1, 1, 1}}};
-  if (old_lo == new_lo && old_hi == new_hi) return;
-  // std::lerp is exact at both ends and monotonic: steps stay steps, and the ends land on the
-  // range.
-  const auto moved = [=](double x) {
-    return old_lo < old_hi ? std::lerp(new_lo, new_hi, (x - old_lo) / (old_hi - old_lo))
-                           : std::midpoint(new_lo, new_hi);
+  const bool is_same_scale =
+      scale == new_scale && (scale != ValueScale::kSymlog || linear_width == new_linear_width);
+  if (old_lo == new_lo && old_hi == new_hi && is_same_scale) return;
+
+  const TransferFunction old{.scale = scale, .linear_width = linear_width};
+  const double from = view::along(new_scale, new_linear_width, new_lo);
+  const double to = view::along(new_scale, new_linear_width, new_hi);
+  // Monotonic and exact at both ends: steps stay steps, and the ends land on the range.
+  const auto moved = [&](double x) {
+    if (!(old_lo < old_hi)) {
+      return view::value_at(new_scale, new_linear_width, std::midpoint(from, to));
+    }
+    if (x == old_lo) return new_lo;
+    if (x == old_hi) return new_hi;
+    const double place = std::lerp(from, to, fraction(old, old_lo, old_hi, x));
+    const double value = view::value_at(new_scale, new_linear_width, place);
+    // The gray ramp may reach beyond the span, where a logarithm has no room below.
+    if (x < old_lo || x > old_hi)
+      return new_scale == ValueScale::kLog ? std::max(value, new_lo) : value;
+    return std::clamp(value, new_lo, new_hi);
   };
   for (ColorPoint& p : colors) p.x = moved(p.x);
   for (OpacityPoint& p : opacities) p.x = moved(p.x);
+  scale = new_scale;
+  linear_width = new_linear_width;
 }
 
 void TransferFunction::sort() {
   std::stable_sort(colors.begin(), colors.end(), is_before<ColorPoint>);
   std::stable_sort(opacities.begin(), opacities.end(), is_before<OpacityPoint>);
+  std::stable_sort(gradient_opacities.begin(), gradient_opacities.end(), is_before<OpacityPoint>);
 }
 
 }  // namespace ovoid

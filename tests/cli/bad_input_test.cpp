@@ -190,7 +190,7 @@ TEST_F(BadInput, LooksAndCamerasThatAreNone) {
   fails("--tf", file("bad.json", "{"), {"bad.json"});
   fails("--tf", file("odd.json", R"([{"RGBPoints": [0, 1, 0]}])"), {"odd.json", "RGBPoints"});
   fails("--tf", file("list.json", "[]"), {"list.json"});
-  fails("--tf", file("number.json", "3"), {"number.json: 3: must be a preset or an array"});
+  fails("--tf", file("number.json", "3"), {"number.json: has 1 numbers"});
   expect_failure({"render", ball_, "-o", folder_ / "out.png", "--zoom", "1e-300"}, 1, {"--zoom"});
   fails("--camera", folder_ / "missing.json", {"missing.json"});
   fails("--camera", file("cam.json", R"({"position": [0, 0]})"), {"cam.json", "position"});

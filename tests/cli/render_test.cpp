@@ -305,6 +305,64 @@ TEST_F(RenderLook, EmptyPicturesAreNoted) {
   EXPECT_NE(note({"--clip", "0,0,1,1e6"}).find("clipped away"), std::string::npos);
 }
 
+TEST_F(RenderLook, ListsAreColoursAndOpacities) {
+  EXPECT_EQ(npy({"--opacity", "20,0,60,0.9"}), npy({"--opacity", "20:0,60:0.9"}));
+  EXPECT_EQ(npy({"--colormap", "0,0,0,0, 1,1,1,1"}), npy({"--colormap", "gray"}));
+  const std::string gray = preset("gray.json", R"([{"Name": "g", "ColorSpace": "RGB",
+    "RGBPoints": [20, 0, 0, 0, 90, 1, 1, 1], "Points": [0, 0, 0.5, 0, 255, 0.5, 0.5, 0]}])");
+  const std::vector<float> absolute =
+      npy({"--tf", red_, "--colormap", "20,0,0,0,90,1,1,1", "--no-shade"});
+  EXPECT_EQ(absolute, npy({"--tf", gray, "--no-shade"}));
+}
+
+TEST_F(RenderLook, WindowIsAGrayRange) {
+  EXPECT_EQ(npy({"--window", "100,80"}), npy({"--range", "30,130", "--colormap", "gray"}));
+  EXPECT_EQ(npy({"--window", "100,80", "--colormap", "hot"}),
+            npy({"--range", "30,130", "--colormap", "hot"}));
+}
+
+TEST_F(RenderLook, OtherProgramsLooksAreReadWithTheirLight) {
+  const std::string vp = preset("look.vp",
+                                "1\n0\n0.9\n0.1\n0.2\n10\n4 0 0 255 0.5\n4 0 1 9 1\n"
+                                "8 0 1 0 0 255 0 0 1\n");
+  EXPECT_EQ(npy({"--tf", vp}), npy({"--tf", red_, "--no-shade"}));
+  EXPECT_EQ(npy({"--tf", vp, "--shade", "--ambient", "0.3"}),
+            npy({"--tf", red_, "--ambient", "0.3", "--diffuse", "0.9"}));
+  const std::string json = folder_ / "converted.json";
+  expect_success({"convert", vp, "-o", json});
+  EXPECT_EQ(npy({"--tf", json}), npy({"--tf", vp}));
+}
+
+TEST_F(RenderLook, NamesChooseALook) {
+  const std::string two = preset("two.json", R"([{"Name": "a", "ColorSpace": "RGB",
+    "RGBPoints": [0, 0, 1, 0, 255, 0, 1, 0], "Points": [0, 0, 0.5, 0, 255, 0.5, 0.5, 0]},
+    {"Name": "b", "ColorSpace": "RGB", "RGBPoints": [0, 1, 0, 0, 255, 0, 0, 1],
+    "Points": [0, 0, 0.5, 0, 255, 0.5, 0.5, 0]}])");
+  EXPECT_EQ(npy({"--tf", two, "--tf-name", "b"}), npy({"--tf", red_}));
+  expect_failure({"render", ball_, "-o", folder_ / "x.npy", "--tf", two, "--tf-name", "c"}, 1,
+                 {"two.json has a, b"});
+}
+
+// Fails if data that begin at 0 cannot be drawn with --log, or if the file's values move.
+TEST_F(RenderLook, LogarithmsNeedValuesAboveZero) {
+  const Outcome result =
+      run({"render", ball_, "-o", folder_ / "x.npy", "--size", "40x30", "--log"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.err.find("three decades"), std::string::npos) << result.err;
+  expect_failure({"render", ball_, "-o", folder_ / "x.npy", "--log", "--tf", red_}, 1,
+                 {"red.json begins at the value 0", "--range"});
+  EXPECT_NE(npy({"--log", "--range", "1,255"}), npy({"--range", "1,255"}));
+  EXPECT_NE(npy({"--symlog", "1"}), npy({}));
+}
+
+TEST_F(RenderLook, PresetsAreDrawn) {
+  EXPECT_GT(draw(folder_, {ball_, "--preset", "mr-default"}).num_covered(), 0U);
+  EXPECT_GT(draw(folder_, {ball_, "--preset", "label"}).num_covered(), 0U);
+  const Outcome far = run({"render", ball_, "-o", folder_ / "x.npy", "--size", "40x30", "--preset",
+                           "ct-bone", "--above-color", "1,0,0"});
+  EXPECT_EQ(far.exit_code, 0) << far.err;
+}
+
 TEST_F(RenderLook, AFileBesideTheDataIsNoted) {
   const Outcome result = run(
       {"render", ball_, "-o", folder_ / "x.npy", "--size", "40x30", "--tf",

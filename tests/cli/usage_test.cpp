@@ -79,9 +79,9 @@ TEST(Usage, BadValuesNameFlagValueAndExpectation) {
 
 TEST(Usage, FlagsOfALaterVersionAreRefusedByName) {
   std::vector<Case> cases;
-  for (const char* const flag : {"--color-array", "--time", "--positions", "--radius-array",
-                                 "--quantity", "--log", "--gradient-opacity", "--cutoff",
-                                 "--profile-kernel", "--neighbors", "--device", "--memory-limit"}) {
+  for (const char* const flag :
+       {"--color-array", "--time", "--positions", "--radius-array", "--quantity", "--nan-color",
+        "--cutoff", "--profile-kernel", "--neighbors", "--device", "--memory-limit"}) {
     const std::string said = std::string(flag) + ": not available in this version";
     cases.push_back({{flag}, {said}});
     cases.push_back({{flag, "3"}, {said}});
@@ -111,6 +111,37 @@ TEST(Usage, ContradictionsAreErrors) {
        {"--opacity: has no effect with --mode isosurface"}},
       {{"--mode", "mean", "--unit-distance", "2"},
        {"--unit-distance: has no effect with --mode mean"}},
+      {{"--mode", "maximum", "--gradient-opacity", "0:0,1:1"},
+       {"--gradient-opacity: has no effect with --mode maximum"}},
+      {{"--tf", "a.vp", "--preset", "ct-bone"}, {"--preset: contradicts --tf"}},
+      {{"--tf-name", "a"}, {"--tf-name: needs --tf FILE"}},
+      {{"--window", "400,40", "--range", "0,1"}, {"--window: contradicts --range"}},
+      {{"--window", "400,40", "--tf", "a.vp"}, {"--window: contradicts --tf"}},
+      {{"--window", "400,40", "--preset", "ct-bone"}, {"--window: contradicts --preset"}},
+      {{"--log", "--symlog", "1"}, {"--symlog: contradicts --log"}},
+      {{"--log", "--range", "0,1"}, {"--range: begins at 0, expected values > 0 with --log"}},
+      {{"--log", "--window", "400,40"}, {"--window: begins at -160"}},
+      {{"--log", "--opacity", "-1:0,1:1"}, {"--opacity: begins at -1"}},
+      {{"--log", "--colormap", "-1,0,0,0,2,1,1,1"}, {"--colormap: begins at -1"}},
+  });
+}
+
+TEST(Usage, LooksAreSpelledRight) {
+  expect_all_refused({
+      {{"--preset", "ct-bon"}, {"--preset 'ct-bon'", "did you mean ct-bone?"}},
+      {{"--colormap", "0,0,0"}, {"--colormap '0,0,0'", "V,R,G,B", "has 3 numbers"}},
+      {{"--colormap", "0,0,0,2"}, {"number 4 is 2: colours must be in [0, 1]"}},
+      {{"--colormap", "1,0,0,0,0,1,1,1"}, {"values must rise"}},
+      {{"--colormap", "0,0,x,1"}, {"V,R,G,B,...: numbers"}},
+      {{"--opacity", "0,1,2"}, {"--opacity '0,1,2'", "has 3 numbers"}},
+      {{"--opacity", "0:0,1"}, {"VALUE:OPACITY pairs", "not '1'"}},
+      {{"--opacity", "0,0,1,2"}, {"opacities must be in [0, 1]"}},
+      {{"--gradient-opacity", "-1:0,1:1"}, {"expected gradients >= 0, not -1"}},
+      {{"--window", "0,40"}, {"--window '0,40'", "W > 0"}},
+      {{"--window", "40"}, {"expected 2 numbers"}},
+      {{"--symlog", "0"}, {"--symlog '0'", "> 0"}},
+      {{"--below-color", "1,1,2"}, {"--below-color '1,1,2'", "in [0, 1]"}},
+      {{"--above-color", "red"}, {"--above-color 'red'", "3 numbers"}},
   });
 }
 
@@ -210,8 +241,8 @@ TEST(Usage, OtherCommandsCheckTheirWordsToo) {
                  {"--seed '-1'"});
   expect_failure({"info"}, 2, {"INPUT", "none given"});
   expect_failure({"convert", "a.nrrd"}, 2, {"--output"});
-  expect_failure({"convert", "a.nrrd", "-o", folder / "b.json"}, 2,
-                 {"b.json", "expected one .json look"});
+  expect_failure({"convert", "a.vp", "b.vp", "-o", folder / "b.json"}, 2,
+                 {"b.json", "expected one look"});
   expect_failure({"convert", "a.nrrd", "-o", folder / "b.nrrd", "--size", "4x4x4"}, 2,
                  {"--size: not available"});
   expect_failure({"bench", "nothing-like-it"}, 2, {"'nothing-like-it'", "--list"});

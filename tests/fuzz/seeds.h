@@ -296,12 +296,33 @@ inline std::vector<std::string> vtk_header_seeds() {
   };
 }
 
-inline std::vector<std::string> transfer_function_seeds() {
+inline std::vector<std::string> look_seeds() {
   return {
       R"([{"Name":"a","ColorSpace":"Diverging","RGBPoints":[0,0.1,0.2,0.3,0.5,1,1,1,1,0.7,0,0],"Points":[0,0,0.5,0,1,1,0.2,0.8],)"
       R"("NanColor":[1,1,0],"ScalarOpacityUnitDistance":2.5}])",
       R"([{"Name":"b","ColorSpace":"HSV","RGBPoints":[-1000,0,0,0,3000,1,1,1]},{"Name":"c","ColorSpace":"Lab","RGBPoints":[1,1,0,0,1,0,0,1]}])",
       R"({"Name":"d","ColorSpace":"Step","RGBPoints":[0,0,0,0,1,1,1,1],"Points":[]})",
+      R"({"Name":"e","ColorSpace":"Lab/CIEDE2000","UseLogScale":1,"RGBPoints":[1,1,0,0,1000,0,0,1],"UseBelowRangeColor":1,"BelowRangeColor":[0,0,0]})",
+      R"({"Name":"f","IndexedColors":[1,0,0,0,1,0],"Annotations":["0","a","7","b"],"Points":[0,0,0.5,0]})",
+      R"({"Points":[-5,0,0.5,0,5,1,0.5,0],"SymlogLinearWidth":0.1,"GradientOpacityPoints":[0,0,0.5,0,9,1,0.5,0],"Shade":false,"Ambient":0.3})",
+      R"({"@schema":"s","volumeProperties":[{"components":[{"shade":true,"lighting":{"ambient":0.2,"specularPower":5},)"
+      R"("rgbTransferFunction":{"points":[{"x":0,"color":[0,0,0],"midpoint":0.3,"sharpness":0.5},{"x":9,"color":[1,1,1]}]},)"
+      R"("scalarOpacity":{"points":[{"x":0,"y":0},{"x":9,"y":1}]},"gradientOpacity":{"points":[{"x":0,"y":0}]},"scalarOpacityUnitDistance":1}]}]})",
+      "1\n1\n0.9\n0.1\n0.2\n10\n4 -100 0 300 0.75\n4 0 0 255 1\n8 -100 0 0 0 300 1 0.5 0.25\n",
+      "<ColorMaps><ColorMap name=\"a&amp;b\" space=\"Lab\"><Point x=\"0\" o=\"0.5\" r=\"1\" "
+      "g=\"0\" b=\"0\"/>"
+      "<Point x=\"1\" o=\"1\" r=\"0\" g=\"0\" b=\"1\"/><NaN r=\"0\" g=\"0\" "
+      "b=\"0\"/></ColorMap></ColorMaps>",
+      "<ColorMap indexedLookup=\"1\" space=\"Lab/CIEDE2000\"><Point x='0' r='1' g='0' "
+      "b='0'/></ColorMap>",
+      "<MRML><VolumeProperty name=\"p\" shade=\"1\" ambient=\"0.1\" scalarOpacity=\"4 0 0 9 1\" "
+      "gradientOpacity=\"4 0 0 9 1\" colorTransfer=\"4 0 1 0 0\"/></MRML>",
+      "<InviwoWorkspace><Points><Point><pos content=\"0\"/><rgba x=\"1\" y=\"0\" z=\"0\" "
+      "w=\"0.5\"/></Point></Points></InviwoWorkspace>",
+      "# rows\n0 0.25 #ff8000\n10 1 #0000ff\n",
+      "0,0,0,0,0.5,1,0,0,1,1,1,1",
+      "0 0\n0.5 1\n1 0\n",
+      "0 1 0 0 0.25\n1 0 1 0 0.75\n",
   };
 }
 

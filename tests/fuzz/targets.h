@@ -8,6 +8,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -149,19 +150,27 @@ class MemoryFile {
   int descriptor_;
 };
 
-inline void transfer_function(Input input) {
+inline void look(Input input) {
   const MemoryFile file(input);
   try {
-    const TransferFunction tf = read_transfer_function(file.path());
+    const Look look = read_look(file.path());
+    look.validate();
+    const TransferFunction& tf = look.transfer_function;
     const double lo = tf.lo(), hi = tf.hi();
     require(lo <= hi, "a transfer function that is not sorted");
-    for (const double x : {lo, (lo + hi) / 2, hi}) {
+    for (const double x : {lo, lo + (hi - lo) / 3, lo + (hi - lo) / 2, hi, -1.0, hi + 1.0}) {
       const double opacity = tf.opacity_at(x);
       require(opacity >= 0 && opacity <= 1, "an opacity outside [0, 1]");
       for (const double c : tf.color_at(x)) require(c >= 0 && c <= 1, "a colour outside [0, 1]");
     }
-  } catch (const Error&) {
-    // Refused: as it should be.
+    TransferFunction moved = tf;
+    if (lo < hi) moved.map_range(1.0, 1000.0);
+    require(std::is_sorted(moved.colors.begin(), moved.colors.end(),
+                           [](const ColorPoint& a, const ColorPoint& b) { return a.x < b.x; }),
+            "points that lost their order");
+  } catch (const Error& error) {
+    require(std::string(error.what()).find('\n') == std::string::npos,
+            "a message of several lines");
   }
 }
 

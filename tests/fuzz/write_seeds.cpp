@@ -23,7 +23,7 @@ int main(int argc, char** argv) {
       {"dicom", ovoid::fuzz::dicom_seeds()},
       {"dicom_codec", ovoid::fuzz::dicom_codec_seeds()},
       {"vtk_header", ovoid::fuzz::vtk_header_seeds()},
-      {"transfer_function", ovoid::fuzz::transfer_function_seeds()},
+      {"look", ovoid::fuzz::look_seeds()},
       {"camera", ovoid::fuzz::camera_seeds()},
   };
   for (const auto& [target, seeds] : targets) {

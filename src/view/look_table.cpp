@@ -179,6 +179,9 @@ void LookTable::keep_steps(const TransferFunction& tf) {
     if (tf.color_space == ColorSpace::kStep || colors[k].x == colors[k + 1].x)
       keep_step_at(colors[k].x);
   }
+  if (tf.below_color && !colors.empty()) keep_step_at(colors.front().x);
+  if (tf.above_color && !colors.empty())
+    keep_step_at(std::nextafter(colors.back().x, std::numeric_limits<double>::infinity()));
   const auto& points = tf.opacities;
   for (std::size_t k = 0; k + 1 < points.size(); ++k) {
     const double width = points[k + 1].x - points[k].x;

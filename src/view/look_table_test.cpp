@@ -319,6 +319,61 @@ TEST(LookTable, MaxOpacity) {
   EXPECT_FALSE(LookTable(nothing).any_opacity(-kInfinityF, kInfinityF));
 }
 
+// Six decades: every one of them has its cells. Fails if nodes stand at other values than readers
+// compute, or if a corner's place is taken for linear.
+TEST(LookTable, LogarithmicScalesResolveEveryDecade) {
+  TransferFunction tf;
+  tf.scale = ValueScale::kLog;
+  tf.opacities = {{1e-6, 0}, {1e-5, 0.4}, {1e-2, 0.1, 0.3, 0.5}, {1, 0.9}};
+  tf.colors = {{1e-6, {0, 0, 0}}, {1e-3, {1, 0.5, 0}}, {1, {1, 1, 1}}};
+  const LookTable table(tf);
+  // A cell is 20 octaves / 4094; the steepest slopes meet at 1e-5: 0.4 and 0.1 per decade.
+  const double cell_in_decades = 6.0 / 4094;
+  for (double e = -6.5; e <= 0.5; e += 1e-3) {
+    const double v = std::pow(10.0, e);
+    const auto s = table.at(static_cast<float>(v));
+    ASSERT_NEAR(s.opacity, tf.opacity_at(v), 1.0 * cell_in_decades) << v;
+    ASSERT_NEAR(s.r, tf.color_at(v)[0], 0.3 * cell_in_decades) << v;
+    ASSERT_NEAR(s.g, tf.color_at(v)[1], 0.3 * cell_in_decades) << v;
+  }
+  for (const float nothing : {0.0F, -1.0F, -kInfinityF, 5e-7F}) {
+    EXPECT_EQ(table.at(nothing).opacity, 0.0F) << nothing;
+    EXPECT_FALSE(table.any_opacity(-kInfinityF, nothing)) << nothing;
+  }
+  EXPECT_TRUE(table.any_opacity(2e-6F, 3e-6F));
+}
+
+TEST(LookTable, SymmetricLogarithmsGoThroughZero) {
+  TransferFunction tf;
+  tf.scale = ValueScale::kSymlog;
+  tf.linear_width = 1e-3;
+  tf.opacities = {{-100, 0.8}, {-1, 0.2}, {0, 0}, {1e-2, 0.5}, {100, 1}};
+  tf.colors = {{-100, {0, 0, 1}}, {100, {1, 0, 0}}};
+  const LookTable table(tf);
+  const double cell = 10.0 / 4094;  // decades, both sides together
+  for (double e = -6; e <= 2; e += 1e-3) {
+    for (const double v : {std::pow(10.0, e), -std::pow(10.0, e)}) {
+      const auto s = table.at(static_cast<float>(v));
+      ASSERT_NEAR(s.opacity, tf.opacity_at(v), cell) << v;
+      ASSERT_NEAR(s.b, tf.color_at(v)[2], 0.3 * cell) << v;
+    }
+  }
+}
+
+TEST(LookTable, ColoursBeyondTheEndsBeginThere) {
+  TransferFunction tf;
+  tf.opacities = {{-10, 0.5}, {20, 0.5}};
+  tf.colors = {{0, {0, 1, 0}}, {10, {0, 0, 1}}};
+  tf.below_color = Rgb{1, 0, 0};
+  tf.above_color = Rgb{1, 1, 1};
+  const LookTable table(tf);
+  EXPECT_EQ(table.at(-1e-3F).r, 1.0F);
+  EXPECT_EQ(table.at(1e-3F).r, 0.0F);
+  EXPECT_NEAR(table.at(1e-3F).g, 1.0F, 1e-3F);
+  EXPECT_EQ(table.at(10.0F - 1e-3F).r, 0.0F);
+  EXPECT_EQ(table.at(10.0F + 1e-3F).r, 1.0F);
+}
+
 // Spans that single precision cannot divide, single places, and values beyond its range. Fails if
 // anything is not a number, or if values that float can tell apart from the step read the wrong
 // side.

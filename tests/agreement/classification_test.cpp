@@ -3,6 +3,8 @@
 // sheets, and opacity by gradient.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "support/agreement.h"
 #include "support/scenes.h"
 
@@ -100,6 +102,38 @@ TEST(GradientOpacity, AgreesWithOtherOptions) {
     Scene other_mode = scene;
     other_mode.look.mode = Mode::kMaximum;  // fading is of composite alone
     EXPECT_TRUE(backends_agree(other_mode, view + ", maximum"));
+  }
+}
+
+// Fails if vector code reads a logarithmic table at another place than the table's own.
+TEST(LogarithmicLook, Agrees) {
+  for (const bool is_parallel : {true, false}) {
+    for (const ValueScale scale : {ValueScale::kLog, ValueScale::kSymlog}) {
+      for (const Classification classification :
+           {Classification::kSampled, Classification::kPreintegrated}) {
+        const bool is_log = scale == ValueScale::kLog;
+        const Index3 dims{14, 13, 12};
+        // Five decades, or both signs.
+        const VolumeFunction shape = shells(dims);
+        const Field field = make_field(dims, [&](std::int64_t i, std::int64_t j, std::int64_t k) {
+          const double s = shape(i, j, k);
+          return is_log ? std::pow(10.0, 5 * s - 3) : std::sinh(12 * (s - 0.5));
+        });
+        Scene scene{field, askew_camera(field, is_parallel), Look(), picture(32, 30)};
+        TransferFunction& tf = scene.look.transfer_function;
+        tf.scale = scale;
+        tf.linear_width = 0.1;
+        tf.color_space = ColorSpace::kLab;
+        const double lo = is_log ? 1e-2 : -100;
+        tf.colors = {{lo, {0.2, 0.3, 0.9}}, {1, {0.9, 0.9, 0.3}}, {100, {0.9, 0.2, 0.1}}};
+        tf.opacities = {{lo, 0}, {0.5, 0.2}, {3, 0.02}, {100, 0.7}};
+        scene.options.classification = classification;
+        EXPECT_TRUE(backends_agree(
+            scene, std::string(is_log ? "log" : "symlog") +
+                       (classification == Classification::kSampled ? "" : ", pre-integrated") +
+                       view_name(is_parallel)));
+      }
+    }
   }
 }
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Everything a person or CI does here, by one word each. `make help` lists the words.
 .DEFAULT_GOAL := help
-.PHONY: help run test build setup check format sanitize asan tsan scalar fuzz bench experiments install clean
+.PHONY: help run test build setup check format sanitize asan tsan scalar fuzz bench experiments pictures install clean
 
 JOBS ?= $(shell nproc)
 SECONDS ?= 60
@@ -56,6 +56,9 @@ experiments: setup  ## the tables and pictures of docs/numerics.md, measured aga
 	@scripts/build.sh release ovoid_experiments
 	@mkdir -p docs/images
 	@build/release/bin/ovoid_experiments docs/images
+
+pictures: build  ## draw the pictures of the guide and the other pages again, by their own commands
+	@scripts/run_docs.py build/release/bin/ovoid docs/guide.md docs/annotations.md
 
 install: build  ## install program, library and headers under PREFIX (/usr/local)
 	@cmake --install build/release --prefix "$(PREFIX)"

@@ -17,7 +17,7 @@ namespace {
 
 struct NamedMap {
   std::string_view name;
-  std::span<const view::Knot> knots;
+  std::span<const view::Knot> knots = {};
   std::span<const view::Knot8> knots8{};        // instead of `knots`
   std::span<const std::uint32_t> categories{};  // instead of both: 0xrrggbb
   ColorSpace space = ColorSpace::kRgb;

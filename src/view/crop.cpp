@@ -16,7 +16,7 @@ constexpr const char* kWorldNames[] = {"x", "y", "z"};
 // Axes that deviate less from the world's are parallel to them.
 constexpr double kParallelSine = 1e-9;
 
-[[noreturn]] void refuse(const std::string& message) {
+[[noreturn]] void refuse_crop(const std::string& message) {
   throw Error(ErrorCode::kInvalidArgument, message);
 }
 
@@ -24,10 +24,10 @@ void require_within(const LatticeGeometry& geometry, const Index3& lo, const Ind
   for (std::size_t a = 0; a < 3; ++a) {
     const std::int64_t last = geometry.dims[a] - 1;
     if (lo[a] > hi[a]) {
-      refuse(fmt::format("crop {} = {}:{}: must not be empty", kIndexNames[a], lo[a], hi[a]));
+      refuse_crop(fmt::format("crop {} = {}:{}: must not be empty", kIndexNames[a], lo[a], hi[a]));
     }
     if (lo[a] < 0 || hi[a] > last) {
-      refuse(fmt::format("crop {} = {}:{}: must lie within the data's samples 0 to {}",
+      refuse_crop(fmt::format("crop {} = {}:{}: must lie within the data's samples 0 to {}",
                          kIndexNames[a], lo[a], hi[a], last));
     }
   }
@@ -36,7 +36,7 @@ void require_within(const LatticeGeometry& geometry, const Index3& lo, const Ind
 void require_not_empty(const Bounds3& world) {
   for (int a = 0; a < 3; ++a) {
     if (!(world.min()[a] < world.max()[a])) {
-      refuse(fmt::format("crop-world {} = {}:{}: must not be empty", kWorldNames[a], world.min()[a],
+      refuse_crop(fmt::format("crop-world {} = {}:{}: must not be empty", kWorldNames[a], world.min()[a],
                          world.max()[a]));
     }
   }
@@ -110,7 +110,7 @@ Box crop_box(const LatticeGeometry& geometry, const Bounds3& world) {
   const Bounds3 common = whole.intersection(world);
   for (int a = 0; a < 3; ++a) {
     if (common.min()[a] < common.max()[a]) continue;
-    refuse(fmt::format("crop-world {} = {}:{}: must meet the data, which lies from {} to {}",
+    refuse_crop(fmt::format("crop-world {} = {}:{}: must meet the data, which lies from {} to {}",
                        kWorldNames[a], world.min()[a], world.max()[a], whole.min()[a],
                        whole.max()[a]));
   }

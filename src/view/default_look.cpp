@@ -240,8 +240,8 @@ void add_layers(std::vector<OpacityPoint>& points, double background, double sig
   at(std::min(layers.dense + slope, layers.end), solid);
 }
 
-Look object_look(const LatticeField& field, const FieldSamples& samples,
-                 const Background& background) {
+std::optional<Look> object_look(const LatticeField& field, const FieldSamples& samples,
+                                const Background& background) {
   std::vector<float> above;
   std::vector<float> below;
   for (const float value : samples.values) {
@@ -255,7 +255,7 @@ Look object_look(const LatticeField& field, const FieldSamples& samples,
   if (up && down && down->end < 0.1 * up->end) down.reset();
   if (up && down && up->end < 0.1 * down->end) up.reset();
   Look look;
-  if (!up && !down) return ramp_look(field.value_range());
+  if (!up && !down) return std::nullopt;
   const Depths depths = depths_of(field);
   const double lo = down ? background.value - down->end : background.value + up->start;
   const double hi = up ? background.value + up->end : background.value - down->start;
@@ -273,10 +273,10 @@ Look object_look(const LatticeField& field, const FieldSamples& samples,
 
 // --- what fills its box
 
-Look filled_look(const LatticeField& field, const FieldSamples& samples) {
+std::optional<Look> filled_look(const LatticeField& field, const FieldSamples& samples) {
   const double lo = quantile(samples.values, 0.001);
   const double hi = quantile(samples.values, 0.999);
-  if (!(lo < hi)) return ramp_look(field.value_range());
+  if (!(lo < hi)) return std::nullopt;
   Look look;
   set_bright_colors(look, lo, hi);
   const Depths depths = depths_of(field);
@@ -295,6 +295,37 @@ Look filled_look(const LatticeField& field, const FieldSamples& samples) {
   return look;
 }
 
+std::optional<Look> layered_look(const LatticeField& field, const FieldSamples& samples) {
+  if (const auto background = background_of(samples))
+    return object_look(field, samples, *background);
+  return filled_look(field, samples);
+}
+
+// --- densities over decades
+
+// Positive values of which a few are thousands of times the median, while the least are not far
+// below it: densities of clusters do so. Where values fade away to nothing, as an orbital's do, a
+// logarithm would show the fading.
+bool asks_for_a_logarithm(const FieldSamples& samples) {
+  const double least = quantile(samples.values, 0.01);
+  const double median = quantile(samples.values, 0.5);
+  return least > 0 && samples.values.front() > 0 && median < 100 * least &&
+         quantile(samples.values, 0.9999) > kLogQuotient * median;
+}
+
+FieldSamples logarithms(FieldSamples samples) {
+  for (std::vector<float>* values : {&samples.values, &samples.on_faces})
+    for (float& value : *values) value = std::log10(value);
+  return samples;
+}
+
+// From a look of logarithms to one of values.
+void raise_to_values(TransferFunction& tf) {
+  tf.scale = ValueScale::kLog;
+  for (ColorPoint& point : tf.colors) point.x = std::pow(10.0, point.x);
+  for (OpacityPoint& point : tf.opacities) point.x = std::pow(10.0, point.x);
+}
+
 }  // namespace
 
 bool holds_labels(const Field& field) {
@@ -309,9 +340,10 @@ Look default_look(const Field& field, std::string_view unit) {
   if (const std::vector<int> labels = labels_of(field, samples); !labels.empty())
     return label_look(labels, samples);
   if (is_in_hounsfield_units(samples, unit)) return hounsfield_look(field);
-  if (const auto background = background_of(samples))
-    return object_look(field, samples, *background);
-  return filled_look(field, samples);
+  const bool is_logarithmic = asks_for_a_logarithm(samples);
+  std::optional<Look> look = layered_look(field, is_logarithmic ? logarithms(samples) : samples);
+  if (look && is_logarithmic) raise_to_values(look->transfer_function);
+  return look ? *look : ramp_look(field.value_range());
 }
 
 }  // namespace ovoid

@@ -127,6 +127,27 @@ TEST(DefaultLook, FieldsWithoutABackgroundShowTheirUpperHalf) {
   EXPECT_GT(opacity_at(look, 3.0 * 30), 0.0);
 }
 
+// Densities over decades: clusters in a void that is not empty.
+TEST(DefaultLook, DensitiesOverDecadesGetALogarithm) {
+  const auto density = [](std::int64_t i, std::int64_t j, std::int64_t k) {
+    const double r = radius_at(i, j, k);
+    return 1e-3 * std::pow(10.0, 0.3 * default_look_noise(i, j, k, 1)) +
+           1e3 * std::exp(-r * r / 12);
+  };
+  const Look look = default_look(test::make_field({kSide, kSide, kSide}, density));
+  look.validate();
+  EXPECT_EQ(look.transfer_function.scale, ValueScale::kLog);
+  EXPECT_EQ(opacity_at(look, 1e-3), 0.0);
+  EXPECT_GT(opacity_at(look, 1.0), 0.02);
+  EXPECT_GT(opacity_at(look, 500.0), opacity_at(look, 1.0));
+  // What fades away to nothing does not.
+  const Look fading = default_look(
+      test::make_field({kSide, kSide, kSide}, [](std::int64_t i, std::int64_t j, std::int64_t k) {
+        return std::exp(-radius_at(i, j, k));
+      }));
+  EXPECT_EQ(fading.transfer_function.scale, ValueScale::kLinear);
+}
+
 Field head_in_hounsfield_units() {
   return test::make_field(
       {kSide, kSide, kSide}, [](std::int64_t i, std::int64_t j, std::int64_t k) {

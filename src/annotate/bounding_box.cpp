@@ -25,7 +25,7 @@ using annotate::Projection;
 using annotate::Vec2;
 
 constexpr double kBehindOpacity = 0.55;  // of edges behind the volume: dimmed, for depth
-constexpr double kLabelDistance = 0.55;  // of labels from their edge, in sizes of the text
+constexpr double kTickDistance = 0.55;   // of labels from their edge, in sizes of the text
 constexpr double kShortEdge = 4.0;       // edges shorter than this get no labels, in sizes
 constexpr double kLeftOverLow = 0.5;     // what a pixel to the left is worth, in pixels down
 constexpr double kParallelSine = 1e-6;   // axes that deviate less are parallel
@@ -149,7 +149,7 @@ void BoxDrawing::write_beside(Ink& ink, const std::string& text, const Vec2& at,
   const Lettering letters(text, m_.text);
   // The text's own rectangle touches the line at `at` from outside.
   const Vec2 half(letters.width() / 2, letters.cap_height() / 2);
-  Vec2 middle = at + outward * (kLabelDistance * m_.text) +
+  Vec2 middle = at + outward * (kTickDistance * m_.text) +
                 Vec2(outward.x() * half.x(), outward.y() * half.y());
   // What is in sight is named in sight.
   const Vec2 size(image_.width, image_.height);

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstdlib>
 #include <random>
 #include <string>
 #include <vector>
@@ -111,10 +112,16 @@ class Mutator {
   std::mt19937_64 random_{kSeed};
 };
 
+// OVOID_MUTATIONS=n in the environment asks for n times as many.
+int wanted(int count) {
+  const char* const factor = std::getenv("OVOID_MUTATIONS");
+  return factor == nullptr ? count : count * std::max(1, std::atoi(factor));
+}
+
 void run(const std::vector<std::string>& seeds, void (*target)(fuzz::Input), int count = 2000) {
   for (const std::string& seed : seeds) target(std::as_bytes(std::span(seed)));
   Mutator mutator(seeds);
-  for (int i = 0; i < count; ++i) {
+  for (int i = 0; i < wanted(count); ++i) {
     const std::string input = mutator.next();
     try {
       target(std::as_bytes(std::span(input)));

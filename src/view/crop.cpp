@@ -28,7 +28,7 @@ void require_within(const LatticeGeometry& geometry, const Index3& lo, const Ind
     }
     if (lo[a] < 0 || hi[a] > last) {
       refuse_crop(fmt::format("crop {} = {}:{}: must lie within the data's samples 0 to {}",
-                         kIndexNames[a], lo[a], hi[a], last));
+                              kIndexNames[a], lo[a], hi[a], last));
     }
   }
 }
@@ -36,8 +36,8 @@ void require_within(const LatticeGeometry& geometry, const Index3& lo, const Ind
 void require_not_empty(const Bounds3& world) {
   for (int a = 0; a < 3; ++a) {
     if (!(world.min()[a] < world.max()[a])) {
-      refuse_crop(fmt::format("crop-world {} = {}:{}: must not be empty", kWorldNames[a], world.min()[a],
-                         world.max()[a]));
+      refuse_crop(fmt::format("crop-world {} = {}:{}: must not be empty", kWorldNames[a],
+                              world.min()[a], world.max()[a]));
     }
   }
 }
@@ -111,8 +111,8 @@ Box crop_box(const LatticeGeometry& geometry, const Bounds3& world) {
   for (int a = 0; a < 3; ++a) {
     if (common.min()[a] < common.max()[a]) continue;
     refuse_crop(fmt::format("crop-world {} = {}:{}: must meet the data, which lies from {} to {}",
-                       kWorldNames[a], world.min()[a], world.max()[a], whole.min()[a],
-                       whole.max()[a]));
+                            kWorldNames[a], world.min()[a], world.max()[a], whole.min()[a],
+                            whole.max()[a]));
   }
   if (!is_parallel_to_world(geometry)) return {Affine3::Identity(), common};
   // In the lattice's own axes: they may be permuted or turned round.

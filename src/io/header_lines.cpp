@@ -9,6 +9,12 @@
 
 namespace ovoid::io {
 
+void HeaderField::fail(const std::string& what, ErrorCode code) const {
+  throw Error(code, fmt::format("{}: line {}: {}: {}", source->name(), line, name, what));
+}
+
+std::string HeaderField::quoted() const { return fmt::format("'{}'", value.substr(0, 80)); }
+
 bool HeaderLines::next(std::string& line) {
   constexpr std::int64_t kMaxHeaderSize = std::int64_t{16} << 20;
   constexpr std::int64_t kStep = std::int64_t{1} << 16;

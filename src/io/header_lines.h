@@ -5,8 +5,21 @@
 #include <string>
 
 #include "io/byte_source.h"
+#include "ovoid/error.h"
 
 namespace ovoid::io {
+
+// One line that gives a value to a name, and where it stands.
+struct HeaderField {
+  const ByteSource* source = nullptr;
+  int line = 0;  // from 1
+  std::string name;
+  std::string value;
+
+  // Throws Error that names file, line and field.
+  [[noreturn]] void fail(const std::string& what, ErrorCode code = ErrorCode::kFileFormat) const;
+  std::string quoted() const;  // the value, shortened, for a message
+};
 
 // Walks a text header line by line, holding no more of the file than the header itself.
 class HeaderLines {

@@ -27,17 +27,7 @@ std::string_view trim_blanks(std::string_view text) {
 }
 
 // One "Field = value" line and where it stands, for messages.
-struct MetaField {
-  const ByteSource* source = nullptr;
-  int line = 0;
-  std::string name;
-  std::string value;
-
-  [[noreturn]] void fail(const std::string& what, ErrorCode code = ErrorCode::kFileFormat) const {
-    throw Error(code, fmt::format("{}: line {}: {}: {}", source->name(), line, name, what));
-  }
-  std::string quoted() const { return fmt::format("'{}'", value.substr(0, 80)); }
-
+struct MetaField : HeaderField {
   double real(std::string_view text) const {
     if (text.starts_with('+')) text.remove_prefix(1);
     double number = 0;
@@ -97,9 +87,9 @@ MetaText read_meta_text(const ByteSource& source) {
                   fmt::format("{}: line {}: '{}' is no 'Field = value' line", source.name(),
                               lines.number(), line.substr(0, 80)));
     }
-    MetaField field{&source, lines.number(),
-                    std::string(trim_blanks(std::string_view(line).substr(0, equals))),
-                    std::string(trim_blanks(std::string_view(line).substr(equals + 1)))};
+    MetaField field{{&source, lines.number(),
+                     std::string(trim_blanks(std::string_view(line).substr(0, equals))),
+                     std::string(trim_blanks(std::string_view(line).substr(equals + 1)))}};
     const bool is_last = field.name == "ElementDataFile";
     const bool is_list = is_last && field.value.starts_with("LIST");
     const auto [existing, is_new] = result.fields.emplace(field.name, field);

@@ -36,18 +36,7 @@ std::optional<T> parse(std::string_view text) {
 }
 
 // One "field: value" line and where it stands, for messages.
-struct Field {
-  const ByteSource* source = nullptr;
-  int line = 0;
-  std::string name;
-  std::string value;
-
-  [[noreturn]] void fail(const std::string& what, ErrorCode code = ErrorCode::kFileFormat) const {
-    throw Error(code, fmt::format("{}: line {}: {}: {}", source->name(), line, name, what));
-  }
-  // The value, shortened, for quoting in a message.
-  std::string quoted() const { return fmt::format("'{}'", value.substr(0, 80)); }
-
+struct Field : HeaderField {
   template <typename T>
   T number(std::string_view text, const char* expected) const {
     const auto result = parse<T>(text);
@@ -114,8 +103,8 @@ HeaderText read_text(const ByteSource& source) {
     }
     if (line.compare(colon, 2, ":=") == 0)
       continue;  // a key and its value: free for other programs
-    Field field{&source, reader.number(), canonical_name(line.substr(0, colon)),
-                std::string(trim(std::string_view(line).substr(colon + 1)))};
+    Field field{{&source, reader.number(), canonical_name(line.substr(0, colon)),
+                 std::string(trim(std::string_view(line).substr(colon + 1)))}};
     is_list = field.name == "data file" && words(field.value).size() <= 2 &&
               field.value.starts_with("LIST");
     const auto [existing, is_new] = result.fields.emplace(field.name, field);

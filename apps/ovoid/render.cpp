@@ -248,6 +248,8 @@ void run_render(const Words& words, Session& session) {
         "the values look like labels: drawn with narrow kernels and a colour for each "
         "(--kernel, --tf, --colormap with --range for another look)");
     render.model.kernel = kLabelKernel;
+    // Within a sample a narrow kernel's field is flat; only its neighbours know where it ends.
+    if (!flags.is_given("--gradient")) render.options.gradient = GradientMethod::kCentral;
     field = make_field(dataset, render.data, render.model, nullptr, session);
   }
   profile.model_ms = modelling.ms();

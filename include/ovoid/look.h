@@ -58,7 +58,8 @@ Look default_look(const Field& field, std::string_view unit = {});
 
 // True if the field's values look like labels: at most 64 different integers in [0, 65535], in
 // regions. Between two labels the field passes all values between them, so labels want kernels so
-// narrow that nobody sees them: kLabelKernel. Cost and errors as of default_look().
+// narrow that nobody sees them: kLabelKernel, and with it GradientMethod::kCentral. Cost and errors
+// as of default_look().
 bool holds_labels(const Field& field);
 inline constexpr LatticeKernel kLabelKernel{.sigma = 0.15, .cutoff = 10.0};
 

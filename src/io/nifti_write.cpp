@@ -146,7 +146,8 @@ class HeaderBytes {
   }
   // Cut to leave a zero at the end.
   void put_text(std::size_t offset, std::size_t size, std::string_view text) {
-    std::memcpy(bytes_.data() + offset, text.data(), std::min(size - 1, text.size()));
+    text = text.substr(0, size - 1);
+    if (!text.empty()) std::memcpy(bytes_.data() + offset, text.data(), text.size());
   }
 
   const std::vector<std::byte>& bytes() const { return bytes_; }

@@ -486,5 +486,21 @@ TEST(ColorMap, AnUnknownNameListsTheKnownOnes) {
   }
 }
 
+// A quotient of value and width beyond the range of double must not make the curves NaN.
+TEST(ValueScale, SymmetricLogarithmsOfExtremesAreFinite) {
+  TransferFunction tf;
+  tf.scale = ValueScale::kSymlog;
+  tf.linear_width = 1e-300;
+  tf.opacities = {{-1e308, 0}, {5, 1}};
+  double before = 0;
+  for (const double value : {-1e308, -5e307, -1.0, 0.0, 1.0, 5.0}) {
+    const double opacity = tf.opacity_at(value);
+    EXPECT_GE(opacity, before) << value;
+    EXPECT_LE(opacity, 1.0) << value;
+    before = opacity;
+  }
+  EXPECT_EQ(before, 1.0);
+}
+
 }  // namespace
 }  // namespace ovoid

@@ -11,6 +11,13 @@
 
 namespace ovoid::view {
 
+// log10(1 + magnitude / width), also where the quotient is beyond the range of double.
+inline double symmetric_logarithm(double magnitude, double width) {
+  const double quotient = magnitude / width;
+  if (std::isfinite(quotient)) return std::log1p(quotient) * std::numbers::log10e;
+  return std::log10(magnitude) - std::log10(width);
+}
+
 // g(value): the value (kLinear), log10(value) (kLog), sign(value) log10(1 + |value| / linear_width)
 // (kSymlog; `linear_width` > 0 is used there alone). Rises with the value. Under kLog values <= 0
 // lie below everything: -infinity. NaN gives NaN.
@@ -22,8 +29,7 @@ inline double along(ValueScale scale, double linear_width, double value) {
       if (value <= 0.0) return -std::numeric_limits<double>::infinity();
       return std::log10(value);
     case ValueScale::kSymlog:
-      return std::copysign(std::log1p(std::abs(value) / linear_width) * std::numbers::log10e,
-                           value);
+      return std::copysign(symmetric_logarithm(std::abs(value), linear_width), value);
   }
   return value;
 }

@@ -39,7 +39,7 @@ struct Described {
 Described describe(const Dataset& dataset, const std::string& array, int component);
 
 // Draws the marks; an x-ray has been mapped to the colours of `look`.
-void draw_annotations(Image& image, const AnnotationFlags& flags, const Described& data,
+void draw_annotations(Image& image, const AnnotationFlags& flags, const Described& described,
                       const Camera& camera, const Look& look, const double* background);
 
 }  // namespace ovoid::cli

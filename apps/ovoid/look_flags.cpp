@@ -326,16 +326,16 @@ Look base_look(const LookFlags& flags, const Field& field, const std::string& un
                Session& session) {
   const ValueRange range = field.value_range();
   Look look = uses_default_look(flags) ? default_look(field, unit) : ramp_look(range);
-  TransferFunction& tf = look.transfer_function;
-  if (flags.mode == Mode::kMaximum || flags.mode == Mode::kMean) make_opaque(tf);
+  if (flags.mode == Mode::kMaximum || flags.mode == Mode::kMean)
+    make_opaque(look.transfer_function);
   if (!flags.preset.empty()) look = look_preset(flags.preset, range);
   if (!flags.file.empty()) {
     Look file = read_look(flags.file, flags.file_name);
-    complete(file.transfer_function, std::move(tf), flags, session);
+    complete(file.transfer_function, look.transfer_function, flags, session);
     look = std::move(file);
   }
   if (has_own_span(flags) && !flags.range && flags.mode != Mode::kXray) {
-    note_disjoint_span(tf, flags, range, session);
+    note_disjoint_span(look.transfer_function, flags, range, session);
   }
   return look;
 }

@@ -62,7 +62,7 @@ void Ink::add(Vec2 lo, Vec2 hi, double radius, const Distance& distance) {
       const Vec2 most = (hi - corner).cwiseMin(kTile - 1.0);
       for (int y = static_cast<int>(least.y()); y <= most.y(); ++y) {
         for (int x = static_cast<int>(least.x()); x <= most.x(); ++x) {
-          float& kept = (*tile)[static_cast<std::size_t>(y * kTile + x)];
+          float& kept = (*tile)[static_cast<std::size_t>(y) * kTile + static_cast<std::size_t>(x)];
           const Vec2 pixel = corner + Vec2(x + 0.5, y + 0.5);
           kept = std::min(kept, static_cast<float>(distance(pixel)));
         }

@@ -381,7 +381,7 @@ bool has_pixels(const std::string& path) {
 
 Dataset read_dicom(const ByteSource& source, const ReadOptions& options) {
   // Shared without an owner: the caller keeps it alive.
-  const SharedSource borrowed(SharedSource(), &source);
+  SharedSource borrowed(SharedSource(), &source);
   return DicomReader(
              source.name(), [&](const std::string&) { return borrowed; }, options)
       .run({source.name()});

@@ -48,7 +48,7 @@ GridColor grid_color(int index) {
 }
 
 GridColor nearest(const Rgb& rgb) {
-  const auto rounded = [](double v) { return static_cast<int>(v * (kSide - 1) + 0.5); };
+  const auto rounded = [](double v) { return static_cast<int>(std::lround(v * (kSide - 1))); };
   return {rounded(rgb[0]), rounded(rgb[1]), rounded(rgb[2])};
 }
 

@@ -140,7 +140,9 @@ void TransferFunction::map_range(double new_lo, double new_hi, ValueScale new_sc
       scale == new_scale && (scale != ValueScale::kSymlog || linear_width == new_linear_width);
   if (old_lo == new_lo && old_hi == new_hi && is_same_scale) return;
 
-  const TransferFunction old{.scale = scale, .linear_width = linear_width};
+  TransferFunction old;
+  old.scale = scale;
+  old.linear_width = linear_width;
   const double from = view::along(new_scale, new_linear_width, new_lo);
   const double to = view::along(new_scale, new_linear_width, new_hi);
   // Monotonic and exact at both ends: steps stay steps, and the ends land on the range.

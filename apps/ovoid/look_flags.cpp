@@ -113,15 +113,6 @@ std::vector<OpacityPoint> parse_gradient_opacities(const std::string& text) {
   return points;
 }
 
-Rgb parse_rgb(const std::string& text) {
-  const std::vector<double> rgb = parse_numbers(text, 3);
-  if (*std::min_element(rgb.begin(), rgb.end()) < 0 ||
-      *std::max_element(rgb.begin(), rgb.end()) > 1) {
-    throw BadValue("expected three numbers in [0, 1]");
-  }
-  return {rgb[0], rgb[1], rgb[2]};
-}
-
 // "W,L": the values from L - W/2 to L + W/2.
 std::pair<double, double> parse_window(const std::string& text) {
   const std::vector<double> numbers = parse_numbers(text, 2);
@@ -431,9 +422,7 @@ void check_look_flags(const Flags& flags, const LookFlags& look) {
   if (is_surface && !flags.is_given("--iso")) throw UsageError("--mode isosurface: needs --iso V");
   if (!is_surface && flags.is_given("--iso")) throw UsageError("--iso: needs --mode isosurface");
   check_spread_flags(flags, look);
-  if (flags.is_given("--shade") && flags.is_given("--no-shade")) {
-    throw UsageError("--no-shade: contradicts --shade");
-  }
+  contradict(flags, "--no-shade", "--shade");
   const std::string mode = fmt::format("--mode {}", name_of_mode(look.mode));
   const char* const light =
       flags.first_given({"--ambient", "--diffuse", "--specular", "--specular-power", "--light"});

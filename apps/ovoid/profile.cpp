@@ -23,8 +23,10 @@ Spread spread(std::vector<double> values) {
   return {at(0), at(0.25), at(0.5), at(0.75), at(1)};
 }
 
+namespace {
+
 // A row of the system's table about this process, which is in KiB; 0 if there is none.
-static std::int64_t status_bytes(const char* name) {
+std::int64_t status_bytes(const char* name) {
   std::ifstream status("/proc/self/status");
   for (std::string word; status >> word;) {
     if (word != name) continue;
@@ -34,6 +36,8 @@ static std::int64_t status_bytes(const char* name) {
   }
   return 0;
 }
+
+}  // namespace
 
 Json counts_json(const FrameProfile& frame) {
   Json json;

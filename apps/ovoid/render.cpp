@@ -59,12 +59,11 @@ void add_picture_flags(Flags& flags, RenderFlags* render) {
               "colour behind a PNG, each in [0, 1] (default none: transparent)",
               [render](const std::string& text) {
                 if (text == "none") return;
-                const std::vector<double> rgb = parse_numbers(text, 3);
-                if (*std::min_element(rgb.begin(), rgb.end()) < 0 ||
-                    *std::max_element(rgb.begin(), rgb.end()) > 1) {
-                  throw BadValue("expected three numbers in [0, 1], or none");
+                try {
+                  render->background = parse_rgb(text);
+                } catch (const BadValue& bad) {
+                  throw BadValue(fmt::format("{}, or none", bad.what()));
                 }
-                render->background = {rgb[0], rgb[1], rgb[2]};
               });
 }
 

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -98,6 +99,13 @@ std::vector<double> parse_numbers(const std::string& text, std::size_t count) {
     throw BadValue(fmt::format("expected {} numbers, separated by commas", count));
   }
   return numbers;
+}
+
+Rgb parse_rgb(const std::string& text) {
+  const std::vector<double> rgb = parse_numbers(text, 3);
+  const auto [least, greatest] = std::minmax_element(rgb.begin(), rgb.end());
+  if (*least < 0 || *greatest > 1) throw BadValue("expected three numbers in [0, 1]");
+  return {rgb[0], rgb[1], rgb[2]};
 }
 
 Vec3 parse_vec3(const std::string& text) {

@@ -2,11 +2,11 @@
 // For tests and fuzzing: DICOM files, written element by element. Knows nothing of the reader.
 #pragma once
 
-#include <zlib.h>
-
 #include <cstdint>
 #include <string>
 #include <vector>
+
+#include "io/test_deflate.h"
 
 namespace ovoid::io {
 
@@ -100,21 +100,6 @@ inline std::string dicom_file(const std::string& uid, const std::string& data_se
   return std::string(128, '\0') + "DICM" + meta.bytes() + rest.bytes() + data_set;
 }
 
-// Without zlib's header.
-inline std::string bare_deflate(const std::string& data) {
-  std::string out(data.size() + 1000, '\0');
-  z_stream stream{};
-  deflateInit2(&stream, 9, Z_DEFLATED, -15, 8, Z_DEFAULT_STRATEGY);
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(data.data()));
-  stream.avail_in = static_cast<uInt>(data.size());
-  stream.next_out = reinterpret_cast<Bytef*>(out.data());
-  stream.avail_out = static_cast<uInt>(out.size());
-  deflate(&stream, Z_FINISH);
-  out.resize(stream.total_out);
-  deflateEnd(&stream);
-  return out;
-}
-
 // One CT slice of 3 x 2 samples of 16 bits; empty texts are left out.
 struct TestSlice {
   std::string uid = kExplicitUid;  // transfer syntax
@@ -189,7 +174,7 @@ inline std::string data_set_of(const TestSlice& slice) {
 
 inline std::string dicom_slice(const TestSlice& slice) {
   const std::string data_set = data_set_of(slice);
-  return dicom_file(slice.uid, slice.uid == kDeflatedUid ? bare_deflate(data_set) : data_set);
+  return dicom_file(slice.uid, slice.uid == kDeflatedUid ? deflated(data_set, -15) : data_set);
 }
 
 // Items of encapsulated pixel data: a table of offsets, fragments, the delimiter.

@@ -81,29 +81,6 @@ std::int64_t one_in(std::int64_t count) {
   return std::max<std::int64_t>(1, (count + kWantedSamples - 1) / kWantedSamples);
 }
 
-// Length of the central difference in the world, one-sided where a neighbour does not exist.
-double gradient_length(SampleReader& reader, const Mat3& index_from_world, const Index3& index,
-                       float value) {
-  Vec3 slope = Vec3::Zero();
-  for (std::size_t a = 0; a < 3; ++a) {
-    Index3 before = index;
-    Index3 behind = index;
-    --before[a];
-    ++behind[a];
-    const float lo = reader.at(before);
-    const float hi = reader.at(behind);
-    const auto axis = static_cast<Eigen::Index>(a);
-    if (!std::isnan(lo) && !std::isnan(hi)) {
-      slope[axis] = 0.5 * (static_cast<double>(hi) - lo);
-    } else if (!std::isnan(hi)) {
-      slope[axis] = static_cast<double>(hi) - value;
-    } else if (!std::isnan(lo)) {
-      slope[axis] = static_cast<double>(value) - lo;
-    }
-  }
-  return (index_from_world.transpose() * slope).norm();
-}
-
 void take_face_samples(SampleReader& reader, const Index3& dims, std::vector<float>& values) {
   const std::int64_t area = 2 * (dims[0] * dims[1] + dims[1] * dims[2] + dims[2] * dims[0]);
   const std::int64_t every = one_in(area);
@@ -126,7 +103,6 @@ void take_face_samples(SampleReader& reader, const Index3& dims, std::vector<flo
 
 FieldSamples take_samples(const LatticeField& field) {
   const LatticeGeometry& geometry = field.geometry();
-  const Mat3 index_from_world = geometry.world_from_index.linear().inverse();
   SampleReader reader(field.source());
   FieldSamples samples;
   std::int64_t num_pairs = 0;
@@ -136,15 +112,13 @@ FieldSamples take_samples(const LatticeField& field) {
                const float value = reader.at(index);
                if (std::isnan(value)) return;
                samples.values.push_back(value);
-               samples.gradients.push_back(
-                   static_cast<float>(gradient_length(reader, index_from_world, index, value)));
                const float next = reader.at({index[0] + 1, index[1], index[2]});
                if (std::isnan(next)) return;
                ++num_pairs;
                if (next == value) ++num_equal;
              });
   take_face_samples(reader, geometry.dims, samples.on_faces);
-  for (std::vector<float>* list : {&samples.values, &samples.on_faces, &samples.gradients})
+  for (std::vector<float>* list : {&samples.values, &samples.on_faces})
     std::sort(list->begin(), list->end());
   samples.share_of_equals =
       num_pairs > 0 ? static_cast<double>(num_equal) / static_cast<double>(num_pairs) : 0.0;

@@ -14,10 +14,9 @@ namespace ovoid::view {
 // Values as the field has them (scaled), missing ones left out. The same field gives the same
 // samples.
 struct FieldSamples {
-  std::vector<float> values;     // rising
-  std::vector<float> on_faces;   // rising: the part of them that lies on the lattice's outer faces
-  std::vector<float> gradients;  // rising: lengths of central differences, value per world length
-  double share_of_equals = 0;    // of neighbours along x that exist: those with the same value
+  std::vector<float> values;    // rising
+  std::vector<float> on_faces;  // rising: the part of them that lies on the lattice's outer faces
+  double share_of_equals = 0;   // of neighbours along x that exist: those with the same value
 };
 
 // At most about kWantedSamples of the lattice's and as many of its faces'. Cost: some ten

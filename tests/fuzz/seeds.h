@@ -14,25 +14,13 @@
 #include <vector>
 
 #include "io/npy.h"
+#include "io/test_deflate.h"
 #include "io/test_dicom.h"
 #include "io/test_dicom_streams.h"
 
 namespace ovoid::fuzz {
 
-// zlib's own container for 15 window bits, gzip's for 16 more.
-inline std::string deflated(const std::string& data, int window_bits) {
-  std::string out(data.size() + 1000, '\0');
-  z_stream stream{};
-  deflateInit2(&stream, 9, Z_DEFLATED, window_bits, 8, Z_DEFAULT_STRATEGY);
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(data.data()));
-  stream.avail_in = static_cast<uInt>(data.size());
-  stream.next_out = reinterpret_cast<Bytef*>(out.data());
-  stream.avail_out = static_cast<uInt>(out.size());
-  deflate(&stream, Z_FINISH);
-  out.resize(stream.total_out);
-  deflateEnd(&stream);
-  return out;
-}
+using io::deflated;
 
 inline std::string gzip(const std::string& data) { return deflated(data, 15 + 16); }
 

@@ -50,12 +50,65 @@ enum class Space { kNone, kLps, kRas };
 
 const char* name_of(Space space) noexcept;  // "none", "LPS", "RAS"
 
-// What a file says, before any choice of kernels. A dataset is one lattice with its arrays. The
-// samples' order in memory is x fastest, then y, then z.
+// A cell's shape by its corners, whose order is VTK's. Quadratic and other curved cells are given
+// by their corners (their middle nodes are nodes like others, joined to the corners of their edge);
+// polyhedra, polygons and everything else are kOther: all nodes are taken for neighbours.
+enum class CellType : std::uint8_t {
+  kVertex,
+  kLine,
+  kTriangle,
+  kQuad,
+  kTetrahedron,
+  kHexahedron,
+  kVoxel,
+  kWedge,
+  kPyramid,
+  kQuadraticTetrahedron,
+  kQuadraticHexahedron,
+  kQuadraticWedge,
+  kQuadraticPyramid,
+  kTriQuadraticHexahedron,
+  kOther,
+};
+
+// What kind of thing a dataset is; it says which members hold positions.
+enum class DatasetKind {
+  kLattice,    // `lattice`: a sample at every lattice position
+  kMesh,       // `positions`, `cells`: nodes and the cells between them
+  kBoxes,      // `positions`, `box_sizes`: centres and edge lengths of axis-aligned cells (AMR)
+  kParticles,  // `positions`
+  kKernels,  // `positions` and the arrays "scale" (3 sigmas), "rotation" (quaternion w x y z) and,
+             // optionally, "weight": kernels as a file stored them
+};
+
+const char* name_of(
+    DatasetKind kind) noexcept;  // "lattice", "mesh", "boxes", "particles", "kernels"
+
+// The cells of a mesh. Either explicit: cell c has the nodes connectivity[offsets[c]] to
+// connectivity[offsets[c + 1] - 1], in VTK's order for its type. Or structured: `dims` nodes along
+// i, j, k (i fastest) with hexahedra between them, and the vectors are empty.
+struct Cells {
+  std::vector<CellType> types;              // [num_cells]
+  std::vector<std::int64_t> offsets;        // [num_cells + 1], rising from 0
+  std::vector<std::uint32_t> connectivity;  // node numbers
+  Index3 dims{0, 0, 0};
+
+  bool is_structured() const noexcept { return dims[0] > 0; }
+  std::int64_t count() const noexcept;
+};
+
+// What a file says, before any choice of kernels: one lattice, mesh or set of points with its
+// arrays. A lattice's samples lie x fastest in memory, then y, then z; a mesh's arrays hold a tuple
+// per node, or per cell where `is_cell_data`; the others' a tuple per position.
 struct Dataset {
   std::string source;  // path as given, for messages
   std::string format;  // "NRRD", "VTI", ...
-  LatticeGeometry lattice;
+  DatasetKind kind = DatasetKind::kLattice;
+  LatticeGeometry lattice;              // kLattice only
+  DataArray positions;                  // [n, 3] float32 or float64, world units; not scaled
+  Cells cells;                          // kMesh only
+  DataArray box_sizes;                  // kBoxes only: [n, 3] float64, world units
+  std::optional<Bounds3> periodic_box;  // kParticles: opposite faces are the same place
   Space space = Space::kNone;
   std::vector<DataArray> arrays;
   std::vector<DatasetBlock> blocks;  // all volumes of the input; empty if it is one
@@ -64,6 +117,8 @@ struct Dataset {
   std::int64_t step = 0;             // the one that was read
   std::vector<double> times;         // time values of the steps; empty if the file names none
   std::vector<std::string> notes;    // what a reader assumed or found odd, one line each
+
+  std::int64_t num_positions() const noexcept { return positions.num_tuples; }
 
   // The array called `name`; empty name: the first that varies and is not a "vtk*" bookkeeping
   // array, else the first. Throws Error(kInvalidArgument) naming the arrays that exist. Cost of the

@@ -28,6 +28,8 @@ struct ReadOptions {
   std::string array;  // read only this one if the format allows; empty: all
   std::string block;  // which of several volumes (Dataset::blocks); empty: the largest
   std::optional<std::int64_t> step;  // which time step; none: the first whose samples vary
+  std::string positions;  // HDF5: the path of the positions, "/PartType1/Coordinates"; empty: found
+  std::vector<std::string> values;  // HDF5: paths of arrays; empty: those beside the positions
   std::function<void(double fraction)> progress;
   std::stop_token stop;
 };

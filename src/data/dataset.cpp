@@ -36,6 +36,30 @@ const char* name_of(Space space) noexcept {
   return "none";
 }
 
+const char* name_of(DatasetKind kind) noexcept {
+  switch (kind) {
+    case DatasetKind::kLattice:
+      return "lattice";
+    case DatasetKind::kMesh:
+      return "mesh";
+    case DatasetKind::kBoxes:
+      return "boxes";
+    case DatasetKind::kParticles:
+      return "particles";
+    case DatasetKind::kKernels:
+      return "kernels";
+  }
+  return "lattice";
+}
+
+std::int64_t Cells::count() const noexcept {
+  if (!is_structured()) return static_cast<std::int64_t>(types.size());
+  // A grid one node thick has flat cells.
+  std::int64_t cells = 1;
+  for (const std::int64_t n : dims) cells *= std::max<std::int64_t>(n - 1, 1);
+  return cells;
+}
+
 const DataArray& Dataset::array(const std::string& name) const {
   if (arrays.empty()) {
     throw Error(ErrorCode::kInvalidArgument, fmt::format("'{}': has no arrays", source));

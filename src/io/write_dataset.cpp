@@ -101,6 +101,10 @@ std::vector<std::string> files_written_for(const std::string& path) {
 
 void write_dataset(const Dataset& dataset, const std::string& path) {
   const Target target = target_of(path);
+  if (dataset.kind != DatasetKind::kLattice) {
+    throw Error(ErrorCode::kUnsupported,
+                fmt::format("{}: holds a lattice, the dataset is {}", path, name_of(dataset.kind)));
+  }
   if (dataset.arrays.empty())
     throw Error(ErrorCode::kInvalidArgument,
                 fmt::format("{}: the dataset has no array to write", path));

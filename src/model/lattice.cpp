@@ -73,6 +73,11 @@ Field make_lattice_field(const Dataset& dataset, const LatticeModelOptions& opti
   data::validate_kernel(options.kernel);
   const int threads = data::resolve_threads(options.threads);
   if (options.prefilter) model::require_interpolating(options.kernel);
+  if (dataset.kind != DatasetKind::kLattice) {
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("'{}': is no lattice but {}; make_kernel_field() takes it",
+                            dataset.source, name_of(dataset.kind)));
+  }
   const DataArray& array = dataset.array(options.array);
   const LatticeGeometry geometry = sample_geometry(dataset, array);
   validate_array(array, geometry);

@@ -128,13 +128,13 @@ Dataset load(const DataFlags& data, Session& session) {
   return dataset;
 }
 
-Field make_field(const Dataset& dataset, const DataFlags& data, LatticeModelOptions model,
-                 LatticeModelReport* report, Session& session) {
+LatticeField make_field(const Dataset& dataset, const DataFlags& data, LatticeModelOptions model,
+                        LatticeModelReport* report, Session& session) {
   model.array = data.array;
   model.component = data.component;
   LatticeModelReport own;
   LatticeModelReport& found = report != nullptr ? *report : own;
-  Field field = make_lattice_field(dataset, model, &found, session.stop());
+  LatticeField field = make_lattice_field(dataset, model, &found, session.stop());
   if (data.array.empty() && dataset.arrays.size() > 1) {
     std::string names;
     for (const DataArray& array : dataset.arrays) names += (names.empty() ? "" : ", ") + array.name;

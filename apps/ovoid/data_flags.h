@@ -37,7 +37,7 @@ void require_inputs(const Flags& flags, const DataFlags& data);
 Dataset load(const DataFlags& data, Session& session);
 
 // Chooses kernels; tells which array was chosen where there are several, and the model's notes.
-Field make_field(const Dataset& dataset, const DataFlags& data, LatticeModelOptions model,
-                 LatticeModelReport* report, Session& session);
+LatticeField make_field(const Dataset& dataset, const DataFlags& data, LatticeModelOptions model,
+                        LatticeModelReport* report, Session& session);
 
 }  // namespace ovoid::cli

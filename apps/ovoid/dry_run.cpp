@@ -77,8 +77,7 @@ std::string predict(const DryRun& run, Session& session) {
   row("kernels", fmt::format("{}, {} of them where something can show",
                              readable_count(static_cast<double>(profile.kernels_total)),
                              readable_count(static_cast<double>(profile.kernels_drawn))));
-  row("memory of the field",
-      readable_bytes(static_cast<double>(run.field.source().resident_bytes())));
+  row("memory of the field", readable_bytes(static_cast<double>(run.field.resident_bytes())));
   row("sampling distance", fmt::format("{:.6g}", run.options.sampling_distance > 0
                                                      ? run.options.sampling_distance
                                                      : run.field.default_sampling_distance()));

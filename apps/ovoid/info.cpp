@@ -131,7 +131,7 @@ Json lattice_json(const LatticeGeometry& lattice) {
   return json;
 }
 
-Json field_json(const Field& field, const LatticeModelReport& report) {
+Json field_json(const LatticeField& field, const LatticeModelReport& report) {
   Json json;
   json["array"] = report.array;
   json["num_kernels"] = field.num_kernels();
@@ -170,7 +170,7 @@ Json gather(const DataFlags& data, const LatticeModelOptions& model, Session& se
     return json;
   }
   LatticeModelReport report;
-  const Field field = make_field(dataset, data, model, &report, session);
+  const LatticeField field = make_field(dataset, data, model, &report, session);
   json["field"] = field_json(field, report);
   return json;
 }

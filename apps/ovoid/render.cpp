@@ -241,7 +241,7 @@ void run_render(const Words& words, Session& session) {
   const Stopwatch modelling;
   render.model.threads = render.run.threads;
   LatticeModelReport report;
-  Field field = make_field(dataset, render.data, render.model, &report, session);
+  LatticeField field = make_field(dataset, render.data, render.model, &report, session);
   if (!flags.is_given("--kernel") && may_be_labels(render.look) && holds_labels(field)) {
     session.note(
         "the values look like labels: drawn with narrow kernels and a colour for each "

@@ -17,7 +17,7 @@ constexpr double kFineSheets = 16;
 
 struct Subject {
   std::string name;
-  Field field;
+  LatticeField field;
   Look look;
 };
 

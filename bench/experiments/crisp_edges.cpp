@@ -48,7 +48,7 @@ Image draw_post(double zoom, int pixels) {
   RenderOptions options;
   options.width = pixels;
   options.height = pixels;
-  const Field field = field_of(dataset_of({kSize, kSize, kSize}, &box), default_choice());
+  const LatticeField field = field_of(dataset_of({kSize, kSize, kSize}, &box), default_choice());
   return Renderer(Backend::kCpu).render(field, camera, look, options).image;
 }
 

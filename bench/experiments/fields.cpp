@@ -27,7 +27,7 @@ KernelChoice normalized_choice(double sigma, double reach, bool prefilter) {
           prefilter};
 }
 
-Field field_of(const Dataset& dataset, const KernelChoice& choice) {
+LatticeField field_of(const Dataset& dataset, const KernelChoice& choice) {
   LatticeModelOptions options;
   options.kernel = choice.kernel;
   options.reconstruction = choice.reconstruction;

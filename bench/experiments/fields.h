@@ -27,7 +27,7 @@ KernelChoice published_choice();
 // A normalized field whose kernels reach `reach` spacings; with reach 2, four samples per axis.
 KernelChoice normalized_choice(double sigma, double reach, bool prefilter);
 
-Field field_of(const Dataset& dataset, const KernelChoice& choice);
+LatticeField field_of(const Dataset& dataset, const KernelChoice& choice);
 
 // A float32 dataset of `dims` samples by formula, sample (i, j, k) at world position (i, j, k).
 using SampleFunction = std::function<double(std::int64_t i, std::int64_t j, std::int64_t k)>;

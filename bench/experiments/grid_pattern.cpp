@@ -58,7 +58,7 @@ double brightness(SmoothSurface surface, double x, double y) {
 }  // namespace
 
 GridPattern measure_grid_pattern(const KernelChoice& choice, const GridPatternOptions& options) {
-  const Field field = field_of(dataset_with(options.surface), choice);
+  const LatticeField field = field_of(dataset_with(options.surface), choice);
   Camera camera;
   camera.position = {0, 0, 100};
   camera.focal_point = Vec3::Zero();

@@ -23,7 +23,7 @@ Look skin_and_bone() {
   return look;
 }
 
-Camera three_quarter_view(const Field& field) {
+Camera three_quarter_view(const LatticeField& field) {
   Camera camera = default_camera(field.world_bounds(), Space::kLps);
   camera.azimuth(35);
   camera.elevation(15);
@@ -36,7 +36,7 @@ struct TimedFrame {
 };
 
 // The same frame several times; returns the cheapest.
-TimedFrame best_of(Renderer& renderer, const Field& field, const Look& look,
+TimedFrame best_of(Renderer& renderer, const LatticeField& field, const Look& look,
                    const RenderOptions& options) {
   const Camera camera = three_quarter_view(field);
   TimedFrame best{{}, std::numeric_limits<double>::infinity()};
@@ -59,7 +59,7 @@ RenderOptions square(int pixels) {
 }  // namespace
 
 std::vector<PictureCost> measure_picture_cost(std::int64_t size, int pixels) {
-  const Field field = field_of(make_sample("head", {{size, size, size}}), default_choice());
+  const LatticeField field = field_of(make_sample("head", {{size, size, size}}), default_choice());
   const Look look = skin_and_bone();
   const double spacing = field.default_sampling_distance();
   Renderer renderer(Backend::kCpu);
@@ -93,7 +93,7 @@ std::vector<double> measure_kernel_cost(const std::vector<KernelChoice>& choices
   Renderer renderer(Backend::kCpu);
   std::vector<double> times;
   for (const KernelChoice& choice : choices) {
-    const Field field = field_of(head, choice);
+    const LatticeField field = field_of(head, choice);
     times.push_back(best_of(renderer, field, skin_and_bone(), square(pixels)).cpu_ms);
   }
   const double first = times.front();

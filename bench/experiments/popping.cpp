@@ -65,7 +65,7 @@ Turn turn_control(Sheets sheets, const TurnOptions& options) {
 }
 
 Turn turn_renderer(const TurnOptions& options) {
-  const Field field = field_of(signal(options), default_choice());
+  const LatticeField field = field_of(signal(options), default_choice());
   Look look;
   look.transfer_function = haze();
   RenderOptions render;

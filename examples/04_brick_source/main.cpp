@@ -90,7 +90,8 @@ class Gyroid final : public ovoid::BrickSource {
 
 int main(int argc, char** argv) try {
   if (argc != 2) return std::fprintf(stderr, "usage: %s PICTURE\n", argv[0]), 2;
-  const ovoid::Field field(std::make_shared<Gyroid>(), {}, ovoid::Reconstruction::kNormalized);
+  const ovoid::LatticeField field(std::make_shared<Gyroid>(), {},
+                                  ovoid::Reconstruction::kNormalized);
   auto camera = ovoid::default_camera(field.world_bounds());
   camera.azimuth(30);
   camera.elevation(25);

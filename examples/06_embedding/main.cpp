@@ -16,7 +16,8 @@ namespace {
 // A frame on a thread of its own.
 class BackgroundFrame {
  public:
-  BackgroundFrame(const ovoid::Field& field, const ovoid::Camera& camera, const ovoid::Look& look) {
+  BackgroundFrame(const ovoid::LatticeField& field, const ovoid::Camera& camera,
+                  const ovoid::Look& look) {
     thread_ = std::jthread([this, field, camera, look](const std::stop_token& stop) {
       ovoid::RenderHooks hooks;
       hooks.stop = stop;

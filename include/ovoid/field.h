@@ -5,18 +5,14 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
+#include <variant>
 
+#include "ovoid/kernel_field.h"
 #include "ovoid/kernels.h"
 #include "ovoid/lattice.h"
 
 namespace ovoid {
-
-// Least and greatest value; empty (lo > hi) when there is no sample.
-struct ValueRange {
-  float lo = 1.0F;
-  float hi = -1.0F;
-  bool is_empty() const noexcept { return lo > hi; }
-};
 
 // Samples of a lattice somewhere in memory, as acquired from a brick source: sample (i, j, k) of
 // the lattice, for lo <= (i, j, k) < hi, is at data + ((i - lo.x) + (j - lo.y) * stride_y + (k -
@@ -102,7 +98,30 @@ class LatticeField {
   std::uint64_t version_ = 0;
 };
 
-// The kinds of field a renderer takes; lattices today, kernel sets beside them later.
-using Field = LatticeField;
+// What a renderer takes: a lattice field or a kernel field. A value type, made from either.
+class Field {
+ public:
+  Field() = default;
+  Field(LatticeField field) : kind_(std::move(field)) {}  // NOLINT(google-explicit-constructor)
+  Field(KernelField field) : kind_(std::move(field)) {}   // NOLINT(google-explicit-constructor)
+
+  // The field if it is of that kind, else null.
+  const LatticeField* lattice() const noexcept { return std::get_if<LatticeField>(&kind_); }
+  const KernelField* kernels() const noexcept { return std::get_if<KernelField>(&kind_); }
+
+  // What both kinds have, as their own members say.
+  std::int64_t num_kernels() const noexcept;
+  Bounds3 world_bounds() const;
+  ValueRange value_range() const noexcept;
+  ValueRange color_range() const noexcept;  // of a lattice: value_range()
+  Reconstruction reconstruction() const noexcept;
+  double default_sampling_distance() const noexcept;
+  std::size_t resident_bytes() const noexcept;
+  std::uint64_t id() const noexcept;
+  std::uint64_t version() const noexcept;
+
+ private:
+  std::variant<LatticeField, KernelField> kind_;
+};
 
 }  // namespace ovoid

@@ -3,6 +3,13 @@
 
 namespace ovoid {
 
+// Least and greatest value; empty (lo > hi) when there is no sample.
+struct ValueRange {
+  float lo = 1.0F;
+  float hi = -1.0F;
+  bool is_empty() const noexcept { return lo > hi; }
+};
+
 // The shared kernel of a lattice: phi(d) = exp(-1/2 sum_a (d_a / sigma)^2), d in lattice axes and
 // in spacings of each axis. Its support is the BOX |d_a| <= cutoff * sigma. With the defaults that
 // is exp(-2 r^2) cut at two spacings: four samples reach any position along each axis. Source:

@@ -26,6 +26,10 @@ struct Material {
 // Everything about appearance: classification, light, mode.
 struct Look {
   TransferFunction transfer_function;
+  // For fields whose colour comes from an attribute of its own (KernelField::has_own_color()): its
+  // colours, over that attribute's values, stand for the transfer function's. None: the transfer
+  // function's own colours, at that attribute's values.
+  std::optional<TransferFunction> color_function;
   Mode mode = Mode::kComposite;
   double isovalue = 0.0;  // for kIsosurface
   bool shade = true;      // composite and isosurface only

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -40,8 +43,66 @@ struct LatticeModelReport {
 // beyond float32's range are missing. Throws Error: unknown array, component or type, kernel out of
 // range, `prefilter` with a kernel whose samples cannot be interpolated. Cost: one pass for the
 // value ranges; with `prefilter` three more, one per axis [METHOD 7.3.2: separable banded solve].
-Field make_lattice_field(const Dataset& dataset, const LatticeModelOptions& options = {},
-                         LatticeModelReport* report = nullptr, std::stop_token stop = {});
+LatticeField make_lattice_field(const Dataset& dataset, const LatticeModelOptions& options = {},
+                                LatticeModelReport* report = nullptr, std::stop_token stop = {});
+
+// How the neighbourhood of a node is found that shapes its kernel.
+enum class Neighborhood {
+  kEdges,    // the mesh's own edges (cell data: cells that share a face)
+  kVoronoi,  // Voronoi cells of the nodes; for boxes and scattered points
+};
+
+// How meshes, boxes, particles and stored kernels become kernels (docs/kernels.md).
+struct KernelModelOptions {
+  std::string array;        // gives opacity and surfaces; empty: Dataset::array()'s default
+  std::string color_array;  // gives colour; empty: the same
+  int component = 0;        // of both arrays' tuples; LatticeModelOptions::kMagnitude: the norm
+  std::optional<Reconstruction> reconstruction;  // none: sum for densities, else normalized
+  std::optional<double> cutoff;  // sigmas; none: 4 for stored kernels and particles, 3.5 for meshes
+  int threads = 0;               // 0: one per hardware thread
+
+  // Meshes
+  Neighborhood neighborhood = Neighborhood::kEdges;
+  int amplitude_passes = 3;  // w /= F^0.7 at the centres, F the sum of weights [METHOD 7.2.2]
+
+  // Particles
+  bool is_density = false;   // the field is mass per volume of `mass_array`, not an attribute
+  std::string radius_array;  // smoothing lengths h, support 2 h; empty: one that is called like one
+                             // (h, hsml, SmoothingLength, smoothing_length), else from neighbours
+  std::string mass_array;    // empty: one that is called like one (m, mass, Masses), else `mass`
+  std::optional<double> mass;  // of every particle; none: 1
+  int neighbors = 32;          // particles within 2 h where h comes from neighbours, 4 to 512
+  bool anisotropic = false;    // ellipsoids from the covariance of the neighbours
+  KernelProfile profile = KernelProfile::kGaussian;
+};
+
+// What the model stage found; reported by `ovoid info` and in notes.
+struct KernelModelReport {
+  std::string array, color_array;
+  std::int64_t num_sites = 0;      // nodes, cells or particles of the dataset
+  std::int64_t num_kernels = 0;    // that became kernels
+  std::int64_t num_missing = 0;    // value NaN or infinite: no kernel
+  std::int64_t num_misplaced = 0;  // position NaN or infinite: no kernel
+  std::int64_t num_merged = 0;  // nodes at the same place as another, whose kernel stands for both
+  std::int64_t num_dangling = 0;    // nodes of no cell: no kernel
+  std::int64_t num_degenerate = 0;  // shapes that had to be made thicker to be ellipsoids at all
+  // Quantiles 0, 0.05, 0.5, 0.95, 1.
+  std::array<double, 5> spacings{};     // twice the geometric mean of the sigmas, world units
+  std::array<double, 5> axis_ratios{};  // greatest over smallest sigma
+  // Sum of weights (the reproduction of f = 1) at the kernels' centres, of those inside only where
+  // that is known.
+  double constant_mean = 0, constant_deviation = 0;
+  bool is_normalized = true;  // as reconstructed
+  std::size_t resident_bytes = 0;
+  std::vector<std::string> notes;
+};
+
+// Chooses kernels for a mesh, boxes, particles or stored kernels: an ellipsoid per node or cell, a
+// ball or ellipsoid per particle. Throws Error: unknown array or component, a dataset without
+// positions, cells or finite values, radii that are not positive, arrays of wrong length; names
+// array and index. kCancelled. Cost: for meshes some microseconds per node.
+KernelField make_kernel_field(const Dataset& dataset, const KernelModelOptions& options = {},
+                              KernelModelReport* report = nullptr, std::stop_token stop = {});
 
 // Sample data by formula (`ovoid make`). Each is a dataset with one float32 array, centred on the
 // origin.

@@ -16,6 +16,7 @@
 #include "ovoid/field.h"
 #include "ovoid/image.h"
 #include "ovoid/io.h"
+#include "ovoid/kernel_field.h"
 #include "ovoid/kernels.h"
 #include "ovoid/lattice.h"
 #include "ovoid/look.h"

@@ -68,8 +68,8 @@ std::string note_on_missing(const DataArray& array, std::int64_t num_missing) {
 
 }  // namespace
 
-Field make_lattice_field(const Dataset& dataset, const LatticeModelOptions& options,
-                         LatticeModelReport* report, std::stop_token stop) {
+LatticeField make_lattice_field(const Dataset& dataset, const LatticeModelOptions& options,
+                                LatticeModelReport* report, std::stop_token stop) {
   data::validate_kernel(options.kernel);
   const int threads = data::resolve_threads(options.threads);
   if (options.prefilter) model::require_interpolating(options.kernel);
@@ -102,7 +102,7 @@ Field make_lattice_field(const Dataset& dataset, const LatticeModelOptions& opti
                        geometry.dims, {options.kernel, options.reconstruction, threads, stop});
       lattice = in_bricks();
     }
-    Field field(lattice, options.kernel, options.reconstruction, value_range);
+    LatticeField field(lattice, options.kernel, options.reconstruction, value_range);
     if (report != nullptr) {
       *report = {array.name,
                  lattice->num_missing(),

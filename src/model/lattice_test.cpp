@@ -38,7 +38,7 @@ Dataset dataset_of(DataArray array, const Index3& dims) {
 }
 
 // The samples of a field, as float32.
-std::vector<float> samples_of(const Field& field) {
+std::vector<float> samples_of(const LatticeField& field) {
   const BrickView view = field.source().acquire(0, 0, 0, 0.0);
   EXPECT_EQ(view.type, ScalarType::kFloat32);
   const auto* data = static_cast<const float*>(view.data);
@@ -65,7 +65,7 @@ TEST(MakeLatticeField, AppliesTheScaleOfTheArray) {
   const std::vector<std::int16_t> stored{0, 1, 2, 3, 4, 5};
   // Samples that can be shown stay as they are, with the scale beside them.
   const Dataset shorts = scaled(array_of<std::int16_t>(ScalarType::kInt16, stored));
-  const Field field = make_lattice_field(shorts);
+  const LatticeField field = make_lattice_field(shorts);
   EXPECT_EQ(field.source().acquire(0, 0, 0, 0.0).data, shorts.arrays[0].bytes.view.data());
   EXPECT_EQ(field.source().value_scale(), -2);
   EXPECT_EQ(field.source().value_offset(), 10);
@@ -73,7 +73,7 @@ TEST(MakeLatticeField, AppliesTheScaleOfTheArray) {
   EXPECT_EQ(field.value_range().hi, 10);
   // Those that become float32 are values then.
   const Dataset doubles = scaled(array_of<double>(ScalarType::kFloat64, {0, 1, 2, 3, 4, 5}));
-  const Field converted = make_lattice_field(doubles);
+  const LatticeField converted = make_lattice_field(doubles);
   const double scale = converted.source().value_scale();
   const double offset = converted.source().value_offset();
   EXPECT_EQ(samples_of(converted)[5] * scale + offset, 0);
@@ -84,7 +84,7 @@ TEST(MakeLatticeField, AppliesTheScaleOfTheArray) {
   norm.component = LatticeModelOptions::kMagnitude;
   const Dataset pairs =
       scaled(array_of<std::int16_t>(ScalarType::kInt16, {2, 1, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5}, 2));
-  const Field lengths = make_lattice_field(pairs, norm);
+  const LatticeField lengths = make_lattice_field(pairs, norm);
   EXPECT_EQ(lengths.source().value_scale(), 1);
   EXPECT_EQ(samples_of(lengths)[0], 10);
   EXPECT_EQ(samples_of(lengths)[1], 0);
@@ -101,8 +101,8 @@ TEST(MakeLatticeField, PrefiltersScaledSamples) {
   const Dataset plain = dataset_of(
       array_of<float>(ScalarType::kFloat32, {-3, -2.5F, -0.5F, -1.5F, -1, -2, 1.5F, -2.5F}),
       {2, 2, 2});
-  const Field a = make_lattice_field(scaled, options);
-  const Field b = make_lattice_field(plain, options);
+  const LatticeField a = make_lattice_field(scaled, options);
+  const LatticeField b = make_lattice_field(plain, options);
   for (std::size_t i = 0; i < 8; ++i) {
     EXPECT_NEAR(samples_of(a)[i] * a.source().value_scale() + a.source().value_offset(),
                 samples_of(b)[i], 1e-5);
@@ -111,7 +111,7 @@ TEST(MakeLatticeField, PrefiltersScaledSamples) {
 
 // Fails if samples that can be shown are copied, or are let go with the dataset.
 TEST(MakeLatticeField, BorrowsWhatItCan) {
-  Field field;
+  LatticeField field;
   const void* stored = nullptr;
   {
     const Dataset dataset =
@@ -156,7 +156,7 @@ TEST(MakeLatticeField, OtherTypesBecomeFloat) {
 TEST(MakeLatticeField, CountsWhatIsMissing) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   LatticeModelReport report;
-  const Field field = make_lattice_field(
+  const LatticeField field = make_lattice_field(
       dataset_of(array_of<double>(ScalarType::kFloat64, {1e39, 1, nan, -1e300, 2, 3.5}), {6, 1, 1}),
       {}, &report);
   const std::vector<float> samples = samples_of(field);
@@ -185,7 +185,7 @@ TEST(MakeLatticeField, TakesAComponentOrTheMagnitude) {
   EXPECT_EQ(norms[2], 1e-30F);  // its square is no float
   EXPECT_FALSE(std::isfinite(norms[3]));
   // A component of bytes stays bytes.
-  const Field red = make_lattice_field(
+  const LatticeField red = make_lattice_field(
       dataset_of(array_of<std::uint8_t>(ScalarType::kUInt8, {1, 2, 3, 4, 5, 6}, 3), {2, 1, 1}));
   const BrickView view = red.source().acquire(0, 0, 0, 0.0);
   ASSERT_EQ(view.type, ScalarType::kUInt8);
@@ -199,14 +199,14 @@ TEST(MakeLatticeField, CellsHaveTheirOwnLattice) {
   Dataset dataset = dataset_of(cells, {4, 3, 1});
   dataset.lattice.world_from_index =
       Eigen::Translation3d(10, 20, 30) * Eigen::Scaling(2.0, 4.0, 8.0);
-  const Field field = make_lattice_field(dataset);
+  const LatticeField field = make_lattice_field(dataset);
   EXPECT_EQ(field.geometry().dims, (Index3{3, 2, 1}));
   EXPECT_EQ(Vec3(field.geometry().world_from_index * Vec3(0, 0, 0)), Vec3(11, 22, 30));
   EXPECT_EQ(Vec3(field.geometry().world_from_index * Vec3(2, 1, 0)), Vec3(15, 26, 30));
 }
 
 TEST(MakeLatticeField, DrawsOneVoxel) {
-  const Field field =
+  const LatticeField field =
       make_lattice_field(dataset_of(array_of<std::int8_t>(ScalarType::kInt8, {-7}), {1, 1, 1}));
   EXPECT_EQ(field.num_kernels(), 1);
   EXPECT_EQ(field.value_range().lo, -7);
@@ -221,7 +221,7 @@ TEST(MakeLatticeField, PrefilteredKeepsTheSamplesRange) {
   LatticeModelOptions options;
   options.prefilter = true;
   LatticeModelReport report;
-  const Field field = make_lattice_field(dataset, options, &report);
+  const LatticeField field = make_lattice_field(dataset, options, &report);
   EXPECT_EQ(field.value_range().lo, 0.0F);
   EXPECT_EQ(field.value_range().hi, 1.0F);
   EXPECT_LT(field.source().brick_range(4, 0, 0).lo, -0.1F);  // bounds are of coefficients

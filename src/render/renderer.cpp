@@ -33,10 +33,12 @@ Frame Renderer::render(const Field& field, const Camera& camera, const Look& loo
   camera.validate();
   look.validate();
   options.validate();
-  if (impl_->backend == Backend::kReference) {
-    return reference::render(field, camera, look, options, hooks, impl_->runner->num_workers());
-  }
-  return cpu::render(field, camera, look, options, hooks, *impl_->runner);
+  const bool is_reference = impl_->backend == Backend::kReference;
+  if (field.lattice() == nullptr)
+    throw Error(ErrorCode::kUnsupported, "field: kernel sets are not drawn by this version");
+  return is_reference ? reference::render(*field.lattice(), camera, look, options, hooks,
+                                          impl_->runner->num_workers())
+                      : cpu::render(*field.lattice(), camera, look, options, hooks, *impl_->runner);
 }
 
 std::vector<std::string> simd_targets() { return cpu::usable_simd_targets(); }

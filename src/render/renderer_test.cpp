@@ -77,7 +77,7 @@ TEST(Renderer, RefusesNegativeThreads) {
 
 // Fails if either back end draws before camera, look and options have been looked at.
 TEST(Renderer, ChecksItsArguments) {
-  const Field field = test::constant_field({2, 2, 2}, 1);
+  const LatticeField field = test::constant_field({2, 2, 2}, 1);
   const Camera camera = test::parallel_camera({0, 0, 0}, {0, 0, 1}, 1);
   const RenderOptions options = test::picture(4, 4);
   Camera flat = camera;
@@ -96,7 +96,7 @@ TEST(Renderer, ChecksItsArguments) {
 
 // Fails if kAuto draws with the reference, or a frame's profile names the wrong back end.
 TEST(Renderer, AutoIsTheCpu) {
-  const Field field = test::constant_field({2, 2, 2}, 1);
+  const LatticeField field = test::constant_field({2, 2, 2}, 1);
   const Camera camera = test::parallel_camera({0, 0, 0}, {0, 0, 1}, 1);
   const auto backend_of = [&](Backend backend) {
     return Renderer(backend, 1).render(field, camera, {}, test::picture(4, 4)).profile.backend;

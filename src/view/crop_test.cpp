@@ -121,7 +121,8 @@ TEST(Crop, RefusesWhatIsEmptyOrOutside) {
 // Fails if cropping changes the field near the cut, as copying a part would: there the kernels of
 // samples beyond it still count.
 TEST(Crop, TheFieldIsTheSameAsUncropped) {
-  const Field field = test::make_field({9, 9, 9}, [](auto i, auto, auto) { return i < 5 ? 0 : 1; });
+  const LatticeField field =
+      test::make_field({9, 9, 9}, [](auto i, auto, auto) { return i < 5 ? 0 : 1; });
   Camera camera;
   camera.position = Vec3(4, 4, 30);
   camera.focal_point = Vec3(4, 4, 4);

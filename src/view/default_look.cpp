@@ -38,8 +38,13 @@ double opacity_for_half_depth(double depth) { return 1.0 - std::pow(0.5, 1.0 / d
 struct Depths {
   double thin, solid;
 };
-Depths depths_of(const LatticeField& field) {
-  const double edge = std::cbrt(static_cast<double>(num_samples(field.geometry().dims)));
+Depths depths_of(const Field& field) {
+  const LatticeField* lattice = field.lattice();
+  const double num_cells =
+      lattice != nullptr
+          ? static_cast<double>(num_samples(lattice->geometry().dims))
+          : field.world_bounds().volume() / std::pow(field.default_sampling_distance(), 3);
+  const double edge = std::cbrt(num_cells);
   return {std::max(2.0, 0.05 * edge), std::max(0.5, 0.006 * edge)};
 }
 
@@ -240,7 +245,7 @@ void add_layers(std::vector<OpacityPoint>& points, double background, double sig
   at(std::min(layers.dense + slope, layers.end), solid);
 }
 
-std::optional<Look> object_look(const LatticeField& field, const FieldSamples& samples,
+std::optional<Look> object_look(const Field& field, const FieldSamples& samples,
                                 const Background& background) {
   std::vector<float> above;
   std::vector<float> below;
@@ -273,7 +278,7 @@ std::optional<Look> object_look(const LatticeField& field, const FieldSamples& s
 
 // --- what fills its box
 
-std::optional<Look> filled_look(const LatticeField& field, const FieldSamples& samples) {
+std::optional<Look> filled_look(const Field& field, const FieldSamples& samples) {
   const double lo = quantile(samples.values, 0.001);
   const double hi = quantile(samples.values, 0.999);
   if (!(lo < hi)) return std::nullopt;
@@ -295,7 +300,7 @@ std::optional<Look> filled_look(const LatticeField& field, const FieldSamples& s
   return look;
 }
 
-std::optional<Look> layered_look(const LatticeField& field, const FieldSamples& samples) {
+std::optional<Look> layered_look(const Field& field, const FieldSamples& samples) {
   if (const auto background = background_of(samples))
     return object_look(field, samples, *background);
   return filled_look(field, samples);
@@ -326,24 +331,47 @@ void raise_to_values(TransferFunction& tf) {
   for (OpacityPoint& point : tf.opacities) point.x = std::pow(10.0, point.x);
 }
 
-}  // namespace
-
-bool holds_labels(const Field& field) {
-  const FieldSamples samples = view::take_samples(field);
-  return !samples.values.empty() && !labels_of(field, samples).empty();
-}
-
-Look default_look(const Field& field, std::string_view unit) {
-  const FieldSamples samples = view::take_samples(field);
-  if (samples.values.size() < 16 || samples.values.front() == samples.values.back())
-    return ramp_look(field.value_range());
-  if (const std::vector<int> labels = labels_of(field, samples); !labels.empty())
-    return label_look(labels, samples);
-  if (is_in_hounsfield_units(samples, unit)) return hounsfield_look(field);
+// A look of samples that are neither labels nor scans.
+Look look_of_values(const Field& field, const FieldSamples& samples) {
   const bool is_logarithmic = asks_for_a_logarithm(samples);
   std::optional<Look> look = layered_look(field, is_logarithmic ? logarithms(samples) : samples);
   if (look && is_logarithmic) raise_to_values(look->transfer_function);
   return look ? *look : ramp_look(field.value_range());
+}
+
+bool says_nothing(const FieldSamples& samples) {
+  return samples.values.size() < 16 || samples.values.front() == samples.values.back();
+}
+
+Look look_of_lattice(const LatticeField& field, std::string_view unit) {
+  const FieldSamples samples = view::take_samples(field);
+  if (says_nothing(samples)) return ramp_look(field.value_range());
+  if (const std::vector<int> labels = labels_of(field, samples); !labels.empty())
+    return label_look(labels, samples);
+  if (is_in_hounsfield_units(samples, unit)) return hounsfield_look(field);
+  return look_of_values(field, samples);
+}
+
+// Where another attribute gives the colour, colours span its range.
+Look look_of_kernels(const KernelField& field) {
+  const FieldSamples samples = view::take_samples(field);
+  Look look =
+      says_nothing(samples) ? ramp_look(field.value_range()) : look_of_values(field, samples);
+  if (field.has_own_color()) look.color_function = ramp_look(field.color_range()).transfer_function;
+  return look;
+}
+
+}  // namespace
+
+bool holds_labels(const Field& field) {
+  if (field.lattice() == nullptr) return false;
+  const FieldSamples samples = view::take_samples(*field.lattice());
+  return !samples.values.empty() && !labels_of(*field.lattice(), samples).empty();
+}
+
+Look default_look(const Field& field, std::string_view unit) {
+  if (field.lattice() != nullptr) return look_of_lattice(*field.lattice(), unit);
+  return look_of_kernels(*field.kernels());
 }
 
 }  // namespace ovoid

@@ -29,7 +29,7 @@ double radius_at(std::int64_t i, std::int64_t j, std::int64_t k) {
 }
 
 // A dense core in a thin shell in a noisy background, as scans have them.
-Field scan(double noise, int seed = 1, double factor = 1.0) {
+LatticeField scan(double noise, int seed = 1, double factor = 1.0) {
   return test::make_field({kSide, kSide, kSide},
                           [=](std::int64_t i, std::int64_t j, std::int64_t k) {
                             const double r = radius_at(i, j, k);
@@ -148,7 +148,7 @@ TEST(DefaultLook, DensitiesOverDecadesGetALogarithm) {
   EXPECT_EQ(fading.transfer_function.scale, ValueScale::kLinear);
 }
 
-Field head_in_hounsfield_units() {
+LatticeField head_in_hounsfield_units() {
   return test::make_field(
       {kSide, kSide, kSide}, [](std::int64_t i, std::int64_t j, std::int64_t k) {
         const double r = radius_at(i, j, k);
@@ -170,7 +170,7 @@ TEST(DefaultLook, HounsfieldUnitsShowBoneThroughFaintTissue) {
             "CT in Hounsfield units");
 }
 
-Field labels(const std::vector<double>& values) {
+LatticeField labels(const std::vector<double>& values) {
   return test::make_field({kSide, kSide, kSide},
                           [&](std::int64_t i, std::int64_t j, std::int64_t k) {
                             if (radius_at(i, j, k) > 20) return values[0];
@@ -180,7 +180,7 @@ Field labels(const std::vector<double>& values) {
 }
 
 TEST(DefaultLook, LabelsGetAColourEach) {
-  const Field field = labels({0, 7, 2, 40});
+  const LatticeField field = labels({0, 7, 2, 40});
   EXPECT_TRUE(holds_labels(field));
   const Look look = default_look(field);
   EXPECT_EQ(opacity_at(look, 0), 0.0);
@@ -228,9 +228,10 @@ TEST(DefaultLook, TinyFieldsAreNoTrouble) {
 
 TEST(FieldSamples, AreSpreadOverAllOfAFieldAndLimited) {
   const Index3 dims{200, 150, 100};
-  const Field field = test::make_field(dims, [](std::int64_t i, std::int64_t j, std::int64_t k) {
-    return static_cast<double>(i + 200 * (j + 150 * k));
-  });
+  const LatticeField field =
+      test::make_field(dims, [](std::int64_t i, std::int64_t j, std::int64_t k) {
+        return static_cast<double>(i + 200 * (j + 150 * k));
+      });
   const view::FieldSamples samples = view::take_samples(field);
   EXPECT_NEAR(static_cast<double>(samples.values.size()), 3e6 / std::ceil(3e6 / (1 << 18)), 5000);
   for (const double q : {0.0, 0.1, 0.5, 0.9, 1.0})

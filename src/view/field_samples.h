@@ -24,6 +24,10 @@ struct FieldSamples {
 inline constexpr std::int64_t kWantedSamples = std::int64_t{1} << 18;
 FieldSamples take_samples(const LatticeField& field);
 
+// The same of the kernels' own values; where kernels are summed, of the field at their centres, of
+// which a few thousand do. No faces.
+FieldSamples take_samples(const KernelField& field);
+
 // The value below which a share `q` in [0, 1] of the rising values lies. `sorted` is not empty.
 double quantile(std::span<const float> sorted, double q);
 

@@ -13,13 +13,13 @@
 namespace ovoid::view {
 namespace {
 
-Field stretched_field() {
+LatticeField stretched_field() {
   test::FieldSetup setup;
   setup.world_from_index = test::scaled_axes(Vec3(0.5, 1, 2));
   return test::constant_field({40, 20, 10}, 1, setup);
 }
 
-Camera camera_of(const Field& field, bool is_parallel, double half_height) {
+Camera camera_of(const LatticeField& field, bool is_parallel, double half_height) {
   const Vec3 center = field.world_bounds().center();
   return is_parallel ? test::parallel_camera(center, {0, 0, 1}, half_height)
                      : test::perspective_camera(center, {0, 0, 1}, half_height, 50);
@@ -27,7 +27,7 @@ Camera camera_of(const Field& field, bool is_parallel, double half_height) {
 
 // Fails if the order of who may name the unit distance is another.
 TEST(FramePlan, UnitDistance) {
-  const Field field = stretched_field();
+  const LatticeField field = stretched_field();
   const Camera camera = camera_of(field, true, 10);
   Look look;
   EXPECT_EQ(FramePlan(field, camera, look, {}).unit_distance, 0.5);  // the smallest spacing
@@ -40,7 +40,7 @@ TEST(FramePlan, UnitDistance) {
 // Pixels 1.5 wide on spacings 0.5, 1, 2; a lattice of 10 slices with sigma 1/2 may widen by 5.
 // Fails if an axis' factor is below 1, beyond the lattice's bound, or another axis'.
 TEST(FramePlan, WideningByAxis) {
-  const Field field = stretched_field();
+  const LatticeField field = stretched_field();
   RenderOptions options = test::picture(20, 20);
   const FramePlan plan(field, camera_of(field, true, 15), {}, options);
   EXPECT_EQ(plan.widening(3), Vec3(3, 1.5, 1));
@@ -52,7 +52,7 @@ TEST(FramePlan, WideningByAxis) {
 // Fails if perspective widening does not grow with depth, or a sheet's exceeds what was planned
 // for.
 TEST(FramePlan, WideningByDepth) {
-  const Field field = stretched_field();
+  const LatticeField field = stretched_field();
   const FramePlan plan(field, camera_of(field, false, 15), {}, test::picture(20, 20));
   ASSERT_LT(plan.sheets.first, plan.sheets.last);
   const Vec3 nearest = plan.widening(plan.sheets.first);
@@ -63,7 +63,7 @@ TEST(FramePlan, WideningByDepth) {
 
 // Fails if a plane's distance is not its dot product with the sample's place, in world lengths.
 TEST(FramePlan, ClipDistances) {
-  const Field field = stretched_field();
+  const LatticeField field = stretched_field();
   RenderOptions options = test::picture(20, 16);
   options.clip_planes = {{{1, -4, 8}, 27}};  // length 9
   for (const bool is_parallel : {true, false}) {
@@ -86,7 +86,7 @@ TEST(FramePlan, ClipDistances) {
 
 // Fails if a frame of endlessly many sheets is begun.
 TEST(FramePlan, RefusesTooManySheets) {
-  const Field field = stretched_field();
+  const LatticeField field = stretched_field();
   for (const double distance : {1e-6, 1e-300}) {
     const RenderOptions options = test::picture(8, 8, distance);
     try {
@@ -103,7 +103,7 @@ TEST(FramePlan, RefusesTooManySheets) {
 
 // Fails if something is skipped by modes in which every value shows, or when asked not to.
 TEST(FramePlan, WhatMayMatter) {
-  const Field field = stretched_field();
+  const LatticeField field = stretched_field();
   const Camera camera = camera_of(field, true, 10);
   Look look;
   look.transfer_function.opacities = {{0, 0}, {2, 0}, {3, 1}};

@@ -94,6 +94,7 @@ void validate(const TransferFunction& tf) {
 
 void Look::validate() const {
   ovoid::validate(transfer_function);
+  if (color_function) ovoid::validate(*color_function);
   require_finite("isovalue", isovalue);
   require_strength("ambient", material.ambient);
   require_strength("diffuse", material.diffuse);

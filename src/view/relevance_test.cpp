@@ -12,7 +12,7 @@
 namespace ovoid::view {
 namespace {
 
-RelevanceMap filled(const Field& field, const MayMatter& may_matter, double widening = 1,
+RelevanceMap filled(const LatticeField& field, const MayMatter& may_matter, double widening = 1,
                     int grow = 0) {
   RelevanceMap map(field, widening, grow);
   for (int layer = 0; layer < map.num_layers(); ++layer) map.fill_layer(layer, may_matter);
@@ -27,8 +27,8 @@ bool relevant(const RelevanceMap& map, const Index3& brick) {
 }
 
 // One bright sample among zeros: only the bricks its kernel reaches, (2 or 3 along each axis).
-Field one_bright_sample(const Index3& dims, const Index3& bright, int edge,
-                        Reconstruction reconstruction = Reconstruction::kNormalized) {
+LatticeField one_bright_sample(const Index3& dims, const Index3& bright, int edge,
+                               Reconstruction reconstruction = Reconstruction::kNormalized) {
   test::FieldSetup setup;
   setup.brick_edge = edge;
   setup.reconstruction = reconstruction;
@@ -45,7 +45,7 @@ constexpr auto kAboveHalf = [](float, float hi) { return hi > 0.5F; };
 // Sample 18 with reach 2 brings its value to the bricks of [16, 24) and, from 16 on, of [8, 16): a
 // cell that only its closed face touches counts. Fails if bits are at the wrong brick.
 TEST(RelevanceMap, MarksTheBricksThatAreReached) {
-  const Field field = one_bright_sample({300, 40, 24}, {290, 20, 4}, 8);
+  const LatticeField field = one_bright_sample({300, 40, 24}, {290, 20, 4}, 8);
   const RelevanceMap map = filled(field, kAboveHalf);
   EXPECT_EQ(map.num_bricks(), (Index3{38, 5, 3}));
   EXPECT_EQ(map.words_per_row(), 2);
@@ -62,7 +62,7 @@ TEST(RelevanceMap, MarksTheBricksThatAreReached) {
 
 // Fails if the box of a question misses a brick it touches, by the coarse bits or the fine ones.
 TEST(RelevanceMap, AnyInABox) {
-  const Field field = one_bright_sample({300, 40, 24}, {292, 20, 4}, 8);
+  const LatticeField field = one_bright_sample({300, 40, 24}, {292, 20, 4}, 8);
   const RelevanceMap map = filled(field, kAboveHalf);  // brick (36, 2, 0): from 288, 16, 0 on
   const auto any_in = [&](const Vec3& lo, const Vec3& hi) { return map.any_in(lo, hi); };
   EXPECT_TRUE(any_in({0, 0, 0}, {300, 40, 24}));
@@ -77,7 +77,7 @@ TEST(RelevanceMap, AnyInABox) {
 // Fails if widened kernels, which reach farther than the source's ranges know, or `grow` bricks are
 // forgotten.
 TEST(RelevanceMap, Dilates) {
-  const Field field = one_bright_sample({64, 64, 64}, {36, 36, 36}, 8);
+  const LatticeField field = one_bright_sample({64, 64, 64}, {36, 36, 36}, 8);
   const RelevanceMap plain = filled(field, kAboveHalf);
   EXPECT_EQ(plain.num_relevant(), 1);
   const RelevanceMap grown = filled(field, kAboveHalf, 1, 1);
@@ -103,7 +103,7 @@ TEST(RelevanceMap, BoundsHoldTheField) {
       test::FieldSetup setup;
       setup.kernel = kernel;
       setup.reconstruction = reconstruction;
-      const Field field = test::make_field(
+      const LatticeField field = test::make_field(
           {17, 10, 9},
           [](std::int64_t i, std::int64_t j, std::int64_t k) {
             return std::sin(static_cast<double>(3 * i + 5 * j + 7 * k)) + 0.3;

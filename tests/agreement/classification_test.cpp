@@ -115,10 +115,11 @@ TEST(LogarithmicLook, Agrees) {
         const Index3 dims{14, 13, 12};
         // Five decades, or both signs.
         const VolumeFunction shape = shells(dims);
-        const Field field = make_field(dims, [&](std::int64_t i, std::int64_t j, std::int64_t k) {
-          const double s = shape(i, j, k);
-          return is_log ? std::pow(10.0, 5 * s - 3) : std::sinh(12 * (s - 0.5));
-        });
+        const LatticeField field =
+            make_field(dims, [&](std::int64_t i, std::int64_t j, std::int64_t k) {
+              const double s = shape(i, j, k);
+              return is_log ? std::pow(10.0, 5 * s - 3) : std::sinh(12 * (s - 0.5));
+            });
         Scene scene{field, askew_camera(field, is_parallel), Look(), picture(32, 30)};
         TransferFunction& tf = scene.look.transfer_function;
         tf.scale = scale;

@@ -201,7 +201,7 @@ TEST(Agreement, PrefilteredField) {
   LatticeModelOptions model;
   model.prefilter = true;
   model.threads = 1;
-  const Field field = make_lattice_field(dataset, model);
+  const LatticeField field = make_lattice_field(dataset, model);
   for (const TestLook& look : test_looks(0, 1)) {
     if (look.name == "colour step") continue;  // other tests' subject
     const Scene scene{field, askew_camera(field, false, 1.4), look.look, picture(40, 36)};

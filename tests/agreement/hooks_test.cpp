@@ -18,7 +18,7 @@ namespace {
 // Fails to read any brick once `num_reads` have been read.
 class FailingSource final : public BrickSource {
  public:
-  FailingSource(const Field& field, int num_reads) : field_(field), reads_left_(num_reads) {}
+  FailingSource(const LatticeField& field, int num_reads) : field_(field), reads_left_(num_reads) {}
   const LatticeGeometry& geometry() const noexcept override { return field_.geometry(); }
   int brick_edge() const noexcept override { return field_.source().brick_edge(); }
   double range_reach() const noexcept override { return field_.source().range_reach(); }
@@ -35,7 +35,7 @@ class FailingSource final : public BrickSource {
   std::size_t resident_bytes() const noexcept override { return 0; }
 
  private:
-  Field field_;
+  LatticeField field_;
   mutable std::atomic<int> reads_left_;
 };
 
@@ -138,8 +138,8 @@ TEST_P(Hooks, StoppedAtTheFirstTile) {
 TEST_P(Hooks, BrickSourceErrorsArrive) {
   for (const int num_reads : {0, 1}) {
     Scene scene = scene_of_many_tiles();
-    scene.field = Field(std::make_shared<FailingSource>(scene.field, num_reads),
-                        scene.field.kernel(), scene.field.reconstruction());
+    scene.field = LatticeField(std::make_shared<FailingSource>(scene.field, num_reads),
+                               scene.field.kernel(), scene.field.reconstruction());
     std::string message;
     EXPECT_EQ(code_of([&] { render(scene, {}); }, &message), ErrorCode::kFileFormat);
     EXPECT_EQ(message, "brick 7: no such bytes");

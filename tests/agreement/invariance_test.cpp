@@ -21,7 +21,7 @@ namespace {
 // it, in memory of its own that lives as long as the view's pin and is then overwritten.
 class OneBrickSource final : public BrickSource {
  public:
-  OneBrickSource(const Field& field, int edge) : field_(field), edge_(edge) {}
+  OneBrickSource(const LatticeField& field, int edge) : field_(field), edge_(edge) {}
 
   const LatticeGeometry& geometry() const noexcept override { return field_.geometry(); }
   int brick_edge() const noexcept override { return edge_; }
@@ -102,7 +102,7 @@ class OneBrickSource final : public BrickSource {
     }
   }
 
-  Field field_;
+  LatticeField field_;
   int edge_;
 };
 
@@ -248,8 +248,8 @@ TEST(Invariance, BricksOneAtATime) {
     const Image expected = draw_with(scene, "", 2).image;
     for (const int edge : {4, 8, 16, 64}) {
       Scene bricked = scene;
-      bricked.field = Field(std::make_shared<OneBrickSource>(scene.field, edge),
-                            scene.field.kernel(), scene.field.reconstruction());
+      bricked.field = LatticeField(std::make_shared<OneBrickSource>(scene.field, edge),
+                                   scene.field.kernel(), scene.field.reconstruction());
       EXPECT_TRUE(same_bits(draw_with(bricked, "", 2).image, expected))
           << name << ", bricks of " << edge;
     }

@@ -10,19 +10,19 @@ namespace {
 
 // One sample alone passes for a field only within 0.09 spacings of its place: elsewhere less than
 // 0.48 of the weights are there.
-bool is_one_sample(const Field& field) { return field.num_kernels() == 1; }
+bool is_one_sample(const LatticeField& field) { return field.num_kernels() == 1; }
 
-Camera table_camera(const Field& field, bool is_parallel) {
+Camera table_camera(const LatticeField& field, bool is_parallel) {
   return askew_camera(field, is_parallel, is_one_sample(field) ? 8 : 1.4);
 }
 
-RenderOptions table_options(const Field& field) {
+RenderOptions table_options(const LatticeField& field) {
   return picture(52, 48, is_one_sample(field) ? 0.06 : 0);
 }
 
 // Where a field ends, a sample at the end itself exists or not by its rounding: one sample's small
 // ball is all end.
-ImageTolerance tolerance_of(const Field& field) {
+ImageTolerance tolerance_of(const LatticeField& field) {
   ImageTolerance tolerance;
   if (is_one_sample(field)) {
     tolerance.min_psnr_db = kAllEndPsnrDb;

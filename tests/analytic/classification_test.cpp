@@ -16,7 +16,7 @@ namespace {
 constexpr double kSlope = 2.0;
 
 // f = kSlope z at the samples, and in between but for the kernels' ripple.
-Field ramp() {
+LatticeField ramp() {
   return make_field({12, 12, 24}, [](std::int64_t, std::int64_t, std::int64_t k) {
     return kSlope * static_cast<double>(k);
   });

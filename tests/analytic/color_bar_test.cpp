@@ -27,7 +27,7 @@ Look colorful_look(const std::string& map, Mode mode, bool shade) {
 
 // A box far thicker than what its opacity lets through, seen from aside.
 Image drawn_box(double value, const Look& look) {
-  const Field field = constant_field({40, 40, 40}, value);
+  const LatticeField field = constant_field({40, 40, 40}, value);
   Camera camera = default_camera(field.world_bounds());
   camera.azimuth(30);
   camera.elevation(20);

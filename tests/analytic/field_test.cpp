@@ -52,7 +52,7 @@ struct AxisRamp {
 
 // A linear volume c . i comes out as sum_a c_a mu(u_a), its gradient as A^-T (c_a mu'(u_a)), A the
 // axes. Fails for any mix-up of axes, spacings, handedness or transposes.
-TEST(Field, LinearVolumeOnObliqueAxes) {
+TEST(LatticeField, LinearVolumeOnObliqueAxes) {
   const Vec3 c(3, -2, 5);
   const auto ramp = [&](std::int64_t i, std::int64_t j, std::int64_t k) {
     return c.dot(Vec3(static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)));
@@ -81,7 +81,7 @@ TEST(Field, LinearVolumeOnObliqueAxes) {
 
 // Where all three axes have the same phase the slopes agree, and the gradient has exactly the
 // direction of the linear function's own; the mean slope over a period is 1.
-TEST(Field, GradientOfALinearVolumePointsTheRightWay) {
+TEST(LatticeField, GradientOfALinearVolumePointsTheRightWay) {
   const Vec3 world_slope(0.7, -1.1, 0.4);
   FieldSetup setup;
   setup.world_from_index = oblique_axes();
@@ -178,7 +178,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 // The mean's gradient is the derivative of the mean with respect to moving the whole segment. The
 // cut-off is at 9 sigmas, because its jumps are not differentiated.
-TEST(Field, GradientOfAMeanIsItsDerivative) {
+TEST(LatticeField, GradientOfAMeanIsItsDerivative) {
   for (const Reconstruction reconstruction : {Reconstruction::kNormalized, Reconstruction::kSum}) {
     FieldSetup setup;
     setup.world_from_index = oblique_axes();
@@ -205,7 +205,7 @@ TEST(Field, GradientOfAMeanIsItsDerivative) {
 
 // A normalized field ends just beyond the face of its last samples' cells, a sum where the last
 // kernel's box does.
-TEST(Field, EndsAtItsFaces) {
+TEST(LatticeField, EndsAtItsFaces) {
   FieldSetup setup;
   const FieldEvaluator normalized(constant_field({6, 7, 8}, 3, setup));
   setup.reconstruction = Reconstruction::kSum;
@@ -234,7 +234,7 @@ TEST(Field, EndsAtItsFaces) {
 
 // One slice is seen from half a spacing away; a single sample only close to its centre, where its
 // kernel is half of all.
-TEST(Field, ThinLatticesAreDefined) {
+TEST(LatticeField, ThinLatticesAreDefined) {
   const FieldEvaluator slice(constant_field({9, 9, 1}, 7));
   EXPECT_TRUE(slice.at_index({4, 4, 0.5}).is_defined);
   EXPECT_TRUE(slice.at_index({4, 4, -0.5}).is_defined);
@@ -244,7 +244,7 @@ TEST(Field, ThinLatticesAreDefined) {
 }
 
 // Positions that are no place at all.
-TEST(Field, HostilePositionsAreUndefined) {
+TEST(LatticeField, HostilePositionsAreUndefined) {
   const FieldEvaluator field(constant_field({4, 4, 4}, 1));
   for (const double bad : {std::numeric_limits<double>::quiet_NaN(),
                            std::numeric_limits<double>::infinity(), 1e300, -1e300}) {
@@ -259,7 +259,7 @@ TEST(Field, HostilePositionsAreUndefined) {
 // -----------------------------------------------------------------------------------------
 
 // Stored numbers stand for number * scale + offset.
-TEST(Field, ScaleAndOffsetApply) {
+TEST(LatticeField, ScaleAndOffsetApply) {
   FieldSetup setup;
   setup.value_scale = -0.25;
   setup.value_offset = 100;
@@ -275,7 +275,7 @@ TEST(Field, ScaleAndOffsetApply) {
 
 // The library's own resident source and the tests' brick by brick one hold the same field, for each
 // stored type.
-TEST(Field, ResidentAndBrickedSourcesAgree) {
+TEST(LatticeField, ResidentAndBrickedSourcesAgree) {
   const Index3 dims{13, 9, 18};
   std::vector<std::uint8_t> stored;
   for (std::int64_t n = 0; n < num_samples(dims); ++n)

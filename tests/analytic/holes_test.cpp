@@ -26,7 +26,7 @@ VolumeFunction air_with_a_hole(double value) {
   };
 }
 
-Field air() { return make_field({13, 12, 14}, air_with_a_hole(kAir)); }
+LatticeField air() { return make_field({13, 12, 14}, air_with_a_hole(kAir)); }
 
 // White from -1000.01 to -999.99, else red: any other value shows.
 Look air_look(Mode mode) {

@@ -17,7 +17,7 @@ using reference::render;
 
 // Values grow along (1, 0, 2): gradients in its direction wherever both axes have the same phase,
 // as in the cell middles and on the samples that the picture's middle ray meets.
-Field slanted_ramp() {
+LatticeField slanted_ramp() {
   return make_field({16, 16, 16}, [](std::int64_t i, std::int64_t, std::int64_t k) {
     return static_cast<double>(i - 8) + 2 * static_cast<double>(k - 8);
   });
@@ -31,7 +31,7 @@ Look opaque_look() {
   return look;
 }
 
-Vec3 shade_of(const Field& field, const Look& look, const Camera& camera,
+Vec3 shade_of(const LatticeField& field, const Look& look, const Camera& camera,
               GradientMethod gradient = GradientMethod::kExact) {
   RenderOptions options = picture(9, 9, 1);
   options.gradient = gradient;
@@ -87,9 +87,9 @@ TEST(Light, HeadlightInPerspective) {
   const Look look = opaque_look();
   const Camera camera = perspective_camera({8.5, 8.5, 8.5}, {0, 0, 1}, 6, 12);
   const RenderOptions options = picture(9, 9, 1);
-  const Field flat_on = make_field({16, 16, 16}, [](std::int64_t, std::int64_t, std::int64_t k) {
-    return static_cast<double>(k);
-  });
+  const LatticeField flat_on =
+      make_field({16, 16, 16},
+                 [](std::int64_t, std::int64_t, std::int64_t k) { return static_cast<double>(k); });
   const Image image = render(flat_on, camera, look, options).image;
   for (int x = 2; x < 7; ++x) {
     const double slope = (2 * (x + 0.5) / 9 - 1) * 0.5;
@@ -121,9 +121,9 @@ TEST(Light, FlatRegionsShowAmbientAndDiffuse) {
   const double slope_there =
       (4 * (0.25 * g + 2.25 * g3)) / (g + g3);  // 4 Var: derivative of a normalized Gaussian mean
   const double a = 0.25 * 1e-4 * 60 / slope_there;
-  const Field faint = make_field({16, 16, 16}, [a](std::int64_t i, std::int64_t, std::int64_t) {
-    return a * static_cast<double>(i - 8);
-  });
+  const LatticeField faint = make_field(
+      {16, 16, 16},
+      [a](std::int64_t i, std::int64_t, std::int64_t) { return a * static_cast<double>(i - 8); });
   look.light_direction = Vec3(0.6, 0, -0.8);  // N.l = 0.6, N.e = 0
   const Vec3 to_eye(0, 0, -1);
   const Vec3 half = (Vec3(0.6, 0, -0.8) + to_eye).normalized();
@@ -138,10 +138,11 @@ TEST(Light, FlatRegionsShowAmbientAndDiffuse) {
 // down) or a forgotten pitch.
 TEST(Light, CentralDifferencesSeeTheSameRamp) {
   const Vec3 slope(1, -1.5, 2);
-  const Field ramp = make_field({16, 16, 16}, [&](std::int64_t i, std::int64_t j, std::int64_t k) {
-    return slope.dot(
-        Vec3(static_cast<double>(i - 8), static_cast<double>(j - 8), static_cast<double>(k - 8)));
-  });
+  const LatticeField ramp =
+      make_field({16, 16, 16}, [&](std::int64_t i, std::int64_t j, std::int64_t k) {
+        return slope.dot(Vec3(static_cast<double>(i - 8), static_cast<double>(j - 8),
+                              static_cast<double>(k - 8)));
+      });
   Look look = opaque_look();
   look.light_direction = Vec3(1, 0.7, -1.2);
   Camera camera = parallel_camera({8, 8, 8}, {0, 0, 1}, 2.5);
@@ -163,7 +164,7 @@ TEST(Light, CentralDifferencesSeeTheSameRamp) {
 TEST(Light, CentralDifferencesConverge) {
   FieldSetup setup;
   setup.world_from_index = oblique_axes();
-  const Field field = make_field(
+  const LatticeField field = make_field(
       {10, 10, 10},
       [](std::int64_t i, std::int64_t j, std::int64_t k) {
         return 10 * std::sin(0.5 * static_cast<double>(i + j)) + 4 * static_cast<double>(k);

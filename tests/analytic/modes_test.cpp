@@ -18,9 +18,10 @@ using reference::render;
 // kernel over E^3 at its own centre, 1 / 1.2713^3. Fails if the maximum is of colours or opacities,
 // or its opacity is corrected by a path.
 TEST(Maximum, OfASingleBrightSample) {
-  const Field field = make_field({9, 9, 10}, [](std::int64_t i, std::int64_t j, std::int64_t k) {
-    return i == 4 && j == 4 && k == 3 ? 1.0 : 0.0;
-  });
+  const LatticeField field =
+      make_field({9, 9, 10}, [](std::int64_t i, std::int64_t j, std::int64_t k) {
+        return i == 4 && j == 4 && k == 3 ? 1.0 : 0.0;
+      });
   // Focal plane at 4.5: sheets at 5 and so on, on samples.
   const Camera camera = parallel_camera({4, 4, 4.5}, {0, 0, 1}, 4.5);
   const double endless = 1 + 2 * std::exp(-2.0) + 2 * std::exp(-8.0);
@@ -52,7 +53,7 @@ TEST(Maximum, OfEqualAndNegativeSamples) {
 // left. Slabs through the middles of the cells' faces, where the ramp's field is half-way: (k +
 // 1/2) exactly.
 TEST(Mean, OfARampIsWeightedByPath) {
-  const Field ramp = make_field(
+  const LatticeField ramp = make_field(
       {8, 8, 8}, [](std::int64_t, std::int64_t, std::int64_t k) { return static_cast<double>(k); });
   const Camera camera = parallel_camera({3.5, 3.5, 4}, {0, 0, 1}, 4);
   const Look look = with_mode(gray_look(0, 10, 0.75), Mode::kMean);
@@ -68,7 +69,7 @@ TEST(Mean, OfARampIsWeightedByPath) {
 
 // The field is undefined across a hole: those slabs count neither in the sum nor in the length.
 TEST(Mean, LeavesHolesOut) {
-  const Field torn = make_field({8, 8, 12}, [](std::int64_t, std::int64_t, std::int64_t k) {
+  const LatticeField torn = make_field({8, 8, 12}, [](std::int64_t, std::int64_t, std::int64_t k) {
     return k >= 4 && k <= 7 ? kMissing : 6.0;
   });
   const Camera camera = parallel_camera({3.5, 3.5, 5.5}, {0, 0, 1}, 4);
@@ -87,7 +88,7 @@ TEST(Mean, LeavesHolesOut) {
 
 // Front to back: what is near covers what is far. Two halves of pure colours, each of 4 slabs.
 TEST(Composite, NearCoversFar) {
-  const Field halves = make_field(
+  const LatticeField halves = make_field(
       {8, 8, 16}, [](std::int64_t, std::int64_t, std::int64_t k) { return k < 8 ? 0.0 : 1.0; });
   Look look;
   look.transfer_function.colors = {
@@ -108,7 +109,7 @@ TEST(Composite, NearCoversFar) {
 // the zoom. Samples 0 and 1 are blurred over some spacings, yet no pixel of an unshaded maximum has
 // a colour between.
 TEST(Composite, ClassifiesTheReconstructedValue) {
-  const Field halves = make_field(
+  const LatticeField halves = make_field(
       {16, 8, 8}, [](std::int64_t i, std::int64_t, std::int64_t) { return i < 8 ? 0.0 : 1.0; });
   Look look = uniform_look(1);
   look.transfer_function.colors = {

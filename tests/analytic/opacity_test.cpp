@@ -21,7 +21,7 @@ double law(double opacity, double length, double unit = 1) {
 // The box of 8 cells around (3.5, 3.5, 3.5), seen along z: 8 long.
 constexpr double kOpacity = 0.21;
 const Vec3 kHazeMiddle(3.5, 3.5, 3.5);
-Field box() { return constant_field({8, 8, 8}, 0.5); }
+LatticeField box() { return constant_field({8, 8, 8}, 0.5); }
 Camera haze_camera() { return parallel_camera(kHazeMiddle, {0, 0, 1}, 4); }
 
 // Distances that divide half the box, so that slabs end on its faces. Fails if path, unit or the
@@ -84,7 +84,7 @@ TEST(Opacity, ColourIsPremultiplied) {
 TEST(Opacity, OfAnObliqueBox) {
   FieldSetup setup;
   setup.world_from_index = oblique_axes();
-  const Field field = constant_field({9, 9, 10}, 0.5, setup);
+  const LatticeField field = constant_field({9, 9, 10}, 0.5, setup);
   const Vec3 axis = oblique_axes().linear().col(2);
   const double length = 10 * axis.norm();
   const Camera camera = parallel_camera(oblique_axes() * Vec3(4, 4, 4.5), axis, 3);
@@ -112,7 +112,7 @@ TEST(Opacity, OfASlantedBoxConverges) {
 
 // In perspective a ray beside the axis is longer by the length of its direction.
 TEST(Opacity, OfABoxInPerspective) {
-  const Field slabs = constant_field({40, 40, 8}, 0.5);
+  const LatticeField slabs = constant_field({40, 40, 8}, 0.5);
   const Vec3 middle(19.5, 19.5, 3.5);
   const Camera camera = perspective_camera(middle, {0, 0, 1}, 9, 20);
   const RenderOptions options = picture(31, 21, 0.5);
@@ -180,7 +180,7 @@ TEST(Opacity, OfABoxAroundTheCamera) {
 // No sample is taken once a pixel has 1 - 1/1024, and the one that brings it there is taken whole.
 // Depth is where it has a half.
 TEST(Opacity, StopsWhereItIsOpaque) {
-  const Field deep = constant_field({8, 8, 64}, 0.5);
+  const LatticeField deep = constant_field({8, 8, 64}, 0.5);
   const Camera camera = parallel_camera({3.5, 3.5, 31.5}, {0, 0, 1}, 4);
   for (const double opacity : {0.13, 0.5, 0.9}) {
     double transparency = 1;

@@ -58,7 +58,7 @@ double ramp_crossing(double iso, double thickness = 0) {
 // (ds / 256)^2 / 8 times f'' / f', which is below 6 there: 1e-5 of a unit for ds = 1. Fails if the
 // refinement stops early or takes the wrong half.
 TEST(Isosurface, DepthOfAPlane) {
-  const Field ramp = make_field({8, 8, 16}, along_z);
+  const LatticeField ramp = make_field({8, 8, 16}, along_z);
   const Camera camera = parallel_camera({3.5, 3.5, 7.5}, {0, 0, 1}, 1);
   for (const double iso : {3.3, 6.0, 7.4, 10.9}) {
     for (const double ds : {1.0, 0.4}) {
@@ -84,7 +84,7 @@ TEST(Isosurface, RadiusOfABall) {
                 static_cast<double>(k) - middle)
         .norm();
   };
-  const Field field = make_field({28, 28, 28}, distance);
+  const LatticeField field = make_field({28, 28, 28}, distance);
   const Vec3 direction = Vec3(1, -0.6, 0.8).normalized();
   const double half_height = 9.9;
   const Camera camera = parallel_camera(Vec3::Constant(middle), direction, half_height);
@@ -108,7 +108,7 @@ TEST(Isosurface, FirstCrossingEitherWay) {
   const auto ridge = [](std::int64_t, std::int64_t, std::int64_t k) {
     return 8.0 - std::abs(static_cast<double>(k) - 8);
   };
-  const Field field = make_field({8, 8, 17}, ridge);
+  const LatticeField field = make_field({8, 8, 17}, ridge);
   const Image up =
       render(field, parallel_camera({3.5, 3.5, 8}, {0, 0, 1}, 1), surface_look(4.0), picture(3, 3))
           .image;
@@ -123,7 +123,7 @@ TEST(Isosurface, FirstCrossingEitherWay) {
 
 // A plane just behind the surface cuts it away; just before it, leaves it.
 TEST(Isosurface, CrossingBehindAClipPlaneIsPassedOver) {
-  const Field ramp = make_field({8, 8, 16}, along_z);
+  const LatticeField ramp = make_field({8, 8, 16}, along_z);
   const Camera camera = parallel_camera({3.5, 3.5, 7.5}, {0, 0, 1}, 1);
   RenderOptions options = picture(3, 3);
   options.clip_planes = {{{0, 0, 1}, ramp_crossing(7.4) + 1e-3}};
@@ -136,7 +136,7 @@ TEST(Isosurface, CrossingBehindAClipPlaneIsPassedOver) {
 // hole.
 TEST(Isosurface, NothingWhereTheFieldIsUndefined) {
   const Camera camera = parallel_camera({3.5, 3.5, 7.5}, {0, 0, 1}, 1);
-  const Field ramp = make_field({8, 8, 16}, along_z);
+  const LatticeField ramp = make_field({8, 8, 16}, along_z);
   for (const double iso : {-0.5, 15.5, 100.0}) {
     EXPECT_EQ(center_pixel(render(ramp, camera, surface_look(iso), picture(3, 3)).image).a(), 0)
         << iso;
@@ -156,7 +156,7 @@ TEST(Isosurface, IsLitByItsGradient) {
   const auto slanted = [](std::int64_t i, std::int64_t, std::int64_t k) {
     return static_cast<double>(k) + 0.75 * static_cast<double>(i);
   };
-  const Field field = make_field({17, 8, 17}, slanted);
+  const LatticeField field = make_field({17, 8, 17}, slanted);
   Look look = surface_look(14);
   look.transfer_function.colors = {{0, {0.2, 0.5, 0.8}}, {30, {0.2, 0.5, 0.8}}};
   look.shade = true;

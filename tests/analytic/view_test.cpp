@@ -27,7 +27,7 @@ double viewed_bumps(std::int64_t i, std::int64_t j, std::int64_t k) {
          0.2 * std::sin(0.5 * static_cast<double>(k));
 }
 
-Field bumps() {
+LatticeField bumps() {
   FieldSetup setup;
   setup.world_from_index = oblique_axes();
   return make_field({12, 10, 9}, viewed_bumps, setup);
@@ -64,7 +64,7 @@ TEST(View, PerspectiveFromFarIsParallel) {
 TEST(View, DoesNotDependOnTheOrigin) {
   FieldSetup setup;
   setup.world_from_index = Eigen::Translation3d(5e5, 4e6, -300) * oblique_axes();
-  const Field moved = make_field({12, 10, 9}, viewed_bumps, setup);
+  const LatticeField moved = make_field({12, 10, 9}, viewed_bumps, setup);
   const Vec3 direction(0.4, -0.3, 1);
   const Image here =
       render(bumps(), perspective_camera(kMiddle, direction, 9, 40), colourful(), picture(24, 20))
@@ -94,10 +94,10 @@ TEST(View, ThinVolumesDoNotVanish) {
   const Look look = uniform_look(1);
   const Camera near = parallel_camera({15.5, 15.5, 0}, {0, 0, 1}, 10);
   const Camera far = parallel_camera({15.5, 15.5, 0}, {0, 0, 1}, 64);
-  const Field slice = constant_field({32, 32, 1}, 1);
+  const LatticeField slice = constant_field({32, 32, 1}, 1);
   EXPECT_EQ(center_pixel(render(slice, near, look, picture(33, 33)).image).a(), 1);
   EXPECT_EQ(center_pixel(render(slice, far, look, picture(33, 33)).image).a(), 1);
-  const Field volume = constant_field({8, 8, 8}, 1);
+  const LatticeField volume = constant_field({8, 8, 8}, 1);
   for (const double half_height : {4.0, 40.0, 400.0}) {
     const Camera camera = parallel_camera({3.5, 3.5, 3.5}, {0, 0, 1}, half_height);
     EXPECT_EQ(center_pixel(render(volume, camera, look, picture(5, 5)).image).a(), 1)
@@ -221,12 +221,12 @@ TEST(Frame, ExceptionsOfHooksArrive) {
 }
 
 TEST(Frame, RefusesBadArguments) {
-  const auto refused = [](const Field& field, const Camera& camera, const Look& look,
+  const auto refused = [](const LatticeField& field, const Camera& camera, const Look& look,
                           const RenderOptions& options, int threads) {
     return code_of([&] { render(field, camera, look, options, {}, threads); }) ==
            ErrorCode::kInvalidArgument;
   };
-  EXPECT_TRUE(refused(Field{}, kCamera, colourful(), {}, 1));
+  EXPECT_TRUE(refused(LatticeField{}, kCamera, colourful(), {}, 1));
   EXPECT_TRUE(refused(bumps(), kCamera, colourful(), {}, -1));
   EXPECT_TRUE(refused(bumps(), kCamera, colourful(), picture(0, 5), 1));
   EXPECT_TRUE(refused(bumps(), kCamera, colourful(), picture(5, 5, 1e-12), 1));

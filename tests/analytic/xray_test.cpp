@@ -17,7 +17,8 @@ using reference::render;
 
 Look xray() { return with_mode(uniform_look(1), Mode::kXray); }
 
-Field kernel_field(const Affine3& world_from_index, double value = 1, LatticeKernel kernel = {}) {
+LatticeField kernel_field(const Affine3& world_from_index, double value = 1,
+                          LatticeKernel kernel = {}) {
   FieldSetup setup;
   setup.world_from_index = world_from_index;
   setup.kernel = kernel;
@@ -137,7 +138,7 @@ TEST(Xray, MassIsKeptWhenMinified) {
       for (int i = 0; i < 31; ++i) mass += ball(i, j, k);
     }
   }
-  const Field field = make_field({31, 31, 31}, ball, setup);
+  const LatticeField field = make_field({31, 31, 31}, ball, setup);
   for (const Vec3& shift : {Vec3(0, 0, 0), Vec3(0.9, -1.3, 0.4)}) {
     const Camera camera = parallel_camera(Vec3(15, 15, 15) + shift, {0.2, -0.1, 1}, 24);
     const Image image = render(field, camera, xray(), picture(16, 16, 1)).image;
@@ -148,7 +149,7 @@ TEST(Xray, MassIsKeptWhenMinified) {
 // The integral does not depend on where slabs are cut, for sums; a constant normalized box gives
 // value times length.
 TEST(Xray, LengthOfABox) {
-  const Field box = constant_field({8, 8, 8}, -2.5);
+  const LatticeField box = constant_field({8, 8, 8}, -2.5);
   const Camera camera = parallel_camera({3.5, 3.5, 3.5}, {0, 0, 1}, 4);
   for (const Slab slab : {Slab::kMid, Slab::kMean}) {
     for (const double ds : {1.0, 0.5, 0.25, 2.0}) {

@@ -34,7 +34,7 @@ struct GoldenScene {
   std::string sample;
   int size;
   void (*set)(Camera&, Look&, RenderOptions&);
-  void (*mark)(Image&, const Camera&, const Look&, const Field&) = nullptr;
+  void (*mark)(Image&, const Camera&, const Look&, const LatticeField&) = nullptr;
 };
 
 std::ostream& operator<<(std::ostream& stream, const GoldenScene& scene) {
@@ -75,7 +75,7 @@ std::vector<GoldenScene> scenes() {
          options.width = 360;
          options.height = 288;
        },
-       [](Image& image, const Camera& camera, const Look& look, const Field& field) {
+       [](Image& image, const Camera& camera, const Look& look, const LatticeField& field) {
          const MarkStyle style = mark_style_on(kBackground);
          ColorBar bar;
          bar.title = "head";
@@ -107,7 +107,7 @@ Picture read_png(const std::string& path) {
 
 void draw(const GoldenScene& scene, const std::string& path) {
   const Dataset dataset = make_sample(scene.sample, {.size = {scene.size, scene.size, scene.size}});
-  const Field field = make_lattice_field(dataset);
+  const LatticeField field = make_lattice_field(dataset);
   Camera camera = default_camera(field.world_bounds(), dataset.space, {},
                                  static_cast<double>(kWidth) / kHeight);
   Look look = ramp_look(field.value_range());

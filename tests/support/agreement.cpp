@@ -86,8 +86,8 @@ std::int64_t num_other_depths(const Image& actual, const Image& expected, double
 
 }  // namespace
 
-Field make_stored_field(const Index3& dims, const VolumeFunction& shape, const StoredRange& stored,
-                        const FieldSetup& setup) {
+LatticeField make_stored_field(const Index3& dims, const VolumeFunction& shape,
+                               const StoredRange& stored, const FieldSetup& setup) {
   ResidentLatticeOptions options;
   options.range_reach = setup.kernel.support_radius();
   options.value_scale = setup.value_scale;
@@ -96,7 +96,7 @@ Field make_stored_field(const Index3& dims, const VolumeFunction& shape, const S
   auto source =
       std::make_shared<ResidentLattice>(LatticeGeometry{dims, setup.world_from_index}, stored.type,
                                         stored_bytes(dims, shape, stored), options);
-  return Field(std::move(source), setup.kernel, setup.reconstruction);
+  return LatticeField(std::move(source), setup.kernel, setup.reconstruction);
 }
 
 VolumeFunction shells(const Index3& dims) {
@@ -160,7 +160,7 @@ std::vector<TestLook> test_looks(double lo, double hi) {
           {"colour step", stepped}};
 }
 
-Camera askew_camera(const Field& field, bool is_parallel, double fill) {
+Camera askew_camera(const LatticeField& field, bool is_parallel, double fill) {
   const Bounds3 bounds = field.world_bounds();
   const double half_height = 0.5 * bounds.diagonal().norm() / fill;
   const Vec3 direction(0.48, -0.31, 0.82);

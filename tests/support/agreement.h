@@ -21,15 +21,15 @@ struct StoredRange {
   double lo = 0;
   double hi = 1;
 };
-Field make_stored_field(const Index3& dims, const VolumeFunction& shape, const StoredRange& stored,
-                        const FieldSetup& setup = {});
+LatticeField make_stored_field(const Index3& dims, const VolumeFunction& shape,
+                               const StoredRange& stored, const FieldSetup& setup = {});
 
 // A function of period some samples with a slope everywhere, in [0, 1]: shells, no symmetry.
 VolumeFunction shells(const Index3& dims);
 
 struct TestVolume {
   std::string name;
-  Field field;
+  LatticeField field;
   double lo;  // the values' nominal range; a constant volume has none of its own
   double hi;
 };
@@ -47,7 +47,7 @@ std::vector<TestLook> test_looks(double lo, double hi);
 Look semi_transparent_look(double lo, double hi);
 
 struct Scene {
-  Field field;
+  LatticeField field;
   Camera camera;
   Look look;
   RenderOptions options;
@@ -55,7 +55,7 @@ struct Scene {
 
 // A view from no axis' direction that shows the whole field, its bounding sphere `fill` times as
 // high as the picture.
-Camera askew_camera(const Field& field, bool is_parallel, double fill = 1.0);
+Camera askew_camera(const LatticeField& field, bool is_parallel, double fill = 1.0);
 
 // 12 x 11 x 13 samples on oblique axes with all of it in a picture of 24 x 20: small enough for the
 // reference's slab means.

@@ -99,7 +99,8 @@ std::size_t FunctionSource::resident_bytes() const noexcept {
   return bytes;
 }
 
-Field make_field(const Index3& dims, const VolumeFunction& function, const FieldSetup& setup) {
+LatticeField make_field(const Index3& dims, const VolumeFunction& function,
+                        const FieldSetup& setup) {
   FunctionSource::Options options;
   options.brick_edge = setup.brick_edge;
   options.range_reach = setup.kernel.support_radius();
@@ -107,10 +108,10 @@ Field make_field(const Index3& dims, const VolumeFunction& function, const Field
   options.value_offset = setup.value_offset;
   auto source = std::make_shared<FunctionSource>(LatticeGeometry{dims, setup.world_from_index},
                                                  function, options);
-  return Field(std::move(source), setup.kernel, setup.reconstruction);
+  return LatticeField(std::move(source), setup.kernel, setup.reconstruction);
 }
 
-Field constant_field(const Index3& dims, double value, const FieldSetup& setup) {
+LatticeField constant_field(const Index3& dims, double value, const FieldSetup& setup) {
   return make_field(
       dims, [value](std::int64_t, std::int64_t, std::int64_t) { return value; }, setup);
 }

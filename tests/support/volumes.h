@@ -69,10 +69,11 @@ struct FieldSetup {
   double value_offset = 0.0;
 };
 
-Field make_field(const Index3& dims, const VolumeFunction& function, const FieldSetup& setup = {});
+LatticeField make_field(const Index3& dims, const VolumeFunction& function,
+                        const FieldSetup& setup = {});
 
 // A volume of one value.
-Field constant_field(const Index3& dims, double value, const FieldSetup& setup = {});
+LatticeField constant_field(const Index3& dims, double value, const FieldSetup& setup = {});
 
 // Axes of the given spacings, sample (0, 0, 0) at `origin`.
 Affine3 scaled_axes(const Vec3& spacing, const Vec3& origin = Vec3::Zero());

@@ -150,7 +150,7 @@ struct LineIntegral {
 
 }  // namespace
 
-FieldEvaluator::FieldEvaluator(const Field& field)
+FieldEvaluator::FieldEvaluator(const LatticeField& field)
     : dims_(field.geometry().dims),
       world_gradient_from_index_(field.geometry().world_from_index.linear().inverse().transpose()),
       index_from_world_(field.geometry().world_from_index.inverse()),

@@ -23,7 +23,7 @@ class FieldEvaluator {
  public:
   // Copies all samples: 9 bytes each. Throws what the field's brick source throws, and
   // Error(kOutOfMemory).
-  explicit FieldEvaluator(const Field& field);
+  explicit FieldEvaluator(const LatticeField& field);
 
   // The field at a position in index space. `widening` holds the factors m_a >= 1 of
   // "Minification", per lattice axis.

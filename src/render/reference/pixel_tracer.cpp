@@ -11,12 +11,12 @@
 namespace ovoid::reference {
 namespace {
 
-double unit_distance_of(const Look& look, const Field& field) {
+double unit_distance_of(const Look& look, const LatticeField& field) {
   if (look.unit_distance > 0) return look.unit_distance;
   return look.transfer_function.unit_distance.value_or(default_unit_distance(field));
 }
 
-double span_of(const Look& look, const Field& field) {
+double span_of(const Look& look, const LatticeField& field) {
   if (look.mode == Mode::kIsosurface) {
     const ValueRange range = field.value_range();
     return range.is_empty() ? 0.0 : static_cast<double>(range.hi) - static_cast<double>(range.lo);
@@ -37,8 +37,8 @@ Pixel premultiplied(const Rgb& color, double alpha, double depth) {
 
 }  // namespace
 
-PixelTracer::PixelTracer(const Field& field, const FieldEvaluator& evaluator, const Camera& camera,
-                         const Look& look, const RenderOptions& options)
+PixelTracer::PixelTracer(const LatticeField& field, const FieldEvaluator& evaluator,
+                         const Camera& camera, const Look& look, const RenderOptions& options)
     : evaluator_(evaluator),
       look_(look),
       slab_(options.slab),

@@ -31,7 +31,7 @@ struct TraceCounts {
 class PixelTracer {
  public:
   // Camera, look and options are valid; `field` and `evaluator` (of that field) outlive the tracer.
-  PixelTracer(const Field& field, const FieldEvaluator& evaluator, const Camera& camera,
+  PixelTracer(const LatticeField& field, const FieldEvaluator& evaluator, const Camera& camera,
               const Look& look, const RenderOptions& options);
 
   Pixel trace(int x, int y, TraceCounts& counts) const;

@@ -120,7 +120,7 @@ class RowPainter {
 
 }  // namespace
 
-Frame render(const Field& field, const Camera& camera, const Look& look,
+Frame render(const LatticeField& field, const Camera& camera, const Look& look,
              const RenderOptions& options, const RenderHooks& hooks, int threads) {
   if (field.id() == 0) {
     throw Error(ErrorCode::kInvalidArgument,

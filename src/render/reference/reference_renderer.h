@@ -12,7 +12,7 @@ namespace ovoid::reference {
 // skip_irrelevant and stop_opaque mean nothing here. Throws Error as Renderer::render() does. Cost:
 // about half a microsecond per sample of Slab::kMid and a hundred times that for Slab::kMean; 9
 // bytes per kernel.
-Frame render(const Field& field, const Camera& camera, const Look& look,
+Frame render(const LatticeField& field, const Camera& camera, const Look& look,
              const RenderOptions& options = {}, const RenderHooks& hooks = {}, int threads = 0);
 
 }  // namespace ovoid::reference

@@ -36,7 +36,7 @@ struct Interval {
 
 }  // namespace
 
-ViewRays::ViewRays(const Field& field, const Camera& camera, const RenderOptions& options)
+ViewRays::ViewRays(const LatticeField& field, const Camera& camera, const RenderOptions& options)
     : index_from_world_(field.geometry().world_from_index.inverse()),
       spacing_(field.geometry().spacing()),
       clip_planes_(options.clip_planes),

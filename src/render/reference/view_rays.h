@@ -29,7 +29,7 @@ struct SheetRange {
 class ViewRays {
  public:
   // Camera and options are valid.
-  ViewRays(const Field& field, const Camera& camera, const RenderOptions& options);
+  ViewRays(const LatticeField& field, const Camera& camera, const RenderOptions& options);
 
   // The ray through the centre of pixel (x, y); pixels beyond the picture have one too.
   Ray ray(int x, int y) const;

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ovoid/kernel_field.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "data/field_id.h"
+#include "data/kernel_shape.h"
+#include "ovoid/error.h"
+
+namespace ovoid {
+namespace {
+
+constexpr std::int64_t kMostSamples = 1 << 16;  // kernels looked at for a quantile
+constexpr double kQuantile = 0.05;              // of the kernels' volume
+constexpr double kMostSheets = 1024;            // through the bounds' diagonal, by default
+
+// A kernel as default choices see it.
+struct SizeSample {
+  double sigma, volume;
+};
+
+// Runs `body(brick, view, i)` for kernels that are spread evenly over all bricks, at most
+// kMostSamples and one more per brick.
+template <class Body>
+void for_some_kernels(const KernelSource& source, const Body& body) {
+  const std::int64_t stride = std::max<std::int64_t>(1, source.num_kernels() / kMostSamples);
+  std::int64_t skip = 0;
+  for (std::int64_t b = 0; b < source.num_bricks(); ++b) {
+    const KernelBrick& brick = source.brick(b);
+    if (skip >= brick.count) {
+      skip -= brick.count;
+      continue;
+    }
+    const KernelView view = source.acquire(b, 0.0);
+    std::int64_t i = skip;
+    for (; i < view.count; i += stride) body(brick, view, static_cast<std::int32_t>(i));
+    skip = i - view.count;
+  }
+}
+
+double quantile_of_sizes(const KernelSource& source) {
+  std::vector<SizeSample> sizes;
+  double volume = 0;
+  for_some_kernels(source, [&](const KernelBrick&, const KernelView& view, std::int32_t i) {
+    const auto numbers = data::shape_numbers(view, source.shape(), i);
+    const double det = data::factor_of(source.shape(), numbers.data()).determinant();
+    sizes.push_back({std::cbrt(det), det});
+    volume += det;
+  });
+  std::sort(sizes.begin(), sizes.end(),
+            [](const SizeSample& a, const SizeSample& b) { return a.sigma < b.sigma; });
+  double below = 0;
+  for (const SizeSample& size : sizes) {
+    below += size.volume;
+    if (below >= kQuantile * volume) return size.sigma;
+  }
+  return sizes.back().sigma;
+}
+
+// Half a spacing beyond the centres: for lattice-like kernels, half a spacing is sigma.
+Bounds3 bounds_of_cells(const KernelSource& source) {
+  Bounds3 bounds;
+  for (std::int64_t b = 0; b < source.num_bricks(); ++b) {
+    // A brick's box is wider than its centres' by the reach of kernels of nearly one size.
+    const KernelBrick& brick = source.brick(b);
+    const KernelView view = source.acquire(b, 0.0);
+    for (std::int32_t i = 0; i < view.count; ++i) {
+      const auto numbers = data::shape_numbers(view, source.shape(), i);
+      const Vec3 at = brick.origin + data::offset_of(view, i);
+      const Vec3 reach = data::factor_of(source.shape(), numbers.data()).rowwise().norm();
+      bounds.extend(Bounds3(at - reach, at + reach));
+    }
+  }
+  return bounds;
+}
+
+// Of a summed field: its values at some centres, and at each at least what its own kernel adds
+// there if no other has the opposite sign.
+ValueRange range_of_sum(const KernelField& field, int attribute) {
+  const KernelField plain(field.shared_source(), Reconstruction::kSum, attribute);
+  return plain.value_range();
+}
+
+ValueRange sampled_sum_range(const KernelField& field) {
+  constexpr std::int64_t kMostEvaluations = 8192;
+  const KernelSampler sampler(field);
+  const KernelSource& source = field.source();
+  const std::int64_t stride =
+      std::max<std::int64_t>(1, std::min(source.num_kernels(), kMostSamples) / kMostEvaluations);
+  ValueRange range{0.0F, 0.0F};  // a sum fades to nothing
+  std::int64_t count = 0;
+  for_some_kernels(source, [&](const KernelBrick& brick, const KernelView& view, std::int32_t i) {
+    if (count++ % stride != 0) return;
+    const auto value =
+        static_cast<float>(sampler.at(brick.origin + data::offset_of(view, i)).value);
+    range.lo = std::min(range.lo, value);
+    range.hi = std::max(range.hi, value);
+  });
+  return range;
+}
+
+int checked_attribute(const KernelSource& source, int attribute, const char* name) {
+  const auto count = static_cast<int>(source.attributes().size());
+  if (attribute < 0 || attribute >= count)
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("{} = {}: must be from 0 to {}", name, attribute, count - 1));
+  return attribute;
+}
+
+}  // namespace
+
+KernelField::KernelField(std::shared_ptr<const KernelSource> source, Reconstruction reconstruction,
+                         int attribute, int color_attribute)
+    : source_(std::move(source)), reconstruction_(reconstruction) {
+  if (!source_)
+    throw Error(ErrorCode::kInvalidArgument, "source = null: a field needs a kernel source");
+  attribute_ = checked_attribute(*source_, attribute, "attribute");
+  color_attribute_ = color_attribute == -1
+                         ? attribute_
+                         : checked_attribute(*source_, color_attribute, "color_attribute");
+  bounds_ = bounds_of_cells(*source_);
+  sampling_distance_ =
+      std::max(2 * quantile_of_sizes(*source_), bounds_.diagonal().norm() / kMostSheets);
+  id_ = data::next_field_id();
+  version_ = 1;
+  if (reconstruction_ == Reconstruction::kNormalized) {
+    value_range_ = source_->attributes()[static_cast<std::size_t>(attribute_)].range;
+    color_range_ = source_->attributes()[static_cast<std::size_t>(color_attribute_)].range;
+  } else {
+    value_range_ = sampled_sum_range(*this);
+    color_range_ = has_own_color() ? range_of_sum(*this, color_attribute_) : value_range_;
+  }
+}
+
+}  // namespace ovoid

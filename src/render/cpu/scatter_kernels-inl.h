@@ -47,7 +47,7 @@ struct SheetPlace {
 };
 
 // Where a block lies in the picture, and its sheets (or the nodes of their slabs, sheet by sheet).
-inline constexpr int kProfileNodes = 4;
+inline constexpr int kProfileNodes = 8;
 struct BlockPlace {
   int tile_x, tile_y;  // pixel of its corner
   float least_scale;   // of its sheets
@@ -55,10 +55,12 @@ struct BlockPlace {
 };
 
 // Gauss-Legendre on [-1/2, 1/2].
-inline constexpr float kProfileNodeOffsets[kProfileNodes] = {-0.43056816F, -0.16999052F,
-                                                             0.16999052F, 0.43056816F};
-inline constexpr float kProfileNodeWeights[kProfileNodes] = {0.17392742F, 0.32607258F, 0.32607258F,
-                                                             0.17392742F};
+inline constexpr float kProfileNodeOffsets[kProfileNodes] = {
+    -0.48014493F, -0.39833324F, -0.26276620F, -0.09171732F,
+    0.09171732F,  0.26276620F,  0.39833324F,  0.48014493F};
+inline constexpr float kProfileNodeWeights[kProfileNodes] = {0.05061427F, 0.11119052F, 0.15685332F,
+                                                             0.18134189F, 0.18134189F, 0.15685332F,
+                                                             0.11119052F, 0.05061427F};
 
 // exp(-q / 2), or the profile at m^2 = q.
 template <KernelProfile kProfile>

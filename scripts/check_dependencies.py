@@ -13,7 +13,7 @@ from sources import project_files, read_text
 
 # Which part stands behind each public header. A new header needs a line here.
 PUBLIC = {
-    "error.h": "data", "math.h": "data", "lattice.h": "data", "kernels.h": "data", "field.h": "data", "dataset.h": "data",
+    "error.h": "data", "math.h": "data", "lattice.h": "data", "kernels.h": "data", "field.h": "data", "kernel_field.h": "data", "dataset.h": "data",
     "model.h": "model",
     "camera.h": "view", "transfer_function.h": "view", "look.h": "view", "image.h": "view",
     "render_options.h": "view", "crop.h": "view",
@@ -46,6 +46,8 @@ OUTSIDE = [
     ("oneTBB", re.compile(r"^(oneapi/)?tbb/"), ("src/render/cpu/",)),
     ("OpenEXR", re.compile(r"^(OpenEXR/)?(Imf|Imath|Iex)|^Imath/"), ("src/io/", "apps/", "tests/")),
     ("libpng", re.compile(r"^png\.h"), ("src/io/", "tests/")),
+    ("nanoflann", re.compile(r"^nanoflann\.hpp"), ("src/model/",)),
+    ("Voro++", re.compile(r"^voro\+\+/"), ("src/model/",)),
     ("zlib and bzip2", re.compile(r"^(zlib|bzlib)\.h"), ("src/io/", "tests/")),
     ("nlohmann-json", re.compile(r"^nlohmann/"), ("src/io/", "apps/", "tests/", "bench/")),
     ("CLI11", re.compile(r"^CLI/"), ("apps/", "bench/")),

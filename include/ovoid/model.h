@@ -110,12 +110,14 @@ KernelField make_kernel_field(const Dataset& dataset, const KernelModelOptions& 
 // the shortest to z. Throws what the source throws. Cost: an eigenvalue problem per ellipsoid.
 Dataset make_kernel_dataset(const KernelField& field);
 
-// Sample data by formula (`ovoid make`). Each is a dataset with one float32 array, centred on the
-// origin.
+// Sample data by formula (`ovoid make`): lattices with one array, centred on the origin; a mesh
+// ("fin"), particles ("galaxy") and stored kernels ("blobs").
 struct MakeOptions {
   Index3 size{0, 0, 0};                    // samples; zeros: the name's own default
   ScalarType type = ScalarType::kFloat32;  // kUInt8 and kUInt16 are scaled to the type's full range
   std::uint64_t seed = 1;                  // for names that use random numbers
+  // Nodes (about so many), particles or kernels, of names that are no lattice and have no `size`.
+  std::int64_t count = 0;  // 0: the name's own default
 };
 std::vector<std::string> sample_names();  // what make_sample() knows, with defaults in its page
 std::string describe_sample(const std::string& name);  // one line for the help text

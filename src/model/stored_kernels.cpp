@@ -11,6 +11,7 @@
 #include "data/parallel.h"
 #include "model/ellipsoid_shape.h"
 #include "model/kernel_parts.h"
+#include "model/own_array.h"
 #include "ovoid/error.h"
 #include "ovoid/kernel_field.h"
 
@@ -128,18 +129,6 @@ KernelParts stored_kernels(const ModelRun& run) {
 }
 
 namespace {
-
-template <class T>
-DataArray array_of_numbers(std::string name, int components, std::vector<T> numbers) {
-  const auto owner = std::make_shared<const std::vector<T>>(std::move(numbers));
-  DataArray array;
-  array.name = std::move(name);
-  array.type = sizeof(T) == sizeof(float) ? ScalarType::kFloat32 : ScalarType::kFloat64;
-  array.num_components = components;
-  array.num_tuples = static_cast<std::int64_t>(owner->size()) / components;
-  array.bytes = {owner, std::as_bytes(std::span<const T>(*owner))};
-  return array;
-}
 
 struct KernelTable {
   std::vector<double> positions;

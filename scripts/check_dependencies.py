@@ -46,6 +46,8 @@ OUTSIDE = [
     ("oneTBB", re.compile(r"^(oneapi/)?tbb/"), ("src/render/cpu/",)),
     ("OpenEXR", re.compile(r"^(OpenEXR/)?(Imf|Imath|Iex)|^Imath/"), ("src/io/", "apps/", "tests/")),
     ("libpng", re.compile(r"^png\.h"), ("src/io/", "tests/")),
+    ("nanoflann", re.compile(r"^nanoflann\.hpp"), ("src/model/",)),
+    ("Voro++", re.compile(r"^voro\+\+/"), ("src/model/",)),
     ("zlib and bzip2", re.compile(r"^(zlib|bzlib)\.h"), ("src/io/", "tests/")),
     ("nlohmann-json", re.compile(r"^nlohmann/"), ("src/io/", "apps/", "tests/", "bench/")),
     ("CLI11", re.compile(r"^CLI/"), ("apps/", "bench/")),

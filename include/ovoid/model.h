@@ -85,6 +85,7 @@ struct KernelModelReport {
   std::int64_t num_misplaced = 0;  // position NaN or infinite: no kernel
   std::int64_t num_merged = 0;  // nodes at the same place as another, whose kernel stands for both
   std::int64_t num_dangling = 0;    // nodes of no cell: no kernel
+  std::int64_t num_copies = 0;      // of kernels that cross a face of a periodic box
   std::int64_t num_degenerate = 0;  // shapes that had to be made thicker to be ellipsoids at all
   // Quantiles 0, 0.05, 0.5, 0.95, 1.
   std::array<double, 5> spacings{};     // twice the geometric mean of the sigmas, world units
@@ -104,12 +105,19 @@ struct KernelModelReport {
 KernelField make_kernel_field(const Dataset& dataset, const KernelModelOptions& options = {},
                               KernelModelReport* report = nullptr, std::stop_token stop = {});
 
-// Sample data by formula (`ovoid make`). Each is a dataset with one float32 array, centred on the
-// origin.
+// The kernels of a field as a dataset of kind kKernels, for files: positions, "scale", "rotation",
+// "weight" and the attributes, all but the positions float32. Rotations turn the longest axis to x,
+// the shortest to z. Throws what the source throws. Cost: an eigenvalue problem per ellipsoid.
+Dataset make_kernel_dataset(const KernelField& field);
+
+// Sample data by formula (`ovoid make`): lattices with one array, centred on the origin; a mesh
+// ("fin"), particles ("galaxy") and stored kernels ("blobs").
 struct MakeOptions {
   Index3 size{0, 0, 0};                    // samples; zeros: the name's own default
   ScalarType type = ScalarType::kFloat32;  // kUInt8 and kUInt16 are scaled to the type's full range
   std::uint64_t seed = 1;                  // for names that use random numbers
+  // Nodes (about so many), particles or kernels, of names that are no lattice and have no `size`.
+  std::int64_t count = 0;  // 0: the name's own default
 };
 std::vector<std::string> sample_names();  // what make_sample() knows, with defaults in its page
 std::string describe_sample(const std::string& name);  // one line for the help text

@@ -11,6 +11,7 @@
 #include <numeric>
 
 #include "data/kernel_shape.h"
+#include "data/morton.h"
 #include "data/parallel.h"
 #include "ovoid/error.h"
 #include "ovoid/kernel_field.h"
@@ -19,7 +20,6 @@ namespace ovoid {
 namespace {
 
 constexpr std::int64_t kGrain = 16384;
-constexpr int kMortonBits = 21;   // per axis
 constexpr int kClassOctaves = 2;  // sizes within a factor 4 share a class
 
 // Extent of a brick's centres, in least sigmas, up to which float offsets stay within
@@ -91,17 +91,6 @@ void check_kernel(const KernelColumns& columns, std::size_t i) {
       refuse(fmt::format("shapes[{}][{}] = {}: must be finite{}", i, c, number,
                          kIsDiagonal[c] ? " and > 0" : ""));
   }
-}
-
-// Spreads the low 21 bits of x to every third bit.
-std::uint64_t spread(std::uint64_t x) noexcept {
-  x &= 0x1FFFFF;
-  x = (x | x << 32) & 0x1F00000000FFFF;
-  x = (x | x << 16) & 0x1F0000FF0000FF;
-  x = (x | x << 8) & 0x100F00F00F00F00F;
-  x = (x | x << 4) & 0x10C30C30C30C30C3;
-  x = (x | x << 2) & 0x1249249249249249;
-  return x;
 }
 
 class ResidentKernels final : public KernelSource {
@@ -212,16 +201,14 @@ class ResidentKernels final : public KernelSource {
       cut_evenly(begin, end);
       return;
     }
-    const double scale = std::ldexp(1.0, kMortonBits) / edge * (1 - 1e-12);
+    const double scale = std::ldexp(1.0, data::kMortonBits) / edge * (1 - 1e-12);
     const Vec3 low = box.min();
     data::parallel_ranges({static_cast<std::int64_t>(end - begin), kGrain, threads_},
                           [&](std::int64_t from, std::int64_t to) {
                             for (std::int64_t i = from; i < to; ++i) {
                               SortItem& item = items_[begin + static_cast<std::size_t>(i)];
                               const Vec3 at = (center(columns, item.index) - low) * scale;
-                              item.key = spread(static_cast<std::uint64_t>(at[0])) |
-                                         spread(static_cast<std::uint64_t>(at[1])) << 1 |
-                                         spread(static_cast<std::uint64_t>(at[2])) << 2;
+                              item.key = data::morton_key(at);
                             }
                           });
     // The index decides between equals, so that the order is one.
@@ -230,7 +217,7 @@ class ResidentKernels final : public KernelSource {
               [](const SortItem& a, const SortItem& b) {
                 return a.key != b.key ? a.key < b.key : a.index < b.index;
               });
-    cut_node(columns, begin, end, 3 * kMortonBits);
+    cut_node(columns, begin, end, 3 * data::kMortonBits);
   }
 
   bool fits_a_brick(const KernelColumns& columns, std::size_t begin, std::size_t end) const {

@@ -10,6 +10,7 @@
 
 #include "data/parallel.h"
 #include "model/sample_formulas.h"
+#include "model/sample_sets.h"
 #include "ovoid/error.h"
 #include "ovoid/model.h"
 
@@ -22,14 +23,46 @@ using model::SampleKind;
 
 constexpr std::int64_t kMaxSide = 8192;
 
+constexpr std::int64_t kMaxCount = std::int64_t{1} << 30;
+
 const SampleKind& kind_of(const std::string& name) {
-  std::string names;
   for (const SampleKind& kind : model::sample_kinds()) {
     if (name == kind.name) return kind;
-    names += fmt::format("{}{}", names.empty() ? "" : ", ", kind.name);
   }
-  throw Error(ErrorCode::kInvalidArgument,
-              fmt::format("sample '{}': must be one of {}", name, names));
+  throw Error(ErrorCode::kInvalidArgument, fmt::format("sample '{}': must be one of {}", name,
+                                                       fmt::join(sample_names(), ", ")));
+}
+
+// Null: not one of them.
+const model::SampleSet* find_set(const std::string& name) {
+  for (const model::SampleSet& set : model::sample_sets()) {
+    if (name == set.name) return &set;
+  }
+  return nullptr;
+}
+
+Dataset make_set(const model::SampleSet& set, const MakeOptions& options) {
+  if (options.size != Index3{0, 0, 0})
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("size = {} x {} x {}: '{}' is no lattice; count is its number of {}",
+                            options.size[0], options.size[1], options.size[2], set.name, set.noun));
+  if (options.type != ScalarType::kFloat32)
+    throw Error(ErrorCode::kInvalidArgument, fmt::format("type = {}: must be float32 for '{}'",
+                                                         name_of(options.type), set.name));
+  const std::int64_t count = options.count == 0 ? set.default_count : options.count;
+  if (count < set.least_count || count > kMaxCount)
+    throw Error(ErrorCode::kInvalidArgument, fmt::format("count = {}: must be {} to {} for '{}'",
+                                                         count, set.least_count, kMaxCount,
+                                                         set.name));
+  try {
+    Dataset dataset = set.make(count, options.seed);
+    dataset.source = set.name;
+    dataset.format = "formula";
+    return dataset;
+  } catch (const std::bad_alloc&) {
+    throw Error(ErrorCode::kOutOfMemory,
+                fmt::format("count = {}: no memory for so many {}", count, set.noun));
+  }
 }
 
 Index3 dims_of(const SampleKind& kind, const Index3& size) {
@@ -118,15 +151,23 @@ Bytes evaluate_as(ScalarType type, const LatticeGeometry& geometry, const Formul
 std::vector<std::string> sample_names() {
   std::vector<std::string> names;
   for (const SampleKind& kind : model::sample_kinds()) names.emplace_back(kind.name);
+  for (const model::SampleSet& set : model::sample_sets()) names.emplace_back(set.name);
   return names;
 }
 
 std::string describe_sample(const std::string& name) {
+  if (const model::SampleSet* set = find_set(name))
+    return fmt::format("{}, {} {}", set->description, set->default_count, set->noun);
   const SampleKind& kind = kind_of(name);
   return fmt::format("{}, {}^3", kind.description, kind.default_size);
 }
 
 Dataset make_sample(const std::string& name, const MakeOptions& options) {
+  if (const model::SampleSet* set = find_set(name)) return make_set(*set, options);
+  if (options.count != 0)
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("count = {}: '{}' is a lattice; size is its samples", options.count,
+                            name));
   const SampleKind& kind = kind_of(name);
   Dataset dataset;
   dataset.source = name;

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Dataset -> field, for everything but lattices: checks options, sends the dataset its way, sorts
+// what comes back into bricks and reports.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <new>
+
+#include "data/kernel_shape.h"
+#include "data/parallel.h"
+#include "model/kernel_parts.h"
+#include "ovoid/error.h"
+#include "ovoid/model.h"
+
+namespace ovoid {
+
+namespace {
+
+constexpr int kLeastNeighbors = 4, kMostNeighbors = 512;
+constexpr int kMostPasses = 100;
+constexpr std::int64_t kMostReported = 1 << 16;  // kernels looked at for quantiles
+constexpr std::int64_t kMostSums = 4096;         // centres where the sum of weights is taken
+
+void check_options(const KernelModelOptions& options) {
+  const auto refuse_option = [](const std::string& message) {
+    throw Error(ErrorCode::kInvalidArgument, message);
+  };
+  if (options.neighbors < kLeastNeighbors || options.neighbors > kMostNeighbors)
+    refuse_option(fmt::format("neighbors = {}: must be {} to {}", options.neighbors,
+                              kLeastNeighbors, kMostNeighbors));
+  if (options.amplitude_passes < 0 || options.amplitude_passes > kMostPasses)
+    refuse_option(fmt::format("amplitude_passes = {}: must be 0 to {}", options.amplitude_passes,
+                              kMostPasses));
+  if (options.cutoff && !(*options.cutoff >= 1 && *options.cutoff <= KernelColumns::kMaxCutoff))
+    refuse_option(fmt::format("cutoff = {}: must be 1 to {:g}", *options.cutoff,
+                              KernelColumns::kMaxCutoff));
+  if (options.mass && !(*options.mass > 0 && std::isfinite(*options.mass)))
+    refuse_option(fmt::format("mass = {}: must be > 0", *options.mass));
+}
+
+model::KernelParts parts_of(const model::ModelRun& run) {
+  switch (run.dataset.kind) {
+    case DatasetKind::kMesh:
+      return model::mesh_kernels(run);
+    case DatasetKind::kBoxes:
+      return model::box_kernels(run);
+    case DatasetKind::kParticles:
+      return model::particle_kernels(run);
+    case DatasetKind::kKernels:
+      return model::stored_kernels(run);
+    case DatasetKind::kLattice:
+      break;
+  }
+  throw Error(ErrorCode::kInvalidArgument,
+              fmt::format("'{}': is a lattice; make_lattice_field() takes it", run.dataset.source));
+}
+
+KernelField field_of_parts(const model::ModelRun& run, model::KernelParts parts) {
+  KernelColumns columns;
+  columns.shape = parts.shape;
+  columns.profile = parts.profile;
+  columns.cutoff = parts.cutoff;
+  columns.centers = parts.centers;
+  columns.shapes = parts.shapes;
+  columns.weights = parts.weights;
+  for (const std::vector<float>& column : parts.values) columns.values.push_back(column);
+  columns.attributes = parts.attributes;
+  auto source = make_kernel_source(columns, run.threads);
+  const Reconstruction reconstruction = parts.reconstruction;
+  parts = {};
+  const int color = source->attributes().size() > 1 ? 1 : -1;
+  return {std::move(source), reconstruction, 0, color};
+}
+
+std::array<double, 5> quantiles(std::vector<double> numbers) {
+  std::sort(numbers.begin(), numbers.end());
+  std::array<double, 5> result{};
+  constexpr std::array<double, 5> kShares = {0, 0.05, 0.5, 0.95, 1};
+  for (std::size_t q = 0; q < result.size(); ++q)
+    result[q] = numbers[static_cast<std::size_t>(
+        std::lround(kShares[q] * static_cast<double>(numbers.size() - 1)))];
+  return result;
+}
+
+// Sizes of kernels spread over all bricks, and where their sum is wanted.
+void report_kernels(const KernelField& field, KernelModelReport& report) {
+  const KernelSource& source = field.source();
+  const std::int64_t stride = std::max<std::int64_t>(1, source.num_kernels() / kMostReported);
+  std::vector<double> spacings, ratios;
+  std::vector<Vec3> places;
+  std::int64_t skip = 0;
+  for (std::int64_t b = 0; b < source.num_bricks(); ++b) {
+    const KernelBrick& brick = source.brick(b);
+    if (skip >= brick.count) {
+      skip -= brick.count;
+      continue;
+    }
+    const KernelView view = source.acquire(b, 0.0);
+    std::int64_t i = skip;
+    for (; i < view.count; i += stride) {
+      const auto at = static_cast<std::int32_t>(i);
+      const auto numbers = data::shape_numbers(view, source.shape(), at);
+      const Vec3 axes = data::semi_axes(source.shape(), numbers.data());
+      spacings.push_back(2 * std::cbrt(axes[0]) * std::cbrt(axes[1]) * std::cbrt(axes[2]));
+      ratios.push_back(axes[2] / axes[0]);
+      places.push_back(brick.origin + data::offset_of(view, at));
+    }
+    skip = i - view.count;
+  }
+  report.spacings = quantiles(std::move(spacings));
+  report.axis_ratios = quantiles(std::move(ratios));
+  if (report.constant_mean != 0 || !report.is_normalized) return;
+  const KernelSampler sampler(field);
+  const std::size_t every = std::max<std::size_t>(1, places.size() / kMostSums);
+  double count = 0, mean = 0, square = 0;
+  for (std::size_t i = 0; i < places.size(); i += every) {
+    const double sum = sampler.at(places[i]).weight;
+    count += 1;
+    mean += sum;
+    square += sum * sum;
+  }
+  report.constant_mean = mean / count;
+  report.constant_deviation =
+      std::sqrt(std::max(0.0, square / count - report.constant_mean * report.constant_mean));
+}
+
+void note_on_counts(const Dataset& dataset, KernelModelReport& report) {
+  const char* nouns = "kernels";
+  if (dataset.kind == DatasetKind::kMesh)
+    nouns = dataset.array(report.array).is_cell_data ? "cells" : "nodes";
+  if (dataset.kind == DatasetKind::kBoxes) nouns = "boxes";
+  if (dataset.kind == DatasetKind::kParticles) nouns = "particles";
+  const auto note = [&](std::int64_t count, const std::string& what) {
+    if (count > 0) report.notes.push_back(fmt::format("{} of {} {} {}", count, report.num_sites, nouns, what));
+  };
+  note(report.num_missing, fmt::format("without a finite value of '{}' make no kernel",
+                                       report.array));
+  note(report.num_misplaced, "without a finite position make no kernel");
+  note(report.num_dangling, "of no cell make no kernel");
+  note(report.num_merged, "at the place of another share its kernel");
+  if (report.num_degenerate > 0)
+    report.notes.push_back(fmt::format("{} of {} kernels had no extent along some axis and were given one",
+                                       report.num_degenerate, report.num_kernels));
+}
+
+}  // namespace
+
+KernelField make_kernel_field(const Dataset& dataset, const KernelModelOptions& options,
+                              KernelModelReport* report, std::stop_token stop) {
+  check_options(options);
+  KernelModelReport own;
+  const model::ModelRun run = {dataset, options, own, data::resolve_threads(options.threads),
+                               std::move(stop)};
+  try {
+    model::KernelParts parts = parts_of(run);
+    own.is_normalized = parts.reconstruction == Reconstruction::kNormalized;
+    KernelField field = field_of_parts(run, std::move(parts));
+    own.num_kernels = field.num_kernels();
+    own.resident_bytes = field.source().resident_bytes();
+    if (report == nullptr) return field;
+    report_kernels(field, own);
+    note_on_counts(dataset, own);
+    *report = std::move(own);
+    return field;
+  } catch (const std::bad_alloc&) {
+    throw Error(ErrorCode::kOutOfMemory,
+                fmt::format("'{}': no memory for the kernels of {} positions", dataset.source,
+                            dataset.num_positions()));
+  }
+}
+
+}  // namespace ovoid

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
 #include <array>
 #include <charconv>
 #include <string>
@@ -22,17 +24,16 @@ std::string csv_name(const DataArray& array, std::string name) {
 }
 
 std::string csv_names(const Dataset& dataset) {
-  std::string line;
+  std::vector<std::string> names;
   for (const char axis : {'x', 'y', 'z'})
-    line += (axis == 'x' ? "" : ",") + csv_name(dataset.positions, std::string(1, axis));
+    names.push_back(csv_name(dataset.positions, std::string(1, axis)));
   for (const DataArray& array : dataset.arrays) {
     for (int i = 0; i < array.num_components; ++i) {
-      const std::string name =
-          array.num_components == 1 ? array.name : array.name + ":" + std::to_string(i);
-      line += "," + csv_name(array, name);
+      names.push_back(csv_name(
+          array, array.num_components == 1 ? array.name : fmt::format("{}:{}", array.name, i)));
     }
   }
-  return line + "\n";
+  return fmt::format("{}\n", fmt::join(names, ","));
 }
 
 void append_tuple(const DataArray& array, std::int64_t row, std::string& line) {

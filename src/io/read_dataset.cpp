@@ -64,7 +64,10 @@ Dataset read_unknown(const io::ByteSource& source, const std::string& start,
   if (is_raw || ending == ".raw" || ending == ".raw.gz") return io::read_raw(source, options);
   if (source.size() == 0)
     throw Error(ErrorCode::kFileFormat, fmt::format("{}: is empty", source.name()));
-  if (io::is_point_text_name(source.name())) return io::read_point_text(source, options);
+  if (io::is_point_text_name(source.name())) {
+    refuse_raw_options(source.name(), "text", options.raw, true);
+    return io::read_point_text(source, options);
+  }
   for (const char* known :
        {".nrrd", ".nhdr", ".npy", ".nii", ".nii.gz", ".mhd", ".mha", ".slc", ".vti", ".vtr", ".vtk",
         ".ply", ".npz", ".h5", ".hdf5", ".lammpstrj", ".dump"}) {

@@ -90,7 +90,11 @@ const DataArray& Dataset::array(const std::string& name) const {
         std::find_if(arrays.begin(), arrays.end(), [this](const DataArray& candidate) {
           return !is_bookkeeping(*this, candidate) && data::varies(candidate);
         });
-    return found != arrays.end() ? *found : arrays.front();
+    if (found != arrays.end()) return *found;
+    const auto constant = std::find_if(arrays.begin(), arrays.end(), [this](const DataArray& a) {
+      return !is_bookkeeping(*this, a);
+    });
+    return constant != arrays.end() ? *constant : arrays.front();
   }
   const auto found = std::find_if(arrays.begin(), arrays.end(),
                                   [&](const DataArray& a) { return a.name == name; });

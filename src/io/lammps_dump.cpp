@@ -218,7 +218,9 @@ void DumpReader::read_atoms(const DumpFrame& frame, Dataset& dataset) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     for (PointColumn& column : columns)  // one of three that are not all there
       if (column.name == std::string(1, "xyz"[axis])) column.name += " alone";
-    columns[positions.columns[axis]].name = std::string(1, "xyz"[axis]);
+    PointColumn& column = columns[positions.columns[axis]];
+    if (!column.is_number) fail(fmt::format("column '{}' holds no numbers", column.name));
+    column.name = std::string(1, "xyz"[axis]);
   }
   constexpr std::int64_t kAtomsAtATime = 4096;
   PointTable table(lay_out_points(lines_.where(), columns, notes_));

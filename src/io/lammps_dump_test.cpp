@@ -83,6 +83,8 @@ TEST(LammpsDump, WhatIsBroken) {
       message(with(good, "x y z", "vx vy vz")),
       "file-format: a.dump: line 9: the atoms have no columns x y z, xu yu zu, xs ys zs or xsu "
       "ysu zsu");
+  EXPECT_EQ(message(with(with(good, "x y z", "xs a b c ys zs"), "1 2 3", "one 1 2 3 4 5")),
+            "file-format: a.dump: line 10: column 'xs' holds no numbers");
   EXPECT_EQ(message(good + "garbage\n").substr(0, 38), "file-format: a.dump: line 12: 'garbage");
 }
 

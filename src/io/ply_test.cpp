@@ -98,11 +98,11 @@ TEST(Ply, ErrorsNameWhatIsWrong) {
       "file-format: a.ply: element 'vertex' claims 1000000000000 records of 12 bytes: the file "
       "has 0 bytes for them");
   EXPECT_EQ(ply_error(head("ascii", "element vertex 2\n" + kXyz) + "1 2 3\n1 2 red\n"),
-            "file-format: a.ply: line 9: property 'z' is 'red': expected float32");
+            "file-format: a.ply: line 10: property 'z' is 'red': expected float32");
   EXPECT_EQ(
       ply_error(head("ascii", "element vertex 1\n" + kXyz + "property uchar c\n") + "1 2 3 256\n")
-          .substr(0, 44),
-      "file-format: a.ply: line 9: property 'c' is ");
+          .substr(0, 45),
+      "file-format: a.ply: line 10: property 'c' is ");
   EXPECT_EQ(ply_error(head("ascii", "element vertex 2\n" + kXyz) + "1 2 3\n       \n"),
             "file-format: a.ply: ends after 1 of 2 records of element 'vertex'");
   EXPECT_EQ(ply_error("ply\nelement vertex 1\n"),

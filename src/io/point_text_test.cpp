@@ -163,7 +163,7 @@ TEST(PointText, RoundTrip) {
   dataset.arrays.push_back(
       make_array("v", ScalarType::kInt16, std::vector<std::int16_t>{1, -2, 3, 4}, 2));
   write_dataset(dataset, folder.file("a.csv"));
-  EXPECT_EQ(folder.read("a.csv").substr(0, 50),
+  EXPECT_EQ(folder.read("a.csv").substr(0, 51),
             "\"x [m]\",\"y [m]\",\"z [m]\",\"rho, gas\",v:0,v:1\n0.1,2,3,");
   const Dataset again = read_dataset({folder.file("a.csv")});
   EXPECT_EQ(values_of<double>(again.positions), values_of<double>(dataset.positions));

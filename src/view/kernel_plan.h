@@ -64,12 +64,12 @@ struct KernelPlan : FramePlan {
   std::int64_t total_blocks() const noexcept {
     return static_cast<std::int64_t>(num_blocks[0]) * num_blocks[1] * num_blocks[2];
   }
-  // Blocks that a box in splat space may touch with the margin of one sample that differences
-  // need: `lateral` in x and y, before the perspective scale, over the sheets of `sheets`.
-  BlockRange blocks_touching(const double lateral_lo[2], const double lateral_hi[2],
-                             double sheet_lo, double sheet_hi) const noexcept;
 
  private:
+  // Blocks that a box in splat space may touch with the margin of one sample that differences
+  // need: in x and y before the perspective scale.
+  BlockRange blocks_touching(const double lateral_lo[2], const double lateral_hi[2],
+                             double sheet_lo, double sheet_hi) const noexcept;
   BlockRange blocks_of_brick(const KernelBrick& brick, double cutoff) const noexcept;
   void find_relevant(const KernelField& field, const std::vector<BlockRange>& ranges,
                      bool needs_both_ends);

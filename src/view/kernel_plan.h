@@ -18,6 +18,9 @@ namespace ovoid::view {
 inline constexpr int kBlockEdge = 64;
 inline constexpr int kBlockDepth = 4;
 
+// Across the view axis the unit, in pixels, in which no kernel's sigma is under one half.
+inline constexpr double kLeastPixels = 1.3;
+
 // Blocks [lo, hi) along x, y and s.
 struct BlockRange {
   int lo[3] = {0, 0, 0};

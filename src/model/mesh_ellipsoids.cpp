@@ -40,7 +40,7 @@ Incidence find_corners(const MeshNodes& nodes, const MeshCells& cells) {
     const auto list = cells.nodes(c);
     for (std::size_t k = 0; k < list.size(); ++k)
       incidence.corners[next[nodes.stands_for(list[k])]++] = {static_cast<std::uint32_t>(c),
-                                                             static_cast<std::uint32_t>(k)};
+                                                              static_cast<std::uint32_t>(k)};
   }
   return incidence;
 }
@@ -53,8 +53,8 @@ double solid_angle(const Vec3& a, const Vec3& b, const Vec3& c) noexcept {
 // Sums over the corners at a node.
 class NodeSums {
  public:
-  NodeSums(const MeshNodes& nodes, const MeshCells& cells,
-           const CellMeasures& measures, std::uint32_t node)
+  NodeSums(const MeshNodes& nodes, const MeshCells& cells, const CellMeasures& measures,
+           std::uint32_t node)
       : nodes_(nodes), cells_(cells), measures_(measures), place_(nodes.at(node)) {}
 
   void add(const Corner& corner) {
@@ -81,8 +81,7 @@ class NodeSums {
     }
     if (flat_weight_ > 0) {
       // Its neighbours span only so many axes, among which the sum of squares is shared.
-      const EllipsoidShape shape =
-          shape_of_covariance(flat_spread_ / flat_weight_, Extent3::kFlat);
+      const EllipsoidShape shape = shape_of_covariance(flat_spread_ / flat_weight_, Extent3::kFlat);
       kernel.factor = shape.factor * std::sqrt(static_cast<double>(std::max(shape.rank, 1)));
       kernel.is_degenerate = true;
       kernel.is_alone = shape.rank == 0;
@@ -165,8 +164,7 @@ class NodeSums {
 }  // namespace
 
 std::vector<SiteKernel> node_kernels(const ModelRun& run, const MeshNodes& nodes,
-                                     const MeshCells& cells,
-                                     const CellMeasures& measures) {
+                                     const MeshCells& cells, const CellMeasures& measures) {
   const Incidence incidence = find_corners(nodes, cells);
   std::vector<SiteKernel> kernels(nodes.count());
   data::parallel_ranges(

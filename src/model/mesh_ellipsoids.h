@@ -24,15 +24,14 @@ namespace ovoid::model {
 // solid angle that the cells fill: at a boundary, the volume that it would have inside.
 //
 // Weights. A full kernel has w = V / ((2 pi)^(3/2) det L), a boundary one a share of that, which is
-// also the sum of weights it is fitted to: the share of the solid angle, but at least kLeastShare, since a corner of a box fills only an eighth
-// and the sum of weights must stay over KernelField::kLeastWeight there. The field so ends within
-// about half a spacing outside the mesh.
+// also the sum of weights it is fitted to: the share of the solid angle, but at least kLeastShare,
+// since a corner of a box fills only an eighth and the sum of weights must stay over
+// KernelField::kLeastWeight there. The field so ends within about half a spacing outside the mesh.
 inline constexpr double kLeastShare = 0.3;
 
 // One per node; of nodes that another stands for, or that have no place, it means nothing.
 std::vector<SiteKernel> node_kernels(const ModelRun& run, const MeshNodes& nodes,
-                                     const MeshCells& cells,
-                                     const CellMeasures& measures);
+                                     const MeshCells& cells, const CellMeasures& measures);
 
 // Cell data: the kernel of a cell has the covariance of its nodes about their mean, scaled to the
 // cell's volume: of a box, sigma is half the edge along each.

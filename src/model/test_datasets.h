@@ -81,16 +81,15 @@ inline Dataset grid_dataset(const Index3& dims, const std::function<Vec3(const V
 }
 
 // A mesh of cells of given types.
-inline Dataset mesh_dataset(const std::vector<Vec3>& points,
-                            const std::vector<std::pair<CellType, std::vector<std::uint32_t>>>&
-                                cells) {
+inline Dataset mesh_dataset(
+    const std::vector<Vec3>& points,
+    const std::vector<std::pair<CellType, std::vector<std::uint32_t>>>& cells) {
   Dataset dataset = points_dataset(DatasetKind::kMesh, points);
   dataset.cells.offsets = {0};
   for (const auto& [type, nodes] : cells) {
     dataset.cells.types.push_back(type);
     dataset.cells.connectivity.insert(dataset.cells.connectivity.end(), nodes.begin(), nodes.end());
-    dataset.cells.offsets.push_back(
-        static_cast<std::int64_t>(dataset.cells.connectivity.size()));
+    dataset.cells.offsets.push_back(static_cast<std::int64_t>(dataset.cells.connectivity.size()));
   }
   return dataset;
 }

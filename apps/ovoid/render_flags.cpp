@@ -11,14 +11,17 @@
 namespace ovoid::cli {
 namespace {
 
-const Names<Slab> kSlabs = {{"mid", Slab::kMid}, {"mean", Slab::kMean}};
-const Names<GradientMethod> kGradients = {{"corrected", GradientMethod::kCorrected},
+const Names<Slab> kSlabs = {{"auto", Slab::kAuto}, {"mid", Slab::kMid}, {"mean", Slab::kMean}};
+const Names<GradientMethod> kGradients = {{"auto", GradientMethod::kAuto},
+                                          {"corrected", GradientMethod::kCorrected},
                                           {"exact", GradientMethod::kExact},
                                           {"central", GradientMethod::kCentral}};
 const Names<Classification> kClassifications = {{"sampled", Classification::kSampled},
                                                 {"pre-integrated", Classification::kPreintegrated}};
 const Names<Evaluate> kEvaluates = {
     {"auto", Evaluate::kAuto}, {"gather", Evaluate::kGather}, {"scatter", Evaluate::kScatter}};
+const Names<PostConvolution> kPostConvolutions = {{"off", PostConvolution::kOff},
+                                                  {"auto", PostConvolution::kAuto}};
 const Names<Backend> kBackends = {
     {"auto", Backend::kAuto}, {"cpu", Backend::kCpu}, {"reference", Backend::kReference}};
 
@@ -70,10 +73,12 @@ void add_number_flags(Flags& flags, RenderOptions* options) {
          &options->classification);
   choice(flags, "--evaluate", kEvaluates, "samples gather kernels, or kernels scatter to samples",
          &options->evaluate);
-  flags.value("--post-convolution", "off", "coarse levels (default off)",
-              refusing("--post-convolution", {"bilinear", "gaussian", "cubic", "auto"},
-                       [](const std::string& text) {
-                         parse_name(text, Names<int>{{"off", 0}});
+  flags.value("--post-convolution", joined(kPostConvolutions),
+              fmt::format("sum large kernels of a set on coarser levels (default {})",
+                          name_in(kPostConvolutions, options->post_convolution)),
+              refusing("--post-convolution", {"bilinear", "gaussian", "cubic"},
+                       [options](const std::string& text) {
+                         options->post_convolution = parse_name(text, kPostConvolutions);
                        }));
   flags.repeatable(
       "--clip", "NX,NY,NZ,D", "keep points with n.x >= D, world (repeatable)",

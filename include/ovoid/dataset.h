@@ -120,9 +120,11 @@ struct Dataset {
 
   std::int64_t num_positions() const noexcept { return positions.num_tuples; }
 
-  // The array called `name`; empty name: the first that varies and is not a "vtk*" bookkeeping
-  // array, else the first. Throws Error(kInvalidArgument) naming the arrays that exist. Cost of the
-  // default: one pass over the arrays looked at.
+  // The array called `name`; empty name: the first that varies and does no bookkeeping, else the
+  // first that does none, else the first. Bookkeeping do arrays called "vtk*", in what is no
+  // lattice those that number particles
+  // ("id", "ParticleIDs", ...), and the shapes of kernels. Throws Error(kInvalidArgument) naming
+  // the arrays that exist. Cost of the default: one pass over the arrays looked at.
   const DataArray& array(const std::string& name = {}) const;
 };
 

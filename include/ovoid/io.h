@@ -35,18 +35,19 @@ struct ReadOptions {
 };
 
 // Reads a volume: raw, NRRD/NHDR, NIfTI, MetaImage, SLC, NPY, DICOM, and with VTK: VTI, VTR and
-// legacy VTK (structured points, rectilinear grids of equal spacing). The format is told from
-// content, then from the name. A path may be a folder of DICOM files. Several paths are the slices
-// of a DICOM series, or else the time steps of one volume, of which one is read. Peak memory is at
-// most 2.1 times the decoded size; sizes in headers are checked against the file before anything is
-// allocated. Throws Error: kFileNotFound, kFileFormat (names file and field),
-// kUnsupported, kInvalidArgument, kCancelled.
+// legacy VTK (structured points, rectilinear grids of equal spacing); or particles: CSV and other
+// text, NPY, NPZ, PLY, text dumps of LAMMPS, and HDF5 in a build that has it; or kernels stored in
+// PLY. The format is told from content, then from the name. A path may be a folder of DICOM files.
+// Several paths are the slices of a DICOM series, or else the time steps of one volume, of which
+// one is read. Peak memory is at most 2.1 times the decoded size; sizes in headers are checked
+// against the file before anything is allocated. Throws Error: kFileNotFound, kFileFormat (names
+// file and field), kUnsupported, kInvalidArgument, kCancelled.
 Dataset read_dataset(const std::vector<std::string>& paths, const ReadOptions& options = {});
 
 // Writes a dataset; the name's ending chooses the format (.nrrd .nhdr .nii .nii.gz .npy .raw, and
-// .vti .vtk with VTK). Written beside and renamed: an existing file stays whole until the new one
-// is. The samples of NAME.nhdr go to NAME.raw, which is replaced only if it belongs to an existing
-// NAME.nhdr. Throws Error(kFileWrite, kUnsupported).
+// .vti .vtk with VTK; particles .csv .npz .ply, kernels .ply). Written beside and renamed: an
+// existing file stays whole until the new one is. The samples of NAME.nhdr go to NAME.raw, which is
+// replaced only if it belongs to an existing NAME.nhdr. Throws Error(kFileWrite, kUnsupported).
 void write_dataset(const Dataset& dataset, const std::string& path);
 
 // Writes a picture: .png (8 bit, straight alpha; x-ray pictures must be mapped first), .exr (float,

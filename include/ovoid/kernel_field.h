@@ -122,8 +122,9 @@ std::shared_ptr<const KernelSource> make_kernel_source(const KernelColumns& colu
                                                        int threads = 0);
 
 // What is drawn of a kernel source: which attribute gives opacity and surfaces, which one colour,
-// and how kernels are summed. A value type: copies share the data. Equal (id, version) means equal
-// data.
+// and how kernels are summed. The colour's value is a mean in both cases: sum w c phi / sum w phi,
+// and of a sum, weighted by what is summed, sum w v c phi / sum w v phi. A value type: copies share
+// the data. Equal (id, version) means equal data.
 class KernelField {
  public:
   KernelField() = default;

@@ -8,13 +8,15 @@
 namespace ovoid {
 
 // What a sample stands for: the field on its slab's middle plane, or the slab's mean
-// (docs/numerics.md, "Slabs").
-enum class Slab { kMid, kMean };
+// (docs/numerics.md, "Slabs"). Auto: the middle, but for x-ray pictures of kernel sets the mean, so
+// that no mass is lost.
+enum class Slab { kAuto, kMid, kMean };
 
 // Where the gradient comes from: the kernels' own derivative corrected so that a linear field has a
 // constant gradient (no grid pattern on shaded surfaces), the derivative as it is, or central
 // differences over neighbouring samples (docs/numerics.md, "Gradients").
-enum class GradientMethod { kCorrected, kExact, kCentral };
+// Auto: corrected for lattices, central for kernel sets, which know no other.
+enum class GradientMethod { kAuto, kCorrected, kExact, kCentral };
 
 // What of a ray gets colour and opacity: the sample itself, or the piece from the sample before it,
 // along which the field is taken for straight, so that what lies between two sheets is not missed
@@ -22,8 +24,14 @@ enum class GradientMethod { kCorrected, kExact, kCentral };
 enum class Classification { kSampled, kPreintegrated };
 
 // How the cpu back end evaluates a block: each sample sums its kernels, each kernel adds to its
-// samples, or the cheaper of both.
+// samples, or the cheaper of both. Of kernel sets: gather is the fragment-centric way, every sample
+// visits all kernels of its block.
 enum class Evaluate { kAuto, kGather, kScatter };
+
+// Large kernels of a set may be summed on a coarser level of the view lattice, whose samples are
+// then brought to the finer one (docs/numerics.md, "Levels"): the cost of a kernel is bounded
+// whatever its size in the picture. Off: every kernel is summed on the samples themselves.
+enum class PostConvolution { kOff, kAuto };
 
 // A half space: points with dot(normal, x) >= offset are kept (world). `normal` need not have unit
 // length.
@@ -37,11 +45,12 @@ struct RenderOptions {
   int width = 1024;  // pixels, 1 to kMaxImageSide
   int height = 768;
   double sampling_distance = 0.0;  // distance of sheets, world units; 0: the field's default
-  Slab slab = Slab::kMid;
-  GradientMethod gradient = GradientMethod::kCorrected;
+  Slab slab = Slab::kAuto;
+  GradientMethod gradient = GradientMethod::kAuto;
   Classification classification = Classification::kSampled;
   Evaluate evaluate = Evaluate::kAuto;
-  std::vector<ClipPlane> clip_planes;  // at most kMaxClipPlanes
+  PostConvolution post_convolution = PostConvolution::kAuto;  // kernel sets
+  std::vector<ClipPlane> clip_planes;                         // at most kMaxClipPlanes
   bool skip_irrelevant = true;  // off: every block is reconstructed (time changes, pixels do not)
   bool stop_opaque =
       true;  // off: covered samples are still worked out (time changes, pixels do not)

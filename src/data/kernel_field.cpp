@@ -78,13 +78,7 @@ Bounds3 bounds_of_cells(const KernelSource& source) {
   return bounds;
 }
 
-// Of a summed field: its values at some centres, and at each at least what its own kernel adds
-// there if no other has the opposite sign.
-ValueRange range_of_sum(const KernelField& field, int attribute) {
-  const KernelField plain(field.shared_source(), Reconstruction::kSum, attribute);
-  return plain.value_range();
-}
-
+// A summed field at some of its centres.
 ValueRange sampled_sum_range(const KernelField& field) {
   constexpr std::int64_t kMostEvaluations = 8192;
   const KernelSampler sampler(field);
@@ -132,7 +126,9 @@ KernelField::KernelField(std::shared_ptr<const KernelSource> source, Reconstruct
     color_range_ = source_->attributes()[static_cast<std::size_t>(color_attribute_)].range;
   } else {
     value_range_ = sampled_sum_range(*this);
-    color_range_ = has_own_color() ? range_of_sum(*this, color_attribute_) : value_range_;
+    color_range_ = has_own_color()
+                       ? source_->attributes()[static_cast<std::size_t>(color_attribute_)].range
+                       : value_range_;
   }
 }
 

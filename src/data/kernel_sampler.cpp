@@ -153,9 +153,12 @@ KernelSample KernelSampler::at(const Vec3& world) const {
   sample.weight = sums.denominator;
   if (impl_->field.reconstruction() == Reconstruction::kSum) {
     sample.value = sums.numerator;
-    sample.color_value = sums.color_numerator;
     sample.gradient = sums.grad_numerator;
-    sample.is_defined = sums.denominator > 0;
+    sample.is_defined = sums.numerator != 0;
+    if (sample.is_defined) {
+      sample.color_value =
+          impl_->field.has_own_color() ? sums.color_numerator / sums.numerator : sample.value;
+    }
     return sample;
   }
   sample.is_defined = sums.denominator >= KernelField::kLeastWeight;

@@ -266,16 +266,17 @@ TEST(DatasetFiles, ReadErrors) {
   folder.write("name.vti", "hello");
   folder.write("a.gz", "\x1f\x8b\x08");
   const std::string readable =
-      "NRRD, NPY, NIfTI, MetaImage, SLC, VTI, VTR, legacy VTK, DICOM, or raw samples with "
-      "dimensions "
-      "and type";
+      "NRRD, NPY, NIfTI, MetaImage, SLC, VTI, VTR, legacy VTK, DICOM, CSV, NPZ, PLY, HDF5, a "
+      "LAMMPS "
+      "dump, or raw samples with dimensions and type";
   expect("missing.nrrd", "file-not-found", "no such file");
   expect("", "unsupported", "none of its 4 files is DICOM: a folder is read as DICOM slices");
   expect("empty", "file-format", "is empty");
   expect("unknown", "unsupported", "the format is not known: expected " + readable);
   expect("name.vti", "file-format", "the name ends in .vti but the content does not begin like it");
   expect("a.gz", "unsupported",
-         "is a gzip file of something other than NIfTI, which is not read: expected " + readable);
+         "is a gzip file of something other than NIfTI or text, which is not read: expected " +
+             readable);
   EXPECT_EQ(error_of([] { read_dataset({}); }), "invalid-argument: input: no file is named");
   write_dataset(oblique_dataset(), folder.file("a.nrrd"));
   ReadOptions options;
@@ -325,9 +326,11 @@ TEST(DatasetFiles, WriteErrors) {
   const auto error = [&](const std::string& path) {
     return error_of([&] { write_dataset(dataset, path); });
   };
-  EXPECT_EQ(error("a.mhd"),
-            "unsupported: a.mhd: the ending '.mhd' names no volume format: expected .nrrd, .nhdr, "
-            ".npy, .raw, .nii, .nii.gz, .vti or .vtk");
+  EXPECT_EQ(
+      error("a.mhd"),
+      "unsupported: a.mhd: the ending '.mhd' names no format that is written: expected .nrrd, "
+      ".nhdr, .npy, .raw, .nii, .nii.gz, .vti or .vtk for volumes, .csv, .npz or .ply for "
+      "particles");
   EXPECT_EQ(error_of([] { check_dataset_path("a"); }).substr(0, 12), "unsupported:");
   EXPECT_EQ(error(folder.file("no/a.nrrd")).substr(0, 11), "file-write:");
   dataset.arrays.push_back(dataset.arrays[0]);

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/decode.h"
 
-#include <bzlib.h>
 #include <fmt/format.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <array>
@@ -12,6 +10,7 @@
 #include <span>
 #include <string_view>
 
+#include "io/decompressors.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {
@@ -19,10 +18,6 @@ namespace {
 
 constexpr std::int64_t kInputChunk = std::int64_t{1} << 18;
 constexpr std::int64_t kOutputChunk = std::int64_t{1} << 20;
-
-// Deflate's longest match is 258 bytes, coded in two bits at best: 1032 to 1 (zlib's technical
-// notes).
-constexpr std::int64_t kMaxDeflateRatio = 1032;
 
 std::string file_and_header(const ByteSource& source, const WantedSamples& wanted) {
   return source.name() == wanted.header ? source.name()
@@ -83,68 +78,6 @@ class InputChunks {
   std::int64_t offset_;
   ReadProgress& progress_;
   std::vector<std::byte> buffer_;
-};
-
-// zlib and libbz2 behind one shape. step() consumes input and fills output, as much as it can.
-struct Inflater {
-  static constexpr const char* kName = "gzip";
-  z_stream stream{};
-  bool ended = false;  // at the end of a member
-
-  Inflater() {
-    // 32: accept a gzip or a zlib header.
-    if (inflateInit2(&stream, 15 + 32) != Z_OK)
-      throw Error(ErrorCode::kOutOfMemory, "zlib: cannot start");
-  }
-  ~Inflater() { inflateEnd(&stream); }
-  Inflater(const Inflater&) = delete;
-  Inflater& operator=(const Inflater&) = delete;
-
-  bool restart() {
-    ended = false;
-    return inflateReset(&stream) == Z_OK;
-  }
-  // Empty if all is well, else what is wrong.
-  std::string step() {
-    const int status = inflate(&stream, Z_NO_FLUSH);
-    ended = status == Z_STREAM_END;
-    if (status == Z_OK || status == Z_STREAM_END || status == Z_BUF_ERROR) return {};
-    return stream.msg != nullptr   ? stream.msg
-           : status == Z_NEED_DICT ? "needs a dictionary"
-                                   : "broken";
-  }
-};
-
-struct Bunzipper {
-  static constexpr const char* kName = "bzip2";
-  bz_stream stream{};
-  bool ended = false;
-
-  Bunzipper() {
-    if (BZ2_bzDecompressInit(&stream, 0, 0) != BZ_OK)
-      throw Error(ErrorCode::kOutOfMemory, "libbz2: cannot start");
-  }
-  ~Bunzipper() { BZ2_bzDecompressEnd(&stream); }
-  Bunzipper(const Bunzipper&) = delete;
-  Bunzipper& operator=(const Bunzipper&) = delete;
-
-  bool restart() {
-    char* const next_in = stream.next_in;
-    const unsigned avail_in = stream.avail_in;
-    BZ2_bzDecompressEnd(&stream);
-    stream = {};
-    ended = false;
-    if (BZ2_bzDecompressInit(&stream, 0, 0) != BZ_OK) return false;
-    stream.next_in = next_in;
-    stream.avail_in = avail_in;
-    return true;
-  }
-  std::string step() {
-    const int status = BZ2_bzDecompress(&stream);
-    ended = status == BZ_STREAM_END;
-    if (status == BZ_OK || status == BZ_STREAM_END) return {};
-    return status == BZ_MEM_ERROR ? "no memory for it" : "block or checksum broken";
-  }
 };
 
 // One or more members, one behind the other.

@@ -9,7 +9,9 @@
 #include "io/nifti_header.h"
 #include "io/npy.h"
 #include "io/nrrd_header.h"
+#include "io/ply_header.h"
 #include "io/slc.h"
+#include "io/text_scanner.h"
 
 namespace ovoid::io {
 namespace {
@@ -28,6 +30,11 @@ FileKind kind_of(std::string_view start) noexcept {
   if (looks_like_slc(start)) return FileKind::kSlc;
   if (looks_like_metaimage(start)) return FileKind::kMetaImage;
   if (start.starts_with("# vtk DataFile")) return FileKind::kVtkLegacy;
+  if (looks_like_ply(start)) return FileKind::kPly;
+  if (start.starts_with("PK\x03\x04") || start.starts_with("PK\x05\x06")) return FileKind::kZip;
+  if (start.starts_with("\x89HDF\r\n\x1a\n")) return FileKind::kHdf5;
+  if (start.starts_with("ITEM: TIMESTEP") || start.starts_with("ITEM: UNITS"))
+    return FileKind::kLammpsDump;
   if (start.starts_with("\xef\xbb\xbf")) start.remove_prefix(3);  // a byte order mark
   const auto first = start.find_first_not_of(" \t\r\n");
   if (first != std::string_view::npos && start[first] == '<' &&
@@ -40,12 +47,9 @@ FileKind kind_of(std::string_view start) noexcept {
 
 std::string unsupported_kind_of(std::string_view start) {
   if (looks_like_analyze(start)) return "an ANALYZE 7.5 header";
-  if (has_at(start, 0, "\x89HDF\r\n")) return "an HDF5 file";
   if (has_at(start, 0, "CDF\x01") || has_at(start, 0, "CDF\x02")) return "a netCDF or Exodus file";
-  if (has_at(start, 0, "ply\n") || has_at(start, 0, "ply\r")) return "a PLY file";
-  if (has_at(start, 0, "PK\x03\x04")) return "a zip archive or an NPZ file";
-  if (is_gzip(start)) return "a gzip file of something other than NIfTI";
-  if (has_at(start, 0, "BZh")) return "a bzip2 file";
+  if (is_gzip(start)) return "a gzip file of something other than NIfTI or text";
+  if (is_bzip2(start)) return "a bzip2 file of something other than text";
   if (has_at(start, 0, "\x89PNG")) return "a PNG picture";
   if (has_at(start, 0, "\x76\x2f\x31\x01")) return "an OpenEXR picture";
   return {};
@@ -53,12 +57,23 @@ std::string unsupported_kind_of(std::string_view start) {
 
 bool is_gzip(std::string_view start) noexcept { return start.starts_with("\x1f\x8b"); }
 
+// "BZh", the level, and the first block's magic, which is pi, or the end's, the square root of pi.
+bool is_bzip2(std::string_view start) noexcept {
+  return start.starts_with("BZh") &&
+         (has_at(start, 4, "\x31\x41\x59") || has_at(start, 4, "\x17\x72\x45"));
+}
+
 std::string ending_of(const std::string& path) {
   const std::filesystem::path whole(path);
   std::string ending = whole.extension().string();
   if (ending == ".gz" || ending == ".GZ") ending = whole.stem().extension().string() + ending;
-  for (char& c : ending) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return ending;
+  return lower(ending);
+}
+
+std::string plain_ending_of(const std::string& path) {
+  const std::filesystem::path whole(path);
+  const std::string ending = lower(whole.extension().string());
+  return ending == ".gz" || ending == ".bz2" ? lower(whole.stem().extension().string()) : ending;
 }
 
 }  // namespace ovoid::io

@@ -16,7 +16,11 @@ enum class FileKind {
   kSlc,
   kVtkXml,
   kVtkLegacy,
-  kDicom
+  kDicom,
+  kPly,
+  kZip,
+  kHdf5,
+  kLammpsDump
 };
 
 // From the first 512 bytes of a file.
@@ -26,11 +30,13 @@ FileKind kind_of(std::string_view start) noexcept;
 // is.
 std::string unsupported_kind_of(std::string_view start);
 
-// The data behind these bytes are compressed by gzip.
+// The data behind these bytes are compressed so.
 bool is_gzip(std::string_view start) noexcept;
+bool is_bzip2(std::string_view start) noexcept;
 
 // The lower-case ending with its dot (".nrrd"), with the one before it if it is ".gz" (".nii.gz");
-// empty without one.
+// empty without one. plain_ending_of() leaves out ".gz" and ".bz2" (".nii").
 std::string ending_of(const std::string& path);
+std::string plain_ending_of(const std::string& path);
 
 }  // namespace ovoid::io

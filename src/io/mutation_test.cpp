@@ -142,6 +142,10 @@ TEST(Mutation, Dicom) { run(fuzz::dicom_seeds(), fuzz::dicom); }
 TEST(Mutation, VtkHeader) { run(fuzz::vtk_header_seeds(), fuzz::vtk_header); }
 TEST(Mutation, Look) { run(fuzz::look_seeds(), fuzz::look, 4000); }
 TEST(Mutation, Camera) { run(fuzz::camera_seeds(), fuzz::camera); }
+TEST(Mutation, PointText) { run(fuzz::point_text_seeds(), fuzz::point_text, 4000); }
+TEST(Mutation, Npz) { run(fuzz::npz_seeds(), fuzz::npz, 4000); }
+TEST(Mutation, Ply) { run(fuzz::ply_seeds(), fuzz::ply, 4000); }
+TEST(Mutation, Lammps) { run(fuzz::lammps_seeds(), fuzz::lammps, 4000); }
 
 // The seeds are worth nothing if they are refused at the door.
 TEST(Mutation, SeedsAreValid) {
@@ -164,9 +168,10 @@ TEST(Mutation, SeedsAreValid) {
         << i;
   }
   const std::pair<const char*, std::vector<std::string>> whole[] = {
-      {"a.nii", fuzz::nifti_seeds()},
-      {"a.mha", fuzz::metaimage_seeds()},
-      {"a.slc", fuzz::slc_seeds()}};
+      {"a.nii", fuzz::nifti_seeds()},  {"a.mha", fuzz::metaimage_seeds()},
+      {"a.slc", fuzz::slc_seeds()},    {"a.csv", fuzz::point_text_seeds()},
+      {"a.npz", fuzz::npz_seeds()},    {"a.ply", fuzz::ply_seeds()},
+      {"a.dump", fuzz::lammps_seeds()}};
   for (const auto& [name, seeds] : whole) {
     for (std::size_t i = 0; i < std::min<std::size_t>(seeds.size(), 5); ++i) {  // in one file
       EXPECT_EQ(error_of([&] {

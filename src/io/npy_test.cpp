@@ -91,9 +91,9 @@ TEST(Npy, ErrorsNameFieldAndValue) {
             "unsupported:");
   EXPECT_EQ(message("{'descr': [('a', '<i4')], 'fortran_order': False, 'shape': (1,1,1)}", 4),
             "unsupported: a.npy: descr: is a record of several fields: expected one number type");
-  EXPECT_EQ(message("{'descr': '<i4', 'fortran_order': False, 'shape': (7, 3)}", 84),
-            "unsupported: a.npy: shape: (7, 3): expected (z, y, x), or (z, y, x, component) with "
-            "up to 64 components");
+  EXPECT_EQ(message("{'descr': '<i4', 'fortran_order': False, 'shape': (7, 5)}", 140),
+            "unsupported: a.npy: shape: (7, 5): expected (z, y, x), or (z, y, x, component) with "
+            "up to 64 components, or (N, 3) or (N, 4) for more than 4 points");
   EXPECT_EQ(message("{'descr': '<i4', 'fortran_order': False, 'shape': (0, 3, 4)}", 0),
             "file-format: a.npy: shape: 0x3x4 has an axis of 0 samples: expected 1 to 2147483647");
   EXPECT_EQ(message("{'descr': '<i4', 'fortran_order': Maybe, 'shape': (1, 1, 1)}", 4),

@@ -8,17 +8,23 @@
 #include <utility>
 
 #include "io/byte_source.h"
+#include "io/byte_stream.h"
 #include "io/data_files.h"
 #include "io/decode.h"
 #include "io/dicom.h"
 #include "io/dicom_elements.h"
 #include "io/formats.h"
+#include "io/hdf5_points.h"
+#include "io/lammps_dump.h"
 #include "io/metaimage.h"
 #include "io/metaimage_header.h"
 #include "io/nifti.h"
 #include "io/npy.h"
+#include "io/npy_points.h"
 #include "io/nrrd.h"
 #include "io/nrrd_header.h"
+#include "io/ply.h"
+#include "io/point_text.h"
 #include "io/raw.h"
 #include "io/read_source.h"
 #include "io/slc.h"
@@ -31,8 +37,8 @@ namespace ovoid {
 namespace {
 
 constexpr const char* kReadable =
-    "NRRD, NPY, NIfTI, MetaImage, SLC, VTI, VTR, legacy VTK, DICOM, or raw samples with dimensions "
-    "and type";
+    "NRRD, NPY, NIfTI, MetaImage, SLC, VTI, VTR, legacy VTK, DICOM, CSV, NPZ, PLY, HDF5, a LAMMPS "
+    "dump, or raw samples with dimensions and type";
 
 // What a raw file cannot say, said about a file that says it itself: one of both is a mistake.
 void refuse_raw_options(const std::string& path, const char* format, const RawOptions& raw,
@@ -58,8 +64,13 @@ Dataset read_unknown(const io::ByteSource& source, const std::string& start,
   if (is_raw || ending == ".raw" || ending == ".raw.gz") return io::read_raw(source, options);
   if (source.size() == 0)
     throw Error(ErrorCode::kFileFormat, fmt::format("{}: is empty", source.name()));
-  for (const char* known : {".nrrd", ".nhdr", ".npy", ".nii", ".nii.gz", ".mhd", ".mha", ".slc",
-                            ".vti", ".vtr", ".vtk"}) {
+  if (io::is_point_text_name(source.name())) {
+    refuse_raw_options(source.name(), "text", options.raw, true);
+    return io::read_point_text(source, options);
+  }
+  for (const char* known :
+       {".nrrd", ".nhdr", ".npy", ".nii", ".nii.gz", ".mhd", ".mha", ".slc", ".vti", ".vtr", ".vtk",
+        ".ply", ".npz", ".h5", ".hdf5", ".lammpstrj", ".dump"}) {
     if (ending == known) {
       throw Error(ErrorCode::kFileFormat,
                   fmt::format("{}: the name ends in {} but the content does not begin like it",
@@ -80,16 +91,27 @@ Dataset read_unknown(const io::ByteSource& source, const std::string& start,
                   kReadable));
 }
 
-// Only NIfTI is read through gzip; other headers speak of places in the file.
-io::FileKind gzip_kind_of(const io::ByteSource& source) {
-  const io::FileKind kind = io::kind_of(io::gzip_start(source, 512));
-  return kind == io::FileKind::kNifti ? kind : io::FileKind::kUnknown;
+// Only NIfTI and text are read through compression; other headers speak of places in the file.
+io::FileKind packed_kind_of(const io::ByteSource& source, bool is_gzip) {
+  const io::FileKind kind = io::kind_of(io::stream_start(source, 512));
+  const bool is_read =
+      kind == io::FileKind::kLammpsDump || (is_gzip && kind == io::FileKind::kNifti);
+  return is_read ? kind : io::FileKind::kUnknown;
+}
+
+Dataset read_hdf5(const io::ByteSource& source, const ReadOptions& options) {
+  if (io::is_vtkhdf(source)) {
+    throw Error(ErrorCode::kUnsupported,
+                fmt::format("{}: is a VTKHDF file, which is not read", source.name()));
+  }
+  return io::read_hdf5_points(source, options);
 }
 
 Dataset read_any(const io::ByteSource& source, const ReadOptions& options, const io::Opener& open) {
   const std::string start = source.text(0, 512);
   const bool is_gzip = io::is_gzip(start);
-  const io::FileKind kind = is_gzip ? gzip_kind_of(source) : io::kind_of(start);
+  const bool is_packed = is_gzip || io::is_bzip2(start);
+  const io::FileKind kind = is_packed ? packed_kind_of(source, is_gzip) : io::kind_of(start);
   switch (kind) {
     case io::FileKind::kNrrd:
       refuse_raw_options(source.name(), "NRRD", options.raw, true);
@@ -114,6 +136,18 @@ Dataset read_any(const io::ByteSource& source, const ReadOptions& options, const
     case io::FileKind::kVtkLegacy:
       refuse_raw_options(source.name(), "VTK", options.raw, true);
       return io::read_vtk_image(source, kind, options);
+    case io::FileKind::kPly:
+      refuse_raw_options(source.name(), "PLY", options.raw, true);
+      return io::read_ply(source, options);
+    case io::FileKind::kZip:
+      refuse_raw_options(source.name(), "NPZ", options.raw, true);
+      return io::read_npz(source, options);
+    case io::FileKind::kHdf5:
+      refuse_raw_options(source.name(), "HDF5", options.raw, true);
+      return read_hdf5(source, options);
+    case io::FileKind::kLammpsDump:
+      refuse_raw_options(source.name(), "a LAMMPS dump", options.raw, true);
+      return io::read_lammps_dump(source, options);
     case io::FileKind::kUnknown:
       break;
   }

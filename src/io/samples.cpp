@@ -201,5 +201,22 @@ void swap_bytes(std::span<std::byte> bytes, std::size_t sample_size) noexcept {
   if (sample_size == 8) swap_words<std::uint64_t>(bytes);
 }
 
+void transpose_items(const std::byte* from, std::byte* to, std::int64_t rows, std::int64_t columns,
+                     std::size_t item_size) noexcept {
+  constexpr std::int64_t kBlock = 32;
+  for (std::int64_t row0 = 0; row0 < rows; row0 += kBlock) {
+    for (std::int64_t column0 = 0; column0 < columns; column0 += kBlock) {
+      for (std::int64_t row = row0; row < std::min(rows, row0 + kBlock); ++row) {
+        for (std::int64_t column = column0; column < std::min(columns, column0 + kBlock);
+             ++column) {
+          std::memcpy(to + static_cast<std::size_t>(column * rows + row) * item_size,
+                      from + static_cast<std::size_t>(row * columns + column) * item_size,
+                      item_size);
+        }
+      }
+    }
+  }
+}
+
 }  // namespace io
 }  // namespace ovoid

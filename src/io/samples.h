@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "io/byte_source.h"
@@ -51,6 +52,10 @@ class SampleBuffer {
  public:
   SampleBuffer() = default;
   ~SampleBuffer();
+  SampleBuffer(SampleBuffer&& other) noexcept
+      : data_(std::exchange(other.data_, nullptr)),
+        size_(std::exchange(other.size_, 0)),
+        capacity_(std::exchange(other.capacity_, 0)) {}
   SampleBuffer(const SampleBuffer&) = delete;
   SampleBuffer& operator=(const SampleBuffer&) = delete;
 
@@ -102,5 +107,10 @@ void shorten_notes(std::vector<std::string>& notes);
 
 // Reverses the bytes of every `sample_size`-byte sample.
 void swap_bytes(std::span<std::byte> bytes, std::size_t sample_size) noexcept;
+
+// [rows, columns] -> [columns, rows] for items of `item_size` bytes; the two must not overlap.
+// Works on square blocks, so that reads and writes both stay in the cache.
+void transpose_items(const std::byte* from, std::byte* to, std::int64_t rows, std::int64_t columns,
+                     std::size_t item_size) noexcept;
 
 }  // namespace ovoid::io

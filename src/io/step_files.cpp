@@ -39,7 +39,8 @@ Dataset read_step_files(const std::vector<std::string>& paths, const ReadOptions
   if (options.step) return read_step_file(paths, *options.step, options);
   for (std::int64_t step = 0; step < num_steps; ++step) {
     Dataset dataset = read_step_file(paths, step, options);
-    if (!data::varies(dataset.array(options.array))) continue;
+    const bool has_values = !dataset.arrays.empty();  // points may have none
+    if (has_values && !data::varies(dataset.array(options.array))) continue;
     dataset.notes.push_back(chosen_step_note(dataset.source, step, num_steps));
     return dataset;
   }

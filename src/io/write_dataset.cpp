@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <string>
 
 #include "io/atomic_file.h"
 #include "io/formats.h"
 #include "io/nifti.h"
 #include "io/npy.h"
+#include "io/npy_points.h"
 #include "io/nrrd.h"
 #include "io/plain_values.h"
+#include "io/ply.h"
+#include "io/point_text.h"
 #include "io/raw.h"
 #include "io/samples.h"
 #include "io/vtk_image.h"
@@ -18,7 +22,7 @@
 namespace ovoid {
 namespace {
 
-enum class Target { kNrrd, kNhdr, kNpy, kRaw, kNifti, kVtk };
+enum class Target { kNrrd, kNhdr, kNpy, kRaw, kNifti, kVtk, kPly, kNpz, kCsv };
 
 Target target_of(const std::string& path) {
   const std::string ending = io::ending_of(path);
@@ -27,6 +31,9 @@ Target target_of(const std::string& path) {
   if (ending == ".npy") return Target::kNpy;
   if (ending == ".raw") return Target::kRaw;
   if (ending == ".nii" || ending == ".nii.gz") return Target::kNifti;
+  if (ending == ".ply") return Target::kPly;
+  if (ending == ".npz") return Target::kNpz;
+  if (ending == ".csv") return Target::kCsv;
   if (ending == ".vti" || ending == ".vtk") {
 #ifdef OVOID_IO_VTK
     return Target::kVtk;
@@ -36,8 +43,9 @@ Target target_of(const std::string& path) {
 #endif
   }
   throw Error(ErrorCode::kUnsupported,
-              fmt::format("{}: the ending '{}' names no volume format: expected .nrrd, .nhdr, "
-                          ".npy, .raw, .nii, .nii.gz, .vti or .vtk",
+              fmt::format("{}: the ending '{}' names no format that is written: expected .nrrd, "
+                          ".nhdr, .npy, .raw, .nii, .nii.gz, .vti or .vtk for volumes, .csv, .npz "
+                          "or .ply for particles",
                           path, ending));
 }
 
@@ -86,6 +94,44 @@ const DataArray& only_array(const Dataset& dataset, const std::string& path) {
                   io::ending_of(path), dataset.arrays.size(), names));
 }
 
+// Throws unless every array has a tuple for each position, and the memory for them.
+void check_points(const Dataset& dataset) {
+  const auto check = [&](const DataArray& array, const std::string& where) {
+    const std::int64_t size[] = {dataset.num_positions()};
+    const std::int64_t num_bytes =
+        io::checked_num_bytes(where, size, array.type, std::max(array.num_components, 1));
+    if (array.num_components < 1 || array.num_tuples != size[0] ||
+        static_cast<std::int64_t>(array.bytes.view.size()) != num_bytes) {
+      throw Error(ErrorCode::kInvalidArgument,
+                  fmt::format("{}: has {} tuples of {} in {} bytes: expected {} tuples in {} bytes",
+                              where, array.num_tuples, array.num_components,
+                              array.bytes.view.size(), size[0], num_bytes));
+    }
+  };
+  if (dataset.num_positions() < 1)
+    throw Error(ErrorCode::kInvalidArgument, "positions: there are none to write");
+  check(dataset.positions, "positions");
+  if (dataset.positions.num_components != 3 || !is_floating(dataset.positions.type))
+    throw Error(ErrorCode::kInvalidArgument, "positions: must be three floats each");
+  for (const DataArray& array : dataset.arrays) check(array, fmt::format("array '{}'", array.name));
+}
+
+void write_points(const Dataset& dataset, Target target, const std::string& path) {
+  const bool is_kernels = dataset.kind == DatasetKind::kKernels;
+  if (dataset.kind != DatasetKind::kParticles && !(is_kernels && target == Target::kPly)) {
+    throw Error(
+        ErrorCode::kUnsupported,
+        fmt::format("{}: {} holds particles{}, the dataset is {}", path, io::ending_of(path),
+                    target == Target::kPly ? " or kernels" : "", name_of(dataset.kind)));
+  }
+  check_points(dataset);
+  Dataset plain = dataset;  // cheap: arrays share their bytes
+  for (DataArray& array : plain.arrays) array = io::plain_values(array);
+  if (target == Target::kPly) return io::write_ply(plain, path);
+  if (target == Target::kNpz) return io::write_npz(plain, path);
+  io::write_point_text(plain, path);
+}
+
 }  // namespace
 
 void check_dataset_path(const std::string& path) {
@@ -101,6 +147,9 @@ std::vector<std::string> files_written_for(const std::string& path) {
 
 void write_dataset(const Dataset& dataset, const std::string& path) {
   const Target target = target_of(path);
+  const bool is_for_points =
+      target == Target::kPly || target == Target::kNpz || target == Target::kCsv;
+  if (is_for_points) return write_points(dataset, target, path);
   if (dataset.kind != DatasetKind::kLattice) {
     throw Error(ErrorCode::kUnsupported,
                 fmt::format("{}: holds a lattice, the dataset is {}", path, name_of(dataset.kind)));

@@ -34,8 +34,12 @@ Frame Renderer::render(const Field& field, const Camera& camera, const Look& loo
   look.validate();
   options.validate();
   const bool is_reference = impl_->backend == Backend::kReference;
-  if (field.lattice() == nullptr)
-    throw Error(ErrorCode::kUnsupported, "field: kernel sets are not drawn by this version");
+  if (const KernelField* kernels = field.kernels()) {
+    if (is_reference)
+      return reference::render(*kernels, camera, look, options, hooks,
+                               impl_->runner->num_workers());
+    return cpu::render(*kernels, camera, look, options, hooks, *impl_->runner);
+  }
   return is_reference ? reference::render(*field.lattice(), camera, look, options, hooks,
                                           impl_->runner->num_workers())
                       : cpu::render(*field.lattice(), camera, look, options, hooks, *impl_->runner);

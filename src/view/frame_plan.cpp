@@ -11,12 +11,12 @@
 namespace ovoid::view {
 namespace {
 
-double effective_sampling_distance(const LatticeField& field, const RenderOptions& options) {
+double effective_sampling_distance(const Field& field, const RenderOptions& options) {
   return options.sampling_distance > 0 ? options.sampling_distance
                                        : field.default_sampling_distance();
 }
 
-double effective_unit_distance(const LatticeField& field, const Look& look) {
+double effective_unit_distance(const Field& field, const Look& look) {
   if (look.unit_distance > 0) return look.unit_distance;
   return look.transfer_function.unit_distance.value_or(default_unit_distance(field));
 }
@@ -106,32 +106,27 @@ MayMatter may_matter_for(const Look& look, const LookTable& table) {
 
 }  // namespace
 
-FramePlan::FramePlan(const LatticeField& field, const Camera& camera, const Look& look,
-                     const RenderOptions& options)
+FramePlan::FramePlan(const Field& field, const LatticeGeometry& geometry, const Camera& camera,
+                     const Look& look, const RenderOptions& options)
     : lattice(camera, options.width, options.height, effective_sampling_distance(field, options),
-              field.geometry()),
+              geometry),
       look_table(look.transfer_function),
       fading(fading_table(look)),
       is_preintegrated(preintegrates(look, options)),
       unit_distance(effective_unit_distance(field, look)),
-      greatest_widening(std::max(
-          1.0, greatest_pitch(lattice, support_of(field, 1.0, slab_reach(lattice, options))) /
-                   field.geometry().spacing().minCoeff())),
-      relevance(field, greatest_widening, relevance_grow(lattice, field, look, options)),
+      least_spacing(field.default_sampling_distance()),
       clip_planes(options.clip_planes),
-      is_clipped(!options.clip_planes.empty() || !lattice.is_parallel()),
-      spacing_(field.geometry().spacing()) {
-  for (int a = 0; a < 3; ++a) {
-    widening_limit_[a] = static_cast<double>(field.geometry().dims[a]) / (4 * field.kernel().sigma);
-  }
-  index_support = support_of(field, greatest_widening, slab_reach(lattice, options));
-  sheets = checked_sheets(lattice, index_support);
+      is_clipped(!options.clip_planes.empty() || !lattice.is_parallel()) {
   if (options.skip_irrelevant) may_matter = may_matter_for(look, look_table);
   for (ClipPlane& plane : clip_planes) {
     const double length = plane.normal.norm();
     plane.normal /= length;
     plane.offset /= length;
   }
+}
+
+void FramePlan::set_sheets(const Bounds3& index_box) {
+  sheets = checked_sheets(lattice, index_box);
 }
 
 ClipMap FramePlan::clip_distance(const ClipPlane& plane, std::int64_t sheet) const {
@@ -146,7 +141,22 @@ ClipMap FramePlan::clip_slope(const ClipPlane& plane) const {
           plane.normal.dot(direction.per_y)};
 }
 
-Vec3 FramePlan::widening(std::int64_t sheet) const {
+LatticePlan::LatticePlan(const LatticeField& field, const Camera& camera, const Look& look,
+                         const RenderOptions& options)
+    : FramePlan(field, field.geometry(), camera, look, options),
+      greatest_widening(std::max(
+          1.0, greatest_pitch(lattice, support_of(field, 1.0, slab_reach(lattice, options))) /
+                   field.geometry().spacing().minCoeff())),
+      relevance(field, greatest_widening, relevance_grow(lattice, field, look, options)),
+      spacing_(field.geometry().spacing()) {
+  for (int a = 0; a < 3; ++a) {
+    widening_limit_[a] = static_cast<double>(field.geometry().dims[a]) / (4 * field.kernel().sigma);
+  }
+  index_support = support_of(field, greatest_widening, slab_reach(lattice, options));
+  set_sheets(index_support);
+}
+
+Vec3 LatticePlan::widening(std::int64_t sheet) const {
   return (lattice.pitch(sheet) / spacing_.array()).min(widening_limit_.array()).max(1.0).matrix();
 }
 

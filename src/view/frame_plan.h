@@ -20,26 +20,41 @@ struct ClipMap {
   double origin, per_x, per_y;
 };
 
-// Everything about a frame that can be said before a sample is reconstructed.
+// Everything about a frame, of whatever field, that can be said before a sample is reconstructed.
 struct FramePlan {
-  FramePlan(const LatticeField& field, const Camera& camera, const Look& look,
-            const RenderOptions& options);
+  // `geometry`: whose index space ViewLattice::index_map() is in.
+  FramePlan(const Field& field, const LatticeGeometry& geometry, const Camera& camera,
+            const Look& look, const RenderOptions& options);
 
   ViewLattice lattice;
   ViewLattice::SheetRange sheets;  // that can meet the field
-  Bounds3 index_support;           // positions (index space) where the field can be defined
   LookTable look_table;
-  std::optional<LookTable> fading;  // opacity by the gradient's length, if the look has that
-  bool is_preintegrated;            // pieces between sheets are classified
+  std::optional<LookTable> color_table;  // colours of the attribute that gives them, if one does
+  std::optional<LookTable> fading;       // opacity by the gradient's length, if the look has that
+  bool is_preintegrated;                 // pieces between sheets are classified
   double unit_distance;
-  double greatest_widening;            // of any kernel on any sheet
-  RelevanceMap relevance;              // to be filled: one fill_layer() per layer, then finish()
-  MayMatter may_matter;                // what to fill it with; empty: everything is relevant
+  double least_spacing;                // over which flatness is judged, world units
+  MayMatter may_matter;                // whether bounds can show; empty: everything may
   std::vector<ClipPlane> clip_planes;  // normals of unit length
   bool is_clipped;  // some samples' paths are shortened by planes or the near plane
 
   ClipMap clip_distance(const ClipPlane& plane, std::int64_t sheet) const;
   ClipMap clip_slope(const ClipPlane& plane) const;
+
+ protected:
+  // Sets `sheets` to those that meet a box in index space. Throws Error(kInvalidArgument) if they
+  // are too many.
+  void set_sheets(const Bounds3& index_box);
+};
+
+// A frame of a lattice field.
+struct LatticePlan : FramePlan {
+  LatticePlan(const LatticeField& field, const Camera& camera, const Look& look,
+              const RenderOptions& options);
+
+  Bounds3 index_support;     // positions (index space) where the field can be defined
+  double greatest_widening;  // of any kernel on any sheet
+  RelevanceMap relevance;    // to be filled: one fill_layer() per layer, then finish()
 
   // Factors by which kernels are widened along each lattice axis on a sheet.
   Vec3 widening(std::int64_t sheet) const;

@@ -30,11 +30,11 @@ TEST(FramePlan, UnitDistance) {
   const LatticeField field = stretched_field();
   const Camera camera = camera_of(field, true, 10);
   Look look;
-  EXPECT_EQ(FramePlan(field, camera, look, {}).unit_distance, 0.5);  // the smallest spacing
+  EXPECT_EQ(LatticePlan(field, camera, look, {}).unit_distance, 0.5);  // the smallest spacing
   look.transfer_function.unit_distance = 3;
-  EXPECT_EQ(FramePlan(field, camera, look, {}).unit_distance, 3);
+  EXPECT_EQ(LatticePlan(field, camera, look, {}).unit_distance, 3);
   look.unit_distance = 7;
-  EXPECT_EQ(FramePlan(field, camera, look, {}).unit_distance, 7);
+  EXPECT_EQ(LatticePlan(field, camera, look, {}).unit_distance, 7);
 }
 
 // Pixels 1.5 wide on spacings 0.5, 1, 2; a lattice of 10 slices with sigma 1/2 may widen by 5.
@@ -42,10 +42,10 @@ TEST(FramePlan, UnitDistance) {
 TEST(FramePlan, WideningByAxis) {
   const LatticeField field = stretched_field();
   RenderOptions options = test::picture(20, 20);
-  const FramePlan plan(field, camera_of(field, true, 15), {}, options);
+  const LatticePlan plan(field, camera_of(field, true, 15), {}, options);
   EXPECT_EQ(plan.widening(3), Vec3(3, 1.5, 1));
   EXPECT_GE(plan.greatest_widening, 3);
-  const FramePlan far(field, camera_of(field, true, 1e4), {}, options);
+  const LatticePlan far(field, camera_of(field, true, 1e4), {}, options);
   EXPECT_EQ(far.widening(3), Vec3(20, 10, 5));
 }
 
@@ -53,7 +53,7 @@ TEST(FramePlan, WideningByAxis) {
 // for.
 TEST(FramePlan, WideningByDepth) {
   const LatticeField field = stretched_field();
-  const FramePlan plan(field, camera_of(field, false, 15), {}, test::picture(20, 20));
+  const LatticePlan plan(field, camera_of(field, false, 15), {}, test::picture(20, 20));
   ASSERT_LT(plan.sheets.first, plan.sheets.last);
   const Vec3 nearest = plan.widening(plan.sheets.first);
   const Vec3 farthest = plan.widening(plan.sheets.last - 1);
@@ -67,7 +67,7 @@ TEST(FramePlan, ClipDistances) {
   RenderOptions options = test::picture(20, 16);
   options.clip_planes = {{{1, -4, 8}, 27}};  // length 9
   for (const bool is_parallel : {true, false}) {
-    const FramePlan plan(field, camera_of(field, is_parallel, 15), {}, options);
+    const LatticePlan plan(field, camera_of(field, is_parallel, 15), {}, options);
     EXPECT_TRUE(plan.is_clipped);
     const ClipPlane& plane = plan.clip_planes[0];
     EXPECT_NEAR(plane.normal.norm(), 1, 1e-15);
@@ -90,7 +90,7 @@ TEST(FramePlan, RefusesTooManySheets) {
   for (const double distance : {1e-6, 1e-300}) {
     const RenderOptions options = test::picture(8, 8, distance);
     try {
-      const FramePlan plan(field, camera_of(field, true, 10), {}, options);
+      const LatticePlan plan(field, camera_of(field, true, 10), {}, options);
       FAIL() << "nothing was thrown";
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::kInvalidArgument);
@@ -108,19 +108,19 @@ TEST(FramePlan, WhatMayMatter) {
   Look look;
   look.transfer_function.opacities = {{0, 0}, {2, 0}, {3, 1}};
   look.isovalue = 5;
-  const FramePlan composite(field, camera, look, {});
+  const LatticePlan composite(field, camera, look, {});
   ASSERT_TRUE(composite.may_matter);
   EXPECT_FALSE(composite.may_matter(0.0F, 1.9F));
   EXPECT_TRUE(composite.may_matter(1.0F, 2.5F));
   look.mode = Mode::kIsosurface;
-  const FramePlan surface(field, camera, look, {});
+  const LatticePlan surface(field, camera, look, {});
   EXPECT_FALSE(surface.may_matter(0.0F, 4.9F));
   EXPECT_TRUE(surface.may_matter(5.0F, 5.0F));
   look.mode = Mode::kXray;
-  EXPECT_TRUE(FramePlan(field, camera, look, {}).may_matter(0.0F, 0.1F));
+  EXPECT_TRUE(LatticePlan(field, camera, look, {}).may_matter(0.0F, 0.1F));
   RenderOptions thorough;
   thorough.skip_irrelevant = false;
-  EXPECT_FALSE(FramePlan(field, camera, look, thorough).may_matter);
+  EXPECT_FALSE(LatticePlan(field, camera, look, thorough).may_matter);
 }
 
 }  // namespace

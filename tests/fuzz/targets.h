@@ -36,28 +36,49 @@ inline void require(bool holds, const char* what) {
   if (!holds) throw Inconsistent(what);
 }
 
+inline void check_array(const DataArray& array, std::int64_t num_tuples) {
+  require(array.num_components >= 1, "an array without components");
+  require(array.num_tuples == num_tuples, "tuples that do not fit the dataset");
+  const auto num_bytes = static_cast<std::uint64_t>(num_tuples) *
+                         static_cast<std::uint64_t>(array.num_components) * size_of(array.type);
+  require(array.bytes.view.size() == num_bytes, "bytes that do not fit the tuples");
+  require(reinterpret_cast<std::uintptr_t>(array.bytes.view.data()) % size_of(array.type) == 0,
+          "unaligned samples");
+  // Every byte must be readable and, under a sanitizer that knows, initialised.
+  unsigned sum = 0;
+  for (const std::byte byte : array.bytes.view) sum += static_cast<unsigned>(byte);
+  require(sum < 0xffffffffU || num_bytes > 0, "no bytes");
+}
+
+inline void check_points(const Dataset& dataset) {
+  require(dataset.num_positions() >= 1, "no positions");
+  require(dataset.positions.num_components == 3 && is_floating(dataset.positions.type),
+          "positions that are none");
+  check_array(dataset.positions, dataset.num_positions());
+  for (const DataArray& array : dataset.arrays) check_array(array, dataset.num_positions());
+  if (dataset.periodic_box) {
+    require(
+        dataset.periodic_box->sizes().minCoeff() > 0 && dataset.periodic_box->sizes().allFinite(),
+        "a periodic box without volume");
+  }
+  require(
+      dataset.times.empty() || static_cast<std::int64_t>(dataset.times.size()) == dataset.num_steps,
+      "times that are not the steps'");
+}
+
 // What every caller of a reader relies on.
 inline void check_dataset(const Dataset& dataset) {
+  if (dataset.kind != DatasetKind::kLattice) return check_points(dataset);
   const LatticeGeometry& lattice = dataset.lattice;
   for (const std::int64_t dim : lattice.dims) require(dim >= 1, "an axis without samples");
   require(lattice.world_from_index.matrix().allFinite(), "a geometry that is not finite");
   require(lattice.world_from_index.linear().determinant() != 0, "a degenerate geometry");
   require(!dataset.arrays.empty(), "no arrays");
   for (const DataArray& array : dataset.arrays) {
-    require(array.num_components >= 1, "an array without components");
     std::int64_t num_tuples = 1;
     for (const std::int64_t dim : lattice.dims)
       num_tuples *= array.is_cell_data ? std::max<std::int64_t>(1, dim - 1) : dim;
-    require(array.num_tuples == num_tuples, "tuples that do not fit the lattice");
-    const auto num_bytes = static_cast<std::uint64_t>(num_tuples) *
-                           static_cast<std::uint64_t>(array.num_components) * size_of(array.type);
-    require(array.bytes.view.size() == num_bytes, "bytes that do not fit the tuples");
-    require(reinterpret_cast<std::uintptr_t>(array.bytes.view.data()) % size_of(array.type) == 0,
-            "unaligned samples");
-    // Every byte must be readable and, under a sanitizer that knows, initialised.
-    unsigned sum = 0;
-    for (const std::byte byte : array.bytes.view) sum += static_cast<unsigned>(byte);
-    require(sum < 0xffffffffU || num_bytes > 0, "no bytes");
+    check_array(array, num_tuples);
   }
 }
 
@@ -93,6 +114,23 @@ inline void slc(Input input) {
 
 inline void npy(Input input) {
   expect_dataset_or_error([&] { return io::read_source(*io::open_memory("fuzz.npy", input), {}); });
+}
+
+inline void point_text(Input input) {
+  expect_dataset_or_error([&] { return io::read_source(*io::open_memory("fuzz.csv", input), {}); });
+}
+
+inline void npz(Input input) {
+  expect_dataset_or_error([&] { return io::read_source(*io::open_memory("fuzz.npz", input), {}); });
+}
+
+inline void ply(Input input) {
+  expect_dataset_or_error([&] { return io::read_source(*io::open_memory("fuzz.ply", input), {}); });
+}
+
+inline void lammps(Input input) {
+  expect_dataset_or_error(
+      [&] { return io::read_source(*io::open_memory("fuzz.dump", input), {}); });
 }
 
 // The input is a file's name; the file has 64 bytes.

@@ -25,6 +25,10 @@ int main(int argc, char** argv) {
       {"vtk_header", ovoid::fuzz::vtk_header_seeds()},
       {"look", ovoid::fuzz::look_seeds()},
       {"camera", ovoid::fuzz::camera_seeds()},
+      {"point_text", ovoid::fuzz::point_text_seeds()},
+      {"npz", ovoid::fuzz::npz_seeds()},
+      {"ply", ovoid::fuzz::ply_seeds()},
+      {"lammps", ovoid::fuzz::lammps_seeds()},
   };
   for (const auto& [target, seeds] : targets) {
     const std::filesystem::path folder = std::filesystem::path(argv[1]) / target;

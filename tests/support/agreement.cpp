@@ -160,7 +160,7 @@ std::vector<TestLook> test_looks(double lo, double hi) {
           {"colour step", stepped}};
 }
 
-Camera askew_camera(const LatticeField& field, bool is_parallel, double fill) {
+Camera askew_camera(const Field& field, bool is_parallel, double fill) {
   const Bounds3 bounds = field.world_bounds();
   const double half_height = 0.5 * bounds.diagonal().norm() / fill;
   const Vec3 direction(0.48, -0.31, 0.82);

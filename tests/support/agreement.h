@@ -47,7 +47,7 @@ std::vector<TestLook> test_looks(double lo, double hi);
 Look semi_transparent_look(double lo, double hi);
 
 struct Scene {
-  LatticeField field;
+  Field field;
   Camera camera;
   Look look;
   RenderOptions options;
@@ -55,7 +55,7 @@ struct Scene {
 
 // A view from no axis' direction that shows the whole field, its bounding sphere `fill` times as
 // high as the picture.
-Camera askew_camera(const LatticeField& field, bool is_parallel, double fill = 1.0);
+Camera askew_camera(const Field& field, bool is_parallel, double fill = 1.0);
 
 // 12 x 11 x 13 samples on oblique axes with all of it in a picture of 24 x 20: small enough for the
 // reference's slab means.

@@ -30,6 +30,10 @@ inline constexpr double kAgreementOtherDepths = 0.005;
 inline constexpr double kAllEndPsnrDb = 50;
 inline constexpr int kAllEnd8BitDifference = 27;
 
+// Means of a profile with a kink at its end, by eight nodes per slab: where a kernel's end is the
+// only thing that opacity stands for, a node in or out is an eighth of it.
+inline constexpr int kKinkedMean8BitDifference = 6;
+
 // ---- Closed forms against the reference
 // -----------------------------------------------------------------------------
 

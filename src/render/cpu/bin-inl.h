@@ -161,7 +161,7 @@ inline void bound_region(const CpuFrame& frame, Block& block) {
 using CellColumns = std::array<std::array<std::uint32_t, kTileSize / 4>, (kMaxSheets + 3) / 4>;
 
 inline bool cells_fit_bricks(const CpuFrame& frame, const Block& block) {
-  const auto edge = static_cast<float>(1 << frame.plan->relevance.brick_shift());
+  const auto edge = static_cast<float>(1 << frame.lattice_plan->relevance.brick_shift());
   for (const int s : {0, block.num_sheets - 1}) {
     const SheetSetup& sheet = block.sheets[s];
     for (int a = 0; a < 3; ++a) {
@@ -202,7 +202,7 @@ inline CellColumns bin_cells(const Block& block, const BrickLookup& neighbours) 
 }
 
 inline Support support_of(const CpuFrame& frame, const Block& block, const Bounds3& box) {
-  const Bounds3& defined = frame.plan->index_support;
+  const Bounds3& defined = frame.lattice_plan->index_support;
   Support support;
   for (int a = 0; a < 3; ++a) {
     // Rounding slack; the reconstruct stage decides exactly.
@@ -230,7 +230,7 @@ inline std::uint32_t open_samples(const CpuFrame& frame, const Block& block, con
 inline std::int64_t bin_region(const CpuFrame& frame, Block& block, const TileState& tile,
                                const Bounds3& box) {
   RowBits inside[kMaxSheets];
-  const view::RelevanceMap& map = frame.plan->relevance;
+  const view::RelevanceMap& map = frame.lattice_plan->relevance;
   const BrickLookup lookup(map, map.words(), block.origin);
   const Support support = support_of(frame, block, box);
   // Differences need every sample's surroundings; then all samples are looked up.

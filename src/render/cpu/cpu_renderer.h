@@ -10,4 +10,10 @@ namespace ovoid::cpu {
 Frame render(const LatticeField& field, const Camera& camera, const Look& look,
              const RenderOptions& options, const RenderHooks& hooks, Runner& runner);
 
+// The same of a kernel field; gradients are central differences, others are refused
+// (Error(kUnsupported)). Memory: 64 bytes per kernel that can be seen, and 4 per block that it
+// reaches.
+Frame render(const KernelField& field, const Camera& camera, const Look& look,
+             const RenderOptions& options, const RenderHooks& hooks, Runner& runner);
+
 }  // namespace ovoid::cpu

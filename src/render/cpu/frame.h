@@ -52,7 +52,8 @@ inline constexpr float kLeastVariance = 1e-6F;
 
 struct CpuFrame {
   const view::FramePlan* plan = nullptr;
-  const LatticeField* field = nullptr;
+  const view::LatticePlan* lattice_plan = nullptr;  // `plan`, if it is a lattice's
+  const LatticeField* field = nullptr;              // likewise
   std::stop_token stop;
 
   // Kernel and lattice
@@ -85,8 +86,10 @@ struct CpuFrame {
   Mode mode = Mode::kComposite;
   bool shade = true;
   ClassificationTable table;
-  IntegralTable integrals;     // if is_preintegrated
-  ClassificationTable fading;  // opacity by the gradient's length, if fades_by_gradient
+  IntegralTable integrals;          // if is_preintegrated
+  ClassificationTable fading;       // opacity by the gradient's length, if fades_by_gradient
+  ClassificationTable color_table;  // colours by another attribute, if has_own_color
+  bool has_own_color = false;
   bool is_preintegrated = false;
   bool fades_by_gradient = false;
   bool takes_gradients = true;  // for light or for fading

@@ -12,16 +12,12 @@
 #define OVOID_RENDER_CPU_GRADIENT_INL_H_
 #endif
 
-#include "render/cpu/path-inl.h"
+#include "render/cpu/differences-inl.h"
 #include "render/cpu/reconstruct-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace ovoid::cpu {
 namespace HWY_NAMESPACE {
-
-struct WorldVector {
-  V x, y, z;
-};
 
 HWY_INLINE WorldVector to_world(const CpuFrame& frame, V x, V y, V z) {
   const float* m = frame.world_from_index_gradient;
@@ -42,13 +38,6 @@ HWY_INLINE WorldVector exact_gradient(const CpuFrame& frame, Workspace& work, in
 HWY_INLINE Position point_between(const Position& a, const Position& b, V t) {
   const auto mix = [&](V p, V q) { return hn::MulAdd(hn::Sub(q, p), t, p); };
   return {mix(a.x, b.x), mix(a.y, b.y), mix(a.z, b.z)};
-}
-
-HWY_INLINE void store_gradient(Block& block, int column, int row, const WorldVector& g) {
-  const int at = row * kPlaneStride + column;
-  hn::StoreU(g.x, d, block.gradient[0] + at);
-  hn::StoreU(g.y, d, block.gradient[1] + at);
-  hn::StoreU(g.z, d, block.gradient[2] + at);
 }
 
 // Values and gradients of the samples named by `bits`, of which all must be active, in one pass.
@@ -95,56 +84,6 @@ inline RowBits guess_visible(const CpuFrame& frame, const Block& block, const Ro
   if (!is_worthwhile) return guess;
   for (int y = 0; y < block.rows; ++y) guess[y] = wanted[y] & block.visible[y];
   return guess;
-}
-
-// Difference of the samples on both sides of the middle one; one-sided, or zero, where they are
-// undefined.
-HWY_INLINE V difference(V before, V middle, V after, M has_before, M has_after) {
-  const V forward = hn::Sub(after, middle);
-  const V backward = hn::Sub(middle, before);
-  const V both = hn::Mul(hn::Set(d, 0.5F), hn::Add(forward, backward));
-  return hn::IfThenElse(
-      hn::And(has_before, has_after), both,
-      hn::IfThenElse(has_after, forward, hn::IfThenElseZero(has_before, backward)));
-}
-
-HWY_INLINE WorldVector central_difference_gradient(const CpuFrame& frame, const Block& block, int s,
-                                                   int column, int row) {
-  const auto plane = [&](int sheet) {
-    return block.values[sheet & (kRingSheets - 1)] + row * kPlaneStride + column;
-  };
-  const auto defined = [&](int sheet, int y, int shift) {
-    const std::uint32_t bits = block.defined[sheet & (kRingSheets - 1)][y];
-    const int from = column + shift;
-    return mask_of((from < 0 ? bits << 1 : bits >> from) & group_bits());
-  };
-  const float* here = plane(s);
-  const V middle = hn::LoadU(d, here);
-  const V dx = difference(hn::LoadU(d, here - 1), middle, hn::LoadU(d, here + 1),
-                          defined(s, row, -1), defined(s, row, 1));
-  const V dy =
-      difference(hn::LoadU(d, here - kPlaneStride), middle, hn::LoadU(d, here + kPlaneStride),
-                 defined(s, row - 1, 0), defined(s, row + 1, 0));
-  const V ds = difference(hn::LoadU(d, plane(s - 1)), middle, hn::LoadU(d, plane(s + 1)),
-                          defined(s - 1, row, 0), defined(s + 1, row, 0));
-  // The reciprocal basis of (pixel right, pixel down, next sheet): pixels are square and orthogonal
-  // to the view axis, the step to the next sheet leans by the ray's slopes.
-  const V inverse_pitch = hn::Set(d, block.sheets[s].inverse_pitch);
-  const V along_right = hn::Mul(dx, inverse_pitch);
-  const V along_up = hn::Neg(hn::Mul(dy, inverse_pitch));
-  V along_axis = hn::Mul(ds, hn::Set(d, 1.0F / frame.sampling_distance));
-  if (!frame.is_parallel) {
-    const V x = pixel_x(block, column);
-    const float y = pixel_y(block, row);
-    along_axis = hn::NegMulAdd(evaluate2d(frame.ray_slope_right, x, y), along_right, along_axis);
-    along_axis = hn::NegMulAdd(evaluate2d(frame.ray_slope_up, x, y), along_up, along_axis);
-  }
-  const auto component = [&](int a) {
-    return hn::MulAdd(along_right, hn::Set(d, frame.right[a]),
-                      hn::MulAdd(along_up, hn::Set(d, frame.up[a]),
-                                 hn::Mul(along_axis, hn::Set(d, frame.axis[a]))));
-  };
-  return {component(0), component(1), component(2)};
 }
 
 // A piece's gradient is that of its middle; of a sample that has none before it, the sample's own.

@@ -10,6 +10,7 @@
 #endif
 
 #include "render/cpu/composite-inl.h"
+#include "render/cpu/gradient-inl.h"
 #include "render/cpu/shade-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -49,23 +50,6 @@ HWY_INLINE V refine(const CpuFrame& frame, Workspace& work, int s, int column, i
                           hn::IfThenElse(hn::Eq(rise, hn::Zero(d)), hn::Set(d, 1.0F), rise));
   const V clamped = hn::Min(hn::Max(share, hn::Zero(d)), hn::Set(d, 1.0F));
   return hn::MulAdd(hn::Sub(far, near), hn::IfThenElseZero(far_is_defined, clamped), near);
-}
-
-// Lanes whose crossing lies in all clip half spaces.
-HWY_INLINE std::uint32_t kept_by_planes(const CpuFrame& frame, const Block& block, int s,
-                                        int column, int row, V t) {
-  std::uint32_t kept = group_bits();
-  const view::FramePlan& plan = *frame.plan;
-  const V x = pixel_x(block, column);
-  const float y = pixel_y(block, row);
-  const V sheets_back = hn::Sub(t, hn::Set(d, 1.0F));
-  for (const ClipPlane& plane : plan.clip_planes) {
-    const V inside = evaluate2d(plan.clip_distance(plane, block.first_sheet + s), x, y);
-    const V slope =
-        hn::Mul(evaluate2d(plan.clip_slope(plane), x, y), hn::Set(d, frame.sampling_distance));
-    kept &= bits_of(hn::Ge(hn::MulAdd(slope, sheets_back, inside), hn::Zero(d)));
-  }
-  return kept;
 }
 
 // Crossings between sheet s - 1 and sheet s of the block.

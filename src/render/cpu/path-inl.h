@@ -73,6 +73,24 @@ HWY_INLINE V ray_length(const CpuFrame& frame, const Block& block, int column, i
   return hn::Sqrt(squared);
 }
 
+// Lanes whose place, a share t of the way from sheet s - 1 to sheet s, lies in all clip half
+// spaces.
+HWY_INLINE std::uint32_t kept_by_planes(const CpuFrame& frame, const Block& block, int s,
+                                        int column, int row, V t) {
+  std::uint32_t kept = group_bits();
+  const view::FramePlan& plan = *frame.plan;
+  const V x = pixel_x(block, column);
+  const float y = pixel_y(block, row);
+  const V sheets_back = hn::Sub(t, hn::Set(d, 1.0F));
+  for (const ClipPlane& plane : plan.clip_planes) {
+    const V inside = evaluate2d(plan.clip_distance(plane, block.first_sheet + s), x, y);
+    const V slope =
+        hn::Mul(evaluate2d(plan.clip_slope(plane), x, y), hn::Set(d, frame.sampling_distance));
+    kept &= bits_of(hn::Ge(hn::MulAdd(slope, sheets_back, inside), hn::Zero(d)));
+  }
+  return kept;
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace ovoid::cpu
 HWY_AFTER_NAMESPACE();

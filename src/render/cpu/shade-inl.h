@@ -11,8 +11,7 @@
 #define OVOID_RENDER_CPU_SHADE_INL_H_
 #endif
 
-#include "render/cpu/gradient-inl.h"
-#include "render/cpu/path-inl.h"
+#include "render/cpu/differences-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace ovoid::cpu {
@@ -234,6 +233,22 @@ inline void classify_sheet(const CpuFrame& frame, Block& block, int s, const Row
           hn::StoreU(color.blue, d, block.sample_blue + at);
           block.visible[y] |= visible << column;
         });
+  }
+}
+
+// Where another attribute gives the colour: its colours, at its own values, for the visible
+// samples.
+inline void color_sheet(const CpuFrame& frame, Block& block, const float* values) {
+  for (int y = 0; y < block.rows; ++y) {
+    for_each_group(block.visible[y], block.margin, block.columns - block.margin,
+                   [&](int column, std::uint32_t) {
+                     const int at = y * kPlaneStride + column;
+                     const Classified color =
+                         classify(frame.color_table, hn::LoadU(d, values + at));
+                     hn::StoreU(color.red, d, block.sample_red + at);
+                     hn::StoreU(color.green, d, block.sample_green + at);
+                     hn::StoreU(color.blue, d, block.sample_blue + at);
+                   });
   }
 }
 

@@ -10,6 +10,7 @@
 
 #include "render/cpu/bin-inl.h"
 #include "render/cpu/composite-inl.h"
+#include "render/cpu/gradient-inl.h"
 #include "render/cpu/isosurface-inl.h"
 #include "render/cpu/load-inl.h"
 #include "render/cpu/reconstruct-inl.h"
@@ -103,7 +104,7 @@ inline void set_up_block(const CpuFrame& frame, Block& block, const Part& part,
   block.num_sheets =
       static_cast<int>(part.last_sheet - part.first_sheet) + block.front_margin + block.back_margin;
   for (int a = 0; a < 3; ++a) block.origin[a] = static_cast<std::int64_t>(std::floor(box.min()[a]));
-  const view::FramePlan& plan = *frame.plan;
+  const view::LatticePlan& plan = *frame.lattice_plan;
   const view::SheetMap first = plan.lattice.index_map(block.first_sheet);
   view::SheetMap step = plan.lattice.index_map(block.first_sheet + 1);
   step.origin -= first.origin;
@@ -271,7 +272,7 @@ inline bool draw_part(const CpuFrame& frame, Workspace& work, const Part& part, 
 
 // Draws one tile into work.tile; `block` of the workspace holds the tile's place.
 inline void render_tile_on_target(const CpuFrame& frame, Workspace& work, const TileRect& rect) {
-  const view::FramePlan& plan = *frame.plan;
+  const view::LatticePlan& plan = *frame.lattice_plan;
   Block& block = work.block;
   WorkerStats& stats = work.stats;
   StageClock clock(stats.ticks, frame.collect_profile);

@@ -6,9 +6,9 @@
 #include <limits>
 #include <optional>
 
+#include "ovoid/field.h"
 #include "ovoid/look.h"
 #include "ovoid/renderer.h"
-#include "render/reference/field_evaluator.h"
 #include "render/reference/shading.h"
 #include "render/reference/view_rays.h"
 
@@ -26,17 +26,16 @@ struct TraceCounts {
   std::int64_t gradients = 0;  // samples whose gradient was used
 };
 
-// One pixel after the other, one sample of its ray after the other: docs/numerics.md from "Slabs"
-// to "Modes". Immutable after construction: any number of threads may trace at once.
+// One pixel after the other, one sample of its ray after the other: docs/numerics.md,
+// "Classification" to "Modes". What a sample is, and its gradient, is the field's matter. Immutable
+// after construction: any number of threads may trace at once.
 class PixelTracer {
  public:
-  // Camera, look and options are valid; `field` and `evaluator` (of that field) outlive the tracer.
-  PixelTracer(const LatticeField& field, const FieldEvaluator& evaluator, const Camera& camera,
-              const Look& look, const RenderOptions& options);
+  virtual ~PixelTracer() = default;
 
   Pixel trace(int x, int y, TraceCounts& counts) const;
 
- private:
+ protected:
   // What a mode sees of a ray: the ray itself, and its samples by sheet.
   struct PixelRay {
     int x;
@@ -49,38 +48,51 @@ class PixelTracer {
     double z;
     double path;
     double value;
-    Vec3 exact_gradient;
+    double color_value;   // what the colour is taken at
+    Vec3 exact_gradient;  // of lattices
+  };
+  struct Crossing {
+    double z;
+    double color_value;
+    Vec3 gradient;  // zero unless the look is lit
   };
 
-  std::optional<RaySample> sample(const PixelRay& pixel, std::int64_t sheet,
-                                  TraceCounts& counts) const;
-  FieldSample field_at(int x, int y, std::int64_t sheet) const;
-  Vec3 gradient(const PixelRay& pixel, const RaySample& sample) const;
-  Vec3 piece_gradient(const PixelRay& pixel, const RaySample& from, const RaySample& to) const;
-  Vec3 own_gradient(const Vec3& exact, const Vec3& position, const Vec3& widening) const;
-  Vec3 central_gradient(const PixelRay& pixel, const RaySample& sample) const;
+  // Camera, look and options are valid. `least_spacing` and `range` are the field's.
+  PixelTracer(const Field& field, const ViewRays& view, const Look& look,
+              const RenderOptions& options);
 
+  // All sheets on which the ray may have a sample.
+  virtual SheetRange sheets_of(const Ray& ray) const = 0;
+  // The sample of a sheet, if there is one.
+  virtual std::optional<RaySample> sample(const PixelRay& pixel, std::int64_t sheet,
+                                          TraceCounts& counts) const = 0;
+  virtual Vec3 gradient(const PixelRay& pixel, const RaySample& sample) const = 0;
+  // Of the piece between two sheets.
+  virtual Vec3 piece_gradient(const PixelRay& pixel, const RaySample& from,
+                              const RaySample& to) const = 0;
+  // Where between two samples on either side the field takes the isovalue.
+  virtual Crossing crossing(const PixelRay& pixel, const RaySample& near,
+                            const RaySample& far) const = 0;
+
+  const Look& look() const { return look_; }
+  const ViewRays& view() const { return view_; }
+
+ private:
   ClassifiedSample classified_sample(const std::optional<RaySample>& before,
                                      const RaySample& at) const;
-
+  Rgb color_of(double color_value) const;
   Pixel composite(const PixelRay& pixel, TraceCounts& counts) const;
   Pixel xray(const PixelRay& pixel, TraceCounts& counts) const;
   Pixel maximum(const PixelRay& pixel, TraceCounts& counts) const;
   Pixel mean(const PixelRay& pixel, TraceCounts& counts) const;
   Pixel isosurface(const PixelRay& pixel, TraceCounts& counts) const;
-  double refined_crossing(const PixelRay& pixel, const RaySample& near, const RaySample& far) const;
-  FieldSample field_on_ray(const Ray& ray, double z, const Vec3& widening) const;
   Pixel classified(double value, double depth, TraceCounts& counts) const;
 
-  const FieldEvaluator& evaluator_;
   const Look look_;
-  const Slab slab_;
-  const GradientMethod gradient_method_;
+  const bool has_own_color_;
   const Classification classification_;
   const TransferFunction fading_;  // opacity by the gradient's length; without points 1
   const ViewRays view_;
-  const Affine3 index_from_world_;
-  const Bounds3 support_;  // index space, the whole frame's
   ShadingContext shading_;
 };
 

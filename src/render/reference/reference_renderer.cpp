@@ -8,16 +8,20 @@
 #include <chrono>
 #include <cstddef>
 #include <exception>
+#include <functional>
 #include <limits>
+#include <memory>
 #include <mutex>
 #include <new>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "ovoid/error.h"
 #include "render/reference/field_evaluator.h"
-#include "render/reference/pixel_tracer.h"
+#include "render/reference/kernel_tracer.h"
+#include "render/reference/lattice_tracer.h"
 
 namespace ovoid::reference {
 namespace {
@@ -45,11 +49,14 @@ Image empty_image(const RenderOptions& options) {
   return image;
 }
 
-// Draws the rows of one picture with several threads.
+// The tracer of the rows [y0, y1).
+using TracerOfRows = std::function<std::shared_ptr<const PixelTracer>(int y0, int y1)>;
+
+// Draws the rows of one picture with several threads, some rows with one tracer.
 class RowPainter {
  public:
-  RowPainter(const PixelTracer& tracer, const RenderHooks& hooks, Image& image)
-      : tracer_(tracer), hooks_(hooks), image_(image) {}
+  RowPainter(TracerOfRows tracer, int rows_each, const RenderHooks& hooks, Image& image)
+      : tracer_(std::move(tracer)), rows_each_(rows_each), hooks_(hooks), image_(image) {}
 
   // Throws Error(kCancelled), and what a hook throws.
   TraceCounts paint(int threads) {
@@ -69,9 +76,15 @@ class RowPainter {
   void work() noexcept {
     try {
       TraceCounts counts;
-      for (int y = next_row_++; y < image_.height; y = next_row_++) {
-        if (!paint_row(y, counts)) return;
-        report(y);
+      for (int y0 = next_row_.fetch_add(rows_each_); y0 < image_.height;
+           y0 = next_row_.fetch_add(rows_each_)) {
+        const int y1 = std::min(y0 + rows_each_, image_.height);
+        if (hooks_.stop.stop_requested() || has_failed_) return;
+        const std::shared_ptr<const PixelTracer> tracer = tracer_(y0, y1);
+        for (int y = y0; y < y1; ++y) {
+          if (!paint_row(*tracer, y, counts)) return;
+          report(y);
+        }
       }
       const std::lock_guard lock(mutex_);
       counts_.samples += counts.samples;
@@ -85,10 +98,10 @@ class RowPainter {
   }
 
   // False if it was told to stop before the row was complete.
-  bool paint_row(int y, TraceCounts& counts) {
+  bool paint_row(const PixelTracer& tracer, int y, TraceCounts& counts) {
     for (int x = 0; x < image_.width; ++x) {
       if (hooks_.stop.stop_requested() || has_failed_) return false;
-      const Pixel pixel = tracer_.trace(x, y, counts);
+      const Pixel pixel = tracer.trace(x, y, counts);
       const std::size_t position =
           static_cast<std::size_t>(y) * static_cast<std::size_t>(image_.width) +
           static_cast<std::size_t>(x);
@@ -107,7 +120,8 @@ class RowPainter {
     if (hooks_.progress) hooks_.progress(static_cast<double>(num_done_) / image_.height);
   }
 
-  const PixelTracer& tracer_;
+  TracerOfRows tracer_;
+  int rows_each_;
   const RenderHooks& hooks_;
   Image& image_;
   std::atomic<int> next_row_ = 0;
@@ -117,6 +131,21 @@ class RowPainter {
   TraceCounts counts_;
   std::exception_ptr failure_;
 };
+
+int checked_threads(int threads, const RenderOptions& options) {
+  if (threads < 0) {
+    throw Error(ErrorCode::kInvalidArgument,
+                "threads = " + std::to_string(threads) + ": must be >= 0");
+  }
+  if (threads == 0) threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  return std::min(threads, options.height);
+}
+
+void count(const TraceCounts& counts, FrameProfile& profile) {
+  profile.samples_reconstructed = counts.samples;
+  profile.samples_shaded = counts.visible;
+  profile.gradients = counts.gradients;
+}
 
 }  // namespace
 
@@ -129,12 +158,7 @@ Frame render(const LatticeField& field, const Camera& camera, const Look& look,
   camera.validate();
   look.validate();
   options.validate();
-  if (threads < 0) {
-    throw Error(ErrorCode::kInvalidArgument,
-                "threads = " + std::to_string(threads) + ": must be >= 0");
-  }
-  if (threads == 0) threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-  threads = std::min(threads, options.height);
+  threads = checked_threads(threads, options);
 
   const Clock::time_point start = Clock::now();
   Frame frame;
@@ -143,8 +167,10 @@ Frame render(const LatticeField& field, const Camera& camera, const Look& look,
   const double copy_ms = milliseconds_since(start);
 
   const Clock::time_point trace_start = Clock::now();
-  const PixelTracer tracer(field, evaluator, camera, look, options);
-  const TraceCounts counts = RowPainter(tracer, hooks, frame.image).paint(threads);
+  const auto tracer =
+      std::make_shared<const LatticeTracer>(field, evaluator, camera, look, options);
+  const TraceCounts counts =
+      RowPainter([&](int, int) { return tracer; }, 1, hooks, frame.image).paint(threads);
 
   FrameProfile& profile = frame.profile;
   profile.backend = "reference";
@@ -155,9 +181,38 @@ Frame render(const LatticeField& field, const Camera& camera, const Look& look,
   }
   profile.kernels_total = field.num_kernels();
   profile.kernels_drawn = evaluator.num_existing();
-  profile.samples_reconstructed = counts.samples;
-  profile.samples_shaded = counts.visible;
-  profile.gradients = counts.gradients;
+  count(counts, profile);
+  return frame;
+}
+
+Frame render(const KernelField& field, const Camera& camera, const Look& look,
+             const RenderOptions& options, const RenderHooks& hooks, int threads) {
+  camera.validate();
+  look.validate();
+  options.validate();
+  threads = checked_threads(threads, options);
+  const Clock::time_point start = Clock::now();
+  Frame frame;
+  frame.image = empty_image(options);
+  const ViewRays view(field, camera, options);
+  const std::vector<ViewedKernel> kernels = view_kernels(field, view);
+  const SheetRange sheets = sheets_reached(kernels, view, field.source().cutoff());
+  const bool is_mean =
+      options.slab == Slab::kMean || (options.slab == Slab::kAuto && look.mode == Mode::kXray);
+  constexpr int kRowsEach = 8;
+  const auto tracer = [&](int y0, int y1) {
+    return std::make_shared<const KernelTracer>(
+        field, KernelPlanes(field, kernels, view, sheets, {y0, y1, options.width}, is_mean), view,
+        sheets, look, options);
+  };
+  const TraceCounts counts = RowPainter(tracer, kRowsEach, hooks, frame.image).paint(threads);
+  FrameProfile& profile = frame.profile;
+  profile.backend = "reference";
+  profile.threads = threads;
+  profile.frame_ms = milliseconds_since(start);
+  if (options.collect_profile) profile.stages_ms = {{"trace", threads * profile.frame_ms}};
+  profile.kernels_total = profile.kernels_drawn = field.num_kernels();
+  count(counts, profile);
   return frame;
 }
 

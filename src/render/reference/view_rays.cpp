@@ -36,10 +36,8 @@ struct Interval {
 
 }  // namespace
 
-ViewRays::ViewRays(const LatticeField& field, const Camera& camera, const RenderOptions& options)
-    : index_from_world_(field.geometry().world_from_index.inverse()),
-      spacing_(field.geometry().spacing()),
-      clip_planes_(options.clip_planes),
+ViewRays::ViewRays(const Camera& camera, const RenderOptions& options, double default_distance)
+    : clip_planes_(options.clip_planes),
       position_(camera.position),
       forward_((camera.focal_point - camera.position).normalized()),
       right_(forward_.cross(camera.view_up).normalized()),
@@ -49,14 +47,21 @@ ViewRays::ViewRays(const LatticeField& field, const Camera& camera, const Render
                                    : camera.parallel_scale),
       width_(options.width),
       height_(options.height),
-      ds_(options.sampling_distance > 0 ? options.sampling_distance
-                                        : field.default_sampling_distance()),
-      z_focal_((camera.focal_point - camera.position).norm()) {
+      ds_(options.sampling_distance > 0 ? options.sampling_distance : default_distance),
+      z_focal_((camera.focal_point - camera.position).norm()) {}
+
+ViewRays::ViewRays(const LatticeField& field, const Camera& camera, const RenderOptions& options)
+    : ViewRays(camera, options, field.default_sampling_distance()) {
+  index_from_world_ = field.geometry().world_from_index.inverse();
+  spacing_ = field.geometry().spacing();
   for (int a = 0; a < 3; ++a) {
     const auto dims = static_cast<double>(field.geometry().dims[a]);
     widest_[a] = std::max(1.0, dims / (4 * field.kernel().sigma));
   }
 }
+
+ViewRays::ViewRays(const KernelField& field, const Camera& camera, const RenderOptions& options)
+    : ViewRays(camera, options, field.default_sampling_distance()) {}
 
 Ray ViewRays::ray(int x, int y) const {
   const double aspect = static_cast<double>(width_) / height_;
@@ -68,7 +73,7 @@ Ray ViewRays::ray(int x, int y) const {
 }
 
 Vec3 ViewRays::widening(std::int64_t sheet) const {
-  const double pitch = 2 * half_height_ / height_ * (is_perspective_ ? z_of(sheet) : 1.0);
+  const double pitch = pitch_at(z_of(sheet));
   return (pitch * spacing_.cwiseInverse()).cwiseMin(widest_).cwiseMax(Vec3::Ones());
 }
 
@@ -112,7 +117,7 @@ SheetRange ViewRays::sheets_within(const Ray& ray, const Bounds3& box) const {
 }
 
 Mat3 ViewRays::position_derivatives(const Ray& ray, std::int64_t sheet) const {
-  const double pixel = 2 * half_height_ / height_ * (is_perspective_ ? z_of(sheet) : 1.0);
+  const double pixel = pitch_at(z_of(sheet));
   Mat3 derivatives;
   derivatives << pixel * right_, -pixel * up_, ds_ * ray.direction;
   return derivatives;

@@ -30,6 +30,8 @@ class ViewRays {
  public:
   // Camera and options are valid.
   ViewRays(const LatticeField& field, const Camera& camera, const RenderOptions& options);
+  // For a kernel field, whose index space is the world; widening() means nothing there.
+  ViewRays(const KernelField& field, const Camera& camera, const RenderOptions& options);
 
   // The ray through the centre of pixel (x, y); pixels beyond the picture have one too.
   Ray ray(int x, int y) const;
@@ -37,6 +39,7 @@ class ViewRays {
   double z_of(std::int64_t sheet) const {
     return z_focal_ + (static_cast<double>(sheet) + 0.5) * ds_;
   }
+  double sheet_of(double z) const { return (z - z_focal_) / ds_ - 0.5; }
   double sampling_distance() const { return ds_; }
 
   // False for the sheets of a perspective view at and before the near plane.
@@ -49,6 +52,33 @@ class ViewRays {
   // Length of the part of the sheet's segment that is before no clip plane nor the near plane.
   double path(const Ray& ray, std::int64_t sheet) const;
 
+  // Width of a pixel at the distance z, world units.
+  double pitch_at(double z) const {
+    return 2 * half_height_ / height_ * (is_perspective_ ? z : 1.0);
+  }
+  bool is_perspective() const { return is_perspective_; }
+  double z_near() const { return 0.5 * ds_; }
+
+  // Where the ray of column x or row y meets the plane at z: to the right of the view axis, and
+  // below it, world units; and the column or row of such a place.
+  double right_of(double x, double z) const { return (x + 0.5 - 0.5 * width_) * pitch_at(z); }
+  double below_of(double y, double z) const { return (y + 0.5 - 0.5 * height_) * pitch_at(z); }
+  double column_of(double right, double z) const {
+    return right / pitch_at(z) - 0.5 + 0.5 * width_;
+  }
+  double row_of(double below, double z) const { return below / pitch_at(z) - 0.5 + 0.5 * height_; }
+
+  // Coordinates of a world position in the camera's frame: to the right, down, and z.
+  Vec3 camera_from_world(const Vec3& world) const {
+    const Vec3 d = world - position_;
+    return {right_.dot(d), -up_.dot(d), forward_.dot(d)};
+  }
+  Mat3 camera_axes() const {
+    Mat3 axes;  // rows
+    axes << right_.transpose(), -up_.transpose(), forward_.transpose();
+    return axes;
+  }
+
   // True if no clip plane cuts the world position away.
   bool is_kept(const Vec3& position) const;
 
@@ -60,11 +90,11 @@ class ViewRays {
   Mat3 position_derivatives(const Ray& ray, std::int64_t sheet) const;
 
  private:
-  double z_near() const { return 0.5 * ds_; }
+  ViewRays(const Camera& camera, const RenderOptions& options, double default_distance);
 
-  Affine3 index_from_world_;
-  Vec3 spacing_;
-  Vec3 widest_;  // dims / (4 sigma), at least 1
+  Affine3 index_from_world_ = Affine3::Identity();
+  Vec3 spacing_ = Vec3::Ones();
+  Vec3 widest_ = Vec3::Ones();  // dims / (4 sigma), at least 1
   std::vector<ClipPlane> clip_planes_;
   Vec3 position_;
   Vec3 forward_;  // n

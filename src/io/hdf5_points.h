@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "io/byte_source.h"
+#include "ovoid/dataset.h"
+#include "ovoid/io.h"
+
+namespace ovoid::io {
+
+// Is an HDF5 file one of VTK's, with a group VTKHDF at its root? Looks at the first 64 KiB, where
+// the names of the root group's members are.
+bool is_vtkhdf(const ByteSource& source);
+
+// Reads particles from the HDF5 file called source.name(): options.positions, or what is called
+// like positions; options.values, or what lies beside them and has as many rows (docs/formats.md,
+// "HDF5"). Positions are float32 or float64, arrays have the file's types. Peak memory is that of
+// the arrays and a chunk. Calls into the library are made one at a time. Throws Error;
+// kUnsupported in a build without HDF5.
+Dataset read_hdf5_points(const ByteSource& source, const ReadOptions& options);
+
+}  // namespace ovoid::io

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// A block of a kernel field: view::kBlockEdge^2 pixels x view::kBlockDepth sheets, in which splats
+// are summed, and the ring of sheets of field values that its tile keeps. It all lies in the L2
+// cache of one core.
+//
+//   channel   what is summed over splats: normalized fields w v phi, w phi and, with a colour of
+//   its
+//             own, w c phi; sums v w phi and c v w phi
+//   level     level l has a sample for every 2^l x 2^l pixels, at their middle. Sample i of a plane
+//             of level l lies at the pixel 2^l (lo + i) + (2^l - 1) / 2 of the tile. Coarse planes
+//             reach as far beyond the finer one as the filter that brings them there.
+//   ring      sheet k of the frame lives in plane k & (kValueRing - 1)
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "render/cpu/block.h"
+#include "render/cpu/splat.h"
+
+namespace ovoid::cpu {
+
+inline constexpr int kMaxChannels = 3;
+inline constexpr int kMaxLevel = 6;   // 64 pixels per sample: a tile is one sample
+inline constexpr int kValueRing = 8;  // a power of two, > kBlockDepth + 2
+inline constexpr int kSubtiles = view::kBlockEdge / kTileSize;  // along one axis
+inline constexpr int kPlanePadding = 64;  // floats: a group at a plane's end reads and writes on
+
+// Floor of a / 2 and the half's number, for negative numbers too.
+constexpr int half_of(int a) { return a >= 0 ? a / 2 : -((1 - a) / 2); }
+
+// Samples [lo, lo + size) of a level, in its own numbers from the tile's corner.
+struct LevelExtent {
+  int lo = 0, size = 0, stride = 0;
+};
+
+// The filter reaches two samples against and three along the side on which the finer one lies.
+constexpr std::array<LevelExtent, kMaxLevel + 1> level_extents() {
+  std::array<LevelExtent, kMaxLevel + 1> extents{};
+  int lo = -1;
+  int hi = view::kBlockEdge;
+  for (int level = 0; level <= kMaxLevel; ++level) {
+    const int size = hi - lo + 1;
+    extents[static_cast<std::size_t>(level)] = {lo, size, (size + 7) / 8 * 8};
+    const int coarse_lo = half_of(lo) - (lo % 2 == 0 ? 3 : 2);
+    const int coarse_hi = half_of(hi) + (hi % 2 == 0 ? 2 : 3);
+    lo = coarse_lo;
+    hi = coarse_hi;
+  }
+  return extents;
+}
+inline constexpr std::array<LevelExtent, kMaxLevel + 1> kLevelExtents = level_extents();
+
+inline constexpr int kValueStride = kLevelExtents[0].stride;
+inline constexpr int kValueRows = kLevelExtents[0].size;
+
+struct KernelWorkspace {
+  Workspace shading;  // its block holds one subtile's window of the ring
+  std::array<TileState, kSubtiles * kSubtiles> tiles;
+
+  // [sheet of the block][channel][row][column], one buffer per level
+  std::array<FloatBuffer, kMaxLevel + 1> levels;
+  std::array<bool, kMaxLevel + 1> is_touched{};
+  FloatBuffer rows;  // post-convolution: one plane with fine rows and coarse columns
+
+  // The ring: NaN where the field is undefined.
+  FloatBuffer values, colors;
+  std::array<std::int64_t, kValueRing> ring_sheets{};  // which sheet each plane holds
+  alignas(64) float color_window[kRingSheets][kMaxPlaneRows * kPlaneStride];
+};
+
+// What a frame of a kernel field needs beside CpuFrame.
+struct KernelFrame {
+  CpuFrame common;
+  const view::KernelPlan* plan = nullptr;
+  const BinnedSplats* binned = nullptr;
+  KernelProfile profile = KernelProfile::kGaussian;
+  float cutoff = 4;
+  bool is_sum = false;
+  int num_channels = 2;
+  int max_level = 0;     // 0: post-convolution is off
+  bool gathers = false;  // fragment-centric
+};
+
+// Least sigma, in samples of a level, of the kernels summed on it: the filter's error is then under
+// kLevelError of a kernel's peak (docs/numerics.md, "Levels"; a test holds it).
+inline constexpr float kLeastLevelSigma = 1.6F;
+inline constexpr double kLevelError = 3.5e-3;
+
+}  // namespace ovoid::cpu

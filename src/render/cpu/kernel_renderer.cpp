@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+// A frame of a kernel field: plan, project and bin once, then tiles as independent tasks.
+#include <algorithm>
+
+#include "ovoid/error.h"
+#include "render/cpu/cpu_renderer.h"
+#include "render/cpu/frame_tables.h"
+#include "render/cpu/kernel_tile.h"
+#include "render/cpu/ticks.h"
+#include "render/cpu/tile.h"
+#include "render/cpu/tile_output.h"
+
+namespace ovoid::cpu {
+namespace {
+
+int num_channels_of(const KernelField& field) {
+  const int color = field.has_own_color() ? 1 : 0;
+  return field.reconstruction() == Reconstruction::kSum ? 1 + color : 2 + color;
+}
+
+void set_frame(KernelFrame& frame, const KernelField& field, const RenderOptions& options) {
+  CpuFrame& common = frame.common;
+  common.central_gradient = common.takes_gradients;
+  common.stop_opaque = options.stop_opaque;
+  common.collect_profile = options.collect_profile;
+  frame.profile = field.source().profile();
+  frame.cutoff = static_cast<float>(field.source().cutoff());
+  frame.is_sum = field.reconstruction() == Reconstruction::kSum;
+  frame.num_channels = num_channels_of(field);
+  frame.gathers = options.evaluate == Evaluate::kGather;
+  const bool has_levels = options.post_convolution == PostConvolution::kAuto && !frame.gathers;
+  frame.max_level = has_levels ? kMaxLevel : 0;
+}
+
+void draw_tile(const KernelFrame& frame, const Look& look, KernelWorkspace& work,
+               const TileRect& rect, Image& image) {
+  render_kernel_tile(frame, work, rect);
+  for (int sub = 0; sub < kSubtiles * kSubtiles; ++sub) {
+    const int x = rect.x0 + sub % kSubtiles * kTileSize;
+    const int y = rect.y0 + sub / kSubtiles * kTileSize;
+    if (x >= rect.x1 || y >= rect.y1) continue;
+    finish_tile(frame.common, look, work.tiles[static_cast<std::size_t>(sub)],
+                {x, y, std::min(x + kTileSize, rect.x1), std::min(y + kTileSize, rect.y1)}, image);
+  }
+}
+
+void require_central_differences(const RenderOptions& options) {
+  if (options.gradient == GradientMethod::kAuto || options.gradient == GradientMethod::kCentral)
+    return;
+  throw Error(
+      ErrorCode::kUnsupported,
+      "gradient: kernel sets take central differences; exact and corrected are for lattices");
+}
+
+}  // namespace
+
+Frame render(const KernelField& field, const Camera& camera, const Look& look,
+             const RenderOptions& options, const RenderHooks& hooks, Runner& runner) {
+  require_central_differences(options);
+  const Clock::time_point start = Clock::now();
+  const std::uint64_t start_ticks = read_ticks();
+  Frame out;
+  out.profile.backend = "cpu";
+  out.profile.simd_target = simd_target_in_use();
+  out.profile.threads = runner.num_workers();
+  out.profile.kernels_total = field.num_kernels();
+  out.image = empty_image(options);
+
+  const view::KernelPlan plan(field, camera, look, options);
+  const double plan_ms = ms_since(start);
+  const BinnedSplats binned = bin_splats(field, plan, runner);
+  const double bin_ms = ms_since(start) - plan_ms;
+  out.profile.kernels_drawn = static_cast<std::int64_t>(binned.splats.size());
+  if (options.collect_profile) {
+    out.profile.stages_ms.emplace_back("plan", plan_ms);
+    out.profile.stages_ms.emplace_back("project and bin", bin_ms);
+  }
+  LookTables tables;
+  KernelFrame frame;
+  frame.plan = &plan;
+  frame.binned = &binned;
+  frame.common.plan = &plan;
+  frame.common.stop = hooks.stop;
+  set_view(frame.common, plan);
+  set_look(frame.common, field.value_range(), look, plan, tables);
+  set_frame(frame, field, options);
+
+  const std::vector<TileRect> tiles = tiles_of(options.width, options.height, view::kBlockEdge);
+  std::vector<std::unique_ptr<KernelWorkspace>> workspaces;
+  for (int i = 0; i < runner.num_workers(); ++i)
+    workspaces.push_back(std::make_unique<KernelWorkspace>());
+  Watch watch(hooks, tiles.size());
+  runner.run(static_cast<int>(tiles.size()), [&](int task, int worker) {
+    if (hooks.stop.stop_requested()) return;
+    const TileRect& rect = tiles[static_cast<std::size_t>(task)];
+    draw_tile(frame, look, *workspaces[static_cast<std::size_t>(worker)], rect, out.image);
+    watch.tile_done(rect, out.image);
+  });
+  if (hooks.stop.stop_requested()) throw Error(ErrorCode::kCancelled, "rendering was cancelled");
+
+  out.profile.frame_ms = ms_since(start);
+  const double ticks_per_ms =
+      static_cast<double>(read_ticks() - start_ticks) / out.profile.frame_ms;
+  for (const auto& work : workspaces)
+    add_worker_stats(work->shading.stats, options.collect_profile ? ticks_per_ms : 0.0,
+                     out.profile);
+  return out;
+}
+
+}  // namespace ovoid::cpu

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+// Isosurface mode of kernel sets: the first crossing of the isovalue between two sheets, on the
+// straight line between their values; its gradient and colour are mixed likewise.
+#if defined(OVOID_RENDER_CPU_KERNEL_SURFACE_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef OVOID_RENDER_CPU_KERNEL_SURFACE_INL_H_
+#undef OVOID_RENDER_CPU_KERNEL_SURFACE_INL_H_
+#else
+#define OVOID_RENDER_CPU_KERNEL_SURFACE_INL_H_
+#endif
+
+#include "render/cpu/composite-inl.h"
+#include "render/cpu/differences-inl.h"
+#include "render/cpu/kernel_block.h"
+#include "render/cpu/shade-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace ovoid::cpu {
+namespace HWY_NAMESPACE {
+
+HWY_INLINE WorldVector mix_vectors(const WorldVector& a, const WorldVector& b, V t) {
+  const auto mix = [&](V p, V q) { return hn::MulAdd(hn::Sub(q, p), t, p); };
+  return {mix(a.x, b.x), mix(a.y, b.y), mix(a.z, b.z)};
+}
+
+// The samples of a sheet that a ray can meet: those with a path.
+HWY_INLINE std::uint32_t with_path(const CpuFrame& frame, const Block& block, int s, int column,
+                                   int row) {
+  if (!frame.plan->is_clipped) return group_bits();
+  return bits_of(hn::Gt(path_fraction(frame, block, s, column, row), hn::Zero(d)));
+}
+
+inline void kernel_surface_sheet(const KernelFrame& kernel_frame, KernelWorkspace& work,
+                                 TileState& tile, int s) {
+  const CpuFrame& frame = kernel_frame.common;
+  Block& block = work.shading.block;
+  const int here = s & (kRingSheets - 1);
+  const int front = (s - 1) & (kRingSheets - 1);
+  const V iso = hn::Set(d, frame.isovalue);
+  for (int y = block.margin; y < block.rows - block.margin; ++y) {
+    std::uint32_t& open = tile.open[tile_row(block, y)];
+    const std::uint32_t both =
+        block.defined[here][y] & block.defined[front][y] & open << block.margin;
+    for_each_group(
+        both, block.margin, block.columns - block.margin, [&](int column, std::uint32_t lanes) {
+          const int at = y * kPlaneStride + column;
+          const V before = hn::LoadU(d, block.values[front] + at);
+          const V after = hn::LoadU(d, block.values[here] + at);
+          std::uint32_t crossing =
+              bits_of(hn::Xor(hn::Lt(before, iso), hn::Lt(after, iso))) & lanes;
+          if (crossing == 0) return;
+          const V rise = hn::Sub(after, before);
+          const V t = hn::Div(hn::Sub(iso, before),
+                              hn::IfThenElse(hn::Eq(rise, hn::Zero(d)), hn::Set(d, 1.0F), rise));
+          crossing &= kept_by_planes(frame, block, s, column, y, t);
+          crossing &=
+              with_path(frame, block, s - 1, column, y) & with_path(frame, block, s, column, y);
+          if (crossing == 0) return;
+          Classified color{hn::Set(d, frame.isosurface_color[0]),
+                           hn::Set(d, frame.isosurface_color[1]),
+                           hn::Set(d, frame.isosurface_color[2]), hn::Zero(d)};
+          if (frame.has_own_color) {
+            const V from = hn::LoadU(d, work.color_window[front] + at);
+            const V to = hn::LoadU(d, work.color_window[here] + at);
+            color = classify(frame.color_table, hn::MulAdd(hn::Sub(to, from), t, from));
+          }
+          Lighting light{hn::Set(d, 1.0F), hn::Zero(d)};
+          if (frame.shade) {
+            const WorldVector g =
+                mix_vectors(central_difference_gradient(frame, block, s - 1, column, y),
+                            central_difference_gradient(frame, block, s, column, y), t);
+            light = light_sample(frame, g, direction_to_eye(frame, block, column, y));
+            work.shading.stats.gradients += std::popcount(crossing);
+          }
+          const int pixel = tile_index(block, column, y);
+          const M mask = mask_of(crossing);
+          store_masked(mask, lit_color(color.red, light), tile.red + pixel);
+          store_masked(mask, lit_color(color.green, light), tile.green + pixel);
+          store_masked(mask, lit_color(color.blue, light), tile.blue + pixel);
+          store_masked(mask, hn::Set(d, 1.0F), tile.alpha + pixel);
+          const V depth =
+              hn::MulAdd(hn::Sub(t, hn::Set(d, 1.0F)), hn::Set(d, frame.sampling_distance),
+                         hn::Set(d, block.sheets[s].depth));
+          store_masked(mask, depth, tile.depth + pixel);
+          open &= ~(crossing << tile_column(block, column));
+          work.shading.stats.samples_shaded += std::popcount(crossing);
+        });
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace ovoid::cpu
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/cpu/kernel_tile.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "render/cpu/kernel_tile.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "render/cpu/kernel_tile-inl.h"
+
+#if HWY_ONCE
+
+namespace ovoid::cpu {
+
+HWY_EXPORT(render_kernel_tile_on_target);
+
+void render_kernel_tile(const KernelFrame& frame, KernelWorkspace& work, const TileRect& rect) {
+  HWY_DYNAMIC_DISPATCH(render_kernel_tile_on_target)(frame, work, rect);
+}
+
+}  // namespace ovoid::cpu
+#endif

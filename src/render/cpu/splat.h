@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// Splats: kernels in splat space (view/kernel_plan.h), and which block they reach.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "ovoid/field.h"
+#include "render/cpu/runner.h"
+#include "view/kernel_plan.h"
+
+namespace ovoid::cpu {
+
+// phi = exp(-1/2 [(u - m t)^T A (u - m t) + t^2 / var_s]), u = (x, y) from the centre, t the sheet
+// from the centre's: the cut with a sheet is an ellipse of fixed shape that slides along m
+// [METHOD 5.2]. Where kernels are not Gaussian, the bracket is the squared Mahalanobis distance.
+struct Splat {
+  float x, y, s;           // centre
+  float axx, axy, ayy;     // A, per pixel^2 of the focal plane
+  float mx, my;            // pixels per sheet
+  float inverse_var_s;     // per sheet^2
+  float weight;            // times the factor that keeps the mass of widened kernels
+  float value, color;      // of the attributes that give opacity and colour
+  float reach_s;           // half extent along s, sheets
+  float reach_x, reach_y;  // half extents of the cut through the centre, pixels
+  float minor;             // smaller sigma of that cut, pixels
+};
+
+// Splats and, per block, which of them reach it.
+struct BinnedSplats {
+  std::vector<Splat> splats;
+  std::vector<std::uint32_t> indices;
+  std::vector<std::uint64_t> first;  // [num_blocks + 1] into indices
+
+  std::size_t bytes() const noexcept {
+    return splats.size() * sizeof(Splat) + indices.size() * sizeof(std::uint32_t) +
+           first.size() * sizeof(std::uint64_t);
+  }
+};
+
+// Stages "project" and "bin". The result does not depend on the number of workers: the splats of a
+// block are in the bricks' order. Throws what the source throws.
+BinnedSplats bin_splats(const KernelField& field, const view::KernelPlan& plan, Runner& runner);
+
+// One kernel in splat space. `offset` in world units from `origin`. Kernels narrower than half a
+// pixel at their depth, or half a sheet, in some direction, are widened to it (docs/numerics.md,
+// "Kernel sets").
+Splat project_kernel(const view::SplatSpace& space, const Vec3& center_world, KernelShape shape,
+                     const float* numbers, double cutoff);
+
+}  // namespace ovoid::cpu

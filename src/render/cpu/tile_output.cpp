@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/cpu/tile_output.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace ovoid::cpu {
+
+double ms_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+Image empty_image(const RenderOptions& options) {
+  Image image;
+  image.width = options.width;
+  image.height = options.height;
+  const std::size_t num_pixels = static_cast<std::size_t>(options.width) * options.height;
+  image.rgba.assign(4 * num_pixels, 0.0F);
+  image.depth.assign(num_pixels, std::numeric_limits<float>::infinity());
+  return image;
+}
+
+std::vector<TileRect> tiles_of(int width, int height, int edge) {
+  std::vector<TileRect> tiles;
+  for (int y = 0; y < height; y += edge) {
+    for (int x = 0; x < width; x += edge) {
+      tiles.push_back({x, y, std::min(x + edge, width), std::min(y + edge, height)});
+    }
+  }
+  return tiles;
+}
+
+void finish_tile(const CpuFrame& frame, const Look& look, const TileState& tile,
+                 const TileRect& rect, Image& image) {
+  for (int y = rect.y0; y < rect.y1; ++y) {
+    for (int x = rect.x0; x < rect.x1; ++x) {
+      const int i = (y - rect.y0) * kTileSize + (x - rect.x0);
+      const std::size_t pixel = static_cast<std::size_t>(y) * image.width + x;
+      float* rgba = image.rgba.data() + 4 * pixel;
+      image.depth[pixel] = tile.depth[i];
+      if (frame.mode == Mode::kComposite || frame.mode == Mode::kIsosurface) {
+        rgba[0] = tile.red[i];
+        rgba[1] = tile.green[i];
+        rgba[2] = tile.blue[i];
+        rgba[3] = tile.alpha[i];
+        continue;
+      }
+      if ((tile.seen[y - rect.y0] >> (x - rect.x0) & 1U) == 0) continue;
+      if (frame.mode == Mode::kXray) {
+        rgba[0] = rgba[1] = rgba[2] = tile.best[i];
+        rgba[3] = 1.0F;
+        continue;
+      }
+      const double value = frame.mode == Mode::kMean ? tile.best[i] / tile.path[i] : tile.best[i];
+      const Rgb color = look.transfer_function.color_at(value);
+      const double opacity = look.transfer_function.opacity_at(value);
+      for (int c = 0; c < 3; ++c) rgba[c] = static_cast<float>(color[c] * opacity);
+      rgba[3] = static_cast<float>(opacity);
+    }
+  }
+}
+
+void add_worker_stats(const WorkerStats& stats, double ticks_per_ms, FrameProfile& profile) {
+  profile.samples_reconstructed += stats.samples_reconstructed;
+  profile.samples_shaded += stats.samples_shaded;
+  profile.gradients += stats.gradients;
+  profile.kernels_loaded += stats.kernels_loaded;
+  profile.blocks_total += stats.blocks_total;
+  profile.blocks_drawn += stats.blocks_drawn;
+  profile.blocks_skipped_empty += stats.skipped_empty;
+  profile.blocks_skipped_irrelevant += stats.skipped_irrelevant;
+  profile.blocks_skipped_opaque += stats.skipped_opaque;
+  if (ticks_per_ms <= 0) return;
+  for (int i = 0; i < kNumStages; ++i) {
+    const double ms = static_cast<double>(stats.ticks[i]) / ticks_per_ms;
+    const auto named =
+        std::find_if(profile.stages_ms.begin(), profile.stages_ms.end(),
+                     [&](const auto& stage) { return stage.first == kStageNames[i]; });
+    if (named == profile.stages_ms.end()) {
+      profile.stages_ms.emplace_back(kStageNames[i], ms);
+    } else {
+      named->second += ms;
+    }
+  }
+}
+
+}  // namespace ovoid::cpu

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pre-integrated sections of a Gaussian. Plain scalar formulas, for every back end but the
+// reference, which has its own.
+#pragma once
+
+#include <cmath>
+
+namespace ovoid {
+
+// Of exp(-x^2 / 2) over a <= x <= b: its integral, and the mean and variance of x under it.
+struct SlabMoments {
+  float weight, mean, variance;
+};
+
+// Double inside: far from the middle the weight is a small difference. Slabs without weight have
+// their middle as their mean.
+inline SlabMoments slab_moments(double a, double b) {
+  constexpr double kSqrtHalfPi = 1.2533141373155003;
+  constexpr double kSqrtHalf = 0.70710678118654752;
+  const double weight = kSqrtHalfPi * (std::erf(b * kSqrtHalf) - std::erf(a * kSqrtHalf));
+  if (!(weight > 1e-12)) return {0.0F, static_cast<float>(0.5 * (a + b)), 0.0F};
+  const double at_a = std::exp(-0.5 * a * a);
+  const double at_b = std::exp(-0.5 * b * b);
+  const double mean = (at_a - at_b) / weight;
+  const double variance = 1.0 + (a * at_a - b * at_b) / weight - mean * mean;
+  return {static_cast<float>(weight), static_cast<float>(mean),
+          static_cast<float>(variance > 0 ? variance : 0.0)};
+}
+
+// Interpolation of order 6: the sample a quarter of a spacing behind sample 0 from those at
+// -2, ..., 3. Lagrange's weights, prod (1/4 - m) / (k - m). Mirrored for a quarter before it.
+inline constexpr float kQuarterWeights[6] = {0.0093994140625F, -0.0845947265625F, 0.845947265625F,
+                                             0.281982421875F,  -0.0604248046875F, 0.0076904296875F};
+
+}  // namespace ovoid

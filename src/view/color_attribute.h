@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "ovoid/look.h"
+
+namespace ovoid::view {
+
+// The transfer function whose colours are used where colour comes from an attribute of its own.
+inline const TransferFunction& color_function_of(const Look& look) {
+  return look.color_function ? *look.color_function : look.transfer_function;
+}
+
+}  // namespace ovoid::view

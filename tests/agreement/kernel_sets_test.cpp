@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: Apache-2.0
+// Kernel sets, the cpu back end against the reference.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/agreement.h"
+#include "support/kernel_sets.h"
+#include "support/scenes.h"
+
+namespace ovoid::test {
+namespace {
+
+struct NamedSet {
+  std::string name;
+  KernelNumbers numbers;
+};
+
+std::vector<NamedSet> test_sets() {
+  KernelNumbers far_away = jittered_ellipsoids(7);
+  for (double& x : far_away.centers) x += 5e5;
+  KernelNumbers spline = jittered_balls(8);
+  spline.profile = KernelProfile::kCubicSpline;
+  return {{"ellipsoids", jittered_ellipsoids(9)},
+          {"stretched 30 to 1", jittered_ellipsoids(7, 5.5)},
+          {"balls", jittered_balls(9)},
+          {"far from the origin", far_away},
+          {"cubic splines", spline}};
+}
+
+RenderOptions direct_options(int width, int height, double distance = 0) {
+  RenderOptions options = picture(width, height, distance);
+  options.post_convolution = PostConvolution::kOff;
+  return options;
+}
+
+std::string view_name(bool is_parallel) { return is_parallel ? ", parallel" : ", perspective"; }
+
+// Fails if a section, its rows, the widening, the skipping of blocks or the differences are off.
+TEST(KernelSets, AgreeOnEverySetAndLook) {
+  for (const NamedSet& set : test_sets()) {
+    const KernelField field(set.numbers.source(), Reconstruction::kNormalized);
+    for (const TestLook& look : test_looks(0, 1)) {
+      for (const bool is_parallel : {true, false}) {
+        const Scene scene{field, askew_camera(field, is_parallel, is_parallel ? 1.0 : 1.6),
+                          look.look, direct_options(72, 66)};
+        EXPECT_TRUE(
+            backends_agree(scene, set.name + ", " + look.name + view_name(is_parallel), 0.002));
+      }
+    }
+  }
+}
+
+TEST(KernelSets, AgreeInEveryMode) {
+  const KernelField field(jittered_ellipsoids(8).source(), Reconstruction::kNormalized);
+  for (const Mode mode : {Mode::kXray, Mode::kMaximum, Mode::kMean, Mode::kIsosurface}) {
+    for (const bool is_parallel : {true, false}) {
+      Look look = semi_transparent_look(0, 1);
+      look.mode = mode;
+      look.isovalue = 0.62;
+      Scene scene{field, askew_camera(field, is_parallel, 1.3), look, direct_options(50, 70)};
+      ImageTolerance tolerance;
+      if (mode == Mode::kXray)
+        tolerance.peak = greatest_color(draw(scene, Backend::kReference).image);
+      EXPECT_TRUE(backends_agree(
+          scene, "mode " + std::to_string(static_cast<int>(mode)) + view_name(is_parallel), 0.05,
+          tolerance));
+    }
+  }
+}
+
+TEST(KernelSets, AgreeOnSumsMeansAndProfiles) {
+  for (const KernelProfile profile : {KernelProfile::kGaussian, KernelProfile::kCubicSpline,
+                                      KernelProfile::kWendlandC2, KernelProfile::kEpanechnikov}) {
+    KernelNumbers numbers = jittered_balls(7);
+    numbers.profile = profile;
+    for (const Reconstruction sum : {Reconstruction::kSum, Reconstruction::kNormalized}) {
+      for (const Slab slab : {Slab::kMid, Slab::kMean}) {
+        const KernelField field(numbers.source(), sum);
+        Scene scene{field, askew_camera(field, false, 1.2), semi_transparent_look(0, 1),
+                    direct_options(40, 40)};
+        scene.options.slab = slab;
+        ImageTolerance tolerance;
+        if (profile == KernelProfile::kEpanechnikov && slab == Slab::kMean)
+          tolerance.max_8bit = kKinkedMean8BitDifference;
+        EXPECT_TRUE(backends_agree(scene,
+                                   std::string(name_of(profile)) +
+                                       (slab == Slab::kMean ? ", mean" : ", mid") +
+                                       (sum == Reconstruction::kSum ? ", sum" : ""),
+                                   0.05, tolerance));
+      }
+    }
+  }
+}
+
+// Ellipsoids in means lean against the rays.
+TEST(KernelSets, AgreeOnMeansOfEllipsoids) {
+  const KernelField field(jittered_ellipsoids(7, 3).source(), Reconstruction::kNormalized);
+  for (const bool is_parallel : {true, false}) {
+    Scene scene{field, askew_camera(field, is_parallel, 1.5), semi_transparent_look(0, 1),
+                direct_options(40, 44)};
+    scene.options.slab = Slab::kMean;
+    EXPECT_TRUE(backends_agree(scene, "means" + view_name(is_parallel)));
+  }
+}
+
+TEST(KernelSets, AgreeOnOtherOptions) {
+  const KernelField field(jittered_ellipsoids(7).source(), Reconstruction::kNormalized);
+  for (const bool is_parallel : {true, false}) {
+    const Scene plain{field, askew_camera(field, is_parallel, 1.3), semi_transparent_look(0, 1),
+                      direct_options(70, 40)};
+    Scene scene = plain;
+    scene.options.classification = Classification::kPreintegrated;
+    EXPECT_TRUE(backends_agree(scene, "pre-integrated" + view_name(is_parallel)));
+    scene = plain;
+    scene.options.clip_planes = {{{-1, 0.6, 0.5}, -0.1}, {{0.2, 1, 0}, 0.3}};
+    EXPECT_TRUE(backends_agree(scene, "clipped" + view_name(is_parallel), 0.02));
+    scene.look.mode = Mode::kIsosurface;
+    scene.look.isovalue = 0.5;
+    EXPECT_TRUE(backends_agree(scene, "clipped surface" + view_name(is_parallel), 0.02));
+    scene = plain;
+    scene.look.transfer_function.gradient_opacities = {{0.3, 0}, {2.0, 1}};
+    EXPECT_TRUE(backends_agree(scene, "gradient opacity" + view_name(is_parallel)));
+    scene = plain;
+    scene.options.evaluate = Evaluate::kGather;
+    EXPECT_TRUE(backends_agree(scene, "fragment-centric" + view_name(is_parallel)));
+    scene.options.slab = Slab::kMean;
+    EXPECT_TRUE(backends_agree(scene, "fragment-centric means" + view_name(is_parallel)));
+  }
+}
+
+// Fails if colour is taken at the other attribute's value, or of the wrong function.
+TEST(KernelSets, ColorMayComeFromAnotherAttribute) {
+  for (const Reconstruction sum : {Reconstruction::kNormalized, Reconstruction::kSum}) {
+    const KernelField field(jittered_ellipsoids(7).source(), sum, 0, 1);
+    Look look = semi_transparent_look(0, 1);
+    look.color_function = ramp_look(field.color_range()).transfer_function;
+    for (const Mode mode : {Mode::kComposite, Mode::kIsosurface}) {
+      look.mode = mode;
+      look.isovalue = 0.5;
+      const Scene scene{field, askew_camera(field, false), look, direct_options(50, 50)};
+      EXPECT_TRUE(backends_agree(scene, "own colour"));
+      Scene same = scene;
+      same.field = KernelField(field.shared_source(), sum, 0);
+      EXPECT_LT(compare(draw(same).image, draw(scene).image).psnr_db, 40);
+    }
+  }
+}
+
+// From kernels below a pixel to a tenth of the picture: none may be lost or counted twice.
+TEST(KernelSets, AgreeOnAllSizesAtOnce) {
+  const KernelField field(balls_of_all_sizes(4000, 1e-4).source(), Reconstruction::kSum);
+  for (const Slab slab : {Slab::kMid, Slab::kMean}) {
+    Look look = semi_transparent_look(0, field.value_range().hi);
+    Scene scene{field, askew_camera(field, false, 1.2), look, direct_options(60, 60, 0.01)};
+    scene.options.slab = slab;
+    EXPECT_TRUE(backends_agree(scene, "all sizes"));
+  }
+}
+
+// The camera inside the set: kernels that cross the near plane are cut, not dropped.
+TEST(KernelSets, AgreeFromWithin) {
+  const KernelField field(jittered_ellipsoids(6).source(), Reconstruction::kNormalized);
+  Camera camera;
+  camera.position = Vec3(0.5, 0.45, 0.6);
+  camera.focal_point = Vec3(0.1, 0.3, 0.2);
+  camera.view_angle = 80;
+  const Scene scene{field, camera, semi_transparent_look(0, 1), direct_options(70, 50)};
+  EXPECT_TRUE(backends_agree(scene, "from within", 0.5));
+}
+
+// Skipping and stopping change time, not pixels.
+TEST(KernelSets, SkippingChangesNoByte) {
+  const KernelField field(jittered_ellipsoids(9).source(), Reconstruction::kNormalized);
+  for (const TestLook& look : test_looks(0, 1)) {
+    for (const PostConvolution levels : {PostConvolution::kOff, PostConvolution::kAuto}) {
+      Scene scene{field, askew_camera(field, false, 1.5), look.look, direct_options(130, 100)};
+      scene.options.post_convolution = levels;
+      const Image skipped = draw(scene).image;
+      scene.options.skip_irrelevant = false;
+      scene.options.stop_opaque = false;
+      EXPECT_EQ(draw(scene).image.rgba, skipped.rgba) << look.name;
+    }
+  }
+}
+
+// At cut-off 6, where a box and a ball agree, a lattice and its own kernels give one picture.
+TEST(KernelSets, EqualTheLatticeOfTheSameKernels) {
+  constexpr int kEdge = 9;
+  const KernelNumbers numbers = lattice_balls(kEdge, 6);
+  const KernelField set(numbers.source(), Reconstruction::kNormalized);
+  const VolumeFunction values = [&](std::int64_t i, std::int64_t j, std::int64_t k) {
+    return static_cast<double>(
+        numbers.values[0][static_cast<std::size_t>(i + kEdge * (j + kEdge * k))]);
+  };
+  FieldSetup setup;
+  setup.kernel = {.sigma = 0.5, .cutoff = 6};
+  const LatticeField lattice =
+      make_stored_field({kEdge, kEdge, kEdge}, values, {ScalarType::kFloat32, 0, 1}, setup);
+  for (const bool is_parallel : {true, false}) {
+    Scene scene{set, askew_camera(lattice, is_parallel), semi_transparent_look(0, 1),
+                direct_options(60, 60, 1.0)};
+    scene.options.slab = Slab::kMid;
+    // Away from the borders, where the two end at different shares of the weights.
+    for (int a = 0; a < 3; ++a) {
+      scene.options.clip_planes.push_back({Vec3::Unit(a), 2.0});
+      scene.options.clip_planes.push_back({-Vec3::Unit(a), -6.0});
+    }
+    Scene same = scene;
+    same.field = lattice;
+    same.options.gradient = GradientMethod::kCentral;
+    for (const Backend backend : {Backend::kReference, Backend::kCpu}) {
+      const ImageDifference difference =
+          compare(draw(scene, backend).image, draw(same, backend).image);
+      EXPECT_GT(difference.num_covered, 300);
+      EXPECT_LT(difference.max_float, backend == Backend::kReference ? 1e-5 : 1e-4)
+          << difference.to_string();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace ovoid::test

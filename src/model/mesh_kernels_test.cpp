@@ -82,18 +82,19 @@ double deviation_of_constant(const Dataset& grid, const Index3& dims, int passes
   return std::sqrt(square / count - mean * mean) / mean;
 }
 
-// f = 1 [METHOD 7.2.2]: at most 6 % deviation between the nodes after three passes, inside, on a
-// stretched, shaken grid of boxes, and the passes are what brings it there. Cut into tetrahedra
-// along one diagonal, kernels lie along that, and in the boxes' middles it is more.
+// f = 1 [METHOD 7.2.2]: at most 6 % deviation between the nodes after three passes, inside, and the
+// passes are what brings it there, on stretched, shaken tetrahedra. The same nodes with boxes
+// between them have fewer neighbours; where thin boxes lie around the nose, each kernel is flat and
+// the layers are not.
 TEST(MeshKernels, ReproducesAConstant) {
   Dataset fin = make_sample("fin");
   const Index3 dims = {31, 25, 25};
   ASSERT_EQ(fin.num_positions(), 31 * 25 * 25);
-  EXPECT_LT(deviation_of_constant(fin, dims, 3), 0.11);
-  fin.cells = {};
-  fin.cells.dims = dims;
   EXPECT_GT(deviation_of_constant(fin, dims, 0), 0.06);
   EXPECT_LT(deviation_of_constant(fin, dims, 3), 0.06);
+  fin.cells = {};
+  fin.cells.dims = dims;
+  EXPECT_LT(deviation_of_constant(fin, dims, 3), 0.11);
 }
 
 // The field ends about half a spacing outside, and reaches into the corners of the mesh.

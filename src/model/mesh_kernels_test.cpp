@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <cmath>
+#include <limits>
 
 #include "data/kernel_shape.h"
 #include "model/cell_tables.h"
@@ -283,7 +284,7 @@ TEST(MeshKernels, OddNodesAreCounted) {
   positions.assign(p, p + 81);
   for (int i = 0; i < 27; ++i) values.push_back(static_cast<float>(i));
   values[3] = kNanF;
-  positions[3 * 26] = kInfinity;
+  positions[3 * 26] = std::numeric_limits<double>::infinity();
   dataset.positions = array_of_numbers("positions", 3, positions);
   dataset.arrays[0] = array_of_numbers("v", 1, values);
   KernelModelReport report;

@@ -41,6 +41,9 @@ void check_options(const KernelModelOptions& options) {
 }
 
 model::KernelParts parts_of(const model::ModelRun& run) {
+  if (run.dataset.kind != DatasetKind::kLattice && run.dataset.num_positions() < 1)
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("'{}': has no positions", run.dataset.source));
   switch (run.dataset.kind) {
     case DatasetKind::kMesh:
       return model::mesh_kernels(run);

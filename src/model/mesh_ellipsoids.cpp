@@ -61,13 +61,10 @@ class NodeSums {
     if (!measures_.is_placed(corner.cell)) return;
     const double volume = std::abs(measures_.volumes[corner.cell]);
     has_cell_ = true;
-    const CellType type = cells_.types[corner.cell];
-    if (type == CellType::kTetrahedron) {
-      add_tetrahedron(corner, volume);
-    } else if (type == CellType::kOther) {
+    if (cells_.types[corner.cell] == CellType::kOther) {
       add_other(corner, volume);
     } else {
-      add_solid_or_flat(corner, volume);
+      add_known(corner, volume);
     }
   }
 
@@ -106,33 +103,7 @@ class NodeSums {
     spread.noalias() += (0.25 * weight) * ray * ray.transpose();
   }
 
-  void add_tetrahedron(const Corner& corner, double volume) {
-    const auto list = cells_.nodes(corner.cell);
-    std::array<Vec3, 3> ray;
-    for (std::uint32_t k = 0, r = 0; k < 4; ++k) {
-      if (k != corner.local) ray[r++] = ray_to(list[k]);
-    }
-    const std::array<Vec3, 3> area = {ray[1].cross(ray[2]), ray[2].cross(ray[0]),
-                                      ray[0].cross(ray[1])};
-    const double six = ray[0].dot(area[0]);
-    volume_ += volume / 4;
-    const std::array<double, 3> square = {ray[0].squaredNorm(), ray[1].squaredNorm(),
-                                          ray[2].squaredNorm()};
-    if (six != 0) {
-      const Vec3 all = area[0] + area[1] + area[2];
-      for (std::size_t r = 0; r < 3; ++r) {
-        const double weight = volume * std::max(0.0, all.dot(area[r]) / (six * six)) * square[r];
-        weight_ += weight;
-        add_bisector(spread_, ray[r], weight);
-      }
-      std::array<Vec3, 3> unit;
-      for (std::size_t r = 0; r < 3; ++r) unit[r] = ray[r] / std::sqrt(square[r]);
-      angle_ += std::abs(solid_angle(unit[0], unit[1], unit[2]));
-    }
-    for (std::size_t r = 0; r < 3; ++r) add_flat(ray[r]);
-  }
-
-  void add_solid_or_flat(const Corner& corner, double volume) {
+  void add_known(const Corner& corner, double volume) {
     const auto list = cells_.nodes(corner.cell);
     const CellTable& table = table_of(cells_.types[corner.cell]);
     const double corners = static_cast<double>(list.size());

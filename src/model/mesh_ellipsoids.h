@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shape and weight of a kernel from the cells around a node [METHOD 7.2.2].
+// Shape and weight of a kernel from the cells around a node [Hong 2009].
 #pragma once
 
 #include <vector>
@@ -11,13 +11,14 @@ namespace ovoid::model {
 
 // Shapes. Neighbours n_i of node p at bisectors d_i = (n_i - p) / 2 give the covariance
 // 3 sum w d d^T / sum w, then its volume is scaled to the node's own: det L = V / 8, as a lattice
-// of cells V has it, sigma half the spacing. The weights w make it so:
-//   - tetrahedra: w = k |d|^2, k the edge's entry in the stiffness matrix of linear elements, which
-//     is the area of the dual face over |d|: the pyramid share of METHOD 7.2.2, without the Voronoi
-//     cells. Diagonals of a box cut into tetrahedra weigh nothing, and the kernel is the box's own.
-//   - other solids: each cell's corner counts its edges equally, by the cell's volume. A node on a
-//     face has half as many corners along the face as inside and as many inwards, so that the
-//     missing neighbours weigh as if they were mirrored.
+// of cells V has it, sigma half the spacing, so that the many diagonals of tetrahedra do not make a
+// kernel wide. The weights w:
+//   - solids: each cell's corner counts its edges equally, by the cell's volume. A node on a face
+//     has half as many corners along the face as inside and as many inwards, so that the missing
+//     neighbours weigh as if they were mirrored. Nothing in it is bound to right angles or to equal
+//     edges, and stretched cells keep their shape. (Weights by the area of the dual faces, from the
+//     stiffness matrix of linear elements, were 0.8 to 1.5 dB worse on stretched tetrahedra: obtuse
+//     ones spoil them.)
 //   - surfaces and lines, where there are no solids: by the edge.
 // V is the node's part of the cells' volumes (equal parts of each cell) over the share of the full
 // solid angle that the cells fill: at a boundary, the volume that it would have inside.

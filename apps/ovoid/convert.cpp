@@ -3,12 +3,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 
 #include "check_files.h"
 #include "command.h"
 #include "data_flags.h"
 #include "model_flags.h"
+#include "ovoid/error.h"
 #include "ovoid/io.h"
 #include "ovoid/sampler.h"
 #include "usage.h"
@@ -117,6 +119,12 @@ bool becomes_kernels(const ConvertFlags& convert, const Dataset& dataset) {
   return has_cells && has_ending(convert.output, ".ply");
 }
 
+bool is_grid_name(const std::string& path) {
+  const auto endings = {".nrrd", ".nhdr", ".nii", ".nii.gz", ".npy", ".raw", ".vti", ".vtk"};
+  return std::any_of(endings.begin(), endings.end(),
+                     [&](const char* ending) { return has_ending(path, ending); });
+}
+
 Dataset converted(const ConvertFlags& convert, const Flags& flags, const Dataset& dataset,
                   Session& session) {
   check_kind_flags(flags, dataset);
@@ -132,6 +140,11 @@ Dataset converted(const ConvertFlags& convert, const Flags& flags, const Dataset
   if (flag != nullptr) {
     throw UsageError(
         fmt::format("{}: has no effect without --size, --kernels or a mesh as .ply", flag));
+  }
+  if (dataset.kind != DatasetKind::kLattice && is_grid_name(convert.output)) {
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("{}: holds a grid, '{}' is none; --size N resamples it to one",
+                            convert.output, dataset.source));
   }
   Dataset same = dataset;
   const std::string& array = convert.model.lattice.array;

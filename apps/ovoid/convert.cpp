@@ -132,11 +132,10 @@ Dataset converted(const ConvertFlags& convert, const Flags& flags, const Dataset
   if (convert.as_kernels && dataset.kind == DatasetKind::kLattice)
     refuse_kind("--kernels", "meshes and particles", dataset);
   if (becomes_kernels(convert, dataset)) return to_kernels(convert, dataset, session);
-  const char* const flag =
-      flags.first_given({"--color-array", "--component", "--kernel", "--prefilter",
-                         "--reconstruction", "--cutoff", "--neighborhood", "--quantity",
-                         "--radius-array", "--mass-array", "--mass", "--neighbors",
-                         "--anisotropic", "--profile-kernel"});
+  const char* const flag = flags.first_given(
+      {"--color-array", "--component", "--kernel", "--prefilter", "--reconstruction", "--cutoff",
+       "--neighborhood", "--quantity", "--radius-array", "--mass-array", "--mass", "--neighbors",
+       "--anisotropic", "--profile-kernel"});
   if (flag != nullptr) {
     throw UsageError(
         fmt::format("{}: has no effect without --size, --kernels or a mesh as .ply", flag));
@@ -205,8 +204,7 @@ void run_convert(const Words& words, Session& session) {
   }
   check_volume_output("--output", output);
   convert.data.array = array_to_read(convert.model);
-  const Dataset dataset =
-      converted(convert, flags, load(convert.data, session), session);
+  const Dataset dataset = converted(convert, flags, load(convert.data, session), session);
   session.check_stop();
   write_dataset(dataset, output);
   if (dataset.kind == DatasetKind::kLattice) note_losses(dataset, output, session);

@@ -31,9 +31,8 @@ void check_format_flags(const DataFlags& data, const Dataset& dataset) {
                             : !data.values.empty()  ? "--value"
                                                     : nullptr;
   if (given == nullptr || dataset.format == "HDF5") return;
-  throw Error(ErrorCode::kInvalidArgument,
-              fmt::format("{}: is for HDF5 files, '{}' is {}", given, dataset.source,
-                          dataset.format));
+  throw Error(ErrorCode::kInvalidArgument, fmt::format("{}: is for HDF5 files, '{}' is {}", given,
+                                                       dataset.source, dataset.format));
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ struct DataFlags {
   std::optional<double> time;
   std::string positions;            // HDF5: the path of the positions
   std::vector<std::string> values;  // HDF5: paths of arrays
-  std::string array;  // the only one that is read where the format allows; empty: all
+  std::string array;                // the only one that is read where the format allows; empty: all
 };
 
 // The INPUT... arguments and the flags of sections "data" and "raw data".

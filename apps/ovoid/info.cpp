@@ -391,17 +391,19 @@ void print_places(const Json& json) {
 
 void print_set(const Json& field) {
   if (field["color_array"] != field["array"]) {
-    print_row("colour array", fmt::format("'{}', {}",
-                                          one_line(field["color_array"].get<std::string>()),
-                                          range_text(field["color_range"])));
+    print_row("colour array",
+              fmt::format("'{}', {}", one_line(field["color_array"].get<std::string>()),
+                          range_text(field["color_range"])));
   }
   print_row("reconstruction", field["reconstruction"].get<std::string>());
   print_row("shape", fmt::format("{}, {}, cut at {} sigmas", field["shape"].get<std::string>(),
                                  field["profile"].get<std::string>(), number(field["cutoff"])));
-  for (const auto& [member, name] :
-       {std::pair{"missing", "without a value"}, {"misplaced", "without a place"},
-        {"merged", "merged"}, {"dangling", "of no cell"}, {"copies", "periodic copies"},
-        {"degenerate", "made thicker"}}) {
+  for (const auto& [member, name] : {std::pair{"missing", "without a value"},
+                                     {"misplaced", "without a place"},
+                                     {"merged", "merged"},
+                                     {"dangling", "of no cell"},
+                                     {"copies", "periodic copies"},
+                                     {"degenerate", "made thicker"}}) {
     if (field[member] != 0) print_row(name, number(field[member]));
   }
   const auto quantiles = [](const Json& values) {

@@ -49,12 +49,15 @@ void run_make(const Words& words, Session& session) {
   std::vector<std::string> names;
   std::string output;
   MakeOptions options;
-  Flags flags("make", "NAME -o OUT [FLAG...]", "Writes a volume, mesh, particles or kernels made by formula.");
+  Flags flags("make", "NAME -o OUT [FLAG...]",
+              "Writes a volume, mesh, particles or kernels made by formula.");
   flags.section("");
   flags.positionals("NAME", "what to make, see below", &names);
-  flags.value("-o,--output", "OUT", "the file: a volume .nrrd, .nhdr, .nii, .nii.gz, .npy, .raw, .vti, .vtk; a mesh .vtu; "
-              "particles .csv, .npz, .ply; kernels .ply",
-              [&output](const std::string& text) { output = text; });
+  flags.value(
+      "-o,--output", "OUT",
+      "the file: a volume .nrrd, .nhdr, .nii, .nii.gz, .npy, .raw, .vti, .vtk; a mesh .vtu; "
+      "particles .csv, .npz, .ply; kernels .ply",
+      [&output](const std::string& text) { output = text; });
   flags.value("--size", "N|XxYxZ", "samples of a volume (default: the name's own)",
               [&options](const std::string& text) { options.size = parse_samples(text); });
   flags.value("--count", "N",

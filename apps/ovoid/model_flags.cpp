@@ -21,9 +21,8 @@ const Names<Neighborhood> kNeighborhoods = {{"edges", Neighborhood::kEdges},
 
 Names<KernelProfile> profile_names() {
   Names<KernelProfile> names;
-  for (const KernelProfile profile :
-       {KernelProfile::kGaussian, KernelProfile::kCubicSpline, KernelProfile::kWendlandC2,
-        KernelProfile::kEpanechnikov}) {
+  for (const KernelProfile profile : {KernelProfile::kGaussian, KernelProfile::kCubicSpline,
+                                      KernelProfile::kWendlandC2, KernelProfile::kEpanechnikov}) {
     names.emplace_back(name_of(profile), profile);
   }
   return names;
@@ -70,23 +69,21 @@ void add_set_flags(Flags& flags, KernelModelOptions* model) {
               [model](const std::string& text) {
                 model->cutoff = parse_number(text, {1, KernelColumns::kMaxCutoff});
               });
-  flags.value("--neighborhood", joined(kNeighborhoods),
-              fmt::format("what shapes a kernel of meshes and scattered points: a mesh's edges, or "
-                          "Voronoi cells (default {})",
-                          name_in(kNeighborhoods, model->neighborhood)),
-              [model](const std::string& text) {
-                model->neighborhood = parse_name(text, kNeighborhoods);
-              });
+  flags.value(
+      "--neighborhood", joined(kNeighborhoods),
+      fmt::format("what shapes a kernel of meshes and scattered points: a mesh's edges, or "
+                  "Voronoi cells (default {})",
+                  name_in(kNeighborhoods, model->neighborhood)),
+      [model](const std::string& text) { model->neighborhood = parse_name(text, kNeighborhoods); });
 }
 
 void add_particle_flags(Flags& flags, KernelModelOptions* model) {
   flags.section("particles");
-  flags.value("--quantity", joined(kQuantities),
-              "the field: an array's mean, or mass per volume (default attribute; density where "
-              "there is no array)",
-              [model](const std::string& text) {
-                model->is_density = parse_name(text, kQuantities);
-              });
+  flags.value(
+      "--quantity", joined(kQuantities),
+      "the field: an array's mean, or mass per volume (default attribute; density where "
+      "there is no array)",
+      [model](const std::string& text) { model->is_density = parse_name(text, kQuantities); });
   flags.value("--radius-array", "NAME",
               "smoothing lengths h; kernels end at 2 h (default: one called like one, else from "
               "neighbours)",
@@ -106,11 +103,10 @@ void add_particle_flags(Flags& flags, KernelModelOptions* model) {
   flags.toggle("--anisotropic", "ellipsoids, drawn out as their neighbours lie",
                &model->anisotropic);
   const Names<KernelProfile> names = profile_names();
-  flags.value("--profile-kernel", joined(names),
-              fmt::format("the kernel along its radius (default {})", name_of(model->profile)),
-              [model, names](const std::string& text) {
-                model->profile = parse_name(text, names);
-              });
+  flags.value(
+      "--profile-kernel", joined(names),
+      fmt::format("the kernel along its radius (default {})", name_of(model->profile)),
+      [model, names](const std::string& text) { model->profile = parse_name(text, names); });
 }
 
 // A flag and the kinds of data that it is for.
@@ -169,8 +165,8 @@ Modelled make_kernels(const Dataset& dataset, KernelModelOptions model, int thre
   made.array = made.kernels.array;
   made.color_array = made.kernels.color_array;
   if (model.array.empty() && !model.is_density && dataset.arrays.size() > 1) {
-    session.note(fmt::format("array '{}' of {}; choose with --array", made.array,
-                             names_of_arrays(dataset)));
+    session.note(
+        fmt::format("array '{}' of {}; choose with --array", made.array, names_of_arrays(dataset)));
   }
   session.notes(made.kernels.notes);
   return made;
@@ -187,10 +183,9 @@ std::string array_to_read(const ModelFlags& model) {
 
 void add_array_flags(Flags& flags, ModelFlags* model) {
   flags.section("array");
-  flags.value("--array", "NAME", "the array (default: the first that varies)",
-              [model](const std::string& text) {
-                model->lattice.array = model->kernels.array = text;
-              });
+  flags.value(
+      "--array", "NAME", "the array (default: the first that varies)",
+      [model](const std::string& text) { model->lattice.array = model->kernels.array = text; });
   flags.value("--color-array", "NAME",
               "gives the colours of meshes, particles and kernels; opacity and surfaces stay "
               "--array's (default: the same)",
@@ -246,9 +241,8 @@ bool is_model_flag_given(const Flags& flags) {
 }
 
 void refuse_kind(const char* flag, const char* meant, const Dataset& dataset) {
-  throw Error(ErrorCode::kInvalidArgument,
-              fmt::format("{}: is for {}, '{}' {}", flag, meant, dataset.source,
-                          contents_of(dataset.kind)));
+  throw Error(ErrorCode::kInvalidArgument, fmt::format("{}: is for {}, '{}' {}", flag, meant,
+                                                       dataset.source, contents_of(dataset.kind)));
 }
 
 const DataArray* find_array(const Dataset& dataset, const std::string& name) {
@@ -276,8 +270,8 @@ Modelled make_field(const Dataset& dataset, const ModelFlags& model, int threads
   made.field = make_lattice_field(dataset, options, &made.lattice, session.stop());
   made.array = made.color_array = made.lattice.array;
   if (options.array.empty() && dataset.arrays.size() > 1) {
-    session.note(fmt::format("array '{}' of {}; choose with --array", made.array,
-                             names_of_arrays(dataset)));
+    session.note(
+        fmt::format("array '{}' of {}; choose with --array", made.array, names_of_arrays(dataset)));
   }
   session.notes(made.lattice.notes);
   return made;

@@ -52,7 +52,6 @@ std::string unit_of(const Dataset& dataset, const Modelled& modelled, Role role)
 const DataArray* find_array(const Dataset& dataset, const std::string& name);  // null: none
 
 // Chooses kernels; tells which array was chosen where there are several, and the model's notes.
-Modelled make_field(const Dataset& dataset, const ModelFlags& model, int threads,
-                    Session& session);
+Modelled make_field(const Dataset& dataset, const ModelFlags& model, int threads, Session& session);
 
 }  // namespace ovoid::cli

@@ -56,7 +56,9 @@ void check_flags(const Flags& flags, const SampleFlags& sample) {
 }
 
 Dataset read_points(const std::string& path, Session& session) {
-  Dataset points = read_dataset({path}, {.stop = session.stop()});
+  ReadOptions options;
+  options.stop = session.stop();
+  Dataset points = read_dataset({path}, options);
   session.notes(points.notes);
   if (points.kind == DatasetKind::kLattice) {
     throw Error(ErrorCode::kInvalidArgument,

@@ -43,11 +43,11 @@ inline constexpr std::int64_t kMaxLatticeSide = 8192;
 
 struct ResampleOptions {
   std::string name = "value";  // of the array
-  std::string color_name;      // of one with the colour's values, where an attribute of its own
+  std::string color_name{};    // of one with the colour's values, where an attribute of its own
                                // gives colour; empty: none
   int threads = 0;             // 0: one per hardware thread
-  std::function<void(double fraction)> progress;  // in [0, 1], not decreasing
-  std::stop_token stop;
+  std::function<void(double fraction)> progress{};  // in [0, 1], not decreasing
+  std::stop_token stop{};
 };
 
 // The field at the samples of a lattice, as a dataset of float32: NaN where it is not defined.

@@ -126,9 +126,9 @@ VtkCells hexahedra(const Index3& dims) {
     for (std::int64_t j = 0; j + 1 < dims[1]; ++j) {
       for (std::int64_t i = 0; i + 1 < dims[0]; ++i) {
         for (const std::int64_t up : {k, k + 1}) {
-          cells.connectivity.insert(cells.connectivity.end(),
-                                    {node(i, j, up), node(i + 1, j, up), node(i + 1, j + 1, up),
-                                     node(i, j + 1, up)});
+          cells.connectivity.insert(
+              cells.connectivity.end(),
+              {node(i, j, up), node(i + 1, j, up), node(i + 1, j + 1, up), node(i, j + 1, up)});
         }
         cells.offsets.push_back(static_cast<std::int64_t>(cells.connectivity.size()));
         cells.types.push_back(vtk_cell(CellType::kHexahedron).code);
@@ -247,12 +247,12 @@ void write_vtu(const Dataset& dataset, const std::string& path) {
   const auto num_cells = static_cast<std::int64_t>(cells.types.size());
 
   VtuFile file;
-  file.text(fmt::format(
-      "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" "
-      "byte_order=\"{}\" header_type=\"UInt64\">\n  <UnstructuredGrid>\n    <Piece "
-      "NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n",
-      std::endian::native == std::endian::little ? "LittleEndian" : "BigEndian", num_nodes,
-      num_cells));
+  file.text(
+      fmt::format("<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" "
+                  "byte_order=\"{}\" header_type=\"UInt64\">\n  <UnstructuredGrid>\n    <Piece "
+                  "NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n",
+                  std::endian::native == std::endian::little ? "LittleEndian" : "BigEndian",
+                  num_nodes, num_cells));
   add_arrays(file, dataset, false, num_nodes);
   add_arrays(file, dataset, true, num_cells);
   file.text("      <Points>\n");

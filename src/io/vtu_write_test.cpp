@@ -95,9 +95,8 @@ TEST_F(VtuWrite, StructuredCellsBecomeHexahedra) {
   mesh.cells.dims = {3, 2, 2};
   const std::string text = written(mesh);
   EXPECT_EQ(numbers_of<std::uint8_t>(text, "types"), (std::vector<std::uint8_t>{12, 12}));
-  EXPECT_EQ(
-      numbers_of<std::int64_t>(text, "connectivity"),
-      (std::vector<std::int64_t>{0, 1, 4, 3, 6, 7, 10, 9, 1, 2, 5, 4, 7, 8, 11, 10}));
+  EXPECT_EQ(numbers_of<std::int64_t>(text, "connectivity"),
+            (std::vector<std::int64_t>{0, 1, 4, 3, 6, 7, 10, 9, 1, 2, 5, 4, 7, 8, 11, 10}));
 }
 
 TEST_F(VtuWrite, CellsWithoutTheirTypesNodesBecomePointSets) {

@@ -120,9 +120,8 @@ void check_points(const Dataset& dataset) {
 
 void write_mesh(const Dataset& dataset, const std::string& path) {
   if (dataset.kind != DatasetKind::kMesh) {
-    throw Error(ErrorCode::kUnsupported,
-                fmt::format("{}: .vtu holds a mesh, the dataset is {}", path,
-                            name_of(dataset.kind)));
+    throw Error(ErrorCode::kUnsupported, fmt::format("{}: .vtu holds a mesh, the dataset is {}",
+                                                     path, name_of(dataset.kind)));
   }
   Dataset plain = dataset;  // cheap: arrays share their bytes
   for (DataArray& array : plain.arrays) array = io::plain_values(array);

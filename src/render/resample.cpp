@@ -106,8 +106,9 @@ Dataset resample(const Field& field, const LatticeGeometry& lattice,
     values = floats(count);
     if (!options.color_name.empty()) colors = floats(count);
   } catch (const std::bad_alloc&) {
-    throw Error(ErrorCode::kOutOfMemory, fmt::format("size = {} x {} x {}: no memory for {} samples",
-                                                     dims[0], dims[1], dims[2], count));
+    throw Error(ErrorCode::kOutOfMemory,
+                fmt::format("size = {} x {} x {}: no memory for {} samples", dims[0], dims[1],
+                            dims[2], count));
   }
   const FieldSampler sampler(field);
   const std::int64_t num_rows = dims[1] * dims[2];

@@ -72,9 +72,9 @@ TEST(Resample, ValuesAreTheSamplers) {
   double last = 0;
   const Dataset grid =
       resample(field, lattice, {.name = "v", .color_name = "c", .progress = [&](double fraction) {
-                 EXPECT_GT(fraction, last);
-                 last = fraction;
-               }});
+                                  EXPECT_GT(fraction, last);
+                                  last = fraction;
+                                }});
   EXPECT_EQ(last, 1);
   ASSERT_EQ(grid.arrays.size(), 2U);
   EXPECT_EQ(grid.arrays[0].name, "v");
@@ -83,10 +83,9 @@ TEST(Resample, ValuesAreTheSamplers) {
   for (std::int64_t k = 0; k < lattice.dims[2]; ++k) {
     for (std::int64_t j = 0; j < lattice.dims[1]; ++j) {
       for (std::int64_t i = 0; i < lattice.dims[0]; ++i, ++index) {
-        const FieldSample at =
-            sampler.at(lattice.world_from_index * Vec3(static_cast<double>(i),
-                                                       static_cast<double>(j),
-                                                       static_cast<double>(k)));
+        const FieldSample at = sampler.at(lattice.world_from_index * Vec3(static_cast<double>(i),
+                                                                          static_cast<double>(j),
+                                                                          static_cast<double>(k)));
         const float value = value_at(grid.arrays[0], index);
         if (!at.is_defined) {
           EXPECT_TRUE(std::isnan(value));

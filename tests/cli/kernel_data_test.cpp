@@ -87,8 +87,9 @@ TEST_F(KernelData, EveryFlagOfTheModelChangesThePicture) {
     words.insert(words.end(), more.begin(), more.end());
     EXPECT_NE(draw(folder_, words).rgba, base) << joined(more);
   }
-  const std::string bare = rows("bare.csv", "x,y,z,v\n0,0,0,1\n1,0,0,2\n0,1,0,3\n0,0,1,4\n1,1,1,5\n"
-                                            "2,1,0,6\n1,2,1,7\n2,2,2,8\n");
+  const std::string bare = rows("bare.csv",
+                                "x,y,z,v\n0,0,0,1\n1,0,0,2\n0,1,0,3\n0,0,1,4\n1,1,1,5\n"
+                                "2,1,0,6\n1,2,1,7\n2,2,2,8\n");
   const auto of_bare = draw(folder_, {bare}).rgba;
   EXPECT_NE(draw(folder_, {bare, "--neighbors", "4"}).rgba, of_bare);
   EXPECT_NE(draw(folder_, {bare, "--neighborhood", "voronoi"}).rgba, of_bare);
@@ -113,7 +114,9 @@ TEST_F(KernelData, FlagsForOtherDataAreRefusedByName) {
     std::string message;
   };
   for (const Case& c : std::vector<Case>{
-           {csv, {"--kernel", "gaussian:1,3"}, "--kernel: is for lattices, '" + csv + "' holds particles"},
+           {csv,
+            {"--kernel", "gaussian:1,3"},
+            "--kernel: is for lattices, '" + csv + "' holds particles"},
            {csv, {"--prefilter"}, "--prefilter: is for lattices"},
            {csv, {"--crop", "0:1,,"}, "--crop: is for lattices"},
            {csv, {"--positions", "/a"}, "--positions: is for HDF5 files, '" + csv + "' is CSV"},
@@ -121,9 +124,13 @@ TEST_F(KernelData, FlagsForOtherDataAreRefusedByName) {
            {csv, {"--time", "2"}, "--time: '" + csv + "' names no times"},
            {csv, {"--gradient", "exact"}, "gradient"},
            {csv, {"--gradient", "corrected"}, "gradient"},
-           {ply, {"--quantity", "density"}, "--quantity: is for particles, '" + ply + "' holds kernels"},
+           {ply,
+            {"--quantity", "density"},
+            "--quantity: is for particles, '" + ply + "' holds kernels"},
            {ply, {"--neighborhood", "voronoi"}, "--neighborhood: is for meshes and particles"},
-           {ball, {"--color-array", "x"}, "--color-array: is for meshes, particles and kernels, '" + ball + "' is a lattice"},
+           {ball,
+            {"--color-array", "x"},
+            "--color-array: is for meshes, particles and kernels, '" + ball + "' is a lattice"},
            {ball, {"--cutoff", "3"}, "--cutoff: is for"},
            {ball, {"--radius-array", "h"}, "--radius-array: is for particles"},
            {ball, {"--mass-array", "m"}, "--mass-array: is for particles"},
@@ -154,8 +161,10 @@ TEST_F(KernelData, SpellingIsCheckedBeforeAnyFileIsRead) {
   refused({"--neighborhood", "near"}, "--neighborhood 'near': expected one of edges, voronoi");
   refused({"--mass", "1", "--mass-array", "m"}, "--mass: contradicts --mass-array");
   refused({"--time", "1", "--step", "2"}, "--time: contradicts --step");
-  refused({"--quantity", "density", "--array", "v"}, "--array: has no effect with --quantity density");
-  refused({"--color-array", "v", "--mode", "xray"}, "--color-array: has no effect with --mode xray");
+  refused({"--quantity", "density", "--array", "v"},
+          "--array: has no effect with --quantity density");
+  refused({"--color-array", "v", "--mode", "xray"},
+          "--color-array: has no effect with --mode xray");
 }
 
 TEST_F(KernelData, NotesSayWhatWasChosenAndCounted) {
@@ -227,14 +236,15 @@ TEST_F(KernelData, InfoDescribesWhatCannotBeDrawn) {
 TEST_F(KernelData, PoorDataAreDrawnOrRefusedInOneLine) {
   for (const char* const text :
        {"x,y,z,v\n1,2,3,4\n", "x,y,z,v\n0,0,0,1\n1,0,0,2\n",
-        "x,y,z,v\n0,0,0,1\n1,1,1,2\n2,2,2,3\n3,3,3,4\n",             // on a line
-        "x,y,z,v\n0,0,5,1\n1,0,5,2\n0,1,5,3\n1,1,5,4\n2,1,5,5\n",    // on a plane
-        "x,y,z,v\n0,0,0,1\n0,0,0,2\n0,0,0,3\n1,0,0,4\n",             // duplicates
-        "x,y,z,v\n2,2,2,1\n2,2,2,1\n2,2,2,1\n",                      // all at one place
-        "x,y,z\n0,0,0\n1,0,0\n0,1,0\n0,0,1\n1,1,1\n",                // no array
+        "x,y,z,v\n0,0,0,1\n1,1,1,2\n2,2,2,3\n3,3,3,4\n",           // on a line
+        "x,y,z,v\n0,0,5,1\n1,0,5,2\n0,1,5,3\n1,1,5,4\n2,1,5,5\n",  // on a plane
+        "x,y,z,v\n0,0,0,1\n0,0,0,2\n0,0,0,3\n1,0,0,4\n",           // duplicates
+        "x,y,z,v\n2,2,2,1\n2,2,2,1\n2,2,2,1\n",                    // all at one place
+        "x,y,z\n0,0,0\n1,0,0\n0,1,0\n0,0,1\n1,1,1\n",              // no array
         "x,y,z,v\n0,0,0,1\nnan,0,0,2\n0,1,0,3\ninf,1,1,4\n1,1,0,2\n"}) {
     const std::string path = rows("poor.csv", text);
-    for (const Words& more : std::vector<Words>{{}, {"--anisotropic"}, {"--neighborhood", "voronoi"}}) {
+    for (const Words& more :
+         std::vector<Words>{{}, {"--anisotropic"}, {"--neighborhood", "voronoi"}}) {
       Words words = {"render", path, "-o", folder_ / "poor.npy", "--size", "40x30"};
       words.insert(words.end(), more.begin(), more.end());
       SCOPED_TRACE(text + joined(more));
@@ -255,7 +265,7 @@ TEST_F(KernelData, PoorDataAreDrawnOrRefusedInOneLine) {
 TEST_F(KernelData, ColoursAndTheirRangeAreTheColourArrays) {
   const std::string path = particles();
   // The opacity array's values are 100 and more: red shows only if colours follow the charge.
-  const Words flags = {path,        "--color-array", "charge", "--colormap", "-7,1,0,0,0,1,0,0",
+  const Words flags = {path,        "--color-array", "charge",    "--colormap", "-7,1,0,0,0,1,0,0",
                        "--opacity", "0:0.9,200:0.9", "--no-shade"};
   const Picture red = draw(folder_, flags);
   EXPECT_GT(red.num_covered(), 100U);
@@ -263,8 +273,8 @@ TEST_F(KernelData, ColoursAndTheirRangeAreTheColourArrays) {
     EXPECT_NEAR(red.rgba[i], red.rgba[i + 3], 1e-3);
     EXPECT_NEAR(red.rgba[i + 1], 0, 1e-3);
   }
-  const Words gray = {path,        "--color-array", "charge", "--colormap", "gray",
-                      "--opacity", "0:1,200:1",     "--no-shade"};
+  const Words gray = {path,   "--color-array", "charge",    "--colormap",
+                      "gray", "--opacity",     "0:1,200:1", "--no-shade"};
   Words narrow = gray;
   narrow.insert(narrow.end(), {"--range", "-1000,-900"});  // all charges lie above: white
   const Picture white = draw(folder_, narrow);
@@ -333,7 +343,8 @@ TEST_F(KernelData, SamplesAreTheSamplersOwn) {
     }
     EXPECT_DOUBLE_EQ(row[3], at.value);
     EXPECT_DOUBLE_EQ(row[4], at.color_value);
-    for (int a = 0; a < 3; ++a) EXPECT_DOUBLE_EQ(row[5 + static_cast<std::size_t>(a)], at.gradient[a]);
+    for (int a = 0; a < 3; ++a)
+      EXPECT_DOUBLE_EQ(row[5 + static_cast<std::size_t>(a)], at.gradient[a]);
   }
   EXPECT_NEAR(rows[0][3], 135, 1e-6);
   EXPECT_NEAR(rows[0][5], 10, 1);  // kelvin per unit along x
@@ -362,7 +373,8 @@ TEST_F(KernelData, SampleRefusesWhatItCannotUse) {
   const std::string out = folder_ / "s.csv";
   expect_failure({"sample", path, "-o", out}, 2, {"--points: none given"});
   expect_failure({"sample", path, "--points", path}, 2, {"--output: none given"});
-  expect_failure({"sample", path, "--points", path, "-o", folder_ / "s.png"}, 2, {".csv, .npz or .ply"});
+  expect_failure({"sample", path, "--points", path, "-o", folder_ / "s.png"}, 2,
+                 {".csv, .npz or .ply"});
   expect_failure({"sample", path, "--points", path, "-o", path}, 2, {"is an input"});
   expect_failure({"sample", path, "--points", write_ball(folder_), "-o", out}, 1,
                  {"--points:", "is a lattice, expected particles"});

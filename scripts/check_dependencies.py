@@ -19,7 +19,7 @@ PUBLIC = {
     "render_options.h": "view", "crop.h": "view",
     "annotate.h": "annotate",
     "io.h": "io",
-    "renderer.h": "render",
+    "renderer.h": "render", "sampler.h": "render",
     "ovoid.h": "everything",
 }
 

@@ -61,18 +61,29 @@ void check_annotation_flags(const Flags& flags, const std::string& output) {
   }
 }
 
-Described describe(const Dataset& dataset, const std::string& array, int component) {
+Described describe(const Dataset& dataset, const Modelled& modelled, int component) {
   Described data;
-  const DataArray& drawn = dataset.array(array);
-  data.array = drawn.name;
-  if (drawn.num_components > 1) {
+  data.array = modelled.color_array;
+  data.unit = unit_of(dataset, modelled, Role::kColor);
+  const DataArray* const drawn = find_array(dataset, modelled.color_array);
+  if (drawn != nullptr && drawn->num_components > 1) {
     data.array += component == LatticeModelOptions::kMagnitude ? " magnitude"
                                                                : fmt::format("[{}]", component);
   }
-  data.unit = drawn.unit;
   data.space = dataset.space;
   if (dataset.space != Space::kNone) data.length_unit = "mm";
   return data;
+}
+
+// What the bar shows of the look: where another array than the opacity's gives colour, that one's
+// colours alone.
+Look look_of_bar(const Look& look) {
+  if (!look.color_function) return look;
+  Look shown = look;
+  shown.transfer_function = *look.color_function;
+  shown.transfer_function.opacities.clear();
+  if (shown.mode == Mode::kIsosurface) shown.mode = Mode::kComposite;  // its value is another's
+  return shown;
 }
 
 void draw_annotations(Image& image, const AnnotationFlags& flags, const Described& described,
@@ -83,7 +94,10 @@ void draw_annotations(Image& image, const AnnotationFlags& flags, const Describe
   if (flags.bounding_box) draw_bounding_box(image, camera, data.box, data.length_unit, style);
   if (flags.axes) draw_axes(image, camera, data.space, style);
   if (flags.scale_bar) draw_scale_bar(image, camera, data.length_unit, style);
-  if (flags.color_bar) draw_color_bar(image, look, color_bar_for(flags, data, look), style);
+  if (flags.color_bar) {
+    const Look shown = look_of_bar(look);
+    draw_color_bar(image, shown, color_bar_for(flags, data, shown), style);
+  };
 }
 
 }  // namespace ovoid::cli

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "flags.h"
+#include "model_flags.h"
 #include "ovoid/annotate.h"
 
 namespace ovoid::cli {
@@ -28,15 +29,15 @@ void check_annotation_flags(const Flags& flags, const std::string& output);
 
 // What the marks tell of the data.
 struct Described {
-  std::string array;
-  std::string unit;         // of the values
+  std::string array;        // that gives colour
+  std::string unit;         // of its values
   std::string length_unit;  // of the world; patient spaces are in mm
   Space space = Space::kNone;
   Box box;  // of what is drawn
 };
 
-// All but the box. `array` is the one that is drawn, `component` of its tuples.
-Described describe(const Dataset& dataset, const std::string& array, int component);
+// All but the box. `component` is what was drawn of the arrays' tuples.
+Described describe(const Dataset& dataset, const Modelled& modelled, int component);
 
 // Draws the marks; an x-ray has been mapped to the colours of `look`.
 void draw_annotations(Image& image, const AnnotationFlags& flags, const Described& described,

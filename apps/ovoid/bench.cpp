@@ -11,7 +11,7 @@
 #include "command.h"
 #include "data_flags.h"
 #include "flags.h"
-#include "ovoid/model.h"
+#include "model_flags.h"
 #include "profile.h"
 #include "render_flags.h"
 #include "scenes.h"
@@ -32,7 +32,7 @@ struct BenchFlags {
   int frames = kMinFrames;
   bool is_json = false;
   bool lists = false;
-  LatticeModelOptions model;
+  ModelFlags model;
   RenderOptions options;
   RunFlags run;
 };
@@ -91,14 +91,18 @@ struct Volume {
   double model_ms = 0;
 };
 
-Volume make_volume(const Scene& scene, const BenchFlags& bench, const Session& session) {
+Dataset make_data(const Scene& scene) {
   const std::int64_t n = scene.samples;
-  const Dataset dataset =
-      make_sample(scene.volume, {.size = {n, n, n}, .type = ScalarType::kUInt8});
+  if (!scene.is_lattice) return make_sample(scene.volume, {.count = n});
+  return make_sample(scene.volume, {.size = {n, n, n}, .type = ScalarType::kUInt8});
+}
+
+Volume make_volume(const Scene& scene, const BenchFlags& bench, Session& session) {
+  const Dataset dataset = make_data(scene);
   Volume volume;
   volume.name = scene.volume_name();
   const Stopwatch modelling;
-  volume.field = make_lattice_field(dataset, bench.model, nullptr, session.stop());
+  volume.field = make_field(dataset, bench.model, bench.run.threads, session).field;
   volume.model_ms = modelling.ms();
   volume.camera = default_camera(volume.field.world_bounds(), dataset.space);
   volume.camera.azimuth(kSceneAzimuth);
@@ -147,7 +151,8 @@ Json to_json(const SceneResult& result) {
   Json json;
   json["name"] = result.scene.name();
   json["volume"] = result.scene.volume;
-  json["samples_per_axis"] = result.scene.samples;
+  json["kind"] = result.scene.is_lattice ? "lattice" : "kernels";
+  json[result.scene.is_lattice ? "samples_per_axis" : "count"] = result.scene.samples;
   json["size"] = {result.scene.pixels, result.scene.pixels};
   json["model_ms"] = result.model_ms;
   json["frame_ms"] = {{"median", time.median},
@@ -231,8 +236,9 @@ void run_bench(const Words& words, Session& session) {
   BenchFlags bench;
   Flags flags(
       "bench", "[SCENE...] [FLAG...]",
-      "Times the stages on standard scenes: volumes by formula (uint8), semi-transparent (soft) "
-      "and opaque, at two picture sizes. Each scene is drawn once to check it, then timed.");
+      "Times the stages on standard scenes: volumes (uint8), a mesh, particles and kernels by "
+      "formula, semi-transparent (soft) and opaque, at two picture sizes. Flags of the model act "
+      "on the scenes that they are for. Each scene is drawn once to check it, then timed.");
   flags.section("");
   flags.positionals("SCENE", "names, or parts of names: head-256, 512px, opaque (default: all)",
                     &bench.names);
@@ -248,11 +254,11 @@ void run_bench(const Words& words, Session& session) {
   add_run_flags(flags, &bench.run);
   add_switch_flags(flags, &bench.options);
   if (!flags.parse(words)) return;
+  check_model_flags(flags, bench.model);
   if (bench.lists) {
     for (const Scene& scene : select_scenes(bench.names)) fmt::print("{}\n", scene.name());
     return;
   }
-  bench.model.threads = bench.run.threads;
   measure_all(bench, session);
 }
 

@@ -3,11 +3,18 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <optional>
+
 #include "check_files.h"
 #include "command.h"
 #include "data_flags.h"
+#include "model_flags.h"
+#include "ovoid/error.h"
 #include "ovoid/io.h"
+#include "ovoid/sampler.h"
 #include "usage.h"
+#include "values.h"
 
 namespace ovoid::cli {
 namespace {
@@ -43,41 +50,164 @@ void note_losses(const Dataset& dataset, const std::string& output, Session& ses
   }
 }
 
+// What --size asks for: sides, or one for the longest, of cubes.
+struct GridSize {
+  std::optional<Index3> dims;
+  std::int64_t longest = 0;
+
+  bool is_given() const noexcept { return dims || longest > 0; }
+};
+
+GridSize parse_grid_size(const std::string& text) {
+  GridSize size;
+  try {
+    if (text.find('x') == std::string::npos) {
+      size.longest = parse_integer(text, 1, kMaxLatticeSide);
+      return size;
+    }
+    size.dims = parse_dims(text);
+  } catch (const BadValue&) {
+    throw BadValue(fmt::format("expected N or XxYxZ, each 1 to {}", kMaxLatticeSide));
+  }
+  for (const std::int64_t side : *size.dims) {
+    if (side > kMaxLatticeSide)
+      throw BadValue(fmt::format("expected N or XxYxZ, each 1 to {}", kMaxLatticeSide));
+  }
+  return size;
+}
+
+struct ConvertFlags {
+  DataFlags data;
+  ModelFlags model;
+  std::string output;
+  std::string look_name;
+  GridSize size;
+  bool as_kernels = false;
+  int threads = 0;
+};
+
+Dataset to_grid(const ConvertFlags& convert, const Dataset& dataset, Session& session) {
+  const Modelled modelled = make_field(dataset, convert.model, convert.threads, session);
+  const Bounds3 bounds = modelled.field.world_bounds();
+  const LatticeGeometry lattice = convert.size.dims
+                                      ? lattice_over(bounds, *convert.size.dims)
+                                      : lattice_of_cubes(bounds, convert.size.longest);
+  Progress progress("resampling");
+  ResampleOptions options;
+  options.name = modelled.array;
+  if (modelled.color_array != modelled.array) options.color_name = modelled.color_array;
+  options.threads = convert.threads;
+  options.progress = progress.callback();
+  options.stop = session.stop();
+  Dataset grid = resample(modelled.field, lattice, options);
+  grid.source = dataset.source;
+  grid.space = dataset.space;
+  grid.arrays[0].unit = unit_of(dataset, modelled, Role::kOpacity);
+  if (grid.arrays.size() > 1) grid.arrays[1].unit = unit_of(dataset, modelled, Role::kColor);
+  return grid;
+}
+
+Dataset to_kernels(const ConvertFlags& convert, const Dataset& dataset, Session& session) {
+  const Modelled modelled = make_field(dataset, convert.model, convert.threads, session);
+  return make_kernel_dataset(*modelled.field.kernels());
+}
+
+// Meshes have no other way into a file of points.
+bool becomes_kernels(const ConvertFlags& convert, const Dataset& dataset) {
+  if (convert.as_kernels) return true;
+  const bool has_cells = dataset.kind == DatasetKind::kMesh || dataset.kind == DatasetKind::kBoxes;
+  return has_cells && has_ending(convert.output, ".ply");
+}
+
+bool is_grid_name(const std::string& path) {
+  const auto endings = {".nrrd", ".nhdr", ".nii", ".nii.gz", ".npy", ".raw", ".vti", ".vtk"};
+  return std::any_of(endings.begin(), endings.end(),
+                     [&](const char* ending) { return has_ending(path, ending); });
+}
+
+Dataset converted(const ConvertFlags& convert, const Flags& flags, const Dataset& dataset,
+                  Session& session) {
+  check_kind_flags(flags, dataset);
+  if (convert.size.is_given()) return to_grid(convert, dataset, session);
+  if (convert.as_kernels && dataset.kind == DatasetKind::kLattice)
+    refuse_kind("--kernels", "meshes and particles", dataset);
+  if (becomes_kernels(convert, dataset)) return to_kernels(convert, dataset, session);
+  const char* const flag = flags.first_given(
+      {"--color-array", "--component", "--kernel", "--prefilter", "--reconstruction", "--cutoff",
+       "--neighborhood", "--quantity", "--radius-array", "--mass-array", "--mass", "--neighbors",
+       "--anisotropic", "--profile-kernel"});
+  if (flag != nullptr) {
+    throw UsageError(
+        fmt::format("{}: has no effect without --size, --kernels or a mesh as .ply", flag));
+  }
+  if (dataset.kind != DatasetKind::kLattice && is_grid_name(convert.output)) {
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("{}: holds a grid, '{}' is none; --size N resamples it to one",
+                            convert.output, dataset.source));
+  }
+  Dataset same = dataset;
+  const std::string& array = convert.model.lattice.array;
+  if (!array.empty()) same.arrays = {dataset.array(array)};
+  return same;
+}
+
+void add_flags(Flags& flags, ConvertFlags* convert) {
+  flags.section("");
+  flags.value("-o,--output", "OUT",
+              "the file: a volume .nrrd, .nhdr, .nii, .nii.gz, .npy, .raw, .vti, .vtk; a mesh "
+              ".vtu; particles .csv, .npz, .ply; kernels .ply; a look .json",
+              [convert](const std::string& text) { convert->output = text; });
+  flags.value("--size", "N|XxYxZ",
+              "resample the field to a grid over its bounds, NaN where it is not defined; N: of "
+              "cubes, so many along the longest side",
+              [convert](const std::string& text) { convert->size = parse_grid_size(text); });
+  flags.toggle("--kernels",
+               "write the kernels that are drawn, not the particles, to .ply (a mesh as .ply: "
+               "always)",
+               &convert->as_kernels);
+  flags.value("--tf-name", "NAME", "which look of a file with several (default: the first)",
+              [convert](const std::string& text) { convert->look_name = text; });
+  flags.value("--threads", "N", "(default 0: one per hardware thread)",
+              [convert](const std::string& text) {
+                convert->threads = static_cast<int>(parse_integer(text, 0, 1024));
+              });
+  add_input_flags(flags, &convert->data);
+  add_array_flags(flags, &convert->model);
+  add_model_flags(flags, &convert->model);
+}
+
 }  // namespace
 
 void run_convert(const Words& words, Session& session) {
-  DataFlags data;
-  std::string output;
+  ConvertFlags convert;
   Flags flags(
       "convert", "INPUT... -o OUT [FLAG...]",
-      "Writes a dataset in another format. A look of any kind that --tf reads is written as "
-      "ParaView JSON if OUT ends in .json, its points sorted and its defaults written out.");
-  flags.section("");
-  flags.value("-o,--output", "OUT",
-              "the file: .nrrd, .nhdr, .nii, .nii.gz, .npy, .raw, .vti, .vtk; looks: .json",
-              [&output](const std::string& text) { output = text; });
-  flags.value("--array", "NAME", "write this array alone (default: all)",
-              [&data](const std::string& text) { data.array = text; });
-  std::string look_name;
-  flags.value("--tf-name", "NAME", "which look of a file with several (default: the first)",
-              [&look_name](const std::string& text) { look_name = text; });
-  flags.refuse({"--size", "--time"});
-  add_input_flags(flags, &data);
+      "Writes a dataset in another format; any field as a grid (--size), or a mesh's and "
+      "particles' kernels (.ply). Without these, --array names the one array to write (default: "
+      "all). A look of any kind that --tf reads is written as ParaView JSON if OUT ends in .json, "
+      "its points sorted and its defaults written out.");
+  add_flags(flags, &convert);
   if (!flags.parse(words)) return;
 
-  require_inputs(flags, data);
+  const std::string& output = convert.output;
+  require_inputs(flags, convert.data);
+  check_model_flags(flags, convert.model);
   if (output.empty()) throw UsageError("--output: none given, expected -o OUT");
-  check_files(volume_inputs(data.inputs), volume_outputs("--output", output));
+  if (convert.size.is_given() && convert.as_kernels)
+    throw UsageError("--kernels: contradicts --size; give one of them");
+  if (convert.as_kernels && !has_ending(output, ".ply"))
+    throw UsageError(fmt::format("--kernels: '{}' holds no kernels, only .ply does", output));
+  check_files(volume_inputs(convert.data.inputs), volume_outputs("--output", output));
   if (has_ending(output, ".json")) {
-    convert_look(data.inputs, look_name, output);
+    convert_look(convert.data.inputs, convert.look_name, output);
     return;
   }
   check_volume_output("--output", output);
-  Dataset dataset = load(data, session);
-  if (!data.array.empty()) dataset.arrays = {dataset.array(data.array)};
+  convert.data.array = array_to_read(convert.model);
+  const Dataset dataset = converted(convert, flags, load(convert.data, session), session);
   session.check_stop();
   write_dataset(dataset, output);
-  note_losses(dataset, output, session);
+  if (dataset.kind == DatasetKind::kLattice) note_losses(dataset, output, session);
 }
 
 }  // namespace ovoid::cli

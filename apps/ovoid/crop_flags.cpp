@@ -56,7 +56,13 @@ Bounds3 parse_world(const std::string& text) {
 }
 
 // The box that is left, and the planes that cut it out.
-std::pair<Box, std::vector<ClipPlane>> cut(const CropFlags& crop, const LatticeGeometry& geometry) {
+std::pair<Box, std::vector<ClipPlane>> cut(const CropFlags& crop, const Field& field) {
+  if (field.lattice() == nullptr) {  // a crop by samples has been refused
+    const Bounds3 bounds = field.world_bounds();
+    if (!crop.world) return {{Affine3::Identity(), bounds}, {}};
+    return {crop_box(bounds, *crop.world), crop_planes(*crop.world)};
+  }
+  const LatticeGeometry& geometry = field.lattice()->geometry();
   if (crop.world) return {crop_box(geometry, *crop.world), crop_planes(*crop.world)};
   if (!crop.samples) return {box_of(geometry), {}};
   Index3 lo{};
@@ -75,7 +81,8 @@ void add_crop_flags(Flags& flags, CropFlags* crop) {
   flags.section("part of the data");
   flags.value(
       "--crop", "I0:I1,J0:J1,K0:K1",
-      "draw only these samples, counted from 0, both ends included; empty: all of that axis",
+      "draw only these samples of a lattice, counted from 0, both ends included; empty: all of "
+      "that axis",
       [crop](const std::string& text) { crop->samples = parse_samples(text); });
   flags.value("--crop-world", "X0:X1,Y0:Y1,Z0:Z1",
               "draw only what lies in this box, world; empty: no end",
@@ -88,9 +95,9 @@ void check_crop_flags(const Flags& flags) {
   }
 }
 
-Box apply_crop(const CropFlags& crop, const LatticeGeometry& geometry, RenderOptions* options) {
+Box apply_crop(const CropFlags& crop, const Field& field, RenderOptions* options) {
   try {
-    const auto [box, planes] = cut(crop, geometry);
+    const auto [box, planes] = cut(crop, field);
     const std::size_t given = options->clip_planes.size();
     if (given + planes.size() > RenderOptions::kMaxClipPlanes) {
       throw Error(ErrorCode::kInvalidArgument,

@@ -6,6 +6,7 @@
 
 #include "flags.h"
 #include "ovoid/crop.h"
+#include "ovoid/field.h"
 
 namespace ovoid::cli {
 
@@ -21,8 +22,8 @@ struct CropFlags {
 void add_crop_flags(Flags& flags, CropFlags* crop);
 void check_crop_flags(const Flags& flags);  // throws UsageError for contradictions
 
-// Adds the crop's clip planes to the options and returns the box that is left: all of the lattice
+// Adds the crop's clip planes to the options and returns the box that is left: all of the field
 // without a crop. Throws Error: what lies outside the data, too many planes.
-Box apply_crop(const CropFlags& crop, const LatticeGeometry& geometry, RenderOptions* options);
+Box apply_crop(const CropFlags& crop, const Field& field, RenderOptions* options);
 
 }  // namespace ovoid::cli

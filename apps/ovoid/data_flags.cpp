@@ -3,47 +3,36 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
+#include "ovoid/error.h"
 #include "usage.h"
 #include "values.h"
 
 namespace ovoid::cli {
 namespace {
 
-const Names<Reconstruction> kReconstructions = {{"normalized", Reconstruction::kNormalized},
-                                                {"sum", Reconstruction::kSum}};
-
-// "gaussian", "gaussian:SIGMA" or "gaussian:SIGMA,CUTOFF"
-LatticeKernel parse_kernel(const std::string& text) {
-  using K = LatticeKernel;
-  const std::vector<std::string> parts = split(text, ':');
-  if (parts[0] != "gaussian" || parts.size() > 2) throw BadValue("expected gaussian:SIGMA,CUTOFF");
-  K kernel;
-  if (parts.size() == 1) return kernel;
-  const std::vector<std::string> numbers = split(parts[1], ',');
-  if (numbers.size() > 2) throw BadValue("expected gaussian:SIGMA,CUTOFF");
-  const auto named = [](const char* what, const std::string& number, const Interval& interval) {
-    try {
-      return parse_number(number, interval);
-    } catch (const BadValue& bad) {
-      throw BadValue(fmt::format("{}: {}", what, bad.what()));
-    }
-  };
-  kernel.sigma = named("SIGMA", numbers[0], {K::kMinSigma, K::kMaxSigma});
-  if (numbers.size() == 2) kernel.cutoff = named("CUTOFF", numbers[1], {0, K::kMaxCutoff, true});
-  if (kernel.support_radius() < K::kMinSupport) {
-    throw BadValue(fmt::format("expected SIGMA x CUTOFF >= {:g} spacings, else kernels leave gaps",
-                               K::kMinSupport));
+// The step whose time is nearest, the earlier of two.
+std::int64_t nearest_step(const Dataset& dataset, double time) {
+  if (dataset.times.empty()) {
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("--time: '{}' names no times of its {} step{}; --step takes a number",
+                            dataset.source, dataset.num_steps, dataset.num_steps == 1 ? "" : "s"));
   }
-  return kernel;
+  const auto nearest = std::min_element(
+      dataset.times.begin(), dataset.times.end(),
+      [time](double a, double b) { return std::abs(a - time) < std::abs(b - time); });
+  return nearest - dataset.times.begin();
 }
 
-int parse_component(const std::string& text) {
-  if (text == "magnitude") return LatticeModelOptions::kMagnitude;
-  try {
-    return static_cast<int>(parse_integer(text, 0, 1'000'000));
-  } catch (const BadValue&) {
-    throw BadValue("expected a component's number, from 0, or magnitude");
-  }
+void check_format_flags(const DataFlags& data, const Dataset& dataset) {
+  const char* const given = !data.positions.empty() ? "--positions"
+                            : !data.values.empty()  ? "--value"
+                                                    : nullptr;
+  if (given == nullptr || dataset.format == "HDF5") return;
+  throw Error(ErrorCode::kInvalidArgument, fmt::format("{}: is for HDF5 files, '{}' is {}", given,
+                                                       dataset.source, dataset.format));
 }
 
 }  // namespace
@@ -51,9 +40,9 @@ int parse_component(const std::string& text) {
 void add_input_flags(Flags& flags, DataFlags* data) {
   flags.section("data");
   flags.positionals("INPUT",
-                    "a volume: NRRD, NIfTI, MetaImage, NPY, raw, SLC, VTI, VTR, legacy VTK, a "
-                    "DICOM file or folder; "
-                    "several are its time steps, or the slices of a DICOM series",
+                    "a volume, mesh, particles or kernels in any format of docs/formats.md, or a "
+                    "folder of DICOM files; several are the time steps of one, the slices of a "
+                    "DICOM series, or the parts of a format that has some",
                     &data->inputs);
   flags.value("--block", "NAME",
               "which of several volumes, such as a DICOM series (default: the largest)",
@@ -61,6 +50,15 @@ void add_input_flags(Flags& flags, DataFlags* data) {
   flags.value(
       "--step", "N", "which time step, from 0 (default: the first that varies)",
       [data](const std::string& text) { data->step = parse_integer(text, 0, 1'000'000'000); });
+  flags.value("--time", "T", "the time step nearest to this time, where the input names times",
+              [data](const std::string& text) { data->time = parse_number(text); });
+  flags.value("--positions", "PATH",
+              "HDF5: the particles' positions, such as /PartType1/Coordinates (default: found)",
+              [data](const std::string& text) { data->positions = text; });
+  flags.repeatable("--value", "PATH",
+                   "HDF5: an array of the particles (repeatable; default: those beside the "
+                   "positions)",
+                   [data](const std::string& text) { data->values.push_back(text); });
   flags.section("raw data, where the name is not like x_256x256x256_uint8.raw");
   flags.value("--dims", "XxYxZ", "samples along x, y, z",
               [data](const std::string& text) { data->raw.dims = parse_dims(text); });
@@ -77,34 +75,6 @@ void add_input_flags(Flags& flags, DataFlags* data) {
   flags.toggle("--big-endian", "most significant byte first", &data->raw.big_endian);
 }
 
-void add_array_flags(Flags& flags, DataFlags* data) {
-  flags.section("array");
-  flags.value("--array", "NAME", "the array (default: the first that varies)",
-              [data](const std::string& text) { data->array = text; });
-  flags.value("--component", "N|magnitude", "of arrays with several (default 0)",
-              [data](const std::string& text) { data->component = parse_component(text); });
-  flags.refuse({"--color-array", "--time", "--positions", "--radius-array", "--quantity"});
-}
-
-void add_model_flags(Flags& flags, LatticeModelOptions* model) {
-  flags.section("kernels");
-  flags.value(
-      "--kernel", "gaussian:SIGMA,CUTOFF",
-      fmt::format(
-          "the shared kernel; SIGMA in spacings, CUTOFF in sigmas (default gaussian:{:g},{:g})",
-          model->kernel.sigma, model->kernel.cutoff),
-      [model](const std::string& text) { model->kernel = parse_kernel(text); });
-  flags.toggle("--prefilter", "make the field take the samples' values at the samples",
-               &model->prefilter);
-  flags.value("--reconstruction", joined(kReconstructions),
-              fmt::format("weighted mean of the kernels, or their sum that fades to 0 (default {})",
-                          name_in(kReconstructions, model->reconstruction)),
-              [model](const std::string& text) {
-                model->reconstruction = parse_name(text, kReconstructions);
-              });
-  flags.refuse({"--cutoff", "--profile-kernel", "--neighbors"});
-}
-
 void require_inputs(const Flags& flags, const DataFlags& data) {
   if (data.inputs.empty()) {
     throw UsageError(fmt::format("INPUT: none given (see ovoid {} --help)", flags.command()));
@@ -112,6 +82,7 @@ void require_inputs(const Flags& flags, const DataFlags& data) {
   for (const std::string& input : data.inputs) {
     if (input.empty()) throw UsageError("INPUT '': expected the name of a file");
   }
+  if (data.step && data.time) throw UsageError("--time: contradicts --step; give one of them");
 }
 
 Dataset load(const DataFlags& data, Session& session) {
@@ -123,25 +94,19 @@ Dataset load(const DataFlags& data, Session& session) {
   options.step = data.step;
   options.progress = progress.callback();
   options.stop = session.stop();
+  options.positions = data.positions;
+  options.values = data.values;
   Dataset dataset = read_dataset(data.inputs, options);
+  if (data.time) {
+    // What the steps' times are is known once one of them has been read.
+    options.step = nearest_step(dataset, *data.time);
+    if (*options.step != dataset.step) dataset = read_dataset(data.inputs, options);
+    session.note(fmt::format("--time {:g}: step {}, time {:g}", *data.time, dataset.step,
+                             dataset.times[static_cast<std::size_t>(dataset.step)]));
+  }
+  check_format_flags(data, dataset);
   session.notes(dataset.notes);
   return dataset;
-}
-
-LatticeField make_field(const Dataset& dataset, const DataFlags& data, LatticeModelOptions model,
-                        LatticeModelReport* report, Session& session) {
-  model.array = data.array;
-  model.component = data.component;
-  LatticeModelReport own;
-  LatticeModelReport& found = report != nullptr ? *report : own;
-  LatticeField field = make_lattice_field(dataset, model, &found, session.stop());
-  if (data.array.empty() && dataset.arrays.size() > 1) {
-    std::string names;
-    for (const DataArray& array : dataset.arrays) names += (names.empty() ? "" : ", ") + array.name;
-    session.note(fmt::format("array '{}' of {}; choose with --array", found.array, names));
-  }
-  session.notes(found.notes);
-  return field;
 }
 
 }  // namespace ovoid::cli

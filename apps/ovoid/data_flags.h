@@ -8,36 +8,30 @@
 
 #include "flags.h"
 #include "ovoid/io.h"
-#include "ovoid/model.h"
 #include "session.h"
 
 namespace ovoid::cli {
 
-// Which data: files, what headerless ones cannot say, and the array.
+// Which data: files, and what headerless ones cannot say.
 struct DataFlags {
   std::vector<std::string> inputs;
   RawOptions raw;
   std::string block;
   std::optional<std::int64_t> step;
-  std::string array;
-  int component = 0;
+  std::optional<double> time;
+  std::string positions;            // HDF5: the path of the positions
+  std::vector<std::string> values;  // HDF5: paths of arrays
+  std::string array;                // the only one that is read where the format allows; empty: all
 };
 
 // The INPUT... arguments and the flags of sections "data" and "raw data".
-void add_input_flags(Flags& flags, DataFlags* data);  // INPUT... and raw
-void add_array_flags(Flags& flags, DataFlags* data);  // --array, --component
+void add_input_flags(Flags& flags, DataFlags* data);
 
-// How an array becomes a field: the model's half of section "numbers".
-void add_model_flags(Flags& flags, LatticeModelOptions* model);
-
-// Throws UsageError if no INPUT was given, or an empty one.
+// Throws UsageError if no INPUT was given, or an empty one, and for contradictions.
 void require_inputs(const Flags& flags, const DataFlags& data);
 
-// Reads the inputs, with progress; tells the reader's notes.
+// Reads the inputs, with progress; tells the reader's notes. Throws Error, also for a flag that is
+// for another format than the input's.
 Dataset load(const DataFlags& data, Session& session);
-
-// Chooses kernels; tells which array was chosen where there are several, and the model's notes.
-LatticeField make_field(const Dataset& dataset, const DataFlags& data, LatticeModelOptions model,
-                        LatticeModelReport* report, Session& session);
 
 }  // namespace ovoid::cli

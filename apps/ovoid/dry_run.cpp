@@ -34,6 +34,18 @@ double picture_bytes(const RenderOptions& options, const std::string& output) {
   return (kDrawn + written) * num_pixels(options);
 }
 
+// What a frame keeps of a kernel set: a splat for each kernel, and lists of those that each block
+// adds, whose length is that of the strip's.
+double splat_bytes(const DryRun& run, const FrameProfile& profile, const FrameProfile& strip,
+                   double strip_pixels) {
+  constexpr double kSplat = 64;
+  constexpr double kListed = 4;
+  if (run.field.kernels() == nullptr) return 0;
+  return kSplat * static_cast<double>(profile.kernels_drawn) +
+         kListed * static_cast<double>(strip.kernels_loaded) * num_pixels(run.options) /
+             strip_pixels;
+}
+
 std::string readable_count(double count) {
   if (count < 1e4) return fmt::format("{:.0f}", count);
   if (count < 1e6) return fmt::format("{:.0f} thousand", count / 1e3);
@@ -89,7 +101,8 @@ std::string predict(const DryRun& run, Session& session) {
                   profile.backend, profile.simd_target.empty() ? "" : ", ", profile.simd_target,
                   profile.threads, profile.threads == 1 ? "" : "s"));
   const double peak = std::max(static_cast<double>(peak_memory_bytes()),
-                               resident + picture_bytes(run.options, run.output));
+                               resident + picture_bytes(run.options, run.output) +
+                                   splat_bytes(run, profile, timed, num_pixels(strip)));
   row("greatest memory", fmt::format("about {}", readable_bytes(peak)));
   return out;
 }

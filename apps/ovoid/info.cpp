@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -12,6 +14,8 @@
 
 #include "command.h"
 #include "data_flags.h"
+#include "model_flags.h"
+#include "ovoid/error.h"
 #include "ovoid/look.h"
 #include "ovoid/renderer.h"
 #include "profile.h"
@@ -131,28 +135,167 @@ Json lattice_json(const LatticeGeometry& lattice) {
   return json;
 }
 
-Json field_json(const LatticeField& field, const LatticeModelReport& report) {
+Json json_of(const ValueRange& range) {
+  return range.is_empty() ? Json(nullptr) : Json{range.lo, range.hi};
+}
+
+Json json_of(const Bounds3& bounds) { return {json_of(bounds.min()), json_of(bounds.max())}; }
+
+// What there is to say of kernels that have shapes of their own.
+void add_set_json(Json& json, const KernelField& field, const KernelModelReport& report) {
+  const KernelSource& source = field.source();
+  json["color_array"] = report.color_array;
+  json["color_range"] = json_of(field.color_range());
+  json["reconstruction"] =
+      field.reconstruction() == Reconstruction::kNormalized ? "normalized" : "sum";
+  json["shape"] = source.shape() == KernelShape::kBalls ? "balls" : "ellipsoids";
+  json["profile"] = name_of(source.profile());
+  json["cutoff"] = source.cutoff();
+  json["misplaced"] = report.num_misplaced;
+  json["merged"] = report.num_merged;
+  json["dangling"] = report.num_dangling;
+  json["copies"] = report.num_copies;
+  json["degenerate"] = report.num_degenerate;
+  json["spacings"] = report.spacings;
+  json["axis_ratios"] = report.axis_ratios;
+  json["constant"] = nullptr;
+  if (report.is_normalized)
+    json["constant"] = {{"mean", report.constant_mean}, {"deviation", report.constant_deviation}};
+}
+
+Json field_json(const Modelled& modelled) {
+  const Field& field = modelled.field;
+  const KernelField* const set = field.kernels();
   Json json;
-  json["array"] = report.array;
+  json["array"] = modelled.array;
   json["num_kernels"] = field.num_kernels();
-  json["missing"] = report.num_missing;
-  const ValueRange range = field.value_range();
-  json["range"] = range.is_empty() ? Json(nullptr) : Json{range.lo, range.hi};
+  json["missing"] = set != nullptr ? modelled.kernels.num_missing : modelled.lattice.num_missing;
+  json["range"] = json_of(field.value_range());
+  if (set != nullptr) add_set_json(json, *set, modelled.kernels);
   json["default_sampling_distance"] = field.default_sampling_distance();
   json["default_unit_distance"] = default_unit_distance(field);
-  json["memory_bytes"] = report.resident_bytes;
+  json["memory_bytes"] = field.resident_bytes();
   return json;
 }
 
-Json gather(const DataFlags& data, const LatticeModelOptions& model, Session& session) {
-  const Dataset dataset = load(data, session);
+// Of the positions that are finite; empty if none is.
+Bounds3 bounds_of(const DataArray& positions) {
+  Bounds3 bounds;
+  const auto extend = [&]<class T>(T) {
+    const std::byte* at = positions.bytes.view.data();
+    for (std::int64_t i = 0; i < positions.num_tuples; ++i, at += 3 * sizeof(T)) {
+      std::array<T, 3> stored;
+      std::memcpy(stored.data(), at, sizeof(stored));
+      const Vec3 place(stored[0], stored[1], stored[2]);
+      if (place.allFinite()) bounds.extend(place);
+    }
+  };
+  if (positions.num_components != 3) return bounds;
+  if (positions.type == ScalarType::kFloat32) extend(float{});
+  if (positions.type == ScalarType::kFloat64) extend(double{});
+  return bounds;
+}
+
+const char* name_of_cell(CellType type) {
+  switch (type) {
+    case CellType::kVertex:
+      return "vertex";
+    case CellType::kLine:
+      return "line";
+    case CellType::kTriangle:
+      return "triangle";
+    case CellType::kQuad:
+      return "quad";
+    case CellType::kTetrahedron:
+      return "tetrahedron";
+    case CellType::kHexahedron:
+      return "hexahedron";
+    case CellType::kVoxel:
+      return "voxel";
+    case CellType::kWedge:
+      return "wedge";
+    case CellType::kPyramid:
+      return "pyramid";
+    case CellType::kQuadraticTetrahedron:
+      return "quadratic tetrahedron";
+    case CellType::kQuadraticHexahedron:
+      return "quadratic hexahedron";
+    case CellType::kQuadraticWedge:
+      return "quadratic wedge";
+    case CellType::kQuadraticPyramid:
+      return "quadratic pyramid";
+    case CellType::kTriQuadraticHexahedron:
+      return "triquadratic hexahedron";
+    case CellType::kOther:
+      break;
+  }
+  return "other";
+}
+
+Json cells_json(const Cells& cells) {
   Json json;
-  json["kind"] = "lattice";
+  json["count"] = cells.count();
+  json["dims"] = cells.is_structured() ? Json(cells.dims) : Json(nullptr);
+  json["types"] = Json::object();
+  if (cells.is_structured()) {
+    json["types"][name_of_cell(CellType::kHexahedron)] = cells.count();
+    return json;
+  }
+  std::array<std::int64_t, static_cast<std::size_t>(CellType::kOther) + 1> counts{};
+  for (const CellType type : cells.types) ++counts[static_cast<std::size_t>(type)];
+  for (std::size_t t = 0; t < counts.size(); ++t) {
+    if (counts[t] > 0) json["types"][name_of_cell(static_cast<CellType>(t))] = counts[t];
+  }
+  return json;
+}
+
+Json places_json(const Dataset& dataset) {
+  Json json;
+  json["points"] = dataset.num_positions();
+  json["position_type"] = name_of(dataset.positions.type);
+  if (dataset.kind == DatasetKind::kMesh) json["cells"] = cells_json(dataset.cells);
+  const Bounds3 bounds = bounds_of(dataset.positions);
+  json["bounds"] = bounds.isEmpty() ? Json(nullptr) : json_of(bounds);
+  json["periodic_box"] = dataset.periodic_box ? json_of(*dataset.periodic_box) : Json(nullptr);
+  return json;
+}
+
+// Null, with a note, where nothing can be drawn.
+Json try_field(const Dataset& dataset, const ModelFlags& model, const Flags& flags,
+               Session& session) {
+  if (dataset.kind == DatasetKind::kLattice) {
+    const DataArray& array = dataset.array(model.lattice.array);
+    if (facts_of(array).num_missing == array.num_tuples * array.num_components) {
+      session.note(fmt::format("array '{}': none of its {} samples is finite, nothing can be drawn",
+                               array.name, array.num_tuples));
+      return nullptr;
+    }
+    return field_json(make_field(dataset, model, 0, session));
+  }
+  try {
+    return field_json(make_field(dataset, model, 0, session));
+  } catch (const Error& error) {
+    // What a flag asks for must work; without one, the file is still worth telling about.
+    if (error.code() != ErrorCode::kInvalidArgument || is_model_flag_given(flags)) throw;
+    session.note(fmt::format("{}: nothing can be drawn", error.what()));
+    return nullptr;
+  }
+}
+
+Json gather(const DataFlags& data, const ModelFlags& model, const Flags& flags, Session& session) {
+  const Dataset dataset = load(data, session);
+  check_kind_flags(flags, dataset);
+  Json json;
+  json["kind"] = name_of(dataset.kind);
   json["source"] = dataset.source;
   json["format"] = dataset.format;
   json["space"] = name_of(dataset.space);
-  json["orientation"] = orientation_json(dataset.lattice, dataset.space);
-  json.update(lattice_json(dataset.lattice));
+  if (dataset.kind == DatasetKind::kLattice) {
+    json["orientation"] = orientation_json(dataset.lattice, dataset.space);
+    json.update(lattice_json(dataset.lattice));
+  } else {
+    json.update(places_json(dataset));
+  }
   json["blocks"] = Json::array();
   for (const DatasetBlock& block : dataset.blocks)
     json["blocks"].push_back({{"name", block.name}, {"description", block.description}});
@@ -162,16 +305,7 @@ Json gather(const DataFlags& data, const LatticeModelOptions& model, Session& se
   json["times"] = dataset.times;
   json["arrays"] = Json::array();
   for (const DataArray& array : dataset.arrays) json["arrays"].push_back(json_of(array));
-  json["field"] = nullptr;
-  const DataArray& array = dataset.array(data.array);
-  if (facts_of(array).num_missing == array.num_tuples * array.num_components) {
-    session.note(fmt::format("array '{}': none of its {} samples is finite, nothing can be drawn",
-                             array.name, array.num_tuples));
-    return json;
-  }
-  LatticeModelReport report;
-  const LatticeField field = make_field(dataset, data, model, &report, session);
-  json["field"] = field_json(field, report);
+  json["field"] = try_field(dataset, model, flags, session);
   return json;
 }
 
@@ -221,10 +355,12 @@ void print_arrays(const Json& arrays) {
   }
 }
 
-void print_text(const Json& json) {
-  print_row("kind", json["kind"].get<std::string>());
-  print_row("source", one_line(json["source"].get<std::string>()));
-  print_row("format", json["format"].get<std::string>());
+void print_bounds(const char* name, const Json& bounds) {
+  if (bounds.is_null()) return;
+  print_row(name, fmt::format("({}) to ({})", numbers(bounds[0]), numbers(bounds[1])));
+}
+
+void print_lattice(const Json& json) {
   print_row("dims", numbers(json["dims"]));
   print_row("spacing", numbers(json["spacing"]));
   print_row("origin", numbers(json["origin"]));
@@ -234,8 +370,62 @@ void print_text(const Json& json) {
   if (!json["orientation"].is_null())
     print_row("orientation",
               json["orientation"].get<std::string>() + " (where x, y, z point, nearest)");
-  print_row("bounds",
-            fmt::format("({}) to ({})", numbers(json["bounds"][0]), numbers(json["bounds"][1])));
+  print_bounds("bounds", json["bounds"]);
+}
+
+void print_places(const Json& json) {
+  print_row("points", fmt::format("{}, {}", number(json["points"]),
+                                  json["position_type"].get<std::string>()));
+  if (json.contains("cells")) {
+    const Json& cells = json["cells"];
+    std::string types;
+    for (const auto& [type, count] : cells["types"].items())
+      types += fmt::format("{}{} {}", types.empty() ? ": " : ", ", number(count), type);
+    print_row("cells", number(cells["count"]) + types);
+    if (!cells["dims"].is_null()) print_row("nodes along i, j, k", numbers(cells["dims"]));
+  }
+  print_row("space", json["space"].get<std::string>());
+  print_bounds("bounds", json["bounds"]);
+  print_bounds("periodic box", json["periodic_box"]);
+}
+
+void print_set(const Json& field) {
+  if (field["color_array"] != field["array"]) {
+    print_row("colour array",
+              fmt::format("'{}', {}", one_line(field["color_array"].get<std::string>()),
+                          range_text(field["color_range"])));
+  }
+  print_row("reconstruction", field["reconstruction"].get<std::string>());
+  print_row("shape", fmt::format("{}, {}, cut at {} sigmas", field["shape"].get<std::string>(),
+                                 field["profile"].get<std::string>(), number(field["cutoff"])));
+  for (const auto& [member, name] : {std::pair{"missing", "without a value"},
+                                     {"misplaced", "without a place"},
+                                     {"merged", "merged"},
+                                     {"dangling", "of no cell"},
+                                     {"copies", "periodic copies"},
+                                     {"degenerate", "made thicker"}}) {
+    if (field[member] != 0) print_row(name, number(field[member]));
+  }
+  const auto quantiles = [](const Json& values) {
+    std::string out;
+    for (const Json& value : values)
+      out += fmt::format("{}{:.4g}", out.empty() ? "" : ", ", value.get<double>());
+    return out + " (0, 5, 50, 95, 100 %)";
+  };
+  print_row("spacing of kernels", quantiles(field["spacings"]));
+  print_row("longest / shortest axis", quantiles(field["axis_ratios"]));
+  if (!field["constant"].is_null()) {
+    print_row("sum of weights",
+              fmt::format("{:.4f} +- {:.4f}", field["constant"]["mean"].get<double>(),
+                          field["constant"]["deviation"].get<double>()));
+  }
+}
+
+void print_text(const Json& json) {
+  print_row("kind", json["kind"].get<std::string>());
+  print_row("source", one_line(json["source"].get<std::string>()));
+  print_row("format", json["format"].get<std::string>());
+  json.contains("points") ? print_places(json) : print_lattice(json);
   for (const Json& block : json["blocks"]) {
     const auto name = block["name"].get<std::string>();
     print_row(
@@ -252,6 +442,7 @@ void print_text(const Json& json) {
   print_row("drawn array", fmt::format("'{}', {}", one_line(field["array"].get<std::string>()),
                                        range_text(field["range"])));
   print_row("kernels", number(field["num_kernels"]));
+  if (field.contains("shape")) print_set(field);
   print_row("default sampling distance", number(field["default_sampling_distance"]));
   print_row("default unit distance", number(field["default_unit_distance"]));
   print_row("memory of the field", readable_bytes(field["memory_bytes"].get<double>()));
@@ -288,7 +479,7 @@ void print_json(const Json& json) {
 
 void run_info(const Words& words, Session& session) {
   DataFlags data;
-  LatticeModelOptions model;
+  ModelFlags model;
   bool is_json = false;
   bool lists_devices = false;
   Flags flags("info", "INPUT... [FLAG...]", "Tells what is in a file, and how it would be drawn.");
@@ -296,7 +487,7 @@ void run_info(const Words& words, Session& session) {
   flags.toggle("--json", "as JSON", &is_json);
   flags.toggle("--devices", "list what can draw on this machine; needs no INPUT", &lists_devices);
   add_input_flags(flags, &data);
-  add_array_flags(flags, &data);
+  add_array_flags(flags, &model);
   add_model_flags(flags, &model);
   if (!flags.parse(words)) return;
 
@@ -305,7 +496,9 @@ void run_info(const Words& words, Session& session) {
     return is_json ? print_json(devices) : print_devices(devices);
   }
   require_inputs(flags, data);
-  const Json json = gather(data, model, session);
+  check_model_flags(flags, model);
+  data.array = array_to_read(model);
+  const Json json = gather(data, model, flags, session);
   return is_json ? print_json(json) : print_text(json);
 }
 

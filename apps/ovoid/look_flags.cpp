@@ -184,7 +184,8 @@ void add_color_flags(Flags& flags, LookFlags* look) {
               [look](const std::string& text) { look->above_color = parse_rgb(text); });
   flags.value(
       "--unit-distance", "D",
-      "world length over which opacities are meant (default: the file's, or the smallest spacing)",
+      "world length over which opacities are meant (default: the file's, or the default sampling "
+      "distance)",
       [look](const std::string& text) {
         look->unit_distance = parse_number(text, {.lo = 0, .lo_open = true});
       });
@@ -381,6 +382,56 @@ void take_flag_light(Look& look, const LookFlags& flags, Session& session) {
   }
 }
 
+// The look where one array gives all.
+Look look_of_one(const LookFlags& flags, const Field& field, const std::string& unit,
+                 Session& session) {
+  Look look = base_look(flags, field, unit, session);
+  TransferFunction& tf = look.transfer_function;
+  place(tf, flags, session);
+  take_flag_colors(tf, flags);
+  if (!flags.opacities.empty()) tf.opacities = flags.opacities;
+  if (!flags.gradient_opacities.empty()) tf.gradient_opacities = flags.gradient_opacities;
+  if (flags.below_color) tf.below_color = flags.below_color;
+  if (flags.above_color) tf.above_color = flags.above_color;
+  take_flag_light(look, flags, session);
+  look.mode = flags.mode;
+  look.isovalue = flags.isovalue;
+  if (flags.unit_distance) look.unit_distance = *flags.unit_distance;
+  return look;
+}
+
+// The flags without what is about colour, which includes where on the axis of values it lies.
+LookFlags without_colors(LookFlags flags) {
+  flags.color_map.clear();
+  flags.colors.clear();
+  flags.range.reset();
+  flags.is_window = flags.is_log = false;
+  flags.linear_width.reset();
+  flags.below_color.reset();
+  flags.above_color.reset();
+  return flags;
+}
+
+// The look where colour comes from an array of its own: every flag about colour, and --range and
+// the scales with them, is about that array's values, all the rest about the other's.
+Look look_of_two(const LookFlags& flags, const Field& field, const std::string& unit,
+                 Session& session) {
+  Look look = look_of_one(without_colors(flags), field, unit, session);
+  TransferFunction colors = ramp_look(field.color_range()).transfer_function;
+  if (!flags.preset.empty())
+    colors = look_preset(flags.preset, field.color_range()).transfer_function;
+  if (!flags.file.empty()) {
+    TransferFunction file = read_look(flags.file, flags.file_name).transfer_function;
+    if (!file.colors.empty()) colors = std::move(file);
+  }
+  place(colors, flags, session);
+  take_flag_colors(colors, flags);
+  if (flags.below_color) colors.below_color = flags.below_color;
+  if (flags.above_color) colors.above_color = flags.above_color;
+  look.color_function = std::move(colors);
+  return look;
+}
+
 }  // namespace
 
 // Who names a range wants it spread evenly, and along a logarithm layers would lie elsewhere; the
@@ -445,19 +496,9 @@ void check_look_flags(const Flags& flags, const LookFlags& look) {
 
 Look make_look(const LookFlags& flags, const Field& field, const std::string& unit,
                Session& session) {
-  Look look = base_look(flags, field, unit, session);
-  TransferFunction& tf = look.transfer_function;
-  place(tf, flags, session);
-  take_flag_colors(tf, flags);
-  if (!flags.opacities.empty()) tf.opacities = flags.opacities;
-  if (!flags.gradient_opacities.empty()) tf.gradient_opacities = flags.gradient_opacities;
-  if (flags.below_color) tf.below_color = flags.below_color;
-  if (flags.above_color) tf.above_color = flags.above_color;
-  take_flag_light(look, flags, session);
-  look.mode = flags.mode;
-  look.isovalue = flags.isovalue;
-  if (flags.unit_distance) look.unit_distance = *flags.unit_distance;
-  return look;
+  const KernelField* const set = field.kernels();
+  if (set != nullptr && set->has_own_color()) return look_of_two(flags, field, unit, session);
+  return look_of_one(flags, field, unit, session);
 }
 
 }  // namespace ovoid::cli

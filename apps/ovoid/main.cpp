@@ -29,11 +29,12 @@ struct Command {
   void (*run)(const Words& words, Session& session);
 };
 
-constexpr std::array<Command, 5> kCommands = {{
-    {"render", "INPUT... -o OUT.png", "draw a volume to a picture", run_render},
+constexpr std::array<Command, 6> kCommands = {{
+    {"render", "INPUT... -o OUT.png", "draw data to a picture", run_render},
     {"info", "INPUT...", "what is in a file, and how it would be drawn", run_info},
     {"make", "NAME -o OUT", "sample data by formula", run_make},
-    {"convert", "INPUT... -o OUT", "between formats", run_convert},
+    {"convert", "INPUT... -o OUT", "between formats, and to a grid or kernels", run_convert},
+    {"sample", "INPUT... --points P -o OUT", "the field and its gradient at points", run_sample},
     {"bench", "[SCENE...]", "time the stages on standard scenes", run_bench},
 }};
 
@@ -57,7 +58,6 @@ std::string help() {
                     "render {} -o OUT.png",
                     word, word));
   }
-  if (word == "sample") throw UsageError("sample: not available in this version");
   std::vector<std::string> names;
   names.reserve(kCommands.size());
   for (const Command& command : kCommands) names.emplace_back(command.name);

@@ -49,13 +49,23 @@ void run_make(const Words& words, Session& session) {
   std::vector<std::string> names;
   std::string output;
   MakeOptions options;
-  Flags flags("make", "NAME -o OUT [FLAG...]", "Writes a volume made by formula.");
+  Flags flags("make", "NAME -o OUT [FLAG...]",
+              "Writes a volume, mesh, particles or kernels made by formula.");
   flags.section("");
   flags.positionals("NAME", "what to make, see below", &names);
-  flags.value("-o,--output", "OUT", "the file: .nrrd, .nhdr, .nii, .nii.gz, .npy, .raw, .vti, .vtk",
-              [&output](const std::string& text) { output = text; });
-  flags.value("--size", "N|XxYxZ", "samples (default: the name's own)",
+  flags.value(
+      "-o,--output", "OUT",
+      "the file: a volume .nrrd, .nhdr, .nii, .nii.gz, .npy, .raw, .vti, .vtk; a mesh .vtu; "
+      "particles .csv, .npz, .ply; kernels .ply",
+      [&output](const std::string& text) { output = text; });
+  flags.value("--size", "N|XxYxZ", "samples of a volume (default: the name's own)",
               [&options](const std::string& text) { options.size = parse_samples(text); });
+  flags.value("--count", "N",
+              "nodes (about so many), particles or kernels, of names that are no volume (default: "
+              "the name's own)",
+              [&options](const std::string& text) {
+                options.count = parse_integer(text, 1, std::int64_t{1} << 30);
+              });
   flags.value("--type", joined(kTypes),
               fmt::format("of a sample; integers use their full range (default {})",
                           name_in(kTypes, options.type)),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// ovoid render: a volume to a picture.
+// ovoid render: data of any kind to a picture.
 
 #include <fmt/format.h>
 
@@ -16,6 +16,7 @@
 #include "data_flags.h"
 #include "dry_run.h"
 #include "look_flags.h"
+#include "model_flags.h"
 #include "ovoid/io.h"
 #include "profile.h"
 #include "render_flags.h"
@@ -31,7 +32,7 @@ struct RenderFlags {
   std::string output;
   std::optional<std::array<double, 3>> background;
   DataFlags data;
-  LatticeModelOptions model;
+  ModelFlags model;
   LookFlags look;
   CameraFlags camera;
   CropFlags crop;
@@ -89,7 +90,7 @@ void add_flags(Flags& flags, RenderFlags* render) {
   add_input_flags(flags, &render->data);
   add_picture_flags(flags, render);
   add_annotation_flags(flags, &render->annotation);
-  add_array_flags(flags, &render->data);
+  add_array_flags(flags, &render->model);
   add_look_flags(flags, &render->look);
   add_camera_flags(flags, &render->camera);
   add_crop_flags(flags, &render->crop);
@@ -116,6 +117,9 @@ void check_flags(const Flags& flags, const RenderFlags& render) {
   check_look_flags(flags, render.look);
   check_camera_flags(flags);
   check_crop_flags(flags);
+  check_model_flags(flags, render.model);
+  if (flags.is_given("--color-array") && render.look.mode == Mode::kXray)
+    throw UsageError("--color-array: has no effect with --mode xray, whose colours are integrals");
   check_annotation_flags(flags, render.output);
   std::vector<InputFile> inputs = volume_inputs(render.data.inputs);
   if (!render.look.file.empty()) inputs.push_back({render.look.file, "the look of --tf"});
@@ -226,7 +230,8 @@ void tell_times(const RenderFlags& render, const RunProfile& profile, Session& s
 void run_render(const Words& words, Session& session) {
   RenderFlags render;
   Flags flags("render", "INPUT... -o OUT [FLAG...]",
-              "Draws a volume to a picture and exits; never opens a window.");
+              "Draws a volume, mesh, particles or kernels to a picture and exits; never opens a "
+              "window.");
   add_flags(flags, &render);
   if (!flags.parse(words)) return;
   check_flags(flags, render);
@@ -235,31 +240,35 @@ void run_render(const Words& words, Session& session) {
   profile.command = session.command_line();
   profile.width = render.options.width;
   profile.height = render.options.height;
+  render.data.array = array_to_read(render.model);
   const Stopwatch loading;
   Dataset dataset = load(render.data, session);
   profile.load_ms = loading.ms();
   const Stopwatch modelling;
-  render.model.threads = render.run.threads;
-  LatticeModelReport report;
-  LatticeField field = make_field(dataset, render.data, render.model, &report, session);
+  check_kind_flags(flags, dataset);
+  if (flags.is_given("--crop") && dataset.kind != DatasetKind::kLattice)
+    refuse_kind("--crop", "lattices (--crop-world takes any data)", dataset);
+  Modelled modelled = make_field(dataset, render.model, render.run.threads, session);
+  const Field& field = modelled.field;
   if (!flags.is_given("--kernel") && may_be_labels(render.look) && holds_labels(field)) {
     session.note(
         "the values look like labels: drawn with narrow kernels and a colour for each "
         "(--kernel, --tf, --colormap with --range for another look)");
-    render.model.kernel = kLabelKernel;
+    render.model.lattice.kernel = kLabelKernel;
     // Within a sample a narrow kernel's field is flat; only its neighbours know where it ends.
     if (!flags.is_given("--gradient")) render.options.gradient = GradientMethod::kCentral;
-    field = make_field(dataset, render.data, render.model, nullptr, session);
+    modelled = make_field(dataset, render.model, render.run.threads, session);
   }
   profile.model_ms = modelling.ms();
-  Described described = describe(dataset, report.array, render.data.component);
+  Described described = describe(dataset, modelled, render.model.lattice.component);
+  const std::string unit = unit_of(dataset, modelled, Role::kOpacity);
   dataset = {};  // the field keeps what it borrows; the rest is memory that the frame can use
 
   const double aspect = static_cast<double>(profile.width) / profile.height;
-  described.box = apply_crop(render.crop, field.geometry(), &render.options);
+  described.box = apply_crop(render.crop, field, &render.options);
   const Camera camera =
       make_camera(render.camera, described.box.world_bounds(), described.space, aspect);
-  Look look = make_look(render.look, field, described.unit, session);
+  Look look = make_look(render.look, field, unit, session);
   if (render.dry_run) {
     const DryRun run{
         field, camera, look, render.options, render.run.backend, render.run.threads, render.output};

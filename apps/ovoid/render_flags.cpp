@@ -59,7 +59,8 @@ Flags::Take refusing(const char* flag, const std::vector<std::string>& later,
 void add_number_flags(Flags& flags, RenderOptions* options) {
   flags.section("numbers");
   flags.value("--sampling-distance", "D",
-              "distance of sheets, world (default: the smallest spacing)",
+              "distance of sheets, world (default: a lattice's smallest spacing, else twice the "
+              "sigma of a small kernel)",
               [options](const std::string& text) {
                 options->sampling_distance = parse_number(text, {.lo = 0, .lo_open = true});
               });

@@ -3,8 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <utility>
-
 namespace ovoid::cli {
 
 std::string Scene::volume_name() const { return fmt::format("{}-{}", volume, samples); }
@@ -15,13 +13,18 @@ std::string Scene::name() const {
 }
 
 std::vector<Scene> standard_scenes() {
-  const std::vector<std::pair<const char*, int>> volumes = {
-      {"marschner-lobb", 128}, {"marschner-lobb", 256}, {"head", 256}};
+  struct Data {
+    const char* name;
+    int samples;
+    bool is_lattice;
+  };
   std::vector<Scene> scenes;
-  for (const auto& [volume, samples] : volumes) {
+  for (const Data& data : {Data{"marschner-lobb", 128, true}, Data{"marschner-lobb", 256, true},
+                           Data{"head", 256, true}, Data{"fin", 100'000, false},
+                           Data{"galaxy", 200'000, false}, Data{"blobs", 2'000, false}}) {
     for (const int pixels : {256, 512}) {
       for (const SceneLook look : {SceneLook::kSoft, SceneLook::kOpaque}) {
-        scenes.push_back({volume, samples, pixels, look});
+        scenes.push_back({data.name, data.samples, data.is_lattice, pixels, look});
       }
     }
   }

@@ -18,8 +18,9 @@ enum class SceneLook {
 // degrees, so that no axis lies along the view.
 struct Scene {
   std::string volume;  // a name that make_sample() knows
-  int samples = 256;   // along each axis
-  int pixels = 256;    // width and height of the picture
+  int samples = 256;   // along each axis; of what is no lattice: nodes, particles or kernels
+  bool is_lattice = true;
+  int pixels = 256;  // width and height of the picture
   SceneLook look = SceneLook::kSoft;
 
   std::string name() const;         // "head-256-512px-opaque"

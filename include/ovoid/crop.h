@@ -37,4 +37,7 @@ std::vector<ClipPlane> crop_planes(const Bounds3& world);
 Box crop_box(const LatticeGeometry& geometry, const Index3& lo, const Index3& hi);
 Box crop_box(const LatticeGeometry& geometry, const Bounds3& world);
 
+// The same for what is no lattice: the world box within `bounds`, the data's. Throws as above.
+Box crop_box(const Bounds3& bounds, const Bounds3& world);
+
 }  // namespace ovoid

@@ -45,9 +45,10 @@ struct ReadOptions {
 Dataset read_dataset(const std::vector<std::string>& paths, const ReadOptions& options = {});
 
 // Writes a dataset; the name's ending chooses the format (.nrrd .nhdr .nii .nii.gz .npy .raw, and
-// .vti .vtk with VTK; particles .csv .npz .ply, kernels .ply). Written beside and renamed: an
-// existing file stays whole until the new one is. The samples of NAME.nhdr go to NAME.raw, which is
-// replaced only if it belongs to an existing NAME.nhdr. Throws Error(kFileWrite, kUnsupported).
+// .vti .vtk with VTK; meshes .vtu; particles .csv .npz .ply, kernels .ply). Written beside and
+// renamed: an existing file stays whole until the new one is. The samples of NAME.nhdr go to
+// NAME.raw, which is replaced only if it belongs to an existing NAME.nhdr. Throws Error(kFileWrite,
+// kUnsupported).
 void write_dataset(const Dataset& dataset, const std::string& path);
 
 // Writes a picture: .png (8 bit, straight alpha; x-ray pictures must be mapped first), .exr (float,

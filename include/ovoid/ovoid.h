@@ -24,4 +24,5 @@
 #include "ovoid/model.h"
 #include "ovoid/render_options.h"
 #include "ovoid/renderer.h"
+#include "ovoid/sampler.h"
 #include "ovoid/transfer_function.h"

@@ -16,13 +16,14 @@
 #include "io/raw.h"
 #include "io/samples.h"
 #include "io/vtk_image.h"
+#include "io/vtu_write.h"
 #include "ovoid/error.h"
 #include "ovoid/io.h"
 
 namespace ovoid {
 namespace {
 
-enum class Target { kNrrd, kNhdr, kNpy, kRaw, kNifti, kVtk, kPly, kNpz, kCsv };
+enum class Target { kNrrd, kNhdr, kNpy, kRaw, kNifti, kVtk, kVtu, kPly, kNpz, kCsv };
 
 Target target_of(const std::string& path) {
   const std::string ending = io::ending_of(path);
@@ -34,6 +35,7 @@ Target target_of(const std::string& path) {
   if (ending == ".ply") return Target::kPly;
   if (ending == ".npz") return Target::kNpz;
   if (ending == ".csv") return Target::kCsv;
+  if (ending == ".vtu") return Target::kVtu;
   if (ending == ".vti" || ending == ".vtk") {
 #ifdef OVOID_IO_VTK
     return Target::kVtk;
@@ -44,8 +46,8 @@ Target target_of(const std::string& path) {
   }
   throw Error(ErrorCode::kUnsupported,
               fmt::format("{}: the ending '{}' names no format that is written: expected .nrrd, "
-                          ".nhdr, .npy, .raw, .nii, .nii.gz, .vti or .vtk for volumes, .csv, .npz "
-                          "or .ply for particles",
+                          ".nhdr, .npy, .raw, .nii, .nii.gz, .vti or .vtk for volumes, .vtu for "
+                          "meshes, .csv, .npz or .ply for particles",
                           path, ending));
 }
 
@@ -116,6 +118,16 @@ void check_points(const Dataset& dataset) {
   for (const DataArray& array : dataset.arrays) check(array, fmt::format("array '{}'", array.name));
 }
 
+void write_mesh(const Dataset& dataset, const std::string& path) {
+  if (dataset.kind != DatasetKind::kMesh) {
+    throw Error(ErrorCode::kUnsupported, fmt::format("{}: .vtu holds a mesh, the dataset is {}",
+                                                     path, name_of(dataset.kind)));
+  }
+  Dataset plain = dataset;  // cheap: arrays share their bytes
+  for (DataArray& array : plain.arrays) array = io::plain_values(array);
+  io::write_vtu(plain, path);
+}
+
 void write_points(const Dataset& dataset, Target target, const std::string& path) {
   const bool is_kernels = dataset.kind == DatasetKind::kKernels;
   if (dataset.kind != DatasetKind::kParticles && !(is_kernels && target == Target::kPly)) {
@@ -149,6 +161,7 @@ void write_dataset(const Dataset& dataset, const std::string& path) {
   const Target target = target_of(path);
   const bool is_for_points =
       target == Target::kPly || target == Target::kNpz || target == Target::kCsv;
+  if (target == Target::kVtu) return write_mesh(dataset, path);
   if (is_for_points) return write_points(dataset, target, path);
   if (dataset.kind != DatasetKind::kLattice) {
     throw Error(ErrorCode::kUnsupported,

@@ -104,17 +104,22 @@ Box crop_box(const LatticeGeometry& geometry, const Index3& lo, const Index3& hi
   return box;
 }
 
-Box crop_box(const LatticeGeometry& geometry, const Bounds3& world) {
+Box crop_box(const Bounds3& bounds, const Bounds3& world) {
   require_not_empty(world);
-  const Bounds3 whole = geometry.world_bounds();
-  const Bounds3 common = whole.intersection(world);
+  const Bounds3 common = bounds.intersection(world);
   for (int a = 0; a < 3; ++a) {
     if (common.min()[a] < common.max()[a]) continue;
     refuse_crop(fmt::format("crop-world {} = {}:{}: must meet the data, which lies from {} to {}",
-                            kWorldNames[a], world.min()[a], world.max()[a], whole.min()[a],
-                            whole.max()[a]));
+                            kWorldNames[a], world.min()[a], world.max()[a], bounds.min()[a],
+                            bounds.max()[a]));
   }
-  if (!is_parallel_to_world(geometry)) return {Affine3::Identity(), common};
+  return {Affine3::Identity(), common};
+}
+
+Box crop_box(const LatticeGeometry& geometry, const Bounds3& world) {
+  const Box in_world = crop_box(geometry.world_bounds(), world);
+  const Bounds3& common = in_world.bounds;
+  if (!is_parallel_to_world(geometry)) return in_world;
   // In the lattice's own axes: they may be permuted or turned round.
   const Affine3 index_from_world = geometry.world_from_index.inverse();
   Box box{geometry.world_from_index, {}};

@@ -321,6 +321,11 @@ FieldSample FieldEvaluator::reconstruct(const Sums& sums, const Vec3& widening) 
   // underflows.
   if (!(sums.denominator > 0)) return {};
   FieldSample sample;
+  sample.weight = sums.denominator / sums.endless;
+  if (reconstruction_ == Reconstruction::kNormalized &&
+      sums.denominator < kLeastShare * sums.endless) {
+    return sample;
+  }
   sample.is_defined = true;
   Vec3 grad_index;
   if (reconstruction_ == Reconstruction::kSum) {
@@ -329,7 +334,6 @@ FieldSample FieldEvaluator::reconstruct(const Sums& sums, const Vec3& widening) 
     sample.value = weight * sums.numerator;
     grad_index = weight * sums.grad_numerator;
   } else {
-    if (sums.denominator < kLeastShare * sums.endless) return {};
     sample.value = sums.numerator / sums.denominator;
     grad_index = (sums.grad_numerator - sample.value * sums.grad_denominator) / sums.denominator;
   }

@@ -14,6 +14,7 @@ struct FieldSample {
   double value = 0;
   Vec3 gradient = Vec3::Zero();  // world units; the kernels' own derivative
   bool is_defined = false;
+  double weight = 0;  // sum of the kernels that exist, over that of the endless lattice
 };
 
 // docs/numerics.md, "The field" and "Slabs", word for word: every sum runs over every kernel whose

@@ -120,9 +120,10 @@ struct Dataset {
 
   std::int64_t num_positions() const noexcept { return positions.num_tuples; }
 
-  // The array called `name`; empty name: the first that varies and is not a "vtk*" bookkeeping
-  // array, else the first. Throws Error(kInvalidArgument) naming the arrays that exist. Cost of the
-  // default: one pass over the arrays looked at.
+  // The array called `name`; empty name: the first of nodes, samples or points that varies and is
+  // not bookkeeping ("vtk*", numbers of nodes, cells and blocks such as GlobalNodeId), else the
+  // first such of cells, else the first. Throws Error(kInvalidArgument) naming the arrays that
+  // exist. Cost of the default: one pass over the arrays looked at.
   const DataArray& array(const std::string& name = {}) const;
 };
 

@@ -5,14 +5,12 @@
 
 #include <algorithm>
 
+#include "data/bookkeeping.h"
 #include "data/varies.h"
 #include "ovoid/error.h"
 
 namespace ovoid {
 namespace {
-
-// VTK's filters leave arrays such as vtkValidPointMask and vtkGhostType beside the data.
-bool is_bookkeeping(const DataArray& array) { return array.name.starts_with("vtk"); }
 
 std::string listed_names(const std::vector<DataArray>& arrays) {
   std::string names;
@@ -65,9 +63,15 @@ const DataArray& Dataset::array(const std::string& name) const {
     throw Error(ErrorCode::kInvalidArgument, fmt::format("'{}': has no arrays", source));
   }
   if (name.empty()) {
-    const auto found = std::find_if(arrays.begin(), arrays.end(), [](const DataArray& candidate) {
-      return !is_bookkeeping(candidate) && data::varies(candidate);
-    });
+    const auto find = [&](const auto& is_wanted) {
+      return std::find_if(arrays.begin(), arrays.end(), [&](const DataArray& candidate) {
+        return !data::is_bookkeeping(candidate) && is_wanted(candidate);
+      });
+    };
+    auto found = find([](const DataArray& a) { return !a.is_cell_data && data::varies(a); });
+    if (found == arrays.end())
+      found = find([](const DataArray& a) { return a.is_cell_data && data::varies(a); });
+    if (found == arrays.end()) found = find([](const DataArray&) { return true; });
     return found != arrays.end() ? *found : arrays.front();
   }
   const auto found = std::find_if(arrays.begin(), arrays.end(),

@@ -41,10 +41,11 @@ FileKind kind_of(std::string_view start) noexcept {
 std::string unsupported_kind_of(std::string_view start) {
   if (looks_like_analyze(start)) return "an ANALYZE 7.5 header";
   if (has_at(start, 0, "\x89HDF\r\n")) return "an HDF5 file";
-  if (has_at(start, 0, "CDF\x01") || has_at(start, 0, "CDF\x02")) return "a netCDF or Exodus file";
   if (has_at(start, 0, "ply\n") || has_at(start, 0, "ply\r")) return "a PLY file";
   if (has_at(start, 0, "PK\x03\x04")) return "a zip archive or an NPZ file";
   if (is_gzip(start)) return "a gzip file of something other than NIfTI";
+  if (start.find("<Xdmf") != std::string_view::npos)
+    return "an XDMF file, for which distributions' VTK has no reader (write VTU or VTKHDF instead)";
   if (has_at(start, 0, "BZh")) return "a bzip2 file";
   if (has_at(start, 0, "\x89PNG")) return "a PNG picture";
   if (has_at(start, 0, "\x76\x2f\x31\x01")) return "an OpenEXR picture";

@@ -13,17 +13,21 @@
 #include "io/dicom.h"
 #include "io/dicom_elements.h"
 #include "io/formats.h"
+#include "io/mesh_files.h"
 #include "io/metaimage.h"
 #include "io/metaimage_header.h"
 #include "io/nifti.h"
 #include "io/npy.h"
 #include "io/nrrd.h"
 #include "io/nrrd_header.h"
+#include "io/plot3d.h"
 #include "io/raw.h"
 #include "io/read_source.h"
 #include "io/slc.h"
 #include "io/step_files.h"
+#include "io/vtk_header.h"
 #include "io/vtk_image.h"
+#include "io/vtk_sets.h"
 #include "ovoid/error.h"
 #include "ovoid/io.h"
 
@@ -31,8 +35,8 @@ namespace ovoid {
 namespace {
 
 constexpr const char* kReadable =
-    "NRRD, NPY, NIfTI, MetaImage, SLC, VTI, VTR, legacy VTK, DICOM, or raw samples with dimensions "
-    "and type";
+    "NRRD, NPY, NIfTI, MetaImage, SLC, VTK's files, Exodus, VTKHDF, PLOT3D, Enzo, EnSight, "
+    "OpenFOAM, DICOM, or raw samples with dimensions and type";
 
 // What a raw file cannot say, said about a file that says it itself: one of both is a mistake.
 void refuse_raw_options(const std::string& path, const char* format, const RawOptions& raw,
@@ -50,6 +54,22 @@ void refuse_raw_options(const std::string& path, const char* format, const RawOp
   }
 }
 
+// Half of a PLOT3D dataset.
+void refuse_lone_plot3d(const io::ByteSource& source) {
+  if (io::find_plot3d(source, io::Plot3dContent::kGrid)) {
+    throw Error(ErrorCode::kFileFormat,
+                fmt::format("{}: is a PLOT3D grid, which has no arrays: give its solution (q file) "
+                            "behind it",
+                            source.name()));
+  }
+  if (io::find_plot3d(source, io::Plot3dContent::kSolution)) {
+    throw Error(ErrorCode::kFileFormat,
+                fmt::format("{}: is a PLOT3D solution, which has no points: give its grid before "
+                            "it",
+                            source.name()));
+  }
+}
+
 Dataset read_unknown(const io::ByteSource& source, const std::string& start,
                      const ReadOptions& options) {
   const RawOptions from_name = io::parse_raw_name(source.name());
@@ -59,7 +79,9 @@ Dataset read_unknown(const io::ByteSource& source, const std::string& start,
   if (source.size() == 0)
     throw Error(ErrorCode::kFileFormat, fmt::format("{}: is empty", source.name()));
   for (const char* known : {".nrrd", ".nhdr", ".npy", ".nii", ".nii.gz", ".mhd", ".mha", ".slc",
-                            ".vti", ".vtr", ".vtk"}) {
+                            ".vti", ".vtr", ".vts", ".vtu", ".vtp", ".vtm", ".vth", ".vthb",
+                            ".pvtu", ".pvtp", ".pvts", ".pvtr", ".pvd", ".vtk", ".ex2", ".exo",
+                            ".e", ".vtkhdf"}) {
     if (ending == known) {
       throw Error(ErrorCode::kFileFormat,
                   fmt::format("{}: the name ends in {} but the content does not begin like it",
@@ -72,6 +94,7 @@ Dataset read_unknown(const io::ByteSource& source, const std::string& start,
                             "file beside it",
                             source.name()));
   }
+  refuse_lone_plot3d(source);
   const std::string kind = io::unsupported_kind_of(start);
   throw Error(
       ErrorCode::kUnsupported,
@@ -86,8 +109,20 @@ io::FileKind gzip_kind_of(const io::ByteSource& source) {
   return kind == io::FileKind::kNifti ? kind : io::FileKind::kUnknown;
 }
 
+Dataset read_vtk(const io::ByteSource& source, io::FileKind kind, const ReadOptions& options) {
+  if (kind == io::FileKind::kVtkXml) {
+    const std::string type = io::vtk_xml_type(source);
+    if (io::is_vtk_set(type)) return io::read_vtk_set(source, type, options);
+  }
+  return io::read_vtk_file(source, kind, options);
+}
+
 Dataset read_any(const io::ByteSource& source, const ReadOptions& options, const io::Opener& open) {
   const std::string start = source.text(0, 512);
+  if (const io::MeshFile mesh = io::mesh_file_of(source, start); mesh != io::MeshFile::kNone) {
+    refuse_raw_options(source.name(), io::name_of(mesh), options.raw, true);
+    return io::read_mesh_file(mesh, source, options);
+  }
   const bool is_gzip = io::is_gzip(start);
   const io::FileKind kind = is_gzip ? gzip_kind_of(source) : io::kind_of(start);
   switch (kind) {
@@ -113,7 +148,7 @@ Dataset read_any(const io::ByteSource& source, const ReadOptions& options, const
     case io::FileKind::kVtkXml:
     case io::FileKind::kVtkLegacy:
       refuse_raw_options(source.name(), "VTK", options.raw, true);
-      return io::read_vtk_image(source, kind, options);
+      return read_vtk(source, kind, options);
     case io::FileKind::kUnknown:
       break;
   }
@@ -141,6 +176,16 @@ std::string printable(std::string text) {
     if (code < 0x20 || code == 0x7f) c = '?';
   }
   return text;
+}
+
+// Is the first of several inputs half of a PLOT3D dataset? The flags of raw files say that it is
+// not.
+bool is_plot3d(const std::string& path, const RawOptions& raw, io::Plot3dContent content) {
+  const RawOptions from_name = io::parse_raw_name(path);
+  if (raw.dims || raw.type || from_name.dims || from_name.type) return false;
+  const auto source = io::open_file(path);
+  return io::kind_of(source->text(0, 512)) == io::FileKind::kUnknown &&
+         io::find_plot3d(*source, content).has_value();
 }
 
 // What every reader's result goes through, and its error.
@@ -249,6 +294,14 @@ Dataset read_dataset(const std::vector<std::string>& paths, const ReadOptions& o
   if (paths.empty()) throw Error(ErrorCode::kInvalidArgument, "input: no file is named");
   if (is_folder(paths[0]) || (paths.size() > 1 && is_dicom(paths[0])))
     return finished([&] { return read_dicom_parts(paths, options); }, options);
+  if (paths.size() == 2 && is_plot3d(paths[0], options.raw, io::Plot3dContent::kSolution) &&
+      is_plot3d(paths[1], options.raw, io::Plot3dContent::kGrid)) {
+    return finished([&] { return io::read_plot3d(paths[1], {paths[0]}, options); }, options);
+  }
+  if (paths.size() > 1 && is_plot3d(paths[0], options.raw, io::Plot3dContent::kGrid)) {
+    const std::vector<std::string> solutions(paths.begin() + 1, paths.end());
+    return finished([&] { return io::read_plot3d(paths[0], solutions, options); }, options);
+  }
   if (paths.size() > 1) return io::read_step_files(paths, options);
   return io::read_source(*io::open_file(paths[0]), options);
 }

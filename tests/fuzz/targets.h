@@ -123,7 +123,7 @@ inline void dicom_codec(Input input) {
 
 inline void vtk_header(Input input) {
   const auto source = io::open_memory("fuzz.vti", input);
-  for (const auto check : {io::check_vti, io::check_legacy_vtk}) {
+  for (const auto check : {io::check_vtk_xml, io::check_legacy_vtk}) {
     try {
       check(*source);
     } catch (const Error&) {

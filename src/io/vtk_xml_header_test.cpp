@@ -12,7 +12,7 @@ namespace ovoid::io {
 namespace {
 
 std::string vti_error(const std::string& content) {
-  return error_of([&] { check_vti(*open_memory("a.vti", std::as_bytes(std::span(content)))); });
+  return error_of([&] { check_vtk_xml(*open_memory("a.vti", std::as_bytes(std::span(content)))); });
 }
 const std::string kStored = std::string("\x0c\0\0\0", 4) + "123456789012";
 

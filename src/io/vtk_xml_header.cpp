@@ -2,13 +2,16 @@
 #include "io/vtk_header.h"
 
 #include <fmt/format.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <array>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "io/samples.h"
@@ -104,6 +107,10 @@ struct StoredArray {
   std::string format;  // ascii, binary, appended
   NumberKind kind = NumberKind::kInteger;
   bool is_text = false;       // strings: num_bytes is the least they can take
+  int cell_list = -1;         // which list of cells it belongs to, as offsets or node numbers
+  bool are_offsets = false;
+  bool has_free_size = false;  // node numbers: as many as the last offset says
+  std::int64_t value_size = 0;
   std::int64_t position = 0;  // inline: offset in the file; appended: from the '_'
   std::int64_t text_end = 0;  // inline: offset behind the text
 };
@@ -119,14 +126,24 @@ bool is_nan(std::string_view text) {
   return word == "nan" || word == "-nan";
 }
 
-class VtiChecker {
+// In the order of VtkGrid.
+constexpr std::array<std::string_view, 5> kGridNames{
+    "ImageData", "RectilinearGrid", "StructuredGrid", "UnstructuredGrid", "PolyData"};
+
+constexpr std::int64_t kZlibRatio = 1032;  // bytes out per byte in, at most (its technical notes)
+constexpr std::size_t kMaxPieces = 10000;  // those with extents are compared each with each
+
+class XmlChecker {
  public:
-  explicit VtiChecker(const ByteSource& source) : source_(source) {}
+  explicit XmlChecker(const ByteSource& source) : source_(source) {}
 
   VtkGrid run() {
     scan();
     if (!has_image_) fail(fmt::format("holds no {} element: is the file truncated?", grid_name()));
-    check_pieces();
+    if (has_extents()) check_pieces();
+    for (StoredArray& array : arrays_) {
+      if (array.has_free_size) size_by_offsets(array);
+    }
     std::int64_t total = 0;
     for (const StoredArray& array : arrays_) {
       check(array);
@@ -142,20 +159,36 @@ class VtiChecker {
     fail_header(source_, what, code);
   }
 
-  const char* grid_name() const {
-    return grid_ == VtkGrid::kImage ? "ImageData" : "RectilinearGrid";
+  std::string_view grid_name() const { return kGridNames[static_cast<std::size_t>(grid_)]; }
+
+  bool has_extents() const {
+    return grid_ != VtkGrid::kUnstructured && grid_ != VtkGrid::kPolyData;
+  }
+
+  // The elements of a piece that hold arrays.
+  bool is_section(const std::string& name) const {
+    if (name == "PointData" || name == "CellData" || name == "FieldData") return true;
+    if (grid_ == VtkGrid::kImage) return false;
+    if (grid_ == VtkGrid::kRectilinear) return name == "Coordinates";
+    return name == "Points" || is_cell_list(name);
+  }
+
+  bool is_cell_list(const std::string& name) const {
+    if (grid_ == VtkGrid::kUnstructured) return name == "Cells";
+    return grid_ == VtkGrid::kPolyData &&
+           (name == "Verts" || name == "Lines" || name == "Strips" || name == "Polys");
   }
 
   void scan() {
     XmlTagReader reader(source_);
-    std::string section;  // PointData, CellData, FieldData or Coordinates while inside it
+    std::string section;  // PointData, CellData, Coordinates, Points ... while inside it
     while (auto tag = reader.next()) {
       const std::string& name = tag->name;
       end_text(tag->begin);
-      const bool are_coordinates = grid_ == VtkGrid::kRectilinear && name == "Coordinates";
-      if (name == "PointData" || name == "CellData" || name == "FieldData" || are_coordinates) {
+      if (is_section(name)) {
         section = tag->is_empty_element ? "" : name;
-        if (are_coordinates) begin_coordinates();
+        if (name == "Coordinates") begin_coordinates();
+        if (name == "Points" || is_cell_list(name)) begin_list(name);
         continue;
       }
       if (name == "/" + section) section.clear();
@@ -203,20 +236,22 @@ class VtiChecker {
 
   void read_root(const XmlTag& tag) {
     const std::string type = tag.attribute("type");
-    if (type == "RectilinearGrid") grid_ = VtkGrid::kRectilinear;
-    if (type != grid_name()) {
-      fail(fmt::format("VTKFile type '{}': expected ImageData or RectilinearGrid",
+    const auto found = std::find(kGridNames.begin(), kGridNames.end(), type);
+    if (found == kGridNames.end()) {
+      fail(fmt::format("VTKFile type '{}': expected ImageData, RectilinearGrid, StructuredGrid, "
+                       "UnstructuredGrid or PolyData",
                        type.substr(0, 40)),
            ErrorCode::kUnsupported);
     }
+    grid_ = static_cast<VtkGrid>(found - kGridNames.begin());
     is_big_endian_ = tag.attribute("byte_order") == "BigEndian";
     word_size_ = tag.attribute("header_type", "UInt32") == "UInt64" ? 8 : 4;
     const std::string compressor = tag.attribute("compressor");
     is_compressed_ = !compressor.empty();
-    // Bytes out per byte in, at most. zlib: 1032 (its technical notes); LZ4: 255 (a match grows by
+    // Bytes out per byte in, at most. LZ4: 255 (a match grows by
     // 255 per byte); LZMA: 7090 measured on zeros, doubled.
     max_ratio_ = !is_compressed_                         ? 1
-                 : compressor == "vtkZLibDataCompressor" ? 1032
+                 : compressor == "vtkZLibDataCompressor" ? kZlibRatio
                  : compressor == "vtkLZ4DataCompressor"  ? 255
                                                          : 14180;
   }
@@ -224,6 +259,7 @@ class VtiChecker {
   void read_image(const XmlTag& tag) {
     if (has_image_) fail(fmt::format("has two {} elements", grid_name()));
     has_image_ = true;
+    if (!has_extents()) return;
     whole_ = parse_extent(source_, "WholeExtent", tag.attribute("WholeExtent"));
     if (num_points(source_, "WholeExtent", whole_.dims()) == 0)
       fail(fmt::format("WholeExtent=\"{}\": is empty", tag.attribute("WholeExtent")));
@@ -245,17 +281,55 @@ class VtiChecker {
   }
 
   void read_piece(const XmlTag& tag) {
+    lists_.clear();
+    if (!has_extents()) return read_counts(tag);
     piece_ = parse_extent(source_, "Extent", tag.attribute("Extent"));
+    num_points_ = num_cells_ = 0;
     if (num_points(source_, "Extent", piece_.dims()) == 0) return;
     if (!whole_.contains(piece_)) {
       fail(fmt::format("Piece Extent=\"{}\": lies outside WholeExtent", tag.attribute("Extent")));
     }
+    num_points_ = num_points(source_, "Extent", piece_.dims());
+    num_cells_ = num_cells(piece_.dims());
     num_coordinates_ = 0;
     is_piece_open_ = true;
     pieces_.push_back(piece_);
-    constexpr std::size_t kMaxPieces = 10000;  // each is compared with each
     if (pieces_.size() > kMaxPieces)
       fail(fmt::format("has more than {} pieces", kMaxPieces), ErrorCode::kUnsupported);
+  }
+
+  // A piece of a mesh says how many points and cells it has.
+  void read_counts(const XmlTag& tag) {
+    counts_.clear();
+    const auto count = [&](const char* key) {
+      const std::string text = tag.attribute(key, "0");
+      const auto value = parse_integer(text);
+      if (!value || *value < 0 || *value > kMaxAxisSize)
+        fail(fmt::format("Piece: {}=\"{}\": expected 0 to {}", key, text.substr(0, 40), kMaxAxisSize));
+      return *value;
+    };
+    num_points_ = count("NumberOfPoints");
+    num_cells_ = 0;
+    for (const auto& [list, key] : {std::pair{"Cells", "NumberOfCells"},
+                                    {"Verts", "NumberOfVerts"},
+                                    {"Lines", "NumberOfLines"},
+                                    {"Strips", "NumberOfStrips"},
+                                    {"Polys", "NumberOfPolys"}}) {
+      if (!is_cell_list(list)) continue;
+      counts_[list] = count(key);
+      num_cells_ += counts_[list];
+    }
+    is_piece_open_ = true;
+    if (++num_pieces_ > kMaxPieces)
+      fail(fmt::format("has more than {} pieces", kMaxPieces), ErrorCode::kUnsupported);
+  }
+
+  // Points, or a list of cells.
+  void begin_list(const std::string& name) {
+    if (!is_piece_open_) fail(fmt::format("{}: stand in no piece", name));
+    if (!lists_.insert(name).second) fail(fmt::format("{}: stand twice in a piece", name));
+    if (name != "Points") ++num_lists_;
+    num_in_list_ = 0;
   }
 
   void begin_coordinates() {
@@ -265,6 +339,13 @@ class VtiChecker {
   void end_piece() {
     if (is_piece_open_ && grid_ == VtkGrid::kRectilinear && num_coordinates_ != 3) {
       fail(fmt::format("Coordinates: a piece has {} arrays of them: expected 3", num_coordinates_));
+    }
+    if (is_piece_open_ && grid_ >= VtkGrid::kStructured && num_points_ > 0 &&
+        !lists_.contains("Points"))
+      fail(fmt::format("a piece of {} points has no Points", num_points_));
+    for (const auto& [list, count] : counts_) {
+      if (is_piece_open_ && count > 0 && !lists_.contains(list))
+        fail(fmt::format("a piece says {} {} and has no such element", count, list));
     }
     is_piece_open_ = false;
   }
@@ -314,8 +395,11 @@ class VtiChecker {
     const std::int64_t num_tuples =
         section == "FieldData"     ? integer("NumberOfTuples", "1", 0, kMaxNumBytes)
         : section == "Coordinates" ? next_num_coordinates()
-        : section == "CellData"    ? num_cells(piece_.dims())
-                                   : num_points(source_, "Extent", piece_.dims());
+        : is_cell_list(section)    ? place_in_list(array, section)
+        : section == "CellData"    ? num_cells_
+                                   : num_points_;
+    if (section == "Points" && (num_components != 3 || ++num_in_list_ > 1))
+      fail("Points: expected one array of 3 components");
     const std::string type = tag.attribute("type");
     if (type == "String" && section != "FieldData") {
       // VTK falls over those that end early.
@@ -326,6 +410,11 @@ class VtiChecker {
     const bool is_bits = type == "Bit";
     if (section == "Coordinates" && (value_size == 0 || num_components != 1))
       fail(fmt::format("Coordinates: array '{}': expected numbers of one component", array.name));
+    if ((section == "Points" || is_cell_list(section)) && value_size == 0)
+      fail(fmt::format("{}: array '{}': expected numbers", section, array.name));
+    if (is_cell_list(section) && num_components != 1)
+      fail(fmt::format("{}: array '{}': expected one component", section, array.name));
+    array.value_size = value_size;
     array.is_text = value_size == 0 && !is_bits;
     array.kind = type.starts_with("Float") ? NumberKind::kReal : NumberKind::kInteger;
     array.layout =
@@ -348,6 +437,110 @@ class VtiChecker {
     arrays_.push_back(array);
     if (arrays_.size() > kMaxVtkArrays)
       fail(fmt::format("has more than {} arrays", kMaxVtkArrays), ErrorCode::kUnsupported);
+  }
+
+  // What an array of a list of cells is, and its number of values; 0 where the offsets tell it.
+  std::int64_t place_in_list(StoredArray& array, const std::string& section) {
+    const std::int64_t count = counts_[section];
+    array.cell_list = num_lists_;
+    array.are_offsets = array.name == "offsets";
+    array.has_free_size = array.name == "connectivity" && count > 0;
+    if (array.name == "types" || array.are_offsets || array.name == "faceoffsets") return count;
+    // The faces of polyhedra are as many as they are.
+    if (array.name == "faces" || array.has_free_size) return 0;
+    if (count > 0) fail(fmt::format("{}: array '{}': not expected there", section, array.name));
+    return 0;
+  }
+
+  // VTK takes as many node numbers as the last offset says.
+  void size_by_offsets(StoredArray& array) const {
+    const auto offsets =
+        std::find_if(arrays_.begin(), arrays_.end(), [&](const StoredArray& other) {
+          return other.cell_list == array.cell_list && other.are_offsets;
+        });
+    if (offsets == arrays_.end()) fail("cells: have connectivity and no offsets");
+    check(*offsets);
+    const auto last = last_value(*offsets);
+    std::int64_t num_values = 0;
+    if (last) {
+      num_values = *last;
+    } else {
+      const StoredSize size = is_compressed_ ? compressed_size(array) : plain_size(array);
+      num_values = static_cast<std::int64_t>(size.num_stated) / array.value_size;
+    }
+    if (num_values < 0 || num_values > kMaxNumBytes / 8)
+      fail(fmt::format("cells: the last offset is {}: expected the number of node numbers",
+                       num_values));
+    array.num_values = num_values;
+    array.num_bytes = num_values * array.value_size;
+    array.layout = fmt::format("{} node numbers of {} bytes", num_values, array.value_size);
+  }
+
+  // The last of the integers of an array that check() has passed; empty if a compressor other than
+  // zlib hides it.
+  std::optional<std::int64_t> last_value(const StoredArray& array) const {
+    if (array.format == "ascii") {
+      TextScanner text(source_, array.position, array.text_end);
+      std::string last;
+      for (std::int64_t i = 0; i < array.num_values; ++i) last = text.word();
+      return parse_integer(last).value_or(-1);
+    }
+    const auto size = static_cast<std::size_t>(array.value_size);
+    std::string bytes;
+    if (is_compressed_) {
+      if (max_ratio_ != kZlibRatio) return std::nullopt;
+      bytes = inflated_end(array, size);
+    } else {
+      bytes = stored_bytes(array, word_size_ + array.num_bytes - array.value_size, size);
+    }
+    if (bytes.size() != size) fail("cells: offsets: the last one cannot be read");
+    std::uint64_t value = 0;
+    for (std::size_t i = 0; i < size; ++i)
+      value = value << 8U | static_cast<unsigned char>(bytes[is_big_endian_ ? i : size - 1 - i]);
+    return value > static_cast<std::uint64_t>(kMaxNumBytes) ? -1
+                                                            : static_cast<std::int64_t>(value);
+  }
+
+  // `count` bytes of an array without compressor, header included in `offset`.
+  std::string stored_bytes(const StoredArray& array, std::int64_t offset, std::size_t count) const {
+    const std::int64_t begin = data_begin(array);
+    if (!is_base64(array)) return source_.text(begin + offset, static_cast<std::int64_t>(count));
+    return base64_behind(array, 0, offset, count);
+  }
+
+  // The last `count` bytes that the last block of zlib data holds.
+  std::string inflated_end(const StoredArray& array, std::size_t count) const {
+    const auto num_blocks = static_cast<std::size_t>(stated_words(array, 1)[0]);
+    const auto head = stated_words(array, 3 + num_blocks);
+    std::int64_t begin = 0;
+    for (std::size_t i = 3; i + 1 < head.size(); ++i) begin += static_cast<std::int64_t>(head[i]);
+    const auto header = static_cast<std::int64_t>(head.size()) * word_size_;
+    const auto num_stored = static_cast<std::size_t>(head.back());
+    // The header and the blocks are two pieces of base64.
+    const std::string stored =
+        is_base64(array) ? base64_behind(array, (header + 2) / 3 * 4, begin, num_stored)
+                         : source_.text(data_begin(array) + header + begin,
+                                        static_cast<std::int64_t>(num_stored));
+    const std::uint64_t size = head[2] > 0 ? head[2] : head[1];
+    // At most 2 GiB is stated; what the block can hold bounds it.
+    if (size / kZlibRatio > stored.size() + 1 || size < count) return {};
+    std::string inflated(static_cast<std::size_t>(size), '\0');
+    auto num_bytes = static_cast<uLongf>(size);
+    const int status =
+        ::uncompress(reinterpret_cast<Bytef*>(inflated.data()), &num_bytes,
+                     reinterpret_cast<const Bytef*>(stored.data()), static_cast<uLong>(stored.size()));
+    if (status != Z_OK || num_bytes != size) return {};
+    return inflated.substr(inflated.size() - count);
+  }
+
+  // `count` bytes from `offset` of the base64 that begins `num_digits` behind the array's first.
+  std::string base64_behind(const StoredArray& array, std::int64_t num_digits, std::int64_t offset,
+                            std::size_t count) const {
+    const auto skipped = static_cast<std::size_t>(offset % 3);
+    const std::string text = source_.text(data_begin(array) + num_digits + offset / 3 * 4,
+                                          static_cast<std::int64_t>((skipped + count) * 4 / 3 + 4));
+    const std::string bytes = decode_base64(text, skipped + count);
+    return bytes.size() < skipped + count ? "" : bytes.substr(skipped, count);
   }
 
   // VTK takes the first '>' for the end of the tag when it looks for the text behind it.
@@ -556,6 +749,12 @@ class VtiChecker {
   std::int64_t word_size_ = 4;
   std::int64_t max_ratio_ = 1;
   std::int64_t appended_begin_ = 0;
+  std::int64_t num_points_ = 0, num_cells_ = 0;   // of the piece
+  std::map<std::string, std::int64_t> counts_;    // of its lists of cells
+  std::set<std::string> lists_;                   // Points and lists that it has so far
+  int num_lists_ = 0;                             // lists of cells in all pieces
+  int num_in_list_ = 0;
+  std::size_t num_pieces_ = 0;
   Extent whole_;
   Extent piece_;  // the one that the arrays belong to
   std::vector<Extent> pieces_;
@@ -564,6 +763,15 @@ class VtiChecker {
 
 }  // namespace
 
-VtkGrid check_vti(const ByteSource& source) { return VtiChecker(source).run(); }
+VtkGrid check_vtk_xml(const ByteSource& source) { return XmlChecker(source).run(); }
+
+std::string vtk_xml_type(const ByteSource& source) {
+  XmlTagReader reader(source);
+  while (const auto tag = reader.next()) {
+    if (tag->name == "VTKFile") return tag->attribute("type");
+    if (!tag->name.starts_with('?') && !tag->name.starts_with('!')) break;
+  }
+  return {};
+}
 
 }  // namespace ovoid::io

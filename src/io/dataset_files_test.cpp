@@ -266,9 +266,8 @@ TEST(DatasetFiles, ReadErrors) {
   folder.write("name.vti", "hello");
   folder.write("a.gz", "\x1f\x8b\x08");
   const std::string readable =
-      "NRRD, NPY, NIfTI, MetaImage, SLC, VTI, VTR, legacy VTK, DICOM, or raw samples with "
-      "dimensions "
-      "and type";
+      "NRRD, NPY, NIfTI, MetaImage, SLC, VTK's files, Exodus, VTKHDF, PLOT3D, Enzo, EnSight, "
+      "OpenFOAM, DICOM, or raw samples with dimensions and type";
   expect("missing.nrrd", "file-not-found", "no such file");
   expect("", "unsupported", "none of its 4 files is DICOM: a folder is read as DICOM slices");
   expect("empty", "file-format", "is empty");

@@ -140,6 +140,8 @@ TEST(Mutation, Slc) { run(fuzz::slc_seeds(), fuzz::slc); }
 TEST(Mutation, RawName) { run(fuzz::raw_name_seeds(), fuzz::raw_name); }
 TEST(Mutation, Dicom) { run(fuzz::dicom_seeds(), fuzz::dicom); }
 TEST(Mutation, VtkHeader) { run(fuzz::vtk_header_seeds(), fuzz::vtk_header); }
+TEST(Mutation, Plot3d) { run(fuzz::plot3d_seeds(), fuzz::plot3d); }
+TEST(Mutation, NetcdfHeader) { run(fuzz::netcdf_header_seeds(), fuzz::netcdf_header, 4000); }
 TEST(Mutation, Look) { run(fuzz::look_seeds(), fuzz::look, 4000); }
 TEST(Mutation, Camera) { run(fuzz::camera_seeds(), fuzz::camera); }
 
@@ -185,6 +187,22 @@ TEST(Mutation, SeedsAreValid) {
               "")
         << i;
   }
+  for (const std::string& seed : fuzz::plot3d_seeds()) {
+    const auto whole = std::as_bytes(std::span(seed));
+    ASSERT_FALSE(seed.empty());
+    const std::size_t split =
+        1 + (seed.size() - 1) * static_cast<std::size_t>(whole[0]) / 255;
+    const fuzz::MemoryFile grid(whole.subspan(1, split - 1)), solution(whole.subspan(split));
+    EXPECT_EQ(error_of([&] { read_plot3d(grid.path(), {solution.path()}, {}); }), "");
+  }
+  const auto netcdf = fuzz::netcdf_header_seeds();
+  for (std::size_t i = 0; i < 2; ++i) {  // the third is HDF5
+    EXPECT_EQ(error_of([&] {
+                check_netcdf(*open_memory("a.e", std::as_bytes(std::span(netcdf[i]))));
+              }),
+              "")
+        << i;
+  }
   for (const std::string& seed : fuzz::look_seeds()) {
     const fuzz::MemoryFile file(std::as_bytes(std::span(seed)));
     EXPECT_EQ(error_of([&] { read_look(file.path()); }), "") << seed;
@@ -202,7 +220,7 @@ TEST(Mutation, VtkFiles) {
   const std::string first = folder.write("seed.vti", fuzz::vtk_header_seeds()[0]);
   const bool has_vtk = error_of([&] { read_dataset({first}); }).find("no VTK") == std::string::npos;
   Mutator mutator(fuzz::vtk_header_seeds());
-  for (int i = 0; has_vtk && i < 500; ++i) {
+  for (int i = 0; has_vtk && i < wanted(1000); ++i) {
     const std::string input = mutator.next();
     const std::string path = folder.write("a.vti", input);
     try {

@@ -243,6 +243,7 @@ Plot3dLayout solution_layout(const ByteSource& source, const std::string& grid_p
 }  // namespace
 
 std::optional<Plot3dLayout> find_plot3d(const ByteSource& source, Plot3dContent content) {
+  std::optional<Plot3dLayout> padded;  // zeros may be IBLANK, too
   for (unsigned i = 0; i < 32; ++i) {
     Plot3dLayout layout;
     layout.has_marks = (i & 16U) == 0;  // the stricter first
@@ -251,9 +252,11 @@ std::optional<Plot3dLayout> find_plot3d(const ByteSource& source, Plot3dContent 
     layout.is_double = (i & 2U) != 0;
     layout.has_iblank = (i & 1U) != 0;
     if (layout.has_iblank && content == Plot3dContent::kSolution) continue;
-    if (auto found = Plot3dWalker(source, layout, content).run()) return found;
+    auto found = Plot3dWalker(source, layout, content).run();
+    if (found && found->num_padding == 0) return found;
+    if (found && !padded) padded = std::move(found);
   }
-  return std::nullopt;
+  return padded;
 }
 
 Dataset read_plot3d(const std::string& grid_path, const std::vector<std::string>& solution_paths,

@@ -52,6 +52,7 @@ Dataset read_enzo(const ByteSource& source, const ReadOptions& options) {
   const std::string path =
       source.name().ends_with(ending) ? source.name() : source.name() + ending;
   vtkNew<vtkAMREnzoReader> reader;
+  reader->ConvertToCGSOff();  // the values are the file's
   reader->SetFileName(path.c_str());
   VtkRun run(source, options);
   run(reader, [&] {

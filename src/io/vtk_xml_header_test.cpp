@@ -191,9 +191,9 @@ TEST(VtiHeader, ChecksTheBlocksOfCompressedArrays) {
 }
 
 TEST(VtiHeader, OtherKindsAreUnsupported) {
-  EXPECT_EQ(vti_error(with(kAppended, "ImageData", "PolyData")),
-            "unsupported: a.vti: VTKFile type 'PolyData': expected ImageData or "
-            "RectilinearGrid");
+  EXPECT_EQ(vti_error(with(kAppended, "ImageData", "HyperTreeGrid")),
+            "unsupported: a.vti: VTKFile type 'HyperTreeGrid': expected ImageData, "
+            "RectilinearGrid, StructuredGrid, UnstructuredGrid or PolyData");
   EXPECT_EQ(vti_error("<VTKFile type=\"ImageData\" " + std::string(70000, 'x')),
             "file-format: a.vti: the tag at byte 0 does not end");
 }

@@ -17,6 +17,8 @@
 
 #include "io/byte_source.h"
 #include "io/dicom_codec.h"
+#include "io/netcdf_header.h"
+#include "io/plot3d.h"
 #include "io/read_source.h"
 #include "io/vtk_header.h"
 #include "ovoid/dataset.h"
@@ -36,28 +38,58 @@ inline void require(bool holds, const char* what) {
   if (!holds) throw Inconsistent(what);
 }
 
+// What every caller of a reader relies on: an array has what it says.
+inline void check_bytes(const DataArray& array, std::int64_t num_tuples) {
+  require(array.num_components >= 1, "an array without components");
+  require(array.num_tuples == num_tuples, "tuples that do not fit the dataset");
+  const auto num_bytes = static_cast<std::uint64_t>(num_tuples) *
+                         static_cast<std::uint64_t>(array.num_components) * size_of(array.type);
+  require(array.bytes.view.size() == num_bytes, "bytes that do not fit the tuples");
+  require(reinterpret_cast<std::uintptr_t>(array.bytes.view.data()) % size_of(array.type) == 0,
+          "unaligned samples");
+  // Every byte must be readable and, under a sanitizer that knows, initialised.
+  unsigned sum = 0;
+  for (const std::byte byte : array.bytes.view) sum += static_cast<unsigned>(byte);
+  require(sum < 0xffffffffU || num_bytes > 0, "no bytes");
+}
+
+// Meshes, boxes and particles.
+inline void check_points(const Dataset& dataset) {
+  const std::int64_t num_points = dataset.num_positions();
+  require(num_points >= 1, "no positions");
+  check_bytes(dataset.positions, num_points);
+  require(dataset.positions.num_components == 3 && is_floating(dataset.positions.type),
+          "positions that are none");
+  if (dataset.kind == DatasetKind::kBoxes) check_bytes(dataset.box_sizes, num_points);
+  for (const DataArray& array : dataset.arrays)
+    check_bytes(array, array.is_cell_data ? dataset.cells.count() : num_points);
+  const Cells& cells = dataset.cells;
+  if (cells.is_structured()) {
+    require(num_samples(cells.dims) == num_points, "dimensions that do not fit the nodes");
+    return;
+  }
+  if (cells.types.empty()) return;
+  require(cells.offsets.size() == cells.types.size() + 1 && cells.offsets.front() == 0 &&
+              std::is_sorted(cells.offsets.begin(), cells.offsets.end()) &&
+              cells.offsets.back() == static_cast<std::int64_t>(cells.connectivity.size()),
+          "offsets that do not fit the cells");
+  for (const std::uint32_t node : cells.connectivity)
+    require(node < num_points, "a node that is not there");
+}
+
 // What every caller of a reader relies on.
 inline void check_dataset(const Dataset& dataset) {
+  if (dataset.kind != DatasetKind::kLattice) return check_points(dataset);
   const LatticeGeometry& lattice = dataset.lattice;
   for (const std::int64_t dim : lattice.dims) require(dim >= 1, "an axis without samples");
   require(lattice.world_from_index.matrix().allFinite(), "a geometry that is not finite");
   require(lattice.world_from_index.linear().determinant() != 0, "a degenerate geometry");
   require(!dataset.arrays.empty(), "no arrays");
   for (const DataArray& array : dataset.arrays) {
-    require(array.num_components >= 1, "an array without components");
     std::int64_t num_tuples = 1;
     for (const std::int64_t dim : lattice.dims)
       num_tuples *= array.is_cell_data ? std::max<std::int64_t>(1, dim - 1) : dim;
-    require(array.num_tuples == num_tuples, "tuples that do not fit the lattice");
-    const auto num_bytes = static_cast<std::uint64_t>(num_tuples) *
-                           static_cast<std::uint64_t>(array.num_components) * size_of(array.type);
-    require(array.bytes.view.size() == num_bytes, "bytes that do not fit the tuples");
-    require(reinterpret_cast<std::uintptr_t>(array.bytes.view.data()) % size_of(array.type) == 0,
-            "unaligned samples");
-    // Every byte must be readable and, under a sanitizer that knows, initialised.
-    unsigned sum = 0;
-    for (const std::byte byte : array.bytes.view) sum += static_cast<unsigned>(byte);
-    require(sum < 0xffffffffU || num_bytes > 0, "no bytes");
+    check_bytes(array, num_tuples);
   }
 }
 
@@ -171,6 +203,25 @@ inline void look(Input input) {
   } catch (const Error& error) {
     require(std::string(error.what()).find('\n') == std::string::npos,
             "a message of several lines");
+  }
+}
+
+// The input is a grid and its solution, one behind the other, split where the first byte says.
+inline void plot3d(Input input) {
+  if (input.empty()) return;
+  const std::size_t split =
+      1 + (input.size() - 1) * static_cast<std::size_t>(input[0]) / 255;
+  const MemoryFile grid(input.subspan(1, split - 1));
+  const MemoryFile solution(input.subspan(split));
+  expect_dataset_or_error([&] { return io::read_plot3d(grid.path(), {solution.path()}, {}); });
+}
+
+inline void netcdf_header(Input input) {
+  try {
+    io::check_netcdf(*io::open_memory("fuzz.e", input));
+    io::check_hdf5_size(*io::open_memory("fuzz.e", input));
+  } catch (const Error&) {
+    // Refused: as it should be.
   }
 }
 

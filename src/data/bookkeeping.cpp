@@ -12,10 +12,11 @@ namespace ovoid::data {
 bool is_bookkeeping(const DataArray& array) {
   // Exodus readers and writers, VTK's id filters, and what simulations call the owner of a cell.
   constexpr std::array<std::string_view, 21> kNames{
-      "GlobalNodeId",   "PedigreeNodeId",  "ObjectId",      "GlobalElementId", "PedigreeElementId",
-      "GlobalNodeIds",  "GlobalCellIds",   "GlobalPointIds", "PointIds",       "CellIds",
-      "SourceElementId", "SourceElementSide", "ElementBlockIds", "FileId",       "GlobalIds",
-      "PedigreeIds",    "ProcessId",       "BlockId",       "BlockIndex",      "node_ids",
+      "GlobalNodeId",      "PedigreeNodeId", "ObjectId",        "GlobalElementId",
+      "PedigreeElementId", "GlobalNodeIds",  "GlobalCellIds",   "GlobalPointIds",
+      "PointIds",          "CellIds",        "SourceElementId", "SourceElementSide",
+      "ElementBlockIds",   "FileId",         "GlobalIds",       "PedigreeIds",
+      "ProcessId",         "BlockId",        "BlockIndex",      "node_ids",
       "element_ids"};
   return array.name.starts_with("vtk") ||
          std::find(kNames.begin(), kNames.end(), array.name) != kNames.end();

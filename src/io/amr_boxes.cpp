@@ -60,7 +60,8 @@ std::vector<bool> visible_cells(const AmrGrid& grid, const std::vector<AmrGrid>&
   std::vector<bool> is_visible(static_cast<std::size_t>(nx * ny * nz), true);
   for (const AmrGrid& finer : grids) {
     if (finer.level <= grid.level) continue;
-    const auto x = covered(grid, finer, 0), y = covered(grid, finer, 1), z = covered(grid, finer, 2);
+    const auto x = covered(grid, finer, 0), y = covered(grid, finer, 1),
+               z = covered(grid, finer, 2);
     for (std::int64_t k = z[0]; k < z[1]; ++k) {
       for (std::int64_t j = y[0]; j < y[1]; ++j) {
         for (std::int64_t i = x[0]; i < x[1]; ++i)
@@ -71,7 +72,8 @@ std::vector<bool> visible_cells(const AmrGrid& grid, const std::vector<AmrGrid>&
   for (const DataArray& array : grid.arrays) {
     if (array.name != kAmrGhostArray || array.type != ScalarType::kUInt8) continue;
     for (std::size_t c = 0; c < is_visible.size(); ++c) {
-      if ((std::to_integer<unsigned>(array.bytes.view[c]) & kUnseenCell) != 0) is_visible[c] = false;
+      if ((std::to_integer<unsigned>(array.bytes.view[c]) & kUnseenCell) != 0)
+        is_visible[c] = false;
     }
   }
   return is_visible;

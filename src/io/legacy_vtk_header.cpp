@@ -65,11 +65,7 @@ class LegacyChecker {
       : source_(source), text_(source, 0, source.size()) {}
 
   VtkGrid run() {
-    // "# vtk DataFile Version 5.1": from 5 on cells are stored in another way.
     const std::string magic = text_.line().value_or("");
-    const auto magic_words = words(magic);
-    if (magic_words.size() > 4)
-      has_offsets_ = parse_integer(magic_words[4].substr(0, magic_words[4].find('.'))) >= 5;
     text_.line();  // title
     const std::string encoding = keyword();
     if (encoding != "ascii" && encoding != "binary")
@@ -95,6 +91,7 @@ class LegacyChecker {
     grid_ = found->second;
     has_dims_ = grid_ != VtkGrid::kUnstructured && grid_ != VtkGrid::kPolyData;
     if (!has_dims_) num_cells_ = 0;  // so far
+    if (grid_ >= VtkGrid::kStructured) read_version(magic);
     for (std::string word = keyword(); !word.empty(); word = keyword()) check_part(word);
     if (has_dims_ && num_tuples_ < 0)
       fail("has no POINT_DATA or CELL_DATA: is the file truncated?");
@@ -133,6 +130,19 @@ class LegacyChecker {
     if (!value || *value < least || *value > most)
       fail(fmt::format("{}: '{}': expected {} to {}", what, shown(text), least, most));
     return *value;
+  }
+
+  // "# vtk DataFile Version 5.1": from 5 on cells are stored in another way.
+  void read_version(const std::string& magic) {
+    constexpr std::string_view kStart = "# vtk DataFile Version ";
+    const std::string version =
+        magic.starts_with(kStart)
+            ? magic.substr(kStart.size(), magic.find_last_not_of(" \t\r") + 1 - kStart.size())
+            : "";
+    const bool is_known = version.size() == 3 && version[0] >= '1' && version[0] <= '5' &&
+                          version[1] == '.' && version[2] >= '0' && version[2] <= '9';
+    if (!is_known) fail(fmt::format("'{}': expected version 1.0 to 5.9", shown(magic, 80)));
+    has_offsets_ = version[0] == '5';
   }
 
   // What may stand behind DATASET: the image's place, then its arrays.
@@ -182,10 +192,11 @@ class LegacyChecker {
         if (word == lower(name)) return check_cells(name);
       }
     }
-    fail(fmt::format("'{}': expected POINTS, CELLS, CELL_TYPES, VERTICES, LINES, POLYGONS, "
-                     "TRIANGLE_STRIPS, DIMENSIONS, FIELD, POINT_DATA or CELL_DATA, as the kind of "
-                     "data set has them",
-                     shown(word)));
+    fail(
+        fmt::format("'{}': expected POINTS, CELLS, CELL_TYPES, VERTICES, LINES, POLYGONS, "
+                    "TRIANGLE_STRIPS, DIMENSIONS, FIELD, POINT_DATA or CELL_DATA, as the kind of "
+                    "data set has them",
+                    shown(word)));
   }
 
   // POINTS count type, then three numbers each
@@ -267,8 +278,7 @@ class LegacyChecker {
     for (const bool are_offsets : {true, false}) {
       const char* const expected = are_offsets ? "offsets" : "connectivity";
       const std::string word = keyword();
-      if (word != expected)
-        fail(fmt::format("{}: '{}': expected {}", name, shown(word), expected));
+      if (word != expected) fail(fmt::format("{}: '{}': expected {}", name, shown(word), expected));
       LegacyArray array;
       array.what = fmt::format("{} {}", name, expected);
       array.num_tuples = are_offsets ? num_offsets : num_nodes;
@@ -315,8 +325,7 @@ class LegacyChecker {
     if (is_seen) fail(fmt::format("{}: stands twice", keyword));
     is_seen = true;
     const auto expected = is_of_points ? num_points_ : num_cells_;
-    if (!expected)
-      fail(fmt::format("{} before {}", keyword, has_dims_ ? "DIMENSIONS" : "POINTS"));
+    if (!expected) fail(fmt::format("{} before {}", keyword, has_dims_ ? "DIMENSIONS" : "POINTS"));
     if (grid_ == VtkGrid::kRectilinear && num_coordinates_ < 3)
       fail(fmt::format("{} before the coordinates along all three axes", keyword));
     const std::string text = word();
@@ -597,11 +606,11 @@ class LegacyChecker {
   std::array<std::int64_t, 3> dims_{};
   std::size_t num_coordinates_ = 0;  // axes whose coordinates have been passed
   bool is_binary_ = false;
-  bool has_offsets_ = false;               // cells as from version 5 on
-  bool has_dims_ = true;                   // else POINTS and lists of cells say how many there are
+  bool has_offsets_ = false;  // cells as from version 5 on
+  bool has_dims_ = true;      // else POINTS and lists of cells say how many there are
   bool has_points_ = false;
   bool has_types_ = false;
-  std::vector<std::string> cell_lists_;    // those that have been passed
+  std::vector<std::string> cell_lists_;  // those that have been passed
   bool has_point_data_ = false;
   bool has_cell_data_ = false;
   std::optional<std::int64_t> num_points_, num_cells_;

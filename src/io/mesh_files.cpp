@@ -48,9 +48,9 @@ void check_enzo(const std::string& path) {
     last = name;
     const auto file = open_file(path_beside(path, name));
     if (!file->text(0, 8).starts_with(kHdf5Magic)) {
-      throw Error(ErrorCode::kFileFormat,
-                  fmt::format("{}: is no HDF5 file, {} says it holds its grids", file->name(),
-                              path));
+      throw Error(
+          ErrorCode::kFileFormat,
+          fmt::format("{}: is no HDF5 file, {} says it holds its grids", file->name(), path));
     }
     check_hdf5_size(*file);
   }
@@ -81,8 +81,6 @@ const char* name_of(MeshFile kind) noexcept {
       return "Enzo";
     case MeshFile::kEnSight:
       return "EnSight";
-    case MeshFile::kOpenFoam:
-      return "OpenFOAM";
   }
   return "";
 }
@@ -99,7 +97,6 @@ MeshFile mesh_file_of(const ByteSource& source, std::string_view start) {
   if (ending == ".hierarchy" || (start.find(" = ") != std::string_view::npos &&
                                  std::filesystem::exists(source.name() + ".hierarchy", ignored)))
     return MeshFile::kEnzo;
-  if (ending == ".foam") return MeshFile::kOpenFoam;
   if (ending == ".case" || ending == ".encas") return MeshFile::kEnSight;
   return MeshFile::kNone;
 }
@@ -116,8 +113,6 @@ Dataset read_mesh_file(MeshFile kind, const ByteSource& source, const ReadOption
       return read_enzo(source, options);
     case MeshFile::kEnSight:
       return read_ensight(source, options);
-    case MeshFile::kOpenFoam:
-      return read_openfoam(source, options);
     case MeshFile::kNone:
       break;
   }

@@ -13,14 +13,14 @@
 
 namespace ovoid::io {
 
-enum class MeshFile { kNone, kExodus, kVtkHdf, kEnzo, kEnSight, kOpenFoam };
+enum class MeshFile { kNone, kExodus, kVtkHdf, kEnzo, kEnSight };
 
 // "Exodus", "VTKHDF", ...; "" for kNone.
 const char* name_of(MeshFile kind) noexcept;
 
 // From the file's first 512 bytes and, where those cannot tell, from its name: netCDF files and
 // HDF5 files called .e .ex2 .exo .exii .g are Exodus, HDF5 files with a group VTKHDF are VTKHDF;
-// NAME.hierarchy, or NAME beside it, is Enzo; .case is EnSight, .foam OpenFOAM.
+// NAME.hierarchy, or NAME beside it, is Enzo; .case is EnSight.
 MeshFile mesh_file_of(const ByteSource& source, std::string_view start);
 
 // Reads what mesh_file_of has told: the step and the blocks that `options` say (mesh_of_parts,
@@ -35,6 +35,5 @@ Dataset read_exodus(const ByteSource& source, const ReadOptions& options);
 Dataset read_vtk_hdf(const ByteSource& source, const ReadOptions& options);
 Dataset read_enzo(const ByteSource& source, const ReadOptions& options);
 Dataset read_ensight(const ByteSource& source, const ReadOptions& options);
-Dataset read_openfoam(const ByteSource& source, const ReadOptions& options);
 
 }  // namespace ovoid::io

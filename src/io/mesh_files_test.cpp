@@ -79,8 +79,9 @@ TEST_F(MeshFiles, Vtu) {
   options.array = "c";
   EXPECT_EQ(read_dataset({folder.file("a.vtu")}, options).arrays.size(), 1U);
   options.array = "d";
-  EXPECT_NE(error_of([&] { read_dataset({folder.file("a.vtu")}, options); })
-                .find("array 'd': not there: expected one of 'GlobalNodeId', 'v', 'c'"),
+  EXPECT_NE(error_of([&] {
+              read_dataset({folder.file("a.vtu")}, options);
+            }).find("array 'd': not there: expected one of 'GlobalNodeId', 'v', 'c'"),
             std::string::npos);
 }
 
@@ -123,11 +124,10 @@ TEST_F(MeshFiles, ContradictionsInVtuAreNamed) {
 TEST_F(MeshFiles, PiecesAndBlocks) {
   folder.write("a.vtu", kVtu);
   // The same moved by one in x: four nodes of the hexahedra meet, and the tetrahedron's tip.
-  folder.write("b.vtu", with(kVtu,
-                             "0 0 0 1 0 0 1 1 0 0 1 0 0 0 1 1 0 1 1 1 1 0 1 1 2 0 0",
+  folder.write("b.vtu", with(kVtu, "0 0 0 1 0 0 1 1 0 0 1 0 0 0 1 1 0 1 1 1 1 0 1 1 2 0 0",
                              "1 0 0 2 0 0 2 1 0 1 1 0 1 0 1 2 0 1 2 1 1 1 1 1 3 0 0"));
-  const Dataset pieces = read_dataset({folder.write(
-      "a.pvtu", pieces_of(R"(<Piece Source="a.vtu"/><Piece Source="b.vtu"/>)"))});
+  const Dataset pieces = read_dataset(
+      {folder.write("a.pvtu", pieces_of(R"(<Piece Source="a.vtu"/><Piece Source="b.vtu"/>)"))});
   EXPECT_EQ(pieces.format, "PVTU");
   EXPECT_EQ(pieces.num_positions(), 18 - 5);
   EXPECT_EQ(pieces.cells.count(), 4);
@@ -155,8 +155,7 @@ TEST_F(MeshFiles, PiecesAndBlocks) {
 TEST_F(MeshFiles, TimeSeriesBeginWhereTheyVary) {
   folder.write("a.vtu", with(kVtu, ">0 1 2 3 4 5 6 7 8<", ">0 0 0 0 0 0 0 0 0<"));
   folder.write("b.vtu", kVtu);
-  const std::string series = folder.write(
-      "a.pvd", R"(<VTKFile type="Collection"><Collection>
+  const std::string series = folder.write("a.pvd", R"(<VTKFile type="Collection"><Collection>
 <DataSet timestep="2.5" file="b.vtu"/><DataSet timestep="-1" file="a.vtu"/></Collection></VTKFile>)");
   const Dataset mesh = read_dataset({series});
   EXPECT_EQ(mesh.times, (std::vector<double>{-1, 2.5}));
@@ -175,10 +174,10 @@ TEST_F(MeshFiles, LegacyMeshesOfEveryKind) {
   EXPECT_EQ(mesh.cells.connectivity, (std::vector<std::uint32_t>{0, 1, 2, 3, 1, 2, 3, 4}));
   // As version 5 stores cells.
   const Dataset later = read_dataset({folder.write(
-      "b.vtk", with(with(kLegacyMesh, "Version 3.0", "Version 5.1"),
-                    "CELLS 2 10\n4 0 1 2 3\n4 1 2 3 4\n",
-                    "CELLS 3 8\nOFFSETS vtktypeint64\n0 4 8\nCONNECTIVITY vtktypeint64\n0 1 2 3 1 "
-                    "2 3 4\n"))});
+      "b.vtk",
+      with(with(kLegacyMesh, "Version 3.0", "Version 5.1"), "CELLS 2 10\n4 0 1 2 3\n4 1 2 3 4\n",
+           "CELLS 3 8\nOFFSETS vtktypeint64\n0 4 8\nCONNECTIVITY vtktypeint64\n0 1 2 3 1 "
+           "2 3 4\n"))});
   EXPECT_EQ(later.cells.connectivity, mesh.cells.connectivity);
 
   const Dataset grid = read_dataset({folder.write(
@@ -243,7 +242,8 @@ TEST_F(MeshFiles, AdaptiveGridsAreTheirFinestCells) {
   EXPECT_EQ(centers[10], 0.25);
   const auto sizes = values_of<double>(boxes.box_sizes);
   double volume = 0;
-  for (std::size_t i = 0; i < sizes.size(); i += 3) volume += sizes[i] * sizes[i + 1] * sizes[i + 2];
+  for (std::size_t i = 0; i < sizes.size(); i += 3)
+    volume += sizes[i] * sizes[i + 1] * sizes[i + 2];
   EXPECT_EQ(volume, 4);
 }
 
@@ -332,9 +332,9 @@ TEST_F(MeshFiles, TheCanInThreeFormats) {
     EXPECT_EQ(mesh.step, paths.size() == 3 ? 1 : 0);
     const auto strain = values_of<double>(mesh.array("EQPS"));
     EXPECT_NEAR(*std::max_element(strain.begin(), strain.end()),
-                paths.size() == 3     ? 1.884
-                : paths[0] == vtu     ? 2.89394
-                                      : 2.873,
+                paths.size() == 3 ? 1.884
+                : paths[0] == vtu ? 2.89394
+                                  : 2.873,
                 5e-4);
   }
   const TestFolder cut;

@@ -131,8 +131,8 @@ void choose_blocks(Dataset& dataset, std::vector<MeshPart>& parts, const ReadOpt
                                         dataset.source, names.size()));
     return;
   }
-  const auto largest = std::max_element(
-      names.begin(), names.end(), [&](const std::string& a, const std::string& b) {
+  const auto largest =
+      std::max_element(names.begin(), names.end(), [&](const std::string& a, const std::string& b) {
         const BlockSize left = size_of_block(parts, a), right = size_of_block(parts, b);
         return std::pair(left.num_cells, left.num_nodes) <
                std::pair(right.num_cells, right.num_nodes);
@@ -161,9 +161,10 @@ void leave_shared_arrays(Dataset& dataset, std::vector<MeshPart>& parts) {
     });
   }
   for (const std::string& name : dropped) {
-    dataset.notes.push_back(fmt::format("{}: array '{}' is left out: not every piece or block has "
-                                        "it with the same type",
-                                        dataset.source, name));
+    dataset.notes.push_back(
+        fmt::format("{}: array '{}' is left out: not every piece or block has "
+                    "it with the same type",
+                    dataset.source, name));
   }
 }
 
@@ -211,8 +212,7 @@ class Merger {
       for (std::int64_t i = 0; i < count; ++i) {
         const auto next = static_cast<std::uint32_t>(num_nodes_);
         const Owner own{next, static_cast<std::uint32_t>(p)};
-        const auto [found, is_first] =
-            owners.try_emplace(place_of(parts_[p].positions, i), own);
+        const auto [found, is_first] = owners.try_emplace(place_of(parts_[p].positions, i), own);
         const bool is_merged = !is_first && found->second.part != p;
         numbers.push_back(is_merged ? found->second.node : next);
         is_new.push_back(!is_merged);
@@ -229,8 +229,7 @@ class Merger {
     for (std::size_t p = 0; p < parts_.size(); ++p) {
       for (std::int64_t i = 0; i < parts_[p].num_nodes(); ++i) {
         if (!is_new_[p][static_cast<std::size_t>(i)]) continue;
-        for (const double x : place_of(parts_[p].positions, i))
-          values.push_back(static_cast<T>(x));
+        for (const double x : place_of(parts_[p].positions, i)) values.push_back(static_cast<T>(x));
       }
     }
     DataArray result = parts_.front().positions;
@@ -310,9 +309,10 @@ void make_particles(Dataset& dataset, MeshPart& whole) {
     if (!array.is_cell_data) return false;
     array.is_cell_data = false;
     if (is_one_to_one) return false;
-    dataset.notes.push_back(fmt::format("{}: array '{}' is left out: it belongs to cells, points "
-                                        "are read",
-                                        dataset.source, array.name));
+    dataset.notes.push_back(
+        fmt::format("{}: array '{}' is left out: it belongs to cells, points "
+                    "are read",
+                    dataset.source, array.name));
     return true;
   });
   whole.cells = {};
@@ -372,10 +372,9 @@ Dataset mesh_of_parts(Dataset dataset, std::vector<MeshPart> parts, const ReadOp
     }
   }
   const bool are_points =
-      whole.is_surface ||
-      (!whole.cells.is_structured() &&
-       std::all_of(whole.cells.types.begin(), whole.cells.types.end(),
-                   [](CellType type) { return type == CellType::kVertex; }));
+      whole.is_surface || (!whole.cells.is_structured() &&
+                           std::all_of(whole.cells.types.begin(), whole.cells.types.end(),
+                                       [](CellType type) { return type == CellType::kVertex; }));
   dataset.kind = are_points ? DatasetKind::kParticles : DatasetKind::kMesh;
   if (are_points) make_particles(dataset, whole);
   dataset.positions = std::move(whole.positions);

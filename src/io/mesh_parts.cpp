@@ -191,9 +191,9 @@ void check_mesh(const std::string& where, const MeshPart& part) {
     const auto num_bytes = static_cast<std::uint64_t>(array.num_tuples) *
                            static_cast<std::uint64_t>(array.num_components) * size_of(array.type);
     if (array.num_tuples == expected && array.bytes.view.size() == num_bytes) continue;
-    fail_mesh(where, fmt::format("array '{}': {} tuples: the mesh has {} {}", array.name,
-                                 array.num_tuples, expected,
-                                 array.is_cell_data ? "cells" : "points"));
+    fail_mesh(where,
+              fmt::format("array '{}': {} tuples: the mesh has {} {}", array.name, array.num_tuples,
+                          expected, array.is_cell_data ? "cells" : "points"));
   }
 }
 
@@ -201,14 +201,8 @@ void make_explicit(MeshPart& part) {
   if (!part.cells.is_structured()) return;
   const Index3 dims = part.cells.dims;
   // The corners of a cell as steps along i, j, k, in VTK's order for 3, 2, 1 and 0 axes.
-  constexpr std::array<std::array<int, 3>, 8> kCorners{{{0, 0, 0},
-                                                        {1, 0, 0},
-                                                        {1, 1, 0},
-                                                        {0, 1, 0},
-                                                        {0, 0, 1},
-                                                        {1, 0, 1},
-                                                        {1, 1, 1},
-                                                        {0, 1, 1}}};
+  constexpr std::array<std::array<int, 3>, 8> kCorners{
+      {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}}};
   constexpr std::array<CellType, 4> kTypes{CellType::kVertex, CellType::kLine, CellType::kQuad,
                                            CellType::kHexahedron};
   const std::array<std::int64_t, 3> strides{1, dims[0], dims[0] * dims[1]};
@@ -245,9 +239,8 @@ std::int64_t drop_ghosts(MeshPart& part) {
   const std::span<const std::uint8_t> cells = ghost_flags(part, true);
   const std::int64_t num_cells = part.cells.count();
   std::int64_t num_dropped = 0;
-  const bool has_empty =
-      std::adjacent_find(part.cells.offsets.begin(), part.cells.offsets.end()) !=
-      part.cells.offsets.end();
+  const bool has_empty = std::adjacent_find(part.cells.offsets.begin(), part.cells.offsets.end()) !=
+                         part.cells.offsets.end();
   if (num_cells > 0 && (!cells.empty() || !nodes.empty() || has_empty)) {
     const auto is_hidden = [&](std::uint32_t node) { return (nodes[node] & kHiddenNode) != 0; };
     const bool has_hidden =
@@ -260,8 +253,8 @@ std::int64_t drop_ghosts(MeshPart& part) {
       if (has_empty && part.cells.offsets[c] == part.cells.offsets[c + 1]) is_kept[c] = false;
       if (has_hidden && is_kept[c]) {
         const auto begin = part.cells.connectivity.begin();
-        is_kept[c] = !std::any_of(begin + part.cells.offsets[c],
-                                  begin + part.cells.offsets[c + 1], is_hidden);
+        is_kept[c] = !std::any_of(begin + part.cells.offsets[c], begin + part.cells.offsets[c + 1],
+                                  is_hidden);
       }
       num_dropped += is_kept[c] ? 0 : 1;
     }

@@ -23,7 +23,7 @@ struct MeshPart {
   DataArray positions;
   Cells cells;
   std::vector<DataArray> arrays;  // a tuple per node, or per cell
-  bool is_surface = false;  // polygons and lines, which fill no volume: its nodes are points
+  bool is_surface = false;        // polygons and lines, which fill no volume: its nodes are points
   std::optional<double> time;
 
   std::int64_t num_nodes() const noexcept { return positions.num_tuples; }
@@ -50,10 +50,9 @@ int num_corners(CellType type) noexcept;
 void make_explicit(MeshPart& part);
 
 // Honours "vtkGhostType" arrays, where `part` has them: cells that are duplicates of another
-// piece's, hidden or refined are taken out with their tuples, and so are cells with a hidden node and cells
-// without nodes;
-// of a part without cells, the points that are hidden or duplicates. The arrays themselves are
-// dropped. Returns how many cells or points went.
+// piece's, hidden or refined are taken out with their tuples, and so are cells with a hidden node
+// and cells without nodes; of a part without cells, the points that are hidden or duplicates. The
+// arrays themselves are dropped. Returns how many cells or points went.
 std::int64_t drop_ghosts(MeshPart& part);
 
 // Makes the dataset of all parts: kMesh, or kParticles if there are no cells but vertices. Empty

@@ -179,9 +179,10 @@ TEST(MeshParts, BlocksAreMergedOrChosen) {
   EXPECT_EQ(one.block, "iron");
   EXPECT_EQ(values_of<float>(one.array("v")), (std::vector<float>{2, 3, 4}));
   options.block = "tin";
-  EXPECT_EQ(
-      error_of([&] { mesh_of_parts(named(), {a, b}, options); }),
-      "invalid-argument: a.vtu: block 'tin': not there: expected one of 'wood', 'iron'");
+  EXPECT_EQ(error_of([&] {
+              mesh_of_parts(named(), {a, b}, options);
+            }),
+            "invalid-argument: a.vtu: block 'tin': not there: expected one of 'wood', 'iron'");
 
   // An array that one block lacks is left out; without a common one, the largest block is read.
   b.arrays[0].name = "w";

@@ -190,17 +190,15 @@ TEST(Mutation, SeedsAreValid) {
   for (const std::string& seed : fuzz::plot3d_seeds()) {
     const auto whole = std::as_bytes(std::span(seed));
     ASSERT_FALSE(seed.empty());
-    const std::size_t split =
-        1 + (seed.size() - 1) * static_cast<std::size_t>(whole[0]) / 255;
+    const std::size_t split = 1 + (seed.size() - 1) * static_cast<std::size_t>(whole[0]) / 255;
     const fuzz::MemoryFile grid(whole.subspan(1, split - 1)), solution(whole.subspan(split));
     EXPECT_EQ(error_of([&] { read_plot3d(grid.path(), {solution.path()}, {}); }), "");
   }
   const auto netcdf = fuzz::netcdf_header_seeds();
   for (std::size_t i = 0; i < 2; ++i) {  // the third is HDF5
-    EXPECT_EQ(error_of([&] {
-                check_netcdf(*open_memory("a.e", std::as_bytes(std::span(netcdf[i]))));
-              }),
-              "")
+    EXPECT_EQ(
+        error_of([&] { check_netcdf(*open_memory("a.e", std::as_bytes(std::span(netcdf[i])))); }),
+        "")
         << i;
   }
   for (const std::string& seed : fuzz::look_seeds()) {

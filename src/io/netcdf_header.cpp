@@ -174,9 +174,10 @@ class NetcdfChecker {
     }
     // The last value's padding may be missing.
     if (variable.begin + num_needed <= source_.size() + 3) return;
-    fail(fmt::format("netCDF variable '{}' needs {} bytes from {} on, the file has {}: is it "
-                     "truncated?",
-                     variable.name.substr(0, 80), num_needed, variable.begin, source_.size()));
+    fail(
+        fmt::format("netCDF variable '{}' needs {} bytes from {} on, the file has {}: is it "
+                    "truncated?",
+                    variable.name.substr(0, 80), num_needed, variable.begin, source_.size()));
   }
 
   const ByteSource& source_;

@@ -95,8 +95,7 @@ class Plot3dWalker {
     position_ += 4;
     std::uint32_t value = 0;
     for (std::size_t i = 0; i < 4; ++i)
-      value = value << 8U |
-              static_cast<unsigned char>(bytes[layout_.is_big_endian ? i : 3 - i]);
+      value = value << 8U | static_cast<unsigned char>(bytes[layout_.is_big_endian ? i : 3 - i]);
     return static_cast<std::int32_t>(value);
   }
 
@@ -152,8 +151,8 @@ template <typename T>
 std::vector<T> triples(const Plot3dNumbers<T>& numbers, std::int64_t offset, std::int64_t count) {
   std::vector<T> result(static_cast<std::size_t>(count) * 3);
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const std::vector<T> values = numbers.read(
-        offset + static_cast<std::int64_t>(axis * sizeof(T)) * count, count);
+    const std::vector<T> values =
+        numbers.read(offset + static_cast<std::int64_t>(axis * sizeof(T)) * count, count);
     for (std::size_t i = 0; i < values.size(); ++i) result[3 * i + axis] = values[i];
   }
   return result;
@@ -163,8 +162,8 @@ template <typename T>
 void read_nodes(const ByteSource& grid, const Plot3dLayout& layout, std::size_t g, MeshPart& part) {
   const std::int64_t count = *checked_product(layout.dims[g]);
   const std::int64_t offset = layout.offsets[g];
-  part.positions =
-      node_array("positions", triples(Plot3dNumbers<T>(grid, layout.is_big_endian), offset, count), 3);
+  part.positions = node_array(
+      "positions", triples(Plot3dNumbers<T>(grid, layout.is_big_endian), offset, count), 3);
   part.cells.dims = layout.dims[g];
   if (!layout.has_iblank) return;
   const std::vector<std::int32_t> iblank =
@@ -232,10 +231,10 @@ Plot3dLayout solution_layout(const ByteSource& source, const std::string& grid_p
                             source.name(), what, grid_path, dims_list(grid_dims)));
   }
   if (layout->dims != grid_dims) {
-    throw Error(ErrorCode::kFileFormat,
-                fmt::format("{}: is a PLOT3D solution of {} nodes: the grid {} has {}",
-                            source.name(), dims_list(layout->dims), grid_path,
-                            dims_list(grid_dims)));
+    throw Error(
+        ErrorCode::kFileFormat,
+        fmt::format("{}: is a PLOT3D solution of {} nodes: the grid {} has {}", source.name(),
+                    dims_list(layout->dims), grid_path, dims_list(grid_dims)));
   }
   return *layout;
 }
@@ -263,8 +262,7 @@ Dataset read_plot3d(const std::string& grid_path, const std::vector<std::string>
                     const ReadOptions& options) {
   const auto grid = open_file(grid_path);
   const auto layout = find_plot3d(*grid, Plot3dContent::kGrid);
-  if (!layout)
-    throw Error(ErrorCode::kFileFormat, fmt::format("{}: is no PLOT3D grid", grid_path));
+  if (!layout) throw Error(ErrorCode::kFileFormat, fmt::format("{}: is no PLOT3D grid", grid_path));
   for (const std::string& path : solution_paths)
     solution_layout(*open_file(path), grid_path, layout->dims);
   const auto num_steps = static_cast<std::int64_t>(solution_paths.size());
@@ -275,9 +273,10 @@ Dataset read_plot3d(const std::string& grid_path, const std::vector<std::string>
     dataset.source = grid_path;
     dataset.format = "PLOT3D";
     if (flow.num_padding > 0) {
-      dataset.notes.push_back(fmt::format("{}: {} bytes of zeros behind the last number are "
-                                          "passed over",
-                                          solution->name(), flow.num_padding));
+      dataset.notes.push_back(
+          fmt::format("{}: {} bytes of zeros behind the last number are "
+                      "passed over",
+                      solution->name(), flow.num_padding));
     }
     std::vector<MeshPart> parts(layout->dims.size());
     for (std::size_t g = 0; g < parts.size(); ++g) {

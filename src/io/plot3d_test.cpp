@@ -160,7 +160,9 @@ TEST(Plot3d, WhatDoesNotFitIsNamed) {
             std::string::npos);
   EXPECT_NE(error_of([&] { read_dataset({flow}); }).find("is a PLOT3D solution, which has no p"),
             std::string::npos);
-  EXPECT_NE(error_of([&] { read_dataset({grid, grid}); }).find("g.xyz: is a PLOT3D grid: expected"),
+  EXPECT_NE(error_of([&] {
+              read_dataset({grid, grid});
+            }).find("g.xyz: is a PLOT3D grid: expected"),
             std::string::npos);
   Files other;
   other.is_multiple = true;

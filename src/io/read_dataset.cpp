@@ -36,7 +36,7 @@ namespace {
 
 constexpr const char* kReadable =
     "NRRD, NPY, NIfTI, MetaImage, SLC, VTK's files, Exodus, VTKHDF, PLOT3D, Enzo, EnSight, "
-    "OpenFOAM, DICOM, or raw samples with dimensions and type";
+    "DICOM, or raw samples with dimensions and type";
 
 // What a raw file cannot say, said about a file that says it itself: one of both is a mistake.
 void refuse_raw_options(const std::string& path, const char* format, const RawOptions& raw,
@@ -76,12 +76,19 @@ Dataset read_unknown(const io::ByteSource& source, const std::string& start,
   const std::string ending = io::ending_of(source.name());
   const bool is_raw = options.raw.dims || options.raw.type || (from_name.dims && from_name.type);
   if (is_raw || ending == ".raw" || ending == ".raw.gz") return io::read_raw(source, options);
+  if (ending == ".foam") {
+    // VTK's reader stands on libtiff, and that on JBIG-KIT, which is GPL.
+    throw Error(ErrorCode::kUnsupported,
+                fmt::format("{}: is an OpenFOAM case, which is not read: expected what foamToVTK "
+                            "makes of it",
+                            source.name()));
+  }
   if (source.size() == 0)
     throw Error(ErrorCode::kFileFormat, fmt::format("{}: is empty", source.name()));
-  for (const char* known : {".nrrd", ".nhdr", ".npy", ".nii", ".nii.gz", ".mhd", ".mha", ".slc",
-                            ".vti", ".vtr", ".vts", ".vtu", ".vtp", ".vtm", ".vth", ".vthb",
-                            ".pvtu", ".pvtp", ".pvts", ".pvtr", ".pvd", ".vtk", ".ex2", ".exo",
-                            ".e", ".vtkhdf"}) {
+  for (const char* known :
+       {".nrrd", ".nhdr", ".npy", ".nii", ".nii.gz", ".mhd", ".mha",  ".slc",   ".vti",
+        ".vtr",  ".vts",  ".vtu", ".vtp", ".vtm",    ".vth", ".vthb", ".pvtu",  ".pvtp",
+        ".pvts", ".pvtr", ".pvd", ".vtk", ".ex2",    ".exo", ".e",    ".vtkhdf"}) {
     if (ending == known) {
       throw Error(ErrorCode::kFileFormat,
                   fmt::format("{}: the name ends in {} but the content does not begin like it",

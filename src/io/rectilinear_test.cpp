@@ -95,7 +95,8 @@ TEST(Rectilinear, FilesOfBothKindsAreRead) {
 
 TEST(Rectilinear, CoordinatesAreMeasuredBeforeVtkSeesThem) {
   const auto vtr_error = [](const std::string& content) {
-    return error_of([&] { check_vtk_xml(*open_memory("a.vtr", std::as_bytes(std::span(content)))); });
+    return error_of(
+        [&] { check_vtk_xml(*open_memory("a.vtr", std::as_bytes(std::span(content)))); });
   };
   EXPECT_EQ(vtr_error(kVtr), "");
   EXPECT_EQ(vtr_error(with(kVtr, "0 0.5 1", "0 0.5")),

@@ -37,8 +37,7 @@ AmrGrid amr_grid_of(const std::string& source, vtkImageData* data, int level,
         std::max<std::int64_t>(1, data->GetDimensions()[axis] - 1);
     grid.origin[axis] += data->GetExtent()[2 * axis] * grid.spacing[axis];
   }
-  for (VtkArray& array :
-       numbers_of(source, data->GetCellData(), data->GetNumberOfCells(), true)) {
+  for (VtkArray& array : numbers_of(source, data->GetCellData(), data->GetNumberOfCells(), true)) {
     if (array.numbers)
       grid.arrays.push_back(std::move(*array.numbers));
     else
@@ -49,8 +48,7 @@ AmrGrid amr_grid_of(const std::string& source, vtkImageData* data, int level,
 
 Dataset read_enzo(const ByteSource& source, const ReadOptions& options) {
   const std::string ending = ".hierarchy";
-  const std::string path =
-      source.name().ends_with(ending) ? source.name() : source.name() + ending;
+  const std::string path = source.name().ends_with(ending) ? source.name() : source.name() + ending;
   vtkNew<vtkAMREnzoReader> reader;
   reader->ConvertToCGSOff();  // the values are the file's
   reader->SetFileName(path.c_str());
@@ -71,8 +69,7 @@ Dataset read_enzo(const ByteSource& source, const ReadOptions& options) {
   for (unsigned level = 0; amr != nullptr && level < amr->GetNumberOfLevels(); ++level) {
     for (unsigned i = 0; i < amr->GetNumberOfDataSets(level); ++i) {
       if (vtkUniformGrid* const data = amr->GetDataSet(level, i); data != nullptr)
-        grids.push_back(
-            amr_grid_of(source.name(), data, static_cast<int>(level), dataset.notes));
+        grids.push_back(amr_grid_of(source.name(), data, static_cast<int>(level), dataset.notes));
     }
   }
   return boxes_of_grids(std::move(dataset), grids, options);

@@ -11,8 +11,7 @@ namespace ovoid::io {
 
 Dataset read_vtk_file(const ByteSource& source, FileKind, const ReadOptions&) {
   throw Error(ErrorCode::kUnsupported,
-              fmt::format("{}: this build has no VTK and cannot read VTK files",
-                          source.name()));
+              fmt::format("{}: this build has no VTK and cannot read VTK files", source.name()));
 }
 
 void write_vtk_image(const Dataset&, const std::string& path) {
@@ -46,9 +45,9 @@ void write_vtk_image(const Dataset&, const std::string& path) {
 #include <vector>
 
 #include "io/atomic_file.h"
+#include "io/mesh_parts.h"
 #include "io/rectilinear.h"
 #include "io/samples.h"
-#include "io/mesh_parts.h"
 #include "io/vtk_leaf.h"
 #include "io/vtk_mesh.h"
 #include "io/vtk_messages.h"

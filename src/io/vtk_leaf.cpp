@@ -111,7 +111,8 @@ VtkLeaf read_vtk_leaf(const ByteSource& source, bool is_xml, const ReadOptions& 
                       VtkRun& run) {
   VtkLeaf leaf;
   leaf.grid = is_xml ? check_vtk_xml(source) : check_legacy_vtk(source);
-  leaf.data = is_xml ? run_xml(source, leaf.grid, options, run) : run_legacy(source, leaf.grid, run);
+  leaf.data =
+      is_xml ? run_xml(source, leaf.grid, options, run) : run_legacy(source, leaf.grid, run);
   if (leaf.data == nullptr)
     throw Error(ErrorCode::kFileFormat, fmt::format("{}: VTK finds no data in it", source.name()));
   return leaf;
@@ -135,7 +136,7 @@ const char* format_of_leaf(VtkGrid grid, bool is_xml) noexcept {
 }
 
 void throw_no_array(const ByteSource& source, const std::string& wanted,
-                                 const std::vector<std::string>& names) {
+                    const std::vector<std::string>& names) {
   throw Error(ErrorCode::kInvalidArgument,
               fmt::format("{}: array '{}': not there: expected one of '{}'", source.name(), wanted,
                           fmt::join(names, "', '")));

@@ -77,15 +77,14 @@ DataArray positions_of_points(const std::string& source, vtkPoints* points) {
   positions.num_tuples = data != nullptr ? data->GetNumberOfTuples() : 0;
   if (positions.num_tuples == 0) return positions;
   if (data->GetNumberOfComponents() != 3) {
-    throw Error(ErrorCode::kFileFormat,
-                fmt::format("{}: points: {} components: expected 3", source,
-                            data->GetNumberOfComponents()));
+    throw Error(ErrorCode::kFileFormat, fmt::format("{}: points: {} components: expected 3", source,
+                                                    data->GetNumberOfComponents()));
   }
   const auto type = scalar_type_of(data->GetDataType());
   if (type && is_floating(*type)) {
     positions.type = *type;
-    positions.bytes = share(data, checked_num_bytes(source + ": points",
-                                                    std::array{positions.num_tuples}, *type, 3));
+    positions.bytes = share(
+        data, checked_num_bytes(source + ": points", std::array{positions.num_tuples}, *type, 3));
     return positions;
   }
   std::vector<double> values;
@@ -153,8 +152,8 @@ class CellReader {
       const auto begin = static_cast<std::int64_t>(offsets->GetValue(c));
       const auto end = static_cast<std::int64_t>(offsets->GetValue(c + 1));
       if (begin < 0 || end < begin || end > num_ids) {
-        fail(fmt::format("offsets[{}] = {}: expected {} to {}", c, end, std::max<std::int64_t>(begin, 0),
-                         num_ids));
+        fail(fmt::format("offsets[{}] = {}: expected {} to {}", c, end,
+                         std::max<std::int64_t>(begin, 0), num_ids));
       }
       const int own_type = types != nullptr ? types->GetValue(c) : type;
       cells_.offsets.push_back(first + end);
@@ -175,14 +174,17 @@ void read_cells(const std::string& source, vtkDataSet* data, MeshPart& part) {
   const auto set_dims = [&](const int* dims) {
     for (std::size_t axis = 0; axis < 3; ++axis) part.cells.dims[axis] = dims[axis];
   };
-  if (auto* const grid = vtkStructuredGrid::SafeDownCast(data)) return set_dims(grid->GetDimensions());
-  if (auto* const grid = vtkRectilinearGrid::SafeDownCast(data)) return set_dims(grid->GetDimensions());
+  if (auto* const grid = vtkStructuredGrid::SafeDownCast(data))
+    return set_dims(grid->GetDimensions());
+  if (auto* const grid = vtkRectilinearGrid::SafeDownCast(data))
+    return set_dims(grid->GetDimensions());
   if (auto* const grid = vtkImageData::SafeDownCast(data)) return set_dims(grid->GetDimensions());
   CellReader reader(source, part.num_nodes(), part.cells);
   if (auto* const grid = vtkUnstructuredGrid::SafeDownCast(data))
     return reader.append(grid->GetCells(), grid->GetCellTypesArray(), VTK_EMPTY_CELL);
   if (auto* const poly = vtkPolyData::SafeDownCast(data)) {
-    part.is_surface = poly->GetNumberOfLines() + poly->GetNumberOfPolys() + poly->GetNumberOfStrips() > 0;
+    part.is_surface =
+        poly->GetNumberOfLines() + poly->GetNumberOfPolys() + poly->GetNumberOfStrips() > 0;
     reader.append(poly->GetVerts(), nullptr, VTK_POLY_VERTEX);
     reader.append(poly->GetLines(), nullptr, VTK_POLY_LINE);
     reader.append(poly->GetPolys(), nullptr, VTK_POLYGON);
@@ -209,10 +211,12 @@ void append_parts(const std::string& source, vtkDataObject* data, const std::str
   auto* const blocks = vtkMultiBlockDataSet::SafeDownCast(data);
   if (blocks == nullptr) return;  // tables and the like
   for (unsigned i = 0; i < blocks->GetNumberOfBlocks(); ++i) {
-    const char* const own =
-        blocks->HasMetaData(i) != 0 ? blocks->GetMetaData(i)->Get(vtkCompositeDataSet::NAME()) : nullptr;
+    const char* const own = blocks->HasMetaData(i) != 0
+                                ? blocks->GetMetaData(i)->Get(vtkCompositeDataSet::NAME())
+                                : nullptr;
     const std::string name = own != nullptr && *own != '\0' ? std::string(own) : std::to_string(i);
-    append_parts(source, blocks->GetBlock(i), block.empty() ? name : block + '/' + name, parts, notes);
+    append_parts(source, blocks->GetBlock(i), block.empty() ? name : block + '/' + name, parts,
+                 notes);
   }
 }
 

@@ -45,9 +45,8 @@ void VtkRun::operator()(vtkAlgorithm* reader, const std::function<void()>& actio
     for (const std::string& warning : messages.warnings())
       notes.push_back(fmt::format("{}: {}", source_.name(), warning));
   } catch (const std::bad_alloc&) {
-    throw Error(
-        ErrorCode::kOutOfMemory,
-        fmt::format("{}: memory for its arrays: the system has none left", source_.name()));
+    throw Error(ErrorCode::kOutOfMemory,
+                fmt::format("{}: memory for its arrays: the system has none left", source_.name()));
   }
 }
 
@@ -116,7 +115,8 @@ std::vector<VtkArray> numbers_of(const std::string& source, vtkFieldData* fields
     if (abstract == nullptr) continue;
     VtkArray& result = results.emplace_back();
     result.name = abstract->GetName() != nullptr ? abstract->GetName() : "";
-    if (result.name.empty()) result.name = fmt::format("{}{}", is_cell_data ? "cells" : "points", i);
+    if (result.name.empty())
+      result.name = fmt::format("{}{}", is_cell_data ? "cells" : "points", i);
     vtkDataArray* const array = vtkDataArray::SafeDownCast(abstract);
     const auto type = scalar_type_of(abstract->GetDataType());
     if (array == nullptr || !type || array->GetNumberOfTuples() != num_expected ||
@@ -127,13 +127,13 @@ std::vector<VtkArray> numbers_of(const std::string& source, vtkFieldData* fields
           abstract->GetDataTypeAsString(), num_expected);
       continue;
     }
-    DataArray numbers{result.name, *type,        array->GetNumberOfComponents(), num_expected, "",
+    DataArray numbers{result.name,  *type, array->GetNumberOfComponents(), num_expected, "",
                       is_cell_data, {}};
     vtkInformation* const information = array->HasInformation() ? array->GetInformation() : nullptr;
     if (information != nullptr && information->Has(vtkDataArray::UNITS_LABEL()) != 0)
       numbers.unit = information->Get(vtkDataArray::UNITS_LABEL());
-    numbers.bytes = share(array, checked_num_bytes(source, std::array{num_expected}, *type,
-                                                   numbers.num_components));
+    numbers.bytes = share(
+        array, checked_num_bytes(source, std::array{num_expected}, *type, numbers.num_components));
     result.numbers = std::move(numbers);
   }
   return results;

@@ -106,8 +106,8 @@ struct StoredArray {
   std::int64_t num_bytes = 0;
   std::string format;  // ascii, binary, appended
   NumberKind kind = NumberKind::kInteger;
-  bool is_text = false;       // strings: num_bytes is the least they can take
-  int cell_list = -1;         // which list of cells it belongs to, as offsets or node numbers
+  bool is_text = false;  // strings: num_bytes is the least they can take
+  int cell_list = -1;    // which list of cells it belongs to, as offsets or node numbers
   bool are_offsets = false;
   bool has_free_size = false;  // node numbers: as many as the last offset says
   std::int64_t value_size = 0;
@@ -305,7 +305,8 @@ class XmlChecker {
       const std::string text = tag.attribute(key, "0");
       const auto value = parse_integer(text);
       if (!value || *value < 0 || *value > kMaxAxisSize)
-        fail(fmt::format("Piece: {}=\"{}\": expected 0 to {}", key, text.substr(0, 40), kMaxAxisSize));
+        fail(fmt::format("Piece: {}=\"{}\": expected 0 to {}", key, text.substr(0, 40),
+                         kMaxAxisSize));
       return *value;
     };
     num_points_ = count("NumberOfPoints");
@@ -392,12 +393,12 @@ class XmlChecker {
       return *value;
     };
     const std::int64_t num_components = integer("NumberOfComponents", "1", 1, kMaxVtkComponents);
-    const std::int64_t num_tuples =
-        section == "FieldData"     ? integer("NumberOfTuples", "1", 0, kMaxNumBytes)
-        : section == "Coordinates" ? next_num_coordinates()
-        : is_cell_list(section)    ? place_in_list(array, section)
-        : section == "CellData"    ? num_cells_
-                                   : num_points_;
+    const std::int64_t num_tuples = section == "FieldData"
+                                        ? integer("NumberOfTuples", "1", 0, kMaxNumBytes)
+                                    : section == "Coordinates" ? next_num_coordinates()
+                                    : is_cell_list(section)    ? place_in_list(array, section)
+                                    : section == "CellData"    ? num_cells_
+                                                               : num_points_;
     if (section == "Points" && (num_components != 3 || ++num_in_list_ > 1))
       fail("Points: expected one array of 3 components");
     const std::string type = tag.attribute("type");
@@ -497,8 +498,7 @@ class XmlChecker {
     std::uint64_t value = 0;
     for (std::size_t i = 0; i < size; ++i)
       value = value << 8U | static_cast<unsigned char>(bytes[is_big_endian_ ? i : size - 1 - i]);
-    return value > static_cast<std::uint64_t>(kMaxNumBytes) ? -1
-                                                            : static_cast<std::int64_t>(value);
+    return value > static_cast<std::uint64_t>(kMaxNumBytes) ? -1 : static_cast<std::int64_t>(value);
   }
 
   // `count` bytes of an array without compressor, header included in `offset`.
@@ -517,18 +517,18 @@ class XmlChecker {
     const auto header = static_cast<std::int64_t>(head.size()) * word_size_;
     const auto num_stored = static_cast<std::size_t>(head.back());
     // The header and the blocks are two pieces of base64.
-    const std::string stored =
-        is_base64(array) ? base64_behind(array, (header + 2) / 3 * 4, begin, num_stored)
-                         : source_.text(data_begin(array) + header + begin,
-                                        static_cast<std::int64_t>(num_stored));
+    const std::string stored = is_base64(array)
+                                   ? base64_behind(array, (header + 2) / 3 * 4, begin, num_stored)
+                                   : source_.text(data_begin(array) + header + begin,
+                                                  static_cast<std::int64_t>(num_stored));
     const std::uint64_t size = head[2] > 0 ? head[2] : head[1];
     // At most 2 GiB is stated; what the block can hold bounds it.
     if (size / kZlibRatio > stored.size() + 1 || size < count) return {};
     std::string inflated(static_cast<std::size_t>(size), '\0');
     auto num_bytes = static_cast<uLongf>(size);
-    const int status =
-        ::uncompress(reinterpret_cast<Bytef*>(inflated.data()), &num_bytes,
-                     reinterpret_cast<const Bytef*>(stored.data()), static_cast<uLong>(stored.size()));
+    const int status = ::uncompress(reinterpret_cast<Bytef*>(inflated.data()), &num_bytes,
+                                    reinterpret_cast<const Bytef*>(stored.data()),
+                                    static_cast<uLong>(stored.size()));
     if (status != Z_OK || num_bytes != size) return {};
     return inflated.substr(inflated.size() - count);
   }
@@ -749,10 +749,10 @@ class XmlChecker {
   std::int64_t word_size_ = 4;
   std::int64_t max_ratio_ = 1;
   std::int64_t appended_begin_ = 0;
-  std::int64_t num_points_ = 0, num_cells_ = 0;   // of the piece
-  std::map<std::string, std::int64_t> counts_;    // of its lists of cells
-  std::set<std::string> lists_;                   // Points and lists that it has so far
-  int num_lists_ = 0;                             // lists of cells in all pieces
+  std::int64_t num_points_ = 0, num_cells_ = 0;  // of the piece
+  std::map<std::string, std::int64_t> counts_;   // of its lists of cells
+  std::set<std::string> lists_;                  // Points and lists that it has so far
+  int num_lists_ = 0;                            // lists of cells in all pieces
   int num_in_list_ = 0;
   std::size_t num_pieces_ = 0;
   Extent whole_;

@@ -284,7 +284,8 @@ inline std::vector<std::string> vtk_header_seeds() {
       "# vtk DataFile Version 3.0\ntitle\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 5 float\n0 0 0 "
       "1 0 0 0 1 0 0 0 1 1 1 1\nCELLS 2 10\n4 0 1 2 3\n4 1 2 3 4\nCELL_TYPES 2\n10\n10\n"
       "CELL_DATA 2\nSCALARS v float\nLOOKUP_TABLE default\n1 2\n",
-      "# vtk DataFile Version 5.1\ntitle\nASCII\nDATASET POLYDATA\nPOINTS 3 double\n0 0 0 1 0 0 0 1 "
+      "# vtk DataFile Version 5.1\ntitle\nASCII\nDATASET POLYDATA\nPOINTS 3 double\n0 0 0 1 0 0 0 "
+      "1 "
       "0\nPOLYGONS 2 3\nOFFSETS vtktypeint64\n0 3\nCONNECTIVITY vtktypeint64\n0 1 2\n",
       "# vtk DataFile Version 3.0\ntitle\nBINARY\nDATASET UNSTRUCTURED_GRID\nPOINTS 1 float\n" +
           std::string(12, '\0') + "\nCELLS 1 2\n" + std::string("\0\0\0\1\0\0\0\0", 8) +
@@ -354,7 +355,8 @@ inline std::vector<std::string> plot3d_seeds() {
     return bytes;
   };
   const auto record = [&](const std::string& bytes) {
-    return integer(static_cast<int>(bytes.size())) + bytes + integer(static_cast<int>(bytes.size()));
+    return integer(static_cast<int>(bytes.size())) + bytes +
+           integer(static_cast<int>(bytes.size()));
   };
   const std::string dims = integer(2) + integer(1) + integer(1);
   const auto joined = [](const std::string& grid, const std::string& solution) {
@@ -375,12 +377,10 @@ inline std::vector<std::string> netcdf_header_seeds() {
   const auto word = [](int value) { return std::string{0, 0, 0, static_cast<char>(value)}; };
   const std::string dims = word(10) + word(2) + word(1) + "n" + std::string(3, '\0') + word(3) +
                            word(1) + "t" + std::string(3, '\0') + word(0);
-  const std::string attributes =
-      word(12) + word(1) + word(1) + "a" + std::string(3, '\0') + word(2) + word(2) + "hi" +
-      std::string(2, '\0');
-  const std::string variable =
-      word(1) + "v" + std::string(3, '\0') + word(2) + word(1) + word(0) + word(0) + word(0) +
-      word(6) + word(24);
+  const std::string attributes = word(12) + word(1) + word(1) + "a" + std::string(3, '\0') +
+                                 word(2) + word(2) + "hi" + std::string(2, '\0');
+  const std::string variable = word(1) + "v" + std::string(3, '\0') + word(2) + word(1) + word(0) +
+                               word(0) + word(0) + word(6) + word(24);
   const std::string start = word(2) + dims + attributes + word(11) + word(1) + variable;
   return {"CDF\x01" + start + word(100) + std::string(200, '\0'),
           "CDF\x02" + start + word(0) + word(100) + std::string(200, '\0'),

@@ -209,8 +209,7 @@ inline void look(Input input) {
 // The input is a grid and its solution, one behind the other, split where the first byte says.
 inline void plot3d(Input input) {
   if (input.empty()) return;
-  const std::size_t split =
-      1 + (input.size() - 1) * static_cast<std::size_t>(input[0]) / 255;
+  const std::size_t split = 1 + (input.size() - 1) * static_cast<std::size_t>(input[0]) / 255;
   const MemoryFile grid(input.subspan(1, split - 1));
   const MemoryFile solution(input.subspan(split));
   expect_dataset_or_error([&] { return io::read_plot3d(grid.path(), {solution.path()}, {}); });

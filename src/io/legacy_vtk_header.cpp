@@ -14,6 +14,7 @@
 #include <string_view>
 #include <vector>
 
+#include "io/legacy_vtk_types.h"
 #include "io/samples.h"
 #include "io/text_scanner.h"
 #include "io/vtk_header.h"
@@ -21,43 +22,6 @@
 
 namespace ovoid::io {
 namespace {
-
-struct ValueType {
-  std::int64_t size = 0;  // bytes when binary; 0 for bits and text
-  NumberKind kind = NumberKind::kInteger;
-};
-
-// The types of numbers. "bit" and "string" have sizes of their own.
-std::optional<ValueType> find_type(const std::string& name) {
-  constexpr auto kLong = static_cast<std::int64_t>(sizeof(long));  // as VTK reads it
-  static const std::map<std::string, ValueType> kTypes{{"bit", {0}},
-                                                       {"string", {0}},
-                                                       {"char", {1}},
-                                                       {"signed_char", {1}},
-                                                       {"unsigned_char", {1}},
-                                                       {"short", {2}},
-                                                       {"unsigned_short", {2}},
-                                                       {"int", {4}},
-                                                       {"unsigned_int", {4}},
-                                                       {"long", {kLong}},
-                                                       {"unsigned_long", {kLong}},
-                                                       {"vtkidtype", {4}},
-                                                       {"vtktypeint64", {8}},
-                                                       {"vtktypeuint64", {8}},
-                                                       {"float", {4, NumberKind::kReal}},
-                                                       {"double", {8, NumberKind::kReal}}};
-  const auto found = kTypes.find(name);
-  if (found == kTypes.end()) return std::nullopt;
-  return found->second;
-}
-
-// One array as the file announces it.
-struct LegacyArray {
-  std::string what;  // for messages: "array 'v'"
-  std::string type;
-  std::int64_t num_tuples = 0;
-  std::int64_t num_components = 1;
-};
 
 class LegacyChecker {
  public:
@@ -437,7 +401,7 @@ class LegacyChecker {
   void check_numbers(const LegacyArray& array) {
     if (++num_arrays_ > kMaxVtkArrays)
       fail(fmt::format("has more than {} arrays", kMaxVtkArrays), ErrorCode::kUnsupported);
-    if (!find_type(array.type) || array.type == "string") {
+    if (!find_legacy_type(array.type) || array.type == "string") {
       fail(
           fmt::format("{}: type '{}': expected char, short, int, long, float or another of VTK's "
                       "types of numbers",
@@ -450,7 +414,7 @@ class LegacyChecker {
   void pass_values(const LegacyArray& array) {
     const std::int64_t num_values = checked_num_values(array);
     if (num_values == 0) return;
-    const ValueType type = *find_type(array.type);
+    const ValueType type = *find_legacy_type(array.type);
     if (!is_binary_) return pass_text(array, num_values, type.kind);
     pass_line_end(array);
     const auto num_bytes = type.size == 0 ? std::optional((num_values + 7) / 8)

@@ -2,7 +2,6 @@
 #include "io/vtk_header.h"
 
 #include <fmt/format.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <array>
@@ -17,6 +16,7 @@
 #include "io/samples.h"
 #include "io/text_scanner.h"
 #include "io/vtk_header_parts.h"
+#include "io/vtk_xml_arrays.h"
 #include "io/xml_tags.h"
 #include "ovoid/error.h"
 
@@ -98,44 +98,15 @@ std::int64_t xml_type_size(const std::string& type) {
   return found == kSizes.end() ? 0 : found->second;
 }
 
-// What one DataArray element says, and where its bytes begin.
-struct StoredArray {
-  std::string name;
-  std::string layout;  // "262144 tuples of 1 Float32"
-  std::int64_t num_values = 0;
-  std::int64_t num_bytes = 0;
-  std::string format;  // ascii, binary, appended
-  NumberKind kind = NumberKind::kInteger;
-  bool is_text = false;  // strings: num_bytes is the least they can take
-  int cell_list = -1;    // which list of cells it belongs to, as offsets or node numbers
-  bool are_offsets = false;
-  bool has_free_size = false;  // node numbers: as many as the last offset says
-  std::int64_t value_size = 0;
-  std::int64_t position = 0;  // inline: offset in the file; appended: from the '_'
-  std::int64_t text_end = 0;  // inline: offset behind the text
-};
-
-bool is_base64_digit(char c) {
-  return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '+' ||
-         c == '/';
-}
-
-// VTK reads them as missing samples; it does not read infinity.
-bool is_nan(std::string_view text) {
-  const std::string word = lower(text);
-  return word == "nan" || word == "-nan";
-}
-
 // In the order of VtkGrid.
 constexpr std::array<std::string_view, 5> kGridNames{
     "ImageData", "RectilinearGrid", "StructuredGrid", "UnstructuredGrid", "PolyData"};
 
-constexpr std::int64_t kZlibRatio = 1032;  // bytes out per byte in, at most (its technical notes)
 constexpr std::size_t kMaxPieces = 10000;  // those with extents are compared each with each
 
 class XmlChecker {
  public:
-  explicit XmlChecker(const ByteSource& source) : source_(source) {}
+  explicit XmlChecker(const ByteSource& source) : source_(source), stored_(source) {}
 
   VtkGrid run() {
     scan();
@@ -146,10 +117,10 @@ class XmlChecker {
     }
     std::int64_t total = 0;
     for (const StoredArray& array : arrays_) {
-      check(array);
+      stored_.check(array);
       // Several may mean the same bytes.
       if (array.format != "ascii") total += std::min(array.num_bytes, kMaxNumBytes / 1024);
-      check_ratio("all arrays together", std::min(total, kMaxNumBytes));
+      stored_.check_ratio("all arrays together", std::min(total, kMaxNumBytes));
     }
     return grid_;
   }
@@ -202,7 +173,7 @@ class XmlChecker {
       if (!section.empty() && name != "InformationKey" && name != "Value")
         read_array(*tag, section);
       if (name == "AppendedData") {
-        is_appended_raw_ = tag->attribute("encoding") == "raw";
+        stored_.is_appended_raw = tag->attribute("encoding") == "raw";
         find_appended(tag->end);
         return;  // bytes that may look like anything follow
       }
@@ -231,7 +202,7 @@ class XmlChecker {
     const std::string text = source_.text(position, kMostBlanks);
     const auto mark = text.find_first_not_of(" \t\r\n");
     if (mark == std::string::npos || text[mark] != '_') fail("AppendedData: do not begin with '_'");
-    appended_begin_ = position + static_cast<std::int64_t>(mark) + 1;
+    stored_.appended_begin = position + static_cast<std::int64_t>(mark) + 1;
   }
 
   void read_root(const XmlTag& tag) {
@@ -244,16 +215,16 @@ class XmlChecker {
            ErrorCode::kUnsupported);
     }
     grid_ = static_cast<VtkGrid>(found - kGridNames.begin());
-    is_big_endian_ = tag.attribute("byte_order") == "BigEndian";
-    word_size_ = tag.attribute("header_type", "UInt32") == "UInt64" ? 8 : 4;
+    stored_.is_big_endian = tag.attribute("byte_order") == "BigEndian";
+    stored_.word_size = tag.attribute("header_type", "UInt32") == "UInt64" ? 8 : 4;
     const std::string compressor = tag.attribute("compressor");
-    is_compressed_ = !compressor.empty();
+    stored_.is_compressed = !compressor.empty();
     // Bytes out per byte in, at most. LZ4: 255 (a match grows by
     // 255 per byte); LZMA: 7090 measured on zeros, doubled.
-    max_ratio_ = !is_compressed_                         ? 1
-                 : compressor == "vtkZLibDataCompressor" ? kZlibRatio
-                 : compressor == "vtkLZ4DataCompressor"  ? 255
-                                                         : 14180;
+    stored_.max_ratio = !stored_.is_compressed                  ? 1
+                        : compressor == "vtkZLibDataCompressor" ? kZlibRatio
+                        : compressor == "vtkLZ4DataCompressor"  ? 255
+                                                                : 14180;
   }
 
   void read_image(const XmlTag& tag) {
@@ -460,14 +431,13 @@ class XmlChecker {
           return other.cell_list == array.cell_list && other.are_offsets;
         });
     if (offsets == arrays_.end()) fail("cells: have connectivity and no offsets");
-    check(*offsets);
-    const auto last = last_value(*offsets);
+    stored_.check(*offsets);
+    const auto last = stored_.last_value(*offsets);
     std::int64_t num_values = 0;
     if (last) {
       num_values = *last;
     } else {
-      const StoredSize size = is_compressed_ ? compressed_size(array) : plain_size(array);
-      num_values = static_cast<std::int64_t>(size.num_stated) / array.value_size;
+      num_values = stored_.num_stated(array) / array.value_size;
     }
     if (num_values < 0 || num_values > kMaxNumBytes / 8)
       fail(fmt::format("cells: the last offset is {}: expected the number of node numbers",
@@ -475,72 +445,6 @@ class XmlChecker {
     array.num_values = num_values;
     array.num_bytes = num_values * array.value_size;
     array.layout = fmt::format("{} node numbers of {} bytes", num_values, array.value_size);
-  }
-
-  // The last of the integers of an array that check() has passed; empty if a compressor other than
-  // zlib hides it.
-  std::optional<std::int64_t> last_value(const StoredArray& array) const {
-    if (array.format == "ascii") {
-      TextScanner text(source_, array.position, array.text_end);
-      std::string last;
-      for (std::int64_t i = 0; i < array.num_values; ++i) last = text.word();
-      return parse_integer(last).value_or(-1);
-    }
-    const auto size = static_cast<std::size_t>(array.value_size);
-    std::string bytes;
-    if (is_compressed_) {
-      if (max_ratio_ != kZlibRatio) return std::nullopt;
-      bytes = inflated_end(array, size);
-    } else {
-      bytes = stored_bytes(array, word_size_ + array.num_bytes - array.value_size, size);
-    }
-    if (bytes.size() != size) fail("cells: offsets: the last one cannot be read");
-    std::uint64_t value = 0;
-    for (std::size_t i = 0; i < size; ++i)
-      value = value << 8U | static_cast<unsigned char>(bytes[is_big_endian_ ? i : size - 1 - i]);
-    return value > static_cast<std::uint64_t>(kMaxNumBytes) ? -1 : static_cast<std::int64_t>(value);
-  }
-
-  // `count` bytes of an array without compressor, header included in `offset`.
-  std::string stored_bytes(const StoredArray& array, std::int64_t offset, std::size_t count) const {
-    const std::int64_t begin = data_begin(array);
-    if (!is_base64(array)) return source_.text(begin + offset, static_cast<std::int64_t>(count));
-    return base64_behind(array, 0, offset, count);
-  }
-
-  // The last `count` bytes that the last block of zlib data holds.
-  std::string inflated_end(const StoredArray& array, std::size_t count) const {
-    const auto num_blocks = static_cast<std::size_t>(stated_words(array, 1)[0]);
-    const auto head = stated_words(array, 3 + num_blocks);
-    std::int64_t begin = 0;
-    for (std::size_t i = 3; i + 1 < head.size(); ++i) begin += static_cast<std::int64_t>(head[i]);
-    const auto header = static_cast<std::int64_t>(head.size()) * word_size_;
-    const auto num_stored = static_cast<std::size_t>(head.back());
-    // The header and the blocks are two pieces of base64.
-    const std::string stored = is_base64(array)
-                                   ? base64_behind(array, (header + 2) / 3 * 4, begin, num_stored)
-                                   : source_.text(data_begin(array) + header + begin,
-                                                  static_cast<std::int64_t>(num_stored));
-    const std::uint64_t size = head[2] > 0 ? head[2] : head[1];
-    // At most 2 GiB is stated; what the block can hold bounds it.
-    if (size / kZlibRatio > stored.size() + 1 || size < count) return {};
-    std::string inflated(static_cast<std::size_t>(size), '\0');
-    auto num_bytes = static_cast<uLongf>(size);
-    const int status = ::uncompress(reinterpret_cast<Bytef*>(inflated.data()), &num_bytes,
-                                    reinterpret_cast<const Bytef*>(stored.data()),
-                                    static_cast<uLong>(stored.size()));
-    if (status != Z_OK || num_bytes != size) return {};
-    return inflated.substr(inflated.size() - count);
-  }
-
-  // `count` bytes from `offset` of the base64 that begins `num_digits` behind the array's first.
-  std::string base64_behind(const StoredArray& array, std::int64_t num_digits, std::int64_t offset,
-                            std::size_t count) const {
-    const auto skipped = static_cast<std::size_t>(offset % 3);
-    const std::string text = source_.text(data_begin(array) + num_digits + offset / 3 * 4,
-                                          static_cast<std::int64_t>((skipped + count) * 4 / 3 + 4));
-    const std::string bytes = decode_base64(text, skipped + count);
-    return bytes.size() < skipped + count ? "" : bytes.substr(skipped, count);
   }
 
   // VTK takes the first '>' for the end of the tag when it looks for the text behind it.
@@ -552,203 +456,12 @@ class XmlChecker {
     }
   }
 
-  void check_ratio(const std::string& what, std::int64_t num_bytes) const {
-    if (num_bytes / max_ratio_ > source_.size()) {
-      fail(fmt::format("{}: need {} bytes, which a file of {} bytes cannot hold: is it truncated?",
-                       what, num_bytes, source_.size()));
-    }
-  }
-
-  bool is_base64(const StoredArray& array) const {
-    return array.format != "appended" || !is_appended_raw_;
-  }
-
-  // Where the array's bytes, or the digits that stand for them, begin and at most end.
-  std::int64_t data_begin(const StoredArray& array) const {
-    if (array.format == "appended")
-      return appended_begin_ + std::min(array.position, source_.size());
-    TextScanner text(source_, array.position, array.text_end);
-    text.skip_blanks();
-    return text.position();
-  }
-  std::int64_t data_end(const StoredArray& array) const {
-    return array.format == "appended" ? source_.size() : array.text_end;
-  }
-
-  // `count` words of the array's own header; empty if they are not there.
-  std::vector<std::uint64_t> read_words(const StoredArray& array, std::size_t count) const {
-    const std::size_t num_bytes = count * static_cast<std::size_t>(word_size_);
-    const auto num_stored =
-        static_cast<std::int64_t>(is_base64(array) ? num_bytes * 4 / 3 + 4 : num_bytes);
-    std::string bytes = source_.text(data_begin(array), num_stored);
-    if (is_base64(array)) bytes = decode_base64(bytes, num_bytes);
-    if (bytes.size() < num_bytes) return {};
-    std::vector<std::uint64_t> result;
-    for (std::size_t i = 0; i < count; ++i) {
-      std::uint64_t word = 0;
-      for (std::int64_t j = 0; j < word_size_; ++j) {
-        const std::int64_t k = is_big_endian_ ? j : word_size_ - 1 - j;
-        word = word << 8U |
-               static_cast<unsigned char>(
-                   bytes[i * static_cast<std::size_t>(word_size_) + static_cast<std::size_t>(k)]);
-      }
-      result.push_back(word);
-    }
-    return result;
-  }
-
-  // The first `num_bytes` of the text, fewer if it ends or has other characters.
-  static std::string decode_base64(std::string_view text, std::size_t num_bytes) {
-    constexpr std::string_view kDigits =
-        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string result;
-    std::uint32_t bits = 0;
-    int num_bits = 0;
-    for (const char c : text) {
-      const auto digit = kDigits.find(c);
-      if (digit == std::string_view::npos || result.size() == num_bytes) break;
-      bits = (bits << 6U | static_cast<std::uint32_t>(digit)) & 0xffffffU;
-      num_bits += 6;
-      if (num_bits >= 8) {
-        num_bits -= 8;
-        result += static_cast<char>(bits >> static_cast<unsigned>(num_bits) & 0xffU);
-      }
-    }
-    return result;
-  }
-
-  void check(const StoredArray& array) const {
-    const std::string what = fmt::format("array '{}'", array.name);
-    if (array.num_bytes == 0) return;
-    if (array.format == "ascii") return check_text(array, what);
-    check_ratio(what, array.num_bytes);
-    if (array.is_text) return;
-    if (array.format == "appended" && appended_begin_ == 0)
-      fail(what + ": its data are appended, but no AppendedData follow");
-    const StoredSize size = is_compressed_ ? compressed_size(array) : plain_size(array);
-    if (size.num_stated != static_cast<std::uint64_t>(array.num_bytes)) {
-      fail(fmt::format("{}: states {} bytes, {} need {}", what, size.num_stated, array.layout,
-                       array.num_bytes));
-    }
-    check_stored(array, what, size);
-  }
-
-  // Numbers between the tags.
-  void check_text(const StoredArray& array, const std::string& what) const {
-    // A digit and a blank for every number but the last.
-    if (array.num_values > (array.text_end - array.position + 1) / 2) {
-      fail(fmt::format("{}: {} bytes of text cannot hold {}", what, array.text_end - array.position,
-                       array.layout));
-    }
-    if (array.is_text) return;
-    TextScanner text(source_, array.position, array.text_end);
-    for (std::int64_t i = 0; i < array.num_values; ++i) {
-      const std::string_view word = text.word();
-      if (is_number(word, array.kind)) continue;
-      if (array.kind == NumberKind::kReal && is_nan(word)) continue;
-      if (word.empty())
-        fail(fmt::format("{}: holds {} numbers, {} need more", what, i, array.layout));
-      fail(fmt::format("{}: '{}' after {} numbers: expected {}", what, word.substr(0, 40), i,
-                       array.layout));
-    }
-  }
-
-  // What an array's own header says.
-  struct StoredSize {
-    std::uint64_t num_stated = 0;  // bytes of samples
-    std::int64_t num_header = 0;   // bytes of the header
-    std::int64_t num_data = 0;     // bytes behind it
-  };
-
-  StoredSize plain_size(const StoredArray& array) const {
-    const std::uint64_t num_bytes = stated_words(array, 1)[0];
-    return {num_bytes, word_size_,
-            static_cast<std::int64_t>(std::min<std::uint64_t>(num_bytes, kMaxNumBytes))};
-  }
-
-  std::vector<std::uint64_t> stated_words(const StoredArray& array, std::size_t count) const {
-    auto result = read_words(array, count);
-    if (result.empty())
-      fail(fmt::format("array '{}': its data are missing: is the file truncated?", array.name));
-    return result;
-  }
-
-  // Compressed arrays begin with: number of blocks, size of each, size of the last if it is
-  // shorter, compressed size of every block.
-  StoredSize compressed_size(const StoredArray& array) const {
-    const auto head = stated_words(array, 3);
-    const auto [num_blocks, block_size, last_size] = std::array{head[0], head[1], head[2]};
-    const auto file_size = static_cast<std::uint64_t>(source_.size());
-    // VTK's writers make blocks of 32 KiB to 4 MiB.
-    constexpr std::uint64_t kLargestBlock = std::uint64_t{1} << 31;
-    const bool fits = num_blocks > 0 &&
-                      num_blocks <= file_size / static_cast<std::uint64_t>(word_size_) &&
-                      block_size <= kLargestBlock && last_size <= block_size &&
-                      num_blocks <= static_cast<std::uint64_t>(kMaxNumBytes) / kLargestBlock;
-    if (!fits) {
-      fail(fmt::format(
-          "array '{}': states {} blocks of {} bytes, the last of {}: the file has {} bytes",
-          array.name, num_blocks, block_size, last_size, file_size));
-    }
-    const auto all = stated_words(array, 3 + static_cast<std::size_t>(num_blocks));
-    StoredSize size;
-    for (std::size_t i = 3; i < all.size(); ++i) {
-      size.num_data += static_cast<std::int64_t>(std::min(all[i], file_size));
-      if (all[i] > file_size || size.num_data > source_.size()) {
-        fail(fmt::format("array '{}': states that block {} has {} bytes: the file has {}",
-                         array.name, i - 3, all[i], file_size));
-      }
-    }
-    size.num_header = static_cast<std::int64_t>(all.size()) * word_size_;
-    // At most kMaxNumBytes.
-    size.num_stated = (last_size > 0 ? num_blocks - 1 : num_blocks) * block_size + last_size;
-    return size;
-  }
-
-  // Are all bytes there? VTK leaves those that are not as memory happens to be.
-  void check_stored(const StoredArray& array, const std::string& what,
-                    const StoredSize& size) const {
-    std::int64_t begin = data_begin(array);
-    std::int64_t num_wanted = size.num_data;
-    if (is_compressed_) {
-      begin += is_base64(array) ? (size.num_header + 2) / 3 * 4 : size.num_header;
-    } else {
-      num_wanted += size.num_header;  // one with the data
-    }
-    const std::int64_t num_there =
-        is_base64(array) ? num_base64_digits(begin, data_end(array), num_wanted) * 6 / 8
-                         : data_end(array) - begin;
-    if (num_there >= num_wanted) return;
-    fail(fmt::format("{}: holds {} bytes, its header says {}: is the file truncated{}?", what,
-                     std::max<std::int64_t>(num_there - (num_wanted - size.num_data), 0),
-                     size.num_data, is_base64(array) ? ", or its base64 not in one line" : ""));
-  }
-
-  // Digits in a row from `begin`, counted until they hold `num_bytes`.
-  std::int64_t num_base64_digits(std::int64_t begin, std::int64_t end,
-                                 std::int64_t num_bytes) const {
-    const std::int64_t most = std::min(end - begin, (num_bytes * 8 + 5) / 6);
-    std::int64_t count = 0;
-    while (count < most) {
-      const std::string text = source_.text(begin + count, std::min(kTextWindow, most - count));
-      const auto stop = std::find_if_not(text.begin(), text.end(), is_base64_digit);
-      count += stop - text.begin();
-      if (stop != text.end()) break;
-    }
-    return count;
-  }
-
   const ByteSource& source_;
+  XmlArrays stored_;
   VtkGrid grid_ = VtkGrid::kImage;
   bool has_image_ = false;
   bool is_piece_open_ = false;
-  std::size_t num_coordinates_ = 0;  // arrays of them in this piece
-  bool is_big_endian_ = false;
-  bool is_compressed_ = false;
-  bool is_appended_raw_ = false;
-  std::int64_t word_size_ = 4;
-  std::int64_t max_ratio_ = 1;
-  std::int64_t appended_begin_ = 0;
+  std::size_t num_coordinates_ = 0;              // arrays of them in this piece
   std::int64_t num_points_ = 0, num_cells_ = 0;  // of the piece
   std::map<std::string, std::int64_t> counts_;   // of its lists of cells
   std::set<std::string> lists_;                  // Points and lists that it has so far

@@ -1,29 +1,37 @@
 // SPDX-License-Identifier: Apache-2.0
-// Does with VTK what `ovoid render --repeat N` does, and times it: one VTI volume, a ParaView
-// preset as look, a camera file, a picture size, a sampling distance. One warm-up frame, then N
-// frames, the camera turned by 0.01 degree before each. Prints JSON:
+// Does with VTK what `ovoid render --repeat N` does, and times it: one VTI volume or VTU mesh, a
+// ParaView preset as look, a camera file, a picture size, a sampling distance. One warm-up frame,
+// then N frames, the camera turned by 0.01 degree before each. Prints JSON:
 //
 //   frame_ms   Render() until the picture stands in the off-screen window, everything included
 //   cast_ms    of it what the mapper itself says it took (fixed: without the upload of the
-//   picture), null for the gpu mapper
+//   picture), null for the others
+//   prepare_ms reading, and cutting a mesh into tetrahedra, which its mappers ask for
 //
 // The picture it writes is the warm-up frame, so that it can be laid beside Ovoid's.
 #include <vtkCamera.h>
 #include <vtkColorTransferFunction.h>
+#include <vtkDataSetTriangleFilter.h>
 #include <vtkFixedPointVolumeRayCastMapper.h>
 #include <vtkImageData.h>
 #include <vtkNew.h>
 #include <vtkOpenGLGPUVolumeRayCastMapper.h>
 #include <vtkPNMWriter.h>
 #include <vtkPiecewiseFunction.h>
+#include <vtkPointData.h>
+#include <vtkProjectedTetrahedraMapper.h>
 #include <vtkRenderWindow.h>
 #include <vtkRenderer.h>
 #include <vtkSmartPointer.h>
+#include <vtkUnstructuredGrid.h>
+#include <vtkUnstructuredGridVolumeRayCastMapper.h>
+#include <vtkUnstructuredGridVolumeZSweepMapper.h>
 #include <vtkVersion.h>
 #include <vtkVolume.h>
 #include <vtkVolumeProperty.h>
 #include <vtkWindowToImageFilter.h>
 #include <vtkXMLImageDataReader.h>
+#include <vtkXMLUnstructuredGridReader.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -42,7 +50,7 @@ namespace {
 using Json = nlohmann::json;
 
 struct Settings {
-  std::string volume, look, camera, picture, mapper = "fixed";
+  std::string volume, look, camera, picture, mapper = "fixed", array;
   int width = 512, height = 512, threads = 2, repeat = 10;
   double sampling_distance = 1, unit_distance = 1;
   bool shade = true;
@@ -98,8 +106,8 @@ void apply_camera(const std::string& path, vtkCamera* camera) {
   camera->SetViewAngle(file.value("view_angle", 30.0));
 }
 
-// Both mappers are kept from trading quality for time on their own.
-vtkSmartPointer<vtkVolumeMapper> make_mapper(const Settings& settings, vtkImageData* image) {
+// Mappers are kept from trading quality for time on their own.
+vtkSmartPointer<vtkVolumeMapper> make_image_mapper(const Settings& settings, vtkImageData* image) {
   if (settings.mapper == "fixed") {
     auto mapper = vtkSmartPointer<vtkFixedPointVolumeRayCastMapper>::New();
     mapper->SetInputData(image);
@@ -119,6 +127,58 @@ vtkSmartPointer<vtkVolumeMapper> make_mapper(const Settings& settings, vtkImageD
   mapper->SetImageSampleDistance(1);
   mapper->SetSampleDistance(static_cast<float>(settings.sampling_distance));
   return mapper;
+}
+
+vtkSmartPointer<vtkImageData> read_image(const Settings& settings) {
+  vtkNew<vtkXMLImageDataReader> reader;
+  reader->SetFileName(settings.volume.c_str());
+  reader->Update();
+  if (reader->GetOutput()->GetNumberOfPoints() == 0)
+    throw std::runtime_error(settings.volume + ": no volume");
+  return reader->GetOutput();
+}
+
+vtkSmartPointer<vtkUnstructuredGrid> read_mesh(const Settings& settings) {
+  vtkNew<vtkXMLUnstructuredGridReader> reader;
+  reader->SetFileName(settings.volume.c_str());
+  vtkNew<vtkDataSetTriangleFilter> tetrahedra;
+  tetrahedra->SetInputConnection(reader->GetOutputPort());
+  tetrahedra->TetrahedraOnlyOn();
+  tetrahedra->Update();
+  vtkUnstructuredGrid* mesh = tetrahedra->GetOutput();
+  if (mesh->GetNumberOfCells() == 0) throw std::runtime_error(settings.volume + ": no tetrahedra");
+  if (mesh->GetPointData()->SetActiveScalars(settings.array.c_str()) < 0)
+    throw std::runtime_error(settings.volume + ": no point array '" + settings.array + "'");
+  return mesh;
+}
+
+// VTK's mesh mappers draw the same with and without shading: they do not shade.
+vtkSmartPointer<vtkUnstructuredGridVolumeMapper> make_mesh_mapper(const Settings& settings,
+                                                                  vtkUnstructuredGrid* mesh) {
+  vtkSmartPointer<vtkUnstructuredGridVolumeMapper> mapper;
+  if (settings.mapper == "raycast") {
+    auto caster = vtkSmartPointer<vtkUnstructuredGridVolumeRayCastMapper>::New();
+    caster->SetNumberOfThreads(settings.threads);
+    caster->AutoAdjustSampleDistancesOff();
+    caster->SetImageSampleDistance(1);
+    mapper = caster;
+  } else if (settings.mapper == "zsweep") {
+    auto sweeper = vtkSmartPointer<vtkUnstructuredGridVolumeZSweepMapper>::New();
+    sweeper->AutoAdjustSampleDistancesOff();
+    sweeper->SetImageSampleDistance(1);
+    mapper = sweeper;
+  } else {
+    mapper = vtkSmartPointer<vtkProjectedTetrahedraMapper>::New();
+  }
+  mapper->SetInputData(mesh);
+  return mapper;
+}
+
+bool takes_meshes(const std::string& mapper) { return mapper != "fixed" && mapper != "gpu"; }
+
+vtkSmartPointer<vtkAbstractVolumeMapper> make_mapper(const Settings& settings) {
+  if (takes_meshes(settings.mapper)) return make_mesh_mapper(settings, read_mesh(settings));
+  return make_image_mapper(settings, read_image(settings));
 }
 
 void write_picture(vtkRenderWindow* window, const std::string& path) {
@@ -143,13 +203,10 @@ Json summary(std::vector<double> values) {
 }
 
 Json measure(const Settings& settings) {
-  vtkNew<vtkXMLImageDataReader> reader;
-  reader->SetFileName(settings.volume.c_str());
-  reader->Update();
-  vtkImageData* image = reader->GetOutput();
-  if (image->GetNumberOfPoints() == 0) throw std::runtime_error(settings.volume + ": no volume");
-
-  const auto mapper = make_mapper(settings, image);
+  const auto begin = std::chrono::steady_clock::now();
+  const auto mapper = make_mapper(settings);
+  const std::chrono::duration<double, std::milli> prepared =
+      std::chrono::steady_clock::now() - begin;
   vtkNew<vtkVolume> volume;
   volume->SetMapper(mapper);
   apply_look(settings, volume->GetProperty());
@@ -179,13 +236,12 @@ Json measure(const Settings& settings) {
       continue;
     }
     frames.push_back(elapsed.count());
-    if (settings.mapper == "fixed") casts.push_back(mapper->GetTimeToDraw() * 1e3);
+    if (auto* fixed = vtkFixedPointVolumeRayCastMapper::SafeDownCast(mapper))
+      casts.push_back(fixed->GetTimeToDraw() * 1e3);
   }
-  return {{"mapper", settings.mapper},
-          {"threads", settings.threads},
-          {"vtk", vtkVersion::GetVTKVersion()},
-          {"frame_ms", summary(frames)},
-          {"cast_ms", summary(casts)}};
+  return {{"mapper", settings.mapper},          {"threads", settings.threads},
+          {"vtk", vtkVersion::GetVTKVersion()}, {"prepare_ms", prepared.count()},
+          {"frame_ms", summary(frames)},        {"cast_ms", summary(casts)}};
 }
 
 }  // namespace
@@ -193,11 +249,13 @@ Json measure(const Settings& settings) {
 int main(int argc, char** argv) try {
   Settings settings;
   CLI::App app("VTK's volume mappers, timed");
-  app.add_option("--volume", settings.volume, "VTI file")->required();
+  app.add_option("--volume", settings.volume, "VTI or VTU file")->required();
   app.add_option("--look", settings.look, "ParaView JSON preset")->required();
   app.add_option("--camera", settings.camera, "camera JSON")->required();
   app.add_option("-o", settings.picture, "picture of the first frame (PPM)");
-  app.add_option("--mapper", settings.mapper)->check(CLI::IsMember({"fixed", "gpu"}));
+  app.add_option("--mapper", settings.mapper)
+      ->check(CLI::IsMember({"fixed", "gpu", "raycast", "zsweep", "projected"}));
+  app.add_option("--array", settings.array, "of a mesh's nodes");
   app.add_option("--width", settings.width)->check(CLI::PositiveNumber);
   app.add_option("--height", settings.height)->check(CLI::PositiveNumber);
   app.add_option("--threads", settings.threads, "of the fixed mapper")->check(CLI::PositiveNumber);

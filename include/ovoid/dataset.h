@@ -120,11 +120,12 @@ struct Dataset {
 
   std::int64_t num_positions() const noexcept { return positions.num_tuples; }
 
-  // The array called `name`; empty name: the first that varies and does no bookkeeping, else the
-  // first that does none, else the first. Bookkeeping do arrays called "vtk*", in what is no
-  // lattice those that number particles
-  // ("id", "ParticleIDs", ...), and the shapes of kernels. Throws Error(kInvalidArgument) naming
-  // the arrays that exist. Cost of the default: one pass over the arrays looked at.
+  // The array called `name`; empty name: of particles and boxes a density ("density", "rho"), else
+  // the first of nodes, samples or points that varies and does no bookkeeping, else the first such
+  // of cells, else the first that does none, else the first. Bookkeeping do arrays called "vtk*",
+  // numbers of nodes, cells, blocks and particles (GlobalNodeId, ParticleIDs and their like), and
+  // the shapes of stored kernels. Throws Error(kInvalidArgument) naming the arrays that exist. Cost
+  // of the default: one pass over the arrays looked at.
   const DataArray& array(const std::string& name = {}) const;
 };
 

@@ -25,8 +25,8 @@ struct RawOptions {
 
 struct ReadOptions {
   RawOptions raw;
-  std::string array;  // read only this one if the format allows; empty: all
-  std::string block;  // which of several volumes (Dataset::blocks); empty: the largest
+  std::string array;                 // read only this one if the format allows; empty: all
+  std::string block;                 // which of Dataset::blocks; empty: the largest, of meshes all
   std::optional<std::int64_t> step;  // which time step; none: the first whose samples vary
   std::string positions;  // HDF5: the path of the positions, "/PartType1/Coordinates"; empty: found
   std::vector<std::string> values;  // HDF5: paths of arrays; empty: those beside the positions
@@ -34,14 +34,15 @@ struct ReadOptions {
   std::stop_token stop;
 };
 
-// Reads a volume: raw, NRRD/NHDR, NIfTI, MetaImage, SLC, NPY, DICOM, and with VTK: VTI, VTR and
-// legacy VTK (structured points, rectilinear grids of equal spacing); or particles: CSV and other
-// text, NPY, NPZ, PLY, text dumps of LAMMPS, and HDF5 in a build that has it; or kernels stored in
-// PLY. The format is told from content, then from the name. A path may be a folder of DICOM files.
-// Several paths are the slices of a DICOM series, or else the time steps of one volume, of which
-// one is read. Peak memory is at most 2.1 times the decoded size; sizes in headers are checked
-// against the file before anything is allocated. Throws Error: kFileNotFound, kFileFormat (names
-// file and field), kUnsupported, kInvalidArgument, kCancelled.
+// Reads a volume: raw, NRRD/NHDR, NIfTI, MetaImage, SLC, NPY, DICOM; a mesh: PLOT3D; with VTK both
+// of them from VTK's XML and legacy files, VTKHDF, and meshes from Exodus and EnSight, adaptive
+// grids from Enzo; particles: CSV and other text, NPY, NPZ, PLY, text dumps of LAMMPS, and HDF5 in
+// a build that has it; or kernels stored in PLY (docs/formats.md). The format is told from content,
+// then from the name. A path may be a folder of DICOM files. Several paths are the slices of a
+// DICOM series, a PLOT3D grid and its solutions, or else the time steps of one dataset, of which
+// one is read. Peak memory of a volume is at most 2.1 times the decoded size; sizes in headers are
+// checked against the file before anything is allocated. Throws Error: kFileNotFound, kFileFormat
+// (names file and field), kUnsupported, kInvalidArgument, kCancelled.
 Dataset read_dataset(const std::vector<std::string>& paths, const ReadOptions& options = {});
 
 // Writes a dataset; the name's ending chooses the format (.nrrd .nhdr .nii .nii.gz .npy .raw, and

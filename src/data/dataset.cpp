@@ -4,36 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <span>
-#include <string_view>
 
+#include "data/bookkeeping.h"
 #include "data/varies.h"
 #include "ovoid/error.h"
 
 namespace ovoid {
 namespace {
-
-// What numbers particles, as programs call it.
-constexpr std::array<std::string_view, 14> kParticleNumbers{
-    "id",    "ids",     "particleid", "particleids",  "particle_id",    "particle_ids", "pid",
-    "index", "indices", "atom_id",    "globalnodeid", "particle_index", "tag",          "itype"};
-
-// The shapes of stored kernels.
-constexpr std::array<std::string_view, 3> kKernelShapes{"scale", "rotation", "weight"};
-
-bool has_name(std::span<const std::string_view> names, const std::string& name) {
-  std::string lower = name;
-  for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return std::find(names.begin(), names.end(), lower) != names.end();
-}
-
-// VTK's filters leave arrays such as vtkValidPointMask and vtkGhostType beside the data.
-bool is_bookkeeping(const Dataset& dataset, const DataArray& array) {
-  return array.name.starts_with("vtk") ||
-         (dataset.kind != DatasetKind::kLattice && has_name(kParticleNumbers, array.name)) ||
-         (dataset.kind == DatasetKind::kKernels && has_name(kKernelShapes, array.name));
-}
 
 std::string listed_names(const std::vector<DataArray>& arrays) {
   std::string names;
@@ -86,15 +63,21 @@ const DataArray& Dataset::array(const std::string& name) const {
     throw Error(ErrorCode::kInvalidArgument, fmt::format("'{}': has no arrays", source));
   }
   if (name.empty()) {
-    const auto found =
-        std::find_if(arrays.begin(), arrays.end(), [this](const DataArray& candidate) {
-          return !is_bookkeeping(*this, candidate) && data::varies(candidate);
-        });
-    if (found != arrays.end()) return *found;
-    const auto constant = std::find_if(arrays.begin(), arrays.end(), [this](const DataArray& a) {
-      return !is_bookkeeping(*this, a);
+    const auto find = [&](const auto& is_wanted) {
+      return std::find_if(arrays.begin(), arrays.end(), [&](const DataArray& candidate) {
+        return !data::is_bookkeeping(*this, candidate) && is_wanted(candidate);
+      });
+    };
+    auto found = find([this](const DataArray& a) {
+      return kind != DatasetKind::kLattice && kind != DatasetKind::kMesh && data::is_density(a) &&
+             data::varies(a);
     });
-    return constant != arrays.end() ? *constant : arrays.front();
+    if (found == arrays.end())
+      found = find([](const DataArray& a) { return !a.is_cell_data && data::varies(a); });
+    if (found == arrays.end())
+      found = find([](const DataArray& a) { return a.is_cell_data && data::varies(a); });
+    if (found == arrays.end()) found = find([](const DataArray&) { return true; });
+    return found != arrays.end() ? *found : arrays.front();
   }
   const auto found = std::find_if(arrays.begin(), arrays.end(),
                                   [&](const DataArray& a) { return a.name == name; });

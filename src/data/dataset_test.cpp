@@ -45,6 +45,17 @@ TEST(DatasetArray, ByNameOrTheFirstThatVaries) {
   EXPECT_EQ(dataset.array("vtkValidPointMask").name, "vtkValidPointMask");
 }
 
+// Numbers of nodes and blocks are never the default, cells' arrays behind those of nodes.
+TEST(DatasetArray, BookkeepingAndCellsComeLast) {
+  DataArray cells = floats("strain", {1, 2});
+  cells.is_cell_data = true;
+  Dataset dataset = dataset_of({cells, floats("GlobalNodeId", {1, 2, 3}), floats("v", {4, 4, 4})});
+  EXPECT_EQ(dataset.array().name, "strain");
+  dataset.arrays.push_back(floats("w", {4, 4, 5}));
+  EXPECT_EQ(dataset.array().name, "w");
+  EXPECT_EQ(dataset_of({floats("ObjectId", {1, 2}), floats("a", {3, 3})}).array().name, "a");
+}
+
 // Fails if components are compared with one another, or missing samples count as variation.
 TEST(DatasetArray, ConstantTuplesAndMissingSamplesDoNotVary) {
   const float nan = std::numeric_limits<float>::quiet_NaN();

@@ -266,14 +266,17 @@ TEST(DatasetFiles, ReadErrors) {
   folder.write("name.vti", "hello");
   folder.write("a.gz", "\x1f\x8b\x08");
   const std::string readable =
-      "NRRD, NPY, NIfTI, MetaImage, SLC, VTI, VTR, legacy VTK, DICOM, CSV, NPZ, PLY, HDF5, a "
-      "LAMMPS "
-      "dump, or raw samples with dimensions and type";
+      "NRRD, NPY, NIfTI, MetaImage, SLC, VTK's files, Exodus, VTKHDF, PLOT3D, Enzo, EnSight, "
+      "DICOM, "
+      "CSV, NPZ, PLY, HDF5, a LAMMPS dump, or raw samples with dimensions and type";
   expect("missing.nrrd", "file-not-found", "no such file");
   expect("", "unsupported", "none of its 4 files is DICOM: a folder is read as DICOM slices");
   expect("empty", "file-format", "is empty");
   expect("unknown", "unsupported", "the format is not known: expected " + readable);
   expect("name.vti", "file-format", "the name ends in .vti but the content does not begin like it");
+  folder.write("case.foam", "");
+  expect("case.foam", "unsupported",
+         "is an OpenFOAM case, which is not read: expected what foamToVTK makes of it");
   expect("a.gz", "unsupported",
          "is a gzip file of something other than NIfTI or text, which is not read: expected " +
              readable);

@@ -47,9 +47,10 @@ FileKind kind_of(std::string_view start) noexcept {
 
 std::string unsupported_kind_of(std::string_view start) {
   if (looks_like_analyze(start)) return "an ANALYZE 7.5 header";
-  if (has_at(start, 0, "CDF\x01") || has_at(start, 0, "CDF\x02")) return "a netCDF or Exodus file";
   if (is_gzip(start)) return "a gzip file of something other than NIfTI or text";
   if (is_bzip2(start)) return "a bzip2 file of something other than text";
+  if (start.find("<Xdmf") != std::string_view::npos)
+    return "an XDMF file, for which distributions' VTK has no reader (write VTU or VTKHDF instead)";
   if (has_at(start, 0, "\x89PNG")) return "a PNG picture";
   if (has_at(start, 0, "\x76\x2f\x31\x01")) return "an OpenEXR picture";
   return {};

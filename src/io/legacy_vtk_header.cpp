@@ -14,6 +14,7 @@
 #include <string_view>
 #include <vector>
 
+#include "io/legacy_vtk_types.h"
 #include "io/samples.h"
 #include "io/text_scanner.h"
 #include "io/vtk_header.h"
@@ -22,50 +23,13 @@
 namespace ovoid::io {
 namespace {
 
-struct ValueType {
-  std::int64_t size = 0;  // bytes when binary; 0 for bits and text
-  NumberKind kind = NumberKind::kInteger;
-};
-
-// The types of numbers. "bit" and "string" have sizes of their own.
-std::optional<ValueType> find_type(const std::string& name) {
-  constexpr auto kLong = static_cast<std::int64_t>(sizeof(long));  // as VTK reads it
-  static const std::map<std::string, ValueType> kTypes{{"bit", {0}},
-                                                       {"string", {0}},
-                                                       {"char", {1}},
-                                                       {"signed_char", {1}},
-                                                       {"unsigned_char", {1}},
-                                                       {"short", {2}},
-                                                       {"unsigned_short", {2}},
-                                                       {"int", {4}},
-                                                       {"unsigned_int", {4}},
-                                                       {"long", {kLong}},
-                                                       {"unsigned_long", {kLong}},
-                                                       {"vtkidtype", {4}},
-                                                       {"vtktypeint64", {8}},
-                                                       {"vtktypeuint64", {8}},
-                                                       {"float", {4, NumberKind::kReal}},
-                                                       {"double", {8, NumberKind::kReal}}};
-  const auto found = kTypes.find(name);
-  if (found == kTypes.end()) return std::nullopt;
-  return found->second;
-}
-
-// One array as the file announces it.
-struct LegacyArray {
-  std::string what;  // for messages: "array 'v'"
-  std::string type;
-  std::int64_t num_tuples = 0;
-  std::int64_t num_components = 1;
-};
-
 class LegacyChecker {
  public:
   explicit LegacyChecker(const ByteSource& source)
       : source_(source), text_(source, 0, source.size()) {}
 
   VtkGrid run() {
-    text_.line();  // magic
+    const std::string magic = text_.line().value_or("");
     text_.line();  // title
     const std::string encoding = keyword();
     if (encoding != "ascii" && encoding != "binary")
@@ -75,14 +39,29 @@ class LegacyChecker {
     if (dataset != "dataset")
       fail(fmt::format("'{}' after the encoding: expected DATASET", shown(dataset)));
     const std::string kind = keyword();
-    if (kind == "rectilinear_grid") {
-      grid_ = VtkGrid::kRectilinear;
-    } else if (kind != "structured_points") {
-      fail(fmt::format("DATASET '{}': expected STRUCTURED_POINTS or RECTILINEAR_GRID", shown(kind)),
+    static const std::map<std::string, VtkGrid> kGrids{
+        {"structured_points", VtkGrid::kImage},
+        {"rectilinear_grid", VtkGrid::kRectilinear},
+        {"structured_grid", VtkGrid::kStructured},
+        {"unstructured_grid", VtkGrid::kUnstructured},
+        {"polydata", VtkGrid::kPolyData}};
+    const auto found = kGrids.find(kind);
+    if (found == kGrids.end()) {
+      fail(fmt::format("DATASET '{}': expected STRUCTURED_POINTS, RECTILINEAR_GRID, "
+                       "STRUCTURED_GRID, UNSTRUCTURED_GRID or POLYDATA",
+                       shown(kind)),
            ErrorCode::kUnsupported);
     }
+    grid_ = found->second;
+    has_dims_ = grid_ != VtkGrid::kUnstructured && grid_ != VtkGrid::kPolyData;
+    if (!has_dims_) num_cells_ = 0;  // so far
+    if (grid_ >= VtkGrid::kStructured) read_version(magic);
     for (std::string word = keyword(); !word.empty(); word = keyword()) check_part(word);
-    if (num_tuples_ < 0) fail("has no POINT_DATA or CELL_DATA: is the file truncated?");
+    if (has_dims_ && num_tuples_ < 0)
+      fail("has no POINT_DATA or CELL_DATA: is the file truncated?");
+    if (grid_ >= VtkGrid::kStructured && !has_points_) fail("has no POINTS");
+    if (grid_ == VtkGrid::kUnstructured && !cell_lists_.empty() && !has_types_)
+      fail("has CELLS and no CELL_TYPES: is the file truncated?");
     return grid_;
   }
 
@@ -117,12 +96,26 @@ class LegacyChecker {
     return *value;
   }
 
+  // "# vtk DataFile Version 5.1": from 5 on cells are stored in another way.
+  void read_version(const std::string& magic) {
+    constexpr std::string_view kStart = "# vtk DataFile Version ";
+    const std::string version =
+        magic.starts_with(kStart)
+            ? magic.substr(kStart.size(), magic.find_last_not_of(" \t\r") + 1 - kStart.size())
+            : "";
+    const bool is_known = version.size() == 3 && version[0] >= '1' && version[0] <= '5' &&
+                          version[1] == '.' && version[2] >= '0' && version[2] <= '9';
+    if (!is_known) fail(fmt::format("'{}': expected version 1.0 to 5.9", shown(magic, 80)));
+    has_offsets_ = version[0] == '5';
+  }
+
   // What may stand behind DATASET: the image's place, then its arrays.
   void check_part(const std::string& word) {
     if (word == "point_data" || word == "cell_data") return begin_arrays(word == "point_data");
     if (word == "field") return check_field();
     if (num_tuples_ >= 0) return check_attribute(word);
-    if (word == "dimensions") return read_dimensions();
+    if (word == "dimensions" && has_dims_) return read_dimensions();
+    if (grid_ == VtkGrid::kStructured || !has_dims_) return check_mesh_part(word);
     if (grid_ == VtkGrid::kRectilinear) return check_coordinates(word);
     if (word == "spacing" || word == "aspect_ratio") return check_vector("SPACING");
     if (word == "origin") return check_vector("ORIGIN");
@@ -153,6 +146,127 @@ class LegacyChecker {
     ++num_coordinates_;
   }
 
+  // What may stand before the arrays of a mesh.
+  void check_mesh_part(const std::string& word) {
+    if (word == "points") return check_points();
+    if (grid_ == VtkGrid::kUnstructured && word == "cells") return check_cells("CELLS");
+    if (grid_ == VtkGrid::kUnstructured && word == "cell_types") return check_cell_types();
+    if (grid_ == VtkGrid::kPolyData) {
+      for (const char* const name : {"VERTICES", "LINES", "POLYGONS", "TRIANGLE_STRIPS"}) {
+        if (word == lower(name)) return check_cells(name);
+      }
+    }
+    fail(
+        fmt::format("'{}': expected POINTS, CELLS, CELL_TYPES, VERTICES, LINES, POLYGONS, "
+                    "TRIANGLE_STRIPS, DIMENSIONS, FIELD, POINT_DATA or CELL_DATA, as the kind of "
+                    "data set has them",
+                    shown(word)));
+  }
+
+  // POINTS count type, then three numbers each
+  void check_points() {
+    if (has_points_) fail("POINTS: stand twice");
+    has_points_ = true;
+    LegacyArray array;
+    array.what = "POINTS";
+    array.num_tuples = integer(array.what, 0, kMaxAxisSize);
+    array.num_components = 3;
+    array.type = keyword();
+    if (array.type == "bit") fail("POINTS: type 'bit': expected numbers");
+    if (!has_dims_) num_points_ = array.num_tuples;
+    if (!num_points_) fail("POINTS before DIMENSIONS");
+    if (array.num_tuples != *num_points_)
+      fail(fmt::format("POINTS: {} of them: DIMENSIONS need {}", array.num_tuples, *num_points_));
+    check_numbers(array);
+  }
+
+  // CELLS num_cells size: `size` integers, for each cell the number of its nodes, then these. From
+  // version 5 on: CELLS num_offsets num_nodes, OFFSETS type, CONNECTIVITY type.
+  void check_cells(const std::string& name) {
+    if (!num_points_) fail(fmt::format("{} before POINTS", name));
+    if (std::find(cell_lists_.begin(), cell_lists_.end(), name) != cell_lists_.end())
+      fail(fmt::format("{}: stand twice", name));
+    cell_lists_.push_back(name);
+    LegacyArray array;
+    array.what = name;
+    array.type = "int";
+    const std::int64_t count = integer(name, 0, kMaxAxisSize);
+    array.num_tuples = integer(name, 0, kMaxNumBytes);
+    if (has_offsets_) {
+      check_offsets(name, count, array.num_tuples);
+      *num_cells_ += std::max<std::int64_t>(count - 1, 0);
+      return;
+    }
+    *num_cells_ += count;
+    const std::int64_t num_values = checked_num_values(array);
+    if (is_binary_ && num_values > 0) {
+      pass_line_end(array);
+      if (num_values > text_.num_left() / 4) fail_to_fit(array);
+    }
+    // VTK walks from count to count and looks at nothing else.
+    std::int64_t num_walked = 0;
+    for (std::int64_t c = 0; c < count; ++c) {
+      const std::int64_t num_nodes = num_walked < num_values ? next_int(array) : -1;
+      if (num_nodes < 0 || num_nodes > num_values - num_walked - 1) {
+        fail(fmt::format("{}: cell {} has {} nodes: {} of {} numbers are left", name, c, num_nodes,
+                         std::max<std::int64_t>(num_values - num_walked - 1, 0), num_values));
+      }
+      for (std::int64_t i = 0; i < num_nodes; ++i) check_node(array, next_int(array));
+      num_walked += num_nodes + 1;
+    }
+    if (num_walked != num_values)
+      fail(fmt::format("{}: {} cells take {} of {} numbers", name, count, num_walked, num_values));
+  }
+
+  void check_node(const LegacyArray& array, std::int64_t node) const {
+    if (node >= 0 && node < *num_points_) return;
+    fail(fmt::format("{}: node {}: there are {} POINTS", array.what, node, *num_points_));
+  }
+
+  // One of the integers of a list of cells.
+  std::int64_t next_int(const LegacyArray& array) {
+    if (is_binary_) {
+      std::uint32_t value = 0;
+      for (const char c : text_.ahead(4)) value = value << 8U | static_cast<unsigned char>(c);
+      text_.skip(4);
+      return static_cast<std::int32_t>(value);
+    }
+    const std::string text = word();
+    const auto value = parse_integer(text);
+    if (!value) fail(fmt::format("{}: '{}': expected an integer", array.what, shown(text)));
+    return *value;
+  }
+
+  void check_offsets(const std::string& name, std::int64_t num_offsets, std::int64_t num_nodes) {
+    if (num_offsets == 0 && num_nodes == 0) return;
+    for (const bool are_offsets : {true, false}) {
+      const char* const expected = are_offsets ? "offsets" : "connectivity";
+      const std::string word = keyword();
+      if (word != expected) fail(fmt::format("{}: '{}': expected {}", name, shown(word), expected));
+      LegacyArray array;
+      array.what = fmt::format("{} {}", name, expected);
+      array.num_tuples = are_offsets ? num_offsets : num_nodes;
+      array.type = keyword();
+      if (array.type != "vtktypeint64" && array.type != "int" && array.type != "vtkidtype" &&
+          array.type != "long") {
+        fail(fmt::format("{}: type '{}': expected vtktypeint64", array.what, shown(array.type)));
+      }
+      check_numbers(array);
+    }
+  }
+
+  // CELL_TYPES count, then an integer each
+  void check_cell_types() {
+    LegacyArray array;
+    array.what = "CELL_TYPES";
+    array.num_tuples = integer(array.what, 0, kMaxAxisSize);
+    array.type = "int";
+    if (cell_lists_.empty() || has_types_ || array.num_tuples != *num_cells_)
+      fail(fmt::format("CELL_TYPES: {} of them behind {} CELLS", array.num_tuples, *num_cells_));
+    has_types_ = true;
+    pass_values(array);
+  }
+
   void read_dimensions() {
     if (num_points_) fail("DIMENSIONS: stand twice");
     for (std::int64_t& dim : dims_) dim = integer("DIMENSIONS", 1, kMaxAxisSize);
@@ -175,12 +289,13 @@ class LegacyChecker {
     if (is_seen) fail(fmt::format("{}: stands twice", keyword));
     is_seen = true;
     const auto expected = is_of_points ? num_points_ : num_cells_;
-    if (!expected) fail(fmt::format("{} before DIMENSIONS", keyword));
+    if (!expected) fail(fmt::format("{} before {}", keyword, has_dims_ ? "DIMENSIONS" : "POINTS"));
     if (grid_ == VtkGrid::kRectilinear && num_coordinates_ < 3)
       fail(fmt::format("{} before the coordinates along all three axes", keyword));
     const std::string text = word();
     if (parse_integer(text) != expected)
-      fail(fmt::format("{}: '{}': DIMENSIONS need {}", keyword, shown(text), *expected));
+      fail(fmt::format("{}: '{}': {} need {}", keyword, shown(text),
+                       has_dims_ ? "DIMENSIONS" : "POINTS and CELLS", *expected));
     // A bit is the smallest sample there is.
     if (*expected / 8 > source_.size()) {
       fail(fmt::format("{}: {} samples do not fit a file of {} bytes: is it truncated?", keyword,
@@ -286,7 +401,7 @@ class LegacyChecker {
   void check_numbers(const LegacyArray& array) {
     if (++num_arrays_ > kMaxVtkArrays)
       fail(fmt::format("has more than {} arrays", kMaxVtkArrays), ErrorCode::kUnsupported);
-    if (!find_type(array.type) || array.type == "string") {
+    if (!find_legacy_type(array.type) || array.type == "string") {
       fail(
           fmt::format("{}: type '{}': expected char, short, int, long, float or another of VTK's "
                       "types of numbers",
@@ -299,7 +414,7 @@ class LegacyChecker {
   void pass_values(const LegacyArray& array) {
     const std::int64_t num_values = checked_num_values(array);
     if (num_values == 0) return;
-    const ValueType type = *find_type(array.type);
+    const ValueType type = *find_legacy_type(array.type);
     if (!is_binary_) return pass_text(array, num_values, type.kind);
     pass_line_end(array);
     const auto num_bytes = type.size == 0 ? std::optional((num_values + 7) / 8)
@@ -455,6 +570,11 @@ class LegacyChecker {
   std::array<std::int64_t, 3> dims_{};
   std::size_t num_coordinates_ = 0;  // axes whose coordinates have been passed
   bool is_binary_ = false;
+  bool has_offsets_ = false;  // cells as from version 5 on
+  bool has_dims_ = true;      // else POINTS and lists of cells say how many there are
+  bool has_points_ = false;
+  bool has_types_ = false;
+  std::vector<std::string> cell_lists_;  // those that have been passed
   bool has_point_data_ = false;
   bool has_cell_data_ = false;
   std::optional<std::int64_t> num_points_, num_cells_;

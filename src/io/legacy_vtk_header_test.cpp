@@ -46,9 +46,9 @@ TEST(LegacyVtkHeader, RefusesWhatTheFileCannotHold) {
             "file-format: a.vtk: DIMENSIONS: '0': expected 1 to 2147483647");
   EXPECT_EQ(vtk_error(plain.substr(0, 110)),
             "file-format: a.vtk: has no POINT_DATA or CELL_DATA: is the file truncated?");
-  EXPECT_EQ(
-      vtk_error(with(plain, "STRUCTURED_POINTS", "POLYDATA")),
-      "unsupported: a.vtk: DATASET 'polydata': expected STRUCTURED_POINTS or RECTILINEAR_GRID");
+  EXPECT_EQ(vtk_error(with(plain, "STRUCTURED_POINTS", "GRAPH")),
+            "unsupported: a.vtk: DATASET 'graph': expected STRUCTURED_POINTS, RECTILINEAR_GRID, "
+            "STRUCTURED_GRID, UNSTRUCTURED_GRID or POLYDATA");
   EXPECT_EQ(vtk_error(""), "file-format: a.vtk: '' after the title: expected ASCII or BINARY");
 }
 

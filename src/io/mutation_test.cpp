@@ -140,6 +140,8 @@ TEST(Mutation, Slc) { run(fuzz::slc_seeds(), fuzz::slc); }
 TEST(Mutation, RawName) { run(fuzz::raw_name_seeds(), fuzz::raw_name); }
 TEST(Mutation, Dicom) { run(fuzz::dicom_seeds(), fuzz::dicom); }
 TEST(Mutation, VtkHeader) { run(fuzz::vtk_header_seeds(), fuzz::vtk_header); }
+TEST(Mutation, Plot3d) { run(fuzz::plot3d_seeds(), fuzz::plot3d); }
+TEST(Mutation, NetcdfHeader) { run(fuzz::netcdf_header_seeds(), fuzz::netcdf_header, 4000); }
 TEST(Mutation, Look) { run(fuzz::look_seeds(), fuzz::look, 4000); }
 TEST(Mutation, Camera) { run(fuzz::camera_seeds(), fuzz::camera); }
 TEST(Mutation, PointText) { run(fuzz::point_text_seeds(), fuzz::point_text, 4000); }
@@ -185,9 +187,23 @@ TEST(Mutation, SeedsAreValid) {
   for (std::size_t i = 0; i < vtk.size(); ++i) {
     const auto source = open_memory("a.vti", std::as_bytes(std::span(vtk[i])));
     EXPECT_EQ(error_of([&] {
-                vtk[i].starts_with("# vtk") ? check_legacy_vtk(*source) : check_vti(*source);
+                vtk[i].starts_with("# vtk") ? check_legacy_vtk(*source) : check_vtk_xml(*source);
               }),
               "")
+        << i;
+  }
+  for (const std::string& seed : fuzz::plot3d_seeds()) {
+    const auto whole = std::as_bytes(std::span(seed));
+    ASSERT_FALSE(seed.empty());
+    const std::size_t split = 1 + (seed.size() - 1) * static_cast<std::size_t>(whole[0]) / 255;
+    const fuzz::MemoryFile grid(whole.subspan(1, split - 1)), solution(whole.subspan(split));
+    EXPECT_EQ(error_of([&] { read_plot3d(grid.path(), {solution.path()}, {}); }), "");
+  }
+  const auto netcdf = fuzz::netcdf_header_seeds();
+  for (std::size_t i = 0; i < 2; ++i) {  // the third is HDF5
+    EXPECT_EQ(
+        error_of([&] { check_netcdf(*open_memory("a.e", std::as_bytes(std::span(netcdf[i])))); }),
+        "")
         << i;
   }
   for (const std::string& seed : fuzz::look_seeds()) {
@@ -207,7 +223,7 @@ TEST(Mutation, VtkFiles) {
   const std::string first = folder.write("seed.vti", fuzz::vtk_header_seeds()[0]);
   const bool has_vtk = error_of([&] { read_dataset({first}); }).find("no VTK") == std::string::npos;
   Mutator mutator(fuzz::vtk_header_seeds());
-  for (int i = 0; has_vtk && i < 500; ++i) {
+  for (int i = 0; has_vtk && i < wanted(1000); ++i) {
     const std::string input = mutator.next();
     const std::string path = folder.write("a.vti", input);
     try {

@@ -137,9 +137,9 @@ Space read_space(const std::string& name, NrrdHeader& header) {
 // The offset behind `count` lines from `offset`.
 std::int64_t skip_lines(const std::string& header_name, const ByteSource& source,
                         std::int64_t offset, std::int64_t count) {
-  constexpr std::int64_t kChunk = std::int64_t{1} << 16;
+  constexpr std::int64_t kLineChunk = std::int64_t{1} << 16;
   for (std::int64_t skipped = 0; skipped < count;) {
-    const std::string chunk = source.text(offset, kChunk);
+    const std::string chunk = source.text(offset, kLineChunk);
     if (chunk.empty()) {
       throw Error(ErrorCode::kFileFormat, fmt::format("{}: line skip: {} lines, {} has only {}",
                                                       header_name, count, source.name(), skipped));

@@ -16,6 +16,7 @@
 #include "io/formats.h"
 #include "io/hdf5_points.h"
 #include "io/lammps_dump.h"
+#include "io/mesh_files.h"
 #include "io/metaimage.h"
 #include "io/metaimage_header.h"
 #include "io/nifti.h"
@@ -23,13 +24,16 @@
 #include "io/npy_points.h"
 #include "io/nrrd.h"
 #include "io/nrrd_header.h"
+#include "io/plot3d.h"
 #include "io/ply.h"
 #include "io/point_text.h"
 #include "io/raw.h"
 #include "io/read_source.h"
 #include "io/slc.h"
 #include "io/step_files.h"
+#include "io/vtk_header.h"
 #include "io/vtk_image.h"
+#include "io/vtk_sets.h"
 #include "ovoid/error.h"
 #include "ovoid/io.h"
 
@@ -37,8 +41,8 @@ namespace ovoid {
 namespace {
 
 constexpr const char* kReadable =
-    "NRRD, NPY, NIfTI, MetaImage, SLC, VTI, VTR, legacy VTK, DICOM, CSV, NPZ, PLY, HDF5, a LAMMPS "
-    "dump, or raw samples with dimensions and type";
+    "NRRD, NPY, NIfTI, MetaImage, SLC, VTK's files, Exodus, VTKHDF, PLOT3D, Enzo, EnSight, DICOM, "
+    "CSV, NPZ, PLY, HDF5, a LAMMPS dump, or raw samples with dimensions and type";
 
 // What a raw file cannot say, said about a file that says it itself: one of both is a mistake.
 void refuse_raw_options(const std::string& path, const char* format, const RawOptions& raw,
@@ -56,12 +60,35 @@ void refuse_raw_options(const std::string& path, const char* format, const RawOp
   }
 }
 
+// Half of a PLOT3D dataset.
+void refuse_lone_plot3d(const io::ByteSource& source) {
+  if (io::find_plot3d(source, io::Plot3dContent::kGrid)) {
+    throw Error(ErrorCode::kFileFormat,
+                fmt::format("{}: is a PLOT3D grid, which has no arrays: give its solution (q file) "
+                            "behind it",
+                            source.name()));
+  }
+  if (io::find_plot3d(source, io::Plot3dContent::kSolution)) {
+    throw Error(ErrorCode::kFileFormat,
+                fmt::format("{}: is a PLOT3D solution, which has no points: give its grid before "
+                            "it",
+                            source.name()));
+  }
+}
+
 Dataset read_unknown(const io::ByteSource& source, const std::string& start,
                      const ReadOptions& options) {
   const RawOptions from_name = io::parse_raw_name(source.name());
   const std::string ending = io::ending_of(source.name());
   const bool is_raw = options.raw.dims || options.raw.type || (from_name.dims && from_name.type);
   if (is_raw || ending == ".raw" || ending == ".raw.gz") return io::read_raw(source, options);
+  if (ending == ".foam") {
+    // VTK's reader stands on libtiff, and that on JBIG-KIT, which is GPL.
+    throw Error(ErrorCode::kUnsupported,
+                fmt::format("{}: is an OpenFOAM case, which is not read: expected what foamToVTK "
+                            "makes of it",
+                            source.name()));
+  }
   if (source.size() == 0)
     throw Error(ErrorCode::kFileFormat, fmt::format("{}: is empty", source.name()));
   if (io::is_point_text_name(source.name())) {
@@ -69,8 +96,10 @@ Dataset read_unknown(const io::ByteSource& source, const std::string& start,
     return io::read_point_text(source, options);
   }
   for (const char* known :
-       {".nrrd", ".nhdr", ".npy", ".nii", ".nii.gz", ".mhd", ".mha", ".slc", ".vti", ".vtr", ".vtk",
-        ".ply", ".npz", ".h5", ".hdf5", ".lammpstrj", ".dump"}) {
+       {".nrrd", ".nhdr",   ".npy",  ".nii",  ".nii.gz", ".mhd",  ".mha",       ".slc",
+        ".vti",  ".vtr",    ".vts",  ".vtu",  ".vtp",    ".vtm",  ".vth",       ".vthb",
+        ".pvtu", ".pvtp",   ".pvts", ".pvtr", ".pvd",    ".vtk",  ".ex2",       ".exo",
+        ".e",    ".vtkhdf", ".ply",  ".npz",  ".h5",     ".hdf5", ".lammpstrj", ".dump"}) {
     if (ending == known) {
       throw Error(ErrorCode::kFileFormat,
                   fmt::format("{}: the name ends in {} but the content does not begin like it",
@@ -83,6 +112,7 @@ Dataset read_unknown(const io::ByteSource& source, const std::string& start,
                             "file beside it",
                             source.name()));
   }
+  refuse_lone_plot3d(source);
   const std::string kind = io::unsupported_kind_of(start);
   throw Error(
       ErrorCode::kUnsupported,
@@ -107,8 +137,20 @@ Dataset read_hdf5(const io::ByteSource& source, const ReadOptions& options) {
   return io::read_hdf5_points(source, options);
 }
 
+Dataset read_vtk(const io::ByteSource& source, io::FileKind kind, const ReadOptions& options) {
+  if (kind == io::FileKind::kVtkXml) {
+    const std::string type = io::vtk_xml_type(source);
+    if (io::is_vtk_set(type)) return io::read_vtk_set(source, type, options);
+  }
+  return io::read_vtk_file(source, kind, options);
+}
+
 Dataset read_any(const io::ByteSource& source, const ReadOptions& options, const io::Opener& open) {
   const std::string start = source.text(0, 512);
+  if (const io::MeshFile mesh = io::mesh_file_of(source, start); mesh != io::MeshFile::kNone) {
+    refuse_raw_options(source.name(), io::name_of(mesh), options.raw, true);
+    return io::read_mesh_file(mesh, source, options);
+  }
   const bool is_gzip = io::is_gzip(start);
   const bool is_packed = is_gzip || io::is_bzip2(start);
   const io::FileKind kind = is_packed ? packed_kind_of(source, is_gzip) : io::kind_of(start);
@@ -135,7 +177,7 @@ Dataset read_any(const io::ByteSource& source, const ReadOptions& options, const
     case io::FileKind::kVtkXml:
     case io::FileKind::kVtkLegacy:
       refuse_raw_options(source.name(), "VTK", options.raw, true);
-      return io::read_vtk_image(source, kind, options);
+      return read_vtk(source, kind, options);
     case io::FileKind::kPly:
       refuse_raw_options(source.name(), "PLY", options.raw, true);
       return io::read_ply(source, options);
@@ -175,6 +217,16 @@ std::string printable(std::string text) {
     if (code < 0x20 || code == 0x7f) c = '?';
   }
   return text;
+}
+
+// Is the first of several inputs half of a PLOT3D dataset? The flags of raw files say that it is
+// not.
+bool is_plot3d(const std::string& path, const RawOptions& raw, io::Plot3dContent content) {
+  const RawOptions from_name = io::parse_raw_name(path);
+  if (raw.dims || raw.type || from_name.dims || from_name.type) return false;
+  const auto source = io::open_file(path);
+  return io::kind_of(source->text(0, 512)) == io::FileKind::kUnknown &&
+         io::find_plot3d(*source, content).has_value();
 }
 
 // What every reader's result goes through, and its error.
@@ -283,6 +335,14 @@ Dataset read_dataset(const std::vector<std::string>& paths, const ReadOptions& o
   if (paths.empty()) throw Error(ErrorCode::kInvalidArgument, "input: no file is named");
   if (is_folder(paths[0]) || (paths.size() > 1 && is_dicom(paths[0])))
     return finished([&] { return read_dicom_parts(paths, options); }, options);
+  if (paths.size() == 2 && is_plot3d(paths[0], options.raw, io::Plot3dContent::kSolution) &&
+      is_plot3d(paths[1], options.raw, io::Plot3dContent::kGrid)) {
+    return finished([&] { return io::read_plot3d(paths[1], {paths[0]}, options); }, options);
+  }
+  if (paths.size() > 1 && is_plot3d(paths[0], options.raw, io::Plot3dContent::kGrid)) {
+    const std::vector<std::string> solutions(paths.begin() + 1, paths.end());
+    return finished([&] { return io::read_plot3d(paths[0], solutions, options); }, options);
+  }
   if (paths.size() > 1) return io::read_step_files(paths, options);
   return io::read_source(*io::open_file(paths[0]), options);
 }

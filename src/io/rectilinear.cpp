@@ -12,8 +12,8 @@
 namespace ovoid::io {
 namespace {
 
-// The mean step from sample to sample, which all of them keep; 0 for a single one.
-double common_step(const std::string& where, const AxisCoordinates& axis) {
+// The mean step from sample to sample if all of them keep it; 0 for a single one.
+std::optional<double> common_step(const std::string& where, const AxisCoordinates& axis) {
   const std::vector<double>& values = axis.values;
   double greatest = 0;
   for (const double value : values) {
@@ -29,19 +29,15 @@ double common_step(const std::string& where, const AxisCoordinates& axis) {
   for (std::size_t i = 1; i < values.size(); ++i) {
     const double expected = values.front() + step * static_cast<double>(i);
     if (std::abs(values[i] - expected) <= tolerance) continue;
-    throw Error(
-        ErrorCode::kUnsupported,
-        fmt::format("{}: samples {} and {} are {:g} apart, on average {:g}: only grids with "
-                    "equal spacing are read: resample it",
-                    where, i - 1, i, values[i] - values[i - 1], step));
+    return std::nullopt;
   }
   return step;
 }
 
 }  // namespace
 
-LatticeGeometry lattice_of_coordinates(const std::string& name,
-                                       const std::array<AxisCoordinates, 3>& axes) {
+std::optional<LatticeGeometry> lattice_of_coordinates(const std::string& name,
+                                                      const std::array<AxisCoordinates, 3>& axes) {
   LatticeGeometry lattice;
   Vec3 steps;
   Vec3 origin;
@@ -51,7 +47,9 @@ LatticeGeometry lattice_of_coordinates(const std::string& name,
     const std::string where = fmt::format("{}: {} coordinates", name, "xyz"[axis]);
     lattice.dims[axis] = static_cast<std::int64_t>(axes[axis].values.size());
     origin[i] = axes[axis].values.front();
-    steps[i] = common_step(where, axes[axis]);
+    const auto step = common_step(where, axes[axis]);
+    if (!step) return std::nullopt;
+    steps[i] = *step;
     if (lattice.dims[axis] == 1) continue;
     smallest = smallest == 0 ? std::abs(steps[i]) : std::min(smallest, std::abs(steps[i]));
   }

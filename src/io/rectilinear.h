@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,11 +20,10 @@ struct AxisCoordinates {
 // rounding of its own type.
 inline constexpr double kMaxUnevenness = 1e-4;
 
-// The lattice that a rectilinear grid with equal spacing is. An axis of one sample gets the
-// smallest spacing of the others, or 1. Throws Error(kUnsupported) naming the axis, the first
-// sample that is out of step, and the spacings, if the grid is none; Error(kFileFormat) if
-// coordinates are not finite or all the same.
-LatticeGeometry lattice_of_coordinates(const std::string& name,
-                                       const std::array<AxisCoordinates, 3>& axes);
+// The lattice that a rectilinear grid with equal spacing is; empty if it is none. An axis of one
+// sample gets the smallest spacing of the others, or 1. Throws Error(kFileFormat) if coordinates
+// are not finite or all the same.
+std::optional<LatticeGeometry> lattice_of_coordinates(const std::string& name,
+                                                      const std::array<AxisCoordinates, 3>& axes);
 
 }  // namespace ovoid::io

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "data/varies.h"
+#include "data/bookkeeping.h"
 #include "io/byte_source.h"
 #include "io/read_source.h"
 #include "io/sample_parts.h"
@@ -19,7 +19,7 @@ Dataset read_step_file(const std::vector<std::string>& paths, std::int64_t step,
   Dataset dataset = read_source(*open_file(paths[static_cast<std::size_t>(step)]), own);
   if (dataset.num_steps > 1) {
     throw Error(ErrorCode::kUnsupported,
-                fmt::format("{}: has {} steps of its own: several inputs are steps of one volume, "
+                fmt::format("{}: has {} steps of its own: several inputs are steps of one dataset, "
                             "one each",
                             dataset.source, dataset.num_steps));
   }
@@ -39,8 +39,7 @@ Dataset read_step_files(const std::vector<std::string>& paths, const ReadOptions
   if (options.step) return read_step_file(paths, *options.step, options);
   for (std::int64_t step = 0; step < num_steps; ++step) {
     Dataset dataset = read_step_file(paths, step, options);
-    const bool has_values = !dataset.arrays.empty();  // points may have none
-    if (has_values && !data::varies(dataset.array(options.array))) continue;
+    if (!data::is_worth_showing(dataset, options.array)) continue;
     dataset.notes.push_back(chosen_step_note(dataset.source, step, num_steps));
     return dataset;
   }

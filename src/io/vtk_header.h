@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
+
 #include "io/byte_source.h"
 
 namespace ovoid::io {
@@ -10,15 +12,20 @@ namespace ovoid::io {
 // stored and what is needed; Error(kUnsupported) if the file is well-formed but no image. Nothing
 // is allocated in proportion to a claim. A file that passes may still be broken inside.
 
-enum class VtkGrid { kImage, kRectilinear };
+enum class VtkGrid { kImage, kRectilinear, kStructured, kUnstructured, kPolyData };
 
-// XML image data (.vti) or rectilinear grid (.vtr): extents and pieces, numbers of the image's
-// place, what every stored array states and whether its bytes or numbers are there, and the ratios
-// its compressor can reach.
-VtkGrid check_vti(const ByteSource& source);
+// XML files of one data set (.vti .vtr .vts .vtu .vtp): extents, pieces and their numbers of points
+// and cells, numbers of an image's place, what every stored array states and whether its bytes or
+// numbers are there, and the ratios its compressor can reach. The node numbers of cells are counted
+// (where no compressor hides them, their last offset is read), but not looked at.
+VtkGrid check_vtk_xml(const ByteSource& source);
 
-// Legacy structured points or rectilinear grid (.vtk): dimensions, number of samples and
-// coordinates, and every array to the end.
+// What the root of an XML file says it is: "ImageData", "vtkMultiBlockDataSet", "Collection"; empty
+// if it is no VTKFile.
+std::string vtk_xml_type(const ByteSource& source);
+
+// Legacy files (.vtk) of the same kinds: dimensions, numbers of points and cells, and every array
+// to the end.
 VtkGrid check_legacy_vtk(const ByteSource& source);
 
 }  // namespace ovoid::io

@@ -9,10 +9,9 @@
 
 namespace ovoid::io {
 
-Dataset read_vtk_image(const ByteSource& source, FileKind, const ReadOptions&) {
+Dataset read_vtk_file(const ByteSource& source, FileKind, const ReadOptions&) {
   throw Error(ErrorCode::kUnsupported,
-              fmt::format("{}: this build has no VTK and cannot read VTI, VTR and legacy VTK files",
-                          source.name()));
+              fmt::format("{}: this build has no VTK and cannot read VTK files", source.name()));
 }
 
 void write_vtk_image(const Dataset&, const std::string& path) {
@@ -25,12 +24,8 @@ void write_vtk_image(const Dataset&, const std::string& path) {
 
 #else
 
-#include <vtkAOSDataArrayTemplate.h>
-#include <vtkAlgorithm.h>
-#include <vtkCallbackCommand.h>
 #include <vtkCellData.h>
 #include <vtkDataArray.h>
-#include <vtkDataArraySelection.h>
 #include <vtkFieldData.h>
 #include <vtkImageData.h>
 #include <vtkInformation.h>
@@ -40,180 +35,32 @@ void write_vtk_image(const Dataset&, const std::string& path) {
 #include <vtkObjectFactory.h>
 #include <vtkPointData.h>
 #include <vtkRectilinearGrid.h>
-#include <vtkRectilinearGridReader.h>
 #include <vtkSmartPointer.h>
 #include <vtkStructuredPoints.h>
-#include <vtkStructuredPointsReader.h>
 #include <vtkStructuredPointsWriter.h>
-#include <vtkXMLImageDataReader.h>
 #include <vtkXMLImageDataWriter.h>
-#include <vtkXMLRectilinearGridReader.h>
 
 #include <algorithm>
 #include <limits>
-#include <new>
 #include <vector>
 
 #include "io/atomic_file.h"
+#include "io/mesh_parts.h"
 #include "io/rectilinear.h"
 #include "io/samples.h"
-#include "io/vtk_header.h"
+#include "io/vtk_leaf.h"
+#include "io/vtk_mesh.h"
 #include "io/vtk_messages.h"
+#include "io/vtk_reading.h"
+#include "io/vtk_timed.h"
 
 namespace ovoid::io {
 namespace {
-
-std::optional<ScalarType> scalar_type_of(int vtk_type) {
-  switch (vtk_type) {
-    case VTK_CHAR:
-      return std::is_signed_v<char> ? ScalarType::kInt8 : ScalarType::kUInt8;
-    case VTK_SIGNED_CHAR:
-      return ScalarType::kInt8;
-    case VTK_UNSIGNED_CHAR:
-      return ScalarType::kUInt8;
-    case VTK_SHORT:
-      return ScalarType::kInt16;
-    case VTK_UNSIGNED_SHORT:
-      return ScalarType::kUInt16;
-    case VTK_INT:
-      return ScalarType::kInt32;
-    case VTK_UNSIGNED_INT:
-      return ScalarType::kUInt32;
-    case VTK_LONG:
-      return sizeof(long) == 8 ? ScalarType::kInt64 : ScalarType::kInt32;
-    case VTK_UNSIGNED_LONG:
-      return sizeof(long) == 8 ? ScalarType::kUInt64 : ScalarType::kUInt32;
-    case VTK_LONG_LONG:
-      return ScalarType::kInt64;
-    case VTK_UNSIGNED_LONG_LONG:
-      return ScalarType::kUInt64;
-    case VTK_ID_TYPE:
-      return sizeof(vtkIdType) == 8 ? ScalarType::kInt64 : ScalarType::kInt32;
-    case VTK_FLOAT:
-      return ScalarType::kFloat32;
-    case VTK_DOUBLE:
-      return ScalarType::kFloat64;
-    default:
-      return std::nullopt;
-  }
-}
 
 // In the order of ScalarType.
 constexpr int kVtkTypes[] = {VTK_UNSIGNED_CHAR, VTK_SIGNED_CHAR, VTK_UNSIGNED_SHORT, VTK_SHORT,
                              VTK_UNSIGNED_INT,  VTK_INT,         VTK_TYPE_UINT64,    VTK_TYPE_INT64,
                              VTK_FLOAT,         VTK_DOUBLE};
-
-// Runs a reader: its messages are collected, its progress is passed on, and the caller may stop it.
-class ReaderRun {
- public:
-  ReaderRun(const ByteSource& source, const ReadOptions& options)
-      : source_(source), options_(options) {}
-
-  template <typename Action>
-  void operator()(vtkAlgorithm* reader, const Action& action) {
-    vtkNew<vtkCallbackCommand> command;
-    command->SetClientData(this);
-    command->SetCallback([](vtkObject* object, unsigned long, void* self, void*) {
-      static_cast<ReaderRun*>(self)->on_progress(vtkAlgorithm::SafeDownCast(object));
-    });
-    const unsigned long tag = reader->AddObserver(vtkCommand::ProgressEvent, command);
-    try {
-      const VtkMessages messages;
-      action();
-      reader->RemoveObserver(tag);
-      was_stopped_ = was_stopped_ || options_.stop.stop_requested();
-      if (was_stopped_) throw Error(ErrorCode::kCancelled, "reading: stopped by the caller");
-      if (!messages.errors().empty()) {
-        throw Error(ErrorCode::kFileFormat,
-                    fmt::format("{}: {}", source_.name(), messages.errors().front()));
-      }
-      if (reader->GetErrorCode() != 0)
-        throw Error(ErrorCode::kFileFormat, fmt::format("{}: VTK cannot read it", source_.name()));
-      for (const std::string& warning : messages.warnings())
-        notes.push_back(fmt::format("{}: {}", source_.name(), warning));
-    } catch (const std::bad_alloc&) {
-      throw Error(
-          ErrorCode::kOutOfMemory,
-          fmt::format("{}: memory for its arrays: the system has none left", source_.name()));
-    }
-  }
-
-  std::vector<std::string> notes;
-
- private:
-  void on_progress(vtkAlgorithm* reader) {
-    if (options_.stop.stop_requested()) {
-      was_stopped_ = true;
-      reader->SetAbortExecute(1);
-    } else if (options_.progress) {
-      options_.progress(std::clamp(reader->GetProgress(), 0.0, 1.0));
-    }
-  }
-
-  const ByteSource& source_;
-  const ReadOptions& options_;
-  bool was_stopped_ = false;
-};
-
-[[noreturn]] void throw_no_array(const ByteSource& source, const std::string& wanted,
-                                 const std::vector<std::string>& names) {
-  throw Error(ErrorCode::kInvalidArgument,
-              fmt::format("{}: array '{}': not there: expected one of '{}'", source.name(), wanted,
-                          fmt::join(names, "', '")));
-}
-
-// Leaves only the wanted array switched on.
-void select_array(const ByteSource& source, vtkXMLReader* reader, const std::string& wanted) {
-  std::vector<std::string> names;
-  bool is_found = false;
-  for (vtkDataArraySelection* selection :
-       {reader->GetPointDataArraySelection(), reader->GetCellDataArraySelection()}) {
-    for (int i = 0; i < selection->GetNumberOfArrays(); ++i)
-      names.emplace_back(selection->GetArrayName(i));
-    selection->DisableAllArrays();
-    if (selection->ArrayExists(wanted.c_str()) == 0) continue;
-    selection->EnableArray(wanted.c_str());
-    is_found = true;
-  }
-  if (!is_found) throw_no_array(source, wanted, names);
-}
-
-template <typename Reader>
-vtkSmartPointer<vtkDataSet> run_xml_reader(const ByteSource& source, const ReadOptions& options,
-                                           ReaderRun& run) {
-  vtkNew<Reader> reader;
-  reader->SetFileName(source.name().c_str());
-  if (!options.array.empty()) {
-    run(reader, [&] { reader->UpdateInformation(); });
-    select_array(source, reader, options.array);
-  }
-  run(reader, [&] { reader->Update(); });
-  return reader->GetOutput();
-}
-
-template <typename Reader>
-vtkSmartPointer<vtkDataSet> run_legacy_reader(const ByteSource& source, ReaderRun& run) {
-  vtkNew<Reader> reader;
-  reader->SetFileName(source.name().c_str());
-  reader->ReadAllScalarsOn();
-  reader->ReadAllVectorsOn();
-  reader->ReadAllNormalsOn();
-  reader->ReadAllTensorsOn();
-  reader->ReadAllColorScalarsOn();
-  reader->ReadAllTCoordsOn();
-  reader->ReadAllFieldsOn();
-  run(reader, [&] { reader->Update(); });
-  return reader->GetOutput();
-}
-
-vtkSmartPointer<vtkDataSet> run_reader(const ByteSource& source, bool is_xml, VtkGrid grid,
-                                       const ReadOptions& options, ReaderRun& run) {
-  const bool is_image = grid == VtkGrid::kImage;
-  if (is_xml && is_image) return run_xml_reader<vtkXMLImageDataReader>(source, options, run);
-  if (is_xml) return run_xml_reader<vtkXMLRectilinearGridReader>(source, options, run);
-  if (is_image) return run_legacy_reader<vtkStructuredPointsReader>(source, run);
-  return run_legacy_reader<vtkRectilinearGridReader>(source, run);
-}
 
 // The image's lattice, with index 0 at its first sample whatever its extent.
 LatticeGeometry lattice_of(const ByteSource& source, vtkImageData* image) {
@@ -234,7 +81,7 @@ LatticeGeometry lattice_of(const ByteSource& source, vtkImageData* image) {
   return lattice;
 }
 
-LatticeGeometry lattice_of(const ByteSource& source, vtkRectilinearGrid* grid) {
+std::optional<LatticeGeometry> lattice_of(const ByteSource& source, vtkRectilinearGrid* grid) {
   std::array<AxisCoordinates, 3> axes;
   vtkDataArray* const arrays[] = {grid->GetXCoordinates(), grid->GetYCoordinates(),
                                   grid->GetZCoordinates()};
@@ -253,73 +100,34 @@ LatticeGeometry lattice_of(const ByteSource& source, vtkRectilinearGrid* grid) {
   return lattice_of_coordinates(source.name(), axes);
 }
 
-LatticeGeometry lattice_of(const ByteSource& source, vtkDataSet* data) {
+// Empty for a rectilinear grid of unequal spacing.
+std::optional<LatticeGeometry> lattice_of(const ByteSource& source, vtkDataSet* data) {
   if (auto* const grid = vtkRectilinearGrid::SafeDownCast(data)) return lattice_of(source, grid);
   return lattice_of(source, vtkImageData::SafeDownCast(data));
-}
-
-Bytes share(vtkDataArray* array, std::int64_t num_bytes) {
-  vtkSmartPointer<vtkDataArray> plain = array;
-  if (!array->HasStandardMemoryLayout()) {
-    plain =
-        vtkSmartPointer<vtkDataArray>::Take(vtkDataArray::CreateDataArray(array->GetDataType()));
-    plain->DeepCopy(array);
-  }
-  const auto* data = static_cast<const std::byte*>(plain->GetVoidPointer(0));
-  return {std::make_shared<vtkSmartPointer<vtkDataArray>>(plain),
-          {data, static_cast<std::size_t>(num_bytes)}};
 }
 
 // Takes over the arrays of points or cells that hold numbers, one tuple for each sample; adds the
 // names of those that it could take to `names`.
 void add_arrays(Dataset& dataset, vtkFieldData* fields, std::int64_t num_expected,
                 bool is_cell_data, const std::string& wanted, std::vector<std::string>& names) {
-  for (int i = 0; i < fields->GetNumberOfArrays(); ++i) {
-    vtkAbstractArray* const abstract = fields->GetAbstractArray(i);
-    if (abstract == nullptr) continue;
-    std::string name = abstract->GetName() != nullptr ? abstract->GetName() : "";
-    if (name.empty()) name = fmt::format("{}{}", is_cell_data ? "cells" : "points", i);
-    const bool is_wanted = wanted.empty() || name == wanted;
-    vtkDataArray* const array = vtkDataArray::SafeDownCast(abstract);
-    const auto type = scalar_type_of(abstract->GetDataType());
-    if (array == nullptr || !type || array->GetNumberOfTuples() != num_expected ||
-        array->GetNumberOfComponents() < 1) {
-      if (!is_wanted) continue;
-      dataset.notes.push_back(fmt::format(
-          "{}: array '{}' ({} tuples of {} {}) is left out: expected {} tuples of numbers",
-          dataset.source, name, abstract->GetNumberOfTuples(), abstract->GetNumberOfComponents(),
-          abstract->GetDataTypeAsString(), num_expected));
-      continue;
-    }
-    names.push_back(name);
+  for (VtkArray& array : numbers_of(dataset.source, fields, num_expected, is_cell_data)) {
+    const bool is_wanted = wanted.empty() || array.name == wanted;
+    if (array.numbers) names.push_back(array.name);
     if (!is_wanted) continue;
-    DataArray result{name,         *type, array->GetNumberOfComponents(), num_expected, "",
-                     is_cell_data, {}};
-    vtkInformation* const information = array->HasInformation() ? array->GetInformation() : nullptr;
-    if (information != nullptr && information->Has(vtkDataArray::UNITS_LABEL()) != 0) {
-      result.unit = information->Get(vtkDataArray::UNITS_LABEL());
-    }
-    result.bytes = share(array, checked_num_bytes(dataset.source, std::array{num_expected}, *type,
-                                                  result.num_components));
-    dataset.arrays.push_back(std::move(result));
+    if (array.numbers)
+      dataset.arrays.push_back(std::move(*array.numbers));
+    else
+      dataset.notes.push_back(std::move(array.note));
   }
 }
 
 }  // namespace
 
-Dataset read_vtk_image(const ByteSource& source, FileKind kind, const ReadOptions& options) {
-  const bool is_xml = kind == FileKind::kVtkXml;
-  const VtkGrid grid = is_xml ? check_vti(source) : check_legacy_vtk(source);
-  ReaderRun run(source, options);
-  const vtkSmartPointer<vtkDataSet> image = run_reader(source, is_xml, grid, options, run);
-  if (image == nullptr || image->GetNumberOfPoints() < 1) {
-    throw Error(ErrorCode::kFileFormat, fmt::format("{}: VTK finds no image in it", source.name()));
-  }
-  Dataset dataset;
-  dataset.source = source.name();
-  dataset.format = !is_xml ? "legacy VTK" : grid == VtkGrid::kImage ? "VTI" : "VTR";
-  dataset.notes = std::move(run.notes);
-  dataset.lattice = lattice_of(source, image);
+namespace {
+
+Dataset lattice_of_leaf(const ByteSource& source, vtkDataSet* image, LatticeGeometry lattice,
+                        Dataset dataset, const ReadOptions& options) {
+  dataset.lattice = std::move(lattice);
   std::vector<std::string> names;
   add_arrays(dataset, image->GetPointData(), image->GetNumberOfPoints(), false, options.array,
              names);
@@ -334,10 +142,37 @@ Dataset read_vtk_image(const ByteSource& source, FileKind kind, const ReadOption
   }
   if (vtkDataArray* const time = image->GetFieldData()->GetArray("TimeValue");
       time != nullptr && time->GetNumberOfTuples() == 1) {
-    dataset.times.push_back(time->GetTuple1(0));
+    dataset.times.push_back(time->GetComponent(0, 0));
   }
   shorten_notes(dataset.notes);
   return dataset;
+}
+
+}  // namespace
+
+Dataset read_vtk_file(const ByteSource& source, FileKind kind, const ReadOptions& options) {
+  const bool is_xml = kind == FileKind::kVtkXml;
+  VtkRun run(source, options);
+  const VtkLeaf leaf = read_vtk_leaf(source, is_xml, options, run);
+  Dataset dataset;
+  dataset.source = source.name();
+  dataset.format = format_of_leaf(leaf.grid, is_xml);
+  dataset.notes = std::move(run.notes);
+  return dataset_of(source, leaf.data, std::move(dataset), options);
+}
+
+Dataset dataset_of(const ByteSource& source, vtkDataSet* data, Dataset dataset,
+                   const ReadOptions& options) {
+  const bool may_be_lattice = vtkImageData::SafeDownCast(data) != nullptr ||
+                              vtkRectilinearGrid::SafeDownCast(data) != nullptr;
+  if (may_be_lattice && data->GetNumberOfPoints() < 1)
+    throw Error(ErrorCode::kFileFormat, fmt::format("{}: VTK finds no image in it", source.name()));
+  auto lattice = may_be_lattice ? lattice_of(source, data) : std::nullopt;
+  if (lattice)
+    return lattice_of_leaf(source, data, std::move(*lattice), std::move(dataset), options);
+  std::vector<MeshPart> parts;
+  parts.push_back(part_of(source.name(), data, dataset.notes));
+  return mesh_of_parts(std::move(dataset), std::move(parts), options);
 }
 
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// VTI and legacy VTK images, and rectilinear grids that are lattices, through VTK's own readers and
-// writers. Without VTK (OVOID_IO_VTK off) every function throws Error(kUnsupported) that says so.
+// VTK files of one data set, XML or legacy, through VTK's own readers and writers. Without VTK
+// (OVOID_IO_VTK off) every function throws Error(kUnsupported) that says so.
 #pragma once
 
 #include <string>
@@ -12,11 +12,12 @@
 
 namespace ovoid::io {
 
-// Reads the image that `source` (a file, kVtkXml or kVtkLegacy) holds: its point and cell arrays of
-// numbers, origin, spacing and direction. A rectilinear grid (VTR, legacy) must have equal spacing.
-// The header is checked against the file's size before VTK allocates. VTK's messages end up in the
+// Reads the data set that `source` (a file, kVtkXml or kVtkLegacy) holds, with its point and cell
+// arrays of numbers. Images are lattices, and so are rectilinear grids of equal spacing; other
+// grids, structured and unstructured, are meshes; polygonal data are particles (mesh_of_parts). The
+// header is checked against the file's size before VTK allocates. VTK's messages end up in the
 // Error or in notes, never on stderr. Throws Error.
-Dataset read_vtk_image(const ByteSource& source, FileKind kind, const ReadOptions& options);
+Dataset read_vtk_file(const ByteSource& source, FileKind kind, const ReadOptions& options);
 
 // Writes all arrays: .vti appended, zlib; .vtk legacy binary (which knows no direction: oblique
 // lattices are refused). Throws Error(kFileWrite, kUnsupported).

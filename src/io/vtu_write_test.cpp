@@ -18,7 +18,7 @@ namespace ovoid::io {
 namespace {
 
 template <class T>
-Bytes bytes_of(std::vector<T> numbers) {
+Bytes owned_bytes(std::vector<T> numbers) {
   auto owner = std::make_shared<std::vector<T>>(std::move(numbers));
   return {owner, std::as_bytes(std::span(*owner))};
 }
@@ -28,7 +28,7 @@ DataArray array_of(const char* name, std::vector<float> numbers, int components 
   array.name = name;
   array.num_components = components;
   array.num_tuples = static_cast<std::int64_t>(numbers.size()) / components;
-  array.bytes = bytes_of(std::move(numbers));
+  array.bytes = owned_bytes(std::move(numbers));
   return array;
 }
 

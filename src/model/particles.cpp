@@ -8,6 +8,7 @@
 #include <limits>
 #include <numbers>
 
+#include "data/bookkeeping.h"
 #include "data/parallel.h"
 #include "model/ellipsoid_set.h"
 #include "model/ellipsoid_shape.h"
@@ -50,7 +51,12 @@ ParticleRoles find_roles(const ModelRun& run) {
   const Dataset& dataset = run.dataset;
   const KernelModelOptions& options = run.options;
   ParticleRoles roles;
-  roles.is_density = options.is_density || dataset.arrays.empty();
+  // What is left when numbers and places are set aside may be nothing.
+  const bool has_values =
+      std::any_of(dataset.arrays.begin(), dataset.arrays.end(),
+                  [&](const DataArray& array) { return !data::is_bookkeeping(dataset, array); });
+  roles.is_density =
+      options.is_density || (options.array.empty() && options.color_array.empty() && !has_values);
   roles.radius = !options.radius_array.empty()
                      ? &dataset.array(options.radius_array)
                      : find_called(dataset, {"h", "hsml", "Hsml", "SmoothingLength",

@@ -36,6 +36,10 @@ void add_array(Dataset& dataset, const char* name, std::vector<float> values) {
 // with a periodic box against brute force over all 27 images.
 TEST(ParticleKernels, LengthsAgainstBruteForce) {
   const std::vector<Vec3> points = random_cloud(700, 3);
+  const std::vector<Vec3> here = {Vec3::Zero()};
+  std::vector<Vec3> images;
+  for (int image = 0; image < 27; ++image)
+    images.emplace_back(image % 3 - 1, image / 3 % 3 - 1, image / 9 - 1);
   for (const bool is_periodic : {false, true}) {
     Dataset dataset = cloud_dataset(points);
     if (is_periodic) dataset.periodic_box = Bounds3(Vec3::Zero(), Vec3::Ones());
@@ -48,11 +52,8 @@ TEST(ParticleKernels, LengthsAgainstBruteForce) {
       ++inside;
       std::vector<double> distances;
       for (const Vec3& point : points) {
-        for (int image = 0; image < (is_periodic ? 27 : 1); ++image) {
-          const Vec3 shift = is_periodic ? Vec3(image % 3 - 1, image / 3 % 3 - 1, image / 9 - 1)
-                                         : Vec3(Vec3::Zero());
+        for (const Vec3& shift : is_periodic ? images : here)
           distances.push_back((point + shift - kernel.center).norm());
-        }
       }
       std::nth_element(distances.begin(), distances.begin() + 19, distances.end());
       ASSERT_NEAR(kernel.factor(0, 0), distances[19] / 4, 1e-6 * distances[19]);

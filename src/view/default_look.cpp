@@ -38,13 +38,8 @@ double opacity_for_half_depth(double depth) { return 1.0 - std::pow(0.5, 1.0 / d
 struct Depths {
   double thin, solid;
 };
-Depths depths_of(const Field& field) {
-  const LatticeField* lattice = field.lattice();
-  const double num_cells =
-      lattice != nullptr
-          ? static_cast<double>(num_samples(lattice->geometry().dims))
-          : field.world_bounds().volume() / std::pow(field.default_sampling_distance(), 3);
-  const double edge = std::cbrt(num_cells);
+Depths depths_of(const LatticeField& field) {
+  const double edge = std::cbrt(static_cast<double>(num_samples(field.geometry().dims)));
   return {std::max(2.0, 0.05 * edge), std::max(0.5, 0.006 * edge)};
 }
 
@@ -245,7 +240,7 @@ void add_layers(std::vector<OpacityPoint>& points, double background, double sig
   at(std::min(layers.dense + slope, layers.end), solid);
 }
 
-std::optional<Look> object_look(const Field& field, const FieldSamples& samples,
+std::optional<Look> object_look(const LatticeField& field, const FieldSamples& samples,
                                 const Background& background) {
   std::vector<float> above;
   std::vector<float> below;
@@ -278,7 +273,7 @@ std::optional<Look> object_look(const Field& field, const FieldSamples& samples,
 
 // --- what fills its box
 
-std::optional<Look> filled_look(const Field& field, const FieldSamples& samples) {
+std::optional<Look> filled_look(const LatticeField& field, const FieldSamples& samples) {
   const double lo = quantile(samples.values, 0.001);
   const double hi = quantile(samples.values, 0.999);
   if (!(lo < hi)) return std::nullopt;
@@ -300,7 +295,7 @@ std::optional<Look> filled_look(const Field& field, const FieldSamples& samples)
   return look;
 }
 
-std::optional<Look> layered_look(const Field& field, const FieldSamples& samples) {
+std::optional<Look> layered_look(const LatticeField& field, const FieldSamples& samples) {
   if (const auto background = background_of(samples))
     return object_look(field, samples, *background);
   return filled_look(field, samples);
@@ -332,7 +327,7 @@ void raise_to_values(TransferFunction& tf) {
 }
 
 // A look of samples that are neither labels nor scans.
-Look look_of_values(const Field& field, const FieldSamples& samples) {
+Look look_of_values(const LatticeField& field, const FieldSamples& samples) {
   const bool is_logarithmic = asks_for_a_logarithm(samples);
   std::optional<Look> look = layered_look(field, is_logarithmic ? logarithms(samples) : samples);
   if (look && is_logarithmic) raise_to_values(look->transfer_function);
@@ -352,11 +347,59 @@ Look look_of_lattice(const LatticeField& field, std::string_view unit) {
   return look_of_values(field, samples);
 }
 
+// Edge, in sheets, of a cube as large as what the kernels fill: a thin wall has little of it.
+double filled_edge(const KernelField& field) {
+  const KernelSource& source = field.source();
+  double volume = 0;
+  for (std::int64_t b = 0; b < source.num_bricks(); ++b) {
+    const KernelBrick& brick = source.brick(b);
+    const double least = brick.least_sigma;
+    const double greatest = brick.greatest_sigma;
+    volume += 8 * std::sqrt(std::pow(least * greatest, 3)) * brick.count;
+  }
+  volume = std::min(volume, field.world_bounds().volume());
+  return std::max(2.0, std::cbrt(volume) / field.default_sampling_distance());
+}
+
+// Kernels are where something is, so nothing is a background: from haze to solid along the values'
+// quantiles. Densities fade out at their low end, where they are mostly space.
+Look look_of_quantiles(const KernelField& field, const FieldSamples& samples) {
+  const double edge = filled_edge(field);
+  const bool is_sum = field.reconstruction() == Reconstruction::kSum;
+  Look look;
+  set_bright_colors(look, quantile(samples.values, is_sum ? 0.1 : 0.002),
+                    quantile(samples.values, 0.998));
+  const std::pair<double, double> by_quantile[] = {
+      {0.02, is_sum ? 0.0 : opacity_for_half_depth(0.5 * edge)},
+      {0.3, opacity_for_half_depth(0.25 * edge)},
+      {0.7, opacity_for_half_depth(0.1 * edge)},
+      {0.95, opacity_for_half_depth(std::max(0.5, 0.03 * edge))},
+      {0.999, opacity_for_half_depth(std::max(0.5, 0.012 * edge))}};
+  auto& points = look.transfer_function.opacities;
+  for (const auto& [q, opacity] : by_quantile) {
+    const double x = quantile(samples.values, q);
+    if (!points.empty() && x <= points.back().x) continue;
+    points.push_back({.x = x, .opacity = opacity});
+  }
+  return look;
+}
+
+Look look_of_kernel_values(const KernelField& field, const FieldSamples& samples) {
+  if (says_nothing(samples) || !(quantile(samples.values, 0.002) < quantile(samples.values, 0.998)))
+    return ramp_look(field.value_range());
+  // Densities of particles span decades whenever they cluster at all.
+  const bool is_logarithmic =
+      asks_for_a_logarithm(samples) ||
+      (samples.values.front() > 0 &&
+       quantile(samples.values, 0.98) > 30 * quantile(samples.values, 0.02));
+  Look look = look_of_quantiles(field, is_logarithmic ? logarithms(samples) : samples);
+  if (is_logarithmic) raise_to_values(look.transfer_function);
+  return look;
+}
+
 // Where another attribute gives the colour, colours span its range.
 Look look_of_kernels(const KernelField& field) {
-  const FieldSamples samples = view::take_samples(field);
-  Look look =
-      says_nothing(samples) ? ramp_look(field.value_range()) : look_of_values(field, samples);
+  Look look = look_of_kernel_values(field, view::take_samples(field));
   if (field.has_own_color()) look.color_function = ramp_look(field.color_range()).transfer_function;
   return look;
 }

@@ -281,6 +281,38 @@ inline std::vector<std::string> vtk_header_seeds() {
       "# vtk DataFile Version 3.0\ntitle\nASCII\nDATASET RECTILINEAR_GRID\nDIMENSIONS 3 2 "
       "1\nX_COORDINATES 3 float\n0 0.5 1\nY_COORDINATES 2 double\n1 2\nZ_COORDINATES 1 int\n7\n"
       "POINT_DATA 6\nSCALARS v float\nLOOKUP_TABLE default\n1 2 3 4 5 6\n",
+      "# vtk DataFile Version 3.0\ntitle\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 5 float\n0 0 0 "
+      "1 0 0 0 1 0 0 0 1 1 1 1\nCELLS 2 10\n4 0 1 2 3\n4 1 2 3 4\nCELL_TYPES 2\n10\n10\n"
+      "CELL_DATA 2\nSCALARS v float\nLOOKUP_TABLE default\n1 2\n",
+      "# vtk DataFile Version 5.1\ntitle\nASCII\nDATASET POLYDATA\nPOINTS 3 double\n0 0 0 1 0 0 0 "
+      "1 "
+      "0\nPOLYGONS 2 3\nOFFSETS vtktypeint64\n0 3\nCONNECTIVITY vtktypeint64\n0 1 2\n",
+      "# vtk DataFile Version 3.0\ntitle\nBINARY\nDATASET UNSTRUCTURED_GRID\nPOINTS 1 float\n" +
+          std::string(12, '\0') + "\nCELLS 1 2\n" + std::string("\0\0\0\1\0\0\0\0", 8) +
+          "\nCELL_TYPES 1\n" + std::string("\0\0\0\1", 4) + "\n",
+      "<VTKFile type=\"UnstructuredGrid\" byte_order=\"LittleEndian\"><UnstructuredGrid>\n"
+      "<Piece NumberOfPoints=\"4\" NumberOfCells=\"1\"><PointData>" +
+          array +
+          "format=\"ascii\">1 2 3 4</DataArray></PointData>\n<Points><DataArray type=\"Float32\" "
+          "NumberOfComponents=\"3\" format=\"ascii\">0 0 0 1 0 0 0 1 0 0 0 1</DataArray></Points>\n"
+          "<Cells><DataArray type=\"Int32\" Name=\"connectivity\" format=\"ascii\">0 1 2 "
+          "3</DataArray><DataArray type=\"Int32\" Name=\"offsets\" format=\"binary\">"
+          "BAAAAAQAAAA=</DataArray><DataArray type=\"UInt8\" Name=\"types\" "
+          "format=\"ascii\">10</DataArray></Cells></Piece></UnstructuredGrid></VTKFile>\n",
+      "<VTKFile type=\"StructuredGrid\" byte_order=\"LittleEndian\"><StructuredGrid "
+      "WholeExtent=\"0 1 0 1 0 0\"><Piece Extent=\"0 1 0 1 0 0\"><PointData>" +
+          array +
+          "format=\"ascii\">1 2 3 4</DataArray></PointData><Points><DataArray type=\"Float32\" "
+          "NumberOfComponents=\"3\" format=\"ascii\">0 0 0 1 0 0 0 1 0 1 1 "
+          "0</DataArray></Points></Piece></StructuredGrid></VTKFile>\n",
+      "<VTKFile type=\"PolyData\" byte_order=\"LittleEndian\"><PolyData><Piece "
+      "NumberOfPoints=\"3\" NumberOfVerts=\"0\" NumberOfPolys=\"1\"><PointData>" +
+          array +
+          "format=\"ascii\">1 2 3</DataArray></PointData><Points><DataArray type=\"Float32\" "
+          "NumberOfComponents=\"3\" format=\"ascii\">0 0 0 1 0 0 0 1 0</DataArray></Points><Polys>"
+          "<DataArray type=\"Int64\" Name=\"connectivity\" format=\"ascii\">0 1 2</DataArray>"
+          "<DataArray type=\"Int64\" Name=\"offsets\" format=\"ascii\">3</DataArray></Polys>"
+          "</Piece></PolyData></VTKFile>\n",
   };
 }
 
@@ -312,6 +344,47 @@ inline std::vector<std::string> look_seeds() {
       "0 0\n0.5 1\n1 0\n",
       "0 1 0 0 0.25\n1 0 1 0 0.75\n",
   };
+}
+
+// A grid of 2 x 1 x 1 nodes and its solution, little endian, behind the byte that splits them.
+inline std::vector<std::string> plot3d_seeds() {
+  const auto integer = [](int value) { return std::string{static_cast<char>(value), 0, 0, 0}; };
+  const auto numbers = [](int count) {
+    std::string bytes;
+    for (int i = 0; i < count; ++i) bytes += std::string{0, 0, static_cast<char>(i), 0x40};
+    return bytes;
+  };
+  const auto record = [&](const std::string& bytes) {
+    return integer(static_cast<int>(bytes.size())) + bytes +
+           integer(static_cast<int>(bytes.size()));
+  };
+  const std::string dims = integer(2) + integer(1) + integer(1);
+  const auto joined = [](const std::string& grid, const std::string& solution) {
+    for (unsigned byte = 0; byte < 256; ++byte) {
+      if ((grid.size() + solution.size()) * byte / 255 == grid.size())
+        return static_cast<char>(byte) + grid + solution;
+    }
+    return std::string();
+  };
+  return {joined(dims + numbers(6), dims + numbers(14)),
+          joined(dims + numbers(6) + integer(1) + integer(-1), dims + numbers(14)),
+          joined(integer(1) + dims + numbers(6), integer(1) + dims + numbers(14)),
+          joined(record(dims) + record(numbers(6)),
+                 record(dims) + record(numbers(4)) + record(numbers(10)))};
+}
+
+inline std::vector<std::string> netcdf_header_seeds() {
+  const auto word = [](int value) { return std::string{0, 0, 0, static_cast<char>(value)}; };
+  const std::string dims = word(10) + word(2) + word(1) + "n" + std::string(3, '\0') + word(3) +
+                           word(1) + "t" + std::string(3, '\0') + word(0);
+  const std::string attributes = word(12) + word(1) + word(1) + "a" + std::string(3, '\0') +
+                                 word(2) + word(2) + "hi" + std::string(2, '\0');
+  const std::string variable = word(1) + "v" + std::string(3, '\0') + word(2) + word(1) + word(0) +
+                               word(0) + word(0) + word(6) + word(24);
+  const std::string start = word(2) + dims + attributes + word(11) + word(1) + variable;
+  return {"CDF\x01" + start + word(100) + std::string(200, '\0'),
+          "CDF\x02" + start + word(0) + word(100) + std::string(200, '\0'),
+          "\x89HDF\r\n\x1a\n" + std::string("\0\0\0\0\0\x08\x08\0", 8) + std::string(112, '\0')};
 }
 
 inline std::vector<std::string> camera_seeds() {

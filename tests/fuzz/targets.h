@@ -17,6 +17,8 @@
 
 #include "io/byte_source.h"
 #include "io/dicom_codec.h"
+#include "io/netcdf_header.h"
+#include "io/plot3d.h"
 #include "io/read_source.h"
 #include "io/vtk_header.h"
 #include "ovoid/dataset.h"
@@ -36,7 +38,8 @@ inline void require(bool holds, const char* what) {
   if (!holds) throw Inconsistent(what);
 }
 
-inline void check_array(const DataArray& array, std::int64_t num_tuples) {
+// What every caller of a reader relies on: an array has what it says.
+inline void check_bytes(const DataArray& array, std::int64_t num_tuples) {
   require(array.num_components >= 1, "an array without components");
   require(array.num_tuples == num_tuples, "tuples that do not fit the dataset");
   const auto num_bytes = static_cast<std::uint64_t>(num_tuples) *
@@ -50,12 +53,16 @@ inline void check_array(const DataArray& array, std::int64_t num_tuples) {
   require(sum < 0xffffffffU || num_bytes > 0, "no bytes");
 }
 
+// Meshes, boxes and particles.
 inline void check_points(const Dataset& dataset) {
-  require(dataset.num_positions() >= 1, "no positions");
+  const std::int64_t num_points = dataset.num_positions();
+  require(num_points >= 1, "no positions");
+  check_bytes(dataset.positions, num_points);
   require(dataset.positions.num_components == 3 && is_floating(dataset.positions.type),
           "positions that are none");
-  check_array(dataset.positions, dataset.num_positions());
-  for (const DataArray& array : dataset.arrays) check_array(array, dataset.num_positions());
+  if (dataset.kind == DatasetKind::kBoxes) check_bytes(dataset.box_sizes, num_points);
+  for (const DataArray& array : dataset.arrays)
+    check_bytes(array, array.is_cell_data ? dataset.cells.count() : num_points);
   if (dataset.periodic_box) {
     require(
         dataset.periodic_box->sizes().minCoeff() > 0 && dataset.periodic_box->sizes().allFinite(),
@@ -64,6 +71,18 @@ inline void check_points(const Dataset& dataset) {
   require(
       dataset.times.empty() || static_cast<std::int64_t>(dataset.times.size()) == dataset.num_steps,
       "times that are not the steps'");
+  const Cells& cells = dataset.cells;
+  if (cells.is_structured()) {
+    require(num_samples(cells.dims) == num_points, "dimensions that do not fit the nodes");
+    return;
+  }
+  if (cells.types.empty()) return;
+  require(cells.offsets.size() == cells.types.size() + 1 && cells.offsets.front() == 0 &&
+              std::is_sorted(cells.offsets.begin(), cells.offsets.end()) &&
+              cells.offsets.back() == static_cast<std::int64_t>(cells.connectivity.size()),
+          "offsets that do not fit the cells");
+  for (const std::uint32_t node : cells.connectivity)
+    require(node < num_points, "a node that is not there");
 }
 
 // What every caller of a reader relies on.
@@ -78,7 +97,7 @@ inline void check_dataset(const Dataset& dataset) {
     std::int64_t num_tuples = 1;
     for (const std::int64_t dim : lattice.dims)
       num_tuples *= array.is_cell_data ? std::max<std::int64_t>(1, dim - 1) : dim;
-    check_array(array, num_tuples);
+    check_bytes(array, num_tuples);
   }
 }
 
@@ -161,7 +180,7 @@ inline void dicom_codec(Input input) {
 
 inline void vtk_header(Input input) {
   const auto source = io::open_memory("fuzz.vti", input);
-  for (const auto check : {io::check_vti, io::check_legacy_vtk}) {
+  for (const auto check : {io::check_vtk_xml, io::check_legacy_vtk}) {
     try {
       check(*source);
     } catch (const Error&) {
@@ -209,6 +228,24 @@ inline void look(Input input) {
   } catch (const Error& error) {
     require(std::string(error.what()).find('\n') == std::string::npos,
             "a message of several lines");
+  }
+}
+
+// The input is a grid and its solution, one behind the other, split where the first byte says.
+inline void plot3d(Input input) {
+  if (input.empty()) return;
+  const std::size_t split = 1 + (input.size() - 1) * static_cast<std::size_t>(input[0]) / 255;
+  const MemoryFile grid(input.subspan(1, split - 1));
+  const MemoryFile solution(input.subspan(split));
+  expect_dataset_or_error([&] { return io::read_plot3d(grid.path(), {solution.path()}, {}); });
+}
+
+inline void netcdf_header(Input input) {
+  try {
+    io::check_netcdf(*io::open_memory("fuzz.e", input));
+    io::check_hdf5_size(*io::open_memory("fuzz.e", input));
+  } catch (const Error&) {
+    // Refused: as it should be.
   }
 }
 

@@ -24,6 +24,8 @@ int main(int argc, char** argv) {
       {"dicom_codec", ovoid::fuzz::dicom_codec_seeds()},
       {"vtk_header", ovoid::fuzz::vtk_header_seeds()},
       {"look", ovoid::fuzz::look_seeds()},
+      {"plot3d", ovoid::fuzz::plot3d_seeds()},
+      {"netcdf_header", ovoid::fuzz::netcdf_header_seeds()},
       {"camera", ovoid::fuzz::camera_seeds()},
       {"point_text", ovoid::fuzz::point_text_seeds()},
       {"npz", ovoid::fuzz::npz_seeds()},

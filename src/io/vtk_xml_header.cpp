@@ -7,13 +7,16 @@
 #include <array>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "io/samples.h"
 #include "io/text_scanner.h"
 #include "io/vtk_header_parts.h"
+#include "io/vtk_xml_arrays.h"
 #include "io/xml_tags.h"
 #include "ovoid/error.h"
 
@@ -95,44 +98,29 @@ std::int64_t xml_type_size(const std::string& type) {
   return found == kSizes.end() ? 0 : found->second;
 }
 
-// What one DataArray element says, and where its bytes begin.
-struct StoredArray {
-  std::string name;
-  std::string layout;  // "262144 tuples of 1 Float32"
-  std::int64_t num_values = 0;
-  std::int64_t num_bytes = 0;
-  std::string format;  // ascii, binary, appended
-  NumberKind kind = NumberKind::kInteger;
-  bool is_text = false;       // strings: num_bytes is the least they can take
-  std::int64_t position = 0;  // inline: offset in the file; appended: from the '_'
-  std::int64_t text_end = 0;  // inline: offset behind the text
-};
+// In the order of VtkGrid.
+constexpr std::array<std::string_view, 5> kGridNames{
+    "ImageData", "RectilinearGrid", "StructuredGrid", "UnstructuredGrid", "PolyData"};
 
-bool is_base64_digit(char c) {
-  return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '+' ||
-         c == '/';
-}
+constexpr std::size_t kMaxPieces = 10000;  // those with extents are compared each with each
 
-// VTK reads them as missing samples; it does not read infinity.
-bool is_nan(std::string_view text) {
-  const std::string word = lower(text);
-  return word == "nan" || word == "-nan";
-}
-
-class VtiChecker {
+class XmlChecker {
  public:
-  explicit VtiChecker(const ByteSource& source) : source_(source) {}
+  explicit XmlChecker(const ByteSource& source) : source_(source), stored_(source) {}
 
   VtkGrid run() {
     scan();
     if (!has_image_) fail(fmt::format("holds no {} element: is the file truncated?", grid_name()));
-    check_pieces();
+    if (has_extents()) check_pieces();
+    for (StoredArray& array : arrays_) {
+      if (array.has_free_size) size_by_offsets(array);
+    }
     std::int64_t total = 0;
     for (const StoredArray& array : arrays_) {
-      check(array);
+      stored_.check(array);
       // Several may mean the same bytes.
       if (array.format != "ascii") total += std::min(array.num_bytes, kMaxNumBytes / 1024);
-      check_ratio("all arrays together", std::min(total, kMaxNumBytes));
+      stored_.check_ratio("all arrays together", std::min(total, kMaxNumBytes));
     }
     return grid_;
   }
@@ -142,20 +130,36 @@ class VtiChecker {
     fail_header(source_, what, code);
   }
 
-  const char* grid_name() const {
-    return grid_ == VtkGrid::kImage ? "ImageData" : "RectilinearGrid";
+  std::string_view grid_name() const { return kGridNames[static_cast<std::size_t>(grid_)]; }
+
+  bool has_extents() const {
+    return grid_ != VtkGrid::kUnstructured && grid_ != VtkGrid::kPolyData;
+  }
+
+  // The elements of a piece that hold arrays.
+  bool is_section(const std::string& name) const {
+    if (name == "PointData" || name == "CellData" || name == "FieldData") return true;
+    if (grid_ == VtkGrid::kImage) return false;
+    if (grid_ == VtkGrid::kRectilinear) return name == "Coordinates";
+    return name == "Points" || is_cell_list(name);
+  }
+
+  bool is_cell_list(const std::string& name) const {
+    if (grid_ == VtkGrid::kUnstructured) return name == "Cells";
+    return grid_ == VtkGrid::kPolyData &&
+           (name == "Verts" || name == "Lines" || name == "Strips" || name == "Polys");
   }
 
   void scan() {
     XmlTagReader reader(source_);
-    std::string section;  // PointData, CellData, FieldData or Coordinates while inside it
+    std::string section;  // PointData, CellData, Coordinates, Points ... while inside it
     while (auto tag = reader.next()) {
       const std::string& name = tag->name;
       end_text(tag->begin);
-      const bool are_coordinates = grid_ == VtkGrid::kRectilinear && name == "Coordinates";
-      if (name == "PointData" || name == "CellData" || name == "FieldData" || are_coordinates) {
+      if (is_section(name)) {
         section = tag->is_empty_element ? "" : name;
-        if (are_coordinates) begin_coordinates();
+        if (name == "Coordinates") begin_coordinates();
+        if (name == "Points" || is_cell_list(name)) begin_list(name);
         continue;
       }
       if (name == "/" + section) section.clear();
@@ -169,7 +173,7 @@ class VtiChecker {
       if (!section.empty() && name != "InformationKey" && name != "Value")
         read_array(*tag, section);
       if (name == "AppendedData") {
-        is_appended_raw_ = tag->attribute("encoding") == "raw";
+        stored_.is_appended_raw = tag->attribute("encoding") == "raw";
         find_appended(tag->end);
         return;  // bytes that may look like anything follow
       }
@@ -198,32 +202,35 @@ class VtiChecker {
     const std::string text = source_.text(position, kMostBlanks);
     const auto mark = text.find_first_not_of(" \t\r\n");
     if (mark == std::string::npos || text[mark] != '_') fail("AppendedData: do not begin with '_'");
-    appended_begin_ = position + static_cast<std::int64_t>(mark) + 1;
+    stored_.appended_begin = position + static_cast<std::int64_t>(mark) + 1;
   }
 
   void read_root(const XmlTag& tag) {
     const std::string type = tag.attribute("type");
-    if (type == "RectilinearGrid") grid_ = VtkGrid::kRectilinear;
-    if (type != grid_name()) {
-      fail(fmt::format("VTKFile type '{}': expected ImageData or RectilinearGrid",
+    const auto found = std::find(kGridNames.begin(), kGridNames.end(), type);
+    if (found == kGridNames.end()) {
+      fail(fmt::format("VTKFile type '{}': expected ImageData, RectilinearGrid, StructuredGrid, "
+                       "UnstructuredGrid or PolyData",
                        type.substr(0, 40)),
            ErrorCode::kUnsupported);
     }
-    is_big_endian_ = tag.attribute("byte_order") == "BigEndian";
-    word_size_ = tag.attribute("header_type", "UInt32") == "UInt64" ? 8 : 4;
+    grid_ = static_cast<VtkGrid>(found - kGridNames.begin());
+    stored_.is_big_endian = tag.attribute("byte_order") == "BigEndian";
+    stored_.word_size = tag.attribute("header_type", "UInt32") == "UInt64" ? 8 : 4;
     const std::string compressor = tag.attribute("compressor");
-    is_compressed_ = !compressor.empty();
-    // Bytes out per byte in, at most. zlib: 1032 (its technical notes); LZ4: 255 (a match grows by
+    stored_.is_compressed = !compressor.empty();
+    // Bytes out per byte in, at most. LZ4: 255 (a match grows by
     // 255 per byte); LZMA: 7090 measured on zeros, doubled.
-    max_ratio_ = !is_compressed_                         ? 1
-                 : compressor == "vtkZLibDataCompressor" ? 1032
-                 : compressor == "vtkLZ4DataCompressor"  ? 255
-                                                         : 14180;
+    stored_.max_ratio = !stored_.is_compressed                  ? 1
+                        : compressor == "vtkZLibDataCompressor" ? kZlibRatio
+                        : compressor == "vtkLZ4DataCompressor"  ? 255
+                                                                : 14180;
   }
 
   void read_image(const XmlTag& tag) {
     if (has_image_) fail(fmt::format("has two {} elements", grid_name()));
     has_image_ = true;
+    if (!has_extents()) return;
     whole_ = parse_extent(source_, "WholeExtent", tag.attribute("WholeExtent"));
     if (num_points(source_, "WholeExtent", whole_.dims()) == 0)
       fail(fmt::format("WholeExtent=\"{}\": is empty", tag.attribute("WholeExtent")));
@@ -245,17 +252,56 @@ class VtiChecker {
   }
 
   void read_piece(const XmlTag& tag) {
+    lists_.clear();
+    if (!has_extents()) return read_counts(tag);
     piece_ = parse_extent(source_, "Extent", tag.attribute("Extent"));
+    num_points_ = num_cells_ = 0;
     if (num_points(source_, "Extent", piece_.dims()) == 0) return;
     if (!whole_.contains(piece_)) {
       fail(fmt::format("Piece Extent=\"{}\": lies outside WholeExtent", tag.attribute("Extent")));
     }
+    num_points_ = num_points(source_, "Extent", piece_.dims());
+    num_cells_ = num_cells(piece_.dims());
     num_coordinates_ = 0;
     is_piece_open_ = true;
     pieces_.push_back(piece_);
-    constexpr std::size_t kMaxPieces = 10000;  // each is compared with each
     if (pieces_.size() > kMaxPieces)
       fail(fmt::format("has more than {} pieces", kMaxPieces), ErrorCode::kUnsupported);
+  }
+
+  // A piece of a mesh says how many points and cells it has.
+  void read_counts(const XmlTag& tag) {
+    counts_.clear();
+    const auto count = [&](const char* key) {
+      const std::string text = tag.attribute(key, "0");
+      const auto value = parse_integer(text);
+      if (!value || *value < 0 || *value > kMaxAxisSize)
+        fail(fmt::format("Piece: {}=\"{}\": expected 0 to {}", key, text.substr(0, 40),
+                         kMaxAxisSize));
+      return *value;
+    };
+    num_points_ = count("NumberOfPoints");
+    num_cells_ = 0;
+    for (const auto& [list, key] : {std::pair{"Cells", "NumberOfCells"},
+                                    {"Verts", "NumberOfVerts"},
+                                    {"Lines", "NumberOfLines"},
+                                    {"Strips", "NumberOfStrips"},
+                                    {"Polys", "NumberOfPolys"}}) {
+      if (!is_cell_list(list)) continue;
+      counts_[list] = count(key);
+      num_cells_ += counts_[list];
+    }
+    is_piece_open_ = true;
+    if (++num_pieces_ > kMaxPieces)
+      fail(fmt::format("has more than {} pieces", kMaxPieces), ErrorCode::kUnsupported);
+  }
+
+  // Points, or a list of cells.
+  void begin_list(const std::string& name) {
+    if (!is_piece_open_) fail(fmt::format("{}: stand in no piece", name));
+    if (!lists_.insert(name).second) fail(fmt::format("{}: stand twice in a piece", name));
+    if (name != "Points") ++num_lists_;
+    num_in_list_ = 0;
   }
 
   void begin_coordinates() {
@@ -265,6 +311,13 @@ class VtiChecker {
   void end_piece() {
     if (is_piece_open_ && grid_ == VtkGrid::kRectilinear && num_coordinates_ != 3) {
       fail(fmt::format("Coordinates: a piece has {} arrays of them: expected 3", num_coordinates_));
+    }
+    if (is_piece_open_ && grid_ >= VtkGrid::kStructured && num_points_ > 0 &&
+        !lists_.contains("Points"))
+      fail(fmt::format("a piece of {} points has no Points", num_points_));
+    for (const auto& [list, count] : counts_) {
+      if (is_piece_open_ && count > 0 && !lists_.contains(list))
+        fail(fmt::format("a piece says {} {} and has no such element", count, list));
     }
     is_piece_open_ = false;
   }
@@ -311,11 +364,14 @@ class VtiChecker {
       return *value;
     };
     const std::int64_t num_components = integer("NumberOfComponents", "1", 1, kMaxVtkComponents);
-    const std::int64_t num_tuples =
-        section == "FieldData"     ? integer("NumberOfTuples", "1", 0, kMaxNumBytes)
-        : section == "Coordinates" ? next_num_coordinates()
-        : section == "CellData"    ? num_cells(piece_.dims())
-                                   : num_points(source_, "Extent", piece_.dims());
+    const std::int64_t num_tuples = section == "FieldData"
+                                        ? integer("NumberOfTuples", "1", 0, kMaxNumBytes)
+                                    : section == "Coordinates" ? next_num_coordinates()
+                                    : is_cell_list(section)    ? place_in_list(array, section)
+                                    : section == "CellData"    ? num_cells_
+                                                               : num_points_;
+    if (section == "Points" && (num_components != 3 || ++num_in_list_ > 1))
+      fail("Points: expected one array of 3 components");
     const std::string type = tag.attribute("type");
     if (type == "String" && section != "FieldData") {
       // VTK falls over those that end early.
@@ -326,6 +382,11 @@ class VtiChecker {
     const bool is_bits = type == "Bit";
     if (section == "Coordinates" && (value_size == 0 || num_components != 1))
       fail(fmt::format("Coordinates: array '{}': expected numbers of one component", array.name));
+    if ((section == "Points" || is_cell_list(section)) && value_size == 0)
+      fail(fmt::format("{}: array '{}': expected numbers", section, array.name));
+    if (is_cell_list(section) && num_components != 1)
+      fail(fmt::format("{}: array '{}': expected one component", section, array.name));
+    array.value_size = value_size;
     array.is_text = value_size == 0 && !is_bits;
     array.kind = type.starts_with("Float") ? NumberKind::kReal : NumberKind::kInteger;
     array.layout =
@@ -350,6 +411,42 @@ class VtiChecker {
       fail(fmt::format("has more than {} arrays", kMaxVtkArrays), ErrorCode::kUnsupported);
   }
 
+  // What an array of a list of cells is, and its number of values; 0 where the offsets tell it.
+  std::int64_t place_in_list(StoredArray& array, const std::string& section) {
+    const std::int64_t count = counts_[section];
+    array.cell_list = num_lists_;
+    array.are_offsets = array.name == "offsets";
+    array.has_free_size = array.name == "connectivity" && count > 0;
+    if (array.name == "types" || array.are_offsets || array.name == "faceoffsets") return count;
+    // The faces of polyhedra are as many as they are.
+    if (array.name == "faces" || array.has_free_size) return 0;
+    if (count > 0) fail(fmt::format("{}: array '{}': not expected there", section, array.name));
+    return 0;
+  }
+
+  // VTK takes as many node numbers as the last offset says.
+  void size_by_offsets(StoredArray& array) const {
+    const auto offsets =
+        std::find_if(arrays_.begin(), arrays_.end(), [&](const StoredArray& other) {
+          return other.cell_list == array.cell_list && other.are_offsets;
+        });
+    if (offsets == arrays_.end()) fail("cells: have connectivity and no offsets");
+    stored_.check(*offsets);
+    const auto last = stored_.last_value(*offsets);
+    std::int64_t num_values = 0;
+    if (last) {
+      num_values = *last;
+    } else {
+      num_values = stored_.num_stated(array) / array.value_size;
+    }
+    if (num_values < 0 || num_values > kMaxNumBytes / 8)
+      fail(fmt::format("cells: the last offset is {}: expected the number of node numbers",
+                       num_values));
+    array.num_values = num_values;
+    array.num_bytes = num_values * array.value_size;
+    array.layout = fmt::format("{} node numbers of {} bytes", num_values, array.value_size);
+  }
+
   // VTK takes the first '>' for the end of the tag when it looks for the text behind it.
   void refuse_brackets(const XmlTag& tag) const {
     for (const auto& [key, value] : tag.attributes) {
@@ -359,203 +456,18 @@ class VtiChecker {
     }
   }
 
-  void check_ratio(const std::string& what, std::int64_t num_bytes) const {
-    if (num_bytes / max_ratio_ > source_.size()) {
-      fail(fmt::format("{}: need {} bytes, which a file of {} bytes cannot hold: is it truncated?",
-                       what, num_bytes, source_.size()));
-    }
-  }
-
-  bool is_base64(const StoredArray& array) const {
-    return array.format != "appended" || !is_appended_raw_;
-  }
-
-  // Where the array's bytes, or the digits that stand for them, begin and at most end.
-  std::int64_t data_begin(const StoredArray& array) const {
-    if (array.format == "appended")
-      return appended_begin_ + std::min(array.position, source_.size());
-    TextScanner text(source_, array.position, array.text_end);
-    text.skip_blanks();
-    return text.position();
-  }
-  std::int64_t data_end(const StoredArray& array) const {
-    return array.format == "appended" ? source_.size() : array.text_end;
-  }
-
-  // `count` words of the array's own header; empty if they are not there.
-  std::vector<std::uint64_t> read_words(const StoredArray& array, std::size_t count) const {
-    const std::size_t num_bytes = count * static_cast<std::size_t>(word_size_);
-    const auto num_stored =
-        static_cast<std::int64_t>(is_base64(array) ? num_bytes * 4 / 3 + 4 : num_bytes);
-    std::string bytes = source_.text(data_begin(array), num_stored);
-    if (is_base64(array)) bytes = decode_base64(bytes, num_bytes);
-    if (bytes.size() < num_bytes) return {};
-    std::vector<std::uint64_t> result;
-    for (std::size_t i = 0; i < count; ++i) {
-      std::uint64_t word = 0;
-      for (std::int64_t j = 0; j < word_size_; ++j) {
-        const std::int64_t k = is_big_endian_ ? j : word_size_ - 1 - j;
-        word = word << 8U |
-               static_cast<unsigned char>(
-                   bytes[i * static_cast<std::size_t>(word_size_) + static_cast<std::size_t>(k)]);
-      }
-      result.push_back(word);
-    }
-    return result;
-  }
-
-  // The first `num_bytes` of the text, fewer if it ends or has other characters.
-  static std::string decode_base64(std::string_view text, std::size_t num_bytes) {
-    constexpr std::string_view kDigits =
-        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string result;
-    std::uint32_t bits = 0;
-    int num_bits = 0;
-    for (const char c : text) {
-      const auto digit = kDigits.find(c);
-      if (digit == std::string_view::npos || result.size() == num_bytes) break;
-      bits = (bits << 6U | static_cast<std::uint32_t>(digit)) & 0xffffffU;
-      num_bits += 6;
-      if (num_bits >= 8) {
-        num_bits -= 8;
-        result += static_cast<char>(bits >> static_cast<unsigned>(num_bits) & 0xffU);
-      }
-    }
-    return result;
-  }
-
-  void check(const StoredArray& array) const {
-    const std::string what = fmt::format("array '{}'", array.name);
-    if (array.num_bytes == 0) return;
-    if (array.format == "ascii") return check_text(array, what);
-    check_ratio(what, array.num_bytes);
-    if (array.is_text) return;
-    if (array.format == "appended" && appended_begin_ == 0)
-      fail(what + ": its data are appended, but no AppendedData follow");
-    const StoredSize size = is_compressed_ ? compressed_size(array) : plain_size(array);
-    if (size.num_stated != static_cast<std::uint64_t>(array.num_bytes)) {
-      fail(fmt::format("{}: states {} bytes, {} need {}", what, size.num_stated, array.layout,
-                       array.num_bytes));
-    }
-    check_stored(array, what, size);
-  }
-
-  // Numbers between the tags.
-  void check_text(const StoredArray& array, const std::string& what) const {
-    // A digit and a blank for every number but the last.
-    if (array.num_values > (array.text_end - array.position + 1) / 2) {
-      fail(fmt::format("{}: {} bytes of text cannot hold {}", what, array.text_end - array.position,
-                       array.layout));
-    }
-    if (array.is_text) return;
-    TextScanner text(source_, array.position, array.text_end);
-    for (std::int64_t i = 0; i < array.num_values; ++i) {
-      const std::string_view word = text.word();
-      if (is_number(word, array.kind)) continue;
-      if (array.kind == NumberKind::kReal && is_nan(word)) continue;
-      if (word.empty())
-        fail(fmt::format("{}: holds {} numbers, {} need more", what, i, array.layout));
-      fail(fmt::format("{}: '{}' after {} numbers: expected {}", what, word.substr(0, 40), i,
-                       array.layout));
-    }
-  }
-
-  // What an array's own header says.
-  struct StoredSize {
-    std::uint64_t num_stated = 0;  // bytes of samples
-    std::int64_t num_header = 0;   // bytes of the header
-    std::int64_t num_data = 0;     // bytes behind it
-  };
-
-  StoredSize plain_size(const StoredArray& array) const {
-    const std::uint64_t num_bytes = stated_words(array, 1)[0];
-    return {num_bytes, word_size_,
-            static_cast<std::int64_t>(std::min<std::uint64_t>(num_bytes, kMaxNumBytes))};
-  }
-
-  std::vector<std::uint64_t> stated_words(const StoredArray& array, std::size_t count) const {
-    auto result = read_words(array, count);
-    if (result.empty())
-      fail(fmt::format("array '{}': its data are missing: is the file truncated?", array.name));
-    return result;
-  }
-
-  // Compressed arrays begin with: number of blocks, size of each, size of the last if it is
-  // shorter, compressed size of every block.
-  StoredSize compressed_size(const StoredArray& array) const {
-    const auto head = stated_words(array, 3);
-    const auto [num_blocks, block_size, last_size] = std::array{head[0], head[1], head[2]};
-    const auto file_size = static_cast<std::uint64_t>(source_.size());
-    // VTK's writers make blocks of 32 KiB to 4 MiB.
-    constexpr std::uint64_t kLargestBlock = std::uint64_t{1} << 31;
-    const bool fits = num_blocks > 0 &&
-                      num_blocks <= file_size / static_cast<std::uint64_t>(word_size_) &&
-                      block_size <= kLargestBlock && last_size <= block_size &&
-                      num_blocks <= static_cast<std::uint64_t>(kMaxNumBytes) / kLargestBlock;
-    if (!fits) {
-      fail(fmt::format(
-          "array '{}': states {} blocks of {} bytes, the last of {}: the file has {} bytes",
-          array.name, num_blocks, block_size, last_size, file_size));
-    }
-    const auto all = stated_words(array, 3 + static_cast<std::size_t>(num_blocks));
-    StoredSize size;
-    for (std::size_t i = 3; i < all.size(); ++i) {
-      size.num_data += static_cast<std::int64_t>(std::min(all[i], file_size));
-      if (all[i] > file_size || size.num_data > source_.size()) {
-        fail(fmt::format("array '{}': states that block {} has {} bytes: the file has {}",
-                         array.name, i - 3, all[i], file_size));
-      }
-    }
-    size.num_header = static_cast<std::int64_t>(all.size()) * word_size_;
-    // At most kMaxNumBytes.
-    size.num_stated = (last_size > 0 ? num_blocks - 1 : num_blocks) * block_size + last_size;
-    return size;
-  }
-
-  // Are all bytes there? VTK leaves those that are not as memory happens to be.
-  void check_stored(const StoredArray& array, const std::string& what,
-                    const StoredSize& size) const {
-    std::int64_t begin = data_begin(array);
-    std::int64_t num_wanted = size.num_data;
-    if (is_compressed_) {
-      begin += is_base64(array) ? (size.num_header + 2) / 3 * 4 : size.num_header;
-    } else {
-      num_wanted += size.num_header;  // one with the data
-    }
-    const std::int64_t num_there =
-        is_base64(array) ? num_base64_digits(begin, data_end(array), num_wanted) * 6 / 8
-                         : data_end(array) - begin;
-    if (num_there >= num_wanted) return;
-    fail(fmt::format("{}: holds {} bytes, its header says {}: is the file truncated{}?", what,
-                     std::max<std::int64_t>(num_there - (num_wanted - size.num_data), 0),
-                     size.num_data, is_base64(array) ? ", or its base64 not in one line" : ""));
-  }
-
-  // Digits in a row from `begin`, counted until they hold `num_bytes`.
-  std::int64_t num_base64_digits(std::int64_t begin, std::int64_t end,
-                                 std::int64_t num_bytes) const {
-    const std::int64_t most = std::min(end - begin, (num_bytes * 8 + 5) / 6);
-    std::int64_t count = 0;
-    while (count < most) {
-      const std::string text = source_.text(begin + count, std::min(kTextWindow, most - count));
-      const auto stop = std::find_if_not(text.begin(), text.end(), is_base64_digit);
-      count += stop - text.begin();
-      if (stop != text.end()) break;
-    }
-    return count;
-  }
-
   const ByteSource& source_;
+  XmlArrays stored_;
   VtkGrid grid_ = VtkGrid::kImage;
   bool has_image_ = false;
   bool is_piece_open_ = false;
-  std::size_t num_coordinates_ = 0;  // arrays of them in this piece
-  bool is_big_endian_ = false;
-  bool is_compressed_ = false;
-  bool is_appended_raw_ = false;
-  std::int64_t word_size_ = 4;
-  std::int64_t max_ratio_ = 1;
-  std::int64_t appended_begin_ = 0;
+  std::size_t num_coordinates_ = 0;              // arrays of them in this piece
+  std::int64_t num_points_ = 0, num_cells_ = 0;  // of the piece
+  std::map<std::string, std::int64_t> counts_;   // of its lists of cells
+  std::set<std::string> lists_;                  // Points and lists that it has so far
+  int num_lists_ = 0;                            // lists of cells in all pieces
+  int num_in_list_ = 0;
+  std::size_t num_pieces_ = 0;
   Extent whole_;
   Extent piece_;  // the one that the arrays belong to
   std::vector<Extent> pieces_;
@@ -564,6 +476,15 @@ class VtiChecker {
 
 }  // namespace
 
-VtkGrid check_vti(const ByteSource& source) { return VtiChecker(source).run(); }
+VtkGrid check_vtk_xml(const ByteSource& source) { return XmlChecker(source).run(); }
+
+std::string vtk_xml_type(const ByteSource& source) {
+  XmlTagReader reader(source);
+  while (const auto tag = reader.next()) {
+    if (tag->name == "VTKFile") return tag->attribute("type");
+    if (!tag->name.starts_with('?') && !tag->name.starts_with('!')) break;
+  }
+  return {};
+}
 
 }  // namespace ovoid::io

@@ -3,8 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <string>
+#include <vector>
 
+#include "io/test_deflate.h"
 #include "io/test_volumes.h"
 #include "io/xml_tags.h"
 
@@ -12,7 +15,7 @@ namespace ovoid::io {
 namespace {
 
 std::string vti_error(const std::string& content) {
-  return error_of([&] { check_vti(*open_memory("a.vti", std::as_bytes(std::span(content)))); });
+  return error_of([&] { check_vtk_xml(*open_memory("a.vti", std::as_bytes(std::span(content)))); });
 }
 const std::string kStored = std::string("\x0c\0\0\0", 4) + "123456789012";
 
@@ -190,10 +193,40 @@ TEST(VtiHeader, ChecksTheBlocksOfCompressedArrays) {
             std::string::npos);
 }
 
+// VTK allocates as many node numbers as the last offset says, which a compressor hides.
+TEST(VtuHeader, TheLastOffsetIsReadThroughZlib) {
+  const auto error = [](const std::vector<std::int32_t>& offsets) {
+    // Two blocks of one offset each: number, size, size of a shorter last one, compressed sizes.
+    const std::string first = deflated(bytes_of(std::vector{offsets[0]}), 15);
+    const std::string second = deflated(bytes_of(std::vector{offsets[1]}), 15);
+    const std::vector<std::uint32_t> header{2, 4, 0, static_cast<std::uint32_t>(first.size()),
+                                            static_cast<std::uint32_t>(second.size())};
+    const std::string content =
+        R"(<VTKFile type="UnstructuredGrid" byte_order="LittleEndian" )"
+        R"(compressor="vtkZLibDataCompressor"><UnstructuredGrid>)"
+        R"(<Piece NumberOfPoints="2" NumberOfCells="2"><Points>)"
+        R"(<DataArray type="Float32" NumberOfComponents="3" format="ascii">0 0 0 1 0 0</DataArray>)"
+        R"(</Points><Cells><DataArray type="Int64" Name="connectivity" format="ascii">0 1</DataArray>)"
+        R"(<DataArray type="Int32" Name="offsets" format="appended" offset="0"/>)"
+        R"(<DataArray type="UInt8" Name="types" format="ascii">1 1</DataArray></Cells></Piece>)"
+        R"(</UnstructuredGrid><AppendedData encoding="raw">_)" +
+        bytes_of(header) + first + second + "</AppendedData></VTKFile>";
+    return error_of(
+        [&] { check_vtk_xml(*open_memory("a.vtu", std::as_bytes(std::span(content)))); });
+  };
+  EXPECT_EQ(error({1, 2}), "");
+  EXPECT_EQ(error({1, 3}),
+            "file-format: a.vtu: array 'connectivity': holds 2 numbers, 3 node numbers of 8 bytes "
+            "need more");
+  EXPECT_EQ(error({1, 2000000000}),
+            "file-format: a.vtu: array 'connectivity': 3 bytes of text cannot hold 2000000000 node "
+            "numbers of 8 bytes");
+}
+
 TEST(VtiHeader, OtherKindsAreUnsupported) {
-  EXPECT_EQ(vti_error(with(kAppended, "ImageData", "PolyData")),
-            "unsupported: a.vti: VTKFile type 'PolyData': expected ImageData or "
-            "RectilinearGrid");
+  EXPECT_EQ(vti_error(with(kAppended, "ImageData", "HyperTreeGrid")),
+            "unsupported: a.vti: VTKFile type 'HyperTreeGrid': expected ImageData, "
+            "RectilinearGrid, StructuredGrid, UnstructuredGrid or PolyData");
   EXPECT_EQ(vti_error("<VTKFile type=\"ImageData\" " + std::string(70000, 'x')),
             "file-format: a.vti: the tag at byte 0 does not end");
 }

@@ -1,0 +1,107 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Meshes and particles against VTK: kernels.py [--nodes N] [--particles N] [--frames N].
+
+A mesh of tetrahedra (`ovoid make fin`), 512 x 512, shaded by Ovoid and, which is all they can, unshaded by VTK's mappers for meshes, in
+one run: prints frame times and how many times as long the fastest of them takes. Then particles (`ovoid make galaxy`): the time from the
+start of the process to a written picture, and of the frames after it; how both grow with the number of particles. Needs
+`make bench` once, which builds the peers."""
+import argparse
+import json
+import os
+import subprocess
+import tempfile
+import time
+
+ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
+OVOID = os.path.join(ROOT, "build", "release", "bin", "ovoid")
+PEER = os.path.join(ROOT, "build", "bench", "bin", "vtk_peer")
+PIXELS = 512
+MESH_MAPPERS = ("projected", "raycast", "zsweep")
+
+
+def ovoid(*words):
+    subprocess.run([OVOID, *words], check=True, stderr=subprocess.DEVNULL)
+
+
+def info(path):
+    return json.loads(subprocess.run([OVOID, "info", "--json", path], check=True, capture_output=True, text=True).stdout)
+
+
+def profile_of(folder, *words):
+    """The profile of repeated frames."""
+    profile = os.path.join(folder, "profile.json")
+    ovoid("render", *words, f"--profile={profile}", "-o", os.path.join(folder, "picture.npy"))
+    with open(profile, encoding="utf-8") as file:
+        return json.load(file)
+
+
+def run_peer(mapper, words, frames):
+    command = ["xvfb-run", "-a", "-s", "-screen 0 1280x1024x24", PEER, "--mapper", mapper, *words, "--repeat", str(frames)]
+    return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
+
+
+def look_and_camera(folder, described):
+    """A ramp over the values and a view askew, for both programs."""
+    field = described["field"]
+    lo, hi = field["range"]
+    look = os.path.join(folder, "look.json")
+    with open(look, "w", encoding="utf-8") as file:
+        json.dump([{"Name": "ramp", "ColorSpace": "RGB", "RGBPoints": [lo, 0.2, 0.3, 0.8, hi, 0.9, 0.5, 0.2],
+                    "Points": [lo, 0, 0.5, 0, lo + 0.3 * (hi - lo), 0, 0.5, 0, hi, 0.3, 0.5, 0]}], file)
+    low, high = described["bounds"]
+    middle = [(a + b) / 2 for a, b in zip(low, high)]
+    size = sum((b - a) ** 2 for a, b in zip(low, high)) ** 0.5
+    camera = os.path.join(folder, "camera.json")
+    with open(camera, "w", encoding="utf-8") as file:
+        json.dump({"position": [m + size * d for m, d in zip(middle, (0.9, 0.7, 1.5))], "focal_point": middle, "view_up": [0, 1, 0],
+                   "parallel_projection": False, "view_angle": 30}, file)
+    return look, camera, field
+
+
+def mesh_table(folder, nodes, frames):
+    mesh = os.path.join(folder, "fin.vtu")
+    ovoid("make", "fin", "--count", str(nodes), "-o", mesh)
+    described = info(mesh)
+    look, camera, field = look_and_camera(folder, described)
+    unit = str(field["default_unit_distance"])
+    print(f"{described['num_cells']} cells, {field['num_kernels']} kernels, {PIXELS} x {PIXELS}\n")
+    print("| program | shaded | ready to draw after, ms | frame, ms (least) |\n|---|---|---|---|")
+    own = profile_of(folder, mesh, "--tf", look, "--camera", camera, "--size", f"{PIXELS}x{PIXELS}", "--unit-distance", unit,
+                     "--repeat", str(frames))
+    print(f"| ovoid | yes | {own['load_ms'] + own['model_ms']:.0f} | {own['frame_ms']['median']:.0f} ({own['frame_ms']['min']:.0f}) |")
+    peers = {}
+    for mapper in MESH_MAPPERS:
+        peer = run_peer(mapper, ["--volume", mesh, "--look", look, "--camera", camera, "--array", field["array"], "--width", str(PIXELS),
+                                 "--height", str(PIXELS), "--unit-distance", unit], frames if mapper != "zsweep" else 1)
+        peers[mapper] = peer["frame_ms"]["median"]
+        print(f"| VTK {peer['vtk']}, {mapper} | no | {peer['prepare_ms']:.0f} | {peers[mapper]:.0f} ({peer['frame_ms']['min']:.0f}) |")
+    print(f"\nThe fastest of VTK's takes {min(peers.values()) / own['frame_ms']['median']:.1f} times as long.\n")
+
+
+def particle_table(folder, most, frames):
+    print("| particles | start to picture, s | frame, ms (least) | greatest memory, MiB |\n|---|---|---|---|")
+    count = 10_000
+    while count <= most:
+        path = os.path.join(folder, "galaxy.npz")
+        ovoid("make", "galaxy", "--count", str(count), "-o", path)
+        size = ["--size", f"{PIXELS}x{PIXELS}"]
+        begin = time.perf_counter()
+        ovoid("render", path, *size, "-o", os.path.join(folder, "picture.png"))
+        first = time.perf_counter() - begin
+        profile = profile_of(folder, path, *size, "--repeat", str(frames))
+        print(f"| {count} | {first:.2f} | {profile['frame_ms']['median']:.0f} ({profile['frame_ms']['min']:.0f}) | "
+              f"{profile['peak_memory_bytes'] / 2 ** 20:.0f} |")
+        count *= 10
+    print()
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--nodes", type=int, default=180_000)
+    parser.add_argument("--particles", type=int, default=10_000_000)
+    parser.add_argument("--frames", type=int, default=5)
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory() as scratch:
+        mesh_table(scratch, options.nodes, options.frames)
+        particle_table(scratch, options.particles, options.frames)

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "data/bookkeeping.h"
+
+#include <algorithm>
+#include <array>
+#include <span>
+#include <string_view>
+
+#include "data/varies.h"
+
+namespace ovoid::data {
+namespace {
+
+// What numbers and sorts particles, as programs call it, in small letters.
+constexpr std::array<std::string_view, 18> kParticleNumbers{
+    "id",   "ids",   "particleid",   "particleids",    "particle_id", "particle_ids",
+    "pid",  "index", "indices",      "atom_id",        "tag",         "itype",
+    "type", "mol",   "globalnodeid", "particle_index", "element",     "particletype"};
+
+// Their places once more, in LAMMPS's words: scaled, unwrapped, both.
+constexpr std::array<std::string_view, 9> kParticlePlaces{"xs", "ys",  "zs",  "xu", "yu",
+                                                          "zu", "xsu", "ysu", "zsu"};
+
+// The shapes of stored kernels.
+constexpr std::array<std::string_view, 3> kKernelShapes{"scale", "rotation", "weight"};
+
+bool has_name(std::span<const std::string_view> names, const std::string& name) {
+  std::string lower = name;
+  for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return std::find(names.begin(), names.end(), lower) != names.end();
+}
+
+}  // namespace
+
+bool is_bookkeeping(const Dataset& dataset, const DataArray& array) {
+  return is_bookkeeping(array) ||
+         (dataset.kind != DatasetKind::kLattice && has_name(kParticleNumbers, array.name)) ||
+         (dataset.kind == DatasetKind::kParticles && has_name(kParticlePlaces, array.name)) ||
+         (dataset.kind == DatasetKind::kKernels && has_name(kKernelShapes, array.name));
+}
+
+bool is_bookkeeping(const DataArray& array) {
+  // Exodus readers and writers, VTK's id filters, and what simulations call the owner of a cell.
+  constexpr std::array<std::string_view, 21> kNames{
+      "GlobalNodeId",      "PedigreeNodeId", "ObjectId",        "GlobalElementId",
+      "PedigreeElementId", "GlobalNodeIds",  "GlobalCellIds",   "GlobalPointIds",
+      "PointIds",          "CellIds",        "SourceElementId", "SourceElementSide",
+      "ElementBlockIds",   "FileId",         "GlobalIds",       "PedigreeIds",
+      "ProcessId",         "BlockId",        "BlockIndex",      "node_ids",
+      "element_ids"};
+  return array.name.starts_with("vtk") ||
+         std::find(kNames.begin(), kNames.end(), array.name) != kNames.end();
+}
+
+bool is_density(const DataArray& array) {
+  constexpr std::array<std::string_view, 3> kDensities{"density", "rho", "mass_density"};
+  return array.num_components == 1 && has_name(kDensities, array.name);
+}
+
+bool is_worth_showing(const Dataset& dataset, const std::string& name) {
+  if (dataset.arrays.empty()) return true;  // points may have none
+  if (!name.empty()) return varies(dataset.array(name));
+  const auto begin = dataset.arrays.begin(), end = dataset.arrays.end();
+  const bool has_node_array = std::any_of(begin, end, [&](const DataArray& array) {
+    return !array.is_cell_data && !is_bookkeeping(dataset, array);
+  });
+  return std::any_of(begin, end, [&](const DataArray& array) {
+    return !is_bookkeeping(dataset, array) && !(has_node_array && array.is_cell_data) &&
+           varies(array);
+  });
+}
+
+}  // namespace ovoid::data

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the readers of meshes share, whatever read the file: a mesh as it comes out of one file or
+// block, the checks that everything from a file goes through, and the merging of several into one
+// dataset.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "ovoid/dataset.h"
+#include "ovoid/io.h"
+
+namespace ovoid::io {
+
+// One mesh, or one piece or block of one. `cells.is_structured()` or explicit, as Cells says.
+struct MeshPart {
+  std::string source;  // the file, for messages; empty: the dataset's
+  std::string block;   // what ReadOptions::block calls it; pieces of one block share it
+  DataArray positions;
+  Cells cells;
+  std::vector<DataArray> arrays;  // a tuple per node, or per cell
+  bool is_surface = false;        // polygons and lines, which fill no volume: its nodes are points
+  std::optional<double> time;
+
+  std::int64_t num_nodes() const noexcept { return positions.num_tuples; }
+};
+
+// The bytes of a vector, kept by it.
+template <typename T>
+Bytes bytes_owning(std::vector<T> values) {
+  const auto owner = std::make_shared<std::vector<T>>(std::move(values));
+  return {owner, std::as_bytes(std::span<const T>(*owner))};
+}
+
+// What a file claims is put right or refused here. Throws Error(kFileFormat) naming `where` unless
+// there are nodes, positions are [n, 3] floats, offsets rise from 0 to the size of connectivity,
+// every node number is below the number of nodes, structured dims give the number of nodes, cell
+// types have the nodes they need, and every array has a tuple per node or cell. kUnsupported for
+// 2^32 nodes and more.
+void check_mesh(const std::string& where, const MeshPart& part);
+
+// The nodes a cell of this type needs; 0 if it may have any number.
+int num_corners(CellType type) noexcept;
+
+// Structured cells become hexahedra, quads, lines or a vertex, by the axes longer than one node.
+void make_explicit(MeshPart& part);
+
+// Honours "vtkGhostType" arrays, where `part` has them: cells that are duplicates of another
+// piece's, hidden or refined are taken out with their tuples, and so are cells with a hidden node
+// and cells without nodes; of a part without cells, the points that are hidden or duplicates. The
+// arrays themselves are dropped. Returns how many cells or points went.
+std::int64_t drop_ghosts(MeshPart& part);
+
+// Makes the dataset of all parts: kMesh, or kParticles if there are no cells but vertices. Empty
+// parts are passed over; the others go through check_mesh and drop_ghosts. `dataset` has source,
+// format and notes. With options.block the parts of that block alone; else all, if they share an
+// array, or the largest block. Nodes of different parts at exactly the same place become one.
+// Throws Error(kInvalidArgument) for an unknown block, Error(kFileFormat) if nothing, or no array,
+// is left.
+Dataset mesh_of_parts(Dataset dataset, std::vector<MeshPart> parts, const ReadOptions& options);
+
+}  // namespace ovoid::io

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "io/amr_boxes.h"
+
+class vtkImageData;
+
+namespace ovoid::io {
+
+// One grid of cells as VTK has read it. Throws Error(kUnsupported) if its axes are turned. Only
+// with VTK.
+AmrGrid amr_grid_of(const std::string& source, vtkImageData* data, int level,
+                    std::vector<std::string>& notes);
+
+}  // namespace ovoid::io

@@ -20,9 +20,9 @@ std::string projection_name(bool is_parallel) { return is_parallel ? "parallel" 
 
 // The scene's field with another kernel or reconstruction.
 void set_kernel(Scene& scene, const LatticeKernel& kernel, Reconstruction reconstruction) {
-  const Index3 dims = scene.field.geometry().dims;
+  const Index3 dims = scene.lattice().geometry().dims;
   FieldSetup setup;
-  setup.world_from_index = scene.field.geometry().world_from_index;
+  setup.world_from_index = scene.lattice().geometry().world_from_index;
   setup.kernel = kernel;
   setup.reconstruction = reconstruction;
   scene.field = make_stored_field(dims, shells(dims), {ScalarType::kFloat32, 10, 50}, setup);

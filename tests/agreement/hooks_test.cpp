@@ -138,8 +138,8 @@ TEST_P(Hooks, StoppedAtTheFirstTile) {
 TEST_P(Hooks, BrickSourceErrorsArrive) {
   for (const int num_reads : {0, 1}) {
     Scene scene = scene_of_many_tiles();
-    scene.field = LatticeField(std::make_shared<FailingSource>(scene.field, num_reads),
-                               scene.field.kernel(), scene.field.reconstruction());
+    scene.field = LatticeField(std::make_shared<FailingSource>(scene.lattice(), num_reads),
+                               scene.lattice().kernel(), scene.field.reconstruction());
     std::string message;
     EXPECT_EQ(code_of([&] { render(scene, {}); }, &message), ErrorCode::kFileFormat);
     EXPECT_EQ(message, "brick 7: no such bytes");

@@ -12,6 +12,7 @@
 #include "ovoid/error.h"
 #include "render/cpu/cpu_renderer.h"
 #include "support/agreement.h"
+#include "support/kernel_sets.h"
 #include "support/scenes.h"
 
 namespace ovoid::test {
@@ -148,7 +149,9 @@ std::vector<std::pair<std::string, Scene>> scenes() {
 
 Frame draw_with(const Scene& scene, const std::string& runner_kind, int threads) {
   const auto runner = cpu::make_runner(runner_kind, threads);
-  return cpu::render(scene.field, scene.camera, scene.look, scene.options, {}, *runner);
+  if (const KernelField* kernels = scene.field.kernels())
+    return cpu::render(*kernels, scene.camera, scene.look, scene.options, {}, *runner);
+  return cpu::render(scene.lattice(), scene.camera, scene.look, scene.options, {}, *runner);
 }
 
 // Bits, so that -0 and NaN count too.
@@ -181,6 +184,19 @@ TEST(Invariance, ThreadsAndTheirOrder) {
       EXPECT_TRUE(same_bits(draw_with(scene, kind, threads).image, expected))
           << name << ", runner " << kind << ", threads " << threads;
     }
+  }
+}
+
+// The same of kernel fields, on levels and without.
+TEST(Invariance, ThreadsAndTheirOrderOnKernelSets) {
+  const KernelField field(jittered_ellipsoids(9).source(), Reconstruction::kNormalized);
+  for (const double fill : {1.3, 6.0}) {
+    const Scene scene{field, askew_camera(field, false, fill), semi_transparent_look(0, 1),
+                      picture(150, 140)};
+    const Image expected = draw_with(scene, "", 1).image;
+    for (const auto& [kind, threads] :
+         {std::pair("", 2), std::pair("threads", 3), std::pair("shuffle", 1)})
+      EXPECT_TRUE(same_bits(draw_with(scene, kind, threads).image, expected)) << kind;
   }
 }
 
@@ -248,8 +264,8 @@ TEST(Invariance, BricksOneAtATime) {
     const Image expected = draw_with(scene, "", 2).image;
     for (const int edge : {4, 8, 16, 64}) {
       Scene bricked = scene;
-      bricked.field = LatticeField(std::make_shared<OneBrickSource>(scene.field, edge),
-                                   scene.field.kernel(), scene.field.reconstruction());
+      bricked.field = LatticeField(std::make_shared<OneBrickSource>(scene.lattice(), edge),
+                                   scene.lattice().kernel(), scene.field.reconstruction());
       EXPECT_TRUE(same_bits(draw_with(bricked, "", 2).image, expected))
           << name << ", bricks of " << edge;
     }

@@ -34,7 +34,7 @@ RenderOptions direct_options(int width, int height, double distance = 0) {
   return options;
 }
 
-std::string view_name(bool is_parallel) { return is_parallel ? ", parallel" : ", perspective"; }
+std::string view_text(bool is_parallel) { return is_parallel ? ", parallel" : ", perspective"; }
 
 // Fails if a section, its rows, the widening, the skipping of blocks or the differences are off.
 TEST(KernelSets, AgreeOnEverySetAndLook) {
@@ -45,7 +45,7 @@ TEST(KernelSets, AgreeOnEverySetAndLook) {
         const Scene scene{field, askew_camera(field, is_parallel, is_parallel ? 1.0 : 1.6),
                           look.look, direct_options(72, 66)};
         EXPECT_TRUE(
-            backends_agree(scene, set.name + ", " + look.name + view_name(is_parallel), 0.002));
+            backends_agree(scene, set.name + ", " + look.name + view_text(is_parallel), 0.002));
       }
     }
   }
@@ -63,7 +63,7 @@ TEST(KernelSets, AgreeInEveryMode) {
       if (mode == Mode::kXray)
         tolerance.peak = greatest_color(draw(scene, Backend::kReference).image);
       EXPECT_TRUE(backends_agree(
-          scene, "mode " + std::to_string(static_cast<int>(mode)) + view_name(is_parallel), 0.05,
+          scene, "mode " + std::to_string(static_cast<int>(mode)) + view_text(is_parallel), 0.05,
           tolerance));
     }
   }
@@ -100,7 +100,7 @@ TEST(KernelSets, AgreeOnMeansOfEllipsoids) {
     Scene scene{field, askew_camera(field, is_parallel, 1.5), semi_transparent_look(0, 1),
                 direct_options(40, 44)};
     scene.options.slab = Slab::kMean;
-    EXPECT_TRUE(backends_agree(scene, "means" + view_name(is_parallel)));
+    EXPECT_TRUE(backends_agree(scene, "means" + view_text(is_parallel)));
   }
 }
 
@@ -111,21 +111,21 @@ TEST(KernelSets, AgreeOnOtherOptions) {
                       direct_options(70, 40)};
     Scene scene = plain;
     scene.options.classification = Classification::kPreintegrated;
-    EXPECT_TRUE(backends_agree(scene, "pre-integrated" + view_name(is_parallel)));
+    EXPECT_TRUE(backends_agree(scene, "pre-integrated" + view_text(is_parallel)));
     scene = plain;
     scene.options.clip_planes = {{{-1, 0.6, 0.5}, -0.1}, {{0.2, 1, 0}, 0.3}};
-    EXPECT_TRUE(backends_agree(scene, "clipped" + view_name(is_parallel), 0.02));
+    EXPECT_TRUE(backends_agree(scene, "clipped" + view_text(is_parallel), 0.02));
     scene.look.mode = Mode::kIsosurface;
     scene.look.isovalue = 0.5;
-    EXPECT_TRUE(backends_agree(scene, "clipped surface" + view_name(is_parallel), 0.02));
+    EXPECT_TRUE(backends_agree(scene, "clipped surface" + view_text(is_parallel), 0.02));
     scene = plain;
     scene.look.transfer_function.gradient_opacities = {{0.3, 0}, {2.0, 1}};
-    EXPECT_TRUE(backends_agree(scene, "gradient opacity" + view_name(is_parallel)));
+    EXPECT_TRUE(backends_agree(scene, "gradient opacity" + view_text(is_parallel)));
     scene = plain;
     scene.options.evaluate = Evaluate::kGather;
-    EXPECT_TRUE(backends_agree(scene, "fragment-centric" + view_name(is_parallel)));
+    EXPECT_TRUE(backends_agree(scene, "fragment-centric" + view_text(is_parallel)));
     scene.options.slab = Slab::kMean;
-    EXPECT_TRUE(backends_agree(scene, "fragment-centric means" + view_name(is_parallel)));
+    EXPECT_TRUE(backends_agree(scene, "fragment-centric means" + view_text(is_parallel)));
   }
 }
 

@@ -51,6 +51,8 @@ struct Scene {
   Camera camera;
   Look look;
   RenderOptions options;
+
+  const LatticeField& lattice() const { return *field.lattice(); }
 };
 
 // A view from no axis' direction that shows the whole field, its bounding sphere `fill` times as

@@ -42,6 +42,7 @@ ALLOWED = {
 OUTSIDE = [
     ("VTK", re.compile(r"^vtk\w*\.h"), ("src/io/", "bench/peers/")),
     ("GDCM", re.compile(r"^gdcm\w*\.h"), ("src/io/",)),
+    ("HDF5", re.compile(r"^hdf5\.h"), ("src/io/",)),
     ("Highway", re.compile(r"^hwy/"), ("src/render/cpu/", "bench/")),
     ("oneTBB", re.compile(r"^(oneapi/)?tbb/"), ("src/render/cpu/",)),
     ("OpenEXR", re.compile(r"^(OpenEXR/)?(Imf|Imath|Iex)|^Imath/"), ("src/io/", "apps/", "tests/")),

@@ -54,25 +54,27 @@ enum class Neighborhood {
 
 // How meshes, boxes, particles and stored kernels become kernels (docs/kernels.md).
 struct KernelModelOptions {
-  std::string array;        // gives opacity and surfaces; empty: Dataset::array()'s default
-  std::string color_array;  // gives colour; empty: the same
-  int component = 0;        // of both arrays' tuples; LatticeModelOptions::kMagnitude: the norm
-  std::optional<Reconstruction> reconstruction;  // none: sum for densities, else normalized
-  std::optional<double> cutoff;  // sigmas; none: 4 for stored kernels and particles, 3.5 for meshes
-  int threads = 0;               // 0: one per hardware thread
+  std::string array{};        // gives opacity and surfaces; empty: Dataset::array()'s default
+  std::string color_array{};  // gives colour; empty: the same
+  int component = 0;          // of both arrays' tuples; LatticeModelOptions::kMagnitude: the norm
+  std::optional<Reconstruction> reconstruction{};  // none: sum for densities, else normalized
+  std::optional<double>
+      cutoff{};     // sigmas; none: 4 for stored kernels and particles, 3.5 for meshes
+  int threads = 0;  // 0: one per hardware thread
 
   // Meshes
   Neighborhood neighborhood = Neighborhood::kEdges;
-  int amplitude_passes = 3;  // w /= F^0.7 at the centres, F the sum of weights [METHOD 7.2.2]
+  int amplitude_passes = 3;  // w /= F^0.7 at the centres, F the sum of weights
 
   // Particles
-  bool is_density = false;   // the field is mass per volume of `mass_array`, not an attribute
-  std::string radius_array;  // smoothing lengths h, support 2 h; empty: one that is called like one
+  bool is_density = false;  // the field is mass per volume of `mass_array`, not an attribute
+  std::string
+      radius_array{};        // smoothing lengths h, support 2 h; empty: one that is called like one
                              // (h, hsml, SmoothingLength, smoothing_length), else from neighbours
-  std::string mass_array;    // empty: one that is called like one (m, mass, Masses), else `mass`
-  std::optional<double> mass;  // of every particle; none: 1
-  int neighbors = 32;          // particles within 2 h where h comes from neighbours, 4 to 512
-  bool anisotropic = false;    // ellipsoids from the covariance of the neighbours
+  std::string mass_array{};  // empty: one that is called like one (m, mass, Masses), else `mass`
+  std::optional<double> mass{};  // of every particle; none: 1
+  int neighbors = 32;            // particles within 2 h where h comes from neighbours, 4 to 512
+  bool anisotropic = false;      // ellipsoids from the covariance of the neighbours
   KernelProfile profile = KernelProfile::kGaussian;
 };
 

@@ -6,65 +6,16 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <bit>
 #include <cstddef>
+#include <type_traits>
 
-#include "io/byte_source.h"
-#include "io/decompressors.h"
+#include "data/scalar_visit.h"
 #include "io/point_arrays.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {
 namespace {
-
-constexpr std::int64_t kSmallFile = 65536;  // so much a filter may always make
-
-std::optional<ScalarType> hdf5_type(hid_t type) {
-  const std::size_t size = H5Tget_size(type);
-  const H5T_class_t type_class = H5Tget_class(type);
-  if (type_class == H5T_FLOAT)  // half floats fit single ones
-    return size <= 4 ? ScalarType::kFloat32 : ScalarType::kFloat64;
-  if (type_class != H5T_INTEGER) return std::nullopt;
-  const bool is_signed = H5Tget_sign(type) == H5T_SGN_2;
-  switch (size) {
-    case 1:
-      return is_signed ? ScalarType::kInt8 : ScalarType::kUInt8;
-    case 2:
-      return is_signed ? ScalarType::kInt16 : ScalarType::kUInt16;
-    case 4:
-      return is_signed ? ScalarType::kInt32 : ScalarType::kUInt32;
-    case 8:
-      return is_signed ? ScalarType::kInt64 : ScalarType::kUInt64;
-    default:
-      return std::nullopt;
-  }
-}
-
-hid_t memory_type(ScalarType type) {
-  switch (type) {
-    case ScalarType::kUInt8:
-      return H5T_NATIVE_UINT8;
-    case ScalarType::kInt8:
-      return H5T_NATIVE_INT8;
-    case ScalarType::kUInt16:
-      return H5T_NATIVE_UINT16;
-    case ScalarType::kInt16:
-      return H5T_NATIVE_INT16;
-    case ScalarType::kUInt32:
-      return H5T_NATIVE_UINT32;
-    case ScalarType::kInt32:
-      return H5T_NATIVE_INT32;
-    case ScalarType::kUInt64:
-      return H5T_NATIVE_UINT64;
-    case ScalarType::kInt64:
-      return H5T_NATIVE_INT64;
-    case ScalarType::kFloat32:
-      return H5T_NATIVE_FLOAT;
-    case ScalarType::kFloat64:
-      break;
-  }
-  return H5T_NATIVE_DOUBLE;
-}
 
 // The sizes of a simple dataspace of up to `max_rank` axes; nothing for another.
 std::optional<std::vector<std::int64_t>> dims_of(hid_t space, int max_rank) {
@@ -90,7 +41,7 @@ bool is_hard_link(hid_t group, const std::string& name) {
 
 }  // namespace
 
-Hdf5File::Hdf5File(const std::string& path) : name_(path), file_size_(open_file(path)->size()) {
+Hdf5File::Hdf5File(const std::string& path) : name_(path), source_(open_file(path)) {
   file_ = {H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose};
   if (!file_.is_open()) fail("the HDF5 library cannot open it: is the file truncated?");
   const Hdf5Handle root(H5Gopen2(file_.get(), "/", H5P_DEFAULT), H5Gclose);
@@ -132,9 +83,10 @@ void Hdf5File::describe(hid_t group, const std::string& path, const std::string&
   const Hdf5Handle type(H5Dget_type(dataset.get()), H5Tclose);
   if (!space.is_open() || !type.is_open()) return;
   auto dims = dims_of(space.get(), 2);
-  if (!dims || dims->empty()) return;
+  if (!dims) return;
+  if (dims->empty()) dims->push_back(1);  // a single number
   datasets_.push_back({fmt::format("{}/{}", path, name), path.empty() ? "/" : path, name,
-                       std::move(*dims), hdf5_type(type.get())});
+                       std::move(*dims), hdf5_type_of(type.get())});
 }
 
 bool Hdf5File::exists(const std::string& path) const {
@@ -144,54 +96,7 @@ bool Hdf5File::exists(const std::string& path) const {
 std::int64_t Hdf5File::num_bytes(const Hdf5Dataset& dataset) const {
   const auto count = checked_product(dataset.dims).value_or(0);
   return std::min(count, kMaxNumBytes / 8) *
-         static_cast<std::int64_t>(dataset.type ? size_of(*dataset.type) : 0);
-}
-
-// Throws unless the file can hold what the dataset claims.
-void Hdf5File::check_storage(hid_t dataset, const Hdf5Dataset& described,
-                             std::int64_t num_bytes) const {
-  const Hdf5Handle plist(H5Dget_create_plist(dataset), H5Pclose);
-  if (!plist.is_open()) fail(fmt::format("'{}' is broken", described.path));
-  const H5D_layout_t layout = H5Pget_layout(plist.get());
-  if (H5Pget_external_count(plist.get()) > 0 || layout == H5D_VIRTUAL)
-    fail(fmt::format("'{}' lies in other files, which are not read", described.path), true);
-  // Filters make at most what deflate can, and what was never written is not worth more.
-  std::int64_t most = file_size_;
-  if (layout == H5D_CHUNKED) most = file_size_ * kMaxDeflateRatio + kSmallFile;
-  std::array<hsize_t, H5S_MAX_RANK> chunk{};
-  const int rank =
-      layout == H5D_CHUNKED ? H5Pget_chunk(plist.get(), H5S_MAX_RANK, chunk.data()) : 0;
-  double chunk_size = rank > 0 ? static_cast<double>(size_of(*described.type)) : 0;
-  for (int i = 0; i < rank; ++i)
-    chunk_size *= static_cast<double>(chunk[static_cast<std::size_t>(i)]);
-  if (num_bytes > most || chunk_size > static_cast<double>(most)) {
-    fail(fmt::format("'{}' claims {} bytes in chunks of {}, more than a file of {} bytes can hold",
-                     described.path, num_bytes, chunk_size, file_size_));
-  }
-  for (int i = 0; i < H5Pget_nfilters(plist.get()); ++i) {
-    unsigned flags = 0, config = 0;
-    std::size_t num_values = 0;
-    char filter_name[64] = "";
-    const H5Z_filter_t filter =
-        H5Pget_filter2(plist.get(), static_cast<unsigned>(i), &flags, &num_values, nullptr,
-                       sizeof(filter_name), filter_name, &config);
-    if (filter >= 0 && H5Zfilter_avail(filter) > 0) continue;
-    fail(fmt::format("'{}' is compressed by filter {} ({}), which this HDF5 library does not have",
-                     described.path, filter, filter_name),
-         true);
-  }
-}
-
-// Whole chunks, so that none is unpacked twice, and about as much as a progress bar wants.
-std::int64_t Hdf5File::rows_at_a_time(hid_t dataset, std::int64_t row_size) const {
-  const std::int64_t wanted = std::max<std::int64_t>(1, ReadProgress::kChunk / row_size);
-  const Hdf5Handle plist(H5Dget_create_plist(dataset), H5Pclose);
-  std::array<hsize_t, H5S_MAX_RANK> chunk{};
-  if (H5Pget_layout(plist.get()) != H5D_CHUNKED ||
-      H5Pget_chunk(plist.get(), H5S_MAX_RANK, chunk.data()) < 1)
-    return wanted;
-  const auto rows = std::max<std::int64_t>(1, static_cast<std::int64_t>(chunk[0]));
-  return std::max<std::int64_t>(1, (wanted + rows - 1) / rows) * rows;
+         static_cast<std::int64_t>(dataset.type ? size_of(dataset.type->type) : 0);
 }
 
 DataArray Hdf5File::read(const Hdf5Dataset& described, bool is_transposed,
@@ -199,68 +104,71 @@ DataArray Hdf5File::read(const Hdf5Dataset& described, bool is_transposed,
   const std::string where = fmt::format("{}: '{}'", name_, described.path);
   const Hdf5Handle dataset(H5Dopen2(file_.get(), described.path.c_str(), H5P_DEFAULT), H5Dclose);
   if (!dataset.is_open() || !described.type) fail(fmt::format("'{}' is broken", described.path));
-  const std::int64_t total = checked_num_bytes(where, described.dims, *described.type);
-  check_storage(dataset.get(), described, total);
-  const std::int64_t rows = described.dims[0];
-  const std::int64_t columns = described.dims.size() > 1 ? described.dims[1] : 1;
-  const std::int64_t row_size = total / rows;
+  checked_num_bytes(where, described.dims, described.type->type);
+  const auto rank = static_cast<int>(described.dims.size());
+  const Hdf5Extent extent{where, *described.type, described.dims[0],
+                          rank > 1 ? described.dims[1] : 1, rank};
+  check_hdf5_storage(dataset.get(), extent, *source_);
   std::byte* to = nullptr;
-  DataArray array = new_array(
-      {described.name, *described.type, static_cast<int>(columns), rows, "", false, {}}, to);
-  const std::int64_t step = rows_at_a_time(dataset.get(), row_size);
-  const Hdf5Handle file_space(H5Dget_space(dataset.get()), H5Sclose);
-  for (std::int64_t first = 0; first < rows; first += step) {
-    const int rank = static_cast<int>(described.dims.size());
-    const std::array<hsize_t, 2> start{static_cast<hsize_t>(first), 0};
-    const std::array<hsize_t, 2> count{static_cast<hsize_t>(std::min(step, rows - first)),
-                                       static_cast<hsize_t>(columns)};
-    const Hdf5Handle memory(H5Screate_simple(rank, count.data(), nullptr), H5Sclose);
-    if (H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, start.data(), nullptr, count.data(),
-                            nullptr) < 0 ||
-        H5Dread(dataset.get(), memory_type(*described.type), memory.get(), file_space.get(),
-                H5P_DEFAULT, to + first * row_size) < 0)
-      fail(fmt::format("'{}': rows {} and on cannot be read: is the file damaged?", described.path,
-                       first));
-    progress.advance(static_cast<std::int64_t>(count[0]) * row_size);
-  }
+  DataArray array = new_array({described.name,
+                               extent.type.type,
+                               static_cast<int>(extent.columns),
+                               extent.rows,
+                               "",
+                               false,
+                               {}},
+                              to);
+  read_hdf5_storage(dataset.get(), extent, *source_, to, progress);
   if (!is_transposed) return array;
-  DataArray turned = new_array(
-      {described.name, *described.type, static_cast<int>(rows), columns, "", false, {}}, to);
-  transpose_items(array.bytes.view.data(), to, rows, columns, size_of(array.type));
+  DataArray turned = new_array({described.name,
+                                extent.type.type,
+                                static_cast<int>(extent.rows),
+                                extent.columns,
+                                "",
+                                false,
+                                {}},
+                               to);
+  transpose_items(array.bytes.view.data(), to, extent.rows, extent.columns, size_of(array.type));
   return turned;
 }
 
 std::vector<double> Hdf5File::numbers(const std::string& object, const std::string& name) const {
   constexpr std::int64_t kMost = 4096;
-  if (!exists(object)) return {};
-  const auto read_all = [&](hid_t space, hid_t type, const auto& read) {
-    std::vector<double> values;
-    const auto dims = dims_of(space, 2);
-    const auto count = dims ? checked_product(*dims) : std::nullopt;
-    if (!count || *count < 1 || *count > kMost || !hdf5_type(type)) return values;
-    values.resize(static_cast<std::size_t>(*count));
-    if (read(values.data()) < 0) values.clear();
-    return values;
+  const auto doubles = [](ScalarType type, const std::byte* bytes, std::int64_t count) {
+    return data::visit_scalar(type, [&]<class T>(std::type_identity<T>) {
+      std::vector<double> values;
+      for (std::int64_t i = 0; i < count; ++i)
+        values.push_back(static_cast<double>(data::load_scalar<T>(bytes, i)));
+      return values;
+    });
   };
-  if (H5Aexists_by_name(file_.get(), object.c_str(), name.c_str(), H5P_DEFAULT) > 0) {
-    const Hdf5Handle attribute(
-        H5Aopen_by_name(file_.get(), object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT),
-        H5Aclose);
-    if (!attribute.is_open()) return {};
-    const Hdf5Handle space(H5Aget_space(attribute.get()), H5Sclose);
-    const Hdf5Handle type(H5Aget_type(attribute.get()), H5Tclose);
-    return read_all(space.get(), type.get(),
-                    [&](double* to) { return H5Aread(attribute.get(), H5T_NATIVE_DOUBLE, to); });
-  }
   const std::string path = fmt::format("{}/{}", object, name);
-  if (!exists(path)) return {};
-  const Hdf5Handle dataset(H5Dopen2(file_.get(), path.c_str(), H5P_DEFAULT), H5Dclose);
-  if (!dataset.is_open()) return {};
-  const Hdf5Handle space(H5Dget_space(dataset.get()), H5Sclose);
-  const Hdf5Handle type(H5Dget_type(dataset.get()), H5Tclose);
-  return read_all(space.get(), type.get(), [&](double* to) {
-    return H5Dread(dataset.get(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, to);
-  });
+  for (const Hdf5Dataset& dataset : datasets_) {
+    const auto count = checked_product(dataset.dims);
+    if (dataset.path != path || !dataset.type || !count || *count < 1 || *count > kMost) continue;
+    const ReadOptions options;
+    ReadProgress progress(options, 0);
+    const DataArray array = read(dataset, false, progress);
+    return doubles(array.type, array.bytes.view.data(), *count);
+  }
+  if (!exists(object) ||
+      H5Aexists_by_name(file_.get(), object.c_str(), name.c_str(), H5P_DEFAULT) <= 0)
+    return {};
+  const Hdf5Handle attribute(
+      H5Aopen_by_name(file_.get(), object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT),
+      H5Aclose);
+  if (!attribute.is_open()) return {};
+  const Hdf5Handle space(H5Aget_space(attribute.get()), H5Sclose);
+  const Hdf5Handle type(H5Aget_type(attribute.get()), H5Tclose);
+  const auto dims = dims_of(space.get(), 2);
+  const auto count = dims ? checked_product(*dims) : std::nullopt;
+  const auto known = hdf5_type_of(type.get());
+  if (!count || *count < 1 || *count > kMost || !known) return {};
+  std::vector<std::byte> bytes(static_cast<std::size_t>(*count) * size_of(known->type));
+  if (H5Aread(attribute.get(), type.get(), bytes.data()) < 0) return {};
+  if (known->is_big_endian != (std::endian::native == std::endian::big))
+    swap_bytes(bytes, size_of(known->type));
+  return doubles(known->type, bytes.data(), *count);
 }
 
 }  // namespace ovoid::io

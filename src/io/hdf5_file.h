@@ -7,11 +7,14 @@
 #include <hdf5.h>
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "io/byte_source.h"
+#include "io/hdf5_storage.h"
 #include "io/samples.h"
 #include "ovoid/dataset.h"
 
@@ -65,7 +68,7 @@ struct Hdf5Dataset {
   std::string group;  // "/PartType0"; "/" for the root
   std::string name;   // "Coordinates"
   std::vector<std::int64_t> dims;
-  std::optional<ScalarType> type;  // none if it holds no numbers that are read
+  std::optional<Hdf5Type> type;  // none if it holds no numbers that are read
 };
 
 class Hdf5File {
@@ -83,8 +86,8 @@ class Hdf5File {
   bool exists(const std::string& path) const;
 
   // The numbers of a dataset with rows as tuples; [k, n] with `is_transposed`. Throws Error:
-  // kFileFormat for one that is broken or does not fit the file, kUnsupported for one that lies
-  // elsewhere or needs a filter that is not there, kCancelled.
+  // kFileFormat for one that is broken or does not fit the file, kUnsupported as
+  // check_hdf5_storage() says, kCancelled.
   DataArray read(const Hdf5Dataset& dataset, bool is_transposed, ReadProgress& progress) const;
   // Bytes in the file, as far as that is known; for progress.
   std::int64_t num_bytes(const Hdf5Dataset& dataset) const;
@@ -97,11 +100,9 @@ class Hdf5File {
   [[noreturn]] void fail(const std::string& what, bool is_unsupported = false) const;
   void list(hid_t group, const std::string& path, int depth);
   void describe(hid_t group, const std::string& path, const std::string& name);
-  void check_storage(hid_t dataset, const Hdf5Dataset& described, std::int64_t num_bytes) const;
-  std::int64_t rows_at_a_time(hid_t dataset, std::int64_t row_size) const;
 
   std::string name_;
-  std::int64_t file_size_ = 0;
+  std::unique_ptr<ByteSource> source_;
   Hdf5Silence silence_;
   Hdf5Handle file_;
   std::vector<Hdf5Dataset> datasets_;

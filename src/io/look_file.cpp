@@ -50,7 +50,7 @@ Look read_json_look(const LookFile& file) {
   return read_paraview_json(file, json);
 }
 
-Look read_any(const LookFile& file) {
+Look read_any_look(const LookFile& file) {
   for (const Signature& signature : kSignatures) {
     if (file.text.starts_with(signature.bytes)) {
       refuse_kind(file, fmt::format("looks like {}", signature.kind));
@@ -90,7 +90,7 @@ Look read_look(const std::string& path, const std::string& name) {
   io::LookFile file{path, io::read_text(path, io::kMaxJsonBytes), name};
   constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
   if (file.text.starts_with(kByteOrderMark)) file.text.erase(0, kByteOrderMark.size());
-  Look look = io::read_any(file);
+  Look look = io::read_any_look(file);
   look.transfer_function.sort();
   try {
     look.validate();

@@ -37,7 +37,7 @@ constexpr DataType kDataTypes[] = {
     {1792, "complex128", std::nullopt},    {2048, "complex256", std::nullopt},
 };
 
-bool has_at(std::string_view start, std::size_t offset, std::string_view text) {
+bool has_bytes_at(std::string_view start, std::size_t offset, std::string_view text) {
   return start.size() >= offset + text.size() && start.substr(offset, text.size()) == text;
 }
 
@@ -99,8 +99,9 @@ class Parser {
   }
 
   void read_version_1() {
-    header_.is_pair = has_at(bytes_, 344, "ni1\0"sv);
-    if (!header_.is_pair && !has_at(bytes_, 344, "n+1\0"sv)) fail("magic: expected n+1 or ni1");
+    header_.is_pair = has_bytes_at(bytes_, 344, "ni1\0"sv);
+    if (!header_.is_pair && !has_bytes_at(bytes_, 344, "n+1\0"sv))
+      fail("magic: expected n+1 or ni1");
     read_dims<std::int16_t>(40);
     read_type(get<std::int16_t>(70), get<std::int16_t>(72));
     read_numbers<float>(76, header_.pixdim);
@@ -121,9 +122,9 @@ class Parser {
   }
 
   void read_version_2() {
-    header_.is_pair = has_at(bytes_, 4, "ni2\0"sv);
-    if (!header_.is_pair && !has_at(bytes_, 4, "n+2\0"sv)) fail("magic: expected n+2 or ni2");
-    if (!has_at(bytes_, 8, "\r\n\x1a\n"sv))
+    header_.is_pair = has_bytes_at(bytes_, 4, "ni2\0"sv);
+    if (!header_.is_pair && !has_bytes_at(bytes_, 4, "n+2\0"sv)) fail("magic: expected n+2 or ni2");
+    if (!has_bytes_at(bytes_, 8, "\r\n\x1a\n"sv))
       fail("magic: its line ends were changed, so that the samples are no longer what they were");
     read_type(get<std::int16_t>(12), get<std::int16_t>(14));
     read_dims<std::int64_t>(16);
@@ -208,8 +209,8 @@ class Parser {
 }  // namespace
 
 bool looks_like_nifti(std::string_view start) noexcept {
-  return has_at(start, 344, "n+1\0"sv) || has_at(start, 344, "ni1\0"sv) ||
-         has_at(start, 4, "n+2\0"sv) || has_at(start, 4, "ni2\0"sv);
+  return has_bytes_at(start, 344, "n+1\0"sv) || has_bytes_at(start, 344, "ni1\0"sv) ||
+         has_bytes_at(start, 4, "n+2\0"sv) || has_bytes_at(start, 4, "ni2\0"sv);
 }
 
 bool looks_like_analyze(std::string_view start) noexcept {

@@ -14,17 +14,17 @@ namespace {
 constexpr std::array<std::string_view, 8> kMissingWords{"",  "nan",  "na",   "n/a",
                                                         "-", "null", "none", "nil"};
 
-std::string_view trimmed(std::string_view text) {
+std::string_view without_blanks(std::string_view text) {
   while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
   while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
   return text;
 }
 
-std::string_view unquoted(std::string_view text) {
-  text = trimmed(text);
+std::string_view without_quotes(std::string_view text) {
+  text = without_blanks(text);
   const char quote = text.size() < 2 ? '\0' : text.front();
   if ((quote != '"' && quote != '\'') || text.back() != quote) return text;
-  return trimmed(text.substr(1, text.size() - 2));
+  return without_blanks(text.substr(1, text.size() - 2));
 }
 
 // From the start of a field to its end: the separator, or the end of the text.
@@ -42,7 +42,7 @@ const char* end_of_field(const char* at, const char* end, Separator separator) {
 
 std::optional<double> parse_field(std::string_view text) {
   constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
-  std::string word = lower(unquoted(text));
+  std::string word = lower(without_quotes(text));
   if (std::find(kMissingWords.begin(), kMissingWords.end(), word) != kMissingWords.end())
     return kMissing;
   if (word.front() == '+') word.erase(0, 1);
@@ -66,7 +66,7 @@ std::vector<std::string_view> split_fields(std::string_view line, Separator sepa
     while (at != end && (*at == ' ' || (*at == '\t' && separator != Separator::kTab))) ++at;
     if (at == end) break;
     const char* const stop = end_of_field(at, end, separator);
-    fields.push_back(unquoted({at, static_cast<std::size_t>(stop - at)}));
+    fields.push_back(without_quotes({at, static_cast<std::size_t>(stop - at)}));
     is_open = stop != end && separator != Separator::kBlanks;
     at = is_open ? stop + 1 : stop;
   }

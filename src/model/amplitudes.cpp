@@ -92,16 +92,16 @@ class SumOfWeights {
       const float* l = problem_.shapes.data() + 6 * kernel;
       const Vec3 at = center(kernel);
       for (std::size_t a = 0; a < 3; ++a)
-        group.center[a][i] = static_cast<float>(at[static_cast<int>(a)] -
-                                                group.origin[static_cast<int>(a)]);
+        group.center[a][i] =
+            static_cast<float>(at[static_cast<int>(a)] - group.origin[static_cast<int>(a)]);
       group.per_diagonal[0][i] = 1 / l[0];
       group.per_diagonal[1][i] = 1 / l[2];
       group.per_diagonal[2][i] = 1 / l[5];
       group.below[0][i] = l[1];
       group.below[1][i] = l[3];
       group.below[2][i] = l[4];
-      const Vec3 reach = problem_.cutoff * Vec3(std::abs(l[0]), std::hypot(l[1], l[2]),
-                                                std::hypot(l[3], l[4], l[5]));
+      const Vec3 reach = problem_.cutoff *
+                         Vec3(std::abs(l[0]), std::hypot(l[1], l[2]), std::hypot(l[3], l[4], l[5]));
       levels_[0][g].extend(Bounds3(at - reach, at + reach));
     }
   }
@@ -160,8 +160,8 @@ std::vector<float> fit_amplitudes(const AmplitudeProblem& problem, std::vector<f
     if (pass == problem.passes) break;
     for (std::size_t i = 0; i < weights.size(); ++i) {
       const double ratio = static_cast<double>(sums[i] / problem.targets[i]);
-      const double change = std::clamp(std::pow(ratio, -kPassExponent), 1 / kMostChange,
-                                       kMostChange);
+      const double change =
+          std::clamp(std::pow(ratio, -kPassExponent), 1 / kMostChange, kMostChange);
       weights[i] = static_cast<float>(static_cast<double>(weights[i]) * change);
     }
     field.set_weights(weights);

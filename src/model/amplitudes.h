@@ -19,7 +19,7 @@ struct AmplitudeProblem {
 };
 
 // `passes` times w_i /= (F_i / target_i)^0.7 with F_i = sum_j w_j phi_j at centre i
-// [METHOD 7.2.2], all at once in each pass, so that the order of kernels and threads play no part.
+// all at once in each pass, so that the order of kernels and threads play no part.
 // Returns F after the last pass. Cost: about a microsecond per kernel and pass. Throws
 // Error(kCancelled).
 std::vector<float> fit_amplitudes(const AmplitudeProblem& problem, std::vector<float>& weights);

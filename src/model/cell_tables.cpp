@@ -51,8 +51,7 @@ CellTable solid(int num_nodes, int num_corners, Cycles faces) {
     for (const Cycle& face : table.faces) {
       const auto found = std::find(face.begin(), face.end(), node);
       if (found == face.end()) continue;
-      paths.push_back(
-          path_around(face, static_cast<std::size_t>(found - face.begin()), is_curved));
+      paths.push_back(path_around(face, static_cast<std::size_t>(found - face.begin()), is_curved));
     }
     Cycle fan = paths.empty() ? Cycle{} : fan_of(paths);
     // The ends of a middle node's edge are opposite each other; what lies between is not.
@@ -81,8 +80,9 @@ const Cycles kCurvedHexFaces = {{0, 16, 4, 15, 7, 19, 3, 11}, {1, 9, 2, 18, 6, 1
 CellTable tri_quadratic() {
   CellTable table = solid(20, 8, kCurvedHexFaces);
   table.num_nodes = 27;
-  const Cycles more = {{16, 15, 19, 11}, {9, 18, 13, 17}, {8, 17, 12, 16},       {19, 14, 18, 10},
-                       {11, 10, 9, 8},   {12, 13, 14, 15}, {20, 21, 22, 23, 24, 25}};
+  const Cycles more = {{16, 15, 19, 11},        {9, 18, 13, 17}, {8, 17, 12, 16},
+                       {19, 14, 18, 10},        {11, 10, 9, 8},  {12, 13, 14, 15},
+                       {20, 21, 22, 23, 24, 25}};
   for (const Cycle& around : more) {
     table.neighbors.push_back(around);
     table.fans.emplace_back();
@@ -111,8 +111,7 @@ std::array<CellTable, static_cast<std::size_t>(CellType::kOther) + 1> make_table
   at(CellType::kVoxel) = solid(8, 8, voxel_faces);
   at(CellType::kWedge) =
       solid(6, 6, {{0, 1, 2}, {3, 5, 4}, {0, 3, 4, 1}, {1, 4, 5, 2}, {2, 5, 3, 0}});
-  at(CellType::kPyramid) =
-      solid(5, 5, {{0, 3, 2, 1}, {0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}});
+  at(CellType::kPyramid) = solid(5, 5, {{0, 3, 2, 1}, {0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}});
   at(CellType::kQuadraticTetrahedron) = solid(
       10, 4, {{0, 4, 1, 8, 3, 7}, {1, 5, 2, 9, 3, 8}, {2, 6, 0, 7, 3, 9}, {0, 6, 2, 5, 1, 4}});
   at(CellType::kQuadraticHexahedron) = solid(20, 8, kCurvedHexFaces);

@@ -12,8 +12,8 @@ namespace ovoid::model {
 
 // Node numbers are local, in VTK's order.
 struct CellTable {
-  int num_nodes = 0;   // 0: any number (kOther)
-  int dimension = 3;   // 0 to 3
+  int num_nodes = 0;  // 0: any number (kOther)
+  int dimension = 3;  // 0 to 3
   // Cycles of nodes seen from outside, the middle nodes of curved edges among them. Solids only.
   std::vector<std::vector<std::uint8_t>> faces;
   // Of each node, those joined to it by half an edge or an edge; of middle nodes also the middle

@@ -32,8 +32,7 @@ void make_balls_of_lone(const ModelRun& run, EllipsoidSites& sites) {
   }
 }
 
-void report_sums(const ModelRun& run, const EllipsoidSites& sites,
-                 const std::vector<float>& sums) {
+void report_sums(const ModelRun& run, const EllipsoidSites& sites, const std::vector<float>& sums) {
   double count = 0, mean = 0, square = 0;
   for (std::size_t i = 0; i < sums.size(); ++i) {
     if (sites.kernels[i].target < 0.99) continue;

@@ -8,8 +8,8 @@ namespace ovoid::model {
 // A covariance's least axis is at least this share of its greatest, in sigmas: a stretched mesh
 // keeps ratios of 1:1000 and more.
 inline constexpr double kLeastAxisRatio = 1e-4;
-// What has no thickness of its own, a surface or a line, gets this share of its next axis: a disc or
-// a rod that can still be seen edge on.
+// What has no thickness of its own, a surface or a line, gets this share of its next axis: a disc
+// or a rod that can still be seen edge on.
 inline constexpr double kFlatAxisRatio = 0.05;
 
 // A kernel's shape as it is stored.
@@ -53,6 +53,5 @@ inline constexpr double kMostScale = 1.5;
 
 // w = V / ((2 pi)^(3/2) det L) with det L = V / 8.
 inline constexpr double kLatticeWeight = 0.5079490874739278;
-
 
 }  // namespace ovoid::model

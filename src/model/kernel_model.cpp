@@ -34,13 +34,16 @@ void check_options(const KernelModelOptions& options) {
     refuse_option(fmt::format("amplitude_passes = {}: must be 0 to {}", options.amplitude_passes,
                               kMostPasses));
   if (options.cutoff && !(*options.cutoff >= 1 && *options.cutoff <= KernelColumns::kMaxCutoff))
-    refuse_option(fmt::format("cutoff = {}: must be 1 to {:g}", *options.cutoff,
-                              KernelColumns::kMaxCutoff));
+    refuse_option(
+        fmt::format("cutoff = {}: must be 1 to {:g}", *options.cutoff, KernelColumns::kMaxCutoff));
   if (options.mass && !(*options.mass > 0 && std::isfinite(*options.mass)))
     refuse_option(fmt::format("mass = {}: must be > 0", *options.mass));
 }
 
 model::KernelParts parts_of(const model::ModelRun& run) {
+  if (run.dataset.kind != DatasetKind::kLattice && run.dataset.num_positions() < 1)
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("'{}': has no positions", run.dataset.source));
   switch (run.dataset.kind) {
     case DatasetKind::kMesh:
       return model::mesh_kernels(run);
@@ -133,16 +136,18 @@ void note_on_counts(const Dataset& dataset, KernelModelReport& report) {
   if (dataset.kind == DatasetKind::kBoxes) nouns = "boxes";
   if (dataset.kind == DatasetKind::kParticles) nouns = "particles";
   const auto note = [&](std::int64_t count, const std::string& what) {
-    if (count > 0) report.notes.push_back(fmt::format("{} of {} {} {}", count, report.num_sites, nouns, what));
+    if (count > 0)
+      report.notes.push_back(fmt::format("{} of {} {} {}", count, report.num_sites, nouns, what));
   };
-  note(report.num_missing, fmt::format("without a finite value of '{}' make no kernel",
-                                       report.array));
+  note(report.num_missing,
+       fmt::format("without a finite value of '{}' make no kernel", report.array));
   note(report.num_misplaced, "without a finite position make no kernel");
   note(report.num_dangling, "of no cell make no kernel");
   note(report.num_merged, "at the place of another share its kernel");
   if (report.num_degenerate > 0)
-    report.notes.push_back(fmt::format("{} of {} kernels had no extent along some axis and were given one",
-                                       report.num_degenerate, report.num_kernels));
+    report.notes.push_back(
+        fmt::format("{} of {} kernels had no extent along some axis and were given one",
+                    report.num_degenerate, report.num_kernels));
 }
 
 }  // namespace

@@ -29,8 +29,8 @@ std::vector<float> floats_of(const ScalarSamples& samples, std::int64_t count) {
 
 void require_tuples(const DataArray& array, std::int64_t expected, const char* noun) {
   if (array.num_components < 1)
-    refuse_input(fmt::format("array '{}': {} components, must be >= 1", array.name,
-                             array.num_components));
+    refuse_input(
+        fmt::format("array '{}': {} components, must be >= 1", array.name, array.num_components));
   if (array.num_tuples != expected)
     refuse_input(fmt::format("array '{}': {} tuples, must be {}, one for each of the {}",
                              array.name, array.num_tuples, expected, noun));
@@ -62,8 +62,7 @@ std::vector<double> load_tuples(const DataArray& array, std::int64_t expected, i
 
 std::vector<double> load_positions(const ModelRun& run) {
   const DataArray& array = run.dataset.positions;
-  if (array.num_tuples < 1)
-    refuse_input(fmt::format("'{}': has no positions", run.dataset.source));
+  if (array.num_tuples < 1) refuse_input(fmt::format("'{}': has no positions", run.dataset.source));
   if (array.num_tuples >= std::numeric_limits<std::uint32_t>::max())
     refuse_input(fmt::format("'{}': {} positions, must be fewer than {}", run.dataset.source,
                              array.num_tuples, std::numeric_limits<std::uint32_t>::max()));
@@ -86,10 +85,10 @@ ChosenArrays choose_arrays(const ModelRun& run) {
     return chosen;
   const DataArray& color = run.dataset.array(run.options.color_array);
   if (color.is_cell_data != chosen.is_cell_data)
-    refuse_input(fmt::format(
-        "color array '{}': has a value per {}, must have one per {} as array '{}' has", color.name,
-        color.is_cell_data ? "cell" : "node", chosen.is_cell_data ? "cell" : "node",
-        chosen.arrays[0]->name));
+    refuse_input(
+        fmt::format("color array '{}': has a value per {}, must have one per {} as array '{}' has",
+                    color.name, color.is_cell_data ? "cell" : "node",
+                    chosen.is_cell_data ? "cell" : "node", chosen.arrays[0]->name));
   chosen.arrays.push_back(&color);
   run.report.color_array = color.name;
   return chosen;
@@ -121,8 +120,8 @@ std::vector<float> load_column(const ModelRun& run, const DataArray& array, std:
                                const char* noun) {
   require_tuples(array, num_sites, noun);
   if (array.num_components != 1)
-    refuse_input(fmt::format("array '{}': {} components, must be 1", array.name,
-                             array.num_components));
+    refuse_input(
+        fmt::format("array '{}': {} components, must be 1", array.name, array.num_components));
   return floats_of(take_component(array, {0, true, run.threads, run.stop}), num_sites);
 }
 

@@ -76,8 +76,8 @@ void check_cells(const ModelRun& run, const MeshCells& cells) {
                                  std::numeric_limits<std::uint32_t>::max()));
   if (cells.offsets.size() != cells.count() + 1 || cells.offsets[0] != 0 ||
       cells.offsets.back() != static_cast<std::int64_t>(cells.connectivity.size()))
-    refuse_mesh(run, fmt::format("cell offsets: must be {} numbers from 0 to {}",
-                                 cells.count() + 1, cells.connectivity.size()));
+    refuse_mesh(run, fmt::format("cell offsets: must be {} numbers from 0 to {}", cells.count() + 1,
+                                 cells.connectivity.size()));
   for (std::size_t c = 0; c < cells.count(); ++c) {
     if (cells.offsets[c + 1] < cells.offsets[c])
       refuse_mesh(run, fmt::format("cell offsets[{}] = {}: must be >= offsets[{}] = {}", c + 1,
@@ -86,12 +86,12 @@ void check_cells(const ModelRun& run, const MeshCells& cells) {
   for (std::size_t c = 0; c < cells.count(); ++c) {
     const auto nodes = cells.nodes(c);
     if (cells.types[c] > CellType::kOther)
-      refuse_mesh(run, fmt::format("cells[{}]: type {} is unknown", c,
-                                   static_cast<int>(cells.types[c])));
+      refuse_mesh(
+          run, fmt::format("cells[{}]: type {} is unknown", c, static_cast<int>(cells.types[c])));
     const int expected = table_of(cells.types[c]).num_nodes;
     if (expected != 0 && nodes.size() != static_cast<std::size_t>(expected))
-      refuse_mesh(run, fmt::format("cells[{}]: {} nodes, its type has {}", c, nodes.size(),
-                                   expected));
+      refuse_mesh(run,
+                  fmt::format("cells[{}]: {} nodes, its type has {}", c, nodes.size(), expected));
     for (const std::uint32_t node : nodes) {
       if (node >= num_nodes)
         refuse_mesh(run, fmt::format("cells[{}]: node {}, must be under {}", c, node, num_nodes));

@@ -40,7 +40,7 @@ Incidence find_corners(const MeshNodes& nodes, const MeshCells& cells) {
     const auto list = cells.nodes(c);
     for (std::size_t k = 0; k < list.size(); ++k)
       incidence.corners[next[nodes.stands_for(list[k])]++] = {static_cast<std::uint32_t>(c),
-                                                             static_cast<std::uint32_t>(k)};
+                                                              static_cast<std::uint32_t>(k)};
   }
   return incidence;
 }
@@ -53,21 +53,18 @@ double solid_angle(const Vec3& a, const Vec3& b, const Vec3& c) noexcept {
 // Sums over the corners at a node.
 class NodeSums {
  public:
-  NodeSums(const MeshNodes& nodes, const MeshCells& cells,
-           const CellMeasures& measures, std::uint32_t node)
+  NodeSums(const MeshNodes& nodes, const MeshCells& cells, const CellMeasures& measures,
+           std::uint32_t node)
       : nodes_(nodes), cells_(cells), measures_(measures), place_(nodes.at(node)) {}
 
   void add(const Corner& corner) {
     if (!measures_.is_placed(corner.cell)) return;
     const double volume = std::abs(measures_.volumes[corner.cell]);
     has_cell_ = true;
-    const CellType type = cells_.types[corner.cell];
-    if (type == CellType::kTetrahedron) {
-      add_tetrahedron(corner, volume);
-    } else if (type == CellType::kOther) {
+    if (cells_.types[corner.cell] == CellType::kOther) {
       add_other(corner, volume);
     } else {
-      add_solid_or_flat(corner, volume);
+      add_known(corner, volume);
     }
   }
 
@@ -84,8 +81,7 @@ class NodeSums {
     }
     if (flat_weight_ > 0) {
       // Its neighbours span only so many axes, among which the sum of squares is shared.
-      const EllipsoidShape shape =
-          shape_of_covariance(flat_spread_ / flat_weight_, Extent3::kFlat);
+      const EllipsoidShape shape = shape_of_covariance(flat_spread_ / flat_weight_, Extent3::kFlat);
       kernel.factor = shape.factor * std::sqrt(static_cast<double>(std::max(shape.rank, 1)));
       kernel.is_degenerate = true;
       kernel.is_alone = shape.rank == 0;
@@ -107,33 +103,7 @@ class NodeSums {
     spread.noalias() += (0.25 * weight) * ray * ray.transpose();
   }
 
-  void add_tetrahedron(const Corner& corner, double volume) {
-    const auto list = cells_.nodes(corner.cell);
-    std::array<Vec3, 3> ray;
-    for (std::uint32_t k = 0, r = 0; k < 4; ++k) {
-      if (k != corner.local) ray[r++] = ray_to(list[k]);
-    }
-    const std::array<Vec3, 3> area = {ray[1].cross(ray[2]), ray[2].cross(ray[0]),
-                                      ray[0].cross(ray[1])};
-    const double six = ray[0].dot(area[0]);
-    volume_ += volume / 4;
-    const std::array<double, 3> square = {ray[0].squaredNorm(), ray[1].squaredNorm(),
-                                          ray[2].squaredNorm()};
-    if (six != 0) {
-      const Vec3 all = area[0] + area[1] + area[2];
-      for (std::size_t r = 0; r < 3; ++r) {
-        const double weight = volume * std::max(0.0, all.dot(area[r]) / (six * six)) * square[r];
-        weight_ += weight;
-        add_bisector(spread_, ray[r], weight);
-      }
-      std::array<Vec3, 3> unit;
-      for (std::size_t r = 0; r < 3; ++r) unit[r] = ray[r] / std::sqrt(square[r]);
-      angle_ += std::abs(solid_angle(unit[0], unit[1], unit[2]));
-    }
-    for (std::size_t r = 0; r < 3; ++r) add_flat(ray[r]);
-  }
-
-  void add_solid_or_flat(const Corner& corner, double volume) {
+  void add_known(const Corner& corner, double volume) {
     const auto list = cells_.nodes(corner.cell);
     const CellTable& table = table_of(cells_.types[corner.cell]);
     const double corners = static_cast<double>(list.size());
@@ -194,8 +164,7 @@ class NodeSums {
 }  // namespace
 
 std::vector<SiteKernel> node_kernels(const ModelRun& run, const MeshNodes& nodes,
-                                     const MeshCells& cells,
-                                     const CellMeasures& measures) {
+                                     const MeshCells& cells, const CellMeasures& measures) {
   const Incidence incidence = find_corners(nodes, cells);
   std::vector<SiteKernel> kernels(nodes.count());
   data::parallel_ranges(

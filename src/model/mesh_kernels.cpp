@@ -127,9 +127,8 @@ KernelParts mesh_kernels(const ModelRun& run) {
   const MeshCells cells = load_cells(run);
   const CellMeasures measures = measure_cells(run, nodes, cells);
   note_on_cells(run, cells, measures);
-  EllipsoidSites sites = chosen.is_cell_data
-                             ? cell_sites(run, nodes, cells, measures, chosen)
-                             : node_sites(run, nodes, cells, measures, chosen);
+  EllipsoidSites sites = chosen.is_cell_data ? cell_sites(run, nodes, cells, measures, chosen)
+                                             : node_sites(run, nodes, cells, measures, chosen);
   require_sites(run, sites, chosen.is_cell_data ? "cells" : "nodes");
   if (run.options.neighborhood == Neighborhood::kVoronoi)
     sites.kernels = voronoi_kernels(sites.parts.centers, run.stop);

@@ -37,18 +37,21 @@ class PeriodicSearch {
     for (int axis = 0; axis < 3; ++axis) {
       const auto a = static_cast<std::size_t>(axis);
       const double edge = box.sizes()[axis];
-      if (at[axis] - radius < box.min()[axis]) shifts[a][static_cast<std::size_t>(counts[a]++)] = edge;
-      if (at[axis] + radius > box.max()[axis]) shifts[a][static_cast<std::size_t>(counts[a]++)] = -edge;
+      if (at[axis] - radius < box.min()[axis])
+        shifts[a][static_cast<std::size_t>(counts[a]++)] = edge;
+      if (at[axis] + radius > box.max()[axis])
+        shifts[a][static_cast<std::size_t>(counts[a]++)] = -edge;
     }
     if (counts[0] * counts[1] * counts[2] == 1) return;
     for (int z = 0; z < counts[2]; ++z) {
       for (int y = 0; y < counts[1]; ++y) {
         for (int x = 0; x < counts[0]; ++x) {
           if (x + y + z > 0)
-            add_image(at, Vec3(shifts[0][static_cast<std::size_t>(x)],
-                               shifts[1][static_cast<std::size_t>(y)],
-                               shifts[2][static_cast<std::size_t>(z)]),
-                      list);
+            add_image(
+                at,
+                Vec3(shifts[0][static_cast<std::size_t>(x)], shifts[1][static_cast<std::size_t>(y)],
+                     shifts[2][static_cast<std::size_t>(z)]),
+                list);
         }
       }
     }

@@ -22,7 +22,7 @@ namespace ovoid::model {
 
 namespace {
 
-constexpr double kParticleCutoff = 4;  // sigma = h / 2 makes that the support 2 h
+constexpr double kParticleCutoff = 4;           // sigma = h / 2 makes that the support 2 h
 constexpr double kLeastParticleAxis = 1.0 / 8;  // of the longest, for ellipsoids
 
 // Which arrays say what. Null: none.
@@ -82,8 +82,7 @@ struct ParticleColumns {
 ParticleColumns load_particle_columns(const ModelRun& run, const ParticleRoles& roles) {
   const std::int64_t count = run.dataset.num_positions();
   ParticleColumns columns;
-  if (roles.radius != nullptr)
-    columns.radius = load_column(run, *roles.radius, count, "particles");
+  if (roles.radius != nullptr) columns.radius = load_column(run, *roles.radius, count, "particles");
   const bool needs_volume = !roles.is_density && roles.mass != nullptr && roles.density != nullptr;
   if (roles.mass != nullptr && (roles.is_density || needs_volume))
     columns.mass = load_column(run, *roles.mass, count, "particles");
@@ -183,8 +182,7 @@ Mat3 drawn_out(const float* covariance, double sigma) {
   Mat3 spread;
   spread << covariance[0], covariance[1], covariance[3], covariance[1], covariance[2],
       covariance[4], covariance[3], covariance[4], covariance[5];
-  const Mat3 factor =
-      limited_shape(spread, kLeastParticleAxis).factor;
+  const Mat3 factor = limited_shape(spread, kLeastParticleAxis).factor;
   return factor * (sigma / std::cbrt(factor.determinant()));
 }
 
@@ -207,8 +205,7 @@ void make_shapes(const ModelRun& run, const ParticleSites& sites, const Particle
       nearest.lengths[i] = columns.radius[sites.sources[i]];
   }
   // A Gaussian's sigma is h / 2 wherever it is cut; the others end at 2 h.
-  const double per_length =
-      options.profile == KernelProfile::kGaussian ? 0.5 : 2 / parts.cutoff;
+  const double per_length = options.profile == KernelProfile::kGaussian ? 0.5 : 2 / parts.cutoff;
   parts.shape = options.anisotropic ? KernelShape::kEllipsoids : KernelShape::kBalls;
   if (!options.anisotropic) {
     parts.shapes = std::move(nearest.lengths);
@@ -218,7 +215,7 @@ void make_shapes(const ModelRun& run, const ParticleSites& sites, const Particle
   parts.shapes.reserve(6 * sites.count());
   for (std::size_t i = 0; i < sites.count(); ++i)
     append_factor(drawn_out(nearest.covariances.data() + 6 * i, per_length * nearest.lengths[i]),
-                 parts.shapes);
+                  parts.shapes);
 }
 
 double volume_of_shape(const KernelParts& parts, std::size_t i) {
@@ -288,9 +285,8 @@ float shared_weight(const ModelRun& run, const ParticleRoles& roles, const Kerne
   return static_cast<float>(volume / profile_integral(parts.profile, parts.cutoff));
 }
 
-void weigh_attributes(const ModelRun& run, const ParticleSites& sites,
-                      const ParticleRoles& roles, const ParticleColumns& columns,
-                      KernelParts& parts) {
+void weigh_attributes(const ModelRun& run, const ParticleSites& sites, const ParticleRoles& roles,
+                      const ParticleColumns& columns, KernelParts& parts) {
   if (columns.density.empty()) {
     parts.weights = {shared_weight(run, roles, parts)};
     return;

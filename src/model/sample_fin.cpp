@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A fin with a round leading edge (radius 1, along z) stands on a plate (z = 0); the flow comes
-// along +x. The grid wraps around it like a C: i along the body, j away from it, k up the fin, cells
-// growing away from the walls by a ratio as flow solvers use. The fields are formulas with the
-// features of such a flow: a bow shock, the boundary layers of both walls and the vortex that the
-// plate's bends around the foot of the fin.
+// along +x. The grid wraps around it like a C: i along the body, j away from it, k up the fin,
+// cells growing away from the walls by a ratio as flow solvers use. The fields are formulas with
+// the features of such a flow: a bow shock, the boundary layers of both walls and the vortex that
+// the plate's bends around the foot of the fin.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -22,11 +22,11 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr double kFinLength = 3;     // of the straight sides behind the leading edge
-constexpr double kFinReach = 4;      // from the fin's wall to the grid's end
+constexpr double kFinLength = 3;  // of the straight sides behind the leading edge
+constexpr double kFinReach = 4;   // from the fin's wall to the grid's end
 constexpr double kFinHeight = 5;
-constexpr double kFinGrowth = 3.5;   // of the exponential spacing, from wall to end e^3.5 = 33 times
-constexpr double kFinShake = 0.1;    // of the distance to the next node
+constexpr double kFinGrowth = 3.5;  // of the exponential spacing, from wall to end e^3.5 = 33 times
+constexpr double kFinShake = 0.1;   // of the distance to the next node
 
 // Where along [0, 1] node i of n lies: crowded near 0.
 double crowded(double share) { return std::expm1(kFinGrowth * share) / std::expm1(kFinGrowth); }
@@ -36,8 +36,7 @@ Vec3 place_in_c(double along, double away) {
   const double length = 2 * kFinLength + pi;
   const double s = (along - 0.5) * length;
   const double side = s < 0 ? -1 : 1;
-  if (std::abs(s) <= pi / 2)
-    return {-std::cos(s) * (1 + away), std::sin(s) * (1 + away), 0};
+  if (std::abs(s) <= pi / 2) return {-std::cos(s) * (1 + away), std::sin(s) * (1 + away), 0};
   const double back = std::abs(s) - pi / 2;
   // Lines fan out a little behind the leading edge, as a C-grid's do.
   return {back * (1 + 0.15 * away), side * (1 + away * (1 + 0.05 * back)), 0};
@@ -53,7 +52,7 @@ struct FlowValues {
 FlowValues flow_at(const Vec3& p) {
   const double ahead = std::min(p.x(), 0.0);
   const double wall = std::max(std::hypot(ahead, p.y()) - 1, 0.0);  // distance from the fin
-  const double turn = std::atan2(std::abs(p.y()), -p.x());         // 0 on the stagnation line
+  const double turn = std::atan2(std::abs(p.y()), -p.x());          // 0 on the stagnation line
   const double stand_off = 0.9 + 0.75 * turn * turn;
   const double foot = std::exp(-p.z() * p.z() / 0.5);
   const double shock = smooth_rise(stand_off * (1 + 0.7 * foot) - wall, 0.25);

@@ -29,8 +29,8 @@ const SampleKind& kind_of(const std::string& name) {
   for (const SampleKind& kind : model::sample_kinds()) {
     if (name == kind.name) return kind;
   }
-  throw Error(ErrorCode::kInvalidArgument, fmt::format("sample '{}': must be one of {}", name,
-                                                       fmt::join(sample_names(), ", ")));
+  throw Error(ErrorCode::kInvalidArgument,
+              fmt::format("sample '{}': must be one of {}", name, fmt::join(sample_names(), ", ")));
 }
 
 // Null: not one of them.
@@ -51,9 +51,9 @@ Dataset make_set(const model::SampleSet& set, const MakeOptions& options) {
                                                          name_of(options.type), set.name));
   const std::int64_t count = options.count == 0 ? set.default_count : options.count;
   if (count < set.least_count || count > kMaxCount)
-    throw Error(ErrorCode::kInvalidArgument, fmt::format("count = {}: must be {} to {} for '{}'",
-                                                         count, set.least_count, kMaxCount,
-                                                         set.name));
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("count = {}: must be {} to {} for '{}'", count, set.least_count,
+                            kMaxCount, set.name));
   try {
     Dataset dataset = set.make(count, options.seed);
     dataset.source = set.name;
@@ -165,9 +165,9 @@ std::string describe_sample(const std::string& name) {
 Dataset make_sample(const std::string& name, const MakeOptions& options) {
   if (const model::SampleSet* set = find_set(name)) return make_set(*set, options);
   if (options.count != 0)
-    throw Error(ErrorCode::kInvalidArgument,
-                fmt::format("count = {}: '{}' is a lattice; size is its samples", options.count,
-                            name));
+    throw Error(
+        ErrorCode::kInvalidArgument,
+        fmt::format("count = {}: '{}' is a lattice; size is its samples", options.count, name));
   const SampleKind& kind = kind_of(name);
   Dataset dataset;
   dataset.source = name;

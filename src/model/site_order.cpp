@@ -31,15 +31,14 @@ std::vector<std::uint32_t> morton_order(std::span<const double> sites, int threa
   const double scale =
       edge > 0 && std::isfinite(edge) ? std::ldexp(1 - 1e-12, data::kMortonBits) / edge : 0.0;
   std::vector<OrderItem> items(count);
-  data::parallel_ranges({static_cast<std::int64_t>(count), kOrderGrain, threads},
-                        [&](std::int64_t begin, std::int64_t end) {
-                          for (auto i = static_cast<std::size_t>(begin);
-                               i < static_cast<std::size_t>(end); ++i) {
-                            const Vec3 place = scale > 0 ? Vec3((at(i) - box.min()) * scale)
-                                                         : Vec3(Vec3::Zero());
-                            items[i] = {data::morton_key(place), static_cast<std::uint32_t>(i)};
-                          }
-                        });
+  data::parallel_ranges(
+      {static_cast<std::int64_t>(count), kOrderGrain, threads},
+      [&](std::int64_t begin, std::int64_t end) {
+        for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+          const Vec3 place = scale > 0 ? Vec3((at(i) - box.min()) * scale) : Vec3(Vec3::Zero());
+          items[i] = {data::morton_key(place), static_cast<std::uint32_t>(i)};
+        }
+      });
   std::sort(items.begin(), items.end(), [](const OrderItem& a, const OrderItem& b) {
     return a.key != b.key ? a.key < b.key : a.site < b.site;
   });

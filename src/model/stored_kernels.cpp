@@ -45,8 +45,7 @@ const DataArray& stored_array(const ModelRun& run, const char* name, int compone
 // Kernels without any have the value 1.
 SiteValues stored_values(const ModelRun& run) {
   const std::int64_t count = run.dataset.num_positions();
-  if (!run.options.array.empty())
-    return load_values(run, choose_arrays(run), count, "kernels");
+  if (!run.options.array.empty()) return load_values(run, choose_arrays(run), count, "kernels");
   const DataArray* first = nullptr;
   for (const DataArray& array : run.dataset.arrays) {
     if (is_shape_array(array.name)) continue;
@@ -120,10 +119,11 @@ KernelParts stored_kernels(const ModelRun& run) {
     if (!weights.empty()) parts.weights.push_back(weights[i]);
   }
   if (parts.count() == 0)
-    refuse_kernel(fmt::format("'{}': no kernel: of {}, {} have no finite value of '{}' and {} no "
-                              "finite position",
-                              run.dataset.source, count, run.report.num_missing, run.report.array,
-                              run.report.num_misplaced));
+    refuse_kernel(
+        fmt::format("'{}': no kernel: of {}, {} have no finite value of '{}' and {} no "
+                    "finite position",
+                    run.dataset.source, count, run.report.num_missing, run.report.array,
+                    run.report.num_misplaced));
   if (weights.empty()) parts.weights = {1.0F};
   return parts;
 }

@@ -12,9 +12,9 @@ namespace ovoid::model {
 
 namespace {
 
-constexpr double kMargin = 1e-3;        // of the longest edge, around the sites
-constexpr double kSitesPerBlock = 5;    // what Voro++'s manual finds fastest
-constexpr int kMostBlocks = 256;        // per axis
+constexpr double kMargin = 1e-3;      // of the longest edge, around the sites
+constexpr double kSitesPerBlock = 5;  // what Voro++'s manual finds fastest
+constexpr int kMostBlocks = 256;      // per axis
 constexpr std::int64_t kStopEvery = 1024;
 
 // Sites in a box of longest edge 1 from the origin, so that Voro++'s tolerances, which are

@@ -110,10 +110,10 @@ BlockRange KernelPlan::blocks_of_brick(const KernelBrick& brick, double cutoff) 
       hi[a] = std::max(hi[a], at[a]);
     }
   }
-  // Widened kernels reach half a pixel (at their own depth) or sheet farther per sigma.
+  // Widened kernels reach so many pixels (at their own depth), or half a sheet, farther per sigma.
   const double depth_scale =
       space.is_parallel ? 1.0 : std::max(hi[2], lattice.near_depth()) / space.focal_depth;
-  const double widened = 0.5 * cutoff * depth_scale;
+  const double widened = 0.5 * kLeastPixels * cutoff * depth_scale;
   double lateral_lo[2], lateral_hi[2];
   for (int a = 0; a < 2; ++a) {
     lateral_lo[a] = lo[a] / space.pitch - widened;

@@ -18,6 +18,9 @@ namespace ovoid::view {
 inline constexpr int kBlockEdge = 64;
 inline constexpr int kBlockDepth = 4;
 
+// Across the view axis the unit, in pixels, in which no kernel's sigma is under one half.
+inline constexpr double kLeastPixels = 1.3;
+
 // Blocks [lo, hi) along x, y and s.
 struct BlockRange {
   int lo[3] = {0, 0, 0};
@@ -64,12 +67,12 @@ struct KernelPlan : FramePlan {
   std::int64_t total_blocks() const noexcept {
     return static_cast<std::int64_t>(num_blocks[0]) * num_blocks[1] * num_blocks[2];
   }
-  // Blocks that a box in splat space may touch with the margin of one sample that differences
-  // need: `lateral` in x and y, before the perspective scale, over the sheets of `sheets`.
-  BlockRange blocks_touching(const double lateral_lo[2], const double lateral_hi[2],
-                             double sheet_lo, double sheet_hi) const noexcept;
 
  private:
+  // Blocks that a box in splat space may touch with the margin of one sample that differences
+  // need: in x and y before the perspective scale.
+  BlockRange blocks_touching(const double lateral_lo[2], const double lateral_hi[2],
+                             double sheet_lo, double sheet_hi) const noexcept;
   BlockRange blocks_of_brick(const KernelBrick& brick, double cutoff) const noexcept;
   void find_relevant(const KernelField& field, const std::vector<BlockRange>& ranges,
                      bool needs_both_ends);

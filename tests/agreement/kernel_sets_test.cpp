@@ -184,6 +184,24 @@ TEST(KernelSets, SkippingChangesNoByte) {
   }
 }
 
+// Magnified until kernels go to the coarse levels: the tier of post-convolution. Fails if a level's
+// samples lie elsewhere, or the filter's phases are swapped.
+TEST(KernelSets, LevelsAgreeWithDirectSums) {
+  for (const NamedSet& set : test_sets()) {
+    const KernelField field(set.numbers.source(), Reconstruction::kNormalized);
+    for (const TestLook& look : test_looks(0, 1)) {
+      Scene scene{field, askew_camera(field, false, 6), look.look, picture(150, 140)};
+      const Image direct =
+          draw({scene.field, scene.camera, scene.look, direct_options(150, 140)}).image;
+      const ImageDifference difference = compare(draw(scene).image, direct);
+      EXPECT_GE(difference.psnr_db, kLevelsPsnrDb)
+          << set.name << ", " << look.name << ": " << difference.to_string();
+      EXPECT_LT(difference.psnr_db, 130) << "no kernel went to a level";
+      EXPECT_GT(difference.num_covered, 300);
+    }
+  }
+}
+
 // At cut-off 6, where a box and a ball agree, a lattice and its own kernels give one picture.
 TEST(KernelSets, EqualTheLatticeOfTheSameKernels) {
   constexpr int kEdge = 9;

@@ -34,6 +34,9 @@ inline constexpr int kAllEnd8BitDifference = 27;
 // only thing that opacity stands for, a node in or out is an eighth of it.
 inline constexpr int kKinkedMean8BitDifference = 6;
 
+// Pictures with post-convolution against those without: the design's tier.
+inline constexpr double kLevelsPsnrDb = 50;
+
 // ---- Closed forms against the reference
 // -----------------------------------------------------------------------------
 

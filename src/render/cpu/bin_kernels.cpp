@@ -62,41 +62,82 @@ void project_part(const KernelField& field, const view::KernelPlan& plan, const 
   }
 }
 
+// Of one layer of blocks: its sheets (and their slabs, of means), and the least and greatest scale
+// on them.
+struct Layer {
+  float first, last;
+  float scale_lo, scale_hi;
+};
+
+std::vector<Layer> layers_of(const view::KernelPlan& plan) {
+  const double reach = plan.is_mean ? 0.5 : 0.0;
+  std::vector<Layer> layers;
+  for (int n = 0; n < plan.num_blocks[2]; ++n) {
+    const double first = n * view::kBlockDepth - reach;
+    const double last = (n + 1) * view::kBlockDepth - 1 + reach;
+    const double near_depth = plan.lattice.near_depth();
+    const double nearest = std::max(plan.space.depth_of(first), near_depth);
+    const double farthest = std::max(plan.space.depth_of(last), near_depth);
+    layers.push_back({static_cast<float>(first), static_cast<float>(last),
+                      static_cast<float>(plan.space.scale(farthest)),
+                      static_cast<float>(plan.space.scale(nearest))});
+  }
+  return layers;
+}
+
+// Blocks [lo, hi) along one axis whose samples, of which the first lies one before its pixels and
+// the last one behind them, meet [from, to] pixels.
+struct BlockSpan {
+  int lo, hi;
+};
+
+BlockSpan span_of(float from, float to, int count) {
+  constexpr float kSlack = 1e-2F;
+  constexpr float kPerPixel = 1.0F / view::kBlockEdge;
+  const auto most = static_cast<float>(count);
+  const float lo = std::clamp((from - kSlack) * kPerPixel - 1.0F, -1.0F, most);
+  const float hi = std::clamp((to + 1.0F + kSlack) * kPerPixel, -1.0F, most);
+  // Rounded down by way of positive numbers.
+  return {std::max(static_cast<int>(lo + 1.0F), 0), std::min(static_cast<int>(hi + 1.0F), count)};
+}
+
 // Runs `body(block)` for the needed blocks that a splat reaches. Layer by layer, since the cut of
 // an inclined kernel slides.
 template <class Body>
-void for_each_block(const view::KernelPlan& plan, const Splat& splat, const Body& body) {
-  const double reach = plan.is_mean ? 0.5 : 0.0;
-  const double first_sheet = splat.s - splat.reach_s - reach;
-  const double last_sheet = splat.s + splat.reach_s + reach;
-  if (last_sheet < 0) return;
-  const int first = static_cast<int>(std::max(0.0, std::floor(first_sheet / view::kBlockDepth)));
-  const int last = static_cast<int>(
-      std::min<double>(plan.num_blocks[2] - 1, std::floor(last_sheet / view::kBlockDepth)));
-  for (int layer = first; layer <= last; ++layer) {
-    const double from = std::max<double>(first_sheet, layer * view::kBlockDepth - reach);
-    const double to = std::min<double>(last_sheet, (layer + 1) * view::kBlockDepth - 1 + reach);
-    if (from > to) continue;
-    const double t0 = from - splat.s;
-    const double t1 = to - splat.s;
+void for_each_block(const view::KernelPlan& plan, const std::vector<Layer>& layers,
+                    const Splat& splat, const Body& body) {
+  const float reach = plan.is_mean ? 0.5F : 0.0F;
+  const float first_sheet = splat.s - splat.reach_s - reach;
+  const float last_sheet = splat.s + splat.reach_s + reach;
+  if (!(last_sheet >= 0)) return;
+  const auto end = static_cast<int>(layers.size());
+  const int first = static_cast<int>(std::max(first_sheet, 0.0F) / view::kBlockDepth);
+  const auto center_x = static_cast<float>(plan.space.center_x);
+  const auto center_y = static_cast<float>(plan.space.center_y);
+  for (int n = std::max(0, first - 1); n < end && layers[n].first <= last_sheet; ++n) {
+    const Layer& layer = layers[static_cast<std::size_t>(n)];
+    const float t0 = std::max(first_sheet, layer.first) - splat.s;
+    const float t1 = std::min(last_sheet, layer.last) - splat.s;
+    if (t0 > t1) continue;
     // The cut is widest where it is nearest to the centre.
-    const double nearest = t0 > 0 ? t0 : (t1 < 0 ? t1 : 0.0);
-    const double share = nearest / splat.reach_s;
-    const double width = plan.is_mean ? 1.0 : std::sqrt(std::max(0.0, 1.0 - share * share)) + 1e-4;
-    double lo[2], hi[2];
-    const float centers[2] = {splat.x, splat.y};
-    const float slopes[2] = {splat.mx, splat.my};
-    const float reaches[2] = {splat.reach_x, splat.reach_y};
-    for (int a = 0; a < 2; ++a) {
-      const double slide0 = slopes[a] * t0;
-      const double slide1 = slopes[a] * t1;
-      lo[a] = centers[a] + std::min(slide0, slide1) - reaches[a] * width;
-      hi[a] = centers[a] + std::max(slide0, slide1) + reaches[a] * width;
+    float width = 1.0F;
+    if (!plan.is_mean && (t0 > 0 || t1 < 0)) {
+      const float share = (t0 > 0 ? t0 : t1) / splat.reach_s;
+      width = std::sqrt(std::max(0.0F, 1.0F - share * share)) + 1e-3F;
     }
-    view::BlockRange range = plan.blocks_touching(lo, hi, from + reach, to - reach);
-    for (int y = range.lo[1]; y < range.hi[1]; ++y) {
-      for (int x = range.lo[0]; x < range.hi[0]; ++x) {
-        const auto block = static_cast<std::size_t>(plan.block_index(x, y, layer));
+    const auto span = [&](float at, float slope, float extent, float center, int count) {
+      const float a = slope * t0;
+      const float b = slope * t1;
+      const float lo = at + std::min(a, b) - extent * width;
+      const float hi = at + std::max(a, b) + extent * width;
+      return span_of(center + lo * (lo < 0 ? layer.scale_hi : layer.scale_lo),
+                     center + hi * (hi > 0 ? layer.scale_hi : layer.scale_lo), count);
+    };
+    const BlockSpan xs = span(splat.x, splat.mx, splat.reach_x, center_x, plan.num_blocks[0]);
+    const BlockSpan ys = span(splat.y, splat.my, splat.reach_y, center_y, plan.num_blocks[1]);
+    for (int y = ys.lo; y < ys.hi; ++y) {
+      for (int x = xs.lo; x < xs.hi; ++x) {
+        const auto block = static_cast<std::size_t>(plan.block_index(x, y, n));
         if (plan.is_needed[block] != 0) body(block);
       }
     }
@@ -110,6 +151,7 @@ BinnedSplats bin_splats(const KernelField& field, const view::KernelPlan& plan, 
   std::uint64_t total = 0;
   const std::vector<Part> parts = parts_of(field, plan, total);
   const auto num_blocks = static_cast<std::size_t>(plan.total_blocks());
+  const std::vector<Layer> layers = layers_of(plan);
   binned.splats.resize(total);
   std::vector<std::vector<std::uint32_t>> counts(parts.size());
   const auto end_of = [&](std::size_t p) {
@@ -120,7 +162,8 @@ BinnedSplats bin_splats(const KernelField& field, const view::KernelPlan& plan, 
     counts[p].assign(num_blocks, 0);
     project_part(field, plan, parts[p], binned.splats.data());
     for (std::uint64_t i = parts[p].first_splat; i < end_of(p); ++i)
-      for_each_block(plan, binned.splats[i], [&](std::size_t block) { ++counts[p][block]; });
+      for_each_block(plan, layers, binned.splats[i],
+                     [&](std::size_t block) { ++counts[p][block]; });
   });
   binned.first.assign(num_blocks + 1, 0);
   std::uint64_t place = 0;
@@ -138,7 +181,7 @@ BinnedSplats bin_splats(const KernelField& field, const view::KernelPlan& plan, 
   runner.run(static_cast<int>(parts.size()), [&](int task, int) {
     const auto p = static_cast<std::size_t>(task);
     for (std::uint64_t i = parts[p].first_splat; i < end_of(p); ++i) {
-      for_each_block(plan, binned.splats[i], [&](std::size_t block) {
+      for_each_block(plan, layers, binned.splats[i], [&](std::size_t block) {
         binned.indices[next[p][block]++] = static_cast<std::uint32_t>(i);
       });
     }

@@ -12,7 +12,10 @@
 namespace ovoid::cpu {
 namespace {
 
-constexpr double kLeastVariance = 0.25;  // (half a pixel or sheet)^2
+// In units of kLeastPixels and sheets: sigma is at least 0.65 pixels, so that the samples' sum errs
+// by 2 exp(-2 pi^2 0.65^2) = 0.05 % of the mass along each axis at most, and half a sheet, as it is
+// on a lattice that is sampled at its spacing.
+constexpr double kLeastVariance = 0.25;
 
 // True if all eigenvalues of the symmetric matrix are at least kLeastVariance: the leading minors
 // of what is left when that is subtracted are not negative.
@@ -47,8 +50,8 @@ Splat project_kernel(const view::SplatSpace& space, const Vec3& center_world, Ke
   const double depth_scale =
       space.is_parallel ? 1.0 : std::max(at[2], 0.5 * space.sampling_distance) / space.focal_depth;
   // Pixels at the kernel's own depth, and sheets: where its width is judged.
-  const Vec3 per_world(1 / (space.pitch * depth_scale), 1 / (space.pitch * depth_scale),
-                       1 / space.sampling_distance);
+  const double per_pixels = 1 / (space.pitch * depth_scale * view::kLeastPixels);
+  const Vec3 per_world(per_pixels, per_pixels, 1 / space.sampling_distance);
   Mat3 v;
   double mass = 1;
   if (shape == KernelShape::kBalls) {
@@ -66,9 +69,10 @@ Splat project_kernel(const view::SplatSpace& space, const Vec3& center_world, Ke
       mass = volume / std::sqrt(v.determinant());
     }
   }
-  v.topLeftCorner<2, 2>() *= depth_scale * depth_scale;
-  v.topRightCorner<2, 1>() *= depth_scale;
-  v.bottomLeftCorner<1, 2>() *= depth_scale;
+  const double lateral = depth_scale * view::kLeastPixels;
+  v.topLeftCorner<2, 2>() *= lateral * lateral;
+  v.topRightCorner<2, 1>() *= lateral;
+  v.bottomLeftCorner<1, 2>() *= lateral;
 
   const double vss = v(2, 2);
   const double mx = v(0, 2) / vss;

@@ -20,6 +20,8 @@
 #include <span>
 #include <vector>
 
+#include <hwy/cache_control.h>
+
 #include "render/cpu/kernel_block.h"
 #include "render/cpu/simd-inl.h"
 #include "render/shared/sections.h"
@@ -62,29 +64,26 @@ inline constexpr float kProfileNodeWeights[kProfileNodes] = {0.05061427F, 0.1111
                                                              0.18134189F, 0.18134189F, 0.15685332F,
                                                              0.11119052F, 0.05061427F};
 
-// exp(-q / 2), or the profile at m^2 = q.
-template <KernelProfile kProfile>
-HWY_INLINE V profile_at(V q, float cutoff) {
-  if constexpr (kProfile == KernelProfile::kGaussian) {
-    return vector_exp2<true>(d, hn::Max(hn::Mul(q, hn::Set(d, -kHalfLog2E)), hn::Set(d, -126.0F)));
-  }
+// exp(-q / 2).
+HWY_INLINE V gaussian_at(V q) {
+  return vector_exp2<true>(d, hn::Max(hn::Mul(q, hn::Set(d, -kHalfLog2E)), hn::Set(d, -126.0F)));
+}
+
+// A profile at m^2 = q.
+inline V profile_at(KernelProfile profile, V q, float cutoff) {
+  if (profile == KernelProfile::kGaussian) return gaussian_at(q);
   const V one = hn::Set(d, 1.0F);
-  const V tt = hn::Mul(q, hn::Set(d, 1.0F / (cutoff * cutoff)));
-  if constexpr (kProfile == KernelProfile::kEpanechnikov) {
-    return hn::Max(hn::Sub(one, tt), hn::Zero(d));
-  }
-  const V t = hn::Min(hn::Sqrt(tt), one);
-  if constexpr (kProfile == KernelProfile::kWendlandC2) {
-    const V rest = hn::Sub(one, t);
-    const V square = hn::Mul(rest, rest);
+  const V tt = hn::Min(hn::Mul(q, hn::Set(d, 1.0F / (cutoff * cutoff))), one);
+  if (profile == KernelProfile::kEpanechnikov) return hn::Sub(one, tt);
+  const V t = hn::Sqrt(tt);
+  const V rest = hn::Sub(one, t);
+  const V square = hn::Mul(rest, rest);
+  if (profile == KernelProfile::kWendlandC2)
     return hn::Mul(hn::Mul(square, square), hn::MulAdd(hn::Set(d, 4.0F), t, one));
-  }
-  const V two_t = hn::Add(t, t);
-  const V rest = hn::Sub(hn::Set(d, 2.0F), two_t);
-  const V outer = hn::Mul(hn::Set(d, 0.25F), hn::Mul(rest, hn::Mul(rest, rest)));
-  const V inner = hn::MulAdd(hn::Mul(two_t, two_t),
-                             hn::MulAdd(hn::Set(d, 0.75F), two_t, hn::Set(d, -1.5F)), one);
-  return hn::IfThenElse(hn::Lt(two_t, one), inner, outer);
+  // 1 - 6 t^2 + 6 t^3 up to t = 1/2, then 2 (1 - t)^3.
+  const V outer = hn::Mul(hn::Add(square, square), rest);
+  const V inner = hn::NegMulAdd(hn::Mul(hn::Set(d, 6.0F), tt), rest, one);
+  return hn::IfThenElse(hn::Lt(t, hn::Set(d, 0.5F)), inner, outer);
 }
 
 // Ends and middle of the rows of a section.
@@ -98,7 +97,20 @@ struct RowRuns {
   int row0 = 0, count = 0;
 };
 
-template <KernelProfile kProfile>
+// How the samples of a row are worked out.
+enum class RowWay {
+  kRecurrent,  // Gaussian: every column's factor follows from the row before by one product
+  kSlanted,    // Gaussian: an exponential per group, for cuts so thin and slanted that the products
+               // would leave the range of a float
+  kProfile,    // other profiles
+};
+
+// Slant |axy| / sqrt(axx ayy) up to which kRecurrent stays in range: at the corners of the cut's
+// box exponents reach 8 / (1 - slant) at cut-off 4, a float's e^-87.
+inline constexpr float kMaxSlant = 0.8F;
+inline constexpr float kMaxRecurrentRoom = 36.0F;  // cut-off 6
+
+template <RowWay kWay>
 HWY_INLINE void find_rows(const Section& section, const LevelExtent& extent, RowRuns& runs) {
   const float schur = section.ayy - section.axy * section.axy / section.axx;
   const float reach = std::sqrt(section.room / schur);
@@ -124,47 +136,120 @@ HWY_INLINE void find_rows(const Section& section, const LevelExtent& extent, Row
     // Clamped before they are turned into integers: a section may lie far beside the tile.
     hn::Store(hn::ConvertTo(di, hn::Min(lo, hn::Set(d, 1e6F))), di, runs.first + i);
     hn::Store(hn::ConvertTo(di, hn::Max(hi, hn::Set(d, -1e6F))), di, runs.last + i);
-    if constexpr (kProfile == KernelProfile::kGaussian) {
-      hn::Store(hn::Mul(hn::Set(d, section.amplitude), profile_at<kProfile>(q, 0.0F)), d,
-                runs.amplitude + i);
+    if constexpr (kWay != RowWay::kProfile) {
+      // Slanted rows are Gaussians around their own middle; recurrent ones keep the mixed term.
+      const V part =
+          kWay == RowWay::kSlanted ? q : hn::Mul(hn::Mul(dy, dy), hn::Set(d, section.ayy));
+      hn::Store(hn::Mul(hn::Set(d, section.amplitude), gaussian_at(part)), d, runs.amplitude + i);
     } else {
       hn::Store(hn::Add(q, hn::Set(d, section.q_along)), d, runs.q_row + i);
     }
   }
 }
 
-// Adds coefficient[c] * phi to the planes of one sheet.
-template <int kChannels, KernelProfile kProfile>
-HWY_INLINE void add_section(const Section& section, const float* coefficients, float cutoff,
-                            const LevelExtent& extent, float* planes, std::size_t plane_size) {
+// Adds coefficient[c] * phi to the channels' planes at `row`, lanes of the group at `x`.
+template <int kChannels>
+HWY_INLINE void add_group(const V* coefficient, V phi, float* at, std::size_t plane_size) {
+  for (int c = 0; c < kChannels; ++c, at += plane_size)
+    hn::StoreU(hn::MulAdd(coefficient[c], phi, hn::LoadU(d, at)), d, at);
+}
+
+HWY_INLINE V first_lanes(V phi, int count) {
+  if (count >= group_size()) return phi;
+  return hn::IfThenElseZero(hn::FirstN(d, static_cast<std::size_t>(count)), phi);
+}
+
+// One row after the other, an exponential for every group.
+template <int kChannels, RowWay kWay>
+HWY_INLINE void add_rows(const KernelFrame& frame, const Section& section, const V* coefficient,
+                         const LevelExtent& extent, float* planes, std::size_t plane_size) {
   RowRuns runs;
-  find_rows<kProfile>(section, extent, runs);
-  const V falloff = hn::Set(d, -kHalfLog2E * section.axx);
-  V coefficient[kChannels];
-  for (int c = 0; c < kChannels; ++c) coefficient[c] = hn::Set(d, coefficients[c]);
+  find_rows<kWay>(section, extent, runs);
+  const V axx = hn::Set(d, section.axx);
   for (int i = 0; i < runs.count; ++i) {
-    const int first = runs.first[i];
     const int last = runs.last[i];
     float* row = planes + static_cast<std::size_t>(runs.row0 + i) * extent.stride;
-    for (int x = first; x <= last; x += group_size()) {
+    for (int x = runs.first[i]; x <= last; x += group_size()) {
       const V dx = hn::Iota(d, static_cast<float>(x) - runs.middle[i]);
+      const V q = hn::Mul(hn::Mul(dx, dx), axx);
       V phi;
-      if constexpr (kProfile == KernelProfile::kGaussian) {
-        const V power = hn::Max(hn::Mul(hn::Mul(dx, dx), falloff), hn::Set(d, -126.0F));
-        phi = hn::Mul(hn::Set(d, runs.amplitude[i]), vector_exp2<true>(d, power));
+      if constexpr (kWay == RowWay::kSlanted) {
+        phi = hn::Mul(hn::Set(d, runs.amplitude[i]), gaussian_at(q));
       } else {
-        phi = hn::Mul(hn::Set(d, section.amplitude),
-                      profile_at<kProfile>(hn::MulAdd(hn::Mul(dx, dx), hn::Set(d, section.axx),
-                                                      hn::Set(d, runs.q_row[i])),
-                                           cutoff));
+        phi =
+            hn::Mul(hn::Set(d, section.amplitude),
+                    profile_at(frame.profile, hn::Add(q, hn::Set(d, runs.q_row[i])), frame.cutoff));
       }
-      const int left = last - x + 1;
-      if (left < group_size())
-        phi = hn::IfThenElseZero(hn::FirstN(d, static_cast<std::size_t>(left)), phi);
-      for (int c = 0; c < kChannels; ++c) {
-        float* at = row + static_cast<std::size_t>(c) * plane_size + x;
-        hn::StoreU(hn::MulAdd(coefficient[c], phi, hn::LoadU(d, at)), d, at);
-      }
+      add_group<kChannels>(coefficient, first_lanes(phi, last - x + 1), row + x, plane_size);
+    }
+  }
+}
+
+// exp(-1/2 (axx dx^2 + 2 axy dx dy)) for all columns of the cut's box is carried from row to row:
+// the next row's is this one's times exp(-axy dx). Balls have no mixed term and one factor for all
+// rows. So a group costs a product, not an exponential.
+template <int kChannels>
+HWY_INLINE void add_rows_recurrent(const Section& section, const V* coefficient,
+                                   const LevelExtent& extent, float* planes,
+                                   std::size_t plane_size) {
+  const float det = section.axx * section.ayy - section.axy * section.axy;
+  const float reach = std::sqrt(section.room * section.ayy / det);
+  const float left = std::ceil(std::max(section.x - reach, 0.0F));
+  const float right = std::floor(std::min(section.x + reach, static_cast<float>(extent.size - 1)));
+  if (!(left <= right)) return;
+  RowRuns runs;
+  find_rows<RowWay::kRecurrent>(section, extent, runs);
+  if (runs.count == 0) return;
+  const int x0 = static_cast<int>(left);
+  const int columns = static_cast<int>(right) - x0 + 1;
+  alignas(64) float factor[kValueStride + kPlanePadding];
+  alignas(64) float step[kValueStride + kPlanePadding];
+  const bool is_slanted = section.axy != 0.0F;
+  const float dy0 = static_cast<float>(runs.row0) - section.y;
+  for (int x = 0; x < columns; x += group_size()) {
+    const V dx = hn::Iota(d, left + static_cast<float>(x) - section.x);
+    const V mixed = hn::Mul(dx, hn::Set(d, 2.0F * section.axy));
+    const V q =
+        hn::Mul(dx, hn::MulAdd(dx, hn::Set(d, section.axx), hn::Set(d, 2.0F * section.axy * dy0)));
+    hn::Store(
+        vector_exp2<true>(d, hn::Max(hn::Mul(q, hn::Set(d, -kHalfLog2E)), hn::Set(d, -126.0F))), d,
+        factor + x);
+    if (is_slanted) hn::Store(vector_exp2(d, hn::Mul(mixed, hn::Set(d, -kHalfLog2E))), d, step + x);
+  }
+  for (int i = 0; i < runs.count; ++i) {
+    // By rounding a row may seem to begin or end a column beyond the box.
+    const int first = std::max(runs.first[i] - x0, 0);
+    const int count = std::min(runs.last[i] - x0, columns - 1) - first + 1;
+    float* row = planes + static_cast<std::size_t>(runs.row0 + i) * extent.stride + x0 + first;
+    const V amplitude = hn::Set(d, runs.amplitude[i]);
+    for (int x = 0; x < count; x += group_size()) {
+      const V phi = hn::Mul(amplitude, hn::LoadU(d, factor + first + x));
+      add_group<kChannels>(coefficient, first_lanes(phi, count - x), row + x, plane_size);
+    }
+    if (!is_slanted) continue;
+    for (int x = 0; x < columns; x += group_size())
+      hn::Store(hn::Mul(hn::Load(d, factor + x), hn::Load(d, step + x)), d, factor + x);
+  }
+}
+
+// Adds coefficient[c] * phi to the planes of one sheet.
+template <int kChannels, bool kIsGaussian>
+HWY_INLINE void add_section(const KernelFrame& frame, const Section& section,
+                            const float* coefficients, const LevelExtent& extent, float* planes,
+                            std::size_t plane_size) {
+  V coefficient[kChannels];
+  for (int c = 0; c < kChannels; ++c) coefficient[c] = hn::Set(d, coefficients[c]);
+  if constexpr (!kIsGaussian) {
+    add_rows<kChannels, RowWay::kProfile>(frame, section, coefficient, extent, planes, plane_size);
+  } else {
+    const bool is_tame =
+        section.axy * section.axy <= kMaxSlant * kMaxSlant * section.axx * section.ayy &&
+        section.room <= kMaxRecurrentRoom;
+    if (is_tame) {
+      add_rows_recurrent<kChannels>(section, coefficient, extent, planes, plane_size);
+    } else {
+      add_rows<kChannels, RowWay::kSlanted>(frame, section, coefficient, extent, planes,
+                                            plane_size);
     }
   }
 }
@@ -279,27 +364,37 @@ HWY_INLINE SheetPlace sheet_place(const KernelFrame& frame, float sheet) {
           static_cast<float>(space.sampling_distance / depth)};
 }
 
-// A splat's section at a place, of whatever kind the frame asks for.
-template <KernelProfile kProfile, bool kMean>
-HWY_INLINE Section section_at(const KernelFrame& frame, const Splat& splat, const SheetPlace& place,
-                              const LevelMap& map) {
-  const float t = place.s - splat.s;
-  constexpr bool kGaussian = kProfile == KernelProfile::kGaussian;
-  if constexpr (kMean && kGaussian) {
-    const float lean = place.per_depth;
-    return mean_section(splat, t, frame.cutoff, (splat.x + splat.mx * t) * lean,
-                        (splat.y + splat.my * t) * lean, map);
-  } else {
-    return middle_section(splat, t, frame.cutoff, kGaussian, map);
+// Where on its slab a sample is taken: Gaussian sections are integrated in closed form, other
+// profiles' means are taken at nodes.
+HWY_INLINE int num_nodes(const KernelFrame& frame) {
+  return frame.plan->is_mean && frame.profile != KernelProfile::kGaussian ? kProfileNodes : 1;
+}
+
+// Runs `body(section)` for the sections that make up a splat's part of sheet j on a level.
+template <class Body>
+HWY_INLINE void for_each_section(const KernelFrame& frame, const Splat& splat,
+                                 const BlockPlace& block, int j, int level, const Body& body) {
+  const bool is_gaussian = frame.profile == KernelProfile::kGaussian;
+  const int nodes = num_nodes(frame);
+  for (int n = 0; n < nodes; ++n) {
+    const SheetPlace& place = block.places[j * nodes + n];
+    const float t = place.s - splat.s;
+    const bool is_section = frame.plan->is_mean && is_gaussian;
+    if (std::abs(t) - (is_section ? 0.5F : 0.0F) >= splat.reach_s) continue;
+    const LevelMap map = level_map(frame, block.tile_x, block.tile_y, level, place.scale);
+    Section section;
+    if (is_section) {
+      section = mean_section(splat, t, frame.cutoff, (splat.x + splat.mx * t) * place.per_depth,
+                             (splat.y + splat.my * t) * place.per_depth, map);
+    } else {
+      section = middle_section(splat, t, frame.cutoff, is_gaussian, map);
+      if (nodes > 1) section.amplitude *= kProfileNodeWeights[n];
+    }
+    if (section.room > 0) body(section);
   }
 }
 
-// Where on its slab a sample is taken, and with which weight: Gaussian sections are integrated in
-// closed form, other profiles' at these nodes.
-template <KernelProfile kProfile, bool kMean>
-inline constexpr int kNumNodes = kMean&& kProfile != KernelProfile::kGaussian ? kProfileNodes : 1;
-
-template <int kChannels, KernelProfile kProfile, bool kMean>
+template <int kChannels, bool kIsGaussian>
 HWY_INLINE void add_splat(const KernelFrame& frame, KernelWorkspace& work, const Splat& splat,
                           const BlockPlace& block, const SheetRun& run) {
   const int level = level_for(frame, splat, block.least_scale);
@@ -309,50 +404,33 @@ HWY_INLINE void add_splat(const KernelFrame& frame, KernelWorkspace& work, const
   }
   float coefficients[kMaxChannels] = {};
   set_coefficients(frame, splat, coefficients);
-  constexpr int kNodes = kNumNodes<kProfile, kMean>;
   for (int j = run.first; j < run.last; ++j) {
-    for (int n = 0; n < kNodes; ++n) {
-      const SheetPlace& place = block.places[j * kNodes + n];
-      const float beyond = std::abs(place.s - splat.s) - (kMean && kNodes == 1 ? 0.5F : 0.0F);
-      if (beyond >= splat.reach_s) continue;
-      const LevelMap map = level_map(frame, block.tile_x, block.tile_y, level, place.scale);
-      Section section = section_at<kProfile, kMean>(frame, splat, place, map);
-      if (!(section.room > 0)) continue;
-      if constexpr (kNodes > 1) section.amplitude *= kProfileNodeWeights[n];
-      add_section<kChannels, kProfile>(section, coefficients, frame.cutoff,
-                                       kLevelExtents[static_cast<std::size_t>(level)],
-                                       planes_of(frame, work, level, j), plane_size(level));
-    }
+    for_each_section(frame, splat, block, j, level, [&](const Section& section) {
+      add_section<kChannels, kIsGaussian>(frame, section, coefficients,
+                                          kLevelExtents[static_cast<std::size_t>(level)],
+                                          planes_of(frame, work, level, j), plane_size(level));
+    });
   }
 }
 
 // Fragment-centric, for comparison: every sample visits every splat of its block [Jang 2004].
-template <int kChannels, KernelProfile kProfile, bool kMean>
 inline void gather_sheet(const KernelFrame& frame, KernelWorkspace& work,
                          std::span<const std::uint32_t> indices, const BlockPlace& block, int j) {
-  constexpr int kNodes = kNumNodes<kProfile, kMean>;
   std::vector<Section> sections;
   std::vector<std::array<float, kMaxChannels>> coefficients;
   for (const std::uint32_t index : indices) {
     const Splat& splat = frame.binned->splats[index];
-    for (int n = 0; n < kNodes; ++n) {
-      const SheetPlace& place = block.places[j * kNodes + n];
-      if (std::abs(place.s - splat.s) - (kMean && kNodes == 1 ? 0.5F : 0.0F) >= splat.reach_s)
-        continue;
-      const LevelMap map = level_map(frame, block.tile_x, block.tile_y, 0, place.scale);
-      Section section = section_at<kProfile, kMean>(frame, splat, place, map);
-      if (!(section.room > 0)) continue;
-      if constexpr (kNodes > 1) section.amplitude *= kProfileNodeWeights[n];
+    for_each_section(frame, splat, block, j, 0, [&](const Section& section) {
       sections.push_back(section);
-      set_coefficients(frame, splat, coefficients.emplace_back().data());
-    }
+      coefficients.push_back({});
+      set_coefficients(frame, splat, coefficients.back().data());
+    });
   }
   const LevelExtent& extent = kLevelExtents[0];
   float* planes = planes_of(frame, work, 0, j);
   for (int y = 0; y < extent.size; ++y) {
     for (int x = 0; x < extent.size; x += group_size()) {
-      V sums[kChannels];
-      for (int c = 0; c < kChannels; ++c) sums[c] = hn::Zero(d);
+      V sums[kMaxChannels] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
       for (std::size_t i = 0; i < sections.size(); ++i) {
         const Section& section = sections[i];
         const V dx = hn::Iota(d, static_cast<float>(x) - section.x);
@@ -361,15 +439,14 @@ inline void gather_sheet(const KernelFrame& frame, KernelWorkspace& work,
                                hn::Mul(dy, hn::MulAdd(dx, hn::Set(d, 2.0F * section.axy),
                                                       hn::Mul(dy, hn::Set(d, section.ayy)))));
         const M is_inside = hn::Le(q, hn::Set(d, section.room));
-        const V phi = hn::IfThenElseZero(
-            is_inside,
-            hn::Mul(hn::Set(d, section.amplitude),
-                    profile_at<kProfile>(hn::Add(q, hn::Set(d, section.q_along)), frame.cutoff)));
-        for (int c = 0; c < kChannels; ++c)
+        const V at =
+            profile_at(frame.profile, hn::Add(q, hn::Set(d, section.q_along)), frame.cutoff);
+        const V phi = hn::IfThenElseZero(is_inside, hn::Mul(hn::Set(d, section.amplitude), at));
+        for (int c = 0; c < kMaxChannels; ++c)
           sums[c] =
               hn::MulAdd(hn::Set(d, coefficients[i][static_cast<std::size_t>(c)]), phi, sums[c]);
       }
-      for (int c = 0; c < kChannels; ++c) {
+      for (int c = 0; c < frame.num_channels; ++c) {
         // A group at the row's end writes into the next row, which is still to come.
         hn::StoreU(sums[c], d,
                    planes + static_cast<std::size_t>(c) * plane_size(0) +
@@ -379,47 +456,21 @@ inline void gather_sheet(const KernelFrame& frame, KernelWorkspace& work,
   }
 }
 
-template <int kChannels, KernelProfile kProfile, bool kMean>
-inline void sum_block(const KernelFrame& frame, KernelWorkspace& work,
-                      std::span<const std::uint32_t> indices, const BlockPlace& block,
-                      const SheetRun& run) {
-  if (frame.gathers) {
-    for (int j = run.first; j < run.last; ++j)
-      gather_sheet<kChannels, kProfile, kMean>(frame, work, indices, block, j);
-    return;
-  }
-  for (const std::uint32_t index : indices)
-    add_splat<kChannels, kProfile, kMean>(frame, work, frame.binned->splats[index], block, run);
-}
-
-template <int kChannels, KernelProfile kProfile>
-inline void sum_block_of_profile(const KernelFrame& frame, KernelWorkspace& work,
-                                 std::span<const std::uint32_t> indices, const BlockPlace& block,
-                                 const SheetRun& run) {
-  if (frame.plan->is_mean) {
-    sum_block<kChannels, kProfile, true>(frame, work, indices, block, run);
-  } else {
-    sum_block<kChannels, kProfile, false>(frame, work, indices, block, run);
-  }
-}
-
 template <int kChannels>
-inline void sum_block_of_channels(const KernelFrame& frame, KernelWorkspace& work,
-                                  std::span<const std::uint32_t> indices, const BlockPlace& block,
-                                  const SheetRun& run) {
-  switch (frame.profile) {
-    case KernelProfile::kGaussian:
-      return sum_block_of_profile<kChannels, KernelProfile::kGaussian>(frame, work, indices, block,
-                                                                       run);
-    case KernelProfile::kCubicSpline:
-      return sum_block_of_profile<kChannels, KernelProfile::kCubicSpline>(frame, work, indices,
-                                                                          block, run);
-    case KernelProfile::kWendlandC2:
-      return sum_block_of_profile<kChannels, KernelProfile::kWendlandC2>(frame, work, indices,
-                                                                         block, run);
-    case KernelProfile::kEpanechnikov:
-      return sum_block_of_profile<kChannels, KernelProfile::kEpanechnikov>(frame, work, indices,
-                                                                           block, run);
+inline void scatter_splats(const KernelFrame& frame, KernelWorkspace& work,
+                           std::span<const std::uint32_t> indices, const BlockPlace& block,
+                           const SheetRun& run) {
+  const Splat* splats = frame.binned->splats.data();
+  const bool is_gaussian = frame.profile == KernelProfile::kGaussian;
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    // A block's splats are from several bricks, and far apart in memory.
+    constexpr std::size_t kAhead = 8;
+    if (i + kAhead < indices.size()) hwy::Prefetch(splats + indices[i + kAhead]);
+    if (is_gaussian) {
+      add_splat<kChannels, true>(frame, work, splats[indices[i]], block, run);
+    } else {
+      add_splat<kChannels, false>(frame, work, splats[indices[i]], block, run);
+    }
   }
 }
 
@@ -430,13 +481,14 @@ inline void sum_splats(const KernelFrame& frame, KernelWorkspace& work,
   work.is_touched = {};
   work.is_touched[0] = true;
   clear_level(frame, work, 0, run);
-  switch (frame.num_channels) {
-    case 1:
-      return sum_block_of_channels<1>(frame, work, indices, block, run);
-    case 2:
-      return sum_block_of_channels<2>(frame, work, indices, block, run);
-    default:
-      return sum_block_of_channels<3>(frame, work, indices, block, run);
+  if (frame.gathers) {
+    for (int j = run.first; j < run.last; ++j) gather_sheet(frame, work, indices, block, j);
+  } else if (frame.num_channels == 1) {
+    scatter_splats<1>(frame, work, indices, block, run);
+  } else if (frame.num_channels == 2) {
+    scatter_splats<2>(frame, work, indices, block, run);
+  } else {
+    scatter_splats<3>(frame, work, indices, block, run);
   }
 }
 

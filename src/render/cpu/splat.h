@@ -42,9 +42,8 @@ struct BinnedSplats {
 // block are in the bricks' order. Throws what the source throws.
 BinnedSplats bin_splats(const KernelField& field, const view::KernelPlan& plan, Runner& runner);
 
-// One kernel in splat space. `offset` in world units from `origin`. Kernels narrower than half a
-// pixel at their depth, or half a sheet, in some direction, are widened to it (docs/numerics.md,
-// "Kernel sets").
+// One kernel in splat space. Kernels narrower than a pixel at their depth, or a sheet, in some
+// direction are widened to it (docs/numerics.md, "Kernel sets").
 Splat project_kernel(const view::SplatSpace& space, const Vec3& center_world, KernelShape shape,
                      const float* numbers, double cutoff);
 

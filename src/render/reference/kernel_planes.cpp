@@ -16,10 +16,12 @@
 namespace ovoid::reference {
 namespace {
 
-constexpr double kLeastVariance = 0.25;  // (half a pixel or sheet)^2
-constexpr int kSlabNodes = 64;           // where a mean has no closed form
+// docs/numerics.md: sigma is at least 0.65 pixels and half a sheet.
+constexpr double kLeastVariance = 0.25;
+constexpr double kLeastPixels = 1.3;
+constexpr int kSlabNodes = 64;  // where a mean has no closed form
 
-// Raises the variances that are less than half a pixel or sheet, in these units; the mass stays.
+// Raises what is less than kLeastVariance in these units; the mass stays.
 void widen(ViewedKernel& kernel, const Vec3& units) {
   const Mat3 scaled =
       units.cwiseInverse().asDiagonal() * kernel.covariance * units.cwiseInverse().asDiagonal();
@@ -68,7 +70,7 @@ std::vector<ViewedKernel> view_kernels(const KernelField& field, const ViewRays&
       kernel.color_value = some.value[static_cast<std::size_t>(field.color_attribute())][i];
       const double z = view.is_perspective() ? std::max(kernel.center[2], view.z_near()) : 0.0;
       const double pitch = view.pitch_at(z);
-      widen(kernel, Vec3(pitch, pitch, view.sampling_distance()));
+      widen(kernel, Vec3(kLeastPixels * pitch, kLeastPixels * pitch, view.sampling_distance()));
       kernels.push_back(kernel);
     }
   }

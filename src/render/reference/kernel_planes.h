@@ -15,7 +15,7 @@ namespace ovoid::reference {
 // A kernel as one frame sees it, in the camera's frame (right, down, z), world units.
 struct ViewedKernel {
   Vec3 center;
-  Mat3 covariance;  // widened where it is narrower than half a pixel or sheet
+  Mat3 covariance;  // widened where it is narrower than a pixel or sheet
   double weight;    // and so much lower that its mass stays
   double value, color_value;
 };

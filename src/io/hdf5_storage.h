@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where the numbers of an HDF5 dataset lie in the file. They are read and unpacked here and not by
+// the library, which trusts the sizes of damaged chunks and reads past their ends; of the library
+// it takes what describes them.
+#pragma once
+
+#include <hdf5.h>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "io/byte_source.h"
+#include "io/samples.h"
+#include "ovoid/lattice.h"
+
+namespace ovoid::io {
+
+// A type of numbers as files have it.
+struct Hdf5Type {
+  ScalarType type;
+  bool is_big_endian;
+};
+
+// Nothing for a type other than integers of 1 to 8 bytes and IEEE floats of 4 and 8.
+std::optional<Hdf5Type> hdf5_type_of(hid_t type);
+
+// What is to be read.
+struct Hdf5Extent {
+  std::string where;  // file and dataset, for messages
+  Hdf5Type type;
+  std::int64_t rows = 0;
+  std::int64_t columns = 1;
+  int rank = 1;
+
+  std::int64_t item_size() const noexcept { return static_cast<std::int64_t>(size_of(type.type)); }
+  std::int64_t num_bytes() const noexcept { return rows * columns * item_size(); }
+};
+
+// Throws Error unless the numbers can be in the file, by their sizes: kFileFormat; kUnsupported for
+// what lies in other files, was never written, or is compressed by another filter than deflate,
+// shuffle and Fletcher's checksum, which is not verified. Takes no memory.
+void check_hdf5_storage(hid_t dataset, const Hdf5Extent& extent, const ByteSource& source);
+
+// The numbers, rows first, native byte order, into extent.num_bytes() bytes at `to`, after
+// check_hdf5_storage(). Throws Error(kFileFormat) for chunks that are broken, Error(kCancelled).
+void read_hdf5_storage(hid_t dataset, const Hdf5Extent& extent, const ByteSource& source,
+                       std::byte* to, ReadProgress& progress);
+
+}  // namespace ovoid::io

@@ -151,10 +151,19 @@ const char* contents_of(DatasetKind kind) {
   return "";
 }
 
-std::string names_of_arrays(const Dataset& dataset) {
+// Tells which array was taken where there was a choice; the shapes of stored kernels are none.
+void note_choice(const Dataset& dataset, const std::string& chosen, Session& session) {
   std::string names;
-  for (const DataArray& array : dataset.arrays) names += (names.empty() ? "" : ", ") + array.name;
-  return names;
+  int count = 0;
+  for (const DataArray& array : dataset.arrays) {
+    const bool is_shape =
+        dataset.kind == DatasetKind::kKernels &&
+        (array.name == "scale" || array.name == "rotation" || array.name == "weight");
+    if (is_shape) continue;
+    names += (names.empty() ? "" : ", ") + array.name;
+    ++count;
+  }
+  if (count > 1) session.note(fmt::format("array '{}' of {}; choose with --array", chosen, names));
 }
 
 Modelled make_kernels(const Dataset& dataset, KernelModelOptions model, int threads,
@@ -164,10 +173,7 @@ Modelled make_kernels(const Dataset& dataset, KernelModelOptions model, int thre
   made.field = make_kernel_field(dataset, model, &made.kernels, session.stop());
   made.array = made.kernels.array;
   made.color_array = made.kernels.color_array;
-  if (model.array.empty() && !model.is_density && dataset.arrays.size() > 1) {
-    session.note(
-        fmt::format("array '{}' of {}; choose with --array", made.array, names_of_arrays(dataset)));
-  }
+  if (model.array.empty() && !model.is_density) note_choice(dataset, made.array, session);
   session.notes(made.kernels.notes);
   return made;
 }
@@ -269,10 +275,7 @@ Modelled make_field(const Dataset& dataset, const ModelFlags& model, int threads
   Modelled made;
   made.field = make_lattice_field(dataset, options, &made.lattice, session.stop());
   made.array = made.color_array = made.lattice.array;
-  if (options.array.empty() && dataset.arrays.size() > 1) {
-    session.note(
-        fmt::format("array '{}' of {}; choose with --array", made.array, names_of_arrays(dataset)));
-  }
+  if (options.array.empty()) note_choice(dataset, made.array, session);
   session.notes(made.lattice.notes);
   return made;
 }

@@ -108,7 +108,10 @@ struct KernelSampler::Impl {
     const double value = view.value[static_cast<std::size_t>(field.attribute())][i];
     sums.numerator += value * phi;
     sums.denominator += phi;
-    sums.color_numerator += view.value[static_cast<std::size_t>(field.color_attribute())][i] * phi;
+    // Of a sum, the colour is weighted by what is summed.
+    const bool is_sum = field.reconstruction() == Reconstruction::kSum;
+    const double color = view.value[static_cast<std::size_t>(field.color_attribute())][i];
+    sums.color_numerator += color * (is_sum ? value * phi : phi);
     const Vec3 slope = weight * profile_slope(source.profile(), m, source.cutoff()) *
                        lower.transpose().solve(whitened);
     sums.grad_numerator += value * slope;

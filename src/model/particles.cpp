@@ -108,8 +108,6 @@ ParticleColumns load_particle_columns(const ModelRun& run, const ParticleRoles& 
   const DataArray& color = run.dataset.array(run.options.color_array);
   require_tuples(color, count, "particles");
   SiteValues colors = load_values(run, {{&color}, false}, count, "particles");
-  for (std::size_t i = 0; i < colors.columns[0].size(); ++i)
-    colors.columns[0][i] *= columns.values.columns[0][i];  // the density of the other quantity
   columns.values.columns.push_back(std::move(colors.columns[0]));
   columns.values.attributes.push_back(colors.attributes[0]);
   run.report.color_array = color.name;

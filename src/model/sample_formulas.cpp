@@ -59,7 +59,7 @@ Formula make_sphere_shell(std::uint64_t) {
 
 // 1 - exp(-sum) keeps any sum of blobs within [0, 1) without a maximum that would have to be
 // searched for.
-Formula make_blobs(std::uint64_t seed) {
+Formula make_gaussians(std::uint64_t seed) {
   struct Blob {
     Vec3 centre;
     double inverse_sigma;
@@ -110,8 +110,8 @@ constexpr SampleKind kKinds[] = {
      Space::kNone, &make_orbital},
     {"sphere-shell", "a spherical shell of radius 0.6 with Gaussian profile", 64, 0, 1, "",
      Space::kNone, &make_sphere_shell},
-    {"blobs", "1 - exp(-s), s the sum of 24 random Gaussians (seed)", 64, 0, 1, "", Space::kNone,
-     &make_blobs},
+    {"gaussians", "1 - exp(-s), s the sum of 24 random Gaussians (seed)", 64, 0, 1, "",
+     Space::kNone, &make_gaussians},
     {"head", "a synthetic CT of a head in Hounsfield units (seed: texture)", 128, -1000, 1500, "HU",
      Space::kLps, &make_head},
     {"frequency", "a zone plate, 0.5 + 0.5 cos(k r^2): the default size's band limit at radius 1",

@@ -116,7 +116,7 @@ TEST(MakeSample, SeedsChooseTheRandomNumbers) {
   const auto blobs = [](std::uint64_t seed) {
     MakeOptions options = sized(8, 8, 8);
     options.seed = seed;
-    const Dataset dataset = make_sample("blobs", options);
+    const Dataset dataset = make_sample("gaussians", options);
     const auto values = values_of<float>(dataset);
     return std::vector<float>(values.begin(), values.end());
   };

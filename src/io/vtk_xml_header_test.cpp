@@ -215,9 +215,10 @@ TEST(VtuHeader, TheLastOffsetIsReadThroughZlib) {
         [&] { check_vtk_xml(*open_memory("a.vtu", std::as_bytes(std::span(content)))); });
   };
   EXPECT_EQ(error({1, 2}), "");
-  EXPECT_EQ(error({1, 3}),
-            "file-format: a.vtu: array 'connectivity': holds 2 numbers, 3 node numbers of 8 bytes "
-            "need more");
+  EXPECT_EQ(
+      error({1, 3}),
+      "file-format: a.vtu: array 'connectivity': 3 bytes of text cannot hold 3 node numbers of 8 "
+      "bytes");
   EXPECT_EQ(error({1, 2000000000}),
             "file-format: a.vtu: array 'connectivity': 3 bytes of text cannot hold 2000000000 node "
             "numbers of 8 bytes");

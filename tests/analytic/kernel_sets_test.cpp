@@ -127,8 +127,8 @@ TEST(KernelSets, XraysAreLineIntegrals) {
         worst = std::max(worst, std::abs(pixel(image, x, y).r() - expected));
       }
     }
-    // What the cut-off leaves out, and what the section's variance term leaves.
-    EXPECT_LT(worst / peak, 1e-3) << "turn " << turn_number;
+    // What the sections' one Gaussian for a part of a slanted ellipsoid leaves.
+    EXPECT_LT(worst / peak, kSectionsShare) << "turn " << turn_number;
   }
 }
 

@@ -292,7 +292,7 @@ TEST(Bench, ListsItsScenes) {
     EXPECT_TRUE(line.find("head") != std::string::npos || line.find("512px") != std::string::npos)
         << line;
   }
-  EXPECT_EQ(count, 8);  // 4 scenes of the head, and 4 more at 512 pixels
+  EXPECT_EQ(count, 14);  // 4 scenes of the head, and 10 more at 512 pixels
 }
 
 TEST(Bench, ReportsTimesAndCountsOfOneScene) {

@@ -56,7 +56,7 @@ TEST(Completion, ProgramListsItsCommandsAndFlags) {
   const Outcome flags = run({"render", "--list-flags"});
   EXPECT_EQ(flags.exit_code, 0);
   EXPECT_NE(flags.out.find("-o,--output\tOUT\t"), std::string::npos);
-  EXPECT_NE(flags.out.find("--slab\tmid|mean\t"), std::string::npos);
+  EXPECT_NE(flags.out.find("--slab\tauto|mid|mean\t"), std::string::npos);
   EXPECT_NE(flags.out.find("--no-shade\t\t"), std::string::npos);
 }
 

@@ -59,6 +59,10 @@ inline constexpr double kGradientRelative = 2e-9;
 // = 6.3e-5 on each of three axes.
 inline constexpr double kCutOffShare = 2e-4;
 
+// Greatest error of line integrals made of slabs' sections, of the peak: half a per cent, since
+// each section has the mean and the variance of its part of an ellipsoid, but not its skew.
+inline constexpr double kSectionsShare = 5e-3;
+
 // Half-amplitude of the sum of Gaussians with sigma half their spacing, one axis, of its mean: 2
 // exp(-pi^2 / 2).
 inline constexpr double kAxisRipple = 0.0144;

@@ -65,7 +65,7 @@ def mesh_table(folder, nodes, frames):
     described = info(mesh)
     look, camera, field = look_and_camera(folder, described)
     unit = str(field["default_unit_distance"])
-    print(f"{described['num_cells']} cells, {field['num_kernels']} kernels, {PIXELS} x {PIXELS}\n")
+    print(f"{described['cells']['count']} cells, {field['num_kernels']} kernels, {PIXELS} x {PIXELS}\n")
     print("| program | shaded | ready to draw after, ms | frame, ms (least) |\n|---|---|---|---|")
     own = profile_of(folder, mesh, "--tf", look, "--camera", camera, "--size", f"{PIXELS}x{PIXELS}", "--unit-distance", unit,
                      "--repeat", str(frames))

@@ -144,8 +144,8 @@ class KernelField {
   // Normalized: of the kernels' values. `sum`: of the field at the kernels' centres.
   ValueRange value_range() const noexcept { return value_range_; }
   ValueRange color_range() const noexcept { return color_range_; }
-  // Twice the sigma that a twentieth of the kernels' volume stays under, but at least a 1024th of
-  // the bounds' diagonal: for a lattice's kernels that is the spacing.
+  // Twice the median sigma, but at least a 512th of the bounds' diagonal: for a lattice's kernels
+  // that is the spacing.
   double default_sampling_distance() const noexcept { return sampling_distance_; }
   std::uint64_t id() const noexcept { return id_; }
   std::uint64_t version() const noexcept { return version_; }

@@ -15,13 +15,7 @@ namespace ovoid {
 namespace {
 
 constexpr std::int64_t kMostSamples = 1 << 16;  // kernels looked at for a quantile
-constexpr double kQuantile = 0.05;              // of the kernels' volume
-constexpr double kMostSheets = 1024;            // through the bounds' diagonal, by default
-
-// A kernel as default choices see it.
-struct SizeSample {
-  double sigma, volume;
-};
+constexpr double kMostSheets = 512;             // through the bounds' diagonal, by default
 
 // Runs `body(brick, view, i)` for kernels that are spread evenly over all bricks, at most
 // kMostSamples and one more per brick.
@@ -42,23 +36,16 @@ void for_some_kernels(const KernelSource& source, const Body& body) {
   }
 }
 
-double quantile_of_sizes(const KernelSource& source) {
-  std::vector<SizeSample> sizes;
-  double volume = 0;
+// The median of the kernels' sizes: the geometric means of their sigmas.
+double median_sigma(const KernelSource& source) {
+  std::vector<double> sizes;
   for_some_kernels(source, [&](const KernelBrick&, const KernelView& view, std::int32_t i) {
     const auto numbers = data::shape_numbers(view, source.shape(), i);
-    const double det = data::factor_of(source.shape(), numbers.data()).determinant();
-    sizes.push_back({std::cbrt(det), det});
-    volume += det;
+    sizes.push_back(std::cbrt(data::factor_of(source.shape(), numbers.data()).determinant()));
   });
-  std::sort(sizes.begin(), sizes.end(),
-            [](const SizeSample& a, const SizeSample& b) { return a.sigma < b.sigma; });
-  double below = 0;
-  for (const SizeSample& size : sizes) {
-    below += size.volume;
-    if (below >= kQuantile * volume) return size.sigma;
-  }
-  return sizes.back().sigma;
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  return *middle;
 }
 
 // Half a spacing beyond the centres: for lattice-like kernels, half a spacing is sigma.
@@ -118,7 +105,7 @@ KernelField::KernelField(std::shared_ptr<const KernelSource> source, Reconstruct
                          : checked_attribute(*source_, color_attribute, "color_attribute");
   bounds_ = bounds_of_cells(*source_);
   sampling_distance_ =
-      std::max(2 * quantile_of_sizes(*source_), bounds_.diagonal().norm() / kMostSheets);
+      std::max(2 * median_sigma(*source_), bounds_.diagonal().norm() / kMostSheets);
   id_ = data::next_field_id();
   version_ = 1;
   if (reconstruction_ == Reconstruction::kNormalized) {

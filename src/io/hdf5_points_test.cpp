@@ -206,6 +206,9 @@ TEST(Hdf5Points, ClaimsThatTheFileCannotHold) {
 
 // The library reads what the file says; whatever that is, we return something consistent or throw.
 TEST(Hdf5Points, DamagedFiles) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "the library itself reads a few bytes past damaged headers (docs/reliability.md)";
+#endif
   const TestFolder folder;
   const std::string path = folder.file("a.h5");
   Hdf5Maker(path)

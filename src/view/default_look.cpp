@@ -361,24 +361,40 @@ double filled_edge(const KernelField& field) {
   return std::max(2.0, std::cbrt(volume) / field.default_sampling_distance());
 }
 
+// Share of what particles fill that lies above a quantile of their densities: a particle of a mass
+// like the others' fills a volume like one over its density.
+double share_above(std::span<const float> rising, double q) {
+  const auto first = static_cast<std::size_t>(q * static_cast<double>(rising.size() - 1));
+  double all = 0;
+  double above = 0;
+  for (std::size_t i = 0; i < rising.size(); ++i) {
+    const double volume = rising[i] > 0 ? 1.0 / static_cast<double>(rising[i]) : 0.0;
+    all += volume;
+    if (i >= first) above += volume;
+  }
+  return all > 0 ? above / all : 1.0;
+}
+
 // Kernels are where something is, so nothing is a background: from haze to solid along the values'
-// quantiles. Densities fade out at their low end, where they are mostly space.
-Look look_of_quantiles(const KernelField& field, const FieldSamples& samples) {
+// quantiles, over depths that go by how much of the field lies above. Densities fade out at their
+// low end, where they are mostly space.
+Look look_of_quantiles(const KernelField& field, const FieldSamples& samples,
+                       const FieldSamples& scaled) {
   const double edge = filled_edge(field);
   const bool is_sum = field.reconstruction() == Reconstruction::kSum;
   Look look;
-  set_bright_colors(look, quantile(samples.values, is_sum ? 0.1 : 0.002),
-                    quantile(samples.values, 0.998));
-  const std::pair<double, double> by_quantile[] = {
-      {0.02, is_sum ? 0.0 : opacity_for_half_depth(0.5 * edge)},
-      {0.3, opacity_for_half_depth(0.25 * edge)},
-      {0.7, opacity_for_half_depth(0.1 * edge)},
-      {0.95, opacity_for_half_depth(std::max(0.5, 0.03 * edge))},
-      {0.999, opacity_for_half_depth(std::max(0.5, 0.012 * edge))}};
+  set_bright_colors(look, quantile(scaled.values, is_sum ? 0.1 : 0.002),
+                    quantile(scaled.values, 0.998));
+  const std::pair<double, double> depths[] = {
+      {0.02, 0.5}, {0.3, 0.25}, {0.7, 0.1}, {0.95, 0.03}, {0.999, 0.012}};
   auto& points = look.transfer_function.opacities;
-  for (const auto& [q, opacity] : by_quantile) {
-    const double x = quantile(samples.values, q);
+  for (const auto& [q, share_of_edge] : depths) {
+    const double x = quantile(scaled.values, q);
     if (!points.empty() && x <= points.back().x) continue;
+    const double there = is_sum ? edge * std::cbrt(share_above(samples.values, q)) : edge;
+    // What few samples reach is solid within one or two.
+    double opacity = opacity_for_half_depth(std::max(0.5, share_of_edge * there));
+    if (is_sum && points.empty()) opacity = 0;
     points.push_back({.x = x, .opacity = opacity});
   }
   return look;
@@ -392,7 +408,7 @@ Look look_of_kernel_values(const KernelField& field, const FieldSamples& samples
       asks_for_a_logarithm(samples) ||
       (samples.values.front() > 0 &&
        quantile(samples.values, 0.98) > 30 * quantile(samples.values, 0.02));
-  Look look = look_of_quantiles(field, is_logarithmic ? logarithms(samples) : samples);
+  Look look = look_of_quantiles(field, samples, is_logarithmic ? logarithms(samples) : samples);
   if (is_logarithmic) raise_to_values(look.transfer_function);
   return look;
 }

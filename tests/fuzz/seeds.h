@@ -430,7 +430,7 @@ inline ZipPiece zip_piece(const std::string& name, const std::string& content, b
                              number(0, 4) + number(crc, 4) + number(packed.size(), 4) +
                              number(content.size(), 4) + number(name.size(), 2) + number(0, 2);
   return {"PK\x03\x04" + common + name + packed,
-          "PK\x01\x02" + number(20, 2) + common + number(0, 10) + number(offset, 4) + name};
+          "PK\x01\x02" + number(20, 2) + common + std::string(10, '\0') + number(offset, 4) + name};
 }
 
 // A zip file as other programs write it, without 64-bit sizes.

@@ -109,7 +109,13 @@ Dataset to_grid(const ConvertFlags& convert, const Dataset& dataset, Session& se
 
 Dataset to_kernels(const ConvertFlags& convert, const Dataset& dataset, Session& session) {
   const Modelled modelled = make_field(dataset, convert.model, convert.threads, session);
-  return make_kernel_dataset(*modelled.field.kernels());
+  const KernelField& field = *modelled.field.kernels();
+  // The file holds kernels, and not how they are summed.
+  const char* const reconstruction =
+      field.reconstruction() == Reconstruction::kNormalized ? "normalized" : "sum";
+  session.note(fmt::format("{}: is the same field with --reconstruction {} --cutoff {:g}",
+                           convert.output, reconstruction, field.source().cutoff()));
+  return make_kernel_dataset(field);
 }
 
 // Meshes have no other way into a file of points.

@@ -389,7 +389,18 @@ Look look_of_one(const LookFlags& flags, const Field& field, const std::string& 
   TransferFunction& tf = look.transfer_function;
   place(tf, flags, session);
   take_flag_colors(tf, flags);
-  if (!flags.opacities.empty()) tf.opacities = flags.opacities;
+  if (!flags.opacities.empty()) {
+    tf.opacities = flags.opacities;
+    // The default look may have found a logarithm fitting, which these values have none of.
+    const bool is_asked_for = flags.is_log || has_own_span(flags);
+    if (tf.scale == ValueScale::kLog && !is_asked_for && !(flags.opacities.front().x > 0)) {
+      tf.scale = ValueScale::kLinear;
+      session.note(
+          fmt::format("--opacity begins at {:g}: drawn on a linear scale, the default "
+                      "look's would be logarithmic",
+                      flags.opacities.front().x));
+    }
+  }
   if (!flags.gradient_opacities.empty()) tf.gradient_opacities = flags.gradient_opacities;
   if (flags.below_color) tf.below_color = flags.below_color;
   if (flags.above_color) tf.above_color = flags.above_color;

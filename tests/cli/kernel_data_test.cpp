@@ -51,6 +51,19 @@ class KernelData : public testing::Test {
   Folder folder_;
 };
 
+// Columns of a CSV file with one line of names.
+std::vector<std::vector<double>> read_rows(const std::string& path, std::string* names) {
+  std::istringstream lines(read_file(path));
+  std::getline(lines, *names);
+  std::vector<std::vector<double>> rows;
+  for (std::string line; std::getline(lines, line);) {
+    rows.emplace_back();
+    std::istringstream cells(line);
+    for (std::string cell; std::getline(cells, cell, ',');) rows.back().push_back(std::stod(cell));
+  }
+  return rows;
+}
+
 json info(Words words) {
   words.insert(words.begin(), "info");
   words.emplace_back("--json");
@@ -284,6 +297,33 @@ TEST_F(KernelData, ColoursAndTheirRangeAreTheColourArrays) {
     EXPECT_NEAR(white.rgba[i], white.rgba[i + 3], 1e-3);
 }
 
+TEST_F(KernelData, OpacitiesFromZeroBeatALogarithmThatNobodyAskedFor) {
+  const std::string path = folder_ / "galaxy.npz";
+  expect_success({"make", "galaxy", "-o", path});
+  const Words words = {"render",          path,     "--quantity", "density",   "-o",
+                       folder_ / "g.npy", "--size", "40x30",      "--opacity", "0:0,0.001:0.9"};
+  const Outcome drawn = run(words);
+  EXPECT_EQ(drawn.exit_code, 0) << drawn.err;
+  EXPECT_NE(drawn.err.find("note: --opacity begins at 0: drawn on a linear scale"),
+            std::string::npos)
+      << drawn.err;
+  Words asked = words;
+  asked.emplace_back("--log");
+  expect_failure(asked, 2, {"--opacity: begins at 0, expected values > 0 with --log"});
+}
+
+TEST_F(KernelData, DensitiesAreColouredByTheOthersMean) {
+  const std::string path = rows("two.csv", "x,y,z,m,v\n0,0,0,1,10\n1,0,0,3,20\n");
+  const json field = info({path, "--quantity", "density", "--color-array", "v"})["field"];
+  EXPECT_EQ(field["color_range"], json({10, 20}));
+  const std::string points = rows("middle.csv", "x,y,z\n0.5,0,0\n");
+  expect_success({"sample", path, "--points", points, "-o", folder_ / "s.csv", "--quantity",
+                  "density", "--color-array", "v"});
+  std::string names;
+  const auto sampled = read_rows(folder_ / "s.csv", &names);
+  EXPECT_NEAR(sampled.at(0).at(4), (1 * 10 + 3 * 20) / 4.0, 1e-4);  // both are equally near
+}
+
 TEST_F(KernelData, MarksAndDryRun) {
   expect_success({"render", particles(), "-o", folder_ / "marks.png", "--size", "160x120",
                   "--colorbar", "--axes", "--bounding-box", "--scale-bar", "--color-array",
@@ -304,19 +344,6 @@ TEST_F(KernelData, CropsKeepWhatLiesInTheBox) {
   EXPECT_GT(draw(folder_, half).num_covered(), 50U);
   expect_failure({"render", path, "-o", folder_ / "x.png", "--crop-world", "100:200,:,:"}, 1,
                  {"--crop-world x = 100:200: must meet the data"});
-}
-
-// Columns of a CSV file with one line of names.
-std::vector<std::vector<double>> read_rows(const std::string& path, std::string* names) {
-  std::istringstream lines(read_file(path));
-  std::getline(lines, *names);
-  std::vector<std::vector<double>> rows;
-  for (std::string line; std::getline(lines, line);) {
-    rows.emplace_back();
-    std::istringstream cells(line);
-    for (std::string cell; std::getline(cells, cell, ',');) rows.back().push_back(std::stod(cell));
-  }
-  return rows;
 }
 
 TEST_F(KernelData, SamplesAreTheSamplersOwn) {
@@ -454,6 +481,45 @@ TEST_F(KernelData, MakeWritesSetsOfTheirOwnSize) {
   expect_failure({"make", "flat", "--count", "8", "-o", folder_ / "x.nrrd"}, 2, {"--count"});
   expect_failure({"make", "flat", "-o", folder_ / "x.vtu"}, 1, {"x.vtu", "holds a mesh"});
   expect_failure({"make", "fin", "-o", folder_ / "x.csv"}, 1, {"x.csv", "mesh"});
+}
+
+TEST_F(KernelData, MeshesAreDescribedDrawnAndConverted) {
+  const std::string fin = folder_ / "fin.vtu";
+  expect_success({"make", "fin", "--count", "600", "-o", fin});
+  if (run({"info", fin}).err.find("no VTK") != std::string::npos)
+    GTEST_SKIP() << "this build reads no VTU";
+  const json told = info({fin});
+  EXPECT_EQ(told["kind"], "mesh");
+  EXPECT_EQ(told["cells"]["count"], told["cells"]["types"]["tetrahedron"]);
+  EXPECT_TRUE(told["cells"]["dims"].is_null());
+  EXPECT_EQ(told["field"]["shape"], "ellipsoids");
+  EXPECT_EQ(told["field"]["num_kernels"], told["points"]);
+  EXPECT_NEAR(told["field"]["constant"]["mean"].get<double>(), 1, 0.1);
+  const auto base = draw(folder_, {fin, "--array", "density"}).rgba;
+  EXPECT_NE(draw(folder_, {fin, "--array", "density", "--neighborhood", "voronoi"}).rgba, base);
+  EXPECT_NE(draw(folder_, {fin, "--array", "density", "--color-array", "pressure"}).rgba, base);
+  const std::string out = folder_ / "x.png";
+  expect_failure({"render", fin, "-o", out, "--neighbors", "8"}, 1,
+                 {"--neighbors: is for particles, '" + fin + "' is a mesh"});
+  expect_failure({"render", fin, "-o", out, "--prefilter"}, 1, {"--prefilter: is for lattices"});
+  expect_failure({"render", fin, "-o", out, "--color-array", "none"}, 1,
+                 {"none", "density", "pressure"});
+
+  expect_success({"convert", fin, "-o", folder_ / "again.vtu"});
+  EXPECT_EQ(draw(folder_, {folder_ / "again.vtu", "--array", "density"}).rgba, base);
+  expect_success({"convert", fin, "-o", folder_ / "fin.ply", "--array", "density"});
+  const json kernels = info({folder_ / "fin.ply"});
+  EXPECT_EQ(kernels["kind"], "kernels");
+  EXPECT_EQ(kernels["points"], told["points"]);
+  EXPECT_EQ(kernels["arrays"][0]["name"], "density");
+  const Picture same = draw(folder_, {folder_ / "fin.ply", "--array", "density", "--reconstruction",
+                                      "normalized", "--cutoff", "3.5"});
+  double greatest = 0;
+  for (std::size_t i = 0; i < base.size(); ++i)
+    greatest = std::max(greatest, std::abs(double{same.rgba[i]} - base[i]));
+  EXPECT_LT(greatest, 0.05);  // axes and rotations are rounded to float32
+  expect_success({"convert", fin, "-o", folder_ / "fin.nrrd", "--array", "density", "--size", "8"});
+  EXPECT_GT(draw(folder_, {folder_ / "fin.nrrd"}).num_covered(), 20U);
 }
 
 }  // namespace

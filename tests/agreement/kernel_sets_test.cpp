@@ -82,7 +82,7 @@ TEST(KernelSets, AgreeOnSumsMeansAndProfiles) {
         scene.options.slab = slab;
         ImageTolerance tolerance;
         if (profile == KernelProfile::kEpanechnikov && slab == Slab::kMean)
-          tolerance.max_8bit = kKinkedMean8BitDifference;
+          tolerance = {kKinkedMeanPsnrDb, kKinkedMean8BitDifference};
         EXPECT_TRUE(backends_agree(scene,
                                    std::string(name_of(profile)) +
                                        (slab == Slab::kMean ? ", mean" : ", mid") +

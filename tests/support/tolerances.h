@@ -30,9 +30,11 @@ inline constexpr double kAgreementOtherDepths = 0.005;
 inline constexpr double kAllEndPsnrDb = 50;
 inline constexpr int kAllEnd8BitDifference = 27;
 
-// Means of a profile with a kink at its end, by eight nodes per slab: where a kernel's end is the
-// only thing that opacity stands for, a node in or out is an eighth of it.
-inline constexpr int kKinkedMean8BitDifference = 6;
+// Means of a profile with a kink at its end, by eight nodes per slab: each errs by up to an eighth
+// of what a kernel has at its end. Where the field itself ends, at a fifth of the weights, that
+// decides whether single samples of some tens of 8-bit steps are there.
+inline constexpr double kKinkedMeanPsnrDb = 45;
+inline constexpr int kKinkedMean8BitDifference = 64;
 
 // Pictures with post-convolution against those without: the design's tier.
 inline constexpr double kLevelsPsnrDb = 50;

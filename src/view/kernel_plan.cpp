@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "view/kernel_plan.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "ovoid/error.h"
 #include "view/color_attribute.h"
 
 namespace ovoid::view {
@@ -59,6 +62,14 @@ KernelPlan::KernelPlan(const KernelField& field, const Camera& camera, const Loo
   num_blocks[1] = (options.height + kBlockEdge - 1) / kBlockEdge;
   num_blocks[2] = static_cast<int>(
       std::max<std::int64_t>(0, (sheets.last - sheets.first + kBlockDepth - 1) / kBlockDepth));
+  if (total_blocks() > kMaxBlocks) {
+    throw Error(
+        ErrorCode::kInvalidArgument,
+        fmt::format("sampling_distance = {}: gives {} sheets, too many for a picture of {} x "
+                    "{} pixels: expected a larger distance or a smaller picture",
+                    lattice.sampling_distance(), sheets.last - sheets.first, options.width,
+                    options.height));
+  }
   std::vector<BlockRange> ranges;
   ranges.reserve(static_cast<std::size_t>(field.source().num_bricks()));
   for (std::int64_t b = 0; b < field.source().num_bricks(); ++b)

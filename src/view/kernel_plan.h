@@ -18,6 +18,9 @@ namespace ovoid::view {
 inline constexpr int kBlockEdge = 64;
 inline constexpr int kBlockDepth = 4;
 
+// The most blocks a frame may have: what is kept of each takes some 20 bytes.
+inline constexpr std::int64_t kMaxBlocks = std::int64_t{1} << 25;
+
 // Across the view axis the unit, in pixels, in which no kernel's sigma is under one half.
 inline constexpr double kLeastPixels = 1.3;
 

@@ -13,7 +13,8 @@ namespace ovoid::cpu {
 namespace {
 
 constexpr int kMaxParts = 32;
-constexpr std::int64_t kSplatsPerPart = 8192;  // fewer are not worth a part
+constexpr std::int64_t kSplatsPerPart = 8192;                  // fewer are not worth a part
+constexpr std::int64_t kMostCounters = std::int64_t{1} << 23;  // of all parts together, if they can
 
 struct Part {
   std::size_t first_brick, last_brick;  // of the plan's
@@ -25,8 +26,10 @@ std::vector<Part> parts_of(const KernelField& field, const view::KernelPlan& pla
   total = 0;
   for (const std::int64_t b : plan.bricks)
     total += static_cast<std::uint64_t>(field.source().brick(b).count);
+  const std::int64_t most = std::clamp<std::int64_t>(
+      kMostCounters / std::max<std::int64_t>(plan.total_blocks(), 1), 1, kMaxParts);
   const auto count = static_cast<std::uint64_t>(
-      std::clamp<std::int64_t>(static_cast<std::int64_t>(total) / kSplatsPerPart, 1, kMaxParts));
+      std::clamp<std::int64_t>(static_cast<std::int64_t>(total) / kSplatsPerPart, 1, most));
   std::vector<Part> parts;
   std::uint64_t done = 0;
   Part part{0, 0, 0};

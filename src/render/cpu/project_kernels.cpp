@@ -15,14 +15,14 @@ namespace {
 // In units of kLeastPixels and sheets: sigma is at least 0.65 pixels, so that the samples' sum errs
 // by 2 exp(-2 pi^2 0.65^2) = 0.05 % of the mass along each axis at most, and half a sheet, as it is
 // on a lattice that is sampled at its spacing.
-constexpr double kLeastVariance = 0.25;
+constexpr double kLeastSquaredSigma = 0.25;
 
-// True if all eigenvalues of the symmetric matrix are at least kLeastVariance: the leading minors
+// True if all eigenvalues of the symmetric matrix are at least kLeastSquaredSigma: the leading minors
 // of what is left when that is subtracted are not negative.
 bool is_wide_enough(const Mat3& v) {
-  const double a = v(0, 0) - kLeastVariance;
-  const double b = v(1, 1) - kLeastVariance;
-  const double c = v(2, 2) - kLeastVariance;
+  const double a = v(0, 0) - kLeastSquaredSigma;
+  const double b = v(1, 1) - kLeastSquaredSigma;
+  const double c = v(2, 2) - kLeastSquaredSigma;
   if (!(a >= 0 && b >= 0 && c >= 0)) return false;
   const double ab = a * b - v(0, 1) * v(0, 1);
   if (!(ab >= 0)) return false;
@@ -36,7 +36,7 @@ double widen(Mat3& covariance) {
   Eigen::SelfAdjointEigenSolver<Mat3> solver;
   solver.computeDirect(covariance);
   const Vec3 before = solver.eigenvalues().cwiseMax(0.0);
-  const Vec3 after = before.cwiseMax(kLeastVariance);
+  const Vec3 after = before.cwiseMax(kLeastSquaredSigma);
   covariance = solver.eigenvectors() * after.asDiagonal() * solver.eigenvectors().transpose();
   return std::sqrt(before.prod() / after.prod());
 }
@@ -57,7 +57,7 @@ Splat project_kernel(const view::SplatSpace& space, const Vec3& center_world, Ke
   if (shape == KernelShape::kBalls) {
     const double sigma = numbers[0];
     const Vec3 before = (sigma * per_world).cwiseAbs2();
-    const Vec3 after = before.cwiseMax(kLeastVariance);
+    const Vec3 after = before.cwiseMax(kLeastSquaredSigma);
     v = after.asDiagonal();
     mass = std::sqrt(before.prod() / after.prod());
   } else {

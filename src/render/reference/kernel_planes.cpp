@@ -17,18 +17,18 @@ namespace ovoid::reference {
 namespace {
 
 // docs/numerics.md: sigma is at least 0.65 pixels and half a sheet.
-constexpr double kLeastVariance = 0.25;
+constexpr double kLeastSquaredSigma = 0.25;
 constexpr double kLeastPixels = 1.3;
 constexpr int kSlabNodes = 64;  // where a mean has no closed form
 
-// Raises what is less than kLeastVariance in these units; the mass stays.
+// Raises what is less than kLeastSquaredSigma in these units; the mass stays.
 void widen(ViewedKernel& kernel, const Vec3& units) {
   const Mat3 scaled =
       units.cwiseInverse().asDiagonal() * kernel.covariance * units.cwiseInverse().asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Mat3> solver(scaled);
   const Vec3 before = solver.eigenvalues();
-  if (before.minCoeff() >= kLeastVariance) return;
-  const Vec3 after = before.cwiseMax(kLeastVariance);
+  if (before.minCoeff() >= kLeastSquaredSigma) return;
+  const Vec3 after = before.cwiseMax(kLeastSquaredSigma);
   const Mat3 wider = solver.eigenvectors() * after.asDiagonal() * solver.eigenvectors().transpose();
   // The kernel's own determinant, as its eigenvalues may have lost the smallest.
   kernel.weight *= std::sqrt(std::max(scaled.determinant(), 0.0) / after.prod());

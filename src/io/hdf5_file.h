@@ -88,7 +88,7 @@ class Hdf5File {
   // The numbers of a dataset with rows as tuples; [k, n] with `is_transposed`. Throws Error:
   // kFileFormat for one that is broken or does not fit the file, kUnsupported as
   // check_hdf5_storage() says, kCancelled.
-  DataArray read(const Hdf5Dataset& dataset, bool is_transposed, ReadProgress& progress) const;
+  DataArray read(const Hdf5Dataset& described, bool is_transposed, ReadProgress& progress) const;
   // Bytes in the file, as far as that is known; for progress.
   std::int64_t num_bytes(const Hdf5Dataset& dataset) const;
 

@@ -22,7 +22,7 @@ class NetcdfChecker {
   void run() {
     const std::string magic = source_.text(0, 4);
     if (magic.size() < 4 || !magic.starts_with("CDF")) fail("is no netCDF file");
-    version_ = magic[3];
+    version_ = static_cast<unsigned char>(magic[3]);
     if (version_ != 1 && version_ != 2 && version_ != 5)
       fail(fmt::format("netCDF version {}: expected 1, 2 or 5", version_));
     position_ = 4;

@@ -68,6 +68,7 @@ std::string ply_name(const DataArray& array) {
 
 std::vector<PlyOutput> ply_outputs(const Dataset& dataset) {
   std::vector<PlyOutput> outputs;
+  outputs.reserve(3 + dataset.arrays.size());
   for (int axis = 0; axis < 3; ++axis)
     outputs.push_back({std::string(1, "xyz"[axis]), &dataset.positions, axis});
   const bool is_kernels = dataset.kind == DatasetKind::kKernels;

@@ -239,6 +239,7 @@ void read_quantities(const ByteSource& source, const TextTable& shape, LineReade
   const std::vector<std::string> names =
       names_for(source.name(), shape, shape.num_lines, dataset.notes);
   std::vector<PointColumn> columns;
+  columns.reserve(names.size());
   for (const std::string& name : names) columns.push_back({name});
   dataset.notes.push_back(
       fmt::format("{}: {} lines of {} numbers each: taken as one quantity per line, not one point",

@@ -6,7 +6,9 @@
 
 #include "io/amr_boxes.h"
 
+// NOLINTBEGIN(cppcoreguidelines-virtual-class-destructor): VTK counts references
 class vtkImageData;
+// NOLINTEND(cppcoreguidelines-virtual-class-destructor)
 
 namespace ovoid::io {
 

@@ -214,9 +214,9 @@ void append_parts(const std::string& source, vtkDataObject* data, const std::str
     const char* const own = blocks->HasMetaData(i) != 0
                                 ? blocks->GetMetaData(i)->Get(vtkCompositeDataSet::NAME())
                                 : nullptr;
-    const std::string name = own != nullptr && *own != '\0' ? std::string(own) : std::to_string(i);
-    append_parts(source, blocks->GetBlock(i), block.empty() ? name : block + '/' + name, parts,
-                 notes);
+    std::string name = block.empty() ? block : block + '/';
+    name += own != nullptr && *own != '\0' ? std::string(own) : std::to_string(i);
+    append_parts(source, blocks->GetBlock(i), name, parts, notes);
   }
 }
 

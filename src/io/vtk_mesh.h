@@ -9,8 +9,10 @@
 #include "ovoid/dataset.h"
 #include "ovoid/io.h"
 
+// NOLINTBEGIN(cppcoreguidelines-virtual-class-destructor): VTK counts references
 class vtkDataObject;
 class vtkDataSet;
+// NOLINTEND(cppcoreguidelines-virtual-class-destructor)
 
 namespace ovoid::io {
 

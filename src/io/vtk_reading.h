@@ -12,9 +12,11 @@
 #include "ovoid/dataset.h"
 #include "ovoid/io.h"
 
+// NOLINTBEGIN(cppcoreguidelines-virtual-class-destructor): VTK counts references
 class vtkAlgorithm;
 class vtkDataArray;
 class vtkFieldData;
+// NOLINTEND(cppcoreguidelines-virtual-class-destructor)
 
 namespace ovoid::io {
 

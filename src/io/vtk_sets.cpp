@@ -231,6 +231,7 @@ Dataset read_series(const ByteSource& source, const ReadOptions& options) {
   std::map<double, std::vector<NamedFile>> steps;
   for (NamedFile& file : named_files(source)) steps[file.time].push_back(std::move(file));
   std::vector<double> times;
+  times.reserve(steps.size());
   for (const auto& [time, files] : steps) times.push_back(time);
   return read_mesh_step(
       source.name(), static_cast<std::int64_t>(times.size()), times, options,

@@ -117,7 +117,7 @@ Box crop_box(const Bounds3& bounds, const Bounds3& world) {
 }
 
 Box crop_box(const LatticeGeometry& geometry, const Bounds3& world) {
-  const Box in_world = crop_box(geometry.world_bounds(), world);
+  Box in_world = crop_box(geometry.world_bounds(), world);
   const Bounds3& common = in_world.bounds;
   if (!is_parallel_to_world(geometry)) return in_world;
   // In the lattice's own axes: they may be permuted or turned round.

@@ -17,8 +17,8 @@ namespace {
 // on a lattice that is sampled at its spacing.
 constexpr double kLeastSquaredSigma = 0.25;
 
-// True if all eigenvalues of the symmetric matrix are at least kLeastSquaredSigma: the leading minors
-// of what is left when that is subtracted are not negative.
+// True if all eigenvalues of the symmetric matrix are at least kLeastSquaredSigma: the leading
+// minors of what is left when that is subtracted are not negative.
 bool is_wide_enough(const Mat3& v) {
   const double a = v(0, 0) - kLeastSquaredSigma;
   const double b = v(1, 1) - kLeastSquaredSigma;

@@ -26,7 +26,7 @@ void widen(ViewedKernel& kernel, const Vec3& units) {
   const Mat3 scaled =
       units.cwiseInverse().asDiagonal() * kernel.covariance * units.cwiseInverse().asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Mat3> solver(scaled);
-  const Vec3 before = solver.eigenvalues();
+  const Vec3& before = solver.eigenvalues();
   if (before.minCoeff() >= kLeastSquaredSigma) return;
   const Vec3 after = before.cwiseMax(kLeastSquaredSigma);
   const Mat3 wider = solver.eigenvectors() * after.asDiagonal() * solver.eigenvectors().transpose();
@@ -209,10 +209,12 @@ bool KernelPlanes::holds(int x, int y, std::int64_t sheet) const {
 
 std::size_t KernelPlanes::index_of(int x, int y, std::int64_t sheet) const {
   const auto plane = static_cast<std::size_t>(sheet - sheets_.first);
-  const auto rows = static_cast<std::size_t>(rows_.y1 - rows_.y0 + 2);
-  const auto columns = static_cast<std::size_t>(rows_.width + 2);
-  return (plane * rows + static_cast<std::size_t>(y - rows_.y0 + 1)) * columns +
-         static_cast<std::size_t>(x + 1);
+  const auto rows = static_cast<std::size_t>(rows_.y1 - rows_.y0) + 2;
+  const auto columns = static_cast<std::size_t>(rows_.width) + 2;
+  const int row = y - rows_.y0 + 1;
+  const int column = x + 1;
+  return (plane * rows + static_cast<std::size_t>(row)) * columns +
+         static_cast<std::size_t>(column);
 }
 
 KernelPlanes::Sample KernelPlanes::at(int x, int y, std::int64_t sheet) const {

@@ -170,7 +170,9 @@ Frame render(const LatticeField& field, const Camera& camera, const Look& look,
   const auto tracer =
       std::make_shared<const LatticeTracer>(field, evaluator, camera, look, options);
   const TraceCounts counts =
-      RowPainter([&](int, int) { return tracer; }, 1, hooks, frame.image).paint(threads);
+      RowPainter([&](int, int) -> std::shared_ptr<const PixelTracer> { return tracer; }, 1, hooks,
+                 frame.image)
+          .paint(threads);
 
   FrameProfile& profile = frame.profile;
   profile.backend = "reference";

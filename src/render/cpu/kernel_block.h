@@ -82,9 +82,8 @@ struct KernelFrame {
   bool gathers = false;  // fragment-centric
 };
 
-// Least sigma, in samples of a level, of the kernels summed on it: the filter's error is then under
-// kLevelError of a kernel's peak (docs/numerics.md, "Levels"; a test holds it).
+// Least sigma, in samples of a level, of the kernels summed on it (docs/numerics.md, "Levels"; the
+// pictures' test holds what the filter then loses).
 inline constexpr float kLeastLevelSigma = 1.6F;
-inline constexpr double kLevelError = 3.5e-3;
 
 }  // namespace ovoid::cpu

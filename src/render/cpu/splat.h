@@ -31,11 +31,6 @@ struct BinnedSplats {
   std::vector<Splat> splats;
   std::vector<std::uint32_t> indices;
   std::vector<std::uint64_t> first;  // [num_blocks + 1] into indices
-
-  std::size_t bytes() const noexcept {
-    return splats.size() * sizeof(Splat) + indices.size() * sizeof(std::uint32_t) +
-           first.size() * sizeof(std::uint64_t);
-  }
 };
 
 // Stages "project" and "bin". The result does not depend on the number of workers: the splats of a

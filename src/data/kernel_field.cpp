@@ -9,6 +9,7 @@
 
 #include "data/field_id.h"
 #include "data/kernel_shape.h"
+#include "data/some_kernels.h"
 #include "ovoid/error.h"
 
 namespace ovoid {
@@ -17,32 +18,14 @@ namespace {
 constexpr std::int64_t kMostSamples = 1 << 16;  // kernels looked at for a quantile
 constexpr double kMostSheets = 512;             // through the bounds' diagonal, by default
 
-// Runs `body(brick, view, i)` for kernels that are spread evenly over all bricks, at most
-// kMostSamples and one more per brick.
-template <class Body>
-void for_some_kernels(const KernelSource& source, const Body& body) {
-  const std::int64_t stride = std::max<std::int64_t>(1, source.num_kernels() / kMostSamples);
-  std::int64_t skip = 0;
-  for (std::int64_t b = 0; b < source.num_bricks(); ++b) {
-    const KernelBrick& brick = source.brick(b);
-    if (skip >= brick.count) {
-      skip -= brick.count;
-      continue;
-    }
-    const KernelView view = source.acquire(b, 0.0);
-    std::int64_t i = skip;
-    for (; i < view.count; i += stride) body(brick, view, static_cast<std::int32_t>(i));
-    skip = i - view.count;
-  }
-}
-
 // The median of the kernels' sizes: the geometric means of their sigmas.
 double median_sigma(const KernelSource& source) {
   std::vector<double> sizes;
-  for_some_kernels(source, [&](const KernelBrick&, const KernelView& view, std::int32_t i) {
-    const auto numbers = data::shape_numbers(view, source.shape(), i);
-    sizes.push_back(std::cbrt(data::factor_of(source.shape(), numbers.data()).determinant()));
-  });
+  data::for_some_kernels(
+      source, kMostSamples, [&](const KernelBrick&, const KernelView& view, std::int32_t i) {
+        const auto numbers = data::shape_numbers(view, source.shape(), i);
+        sizes.push_back(std::cbrt(data::factor_of(source.shape(), numbers.data()).determinant()));
+      });
   const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
   std::nth_element(sizes.begin(), middle, sizes.end());
   return *middle;
@@ -74,13 +57,14 @@ ValueRange sampled_sum_range(const KernelField& field) {
       std::max<std::int64_t>(1, std::min(source.num_kernels(), kMostSamples) / kMostEvaluations);
   ValueRange range{0.0F, 0.0F};  // a sum fades to nothing
   std::int64_t count = 0;
-  for_some_kernels(source, [&](const KernelBrick& brick, const KernelView& view, std::int32_t i) {
-    if (count++ % stride != 0) return;
-    const auto value =
-        static_cast<float>(sampler.at(brick.origin + data::offset_of(view, i)).value);
-    range.lo = std::min(range.lo, value);
-    range.hi = std::max(range.hi, value);
-  });
+  data::for_some_kernels(
+      source, kMostSamples, [&](const KernelBrick& brick, const KernelView& view, std::int32_t i) {
+        if (count++ % stride != 0) return;
+        const auto value =
+            static_cast<float>(sampler.at(brick.origin + data::offset_of(view, i)).value);
+        range.lo = std::min(range.lo, value);
+        range.hi = std::max(range.hi, value);
+      });
   return range;
 }
 

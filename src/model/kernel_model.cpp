@@ -10,6 +10,7 @@
 
 #include "data/kernel_shape.h"
 #include "data/parallel.h"
+#include "data/some_kernels.h"
 #include "model/kernel_parts.h"
 #include "ovoid/error.h"
 #include "ovoid/model.h"
@@ -90,28 +91,16 @@ std::array<double, 5> quantiles(std::vector<double> numbers) {
 // Sizes of kernels spread over all bricks, and where their sum is wanted.
 void report_kernels(const KernelField& field, KernelModelReport& report) {
   const KernelSource& source = field.source();
-  const std::int64_t stride = std::max<std::int64_t>(1, source.num_kernels() / kMostReported);
   std::vector<double> spacings, ratios;
   std::vector<Vec3> places;
-  std::int64_t skip = 0;
-  for (std::int64_t b = 0; b < source.num_bricks(); ++b) {
-    const KernelBrick& brick = source.brick(b);
-    if (skip >= brick.count) {
-      skip -= brick.count;
-      continue;
-    }
-    const KernelView view = source.acquire(b, 0.0);
-    std::int64_t i = skip;
-    for (; i < view.count; i += stride) {
-      const auto at = static_cast<std::int32_t>(i);
-      const auto numbers = data::shape_numbers(view, source.shape(), at);
-      const Vec3 axes = data::semi_axes(source.shape(), numbers.data());
-      spacings.push_back(2 * std::cbrt(axes[0]) * std::cbrt(axes[1]) * std::cbrt(axes[2]));
-      ratios.push_back(axes[2] / axes[0]);
-      places.push_back(brick.origin + data::offset_of(view, at));
-    }
-    skip = i - view.count;
-  }
+  data::for_some_kernels(
+      source, kMostReported, [&](const KernelBrick& brick, const KernelView& view, std::int32_t i) {
+        const auto numbers = data::shape_numbers(view, source.shape(), i);
+        const Vec3 axes = data::semi_axes(source.shape(), numbers.data());
+        spacings.push_back(2 * std::cbrt(axes[0]) * std::cbrt(axes[1]) * std::cbrt(axes[2]));
+        ratios.push_back(axes[2] / axes[0]);
+        places.push_back(brick.origin + data::offset_of(view, i));
+      });
   report.spacings = quantiles(std::move(spacings));
   report.axis_ratios = quantiles(std::move(ratios));
   if (report.constant_mean != 0 || !report.is_normalized) return;

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "data/scalar_visit.h"
+#include "data/some_kernels.h"
 
 namespace ovoid::view {
 namespace {
@@ -130,25 +131,17 @@ FieldSamples take_samples(const KernelField& field) {
   constexpr std::int64_t kWantedSums = 4096;
   const KernelSource& source = field.source();
   const bool is_sum = field.reconstruction() == Reconstruction::kSum;
-  const std::int64_t every =
-      std::max<std::int64_t>(1, source.num_kernels() / (is_sum ? kWantedSums : kWantedSamples));
   std::optional<KernelSampler> sampler;
   if (is_sum) sampler.emplace(field);
   FieldSamples samples;
-  std::int64_t next = 0;  // in the brick at hand
-  for (std::int64_t b = 0; b < source.num_bricks(); ++b) {
-    const KernelBrick& brick = source.brick(b);
-    if (next < brick.count) {
-      const KernelView view = source.acquire(b, 0.0);
-      for (; next < brick.count; next += every) {
-        const Vec3 offset(view.center[0][next], view.center[1][next], view.center[2][next]);
-        samples.values.push_back(
-            is_sum ? static_cast<float>(sampler->at(brick.origin + offset).value)
-                   : view.value[static_cast<std::size_t>(field.attribute())][next]);
-      }
-    }
-    next -= brick.count;
-  }
+  data::for_some_kernels(
+      source, is_sum ? kWantedSums : kWantedSamples,
+      [&](const KernelBrick& brick, const KernelView& view, std::int32_t i) {
+        const Vec3 offset(view.center[0][i], view.center[1][i], view.center[2][i]);
+        samples.values.push_back(is_sum
+                                     ? static_cast<float>(sampler->at(brick.origin + offset).value)
+                                     : view.value[static_cast<std::size_t>(field.attribute())][i]);
+      });
   std::sort(samples.values.begin(), samples.values.end());
   return samples;
 }

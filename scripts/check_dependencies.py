@@ -40,14 +40,13 @@ ALLOWED = {
 
 # Third-party headers and the places that may see them, by prefix of the path.
 OUTSIDE = [
-    ("VTK", re.compile(r"^vtk\w*\.h"), ("src/io/", "bench/peers/")),
+    ("VTK", re.compile(r"^vtk\w*\.h"), ("src/io/", "bench/")),
     ("GDCM", re.compile(r"^gdcm\w*\.h"), ("src/io/",)),
     ("HDF5", re.compile(r"^hdf5\.h"), ("src/io/",)),
     ("Highway", re.compile(r"^hwy/"), ("src/render/cpu/", "bench/")),
     ("oneTBB", re.compile(r"^(oneapi/)?tbb/"), ("src/render/cpu/",)),
     ("OpenEXR", re.compile(r"^(OpenEXR/)?(Imf|Imath|Iex)|^Imath/"), ("src/io/", "apps/", "tests/")),
     ("libpng", re.compile(r"^png\.h"), ("src/io/", "tests/")),
-    ("nanoflann", re.compile(r"^nanoflann\.hpp"), ("src/model/",)),
     ("Voro++", re.compile(r"^voro\+\+/"), ("src/model/",)),
     ("zlib and bzip2", re.compile(r"^(zlib|bzlib)\.h"), ("src/io/", "tests/")),
     ("nlohmann-json", re.compile(r"^nlohmann/"), ("src/io/", "apps/", "tests/", "bench/")),

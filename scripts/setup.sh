@@ -10,7 +10,7 @@ declare -A groups=(
   [build]="make g++ cmake ninja-build ccache pkg-config git python3
     libeigen3-dev libfmt-dev nlohmann-json3-dev libcli11-dev
     libpng-dev zlib1g-dev libbz2-dev libopenexr-dev
-    libnanoflann-dev voro++-dev libhwy-dev libtbb-dev libvtk9-dev libgdcm-dev libhdf5-dev libgtest-dev libgmock-dev"
+    voro++-dev libhwy-dev libtbb-dev libvtk9-dev libgdcm-dev libhdf5-dev libgtest-dev libgmock-dev"
   [check]="clang-format clang-tidy"
   [fuzz]="clang"
   # The GPU peer draws with Mesa's software driver on a virtual screen.

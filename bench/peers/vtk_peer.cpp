@@ -1,27 +1,37 @@
 // SPDX-License-Identifier: Apache-2.0
-// Does with VTK what `ovoid render --repeat N` does, and times it: one VTI volume or VTU mesh, a
-// ParaView preset as look, a camera file, a picture size, a sampling distance. One warm-up frame,
-// then N frames, the camera turned by 0.01 degree before each. Prints JSON:
+// Does with VTK what `ovoid render --repeat N` does, and times it: one VTI volume, VTU mesh or PLY
+// file of particles, a ParaView preset as look, a camera file, a picture size, a sampling distance.
+// One warm-up frame, then N frames, the camera turned by 0.01 degree before each. Particles are
+// first put on a grid, VTK's way to a volume of them; their value is the height y. Prints JSON:
 //
 //   frame_ms   Render() until the picture stands in the off-screen window, everything included
 //   cast_ms    of it what the mapper itself says it took (fixed: without the upload of the
 //   picture), null for the others
-//   prepare_ms reading, and cutting a mesh into tetrahedra, which its mappers ask for
+//   prepare_ms reading, and cutting a mesh into tetrahedra, which its mappers ask for, or putting
+//   particles on a grid
 //
 // The picture it writes is the warm-up frame, so that it can be laid beside Ovoid's.
 #include <vtkCamera.h>
 #include <vtkColorTransferFunction.h>
 #include <vtkDataSetTriangleFilter.h>
+#include <vtkElevationFilter.h>
 #include <vtkFixedPointVolumeRayCastMapper.h>
+#include <vtkGaussianKernel.h>
+#include <vtkGaussianSplatter.h>
 #include <vtkImageData.h>
 #include <vtkNew.h>
 #include <vtkOpenGLGPUVolumeRayCastMapper.h>
+#include <vtkPLYReader.h>
 #include <vtkPNMWriter.h>
 #include <vtkPiecewiseFunction.h>
 #include <vtkPointData.h>
+#include <vtkPointInterpolator.h>
+#include <vtkPolyData.h>
 #include <vtkProjectedTetrahedraMapper.h>
 #include <vtkRenderWindow.h>
 #include <vtkRenderer.h>
+#include <vtkSPHCubicKernel.h>
+#include <vtkSPHInterpolator.h>
 #include <vtkSmartPointer.h>
 #include <vtkUnstructuredGrid.h>
 #include <vtkUnstructuredGridVolumeRayCastMapper.h>
@@ -50,8 +60,8 @@ namespace {
 using Json = nlohmann::json;
 
 struct Settings {
-  std::string volume, look, camera, picture, mapper = "fixed", array;
-  int width = 512, height = 512, threads = 2, repeat = 10;
+  std::string volume, look, camera, picture, mapper = "fixed", array, grid;
+  int width = 512, height = 512, threads = 2, repeat = 10, grid_size = 256;
   double sampling_distance = 1, unit_distance = 1;
   bool shade = true;
   double ambient = 0.1, diffuse = 0.7, specular = 0.2, specular_power = 10;
@@ -63,9 +73,17 @@ Json read_json(const std::string& path) {
   return Json::parse(file);
 }
 
+// A ramp over the values, for grids of which nobody knows the values beforehand.
+Json ramp_over(const std::array<double, 2>& range) {
+  const auto [low, high] = range;
+  return {{"RGBPoints", {low, 0.2, 0.3, 0.8, high, 0.9, 0.5, 0.2}},
+          {"Points", {low, 0, 0.5, 0, low + 0.3 * (high - low), 0, 0.5, 0, high, 0.3, 0.5, 0}}};
+}
+
 // A preset file is a list of presets or a single one.
-void apply_look(const Settings& settings, vtkVolumeProperty* property) {
-  Json preset = read_json(settings.look);
+void apply_look(const Settings& settings, const std::array<double, 2>& range,
+                vtkVolumeProperty* property) {
+  Json preset = settings.look.empty() ? ramp_over(range) : read_json(settings.look);
   if (preset.is_array()) preset = preset.at(0);
 
   vtkNew<vtkColorTransferFunction> color;
@@ -138,6 +156,61 @@ vtkSmartPointer<vtkImageData> read_image(const Settings& settings) {
   return reader->GetOutput();
 }
 
+// A grid of cubes over the particles, and each filter's own way to fill it. Where one asks for a
+// radius it gets two cubes' worth.
+vtkSmartPointer<vtkImageData> grid_particles(const Settings& settings) {
+  vtkNew<vtkPLYReader> reader;
+  reader->SetFileName(settings.volume.c_str());
+  reader->Update();
+  std::array<double, 6> bounds{};
+  reader->GetOutput()->GetBounds(bounds.data());
+  vtkNew<vtkElevationFilter> height;
+  height->SetInputConnection(reader->GetOutputPort());
+  height->SetLowPoint(0, bounds[2], 0);
+  height->SetHighPoint(0, bounds[3], 0);
+  if (settings.grid == "splat") {
+    vtkNew<vtkGaussianSplatter> splatter;
+    splatter->SetInputConnection(height->GetOutputPort());
+    splatter->SetSampleDimensions(settings.grid_size, settings.grid_size, settings.grid_size);
+    splatter->SetRadius(2.0 / settings.grid_size);
+    splatter->NormalWarpingOff();
+    splatter->CappingOff();
+    splatter->SetAccumulationModeToSum();
+    splatter->Update();
+    return splatter->GetOutput();
+  }
+  const double longest =
+      std::max({bounds[1] - bounds[0], bounds[3] - bounds[2], bounds[5] - bounds[4]});
+  const double spacing = longest / (settings.grid_size - 1);
+  vtkNew<vtkImageData> grid;
+  grid->SetDimensions(settings.grid_size, settings.grid_size, settings.grid_size);
+  grid->SetSpacing(spacing, spacing, spacing);
+  grid->SetOrigin((bounds[0] + bounds[1] - longest) / 2, (bounds[2] + bounds[3] - longest) / 2,
+                  (bounds[4] + bounds[5] - longest) / 2);
+  vtkSmartPointer<vtkDataSetAlgorithm> filter;
+  if (settings.grid == "sph") {
+    vtkNew<vtkSPHCubicKernel> kernel;
+    kernel->SetSpatialStep(spacing);
+    const auto interpolator = vtkSmartPointer<vtkSPHInterpolator>::New();
+    interpolator->SetKernel(kernel);
+    interpolator->SetSourceConnection(height->GetOutputPort());
+    filter = interpolator;
+  } else {
+    vtkNew<vtkGaussianKernel> kernel;
+    kernel->SetKernelFootprintToNClosest();
+    kernel->SetNumberOfPoints(32);
+    const auto interpolator = vtkSmartPointer<vtkPointInterpolator>::New();
+    interpolator->SetKernel(kernel);
+    interpolator->SetSourceConnection(height->GetOutputPort());
+    filter = interpolator;
+  }
+  filter->SetInputData(grid);
+  filter->Update();
+  vtkSmartPointer<vtkImageData> filled = filter->GetImageDataOutput();
+  filled->GetPointData()->SetActiveScalars("Elevation");
+  return filled;
+}
+
 vtkSmartPointer<vtkUnstructuredGrid> read_mesh(const Settings& settings) {
   vtkNew<vtkXMLUnstructuredGridReader> reader;
   reader->SetFileName(settings.volume.c_str());
@@ -178,7 +251,15 @@ bool takes_meshes(const std::string& mapper) { return mapper != "fixed" && mappe
 
 vtkSmartPointer<vtkAbstractVolumeMapper> make_mapper(const Settings& settings) {
   if (takes_meshes(settings.mapper)) return make_mesh_mapper(settings, read_mesh(settings));
-  return make_image_mapper(settings, read_image(settings));
+  return make_image_mapper(settings,
+                           settings.grid.empty() ? read_image(settings) : grid_particles(settings));
+}
+
+std::array<double, 2> value_range(vtkAbstractVolumeMapper* mapper) {
+  vtkDataSet* data = mapper->GetDataSetInput();
+  std::array<double, 2> range{};
+  data->GetScalarRange(range.data());
+  return range;
 }
 
 void write_picture(vtkRenderWindow* window, const std::string& path) {
@@ -209,7 +290,7 @@ Json measure(const Settings& settings) {
       std::chrono::steady_clock::now() - begin;
   vtkNew<vtkVolume> volume;
   volume->SetMapper(mapper);
-  apply_look(settings, volume->GetProperty());
+  apply_look(settings, value_range(mapper), volume->GetProperty());
 
   vtkNew<vtkRenderer> renderer;
   renderer->SetBackground(0, 0, 0);
@@ -220,7 +301,11 @@ Json measure(const Settings& settings) {
   window->OffScreenRenderingOn();
   window->SetSize(settings.width, settings.height);
   window->AddRenderer(renderer);
-  apply_camera(settings.camera, renderer->GetActiveCamera());
+  if (settings.camera.empty()) {
+    renderer->ResetCamera();
+  } else {
+    apply_camera(settings.camera, renderer->GetActiveCamera());
+  }
 
   std::vector<double> frames, casts;
   for (int i = 0; i <= settings.repeat; ++i) {
@@ -249,9 +334,13 @@ Json measure(const Settings& settings) {
 int main(int argc, char** argv) try {
   Settings settings;
   CLI::App app("VTK's volume mappers, timed");
-  app.add_option("--volume", settings.volume, "VTI or VTU file")->required();
-  app.add_option("--look", settings.look, "ParaView JSON preset")->required();
-  app.add_option("--camera", settings.camera, "camera JSON")->required();
+  app.add_option("--volume", settings.volume, "VTI, VTU or PLY file")->required();
+  app.add_option("--look", settings.look, "ParaView JSON preset; default: a ramp");
+  app.add_option("--camera", settings.camera, "camera JSON; default: VTK's own");
+  app.add_option("--grid", settings.grid, "how particles are put on a grid")
+      ->check(CLI::IsMember({"sph", "nearest", "splat"}));
+  app.add_option("--grid-size", settings.grid_size, "its samples along each side")
+      ->check(CLI::Range(2, 2048));
   app.add_option("-o", settings.picture, "picture of the first frame (PPM)");
   app.add_option("--mapper", settings.mapper)
       ->check(CLI::IsMember({"fixed", "gpu", "raycast", "zsweep", "projected"}));

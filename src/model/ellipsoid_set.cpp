@@ -6,7 +6,6 @@
 
 #include "model/amplitudes.h"
 #include "model/particle_lengths.h"
-#include "model/site_order.h"
 
 namespace ovoid::model {
 
@@ -14,17 +13,11 @@ namespace {
 
 // Sites without a neighbourhood become balls as particles do.
 void make_balls_of_lone(const ModelRun& run, EllipsoidSites& sites) {
-  ParticleSites places;
-  const std::vector<std::uint32_t> order = morton_order(sites.parts.centers, run.threads);
-  for (const std::uint32_t site : order) {
-    const Vec3 at = sites.parts.center(site);
-    places.centers.insert(places.centers.end(), {at[0], at[1], at[2]});
-    places.sources.push_back(site);
-  }
-  std::vector<float> lengths = nearest_statistics(run, places, WithCovariances::kNo).lengths;
+  std::vector<float> lengths =
+      nearest_statistics(run, sites.parts.centers, std::nullopt, WithCovariances::kNo).lengths;
   raise_zero_lengths(run, lengths);
   for (std::size_t i = 0; i < lengths.size(); ++i) {
-    SiteKernel& kernel = sites.kernels[order[i]];
+    SiteKernel& kernel = sites.kernels[i];
     if (!kernel.is_alone) continue;
     kernel.factor = Mat3::Identity() * static_cast<double>(lengths[i] / 2);
     kernel.weight = kLatticeWeight;

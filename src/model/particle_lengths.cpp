@@ -2,85 +2,166 @@
 #include "model/particle_lengths.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
 #include "data/parallel.h"
-#include "model/nearest_sites.h"
+#include "model/kth_smallest.h"
+#include "model/site_groups.h"
 
 namespace ovoid::model {
 
 namespace {
 
-// The sites nearest to one of them, by offset from it.
-struct NearList {
-  std::vector<std::uint32_t> indices;
-  std::vector<double> squares;
-  std::vector<std::pair<double, Vec3>> offsets;  // squared distance first
-};
+constexpr std::int64_t kGroupGrain = 128;
 
-class PeriodicSearch {
+// The `wanted` smallest of the numbers it is given.
+class Smallest {
  public:
-  PeriodicSearch(const ParticleSites& sites, std::size_t k)
-      : sites_(sites), tree_(sites.centers), k_(std::min(k, sites.count())) {}
+  void start(std::size_t wanted) {
+    wanted_ = wanted;
+    count_ = 0;
+    bound_ = std::numeric_limits<double>::infinity();
+  }
 
-  // list.offsets: the k nearest of all sites and their images in the neighbouring boxes.
-  void find(std::size_t site, NearList& list) const {
-    const Vec3 at = sites_.center(site);
-    list.offsets.clear();
-    add_image(at, Vec3::Zero(), list);
-    if (!sites_.periodic_box) return;
-    const double radius = std::sqrt(list.offsets.back().first);
-    const Bounds3& box = *sites_.periodic_box;
-    std::array<std::array<double, 3>, 3> shifts{};  // per axis; the first is 0
-    std::array<int, 3> counts = {1, 1, 1};
-    for (int axis = 0; axis < 3; ++axis) {
-      const auto a = static_cast<std::size_t>(axis);
-      const double edge = box.sizes()[axis];
-      if (at[axis] - radius < box.min()[axis])
-        shifts[a][static_cast<std::size_t>(counts[a]++)] = edge;
-      if (at[axis] + radius > box.max()[axis])
-        shifts[a][static_cast<std::size_t>(counts[a]++)] = -edge;
+  // Greater ones are of no interest.
+  double bound() const { return bound_; }
+
+  // Adds number(i) for i from 0 to `count` - 1.
+  template <class Number>
+  void add(std::size_t count, const Number& number) {
+    if (count_ > kSlack * wanted_) keep_wanted();
+    if (numbers_.size() < count_ + count + 1) {
+      numbers_.resize(2 * (count_ + count + 1));
+      spare_.resize(numbers_.size());
     }
-    if (counts[0] * counts[1] * counts[2] == 1) return;
-    for (int z = 0; z < counts[2]; ++z) {
-      for (int y = 0; y < counts[1]; ++y) {
-        for (int x = 0; x < counts[0]; ++x) {
-          if (x + y + z > 0)
-            add_image(
-                at,
-                Vec3(shifts[0][static_cast<std::size_t>(x)], shifts[1][static_cast<std::size_t>(y)],
-                     shifts[2][static_cast<std::size_t>(z)]),
-                list);
-        }
-      }
+    // Without a branch: nobody can foresee which are small enough.
+    double* to = numbers_.data() + count_;
+    const double bound = bound_;
+    for (std::size_t i = 0; i < count; ++i) {
+      *to = number(i);
+      to += *to <= bound ? 1 : 0;
     }
-    std::sort(list.offsets.begin(), list.offsets.end(),
-              [](const auto& a, const auto& b) { return a.first < b.first; });
-    list.offsets.resize(k_);
+    count_ = static_cast<std::size_t>(to - numbers_.data());
+  }
+
+  // The greatest of the wanted, or of all if there are fewer; at least one was added.
+  double greatest() {
+    if (count_ >= wanted_) {
+      keep_wanted();
+      return bound_;
+    }
+    return *std::max_element(numbers_.begin(),
+                             numbers_.begin() + static_cast<std::ptrdiff_t>(count_));
   }
 
  private:
-  // The sites around `at` as seen from a box shifted by `shift`.
-  void add_image(const Vec3& at, const Vec3& shift, NearList& list) const {
-    list.indices.resize(k_);
-    list.squares.resize(k_);
-    const Vec3 place = at + shift;
-    const std::size_t found = tree_.find(place, list.indices, list.squares);
-    for (std::size_t i = 0; i < found; ++i)
-      list.offsets.emplace_back(list.squares[i], sites_.center(list.indices[i]) - place);
+  static constexpr std::size_t kSlack = 2;
+
+  void keep_wanted() {
+    bound_ = kth_smallest(std::span(numbers_).first(count_), wanted_, spare_);
+    count_ = wanted_;
   }
 
-  const ParticleSites& sites_;
-  NearestSites tree_;
-  std::size_t k_;
+  std::size_t wanted_ = 0, count_ = 0;
+  double bound_ = 0;
+  std::vector<double> numbers_, spare_;
 };
 
-// Second moments about the site itself, over h^2; the trace of a ball's worth is then about 2.4.
-void store_covariance(const NearList& list, double length, float* to) {
+// What is near the face of a periodic box has images beyond the opposite one. Calls visit(shift)
+// for each image of the box that `bounds` with `radius` around them reach into: what is at p there
+// is at p + shift here.
+template <class Visit>
+void for_each_image(const Bounds3& periodic_box, const Bounds3& bounds, double radius,
+                    const Visit& visit) {
+  std::array<std::array<double, 3>, 3> shifts{};  // per axis; the first is 0
+  std::array<std::size_t, 3> counts = {1, 1, 1};
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<std::size_t>(axis);
+    const double edge = periodic_box.sizes()[axis];
+    if (bounds.min()[axis] - radius < periodic_box.min()[axis]) shifts[a][counts[a]++] = edge;
+    if (bounds.max()[axis] + radius > periodic_box.max()[axis]) shifts[a][counts[a]++] = -edge;
+  }
+  for (std::size_t z = 0; z < counts[2]; ++z) {
+    for (std::size_t y = 0; y < counts[1]; ++y) {
+      for (std::size_t x = 0; x < counts[0]; ++x) {
+        if (x + y + z > 0) visit(Vec3(shifts[0][x], shifts[1][y], shifts[2][z]));
+      }
+    }
+  }
+}
+
+// Searches around one group at a time for the neighbours of each of its sites.
+class GroupSearch {
+ public:
+  GroupSearch(const SiteGroups& groups, const std::optional<Bounds3>& periodic_box, std::size_t k)
+      : groups_(groups), periodic_box_(periodic_box), k_(std::min(k, groups.num_sites())) {}
+
+  // Calls visit(site, square) with the squared distance of each site's k-th nearest, itself
+  // counted.
+  template <class Visit>
+  void run(const SiteGroups::Group& group, const Visit& visit) {
+    if (squares_.size() < group.sites.size()) squares_.resize(group.sites.size());
+    for (std::size_t i = 0; i < group.sites.size(); ++i) squares_[i].start(k_);
+    widest_ = std::numeric_limits<double>::infinity();
+    add_image(group, Vec3::Zero());
+    if (periodic_box_)
+      for_each_image(*periodic_box_, group.box, std::sqrt(widest_),
+                     [&](const Vec3& shift) { add_image(group, shift); });
+    for (std::size_t i = 0; i < group.sites.size(); ++i)
+      visit(group.sites[i], squares_[i].greatest());
+  }
+
+ private:
+  // The sites around the group as seen from a box shifted by `shift`.
+  void add_image(const SiteGroups::Group& group, const Vec3& shift) {
+    groups_.visit_near(
+        group.box.translated(shift), [&] { return widest_; },
+        [&](const SiteGroups::Group& near) {
+          widest_ = 0;
+          for (std::size_t i = 0; i < group.sites.size(); ++i) {
+            add_sites(group.sites[i].at + shift, near, squares_[i]);
+            widest_ = std::max(widest_, squares_[i].bound());
+          }
+        });
+  }
+
+  static void add_sites(const Vec3& at, const SiteGroups::Group& near, Smallest& squares) {
+    if (square_from(near.box, at) > squares.bound()) return;
+    squares.add(near.sites.size(),
+                [&](std::size_t i) { return (near.sites[i].at - at).squaredNorm(); });
+  }
+
+  const SiteGroups& groups_;
+  const std::optional<Bounds3>& periodic_box_;
+  std::size_t k_;
+  std::vector<Smallest> squares_;  // of distances, per site of the group
+  double widest_ = 0;              // of their bounds
+};
+
+// Second moments about the site itself of its neighbours, those no farther than the root of
+// `square`, over h^2; the trace of a ball's worth is then about 2.4.
+void store_covariance(const SiteGroups& groups, const std::optional<Bounds3>& periodic_box,
+                      const Vec3& at, double square, float* to) {
   Mat3 sum = Mat3::Zero();
-  for (const auto& [square, offset] : list.offsets) sum += offset * offset.transpose();
-  if (length > 0) sum /= length * length * static_cast<double>(list.offsets.size());
+  double count = 0;
+  const auto add_image = [&](const Vec3& shift) {
+    const Vec3 place = at + shift;
+    groups.visit_near(
+        Bounds3(place), [square] { return square; },
+        [&](const SiteGroups::Group& near) {
+          for (const SiteGroups::Site& site : near.sites) {
+            const Vec3 offset = site.at - place;
+            if (offset.squaredNorm() > square) continue;
+            sum += offset * offset.transpose();
+            ++count;
+          }
+        });
+  };
+  add_image(Vec3::Zero());
+  if (periodic_box) for_each_image(*periodic_box, Bounds3(at), std::sqrt(square), add_image);
+  if (square > 0) sum *= 4 / (square * count);
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column <= row; ++column) *to++ = static_cast<float>(sum(row, column));
   }
@@ -88,22 +169,24 @@ void store_covariance(const NearList& list, double length, float* to) {
 
 }  // namespace
 
-NearestStatistics nearest_statistics(const ModelRun& run, const ParticleSites& sites,
+NearestStatistics nearest_statistics(const ModelRun& run, std::span<const double> sites,
+                                     const std::optional<Bounds3>& periodic_box,
                                      WithCovariances with) {
   NearestStatistics statistics;
-  statistics.lengths.resize(sites.count());
-  if (with == WithCovariances::kYes) statistics.covariances.resize(6 * sites.count());
-  const PeriodicSearch search(sites, static_cast<std::size_t>(run.options.neighbors));
+  statistics.lengths.resize(sites.size() / 3);
+  if (with == WithCovariances::kYes) statistics.covariances.resize(6 * sites.size() / 3);
+  const SiteGroups groups(sites, run.threads, run.stop);
   data::parallel_ranges(
-      {static_cast<std::int64_t>(sites.count()), kSiteGrain, run.threads, run.stop},
+      {static_cast<std::int64_t>(groups.count()), kGroupGrain, run.threads, run.stop},
       [&](std::int64_t begin, std::int64_t end) {
-        NearList list;
-        for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
-          search.find(i, list);
-          const double length = std::sqrt(list.offsets.back().first) / 2;
-          statistics.lengths[i] = static_cast<float>(length);
-          if (with == WithCovariances::kYes)
-            store_covariance(list, length, statistics.covariances.data() + 6 * i);
+        GroupSearch search(groups, periodic_box, static_cast<std::size_t>(run.options.neighbors));
+        for (auto g = static_cast<std::size_t>(begin); g < static_cast<std::size_t>(end); ++g) {
+          search.run(groups.group(g), [&](const SiteGroups::Site& site, double square) {
+            statistics.lengths[site.index] = static_cast<float>(std::sqrt(square) / 2);
+            if (with == WithCovariances::kYes)
+              store_covariance(groups, periodic_box, site.at, square,
+                               statistics.covariances.data() + 6 * std::size_t{site.index});
+          });
         }
       });
   return statistics;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Particles: one ball, or one ellipsoid, each. Sites are put in Morton order first, so that
-// searches near one find the memory of the next in the cache.
+// Particles: one ball, or one ellipsoid, each.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,7 +13,6 @@
 #include "model/ellipsoid_shape.h"
 #include "model/kernel_parts.h"
 #include "model/particle_lengths.h"
-#include "model/site_order.h"
 #include "model/voronoi_sites.h"
 #include "ovoid/error.h"
 #include "ovoid/kernel_field.h"
@@ -78,6 +76,15 @@ ParticleRoles find_roles(const ModelRun& run) {
 bool marks_dead_particles(const Dataset& dataset) {
   return dataset.format.find("Phantom") != std::string::npos;
 }
+
+// The particles that become kernels; in a periodic box, inside it.
+struct ParticleSites {
+  std::vector<double> centers;         // [n, 3]
+  std::vector<std::uint32_t> sources;  // index in the dataset
+  std::optional<Bounds3> periodic_box;
+
+  std::size_t count() const noexcept { return sources.size(); }
+};
 
 // The columns of particles, by index in the dataset.
 struct ParticleColumns {
@@ -170,14 +177,8 @@ ParticleSites choose_particles(const ModelRun& run, const ParticleRoles& roles,
                             "{} no finite position",
                             run.dataset.source, count, run.report.num_missing, run.report.array,
                             run.report.num_misplaced));
-  const std::vector<std::uint32_t> order = morton_order(all, run.threads);
-  sites.centers.resize(all.size());
-  sites.sources.resize(kept.size());
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    sites.sources[i] = kept[order[i]];
-    for (std::size_t a = 0; a < 3; ++a)
-      sites.centers[3 * i + a] = all[std::size_t{3} * order[i] + a];
-  }
+  sites.centers = std::move(all);
+  sites.sources = std::move(kept);
   return sites;
 }
 
@@ -199,8 +200,9 @@ void make_shapes(const ModelRun& run, const ParticleSites& sites, const Particle
   const bool needs_search = columns.radius.empty() || options.anisotropic;
   NearestStatistics nearest;
   if (needs_search)
-    nearest = nearest_statistics(
-        run, sites, options.anisotropic ? WithCovariances::kYes : WithCovariances::kNo);
+    nearest =
+        nearest_statistics(run, sites.centers, sites.periodic_box,
+                           options.anisotropic ? WithCovariances::kYes : WithCovariances::kNo);
   if (columns.radius.empty()) {
     raise_zero_lengths(run, nearest.lengths);
   } else {

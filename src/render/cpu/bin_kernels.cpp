@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stage "bin": which splats reach which block, by a counting sort. The bricks are cut into a fixed
-// number of parts; every part counts its splats per block, the counts become places, and every part
-// writes to its places. So the order does not depend on who did which part.
+// number of parts; every part lists and counts what its splats reach, the counts become places, and
+// every part writes to its places. So the order does not depend on who did which part.
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <utility>
 
 #include "data/kernel_shape.h"
 #include "render/cpu/splat.h"
@@ -44,6 +44,10 @@ std::vector<Part> parts_of(const KernelField& field, const view::KernelPlan& pla
   if (part.first_brick < part.last_brick) parts.push_back(part);
   return parts;
 }
+
+struct Reached {
+  std::uint32_t block, splat;
+};
 
 void project_part(const KernelField& field, const view::KernelPlan& plan, const Part& part,
                   Splat* splats) {
@@ -155,39 +159,36 @@ BinnedSplats bin_splats(const KernelField& field, const view::KernelPlan& plan, 
   const std::vector<Part> parts = parts_of(field, plan, total);
   const auto num_blocks = static_cast<std::size_t>(plan.total_blocks());
   const std::vector<Layer> layers = layers_of(plan);
-  binned.splats.resize(total);
-  std::vector<std::vector<std::uint32_t>> counts(parts.size());
-  const auto end_of = [&](std::size_t p) {
-    return p + 1 < parts.size() ? parts[p + 1].first_splat : total;
-  };
+  binned.num_splats = static_cast<std::int64_t>(total);
+  binned.splats = std::make_unique_for_overwrite<Splat[]>(total);
+  std::vector<std::vector<std::uint64_t>> places(parts.size());  // counts first, per block
+  std::vector<std::vector<Reached>> reached(parts.size());
   runner.run(static_cast<int>(parts.size()), [&](int task, int) {
     const auto p = static_cast<std::size_t>(task);
-    counts[p].assign(num_blocks, 0);
-    project_part(field, plan, parts[p], binned.splats.data());
-    for (std::uint64_t i = parts[p].first_splat; i < end_of(p); ++i)
-      for_each_block(plan, layers, binned.splats[i],
-                     [&](std::size_t block) { ++counts[p][block]; });
+    const std::uint64_t end = p + 1 < parts.size() ? parts[p + 1].first_splat : total;
+    places[p].assign(num_blocks, 0);
+    reached[p].reserve(end - parts[p].first_splat);
+    project_part(field, plan, parts[p], binned.splats.get());
+    for (std::uint64_t i = parts[p].first_splat; i < end; ++i) {
+      for_each_block(plan, layers, binned.splats[i], [&](std::size_t block) {
+        reached[p].push_back({static_cast<std::uint32_t>(block), static_cast<std::uint32_t>(i)});
+        ++places[p][block];
+      });
+    }
   });
   binned.first.assign(num_blocks + 1, 0);
   std::uint64_t place = 0;
-  std::vector<std::vector<std::uint64_t>> next(parts.size(),
-                                               std::vector<std::uint64_t>(num_blocks));
   for (std::size_t block = 0; block < num_blocks; ++block) {
     binned.first[block] = place;
-    for (std::size_t p = 0; p < parts.size(); ++p) {
-      next[p][block] = place;
-      place += counts[p][block];
-    }
+    for (std::vector<std::uint64_t>& of_part : places)
+      place += std::exchange(of_part[block], place);
   }
   binned.first[num_blocks] = place;
-  binned.indices.resize(place);
+  binned.indices = std::make_unique_for_overwrite<std::uint32_t[]>(place);
   runner.run(static_cast<int>(parts.size()), [&](int task, int) {
     const auto p = static_cast<std::size_t>(task);
-    for (std::uint64_t i = parts[p].first_splat; i < end_of(p); ++i) {
-      for_each_block(plan, layers, binned.splats[i], [&](std::size_t block) {
-        binned.indices[next[p][block]++] = static_cast<std::uint32_t>(i);
-      });
-    }
+    for (const Reached& one : reached[p]) binned.indices[places[p][one.block]++] = one.splat;
+    reached[p] = {};
   });
   return binned;
 }

@@ -70,7 +70,7 @@ Frame render(const KernelField& field, const Camera& camera, const Look& look,
   const double plan_ms = ms_since(start);
   const BinnedSplats binned = bin_splats(field, plan, runner);
   const double bin_ms = ms_since(start) - plan_ms;
-  out.profile.kernels_drawn = static_cast<std::int64_t>(binned.splats.size());
+  out.profile.kernels_drawn = binned.num_splats;
   if (options.collect_profile) {
     out.profile.stages_ms.emplace_back("plan", plan_ms);
     out.profile.stages_ms.emplace_back("project and bin", bin_ms);

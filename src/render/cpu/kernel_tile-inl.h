@@ -80,9 +80,7 @@ inline void reconstruct_sheets(const KernelFrame& frame, KernelWorkspace& work,
   const auto block = static_cast<std::size_t>(
       plan.block_index(rect.x0 / view::kBlockEdge, rect.y0 / view::kBlockEdge, layer));
   const SheetRun run{first - layer * view::kBlockDepth, last - layer * view::kBlockDepth};
-  const std::span<const std::uint32_t> indices(
-      frame.binned->indices.data() + frame.binned->first[block],
-      frame.binned->first[block + 1] - frame.binned->first[block]);
+  const std::span<const std::uint32_t> indices = frame.binned->of_block(block);
   work.shading.stats.kernels_loaded += static_cast<std::int64_t>(indices.size());
   sum_splats(frame, work, indices, place_of_block(frame, rect, layer), run);
   float* blended = work.rows.reserve(kValueStride + 2 * kPlanePadding) + kPlanePadding;
@@ -312,8 +310,7 @@ inline void render_kernel_tile_on_target(const KernelFrame& frame, KernelWorkspa
     }
     if (!is_relevant(layer)) {
       const auto block = static_cast<std::size_t>(plan.block_index(tile_x, tile_y, layer));
-      ++(frame.binned->first[block] == frame.binned->first[block + 1] ? stats.skipped_empty
-                                                                      : stats.skipped_irrelevant);
+      ++(frame.binned->of_block(block).empty() ? stats.skipped_empty : stats.skipped_irrelevant);
       is_running = false;
       continue;
     }

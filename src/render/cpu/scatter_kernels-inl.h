@@ -460,7 +460,7 @@ template <int kChannels>
 inline void scatter_splats(const KernelFrame& frame, KernelWorkspace& work,
                            std::span<const std::uint32_t> indices, const BlockPlace& block,
                            const SheetRun& run) {
-  const Splat* splats = frame.binned->splats.data();
+  const Splat* splats = frame.binned->splats.get();
   const bool is_gaussian = frame.profile == KernelProfile::kGaussian;
   for (std::size_t i = 0; i < indices.size(); ++i) {
     // A block's splats are from several bricks, and far apart in memory.

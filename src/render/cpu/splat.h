@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <span>
 #include <vector>
 
 #include "ovoid/field.h"
@@ -28,9 +30,14 @@ struct Splat {
 
 // Splats and, per block, which of them reach it.
 struct BinnedSplats {
-  std::vector<Splat> splats;
-  std::vector<std::uint32_t> indices;
-  std::vector<std::uint64_t> first;  // [num_blocks + 1] into indices
+  std::int64_t num_splats = 0;
+  std::unique_ptr<Splat[]> splats;
+  std::unique_ptr<std::uint32_t[]> indices;  // block after block
+  std::vector<std::uint64_t> first;          // [num_blocks + 1] into indices
+
+  std::span<const std::uint32_t> of_block(std::size_t block) const noexcept {
+    return {indices.get() + first[block], indices.get() + first[block + 1]};
+  }
 };
 
 // Stages "project" and "bin". The result does not depend on the number of workers: the splats of a

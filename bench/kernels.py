@@ -1,14 +1,16 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Meshes and particles against VTK: kernels.py [--nodes N] [--particles N] [--frames N].
+"""Meshes and particles against VTK: kernels.py [OPTION...].
 
 A mesh of tetrahedra (`ovoid make fin`), 512 x 512, shaded by Ovoid and, which is all they can, unshaded by VTK's mappers for meshes, in
 one run: prints frame times and how many times as long the fastest of them takes. Then particles (`ovoid make galaxy`): the time from the
-start of the process to a written picture, and of the frames after it; how both grow with the number of particles. Needs
-`make bench` once, which builds the peers."""
+start of the process to a written picture, and of the frames after it; how both grow with the number of particles, and what radii of all
+sizes cost; and VTK's way, which is to put them on a grid of 256^3 first. Needs `make bench` once, which builds the peers."""
 import argparse
 import json
+import math
 import os
+import random
 import subprocess
 import tempfile
 import time
@@ -18,6 +20,7 @@ OVOID = os.path.join(ROOT, "build", "release", "bin", "ovoid")
 PEER = os.path.join(ROOT, "build", "bench", "bin", "vtk_peer")
 PIXELS = 512
 MESH_MAPPERS = ("projected", "raycast", "zsweep")
+GRID_FILTERS = {"splat": "vtkGaussianSplatter", "sph": "vtkSPHInterpolator"}  # vtkPointInterpolator takes longer than ten minutes
 
 
 def ovoid(*words):
@@ -79,9 +82,38 @@ def mesh_table(folder, nodes, frames):
     print(f"\nThe fastest of VTK's takes {min(peers.values()) / own['frame_ms']['median']:.1f} times as long.\n")
 
 
-def particle_table(folder, most, frames):
+def plot(path, rows):
+    """Start to picture, and frames, by the number of particles, both logarithmic."""
+    width, height, left, bottom = 480, 300, 60, 40
+    decades = (4, 7), (-1, 2)  # 10^4 to 10^7 particles; 0.1 to 100 s
+
+    def place(count, seconds):
+        x = left + (width - left - 20) * (math.log10(count) - decades[0][0]) / (decades[0][1] - decades[0][0])
+        y = height - bottom - (height - bottom - 20) * (math.log10(seconds) - decades[1][0]) / (decades[1][1] - decades[1][0])
+        return f"{x:.1f},{y:.1f}"
+
+    lines = [f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" font-family="sans-serif" font-size="12">',
+             f'<rect width="{width}" height="{height}" fill="white"/>']
+    for power in range(decades[0][0], decades[0][1] + 1):
+        x = place(10 ** power, 1).split(",")[0]
+        lines.append(f'<path d="M{x},20V{height - bottom}" stroke="#ddd"/><text x="{x}" y="{height - 22}" text-anchor="middle">1e{power}</text>')
+    for power in range(decades[1][0], decades[1][1] + 1):
+        y = place(10 ** decades[0][0], 10 ** power).split(",")[1]
+        lines.append(f'<path d="M{left},{y}H{width - 20}" stroke="#ddd"/><text x="{left - 6}" y="{y}" text-anchor="end">{10 ** power:g} s</text>')
+    for name, color, column in (("start to picture", "#0b5fa5", 1), ("frame", "#c0392b", 2)):
+        points = " ".join(place(row[0], row[column]) for row in rows)
+        x, y = place(rows[-1][0], rows[-1][column]).split(",")
+        lines.append(f'<polyline points="{points}" fill="none" stroke="{color}" stroke-width="2"/>'
+                     f'<text x="{float(x) - 8}" y="{float(y) - 8}" text-anchor="end" fill="{color}">{name}</text>')
+    lines.append(f'<path d="M{place(1e5, 0.2)}L{place(1e7, 20)}" stroke="#888" stroke-dasharray="4 4"/>'
+                 f'<text x="{width / 2}" y="{height - 6}" text-anchor="middle">particles (dashed: linear)</text></svg>')
+    with open(path, "w", encoding="utf-8") as file:
+        file.write("\n".join(lines) + "\n")
+
+
+def particle_table(folder, most, frames, picture):
     print("| particles | start to picture, s | frame, ms (least) | greatest memory, MiB |\n|---|---|---|---|")
-    count = 10_000
+    count, rows = 10_000, []
     while count <= most:
         path = os.path.join(folder, "galaxy.npz")
         ovoid("make", "galaxy", "--count", str(count), "-o", path)
@@ -92,7 +124,47 @@ def particle_table(folder, most, frames):
         profile = profile_of(folder, path, *size, "--repeat", str(frames))
         print(f"| {count} | {first:.2f} | {profile['frame_ms']['median']:.0f} ({profile['frame_ms']['min']:.0f}) | "
               f"{profile['peak_memory_bytes'] / 2 ** 20:.0f} |")
+        rows.append((count, first, profile["frame_ms"]["median"] / 1000))
         count *= 10
+    print()
+    if picture:
+        plot(picture, rows)
+
+
+def grid_table(folder, count, frames):
+    path = os.path.join(folder, "galaxy.npz")
+    plain = os.path.join(folder, "galaxy.ply")
+    ovoid("make", "galaxy", "--count", str(count), "-o", path)
+    ovoid("convert", path, "-o", plain)
+    field = info(path)["field"]
+    print(f"{count} particles, {PIXELS} x {PIXELS}\n")
+    print("| program | shaded | ready to draw after, ms | frame, ms (least) |\n|---|---|---|---|")
+    own = profile_of(folder, path, "--size", f"{PIXELS}x{PIXELS}", "--repeat", str(frames))
+    print(f"| ovoid, no grid | yes | {own['load_ms'] + own['model_ms']:.0f} | {own['frame_ms']['median']:.0f} ({own['frame_ms']['min']:.0f}) |")
+    for grid, name in GRID_FILTERS.items():
+        peer = run_peer("fixed", ["--volume", plain, "--grid", grid, "--width", str(PIXELS), "--height", str(PIXELS), "--sampling-distance",
+                                  str(field["default_sampling_distance"]), "--unit-distance", str(field["default_unit_distance"])], frames)
+        print(f"| VTK {peer['vtk']}, {name} to 256^3, ray cast | yes | {peer['prepare_ms']:.0f} | {peer['frame_ms']['median']:.0f} "
+              f"({peer['frame_ms']['min']:.0f}) |")
+    print()
+
+
+def radius_table(folder, count, frames):
+    """Smoothing lengths from 1e-8 to 2e-2 of the domain in one set, evenly by their logarithm, against all of the median's size and of
+    the greatest's."""
+    print("| smoothing lengths, of the domain | frame, ms (least) |\n|---|---|")
+    spread = [10 ** (-8 + 6.3 * i / (count - 1)) for i in range(count)]
+    chance = random.Random(1)
+    chance.shuffle(spread)
+    places = [(chance.random(), chance.random(), chance.random()) for _ in range(count)]
+    for name, radii in (("1e-8 to 2e-2", spread), ("all 1.4e-5, their median", [1.4e-5] * count), ("all 2e-2", [2e-2] * count)):
+        path = os.path.join(folder, "radii.csv")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write("x,y,z,value,h\n")
+            for (x, y, z), h in zip(places, radii):
+                file.write(f"{x!r},{y!r},{z!r},{x:.4f},{h!r}\n")
+        own = profile_of(folder, path, "--array", "value", "--radius-array", "h", "--size", f"{PIXELS}x{PIXELS}", "--repeat", str(frames))
+        print(f"| {name} | {own['frame_ms']['median']:.0f} ({own['frame_ms']['min']:.0f}) |")
     print()
 
 
@@ -100,8 +172,12 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--nodes", type=int, default=180_000)
     parser.add_argument("--particles", type=int, default=10_000_000)
+    parser.add_argument("--grid-particles", type=int, default=1_000_000)
     parser.add_argument("--frames", type=int, default=5)
+    parser.add_argument("--plot", help="an SVG of the particles' times")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as scratch:
         mesh_table(scratch, options.nodes, options.frames)
-        particle_table(scratch, options.particles, options.frames)
+        particle_table(scratch, options.particles, options.frames, options.plot)
+        radius_table(scratch, 100_000, options.frames)
+        grid_table(scratch, options.grid_particles, options.frames)

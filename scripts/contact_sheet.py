@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Draws volumes with no flag but -o and puts the pictures on one sheet: contact_sheet.py OUT.png INPUT...
+"""Draws data with no flag but -o and puts the pictures on one sheet: contact_sheet.py OUT.png INPUT...
 
-Every picture is drawn at the program's own size, put on white and reduced four times. A word "--" begins a new row."""
+Every picture is drawn at the program's own size, put on white and reduced four times. A word "--" begins a new row;
+files joined by "+" are one input."""
 import array
 import ast
 import os
@@ -79,7 +80,7 @@ def main(arguments):
             if word == "--":
                 pictures.append([])
                 continue
-            pictures[-1].append(drawn([word], folder))
+            pictures[-1].append(drawn(word.split("+"), folder))
     write_png(arguments[0], sheet(pictures))
 
 

@@ -21,6 +21,9 @@ const Names<Classification> kClassifications = {{"sampled", Classification::kSam
 const Names<Evaluate> kEvaluates = {
     {"auto", Evaluate::kAuto}, {"gather", Evaluate::kGather}, {"scatter", Evaluate::kScatter}};
 const Names<PostConvolution> kPostConvolutions = {{"off", PostConvolution::kOff},
+                                                  {"bilinear", PostConvolution::kBilinear},
+                                                  {"gaussian", PostConvolution::kGaussian},
+                                                  {"cubic", PostConvolution::kCubic},
                                                   {"auto", PostConvolution::kAuto}};
 const Names<Backend> kBackends = {
     {"auto", Backend::kAuto}, {"cpu", Backend::kCpu}, {"reference", Backend::kReference}};
@@ -74,13 +77,10 @@ void add_number_flags(Flags& flags, RenderOptions* options) {
          &options->classification);
   choice(flags, "--evaluate", kEvaluates, "samples gather kernels, or kernels scatter to samples",
          &options->evaluate);
-  flags.value("--post-convolution", joined(kPostConvolutions),
-              fmt::format("sum large kernels of a set on coarser levels (default {})",
-                          name_in(kPostConvolutions, options->post_convolution)),
-              refusing("--post-convolution", {"bilinear", "gaussian", "cubic"},
-                       [options](const std::string& text) {
-                         options->post_convolution = parse_name(text, kPostConvolutions);
-                       }));
+  choice(flags, "--post-convolution", kPostConvolutions,
+         "magnified sheets are sampled at nodes, large kernels of a set on coarser levels; the "
+         "three by name, of lattices, are published ways that blur",
+         &options->post_convolution);
   flags.repeatable(
       "--clip", "NX,NY,NZ,D", "keep points with n.x >= D, world (repeatable)",
       [options](const std::string& text) {

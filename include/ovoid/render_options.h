@@ -31,7 +31,11 @@ enum class Evaluate { kAuto, kGather, kScatter };
 // Large kernels of a set may be summed on a coarser level of the view lattice, whose samples are
 // then brought to the finer one (docs/numerics.md, "Levels"): the cost of a kernel is bounded
 // whatever its size in the picture. Off: every kernel is summed on the samples themselves.
-enum class PostConvolution { kOff, kAuto };
+// How sheets finer than the field are made: every sample from the kernels (kOff), or from samples
+// at nodes some pixels apart (docs/numerics.md, "Post-convolution"). kAuto: nodes as far apart as
+// the picture bears it (50 dB). The others, of lattices alone, are the published ways with a node
+// per spacing, for comparison: they blur.
+enum class PostConvolution { kOff, kBilinear, kGaussian, kCubic, kAuto };
 
 // A half space: points with dot(normal, x) >= offset are kept (world). `normal` need not have unit
 // length.
@@ -49,8 +53,8 @@ struct RenderOptions {
   GradientMethod gradient = GradientMethod::kAuto;
   Classification classification = Classification::kSampled;
   Evaluate evaluate = Evaluate::kAuto;
-  PostConvolution post_convolution = PostConvolution::kAuto;  // kernel sets
-  std::vector<ClipPlane> clip_planes;                         // at most kMaxClipPlanes
+  PostConvolution post_convolution = PostConvolution::kAuto;
+  std::vector<ClipPlane> clip_planes;  // at most kMaxClipPlanes
   bool skip_irrelevant = true;  // off: every block is reconstructed (time changes, pixels do not)
   bool stop_opaque =
       true;  // off: covered samples are still worked out (time changes, pixels do not)

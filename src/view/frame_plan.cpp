@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "ovoid/error.h"
 
@@ -92,6 +93,21 @@ int relevance_grow(const ViewLattice& lattice, const LatticeField& field, const 
   return static_cast<int>(std::ceil(reach / field.source().brick_edge()));
 }
 
+// Greatest change of the opacity over the field's range, at least kNodeSteepness.
+double steepness_of(const Look& look, const ValueRange& range) {
+  double steepness = kNodeSteepness;
+  if (look.mode != Mode::kComposite || !(range.lo < range.hi)) return steepness;
+  const auto& points = look.transfer_function.opacities;
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    const double rise = std::abs(points[i].opacity - points[i - 1].opacity);
+    // Sharpness 1 is a step.
+    const double width = (points[i].x - points[i - 1].x) * (1 - points[i - 1].sharpness);
+    const double span = static_cast<double>(range.hi) - static_cast<double>(range.lo);
+    if (rise > 0) steepness = std::max(steepness, std::min(rise * span / width, kMostSteepness));
+  }
+  return steepness;
+}
+
 MayMatter may_matter_for(const Look& look, const LookTable& table) {
   if (look.mode == Mode::kComposite) {
     return [&table](float lo, float hi) { return table.any_opacity(lo, hi); };
@@ -148,6 +164,8 @@ LatticePlan::LatticePlan(const LatticeField& field, const Camera& camera, const 
           1.0, greatest_pitch(lattice, support_of(field, 1.0, slab_reach(lattice, options))) /
                    field.geometry().spacing().minCoeff())),
       relevance(field, greatest_widening, relevance_grow(lattice, field, look, options)),
+      node_reach_(kNodeSigmas * field.kernel().sigma *
+                  std::pow(kNodeSteepness / steepness_of(look, field.value_range()), 0.25)),
       spacing_(field.geometry().spacing()) {
   for (int a = 0; a < 3; ++a) {
     widening_limit_[a] = static_cast<double>(field.geometry().dims[a]) / (4 * field.kernel().sigma);
@@ -158,6 +176,13 @@ LatticePlan::LatticePlan(const LatticeField& field, const Camera& camera, const 
 
 Vec3 LatticePlan::widening(std::int64_t sheet) const {
   return (lattice.pitch(sheet) / spacing_.array()).min(widening_limit_.array()).max(1.0).matrix();
+}
+
+double LatticePlan::node_pitch(PostConvolution how, std::int64_t sheet) const {
+  const SheetMap map = lattice.index_map(sheet);
+  const double step = std::max(map.per_x.norm(), map.per_y.norm());  // of a pixel, spacings
+  const double reach = how == PostConvolution::kAuto ? node_reach_ : 1.0;
+  return step > 0 ? reach / step : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace ovoid::view

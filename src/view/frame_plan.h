@@ -59,10 +59,24 @@ struct LatticePlan : FramePlan {
   // Factors by which kernels are widened along each lattice axis on a sheet.
   Vec3 widening(std::int64_t sheet) const;
 
+  // Pixels between the nodes at which a sheet is sampled (docs/numerics.md, "Post-convolution").
+  // Under 1: pixels are no farther apart than nodes may be.
+  double node_pitch(PostConvolution how, std::int64_t sheet) const;
+
  private:
+  double node_reach_;  // of kAuto, spacings
   Vec3 spacing_;
   Vec3 widening_limit_;  // a kernel stays under a quarter of the lattice's extent
 };
+
+// Distance of nodes in sigmas of the lattice's kernel: what kAuto allows, so that pictures keep
+// 50 dB to those without; the published ways have a node per spacing.
+inline constexpr double kNodeSigmas = 0.9;
+// Looks that are steeper than this, in opacity over the field's range, have closer nodes: by the
+// fourth root, since the error of interpolation falls with about the fourth power of their distance
+// where edges are as sharp as samples can show.
+inline constexpr double kNodeSteepness = 10;
+inline constexpr double kMostSteepness = 400;
 
 // The most sheets a frame may have; finer sampling distances are refused.
 inline constexpr std::int64_t kMaxSheets = std::int64_t{1} << 20;

@@ -242,6 +242,7 @@ TEST(Agreement, Magnification) {
     Scene scene = small_scene(Mode::kComposite, is_parallel);
     scene.camera = askew_camera(scene.field, is_parallel, 25);
     scene.options.sampling_distance = 0.1;
+    scene.options.post_convolution = PostConvolution::kOff;
     expect_agreement_however_evaluated(scene, projection_name(is_parallel) + ", magnified", 0.9);
   }
 }

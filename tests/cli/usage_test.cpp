@@ -86,11 +86,6 @@ TEST(Usage, FlagsOfALaterVersionAreRefusedByName) {
     cases.push_back({{std::string(flag) + "=3"}, {said}});
   }
   cases.push_back({{"--backend", "vulkan"}, {"--backend vulkan: not available in this version"}});
-  for (const char* const how : {"bilinear", "gaussian", "cubic"}) {
-    cases.push_back(
-        {{"--post-convolution", how},
-         {std::string("--post-convolution ") + how + ": not available in this version"}});
-  }
   expect_all_refused(cases);
 }
 

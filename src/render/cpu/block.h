@@ -5,7 +5,8 @@
 //
 //   plane      the samples of one sheet: rows of kPlaneStride, kMaxPlaneRows rows. Sample (0, 0) of
 //   a plane is pixel
-//              (x0 - margin, y0 - margin): central differences need a margin of 1, else it is 0.
+//              (x0 - margin, y0 - margin): central differences need a margin of 1, else it is 0. Or
+//              they are nodes (nodes.h), of which more fit than a tile has pixels.
 //   row bits   one bit per sample of a plane's row, bit x for sample x
 //   region     the box of lattice samples that the block's active samples reach, as floats, zero
 //   where no kernel exists
@@ -27,9 +28,10 @@ inline constexpr int kTileSize = 16;  // pixels: the largest SIMD group is 16 la
                                       // 16^3 samples reads few kernels twice
 inline constexpr int kBlockSheets = 16;  // sheets, before splitting
 inline constexpr int kMaxMargin = 1;
-inline constexpr int kMaxPlaneRows = kTileSize + 2 * kMaxMargin;
-inline constexpr int kPlaneStride =
-    32;  // floats; >= kTileSize + 2 * kMaxMargin rounded up to 16 lanes
+inline constexpr int kPlaneStride = 32;  // floats: as many as a row has bits
+inline constexpr int kMaxPlaneRows = kPlaneStride;
+inline constexpr int kPatchTiles = 4;  // tiles along a side of a patch, which share nodes (nodes.h)
+inline constexpr int kPatchSize = kPatchTiles * kTileSize;
 inline constexpr int kMaxSheets = kBlockSheets + 2 * kMaxMargin;
 inline constexpr int kRingSheets = 4;  // planes kept at a time: sheet s lives in plane s & 3
 inline constexpr int kTapPadding =
@@ -51,6 +53,7 @@ struct SheetSetup {
   float widening[3];
   float depth;
   float inverse_pitch;  // 1 / width of a pixel, world
+  float near_cut;       // where the slab begins: -1/2, or later behind the near plane, in sheets
 };
 
 // The tile's pixels so far, front to back; index y * kTileSize + x. Premultiplied.
@@ -74,6 +77,12 @@ struct alignas(64) TileState {
     for (int y = y0; y < y1; ++y) any |= open[y];
     return (any >> x0 & ((1U << (x1 - x0)) - 1U)) != 0;
   }
+};
+
+// The rays of a tile's pixels in perspective; index as in TileState.
+struct alignas(64) TileRays {
+  float length[TileState::kPixels];  // per unit of depth
+  float eye[3][TileState::kPixels];  // direction to the eye, unit length
 };
 
 // Pixels of the picture, half open; at most kTileSize on a side.
@@ -103,6 +112,7 @@ struct Block {
   std::int64_t first_sheet;  // of sheet 0 of the block, margin sheets included
   int num_sheets;            // margin sheets included
   int front_margin, back_margin;
+  const TileRays* rays;    // of the tile; unused in parallel projection
   std::int64_t origin[3];  // index position to which SheetSetup's are relative
   SheetSetup sheets[kMaxSheets];
 
@@ -146,11 +156,11 @@ struct FloatBuffer {
 
 struct Workspace {
   Block block;
-  TileState tile;
-  FloatBuffer samples;   // region: values, 0 where missing
-  FloatBuffer presence;  // region: 1 where a kernel exists, else 0; only if has_missing
-  FloatBuffer taps;      // general gathering: weights of one sample
-  FloatBuffer splats;    // scatter: numerators and denominators of all sheets
+  TileState* tile = nullptr;  // the one in hand
+  FloatBuffer samples;        // region: values, 0 where missing
+  FloatBuffer presence;       // region: 1 where a kernel exists, else 0; only if has_missing
+  FloatBuffer taps;           // general gathering: weights of one sample
+  FloatBuffer splats;         // scatter: numerators and denominators of all sheets
   WorkerStats stats;
 };
 

@@ -18,10 +18,6 @@ HWY_BEFORE_NAMESPACE();
 namespace ovoid::cpu {
 namespace HWY_NAMESPACE {
 
-// Where a plane's sample lies in the tile's arrays.
-HWY_INLINE int tile_index(const Block& block, int column, int row) {
-  return (block.y0 + row - block.margin) * kTileSize + block.x0 + column - block.margin;
-}
 HWY_INLINE int tile_row(const Block& block, int row) { return block.y0 + row - block.margin; }
 HWY_INLINE int tile_column(const Block& block, int column) {
   return block.x0 + column - block.margin;

@@ -83,6 +83,31 @@ void decide_relevance(view::LatticePlan& plan, Runner& runner) {
   plan.relevance.finish();
 }
 
+// Where neighbours' values are compared, or kernels are not gathered, every pixel is a sample.
+bool can_have_nodes(const CpuFrame& frame) {
+  return frame.post_convolution != PostConvolution::kOff && frame.has_four_taps &&
+         frame.mode != Mode::kIsosurface && !frame.is_preintegrated && !frame.central_gradient &&
+         frame.evaluate != Evaluate::kScatter;
+}
+
+bool magnifies(const view::LatticePlan& plan, PostConvolution how) {
+  return plan.sheets.first < plan.sheets.last &&
+         plan.node_pitch(how, plan.sheets.first) >= kLeastPitch;
+}
+
+// The tiles of a patch, or the one tile, become pixels.
+void finish_patch(const CpuFrame& frame, const Look& look, const LatticeWorkspace& work,
+                  const TileRect& rect, Image& image) {
+  for (int y = rect.y0; y < rect.y1; y += kTileSize) {
+    for (int x = rect.x0; x < rect.x1; x += kTileSize) {
+      const int t = (y - rect.y0) / kTileSize * kPatchTiles + (x - rect.x0) / kTileSize;
+      finish_tile(frame, look, work.tiles[static_cast<std::size_t>(t)],
+                  {x, y, std::min(x + kTileSize, rect.x1), std::min(y + kTileSize, rect.y1)},
+                  image);
+    }
+  }
+}
+
 }  // namespace
 
 Frame render(const LatticeField& field, const Camera& camera, const Look& look,
@@ -116,23 +141,26 @@ Frame render(const LatticeField& field, const Camera& camera, const Look& look,
   frame.collect_profile = options.collect_profile;
   frame.has_four_taps = frame.support == 2.0F && frame.sigma >= 0.25F && frame.sigma <= 2.0F &&
                         !frame.is_sum && !is_mean;
+  frame.post_convolution = options.post_convolution;
+  frame.samples_at_nodes = can_have_nodes(frame) && magnifies(plan, options.post_convolution);
   const int edge = field.source().brick_edge();
   out.profile.kernels_drawn =
       std::min(field.num_kernels(), plan.relevance.num_relevant() * edge * edge * edge);
   const double plan_ms = ms_since(start);
 
-  const std::vector<TileRect> tiles = tiles_of(options.width, options.height, kTileSize);
-  std::vector<std::unique_ptr<Workspace>> workspaces;
+  const std::vector<TileRect> tiles =
+      tiles_of(options.width, options.height, frame.samples_at_nodes ? kPatchSize : kTileSize);
+  std::vector<std::unique_ptr<LatticeWorkspace>> workspaces;
   workspaces.reserve(static_cast<std::size_t>(runner.num_workers()));
   for (int i = 0; i < runner.num_workers(); ++i)
-    workspaces.push_back(std::make_unique<Workspace>());
+    workspaces.push_back(std::make_unique<LatticeWorkspace>());
   Watch watch(hooks, tiles.size());
   runner.run(static_cast<int>(tiles.size()), [&](int task, int worker) {
     if (hooks.stop.stop_requested()) return;
-    Workspace& work = *workspaces[static_cast<std::size_t>(worker)];
+    LatticeWorkspace& work = *workspaces[static_cast<std::size_t>(worker)];
     const TileRect& rect = tiles[static_cast<std::size_t>(task)];
-    render_tile(frame, work, rect);
-    finish_tile(frame, look, work.tile, rect, out.image);
+    render_patch(frame, work, rect);
+    finish_patch(frame, look, work, rect, out.image);
     watch.tile_done(rect, out.image);
   });
   if (hooks.stop.stop_requested()) throw Error(ErrorCode::kCancelled, "rendering was cancelled");
@@ -141,8 +169,10 @@ Frame render(const LatticeField& field, const Camera& camera, const Look& look,
   const double ticks_per_ms =
       static_cast<double>(read_ticks() - start_ticks) / out.profile.frame_ms;
   if (options.collect_profile) out.profile.stages_ms.emplace_back("plan", plan_ms);
-  for (const auto& work : workspaces)
-    add_worker_stats(work->stats, options.collect_profile ? ticks_per_ms : 0.0, out.profile);
+  for (const auto& work : workspaces) {
+    for (const WorkerStats* stats : {&work->pixels.stats, &work->nodes.stats})
+      add_worker_stats(*stats, options.collect_profile ? ticks_per_ms : 0.0, out.profile);
+  }
   return out;
 }
 

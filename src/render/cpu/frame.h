@@ -79,6 +79,8 @@ struct CpuFrame {
   bool central_gradient = false;
   bool corrects_gradient = true;  // constant on ramps (docs/numerics.md, "Gradients")
   Evaluate evaluate = Evaluate::kAuto;
+  PostConvolution post_convolution = PostConvolution::kOff;
+  bool samples_at_nodes = false;  // some sheets are: tiles come in patches (nodes.h)
   bool stop_opaque = true;
   bool collect_profile = false;
 

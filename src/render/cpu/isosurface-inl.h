@@ -55,7 +55,7 @@ HWY_INLINE V refine(const CpuFrame& frame, Workspace& work, int s, int column, i
 // Crossings between sheet s - 1 and sheet s of the block.
 inline void surface_sheet(const CpuFrame& frame, Workspace& work, int s) {
   Block& block = work.block;
-  TileState& tile = work.tile;
+  TileState& tile = *work.tile;
   const int here = s & (kRingSheets - 1);
   const int front = (s - 1) & (kRingSheets - 1);
   const V iso = hn::Set(d, frame.isovalue);

@@ -57,6 +57,7 @@ inline constexpr int kValueRows = kLevelExtents[0].size;
 struct KernelWorkspace {
   Workspace shading;  // its block holds one subtile's window of the ring
   std::array<TileState, kSubtiles * kSubtiles> tiles;
+  std::array<TileRays, kSubtiles * kSubtiles> rays;
 
   // [sheet of the block][channel][row][column], one buffer per level
   std::array<FloatBuffer, kMaxLevel + 1> levels;

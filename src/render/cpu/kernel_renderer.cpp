@@ -28,7 +28,7 @@ void set_frame(KernelFrame& frame, const KernelField& field, const RenderOptions
   frame.is_sum = field.reconstruction() == Reconstruction::kSum;
   frame.num_channels = num_channels_of(field);
   frame.gathers = options.evaluate == Evaluate::kGather;
-  const bool has_levels = options.post_convolution == PostConvolution::kAuto && !frame.gathers;
+  const bool has_levels = options.post_convolution != PostConvolution::kOff && !frame.gathers;
   frame.max_level = has_levels ? kMaxLevel : 0;
 }
 
@@ -52,11 +52,21 @@ void require_central_differences(const RenderOptions& options) {
       "gradient: kernel sets take central differences; exact and corrected are for lattices");
 }
 
+void require_levels(const RenderOptions& options) {
+  if (options.post_convolution == PostConvolution::kOff ||
+      options.post_convolution == PostConvolution::kAuto)
+    return;
+  throw Error(ErrorCode::kUnsupported,
+              "post_convolution: kernel sets have levels (auto) or none (off); bilinear, gaussian "
+              "and cubic are for lattices");
+}
+
 }  // namespace
 
 Frame render(const KernelField& field, const Camera& camera, const Look& look,
              const RenderOptions& options, const RenderHooks& hooks, Runner& runner) {
   require_central_differences(options);
+  require_levels(options);
   const Clock::time_point start = Clock::now();
   const std::uint64_t start_ticks = read_ticks();
   Frame out;

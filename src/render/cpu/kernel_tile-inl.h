@@ -238,6 +238,7 @@ inline void finish_sheets(const KernelFrame& frame, KernelWorkspace& work, const
     const std::int64_t sheet = block.first_sheet + s;
     block.sheets[s].depth = static_cast<float>(lattice.depth(sheet));
     block.sheets[s].inverse_pitch = static_cast<float>(1.0 / lattice.pitch(sheet));
+    block.sheets[s].near_cut = near_cut_of(lattice, sheet);
   }
   const bool is_surface = frame.common.mode == Mode::kIsosurface;
   for (int sub = 0; sub < kSubtiles * kSubtiles; ++sub) {
@@ -246,6 +247,7 @@ inline void finish_sheets(const KernelFrame& frame, KernelWorkspace& work, const
     TileState& tile = work.tiles[static_cast<std::size_t>(sub)];
     block.tile_x = rect.x0 + sub_x * kTileSize;
     block.tile_y = rect.y0 + sub_y * kTileSize;
+    block.rays = &work.rays[static_cast<std::size_t>(sub)];
     block.x1 = std::min(rect.x1 - block.tile_x, kTileSize);
     block.y1 = std::min(rect.y1 - block.tile_y, kTileSize);
     if (block.x1 <= 0 || block.y1 <= 0) continue;
@@ -270,7 +272,7 @@ inline bool any_open(const KernelWorkspace& work) {
   });
 }
 
-inline void set_up_tile(KernelWorkspace& work, const TileRect& rect) {
+inline void set_up_tile(const KernelFrame& frame, KernelWorkspace& work, const TileRect& rect) {
   Block& block = work.shading.block;
   block.x0 = block.y0 = 0;
   block.margin = 1;
@@ -280,6 +282,8 @@ inline void set_up_tile(KernelWorkspace& work, const TileRect& rect) {
     const int width = std::clamp(rect.x1 - rect.x0 - sub % kSubtiles * kTileSize, 0, kTileSize);
     const int height = std::clamp(rect.y1 - rect.y0 - sub / kSubtiles * kTileSize, 0, kTileSize);
     work.tiles[static_cast<std::size_t>(sub)].reset(width, width > 0 ? height : 0);
+    set_up_rays(frame.common, rect.x0 + sub % kSubtiles * kTileSize,
+                rect.y0 + sub / kSubtiles * kTileSize, work.rays[static_cast<std::size_t>(sub)]);
   }
   work.values.reserve(kValueRing * kValuePlane + kPlanePadding);
   work.colors.reserve(kValueRing * kValuePlane + kPlanePadding);
@@ -291,7 +295,7 @@ inline void render_kernel_tile_on_target(const KernelFrame& frame, KernelWorkspa
   const view::KernelPlan& plan = *frame.plan;
   WorkerStats& stats = work.shading.stats;
   StageClock clock(stats.ticks, frame.common.collect_profile);
-  set_up_tile(work, rect);
+  set_up_tile(frame, work, rect);
   const int tile_x = rect.x0 / view::kBlockEdge;
   const int tile_y = rect.y0 / view::kBlockEdge;
   const int num_sheets = static_cast<int>(plan.sheets.last - plan.sheets.first);

@@ -32,13 +32,8 @@ HWY_INLINE V evaluate2d(const view::ClipMap& map, V x, float y) {
 HWY_INLINE V path_fraction(const CpuFrame& frame, const Block& block, int s, int column, int row) {
   const view::FramePlan& plan = *frame.plan;
   const std::int64_t sheet = block.first_sheet + s;
-  V from = hn::Set(d, -0.5F);
+  V from = hn::Set(d, block.sheets[s].near_cut);
   V to = hn::Set(d, 0.5F);
-  if (!frame.is_parallel) {
-    const double nearest =
-        (plan.lattice.near_depth() - plan.lattice.depth(sheet)) / plan.lattice.sampling_distance();
-    if (nearest > -0.5) from = hn::Set(d, static_cast<float>(nearest));
-  }
   const V x = pixel_x(block, column);
   const float y = pixel_y(block, row);
   for (const ClipPlane& plane : plan.clip_planes) {
@@ -58,19 +53,46 @@ HWY_INLINE V path_fraction(const CpuFrame& frame, const Block& block, int s, int
   return hn::Max(hn::Sub(to, from), hn::Zero(d));
 }
 
+// Where a plane's sample lies in the tile's arrays.
+HWY_INLINE int tile_index(const Block& block, int column, int row) {
+  return (block.y0 + row - block.margin) * kTileSize + block.x0 + column - block.margin;
+}
+
 // Length of the ray per unit of depth: 1 for parallel projection.
 HWY_INLINE V ray_length(const CpuFrame& frame, const Block& block, int column, int row) {
   if (frame.is_parallel) return hn::Set(d, 1.0F);
+  return hn::LoadU(d, block.rays->length + tile_index(block, column, row));
+}
+
+// Works out the rays of the tile at a pixel of the picture. They are the same on all sheets.
+inline void set_up_rays(const CpuFrame& frame, int tile_x, int tile_y, TileRays& rays) {
+  if (frame.is_parallel) return;
   const view::SheetMap& direction = frame.ray_direction;
-  const V x = pixel_x(block, column);
-  const float y = pixel_y(block, row);
-  V squared = hn::Zero(d);
-  for (int a = 0; a < 3; ++a) {
-    const V component =
-        evaluate2d({direction.origin[a], direction.per_x[a], direction.per_y[a]}, x, y);
-    squared = hn::MulAdd(component, component, squared);
+  for (int y = 0; y < kTileSize; ++y) {
+    for (int column = 0; column < kTileSize; column += group_size()) {
+      const V x = hn::Iota(d, static_cast<float>(tile_x + column));
+      V along[3];
+      V squared = hn::Zero(d);
+      for (int a = 0; a < 3; ++a) {
+        along[a] = evaluate2d({direction.origin[a], direction.per_x[a], direction.per_y[a]}, x,
+                              static_cast<float>(tile_y + y));
+        squared = hn::MulAdd(along[a], along[a], squared);
+      }
+      const V length = hn::Sqrt(squared);
+      const V scale = hn::Div(hn::Set(d, -1.0F), length);
+      const int at = y * kTileSize + column;
+      hn::StoreU(length, d, rays.length + at);
+      for (int a = 0; a < 3; ++a) hn::StoreU(hn::Mul(along[a], scale), d, rays.eye[a] + at);
+    }
   }
-  return hn::Sqrt(squared);
+}
+
+// Where the slab of a sheet begins.
+inline float near_cut_of(const view::ViewLattice& lattice, std::int64_t sheet) {
+  if (lattice.is_parallel()) return -0.5F;
+  const double nearest =
+      (lattice.near_depth() - lattice.depth(sheet)) / lattice.sampling_distance();
+  return nearest > -0.5 ? static_cast<float>(nearest) : -0.5F;
 }
 
 // Lanes whose place, a share t of the way from sheet s - 1 to sheet s, lies in all clip half

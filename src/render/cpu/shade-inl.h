@@ -283,17 +283,12 @@ inline void correct_sheet(const CpuFrame& frame, Block& block, int s) {
 // Direction from the sample to the eye, unit length.
 HWY_INLINE WorldVector direction_to_eye(const CpuFrame& frame, const Block& block, int column,
                                         int row) {
-  const view::SheetMap& direction = frame.ray_direction;
   if (frame.is_parallel) {
     return {hn::Set(d, -frame.axis[0]), hn::Set(d, -frame.axis[1]), hn::Set(d, -frame.axis[2])};
   }
-  const V x = pixel_x(block, column);
-  const float y = pixel_y(block, row);
-  const auto along = [&](int a) {
-    return evaluate2d({direction.origin[a], direction.per_x[a], direction.per_y[a]}, x, y);
-  };
-  const V scale = hn::Div(hn::Set(d, -1.0F), ray_length(frame, block, column, row));
-  return {hn::Mul(along(0), scale), hn::Mul(along(1), scale), hn::Mul(along(2), scale)};
+  const int at = tile_index(block, column, row);
+  const auto along = [&](int a) { return hn::LoadU(d, block.rays->eye[a] + at); };
+  return {along(0), along(1), along(2)};
 }
 
 HWY_INLINE V dot_product(const WorldVector& a, const WorldVector& b) {

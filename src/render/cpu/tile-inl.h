@@ -9,10 +9,13 @@
 #endif
 
 #include "render/cpu/bin-inl.h"
+#include "render/cpu/block-inl.h"
 #include "render/cpu/composite-inl.h"
 #include "render/cpu/gradient-inl.h"
 #include "render/cpu/isosurface-inl.h"
 #include "render/cpu/load-inl.h"
+#include "render/cpu/nodes.h"
+#include "render/cpu/patch-inl.h"
 #include "render/cpu/reconstruct-inl.h"
 #include "render/cpu/shade-inl.h"
 #include "render/cpu/splat-inl.h"
@@ -21,101 +24,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace ovoid::cpu {
 namespace HWY_NAMESPACE {
-
-// A part of a tile's work: pixels of the tile x consecutive sheets.
-struct Part {
-  int x0, y0, x1, y1;
-  std::int64_t first_sheet, last_sheet;  // without margins
-};
-
-// Index-space box around a part's samples, margins and slabs included.
-inline Bounds3 box_of(const CpuFrame& frame, const Block& block, const Part& part, int margin) {
-  const view::ViewLattice& lattice = frame.plan->lattice;
-  Bounds3 box;
-  for (const std::int64_t sheet :
-       {part.first_sheet - block.front_margin, part.last_sheet - 1 + block.back_margin}) {
-    const view::SheetMap map = lattice.index_map(sheet);
-    for (const int x : {part.x0 - margin, part.x1 - 1 + margin}) {
-      for (const int y : {part.y0 - margin, part.y1 - 1 + margin}) {
-        box.extend(map.at(block.tile_x + x, block.tile_y + y));
-      }
-    }
-  }
-  return box;
-}
-
-// True if every sample's slab lies outside one of the half spaces.
-inline bool is_clipped_away(const CpuFrame& frame, const Block& block, const Part& part) {
-  const view::FramePlan& plan = *frame.plan;
-  for (const ClipPlane& plane : plan.clip_planes) {
-    double nearest = -1;
-    for (const std::int64_t sheet : {part.first_sheet, part.last_sheet - 1}) {
-      const view::ClipMap distance = plan.clip_distance(plane, sheet);
-      const view::ClipMap slope = plan.clip_slope(plane);
-      for (const int x : {part.x0, part.x1 - 1}) {
-        for (const int y : {part.y0, part.y1 - 1}) {
-          const double px = block.tile_x + x;
-          const double py = block.tile_y + y;
-          const double inside = distance.origin + px * distance.per_x + py * distance.per_y;
-          const double lean = std::abs(slope.origin + px * slope.per_x + py * slope.per_y);
-          nearest = std::max(nearest, inside + 0.5 * lean * plan.lattice.sampling_distance());
-        }
-      }
-    }
-    if (nearest < 0) return true;
-  }
-  return false;
-}
-
-// Positions are affine in the sheet's number, too: every sheet's map is the first one's plus a
-// multiple of `step`.
-inline void set_up_sheet(const CpuFrame& frame, Block& block, int s, const view::SheetMap& first,
-                         const view::SheetMap& step, const Vec3& widening) {
-  const view::ViewLattice& lattice = frame.plan->lattice;
-  const double x = block.tile_x + block.x0 - block.margin;
-  const double y = block.tile_y + block.y0 - block.margin;
-  SheetSetup& setup = block.sheets[s];
-  for (int a = 0; a < 3; ++a) {
-    const double per_x = first.per_x[a] + s * step.per_x[a];
-    const double per_y = first.per_y[a] + s * step.per_y[a];
-    const double base = first.origin[a] + s * step.origin[a] + x * per_x + y * per_y;
-    setup.base[a] = static_cast<float>(base - static_cast<double>(block.origin[a]));
-    setup.per_x[a] = static_cast<float>(per_x);
-    setup.per_y[a] = static_cast<float>(per_y);
-    setup.step[a] = static_cast<float>(step.origin[a] + x * step.per_x[a] + y * step.per_y[a]);
-    setup.step_per_x[a] = static_cast<float>(step.per_x[a]);
-    setup.step_per_y[a] = static_cast<float>(step.per_y[a]);
-    setup.widening[a] = static_cast<float>(widening[a]);
-  }
-  const std::int64_t sheet = block.first_sheet + s;
-  setup.depth = static_cast<float>(lattice.depth(sheet));
-  setup.inverse_pitch = static_cast<float>(1.0 / lattice.pitch(sheet));
-}
-
-inline void set_up_block(const CpuFrame& frame, Block& block, const Part& part,
-                         const Bounds3& box) {
-  block.x0 = part.x0;
-  block.y0 = part.y0;
-  block.x1 = part.x1;
-  block.y1 = part.y1;
-  block.columns = part.x1 - part.x0 + 2 * block.margin;
-  block.rows = part.y1 - part.y0 + 2 * block.margin;
-  block.first_sheet = part.first_sheet - block.front_margin;
-  block.num_sheets =
-      static_cast<int>(part.last_sheet - part.first_sheet) + block.front_margin + block.back_margin;
-  for (int a = 0; a < 3; ++a) block.origin[a] = static_cast<std::int64_t>(std::floor(box.min()[a]));
-  const view::LatticePlan& plan = *frame.lattice_plan;
-  const view::SheetMap first = plan.lattice.index_map(block.first_sheet);
-  view::SheetMap step = plan.lattice.index_map(block.first_sheet + 1);
-  step.origin -= first.origin;
-  step.per_x -= first.per_x;
-  step.per_y -= first.per_y;
-  Vec3 widening = plan.widening(block.first_sheet);
-  for (int s = 0; s < block.num_sheets; ++s) {
-    if (!frame.is_parallel) widening = plan.widening(block.first_sheet + s);
-    set_up_sheet(frame, block, s, first, step, widening);
-  }
-}
 
 // Samples to be classified now: relevant ones of open pixels.
 inline RowBits relevant_now(const CpuFrame& frame, const Block& block, const TileState& tile,
@@ -143,17 +51,11 @@ inline RowBits wanted_now(const CpuFrame& frame, const Block& block, const TileS
   return bits;
 }
 
-inline std::int64_t count_bits(const Block& block, const RowBits& bits) {
-  std::int64_t count = 0;
-  for (int y = 0; y < block.rows; ++y) count += std::popcount(bits[y]);
-  return count;
-}
-
 // classify, light and composite sheet s, whose values (and neighbours', if differences are taken)
 // are there.
 inline void finish_sheet(const CpuFrame& frame, Workspace& work, int s, StageClock& clock) {
   Block& block = work.block;
-  TileState& tile = work.tile;
+  TileState& tile = *work.tile;
   if (frame.mode == Mode::kIsosurface) {
     if (s > 0) surface_sheet(frame, work, s);
     clock.lap(kShade);
@@ -188,8 +90,8 @@ inline void run_sheets(const CpuFrame& frame, Workspace& work, bool is_scattered
   if (is_scattered) splat_region(frame, work);
   clock.lap(kReconstruct);
   for (int s = 0; s < block.num_sheets; ++s) {
-    if (frame.stop_opaque && !work.tile.any_open(block.x0, block.y0, block.x1, block.y1)) return;
-    RowBits wanted = wanted_now(frame, block, work.tile, s);
+    if (frame.stop_opaque && !work.tile->any_open(block.x0, block.y0, block.x1, block.y1)) return;
+    RowBits wanted = wanted_now(frame, block, *work.tile, s);
     work.stats.samples_reconstructed += count_bits(block, wanted);
     block.defined[s & (kRingSheets - 1)] = {};
     block.has_gradient = {};
@@ -250,7 +152,7 @@ inline bool draw_part(const CpuFrame& frame, Workspace& work, const Part& part, 
   Block& block = work.block;
   const Bounds3 box = box_of(frame, block, part, block.margin);
   set_up_block(frame, block, part, box);
-  const std::int64_t num_relevant = bin_region(frame, block, work.tile, box);
+  const std::int64_t num_relevant = bin_region(frame, block, *work.tile, box);
   clock.lap(kBin);
   if (num_relevant == 0) return false;
   const std::int64_t region =
@@ -270,41 +172,126 @@ inline bool draw_part(const CpuFrame& frame, Workspace& work, const Part& part, 
   return true;
 }
 
-// Draws one tile into work.tile; `block` of the workspace holds the tile's place.
-inline void render_tile_on_target(const CpuFrame& frame, Workspace& work, const TileRect& rect) {
+// What can be said of a tile's block before anything of it is worked out; true if it may show.
+inline bool may_show(const CpuFrame& frame, Workspace& work, const Part& part, WorkerStats& stats) {
   const view::LatticePlan& plan = *frame.lattice_plan;
-  Block& block = work.block;
+  const Bounds3 box = box_of(frame, work.block, part, 0);
+  if (!box.intersects(plan.index_support) || is_clipped_away(frame, work.block, part)) {
+    ++stats.skipped_empty;
+    return false;
+  }
+  if (plan.relevance.any_in(box.min(), box.max())) return true;
+  ++(plan.may_matter ? stats.skipped_irrelevant : stats.skipped_empty);
+  return false;
+}
+
+// One tile's part of a layer of sheets, every sample from the kernels.
+inline void draw_tile_layer(const CpuFrame& frame, Workspace& work, const Part& part,
+                            StageClock& clock) {
   WorkerStats& stats = work.stats;
-  StageClock clock(stats.ticks, frame.collect_profile);
-  block.tile_x = rect.x0;
-  block.tile_y = rect.y0;
-  const int width = rect.x1 - rect.x0;
-  const int height = rect.y1 - rect.y0;
+  ++stats.blocks_total;
+  if (frame.stop_opaque && !work.tile->any_open(0, 0, part.x1, part.y1)) {
+    ++stats.skipped_opaque;
+  } else if (may_show(frame, work, part, stats)) {
+    if (draw_part(frame, work, part, clock)) {
+      ++stats.blocks_drawn;
+    } else {
+      ++(frame.lattice_plan->may_matter ? stats.skipped_irrelevant : stats.skipped_empty);
+    }
+  }
+}
+
+inline void draw_tiles_layer(const CpuFrame& frame, LatticeWorkspace& work, const Patch& patch,
+                             StageClock& clock) {
+  for_each_tile(patch, [&](std::size_t t, int x, int y) {
+    place_tile(work.pixels.block, patch, x, y);
+    work.pixels.tile = &work.tiles[t];
+    work.pixels.block.rays = &work.rays[t];
+    draw_tile_layer(frame, work.pixels, part_of(work.pixels.block, patch), clock);
+  });
+}
+
+// A patch from nodes if they save anything and all of them are inside, else tile by tile.
+inline void draw_patch_layer(const CpuFrame& frame, LatticeWorkspace& work, Patch patch,
+                             StageClock& clock) {
+  patch.nodes_x = nodes_for(patch.pitch, patch.rect.x0, patch.rect.x1 - 1);
+  patch.nodes_y = nodes_for(patch.pitch, patch.rect.y0, patch.rect.y1 - 1);
+  const PatchResult result = draw_patch(frame, work, patch, clock);
+  if (result == PatchResult::kTooLarge) {
+    Patch half = patch;
+    half.last_sheet = (patch.first_sheet + patch.last_sheet) / 2;
+    draw_patch_layer(frame, work, half, clock);
+    half.first_sheet = half.last_sheet;
+    half.last_sheet = patch.last_sheet;
+    draw_patch_layer(frame, work, half, clock);
+    return;
+  }
+  if (result == PatchResult::kNeedsPixels) {
+    draw_tiles_layer(frame, work, patch, clock);
+    return;
+  }
+  WorkerStats& stats = work.pixels.stats;
+  for_each_tile(patch, [&](std::size_t t, int, int) {
+    ++stats.blocks_total;
+    ++(result == PatchResult::kDrawn && work.bits[t].any_relevant ? stats.blocks_drawn
+                                                                  : stats.skipped_irrelevant);
+  });
+}
+
+inline bool any_open(const LatticeWorkspace& work, int num_tiles) {
+  return std::any_of(work.tiles.begin(), work.tiles.begin() + num_tiles, [](const TileState& tile) {
+    return tile.any_open(0, 0, kTileSize, kTileSize);
+  });
+}
+
+// Sheets [first, last), a layer.
+inline void draw_layer(const CpuFrame& frame, LatticeWorkspace& work, const TileRect& rect,
+                       std::int64_t first, std::int64_t last, StageClock& clock) {
+  Patch patch{rect, 0, 0, first, last, 1.0, {}, {}};
+  if (!frame.samples_at_nodes) return draw_tiles_layer(frame, work, patch, clock);
+  // Pixels are widest apart on the sheet behind.
+  patch.pitch =
+      std::min(frame.lattice_plan->node_pitch(frame.post_convolution, last - 1), kGreatestPitch);
+  if (patch.pitch < kLeastPitch) return draw_tiles_layer(frame, work, patch, clock);
+  if (patch.pitch >= kWholePatchPitch) return draw_patch_layer(frame, work, patch, clock);
+  constexpr int kHalf = kPatchTiles / 2;
+  for (int quarter = 0; quarter < 4; ++quarter) {
+    Patch part = patch;
+    part.tile_x = quarter % 2 * kHalf;
+    part.tile_y = quarter / 2 * kHalf;
+    part.rect.x0 = rect.x0 + part.tile_x * kTileSize;
+    part.rect.y0 = rect.y0 + part.tile_y * kTileSize;
+    part.rect.x1 = std::min(rect.x1, part.rect.x0 + kHalf * kTileSize);
+    part.rect.y1 = std::min(rect.y1, part.rect.y0 + kHalf * kTileSize);
+    if (part.rect.x0 < rect.x1 && part.rect.y0 < rect.y1)
+      draw_patch_layer(frame, work, part, clock);
+  }
+}
+
+// Draws a patch, or one tile where the frame has no nodes, into work.tiles.
+inline void render_patch_on_target(const CpuFrame& frame, LatticeWorkspace& work,
+                                   const TileRect& rect) {
+  const view::LatticePlan& plan = *frame.lattice_plan;
+  Block& block = work.pixels.block;
+  StageClock clock(work.pixels.stats.ticks, frame.collect_profile);
   block.margin = frame.central_gradient ? 1 : 0;
   block.front_margin =
       frame.central_gradient || frame.is_preintegrated || frame.mode == Mode::kIsosurface ? 1 : 0;
   block.back_margin = block.margin;
-  work.tile.reset(width, height);
   block.visible = {};
-
+  const int num_tiles = frame.samples_at_nodes ? kPatchTiles * kPatchTiles : 1;
+  for (int t = 0; t < num_tiles; ++t) {
+    const int width = rect.x1 - rect.x0 - t % kPatchTiles * kTileSize;
+    const int height = rect.y1 - rect.y0 - t / kPatchTiles * kTileSize;
+    work.tiles[static_cast<std::size_t>(t)].reset(std::clamp(width, 0, kTileSize),
+                                                  width > 0 ? std::clamp(height, 0, kTileSize) : 0);
+    set_up_rays(frame, rect.x0 + t % kPatchTiles * kTileSize, rect.y0 + t / kPatchTiles * kTileSize,
+                work.rays[static_cast<std::size_t>(t)]);
+  }
   const std::int64_t last = plan.sheets.last;
   for (std::int64_t sheet = plan.sheets.first; sheet < last; sheet += kBlockSheets) {
-    ++stats.blocks_total;
     if (frame.stop.stop_requested()) return;
-    if (frame.stop_opaque && !work.tile.any_open(0, 0, width, height)) {
-      ++stats.skipped_opaque;
-      continue;
-    }
-    const Part part{0, 0, width, height, sheet, std::min<std::int64_t>(sheet + kBlockSheets, last)};
-    const Bounds3 box = box_of(frame, block, part, 0);
-    if (!box.intersects(plan.index_support) || is_clipped_away(frame, block, part)) {
-      ++stats.skipped_empty;
-    } else if (!plan.relevance.any_in(box.min(), box.max()) ||
-               !draw_part(frame, work, part, clock)) {
-      ++(plan.may_matter ? stats.skipped_irrelevant : stats.skipped_empty);
-    } else {
-      ++stats.blocks_drawn;
-    }
+    draw_layer(frame, work, rect, sheet, std::min<std::int64_t>(sheet + kBlockSheets, last), clock);
   }
   clock.lap(kBin);
 }

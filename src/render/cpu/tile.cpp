@@ -20,7 +20,7 @@
 
 namespace ovoid::cpu {
 
-HWY_EXPORT(render_tile_on_target);
+HWY_EXPORT(render_patch_on_target);
 
 namespace {
 
@@ -59,8 +59,8 @@ void choose_target_once() {
 
 }  // namespace
 
-void render_tile(const CpuFrame& frame, Workspace& work, const TileRect& rect) {
-  HWY_DYNAMIC_DISPATCH(render_tile_on_target)(frame, work, rect);
+void render_patch(const CpuFrame& frame, LatticeWorkspace& work, const TileRect& rect) {
+  HWY_DYNAMIC_DISPATCH(render_patch_on_target)(frame, work, rect);
 }
 
 std::string simd_target_in_use() {

@@ -4,13 +4,13 @@
 #include <string>
 #include <vector>
 
-#include "render/cpu/block.h"
+#include "render/cpu/nodes.h"
 
 namespace ovoid::cpu {
 
-// Draws one tile into work.tile with the best SIMD target (or the one that OVOID_TARGET names).
-// Brick sources may throw.
-void render_tile(const CpuFrame& frame, Workspace& work, const TileRect& rect);
+// Draws a patch, or one tile if the frame has no nodes, into work.tiles with the best SIMD target
+// (or the one that OVOID_TARGET names). Brick sources may throw.
+void render_patch(const CpuFrame& frame, LatticeWorkspace& work, const TileRect& rect);
 
 // The target that render_tile() uses, and all that could be used, best first. Throws
 // Error(kInvalidArgument) if OVOID_TARGET names one that this build or machine does not have.

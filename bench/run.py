@@ -80,7 +80,8 @@ class Scene:
         self.sampling_distance = min(spacing)
         os.makedirs(os.path.join(RESULTS, "pictures"), exist_ok=True)
         self.camera = os.path.join(WORK, "camera.json")
-        volumes.write_camera(self.camera, config["views"][row["view"]], dims, spacing, bounds)
+        zoom = row["magnification"] * max(dims) / self.pixels if row["magnification"] else 1
+        volumes.write_camera(self.camera, config["views"][row["view"]], dims, spacing, bounds, zoom)
 
     def picture(self, program, ending):
         return os.path.join(RESULTS, "pictures", f"{self.name}-{program}.{ending}")

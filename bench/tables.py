@@ -16,6 +16,8 @@ def label(row, table):
             words.append(" ".join(value))
         elif key == "pixels":
             words.append(f"{value}^2")
+        elif key == "magnification":
+            words.append(f"{value} pixel{'s' if value > 1 else ''} per voxel")
         elif key == "threads":
             words.append(f"{value} thread{'s' if value > 1 else ''}")
         else:

@@ -64,14 +64,14 @@ def describe(path, ovoid):
     return info["dims"], info["spacing"], info["bounds"]
 
 
-def write_camera(path, view, dims, spacing, bounds):
-    """Half the picture's height is half the volume's longest side, so that a picture of that many pixels has one per voxel."""
+def write_camera(path, view, dims, spacing, bounds, zoom):
+    """Half the picture's height is half the volume's longest side over `zoom`: a picture of so many pixels has `zoom` per voxel."""
     length = math.hypot(*view["direction"])
     direction = [component / length for component in view["direction"]]
     centre = [(lo + hi) / 2 for lo, hi in zip(bounds[0], bounds[1])]
-    half = max(count * step for count, step in zip(dims, spacing)) / 2
+    half = max(count * step for count, step in zip(dims, spacing)) / 2 / zoom
     angle = 30
-    distance = half / math.tan(math.radians(angle / 2)) if not view["parallel"] else 4 * half
+    distance = half / math.tan(math.radians(angle / 2)) if not view["parallel"] else 4 * half * zoom
     camera = {"position": [c + d * distance for c, d in zip(centre, direction)], "focal_point": centre,
               "view_up": [0, 1, 0], "parallel_projection": view["parallel"], "parallel_scale": half, "view_angle": angle}
     with open(path, "w", encoding="ascii") as file:

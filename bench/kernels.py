@@ -8,12 +8,13 @@ start of the process to a written picture, and of the frames after it; how both 
 sizes cost; and VTK's way, which is to put them on a grid of 256^3 first. Needs `make bench` once, which builds the peers."""
 import argparse
 import json
-import math
 import os
 import random
 import subprocess
 import tempfile
 import time
+
+import plots
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
 OVOID = os.path.join(ROOT, "build", "release", "bin", "ovoid")
@@ -82,35 +83,6 @@ def mesh_table(folder, nodes, frames):
     print(f"\nThe fastest of VTK's takes {min(peers.values()) / own['frame_ms']['median']:.1f} times as long.\n")
 
 
-def plot(path, rows):
-    """Start to picture, and frames, by the number of particles, both logarithmic."""
-    width, height, left, bottom = 480, 300, 60, 40
-    decades = (4, 7), (-1, 2)  # 10^4 to 10^7 particles; 0.1 to 100 s
-
-    def place(count, seconds):
-        x = left + (width - left - 20) * (math.log10(count) - decades[0][0]) / (decades[0][1] - decades[0][0])
-        y = height - bottom - (height - bottom - 20) * (math.log10(seconds) - decades[1][0]) / (decades[1][1] - decades[1][0])
-        return f"{x:.1f},{y:.1f}"
-
-    lines = [f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" font-family="sans-serif" font-size="12">',
-             f'<rect width="{width}" height="{height}" fill="white"/>']
-    for power in range(decades[0][0], decades[0][1] + 1):
-        x = place(10 ** power, 1).split(",")[0]
-        lines.append(f'<path d="M{x},20V{height - bottom}" stroke="#ddd"/><text x="{x}" y="{height - 22}" text-anchor="middle">1e{power}</text>')
-    for power in range(decades[1][0], decades[1][1] + 1):
-        y = place(10 ** decades[0][0], 10 ** power).split(",")[1]
-        lines.append(f'<path d="M{left},{y}H{width - 20}" stroke="#ddd"/><text x="{left - 6}" y="{y}" text-anchor="end">{10 ** power:g} s</text>')
-    for name, color, column in (("start to picture", "#0b5fa5", 1), ("frame", "#c0392b", 2)):
-        points = " ".join(place(row[0], row[column]) for row in rows)
-        x, y = place(rows[-1][0], rows[-1][column]).split(",")
-        lines.append(f'<polyline points="{points}" fill="none" stroke="{color}" stroke-width="2"/>'
-                     f'<text x="{float(x) - 8}" y="{float(y) - 8}" text-anchor="end" fill="{color}">{name}</text>')
-    lines.append(f'<path d="M{place(1e5, 0.2)}L{place(1e7, 20)}" stroke="#888" stroke-dasharray="4 4"/>'
-                 f'<text x="{width / 2}" y="{height - 6}" text-anchor="middle">particles (dashed: linear)</text></svg>')
-    with open(path, "w", encoding="utf-8") as file:
-        file.write("\n".join(lines) + "\n")
-
-
 def particle_table(folder, most, frames, picture):
     print("| particles | start to picture, s | frame, ms (least) | greatest memory, MiB |\n|---|---|---|---|")
     count, rows = 10_000, []
@@ -128,7 +100,10 @@ def particle_table(folder, most, frames, picture):
         count *= 10
     print()
     if picture:
-        plot(picture, rows)
+        plots.log_plot(picture, [("start to picture", "#0b5fa5", False, [row[:2] for row in rows]),
+                                 ("frame", "#c0392b", False, [(row[0], row[2]) for row in rows]),
+                                 ("linear", "#888", True, [(1e5, 0.2), (1e7, 20)])], "particles",
+                       [(10 ** power, f"1e{power}") for power in range(4, 8)], [(10 ** power, f"{10 ** power:g} s") for power in range(-1, 3)])
 
 
 def grid_table(folder, count, frames):

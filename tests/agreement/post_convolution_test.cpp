@@ -96,15 +96,22 @@ TEST(PostConvolution, AgreesFromWithin) {
   EXPECT_GE(difference.psnr_db, kLevelsPsnrDb) << difference.to_string();
 }
 
-// Clip planes cut pixels, not nodes.
+// Clip planes cut pixels, not nodes; and nothing may hang on pixels turning opaque.
 TEST(PostConvolution, ClipPlanesStaySharp) {
   const LatticeField field = shells_field();
   Scene scene = magnified(field, semi_transparent_look(0, 1), false, 8);
   const Vec3 normal(-1, 0.6, 0.5);
-  scene.options.clip_planes = {{normal, normal.dot(field.world_bounds().center())}};
-  const ImageDifference difference = compare(drawn(scene, PostConvolution::kAuto).image,
-                                             drawn(scene, PostConvolution::kOff).image);
-  EXPECT_GE(difference.psnr_db, kLevelsPsnrDb) << difference.to_string();
+  for (const bool stops : {true, false}) {
+    scene.options.stop_opaque = stops;
+    for (const bool is_clipped : {true, false}) {
+      scene.options.clip_planes.clear();
+      if (is_clipped)
+        scene.options.clip_planes = {{normal, normal.dot(field.world_bounds().center())}};
+      const ImageDifference difference = compare(drawn(scene, PostConvolution::kAuto).image,
+                                                 drawn(scene, PostConvolution::kOff).image);
+      EXPECT_GE(difference.psnr_db, kLevelsPsnrDb) << difference.to_string();
+    }
+  }
 }
 
 // Missing samples make holes that nodes would not see.

@@ -38,8 +38,10 @@ struct Patch {
 template <class Body>
 inline void for_each_tile(const Patch& patch, const Body& body) {
   for (int y = 0; patch.rect.y0 + y * kTileSize < patch.rect.y1; ++y) {
-    for (int x = 0; patch.rect.x0 + x * kTileSize < patch.rect.x1; ++x)
-      body(static_cast<std::size_t>((patch.tile_y + y) * kPatchTiles + patch.tile_x + x), x, y);
+    for (int x = 0; patch.rect.x0 + x * kTileSize < patch.rect.x1; ++x) {
+      const int tile = (patch.tile_y + y) * kPatchTiles + patch.tile_x + x;
+      body(static_cast<std::size_t>(tile), x, y);
+    }
   }
 }
 
@@ -105,16 +107,23 @@ inline PixelBox box_of_bits(const RowBits& bits, int rows) {
   return box;
 }
 
-// Adds the nodes from which a box of pixels takes its values.
-inline void add_nodes(const PixelBox& box, const NodeWeights& x, const NodeWeights& y,
+// Adds the nodes from which a tile's pixels take their values.
+inline void add_nodes(const RowBits& pixels, int rows, const NodeWeights& x, const NodeWeights& y,
                       RowBits& nodes) {
-  if (box.y1 < box.y0) return;
-  const int first = x.taps[static_cast<std::size_t>(box.x0)];
-  const int last = x.taps[static_cast<std::size_t>(box.x1)] + kNodeTaps - 1;
-  const std::uint32_t columns = (~0U >> (31 - last + first)) << first;
-  for (int row = y.taps[static_cast<std::size_t>(box.y0)];
-       row < y.taps[static_cast<std::size_t>(box.y1)] + kNodeTaps; ++row)
-    nodes[static_cast<std::size_t>(row)] |= columns;
+  for (int py = 0; py < rows; ++py) {
+    std::uint32_t columns = 0;
+    for (std::uint32_t left = pixels[py]; left != 0;) {  // run by run
+      const int first = std::countr_zero(left);
+      const int last = first + std::countr_one(left >> first) - 1;
+      const int from = x.taps[static_cast<std::size_t>(first)];
+      const int past = x.taps[static_cast<std::size_t>(last)] + kNodeTaps;
+      columns |= (~0U >> (32 - past + from)) << from;
+      left &= ~0U << (last + 1);
+    }
+    if (columns == 0) continue;
+    const auto row = static_cast<std::size_t>(y.taps[static_cast<std::size_t>(py)]);
+    for (std::size_t k = 0; k < kNodeTaps; ++k) nodes[row + k] |= columns;
+  }
 }
 
 // Four rows of nodes, or fewer, along x: kRows of them share the loads of the weights.
@@ -171,11 +180,11 @@ inline void bring_up_gradients(const CpuFrame& frame, LatticeWorkspace& work, in
                                const NodeWeights& x, const NodeWeights& y) {
   Block& pixels = work.pixels.block;
   Block& nodes = work.nodes.block;
-  const PixelBox box = box_of_bits(pixels.visible, pixels.rows);
   RowBits missing{};
-  add_nodes(box, x, y, missing);
+  add_nodes(pixels.visible, pixels.rows, x, y, missing);
   for (int row = 0; row < nodes.rows; ++row) missing[row] &= ~nodes.has_gradient[row];
   if (has_bits(missing, nodes.rows)) reconstruct_with_gradients(frame, work.nodes, s, missing);
+  const PixelBox box = box_of_bits(pixels.visible, pixels.rows);
   for (int a = 0; a < 3; ++a) bring_up(nodes.gradient[a], x, y, box, pixels.gradient[a]);
 }
 
@@ -226,12 +235,11 @@ inline void draw_patch_sheet(const CpuFrame& frame, LatticeWorkspace& work, cons
   RowBits wanted{}, guess{};
   for_each_tile(patch, [&](std::size_t t, int x, int y) {
     const RowBits bits = pixels_now(frame, work.tiles[t], work.bits[t], s);
-    add_nodes(box_of_bits(bits, kTileSize), weights.x[x], weights.y[y], wanted);
+    add_nodes(bits, kTileSize, weights.x[x], weights.y[y], wanted);
     // Where something showed on the sheet before, gradients will be wanted, too.
     RowBits likely{};
     for (int row = 0; row < kTileSize; ++row) likely[row] = bits[row] & work.bits[t].visible[row];
-    if (frame.takes_gradients)
-      add_nodes(box_of_bits(likely, kTileSize), weights.x[x], weights.y[y], guess);
+    if (frame.takes_gradients) add_nodes(likely, kTileSize, weights.x[x], weights.y[y], guess);
   });
   if (!has_bits(wanted, nodes.rows)) return;
   nodes.defined[s & (kRingSheets - 1)] = {};
@@ -274,7 +282,8 @@ inline bool bin_tile(const CpuFrame& frame, const Patch& patch, const Block& blo
     }
     const bool is_relevant = plan.relevance.any_in(box.min(), box.max());
     RowBits& rows = bits.relevant[static_cast<std::size_t>(sheet - patch.first_sheet)];
-    for (int y = 0; y < block.y1; ++y) rows[y] = is_relevant ? columns : 0U;
+    rows = {};
+    if (is_relevant) std::fill_n(rows.begin(), block.y1, columns);
     any |= is_relevant;
   }
   return any;
@@ -300,8 +309,11 @@ inline bool bin_patch(const CpuFrame& frame, LatticeWorkspace& work, const Patch
       set_up_block(frame, block, part, box);
       bits.any_relevant =
           !is_clipped_away(frame, block, part) && bin_region(frame, block, tile, box) > 0;
-      for (int s = 0; s < block.num_sheets && bits.any_relevant; ++s)
-        bits.relevant[static_cast<std::size_t>(s)] = block.relevant[s];
+      for (int s = 0; s < block.num_sheets && bits.any_relevant; ++s) {
+        RowBits& rows = bits.relevant[static_cast<std::size_t>(s)];
+        rows = {};
+        std::copy_n(block.relevant[s].begin(), block.rows, rows.begin());
+      }
     }
     any |= bits.any_relevant;
   });

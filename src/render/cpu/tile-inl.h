@@ -211,12 +211,26 @@ inline void draw_tiles_layer(const CpuFrame& frame, LatticeWorkspace& work, cons
   });
 }
 
+// Nothing more can be seen.
+inline bool is_closed(const CpuFrame& frame, const TileState& tile) {
+  return frame.stop_opaque && !tile.any_open(0, 0, kTileSize, kTileSize);
+}
+
+inline bool is_closed(const CpuFrame& frame, const LatticeWorkspace& work, const Patch& patch) {
+  bool are_closed = true;
+  for_each_tile(patch, [&](std::size_t t, int, int) {
+    are_closed = are_closed && is_closed(frame, work.tiles[t]);
+  });
+  return are_closed;
+}
+
 // A patch from nodes if they save anything and all of them are inside, else tile by tile.
 inline void draw_patch_layer(const CpuFrame& frame, LatticeWorkspace& work, Patch patch,
                              StageClock& clock) {
   patch.nodes_x = nodes_for(patch.pitch, patch.rect.x0, patch.rect.x1 - 1);
   patch.nodes_y = nodes_for(patch.pitch, patch.rect.y0, patch.rect.y1 - 1);
-  const PatchResult result = draw_patch(frame, work, patch, clock);
+  const PatchResult result = is_closed(frame, work, patch) ? PatchResult::kNothingRelevant
+                                                           : draw_patch(frame, work, patch, clock);
   if (result == PatchResult::kTooLarge) {
     Patch half = patch;
     half.last_sheet = (patch.first_sheet + patch.last_sheet) / 2;
@@ -233,14 +247,11 @@ inline void draw_patch_layer(const CpuFrame& frame, LatticeWorkspace& work, Patc
   WorkerStats& stats = work.pixels.stats;
   for_each_tile(patch, [&](std::size_t t, int, int) {
     ++stats.blocks_total;
-    ++(result == PatchResult::kDrawn && work.bits[t].any_relevant ? stats.blocks_drawn
-                                                                  : stats.skipped_irrelevant);
-  });
-}
-
-inline bool any_open(const LatticeWorkspace& work, int num_tiles) {
-  return std::any_of(work.tiles.begin(), work.tiles.begin() + num_tiles, [](const TileState& tile) {
-    return tile.any_open(0, 0, kTileSize, kTileSize);
+    if (result == PatchResult::kDrawn && work.bits[t].any_relevant) {
+      ++stats.blocks_drawn;
+    } else {
+      ++(is_closed(frame, work.tiles[t]) ? stats.skipped_opaque : stats.skipped_irrelevant);
+    }
   });
 }
 

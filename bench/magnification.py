@@ -81,7 +81,7 @@ def main():
     if options.plot:
         plots.log_plot(options.plot, [("with nodes", "#0b5fa5", False, lines["auto"]), ("every pixel", "#c0392b", False, lines["off"]),
                                       ("scattered", "#888", False, lines["scatter"])], "pixels per voxel",
-                       [(m, f"{m:g}") for m in (1, 2, 4, 8, 16)], [(ms, f"{ms:g} ms") for ms in (50, 100, 200, 500, 1000, 2000, 5000)])
+                       [(m, f"{m:g}") for m in (1, 2, 4, 8, 16)], [(ms, f"{ms:g} ms") for ms in (100, 200, 500, 1000, 2000, 5000, 10000, 20000)])
 
 
 if __name__ == "__main__":

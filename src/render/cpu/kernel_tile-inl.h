@@ -12,8 +12,8 @@
 #define OVOID_RENDER_CPU_KERNEL_TILE_INL_H_
 #endif
 
-#include "render/cpu/composite-inl.h"
 #include "render/cpu/differences-inl.h"
+#include "render/cpu/finish-inl.h"
 #include "render/cpu/kernel_surface-inl.h"
 #include "render/cpu/post_convolve-inl.h"
 #include "render/cpu/scatter_kernels-inl.h"
@@ -203,27 +203,9 @@ inline void finish_window_sheet(const KernelFrame& frame, KernelWorkspace& work,
   }
   RowBits bits = visible_candidates(frame, block, tile, s);
   drop_clipped(common, block, s, bits);
-  if (common.mode != Mode::kComposite) {
-    accumulate_sheet(common, block, tile, s, bits);
-    clock.lap(kComposite);
-    return;
-  }
-  classify_sheet(common, block, s, bits);
-  std::int64_t num_visible = 0;
-  for (int y = 0; y < block.rows; ++y) num_visible += std::popcount(block.visible[y]);
-  clock.lap(kShade);
-  if (num_visible == 0) return;
-  work.shading.stats.samples_shaded += num_visible;
-  if (common.has_own_color) color_sheet(common, block, work.color_window[s & (kRingSheets - 1)]);
-  if (common.takes_gradients) {
-    difference_gradients(common, work.shading, s);
-    clock.lap(kGradient);
-  }
-  if (common.corrects_late) correct_sheet(common, block, s);
-  if (common.shade) light_sheet(common, block);
-  clock.lap(kShade);
-  composite_sheet(block, tile, s);
-  clock.lap(kComposite);
+  finish_samples(common, block, tile, work.shading.stats, s, bits,
+                 work.color_window[s & (kRingSheets - 1)], clock,
+                 [&] { difference_gradients(common, work.shading, s); });
 }
 
 // Sheets [first, last) of the frame, whose neighbours are in the ring, on all subtiles.

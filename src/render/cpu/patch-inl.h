@@ -14,12 +14,11 @@
 #endif
 
 #include "render/cpu/block-inl.h"
-#include "render/cpu/composite-inl.h"
+#include "render/cpu/finish-inl.h"
 #include "render/cpu/gradient-inl.h"
 #include "render/cpu/load-inl.h"
 #include "render/cpu/nodes.h"
 #include "render/cpu/reconstruct-inl.h"
-#include "render/cpu/shade-inl.h"
 #include "render/cpu/ticks.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -197,25 +196,9 @@ inline void finish_patch_tile(const CpuFrame& frame, LatticeWorkspace& work, Til
   bring_up(work.nodes.block.values[s & (kRingSheets - 1)], x, y, box_of_bits(bits, block.rows),
            block.values[s & (kRingSheets - 1)]);
   clock.lap(kReconstruct);
-  if (frame.mode != Mode::kComposite) {
-    accumulate_sheet(frame, block, tile, s, bits);
-    clock.lap(kComposite);
-    return;
-  }
-  classify_sheet(frame, block, s, bits);
-  clock.lap(kShade);
-  if (!has_bits(block.visible, block.rows)) return;
-  of_tile.visible = block.visible;
-  work.pixels.stats.samples_shaded += count_bits(block, block.visible);
-  if (frame.takes_gradients) {
-    bring_up_gradients(frame, work, s, x, y);
-    clock.lap(kGradient);
-  }
-  if (frame.corrects_late) correct_sheet(frame, block, s);
-  if (frame.shade) light_sheet(frame, block);
-  clock.lap(kShade);
-  composite_sheet(block, tile, s);
-  clock.lap(kComposite);
+  if (finish_samples(frame, block, tile, work.pixels.stats, s, bits, nullptr, clock,
+                     [&] { bring_up_gradients(frame, work, s, x, y); }))
+    of_tile.visible = block.visible;
 }
 
 // Pixels of a tile that are looked at on sheet s.

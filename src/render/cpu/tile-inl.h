@@ -10,7 +10,7 @@
 
 #include "render/cpu/bin-inl.h"
 #include "render/cpu/block-inl.h"
-#include "render/cpu/composite-inl.h"
+#include "render/cpu/finish-inl.h"
 #include "render/cpu/gradient-inl.h"
 #include "render/cpu/isosurface-inl.h"
 #include "render/cpu/load-inl.h"
@@ -63,25 +63,8 @@ inline void finish_sheet(const CpuFrame& frame, Workspace& work, int s, StageClo
   }
   if (frame.is_preintegrated && s < block.front_margin) return;  // the block before has drawn it
   const RowBits bits = relevant_now(frame, block, tile, s);
-  if (frame.mode != Mode::kComposite) {
-    accumulate_sheet(frame, block, tile, s, bits);
-    clock.lap(kComposite);
-    return;
-  }
-  classify_sheet(frame, block, s, bits);
-  const std::int64_t num_visible = count_bits(block, block.visible);
-  clock.lap(kShade);
-  if (num_visible == 0) return;
-  work.stats.samples_shaded += num_visible;
-  if (frame.takes_gradients) {
-    gradient_of_sheet(frame, work, s);
-    clock.lap(kGradient);
-  }
-  if (frame.corrects_late) correct_sheet(frame, block, s);
-  if (frame.shade) light_sheet(frame, block);
-  clock.lap(kShade);
-  composite_sheet(block, tile, s);
-  clock.lap(kComposite);
+  finish_samples(frame, block, tile, work.stats, s, bits, nullptr, clock,
+                 [&] { gradient_of_sheet(frame, work, s); });
 }
 
 inline void run_sheets(const CpuFrame& frame, Workspace& work, bool is_scattered,

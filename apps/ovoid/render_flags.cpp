@@ -25,6 +25,7 @@ const Names<PostConvolution> kPostConvolutions = {{"off", PostConvolution::kOff}
                                                   {"gaussian", PostConvolution::kGaussian},
                                                   {"cubic", PostConvolution::kCubic},
                                                   {"auto", PostConvolution::kAuto}};
+const Names<Spread> kSpreads = {{"gaussian", Spread::kGaussian}, {"bilinear", Spread::kBilinear}};
 const Names<Backend> kBackends = {
     {"auto", Backend::kAuto}, {"cpu", Backend::kCpu}, {"reference", Backend::kReference}};
 
@@ -79,8 +80,11 @@ void add_number_flags(Flags& flags, RenderOptions* options) {
          &options->evaluate);
   choice(flags, "--post-convolution", kPostConvolutions,
          "magnified sheets are sampled at nodes, large kernels of a set on coarser levels; the "
-         "three by name, of lattices, are published ways that blur",
+         "three by name are published ways that blur",
          &options->post_convolution);
+  choice(flags, "--spread", kSpreads,
+         "samples add to nodes by their kernel, or in the published ways to the four around",
+         &options->spread);
   flags.repeatable(
       "--clip", "NX,NY,NZ,D", "keep points with n.x >= D, world (repeatable)",
       [options](const std::string& text) {

@@ -28,14 +28,20 @@ enum class Classification { kSampled, kPreintegrated };
 // visits all kernels of its block.
 enum class Evaluate { kAuto, kGather, kScatter };
 
-// Large kernels of a set may be summed on a coarser level of the view lattice, whose samples are
-// then brought to the finer one (docs/numerics.md, "Levels"): the cost of a kernel is bounded
-// whatever its size in the picture. Off: every kernel is summed on the samples themselves.
-// How sheets finer than the field are made: every sample from the kernels (kOff), or from samples
-// at nodes some pixels apart (docs/numerics.md, "Post-convolution"). kAuto: nodes as far apart as
-// the picture bears it (50 dB). The others, of lattices alone, are the published ways with a node
-// per spacing, for comparison: they blur.
+// How sheets finer than the field are made (docs/numerics.md, "Post-convolution"): every sample
+// from the kernels (kOff), or from coarser samples that a filter brings to the pixels, of a lattice
+// from nodes some pixels apart, of a kernel set from levels whose samples are 2, 4, 8, ... pixels
+// wide. kAuto: as coarse as the picture bears it (50 dB). The others are the published ways, with a
+// node per spacing or sigmas of half a sample, for comparison: they blur.
 enum class PostConvolution { kOff, kBilinear, kGaussian, kCubic, kAuto };
+constexpr bool is_published(PostConvolution how) {
+  return how != PostConvolution::kOff && how != PostConvolution::kAuto;
+}
+
+// How a lattice's samples add to nodes: by their kernel, or, as published, shared among the four
+// nodes around (2 x 2 patterns and blur, for comparison). With a published way of post-convolution
+// only.
+enum class Spread { kGaussian, kBilinear };
 
 // A half space: points with dot(normal, x) >= offset are kept (world). `normal` need not have unit
 // length.
@@ -54,6 +60,7 @@ struct RenderOptions {
   Classification classification = Classification::kSampled;
   Evaluate evaluate = Evaluate::kAuto;
   PostConvolution post_convolution = PostConvolution::kAuto;
+  Spread spread = Spread::kGaussian;
   std::vector<ClipPlane> clip_planes;  // at most kMaxClipPlanes
   bool skip_irrelevant = true;  // off: every block is reconstructed (time changes, pixels do not)
   bool stop_opaque =

@@ -9,6 +9,19 @@
 #include "render/reference/reference_renderer.h"
 
 namespace ovoid {
+namespace {
+
+// Bilinear spread is a weighted mean of a lattice's samples. Throws Error(kUnsupported).
+void require_spread(const Field& field, const RenderOptions& options) {
+  if (options.spread == Spread::kGaussian) return;
+  if (field.kernels() != nullptr)
+    throw Error(ErrorCode::kUnsupported, "spread: bilinear is for lattices");
+  if (field.lattice()->reconstruction() == Reconstruction::kSum)
+    throw Error(ErrorCode::kUnsupported, "spread: bilinear is for normalized lattices, not sums");
+}
+
+}  // namespace
+
 struct Renderer::Impl {
   Backend backend;
   std::unique_ptr<cpu::Runner> runner;
@@ -34,6 +47,7 @@ Frame Renderer::render(const Field& field, const Camera& camera, const Look& loo
   look.validate();
   options.validate();
   const bool is_reference = impl_->backend == Backend::kReference;
+  require_spread(field, options);
   if (const KernelField* kernels = field.kernels()) {
     if (is_reference)
       return reference::render(*kernels, camera, look, options, hooks,

@@ -179,10 +179,13 @@ Vec3 LatticePlan::widening(std::int64_t sheet) const {
 }
 
 double LatticePlan::node_pitch(PostConvolution how, std::int64_t sheet) const {
-  const SheetMap map = lattice.index_map(sheet);
+  if (how == PostConvolution::kOff) return 1.0;
+  // Pixels are widest on the layer's rearmost sheet.
+  const SheetMap map = lattice.index_map(next_layer(sheet) - 1);
   const double step = std::max(map.per_x.norm(), map.per_y.norm());  // of a pixel, spacings
   const double reach = how == PostConvolution::kAuto ? node_reach_ : 1.0;
-  return step > 0 ? reach / step : std::numeric_limits<double>::infinity();
+  const double pitch = step > 0 ? reach / step : kGreatestNodePitch;
+  return pitch < kLeastNodePitch ? 1.0 : std::min(pitch, kGreatestNodePitch);
 }
 
 }  // namespace ovoid::view

@@ -59,8 +59,8 @@ struct LatticePlan : FramePlan {
   // Factors by which kernels are widened along each lattice axis on a sheet.
   Vec3 widening(std::int64_t sheet) const;
 
-  // Pixels between the nodes at which a sheet is sampled (docs/numerics.md, "Post-convolution").
-  // Under 1: pixels are no farther apart than nodes may be.
+  // Pixels between the nodes at which a sheet is sampled, 1 if it is sampled at its pixels
+  // (docs/numerics.md, "Post-convolution"). The same for the kNodeSheets sheets of a layer.
   double node_pitch(PostConvolution how, std::int64_t sheet) const;
 
  private:
@@ -69,14 +69,26 @@ struct LatticePlan : FramePlan {
   Vec3 widening_limit_;  // a kernel stays under a quarter of the lattice's extent
 };
 
-// Distance of nodes in sigmas of the lattice's kernel: what kAuto allows, so that pictures keep
-// 50 dB to those without; the published ways have a node per spacing.
-inline constexpr double kNodeSigmas = 0.9;
+// What kAuto keeps: the distance of nodes in sigmas of the lattice's kernel is such that pictures
+// have this PSNR, dB, to those of kOff. The published ways have a node per spacing.
+inline constexpr double kNodeDecibels = 50;
+inline constexpr double kNodeSigmas = 0.8;
 // Looks that are steeper than this, in opacity over the field's range, have closer nodes: by the
 // fourth root, since the error of interpolation falls with about the fourth power of their distance
 // where edges are as sharp as samples can show.
 inline constexpr double kNodeSteepness = 10;
 inline constexpr double kMostSteepness = 400;
+// Layers: sheets [q kNodeSheets, (q + 1) kNodeSheets) share their nodes' places in the picture.
+inline constexpr std::int64_t kNodeSheets = 16;
+// Fewer pixels per node save nothing.
+inline constexpr double kLeastNodePitch = 1.45;
+inline constexpr double kGreatestNodePitch = 64.0;
+
+// The first sheet of the layer behind that of a sheet.
+constexpr std::int64_t next_layer(std::int64_t sheet) {
+  const std::int64_t within = (sheet % kNodeSheets + kNodeSheets) % kNodeSheets;
+  return sheet - within + kNodeSheets;
+}
 
 // The most sheets a frame may have; finer sampling distances are refused.
 inline constexpr std::int64_t kMaxSheets = std::int64_t{1} << 20;

@@ -38,7 +38,8 @@ bool takes_the_mean(const Look& look, const RenderOptions& options) {
 KernelPlan::KernelPlan(const KernelField& field, const Camera& camera, const Look& look,
                        const RenderOptions& options)
     : FramePlan(field, world_geometry(), camera, look, options),
-      is_mean(takes_the_mean(look, options)) {
+      is_mean(takes_the_mean(look, options)),
+      overshoot(is_published(options.post_convolution) ? kOvershootSigmas : 0.0) {
   if (field.has_own_color()) color_table.emplace(color_function_of(look));
   const double cutoff = field.source().cutoff();
   // Along the view axis no kernel is narrower than half a sheet.
@@ -98,8 +99,9 @@ BlockRange KernelPlan::blocks_touching(const double lateral_lo[2], const double 
   }
   for (int a = 0; a < 2; ++a) {
     const double center = a == 0 ? space.center_x : space.center_y;
-    const double lo = lateral_lo[a] * (lateral_lo[a] < 0 ? scale_hi : scale_lo) + center;
-    const double hi = lateral_hi[a] * (lateral_hi[a] > 0 ? scale_hi : scale_lo) + center;
+    const double beyond = overshoot > 0 ? kOvershootSamples * kWidestSample : 0.0;
+    const double lo = lateral_lo[a] * (lateral_lo[a] < 0 ? scale_hi : scale_lo) + center - beyond;
+    const double hi = lateral_hi[a] * (lateral_hi[a] > 0 ? scale_hi : scale_lo) + center + beyond;
     // A tile's samples begin one before its pixels and end one behind them.
     range.lo[a] = clamp_block(std::ceil((lo - kBlockEdge - 1e-3) / kBlockEdge), num_blocks[a]);
     range.hi[a] = clamp_block(std::floor((hi + 1 + 1e-3) / kBlockEdge) + 1, num_blocks[a]);

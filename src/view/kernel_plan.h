@@ -53,12 +53,20 @@ struct SplatSpace {
   double scale(double depth) const noexcept { return is_parallel ? 1.0 : focal_depth / depth; }
 };
 
+// Published ways of post-convolution sum kernels on samples up to two sigmas wide, at most
+// kWidestSample pixels, and their filters reach two of them on every level: fewer than four
+// together. What the interpolation of kAuto carries beyond a kernel's cut is nothing to speak of.
+inline constexpr double kOvershootSamples = 4;
+inline constexpr double kOvershootSigmas = 2 * kOvershootSamples;
+inline constexpr double kWidestSample = 64;
+
 struct KernelPlan : FramePlan {
   KernelPlan(const KernelField& field, const Camera& camera, const Look& look,
              const RenderOptions& options);
 
   SplatSpace space;
   bool is_mean;                           // samples are means over their slabs
+  double overshoot = 0;                   // how far filters carry kernels, sigmas of their cuts
   int num_blocks[3];                      // along x, y and s
   std::vector<std::uint8_t> is_needed;    // [s][y][x]: its kernels are wanted
   std::vector<std::uint8_t> is_relevant;  // [s][y][x]: it can show; relevant blocks are needed

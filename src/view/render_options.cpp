@@ -26,6 +26,10 @@ void RenderOptions::validate() const {
   require(std::isfinite(sampling_distance) && sampling_distance >= 0,
           fmt::format("sampling_distance = {}: must be > 0, or 0 for the field's own",
                       sampling_distance));
+  require(
+      spread == Spread::kGaussian ||
+          (post_convolution != PostConvolution::kOff && post_convolution != PostConvolution::kAuto),
+      "spread: bilinear needs a published way of post-convolution: bilinear, gaussian or cubic");
   require(clip_planes.size() <= kMaxClipPlanes,
           fmt::format("clip_planes: {} given, at most {} are possible", clip_planes.size(),
                       kMaxClipPlanes));

@@ -168,6 +168,11 @@ Camera askew_camera(const Field& field, bool is_parallel, double fill) {
                      : perspective_camera(bounds.center(), direction, half_height, 4 * half_height);
 }
 
+const char* name_of(PostConvolution published) {
+  if (published == PostConvolution::kBilinear) return "bilinear";
+  return published == PostConvolution::kGaussian ? "gaussian" : "cubic";
+}
+
 Scene small_scene(Mode mode, bool is_parallel) {
   const Index3 dims{12, 11, 13};
   FieldSetup setup;

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -58,6 +59,10 @@ struct Scene {
 // A view from no axis' direction that shows the whole field, its bounding sphere `fill` times as
 // high as the picture.
 Camera askew_camera(const Field& field, bool is_parallel, double fill = 1.0);
+
+inline constexpr std::array kPublishedWays = {PostConvolution::kBilinear,
+                                              PostConvolution::kGaussian, PostConvolution::kCubic};
+const char* name_of(PostConvolution published);
 
 // 12 x 11 x 13 samples on oblique axes with all of it in a picture of 24 x 20: small enough for the
 // reference's slab means.

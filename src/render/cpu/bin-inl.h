@@ -92,7 +92,7 @@ HWY_INLINE RowMasks bin_row(const CpuFrame& frame, const Block& block, int s, in
     masks.inside |= inside << column;
     masks.relevant |= relevant << column;
   }
-  const std::uint32_t row_mask = block.columns == 32 ? ~0U : (1U << block.columns) - 1U;
+  const std::uint32_t row_mask = (1U << block.columns) - 1U;
   masks.inside &= row_mask;
   masks.relevant &= row_mask;
   return masks;
@@ -102,7 +102,7 @@ HWY_INLINE RowMasks bin_row(const CpuFrame& frame, const Block& block, int s, in
 inline void dilate_active(Block& block, const RowBits* inside) {
   for (int s = 0; s < block.num_sheets; ++s) {
     for (int y = 0; y < block.rows; ++y) {
-      std::uint32_t bits = block.relevant[s][y];
+      RowWord bits = block.relevant[s][y];
       bits |= bits << 1 | bits >> 1;
       if (y > 0) bits |= block.relevant[s][y - 1];
       if (y + 1 < block.rows) bits |= block.relevant[s][y + 1];
@@ -113,21 +113,23 @@ inline void dilate_active(Block& block, const RowBits* inside) {
   }
 }
 
-// The box of samples that active samples reach. Positions are affine along a row, so its first and
-// last active sample bound it.
-inline void bound_region(const CpuFrame& frame, Block& block) {
+// The box of samples that active samples reach, by the kernels' support or farther. Positions are
+// affine along a row, so its first and last active sample bound it.
+inline void bound_region(const CpuFrame& frame, Block& block,
+                         const Vec3& least_reach = Vec3::Zero()) {
   float lo[3] = {1e30F, 1e30F, 1e30F};
   float hi[3] = {-1e30F, -1e30F, -1e30F};
   for (int s = 0; s < block.num_sheets; ++s) {
     const SheetSetup& sheet = block.sheets[s];
     for (int y = 0; y < block.rows; ++y) {
-      const std::uint32_t bits = block.active[s][y];
+      const RowWord bits = block.active[s][y];
       if (bits == 0) continue;
-      for (const int x : {std::countr_zero(bits), 31 - std::countl_zero(bits)}) {
+      for (const int x : {std::countr_zero(bits), 63 - std::countl_zero(bits)}) {
         for (int a = 0; a < 3; ++a) {
           const float u = sheet.base[a] + static_cast<float>(y) * sheet.per_y[a] +
                           static_cast<float>(x) * sheet.per_x[a];
-          float reach = frame.support * sheet.widening[a];
+          float reach =
+              std::max(frame.support * sheet.widening[a], static_cast<float>(least_reach[a]));
           if (frame.num_slab_nodes > 1) {
             reach += 0.5F * std::abs(sheet.step[a] + static_cast<float>(x) * sheet.step_per_x[a] +
                                      static_cast<float>(y) * sheet.step_per_y[a]);

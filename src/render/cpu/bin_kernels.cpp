@@ -132,11 +132,12 @@ void for_each_block(const view::KernelPlan& plan, const std::vector<Layer>& laye
       const float share = (t0 > 0 ? t0 : t1) / splat.reach_s;
       width = std::sqrt(std::max(0.0F, 1.0F - share * share)) + 1e-3F;
     }
+    const float beyond = static_cast<float>(plan.overshoot) * splat.minor;
     const auto span = [&](float at, float slope, float extent, float center, int count) {
       const float a = slope * t0;
       const float b = slope * t1;
-      const float lo = at + std::min(a, b) - extent * width;
-      const float hi = at + std::max(a, b) + extent * width;
+      const float lo = at + std::min(a, b) - extent * width - beyond;
+      const float hi = at + std::max(a, b) + extent * width + beyond;
       return span_of(center + lo * (lo < 0 ? layer.scale_hi : layer.scale_lo),
                      center + hi * (hi > 0 ? layer.scale_hi : layer.scale_lo), count);
     };

@@ -66,10 +66,23 @@ struct SampleGrid {
 
 // Positions are affine in the sheet's number, too: every sheet's map is the first one's plus a
 // multiple of `step`.
+struct SheetMaps {
+  view::SheetMap first, step;
+};
+
+inline SheetMaps sheet_maps(const CpuFrame& frame, std::int64_t first_sheet) {
+  SheetMaps maps{frame.plan->lattice.index_map(first_sheet),
+                 frame.plan->lattice.index_map(first_sheet + 1)};
+  maps.step.origin -= maps.first.origin;
+  maps.step.per_x -= maps.first.per_x;
+  maps.step.per_y -= maps.first.per_y;
+  return maps;
+}
+
 inline void set_up_sheet(const CpuFrame& frame, Block& block, const SampleGrid& grid, int s,
-                         const view::SheetMap& first, const view::SheetMap& step,
-                         const Vec3& widening) {
+                         const SheetMaps& maps, const Vec3& widening) {
   const view::ViewLattice& lattice = frame.plan->lattice;
+  const auto& [first, step] = maps;
   SheetSetup& setup = block.sheets[s];
   for (int a = 0; a < 3; ++a) {
     const double per_x = first.per_x[a] + s * step.per_x[a];
@@ -95,15 +108,11 @@ inline void set_up_sheets(const CpuFrame& frame, Block& block, const SampleGrid&
                           const Bounds3& box) {
   for (int a = 0; a < 3; ++a) block.origin[a] = static_cast<std::int64_t>(std::floor(box.min()[a]));
   const view::LatticePlan& plan = *frame.lattice_plan;
-  const view::SheetMap first = plan.lattice.index_map(block.first_sheet);
-  view::SheetMap step = plan.lattice.index_map(block.first_sheet + 1);
-  step.origin -= first.origin;
-  step.per_x -= first.per_x;
-  step.per_y -= first.per_y;
+  const SheetMaps maps = sheet_maps(frame, block.first_sheet);
   Vec3 widening = plan.widening(block.first_sheet);
   for (int s = 0; s < block.num_sheets; ++s) {
     if (!frame.is_parallel) widening = plan.widening(block.first_sheet + s);
-    set_up_sheet(frame, block, grid, s, first, step, widening);
+    set_up_sheet(frame, block, grid, s, maps, widening);
   }
 }
 

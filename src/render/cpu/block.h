@@ -28,7 +28,9 @@ inline constexpr int kTileSize = 16;  // pixels: the largest SIMD group is 16 la
                                       // 16^3 samples reads few kernels twice
 inline constexpr int kBlockSheets = 16;  // sheets, before splitting
 inline constexpr int kMaxMargin = 1;
-inline constexpr int kPlaneStride = 32;  // floats: as many as a row has bits
+// Floats: a row of bits has that many and more. Not a power of two, for the rows of ten planes to
+// share the L1 cache.
+inline constexpr int kPlaneStride = 56;
 inline constexpr int kMaxPlaneRows = kPlaneStride;
 inline constexpr int kPatchTiles = 4;  // tiles along a side of a patch, which share nodes (nodes.h)
 inline constexpr int kPatchSize = kPatchTiles * kTileSize;
@@ -41,7 +43,8 @@ inline constexpr int kRegionBeyond =
 inline constexpr std::int64_t kMaxRegionSamples =
     72 * 1024;  // 288 KiB of floats, over half an L2 cache: larger blocks are split
 
-using RowBits = std::array<std::uint32_t, kMaxPlaneRows>;
+using RowWord = std::uint64_t;  // bit x for sample x
+using RowBits = std::array<RowWord, kMaxPlaneRows>;
 
 // What one sheet of a block looks like from the samples: index position relative to the block's
 // origin, u = base + x per_x + y per_y for sample (x, y) of the plane, and how kernels are widened
@@ -52,7 +55,7 @@ struct SheetSetup {
                                                 // x step_per_x + y step_per_y
   float widening[3];
   float depth;
-  float inverse_pitch;  // 1 / width of a pixel, world
+  float inverse_pitch;  // 1 / distance of neighbouring samples, world
   float near_cut;       // where the slab begins: -1/2, or later behind the near plane, in sheets
 };
 
@@ -85,7 +88,7 @@ struct alignas(64) TileRays {
   float eye[3][TileState::kPixels];  // direction to the eye, unit length
 };
 
-// Pixels of the picture, half open; at most kTileSize on a side.
+// Pixels of the picture, half open.
 struct TileRect {
   int x0, y0, x1, y1;
 };
@@ -156,11 +159,12 @@ struct FloatBuffer {
 
 struct Workspace {
   Block block;
-  TileState* tile = nullptr;  // the one in hand
-  FloatBuffer samples;        // region: values, 0 where missing
-  FloatBuffer presence;       // region: 1 where a kernel exists, else 0; only if has_missing
-  FloatBuffer taps;           // general gathering: weights of one sample
-  FloatBuffer splats;         // scatter: numerators and denominators of all sheets
+  TileState* tile = nullptr;       // the one in hand
+  const float* samples = nullptr;  // region: values, 0 where missing
+  FloatBuffer sample_memory;       // where they are, unless they are shared
+  FloatBuffer presence;            // region: 1 where a kernel exists, else 0; only if has_missing
+  FloatBuffer taps;                // general gathering: weights of one sample
+  FloatBuffer splats;              // scatter: numerators and denominators of all sheets
   WorkerStats stats;
 };
 

@@ -92,6 +92,31 @@ inline void accumulate_sheet(const CpuFrame& frame, Block& block, TileState& til
   }
 }
 
+// X-ray and mean: the sum of `num_sheets` sheets' values at once, all of them defined and their
+// paths whole, the first of them at `depth`.
+inline void accumulate_sum(const CpuFrame& frame, const Block& block, TileState& tile,
+                           int num_sheets, float depth) {
+  const std::uint32_t all = (1U << block.columns) - 1U;
+  for (int y = 0; y < block.rows; ++y) {
+    for_each_group(all, 0, block.columns, [&](int column, std::uint32_t lanes) {
+      const M mask = mask_of(lanes);
+      const int to = tile_index(block, column, y);
+      const M seen = mask_of(tile.seen[y] >> column & group_bits());
+      const V length =
+          hn::Mul(ray_length(frame, block, column, y), hn::Set(d, frame.sampling_distance));
+      const V sum = hn::IfThenElseZero(seen, hn::LoadU(d, tile.best + to));
+      const V value = hn::LoadU(d, block.values[0] + y * kPlaneStride + column);
+      store_masked(mask, hn::MulAdd(value, length, sum), tile.best + to);
+      store_masked(mask,
+                   hn::MulAdd(hn::Set(d, static_cast<float>(num_sheets)), length,
+                              hn::LoadU(d, tile.path + to)),
+                   tile.path + to);
+      store_masked(hn::AndNot(seen, mask), hn::Set(d, depth), tile.depth + to);
+    });
+    tile.seen[y] |= all;
+  }
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace ovoid::cpu
 HWY_AFTER_NAMESPACE();

@@ -83,16 +83,20 @@ void decide_relevance(view::LatticePlan& plan, Runner& runner) {
   plan.relevance.finish();
 }
 
-// Where neighbours' values are compared, or kernels are not gathered, every pixel is a sample.
-bool can_have_nodes(const CpuFrame& frame) {
-  return frame.post_convolution != PostConvolution::kOff && frame.has_four_taps &&
-         frame.mode != Mode::kIsosurface && !frame.is_preintegrated && !frame.central_gradient &&
-         frame.evaluate != Evaluate::kScatter;
+constexpr float kLeastCutoff = 3.99F;  // sigmas: less than a thousandth of a kernel is cut off
+
+// kAuto keeps its bound where the field is as smooth as its kernel, and the gradient no difference
+// of neighbours, which would be as far apart as nodes.
+bool keeps_bound(const CpuFrame& frame) {
+  const bool is_smooth =
+      !frame.is_sum && frame.sigma >= 0.25F && frame.support >= kLeastCutoff * frame.sigma;
+  return is_smooth && !frame.central_gradient;
 }
 
-bool magnifies(const view::LatticePlan& plan, PostConvolution how) {
+bool has_nodes(const CpuFrame& frame, const view::LatticePlan& plan) {
+  if (frame.post_convolution == PostConvolution::kAuto && !keeps_bound(frame)) return false;
   return plan.sheets.first < plan.sheets.last &&
-         plan.node_pitch(how, plan.sheets.first) >= kLeastPitch;
+         plan.node_pitch(frame.post_convolution, plan.sheets.first) > 1.0;
 }
 
 // The tiles of a patch, or the one tile, become pixels.
@@ -134,7 +138,10 @@ Frame render(const LatticeField& field, const Camera& camera, const Look& look,
   set_look(frame, field.value_range(), look, plan, tables);
   const bool is_mean = options.slab == Slab::kMean;
   set_slab_nodes(frame, is_mean ? slab_nodes_for(field, plan.lattice) : 1);
-  frame.central_gradient = options.gradient == GradientMethod::kCentral && frame.takes_gradients;
+  frame.spread = options.spread;
+  const bool takes_differences =
+      options.gradient == GradientMethod::kCentral || frame.spread == Spread::kBilinear;
+  frame.central_gradient = takes_differences && frame.takes_gradients;
   frame.corrects_gradient = options.gradient != GradientMethod::kExact && !frame.is_sum;
   frame.evaluate = options.evaluate;
   frame.stop_opaque = options.stop_opaque;
@@ -142,7 +149,8 @@ Frame render(const LatticeField& field, const Camera& camera, const Look& look,
   frame.has_four_taps = frame.support == 2.0F && frame.sigma >= 0.25F && frame.sigma <= 2.0F &&
                         !frame.is_sum && !is_mean;
   frame.post_convolution = options.post_convolution;
-  frame.samples_at_nodes = can_have_nodes(frame) && magnifies(plan, options.post_convolution);
+  frame.samples_at_nodes = has_nodes(frame, plan);
+  frame.takes_pieces = frame.is_preintegrated || frame.mode == Mode::kIsosurface;
   const int edge = field.source().brick_edge();
   out.profile.kernels_drawn =
       std::min(field.num_kernels(), plan.relevance.num_relevant() * edge * edge * edge);

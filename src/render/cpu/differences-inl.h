@@ -21,11 +21,14 @@ struct WorldVector {
   V x, y, z;
 };
 
-HWY_INLINE void store_gradient(Block& block, int column, int row, const WorldVector& g) {
+// Of the samples named by `lanes` alone: their neighbours may have theirs already.
+HWY_INLINE void store_gradient(Block& block, int column, int row, std::uint32_t lanes,
+                               const WorldVector& g) {
   const int at = row * kPlaneStride + column;
-  hn::StoreU(g.x, d, block.gradient[0] + at);
-  hn::StoreU(g.y, d, block.gradient[1] + at);
-  hn::StoreU(g.z, d, block.gradient[2] + at);
+  const M mask = mask_of(lanes);
+  hn::BlendedStore(g.x, mask, d, block.gradient[0] + at);
+  hn::BlendedStore(g.y, mask, d, block.gradient[1] + at);
+  hn::BlendedStore(g.z, mask, d, block.gradient[2] + at);
 }
 
 // Difference of the samples on both sides of the middle one; one-sided, or zero, where they are
@@ -39,15 +42,16 @@ HWY_INLINE V difference(V before, V middle, V after, M has_before, M has_after) 
       hn::IfThenElse(has_after, forward, hn::IfThenElseZero(has_before, backward)));
 }
 
-HWY_INLINE WorldVector central_difference_gradient(const CpuFrame& frame, const Block& block, int s,
-                                                   int column, int row) {
+// `x`, `y`: where the samples lie in the picture.
+HWY_INLINE WorldVector central_difference_at(const CpuFrame& frame, const Block& block, int s,
+                                             int column, int row, V x, float y) {
   const auto plane = [&](int sheet) {
     return block.values[sheet & (kRingSheets - 1)] + row * kPlaneStride + column;
   };
-  const auto defined = [&](int sheet, int y, int shift) {
-    const std::uint32_t bits = block.defined[sheet & (kRingSheets - 1)][y];
+  const auto defined = [&](int sheet, int of_row, int shift) {
+    const RowWord bits = block.defined[sheet & (kRingSheets - 1)][of_row];
     const int from = column + shift;
-    return mask_of((from < 0 ? bits << 1 : bits >> from) & group_bits());
+    return mask_of(from < 0 ? lanes_at(bits << 1, 0) : lanes_at(bits, from));
   };
   const float* here = plane(s);
   const V middle = hn::LoadU(d, here);
@@ -65,8 +69,6 @@ HWY_INLINE WorldVector central_difference_gradient(const CpuFrame& frame, const 
   const V along_up = hn::Neg(hn::Mul(dy, inverse_pitch));
   V along_axis = hn::Mul(ds, hn::Set(d, 1.0F / frame.sampling_distance));
   if (!frame.is_parallel) {
-    const V x = pixel_x(block, column);
-    const float y = pixel_y(block, row);
     along_axis = hn::NegMulAdd(evaluate2d(frame.ray_slope_right, x, y), along_right, along_axis);
     along_axis = hn::NegMulAdd(evaluate2d(frame.ray_slope_up, x, y), along_up, along_axis);
   }
@@ -76,6 +78,12 @@ HWY_INLINE WorldVector central_difference_gradient(const CpuFrame& frame, const 
                                  hn::Mul(along_axis, hn::Set(d, frame.axis[a]))));
   };
   return {component(0), component(1), component(2)};
+}
+
+HWY_INLINE WorldVector central_difference_gradient(const CpuFrame& frame, const Block& block, int s,
+                                                   int column, int row) {
+  return central_difference_at(frame, block, s, column, row, pixel_x(block, column),
+                               pixel_y(block, row));
 }
 
 }  // namespace HWY_NAMESPACE

@@ -80,7 +80,9 @@ struct CpuFrame {
   bool corrects_gradient = true;  // constant on ramps (docs/numerics.md, "Gradients")
   Evaluate evaluate = Evaluate::kAuto;
   PostConvolution post_convolution = PostConvolution::kOff;
+  Spread spread = Spread::kGaussian;
   bool samples_at_nodes = false;  // some sheets are: tiles come in patches (nodes.h)
+  bool takes_pieces = false;      // what shows lies between a sheet and the one before it
   bool stop_opaque = true;
   bool collect_profile = false;
 

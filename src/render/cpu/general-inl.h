@@ -148,7 +148,7 @@ inline void add_node(const CpuFrame& frame, const Workspace& work, const float* 
   }
   q.endless += node_weight * axis[0].endless * axis[1].endless * axis[2].endless;
   if (axis[0].count == 0 || axis[1].count == 0 || axis[2].count == 0) return;
-  const TapSums n = sum_taps<kGradient>(block, work.samples.data.get(), axis);
+  const TapSums n = sum_taps<kGradient>(block, work.samples, axis);
   TapSums e;
   if (block.has_missing) {
     e = sum_taps<kGradient>(block, work.presence.data.get(), axis);

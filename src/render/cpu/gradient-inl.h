@@ -55,7 +55,7 @@ inline void reconstruct_with_gradients(const CpuFrame& frame, Workspace& work, i
   FourTapGradientBatch batch;
   for_each_batch(block, bits, batch, [&] {
     weigh_sheet(frame, block, s, batch);
-    sum_yz_gradient(block, work.samples.data.get(), batch);
+    sum_yz_gradient(block, work.samples, batch);
     alignas(64) float value[kBatchSamples];
     alignas(64) float g[3][kBatchSamples];
     for (int i = 0; i < batch.count; i += group_size()) {
@@ -96,24 +96,18 @@ inline void gradient_of_pieces(const CpuFrame& frame, Workspace& work, int s, co
                    [&](int column, std::uint32_t lanes) {
                      const Position to = position_of(block.sheets[s], column, y);
                      const Position from = position_of(block.sheets[s - 1], column, y);
-                     const M has_before = mask_of(defined_before[y] >> column & group_bits());
+                     const M has_before = mask_of(lanes_at(defined_before[y], column));
                      const V share = hn::IfThenElseZero(has_before, hn::Set(d, 0.5F));
                      const Position middle = point_between(to, from, share);
-                     store_gradient(block, column, y,
+                     store_gradient(block, column, y, lanes,
                                     exact_gradient(frame, work, s, column, y, middle, lanes));
                    });
   }
 }
 
 // The visible samples that have no gradient yet.
-inline void gradient_of_sheet(const CpuFrame& frame, Workspace& work, int s) {
+inline void gradients_of(const CpuFrame& frame, Workspace& work, int s, const RowBits& missing) {
   Block& block = work.block;
-  RowBits missing;
-  for (int y = 0; y < block.rows; ++y) missing[y] = block.visible[y] & ~block.has_gradient[y];
-  if (frame.is_preintegrated && !frame.central_gradient) {
-    gradient_of_pieces(frame, work, s, missing);
-    return;
-  }
   if (!frame.central_gradient && block.uses_four_taps) {
     reconstruct_with_gradients(frame, work, s, missing);
     return;
@@ -123,11 +117,23 @@ inline void gradient_of_sheet(const CpuFrame& frame, Workspace& work, int s) {
     for_each_group(missing[y], block.margin, block.columns - block.margin,
                    [&](int column, std::uint32_t lanes) {
                      const Position u = position_of(block.sheets[s], column, y);
-                     store_gradient(block, column, y,
+                     store_gradient(block, column, y, lanes,
                                     frame.central_gradient
                                         ? central_difference_gradient(frame, block, s, column, y)
                                         : exact_gradient(frame, work, s, column, y, u, lanes));
                    });
+  }
+}
+
+// Gradients of the sheet's visible samples.
+inline void gradient_of_sheet(const CpuFrame& frame, Workspace& work, int s) {
+  const Block& block = work.block;
+  RowBits missing;
+  for (int y = 0; y < block.rows; ++y) missing[y] = block.visible[y] & ~block.has_gradient[y];
+  if (frame.is_preintegrated && !frame.central_gradient) {
+    gradient_of_pieces(frame, work, s, missing);
+  } else {
+    gradients_of(frame, work, s, missing);
   }
 }
 

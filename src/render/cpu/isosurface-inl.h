@@ -61,7 +61,7 @@ inline void surface_sheet(const CpuFrame& frame, Workspace& work, int s) {
   const V iso = hn::Set(d, frame.isovalue);
   for (int y = 0; y < block.rows; ++y) {
     std::uint32_t& open = tile.open[tile_row(block, y)];
-    const std::uint32_t both = block.defined[here][y] & block.defined[front][y] & open >> block.x0;
+    const RowWord both = block.defined[here][y] & block.defined[front][y] & open >> block.x0;
     for_each_group(both, 0, block.columns, [&](int column, std::uint32_t lanes) {
       const int at = y * kPlaneStride + column;
       const V before = hn::LoadU(d, block.values[front] + at);

@@ -13,9 +13,11 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <vector>
 
 #include "render/cpu/block.h"
+#include "render/cpu/filter_band.h"
 #include "render/cpu/splat.h"
 
 namespace ovoid::cpu {
@@ -54,6 +56,13 @@ inline constexpr std::array<LevelExtent, kMaxLevel + 1> kLevelExtents = level_ex
 inline constexpr int kValueStride = kLevelExtents[0].stride;
 inline constexpr int kValueRows = kLevelExtents[0].size;
 
+// From level l + 1 to level l, along either axis.
+using LevelBand = FilterBand<(kLevelExtents[0].size + 15) / 16 * 16, kLevelExtents[1].size>;
+using LevelBands = std::array<LevelBand, kMaxLevel>;
+
+// `how` is not kOff.
+std::unique_ptr<LevelBands> level_bands(PostConvolution how);
+
 struct KernelWorkspace {
   Workspace shading;  // its block holds one subtile's window of the ring
   std::array<TileState, kSubtiles * kSubtiles> tiles;
@@ -62,7 +71,6 @@ struct KernelWorkspace {
   // [sheet of the block][channel][row][column], one buffer per level
   std::array<FloatBuffer, kMaxLevel + 1> levels;
   std::array<bool, kMaxLevel + 1> is_touched{};
-  FloatBuffer rows;  // post-convolution: one plane with fine rows and coarse columns
 
   // The ring: NaN where the field is undefined.
   FloatBuffer values, colors;
@@ -79,12 +87,15 @@ struct KernelFrame {
   float cutoff = 4;
   bool is_sum = false;
   int num_channels = 2;
-  int max_level = 0;     // 0: post-convolution is off
+  int max_level = 0;            // 0: post-convolution is off
+  float least_level_sigma = 1;  // samples of a level
+  std::unique_ptr<const LevelBands> level_bands;
   bool gathers = false;  // fragment-centric
 };
 
 // Least sigma, in samples of a level, of the kernels summed on it (docs/numerics.md, "Levels"; the
 // pictures' test holds what the filter then loses).
 inline constexpr float kLeastLevelSigma = 1.6F;
+inline constexpr float kPublishedLevelSigma = 0.5F;
 
 }  // namespace ovoid::cpu

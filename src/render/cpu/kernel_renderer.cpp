@@ -29,7 +29,11 @@ void set_frame(KernelFrame& frame, const KernelField& field, const RenderOptions
   frame.num_channels = num_channels_of(field);
   frame.gathers = options.evaluate == Evaluate::kGather;
   const bool has_levels = options.post_convolution != PostConvolution::kOff && !frame.gathers;
-  frame.max_level = has_levels ? kMaxLevel : 0;
+  if (!has_levels) return;
+  frame.max_level = kMaxLevel;
+  frame.least_level_sigma =
+      options.post_convolution == PostConvolution::kAuto ? kLeastLevelSigma : kPublishedLevelSigma;
+  frame.level_bands = level_bands(options.post_convolution);
 }
 
 void draw_tile(const KernelFrame& frame, const Look& look, KernelWorkspace& work,
@@ -52,21 +56,27 @@ void require_central_differences(const RenderOptions& options) {
       "gradient: kernel sets take central differences; exact and corrected are for lattices");
 }
 
-void require_levels(const RenderOptions& options) {
-  if (options.post_convolution == PostConvolution::kOff ||
-      options.post_convolution == PostConvolution::kAuto)
-    return;
-  throw Error(ErrorCode::kUnsupported,
-              "post_convolution: kernel sets have levels (auto) or none (off); bilinear, gaussian "
-              "and cubic are for lattices");
-}
-
 }  // namespace
+
+std::unique_ptr<LevelBands> level_bands(PostConvolution how) {
+  auto bands = std::make_unique<LevelBands>();
+  for (std::size_t level = 0; level < bands->size(); ++level) {
+    const LevelExtent& fine = kLevelExtents[level];
+    const LevelExtent& coarse = kLevelExtents[level + 1];
+    for (int x = 0; x < fine.size; ++x) {
+      // A quarter before or behind the coarse sample that covers this one.
+      const bool is_behind = (fine.lo + x) % 2 != 0;
+      const int nearest = half_of(fine.lo + x) - coarse.lo;
+      (*bands)[level].set_output(x, how, is_behind ? nearest : nearest - 1,
+                                 is_behind ? 0.25 : 0.75);
+    }
+  }
+  return bands;
+}
 
 Frame render(const KernelField& field, const Camera& camera, const Look& look,
              const RenderOptions& options, const RenderHooks& hooks, Runner& runner) {
   require_central_differences(options);
-  require_levels(options);
   const Clock::time_point start = Clock::now();
   const std::uint64_t start_ticks = read_ticks();
   Frame out;

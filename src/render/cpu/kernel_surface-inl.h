@@ -38,8 +38,7 @@ inline void kernel_surface_sheet(const KernelFrame& kernel_frame, KernelWorkspac
   const V iso = hn::Set(d, frame.isovalue);
   for (int y = block.margin; y < block.rows - block.margin; ++y) {
     std::uint32_t& open = tile.open[tile_row(block, y)];
-    const std::uint32_t both =
-        block.defined[here][y] & block.defined[front][y] & open << block.margin;
+    const RowWord both = block.defined[here][y] & block.defined[front][y] & open << block.margin;
     for_each_group(
         both, block.margin, block.columns - block.margin, [&](int column, std::uint32_t lanes) {
           const int at = y * kPlaneStride + column;

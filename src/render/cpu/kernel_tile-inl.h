@@ -32,16 +32,15 @@ HWY_INLINE std::size_t ring_offset(int sheet) {
 }
 
 inline BlockPlace place_of_block(const KernelFrame& frame, const TileRect& rect, int layer) {
-  BlockPlace place{rect.x0, rect.y0, 1.0F, {}};
+  BlockPlace place{rect.x0, rect.y0, {}, {}};
   const bool has_nodes = frame.plan->is_mean && frame.profile != KernelProfile::kGaussian;
   for (int j = 0; j < view::kBlockDepth; ++j) {
     const auto sheet = static_cast<float>(layer * view::kBlockDepth + j);
+    place.scales[j] = sheet_place(frame, sheet).scale;
     if (!has_nodes) place.places[j] = sheet_place(frame, sheet);
     for (int n = 0; has_nodes && n < kProfileNodes; ++n)
       place.places[j * kProfileNodes + n] = sheet_place(frame, sheet + kProfileNodeOffsets[n]);
   }
-  const int last = has_nodes ? view::kBlockDepth * kProfileNodes - 1 : view::kBlockDepth - 1;
-  place.least_scale = place.places[last].scale;
   return place;
 }
 
@@ -72,6 +71,27 @@ inline void finish_values(const KernelFrame& frame, KernelWorkspace& work, int j
   }
 }
 
+// Adds a level to the next finer one.
+inline void bring_down_level(const KernelFrame& frame, KernelWorkspace& work, int level,
+                             const SheetRun& run) {
+  auto& is_finer_touched = work.is_touched[static_cast<std::size_t>(level) - 1];
+  if (!is_finer_touched) clear_level(frame, work, level - 1, run);
+  is_finer_touched = true;
+  const LevelBand& band = (*frame.level_bands)[static_cast<std::size_t>(level) - 1];
+  const LevelExtent& coarse = kLevelExtents[static_cast<std::size_t>(level)];
+  const LevelExtent& fine = kLevelExtents[static_cast<std::size_t>(level) - 1];
+  for (int j = run.first; j < run.last; ++j) {
+    const float* from = planes_of(frame, work, level, j);
+    float* to = planes_of(frame, work, level - 1, j);
+    for (int c = 0; c < frame.num_channels; ++c) {
+      post_convolve<true>(from, coarse.stride, band, band, 0, fine.size - 1, fine.size, to,
+                          fine.stride);
+      from += plane_size(level);
+      to += plane_size(level - 1);
+    }
+  }
+}
+
 // Sheets [first, last) of the frame, all of one layer of blocks, into the ring.
 inline void reconstruct_sheets(const KernelFrame& frame, KernelWorkspace& work,
                                const TileRect& rect, int first, int last) {
@@ -83,21 +103,8 @@ inline void reconstruct_sheets(const KernelFrame& frame, KernelWorkspace& work,
   const std::span<const std::uint32_t> indices = frame.binned->of_block(block);
   work.shading.stats.kernels_loaded += static_cast<std::int64_t>(indices.size());
   sum_splats(frame, work, indices, place_of_block(frame, rect, layer), run);
-  float* blended = work.rows.reserve(kValueStride + 2 * kPlanePadding) + kPlanePadding;
   for (int level = kMaxLevel; level > 0; --level) {
-    if (!work.is_touched[static_cast<std::size_t>(level)]) continue;
-    auto& is_finer_touched = work.is_touched[static_cast<std::size_t>(level) - 1];
-    if (!is_finer_touched) clear_level(frame, work, level - 1, run);
-    is_finer_touched = true;
-    for (int j = run.first; j < run.last; ++j) {
-      for (int c = 0; c < frame.num_channels; ++c)
-        post_convolve_plane(
-            planes_of(frame, work, level, j) + static_cast<std::size_t>(c) * plane_size(level),
-            level,
-            planes_of(frame, work, level - 1, j) +
-                static_cast<std::size_t>(c) * plane_size(level - 1),
-            blended);
-    }
+    if (work.is_touched[static_cast<std::size_t>(level)]) bring_down_level(frame, work, level, run);
   }
   for (int j = run.first; j < run.last; ++j) {
     const int sheet = layer * view::kBlockDepth + j;
@@ -184,8 +191,8 @@ inline void difference_gradients(const CpuFrame& frame, Workspace& work, int s) 
   for (int y = 0; y < block.rows; ++y) {
     work.stats.gradients += std::popcount(block.visible[y]);
     for_each_group(block.visible[y], block.margin, block.columns - block.margin,
-                   [&](int column, std::uint32_t) {
-                     store_gradient(block, column, y,
+                   [&](int column, std::uint32_t lanes) {
+                     store_gradient(block, column, y, lanes,
                                     central_difference_gradient(frame, block, s, column, y));
                    });
   }

@@ -246,7 +246,8 @@ inline void load_region(const CpuFrame& frame, Workspace& work, bool is_scattere
   const std::size_t floats_per_sample = block.uses_four_taps ? 2 : 1;
   const std::size_t count =
       floats_per_sample * block.slice_stride * block.region_size[2] + kTapPadding;
-  float* samples = work.samples.reserve(count);
+  float* samples = work.sample_memory.reserve(count);
+  work.samples = samples;
   float* presence = block.has_missing ? work.presence.reserve(count) : nullptr;
   // Padding and places outside the lattice are read under zero weights; they must not hold what
   // times zero is not zero.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage "post-convolve" of lattices: a patch of tiles x consecutive sheets whose field is sampled
-// at nodes (nodes.h). Sheet by sheet: the nodes that open, relevant pixels need; then, tile by
-// tile, values for the pixels, classification, and where something shows the nodes' gradients, the
-// pixels' from them, light and composition.
+// A patch of tiles x consecutive sheets whose field is sampled at nodes (nodes.h). Sheet by sheet:
+// the nodes that open, relevant pixels need; then, tile by tile, values for the pixels,
+// classification, and where something shows the nodes' gradients, the pixels' from them, light and
+// composition. Sums over sheets are brought to the pixels once.
 //
 // Patches that meet the lattice's faces or holes, where a field ends within a pixel, are drawn as
 // if there were no nodes.
@@ -13,33 +13,22 @@
 #define OVOID_RENDER_CPU_PATCH_INL_H_
 #endif
 
-#include "render/cpu/block-inl.h"
 #include "render/cpu/finish-inl.h"
-#include "render/cpu/gradient-inl.h"
-#include "render/cpu/load-inl.h"
-#include "render/cpu/nodes.h"
-#include "render/cpu/reconstruct-inl.h"
+#include "render/cpu/isosurface-inl.h"
+#include "render/cpu/node_sheets-inl.h"
+#include "render/cpu/post_convolve-inl.h"
 #include "render/cpu/ticks.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace ovoid::cpu {
 namespace HWY_NAMESPACE {
 
-struct Patch {
-  TileRect rect;       // of the picture
-  int tile_x, tile_y;  // of its first tile among the workspace's
-  std::int64_t first_sheet, last_sheet;
-  double pitch;
-  NodeSpan nodes_x, nodes_y;
-};
-
-// Tiles of the patch, of those of its workspace.
+// Its tiles: number, column and row.
 template <class Body>
 inline void for_each_tile(const Patch& patch, const Body& body) {
   for (int y = 0; patch.rect.y0 + y * kTileSize < patch.rect.y1; ++y) {
     for (int x = 0; patch.rect.x0 + x * kTileSize < patch.rect.x1; ++x) {
-      const int tile = (patch.tile_y + y) * kPatchTiles + patch.tile_x + x;
-      body(static_cast<std::size_t>(tile), x, y);
+      body(static_cast<std::size_t>(y * kPatchTiles + x), x, y);
     }
   }
 }
@@ -59,212 +48,267 @@ inline Part part_of(const Block& block, const Patch& patch) {
   return {0, 0, block.x1, block.y1, patch.first_sheet, patch.last_sheet};
 }
 
-// The nodes as samples of a block, all of them active. Returns their box in index space.
-inline Bounds3 set_up_nodes(const CpuFrame& frame, Block& nodes, const Patch& patch) {
-  nodes.tile_x = nodes.tile_y = nodes.x0 = nodes.y0 = 0;
-  nodes.margin = nodes.front_margin = nodes.back_margin = 0;
-  nodes.x1 = nodes.columns = patch.nodes_x.count;
-  nodes.y1 = nodes.rows = patch.nodes_y.count;
-  const SampleGrid grid{patch.pitch * static_cast<double>(patch.nodes_x.first),
-                        patch.pitch * static_cast<double>(patch.nodes_y.first), patch.pitch};
-  Bounds3 box;
-  for (const std::int64_t sheet : {patch.first_sheet, patch.last_sheet - 1}) {
-    const view::SheetMap map = frame.plan->lattice.index_map(sheet);
-    for (const int x : {0, nodes.columns - 1}) {
-      for (const int y : {0, nodes.rows - 1})
-        box.extend(map.at(grid.x + grid.step * x, grid.y + grid.step * y));
-    }
-  }
-  nodes.first_sheet = patch.first_sheet;
-  nodes.num_sheets = static_cast<int>(patch.last_sheet - patch.first_sheet);
-  set_up_sheets(frame, nodes, grid, box);
-  const std::uint32_t all = ~0U >> (32 - nodes.columns);
-  for (int s = 0; s < nodes.num_sheets; ++s) {
-    for (int y = 0; y < nodes.rows; ++y) nodes.active[s][y] = all;
-  }
-  bound_region(frame, nodes);
-  return box;
-}
-
-// Pixels of a tile as the box around them.
-struct PixelBox {
-  int x0 = 0, x1 = -1, y0 = 0, y1 = -1;  // inclusive
+// Rows with bits, inclusive; there are some.
+struct RowSpan {
+  int first, last;
 };
 
-inline PixelBox box_of_bits(const RowBits& bits, int rows) {
-  PixelBox box;
-  std::uint32_t columns = 0;
-  for (int y = 0; y < rows; ++y) {
-    if (bits[y] == 0) continue;
-    if (columns == 0) box.y0 = y;
-    box.y1 = y;
-    columns |= bits[y];
+inline RowSpan rows_with_bits(const RowBits& bits, int rows) {
+  RowSpan span{0, rows - 1};
+  while (span.first < span.last && bits[span.first] == 0) ++span.first;
+  while (span.last > span.first && bits[span.last] == 0) --span.last;
+  return span;
+}
+
+// Columns of nodes from which the pixels of a row take their values.
+HWY_INLINE RowWord node_columns(RowWord pixels, const NodeBand& x) {
+  RowWord columns = 0;
+  for (RowWord left = pixels; left != 0;) {  // run by run
+    const int first = std::countr_zero(left);
+    const int last = first + std::countr_one(left >> first) - 1;
+    const int from = x.taps[static_cast<std::size_t>(first)];
+    const int past = x.taps[static_cast<std::size_t>(last)] + kFilterTaps;
+    columns |= (~RowWord{0} >> (64 - past + from)) << from;
+    left &= ~RowWord{0} << (last + 1);
   }
-  if (columns == 0) return box;
-  box.x0 = std::countr_zero(columns);
-  box.x1 = 31 - std::countl_zero(columns);
-  return box;
+  return columns;
 }
 
 // Adds the nodes from which a tile's pixels take their values.
-inline void add_nodes(const RowBits& pixels, int rows, const NodeWeights& x, const NodeWeights& y,
+inline void add_nodes(const RowBits& pixels, int rows, const NodeBand& x, const NodeBand& y,
                       RowBits& nodes) {
-  for (int py = 0; py < rows; ++py) {
-    std::uint32_t columns = 0;
-    for (std::uint32_t left = pixels[py]; left != 0;) {  // run by run
-      const int first = std::countr_zero(left);
-      const int last = first + std::countr_one(left >> first) - 1;
-      const int from = x.taps[static_cast<std::size_t>(first)];
-      const int past = x.taps[static_cast<std::size_t>(last)] + kNodeTaps;
-      columns |= (~0U >> (32 - past + from)) << from;
-      left &= ~0U << (last + 1);
-    }
-    if (columns == 0) continue;
-    const auto row = static_cast<std::size_t>(y.taps[static_cast<std::size_t>(py)]);
-    for (std::size_t k = 0; k < kNodeTaps; ++k) nodes[row + k] |= columns;
-  }
-}
-
-// Four rows of nodes, or fewer, along x: kRows of them share the loads of the weights.
-template <int kRows>
-HWY_INLINE void bring_rows(const float* nodes, const NodeWeights& x, float (*rows)[kTileSize]) {
-  for (int c = 0; c < kTileSize; c += group_size()) {
-    const int first = x.of_eight[static_cast<std::size_t>(c / 8)].first;
-    const int past = x.of_eight[static_cast<std::size_t>((c + group_size() - 1) / 8)].past;
-    V sums[kRows];
-    for (V& sum : sums) sum = hn::Zero(d);
-    for (int k = first; k < past; ++k) {
-      const V weight = hn::Load(d, x.weight[k] + c);
-      for (int r = 0; r < kRows; ++r)
-        sums[r] = hn::MulAdd(hn::Set(d, nodes[r * kPlaneStride + k]), weight, sums[r]);
-    }
-    for (int r = 0; r < kRows; ++r) hn::Store(sums[r], d, rows[r] + c);
-  }
-}
-
-// The pixels of a box, of a tile's plane, from the nodes' plane: along the rows of nodes first,
-// as a matrix product, then down the columns of pixels.
-inline void bring_up(const float* nodes, const NodeWeights& x, const NodeWeights& y,
-                     const PixelBox& box, float* pixels) {
-  alignas(64) float rows[NodeWeights::kMost][kTileSize];
-  const int first = y.taps[static_cast<std::size_t>(box.y0)];
-  const int past = y.taps[static_cast<std::size_t>(box.y1)] + kNodeTaps;
-  const float* from = nodes + first * kPlaneStride + x.first;
-  int row = 0;
-  for (; row + 4 <= past - first; row += 4) bring_rows<4>(from + row * kPlaneStride, x, rows + row);
-  for (; row < past - first; ++row) bring_rows<1>(from + row * kPlaneStride, x, rows + row);
-  for (int py = box.y0; py <= box.y1; ++py) {
+  for (int py = 0; py < rows;) {
     const int tap = y.taps[static_cast<std::size_t>(py)];
-    const float(*six)[kTileSize] = rows + (tap - first);
-    V weight[kNodeTaps];
-    for (int k = 0; k < kNodeTaps; ++k) weight[k] = hn::Set(d, y.weight[tap - y.first + k][py]);
-    for (int c = 0; c < kTileSize; c += group_size()) {
-      V sum = hn::Mul(weight[0], hn::Load(d, six[0] + c));
-      for (int k = 1; k < kNodeTaps; ++k) sum = hn::MulAdd(weight[k], hn::Load(d, six[k] + c), sum);
-      hn::StoreU(sum, d, pixels + py * kPlaneStride + c);
-    }
+    RowWord together = 0;  // of the rows that take the same nodes
+    for (; py < rows && y.taps[static_cast<std::size_t>(py)] == tap; ++py) together |= pixels[py];
+    if (together == 0) continue;
+    const RowWord columns = node_columns(together, x);
+    for (int k = 0; k < kFilterTaps; ++k) nodes[tap + k] |= columns;
   }
 }
 
-struct PatchWeights {
-  NodeWeights x[kPatchTiles], y[kPatchTiles];
+struct PatchBands {
+  NodeBand x[kPatchTiles], y[kPatchTiles];
 };
 
-inline bool has_bits(const RowBits& bits, int rows) {
-  return std::any_of(bits.begin(), bits.begin() + rows, [](std::uint32_t row) { return row != 0; });
+inline void set_up_bands(const CpuFrame& frame, const Block& nodes, const Patch& patch,
+                         PatchBands& bands) {
+  const auto how = frame.post_convolution;
+  for (int t = 0; t < kPatchTiles; ++t) {
+    const int x = patch.rect.x0 + t * kTileSize;
+    const int y = patch.rect.y0 + t * kTileSize;
+    if (x < patch.rect.x1)
+      bands.x[t] = node_band(how, patch.pitch, x, patch.nodes_x.first - nodes.margin);
+    if (y < patch.rect.y1)
+      bands.y[t] = node_band(how, patch.pitch, y, patch.nodes_y.first - nodes.margin);
+  }
 }
 
-// The gradients of the visible pixels from the nodes'.
-inline void bring_up_gradients(const CpuFrame& frame, LatticeWorkspace& work, int s,
-                               const NodeWeights& x, const NodeWeights& y) {
+// A tile's pixels from a plane of nodes, the rows that hold `bits`.
+inline void bring_up(const float* nodes, const NodeBand& x, const NodeBand& y, const RowBits& bits,
+                     int num_rows, float* pixels) {
+  const RowSpan rows = rows_with_bits(bits, num_rows);
+  post_convolve<false>(nodes, kPlaneStride, x, y, rows.first, rows.last, kTileSize, pixels,
+                       kPlaneStride);
+}
+
+// The lattice around the nodes, for places that lie between them: on sheets s - 1 and s.
+inline void share_region(const CpuFrame& frame, LatticeWorkspace& work, int s) {
+  const Block& nodes = work.nodes.block;
+  Block& pixels = work.pixels.block;
+  work.pixels.samples = work.nodes.samples;
+  std::copy_n(nodes.origin, 3, pixels.origin);
+  std::copy_n(nodes.region_lo, 3, pixels.region_lo);
+  std::copy_n(nodes.region_size, 3, pixels.region_size);
+  pixels.row_stride = nodes.row_stride;
+  pixels.slice_stride = nodes.slice_stride;
+  pixels.is_interior = true;
+  pixels.has_missing = false;
+  pixels.uses_four_taps = nodes.uses_four_taps;
+  const SampleGrid grid{static_cast<double>(pixels.tile_x), static_cast<double>(pixels.tile_y),
+                        1.0};
+  const SheetMaps maps = sheet_maps(frame, pixels.first_sheet);
+  for (int sheet = s - 1; sheet <= s; ++sheet)
+    set_up_sheet(frame, pixels, grid, sheet, maps,
+                 frame.lattice_plan->widening(pixels.first_sheet + sheet));
+}
+
+// The gradients of the visible pixels from the nodes', but those of pieces: they lie between
+// sheets.
+inline void bring_up_gradients(const CpuFrame& frame, LatticeWorkspace& work, const Patch& patch,
+                               int s, const NodeBand& x, const NodeBand& y) {
   Block& pixels = work.pixels.block;
   Block& nodes = work.nodes.block;
-  RowBits missing{};
-  add_nodes(pixels.visible, pixels.rows, x, y, missing);
-  for (int row = 0; row < nodes.rows; ++row) missing[row] &= ~nodes.has_gradient[row];
-  if (has_bits(missing, nodes.rows)) reconstruct_with_gradients(frame, work.nodes, s, missing);
-  const PixelBox box = box_of_bits(pixels.visible, pixels.rows);
-  for (int a = 0; a < 3; ++a) bring_up(nodes.gradient[a], x, y, box, pixels.gradient[a]);
+  if (frame.is_preintegrated && !frame.central_gradient) {
+    share_region(frame, work, s);
+    gradient_of_pieces(frame, work.pixels, s, pixels.visible);
+    return;
+  }
+  RowBits wanted;
+  clear_bits(wanted);
+  add_nodes(pixels.visible, pixels.rows, x, y, wanted);
+  provide_node_gradients(frame, work.nodes, s, patch, wanted);
+  for (int a = 0; a < 3; ++a)
+    bring_up(nodes.gradient[a], x, y, pixels.visible, pixels.rows, pixels.gradient[a]);
+}
+
+// Pixels of a tile that are looked at on sheet s; false if none is.
+inline bool take_pixels(const CpuFrame& frame, const LatticeWorkspace& work, std::size_t t, int s,
+                        RowBits& bits) {
+  const LatticeWorkspace::TileBits& of_tile = work.bits[t];
+  if (!of_tile.any_relevant) return false;
+  const RowBits& relevant = of_tile.relevant[static_cast<std::size_t>(s)];
+  const std::uint32_t* open = work.tiles[t].open;
+  const std::uint32_t always = frame.stop_opaque ? 0U : ~0U;
+  RowWord any = 0;
+  for (int y = 0; y < kTileSize; ++y) any |= bits[y] = relevant[y] & (open[y] | always);
+  return any != 0;
 }
 
 // One tile's part of sheet s, whose nodes are there. `bits`: the pixels that are looked at.
-inline void finish_patch_tile(const CpuFrame& frame, LatticeWorkspace& work, TileState& tile,
-                              LatticeWorkspace::TileBits& of_tile, int s, const RowBits& bits,
-                              const NodeWeights& x, const NodeWeights& y, StageClock& clock) {
+inline void finish_patch_tile(const CpuFrame& frame, LatticeWorkspace& work, const Patch& patch,
+                              std::size_t t, int s, const RowBits& bits, const NodeBand& x,
+                              const NodeBand& y, StageClock& clock) {
   Block& block = work.pixels.block;
-  of_tile.visible = {};
-  bring_up(work.nodes.block.values[s & (kRingSheets - 1)], x, y, box_of_bits(bits, block.rows),
-           block.values[s & (kRingSheets - 1)]);
+  work.pixels.tile = &work.tiles[t];
+  block.rays = &work.rays[t];
+  work.bits[t].any_visible = false;
+  for (int sheet = frame.takes_pieces ? s - 1 : s; sheet <= s; ++sheet) {
+    const int plane = sheet & (kRingSheets - 1);
+    bring_up(work.nodes.block.values[plane], x, y, bits, block.rows, block.values[plane]);
+    if (frame.takes_pieces) block.defined[plane] = bits;
+  }
+  // A piece whose front end is cut away begins at its sample.
+  if (frame.takes_pieces && !patch.has_whole_paths) {
+    const RowBits& kept = work.bits[t].relevant[static_cast<std::size_t>(s) - 1];
+    RowBits& before = block.defined[(s - 1) & (kRingSheets - 1)];
+    for (int row = 0; row < block.rows; ++row) before[row] &= kept[row];
+  }
   clock.lap(kReconstruct);
-  if (finish_samples(frame, block, tile, work.pixels.stats, s, bits, nullptr, clock,
-                     [&] { bring_up_gradients(frame, work, s, x, y); }))
-    of_tile.visible = block.visible;
+  if (frame.mode == Mode::kIsosurface) {
+    share_region(frame, work, s);
+    surface_sheet(frame, work.pixels, s);
+    clock.lap(kShade);
+  } else if (finish_samples(frame, block, work.tiles[t], work.pixels.stats, s, bits, nullptr, clock,
+                            [&] { bring_up_gradients(frame, work, patch, s, x, y); })) {
+    work.bits[t].any_visible = true;
+    std::copy_n(block.visible.begin(), kTileSize, work.bits[t].visible.begin());
+  }
 }
 
-// Pixels of a tile that are looked at on sheet s.
-inline RowBits pixels_now(const CpuFrame& frame, const TileState& tile,
-                          const LatticeWorkspace::TileBits& of_tile, int s) {
-  RowBits bits{};
-  if (!of_tile.any_relevant) return bits;
-  for (int y = 0; y < kTileSize; ++y)
-    bits[y] =
-        of_tile.relevant[static_cast<std::size_t>(s)][y] & (frame.stop_opaque ? tile.open[y] : ~0U);
-  return bits;
-}
-
-inline void draw_patch_sheet(const CpuFrame& frame, LatticeWorkspace& work, const Patch& patch,
-                             const PatchWeights& weights, int s, StageClock& clock) {
-  Block& nodes = work.nodes.block;
-  RowBits wanted{}, guess{};
+inline void finish_patch_sheet(const CpuFrame& frame, LatticeWorkspace& work, const Patch& patch,
+                               const PatchBands& bands, int s, StageClock& clock) {
+  if (frame.central_gradient) work.nodes.block.has_gradient = {};
   for_each_tile(patch, [&](std::size_t t, int x, int y) {
-    const RowBits bits = pixels_now(frame, work.tiles[t], work.bits[t], s);
-    add_nodes(bits, kTileSize, weights.x[x], weights.y[y], wanted);
-    // Where something showed on the sheet before, gradients will be wanted, too.
-    RowBits likely{};
-    for (int row = 0; row < kTileSize; ++row) likely[row] = bits[row] & work.bits[t].visible[row];
-    if (frame.takes_gradients) add_nodes(likely, kTileSize, weights.x[x], weights.y[y], guess);
-  });
-  if (!has_bits(wanted, nodes.rows)) return;
-  nodes.defined[s & (kRingSheets - 1)] = {};
-  nodes.has_gradient = {};
-  work.pixels.stats.samples_reconstructed += count_bits(nodes, wanted);
-  if (has_bits(guess, nodes.rows)) reconstruct_with_gradients(frame, work.nodes, s, guess);
-  clock.lap(kGradient);
-  for (int row = 0; row < nodes.rows; ++row) wanted[row] &= ~guess[row];
-  reconstruct_sheet(frame, work.nodes, s, wanted);
-  clock.lap(kReconstruct);
-  for_each_tile(patch, [&](std::size_t t, int x, int y) {
-    const RowBits bits = pixels_now(frame, work.tiles[t], work.bits[t], s);
-    if (!has_bits(bits, kTileSize)) return;
+    RowBits bits;
+    if (!take_pixels(frame, work, t, s, bits)) return;
     place_tile(work.pixels.block, patch, x, y);
-    work.pixels.block.rays = &work.rays[t];
-    finish_patch_tile(frame, work, work.tiles[t], work.bits[t], s, bits, weights.x[x], weights.y[y],
-                      clock);
+    finish_patch_tile(frame, work, patch, t, s, bits, bands.x[x], bands.y[y], clock);
   });
 }
 
-// No sample's path is cut: neither by planes nor by the near plane.
-inline bool has_whole_paths(const CpuFrame& frame, const Patch& patch) {
+struct WantedNodes {
+  RowBits values{};
+  RowBits gradients{};  // a guess: where something showed on the sheet before
+};
+
+inline WantedNodes wanted_nodes(const CpuFrame& frame, const LatticeWorkspace& work,
+                                const Patch& patch, const PatchBands& bands, int s) {
+  WantedNodes wanted;
+  const Block& nodes = work.nodes.block;
+  if (frame.central_gradient) {
+    std::copy_n(nodes.active[s].begin(), nodes.rows, wanted.values.begin());
+    return wanted;
+  }
+  // Pieces begin on this sheet, too.
+  const int last = frame.takes_pieces ? std::min(s + 1, nodes.num_sheets - 1) : s;
+  for_each_tile(patch, [&](std::size_t t, int x, int y) {
+    RowBits bits;
+    for (int sheet = last; sheet >= s; --sheet) {
+      if (take_pixels(frame, work, t, sheet, bits))
+        add_nodes(bits, kTileSize, bands.x[x], bands.y[y], wanted.values);
+    }
+    if (!frame.takes_gradients || frame.takes_pieces || !work.bits[t].any_visible) return;
+    for (int row = 0; row < kTileSize; ++row) bits[row] &= work.bits[t].visible[row];
+    add_nodes(bits, kTileSize, bands.x[x], bands.y[y], wanted.gradients);
+  });
+  return wanted;
+}
+
+inline void draw_patch_sheets(const CpuFrame& frame, LatticeWorkspace& work, const Patch& patch,
+                              const PatchBands& bands, StageClock& clock) {
+  const Block& nodes = work.nodes.block;
+  for (int s = 0; s < nodes.num_sheets; ++s) {
+    const WantedNodes wanted = wanted_nodes(frame, work, patch, bands, s);
+    if (has_bits(wanted.values, nodes.rows))
+      reconstruct_nodes(frame, work.nodes, s, wanted.values, wanted.gradients, clock);
+    // With differences, a sheet is finished once its far neighbour is there.
+    const int finished = frame.central_gradient ? s - 1 : s;
+    if (finished >= nodes.front_margin)
+      finish_patch_sheet(frame, work, patch, bands, finished, clock);
+  }
+}
+
+// Nothing is cut short, left out or covered: the sheets' sum is all that counts.
+inline bool counts_sums(const CpuFrame& frame, const Patch& patch) {
+  return (frame.mode == Mode::kXray || frame.mode == Mode::kMean) && patch.has_whole_paths &&
+         !frame.lattice_plan->may_matter;
+}
+
+// X-ray and mean: the nodes' sum over the sheets, brought up once.
+inline void draw_patch_sum(const CpuFrame& frame, LatticeWorkspace& work, const Patch& patch,
+                           const PatchBands& bands, StageClock& clock) {
+  Block& nodes = work.nodes.block;
+  std::fill_n(work.node_sums, nodes.rows * kPlaneStride, 0.0F);
+  RowBits all{};
+  std::copy_n(nodes.active[0].begin(), nodes.rows, all.begin());
+  for (int s = 0; s < nodes.num_sheets; ++s) {
+    reconstruct_nodes(frame, work.nodes, s, all, {}, clock);
+    const float* values = nodes.values[s & (kRingSheets - 1)];
+    for (int row = 0; row < nodes.rows; ++row) {
+      for (int i = row * kPlaneStride; i < row * kPlaneStride + nodes.columns; ++i)
+        work.node_sums[i] += values[i];
+    }
+  }
+  Block& pixels = work.pixels.block;
+  for_each_tile(patch, [&](std::size_t t, int x, int y) {
+    place_tile(pixels, patch, x, y);
+    pixels.rays = &work.rays[t];
+    RowBits bits{};
+    std::fill_n(bits.begin(), pixels.rows, (1U << pixels.columns) - 1U);
+    bring_up(work.node_sums, bands.x[x], bands.y[y], bits, pixels.rows, pixels.values[0]);
+    clock.lap(kReconstruct);
+    accumulate_sum(frame, pixels, work.tiles[t], nodes.num_sheets, nodes.sheets[0].depth);
+    clock.lap(kComposite);
+  });
+}
+
+// Neither planes nor the near plane cut a sample's path.
+inline bool are_paths_whole(const CpuFrame& frame, const Patch& patch) {
   const view::ViewLattice& lattice = frame.plan->lattice;
   return frame.plan->clip_planes.empty() &&
          lattice.depth(patch.first_sheet) - lattice.sampling_distance() > lattice.near_depth();
 }
 
-// Sheet by sheet: all pixels of a tile if its place on the sheet meets a relevant brick. Where a
-// brick is wider than a tile that is hardly more than pixel by pixel, which takes longer.
-inline bool bin_tile(const CpuFrame& frame, const Patch& patch, const Block& block,
+// Sheet by sheet: all pixels of a tile if its place on the sheet (or between it and the one before)
+// meets a relevant brick. Where a brick is wider than a tile that is hardly more than pixel by
+// pixel, which takes longer.
+inline bool bin_tile(const CpuFrame& frame, const Block& block, const Block& nodes,
                      LatticeWorkspace::TileBits& bits) {
   const view::LatticePlan& plan = *frame.lattice_plan;
   const std::uint32_t columns = (1U << block.x1) - 1U;
   bool any = false;
-  for (std::int64_t sheet = patch.first_sheet; sheet < patch.last_sheet; ++sheet) {
-    const view::SheetMap map = plan.lattice.index_map(sheet);
+  for (int s = nodes.front_margin; s < nodes.num_sheets - nodes.back_margin; ++s) {
     Bounds3 box;
-    for (const int x : {0, block.x1 - 1}) {
-      for (const int y : {0, block.y1 - 1}) box.extend(map.at(block.tile_x + x, block.tile_y + y));
+    for (int sheet = frame.takes_pieces ? s - 1 : s; sheet <= s; ++sheet) {
+      const view::SheetMap map = plan.lattice.index_map(nodes.first_sheet + sheet);
+      for (const int x : {0, block.x1 - 1}) {
+        for (const int y : {0, block.y1 - 1})
+          box.extend(map.at(block.tile_x + x, block.tile_y + y));
+      }
     }
     const bool is_relevant = plan.relevance.any_in(box.min(), box.max());
-    RowBits& rows = bits.relevant[static_cast<std::size_t>(sheet - patch.first_sheet)];
+    RowBits& rows = bits.relevant[static_cast<std::size_t>(s)];
     rows = {};
     if (is_relevant) std::fill_n(rows.begin(), block.y1, columns);
     any |= is_relevant;
@@ -272,32 +316,39 @@ inline bool bin_tile(const CpuFrame& frame, const Patch& patch, const Block& blo
   return any;
 }
 
+// Pixel by pixel: what planes cut away is not looked at.
+inline bool bin_clipped_tile(const CpuFrame& frame, Block& block, const Block& nodes,
+                             const Patch& patch, const TileState& tile,
+                             LatticeWorkspace::TileBits& bits) {
+  block.margin = 0;
+  block.front_margin = nodes.front_margin;
+  block.back_margin = nodes.back_margin;
+  const Part part = part_of(block, patch);
+  const Bounds3 box = box_of(frame, block, part, 0);
+  set_up_block(frame, block, part, box);
+  if (is_clipped_away(frame, block, part) || bin_region(frame, block, tile, box) == 0) return false;
+  for (int s = 0; s < block.num_sheets; ++s) {
+    RowBits& rows = bits.relevant[static_cast<std::size_t>(s)];
+    rows = {};
+    std::copy_n(block.relevant[s].begin(), block.rows, rows.begin());
+  }
+  return true;
+}
+
 // Which pixels of the patch's tiles are relevant.
 inline bool bin_patch(const CpuFrame& frame, LatticeWorkspace& work, const Patch& patch) {
   Block& block = work.pixels.block;
-  const bool has_all = has_whole_paths(frame, patch);
   bool any = false;
   for_each_tile(patch, [&](std::size_t t, int x, int y) {
     LatticeWorkspace::TileBits& bits = work.bits[t];
     bits.any_relevant = false;
-    bits.visible = {};
+    bits.any_visible = false;
     place_tile(block, patch, x, y);
     const TileState& tile = work.tiles[t];
     if (frame.stop_opaque && !tile.any_open(0, 0, block.x1, block.y1)) return;
-    if (has_all) {
-      bits.any_relevant = bin_tile(frame, patch, block, bits);
-    } else {
-      const Part part = part_of(block, patch);
-      const Bounds3 box = box_of(frame, block, part, 0);
-      set_up_block(frame, block, part, box);
-      bits.any_relevant =
-          !is_clipped_away(frame, block, part) && bin_region(frame, block, tile, box) > 0;
-      for (int s = 0; s < block.num_sheets && bits.any_relevant; ++s) {
-        RowBits& rows = bits.relevant[static_cast<std::size_t>(s)];
-        rows = {};
-        std::copy_n(block.relevant[s].begin(), block.rows, rows.begin());
-      }
-    }
+    bits.any_relevant = patch.has_whole_paths
+                            ? bin_tile(frame, block, work.nodes.block, bits)
+                            : bin_clipped_tile(frame, block, work.nodes.block, patch, tile, bits);
     any |= bits.any_relevant;
   });
   return any;
@@ -311,38 +362,36 @@ inline PatchResult draw_patch(const CpuFrame& frame, LatticeWorkspace& work, con
                               StageClock& clock) {
   const view::LatticePlan& plan = *frame.lattice_plan;
   Block& nodes = work.nodes.block;
+  Block& pixels = work.pixels.block;
   const Bounds3 box = set_up_nodes(frame, nodes, patch);
   if (!plan.relevance.any_in(box.min(), box.max())) return PatchResult::kNothingRelevant;
   const std::int64_t region =
       num_samples({nodes.region_size[0], nodes.region_size[1], nodes.region_size[2]});
-  if (!nodes.is_interior) return PatchResult::kNeedsPixels;
+  // Sheets before the near plane have no samples.
+  const bool has_front = plan.lattice.depth(nodes.first_sheet) > plan.lattice.near_depth();
+  if (!nodes.is_interior || !has_front) return PatchResult::kNeedsPixels;
   if (region > kMaxRegionSamples)
-    return nodes.num_sheets > 1 ? PatchResult::kTooLarge : PatchResult::kNeedsPixels;
+    return patch.last_sheet - patch.first_sheet > 1 ? PatchResult::kTooLarge
+                                                    : PatchResult::kNeedsPixels;
   if (!bin_patch(frame, work, patch)) return PatchResult::kNothingRelevant;
   clock.lap(kBin);
-  load_region(frame, work.nodes, false);
+  const bool are_defined = load_nodes(frame, work.nodes, patch);
   clock.lap(kLoad);
-  if (!nodes.uses_four_taps) return PatchResult::kNeedsPixels;
-  Block& pixels = work.pixels.block;
-  pixels.first_sheet = patch.first_sheet;
+  if (!are_defined) return PatchResult::kNeedsPixels;
+  pixels.margin = 0;
+  pixels.first_sheet = nodes.first_sheet;
   pixels.num_sheets = nodes.num_sheets;
   for (int s = 0; s < nodes.num_sheets; ++s) {
     pixels.sheets[s].depth = nodes.sheets[s].depth;
-    pixels.sheets[s].inverse_pitch = nodes.sheets[s].inverse_pitch;
     pixels.sheets[s].near_cut = nodes.sheets[s].near_cut;
   }
-  PatchWeights weights;
-  for (int t = 0; t < kPatchTiles; ++t) {
-    const auto how = frame.post_convolution;
-    if (patch.rect.x0 + t * kTileSize < patch.rect.x1)
-      weights.x[t] =
-          node_weights(how, patch.pitch, patch.rect.x0 + t * kTileSize, patch.nodes_x.first);
-    if (patch.rect.y0 + t * kTileSize < patch.rect.y1)
-      weights.y[t] =
-          node_weights(how, patch.pitch, patch.rect.y0 + t * kTileSize, patch.nodes_y.first);
+  PatchBands bands;
+  set_up_bands(frame, nodes, patch, bands);
+  if (counts_sums(frame, patch)) {
+    draw_patch_sum(frame, work, patch, bands, clock);
+  } else {
+    draw_patch_sheets(frame, work, patch, bands, clock);
   }
-  for (int s = 0; s < nodes.num_sheets; ++s)
-    draw_patch_sheet(frame, work, patch, weights, s, clock);
   return PatchResult::kDrawn;
 }
 

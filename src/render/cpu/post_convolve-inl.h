@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage "post-convolve": brings the coarse levels of a block to the finer ones, coarsest first.
+// Stage "post-convolve": a plane of coarse samples becomes one of finer samples, by a separable
+// filter: from a kernel set's level to the next finer one, from a lattice's nodes to pixels.
 //
-// In:  the levels' planes. Out: level 0 has everything.
-// Separable, six taps an axis (render/shared/sections.h): down the columns first, so that whole
-// rows are read and written, then along the rows, where the even and the odd samples of the finer
-// level are a vector each. About 18 multiply-adds per sample of the finer level and channel,
-// whatever was summed on the coarser one.
+// Along the rows of coarse samples first, as a product with the band matrix, of which a vector of
+// outputs takes the few rows that it has weights in: no shuffling, at any ratio of the two
+// samplings; then down the columns of finer samples, six taps each.
 #if defined(OVOID_RENDER_CPU_POST_CONVOLVE_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef OVOID_RENDER_CPU_POST_CONVOLVE_INL_H_
 #undef OVOID_RENDER_CPU_POST_CONVOLVE_INL_H_
@@ -13,62 +12,61 @@
 #define OVOID_RENDER_CPU_POST_CONVOLVE_INL_H_
 #endif
 
-#include "render/cpu/kernel_block.h"
+#include "render/cpu/filter_band.h"
 #include "render/cpu/simd-inl.h"
-#include "render/shared/sections.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace ovoid::cpu {
 namespace HWY_NAMESPACE {
 
-// Row `fine_row` of the finer level with the columns of the coarser one.
-HWY_INLINE void blend_rows(const float* coarse, const LevelExtent& from, int fine_row, float* out) {
-  const bool is_behind = fine_row % 2 != 0;  // a quarter behind its coarse sample
-  const int first = half_of(fine_row) - (is_behind ? 2 : 3) - from.lo;
-  V weight[6];
-  for (int k = 0; k < 6; ++k) weight[k] = hn::Set(d, kQuarterWeights[is_behind ? k : 5 - k]);
-  const float* row = coarse + static_cast<std::size_t>(first) * from.stride;
-  for (int x = 0; x < from.size; x += group_size()) {
-    V sum = hn::Mul(weight[0], hn::LoadU(d, row + x));
-    for (int k = 1; k < 6; ++k)
-      sum = hn::MulAdd(weight[k], hn::LoadU(d, row + k * from.stride + x), sum);
-    hn::StoreU(sum, d, out + x);
+// kRows rows of coarse samples share the loads of the weights.
+template <int kRows, class Band>
+HWY_INLINE void filter_rows(const float* coarse, std::ptrdiff_t stride, const Band& band,
+                            int num_outputs, float (*rows)[Band::kOutputs]) {
+  for (int c = 0; c < num_outputs; c += group_size()) {
+    const int first = band.of_eight[static_cast<std::size_t>(c / 8)].first;
+    const int past = band.of_eight[static_cast<std::size_t>((c + group_size() - 1) / 8)].past;
+    V sums[kRows];
+    for (V& sum : sums) sum = hn::Zero(d);
+    for (int k = first; k < past; ++k) {
+      const V weight = hn::Load(d, band.weight[k] + c);
+      for (int r = 0; r < kRows; ++r)
+        sums[r] = hn::MulAdd(hn::Set(d, coarse[r * stride + k]), weight, sums[r]);
+    }
+    for (int r = 0; r < kRows; ++r) hn::Store(sums[r], d, rows[r] + c);
   }
 }
 
-// Adds one plane of level `level` to the plane of the next finer level.
-inline void post_convolve_plane(const float* coarse, int level, float* fine, float* blended) {
-  const LevelExtent& from = kLevelExtents[static_cast<std::size_t>(level)];
-  const LevelExtent& to = kLevelExtents[static_cast<std::size_t>(level) - 1];
-  V weight[6];
-  for (int k = 0; k < 6; ++k) weight[k] = hn::Set(d, kQuarterWeights[k]);
-  // Coarse column j gives the fine columns 2 j and 2 j + 1; the first pair may begin before the
-  // plane.
-  const int j_first = half_of(to.lo);
-  const int j_last = half_of(to.lo + to.size - 1);
-  alignas(64) float pairs[2 * (kValueStride + kPlanePadding)];
-  for (int row = 0; row < to.size; ++row) {
-    blend_rows(coarse, from, to.lo + row, blended);
-    for (int j = j_first; j <= j_last; j += group_size()) {
-      const float* at = blended + (j - 3 - from.lo);
-      V taps[7];
-      for (int k = 0; k < 7; ++k) taps[k] = hn::LoadU(d, at + k);
-      V before = hn::Mul(weight[5], taps[0]);
-      V behind = hn::Mul(weight[0], taps[1]);
-      for (int k = 1; k < 6; ++k) {
-        before = hn::MulAdd(weight[5 - k], taps[k], before);
-        behind = hn::MulAdd(weight[k], taps[k + 1], behind);
-      }
-      hn::StoreInterleaved2(before, behind, d, pairs + 2 * (j - j_first));
+// Rows [first, last] of the finer plane, all of `num_columns`; whole groups are written. kAdds: to
+// what is there, and what lies behind the columns stays as it is.
+template <bool kAdds, class Band>
+inline void post_convolve(const float* coarse, std::ptrdiff_t coarse_stride, const Band& x,
+                          const Band& y, int first, int last, int num_columns, float* fine,
+                          std::ptrdiff_t fine_stride) {
+  alignas(64) float rows[Band::kInputs][Band::kOutputs];
+  const int first_tap = y.taps[static_cast<std::size_t>(first)];
+  const int num_rows = y.taps[static_cast<std::size_t>(last)] + kFilterTaps - first_tap;
+  const float* from = coarse + first_tap * coarse_stride + x.first_input;
+  int row = 0;
+  for (; row + 4 <= num_rows; row += 4)
+    filter_rows<4>(from + row * coarse_stride, coarse_stride, x, num_columns, rows + row);
+  for (; row < num_rows; ++row)
+    filter_rows<1>(from + row * coarse_stride, coarse_stride, x, num_columns, rows + row);
+  for (int out = first; out <= last; ++out) {
+    const int tap = y.taps[static_cast<std::size_t>(out)];
+    const float(*six)[Band::kOutputs] = rows + (tap - first_tap);
+    V weight[kFilterTaps];
+    for (int k = 0; k < kFilterTaps; ++k)
+      weight[k] = hn::Set(d, y.weight[tap - y.first_input + k][out]);
+    float* to = fine + out * fine_stride;
+    for (int c = 0; c < num_columns; c += group_size()) {
+      V sum = hn::Mul(weight[0], hn::Load(d, six[0] + c));
+      for (int k = 1; k < kFilterTaps; ++k)
+        sum = hn::MulAdd(weight[k], hn::Load(d, six[k] + c), sum);
+      // Columns behind the last have no weights: nothing is added there.
+      if constexpr (kAdds) sum = hn::Add(sum, hn::LoadU(d, to + c));
+      hn::StoreU(sum, d, to + c);
     }
-    const float* from_pair = pairs + (to.lo - 2 * j_first);
-    float* out = fine + static_cast<std::size_t>(row) * to.stride;
-    // What lies behind the row's end belongs to nobody, or to the next row, which is yet to be
-    // added to: it must not be touched.
-    int x = 0;
-    for (; x + group_size() <= to.size; x += group_size())
-      hn::StoreU(hn::Add(hn::LoadU(d, out + x), hn::LoadU(d, from_pair + x)), d, out + x);
-    for (; x < to.size; ++x) out[x] += from_pair[x];
   }
 }
 

@@ -393,7 +393,7 @@ HWY_INLINE GroupValues gather_group(const CpuFrame& frame, Workspace& work, int 
     FourTapBatch batch;
     batch.count = group_size();
     weigh_at(frame, work.block, fill_lanes(u, lanes), 0, batch);
-    sum_yz(work.block, work.samples.data.get(), batch);
+    sum_yz(work.block, work.samples, batch);
     const std::uint32_t whole =
         work.block.is_interior
             ? group_bits()
@@ -413,7 +413,7 @@ HWY_INLINE ValueAndGradient gather_gradient(const CpuFrame& frame, Workspace& wo
     FourTapGradientBatch batch;
     batch.count = group_size();
     weigh_at(frame, work.block, fill_lanes(u, lanes), 0, batch);
-    sum_yz_gradient(work.block, work.samples.data.get(), batch);
+    sum_yz_gradient(work.block, work.samples, batch);
     return reduce_gradient(batch, 0);
   }
   alignas(64) float out[4][kMaxLanes] = {};
@@ -439,7 +439,7 @@ HWY_INLINE void for_each_batch(const Block& block, const RowBits& bits, Batch& b
   };
   for (int y = 0; y < block.rows; ++y) {
     const auto row = static_cast<float>(y);
-    for (std::uint32_t left = bits[y]; left != 0; left &= left - 1) {
+    for (RowWord left = bits[y]; left != 0; left &= left - 1) {
       const int x = std::countr_zero(left);
       batch.column[count] = static_cast<float>(x);
       batch.row[count] = row;
@@ -454,7 +454,7 @@ HWY_INLINE void for_each_batch(const Block& block, const RowBits& bits, Batch& b
 HWY_INLINE void drop_undefined(const FourTapBatch& batch, RowBits& defined) {
   for (int i = 0; i < batch.count; ++i) {
     if (batch.share[i] >= kLeastWeight) continue;
-    defined[batch.at[i] / kPlaneStride] &= ~(1U << batch.at[i] % kPlaneStride);
+    defined[batch.at[i] / kPlaneStride] &= ~(RowWord{1} << batch.at[i] % kPlaneStride);
   }
 }
 
@@ -467,7 +467,7 @@ inline void reconstruct_four_taps(const CpuFrame& frame, Workspace& work, int s,
   FourTapBatch batch;
   for_each_batch(block, wanted, batch, [&] {
     weigh_sheet(frame, block, s, batch);
-    sum_yz(block, work.samples.data.get(), batch);
+    sum_yz(block, work.samples, batch);
     alignas(64) float value[kBatchSamples];
     for (int i = 0; i < batch.count; i += group_size())
       hn::Store(reduce_value(batch, i), d, value + i);
@@ -486,7 +486,7 @@ inline void reconstruct_general(const CpuFrame& frame, Workspace& work, int s,
       const Position u = position_of(block.sheets[s], column, y);
       const GroupValues group = gather_group(frame, work, s, column, y, u, lanes);
       hn::StoreU(group.value, d, values + y * kPlaneStride + column);
-      defined[y] |= group.defined << column;
+      defined[y] |= RowWord{group.defined} << column;
     });
   }
 }

@@ -51,8 +51,8 @@ struct SheetPlace {
 // Where a block lies in the picture, and its sheets (or the nodes of their slabs, sheet by sheet).
 inline constexpr int kProfileNodes = 8;
 struct BlockPlace {
-  int tile_x, tile_y;  // pixel of its corner
-  float least_scale;   // of its sheets
+  int tile_x, tile_y;               // pixel of its corner
+  float scales[view::kBlockDepth];  // of the sheets' middle planes
   SheetPlace places[view::kBlockDepth * kProfileNodes];
 };
 
@@ -349,9 +349,9 @@ HWY_INLINE void set_coefficients(const KernelFrame& frame, const Splat& splat, f
   }
 }
 
-// The coarsest level whose samples show the splat, at the least scale of the block's sheets.
+// The coarsest level whose samples show the splat on a sheet of that scale.
 HWY_INLINE int level_for(const KernelFrame& frame, const Splat& splat, float scale) {
-  const float sigma = splat.minor * scale / kLeastLevelSigma;
+  const float sigma = splat.minor * scale / frame.least_level_sigma;
   if (!(sigma >= 2.0F)) return 0;
   return std::min(frame.max_level, static_cast<int>(std::ilogb(sigma)));
 }
@@ -397,17 +397,17 @@ HWY_INLINE void for_each_section(const KernelFrame& frame, const Splat& splat,
 template <int kChannels, bool kIsGaussian>
 HWY_INLINE void add_splat(const KernelFrame& frame, KernelWorkspace& work, const Splat& splat,
                           const BlockPlace& block, const SheetRun& run) {
-  const int level = level_for(frame, splat, block.least_scale);
-  if (!work.is_touched[static_cast<std::size_t>(level)]) {
-    work.is_touched[static_cast<std::size_t>(level)] = true;
-    clear_level(frame, work, level, run);
-  }
   float coefficients[kMaxChannels] = {};
   set_coefficients(frame, splat, coefficients);
   for (int j = run.first; j < run.last; ++j) {
+    const int level = level_for(frame, splat, block.scales[j]);
+    const auto l = static_cast<std::size_t>(level);
+    if (!work.is_touched[l]) {
+      work.is_touched[l] = true;
+      clear_level(frame, work, level, run);
+    }
     for_each_section(frame, splat, block, j, level, [&](const Section& section) {
-      add_section<kChannels, kIsGaussian>(frame, section, coefficients,
-                                          kLevelExtents[static_cast<std::size_t>(level)],
+      add_section<kChannels, kIsGaussian>(frame, section, coefficients, kLevelExtents[l],
                                           planes_of(frame, work, level, j), plane_size(level));
     });
   }

@@ -213,7 +213,7 @@ inline void classify_sheet(const CpuFrame& frame, Block& block, int s, const Row
           const V value = hn::LoadU(d, values + at);
           V before = value;
           if (frame.is_preintegrated) {
-            const M has_before = mask_of(defined_before[y] >> column & group_bits());
+            const M has_before = mask_of(lanes_at(defined_before[y], column));
             before = hn::IfThenElse(has_before, hn::LoadU(d, values_before + at), value);
           }
           const M may_show =
@@ -257,7 +257,7 @@ inline void color_sheet(const CpuFrame& frame, Block& block, const float* values
 inline void correct_sheet(const CpuFrame& frame, Block& block, int s) {
   const bool has_own_path = !frame.is_parallel || frame.plan->is_clipped;
   for (int y = 0; y < block.rows; ++y) {
-    const std::uint32_t candidates = block.visible[y];
+    const RowWord candidates = block.visible[y];
     for_each_group(
         candidates, block.margin, block.columns - block.margin,
         [&](int column, std::uint32_t lanes) {

@@ -33,6 +33,11 @@ inline constexpr DI di;
 inline int group_size() { return static_cast<int>(hn::Lanes(d)); }
 inline std::uint32_t group_bits() { return group_size() == 32 ? ~0U : (1U << group_size()) - 1U; }
 
+// Bits of the group at `column` of a row of bits.
+HWY_INLINE std::uint32_t lanes_at(std::uint64_t row_bits, int column) {
+  return static_cast<std::uint32_t>(row_bits >> column) & group_bits();
+}
+
 HWY_INLINE M mask_of(std::uint32_t bits) {
   alignas(8) std::uint8_t bytes[8] = {static_cast<std::uint8_t>(bits),
                                       static_cast<std::uint8_t>(bits >> 8)};
@@ -130,10 +135,10 @@ HWY_INLINE V vector_log2(V x) {
 // Runs `body(column, bits)` for each group of a row in which `row_bits` has a bit set; bit i of
 // `bits` is sample column + i.
 template <class Body>
-HWY_INLINE void for_each_group(std::uint32_t row_bits, int first_column, int last_column,
+HWY_INLINE void for_each_group(std::uint64_t row_bits, int first_column, int last_column,
                                const Body& body) {
   for (int column = first_column; column < last_column; column += group_size()) {
-    const std::uint32_t bits = row_bits >> column & group_bits();
+    const std::uint32_t bits = lanes_at(row_bits, column);
     if (bits != 0) body(column, bits);
   }
 }

@@ -109,9 +109,10 @@ HWY_INLINE void splat_kernel(const Block& block, const SplatPlane& plane, const 
   }
 }
 
-// The kernels of the region, as far as the lattice goes, on one plane.
-inline void splat_onto_plane(const CpuFrame& frame, Workspace& work, const SplatPlane& plane,
-                             float weight, float* numerator, float* denominator) {
+// The kernels of the region, as far as the lattice goes, that reach a plane: visit(center, value).
+template <class Visit>
+inline void for_each_kernel(const CpuFrame& frame, const Workspace& work, const SplatPlane& plane,
+                            const Visit& visit) {
   const Block& block = work.block;
   const auto [lo, hi] = part_in_lattice(frame, block);
   for (std::int64_t z = lo[2]; z < hi[2]; ++z) {
@@ -142,22 +143,28 @@ inline void splat_onto_plane(const CpuFrame& frame, Workspace& work, const Splat
       for (int i = first; i <= last; ++i) {
         if (block.has_missing && work.presence.data[row + i] == 0.0F) continue;
         center[0] = x0 + static_cast<float>(i);
-        splat_kernel(block, plane, center, work.samples.data[row + i], weight, numerator,
-                     denominator);
+        visit(center, work.samples[row + i]);
       }
     }
   }
 }
 
+inline void clear_splat_planes(Workspace& work) {
+  const std::size_t count = 2 * kPlaneFloats * work.block.num_sheets;
+  std::fill_n(work.splats.reserve(count), count, 0.0F);
+}
+
 inline void splat_region(const CpuFrame& frame, Workspace& work) {
   const Block& block = work.block;
-  const std::size_t count = 2 * kPlaneFloats * block.num_sheets;
-  std::fill_n(work.splats.reserve(count), count, 0.0F);
+  clear_splat_planes(work);
   for (int s = 0; s < block.num_sheets; ++s) {
     for (int node = 0; node < frame.num_slab_nodes; ++node) {
       const SlabNode slab = frame.slab_nodes[node];
-      splat_onto_plane(frame, work, make_splat_plane(frame, block.sheets[s], slab.offset),
-                       slab.weight, numerator_plane(work, s), denominator_plane(work, s));
+      const SplatPlane plane = make_splat_plane(frame, block.sheets[s], slab.offset);
+      for_each_kernel(frame, work, plane, [&](const float* center, float value) {
+        splat_kernel(block, plane, center, value, slab.weight, numerator_plane(work, s),
+                     denominator_plane(work, s));
+      });
     }
   }
 }
@@ -210,7 +217,7 @@ inline void read_splat_sheet(const CpuFrame& frame, Workspace& work, int s, cons
   RowBits& defined = block.defined[s & (kRingSheets - 1)];
   for (int y = 0; y < block.rows; ++y) {
     defined[y] = 0;
-    for (std::uint32_t bits = wanted[y]; bits != 0; bits &= bits - 1) {
+    for (RowWord bits = wanted[y]; bits != 0; bits &= bits - 1) {
       const int x = std::countr_zero(bits);
       const int at = y * kPlaneStride + x;
       const float n = numerator_plane(work, s)[at];
@@ -224,7 +231,7 @@ inline void read_splat_sheet(const CpuFrame& frame, Workspace& work, int s, cons
         if (!is_whole && !(e >= kLeastWeight * endless_sum(frame, work, sheet, x, y))) continue;
         values[at] = n / e;
       }
-      defined[y] |= 1U << x;
+      defined[y] |= RowWord{1} << x;
     }
   }
 }

@@ -186,6 +186,9 @@ inline void draw_tile_layer(const CpuFrame& frame, Workspace& work, const Part& 
 
 inline void draw_tiles_layer(const CpuFrame& frame, LatticeWorkspace& work, const Patch& patch,
                              StageClock& clock) {
+  Block& block = work.pixels.block;
+  block.margin = block.back_margin = frame.central_gradient ? 1 : 0;
+  block.front_margin = frame.central_gradient || frame.takes_pieces ? 1 : 0;
   for_each_tile(patch, [&](std::size_t t, int x, int y) {
     place_tile(work.pixels.block, patch, x, y);
     work.pixels.tile = &work.tiles[t];
@@ -212,6 +215,7 @@ inline void draw_patch_layer(const CpuFrame& frame, LatticeWorkspace& work, Patc
                              StageClock& clock) {
   patch.nodes_x = nodes_for(patch.pitch, patch.rect.x0, patch.rect.x1 - 1);
   patch.nodes_y = nodes_for(patch.pitch, patch.rect.y0, patch.rect.y1 - 1);
+  patch.has_whole_paths = are_paths_whole(frame, patch);
   const PatchResult result = is_closed(frame, work, patch) ? PatchResult::kNothingRelevant
                                                            : draw_patch(frame, work, patch, clock);
   if (result == PatchResult::kTooLarge) {
@@ -238,28 +242,14 @@ inline void draw_patch_layer(const CpuFrame& frame, LatticeWorkspace& work, Patc
   });
 }
 
-// Sheets [first, last), a layer.
+// Sheets [first, last) of one layer.
 inline void draw_layer(const CpuFrame& frame, LatticeWorkspace& work, const TileRect& rect,
                        std::int64_t first, std::int64_t last, StageClock& clock) {
-  Patch patch{rect, 0, 0, first, last, 1.0, {}, {}};
-  if (!frame.samples_at_nodes) return draw_tiles_layer(frame, work, patch, clock);
-  // Pixels are widest apart on the sheet behind.
-  patch.pitch =
-      std::min(frame.lattice_plan->node_pitch(frame.post_convolution, last - 1), kGreatestPitch);
-  if (patch.pitch < kLeastPitch) return draw_tiles_layer(frame, work, patch, clock);
-  if (patch.pitch >= kWholePatchPitch) return draw_patch_layer(frame, work, patch, clock);
-  constexpr int kHalf = kPatchTiles / 2;
-  for (int quarter = 0; quarter < 4; ++quarter) {
-    Patch part = patch;
-    part.tile_x = quarter % 2 * kHalf;
-    part.tile_y = quarter / 2 * kHalf;
-    part.rect.x0 = rect.x0 + part.tile_x * kTileSize;
-    part.rect.y0 = rect.y0 + part.tile_y * kTileSize;
-    part.rect.x1 = std::min(rect.x1, part.rect.x0 + kHalf * kTileSize);
-    part.rect.y1 = std::min(rect.y1, part.rect.y0 + kHalf * kTileSize);
-    if (part.rect.x0 < rect.x1 && part.rect.y0 < rect.y1)
-      draw_patch_layer(frame, work, part, clock);
-  }
+  Patch patch{rect, first, last, 1.0, {}, {}, false};
+  if (frame.samples_at_nodes)
+    patch.pitch = frame.lattice_plan->node_pitch(frame.post_convolution, first);
+  if (patch.pitch <= 1.0) return draw_tiles_layer(frame, work, patch, clock);
+  draw_patch_layer(frame, work, patch, clock);
 }
 
 // Draws a patch, or one tile where the frame has no nodes, into work.tiles.
@@ -268,10 +258,6 @@ inline void render_patch_on_target(const CpuFrame& frame, LatticeWorkspace& work
   const view::LatticePlan& plan = *frame.lattice_plan;
   Block& block = work.pixels.block;
   StageClock clock(work.pixels.stats.ticks, frame.collect_profile);
-  block.margin = frame.central_gradient ? 1 : 0;
-  block.front_margin =
-      frame.central_gradient || frame.is_preintegrated || frame.mode == Mode::kIsosurface ? 1 : 0;
-  block.back_margin = block.margin;
   block.visible = {};
   const int num_tiles = frame.samples_at_nodes ? kPatchTiles * kPatchTiles : 1;
   for (int t = 0; t < num_tiles; ++t) {
@@ -283,9 +269,12 @@ inline void render_patch_on_target(const CpuFrame& frame, LatticeWorkspace& work
                 work.rays[static_cast<std::size_t>(t)]);
   }
   const std::int64_t last = plan.sheets.last;
-  for (std::int64_t sheet = plan.sheets.first; sheet < last; sheet += kBlockSheets) {
+  for (std::int64_t sheet = plan.sheets.first; sheet < last;) {
     if (frame.stop.stop_requested()) return;
-    draw_layer(frame, work, rect, sheet, std::min<std::int64_t>(sheet + kBlockSheets, last), clock);
+    const std::int64_t past =
+        std::min(last, frame.samples_at_nodes ? view::next_layer(sheet) : sheet + kBlockSheets);
+    draw_layer(frame, work, rect, sheet, past, clock);
+    sheet = past;
   }
   clock.lap(kBin);
 }

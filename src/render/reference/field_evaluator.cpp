@@ -288,6 +288,34 @@ FieldSample FieldEvaluator::mean_over(const Vec3& from, const Vec3& to,
   return reconstruct(sums, widening);
 }
 
+FieldSample FieldEvaluator::mean_under(const Bounds3& box,
+                                       const std::function<double(const Vec3&)>& weight) const {
+  // Also keeps what is no number, or too large for an index, from the loops.
+  if (!support_bounds(Vec3::Ones()).intersects(box)) return {};
+  double sum = 0;
+  double sum_of_weights = 0;
+  const IndexRange in_x = indices_in_reach(box.min()[0], box.max()[0], 0);
+  const IndexRange in_y = indices_in_reach(box.min()[1], box.max()[1], 0);
+  const IndexRange in_z = indices_in_reach(box.min()[2], box.max()[2], 0);
+  for (std::int64_t k = in_z.first; k <= in_z.last; ++k) {
+    for (std::int64_t j = in_y.first; j <= in_y.last; ++j) {
+      for (std::int64_t i = in_x.first; i <= in_x.last; ++i) {
+        const double w =
+            weight({static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
+        if (w == 0) continue;
+        if (!is_inside({i, j, k}) || exists_[offset_of({i, j, k})] == 0) return {};
+        sum += w * values_[offset_of({i, j, k})];
+        sum_of_weights += w;
+      }
+    }
+  }
+  if (!(sum_of_weights > 0)) return {};
+  FieldSample sample;
+  sample.value = sum / sum_of_weights;
+  sample.is_defined = true;
+  return sample;
+}
+
 Vec3 FieldEvaluator::corrected_gradient(const Vec3& gradient, const Vec3& position,
                                         const Vec3& widening) const {
   if (reconstruction_ == Reconstruction::kSum) return gradient;

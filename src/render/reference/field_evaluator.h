@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "ovoid/field.h"
@@ -37,6 +38,12 @@ class FieldEvaluator {
   // numerator and denominator are integrated along it before they are divided.
   FieldSample mean_over(const Vec3& from, const Vec3& to,
                         const Vec3& widening = Vec3::Ones()) const;
+
+  // The mean of the samples in a box of index space under `weight`, a function of a position in
+  // index space, not negative and zero beyond the box. Not defined, and zero, where no position of
+  // the endless lattice has weight, or one that has is no kernel that exists.
+  FieldSample mean_under(const Bounds3& box,
+                         const std::function<double(const Vec3&)>& weight) const;
 
   // A world gradient found at a position (of a mean: the segment's middle) in index space, divided
   // by what the endless lattice answers to a ramp of slope 1 along each lattice axis:

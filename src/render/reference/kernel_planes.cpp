@@ -19,6 +19,10 @@ namespace {
 // docs/numerics.md: sigma is at least 0.65 pixels and half a sheet.
 constexpr double kLeastSquaredSigma = 0.25;
 constexpr double kLeastPixels = 1.3;
+// docs/numerics.md, "Levels", of the published ways.
+constexpr std::size_t kNumLevels = 7;
+constexpr double kLeastLevelSigma = 0.5;  // samples
+
 constexpr int kSlabNodes = 64;  // where a mean has no closed form
 
 // Raises what is less than kLeastSquaredSigma in these units; the mass stays.
@@ -34,6 +38,10 @@ void widen(ViewedKernel& kernel, const Vec3& units) {
   kernel.weight *= std::sqrt(std::max(scaled.determinant(), 0.0) / after.prod());
   kernel.covariance = units.asDiagonal() * wider * units.asDiagonal();
 }
+
+// The place among the samples of a level of sample i of the next finer one: a quarter of a sample
+// before or behind one of them.
+double coarse_place(int i) { return 0.5 * i - 0.25; }
 
 // Integral, mean and variance of exp(-x^2 / 2) on [a, b].
 struct Moments {
@@ -79,30 +87,52 @@ std::vector<ViewedKernel> view_kernels(const KernelField& field, const ViewRays&
 
 KernelPlanes::KernelPlanes(const KernelField& field, const std::vector<ViewedKernel>& kernels,
                            const ViewRays& view, const SheetRange& sheets, const Rows& rows,
-                           bool is_mean)
+                           const Way& way)
     : view_(view),
       sheets_(sheets),
-      rows_(rows),
       profile_(field.source().profile()),
       cutoff_(field.source().cutoff()),
       is_sum_(field.reconstruction() == Reconstruction::kSum),
       has_own_color_(field.has_own_color()),
-      is_mean_(is_mean) {
-  const auto num_sheets =
-      static_cast<std::size_t>(std::max<std::int64_t>(0, sheets.last - sheets.first + 1));
-  try {
-    cells_.resize(num_sheets * static_cast<std::size_t>(rows.y1 - rows.y0 + 2) *
-                  static_cast<std::size_t>(rows.width + 2));
-  } catch (const std::bad_alloc&) {
-    throw Error(ErrorCode::kOutOfMemory,
-                "sampling_distance: no memory for " + std::to_string(num_sheets) + " sheets");
-  }
+      way_(way) {
+  add_levels(rows);
   for (const ViewedKernel& kernel : kernels) add_kernel(kernel);
+  for (std::size_t l = levels_.size() - 1; l > 0; --l) bring_down(levels_[l], levels_[l - 1]);
+}
+
+// The pixels and one more on every side; of each coarser level what its finer one is made from.
+void KernelPlanes::add_levels(const Rows& rows) {
+  const std::int64_t num_sheets = std::max<std::int64_t>(0, sheets_.last - sheets_.first + 1);
+  Level level{1, -1, rows.width + 1, rows.y0 - 1, rows.y1 + 1, {}};
+  const std::size_t num_levels = is_published(way_.post_convolution) ? kNumLevels : 1;
+  while (true) {
+    try {
+      level.cells.resize(level.index_of(level.x0, level.y0, num_sheets));
+    } catch (const std::bad_alloc&) {
+      throw Error(ErrorCode::kOutOfMemory,
+                  "sampling_distance: no memory for " + std::to_string(num_sheets) + " sheets");
+    }
+    levels_.push_back(std::move(level));
+    if (levels_.size() == num_levels) return;
+    const Level& finer = levels_.back();
+    const auto taps_of = [&](int sample) {
+      return taps_at(way_.post_convolution, coarse_place(sample));
+    };
+    const auto end_of = [](const FilterTaps& taps) {
+      return static_cast<int>(taps.first) + static_cast<int>(taps.weight.size());
+    };
+    level = {2 * finer.step,
+             static_cast<int>(taps_of(finer.x0).first),
+             end_of(taps_of(finer.x1 - 1)),
+             static_cast<int>(taps_of(finer.y0).first),
+             end_of(taps_of(finer.y1 - 1)),
+             {}};
+  }
 }
 
 void KernelPlanes::add_kernel(const ViewedKernel& kernel) {
   const double reach = cutoff_ * std::sqrt(kernel.covariance(2, 2));
-  const double slab = is_mean_ ? 0.5 * view_.sampling_distance() : 0.0;
+  const double slab = way_.is_mean ? 0.5 * view_.sampling_distance() : 0.0;
   const double first = std::ceil(view_.sheet_of(kernel.center[2] - reach - slab));
   const double last = std::floor(view_.sheet_of(kernel.center[2] + reach + slab));
   const auto from = static_cast<std::int64_t>(std::max(first, static_cast<double>(sheets_.first)));
@@ -114,16 +144,52 @@ void KernelPlanes::add_kernel(const ViewedKernel& kernel) {
 
 void KernelPlanes::add_sheet(const ViewedKernel& kernel, std::int64_t sheet) {
   const double z = view_.z_of(sheet);
-  if (!is_mean_) {
-    add_section(kernel, middle_section(kernel, z), sheet, z);
+  Level& level = levels_[level_for(kernel, z)];
+  if (!way_.is_mean) {
+    add_section(kernel, middle_section(kernel, z), sheet, z, level);
   } else if (profile_ == KernelProfile::kGaussian) {
-    add_section(kernel, mean_section(kernel, z), sheet, z);
+    add_section(kernel, mean_section(kernel, z), sheet, z, level);
   } else {
     for (int node = 0; node < kSlabNodes; ++node) {
       const double at = z + ((node + 0.5) / kSlabNodes - 0.5) * view_.sampling_distance();
       Section section = middle_section(kernel, at);
       section.amplitude /= kSlabNodes;
-      add_section(kernel, section, sheet, at);
+      add_section(kernel, section, sheet, at, level);
+    }
+  }
+}
+
+// The coarsest level that shows the kernel on the sheet at z, by the cut with the middle plane
+// whatever is then added.
+std::size_t KernelPlanes::level_for(const ViewedKernel& kernel, double z) const {
+  const Eigen::Matrix2d cut = middle_section(kernel, z).covariance;
+  const double least = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(cut).eigenvalues()[0];
+  const double sigma = std::sqrt(std::max(least, 0.0)) / view_.pitch_at(z);  // pixels
+  std::size_t l = levels_.size() - 1;
+  while (l > 0 && !(sigma >= kLeastLevelSigma * levels_[l].step)) --l;
+  return l;
+}
+
+void KernelPlanes::bring_down(const Level& coarse, Level& fine) const {
+  const std::int64_t num_sheets = std::max<std::int64_t>(0, sheets_.last - sheets_.first + 1);
+  for (std::int64_t plane = 0; plane < num_sheets; ++plane) {
+    for (int y = fine.y0; y < fine.y1; ++y) {
+      const FilterTaps taps_y = taps_at(way_.post_convolution, coarse_place(y));
+      for (int x = fine.x0; x < fine.x1; ++x) {
+        const FilterTaps taps_x = taps_at(way_.post_convolution, coarse_place(x));
+        Cell& cell = fine.cells[fine.index_of(x, y, plane)];
+        for (std::size_t j = 0; j < taps_y.weight.size(); ++j) {
+          for (std::size_t i = 0; i < taps_x.weight.size(); ++i) {
+            const double weight = taps_x.weight[i] * taps_y.weight[j];
+            const Cell& from = coarse.cells[coarse.index_of(
+                static_cast<int>(taps_x.first) + static_cast<int>(i),
+                static_cast<int>(taps_y.first) + static_cast<int>(j), plane)];
+            cell.numerator += weight * from.numerator;
+            cell.denominator += weight * from.denominator;
+            cell.color_numerator += weight * from.color_numerator;
+          }
+        }
+      }
     }
   }
 }
@@ -169,23 +235,24 @@ KernelPlanes::Section KernelPlanes::mean_section(const ViewedKernel& kernel, dou
 }
 
 void KernelPlanes::add_section(const ViewedKernel& kernel, const Section& section,
-                               std::int64_t sheet, double z) {
+                               std::int64_t sheet, double z, Level& level) {
   if (!(section.room > 0) || !(section.amplitude > 0) || !(view_.pitch_at(z) > 0)) return;
   const Eigen::Matrix2d precision = section.covariance.inverse();
   const double reach_x = std::sqrt(section.room * section.covariance(0, 0));
   const double reach_y = std::sqrt(section.room * section.covariance(1, 1));
-  const auto range = [](double lo, double hi, int least, int most) {
-    return std::pair(static_cast<int>(std::clamp(std::ceil(lo), 1.0 * least, most + 1.0)),
-                     static_cast<int>(std::clamp(std::floor(hi), least - 1.0, 1.0 * most)));
+  const auto range = [&](double lo, double hi, int least, int most) {
+    return std::pair(
+        static_cast<int>(std::clamp(std::ceil(level.sample_of(lo)), 1.0 * least, most + 1.0)),
+        static_cast<int>(std::clamp(std::floor(level.sample_of(hi)), least - 1.0, 1.0 * most)));
   };
   const auto [y0, y1] = range(view_.row_of(section.y - reach_y, z),
-                              view_.row_of(section.y + reach_y, z), rows_.y0 - 1, rows_.y1);
+                              view_.row_of(section.y + reach_y, z), level.y0, level.y1 - 1);
   const auto [x0, x1] = range(view_.column_of(section.x - reach_x, z),
-                              view_.column_of(section.x + reach_x, z), -1, rows_.width);
+                              view_.column_of(section.x + reach_x, z), level.x0, level.x1 - 1);
   for (int y = y0; y <= y1; ++y) {
-    const double dy = view_.below_of(y, z) - section.y;
+    const double dy = view_.below_of(level.pixel_of(y), z) - section.y;
     for (int x = x0; x <= x1; ++x) {
-      const double dx = view_.right_of(x, z) - section.x;
+      const double dx = view_.right_of(level.pixel_of(x), z) - section.x;
       const double q =
           precision(0, 0) * dx * dx + 2 * precision(0, 1) * dx * dy + precision(1, 1) * dy * dy;
       if (q > section.room) continue;
@@ -193,7 +260,7 @@ void KernelPlanes::add_section(const ViewedKernel& kernel, const Section& sectio
       const double phi =
           kernel.weight * section.amplitude *
           profile_value(profile_, std::min(std::sqrt(q + section.q_along), cutoff_), cutoff_);
-      Cell& cell = cells_[index_of(x, y, sheet)];
+      Cell& cell = level.cells[level.index_of(x, y, sheet - sheets_.first)];
       const double share = phi * kernel.value;
       cell.numerator += share;
       cell.denominator += phi;
@@ -202,24 +269,12 @@ void KernelPlanes::add_section(const ViewedKernel& kernel, const Section& sectio
   }
 }
 
-bool KernelPlanes::holds(int x, int y, std::int64_t sheet) const {
-  return x >= -1 && x <= rows_.width && y >= rows_.y0 - 1 && y <= rows_.y1 &&
-         sheet >= sheets_.first && sheet <= sheets_.last;
-}
-
-std::size_t KernelPlanes::index_of(int x, int y, std::int64_t sheet) const {
-  const auto plane = static_cast<std::size_t>(sheet - sheets_.first);
-  const auto rows = static_cast<std::size_t>(rows_.y1 - rows_.y0) + 2;
-  const auto columns = static_cast<std::size_t>(rows_.width) + 2;
-  const int row = y - rows_.y0 + 1;
-  const int column = x + 1;
-  return (plane * rows + static_cast<std::size_t>(row)) * columns +
-         static_cast<std::size_t>(column);
-}
-
 KernelPlanes::Sample KernelPlanes::at(int x, int y, std::int64_t sheet) const {
-  if (!holds(x, y, sheet)) return {};
-  const Cell& cell = cells_[index_of(x, y, sheet)];
+  const Level& pixels = levels_.front();
+  if (x < pixels.x0 || x >= pixels.x1 || y < pixels.y0 || y >= pixels.y1 || sheet < sheets_.first ||
+      sheet > sheets_.last)
+    return {};
+  const Cell& cell = pixels.cells[pixels.index_of(x, y, sheet - sheets_.first)];
   const double whole = is_sum_ ? cell.numerator : cell.denominator;
   if (is_sum_ ? whole == 0 : !(whole >= KernelField::kLeastWeight)) return {};
   const double value = is_sum_ ? whole : cell.numerator / whole;

@@ -77,9 +77,11 @@ Pixel PixelTracer::composite(const PixelRay& pixel, TraceCounts& counts) const {
       before.reset();
       continue;
     }
-    const std::optional<RaySample> start = classification_ == Classification::kPreintegrated
-                                               ? std::exchange(before, at)
-                                               : std::nullopt;
+    std::optional<RaySample> start;
+    if (classification_ == Classification::kPreintegrated) {
+      if (before) start = front_end(pixel, *before, *at);
+      before = at;
+    }
     ClassifiedSample seen = classified_sample(start, *at);
     if (seen.opacity == 0) continue;
     ++counts.visible;
@@ -96,6 +98,11 @@ Pixel PixelTracer::composite(const PixelRay& pixel, TraceCounts& counts) const {
     if (alpha >= 0.5 && std::isinf(result.depth)) result.depth = at->z;
   }
   return result;
+}
+
+PixelTracer::RaySample PixelTracer::front_end(const PixelRay& /*pixel*/, const RaySample& before,
+                                              const RaySample& /*at*/) const {
+  return before;
 }
 
 // Colour, and opacity over a unit distance, of a sample, or of the piece that ends at it.
@@ -167,6 +174,7 @@ Pixel PixelTracer::isosurface(const PixelRay& pixel, TraceCounts& counts) const 
   std::optional<RaySample> near;
   for (std::int64_t k = pixel.sheets.first; k <= pixel.sheets.last; ++k) {
     const std::optional<RaySample> far = sample(pixel, k, counts);
+    if (near && far) near = front_end(pixel, *near, *far);
     if (near && far && (near->value < iso) != (far->value < iso)) {
       const Crossing at = crossing(pixel, *near, *far);
       if (view_.is_kept(pixel.ray.at(at.z))) {

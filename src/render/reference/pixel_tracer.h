@@ -49,7 +49,8 @@ class PixelTracer {
     double path;
     double value;
     double color_value;   // what the colour is taken at
-    Vec3 exact_gradient;  // of lattices
+    Vec3 exact_gradient;  // of lattices, unless from nodes
+    bool is_from_nodes = false;
   };
   struct Crossing {
     double z;
@@ -70,6 +71,9 @@ class PixelTracer {
   // Of the piece between two sheets.
   virtual Vec3 piece_gradient(const PixelRay& pixel, const RaySample& from,
                               const RaySample& to) const = 0;
+  // The sample before as the front end of the piece to `at`.
+  virtual RaySample front_end(const PixelRay& pixel, const RaySample& before,
+                              const RaySample& at) const;
   // Where between two samples on either side the field takes the isovalue.
   virtual Crossing crossing(const PixelRay& pixel, const RaySample& near,
                             const RaySample& far) const = 0;

@@ -199,12 +199,13 @@ Frame render(const KernelField& field, const Camera& camera, const Look& look,
   const ViewRays view(field, camera, options);
   const std::vector<ViewedKernel> kernels = view_kernels(field, view);
   const SheetRange sheets = sheets_reached(kernels, view, field.source().cutoff());
-  const bool is_mean =
-      options.slab == Slab::kMean || (options.slab == Slab::kAuto && look.mode == Mode::kXray);
+  const KernelPlanes::Way way{
+      options.slab == Slab::kMean || (options.slab == Slab::kAuto && look.mode == Mode::kXray),
+      options.post_convolution};
   constexpr int kRowsEach = 8;
   const auto tracer = [&](int y0, int y1) {
     return std::make_shared<const KernelTracer>(
-        field, KernelPlanes(field, kernels, view, sheets, {y0, y1, options.width}, is_mean), view,
+        field, KernelPlanes(field, kernels, view, sheets, {y0, y1, options.width}, way), view,
         sheets, look, options);
   };
   const TraceCounts counts = RowPainter(tracer, kRowsEach, hooks, frame.image).paint(threads);

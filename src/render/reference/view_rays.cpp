@@ -63,7 +63,7 @@ ViewRays::ViewRays(const LatticeField& field, const Camera& camera, const Render
 ViewRays::ViewRays(const KernelField& field, const Camera& camera, const RenderOptions& options)
     : ViewRays(camera, options, field.default_sampling_distance()) {}
 
-Ray ViewRays::ray(int x, int y) const {
+Ray ViewRays::ray(double x, double y) const {
   const double aspect = static_cast<double>(width_) / height_;
   const double across = (2 * (x + 0.5) / width_ - 1) * aspect;  // X
   const double upwards = 1 - 2 * (y + 0.5) / height_;           // Y
@@ -114,6 +114,12 @@ SheetRange ViewRays::sheets_within(const Ray& ray, const Bounds3& box) const {
             ": too small for this volume and camera; expected at most 1e9 sheets along a ray");
   }
   return {static_cast<std::int64_t>(first), static_cast<std::int64_t>(last)};
+}
+
+double ViewRays::pixel_step(std::int64_t sheet) const {
+  const double pixel = pitch_at(z_of(sheet));
+  const Mat3 linear = index_from_world_.linear();
+  return std::max((linear * (pixel * right_)).norm(), (linear * (pixel * up_)).norm());
 }
 
 Mat3 ViewRays::position_derivatives(const Ray& ray, std::int64_t sheet) const {

@@ -33,8 +33,9 @@ class ViewRays {
   // For a kernel field, whose index space is the world; widening() means nothing there.
   ViewRays(const KernelField& field, const Camera& camera, const RenderOptions& options);
 
-  // The ray through the centre of pixel (x, y); pixels beyond the picture have one too.
-  Ray ray(int x, int y) const;
+  // The ray through the centre of pixel (x, y); pixels beyond the picture have one too, and so have
+  // places between pixels.
+  Ray ray(double x, double y) const;
 
   double z_of(std::int64_t sheet) const {
     return z_focal_ + (static_cast<double>(sheet) + 0.5) * ds_;
@@ -85,6 +86,9 @@ class ViewRays {
   // A range that holds all sheets whose slab meets `box` (index space) along the ray.
   // Throws Error(kInvalidArgument) if the sampling distance makes them too many to count.
   SheetRange sheets_within(const Ray& ray, const Bounds3& box) const;
+
+  // The farthest that a step of one pixel, along x or y, goes in index space on a sheet.
+  double pixel_step(std::int64_t sheet) const;
 
   // Derivatives of the sample's world position with respect to x, y and the sheet, as columns.
   Mat3 position_derivatives(const Ray& ray, std::int64_t sheet) const;

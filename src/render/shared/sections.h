@@ -27,9 +27,4 @@ inline SlabMoments slab_moments(double a, double b) {
           static_cast<float>(variance > 0 ? variance : 0.0)};
 }
 
-// Interpolation of order 6: the sample a quarter of a spacing behind sample 0 from those at
-// -2, ..., 3. Lagrange's weights, prod (1/4 - m) / (k - m). Mirrored for a quarter before it.
-inline constexpr float kQuarterWeights[6] = {0.0093994140625F, -0.0845947265625F, 0.845947265625F,
-                                             0.281982421875F,  -0.0604248046875F, 0.0076904296875F};
-
 }  // namespace ovoid

@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: Apache-2.0
+// The field at the nodes of a patch: their place among the sheets, values and gradients.
+//
+// Nodes are the samples of a Block, so that all ways to reconstruct serve them too; and one more,
+// the published bilinear spread, by which samples of the lattice are shared among four nodes.
+#if defined(OVOID_RENDER_CPU_NODE_SHEETS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef OVOID_RENDER_CPU_NODE_SHEETS_INL_H_
+#undef OVOID_RENDER_CPU_NODE_SHEETS_INL_H_
+#else
+#define OVOID_RENDER_CPU_NODE_SHEETS_INL_H_
+#endif
+
+#include "render/cpu/block-inl.h"
+#include "render/cpu/gradient-inl.h"
+#include "render/cpu/load-inl.h"
+#include "render/cpu/nodes.h"
+#include "render/cpu/reconstruct-inl.h"
+#include "render/cpu/splat-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace ovoid::cpu {
+namespace HWY_NAMESPACE {
+
+struct Patch {
+  TileRect rect;  // of the picture
+  std::int64_t first_sheet, last_sheet;
+  double pitch;
+  NodeSpan nodes_x, nodes_y;
+  bool has_whole_paths;
+};
+
+inline bool has_bits(const RowBits& bits, int rows) {
+  return std::any_of(bits.begin(), bits.begin() + rows, [](RowWord row) { return row != 0; });
+}
+
+// Inline, and not by a string instruction, which takes longer to start.
+HWY_INLINE void clear_bits(RowBits& bits) {
+  for (std::size_t i = 0; i < 2 * bits.size(); i += static_cast<std::size_t>(group_size()))
+    hn::StoreU(hn::Zero(di), di, reinterpret_cast<std::int32_t*>(bits.data()) + i);
+}
+
+// The bilinear spread on one layer of sheets.
+struct SpreadShape {
+  Vec3 along;          // index space: one sampling distance along the view axis
+  double half_height;  // of a sample's reach along the view axis, sampling distances
+  double sigma;        // likewise
+  Vec3 reach;          // of a node, index space
+};
+
+inline SpreadShape spread_shape(const CpuFrame& frame, const Patch& patch) {
+  const view::ViewLattice& lattice = frame.plan->lattice;
+  const Mat3 axes = frame.field->geometry().world_from_index.linear();
+  const double sigma = static_cast<double>(frame.sigma) *
+                       (axes.transpose() * lattice.view_axis()).norm() /
+                       lattice.sampling_distance();
+  SpreadShape shape;
+  shape.along = axes.inverse() * lattice.view_axis() * lattice.sampling_distance();
+  shape.sigma = sigma;
+  shape.half_height = sigma * static_cast<double>(frame.support / frame.sigma);
+  const view::SheetMap map = lattice.index_map(patch.last_sheet - 1);
+  shape.reach = patch.pitch * (map.per_x.cwiseAbs() + map.per_y.cwiseAbs()) +
+                shape.half_height * shape.along.cwiseAbs();
+  return shape;
+}
+
+// The nodes as samples of a block, all of them active; with neighbours all around where differences
+// are taken. Returns their box in index space.
+inline Bounds3 set_up_nodes(const CpuFrame& frame, Block& nodes, const Patch& patch) {
+  const int margin = frame.central_gradient ? 1 : 0;
+  nodes.margin = nodes.back_margin = margin;
+  nodes.front_margin = std::max(margin, frame.takes_pieces ? 1 : 0);
+  nodes.tile_x = nodes.tile_y = nodes.x0 = nodes.y0 = 0;
+  nodes.x1 = patch.nodes_x.count;
+  nodes.y1 = patch.nodes_y.count;
+  nodes.columns = nodes.x1 + 2 * margin;
+  nodes.rows = nodes.y1 + 2 * margin;
+  nodes.first_sheet = patch.first_sheet - nodes.front_margin;
+  nodes.num_sheets = static_cast<int>(patch.last_sheet - patch.first_sheet) + nodes.front_margin +
+                     nodes.back_margin;
+  const SampleGrid grid{patch.pitch * static_cast<double>(patch.nodes_x.first - margin),
+                        patch.pitch * static_cast<double>(patch.nodes_y.first - margin),
+                        patch.pitch};
+  Bounds3 box;
+  for (const std::int64_t sheet : {nodes.first_sheet, nodes.first_sheet + nodes.num_sheets - 1}) {
+    const view::SheetMap map = frame.plan->lattice.index_map(sheet);
+    for (const int x : {0, nodes.columns - 1}) {
+      for (const int y : {0, nodes.rows - 1})
+        box.extend(map.at(grid.x + grid.step * x, grid.y + grid.step * y));
+    }
+  }
+  set_up_sheets(frame, nodes, grid, box);
+  const RowWord all = ~RowWord{0} >> (64 - nodes.columns);
+  for (int s = 0; s < nodes.num_sheets; ++s) {
+    nodes.sheets[s].inverse_pitch /= static_cast<float>(patch.pitch);
+    for (int y = 0; y < nodes.rows; ++y) nodes.active[s][y] = all;
+  }
+  const bool spreads = frame.spread == Spread::kBilinear;
+  bound_region(frame, nodes, spreads ? spread_shape(frame, patch).reach : Vec3::Zero());
+  return box;
+}
+
+// A sample among its four nodes of one sheet.
+HWY_INLINE void spread_sample(const Block& nodes, const SplatPlane& plane, float sigma,
+                              const float* center, float value, float* numerator,
+                              float* denominator) {
+  const float from_base[3] = {center[0] - plane.base[0], center[1] - plane.base[1],
+                              center[2] - plane.base[2]};
+  const float along = product_with(plane.inverse[2], from_base);
+  if (std::abs(along) > plane.half_extent[2]) return;
+  const float weight = std::exp(-0.5F * along * along / (sigma * sigma));
+  const float x = product_with(plane.inverse[0], from_base);
+  const float y = product_with(plane.inverse[1], from_base);
+  const int column = static_cast<int>(std::floor(x));
+  const int row = static_cast<int>(std::floor(y));
+  for (int j = std::max(row, 0); j <= std::min(row + 1, nodes.rows - 1); ++j) {
+    for (int i = std::max(column, 0); i <= std::min(column + 1, nodes.columns - 1); ++i) {
+      const float share = weight * (1 - std::abs(x - static_cast<float>(i))) *
+                          (1 - std::abs(y - static_cast<float>(j)));
+      numerator[j * kPlaneStride + i] += share * value;
+      denominator[j * kPlaneStride + i] += share;
+    }
+  }
+}
+
+inline void spread_region(const CpuFrame& frame, Workspace& nodes, const Patch& patch) {
+  const SpreadShape shape = spread_shape(frame, patch);
+  clear_splat_planes(nodes);
+  for (int s = 0; s < nodes.block.num_sheets; ++s) {
+    const SheetSetup& sheet = nodes.block.sheets[s];
+    SplatPlane plane{};
+    Mat3 columns;
+    for (int a = 0; a < 3; ++a) {
+      plane.base[a] = sheet.base[a];
+      columns.row(a) << static_cast<double>(sheet.per_x[a]), static_cast<double>(sheet.per_y[a]),
+          shape.along[a];
+    }
+    const Mat3 inverse = columns.inverse();
+    for (int r = 0; r < 3; ++r) {
+      for (int a = 0; a < 3; ++a) plane.inverse[r][a] = static_cast<float>(inverse(r, a));
+    }
+    plane.half_extent[2] = static_cast<float>(shape.half_height);
+    for_each_kernel(frame, nodes, plane, [&](const float* center, float value) {
+      spread_sample(nodes.block, plane, static_cast<float>(shape.sigma), center, value,
+                    numerator_plane(nodes, s), denominator_plane(nodes, s));
+    });
+  }
+}
+
+inline bool scatters_to_nodes(const CpuFrame& frame) {
+  return frame.spread == Spread::kBilinear || should_scatter(frame);
+}
+
+// Loads the lattice's samples around the nodes. False if some node has no value.
+inline bool load_nodes(const CpuFrame& frame, Workspace& nodes, const Patch& patch) {
+  Block& block = nodes.block;
+  load_region(frame, nodes, scatters_to_nodes(frame));
+  if (block.has_missing) return false;
+  if (!scatters_to_nodes(frame)) return true;
+  if (frame.spread == Spread::kGaussian) {
+    splat_region(frame, nodes);
+    return true;
+  }
+  spread_region(frame, nodes, patch);
+  for (int s = 0; s < block.num_sheets; ++s) {
+    for (int y = 0; y < block.rows; ++y) {
+      const float* weights = denominator_plane(nodes, s) + y * kPlaneStride;
+      if (!std::all_of(weights, weights + block.columns, [](float w) { return w > 0; }))
+        return false;
+    }
+  }
+  return true;
+}
+
+// Values of the wanted nodes; with their gradients where `guess` says that those will be wanted.
+inline void reconstruct_nodes(const CpuFrame& frame, Workspace& nodes, int s, RowBits wanted,
+                              const RowBits& guess, StageClock& clock) {
+  Block& block = nodes.block;
+  block.defined[s & (kRingSheets - 1)] = {};
+  if (!frame.central_gradient) block.has_gradient = {};
+  nodes.stats.samples_reconstructed += count_bits(block, wanted);
+  if (scatters_to_nodes(frame)) {
+    read_splat_sheet(frame, nodes, s, wanted);
+  } else {
+    if (block.uses_four_taps && has_bits(guess, block.rows)) {
+      reconstruct_with_gradients(frame, nodes, s, guess);
+      clock.lap(kGradient);
+      for (int row = 0; row < block.rows; ++row) wanted[row] &= ~guess[row];
+    }
+    reconstruct_sheet(frame, nodes, s, wanted);
+  }
+  clock.lap(kReconstruct);
+}
+
+// Where the margin's nodes, which are there, are the neighbours.
+inline void difference_nodes(const CpuFrame& frame, Workspace& nodes, int s, const Patch& patch,
+                             const RowBits& bits) {
+  Block& block = nodes.block;
+  const auto pitch = static_cast<float>(patch.pitch);
+  const auto left = static_cast<float>(patch.nodes_x.first - block.margin);
+  const auto top = static_cast<float>(patch.nodes_y.first - block.margin);
+  for (int y = 0; y < block.rows; ++y) {
+    nodes.stats.gradients += std::popcount(bits[y]);
+    for_each_group(
+        bits[y], block.margin, block.columns - block.margin, [&](int column, std::uint32_t lanes) {
+          const V x = hn::Mul(hn::Set(d, pitch), hn::Iota(d, left + static_cast<float>(column)));
+          store_gradient(block, column, y, lanes,
+                         central_difference_at(frame, block, s, column, y, x,
+                                               pitch * (top + static_cast<float>(y))));
+        });
+  }
+}
+
+// Gradients of the nodes in `bits` that have none yet.
+inline void provide_node_gradients(const CpuFrame& frame, Workspace& nodes, int s,
+                                   const Patch& patch, const RowBits& bits) {
+  Block& block = nodes.block;
+  RowBits missing;
+  for (int row = 0; row < block.rows; ++row) missing[row] = bits[row] & ~block.has_gradient[row];
+  if (!has_bits(missing, block.rows)) return;
+  if (frame.central_gradient) {
+    difference_nodes(frame, nodes, s, patch, missing);
+  } else {
+    gradients_of(frame, nodes, s, missing);
+  }
+  for (int row = 0; row < block.rows; ++row) block.has_gradient[row] |= missing[row];
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace ovoid::cpu
+HWY_AFTER_NAMESPACE();
+
+#endif

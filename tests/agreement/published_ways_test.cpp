@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: Apache-2.0
+// The published ways of post-convolution, the cpu back end against the reference.
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "support/agreement.h"
+#include "support/kernel_sets.h"
+#include "support/scenes.h"
+#include "support/tolerances.h"
+
+namespace ovoid::test {
+namespace {
+
+struct View {
+  bool is_parallel = true;
+  int width = 44, height = 36;
+  double thickness = 4;  // spacings along the view axis
+  double pixels = 5.6;   // per spacing
+};
+
+// The middle of a lattice, and no more of it than a slab across the view axis: whatever groups and
+// patches it falls into, their nodes' kernels are all there, so that both back ends take every
+// pixel from nodes.
+Scene inner_scene(const Look& look, const View& at) {
+  static const LatticeField field = make_stored_field({60, 60, 60}, shells({18, 18, 18}), {});
+  Scene scene{field, {}, look, picture(at.width, at.height, 0.5)};
+  const double half_height = 0.5 * at.height / at.pixels;
+  const Vec3 center = field.world_bounds().center();
+  const Vec3 direction(0.48, -0.31, 0.82);
+  scene.camera = at.is_parallel ? parallel_camera(center, direction, half_height)
+                                : perspective_camera(center, direction, half_height, 40);
+  const Vec3 forward = (center - scene.camera.position).normalized();
+  const double middle = forward.dot(center);
+  // Slabs do not end at the planes, where rounding would decide.
+  const double half = 0.5 * at.thickness - 0.1;
+  scene.options.clip_planes = {{forward, middle - half}, {-forward, -middle - half}};
+  return scene;
+}
+
+// Pictures that pass for each other would say nothing about the ways.
+void expect_other(const Image& image, const Image& off, const Scene& scene,
+                  const std::string& what) {
+  const double peak = scene.look.mode == Mode::kXray ? greatest_color(off) : 1.0;
+  EXPECT_LT(compare(image, off, peak).psnr_db, kAgreementPsnrDb - 5) << what;
+}
+
+// The look, and the options but for the way, are `change`'s.
+void expect_agreement(const std::string& name, View at, const std::function<void(Scene&)>& change) {
+  for (const bool is_parallel : {true, false}) {
+    at.is_parallel = is_parallel;
+    Scene scene = inner_scene(semi_transparent_look(0, 1), at);
+    change(scene);
+    Scene exact = scene;
+    exact.options.post_convolution = PostConvolution::kOff;
+    exact.options.spread = Spread::kGaussian;
+    const Image off = draw(exact).image;
+    for (const PostConvolution how : kPublishedWays) {
+      scene.options.post_convolution = how;
+      const std::string what =
+          name + ", " + name_of(how) + (is_parallel ? ", parallel" : ", perspective");
+      const Image reference = draw(scene, Backend::kReference).image;
+      EXPECT_TRUE(agrees_with(reference, scene, what, 0.2));
+      expect_other(reference, off, scene, what);
+    }
+  }
+}
+
+TEST(PublishedWays, LatticesAgreeInComposite) {
+  expect_agreement("composite", {}, [](Scene&) {});
+}
+
+TEST(PublishedWays, LatticesAgreeOnOpaquePeaks) {
+  expect_agreement("peak", {}, [](Scene& scene) { scene.look = test_looks(0, 1).front().look; });
+}
+
+// So few pixels per node that nodes belong to 32 x 32 pixels, of which the picture has four.
+TEST(PublishedWays, LatticesAgreeOnSmallPatches) {
+  expect_agreement("small patches", {.pixels = 2.2}, [](Scene&) {});
+}
+
+TEST(PublishedWays, LatticesAgreeInXray) {
+  expect_agreement("x-ray", {}, [](Scene& scene) { scene.look.mode = Mode::kXray; });
+}
+
+TEST(PublishedWays, LatticesAgreeInMaximum) {
+  expect_agreement("maximum", {}, [](Scene& scene) { scene.look.mode = Mode::kMaximum; });
+}
+
+TEST(PublishedWays, LatticesAgreeInMean) {
+  expect_agreement("mean", {}, [](Scene& scene) { scene.look.mode = Mode::kMean; });
+}
+
+TEST(PublishedWays, LatticesAgreeOnIsosurfaces) {
+  expect_agreement("isosurface", {}, [](Scene& scene) {
+    scene.look.mode = Mode::kIsosurface;
+    scene.look.isovalue = 0.55;
+  });
+}
+
+TEST(PublishedWays, LatticesAgreeOnPieces) {
+  expect_agreement("pre-integrated", {}, [](Scene& scene) {
+    scene.options.classification = Classification::kPreintegrated;
+  });
+}
+
+TEST(PublishedWays, LatticesAgreeOnDifferences) {
+  expect_agreement("central", {.width = 34, .height = 30, .thickness = 3},
+                   [](Scene& scene) { scene.options.gradient = GradientMethod::kCentral; });
+}
+
+TEST(PublishedWays, LatticesAgreeOnDifferencesOfPieces) {
+  expect_agreement("central, pre-integrated", {.width = 34, .height = 30, .thickness = 3},
+                   [](Scene& scene) {
+                     scene.options.gradient = GradientMethod::kCentral;
+                     scene.options.classification = Classification::kPreintegrated;
+                   });
+}
+
+// The reference integrates each of a pixel's 36 nodes along the slab.
+TEST(PublishedWays, LatticesAgreeOnMeansOfSlabs) {
+  expect_agreement("mean slabs", {.width = 18, .height = 16, .thickness = 2},
+                   [](Scene& scene) { scene.options.slab = Slab::kMean; });
+}
+
+TEST(PublishedWays, LatticesAgreeOnBilinearSpread) {
+  expect_agreement("spread", {.width = 34, .height = 30, .thickness = 3},
+                   [](Scene& scene) { scene.options.spread = Spread::kBilinear; });
+}
+
+TEST(PublishedWays, LatticesAgreeOnBilinearSpreadInXray) {
+  expect_agreement("spread x-ray", {.width = 44, .height = 36, .thickness = 3}, [](Scene& scene) {
+    scene.options.spread = Spread::kBilinear;
+    scene.look.mode = Mode::kXray;
+  });
+}
+
+TEST(PublishedWays, LatticesAgreeOnBilinearSpreadOfIsosurfaces) {
+  expect_agreement("spread isosurface", {.width = 44, .height = 36, .thickness = 3},
+                   [](Scene& scene) {
+                     scene.options.spread = Spread::kBilinear;
+                     scene.look.mode = Mode::kIsosurface;
+                     scene.look.isovalue = 0.55;
+                   });
+}
+
+TEST(PublishedWays, LatticesAgreeOnBilinearSpreadOfPieces) {
+  expect_agreement("spread pre-integrated", {.width = 34, .height = 30, .thickness = 3},
+                   [](Scene& scene) {
+                     scene.options.spread = Spread::kBilinear;
+                     scene.options.classification = Classification::kPreintegrated;
+                   });
+}
+
+// Magnified until kernels go to several levels; in perspective one kernel's own sheets lie on both
+// sides of a level's bound.
+void expect_sets_agree(const std::string& name, const KernelField& field,
+                       const std::function<void(Scene&)>& change) {
+  for (const bool is_parallel : {true, false}) {
+    Scene scene{field, askew_camera(field, is_parallel, 2.5), semi_transparent_look(0, 1),
+                picture(64, 52)};
+    scene.options.slab = Slab::kAuto;
+    change(scene);
+    for (const PostConvolution how : kPublishedWays) {
+      scene.options.post_convolution = PostConvolution::kOff;
+      const Image off = draw(scene).image;
+      scene.options.post_convolution = how;
+      const std::string what =
+          name + ", " + name_of(how) + (is_parallel ? ", parallel" : ", perspective");
+      const Image reference = draw(scene, Backend::kReference).image;
+      EXPECT_TRUE(agrees_with(reference, scene, what, 0.3));
+      expect_other(reference, off, scene, what);
+    }
+  }
+}
+
+TEST(PublishedWays, SetsAgree) {
+  expect_sets_agree("ellipsoids",
+                    KernelField(jittered_ellipsoids(7).source(), Reconstruction::kNormalized),
+                    [](Scene&) {});
+}
+
+TEST(PublishedWays, SetsAgreeOnAnotherColor) {
+  const KernelField field(jittered_ellipsoids(7).source(), Reconstruction::kNormalized, 0, 1);
+  expect_sets_agree("own colour", field, [&](Scene& scene) {
+    scene.look.color_function = ramp_look(field.color_range()).transfer_function;
+  });
+}
+
+TEST(PublishedWays, SetsAgreeInXray) {
+  expect_sets_agree("sums, x-ray",
+                    KernelField(jittered_ellipsoids(7, 2.5).source(), Reconstruction::kSum),
+                    [](Scene& scene) { scene.look.mode = Mode::kXray; });
+}
+
+TEST(PublishedWays, SetsAgreeOnIsosurfaces) {
+  expect_sets_agree("balls, isosurface",
+                    KernelField(jittered_balls(7).source(), Reconstruction::kNormalized),
+                    [](Scene& scene) {
+                      scene.look.mode = Mode::kIsosurface;
+                      scene.look.isovalue = 0.5;
+                    });
+}
+
+}  // namespace
+}  // namespace ovoid::test

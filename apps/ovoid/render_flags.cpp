@@ -25,7 +25,8 @@ const Names<PostConvolution> kPostConvolutions = {{"off", PostConvolution::kOff}
                                                   {"gaussian", PostConvolution::kGaussian},
                                                   {"cubic", PostConvolution::kCubic},
                                                   {"auto", PostConvolution::kAuto}};
-const Names<Spread> kSpreads = {{"gaussian", Spread::kGaussian}, {"bilinear", Spread::kBilinear}};
+const Names<ovoid::Spread> kSpreads = {{"gaussian", ovoid::Spread::kGaussian},
+                                       {"bilinear", ovoid::Spread::kBilinear}};
 const Names<Backend> kBackends = {
     {"auto", Backend::kAuto}, {"cpu", Backend::kCpu}, {"reference", Backend::kReference}};
 

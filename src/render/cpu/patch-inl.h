@@ -28,7 +28,7 @@ template <class Body>
 inline void for_each_tile(const Patch& patch, const Body& body) {
   for (int y = 0; patch.rect.y0 + y * kTileSize < patch.rect.y1; ++y) {
     for (int x = 0; patch.rect.x0 + x * kTileSize < patch.rect.x1; ++x) {
-      body(static_cast<std::size_t>(y * kPatchTiles + x), x, y);
+      body(static_cast<std::size_t>(y) * kPatchTiles + static_cast<std::size_t>(x), x, y);
     }
   }
 }

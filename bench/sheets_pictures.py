@@ -51,11 +51,10 @@ def main(output):
         for flags in MODES.values():
             pictures = [sheets.render(volume, camera, PIXELS, [*flags, "--post-convolution", *way], os.path.join(folder, "way.npy"))
                         for way in [["off"], *sheets.WAYS.values()]]
-            peak = max(pictures[0][0::4]) if flags else 1.0
-            lines.append([rows_of(p, lambda c: [v / peak + (0 if flags else 1 - c[3]) for v in c[:3]]) for p in pictures])
-            gray = [0.5] * len(pictures[0])
-            lines.append([rows_of([g + AMPLIFIED * (a - b) / peak for g, a, b in zip(gray, p, pictures[0])], lambda c: c[:3])
-                          for p in pictures])
+            least = min(pictures[0][0::4]) if flags else 0.0
+            span = max(pictures[0][0::4]) - least if flags else 1.0
+            lines.append([rows_of(p, lambda c: [(v - least) / span + (0 if flags else 1 - c[3]) for v in c[:3]]) for p in pictures])
+            lines.append([rows_of([0.5 + AMPLIFIED * (a - b) / span for a, b in zip(p, pictures[0])], lambda c: c[:3]) for p in pictures])
     contact_sheet.write_png(output, contact_sheet.sheet(lines))
 
 

@@ -159,12 +159,12 @@ struct FloatBuffer {
 
 struct Workspace {
   Block block;
-  TileState* tile = nullptr;       // the one in hand
-  const float* samples = nullptr;  // region: values, 0 where missing
-  FloatBuffer sample_memory;       // where they are, unless they are shared
-  FloatBuffer presence;            // region: 1 where a kernel exists, else 0; only if has_missing
-  FloatBuffer taps;                // general gathering: weights of one sample
-  FloatBuffer splats;              // scatter: numerators and denominators of all sheets
+  TileState* tile = nullptr;        // the one in hand
+  const float* samples = nullptr;   // region: values, 0 where missing
+  const float* presence = nullptr;  // region: 1 where a kernel exists, else 0; only if has_missing
+  FloatBuffer sample_memory, presence_memory;  // where they are, unless they are shared
+  FloatBuffer taps;                            // general gathering: weights of one sample
+  FloatBuffer splats;                          // scatter: numerators and denominators of all sheets
   WorkerStats stats;
 };
 

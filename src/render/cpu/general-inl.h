@@ -151,7 +151,7 @@ inline void add_node(const CpuFrame& frame, const Workspace& work, const float* 
   const TapSums n = sum_taps<kGradient>(block, work.samples, axis);
   TapSums e;
   if (block.has_missing) {
-    e = sum_taps<kGradient>(block, work.presence.data.get(), axis);
+    e = sum_taps<kGradient>(block, work.presence, axis);
   } else {
     e.value = axis[0].existing * axis[1].existing * axis[2].existing;
     e.x = axis[0].existing_derivative * axis[1].existing * axis[2].existing;

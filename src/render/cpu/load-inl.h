@@ -248,7 +248,8 @@ inline void load_region(const CpuFrame& frame, Workspace& work, bool is_scattere
       floats_per_sample * block.slice_stride * block.region_size[2] + kTapPadding;
   float* samples = work.sample_memory.reserve(count);
   work.samples = samples;
-  float* presence = block.has_missing ? work.presence.reserve(count) : nullptr;
+  float* presence = block.has_missing ? work.presence_memory.reserve(count) : nullptr;
+  work.presence = presence;
   // Padding and places outside the lattice are read under zero weights; they must not hold what
   // times zero is not zero.
   if (!block.is_interior) {

@@ -10,6 +10,7 @@
 #define OVOID_RENDER_CPU_NODE_SHEETS_INL_H_
 #endif
 
+#include "render/cpu/bin-inl.h"
 #include "render/cpu/block-inl.h"
 #include "render/cpu/gradient-inl.h"
 #include "render/cpu/load-inl.h"
@@ -26,7 +27,7 @@ struct Patch {
   std::int64_t first_sheet, last_sheet;
   double pitch;
   NodeSpan nodes_x, nodes_y;
-  bool has_whole_paths;
+  bool is_binned_by_tile;  // not pixel by pixel: nothing is cut away, all of it is inside
 };
 
 inline bool has_bits(const RowBits& bits, int rows) {
@@ -63,8 +64,38 @@ inline SpreadShape spread_shape(const CpuFrame& frame, const Patch& patch) {
   return shape;
 }
 
-// The nodes as samples of a block, all of them active; with neighbours all around where differences
-// are taken. Returns their box in index space.
+// Where all kernels of an endless lattice exist that reach the samples of a sheet.
+inline Support whole_support(const CpuFrame& frame, const Block& nodes, const SheetSetup& sheet) {
+  Support support;
+  for (int a = 0; a < 3; ++a) {
+    const float slab = frame.num_slab_nodes > 1 ? 0.5F * std::abs(sheet.step[a]) : 0.0F;
+    const float reach = frame.support * sheet.widening[a] + slab;
+    const auto first = static_cast<float>(-nodes.origin[a]);
+    support.lo[a] = hn::Set(d, first + reach);
+    support.hi[a] = hn::Set(d, first + static_cast<float>(frame.dims[a] - 1) - reach);
+  }
+  support.holds_block = false;
+  return support;
+}
+
+// Nodes that no kernel reaches are not active; nor are, if the bound is to be kept, those near a
+// face, where the field has kinks.
+inline void drop_outside(const CpuFrame& frame, Block& nodes, const Bounds3& box) {
+  const bool keeps_bound = frame.post_convolution == PostConvolution::kAuto;
+  for (int s = 0; s < nodes.num_sheets; ++s) {
+    const Support support =
+        keeps_bound ? whole_support(frame, nodes, nodes.sheets[s]) : support_of(frame, nodes, box);
+    for (int y = 0; y < nodes.rows; ++y) {
+      RowWord inside = 0;
+      for (int column = 0; column < nodes.columns; column += group_size())
+        inside |= RowWord{bits_of(support(position_of(nodes.sheets[s], column, y)))} << column;
+      nodes.active[s][y] &= inside;
+    }
+  }
+}
+
+// The nodes as samples of a block, all of them active that a kernel reaches; with neighbours all
+// around where differences are taken. Returns their box in index space.
 inline Bounds3 set_up_nodes(const CpuFrame& frame, Block& nodes, const Patch& patch) {
   const int margin = frame.central_gradient ? 1 : 0;
   nodes.margin = nodes.back_margin = margin;
@@ -96,8 +127,12 @@ inline Bounds3 set_up_nodes(const CpuFrame& frame, Block& nodes, const Patch& pa
   }
   const bool spreads = frame.spread == Spread::kBilinear;
   bound_region(frame, nodes, spreads ? spread_shape(frame, patch).reach : Vec3::Zero());
+  if (!nodes.is_interior) drop_outside(frame, nodes, box);
   return box;
 }
+
+// All nodes have values.
+inline bool is_whole(const Block& nodes) { return nodes.is_interior && !nodes.has_missing; }
 
 // A sample among its four nodes of one sheet.
 HWY_INLINE void spread_sample(const Block& nodes, const SplatPlane& plane, float sigma,
@@ -150,11 +185,14 @@ inline bool scatters_to_nodes(const CpuFrame& frame) {
   return frame.spread == Spread::kBilinear || should_scatter(frame);
 }
 
-// Loads the lattice's samples around the nodes. False if some node has no value.
+// Loads the lattice's samples around the nodes. False if pixels cannot stand in for nodes without
+// value.
 inline bool load_nodes(const CpuFrame& frame, Workspace& nodes, const Patch& patch) {
   Block& block = nodes.block;
   load_region(frame, nodes, scatters_to_nodes(frame));
-  if (block.has_missing) return false;
+  if (block.has_missing && frame.post_convolution == PostConvolution::kAuto) return false;
+  const bool takes_all = frame.central_gradient || frame.spread == Spread::kBilinear;
+  if (takes_all && !is_whole(block)) return false;
   if (!scatters_to_nodes(frame)) return true;
   if (frame.spread == Spread::kGaussian) {
     splat_region(frame, nodes);
@@ -171,8 +209,21 @@ inline bool load_nodes(const CpuFrame& frame, Workspace& nodes, const Patch& pat
   return true;
 }
 
+// Nodes without value count as zero: filters read them for pixels that do not take it.
+inline void clear_undefined(Block& nodes, int s, const RowBits& wanted) {
+  for (int row = 0; row < nodes.rows; ++row) {
+    RowWord left = wanted[row] & ~nodes.defined[s & (kRingSheets - 1)][row];
+    nodes.has_gradient[row] |= left;
+    for (; left != 0; left &= left - 1) {
+      const int at = row * kPlaneStride + std::countr_zero(left);
+      nodes.values[s & (kRingSheets - 1)][at] = 0;
+      for (float* g : {nodes.gradient[0], nodes.gradient[1], nodes.gradient[2]}) g[at] = 0;
+    }
+  }
+}
+
 // Values of the wanted nodes; with their gradients where `guess` says that those will be wanted.
-inline void reconstruct_nodes(const CpuFrame& frame, Workspace& nodes, int s, RowBits wanted,
+inline void reconstruct_nodes(const CpuFrame& frame, Workspace& nodes, int s, const RowBits& wanted,
                               const RowBits& guess, StageClock& clock) {
   Block& block = nodes.block;
   block.defined[s & (kRingSheets - 1)] = {};
@@ -181,13 +232,15 @@ inline void reconstruct_nodes(const CpuFrame& frame, Workspace& nodes, int s, Ro
   if (scatters_to_nodes(frame)) {
     read_splat_sheet(frame, nodes, s, wanted);
   } else {
+    RowBits others = wanted;
     if (block.uses_four_taps && has_bits(guess, block.rows)) {
       reconstruct_with_gradients(frame, nodes, s, guess);
       clock.lap(kGradient);
-      for (int row = 0; row < block.rows; ++row) wanted[row] &= ~guess[row];
+      for (int row = 0; row < block.rows; ++row) others[row] &= ~guess[row];
     }
-    reconstruct_sheet(frame, nodes, s, wanted);
+    reconstruct_sheet(frame, nodes, s, others);
   }
+  if (!is_whole(block)) clear_undefined(block, s, wanted);
   clock.lap(kReconstruct);
 }
 

@@ -4,8 +4,8 @@
 // classification, and where something shows the nodes' gradients, the pixels' from them, light and
 // composition. Sums over sheets are brought to the pixels once.
 //
-// Patches that meet the lattice's faces or holes, where a field ends within a pixel, are drawn as
-// if there were no nodes.
+// At the lattice's faces and holes, where a field ends within a pixel, nodes are without value:
+// pixels near one are worked out by themselves.
 #if defined(OVOID_RENDER_CPU_PATCH_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef OVOID_RENDER_CPU_PATCH_INL_H_
 #undef OVOID_RENDER_CPU_PATCH_INL_H_
@@ -112,44 +112,100 @@ inline void bring_up(const float* nodes, const NodeBand& x, const NodeBand& y, c
                        kPlaneStride);
 }
 
-// The lattice around the nodes, for places that lie between them: on sheets s - 1 and s.
+// The lattice around the nodes, for places that lie between them: on sheet s and the one before.
 inline void share_region(const CpuFrame& frame, LatticeWorkspace& work, int s) {
   const Block& nodes = work.nodes.block;
   Block& pixels = work.pixels.block;
   work.pixels.samples = work.nodes.samples;
+  work.pixels.presence = work.nodes.presence;
   std::copy_n(nodes.origin, 3, pixels.origin);
   std::copy_n(nodes.region_lo, 3, pixels.region_lo);
   std::copy_n(nodes.region_size, 3, pixels.region_size);
   pixels.row_stride = nodes.row_stride;
   pixels.slice_stride = nodes.slice_stride;
-  pixels.is_interior = true;
-  pixels.has_missing = false;
+  pixels.is_interior = nodes.is_interior;
+  pixels.has_missing = nodes.has_missing;
   pixels.uses_four_taps = nodes.uses_four_taps;
   const SampleGrid grid{static_cast<double>(pixels.tile_x), static_cast<double>(pixels.tile_y),
                         1.0};
   const SheetMaps maps = sheet_maps(frame, pixels.first_sheet);
-  for (int sheet = s - 1; sheet <= s; ++sheet)
+  for (int sheet = std::max(s - 1, 0); sheet <= s; ++sheet)
     set_up_sheet(frame, pixels, grid, sheet, maps,
                  frame.lattice_plan->widening(pixels.first_sheet + sheet));
 }
 
-// The gradients of the visible pixels from the nodes', but those of pieces: they lie between
-// sheets.
+// The gradients of the visible pixels from the nodes', but those of pieces, which lie between
+// sheets, and of pixels worked out by themselves.
 inline void bring_up_gradients(const CpuFrame& frame, LatticeWorkspace& work, const Patch& patch,
-                               int s, const NodeBand& x, const NodeBand& y) {
+                               int s, const NodeBand& x, const NodeBand& y,
+                               const RowBits& by_themselves) {
   Block& pixels = work.pixels.block;
   Block& nodes = work.nodes.block;
   if (frame.is_preintegrated && !frame.central_gradient) {
-    share_region(frame, work, s);
     gradient_of_pieces(frame, work.pixels, s, pixels.visible);
     return;
   }
   RowBits wanted;
   clear_bits(wanted);
-  add_nodes(pixels.visible, pixels.rows, x, y, wanted);
+  if (is_whole(nodes)) {
+    add_nodes(pixels.visible, pixels.rows, x, y, wanted);
+  } else {
+    RowBits others;
+    for (int row = 0; row < pixels.rows; ++row)
+      others[row] = pixels.visible[row] & ~by_themselves[row];
+    add_nodes(others, pixels.rows, x, y, wanted);
+  }
   provide_node_gradients(frame, work.nodes, s, patch, wanted);
   for (int a = 0; a < 3; ++a)
     bring_up(nodes.gradient[a], x, y, pixels.visible, pixels.rows, pixels.gradient[a]);
+  if (is_whole(nodes)) return;
+  RowBits own;
+  clear_bits(own);
+  for (int row = 0; row < pixels.rows; ++row) own[row] = pixels.visible[row] & by_themselves[row];
+  gradients_of(frame, work.pixels, s, own);
+}
+
+// Leaves the pixels around which all nodes have values.
+inline void keep_whole(const RowBits& defined, const NodeBand& x, const NodeBand& y, int rows,
+                       RowBits& bits) {
+  constexpr RowWord kAll = (RowWord{1} << kFilterTaps) - 1;
+  for (int py = 0; py < rows;) {
+    const int tap = y.taps[static_cast<std::size_t>(py)];
+    RowWord columns = ~RowWord{0};
+    for (int k = 0; k < kFilterTaps; ++k) columns &= defined[tap + k];
+    RowWord pixels = 0;
+    for (int px = 0; px < kTileSize; ++px) {
+      const bool has_all = (columns >> x.taps[static_cast<std::size_t>(px)] & kAll) == kAll;
+      pixels |= RowWord{has_all} << px;
+    }
+    for (; py < rows && y.taps[static_cast<std::size_t>(py)] == tap; ++py) bits[py] &= pixels;
+  }
+}
+
+// Of the pixels named by block.defined of sheets s and, for pieces, s - 1: works out those by
+// themselves that nodes do not give, and takes back those that have no value. Which ones on sheet s
+// it was goes into `by_themselves`.
+inline void complete_pixels(const CpuFrame& frame, LatticeWorkspace& work, int s, const NodeBand& x,
+                            const NodeBand& y, RowBits& by_themselves) {
+  Block& block = work.pixels.block;
+  const Block& nodes = work.nodes.block;
+  RowBits given;
+  clear_bits(given);
+  std::copy_n(block.defined[s & (kRingSheets - 1)].begin(), block.rows, given.begin());
+  // A front end is given only where the piece's own end is.
+  for (int sheet = s; sheet >= (frame.takes_pieces ? s - 1 : s); --sheet) {
+    RowBits& defined = block.defined[sheet & (kRingSheets - 1)];
+    keep_whole(nodes.defined[sheet & (kRingSheets - 1)], x, y, block.rows, given);
+    RowBits others;
+    clear_bits(others);
+    for (int row = 0; row < block.rows; ++row) {
+      others[row] = defined[row] & ~given[row];
+      defined[row] &= given[row];
+    }
+    work.pixels.stats.samples_reconstructed += count_bits(block, others);
+    reconstruct_sheet(frame, work.pixels, sheet, others);
+    if (sheet == s) by_themselves = others;
+  }
 }
 
 // Pixels of a tile that are looked at on sheet s; false if none is.
@@ -176,21 +232,26 @@ inline void finish_patch_tile(const CpuFrame& frame, LatticeWorkspace& work, con
   for (int sheet = frame.takes_pieces ? s - 1 : s; sheet <= s; ++sheet) {
     const int plane = sheet & (kRingSheets - 1);
     bring_up(work.nodes.block.values[plane], x, y, bits, block.rows, block.values[plane]);
-    if (frame.takes_pieces) block.defined[plane] = bits;
+    block.defined[plane] = bits;
   }
   // A piece whose front end is cut away begins at its sample.
-  if (frame.takes_pieces && !patch.has_whole_paths) {
+  if (frame.takes_pieces && !patch.is_binned_by_tile) {
     const RowBits& kept = work.bits[t].relevant[static_cast<std::size_t>(s) - 1];
     RowBits& before = block.defined[(s - 1) & (kRingSheets - 1)];
     for (int row = 0; row < block.rows; ++row) before[row] &= kept[row];
   }
+  const bool has_all = is_whole(work.nodes.block);
+  if (frame.takes_pieces || !has_all) share_region(frame, work, s);
+  RowBits by_themselves;
+  if (!has_all) complete_pixels(frame, work, s, x, y, by_themselves);
   clock.lap(kReconstruct);
   if (frame.mode == Mode::kIsosurface) {
-    share_region(frame, work, s);
     surface_sheet(frame, work.pixels, s);
     clock.lap(kShade);
-  } else if (finish_samples(frame, block, work.tiles[t], work.pixels.stats, s, bits, nullptr, clock,
-                            [&] { bring_up_gradients(frame, work, patch, s, x, y); })) {
+  } else if (finish_samples(frame, block, work.tiles[t], work.pixels.stats, s,
+                            block.defined[s & (kRingSheets - 1)], nullptr, clock, [&] {
+                              bring_up_gradients(frame, work, patch, s, x, y, by_themselves);
+                            })) {
     work.bits[t].any_visible = true;
     std::copy_n(block.visible.begin(), kTileSize, work.bits[t].visible.begin());
   }
@@ -232,6 +293,10 @@ inline WantedNodes wanted_nodes(const CpuFrame& frame, const LatticeWorkspace& w
     for (int row = 0; row < kTileSize; ++row) bits[row] &= work.bits[t].visible[row];
     add_nodes(bits, kTileSize, bands.x[x], bands.y[y], wanted.gradients);
   });
+  for (int row = 0; row < nodes.rows; ++row) {
+    wanted.values[row] &= nodes.active[s][row];
+    wanted.gradients[row] &= nodes.active[s][row];
+  }
   return wanted;
 }
 
@@ -240,8 +305,11 @@ inline void draw_patch_sheets(const CpuFrame& frame, LatticeWorkspace& work, con
   const Block& nodes = work.nodes.block;
   for (int s = 0; s < nodes.num_sheets; ++s) {
     const WantedNodes wanted = wanted_nodes(frame, work, patch, bands, s);
-    if (has_bits(wanted.values, nodes.rows))
+    if (!has_bits(wanted.values, nodes.rows)) {
+      work.nodes.block.defined[s & (kRingSheets - 1)] = {};
+    } else {
       reconstruct_nodes(frame, work.nodes, s, wanted.values, wanted.gradients, clock);
+    }
     // With differences, a sheet is finished once its far neighbour is there.
     const int finished = frame.central_gradient ? s - 1 : s;
     if (finished >= nodes.front_margin)
@@ -250,9 +318,9 @@ inline void draw_patch_sheets(const CpuFrame& frame, LatticeWorkspace& work, con
 }
 
 // Nothing is cut short, left out or covered: the sheets' sum is all that counts.
-inline bool counts_sums(const CpuFrame& frame, const Patch& patch) {
-  return (frame.mode == Mode::kXray || frame.mode == Mode::kMean) && patch.has_whole_paths &&
-         !frame.lattice_plan->may_matter;
+inline bool counts_sums(const CpuFrame& frame, const Block& nodes, const Patch& patch) {
+  return (frame.mode == Mode::kXray || frame.mode == Mode::kMean) && patch.is_binned_by_tile &&
+         is_whole(nodes) && !frame.lattice_plan->may_matter;
 }
 
 // X-ray and mean: the nodes' sum over the sheets, brought up once.
@@ -317,9 +385,8 @@ inline bool bin_tile(const CpuFrame& frame, const Block& block, const Block& nod
 }
 
 // Pixel by pixel: what planes cut away is not looked at.
-inline bool bin_clipped_tile(const CpuFrame& frame, Block& block, const Block& nodes,
-                             const Patch& patch, const TileState& tile,
-                             LatticeWorkspace::TileBits& bits) {
+inline bool bin_pixels(const CpuFrame& frame, Block& block, const Block& nodes, const Patch& patch,
+                       const TileState& tile, LatticeWorkspace::TileBits& bits) {
   block.margin = 0;
   block.front_margin = nodes.front_margin;
   block.back_margin = nodes.back_margin;
@@ -346,9 +413,9 @@ inline bool bin_patch(const CpuFrame& frame, LatticeWorkspace& work, const Patch
     place_tile(block, patch, x, y);
     const TileState& tile = work.tiles[t];
     if (frame.stop_opaque && !tile.any_open(0, 0, block.x1, block.y1)) return;
-    bits.any_relevant = patch.has_whole_paths
+    bits.any_relevant = patch.is_binned_by_tile
                             ? bin_tile(frame, block, work.nodes.block, bits)
-                            : bin_clipped_tile(frame, block, work.nodes.block, patch, tile, bits);
+                            : bin_pixels(frame, block, work.nodes.block, patch, tile, bits);
     any |= bits.any_relevant;
   });
   return any;
@@ -358,7 +425,7 @@ enum class PatchResult { kDrawn, kNothingRelevant, kNeedsPixels, kTooLarge };
 
 // kNeedsPixels: nothing was drawn, and the patch must be without nodes. kTooLarge: nor was it, but
 // with fewer sheets it may be.
-inline PatchResult draw_patch(const CpuFrame& frame, LatticeWorkspace& work, const Patch& patch,
+inline PatchResult draw_patch(const CpuFrame& frame, LatticeWorkspace& work, Patch patch,
                               StageClock& clock) {
   const view::LatticePlan& plan = *frame.lattice_plan;
   Block& nodes = work.nodes.block;
@@ -369,7 +436,8 @@ inline PatchResult draw_patch(const CpuFrame& frame, LatticeWorkspace& work, con
       num_samples({nodes.region_size[0], nodes.region_size[1], nodes.region_size[2]});
   // Sheets before the near plane have no samples.
   const bool has_front = plan.lattice.depth(nodes.first_sheet) > plan.lattice.near_depth();
-  if (!nodes.is_interior || !has_front) return PatchResult::kNeedsPixels;
+  if (!has_front) return PatchResult::kNeedsPixels;
+  patch.is_binned_by_tile = nodes.is_interior && are_paths_whole(frame, patch);
   if (region > kMaxRegionSamples)
     return patch.last_sheet - patch.first_sheet > 1 ? PatchResult::kTooLarge
                                                     : PatchResult::kNeedsPixels;
@@ -387,7 +455,7 @@ inline PatchResult draw_patch(const CpuFrame& frame, LatticeWorkspace& work, con
   }
   PatchBands bands;
   set_up_bands(frame, nodes, patch, bands);
-  if (counts_sums(frame, patch)) {
+  if (counts_sums(frame, nodes, patch)) {
     draw_patch_sum(frame, work, patch, bands, clock);
   } else {
     draw_patch_sheets(frame, work, patch, bands, clock);

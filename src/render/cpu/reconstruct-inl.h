@@ -485,7 +485,8 @@ inline void reconstruct_general(const CpuFrame& frame, Workspace& work, int s,
     for_each_group(wanted[y], 0, block.columns, [&](int column, std::uint32_t lanes) {
       const Position u = position_of(block.sheets[s], column, y);
       const GroupValues group = gather_group(frame, work, s, column, y, u, lanes);
-      hn::StoreU(group.value, d, values + y * kPlaneStride + column);
+      // Neighbours may have their values already.
+      hn::BlendedStore(group.value, mask_of(lanes), d, values + y * kPlaneStride + column);
       defined[y] |= RowWord{group.defined} << column;
     });
   }

@@ -141,7 +141,7 @@ inline void for_each_kernel(const CpuFrame& frame, const Workspace& work, const 
                                  (lo[0] - block.origin[0] - block.region_lo[0]);
       const float x0 = center[0];
       for (int i = first; i <= last; ++i) {
-        if (block.has_missing && work.presence.data[row + i] == 0.0F) continue;
+        if (block.has_missing && work.presence[row + i] == 0.0F) continue;
         center[0] = x0 + static_cast<float>(i);
         visit(center, work.samples[row + i]);
       }

@@ -215,7 +215,6 @@ inline void draw_patch_layer(const CpuFrame& frame, LatticeWorkspace& work, Patc
                              StageClock& clock) {
   patch.nodes_x = nodes_for(patch.pitch, patch.rect.x0, patch.rect.x1 - 1);
   patch.nodes_y = nodes_for(patch.pitch, patch.rect.y0, patch.rect.y1 - 1);
-  patch.has_whole_paths = are_paths_whole(frame, patch);
   const PatchResult result = is_closed(frame, work, patch) ? PatchResult::kNothingRelevant
                                                            : draw_patch(frame, work, patch, clock);
   if (result == PatchResult::kTooLarge) {

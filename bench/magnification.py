@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Frames of a magnified volume: magnification.py VOLUME [--plot FILE.svg] [--frames N].
 
-512 x 512, shaded by the default look, from 1 to 16 pixels per voxel, by turns: with post-convolution, without, scattered; PSNR and greatest
-difference in 8 bits of the first to the second; and what shading and compositing alone take of a visible sample's time."""
+512 x 512, shaded by the default look, from 1 to 16 pixels per voxel, by turns: with post-convolution and without; scattered with the published
+cubic way and without at some, one frame each; PSNR and greatest difference in 8 bits of the first to the second; and what shading and compositing alone take of a visible
+sample's time."""
 import argparse
 import array
 import json
@@ -19,7 +20,9 @@ ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
 OVOID = os.path.join(ROOT, "build", "release", "bin", "ovoid")
 PIXELS = 512
 MAGNIFICATIONS = (1, 1.5, 2, 3, 4, 6, 8, 12, 16)
-WAYS = {"auto": ["--post-convolution", "auto"], "off": ["--post-convolution", "off"], "scatter": ["--evaluate", "scatter"]}
+SCATTERED = (2, 4, 8)
+OFF, SCATTER = ["--post-convolution", "off"], ["--evaluate", "scatter"]
+WAYS = {"auto": [], "off": OFF, "scattered, cubic": SCATTER + ["--post-convolution", "cubic"], "scattered, off": SCATTER + OFF}
 
 
 def camera_of(path, described, magnification):
@@ -55,17 +58,20 @@ def main():
     options = parser.parse_args()
     described = json.loads(subprocess.run([OVOID, "info", "--json", options.volume], check=True, capture_output=True, text=True).stdout)
     lines = {way: [] for way in WAYS}
-    print("| pixels per voxel | auto, ms | off, ms | scattered, ms | off / auto | scattered / auto | dB | 8 bits | ns per visible sample | "
-          "shade and composite |\n|---|---|---|---|---|---|---|---|---|---|")
+    print("| pixels per voxel | auto, ms | off, ms | off / auto | scattered: cubic, ms | off, ms | off / auto | dB | 8 bits | ns per visible sample | "
+          "shade and composite |\n|---|---|---|---|---|---|---|---|---|---|---|")
     with tempfile.TemporaryDirectory() as folder:
         camera, profile = os.path.join(folder, "camera.json"), os.path.join(folder, "profile.json")
         for magnification in MAGNIFICATIONS:
             camera_of(camera, described, magnification)
             frames, pictures, profiles = {}, {}, {}
             for way, flags in WAYS.items():
+                is_scattered = flags[:2] == SCATTER
+                if is_scattered and magnification not in SCATTERED:
+                    continue
                 picture = os.path.join(folder, f"{way}.npy")
                 subprocess.run([OVOID, "render", options.volume, "--camera", camera, "--size", f"{PIXELS}x{PIXELS}", *flags, "--repeat",
-                                str(options.frames), f"--profile={profile}", "-o", picture], check=True, stderr=subprocess.DEVNULL)
+                                str(1 if is_scattered else options.frames), f"--profile={profile}", "-o", picture], check=True, stderr=subprocess.DEVNULL)
                 with open(profile, encoding="utf-8") as file:
                     profiles[way] = json.load(file)
                 frames[way] = profiles[way]["frame_ms"]["median"]
@@ -75,12 +81,16 @@ def main():
             stages, shaded = profiles["auto"]["stages_ms"], profiles["auto"]["samples"]["shaded"]
             visible = sum(stages[name] for name in ("shade", "composite")) * 1e6 / shaded
             everything = sum(ms for name, ms in stages.items() if name != "plan") * 1e6 / shaded
-            print(f"| {magnification} | {frames['auto']:.0f} | {frames['off']:.0f} | {frames['scatter']:.0f} | "
-                  f"{frames['off'] / frames['auto']:.2f} | {frames['scatter'] / frames['auto']:.1f} | {min(psnr, 150):.1f} | {greatest:.0f} | "
-                  f"{everything:.1f} | {visible:.1f} |", flush=True)
+            scattered = "| | |"
+            if magnification in SCATTERED:
+                nodes, every = frames["scattered, cubic"], frames["scattered, off"]
+                scattered = f"{nodes:.0f} | {every:.0f} | {every / nodes:.2f} |"
+            print(f"| {magnification} | {frames['auto']:.0f} | {frames['off']:.0f} | {frames['off'] / frames['auto']:.2f} | {scattered} "
+                  f"{'same' if psnr > 150 else f'{psnr:.1f}'} | {greatest:.0f} | {everything:.1f} | {visible:.1f} |", flush=True)
     if options.plot:
         plots.log_plot(options.plot, [("with nodes", "#0b5fa5", False, lines["auto"]), ("every pixel", "#c0392b", False, lines["off"]),
-                                      ("scattered", "#888", False, lines["scatter"])], "pixels per voxel",
+                                      ("scattered, every pixel", "#888", False, lines["scattered, off"]),
+                                      ("scattered, cubic", "#bbb", False, lines["scattered, cubic"])], "pixels per voxel",
                        [(m, f"{m:g}") for m in (1, 2, 4, 8, 16)], [(ms, f"{ms:g} ms") for ms in (100, 200, 500, 1000, 2000, 5000, 10000, 20000)])
 
 

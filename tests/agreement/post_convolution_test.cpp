@@ -366,5 +366,30 @@ TEST(PostConvolution, FlatSurfacesHaveNoPattern) {
   EXPECT_LT(greatest - least, 1.0 / 255);
 }
 
+// Views and pictures at the ends of what is possible: a thousand pixels per spacing, fewer pixels
+// than a filter has taps, a hundred spacings per pixel, and a picture too wide for one row of
+// patches to be anything but sliced.
+TEST(PostConvolution, ExtremesAgree) {
+  const LatticeField field = shells_field();
+  struct Extreme {
+    double pixels;
+    int width, height;
+  };
+  for (const Extreme& at : {Extreme{1000, 64, 50}, Extreme{8, 3, 2}, Extreme{8, 1, 1},
+                            Extreme{0.01, 40, 40}, Extreme{6, 20000, 3}}) {
+    for (const bool is_parallel : {true, false}) {
+      const Scene scene = magnified(field, semi_transparent_look(0, 1), is_parallel, at.pixels,
+                                    at.width, at.height);
+      const Image exact = drawn(scene, PostConvolution::kOff).image;
+      for (const PostConvolution how : {PostConvolution::kAuto, PostConvolution::kCubic}) {
+        const ImageDifference difference = compare(drawn(scene, how).image, exact);
+        EXPECT_GE(difference.psnr_db, how == PostConvolution::kAuto ? view::kNodeDecibels : 30)
+            << at.pixels << " pixels per spacing, " << at.width << " x " << at.height << ", "
+            << difference.to_string();
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace ovoid::test

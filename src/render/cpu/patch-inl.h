@@ -438,9 +438,8 @@ inline PatchResult draw_patch(const CpuFrame& frame, LatticeWorkspace& work, Pat
   const bool has_front = plan.lattice.depth(nodes.first_sheet) > plan.lattice.near_depth();
   if (!has_front) return PatchResult::kNeedsPixels;
   patch.is_binned_by_tile = nodes.is_interior && are_paths_whole(frame, patch);
-  if (region > kMaxRegionSamples)
-    return patch.last_sheet - patch.first_sheet > 1 ? PatchResult::kTooLarge
-                                                    : PatchResult::kNeedsPixels;
+  if (region > kMaxRegionSamples && patch.last_sheet - patch.first_sheet > 1)
+    return PatchResult::kTooLarge;
   if (!bin_patch(frame, work, patch)) return PatchResult::kNothingRelevant;
   clock.lap(kBin);
   const bool are_defined = load_nodes(frame, work.nodes, patch);

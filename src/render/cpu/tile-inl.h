@@ -155,6 +155,11 @@ inline bool draw_part(const CpuFrame& frame, Workspace& work, const Part& part, 
   return true;
 }
 
+// A block in which no sample is relevant.
+inline void count_without_samples(const CpuFrame& frame, WorkerStats& stats) {
+  ++(frame.lattice_plan->may_matter ? stats.skipped_irrelevant : stats.skipped_empty);
+}
+
 // What can be said of a tile's block before anything of it is worked out; true if it may show.
 inline bool may_show(const CpuFrame& frame, Workspace& work, const Part& part, WorkerStats& stats) {
   const view::LatticePlan& plan = *frame.lattice_plan;
@@ -164,7 +169,7 @@ inline bool may_show(const CpuFrame& frame, Workspace& work, const Part& part, W
     return false;
   }
   if (plan.relevance.any_in(box.min(), box.max())) return true;
-  ++(plan.may_matter ? stats.skipped_irrelevant : stats.skipped_empty);
+  count_without_samples(frame, stats);
   return false;
 }
 
@@ -179,7 +184,7 @@ inline void draw_tile_layer(const CpuFrame& frame, Workspace& work, const Part& 
     if (draw_part(frame, work, part, clock)) {
       ++stats.blocks_drawn;
     } else {
-      ++(frame.lattice_plan->may_matter ? stats.skipped_irrelevant : stats.skipped_empty);
+      count_without_samples(frame, stats);
     }
   }
 }
@@ -235,8 +240,10 @@ inline void draw_patch_layer(const CpuFrame& frame, LatticeWorkspace& work, Patc
     ++stats.blocks_total;
     if (result == PatchResult::kDrawn && work.bits[t].any_relevant) {
       ++stats.blocks_drawn;
+    } else if (is_closed(frame, work.tiles[t])) {
+      ++stats.skipped_opaque;
     } else {
-      ++(is_closed(frame, work.tiles[t]) ? stats.skipped_opaque : stats.skipped_irrelevant);
+      count_without_samples(frame, stats);
     }
   });
 }

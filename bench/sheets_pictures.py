@@ -26,7 +26,7 @@ def camera_into(path, volume):
     direction = (0.3, -0.9, 0.32)
     length = math.sqrt(sum(d * d for d in direction))
     with open(path, "w", encoding="utf-8") as file:
-        json.dump({"position": [4 * d / length for d in direction], "focal_point": [0, 0, 0.2], "view_up": [0, 0, 1],
+        json.dump({"position": [4 * d / length for d in direction], "focal_point": [0, 0, -0.1], "view_up": [0, 0, 1],
                    "parallel_projection": True, "parallel_scale": half}, file)
 
 

@@ -159,8 +159,8 @@ HWY_INLINE void spread_sample(const Block& nodes, const SplatPlane& plane, float
 
 inline void spread_region(const CpuFrame& frame, Workspace& nodes, const Patch& patch) {
   const SpreadShape shape = spread_shape(frame, patch);
-  clear_splat_planes(nodes);
   for (int s = 0; s < nodes.block.num_sheets; ++s) {
+    clear_splat_planes(nodes, s);
     const SheetSetup& sheet = nodes.block.sheets[s];
     SplatPlane plane{};
     Mat3 columns;
@@ -194,10 +194,8 @@ inline bool load_nodes(const CpuFrame& frame, Workspace& nodes, const Patch& pat
   const bool takes_all = frame.central_gradient || frame.spread == Spread::kBilinear;
   if (takes_all && !is_whole(block)) return false;
   if (!scatters_to_nodes(frame)) return true;
-  if (frame.spread == Spread::kGaussian) {
-    splat_region(frame, nodes);
-    return true;
-  }
+  reserve_splat_planes(nodes);
+  if (frame.spread == Spread::kGaussian) return true;
   spread_region(frame, nodes, patch);
   for (int s = 0; s < block.num_sheets; ++s) {
     for (int y = 0; y < block.rows; ++y) {
@@ -230,6 +228,7 @@ inline void reconstruct_nodes(const CpuFrame& frame, Workspace& nodes, int s, co
   if (!frame.central_gradient) block.has_gradient = {};
   nodes.stats.samples_reconstructed += count_bits(block, wanted);
   if (scatters_to_nodes(frame)) {
+    if (frame.spread == Spread::kGaussian) splat_sheet(frame, nodes, s, wanted);
     read_splat_sheet(frame, nodes, s, wanted);
   } else {
     RowBits others = wanted;

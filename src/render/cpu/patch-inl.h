@@ -273,26 +273,36 @@ struct WantedNodes {
   RowBits gradients{};  // a guess: where something showed on the sheet before
 };
 
+// Those beside, above and below.
+inline void add_neighbours(RowBits& bits, int rows) {
+  RowWord above = 0;
+  for (int row = 0; row < rows; ++row) {
+    const RowWord here = bits[row];
+    const RowWord below = row + 1 < rows ? bits[row + 1] : 0;
+    bits[row] |= here << 1 | here >> 1 | above | below;
+    above = here;
+  }
+}
+
 inline WantedNodes wanted_nodes(const CpuFrame& frame, const LatticeWorkspace& work,
                                 const Patch& patch, const PatchBands& bands, int s) {
   WantedNodes wanted;
   const Block& nodes = work.nodes.block;
-  if (frame.central_gradient) {
-    std::copy_n(nodes.active[s].begin(), nodes.rows, wanted.values.begin());
-    return wanted;
-  }
-  // Pieces begin on this sheet, too.
-  const int last = frame.takes_pieces ? std::min(s + 1, nodes.num_sheets - 1) : s;
+  // Pieces begin on this sheet, too, and differences take neighbours on either side.
+  const bool takes_behind = frame.takes_pieces || frame.central_gradient;
+  const int first = std::max(frame.central_gradient ? s - 1 : s, nodes.front_margin);
+  const int last = std::min(takes_behind ? s + 1 : s, nodes.num_sheets - nodes.back_margin - 1);
   for_each_tile(patch, [&](std::size_t t, int x, int y) {
     RowBits bits;
-    for (int sheet = last; sheet >= s; --sheet) {
+    for (int sheet = last; sheet >= first; --sheet) {
       if (take_pixels(frame, work, t, sheet, bits))
         add_nodes(bits, kTileSize, bands.x[x], bands.y[y], wanted.values);
     }
-    if (!frame.takes_gradients || frame.takes_pieces || !work.bits[t].any_visible) return;
+    if (!frame.takes_gradients || takes_behind || !work.bits[t].any_visible) return;
     for (int row = 0; row < kTileSize; ++row) bits[row] &= work.bits[t].visible[row];
     add_nodes(bits, kTileSize, bands.x[x], bands.y[y], wanted.gradients);
   });
+  if (frame.central_gradient) add_neighbours(wanted.values, nodes.rows);
   for (int row = 0; row < nodes.rows; ++row) {
     wanted.values[row] &= nodes.active[s][row];
     wanted.gradients[row] &= nodes.active[s][row];

@@ -74,26 +74,45 @@ HWY_INLINE float product_with(const float* row, const float* v) {
   return row[0] * v[0] + row[1] * v[1] + row[2] * v[2];
 }
 
+// Samples [x0, x1] x [y0, y1] of a plane.
+struct SampleBox {
+  int x0, y0, x1, y1;
+};
+
+inline SampleBox box_of_bits(const Block& block, const RowBits& bits) {
+  SampleBox box{0, block.rows, -1, -1};
+  RowWord columns = 0;
+  for (int y = 0; y < block.rows; ++y) {
+    if (bits[y] == 0) continue;
+    box.y0 = std::min(box.y0, y);
+    box.y1 = y;
+    columns |= bits[y];
+  }
+  if (columns == 0) return box;
+  box.x0 = std::countr_zero(columns);
+  box.x1 = 63 - std::countl_zero(columns);
+  return box;
+}
+
 // Adds one kernel at index position `center` to a plane's samples.
-HWY_INLINE void splat_kernel(const Block& block, const SplatPlane& plane, const float* center,
+HWY_INLINE void splat_kernel(const SampleBox& box, const SplatPlane& plane, const float* center,
                              float value, float weight, float* HWY_RESTRICT numerator,
                              float* HWY_RESTRICT denominator) {
   const float from_base[3] = {center[0] - plane.base[0], center[1] - plane.base[1],
                               center[2] - plane.base[2]};
   const float x = product_with(plane.inverse[0], from_base);
   const float y = product_with(plane.inverse[1], from_base);
-  const int x0 = std::max(0, static_cast<int>(std::ceil(x - plane.half_extent[0])));
-  const int x1 =
-      std::min(block.columns - 1, static_cast<int>(std::floor(x + plane.half_extent[0])));
-  const int y0 = std::max(0, static_cast<int>(std::ceil(y - plane.half_extent[1])));
-  const int y1 = std::min(block.rows - 1, static_cast<int>(std::floor(y + plane.half_extent[1])));
+  const int x0 = std::max(box.x0, static_cast<int>(std::ceil(x - plane.half_extent[0])));
+  const int x1 = std::min(box.x1, static_cast<int>(std::floor(x + plane.half_extent[0])));
+  const int y0 = std::max(box.y0, static_cast<int>(std::ceil(y - plane.half_extent[1])));
+  const int y1 = std::min(box.y1, static_cast<int>(std::floor(y + plane.half_extent[1])));
   const V scaled_value = hn::Set(d, value * weight);
   const V scaled_one = hn::Set(d, weight);
   for (int row = y0; row <= y1; ++row) {
     for (int column = x0; column <= x1; column += group_size()) {
       const V px = hn::Iota(d, static_cast<float>(column));
       V log = hn::Zero(d);
-      M covered = hn::Lt(px, hn::Set(d, static_cast<float>(block.columns)));
+      M covered = hn::Lt(px, hn::Set(d, static_cast<float>(box.x1 + 1)));
       for (int a = 0; a < 3; ++a) {
         const V offset =
             hn::MulAdd(px, hn::Set(d, plane.per_x[a]),
@@ -149,23 +168,28 @@ inline void for_each_kernel(const CpuFrame& frame, const Workspace& work, const 
   }
 }
 
-inline void clear_splat_planes(Workspace& work) {
-  const std::size_t count = 2 * kPlaneFloats * work.block.num_sheets;
-  std::fill_n(work.splats.reserve(count), count, 0.0F);
+// Room for the planes of all sheets of the block.
+inline void reserve_splat_planes(Workspace& work) {
+  work.splats.reserve(2 * kPlaneFloats * static_cast<std::size_t>(work.block.num_sheets));
 }
 
-inline void splat_region(const CpuFrame& frame, Workspace& work) {
+inline void clear_splat_planes(Workspace& work, int s) {
+  std::fill_n(numerator_plane(work, s), 2 * kPlaneFloats, 0.0F);
+}
+
+// All kernels of the region onto the wanted samples of a sheet.
+inline void splat_sheet(const CpuFrame& frame, Workspace& work, int s, const RowBits& wanted) {
   const Block& block = work.block;
-  clear_splat_planes(work);
-  for (int s = 0; s < block.num_sheets; ++s) {
-    for (int node = 0; node < frame.num_slab_nodes; ++node) {
-      const SlabNode slab = frame.slab_nodes[node];
-      const SplatPlane plane = make_splat_plane(frame, block.sheets[s], slab.offset);
-      for_each_kernel(frame, work, plane, [&](const float* center, float value) {
-        splat_kernel(block, plane, center, value, slab.weight, numerator_plane(work, s),
-                     denominator_plane(work, s));
-      });
-    }
+  clear_splat_planes(work, s);
+  const SampleBox box = box_of_bits(block, wanted);
+  if (box.x1 < 0) return;
+  for (int node = 0; node < frame.num_slab_nodes; ++node) {
+    const SlabNode slab = frame.slab_nodes[node];
+    const SplatPlane plane = make_splat_plane(frame, block.sheets[s], slab.offset);
+    for_each_kernel(frame, work, plane, [&](const float* center, float value) {
+      splat_kernel(box, plane, center, value, slab.weight, numerator_plane(work, s),
+                   denominator_plane(work, s));
+    });
   }
 }
 
@@ -209,6 +233,7 @@ inline bool is_sum_defined(const CpuFrame& frame, const Block& block, const Shee
   return meets_support(frame, block, sheet, u, step);
 }
 
+// The quotients of what was splatted.
 inline void read_splat_sheet(const CpuFrame& frame, Workspace& work, int s, const RowBits& wanted) {
   Block& block = work.block;
   const SheetSetup& sheet = block.sheets[s];

@@ -70,8 +70,7 @@ inline void finish_sheet(const CpuFrame& frame, Workspace& work, int s, StageClo
 inline void run_sheets(const CpuFrame& frame, Workspace& work, bool is_scattered,
                        StageClock& clock) {
   Block& block = work.block;
-  if (is_scattered) splat_region(frame, work);
-  clock.lap(kReconstruct);
+  if (is_scattered) reserve_splat_planes(work);
   for (int s = 0; s < block.num_sheets; ++s) {
     if (frame.stop_opaque && !work.tile->any_open(block.x0, block.y0, block.x1, block.y1)) return;
     RowBits wanted = wanted_now(frame, block, *work.tile, s);
@@ -79,6 +78,7 @@ inline void run_sheets(const CpuFrame& frame, Workspace& work, bool is_scattered
     block.defined[s & (kRingSheets - 1)] = {};
     block.has_gradient = {};
     if (is_scattered) {
+      splat_sheet(frame, work, s, wanted);
       read_splat_sheet(frame, work, s, wanted);
     } else {
       const RowBits guess = guess_visible(frame, block, wanted);

@@ -94,9 +94,14 @@ inline void drop_outside(const CpuFrame& frame, Block& nodes, const Bounds3& box
   }
 }
 
-// The nodes as samples of a block, all of them active that a kernel reaches; with neighbours all
-// around where differences are taken. Returns their box in index space.
-inline Bounds3 set_up_nodes(const CpuFrame& frame, Block& nodes, const Patch& patch) {
+// Where nodes lie in the picture and, all sheets together, in index space.
+struct NodePlace {
+  SampleGrid grid;
+  Bounds3 box;
+};
+
+// The nodes as samples of a block; with neighbours all around where differences are taken.
+inline NodePlace place_nodes(const CpuFrame& frame, Block& nodes, const Patch& patch) {
   const int margin = frame.central_gradient ? 1 : 0;
   nodes.margin = nodes.back_margin = margin;
   nodes.front_margin = std::max(margin, frame.takes_pieces ? 1 : 0);
@@ -108,18 +113,23 @@ inline Bounds3 set_up_nodes(const CpuFrame& frame, Block& nodes, const Patch& pa
   nodes.first_sheet = patch.first_sheet - nodes.front_margin;
   nodes.num_sheets = static_cast<int>(patch.last_sheet - patch.first_sheet) + nodes.front_margin +
                      nodes.back_margin;
-  const SampleGrid grid{patch.pitch * static_cast<double>(patch.nodes_x.first - margin),
-                        patch.pitch * static_cast<double>(patch.nodes_y.first - margin),
-                        patch.pitch};
-  Bounds3 box;
+  const double x0 = patch.pitch * static_cast<double>(patch.nodes_x.first - margin);
+  const double y0 = patch.pitch * static_cast<double>(patch.nodes_y.first - margin);
+  NodePlace place{{x0, y0, patch.pitch}, {}};
   for (const std::int64_t sheet : {nodes.first_sheet, nodes.first_sheet + nodes.num_sheets - 1}) {
     const view::SheetMap map = frame.plan->lattice.index_map(sheet);
     for (const int x : {0, nodes.columns - 1}) {
       for (const int y : {0, nodes.rows - 1})
-        box.extend(map.at(grid.x + grid.step * x, grid.y + grid.step * y));
+        place.box.extend(map.at(x0 + patch.pitch * x, y0 + patch.pitch * y));
     }
   }
-  set_up_sheets(frame, nodes, grid, box);
+  return place;
+}
+
+// Their sheets and region; all of them active that a kernel reaches.
+inline void set_up_nodes(const CpuFrame& frame, Block& nodes, const Patch& patch,
+                         const NodePlace& place) {
+  set_up_sheets(frame, nodes, place.grid, place.box);
   const RowWord all = ~RowWord{0} >> (64 - nodes.columns);
   for (int s = 0; s < nodes.num_sheets; ++s) {
     nodes.sheets[s].inverse_pitch /= static_cast<float>(patch.pitch);
@@ -127,8 +137,7 @@ inline Bounds3 set_up_nodes(const CpuFrame& frame, Block& nodes, const Patch& pa
   }
   const bool spreads = frame.spread == Spread::kBilinear;
   bound_region(frame, nodes, spreads ? spread_shape(frame, patch).reach : Vec3::Zero());
-  if (!nodes.is_interior) drop_outside(frame, nodes, box);
-  return box;
+  if (!nodes.is_interior) drop_outside(frame, nodes, place.box);
 }
 
 // All nodes have values.

@@ -402,8 +402,12 @@ inline bool bin_pixels(const CpuFrame& frame, Block& block, const Block& nodes, 
   block.back_margin = nodes.back_margin;
   const Part part = part_of(block, patch);
   const Bounds3 box = box_of(frame, block, part, 0);
+  const view::LatticePlan& plan = *frame.lattice_plan;
+  if (!box.intersects(plan.index_support) || !plan.relevance.any_in(box.min(), box.max()) ||
+      is_clipped_away(frame, block, part))
+    return false;
   set_up_block(frame, block, part, box);
-  if (is_clipped_away(frame, block, part) || bin_region(frame, block, tile, box) == 0) return false;
+  if (bin_region(frame, block, tile, box) == 0) return false;
   for (int s = 0; s < block.num_sheets; ++s) {
     RowBits& rows = bits.relevant[static_cast<std::size_t>(s)];
     rows = {};
@@ -440,8 +444,10 @@ inline PatchResult draw_patch(const CpuFrame& frame, LatticeWorkspace& work, Pat
   const view::LatticePlan& plan = *frame.lattice_plan;
   Block& nodes = work.nodes.block;
   Block& pixels = work.pixels.block;
-  const Bounds3 box = set_up_nodes(frame, nodes, patch);
-  if (!plan.relevance.any_in(box.min(), box.max())) return PatchResult::kNothingRelevant;
+  const NodePlace place = place_nodes(frame, nodes, patch);
+  if (!plan.relevance.any_in(place.box.min(), place.box.max()))
+    return PatchResult::kNothingRelevant;
+  set_up_nodes(frame, nodes, patch, place);
   const std::int64_t region =
       num_samples({nodes.region_size[0], nodes.region_size[1], nodes.region_size[2]});
   // Sheets before the near plane have no samples.

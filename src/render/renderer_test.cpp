@@ -42,6 +42,8 @@ TEST(RenderOptions, EachMemberIsNamed) {
       {with([](auto& o) { o.sampling_distance = kNan; }), "sampling_distance = nan: "},
       {with([](auto& o) { o.sampling_distance = kInfinity; }), "sampling_distance = inf: "},
       {with([](auto& o) { o.clip_planes.resize(17); }), "clip_planes: 17 given, at most 16"},
+      {with([](auto& o) { o.spread = Spread::kBilinear; }),
+       "spread: bilinear needs a published way of post-convolution"},
       {with([](auto& o) {
          o.clip_planes = {{}, {{0, 0, 0}, 1}};
        }),

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <string>
 
+#include "ovoid/error.h"
 #include "support/agreement.h"
 #include "support/kernel_sets.h"
 #include "support/scenes.h"
@@ -150,6 +152,28 @@ TEST(PublishedWays, LatticesAgreeOnBilinearSpreadOfPieces) {
                      scene.options.spread = Spread::kBilinear;
                      scene.options.classification = Classification::kPreintegrated;
                    });
+}
+
+// The spread is a weighted mean of a lattice's samples.
+TEST(PublishedWays, SpreadIsOfNormalizedLatticesAlone) {
+  Scene scene = inner_scene(semi_transparent_look(0, 1), {});
+  scene.options.post_convolution = PostConvolution::kCubic;
+  scene.options.spread = Spread::kBilinear;
+  const LatticeField sum =
+      make_stored_field({8, 8, 8}, shells({8, 8, 8}), {}, {.reconstruction = Reconstruction::kSum});
+  for (const Field& field :
+       {Field(sum), Field(KernelField(jittered_balls(3).source(), Reconstruction::kNormalized))}) {
+    scene.field = field;
+    for (const Backend backend : {Backend::kCpu, Backend::kReference}) {
+      try {
+        draw(scene, backend);
+        ADD_FAILURE() << "accepted";
+      } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::kUnsupported);
+        EXPECT_EQ(std::string(error.what()).substr(0, 23), "spread: bilinear is for");
+      }
+    }
+  }
 }
 
 // Magnified until kernels go to several levels; in perspective one kernel's own sheets lie on both

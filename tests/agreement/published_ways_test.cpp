@@ -47,24 +47,28 @@ void expect_other(const Image& image, const Image& off, const Scene& scene,
   EXPECT_LT(compare(image, off, peak).psnr_db, kAgreementPsnrDb - 5) << what;
 }
 
+// Each published way on both back ends, none of them for `off`'s.
+void expect_ways_agree(Scene scene, const std::string& name, double least_covered) {
+  Scene exact = scene;
+  exact.options.post_convolution = PostConvolution::kOff;
+  exact.options.spread = Spread::kGaussian;
+  const Image off = draw(exact).image;
+  for (const PostConvolution how : kPublishedWays) {
+    scene.options.post_convolution = how;
+    const std::string what = name + ", " + name_of(how);
+    const Image reference = draw(scene, Backend::kReference).image;
+    EXPECT_TRUE(agrees_with(reference, scene, what, least_covered));
+    expect_other(reference, off, scene, what);
+  }
+}
+
 // The look, and the options but for the way, are `change`'s.
 void expect_agreement(const std::string& name, View at, const std::function<void(Scene&)>& change) {
   for (const bool is_parallel : {true, false}) {
     at.is_parallel = is_parallel;
     Scene scene = inner_scene(semi_transparent_look(0, 1), at);
     change(scene);
-    Scene exact = scene;
-    exact.options.post_convolution = PostConvolution::kOff;
-    exact.options.spread = Spread::kGaussian;
-    const Image off = draw(exact).image;
-    for (const PostConvolution how : kPublishedWays) {
-      scene.options.post_convolution = how;
-      const std::string what =
-          name + ", " + name_of(how) + (is_parallel ? ", parallel" : ", perspective");
-      const Image reference = draw(scene, Backend::kReference).image;
-      EXPECT_TRUE(agrees_with(reference, scene, what, 0.2));
-      expect_other(reference, off, scene, what);
-    }
+    expect_ways_agree(scene, name + (is_parallel ? ", parallel" : ", perspective"), 0.2);
   }
 }
 
@@ -186,16 +190,7 @@ void expect_sets_agree(const std::string& name, const KernelField& field,
                 picture(64, 52)};
     scene.options.slab = Slab::kAuto;
     change(scene);
-    for (const PostConvolution how : kPublishedWays) {
-      scene.options.post_convolution = PostConvolution::kOff;
-      const Image off = draw(scene).image;
-      scene.options.post_convolution = how;
-      const std::string what =
-          name + ", " + name_of(how) + (is_parallel ? ", parallel" : ", perspective");
-      const Image reference = draw(scene, Backend::kReference).image;
-      EXPECT_TRUE(agrees_with(reference, scene, what, 0.3));
-      expect_other(reference, off, scene, what);
-    }
+    expect_ways_agree(scene, name + (is_parallel ? ", parallel" : ", perspective"), 0.3);
   }
 }
 

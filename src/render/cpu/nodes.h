@@ -15,6 +15,7 @@
 
 namespace ovoid::cpu {
 
+static_assert(view::kNodeSheets <= kBlockSheets);
 static_assert((kPatchSize - 1) / view::kLeastNodePitch + 1 + kFilterTaps + 2 * kMaxMargin <=
               kPlaneStride);
 

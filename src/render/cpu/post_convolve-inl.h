@@ -12,6 +12,8 @@
 #define OVOID_RENDER_CPU_POST_CONVOLVE_INL_H_
 #endif
 
+#include <algorithm>
+
 #include "render/cpu/filter_band.h"
 #include "render/cpu/simd-inl.h"
 
@@ -24,8 +26,10 @@ template <int kRows, class Band>
 HWY_INLINE void filter_rows(const float* coarse, std::ptrdiff_t stride, const Band& band,
                             int num_outputs, float (*rows)[Band::kOutputs]) {
   for (int c = 0; c < num_outputs; c += group_size()) {
-    const int first = band.of_eight[static_cast<std::size_t>(c / 8)].first;
-    const int past = band.of_eight[static_cast<std::size_t>((c + group_size() - 1) / 8)].past;
+    const auto& front = band.of_eight[static_cast<std::size_t>(c / 8)];
+    const auto& back = band.of_eight[static_cast<std::size_t>((c + group_size() - 1) / 8)];
+    const int first = front.first;
+    const int past = std::max(front.past, back.past);  // outputs at the back may not be set
     V sums[kRows];
     for (V& sum : sums) sum = hn::Zero(d);
     for (int k = first; k < past; ++k) {

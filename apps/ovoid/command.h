@@ -13,6 +13,7 @@ namespace ovoid::cli {
 using Words = std::vector<std::string>;
 
 void run_render(const Words& words, Session& session);
+void run_animate(const Words& words, Session& session);
 void run_info(const Words& words, Session& session);
 void run_make(const Words& words, Session& session);
 void run_convert(const Words& words, Session& session);

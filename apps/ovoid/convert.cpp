@@ -9,10 +9,14 @@
 #include "check_files.h"
 #include "command.h"
 #include "data_flags.h"
+#include "lattice_flags.h"
 #include "model_flags.h"
 #include "ovoid/error.h"
 #include "ovoid/io.h"
+#include "ovoid/lattice_file.h"
+#include "ovoid/resample.h"
 #include "ovoid/sampler.h"
+#include "ovoid/series.h"
 #include "usage.h"
 #include "values.h"
 
@@ -83,6 +87,11 @@ struct ConvertFlags {
   std::string look_name;
   GridSize size;
   bool as_kernels = false;
+  std::optional<TargetLattice> lattice;
+  double lattice_spacing = 1.0;
+  bool band_limit = true;
+  std::optional<double> relevant_above;
+  std::optional<double> background_value;
   int threads = 0;
 };
 
@@ -118,6 +127,23 @@ Dataset to_kernels(const ConvertFlags& convert, const Dataset& dataset, Session&
   return make_kernel_dataset(field);
 }
 
+std::optional<RelevantSamples> relevant_of(const ConvertFlags& convert) {
+  if (!convert.relevant_above) return std::nullopt;
+  return RelevantSamples{*convert.relevant_above, convert.background_value};
+}
+
+// Runs of the relevant samples, and what that saves.
+void write_relevant(const ConvertFlags& convert, const Dataset& dataset, Session& session) {
+  if (dataset.kind != DatasetKind::kLattice)
+    refuse_kind("--relevant-above", "lattices (--size makes one)", dataset);
+  LatticeFileHeader header = lattice_file_header(dataset);
+  header.relevant = relevant_of(convert);
+  LatticeFileWriter writer(convert.output, header);
+  writer.write_step(dataset);
+  writer.finish();
+  note_relevant(convert.output, writer.counts(), session);
+}
+
 // Meshes have no other way into a file of points.
 bool becomes_kernels(const ConvertFlags& convert, const Dataset& dataset) {
   if (convert.as_kernels) return true;
@@ -126,15 +152,51 @@ bool becomes_kernels(const ConvertFlags& convert, const Dataset& dataset) {
 }
 
 bool is_grid_name(const std::string& path) {
-  const auto endings = {".nrrd", ".nhdr", ".nii", ".nii.gz", ".npy", ".raw", ".vti", ".vtk"};
+  const auto endings = {".nrrd", ".nhdr", ".nii", ".nii.gz", ".npy", ".raw", ".vti", ".vtk", ".h5"};
   return std::any_of(endings.begin(), endings.end(),
                      [&](const char* ending) { return has_ending(path, ending); });
+}
+
+LatticeResampleOptions resample_options(const ConvertFlags& convert, Progress& progress,
+                                        Session& session) {
+  LatticeResampleOptions options;
+  options.array = convert.model.lattice.array;
+  options.spacing = convert.lattice_spacing;
+  options.band_limit = convert.band_limit;
+  options.threads = convert.threads;
+  options.progress = progress.callback();
+  options.stop = session.stop();
+  return options;
+}
+
+Dataset to_lattice(const ConvertFlags& convert, const Dataset& dataset, Session& session) {
+  if (dataset.kind != DatasetKind::kLattice)
+    refuse_kind("--lattice", "lattices (--size makes one)", dataset);
+  Progress progress("resampling");
+  const bool is_body_centred = *convert.lattice == TargetLattice::kBodyCentred;
+  return resample_lattice(dataset,
+                          is_body_centred ? LatticeKind::kBodyCentred : LatticeKind::kCartesian,
+                          resample_options(convert, progress, session));
+}
+
+// All steps on a lattice in space and time.
+void convert_in_time(const ConvertFlags& convert, Session& session) {
+  const Series series(open_steps(convert.data.inputs, read_options(convert.data, session)));
+  const auto steps = [&] {
+    Progress progress("resampling");
+    SeriesResampleOptions options;
+    options.lattice = resample_options(convert, progress, session);
+    options.component = convert.model.lattice.component;
+    return resample_series(series, series_of(*convert.lattice), options);
+  }();
+  write_steps(*steps, convert.output, relevant_of(convert), session);
 }
 
 Dataset converted(const ConvertFlags& convert, const Flags& flags, const Dataset& dataset,
                   Session& session) {
   check_kind_flags(flags, dataset);
   if (convert.size.is_given()) return to_grid(convert, dataset, session);
+  if (convert.lattice) return to_lattice(convert, dataset, session);
   if (convert.as_kernels && dataset.kind == DatasetKind::kLattice)
     refuse_kind("--kernels", "meshes and particles", dataset);
   if (becomes_kernels(convert, dataset)) return to_kernels(convert, dataset, session);
@@ -160,7 +222,7 @@ Dataset converted(const ConvertFlags& convert, const Flags& flags, const Dataset
 void add_flags(Flags& flags, ConvertFlags* convert) {
   flags.section("");
   flags.value("-o,--output", "OUT",
-              "the file: a volume .nrrd, .nhdr, .nii, .nii.gz, .npy, .raw, .vti, .vtk; a mesh "
+              "the file: a volume .nrrd, .nhdr, .nii, .nii.gz, .npy, .raw, .vti, .vtk, .h5; a mesh "
               ".vtu; particles .csv, .npz, .ply; kernels .ply; a look .json",
               [convert](const std::string& text) { convert->output = text; });
   flags.value("--size", "N|XxYxZ",
@@ -171,6 +233,25 @@ void add_flags(Flags& flags, ConvertFlags* convert) {
                "write the kernels that are drawn, not the particles, to .ply (a mesh as .ply: "
                "always)",
                &convert->as_kernels);
+  flags.value("--lattice", kLatticeWords,
+              "resample a volume to this lattice, limited to a ball of frequencies: Cartesian or "
+              "body-centred, of one step, or, with all steps to .h5, in space and time",
+              [convert](const std::string& text) { convert->lattice = parse_lattice(text); });
+  flags.value("--lattice-spacing", "S",
+              fmt::format("T of --lattice, in spacings (and steps) of the input (default {})",
+                          convert->lattice_spacing),
+              [convert](const std::string& text) {
+                convert->lattice_spacing =
+                    parse_number(text, {.lo = 0, .hi = 1000, .lo_open = true});
+              });
+  flags.toggle("--no-band-limit", "resample by splines alone", &convert->band_limit, false);
+  flags.value("--relevant-above", "V",
+              "to .h5: keep the samples whose value is greater, and missing ones, as runs",
+              [convert](const std::string& text) { convert->relevant_above = parse_number(text); });
+  flags.value(
+      "--background-value", "B",
+      "with --relevant-above: the value of the others (default: the least there is)",
+      [convert](const std::string& text) { convert->background_value = parse_number(text); });
   flags.value("--tf-name", "NAME", "which look of a file with several (default: the first)",
               [convert](const std::string& text) { convert->look_name = text; });
   flags.value("--threads", "N", "(default 0: one per hardware thread)",
@@ -180,6 +261,28 @@ void add_flags(Flags& flags, ConvertFlags* convert) {
   add_input_flags(flags, &convert->data);
   add_array_flags(flags, &convert->model);
   add_model_flags(flags, &convert->model);
+}
+
+void check_lattice_flags(const Flags& flags, const ConvertFlags& convert) {
+  const char* const lost = flags.first_given({"--lattice-spacing", "--no-band-limit"});
+  if (!convert.lattice) {
+    if (lost != nullptr) throw UsageError(fmt::format("{}: has no effect without --lattice", lost));
+    return;
+  }
+  if (convert.size.is_given() || convert.as_kernels)
+    throw UsageError("--lattice: contradicts --size and --kernels; give one of them");
+  require_file_in_time(*convert.lattice, convert.output);
+  const char* const one = flags.first_given({"--step", "--time"});
+  if (is_in_time(*convert.lattice) && one != nullptr)
+    throw UsageError(fmt::format("{}: contradicts --lattice in time, which takes all steps", one));
+}
+
+void check_relevant_flags(const ConvertFlags& convert) {
+  if (convert.background_value && !convert.relevant_above)
+    throw UsageError("--background-value: has no effect without --relevant-above");
+  if (convert.relevant_above && !has_ending(convert.output, ".h5"))
+    throw UsageError(
+        fmt::format("--relevant-above: '{}' holds no runs, only .h5 does", convert.output));
 }
 
 }  // namespace
@@ -203,6 +306,8 @@ void run_convert(const Words& words, Session& session) {
     throw UsageError("--kernels: contradicts --size; give one of them");
   if (convert.as_kernels && !has_ending(output, ".ply"))
     throw UsageError(fmt::format("--kernels: '{}' holds no kernels, only .ply does", output));
+  check_relevant_flags(convert);
+  check_lattice_flags(flags, convert);
   check_files(volume_inputs(convert.data.inputs), volume_outputs("--output", output));
   if (has_ending(output, ".json")) {
     convert_look(convert.data.inputs, convert.look_name, output);
@@ -210,8 +315,16 @@ void run_convert(const Words& words, Session& session) {
   }
   check_volume_output("--output", output);
   convert.data.array = array_to_read(convert.model);
-  const Dataset dataset = converted(convert, flags, load(convert.data, session), session);
+  if (convert.lattice && is_in_time(*convert.lattice)) return convert_in_time(convert, session);
+  Dataset dataset = converted(convert, flags, load(convert.data, session), session);
+  if (convert.data.time) {
+    // What is written is one step, at that time and not at a step's.
+    dataset.num_steps = 1;
+    dataset.step = 0;
+    dataset.times = {*convert.data.time};
+  }
   session.check_stop();
+  if (convert.relevant_above) return write_relevant(convert, dataset, session);
   write_dataset(dataset, output);
   if (dataset.kind == DatasetKind::kLattice) note_losses(dataset, output, session);
 }

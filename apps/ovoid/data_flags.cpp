@@ -7,11 +7,16 @@
 #include <cmath>
 
 #include "ovoid/error.h"
+#include "ovoid/series.h"
 #include "usage.h"
 #include "values.h"
 
 namespace ovoid::cli {
 namespace {
+
+const Names<TimeFilter> kTimeFilters = {{"two-steps", TimeFilter::kTwoSteps},
+                                        {"gaussian", TimeFilter::kGaussian},
+                                        {"exact", TimeFilter::kExact}};
 
 // The step whose time is nearest, the earlier of two.
 std::int64_t nearest_step(const Dataset& dataset, double time) {
@@ -24,15 +29,6 @@ std::int64_t nearest_step(const Dataset& dataset, double time) {
       dataset.times.begin(), dataset.times.end(),
       [time](double a, double b) { return std::abs(a - time) < std::abs(b - time); });
   return nearest - dataset.times.begin();
-}
-
-void check_format_flags(const DataFlags& data, const Dataset& dataset) {
-  const char* const given = !data.positions.empty() ? "--positions"
-                            : !data.values.empty()  ? "--value"
-                                                    : nullptr;
-  if (given == nullptr || dataset.format == "HDF5") return;
-  throw Error(ErrorCode::kInvalidArgument, fmt::format("{}: is for HDF5 files, '{}' is {}", given,
-                                                       dataset.source, dataset.format));
 }
 
 }  // namespace
@@ -50,8 +46,17 @@ void add_input_flags(Flags& flags, DataFlags* data) {
   flags.value(
       "--step", "N", "which time step, from 0 (default: the first that varies)",
       [data](const std::string& text) { data->step = parse_integer(text, 0, 1'000'000'000); });
-  flags.value("--time", "T", "the time step nearest to this time, where the input names times",
-              [data](const std::string& text) { data->time = parse_number(text); });
+  flags.value(
+      "--time", "T",
+      "the data at this time, between steps interpolated; where the input names no times, a "
+      "step's number is its time",
+      [data](const std::string& text) { data->time = parse_number(text); });
+  flags.value(
+      "--time-filter", joined(kTimeFilters),
+      fmt::format("kernels over time of lattices in space and time (D4*): docs/time.md "
+                  "(default {})",
+                  name_in(kTimeFilters, data->time_filter)),
+      [data](const std::string& text) { data->time_filter = parse_name(text, kTimeFilters); });
   flags.value("--positions", "PATH",
               "HDF5: the particles' positions, such as /PartType1/Coordinates (default: found)",
               [data](const std::string& text) { data->positions = text; });
@@ -85,24 +90,73 @@ void require_inputs(const Flags& flags, const DataFlags& data) {
   if (data.step && data.time) throw UsageError("--time: contradicts --step; give one of them");
 }
 
-Dataset load(const DataFlags& data, Session& session) {
-  Progress progress("reading");
+void check_format_flags(const DataFlags& data, const Dataset& dataset) {
+  const char* const given = !data.positions.empty() ? "--positions"
+                            : !data.values.empty()  ? "--value"
+                                                    : nullptr;
+  if (given == nullptr || dataset.format == "HDF5") return;
+  throw Error(ErrorCode::kInvalidArgument, fmt::format("{}: is for HDF5 files, '{}' is {}", given,
+                                                       dataset.source, dataset.format));
+}
+
+ReadOptions read_options(const DataFlags& data, const Session& session) {
   ReadOptions options;
   options.raw = data.raw;
   options.array = data.array;
   options.block = data.block;
   options.step = data.step;
-  options.progress = progress.callback();
   options.stop = session.stop();
   options.positions = data.positions;
   options.values = data.values;
+  return options;
+}
+
+std::optional<std::int64_t> asked_step(const DataFlags& data, const Dataset& dataset) {
+  return data.time ? nearest_step(dataset, *data.time) : data.step;
+}
+
+namespace {
+
+void require_steps(const Dataset& dataset) {
+  if (dataset.num_steps > 1) return;
+  throw Error(ErrorCode::kInvalidArgument,
+              fmt::format("--time: '{}' has one step", dataset.source));
+}
+
+// Made of the steps around the time; a note tells which.
+Dataset at_time(const DataFlags& data, double time, Session& session) {
+  const Series series(open_steps(data.inputs, read_options(data, session)), {.prefetch = false});
+  TimeSliceOptions options;
+  options.filter = data.time_filter;
+  options.stop = session.stop();
+  Dataset dataset = slice_at_time(series, time, options);
+  if (series.source().kind() == SeriesKind::kStaggered) {
+    session.note(fmt::format("time {:g}: of both halves of the lattice in time", time));
+    return dataset;
+  }
+  const std::vector<StepWeight> weights = weights_of_steps(series.times(), time);
+  if (weights.size() == 1) {
+    session.note(fmt::format("time {:g}: step {}", time, weights[0].step));
+  } else {
+    session.note(fmt::format("time {:g}: between steps {} and {}, {:.0f} % of the second", time,
+                             weights[0].step, weights[1].step, 100 * weights[1].weight));
+  }
+  return dataset;
+}
+
+}  // namespace
+
+Dataset load(const DataFlags& data, Session& session) {
+  Progress progress("reading");
+  ReadOptions options = read_options(data, session);
+  options.progress = progress.callback();
   Dataset dataset = read_dataset(data.inputs, options);
-  if (data.time) {
-    // What the steps' times are is known once one of them has been read.
-    options.step = nearest_step(dataset, *data.time);
-    if (*options.step != dataset.step) dataset = read_dataset(data.inputs, options);
-    session.note(fmt::format("--time {:g}: step {}, time {:g}", *data.time, dataset.step,
-                             dataset.times[static_cast<std::size_t>(dataset.step)]));
+  const bool is_half = dataset.series == SeriesKind::kStaggered && !data.step;
+  if (data.time || is_half) {
+    const double time =
+        data.time.value_or(is_half ? dataset.times[static_cast<std::size_t>(dataset.step)] : 0.0);
+    require_steps(dataset);
+    dataset = at_time(data, time, session);
   }
   check_format_flags(data, dataset);
   session.notes(dataset.notes);

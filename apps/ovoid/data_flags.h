@@ -8,6 +8,7 @@
 
 #include "flags.h"
 #include "ovoid/io.h"
+#include "ovoid/slices.h"
 #include "session.h"
 
 namespace ovoid::cli {
@@ -19,6 +20,7 @@ struct DataFlags {
   std::string block;
   std::optional<std::int64_t> step;
   std::optional<double> time;
+  TimeFilter time_filter = TimeFilter::kTwoSteps;
   std::string positions;            // HDF5: the path of the positions
   std::vector<std::string> values;  // HDF5: paths of arrays
   std::string array;                // the only one that is read where the format allows; empty: all
@@ -29,6 +31,15 @@ void add_input_flags(Flags& flags, DataFlags* data);
 
 // Throws UsageError if no INPUT was given, or an empty one, and for contradictions.
 void require_inputs(const Flags& flags, const DataFlags& data);
+
+// What readers are told, but for progress and where the step is a matter of time.
+ReadOptions read_options(const DataFlags& data, const Session& session);
+
+// The step of --step or --time; none without them. `dataset`: any step. Throws Error.
+std::optional<std::int64_t> asked_step(const DataFlags& data, const Dataset& dataset);
+
+// Throws Error for a flag that is for another format than the input's.
+void check_format_flags(const DataFlags& data, const Dataset& dataset);
 
 // Reads the inputs, with progress; tells the reader's notes. Throws Error, also for a flag that is
 // for another format than the input's.

@@ -120,14 +120,24 @@ Json orientation_json(const LatticeGeometry& lattice, Space space) {
   return orientation;
 }
 
+// The Cartesian lattices that it is made of: one, or two that are alike but for their offset.
+Json sublattices_json(const LatticeGeometry& lattice) {
+  Json json = Json::array();
+  for (int s = 0; s < lattice.num_sublattices(); ++s)
+    json.push_back({{"dims", lattice.dims_of(s)}, {"offset", json_of(lattice.offset_of(s))}});
+  return json;
+}
+
 Json lattice_json(const LatticeGeometry& lattice) {
   const Vec3 spacing = lattice.spacing();
+  const Mat3 vectors = lattice.world_from_index.linear();
   const Bounds3 bounds = lattice.world_bounds();
   Json axes = Json::array();
-  for (int a = 0; a < 3; ++a)
-    axes.push_back(json_of(lattice.world_from_index.linear().col(a) / spacing[a]));
+  for (int a = 0; a < 3; ++a) axes.push_back(json_of(vectors.col(a) / vectors.col(a).norm()));
   Json json;
+  json["lattice"] = name_of(lattice.kind);
   json["dims"] = lattice.dims;
+  json["sublattices"] = sublattices_json(lattice);
   json["spacing"] = json_of(spacing);
   json["origin"] = json_of(lattice.world_from_index.translation());
   json["axes"] = axes;
@@ -302,7 +312,9 @@ Json gather(const DataFlags& data, const ModelFlags& model, const Flags& flags, 
   json["block"] = dataset.block;
   json["steps"] = dataset.num_steps;
   json["step"] = dataset.step;
+  json["series"] = name_of(dataset.series);
   json["times"] = dataset.times;
+  json["time_unit"] = dataset.time_unit;
   json["arrays"] = Json::array();
   for (const DataArray& array : dataset.arrays) json["arrays"].push_back(json_of(array));
   json["field"] = try_field(dataset, model, flags, session);
@@ -361,8 +373,16 @@ void print_bounds(const char* name, const Json& bounds) {
 }
 
 void print_lattice(const Json& json) {
-  print_row("dims", numbers(json["dims"]));
-  print_row("spacing", numbers(json["spacing"]));
+  const Json& parts = json["sublattices"];
+  const bool is_divided = parts.size() > 1;
+  print_row("lattice", json["lattice"].get<std::string>());
+  print_row("dims", is_divided ? numbers(json["dims"]) + " (x, y, layers)" : numbers(json["dims"]));
+  for (const Json& part : parts) {
+    if (is_divided)
+      print_row("sublattice", fmt::format("{} at {} of the axis vectors", numbers(part["dims"]),
+                                          numbers(part["offset"])));
+  }
+  print_row(is_divided ? "spacing T" : "spacing", numbers(json["spacing"]));
   print_row("origin", numbers(json["origin"]));
   print_row("axes", fmt::format("({}) ({}) ({})", numbers(json["axes"][0]),
                                 numbers(json["axes"][1]), numbers(json["axes"][2])));
@@ -435,7 +455,12 @@ void print_text(const Json& json) {
   if (json["steps"] != 1)
     print_row("time steps", fmt::format("{}, step {} is read", json["steps"].get<std::int64_t>(),
                                         json["step"].get<std::int64_t>()));
-  if (!json["times"].empty()) print_row("times", numbers(json["times"]));
+  if (json["series"] == name_of(SeriesKind::kStaggered))
+    print_row("series", "staggered (D4*): odd steps lie half of each axis vector further");
+  if (!json["times"].empty()) {
+    const auto unit = json["time_unit"].get<std::string>();
+    print_row("times", numbers(json["times"]) + (unit.empty() ? "" : ' ' + one_line(unit)));
+  }
   print_arrays(json["arrays"]);
   const Json& field = json["field"];
   if (field.is_null()) return;

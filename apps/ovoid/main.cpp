@@ -29,8 +29,9 @@ struct Command {
   void (*run)(const Words& words, Session& session);
 };
 
-constexpr std::array<Command, 6> kCommands = {{
+constexpr std::array<Command, 7> kCommands = {{
     {"render", "INPUT... -o OUT.png", "draw data to a picture", run_render},
+    {"animate", "INPUT... -o OUT.mp4", "draw a film or numbered pictures", run_animate},
     {"info", "INPUT...", "what is in a file, and how it would be drawn", run_info},
     {"make", "NAME -o OUT", "sample data by formula", run_make},
     {"convert", "INPUT... -o OUT", "between formats, and to a grid or kernels", run_convert},

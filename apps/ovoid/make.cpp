@@ -8,9 +8,11 @@
 #include "check_files.h"
 #include "command.h"
 #include "flags.h"
+#include "lattice_flags.h"
 #include "ovoid/error.h"
 #include "ovoid/io.h"
 #include "ovoid/model.h"
+#include "ovoid/series.h"
 #include "suggest.h"
 #include "usage.h"
 #include "values.h"
@@ -33,33 +35,58 @@ Index3 parse_samples(const std::string& text) {
   }
 }
 
+struct MakeFlags {
+  std::vector<std::string> names;
+  std::string output;
+  MakeOptions options;
+  TargetLattice lattice = TargetLattice::kCartesian;
+  std::int64_t steps = 1;
+};
+
 // What it refuses is on the command line.
-Dataset make(const std::string& name, const MakeOptions& options) {
+template <class Make>
+auto made(const Make& make) {
   try {
-    return make_sample(name, options);
+    return make();
   } catch (const Error& error) {
     if (error.code() != ErrorCode::kInvalidArgument) throw;
     throw UsageError(fmt::format("--{}", error.what()));
   }
 }
 
+void check_lattice(const MakeFlags& make) {
+  require_file_in_time(make.lattice, make.output);
+  const bool has_steps = is_in_time(make.lattice) || make.steps > 1;
+  if (has_steps && !has_ending(make.output, ".h5"))
+    throw UsageError(
+        fmt::format("--steps: '{}' holds one step, only .h5 holds several", make.output));
+  if (has_steps && !sample_moves(make.names[0]))
+    throw UsageError(
+        fmt::format("NAME '{}': does not move, expected one that does, see below", make.names[0]));
+}
+
 }  // namespace
 
 void run_make(const Words& words, Session& session) {
-  std::vector<std::string> names;
-  std::string output;
-  MakeOptions options;
+  MakeFlags make;
+  auto& [names, output, options, lattice, steps] = make;
   Flags flags("make", "NAME -o OUT [FLAG...]",
               "Writes a volume, mesh, particles or kernels made by formula.");
   flags.section("");
   flags.positionals("NAME", "what to make, see below", &names);
   flags.value(
       "-o,--output", "OUT",
-      "the file: a volume .nrrd, .nhdr, .nii, .nii.gz, .npy, .raw, .vti, .vtk; a mesh .vtu; "
+      "the file: a volume .nrrd, .nhdr, .nii, .nii.gz, .npy, .raw, .vti, .vtk, .h5; a mesh .vtu; "
       "particles .csv, .npz, .ply; kernels .ply",
       [&output](const std::string& text) { output = text; });
   flags.value("--size", "N|XxYxZ", "samples of a volume (default: the name's own)",
               [&options](const std::string& text) { options.size = parse_samples(text); });
+  flags.value("--lattice", kLatticeWords,
+              "of a volume: Cartesian or body-centred, or, to .h5, in space and time (default cc); "
+              "--size and --steps count the samples of the Cartesian one that it stands for",
+              [&lattice](const std::string& text) { lattice = parse_lattice(text); });
+  flags.value("--steps", "T", "steps in time of names that move, to .h5 (default 1; 64 in time)",
+              [&steps](const std::string& text) { steps = parse_integer(text, 2, 100'000); });
   flags.value("--count", "N",
               "nodes (about so many), particles or kernels, of names that are no volume (default: "
               "the name's own)",
@@ -88,7 +115,16 @@ void run_make(const Words& words, Session& session) {
   if (output.empty()) throw UsageError("--output: none given, expected -o OUT");
   check_files({}, volume_outputs("--output", output));
   check_volume_output("--output", output);
-  const Dataset dataset = make(names[0], options);
+  if (lattice == TargetLattice::kBodyCentred) options.lattice = LatticeKind::kBodyCentred;
+  check_lattice(make);
+  if (is_in_time(lattice) || steps > 1) {
+    const std::int64_t count = steps > 1 ? steps : 64;
+    write_steps(
+        *made([&] { return make_sample_steps(names[0], count, series_of(lattice), options); }),
+        output, {}, session);
+    return;
+  }
+  const Dataset dataset = made([&] { return make_sample(names[0], options); });
   session.check_stop();
   write_dataset(dataset, output);
 }

@@ -16,7 +16,8 @@
 namespace ovoid::cli {
 namespace {
 
-constexpr double kQuietMs = 500;  // shorter work needs no progress line
+constexpr int kNotThisPercent = 101;  // the line is shown again, whatever it says
+constexpr double kQuietMs = 500;      // shorter work needs no progress line
 
 // The words as a shell would take them again.
 std::string quoted(const std::vector<std::string>& words) {
@@ -45,7 +46,7 @@ Progress::Progress(std::string what)
 
 Progress::~Progress() {
   if (shown_percent_ < 0) return;
-  fmt::print(stderr, "\r{:{}}\r", "", what_.size() + 6);
+  fmt::print(stderr, "\r{:{}}\r", "", shown_size_);
   std::fflush(stderr);
 }
 
@@ -53,13 +54,24 @@ void Progress::show(double fraction) {
   const int percent = static_cast<int>(100.0 * std::clamp(fraction, 0.0, 1.0));
   if (!is_terminal_ || percent == shown_percent_ || since_.ms() < kQuietMs) return;
   shown_percent_ = percent;
-  fmt::print(stderr, "\r{} {:3} %", what_, percent);
+  constexpr int kBar = 20;
+  const std::string line =
+      fmt::format("{} [{:.<{}}] {:3} %", what_,
+                  std::string(static_cast<std::size_t>(percent * kBar / 100), '#'), kBar, percent);
+  fmt::print(stderr, "\r{:{}}", line, shown_size_);
+  shown_size_ = std::max(shown_size_, line.size());
   std::fflush(stderr);
+}
+
+void Progress::rename(std::string what) {
+  what_ = std::move(what);
+  if (shown_percent_ >= 0) shown_percent_ = kNotThisPercent;
 }
 
 Session::Session(const std::vector<std::string>& words) : command_line_(quoted(words)) {}
 
 void Session::note(const std::string& text) {
+  if (num_quiet_ > 0) return;
   const std::string line = one_line(text);
   if (std::find(told_.begin(), told_.end(), line) != told_.end()) return;
   told_.push_back(line);

@@ -23,8 +23,9 @@ class Stopwatch {
   Clock::time_point start_ = Clock::now();
 };
 
-// One line on a terminal that tells how far long work has come: "drawing  42 %". Appears after half
-// a second, and is gone when the object is; nothing is written where standard error is no terminal.
+// One line on a terminal that tells how far long work has come: "drawing [####......]  42 %".
+// Appears after half a second, and is gone when the object is; nothing is written where standard
+// error is no terminal.
 class Progress {
  public:
   explicit Progress(std::string what);
@@ -34,6 +35,8 @@ class Progress {
 
   // `fraction` in [0, 1]; one thread at a time.
   void show(double fraction);
+  // From now on.
+  void rename(std::string what);
   std::function<void(double)> callback() {
     return [this](double fraction) { show(fraction); };
   }
@@ -42,6 +45,7 @@ class Progress {
   std::string what_;
   bool is_terminal_;
   int shown_percent_ = -1;
+  std::size_t shown_size_ = 0;
   Stopwatch since_;
 };
 
@@ -53,7 +57,6 @@ class Session {
   // A line on standard error, each text once.
   void note(const std::string& text);
   void notes(const std::vector<std::string>& texts);
-
   std::stop_token stop() const { return interrupt_.token(); }
   // Throws Error(kCancelled) if Ctrl-C was pressed; for work that does not look itself.
   void check_stop() const;
@@ -63,7 +66,23 @@ class Session {
  private:
   std::string command_line_;
   std::vector<std::string> told_;
+  int num_quiet_ = 0;
   Interrupt interrupt_;
+
+  friend class Quiet;
+};
+
+// While it lives notes are neither told nor remembered: those on steps that are read one after the
+// other would be as many.
+class Quiet {
+ public:
+  explicit Quiet(Session& session) : session_(session) { ++session_.num_quiet_; }
+  ~Quiet() { --session_.num_quiet_; }
+  Quiet(const Quiet&) = delete;
+  Quiet& operator=(const Quiet&) = delete;
+
+ private:
+  Session& session_;
 };
 
 // Text as one printable line: control characters, which file names may hold, become '?'.

@@ -84,6 +84,17 @@ enum class DatasetKind {
 const char* name_of(
     DatasetKind kind) noexcept;  // "lattice", "mesh", "boxes", "particles", "kernels"
 
+// What the time steps of an input are to each other.
+enum class SeriesKind : std::uint8_t {
+  kSteps,      // every step is a dataset that is whole by itself
+  kStaggered,  // Cartesian lattices of which every second one is shifted by half of each axis
+               // vector: even and odd steps are the two halves of a body-centred lattice in space
+               // and time (D4*); neighbouring steps lie T / sqrt(2) apart in time, as the halves do
+               // in space
+};
+
+const char* name_of(SeriesKind kind) noexcept;  // "steps", "staggered"
+
 // The cells of a mesh. Either explicit: cell c has the nodes connectivity[offsets[c]] to
 // connectivity[offsets[c + 1] - 1], in VTK's order for its type. Or structured: `dims` nodes along
 // i, j, k (i fastest) with hexahedra between them, and the vectors are empty.
@@ -111,12 +122,14 @@ struct Dataset {
   std::optional<Bounds3> periodic_box;  // kParticles: opposite faces are the same place
   Space space = Space::kNone;
   std::vector<DataArray> arrays;
-  std::vector<DatasetBlock> blocks;  // all volumes of the input; empty if it is one
-  std::string block;                 // the one that was read; empty if the input is one
-  std::int64_t num_steps = 1;        // time steps that the input holds
-  std::int64_t step = 0;             // the one that was read
-  std::vector<double> times;         // time values of the steps; empty if the file names none
-  std::vector<std::string> notes;    // what a reader assumed or found odd, one line each
+  std::vector<DatasetBlock> blocks;        // all volumes of the input; empty if it is one
+  std::string block;                       // the one that was read; empty if the input is one
+  std::int64_t num_steps = 1;              // time steps that the input holds
+  std::int64_t step = 0;                   // the one that was read
+  SeriesKind series = SeriesKind::kSteps;  // staggered: `lattice` is that of the step that was read
+  std::vector<double> times;               // time values of the steps; empty if the file names none
+  std::string time_unit;                   // of the times; empty if the file names none
+  std::vector<std::string> notes;          // what a reader assumed or found odd, one line each
 
   std::int64_t num_positions() const noexcept { return positions.num_tuples; }
 

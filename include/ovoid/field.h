@@ -15,8 +15,8 @@
 namespace ovoid {
 
 // Samples of a lattice somewhere in memory, as acquired from a brick source: sample (i, j, k) of
-// the lattice, for lo <= (i, j, k) < hi, is at data + ((i - lo.x) + (j - lo.y) * stride_y + (k -
-// lo.z) * stride_z) * size_of(type).
+// the lattice, k the layer, for lo <= (i, j, k) < hi, is at data + ((i - lo.x) + (j - lo.y) *
+// stride_y + (k - lo.z) * stride_z) * size_of(type).
 struct BrickView {
   const void* data = nullptr;
   ScalarType type = ScalarType::kFloat32;  // kUInt8, kInt8, kUInt16, kInt16 or kFloat32; NaN and
@@ -30,9 +30,11 @@ struct BrickView {
 
 // Where a lattice field gets its samples: in memory, out of core, varying in time or kept by
 // another process, all behind this one interface. The lattice is cut into bricks of brick_edge()
-// samples per axis; brick (bx, by, bz) covers the samples bx * edge <= i < min((bx + 1) * edge,
-// dims.x) and so on. Implementations are immutable and all members are called from many threads at
-// once. A sample's stored number s stands for the value s * value_scale() + value_offset().
+// cells per axis, and there are ceil(cells / edge) along each; brick (bx, by, bz) is the box [b *
+// edge, (b + 1) * edge) of index space with the samples of all sublattices in it: bx * edge <= i <
+// min((bx + 1) * edge, dims.x), y likewise, and layers bz * edge * num_sublattices and following.
+// Implementations are immutable and all members are called from many threads at once. A sample's
+// stored number s stands for the value s * value_scale() + value_offset().
 class BrickSource {
  public:
   virtual ~BrickSource() = default;
@@ -49,7 +51,7 @@ class BrickSource {
   // ones excluded. Empty if there is none. Cheap: called for every brick and frame.
   virtual ValueRange brick_range(std::int64_t bx, std::int64_t by,
                                  std::int64_t bz) const noexcept = 0;
-  virtual double range_reach() const noexcept = 0;  // spacings
+  virtual double range_reach() const noexcept = 0;  // index units
 
   // True if a sample that reaches the brick (as above) is missing; then weights are summed there,
   // else known.
@@ -78,6 +80,10 @@ class LatticeField {
   const BrickSource& source() const noexcept { return *source_; }
   const LatticeGeometry& geometry() const noexcept { return source_->geometry(); }
   const LatticeKernel& kernel() const noexcept { return kernel_; }
+  // The kernel in index units, where spacings of a body-centred lattice are 1 / sqrt(2).
+  LatticeKernel index_kernel() const noexcept {
+    return {kernel_.sigma * geometry().unit_spacing(), kernel_.cutoff};
+  }
   Reconstruction reconstruction() const noexcept { return reconstruction_; }
 
   std::int64_t num_kernels() const noexcept { return num_samples(geometry().dims); }

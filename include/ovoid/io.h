@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <stop_token>
 #include <string>
@@ -14,6 +15,8 @@
 #include "ovoid/transfer_function.h"
 
 namespace ovoid {
+
+class StepSource;  // ovoid/series.h
 
 // What a headerless file cannot say.
 struct RawOptions {
@@ -45,11 +48,23 @@ struct ReadOptions {
 // (names file and field), kUnsupported, kInvalidArgument, kCancelled.
 Dataset read_dataset(const std::vector<std::string>& paths, const ReadOptions& options = {});
 
-// Writes a dataset; the name's ending chooses the format (.nrrd .nhdr .nii .nii.gz .npy .raw, and
-// .vti .vtk with VTK; meshes .vtu; particles .csv .npz .ply, kernels .ply). Written beside and
-// renamed: an existing file stays whole until the new one is. The samples of NAME.nhdr go to
-// NAME.raw, which is replaced only if it belongs to an existing NAME.nhdr. Throws Error(kFileWrite,
-// kUnsupported).
+// The time steps of what read_dataset(paths) reads, one of which is read at a time; a single volume
+// is a series of one. Of several files the order is the one given, and of .pvd that of the times.
+// Times are the input's own where it names them, of several files where every one of them does (the
+// field data TimeValue of VTK's XML files, the time step of LAMMPS dumps) and they are not all the
+// same; otherwise they are the steps' numbers. `options` are those of every read; options.step,
+// stop and progress are not looked at but for the one read that this takes. Throws what
+// read_dataset throws for the first step, which is read; Error(kFileNotFound) for any file that is
+// not there, and Error(kFileFormat), naming file and step, for times that are not finite or do not
+// rise. Cost: one step, and the header of every other file.
+std::shared_ptr<const StepSource> open_steps(const std::vector<std::string>& paths,
+                                             const ReadOptions& options = {});
+
+// Writes a dataset; the name's ending chooses the format (.nrrd .nhdr .nii .nii.gz .npy .raw,
+// .vti .vtk with VTK, .h5 with HDF5, which alone takes body-centred lattices; meshes .vtu;
+// particles .csv .npz .ply, kernels .ply). Written beside and renamed: an existing file stays whole
+// until the new one is. The samples of NAME.nhdr go to NAME.raw, which is replaced only if it
+// belongs to an existing NAME.nhdr. Throws Error(kFileWrite, kUnsupported).
 void write_dataset(const Dataset& dataset, const std::string& path);
 
 // Writes a picture: .png (8 bit, straight alpha; x-ray pictures must be mapped first), .exr (float,

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <stop_token>
 #include <string>
@@ -14,6 +15,8 @@
 #include "ovoid/field.h"
 
 namespace ovoid {
+
+class StepSource;  // ovoid/series.h
 
 // How a dataset's array becomes a field.
 struct LatticeModelOptions {
@@ -115,7 +118,11 @@ Dataset make_kernel_dataset(const KernelField& field);
 // Sample data by formula (`ovoid make`): lattices with one array, centred on the origin; a mesh
 // ("fin"), particles ("galaxy") and stored kernels ("blobs").
 struct MakeOptions {
-  Index3 size{0, 0, 0};                    // samples; zeros: the name's own default
+  // Samples of a Cartesian lattice, or of that for which a body-centred one stands
+  // (body_centred_like); zeros: the name's own default.
+  Index3 size{0, 0, 0};
+  LatticeKind lattice = LatticeKind::kCartesian;
+  double time = 0;                         // of names that move, in [0, 1]
   ScalarType type = ScalarType::kFloat32;  // kUInt8 and kUInt16 are scaled to the type's full range
   std::uint64_t seed = 1;                  // for names that use random numbers
   // Nodes (about so many), particles or kernels, of names that are no lattice and have no `size`.
@@ -125,5 +132,15 @@ std::vector<std::string> sample_names();  // what make_sample() knows, with defa
 std::string describe_sample(const std::string& name);  // one line for the help text
 Dataset make_sample(const std::string& name,
                     const MakeOptions& options = {});  // throws Error(kInvalidArgument)
+
+// Steps of a name that moves ("tornado", "jet"), each made when it is read: from time 0 to 1 of the
+// formula, `num_steps` of them at times 0, 1, 2, ..., or, staggered, on the four-dimensional
+// body-centred lattice (D4*) that stands for those, up to the last of their times. `options.size`
+// is that of the Cartesian lattice, `lattice` that of each step, which for staggered ones is
+// Cartesian. Throws Error(kInvalidArgument).
+std::shared_ptr<const StepSource> make_sample_steps(const std::string& name, std::int64_t num_steps,
+                                                    SeriesKind kind,
+                                                    const MakeOptions& options = {});
+bool sample_moves(const std::string& name);  // false for unknown names, too
 
 }  // namespace ovoid

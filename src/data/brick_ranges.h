@@ -17,7 +17,7 @@ struct Extent {
 };
 
 // What the bricks of a linear array (x fastest) know about the samples that can reach them. Brick
-// (bx, by, bz) stands at bx + nb.x * (by + nb.y * bz), nb = ceil(dims / edge).
+// (bx, by, bz) stands at bx + nb.x * (by + nb.y * bz), nb = ceil(cells / edge).
 template <class T>
 struct BrickTable {
   std::vector<Extent<T>> extents;  // one per brick
@@ -27,14 +27,15 @@ struct BrickTable {
 };
 
 struct BrickTableOptions {
-  int edge = 4;        // samples per brick and axis
-  double reach = 2.0;  // support radius of the kernels, spacings, >= 0
-  int threads = 0;     // 0: one per hardware thread
+  int edge = 4;        // cells per brick and axis
+  double reach = 2.0;  // support radius of the kernels, index units, >= 0
+  LatticeKind kind = LatticeKind::kCartesian;
+  int threads = 0;  // 0: one per hardware thread
   std::stop_token stop{};
 };
 
 // Reads dims.x * dims.y * dims.z numbers of type uint8, int8, uint16, int16 or float. Brick b of an
-// axis takes samples ceil(b * edge - reach) to floor((b + 1) * edge + reach), both included: what a
+// axis takes samples at positions b * edge - reach to (b + 1) * edge + reach, both included: what a
 // kernel can bring to a position in its cells, their far end included so that rounding of positions
 // is harmless. Positions before the first and behind the last sample belong to the first and the
 // last brick; no sample reaches them that does not reach the brick's cells. The result does not

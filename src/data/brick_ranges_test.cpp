@@ -16,9 +16,9 @@ namespace {
 constexpr int kEdge = 4;
 
 // Straight from the header: every sample within reach of the closed cells of brick b.
-bool reaches(std::int64_t sample, std::int64_t brick, double reach) {
-  return static_cast<double>(sample) >= static_cast<double>(brick * kEdge) - reach &&
-         static_cast<double>(sample) <= static_cast<double>((brick + 1) * kEdge) + reach;
+bool reaches(double position, std::int64_t brick, double reach) {
+  return position >= static_cast<double>(brick * kEdge) - reach &&
+         position <= static_cast<double>((brick + 1) * kEdge) + reach;
 }
 
 template <class T>
@@ -28,17 +28,20 @@ bool exists(T value) {
 
 // Compares every brick with a search through all samples.
 template <class T>
-void expect_brute_force(const std::vector<T>& samples, const Index3& dims, double reach,
+void expect_brute_force(const std::vector<T>& samples, const LatticeGeometry& lattice, double reach,
                         int threads) {
-  const BrickTable<T> table = make_brick_table(samples.data(), dims, {kEdge, reach, threads, {}});
+  const Index3& dims = lattice.dims;
+  const Index3 cells = lattice.cells();
+  const BrickTable<T> table =
+      make_brick_table(samples.data(), dims, {kEdge, reach, lattice.kind, threads, {}});
   std::int64_t num_missing = 0;
   for (const T value : samples) num_missing += exists(value) ? 0 : 1;
   ASSERT_EQ(table.num_missing, num_missing);
   ASSERT_EQ(table.missing.empty(), num_missing == 0);
   std::size_t brick = 0;
-  for (std::int64_t bz = 0; bz * kEdge < dims[2]; ++bz) {
-    for (std::int64_t by = 0; by * kEdge < dims[1]; ++by) {
-      for (std::int64_t bx = 0; bx * kEdge < dims[0]; ++bx, ++brick) {
+  for (std::int64_t bz = 0; bz * kEdge < cells[2]; ++bz) {
+    for (std::int64_t by = 0; by * kEdge < cells[1]; ++by) {
+      for (std::int64_t bx = 0; bx * kEdge < cells[0]; ++bx, ++brick) {
         bool is_empty = true;
         bool has_missing = false;
         T lo{};
@@ -47,7 +50,9 @@ void expect_brute_force(const std::vector<T>& samples, const Index3& dims, doubl
         for (std::int64_t z = 0; z < dims[2]; ++z) {
           for (std::int64_t y = 0; y < dims[1]; ++y) {
             for (std::int64_t x = 0; x < dims[0]; ++x, ++at) {
-              if (!reaches(x, bx, reach) || !reaches(y, by, reach) || !reaches(z, bz, reach)) {
+              const Vec3 u = lattice.index_position({x, y, z});
+              if (!reaches(u[0], bx, reach) || !reaches(u[1], by, reach) ||
+                  !reaches(u[2], bz, reach)) {
                 continue;
               }
               if (!exists(samples[at])) {
@@ -106,7 +111,10 @@ TYPED_TEST(BrickTableOf, EqualsSearchThroughAllSamples) {
   std::uint32_t seed = 1;
   for (const Index3& dims : kSizes) {
     const auto samples = random_samples<TypeParam>(dims, seed++);
-    for (const double reach : kReaches) expect_brute_force(samples, dims, reach, 2);
+    for (const LatticeKind kind : {LatticeKind::kCartesian, LatticeKind::kBodyCentred}) {
+      for (const double reach : kReaches)
+        expect_brute_force(samples, {.dims = dims, .kind = kind}, reach, 2);
+    }
   }
 }
 
@@ -115,7 +123,7 @@ TYPED_TEST(BrickTableOf, EqualsSearchThroughAllSamples) {
 TYPED_TEST(BrickTableOf, HoldsTheEndsOfTheType) {
   for (const TypeParam value : {std::numeric_limits<TypeParam>::lowest(),
                                 std::numeric_limits<TypeParam>::max(), TypeParam{1}}) {
-    expect_brute_force(std::vector<TypeParam>(6 * 5 * 4, value), {6, 5, 4}, 2.0, 1);
+    expect_brute_force(std::vector<TypeParam>(6 * 5 * 4, value), {.dims = {6, 5, 4}}, 2.0, 1);
   }
 }
 
@@ -133,7 +141,10 @@ TEST(BrickTable, LeavesOutMissingSamples) {
     for (float& sample : samples) {
       if (is_missing(random)) sample = kMissing[random() % 3];
     }
-    for (const double reach : {0.0, 0.5, 2.0, 2.7}) expect_brute_force(samples, dims, reach, 2);
+    for (const LatticeKind kind : {LatticeKind::kCartesian, LatticeKind::kBodyCentred}) {
+      for (const double reach : {0.0, 0.5, 2.0, 2.7})
+        expect_brute_force(samples, {.dims = dims, .kind = kind}, reach, 2);
+    }
   }
 }
 
@@ -142,8 +153,8 @@ TEST(BrickTable, DoesNotDependOnTheNumberOfThreads) {
   const Index3 dims = {40, 300, 50};
   auto samples = random_samples<float>(dims, 3);
   samples[1234] = std::numeric_limits<float>::quiet_NaN();
-  const auto one = make_brick_table(samples.data(), dims, {kEdge, 2.0, 1, {}});
-  const auto many = make_brick_table(samples.data(), dims, {kEdge, 2.0, 7, {}});
+  const auto one = make_brick_table(samples.data(), dims, {.edge = kEdge, .threads = 1});
+  const auto many = make_brick_table(samples.data(), dims, {.edge = kEdge, .threads = 7});
   EXPECT_EQ(one.missing, many.missing);
   ASSERT_EQ(one.extents.size(), many.extents.size());
   for (std::size_t i = 0; i < one.extents.size(); ++i) {
@@ -157,7 +168,8 @@ TEST(BrickTable, StopsWhenAsked) {
   source.request_stop();
   const std::vector<float> samples(64);
   try {
-    make_brick_table(samples.data(), {4, 4, 4}, {kEdge, 2.0, 1, source.get_token()});
+    make_brick_table(samples.data(), {4, 4, 4},
+                     {.edge = kEdge, .threads = 1, .stop = source.get_token()});
     FAIL() << "not cancelled";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::kCancelled);

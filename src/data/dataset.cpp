@@ -50,6 +50,10 @@ const char* name_of(DatasetKind kind) noexcept {
   return "lattice";
 }
 
+const char* name_of(SeriesKind kind) noexcept {
+  return kind == SeriesKind::kStaggered ? "staggered" : "steps";
+}
+
 std::int64_t Cells::count() const noexcept {
   if (!is_structured()) return static_cast<std::int64_t>(types.size());
   // A grid one node thick has flat cells.

@@ -76,6 +76,60 @@ TEST(LatticeGeometry, WorldBoundsHoldTheSamplesCells) {
   EXPECT_TRUE(geometry.world_bounds().max().isApprox(Vec3(18.5, 23.5, 31.5), 1e-15));
 }
 
+LatticeGeometry cube_of(std::int64_t n) {
+  LatticeGeometry geometry;
+  geometry.dims = {n, n, n};
+  return geometry;
+}
+
+// Fails if counts are rounded in another way, or the lattice is coarser or finer than the one that
+// keeps the same signals.
+TEST(BodyCentred, HasTheCountsOfThePublishedTables) {
+  EXPECT_EQ(body_centred_like(cube_of(128)).dims, (Index3{91, 91, 181}));
+  EXPECT_EQ(body_centred_like(cube_of(256)).dims, (Index3{181, 181, 362}));
+  EXPECT_EQ(body_centred_like(cube_of(128), 2.0).dims, (Index3{46, 46, 91}));
+  EXPECT_DOUBLE_EQ(body_centred_like(cube_of(128)).spacing()[0], 1.0);
+  EXPECT_DOUBLE_EQ(body_centred_like(cube_of(128), 2.0).spacing()[2], 2.0);
+  EXPECT_THROW(body_centred_like(body_centred_like(cube_of(8))), Error);
+  EXPECT_THROW(body_centred_like(cube_of(8), 0), Error);
+}
+
+// Fails if layers do not alternate, or lie at another distance: every sample inside has eight
+// neighbours at sqrt(3/2) T and six at sqrt(2) T.
+TEST(BodyCentred, SamplesHaveTheNeighboursOfTheLattice) {
+  const LatticeGeometry lattice = body_centred_like(cube_of(10));
+  for (const Index3& middle : {Index3{3, 3, 6}, Index3{3, 3, 7}}) {
+    const Vec3 at = lattice.world_from_index * lattice.index_position(middle);
+    int num_near = 0;
+    int num_next = 0;
+    for (std::int64_t k = 0; k < lattice.dims[2]; ++k) {
+      for (std::int64_t j = 0; j < lattice.dims[1]; ++j) {
+        for (std::int64_t i = 0; i < lattice.dims[0]; ++i) {
+          const Vec3 other = lattice.world_from_index * lattice.index_position({i, j, k});
+          const double square = (other - at).squaredNorm();
+          if (std::abs(square - 1.5) < 1e-9) ++num_near;
+          if (std::abs(square - 2.0) < 1e-9) ++num_next;
+        }
+      }
+    }
+    EXPECT_EQ(num_near, 8);
+    EXPECT_EQ(num_next, 6);
+  }
+}
+
+// Fails if a sublattice's samples are not those of its layers.
+TEST(BodyCentred, SublatticesShareTheLayers) {
+  LatticeGeometry lattice;
+  lattice.kind = LatticeKind::kBodyCentred;
+  lattice.dims = {5, 4, 7};
+  EXPECT_EQ(lattice.dims_of(0), (Index3{5, 4, 4}));
+  EXPECT_EQ(lattice.dims_of(1), (Index3{5, 4, 3}));
+  EXPECT_EQ(lattice.index_position({2, 1, 3}), Vec3(2.5, 1.5, 1.5));
+  EXPECT_EQ(lattice.index_position({2, 1, 4}), Vec3(2, 1, 2));
+  EXPECT_EQ(lattice.index_bounds().min(), Vec3(-0.25, -0.25, -0.25));
+  EXPECT_EQ(lattice.index_bounds().max(), Vec3(4.75, 3.75, 3.25));
+}
+
 TEST(ValidateGeometry, AcceptsWhatCanBeDrawn) {
   EXPECT_NO_THROW(data::validate_geometry(oblique_lattice()));
   LatticeGeometry voxel;

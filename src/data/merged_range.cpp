@@ -6,12 +6,12 @@
 namespace ovoid::data {
 
 ValueRange merged_range(const BrickSource& source) noexcept {
-  const Index3& dims = source.geometry().dims;
+  const Index3 cells = source.geometry().cells();
   const std::int64_t edge = source.brick_edge();
   ValueRange merged;
-  for (std::int64_t bz = 0; bz * edge < dims[2]; ++bz) {
-    for (std::int64_t by = 0; by * edge < dims[1]; ++by) {
-      for (std::int64_t bx = 0; bx * edge < dims[0]; ++bx) {
+  for (std::int64_t bz = 0; bz * edge < cells[2]; ++bz) {
+    for (std::int64_t by = 0; by * edge < cells[1]; ++by) {
+      for (std::int64_t bx = 0; bx * edge < cells[0]; ++bx) {
         const ValueRange range = source.brick_range(bx, by, bz);
         if (range.is_empty()) continue;
         if (merged.is_empty()) {

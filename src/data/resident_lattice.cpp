@@ -63,10 +63,11 @@ ResidentLattice::ResidentLattice(const LatticeGeometry& geometry, ScalarType typ
   }
   validate(options);
   validate(samples_, type, geometry_.dims);
-  for (int a = 0; a < 3; ++a) num_bricks_[a] = (geometry_.dims[a] + kBrickEdge - 1) / kBrickEdge;
+  const Index3 cells = geometry_.cells();
+  for (int a = 0; a < 3; ++a) num_bricks_[a] = (cells[a] + kBrickEdge - 1) / kBrickEdge;
 
-  const data::BrickTableOptions table_options = {kBrickEdge, options.range_reach, options.threads,
-                                                 options.stop};
+  const data::BrickTableOptions table_options = {kBrickEdge, options.range_reach, geometry_.kind,
+                                                 options.threads, options.stop};
   const auto build = [&]<class T>(std::type_identity<T>) {
     data::BrickTable<T> table = data::make_brick_table(
         reinterpret_cast<const T*>(samples_.view.data()), geometry_.dims, table_options);

@@ -15,7 +15,7 @@ namespace ovoid {
 // What a resident lattice needs to know beside its samples.
 struct ResidentLatticeOptions {
   double range_reach =
-      2.0;  // support radius of the kernels that will be used, spacings, finite, >= 0
+      2.0;  // support radius of the kernels that will be used, index units, finite, >= 0
   double value_scale = 1.0;  // value = stored number * scale + offset; finite, scale not 0
   double value_offset = 0.0;
   int threads = 0;  // for the brick ranges; 0: one per hardware thread
@@ -23,8 +23,9 @@ struct ResidentLatticeOptions {
 };
 
 // A brick source over one linear array in memory (x fastest), which is borrowed, not copied:
-// acquire() shows the whole array whatever brick is asked for. Bricks of 4 samples per axis; the
-// brick ranges, two stored numbers for up to 64 samples, are found on construction. Memory: samples
+// acquire() shows the whole array whatever brick is asked for. Bricks of 4 cells per axis; the
+// brick ranges, two stored numbers for up to 64 samples (body-centred: 128), are found on
+// construction. Memory: samples
 // + 3 % (bricks that the lattice's faces cut hold fewer samples: a single slice has + 12 %), and
 // one byte per brick if any sample is missing. Positions before the first sample belong to the
 // first brick, those behind the last to the last one. Immutable; all members may be called from

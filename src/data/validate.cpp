@@ -45,6 +45,9 @@ void validate_geometry(const LatticeGeometry& geometry) {
     }
     samples *= size;
   }
+  if (geometry.dims[2] < geometry.num_sublattices())
+    fail(fmt::format("lattice dims[2] = {}: a body-centred lattice has at least 2 layers",
+                     geometry.dims[2]));
   if (!geometry.world_from_index.matrix().allFinite()) {
     fail("lattice world_from_index: must be finite (spacing, origin or directions are not)");
   }

@@ -332,8 +332,9 @@ TEST(DatasetFiles, WriteErrors) {
   EXPECT_EQ(
       error("a.mhd"),
       "unsupported: a.mhd: the ending '.mhd' names no format that is written: expected .nrrd, "
-      ".nhdr, .npy, .raw, .nii, .nii.gz, .vti or .vtk for volumes, .vtu for meshes, .csv, .npz or "
-      ".ply for particles");
+      ".nhdr, .npy, .raw, .nii, .nii.gz, .vti, .vtk or .h5 for volumes, .vtu for meshes, .csv, "
+      ".npz "
+      "or .ply for particles");
   EXPECT_EQ(error_of([] { check_dataset_path("a"); }).substr(0, 12), "unsupported:");
   EXPECT_EQ(error(folder.file("no/a.nrrd")).substr(0, 11), "file-write:");
   dataset.arrays.push_back(dataset.arrays[0]);

@@ -32,14 +32,17 @@ std::optional<std::vector<std::int64_t>> dims_of(hid_t space, int max_rank) {
   return result;
 }
 
-// Links outside the file are not followed; in it, soft ones neither: what they mean is listed where
-// it is.
+}  // namespace
+
+std::mutex& hdf5_mutex() {
+  static std::mutex mutex;
+  return mutex;
+}
+
 bool is_hard_link(hid_t group, const std::string& name) {
   H5L_info_t info{};
   return H5Lget_info(group, name.c_str(), &info, H5P_DEFAULT) >= 0 && info.type == H5L_TYPE_HARD;
 }
-
-}  // namespace
 
 Hdf5File::Hdf5File(const std::string& path) : name_(path), source_(open_file(path)) {
   file_ = {H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose};
@@ -105,30 +108,18 @@ DataArray Hdf5File::read(const Hdf5Dataset& described, bool is_transposed,
   const Hdf5Handle dataset(H5Dopen2(file_.get(), described.path.c_str(), H5P_DEFAULT), H5Dclose);
   if (!dataset.is_open() || !described.type) fail(fmt::format("'{}' is broken", described.path));
   checked_num_bytes(where, described.dims, described.type->type);
-  const auto rank = static_cast<int>(described.dims.size());
-  const Hdf5Extent extent{where, *described.type, described.dims[0],
-                          rank > 1 ? described.dims[1] : 1, rank};
+  const std::int64_t rows = described.dims[0];
+  const std::int64_t columns = described.dims.size() > 1 ? described.dims[1] : 1;
+  const Hdf5Extent extent{where, *described.type, described.dims};
   check_hdf5_storage(dataset.get(), extent, *source_);
   std::byte* to = nullptr;
-  DataArray array = new_array({described.name,
-                               extent.type.type,
-                               static_cast<int>(extent.columns),
-                               extent.rows,
-                               "",
-                               false,
-                               {}},
-                              to);
+  DataArray array = new_array(
+      {described.name, extent.type.type, static_cast<int>(columns), rows, "", false, {}}, to);
   read_hdf5_storage(dataset.get(), extent, *source_, to, progress);
   if (!is_transposed) return array;
-  DataArray turned = new_array({described.name,
-                                extent.type.type,
-                                static_cast<int>(extent.rows),
-                                extent.columns,
-                                "",
-                                false,
-                                {}},
-                               to);
-  transpose_items(array.bytes.view.data(), to, extent.rows, extent.columns, size_of(array.type));
+  DataArray turned = new_array(
+      {described.name, extent.type.type, static_cast<int>(rows), columns, "", false, {}}, to);
+  transpose_items(array.bytes.view.data(), to, rows, columns, size_of(array.type));
   return turned;
 }
 

@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
@@ -26,7 +27,7 @@ class Hdf5Handle {
   using Close = herr_t (*)(hid_t);
 
   Hdf5Handle() = default;
-  Hdf5Handle(hid_t id, Close close) : id_(id), close_(close) {}
+  Hdf5Handle(hid_t id, Close by) : id_(id), close_(by) {}
   ~Hdf5Handle() {
     if (id_ >= 0) close_(id_);
   }
@@ -38,6 +39,12 @@ class Hdf5Handle {
     return *this;
   }
 
+  // Gives it back now; false if the library then says that something went wrong.
+  bool close() noexcept {
+    const hid_t id = std::exchange(id_, hid_t{-1});
+    return id < 0 || close_(id) >= 0;
+  }
+
   hid_t get() const noexcept { return id_; }
   bool is_open() const noexcept { return id_ >= 0; }
 
@@ -45,6 +52,9 @@ class Hdf5Handle {
   hid_t id_ = -1;
   Close close_ = nullptr;
 };
+
+// To be held around calls of the library, which may have been built without a lock of its own.
+std::mutex& hdf5_mutex();
 
 // The library prints nothing while this lives: errors are told by us.
 class Hdf5Silence {
@@ -61,6 +71,10 @@ class Hdf5Silence {
   H5E_auto2_t function_ = nullptr;
   void* data_ = nullptr;
 };
+
+// Is `name` in the group an object of the file's own? Links outside the file are not followed; in
+// it, soft ones neither: what they mean is listed where it is.
+bool is_hard_link(hid_t group, const std::string& name);
 
 // A dataset of numbers, described.
 struct Hdf5Dataset {

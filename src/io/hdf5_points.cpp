@@ -349,9 +349,7 @@ class Hdf5Reader {
 }  // namespace
 
 Dataset read_hdf5_points(const ByteSource& source, const ReadOptions& options) {
-  // The library may have been built without a lock of its own.
-  static std::mutex mutex;
-  const std::lock_guard lock(mutex);
+  const std::lock_guard lock(hdf5_mutex());
   const Hdf5File file(source.name());
   Dataset dataset;
   dataset.source = source.name();

@@ -24,30 +24,47 @@ constexpr std::int64_t kChecksumSize = 4;
   throw Error(code, fmt::format("{}: {}", extent.where, what));
 }
 
-// How a dataset in chunks lies in the file.
+using Axes = std::array<std::int64_t, Hdf5Extent::kMaxRank>;
+
+// How a dataset in chunks lies in the file. Axes before the dataset's first have one sample.
 struct ChunkLayout {
-  std::array<std::int64_t, 2> size{1, 1};   // rows and columns of a chunk
-  std::array<std::int64_t, 2> count{1, 1};  // of chunks, along each
-  std::int64_t num_bytes = 0;               // of a chunk, unpacked
-  std::vector<H5Z_filter_t> filters;        // as they are applied on writing
+  Axes dims{1, 1, 1, 1};              // of the dataset
+  Axes size{1, 1, 1, 1};              // of a chunk
+  Axes count{1, 1, 1, 1};             // of chunks, along each axis
+  std::size_t first_axis = 0;         // of the dataset's own
+  std::int64_t num_bytes = 0;         // of a chunk, unpacked
+  std::vector<H5Z_filter_t> filters;  // as they are applied on writing
+
+  // Sizes are checked one by one; their product may be anything. Returns at most `most` + 1.
+  std::int64_t num_chunks(std::int64_t most) const noexcept {
+    std::int64_t product = 1;
+    for (const std::int64_t n : count) {
+      if (n > most / product) return most + 1;
+      product *= n;
+    }
+    return product;
+  }
 };
 
 ChunkLayout chunk_layout(hid_t plist, const Hdf5Extent& extent) {
   ChunkLayout layout;
   std::array<hsize_t, H5S_MAX_RANK> chunk{};
-  if (H5Pget_chunk(plist, H5S_MAX_RANK, chunk.data()) != extent.rank)
+  if (H5Pget_chunk(plist, H5S_MAX_RANK, chunk.data()) != static_cast<int>(extent.dims.size()))
     fail_storage(extent, "its chunks have another number of axes");
-  const std::array<std::int64_t, 2> dims{extent.rows, extent.columns};
+  layout.first_axis = Hdf5Extent::kMaxRank - extent.dims.size();
   double num_bytes = static_cast<double>(extent.item_size());
-  for (std::size_t axis = 0; axis < static_cast<std::size_t>(extent.rank); ++axis) {
+  for (std::size_t axis = 0; axis < extent.dims.size(); ++axis) {
     if (chunk[axis] < 1 || chunk[axis] > static_cast<hsize_t>(kMaxAxisSize))
       fail_storage(extent, fmt::format("has chunks of {} along axis {}", chunk[axis], axis));
-    layout.size[axis] = static_cast<std::int64_t>(chunk[axis]);
-    layout.count[axis] = (dims[axis] + layout.size[axis] - 1) / layout.size[axis];
+    const std::size_t a = layout.first_axis + axis;
+    layout.dims[a] = extent.dims[axis];
+    layout.size[a] = static_cast<std::int64_t>(chunk[axis]);
+    layout.count[a] = (layout.dims[a] - 1) / layout.size[a] + 1;
     num_bytes *= static_cast<double>(chunk[axis]);
   }
   if (num_bytes > static_cast<double>(kMaxNumBytes)) fail_storage(extent, "has chunks without end");
-  layout.num_bytes = layout.size[0] * layout.size[1] * extent.item_size();
+  layout.num_bytes = extent.item_size();
+  for (const std::int64_t size : layout.size) layout.num_bytes *= size;
   const int num_filters = std::max(0, H5Pget_nfilters(plist));
   for (int i = 0; i < num_filters; ++i) {
     unsigned flags = 0, config = 0;
@@ -130,17 +147,21 @@ void unfilter(const Hdf5Extent& extent, const ChunkLayout& layout, unsigned skip
   }
 }
 
-// A chunk into its place among the rows; what of it lies outside the dataset is left out.
-void place_chunk(const Hdf5Extent& extent, const ChunkLayout& layout,
-                 const std::array<std::int64_t, 2>& first, const std::vector<std::byte>& bytes,
-                 std::byte* to) {
+// A chunk into its place; what of it lies outside the dataset is left out.
+void place_chunk(const Hdf5Extent& extent, const ChunkLayout& layout, const Axes& first,
+                 const std::vector<std::byte>& bytes, std::byte* to) {
   const std::int64_t item = extent.item_size();
-  const std::int64_t rows = std::min(layout.size[0], extent.rows - first[0]);
-  const std::int64_t columns = std::min(layout.size[1], extent.columns - first[1]);
-  for (std::int64_t row = 0; row < rows; ++row) {
-    std::memcpy(to + ((first[0] + row) * extent.columns + first[1]) * item,
-                bytes.data() + row * layout.size[1] * item,
-                static_cast<std::size_t>(columns * item));
+  Axes count{};  // of samples within the dataset
+  for (std::size_t a = 0; a < count.size(); ++a)
+    count[a] = std::min(layout.size[a], layout.dims[a] - first[a]);
+  for (std::int64_t i = 0; i < count[0] * count[1] * count[2]; ++i) {
+    const std::int64_t y = i % count[2], z = i / count[2] % count[1], w = i / count[2] / count[1];
+    const std::int64_t from = (w * layout.size[1] + z) * layout.size[2] + y;
+    const std::int64_t row =
+        ((first[0] + w) * layout.dims[1] + first[1] + z) * layout.dims[2] + first[2] + y;
+    std::memcpy(to + (row * layout.dims[3] + first[3]) * item,
+                bytes.data() + from * layout.size[3] * item,
+                static_cast<std::size_t>(count[3] * item));
   }
 }
 
@@ -149,22 +170,31 @@ void read_chunks(hid_t dataset, const Hdf5Extent& extent, const ByteSource& sour
   const Hdf5Handle plist(H5Dget_create_plist(dataset), H5Pclose);
   const ChunkLayout layout = chunk_layout(plist.get(), extent);
   std::vector<std::byte> bytes;
-  for (std::int64_t i = 0; i < layout.count[0] * layout.count[1]; ++i) {
-    const std::array<std::int64_t, 2> first{i / layout.count[1] * layout.size[0],
-                                            i % layout.count[1] * layout.size[1]};
-    const std::array<hsize_t, 2> at{static_cast<hsize_t>(first[0]), static_cast<hsize_t>(first[1])};
+  const std::int64_t num_chunks = layout.num_chunks(kMaxNumBytes);
+  for (std::int64_t i = 0; i < num_chunks; ++i) {
+    Axes first{};
+    std::array<hsize_t, Hdf5Extent::kMaxRank> at{};
+    std::int64_t rest = i;
+    for (std::size_t a = first.size(); a-- > 0;) {
+      first[a] = rest % layout.count[a] * layout.size[a];
+      rest /= layout.count[a];
+      if (a >= layout.first_axis) at[a - layout.first_axis] = static_cast<hsize_t>(first[a]);
+    }
+    const auto fail = [&](const char* what, ErrorCode code = ErrorCode::kFileFormat) {
+      fail_storage(extent,
+                   fmt::format("the chunk at {} {}",
+                               fmt::join(at.data(), at.data() + extent.dims.size(), ", "), what),
+                   code);
+    };
     unsigned skipped = 0;
     haddr_t offset = HADDR_UNDEF;
     hsize_t size = 0;
     if (H5Dget_chunk_info_by_coord(dataset, at.data(), &skipped, &offset, &size) < 0)
-      fail_storage(extent, fmt::format("the chunk at row {} is not found", first[0]));
-    if (offset == HADDR_UNDEF) {
-      fail_storage(extent, fmt::format("the chunk at row {} was never written", first[0]),
-                   ErrorCode::kUnsupported);
-    }
+      fail("is not found");
+    if (offset == HADDR_UNDEF) fail("was never written", ErrorCode::kUnsupported);
     if (offset > static_cast<haddr_t>(source.size()) ||
         size > static_cast<hsize_t>(source.size()) - offset)
-      fail_storage(extent, fmt::format("the chunk at row {} ends behind the file", first[0]));
+      fail("ends behind the file");
     bytes.resize(static_cast<std::size_t>(size));
     source.read(static_cast<std::int64_t>(offset), bytes);
     unfilter(extent, layout, skipped, bytes);
@@ -223,7 +253,7 @@ void check_hdf5_storage(hid_t dataset, const Hdf5Extent& extent, const ByteSourc
   // Deflate's best, whatever the filters are, and 8 bytes of index for each chunk.
   const std::int64_t most = source.size() * kMaxDeflateRatio;
   if (extent.num_bytes() <= most && layout.num_bytes <= most &&
-      layout.count[0] <= source.size() / 8 / layout.count[1])
+      layout.num_chunks(source.size() / 8) <= source.size() / 8)
     return;
   fail_storage(extent, fmt::format("claims {} bytes in chunks of {}, more than a file of {} bytes "
                                    "can hold",

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <mutex>
 #include <system_error>
 
 #include "io/formats.h"
@@ -104,6 +105,10 @@ MeshFile mesh_file_of(const ByteSource& source, std::string_view start) {
 Dataset read_mesh_file(MeshFile kind, const ByteSource& source, const ReadOptions& options) {
   check_mesh_file(kind, source);
 #ifdef OVOID_IO_VTK
+  // netCDF and HDF5 as distributions build them are for one thread at a time, readers' ends
+  // included.
+  static std::mutex mutex;
+  const std::lock_guard lock(mutex);
   switch (kind) {
     case MeshFile::kExodus:
       return read_exodus(source, options);

@@ -147,7 +147,21 @@ TEST(Mutation, Camera) { run(fuzz::camera_seeds(), fuzz::camera); }
 TEST(Mutation, PointText) { run(fuzz::point_text_seeds(), fuzz::point_text, 4000); }
 TEST(Mutation, Npz) { run(fuzz::npz_seeds(), fuzz::npz, 4000); }
 TEST(Mutation, Ply) { run(fuzz::ply_seeds(), fuzz::ply, 4000); }
+TEST(Mutation, RelevantRuns) { run(fuzz::relevant_runs_seeds(), fuzz::relevant_runs); }
 TEST(Mutation, Lammps) { run(fuzz::lammps_seeds(), fuzz::lammps, 4000); }
+
+// Through HDF5's library: see Hdf5Points.DamagedFiles.
+TEST(Mutation, Hdf5Lattice) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "the library itself reads a few bytes past damaged headers (docs/reliability.md)";
+#endif
+  const std::vector<std::string> seeds = fuzz::hdf5_lattice_seeds();
+  if (seeds.empty()) GTEST_SKIP() << "this build has no HDF5";
+  const TestFolder folder;
+  for (const std::string& seed : seeds)
+    EXPECT_EQ(error_of([&] { read_dataset({folder.write("a.h5", seed)}); }), "");
+  run(seeds, fuzz::hdf5_lattice);
+}
 
 // The seeds are worth nothing if they are refused at the door.
 TEST(Mutation, SeedsAreValid) {

@@ -11,6 +11,7 @@
 #include "io/atomic_file.h"
 #include "io/npy_header.h"
 #include "io/npy_points.h"
+#include "io/sample_parts.h"
 #include "io/samples.h"
 #include "ovoid/error.h"
 
@@ -53,6 +54,59 @@ Bytes reverse_axes(SampleBuffer& samples, const std::vector<std::int64_t>& shape
   return result.release();
 }
 
+// (time, z, y, x), or (time, z, y, x, component)?
+bool has_steps(const std::vector<std::int64_t>& shape) {
+  return (shape.size() == 4 && shape[3] > kMaxComponents) ||
+         (shape.size() == 5 && shape[4] <= kMaxComponents);
+}
+
+// One of the steps, which are read without the others.
+Dataset read_npy_step(const ByteSource& source, const NpyHeader& header,
+                      const ReadOptions& options) {
+  const auto& shape = header.shape;
+  const std::string text = fmt::format("({})", fmt::join(shape, ", "));
+  const NpyType type = npy_type_of(source.name(), header.descr);
+  if (header.is_fortran_order) {
+    throw Error(ErrorCode::kUnsupported,
+                fmt::format("{}: shape {} in Fortran order: expected C order of data in time",
+                            source.name(), text));
+  }
+  const std::int64_t num_bytes = checked_num_bytes(source.name() + ": shape", shape, type.type);
+  check_num_steps(source.name() + ": shape", shape[0]);
+  check_npy_size(source, header, type.type, num_bytes);
+  Dataset dataset;
+  dataset.source = source.name();
+  dataset.format = "NPY";
+  dataset.lattice.dims = {shape[3], shape[2], shape[1]};
+  if (options.raw.spacing)
+    dataset.lattice.world_from_index.linear() = options.raw.spacing->asDiagonal();
+  check_geometry("spacing", dataset.lattice.world_from_index);
+  StepLayout layout;
+  layout.num_steps = shape[0];
+  layout.num_bytes = num_bytes / shape[0];
+  layout.type = type.type;
+  layout.num_components = shape.size() == 5 ? static_cast<int>(shape[4]) : 1;
+  layout.is_big_endian = type.is_big_endian;
+  SampleParts parts;
+  parts.each = {num_bytes, 0, type.type, source.name(), text};
+  parts.open = [&source, &header](std::int64_t) {
+    SamplePart part;
+    part.source = &source;
+    part.offset = header.data_offset;
+    return part;
+  };
+  dataset.notes.push_back(fmt::format("{}: shape {} taken as (time, z, y, x{})", source.name(),
+                                      text, shape.size() == 5 ? ", component" : ""));
+  if (type.is_boolean)
+    dataset.notes.push_back(fmt::format("{}: booleans become uint8", source.name()));
+  StepSamples samples = read_step(parts, layout, options, dataset.notes);
+  dataset.num_steps = layout.num_steps;
+  dataset.step = samples.step;
+  dataset.arrays.push_back({"values", type.type, layout.num_components,
+                            num_samples(dataset.lattice.dims), "", false, samples.bytes});
+  return dataset;
+}
+
 Dataset describe(const ByteSource& source, const NpyHeader& header, const ReadOptions& options) {
   const auto& shape = header.shape;
   const std::string text = fmt::format("({})", fmt::join(shape, ", "));
@@ -79,8 +133,10 @@ Dataset describe(const ByteSource& source, const NpyHeader& header, const ReadOp
 }  // namespace
 
 Dataset read_npy(const ByteSource& source, const ReadOptions& options) {
-  if (is_npy_of_points(read_npy_header(source).shape)) return read_npy_points(source, options);
-  Dataset dataset = describe(source, read_npy_header(source), options);
+  const NpyHeader start = read_npy_header(source);
+  if (is_npy_of_points(start.shape)) return read_npy_points(source, options);
+  if (has_steps(start.shape)) return read_npy_step(source, start, options);
+  Dataset dataset = describe(source, start, options);
   NpySamples read = read_npy_samples(source, options);
   const NpyHeader& header = read.header;
   DataArray array{"values", read.type, 1, num_samples(dataset.lattice.dims), "", false, {}};

@@ -177,6 +177,15 @@ NpyType npy_type_of(const std::string& name, const std::string& descr) {
   return {*type, order == '>' || (order != '<' && is_native_big), is_boolean};
 }
 
+void check_npy_size(const ByteSource& source, const NpyHeader& header, ScalarType type,
+                    std::int64_t num_bytes) {
+  const std::int64_t available = source.size() - header.data_offset;
+  if (available == num_bytes) return;
+  throw Error(ErrorCode::kFileFormat,
+              fmt::format("{}: holds {} bytes of samples, shape ({}) of {} needs {}", source.name(),
+                          available, fmt::join(header.shape, ", "), name_of(type), num_bytes));
+}
+
 NpySamples read_npy_samples(const ByteSource& source, const ReadOptions& options) {
   NpySamples result;
   result.header = read_npy_header(source);
@@ -185,13 +194,7 @@ NpySamples read_npy_samples(const ByteSource& source, const ReadOptions& options
   result.is_boolean = type.is_boolean;
   const auto& shape = result.header.shape;
   const std::int64_t num_bytes = checked_num_bytes(source.name() + ": shape", shape, type.type);
-  const std::int64_t available = source.size() - result.header.data_offset;
-  if (available != num_bytes) {
-    throw Error(
-        ErrorCode::kFileFormat,
-        fmt::format("{}: holds {} bytes of samples, shape ({}) of {} needs {}", source.name(),
-                    available, fmt::join(shape, ", "), name_of(type.type), num_bytes));
-  }
+  check_npy_size(source, result.header, type.type, num_bytes);
   ReadProgress progress(options, num_bytes);
   append_plain(source, result.header.data_offset, num_bytes, result.samples, progress);
   if (type.is_big_endian != (std::endian::native == std::endian::big))

@@ -35,6 +35,10 @@ struct NpyType {
 // What NpyHeader::descr stands for. `name`: the file's. Throws Error(kUnsupported).
 NpyType npy_type_of(const std::string& name, const std::string& descr);
 
+// Throws Error(kFileFormat) unless the file ends with the last of the samples, `num_bytes` in all.
+void check_npy_size(const ByteSource& source, const NpyHeader& header, ScalarType type,
+                    std::int64_t num_bytes);
+
 // The samples as the file orders them, native byte order.
 struct NpySamples {
   NpyHeader header;

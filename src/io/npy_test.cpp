@@ -43,6 +43,30 @@ TEST(Npy, LastAxisOfFourHoldsComponents) {
   EXPECT_EQ(dataset.array().num_tuples, 24);
 }
 
+TEST(Npy, FiveAxesAndLongOnesBeginWithTime) {
+  std::string samples;
+  for (const char step : {'a', 'b', 'c'}) samples += std::string(2 * 3 * 4 * 2, step);
+  const std::string five =
+      npy("{'descr': '|u1', 'fortran_order': False, 'shape': (3, 2, 3, 4, 2)}", samples);
+  Dataset dataset = read(five, {.step = 1});
+  EXPECT_EQ(dataset.lattice.dims, (Index3{4, 3, 2}));
+  EXPECT_EQ(dataset.num_steps, 3);
+  EXPECT_EQ(dataset.step, 1);
+  EXPECT_EQ(dataset.array().num_components, 2);
+  EXPECT_EQ(values_of<char>(dataset.array()), std::vector<char>(48, 'b'));
+  const std::string wide = npy("{'descr': '|u1', 'fortran_order': False, 'shape': (2, 1, 1, 72)}",
+                               std::string(72, 'x') + std::string(71, 'y') + "z");
+  dataset = read(wide);  // the first that varies
+  EXPECT_EQ(dataset.step, 1);
+  EXPECT_EQ(dataset.array().num_components, 1);
+  EXPECT_EQ(
+      error_of([&] { read(wide.substr(0, wide.size() - 1)); }),
+      "file-format: a.npy: holds 143 bytes of samples, shape (2, 1, 1, 72) of uint8 needs 144");
+  EXPECT_EQ(error_of([&] { read(with(wide, "False", "True ")); }),
+            "unsupported: a.npy: shape (2, 1, 1, 72) in Fortran order: expected C order of data in "
+            "time");
+}
+
 TEST(Npy, ByteOrderAndBooleans) {
   EXPECT_EQ(values_of<std::uint16_t>(
                 read(npy("{'descr': '>u2', 'fortran_order': False, 'shape': (1,1,1)}", "\x12\x34"))

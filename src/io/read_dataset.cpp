@@ -14,6 +14,7 @@
 #include "io/dicom.h"
 #include "io/dicom_elements.h"
 #include "io/formats.h"
+#include "io/hdf5_lattice.h"
 #include "io/hdf5_points.h"
 #include "io/lammps_dump.h"
 #include "io/mesh_files.h"
@@ -130,6 +131,7 @@ io::FileKind packed_kind_of(const io::ByteSource& source, bool is_gzip) {
 }
 
 Dataset read_hdf5(const io::ByteSource& source, const ReadOptions& options) {
+  if (io::is_hdf5_lattice(source)) return io::read_hdf5_lattice(source, options);
   if (io::is_vtkhdf(source)) {
     throw Error(ErrorCode::kUnsupported,
                 fmt::format("{}: is a VTKHDF file, which is not read", source.name()));

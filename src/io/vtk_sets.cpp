@@ -58,6 +58,7 @@ Dataset read_vtk_set(const ByteSource& source, const std::string& xml_type, cons
 #include <vtkImageData.h>
 
 #include <charconv>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <vector>
@@ -88,9 +89,9 @@ double time_of(const ByteSource& source, const XmlTag& tag) {
   const std::string text = tag.attribute("timestep", "0");
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) {
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
     throw Error(ErrorCode::kFileFormat,
-                fmt::format("{}: DataSet: timestep=\"{}\": expected a number", source.name(),
+                fmt::format("{}: DataSet: timestep=\"{}\": expected a finite number", source.name(),
                             text.substr(0, 40)));
   }
   return value;

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "io/atomic_file.h"
+#include "io/cell_lattice.h"
 #include "io/formats.h"
 #include "io/nifti.h"
 #include "io/npy.h"
@@ -19,11 +20,12 @@
 #include "io/vtu_write.h"
 #include "ovoid/error.h"
 #include "ovoid/io.h"
+#include "ovoid/lattice_file.h"
 
 namespace ovoid {
 namespace {
 
-enum class Target { kNrrd, kNhdr, kNpy, kRaw, kNifti, kVtk, kVtu, kPly, kNpz, kCsv };
+enum class Target { kNrrd, kNhdr, kNpy, kRaw, kNifti, kVtk, kVtu, kPly, kNpz, kCsv, kHdf5 };
 
 Target target_of(const std::string& path) {
   const std::string ending = io::ending_of(path);
@@ -36,6 +38,14 @@ Target target_of(const std::string& path) {
   if (ending == ".npz") return Target::kNpz;
   if (ending == ".csv") return Target::kCsv;
   if (ending == ".vtu") return Target::kVtu;
+  if (ending == ".h5") {
+#ifdef OVOID_IO_HDF5
+    return Target::kHdf5;
+#else
+    throw Error(ErrorCode::kUnsupported,
+                fmt::format("{}: this build has no HDF5 and cannot write {}", path, ending));
+#endif
+  }
   if (ending == ".vti" || ending == ".vtk") {
 #ifdef OVOID_IO_VTK
     return Target::kVtk;
@@ -46,24 +56,9 @@ Target target_of(const std::string& path) {
   }
   throw Error(ErrorCode::kUnsupported,
               fmt::format("{}: the ending '{}' names no format that is written: expected .nrrd, "
-                          ".nhdr, .npy, .raw, .nii, .nii.gz, .vti or .vtk for volumes, .vtu for "
-                          "meshes, .csv, .npz or .ply for particles",
+                          ".nhdr, .npy, .raw, .nii, .nii.gz, .vti, .vtk or .h5 for volumes, .vtu "
+                          "for meshes, .csv, .npz or .ply for particles",
                           path, ending));
-}
-
-// The lattice of the array's own samples: cells lie half a spacing from the points, one fewer along
-// every axis that has any.
-LatticeGeometry lattice_of(const LatticeGeometry& points, const DataArray& array) {
-  LatticeGeometry lattice = points;
-  if (!array.is_cell_data) return lattice;
-  Vec3 first = Vec3::Zero();
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (lattice.dims[axis] == 1) continue;
-    lattice.dims[axis] -= 1;
-    first[static_cast<Eigen::Index>(axis)] = 0.5;
-  }
-  lattice.world_from_index.translate(first);
-  return lattice;
 }
 
 void check_array(const Dataset& dataset, const DataArray& array) {
@@ -73,7 +68,7 @@ void check_array(const Dataset& dataset, const DataArray& array) {
         ErrorCode::kInvalidArgument,
         fmt::format("{}: has {} components: expected at least 1", where, array.num_components));
   }
-  const Index3 dims = lattice_of(dataset.lattice, array).dims;
+  const Index3 dims = io::lattice_of(dataset.lattice, array).dims;
   const std::int64_t num_bytes =
       io::checked_num_bytes(where, dims, array.type, array.num_components);
   if (array.num_tuples != num_samples(dims) ||
@@ -144,7 +139,40 @@ void write_points(const Dataset& dataset, Target target, const std::string& path
   io::write_point_text(plain, path);
 }
 
+// What VTK and others have no type for.
+void refuse_body_centred(const Dataset& dataset, const std::string& path) {
+  if (dataset.lattice.kind != LatticeKind::kBodyCentred) return;
+  throw Error(
+      ErrorCode::kUnsupported,
+      fmt::format("{}: {} holds Cartesian lattices, the dataset is body-centred: write .h5, "
+                  "or resample it with convert --size",
+                  path, io::ending_of(path)));
+}
+
+void write_lattice_file(const Dataset& dataset, const std::string& path) {
+  LatticeFileWriter writer(path, lattice_file_header(dataset));
+  writer.write_step(dataset);
+  writer.finish();
+}
+
 }  // namespace
+
+namespace io {
+
+LatticeGeometry lattice_of(const LatticeGeometry& points, const DataArray& array) {
+  LatticeGeometry lattice = points;
+  if (!array.is_cell_data) return lattice;
+  Vec3 first = Vec3::Zero();
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (lattice.dims[axis] == 1) continue;
+    lattice.dims[axis] -= 1;
+    first[static_cast<Eigen::Index>(axis)] = 0.5;
+  }
+  lattice.world_from_index.translate(first);
+  return lattice;
+}
+
+}  // namespace io
 
 void check_dataset_path(const std::string& path) {
   const Target target = target_of(path);
@@ -171,6 +199,8 @@ void write_dataset(const Dataset& dataset, const std::string& path) {
     throw Error(ErrorCode::kInvalidArgument,
                 fmt::format("{}: the dataset has no array to write", path));
   for (const DataArray& array : dataset.arrays) check_array(dataset, array);
+  if (target == Target::kHdf5) return write_lattice_file(dataset, path);
+  refuse_body_centred(dataset, path);
   if (target == Target::kVtk) {
     Dataset plain = dataset;  // cheap: arrays share their bytes
     for (DataArray& array : plain.arrays) array = io::plain_values(array);
@@ -180,7 +210,7 @@ void write_dataset(const Dataset& dataset, const std::string& path) {
   const bool keeps_scale = target == Target::kNifti;
   const DataArray array =
       keeps_scale ? only_array(dataset, path) : io::plain_values(only_array(dataset, path));
-  const LatticeGeometry lattice = lattice_of(dataset.lattice, array);
+  const LatticeGeometry lattice = io::lattice_of(dataset.lattice, array);
   if (target == Target::kNpy) return io::write_npy(lattice.dims, array, path);
   if (target == Target::kRaw) return io::write_raw(array, path);
   Dataset described;  // cheap: arrays share their bytes

@@ -81,6 +81,10 @@ LatticeField make_lattice_field(const Dataset& dataset, const LatticeModelOption
   const DataArray& array = dataset.array(options.array);
   const LatticeGeometry geometry = sample_geometry(dataset, array);
   validate_array(array, geometry);
+  if (options.prefilter && geometry.kind != LatticeKind::kCartesian) {
+    throw Error(ErrorCode::kUnsupported,
+                "prefilter: is for cartesian lattices, whose axes can be filtered one by one");
+  }
 
   try {
     const model::ScalarSamples samples =
@@ -88,8 +92,8 @@ LatticeField make_lattice_field(const Dataset& dataset, const LatticeModelOption
     const auto in_bricks = [&] {
       return std::make_shared<ResidentLattice>(
           geometry, samples.type, samples.bytes,
-          ResidentLatticeOptions{options.kernel.support_radius(), samples.value_scale,
-                                 samples.value_offset, threads, stop});
+          ResidentLatticeOptions{options.kernel.support_radius() * geometry.unit_spacing(),
+                                 samples.value_scale, samples.value_offset, threads, stop});
     };
     auto lattice = in_bricks();
     if (lattice->num_missing() == array.num_tuples) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "model/noise.h"
+#include "model/sample_flows.h"
 
 namespace ovoid::model {
 
@@ -15,7 +16,7 @@ namespace {
 using std::numbers::pi;
 
 // [Marschner 1994]: nearly all its energy lies just below the band limit of 40 samples.
-Formula make_marschner_lobb(std::uint64_t) {
+Formula make_marschner_lobb(std::uint64_t, double) {
   return [](const Vec3& p) {
     constexpr double kFrequency = 6;
     constexpr double kAmplitude = 0.25;
@@ -25,22 +26,22 @@ Formula make_marschner_lobb(std::uint64_t) {
   };
 }
 
-Formula make_constant(std::uint64_t) {
+Formula make_constant(std::uint64_t, double) {
   return [](const Vec3&) { return 1.0; };
 }
 
-Formula make_box(std::uint64_t) {
+Formula make_box(std::uint64_t, double) {
   return [](const Vec3& p) { return p.cwiseAbs().maxCoeff() <= 0.5 ? 1.0 : 0.0; };
 }
 
-Formula make_ball(std::uint64_t) {
+Formula make_ball(std::uint64_t, double) {
   return [](const Vec3& p) { return std::max(0.0, 1 - p.norm()); };
 }
 
 // |psi|^2 of hydrogen's 3d_z2 is proportional to (3 z^2 - r^2)^2 exp(-2 r / 3) in Bohr radii. On
 // the z axis, (2 z^2)^2 exp(-2 z / 3), it is greatest at z = 6: 5184 exp(-4), to which it is
 // scaled.
-Formula make_orbital(std::uint64_t) {
+Formula make_orbital(std::uint64_t, double) {
   return [](const Vec3& p) {
     constexpr double kBohrRadii = 24;  // per unit: the outer 2e-3 of the peak stay inside the cube
     const double z = p.z() * kBohrRadii;
@@ -50,7 +51,7 @@ Formula make_orbital(std::uint64_t) {
   };
 }
 
-Formula make_sphere_shell(std::uint64_t) {
+Formula make_sphere_shell(std::uint64_t, double) {
   return [](const Vec3& p) {
     const double t = (p.norm() - 0.6) / 0.1;
     return std::exp(-0.5 * t * t);
@@ -59,7 +60,7 @@ Formula make_sphere_shell(std::uint64_t) {
 
 // 1 - exp(-sum) keeps any sum of blobs within [0, 1) without a maximum that would have to be
 // searched for.
-Formula make_gaussians(std::uint64_t seed) {
+Formula make_gaussians(std::uint64_t seed, double) {
   struct Blob {
     Vec3 centre;
     double inverse_sigma;
@@ -86,7 +87,7 @@ Formula make_gaussians(std::uint64_t seed) {
 // A zone plate: its wave number grows as 2 k r, to half a cycle per sample of the default size (pi
 // / spacing) at r = 1.
 constexpr std::int64_t kFrequencySize = 64;
-Formula make_frequency(std::uint64_t) {
+Formula make_frequency(std::uint64_t, double) {
   return [](const Vec3& p) {
     constexpr double kRate = pi * (kFrequencySize - 1) / 4;
     return 0.5 + 0.5 * std::cos(kRate * p.squaredNorm());
@@ -94,8 +95,13 @@ Formula make_frequency(std::uint64_t) {
 }
 
 // Exactly linear; reaches 0 and 1 in two opposite corners.
-Formula make_flat(std::uint64_t) {
+Formula make_flat(std::uint64_t, double) {
   return [](const Vec3& p) { return 0.5 + (3 * p.x() + 2 * p.y() + p.z()) / 12; };
+}
+
+template <FormulaInTime (*kMake)(std::uint64_t)>
+Formula at_time(std::uint64_t seed, double time) {
+  return [formula = kMake(seed), time](const Vec3& p) { return formula(p, time); };
 }
 
 constexpr SampleKind kKinds[] = {
@@ -117,6 +123,10 @@ constexpr SampleKind kKinds[] = {
     {"frequency", "a zone plate, 0.5 + 0.5 cos(k r^2): the default size's band limit at radius 1",
      kFrequencySize, 0, 1, "", Space::kNone, &make_frequency},
     {"flat", "a linear ramp in an oblique direction", 64, 0, 1, "", Space::kNone, &make_flat},
+    {"tornado", "the speed of air around a funnel that wanders; moves", 128, 0, 1, "", Space::kNone,
+     &at_time<make_tornado>, true},
+    {"jet", "what a nozzle throws upwards, in billows, among nothing; moves", 128, 0, 1, "",
+     Space::kNone, &at_time<make_jet>, true},
 };
 
 }  // namespace

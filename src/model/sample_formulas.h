@@ -22,7 +22,8 @@ struct SampleKind {
   double hi;
   const char* unit;
   Space space;
-  Formula (*make)(std::uint64_t seed);
+  Formula (*make)(std::uint64_t seed, double time);  // time in [0, 1], for those that move
+  bool moves = false;
 };
 
 std::span<const SampleKind> sample_kinds() noexcept;
@@ -30,6 +31,6 @@ std::span<const SampleKind> sample_kinds() noexcept;
 // A head as a CT scanner sees it: skin, fat, muscle, skull, jaw with teeth, spine, brain and
 // airways, in Hounsfield units, -1000 (air) to 1500 (teeth). Patient axes LPS: x to the left, y to
 // the back, z up. `seed` chooses the texture.
-Formula make_head(std::uint64_t seed);
+Formula make_head(std::uint64_t seed, double time);
 
 }  // namespace ovoid::model

@@ -204,7 +204,7 @@ double head_value(const Vec3& p, std::uint64_t seed) {
 
 }  // namespace
 
-Formula make_head(std::uint64_t seed) {
+Formula make_head(std::uint64_t seed, double) {
   return [seed](const Vec3& p) { return head_value(p, seed); };
 }
 

@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 #include <new>
+#include <numbers>
 #include <utility>
 
 #include "data/parallel.h"
@@ -13,6 +14,7 @@
 #include "model/sample_sets.h"
 #include "ovoid/error.h"
 #include "ovoid/model.h"
+#include "ovoid/resample.h"
 
 namespace ovoid {
 
@@ -46,6 +48,9 @@ Dataset make_set(const model::SampleSet& set, const MakeOptions& options) {
     throw Error(ErrorCode::kInvalidArgument,
                 fmt::format("size = {} x {} x {}: '{}' is no lattice; count is its number of {}",
                             options.size[0], options.size[1], options.size[2], set.name, set.noun));
+  if (options.lattice != LatticeKind::kCartesian)
+    throw Error(ErrorCode::kInvalidArgument, fmt::format("lattice = {}: '{}' is no lattice",
+                                                         name_of(options.lattice), set.name));
   if (options.type != ScalarType::kFloat32)
     throw Error(ErrorCode::kInvalidArgument, fmt::format("type = {}: must be float32 for '{}'",
                                                          name_of(options.type), set.name));
@@ -66,7 +71,8 @@ Dataset make_set(const model::SampleSet& set, const MakeOptions& options) {
 }
 
 Index3 dims_of(const SampleKind& kind, const Index3& size) {
-  if (size == Index3{0, 0, 0}) return {kind.default_size, kind.default_size, kind.default_size};
+  const std::int64_t own = kind.default_size;
+  if (size == Index3{0, 0, 0}) return {own, own, own};
   for (int axis = 0; axis < 3; ++axis) {
     if (size[axis] < 1 || size[axis] > kMaxSide) {
       throw Error(ErrorCode::kInvalidArgument,
@@ -106,11 +112,10 @@ Bytes evaluate(const LatticeGeometry& geometry, const Formula& formula, const To
   }
   data::parallel_ranges({dims[1] * dims[2], 1, 0, {}}, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t row = begin; row < end; ++row) {
-      const std::int64_t slice = row / dims[1];
-      const auto y = static_cast<double>(row - slice * dims[1]);
-      const auto z = static_cast<double>(slice);
+      const std::int64_t layer = row / dims[1];
+      const std::int64_t y = row - layer * dims[1];
       for (std::int64_t x = 0; x < dims[0]; ++x) {
-        const Vec3 position = geometry.world_from_index * Vec3(static_cast<double>(x), y, z);
+        const Vec3 position = geometry.world_from_index * geometry.index_position({x, y, layer});
         samples[row * dims[0] + x] = to(formula(position));
       }
     }
@@ -146,6 +151,80 @@ Bytes evaluate_as(ScalarType type, const LatticeGeometry& geometry, const Formul
   }
 }
 
+Dataset sampled(const SampleKind& kind, const LatticeGeometry& lattice, double time,
+                const MakeOptions& options) {
+  Dataset dataset;
+  dataset.source = kind.name;
+  dataset.format = "formula";
+  dataset.lattice = lattice;
+  dataset.space = kind.space;
+  DataArray array;
+  array.name = kind.name;
+  array.type = options.type;
+  array.num_tuples = num_samples(lattice.dims);
+  // Scaled to an integer type, the numbers are no longer in the unit.
+  if (options.type == ScalarType::kFloat32) array.unit = kind.unit;
+  array.bytes = evaluate_as(options.type, lattice, kind.make(options.seed, time), kind);
+  dataset.arrays.push_back(std::move(array));
+  return dataset;
+}
+
+class SampleSteps final : public StepSource {
+ public:
+  SampleSteps(const SampleKind& sample, std::int64_t num_steps, SeriesKind kind,
+              const MakeOptions& options)
+      : sample_(sample),
+        kind_(kind),
+        name_(sample.name),
+        options_(options),
+        last_(static_cast<double>(num_steps - 1)) {
+    lattice_ = cube_lattice(dims_of(sample, options.size));
+    const bool is_staggered = kind == SeriesKind::kStaggered;
+    if (is_staggered) {
+      lattice_ = step_lattice(lattice_, kind, 1.0);
+    } else if (options.lattice == LatticeKind::kBodyCentred) {
+      lattice_ = body_centred_like(lattice_);
+    }
+    const double distance = is_staggered ? 1 / std::numbers::sqrt2 : 1.0;
+    for (std::int64_t i = 0; static_cast<double>(i) * distance <= last_ + 1e-9; ++i)
+      times_.push_back(static_cast<double>(i) * distance);
+  }
+
+  SeriesKind kind() const noexcept override { return kind_; }
+  const std::string& name() const noexcept override { return name_; }
+  std::int64_t num_steps() const noexcept override {
+    return static_cast<std::int64_t>(times_.size());
+  }
+  const std::vector<double>& times() const noexcept override { return times_; }
+  bool has_times() const noexcept override { return true; }
+
+  Dataset read(std::int64_t step, std::stop_token /*stop*/) const override {
+    if (step < 0 || step >= num_steps()) {
+      throw Error(ErrorCode::kInvalidArgument,
+                  fmt::format("{}: step {}: expected 0 to {}", name_, step, num_steps() - 1));
+    }
+    LatticeGeometry lattice = lattice_;
+    if (kind_ == SeriesKind::kStaggered && step % 2 == 1)
+      lattice.world_from_index.translate(Vec3::Constant(0.5));
+    Dataset dataset =
+        sampled(sample_, lattice, times_[static_cast<std::size_t>(step)] / last_, options_);
+    dataset.num_steps = num_steps();
+    dataset.step = step;
+    dataset.times = times_;
+    dataset.series = kind_;
+    return dataset;
+  }
+
+ private:
+  const SampleKind& sample_;
+  SeriesKind kind_;
+  std::string name_;
+  MakeOptions options_;
+  double last_;  // time of the last Cartesian step
+  LatticeGeometry lattice_;
+  std::vector<double> times_;
+};
+
 }  // namespace
 
 std::vector<std::string> sample_names() {
@@ -169,20 +248,32 @@ Dataset make_sample(const std::string& name, const MakeOptions& options) {
         ErrorCode::kInvalidArgument,
         fmt::format("count = {}: '{}' is a lattice; size is its samples", options.count, name));
   const SampleKind& kind = kind_of(name);
-  Dataset dataset;
-  dataset.source = name;
-  dataset.format = "formula";
-  dataset.lattice = cube_lattice(dims_of(kind, options.size));
-  dataset.space = kind.space;
-  DataArray array;
-  array.name = name;
-  array.type = options.type;
-  array.num_tuples = num_samples(dataset.lattice.dims);
-  // Scaled to an integer type, the numbers are no longer in the unit.
-  if (options.type == ScalarType::kFloat32) array.unit = kind.unit;
-  array.bytes = evaluate_as(options.type, dataset.lattice, kind.make(options.seed), kind);
-  dataset.arrays.push_back(std::move(array));
-  return dataset;
+  if (!(options.time >= 0 && options.time <= 1)) {
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("time = {}: must be within 0 to 1", options.time));
+  }
+  LatticeGeometry lattice = cube_lattice(dims_of(kind, options.size));
+  if (options.lattice == LatticeKind::kBodyCentred) lattice = body_centred_like(lattice);
+  return sampled(kind, lattice, options.time, options);
+}
+
+bool sample_moves(const std::string& name) {
+  const auto kinds = model::sample_kinds();
+  return std::any_of(kinds.begin(), kinds.end(),
+                     [&](const SampleKind& kind) { return name == kind.name && kind.moves; });
+}
+
+std::shared_ptr<const StepSource> make_sample_steps(const std::string& name, std::int64_t num_steps,
+                                                    SeriesKind kind, const MakeOptions& options) {
+  const SampleKind& sample = kind_of(name);
+  if (!sample.moves)
+    throw Error(ErrorCode::kInvalidArgument, fmt::format("sample '{}': does not move", name));
+  constexpr std::int64_t kMostSteps = 100'000;
+  if (num_steps < 2 || num_steps > kMostSteps) {
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("steps = {}: must be 2 to {}", num_steps, kMostSteps));
+  }
+  return std::make_shared<SampleSteps>(sample, num_steps, kind, options);
 }
 
 }  // namespace ovoid

@@ -116,12 +116,11 @@ Dataset resample(const Field& field, const LatticeGeometry& lattice,
   data::parallel_ranges(
       {num_rows, 1, options.threads, options.stop}, [&](std::int64_t begin, std::int64_t end) {
         for (std::int64_t row = begin; row < end; ++row) {
-          const std::int64_t slice = row / dims[1];
-          const auto y = static_cast<double>(row - slice * dims[1]);
-          const auto z = static_cast<double>(slice);
+          const std::int64_t layer = row / dims[1];
+          const std::int64_t y = row - layer * dims[1];
           for (std::int64_t x = 0; x < dims[0]; ++x) {
             const FieldSample at =
-                sampler.at(lattice.world_from_index * Vec3(static_cast<double>(x), y, z));
+                sampler.at(lattice.world_from_index * lattice.index_position({x, y, layer}));
             constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
             const std::int64_t i = row * dims[0] + x;
             values[i] = at.is_defined ? static_cast<float>(at.value) : kNone;

@@ -70,15 +70,14 @@ std::vector<ClipPlane> crop_planes(const LatticeGeometry& geometry, const Index3
   // Index u_a = row_a (p - t): u_a >= b is the half space row_a p >= b + row_a t.
   const Mat3 index_from_world = geometry.world_from_index.linear().inverse();
   const Vec3 origin = geometry.world_from_index.translation();
+  const Bounds3 kept = geometry.index_bounds(lo, hi);
   std::vector<ClipPlane> planes;
   for (int a = 0; a < 3; ++a) {
     const auto i = static_cast<std::size_t>(a);
     const Vec3 normal = index_from_world.row(a).transpose();
     const double at_origin = normal.dot(origin);
-    const double least = static_cast<double>(lo[i]) - 0.5;
-    const double greatest = static_cast<double>(hi[i]) + 0.5;
-    if (lo[i] > 0) planes.push_back({normal, at_origin + least});
-    if (hi[i] < geometry.dims[i] - 1) planes.push_back({-normal, -(at_origin + greatest)});
+    if (lo[i] > 0) planes.push_back({normal, at_origin + kept.min()[a]});
+    if (hi[i] < geometry.dims[i] - 1) planes.push_back({-normal, -(at_origin + kept.max()[a])});
   }
   return planes;
 }
@@ -96,12 +95,7 @@ std::vector<ClipPlane> crop_planes(const Bounds3& world) {
 
 Box crop_box(const LatticeGeometry& geometry, const Index3& lo, const Index3& hi) {
   require_within(geometry, lo, hi);
-  Box box = box_of(geometry);
-  for (int a = 0; a < 3; ++a) {
-    box.bounds.min()[a] = static_cast<double>(lo[static_cast<std::size_t>(a)]) - 0.5;
-    box.bounds.max()[a] = static_cast<double>(hi[static_cast<std::size_t>(a)]) + 0.5;
-  }
-  return box;
+  return {geometry.world_from_index, geometry.index_bounds(lo, hi)};
 }
 
 Box crop_box(const Bounds3& bounds, const Bounds3& world) {

@@ -33,13 +33,15 @@ constexpr double kLogQuotient = 1000;
 // Opacity per sample at which `depth` samples in a row let half of the light through.
 double opacity_for_half_depth(double depth) { return 1.0 - std::pow(0.5, 1.0 / depth); }
 
-// Depths at which a layer shows well, in samples of a field with this many of them: what surrounds
+// Depths at which a layer shows well, in spacings of a field with this many of them: what surrounds
 // is seen through, what is dense is a surface.
 struct Depths {
   double thin, solid;
 };
 Depths depths_of(const LatticeField& field) {
-  const double edge = std::cbrt(static_cast<double>(num_samples(field.geometry().dims)));
+  const LatticeGeometry& lattice = field.geometry();
+  const double per_spacing = lattice.density() * std::pow(lattice.unit_spacing(), 3);
+  const double edge = std::cbrt(static_cast<double>(num_samples(lattice.dims)) / per_spacing);
   return {std::max(2.0, 0.05 * edge), std::max(0.5, 0.006 * edge)};
 }
 
@@ -139,13 +141,9 @@ Look hounsfield_look(const LatticeField& field) {
   tf.colors = {{-200, {0.85, 0.65, 0.50}}, {-50, {0.88, 0.62, 0.46}}, {60, {0.78, 0.36, 0.28}},
                {200, {0.93, 0.55, 0.40}},  {350, {0.96, 0.88, 0.76}}, {1500, {1.0, 0.98, 0.94}}};
   tf.opacities = {{-300, 0.0}, {-150, 0.004}, {100, 0.006}, {180, 0.05}, {300, 0.4}, {800, 0.8}};
-  const auto& dims = field.geometry().dims;
-  const Vec3 spacing = field.geometry().spacing();
-  double longest = 0;
-  for (int a = 0; a < 3; ++a)
-    longest =
-        std::max(longest, spacing[a] * static_cast<double>(dims[static_cast<std::size_t>(a)]));
-  tf.unit_distance = longest / 300.0;
+  const Vec3 axes = field.geometry().world_from_index.linear().colwise().norm().transpose();
+  const Vec3 sides = axes.cwiseProduct(field.geometry().index_bounds().sizes());
+  tf.unit_distance = sides.maxCoeff() / 300.0;
   return look;
 }
 

@@ -30,7 +30,8 @@ class SampleReader {
     }
     for (std::size_t a = 0; a < 3; ++a) {
       if (index[a] >= view_.lo[a] && index[a] < view_.hi[a]) continue;
-      view_ = source_.acquire(index[0] / edge_, index[1] / edge_, index[2] / edge_, 0.0);
+      view_ = source_.acquire(index[0] / edge_, index[1] / edge_,
+                              index[2] / (edge_ * source_.geometry().num_sublattices()), 0.0);
       break;
     }
     const std::int64_t position = (index[0] - view_.lo[0]) +

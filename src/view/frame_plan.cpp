@@ -54,13 +54,17 @@ double slab_reach(const ViewLattice& lattice, const RenderOptions& options) {
 
 // Places of samples that can be defined: `sum` wherever a kernel reaches the slab; normalized to
 // where 0.48 of the weights exist, which is at most 0.05 sigma (the slope of a Gaussian's integral)
-// beyond the faces of the outermost cells, or 0.02 of a slab's length if that is more.
+// beyond the faces of the outermost cells, or 0.02 of a slab's length if that is more. Cells of a
+// body-centred lattice reach half an axis vector from their sample: where kernels are narrow, twice
+// as far as the plane on which the faces lie.
 Bounds3 support_of(const LatticeField& field, double widening, double reach) {
-  const LatticeKernel& kernel = field.kernel();
+  const LatticeKernel kernel = field.index_kernel();
   Bounds3 box = field.geometry().index_bounds();
+  const double half_cell = 0.5 / field.geometry().num_sublattices();
+  const double bulge = 0.5 - half_cell;
   const double beyond = field.reconstruction() == Reconstruction::kSum
-                            ? kernel.support_radius() * widening - 0.5 + reach
-                            : 0.06 * kernel.sigma * widening + 0.05 * reach + 1e-3;
+                            ? kernel.support_radius() * widening - half_cell + reach
+                            : 0.06 * kernel.sigma * widening + 0.05 * reach + bulge + 1e-3;
   box.min().array() -= beyond;
   box.max().array() += beyond;
   return box;
@@ -164,12 +168,13 @@ LatticePlan::LatticePlan(const LatticeField& field, const Camera& camera, const 
           1.0, greatest_pitch(lattice, support_of(field, 1.0, slab_reach(lattice, options))) /
                    field.geometry().spacing().minCoeff())),
       relevance(field, greatest_widening, relevance_grow(lattice, field, look, options)),
-      node_reach_(kNodeSigmas * field.kernel().sigma *
+      node_reach_(kNodeSigmas * field.index_kernel().sigma *
                   std::pow(kNodeSteepness / steepness_of(look, field.value_range()), 0.25)),
-      spacing_(field.geometry().spacing()) {
-  for (int a = 0; a < 3; ++a) {
-    widening_limit_[a] = static_cast<double>(field.geometry().dims[a]) / (4 * field.kernel().sigma);
-  }
+      spacing_(field.geometry().spacing()),
+      unit_spacing_(field.geometry().unit_spacing()) {
+  const Index3 cells = field.geometry().cells();
+  for (int a = 0; a < 3; ++a)
+    widening_limit_[a] = static_cast<double>(cells[a]) / (4 * field.index_kernel().sigma);
   index_support = support_of(field, greatest_widening, slab_reach(lattice, options));
   set_sheets(index_support);
 }
@@ -182,8 +187,8 @@ double LatticePlan::node_pitch(PostConvolution how, std::int64_t sheet) const {
   if (how == PostConvolution::kOff) return 1.0;
   // Pixels are widest on the layer's rearmost sheet.
   const SheetMap map = lattice.index_map(next_layer(sheet) - 1);
-  const double step = std::max(map.per_x.norm(), map.per_y.norm());  // of a pixel, spacings
-  const double reach = how == PostConvolution::kAuto ? node_reach_ : 1.0;
+  const double step = std::max(map.per_x.norm(), map.per_y.norm());  // of a pixel, index space
+  const double reach = how == PostConvolution::kAuto ? node_reach_ : unit_spacing_;
   const double pitch = step > 0 ? reach / step : kGreatestNodePitch;
   return pitch < kLeastNodePitch ? 1.0 : std::min(pitch, kGreatestNodePitch);
 }

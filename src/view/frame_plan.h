@@ -64,8 +64,9 @@ struct LatticePlan : FramePlan {
   double node_pitch(PostConvolution how, std::int64_t sheet) const;
 
  private:
-  double node_reach_;  // of kAuto, spacings
+  double node_reach_;  // of kAuto, index space
   Vec3 spacing_;
+  double unit_spacing_;
   Vec3 widening_limit_;  // a kernel stays under a quarter of the lattice's extent
 };
 

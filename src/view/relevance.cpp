@@ -13,14 +13,23 @@ namespace {
 // of half an ulp each are 4e-6).
 constexpr float kBoundSlack = 1e-5F;
 
-// Greatest value of sum_i w g(u - i) for one axis: a Gaussian comb peaks at the samples.
-double greatest_axis_sum(const LatticeKernel& kernel) {
-  const double radius = kernel.support_radius();
-  double sum = 1.0;
-  for (int i = 1; i <= static_cast<int>(std::floor(radius)); ++i) {
-    sum += 2 * std::exp(-0.5 * i * i / (kernel.sigma * kernel.sigma));
+// Greatest value of sum_i w phi(u - i): that of kernels without end, which peaks at the samples,
+// for the odd harmonics of two sublattices cancel.
+double greatest_sum(const LatticeField& field) {
+  const LatticeKernel kernel = field.index_kernel();
+  const double weight = 1 / (field.geometry().density() *
+                             std::pow(std::sqrt(2 * std::numbers::pi) * kernel.sigma, 3));
+  double sum = 0;
+  for (int s = 0; s < field.geometry().num_sublattices(); ++s) {
+    double along_axis = 0;
+    const int most = static_cast<int>(kernel.support_radius()) + 1;
+    for (int i = -most; i <= most; ++i) {
+      const double d = (i - field.geometry().offset_of(s)[0]) / kernel.sigma;
+      along_axis += std::exp(-0.5 * d * d);
+    }
+    sum += along_axis * along_axis * along_axis;
   }
-  return sum / (std::sqrt(2 * std::numbers::pi) * kernel.sigma);
+  return weight * sum;
 }
 
 }  // namespace
@@ -29,16 +38,16 @@ RelevanceMap::RelevanceMap(const LatticeField& field, double widening, int grow)
   const BrickSource& source = field.source();
   const int edge = source.brick_edge();
   shift_ = std::countr_zero(static_cast<unsigned>(edge));
-  for (int a = 0; a < 3; ++a) num_bricks_[a] = (field.geometry().dims[a] + edge - 1) / edge;
+  const Index3 cells = field.geometry().cells();
+  for (int a = 0; a < 3; ++a) num_bricks_[a] = (cells[a] + edge - 1) / edge;
   for (int a = 0; a < 3; ++a) num_groups_[a] = (num_bricks_[a] + 3) / 4;
   words_per_row_ = static_cast<int>((num_bricks_[0] + 31) / 32);
   words_.assign(static_cast<std::size_t>(words_per_row_ * num_bricks_[1] * num_bricks_[2]), 0);
   groups_.assign(static_cast<std::size_t>(num_samples(num_groups_)), 0);
-  const double reach = field.kernel().support_radius() * widening;
+  const double reach = field.index_kernel().support_radius() * widening;
   const double missing_reach = std::max(0.0, reach - source.range_reach());
   dilation_ = grow + static_cast<int>(std::ceil(missing_reach / edge - 1e-9));
-  const double axis = greatest_axis_sum(field.kernel());
-  sum_bound_ = axis * axis * axis * 1.0001;
+  sum_bound_ = greatest_sum(field) * 1.0001;
 }
 
 void RelevanceMap::fill_layer(int bz, const MayMatter& may_matter) {

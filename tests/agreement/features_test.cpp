@@ -12,10 +12,6 @@
 namespace ovoid::test {
 namespace {
 
-constexpr Mode kModes[] = {Mode::kComposite, Mode::kXray, Mode::kMaximum, Mode::kMean,
-                           Mode::kIsosurface};
-constexpr const char* kModeNames[] = {"composite", "xray", "maximum", "mean", "isosurface"};
-
 std::string projection_name(bool is_parallel) { return is_parallel ? "parallel" : "perspective"; }
 
 // The scene's field with another kernel or reconstruction.
@@ -26,19 +22,6 @@ void set_kernel(Scene& scene, const LatticeKernel& kernel, Reconstruction recons
   setup.kernel = kernel;
   setup.reconstruction = reconstruction;
   scene.field = make_stored_field(dims, shells(dims), {ScalarType::kFloat32, 10, 50}, setup);
-}
-
-// Every way to evaluate the scene against one picture of the reference.
-void expect_agreement_however_evaluated(Scene scene, const std::string& name,
-                                        double least_covered = 0.05) {
-  const Image reference = draw(scene, Backend::kReference).image;
-  for (const Evaluate evaluate : {Evaluate::kGather, Evaluate::kScatter, Evaluate::kAuto}) {
-    scene.options.evaluate = evaluate;
-    const char* way = evaluate == Evaluate::kGather    ? ", gather"
-                      : evaluate == Evaluate::kScatter ? ", scatter"
-                                                       : "";
-    EXPECT_TRUE(agrees_with(reference, scene, name + way, least_covered));
-  }
 }
 
 class EveryMode : public ::testing::TestWithParam<int> {

@@ -21,12 +21,16 @@ LatticeGeometry leaning_lattice() {
   return geometry;
 }
 
-TEST(Gradient, OfARampIsConstantOnceCorrected) {
-  const LatticeGeometry geometry = leaning_lattice();
+class GradientOn : public ::testing::TestWithParam<LatticeKind> {};
+
+TEST_P(GradientOn, RampIsConstantOnceCorrected) {
+  LatticeGeometry geometry = leaning_lattice();
+  geometry.kind = GetParam();
+  geometry.dims[2] *= geometry.num_sublattices();
   const Vec3 slope(0.7, -1.3, 2.1);
   FunctionSource::Options options;
   const auto ramp = [&](std::int64_t i, std::int64_t j, std::int64_t k) {
-    return slope.dot(geometry.world_from_index * Vec3(double(i), double(j), double(k)));
+    return slope.dot(geometry.world_from_index * geometry.index_position({i, j, k}));
   };
   const LatticeField field(std::make_shared<FunctionSource>(geometry, ramp, options), {},
                            Reconstruction::kNormalized);
@@ -47,6 +51,13 @@ TEST(Gradient, OfARampIsConstantOnceCorrected) {
   // correction is for.
   EXPECT_GT(worst_exact, 0.1);
 }
+
+INSTANTIATE_TEST_SUITE_P(Lattices, GradientOn,
+                         ::testing::Values(LatticeKind::kCartesian, LatticeKind::kBodyCentred),
+                         [](const auto& test) {
+                           return test.param == LatticeKind::kCartesian ? "Cartesian"
+                                                                        : "BodyCentred";
+                         });
 
 }  // namespace
 }  // namespace ovoid::test

@@ -259,6 +259,42 @@ TEST(Convert, NotesWhatTheFormatCannotHold) {
             "note: " + vti + ": holds no patient space: that the axes are LPS is lost\n");
 }
 
+TEST(Convert, LatticeFilesDenseAndAsRuns) {
+  const Folder folder;
+  const std::string ball = write_ball(folder);
+  const std::string dense = folder / "dense.h5", runs = folder / "runs.h5";
+  const Outcome first = run({"convert", ball, "-o", dense});
+  if (first.err.find("no HDF5") != std::string::npos) GTEST_SKIP() << first.err;
+  EXPECT_EQ(first.exit_code, 0) << first.err;
+  const json facts = info(dense);
+  EXPECT_EQ(facts["format"], "HDF5 lattice, dense");
+  EXPECT_EQ(facts["lattice"], "cartesian");
+  EXPECT_EQ(facts["series"], "steps");
+  EXPECT_EQ(facts["sublattices"].size(), 1U);
+  expect_success({"convert", dense, "-o", folder / "again_16x16x16_uint8.raw"});
+  EXPECT_EQ(read_file(folder / "again_16x16x16_uint8.raw"), read_file(ball));
+
+  const Outcome kept = run({"convert", ball, "-o", runs, "--relevant-above", "100"});
+  EXPECT_EQ(kept.exit_code, 0) << kept.err;
+  EXPECT_NE(kept.err.find("of 4096 samples are relevant ("), std::string::npos) << kept.err;
+  EXPECT_NE(kept.err.find("bytes, 4096 dense"), std::string::npos) << kept.err;
+  const Outcome told = run({"info", runs});
+  EXPECT_NE(told.out.find("HDF5 lattice, runs"), std::string::npos) << told.out;
+  EXPECT_NE(told.err.find("is stored as runs: "), std::string::npos) << told.err;
+  expect_success({"convert", ball, "-o", dense, "--array", "values"});
+  const std::string samples = read_file(ball);
+  run({"convert", runs, "-o", folder / "kept_16x16x16_uint8.raw"});
+  std::string expected = samples;
+  for (char& c : expected)
+    if (static_cast<unsigned char>(c) <= 100) c = 0;
+  EXPECT_EQ(read_file(folder / "kept_16x16x16_uint8.raw"), expected);
+
+  expect_failure({"convert", ball, "-o", folder / "a.nrrd", "--relevant-above", "100"}, 2,
+                 {"--relevant-above", "a.nrrd' holds no runs, only .h5 does"});
+  expect_failure({"convert", ball, "-o", runs, "--background-value", "1"}, 2,
+                 {"--background-value", "--relevant-above"});
+}
+
 TEST(Convert, TakesTheTypesThatNamesTake) {
   const Folder folder;
   write_file(folder / "x.raw", ball_bytes());

@@ -8,7 +8,7 @@
 namespace ovoid::cli_tests {
 namespace {
 
-const char* const kCommands[] = {"render", "info", "make", "convert", "sample", "bench"};
+const char* const kCommands[] = {"render", "animate", "info", "make", "convert", "sample", "bench"};
 
 TEST(Help, StandsWordForWordInTheDocs) {
   const std::string docs = read_file(OVOID_SOURCE_DIR "/docs/command-line.md");

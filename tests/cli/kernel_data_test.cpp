@@ -134,7 +134,7 @@ TEST_F(KernelData, FlagsForOtherDataAreRefusedByName) {
            {csv, {"--crop", "0:1,,"}, "--crop: is for lattices"},
            {csv, {"--positions", "/a"}, "--positions: is for HDF5 files, '" + csv + "' is CSV"},
            {csv, {"--value", "/a"}, "--value: is for HDF5 files"},
-           {csv, {"--time", "2"}, "--time: '" + csv + "' names no times"},
+           {csv, {"--time", "2"}, "--time: '" + csv + "' has one step"},
            {csv, {"--gradient", "exact"}, "gradient"},
            {csv, {"--gradient", "corrected"}, "gradient"},
            {ply,

@@ -4,19 +4,27 @@
 #pragma once
 
 #include <bzlib.h>
+#include <unistd.h>
 #include <zlib.h>
 
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <initializer_list>
+#include <iterator>
+#include <span>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "io/npy.h"
 #include "io/test_deflate.h"
 #include "io/test_dicom.h"
 #include "io/test_dicom_streams.h"
+#include "ovoid/error.h"
+#include "ovoid/lattice_file.h"
 
 namespace ovoid::fuzz {
 
@@ -487,6 +495,53 @@ inline std::vector<std::string> lammps_seeds() {
       "pp "
       "pp ff\n0 3 1\n0 2 0\n0 2 0.5\nITEM: ATOMS xu yu zu q\n1 2 3 4\n";
   return {frame + frame, tilted, gzip(frame), bzip2(frame + tilted)};
+}
+
+inline std::vector<std::string> relevant_runs_seeds() {
+  // 10 x 4: a row of two runs, of none, of one that fills it, of one.
+  const std::string runs{2, 0, 1, 1, 0, 5, 0, 3, 2, 3, 10, 1};
+  return {std::string{9, 3, 4} + runs + samples(16),
+          std::string{0, 0, 1} + std::string("\x01\0\x01x", 4)};
+}
+
+// One of each kind; none in a build without HDF5.
+inline std::vector<std::string> hdf5_lattice_seeds() {
+  std::vector<std::string> seeds;
+  const std::filesystem::path path =
+      std::filesystem::temp_directory_path() / ("ovoid_seed_" + std::to_string(::getpid()) + ".h5");
+  const std::string bytes = samples(2 * 4 * 3 * 2 * 2);
+  const auto add = [&](LatticeKind kind, SeriesKind series, std::vector<double> times,
+                       bool is_runs = false) {
+    LatticeFileHeader header;
+    header.lattice = {{4, 3, 2}, Affine3::Identity(), kind};
+    header.series = series;
+    header.arrays = {{"a", ScalarType::kInt16, 1, "K", 0.5, 1},
+                     {"b", ScalarType::kUInt8, 2, "", 1, 0}};
+    header.times = std::move(times);
+    if (is_runs) {
+      header.arrays.pop_back();
+      header.relevant = RelevantSamples{5000, -1};
+    }
+    LatticeFileWriter writer(path.string(), header);
+    const Bytes all{nullptr, std::as_bytes(std::span(bytes).first(48))};
+    for (std::size_t step = 0; step < std::max<std::size_t>(header.times.size(), 1); ++step)
+      writer.write_step(std::vector<Bytes>(header.arrays.size(), all));
+    writer.finish();
+    std::ifstream stream(path, std::ios::binary);
+    seeds.emplace_back(std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>());
+  };
+  try {
+    add(LatticeKind::kCartesian, SeriesKind::kSteps, {});
+    add(LatticeKind::kBodyCentred, SeriesKind::kSteps, {});
+    add(LatticeKind::kCartesian, SeriesKind::kSteps, {0, 1, 5});
+    add(LatticeKind::kCartesian, SeriesKind::kStaggered, {0, 1});
+    add(LatticeKind::kCartesian, SeriesKind::kStaggered, {0, 1}, true);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kUnsupported) throw;
+  }
+  std::error_code ignored;
+  std::filesystem::remove(path, ignored);
+  return seeds;
 }
 
 }  // namespace ovoid::fuzz

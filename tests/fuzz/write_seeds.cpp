@@ -31,6 +31,7 @@ int main(int argc, char** argv) {
       {"npz", ovoid::fuzz::npz_seeds()},
       {"ply", ovoid::fuzz::ply_seeds()},
       {"lammps", ovoid::fuzz::lammps_seeds()},
+      {"relevant_runs", ovoid::fuzz::relevant_runs_seeds()},
   };
   for (const auto& [target, seeds] : targets) {
     const std::filesystem::path folder = std::filesystem::path(argv[1]) / target;

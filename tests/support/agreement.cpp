@@ -89,13 +89,13 @@ std::int64_t num_other_depths(const Image& actual, const Image& expected, double
 LatticeField make_stored_field(const Index3& dims, const VolumeFunction& shape,
                                const StoredRange& stored, const FieldSetup& setup) {
   ResidentLatticeOptions options;
-  options.range_reach = setup.kernel.support_radius();
+  const LatticeGeometry lattice{dims, setup.world_from_index, setup.lattice};
+  options.range_reach = setup.kernel.support_radius() * lattice.unit_spacing();
   options.value_scale = setup.value_scale;
   options.value_offset = setup.value_offset;
   options.threads = 1;
-  auto source =
-      std::make_shared<ResidentLattice>(LatticeGeometry{dims, setup.world_from_index}, stored.type,
-                                        stored_bytes(dims, shape, stored), options);
+  auto source = std::make_shared<ResidentLattice>(lattice, stored.type,
+                                                  stored_bytes(dims, shape, stored), options);
   return LatticeField(std::move(source), setup.kernel, setup.reconstruction);
 }
 
@@ -224,6 +224,18 @@ Frame draw(const Scene& scene, Backend backend) {
 ::testing::AssertionResult backends_agree(const Scene& scene, const std::string& name,
                                           double least_covered, ImageTolerance tolerance) {
   return agrees_with(draw(scene, Backend::kReference).image, scene, name, least_covered, tolerance);
+}
+
+void expect_agreement_however_evaluated(Scene scene, const std::string& name,
+                                        double least_covered) {
+  const Image reference = draw(scene, Backend::kReference).image;
+  for (const Evaluate evaluate : {Evaluate::kGather, Evaluate::kScatter, Evaluate::kAuto}) {
+    scene.options.evaluate = evaluate;
+    const char* way = evaluate == Evaluate::kGather    ? ", gather"
+                      : evaluate == Evaluate::kScatter ? ", scatter"
+                                                       : "";
+    EXPECT_TRUE(agrees_with(reference, scene, name + way, least_covered));
+  }
 }
 
 }  // namespace ovoid::test

@@ -47,6 +47,10 @@ struct TestLook {
 std::vector<TestLook> test_looks(double lo, double hi);
 Look semi_transparent_look(double lo, double hi);
 
+inline constexpr Mode kModes[] = {Mode::kComposite, Mode::kXray, Mode::kMaximum, Mode::kMean,
+                                  Mode::kIsosurface};
+inline constexpr const char* kModeNames[] = {"composite", "xray", "maximum", "mean", "isosurface"};
+
 struct Scene {
   Field field;
   Camera camera;
@@ -82,5 +86,9 @@ Frame draw(const Scene& scene, Backend backend = Backend::kCpu);
 ::testing::AssertionResult agrees_with(const Image& reference, const Scene& scene,
                                        const std::string& name, double least_covered = 0.05,
                                        ImageTolerance tolerance = {});
+
+// Every way to evaluate the scene against one picture of the reference.
+void expect_agreement_however_evaluated(Scene scene, const std::string& name,
+                                        double least_covered = 0.05);
 
 }  // namespace ovoid::test

@@ -10,8 +10,9 @@ namespace ovoid::test {
 FunctionSource::FunctionSource(LatticeGeometry geometry, const VolumeFunction& function,
                                Options options)
     : geometry_(std::move(geometry)), options_(options) {
+  const Index3 cells = geometry_.cells();
   for (int a = 0; a < 3; ++a) {
-    num_bricks_[a] = (geometry_.dims[a] + options_.brick_edge - 1) / options_.brick_edge;
+    num_bricks_[a] = (cells[a] + options_.brick_edge - 1) / options_.brick_edge;
   }
   for (std::int64_t bz = 0; bz < num_bricks_[2]; ++bz) {
     for (std::int64_t by = 0; by < num_bricks_[1]; ++by) {
@@ -26,19 +27,22 @@ FunctionSource::Brick FunctionSource::make_brick(const Index3& brick,
                                                  const VolumeFunction& function) const {
   constexpr std::int64_t kMargin = 1;      // covered samples beyond the brick's own
   constexpr std::int64_t kRowPadding = 3;  // floats
-  const std::int64_t edge = options_.brick_edge;
-  const auto reach = static_cast<std::int64_t>(std::floor(options_.range_reach));
+  // Of several sublattices, somewhat more samples than reach the brick.
+  const int num_sublattices = geometry_.num_sublattices();
+  const auto reach =
+      static_cast<std::int64_t>(std::floor(options_.range_reach)) + num_sublattices - 1;
   Brick result;
   BrickView& view = result.view;
   Index3 range_lo;
   Index3 range_hi;
   for (int a = 0; a < 3; ++a) {
-    const std::int64_t begin = brick[a] * edge;
-    const std::int64_t end = begin + edge;
+    const std::int64_t per_cell = a == 2 ? num_sublattices : 1;
+    const std::int64_t begin = brick[a] * options_.brick_edge * per_cell;
+    const std::int64_t end = begin + options_.brick_edge * per_cell;
     view.lo[a] = std::max<std::int64_t>(begin - kMargin, 0);
     view.hi[a] = std::min(end + kMargin, geometry_.dims[a]);
-    range_lo[a] = std::max<std::int64_t>(begin - reach, 0);
-    range_hi[a] = std::min(end + reach + 1, geometry_.dims[a]);
+    range_lo[a] = std::max<std::int64_t>(begin - reach * per_cell, 0);
+    range_hi[a] = std::min(end + (reach + 1) * per_cell, geometry_.dims[a]);
   }
   view.stride_y = view.hi[0] - view.lo[0] + kRowPadding;
   view.stride_z = view.stride_y * (view.hi[1] - view.lo[1]) + kRowPadding;
@@ -101,13 +105,13 @@ std::size_t FunctionSource::resident_bytes() const noexcept {
 
 LatticeField make_field(const Index3& dims, const VolumeFunction& function,
                         const FieldSetup& setup) {
+  const LatticeGeometry lattice{dims, setup.world_from_index, setup.lattice};
   FunctionSource::Options options;
   options.brick_edge = setup.brick_edge;
-  options.range_reach = setup.kernel.support_radius();
+  options.range_reach = setup.kernel.support_radius() * lattice.unit_spacing();
   options.value_scale = setup.value_scale;
   options.value_offset = setup.value_offset;
-  auto source = std::make_shared<FunctionSource>(LatticeGeometry{dims, setup.world_from_index},
-                                                 function, options);
+  auto source = std::make_shared<FunctionSource>(lattice, function, options);
   return LatticeField(std::move(source), setup.kernel, setup.reconstruction);
 }
 

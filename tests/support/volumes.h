@@ -67,6 +67,7 @@ struct FieldSetup {
   int brick_edge = 8;
   double value_scale = 1.0;
   double value_offset = 0.0;
+  LatticeKind lattice = LatticeKind::kCartesian;
 };
 
 LatticeField make_field(const Index3& dims, const VolumeFunction& function,

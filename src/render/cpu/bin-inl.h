@@ -130,6 +130,8 @@ inline void bound_region(const CpuFrame& frame, Block& block,
                           static_cast<float>(x) * sheet.per_x[a];
           float reach =
               std::max(frame.support * sheet.widening[a], static_cast<float>(least_reach[a]));
+          const bool reads_four_taps = frame.has_four_taps && frame.evaluate != Evaluate::kScatter;
+          if (reads_four_taps) reach = std::max(reach, 2.0F);
           if (frame.num_slab_nodes > 1) {
             reach += 0.5F * std::abs(sheet.step[a] + static_cast<float>(x) * sheet.step_per_x[a] +
                                      static_cast<float>(y) * sheet.step_per_y[a]);
@@ -143,12 +145,21 @@ inline void bound_region(const CpuFrame& frame, Block& block,
   block.is_interior = true;
   for (int a = 0; a < 3; ++a) {
     // A hundredth of a sample of slack for rounding; what lies farther outside the lattice is cut
-    // off.
-    auto first = static_cast<std::int64_t>(std::floor(lo[a] - 0.01F));
-    auto last = static_cast<std::int64_t>(std::ceil(hi[a] + 0.01F));
+    // off. Samples of all sublattices have the same numbers.
+    std::int64_t first = std::numeric_limits<std::int64_t>::max();
+    std::int64_t last = std::numeric_limits<std::int64_t>::min();
     const std::int64_t lattice_first = -block.origin[a];
-    const std::int64_t lattice_last = frame.dims[a] - 1 - block.origin[a];
-    if (first < lattice_first || last > lattice_last) block.is_interior = false;
+    std::int64_t lattice_last = lattice_first;
+    for (int s = 0; s < frame.num_sublattices; ++s) {
+      const auto& [dims, offset] = frame.sublattices[static_cast<std::size_t>(s)];
+      const auto own_first = static_cast<std::int64_t>(std::floor(lo[a] - offset - 0.01F));
+      const auto own_last = static_cast<std::int64_t>(std::ceil(hi[a] - offset + 0.01F));
+      const std::int64_t own_end = lattice_first + dims[a] - 1;
+      if (own_first < lattice_first || own_last > own_end) block.is_interior = false;
+      first = std::min(first, own_first);
+      last = std::max(last, own_last);
+      lattice_last = std::max(lattice_last, own_end);
+    }
     // At least one sample of the lattice stays in it: `sum` is binned to where no kernel reaches.
     first = std::clamp(first, lattice_first - kRegionBeyond, lattice_last);
     last = std::clamp(last, lattice_first, lattice_last + kRegionBeyond);

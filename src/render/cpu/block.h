@@ -9,7 +9,7 @@
 //              they are nodes (nodes.h), of which more fit than a tile has pixels.
 //   row bits   one bit per sample of a plane's row, bit x for sample x
 //   region     the box of lattice samples that the block's active samples reach, as floats, zero
-//   where no kernel exists
+//   where no kernel exists; one such box of every sublattice
 #pragma once
 
 #include <hwy/aligned_allocator.h>
@@ -125,8 +125,9 @@ struct Block {
 
   // The region, relative to `origin`
   int region_lo[3], region_size[3];
-  int row_stride, slice_stride;  // samples
-  bool is_interior;              // every tap of every active sample exists
+  int row_stride, slice_stride;      // samples
+  std::ptrdiff_t sublattice_stride;  // floats from a sublattice's samples to the next one's
+  bool is_interior;                  // every tap of every active sample exists
   bool has_missing;
   bool uses_four_taps;  // the region is stored as pairs of slices (load-inl.h)
 

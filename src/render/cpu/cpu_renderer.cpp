@@ -41,7 +41,7 @@ void set_slab_nodes(CpuFrame& frame, int count) {
 // Enough nodes for the slab's mean to err by less than the agreement tier allows: four per two
 // sigmas of the narrowest kernel.
 int slab_nodes_for(const LatticeField& field, const view::ViewLattice& lattice) {
-  double longest = 0;  // slab in spacings
+  double longest = 0;  // slab in index units
   const view::SheetMap here = lattice.index_map(0);
   const view::SheetMap next = lattice.index_map(1);
   for (const double x : {0.0, lattice.width() - 1.0}) {
@@ -49,24 +49,31 @@ int slab_nodes_for(const LatticeField& field, const view::ViewLattice& lattice) 
       longest = std::max(longest, (next.at(x, y) - here.at(x, y)).norm());
     }
   }
-  return std::clamp(2 + static_cast<int>(std::ceil(2 * longest / field.kernel().sigma)), 4,
+  return std::clamp(2 + static_cast<int>(std::ceil(2 * longest / field.index_kernel().sigma)), 4,
                     kMaxSlabNodes);
 }
 
 void set_kernel(CpuFrame& frame, const LatticeField& field) {
-  const LatticeKernel& kernel = field.kernel();
+  const LatticeKernel kernel = field.index_kernel();
+  const LatticeGeometry& lattice = field.geometry();
   frame.sigma = static_cast<float>(kernel.sigma);
   frame.support = static_cast<float>(kernel.support_radius());
   frame.inverse_variance = 1.0F / (frame.sigma * frame.sigma);
   frame.near_weight = std::exp(-0.5F * frame.inverse_variance);
   frame.far_weight = std::exp(-2.0F * frame.inverse_variance);
   frame.is_sum = field.reconstruction() == Reconstruction::kSum;
-  frame.sum_weight =
-      static_cast<float>(1.0 / (std::pow(2 * std::numbers::pi, 1.5) * std::pow(kernel.sigma, 3)));
-  for (int a = 0; a < 3; ++a) frame.dims[a] = static_cast<std::int32_t>(field.geometry().dims[a]);
+  frame.sum_weight = static_cast<float>(
+      1.0 / (lattice.density() * std::pow(2 * std::numbers::pi, 1.5) * std::pow(kernel.sigma, 3)));
+  frame.num_sublattices = lattice.num_sublattices();
+  for (int s = 0; s < frame.num_sublattices; ++s) {
+    FrameSublattice& own = frame.sublattices[static_cast<std::size_t>(s)];
+    const Index3 dims = lattice.dims_of(s);
+    for (std::size_t a = 0; a < 3; ++a) own.dims[a] = static_cast<std::int32_t>(dims[a]);
+    own.offset = static_cast<float>(lattice.offset_of(s)[0]);
+  }
   frame.value_scale = static_cast<float>(field.source().value_scale());
   frame.value_offset = static_cast<float>(field.source().value_offset());
-  const Mat3 gradient = field.geometry().world_from_index.linear().inverse().transpose();
+  const Mat3 gradient = lattice.world_from_index.linear().inverse().transpose();
   for (int r = 0; r < 3; ++r) {
     for (int c = 0; c < 3; ++c)
       frame.world_from_index_gradient[3 * r + c] = static_cast<float>(gradient(r, c));
@@ -146,14 +153,17 @@ Frame render(const LatticeField& field, const Camera& camera, const Look& look,
   frame.evaluate = options.evaluate;
   frame.stop_opaque = options.stop_opaque;
   frame.collect_profile = options.collect_profile;
-  frame.has_four_taps = frame.support == 2.0F && frame.sigma >= 0.25F && frame.sigma <= 2.0F &&
-                        !frame.is_sum && !is_mean;
+  // Of two sublattices the kernels are narrower, and reach three of the taps.
+  const bool fits_taps = frame.num_sublattices == 1 ? frame.support == 2.0F : frame.support <= 1.5F;
+  frame.has_four_taps =
+      fits_taps && frame.sigma >= 0.25F && frame.sigma <= 2.0F && !frame.is_sum && !is_mean;
   frame.post_convolution = options.post_convolution;
   frame.samples_at_nodes = has_nodes(frame, plan);
   frame.takes_pieces = frame.is_preintegrated || frame.mode == Mode::kIsosurface;
   const int edge = field.source().brick_edge();
   out.profile.kernels_drawn =
-      std::min(field.num_kernels(), plan.relevance.num_relevant() * edge * edge * edge);
+      std::min(field.num_kernels(),
+               plan.relevance.num_relevant() * edge * edge * edge * frame.num_sublattices);
   const double plan_ms = ms_since(start);
 
   const std::vector<TileRect> tiles =

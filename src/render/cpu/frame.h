@@ -49,6 +49,16 @@ inline constexpr double kGreatestExtinction = 64.0;
 
 // Spacings squared: a gradient is only corrected where more than one kernel has weight.
 inline constexpr float kLeastVariance = 1e-6F;
+// The same of several sublattices, where a matrix is inverted: it must not be near to singular.
+inline constexpr float kLeastInnerVariance = 1e-3F;
+
+// Samples at whole numbers of index space, shifted.
+struct FrameSublattice {
+  std::array<std::int32_t, 3> dims{};
+  float offset = 0;  // along every axis
+};
+
+inline constexpr int kMaxSublattices = 2;
 
 struct CpuFrame {
   const view::FramePlan* plan = nullptr;
@@ -57,12 +67,13 @@ struct CpuFrame {
   std::stop_token stop;
 
   // Kernel and lattice
-  std::array<std::int32_t, 3> dims{};
-  float sigma = 0.5F;                     // spacings, before widening
-  float support = 2.0F;                   // spacings, before widening
+  int num_sublattices = 1;
+  std::array<FrameSublattice, kMaxSublattices> sublattices{};
+  float sigma = 0.5F;                     // index units, before widening
+  float support = 2.0F;                   // index units, before widening
   float inverse_variance = 4.0F;          // 1 / sigma^2
   float near_weight = 0, far_weight = 0;  // g(1) / g(0), g(2) / g(0)
-  bool has_four_taps = true;  // support 2, normalized, mid samples: see reconstruct-inl.h
+  bool has_four_taps = true;  // the default kernel, normalized, mid samples: four_taps-inl.h
   bool is_sum = false;
   float sum_weight = 1;  // w of a `sum` field
   float value_scale = 1, value_offset = 0;

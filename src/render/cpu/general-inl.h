@@ -34,14 +34,15 @@ inline int tap_capacity(const CpuFrame& frame, const SheetSetup& sheet) {
   return static_cast<int>(2 * frame.support * widest) + 2 + 2 * kTapPadding;
 }
 
-inline void fill_axis(const CpuFrame& frame, const Block& block, int axis, float u, float widening,
-                      AxisTaps& taps) {
+// `u`: of the sublattice, its offset taken off.
+inline void fill_axis(const CpuFrame& frame, const Block& block, const FrameSublattice& sublattice,
+                      int axis, float u, float widening, AxisTaps& taps) {
   const float support = frame.support * widening;
   const float inverse_variance = frame.inverse_variance / (widening * widening);
   const int reach_first = static_cast<int>(std::ceil(u - support));
   const int reach_last = static_cast<int>(std::floor(u + support));
   const int lattice_first = static_cast<int>(-block.origin[axis]);
-  const int lattice_last = lattice_first + frame.dims[axis] - 1;
+  const int lattice_last = lattice_first + sublattice.dims[axis] - 1;
   const int first = std::max(reach_first, lattice_first);
   const int last = std::min(reach_last, lattice_last);
   taps.first = first - block.region_lo[axis];
@@ -135,23 +136,25 @@ struct Quotient {
   float endless = 0;
 };
 
+// What the kernels of one sublattice add.
 template <bool kGradient>
-inline void add_node(const CpuFrame& frame, const Workspace& work, const float* u,
+inline void add_node(const CpuFrame& frame, const Workspace& work, int s, const float* u,
                      const SheetSetup& sheet, float node_weight, float* tap_memory, int capacity,
                      Quotient& q) {
   const Block& block = work.block;
+  const FrameSublattice& sublattice = frame.sublattices[static_cast<std::size_t>(s)];
   AxisTaps axis[3];
   for (int a = 0; a < 3; ++a) {
     axis[a].weight = tap_memory + 2 * a * capacity;
     axis[a].derivative = axis[a].weight + capacity;
-    fill_axis(frame, block, a, u[a], sheet.widening[a], axis[a]);
+    fill_axis(frame, block, sublattice, a, u[a] - sublattice.offset, sheet.widening[a], axis[a]);
   }
   q.endless += node_weight * axis[0].endless * axis[1].endless * axis[2].endless;
   if (axis[0].count == 0 || axis[1].count == 0 || axis[2].count == 0) return;
-  const TapSums n = sum_taps<kGradient>(block, work.samples, axis);
+  const TapSums n = sum_taps<kGradient>(block, work.samples + s * block.sublattice_stride, axis);
   TapSums e;
   if (block.has_missing) {
-    e = sum_taps<kGradient>(block, work.presence, axis);
+    e = sum_taps<kGradient>(block, work.presence + s * block.sublattice_stride, axis);
   } else {
     e.value = axis[0].existing * axis[1].existing * axis[2].existing;
     e.x = axis[0].existing_derivative * axis[1].existing * axis[2].existing;
@@ -168,36 +171,97 @@ inline void add_node(const CpuFrame& frame, const Workspace& work, const float* 
   add(q.denominator, e);
 }
 
-// Factor that makes the gradient of a ramp along one axis constant (docs/numerics.md, "Gradients").
-inline float axis_correction(const CpuFrame& frame, float u, float widening) {
-  const float support = frame.support * widening;
-  const float inverse_variance = frame.inverse_variance / (widening * widening);
-  float total = 0;
-  float mean = 0;
+// Of the samples' places along one axis, relative to u, under the weights of an endless lattice.
+struct AxisMoments {
+  float total = 0, mean = 0, variance = 0;
+};
+
+inline AxisMoments moments_of(float u, float support, float inverse_variance) {
+  AxisMoments m;
   float square = 0;
   for (float i = std::ceil(u - support); i <= u + support; i += 1.0F) {
     const float distance = i - u;
     const float weight = std::exp(-0.5F * inverse_variance * distance * distance);
-    total += weight;
-    mean += weight * distance;
+    m.total += weight;
+    m.mean += weight * distance;
     square += weight * distance * distance;
   }
-  const float variance = square / total - mean / total * (mean / total);
-  return variance > kLeastVariance ? 1.0F / (variance * inverse_variance) : 1.0F;
+  m.mean /= m.total;
+  m.variance = square / m.total - m.mean * m.mean;
+  return m;
 }
 
-// Does any kernel reach the sample at u, or its slab, `step` long? Where no sample is missing the
-// supports fill one box. Nodes would miss a slab that has but an end in it.
-inline bool meets_support(const CpuFrame& frame, const Block& block, const SheetSetup& sheet,
-                          const float* u, const float* step) {
+// Two sublattices answer to the slope of a ramp with C slope / sigma^2, C the covariance of their
+// places: D + c d d^T, D what varies inside them, d from one's mean to the other's. The inverse is
+// Sherman's and Morrison's.
+inline void correct_for_two(const float* within, const float* apart, float c, float* gradient) {
+  float along = 0;   // d^T D^-1 g
+  float length = 0;  // d^T D^-1 d
+  for (int a = 0; a < 3; ++a) {
+    along += apart[a] * gradient[a] / within[a];
+    length += apart[a] * apart[a] / within[a];
+  }
+  const float share = c * along / (1 + c * length);
+  for (int a = 0; a < 3; ++a) gradient[a] = (gradient[a] - share * apart[a]) / within[a];
+}
+
+// Makes the gradient of ramps constant (docs/numerics.md, "Gradients").
+inline void correct_gradient(const CpuFrame& frame, const SheetSetup& sheet, const float* u,
+                             float* gradient) {
+  AxisMoments moments[kMaxSublattices][3];
+  float weight[kMaxSublattices];
+  float sigma_squared[3];
+  float total = 0;
+  for (int s = 0; s < frame.num_sublattices; ++s) {
+    weight[s] = 1;
+    for (int a = 0; a < 3; ++a) {
+      const float widening = sheet.widening[a];
+      const float inverse_variance = frame.inverse_variance / (widening * widening);
+      sigma_squared[a] = 1 / inverse_variance;
+      moments[s][a] = moments_of(u[a] - frame.sublattices[static_cast<std::size_t>(s)].offset,
+                                 frame.support * widening, inverse_variance);
+      weight[s] *= moments[s][a].total;
+    }
+    if (!(weight[s] > 0)) {
+      weight[s] = 0;  // no kernel of it reaches, and its moments are none
+      for (AxisMoments& m : moments[s]) m = {};
+    }
+    total += weight[s];
+  }
+  if (frame.num_sublattices == 1) {
+    for (int a = 0; a < 3; ++a) {
+      const float variance = moments[0][a].variance;
+      if (variance > kLeastVariance) gradient[a] *= sigma_squared[a] / variance;
+    }
+    return;
+  }
+  float within[3];
+  float apart[3];
+  for (int a = 0; a < 3; ++a) {
+    const AxisMoments& first = moments[0][a];
+    const AxisMoments& second = moments[1][a];
+    within[a] = (weight[0] * first.variance + weight[1] * second.variance) / total;
+    apart[a] = second.mean - first.mean;
+  }
+  if (std::min({within[0], within[1], within[2]}) > kLeastInnerVariance) {
+    for (int a = 0; a < 3; ++a) gradient[a] *= sigma_squared[a];
+    correct_for_two(within, apart, weight[0] * weight[1] / (total * total), gradient);
+  }
+}
+
+// Does any kernel of a sublattice reach the sample at u, or its slab, `step` long? Where no sample
+// is missing the supports fill one box. Nodes would miss a slab that has but an end in it.
+inline bool meets_support_of(const FrameSublattice& sublattice, const CpuFrame& frame,
+                             const Block& block, const SheetSetup& sheet, const float* u,
+                             const float* step) {
   const bool is_point = frame.num_slab_nodes == 1;
   float from = -0.5F;
   float to = 0.5F;
   for (int a = 0; a < 3; ++a) {
     const float support = frame.support * sheet.widening[a];
-    const float first = static_cast<float>(-block.origin[a]);
+    const float first = static_cast<float>(-block.origin[a]) + sublattice.offset;
     const float below = first - support - u[a];
-    const float above = first + static_cast<float>(frame.dims[a] - 1) + support - u[a];
+    const float above = first + static_cast<float>(sublattice.dims[a] - 1) + support - u[a];
     if (is_point || step[a] == 0.0F) {
       if (below > 0.0F || above < 0.0F) return false;
       continue;
@@ -209,6 +273,14 @@ inline bool meets_support(const CpuFrame& frame, const Block& block, const Sheet
     if (from > to) return false;
   }
   return true;
+}
+
+inline bool meets_support(const CpuFrame& frame, const Block& block, const SheetSetup& sheet,
+                          const float* u, const float* step) {
+  return std::any_of(frame.sublattices.begin(), frame.sublattices.begin() + frame.num_sublattices,
+                     [&](const FrameSublattice& sublattice) {
+                       return meets_support_of(sublattice, frame, block, sheet, u, step);
+                     });
 }
 
 // Returns the bits of the lanes whose field is defined.
@@ -239,7 +311,8 @@ inline std::uint32_t gather_general(const CpuFrame& frame, Workspace& work, int 
       const SlabNode slab = frame.slab_nodes[node];
       float at[3];
       for (int a = 0; a < 3; ++a) at[a] = center[a] + slab.offset * step[a];
-      add_node<kGradient>(frame, work, at, sheet, slab.weight, tap_memory, capacity, q);
+      for (int sub = 0; sub < frame.num_sublattices; ++sub)
+        add_node<kGradient>(frame, work, sub, at, sheet, slab.weight, tap_memory, capacity, q);
     }
     const TapSums& n = q.numerator;
     const TapSums& e = q.denominator;
@@ -265,9 +338,11 @@ inline std::uint32_t gather_general(const CpuFrame& frame, Workspace& work, int 
         out.y[l] = (n.y - f * e.y) * inverse;
         out.z[l] = (n.z - f * e.z) * inverse;
         if (frame.corrects_gradient) {
-          out.x[l] *= axis_correction(frame, position[0][l], sheet.widening[0]);
-          out.y[l] *= axis_correction(frame, position[1][l], sheet.widening[1]);
-          out.z[l] *= axis_correction(frame, position[2][l], sheet.widening[2]);
+          float gradient[3] = {out.x[l], out.y[l], out.z[l]};
+          correct_gradient(frame, sheet, center, gradient);
+          out.x[l] = gradient[0];
+          out.y[l] = gradient[1];
+          out.z[l] = gradient[2];
         }
       }
     }

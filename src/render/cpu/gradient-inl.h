@@ -52,14 +52,14 @@ inline void reconstruct_with_gradients(const CpuFrame& frame, Workspace& work, i
     block.has_gradient[y] |= bits[y];
     work.stats.gradients += std::popcount(bits[y]);
   }
-  FourTapGradientBatch batch;
+  GradientBatch batch;
   for_each_batch(block, bits, batch, [&] {
     weigh_sheet(frame, block, s, batch);
-    sum_yz_gradient(block, work.samples, batch);
+    sum_batch(frame, work, batch);
     alignas(64) float value[kBatchSamples];
     alignas(64) float g[3][kBatchSamples];
     for (int i = 0; i < batch.count; i += group_size()) {
-      const ValueAndGradient v = reduce_gradient(batch, i);
+      const ValueAndGradient v = value_of(frame, batch, i);
       const WorldVector world = to_world(frame, v.x, v.y, v.z);
       hn::Store(v.value, d, value + i);
       hn::Store(world.x, d, g[0] + i);

@@ -218,50 +218,45 @@ inline void clear_padding(const Block& block, float* floats) {
   std::fill_n(floats + static_cast<std::ptrdiff_t>(num_rows) * block.row_stride, kTapPadding, 0.0F);
 }
 
-// What of the region lies in the lattice: [lo, hi) in lattice indices.
+// What of the region lies in a sublattice: [lo, hi) in its samples.
 struct LatticePart {
   Index3 lo, hi;
 };
 
-inline LatticePart part_in_lattice(const CpuFrame& frame, const Block& block) {
+inline LatticePart part_in_lattice(const Block& block, const FrameSublattice& sublattice) {
   LatticePart part{};
   for (int a = 0; a < 3; ++a) {
     const std::int64_t first = block.origin[a] + block.region_lo[a];
-    part.lo[a] = std::clamp<std::int64_t>(first, 0, frame.dims[a] - 1);
-    part.hi[a] =
-        std::clamp<std::int64_t>(first + block.region_size[a], part.lo[a] + 1, frame.dims[a]);
+    const std::int64_t size = sublattice.dims[a];
+    part.lo[a] = std::clamp<std::int64_t>(first, 0, size - 1);
+    part.hi[a] = std::clamp<std::int64_t>(first + block.region_size[a], part.lo[a] + 1, size);
   }
   return part;
 }
 
-// `is_scattered`: the region is for kernels that splat themselves, which read it plainly.
-inline void load_region(const CpuFrame& frame, Workspace& work, bool is_scattered) {
-  Block& block = work.block;
-  const BrickSource& source = frame.field->source();
-  const auto [lo, hi] = part_in_lattice(frame, block);
-  block.has_missing = region_misses(source, lo, hi);
-  block.uses_four_taps = !is_scattered && can_use_four_taps(frame, block);
-  block.row_stride = block.region_size[0] + (block.uses_four_taps ? 0 : kTapPadding);
-  block.slice_stride = block.row_stride * block.region_size[1];
-  const std::size_t floats_per_sample = block.uses_four_taps ? 2 : 1;
-  const std::size_t count =
-      floats_per_sample * block.slice_stride * block.region_size[2] + kTapPadding;
-  float* samples = work.sample_memory.reserve(count);
-  work.samples = samples;
-  float* presence = block.has_missing ? work.presence_memory.reserve(count) : nullptr;
-  work.presence = presence;
-  // Padding and places outside the lattice are read under zero weights; they must not hold what
-  // times zero is not zero.
-  if (!block.is_interior) {
-    std::fill_n(samples, count, 0.0F);
-    if (presence != nullptr) std::fill_n(presence, count, 0.0F);
-  } else if (!block.uses_four_taps) {
-    clear_padding(block, samples);
-    if (presence != nullptr) clear_padding(block, presence);
-  }
-  const LoadScale map{frame.value_scale, frame.value_offset};
+// Sublattice s of `count` in what a source shows: every so many-th layer.
+inline BrickView sublattice_view(BrickView view, int s, int count) {
+  if (count == 1) return view;
+  const auto first_at_or_behind = [&](std::int64_t layer) {
+    return (std::max<std::int64_t>(layer - s, 0) + count - 1) / count;
+  };
+  const std::int64_t first = first_at_or_behind(view.lo[2]);
+  view.data = static_cast<const std::byte*>(view.data) +
+              (first * count + s - view.lo[2]) * view.stride_z *
+                  static_cast<std::ptrdiff_t>(size_of(view.type));
+  view.hi[2] = first_at_or_behind(view.hi[2]);
+  view.lo[2] = first;
+  view.stride_z *= count;
+  return view;
+}
 
-  // A view may show more than its brick: walk over the region in the steps that the views allow.
+// A sublattice's samples. A view may show more than its brick: walks over the region in the steps
+// that the views allow.
+inline void load_sublattice(const CpuFrame& frame, const Block& block, int s, float* samples,
+                            float* presence) {
+  const BrickSource& source = frame.field->source();
+  const LoadScale map{frame.value_scale, frame.value_offset};
+  const auto [lo, hi] = part_in_lattice(block, frame.sublattices[static_cast<std::size_t>(s)]);
   const int edge = source.brick_edge();
   Index3 at = lo;
   while (at[2] < hi[2]) {
@@ -269,7 +264,9 @@ inline void load_region(const CpuFrame& frame, Workspace& work, bool is_scattere
     for (at[1] = lo[1]; at[1] < hi[1];) {
       std::int64_t next_y = hi[1];
       for (at[0] = lo[0]; at[0] < hi[0];) {
-        const BrickView view = source.acquire(at[0] / edge, at[1] / edge, at[2] / edge, 0.0);
+        const BrickView view =
+            sublattice_view(source.acquire(at[0] / edge, at[1] / edge, at[2] / edge, 0.0), s,
+                            frame.num_sublattices);
         const Index3 part_hi{std::min(hi[0], view.hi[0]), std::min(hi[1], view.hi[1]),
                              std::min(hi[2], view.hi[2])};
         next_y = std::min(next_y, part_hi[1]);
@@ -281,7 +278,42 @@ inline void load_region(const CpuFrame& frame, Workspace& work, bool is_scattere
     }
     at[2] = next_z;
   }
+}
+
+// `is_scattered`: the region is for kernels that splat themselves, which read it plainly.
+inline void load_region(const CpuFrame& frame, Workspace& work, bool is_scattered) {
+  Block& block = work.block;
+  const auto [lo, hi] = part_in_lattice(block, frame.sublattices[0]);
+  block.has_missing = region_misses(frame.field->source(), lo, hi);
+  block.uses_four_taps = !is_scattered && can_use_four_taps(frame, block);
+  block.row_stride = block.region_size[0] + (block.uses_four_taps ? 0 : kTapPadding);
+  block.slice_stride = block.row_stride * block.region_size[1];
+  const std::size_t floats_per_sample = block.uses_four_taps ? 2 : 1;
+  const std::size_t own_count =
+      floats_per_sample * block.slice_stride * block.region_size[2] + kTapPadding;
+  const std::size_t count = own_count * static_cast<std::size_t>(frame.num_sublattices);
+  block.sublattice_stride = static_cast<std::ptrdiff_t>(own_count);
+  float* samples = work.sample_memory.reserve(count);
+  work.samples = samples;
+  float* presence = block.has_missing ? work.presence_memory.reserve(count) : nullptr;
+  work.presence = presence;
+  // Padding and places outside the lattice are read under zero weights; they must not hold what
+  // times zero is not zero.
+  if (!block.is_interior) {
+    std::fill_n(samples, count, 0.0F);
+    if (presence != nullptr) std::fill_n(presence, count, 0.0F);
+  }
+  for (int s = 0; s < frame.num_sublattices; ++s) {
+    float* own_samples = samples + s * block.sublattice_stride;
+    float* own_presence = presence == nullptr ? nullptr : presence + s * block.sublattice_stride;
+    if (block.is_interior && !block.uses_four_taps) {
+      clear_padding(block, own_samples);
+      if (own_presence != nullptr) clear_padding(block, own_presence);
+    }
+    load_sublattice(frame, block, s, own_samples, own_presence);
+  }
   work.stats.kernels_loaded +=
+      frame.num_sublattices *
       num_samples({block.region_size[0], block.region_size[1], block.region_size[2]});
 }
 

@@ -71,8 +71,15 @@ inline Support whole_support(const CpuFrame& frame, const Block& nodes, const Sh
     const float slab = frame.num_slab_nodes > 1 ? 0.5F * std::abs(sheet.step[a]) : 0.0F;
     const float reach = frame.support * sheet.widening[a] + slab;
     const auto first = static_cast<float>(-nodes.origin[a]);
-    support.lo[a] = hn::Set(d, first + reach);
-    support.hi[a] = hn::Set(d, first + static_cast<float>(frame.dims[a] - 1) - reach);
+    float lo = first;
+    float hi = std::numeric_limits<float>::max();
+    for (int s = 0; s < frame.num_sublattices; ++s) {
+      const auto& [dims, offset] = frame.sublattices[static_cast<std::size_t>(s)];
+      lo = std::max(lo, first + offset);
+      hi = std::min(hi, first + offset + static_cast<float>(dims[a] - 1));
+    }
+    support.lo[a] = hn::Set(d, lo + reach);
+    support.hi[a] = hn::Set(d, hi - reach);
   }
   support.holds_block = false;
   return support;

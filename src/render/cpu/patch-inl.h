@@ -123,6 +123,7 @@ inline void share_region(const CpuFrame& frame, LatticeWorkspace& work, int s) {
   std::copy_n(nodes.region_size, 3, pixels.region_size);
   pixels.row_stride = nodes.row_stride;
   pixels.slice_stride = nodes.slice_stride;
+  pixels.sublattice_stride = nodes.sublattice_stride;
   pixels.is_interior = nodes.is_interior;
   pixels.has_missing = nodes.has_missing;
   pixels.uses_four_taps = nodes.uses_four_taps;

@@ -128,17 +128,19 @@ HWY_INLINE void splat_kernel(const SampleBox& box, const SplatPlane& plane, cons
   }
 }
 
-// The kernels of the region, as far as the lattice goes, that reach a plane: visit(center, value).
+// The kernels of one sublattice's region, as far as it goes, that reach a plane.
 template <class Visit>
-inline void for_each_kernel(const CpuFrame& frame, const Workspace& work, const SplatPlane& plane,
-                            const Visit& visit) {
+inline void for_each_kernel_of(const FrameSublattice& sublattice, const Workspace& work,
+                               std::ptrdiff_t from, const SplatPlane& plane, const Visit& visit) {
   const Block& block = work.block;
-  const auto [lo, hi] = part_in_lattice(frame, block);
+  const float* samples = work.samples + from;
+  const float* presence = block.has_missing ? work.presence + from : nullptr;
+  const auto [lo, hi] = part_in_lattice(block, sublattice);
   for (std::int64_t z = lo[2]; z < hi[2]; ++z) {
     for (std::int64_t y = lo[1]; y < hi[1]; ++y) {
-      float center[3] = {static_cast<float>(lo[0] - block.origin[0]),
-                         static_cast<float>(y - block.origin[1]),
-                         static_cast<float>(z - block.origin[2])};
+      float center[3] = {static_cast<float>(lo[0] - block.origin[0]) + sublattice.offset,
+                         static_cast<float>(y - block.origin[1]) + sublattice.offset,
+                         static_cast<float>(z - block.origin[2]) + sublattice.offset};
       // Kernels of the row that meet the sheet: |sheet + i * slope| <= half extent.
       const float from_base[3] = {center[0] - plane.base[0], center[1] - plane.base[1],
                                   center[2] - plane.base[2]};
@@ -160,12 +162,21 @@ inline void for_each_kernel(const CpuFrame& frame, const Workspace& work, const 
                                  (lo[0] - block.origin[0] - block.region_lo[0]);
       const float x0 = center[0];
       for (int i = first; i <= last; ++i) {
-        if (block.has_missing && work.presence[row + i] == 0.0F) continue;
+        if (presence != nullptr && presence[row + i] == 0.0F) continue;
         center[0] = x0 + static_cast<float>(i);
-        visit(center, work.samples[row + i]);
+        visit(center, samples[row + i]);
       }
     }
   }
+}
+
+// The kernels of the region, as far as the lattice goes, that reach a plane: visit(center, value).
+template <class Visit>
+inline void for_each_kernel(const CpuFrame& frame, const Workspace& work, const SplatPlane& plane,
+                            const Visit& visit) {
+  for (int s = 0; s < frame.num_sublattices; ++s)
+    for_each_kernel_of(frame.sublattices[static_cast<std::size_t>(s)], work,
+                       s * work.block.sublattice_stride, plane, visit);
 }
 
 // Room for the planes of all sheets of the block.
@@ -199,21 +210,28 @@ inline float endless_sum(const CpuFrame& frame, Workspace& work, const SheetSetu
   const int capacity = tap_capacity(frame, sheet);
   float* memory = work.taps.reserve(static_cast<std::size_t>(6) * capacity);
   float sum = 0;
+  const float x = static_cast<float>(column);
+  const float y = static_cast<float>(row);
   for (int node = 0; node < frame.num_slab_nodes; ++node) {
-    const float x = static_cast<float>(column);
-    const float y = static_cast<float>(row);
-    float product = frame.slab_nodes[node].weight;
+    float u[3];
     for (int a = 0; a < 3; ++a) {
       const float step = sheet.step[a] + x * sheet.step_per_x[a] + y * sheet.step_per_y[a];
-      const float u = sheet.base[a] + x * sheet.per_x[a] + y * sheet.per_y[a] +
-                      frame.slab_nodes[node].offset * step;
-      AxisTaps taps;
-      taps.weight = memory;
-      taps.derivative = memory + capacity;
-      fill_axis(frame, work.block, a, u, sheet.widening[a], taps);
-      product *= taps.endless;
+      u[a] = sheet.base[a] + x * sheet.per_x[a] + y * sheet.per_y[a] +
+             frame.slab_nodes[node].offset * step;
     }
-    sum += product;
+    for (int s = 0; s < frame.num_sublattices; ++s) {
+      const FrameSublattice& sublattice = frame.sublattices[static_cast<std::size_t>(s)];
+      float product = frame.slab_nodes[node].weight;
+      for (int a = 0; a < 3; ++a) {
+        AxisTaps taps;
+        taps.weight = memory;
+        taps.derivative = memory + capacity;
+        fill_axis(frame, work.block, sublattice, a, u[a] - sublattice.offset, sheet.widening[a],
+                  taps);
+        product *= taps.endless;
+      }
+      sum += product;
+    }
   }
   return sum;
 }

@@ -27,6 +27,9 @@ constexpr double kLeastShare = 0.48;
 // Spacings squared: a gradient is only corrected where more than one kernel has weight.
 constexpr double kLeastVariance = 1e-6;
 
+// The same of several sublattices, where a matrix is inverted: it must not be near to singular.
+constexpr double kLeastInnerVariance = 1e-3;
+
 // Spacings; nobody waits for the sums of longer ones.
 constexpr double kMaxSegment = 1e6;
 
@@ -151,25 +154,26 @@ struct LineIntegral {
 }  // namespace
 
 FieldEvaluator::FieldEvaluator(const LatticeField& field)
-    : dims_(field.geometry().dims),
-      world_gradient_from_index_(field.geometry().world_from_index.linear().inverse().transpose()),
-      index_from_world_(field.geometry().world_from_index.inverse()),
-      index_gradient_from_world_(field.geometry().world_from_index.linear().transpose()),
-      kernel_(field.kernel()),
+    : lattice_(field.geometry()),
+      world_gradient_from_index_(lattice_.world_from_index.linear().inverse().transpose()),
+      index_from_world_(lattice_.world_from_index.inverse()),
+      index_gradient_from_world_(lattice_.world_from_index.linear().transpose()),
+      kernel_(field.index_kernel()),
       reconstruction_(field.reconstruction()) {
   const BrickSource& source = field.source();
+  const auto count = static_cast<std::size_t>(num_samples(lattice_.dims));
   try {
-    values_.assign(static_cast<std::size_t>(num_samples(dims_)), 0.0);
-    exists_.assign(static_cast<std::size_t>(num_samples(dims_)), 0);
+    values_.assign(count, 0.0);
+    exists_.assign(count, 0);
   } catch (const std::bad_alloc&) {
     throw Error(ErrorCode::kOutOfMemory, "reference back end: no memory for " +
-                                             std::to_string(num_samples(dims_)) +
-                                             " samples of 9 bytes");
+                                             std::to_string(count) + " samples of 9 bytes");
   }
   const std::int64_t edge = source.brick_edge();
-  for (std::int64_t bz = 0; bz * edge < dims_[2]; ++bz) {
-    for (std::int64_t by = 0; by * edge < dims_[1]; ++by) {
-      for (std::int64_t bx = 0; bx * edge < dims_[0]; ++bx) copy_brick(source, {bx, by, bz});
+  const Index3 cells = lattice_.cells();
+  for (std::int64_t bz = 0; bz * edge < cells[2]; ++bz) {
+    for (std::int64_t by = 0; by * edge < cells[1]; ++by) {
+      for (std::int64_t bx = 0; bx * edge < cells[0]; ++bx) copy_brick(source, {bx, by, bz});
     }
   }
 }
@@ -179,8 +183,9 @@ void FieldEvaluator::copy_brick(const BrickSource& source, const Index3& brick) 
   Index3 begin;
   Index3 end;
   for (int a = 0; a < 3; ++a) {
-    begin[a] = brick[a] * source.brick_edge();
-    end[a] = std::min(begin[a] + source.brick_edge(), dims_[a]);
+    const int layers = a == 2 ? lattice_.num_sublattices() : 1;
+    begin[a] = brick[a] * source.brick_edge() * layers;
+    end[a] = std::min(begin[a] + source.brick_edge() * layers, lattice_.dims[a]);
   }
   for (std::int64_t k = begin[2]; k < end[2]; ++k) {
     for (std::int64_t j = begin[1]; j < end[1]; ++j) {
@@ -190,8 +195,10 @@ void FieldEvaluator::copy_brick(const BrickSource& source, const Index3& brick) 
                                     (k - view.lo[2]) * view.stride_z);
         const double value = stored * source.value_scale() + source.value_offset();
         if (!std::isfinite(value)) continue;
-        values_[offset_of({i, j, k})] = value;
-        exists_[offset_of({i, j, k})] = 1;
+        const auto place =
+            static_cast<std::size_t>(i + lattice_.dims[0] * (j + lattice_.dims[1] * k));
+        values_[place] = value;
+        exists_[place] = 1;
         ++num_existing_;
       }
     }
@@ -201,37 +208,42 @@ void FieldEvaluator::copy_brick(const BrickSource& source, const Index3& brick) 
 FieldSample FieldEvaluator::at_index(const Vec3& position, const Vec3& widening) const {
   // Also keeps what is no number, or too large for an index, from the loops.
   if (!support_bounds(widening).contains(position)) return {};
+  Sums sums;
+  for (int s = 0; s < lattice_.num_sublattices(); ++s) add_sublattice(s, position, widening, sums);
+  return reconstruct(sums, widening);
+}
+
+void FieldEvaluator::add_sublattice(int sublattice, const Vec3& position, const Vec3& widening,
+                                    Sums& sums) const {
+  const Vec3 u = position - lattice_.offset_of(sublattice);
+  const Index3 dims = lattice_.dims_of(sublattice);
   const auto axis = [&](int a) {
-    return AxisWeights(position[a], kernel_.sigma * widening[a],
-                       kernel_.support_radius() * widening[a]);
+    return AxisWeights(u[a], kernel_.sigma * widening[a], kernel_.support_radius() * widening[a]);
   };
   const AxisWeights x = axis(0);
   const AxisWeights y = axis(1);
   const AxisWeights z = axis(2);
-
-  Sums sums;
-  sums.endless = x.endless * y.endless * z.endless;
-  const IndexRange in_x = x.indices.inside(dims_[0]);
-  const IndexRange in_y = y.indices.inside(dims_[1]);
-  const IndexRange in_z = z.indices.inside(dims_[2]);
+  sums.endless += x.endless * y.endless * z.endless;
+  const IndexRange in_x = x.indices.inside(dims[0]);
+  const IndexRange in_y = y.indices.inside(dims[1]);
+  const IndexRange in_z = z.indices.inside(dims[2]);
   for (std::int64_t k = in_z.first; k <= in_z.last; ++k) {
     for (std::int64_t j = in_y.first; j <= in_y.last; ++j) {
       for (std::int64_t i = in_x.first; i <= in_x.last; ++i) {
-        const std::size_t offset = offset_of({i, j, k});
-        if (exists_[offset] == 0) continue;
+        const std::size_t place = place_of(sublattice, {i, j, k});
+        if (exists_[place] == 0) continue;
         const auto [gx, dgx] = x.of(i);
         const auto [gy, dgy] = y.of(j);
         const auto [gz, dgz] = z.of(k);
         const double phi = gx * gy * gz;
         const Vec3 grad_phi(dgx * gy * gz, gx * dgy * gz, gx * gy * dgz);
-        sums.numerator += values_[offset] * phi;
+        sums.numerator += values_[place] * phi;
         sums.denominator += phi;
-        sums.grad_numerator += values_[offset] * grad_phi;
+        sums.grad_numerator += values_[place] * grad_phi;
         sums.grad_denominator += grad_phi;
       }
     }
   }
-  return reconstruct(sums, widening);
 }
 
 FieldSample FieldEvaluator::at_world(const Vec3& position, const Vec3& widening) const {
@@ -250,13 +262,19 @@ FieldSample FieldEvaluator::mean_over(const Vec3& from, const Vec3& to,
                     " spacings: expected at most " + std::to_string(kMaxSegment));
   }
   assert(from != to);
+  Sums sums;
+  for (int s = 0; s < lattice_.num_sublattices(); ++s)
+    integrate_sublattice(s, from - lattice_.offset_of(s), step, widening, sums);
+  return reconstruct(sums, widening);
+}
+
+// Axis by axis, the segment is narrowed to what lies in reach of the index: the kernels of the
+// innermost loop are those whose boxes the segment meets, and the part that is left is the one
+// inside the box.
+void FieldEvaluator::integrate_sublattice(int sublattice, const Vec3& from, const Vec3& step,
+                                          const Vec3& widening, Sums& sums) const {
   const Vec3 sigma = kernel_.sigma * widening;
   const Vec3 reach = kernel_.support_radius() * widening;
-
-  // Axis by axis, the segment is narrowed to what lies in reach of the index: the kernels of the
-  // innermost loop are those whose boxes the segment meets, and the part that is left is the one
-  // inside the box.
-  Sums sums;
   const Part whole;
   const IndexRange z = indices_in_reach(from[2], step[2], whole, reach[2]);
   for (std::int64_t k = z.first; k <= z.last; ++k) {
@@ -275,17 +293,16 @@ FieldSample FieldEvaluator::mean_over(const Vec3& from, const Vec3& to,
         if (in_box.is_empty()) continue;
         const LineIntegral integral(in_box, {dx, dy, dz}, step, sigma);
         sums.endless += integral.phi;
-        if (!is_inside({i, j, k})) continue;
-        const std::size_t offset = offset_of({i, j, k});
-        if (exists_[offset] == 0) continue;
-        sums.numerator += values_[offset] * integral.phi;
+        if (!is_inside(sublattice, {i, j, k})) continue;
+        const std::size_t place = place_of(sublattice, {i, j, k});
+        if (exists_[place] == 0) continue;
+        sums.numerator += values_[place] * integral.phi;
         sums.denominator += integral.phi;
-        sums.grad_numerator += values_[offset] * integral.grad_phi;
+        sums.grad_numerator += values_[place] * integral.grad_phi;
         sums.grad_denominator += integral.grad_phi;
       }
     }
   }
-  return reconstruct(sums, widening);
 }
 
 FieldSample FieldEvaluator::mean_under(const Bounds3& box,
@@ -294,18 +311,21 @@ FieldSample FieldEvaluator::mean_under(const Bounds3& box,
   if (!support_bounds(Vec3::Ones()).intersects(box)) return {};
   double sum = 0;
   double sum_of_weights = 0;
-  const IndexRange in_x = indices_in_reach(box.min()[0], box.max()[0], 0);
-  const IndexRange in_y = indices_in_reach(box.min()[1], box.max()[1], 0);
-  const IndexRange in_z = indices_in_reach(box.min()[2], box.max()[2], 0);
-  for (std::int64_t k = in_z.first; k <= in_z.last; ++k) {
-    for (std::int64_t j = in_y.first; j <= in_y.last; ++j) {
-      for (std::int64_t i = in_x.first; i <= in_x.last; ++i) {
-        const double w =
-            weight({static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
-        if (w == 0) continue;
-        if (!is_inside({i, j, k}) || exists_[offset_of({i, j, k})] == 0) return {};
-        sum += w * values_[offset_of({i, j, k})];
-        sum_of_weights += w;
+  for (int s = 0; s < lattice_.num_sublattices(); ++s) {
+    const Vec3 offset = lattice_.offset_of(s);
+    const IndexRange in_x = indices_in_reach(box.min()[0] - offset[0], box.max()[0] - offset[0], 0);
+    const IndexRange in_y = indices_in_reach(box.min()[1] - offset[1], box.max()[1] - offset[1], 0);
+    const IndexRange in_z = indices_in_reach(box.min()[2] - offset[2], box.max()[2] - offset[2], 0);
+    for (std::int64_t k = in_z.first; k <= in_z.last; ++k) {
+      for (std::int64_t j = in_y.first; j <= in_y.last; ++j) {
+        for (std::int64_t i = in_x.first; i <= in_x.last; ++i) {
+          const Vec3 index(static_cast<double>(i), static_cast<double>(j), static_cast<double>(k));
+          const double w = weight(index + offset);
+          if (w == 0) continue;
+          if (!is_inside(s, {i, j, k}) || exists_[place_of(s, {i, j, k})] == 0) return {};
+          sum += w * values_[place_of(s, {i, j, k})];
+          sum_of_weights += w;
+        }
       }
     }
   }
@@ -319,29 +339,63 @@ FieldSample FieldEvaluator::mean_under(const Bounds3& box,
 Vec3 FieldEvaluator::corrected_gradient(const Vec3& gradient, const Vec3& position,
                                         const Vec3& widening) const {
   if (reconstruction_ == Reconstruction::kSum) return gradient;
-  Vec3 grad_index = index_gradient_from_world_ * gradient;
-  for (int a = 0; a < 3; ++a) {
-    const double sigma = kernel_.sigma * widening[a];
-    const AxisWeights axis(position[a], sigma, kernel_.support_radius() * widening[a]);
-    double first_moment = 0;
-    double second_moment = 0;
-    for (std::int64_t i = axis.indices.first; i <= axis.indices.last; ++i) {
-      const double d = static_cast<double>(i) - position[a];
-      first_moment += d * axis.of(i).g / axis.endless;
-      second_moment += d * d * axis.of(i).g / axis.endless;
+  // Moments of the samples' places, relative to the position, under the endless lattice's weights:
+  // of each sublattice, which are products, and of all.
+  const Vec3 sigma = kernel_.sigma * widening;
+  double total = 0;
+  Vec3 mean = Vec3::Zero();
+  Mat3 square = Mat3::Zero();
+  Vec3 within = Vec3::Zero();  // variances inside the sublattices
+  for (int s = 0; s < lattice_.num_sublattices(); ++s) {
+    const Vec3 u = position - lattice_.offset_of(s);
+    double weight = 1;
+    Vec3 own_mean;
+    Vec3 variance;
+    for (int a = 0; a < 3; ++a) {
+      const AxisWeights axis(u[a], sigma[a], kernel_.support_radius() * widening[a]);
+      double first = 0;
+      double second = 0;
+      for (std::int64_t i = axis.indices.first; i <= axis.indices.last; ++i) {
+        const double d = static_cast<double>(i) - u[a];
+        first += d * axis.of(i).g / axis.endless;
+        second += d * d * axis.of(i).g / axis.endless;
+      }
+      weight *= axis.endless;
+      own_mean[a] = first;
+      variance[a] = second - first * first;
     }
-    const double variance = second_moment - first_moment * first_moment;
+    if (!(weight > 0)) continue;  // no kernel of it reaches
+    total += weight;
+    mean += weight * own_mean;
+    square += weight * (own_mean * own_mean.transpose());
+    within += weight * variance;
+  }
+  mean /= total;
+  within /= total;
+  const Mat3 between = square / total - mean * mean.transpose();
+  Vec3 grad_index = index_gradient_from_world_ * gradient;
+  const Vec3 answered = sigma.cwiseProduct(sigma).cwiseProduct(grad_index);
+  if (lattice_.num_sublattices() == 1) {
     // Where a single kernel reaches, no ramp has a slope.
-    if (variance > kLeastVariance) grad_index[a] *= sigma * sigma / variance;
+    for (int a = 0; a < 3; ++a)
+      if (within[a] > kLeastVariance) grad_index[a] = answered[a] / within[a];
+  } else if (within.minCoeff() > kLeastInnerVariance) {
+    const Mat3 covariance = between + Mat3(within.asDiagonal());
+    grad_index = covariance.inverse() * answered;
   }
   return world_gradient_from_index_ * grad_index;
 }
 
 Bounds3 FieldEvaluator::support_bounds(const Vec3& widening) const {
   const Vec3 reach = kernel_.support_radius() * widening;
-  const Vec3 last(static_cast<double>(dims_[0] - 1), static_cast<double>(dims_[1] - 1),
-                  static_cast<double>(dims_[2] - 1));
-  return {-reach, last + reach};
+  Bounds3 bounds;
+  for (int s = 0; s < lattice_.num_sublattices(); ++s) {
+    const Index3 dims = lattice_.dims_of(s);
+    const Vec3 last(static_cast<double>(dims[0] - 1), static_cast<double>(dims[1] - 1),
+                    static_cast<double>(dims[2] - 1));
+    bounds.extend(Bounds3(lattice_.offset_of(s) - reach, lattice_.offset_of(s) + last + reach));
+  }
+  return bounds;
 }
 
 FieldSample FieldEvaluator::reconstruct(const Sums& sums, const Vec3& widening) const {
@@ -358,7 +412,7 @@ FieldSample FieldEvaluator::reconstruct(const Sums& sums, const Vec3& widening) 
   Vec3 grad_index;
   if (reconstruction_ == Reconstruction::kSum) {
     const double weight = 1 / (std::pow(2 * std::numbers::pi, 1.5) * std::pow(kernel_.sigma, 3)) /
-                          (widening[0] * widening[1] * widening[2]);
+                          (lattice_.density() * widening[0] * widening[1] * widening[2]);
     sample.value = weight * sums.numerator;
     grad_index = weight * sums.grad_numerator;
   } else {
@@ -369,15 +423,18 @@ FieldSample FieldEvaluator::reconstruct(const Sums& sums, const Vec3& widening) 
   return sample;
 }
 
-bool FieldEvaluator::is_inside(const Index3& index) const noexcept {
+bool FieldEvaluator::is_inside(int sublattice, const Index3& index) const noexcept {
+  const Index3 dims = lattice_.dims_of(sublattice);
   for (int a = 0; a < 3; ++a) {
-    if (index[a] < 0 || index[a] >= dims_[a]) return false;
+    if (index[a] < 0 || index[a] >= dims[a]) return false;
   }
   return true;
 }
 
-std::size_t FieldEvaluator::offset_of(const Index3& index) const noexcept {
-  return static_cast<std::size_t>(index[0] + dims_[0] * (index[1] + dims_[1] * index[2]));
+std::size_t FieldEvaluator::place_of(int sublattice, const Index3& index) const noexcept {
+  const Index3& dims = lattice_.dims;
+  const std::int64_t layer = index[2] * lattice_.num_sublattices() + sublattice;
+  return static_cast<std::size_t>(index[0] + dims[0] * (index[1] + dims[1] * layer));
 }
 
 }  // namespace ovoid::reference

@@ -45,9 +45,9 @@ class FieldEvaluator {
   FieldSample mean_under(const Bounds3& box,
                          const std::function<double(const Vec3&)>& weight) const;
 
-  // A world gradient found at a position (of a mean: the segment's middle) in index space, divided
-  // by what the endless lattice answers to a ramp of slope 1 along each lattice axis:
-  // docs/numerics.md, "Gradients". Unchanged for `sum`.
+  // A world gradient found at a position (of a mean: the segment's middle) in index space, turned
+  // into the slope of the ramp to which the endless lattice answers with it: docs/numerics.md,
+  // "Gradients". Unchanged for `sum`.
   Vec3 corrected_gradient(const Vec3& gradient, const Vec3& position, const Vec3& widening) const;
 
   // The positions in index space that any kernel can reach.
@@ -66,18 +66,22 @@ class FieldEvaluator {
   };
 
   void copy_brick(const BrickSource& source, const Index3& brick);
+  void add_sublattice(int sublattice, const Vec3& position, const Vec3& widening, Sums& sums) const;
+  void integrate_sublattice(int sublattice, const Vec3& from, const Vec3& step,
+                            const Vec3& widening, Sums& sums) const;
   FieldSample reconstruct(const Sums& sums, const Vec3& widening) const;
-  bool is_inside(const Index3& index) const noexcept;
-  std::size_t offset_of(const Index3& index) const noexcept;
+  // Of sample `index` of a sublattice.
+  bool is_inside(int sublattice, const Index3& index) const noexcept;
+  std::size_t place_of(int sublattice, const Index3& index) const noexcept;
 
-  Index3 dims_;
+  LatticeGeometry lattice_;
   Mat3 world_gradient_from_index_;  // inverse transpose of the axis vectors
   Affine3 index_from_world_;
   Mat3 index_gradient_from_world_;  // transpose of the axis vectors
-  LatticeKernel kernel_;
+  LatticeKernel kernel_;            // in index units
   Reconstruction reconstruction_;
-  std::vector<double> values_;        // [z, y, x]; 0 where missing
-  std::vector<std::uint8_t> exists_;  // [z, y, x]; 1 where the value is finite, else 0
+  std::vector<double> values_;        // [layer, y, x]; 0 where missing
+  std::vector<std::uint8_t> exists_;  // [layer, y, x]; 1 where the value is finite, else 0
   std::int64_t num_existing_ = 0;
 };
 

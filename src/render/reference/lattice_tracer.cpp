@@ -9,7 +9,6 @@ namespace {
 
 // docs/numerics.md, "Post-convolution".
 constexpr std::int64_t kSheetsOfOnePitch = 16;
-constexpr double kNodeDistance = 1;   // spacings
 constexpr double kLeastPitch = 1.45;  // pixels
 constexpr double kGreatestPitch = 64;
 
@@ -35,7 +34,8 @@ LatticeTracer::LatticeTracer(const LatticeField& field, const FieldEvaluator& ev
       spread_(options.spread),
       index_from_world_(field.geometry().world_from_index.inverse()),
       world_from_index_(field.geometry().world_from_index),
-      kernel_(field.kernel()),
+      kernel_(field.index_kernel()),
+      node_distance_(field.geometry().unit_spacing()),
       support_(evaluator.support_bounds(view().greatest_widening())) {}
 
 SheetRange LatticeTracer::sheets_of(const Ray& ray) const {
@@ -77,7 +77,7 @@ PixelTracer::RaySample LatticeTracer::front_end(const PixelRay& pixel, const Ray
 std::optional<double> LatticeTracer::node_pitch(std::int64_t sheet) const {
   if (!has_nodes_) return std::nullopt;
   const double pixel_step = view().pixel_step(rearmost_of_group(sheet));
-  const double pitch = std::min(kNodeDistance / pixel_step, kGreatestPitch);
+  const double pitch = std::min(node_distance_ / pixel_step, kGreatestPitch);
   if (!(pitch >= kLeastPitch)) return std::nullopt;
   return pitch;
 }

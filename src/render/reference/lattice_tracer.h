@@ -69,8 +69,9 @@ class LatticeTracer final : public PixelTracer {
   const Spread spread_;
   const Affine3 index_from_world_;
   const Affine3 world_from_index_;
-  const LatticeKernel kernel_;
-  const Bounds3 support_;  // index space, the whole frame's
+  const LatticeKernel kernel_;  // in index units
+  const double node_distance_;  // of the published ways, index units
+  const Bounds3 support_;       // index space, the whole frame's
 };
 
 }  // namespace ovoid::reference

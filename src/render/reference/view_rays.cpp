@@ -55,8 +55,8 @@ ViewRays::ViewRays(const LatticeField& field, const Camera& camera, const Render
   index_from_world_ = field.geometry().world_from_index.inverse();
   spacing_ = field.geometry().spacing();
   for (int a = 0; a < 3; ++a) {
-    const auto dims = static_cast<double>(field.geometry().dims[a]);
-    widest_[a] = std::max(1.0, dims / (4 * field.kernel().sigma));
+    const auto cells = static_cast<double>(field.geometry().cells()[a]);
+    widest_[a] = std::max(1.0, cells / (4 * field.index_kernel().sigma));
   }
 }
 

@@ -1,0 +1,431 @@
+// SPDX-License-Identifier: Apache-2.0
+// ovoid animate: data in time, or turned before the camera, to numbered pictures or a film.
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "animation_plan.h"
+#include "check_files.h"
+#include "command.h"
+#include "drawing.h"
+#include "film.h"
+#include "frame_files.h"
+#include "ovoid/error.h"
+#include "ovoid/io.h"
+#include "series_survey.h"
+#include "usage.h"
+#include "values.h"
+
+namespace ovoid::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct AnimateFlags {
+  std::string output;
+  double fps = 25;
+  DataFlags data;
+  AnimationFlags animation;
+  DrawingFlags drawing;
+};
+
+constexpr double kMaxFps = 1000;
+
+void add_flags(Flags& flags, AnimateFlags* animate) {
+  add_input_flags(flags, &animate->data);
+  add_animation_flags(flags, &animate->animation);
+  flags.value("--fps", "N", fmt::format("frames per second of a film (default {})", animate->fps),
+              [animate](const std::string& text) {
+                animate->fps = parse_number(text, {.lo = 0, .hi = kMaxFps, .lo_open = true});
+              });
+  flags.section("picture");
+  flags.value("-o,--output", "OUT",
+              "a film: .mp4, .webm or .gif, made by ffmpeg; or pictures with a number in their "
+              "name: frames_%04d.png, .exr or .npy",
+              [animate](const std::string& text) { animate->output = text; });
+  add_size_flags(flags, &animate->drawing);
+  add_drawing_flags(flags, &animate->drawing);
+  add_switch_flags(flags, &animate->drawing.options);
+  flags.footer(
+      "Frames that the same command has left whole are kept. What holds for all frames, and what "
+      "the defaults are: docs/time.md and docs/command-line.md.");
+}
+
+// Where the frames of a film lie while it is made, and longer if that is interrupted.
+std::string folder_of_film(const std::string& film) { return film + ".frames"; }
+
+std::string picture_ending(const std::string& path) {
+  for (const char* const ending : {".png", ".exr", ".npy"}) {
+    if (has_ending(path, ending)) return ending;
+  }
+  return "";
+}
+
+// "turn/head.png" -> "turn/head_%04d.png"
+std::string with_number(const std::string& path) {
+  const fs::path whole(path);
+  const std::string ending = picture_ending(path);
+  return (whole.parent_path() / whole.stem()).string() + "_%04d" +
+         (ending.empty() ? ".png" : ending);
+}
+
+// What the frames are called.
+std::string pattern_of(const AnimateFlags& animate) {
+  if (is_film(animate.output)) return folder_of_film(animate.output) + "/frame_%06d.png";
+  return animate.output;
+}
+
+void check_output(const Flags& flags, const AnimateFlags& animate) {
+  const std::string& output = animate.output;
+  if (output.empty())
+    throw UsageError(
+        "--output: none given, expected -o OUT.mp4, .webm or .gif, or frames_%04d.png");
+  if (is_film(output)) {
+    if (flags.is_given("--background") && !animate.drawing.background) {
+      throw UsageError(
+          fmt::format("--background none: '{}' is a film, which cannot be transparent", output));
+    }
+    const RenderOptions& options = animate.drawing.options;
+    if (!has_ending(output, ".gif") && (options.width % 2 != 0 || options.height % 2 != 0)) {
+      throw UsageError(fmt::format("--size {}x{}: expected even numbers for '{}'", options.width,
+                                   options.height, output));
+    }
+    return;
+  }
+  if (flags.is_given("--fps"))
+    throw UsageError("--fps: is for films (.mp4, .webm, .gif), pictures have no speed");
+  if (!FrameNames::is_pattern(output)) {
+    throw UsageError(
+        fmt::format("--output '{}': expected a place for the frames' number, as in "
+                    "'{}', or a film: .mp4, .webm or .gif",
+                    output, with_number(output)));
+  }
+  const FrameNames checked(output);
+  if (picture_ending(output).empty()) {
+    throw UsageError(
+        fmt::format("--output '{}': expected a name that ends in .png, .exr or .npy", output));
+  }
+}
+
+void check_flags(const Flags& flags, const AnimateFlags& animate) {
+  require_inputs(flags, animate.data);
+  check_output(flags, animate);
+  check_animation_flags(flags, animate.animation);
+  check_drawing_flags(flags, animate.drawing, pattern_of(animate));
+  std::vector<OutputFile> outputs;
+  if (is_film(animate.output)) {
+    outputs.push_back({"--output", animate.output, animate.output});
+  } else {
+    const FrameNames names(animate.output);
+    outputs.push_back({"--output", animate.output, names.path(0)});
+    outputs.push_back({"--output", animate.output, names.record_path()});
+  }
+  check_files(files_to_read(animate.data, animate.drawing), outputs);
+}
+
+// Frames must not replace what they are drawn from, whatever their number.
+void check_frames_are_no_inputs(const AnimateFlags& animate, const FrameNames& names,
+                                std::int64_t num_frames) {
+  std::error_code ignored;
+  const auto whole = [&](const std::string& path) {
+    return fs::weakly_canonical(fs::absolute(path, ignored), ignored);
+  };
+  const fs::path folder = whole(names.path(0)).parent_path();
+  for (const InputFile& input : files_to_read(animate.data, animate.drawing)) {
+    const fs::path path = whole(input.path);
+    if (path.parent_path() != folder) continue;
+    for (std::int64_t i = 0; i < num_frames; ++i) {
+      if (fs::path(names.path(i)).filename() != path.filename()) continue;
+      throw UsageError(fmt::format("--output '{}': frame {} is {}, expected another file",
+                                   animate.output, i, input.what));
+    }
+  }
+}
+
+// Everything that is the same in all frames.
+struct Scenery {
+  Described described;
+  Look look;
+  ValueRange values;
+};
+
+// The step that `render` would take.
+struct Chosen {
+  std::int64_t step = 0;
+  bool is_only = false;  // by --step or --time
+};
+
+Chosen choose_step(const DataFlags& data, Session& session) {
+  Progress progress("reading");
+  ReadOptions options = read_options(data, session);
+  options.progress = progress.callback();
+  const Dataset dataset = read_dataset(data.inputs, options);
+  check_format_flags(data, dataset);
+  const std::optional<std::int64_t> only = asked_step(data, dataset);
+  return {only.value_or(dataset.step), only.has_value()};
+}
+
+// The last run of digits in a name, and the name without it.
+std::pair<std::string, std::int64_t> numbered(const std::string& name) {
+  constexpr const char* kDigits = "0123456789";
+  constexpr std::size_t kMostDigits = 18;
+  const auto last = name.find_last_of(kDigits);
+  if (last == std::string::npos) return {name, -1};
+  const auto before = name.find_last_not_of(kDigits, last);
+  const std::size_t first = before == std::string::npos ? 0 : before + 1;
+  const std::string digits = name.substr(first, last - first + 1);
+  if (digits.size() > kMostDigits) return {name, -1};
+  return {name.substr(0, first) + '\n' + name.substr(last + 1), std::stoll(digits)};
+}
+
+// A shell puts x10 before x2.
+void note_order(const std::vector<std::string>& inputs, Session& session) {
+  for (std::size_t i = 1; i < inputs.size(); ++i) {
+    const auto [before, lesser] = numbered(inputs[i - 1]);
+    const auto [name, number] = numbered(inputs[i]);
+    if (before != name || number >= lesser) continue;
+    session.note(
+        fmt::format("steps are in the order given: '{}' comes before '{}' (ls -v sorts by "
+                    "number)",
+                    inputs[i - 1], inputs[i]));
+    return;
+  }
+}
+
+// The array that is drawn is the same in all steps; an array that is alone may change its name.
+void fix_array(const Dataset& dataset, const Modelled& modelled, ModelFlags* model) {
+  const bool is_chosen = !model->lattice.array.empty() || model->kernels.is_density;
+  if (is_chosen || dataset.arrays.size() < 2 || !find_array(dataset, modelled.array)) return;
+  model->lattice.array = model->kernels.array = modelled.array;
+}
+
+Scenery make_scenery(const Series& series, const Chosen& chosen, const Flags& flags,
+                     AnimateFlags* animate, Session& session) {
+  DrawingFlags& drawing = animate->drawing;
+  const std::int64_t first = chosen.step;
+  const auto at_step = [&](std::int64_t step) {
+    return data_at(series, series.times()[static_cast<std::size_t>(step)], drawing, session);
+  };
+  Dataset dataset = at_step(first);
+  session.notes(dataset.notes);
+  Subject subject = make_subject(dataset, flags, &drawing, session);
+  fix_array(dataset, subject.modelled, &drawing.model);
+  const std::vector<std::int64_t> steps =
+      chosen.is_only ? std::vector{first} : steps_to_survey(series, first, dataset, drawing.look);
+  const Survey seen = survey(series, steps, drawing, session);
+  if (seen.look_step != first) {
+    dataset = at_step(seen.look_step);
+    subject = make_subject(dataset, flags, &drawing, session);
+  }
+  if (series.num_steps() > 1 && seen.num_steps > 1) {
+    session.note(
+        fmt::format("all frames have the look of step {}; values of {} steps: {:g} to {:g}",
+                    seen.look_step, seen.num_steps, seen.values.lo, seen.values.hi));
+  }
+  const Field& field = subject.modelled.field;
+  Scenery scenery;
+  scenery.described = std::move(subject.described);
+  scenery.described.box = box_of_all(seen, drawing.crop, field, &drawing.options);
+  scenery.values = seen.values;
+  const LookFlags look = with_range_of(seen, drawing.look, field);
+  scenery.look = make_look(look, field, subject.unit, session);
+  if (field.kernels() != nullptr && series.num_steps() > 1) {
+    // Else every step would have its own.
+    if (drawing.options.sampling_distance == 0)
+      drawing.options.sampling_distance = field.default_sampling_distance();
+    if (scenery.look.unit_distance == 0 && !scenery.look.transfer_function.unit_distance)
+      scenery.look.unit_distance = default_unit_distance(field);
+  }
+  return scenery;
+}
+
+class Animator {
+ public:
+  Animator(const Series& series, const AnimateFlags& animate, Session& session)
+      : series_(series),
+        animate_(animate),
+        session_(session),
+        renderer_(animate.drawing.run.backend, animate.drawing.run.threads) {}
+
+  // Draws the frame and writes it.
+  void draw(const PlannedFrame& frame, Scenery& scenery, const std::string& path,
+            const RenderHooks& hooks) {
+    const Camera camera = camera_of(frame, scenery);
+    Image image = render(frame, camera, scenery.look, hooks);
+    if (is_empty(image)) ++num_empty_;
+    if (scenery.look.mode == Mode::kXray && has_ending(path, ".png"))
+      color_integrals(image, scenery.look.transfer_function);
+    session_.check_stop();
+    write_picture(image, animate_.drawing, scenery.described, camera, scenery.look, path);
+  }
+
+  // The integrals over which an x-ray's colours are spread in all frames.
+  void measure_integrals(const PlannedFrame& frame, Scenery& scenery) {
+    RenderHooks hooks;
+    hooks.stop = session_.stop();
+    const Image image = render(frame, camera_of(frame, scenery), scenery.look, hooks);
+    spread_over_integrals(scenery.look.transfer_function, image, animate_.drawing.look, session_);
+  }
+
+  std::int64_t num_empty() const noexcept { return num_empty_; }
+
+ private:
+  Camera camera_of(const PlannedFrame& frame, const Scenery& scenery) const {
+    CameraFlags turned = animate_.drawing.camera;
+    turned.azimuth += frame.turn;
+    const RenderOptions& options = animate_.drawing.options;
+    return make_camera(turned, scenery.described.box.world_bounds(), scenery.described.space,
+                       static_cast<double>(options.width) / options.height);
+  }
+
+  Image render(const PlannedFrame& frame, const Camera& camera, const Look& look,
+               const RenderHooks& hooks) {
+    if (!time_ || *time_ != frame.time) {
+      field_ = {};  // two of them need not be in memory
+      const Quiet quiet(session_);
+      field_ = field_at(series_, frame.time, animate_.drawing, session_).field;
+      time_ = frame.time;
+    }
+    return renderer_.render(field_, camera, look, animate_.drawing.options, hooks).image;
+  }
+
+  const Series& series_;
+  const AnimateFlags& animate_;
+  Session& session_;
+  Renderer renderer_;
+  Field field_;
+  std::optional<double> time_;  // of the field
+  std::int64_t num_empty_ = 0;
+};
+
+std::uint64_t key_of(const PlannedFrame& frame, std::uint64_t settings) {
+  return hash_of(fmt::format("{:a} {:a}", frame.time, frame.turn), settings);
+}
+
+// The numbers of those that no earlier run has left whole.
+std::vector<std::int64_t> missing_frames(const std::vector<PlannedFrame>& plan,
+                                         const FrameRecord& record, std::uint64_t settings,
+                                         Session& session) {
+  std::vector<std::int64_t> missing;
+  for (std::size_t i = 0; i < plan.size(); ++i) {
+    const auto number = static_cast<std::int64_t>(i);
+    if (!record.is_whole(number, key_of(plan[i], settings))) missing.push_back(number);
+  }
+  if (missing.size() < plan.size()) {
+    session.note(fmt::format("{} of {} frames are there already and are kept",
+                             plan.size() - missing.size(), plan.size()));
+  }
+  return missing;
+}
+
+void draw_frames(const std::vector<PlannedFrame>& plan, const std::vector<std::int64_t>& missing,
+                 Scenery& scenery, const FrameNames& names, FrameRecord& record,
+                 std::uint64_t settings, Animator& animator, Session& session) {
+  Progress progress("drawing");
+  std::size_t done = 0;
+  RenderHooks hooks;
+  hooks.stop = session.stop();
+  hooks.progress = [&](double part) {
+    progress.show((static_cast<double>(done) + part) / static_cast<double>(missing.size()));
+  };
+  try {
+    for (const std::int64_t number : missing) {
+      progress.rename(fmt::format("frame {} of {}", number + 1, plan.size()));
+      const PlannedFrame& frame = plan[static_cast<std::size_t>(number)];
+      animator.draw(frame, scenery, names.path(number), hooks);
+      record.add(number, key_of(frame, settings));
+      ++done;
+    }
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::kCancelled) {
+      session.note(fmt::format("{} of {} frames are there; the same command goes on from them",
+                               plan.size() - missing.size() + done, plan.size()));
+    }
+    throw;
+  }
+}
+
+// What was made on the way to a film.
+void remove_frames(const std::string& folder) {
+  std::error_code ignored;
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+    const std::string name = entry.path().filename().string();
+    const bool is_ours = (name.rfind("frame_", 0) == 0 && has_ending(name, ".png")) ||
+                         name == "frame.ovoid" || name == "ffmpeg.log";
+    if (is_ours) files.push_back(entry.path());
+  }
+  for (const fs::path& file : files) fs::remove(file, ignored);
+  fs::remove(folder, ignored);
+}
+
+void make_folder(const std::string& folder) {
+  std::error_code error;
+  fs::create_directory(folder, error);
+  if (error) {
+    throw Error(ErrorCode::kFileWrite,
+                fmt::format("{}: cannot be made: {}", folder, error.message()));
+  }
+}
+
+std::vector<std::string> paths_of(const std::vector<InputFile>& files) {
+  std::vector<std::string> paths;
+  paths.reserve(files.size());
+  for (const InputFile& file : files) paths.push_back(file.path);
+  return paths;
+}
+
+}  // namespace
+
+void run_animate(const Words& words, Session& session) {
+  AnimateFlags animate;
+  Flags flags("animate", "INPUT... -o OUT [FLAG...]",
+              "Draws the steps of data in time, or a turn around them, to a film or to numbered "
+              "pictures, and exits.");
+  add_flags(flags, &animate);
+  if (!flags.parse(words)) return;
+  check_flags(flags, animate);
+  const bool makes_film = is_film(animate.output);
+  const std::string ffmpeg = makes_film ? find_ffmpeg(animate.output) : "";
+  if (makes_film && !animate.drawing.background) animate.drawing.background = {{0, 0, 0}};
+
+  animate.data.array = array_to_read(animate.drawing.model);
+  animate.drawing.time_filter = animate.data.time_filter;
+  const Chosen chosen = choose_step(animate.data, session);
+  const Series series(open_steps(animate.data.inputs, read_options(animate.data, session)));
+  if (!series.source().has_times()) note_order(animate.data.inputs, session);
+  const auto plan = plan_frames(animate.animation, series.source(),
+                                chosen.is_only ? std::optional(chosen.step) : std::nullopt);
+  const FrameNames names(pattern_of(animate));
+  if (!makes_film)
+    check_frames_are_no_inputs(animate, names, static_cast<std::int64_t>(plan.size()));
+  if (makes_film) make_folder(folder_of_film(animate.output));
+  const std::uint64_t settings =
+      settings_key(session.command_line(), paths_of(files_to_read(animate.data, animate.drawing)));
+  FrameRecord record(names);
+  const auto missing = missing_frames(plan, record, settings, session);
+  if (!missing.empty()) {
+    Scenery scenery = make_scenery(series, chosen, flags, &animate, session);
+    Animator animator(series, animate, session);
+    const bool is_xray = animate.drawing.look.mode == Mode::kXray;
+    if (is_xray && has_ending(names.path(0), ".png")) animator.measure_integrals(plan[0], scenery);
+    draw_frames(plan, missing, scenery, names, record, settings, animator, session);
+    if (animator.num_empty() > 0) {
+      session.note(fmt::format("nothing shows in {} of {} frames: {}", animator.num_empty(),
+                               missing.size(), cause_of_emptiness(scenery.look, scenery.values)));
+    }
+  }
+  if (!makes_film) return;
+  make_film(
+      {animate.output, pattern_of(animate), static_cast<std::int64_t>(plan.size()), animate.fps},
+      ffmpeg, session);
+  remove_frames(folder_of_film(animate.output));
+}
+
+}  // namespace ovoid::cli

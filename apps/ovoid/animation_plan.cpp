@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "animation_plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "ovoid/error.h"
+#include "usage.h"
+#include "values.h"
+
+namespace ovoid::cli {
+namespace {
+
+constexpr const char* kTimesForm = "expected A:B:STEP with A <= B and STEP > 0";
+constexpr const char* kStepsForm = "expected A:B or A:B:STEP, whole numbers with A <= B, STEP >= 1";
+
+// Rounding must not take the last moment away.
+constexpr double kLastFits = 1e-9;  // of a step
+
+std::int64_t count_of(const AnimationFlags::Times& times) {
+  return static_cast<std::int64_t>(std::floor((times.last - times.first) / times.step + kLastFits) +
+                                   1);
+}
+
+AnimationFlags::Times parse_times(const std::string& text) {
+  const std::vector<std::string> parts = split(text, ':');
+  if (parts.size() != 3) throw BadValue(kTimesForm);
+  AnimationFlags::Times times;
+  try {
+    times = {parse_number(parts[0]), parse_number(parts[1]),
+             parse_number(parts[2], {.lo = 0, .lo_open = true})};
+  } catch (const BadValue&) {
+    throw BadValue(kTimesForm);
+  }
+  if (!(times.first <= times.last)) throw BadValue(kTimesForm);
+  if ((times.last - times.first) / times.step >= static_cast<double>(AnimationFlags::kMaxFrames))
+    throw BadValue(fmt::format("expected at most {} frames", AnimationFlags::kMaxFrames));
+  return times;
+}
+
+AnimationFlags::Steps parse_steps(const std::string& text) {
+  constexpr std::int64_t kGreatest = 1'000'000'000;
+  const std::vector<std::string> parts = split(text, ':');
+  if (parts.size() != 2 && parts.size() != 3) throw BadValue(kStepsForm);
+  AnimationFlags::Steps steps;
+  try {
+    if (!parts[0].empty()) steps.first = parse_integer(parts[0], 0, kGreatest);
+    if (!parts[1].empty()) steps.last = parse_integer(parts[1], 0, kGreatest);
+    if (parts.size() == 3) steps.step = parse_integer(parts[2], 1, kGreatest);
+  } catch (const BadValue&) {
+    throw BadValue(kStepsForm);
+  }
+  if (steps.first && steps.last && *steps.first > *steps.last) throw BadValue(kStepsForm);
+  return steps;
+}
+
+// The moments of --times.
+std::vector<double> asked_times(const AnimationFlags::Times& asked, const StepSource& source) {
+  if (!source.has_times()) {
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("--times: '{}' names no times of its {} step{}; --steps takes numbers",
+                            source.name(), source.num_steps(), source.num_steps() == 1 ? "" : "s"));
+  }
+  const double first = source.times().front(), last = source.times().back();
+  const double slack = kLastFits * asked.step;
+  if (asked.first < first - slack || asked.last > last + slack) {
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("--times {:g}:{:g}: '{}' has the times {:g} to {:g}", asked.first,
+                            asked.last, source.name(), first, last));
+  }
+  std::vector<double> times;
+  for (std::int64_t i = 0; i < count_of(asked); ++i)
+    times.push_back(asked.first + static_cast<double>(i) * asked.step);
+  return times;
+}
+
+// The moments of the steps asked for, one each.
+std::vector<double> step_times(const AnimationFlags& animation, const StepSource& source,
+                               std::optional<std::int64_t> only) {
+  const AnimationFlags::Steps steps = animation.steps.value_or(AnimationFlags::Steps{});
+  const std::int64_t greatest = source.num_steps() - 1;
+  const std::int64_t first = only.value_or(steps.first.value_or(0));
+  const std::int64_t last = only.value_or(steps.last.value_or(greatest));
+  if (first > greatest || last > greatest || first > last) {
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("--steps: '{}' has the steps 0 to {}", source.name(), greatest));
+  }
+  std::vector<double> times;
+  for (std::int64_t step = first; step <= last; step += steps.step)
+    times.push_back(source.times()[static_cast<std::size_t>(step)]);
+  return times;
+}
+
+// `count` moments, evenly from the first to the last of `times`.
+std::vector<double> spread_times(const std::vector<double>& times, std::int64_t count) {
+  std::vector<double> all;
+  const double first = times.front(), last = times.back();
+  for (std::int64_t i = 0; i < count; ++i) {
+    const double part = count == 1 ? 0.0 : static_cast<double>(i) / static_cast<double>(count - 1);
+    all.push_back(i + 1 == count && count > 1 ? last : first + part * (last - first));
+  }
+  return all;
+}
+
+}  // namespace
+
+void add_animation_flags(Flags& flags, AnimationFlags* animation) {
+  flags.section("animation");
+  flags.value("--steps", "A:B[:STEP]",
+              "a frame for each step from A to B, both included; without A from the first, without "
+              "B to the last (default: all)",
+              [animation](const std::string& text) { animation->steps = parse_steps(text); });
+  flags.value("--times", "A:B:STEP",
+              "frames at the times A, A+STEP, ... up to B, where the input names times; each shows "
+              "the step nearest to its time",
+              [animation](const std::string& text) { animation->times = parse_times(text); });
+  flags.value("--turn", "DEG",
+              "turn the camera around the view's up axis by so much in all; 360 is a round whose "
+              "last frame comes just before the first",
+              [animation](const std::string& text) { animation->turn = parse_number(text); });
+  flags.value("--frames", "N",
+              fmt::format("so many, spread evenly over the times (default: one per step; {} of a "
+                          "turn around one step)",
+                          AnimationFlags::kTurnFrames),
+              [animation](const std::string& text) {
+                animation->num_frames = parse_integer(text, 1, AnimationFlags::kMaxFrames);
+              });
+}
+
+void check_animation_flags(const Flags& flags, const AnimationFlags& animation) {
+  const auto contradict = [&](const char* a, const char* b) {
+    if (flags.is_given(a) && flags.is_given(b))
+      throw UsageError(fmt::format("{}: contradicts {}; give one of them", a, b));
+  };
+  contradict("--times", "--steps");
+  contradict("--times", "--frames");
+  for (const char* const one : {"--step", "--time"}) {
+    contradict("--times", one);
+    contradict("--steps", one);
+  }
+  if (animation.num_frames && animation.steps && animation.steps->step > 1)
+    throw UsageError("--frames: contradicts --steps with a STEP, which says how many there are");
+}
+
+std::vector<PlannedFrame> plan_frames(const AnimationFlags& animation, const StepSource& source,
+                                      std::optional<std::int64_t> only) {
+  std::vector<double> times =
+      animation.times ? asked_times(*animation.times, source) : step_times(animation, source, only);
+  const bool is_one_moment = times.front() == times.back();
+  if (is_one_moment && !animation.turn) {
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("'{}': one step in time, which does not move: expected --turn DEG, or "
+                            "several steps",
+                            source.name()));
+  }
+  if (animation.num_frames) {
+    times = spread_times(times, *animation.num_frames);
+  } else if (is_one_moment) {
+    times.assign(AnimationFlags::kTurnFrames, times.front());
+  }
+  std::vector<PlannedFrame> frames;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    const double turn =
+        animation.turn.value_or(0) * static_cast<double>(i) / static_cast<double>(times.size());
+    frames.push_back({times[i], turn});
+  }
+  return frames;
+}
+
+}  // namespace ovoid::cli

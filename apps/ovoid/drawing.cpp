@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "drawing.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <tuple>
+
+#include "ovoid/error.h"
+#include "ovoid/io.h"
+#include "usage.h"
+#include "values.h"
+
+namespace ovoid::cli {
+namespace {
+
+bool shows_any(const TransferFunction& tf, const ValueRange& range) {
+  if (tf.opacity_at(range.lo) > 0 || tf.opacity_at(range.hi) > 0) return true;
+  return std::any_of(tf.opacities.begin(), tf.opacities.end(), [&](const OpacityPoint& point) {
+    return range.lo <= point.x && point.x <= range.hi && point.opacity > 0;
+  });
+}
+
+}  // namespace
+
+void add_size_flags(Flags& flags, DrawingFlags* drawing) {
+  const RenderOptions& options = drawing->options;
+  flags.value("--size", "WIDTHxHEIGHT",
+              fmt::format("pixels (default {}x{})", options.width, options.height),
+              [drawing](const std::string& text) {
+                std::tie(drawing->options.width, drawing->options.height) =
+                    parse_size(text, RenderOptions::kMaxImageSide);
+              });
+  flags.value("--background", "R,G,B|none",
+              "colour behind a PNG, each in [0, 1] (default none: transparent)",
+              [drawing](const std::string& text) {
+                if (text == "none") return;
+                try {
+                  drawing->background = parse_rgb(text);
+                } catch (const BadValue& bad) {
+                  throw BadValue(fmt::format("{}, or none", bad.what()));
+                }
+              });
+}
+
+void add_drawing_flags(Flags& flags, DrawingFlags* drawing) {
+  add_annotation_flags(flags, &drawing->annotation);
+  add_array_flags(flags, &drawing->model);
+  add_look_flags(flags, &drawing->look);
+  add_camera_flags(flags, &drawing->camera);
+  add_crop_flags(flags, &drawing->crop);
+  add_model_flags(flags, &drawing->model);
+  add_number_flags(flags, &drawing->options);
+  add_run_flags(flags, &drawing->run);
+}
+
+void check_drawing_flags(const Flags& flags, const DrawingFlags& drawing,
+                         const std::string& output) {
+  const bool is_png = output.empty() || has_ending(output, ".png");
+  if (drawing.background && !is_png) {
+    throw UsageError(fmt::format("--background: '{}' holds no background, only .png does", output));
+  }
+  check_look_flags(flags, drawing.look);
+  check_camera_flags(flags);
+  check_crop_flags(flags);
+  check_model_flags(flags, drawing.model);
+  if (flags.is_given("--color-array") && drawing.look.mode == Mode::kXray)
+    throw UsageError("--color-array: has no effect with --mode xray, whose colours are integrals");
+  check_annotation_flags(flags, output);
+}
+
+std::vector<InputFile> files_to_read(const DataFlags& data, const DrawingFlags& drawing) {
+  std::vector<InputFile> inputs = volume_inputs(data.inputs);
+  if (!drawing.look.file.empty()) inputs.push_back({drawing.look.file, "the look of --tf"});
+  if (!drawing.camera.file.empty())
+    inputs.push_back({drawing.camera.file, "the camera of --camera"});
+  return inputs;
+}
+
+Subject make_subject(const Dataset& dataset, const Flags& flags, DrawingFlags* drawing,
+                     Session& session) {
+  check_kind_flags(flags, dataset);
+  if (flags.is_given("--crop") && dataset.kind != DatasetKind::kLattice)
+    refuse_kind("--crop", "lattices (--crop-world takes any data)", dataset);
+  Subject subject;
+  subject.modelled = make_field(dataset, drawing->model, drawing->run.threads, session);
+  if (!flags.is_given("--kernel") && may_be_labels(drawing->look) &&
+      holds_labels(subject.modelled.field)) {
+    session.note(
+        "the values look like labels: drawn with narrow kernels and a colour for each "
+        "(--kernel, --tf, --colormap with --range for another look)");
+    drawing->model.lattice.kernel = kLabelKernel;
+    // Within a sample a narrow kernel's field is flat; only its neighbours know where it ends.
+    if (!flags.is_given("--gradient")) drawing->options.gradient = GradientMethod::kCentral;
+    subject.modelled = make_field(dataset, drawing->model, drawing->run.threads, session);
+  }
+  subject.described = describe(dataset, subject.modelled, drawing->model.lattice.component);
+  subject.unit = unit_of(dataset, subject.modelled, Role::kOpacity);
+  return subject;
+}
+
+void spread_over_integrals(TransferFunction& tf, const Image& image, const LookFlags& flags,
+                           Session& session) {
+  double lo = 0;
+  double hi = 0;
+  for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
+    if (image.rgba[i + 3] == 0) continue;
+    lo = std::min<double>(lo, image.rgba[i]);
+    hi = std::max<double>(hi, image.rgba[i]);
+  }
+  if (flags.range) std::tie(lo, hi) = *flags.range;
+  session.note(
+      fmt::format("x-ray: colours span the integrals {:g} to {:g} (value x length)", lo, hi));
+  if (!(lo < hi)) hi = lo + 1;  // nothing but zeros: the low end's colour
+  if (tf.scale == ValueScale::kLog) std::tie(lo, hi) = logarithmic_range(lo, hi, session);
+  tf.map_range(lo, hi);
+}
+
+void color_integrals(Image& image, const TransferFunction& tf) {
+  for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
+    if (image.rgba[i + 3] == 0) continue;
+    const Rgb color = tf.color_at(image.rgba[i]);
+    for (std::size_t c = 0; c < 3; ++c) {
+      image.rgba[i + c] = static_cast<float>(color[c]) * image.rgba[i + 3];
+    }
+  }
+}
+
+bool is_empty(const Image& image) {
+  for (std::size_t i = 3; i < image.rgba.size(); i += 4) {
+    if (image.rgba[i] > 0) return false;
+  }
+  return true;
+}
+
+std::string cause_of_emptiness(const Look& look, const ValueRange& range) {
+  std::string cause =
+      "is all of the data clipped away or out of sight, or too thin for its sheets "
+      "(--sampling-distance)?";
+  if (look.mode == Mode::kIsosurface && !(range.lo <= look.isovalue && look.isovalue <= range.hi)) {
+    cause = fmt::format("--iso {:g} is not among them", look.isovalue);
+  } else if (uses_opacity(look.mode) && !shows_any(look.transfer_function, range)) {
+    cause = "the look gives them no opacity (--range, --opacity, --tf)";
+  }
+  return fmt::format("the data's values are {:g} to {:g}; {}", range.lo, range.hi, cause);
+}
+
+void write_picture(Image& image, const DrawingFlags& drawing, const Described& described,
+                   const Camera& camera, const Look& look, const std::string& path) {
+  const double* const background = drawing.background ? drawing.background->data() : nullptr;
+  draw_annotations(image, drawing.annotation, described, camera, look, background);
+  write_image(image, path, background);
+}
+
+}  // namespace ovoid::cli

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "film.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <system_error>
+#include <thread>
+#include <vector>
+
+#include "ovoid/error.h"
+#include "values.h"
+
+extern char** environ;
+
+namespace ovoid::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+using Arguments = std::vector<std::string>;
+
+// In sRGB's own primaries, and said so: players guess otherwise, by the size of the picture.
+constexpr const char* kColors =
+    "scale=in_range=pc:out_range=tv:out_color_matrix=bt709,format=yuv420p";
+
+Arguments encoding_of(const std::string& path) {
+  const Arguments tags{"-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709"};
+  Arguments all{"-vf", kColors};
+  if (has_ending(path, ".gif")) {
+    return {"-filter_complex",
+            "split[a][b];[a]palettegen[p];[b][p]paletteuse",
+            "-loop",
+            "0",
+            "-f",
+            "gif"};
+  }
+  all.insert(all.end(), tags.begin(), tags.end());
+  const Arguments rest =
+      has_ending(path, ".webm")
+          ? Arguments{"-c:v", "libvpx-vp9", "-b:v", "0", "-crf", "24", "-f", "webm"}
+          : Arguments{"-c:v", "libx264", "-crf", "18", "-movflags", "+faststart", "-f", "mp4"};
+  all.insert(all.end(), rest.begin(), rest.end());
+  return all;
+}
+
+// ffmpeg takes the names of files for patterns and for addresses; neither is meant here.
+std::string file_argument(const std::string& path) {
+  std::error_code ignored;
+  return "file:" + fs::absolute(path, ignored).string();
+}
+
+std::string pattern_argument(const std::string& pattern) {
+  const auto name = file_argument(pattern);
+  const auto begin = name.rfind('/') + 1;
+  std::string argument;
+  for (const char c : name.substr(0, begin)) argument += c == '%' ? "%%" : std::string(1, c);
+  return argument + name.substr(begin);
+}
+
+// The last line that it wrote.
+std::string last_words(const std::string& path) {
+  std::ifstream file(path);
+  std::string line, last;
+  while (std::getline(file, line)) {
+    if (!line.empty()) last = line;
+  }
+  return last.empty() ? "it said nothing" : last.substr(0, 300);
+}
+
+// Starts it without a shell, with the signals that this program keeps to itself let through.
+pid_t start(const std::string& program, const Arguments& arguments, const std::string& log) {
+  std::vector<char*> words;
+  words.reserve(arguments.size() + 1);
+  for (const std::string& word : arguments)
+    words.push_back(const_cast<char*>(word.c_str()));  // NOLINT: posix_spawn takes no const
+  words.push_back(nullptr);
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  sigset_t none;
+  sigemptyset(&none);
+  posix_spawnattr_setsigmask(&attributes, &none);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
+  posix_spawn_file_actions_t files;
+  posix_spawn_file_actions_init(&files);
+  posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  posix_spawn_file_actions_addopen(&files, STDERR_FILENO, log.c_str(), O_WRONLY | O_CREAT | O_TRUNC,
+                                   0644);
+  pid_t child = -1;
+  const int error =
+      posix_spawn(&child, program.c_str(), &files, &attributes, words.data(), environ);
+  posix_spawn_file_actions_destroy(&files);
+  posix_spawnattr_destroy(&attributes);
+  if (error != 0) {
+    throw Error(ErrorCode::kFileWrite,
+                fmt::format("{}: cannot be run: {}", program, std::strerror(error)));
+  }
+  return child;
+}
+
+// Its exit status; ends it when the person wants to.
+int wait_for(pid_t child, const Session& session) {
+  constexpr std::chrono::milliseconds kLook{20};
+  bool is_asked_to_end = false;
+  int status = 0;
+  while (waitpid(child, &status, WNOHANG) == 0) {
+    if (session.stop().stop_requested() && !is_asked_to_end) {
+      kill(child, SIGTERM);
+      is_asked_to_end = true;
+    }
+    std::this_thread::sleep_for(kLook);
+  }
+  return status;
+}
+
+}  // namespace
+
+bool is_film(const std::string& path) {
+  return has_ending(path, ".mp4") || has_ending(path, ".webm") || has_ending(path, ".gif");
+}
+
+std::string find_ffmpeg(const std::string& film_path) {
+  const char* const path = std::getenv("PATH");
+  for (const std::string& folder : split(path == nullptr ? "" : path, ':')) {
+    std::string candidate = (folder.empty() ? "." : folder) + "/ffmpeg";
+    std::error_code ignored;
+    if (fs::is_regular_file(candidate, ignored) && access(candidate.c_str(), X_OK) == 0)
+      return candidate;
+  }
+  throw Error(
+      ErrorCode::kUnsupported,
+      fmt::format("{}: films are made by the program ffmpeg, which is not on PATH: install it (apt "
+                  "install ffmpeg), or write pictures: -o frames_%04d.png",
+                  film_path));
+}
+
+void make_film(const Film& film, const std::string& ffmpeg, const Session& session) {
+  const std::string part = fmt::format("{}.{}.part", film.path, getpid());
+  const std::string log = (fs::path(film.frames).parent_path() / "ffmpeg.log").string();
+  Arguments arguments{ffmpeg,
+                      "-nostdin",
+                      "-loglevel",
+                      "error",
+                      "-y",
+                      "-framerate",
+                      fmt::format("{}", film.fps),
+                      "-start_number",
+                      "0",
+                      "-f",
+                      "image2",
+                      "-i",
+                      pattern_argument(film.frames),
+                      "-frames:v",
+                      std::to_string(film.num_frames)};
+  const Arguments encoding = encoding_of(film.path);
+  arguments.insert(arguments.end(), encoding.begin(), encoding.end());
+  arguments.push_back(file_argument(part));
+  const int status = wait_for(start(ffmpeg, arguments, log), session);
+  std::error_code error;
+  try {
+    session.check_stop();
+    if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
+      throw Error(ErrorCode::kFileWrite,
+                  fmt::format("{}: ffmpeg failed: {}", film.path, last_words(log)));
+    }
+    fs::rename(part, film.path, error);
+    if (error) {
+      throw Error(ErrorCode::kFileWrite,
+                  fmt::format("{}: cannot be written: {}", film.path, error.message()));
+    }
+  } catch (...) {
+    fs::remove(part, error);
+    throw;
+  }
+}
+
+}  // namespace ovoid::cli

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// A film of frames, by ffmpeg, which is run as a program.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "session.h"
+
+namespace ovoid::cli {
+
+bool is_film(const std::string& path);  // .mp4, .webm, .gif
+
+struct Film {
+  std::string path;
+  std::string frames;  // as FrameNames::path() without the number: "x/frame_%06d.png"
+  std::int64_t num_frames = 0;
+  double fps = 25;
+};
+
+// The ffmpeg that is first on PATH. Throws Error(kUnsupported) that says how to go on without one.
+std::string find_ffmpeg(const std::string& film_path);
+
+// Makes the film beside its place and renames it. Frames without transparency and, but for .gif,
+// of even size. Throws Error(kFileWrite) with ffmpeg's own last words, kCancelled.
+void make_film(const Film& film, const std::string& ffmpeg, const Session& session);
+
+}  // namespace ovoid::cli

@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Steps -> band-limited in space and time -> spline coefficients along time, held in memory -> one
+// step of the result at a time: four of them blended, then brought to the step's lattice, axis
+// after axis.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <new>
+#include <numbers>
+#include <utility>
+
+#include "model/band_limit.h"
+#include "model/convert.h"
+#include "model/lattice_samples.h"
+#include "model/lines.h"
+#include "model/spline.h"
+#include "ovoid/error.h"
+#include "ovoid/resample.h"
+
+namespace ovoid {
+namespace {
+
+constexpr double kSqrt2 = std::numbers::sqrt2;
+
+// Times that are even, but for rounding, to this share of their distance.
+constexpr double kEven = 1e-3;
+
+[[noreturn]] void refuse_series(const std::string& message) {
+  throw Error(ErrorCode::kInvalidArgument, message);
+}
+
+void require_even(const Series& series) {
+  const std::vector<double>& times = series.times();
+  const double distance = (times.back() - times.front()) / static_cast<double>(times.size() - 1);
+  for (std::size_t i = 1; i < times.size(); ++i) {
+    if (std::abs(times[i] - times[i - 1] - distance) > kEven * distance)
+      refuse_series(
+          fmt::format("{}: step {} comes {:g} behind the one before, others {:g}: to be "
+                      "resampled in time, steps must be even",
+                      series.source().name(), i, times[i] - times[i - 1], distance));
+  }
+}
+
+class ResampledSeries final : public StepSource {
+ public:
+  ResampledSeries(const Series& series, SeriesKind kind, const SeriesResampleOptions& options)
+      : kind_(kind), name_(series.source().name()), options_(options) {
+    if (series.num_steps() < 2)
+      refuse_series(fmt::format("{}: has one step, a lattice in time takes two", name_));
+    if (series.source().kind() != SeriesKind::kSteps)
+      refuse_series(fmt::format("{}: is staggered already", name_));
+    require_even(series);
+    num_input_steps_ = series.num_steps();
+    load(series);
+    if (options_.lattice.band_limit) limit_band();
+    along_time(num_input_steps_, [](std::span<const float> from, std::span<float> to) {
+      thread_local std::vector<double> line;
+      line.assign(from.begin(), from.end());
+      model::to_spline_coefficients(line);
+      std::transform(line.begin(), line.end(), to.begin(),
+                     [](double c) { return static_cast<float>(c); });
+    });
+    place_steps(series.times());
+  }
+
+  SeriesKind kind() const noexcept override { return kind_; }
+  const std::string& name() const noexcept override { return name_; }
+  std::int64_t num_steps() const noexcept override {
+    return static_cast<std::int64_t>(times_.size());
+  }
+  const std::vector<double>& times() const noexcept override { return times_; }
+  bool has_times() const noexcept override { return true; }
+
+  Dataset read(std::int64_t step, std::stop_token stop) const override {
+    if (step < 0 || step >= num_steps())
+      refuse_series(fmt::format("{}: step {}: expected 0 to {}", name_, step, num_steps() - 1));
+    const auto at = static_cast<std::size_t>(step);
+    const model::SplineTaps taps(num_input_steps_, std::span(&places_[at], 1));
+    std::vector<float> blend(static_cast<std::size_t>(volume()));
+    std::vector<double> weights(static_cast<std::size_t>(num_input_steps_), 0.0);
+    taps.add_weights(0, weights);
+    for (std::size_t t = 0; t < weights.size(); ++t) {
+      if (weights[t] == 0) continue;
+      const auto weight = static_cast<float>(weights[t]);
+      const float* from = coefficients_.data() + static_cast<std::int64_t>(t) * volume();
+      for (std::size_t i = 0; i < blend.size(); ++i) blend[i] += weight * from[i];
+    }
+    const bool is_shifted = kind_ == SeriesKind::kStaggered && step % 2 == 1;
+    Dataset out;
+    out.source = name_;
+    out.format = "resampled";
+    out.space = space_;
+    out.num_steps = num_steps();
+    out.step = step;
+    out.times = times_;
+    out.series = kind_;
+    out.lattice = lattice_;
+    if (is_shifted) out.lattice.world_from_index.translate(Vec3::Constant(0.5));
+    const std::vector<float> values =
+        model::at_lattice(blend, input_, out.lattice, {options_.lattice.threads, stop});
+    DataArray array = array_;
+    array.num_tuples = num_samples(lattice_.dims);
+    array.bytes = model::stored_as(array.type, values);
+    out.arrays.push_back(std::move(array));
+    return out;
+  }
+
+ private:
+  std::int64_t volume() const { return num_samples(input_.dims); }
+
+  void load(const Series& series) {
+    for (std::int64_t step = 0; step < num_input_steps_; ++step) {
+      const auto dataset = series.step(step, options_.lattice.stop);
+      const DataArray& array = dataset->array(options_.lattice.array);
+      if (step == 0) {
+        model::require_point_lattice(*dataset, array);
+        input_ = dataset->lattice;
+        space_ = dataset->space;
+        const double bytes = 2.0 * sizeof(float) * static_cast<double>(volume()) *
+                             static_cast<double>(num_input_steps_);
+        if (bytes > static_cast<double>(options_.memory_limit))
+          throw Error(ErrorCode::kOutOfMemory,
+                      fmt::format("{}: resampling in time takes {:.1f} GiB, more than the limit of "
+                                  "{:.1f} GiB",
+                                  name_, bytes / (1 << 30),
+                                  static_cast<double>(options_.memory_limit) / (1 << 30)));
+        coefficients_.reserve(static_cast<std::size_t>(volume() * num_input_steps_));
+      }
+      const model::ScalarSamples samples = model::take_component(
+          array, {options_.component, false, options_.lattice.threads, options_.lattice.stop});
+      if (step == 0) {
+        array_ = array;
+        array_.bytes = {};
+        array_.num_components = 1;
+        array_.type = samples.type;
+        array_.value_scale = samples.value_scale;
+        array_.value_offset = samples.value_offset;
+      }
+      const std::vector<float> values = model::as_floats(samples, array.num_tuples);
+      if (!std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); }))
+        refuse_series(
+            fmt::format("{}: step {} has samples that are missing; resampling in time "
+                        "takes none that lack any",
+                        name_, step));
+      coefficients_.insert(coefficients_.end(), values.begin(), values.end());
+      if (options_.lattice.progress)
+        options_.lattice.progress(0.5 * static_cast<double>(step + 1) /
+                                  static_cast<double>(num_input_steps_));
+    }
+  }
+
+  // The samples as a volume whose last axis is time.
+  void along_time(std::int64_t size, const model::LineTransform& transform) {
+    coefficients_ = model::transform_lines(
+        coefficients_, {input_.dims[0] * input_.dims[1], input_.dims[2], num_input_steps_}, size,
+        transform, {2, options_.lattice.threads, options_.lattice.stop});
+  }
+
+  void limit_band() {
+    const model::BandLimit limit{0.5 / options_.lattice.spacing, options_.lattice.threads,
+                                 options_.lattice.stop};
+    model::limit_band_in_time(coefficients_, input_.dims, num_input_steps_, limit);
+  }
+
+  void place_steps(const std::vector<double>& input_times) {
+    const double spacing = options_.lattice.spacing;
+    const double step = kind_ == SeriesKind::kStaggered ? spacing / kSqrt2 : spacing;
+    const auto last = static_cast<double>(num_input_steps_ - 1);
+    const auto count = static_cast<std::int64_t>(std::floor(last / step + 1e-9)) + 1;
+    const double distance = (input_times.back() - input_times.front()) / last;
+    for (std::int64_t i = 0; i < count; ++i) {
+      places_.push_back(static_cast<double>(i) * step);
+      times_.push_back(input_times.front() + distance * places_.back());
+    }
+    lattice_ = step_lattice(input_, kind_, spacing);
+  }
+
+  SeriesKind kind_;
+  std::string name_;
+  SeriesResampleOptions options_;
+  std::int64_t num_input_steps_ = 0;
+  LatticeGeometry input_, lattice_;
+  Space space_ = Space::kNone;
+  DataArray array_;                  // without samples
+  std::vector<float> coefficients_;  // [step][z][y][x]
+  std::vector<double> places_;       // of the result's steps, in steps of the input
+  std::vector<double> times_;
+};
+
+}  // namespace
+
+LatticeGeometry step_lattice(const LatticeGeometry& cartesian, SeriesKind kind, double spacing) {
+  if (kind == SeriesKind::kSteps) return cartesian_like(cartesian, spacing);
+  LatticeGeometry lattice = body_centred_like(cartesian, spacing);
+  lattice.dims = lattice.dims_of(0);
+  lattice.kind = LatticeKind::kCartesian;
+  return lattice;
+}
+
+std::shared_ptr<const StepSource> resample_series(const Series& series, SeriesKind kind,
+                                                  const SeriesResampleOptions& options) {
+  try {
+    return std::make_shared<ResampledSeries>(series, kind, options);
+  } catch (const std::bad_alloc&) {
+    throw Error(ErrorCode::kOutOfMemory,
+                fmt::format("{}: no memory to resample it in time", series.source().name()));
+  }
+}
+
+}  // namespace ovoid

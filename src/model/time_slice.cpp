@@ -1,0 +1,399 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Steps -> a dataset at a time between them. For lattices the sum over time is one pass per step
+// that has a share; what kExact adds are sums along each axis of the finished halves, because the
+// four-dimensional Gaussian is a product.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <numbers>
+#include <span>
+#include <utility>
+
+#include "data/bookkeeping.h"
+#include "data/parallel.h"
+#include "data/scalar_visit.h"
+#include "ovoid/error.h"
+#include "ovoid/slices.h"
+
+namespace ovoid {
+namespace {
+
+constexpr double kOwnSpacing = std::numbers::sqrt2;  // of the samples and steps of one half, T
+
+// The kernel over time, `distance` in units of T.
+double kernel_at(double distance) { return std::exp(-2 * distance * distance); }
+constexpr double kKernelSupport = 2;  // T
+
+void require_time(const std::vector<double>& times, double time) {
+  if (!std::isfinite(time))
+    throw Error(ErrorCode::kInvalidArgument, fmt::format("time = {}: must be finite", time));
+  if (time < times.front() || time > times.back()) {
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("time = {:g}: must be within the data's {:g} to {:g}", time,
+                            times.front(), times.back()));
+  }
+}
+
+void normalize(std::vector<StepWeight>& weights) {
+  double sum = 0;
+  for (const StepWeight& w : weights) sum += w.weight;
+  for (StepWeight& w : weights) w.weight /= sum;
+}
+
+// --- arrays of values
+
+using Floats = std::shared_ptr<float[]>;
+
+DataArray array_of(const DataArray& like, const Floats& values, std::int64_t count) {
+  DataArray array = like;
+  array.type = ScalarType::kFloat32;
+  array.value_scale = 1;
+  array.value_offset = 0;
+  array.bytes = {
+      values, std::as_bytes(std::span<const float>(values.get(), static_cast<std::size_t>(count)))};
+  return array;
+}
+
+// to[i] (+)= weight * value of the array's number first + i.
+void add_values(const DataArray& array, double weight, bool is_first, std::int64_t first,
+                std::span<float> to) {
+  const auto scale = static_cast<float>(weight * array.value_scale);
+  const auto offset = static_cast<float>(weight * array.value_offset);
+  data::visit_scalar(array.type, [&]<class T>(std::type_identity<T>) {
+    const std::byte* from = array.bytes.view.data() + first * std::int64_t{sizeof(T)};
+    for (std::size_t i = 0; i < to.size(); ++i) {
+      const auto stored =
+          static_cast<float>(data::load_scalar<T>(from, static_cast<std::int64_t>(i)));
+      const float value = stored * scale + offset;
+      to[i] = is_first ? value : to[i] + value;
+    }
+  });
+}
+
+const DataArray& same_array(const Dataset& dataset, const DataArray& like) {
+  for (const DataArray& array : dataset.arrays) {
+    if (array.name == like.name && array.is_cell_data == like.is_cell_data &&
+        array.num_components == like.num_components && array.num_tuples == like.num_tuples)
+      return array;
+  }
+  throw Error(ErrorCode::kFileFormat,
+              fmt::format("'{}' step {}: has no array '{}' like step 0 of the series",
+                          dataset.source, dataset.step, like.name));
+}
+
+struct HeldStep {
+  std::shared_ptr<const Dataset> dataset;
+  double weight;
+};
+
+std::vector<HeldStep> hold(const Series& series, const std::vector<StepWeight>& weights,
+                           const TimeSliceOptions& options) {
+  std::vector<HeldStep> steps;
+  steps.reserve(weights.size());
+  for (const auto& [step, weight] : weights)
+    steps.push_back({series.step(step, options.stop), weight});
+  return steps;
+}
+
+// The weighted sum of one array over the steps: rows of `row` numbers, every one `stride` numbers
+// behind the one before. Row by row, so that it stays in the cache from step to step.
+void blend(const std::vector<HeldStep>& steps, const DataArray& like, std::int64_t row,
+           std::int64_t stride, const TimeSliceOptions& options, float* to) {
+  std::vector<const DataArray*> arrays;
+  arrays.reserve(steps.size());
+  for (const HeldStep& step : steps) arrays.push_back(&same_array(*step.dataset, like));
+  const std::int64_t count = like.num_tuples * like.num_components;
+  data::parallel_ranges({(count + row - 1) / row, 1, options.threads, options.stop},
+                        [&](std::int64_t begin, std::int64_t end) {
+                          for (std::int64_t r = begin; r < end; ++r) {
+                            const std::int64_t length = std::min(row, count - r * row);
+                            const std::span<float> out(to + r * stride,
+                                                       static_cast<std::size_t>(length));
+                            for (std::size_t s = 0; s < steps.size(); ++s)
+                              add_values(*arrays[s], steps[s].weight, s == 0, r * row, out);
+                          }
+                        });
+}
+
+Floats blended(const std::vector<HeldStep>& steps, const DataArray& like,
+               const TimeSliceOptions& options) {
+  constexpr std::int64_t kRow = 8192;  // 32 KiB
+  Floats values(new float[static_cast<std::size_t>(like.num_tuples * like.num_components)]);
+  blend(steps, like, kRow, kRow, options, values.get());
+  return values;
+}
+
+// All arrays that vary with time; the others are the first step's.
+void blend_arrays(const std::vector<HeldStep>& steps, const TimeSliceOptions& options,
+                  Dataset& into) {
+  for (DataArray& array : into.arrays) {
+    if (data::is_bookkeeping(into, array)) continue;
+    const DataArray like = array;
+    array = array_of(like, blended(steps, like, options), like.num_tuples * like.num_components);
+  }
+}
+
+// --- what is no lattice
+
+bool have_equal_bytes(const DataArray& a, const DataArray& b) {
+  return a.type == b.type && a.bytes.view.size() == b.bytes.view.size() &&
+         std::memcmp(a.bytes.view.data(), b.bytes.view.data(), a.bytes.view.size()) == 0;
+}
+
+bool is_identity(const DataArray& array) {
+  for (const char* const name : {"id", "ids", "particleids", "particle_ids", "globalnodeid"}) {
+    std::string lower = array.name;
+    std::transform(lower.begin(), lower.end(), lower.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    if (lower == name) return true;
+  }
+  return false;
+}
+
+// Empty if the two steps are of the same things, else why it cannot be known.
+std::string difference_of(const Dataset& a, const Dataset& b) {
+  if (a.num_positions() != b.num_positions()) return "their numbers of positions differ";
+  if (a.kind == DatasetKind::kMesh) {
+    const bool are_equal = a.cells.types == b.cells.types && a.cells.offsets == b.cells.offsets &&
+                           a.cells.connectivity == b.cells.connectivity &&
+                           a.cells.dims == b.cells.dims;
+    return are_equal ? "" : "their cells differ";
+  }
+  if (a.kind != DatasetKind::kParticles) return "only lattices, meshes and particles move";
+  for (const DataArray& array : a.arrays) {
+    if (!is_identity(array)) continue;
+    return have_equal_bytes(array, same_array(b, array)) ? "" : "particles come in another order";
+  }
+  return "particles have no numbers (an array 'id') that tell which is which";
+}
+
+// Positions move along the shortest way through a periodic box.
+DataArray moved_positions(const Dataset& from, const Dataset& to, double share) {
+  const std::int64_t count = 3 * from.num_positions();
+  const auto memory = std::make_shared<double[]>(static_cast<std::size_t>(count));
+  const auto read = [](const DataArray& array, std::int64_t i) {
+    return data::visit_scalar(array.type, [&]<class T>(std::type_identity<T>) {
+      return static_cast<double>(data::load_scalar<T>(array.bytes.view.data(), i));
+    });
+  };
+  for (std::int64_t i = 0; i < count; ++i) {
+    const double start = read(from.positions, i);
+    double way = read(to.positions, i) - start;
+    if (from.periodic_box) {
+      const int a = static_cast<int>(i % 3);
+      const double side = from.periodic_box->sizes()[a];
+      if (side > 0) way -= side * std::round(way / side);
+    }
+    memory[i] = start + share * way;
+  }
+  DataArray positions = from.positions;
+  positions.type = ScalarType::kFloat64;
+  positions.bytes = {memory, std::as_bytes(std::span<const double>(
+                                 memory.get(), static_cast<std::size_t>(count)))};
+  return positions;
+}
+
+Dataset moved(const std::vector<HeldStep>& steps, const TimeSliceOptions& options) {
+  const HeldStep& before = steps[0];
+  const HeldStep& behind = steps[1];
+  const std::string difference = difference_of(*before.dataset, *behind.dataset);
+  if (!difference.empty()) {
+    Dataset nearest = before.weight >= behind.weight ? *before.dataset : *behind.dataset;
+    nearest.notes.push_back(
+        fmt::format("{}: step {}, the nearest: steps are not interpolated, since {}",
+                    nearest.source, nearest.step, difference));
+    return nearest;
+  }
+  Dataset out = *before.dataset;
+  blend_arrays(steps, options, out);
+  out.positions = moved_positions(*before.dataset, *behind.dataset, behind.weight);
+  return out;
+}
+
+// --- lattices
+
+Dataset between_steps(const std::vector<HeldStep>& steps, const TimeSliceOptions& options) {
+  if (steps.size() == 1) return *steps[0].dataset;
+  if (steps[0].dataset->kind != DatasetKind::kLattice) return moved(steps, options);
+  Dataset out = *steps[0].dataset;
+  blend_arrays(steps, options, out);
+  return out;
+}
+
+// Two halves as the layers of one lattice.
+Floats interleaved(const std::array<Floats, 2>& halves, const Index3& dims, int components) {
+  const std::int64_t layer = dims[0] * dims[1] * components;
+  Floats out(new float[static_cast<std::size_t>(2 * dims[2] * layer)]);
+  for (std::int64_t z = 0; z < dims[2]; ++z) {
+    for (int half = 0; half < 2; ++half)
+      std::copy_n(halves[static_cast<std::size_t>(half)].get() + z * layer, layer,
+                  out.get() + (2 * z + half) * layer);
+  }
+  return out;
+}
+
+// Along one axis: out_i = sum of weight[k] * in_(i + first + k), over the samples that exist.
+struct AxisStencil {
+  std::vector<double> weight;
+  std::int64_t first;
+};
+
+Floats along_axes(Floats in, const Index3& dims, int components, const AxisStencil& stencil) {
+  std::int64_t stride = components;
+  const std::int64_t count = num_samples(dims) * components;
+  for (std::size_t a = 0; a < 3; ++a) {
+    Floats out(new float[static_cast<std::size_t>(count)]);
+    for (std::int64_t i = 0; i < count; ++i) {
+      const std::int64_t at = i / stride % dims[a];
+      double sum = 0;
+      for (std::size_t k = 0; k < stencil.weight.size(); ++k) {
+        const std::int64_t step = stencil.first + static_cast<std::int64_t>(k);
+        if (at + step < 0 || at + step >= dims[a]) continue;
+        sum += stencil.weight[k] * static_cast<double>(in[i + step * stride]);
+      }
+      out[i] = static_cast<float>(sum);
+    }
+    in = std::move(out);
+    stride *= dims[a];
+  }
+  return in;
+}
+
+// Every sample of both halves under all kernels that reach it. In: the halves' sums over time and
+// their weights' sums.
+std::array<Floats, 2> exact_halves(const std::array<Floats, 2>& sums,
+                                   const std::array<double, 2>& weights, const Index3& dims,
+                                   int components) {
+  const double far = kernel_at(kOwnSpacing);
+  const double near = kernel_at(1 / kOwnSpacing);
+  const AxisStencil own{{far, 1, far}, -1};
+  const AxisStencil of_other[2] = {{{near, near}, -1}, {{near, near}, 0}};
+  const std::int64_t count = num_samples(dims) * components;
+  Floats ones(new float[static_cast<std::size_t>(count)]);
+  std::fill_n(ones.get(), count, 1.0F);
+  std::array<Floats, 2> out;
+  for (std::size_t half = 0; half < 2; ++half) {
+    const std::size_t other = 1 - half;
+    const Floats from_own = along_axes(sums[half], dims, components, own);
+    const Floats from_other = along_axes(sums[other], dims, components, of_other[half]);
+    const Floats own_weight = along_axes(ones, dims, components, own);
+    const Floats other_weight = along_axes(ones, dims, components, of_other[half]);
+    out[half] = Floats(new float[static_cast<std::size_t>(count)]);
+    for (std::int64_t i = 0; i < count; ++i) {
+      const double weight = weights[half] * static_cast<double>(own_weight[i]) +
+                            weights[other] * static_cast<double>(other_weight[i]);
+      out[half][i] = static_cast<float>(
+          (static_cast<double>(from_own[i]) + static_cast<double>(from_other[i])) / weight);
+    }
+  }
+  return out;
+}
+
+// Positions of a half's steps on the axis of its own numbers.
+double own_place(const std::vector<double>& times, int half, double time) {
+  const auto size = static_cast<std::int64_t>(times.size());
+  const std::int64_t count = (size - half + 1) / 2;
+  const auto at = [&](std::int64_t l) { return times[static_cast<std::size_t>(2 * l + half)]; };
+  if (count == 1 || time <= at(0)) return 0;
+  std::int64_t l = 0;
+  while (l + 2 < count && at(l + 1) <= time) ++l;
+  return std::min(static_cast<double>(l) + (time - at(l)) / (at(l + 1) - at(l)),
+                  static_cast<double>(count - 1));
+}
+
+// Weights that are not divided by their sum; `floor` is taken off each.
+std::vector<StepWeight> raw_weights(const std::vector<double>& times, int half, double time,
+                                    double reach, double floor) {
+  const auto size = static_cast<std::int64_t>(times.size());
+  const std::int64_t count = (size - half + 1) / 2;
+  const double place = own_place(times, half, time);
+  std::vector<StepWeight> weights;
+  for (std::int64_t l = 0; l < count; ++l) {
+    const double distance = kOwnSpacing * std::abs(static_cast<double>(l) - place);  // T
+    const double weight = distance <= reach ? kernel_at(distance) - floor : 0.0;
+    if (weight > 0) weights.push_back({2 * l + half, weight});
+  }
+  return weights;
+}
+
+Dataset staggered(const Series& series, double time, const TimeSliceOptions& options) {
+  const std::vector<double>& times = series.times();
+  std::array<std::vector<HeldStep>, 2> halves;
+  std::array<double, 2> sums{};
+  for (int half = 0; half < 2; ++half) {
+    const bool is_exact = options.filter == TimeFilter::kExact;
+    const std::vector<StepWeight> weights =
+        is_exact ? raw_weights(times, half, time, kKernelSupport, 0)
+                 : weights_of_half(times, half, time, options.filter);
+    const auto h = static_cast<std::size_t>(half);
+    halves[h] = hold(series, weights, options);
+    for (const StepWeight& w : weights) sums[h] += w.weight;
+  }
+  const Dataset& first = *halves[0][0].dataset;
+  const Index3 dims = first.lattice.dims;
+  Dataset out = first;
+  out.series = SeriesKind::kSteps;
+  out.lattice.kind = LatticeKind::kBodyCentred;
+  out.lattice.dims = {dims[0], dims[1], 2 * dims[2]};
+  for (DataArray& array : out.arrays) {
+    const DataArray like = array;
+    const std::int64_t count = like.num_tuples * like.num_components;
+    Floats both;
+    if (options.filter == TimeFilter::kExact) {
+      const std::array<Floats, 2> over_time{blended(halves[0], like, options),
+                                            blended(halves[1], like, options)};
+      both = interleaved(exact_halves(over_time, sums, dims, like.num_components), dims,
+                         like.num_components);
+    } else {
+      both = Floats(new float[static_cast<std::size_t>(2 * count)]);
+      const std::int64_t layer = count / dims[2];
+      for (std::size_t half = 0; half < 2; ++half) {
+        blend(halves[half], like, layer, 2 * layer, options,
+              both.get() + static_cast<std::int64_t>(half) * layer);
+      }
+    }
+    array = array_of(like, both, 2 * count);
+    array.num_tuples = 2 * like.num_tuples;
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<StepWeight> weights_of_steps(const std::vector<double>& times, double time) {
+  require_time(times, time);
+  const auto behind = std::lower_bound(times.begin(), times.end(), time);
+  const auto step = behind - times.begin();
+  if (*behind == time) return {{step, 1.0}};
+  const double before = *(behind - 1);
+  const double share = (time - before) / (*behind - before);
+  return {{step - 1, 1 - share}, {step, share}};
+}
+
+std::vector<StepWeight> weights_of_half(const std::vector<double>& times, int half, double time,
+                                        TimeFilter filter) {
+  require_time(times, time);
+  const bool takes_two = filter == TimeFilter::kTwoSteps;
+  std::vector<StepWeight> weights =
+      raw_weights(times, half, time, takes_two ? kOwnSpacing : kKernelSupport,
+                  takes_two ? kernel_at(kOwnSpacing) : 0.0);
+  normalize(weights);
+  return weights;
+}
+
+Dataset slice_at_time(const Series& series, double time, const TimeSliceOptions& options) {
+  try {
+    if (series.source().kind() == SeriesKind::kStaggered) return staggered(series, time, options);
+    return between_steps(hold(series, weights_of_steps(series.times(), time), options), options);
+  } catch (const std::bad_alloc&) {
+    throw Error(ErrorCode::kOutOfMemory,
+                fmt::format("time = {:g}: no memory for a step made of several", time));
+  }
+}
+
+}  // namespace ovoid

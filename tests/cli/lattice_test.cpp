@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+// Lattices of all kinds by the program: made, converted, cut in time and drawn.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "program.h"
+
+namespace ovoid::cli_tests {
+namespace {
+
+using nlohmann::json;
+
+json facts_of(const std::string& path, Words more = {}) {
+  more.insert(more.begin(), {"info", path, "--json"});
+  const Outcome result = run(more);
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  return json::parse(result.out, nullptr, false);
+}
+
+bool has_hdf5() {
+  const Folder folder;
+  return run({"make", "flat", "--size", "4", "-o", folder / "a.h5"}).exit_code == 0;
+}
+
+// Fails if counts, kinds or spacings are not those of the lattice that was asked for.
+TEST(Lattices, AreMadeConvertedAndDrawn) {
+  if (!has_hdf5()) GTEST_SKIP() << "no HDF5";
+  const Folder folder;
+  const std::string cube = folder / "cube.nrrd", body = folder / "body.h5";
+  expect_success({"make", "gaussians", "--size", "24", "-o", cube});
+  expect_success({"convert", cube, "--lattice", "bcc", "-o", body});
+  const json facts = facts_of(body);
+  EXPECT_EQ(facts["lattice"], "body-centred");
+  EXPECT_EQ(facts["dims"], (json{17, 17, 34}));
+  EXPECT_NEAR(facts["spacing"][0].get<double>(), 2.0 / 23, 1e-6);
+  expect_success({"make", "gaussians", "--size", "24", "--lattice", "bcc", "-o", body});
+  EXPECT_EQ(facts_of(body)["dims"], (json{17, 17, 34}));
+  expect_success(
+      {"convert", cube, "--lattice", "cc", "--lattice-spacing", "2", "-o", cube + "2.nrrd"});
+  EXPECT_EQ(facts_of(cube + "2.nrrd")["dims"], (json{13, 13, 13}));
+  expect_success({"render", body, "-o", folder / "a.png", "--size", "40x30"});
+  expect_success({"render", body, "-o", folder / "b.png", "--size", "40x30", "--crop", "4:12,,"});
+  expect_failure({"convert", body, "-o", folder / "a.nrrd"}, 1, {"body-centred", ".h5"});
+  expect_failure({"convert", body, "--lattice", "bcc", "-o", folder / "a.h5"}, 1, {"cartesian"});
+  expect_failure({"render", body, "--prefilter", "-o", folder / "a.png"}, 1, {"prefilter"});
+}
+
+// Fails if a file in time has other steps or times than were asked for, or a time between steps is
+// not a lattice like any other.
+TEST(Lattices, InTimeAreCutAnywhere) {
+  if (!has_hdf5()) GTEST_SKIP() << "no HDF5";
+  const Folder folder;
+  const std::string halves = folder / "d.h5", steps = folder / "c.h5", again = folder / "e.h5";
+  const Words common{"make", "tornado", "--size", "12", "--steps", "5"};
+  const auto made = [&](const char* kind, const std::string& path) {
+    Words words = common;
+    words.insert(words.end(), {"--lattice", kind, "-o", path});
+    expect_success(words);
+  };
+  made("d4star", halves);
+  made("cc4", steps);
+  EXPECT_EQ(facts_of(steps)["steps"], 5);
+  EXPECT_EQ(facts_of(halves)["steps"], 6);
+  EXPECT_EQ(facts_of(halves)["lattice"], "body-centred");
+  EXPECT_EQ(facts_of(halves, {"--step", "1"})["lattice"], "cartesian");
+  expect_success({"convert", steps, "--lattice", "d4star", "-o", again});
+  EXPECT_EQ(facts_of(again)["steps"], 6);
+  for (const std::string& path : {halves, steps, again})
+    expect_success({"render", path, "--time", "2.3", "-o", folder / "a.png", "--size", "40x30"});
+  for (const char* const filter : {"two-steps", "gaussian", "exact"}) {
+    expect_success({"render", halves, "--time", "1.1", "--time-filter", filter, "-o",
+                    folder / (std::string(filter) + ".npy"), "--size", "24x20"});
+  }
+  expect_success({"convert", steps, "--time", "2.3", "-o", again});
+  EXPECT_EQ(facts_of(again)["times"], (json{2.3}));
+  EXPECT_NE(read_file(folder / "two-steps.npy"), read_file(folder / "exact.npy"));
+  expect_success(
+      {"animate", halves, "-o", folder / "f_%d.png", "--frames", "3", "--size", "24x20"});
+  expect_failure({"render", halves, "--time", "9", "-o", folder / "a.png"}, 1,
+                 {"time = 9", "0 to"});
+  expect_failure({"render", steps, "--time", "nan", "-o", folder / "a.png"}, 2, {"--time"});
+}
+
+// Fails if a flag that cannot be obeyed is passed over, or something is written all the same.
+TEST(Lattices, WhatCannotBeIsRefused) {
+  const Folder folder;
+  const std::string cube = folder / "cube.nrrd", out = folder / "out.h5";
+  expect_success({"make", "flat", "--size", "6", "-o", cube});
+  expect_failure({"convert", cube, "--lattice", "fcc", "-o", out}, 2, {"--lattice", "bcc"});
+  expect_failure({"convert", cube, "--lattice-spacing", "2", "-o", out}, 2, {"without --lattice"});
+  expect_failure({"convert", cube, "--lattice", "d4star", "-o", cube + ".vti"}, 2, {".h5"});
+  expect_failure({"convert", cube, "--lattice", "d4star", "-o", out}, 1, {"one step"});
+  expect_failure({"convert", cube, "--lattice", "bcc", "--size", "4", "-o", out}, 2, {"--size"});
+  expect_failure({"make", "flat", "--lattice", "d4star", "-o", out}, 2, {"does not move"});
+  expect_failure({"make", "tornado", "--steps", "3", "-o", cube + ".nrrd"}, 2, {".h5"});
+  expect_failure({"make", "galaxy", "--lattice", "bcc", "-o", folder / "a.csv"}, 2, {"no lattice"});
+  EXPECT_FALSE(std::filesystem::exists(out));
+}
+
+}  // namespace
+}  // namespace ovoid::cli_tests

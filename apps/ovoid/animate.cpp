@@ -118,6 +118,8 @@ void check_flags(const Flags& flags, const AnimateFlags& animate) {
   check_output(flags, animate);
   check_animation_flags(flags, animate.animation);
   check_drawing_flags(flags, animate.drawing, pattern_of(animate));
+  if (animate.data.slice.plane)
+    throw UsageError("--hyperslice: is for render; convert writes it to a file, which turns");
   std::vector<OutputFile> outputs;
   if (is_film(animate.output)) {
     outputs.push_back({"--output", animate.output, animate.output});
@@ -155,20 +157,20 @@ struct Scenery {
   ValueRange values;
 };
 
-// The step that `render` would take.
+// The moment that `render` would take.
 struct Chosen {
-  std::int64_t step = 0;
+  double time = 0;
   bool is_only = false;  // by --step or --time
 };
 
-Chosen choose_step(const DataFlags& data, Session& session) {
+Chosen choose_moment(const DataFlags& data, const Series& series, Session& session) {
+  if (data.time) return {*data.time, true};
   Progress progress("reading");
   ReadOptions options = read_options(data, session);
   options.progress = progress.callback();
   const Dataset dataset = read_dataset(data.inputs, options);
-  check_format_flags(data, dataset);
-  const std::optional<std::int64_t> only = asked_step(data, dataset);
-  return {only.value_or(dataset.step), only.has_value()};
+  const std::int64_t step = data.step.value_or(dataset.step);
+  return {series.times()[static_cast<std::size_t>(step)], data.step.has_value()};
 }
 
 // The last run of digits in a name, and the name without it.
@@ -208,25 +210,27 @@ void fix_array(const Dataset& dataset, const Modelled& modelled, ModelFlags* mod
 Scenery make_scenery(const Series& series, const Chosen& chosen, const Flags& flags,
                      AnimateFlags* animate, Session& session) {
   DrawingFlags& drawing = animate->drawing;
-  const std::int64_t first = chosen.step;
-  const auto at_step = [&](std::int64_t step) {
-    return data_at(series, series.times()[static_cast<std::size_t>(step)], drawing, session);
-  };
-  Dataset dataset = at_step(first);
+  Dataset dataset = data_at(series, chosen.time, drawing, session);
+  check_format_flags(animate->data, dataset);
   session.notes(dataset.notes);
   Subject subject = make_subject(dataset, flags, &drawing, session);
   fix_array(dataset, subject.modelled, &drawing.model);
-  const std::vector<std::int64_t> steps =
-      chosen.is_only ? std::vector{first} : steps_to_survey(series, first, dataset, drawing.look);
-  const Survey seen = survey(series, steps, drawing, session);
-  if (seen.look_step != first) {
-    dataset = at_step(seen.look_step);
+  std::vector<double> times{chosen.time};
+  if (!chosen.is_only) {
+    times.clear();
+    for (const std::int64_t step :
+         steps_to_survey(series, series.nearest_step(chosen.time), dataset, drawing.look))
+      times.push_back(series.times()[static_cast<std::size_t>(step)]);
+  }
+  const Survey seen = survey(series, times, drawing, session);
+  if (seen.look_time != chosen.time) {
+    dataset = data_at(series, seen.look_time, drawing, session);
     subject = make_subject(dataset, flags, &drawing, session);
   }
   if (series.num_steps() > 1 && seen.num_steps > 1) {
-    session.note(
-        fmt::format("all frames have the look of step {}; values of {} steps: {:g} to {:g}",
-                    seen.look_step, seen.num_steps, seen.values.lo, seen.values.hi));
+    session.note(fmt::format(
+        "all frames have the look of step {}; values of {} steps: {:g} to {:g}",
+        series.nearest_step(seen.look_time), seen.num_steps, seen.values.lo, seen.values.hi));
   }
   const Field& field = subject.modelled.field;
   Scenery scenery;
@@ -247,11 +251,13 @@ Scenery make_scenery(const Series& series, const Chosen& chosen, const Flags& fl
 
 class Animator {
  public:
-  Animator(const Series& series, const AnimateFlags& animate, Session& session)
+  Animator(const Series& series, const AnimateFlags& animate, const ValueRange& values,
+           Session& session)
       : series_(series),
         animate_(animate),
         session_(session),
-        renderer_(animate.drawing.run.backend, animate.drawing.run.threads) {}
+        renderer_(animate.drawing.run.backend, animate.drawing.run.threads),
+        values_(values) {}
 
   // Draws the frame and writes it.
   void draw(const PlannedFrame& frame, Scenery& scenery, const std::string& path,
@@ -288,19 +294,29 @@ class Animator {
                const RenderHooks& hooks) {
     if (!time_ || *time_ != frame.time) {
       field_ = {};  // two of them need not be in memory
+      trail_.reset();
+      const DrawingFlags& drawing = animate_.drawing;
       const Quiet quiet(session_);
-      field_ = field_at(series_, frame.time, animate_.drawing, session_).field;
+      field_ = field_at(series_, frame.time, drawing, session_).field;
+      if (drawing.trail.length)
+        trail_ = make_trail(drawing.trail, series_, frame.time, drawing.model, drawing.run.threads,
+                            look, values_, session_);
       time_ = frame.time;
     }
-    return renderer_.render(field_, camera, look, animate_.drawing.options, hooks).image;
+    const RenderOptions& options = animate_.drawing.options;
+    return (trail_ ? renderer_.render(field_, camera, look, *trail_, options, hooks)
+                   : renderer_.render(field_, camera, look, options, hooks))
+        .image;
   }
 
   const Series& series_;
   const AnimateFlags& animate_;
   Session& session_;
   Renderer renderer_;
+  const ValueRange values_;  // of all frames
   Field field_;
-  std::optional<double> time_;  // of the field
+  std::optional<Trail> trail_;
+  std::optional<double> time_;  // of both
   std::int64_t num_empty_ = 0;
 };
 
@@ -395,13 +411,13 @@ void run_animate(const Words& words, Session& session) {
   const std::string ffmpeg = makes_film ? find_ffmpeg(animate.output) : "";
   if (makes_film && !animate.drawing.background) animate.drawing.background = {{0, 0, 0}};
 
-  animate.data.array = array_to_read(animate.drawing.model);
+  take_from_model(&animate.data, &animate.drawing.model);
   animate.drawing.time_filter = animate.data.time_filter;
-  const Chosen chosen = choose_step(animate.data, session);
-  const Series series(open_steps(animate.data.inputs, read_options(animate.data, session)));
+  const Series series = open_series(animate.data, session);
+  const Chosen chosen = choose_moment(animate.data, series, session);
   if (!series.source().has_times()) note_order(animate.data.inputs, session);
   const auto plan = plan_frames(animate.animation, series.source(),
-                                chosen.is_only ? std::optional(chosen.step) : std::nullopt);
+                                chosen.is_only ? std::optional(chosen.time) : std::nullopt);
   const FrameNames names(pattern_of(animate));
   if (!makes_film)
     check_frames_are_no_inputs(animate, names, static_cast<std::int64_t>(plan.size()));
@@ -412,7 +428,7 @@ void run_animate(const Words& words, Session& session) {
   const auto missing = missing_frames(plan, record, settings, session);
   if (!missing.empty()) {
     Scenery scenery = make_scenery(series, chosen, flags, &animate, session);
-    Animator animator(series, animate, session);
+    Animator animator(series, animate, scenery.values, session);
     const bool is_xray = animate.drawing.look.mode == Mode::kXray;
     if (is_xray && has_ending(names.path(0), ".png")) animator.measure_integrals(plan[0], scenery);
     draw_frames(plan, missing, scenery, names, record, settings, animator, session);

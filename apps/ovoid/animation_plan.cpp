@@ -77,12 +77,11 @@ std::vector<double> asked_times(const AnimationFlags::Times& asked, const StepSo
 }
 
 // The moments of the steps asked for, one each.
-std::vector<double> step_times(const AnimationFlags& animation, const StepSource& source,
-                               std::optional<std::int64_t> only) {
+std::vector<double> step_times(const AnimationFlags& animation, const StepSource& source) {
   const AnimationFlags::Steps steps = animation.steps.value_or(AnimationFlags::Steps{});
   const std::int64_t greatest = source.num_steps() - 1;
-  const std::int64_t first = only.value_or(steps.first.value_or(0));
-  const std::int64_t last = only.value_or(steps.last.value_or(greatest));
+  const std::int64_t first = steps.first.value_or(0);
+  const std::int64_t last = steps.last.value_or(greatest);
   if (first > greatest || last > greatest || first > last) {
     throw Error(ErrorCode::kInvalidArgument,
                 fmt::format("--steps: '{}' has the steps 0 to {}", source.name(), greatest));
@@ -145,9 +144,15 @@ void check_animation_flags(const Flags& flags, const AnimationFlags& animation) 
 }
 
 std::vector<PlannedFrame> plan_frames(const AnimationFlags& animation, const StepSource& source,
-                                      std::optional<std::int64_t> only) {
-  std::vector<double> times =
-      animation.times ? asked_times(*animation.times, source) : step_times(animation, source, only);
+                                      std::optional<double> only) {
+  std::vector<double> times;
+  if (animation.times) {
+    times = asked_times(*animation.times, source);
+  } else if (only) {
+    times = {*only};
+  } else {
+    times = step_times(animation, source);
+  }
   const bool is_one_moment = times.front() == times.back();
   if (is_one_moment && !animation.turn) {
     throw Error(ErrorCode::kInvalidArgument,

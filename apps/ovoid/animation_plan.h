@@ -38,10 +38,10 @@ void add_animation_flags(Flags& flags, AnimationFlags* animation);
 // Throws UsageError for contradictions.
 void check_animation_flags(const Flags& flags, const AnimationFlags& animation);
 
-// The frames in order, at least one. `only`: the step that --step or --time took. Throws
+// The frames in order, at least one. `only`: the moment that --step or --time took. Throws
 // Error(kInvalidArgument) for steps and times that the series does not have, for --times where it
 // names none, and if nothing would move.
 std::vector<PlannedFrame> plan_frames(const AnimationFlags& animation, const StepSource& source,
-                                      std::optional<std::int64_t> only);
+                                      std::optional<double> only);
 
 }  // namespace ovoid::cli

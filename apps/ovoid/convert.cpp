@@ -181,7 +181,7 @@ Dataset to_lattice(const ConvertFlags& convert, const Dataset& dataset, Session&
 
 // All steps on a lattice in space and time.
 void convert_in_time(const ConvertFlags& convert, Session& session) {
-  const Series series(open_steps(convert.data.inputs, read_options(convert.data, session)));
+  const Series series = open_series(convert.data, session);
   const auto steps = [&] {
     Progress progress("resampling");
     SeriesResampleOptions options;
@@ -272,7 +272,7 @@ void check_lattice_flags(const Flags& flags, const ConvertFlags& convert) {
   if (convert.size.is_given() || convert.as_kernels)
     throw UsageError("--lattice: contradicts --size and --kernels; give one of them");
   require_file_in_time(*convert.lattice, convert.output);
-  const char* const one = flags.first_given({"--step", "--time"});
+  const char* const one = flags.first_given({"--step", "--time", "--hyperslice"});
   if (is_in_time(*convert.lattice) && one != nullptr)
     throw UsageError(fmt::format("{}: contradicts --lattice in time, which takes all steps", one));
 }
@@ -314,7 +314,7 @@ void run_convert(const Words& words, Session& session) {
     return;
   }
   check_volume_output("--output", output);
-  convert.data.array = array_to_read(convert.model);
+  take_from_model(&convert.data, &convert.model);
   if (convert.lattice && is_in_time(*convert.lattice)) return convert_in_time(convert, session);
   Dataset dataset = converted(convert, flags, load(convert.data, session), session);
   if (convert.data.time) {

@@ -5,9 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "ovoid/error.h"
-#include "ovoid/series.h"
 #include "usage.h"
 #include "values.h"
 
@@ -17,19 +17,6 @@ namespace {
 const Names<TimeFilter> kTimeFilters = {{"two-steps", TimeFilter::kTwoSteps},
                                         {"gaussian", TimeFilter::kGaussian},
                                         {"exact", TimeFilter::kExact}};
-
-// The step whose time is nearest, the earlier of two.
-std::int64_t nearest_step(const Dataset& dataset, double time) {
-  if (dataset.times.empty()) {
-    throw Error(ErrorCode::kInvalidArgument,
-                fmt::format("--time: '{}' names no times of its {} step{}; --step takes a number",
-                            dataset.source, dataset.num_steps, dataset.num_steps == 1 ? "" : "s"));
-  }
-  const auto nearest = std::min_element(
-      dataset.times.begin(), dataset.times.end(),
-      [time](double a, double b) { return std::abs(a - time) < std::abs(b - time); });
-  return nearest - dataset.times.begin();
-}
 
 }  // namespace
 
@@ -57,6 +44,10 @@ void add_input_flags(Flags& flags, DataFlags* data) {
                   "(default {})",
                   name_in(kTimeFilters, data->time_filter)),
       [data](const std::string& text) { data->time_filter = parse_name(text, kTimeFilters); });
+  add_slice_flags(flags, &data->slice);
+  flags.value("--memory-limit", "BYTES",
+              "of the steps in memory, as 4G or 512M; one is in any case (default 1G)",
+              [data](const std::string& text) { data->memory_limit = parse_bytes(text); });
   flags.value("--positions", "PATH",
               "HDF5: the particles' positions, such as /PartType1/Coordinates (default: found)",
               [data](const std::string& text) { data->positions = text; });
@@ -88,6 +79,7 @@ void require_inputs(const Flags& flags, const DataFlags& data) {
     if (input.empty()) throw UsageError("INPUT '': expected the name of a file");
   }
   if (data.step && data.time) throw UsageError("--time: contradicts --step; give one of them");
+  check_slice_flags(flags, data.slice);
 }
 
 void check_format_flags(const DataFlags& data, const Dataset& dataset) {
@@ -97,6 +89,18 @@ void check_format_flags(const DataFlags& data, const Dataset& dataset) {
   if (given == nullptr || dataset.format == "HDF5") return;
   throw Error(ErrorCode::kInvalidArgument, fmt::format("{}: is for HDF5 files, '{}' is {}", given,
                                                        dataset.source, dataset.format));
+}
+
+void take_from_model(DataFlags* data, ModelFlags* model) {
+  data->array = array_to_read(*model);
+  if (!data->slice.plane) return;
+  data->component = std::exchange(model->lattice.component, 0);
+  model->kernels.component = 0;
+}
+
+Series open_series(const DataFlags& data, const Session& session, bool prefetch) {
+  return Series(open_steps(data.inputs, read_options(data, session)),
+                {.memory_limit = data.memory_limit, .prefetch = prefetch});
 }
 
 ReadOptions read_options(const DataFlags& data, const Session& session) {
@@ -111,10 +115,6 @@ ReadOptions read_options(const DataFlags& data, const Session& session) {
   return options;
 }
 
-std::optional<std::int64_t> asked_step(const DataFlags& data, const Dataset& dataset) {
-  return data.time ? nearest_step(dataset, *data.time) : data.step;
-}
-
 namespace {
 
 void require_steps(const Dataset& dataset) {
@@ -125,7 +125,7 @@ void require_steps(const Dataset& dataset) {
 
 // Made of the steps around the time; a note tells which.
 Dataset at_time(const DataFlags& data, double time, Session& session) {
-  const Series series(open_steps(data.inputs, read_options(data, session)), {.prefetch = false});
+  const Series series = open_series(data, session, false);
   TimeSliceOptions options;
   options.filter = data.time_filter;
   options.stop = session.stop();
@@ -144,9 +144,27 @@ Dataset at_time(const DataFlags& data, double time, Session& session) {
   return dataset;
 }
 
+Dataset sliced(const DataFlags& data, Session& session) {
+  const Series series = open_series(data, session);
+  HypersliceOptions options;
+  options.method = data.slice.method;
+  options.lattice = data.slice.lattice;
+  options.spacing = data.slice.spacing;
+  options.filter = data.time_filter;
+  options.array = data.array;
+  options.component = data.component;
+  options.stop = session.stop();
+  return hyperslice(series, *data.slice.plane, options);
+}
+
 }  // namespace
 
 Dataset load(const DataFlags& data, Session& session) {
+  if (data.slice.plane) {
+    Dataset dataset = sliced(data, session);
+    session.notes(dataset.notes);
+    return dataset;
+  }
   Progress progress("reading");
   ReadOptions options = read_options(data, session);
   options.progress = progress.callback();

@@ -49,6 +49,7 @@ void add_drawing_flags(Flags& flags, DrawingFlags* drawing) {
   add_look_flags(flags, &drawing->look);
   add_camera_flags(flags, &drawing->camera);
   add_crop_flags(flags, &drawing->crop);
+  add_trail_flags(flags, &drawing->trail);
   add_model_flags(flags, &drawing->model);
   add_number_flags(flags, &drawing->options);
   add_run_flags(flags, &drawing->run);
@@ -64,6 +65,7 @@ void check_drawing_flags(const Flags& flags, const DrawingFlags& drawing,
   check_camera_flags(flags);
   check_crop_flags(flags);
   check_model_flags(flags, drawing.model);
+  check_trail_flags(flags, drawing.trail, drawing.look.mode, drawing.options.post_convolution);
   if (flags.is_given("--color-array") && drawing.look.mode == Mode::kXray)
     throw UsageError("--color-array: has no effect with --mode xray, whose colours are integrals");
   check_annotation_flags(flags, output);
@@ -72,6 +74,7 @@ void check_drawing_flags(const Flags& flags, const DrawingFlags& drawing,
 std::vector<InputFile> files_to_read(const DataFlags& data, const DrawingFlags& drawing) {
   std::vector<InputFile> inputs = volume_inputs(data.inputs);
   if (!drawing.look.file.empty()) inputs.push_back({drawing.look.file, "the look of --tf"});
+  if (!drawing.trail.file.empty()) inputs.push_back({drawing.trail.file, "the look of --trail-tf"});
   if (!drawing.camera.file.empty())
     inputs.push_back({drawing.camera.file, "the camera of --camera"});
   return inputs;

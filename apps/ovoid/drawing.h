@@ -17,6 +17,7 @@
 #include "model_flags.h"
 #include "ovoid/renderer.h"
 #include "render_flags.h"
+#include "trail_flags.h"
 
 namespace ovoid::cli {
 
@@ -28,6 +29,7 @@ struct DrawingFlags {
   CropFlags crop;
   AnnotationFlags annotation;
   RenderOptions options;
+  TrailFlags trail;
   RunFlags run;
   TimeFilter time_filter = TimeFilter::kTwoSteps;  // as DataFlags has it
 };

@@ -522,7 +522,7 @@ void run_info(const Words& words, Session& session) {
   }
   require_inputs(flags, data);
   check_model_flags(flags, model);
-  data.array = array_to_read(model);
+  take_from_model(&data, &model);
   const Json json = gather(data, model, flags, session);
   return is_json ? print_json(json) : print_text(json);
 }

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -80,9 +81,35 @@ void check_flags(const Flags& flags, const RenderFlags& render) {
   check_files(files_to_read(render.data, render.drawing), outputs);
 }
 
+struct Scene {
+  const Field& field;
+  const Camera& camera;
+  const Look& look;
+  const Trail* trail;  // null: none
+
+  Frame draw(Renderer& renderer, const Camera& from, const RenderOptions& options,
+             const RenderHooks& hooks) const {
+    return trail == nullptr ? renderer.render(field, from, look, options, hooks)
+                            : renderer.render(field, from, look, *trail, options, hooks);
+  }
+};
+
+// What --motion-blur asks for.
+std::optional<Trail> trail_of(const RenderFlags& render, const Subject& subject, std::int64_t step,
+                              const Look& look, Session& session) {
+  const DrawingFlags& drawing = render.drawing;
+  if (!drawing.trail.length) return std::nullopt;
+  Progress progress("blurring");
+  const Series series = open_series(render.data, session);
+  const double time = render.data.time.value_or(series.times()[static_cast<std::size_t>(step)]);
+  ModelFlags model = drawing.model;
+  model.lattice.array = subject.modelled.array;
+  return make_trail(drawing.trail, series, time, model, drawing.run.threads, look,
+                    subject.modelled.field.value_range(), session);
+}
+
 // One frame for the picture, and with --repeat N more for the clock.
-Image draw(const RenderFlags& render, const Field& field, const Camera& camera, const Look& look,
-           RunProfile* profile, Session& session) {
+Image draw(const RenderFlags& render, const Scene& scene, RunProfile* profile, Session& session) {
   Renderer renderer(render.drawing.run.backend, render.drawing.run.threads);
   RenderOptions options = render.drawing.options;
   RenderHooks hooks;
@@ -92,7 +119,7 @@ Image draw(const RenderFlags& render, const Field& field, const Camera& camera, 
   Frame first = [&] {
     Progress progress("drawing");
     hooks.progress = progress.callback();
-    return renderer.render(field, camera, look, options, hooks);
+    return scene.draw(renderer, scene.camera, options, hooks);
   }();
   hooks.progress = nullptr;
   profile->frame = first.profile;
@@ -102,15 +129,14 @@ Image draw(const RenderFlags& render, const Field& field, const Camera& camera, 
   }
   Progress progress("timing");
   for (int i = 0; i < render.repeat; ++i) {
-    Camera turned = camera;
+    Camera turned = scene.camera;
     turned.azimuth(kTurnDegrees * i);
-    profile->frames_ms.push_back(
-        renderer.render(field, turned, look, options, hooks).profile.frame_ms);
+    profile->frames_ms.push_back(scene.draw(renderer, turned, options, hooks).profile.frame_ms);
     progress.show((i + 1.0) / render.repeat);
   }
   if (render.profile) {
     options.collect_profile = true;
-    profile->frame = renderer.render(field, camera, look, options, hooks).profile;
+    profile->frame = scene.draw(renderer, scene.camera, options, hooks).profile;
   }
   return std::move(first.image);
 }
@@ -141,7 +167,7 @@ void run_render(const Words& words, Session& session) {
   profile.command = session.command_line();
   profile.width = drawing.options.width;
   profile.height = drawing.options.height;
-  render.data.array = array_to_read(drawing.model);
+  take_from_model(&render.data, &drawing.model);
   const Stopwatch loading;
   Dataset dataset = load(render.data, session);
   profile.load_ms = loading.ms();
@@ -149,6 +175,7 @@ void run_render(const Words& words, Session& session) {
   Subject subject = make_subject(dataset, flags, &drawing, session);
   profile.model_ms = modelling.ms();
   const Field& field = subject.modelled.field;
+  const std::int64_t step = dataset.step;
   dataset = {};  // the field keeps what it borrows; the rest is memory that the frame can use
 
   const double aspect = static_cast<double>(profile.width) / profile.height;
@@ -164,7 +191,9 @@ void run_render(const Words& words, Session& session) {
     fmt::print("{}", predict(run, session));
     return;
   }
-  Image image = draw(render, field, camera, look, &profile, session);
+  const std::optional<Trail> trail = trail_of(render, subject, step, look, session);
+  const Scene scene{field, camera, look, trail ? &*trail : nullptr};
+  Image image = draw(render, scene, &profile, session);
   // A picture without anything in it is seldom what was meant.
   if (is_empty(image))
     session.note("nothing shows: " + cause_of_emptiness(look, field.value_range()));

@@ -107,7 +107,7 @@ void add_run_flags(Flags& flags, RunFlags* run) {
               [run](const std::string& text) {
                 run->threads = static_cast<int>(parse_integer(text, 0, kMaxThreads));
               });
-  flags.refuse({"--device", "--memory-limit"});
+  flags.refuse({"--device"});
 }
 
 void add_switch_flags(Flags& flags, RenderOptions* options) {

@@ -148,7 +148,7 @@ void run_sample(const Words& words, Session& session) {
   check_volume_output("--output", sample.output);
 
   const Dataset points = read_points(sample.points, session);
-  sample.data.array = array_to_read(sample.model);
+  take_from_model(&sample.data, &sample.model);
   const Dataset dataset = load(sample.data, session);
   check_kind_flags(flags, dataset);
   const Modelled modelled = make_field(dataset, sample.model, 0, session);

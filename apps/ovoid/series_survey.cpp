@@ -67,29 +67,28 @@ std::vector<std::int64_t> steps_to_survey(const Series& series, std::int64_t fir
   return affordable_steps(series.num_steps(), first, bytes_of(dataset));
 }
 
-Survey survey(const Series& series, const std::vector<std::int64_t>& steps,
-              const DrawingFlags& drawing, Session& session) {
+Survey survey(const Series& series, const std::vector<double>& times, const DrawingFlags& drawing,
+              Session& session) {
   Survey survey;
-  survey.look_step = steps.front();
-  survey.num_steps = static_cast<std::int64_t>(steps.size());
+  survey.look_time = times.front();
+  survey.num_steps = static_cast<std::int64_t>(times.size());
   double widest = -1;
   const Quiet quiet(session);
   Progress progress("looking at the steps");
-  for (std::size_t i = 0; i < steps.size(); ++i) {
+  for (std::size_t i = 0; i < times.size(); ++i) {
     session.check_stop();
-    const double time = series.times()[static_cast<std::size_t>(steps[i])];
-    const Field field = field_at(series, time, drawing, session).field;
+    const Field field = field_at(series, times[i], drawing, session).field;
     const double span = span_of(field.value_range());
     if (span > widest) {
       widest = span;
-      survey.look_step = steps[i];
+      survey.look_time = times[i];
     }
     widen(survey.values, field.value_range());
     widen(survey.colors, field.color_range());
     survey.bounds.extend(field.world_bounds());
-    progress.show(static_cast<double>(i + 1) / static_cast<double>(steps.size()));
+    progress.show(static_cast<double>(i + 1) / static_cast<double>(times.size()));
   }
-  if (!needs_values(drawing.look)) survey.look_step = steps.front();
+  if (!needs_values(drawing.look)) survey.look_time = times.front();
   return survey;
 }
 

@@ -16,8 +16,8 @@ Dataset data_at(const Series& series, double time, const DrawingFlags& drawing, 
 Modelled field_at(const Series& series, double time, const DrawingFlags& drawing, Session& session);
 
 struct Survey {
-  std::int64_t look_step = 0;  // whose values span the most; the first of several
-  ValueRange values, colors;   // of all steps looked at
+  double look_time = 0;       // whose values span the most; the first of several
+  ValueRange values, colors;  // of all steps looked at
   Bounds3 bounds;
   std::int64_t num_steps = 0;  // looked at
 };
@@ -28,9 +28,9 @@ struct Survey {
 std::vector<std::int64_t> steps_to_survey(const Series& series, std::int64_t first,
                                           const Dataset& dataset, const LookFlags& look);
 
-// Looks at the steps, at least one. Throws what reading and modelling throw.
-Survey survey(const Series& series, const std::vector<std::int64_t>& steps,
-              const DrawingFlags& drawing, Session& session);
+// Looks at the data at these times, at least one. Throws what reading and modelling throw.
+Survey survey(const Series& series, const std::vector<double>& times, const DrawingFlags& drawing,
+              Session& session);
 
 // The look's flags with the range of values that all frames share, where it is the data that say
 // it.

@@ -147,6 +147,18 @@ Index3 parse_dims(const std::string& text) {
   return {sides[0], sides[1], sides[2]};
 }
 
+std::size_t parse_bytes(const std::string& text) {
+  const std::string units = "KMG";
+  const std::size_t unit = text.empty() ? std::string::npos : units.find(text.back());
+  const bool has_unit = unit != std::string::npos;
+  const std::optional<std::int64_t> count =
+      whole<std::int64_t>(has_unit ? text.substr(0, text.size() - 1) : text);
+  const std::int64_t factor = has_unit ? std::int64_t{1024} << 10 * unit : 1;
+  if (!count || *count < 1 || *count > (std::int64_t{1} << 50) / factor)
+    throw BadValue("expected a number of bytes, such as 4G or 512M");
+  return static_cast<std::size_t>(*count * factor);
+}
+
 ScalarType parse_scalar_type(const std::string& text) {
   if (const auto type = find_scalar_type(text)) return *type;
   std::string known;

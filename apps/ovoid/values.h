@@ -41,6 +41,7 @@ std::pair<double, double> parse_range(const std::string& text);  // "LO,HI" with
 std::pair<int, int> parse_size(const std::string& text,
                                int greatest);           // "WIDTHxHEIGHT", each 1 to greatest
 Index3 parse_dims(const std::string& text);             // "XxYxZ", each >= 1
+std::size_t parse_bytes(const std::string& text);       // "4G", "512M", "65536K", bytes; >= 1
 ScalarType parse_scalar_type(const std::string& text);  // as find_scalar_type() knows them
 
 // The value whose name is `text`, from a table of names: {{"mid", Slab::kMid}, ...}.

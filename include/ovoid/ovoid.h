@@ -14,6 +14,7 @@
 #include "ovoid/dataset.h"
 #include "ovoid/error.h"
 #include "ovoid/field.h"
+#include "ovoid/hyperslice.h"
 #include "ovoid/image.h"
 #include "ovoid/io.h"
 #include "ovoid/kernel_field.h"

@@ -61,6 +61,15 @@ struct Frame {
   FrameProfile profile;
 };
 
+// What was in a field some time ago ("motion blur"), drawn with it sheet by sheet: behind what the
+// field shows on a sheet comes what the trail shows there, so that nothing of it is seen through a
+// nearer surface. It has colours and opacities of its own and takes no light, nor opacity by the
+// gradient.
+struct Trail {
+  LatticeField field;  // on the lattice of the field that it is drawn with: trail_before()
+  TransferFunction transfer_function;
+};
+
 // Draws fields. Holds what outlives a frame: worker threads, and what a back end keeps of a field.
 // One render() at a time per renderer; several renderers may be used from several threads.
 class Renderer {
@@ -77,7 +86,18 @@ class Renderer {
   Frame render(const Field& field, const Camera& camera, const Look& look,
                const RenderOptions& options = {}, const RenderHooks& hooks = {});
 
+  // The same of a lattice field with a trail; modes kComposite and kIsosurface. Opacities of the
+  // trail are over the look's unit distance, if it has one. Counts of the profile are of both
+  // fields. PostConvolution::kAuto is kOff here. Throws what the other throws; Error:
+  // kInvalidArgument for a trail on another lattice, kUnsupported for other modes, fields and ways
+  // of post-convolution. Cost: both fields'. Source: [Neophytou 2006, section 2.2].
+  Frame render(const Field& field, const Camera& camera, const Look& look, const Trail& trail,
+               const RenderOptions& options = {}, const RenderHooks& hooks = {});
+
  private:
+  Frame draw(const Field& field, const Camera& camera, const Look& look, const Trail* trail,
+             const RenderOptions& options, const RenderHooks& hooks);
+
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

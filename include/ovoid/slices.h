@@ -2,10 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <stop_token>
 #include <vector>
 
 #include "ovoid/dataset.h"
+#include "ovoid/field.h"
+#include "ovoid/model.h"
 #include "ovoid/series.h"
 
 namespace ovoid {
@@ -46,5 +49,55 @@ struct TimeSliceOptions {
 // why. Throws what Series::step and weights_of_steps throw; kOutOfMemory. Cost: reading the steps
 // that are not held, a pass over them.
 Dataset slice_at_time(const Series& series, double time, const TimeSliceOptions& options = {});
+
+// Slices as fields that blend what a renderer asks for when it asks: no volume is made for a time,
+// and what is clipped away, irrelevant or hidden is never blended. Keeps the fields of the steps of
+// the last slice, so that one beside it in time costs next to nothing before it is drawn. Not for
+// use from several threads at once; its fields are, and outlive it.
+class SliceFields {
+ public:
+  // `series` outlives this. Its steps become fields as `model` says. Throws
+  // Error(kInvalidArgument) for TimeFilter::kExact, which is no sum over steps alone.
+  SliceFields(const Series& series, LatticeModelOptions model,
+              const TimeSliceOptions& options = {});
+  ~SliceFields();
+  SliceFields(SliceFields&&) noexcept;
+  SliceFields& operator=(SliceFields&&) noexcept;
+
+  // The field of slice_at_time(series, time, options), equal but for rounding; its value range may
+  // be wider, as sums of the steps' are. Memory: the steps that have a share, as they are stored.
+  // Throws what Series::step, weights_of_steps and make_lattice_field throw.
+  LatticeField at(double time);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+// A trail is what was in the data during the last `length` units of time, all at once.
+struct TrailOptions {
+  double length = 1;  // > 0
+  double decay = 0;   // what was there `age` ago counts exp(-decay * age / length)
+  int threads = 0;    // 0: one per hardware thread
+  std::stop_token stop;
+
+  static constexpr double kMaxDecay = 100;
+};
+
+// The shares of the steps in a trail that ends at `time`: integrals over time of what lies between
+// them, linearly; staggered, of the half `half`, between its own. Positive, they add up to 1. None
+// at the first time, before which there is nothing; a trail begins no earlier. Throws
+// Error(kInvalidArgument) for a time as weights_of_steps(), a length that is not finite and > 0, a
+// decay out of [0, kMaxDecay].
+std::vector<StepWeight> weights_of_trail(const std::vector<double>& times, double time,
+                                         double length, double decay);
+std::vector<StepWeight> weights_of_half_trail(const std::vector<double>& times, int half,
+                                              double time, double length, double decay);
+
+// The mean of a series of lattices over a trail, on the lattice of slice_at_time(series, time). At
+// the first time it is the slice itself. Memory: the result and one step. Throws what
+// weights_of_trail and Series::step throw; kInvalidArgument for what is no lattice; kOutOfMemory.
+// Source: [Neophytou 2006, section 2.2].
+Dataset trail_before(const Series& series, double time, const TrailOptions& options);
 
 }  // namespace ovoid

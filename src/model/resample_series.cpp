@@ -13,6 +13,7 @@
 
 #include "model/band_limit.h"
 #include "model/convert.h"
+#include "model/even_steps.h"
 #include "model/lattice_samples.h"
 #include "model/lines.h"
 #include "model/spline.h"
@@ -24,23 +25,8 @@ namespace {
 
 constexpr double kSqrt2 = std::numbers::sqrt2;
 
-// Times that are even, but for rounding, to this share of their distance.
-constexpr double kEven = 1e-3;
-
 [[noreturn]] void refuse_series(const std::string& message) {
   throw Error(ErrorCode::kInvalidArgument, message);
-}
-
-void require_even(const Series& series) {
-  const std::vector<double>& times = series.times();
-  const double distance = (times.back() - times.front()) / static_cast<double>(times.size() - 1);
-  for (std::size_t i = 1; i < times.size(); ++i) {
-    if (std::abs(times[i] - times[i - 1] - distance) > kEven * distance)
-      refuse_series(
-          fmt::format("{}: step {} comes {:g} behind the one before, others {:g}: to be "
-                      "resampled in time, steps must be even",
-                      series.source().name(), i, times[i] - times[i - 1], distance));
-  }
 }
 
 class ResampledSeries final : public StepSource {
@@ -51,7 +37,7 @@ class ResampledSeries final : public StepSource {
       refuse_series(fmt::format("{}: has one step, a lattice in time takes two", name_));
     if (series.source().kind() != SeriesKind::kSteps)
       refuse_series(fmt::format("{}: is staggered already", name_));
-    require_even(series);
+    model::require_even_steps(series);
     num_input_steps_ = series.num_steps();
     load(series);
     if (options_.lattice.band_limit) limit_band();

@@ -15,13 +15,16 @@
 #include <utility>
 
 #include "data/bookkeeping.h"
-#include "data/parallel.h"
 #include "data/scalar_visit.h"
+#include "model/step_blend.h"
 #include "ovoid/error.h"
 #include "ovoid/slices.h"
 
 namespace ovoid {
 namespace {
+
+using model::Floats;
+using model::HeldStep;
 
 constexpr double kOwnSpacing = std::numbers::sqrt2;  // of the samples and steps of one half, T
 
@@ -45,96 +48,15 @@ void normalize(std::vector<StepWeight>& weights) {
   for (StepWeight& w : weights) w.weight /= sum;
 }
 
-// --- arrays of values
-
-using Floats = std::shared_ptr<float[]>;
-
-DataArray array_of(const DataArray& like, const Floats& values, std::int64_t count) {
-  DataArray array = like;
-  array.type = ScalarType::kFloat32;
-  array.value_scale = 1;
-  array.value_offset = 0;
-  array.bytes = {
-      values, std::as_bytes(std::span<const float>(values.get(), static_cast<std::size_t>(count)))};
-  return array;
-}
-
-// to[i] (+)= weight * value of the array's number first + i.
-void add_values(const DataArray& array, double weight, bool is_first, std::int64_t first,
-                std::span<float> to) {
-  const auto scale = static_cast<float>(weight * array.value_scale);
-  const auto offset = static_cast<float>(weight * array.value_offset);
-  data::visit_scalar(array.type, [&]<class T>(std::type_identity<T>) {
-    const std::byte* from = array.bytes.view.data() + first * std::int64_t{sizeof(T)};
-    for (std::size_t i = 0; i < to.size(); ++i) {
-      const auto stored =
-          static_cast<float>(data::load_scalar<T>(from, static_cast<std::int64_t>(i)));
-      const float value = stored * scale + offset;
-      to[i] = is_first ? value : to[i] + value;
-    }
-  });
-}
-
-const DataArray& same_array(const Dataset& dataset, const DataArray& like) {
-  for (const DataArray& array : dataset.arrays) {
-    if (array.name == like.name && array.is_cell_data == like.is_cell_data &&
-        array.num_components == like.num_components && array.num_tuples == like.num_tuples)
-      return array;
-  }
-  throw Error(ErrorCode::kFileFormat,
-              fmt::format("'{}' step {}: has no array '{}' like step 0 of the series",
-                          dataset.source, dataset.step, like.name));
-}
-
-struct HeldStep {
-  std::shared_ptr<const Dataset> dataset;
-  double weight;
-};
-
-std::vector<HeldStep> hold(const Series& series, const std::vector<StepWeight>& weights,
-                           const TimeSliceOptions& options) {
-  std::vector<HeldStep> steps;
-  steps.reserve(weights.size());
-  for (const auto& [step, weight] : weights)
-    steps.push_back({series.step(step, options.stop), weight});
-  return steps;
-}
-
-// The weighted sum of one array over the steps: rows of `row` numbers, every one `stride` numbers
-// behind the one before. Row by row, so that it stays in the cache from step to step.
-void blend(const std::vector<HeldStep>& steps, const DataArray& like, std::int64_t row,
-           std::int64_t stride, const TimeSliceOptions& options, float* to) {
-  std::vector<const DataArray*> arrays;
-  arrays.reserve(steps.size());
-  for (const HeldStep& step : steps) arrays.push_back(&same_array(*step.dataset, like));
-  const std::int64_t count = like.num_tuples * like.num_components;
-  data::parallel_ranges({(count + row - 1) / row, 1, options.threads, options.stop},
-                        [&](std::int64_t begin, std::int64_t end) {
-                          for (std::int64_t r = begin; r < end; ++r) {
-                            const std::int64_t length = std::min(row, count - r * row);
-                            const std::span<float> out(to + r * stride,
-                                                       static_cast<std::size_t>(length));
-                            for (std::size_t s = 0; s < steps.size(); ++s)
-                              add_values(*arrays[s], steps[s].weight, s == 0, r * row, out);
-                          }
-                        });
-}
-
-Floats blended(const std::vector<HeldStep>& steps, const DataArray& like,
-               const TimeSliceOptions& options) {
-  constexpr std::int64_t kRow = 8192;  // 32 KiB
-  Floats values(new float[static_cast<std::size_t>(like.num_tuples * like.num_components)]);
-  blend(steps, like, kRow, kRow, options, values.get());
-  return values;
-}
-
 // All arrays that vary with time; the others are the first step's.
 void blend_arrays(const std::vector<HeldStep>& steps, const TimeSliceOptions& options,
                   Dataset& into) {
   for (DataArray& array : into.arrays) {
     if (data::is_bookkeeping(into, array)) continue;
     const DataArray like = array;
-    array = array_of(like, blended(steps, like, options), like.num_tuples * like.num_components);
+    const Floats values = model::new_floats(like.num_tuples * like.num_components);
+    model::blend(steps, like, model::whole(values.get(), options.threads, options.stop));
+    array = model::float_array(like, values, like.num_tuples);
   }
 }
 
@@ -167,7 +89,8 @@ std::string difference_of(const Dataset& a, const Dataset& b) {
   if (a.kind != DatasetKind::kParticles) return "only lattices, meshes and particles move";
   for (const DataArray& array : a.arrays) {
     if (!is_identity(array)) continue;
-    return have_equal_bytes(array, same_array(b, array)) ? "" : "particles come in another order";
+    return have_equal_bytes(array, model::same_array(b, array)) ? ""
+                                                                : "particles come in another order";
   }
   return "particles have no numbers (an array 'id') that tell which is which";
 }
@@ -228,7 +151,7 @@ Dataset between_steps(const std::vector<HeldStep>& steps, const TimeSliceOptions
 // Two halves as the layers of one lattice.
 Floats interleaved(const std::array<Floats, 2>& halves, const Index3& dims, int components) {
   const std::int64_t layer = dims[0] * dims[1] * components;
-  Floats out(new float[static_cast<std::size_t>(2 * dims[2] * layer)]);
+  Floats out = model::new_floats(2 * dims[2] * layer);
   for (std::int64_t z = 0; z < dims[2]; ++z) {
     for (int half = 0; half < 2; ++half)
       std::copy_n(halves[static_cast<std::size_t>(half)].get() + z * layer, layer,
@@ -247,7 +170,7 @@ Floats along_axes(Floats in, const Index3& dims, int components, const AxisStenc
   std::int64_t stride = components;
   const std::int64_t count = num_samples(dims) * components;
   for (std::size_t a = 0; a < 3; ++a) {
-    Floats out(new float[static_cast<std::size_t>(count)]);
+    Floats out = model::new_floats(count);
     for (std::int64_t i = 0; i < count; ++i) {
       const std::int64_t at = i / stride % dims[a];
       double sum = 0;
@@ -274,7 +197,7 @@ std::array<Floats, 2> exact_halves(const std::array<Floats, 2>& sums,
   const AxisStencil own{{far, 1, far}, -1};
   const AxisStencil of_other[2] = {{{near, near}, -1}, {{near, near}, 0}};
   const std::int64_t count = num_samples(dims) * components;
-  Floats ones(new float[static_cast<std::size_t>(count)]);
+  const Floats ones = model::new_floats(count);
   std::fill_n(ones.get(), count, 1.0F);
   std::array<Floats, 2> out;
   for (std::size_t half = 0; half < 2; ++half) {
@@ -283,7 +206,7 @@ std::array<Floats, 2> exact_halves(const std::array<Floats, 2>& sums,
     const Floats from_other = along_axes(sums[other], dims, components, of_other[half]);
     const Floats own_weight = along_axes(ones, dims, components, own);
     const Floats other_weight = along_axes(ones, dims, components, of_other[half]);
-    out[half] = Floats(new float[static_cast<std::size_t>(count)]);
+    out[half] = model::new_floats(count);
     for (std::int64_t i = 0; i < count; ++i) {
       const double weight = weights[half] * static_cast<double>(own_weight[i]) +
                             weights[other] * static_cast<double>(other_weight[i]);
@@ -331,34 +254,33 @@ Dataset staggered(const Series& series, double time, const TimeSliceOptions& opt
         is_exact ? raw_weights(times, half, time, kKernelSupport, 0)
                  : weights_of_half(times, half, time, options.filter);
     const auto h = static_cast<std::size_t>(half);
-    halves[h] = hold(series, weights, options);
+    halves[h] = model::hold(series, weights, options.stop);
     for (const StepWeight& w : weights) sums[h] += w.weight;
   }
   const Dataset& first = *halves[0][0].dataset;
   const Index3 dims = first.lattice.dims;
-  Dataset out = first;
-  out.series = SeriesKind::kSteps;
-  out.lattice.kind = LatticeKind::kBodyCentred;
-  out.lattice.dims = {dims[0], dims[1], 2 * dims[2]};
-  for (DataArray& array : out.arrays) {
-    const DataArray like = array;
+  Dataset out = model::body_centred_of(first);
+  for (const DataArray& like : first.arrays) {
     const std::int64_t count = like.num_tuples * like.num_components;
     Floats both;
     if (options.filter == TimeFilter::kExact) {
-      const std::array<Floats, 2> over_time{blended(halves[0], like, options),
-                                            blended(halves[1], like, options)};
+      std::array<Floats, 2> over_time;
+      for (std::size_t half = 0; half < 2; ++half) {
+        over_time[half] = model::new_floats(count);
+        model::blend(halves[half], like,
+                     model::whole(over_time[half].get(), options.threads, options.stop));
+      }
       both = interleaved(exact_halves(over_time, sums, dims, like.num_components), dims,
                          like.num_components);
     } else {
-      both = Floats(new float[static_cast<std::size_t>(2 * count)]);
-      const std::int64_t layer = count / dims[2];
-      for (std::size_t half = 0; half < 2; ++half) {
-        blend(halves[half], like, layer, 2 * layer, options,
-              both.get() + static_cast<std::int64_t>(half) * layer);
+      both = model::new_floats(2 * count);
+      for (int half = 0; half < 2; ++half) {
+        model::blend(halves[static_cast<std::size_t>(half)], like,
+                     model::every_second_layer(both.get(), count / dims[2], half, options.threads,
+                                               options.stop));
       }
     }
-    array = array_of(like, both, 2 * count);
-    array.num_tuples = 2 * like.num_tuples;
+    out.arrays.push_back(model::float_array(like, both, 2 * like.num_tuples));
   }
   return out;
 }
@@ -389,7 +311,8 @@ std::vector<StepWeight> weights_of_half(const std::vector<double>& times, int ha
 Dataset slice_at_time(const Series& series, double time, const TimeSliceOptions& options) {
   try {
     if (series.source().kind() == SeriesKind::kStaggered) return staggered(series, time, options);
-    return between_steps(hold(series, weights_of_steps(series.times(), time), options), options);
+    return between_steps(model::hold(series, weights_of_steps(series.times(), time), options.stop),
+                         options);
   } catch (const std::bad_alloc&) {
     throw Error(ErrorCode::kOutOfMemory,
                 fmt::format("time = {:g}: no memory for a step made of several", time));

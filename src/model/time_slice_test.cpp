@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "model/test_steps.h"
 #include "ovoid/error.h"
 #include "ovoid/model.h"
 #include "ovoid/resample.h"
@@ -16,64 +17,19 @@
 namespace ovoid {
 namespace {
 
+constexpr Index3 kDims{4, 3, 5};
+
 // Steps of numbers by formula: the value of sample i of step s.
-class FormulaSteps final : public StepSource {
- public:
-  using Value = double (*)(std::int64_t step, std::int64_t sample);
+using NumberFormula = double (*)(std::int64_t step, std::int64_t sample);
 
-  FormulaSteps(SeriesKind kind, std::vector<double> times, Value value)
-      : kind_(kind), times_(std::move(times)), value_(value) {}
-
-  SeriesKind kind() const noexcept override { return kind_; }
-  const std::string& name() const noexcept override { return name_; }
-  std::int64_t num_steps() const noexcept override {
-    return static_cast<std::int64_t>(times_.size());
-  }
-  const std::vector<double>& times() const noexcept override { return times_; }
-  bool has_times() const noexcept override { return true; }
-
-  Dataset read(std::int64_t step, std::stop_token /*stop*/) const override {
-    Dataset dataset;
-    dataset.source = name_;
-    dataset.lattice.dims = {4, 3, 5};
-    if (kind_ == SeriesKind::kStaggered && step % 2 == 1)
-      dataset.lattice.world_from_index.translate(Vec3::Constant(0.5));
-    dataset.num_steps = num_steps();
-    dataset.step = step;
-    dataset.times = times_;
-    dataset.series = kind_;
-    const auto count = static_cast<std::size_t>(num_samples(dataset.lattice.dims));
-    const auto memory = std::make_shared<float[]>(count);
-    for (std::size_t i = 0; i < count; ++i)
-      memory[i] = static_cast<float>(value_(step, static_cast<std::int64_t>(i)));
-    DataArray array;
-    array.name = "value";
-    array.num_tuples = static_cast<std::int64_t>(count);
-    array.bytes = {memory, std::as_bytes(std::span<const float>(memory.get(), count))};
-    dataset.arrays.push_back(array);
-    return dataset;
-  }
-
- private:
-  SeriesKind kind_;
-  std::string name_ = "formula";
-  std::vector<double> times_;
-  Value value_;
-};
-
-Series series_of_numbers(SeriesKind kind, std::vector<double> times, FormulaSteps::Value value) {
-  return Series(std::make_shared<FormulaSteps>(kind, std::move(times), value));
-}
-
-std::vector<float> values_of(const Dataset& dataset) {
-  const auto* values = reinterpret_cast<const float*>(dataset.arrays[0].bytes.view.data());
-  return {values, values + dataset.arrays[0].num_tuples};
-}
-
-std::vector<double> staggered_times(int count) {
-  std::vector<double> times;
-  for (int i = 0; i < count; ++i) times.push_back(i / std::numbers::sqrt2);  // T = 1
-  return times;
+Series series_of_numbers(SeriesKind kind, std::vector<double> times, NumberFormula value) {
+  return Series(std::make_shared<FormulaSteps>(
+      kind, kDims, std::move(times), [value](const Vec3& position, std::int64_t step) {
+        Index3 at;
+        for (std::size_t a = 0; a < 3; ++a)
+          at[a] = static_cast<std::int64_t>(std::floor(position[static_cast<int>(a)]));
+        return value(step, at[0] + kDims[0] * (at[1] + kDims[1] * at[2]));
+      }));
 }
 
 double weight_at(const std::vector<StepWeight>& weights, std::int64_t step) {
@@ -169,11 +125,10 @@ TEST(TimeSlice, HalvesBecomeLayersInTurn) {
 
 // Fails if the sum is not that over all samples of the four-dimensional lattice in reach.
 TEST(TimeSlice, ExactIsTheSumOverTheWholeLattice) {
-  const FormulaSteps::Value value = [](std::int64_t step, std::int64_t sample) {
+  const NumberFormula value = [](std::int64_t step, std::int64_t sample) {
     return std::sin(1.3 * static_cast<double>(step) + 0.7 * static_cast<double>(sample));
   };
   const std::vector<double> times = staggered_times(9);
-  const FormulaSteps source(SeriesKind::kStaggered, times, value);
   const Series series = series_of_numbers(SeriesKind::kStaggered, times, value);
   TimeSliceOptions options;
   options.filter = TimeFilter::kExact;

@@ -7,6 +7,7 @@
 #include "render/cpu/cpu_renderer.h"
 #include "render/cpu/tile.h"
 #include "render/reference/reference_renderer.h"
+#include "view/behind.h"
 
 namespace ovoid {
 namespace {
@@ -18,6 +19,32 @@ void require_spread(const Field& field, const RenderOptions& options) {
     throw Error(ErrorCode::kUnsupported, "spread: bilinear is for lattices");
   if (field.lattice()->reconstruction() == Reconstruction::kSum)
     throw Error(ErrorCode::kUnsupported, "spread: bilinear is for normalized lattices, not sums");
+}
+
+// Throws Error unless the trail can be drawn with the field.
+void require_trail(const Field& field, const Look& look, const Trail& trail,
+                   const RenderOptions& options) {
+  if (field.lattice() == nullptr)
+    throw Error(ErrorCode::kUnsupported, "trail: is for lattices, the field is a set of kernels");
+  if (look.mode != Mode::kComposite && look.mode != Mode::kIsosurface)
+    throw Error(ErrorCode::kUnsupported, "trail: is for the modes composite and isosurface");
+  if (is_published(options.post_convolution))
+    throw Error(ErrorCode::kUnsupported, "trail: is for post-convolution off and auto");
+  const LatticeGeometry& own = field.lattice()->geometry();
+  const bool is_empty = trail.field.id() == 0;
+  if (is_empty || trail.field.geometry().kind != own.kind ||
+      trail.field.geometry().dims != own.dims ||
+      trail.field.geometry().world_from_index.matrix() != own.world_from_index.matrix())
+    throw Error(ErrorCode::kInvalidArgument, "trail.field: must be on the lattice of the field");
+}
+
+view::Behind behind_of(const Trail& trail, const Look& look) {
+  view::Behind behind{&trail.field, {}};
+  behind.look.transfer_function = trail.transfer_function;
+  behind.look.transfer_function.gradient_opacities.clear();
+  behind.look.shade = false;
+  behind.look.unit_distance = look.unit_distance;
+  return behind;
 }
 
 }  // namespace
@@ -43,20 +70,38 @@ Renderer& Renderer::operator=(Renderer&&) noexcept = default;
 
 Frame Renderer::render(const Field& field, const Camera& camera, const Look& look,
                        const RenderOptions& options, const RenderHooks& hooks) {
+  return draw(field, camera, look, nullptr, options, hooks);
+}
+
+Frame Renderer::render(const Field& field, const Camera& camera, const Look& look,
+                       const Trail& trail, const RenderOptions& options, const RenderHooks& hooks) {
+  return draw(field, camera, look, &trail, options, hooks);
+}
+
+Frame Renderer::draw(const Field& field, const Camera& camera, const Look& look, const Trail* trail,
+                     const RenderOptions& options, const RenderHooks& hooks) {
   camera.validate();
   look.validate();
   options.validate();
   const bool is_reference = impl_->backend == Backend::kReference;
   require_spread(field, options);
+  if (trail != nullptr) require_trail(field, look, *trail, options);
   if (const KernelField* kernels = field.kernels()) {
     if (is_reference)
       return reference::render(*kernels, camera, look, options, hooks,
                                impl_->runner->num_workers());
     return cpu::render(*kernels, camera, look, options, hooks, *impl_->runner);
   }
-  return is_reference ? reference::render(*field.lattice(), camera, look, options, hooks,
-                                          impl_->runner->num_workers())
-                      : cpu::render(*field.lattice(), camera, look, options, hooks, *impl_->runner);
+  std::optional<view::Behind> behind;
+  if (trail != nullptr) {
+    behind = behind_of(*trail, look);
+    behind->look.validate();
+  }
+  const view::Behind* const second = behind ? &*behind : nullptr;
+  return is_reference
+             ? reference::render(*field.lattice(), camera, look, options, hooks,
+                                 impl_->runner->num_workers(), second)
+             : cpu::render(*field.lattice(), camera, look, options, hooks, *impl_->runner, second);
 }
 
 std::vector<std::string> simd_targets() { return cpu::usable_simd_targets(); }

@@ -2,26 +2,12 @@
 // Lattices of all kinds by the program: made, converted, cut in time and drawn.
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
-
 #include "program.h"
 
 namespace ovoid::cli_tests {
 namespace {
 
 using nlohmann::json;
-
-json facts_of(const std::string& path, Words more = {}) {
-  more.insert(more.begin(), {"info", path, "--json"});
-  const Outcome result = run(more);
-  EXPECT_EQ(result.exit_code, 0) << result.err;
-  return json::parse(result.out, nullptr, false);
-}
-
-bool has_hdf5() {
-  const Folder folder;
-  return run({"make", "flat", "--size", "4", "-o", folder / "a.h5"}).exit_code == 0;
-}
 
 // Fails if counts, kinds or spacings are not those of the lattice that was asked for.
 TEST(Lattices, AreMadeConvertedAndDrawn) {

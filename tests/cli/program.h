@@ -17,6 +17,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 #include <thread>
@@ -235,6 +236,19 @@ inline Picture draw(const Folder& folder, Words words) {
     words.insert(words.end(), {"--size", "40x30"});
   expect_success(words);
   return read_npy(path);
+}
+
+// What `ovoid info --json` says of an input.
+inline nlohmann::json facts_of(const std::string& path, Words more = {}) {
+  more.insert(more.begin(), {"info", path, "--json"});
+  const Outcome result = run(more);
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  return nlohmann::json::parse(result.out, nullptr, false);
+}
+
+inline bool has_hdf5() {
+  const Folder folder;
+  return run({"make", "flat", "--size", "4", "-o", folder / "a.h5"}).exit_code == 0;
 }
 
 // Real data next to the project, or "" if it is not there.

@@ -79,7 +79,7 @@ TEST(Usage, BadValuesNameFlagValueAndExpectation) {
 
 TEST(Usage, FlagsOfALaterVersionAreRefusedByName) {
   std::vector<Case> cases;
-  for (const char* const flag : {"--nan-color", "--device", "--memory-limit"}) {
+  for (const char* const flag : {"--nan-color", "--device"}) {
     const std::string said = std::string(flag) + ": not available in this version";
     cases.push_back({{flag}, {said}});
     cases.push_back({{flag, "3"}, {said}});

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "ovoid/error.h"
 #include "render/cpu/frame_tables.h"
@@ -119,10 +120,51 @@ void finish_patch(const CpuFrame& frame, const Look& look, const LatticeWorkspac
   }
 }
 
+// One field of a frame, ready to be drawn. Stays where it is: its parts point to each other.
+struct PreparedField {
+  PreparedField(const LatticeField& field, const Camera& camera, const Look& look,
+                const RenderOptions& options, const RenderHooks& hooks, Runner& runner)
+      : plan(field, camera, look, options) {
+    decide_relevance(plan, runner);
+    frame.plan = &plan;
+    frame.lattice_plan = &plan;
+    frame.field = &field;
+    frame.stop = hooks.stop;
+    set_kernel(frame, field);
+    set_view(frame, plan);
+    set_look(frame, field.value_range(), look, plan, tables);
+    const bool is_mean = options.slab == Slab::kMean;
+    set_slab_nodes(frame, is_mean ? slab_nodes_for(field, plan.lattice) : 1);
+    frame.spread = options.spread;
+    const bool takes_differences =
+        options.gradient == GradientMethod::kCentral || frame.spread == Spread::kBilinear;
+    frame.central_gradient = takes_differences && frame.takes_gradients;
+    frame.corrects_gradient = options.gradient != GradientMethod::kExact && !frame.is_sum;
+    frame.evaluate = options.evaluate;
+    frame.stop_opaque = options.stop_opaque;
+    frame.collect_profile = options.collect_profile;
+    // Of two sublattices the kernels are narrower, and reach three of the taps.
+    const bool fits_taps =
+        frame.num_sublattices == 1 ? frame.support == 2.0F : frame.support <= 1.5F;
+    frame.has_four_taps =
+        fits_taps && frame.sigma >= 0.25F && frame.sigma <= 2.0F && !frame.is_sum && !is_mean;
+    frame.post_convolution = options.post_convolution;
+    frame.samples_at_nodes = has_nodes(frame, plan);
+    frame.takes_pieces = frame.is_preintegrated || frame.mode == Mode::kIsosurface;
+  }
+  PreparedField(const PreparedField&) = delete;
+  PreparedField& operator=(const PreparedField&) = delete;
+
+  view::LatticePlan plan;
+  LookTables tables;
+  CpuFrame frame;
+};
+
 }  // namespace
 
 Frame render(const LatticeField& field, const Camera& camera, const Look& look,
-             const RenderOptions& options, const RenderHooks& hooks, Runner& runner) {
+             const RenderOptions& options, const RenderHooks& hooks, Runner& runner,
+             const view::Behind* behind) {
   const Clock::time_point start = Clock::now();
   const std::uint64_t start_ticks = read_ticks();
   Frame out;
@@ -132,38 +174,21 @@ Frame render(const LatticeField& field, const Camera& camera, const Look& look,
   out.profile.kernels_total = field.num_kernels();
   out.image = empty_image(options);
 
-  view::LatticePlan plan(field, camera, look, options);
-  decide_relevance(plan, runner);
-  LookTables tables;
-  CpuFrame frame;
-  frame.plan = &plan;
-  frame.lattice_plan = &plan;
-  frame.field = &field;
-  frame.stop = hooks.stop;
-  set_kernel(frame, field);
-  set_view(frame, plan);
-  set_look(frame, field.value_range(), look, plan, tables);
-  const bool is_mean = options.slab == Slab::kMean;
-  set_slab_nodes(frame, is_mean ? slab_nodes_for(field, plan.lattice) : 1);
-  frame.spread = options.spread;
-  const bool takes_differences =
-      options.gradient == GradientMethod::kCentral || frame.spread == Spread::kBilinear;
-  frame.central_gradient = takes_differences && frame.takes_gradients;
-  frame.corrects_gradient = options.gradient != GradientMethod::kExact && !frame.is_sum;
-  frame.evaluate = options.evaluate;
-  frame.stop_opaque = options.stop_opaque;
-  frame.collect_profile = options.collect_profile;
-  // Of two sublattices the kernels are narrower, and reach three of the taps.
-  const bool fits_taps = frame.num_sublattices == 1 ? frame.support == 2.0F : frame.support <= 1.5F;
-  frame.has_four_taps =
-      fits_taps && frame.sigma >= 0.25F && frame.sigma <= 2.0F && !frame.is_sum && !is_mean;
-  frame.post_convolution = options.post_convolution;
-  frame.samples_at_nodes = has_nodes(frame, plan);
-  frame.takes_pieces = frame.is_preintegrated || frame.mode == Mode::kIsosurface;
+  RenderOptions own_options = options;
+  std::optional<PreparedField> prepared_behind;
+  if (behind != nullptr) {
+    own_options.post_convolution = PostConvolution::kOff;
+    RenderOptions plain = own_options;
+    plain.classification = Classification::kSampled;
+    prepared_behind.emplace(*behind->field, camera, behind->look, plain, hooks, runner);
+  }
+  PreparedField prepared(field, camera, look, own_options, hooks, runner);
+  CpuFrame& frame = prepared.frame;
+  if (prepared_behind) frame.behind = &prepared_behind->frame;
   const int edge = field.source().brick_edge();
   out.profile.kernels_drawn =
       std::min(field.num_kernels(),
-               plan.relevance.num_relevant() * edge * edge * edge * frame.num_sublattices);
+               prepared.plan.relevance.num_relevant() * edge * edge * edge * frame.num_sublattices);
   const double plan_ms = ms_since(start);
 
   const std::vector<TileRect> tiles =
@@ -188,7 +213,7 @@ Frame render(const LatticeField& field, const Camera& camera, const Look& look,
       static_cast<double>(read_ticks() - start_ticks) / out.profile.frame_ms;
   if (options.collect_profile) out.profile.stages_ms.emplace_back("plan", plan_ms);
   for (const auto& work : workspaces) {
-    for (const WorkerStats* stats : {&work->pixels.stats, &work->nodes.stats})
+    for (const WorkerStats* stats : {&work->pixels.stats, &work->nodes.stats, &work->behind.stats})
       add_worker_stats(*stats, options.collect_profile ? ticks_per_ms : 0.0, out.profile);
   }
   return out;

@@ -3,12 +3,15 @@
 
 #include "ovoid/renderer.h"
 #include "render/cpu/runner.h"
+#include "view/behind.h"
 
 namespace ovoid::cpu {
 
 // The cpu back end: tiles as tasks on a runner, SIMD within. Arguments have been validated.
+// `behind`: none if null.
 Frame render(const LatticeField& field, const Camera& camera, const Look& look,
-             const RenderOptions& options, const RenderHooks& hooks, Runner& runner);
+             const RenderOptions& options, const RenderHooks& hooks, Runner& runner,
+             const view::Behind* behind = nullptr);
 
 // The same of a kernel field; gradients are central differences, others are refused
 // (Error(kUnsupported)). Memory: 64 bytes per kernel that can be seen, and 4 per block that it

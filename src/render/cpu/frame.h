@@ -64,6 +64,7 @@ struct CpuFrame {
   const view::FramePlan* plan = nullptr;
   const view::LatticePlan* lattice_plan = nullptr;  // `plan`, if it is a lattice's
   const LatticeField* field = nullptr;              // likewise
+  const CpuFrame* behind = nullptr;  // of a second field, drawn behind this one sheet by sheet
   std::stop_token stop;
 
   // Kernel and lattice

@@ -85,13 +85,19 @@ inline void surface_sheet(const CpuFrame& frame, Workspace& work, int s) {
       }
       const int pixel = tile_index(block, column, y);
       const M mask = mask_of(crossing);
-      store_masked(mask, lit_color(color[0], light), tile.red + pixel);
-      store_masked(mask, lit_color(color[1], light), tile.green + pixel);
-      store_masked(mask, lit_color(color[2], light), tile.blue + pixel);
+      // What is in front is not all that shows.
+      const V in_front = hn::LoadU(d, tile.alpha + pixel);
+      const V share = hn::Sub(hn::Set(d, 1.0F), in_front);
+      const auto add = [&](float* sum, V lit) {
+        store_masked(mask, hn::MulAdd(share, lit, hn::LoadU(d, sum + pixel)), sum + pixel);
+      };
+      add(tile.red, lit_color(color[0], light));
+      add(tile.green, lit_color(color[1], light));
+      add(tile.blue, lit_color(color[2], light));
       store_masked(mask, hn::Set(d, 1.0F), tile.alpha + pixel);
       const V depth = hn::MulAdd(hn::Sub(t, hn::Set(d, 1.0F)), hn::Set(d, frame.sampling_distance),
                                  hn::Set(d, block.sheets[s].depth));
-      store_masked(mask, depth, tile.depth + pixel);
+      store_masked(hn::And(mask, hn::Lt(in_front, hn::Set(d, 0.5F))), depth, tile.depth + pixel);
       open &= ~(crossing << tile_column(block, column));
       work.stats.samples_shaded += std::popcount(crossing);
     });

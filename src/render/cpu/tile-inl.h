@@ -67,34 +67,35 @@ inline void finish_sheet(const CpuFrame& frame, Workspace& work, int s, StageClo
                  [&] { gradient_of_sheet(frame, work, s); });
 }
 
-inline void run_sheets(const CpuFrame& frame, Workspace& work, bool is_scattered,
-                       StageClock& clock) {
+// With differences, a sheet is finished once its far neighbour is there: so many later.
+inline int sheets_late(const CpuFrame& frame) { return frame.central_gradient ? 1 : 0; }
+
+// Sheet s of a block that is ready.
+inline void run_sheet(const CpuFrame& frame, Workspace& work, int s, StageClock& clock) {
   Block& block = work.block;
-  if (is_scattered) reserve_splat_planes(work);
-  for (int s = 0; s < block.num_sheets; ++s) {
-    if (frame.stop_opaque && !work.tile->any_open(block.x0, block.y0, block.x1, block.y1)) return;
-    RowBits wanted = wanted_now(frame, block, *work.tile, s);
-    work.stats.samples_reconstructed += count_bits(block, wanted);
-    block.defined[s & (kRingSheets - 1)] = {};
-    block.has_gradient = {};
-    if (is_scattered) {
-      splat_sheet(frame, work, s, wanted);
-      read_splat_sheet(frame, work, s, wanted);
-    } else {
-      const RowBits guess = guess_visible(frame, block, wanted);
-      reconstruct_with_gradients(frame, work, s, guess);
-      clock.lap(kGradient);
-      for (int y = 0; y < block.rows; ++y) wanted[y] &= ~guess[y];
-      reconstruct_sheet(frame, work, s, wanted);
-    }
-    clock.lap(kReconstruct);
-    // With differences, a sheet is finished once its far neighbour is there.
-    if (!frame.central_gradient) {
-      finish_sheet(frame, work, s, clock);
-    } else if (s >= 2) {
-      finish_sheet(frame, work, s - 1, clock);
-    }
+  RowBits wanted = wanted_now(frame, block, *work.tile, s);
+  work.stats.samples_reconstructed += count_bits(block, wanted);
+  block.defined[s & (kRingSheets - 1)] = {};
+  block.has_gradient = {};
+  if (should_scatter(frame)) {
+    splat_sheet(frame, work, s, wanted);
+    read_splat_sheet(frame, work, s, wanted);
+  } else {
+    const RowBits guess = guess_visible(frame, block, wanted);
+    reconstruct_with_gradients(frame, work, s, guess);
+    clock.lap(kGradient);
+    for (int y = 0; y < block.rows; ++y) wanted[y] &= ~guess[y];
+    reconstruct_sheet(frame, work, s, wanted);
   }
+  clock.lap(kReconstruct);
+  const int finished = s - sheets_late(frame);
+  if (finished >= sheets_late(frame)) finish_sheet(frame, work, finished, clock);
+}
+
+// No pixel of the block takes more samples.
+inline bool is_closed(const CpuFrame& frame, const Workspace& work) {
+  const Block& block = work.block;
+  return frame.stop_opaque && !work.tile->any_open(block.x0, block.y0, block.x1, block.y1);
 }
 
 inline Part first_half(const Part& part, int axis) {
@@ -129,30 +130,67 @@ inline int longest_axis(const Block& block, const Part& part) {
   return spans[longest] > 0 ? longest : -1;
 }
 
-// Draws a part; one whose region is too large for the cache is halved, the front half first.
-// Returns false if nothing in it was relevant.
-inline bool draw_part(const CpuFrame& frame, Workspace& work, const Part& part, StageClock& clock) {
+enum class PartState { kNothing, kTooLarge, kReady };
+
+// Sets up a part's block: kNothing if nothing in it is relevant, kTooLarge if its region is too
+// large for the cache and can be halved.
+inline PartState prepare_part(const CpuFrame& frame, Workspace& work, const Part& part,
+                              StageClock& clock) {
   Block& block = work.block;
   const Bounds3 box = box_of(frame, block, part, block.margin);
   set_up_block(frame, block, part, box);
   const std::int64_t num_relevant = bin_region(frame, block, *work.tile, box);
   clock.lap(kBin);
-  if (num_relevant == 0) return false;
+  if (num_relevant == 0) return PartState::kNothing;
   const std::int64_t region =
       num_samples({block.region_size[0], block.region_size[1], block.region_size[2]});
-  if (region > kMaxRegionSamples) {
-    const int axis = longest_axis(block, part);
-    if (axis >= 0) {
-      draw_part(frame, work, first_half(part, axis), clock);
-      draw_part(frame, work, second_half(part, axis), clock);
-      return true;
-    }
-  }
+  if (region > kMaxRegionSamples && longest_axis(block, part) >= 0) return PartState::kTooLarge;
   const bool is_scattered = should_scatter(frame);
   load_region(frame, work, is_scattered);
   clock.lap(kLoad);
-  run_sheets(frame, work, is_scattered, clock);
-  return true;
+  if (is_scattered) reserve_splat_planes(work);
+  return PartState::kReady;
+}
+
+// Draws a part, a large one in halves, the front half first. Returns false if nothing in it was
+// relevant.
+inline bool draw_part(const CpuFrame& frame, Workspace& work, const Part& part, StageClock& clock) {
+  const PartState state = prepare_part(frame, work, part, clock);
+  if (state == PartState::kTooLarge) {
+    const int axis = longest_axis(work.block, part);
+    draw_part(frame, work, first_half(part, axis), clock);
+    draw_part(frame, work, second_half(part, axis), clock);
+  } else if (state == PartState::kReady) {
+    for (int s = 0; s < work.block.num_sheets && !is_closed(frame, work); ++s)
+      run_sheet(frame, work, s, clock);
+  }
+  return state != PartState::kNothing;
+}
+
+// The same with what is behind the field: of every sheet first the field's samples, then those.
+inline bool draw_part_of_both(const CpuFrame& frame, LatticeWorkspace& work, const Part& part,
+                              StageClock& clock) {
+  const CpuFrame& behind = *frame.behind;
+  const PartState own = prepare_part(frame, work.pixels, part, clock);
+  const PartState other = prepare_part(behind, work.behind, part, clock);
+  if (own == PartState::kTooLarge || other == PartState::kTooLarge) {
+    const int axis = longest_axis(work.pixels.block, part);
+    draw_part_of_both(frame, work, first_half(part, axis), clock);
+    draw_part_of_both(frame, work, second_half(part, axis), clock);
+    return true;
+  }
+  int next = 0;  // sheet of the field's block
+  for (std::int64_t sheet = part.first_sheet; sheet < part.last_sheet; ++sheet) {
+    if (is_closed(frame, work.pixels)) break;
+    const Block& block = work.pixels.block;
+    const std::int64_t last = sheet - block.first_sheet + sheets_late(frame);
+    for (; own == PartState::kReady && next < block.num_sheets && next <= last; ++next)
+      run_sheet(frame, work.pixels, next, clock);
+    if (other == PartState::kReady)
+      run_sheet(behind, work.behind, static_cast<int>(sheet - work.behind.block.first_sheet),
+                clock);
+  }
+  return own != PartState::kNothing || other != PartState::kNothing;
 }
 
 // A block in which no sample is relevant.
@@ -189,16 +227,46 @@ inline void draw_tile_layer(const CpuFrame& frame, Workspace& work, const Part& 
   }
 }
 
-inline void draw_tiles_layer(const CpuFrame& frame, LatticeWorkspace& work, const Patch& patch,
-                             StageClock& clock) {
-  Block& block = work.pixels.block;
+// The same of both fields.
+inline void draw_tile_layer_of_both(const CpuFrame& frame, LatticeWorkspace& work, const Part& part,
+                                    StageClock& clock) {
+  WorkerStats& stats = work.pixels.stats;
+  WorkerStats ignored;
+  ++stats.blocks_total;
+  if (frame.stop_opaque && !work.pixels.tile->any_open(0, 0, part.x1, part.y1)) {
+    ++stats.skipped_opaque;
+  } else if (may_show(*frame.behind, work.behind, part, ignored) ||
+             may_show(frame, work.pixels, part, stats)) {
+    if (draw_part_of_both(frame, work, part, clock)) {
+      ++stats.blocks_drawn;
+    } else {
+      count_without_samples(frame, stats);
+    }
+  }
+}
+
+// A workspace's block goes to a tile.
+inline void enter_tile(const CpuFrame& frame, LatticeWorkspace& work, Workspace& own,
+                       const Patch& patch, std::size_t t, int x, int y) {
+  Block& block = own.block;
   block.margin = block.back_margin = frame.central_gradient ? 1 : 0;
   block.front_margin = frame.central_gradient || frame.takes_pieces ? 1 : 0;
+  place_tile(block, patch, x, y);
+  own.tile = &work.tiles[t];
+  block.rays = &work.rays[t];
+}
+
+inline void draw_tiles_layer(const CpuFrame& frame, LatticeWorkspace& work, const Patch& patch,
+                             StageClock& clock) {
   for_each_tile(patch, [&](std::size_t t, int x, int y) {
-    place_tile(work.pixels.block, patch, x, y);
-    work.pixels.tile = &work.tiles[t];
-    work.pixels.block.rays = &work.rays[t];
-    draw_tile_layer(frame, work.pixels, part_of(work.pixels.block, patch), clock);
+    enter_tile(frame, work, work.pixels, patch, t, x, y);
+    const Part part = part_of(work.pixels.block, patch);
+    if (frame.behind == nullptr) {
+      draw_tile_layer(frame, work.pixels, part, clock);
+    } else {
+      enter_tile(*frame.behind, work, work.behind, patch, t, x, y);
+      draw_tile_layer_of_both(frame, work, part, clock);
+    }
   });
 }
 
@@ -261,10 +329,13 @@ inline void draw_layer(const CpuFrame& frame, LatticeWorkspace& work, const Tile
 // Draws a patch, or one tile where the frame has no nodes, into work.tiles.
 inline void render_patch_on_target(const CpuFrame& frame, LatticeWorkspace& work,
                                    const TileRect& rect) {
-  const view::LatticePlan& plan = *frame.lattice_plan;
-  Block& block = work.pixels.block;
+  view::ViewLattice::SheetRange sheets = frame.lattice_plan->sheets;
+  if (frame.behind != nullptr) {
+    const view::ViewLattice::SheetRange& others = frame.behind->lattice_plan->sheets;
+    sheets = {std::min(sheets.first, others.first), std::max(sheets.last, others.last)};
+  }
   StageClock clock(work.pixels.stats.ticks, frame.collect_profile);
-  block.visible = {};
+  work.pixels.block.visible = work.behind.block.visible = {};
   const int num_tiles = frame.samples_at_nodes ? kPatchTiles * kPatchTiles : 1;
   for (int t = 0; t < num_tiles; ++t) {
     const int width = rect.x1 - rect.x0 - t % kPatchTiles * kTileSize;
@@ -274,8 +345,8 @@ inline void render_patch_on_target(const CpuFrame& frame, LatticeWorkspace& work
     set_up_rays(frame, rect.x0 + t % kPatchTiles * kTileSize, rect.y0 + t / kPatchTiles * kTileSize,
                 work.rays[static_cast<std::size_t>(t)]);
   }
-  const std::int64_t last = plan.sheets.last;
-  for (std::int64_t sheet = plan.sheets.first; sheet < last;) {
+  const std::int64_t last = sheets.last;
+  for (std::int64_t sheet = sheets.first; sheet < last;) {
     if (frame.stop.stop_requested()) return;
     const std::int64_t past =
         std::min(last, frame.samples_at_nodes ? view::next_layer(sheet) : sheet + kBlockSheets);

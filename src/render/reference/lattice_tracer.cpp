@@ -22,8 +22,9 @@ std::int64_t rearmost_of_group(std::int64_t sheet) {
 }  // namespace
 
 LatticeTracer::LatticeTracer(const LatticeField& field, const FieldEvaluator& evaluator,
-                             const Camera& camera, const Look& look, const RenderOptions& options)
-    : PixelTracer(field, ViewRays(field, camera, options), look, options),
+                             const Camera& camera, const Look& look, const RenderOptions& options,
+                             const PixelTracer* behind)
+    : PixelTracer(field, ViewRays(field, camera, options), look, options, behind),
       evaluator_(evaluator),
       slab_(options.slab),
       gradient_method_(options.spread == Spread::kBilinear ? GradientMethod::kCentral

@@ -12,9 +12,11 @@ namespace ovoid::reference {
 // out anew for every pixel.
 class LatticeTracer final : public PixelTracer {
  public:
-  // Camera, look and options are valid; `field` and `evaluator` (of that field) outlive the tracer.
+  // Camera, look and options are valid; `field`, `evaluator` (of that field) and `behind` outlive
+  // the tracer.
   LatticeTracer(const LatticeField& field, const FieldEvaluator& evaluator, const Camera& camera,
-                const Look& look, const RenderOptions& options);
+                const Look& look, const RenderOptions& options,
+                const PixelTracer* behind = nullptr);
 
  private:
   SheetRange sheets_of(const Ray& ray) const override;

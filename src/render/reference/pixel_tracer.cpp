@@ -38,18 +38,19 @@ Pixel premultiplied(const Rgb& color, double alpha, double depth) {
 }  // namespace
 
 PixelTracer::PixelTracer(const Field& field, const ViewRays& view, const Look& look,
-                         const RenderOptions& options)
+                         const RenderOptions& options, const PixelTracer* behind)
     : look_(look),
       has_own_color_(field.kernels() != nullptr && field.kernels()->has_own_color()),
       classification_(options.classification),
       fading_(fading_of(look)),
       view_(view),
       shading_{unit_distance_of(look, field), field.default_sampling_distance(),
-               span_of(look, field)} {}
+               span_of(look, field)},
+      behind_(behind) {}
 
 Pixel PixelTracer::trace(int x, int y, TraceCounts& counts) const {
   const Ray ray = view_.ray(x, y);
-  const PixelRay pixel{x, y, ray, sheets_of(ray)};
+  const PixelRay pixel{x, y, ray, sheets_of_all(ray)};
   switch (look_.mode) {
     case Mode::kComposite:
       return composite(pixel, counts);
@@ -65,37 +66,59 @@ Pixel PixelTracer::trace(int x, int y, TraceCounts& counts) const {
   return {};
 }
 
-Pixel PixelTracer::composite(const PixelRay& pixel, TraceCounts& counts) const {
-  const Vec3 to_eye = -pixel.ray.direction.normalized();
-  Pixel result;
+SheetRange PixelTracer::sheets_of_all(const Ray& ray) const {
+  const SheetRange own = sheets_of(ray);
+  if (behind_ == nullptr) return own;
+  const SheetRange others = behind_->sheets_of_all(ray);
+  if (own.first > own.last) return others;
+  if (others.first > others.last) return own;
+  return {std::min(own.first, others.first), std::max(own.last, others.last)};
+}
+
+// A sample, or the piece that ends at it, joins what is in front of it.
+void PixelTracer::add_sample(const PixelRay& pixel, const std::optional<RaySample>& start,
+                             const RaySample& at, Pixel& result, TraceCounts& counts) const {
+  ClassifiedSample seen = classified_sample(start, at);
+  if (seen.opacity == 0) return;
+  ++counts.visible;
+  if (look_.shade || !fading_.opacities.empty()) {
+    ++counts.gradients;
+    const Vec3 slope = start ? piece_gradient(pixel, *start, at) : gradient(pixel, at);
+    seen.opacity *= fading_.opacity_at(slope.norm());
+    if (look_.shade) {
+      const Vec3 to_eye = -pixel.ray.direction.normalized();
+      seen.color = shaded(seen.color, slope, to_eye, look_, shading_);
+    }
+  }
   double& alpha = result.rgba[3];
+  const double a = opacity_over(seen.opacity, at.path, shading_.unit_distance);
+  for (std::size_t c = 0; c < 3; ++c) result.rgba[c] += (1 - alpha) * a * seen.color[c];
+  alpha += (1 - alpha) * a;
+  if (alpha >= 0.5 && std::isinf(result.depth)) result.depth = at.z;
+}
+
+// What the field behind has on a sheet.
+void PixelTracer::add_behind(const PixelRay& pixel, std::int64_t sheet, Pixel& result,
+                             TraceCounts& counts) const {
+  if (behind_ == nullptr || result.rgba[3] >= RenderOptions::kOpaque) return;
+  const std::optional<RaySample> at = behind_->sample(pixel, sheet, counts);
+  if (at) behind_->add_sample(pixel, std::nullopt, *at, result, counts);
+}
+
+Pixel PixelTracer::composite(const PixelRay& pixel, TraceCounts& counts) const {
+  Pixel result;
   std::optional<RaySample> before;
   for (std::int64_t k = pixel.sheets.first; k <= pixel.sheets.last; ++k) {
-    if (alpha >= RenderOptions::kOpaque) break;
+    if (result.rgba[3] >= RenderOptions::kOpaque) break;
     const std::optional<RaySample> at = sample(pixel, k, counts);
-    if (!at) {
-      before.reset();
-      continue;
+    if (at) {
+      std::optional<RaySample> start;
+      if (before && classification_ == Classification::kPreintegrated)
+        start = front_end(pixel, *before, *at);
+      add_sample(pixel, start, *at, result, counts);
     }
-    std::optional<RaySample> start;
-    if (classification_ == Classification::kPreintegrated) {
-      if (before) start = front_end(pixel, *before, *at);
-      before = at;
-    }
-    ClassifiedSample seen = classified_sample(start, *at);
-    if (seen.opacity == 0) continue;
-    ++counts.visible;
-    if (look_.shade || !fading_.opacities.empty()) {
-      ++counts.gradients;
-      const Vec3 slope = start ? piece_gradient(pixel, *start, *at) : gradient(pixel, *at);
-      seen.opacity *= fading_.opacity_at(slope.norm());
-      if (look_.shade) seen.color = shaded(seen.color, slope, to_eye, look_, shading_);
-    }
-    const Rgb& color = seen.color;
-    const double a = opacity_over(seen.opacity, at->path, shading_.unit_distance);
-    for (std::size_t c = 0; c < 3; ++c) result.rgba[c] += (1 - alpha) * a * color[c];
-    alpha += (1 - alpha) * a;
-    if (alpha >= 0.5 && std::isinf(result.depth)) result.depth = at->z;
+    before = at;
+    add_behind(pixel, k, result, counts);
   }
   return result;
 }
@@ -171,8 +194,10 @@ Pixel PixelTracer::classified(double value, double depth, TraceCounts& counts) c
 Pixel PixelTracer::isosurface(const PixelRay& pixel, TraceCounts& counts) const {
   const Vec3 to_eye = -pixel.ray.direction.normalized();
   const double iso = look_.isovalue;
+  Pixel result;  // what is in front of the surface
   std::optional<RaySample> near;
   for (std::int64_t k = pixel.sheets.first; k <= pixel.sheets.last; ++k) {
+    if (result.rgba[3] >= RenderOptions::kOpaque) break;
     const std::optional<RaySample> far = sample(pixel, k, counts);
     if (near && far) near = front_end(pixel, *near, *far);
     if (near && far && (near->value < iso) != (far->value < iso)) {
@@ -184,12 +209,17 @@ Pixel PixelTracer::isosurface(const PixelRay& pixel, TraceCounts& counts) const 
           ++counts.gradients;
           color = shaded(color, at.gradient, to_eye, look_, shading_);
         }
-        return premultiplied(color, 1, at.z);
+        const double rest = 1 - result.rgba[3];
+        for (std::size_t c = 0; c < 3; ++c) result.rgba[c] += rest * color[c];
+        result.rgba[3] = 1;
+        if (std::isinf(result.depth)) result.depth = at.z;
+        return result;
       }
     }
     near = far;
+    add_behind(pixel, k, result, counts);
   }
-  return {};
+  return result;
 }
 
 }  // namespace ovoid::reference

@@ -59,8 +59,9 @@ class PixelTracer {
   };
 
   // Camera, look and options are valid. `least_spacing` and `range` are the field's.
+  // `behind`, if there is one, is asked sheet by sheet for what is behind this field.
   PixelTracer(const Field& field, const ViewRays& view, const Look& look,
-              const RenderOptions& options);
+              const RenderOptions& options, const PixelTracer* behind = nullptr);
 
   // All sheets on which the ray may have a sample.
   virtual SheetRange sheets_of(const Ray& ray) const = 0;
@@ -85,6 +86,11 @@ class PixelTracer {
   ClassifiedSample classified_sample(const std::optional<RaySample>& before,
                                      const RaySample& at) const;
   Rgb color_of(double color_value) const;
+  SheetRange sheets_of_all(const Ray& ray) const;
+  void add_sample(const PixelRay& pixel, const std::optional<RaySample>& start, const RaySample& at,
+                  Pixel& result, TraceCounts& counts) const;
+  void add_behind(const PixelRay& pixel, std::int64_t sheet, Pixel& result,
+                  TraceCounts& counts) const;
   Pixel composite(const PixelRay& pixel, TraceCounts& counts) const;
   Pixel xray(const PixelRay& pixel, TraceCounts& counts) const;
   Pixel maximum(const PixelRay& pixel, TraceCounts& counts) const;
@@ -98,6 +104,7 @@ class PixelTracer {
   const TransferFunction fading_;  // opacity by the gradient's length; without points 1
   const ViewRays view_;
   ShadingContext shading_;
+  const PixelTracer* const behind_;
 };
 
 }  // namespace ovoid::reference

@@ -13,6 +13,7 @@
 #include <memory>
 #include <mutex>
 #include <new>
+#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
@@ -150,7 +151,8 @@ void count(const TraceCounts& counts, FrameProfile& profile) {
 }  // namespace
 
 Frame render(const LatticeField& field, const Camera& camera, const Look& look,
-             const RenderOptions& options, const RenderHooks& hooks, int threads) {
+             const RenderOptions& options, const RenderHooks& hooks, int threads,
+             const view::Behind* behind) {
   if (field.id() == 0) {
     throw Error(ErrorCode::kInvalidArgument,
                 "field is empty: expected one made from a brick source");
@@ -164,11 +166,19 @@ Frame render(const LatticeField& field, const Camera& camera, const Look& look,
   Frame frame;
   frame.image = empty_image(options);
   const FieldEvaluator evaluator(field);
+  std::optional<FieldEvaluator> evaluator_behind;
+  std::optional<LatticeTracer> tracer_behind;
+  if (behind != nullptr) {
+    evaluator_behind.emplace(*behind->field);
+    RenderOptions plain = options;
+    plain.classification = Classification::kSampled;
+    tracer_behind.emplace(*behind->field, *evaluator_behind, camera, behind->look, plain);
+  }
   const double copy_ms = milliseconds_since(start);
 
   const Clock::time_point trace_start = Clock::now();
-  const auto tracer =
-      std::make_shared<const LatticeTracer>(field, evaluator, camera, look, options);
+  const auto tracer = std::make_shared<const LatticeTracer>(
+      field, evaluator, camera, look, options, tracer_behind ? &*tracer_behind : nullptr);
   const TraceCounts counts =
       RowPainter([&](int, int) -> std::shared_ptr<const PixelTracer> { return tracer; }, 1, hooks,
                  frame.image)

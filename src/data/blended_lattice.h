@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "ovoid/field.h"
+
+namespace ovoid {
+
+// A brick source that is the weighted sum of others of the same lattice, or, body-centred, of those
+// of each of its two sublattices, formed when bricks are acquired: float32, missing where a part
+// is. Ranges are the sums of the parts' and may be wider than the samples'. Immutable; all members
+// may be called from many threads.
+class BlendedLattice final : public BrickSource {
+ public:
+  struct Part {
+    std::shared_ptr<const BrickSource> source;  // Cartesian; of the sublattice's own samples
+    double weight;                              // > 0
+  };
+  // `parts` of each sublattice, at least one, all of one brick edge; those of sublattices with a
+  // range_reach half an index unit more than this field's, since they do not know of their shift.
+  BlendedLattice(const LatticeGeometry& geometry, std::array<std::vector<Part>, 2> parts,
+                 double range_reach);
+
+  const LatticeGeometry& geometry() const noexcept override { return geometry_; }
+  int brick_edge() const noexcept override { return edge_; }
+  ValueRange brick_range(std::int64_t bx, std::int64_t by, std::int64_t bz) const noexcept override;
+  double range_reach() const noexcept override { return range_reach_; }
+  bool has_missing(std::int64_t bx, std::int64_t by, std::int64_t bz) const noexcept override;
+  // A cube of bricks around that one; pinned by the view.
+  BrickView acquire(std::int64_t bx, std::int64_t by, std::int64_t bz, double time) const override;
+  std::size_t resident_bytes() const noexcept override;  // of the parts
+
+ private:
+  LatticeGeometry geometry_;
+  std::array<std::vector<Part>, 2> parts_;
+  double range_reach_;
+  int edge_;
+};
+
+}  // namespace ovoid

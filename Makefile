@@ -58,7 +58,7 @@ experiments: setup  ## the tables and pictures of docs/numerics.md, measured aga
 	@build/release/bin/ovoid_experiments docs/images
 
 pictures: build  ## draw the pictures of the guide and the other pages again, by their own commands
-	@scripts/run_docs.py build/release/bin/ovoid docs/guide.md docs/annotations.md
+	@scripts/run_docs.py build/release/bin/ovoid docs/guide.md docs/annotations.md docs/time.md
 
 install: build  ## install program, library and headers under PREFIX (/usr/local)
 	@cmake --install build/release --prefix "$(PREFIX)"

@@ -1,18 +1,23 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Body-centred against Cartesian lattices of the same signal: lattices.py [--frames N] [--pictures FOLDER] [VOLUME:THRESHOLD...]
+"""Body-centred against Cartesian lattices of the same signal: lattices.py [--frames N] [--pictures OUT.png] [VOLUME:THRESHOLD...]
 
 Each volume, and the Marschner-Lobb signal, is limited to a ball of frequencies and put on both lattices. Printed for each: samples, those above the
 threshold, bytes of their runs; the least time, on one thread, of reconstruction (gathered: with gradients) and of the frame, ms, scattered and gathered, at one pixel per voxel; and PSNR of the
-pictures, three spacings from the faces on, to one of a lattice of half the spacing. The last columns are the body-centred lattice's share of the Cartesian one."""
+pictures, three spacings from the faces on, to one of a lattice of half the spacing. The last columns are the body-centred lattice's share of the Cartesian one. --pictures: the same
+pictures side by side, a column for each volume: Cartesian, body-centred, and that of half the spacing."""
 import argparse
 import json
 import os
 import re
 import subprocess
+import sys
 import tempfile
 
 from magnification import OVOID, difference, picture_of
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "scripts"))
+import contact_sheet  # noqa: E402
 
 PIXELS = 256
 ROUNDS = 3
@@ -50,7 +55,7 @@ def frame(volume, camera, flags, frames, folder):
     return {"frame": measured["frame_ms"]["median"], "reconstruct": stages["reconstruct"] + gathered}, picture_of(picture)
 
 
-def measure(source, threshold, options, folder):
+def measure(source, threshold, folder, options):
     paths = {kind: os.path.join(folder, f"{kind}.h5") for kind in ("cc", "bcc", "fine")}
     for kind in ("cc", "bcc"):
         ovoid("convert", source, "-o", paths[kind], "--lattice", kind)
@@ -66,6 +71,7 @@ def measure(source, threshold, options, folder):
             "--sampling-distance", str(spacing)]
     expected = frame(paths["fine"], camera, [*look, "--prefilter"], 1, folder)[1]
     rows = {kind: relevant(paths[kind], os.path.join(folder, "runs.h5"), threshold) for kind in ("cc", "bcc")}
+    pictures = {}
     for way in ("scatter", "gather"):
         taken = {"cc": [], "bcc": []}
         for _ in range(ROUNDS):  # by turns
@@ -74,14 +80,22 @@ def measure(source, threshold, options, folder):
                                        1 if way == "scatter" else options.frames, folder)
                 runs.append(times)
                 rows[kind]["dB"] = difference(picture, expected)[0]
+                pictures[kind] = picture
         for kind, runs in taken.items():
             rows[kind] |= {f"{way} {stage}": min(times[stage] for times in runs) for stage in ("frame", "reconstruct")}
-    for kind, row in rows.items():
-        if options.pictures:
-            name = os.path.basename(source).split(".")[0]
-            ovoid("render", paths[kind], "--camera", camera, "--size", f"{PIXELS}x{PIXELS}", "-o", os.path.join(options.pictures, f"{name}-{kind}.png"),
-                  "--background", "1,1,1", *look)
-    return rows
+    return rows, [rows_of(picture) for picture in (pictures["cc"], pictures["bcc"], expected)]
+
+
+def rows_of(picture):
+    """Rows of RGB bytes, on white."""
+    lines = []
+    for y in range(PIXELS):
+        line = bytearray()
+        for x in range(PIXELS):
+            r, g, b, a = picture[4 * (y * PIXELS + x):4 * (y * PIXELS + x) + 4]
+            line += bytes(min(255, max(0, round(255 * (c + 1 - a)))) for c in (r, g, b))
+        lines.append(bytes(line))
+    return lines
 
 
 def main():
@@ -92,16 +106,20 @@ def main():
     options = parser.parse_args()
     columns = ["samples", "relevant", "dense bytes", "run bytes", "scatter reconstruct", "scatter frame", "gather reconstruct", "gather frame"]
     print("| data | lattice | " + " | ".join(columns) + " | dB |\n|---|---|" + "---:|" * (len(columns) + 1))
+    columns_of_sheet = []
     with tempfile.TemporaryDirectory() as folder:
         signal = os.path.join(folder, "marschner-lobb.nrrd")
         ovoid("make", "marschner-lobb", "--size", "128", "--type", "uint8", "-o", signal)
         for source, threshold in [(signal, 100.0), *((path, float(number)) for path, number in (word.rsplit(":", 1) for word in options.volumes))]:
-            rows = measure(source, threshold, options, folder)
+            rows, pictures = measure(source, threshold, folder, options)
+            columns_of_sheet.append(pictures)
             name = os.path.basename(source).split(".")[0]
             for kind, row in rows.items():
                 print(f"| {name} | {kind} | " + " | ".join(f"{row[column]:,.0f}" for column in columns) + f" | {row['dB']:.1f} |", flush=True)
             shares = [rows["bcc"][column] / rows["cc"][column] for column in columns]
             print(f"| {name} | bcc / cc | " + " | ".join(f"{share:.3f}" for share in shares) + f" | {rows['bcc']['dB'] - rows['cc']['dB']:+.1f} |", flush=True)
+    if options.pictures:
+        contact_sheet.write_png(options.pictures, contact_sheet.sheet([list(line) for line in zip(*columns_of_sheet)]))
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ from sources import project_files, read_text
 
 # Which part stands behind each public header. A new header needs a line here.
 PUBLIC = {
-    "error.h": "data", "math.h": "data", "lattice.h": "data", "kernels.h": "data", "kernel_field.h": "data", "field.h": "data", "dataset.h": "data", "series.h": "data",
+    "error.h": "data", "math.h": "data", "lattice.h": "data", "kernels.h": "data", "kernel_field.h": "data", "field.h": "data", "dataset.h": "data", "series.h": "data", "relevant.h": "data",
     "model.h": "model", "resample.h": "model", "slices.h": "model", "hyperslice.h": "model",
     "camera.h": "view", "transfer_function.h": "view", "look.h": "view", "image.h": "view",
     "render_options.h": "view", "crop.h": "view",
@@ -57,9 +57,9 @@ OUTSIDE = [
     ("Eigen", re.compile(r"^Eigen/"), ("",)),
     ("Eigen's Fourier transform", re.compile(r"^unsupported/Eigen/FFT$"), ("src/model/",)),
 ]
-# A C++20 standard header has no dot and no slash; the rest are POSIX ones that the program needs.
+# A C++20 standard header has no dot and no slash; the rest are POSIX ones that the program needs, and the compiler's.
 STANDARD = re.compile(r"^[a-z0-9_]+$")
-POSIX = re.compile(r"^(sys/|unistd\.h|fcntl\.h|signal\.h|stdio\.h|stdlib\.h|dlfcn\.h|setjmp\.h|spawn\.h|immintrin\.h|x86intrin\.h)")
+POSIX = re.compile(r"^(sys/|sanitizer/|unistd\.h|fcntl\.h|signal\.h|stdio\.h|stdlib\.h|dlfcn\.h|setjmp\.h|spawn\.h|immintrin\.h|x86intrin\.h)")
 PROGRAMS = ("src/", "apps/", "tests/", "bench/")
 # A unit test beside its source, or what several of them share.
 IS_TEST = re.compile(r"(_test\.cpp|/test_\w+\.h)$")

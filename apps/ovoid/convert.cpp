@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
 
 #include "check_files.h"
@@ -91,6 +92,7 @@ struct ConvertFlags {
   double lattice_spacing = 1.0;
   bool band_limit = true;
   std::optional<double> relevant_above;
+  std::string relevant_look;  // a file
   std::optional<double> background_value;
   int threads = 0;
 };
@@ -127,9 +129,29 @@ Dataset to_kernels(const ConvertFlags& convert, const Dataset& dataset, Session&
   return make_kernel_dataset(field);
 }
 
+bool keeps_relevant(const ConvertFlags& convert) {
+  return convert.relevant_above || !convert.relevant_look.empty();
+}
+
+// The value up to which a look shows nothing. Throws Error(kInvalidArgument) if it shows the least.
+double invisible_up_to(const std::string& path) {
+  const TransferFunction tf = read_look(path).transfer_function;
+  const auto first = std::find_if(tf.opacities.begin(), tf.opacities.end(),
+                                  [](const OpacityPoint& point) { return point.opacity > 0; });
+  if (tf.opacities.empty() || first == tf.opacities.begin()) {
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("--relevant-tf: '{}' shows even the least values, so that all samples "
+                            "are relevant",
+                            path));
+  }
+  return first == tf.opacities.end() ? tf.opacities.back().x : std::prev(first)->x;
+}
+
 std::optional<RelevantSamples> relevant_of(const ConvertFlags& convert) {
-  if (!convert.relevant_above) return std::nullopt;
-  return RelevantSamples{*convert.relevant_above, convert.background_value};
+  if (convert.relevant_above)
+    return RelevantSamples{*convert.relevant_above, convert.background_value};
+  if (convert.relevant_look.empty()) return std::nullopt;
+  return RelevantSamples{invisible_up_to(convert.relevant_look), convert.background_value, true};
 }
 
 // Runs of the relevant samples, and what that saves.
@@ -248,9 +270,13 @@ void add_flags(Flags& flags, ConvertFlags* convert) {
   flags.value("--relevant-above", "V",
               "to .h5: keep the samples whose value is greater, and missing ones, as runs",
               [convert](const std::string& text) { convert->relevant_above = parse_number(text); });
+  flags.value("--relevant-tf", "FILE",
+              "to .h5: keep the samples that a picture with this look (as --tf) takes, as runs, so "
+              "that it stays the same",
+              [convert](const std::string& text) { convert->relevant_look = text; });
   flags.value(
       "--background-value", "B",
-      "with --relevant-above: the value of the others (default: the least there is)",
+      "with one of these: the value of all others (default: the least there is)",
       [convert](const std::string& text) { convert->background_value = parse_number(text); });
   flags.value("--tf-name", "NAME", "which look of a file with several (default: the first)",
               [convert](const std::string& text) { convert->look_name = text; });
@@ -278,11 +304,15 @@ void check_lattice_flags(const Flags& flags, const ConvertFlags& convert) {
 }
 
 void check_relevant_flags(const ConvertFlags& convert) {
-  if (convert.background_value && !convert.relevant_above)
-    throw UsageError("--background-value: has no effect without --relevant-above");
-  if (convert.relevant_above && !has_ending(convert.output, ".h5"))
-    throw UsageError(
-        fmt::format("--relevant-above: '{}' holds no runs, only .h5 does", convert.output));
+  if (convert.background_value && !keeps_relevant(convert))
+    throw UsageError("--background-value: has no effect without --relevant-above or --relevant-tf");
+  if (!keeps_relevant(convert)) return;
+  if (convert.relevant_above && !convert.relevant_look.empty())
+    throw UsageError("--relevant-tf: contradicts --relevant-above; give one of them");
+  if (!has_ending(convert.output, ".h5")) {
+    throw UsageError(fmt::format("--relevant-{}: '{}' holds no runs, only .h5 does",
+                                 convert.relevant_above ? "above" : "tf", convert.output));
+  }
 }
 
 }  // namespace
@@ -308,7 +338,10 @@ void run_convert(const Words& words, Session& session) {
     throw UsageError(fmt::format("--kernels: '{}' holds no kernels, only .ply does", output));
   check_relevant_flags(convert);
   check_lattice_flags(flags, convert);
-  check_files(volume_inputs(convert.data.inputs), volume_outputs("--output", output));
+  std::vector<InputFile> inputs = volume_inputs(convert.data.inputs);
+  if (!convert.relevant_look.empty())
+    inputs.push_back({convert.relevant_look, "the look of --relevant-tf"});
+  check_files(inputs, volume_outputs("--output", output));
   if (has_ending(output, ".json")) {
     convert_look(convert.data.inputs, convert.look_name, output);
     return;
@@ -324,7 +357,7 @@ void run_convert(const Words& words, Session& session) {
     dataset.times = {*convert.data.time};
   }
   session.check_stop();
-  if (convert.relevant_above) return write_relevant(convert, dataset, session);
+  if (keeps_relevant(convert)) return write_relevant(convert, dataset, session);
   write_dataset(dataset, output);
   if (dataset.kind == DatasetKind::kLattice) note_losses(dataset, output, session);
 }

@@ -51,6 +51,7 @@ void add_drawing_flags(Flags& flags, DrawingFlags* drawing) {
   add_crop_flags(flags, &drawing->crop);
   add_trail_flags(flags, &drawing->trail);
   add_model_flags(flags, &drawing->model);
+  add_relevant_flag(flags, &drawing->model);
   add_number_flags(flags, &drawing->options);
   add_run_flags(flags, &drawing->run);
 }

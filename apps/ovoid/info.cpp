@@ -514,6 +514,7 @@ void run_info(const Words& words, Session& session) {
   add_input_flags(flags, &data);
   add_array_flags(flags, &model);
   add_model_flags(flags, &model);
+  add_relevant_flag(flags, &model);
   if (!flags.parse(words)) return;
 
   if (lists_devices) {

@@ -65,45 +65,52 @@ void check_lattice(const MakeFlags& make) {
         fmt::format("NAME '{}': does not move, expected one that does, see below", make.names[0]));
 }
 
-}  // namespace
-
-void run_make(const Words& words, Session& session) {
-  MakeFlags make;
-  auto& [names, output, options, lattice, steps] = make;
-  Flags flags("make", "NAME -o OUT [FLAG...]",
-              "Writes a volume, mesh, particles or kernels made by formula.");
+void add_flags(Flags& flags, MakeFlags* make) {
   flags.section("");
-  flags.positionals("NAME", "what to make, see below", &names);
+  flags.positionals("NAME", "what to make, see below", &make->names);
   flags.value(
       "-o,--output", "OUT",
       "the file: a volume .nrrd, .nhdr, .nii, .nii.gz, .npy, .raw, .vti, .vtk, .h5; a mesh .vtu; "
       "particles .csv, .npz, .ply; kernels .ply",
-      [&output](const std::string& text) { output = text; });
+      [make](const std::string& text) { make->output = text; });
   flags.value("--size", "N|XxYxZ", "samples of a volume (default: the name's own)",
-              [&options](const std::string& text) { options.size = parse_samples(text); });
+              [make](const std::string& text) { make->options.size = parse_samples(text); });
   flags.value("--lattice", kLatticeWords,
               "of a volume: Cartesian or body-centred, or, to .h5, in space and time (default cc); "
               "--size and --steps count the samples of the Cartesian one that it stands for",
-              [&lattice](const std::string& text) { lattice = parse_lattice(text); });
+              [make](const std::string& text) { make->lattice = parse_lattice(text); });
   flags.value("--steps", "T", "steps in time of names that move, to .h5 (default 1; 64 in time)",
-              [&steps](const std::string& text) { steps = parse_integer(text, 2, 100'000); });
+              [make](const std::string& text) { make->steps = parse_integer(text, 2, 100'000); });
   flags.value("--count", "N",
               "nodes (about so many), particles or kernels, of names that are no volume (default: "
               "the name's own)",
-              [&options](const std::string& text) {
-                options.count = parse_integer(text, 1, std::int64_t{1} << 30);
+              [make](const std::string& text) {
+                make->options.count = parse_integer(text, 1, std::int64_t{1} << 30);
               });
   flags.value("--type", joined(kTypes),
               fmt::format("of a sample; integers use their full range (default {})",
-                          name_in(kTypes, options.type)),
-              [&options](const std::string& text) { options.type = parse_name(text, kTypes); });
-  flags.value("--seed", "N",
-              fmt::format("of random numbers, where the name uses some (default {})", options.seed),
-              [&options](const std::string& text) { options.seed = parse_seed(text); });
+                          name_in(kTypes, make->options.type)),
+              [make](const std::string& text) { make->options.type = parse_name(text, kTypes); });
+  flags.value(
+      "--seed", "N",
+      fmt::format("of random numbers, where the name uses some (default {})", make->options.seed),
+      [make](const std::string& text) { make->options.seed = parse_seed(text); });
   flags.section("names");
   for (const std::string& name : sample_names()) flags.explain(name, describe_sample(name));
+}
+
+}  // namespace
+
+void run_make(const Words& words, Session& session) {
+  MakeFlags make;
+  Flags flags("make", "NAME -o OUT [FLAG...]",
+              "Writes a volume, mesh, particles or kernels made by formula.");
+  add_flags(flags, &make);
   if (!flags.parse(words)) return;
 
+  const std::string& output = make.output;
+  const std::vector<std::string>& names = make.names;
+  MakeOptions& options = make.options;
   if (names.size() != 1)
     throw UsageError(
         fmt::format("NAME: {} given, expected one (see ovoid make --help)", names.size()));
@@ -115,13 +122,13 @@ void run_make(const Words& words, Session& session) {
   if (output.empty()) throw UsageError("--output: none given, expected -o OUT");
   check_files({}, volume_outputs("--output", output));
   check_volume_output("--output", output);
-  if (lattice == TargetLattice::kBodyCentred) options.lattice = LatticeKind::kBodyCentred;
+  if (make.lattice == TargetLattice::kBodyCentred) options.lattice = LatticeKind::kBodyCentred;
   check_lattice(make);
-  if (is_in_time(lattice) || steps > 1) {
-    const std::int64_t count = steps > 1 ? steps : 64;
-    write_steps(
-        *made([&] { return make_sample_steps(names[0], count, series_of(lattice), options); }),
-        output, {}, session);
+  if (is_in_time(make.lattice) || make.steps > 1) {
+    const std::int64_t count = make.steps > 1 ? make.steps : 64;
+    const SeriesKind kind = series_of(make.lattice);
+    write_steps(*made([&] { return make_sample_steps(names[0], count, kind, options); }), output,
+                {}, session);
     return;
   }
   const Dataset dataset = made([&] { return make_sample(names[0], options); });

@@ -223,7 +223,18 @@ void add_model_flags(Flags& flags, ModelFlags* model) {
   add_particle_flags(flags, &model->kernels);
 }
 
+void add_relevant_flag(Flags& flags, ModelFlags* model) {
+  flags.value("--relevant-above", "V",
+              "of a lattice keep in memory the samples whose value is greater, as runs; all others "
+              "become the least value",
+              [model](const std::string& text) {
+                model->lattice.relevant = RelevantSamples{parse_number(text)};
+              });
+}
+
 void check_model_flags(const Flags& flags, const ModelFlags& model) {
+  if (model.lattice.relevant && model.lattice.prefilter)
+    throw UsageError("--relevant-above: contradicts --prefilter; give one of them");
   if (model.kernels.is_density && flags.is_given("--array")) {
     throw UsageError(
         "--array: has no effect with --quantity density; --color-array names what gives colour");
@@ -268,8 +279,10 @@ std::string unit_of(const Dataset& dataset, const Modelled& modelled, Role role)
 
 Modelled make_field(const Dataset& dataset, const ModelFlags& model, int threads,
                     Session& session) {
-  if (dataset.kind != DatasetKind::kLattice)
+  if (dataset.kind != DatasetKind::kLattice) {
+    if (model.lattice.relevant) refuse_kind("--relevant-above", "lattices", dataset);
     return make_kernels(dataset, model.kernels, threads, session);
+  }
   LatticeModelOptions options = model.lattice;
   options.threads = threads;
   Modelled made;

@@ -23,6 +23,8 @@ std::string array_to_read(const ModelFlags& model);
 
 void add_array_flags(Flags& flags, ModelFlags* model);  // --array, --color-array, --component
 void add_model_flags(Flags& flags, ModelFlags* model);
+// --relevant-above, for commands that draw or describe.
+void add_relevant_flag(Flags& flags, ModelFlags* model);
 // Throws UsageError for contradictions.
 void check_model_flags(const Flags& flags, const ModelFlags& model);
 

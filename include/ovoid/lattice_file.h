@@ -11,6 +11,7 @@
 
 #include "ovoid/dataset.h"
 #include "ovoid/lattice.h"
+#include "ovoid/relevant.h"
 
 namespace ovoid {
 
@@ -22,15 +23,6 @@ struct LatticeFileArray {
   std::string unit;          // empty: not known
   double value_scale = 1.0;  // value = stored number * scale + offset; finite, scale not 0
   double value_offset = 0.0;
-};
-
-// Which samples a lattice file keeps that stores runs of relevant ones: those whose value is
-// greater than `above`, and missing ones (NaN, infinities). All others become the background.
-struct RelevantSamples {
-  double above = 0.0;  // a value, finite
-  // A value, finite, rounded and clamped to what the type can store; none: the least finite value
-  // of the array in each step.
-  std::optional<double> background;
 };
 
 // What was written so far, of all steps and arrays together.

@@ -13,6 +13,7 @@
 
 #include "ovoid/dataset.h"
 #include "ovoid/field.h"
+#include "ovoid/relevant.h"
 
 namespace ovoid {
 
@@ -25,8 +26,9 @@ struct LatticeModelOptions {
   LatticeKernel kernel;
   Reconstruction reconstruction = Reconstruction::kNormalized;
   bool prefilter =
-      false;        // coefficients such that the field takes the samples' values at the samples
-  int threads = 0;  // 0: one per hardware thread
+      false;  // coefficients such that the field takes the samples' values at the samples
+  std::optional<RelevantSamples> relevant{};  // these alone, as runs, in memory of their own
+  int threads = 0;                            // 0: one per hardware thread
 
   static constexpr int kMagnitude = -1;
 };
@@ -44,8 +46,9 @@ struct LatticeModelReport {
 // dataset (whose buffers stay alive with the field) when their type is one a BrickView can show;
 // 32-bit and 64-bit integers and doubles become float32, and a prefiltered field is float32. Values
 // beyond float32's range are missing. Throws Error: unknown array, component or type, kernel out of
-// range, `prefilter` with a kernel whose samples cannot be interpolated. Cost: one pass for the
-// value ranges; with `prefilter` three more, one per axis [METHOD 7.3.2: separable banded solve].
+// range, `prefilter` with a kernel whose samples cannot be interpolated or with `relevant`. Cost:
+// one pass for the value ranges; with `prefilter` three more, one per axis [METHOD 7.3.2: separable
+// banded solve].
 LatticeField make_lattice_field(const Dataset& dataset, const LatticeModelOptions& options = {},
                                 LatticeModelReport* report = nullptr, std::stop_token stop = {});
 

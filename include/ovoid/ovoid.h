@@ -24,6 +24,7 @@
 #include "ovoid/look.h"
 #include "ovoid/math.h"
 #include "ovoid/model.h"
+#include "ovoid/relevant.h"
 #include "ovoid/render_options.h"
 #include "ovoid/renderer.h"
 #include "ovoid/resample.h"

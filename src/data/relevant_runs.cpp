@@ -11,6 +11,7 @@
 #include <type_traits>
 
 #include "data/scalar_visit.h"
+#include "data/stored_number.h"
 #include "ovoid/error.h"
 
 namespace ovoid::data {
@@ -21,22 +22,6 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Layers between two looks at the stop token take milliseconds.
 void check_stop(const std::stop_token& stop) {
   if (stop.stop_requested()) throw Error(ErrorCode::kCancelled, "encoding: stopped by the caller");
-}
-
-template <class T>
-T as_stored(double number) {
-  if constexpr (std::is_floating_point_v<T>) {
-    return static_cast<T>(number);
-  } else {
-    // 2^63 and 2^64 are doubles, the greatest integers below them are not.
-    if (!(number > static_cast<double>(std::numeric_limits<T>::lowest())))
-      return std::numeric_limits<T>::lowest();
-    if (number >= std::ldexp(1.0, std::numeric_limits<T>::digits))
-      return std::numeric_limits<T>::max();
-    return static_cast<T>(std::clamp(std::nearbyint(number),
-                                     static_cast<double>(std::numeric_limits<T>::lowest()),
-                                     static_cast<double>(std::numeric_limits<T>::max())));
-  }
 }
 
 // contains() for one type, as fast as the type allows: a table for small integers, one comparison
@@ -79,6 +64,11 @@ RelevantValues RelevantValues::above(double number) {
 
 RelevantValues RelevantValues::below(double number) {
   return RelevantValues({{-kInfinity, std::nextafter(number, -kInfinity)}});
+}
+
+RelevantValues RelevantValues::other_than(double number) {
+  return RelevantValues({{-kInfinity, std::nextafter(number, -kInfinity)},
+                         {std::nextafter(number, kInfinity), kInfinity}});
 }
 
 bool RelevantValues::contains(double number) const noexcept {
@@ -153,7 +143,7 @@ RelevantRuns::RelevantRuns(const SampleBox& box, std::span<const std::byte> samp
   assert(samples.size() == static_cast<std::size_t>(num_samples(box.dims)) * size_of(box.type));
   Builder builder(*this);
   visit_scalar(box.type, [&]<class T>(std::type_identity<T>) {
-    const T stored = as_stored<T>(background);
+    const T stored = stored_number<T>(background);
     std::memcpy(background_.data(), &stored, sizeof(T));
     const IsRelevant<T> is_relevant(relevant);
     const std::int64_t nx = box_.dims[0];

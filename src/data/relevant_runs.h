@@ -25,6 +25,7 @@ class RelevantValues {
   explicit RelevantValues(std::vector<Interval> intervals) : intervals_(std::move(intervals)) {}
   static RelevantValues above(double number);  // greater than it
   static RelevantValues below(double number);  // less than it
+  static RelevantValues other_than(double number);
 
   std::span<const Interval> intervals() const noexcept { return intervals_; }
   bool contains(double number) const noexcept;

@@ -76,8 +76,8 @@ RunLattice::RunLattice(const LatticeGeometry& geometry, data::RelevantRuns runs,
     background_.insert(background_.end(), one.begin(), one.end());
 }
 
-RunLattice::Box RunLattice::samples_of(const Index3& brick) const noexcept {
-  Box box;
+data::SampleRange RunLattice::samples_of(const Index3& brick) const noexcept {
+  data::SampleRange box;
   for (std::size_t a = 0; a < 3; ++a) {
     const std::int64_t edge = kBrickEdge * (a == 2 ? geometry_.num_sublattices() : 1);
     box.lo[a] = brick[a] * edge;
@@ -86,26 +86,10 @@ RunLattice::Box RunLattice::samples_of(const Index3& brick) const noexcept {
   return box;
 }
 
-// The samples in reach of the brick's cells, their far end included; see make_brick_table().
-RunLattice::Box RunLattice::window_of(const Index3& brick) const noexcept {
-  Box box;
-  const bool is_cartesian = geometry_.kind == LatticeKind::kCartesian;
-  for (std::size_t a = 0; a < 3; ++a) {
-    const double per_unit = a == 2 ? geometry_.num_sublattices() : 1;
-    // Samples of the second sublattice lie half a unit further.
-    const double shift = is_cartesian || a == 2 ? 0.0 : 0.5;
-    const auto size = static_cast<double>(geometry_.dims[a]);
-    const double lo = static_cast<double>(brick[a]) * kBrickEdge - range_reach_ - shift;
-    const double hi = static_cast<double>(brick[a] + 1) * kBrickEdge + range_reach_;
-    box.lo[a] = static_cast<std::int64_t>(std::clamp(std::ceil(lo * per_unit), 0.0, size - 1));
-    box.hi[a] = static_cast<std::int64_t>(std::clamp(std::floor(hi * per_unit) + 1, 1.0, size));
-  }
-  return box;
-}
-
 template <class T>
 void RunLattice::find_range(const Index3& brick, std::vector<std::byte>& scratch) {
-  const Box window = window_of(brick);
+  const data::SampleRange window =
+      data::samples_in_reach(geometry_, brick, kBrickEdge, range_reach_);
   ValueRange stored;
   const auto add = [&stored](float number) {
     stored = stored.is_empty()
@@ -150,7 +134,7 @@ bool RunLattice::has_missing(std::int64_t bx, std::int64_t by, std::int64_t bz) 
 }
 
 BrickView RunLattice::acquire(std::int64_t bx, std::int64_t by, std::int64_t bz, double) const {
-  const Box box = samples_of({bx, by, bz});
+  const data::SampleRange box = samples_of({bx, by, bz});
   const Index3 size{box.hi[0] - box.lo[0], box.hi[1] - box.lo[1], box.hi[2] - box.lo[2]};
   BrickView view;
   view.type = runs_.box().type;

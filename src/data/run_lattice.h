@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "data/brick_reach.h"
 #include "data/relevant_runs.h"
 #include "data/resident_lattice.h"
 #include "ovoid/field.h"
@@ -41,11 +42,7 @@ class RunLattice final : public BrickSource {
   const data::RelevantRuns& runs() const noexcept { return runs_; }
 
  private:
-  struct Box {
-    Index3 lo, hi;
-  };
-  Box samples_of(const Index3& brick) const noexcept;
-  Box window_of(const Index3& brick) const noexcept;
+  data::SampleRange samples_of(const Index3& brick) const noexcept;
   std::size_t brick_index(const Index3& brick) const noexcept;
   template <class T>
   void find_range(const Index3& brick, std::vector<std::byte>& scratch);

@@ -13,6 +13,10 @@
 #include <string>
 #include <vector>
 
+#ifdef __SANITIZE_ADDRESS__
+#include <sanitizer/lsan_interface.h>
+#endif
+
 #include "fuzz/targets.h"
 #include "io/hdf5_attributes.h"
 #include "io/hdf5_file.h"
@@ -227,6 +231,9 @@ TEST_F(BadLatticeFile, CutShort) {
 // As in Hdf5Points.DamagedFiles: something consistent, or an Error. What describes things has
 // checksums, so that what is left to read is damaged in its samples, or where nothing is.
 TEST_F(BadLatticeFile, Damaged) {
+#ifdef __SANITIZE_ADDRESS__
+  const __lsan::ScopedDisabler leaks_of_the_library;
+#endif
   std::mt19937_64 random(20240229);
   int num_read = 0;
   for (int i = 0; i < 3000; ++i) {

@@ -20,7 +20,7 @@
 #include <limits>
 #include <type_traits>
 
-#include "data/relevant_runs.h"
+#include "data/encode_relevant.h"
 #include "data/scalar_visit.h"
 #include "io/hdf5_attributes.h"
 #include "io/hdf5_file.h"
@@ -89,27 +89,6 @@ void check_relevant(const LatticeFileHeader& header) {
       fail(fmt::format("array '{}': has {} components: runs hold arrays of one", array.name,
                        array.num_components));
   }
-}
-
-// Those of value > above, as numbers that stand for values.
-data::RelevantValues relevant_numbers(const LatticeFileArray& array, double above) {
-  const double number = (above - array.value_offset) / array.value_scale;
-  return array.value_scale > 0 ? data::RelevantValues::above(number)
-                               : data::RelevantValues::below(number);
-}
-
-// The number that stands for the least finite value; 0 if none is finite.
-double least_number(const LatticeFileArray& array, const Bytes& samples) {
-  return data::visit_scalar(array.type, [&]<class T>(std::type_identity<T>) {
-    const double sign = array.value_scale > 0 ? 1 : -1;
-    const auto count = static_cast<std::int64_t>(samples.view.size() / sizeof(T));
-    double least = std::numeric_limits<double>::infinity();
-    for (std::int64_t i = 0; i < count; ++i) {
-      const auto number = static_cast<double>(data::load_scalar<T>(samples.view.data(), i));
-      if (std::isfinite(number)) least = std::min(least, sign * number);
-    }
-    return std::isfinite(least) ? sign * least : 0.0;
-  });
 }
 
 void check_header(const LatticeFileHeader& header) {
@@ -342,12 +321,9 @@ class LatticeFileWriter::Impl {
   }
 
   void write_runs(hid_t array_group, const LatticeFileArray& array, const Bytes& samples) {
-    const RelevantSamples& relevant = *header_.relevant;
-    const double background = relevant.background
-                                  ? (*relevant.background - array.value_offset) / array.value_scale
-                                  : least_number(array, samples);
-    const data::RelevantRuns runs({array.type, header_.lattice.dims}, samples.view,
-                                  relevant_numbers(array, relevant.above), background);
+    const data::RelevantRuns runs =
+        data::encode_relevant(header_.lattice, {array.type, array.value_scale, array.value_offset},
+                              samples, *header_.relevant, {});
     counts_.num_relevant += runs.num_relevant();
     counts_.num_runs += runs.num_runs();
     counts_.run_bytes += static_cast<std::int64_t>(runs.num_bytes());

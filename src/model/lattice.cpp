@@ -6,9 +6,11 @@
 #include <memory>
 #include <new>
 
+#include "data/encode_relevant.h"
 #include "data/merged_range.h"
 #include "data/parallel.h"
 #include "data/resident_lattice.h"
+#include "data/run_lattice.h"
 #include "data/validate.h"
 #include "model/convert.h"
 #include "model/prefilter.h"
@@ -66,6 +68,40 @@ std::string note_on_missing(const DataArray& array, std::int64_t num_missing) {
                      array.type == ScalarType::kFloat64 ? " or beyond float32's range" : "");
 }
 
+struct TakenSamples {
+  const LatticeGeometry& geometry;
+  const model::ScalarSamples& samples;
+  const DataArray& array;
+  int threads;
+  std::stop_token stop;
+};
+
+LatticeField field_of_relevant(const TakenSamples& taken, const LatticeModelOptions& options,
+                               LatticeModelReport* report) {
+  const model::ScalarSamples& samples = taken.samples;
+  data::RelevantRuns runs = data::encode_relevant(
+      taken.geometry, {samples.type, samples.value_scale, samples.value_offset}, samples.bytes,
+      *options.relevant, {taken.threads, taken.stop});
+  const std::int64_t num_relevant = runs.num_relevant();
+  const auto lattice = std::make_shared<RunLattice>(
+      taken.geometry, std::move(runs),
+      ResidentLatticeOptions{options.kernel.support_radius() * taken.geometry.unit_spacing(),
+                             samples.value_scale, samples.value_offset, taken.threads, taken.stop});
+  const ValueRange range = data::merged_range(*lattice);
+  if (range.is_empty())
+    fail(fmt::format("array '{}': none of its {} samples is finite", taken.array.name,
+                     taken.array.num_tuples));
+  if (report != nullptr) {
+    *report = {taken.array.name, 0, lattice->resident_bytes(), taken.array.bytes.view.size(), {}};
+    report->notes.push_back(fmt::format(
+        "array '{}': {} of {} samples are relevant ({:.1f} %) and kept, {:.3g} MiB",
+        taken.array.name, num_relevant, taken.array.num_tuples,
+        100.0 * static_cast<double>(num_relevant) / static_cast<double>(taken.array.num_tuples),
+        static_cast<double>(report->resident_bytes) / (1 << 20)));
+  }
+  return {lattice, options.kernel, options.reconstruction, range};
+}
+
 }  // namespace
 
 LatticeField make_lattice_field(const Dataset& dataset, const LatticeModelOptions& options,
@@ -86,6 +122,10 @@ LatticeField make_lattice_field(const Dataset& dataset, const LatticeModelOption
                 "prefilter: is for cartesian lattices, whose axes can be filtered one by one");
   }
 
+  if (options.prefilter && options.relevant)
+    throw Error(ErrorCode::kUnsupported,
+                "prefilter: is for fields of all samples, not of relevant ones");
+
   try {
     const model::ScalarSamples samples =
         model::take_component(array, {options.component, options.prefilter, threads, stop});
@@ -95,6 +135,9 @@ LatticeField make_lattice_field(const Dataset& dataset, const LatticeModelOption
           ResidentLatticeOptions{options.kernel.support_radius() * geometry.unit_spacing(),
                                  samples.value_scale, samples.value_offset, threads, stop});
     };
+    if (options.relevant) {
+      return field_of_relevant({geometry, samples, array, threads, stop}, options, report);
+    }
     auto lattice = in_bricks();
     if (lattice->num_missing() == array.num_tuples) {
       fail(fmt::format("array '{}': none of its {} samples is finite", array.name,

@@ -135,8 +135,12 @@ TEST(ResampleLattice, StaysWithinTheType) {
   const auto* values = reinterpret_cast<const std::uint8_t*>(to.arrays[0].bytes.view.data());
   for (std::int64_t i = 0; i < num_samples(to.lattice.dims); ++i) {
     const std::int64_t x = i % to.lattice.dims[0];
-    if (x <= 3) EXPECT_LT(values[i], 40);
-    if (x >= 8) EXPECT_GT(values[i], 215);
+    if (x <= 3) {
+      EXPECT_LT(values[i], 40);
+    }
+    if (x >= 8) {
+      EXPECT_GT(values[i], 215);
+    }
   }
 }
 

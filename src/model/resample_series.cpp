@@ -15,6 +15,7 @@
 #include "model/convert.h"
 #include "model/even_steps.h"
 #include "model/lattice_samples.h"
+#include "model/lattice_steps.h"
 #include "model/lines.h"
 #include "model/spline.h"
 #include "ovoid/error.h"
@@ -29,14 +30,14 @@ constexpr double kSqrt2 = std::numbers::sqrt2;
   throw Error(ErrorCode::kInvalidArgument, message);
 }
 
-class ResampledSeries final : public StepSource {
+class ResampledSeries final : public model::LatticeSteps {
  public:
   ResampledSeries(const Series& series, SeriesKind kind, const SeriesResampleOptions& options)
-      : kind_(kind), name_(series.source().name()), options_(options) {
+      : LatticeSteps(kind, series.source().name()), options_(options) {
     if (series.num_steps() < 2)
-      refuse_series(fmt::format("{}: has one step, a lattice in time takes two", name_));
+      refuse_series(fmt::format("{}: has one step, a lattice in time takes two", name()));
     if (series.source().kind() != SeriesKind::kSteps)
-      refuse_series(fmt::format("{}: is staggered already", name_));
+      refuse_series(fmt::format("{}: is staggered already", name()));
     model::require_even_steps(series);
     num_input_steps_ = series.num_steps();
     load(series);
@@ -51,17 +52,11 @@ class ResampledSeries final : public StepSource {
     place_steps(series.times());
   }
 
-  SeriesKind kind() const noexcept override { return kind_; }
-  const std::string& name() const noexcept override { return name_; }
-  std::int64_t num_steps() const noexcept override {
-    return static_cast<std::int64_t>(times_.size());
-  }
-  const std::vector<double>& times() const noexcept override { return times_; }
-  bool has_times() const noexcept override { return true; }
+ private:
+  std::int64_t volume() const { return num_samples(input_.dims); }
 
-  Dataset read(std::int64_t step, std::stop_token stop) const override {
-    if (step < 0 || step >= num_steps())
-      refuse_series(fmt::format("{}: step {}: expected 0 to {}", name_, step, num_steps() - 1));
+  Dataset make(std::int64_t step, const LatticeGeometry& lattice,
+               const std::stop_token& stop) const override {
     const auto at = static_cast<std::size_t>(step);
     const model::SplineTaps taps(num_input_steps_, std::span(&places_[at], 1));
     std::vector<float> blend(static_cast<std::size_t>(volume()));
@@ -73,28 +68,18 @@ class ResampledSeries final : public StepSource {
       const float* from = coefficients_.data() + static_cast<std::int64_t>(t) * volume();
       for (std::size_t i = 0; i < blend.size(); ++i) blend[i] += weight * from[i];
     }
-    const bool is_shifted = kind_ == SeriesKind::kStaggered && step % 2 == 1;
     Dataset out;
-    out.source = name_;
+    out.source = name();
     out.format = "resampled";
     out.space = space_;
-    out.num_steps = num_steps();
-    out.step = step;
-    out.times = times_;
-    out.series = kind_;
-    out.lattice = lattice_;
-    if (is_shifted) out.lattice.world_from_index.translate(Vec3::Constant(0.5));
     const std::vector<float> values =
-        model::at_lattice(blend, input_, out.lattice, {options_.lattice.threads, stop});
+        model::at_lattice(blend, input_, lattice, {options_.lattice.threads, stop});
     DataArray array = array_;
-    array.num_tuples = num_samples(lattice_.dims);
+    array.num_tuples = num_samples(lattice.dims);
     array.bytes = model::stored_as(array.type, values);
     out.arrays.push_back(std::move(array));
     return out;
   }
-
- private:
-  std::int64_t volume() const { return num_samples(input_.dims); }
 
   void load(const Series& series) {
     for (std::int64_t step = 0; step < num_input_steps_; ++step) {
@@ -110,7 +95,7 @@ class ResampledSeries final : public StepSource {
           throw Error(ErrorCode::kOutOfMemory,
                       fmt::format("{}: resampling in time takes {:.1f} GiB, more than the limit of "
                                   "{:.1f} GiB",
-                                  name_, bytes / (1 << 30),
+                                  name(), bytes / (1 << 30),
                                   static_cast<double>(options_.memory_limit) / (1 << 30)));
         coefficients_.reserve(static_cast<std::size_t>(volume() * num_input_steps_));
       }
@@ -129,7 +114,7 @@ class ResampledSeries final : public StepSource {
         refuse_series(
             fmt::format("{}: step {} has samples that are missing; resampling in time "
                         "takes none that lack any",
-                        name_, step));
+                        name(), step));
       coefficients_.insert(coefficients_.end(), values.begin(), values.end());
       if (options_.lattice.progress)
         options_.lattice.progress(0.5 * static_cast<double>(step + 1) /
@@ -152,27 +137,25 @@ class ResampledSeries final : public StepSource {
 
   void place_steps(const std::vector<double>& input_times) {
     const double spacing = options_.lattice.spacing;
-    const double step = kind_ == SeriesKind::kStaggered ? spacing / kSqrt2 : spacing;
+    const double step = kind() == SeriesKind::kStaggered ? spacing / kSqrt2 : spacing;
     const auto last = static_cast<double>(num_input_steps_ - 1);
     const auto count = static_cast<std::int64_t>(std::floor(last / step + 1e-9)) + 1;
     const double distance = (input_times.back() - input_times.front()) / last;
+    std::vector<double> times;
     for (std::int64_t i = 0; i < count; ++i) {
       places_.push_back(static_cast<double>(i) * step);
-      times_.push_back(input_times.front() + distance * places_.back());
+      times.push_back(input_times.front() + distance * places_.back());
     }
-    lattice_ = step_lattice(input_, kind_, spacing);
+    set_steps(step_lattice(input_, kind(), spacing), std::move(times));
   }
 
-  SeriesKind kind_;
-  std::string name_;
   SeriesResampleOptions options_;
   std::int64_t num_input_steps_ = 0;
-  LatticeGeometry input_, lattice_;
+  LatticeGeometry input_;
   Space space_ = Space::kNone;
   DataArray array_;                  // without samples
   std::vector<float> coefficients_;  // [step][z][y][x]
   std::vector<double> places_;       // of the result's steps, in steps of the input
-  std::vector<double> times_;
 };
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "data/parallel.h"
+#include "model/lattice_steps.h"
 #include "model/sample_formulas.h"
 #include "model/sample_sets.h"
 #include "ovoid/error.h"
@@ -169,60 +170,37 @@ Dataset sampled(const SampleKind& kind, const LatticeGeometry& lattice, double t
   return dataset;
 }
 
-class SampleSteps final : public StepSource {
+class SampleSteps final : public model::LatticeSteps {
  public:
   SampleSteps(const SampleKind& sample, std::int64_t num_steps, SeriesKind kind,
               const MakeOptions& options)
-      : sample_(sample),
-        kind_(kind),
-        name_(sample.name),
+      : LatticeSteps(kind, sample.name),
+        sample_(sample),
         options_(options),
         last_(static_cast<double>(num_steps - 1)) {
-    lattice_ = cube_lattice(dims_of(sample, options.size));
+    LatticeGeometry lattice = cube_lattice(dims_of(sample, options.size));
     const bool is_staggered = kind == SeriesKind::kStaggered;
     if (is_staggered) {
-      lattice_ = step_lattice(lattice_, kind, 1.0);
+      lattice = step_lattice(lattice, kind, 1.0);
     } else if (options.lattice == LatticeKind::kBodyCentred) {
-      lattice_ = body_centred_like(lattice_);
+      lattice = body_centred_like(lattice);
     }
     const double distance = is_staggered ? 1 / std::numbers::sqrt2 : 1.0;
+    std::vector<double> times;
     for (std::int64_t i = 0; static_cast<double>(i) * distance <= last_ + 1e-9; ++i)
-      times_.push_back(static_cast<double>(i) * distance);
-  }
-
-  SeriesKind kind() const noexcept override { return kind_; }
-  const std::string& name() const noexcept override { return name_; }
-  std::int64_t num_steps() const noexcept override {
-    return static_cast<std::int64_t>(times_.size());
-  }
-  const std::vector<double>& times() const noexcept override { return times_; }
-  bool has_times() const noexcept override { return true; }
-
-  Dataset read(std::int64_t step, std::stop_token /*stop*/) const override {
-    if (step < 0 || step >= num_steps()) {
-      throw Error(ErrorCode::kInvalidArgument,
-                  fmt::format("{}: step {}: expected 0 to {}", name_, step, num_steps() - 1));
-    }
-    LatticeGeometry lattice = lattice_;
-    if (kind_ == SeriesKind::kStaggered && step % 2 == 1)
-      lattice.world_from_index.translate(Vec3::Constant(0.5));
-    Dataset dataset =
-        sampled(sample_, lattice, times_[static_cast<std::size_t>(step)] / last_, options_);
-    dataset.num_steps = num_steps();
-    dataset.step = step;
-    dataset.times = times_;
-    dataset.series = kind_;
-    return dataset;
+      times.push_back(static_cast<double>(i) * distance);
+    set_steps(lattice, std::move(times));
   }
 
  private:
+  Dataset make(std::int64_t step, const LatticeGeometry& lattice,
+               const std::stop_token& /*stop*/) const override {
+    return sampled(sample_, lattice, times()[static_cast<std::size_t>(step)] / last_, options_);
+  }
+
   const SampleKind& sample_;
-  SeriesKind kind_;
-  std::string name_;
   MakeOptions options_;
   double last_;  // time of the last Cartesian step
-  LatticeGeometry lattice_;
-  std::vector<double> times_;
 };
 
 }  // namespace

@@ -29,6 +29,9 @@ constexpr double kUnitSpacingOfHalves = 0.5 * std::numbers::sqrt2;  // of the tw
 }  // namespace
 
 struct SliceFields::Impl {
+  Impl(const Series& of, LatticeModelOptions how, const TimeSliceOptions& slice)
+      : series(of), model(std::move(how)), options(slice) {}
+
   const Series& series;
   LatticeModelOptions model;
   TimeSliceOptions options;

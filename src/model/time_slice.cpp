@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "data/bookkeeping.h"
+#include "data/parallel.h"
 #include "data/scalar_visit.h"
 #include "model/step_blend.h"
 #include "ovoid/error.h"
@@ -164,25 +165,44 @@ Floats interleaved(const std::array<Floats, 2>& halves, const Index3& dims, int 
 struct AxisStencil {
   std::vector<double> weight;
   std::int64_t first;
+
+  // Calls use(offset, weight) for the samples that exist around number `at` of `size`.
+  template <class Use>
+  void for_each(std::int64_t at, std::int64_t size, const Use& use) const {
+    for (std::size_t k = 0; k < weight.size(); ++k) {
+      const std::int64_t offset = first + static_cast<std::int64_t>(k);
+      if (at + offset >= 0 && at + offset < size) use(offset, weight[k]);
+    }
+  }
+  double sum_at(std::int64_t at, std::int64_t size) const {
+    double sum = 0;
+    for_each(at, size, [&](std::int64_t, double w) { sum += w; });
+    return sum;
+  }
 };
 
-Floats along_axes(Floats in, const Index3& dims, int components, const AxisStencil& stencil) {
+Floats along_axes(Floats in, const Index3& dims, int components, const AxisStencil& stencil,
+                  const TimeSliceOptions& options) {
+  constexpr std::int64_t kNumbersPerTask = 65536;
   std::int64_t stride = components;
   const std::int64_t count = num_samples(dims) * components;
-  for (std::size_t a = 0; a < 3; ++a) {
+  for (const std::int64_t size : dims) {
     Floats out = model::new_floats(count);
-    for (std::int64_t i = 0; i < count; ++i) {
-      const std::int64_t at = i / stride % dims[a];
-      double sum = 0;
-      for (std::size_t k = 0; k < stencil.weight.size(); ++k) {
-        const std::int64_t step = stencil.first + static_cast<std::int64_t>(k);
-        if (at + step < 0 || at + step >= dims[a]) continue;
-        sum += stencil.weight[k] * static_cast<double>(in[i + step * stride]);
-      }
-      out[i] = static_cast<float>(sum);
-    }
+    data::parallel_ranges(
+        {count / stride, kNumbersPerTask / stride + 1, options.threads, options.stop},
+        [&](std::int64_t begin, std::int64_t end) {
+          for (std::int64_t row = begin; row < end; ++row) {
+            float* to = out.get() + row * stride;
+            std::fill_n(to, stride, 0.0F);
+            stencil.for_each(row % size, size, [&](std::int64_t offset, double w) {
+              const float* from = in.get() + (row + offset) * stride;
+              const auto weight = static_cast<float>(w);
+              for (std::int64_t i = 0; i < stride; ++i) to[i] += weight * from[i];
+            });
+          }
+        });
     in = std::move(out);
-    stride *= dims[a];
+    stride *= size;
   }
   return in;
 }
@@ -191,28 +211,38 @@ Floats along_axes(Floats in, const Index3& dims, int components, const AxisStenc
 // their weights' sums.
 std::array<Floats, 2> exact_halves(const std::array<Floats, 2>& sums,
                                    const std::array<double, 2>& weights, const Index3& dims,
-                                   int components) {
+                                   int components, const TimeSliceOptions& options) {
   const double far = kernel_at(kOwnSpacing);
   const double near = kernel_at(1 / kOwnSpacing);
   const AxisStencil own{{far, 1, far}, -1};
   const AxisStencil of_other[2] = {{{near, near}, -1}, {{near, near}, 0}};
-  const std::int64_t count = num_samples(dims) * components;
-  const Floats ones = model::new_floats(count);
-  std::fill_n(ones.get(), count, 1.0F);
+  const std::int64_t row = dims[0] * components;
   std::array<Floats, 2> out;
   for (std::size_t half = 0; half < 2; ++half) {
     const std::size_t other = 1 - half;
-    const Floats from_own = along_axes(sums[half], dims, components, own);
-    const Floats from_other = along_axes(sums[other], dims, components, of_other[half]);
-    const Floats own_weight = along_axes(ones, dims, components, own);
-    const Floats other_weight = along_axes(ones, dims, components, of_other[half]);
-    out[half] = model::new_floats(count);
-    for (std::int64_t i = 0; i < count; ++i) {
-      const double weight = weights[half] * static_cast<double>(own_weight[i]) +
-                            weights[other] * static_cast<double>(other_weight[i]);
-      out[half][i] = static_cast<float>(
-          (static_cast<double>(from_own[i]) + static_cast<double>(from_other[i])) / weight);
-    }
+    const Floats from_own = along_axes(sums[half], dims, components, own, options);
+    const Floats from_other = along_axes(sums[other], dims, components, of_other[half], options);
+    out[half] = model::new_floats(dims[1] * dims[2] * row);
+    // Sums of weights are products along the axes.
+    const auto weight_at = [&](const AxisStencil& stencil, const Index3& at) {
+      double product = 1;
+      for (std::size_t a = 0; a < 3; ++a) product *= stencil.sum_at(at[a], dims[a]);
+      return product;
+    };
+    data::parallel_ranges(
+        {dims[1] * dims[2], 64, options.threads, options.stop},
+        [&](std::int64_t begin, std::int64_t end) {
+          for (std::int64_t r = begin; r < end; ++r) {
+            for (std::int64_t i = 0; i < row; ++i) {
+              const Index3 at{i / components, r % dims[1], r / dims[1]};
+              const double weight = weights[half] * weight_at(own, at) +
+                                    weights[other] * weight_at(of_other[half], at);
+              const std::int64_t n = r * row + i;
+              out[half][n] = static_cast<float>(
+                  (static_cast<double>(from_own[n]) + static_cast<double>(from_other[n])) / weight);
+            }
+          }
+        });
   }
   return out;
 }
@@ -270,7 +300,7 @@ Dataset staggered(const Series& series, double time, const TimeSliceOptions& opt
         model::blend(halves[half], like,
                      model::whole(over_time[half].get(), options.threads, options.stop));
       }
-      both = interleaved(exact_halves(over_time, sums, dims, like.num_components), dims,
+      both = interleaved(exact_halves(over_time, sums, dims, like.num_components, options), dims,
                          like.num_components);
     } else {
       both = model::new_floats(2 * count);

@@ -119,6 +119,7 @@ Dataset trail_of_steps(const Series& series, const std::vector<StepWeight>& weig
   require_lattice(out);
   const std::vector<DataArray> likes = out.arrays;
   std::vector<Floats> sums;
+  sums.reserve(likes.size());
   for (const DataArray& like : likes)
     sums.push_back(model::new_floats(like.num_tuples * like.num_components));
   add_up(series, weights, options.stop, likes, [&](std::size_t i, bool adds) {
@@ -134,6 +135,7 @@ Dataset trail_of_halves(const Series& series, double time, const TrailOptions& o
   require_lattice(*first);
   const std::vector<DataArray>& likes = first->arrays;
   std::vector<Floats> sums;
+  sums.reserve(likes.size());
   for (const DataArray& like : likes)
     sums.push_back(model::new_floats(2 * like.num_tuples * like.num_components));
   for (int half = 0; half < 2; ++half) {

@@ -61,7 +61,9 @@ TEST(KernelPlan, BlocksThatKernelsReach) {
       }
       in_sight += any ? 1 : 0;
       // The middle columns lie between the balls.
-      if (x == 4 || x == 5) EXPECT_FALSE(any) << x;
+      if (x == 4 || x == 5) {
+        EXPECT_FALSE(any) << x;
+      }
     }
     EXPECT_GE(in_sight, 2);
     EXPECT_LE(in_sight, 6);

@@ -153,8 +153,9 @@ TEST(BodyCentredAgreement, PublishedWays) {
   setup.lattice = LatticeKind::kBodyCentred;
   const LatticeField field = make_stored_field(dims, waves(dims), {}, setup);
   const Vec3 center = field.world_bounds().center();
-  Scene scene{field, parallel_camera(center, {0.48, -0.31, 0.82}, 3.2), semi_transparent_look(0, 1),
-              picture(48, 40, 0.4)};
+  Scene scene{field, parallel_camera(center, {0.48, -0.31, 0.82}, 3.2 / kPublishedShrink),
+              semi_transparent_look(0, 1),
+              picture(48 / kPublishedShrink, 40 / kPublishedShrink, 0.4)};
   const Vec3 forward = (center - scene.camera.position).normalized();
   scene.options.clip_planes = {{forward, forward.dot(center) - 1.1},
                                {-forward, -forward.dot(center) - 1.1}};

@@ -84,5 +84,39 @@ TEST(Lattices, WhatCannotBeIsRefused) {
   EXPECT_FALSE(std::filesystem::exists(out));
 }
 
+// Fails if a sample is dropped that the look's picture takes.
+TEST(RelevantSamples, OfALookLeaveItsPictureAsItIs) {
+  if (!has_hdf5()) GTEST_SKIP() << "no HDF5";
+  const Folder folder;
+  const std::string look = folder / "look.json", all = folder / "all.nrrd";
+  write_file(look,
+             R"([{"Name": "t", "ColorSpace": "RGB", "RGBPoints": [0, 0, 0, 1, 255, 1, 1, 0],)"
+             R"( "Points": [0, 0, 0.5, 0, 120, 0, 0.5, 0, 200, 0.6, 0.5, 0, 255, 0.2, 0.5, 0]}])");
+  for (const char* const lattice : {"cc", "bcc"}) {
+    const std::string some = folder / (std::string(lattice) + ".h5");
+    const std::string whole = folder / (std::string("whole_") + lattice + ".h5");
+    expect_success({"make", "gaussians", "--size", "32", "--type", "uint8", "--lattice", lattice,
+                    "-o", whole});
+    expect_success({"convert", whole, "--relevant-tf", look, "-o", some});
+    const Picture expected = draw(folder, {whole, "--tf", look});
+    EXPECT_EQ(draw(folder, {some, "--tf", look}).rgba, expected.rgba);
+    // The same in memory, of the samples themselves.
+    const std::string above = folder / (std::string("above_") + lattice + ".h5");
+    expect_success({"convert", whole, "--relevant-above", "120", "-o", above});
+    EXPECT_EQ(draw(folder, {whole, "--tf", look, "--relevant-above", "120"}).rgba,
+              draw(folder, {above, "--tf", look}).rgba);
+  }
+  write_file(look, R"([{"Name": "t", "ColorSpace": "RGB", "RGBPoints": [0, 0, 0, 1, 255, 1, 1, 0],)"
+                   R"( "Points": [0, 0.1, 0.5, 0, 255, 0.2, 0.5, 0]}])");
+  const std::string whole = folder / "whole_cc.h5", out = folder / "a.h5";
+  expect_failure({"convert", whole, "--relevant-tf", look, "-o", out}, 1, {"shows even the least"});
+  expect_failure({"convert", whole, "--relevant-tf", look, "--relevant-above", "1", "-o", out}, 2,
+                 {"contradicts"});
+  expect_failure({"convert", whole, "--relevant-tf", look, "-o", all}, 2, {"only .h5 does"});
+  expect_failure({"convert", whole, "--background-value", "1", "-o", out}, 2, {"has no effect"});
+  expect_failure({"render", whole, "--relevant-above", "9", "--prefilter", "-o", folder / "a.png"},
+                 2, {"contradicts"});
+}
+
 }  // namespace
 }  // namespace ovoid::cli_tests

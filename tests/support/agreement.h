@@ -25,6 +25,13 @@ struct StoredRange {
 LatticeField make_stored_field(const Index3& dims, const VolumeFunction& shape,
                                const StoredRange& stored, const FieldSetup& setup = {});
 
+// The published ways take the reference so long under sanitizers that pictures are smaller there.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+inline constexpr int kPublishedShrink = 2;
+#else
+inline constexpr int kPublishedShrink = 1;
+#endif
+
 // A function of period some samples with a slope everywhere, in [0, 1]: shells, no symmetry.
 VolumeFunction shells(const Index3& dims);
 

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+namespace ovoid {
+
+// Which samples of a lattice are kept where relevant ones are kept alone, as runs: those whose
+// value is greater than `above`, and missing ones (NaN, infinities). All others become the
+// background.
+struct RelevantSamples {
+  double above = 0.0;  // a value, finite
+  // A value, finite, rounded and clamped to what the type can store; none: the least finite value
+  // of the array in each step.
+  std::optional<double> background{};
+  // Keeps also what the default kernel brings to places where the field may be greater than
+  // `above`, in bricks of 4 cells: then the field is the same there, and nowhere else above it, if
+  // the background is not. So is a picture whose look shows nothing up to `above`.
+  bool with_reach = false;
+};
+
+}  // namespace ovoid

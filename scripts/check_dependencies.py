@@ -57,9 +57,9 @@ OUTSIDE = [
     ("Eigen", re.compile(r"^Eigen/"), ("",)),
     ("Eigen's Fourier transform", re.compile(r"^unsupported/Eigen/FFT$"), ("src/model/",)),
 ]
-# A C++20 standard header has no dot and no slash; the rest are POSIX ones that the program needs, and the compiler's.
+# A C++20 standard header has no dot and no slash; the rest are POSIX ones that the program needs.
 STANDARD = re.compile(r"^[a-z0-9_]+$")
-POSIX = re.compile(r"^(sys/|sanitizer/|unistd\.h|fcntl\.h|signal\.h|stdio\.h|stdlib\.h|dlfcn\.h|setjmp\.h|spawn\.h|immintrin\.h|x86intrin\.h)")
+POSIX = re.compile(r"^(sys/|unistd\.h|fcntl\.h|signal\.h|stdio\.h|stdlib\.h|dlfcn\.h|setjmp\.h|spawn\.h|immintrin\.h|x86intrin\.h)")
 PROGRAMS = ("src/", "apps/", "tests/", "bench/")
 # A unit test beside its source, or what several of them share.
 IS_TEST = re.compile(r"(_test\.cpp|/test_\w+\.h)$")

@@ -50,10 +50,10 @@ struct TimeSliceOptions {
 // that are not held, a pass over them.
 Dataset slice_at_time(const Series& series, double time, const TimeSliceOptions& options = {});
 
-// Slices as fields that blend what a renderer asks for when it asks: no volume is made for a time,
-// and what is clipped away, irrelevant or hidden is never blended. Keeps the fields of the steps of
-// the last slice, so that one beside it in time costs next to nothing before it is drawn. Not for
-// use from several threads at once; its fields are, and outlive it.
+// Slices as fields that blend what a renderer asks for, cube by cube when it first asks: no volume
+// is made for a time, and what is clipped away, irrelevant or hidden is never blended. Keeps the
+// fields of the steps of the last slice, so that one beside it in time costs next to nothing before
+// it is drawn. Not for use from several threads at once; its fields are, and outlive it.
 class SliceFields {
  public:
   // `series` outlives this. Its steps become fields as `model` says. Throws
@@ -65,8 +65,9 @@ class SliceFields {
   SliceFields& operator=(SliceFields&&) noexcept;
 
   // The field of slice_at_time(series, time, options), equal but for rounding; its value range may
-  // be wider, as sums of the steps' are. Memory: the steps that have a share, as they are stored.
-  // Throws what Series::step, weights_of_steps and make_lattice_field throw.
+  // be wider, as sums of the steps' are. Memory: the steps that have a share, as they are stored,
+  // and of the slice what was drawn, as float32. Throws what Series::step, weights_of_steps and
+  // make_lattice_field throw.
   LatticeField at(double time);
 
  private:

@@ -13,8 +13,8 @@
 namespace ovoid {
 namespace {
 
-// Cells along each axis of what is blended at once: a few bricks, since blocks ask for neighbours.
-constexpr std::int64_t kViewEdge = 16;
+// Cells along each axis of what is summed at once.
+constexpr std::int64_t kCubeEdge = 16;
 
 struct Box {
   Index3 lo, hi;
@@ -70,9 +70,17 @@ BlendedLattice::BlendedLattice(const LatticeGeometry& geometry,
     assert(!parts_[static_cast<std::size_t>(s)].empty());
     for ([[maybe_unused]] const Part& part : parts_[static_cast<std::size_t>(s)]) {
       assert(part.source->geometry().dims == geometry_.dims_of(s) && part.weight > 0);
-      assert(part.source->brick_edge() == edge_ && kViewEdge % edge_ == 0);
+      assert(part.source->brick_edge() == edge_ && kCubeEdge % edge_ == 0);
     }
   }
+  const Index3 cells = geometry_.cells();
+  for (std::size_t a = 0; a < 3; ++a) num_cubes_[a] = (cells[a] + kCubeEdge - 1) / kCubeEdge;
+  cubes_ =
+      std::vector<std::atomic<const float*>>(static_cast<std::size_t>(num_samples(num_cubes_)));
+}
+
+BlendedLattice::~BlendedLattice() {
+  for (const std::atomic<const float*>& cube : cubes_) delete[] cube.load();
 }
 
 ValueRange BlendedLattice::brick_range(std::int64_t bx, std::int64_t by,
@@ -109,26 +117,24 @@ bool BlendedLattice::has_missing(std::int64_t bx, std::int64_t by, std::int64_t 
   return false;
 }
 
-BrickView BlendedLattice::acquire(std::int64_t bx, std::int64_t by, std::int64_t bz, double) const {
-  const int num_sublattices = geometry_.num_sublattices();
-  const Index3 brick{bx, by, bz};
-  BrickView view;
-  view.type = ScalarType::kFloat32;
+BlendedLattice::Cube BlendedLattice::cube_of(const Index3& cube) const noexcept {
+  Cube box;
   for (std::size_t a = 0; a < 3; ++a) {
-    const std::int64_t layers = a == 2 ? num_sublattices : 1;
-    const std::int64_t first = brick[a] * edge_ / kViewEdge * kViewEdge;
-    view.lo[a] = first * layers;
-    view.hi[a] = std::min((first + kViewEdge) * layers, geometry_.dims[a]);
+    const std::int64_t edge = kCubeEdge * (a == 2 ? geometry_.num_sublattices() : 1);
+    box.lo[a] = cube[a] * edge;
+    box.hi[a] = std::min(box.lo[a] + edge, geometry_.dims[a]);
   }
-  view.stride_y = view.hi[0] - view.lo[0];
-  view.stride_z = view.stride_y * (view.hi[1] - view.lo[1]);
-  const std::shared_ptr<float[]> samples(
-      new float[static_cast<std::size_t>(view.stride_z * (view.hi[2] - view.lo[2]))]);
+  return box;
+}
+
+std::unique_ptr<float[]> BlendedLattice::summed(const Cube& cube) const {
+  std::unique_ptr<float[]> samples(new float[static_cast<std::size_t>(cube.size())]);
+  const int num_sublattices = geometry_.num_sublattices();
   for (int s = 0; s < num_sublattices; ++s) {
-    // Layers s, s + num_sublattices, ... of the view, which begins with one of sublattice 0.
-    Box box{view.lo, view.hi};
-    box.lo[2] = view.lo[2] / num_sublattices;
-    box.hi[2] = (view.hi[2] - s + num_sublattices - 1) / num_sublattices;
+    // Layers s, s + num_sublattices, ... of the cube, which begins with one of sublattice 0.
+    Box box{cube.lo, cube.hi};
+    box.lo[2] = cube.lo[2] / num_sublattices;
+    box.hi[2] = (cube.hi[2] - s + num_sublattices - 1) / num_sublattices;
     bool is_first = true;
     for (const Part& part : parts_[static_cast<std::size_t>(s)]) {
       const auto scale = static_cast<float>(part.weight * part.source->value_scale());
@@ -140,9 +146,9 @@ BrickView BlendedLattice::acquire(std::int64_t bx, std::int64_t by, std::int64_t
               const T* row = static_cast<const T*>(from.data) + (shown.lo[0] - from.lo[0]) +
                              (y - from.lo[1]) * from.stride_y + (z - from.lo[2]) * from.stride_z;
               add_row(row, shown.hi[0] - shown.lo[0], scale, offset, is_first,
-                      samples.get() + (shown.lo[0] - view.lo[0]) +
-                          (y - view.lo[1]) * view.stride_y +
-                          (z * num_sublattices + s - view.lo[2]) * view.stride_z);
+                      samples.get() + (shown.lo[0] - cube.lo[0]) +
+                          (y - cube.lo[1]) * cube.stride_y() +
+                          (z * num_sublattices + s - cube.lo[2]) * cube.stride_z());
             }
           }
         });
@@ -150,13 +156,36 @@ BrickView BlendedLattice::acquire(std::int64_t bx, std::int64_t by, std::int64_t
       is_first = false;
     }
   }
-  view.data = samples.get();
-  view.pin = samples;
+  return samples;
+}
+
+BrickView BlendedLattice::acquire(std::int64_t bx, std::int64_t by, std::int64_t bz, double) const {
+  const Index3 at{bx * edge_ / kCubeEdge, by * edge_ / kCubeEdge, bz * edge_ / kCubeEdge};
+  const Cube cube = cube_of(at);
+  std::atomic<const float*>& place =
+      cubes_[static_cast<std::size_t>(at[0] + num_cubes_[0] * (at[1] + num_cubes_[1] * at[2]))];
+  const float* samples = place.load(std::memory_order_acquire);
+  if (samples == nullptr) {
+    std::unique_ptr<float[]> made = summed(cube);
+    // Another thread may have been faster; its sums are the same.
+    if (place.compare_exchange_strong(samples, made.get(), std::memory_order_acq_rel,
+                                      std::memory_order_acquire)) {
+      samples = made.release();
+      summed_bytes_ += static_cast<std::size_t>(cube.size()) * sizeof(float);
+    }
+  }
+  BrickView view;
+  view.type = ScalarType::kFloat32;
+  view.lo = cube.lo;
+  view.hi = cube.hi;
+  view.stride_y = cube.stride_y();
+  view.stride_z = cube.stride_z();
+  view.data = samples;
   return view;
 }
 
 std::size_t BlendedLattice::resident_bytes() const noexcept {
-  std::size_t bytes = 0;
+  std::size_t bytes = summed_bytes_ + cubes_.size() * sizeof(cubes_[0]);
   for (const std::vector<Part>& parts : parts_) {
     for (const Part& part : parts) bytes += part.source->resident_bytes();
   }

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -11,9 +13,10 @@
 namespace ovoid {
 
 // A brick source that is the weighted sum of others of the same lattice, or, body-centred, of those
-// of each of its two sublattices, formed when bricks are acquired: float32, missing where a part
-// is. Ranges are the sums of the parts' and may be wider than the samples'. Immutable; all members
-// may be called from many threads.
+// of each of its two sublattices: float32, missing where a part is. A cube of bricks is summed when
+// one of them is acquired for the first time, and kept; what nobody asks for is never summed.
+// Ranges are the sums of the parts' and may be wider than the samples'. All members may be called
+// from many threads.
 class BlendedLattice final : public BrickSource {
  public:
   struct Part {
@@ -24,21 +27,37 @@ class BlendedLattice final : public BrickSource {
   // range_reach half an index unit more than this field's, since they do not know of their shift.
   BlendedLattice(const LatticeGeometry& geometry, std::array<std::vector<Part>, 2> parts,
                  double range_reach);
+  ~BlendedLattice() override;
+  BlendedLattice(const BlendedLattice&) = delete;
+  BlendedLattice& operator=(const BlendedLattice&) = delete;
 
   const LatticeGeometry& geometry() const noexcept override { return geometry_; }
   int brick_edge() const noexcept override { return edge_; }
   ValueRange brick_range(std::int64_t bx, std::int64_t by, std::int64_t bz) const noexcept override;
   double range_reach() const noexcept override { return range_reach_; }
   bool has_missing(std::int64_t bx, std::int64_t by, std::int64_t bz) const noexcept override;
-  // A cube of bricks around that one; pinned by the view.
+  // A cube of bricks around that one; valid as long as this lattice lives.
   BrickView acquire(std::int64_t bx, std::int64_t by, std::int64_t bz, double time) const override;
-  std::size_t resident_bytes() const noexcept override;  // of the parts
+  std::size_t resident_bytes() const noexcept override;  // of the parts, and what is summed so far
 
  private:
+  // Samples of a cube, [lo, hi).
+  struct Cube {
+    Index3 lo, hi;
+    std::int64_t stride_y() const noexcept { return hi[0] - lo[0]; }
+    std::int64_t stride_z() const noexcept { return stride_y() * (hi[1] - lo[1]); }
+    std::int64_t size() const noexcept { return stride_z() * (hi[2] - lo[2]); }
+  };
+  Cube cube_of(const Index3& cube) const noexcept;
+  std::unique_ptr<float[]> summed(const Cube& cube) const;
+
   LatticeGeometry geometry_;
   std::array<std::vector<Part>, 2> parts_;
   double range_reach_;
   int edge_;
+  Index3 num_cubes_{};
+  mutable std::vector<std::atomic<const float*>> cubes_;  // null: not summed yet
+  mutable std::atomic<std::size_t> summed_bytes_ = 0;
 };
 
 }  // namespace ovoid

@@ -12,10 +12,6 @@
 #include <string>
 #include <vector>
 
-#ifdef __SANITIZE_ADDRESS__
-#include <sanitizer/lsan_interface.h>
-#endif
-
 #include "fuzz/seeds.h"
 #include "fuzz/targets.h"
 #include "io/test_folder.h"
@@ -156,9 +152,6 @@ TEST(Mutation, Lammps) { run(fuzz::lammps_seeds(), fuzz::lammps, 4000); }
 
 // Through HDF5's library: see Hdf5Points.DamagedFiles.
 TEST(Mutation, Hdf5Lattice) {
-#ifdef __SANITIZE_ADDRESS__
-  const __lsan::ScopedDisabler leaks_of_the_library;
-#endif
   const std::vector<std::string> seeds = fuzz::hdf5_lattice_seeds();
   if (seeds.empty()) GTEST_SKIP() << "this build has no HDF5";
   const TestFolder folder;

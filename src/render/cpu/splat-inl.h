@@ -136,6 +136,11 @@ inline void for_each_kernel_of(const FrameSublattice& sublattice, const Workspac
   const float* samples = work.samples + from;
   const float* presence = block.has_missing ? work.presence + from : nullptr;
   const auto [lo, hi] = part_in_lattice(block, sublattice);
+  const int last_in_row = static_cast<int>(hi[0] - lo[0]) - 1;
+  const float slope = plane.inverse[2][0];
+  const bool is_steep = std::abs(slope) > 1e-6F;
+  const float kernels_per_sheet = is_steep ? 1 / slope : 0.0F;
+  const float half_width = std::abs(plane.half_extent[2] * kernels_per_sheet);
   for (std::int64_t z = lo[2]; z < hi[2]; ++z) {
     for (std::int64_t y = lo[1]; y < hi[1]; ++y) {
       float center[3] = {static_cast<float>(lo[0] - block.origin[0]) + sublattice.offset,
@@ -145,15 +150,15 @@ inline void for_each_kernel_of(const FrameSublattice& sublattice, const Workspac
       const float from_base[3] = {center[0] - plane.base[0], center[1] - plane.base[1],
                                   center[2] - plane.base[2]};
       const float sheet = product_with(plane.inverse[2], from_base);
-      const float slope = plane.inverse[2][0];
       int first = 0;
-      int last = static_cast<int>(hi[0] - lo[0]) - 1;
-      if (std::abs(slope) > 1e-6F) {
-        const float a = (-plane.half_extent[2] - sheet) / slope;
-        const float b = (plane.half_extent[2] - sheet) / slope;
-        first = static_cast<int>(std::clamp(std::ceil(std::min(a, b)), 0.0F, 1e9F));
-        last = static_cast<int>(
-            std::clamp(std::floor(std::max(a, b)), -1.0F, static_cast<float>(last)));
+      int last = last_in_row;
+      if (is_steep) {
+        const float middle = -sheet * kernels_per_sheet;
+        const float lowest = middle - half_width;
+        const float highest = middle + half_width;
+        if (highest < 0 || lowest > static_cast<float>(last_in_row)) continue;
+        if (lowest > 0) first = static_cast<int>(std::ceil(lowest));
+        if (highest < static_cast<float>(last_in_row)) last = static_cast<int>(highest);
       } else if (std::abs(sheet) > plane.half_extent[2]) {
         continue;
       }

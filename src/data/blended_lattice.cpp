@@ -8,21 +8,18 @@
 #include <type_traits>
 #include <utility>
 
+#include "data/brick_reach.h"
 #include "data/scalar_visit.h"
 
 namespace ovoid {
 namespace {
 
 // Cells along each axis of what is summed at once.
-constexpr std::int64_t kCubeEdge = 16;
-
-struct Box {
-  Index3 lo, hi;
-};
+constexpr int kCubeEdge = 16;
 
 // Calls use(view, box) for boxes that together are `box`, each in one view of the source.
 template <class Use>
-void for_each_view(const BrickSource& source, const Box& box, const Use& use) {
+void for_each_view(const BrickSource& source, const data::SampleRange& box, const Use& use) {
   const int edge = source.brick_edge();
   Index3 at = box.lo;
   while (at[2] < box.hi[2]) {
@@ -31,7 +28,7 @@ void for_each_view(const BrickSource& source, const Box& box, const Use& use) {
       std::int64_t next_y = box.hi[1];
       for (at[0] = box.lo[0]; at[0] < box.hi[0];) {
         const BrickView view = source.acquire(at[0] / edge, at[1] / edge, at[2] / edge, 0.0);
-        Box part{at, {}};
+        data::SampleRange part{at, {}};
         for (std::size_t a = 0; a < 3; ++a) part.hi[a] = std::min(box.hi[a], view.hi[a]);
         next_y = std::min(next_y, part.hi[1]);
         next_z = std::min(next_z, part.hi[2]);
@@ -117,29 +114,20 @@ bool BlendedLattice::has_missing(std::int64_t bx, std::int64_t by, std::int64_t 
   return false;
 }
 
-BlendedLattice::Cube BlendedLattice::cube_of(const Index3& cube) const noexcept {
-  Cube box;
-  for (std::size_t a = 0; a < 3; ++a) {
-    const std::int64_t edge = kCubeEdge * (a == 2 ? geometry_.num_sublattices() : 1);
-    box.lo[a] = cube[a] * edge;
-    box.hi[a] = std::min(box.lo[a] + edge, geometry_.dims[a]);
-  }
-  return box;
-}
-
-std::unique_ptr<float[]> BlendedLattice::summed(const Cube& cube) const {
-  std::unique_ptr<float[]> samples(new float[static_cast<std::size_t>(cube.size())]);
+std::unique_ptr<float[]> BlendedLattice::summed(const BrickView& cube) const {
+  std::unique_ptr<float[]> samples(
+      new float[static_cast<std::size_t>(cube.stride_z * (cube.hi[2] - cube.lo[2]))]);
   const int num_sublattices = geometry_.num_sublattices();
   for (int s = 0; s < num_sublattices; ++s) {
     // Layers s, s + num_sublattices, ... of the cube, which begins with one of sublattice 0.
-    Box box{cube.lo, cube.hi};
+    data::SampleRange box{cube.lo, cube.hi};
     box.lo[2] = cube.lo[2] / num_sublattices;
     box.hi[2] = (cube.hi[2] - s + num_sublattices - 1) / num_sublattices;
     bool is_first = true;
     for (const Part& part : parts_[static_cast<std::size_t>(s)]) {
       const auto scale = static_cast<float>(part.weight * part.source->value_scale());
       const auto offset = static_cast<float>(part.weight * part.source->value_offset());
-      for_each_view(*part.source, box, [&](const BrickView& from, const Box& shown) {
+      for_each_view(*part.source, box, [&](const BrickView& from, const data::SampleRange& shown) {
         data::visit_scalar(from.type, [&]<class T>(std::type_identity<T>) {
           for (std::int64_t z = shown.lo[2]; z < shown.hi[2]; ++z) {
             for (std::int64_t y = shown.lo[1]; y < shown.hi[1]; ++y) {
@@ -147,8 +135,8 @@ std::unique_ptr<float[]> BlendedLattice::summed(const Cube& cube) const {
                              (y - from.lo[1]) * from.stride_y + (z - from.lo[2]) * from.stride_z;
               add_row(row, shown.hi[0] - shown.lo[0], scale, offset, is_first,
                       samples.get() + (shown.lo[0] - cube.lo[0]) +
-                          (y - cube.lo[1]) * cube.stride_y() +
-                          (z * num_sublattices + s - cube.lo[2]) * cube.stride_z());
+                          (y - cube.lo[1]) * cube.stride_y +
+                          (z * num_sublattices + s - cube.lo[2]) * cube.stride_z);
             }
           }
         });
@@ -161,25 +149,25 @@ std::unique_ptr<float[]> BlendedLattice::summed(const Cube& cube) const {
 
 BrickView BlendedLattice::acquire(std::int64_t bx, std::int64_t by, std::int64_t bz, double) const {
   const Index3 at{bx * edge_ / kCubeEdge, by * edge_ / kCubeEdge, bz * edge_ / kCubeEdge};
-  const Cube cube = cube_of(at);
+  const auto [lo, hi] = data::samples_in_brick(geometry_, at, kCubeEdge);
+  BrickView view;
+  view.type = ScalarType::kFloat32;
+  view.lo = lo;
+  view.hi = hi;
+  view.stride_y = hi[0] - lo[0];
+  view.stride_z = view.stride_y * (hi[1] - lo[1]);
   std::atomic<const float*>& place =
       cubes_[static_cast<std::size_t>(at[0] + num_cubes_[0] * (at[1] + num_cubes_[1] * at[2]))];
   const float* samples = place.load(std::memory_order_acquire);
   if (samples == nullptr) {
-    std::unique_ptr<float[]> made = summed(cube);
+    std::unique_ptr<float[]> made = summed(view);
     // Another thread may have been faster; its sums are the same.
     if (place.compare_exchange_strong(samples, made.get(), std::memory_order_acq_rel,
                                       std::memory_order_acquire)) {
       samples = made.release();
-      summed_bytes_ += static_cast<std::size_t>(cube.size()) * sizeof(float);
+      summed_bytes_ += static_cast<std::size_t>(view.stride_z * (hi[2] - lo[2])) * sizeof(float);
     }
   }
-  BrickView view;
-  view.type = ScalarType::kFloat32;
-  view.lo = cube.lo;
-  view.hi = cube.hi;
-  view.stride_y = cube.stride_y();
-  view.stride_z = cube.stride_z();
   view.data = samples;
   return view;
 }

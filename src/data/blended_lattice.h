@@ -41,15 +41,8 @@ class BlendedLattice final : public BrickSource {
   std::size_t resident_bytes() const noexcept override;  // of the parts, and what is summed so far
 
  private:
-  // Samples of a cube, [lo, hi).
-  struct Cube {
-    Index3 lo, hi;
-    std::int64_t stride_y() const noexcept { return hi[0] - lo[0]; }
-    std::int64_t stride_z() const noexcept { return stride_y() * (hi[1] - lo[1]); }
-    std::int64_t size() const noexcept { return stride_z() * (hi[2] - lo[2]); }
-  };
-  Cube cube_of(const Index3& cube) const noexcept;
-  std::unique_ptr<float[]> summed(const Cube& cube) const;
+  // Its samples; `cube` says where they lie, without them.
+  std::unique_ptr<float[]> summed(const BrickView& cube) const;
 
   LatticeGeometry geometry_;
   std::array<std::vector<Part>, 2> parts_;

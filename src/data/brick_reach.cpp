@@ -6,6 +6,17 @@
 
 namespace ovoid::data {
 
+SampleRange samples_in_brick(const LatticeGeometry& geometry, const Index3& brick,
+                             int edge) noexcept {
+  SampleRange range;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const std::int64_t samples = edge * (a == 2 ? geometry.num_sublattices() : 1);
+    range.lo[a] = brick[a] * samples;
+    range.hi[a] = std::min(range.lo[a] + samples, geometry.dims[a]);
+  }
+  return range;
+}
+
 SampleRange samples_in_reach(const LatticeGeometry& geometry, const Index3& brick, int edge,
                              double reach) noexcept {
   SampleRange range;

@@ -10,6 +10,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "data/brick_reach.h"
 #include "data/parallel.h"
 #include "data/scalar_visit.h"
 #include "data/validate.h"
@@ -76,16 +77,6 @@ RunLattice::RunLattice(const LatticeGeometry& geometry, data::RelevantRuns runs,
     background_.insert(background_.end(), one.begin(), one.end());
 }
 
-data::SampleRange RunLattice::samples_of(const Index3& brick) const noexcept {
-  data::SampleRange box;
-  for (std::size_t a = 0; a < 3; ++a) {
-    const std::int64_t edge = kBrickEdge * (a == 2 ? geometry_.num_sublattices() : 1);
-    box.lo[a] = brick[a] * edge;
-    box.hi[a] = std::min((brick[a] + 1) * edge, geometry_.dims[a]);
-  }
-  return box;
-}
-
 template <class T>
 void RunLattice::find_range(const Index3& brick, std::vector<std::byte>& scratch) {
   const data::SampleRange window =
@@ -134,7 +125,7 @@ bool RunLattice::has_missing(std::int64_t bx, std::int64_t by, std::int64_t bz) 
 }
 
 BrickView RunLattice::acquire(std::int64_t bx, std::int64_t by, std::int64_t bz, double) const {
-  const data::SampleRange box = samples_of({bx, by, bz});
+  const data::SampleRange box = data::samples_in_brick(geometry_, {bx, by, bz}, kBrickEdge);
   const Index3 size{box.hi[0] - box.lo[0], box.hi[1] - box.lo[1], box.hi[2] - box.lo[2]};
   BrickView view;
   view.type = runs_.box().type;

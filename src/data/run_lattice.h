@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "data/brick_reach.h"
 #include "data/relevant_runs.h"
 #include "data/resident_lattice.h"
 #include "ovoid/field.h"
@@ -42,7 +41,6 @@ class RunLattice final : public BrickSource {
   const data::RelevantRuns& runs() const noexcept { return runs_; }
 
  private:
-  data::SampleRange samples_of(const Index3& brick) const noexcept;
   std::size_t brick_index(const Index3& brick) const noexcept;
   template <class T>
   void find_range(const Index3& brick, std::vector<std::byte>& scratch);

@@ -17,15 +17,19 @@ std::string tornado(const Folder& folder) {
   return path;
 }
 
+Words render_words(const std::string& data, const std::string& picture, const Words& how) {
+  Words words{"render", data, "-o", picture, "--size", "40x30"};
+  words.insert(words.end(), how.begin(), how.end());
+  return words;
+}
+
 // Fails if a plane is not the one that was asked for, or its slice goes on as nothing else does.
 TEST(Hyperslices, AreDrawnToldAndWritten) {
   if (!has_hdf5()) GTEST_SKIP() << "no HDF5";
   const Folder folder;
   const std::string data = tornado(folder);
   const auto render = [&](Words how, const std::string& name) {
-    Words words{"render", data, "-o", folder / name, "--size", "40x30"};
-    words.insert(words.end(), how.begin(), how.end());
-    expect_success(words);
+    expect_success(render_words(data, folder / name, how));
     return read_file(folder / name);
   };
   EXPECT_EQ(render({"--hyperslice", "0,0,0,1,2.5"}, "a.png"), render({"--time", "2.5"}, "b.png"));
@@ -45,10 +49,8 @@ TEST(Hyperslices, ThatMissOrContradictAreErrors) {
   if (!has_hdf5()) GTEST_SKIP() << "no HDF5";
   const Folder folder;
   const std::string data = tornado(folder);
-  const auto refused = [&](Words how, int code, const Words& said) {
-    Words words{"render", data, "-o", folder / "a.png"};
-    words.insert(words.end(), how.begin(), how.end());
-    expect_failure(words, code, said);
+  const auto refused = [&](const Words& how, int code, const Words& said) {
+    expect_failure(render_words(data, folder / "a.png", how), code, said);
   };
   refused({"--hyperslice", "0,0,0,1,9"}, 1, {"misses the data", "0 to 7", "e = 9"});
   refused({"--hyperslice", "1,0,0,0,4"}, 1, {"misses the data"});
@@ -75,9 +77,8 @@ TEST(MotionBlur, LeavesATrail) {
   write_file(look, R"([{"Name": "t", "ColorSpace": "RGB", "RGBPoints": [0, 1, 0, 0, 1, 1, 0, 0],)"
                    R"( "Points": [0, 0, 0.5, 0, 1, 0.3, 0.5, 0]}])");
   const auto render = [&](Words how, const std::string& name) {
-    Words words{"render", data, "-o", folder / name, "--size", "40x30", "--time", "4.5"};
-    words.insert(words.end(), how.begin(), how.end());
-    expect_success(words);
+    how.insert(how.end(), {"--time", "4.5"});
+    expect_success(render_words(data, folder / name, how));
     return read_file(folder / name);
   };
   const std::string alone = render({}, "a.png");
@@ -101,10 +102,8 @@ TEST(MotionBlur, ContradictionsAreErrors) {
   if (!has_hdf5()) GTEST_SKIP() << "no HDF5";
   const Folder folder;
   const std::string data = tornado(folder);
-  const auto refused = [&](Words how, int code, const Words& said) {
-    Words words{"render", data, "-o", folder / "a.png"};
-    words.insert(words.end(), how.begin(), how.end());
-    expect_failure(words, code, said);
+  const auto refused = [&](const Words& how, int code, const Words& said) {
+    expect_failure(render_words(data, folder / "a.png", how), code, said);
   };
   refused({"--motion-blur", "0"}, 2, {"--motion-blur '0'"});
   refused({"--motion-blur", "1,2,3"}, 2, {"--motion-blur '1,2,3'", "L,DECAY"});

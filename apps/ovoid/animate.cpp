@@ -256,7 +256,7 @@ class Animator {
       : series_(series),
         animate_(animate),
         session_(session),
-        renderer_(animate.drawing.run.backend, animate.drawing.run.threads),
+        renderer_(animate.drawing.run),
         values_(values) {}
 
   // Draws the frame and writes it.

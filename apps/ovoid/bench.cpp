@@ -34,7 +34,7 @@ struct BenchFlags {
   bool lists = false;
   ModelFlags model;
   RenderOptions options;
-  RunFlags run;
+  RendererSetup run;
 };
 
 struct SceneResult {
@@ -210,7 +210,7 @@ void print_heading(const FrameProfile& frame, int frames) {
 }
 
 void measure_all(const BenchFlags& bench, Session& session) {
-  Renderer renderer(bench.run.backend, bench.run.threads);
+  Renderer renderer(bench.run);
   Json report;
   Volume volume;
   for (const Scene& scene : select_scenes(bench.names)) {

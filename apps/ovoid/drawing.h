@@ -30,7 +30,7 @@ struct DrawingFlags {
   AnnotationFlags annotation;
   RenderOptions options;
   TrailFlags trail;
-  RunFlags run;
+  RendererSetup run;
   TimeFilter time_filter = TimeFilter::kTwoSteps;  // as DataFlags has it
 };
 

@@ -17,6 +17,7 @@ RenderOptions resized(RenderOptions options, int width_divisor, int height_divis
   const auto divided = [](int side, int divisor) {
     return std::max(side / divisor, std::min(side, kLeastSide));
   };
+  options.collect_profile = true;  // counts
   options.width = divided(options.width, width_divisor);
   options.height = divided(options.height, height_divisor);
   return options;
@@ -66,7 +67,7 @@ std::string predict(const DryRun& run, Session& session) {
   // A camera's picture keeps its scale when it gets narrower.
   const RenderOptions strip = resized(run.options, 8, 1);
   const double ratio = num_pixels(run.options) / num_pixels(small);
-  Renderer renderer(run.backend, run.threads);
+  Renderer renderer(run.setup);
   RenderHooks hooks;
   hooks.stop = session.stop();
   Progress progress("measuring");

@@ -14,8 +14,7 @@ struct DryRun {
   const Camera& camera;
   const Look& look;
   RenderOptions options;
-  Backend backend;
-  int threads;
+  RendererSetup setup;
   std::string output;  // as given
 };
 

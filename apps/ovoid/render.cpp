@@ -110,7 +110,7 @@ std::optional<Trail> trail_of(const RenderFlags& render, const Subject& subject,
 
 // One frame for the picture, and with --repeat N more for the clock.
 Image draw(const RenderFlags& render, const Scene& scene, RunProfile* profile, Session& session) {
-  Renderer renderer(render.drawing.run.backend, render.drawing.run.threads);
+  Renderer renderer(render.drawing.run);
   RenderOptions options = render.drawing.options;
   RenderHooks hooks;
   hooks.stop = session.stop();
@@ -186,7 +186,7 @@ void run_render(const Words& words, Session& session) {
   Look look = make_look(drawing.look, field, subject.unit, session);
   if (render.dry_run) {
     const DryRun run{
-        field,        camera, look, drawing.options, drawing.run.backend, drawing.run.threads,
+        field,        camera, look, drawing.options, drawing.run,
         render.output};
     fmt::print("{}", predict(run, session));
     return;

@@ -27,10 +27,15 @@ const Names<PostConvolution> kPostConvolutions = {{"off", PostConvolution::kOff}
                                                   {"auto", PostConvolution::kAuto}};
 const Names<ovoid::Spread> kSpreads = {{"gaussian", ovoid::Spread::kGaussian},
                                        {"bilinear", ovoid::Spread::kBilinear}};
-const Names<Backend> kBackends = {
-    {"auto", Backend::kAuto}, {"cpu", Backend::kCpu}, {"reference", Backend::kReference}};
+const Names<Backend> kBackends = {{"auto", Backend::kAuto},
+                                  {"cpu", Backend::kCpu},
+                                  {"vulkan", Backend::kVulkan},
+                                  {"reference", Backend::kReference}};
+const Names<SheetPrecision> kSheetPrecisions = {{"fp32", SheetPrecision::kSingle},
+                                                {"fp16", SheetPrecision::kHalf}};
 
 constexpr int kMaxThreads = 1024;
+constexpr int kMaxDevices = 1023;
 
 // A flag that takes one name of a table, with its default named in the help.
 template <typename T>
@@ -45,18 +50,6 @@ ClipPlane parse_clip(const std::string& text) {
   if (plane.normal.norm() == 0)
     throw BadValue("expected NX,NY,NZ,D with a normal other than 0,0,0");
   return plane;
-}
-
-// A flag of the full set of which this version knows the names in `known`; the others are refused
-// by name.
-Flags::Take refusing(const char* flag, const std::vector<std::string>& later,
-                     const Flags::Take& take) {
-  return [flag, later, take](const std::string& text) {
-    if (std::find(later.begin(), later.end(), text) != later.end()) {
-      throw UsageError(fmt::format("{} {}: not available in this version", flag, text));
-    }
-    take(text);
-  };
 }
 
 }  // namespace
@@ -83,6 +76,9 @@ void add_number_flags(Flags& flags, RenderOptions* options) {
          "magnified sheets are sampled at nodes, large kernels of a set on coarser levels; the "
          "three by name are published ways that blur",
          &options->post_convolution);
+  choice(flags, "--sheet-precision", kSheetPrecisions,
+         "of the samples between reconstruction and classification, backend vulkan",
+         &options->sheet_precision);
   choice(flags, "--spread", kSpreads,
          "samples add to nodes by their kernel, or in the published ways to the four around",
          &options->spread);
@@ -96,18 +92,22 @@ void add_number_flags(Flags& flags, RenderOptions* options) {
       });
 }
 
-void add_run_flags(Flags& flags, RunFlags* run) {
+void add_run_flags(Flags& flags, RendererSetup* run) {
   flags.section("running");
   flags.value("--backend", joined(kBackends),
               fmt::format("what draws (default {})", name_in(kBackends, run->backend)),
-              refusing("--backend", {"vulkan"}, [run](const std::string& text) {
-                run->backend = parse_name(text, kBackends);
-              }));
+              [run](const std::string& text) { run->backend = parse_name(text, kBackends); });
   flags.value("--threads", "N", "(default 0: one per hardware thread)",
               [run](const std::string& text) {
                 run->threads = static_cast<int>(parse_integer(text, 0, kMaxThreads));
               });
-  flags.refuse({"--device"});
+  flags.value("--device", "N", "of the devices that 'ovoid info --devices' lists (default: the first GPU)",
+              [run](const std::string& text) {
+                run->device = static_cast<int>(parse_integer(text, 0, kMaxDevices));
+              });
+  flags.value("--device-memory", "SIZE",
+              "of the device for data; more is drawn piece by piece (default: most of it)",
+              [run](const std::string& text) { run->device_memory = static_cast<std::uint64_t>(parse_bytes(text)); });
 }
 
 void add_switch_flags(Flags& flags, RenderOptions* options) {

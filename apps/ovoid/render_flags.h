@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <string>
-
 #include "flags.h"
 #include "ovoid/renderer.h"
 
@@ -10,13 +8,8 @@ namespace ovoid::cli {
 
 // How a frame is computed and on what: the renderer's half of section "numbers", and section
 // "running".
-struct RunFlags {
-  Backend backend = Backend::kAuto;
-  int threads = 0;  // 0: one per hardware thread
-};
-
 void add_number_flags(Flags& flags, RenderOptions* options);
-void add_run_flags(Flags& flags, RunFlags* run);
+void add_run_flags(Flags& flags, RendererSetup* run);
 void add_switch_flags(Flags& flags, RenderOptions* options);  // --no-skip, --no-stop
 
 }  // namespace ovoid::cli

@@ -15,6 +15,7 @@ enum class ErrorCode {
   kUnsupported,  // a well-formed request for something this build or this format version cannot do
   kFileWrite,    // an output that cannot be created or written (nothing is left behind)
   kOutOfMemory,  // an allocation that failed or would pass the caller's memory limit
+  kDeviceLost,   // the graphics device stopped working; the next picture starts it anew
   kCancelled,    // the caller's stop token was triggered before the work was done
 };
 

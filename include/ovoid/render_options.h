@@ -43,6 +43,10 @@ constexpr bool is_published(PostConvolution how) {
 // only.
 enum class Spread { kGaussian, kBilinear };
 
+// How exactly the vulkan back end keeps a sheet's samples before they are classified: as floats, or
+// in half the memory, rounded to 11 bits of the field's range. The others keep floats.
+enum class SheetPrecision { kSingle, kHalf };
+
 // A half space: points with dot(normal, x) >= offset are kept (world). `normal` need not have unit
 // length.
 struct ClipPlane {
@@ -61,6 +65,7 @@ struct RenderOptions {
   Evaluate evaluate = Evaluate::kAuto;
   PostConvolution post_convolution = PostConvolution::kAuto;
   Spread spread = Spread::kGaussian;
+  SheetPrecision sheet_precision = SheetPrecision::kSingle;
   std::vector<ClipPlane> clip_planes;  // at most kMaxClipPlanes
   bool skip_irrelevant = true;  // off: every block is reconstructed (time changes, pixels do not)
   bool stop_opaque =

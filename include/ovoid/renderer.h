@@ -18,7 +18,8 @@
 
 namespace ovoid {
 
-enum class Backend { kAuto, kCpu, kReference };
+// kAuto: vulkan where there is a hardware device, else cpu.
+enum class Backend { kAuto, kCpu, kVulkan, kReference };
 
 // A finished rectangle of the picture, passed to the tile sink while the rest is still drawn.
 struct TileDone {
@@ -35,7 +36,8 @@ struct RenderHooks {
 
 // Counts and times of one frame.
 struct FrameProfile {
-  std::string backend;      // "cpu", "reference"
+  std::string backend;      // "cpu", "vulkan", "reference"
+  std::string device;       // of vulkan: its name
   std::string simd_target;  // "AVX2", ...; empty for the reference
   int threads = 1;
   double frame_ms = 0;  // plan to finish, wall clock
@@ -70,12 +72,24 @@ struct Trail {
   TransferFunction transfer_function;
 };
 
+// What a renderer runs on.
+struct RendererSetup {
+  Backend backend = Backend::kAuto;
+  int threads = 0;  // of the host; 0: one per hardware thread
+  int device = -1;  // of kVulkan, by DeviceInfo::index; -1: the first hardware device, else the first
+  std::uint64_t device_memory = 0;  // bytes that fields may take there; 0: most of it. Larger ones
+                                    // are drawn piece by piece.
+};
+
 // Draws fields. Holds what outlives a frame: worker threads, and what a back end keeps of a field.
 // One render() at a time per renderer; several renderers may be used from several threads.
 class Renderer {
  public:
-  // `threads` 0: one per hardware thread. Throws Error(kInvalidArgument).
-  explicit Renderer(Backend backend = Backend::kAuto, int threads = 0);
+  // Throws Error: kInvalidArgument; kUnsupported if kVulkan is asked for and there is no loader, no
+  // device, or none that has what is needed.
+  explicit Renderer(const RendererSetup& setup);
+  explicit Renderer(Backend backend = Backend::kAuto, int threads = 0)
+      : Renderer(RendererSetup{backend, threads}) {}
   ~Renderer();
   Renderer(Renderer&&) noexcept;
   Renderer& operator=(Renderer&&) noexcept;

@@ -17,6 +17,8 @@ const char* name_of(ErrorCode code) noexcept {
       return "file-write";
     case ErrorCode::kOutOfMemory:
       return "out-of-memory";
+    case ErrorCode::kDeviceLost:
+      return "device-lost";
     case ErrorCode::kCancelled:
       return "cancelled";
   }

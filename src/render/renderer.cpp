@@ -8,6 +8,9 @@
 #include "render/cpu/tile.h"
 #include "render/reference/reference_renderer.h"
 #include "view/behind.h"
+#ifdef OVOID_VULKAN
+#include "render/vulkan/vulkan_renderer.h"
+#endif
 
 namespace ovoid {
 namespace {
@@ -47,21 +50,45 @@ view::Behind behind_of(const Trail& trail, const Look& look) {
   return behind;
 }
 
+#ifdef OVOID_VULKAN
+bool draws_on_hardware() { return vulkan::has_hardware_device(); }
+#else
+constexpr const char* kWithoutVulkan =
+    "backend vulkan: this program was built without it; backend cpu is there";
+bool draws_on_hardware() { return false; }
+#endif
+
 }  // namespace
 
 struct Renderer::Impl {
   Backend backend;
   std::unique_ptr<cpu::Runner> runner;
+#ifdef OVOID_VULKAN
+  std::unique_ptr<vulkan::VulkanRenderer> vulkan;
+#endif
 };
 
-Renderer::Renderer(Backend backend, int threads) : impl_(std::make_unique<Impl>()) {
-  if (threads < 0) {
+Renderer::Renderer(const RendererSetup& setup) : impl_(std::make_unique<Impl>()) {
+  if (setup.threads < 0) {
     throw Error(
         ErrorCode::kInvalidArgument,
-        fmt::format("threads = {}: must be >= 1, or 0 for one per hardware thread", threads));
+        fmt::format("threads = {}: must be >= 1, or 0 for one per hardware thread", setup.threads));
   }
-  impl_->backend = backend == Backend::kAuto ? Backend::kCpu : backend;
-  impl_->runner = cpu::make_runner(threads);
+  if (setup.device < -1) {
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("device = {}: must be >= 0, or -1 for the first", setup.device));
+  }
+  impl_->backend = setup.backend;
+  if (setup.backend == Backend::kAuto)
+    impl_->backend = draws_on_hardware() ? Backend::kVulkan : Backend::kCpu;
+  if (impl_->backend == Backend::kVulkan) {
+#ifdef OVOID_VULKAN
+    impl_->vulkan = std::make_unique<vulkan::VulkanRenderer>(setup.device, setup.device_memory);
+#else
+    throw Error(ErrorCode::kUnsupported, kWithoutVulkan);
+#endif
+  }
+  impl_->runner = cpu::make_runner(setup.threads);
 }
 
 Renderer::~Renderer() = default;
@@ -86,7 +113,13 @@ Frame Renderer::draw(const Field& field, const Camera& camera, const Look& look,
   const bool is_reference = impl_->backend == Backend::kReference;
   require_spread(field, options);
   if (trail != nullptr) require_trail(field, look, *trail, options);
+#ifdef OVOID_VULKAN
+  const bool is_vulkan = impl_->backend == Backend::kVulkan;
+#endif
   if (const KernelField* kernels = field.kernels()) {
+#ifdef OVOID_VULKAN
+    if (is_vulkan) return impl_->vulkan->render(*kernels, camera, look, options, hooks);
+#endif
     if (is_reference)
       return reference::render(*kernels, camera, look, options, hooks,
                                impl_->runner->num_workers());
@@ -98,6 +131,10 @@ Frame Renderer::draw(const Field& field, const Camera& camera, const Look& look,
     behind->look.validate();
   }
   const view::Behind* const second = behind ? &*behind : nullptr;
+#ifdef OVOID_VULKAN
+  if (is_vulkan)
+    return impl_->vulkan->render(*field.lattice(), camera, look, options, hooks, second);
+#endif
   return is_reference
              ? reference::render(*field.lattice(), camera, look, options, hooks,
                                  impl_->runner->num_workers(), second)

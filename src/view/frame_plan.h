@@ -58,6 +58,7 @@ struct LatticePlan : FramePlan {
 
   // Factors by which kernels are widened along each lattice axis on a sheet.
   Vec3 widening(std::int64_t sheet) const;
+  const Vec3& widening_limit() const noexcept { return widening_limit_; }  // along each axis
 
   // Pixels between the nodes at which a sheet is sampled, 1 if it is sampled at its pixels
   // (docs/numerics.md, "Post-convolution"). The same for the kNodeSheets sheets of a layer.

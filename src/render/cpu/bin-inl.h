@@ -132,7 +132,7 @@ inline void bound_region(const CpuFrame& frame, Block& block,
               std::max(frame.support * sheet.widening[a], static_cast<float>(least_reach[a]));
           const bool reads_four_taps = frame.has_four_taps && frame.evaluate != Evaluate::kScatter;
           if (reads_four_taps) reach = std::max(reach, 2.0F);
-          if (frame.num_slab_nodes > 1) {
+          if (frame.slab.count > 1) {
             reach += 0.5F * std::abs(sheet.step[a] + static_cast<float>(x) * sheet.step_per_x[a] +
                                      static_cast<float>(y) * sheet.step_per_y[a]);
           }

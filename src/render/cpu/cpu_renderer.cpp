@@ -17,43 +17,6 @@
 namespace ovoid::cpu {
 namespace {
 
-// Gauss-Legendre nodes on [-1/2, 1/2], by Newton's method on the Legendre polynomials.
-void set_slab_nodes(CpuFrame& frame, int count) {
-  frame.num_slab_nodes = count;
-  for (int i = 0; i < count; ++i) {
-    double x = std::cos(std::numbers::pi * (i + 0.75) / (count + 0.5));
-    double slope = 1;
-    for (int step = 0; step < 20; ++step) {
-      double p = 1;
-      double before = 0;
-      for (int n = 0; n < count; ++n) {
-        const double next = ((2 * n + 1) * x * p - n * before) / (n + 1);
-        before = p;
-        p = next;
-      }
-      slope = count * (x * p - before) / (x * x - 1);
-      x -= p / slope;
-    }
-    frame.slab_nodes[static_cast<std::size_t>(i)] = {
-        static_cast<float>(x / 2), static_cast<float>(1 / ((1 - x * x) * slope * slope))};
-  }
-}
-
-// Enough nodes for the slab's mean to err by less than the agreement tier allows: four per two
-// sigmas of the narrowest kernel.
-int slab_nodes_for(const LatticeField& field, const view::ViewLattice& lattice) {
-  double longest = 0;  // slab in index units
-  const view::SheetMap here = lattice.index_map(0);
-  const view::SheetMap next = lattice.index_map(1);
-  for (const double x : {0.0, lattice.width() - 1.0}) {
-    for (const double y : {0.0, lattice.height() - 1.0}) {
-      longest = std::max(longest, (next.at(x, y) - here.at(x, y)).norm());
-    }
-  }
-  return std::clamp(2 + static_cast<int>(std::ceil(2 * longest / field.index_kernel().sigma)), 4,
-                    kMaxSlabNodes);
-}
-
 void set_kernel(CpuFrame& frame, const LatticeField& field) {
   const LatticeKernel kernel = field.index_kernel();
   const LatticeGeometry& lattice = field.geometry();
@@ -134,7 +97,7 @@ struct PreparedField {
     set_view(frame, plan);
     set_look(frame, field.value_range(), look, plan, tables);
     const bool is_mean = options.slab == Slab::kMean;
-    set_slab_nodes(frame, is_mean ? slab_nodes_for(field, plan.lattice) : 1);
+    if (is_mean) frame.slab = slab_nodes(field, plan.lattice);
     frame.spread = options.spread;
     const bool takes_differences =
         options.gradient == GradientMethod::kCentral || frame.spread == Spread::kBilinear;

@@ -8,18 +8,11 @@
 #include <stop_token>
 
 #include "ovoid/renderer.h"
+#include "render/shared/look_nodes.h"
+#include "render/shared/slab_nodes.h"
 #include "view/frame_plan.h"
 
 namespace ovoid::cpu {
-
-// Gauss-Legendre nodes over a slab, for mean samples: position in sheets from the middle, and
-// weight (sum 1).
-struct SlabNode {
-  float offset = 0;
-  float weight = 1;
-};
-
-inline constexpr int kMaxSlabNodes = 32;
 
 // A normalized field is undefined where the weights that exist are a smaller part of an endless
 // lattice's (docs/numerics.md).
@@ -34,18 +27,6 @@ struct ClassificationTable {
   float last_node = 1;
   float visible_lo = 0, visible_hi = 0;  // values outside have no opacity
 };
-
-// Integrals of the look over the value, from node 0 on: extinction times red, green and blue, and
-// extinction, each as the sum of two floats, since differences are taken of large numbers.
-struct IntegralTable {
-  const float* nodes = nullptr;  // [last_node + 2][8], 16-byte aligned: four high parts, four low
-  float per_value = 1;           // the unit of the integrals, by value
-  float value_lo = 0, value_hi = 1;  // of the first and the last node; beyond, the ends go on
-  std::array<float, 4> before{}, behind{};  // what is integrated there
-};
-
-// The extinction that stands for an opacity of 1: light through one unit distance of it is 1.6e-28.
-inline constexpr double kGreatestExtinction = 64.0;
 
 // Spacings squared: a gradient is only corrected where more than one kernel has weight.
 inline constexpr float kLeastVariance = 1e-6F;
@@ -86,8 +67,7 @@ struct CpuFrame {
   float right[3] = {}, up[3] = {}, axis[3] = {};    // of the camera, world
   view::ClipMap ray_slope_right{}, ray_slope_up{};  // of the ray of pixel (x, y), per unit of depth
   float sampling_distance = 1;
-  std::array<SlabNode, kMaxSlabNodes> slab_nodes{};
-  int num_slab_nodes = 1;  // 1: mid samples
+  SlabNodes slab;  // one node: mid samples
   bool central_gradient = false;
   bool corrects_gradient = true;  // constant on ramps (docs/numerics.md, "Gradients")
   Evaluate evaluate = Evaluate::kAuto;
@@ -102,7 +82,7 @@ struct CpuFrame {
   Mode mode = Mode::kComposite;
   bool shade = true;
   ClassificationTable table;
-  IntegralTable integrals;          // if is_preintegrated
+  const IntegralNodes* integrals = nullptr;  // of pieces, if is_preintegrated
   ClassificationTable fading;       // opacity by the gradient's length, if fades_by_gradient
   ClassificationTable color_table;  // colours by another attribute, if has_own_color
   bool has_own_color = false;

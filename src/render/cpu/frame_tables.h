@@ -3,14 +3,17 @@
 // stages want.
 #pragma once
 
-#include "render/cpu/block.h"
+#include <vector>
+
 #include "render/cpu/frame.h"
+#include "render/shared/look_nodes.h"
 
 namespace ovoid::cpu {
 
 // Memory of what a frame's tables point to.
 struct LookTables {
-  FloatBuffer look, integrals, fading, colors;
+  std::vector<float> look, fading, colors;
+  IntegralNodes integrals;
 };
 
 void set_view(CpuFrame& frame, const view::FramePlan& plan);

@@ -254,7 +254,7 @@ inline void correct_gradient(const CpuFrame& frame, const SheetSetup& sheet, con
 inline bool meets_support_of(const FrameSublattice& sublattice, const CpuFrame& frame,
                              const Block& block, const SheetSetup& sheet, const float* u,
                              const float* step) {
-  const bool is_point = frame.num_slab_nodes == 1;
+  const bool is_point = frame.slab.count == 1;
   float from = -0.5F;
   float to = 0.5F;
   for (int a = 0; a < 3; ++a) {
@@ -307,8 +307,8 @@ inline std::uint32_t gather_general(const CpuFrame& frame, Workspace& work, int 
       center[a] = position[a][l];
     }
     Quotient q;
-    for (int node = 0; node < frame.num_slab_nodes; ++node) {
-      const SlabNode slab = frame.slab_nodes[node];
+    for (int node = 0; node < frame.slab.count; ++node) {
+      const SlabNode slab = frame.slab.nodes[static_cast<std::size_t>(node)];
       float at[3];
       for (int a = 0; a < 3; ++a) at[a] = center[a] + slab.offset * step[a];
       for (int sub = 0; sub < frame.num_sublattices; ++sub)

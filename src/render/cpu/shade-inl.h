@@ -117,7 +117,8 @@ HWY_INLINE V correct_opacity(V a, V exponent) {
 
 // What a segment of straight values between `from` and `to` shows: the mean of what is integrated.
 HWY_INLINE Classified classify_segment(const CpuFrame& frame, V from, V to) {
-  const IntegralTable& table = frame.integrals;
+  const IntegralNodes& table = *frame.integrals;
+  const float* const nodes = table.nodes.data();
   alignas(64) std::int32_t index[16];
   const V lo = hn::Set(d, table.value_lo);
   const V hi = hn::Set(d, table.value_hi);
@@ -131,10 +132,10 @@ HWY_INLINE Classified classify_segment(const CpuFrame& frame, V from, V to) {
     const V node = hn::Floor(place);
     const V fraction = hn::Sub(place, node);
     hn::Store(hn::ShiftLeft<1>(nearest_integer(node)), di, index);
-    const Classified a = transpose_nodes(table.nodes, index);
-    const Classified b = transpose_nodes(table.nodes + 8, index);
-    const Classified a_low = transpose_nodes(table.nodes + 4, index);
-    const Classified b_low = transpose_nodes(table.nodes + 12, index);
+    const Classified a = transpose_nodes(nodes, index);
+    const Classified b = transpose_nodes(nodes + 8, index);
+    const Classified a_low = transpose_nodes(nodes + 4, index);
+    const Classified b_low = transpose_nodes(nodes + 12, index);
     const V excess = hn::Mul(hn::Sub(value, inside), hn::Set(d, table.per_value));
     const M is_before = hn::Lt(excess, hn::Zero(d));
     const auto low = [&](V p, V q, V p_low, V q_low, std::size_t c) {

@@ -199,8 +199,8 @@ inline void splat_sheet(const CpuFrame& frame, Workspace& work, int s, const Row
   clear_splat_planes(work, s);
   const SampleBox box = box_of_bits(block, wanted);
   if (box.x1 < 0) return;
-  for (int node = 0; node < frame.num_slab_nodes; ++node) {
-    const SlabNode slab = frame.slab_nodes[node];
+  for (int node = 0; node < frame.slab.count; ++node) {
+    const SlabNode slab = frame.slab.nodes[node];
     const SplatPlane plane = make_splat_plane(frame, block.sheets[s], slab.offset);
     for_each_kernel(frame, work, plane, [&](const float* center, float value) {
       splat_kernel(box, plane, center, value, slab.weight, numerator_plane(work, s),
@@ -217,16 +217,16 @@ inline float endless_sum(const CpuFrame& frame, Workspace& work, const SheetSetu
   float sum = 0;
   const float x = static_cast<float>(column);
   const float y = static_cast<float>(row);
-  for (int node = 0; node < frame.num_slab_nodes; ++node) {
+  for (int node = 0; node < frame.slab.count; ++node) {
     float u[3];
     for (int a = 0; a < 3; ++a) {
       const float step = sheet.step[a] + x * sheet.step_per_x[a] + y * sheet.step_per_y[a];
       u[a] = sheet.base[a] + x * sheet.per_x[a] + y * sheet.per_y[a] +
-             frame.slab_nodes[node].offset * step;
+             frame.slab.nodes[node].offset * step;
     }
     for (int s = 0; s < frame.num_sublattices; ++s) {
       const FrameSublattice& sublattice = frame.sublattices[static_cast<std::size_t>(s)];
-      float product = frame.slab_nodes[node].weight;
+      float product = frame.slab.nodes[node].weight;
       for (int a = 0; a < 3; ++a) {
         AxisTaps taps;
         taps.weight = memory;

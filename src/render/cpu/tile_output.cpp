@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "render/shared/finished_pixel.h"
+
 namespace ovoid::cpu {
 
 double ms_since(Clock::time_point start) {
@@ -46,16 +48,7 @@ void finish_tile(const CpuFrame& frame, const Look& look, const TileState& tile,
         continue;
       }
       if ((tile.seen[y - rect.y0] >> (x - rect.x0) & 1U) == 0) continue;
-      if (frame.mode == Mode::kXray) {
-        rgba[0] = rgba[1] = rgba[2] = tile.best[i];
-        rgba[3] = 1.0F;
-        continue;
-      }
-      const double value = frame.mode == Mode::kMean ? tile.best[i] / tile.path[i] : tile.best[i];
-      const Rgb color = look.transfer_function.color_at(value);
-      const double opacity = look.transfer_function.opacity_at(value);
-      for (int c = 0; c < 3; ++c) rgba[c] = static_cast<float>(color[c] * opacity);
-      rgba[3] = static_cast<float>(opacity);
+      show_value(look, tile.best[i], tile.path[i], rgba);
     }
   }
 }

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the host hands to shaders, read by both: as C++, and as GLSL with the layout std430, whose
+// rules the members are ordered and padded by. tests hold every offset to the shaders' own.
+#ifndef OVOID_RENDER_SHARED_DEVICE_LAYOUT_H_
+#define OVOID_RENDER_SHARED_DEVICE_LAYOUT_H_
+
+#ifdef __cplusplus
+#include <cstdint>
+
+namespace ovoid::device {
+
+// By their names in GLSL. NOLINTBEGIN(readability-identifier-naming)
+using uint = std::uint32_t;
+struct alignas(16) vec4 {
+  float x = 0, y = 0, z = 0, w = 0;
+};
+struct alignas(16) ivec4 {
+  std::int32_t x = 0, y = 0, z = 0, w = 0;
+};
+// NOLINTEND(readability-identifier-naming)
+#define OVOID_CONSTANT inline constexpr
+#else
+#define OVOID_CONSTANT const
+#endif
+
+// ---- Numbers ----
+
+OVOID_CONSTANT uint kGroupEdge = 8u;  // pixels along the side of a work group: 64 threads
+OVOID_CONSTANT uint kGroupSize = 64u;
+OVOID_CONSTANT int kStoredEdge = 4;  // samples along the side of a cube that lies together
+OVOID_CONSTANT uint kMaxFields = 2u;  // a field, and what is behind it
+OVOID_CONSTANT uint kMaxClips = 16u;
+OVOID_CONSTANT uint kMaxSlabPairs = 16u;  // two nodes of a slab in one vector
+OVOID_CONSTANT uint kNoTable = 0xFFFFFFFFu;
+OVOID_CONSTANT uint kTableCells = 4096u;
+OVOID_CONSTANT float kOpaque = 0.9990234375f;  // 1 - 1/1024
+OVOID_CONSTANT float kLeastShare = 0.48f;      // of an endless lattice's weights
+OVOID_CONSTANT float kLeastSetWeight = 0.2f;
+OVOID_CONSTANT float kLeastOffset = 1e-6f;       // spacings squared: see "Gradients"
+OVOID_CONSTANT float kLeastInnerOffset = 1e-3f;  // the same of several sublattices
+OVOID_CONSTANT int kSurfaceSteps = 8;            // bisections
+OVOID_CONSTANT float kClosePieces = 2.0f;        // cells: the middle stands for a shorter piece
+OVOID_CONSTANT int kFarBricks = 63;              // the greatest distance that is kept
+OVOID_CONSTANT uint kDistanceBits = 63u;         // of a brick's byte
+OVOID_CONSTANT uint kMissingBit = 128u;          // of a brick's byte: samples may be missing
+
+// Bits of the specialisation constants.
+// Of a field:
+OVOID_CONSTANT uint kIsSum = 1u;
+OVOID_CONSTANT uint kTakesMeans = 2u;
+OVOID_CONSTANT uint kHasFourTaps = 4u;
+OVOID_CONSTANT uint kCorrects = 8u;   // gradients, so that ramps have a constant one
+OVOID_CONSTANT uint kMayMiss = 16u;   // some sample is missing
+OVOID_CONSTANT uint kIsDouble = 32u;  // two sublattices
+// Of a frame:
+OVOID_CONSTANT uint kIsParallel = 1u;
+OVOID_CONSTANT uint kIsClipped = 2u;
+OVOID_CONSTANT uint kShades = 4u;
+OVOID_CONSTANT uint kTakesPieces = 8u;  // pre-integrated
+OVOID_CONSTANT uint kFades = 16u;       // by the gradient
+OVOID_CONSTANT uint kTakesGradients = 32u;
+OVOID_CONSTANT uint kTakesDifferences = 64u;
+OVOID_CONSTANT uint kStopsOpaque = 128u;
+OVOID_CONSTANT uint kHalfSheets = 256u;
+OVOID_CONSTANT uint kCounts = 512u;
+OVOID_CONSTANT uint kHasBehind = 1024u;
+OVOID_CONSTANT uint kHasOwnColor = 2048u;
+OVOID_CONSTANT uint kHasNodes = 4096u;
+OVOID_CONSTANT uint kNodesKeepBound = 8192u;  // those near faces have no value
+// ovoid::Mode and ovoid::ScalarType, as numbers.
+OVOID_CONSTANT uint kComposite = 0u;
+OVOID_CONSTANT uint kXray = 1u;
+OVOID_CONSTANT uint kMaximum = 2u;
+OVOID_CONSTANT uint kMean = 3u;
+OVOID_CONSTANT uint kIsosurface = 4u;
+OVOID_CONSTANT uint kTypeU8 = 0u;
+OVOID_CONSTANT uint kTypeI8 = 1u;
+OVOID_CONSTANT uint kTypeU16 = 2u;
+OVOID_CONSTANT uint kTypeI16 = 3u;
+OVOID_CONSTANT uint kTypeF32 = 4u;
+
+// ---- Layouts ----
+
+// view::LookAxis and where its table lies: nodes_at counts vectors, steps_at numbers.
+struct TableConstants {
+  uint scale;
+  float origin;
+  int origin_bits;
+  float cells_per_step;
+  float inverse_width;
+  float visible_lo;
+  float visible_hi;
+  uint nodes_at;
+  uint steps_at;  // kNoTable: no cell has a step
+  uint padding0;
+  uint padding1;
+  uint padding2;
+};
+
+struct LookConstants {
+  TableConstants look;
+  TableConstants color;   // of another attribute
+  TableConstants fading;  // by the gradient's length
+  vec4 integrals_before;
+  vec4 integrals_behind;
+  vec4 isosurface_color;
+  vec4 light;  // world, unit length, towards it
+  float integral_per_value;
+  float integral_lo;
+  float integral_hi;
+  uint integrals_at;
+  float ambient;
+  float diffuse;
+  float specular;
+  float specular_power;
+  float flat_gradient_inverse;
+  float path_in_units;
+  float isovalue;
+  uint has_headlight;
+};
+
+// Positions are sums of two floats each, so that they are as exact far from the origin as near it.
+struct LatticeConstants {
+  vec4 place_hi[3];  // index position of pixel (0, 0) on the frame's sheet 0; per x; per y
+  vec4 place_lo[3];
+  vec4 step_hi[3];  // its change per sheet
+  vec4 step_lo[3];
+  vec4 gradient_rows[3];  // world from index
+  vec4 inverse_spacing;
+  vec4 widening_limit;
+  vec4 support_lo;  // index positions where the field can be defined
+  vec4 support_hi;
+  vec4 slab[kMaxSlabPairs];  // offset, weight, offset, weight
+  ivec4 num_bricks;          // w: log2 of the edge
+  ivec4 dims[2];             // of the sublattices
+  vec4 sublattice_offset;    // x and y: of the first and the second, along every axis
+  float sigma;
+  float support;
+  float inverse_variance;
+  float sum_weight;
+  float near_weight;
+  float far_weight;
+  float value_scale;
+  float value_offset;
+  float sheet_scale;   // from values to what half sheets hold
+  float sheet_offset;
+  int num_slab_nodes;
+  uint padding;
+};
+
+// A clip plane: distance inside, world, at pixel (x, y) of sheet s: at_first + s per_sheet, each
+// x + pixel x * y + pixel y * z of the vector.
+struct ClipConstants {
+  vec4 at_first;
+  vec4 per_sheet;
+};
+
+struct ViewConstants {
+  vec4 right;  // world
+  vec4 up;
+  vec4 axis;
+  vec4 ray[3];       // world, per unit of depth: of pixel (0, 0); per x; per y
+  vec4 slope_right;  // of the ray along `right`: at pixel (0, 0), per x, per y
+  vec4 slope_up;
+  ClipConstants clips[kMaxClips];
+  uint width;
+  uint height;
+  int num_sheets;
+  uint num_clips;
+  float sampling_distance;
+  float first_depth;  // of sheet 0 of the frame
+  float near_cut;     // sheets: where slabs begin at the earliest; -infinity in parallel projection
+  float pitch;        // of a pixel on sheet 0, world
+  float pitch_per_sheet;
+  float padding0;
+  float padding1;
+  float padding2;
+};
+
+struct LatticeFrame {
+  ViewConstants view;
+  LookConstants looks[kMaxFields];
+  LatticeConstants fields[kMaxFields];
+};
+
+// One box of a lattice: which cells are its own, and which samples are stored. The outermost own
+// what lies beyond, too.
+struct BoxConstants {
+  ivec4 own_lo;
+  ivec4 own_hi;
+  ivec4 stored_lo;
+  ivec4 stored_bricks;  // w: words from a sublattice's samples to the next one's, of bytes
+  uint tile_x;          // in the picture, of work group (0, 0)
+  uint tile_y;
+  uint first_row;  // of the picture, that the pixels' buffers begin with
+  uint end_row;
+  int first_sheet;  // that are drawn now
+  int end_sheet;
+  uint padding0;
+  uint padding1;
+};
+
+// A pass of the distances between bricks, along one axis.
+struct DistanceConstants {
+  ivec4 num_bricks;  // w: the axis
+};
+
+// What a pixel has gathered beside its colour and depth.
+struct PixelState {
+  float best;    // maximum: greatest value; x-ray and mean: sum of value * path
+  float path;    // mean: sum of paths
+  float before;  // value on the sheet before
+  uint flags;    // kSeen, kClosed, and (number of the sheet that `before` is of + 1) << 2; 0: none
+};
+OVOID_CONSTANT uint kSeen = 1u;
+OVOID_CONSTANT uint kClosed = 2u;
+
+#ifdef __cplusplus
+static_assert(sizeof(TableConstants) == 48);
+static_assert(sizeof(LookConstants) == 3 * 48 + 4 * 16 + 48);
+static_assert(sizeof(LatticeConstants) % 16 == 0);
+static_assert(sizeof(ViewConstants) % 16 == 0);
+static_assert(sizeof(BoxConstants) == 96);  // push constants: 128 bytes are sure
+static_assert(sizeof(PixelState) == 16);
+}  // namespace ovoid::device
+#endif
+#endif

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "ovoid/look.h"
+
+namespace ovoid {
+
+// What an x-ray, maximum or mean picture shows of a pixel that some sample was defined in: rgba,
+// premultiplied. `best`: the greatest value, or the sum of value times path; `path`: their sum.
+inline void show_value(const Look& look, float best, float path, float* rgba) {
+  if (look.mode == Mode::kXray) {
+    rgba[0] = rgba[1] = rgba[2] = best;
+    rgba[3] = 1.0F;
+    return;
+  }
+  const double value = look.mode == Mode::kMean ? best / path : best;
+  const Rgb color = look.transfer_function.color_at(value);
+  const double opacity = look.transfer_function.opacity_at(value);
+  for (std::size_t c = 0; c < 3; ++c) rgba[c] = static_cast<float>(color[c] * opacity);
+  rgba[3] = static_cast<float>(opacity);
+}
+
+}  // namespace ovoid

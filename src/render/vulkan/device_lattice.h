@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+// A lattice's samples on the device, in boxes that a shader can address, as many of them at a time
+// as its memory holds.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "ovoid/field.h"
+#include "render/shared/device_layout.h"
+#include "render/vulkan/commands.h"
+
+namespace ovoid::vulkan {
+
+struct LatticeBox {
+  Index3 own_lo{}, own_hi{};        // cells that it alone has
+  Index3 stored_lo{}, stored_hi{};  // cells whose samples are stored: as far as kernels reach
+  std::uint64_t bytes = 0;
+  Buffer samples;  // empty: not there
+  std::uint64_t last_used = 0;
+};
+
+class DeviceLattice {
+ public:
+  // `reach`: cells that a place's samples may be away from it. `most_bytes`: of the device's memory
+  // for samples, and of a box. Nothing is uploaded yet.
+  DeviceLattice(std::shared_ptr<Device> device, const LatticeField& field, int reach,
+                std::uint64_t most_bytes);
+
+  bool is_of(const LatticeField& field) const noexcept {
+    return field.id() == id_ && field.version() == version_;
+  }
+  int reach() const noexcept { return reach_; }
+  ScalarType type() const noexcept { return type_; }
+  bool may_miss() const noexcept { return may_miss_; }
+  // Of every brick whether a sample that reaches it is missing; bytes of 0 or kMissingBit.
+  const std::vector<std::uint8_t>& missing() const noexcept { return missing_; }
+  std::size_t num_boxes() const noexcept { return boxes_.size(); }
+  std::uint64_t resident_bytes() const noexcept { return resident_bytes_; }
+
+  // Numbers of the boxes such that along every ray those in front come first. `eye`: index space;
+  // parallel projection: far away.
+  std::vector<std::size_t> front_to_back(const Vec3& eye) const;
+
+  // With its samples on the device; others give way. Throws what the source throws.
+  const LatticeBox& acquire(std::size_t box, const LatticeField& field, Commands& commands);
+  device::BoxConstants constants_of(const LatticeBox& box) const;
+
+ private:
+  void cut(std::uint64_t most_bytes);
+  std::vector<std::byte> pack(const LatticeBox& box, const LatticeField& field) const;
+  std::uint64_t bytes_of(const Index3& lo, const Index3& hi) const noexcept;
+
+  std::shared_ptr<Device> device_;
+  std::uint64_t id_, version_;
+  Index3 cells_;
+  Index3 num_boxes_{1, 1, 1};
+  ScalarType type_ = ScalarType::kFloat32;
+  int num_sublattices_;
+  int reach_;
+  bool may_miss_ = false;
+  std::vector<std::uint8_t> missing_;
+  std::vector<LatticeBox> boxes_;
+  std::uint64_t most_bytes_, resident_bytes_ = 0, clock_ = 0;
+};
+
+}  // namespace ovoid::vulkan

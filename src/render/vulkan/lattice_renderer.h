@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// A frame of a lattice field: plan on the host, then all of it on the device.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "render/vulkan/device_lattice.h"
+#include "render/vulkan/frame_constants.h"
+#include "render/vulkan/pixels.h"
+#include "view/behind.h"
+
+namespace ovoid::vulkan {
+
+// What a device keeps for drawing, whatever is drawn.
+struct Workbench {
+  Workbench(std::shared_ptr<Device> on, std::uint64_t bytes)
+      : device(std::move(on)), commands(device), pixels(device), most_bytes(bytes) {}
+
+  std::shared_ptr<Device> device;
+  Commands commands;
+  Pixels pixels;
+  std::uint64_t most_bytes;  // of the device's memory for fields
+};
+
+class LatticeRenderer {
+ public:
+  explicit LatticeRenderer(Workbench& bench) : bench_(bench) {}
+
+  // Draws into `image`, which is empty, and counts in `profile`.
+  void render(const LatticeField& field, const Camera& camera, const Look& look,
+              const RenderOptions& options, const RenderHooks& hooks, const view::Behind* behind,
+              Image& image, FrameProfile& profile);
+
+ private:
+  // A field on the device, and which of its bricks can show.
+  struct Kept {
+    std::unique_ptr<DeviceLattice> lattice;
+    Buffer bricks, other_bricks;
+    std::vector<std::uint8_t> bytes;  // of `bricks`, before distances
+  };
+  struct Drawn {
+    const LatticeField* field = nullptr;
+    const Look* look = nullptr;
+    view::LatticePlan plan;
+    Kept* kept = nullptr;
+  };
+
+  void keep(Kept& kept, const LatticeField& field, const view::LatticePlan& plan);
+  void decide_relevance(Kept& kept, view::LatticePlan& plan, const RenderOptions& options);
+
+  Workbench& bench_;
+  Kept kept_, kept_behind_;
+  Buffer frame_, tables_, counts_, nothing_;
+};
+
+}  // namespace ovoid::vulkan

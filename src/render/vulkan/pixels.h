@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// The pixels of a picture on the device, some rows of it at a time.
+#pragma once
+
+#include <memory>
+
+#include "ovoid/renderer.h"
+#include "render/vulkan/commands.h"
+
+namespace ovoid::vulkan {
+
+// Rows [first, end) of a picture.
+struct Band {
+  int first = 0, end = 0;
+  int rows() const noexcept { return end - first; }
+};
+
+class Pixels {
+ public:
+  explicit Pixels(std::shared_ptr<Device> device) : device_(std::move(device)) {}
+
+  // A picture in bands that a buffer of `bytes_per_pixel` at most can hold, and, if somebody
+  // watches, of at most kWatchedRows.
+  std::vector<Band> bands(const RenderOptions& options, const RenderHooks& hooks,
+                          std::uint64_t bytes_per_pixel) const;
+
+  // Room for a band in which nothing is drawn yet. Recorded, not submitted.
+  void clear(Commands& commands, int width, const Band& band);
+  // A finished band becomes pixels of the picture.
+  void finish(Commands& commands, const Look& look, const Band& band, Image& image);
+
+  const Buffer& colors() const noexcept { return colors_; }
+  const Buffer& depths() const noexcept { return depths_; }
+  const Buffer& states() const noexcept { return states_; }
+
+ private:
+  std::shared_ptr<Device> device_;
+  Buffer colors_, depths_, states_;
+};
+
+}  // namespace ovoid::vulkan

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// Stage "composite": samples join their pixel front to back; one that has become opaque is closed.
+
+struct Pixel {
+  vec4 color;  // premultiplied
+  float depth;
+  float best;
+  float path;
+  float before;      // value on the sheet before,
+  int before_sheet;  // and which sheet that is; -1: none
+  bool is_seen;
+  bool is_closed;
+};
+
+Pixel load_pixel(uint at) {
+  PixelState state = states[at];
+  Pixel pixel;
+  pixel.color = colors[at];
+  pixel.depth = depths[at];
+  pixel.best = state.best;
+  pixel.path = state.path;
+  pixel.before = state.before;
+  pixel.before_sheet = int(state.flags >> 2) - 1;
+  pixel.is_seen = (state.flags & kSeen) != 0u;
+  pixel.is_closed = (state.flags & kClosed) != 0u;
+  return pixel;
+}
+
+void store_pixel(uint at, Pixel pixel) {
+  colors[at] = pixel.color;
+  depths[at] = pixel.depth;
+  states[at] = PixelState(pixel.best, pixel.path, pixel.before,
+                          uint(pixel.before_sheet + 1) << 2 | (pixel.is_seen ? kSeen : 0u) |
+                              (pixel.is_closed ? kClosed : 0u));
+}
+
+// A sample of that colour and opacity.
+void composite(inout Pixel pixel, vec3 color, float opacity, float depth) {
+  if (pixel.is_closed) return;  // nothing is added behind what is opaque
+  float before = pixel.color.a;
+  float share = (1.0 - before) * opacity;
+  float after = before + share;
+  pixel.color.rgb = fma(vec3(share), color, pixel.color.rgb);
+  pixel.color.a = after;
+  if (before < 0.5 && after >= 0.5) pixel.depth = depth;
+  if (after >= kOpaque) pixel.is_closed = true;
+}
+
+// An opaque surface, whatever is in front of it.
+void composite_surface(inout Pixel pixel, vec3 color, float depth) {
+  if (pixel.is_closed) return;
+  float in_front = pixel.color.a;
+  pixel.color.rgb = fma(vec3(1.0 - in_front), color, pixel.color.rgb);
+  pixel.color.a = 1.0;
+  if (in_front < 0.5) pixel.depth = depth;
+  pixel.is_closed = true;
+}
+
+// X-ray, maximum and mean: every defined sample counts.
+void accumulate(inout Pixel pixel, float value, float path, float depth) {
+  if (kMode == kMaximum) {
+    if (!pixel.is_seen || value > pixel.best) {
+      pixel.best = value;
+      pixel.depth = depth;
+    }
+  } else {
+    pixel.best = fma(value, path, pixel.best);
+    pixel.path += path;
+    if (!pixel.is_seen) pixel.depth = depth;
+  }
+  pixel.is_seen = true;
+}

@@ -1,0 +1,451 @@
+// SPDX-License-Identifier: Apache-2.0
+// Stage "reconstruct" of lattices, by gathering: a sample sums the kernels that reach it, in an
+// order that is always the same.
+//
+// Samples lie in cubes of kStoredEdge^3, four along x in as many words as they have bytes, so that
+// a row of four taps is two words of a cube and of its neighbour, or one, and rays in any direction
+// find neighbours near in memory.
+//
+// Two ways, same numbers: four taps along each axis, unrolled, for the default kernel; and loops,
+// for all others, holes, sums, means and widened kernels.
+
+struct Gathered {
+  float value;
+  vec3 gradient;  // index space; where asked for
+  bool is_defined;
+};
+
+uint type_of(int field) { return field == 0 ? kType0 : kType1; }
+uint flags_of(int field) { return field == 0 ? kFieldFlags0 : kFieldFlags1; }
+bool field_has(int field, uint flag) { return (flags_of(field) & flag) != 0u; }
+
+uint word_at(int field, uint at) { return field == 0 ? words0[at] : words1[at]; }
+
+// Words for four samples of a row.
+uint words_per_four(int field) {
+  uint type = type_of(field);
+  return type == kTypeF32 ? 4u : type == kTypeU16 || type == kTypeI16 ? 2u : 1u;
+}
+
+// Of row (y, z) of a sublattice: the word of sample x = 0 of the stored box.
+uint row_at(int field, int sublattice, int y, int z) {
+  uint four = words_per_four(field);
+  uvec2 at = uvec2(y - box.stored_lo.y, z - box.stored_lo.z);
+  uint cube = ((at.y >> 2) * uint(box.stored_bricks.y) + (at.x >> 2)) * uint(box.stored_bricks.x);
+  return (uint(sublattice) * uint(box.stored_bricks.w) + cube * 16u +
+          ((at.y & 3u) * 4u + (at.x & 3u))) * four;
+}
+
+float number_of(uint type, uint bits) {
+  if (type == kTypeU8) return float(bits & 255u);
+  if (type == kTypeI8) return float(bitfieldExtract(int(bits), 0, 8));
+  if (type == kTypeU16) return float(bits & 65535u);
+  return float(bitfieldExtract(int(bits), 0, 16));
+}
+
+// Sample x of a row, as stored.
+float sample_at(int field, uint row, int x) {
+  uint at = uint(x - box.stored_lo.x);
+  uint type = type_of(field);
+  uint four = words_per_four(field);
+  uint cube = row + (at >> 2) * 16u * four;
+  uint within = at & 3u;
+  if (four == 4u) return uintBitsToFloat(word_at(field, cube + within));
+  if (four == 2u)
+    return number_of(type, word_at(field, cube + (within >> 1)) >> ((within & 1u) * 16u));
+  return number_of(type, word_at(field, cube) >> (within * 8u));
+}
+
+// Samples x to x + 3 of a row, all of which exist.
+vec4 four_samples(int field, uint row, int x) {
+  uint at = uint(x - box.stored_lo.x);
+  uint type = type_of(field);
+  uint four = words_per_four(field);
+  uint cube = row + (at >> 2) * 16u * four;
+  uint next = (at >> 2) + 1u < uint(box.stored_bricks.x) ? cube + 16u * four : cube;
+  uint within = at & 3u;
+  if (four == 1u) {
+    uint word = word_at(field, cube);
+    if (within != 0u) {
+      uint shift = within * 8u;
+      word = word >> shift | word_at(field, next) << (32u - shift);
+    }
+    if (type == kTypeU8) {
+      return vec4(float(word & 255u), float(word >> 8 & 255u), float(word >> 16 & 255u),
+                  float(word >> 24));
+    }
+    int bits = int(word);
+    return vec4(float(bitfieldExtract(bits, 0, 8)), float(bitfieldExtract(bits, 8, 8)),
+                float(bitfieldExtract(bits, 16, 8)), float(bitfieldExtract(bits, 24, 8)));
+  }
+  if (four == 2u) {
+    uint first = within >> 1;
+    uint a = word_at(field, cube + first);
+    uint b = word_at(field, first == 0u ? cube + 1u : next);
+    if ((within & 1u) != 0u) {
+      uint c = word_at(field, first == 0u ? next : next + 1u);
+      a = a >> 16 | b << 16;
+      b = b >> 16 | c << 16;
+    }
+    return vec4(number_of(type, a), number_of(type, a >> 16), number_of(type, b),
+                number_of(type, b >> 16));
+  }
+  vec4 values;
+  for (uint k = 0u; k < 4u; ++k) {
+    uint place = within + k;
+    values[k] = uintBitsToFloat(word_at(field, place < 4u ? cube + place : next + place - 4u));
+  }
+  return values;
+}
+
+bool is_missing(float number) { return (floatBitsToUint(number) & 0x7F800000u) == 0x7F800000u; }
+
+// The weights of the taps -1, 0, 1 and 2 from a cell, of those that exist, summing to 1.
+struct FourWeights {
+  vec4 weight;
+  float share;     // of the endless lattice's weights that exist
+  float variance;  // of the tap's number under the endless lattice's
+};
+
+const vec4 kTapNumbers = vec4(-1.0, 0.0, 1.0, 2.0);
+
+// g(f + 1) : g(f) : g(1 - f) : g(2 - f) = n : e : n e^2 : F e^3 with e = exp(f / sigma^2).
+FourWeights four_weights(LatticeConstants lattice, float fraction, int cell, int dims) {
+  float e = exp2(fraction * lattice.inverse_variance * 1.44269504);
+  vec4 w = vec4(lattice.near_weight, e, lattice.near_weight * e * e, lattice.far_weight * e * e * e);
+  float total = (w.x + w.y) + (w.z + w.w);
+  FourWeights result;
+  float mean = dot(w, kTapNumbers) / total;
+  result.variance = dot(w, kTapNumbers * kTapNumbers) / total - mean * mean;
+  if (cell < 1 || cell + 2 >= dims) {
+    for (int k = 0; k < 4; ++k) {
+      int tap = cell + k - 1;
+      if (tap < 0 || tap >= dims) w[k] = 0.0;
+    }
+    float existing = (w.x + w.y) + (w.z + w.w);
+    result.share = existing / total;
+    total = max(existing, 1e-30);
+  } else {
+    result.share = 1.0;
+  }
+  result.weight = w / total;
+  return result;
+}
+
+// d w_k / d f = w_k (k - mean of k) / sigma^2.
+vec4 derivative_of(vec4 weight, float inverse_variance) {
+  return weight * inverse_variance * (kTapNumbers - dot(weight, kTapNumbers));
+}
+
+Gathered gather_four(int field, Place place, bool wants_gradient) {
+  LatticeConstants lattice = frame.fields[field];
+  ivec3 dims = lattice.dims[0].xyz;
+  FourWeights x = four_weights(lattice, place.fraction.x, place.cell.x, dims.x);
+  FourWeights y = four_weights(lattice, place.fraction.y, place.cell.y, dims.y);
+  FourWeights z = four_weights(lattice, place.fraction.z, place.cell.z, dims.z);
+  Gathered result;
+  result.gradient = vec3(0.0);
+  result.value = 0.0;
+  result.is_defined = x.share * y.share * z.share >= kLeastShare;
+  if (!result.is_defined) return result;
+  ivec3 first = place.cell - 1;
+  bool is_inside = all(greaterThanEqual(first, ivec3(0))) && all(lessThan(first + 3, dims));
+  vec4 dy = derivative_of(y.weight, lattice.inverse_variance);
+  vec4 dz = derivative_of(z.weight, lattice.inverse_variance);
+  vec4 sum = vec4(0.0), sum_y = vec4(0.0), sum_z = vec4(0.0);
+  for (int k = 0; k < 4; ++k) {
+    int tap_z = clamp(first.z + k, 0, dims.z - 1);
+    vec4 slice = vec4(0.0), slice_y = vec4(0.0);
+    for (int j = 0; j < 4; ++j) {
+      uint row = row_at(field, 0, clamp(first.y + j, 0, dims.y - 1), tap_z);
+      vec4 taps;
+      if (is_inside) {
+        taps = four_samples(field, row, first.x);
+      } else {
+        for (int i = 0; i < 4; ++i)
+          taps[i] = sample_at(field, row, clamp(first.x + i, 0, dims.x - 1));
+      }
+      slice = fma(taps, vec4(y.weight[j]), slice);
+      if (wants_gradient) slice_y = fma(taps, vec4(dy[j]), slice_y);
+    }
+    sum = fma(slice, vec4(z.weight[k]), sum);
+    if (wants_gradient) {
+      sum_y = fma(slice_y, vec4(z.weight[k]), sum_y);
+      sum_z = fma(slice, vec4(dz[k]), sum_z);
+    }
+  }
+  result.value = fma(dot(sum, x.weight), lattice.value_scale, lattice.value_offset);
+  if (wants_gradient) {
+    vec3 gradient = vec3(dot(sum, derivative_of(x.weight, lattice.inverse_variance)),
+                         dot(sum_y, x.weight), dot(sum_z, x.weight));
+    if (field_has(field, kCorrects)) {
+      vec3 variance = vec3(x.variance, y.variance, z.variance);
+      vec3 answer = variance * lattice.inverse_variance;
+      gradient = mix(gradient, gradient / answer, greaterThan(variance, vec3(kLeastOffset)));
+    }
+    result.gradient = gradient * lattice.value_scale;
+  }
+  return result;
+}
+
+// Sum of samples, or of what exists, times weights, and its derivatives in index space.
+struct Sums {
+  vec4 samples;  // xyz: derivatives, w: the sum
+  vec4 weights;
+  float endless;
+};
+
+// Numbers of the taps of one axis that a kernel reaches, the cell being 0, and the weights' sums.
+struct AxisTaps {
+  int first, last;              // of those that exist
+  float existing, derivative;  // sums
+  float endless;
+};
+
+float tap_weight(float distance, float inverse_variance) {
+  return exp2(distance * distance * inverse_variance * -0.72134752);
+}
+
+AxisTaps taps_of(float fraction, int cell, int dims, float support, float inverse_variance) {
+  int reach_first = int(ceil(fraction - support));
+  int reach_last = int(floor(fraction + support));
+  AxisTaps taps;
+  taps.first = max(reach_first, -cell);
+  taps.last = min(reach_last, dims - 1 - cell);
+  taps.existing = taps.derivative = taps.endless = 0.0;
+  for (int k = reach_first; k <= reach_last; ++k) {
+    float distance = fraction - float(k);
+    float weight = tap_weight(distance, inverse_variance);
+    taps.endless += weight;
+    if (k < taps.first || k > taps.last) continue;
+    taps.existing += weight;
+    taps.derivative -= weight * distance * inverse_variance;
+  }
+  return taps;
+}
+
+// Adds what the kernels of one sublattice bring to a place, which is relative to it.
+void add_sublattice(int field, int sublattice, Place place, vec3 widening, float node_weight,
+                    bool may_miss, inout Sums sums) {
+  LatticeConstants lattice = frame.fields[field];
+  ivec3 dims = lattice.dims[sublattice].xyz;
+  vec3 support = lattice.support * widening;
+  vec3 inverse = lattice.inverse_variance / (widening * widening);
+  AxisTaps x = taps_of(place.fraction.x, place.cell.x, dims.x, support.x, inverse.x);
+  AxisTaps y = taps_of(place.fraction.y, place.cell.y, dims.y, support.y, inverse.y);
+  AxisTaps z = taps_of(place.fraction.z, place.cell.z, dims.z, support.z, inverse.z);
+  sums.endless += node_weight * x.endless * y.endless * z.endless;
+  if (x.first > x.last || y.first > y.last || z.first > z.last) return;
+  vec4 samples = vec4(0.0);
+  vec4 weights = vec4(0.0);
+  for (int k = z.first; k <= z.last; ++k) {
+    float distance_z = place.fraction.z - float(k);
+    float weight_z = tap_weight(distance_z, inverse.z);
+    vec4 slice = vec4(0.0), slice_weights = vec4(0.0);  // x, y, -, sum
+    for (int j = y.first; j <= y.last; ++j) {
+      float distance_y = place.fraction.y - float(j);
+      float weight_y = tap_weight(distance_y, inverse.y);
+      uint row = row_at(field, sublattice, place.cell.y + j, place.cell.z + k);
+      vec2 line = vec2(0.0), line_weights = vec2(0.0);  // derivative along x, sum
+      for (int i = x.first; i <= x.last; i += 4) {
+        vec4 distances = place.fraction.x - float(i) - vec4(0.0, 1.0, 2.0, 3.0);
+        vec4 weight = exp2(distances * distances * (inverse.x * -0.72134752));
+        vec4 numbers;
+        for (int n = 0; n < 4; ++n) {
+          numbers[n] = sample_at(field, row, place.cell.x + min(i + n, x.last));
+          bool counts_not = i + n > x.last || (may_miss && is_missing(numbers[n]));
+          if (counts_not) numbers[n] = weight[n] = 0.0;
+        }
+        numbers = fma(numbers, vec4(lattice.value_scale), vec4(lattice.value_offset));
+        vec4 derivatives = -inverse.x * distances * weight;
+        line += vec2(dot(numbers, derivatives), dot(numbers, weight));
+        line_weights += vec2(dot(vec4(1.0), derivatives), dot(vec4(1.0), weight));
+      }
+      float derivative_y = -distance_y * inverse.y;
+      slice += weight_y * vec4(line.x, derivative_y * line.y, 0.0, line.y);
+      slice_weights +=
+          weight_y * vec4(line_weights.x, derivative_y * line_weights.y, 0.0, line_weights.y);
+    }
+    float derivative_z = -distance_z * inverse.z;
+    slice.z = derivative_z * slice.w;
+    slice_weights.z = derivative_z * slice_weights.w;
+    samples = fma(slice, vec4(weight_z), samples);
+    weights = fma(slice_weights, vec4(weight_z), weights);
+  }
+  if (!may_miss) {
+    weights = vec4(x.derivative * y.existing * z.existing, x.existing * y.derivative * z.existing,
+                   x.existing * y.existing * z.derivative, x.existing * y.existing * z.existing);
+  }
+  sums.samples += node_weight * samples;
+  sums.weights += node_weight * weights;
+}
+
+Place in_sublattice(Place place, float offset) {
+  return offset == 0.0 ? place : moved(place, vec3(-offset));
+}
+
+float offset_of(LatticeConstants lattice, int sublattice) {
+  return sublattice == 0 ? lattice.sublattice_offset.x : lattice.sublattice_offset.y;
+}
+
+int num_sublattices(int field) { return field_has(field, kIsDouble) ? 2 : 1; }
+
+// Of the samples' places along one axis under the weights of an endless lattice: sum of weights,
+// mean relative to the place, variance.
+vec3 moments_of(float fraction, float support, float inverse_variance) {
+  float total = 0.0, mean = 0.0, square = 0.0;
+  for (int i = int(ceil(fraction - support)); i <= int(floor(fraction + support)); ++i) {
+    float distance = float(i) - fraction;
+    float weight = tap_weight(distance, inverse_variance);
+    total += weight;
+    mean += weight * distance;
+    square += weight * distance * distance;
+  }
+  if (!(total > 0.0)) return vec3(0.0);
+  mean /= total;
+  return vec3(total, mean, square / total - mean * mean);
+}
+
+// Makes the gradient of ramps constant (docs/numerics.md, "Gradients").
+vec3 corrected(int field, Place place, vec3 widening, vec3 gradient) {
+  LatticeConstants lattice = frame.fields[field];
+  vec3 inverse = lattice.inverse_variance / (widening * widening);
+  vec3 squared = 1.0 / inverse;
+  float weights[2] = float[2](1.0, 1.0);
+  vec3 means[2], variances[2];
+  for (int s = 0; s < num_sublattices(field); ++s) {
+    Place own = in_sublattice(place, offset_of(lattice, s));
+    for (int a = 0; a < 3; ++a) {
+      vec3 m = moments_of(own.fraction[a], lattice.support * widening[a], inverse[a]);
+      weights[s] *= m.x;
+      means[s][a] = m.y;
+      variances[s][a] = m.z;
+    }
+    if (!(weights[s] > 0.0)) {
+      weights[s] = 0.0;
+      means[s] = variances[s] = vec3(0.0);
+    }
+  }
+  if (!field_has(field, kIsDouble))
+    return mix(gradient, gradient * squared / variances[0],
+               greaterThan(variances[0], vec3(kLeastOffset)));
+  float total = weights[0] + weights[1];
+  vec3 within = (weights[0] * variances[0] + weights[1] * variances[1]) / total;
+  if (!(min(min(within.x, within.y), within.z) > kLeastInnerOffset)) return gradient;
+  vec3 apart = means[1] - means[0];
+  float c = weights[0] * weights[1] / (total * total);
+  vec3 scaled = gradient * squared;
+  float share = c * dot(apart, scaled / within) / (1.0 + c * dot(apart, apart / within));
+  return (scaled - share * apart) / within;
+}
+
+// Does any kernel of a sublattice reach the place, or its slab, `step` long?
+bool meets_support_of(int field, int sublattice, Place place, vec3 widening, vec3 step) {
+  LatticeConstants lattice = frame.fields[field];
+  Place own = in_sublattice(place, offset_of(lattice, sublattice));
+  vec3 support = lattice.support * widening;
+  vec3 below = -vec3(own.cell) - own.fraction - support;
+  vec3 above = vec3(lattice.dims[sublattice].xyz - 1 - own.cell) - own.fraction + support;
+  float from = -0.5, to = 0.5;
+  for (int a = 0; a < 3; ++a) {
+    if (!field_has(field, kTakesMeans) || step[a] == 0.0) {
+      if (below[a] > 0.0 || above[a] < 0.0) return false;
+      continue;
+    }
+    float at_below = below[a] / step[a];
+    float at_above = above[a] / step[a];
+    from = max(from, min(at_below, at_above));
+    to = min(to, max(at_below, at_above));
+    if (from > to) return false;
+  }
+  return true;
+}
+
+Gathered gather_general(int field, Place place, vec3 widening, vec3 step, bool may_miss,
+                        bool wants_gradient) {
+  LatticeConstants lattice = frame.fields[field];
+  Sums sums;
+  sums.samples = sums.weights = vec4(0.0);
+  sums.endless = 0.0;
+  int num_nodes = field_has(field, kTakesMeans) ? lattice.num_slab_nodes : 1;
+  for (int node = 0; node < num_nodes; ++node) {
+    vec2 slab = vec2(0.0, 1.0);
+    Place at = place;
+    if (field_has(field, kTakesMeans)) {
+      vec4 pair = lattice.slab[node >> 1];
+      slab = (node & 1) == 0 ? pair.xy : pair.zw;
+      at = moved(place, slab.x * step);
+    }
+    for (int s = 0; s < num_sublattices(field); ++s) {
+      add_sublattice(field, s, in_sublattice(at, offset_of(lattice, s)), widening, slab.y,
+                     may_miss, sums);
+    }
+  }
+  Gathered result;
+  result.gradient = vec3(0.0);
+  if (field_has(field, kIsSum)) {
+    result.is_defined = may_miss ? sums.weights.w > 0.0
+                                 : meets_support_of(field, 0, place, widening, step) ||
+                                       (field_has(field, kIsDouble) &&
+                                        meets_support_of(field, 1, place, widening, step));
+    float weight = lattice.sum_weight / (widening.x * widening.y * widening.z);
+    result.value = weight * sums.samples.w;
+    result.gradient = weight * sums.samples.xyz;
+    return result;
+  }
+  result.is_defined =
+      sums.weights.w >= kLeastShare * sums.endless && sums.weights.w > 0.0;
+  float inverse = 1.0 / (result.is_defined ? sums.weights.w : 1.0);
+  result.value = sums.samples.w * inverse;
+  if (wants_gradient) {
+    result.gradient = (sums.samples.xyz - result.value * sums.weights.xyz) * inverse;
+    if (field_has(field, kCorrects))
+      result.gradient = corrected(field, place, widening, result.gradient);
+  }
+  return result;
+}
+
+// Whether samples that reach a cell may be missing.
+uint brick_byte(int field, vec3 at) {
+  LatticeConstants lattice = frame.fields[field];
+  ivec3 brick = clamp(ivec3(floor(at)) >> lattice.num_bricks.w, ivec3(0), lattice.num_bricks.xyz - 1);
+  uint index = uint((brick.z * lattice.num_bricks.y + brick.y) * lattice.num_bricks.x + brick.x);
+  uint word = field == 0 ? bricks0[index >> 2] : bricks1[index >> 2];
+  return word >> ((index & 3u) * 8u) & 255u;
+}
+
+vec3 widening_on(int field, float s) {
+  vec3 pitch = (frame.view.pitch + s * frame.view.pitch_per_sheet) *
+               frame.fields[field].inverse_spacing.xyz;
+  return max(min(pitch, frame.fields[field].widening_limit.xyz), vec3(1.0));
+}
+
+// What a half sheet keeps of a value.
+float kept_by_sheet(int field, float value) {
+  if (!has_flag(kHalfSheets)) return value;
+  LatticeConstants lattice = frame.fields[field];
+  float held = (value - lattice.sheet_offset) * lattice.sheet_scale;
+  return unpackHalf2x16(packHalf2x16(vec2(held, 0.0))).x / lattice.sheet_scale +
+         lattice.sheet_offset;
+}
+
+// The field at a place near sheet s, where its slab is `step` long.
+Gathered gather(int field, Place place, float s, vec3 step, bool wants_gradient) {
+  bool may_miss = field_has(field, kMayMiss) &&
+                  (brick_byte(field, vec3(place.cell)) & kMissingBit) != 0u;
+  vec3 widening = widening_on(field, s);
+  Gathered result;
+  if (field_has(field, kHasFourTaps) && !may_miss && all(equal(widening, vec3(1.0)))) {
+    result = gather_four(field, place, wants_gradient);
+  } else {
+    result = gather_general(field, place, widening, step, may_miss, wants_gradient);
+  }
+  result.value = kept_by_sheet(field, result.value);
+  return result;
+}
+
+vec3 to_world(int field, vec3 gradient) {
+  return vec3(dot(frame.fields[field].gradient_rows[0].xyz, gradient),
+              dot(frame.fields[field].gradient_rows[1].xyz, gradient),
+              dot(frame.fields[field].gradient_rows[2].xyz, gradient));
+}

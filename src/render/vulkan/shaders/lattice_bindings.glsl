@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the shaders of lattices are given.
+#include "render/shared/device_layout.h"
+
+layout(constant_id = 0) const uint kMode = 0u;
+layout(constant_id = 1) const uint kFrameFlags = 0u;
+layout(constant_id = 2) const uint kType0 = 0u;
+layout(constant_id = 3) const uint kFieldFlags0 = 0u;
+layout(constant_id = 4) const uint kType1 = 0u;
+layout(constant_id = 5) const uint kFieldFlags1 = 0u;
+
+layout(std430, binding = 0) readonly buffer FrameBuffer { LatticeFrame frame; };
+layout(std430, binding = 1) readonly buffer TableBuffer { vec4 tables[]; };
+layout(std430, binding = 2) readonly buffer Samples0Buffer { uint words0[]; };
+layout(std430, binding = 3) readonly buffer Samples1Buffer { uint words1[]; };
+layout(std430, binding = 4) readonly buffer Bricks0Buffer { uint bricks0[]; };
+layout(std430, binding = 5) readonly buffer Bricks1Buffer { uint bricks1[]; };
+layout(std430, binding = 6) buffer ColorBuffer { vec4 colors[]; };
+layout(std430, binding = 7) buffer DepthBuffer { float depths[]; };
+layout(std430, binding = 8) buffer StateBuffer { PixelState states[]; };
+layout(std430, binding = 9) buffer CountBuffer { uvec4 counts[]; };  // one per work group
+
+layout(push_constant) uniform BoxBlock { BoxConstants box; };
+
+bool has_flag(uint flag) { return (kFrameFlags & flag) != 0u; }

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: Apache-2.0
+// What happens to one pixel on one sheet of a lattice once the field's value is there: classify,
+// gradient, light, composite; and the search for surfaces between sheets.
+
+// How many sheets' samples were worked out, showed something, had their gradient taken.
+uvec4 num_samples = uvec4(0u);
+
+// The ray of a place in the picture, in index space: position on sheet 0, change per sheet.
+struct Ray {
+  Exact start;
+  Exact step;
+};
+
+Ray ray_at(int field, vec2 pixel) {
+  LatticeConstants lattice = frame.fields[field];
+  Ray ray;
+  ray.start.hi = lattice.place_hi[0].xyz;
+  ray.start.lo = lattice.place_lo[0].xyz;
+  ray.step.hi = lattice.step_hi[0].xyz;
+  ray.step.lo = lattice.step_lo[0].xyz;
+  ray.start = add_product(ray.start, lattice.place_hi[1].xyz, lattice.place_lo[1].xyz, pixel.x);
+  ray.start = add_product(ray.start, lattice.place_hi[2].xyz, lattice.place_lo[2].xyz, pixel.y);
+  if (!has_flag(kIsParallel)) {
+    ray.step = add_product(ray.step, lattice.step_hi[1].xyz, lattice.step_lo[1].xyz, pixel.x);
+    ray.step = add_product(ray.step, lattice.step_hi[2].xyz, lattice.step_lo[2].xyz, pixel.y);
+  }
+  return ray;
+}
+
+Place place_on(Ray ray, float s) {
+  return place_from(add_product(ray.start, ray.step.hi, ray.step.lo, s));
+}
+
+bool is_in_support(int field, Place place) {
+  vec3 at = vec3(place.cell) + place.fraction;
+  return all(greaterThanEqual(at, frame.fields[field].support_lo.xyz)) &&
+         all(lessThanEqual(at, frame.fields[field].support_hi.xyz));
+}
+
+// The field at a sample beside the one in hand, undefined outside its support.
+Gathered gather_beside(int field, vec2 pixel, float s) {
+  Ray ray = ray_at(field, pixel);
+  Place place = place_on(ray, s);
+  Gathered result;
+  result.value = 0.0;
+  result.is_defined = false;
+  if (!is_in_support(field, place)) return result;
+  return gather(field, place, s, ray.step.hi, false);
+}
+
+// World gradient by differences of the samples around; `apart` pixels.
+vec3 central_gradient(vec2 pixel, float s, float value, float apart) {
+  Gathered left = gather_beside(0, pixel - vec2(apart, 0.0), s);
+  Gathered right = gather_beside(0, pixel + vec2(apart, 0.0), s);
+  Gathered above = gather_beside(0, pixel - vec2(0.0, apart), s);
+  Gathered below = gather_beside(0, pixel + vec2(0.0, apart), s);
+  Gathered front = gather_beside(0, pixel, s - 1.0);
+  Gathered back = gather_beside(0, pixel, s + 1.0);
+  vec3 differences =
+      vec3(difference(left.value, value, right.value, left.is_defined, right.is_defined),
+           difference(above.value, value, below.value, above.is_defined, below.is_defined),
+           difference(front.value, value, back.value, front.is_defined, back.is_defined));
+  return gradient_of_differences(differences, pixel, s, apart);
+}
+
+Place between(Place from, vec3 way, float t) { return moved(from, t * way); }
+
+// Classifies, lights and composites a sample. `gradient`: world, if it is known.
+void draw_sample(inout Pixel pixel, vec2 at, Ray ray, Place place, float s, float path, float value,
+                 bool has_gradient, vec3 gradient) {
+  LookConstants look = frame.looks[0];
+  float before = value;
+  bool has_before = has_flag(kTakesPieces) && pixel.before_sheet == int(s) - 1;
+  if (has_before) before = pixel.before;
+  if (max(value, before) < look.look.visible_lo || min(value, before) > look.look.visible_hi)
+    return;
+  vec4 color = has_flag(kTakesPieces) ? classify_from(look, before, value)
+                                      : classify(look.look, value);
+  float opacity = color.a;
+  if (!(opacity > 0.0)) return;
+  ++num_samples.y;
+  float length = path * ray_length(at);
+  if (has_flag(kTakesGradients)) {
+    ++num_samples.z;
+    if (has_flag(kTakesDifferences)) {
+      if (!has_gradient) gradient = central_gradient(at, s, value, 1.0);
+    } else if (has_before) {
+      gradient = to_world(
+          0, gather(0, moved(place, -0.5 * ray.step.hi), s, ray.step.hi, true).gradient);
+    } else if (!has_gradient) {
+      gradient = to_world(0, gather(0, place, s, ray.step.hi, true).gradient);
+    }
+  }
+  bool corrects_late = has_flag(kTakesPieces) || has_flag(kFades);
+  if (has_flag(kFades)) opacity *= classify(look.fading, sqrt(dot(gradient, gradient))).a;
+  if (corrects_late) {
+    if (!(opacity > 0.0)) return;
+    opacity = correct_opacity(opacity, length * look.path_in_units);
+  } else if (!has_flag(kIsParallel) || has_flag(kIsClipped)) {
+    opacity = correct_opacity(opacity, length);
+  }
+  if (has_flag(kShades)) color.rgb = lit(look, color.rgb, gradient, to_eye(at));
+  composite(pixel, color.rgb, opacity, depth_of_sheet(s));
+}
+
+// Where between sheets s - 1 and s the field takes the isovalue, which its ends lie on both sides
+// of: bisections, then a secant. Where it is undefined, the crossing is in front.
+float crossing_of(Place from, vec3 way, float s, vec3 step, float before, float after) {
+  float iso = frame.looks[0].isovalue;
+  bool rises = before < iso;
+  float near = 0.0, far = 1.0;
+  bool far_is_defined = true;
+  for (int i = 0; i < kSurfaceSteps; ++i) {
+    float middle = 0.5 * (near + far);
+    Gathered f = gather(0, between(from, way, middle), s, step, false);
+    if (f.is_defined && (f.value < iso) == rises) {
+      near = middle;
+      before = f.value;
+    } else {
+      far = middle;
+      after = f.value;
+      far_is_defined = f.is_defined;
+    }
+  }
+  if (!far_is_defined) return near;
+  float rise = after - before;
+  return fma(far - near, clamp((iso - before) / (rise == 0.0 ? 1.0 : rise), 0.0, 1.0), near);
+}
+
+void draw_surface(inout Pixel pixel, vec2 at, Ray ray, float s, float value) {
+  LookConstants look = frame.looks[0];
+  if (pixel.before_sheet != int(s) - 1) return;
+  if ((pixel.before < look.isovalue) == (value < look.isovalue)) return;
+  if (pixel.is_closed) return;
+  Place from = place_on(ray, s - 1.0);
+  Place to = place_on(ray, s);
+  vec3 way = vec3(to.cell - from.cell) + (to.fraction - from.fraction);
+  float t = crossing_of(from, way, s, ray.step.hi, pixel.before, value);
+  float sheet = s - 1.0 + t;
+  if (!is_kept_by_planes(at, sheet)) return;
+  ++num_samples.y;
+  vec3 color = look.isosurface_color.rgb;
+  if (has_flag(kShades)) {
+    ++num_samples.z;
+    vec3 gradient =
+        to_world(0, gather(0, between(from, way, t), s, ray.step.hi, true).gradient);
+    color = lit(look, color, gradient, to_eye(at));
+  } else {
+    color = clamp(color, 0.0, 1.0);
+  }
+  composite_surface(pixel, color, depth_of_sheet(sheet));
+}
+
+// Sheet s of the field has a value here.
+void take_value(inout Pixel pixel, vec2 at, Ray ray, Place place, float s, float path, float value,
+                bool has_gradient, vec3 gradient) {
+  if (kMode == kComposite) {
+    draw_sample(pixel, at, ray, place, s, path, value, has_gradient, gradient);
+  } else if (kMode == kIsosurface) {
+    draw_surface(pixel, at, ray, s, value);
+  } else {
+    accumulate(pixel, value, path * ray_length(at) * frame.view.sampling_distance,
+               depth_of_sheet(s));
+  }
+  pixel.before = value;
+  pixel.before_sheet = int(s);
+}
+
+// Sheet s of what is behind the field: classified, not lit.
+void take_behind(inout Pixel pixel, vec2 at, Ray ray, Place place, float s, float path) {
+  Gathered f = gather(1, place, s, ray.step.hi, false);
+  ++num_samples.x;
+  if (!f.is_defined) return;
+  vec4 color = classify(frame.looks[1].look, f.value);
+  if (!(color.a > 0.0)) return;
+  ++num_samples.y;
+  if (!has_flag(kIsParallel) || has_flag(kIsClipped))
+    color.a = correct_opacity(color.a, path * ray_length(at));
+  composite(pixel, color.rgb, color.a, depth_of_sheet(s));
+}
+
+// How many sheets from s on cannot show (0: this one can), by the distance to the nearest brick
+// that can.
+int sheets_to_skip(int field, Ray ray, float s) {
+  vec3 at = fma(ray.step.hi, vec3(s), ray.start.hi);
+  uint distance = brick_byte(field, at) & kDistanceBits;
+  if (distance == 0u) return 0;
+  float room = float((int(distance) - 1) << frame.fields[field].num_bricks.w) - 0.05;
+  vec3 step = abs(ray.step.hi);
+  return 1 + int(clamp(room / max(max(step.x, step.y), step.z), 0.0, 1e6));
+}
+
+// Sheets [x, y) whose samples can lie in the box and where a field can be defined, some more
+// rather than fewer.
+ivec2 sheets_in_box(Ray ray) {
+  vec3 lo = frame.fields[0].support_lo.xyz;
+  vec3 hi = frame.fields[0].support_hi.xyz;
+  if (has_flag(kHasBehind)) {
+    lo = min(lo, frame.fields[1].support_lo.xyz);
+    hi = max(hi, frame.fields[1].support_hi.xyz);
+  }
+  lo = max(lo, vec3(box.own_lo.xyz)) - 0.01;
+  hi = min(hi, vec3(box.own_hi.xyz)) + 0.01;
+  float first = float(box.first_sheet);
+  float last = float(box.end_sheet - 1);
+  for (int a = 0; a < 3; ++a) {
+    float step = ray.step.hi[a];
+    float start = ray.start.hi[a];
+    if (abs(step) < 1e-12) {
+      if (start < lo[a] || start > hi[a]) return ivec2(0);
+      continue;
+    }
+    float at_lo = (lo[a] - start) / step;
+    float at_hi = (hi[a] - start) / step;
+    first = max(first, min(at_lo, at_hi) - 1e-3 * abs(at_lo) - 1.0);
+    last = min(last, max(at_lo, at_hi) + 1e-3 * abs(at_hi) + 1.0);
+  }
+  if (!(first <= last)) return ivec2(0);
+  return ivec2(int(ceil(first)), int(floor(last)) + 1);
+}
+
+bool is_own(Place place) {
+  return all(greaterThanEqual(place.cell, box.own_lo.xyz)) &&
+         all(lessThan(place.cell, box.own_hi.xyz));
+}

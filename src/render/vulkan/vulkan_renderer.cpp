@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/vulkan/vulkan_renderer.h"
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+#include <optional>
+
+#include "ovoid/error.h"
+#include "render/vulkan/lattice_renderer.h"
+
+namespace ovoid::vulkan {
+namespace {
+
+// Of the device's memory, unless somebody says how much: the rest is for pictures and others.
+constexpr double kShareForFields = 0.7;
+
+using Clock = std::chrono::steady_clock;
+double ms_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+}  // namespace
+
+struct VulkanRenderer::Impl {
+  int device_index;
+  std::uint64_t most_bytes;
+  std::optional<Workbench> bench;
+  std::optional<LatticeRenderer> lattices;
+
+  void open() {
+    std::shared_ptr<Device> device = Device::get(device_index);
+    const std::uint64_t all = device->info().memory_bytes;
+    const auto bytes = most_bytes > 0 ? most_bytes
+                                      : static_cast<std::uint64_t>(kShareForFields *
+                                                                   static_cast<double>(all));
+    bench.emplace(std::move(device), bytes);
+    lattices.emplace(*bench);
+  }
+  void close() {
+    lattices.reset();
+    bench.reset();
+  }
+
+  // Times a frame and tells of it; a device that is lost is given up.
+  template <class Draw>
+  Frame draw(const Field& field, const RenderOptions& options, const RenderHooks& hooks,
+             const Draw& draw_into) {
+    const Clock::time_point start = Clock::now();
+    if (!bench) open();
+    Frame out;
+    out.image.width = options.width;
+    out.image.height = options.height;
+    const std::size_t num_pixels = static_cast<std::size_t>(options.width) * options.height;
+    out.image.rgba.assign(4 * num_pixels, 0.0F);
+    out.image.depth.assign(num_pixels, std::numeric_limits<float>::infinity());
+    out.profile.backend = "vulkan";
+    out.profile.device = bench->device->info().name;
+    out.profile.kernels_total = field.num_kernels();
+    Commands& commands = bench->commands;
+    commands.times = options.collect_profile;
+    commands.stages_ms.clear();
+    commands.stage_order.clear();
+    try {
+      draw_into(out);
+      bench->device->check_messages();
+    } catch (const Error& error) {
+      // What was recorded or kept half way is of no use; the next picture begins anew.
+      close();
+      throw;
+    }
+    out.profile.frame_ms = ms_since(start);
+    for (const std::string& stage : commands.stage_order)
+      out.profile.stages_ms.emplace_back(stage, commands.stages_ms[stage]);
+    if (hooks.stop.stop_requested()) throw Error(ErrorCode::kCancelled, "rendering was cancelled");
+    return out;
+  }
+};
+
+VulkanRenderer::VulkanRenderer(int device, std::uint64_t most_bytes)
+    : impl_(std::make_unique<Impl>()) {
+  impl_->device_index = device;
+  impl_->most_bytes = most_bytes;
+  impl_->open();
+}
+
+VulkanRenderer::~VulkanRenderer() = default;
+
+Frame VulkanRenderer::render(const LatticeField& field, const Camera& camera, const Look& look,
+                             const RenderOptions& options, const RenderHooks& hooks,
+                             const view::Behind* behind) {
+  return impl_->draw(field, options, hooks, [&](Frame& out) {
+    impl_->lattices->render(field, camera, look, options, hooks, behind, out.image, out.profile);
+  });
+}
+
+Frame VulkanRenderer::render(const KernelField& /*field*/, const Camera& /*camera*/,
+                             const Look& /*look*/, const RenderOptions& /*options*/,
+                             const RenderHooks& /*hooks*/) {
+  throw Error(ErrorCode::kUnsupported, "kernel sets: later");
+}
+
+bool has_hardware_device() {
+  try {
+    const std::shared_ptr<Instance> instance = Instance::get();
+    for (int i = 0; i < static_cast<int>(instance->physical_devices().size()); ++i) {
+      const DeviceInfo info = instance->info_of(i);
+      if (info.is_hardware() && info.is_usable()) return true;
+    }
+  } catch (const Error&) {
+    return false;
+  }
+  return false;
+}
+
+}  // namespace ovoid::vulkan

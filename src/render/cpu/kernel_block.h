@@ -19,6 +19,7 @@
 #include "render/cpu/block.h"
 #include "render/cpu/filter_band.h"
 #include "render/cpu/splat.h"
+#include "render/shared/levels.h"
 
 namespace ovoid::cpu {
 
@@ -92,10 +93,5 @@ struct KernelFrame {
   std::unique_ptr<const LevelBands> level_bands;
   bool gathers = false;  // fragment-centric
 };
-
-// Least sigma, in samples of a level, of the kernels summed on it (docs/numerics.md, "Levels"; the
-// pictures' test holds what the filter then loses).
-inline constexpr float kLeastLevelSigma = 1.6F;
-inline constexpr float kPublishedLevelSigma = 0.5F;
 
 }  // namespace ovoid::cpu

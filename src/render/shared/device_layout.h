@@ -205,6 +205,110 @@ struct DistanceConstants {
   ivec4 num_bricks;  // w: the axis
 };
 
+// ---- Kernel sets ----
+
+OVOID_CONSTANT int kBlockSheets = 4;   // of a layer; view::kBlockDepth
+OVOID_CONSTANT int kPlanEdge = 64;     // pixels of a plan's block; view::kBlockEdge
+OVOID_CONSTANT int kNumLevels = 7;     // samples 1 to 64 pixels wide
+OVOID_CONSTANT uint kBrickGroup = 256u;  // threads for a brick's kernels: KernelBrick::kMaxBrickKernels
+OVOID_CONSTANT uint kNoList = 0xFFFFFFFFu;
+OVOID_CONSTANT uint kScanGroup = 256u;  // threads of a scan, which takes four numbers each
+OVOID_CONSTANT uint kScanItems = 1024u;
+OVOID_CONSTANT uint kSortGroup = 256u;  // threads of a sort, which takes eight pairs each
+OVOID_CONSTANT uint kSortItems = 2048u;
+OVOID_CONSTANT uint kSortBits = 4u;  // of a digit
+OVOID_CONSTANT uint kSortBins = 16u;
+OVOID_CONSTANT int kProfileNodes = 8;  // of a slab, where a mean has no closed form
+OVOID_CONSTANT int kMostChannels = 3;
+OVOID_CONSTANT float kLeastSigma = 0.5f;  // in units of kLeastPixels (view) and sheets
+// Bits of a plan's block.
+OVOID_CONSTANT uint kBlockIsNeeded = 1u;
+OVOID_CONSTANT uint kBlockIsRelevant = 2u;
+// Bits of what is said of a level.
+OVOID_CONSTANT uint kIsFinest = 1u;
+OVOID_CONSTANT uint kHasCoarser = 2u;
+// ovoid::KernelProfile.
+OVOID_CONSTANT uint kProfileGaussian = 0u;
+OVOID_CONSTANT uint kProfileCubicSpline = 1u;
+OVOID_CONSTANT uint kProfileWendland = 2u;
+OVOID_CONSTANT uint kProfileEpanechnikov = 3u;
+// Bits of a kernel frame's specialisation constant.
+OVOID_CONSTANT uint kHasEllipsoids = 1u;
+OVOID_CONSTANT uint kSetIsSum = 2u;
+OVOID_CONSTANT uint kSetTakesMeans = 4u;
+OVOID_CONSTANT uint kSetHasColor = 8u;
+OVOID_CONSTANT uint kHasLevels = 16u;
+OVOID_CONSTANT uint kIsFragmentCentric = 32u;
+OVOID_CONSTANT uint kSetHalfSheets = 64u;
+OVOID_CONSTANT uint kSetIsParallel = 128u;
+
+// A level's tiles of kGroupEdge^2 samples in a band of the picture.
+struct LevelConstants {
+  ivec4 tiles;       // number along x and y; numbers of the first ones
+  uint first_list;   // of the level, for a layer's tiles one after the other
+  uint plane_at;     // in the buffer of levels: of sheet 0, channel 0
+  uint padding0;
+  uint padding1;
+};
+
+struct KernelFrame {
+  ViewConstants view;
+  LookConstants looks[1];
+  vec4 rotation[3];  // rows: right, down, view axis
+  LevelConstants levels[kNumLevels];
+  vec4 taps[3];      // of post-convolution: a quarter behind a coarse sample, and three quarters
+  ivec4 num_blocks;  // of the plan; w: the lists in a layer, all levels
+  float pitch;       // of a pixel at the focal depth, world
+  float sampling_distance;
+  float focal_depth;
+  float first_depth;
+  float center_x;  // of the optical axis, pixels
+  float center_y;
+  float near_depth;
+  float cutoff;
+  float least_pixels;
+  float least_level_sigma;
+  float sheet_scale;
+  float sheet_offset;
+  int num_sheets;
+  int max_level;
+  int ring_sheets;
+  int num_numbers;  // of a kernel, in its page
+};
+
+// A brick's part in a frame.
+struct BrickConstants {
+  vec4 origin;  // right and down from the optical axis, world units; depth behind sheet 0
+  uint first;   // number of its first kernel in its page
+  uint count;
+  uint first_splat;
+  uint padding;
+};
+
+// A kernel in splat space (view/kernel_plan.h), as the cpu back end has it.
+struct DeviceSplat {
+  vec4 center;  // x, y, s; weight
+  vec4 shape;   // axx, axy, ayy; 1 / variance along s
+  vec4 slide;   // mx, my; reach along s; smaller sigma
+  vec4 values;  // value, colour; reach along x and y
+};
+
+// What is worked out now.
+struct KernelPush {
+  int first_layer;  // of the lists that there are
+  int end_layer;
+  int layer;  // of the chunk in hand
+  int coarsest;  // level of the lists that there are
+  int level;
+  int first_sheet;  // to shade
+  int end_sheet;
+  uint num_items;  // kernels, numbers, pairs, lists: whatever there are of
+  uint shift;      // of a sort's digit
+  uint first_row;  // of the band
+  uint end_row;
+  uint first_item;
+};
+
 // What a pixel has gathered beside its colour and depth.
 struct PixelState {
   float best;    // maximum: greatest value; x-ray and mean: sum of value * path
@@ -222,6 +326,11 @@ static_assert(sizeof(LatticeConstants) % 16 == 0);
 static_assert(sizeof(ViewConstants) % 16 == 0);
 static_assert(sizeof(BoxConstants) == 96);  // push constants: 128 bytes are sure
 static_assert(sizeof(PixelState) == 16);
+static_assert(sizeof(LevelConstants) == 32);
+static_assert(sizeof(KernelFrame) % 16 == 0);
+static_assert(sizeof(BrickConstants) == 32);
+static_assert(sizeof(DeviceSplat) == 64);
+static_assert(sizeof(KernelPush) == 48);
 }  // namespace ovoid::device
 #endif
 #endif

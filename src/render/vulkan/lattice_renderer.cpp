@@ -11,10 +11,6 @@
 namespace ovoid::vulkan {
 namespace {
 
-std::uint32_t groups_for(std::uint64_t count, std::uint32_t size) {
-  return static_cast<std::uint32_t>((count + size - 1) / size);
-}
-
 // The eye in index space; in parallel projection far away, where the rays come from.
 Vec3 eye_of(const Camera& camera, const view::LatticePlan& plan, const LatticeField& field) {
   if (!plan.lattice.is_parallel())
@@ -125,8 +121,7 @@ void LatticeRenderer::decide_relevance(Kept& kept, view::LatticePlan& plan,
   reserve(kept.other_bricks, bench_.device, bytes.size() + 4, BufferUse::kDevice);
   commands.upload(kept.other_bricks, 0, std::as_bytes(std::span(bytes)));
   kept.bytes = std::move(bytes);
-  const std::uint32_t groups = groups_for(kept.bytes.size(), 256);
-  const Groups grid{std::min(groups, 32768U), groups_for(groups, 32768), 1};
+  const Groups grid = grid_of(groups_for(kept.bytes.size(), 256));
   const Buffer* from = &kept.other_bricks;
   const Buffer* to = &kept.bricks;
   for (int axis = 0; axis < 3; ++axis) {

@@ -7,21 +7,10 @@
 
 #include "render/vulkan/device_lattice.h"
 #include "render/vulkan/frame_constants.h"
-#include "render/vulkan/pixels.h"
+#include "render/vulkan/workbench.h"
 #include "view/behind.h"
 
 namespace ovoid::vulkan {
-
-// What a device keeps for drawing, whatever is drawn.
-struct Workbench {
-  Workbench(std::shared_ptr<Device> on, std::uint64_t bytes)
-      : device(std::move(on)), commands(device), pixels(device), most_bytes(bytes) {}
-
-  std::shared_ptr<Device> device;
-  Commands commands;
-  Pixels pixels;
-  std::uint64_t most_bytes;  // of the device's memory for fields
-};
 
 class LatticeRenderer {
  public:

@@ -14,10 +14,46 @@ constexpr std::uint32_t kDistanceWords[] = {
 constexpr std::uint32_t kLatticeWords[] = {
 #include "lattice.inc"
 };
+constexpr std::uint32_t kProjectWords[] = {
+#include "project.inc"
+};
+constexpr std::uint32_t kScanWords[] = {
+#include "scan.inc"
+};
+constexpr std::uint32_t kScanAddWords[] = {
+#include "scan_add.inc"
+};
+constexpr std::uint32_t kListWords[] = {
+#include "list.inc"
+};
+constexpr std::uint32_t kSortCountWords[] = {
+#include "sort_count.inc"
+};
+constexpr std::uint32_t kSortScatterWords[] = {
+#include "sort_scatter.inc"
+};
+constexpr std::uint32_t kListEndsWords[] = {
+#include "list_ends.inc"
+};
+constexpr std::uint32_t kReconstructWords[] = {
+#include "reconstruct.inc"
+};
+constexpr std::uint32_t kShadeSheetsWords[] = {
+#include "shade_sheets.inc"
+};
 
 constexpr std::array<Shader, kNumStages> kShaders = {{
     {"distance", kDistanceWords, 2, sizeof(device::DistanceConstants)},
     {"lattice", kLatticeWords, 10, sizeof(device::BoxConstants)},
+    {"project", kProjectWords, 7, sizeof(device::KernelPush)},
+    {"scan", kScanWords, 2, sizeof(device::KernelPush)},
+    {"scan_add", kScanAddWords, 2, sizeof(device::KernelPush)},
+    {"list", kListWords, 5, sizeof(device::KernelPush)},
+    {"sort_count", kSortCountWords, 2, sizeof(device::KernelPush)},
+    {"sort_scatter", kSortScatterWords, 3, sizeof(device::KernelPush)},
+    {"list_ends", kListEndsWords, 2, sizeof(device::KernelPush)},
+    {"reconstruct", kReconstructWords, 10, sizeof(device::KernelPush)},
+    {"shade_sheets", kShadeSheetsWords, 10, sizeof(device::KernelPush)},
 }};
 
 }  // namespace

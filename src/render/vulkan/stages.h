@@ -11,7 +11,6 @@ namespace ovoid::vulkan {
 enum class Stage {
   kDistance,        // of bricks to what can show, along one axis
   kLattice,         // reconstruct, shade, composite
-  kLatticeNodes,    // the same with post-convolution
   kProject,         // kernels -> splats
   kScan,            // sums of what lies before, block by block
   kScanAdd,         // and of the blocks before
@@ -19,8 +18,7 @@ enum class Stage {
   kSortCount,       // of each digit per block of pairs
   kSortScatter,     // pairs to their places
   kListEnds,        // where each list begins and ends
-  kReconstruct,     // splats -> sums on a level's sheets
-  kPostConvolve,    // a level -> the finer one
+  kReconstruct,     // splats -> a level's sheets, with what coarser levels have
   kShade,           // sheets -> colour and opacity, composited
   kNumStages,
 };

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "ovoid/error.h"
+#include "render/vulkan/kernel_renderer.h"
 #include "render/vulkan/lattice_renderer.h"
 
 namespace ovoid::vulkan {
@@ -27,6 +28,7 @@ struct VulkanRenderer::Impl {
   std::uint64_t most_bytes;
   std::optional<Workbench> bench;
   std::optional<LatticeRenderer> lattices;
+  std::optional<KernelRenderer> kernels;
 
   void open() {
     std::shared_ptr<Device> device = Device::get(device_index);
@@ -36,9 +38,11 @@ struct VulkanRenderer::Impl {
                                                                    static_cast<double>(all));
     bench.emplace(std::move(device), bytes);
     lattices.emplace(*bench);
+    kernels.emplace(*bench);
   }
   void close() {
     lattices.reset();
+    kernels.reset();
     bench.reset();
   }
 
@@ -94,10 +98,11 @@ Frame VulkanRenderer::render(const LatticeField& field, const Camera& camera, co
   });
 }
 
-Frame VulkanRenderer::render(const KernelField& /*field*/, const Camera& /*camera*/,
-                             const Look& /*look*/, const RenderOptions& /*options*/,
-                             const RenderHooks& /*hooks*/) {
-  throw Error(ErrorCode::kUnsupported, "kernel sets: later");
+Frame VulkanRenderer::render(const KernelField& field, const Camera& camera, const Look& look,
+                             const RenderOptions& options, const RenderHooks& hooks) {
+  return impl_->draw(field, options, hooks, [&](Frame& out) {
+    impl_->kernels->render(field, camera, look, options, hooks, out.image, out.profile);
+  });
 }
 
 bool has_hardware_device() {

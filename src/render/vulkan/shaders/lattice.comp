@@ -14,16 +14,19 @@ layout(local_size_x = 8, local_size_y = 8) in;
 #include "shade.glsl"
 #include "gather.glsl"
 #include "composite.glsl"
+#include "finish.glsl"
 #include "lattice_pixel.glsl"
 
 shared uvec4 group_counts[kGroupSize];
+
+vec3 own_color(vec2 at, float s) { return vec3(0.0); }  // lattices have one attribute
 
 void draw_pixel(uvec2 at) {
   uint index = (at.y - box.first_row) * frame.view.width + at.x;
   Pixel pixel = load_pixel(index);
   if (pixel.is_closed && has_flag(kStopsOpaque)) return;
   vec2 center = vec2(at);
-  Ray ray = ray_at(0, center);
+  Ray ray = own_ray = ray_at(0, center);
   ivec2 sheets = sheets_in_box(ray);
   for (int sheet = sheets.x; sheet < sheets.y;) {
     float s = float(sheet);
@@ -41,8 +44,8 @@ void draw_pixel(uvec2 at) {
     if (skipped == 0 && is_in_support(0, place)) {
       Gathered f = gather(0, place, s, ray.step.hi, false);
       ++num_samples.x;
-      if (f.is_defined)
-        take_value(pixel, center, ray, place, s, path, f.value, false, vec3(0.0));
+      own_place = place;
+      if (f.is_defined) take_value(pixel, center, s, path, f.value);
     }
     if (has_flag(kHasBehind) && skipped_behind == 0 && is_in_support(1, place))
       take_behind(pixel, center, ray, place, s, path);

@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What happens to one pixel on one sheet of a lattice once the field's value is there: classify,
-// gradient, light, composite; and the search for surfaces between sheets.
-
-// How many sheets' samples were worked out, showed something, had their gradient taken.
-uvec4 num_samples = uvec4(0u);
+// A lattice's pixel: its ray, gradients, surfaces between sheets, and what can be stepped over.
 
 // The ray of a place in the picture, in index space: position on sheet 0, change per sheet.
 struct Ray {
@@ -65,42 +61,21 @@ vec3 central_gradient(vec2 pixel, float s, float value, float apart) {
 
 Place between(Place from, vec3 way, float t) { return moved(from, t * way); }
 
-// Classifies, lights and composites a sample. `gradient`: world, if it is known.
-void draw_sample(inout Pixel pixel, vec2 at, Ray ray, Place place, float s, float path, float value,
-                 bool has_gradient, vec3 gradient) {
-  LookConstants look = frame.looks[0];
-  float before = value;
-  bool has_before = has_flag(kTakesPieces) && pixel.before_sheet == int(s) - 1;
-  if (has_before) before = pixel.before;
-  if (max(value, before) < look.look.visible_lo || min(value, before) > look.look.visible_hi)
-    return;
-  vec4 color = has_flag(kTakesPieces) ? classify_from(look, before, value)
-                                      : classify(look.look, value);
-  float opacity = color.a;
-  if (!(opacity > 0.0)) return;
-  ++num_samples.y;
-  float length = path * ray_length(at);
-  if (has_flag(kTakesGradients)) {
-    ++num_samples.z;
-    if (has_flag(kTakesDifferences)) {
-      if (!has_gradient) gradient = central_gradient(at, s, value, 1.0);
-    } else if (has_before) {
-      gradient = to_world(
-          0, gather(0, moved(place, -0.5 * ray.step.hi), s, ray.step.hi, true).gradient);
-    } else if (!has_gradient) {
-      gradient = to_world(0, gather(0, place, s, ray.step.hi, true).gradient);
-    }
+// The sample in hand.
+Ray own_ray;
+Place own_place;
+bool has_own_gradient = false;  // from nodes
+vec3 own_gradient;
+
+vec3 gradient_of_sample(vec2 at, float s, float value, bool has_before) {
+  if (has_flag(kTakesDifferences))
+    return has_own_gradient ? own_gradient : central_gradient(at, s, value, 1.0);
+  if (has_before) {
+    Place middle = moved(own_place, -0.5 * own_ray.step.hi);
+    return to_world(0, gather(0, middle, s, own_ray.step.hi, true).gradient);
   }
-  bool corrects_late = has_flag(kTakesPieces) || has_flag(kFades);
-  if (has_flag(kFades)) opacity *= classify(look.fading, sqrt(dot(gradient, gradient))).a;
-  if (corrects_late) {
-    if (!(opacity > 0.0)) return;
-    opacity = correct_opacity(opacity, length * look.path_in_units);
-  } else if (!has_flag(kIsParallel) || has_flag(kIsClipped)) {
-    opacity = correct_opacity(opacity, length);
-  }
-  if (has_flag(kShades)) color.rgb = lit(look, color.rgb, gradient, to_eye(at));
-  composite(pixel, color.rgb, opacity, depth_of_sheet(s));
+  if (has_own_gradient) return own_gradient;
+  return to_world(0, gather(0, own_place, s, own_ray.step.hi, true).gradient);
 }
 
 // Where between sheets s - 1 and s the field takes the isovalue, which its ends lie on both sides
@@ -127,37 +102,34 @@ float crossing_of(Place from, vec3 way, float s, vec3 step, float before, float 
   return fma(far - near, clamp((iso - before) / (rise == 0.0 ? 1.0 : rise), 0.0, 1.0), near);
 }
 
-void draw_surface(inout Pixel pixel, vec2 at, Ray ray, float s, float value) {
+void draw_surface(inout Pixel pixel, vec2 at, float s, float value) {
   LookConstants look = frame.looks[0];
   if (pixel.before_sheet != int(s) - 1) return;
   if ((pixel.before < look.isovalue) == (value < look.isovalue)) return;
   if (pixel.is_closed) return;
-  Place from = place_on(ray, s - 1.0);
-  Place to = place_on(ray, s);
-  vec3 way = vec3(to.cell - from.cell) + (to.fraction - from.fraction);
-  float t = crossing_of(from, way, s, ray.step.hi, pixel.before, value);
+  vec3 step = own_ray.step.hi;
+  Place from = place_on(own_ray, s - 1.0);
+  vec3 way = vec3(own_place.cell - from.cell) + (own_place.fraction - from.fraction);
+  float t = crossing_of(from, way, s, step, pixel.before, value);
   float sheet = s - 1.0 + t;
   if (!is_kept_by_planes(at, sheet)) return;
   ++num_samples.y;
-  vec3 color = look.isosurface_color.rgb;
+  vec3 color = clamp(look.isosurface_color.rgb, 0.0, 1.0);
   if (has_flag(kShades)) {
     ++num_samples.z;
-    vec3 gradient =
-        to_world(0, gather(0, between(from, way, t), s, ray.step.hi, true).gradient);
-    color = lit(look, color, gradient, to_eye(at));
-  } else {
-    color = clamp(color, 0.0, 1.0);
+    vec3 gradient = to_world(0, gather(0, between(from, way, t), s, step, true).gradient);
+    color = lit(look, look.isosurface_color.rgb, gradient, to_eye(at));
   }
   composite_surface(pixel, color, depth_of_sheet(sheet));
 }
 
 // Sheet s of the field has a value here.
-void take_value(inout Pixel pixel, vec2 at, Ray ray, Place place, float s, float path, float value,
-                bool has_gradient, vec3 gradient) {
+void take_value(inout Pixel pixel, vec2 at, float s, float path, float value) {
   if (kMode == kComposite) {
-    draw_sample(pixel, at, ray, place, s, path, value, has_gradient, gradient);
+    bool has_before = has_flag(kTakesPieces) && pixel.before_sheet == int(s) - 1;
+    draw_sample(pixel, at, s, path, value, has_before, pixel.before);
   } else if (kMode == kIsosurface) {
-    draw_surface(pixel, at, ray, s, value);
+    draw_surface(pixel, at, s, value);
   } else {
     accumulate(pixel, value, path * ray_length(at) * frame.view.sampling_distance,
                depth_of_sheet(s));

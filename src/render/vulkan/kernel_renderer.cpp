@@ -1,0 +1,518 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/vulkan/kernel_renderer.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "ovoid/error.h"
+#include "render/shared/filters.h"
+#include "render/shared/levels.h"
+
+namespace ovoid::vulkan {
+namespace {
+
+static_assert(device::kBlockSheets == view::kBlockDepth);
+static_assert(device::kPlanEdge == view::kBlockEdge);
+static_assert(device::kBrickGroup == KernelBrick::kMaxBrickKernels);
+static_assert(device::kLeastSetWeight == static_cast<float>(KernelField::kLeastWeight));
+
+constexpr int kMostChunkLayers = 8;  // of sheets that are kept at a time
+constexpr int kEdge = device::kGroupEdge;
+
+std::uint32_t set_flags(const KernelField& field, const view::KernelPlan& plan,
+                        const RenderOptions& options, bool has_levels) {
+  std::uint32_t flags = 0;
+  const auto set = [&](bool is_set, std::uint32_t flag) { flags |= is_set ? flag : 0; };
+  set(field.source().shape() == KernelShape::kEllipsoids, device::kHasEllipsoids);
+  set(field.reconstruction() == Reconstruction::kSum, device::kSetIsSum);
+  set(plan.is_mean, device::kSetTakesMeans);
+  set(field.has_own_color(), device::kSetHasColor);
+  set(has_levels, device::kHasLevels);
+  set(options.evaluate == Evaluate::kGather, device::kIsFragmentCentric);
+  set(options.sheet_precision == SheetPrecision::kHalf, device::kSetHalfSheets);
+  set(plan.space.is_parallel, device::kSetIsParallel);
+  return flags;
+}
+
+std::uint32_t profile_number(KernelProfile profile) {
+  switch (profile) {
+    case KernelProfile::kGaussian:
+      return device::kProfileGaussian;
+    case KernelProfile::kCubicSpline:
+      return device::kProfileCubicSpline;
+    case KernelProfile::kWendlandC2:
+      return device::kProfileWendland;
+    case KernelProfile::kEpanechnikov:
+      break;
+  }
+  return device::kProfileEpanechnikov;
+}
+
+std::uint32_t num_channels(const KernelField& field) {
+  const std::uint32_t color = field.has_own_color() ? 1 : 0;
+  return field.reconstruction() == Reconstruction::kSum ? 1 + color : 2 + color;
+}
+
+// Layers that a brick's kernels can reach, half open.
+struct LayerRange {
+  int first, end;
+};
+
+LayerRange layers_of(const KernelBrick& brick, const view::KernelPlan& plan, double cutoff) {
+  double nearest = std::numeric_limits<double>::infinity();
+  double farthest = -nearest;
+  for (int corner = 0; corner < 8; ++corner) {
+    const double depth = plan.space.camera_from_world(
+        brick.support.corner(static_cast<Bounds3::CornerType>(corner)))[2];
+    nearest = std::min(nearest, depth);
+    farthest = std::max(farthest, depth);
+  }
+  // Kernels are widened to half a sheet; a mean stands for half a sheet on either side.
+  const double reach = 0.5 * cutoff + (plan.is_mean ? 0.5 : 0.0) + 0.01;
+  const double layers = plan.num_blocks[2];
+  const double first = (plan.space.sheet_of(nearest) - reach) / view::kBlockDepth;
+  const double last = (plan.space.sheet_of(farthest) + reach) / view::kBlockDepth;
+  return {static_cast<int>(std::clamp(std::floor(first), 0.0, layers)),
+          static_cast<int>(std::clamp(std::floor(last) + 1, 0.0, layers))};
+}
+
+int floor_divided(int a, int b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
+
+}  // namespace
+
+struct KernelRenderer::Set {
+  Set(const KernelField& of, const Camera& camera, const Look& with, const RenderOptions& as)
+      : field(of), look(with), options(as), plan(of, camera, with, as) {}
+
+  const KernelField& field;
+  const Look& look;
+  const RenderOptions& options;
+  view::KernelPlan plan;
+  device::KernelFrame frame{};
+  Constants constants;
+  std::vector<std::uint32_t> needed_layers;
+  std::vector<LayerRange> layers_of_brick;  // of the plan's
+  std::uint32_t lists_per_layer = 0;
+  std::uint64_t plane_samples = 0;  // of the finest level
+  std::uint64_t coarse_numbers = 0;  // of all others, of a sheet
+  int chunk_layers = 1;
+};
+
+device::KernelPush KernelRenderer::push_of(const Layers& layers) const {
+  device::KernelPush push{};
+  push.first_layer = layers.first;
+  push.end_layer = layers.end;
+  push.coarsest = layers.coarsest;
+  return push;
+}
+
+// Levels, their tiles and lists, of a band of the picture.
+void KernelRenderer::prepare_band(Set& set, const Band& band) {
+  const std::uint32_t channels = num_channels(set.field);
+  std::uint32_t first_list = 0;
+  set.coarse_numbers = 0;
+  for (int level = 0; level < device::kNumLevels; ++level) {
+    device::LevelConstants& constants = set.frame.levels[level];
+    const int edge = kEdge << level;
+    // One tile beside the picture all around: what filters and differences read there.
+    const int first_x = -1;
+    const int last_x = floor_divided(set.options.width - 1, edge) + 1;
+    const int first_y = floor_divided(band.first, edge) - 1;
+    const int last_y = floor_divided(band.end - 1, edge) + 1;
+    constants.tiles = {last_x - first_x + 1, last_y - first_y + 1, first_x, first_y};
+    const auto tiles = static_cast<std::uint32_t>(constants.tiles.x * constants.tiles.y);
+    constants.first_list = first_list;
+    first_list += tiles;
+    if (level == 0) {
+      set.plane_samples = std::uint64_t{tiles} * device::kGroupSize;
+    } else {
+      set.coarse_numbers += std::uint64_t{tiles} * device::kGroupSize * channels;
+    }
+  }
+  set.lists_per_layer = first_list;
+  set.frame.num_blocks = {set.plan.num_blocks[0], set.plan.num_blocks[1], set.plan.num_blocks[2],
+                          static_cast<std::int32_t>(first_list)};
+
+  // As many layers at a time as fit into a buffer, with the sheets before that differences need.
+  const std::uint64_t most = bench_.device->limits().maxStorageBufferRange;
+  const auto fits = [&](int layers) {
+    const std::uint64_t num_sheets = static_cast<std::uint64_t>(layers) * view::kBlockDepth;
+    const std::uint64_t coarse =
+        set.frame.max_level > 0 ? num_sheets * set.coarse_numbers * sizeof(float) : 0;
+    return (num_sheets + view::kBlockDepth) * set.plane_samples * sizeof(float) <= most &&
+           coarse <= most;
+  };
+  set.chunk_layers = kMostChunkLayers;
+  while (set.chunk_layers > 1 && !fits(set.chunk_layers)) --set.chunk_layers;
+  set.chunk_layers = std::clamp(set.chunk_layers, 1, std::max(set.plan.num_blocks[2], 1));
+  const int chunk_sheets = set.chunk_layers * view::kBlockDepth;
+  set.frame.ring_sheets = chunk_sheets + view::kBlockDepth;
+  std::uint32_t plane_at = 0;
+  for (int level = 1; level < device::kNumLevels; ++level) {
+    device::LevelConstants& constants = set.frame.levels[level];
+    constants.plane_at = plane_at;
+    plane_at += static_cast<std::uint32_t>(constants.tiles.x * constants.tiles.y) *
+                device::kGroupSize * channels * static_cast<std::uint32_t>(chunk_sheets);
+  }
+
+  Commands& commands = bench_.commands;
+  reserve(frame_, bench_.device, sizeof(set.frame), BufferUse::kDevice);
+  commands.upload(frame_, 0, std::as_bytes(std::span(&set.frame, 1)));
+  const bool is_half = set.options.sheet_precision == SheetPrecision::kHalf;
+  const std::uint64_t ring =
+      static_cast<std::uint64_t>(set.frame.ring_sheets) * set.plane_samples * sizeof(float);
+  reserve(sheets_, bench_.device, is_half ? ring / 2 : ring, BufferUse::kDevice);
+  reserve(color_sheets_, bench_.device, set.field.has_own_color() ? ring : 4, BufferUse::kDevice);
+  reserve(planes_, bench_.device,
+          set.frame.max_level > 0 ? set.coarse_numbers * sizeof(float) *
+                                        static_cast<std::uint64_t>(chunk_sheets)
+                                  : 4,
+          BufferUse::kDevice);
+  // Tiles beside the picture have no pixels to wait for.
+  const device::ivec4& tiles = set.frame.levels[0].tiles;
+  std::vector<std::uint32_t> open(static_cast<std::size_t>(tiles.x) * tiles.y, 0);
+  for (int y = 1; y + 1 < tiles.y; ++y)
+    std::fill_n(open.begin() + static_cast<std::ptrdiff_t>(y) * tiles.x + 1, tiles.x - 2, 1);
+  reserve(open_, bench_.device, open.size() * sizeof(std::uint32_t), BufferUse::kDevice);
+  commands.upload(open_, 0, std::as_bytes(std::span(open)));
+  reserve(counts_, bench_.device, open.size() * 16, BufferUse::kDevice);
+  commands.fill(counts_, 0);
+}
+
+void KernelRenderer::scan(const Buffer& numbers, std::uint32_t count) {
+  std::array<std::uint32_t, 4> counts{count};
+  std::array<const Buffer*, 4> of{&numbers};
+  int levels = 0;
+  // The last level's one sum goes nowhere.
+  for (; levels < 3; ++levels) {
+    const auto l = static_cast<std::size_t>(levels);
+    counts[l + 1] = groups_for(counts[l], device::kScanItems);
+    reserve(sums_[l], bench_.device, std::uint64_t{4} * counts[l + 1], BufferUse::kDevice);
+    of[l + 1] = &sums_[l];
+    device::KernelPush push{};
+    push.num_items = counts[l];
+    bench_.commands.dispatch(Stage::kScan, {}, {of[l], of[l + 1]}, push, grid_of(counts[l + 1]));
+    if (counts[l + 1] == 1) break;
+  }
+  for (int level = levels - 1; level >= 0; --level) {
+    const auto l = static_cast<std::size_t>(level);
+    device::KernelPush push{};
+    push.num_items = counts[l];
+    bench_.commands.dispatch(Stage::kScanAdd, {}, {of[l], of[l + 1]}, push,
+                             grid_of(counts[l + 1]));
+  }
+}
+
+// Splats of the kernels that reach the layers, and how many lists they belong to.
+KernelRenderer::Layers KernelRenderer::project_layers(Set& set, int first, int end) {
+  Commands& commands = bench_.commands;
+  Layers layers{first, end};
+  std::vector<device::BrickConstants> bricks;
+  std::vector<std::pair<std::size_t, std::uint32_t>> pages;  // and its first brick here
+  for (std::size_t i = 0; i < set.plan.bricks.size(); ++i) {
+    const LayerRange& reached = set.layers_of_brick[i];
+    if (reached.first >= end || reached.end <= first) continue;
+    const std::int64_t number = set.plan.bricks[i];
+    const KernelBrick& brick = set.field.source().brick(number);
+    if (pages.empty() || pages.back().first != kernels_->page_of(number))
+      pages.emplace_back(kernels_->page_of(number), static_cast<std::uint32_t>(bricks.size()));
+    const Vec3 at = set.plan.space.camera_from_world(brick.origin);
+    device::BrickConstants constants{};
+    constants.origin = {static_cast<float>(at[0]), static_cast<float>(at[1]),
+                        static_cast<float>(at[2] - set.plan.space.first_depth), 0};
+    constants.first = kernels_->first_in_page(number);
+    constants.count = static_cast<std::uint32_t>(brick.count);
+    constants.first_splat = layers.num_splats;
+    layers.num_splats += constants.count;
+    bricks.push_back(constants);
+  }
+  commands.submit_and_wait();  // what was recorded may use the buffers that grow now
+  if (layers.num_splats == 0) return layers;
+  reserve(bricks_, bench_.device, bricks.size() * sizeof(device::BrickConstants),
+          BufferUse::kDevice);
+  reserve(splats_, bench_.device, std::uint64_t{64} * layers.num_splats, BufferUse::kDevice);
+  reserve(offsets_, bench_.device, std::uint64_t{4} * layers.num_splats + 4, BufferUse::kDevice);
+  reserve(coarsest_, bench_.device, 4, BufferUse::kDevice);
+  commands.upload(bricks_, 0, std::as_bytes(std::span(bricks)));
+  commands.mark("project");
+  commands.fill(offsets_, 0);
+  commands.fill(coarsest_, 0);
+  for (std::size_t p = 0; p < pages.size(); ++p) {
+    commands.submit_and_wait();
+    const Buffer& page = kernels_->acquire(pages[p].first, set.field, commands);
+    const auto past =
+        p + 1 < pages.size() ? pages[p + 1].second : static_cast<std::uint32_t>(bricks.size());
+    device::KernelPush push = push_of(layers);
+    push.first_item = pages[p].second;
+    push.num_items = past - pages[p].second;
+    commands.mark("project");
+    commands.dispatch(
+        Stage::kProject, set.constants,
+        {&frame_, &page, &bricks_, &needed_layers_, &splats_, &offsets_, &coarsest_}, push,
+        grid_of(push.num_items));
+  }
+  commands.mark("scan");
+  scan(offsets_, layers.num_splats + 1);
+  commands.submit_and_wait();
+  commands.read_back(offsets_, std::uint64_t{4} * layers.num_splats,
+                     std::as_writable_bytes(std::span(&layers.num_pairs, 1)));
+  std::uint32_t coarsest = 0;
+  commands.read_back(coarsest_, 0, std::as_writable_bytes(std::span(&coarsest, 1)));
+  layers.coarsest = static_cast<int>(coarsest);
+  return layers;
+}
+
+KernelRenderer::Layers KernelRenderer::bin_layers(Set& set, int first) {
+  const std::uint64_t most = bench_.device->limits().maxStorageBufferRange;
+  const std::uint64_t most_splats = most / sizeof(device::DeviceSplat);
+  const std::uint64_t most_pairs = most / 8;
+  const std::uint64_t most_lists = most / 8;
+  int end = set.plan.num_blocks[2];
+  for (;; end = first + (end - first) / 2) {
+    std::uint64_t num_splats = 0;
+    for (std::size_t i = 0; i < set.plan.bricks.size(); ++i) {
+      const LayerRange& reached = set.layers_of_brick[i];
+      if (reached.first < end && reached.end > first)
+        num_splats +=
+            static_cast<std::uint64_t>(set.field.source().brick(set.plan.bricks[i]).count);
+    }
+    const bool is_one = end - first <= 1;
+    const std::uint64_t lists =
+        std::uint64_t{set.lists_per_layer} * static_cast<std::uint64_t>(end - first);
+    if (num_splats <= most_splats && lists <= most_lists) {
+      const Layers layers = project_layers(set, first, end);
+      if (layers.num_pairs <= most_pairs) {
+        list_and_sort(set, layers);
+        return layers;
+      }
+    }
+    if (is_one)
+      throw Error(ErrorCode::kOutOfMemory,
+                  fmt::format("backend vulkan: {} kernels reach {} sheets, more than buffers of {} "
+                              "MiB hold: expected a finer --sampling-distance, a nearer view, or "
+                              "backend cpu",
+                              num_splats, view::kBlockDepth, most >> 20U));
+  }
+}
+
+void KernelRenderer::list_and_sort(Set& set, const Layers& layers) {
+  Commands& commands = bench_.commands;
+  const std::uint32_t num_lists =
+      set.lists_per_layer * static_cast<std::uint32_t>(layers.end - layers.first);
+  reserve(ends_, bench_.device, std::uint64_t{8} * num_lists, BufferUse::kDevice);
+  commands.fill(ends_, 0);
+  if (layers.num_pairs == 0) return;
+  const std::uint64_t pair_bytes = std::uint64_t{8} * layers.num_pairs;
+  reserve(pairs_, bench_.device, pair_bytes, BufferUse::kDevice);
+  reserve(other_pairs_, bench_.device, pair_bytes, BufferUse::kDevice);
+  const std::uint32_t blocks = groups_for(layers.num_pairs, device::kSortItems);
+  const std::uint32_t num_digits = blocks * device::kSortBins;
+  reserve(digits_, bench_.device, std::uint64_t{4} * num_digits, BufferUse::kDevice);
+  device::KernelPush push = push_of(layers);
+  push.num_items = layers.num_splats;
+  commands.mark("list");
+  commands.dispatch(Stage::kList, set.constants,
+                    {&frame_, &splats_, &offsets_, &needed_layers_, &pairs_}, push,
+                    grid_of(groups_for(layers.num_splats, 256)));
+  commands.mark("sort");
+  push.num_items = layers.num_pairs;
+  // Who belongs to no list has the greatest number there is, and more bits than any list's.
+  const auto bits = static_cast<std::uint32_t>(std::bit_width(num_lists));
+  for (push.shift = 0; push.shift < bits; push.shift += device::kSortBits) {
+    commands.dispatch(Stage::kSortCount, {}, {&pairs_, &digits_}, push, grid_of(blocks));
+    scan(digits_, num_digits);
+    commands.dispatch(Stage::kSortScatter, {}, {&pairs_, &digits_, &other_pairs_}, push,
+                      grid_of(blocks));
+    std::swap(pairs_, other_pairs_);
+  }
+  commands.dispatch(Stage::kListEnds, {}, {&pairs_, &ends_}, push,
+                    grid_of(groups_for(layers.num_pairs, 256)));
+}
+
+// Layers [first, end) become sheets of the ring, coarse levels first.
+void KernelRenderer::reconstruct(Set& set, const Layers& layers, int first, int end) {
+  const bool has_levels = set.frame.max_level > 0;
+  device::KernelPush push = push_of(layers);
+  push.layer = first;
+  for (int level = has_levels ? layers.coarsest : 0; level >= 0; --level) {
+    push.level = level;
+    Constants constants = set.constants;
+    constants.push_back((level == 0 ? device::kIsFinest : 0) |
+                        (has_levels && level < layers.coarsest ? device::kHasCoarser : 0));
+    const device::ivec4& tiles = set.frame.levels[level].tiles;
+    bench_.commands.mark("reconstruct");
+    bench_.commands.dispatch(
+        Stage::kReconstruct, constants,
+        {&frame_, &splats_, &pairs_, &ends_, &needed_blocks_, &open_, &planes_, &sheets_,
+         &color_sheets_, &counts_},
+        push,
+        {static_cast<std::uint32_t>(tiles.x), static_cast<std::uint32_t>(tiles.y),
+         static_cast<std::uint32_t>(end - first)});
+  }
+}
+
+void KernelRenderer::shade(Set& set, const Band& band, int first_sheet, int end_sheet) {
+  if (first_sheet >= end_sheet) return;
+  device::KernelPush push{};
+  push.first_sheet = first_sheet;
+  push.end_sheet = end_sheet;
+  push.first_row = static_cast<std::uint32_t>(band.first);
+  push.end_row = static_cast<std::uint32_t>(band.end);
+  bench_.commands.mark("shade and composite");
+  bench_.commands.dispatch(
+      Stage::kShade, set.constants,
+      {&frame_, &tables_, &sheets_, &color_sheets_, &needed_blocks_, &open_,
+       &bench_.pixels.colors(), &bench_.pixels.depths(), &bench_.pixels.states(), &counts_},
+      push,
+      {groups_for(static_cast<std::uint64_t>(set.options.width), device::kGroupEdge),
+       groups_for(static_cast<std::uint64_t>(band.rows()), device::kGroupEdge), 1});
+}
+
+void KernelRenderer::draw_band(Set& set, const Band& band, const RenderHooks& hooks) {
+  prepare_band(set, band);
+  const int num_layers = set.plan.num_blocks[2];
+  const int num_sheets = set.frame.num_sheets;
+  int shaded_to = 0;
+  for (int first = 0; first < num_layers;) {
+    if (set.needed_layers[static_cast<std::size_t>(first)] == 0) {
+      ++first;
+      continue;
+    }
+    const Layers layers = bin_layers(set, first);
+    for (int layer = layers.first; layer < layers.end;) {
+      if (hooks.stop.stop_requested())
+        throw Error(ErrorCode::kCancelled, "rendering was cancelled");
+      if (set.needed_layers[static_cast<std::size_t>(layer)] == 0) {
+        // Nothing here can show, nor on the last sheet before.
+        shaded_to = ++layer * view::kBlockDepth;
+        continue;
+      }
+      int end = layer + 1;
+      while (end < layers.end && end - layer < set.chunk_layers &&
+             set.needed_layers[static_cast<std::size_t>(end)] != 0)
+        ++end;
+      reconstruct(set, layers, layer, end);
+      // The last sheet waits for the one behind it.
+      const int shade_to = std::min(end * view::kBlockDepth - 1, num_sheets);
+      shade(set, band, shaded_to, shade_to);
+      shaded_to = std::max(shaded_to, shade_to);
+      layer = end;
+      // Software drivers take long for each; who waits wants to be able to stop.
+      if (hooks.stop.stop_possible()) bench_.commands.submit_and_wait();
+    }
+    first = layers.end;
+  }
+  shade(set, band, shaded_to, num_sheets);
+}
+
+void KernelRenderer::render(const KernelField& field, const Camera& camera, const Look& look,
+                            const RenderOptions& options, const RenderHooks& hooks, Image& image,
+                            FrameProfile& profile) {
+  Commands& commands = bench_.commands;
+  Set set(field, camera, look, options);
+  const bool has_levels = options.post_convolution != PostConvolution::kOff &&
+                          options.evaluate != Evaluate::kGather;
+  if (!kernels_ || !kernels_->is_of(field)) {
+    kernels_.reset();
+    kernels_ = std::make_unique<DeviceKernels>(bench_.device, field, bench_.most_bytes);
+  }
+
+  Tables tables;
+  device::KernelFrame& frame = set.frame;
+  const view::SplatSpace& space = set.plan.space;
+  frame.view = view_constants(set.plan, options);
+  frame.looks[0] = look_constants(set.plan, look, field.value_range(), tables);
+  for (int r = 0; r < 3; ++r) {
+    const Vec3 row = space.rotation.row(r);
+    frame.rotation[r] = {static_cast<float>(row[0]), static_cast<float>(row[1]),
+                         static_cast<float>(row[2]), 0};
+  }
+  std::array<float, 12> taps{};
+  for (std::size_t phase = 0; has_levels && phase < 2; ++phase) {
+    const FilterTaps weights = filter_taps(options.post_convolution, phase == 0 ? 0.25 : 0.75);
+    for (std::size_t k = 0; k < weights.size(); ++k)
+      taps[6 * phase + k] = static_cast<float>(weights[k]);
+  }
+  for (std::size_t i = 0; i < 3; ++i)
+    frame.taps[i] = {taps[4 * i], taps[4 * i + 1], taps[4 * i + 2], taps[4 * i + 3]};
+  frame.pitch = static_cast<float>(space.pitch);
+  frame.sampling_distance = static_cast<float>(space.sampling_distance);
+  frame.focal_depth = static_cast<float>(space.focal_depth);
+  frame.first_depth = static_cast<float>(space.first_depth);
+  frame.center_x = static_cast<float>(space.center_x);
+  frame.center_y = static_cast<float>(space.center_y);
+  frame.near_depth = static_cast<float>(
+      std::max(set.plan.lattice.near_depth(), -static_cast<double>(std::numeric_limits<float>::max())));
+  frame.cutoff = static_cast<float>(field.source().cutoff());
+  frame.least_pixels = static_cast<float>(view::kLeastPixels);
+  frame.least_level_sigma = options.post_convolution == PostConvolution::kAuto
+                                ? kLeastLevelSigma
+                                : kPublishedLevelSigma;
+  const ValueRange range = field.value_range();
+  const float half = 0.5F * range.hi - 0.5F * range.lo;
+  frame.sheet_scale = half > 0 ? 1 / half : 1.0F;
+  frame.sheet_offset = 0.5F * range.hi + 0.5F * range.lo;
+  frame.num_sheets = frame.view.num_sheets;
+  frame.max_level = has_levels ? device::kNumLevels - 1 : 0;
+  frame.num_numbers = kernels_->num_numbers();
+  set.constants = {mode_number(look.mode), frame_flags(set.plan, look, options),
+                   set_flags(field, set.plan, options, has_levels),
+                   profile_number(field.source().profile()), num_channels(field)};
+
+  const int num_layers = set.plan.num_blocks[2];
+  const std::size_t per_layer =
+      static_cast<std::size_t>(set.plan.num_blocks[0]) * set.plan.num_blocks[1];
+  std::vector<std::uint8_t> blocks(set.plan.is_needed.size());
+  set.needed_layers.assign(static_cast<std::size_t>(std::max(num_layers, 1)), 0);
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    blocks[i] = static_cast<std::uint8_t>(
+        (set.plan.is_needed[i] != 0 ? device::kBlockIsNeeded : 0) |
+        (set.plan.is_relevant[i] != 0 ? device::kBlockIsRelevant : 0));
+    if (set.plan.is_needed[i] != 0) set.needed_layers[i / per_layer] = 1;
+  }
+  set.layers_of_brick.reserve(set.plan.bricks.size());
+  for (const std::int64_t brick : set.plan.bricks) {
+    set.layers_of_brick.push_back(
+        layers_of(field.source().brick(brick), set.plan, field.source().cutoff()));
+    profile.kernels_drawn += field.source().brick(brick).count;
+  }
+  reserve(tables_, bench_.device, tables.size() * sizeof(device::vec4), BufferUse::kDevice);
+  reserve(needed_layers_, bench_.device, set.needed_layers.size() * 4, BufferUse::kDevice);
+  reserve(needed_blocks_, bench_.device, blocks.size() + 4, BufferUse::kDevice);
+  commands.upload(tables_, 0, std::as_bytes(std::span(tables)));
+  commands.upload(needed_layers_, 0, std::as_bytes(std::span(set.needed_layers)));
+  commands.upload(needed_blocks_, 0, std::as_bytes(std::span(blocks)));
+
+  // A ring of two layers of sheets at least, and as much again for coarser levels, must fit.
+  const std::uint64_t margin = 4 * device::kGroupEdge;
+  const auto width = static_cast<std::uint64_t>(options.width);
+  const std::uint64_t bytes_per_pixel = (64 * (width + margin) + width - 1) / width;
+  for (const Band& band : bench_.pixels.bands(options, hooks, bytes_per_pixel)) {
+    bench_.pixels.clear(commands, options.width, band);
+    commands.submit_and_wait();
+    draw_band(set, band, hooks);
+    commands.mark("read back");
+    commands.submit_and_wait();
+    bench_.pixels.finish(commands, look, band, image);
+    if (options.collect_profile) {
+      const device::ivec4& tiles = frame.levels[0].tiles;
+      std::vector<std::uint32_t> counts(std::size_t{4} * static_cast<std::size_t>(tiles.x) *
+                                        tiles.y);
+      commands.read_back(counts_, 0, std::as_writable_bytes(std::span(counts)));
+      for (std::size_t i = 0; i < counts.size(); i += 4) {
+        profile.samples_reconstructed += counts[i];
+        profile.samples_shaded += counts[i + 1];
+        profile.gradients += counts[i + 2];
+      }
+    }
+    if (hooks.tile_done) hooks.tile_done({0, band.first, options.width, band.end, &image});
+    if (hooks.progress)
+      hooks.progress(static_cast<double>(band.end) / static_cast<double>(options.height));
+  }
+}
+
+}  // namespace ovoid::vulkan

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+// The cut of a splat with a sheet, or its slab's mean, in samples of a level.
+
+struct Section {
+  vec2 center;
+  vec3 shape;       // axx, axy, ayy, per sample^2
+  float amplitude;  // Gaussian: with the part along s
+  float q_along;    // others: the part of the squared distance along s
+  float room;       // the cut ends where the rest of it exceeds this; none: it does not meet it
+};
+
+struct SlabMoments {
+  float weight;
+  float mean;
+  float variance;
+};
+
+// Of exp(-x^2 / 2) over [a, b], not wider than a few: by quadrature, which unlike differences of
+// error functions loses no digits far from the middle, nor where the slab is thin.
+const float kNodes[4] = float[4](0.09171732, 0.26276620, 0.39833324, 0.48014493);
+const float kNodeWeights[4] = float[4](0.18134189, 0.15685332, 0.11119052, 0.05061427);
+
+SlabMoments slab_moments(float a, float b) {
+  float middle = 0.5 * (a + b);
+  float width = b - a;
+  float weight = 0.0, first = 0.0, second = 0.0;
+  for (int i = 0; i < 8; ++i) {
+    float at = (i < 4 ? kNodes[i & 3] : -kNodes[i & 3]) * width;
+    float g = kNodeWeights[i & 3] * exp(-0.5 * (middle + at) * (middle + at));
+    weight += g;
+    first += g * at;
+    second += g * at * at;
+  }
+  SlabMoments moments;
+  moments.weight = weight * width;
+  moments.mean = middle;
+  moments.variance = 0.0;
+  if (!(moments.weight > 1e-12)) return moments;
+  float mean = first / weight;
+  moments.mean = middle + mean;
+  moments.variance = max(second / weight - mean * mean, 0.0);
+  return moments;
+}
+
+Section middle_section(DeviceSplat splat, float t, float factor, vec2 offset) {
+  float along = t * t * splat.shape.w;
+  float per_sample = 1.0 / (factor * factor);
+  bool is_gaussian = kProfile == kProfileGaussian;
+  Section section;
+  section.center = offset + factor * (splat.center.xy + splat.slide.xy * t);
+  section.shape = splat.shape.xyz * per_sample;
+  section.amplitude = is_gaussian ? exp(-0.5 * along) : 1.0;
+  section.q_along = is_gaussian ? 0.0 : along;
+  section.room = frame.cutoff * frame.cutoff - along;
+  return section;
+}
+
+// As one Gaussian: the weight that lies in the slab, at the mean of its places, wider by their
+// variance. `per_depth`: of a ray, lateral position over depth, per sheet.
+Section mean_section(DeviceSplat splat, float t, float factor, vec2 offset, float per_depth) {
+  float sigma = inversesqrt(splat.shape.w);
+  float reach = splat.slide.z;
+  SlabMoments moments = slab_moments(clamp(t - 0.5, -reach, reach) / sigma,
+                                     clamp(t + 0.5, -reach, reach) / sigma);
+  float mean = moments.mean * sigma;
+  float variance = moments.variance * sigma * sigma;
+  vec2 at = splat.center.xy + splat.slide.xy * t;
+  vec2 m = splat.slide.xy - at * per_depth;
+  float det = splat.shape.x * splat.shape.z - splat.shape.y * splat.shape.y;
+  float cxx = splat.shape.z / det + variance * m.x * m.x;
+  float cxy = -splat.shape.y / det + variance * m.x * m.y;
+  float cyy = splat.shape.x / det + variance * m.y * m.y;
+  float det3 = cxx * cyy - cxy * cxy;
+  float per_sample = 1.0 / (factor * factor * det3);
+  Section section;
+  section.center = offset + factor * (at + m * (mean - t));
+  section.shape = vec3(cyy, -cxy, cxx) * per_sample;
+  section.amplitude = moments.weight * sigma / sqrt(det * det3);
+  section.q_along = 0.0;
+  section.room = frame.cutoff * frame.cutoff;
+  return section;
+}
+
+// A profile at the squared Mahalanobis distance q.
+float profile_at(float q) {
+  if (kProfile == kProfileGaussian) return exp2(q * -0.72134752);
+  float tt = min(q / (frame.cutoff * frame.cutoff), 1.0);
+  if (kProfile == kProfileEpanechnikov) return 1.0 - tt;
+  float t = sqrt(tt);
+  float rest = 1.0 - t;
+  if (kProfile == kProfileWendland) return rest * rest * rest * rest * fma(4.0, t, 1.0);
+  return t < 0.5 ? 1.0 - 6.0 * tt * rest : 2.0 * rest * rest * rest;
+}

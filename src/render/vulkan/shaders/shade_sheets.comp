@@ -1,0 +1,171 @@
+#version 450
+// SPDX-License-Identifier: Apache-2.0
+// Stages "shade" and "composite" of kernel sets: a thread for a pixel goes through finished sheets
+// of the ring, whose neighbours are there for differences.
+#extension GL_GOOGLE_include_directive : require
+#include "kernel_bindings.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+
+layout(std430, binding = 1) readonly buffer TableBuffer { vec4 tables[]; };
+layout(std430, binding = 2) readonly buffer SheetBuffer { uint sheets[]; };
+layout(std430, binding = 3) readonly buffer ColorSheetBuffer { float color_sheets[]; };
+layout(std430, binding = 4) readonly buffer NeededBuffer { uint needed_blocks[]; };
+layout(std430, binding = 5) buffer OpenBuffer { uint open_tiles[]; };
+layout(std430, binding = 6) buffer ColorBuffer { vec4 colors[]; };
+layout(std430, binding = 7) buffer DepthBuffer { float depths[]; };
+layout(std430, binding = 8) buffer StateBuffer { PixelState states[]; };
+layout(std430, binding = 9) buffer CountBuffer { uvec4 counts[]; };
+
+#include "view.glsl"
+#include "look.glsl"
+#include "shade.glsl"
+#include "composite.glsl"
+#include "finish.glsl"
+
+struct Sample {
+  float value;
+  bool is_defined;
+};
+
+uint plane_size() {
+  return uint(frame.levels[0].tiles.x * frame.levels[0].tiles.y) * kGroupSize;
+}
+
+uint place_in_plane(ivec2 pixel) {
+  ivec2 at = pixel - frame.levels[0].tiles.zw * int(kGroupEdge);
+  return uint(at.y * frame.levels[0].tiles.x) * kGroupEdge + uint(at.x);
+}
+
+Sample sample_at(ivec2 pixel, int sheet) {
+  Sample found;
+  found.value = 0.0;
+  found.is_defined = false;
+  if (sheet < 0 || sheet >= frame.num_sheets) return found;
+  uint ring = uint(sheet % frame.ring_sheets);
+  uint at = place_in_plane(pixel);
+  float value;
+  if (set_has(kSetHalfSheets)) {
+    vec2 both = unpackHalf2x16(sheets[(ring >> 1) * plane_size() + at]);
+    value = ((ring & 1u) == 0u ? both.x : both.y) / frame.sheet_scale + frame.sheet_offset;
+  } else {
+    value = uintBitsToFloat(sheets[ring * plane_size() + at]);
+  }
+  found.is_defined = (floatBitsToUint(value) & 0x7F800000u) != 0x7F800000u;
+  if (found.is_defined) found.value = value;
+  return found;
+}
+
+float color_value_at(ivec2 pixel, int sheet) {
+  return color_sheets[uint(sheet % frame.ring_sheets) * plane_size() + place_in_plane(pixel)];
+}
+
+vec3 central_gradient(ivec2 pixel, int sheet, float value) {
+  Sample left = sample_at(pixel - ivec2(1, 0), sheet);
+  Sample right = sample_at(pixel + ivec2(1, 0), sheet);
+  Sample above = sample_at(pixel - ivec2(0, 1), sheet);
+  Sample below = sample_at(pixel + ivec2(0, 1), sheet);
+  Sample front = sample_at(pixel, sheet - 1);
+  Sample back = sample_at(pixel, sheet + 1);
+  vec3 differences =
+      vec3(difference(left.value, value, right.value, left.is_defined, right.is_defined),
+           difference(above.value, value, below.value, above.is_defined, below.is_defined),
+           difference(front.value, value, back.value, front.is_defined, back.is_defined));
+  return gradient_of_differences(differences, vec2(pixel), float(sheet), 1.0);
+}
+
+vec3 gradient_of_sample(vec2 at, float s, float value, bool has_before) {
+  return central_gradient(ivec2(at), int(s), value);
+}
+
+vec3 own_color(vec2 at, float s) {
+  return classify(frame.looks[0].color, color_value_at(ivec2(at), int(s))).rgb;
+}
+
+// The first crossing between two sheets, on the straight line between their values; gradient and
+// colour are mixed likewise.
+void draw_surface(inout Pixel pixel, ivec2 at, int sheet, float value) {
+  LookConstants look = frame.looks[0];
+  Sample before = sample_at(at, sheet - 1);
+  if (!before.is_defined || pixel.is_closed) return;
+  if ((before.value < look.isovalue) == (value < look.isovalue)) return;
+  float rise = value - before.value;
+  float t = (look.isovalue - before.value) / (rise == 0.0 ? 1.0 : rise);
+  float s = float(sheet) - 1.0 + t;
+  vec2 place = vec2(at);
+  if (!is_kept_by_planes(place, s)) return;
+  if (!(path_fraction(place, float(sheet - 1)) > 0.0)) return;
+  ++num_samples.y;
+  vec3 color = look.isosurface_color.rgb;
+  if (has_flag(kHasOwnColor)) {
+    float mixed = mix(color_value_at(at, sheet - 1), color_value_at(at, sheet), t);
+    color = classify(look.color, mixed).rgb;
+  }
+  if (has_flag(kShades)) {
+    ++num_samples.z;
+    vec3 gradient = mix(central_gradient(at, sheet - 1, before.value),
+                        central_gradient(at, sheet, value), t);
+    color = lit(look, color, gradient, to_eye(place));
+  }
+  composite_surface(pixel, clamp(color, 0.0, 1.0), depth_of_sheet(s));
+}
+
+void draw_pixel(ivec2 at, inout Pixel pixel) {
+  ivec2 of_plan = at / kPlanEdge;
+  for (int sheet = push.first_sheet; sheet < push.end_sheet; ++sheet) {
+    if (pixel.is_closed && has_flag(kStopsOpaque)) return;
+    int layer = sheet / kBlockSheets;
+    uint block = uint((layer * frame.num_blocks.y + of_plan.y) * frame.num_blocks.x + of_plan.x);
+    if ((needed_blocks[block >> 2] >> ((block & 3u) * 8u) & kBlockIsRelevant) == 0u) {
+      sheet = (layer + 1) * kBlockSheets - 1;
+      continue;
+    }
+    Sample own = sample_at(at, sheet);
+    if (!own.is_defined) continue;
+    float path = path_fraction(vec2(at), float(sheet));
+    if (!(path > 0.0)) continue;
+    if (kMode == kComposite) {
+      Sample before;
+      before.is_defined = false;
+      before.value = 0.0;
+      if (has_flag(kTakesPieces)) before = sample_at(at, sheet - 1);
+      draw_sample(pixel, vec2(at), float(sheet), path, own.value, before.is_defined, before.value);
+    } else if (kMode == kIsosurface) {
+      draw_surface(pixel, at, sheet, own.value);
+    } else {
+      accumulate(pixel, own.value,
+                 path * ray_length(vec2(at)) * frame.view.sampling_distance,
+                 depth_of_sheet(float(sheet)));
+    }
+  }
+}
+
+shared uint any_open;
+shared uvec4 group_counts[kGroupSize];
+
+void main() {
+  ivec2 tile = ivec2(gl_WorkGroupID.xy) + ivec2(0, int(push.first_row / kGroupEdge));
+  ivec2 at = tile * int(kGroupEdge) + ivec2(gl_LocalInvocationID.xy);
+  ivec2 of_level = tile - frame.levels[0].tiles.zw;
+  uint number = uint(of_level.y * frame.levels[0].tiles.x + of_level.x);
+  if (open_tiles[number] == 0u) return;
+  if (gl_LocalInvocationIndex == 0u) any_open = 0u;
+  barrier();
+  if (at.x < int(frame.view.width) && at.y < int(push.end_row)) {
+    uint index = uint(at.y - int(push.first_row)) * frame.view.width + uint(at.x);
+    Pixel pixel = load_pixel(index);
+    if (!pixel.is_closed || !has_flag(kStopsOpaque)) {
+      draw_pixel(at, pixel);
+      store_pixel(index, pixel);
+    }
+    if (!pixel.is_closed) atomicOr(any_open, 1u);
+  }
+  group_counts[gl_LocalInvocationIndex] = num_samples;
+  barrier();
+  if (gl_LocalInvocationIndex != 0u) return;
+  if (any_open == 0u && has_flag(kStopsOpaque)) open_tiles[number] = 0u;
+  if (!has_flag(kCounts)) return;
+  uvec4 sum = uvec4(0u);
+  for (uint i = 0u; i < kGroupSize; ++i) sum += group_counts[i];
+  counts[number] += sum;
+}

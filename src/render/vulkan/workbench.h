@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+
+#include "render/vulkan/commands.h"
+#include "render/vulkan/pixels.h"
+
+namespace ovoid::vulkan {
+
+// What is needed for drawing, whatever is drawn.
+struct Workbench {
+  Workbench(std::shared_ptr<Device> on, std::uint64_t bytes)
+      : device(std::move(on)), commands(device), pixels(device), most_bytes(bytes) {}
+
+  std::shared_ptr<Device> device;
+  Commands commands;
+  Pixels pixels;
+  std::uint64_t most_bytes;  // of the device's memory for fields
+};
+
+inline std::uint32_t groups_for(std::uint64_t count, std::uint32_t size) {
+  return static_cast<std::uint32_t>((count + size - 1) / size);
+}
+
+// So many work groups in a row, as a grid that no limit forbids; a few more than asked for.
+inline Groups grid_of(std::uint32_t groups) {
+  constexpr std::uint32_t kMostInRow = 32768;
+  return {std::min(groups, kMostInRow), groups_for(groups, kMostInRow), 1};
+}
+
+}  // namespace ovoid::vulkan

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <memory>
 #include <numbers>
 
@@ -187,7 +188,17 @@ Scene small_scene(Mode mode, bool is_parallel) {
   return scene;
 }
 
+Backend tested_backend() {
+  const char* name = std::getenv("OVOID_TEST_BACKEND");
+  return name != nullptr && std::string(name) == "vulkan" ? Backend::kVulkan : Backend::kCpu;
+}
+
 Frame draw(const Scene& scene, Backend backend) {
+  if (backend == Backend::kVulkan) {
+    // Never destroyed: drivers have ends of their own.
+    static auto* const renderer = new Renderer(backend, 2);
+    return renderer->render(scene.field, scene.camera, scene.look, scene.options);
+  }
   return Renderer(backend, 2).render(scene.field, scene.camera, scene.look, scene.options);
 }
 

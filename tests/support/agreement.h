@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the agreement tests draw: volumes, looks and views, each with something in it that a back
-// end could get wrong; and the comparison of the cpu back end with the reference.
+// end could get wrong; and the comparison of a back end with the reference.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -79,10 +79,15 @@ const char* name_of(PostConvolution published);
 // reference's slab means.
 Scene small_scene(Mode mode, bool is_parallel);
 
-// With a renderer of its own on two threads.
-Frame draw(const Scene& scene, Backend backend = Backend::kCpu);
+// The back end that is held to the reference: cpu, or what the environment's OVOID_TEST_BACKEND
+// names. So all of these tests are run for every back end.
+Backend tested_backend();
 
-// Draws the scene with both back ends and holds the cpu back end to `tolerance` and
+// With a renderer of its own on two threads; of the vulkan back end, which takes seconds to start
+// where a processor is its device, one for all.
+Frame draw(const Scene& scene, Backend backend = tested_backend());
+
+// Draws the scene with both back ends and holds the tested one to `tolerance` and
 // kAgreementOtherDepths; prints one line with what was measured. `least_covered`: share of the
 // picture that must show something, so that an empty scene does not pass for agreement.
 ::testing::AssertionResult backends_agree(const Scene& scene, const std::string& name,

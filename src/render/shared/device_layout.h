@@ -67,6 +67,14 @@ OVOID_CONSTANT uint kHasBehind = 1024u;
 OVOID_CONSTANT uint kHasOwnColor = 2048u;
 OVOID_CONSTANT uint kHasNodes = 4096u;
 OVOID_CONSTANT uint kNodesKeepBound = 8192u;  // those near faces have no value
+OVOID_CONSTANT uint kSpreads = 16384u;  // bilinearly
+// Of post-convolution.
+OVOID_CONSTANT int kNodeTile = 32;   // pixels along the side of the tile that shares nodes
+OVOID_CONSTANT int kMostNodes = 30;  // along it, with those around: at 1.45 pixels each 28
+OVOID_CONSTANT uint kFilterLagrange = 0u;
+OVOID_CONSTANT uint kFilterBilinear = 1u;
+OVOID_CONSTANT uint kFilterGaussian = 2u;
+OVOID_CONSTANT uint kFilterCubic = 3u;
 // ovoid::Mode and ovoid::ScalarType, as numbers.
 OVOID_CONSTANT uint kComposite = 0u;
 OVOID_CONSTANT uint kXray = 1u;
@@ -126,6 +134,8 @@ struct LatticeConstants {
   vec4 step_hi[3];  // its change per sheet
   vec4 step_lo[3];
   vec4 gradient_rows[3];  // world from index
+  vec4 camera_rows[3];     // to the right, down and along the view axis, world, from index
+  vec4 camera_columns[3];  // the inverse's rows, magnitudes
   vec4 inverse_spacing;
   vec4 widening_limit;
   vec4 support_lo;  // index positions where the field can be defined
@@ -196,8 +206,8 @@ struct BoxConstants {
   uint end_row;
   int first_sheet;  // that are drawn now
   int end_sheet;
-  uint padding0;
-  uint padding1;
+  float pitch;  // pixels between nodes, on these sheets
+  uint padding;
 };
 
 // A pass of the distances between bricks, along one axis.

@@ -148,6 +148,17 @@ device::LatticeConstants lattice_constants(const LatticeField& field, const view
     out.step_lo[i] = rest_of(steps[i]);
     out.gradient_rows[i] = vector(gradient.row(i).transpose());
   }
+  const view::SheetMap map = plan.lattice.world_map(0);
+  Mat3 camera;
+  camera.row(0) = map.per_x.normalized();
+  camera.row(1) = map.per_y.normalized();
+  camera.row(2) = plan.lattice.view_axis();
+  const Mat3 camera_from_index = camera * geometry.world_from_index.linear();
+  const Mat3 index_from_camera = camera_from_index.inverse();
+  for (int r = 0; r < 3; ++r) {
+    out.camera_rows[r] = vector(camera_from_index.row(r).transpose());
+    out.camera_columns[r] = vector(index_from_camera.row(r).cwiseAbs().transpose());
+  }
   out.inverse_spacing = vector(geometry.spacing().cwiseInverse());
   out.widening_limit = vector(plan.widening_limit());
   // Rounding slack; the sums decide exactly.
@@ -205,7 +216,11 @@ std::uint32_t frame_flags(const view::FramePlan& plan, const Look& look,
   set(plan.is_preintegrated, device::kTakesPieces);
   set(fades, device::kFades);
   set(takes_gradients, device::kTakesGradients);
-  set(takes_gradients && options.gradient == GradientMethod::kCentral, device::kTakesDifferences);
+  const bool takes_differences =
+      options.gradient == GradientMethod::kCentral || options.spread == Spread::kBilinear;
+  set(takes_gradients && takes_differences, device::kTakesDifferences);
+  set(options.spread == Spread::kBilinear, device::kSpreads);
+  set(options.post_convolution == PostConvolution::kAuto, device::kNodesKeepBound);
   set(options.stop_opaque, device::kStopsOpaque);
   set(options.sheet_precision == SheetPrecision::kHalf, device::kHalfSheets);
   set(options.collect_profile, device::kCounts);

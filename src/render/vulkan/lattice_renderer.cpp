@@ -51,21 +51,60 @@ struct Drawing {
   bool takes_differences;
 };
 
-int sheets_at_a_time(const Drawing& drawing, const device::LatticeConstants& lattice) {
+// Rounds of all loops for one sample of a sheet, its gradient included.
+double rounds_of_sample(const Drawing& drawing, const device::LatticeConstants& lattice) {
   const double widening = drawing.plan.greatest_widening;
   const double taps = std::floor(2 * static_cast<double>(lattice.support) * widening) + 1;
-  const bool has_four_taps =
-      (drawing.flags & device::kHasFourTaps) != 0 && widening == 1 &&
-      (drawing.flags & device::kMayMiss) == 0;
+  const bool has_four_taps = (drawing.flags & device::kHasFourTaps) != 0 && widening == 1 &&
+                             (drawing.flags & device::kMayMiss) == 0;
   // A row of taps goes by fours.
   const double per_node =
       has_four_taps ? 30 : taps * (taps * (std::ceil(taps / 4) + 1) + 1) + 9 * taps;
-  const double per_sample = per_node * lattice.num_slab_nodes *
-                            drawing.field.geometry().num_sublattices();
   const bool is_surface = drawing.mode == Mode::kIsosurface;
   const double samples = is_surface ? device::kSurfaceSteps + 3 : drawing.takes_differences ? 8 : 2;
-  return static_cast<int>(kMostRounds / (per_sample * samples + 20));
+  return samples * per_node * lattice.num_slab_nodes * drawing.field.geometry().num_sublattices();
 }
+
+// Where a node's share of samples is looked for.
+double rounds_of_spread(const device::LatticeConstants& lattice, double apart) {
+  double rounds = 2;
+  const device::vec4& along = lattice.camera_rows[2];
+  const double tau = static_cast<double>(lattice.sigma) * std::hypot(along.x, along.y, along.z);
+  const double reach = static_cast<double>(lattice.support / lattice.sigma) * tau;
+  for (const device::vec4& row : lattice.camera_columns)
+    rounds *= 2 * (static_cast<double>(row.x + row.y) * apart +
+                   static_cast<double>(row.z) * reach) + 2;
+  return rounds;
+}
+
+std::uint32_t filter_number(PostConvolution how) {
+  switch (how) {
+    case PostConvolution::kBilinear:
+      return device::kFilterBilinear;
+    case PostConvolution::kGaussian:
+      return device::kFilterGaussian;
+    case PostConvolution::kCubic:
+      return device::kFilterCubic;
+    default:
+      return device::kFilterLagrange;
+  }
+}
+
+// The bound of kAuto holds where the field is as smooth as its kernel, and the gradient no
+// difference of neighbours, which would be as far apart as nodes.
+constexpr double kLeastCutoff = 3.99;
+bool may_have_nodes(const LatticeField& field, const RenderOptions& options,
+                    const view::Behind* behind) {
+  if (behind != nullptr || options.post_convolution == PostConvolution::kOff) return false;
+  if (options.post_convolution != PostConvolution::kAuto) return true;
+  const LatticeKernel kernel = field.index_kernel();
+  return field.reconstruction() == Reconstruction::kNormalized && kernel.sigma >= 0.25 &&
+         kernel.cutoff >= kLeastCutoff && options.gradient != GradientMethod::kCentral;
+}
+
+// Pixels per node from which kAuto takes nodes: a tile's, with those around it, are half as many as
+// its pixels, whose taps of nodes are a fifth of those of samples.
+constexpr double kWorthwhilePitch = 2.0;
 
 }  // namespace
 
@@ -181,21 +220,50 @@ void LatticeRenderer::render(const LatticeField& field, const Camera& camera, co
   reserve(nothing_, bench_.device, 16, BufferUse::kDevice);
   commands.upload(frame_, 0, std::as_bytes(std::span(&frame, 1)));
   commands.upload(tables_, 0, std::as_bytes(std::span(tables)));
-  int sheets = frame.view.num_sheets;
-  if (bench_.device->info().kind == DeviceKind::kSoftware) {
-    const bool takes_differences = (flags & device::kTakesDifferences) != 0;
-    sheets = sheets_at_a_time({field, own.plan, constants[3], look.mode, takes_differences},
-                              frame.fields[0]);
-    if (other)
-      sheets = std::min(sheets, sheets_at_a_time({*behind->field, other->plan, constants[5],
-                                                  behind->look.mode, false},
-                                                 frame.fields[1])) /
-               2;
-    if (sheets < 1)
+  const bool has_nodes = may_have_nodes(field, options, behind);
+  const auto pitch_of = [&](std::int64_t sheet) {
+    if (!has_nodes) return 1.0;
+    const double pitch = own.plan.node_pitch(options.post_convolution, sheet);
+    const bool is_auto = options.post_convolution == PostConvolution::kAuto;
+    return is_auto && pitch < kWorthwhilePitch ? 1.0 : pitch;
+  };
+  const bool is_software = bench_.device->info().kind == DeviceKind::kSoftware;
+  const bool takes_differences = (flags & device::kTakesDifferences) != 0;
+  double rounds = rounds_of_sample({field, own.plan, constants[3], look.mode, takes_differences},
+                                   frame.fields[0]);
+  if (other)
+    rounds += rounds_of_sample({*behind->field, other->plan, constants[5], behind->look.mode, false},
+                               frame.fields[1]);
+  // Sheets [first, end) that one list of commands draws, and the pitch of their nodes.
+  struct Part {
+    int first, end;
+    float pitch;
+  };
+  std::vector<Part> parts;
+  for (int first = 0; first < frame.view.num_sheets;) {
+    const std::int64_t sheet = own.plan.sheets.first + first;
+    const double pitch = pitch_of(sheet);
+    int end = frame.view.num_sheets;
+    if (has_nodes)
+      end = static_cast<int>(
+          std::min<std::int64_t>(end, view::next_layer(sheet) - own.plan.sheets.first));
+    // Of nodes a thread has up to four, and four pixels that may have to stand for themselves.
+    double per_sheet = pitch > 1 ? 8 * rounds + 2500 : rounds + 20;
+    if (pitch > 1 && options.spread == Spread::kBilinear) {
+      const double apart = pitch * own.plan.lattice.pitch(sheet);
+      per_sheet += 4 * 7 * rounds_of_spread(frame.fields[0], apart);
+    }
+    const int most = is_software ? static_cast<int>(kMostRounds / per_sheet) : end - first;
+    if (most < 1)
       throw Error(ErrorCode::kUnsupported,
                   "backend vulkan: software drivers cannot sum so many kernels for one sample: "
                   "expected a larger picture, a nearer view, or backend cpu");
+    end = std::min(end, first + most);
+    parts.push_back({first, end, static_cast<float>(pitch)});
+    first = end;
   }
+  Constants node_constants = constants;
+  node_constants.push_back(filter_number(options.post_convolution));
   const std::vector<std::size_t> order =
       kept_.lattice->front_to_back(eye_of(camera, own.plan, field));
   const std::vector<Band> bands = bench_.pixels.bands(options, hooks, sizeof(device::vec4));
@@ -222,14 +290,20 @@ void LatticeRenderer::render(const LatticeField& field, const Camera& camera, co
       place.end_row = static_cast<std::uint32_t>(band.end);
       place.tile_y = place.first_row;
       commands.mark("draw");
-      for (int first = 0; first < frame.view.num_sheets; first += sheets) {
-        place.first_sheet = first;
-        place.end_sheet = std::min(first + sheets, frame.view.num_sheets);
-        commands.dispatch(Stage::kLattice, constants,
+      for (const Part& part : parts) {
+        place.first_sheet = part.first;
+        place.end_sheet = part.end;
+        place.pitch = part.pitch;
+        const bool is_at_nodes = part.pitch > 1;
+        const Groups node_groups{
+            groups_for(static_cast<std::uint64_t>(options.width), device::kNodeTile),
+            groups_for(static_cast<std::uint64_t>(band.rows()), device::kNodeTile), 1};
+        commands.dispatch(is_at_nodes ? Stage::kLatticeNodes : Stage::kLattice,
+                          is_at_nodes ? node_constants : constants,
                           {&frame_, &tables_, &box.samples, samples_behind, &kept_.bricks,
                            bricks_behind, &bench_.pixels.colors(), &bench_.pixels.depths(),
                            &bench_.pixels.states(), &counts_},
-                          place, groups);
+                          place, is_at_nodes ? node_groups : groups);
       }
     }
     commands.mark("read back");

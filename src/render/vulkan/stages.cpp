@@ -14,6 +14,9 @@ constexpr std::uint32_t kDistanceWords[] = {
 constexpr std::uint32_t kLatticeWords[] = {
 #include "lattice.inc"
 };
+constexpr std::uint32_t kLatticeNodesWords[] = {
+#include "lattice_nodes.inc"
+};
 constexpr std::uint32_t kProjectWords[] = {
 #include "project.inc"
 };
@@ -45,6 +48,7 @@ constexpr std::uint32_t kShadeSheetsWords[] = {
 constexpr std::array<Shader, kNumStages> kShaders = {{
     {"distance", kDistanceWords, 2, sizeof(device::DistanceConstants)},
     {"lattice", kLatticeWords, 10, sizeof(device::BoxConstants)},
+    {"lattice_nodes", kLatticeNodesWords, 10, sizeof(device::BoxConstants)},
     {"project", kProjectWords, 7, sizeof(device::KernelPush)},
     {"scan", kScanWords, 2, sizeof(device::KernelPush)},
     {"scan_add", kScanAddWords, 2, sizeof(device::KernelPush)},

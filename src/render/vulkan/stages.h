@@ -11,6 +11,7 @@ namespace ovoid::vulkan {
 enum class Stage {
   kDistance,        // of bricks to what can show, along one axis
   kLattice,         // reconstruct, shade, composite
+  kLatticeNodes,    // the same with post-convolve before shade
   kProject,         // kernels -> splats
   kScan,            // sums of what lies before, block by block
   kScanAdd,         // and of the blocks before

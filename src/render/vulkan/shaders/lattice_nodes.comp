@@ -1,0 +1,296 @@
+#version 450
+// SPDX-License-Identifier: Apache-2.0
+// The stages of a lattice with post-convolution: sheets of one layer, on which the field is worked
+// out at nodes some pixels apart, and brought from there to the pixels. A work group has a tile of
+// kNodeTile^2 pixels, four of them a thread; values, and gradients where any pixel shows something,
+// are filtered along the rows of nodes first, then down the columns of pixels. A pixel that has a
+// node without value around it is worked out by itself, as without nodes.
+#extension GL_GOOGLE_include_directive : require
+#include "lattice_bindings.glsl"
+
+layout(local_size_x = 16, local_size_y = 16) in;
+layout(constant_id = 6) const uint kFilter = 0u;
+
+#include "view.glsl"
+#include "look.glsl"
+#include "shade.glsl"
+#include "gather.glsl"
+#include "composite.glsl"
+#include "finish.glsl"
+#include "lattice_pixel.glsl"
+#include "spread.glsl"
+
+const int kOwn = 4;      // pixels of a thread
+const int kHalf = 16;    // pixels between them
+const uint kThreads = 256u;
+
+shared float node_values[kMostNodes * kMostNodes];
+shared float node_gradients[3][kMostNodes * kMostNodes];
+shared uint defined_rows[kMostNodes];  // a bit for a node
+shared float filtered_rows[kMostNodes * kNodeTile];
+shared uint wanted_by_any;  // 1: a value; 2: a gradient
+shared int next_wanted;
+
+vec3 own_color(vec2 at, float s) { return vec3(0.0); }  // lattices have one attribute
+
+// The weight of a node, `distance` nodes away, before they are made to add up to 1.
+float filter_at(float distance) {
+  float x = abs(distance);
+  if (kFilter == kFilterBilinear) return max(1.0 - x, 0.0);
+  if (kFilter == kFilterGaussian) return x < 2.0 ? exp(-2.0 * x * x) : 0.0;
+  if (x < 1.0) return (1.5 * x - 2.5) * x * x + 1.0;
+  return x < 2.0 ? ((-0.5 * x + 2.5) * x - 4.0) * x + 2.0 : 0.0;
+}
+
+struct Taps {
+  int first;  // node, of the tile's
+  float weight[6];
+};
+
+Taps taps_at(float place, int first_node) {
+  Taps taps;
+  float whole = floor(place);
+  float phase = place - whole;
+  taps.first = int(whole) - 2 - first_node;
+  float sum = 0.0;
+  for (int k = 0; k < 6; ++k) {
+    float weight = 1.0;
+    if (kFilter == kFilterLagrange) {
+      for (int m = 0; m < 6; ++m) {
+        if (m != k) weight *= (phase - float(m - 2)) / float(k - m);
+      }
+    } else {
+      weight = filter_at(phase - float(k - 2));
+    }
+    taps.weight[k] = weight;
+    sum += weight;
+  }
+  for (int k = 0; k < 6; ++k) taps.weight[k] /= sum;
+  return taps;
+}
+
+// All kernels of an endless lattice exist that reach the place.
+bool is_whole(Place place, float s) {
+  LatticeConstants lattice = frame.fields[0];
+  vec3 reach = lattice.support * widening_on(0, s);
+  for (int n = 0; n < num_sublattices(0); ++n) {
+    vec3 at = vec3(place.cell) + place.fraction - offset_of(lattice, n);
+    if (any(lessThan(at, reach)) ||
+        any(greaterThan(at, vec3(lattice.dims[n].xyz - 1) - reach)))
+      return false;
+  }
+  return (brick_byte(0, vec3(place.cell)) & kMissingBit) == 0u;
+}
+
+// The field at a node, with its world gradient if that is the kernels'.
+Gathered node_at(vec2 at, float s, bool wants_gradient) {
+  Ray ray = ray_at(0, at);
+  Place place = place_on(ray, s);
+  Gathered result;
+  result.value = 0.0;
+  result.gradient = vec3(0.0);
+  result.is_defined = false;
+  if (has_flag(kSpreads)) return spread_at(place, s, box.pitch);
+  if (!is_in_support(0, place)) return result;
+  if (has_flag(kNodesKeepBound) && !is_whole(place, s)) return result;
+  result = gather(0, place, s, ray.step.hi, wants_gradient);
+  result.gradient = to_world(0, result.gradient);
+  return result;
+}
+
+vec3 central_gradient_of_node(vec2 at, float s, float value) {
+  Gathered left = node_at(at - vec2(box.pitch, 0.0), s, false);
+  Gathered right = node_at(at + vec2(box.pitch, 0.0), s, false);
+  Gathered above = node_at(at - vec2(0.0, box.pitch), s, false);
+  Gathered below = node_at(at + vec2(0.0, box.pitch), s, false);
+  Gathered front = node_at(at, s - 1.0, false);
+  Gathered back = node_at(at, s + 1.0, false);
+  vec3 differences =
+      vec3(difference(left.value, value, right.value, left.is_defined, right.is_defined),
+           difference(above.value, value, below.value, above.is_defined, below.is_defined),
+           difference(front.value, value, back.value, front.is_defined, back.is_defined));
+  return gradient_of_differences(differences, at, s, box.pitch);
+}
+
+ivec2 first_node;
+ivec2 num_nodes;
+
+// All nodes of the tile on a sheet.
+void fill_nodes(float s, bool wants_gradient) {
+  uint self = gl_LocalInvocationIndex;
+  if (self < uint(kMostNodes)) defined_rows[self] = 0u;
+  barrier();
+  for (uint n = self; n < uint(num_nodes.x * num_nodes.y); n += kThreads) {
+    ivec2 node = ivec2(int(n) % num_nodes.x, int(n) / num_nodes.x);
+    vec2 at = vec2(first_node + node) * box.pitch;
+    bool takes_differences = has_flag(kTakesDifferences);
+    Gathered f = node_at(at, s, wants_gradient && !takes_differences);
+    if (wants_gradient && takes_differences && f.is_defined)
+      f.gradient = central_gradient_of_node(at, s, f.value);
+    int place = node.y * kMostNodes + node.x;
+    node_values[place] = f.is_defined ? f.value : 0.0;
+    for (int a = 0; a < 3; ++a) node_gradients[a][place] = f.is_defined ? f.gradient[a] : 0.0;
+    if (f.is_defined) atomicOr(defined_rows[node.y], 1u << uint(node.x));
+  }
+  barrier();
+}
+
+// One kind of number of the nodes: -1 values, 0 to 2 gradients, along the rows.
+void filter_rows(int kind, uvec2 corner) {
+  for (uint n = gl_LocalInvocationIndex; n < uint(num_nodes.y * kNodeTile); n += kThreads) {
+    int row = int(n) / kNodeTile;
+    int column = int(n) % kNodeTile;
+    Taps taps = taps_at(float(corner.x + uint(column)) / box.pitch, first_node.x);
+    float sum = 0.0;
+    for (int k = 0; k < 6; ++k) {
+      int at = row * kMostNodes + min(taps.first + k, num_nodes.x - 1);
+      sum = fma(taps.weight[k], kind < 0 ? node_values[at] : node_gradients[kind][at], sum);
+    }
+    filtered_rows[row * kNodeTile + column] = sum;
+  }
+  barrier();
+}
+
+float filtered_at(Taps rows, int column) {
+  float sum = 0.0;
+  for (int k = 0; k < 6; ++k)
+    sum = fma(rows.weight[k],
+              filtered_rows[min(rows.first + k, num_nodes.y - 1) * kNodeTile + column], sum);
+  return sum;
+}
+
+bool has_all_nodes(Taps columns, Taps rows) {
+  uint mask = 63u << uint(columns.first);
+  for (int k = 0; k < 6; ++k) {
+    if ((defined_rows[rows.first + k] & mask) != mask) return false;
+  }
+  return true;
+}
+
+void main() {
+  uvec2 corner = gl_WorkGroupID.xy * uint(kNodeTile) + uvec2(box.tile_x, box.tile_y);
+  ivec2 within = ivec2(gl_LocalInvocationID.xy);
+  first_node = ivec2(floor(vec2(corner) / box.pitch)) - 2;
+  num_nodes = ivec2(floor(vec2(corner + uint(kNodeTile) - 1u) / box.pitch)) + 3 - first_node + 1;
+  num_nodes = min(num_nodes, ivec2(kMostNodes));
+  Pixel pixels[kOwn];
+  Ray rays[kOwn];
+  ivec2 ranges[kOwn];
+  bool exists[kOwn];
+  uvec2 places[kOwn];
+  for (int i = 0; i < kOwn; ++i) {
+    places[i] = corner + uvec2(within + ivec2(i & 1, i >> 1) * kHalf);
+    exists[i] = places[i].x < frame.view.width && places[i].y < box.end_row;
+    if (!exists[i]) continue;
+    pixels[i] = load_pixel((places[i].y - box.first_row) * frame.view.width + places[i].x);
+    rays[i] = ray_at(0, vec2(places[i]));
+    ranges[i] = sheets_in_box(rays[i]);
+    // What is known of the sheet before is of another layer's nodes.
+    pixels[i].before_sheet = -1;
+  }
+  bool takes_pieces = has_flag(kTakesPieces) || kMode == kIsosurface;
+  bool takes_node_gradients =
+      has_flag(kTakesGradients) && (!has_flag(kTakesPieces) || has_flag(kTakesDifferences));
+  int sheet = takes_pieces ? max(box.first_sheet - 1, 0) : box.first_sheet;
+  while (sheet < box.end_sheet) {
+    float s = float(sheet);
+    bool is_margin = sheet < box.first_sheet;
+    if (gl_LocalInvocationIndex == 0u) {
+      wanted_by_any = 0u;
+      next_wanted = box.end_sheet;
+    }
+    barrier();
+    bool wants[kOwn];
+    int next = box.end_sheet;
+    for (int i = 0; i < kOwn; ++i) {
+      wants[i] = false;
+      if (!exists[i] || (pixels[i].is_closed && has_flag(kStopsOpaque))) continue;
+      if (sheet >= ranges[i].y) continue;
+      // The sheet before a layer is not in its range, which says nothing of the samples on it.
+      int skipped = sheet < ranges[i].x && !is_margin ? ranges[i].x - sheet
+                                                      : sheets_to_skip(0, rays[i], s);
+      if (skipped > 0) {
+        next = min(next, sheet + skipped);
+        continue;
+      }
+      next = min(next, sheet + 1);
+      Place place = place_on(rays[i], s);
+      wants[i] = is_own(place) && path_fraction(vec2(places[i]), s) > 0.0 &&
+                 is_in_support(0, place);
+      if (wants[i]) atomicOr(wanted_by_any, 1u);
+    }
+    atomicMin(next_wanted, next);
+    barrier();
+    bool is_wanted = wanted_by_any != 0u;
+    int following = max(next_wanted, sheet + 1);
+    barrier();
+    if (is_wanted) {
+      fill_nodes(s, takes_node_gradients && !is_margin);
+      filter_rows(-1, corner);
+      float values[kOwn];
+      bool is_defined[kOwn];
+      bool is_from_nodes[kOwn];
+      vec3 gradients[kOwn];
+      for (int i = 0; i < kOwn; ++i) {
+        is_defined[i] = is_from_nodes[i] = false;
+        if (!wants[i]) continue;
+        ++num_samples.x;
+        Taps columns = taps_at(float(places[i].x) / box.pitch, first_node.x);
+        Taps rows = taps_at(float(places[i].y) / box.pitch, first_node.y);
+        is_from_nodes[i] = has_all_nodes(columns, rows);
+        if (is_from_nodes[i]) {
+          values[i] = kept_by_sheet(0, filtered_at(rows, int(places[i].x - corner.x)));
+          is_defined[i] = true;
+          if (takes_node_gradients && classify(frame.looks[0].look, values[i]).a > 0.0)
+            atomicOr(wanted_by_any, 2u);
+        } else {
+          Gathered f = gather(0, place_on(rays[i], s), s, rays[i].step.hi, false);
+          values[i] = f.value;
+          is_defined[i] = f.is_defined;
+        }
+      }
+      barrier();
+      if (takes_node_gradients && !is_margin && (wanted_by_any & 2u) != 0u) {
+        for (int a = 0; a < 3; ++a) {
+          filter_rows(a, corner);
+          for (int i = 0; i < kOwn; ++i) {
+            if (!is_from_nodes[i]) continue;
+            Taps rows = taps_at(float(places[i].y) / box.pitch, first_node.y);
+            gradients[i][a] = filtered_at(rows, int(places[i].x - corner.x));
+          }
+          barrier();
+        }
+      }
+      for (int i = 0; i < kOwn; ++i) {
+        if (!is_defined[i]) continue;
+        if (is_margin) {
+          pixels[i].before = values[i];
+          pixels[i].before_sheet = sheet;
+          continue;
+        }
+        own_ray = rays[i];
+        own_place = place_on(rays[i], s);
+        has_own_gradient = is_from_nodes[i] && takes_node_gradients;
+        own_gradient = gradients[i];
+        // A piece is of the layer that the sheet at its end is of, and of nodes if that sample is.
+        if (takes_pieces && !is_from_nodes[i] && pixels[i].before_sheet == sheet - 1) {
+          pixels[i].before =
+              gather(0, place_on(rays[i], s - 1.0), s - 1.0, rays[i].step.hi, false).value;
+        }
+        take_value(pixels[i], vec2(places[i]), s, path_fraction(vec2(places[i]), s), values[i]);
+      }
+    }
+    sheet = following;
+    barrier();
+  }
+  for (int i = 0; i < kOwn; ++i) {
+    if (exists[i])
+      store_pixel((places[i].y - box.first_row) * frame.view.width + places[i].x, pixels[i]);
+  }
+  if (has_flag(kCounts)) {
+    uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+    atomicAdd(counts[group].x, num_samples.x);
+    atomicAdd(counts[group].y, num_samples.y);
+    atomicAdd(counts[group].z, num_samples.z);
+  }
+}

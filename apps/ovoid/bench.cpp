@@ -54,15 +54,20 @@ std::vector<Scene> select_scenes(const std::vector<std::string>& names) {
   const auto matches = [](const std::string& scene, const std::string& name) {
     return scene.find(name) != std::string::npos;
   };
+  std::vector<Scene> selected;
   for (const std::string& name : names) {
+    if (const std::optional<Scene> own = scene_named(name)) {
+      selected.push_back(*own);
+      continue;
+    }
     if (std::none_of(known.begin(), known.end(),
                      [&](const std::string& scene) { return matches(scene, name); })) {
       throw UsageError(fmt::format(
-          "SCENE '{}': expected a scene's name or a part of it{} (see ovoid bench --list)", name,
+          "SCENE '{}': expected a scene's name or a part of it{} (see ovoid bench --list), or "
+          "VOLUME-SAMPLES-WIDTHxHEIGHT-LOOK", name,
           did_you_mean(name, known)));
     }
   }
-  std::vector<Scene> selected;
   for (const Scene& scene : all) {
     if (std::any_of(names.begin(), names.end(),
                     [&](const std::string& name) { return matches(scene.name(), name); })) {
@@ -113,27 +118,30 @@ Volume make_volume(const Scene& scene, const BenchFlags& bench, Session& session
 SceneResult measure(const Scene& scene, const Volume& volume, const BenchFlags& bench,
                     Renderer& renderer, const Session& session) {
   RenderOptions options = bench.options;
-  options.width = options.height = scene.pixels;
+  options.width = scene.width;
+  options.height = scene.height;
   const Look look = make_scene_look(scene.look, volume.field.value_range());
   RenderHooks hooks;
   hooks.stop = session.stop();
   const auto draw = [&](const Camera& camera) {
     return renderer.render(volume.field, camera, look, options, hooks);
   };
-  check_picture(draw(volume.camera).image, scene.name());  // also the frame to warm up
+  Camera middle = volume.camera;
+  middle.zoom(scene.magnification);
+  check_picture(draw(middle).image, scene.name());  // also the frame to warm up
 
   SceneResult result;
   result.scene = scene;
   result.model_ms = volume.model_ms;
   std::vector<double> frames_ms;
   for (int i = 0; i < bench.frames; ++i) {
-    Camera turned = volume.camera;
+    Camera turned = middle;
     turned.azimuth(kTurnDegrees * i);
     frames_ms.push_back(draw(turned).profile.frame_ms);
   }
   result.frame_ms = spread(frames_ms);
   options.collect_profile = true;
-  result.profile = draw(volume.camera).profile;
+  result.profile = draw(middle).profile;
   return result;
 }
 
@@ -153,7 +161,8 @@ Json to_json(const SceneResult& result) {
   json["volume"] = result.scene.volume;
   json["kind"] = result.scene.is_lattice ? "lattice" : "kernels";
   json[result.scene.is_lattice ? "samples_per_axis" : "count"] = result.scene.samples;
-  json["size"] = {result.scene.pixels, result.scene.pixels};
+  json["size"] = {result.scene.width, result.scene.height};
+  json["magnification"] = result.scene.magnification;
   json["model_ms"] = result.model_ms;
   json["frame_ms"] = {{"median", time.median},
                       {"q1", time.q1},
@@ -184,6 +193,7 @@ Json run_json(const FrameProfile& profile, int frames, const std::string& comman
   json["compiler"] = __VERSION__;
   json["cpu"] = cpu_name();
   json["backend"] = profile.backend;
+  json["device"] = profile.device;
   json["simd_target"] = profile.simd_target;
   json["threads"] = profile.threads;
   json["frames"] = frames;
@@ -203,8 +213,9 @@ void print_row(const SceneResult& result) {
 }
 
 void print_heading(const FrameProfile& frame, int frames) {
-  fmt::print("{} {}, {} threads, {} frames each, {}\n\n", frame.backend, frame.simd_target,
-             frame.threads, frames, cpu_name());
+  fmt::print("{} {}, {} threads, {} frames each, {}\n\n", frame.backend,
+             frame.device.empty() ? frame.simd_target : frame.device, frame.threads, frames,
+             cpu_name());
   fmt::print("{:<34}{:>9}{:>9}{:>9}{:>10}{:>10}\n", "scene", "median ms", "q1", "q3", "Msample/s",
              "M shaded");
 }
@@ -240,7 +251,8 @@ void run_bench(const Words& words, Session& session) {
       "formula, semi-transparent (soft) and opaque, at two picture sizes. Flags of the model act "
       "on the scenes that they are for. Each scene is drawn once to check it, then timed.");
   flags.section("");
-  flags.positionals("SCENE", "names, or parts of names: head-256, 512px, opaque (default: all)",
+  flags.positionals("SCENE", "names, or parts of names: head-256, 512px, opaque (default: all); or one of your "
+                    "own: head-512-1920x1080-soft, -x4 behind it for a view 4 times nearer",
                     &bench.names);
   flags.toggle("--json", "results as JSON on standard output", &bench.is_json);
   flags.toggle("--list", "names of the scenes", &bench.lists);

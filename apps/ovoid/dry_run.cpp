@@ -17,7 +17,6 @@ RenderOptions resized(RenderOptions options, int width_divisor, int height_divis
   const auto divided = [](int side, int divisor) {
     return std::max(side / divisor, std::min(side, kLeastSide));
   };
-  options.collect_profile = true;  // counts
   options.width = divided(options.width, width_divisor);
   options.height = divided(options.height, height_divisor);
   return options;

@@ -15,6 +15,7 @@
 #include "command.h"
 #include "data_flags.h"
 #include "model_flags.h"
+#include "ovoid/devices.h"
 #include "ovoid/error.h"
 #include "ovoid/look.h"
 #include "ovoid/renderer.h"
@@ -473,25 +474,56 @@ void print_text(const Json& json) {
   print_row("memory of the field", readable_bytes(field["memory_bytes"].get<double>()));
 }
 
+Json json_of(const DeviceInfo& device) {
+  return {{"index", device.index},
+          {"name", device.name},
+          {"kind", name_of(device.kind)},
+          {"memory_bytes", device.memory_bytes},
+          {"driver", device.driver},
+          {"vulkan", device.api_version},
+          {"lack", device.lack.empty() ? Json(nullptr) : Json(device.lack)}};
+}
+
 Json devices_json() {
+  const DeviceList list = list_devices();
+  Json vulkan;
+  vulkan["backend"] = "vulkan";
+  vulkan["devices"] = Json::array();
+  for (const DeviceInfo& device : list.devices) vulkan["devices"].push_back(json_of(device));
+  vulkan["problem"] = list.problem.empty() ? Json(nullptr) : Json(list.problem);
   Json cpu;
   cpu["backend"] = "cpu";
   cpu["simd_targets"] = simd_targets();
   Json reference;
   reference["backend"] = "reference";
-  return Json::array({cpu, reference});
+  return Json::array({vulkan, cpu, reference});
+}
+
+std::string device_text(const Json& device) {
+  const std::string text = fmt::format(
+      "device {}: {}, {}, {}, {}, Vulkan {}", number(device["index"]),
+      one_line(device["name"].get<std::string>()), device["kind"].get<std::string>(),
+      readable_bytes(device["memory_bytes"].get<double>()),
+      one_line(device["driver"].get<std::string>()), device["vulkan"].get<std::string>());
+  if (device["lack"].is_null()) return text;
+  return fmt::format("{}; not usable: it {}", text, device["lack"].get<std::string>());
 }
 
 void print_devices(const Json& devices) {
   for (const Json& device : devices) {
-    const std::string name = device["backend"].get<std::string>();
-    const bool has_targets = device.contains("simd_targets");
-    fmt::print(
-        "{:<12}{}\n", name,
-        has_targets
-            ? fmt::format("SIMD targets, best first: {}",
-                          fmt::join(device["simd_targets"].get<std::vector<std::string>>(), ", "))
-            : "double precision, slow: the definition");
+    const auto name = device["backend"].get<std::string>();
+    const auto print_line = [&](const std::string& text) { fmt::print("{:<12}{}\n", name, text); };
+    if (name == "vulkan") {
+      for (const Json& one : device["devices"]) print_line(device_text(one));
+      if (!device["problem"].is_null())
+        print_line("none: " + one_line(device["problem"].get<std::string>()));
+    } else if (name == "cpu") {
+      print_line(
+          fmt::format("SIMD targets, best first: {}",
+                      fmt::join(device["simd_targets"].get<std::vector<std::string>>(), ", ")));
+    } else {
+      print_line("double precision, slow: the definition");
+    }
   }
 }
 

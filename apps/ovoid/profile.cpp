@@ -68,6 +68,7 @@ std::string to_json(const RunProfile& profile) {
   json.update(counts_json(profile.frame));
   json["peak_memory_bytes"] = peak_memory_bytes();
   json["backend"] = profile.frame.backend;
+  json["device"] = profile.frame.device;
   json["simd_target"] = profile.frame.simd_target;
   json["threads"] = profile.frame.threads;
   json["size"] = {profile.width, profile.height};
@@ -84,7 +85,8 @@ std::string to_table(const RunProfile& profile) {
     out += fmt::format("  {:<24}{}\n", name, value);
   };
   const auto ms = [](double value) { return fmt::format("{:.2f} ms", value); };
-  const std::string target = frame.simd_target.empty() ? "" : ", " + frame.simd_target;
+  std::string target = frame.simd_target.empty() ? "" : ", " + frame.simd_target;
+  if (!frame.device.empty()) target += ", " + frame.device;
   out += fmt::format("{}{}, {} thread{}, {} x {} pixels\n", frame.backend, target, frame.threads,
                      frame.threads == 1 ? "" : "s", profile.width, profile.height);
   row("load", ms(profile.load_ms));

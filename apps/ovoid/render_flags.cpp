@@ -115,6 +115,9 @@ void add_switch_flags(Flags& flags, RenderOptions* options) {
                &options->skip_irrelevant, false);
   flags.toggle("--no-stop", "work also on what is behind the opaque (slower, same picture)",
                &options->stop_opaque, false);
+  flags.toggle("--no-pack",
+               "backend vulkan: sum a set's kernels on one sheet at a time (slower, same picture)",
+               &options->pack_sheets, false);
 }
 
 }  // namespace ovoid::cli

@@ -10,6 +10,6 @@ namespace ovoid::cli {
 // "running".
 void add_number_flags(Flags& flags, RenderOptions* options);
 void add_run_flags(Flags& flags, RendererSetup* run);
-void add_switch_flags(Flags& flags, RenderOptions* options);  // --no-skip, --no-stop
+void add_switch_flags(Flags& flags, RenderOptions* options);  // --no-skip, --no-stop, --no-pack
 
 }  // namespace ovoid::cli

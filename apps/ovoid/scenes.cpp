@@ -3,13 +3,40 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <regex>
+
 namespace ovoid::cli {
 
 std::string Scene::volume_name() const { return fmt::format("{}-{}", volume, samples); }
 
 std::string Scene::name() const {
   const char* const kind = look == SceneLook::kSoft ? "soft" : "opaque";
-  return fmt::format("{}-{}px-{}", volume_name(), pixels, kind);
+  const std::string size =
+      width == height ? fmt::format("{}px", width) : fmt::format("{}x{}", width, height);
+  const std::string nearer = magnification == 1 ? "" : fmt::format("-x{:g}", magnification);
+  return fmt::format("{}-{}-{}{}", volume_name(), size, kind, nearer);
+}
+
+std::optional<Scene> scene_named(const std::string& name) {
+  static const std::regex form(
+      R"(([a-z-]+)-(\d{1,9})-(\d{1,5})x(\d{1,5})-(soft|opaque)(-x(\d+(\.\d+)?))?)");
+  std::smatch part;
+  if (!std::regex_match(name, part, form)) return std::nullopt;
+  const std::vector<Scene> standard = standard_scenes();
+  const auto known =
+      std::find_if(standard.begin(), standard.end(),
+                   [&](const Scene& scene) { return scene.volume == part[1].str(); });
+  if (known == standard.end()) return std::nullopt;
+  Scene scene = *known;
+  scene.samples = std::stoi(part[2]);
+  scene.width = std::stoi(part[3]);
+  scene.height = std::stoi(part[4]);
+  scene.look = part[5] == "soft" ? SceneLook::kSoft : SceneLook::kOpaque;
+  scene.magnification = part[7].matched ? std::stod(part[7]) : 1;
+  const bool is_possible = scene.samples > 0 && scene.width > 0 && scene.height > 0 &&
+                           scene.magnification > 0;
+  return is_possible ? std::optional(scene) : std::nullopt;
 }
 
 std::vector<Scene> standard_scenes() {
@@ -24,7 +51,7 @@ std::vector<Scene> standard_scenes() {
                            Data{"galaxy", 200'000, false}, Data{"blobs", 2'000, false}}) {
     for (const int pixels : {256, 512}) {
       for (const SceneLook look : {SceneLook::kSoft, SceneLook::kOpaque}) {
-        scenes.push_back({data.name, data.samples, data.is_lattice, pixels, look});
+        scenes.push_back({data.name, data.samples, data.is_lattice, pixels, pixels, look});
       }
     }
   }

@@ -70,6 +70,8 @@ struct RenderOptions {
   bool skip_irrelevant = true;  // off: every block is reconstructed (time changes, pixels do not)
   bool stop_opaque =
       true;  // off: covered samples are still worked out (time changes, pixels do not)
+  bool pack_sheets = true;  // off: the vulkan back end sums a set's kernels on one sheet at a time
+                            // (time changes, pixels do not)
   bool collect_profile = false;  // stage times cost a few per cent
 
   static constexpr int kMaxImageSide = 32768;

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -10,6 +11,7 @@
 #include <numbers>
 
 #include "data/resident_lattice.h"
+#include "ovoid/devices.h"
 #include "support/compare.h"
 #include "support/scenes.h"
 
@@ -84,6 +86,21 @@ std::int64_t num_other_depths(const Image& actual, const Image& expected, double
   }
   return count;
 }
+
+// Where the back end to be tested has no device, nothing is.
+class NeedsDevice final : public ::testing::Environment {
+ public:
+  void SetUp() override {
+    if (tested_backend() != Backend::kVulkan) return;
+    setenv("OVOID_VULKAN_VALIDATION", "1", 0);
+    const DeviceList list = list_devices();
+    const bool is_there = std::any_of(list.devices.begin(), list.devices.end(),
+                                      [](const DeviceInfo& device) { return device.is_usable(); });
+    if (!is_there) GTEST_SKIP() << "no Vulkan device: " << list.problem;
+  }
+};
+[[maybe_unused]] ::testing::Environment* const kNeedsDevice =
+    ::testing::AddGlobalTestEnvironment(new NeedsDevice);
 
 }  // namespace
 

@@ -36,6 +36,11 @@ inline constexpr int kAllEnd8BitDifference = 27;
 inline constexpr double kKinkedMeanPsnrDb = 45;
 inline constexpr int kKinkedMean8BitDifference = 64;
 
+// Sheets of half floats err by 2^-12 of the field's range: a ramp over all of it shows 1/4096, and
+// as much again for light, whose gradients are differences of them. The tier of the design.
+inline constexpr double kHalfSheetsPsnrDb = 55;
+inline constexpr int kHalfSheets8BitDifference = 4;
+
 // Pictures with post-convolution against those without: the design's tier.
 inline constexpr double kLevelsPsnrDb = 50;
 

@@ -62,7 +62,6 @@ OVOID_CONSTANT uint kTakesGradients = 32u;
 OVOID_CONSTANT uint kTakesDifferences = 64u;
 OVOID_CONSTANT uint kStopsOpaque = 128u;
 OVOID_CONSTANT uint kHalfSheets = 256u;
-OVOID_CONSTANT uint kCounts = 512u;
 OVOID_CONSTANT uint kHasBehind = 1024u;
 OVOID_CONSTANT uint kHasOwnColor = 2048u;
 OVOID_CONSTANT uint kHasNodes = 4096u;
@@ -317,6 +316,10 @@ struct KernelPush {
   uint first_row;  // of the band
   uint end_row;
   uint first_item;
+  int only_sheet;  // of a layer's; -1: all at once
+  uint padding0;
+  uint padding1;
+  uint padding2;
 };
 
 // What a pixel has gathered beside its colour and depth.
@@ -340,7 +343,7 @@ static_assert(sizeof(LevelConstants) == 32);
 static_assert(sizeof(KernelFrame) % 16 == 0);
 static_assert(sizeof(BrickConstants) == 32);
 static_assert(sizeof(DeviceSplat) == 64);
-static_assert(sizeof(KernelPush) == 48);
+static_assert(sizeof(KernelPush) == 64);
 }  // namespace ovoid::device
 #endif
 #endif

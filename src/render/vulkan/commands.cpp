@@ -202,6 +202,7 @@ void Commands::collect_times() {
 void Commands::upload(const Buffer& to, std::uint64_t offset, std::span<const std::byte> bytes) {
   assert(!is_recording_);
   if (bytes.empty()) return;
+  uploaded_bytes += bytes.size();
   if (to.mapped() != nullptr) {
     std::memcpy(to.mapped() + offset, bytes.data(), bytes.size());
     return;

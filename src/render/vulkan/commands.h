@@ -50,6 +50,7 @@ class Commands {
   // Whatever is wanted of a buffer, after a submit.
   void read_back(const Buffer& from, std::uint64_t offset, std::span<std::byte> bytes);
 
+  std::uint64_t uploaded_bytes = 0;          // since it was cleared
   bool times = false;                        // whether marks do anything
   std::map<std::string, double> stages_ms;  // added up since it was cleared
   std::vector<std::string> stage_order;

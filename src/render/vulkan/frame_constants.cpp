@@ -223,7 +223,6 @@ std::uint32_t frame_flags(const view::FramePlan& plan, const Look& look,
   set(options.post_convolution == PostConvolution::kAuto, device::kNodesKeepBound);
   set(options.stop_opaque, device::kStopsOpaque);
   set(options.sheet_precision == SheetPrecision::kHalf, device::kHalfSheets);
-  set(options.collect_profile, device::kCounts);
   set(plan.color_table.has_value(), device::kHasOwnColor);
   return flags;
 }

@@ -20,7 +20,8 @@ static_assert(device::kPlanEdge == view::kBlockEdge);
 static_assert(device::kBrickGroup == KernelBrick::kMaxBrickKernels);
 static_assert(device::kLeastSetWeight == static_cast<float>(KernelField::kLeastWeight));
 
-constexpr int kMostChunkLayers = 8;  // of sheets that are kept at a time
+// Of sheets that are kept at a time: more would be worked out behind what is opaque.
+constexpr int kMostChunkLayers = 4;
 constexpr int kEdge = device::kGroupEdge;
 
 std::uint32_t set_flags(const KernelField& field, const view::KernelPlan& plan,
@@ -107,6 +108,7 @@ device::KernelPush KernelRenderer::push_of(const Layers& layers) const {
   push.first_layer = layers.first;
   push.end_layer = layers.end;
   push.coarsest = layers.coarsest;
+  push.only_sheet = -1;
   return push;
 }
 
@@ -345,13 +347,19 @@ void KernelRenderer::reconstruct(Set& set, const Layers& layers, int first, int 
                         (has_levels && level < layers.coarsest ? device::kHasCoarser : 0));
     const device::ivec4& tiles = set.frame.levels[level].tiles;
     bench_.commands.mark("reconstruct");
-    bench_.commands.dispatch(
-        Stage::kReconstruct, constants,
-        {&frame_, &splats_, &pairs_, &ends_, &needed_blocks_, &open_, &planes_, &sheets_,
-         &color_sheets_, &counts_},
-        push,
-        {static_cast<std::uint32_t>(tiles.x), static_cast<std::uint32_t>(tiles.y),
-         static_cast<std::uint32_t>(end - first)});
+    // Two half sheets share a word: they go together.
+    const bool is_packed = set.options.pack_sheets ||
+                           set.options.sheet_precision == SheetPrecision::kHalf;
+    for (int sheet = is_packed ? -1 : 0; sheet < (is_packed ? 0 : view::kBlockDepth); ++sheet) {
+      push.only_sheet = sheet;
+      bench_.commands.dispatch(
+          Stage::kReconstruct, constants,
+          {&frame_, &splats_, &pairs_, &ends_, &needed_blocks_, &open_, &planes_, &sheets_,
+           &color_sheets_, &counts_},
+          push,
+          {static_cast<std::uint32_t>(tiles.x), static_cast<std::uint32_t>(tiles.y),
+           static_cast<std::uint32_t>(end - first)});
+    }
   }
 }
 
@@ -401,8 +409,9 @@ void KernelRenderer::draw_band(Set& set, const Band& band, const RenderHooks& ho
       shade(set, band, shaded_to, shade_to);
       shaded_to = std::max(shaded_to, shade_to);
       layer = end;
-      // Software drivers take long for each; who waits wants to be able to stop.
-      if (hooks.stop.stop_possible()) bench_.commands.submit_and_wait();
+      // Who waits for a software driver wants to be able to stop.
+      if (hooks.stop.stop_possible() && bench_.device->info().kind == DeviceKind::kSoftware)
+        bench_.commands.submit_and_wait();
     }
     first = layers.end;
   }
@@ -498,17 +507,7 @@ void KernelRenderer::render(const KernelField& field, const Camera& camera, cons
     commands.mark("read back");
     commands.submit_and_wait();
     bench_.pixels.finish(commands, look, band, image);
-    if (options.collect_profile) {
-      const device::ivec4& tiles = frame.levels[0].tiles;
-      std::vector<std::uint32_t> counts(std::size_t{4} * static_cast<std::size_t>(tiles.x) *
-                                        tiles.y);
-      commands.read_back(counts_, 0, std::as_writable_bytes(std::span(counts)));
-      for (std::size_t i = 0; i < counts.size(); i += 4) {
-        profile.samples_reconstructed += counts[i];
-        profile.samples_shaded += counts[i + 1];
-        profile.gradients += counts[i + 2];
-      }
-    }
+    add_counts(commands, counts_, static_cast<std::size_t>(frame.levels[0].tiles.x) * frame.levels[0].tiles.y, profile);
     if (hooks.tile_done) hooks.tile_done({0, band.first, options.width, band.end, &image});
     if (hooks.progress)
       hooks.progress(static_cast<double>(band.end) / static_cast<double>(options.height));

@@ -267,7 +267,6 @@ void LatticeRenderer::render(const LatticeField& field, const Camera& camera, co
   const std::vector<std::size_t> order =
       kept_.lattice->front_to_back(eye_of(camera, own.plan, field));
   const std::vector<Band> bands = bench_.pixels.bands(options, hooks, sizeof(device::vec4));
-  std::vector<std::uint32_t> counts;
   for (const Band& band : bands) {
     const Groups groups{groups_for(static_cast<std::uint64_t>(options.width), device::kGroupEdge),
                         groups_for(static_cast<std::uint64_t>(band.rows()), device::kGroupEdge), 1};
@@ -309,15 +308,7 @@ void LatticeRenderer::render(const LatticeField& field, const Camera& camera, co
     commands.mark("read back");
     commands.submit_and_wait();
     bench_.pixels.finish(commands, look, band, image);
-    if (options.collect_profile) {
-      counts.resize(std::size_t{4} * groups.x * groups.y);
-      commands.read_back(counts_, 0, std::as_writable_bytes(std::span(counts)));
-      for (std::size_t i = 0; i < counts.size(); i += 4) {
-        profile.samples_reconstructed += counts[i];
-        profile.samples_shaded += counts[i + 1];
-        profile.gradients += counts[i + 2];
-      }
-    }
+    add_counts(commands, counts_, std::size_t{groups.x} * groups.y, profile);
     if (hooks.tile_done) hooks.tile_done({0, band.first, options.width, band.end, &image});
     if (hooks.progress)
       hooks.progress(static_cast<double>(band.end) / static_cast<double>(options.height));

@@ -63,6 +63,7 @@ struct VulkanRenderer::Impl {
     out.profile.kernels_total = field.num_kernels();
     Commands& commands = bench->commands;
     commands.times = options.collect_profile;
+    commands.uploaded_bytes = 0;
     commands.stages_ms.clear();
     commands.stage_order.clear();
     try {
@@ -73,6 +74,7 @@ struct VulkanRenderer::Impl {
       close();
       throw;
     }
+    out.profile.bytes_uploaded = static_cast<std::int64_t>(commands.uploaded_bytes);
     out.profile.frame_ms = ms_since(start);
     for (const std::string& stage : commands.stage_order)
       out.profile.stages_ms.emplace_back(stage, commands.stages_ms[stage]);

@@ -31,4 +31,8 @@ inline Groups grid_of(std::uint32_t groups) {
   return {std::min(groups, kMostInRow), groups_for(groups, kMostInRow), 1};
 }
 
+// Adds what each of so many work groups has counted: samples reconstructed, shaded, gradients, -.
+void add_counts(Commands& commands, const Buffer& counts, std::size_t num_groups,
+                FrameProfile& profile);
+
 }  // namespace ovoid::vulkan

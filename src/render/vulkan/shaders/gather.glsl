@@ -395,7 +395,9 @@ Gathered gather_general(int field, Place place, vec3 widening, vec3 step, bool m
   }
   result.is_defined =
       sums.weights.w >= kLeastShare * sums.endless && sums.weights.w > 0.0;
-  float inverse = 1.0 / (result.is_defined ? sums.weights.w : 1.0);
+  result.value = 0.0;
+  if (!result.is_defined) return result;
+  float inverse = 1.0 / sums.weights.w;
   result.value = sums.samples.w * inverse;
   if (wants_gradient) {
     result.gradient = (sums.samples.xyz - result.value * sums.weights.xyz) * inverse;

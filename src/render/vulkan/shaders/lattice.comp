@@ -57,7 +57,6 @@ void draw_pixel(uvec2 at) {
 void main() {
   uvec2 at = gl_GlobalInvocationID.xy + uvec2(box.tile_x, box.tile_y);
   if (at.x < frame.view.width && at.y < box.end_row) draw_pixel(at);
-  if (!has_flag(kCounts)) return;
   group_counts[gl_LocalInvocationIndex] = num_samples;
   barrier();
   if (gl_LocalInvocationIndex != 0u) return;

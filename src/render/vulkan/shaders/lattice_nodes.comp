@@ -30,6 +30,9 @@ shared uint defined_rows[kMostNodes];  // a bit for a node
 shared float filtered_rows[kMostNodes * kNodeTile];
 shared uint wanted_by_any;  // 1: a value; 2: a gradient
 shared int next_wanted;
+// Of the pixels that want a value.
+shared uint wanted_lo[2];
+shared uint wanted_hi[2];
 
 vec3 own_color(vec2 at, float s) { return vec3(0.0); }  // lattices have one attribute
 
@@ -112,16 +115,19 @@ vec3 central_gradient_of_node(vec2 at, float s, float value) {
   return gradient_of_differences(differences, at, s, box.pitch);
 }
 
-ivec2 first_node;
+ivec2 first_node;  // of the tile; the others are counted from it
 ivec2 num_nodes;
+ivec2 least_node;  // around pixels that want a value
+ivec2 most_node;
 
-// All nodes of the tile on a sheet.
+// Those nodes on a sheet.
 void fill_nodes(float s, bool wants_gradient) {
   uint self = gl_LocalInvocationIndex;
   if (self < uint(kMostNodes)) defined_rows[self] = 0u;
   barrier();
-  for (uint n = self; n < uint(num_nodes.x * num_nodes.y); n += kThreads) {
-    ivec2 node = ivec2(int(n) % num_nodes.x, int(n) / num_nodes.x);
+  ivec2 count = most_node - least_node + 1;
+  for (uint n = self; n < uint(count.x * count.y); n += kThreads) {
+    ivec2 node = least_node + ivec2(int(n) % count.x, int(n) / count.x);
     vec2 at = vec2(first_node + node) * box.pitch;
     bool takes_differences = has_flag(kTakesDifferences);
     Gathered f = node_at(at, s, wants_gradient && !takes_differences);
@@ -130,6 +136,7 @@ void fill_nodes(float s, bool wants_gradient) {
     int place = node.y * kMostNodes + node.x;
     node_values[place] = f.is_defined ? f.value : 0.0;
     for (int a = 0; a < 3; ++a) node_gradients[a][place] = f.is_defined ? f.gradient[a] : 0.0;
+    ++num_samples.x;
     if (f.is_defined) atomicOr(defined_rows[node.y], 1u << uint(node.x));
   }
   barrier();
@@ -137,8 +144,9 @@ void fill_nodes(float s, bool wants_gradient) {
 
 // One kind of number of the nodes: -1 values, 0 to 2 gradients, along the rows.
 void filter_rows(int kind, uvec2 corner) {
-  for (uint n = gl_LocalInvocationIndex; n < uint(num_nodes.y * kNodeTile); n += kThreads) {
-    int row = int(n) / kNodeTile;
+  int num_rows = most_node.y - least_node.y + 1;
+  for (uint n = gl_LocalInvocationIndex; n < uint(num_rows * kNodeTile); n += kThreads) {
+    int row = least_node.y + int(n) / kNodeTile;
     int column = int(n) % kNodeTile;
     Taps taps = taps_at(float(corner.x + uint(column)) / box.pitch, first_node.x);
     float sum = 0.0;
@@ -198,6 +206,8 @@ void main() {
     if (gl_LocalInvocationIndex == 0u) {
       wanted_by_any = 0u;
       next_wanted = box.end_sheet;
+      wanted_lo[0] = wanted_lo[1] = 0xFFFFFFFFu;
+      wanted_hi[0] = wanted_hi[1] = 0u;
     }
     barrier();
     bool wants[kOwn];
@@ -217,12 +227,23 @@ void main() {
       Place place = place_on(rays[i], s);
       wants[i] = is_own(place) && path_fraction(vec2(places[i]), s) > 0.0 &&
                  is_in_support(0, place);
-      if (wants[i]) atomicOr(wanted_by_any, 1u);
+      if (!wants[i]) continue;
+      atomicOr(wanted_by_any, 1u);
+      for (int a = 0; a < 2; ++a) {
+        atomicMin(wanted_lo[a], places[i][a]);
+        atomicMax(wanted_hi[a], places[i][a]);
+      }
     }
     atomicMin(next_wanted, next);
     barrier();
     bool is_wanted = wanted_by_any != 0u;
     int following = max(next_wanted, sheet + 1);
+    if (is_wanted) {
+      vec2 lo = vec2(float(wanted_lo[0]), float(wanted_lo[1]));
+      vec2 hi = vec2(float(wanted_hi[0]), float(wanted_hi[1]));
+      least_node = max(ivec2(floor(lo / box.pitch)) - 2 - first_node, ivec2(0));
+      most_node = min(ivec2(floor(hi / box.pitch)) + 3 - first_node, num_nodes - 1);
+    }
     barrier();
     if (is_wanted) {
       fill_nodes(s, takes_node_gradients && !is_margin);
@@ -234,7 +255,6 @@ void main() {
       for (int i = 0; i < kOwn; ++i) {
         is_defined[i] = is_from_nodes[i] = false;
         if (!wants[i]) continue;
-        ++num_samples.x;
         Taps columns = taps_at(float(places[i].x) / box.pitch, first_node.x);
         Taps rows = taps_at(float(places[i].y) / box.pitch, first_node.y);
         is_from_nodes[i] = has_all_nodes(columns, rows);
@@ -244,6 +264,7 @@ void main() {
           if (takes_node_gradients && classify(frame.looks[0].look, values[i]).a > 0.0)
             atomicOr(wanted_by_any, 2u);
         } else {
+          ++num_samples.x;
           Gathered f = gather(0, place_on(rays[i], s), s, rays[i].step.hi, false);
           values[i] = f.value;
           is_defined[i] = f.is_defined;
@@ -287,10 +308,8 @@ void main() {
     if (exists[i])
       store_pixel((places[i].y - box.first_row) * frame.view.width + places[i].x, pixels[i]);
   }
-  if (has_flag(kCounts)) {
-    uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
-    atomicAdd(counts[group].x, num_samples.x);
-    atomicAdd(counts[group].y, num_samples.y);
-    atomicAdd(counts[group].z, num_samples.z);
-  }
+  uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+  atomicAdd(counts[group].x, num_samples.x);
+  atomicAdd(counts[group].y, num_samples.y);
+  atomicAdd(counts[group].z, num_samples.z);
 }

@@ -64,6 +64,9 @@ bool is_open(ivec2 tile, ivec2 tiles) {
   return false;
 }
 
+// Whether a sheet of the layer is worked out now.
+bool is_wanted(int j) { return push.only_sheet < 0 || push.only_sheet == j; }
+
 // Cuts one splat with the layer's sheets, at one node of their slabs. True if it meets the tile.
 bool stage(DeviceSplat splat, int first_sheet, int node, vec2 corner,
            out Section sections[kBlockSheets]) {
@@ -82,6 +85,7 @@ bool stage(DeviceSplat splat, int first_sheet, int node, vec2 corner,
     float depth = depth_at(s);
     float scale = scale_at(depth);
     sections[j].room = -1.0;
+    if (!is_wanted(j)) continue;
     float t = s - splat.center.z;
     if (abs(t) - (takes_means ? 0.5 : 0.0) >= splat.slide.z) continue;
     if (set_has(kHasLevels) &&
@@ -171,6 +175,7 @@ void store_value(int sheet, uint at, uint plane_size, float value, float color) 
 void finish_samples(uint at, uint plane_size, int first_sheet) {
   float values[kBlockSheets];
   for (int j = 0; j < kBlockSheets; ++j) {
+    if (!is_wanted(j)) continue;
     float whole = set_has(kSetIsSum) ? sums[j].x : sums[j].y;
     bool is_defined = set_has(kSetIsSum) ? whole != 0.0 : whole >= kLeastSetWeight;
     float part = set_has(kSetIsSum) ? sums[j].y : sums[j].z;
@@ -218,17 +223,19 @@ void main() {
   int in_chunk = (layer - push.layer) * kBlockSheets;
   if ((kLevelKind & kHasCoarser) != 0u) {
     for (int j = 0; j < kBlockSheets; ++j) {
+      if (!is_wanted(j)) continue;
       for (uint c = 0u; c < kChannels; ++c)
         sums[j][c] += post_convolved(push.level + 1, in_chunk + j, c, corner + within);
     }
   }
   if (is_finest) {
     finish_samples(at, plane_size, first_sheet);
-    if (has_flag(kCounts) && gl_LocalInvocationIndex == 0u)
-      atomicAdd(counts[tile.y * level.tiles.x + tile.x].x, kGroupSize * uint(kBlockSheets));
+    if (gl_LocalInvocationIndex == 0u)
+      atomicAdd(counts[tile.y * level.tiles.x + tile.x].x, kGroupSize * (push.only_sheet < 0 ? uint(kBlockSheets) : 1u));
     return;
   }
   for (int j = 0; j < kBlockSheets; ++j) {
+    if (!is_wanted(j)) continue;
     for (uint c = 0u; c < kChannels; ++c)
       planes[level.plane_at + (uint(in_chunk + j) * kChannels + c) * plane_size + at] = sums[j][c];
   }

@@ -164,7 +164,6 @@ void main() {
   barrier();
   if (gl_LocalInvocationIndex != 0u) return;
   if (any_open == 0u && has_flag(kStopsOpaque)) open_tiles[number] = 0u;
-  if (!has_flag(kCounts)) return;
   uvec4 sum = uvec4(0u);
   for (uint i = 0u; i < kGroupSize; ++i) sum += group_counts[i];
   counts[number] += sum;

@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: Apache-2.0
+// What only a back end on a device of its own can get wrong: what it keeps between frames, fields
+// larger than its memory, and its ways to fail. Runs where OVOID_TEST_BACKEND names vulkan.
+#include <gtest/gtest.h>
+
+#include "ovoid/devices.h"
+#include "ovoid/error.h"
+#include "support/agreement.h"
+#include "support/kernel_sets.h"
+#include "support/scenes.h"
+
+namespace ovoid::test {
+namespace {
+
+class OnDevice : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (tested_backend() != Backend::kVulkan) GTEST_SKIP() << "another back end is tested";
+  }
+
+  static Frame draw_with(const RendererSetup& setup, const Scene& scene) {
+    return Renderer(setup).render(scene.field, scene.camera, scene.look, scene.options);
+  }
+};
+
+Scene lattice_scene(bool is_parallel) {
+  const Index3 dims{40, 36, 44};
+  Scene scene;
+  scene.field = make_stored_field(dims, shells(dims), {ScalarType::kUInt8, 0, 255});
+  scene.camera = askew_camera(scene.field, is_parallel, 1.3);
+  scene.look = semi_transparent_look(0, 255);
+  scene.options = picture(40, 36);
+  scene.options.post_convolution = PostConvolution::kOff;
+  return scene;
+}
+
+Scene kernel_scene() {
+  Scene scene;
+  scene.field = KernelField(jittered_ellipsoids(12).source(), Reconstruction::kNormalized);
+  scene.camera = askew_camera(scene.field, false, 1.3);
+  scene.look = semi_transparent_look(0, 1);
+  scene.options = picture(56, 44);
+  return scene;
+}
+
+void expect_same_bytes(const Image& a, const Image& b, const char* what) {
+  EXPECT_TRUE(a.rgba == b.rgba) << what << ": other colours";
+  EXPECT_TRUE(a.depth == b.depth) << what << ": other depths";
+}
+
+ErrorCode code_of(const std::function<void()>& work, std::string& message) {
+  try {
+    work();
+  } catch (const Error& error) {
+    message = error.what();
+    return error.code();
+  }
+  return ErrorCode::kCancelled;
+}
+
+// Fails if boxes overlap or leave gaps, come in the wrong order, or lack samples that kernels reach.
+TEST_F(OnDevice, LatticesLargerThanMemoryAreDrawnBoxByBox) {
+  for (const bool is_parallel : {true, false}) {
+    const Scene scene = lattice_scene(is_parallel);
+    const Image whole = draw(scene).image;
+    for (const std::uint64_t bytes : {std::uint64_t{64} << 10, std::uint64_t{160} << 10}) {
+      const Frame in_boxes =
+          draw_with({.backend = Backend::kVulkan, .device_memory = bytes}, scene);
+      expect_same_bytes(in_boxes.image, whole, is_parallel ? "parallel" : "perspective");
+      // Boxes have samples in common.
+      EXPECT_GT(in_boxes.profile.bytes_uploaded,
+                static_cast<std::int64_t>(scene.field.num_kernels()));
+    }
+  }
+}
+
+// Fails if surfaces, pieces or differences end where one box does.
+TEST_F(OnDevice, WhatLiesBetweenSheetsIsWholeAcrossBoxes) {
+  for (int way = 0; way < 3; ++way) {
+    Scene scene = lattice_scene(false);
+    if (way == 0) scene.look.mode = Mode::kIsosurface;
+    scene.look.isovalue = 120;
+    if (way == 1) scene.options.classification = Classification::kPreintegrated;
+    if (way == 2) scene.options.gradient = GradientMethod::kCentral;
+    const Image whole = draw(scene).image;
+    const Frame in_boxes =
+        draw_with({.backend = Backend::kVulkan, .device_memory = 64U << 10U}, scene);
+    expect_same_bytes(in_boxes.image, whole, "between sheets");
+  }
+}
+
+// Fails if a page's kernels are taken for another's, or an evicted page for a resident one.
+TEST_F(OnDevice, SetsLargerThanMemoryAreDrawnPageByPage) {
+  const Scene scene = kernel_scene();
+  const Image whole = draw(scene).image;
+  const Frame in_pages =
+      draw_with({.backend = Backend::kVulkan, .device_memory = 16U << 10U}, scene);
+  expect_same_bytes(in_pages.image, whole, "pages");
+}
+
+// Fails if a frame leaves something behind that the next one reads, or sends the field again.
+TEST_F(OnDevice, FieldsStayAndFramesRepeat) {
+  Renderer renderer(RendererSetup{.backend = Backend::kVulkan});
+  for (const Scene& scene : {lattice_scene(false), kernel_scene()}) {
+    const auto render = [&](const Look& look) {
+      return renderer.render(scene.field, scene.camera, look, scene.options);
+    };
+    const Frame first = render(scene.look);
+    Look other = scene.look;
+    other.transfer_function.opacities.back().opacity = 0.9;
+    const Frame changed = render(other);
+    const Frame again = render(scene.look);
+    expect_same_bytes(again.image, first.image, "repeated");
+    EXPECT_FALSE(changed.image.rgba == first.image.rgba);
+    EXPECT_LT(changed.profile.bytes_uploaded, first.profile.bytes_uploaded);
+    // A look and its tables, not the field.
+    const auto field_bytes = static_cast<std::int64_t>(scene.field.resident_bytes());
+    EXPECT_LE(changed.profile.bytes_uploaded, first.profile.bytes_uploaded - field_bytes / 2);
+  }
+}
+
+// Sheets of half floats: an eighth of a per cent of the field's range, which the steepest of these
+// looks makes fifty times as much of for single samples.
+TEST_F(OnDevice, HalfSheetsKeepTheirTier) {
+  ImageTolerance tolerance;
+  tolerance.min_psnr_db = kHalfSheetsPsnrDb;
+  tolerance.max_8bit = kHalfSheets8BitDifference;
+  for (Scene scene : {lattice_scene(true), kernel_scene()}) {
+    scene.options.sheet_precision = SheetPrecision::kHalf;
+    EXPECT_TRUE(backends_agree(scene, "half sheets", 0.05, tolerance));
+    const Image half = draw(scene).image;
+    scene.options.sheet_precision = SheetPrecision::kSingle;
+    EXPECT_FALSE(half.rgba == draw(scene).image.rgba);
+  }
+}
+
+// Fails if what a switch leaves out is not what cannot be seen.
+TEST_F(OnDevice, SwitchesChangeTimeAlone) {
+  for (Scene scene : {lattice_scene(false), kernel_scene()}) {
+    const double lo = scene.look.transfer_function.lo();
+    const double span = scene.look.transfer_function.hi() - lo;
+    scene.look.transfer_function.opacities = {{lo + 0.2 * span, 0}, {lo + 0.3 * span, 1}};
+    scene.options.sampling_distance = 0.4 * scene.field.default_sampling_distance();
+    const Frame plain = draw(scene);
+    for (bool RenderOptions::*const of :
+         {&RenderOptions::skip_irrelevant, &RenderOptions::stop_opaque, &RenderOptions::pack_sheets}) {
+      scene.options.*of = false;
+      expect_same_bytes(draw(scene).image, plain.image, "switched off");
+      scene.options.*of = true;
+    }
+    scene.options.stop_opaque = false;
+    EXPECT_GT(draw(scene).profile.samples_reconstructed, plain.profile.samples_reconstructed);
+  }
+}
+
+TEST_F(OnDevice, StagesAreTimedAndTheDeviceIsNamed) {
+  Scene scene = kernel_scene();
+  scene.options.collect_profile = true;
+  const FrameProfile profile = draw(scene).profile;
+  EXPECT_EQ(profile.backend, "vulkan");
+  EXPECT_FALSE(profile.device.empty());
+  std::vector<std::string> stages;
+  for (const auto& [stage, ms] : profile.stages_ms) {
+    stages.push_back(stage);
+    EXPECT_GE(ms, 0) << stage;
+  }
+  for (const char* const stage : {"project", "sort", "reconstruct", "shade and composite"})
+    EXPECT_NE(std::find(stages.begin(), stages.end(), stage), stages.end()) << stage;
+}
+
+TEST_F(OnDevice, StopsAndTellsOfProgress) {
+  Scene scene = lattice_scene(true);
+  scene.options.height = 300;
+  std::stop_source stop;
+  RenderHooks hooks;
+  hooks.stop = stop.get_token();
+  std::vector<double> told;
+  hooks.progress = [&](double fraction) {
+    told.push_back(fraction);
+    stop.request_stop();
+  };
+  Renderer renderer(RendererSetup{.backend = Backend::kVulkan});
+  std::string message;
+  EXPECT_EQ(code_of([&] { renderer.render(scene.field, scene.camera, scene.look, scene.options,
+                                          hooks); },
+                    message),
+            ErrorCode::kCancelled);
+  EXPECT_EQ(message, "rendering was cancelled");
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_GT(told.front(), 0);
+  EXPECT_LT(told.front(), 1);
+  // And goes on with the next.
+  scene.options.height = 36;
+  EXPECT_NO_THROW(renderer.render(scene.field, scene.camera, scene.look, scene.options));
+}
+
+TEST_F(OnDevice, ImpossibleWishesAreErrorsWithAWayOut) {
+  std::string message;
+  const int count = static_cast<int>(list_devices().devices.size());
+  EXPECT_EQ(code_of([&] { Renderer(RendererSetup{.backend = Backend::kVulkan, .device = count}); },
+                    message),
+            ErrorCode::kInvalidArgument);
+  EXPECT_NE(message.find("device = "), std::string::npos) << message;
+  EXPECT_EQ(code_of([&] { Renderer(RendererSetup{.backend = Backend::kVulkan, .device = -2}); },
+                    message),
+            ErrorCode::kInvalidArgument);
+  EXPECT_EQ(code_of(
+                [&] {
+                  draw_with({.backend = Backend::kVulkan, .device_memory = 512},
+                            lattice_scene(true));
+                },
+                message),
+            ErrorCode::kOutOfMemory);
+  EXPECT_NE(message.find("backend cpu"), std::string::npos) << message;
+}
+
+}  // namespace
+}  // namespace ovoid::test

@@ -20,7 +20,7 @@ PUBLIC = {
     "annotate.h": "annotate",
     "io.h": "io",
     "lattice_file.h": "io",
-    "renderer.h": "render", "sampler.h": "render",
+    "renderer.h": "render", "sampler.h": "render", "devices.h": "render",
     "ovoid.h": "everything",
 }
 
@@ -32,9 +32,10 @@ ALLOWED = {
     "view": {"data"},
     "annotate": {"data", "view"},
     "io": {"data", "view:public"},
-    "render": {"data", "view", "render/reference", "render/cpu"},  # src/render itself: chooses the back end
+    "render": {"data", "view", "render/reference", "render/cpu", "render/vulkan"},  # src/render itself: chooses the back end
     "render/reference": {"data", "view", "render"},
     "render/cpu": {"data", "view", "render", "render/shared"},
+    "render/vulkan": {"data", "view", "render", "render/shared"},
     "render/shared": {"data", "view", "render"},
     "everything": {"data", "model", "view", "annotate", "io", "render"},
 }
@@ -45,6 +46,7 @@ OUTSIDE = [
     ("GDCM", re.compile(r"^gdcm\w*\.h"), ("src/io/",)),
     ("HDF5", re.compile(r"^hdf5\.h"), ("src/io/",)),
     ("Highway", re.compile(r"^hwy/"), ("src/render/cpu/", "bench/")),
+    ("Vulkan", re.compile(r"^(volk\.h|vulkan/)"), ("src/render/vulkan/",)),
     ("oneTBB", re.compile(r"^(oneapi/)?tbb/"), ("src/render/cpu/",)),
     ("OpenEXR", re.compile(r"^(OpenEXR/)?(Imf|Imath|Iex)|^Imath/"), ("src/io/", "apps/", "tests/")),
     ("libpng", re.compile(r"^png\.h"), ("src/io/", "tests/")),

@@ -6,11 +6,14 @@ set -euo pipefail
 
 # Comments say why a package is here when its name does not.
 declare -A groups=(
+  # Tests of the vulkan back end run on Mesa's software driver, with the validation layer looking on.
   # make and g++ are what the newcomer brings; named so that a container without them gets them.
   [build]="make g++ cmake ninja-build ccache pkg-config git python3
     libeigen3-dev libfmt-dev nlohmann-json3-dev libcli11-dev
     libpng-dev zlib1g-dev libbz2-dev libopenexr-dev
-    voro++-dev libhwy-dev libtbb-dev libvtk9-dev libgdcm-dev libhdf5-dev libgtest-dev libgmock-dev"
+    libvulkan-dev libvulkan-volk-dev glslang-tools
+    voro++-dev libhwy-dev libtbb-dev libvtk9-dev libgdcm-dev libhdf5-dev libgtest-dev libgmock-dev
+    libvulkan1 mesa-vulkan-drivers vulkan-validationlayers"
   [check]="clang-format clang-tidy"
   [fuzz]="clang"
   # The GPU peer draws with Mesa's software driver on a virtual screen.

@@ -4,6 +4,7 @@
 
   tally.py junit NAME FILE        counts a ctest JUnit file, prints one line, adds it to the tally
   tally.py add NAME P F S         adds counts to the tally
+  tally.py ran PREFIX FILE        exits 1 unless a test of that prefix in a ctest JUnit file has run
   tally.py failures               prints how many failures the tally holds
   tally.py sum                    prints the tally's closing line; exits 1 if anything failed or nothing passed
 
@@ -50,6 +51,11 @@ def main(arguments):
         print(f"{arguments[1]}: {closing_line(*counts)}")
     elif command == "add":
         add(arguments[1], *(int(value) for value in arguments[2:5]))
+    elif command == "ran":
+        cases = ElementTree.parse(arguments[2]).getroot().iter("testcase")
+        ran = sum(case.get("name", "").startswith(arguments[1]) and case.get("status") == "run" for case in cases)
+        print(f"{ran} tests {arguments[1]}* ran")
+        return 0 if ran else 1
     elif command == "failures":
         print(total()[1])
     elif command == "sum":

@@ -304,9 +304,10 @@ class Animator {
       time_ = frame.time;
     }
     const RenderOptions& options = animate_.drawing.options;
-    return (trail_ ? renderer_.render(field_, camera, look, *trail_, options, hooks)
-                   : renderer_.render(field_, camera, look, options, hooks))
-        .image;
+    Frame drawn = trail_ ? renderer_.render(field_, camera, look, *trail_, options, hooks)
+                         : renderer_.render(field_, camera, look, options, hooks);
+    if (!drawn.profile.notice.empty()) session_.note(drawn.profile.notice);
+    return std::move(drawn.image);
   }
 
   const Series& series_;

@@ -122,6 +122,7 @@ Image draw(const RenderFlags& render, const Scene& scene, RunProfile* profile, S
     return scene.draw(renderer, scene.camera, options, hooks);
   }();
   hooks.progress = nullptr;
+  if (!first.profile.notice.empty()) session.note(first.profile.notice);
   profile->frame = first.profile;
   if (render.repeat == 0) {
     profile->frames_ms = {first.profile.frame_ms};

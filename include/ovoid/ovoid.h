@@ -12,6 +12,7 @@
 #include "ovoid/camera.h"
 #include "ovoid/crop.h"
 #include "ovoid/dataset.h"
+#include "ovoid/devices.h"
 #include "ovoid/error.h"
 #include "ovoid/field.h"
 #include "ovoid/hyperslice.h"

@@ -18,7 +18,8 @@
 
 namespace ovoid {
 
-// kAuto: vulkan where there is a hardware device, else cpu.
+// kAuto: vulkan where there is a hardware device, else cpu; and cpu, with a notice, for what the
+// device fails to draw.
 enum class Backend { kAuto, kCpu, kVulkan, kReference };
 
 // A finished rectangle of the picture, passed to the tile sink while the rest is still drawn.
@@ -39,6 +40,7 @@ struct FrameProfile {
   std::string backend;      // "cpu", "vulkan", "reference"
   std::string device;       // of vulkan: its name
   std::string simd_target;  // "AVX2", ...; empty for the reference
+  std::string notice;       // of kAuto: why the device that there is did not draw; empty: it did
   int threads = 1;
   double frame_ms = 0;  // plan to finish, wall clock
   std::vector<std::pair<std::string, double>>
@@ -110,9 +112,6 @@ class Renderer {
                const RenderOptions& options = {}, const RenderHooks& hooks = {});
 
  private:
-  Frame draw(const Field& field, const Camera& camera, const Look& look, const Trail* trail,
-             const RenderOptions& options, const RenderHooks& hooks);
-
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

@@ -24,6 +24,15 @@ void require_spread(const Field& field, const RenderOptions& options) {
     throw Error(ErrorCode::kUnsupported, "spread: bilinear is for normalized lattices, not sums");
 }
 
+// Throws Error(kUnsupported).
+void require_central_differences(const RenderOptions& options) {
+  if (options.gradient == GradientMethod::kAuto || options.gradient == GradientMethod::kCentral)
+    return;
+  throw Error(
+      ErrorCode::kUnsupported,
+      "gradient: kernel sets take central differences; exact and corrected are for lattices");
+}
+
 // Throws Error unless the trail can be drawn with the field.
 void require_trail(const Field& field, const Look& look, const Trail& trail,
                    const RenderOptions& options) {
@@ -51,17 +60,31 @@ view::Behind behind_of(const Trail& trail, const Look& look) {
 }
 
 #ifdef OVOID_VULKAN
-bool draws_on_hardware() { return vulkan::has_hardware_device(); }
+bool draws_on_device() { return vulkan::has_device_for_auto(); }
 #else
 constexpr const char* kWithoutVulkan =
     "backend vulkan: this program was built without it; backend cpu is there";
-bool draws_on_hardware() { return false; }
+bool draws_on_device() { return false; }
 #endif
+
+// What render() was called with.
+struct Job {
+  const Field& field;
+  const Camera& camera;
+  const Look& look;
+  const Trail* trail;
+  const RenderOptions& options;
+  const RenderHooks& hooks;
+};
 
 }  // namespace
 
 struct Renderer::Impl {
+  Frame draw(const Job& job) const;
+  Frame draw_by(Backend by, const Job& job) const;
+
   Backend backend;
+  bool is_auto = false;
   std::unique_ptr<cpu::Runner> runner;
 #ifdef OVOID_VULKAN
   std::unique_ptr<vulkan::VulkanRenderer> vulkan;
@@ -79,8 +102,9 @@ Renderer::Renderer(const RendererSetup& setup) : impl_(std::make_unique<Impl>())
                 fmt::format("device = {}: must be >= 0, or -1 for the first", setup.device));
   }
   impl_->backend = setup.backend;
-  if (setup.backend == Backend::kAuto)
-    impl_->backend = draws_on_hardware() ? Backend::kVulkan : Backend::kCpu;
+  impl_->is_auto = setup.backend == Backend::kAuto;
+  if (impl_->is_auto)
+    impl_->backend = draws_on_device() ? Backend::kVulkan : Backend::kCpu;
   if (impl_->backend == Backend::kVulkan) {
 #ifdef OVOID_VULKAN
     impl_->vulkan = std::make_unique<vulkan::VulkanRenderer>(setup.device, setup.device_memory);
@@ -97,33 +121,45 @@ Renderer& Renderer::operator=(Renderer&&) noexcept = default;
 
 Frame Renderer::render(const Field& field, const Camera& camera, const Look& look,
                        const RenderOptions& options, const RenderHooks& hooks) {
-  return draw(field, camera, look, nullptr, options, hooks);
+  return impl_->draw({field, camera, look, nullptr, options, hooks});
 }
 
 Frame Renderer::render(const Field& field, const Camera& camera, const Look& look,
                        const Trail& trail, const RenderOptions& options, const RenderHooks& hooks) {
-  return draw(field, camera, look, &trail, options, hooks);
+  return impl_->draw({field, camera, look, &trail, options, hooks});
 }
 
-Frame Renderer::draw(const Field& field, const Camera& camera, const Look& look, const Trail* trail,
-                     const RenderOptions& options, const RenderHooks& hooks) {
-  camera.validate();
-  look.validate();
-  options.validate();
-  const bool is_reference = impl_->backend == Backend::kReference;
+Frame Renderer::Impl::draw(const Job& job) const {
+  job.camera.validate();
+  job.look.validate();
+  job.options.validate();
+  if (!is_auto || backend != Backend::kVulkan) return draw_by(backend, job);
+  try {
+    return draw_by(Backend::kVulkan, job);
+  } catch (const Error& error) {
+    const bool is_of_device = error.code() == ErrorCode::kOutOfMemory ||
+                              error.code() == ErrorCode::kDeviceLost ||
+                              error.code() == ErrorCode::kUnsupported;
+    if (!is_of_device) throw;
+    // What the cpu cannot do either, it refuses likewise.
+    Frame frame = draw_by(Backend::kCpu, job);
+    frame.profile.notice = fmt::format("{}; drawn by backend cpu", error.what());
+    return frame;
+  }
+}
+
+Frame Renderer::Impl::draw_by(Backend by, const Job& job) const {
+  const auto& [field, camera, look, trail, options, hooks] = job;
   require_spread(field, options);
   if (trail != nullptr) require_trail(field, look, *trail, options);
-#ifdef OVOID_VULKAN
-  const bool is_vulkan = impl_->backend == Backend::kVulkan;
-#endif
   if (const KernelField* kernels = field.kernels()) {
+    require_central_differences(options);
 #ifdef OVOID_VULKAN
-    if (is_vulkan) return impl_->vulkan->render(*kernels, camera, look, options, hooks);
+    if (by == Backend::kVulkan) return vulkan->render(*kernels, camera, look, options, hooks);
 #endif
-    if (is_reference)
-      return reference::render(*kernels, camera, look, options, hooks,
-                               impl_->runner->num_workers());
-    return cpu::render(*kernels, camera, look, options, hooks, *impl_->runner);
+    if (by == Backend::kReference)
+      return reference::render(*kernels, camera, look, options, hooks, runner->num_workers());
+    return cpu::render(*kernels, camera, look, options, hooks, *runner);
   }
   std::optional<view::Behind> behind;
   if (trail != nullptr) {
@@ -131,14 +167,13 @@ Frame Renderer::draw(const Field& field, const Camera& camera, const Look& look,
     behind->look.validate();
   }
   const view::Behind* const second = behind ? &*behind : nullptr;
+  const LatticeField& lattice = *field.lattice();
 #ifdef OVOID_VULKAN
-  if (is_vulkan)
-    return impl_->vulkan->render(*field.lattice(), camera, look, options, hooks, second);
+  if (by == Backend::kVulkan) return vulkan->render(lattice, camera, look, options, hooks, second);
 #endif
-  return is_reference
-             ? reference::render(*field.lattice(), camera, look, options, hooks,
-                                 impl_->runner->num_workers(), second)
-             : cpu::render(*field.lattice(), camera, look, options, hooks, *impl_->runner, second);
+  if (by == Backend::kReference)
+    return reference::render(lattice, camera, look, options, hooks, runner->num_workers(), second);
+  return cpu::render(lattice, camera, look, options, hooks, *runner, second);
 }
 
 std::vector<std::string> simd_targets() { return cpu::usable_simd_targets(); }

@@ -48,14 +48,6 @@ void draw_tile(const KernelFrame& frame, const Look& look, KernelWorkspace& work
   }
 }
 
-void require_central_differences(const RenderOptions& options) {
-  if (options.gradient == GradientMethod::kAuto || options.gradient == GradientMethod::kCentral)
-    return;
-  throw Error(
-      ErrorCode::kUnsupported,
-      "gradient: kernel sets take central differences; exact and corrected are for lattices");
-}
-
 }  // namespace
 
 std::unique_ptr<LevelBands> level_bands(PostConvolution how) {
@@ -76,7 +68,6 @@ std::unique_ptr<LevelBands> level_bands(PostConvolution how) {
 
 Frame render(const KernelField& field, const Camera& camera, const Look& look,
              const RenderOptions& options, const RenderHooks& hooks, Runner& runner) {
-  require_central_differences(options);
   const Clock::time_point start = Clock::now();
   const std::uint64_t start_ticks = read_ticks();
   Frame out;

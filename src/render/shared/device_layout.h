@@ -5,6 +5,8 @@
 #define OVOID_RENDER_SHARED_DEVICE_LAYOUT_H_
 
 #ifdef __cplusplus
+#pragma once
+
 #include <cstdint>
 
 namespace ovoid::device {

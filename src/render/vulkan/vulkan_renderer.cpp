@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <limits>
 #include <optional>
 
@@ -107,12 +108,14 @@ Frame VulkanRenderer::render(const KernelField& field, const Camera& camera, con
   });
 }
 
-bool has_hardware_device() {
+bool has_device_for_auto() {
+  const char* takes = std::getenv("OVOID_AUTO_DEVICE");
+  const bool takes_any = takes != nullptr && std::string(takes) == "any";
   try {
     const std::shared_ptr<Instance> instance = Instance::get();
     for (int i = 0; i < static_cast<int>(instance->physical_devices().size()); ++i) {
       const DeviceInfo info = instance->info_of(i);
-      if (info.is_hardware() && info.is_usable()) return true;
+      if ((takes_any || info.is_hardware()) && info.is_usable()) return true;
     }
   } catch (const Error&) {
     return false;

@@ -33,7 +33,8 @@ class VulkanRenderer {
   std::unique_ptr<Impl> impl_;
 };
 
-// True if there is a hardware device that could be used.
-bool has_hardware_device();
+// True if there is a hardware device that could be used; with OVOID_AUTO_DEVICE=any in the
+// environment, any device.
+bool has_device_for_auto();
 
 }  // namespace ovoid::vulkan

@@ -79,7 +79,10 @@ def part_of(path):
 
 
 def resolve(path, included):
-    """The project file that an include names, or None."""
+    """The project file that an include names, or None. A shader's words (lattice.inc) are made of its source while building."""
+    if included.endswith(".inc"):
+        source = os.path.join(os.path.dirname(path), "shaders", included[:-4] + ".comp")
+        return path if source in SHADERS else None
     for folder in (os.path.dirname(path), "include", "src", "tests", "bench"):
         candidate = os.path.normpath(os.path.join(folder, included))
         if candidate in FILES:
@@ -143,6 +146,7 @@ def main():
 
 
 FILES = set(project_files("*.h", "*.cpp"))
+SHADERS = set(project_files("*.comp"))
 
 if __name__ == "__main__":
     sys.exit(main())

@@ -29,6 +29,8 @@ def hash_of(*texts):
 def read_units():
     """Path of each unit to its command and the project's sources in it."""
     subprocess.run(["cmake", "--preset", "tidy", "--log-level=ERROR"], cwd=ROOT, check=True, capture_output=True)
+    # What sources include that is made of others.
+    subprocess.run(["cmake", "--build", FOLDER, "--target", "ovoid_shaders"], cwd=ROOT, check=True, capture_output=True)
     with open(os.path.join(FOLDER, "compile_commands.json"), encoding="utf-8") as file:
         entries = json.load(file)
     own = set(project_files("src/*.cpp", "apps/*.cpp", "bench/*.cpp"))

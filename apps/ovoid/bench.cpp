@@ -64,8 +64,8 @@ std::vector<Scene> select_scenes(const std::vector<std::string>& names) {
                      [&](const std::string& scene) { return matches(scene, name); })) {
       throw UsageError(fmt::format(
           "SCENE '{}': expected a scene's name or a part of it{} (see ovoid bench --list), or "
-          "VOLUME-SAMPLES-WIDTHxHEIGHT-LOOK", name,
-          did_you_mean(name, known)));
+          "VOLUME-SAMPLES-WIDTHxHEIGHT-LOOK",
+          name, did_you_mean(name, known)));
     }
   }
   for (const Scene& scene : all) {
@@ -251,9 +251,11 @@ void run_bench(const Words& words, Session& session) {
       "formula, semi-transparent (soft) and opaque, at two picture sizes. Flags of the model act "
       "on the scenes that they are for. Each scene is drawn once to check it, then timed.");
   flags.section("");
-  flags.positionals("SCENE", "names, or parts of names: head-256, 512px, opaque (default: all); or one of your "
-                    "own: head-512-1920x1080-soft, -x4 behind it for a view 4 times nearer",
-                    &bench.names);
+  flags.positionals(
+      "SCENE",
+      "names, or parts of names: head-256, 512px, opaque (default: all); or one of your "
+      "own: head-512-1920x1080-soft, -x4 behind it for a view 4 times nearer",
+      &bench.names);
   flags.toggle("--json", "results as JSON on standard output", &bench.is_json);
   flags.toggle("--list", "names of the scenes", &bench.lists);
   flags.value("--frames", "N",

@@ -500,7 +500,7 @@ Json devices_json() {
 }
 
 std::string device_text(const Json& device) {
-  const std::string text = fmt::format(
+  std::string text = fmt::format(
       "device {}: {}, {}, {}, {}, Vulkan {}", number(device["index"]),
       one_line(device["name"].get<std::string>()), device["kind"].get<std::string>(),
       readable_bytes(device["memory_bytes"].get<double>()),

@@ -186,9 +186,7 @@ void run_render(const Words& words, Session& session) {
       make_camera(drawing.camera, described.box.world_bounds(), described.space, aspect);
   Look look = make_look(drawing.look, field, subject.unit, session);
   if (render.dry_run) {
-    const DryRun run{
-        field,        camera, look, drawing.options, drawing.run,
-        render.output};
+    const DryRun run{field, camera, look, drawing.options, drawing.run, render.output};
     fmt::print("{}", predict(run, session));
     return;
   }

@@ -101,13 +101,16 @@ void add_run_flags(Flags& flags, RendererSetup* run) {
               [run](const std::string& text) {
                 run->threads = static_cast<int>(parse_integer(text, 0, kMaxThreads));
               });
-  flags.value("--device", "N", "of the devices that 'ovoid info --devices' lists (default: the first GPU)",
+  flags.value("--device", "N",
+              "of the devices that 'ovoid info --devices' lists (default: the first GPU)",
               [run](const std::string& text) {
                 run->device = static_cast<int>(parse_integer(text, 0, kMaxDevices));
               });
   flags.value("--device-memory", "SIZE",
               "of the device for data; more is drawn piece by piece (default: most of it)",
-              [run](const std::string& text) { run->device_memory = static_cast<std::uint64_t>(parse_bytes(text)); });
+              [run](const std::string& text) {
+                run->device_memory = static_cast<std::uint64_t>(parse_bytes(text));
+              });
 }
 
 void add_switch_flags(Flags& flags, RenderOptions* options) {

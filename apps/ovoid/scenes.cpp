@@ -24,9 +24,9 @@ std::optional<Scene> scene_named(const std::string& name) {
   std::smatch part;
   if (!std::regex_match(name, part, form)) return std::nullopt;
   const std::vector<Scene> standard = standard_scenes();
-  const auto known =
-      std::find_if(standard.begin(), standard.end(),
-                   [&](const Scene& scene) { return scene.volume == part[1].str(); });
+  const auto known = std::find_if(standard.begin(), standard.end(), [&](const Scene& scene) {
+    return scene.volume == part[1].str();
+  });
   if (known == standard.end()) return std::nullopt;
   Scene scene = *known;
   scene.samples = std::stoi(part[2]);
@@ -34,8 +34,8 @@ std::optional<Scene> scene_named(const std::string& name) {
   scene.height = std::stoi(part[4]);
   scene.look = part[5] == "soft" ? SceneLook::kSoft : SceneLook::kOpaque;
   scene.magnification = part[7].matched ? std::stod(part[7]) : 1;
-  const bool is_possible = scene.samples > 0 && scene.width > 0 && scene.height > 0 &&
-                           scene.magnification > 0;
+  const bool is_possible =
+      scene.samples > 0 && scene.width > 0 && scene.height > 0 && scene.magnification > 0;
   return is_possible ? std::optional(scene) : std::nullopt;
 }
 

@@ -79,7 +79,8 @@ struct Trail {
 struct RendererSetup {
   Backend backend = Backend::kAuto;
   int threads = 0;  // of the host; 0: one per hardware thread
-  int device = -1;  // of kVulkan, by DeviceInfo::index; -1: the first hardware device, else the first
+  int device =
+      -1;  // of kVulkan, by DeviceInfo::index; -1: the first hardware device, else the first
   std::uint64_t device_memory = 0;  // bytes that fields may take there; 0: most of it. Larger ones
                                     // are drawn piece by piece.
 };

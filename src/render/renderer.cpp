@@ -103,8 +103,7 @@ Renderer::Renderer(const RendererSetup& setup) : impl_(std::make_unique<Impl>())
   }
   impl_->backend = setup.backend;
   impl_->is_auto = setup.backend == Backend::kAuto;
-  if (impl_->is_auto)
-    impl_->backend = draws_on_device() ? Backend::kVulkan : Backend::kCpu;
+  if (impl_->is_auto) impl_->backend = draws_on_device() ? Backend::kVulkan : Backend::kCpu;
   if (impl_->backend == Backend::kVulkan) {
 #ifdef OVOID_VULKAN
     impl_->vulkan = std::make_unique<vulkan::VulkanRenderer>(setup.device, setup.device_memory);

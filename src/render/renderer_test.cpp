@@ -105,10 +105,9 @@ TEST(Renderer, AutoIsTheCpuWhereThereIsNoHardwareDevice) {
     return Renderer(backend, 1).render(field, camera, {}, test::picture(4, 4)).profile.backend;
   };
   const std::vector<DeviceInfo> devices = list_devices().devices;
-  const bool has_hardware =
-      std::any_of(devices.begin(), devices.end(), [](const DeviceInfo& device) {
-        return device.is_hardware() && device.is_usable();
-      });
+  const bool has_hardware = std::any_of(
+      devices.begin(), devices.end(),
+      [](const DeviceInfo& device) { return device.is_hardware() && device.is_usable(); });
   EXPECT_EQ(backend_of(Backend::kAuto), has_hardware ? "vulkan" : "cpu");
   EXPECT_EQ(backend_of(Backend::kCpu), "cpu");
   EXPECT_EQ(backend_of(Backend::kReference), "reference");

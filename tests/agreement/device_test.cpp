@@ -58,7 +58,8 @@ ErrorCode code_of(const std::function<void()>& work, std::string& message) {
   return ErrorCode::kCancelled;
 }
 
-// Fails if boxes overlap or leave gaps, come in the wrong order, or lack samples that kernels reach.
+// Fails if boxes overlap or leave gaps, come in the wrong order, or lack samples that kernels
+// reach.
 TEST_F(OnDevice, LatticesLargerThanMemoryAreDrawnBoxByBox) {
   for (const bool is_parallel : {true, false}) {
     const Scene scene = lattice_scene(is_parallel);
@@ -143,7 +144,8 @@ TEST_F(OnDevice, SwitchesChangeTimeAlone) {
     scene.options.sampling_distance = 0.4 * scene.field.default_sampling_distance();
     const Frame plain = draw(scene);
     for (bool RenderOptions::*const of :
-         {&RenderOptions::skip_irrelevant, &RenderOptions::stop_opaque, &RenderOptions::pack_sheets}) {
+         {&RenderOptions::skip_irrelevant, &RenderOptions::stop_opaque,
+          &RenderOptions::pack_sheets}) {
       scene.options.*of = false;
       expect_same_bytes(draw(scene).image, plain.image, "switched off");
       scene.options.*of = true;
@@ -181,10 +183,10 @@ TEST_F(OnDevice, StopsAndTellsOfProgress) {
   };
   Renderer renderer(RendererSetup{.backend = Backend::kVulkan});
   std::string message;
-  EXPECT_EQ(code_of([&] { renderer.render(scene.field, scene.camera, scene.look, scene.options,
-                                          hooks); },
-                    message),
-            ErrorCode::kCancelled);
+  EXPECT_EQ(
+      code_of([&] { renderer.render(scene.field, scene.camera, scene.look, scene.options, hooks); },
+              message),
+      ErrorCode::kCancelled);
   EXPECT_EQ(message, "rendering was cancelled");
   ASSERT_EQ(told.size(), 1U);
   EXPECT_GT(told.front(), 0);
@@ -201,9 +203,9 @@ TEST_F(OnDevice, ImpossibleWishesAreErrorsWithAWayOut) {
                     message),
             ErrorCode::kInvalidArgument);
   EXPECT_NE(message.find("device = "), std::string::npos) << message;
-  EXPECT_EQ(code_of([&] { Renderer(RendererSetup{.backend = Backend::kVulkan, .device = -2}); },
-                    message),
-            ErrorCode::kInvalidArgument);
+  EXPECT_EQ(
+      code_of([&] { Renderer(RendererSetup{.backend = Backend::kVulkan, .device = -2}); }, message),
+      ErrorCode::kInvalidArgument);
   EXPECT_EQ(code_of(
                 [&] {
                   draw_with({.backend = Backend::kVulkan, .device_memory = 512},

@@ -13,8 +13,8 @@ Frame render(const LatticeField& field, const Camera& camera, const Look& look,
              const RenderOptions& options, const RenderHooks& hooks, Runner& runner,
              const view::Behind* behind = nullptr);
 
-// The same of a kernel field; gradients are central differences. Memory: 64 bytes per kernel that can be seen, and 4 per block that it
-// reaches.
+// The same of a kernel field; gradients are central differences. Memory: 64 bytes per kernel that
+// can be seen, and 4 per block that it reaches.
 Frame render(const KernelField& field, const Camera& camera, const Look& look,
              const RenderOptions& options, const RenderHooks& hooks, Runner& runner);
 

@@ -7,8 +7,8 @@ namespace {
 // As ClassificationTable says; `nodes` is what classification_nodes() made of `table`.
 ClassificationTable classification_table(const view::LookTable& table,
                                          const std::vector<float>& nodes) {
-  ClassificationTable result{nodes.data(), table.has_steps() ? table.step() : nullptr,
-                             table.axis(), static_cast<float>(view::LookTable::kCells)};
+  ClassificationTable result{nodes.data(), table.has_steps() ? table.step() : nullptr, table.axis(),
+                             static_cast<float>(view::LookTable::kCells)};
   const VisibleValues visible = visible_values(table);
   result.visible_lo = visible.lo;
   result.visible_hi = visible.hi;

@@ -29,7 +29,7 @@ struct alignas(16) ivec4 {
 
 OVOID_CONSTANT uint kGroupEdge = 8u;  // pixels along the side of a work group: 64 threads
 OVOID_CONSTANT uint kGroupSize = 64u;
-OVOID_CONSTANT int kStoredEdge = 4;  // samples along the side of a cube that lies together
+OVOID_CONSTANT int kStoredEdge = 4;   // samples along the side of a cube that lies together
 OVOID_CONSTANT uint kMaxFields = 2u;  // a field, and what is behind it
 OVOID_CONSTANT uint kMaxClips = 16u;
 OVOID_CONSTANT uint kMaxSlabPairs = 16u;  // two nodes of a slab in one vector
@@ -68,7 +68,7 @@ OVOID_CONSTANT uint kHasBehind = 1024u;
 OVOID_CONSTANT uint kHasOwnColor = 2048u;
 OVOID_CONSTANT uint kHasNodes = 4096u;
 OVOID_CONSTANT uint kNodesKeepBound = 8192u;  // those near faces have no value
-OVOID_CONSTANT uint kSpreads = 16384u;  // bilinearly
+OVOID_CONSTANT uint kSpreads = 16384u;        // bilinearly
 // Of post-convolution.
 OVOID_CONSTANT int kNodeTile = 32;   // pixels along the side of the tile that shares nodes
 OVOID_CONSTANT int kMostNodes = 30;  // along it, with those around: at 1.45 pixels each 28
@@ -134,7 +134,7 @@ struct LatticeConstants {
   vec4 place_lo[3];
   vec4 step_hi[3];  // its change per sheet
   vec4 step_lo[3];
-  vec4 gradient_rows[3];  // world from index
+  vec4 gradient_rows[3];   // world from index
   vec4 camera_rows[3];     // to the right, down and along the view axis, world, from index
   vec4 camera_columns[3];  // the inverse's rows, magnitudes
   vec4 inverse_spacing;
@@ -153,7 +153,7 @@ struct LatticeConstants {
   float far_weight;
   float value_scale;
   float value_offset;
-  float sheet_scale;   // from values to what half sheets hold
+  float sheet_scale;  // from values to what half sheets hold
   float sheet_offset;
   int num_slab_nodes;
   uint padding;
@@ -218,10 +218,11 @@ struct DistanceConstants {
 
 // ---- Kernel sets ----
 
-OVOID_CONSTANT int kBlockSheets = 4;   // of a layer; view::kBlockDepth
-OVOID_CONSTANT int kPlanEdge = 64;     // pixels of a plan's block; view::kBlockEdge
-OVOID_CONSTANT int kNumLevels = 7;     // samples 1 to 64 pixels wide
-OVOID_CONSTANT uint kBrickGroup = 256u;  // threads for a brick's kernels: KernelBrick::kMaxBrickKernels
+OVOID_CONSTANT int kBlockSheets = 4;  // of a layer; view::kBlockDepth
+OVOID_CONSTANT int kPlanEdge = 64;    // pixels of a plan's block; view::kBlockEdge
+OVOID_CONSTANT int kNumLevels = 7;    // samples 1 to 64 pixels wide
+OVOID_CONSTANT uint kBrickGroup =
+    256u;  // threads for a brick's kernels: KernelBrick::kMaxBrickKernels
 OVOID_CONSTANT uint kNoList = 0xFFFFFFFFu;
 OVOID_CONSTANT uint kScanGroup = 256u;  // threads of a scan, which takes four numbers each
 OVOID_CONSTANT uint kScanItems = 1024u;
@@ -255,9 +256,9 @@ OVOID_CONSTANT uint kSetIsParallel = 128u;
 
 // A level's tiles of kGroupEdge^2 samples in a band of the picture.
 struct LevelConstants {
-  ivec4 tiles;       // number along x and y; numbers of the first ones
-  uint first_list;   // of the level, for a layer's tiles one after the other
-  uint plane_at;     // in the buffer of levels: of sheet 0, channel 0
+  ivec4 tiles;      // number along x and y; numbers of the first ones
+  uint first_list;  // of the level, for a layer's tiles one after the other
+  uint plane_at;    // in the buffer of levels: of sheet 0, channel 0
   uint padding0;
   uint padding1;
 };
@@ -308,7 +309,7 @@ struct DeviceSplat {
 struct KernelPush {
   int first_layer;  // of the lists that there are
   int end_layer;
-  int layer;  // of the chunk in hand
+  int layer;     // of the chunk in hand
   int coarsest;  // level of the lists that there are
   int level;
   int first_sheet;  // to shade

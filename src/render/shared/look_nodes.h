@@ -27,9 +27,9 @@ VisibleValues visible_values(const view::LookTable& table);
 // Integrals of the look over the value, from node 0 on: extinction times red, green and blue, and
 // extinction, each as the sum of two floats, since differences are taken of large numbers.
 struct IntegralNodes {
-  std::vector<float> nodes;  // [kPaddedNodes][8]: four high parts, four low
-  float per_value = 1;       // the unit of the integrals, by value
-  float value_lo = 0, value_hi = 1;          // of the first and the last node; beyond, the ends go on
+  std::vector<float> nodes;          // [kPaddedNodes][8]: four high parts, four low
+  float per_value = 1;               // the unit of the integrals, by value
+  float value_lo = 0, value_hi = 1;  // of the first and the last node; beyond, the ends go on
   std::array<float, 4> before{}, behind{};  // what is integrated there
 };
 IntegralNodes integral_nodes(const view::LookTable& table);

@@ -44,9 +44,8 @@ SlabNodes slab_nodes(const LatticeField& field, const view::ViewLattice& lattice
       longest = std::max(longest, (next.at(x, y) - here.at(x, y)).norm());
     }
   }
-  return gauss_legendre(
-      std::clamp(2 + static_cast<int>(std::ceil(2 * longest / field.index_kernel().sigma)), 4,
-                 kMaxSlabNodes));
+  return gauss_legendre(std::clamp(
+      2 + static_cast<int>(std::ceil(2 * longest / field.index_kernel().sigma)), 4, kMaxSlabNodes));
 }
 
 }  // namespace ovoid

@@ -32,8 +32,7 @@ VkBufferUsageFlags usage_of(BufferUse use) {
 Buffer::Buffer(std::shared_ptr<Device> device, std::uint64_t bytes, BufferUse use)
     : device_(std::move(device)), bytes_(std::max<std::uint64_t>((bytes + 3) / 4 * 4, 4)) {
   const VolkDeviceTable& vk = device_->vk();
-  const std::string doing =
-      fmt::format("a buffer of {} MiB", (bytes_ + (1U << 20U) - 1) >> 20U);
+  const std::string doing = fmt::format("a buffer of {} MiB", (bytes_ + (1U << 20U) - 1) >> 20U);
   auto info = structure<VkBufferCreateInfo>(VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO);
   info.size = bytes_;
   info.usage = usage_of(use);
@@ -43,11 +42,10 @@ Buffer::Buffer(std::shared_ptr<Device> device, std::uint64_t bytes, BufferUse us
   vk.vkGetBufferMemoryRequirements(device_->handle(), buffer_, &needs);
   const VkMemoryPropertyFlags needed = use == BufferUse::kDevice ? 0 : kMapped;
   // What is read back is read by the processor word by word: better from its cache.
-  const VkMemoryPropertyFlags wanted = use == BufferUse::kReadBack
-                                           ? VK_MEMORY_PROPERTY_HOST_CACHED_BIT
-                                       : use == BufferUse::kDevice
-                                           ? VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT
-                                           : 0;
+  const VkMemoryPropertyFlags wanted =
+      use == BufferUse::kReadBack ? VK_MEMORY_PROPERTY_HOST_CACHED_BIT
+      : use == BufferUse::kDevice ? VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT
+                                  : 0;
   const int type = device_->memory_type(needs.memoryTypeBits, needed, wanted);
   auto allocation = structure<VkMemoryAllocateInfo>(VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO);
   allocation.allocationSize = needs.size;

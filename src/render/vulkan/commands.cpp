@@ -24,7 +24,8 @@ Commands::Commands(std::shared_ptr<Device> device) : device_(std::move(device)) 
   pool.queueFamilyIndex = device_->family();
   pool.flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT;
   check(vk.vkCreateCommandPool(device_->handle(), &pool, nullptr, &pool_), "a command pool");
-  auto buffer = structure<VkCommandBufferAllocateInfo>(VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO);
+  auto buffer =
+      structure<VkCommandBufferAllocateInfo>(VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO);
   buffer.commandPool = pool_;
   buffer.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
   buffer.commandBufferCount = 1;
@@ -56,8 +57,7 @@ void Commands::begin() {
   auto info = structure<VkCommandBufferBeginInfo>(VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO);
   info.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
   check(vk.vkBeginCommandBuffer(buffer_, &info), "recording commands");
-  if (queries_ != VK_NULL_HANDLE && times)
-    vk.vkCmdResetQueryPool(buffer_, queries_, 0, kMostMarks);
+  if (queries_ != VK_NULL_HANDLE && times) vk.vkCmdResetQueryPool(buffer_, queries_, 0, kMostMarks);
   marks_.clear();
   is_recording_ = true;
   // The host's writes to mapped memory are seen by themselves; copies of earlier lists are over.
@@ -77,7 +77,8 @@ void Commands::barrier() {
 
 VkDescriptorSet Commands::new_set(const Pipeline& pipeline) {
   const VolkDeviceTable& vk = device_->vk();
-  auto info = structure<VkDescriptorSetAllocateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO);
+  auto info =
+      structure<VkDescriptorSetAllocateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO);
   info.descriptorSetCount = 1;
   info.pSetLayouts = &pipeline.set_layout;
   VkDescriptorSet set = VK_NULL_HANDLE;

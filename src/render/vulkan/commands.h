@@ -28,16 +28,16 @@ class Commands {
   // Runs a stage on `groups` work groups; nothing if there are none. `buffers` are its bindings 0,
   // 1, ...; `push` its push constants.
   void dispatch_bytes(Stage stage, const Constants& constants,
-                      std::initializer_list<const Buffer*> buffers,
-                      std::span<const std::byte> push, Groups groups);
+                      std::initializer_list<const Buffer*> buffers, std::span<const std::byte> push,
+                      Groups groups);
   template <class T>
-  void dispatch(Stage stage, const Constants& constants, std::initializer_list<const Buffer*> buffers,
-                const T& push, Groups groups) {
+  void dispatch(Stage stage, const Constants& constants,
+                std::initializer_list<const Buffer*> buffers, const T& push, Groups groups) {
     dispatch_bytes(stage, constants, buffers, std::as_bytes(std::span(&push, 1)), groups);
   }
   void fill(const Buffer& buffer, std::uint32_t word);
-  void copy(const Buffer& from, std::uint64_t from_offset, const Buffer& to, std::uint64_t to_offset,
-            std::uint64_t bytes);
+  void copy(const Buffer& from, std::uint64_t from_offset, const Buffer& to,
+            std::uint64_t to_offset, std::uint64_t bytes);
 
   // What follows, up to the next mark, is timed under this name; without timestamps nothing is.
   void mark(const char* name);
@@ -50,8 +50,8 @@ class Commands {
   // Whatever is wanted of a buffer, after a submit.
   void read_back(const Buffer& from, std::uint64_t offset, std::span<std::byte> bytes);
 
-  std::uint64_t uploaded_bytes = 0;          // since it was cleared
-  bool times = false;                        // whether marks do anything
+  std::uint64_t uploaded_bytes = 0;         // since it was cleared
+  bool times = false;                       // whether marks do anything
   std::map<std::string, double> stages_ms;  // added up since it was cleared
   std::vector<std::string> stage_order;
 

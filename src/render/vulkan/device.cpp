@@ -37,13 +37,12 @@ int checked_index(const Instance& instance, int index) {
   if (index < 0) index = preferred(instance);
   const DeviceInfo info = instance.info_of(std::max(index, 0));
   if (!info.is_usable())
-    throw Error(ErrorCode::kUnsupported,
-                fmt::format("device {}: {} cannot be used: it {}", info.index, info.name,
-                            info.lack));
+    throw Error(ErrorCode::kUnsupported, fmt::format("device {}: {} cannot be used: it {}",
+                                                     info.index, info.name, info.lack));
   return index;
 }
 
-bool has_extension(VkPhysicalDevice device, const char* wanted) {
+bool device_has(VkPhysicalDevice device, const char* wanted) {
   std::uint32_t count = 0;
   vkEnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr);
   std::vector<VkExtensionProperties> extensions(count);
@@ -92,7 +91,7 @@ Device::Device(std::shared_ptr<Instance> instance, int index)
   std::vector<const char*> extensions;
   // Who has it must be asked for it.
   constexpr const char* kPortability = "VK_KHR_portability_subset";
-  if (has_extension(physical_, kPortability)) extensions.push_back(kPortability);
+  if (device_has(physical_, kPortability)) extensions.push_back(kPortability);
   auto info = structure<VkDeviceCreateInfo>(VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO);
   info.queueCreateInfoCount = 1;
   info.pQueueCreateInfos = &queue;
@@ -145,12 +144,14 @@ Pipeline Device::make_pipeline(Stage stage, const Constants& constants) const {
   std::vector<VkDescriptorSetLayoutBinding> bindings(shader.num_bindings);
   for (std::uint32_t b = 0; b < shader.num_bindings; ++b)
     bindings[b] = {b, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr};
-  auto set = structure<VkDescriptorSetLayoutCreateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO);
+  auto set = structure<VkDescriptorSetLayoutCreateInfo>(
+      VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO);
   set.bindingCount = shader.num_bindings;
   set.pBindings = bindings.data();
   check(vk_.vkCreateDescriptorSetLayout(device_, &set, nullptr, &made.set_layout), shader.name);
   const VkPushConstantRange push{VK_SHADER_STAGE_COMPUTE_BIT, 0, shader.push_bytes};
-  auto layout = structure<VkPipelineLayoutCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO);
+  auto layout =
+      structure<VkPipelineLayoutCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO);
   layout.setLayoutCount = 1;
   layout.pSetLayouts = &made.set_layout;
   layout.pushConstantRangeCount = shader.push_bytes > 0 ? 1 : 0;
@@ -167,7 +168,8 @@ Pipeline Device::make_pipeline(Stage stage, const Constants& constants) const {
     entries[i] = {i, static_cast<std::uint32_t>(i * sizeof(std::uint32_t)), sizeof(std::uint32_t)};
   VkSpecializationInfo special{static_cast<std::uint32_t>(entries.size()), entries.data(),
                                constants.size() * sizeof(std::uint32_t), constants.data()};
-  auto info = structure<VkComputePipelineCreateInfo>(VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO);
+  auto info =
+      structure<VkComputePipelineCreateInfo>(VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO);
   info.stage = structure<VkPipelineShaderStageCreateInfo>(
       VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO);
   info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;

@@ -46,7 +46,9 @@ class Device {
   bool shares_memory() const noexcept {
     return info_.kind == DeviceKind::kIntegrated || info_.kind == DeviceKind::kSoftware;
   }
-  bool has_timestamps() const noexcept { return limits_.timestampPeriod > 0 && timestamp_bits_ > 0; }
+  bool has_timestamps() const noexcept {
+    return limits_.timestampPeriod > 0 && timestamp_bits_ > 0;
+  }
 
   // The type of memory that a buffer goes to: of those allowed the first that has all `needed` and
   // `wanted` flags, else all needed. -1: none.

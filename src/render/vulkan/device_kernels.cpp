@@ -25,8 +25,8 @@ DeviceKernels::DeviceKernels(std::shared_ptr<Device> device, const KernelField& 
       version_(field.version()),
       num_numbers_(numbers_of(field)),
       most_bytes_(most_bytes) {
-  const std::uint64_t page_bytes = std::min<std::uint64_t>(
-      {kPageBytes, device_->limits().maxStorageBufferRange, most_bytes});
+  const std::uint64_t page_bytes =
+      std::min<std::uint64_t>({kPageBytes, device_->limits().maxStorageBufferRange, most_bytes});
   const std::int64_t num_bricks = field.source().num_bricks();
   page_of_brick_.reserve(static_cast<std::size_t>(num_bricks));
   first_in_page_.reserve(static_cast<std::size_t>(num_bricks));
@@ -58,8 +58,8 @@ std::vector<float> DeviceKernels::pack(const Page& page, const KernelField& fiel
       {page.last_brick - page.first_brick, 64, 0, {}}, [&](std::int64_t begin, std::int64_t end) {
         for (std::int64_t b = page.first_brick + begin; b < page.first_brick + end; ++b) {
           const KernelView view = source.acquire(b, 0.0);
-          float* to = numbers.data() + std::size_t{first_in_page(b)} *
-                                           static_cast<std::size_t>(num_numbers_);
+          float* to = numbers.data() +
+                      std::size_t{first_in_page(b)} * static_cast<std::size_t>(num_numbers_);
           for (std::int32_t i = 0; i < view.count; ++i) {
             for (std::size_t a = 0; a < 3; ++a) *to++ = view.center[a][i];
             const auto shape = data::shape_numbers(view, source.shape(), i);
@@ -73,13 +73,13 @@ std::vector<float> DeviceKernels::pack(const Page& page, const KernelField& fiel
   return numbers;
 }
 
-const Buffer& DeviceKernels::acquire(std::size_t number, const KernelField& field,
+const Buffer& DeviceKernels::acquire(std::size_t page, const KernelField& field,
                                      Commands& commands) {
-  Page& page = pages_[number];
-  page.last_used = ++clock_;
-  if (!page.numbers.is_empty()) return page.numbers;
-  const std::vector<float> numbers = pack(page, field);
-  while (resident_bytes_ > 0 && resident_bytes_ + bytes_of(page) > most_bytes_) {
+  Page& own = pages_[page];
+  own.last_used = ++clock_;
+  if (!own.numbers.is_empty()) return own.numbers;
+  const std::vector<float> numbers = pack(own, field);
+  while (resident_bytes_ > 0 && resident_bytes_ + bytes_of(own) > most_bytes_) {
     Page* oldest = nullptr;
     for (Page& other : pages_) {
       if (other.numbers.is_empty()) continue;
@@ -88,10 +88,10 @@ const Buffer& DeviceKernels::acquire(std::size_t number, const KernelField& fiel
     oldest->numbers = Buffer();
     resident_bytes_ -= bytes_of(*oldest);
   }
-  page.numbers = Buffer(device_, bytes_of(page), BufferUse::kDevice);
-  resident_bytes_ += bytes_of(page);
-  commands.upload(page.numbers, 0, std::as_bytes(std::span(numbers)));
-  return page.numbers;
+  own.numbers = Buffer(device_, bytes_of(own), BufferUse::kDevice);
+  resident_bytes_ += bytes_of(own);
+  commands.upload(own.numbers, 0, std::as_bytes(std::span(numbers)));
+  return own.numbers;
 }
 
 }  // namespace ovoid::vulkan

@@ -15,10 +15,12 @@
 namespace ovoid::vulkan {
 namespace {
 
-constexpr std::int64_t kEdge = device::kStoredEdge;
+constexpr std::int64_t kCubeEdge = device::kStoredEdge;
 constexpr std::int64_t kEndless = std::int64_t{1} << 30;
 
-std::int64_t cubes(std::int64_t lo, std::int64_t hi) { return (hi - lo + kEdge - 1) / kEdge; }
+std::int64_t cubes(std::int64_t lo, std::int64_t hi) {
+  return (hi - lo + kCubeEdge - 1) / kCubeEdge;
+}
 
 Index3 brick_counts(const BrickSource& source) {
   Index3 counts = source.geometry().cells();
@@ -29,15 +31,16 @@ Index3 brick_counts(const BrickSource& source) {
 // Where a box's samples go.
 struct Packing {
   std::byte* to;
-  Index3 lo, hi;  // cells
+  Index3 lo, hi;     // cells
   std::size_t size;  // of a sample
   std::int64_t cubes_x, cubes_y, cubes_z;
 
   std::byte* row(std::int64_t sublattice, std::int64_t x, std::int64_t y, std::int64_t z) const {
-    const std::int64_t cube = ((z / kEdge) * cubes_y + y / kEdge) * cubes_x + x / kEdge +
-                              sublattice * cubes_x * cubes_y * cubes_z;
-    const std::int64_t sample = cube * (kEdge * kEdge * kEdge) +
-                                ((z % kEdge) * kEdge + y % kEdge) * kEdge + x % kEdge;
+    const std::int64_t cube = ((z / kCubeEdge) * cubes_y + y / kCubeEdge) * cubes_x +
+                              x / kCubeEdge + sublattice * cubes_x * cubes_y * cubes_z;
+    const std::int64_t sample = cube * (kCubeEdge * kCubeEdge * kCubeEdge) +
+                                ((z % kCubeEdge) * kCubeEdge + y % kCubeEdge) * kCubeEdge +
+                                x % kCubeEdge;
     return to + static_cast<std::size_t>(sample) * size;
   }
 };
@@ -59,7 +62,7 @@ void copy_brick(const BrickView& view, const Packing& packing, int num_sublattic
                      packing.size;
       for (std::int64_t i = first; i < last;) {
         const std::int64_t x = i - packing.lo[0];
-        const std::int64_t count = std::min(last - i, kEdge - x % kEdge);
+        const std::int64_t count = std::min(last - i, kCubeEdge - x % kCubeEdge);
         const std::size_t bytes = static_cast<std::size_t>(count) * packing.size;
         std::memcpy(packing.row(sublattice, x, j - packing.lo[1], z), row, bytes);
         row += bytes;
@@ -105,7 +108,7 @@ DeviceLattice::DeviceLattice(std::shared_ptr<Device> device, const LatticeField&
 
 std::uint64_t DeviceLattice::bytes_of(const Index3& lo, const Index3& hi) const noexcept {
   const std::int64_t count = cubes(lo[0], hi[0]) * cubes(lo[1], hi[1]) * cubes(lo[2], hi[2]);
-  return static_cast<std::uint64_t>(count) * (kEdge * kEdge * kEdge) *
+  return static_cast<std::uint64_t>(count) * (kCubeEdge * kCubeEdge * kCubeEdge) *
          static_cast<std::uint64_t>(num_sublattices_) * size_of(type_);
 }
 
@@ -114,8 +117,7 @@ void DeviceLattice::cut(std::uint64_t most_bytes) {
   for (;;) {
     boxes_.clear();
     Index3 edge{};
-    for (std::size_t a = 0; a < 3; ++a)
-      edge[a] = (cells_[a] + num_boxes_[a] - 1) / num_boxes_[a];
+    for (std::size_t a = 0; a < 3; ++a) edge[a] = (cells_[a] + num_boxes_[a] - 1) / num_boxes_[a];
     std::uint64_t largest = 0;
     Index3 b{};
     for (b[2] = 0; b[2] < num_boxes_[2]; ++b[2]) {
@@ -125,7 +127,8 @@ void DeviceLattice::cut(std::uint64_t most_bytes) {
           for (std::size_t a = 0; a < 3; ++a) {
             box.own_lo[a] = std::min(b[a] * edge[a], cells_[a]);
             box.own_hi[a] = std::min(box.own_lo[a] + edge[a], cells_[a]);
-            box.stored_lo[a] = std::max<std::int64_t>(box.own_lo[a] - reach_, 0) / kEdge * kEdge;
+            box.stored_lo[a] =
+                std::max<std::int64_t>(box.own_lo[a] - reach_, 0) / kCubeEdge * kCubeEdge;
             box.stored_hi[a] = std::min(box.own_hi[a] + reach_, cells_[a]);
           }
           box.bytes = bytes_of(box.stored_lo, box.stored_hi);
@@ -137,7 +140,7 @@ void DeviceLattice::cut(std::uint64_t most_bytes) {
     if (largest <= most_bytes) return;
     const auto longest =
         static_cast<std::size_t>(std::max_element(edge.begin(), edge.end()) - edge.begin());
-    if (edge[longest] <= kEdge)
+    if (edge[longest] <= kCubeEdge)
       throw Error(ErrorCode::kOutOfMemory,
                   fmt::format("backend vulkan: {} bytes of device memory hold no part of the field "
                               "with all that its kernels reach: expected a larger device memory "
@@ -194,32 +197,31 @@ std::vector<std::byte> DeviceLattice::pack(const LatticeBox& box, const LatticeF
     first[a] = box.stored_lo[a] / edge;
     last[a] = (box.stored_hi[a] + edge - 1) / edge;
   }
-  data::parallel_ranges(
-      {last[2] - first[2], 1, 0, {}}, [&](std::int64_t begin, std::int64_t end) {
-        for (std::int64_t bz = first[2] + begin; bz < first[2] + end; ++bz) {
-          for (std::int64_t by = first[1]; by < last[1]; ++by) {
-            for (std::int64_t bx = first[0]; bx < last[0]; ++bx) {
-              const Index3 b{bx, by, bz};
-              Index3 lo{}, hi{};
-              for (std::size_t a = 0; a < 3; ++a) {
-                lo[a] = std::max(b[a] * edge, box.stored_lo[a]);
-                hi[a] = std::min((b[a] + 1) * edge, box.stored_hi[a]);
-              }
-              copy_brick(source.acquire(bx, by, bz, 0.0), packing, num_sublattices_, lo, hi);
-            }
+  data::parallel_ranges({last[2] - first[2], 1, 0, {}}, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t bz = first[2] + begin; bz < first[2] + end; ++bz) {
+      for (std::int64_t by = first[1]; by < last[1]; ++by) {
+        for (std::int64_t bx = first[0]; bx < last[0]; ++bx) {
+          const Index3 b{bx, by, bz};
+          Index3 lo{}, hi{};
+          for (std::size_t a = 0; a < 3; ++a) {
+            lo[a] = std::max(b[a] * edge, box.stored_lo[a]);
+            hi[a] = std::min((b[a] + 1) * edge, box.stored_hi[a]);
           }
+          copy_brick(source.acquire(bx, by, bz, 0.0), packing, num_sublattices_, lo, hi);
         }
-      });
+      }
+    }
+  });
   return bytes;
 }
 
-const LatticeBox& DeviceLattice::acquire(std::size_t number, const LatticeField& field,
+const LatticeBox& DeviceLattice::acquire(std::size_t box, const LatticeField& field,
                                          Commands& commands) {
-  LatticeBox& box = boxes_[number];
-  box.last_used = ++clock_;
-  if (!box.samples.is_empty()) return box;
-  const std::vector<std::byte> bytes = pack(box, field);
-  while (resident_bytes_ > 0 && resident_bytes_ + box.bytes > most_bytes_) {
+  LatticeBox& own = boxes_[box];
+  own.last_used = ++clock_;
+  if (!own.samples.is_empty()) return own;
+  const std::vector<std::byte> bytes = pack(own, field);
+  while (resident_bytes_ > 0 && resident_bytes_ + own.bytes > most_bytes_) {
     LatticeBox* oldest = nullptr;
     for (LatticeBox& other : boxes_) {
       if (other.samples.is_empty()) continue;
@@ -228,10 +230,10 @@ const LatticeBox& DeviceLattice::acquire(std::size_t number, const LatticeField&
     oldest->samples = Buffer();
     resident_bytes_ -= oldest->bytes;
   }
-  box.samples = Buffer(device_, box.bytes, BufferUse::kDevice);
-  resident_bytes_ += box.bytes;
-  commands.upload(box.samples, 0, bytes);
-  return box;
+  own.samples = Buffer(device_, own.bytes, BufferUse::kDevice);
+  resident_bytes_ += own.bytes;
+  commands.upload(own.samples, 0, bytes);
+  return own;
 }
 
 device::BoxConstants DeviceLattice::constants_of(const LatticeBox& box) const {
@@ -249,7 +251,7 @@ device::BoxConstants DeviceLattice::constants_of(const LatticeBox& box) const {
                       cubes(box.stored_lo[1], box.stored_hi[1]),
                       cubes(box.stored_lo[2], box.stored_hi[2])};
   constants.stored_bricks = {whole(stored[0]), whole(stored[1]), whole(stored[2]),
-                             whole(stored[0] * stored[1] * stored[2] * kEdge * kEdge)};
+                             whole(stored[0] * stored[1] * stored[2] * kCubeEdge * kCubeEdge)};
   return constants;
 }
 

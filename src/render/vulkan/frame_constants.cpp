@@ -85,8 +85,7 @@ device::ViewConstants view_constants(const view::FramePlan& plan, const RenderOp
   }
   out.width = static_cast<std::uint32_t>(options.width);
   out.height = static_cast<std::uint32_t>(options.height);
-  out.num_sheets =
-      static_cast<std::int32_t>(std::max<std::int64_t>(plan.sheets.last - first, 0));
+  out.num_sheets = static_cast<std::int32_t>(std::max<std::int64_t>(plan.sheets.last - first, 0));
   out.num_clips = static_cast<std::uint32_t>(plan.clip_planes.size());
   out.sampling_distance = static_cast<float>(lattice.sampling_distance());
   out.first_depth = static_cast<float>(lattice.depth(first));
@@ -179,9 +178,8 @@ device::LatticeConstants lattice_constants(const LatticeField& field, const view
   out.sigma = static_cast<float>(kernel.sigma);
   out.support = static_cast<float>(kernel.support_radius());
   out.inverse_variance = static_cast<float>(inverse_variance);
-  out.sum_weight = static_cast<float>(1.0 / (geometry.density() *
-                                             std::pow(2 * std::numbers::pi, 1.5) *
-                                             std::pow(kernel.sigma, 3)));
+  out.sum_weight = static_cast<float>(
+      1.0 / (geometry.density() * std::pow(2 * std::numbers::pi, 1.5) * std::pow(kernel.sigma, 3)));
   out.near_weight = static_cast<float>(std::exp(-0.5 * inverse_variance));
   out.far_weight = static_cast<float>(std::exp(-2.0 * inverse_variance));
   out.value_scale = static_cast<float>(field.source().value_scale());

@@ -144,8 +144,8 @@ std::shared_ptr<Instance> Instance::get() {
 
 Instance::Instance() : library_(open_loader()) {
   // Never closed: drivers leave threads and handlers behind.
-  auto* const find = reinterpret_cast<PFN_vkGetInstanceProcAddr>(
-      dlsym(library_, "vkGetInstanceProcAddr"));
+  auto* const find =
+      reinterpret_cast<PFN_vkGetInstanceProcAddr>(dlsym(library_, "vkGetInstanceProcAddr"));
   if (find == nullptr) refuse("the Vulkan loader has no vkGetInstanceProcAddr");
   volkInitializeCustom(find);
   if (vkEnumerateInstanceVersion == nullptr || volkGetInstanceVersion() < VK_API_VERSION_1_2)
@@ -201,7 +201,8 @@ void Instance::create() {
 
 void Instance::listen() {
   if (!validates_) return;
-  auto info = structure<VkDebugUtilsMessengerCreateInfoEXT>(VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT);
+  auto info = structure<VkDebugUtilsMessengerCreateInfoEXT>(
+      VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT);
   info.messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT |
                          VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
   info.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT;
@@ -220,8 +221,7 @@ VkBool32 Instance::hear(VkDebugUtilsMessageSeverityFlagBitsEXT /*severity*/,
 }
 
 Instance::~Instance() {
-  if (messenger_ != VK_NULL_HANDLE)
-    vkDestroyDebugUtilsMessengerEXT(instance_, messenger_, nullptr);
+  if (messenger_ != VK_NULL_HANDLE) vkDestroyDebugUtilsMessengerEXT(instance_, messenger_, nullptr);
   if (instance_ != VK_NULL_HANDLE) vkDestroyInstance(instance_, nullptr);
 }
 
@@ -232,8 +232,10 @@ std::vector<std::string> Instance::take_messages() {
 
 DeviceInfo Instance::info_of(int index) const {
   VkPhysicalDevice device = devices_[static_cast<std::size_t>(index)];
-  auto driver = structure<VkPhysicalDeviceDriverProperties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES);
-  auto properties = structure<VkPhysicalDeviceProperties2>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2);
+  auto driver = structure<VkPhysicalDeviceDriverProperties>(
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES);
+  auto properties =
+      structure<VkPhysicalDeviceProperties2>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2);
   properties.pNext = &driver;
   vkGetPhysicalDeviceProperties2(device, &properties);
   const VkPhysicalDeviceProperties& facts = properties.properties;

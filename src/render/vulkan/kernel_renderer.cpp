@@ -22,7 +22,7 @@ static_assert(device::kLeastSetWeight == static_cast<float>(KernelField::kLeastW
 
 // Of sheets that are kept at a time: more would be worked out behind what is opaque.
 constexpr int kMostChunkLayers = 4;
-constexpr int kEdge = device::kGroupEdge;
+constexpr int kTileEdge = device::kGroupEdge;
 
 std::uint32_t set_flags(const KernelField& field, const view::KernelPlan& plan,
                         const RenderOptions& options, bool has_levels) {
@@ -98,7 +98,7 @@ struct KernelRenderer::Set {
   std::vector<std::uint32_t> needed_layers;
   std::vector<LayerRange> layers_of_brick;  // of the plan's
   std::uint32_t lists_per_layer = 0;
-  std::uint64_t plane_samples = 0;  // of the finest level
+  std::uint64_t plane_samples = 0;   // of the finest level
   std::uint64_t coarse_numbers = 0;  // of all others, of a sheet
   int chunk_layers = 1;
 };
@@ -119,7 +119,7 @@ void KernelRenderer::prepare_band(Set& set, const Band& band) {
   set.coarse_numbers = 0;
   for (int level = 0; level < device::kNumLevels; ++level) {
     device::LevelConstants& constants = set.frame.levels[level];
-    const int edge = kEdge << level;
+    const int edge = kTileEdge << level;
     // One tile beside the picture all around: what filters and differences read there.
     const int first_x = -1;
     const int last_x = floor_divided(set.options.width - 1, edge) + 1;
@@ -170,9 +170,9 @@ void KernelRenderer::prepare_band(Set& set, const Band& band) {
   reserve(sheets_, bench_.device, is_half ? ring / 2 : ring, BufferUse::kDevice);
   reserve(color_sheets_, bench_.device, set.field.has_own_color() ? ring : 4, BufferUse::kDevice);
   reserve(planes_, bench_.device,
-          set.frame.max_level > 0 ? set.coarse_numbers * sizeof(float) *
-                                        static_cast<std::uint64_t>(chunk_sheets)
-                                  : 4,
+          set.frame.max_level > 0
+              ? set.coarse_numbers * sizeof(float) * static_cast<std::uint64_t>(chunk_sheets)
+              : 4,
           BufferUse::kDevice);
   // Tiles beside the picture have no pixels to wait for.
   const device::ivec4& tiles = set.frame.levels[0].tiles;
@@ -204,8 +204,7 @@ void KernelRenderer::scan(const Buffer& numbers, std::uint32_t count) {
     const auto l = static_cast<std::size_t>(level);
     device::KernelPush push{};
     push.num_items = counts[l];
-    bench_.commands.dispatch(Stage::kScanAdd, {}, {of[l], of[l + 1]}, push,
-                             grid_of(counts[l + 1]));
+    bench_.commands.dispatch(Stage::kScanAdd, {}, {of[l], of[l + 1]}, push, grid_of(counts[l + 1]));
   }
 }
 
@@ -252,10 +251,9 @@ KernelRenderer::Layers KernelRenderer::project_layers(Set& set, int first, int e
     push.first_item = pages[p].second;
     push.num_items = past - pages[p].second;
     commands.mark("project");
-    commands.dispatch(
-        Stage::kProject, set.constants,
-        {&frame_, &page, &bricks_, &needed_layers_, &splats_, &offsets_, &coarsest_}, push,
-        grid_of(push.num_items));
+    commands.dispatch(Stage::kProject, set.constants,
+                      {&frame_, &page, &bricks_, &needed_layers_, &splats_, &offsets_, &coarsest_},
+                      push, grid_of(push.num_items));
   }
   commands.mark("scan");
   scan(offsets_, layers.num_splats + 1);
@@ -348,8 +346,8 @@ void KernelRenderer::reconstruct(Set& set, const Layers& layers, int first, int 
     const device::ivec4& tiles = set.frame.levels[level].tiles;
     bench_.commands.mark("reconstruct");
     // Two half sheets share a word: they go together.
-    const bool is_packed = set.options.pack_sheets ||
-                           set.options.sheet_precision == SheetPrecision::kHalf;
+    const bool is_packed =
+        set.options.pack_sheets || set.options.sheet_precision == SheetPrecision::kHalf;
     for (int sheet = is_packed ? -1 : 0; sheet < (is_packed ? 0 : view::kBlockDepth); ++sheet) {
       push.only_sheet = sheet;
       bench_.commands.dispatch(
@@ -423,8 +421,8 @@ void KernelRenderer::render(const KernelField& field, const Camera& camera, cons
                             FrameProfile& profile) {
   Commands& commands = bench_.commands;
   Set set(field, camera, look, options);
-  const bool has_levels = options.post_convolution != PostConvolution::kOff &&
-                          options.evaluate != Evaluate::kGather;
+  const bool has_levels =
+      options.post_convolution != PostConvolution::kOff && options.evaluate != Evaluate::kGather;
   if (!kernels_ || !kernels_->is_of(field)) {
     kernels_.reset();
     kernels_ = std::make_unique<DeviceKernels>(bench_.device, field, bench_.most_bytes);
@@ -454,13 +452,12 @@ void KernelRenderer::render(const KernelField& field, const Camera& camera, cons
   frame.first_depth = static_cast<float>(space.first_depth);
   frame.center_x = static_cast<float>(space.center_x);
   frame.center_y = static_cast<float>(space.center_y);
-  frame.near_depth = static_cast<float>(
-      std::max(set.plan.lattice.near_depth(), -static_cast<double>(std::numeric_limits<float>::max())));
+  frame.near_depth = static_cast<float>(std::max(
+      set.plan.lattice.near_depth(), -static_cast<double>(std::numeric_limits<float>::max())));
   frame.cutoff = static_cast<float>(field.source().cutoff());
   frame.least_pixels = static_cast<float>(view::kLeastPixels);
-  frame.least_level_sigma = options.post_convolution == PostConvolution::kAuto
-                                ? kLeastLevelSigma
-                                : kPublishedLevelSigma;
+  frame.least_level_sigma =
+      options.post_convolution == PostConvolution::kAuto ? kLeastLevelSigma : kPublishedLevelSigma;
   const ValueRange range = field.value_range();
   const float half = 0.5F * range.hi - 0.5F * range.lo;
   frame.sheet_scale = half > 0 ? 1 / half : 1.0F;
@@ -478,9 +475,9 @@ void KernelRenderer::render(const KernelField& field, const Camera& camera, cons
   std::vector<std::uint8_t> blocks(set.plan.is_needed.size());
   set.needed_layers.assign(static_cast<std::size_t>(std::max(num_layers, 1)), 0);
   for (std::size_t i = 0; i < blocks.size(); ++i) {
-    blocks[i] = static_cast<std::uint8_t>(
-        (set.plan.is_needed[i] != 0 ? device::kBlockIsNeeded : 0) |
-        (set.plan.is_relevant[i] != 0 ? device::kBlockIsRelevant : 0));
+    blocks[i] =
+        static_cast<std::uint8_t>((set.plan.is_needed[i] != 0 ? device::kBlockIsNeeded : 0) |
+                                  (set.plan.is_relevant[i] != 0 ? device::kBlockIsRelevant : 0));
     if (set.plan.is_needed[i] != 0) set.needed_layers[i / per_layer] = 1;
   }
   set.layers_of_brick.reserve(set.plan.bricks.size());
@@ -507,7 +504,9 @@ void KernelRenderer::render(const KernelField& field, const Camera& camera, cons
     commands.mark("read back");
     commands.submit_and_wait();
     bench_.pixels.finish(commands, look, band, image);
-    add_counts(commands, counts_, static_cast<std::size_t>(frame.levels[0].tiles.x) * frame.levels[0].tiles.y, profile);
+    add_counts(commands, counts_,
+               static_cast<std::size_t>(frame.levels[0].tiles.x) * frame.levels[0].tiles.y,
+               profile);
     if (hooks.tile_done) hooks.tile_done({0, band.first, options.width, band.end, &image});
     if (hooks.progress)
       hooks.progress(static_cast<double>(band.end) / static_cast<double>(options.height));

@@ -18,8 +18,7 @@ Vec3 eye_of(const Camera& camera, const view::LatticePlan& plan, const LatticeFi
   const Vec3 step = plan.lattice.index_map(1).origin - plan.lattice.index_map(0).origin;
   const Index3 cells = field.geometry().cells();
   Vec3 eye;
-  for (int a = 0; a < 3; ++a)
-    eye[a] = step[a] > 0 ? -1.0 : static_cast<double>(cells[a]) + 1.0;
+  for (int a = 0; a < 3; ++a) eye[a] = step[a] > 0 ? -1.0 : static_cast<double>(cells[a]) + 1.0;
   return eye;
 }
 
@@ -33,8 +32,9 @@ int reach_of(const LatticeField& field, const view::LatticePlan& plan) {
       step = std::max(step, (next.at(x, y) - here.at(x, y)).cwiseAbs().maxCoeff());
   }
   const view::SheetMap last = plan.lattice.index_map(plan.sheets.last);
-  const double pixel = std::max({here.per_x.cwiseAbs().maxCoeff(), here.per_y.cwiseAbs().maxCoeff(),
-                                 last.per_x.cwiseAbs().maxCoeff(), last.per_y.cwiseAbs().maxCoeff()});
+  const double pixel =
+      std::max({here.per_x.cwiseAbs().maxCoeff(), here.per_y.cwiseAbs().maxCoeff(),
+                last.per_x.cwiseAbs().maxCoeff(), last.per_y.cwiseAbs().maxCoeff()});
   const double kernel = field.index_kernel().support_radius() * plan.greatest_widening;
   return static_cast<int>(std::ceil(std::max(kernel, 2.0) + step + pixel)) + 1;
 }
@@ -72,8 +72,8 @@ double rounds_of_spread(const device::LatticeConstants& lattice, double apart) {
   const double tau = static_cast<double>(lattice.sigma) * std::hypot(along.x, along.y, along.z);
   const double reach = static_cast<double>(lattice.support / lattice.sigma) * tau;
   for (const device::vec4& row : lattice.camera_columns)
-    rounds *= 2 * (static_cast<double>(row.x + row.y) * apart +
-                   static_cast<double>(row.z) * reach) + 2;
+    rounds *=
+        2 * (static_cast<double>(row.x + row.y) * apart + static_cast<double>(row.z) * reach) + 2;
   return rounds;
 }
 
@@ -145,8 +145,7 @@ void LatticeRenderer::decide_relevance(Kept& kept, view::LatticePlan& plan,
         for (std::int64_t x = 0; x < n[0]; ++x) {
           const auto at = static_cast<std::size_t>((z * n[1] + y) * n[0] + x);
           const bool is_relevant = (words[x >> 5] >> (x & 31) & 1U) != 0;
-          const auto distance =
-              static_cast<std::uint8_t>(is_relevant ? 0 : device::kFarBricks);
+          const auto distance = static_cast<std::uint8_t>(is_relevant ? 0 : device::kFarBricks);
           const std::uint8_t misses =
               all_may_miss ? static_cast<std::uint8_t>(device::kMissingBit) : missing[at];
           bytes[at] = static_cast<std::uint8_t>(distance | misses);
@@ -208,8 +207,12 @@ void LatticeRenderer::render(const LatticeField& field, const Camera& camera, co
                                         field.geometry().num_sublattices());
   const std::uint32_t flags =
       frame_flags(own.plan, look, options) | (other ? device::kHasBehind : 0);
-  Constants constants = {mode_number(look.mode), flags, type_number(kept_.lattice->type()),
-                         lattice_flags(field, options, kept_.lattice->may_miss()), 0, 0};
+  Constants constants = {mode_number(look.mode),
+                         flags,
+                         type_number(kept_.lattice->type()),
+                         lattice_flags(field, options, kept_.lattice->may_miss()),
+                         0,
+                         0};
   if (other) {
     constants[4] = type_number(kept_behind_.lattice->type());
     constants[5] = lattice_flags(*behind->field, options, kept_behind_.lattice->may_miss());
@@ -232,8 +235,8 @@ void LatticeRenderer::render(const LatticeField& field, const Camera& camera, co
   double rounds = rounds_of_sample({field, own.plan, constants[3], look.mode, takes_differences},
                                    frame.fields[0]);
   if (other)
-    rounds += rounds_of_sample({*behind->field, other->plan, constants[5], behind->look.mode, false},
-                               frame.fields[1]);
+    rounds += rounds_of_sample(
+        {*behind->field, other->plan, constants[5], behind->look.mode, false}, frame.fields[1]);
   // Sheets [first, end) that one list of commands draws, and the pitch of their nodes.
   struct Part {
     int first, end;
@@ -297,12 +300,12 @@ void LatticeRenderer::render(const LatticeField& field, const Camera& camera, co
         const Groups node_groups{
             groups_for(static_cast<std::uint64_t>(options.width), device::kNodeTile),
             groups_for(static_cast<std::uint64_t>(band.rows()), device::kNodeTile), 1};
-        commands.dispatch(is_at_nodes ? Stage::kLatticeNodes : Stage::kLattice,
-                          is_at_nodes ? node_constants : constants,
-                          {&frame_, &tables_, &box.samples, samples_behind, &kept_.bricks,
-                           bricks_behind, &bench_.pixels.colors(), &bench_.pixels.depths(),
-                           &bench_.pixels.states(), &counts_},
-                          place, is_at_nodes ? node_groups : groups);
+        commands.dispatch(
+            is_at_nodes ? Stage::kLatticeNodes : Stage::kLattice,
+            is_at_nodes ? node_constants : constants,
+            {&frame_, &tables_, &box.samples, samples_behind, &kept_.bricks, bricks_behind,
+             &bench_.pixels.colors(), &bench_.pixels.depths(), &bench_.pixels.states(), &counts_},
+            place, is_at_nodes ? node_groups : groups);
       }
     }
     commands.mark("read back");

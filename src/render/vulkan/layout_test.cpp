@@ -56,7 +56,8 @@ struct Member {
   std::size_t offset;
 };
 
-#define OVOID_MEMBER(structure, member) {#structure "." #member, offsetof(device::structure, member)}
+#define OVOID_MEMBER(structure, member) \
+  { #structure "." #member, offsetof(device::structure, member) }
 
 constexpr Member kMembers[] = {
     OVOID_MEMBER(TableConstants, scale),

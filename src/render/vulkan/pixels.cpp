@@ -61,15 +61,13 @@ void Pixels::finish(Commands& commands, const Look& look, const Band& band, Imag
   std::vector<device::PixelState> states(count);
   commands.read_back(states_, 0, bytes_of(states.data(), count));
   constexpr std::int64_t kGrain = 4096;
-  data::parallel_ranges({static_cast<std::int64_t>(count), kGrain, 0, {}},
-                        [&](std::int64_t begin, std::int64_t end) {
-                          for (auto i = static_cast<std::size_t>(begin);
-                               i < static_cast<std::size_t>(end); ++i) {
-                            if ((states[i].flags & device::kSeen) == 0) continue;
-                            show_value(look, states[i].best, states[i].path,
-                                       image.rgba.data() + 4 * (first + i));
-                          }
-                        });
+  data::parallel_ranges(
+      {static_cast<std::int64_t>(count), kGrain, 0, {}}, [&](std::int64_t begin, std::int64_t end) {
+        for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+          if ((states[i].flags & device::kSeen) == 0) continue;
+          show_value(look, states[i].best, states[i].path, image.rgba.data() + 4 * (first + i));
+        }
+      });
 }
 
 }  // namespace ovoid::vulkan

@@ -14,10 +14,11 @@ void check(VkResult result, const char* doing) {
     case VK_ERROR_OUT_OF_DEVICE_MEMORY:
     case VK_ERROR_OUT_OF_POOL_MEMORY:
     case VK_ERROR_TOO_MANY_OBJECTS:
-      throw Error(ErrorCode::kOutOfMemory,
-                  fmt::format("backend vulkan: the device's memory does not suffice for {}: expected "
-                              "a smaller picture or device memory limit, or backend cpu",
-                              doing));
+      throw Error(
+          ErrorCode::kOutOfMemory,
+          fmt::format("backend vulkan: the device's memory does not suffice for {}: expected "
+                      "a smaller picture or device memory limit, or backend cpu",
+                      doing));
     case VK_ERROR_DEVICE_LOST:
       throw Error(ErrorCode::kDeviceLost,
                   fmt::format("backend vulkan: the device was lost while {}: the next picture "

@@ -9,18 +9,18 @@
 namespace ovoid::vulkan {
 
 enum class Stage {
-  kDistance,        // of bricks to what can show, along one axis
-  kLattice,         // reconstruct, shade, composite
-  kLatticeNodes,    // the same with post-convolve before shade
-  kProject,         // kernels -> splats
-  kScan,            // sums of what lies before, block by block
-  kScanAdd,         // and of the blocks before
-  kList,            // splats -> (list, splat) pairs
-  kSortCount,       // of each digit per block of pairs
-  kSortScatter,     // pairs to their places
-  kListEnds,        // where each list begins and ends
-  kReconstruct,     // splats -> a level's sheets, with what coarser levels have
-  kShade,           // sheets -> colour and opacity, composited
+  kDistance,      // of bricks to what can show, along one axis
+  kLattice,       // reconstruct, shade, composite
+  kLatticeNodes,  // the same with post-convolve before shade
+  kProject,       // kernels -> splats
+  kScan,          // sums of what lies before, block by block
+  kScanAdd,       // and of the blocks before
+  kList,          // splats -> (list, splat) pairs
+  kSortCount,     // of each digit per block of pairs
+  kSortScatter,   // pairs to their places
+  kListEnds,      // where each list begins and ends
+  kReconstruct,   // splats -> a level's sheets, with what coarser levels have
+  kShade,         // sheets -> colour and opacity, composited
   kNumStages,
 };
 inline constexpr std::size_t kNumStages = static_cast<std::size_t>(Stage::kNumStages);

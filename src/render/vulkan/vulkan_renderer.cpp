@@ -34,9 +34,9 @@ struct VulkanRenderer::Impl {
   void open() {
     std::shared_ptr<Device> device = Device::get(device_index);
     const std::uint64_t all = device->info().memory_bytes;
-    const auto bytes = most_bytes > 0 ? most_bytes
-                                      : static_cast<std::uint64_t>(kShareForFields *
-                                                                   static_cast<double>(all));
+    const auto bytes = most_bytes > 0
+                           ? most_bytes
+                           : static_cast<std::uint64_t>(kShareForFields * static_cast<double>(all));
     bench.emplace(std::move(device), bytes);
     lattices.emplace(*bench);
     kernels.emplace(*bench);

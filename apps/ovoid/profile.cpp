@@ -101,9 +101,13 @@ std::string to_table(const RunProfile& profile) {
   row("kernels", fmt::format("{} drawn of {}", frame.kernels_drawn, frame.kernels_total));
   row("samples", fmt::format("{} reconstructed, {} shaded, {} gradients",
                              frame.samples_reconstructed, frame.samples_shaded, frame.gradients));
-  row("blocks", fmt::format("{} drawn of {}", frame.blocks_drawn, frame.blocks_total));
-  row("  skipped", fmt::format("{} empty, {} irrelevant, {} opaque", frame.blocks_skipped_empty,
-                               frame.blocks_skipped_irrelevant, frame.blocks_skipped_opaque));
+  if (frame.blocks_total > 0) {
+    row("blocks", fmt::format("{} drawn of {}", frame.blocks_drawn, frame.blocks_total));
+    row("  skipped", fmt::format("{} empty, {} irrelevant, {} opaque", frame.blocks_skipped_empty,
+                                 frame.blocks_skipped_irrelevant, frame.blocks_skipped_opaque));
+  }
+  if (!frame.device.empty())
+    row("sent to the device", readable_bytes(static_cast<double>(frame.bytes_uploaded)));
   row("peak memory", readable_bytes(static_cast<double>(peak_memory_bytes())));
   return out;
 }

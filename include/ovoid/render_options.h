@@ -25,7 +25,7 @@ enum class Classification { kSampled, kPreintegrated };
 
 // How the cpu back end evaluates a block: each sample sums its kernels, each kernel adds to its
 // samples, or the cheaper of both. Of kernel sets: gather is the fragment-centric way, every sample
-// visits all kernels of its block.
+// visits all kernels of its block, on the vulkan back end, too; its lattices always gather.
 enum class Evaluate { kAuto, kGather, kScatter };
 
 // How sheets finer than the field are made (docs/numerics.md, "Post-convolution"): every sample
@@ -44,7 +44,7 @@ constexpr bool is_published(PostConvolution how) {
 enum class Spread { kGaussian, kBilinear };
 
 // How exactly the vulkan back end keeps a sheet's samples before they are classified: as floats, or
-// in half the memory, rounded to 11 bits of the field's range. The others keep floats.
+// in half the memory (docs/numerics.md, "Half sheets"). The others keep floats.
 enum class SheetPrecision { kSingle, kHalf };
 
 // A half space: points with dot(normal, x) >= offset are kept (world). `normal` need not have unit

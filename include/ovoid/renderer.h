@@ -53,7 +53,7 @@ struct FrameProfile {
   std::int64_t samples_shaded = 0;  // samples with a non-zero opacity
   std::int64_t gradients = 0;       // samples whose gradient was taken
   std::int64_t bytes_uploaded = 0;  // to a device: what of field, look and camera it did not have
-  std::int64_t blocks_total = 0;
+  std::int64_t blocks_total = 0;    // these four: of the cpu back end
   std::int64_t blocks_drawn = 0;
   std::int64_t blocks_skipped_empty =
       0;  // no kernel reaches the block (outside the field, or clipped)

@@ -98,11 +98,11 @@ VkDescriptorSet Commands::new_set(const Pipeline& pipeline) {
   return set;
 }
 
-void Commands::dispatch_bytes(Stage stage, const Constants& constants,
+void Commands::dispatch_bytes(const Shader& shader, const Constants& constants,
                               std::initializer_list<const Buffer*> buffers,
                               std::span<const std::byte> push, Groups groups) {
   if (groups.x == 0 || groups.y == 0 || groups.z == 0) return;
-  const Pipeline& pipeline = device_->pipeline(stage, constants);
+  const Pipeline& pipeline = device_->pipeline(shader, constants);
   assert(buffers.size() == pipeline.num_bindings);
   begin();
   const VolkDeviceTable& vk = device_->vk();
@@ -147,6 +147,13 @@ void Commands::mark(const char* name) {
   device_->vk().vkCmdWriteTimestamp(buffer_, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, queries_,
                                     static_cast<std::uint32_t>(marks_.size()));
   marks_.emplace_back(name);
+}
+
+void Commands::discard() {
+  if (!is_recording_) return;
+  device_->vk().vkEndCommandBuffer(buffer_);
+  marks_.clear();
+  is_recording_ = false;
 }
 
 void Commands::submit_and_wait() {

@@ -25,15 +25,16 @@ class Commands {
   Commands(const Commands&) = delete;
   Commands& operator=(const Commands&) = delete;
 
-  // Runs a stage on `groups` work groups; nothing if there are none. `buffers` are its bindings 0,
-  // 1, ...; `push` its push constants.
-  void dispatch_bytes(Stage stage, const Constants& constants,
+  // Runs a stage, or any shader, on `groups` work groups; nothing if there are none. `buffers` are
+  // its bindings 0, 1, ...; `push` its push constants.
+  void dispatch_bytes(const Shader& shader, const Constants& constants,
                       std::initializer_list<const Buffer*> buffers, std::span<const std::byte> push,
                       Groups groups);
   template <class T>
   void dispatch(Stage stage, const Constants& constants,
                 std::initializer_list<const Buffer*> buffers, const T& push, Groups groups) {
-    dispatch_bytes(stage, constants, buffers, std::as_bytes(std::span(&push, 1)), groups);
+    dispatch_bytes(shader_of(stage), constants, buffers, std::as_bytes(std::span(&push, 1)),
+                   groups);
   }
   void fill(const Buffer& buffer, std::uint32_t word);
   void copy(const Buffer& from, std::uint64_t from_offset, const Buffer& to,
@@ -42,6 +43,8 @@ class Commands {
   // What follows, up to the next mark, is timed under this name; without timestamps nothing is.
   void mark(const char* name);
 
+  // What has been recorded is not wanted after all.
+  void discard();
   // Throws Error(kDeviceLost) and marks the device, Error(kOutOfMemory).
   void submit_and_wait();
 

@@ -128,17 +128,16 @@ bool Device::is_host_visible(int type) const noexcept {
   return (memory_.memoryTypes[type].propertyFlags & kMapped) == kMapped;
 }
 
-const Pipeline& Device::pipeline(Stage stage, const Constants& constants) {
+const Pipeline& Device::pipeline(const Shader& shader, const Constants& constants) {
   const std::lock_guard lock(mutex_);
-  const auto key = std::make_pair(stage, constants);
+  const auto key = std::make_pair(&shader, constants);
   auto known = pipelines_.find(key);
   if (known == pipelines_.end())
-    known = pipelines_.emplace(key, make_pipeline(stage, constants)).first;
+    known = pipelines_.emplace(key, make_pipeline(shader, constants)).first;
   return known->second;
 }
 
-Pipeline Device::make_pipeline(Stage stage, const Constants& constants) const {
-  const Shader& shader = shader_of(stage);
+Pipeline Device::make_pipeline(const Shader& shader, const Constants& constants) const {
   Pipeline made;
   made.num_bindings = shader.num_bindings;
   std::vector<VkDescriptorSetLayoutBinding> bindings(shader.num_bindings);

@@ -56,8 +56,9 @@ class Device {
                   VkMemoryPropertyFlags wanted) const noexcept;
   bool is_host_visible(int type) const noexcept;
 
-  // The pipeline of a stage with these constants; made when it is first asked for.
-  const Pipeline& pipeline(Stage stage, const Constants& constants);
+  // The pipeline of a shader, which must outlive the device, with these constants; made when it is
+  // first asked for.
+  const Pipeline& pipeline(const Shader& shader, const Constants& constants);
 
   // Lost: another get() makes a new one.
   void mark_lost() noexcept { is_lost_ = true; }
@@ -68,7 +69,7 @@ class Device {
 
  private:
   Device(std::shared_ptr<Instance> instance, int index);
-  Pipeline make_pipeline(Stage stage, const Constants& constants) const;
+  Pipeline make_pipeline(const Shader& shader, const Constants& constants) const;
 
   std::shared_ptr<Instance> instance_;
   DeviceInfo info_;
@@ -82,7 +83,7 @@ class Device {
   VolkDeviceTable vk_{};
   std::mutex queue_mutex_;
   std::mutex mutex_;
-  std::map<std::pair<Stage, Constants>, Pipeline> pipelines_;
+  std::map<std::pair<const Shader*, Constants>, Pipeline> pipelines_;
   bool is_lost_ = false;
 };
 

@@ -184,10 +184,9 @@ device::LatticeConstants lattice_constants(const LatticeField& field, const view
   out.far_weight = static_cast<float>(std::exp(-2.0 * inverse_variance));
   out.value_scale = static_cast<float>(field.source().value_scale());
   out.value_offset = static_cast<float>(field.source().value_offset());
-  const ValueRange range = field.value_range();
-  const double half = 0.5 * (static_cast<double>(range.hi) - range.lo);
-  out.sheet_offset = 0.5F * range.lo + 0.5F * range.hi;
-  out.sheet_scale = half > 0 ? static_cast<float>(1 / half) : 1.0F;
+  const SheetRange sheets = sheet_range(field.value_range(), field.reconstruction());
+  out.sheet_scale = sheets.scale;
+  out.sheet_offset = sheets.offset;
   out.num_slab_nodes = 1;
   if (options.slab == Slab::kMean) {
     const SlabNodes slab = slab_nodes(field, plan.lattice);
@@ -198,6 +197,15 @@ device::LatticeConstants lattice_constants(const LatticeField& field, const view
     }
   }
   return out;
+}
+
+// Filters overshoot: normalized fields have an eighth of their range to spare. Half floats are finest
+// around zero.
+SheetRange sheet_range(const ValueRange& range, Reconstruction reconstruction) {
+  const float width = range.hi - range.lo;
+  if (!(width > 0)) return {1.0F, range.lo - 0.5F};
+  if (reconstruction == Reconstruction::kSum) return {2 / width, 0.5F * (range.lo + range.hi)};
+  return {0.8F / width, range.lo - 0.125F * width};
 }
 
 std::uint32_t frame_flags(const view::FramePlan& plan, const Look& look,

@@ -378,7 +378,8 @@ void KernelRenderer::shade(Set& set, const Band& band, int first_sheet, int end_
        groups_for(static_cast<std::uint64_t>(band.rows()), device::kGroupEdge), 1});
 }
 
-void KernelRenderer::draw_band(Set& set, const Band& band, const RenderHooks& hooks) {
+void KernelRenderer::draw_band(Set& set, const Band& band, const RenderHooks& hooks,
+                               FrameProfile& profile) {
   prepare_band(set, band);
   const int num_layers = set.plan.num_blocks[2];
   const int num_sheets = set.frame.num_sheets;
@@ -389,6 +390,7 @@ void KernelRenderer::draw_band(Set& set, const Band& band, const RenderHooks& ho
       continue;
     }
     const Layers layers = bin_layers(set, first);
+    profile.kernels_loaded += layers.num_pairs;
     for (int layer = layers.first; layer < layers.end;) {
       if (hooks.stop.stop_requested())
         throw Error(ErrorCode::kCancelled, "rendering was cancelled");
@@ -458,10 +460,9 @@ void KernelRenderer::render(const KernelField& field, const Camera& camera, cons
   frame.least_pixels = static_cast<float>(view::kLeastPixels);
   frame.least_level_sigma =
       options.post_convolution == PostConvolution::kAuto ? kLeastLevelSigma : kPublishedLevelSigma;
-  const ValueRange range = field.value_range();
-  const float half = 0.5F * range.hi - 0.5F * range.lo;
-  frame.sheet_scale = half > 0 ? 1 / half : 1.0F;
-  frame.sheet_offset = 0.5F * range.hi + 0.5F * range.lo;
+  const SheetRange sheets = sheet_range(field.value_range(), field.reconstruction());
+  frame.sheet_scale = sheets.scale;
+  frame.sheet_offset = sheets.offset;
   frame.num_sheets = frame.view.num_sheets;
   frame.max_level = has_levels ? device::kNumLevels - 1 : 0;
   frame.num_numbers = kernels_->num_numbers();
@@ -500,7 +501,7 @@ void KernelRenderer::render(const KernelField& field, const Camera& camera, cons
   for (const Band& band : bench_.pixels.bands(options, hooks, bytes_per_pixel)) {
     bench_.pixels.clear(commands, options.width, band);
     commands.submit_and_wait();
-    draw_band(set, band, hooks);
+    draw_band(set, band, hooks, profile);
     commands.mark("read back");
     commands.submit_and_wait();
     bench_.pixels.finish(commands, look, band, image);

@@ -36,7 +36,7 @@ class KernelRenderer {
   };
 
   void prepare_band(Set& set, const Band& band);
-  void draw_band(Set& set, const Band& band, const RenderHooks& hooks);
+  void draw_band(Set& set, const Band& band, const RenderHooks& hooks, FrameProfile& profile);
   // From `first` on as many as there is room for.
   Layers bin_layers(Set& set, int first);
   Layers project_layers(Set& set, int first, int end);

@@ -108,15 +108,16 @@ constexpr double kWorthwhilePitch = 2.0;
 
 }  // namespace
 
-void LatticeRenderer::keep(Kept& kept, const LatticeField& field, const view::LatticePlan& plan) {
+void LatticeRenderer::keep(Kept& kept, const LatticeField& field, const view::LatticePlan& plan,
+                           std::uint64_t most_bytes) {
   const int reach = reach_of(field, plan);
   const bool suffices = kept.lattice && kept.lattice->is_of(field) &&
                         (kept.lattice->num_boxes() == 1 || kept.lattice->reach() >= reach);
   if (suffices) return;
   kept = {};
   // Somewhat more, so that not every change of the view cuts anew.
-  kept.lattice = std::make_unique<DeviceLattice>(bench_.device, field, reach + reach / 2,
-                                                 bench_.most_bytes / 2);
+  kept.lattice =
+      std::make_unique<DeviceLattice>(bench_.device, field, reach + reach / 2, most_bytes);
 }
 
 // Which bricks can show, and how far each is from one that can.
@@ -190,12 +191,13 @@ void LatticeRenderer::render(const LatticeField& field, const Camera& camera, co
   }
   const int edge = field.source().brick_edge();
   const auto num_fields = other ? 2U : 1U;
+  if (!other) kept_behind_ = {};
   Tables tables;
   device::LatticeFrame frame{};
   frame.view = view_constants(own.plan, options);
   for (std::uint32_t f = 0; f < num_fields; ++f) {
     Drawn& drawn = f == 0 ? own : *other;
-    keep(*drawn.kept, *drawn.field, drawn.plan);
+    keep(*drawn.kept, *drawn.field, drawn.plan, bench_.most_bytes / num_fields);
     commands.mark("relevance");
     decide_relevance(*drawn.kept, drawn.plan, options);
     frame.looks[f] = look_constants(drawn.plan, *drawn.look, drawn.field->value_range(), tables);

@@ -21,6 +21,9 @@ class LatticeRenderer {
               const RenderOptions& options, const RenderHooks& hooks, const view::Behind* behind,
               Image& image, FrameProfile& profile);
 
+  // After a frame that was broken off: what is on the device of relevance may be half done.
+  void forget_relevance() { kept_.bytes = kept_behind_.bytes = {}; }
+
  private:
   // A field on the device, and which of its bricks can show.
   struct Kept {
@@ -35,7 +38,8 @@ class LatticeRenderer {
     Kept* kept = nullptr;
   };
 
-  void keep(Kept& kept, const LatticeField& field, const view::LatticePlan& plan);
+  void keep(Kept& kept, const LatticeField& field, const view::LatticePlan& plan,
+            std::uint64_t most_bytes);
   void decide_relevance(Kept& kept, view::LatticePlan& plan, const RenderOptions& options);
 
   Workbench& bench_;

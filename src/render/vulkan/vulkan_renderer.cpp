@@ -27,6 +27,7 @@ double ms_since(Clock::time_point start) {
 struct VulkanRenderer::Impl {
   int device_index;
   std::uint64_t most_bytes;
+  bool has_drawn = false;
   std::optional<Workbench> bench;
   std::optional<LatticeRenderer> lattices;
   std::optional<KernelRenderer> kernels;
@@ -42,17 +43,46 @@ struct VulkanRenderer::Impl {
     kernels.emplace(*bench);
   }
   void close() {
+    has_drawn = false;
     lattices.reset();
     kernels.reset();
     bench.reset();
   }
 
-  // Times a frame and tells of it; a device that is lost is given up.
+  // Times a frame and tells of it. A frame that is stopped leaves the fields where they are. Where
+  // memory does not suffice while other fields lie there, it is tried once more without them; a
+  // device that is lost is given up, and the next frame opens it anew.
   template <class Draw>
   Frame draw(const Field& field, const RenderOptions& options, const RenderHooks& hooks,
              const Draw& draw_into) {
+    const bool is_fresh = !bench || !has_drawn;
+    try {
+      return try_to_draw(field, options, hooks, draw_into);
+    } catch (const Error& error) {
+      const bool is_well =
+          error.code() == ErrorCode::kCancelled || error.code() == ErrorCode::kInvalidArgument;
+      if (is_well && bench) {
+        bench->commands.discard();
+        lattices->forget_relevance();
+        throw;
+      }
+      close();
+      if (error.code() != ErrorCode::kOutOfMemory || is_fresh) throw;
+    }
+    try {
+      return try_to_draw(field, options, hooks, draw_into);
+    } catch (const Error&) {
+      close();
+      throw;
+    }
+  }
+
+  template <class Draw>
+  Frame try_to_draw(const Field& field, const RenderOptions& options, const RenderHooks& hooks,
+                    const Draw& draw_into) {
     const Clock::time_point start = Clock::now();
     if (!bench) open();
+    has_drawn = true;
     Frame out;
     out.image.width = options.width;
     out.image.height = options.height;
@@ -67,14 +97,8 @@ struct VulkanRenderer::Impl {
     commands.uploaded_bytes = 0;
     commands.stages_ms.clear();
     commands.stage_order.clear();
-    try {
-      draw_into(out);
-      bench->device->check_messages();
-    } catch (const Error& error) {
-      // What was recorded or kept half way is of no use; the next picture begins anew.
-      close();
-      throw;
-    }
+    draw_into(out);
+    bench->device->check_messages();
     out.profile.bytes_uploaded = static_cast<std::int64_t>(commands.uploaded_bytes);
     out.profile.frame_ms = ms_since(start);
     for (const std::string& stage : commands.stage_order)

@@ -9,6 +9,8 @@
 // Two ways, same numbers: four taps along each axis, unrolled, for the default kernel; and loops,
 // for all others, holes, sums, means and widened kernels.
 
+#include "sheet_bits.glsl"
+
 struct Gathered {
   float value;
   vec3 gradient;  // index space; where asked for
@@ -422,13 +424,15 @@ vec3 widening_on(int field, float s) {
   return max(min(pitch, frame.fields[field].widening_limit.xyz), vec3(1.0));
 }
 
-// What a half sheet keeps of a value.
+// What a sheet keeps of a value.
 float kept_by_sheet(int field, float value) {
   if (!has_flag(kHalfSheets)) return value;
-  LatticeConstants lattice = frame.fields[field];
-  float held = (value - lattice.sheet_offset) * lattice.sheet_scale;
-  return unpackHalf2x16(packHalf2x16(vec2(held, 0.0))).x / lattice.sheet_scale +
-         lattice.sheet_offset;
+  bool is_sum = field_has(field, kIsSum);
+  float scale = frame.fields[field].sheet_scale;
+  float offset = frame.fields[field].sheet_offset;
+  float kept;
+  read_sheet_bits(sheet_bits(value, true, is_sum, scale, offset), is_sum, scale, offset, kept);
+  return kept;
 }
 
 // The field at a place near sheet s, where its slab is `step` long.

@@ -25,6 +25,7 @@ layout(std430, binding = 9) buffer CountBuffer { uvec4 counts[]; };
 
 #include "sections.glsl"
 #include "post_convolve.glsl"
+#include "sheet_bits.glsl"
 
 shared Section staged[kGroupSize][kBlockSheets];
 shared vec3 staged_values[kGroupSize];
@@ -173,21 +174,24 @@ void store_value(int sheet, uint at, uint plane_size, float value, float color) 
 }
 
 void finish_samples(uint at, uint plane_size, int first_sheet) {
-  float values[kBlockSheets];
+  uint bits[kBlockSheets];
   for (int j = 0; j < kBlockSheets; ++j) {
     if (!is_wanted(j)) continue;
     float whole = set_has(kSetIsSum) ? sums[j].x : sums[j].y;
     bool is_defined = set_has(kSetIsSum) ? whole != 0.0 : whole >= kLeastSetWeight;
     float part = set_has(kSetIsSum) ? sums[j].y : sums[j].z;
-    values[j] = !is_defined ? uintBitsToFloat(0x7FC00000u) : set_has(kSetIsSum) ? sums[j].x : sums[j].x / whole;
-    store_value(first_sheet + j, at, plane_size, values[j], is_defined ? part / whole : 0.0);
-    if (set_has(kSetHalfSheets)) values[j] = (values[j] - frame.sheet_offset) * frame.sheet_scale;
+    float value = !is_defined ? uintBitsToFloat(0x7FC00000u)
+                  : set_has(kSetIsSum) ? sums[j].x
+                                       : sums[j].x / whole;
+    store_value(first_sheet + j, at, plane_size, value, is_defined ? part / whole : 0.0);
+    bits[j] = sheet_bits(value, is_defined, set_has(kSetIsSum), frame.sheet_scale,
+                         frame.sheet_offset);
   }
   if (!set_has(kSetHalfSheets)) return;
   // Two sheets in a word.
   for (int j = 0; j < kBlockSheets; j += 2) {
     uint ring = uint((first_sheet + j) % frame.ring_sheets) >> 1;
-    sheets[ring * plane_size + at] = packHalf2x16(vec2(values[j], values[j + 1]));
+    sheets[ring * plane_size + at] = bits[j] | bits[j + 1] << 16;
   }
 }
 

@@ -22,6 +22,7 @@ layout(std430, binding = 9) buffer CountBuffer { uvec4 counts[]; };
 #include "shade.glsl"
 #include "composite.glsl"
 #include "finish.glsl"
+#include "sheet_bits.glsl"
 
 struct Sample {
   float value;
@@ -44,13 +45,14 @@ Sample sample_at(ivec2 pixel, int sheet) {
   if (sheet < 0 || sheet >= frame.num_sheets) return found;
   uint ring = uint(sheet % frame.ring_sheets);
   uint at = place_in_plane(pixel);
-  float value;
   if (set_has(kSetHalfSheets)) {
-    vec2 both = unpackHalf2x16(sheets[(ring >> 1) * plane_size() + at]);
-    value = ((ring & 1u) == 0u ? both.x : both.y) / frame.sheet_scale + frame.sheet_offset;
-  } else {
-    value = uintBitsToFloat(sheets[ring * plane_size() + at]);
+    uint word = sheets[(ring >> 1) * plane_size() + at];
+    found.is_defined = read_sheet_bits((ring & 1u) == 0u ? word & 0xFFFFu : word >> 16,
+                                       set_has(kSetIsSum), frame.sheet_scale, frame.sheet_offset,
+                                       found.value);
+    return found;
   }
+  float value = uintBitsToFloat(sheets[ring * plane_size() + at]);
   found.is_defined = (floatBitsToUint(value) & 0x7F800000u) != 0x7F800000u;
   if (found.is_defined) found.value = value;
   return found;

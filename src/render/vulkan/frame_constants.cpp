@@ -199,8 +199,8 @@ device::LatticeConstants lattice_constants(const LatticeField& field, const view
   return out;
 }
 
-// Filters overshoot: normalized fields have an eighth of their range to spare. Half floats are finest
-// around zero.
+// Filters overshoot: normalized fields have an eighth of their range to spare. Half floats are
+// finest around zero.
 SheetRange sheet_range(const ValueRange& range, Reconstruction reconstruction) {
   const float width = range.hi - range.lo;
   if (!(width > 0)) return {1.0F, range.lo - 0.5F};

@@ -69,6 +69,7 @@ std::string to_json(const RunProfile& profile) {
   json["peak_memory_bytes"] = peak_memory_bytes();
   json["backend"] = profile.frame.backend;
   json["device"] = profile.frame.device;
+  json["bytes_uploaded"] = profile.frame.bytes_uploaded;
   json["simd_target"] = profile.frame.simd_target;
   json["threads"] = profile.frame.threads;
   json["size"] = {profile.width, profile.height};

@@ -25,7 +25,8 @@ TEST(DryRun, TellsWhatAFrameNeedsAndWritesNothing) {
   const std::string ball = write_ball(folder);
   const std::size_t num_files = folder.num_files();
   const std::string path = folder / "x.png";
-  const Outcome result = run({"render", ball, "--dry-run", "-o", path, "--size", "1600x1200"});
+  const Outcome result =
+      run({"render", ball, "--dry-run", "-o", path, "--size", "1600x1200", "--backend", "cpu"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(folder.num_files(), num_files);
   for (const char* const row : {"picture", "kernels", "memory of the field", "sampling distance",
@@ -34,8 +35,8 @@ TEST(DryRun, TellsWhatAFrameNeedsAndWritesNothing) {
   }
   // The frame itself, for comparison: within 15 %.
   const std::string profile_path = folder / "p.json";
-  const Outcome drawn =
-      run({"render", ball, "-o", path, "--size", "1600x1200", "--profile=" + profile_path});
+  const Outcome drawn = run({"render", ball, "-o", path, "--size", "1600x1200", "--backend", "cpu",
+                             "--profile=" + profile_path});
   EXPECT_EQ(drawn.exit_code, 0) << drawn.err;
   const auto profile = nlohmann::json::parse(read_file(profile_path));
   const double peak = profile["peak_memory_bytes"].get<double>() / (1 << 20);

@@ -412,9 +412,10 @@ TEST_F(Render, ProfileHoldsExactlyTheDocumentedMembers) {
     EXPECT_EQ(result.exit_code, 0) << result.err;
     EXPECT_EQ(result.err, "");
     const nlohmann::json json = nlohmann::json::parse(read_file(path));
-    EXPECT_EQ(keys_of(json), (Words{"backend", "blocks", "command", "frame_ms", "kernels",
-                                    "load_ms", "model_ms", "peak_memory_bytes", "samples",
-                                    "simd_target", "size", "stages_ms", "threads"}));
+    EXPECT_EQ(keys_of(json),
+              (Words{"backend", "blocks", "bytes_uploaded", "command", "device", "frame_ms",
+                     "kernels", "load_ms", "model_ms", "peak_memory_bytes", "samples",
+                     "simd_target", "size", "stages_ms", "threads"}));
     EXPECT_EQ(keys_of(json["frame_ms"]), (Words{"max", "median", "min"}));
     EXPECT_EQ(keys_of(json["kernels"]), (Words{"drawn", "total"}));
     EXPECT_EQ(keys_of(json["samples"]), (Words{"gradients", "reconstructed", "shaded"}));

@@ -25,6 +25,9 @@ struct FramePlan {
   // `geometry`: whose index space ViewLattice::index_map() is in.
   FramePlan(const Field& field, const LatticeGeometry& geometry, const Camera& camera,
             const Look& look, const RenderOptions& options);
+  // `may_matter` looks into `look_table`.
+  FramePlan(const FramePlan&) = delete;
+  FramePlan& operator=(const FramePlan&) = delete;
 
   ViewLattice lattice;
   ViewLattice::SheetRange sheets;  // that can meet the field

@@ -77,8 +77,12 @@ TEST_F(OnDevice, LatticesLargerThanMemoryAreDrawnBoxByBox) {
 
 // Fails if surfaces, pieces or differences end where one box does.
 TEST_F(OnDevice, WhatLiesBetweenSheetsIsWholeAcrossBoxes) {
-  for (int way = 0; way < 3; ++way) {
+  for (int way = 0; way < 4; ++way) {
     Scene scene = lattice_scene(false);
+    if (way == 3) {
+      scene.camera = askew_camera(scene.field, false, 6);
+      scene.options.post_convolution = PostConvolution::kCubic;
+    }
     if (way == 0) scene.look.mode = Mode::kIsosurface;
     scene.look.isovalue = 120;
     if (way == 1) scene.options.classification = Classification::kPreintegrated;
@@ -88,6 +92,25 @@ TEST_F(OnDevice, WhatLiesBetweenSheetsIsWholeAcrossBoxes) {
         draw_with({.backend = Backend::kVulkan, .device_memory = 64U << 10U}, scene);
     expect_same_bytes(in_boxes.image, whole, "between sheets");
   }
+}
+
+// Fails if a field and what is behind it are cut into other boxes.
+TEST_F(OnDevice, TrailsGoThroughTheSameBoxes) {
+  const Scene scene = lattice_scene(false);
+  const Index3 dims = scene.lattice().geometry().dims;
+  const VolumeFunction later = [shape = shells(dims)](std::int64_t i, std::int64_t j,
+                                                      std::int64_t k) {
+    return 1 - shape(i, j, k);
+  };
+  const Trail trail{make_stored_field(dims, later, {ScalarType::kFloat32, 0, 255}),
+                    scene.look.transfer_function};
+  const auto draw_trail = [&](std::uint64_t bytes) {
+    Renderer renderer(RendererSetup{.backend = Backend::kVulkan, .device_memory = bytes});
+    return renderer.render(scene.field, scene.camera, scene.look, trail, scene.options).image;
+  };
+  const Image whole = draw_trail(0);
+  EXPECT_FALSE(whole.rgba == draw(scene).image.rgba);
+  expect_same_bytes(draw_trail(std::uint64_t{320} << 10), whole, "trail");
 }
 
 // Fails if a page's kernels are taken for another's, or an evicted page for a resident one.

@@ -74,15 +74,18 @@ void copy_brick(const BrickView& view, const Packing& packing, int num_sublattic
 
 }  // namespace
 
-DeviceLattice::DeviceLattice(std::shared_ptr<Device> device, const LatticeField& field, int reach,
-                             std::uint64_t most_bytes)
+std::size_t stored_size(const LatticeField& field) {
+  return size_of(field.source().acquire(0, 0, 0, 0.0).type);
+}
+
+DeviceLattice::DeviceLattice(std::shared_ptr<Device> device, const LatticeField& field,
+                             const BoxCut& cut)
     : device_(std::move(device)),
       id_(field.id()),
       version_(field.version()),
       cells_(field.geometry().cells()),
       num_sublattices_(field.geometry().num_sublattices()),
-      reach_(reach),
-      most_bytes_(most_bytes) {
+      cut_(cut) {
   const BrickSource& source = field.source();
   type_ = source.acquire(0, 0, 0, 0.0).type;
   const Index3 counts = brick_counts(source);
@@ -103,7 +106,7 @@ DeviceLattice::DeviceLattice(std::shared_ptr<Device> device, const LatticeField&
     if (any_here) any = true;
   });
   may_miss_ = any;
-  cut(std::min<std::uint64_t>(most_bytes, device_->limits().maxStorageBufferRange));
+  cut_boxes(std::min<std::uint64_t>(cut.most_bytes, device_->limits().maxStorageBufferRange));
 }
 
 std::uint64_t DeviceLattice::bytes_of(const Index3& lo, const Index3& hi) const noexcept {
@@ -113,7 +116,7 @@ std::uint64_t DeviceLattice::bytes_of(const Index3& lo, const Index3& hi) const 
 }
 
 // Halves the longest side until the largest box fits.
-void DeviceLattice::cut(std::uint64_t most_bytes) {
+void DeviceLattice::cut_boxes(std::uint64_t most_bytes) {
   for (;;) {
     boxes_.clear();
     Index3 edge{};
@@ -128,11 +131,11 @@ void DeviceLattice::cut(std::uint64_t most_bytes) {
             box.own_lo[a] = std::min(b[a] * edge[a], cells_[a]);
             box.own_hi[a] = std::min(box.own_lo[a] + edge[a], cells_[a]);
             box.stored_lo[a] =
-                std::max<std::int64_t>(box.own_lo[a] - reach_, 0) / kCubeEdge * kCubeEdge;
-            box.stored_hi[a] = std::min(box.own_hi[a] + reach_, cells_[a]);
+                std::max<std::int64_t>(box.own_lo[a] - cut_.reach, 0) / kCubeEdge * kCubeEdge;
+            box.stored_hi[a] = std::min(box.own_hi[a] + cut_.reach, cells_[a]);
           }
           box.bytes = bytes_of(box.stored_lo, box.stored_hi);
-          largest = std::max(largest, box.bytes);
+          largest = std::max(largest, box.bytes / size_of(type_) * cut_.sample_bytes);
           boxes_.push_back(std::move(box));
         }
       }
@@ -221,7 +224,7 @@ const LatticeBox& DeviceLattice::acquire(std::size_t box, const LatticeField& fi
   own.last_used = ++clock_;
   if (!own.samples.is_empty()) return own;
   const std::vector<std::byte> bytes = pack(own, field);
-  while (resident_bytes_ > 0 && resident_bytes_ + own.bytes > most_bytes_) {
+  while (resident_bytes_ > 0 && resident_bytes_ + own.bytes > cut_.most_bytes) {
     LatticeBox* oldest = nullptr;
     for (LatticeBox& other : boxes_) {
       if (other.samples.is_empty()) continue;

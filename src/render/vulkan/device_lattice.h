@@ -21,17 +21,27 @@ struct LatticeBox {
   std::uint64_t last_used = 0;
 };
 
+// Bytes of a sample, as the field's source has it. Throws what that throws.
+std::size_t stored_size(const LatticeField& field);
+
+// How a lattice is cut into boxes. Lattices of the same geometry that are cut alike have the same
+// boxes.
+struct BoxCut {
+  int reach = 0;                 // cells that what a place reads may be away from it
+  std::size_t sample_bytes = 1;  // of the largest samples that are cut so
+  std::uint64_t most_bytes = 0;  // of the device's memory for samples, and of a box
+  bool operator==(const BoxCut&) const = default;
+};
+
 class DeviceLattice {
  public:
-  // `reach`: cells that a place's samples may be away from it. `most_bytes`: of the device's memory
-  // for samples, and of a box. Nothing is uploaded yet.
-  DeviceLattice(std::shared_ptr<Device> device, const LatticeField& field, int reach,
-                std::uint64_t most_bytes);
+  // Nothing is uploaded yet.
+  DeviceLattice(std::shared_ptr<Device> device, const LatticeField& field, const BoxCut& cut);
 
   bool is_of(const LatticeField& field) const noexcept {
     return field.id() == id_ && field.version() == version_;
   }
-  int reach() const noexcept { return reach_; }
+  const BoxCut& cut() const noexcept { return cut_; }
   ScalarType type() const noexcept { return type_; }
   bool may_miss() const noexcept { return may_miss_; }
   // Of every brick whether a sample that reaches it is missing; bytes of 0 or kMissingBit.
@@ -48,7 +58,7 @@ class DeviceLattice {
   device::BoxConstants constants_of(const LatticeBox& box) const;
 
  private:
-  void cut(std::uint64_t most_bytes);
+  void cut_boxes(std::uint64_t most_bytes);
   std::vector<std::byte> pack(const LatticeBox& box, const LatticeField& field) const;
   std::uint64_t bytes_of(const Index3& lo, const Index3& hi) const noexcept;
 
@@ -58,11 +68,11 @@ class DeviceLattice {
   Index3 num_boxes_{1, 1, 1};
   ScalarType type_ = ScalarType::kFloat32;
   int num_sublattices_;
-  int reach_;
+  BoxCut cut_;
   bool may_miss_ = false;
   std::vector<std::uint8_t> missing_;
   std::vector<LatticeBox> boxes_;
-  std::uint64_t most_bytes_, resident_bytes_ = 0, clock_ = 0;
+  std::uint64_t resident_bytes_ = 0, clock_ = 0;
 };
 
 }  // namespace ovoid::vulkan

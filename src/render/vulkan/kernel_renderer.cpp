@@ -373,9 +373,7 @@ void KernelRenderer::shade(Set& set, const Band& band, int first_sheet, int end_
       Stage::kShade, set.constants,
       {&frame_, &tables_, &sheets_, &color_sheets_, &needed_blocks_, &open_,
        &bench_.pixels.colors(), &bench_.pixels.depths(), &bench_.pixels.states(), &counts_},
-      push,
-      {groups_for(static_cast<std::uint64_t>(set.options.width), device::kGroupEdge),
-       groups_for(static_cast<std::uint64_t>(band.rows()), device::kGroupEdge), 1});
+      push, groups_of(set.options, band, device::kGroupEdge));
 }
 
 void KernelRenderer::draw_band(Set& set, const Band& band, const RenderHooks& hooks,
@@ -508,9 +506,7 @@ void KernelRenderer::render(const KernelField& field, const Camera& camera, cons
     add_counts(commands, counts_,
                static_cast<std::size_t>(frame.levels[0].tiles.x) * frame.levels[0].tiles.y,
                profile);
-    if (hooks.tile_done) hooks.tile_done({0, band.first, options.width, band.end, &image});
-    if (hooks.progress)
-      hooks.progress(static_cast<double>(band.end) / static_cast<double>(options.height));
+    tell_of(band, hooks, image);
   }
 }
 

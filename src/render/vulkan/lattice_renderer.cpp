@@ -7,6 +7,7 @@
 
 #include "data/parallel.h"
 #include "ovoid/error.h"
+#include "render/vulkan/software_limits.h"
 
 namespace ovoid::vulkan {
 namespace {
@@ -22,8 +23,11 @@ Vec3 eye_of(const Camera& camera, const view::LatticePlan& plan, const LatticeFi
   return eye;
 }
 
-// Cells that what one sample reads may be away from it.
-int reach_of(const LatticeField& field, const view::LatticePlan& plan) {
+// Cells that what one sample reads may be away from it: its kernels, neighbours on sheets and
+// pixels, and, where there are nodes, three of those and their neighbours, a cell apart at most.
+constexpr double kNodeReach = 5;
+
+int reach_of(const LatticeField& field, const view::LatticePlan& plan, bool has_nodes) {
   const view::SheetMap here = plan.lattice.index_map(plan.sheets.first);
   const view::SheetMap next = plan.lattice.index_map(plan.sheets.first + 1);
   double step = 0;
@@ -36,45 +40,8 @@ int reach_of(const LatticeField& field, const view::LatticePlan& plan) {
       std::max({here.per_x.cwiseAbs().maxCoeff(), here.per_y.cwiseAbs().maxCoeff(),
                 last.per_x.cwiseAbs().maxCoeff(), last.per_y.cwiseAbs().maxCoeff()});
   const double kernel = field.index_kernel().support_radius() * plan.greatest_widening;
-  return static_cast<int>(std::ceil(std::max(kernel, 2.0) + step + pixel)) + 1;
-}
-
-// Software drivers end a shader's loops, all of them together, after 65535 rounds, and say nothing:
-// so many sheets at a time stay within. 0: not even one.
-constexpr double kMostRounds = 60000;
-
-struct Drawing {
-  const LatticeField& field;
-  const view::LatticePlan& plan;
-  std::uint32_t flags;
-  Mode mode;
-  bool takes_differences;
-};
-
-// Rounds of all loops for one sample of a sheet, its gradient included.
-double rounds_of_sample(const Drawing& drawing, const device::LatticeConstants& lattice) {
-  const double widening = drawing.plan.greatest_widening;
-  const double taps = std::floor(2 * static_cast<double>(lattice.support) * widening) + 1;
-  const bool has_four_taps = (drawing.flags & device::kHasFourTaps) != 0 && widening == 1 &&
-                             (drawing.flags & device::kMayMiss) == 0;
-  // A row of taps goes by fours.
-  const double per_node =
-      has_four_taps ? 30 : taps * (taps * (std::ceil(taps / 4) + 1) + 1) + 9 * taps;
-  const bool is_surface = drawing.mode == Mode::kIsosurface;
-  const double samples = is_surface ? device::kSurfaceSteps + 3 : drawing.takes_differences ? 8 : 2;
-  return samples * per_node * lattice.num_slab_nodes * drawing.field.geometry().num_sublattices();
-}
-
-// Where a node's share of samples is looked for.
-double rounds_of_spread(const device::LatticeConstants& lattice, double apart) {
-  double rounds = 2;
-  const device::vec4& along = lattice.camera_rows[2];
-  const double tau = static_cast<double>(lattice.sigma) * std::hypot(along.x, along.y, along.z);
-  const double reach = static_cast<double>(lattice.support / lattice.sigma) * tau;
-  for (const device::vec4& row : lattice.camera_columns)
-    rounds *=
-        2 * (static_cast<double>(row.x + row.y) * apart + static_cast<double>(row.z) * reach) + 2;
-  return rounds;
+  const double nodes = has_nodes ? kNodeReach : 0;
+  return static_cast<int>(std::ceil(std::max(kernel, 2.0) + step + pixel + nodes)) + 1;
 }
 
 std::uint32_t filter_number(PostConvolution how) {
@@ -108,21 +75,50 @@ constexpr double kWorthwhilePitch = 2.0;
 
 }  // namespace
 
-void LatticeRenderer::keep(Kept& kept, const LatticeField& field, const view::LatticePlan& plan,
-                           std::uint64_t most_bytes) {
-  const int reach = reach_of(field, plan);
-  const bool suffices = kept.lattice && kept.lattice->is_of(field) &&
-                        (kept.lattice->num_boxes() == 1 || kept.lattice->reach() >= reach);
-  if (suffices) return;
+// One field of a frame.
+struct LatticeRenderer::Drawn {
+  Drawn(const LatticeField& of, const Camera& camera, const Look& with,
+        const RenderOptions& options, Kept& on)
+      : field(of), look(with), plan(of, camera, with, options), kept(on) {}
+
+  const LatticeField& field;
+  const Look& look;
+  view::LatticePlan plan;
+  Kept& kept;
+};
+
+// One frame.
+struct LatticeRenderer::Job {
+  // Sheets [first, end) that one dispatch draws, and pixels between their nodes; 1: none.
+  struct Part {
+    int first, end;
+    float pitch;
+  };
+
+  const RenderOptions& options;
+  Drawn own;
+  std::optional<Drawn> other{};  // behind it
+  bool has_nodes = false;
+  device::LatticeFrame frame{};
+  Constants constants{};  // of the shader without nodes; that with them has one more
+  std::vector<Part> parts{};
+};
+
+void LatticeRenderer::keep(Drawn& drawn, const BoxCut& cut, bool must_equal) {
+  Kept& kept = drawn.kept;
+  if (kept.lattice && kept.lattice->is_of(drawn.field)) {
+    const BoxCut& has = kept.lattice->cut();
+    const bool reaches = kept.lattice->num_boxes() == 1 || has.reach >= cut.reach;
+    if (must_equal ? has == cut : reaches && has.most_bytes == cut.most_bytes) return;
+  }
   kept = {};
-  // Somewhat more, so that not every change of the view cuts anew.
-  kept.lattice =
-      std::make_unique<DeviceLattice>(bench_.device, field, reach + reach / 2, most_bytes);
+  kept.lattice = std::make_unique<DeviceLattice>(bench_.device, drawn.field, cut);
 }
 
 // Which bricks can show, and how far each is from one that can.
-void LatticeRenderer::decide_relevance(Kept& kept, view::LatticePlan& plan,
-                                       const RenderOptions& options) {
+void LatticeRenderer::decide_relevance(Drawn& drawn, const RenderOptions& options) {
+  Kept& kept = drawn.kept;
+  view::LatticePlan& plan = drawn.plan;
   view::RelevanceMap& map = plan.relevance;
   if (!plan.may_matter) {
     map.fill_everything();
@@ -160,6 +156,7 @@ void LatticeRenderer::decide_relevance(Kept& kept, view::LatticePlan& plan,
   reserve(kept.other_bricks, bench_.device, bytes.size() + 4, BufferUse::kDevice);
   commands.upload(kept.other_bricks, 0, std::as_bytes(std::span(bytes)));
   kept.bytes = std::move(bytes);
+  commands.mark("relevance");
   const Groups grid = grid_of(groups_for(kept.bytes.size(), 256));
   const Buffer* from = &kept.other_bricks;
   const Buffer* to = &kept.bricks;
@@ -172,151 +169,164 @@ void LatticeRenderer::decide_relevance(Kept& kept, view::LatticePlan& plan,
   }
 }
 
-void LatticeRenderer::render(const LatticeField& field, const Camera& camera, const Look& look,
-                             const RenderOptions& options, const RenderHooks& hooks,
-                             const view::Behind* behind, Image& image, FrameProfile& profile) {
-  Commands& commands = bench_.commands;
-  Drawn own{&field, &look, view::LatticePlan(field, camera, look, options), &kept_};
-  std::optional<Drawn> other;
-  if (behind != nullptr) {
-    RenderOptions plain = options;
-    plain.classification = Classification::kSampled;
-    other.emplace(Drawn{behind->field, &behind->look,
-                        view::LatticePlan(*behind->field, camera, behind->look, plain),
-                        &kept_behind_});
-    // Both count sheets from the same one.
-    const std::int64_t first = std::min(own.plan.sheets.first, other->plan.sheets.first);
-    const std::int64_t last = std::max(own.plan.sheets.last, other->plan.sheets.last);
-    own.plan.sheets = other->plan.sheets = {first, last};
+// What both fields of a frame need to be cut into the same boxes.
+void LatticeRenderer::upload(Job& job) {
+  const std::uint64_t num_fields = job.other ? 2 : 1;
+  BoxCut cut;
+  cut.most_bytes = bench_.most_bytes / num_fields;
+  for (const Drawn* drawn : {&job.own, job.other ? &*job.other : nullptr}) {
+    if (drawn == nullptr) continue;
+    const int reach = reach_of(drawn->field, drawn->plan, job.has_nodes);
+    // Somewhat more, so that not every change of the view cuts anew.
+    cut.reach = std::max(cut.reach, reach + reach / 2);
+    cut.sample_bytes = std::max(cut.sample_bytes, stored_size(drawn->field));
   }
-  const int edge = field.source().brick_edge();
-  const auto num_fields = other ? 2U : 1U;
-  if (!other) kept_behind_ = {};
-  Tables tables;
-  device::LatticeFrame frame{};
-  frame.view = view_constants(own.plan, options);
-  for (std::uint32_t f = 0; f < num_fields; ++f) {
-    Drawn& drawn = f == 0 ? own : *other;
-    keep(*drawn.kept, *drawn.field, drawn.plan, bench_.most_bytes / num_fields);
-    commands.mark("relevance");
-    decide_relevance(*drawn.kept, drawn.plan, options);
-    frame.looks[f] = look_constants(drawn.plan, *drawn.look, drawn.field->value_range(), tables);
-    frame.fields[f] = lattice_constants(*drawn.field, drawn.plan, options);
-  }
-  commands.submit_and_wait();
-  profile.kernels_drawn =
-      std::min(field.num_kernels(), own.plan.relevance.num_relevant() * edge * edge * edge *
-                                        field.geometry().num_sublattices());
-  const std::uint32_t flags =
-      frame_flags(own.plan, look, options) | (other ? device::kHasBehind : 0);
-  Constants constants = {mode_number(look.mode),
-                         flags,
-                         type_number(kept_.lattice->type()),
-                         lattice_flags(field, options, kept_.lattice->may_miss()),
-                         0,
-                         0};
-  if (other) {
-    constants[4] = type_number(kept_behind_.lattice->type());
-    constants[5] = lattice_flags(*behind->field, options, kept_behind_.lattice->may_miss());
-  }
+  if (!job.other) kept_behind_ = {};
+  keep(job.own, cut, job.other.has_value());
+  decide_relevance(job.own, job.options);
+  if (!job.other) return;
+  keep(*job.other, cut, true);
+  decide_relevance(*job.other, job.options);
+}
 
-  reserve(frame_, bench_.device, sizeof(frame), BufferUse::kDevice);
+void LatticeRenderer::set_constants(Job& job) {
+  Tables tables;
+  const auto add = [&](const Drawn& drawn, std::size_t number) {
+    job.frame.looks[number] =
+        look_constants(drawn.plan, drawn.look, drawn.field.value_range(), tables);
+    job.frame.fields[number] = lattice_constants(drawn.field, drawn.plan, job.options);
+    job.constants[2 + 2 * number] = type_number(drawn.kept.lattice->type());
+    job.constants[3 + 2 * number] =
+        lattice_flags(drawn.field, job.options, drawn.kept.lattice->may_miss());
+  };
+  job.frame.view = view_constants(job.own.plan, job.options);
+  job.constants = {
+      mode_number(job.own.look.mode),
+      frame_flags(job.own.plan, job.own.look, job.options) | (job.other ? device::kHasBehind : 0),
+      0,
+      0,
+      0,
+      0};
+  add(job.own, 0);
+  if (job.other) add(*job.other, 1);
+
+  Commands& commands = bench_.commands;
+  commands.submit_and_wait();  // of relevance, whose buffers stay
+  reserve(frame_, bench_.device, sizeof(job.frame), BufferUse::kDevice);
   reserve(tables_, bench_.device, tables.size() * sizeof(device::vec4), BufferUse::kDevice);
   reserve(nothing_, bench_.device, 16, BufferUse::kDevice);
-  commands.upload(frame_, 0, std::as_bytes(std::span(&frame, 1)));
+  commands.upload(frame_, 0, std::as_bytes(std::span(&job.frame, 1)));
   commands.upload(tables_, 0, std::as_bytes(std::span(tables)));
-  const bool has_nodes = may_have_nodes(field, options, behind);
-  const auto pitch_of = [&](std::int64_t sheet) {
-    if (!has_nodes) return 1.0;
-    const double pitch = own.plan.node_pitch(options.post_convolution, sheet);
-    const bool is_auto = options.post_convolution == PostConvolution::kAuto;
-    return is_auto && pitch < kWorthwhilePitch ? 1.0 : pitch;
-  };
+}
+
+// A part is of one layer, whose nodes have one pitch, and on software drivers as short as those
+// need it.
+void LatticeRenderer::divide_sheets(Job& job) const {
+  const view::LatticePlan& plan = job.own.plan;
   const bool is_software = bench_.device->info().kind == DeviceKind::kSoftware;
-  const bool takes_differences = (flags & device::kTakesDifferences) != 0;
-  double rounds = rounds_of_sample({field, own.plan, constants[3], look.mode, takes_differences},
-                                   frame.fields[0]);
-  if (other)
-    rounds += rounds_of_sample(
-        {*behind->field, other->plan, constants[5], behind->look.mode, false}, frame.fields[1]);
-  // Sheets [first, end) that one list of commands draws, and the pitch of their nodes.
-  struct Part {
-    int first, end;
-    float pitch;
+  const bool is_auto = job.options.post_convolution == PostConvolution::kAuto;
+  const bool takes_differences = (job.constants[1] & device::kTakesDifferences) != 0;
+  const auto rounds_of = [&](const Drawn& drawn, std::size_t number) {
+    return rounds_of_sample({drawn.plan.greatest_widening, drawn.field.geometry().num_sublattices(),
+                             job.constants[3 + 2 * number], drawn.look.mode, takes_differences},
+                            job.frame.fields[number]);
   };
-  std::vector<Part> parts;
-  for (int first = 0; first < frame.view.num_sheets;) {
-    const std::int64_t sheet = own.plan.sheets.first + first;
-    const double pitch = pitch_of(sheet);
-    int end = frame.view.num_sheets;
-    if (has_nodes)
+  const double rounds = rounds_of(job.own, 0) + (job.other ? rounds_of(*job.other, 1) : 0.0);
+  const int num_sheets = job.frame.view.num_sheets;
+  for (int first = 0; first < num_sheets;) {
+    const std::int64_t sheet = plan.sheets.first + first;
+    double pitch = job.has_nodes ? plan.node_pitch(job.options.post_convolution, sheet) : 1.0;
+    if (is_auto && pitch < kWorthwhilePitch) pitch = 1.0;
+    int end = num_sheets;
+    if (job.has_nodes)
       end = static_cast<int>(
-          std::min<std::int64_t>(end, view::next_layer(sheet) - own.plan.sheets.first));
+          std::min<std::int64_t>(end, view::next_layer(sheet) - plan.sheets.first));
     // Of nodes a thread has up to four, and four pixels that may have to stand for themselves.
     double per_sheet = pitch > 1 ? 8 * rounds + 2500 : rounds + 20;
-    if (pitch > 1 && options.spread == Spread::kBilinear) {
-      const double apart = pitch * own.plan.lattice.pitch(sheet);
-      per_sheet += 4 * 7 * rounds_of_spread(frame.fields[0], apart);
-    }
+    if (pitch > 1 && job.options.spread == Spread::kBilinear)
+      per_sheet += 4 * 7 * rounds_of_spread(job.frame.fields[0], pitch * plan.lattice.pitch(sheet));
     const int most = is_software ? static_cast<int>(kMostRounds / per_sheet) : end - first;
     if (most < 1)
       throw Error(ErrorCode::kUnsupported,
                   "backend vulkan: software drivers cannot sum so many kernels for one sample: "
                   "expected a larger picture, a nearer view, or backend cpu");
     end = std::min(end, first + most);
-    parts.push_back({first, end, static_cast<float>(pitch)});
+    job.parts.push_back({first, end, static_cast<float>(pitch)});
     first = end;
   }
-  Constants node_constants = constants;
-  node_constants.push_back(filter_number(options.post_convolution));
+}
+
+// All sheets of one box of the lattice, on one band of the picture.
+void LatticeRenderer::draw_box(const Job& job, std::size_t number, const Band& band) {
+  Commands& commands = bench_.commands;
+  commands.submit_and_wait();
+  const LatticeBox& box = job.own.kept.lattice->acquire(number, job.own.field, commands);
+  const Buffer* samples_behind = &nothing_;
+  const Buffer* bricks_behind = &nothing_;
+  if (job.other) {
+    samples_behind = &job.other->kept.lattice->acquire(number, job.other->field, commands).samples;
+    bricks_behind = &job.other->kept.bricks;
+  }
+  device::BoxConstants place = job.own.kept.lattice->constants_of(box);
+  place.first_row = static_cast<std::uint32_t>(band.first);
+  place.end_row = static_cast<std::uint32_t>(band.end);
+  place.tile_y = place.first_row;
+  Constants node_constants = job.constants;
+  node_constants.push_back(filter_number(job.options.post_convolution));
+  commands.mark("draw");
+  for (const Job::Part& part : job.parts) {
+    place.first_sheet = part.first;
+    place.end_sheet = part.end;
+    place.pitch = part.pitch;
+    const bool is_at_nodes = part.pitch > 1;
+    commands.dispatch(
+        is_at_nodes ? Stage::kLatticeNodes : Stage::kLattice,
+        is_at_nodes ? node_constants : job.constants,
+        {&frame_, &tables_, &box.samples, samples_behind, &job.own.kept.bricks, bricks_behind,
+         &bench_.pixels.colors(), &bench_.pixels.depths(), &bench_.pixels.states(), &counts_},
+        place, groups_of(job.options, band, is_at_nodes ? device::kNodeTile : device::kGroupEdge));
+  }
+}
+
+void LatticeRenderer::render(const LatticeField& field, const Camera& camera, const Look& look,
+                             const RenderOptions& options, const RenderHooks& hooks,
+                             const view::Behind* behind, Image& image, FrameProfile& profile) {
+  Job job{options, {field, camera, look, options, kept_}};
+  job.has_nodes = may_have_nodes(field, options, behind);
+  if (behind != nullptr) {
+    RenderOptions plain = options;
+    plain.classification = Classification::kSampled;
+    job.other.emplace(*behind->field, camera, behind->look, plain, kept_behind_);
+    // Both count sheets from the same one.
+    view::ViewLattice::SheetRange& own = job.own.plan.sheets;
+    view::ViewLattice::SheetRange& others = job.other->plan.sheets;
+    own = others = {std::min(own.first, others.first), std::max(own.last, others.last)};
+  }
+  upload(job);
+  set_constants(job);
+  divide_sheets(job);
+  const int edge = field.source().brick_edge();
+  profile.kernels_drawn =
+      std::min(field.num_kernels(), job.own.plan.relevance.num_relevant() * edge * edge * edge *
+                                        field.geometry().num_sublattices());
+  Commands& commands = bench_.commands;
   const std::vector<std::size_t> order =
-      kept_.lattice->front_to_back(eye_of(camera, own.plan, field));
-  const std::vector<Band> bands = bench_.pixels.bands(options, hooks, sizeof(device::vec4));
-  for (const Band& band : bands) {
-    const Groups groups{groups_for(static_cast<std::uint64_t>(options.width), device::kGroupEdge),
-                        groups_for(static_cast<std::uint64_t>(band.rows()), device::kGroupEdge), 1};
+      kept_.lattice->front_to_back(eye_of(camera, job.own.plan, field));
+  for (const Band& band : bench_.pixels.bands(options, hooks, sizeof(device::vec4))) {
+    const Groups groups = groups_of(options, band, device::kGroupEdge);
     bench_.pixels.clear(commands, options.width, band);
     reserve(counts_, bench_.device, std::uint64_t{16} * groups.x * groups.y, BufferUse::kDevice);
     commands.fill(counts_, 0);
     for (const std::size_t number : order) {
       if (hooks.stop.stop_requested())
         throw Error(ErrorCode::kCancelled, "rendering was cancelled");
-      commands.submit_and_wait();
-      const LatticeBox& box = kept_.lattice->acquire(number, field, commands);
-      const Buffer* samples_behind = &nothing_;
-      const Buffer* bricks_behind = &nothing_;
-      if (other) {
-        samples_behind = &kept_behind_.lattice->acquire(number, *behind->field, commands).samples;
-        bricks_behind = &kept_behind_.bricks;
-      }
-      device::BoxConstants place = kept_.lattice->constants_of(box);
-      place.first_row = static_cast<std::uint32_t>(band.first);
-      place.end_row = static_cast<std::uint32_t>(band.end);
-      place.tile_y = place.first_row;
-      commands.mark("draw");
-      for (const Part& part : parts) {
-        place.first_sheet = part.first;
-        place.end_sheet = part.end;
-        place.pitch = part.pitch;
-        const bool is_at_nodes = part.pitch > 1;
-        const Groups node_groups{
-            groups_for(static_cast<std::uint64_t>(options.width), device::kNodeTile),
-            groups_for(static_cast<std::uint64_t>(band.rows()), device::kNodeTile), 1};
-        commands.dispatch(
-            is_at_nodes ? Stage::kLatticeNodes : Stage::kLattice,
-            is_at_nodes ? node_constants : constants,
-            {&frame_, &tables_, &box.samples, samples_behind, &kept_.bricks, bricks_behind,
-             &bench_.pixels.colors(), &bench_.pixels.depths(), &bench_.pixels.states(), &counts_},
-            place, is_at_nodes ? node_groups : groups);
-      }
+      draw_box(job, number, band);
     }
     commands.mark("read back");
     commands.submit_and_wait();
     bench_.pixels.finish(commands, look, band, image);
     add_counts(commands, counts_, std::size_t{groups.x} * groups.y, profile);
-    if (hooks.tile_done) hooks.tile_done({0, band.first, options.width, band.end, &image});
-    if (hooks.progress)
-      hooks.progress(static_cast<double>(band.end) / static_cast<double>(options.height));
+    tell_of(band, hooks, image);
   }
 }
 

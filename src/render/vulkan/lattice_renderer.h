@@ -31,16 +31,15 @@ class LatticeRenderer {
     Buffer bricks, other_bricks;
     std::vector<std::uint8_t> bytes;  // of `bricks`, before distances
   };
-  struct Drawn {
-    const LatticeField* field = nullptr;
-    const Look* look = nullptr;
-    view::LatticePlan plan;
-    Kept* kept = nullptr;
-  };
+  struct Drawn;
+  struct Job;
 
-  void keep(Kept& kept, const LatticeField& field, const view::LatticePlan& plan,
-            std::uint64_t most_bytes);
-  void decide_relevance(Kept& kept, view::LatticePlan& plan, const RenderOptions& options);
+  void keep(Drawn& drawn, const BoxCut& cut, bool must_equal);
+  void decide_relevance(Drawn& drawn, const RenderOptions& options);
+  void upload(Job& job);
+  void set_constants(Job& job);
+  void divide_sheets(Job& job) const;
+  void draw_box(const Job& job, std::size_t number, const Band& band);
 
   Workbench& bench_;
   Kept kept_, kept_behind_;

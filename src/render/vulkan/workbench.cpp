@@ -6,6 +6,12 @@
 
 namespace ovoid::vulkan {
 
+void tell_of(const Band& band, const RenderHooks& hooks, const Image& image) {
+  if (hooks.tile_done) hooks.tile_done({0, band.first, image.width, band.end, &image});
+  if (hooks.progress)
+    hooks.progress(static_cast<double>(band.end) / static_cast<double>(image.height));
+}
+
 void add_counts(Commands& commands, const Buffer& counts, std::size_t num_groups,
                 FrameProfile& profile) {
   std::vector<std::array<std::uint32_t, 4>> of_groups(num_groups);

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/vulkan/software_limits.h"
+
+#include <cmath>
+
+namespace ovoid::vulkan {
+
+double rounds_of_sample(const LatticeLoops& loops, const device::LatticeConstants& lattice) {
+  const double taps = std::floor(2 * static_cast<double>(lattice.support) * loops.widening) + 1;
+  const bool has_four_taps = (loops.flags & device::kHasFourTaps) != 0 && loops.widening == 1 &&
+                             (loops.flags & device::kMayMiss) == 0;
+  // A row of taps goes by fours.
+  const double per_node =
+      has_four_taps ? 30 : taps * (taps * (std::ceil(taps / 4) + 1) + 1) + 9 * taps;
+  const bool is_surface = loops.mode == Mode::kIsosurface;
+  const double samples = is_surface ? device::kSurfaceSteps + 3 : loops.takes_differences ? 8 : 2;
+  return samples * per_node * lattice.num_slab_nodes * loops.num_sublattices;
+}
+
+double rounds_of_spread(const device::LatticeConstants& lattice, double apart) {
+  double rounds = 2;
+  const device::vec4& along = lattice.camera_rows[2];
+  const double tau = static_cast<double>(lattice.sigma) * std::hypot(along.x, along.y, along.z);
+  const double reach = static_cast<double>(lattice.support / lattice.sigma) * tau;
+  for (const device::vec4& row : lattice.camera_columns)
+    rounds *=
+        2 * (static_cast<double>(row.x + row.y) * apart + static_cast<double>(row.z) * reach) + 2;
+  return rounds;
+}
+
+}  // namespace ovoid::vulkan

@@ -81,8 +81,9 @@ def part_of(path):
 def resolve(path, included):
     """The project file that an include names, or None. A shader's words (lattice.inc) are made of its source while building."""
     if included.endswith(".inc"):
-        source = os.path.join(os.path.dirname(path), "shaders", included[:-4] + ".comp")
-        return path if source in SHADERS else None
+        beside = os.path.dirname(path)
+        sources = {os.path.join(beside, *folder, included[:-4] + ".comp") for folder in ((), ("shaders",))}
+        return path if sources & SHADERS else None
     for folder in (os.path.dirname(path), "include", "src", "tests", "bench"):
         candidate = os.path.normpath(os.path.join(folder, included))
         if candidate in FILES:

@@ -11,6 +11,7 @@
 #include "ovoid/error.h"
 #include "render/shared/filters.h"
 #include "render/shared/levels.h"
+#include "render/vulkan/software_limits.h"
 
 namespace ovoid::vulkan {
 namespace {
@@ -79,6 +80,36 @@ LayerRange layers_of(const KernelBrick& brick, const view::KernelPlan& plan, dou
   const double last = (plan.space.sheet_of(farthest) + reach) / view::kBlockDepth;
   return {static_cast<int>(std::clamp(std::floor(first), 0.0, layers)),
           static_cast<int>(std::clamp(std::floor(last) + 1, 0.0, layers))};
+}
+
+// Splat space.
+void set_space(device::KernelFrame& frame, const view::KernelPlan& plan) {
+  const view::SplatSpace& space = plan.space;
+  for (int r = 0; r < 3; ++r) {
+    const Vec3 row = space.rotation.row(r);
+    frame.rotation[r] = {static_cast<float>(row[0]), static_cast<float>(row[1]),
+                         static_cast<float>(row[2]), 0};
+  }
+  frame.pitch = static_cast<float>(space.pitch);
+  frame.sampling_distance = static_cast<float>(space.sampling_distance);
+  frame.focal_depth = static_cast<float>(space.focal_depth);
+  frame.first_depth = static_cast<float>(space.first_depth);
+  frame.center_x = static_cast<float>(space.center_x);
+  frame.center_y = static_cast<float>(space.center_y);
+  frame.near_depth = static_cast<float>(
+      std::max(plan.lattice.near_depth(), -static_cast<double>(std::numeric_limits<float>::max())));
+}
+
+// The filter from a level to the finer one.
+void set_taps(device::KernelFrame& frame, PostConvolution how) {
+  std::array<float, 12> taps{};
+  for (std::size_t phase = 0; phase < 2; ++phase) {
+    const FilterTaps weights = filter_taps(how, phase == 0 ? 0.25 : 0.75);
+    for (std::size_t k = 0; k < weights.size(); ++k)
+      taps[6 * phase + k] = static_cast<float>(weights[k]);
+  }
+  for (std::size_t i = 0; i < 3; ++i)
+    frame.taps[i] = {taps[4 * i], taps[4 * i + 1], taps[4 * i + 2], taps[4 * i + 3]};
 }
 
 int floor_divided(int a, int b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
@@ -331,6 +362,35 @@ void KernelRenderer::list_and_sort(Set& set, const Layers& layers) {
   }
   commands.dispatch(Stage::kListEnds, {}, {&pairs_, &ends_}, push,
                     grid_of(groups_for(layers.num_pairs, 256)));
+  require_short_loops(set, layers, num_lists);
+}
+
+// Software drivers end loops early, and say nothing (software_limits.h): over the lists of a
+// kernel, over the kernels of a list, with those of all the larger tiles around it.
+void KernelRenderer::require_short_loops(const Set& set, const Layers& layers,
+                                         std::uint32_t num_lists) {
+  if (bench_.device->info().kind != DeviceKind::kSoftware) return;
+  Commands& commands = bench_.commands;
+  commands.submit_and_wait();
+  std::vector<std::uint32_t> offsets(layers.num_splats + std::size_t{1});
+  commands.read_back(offsets_, 0, std::as_writable_bytes(std::span(offsets)));
+  std::uint32_t longest = 0;
+  for (std::size_t i = 1; i < offsets.size(); ++i)
+    longest = std::max(longest, offsets[i] - offsets[i - 1]);
+  std::vector<std::array<std::uint32_t, 2>> ends(num_lists);
+  commands.read_back(ends_, 0, std::as_writable_bytes(std::span(ends)));
+  std::uint32_t fullest = 0;
+  for (const auto& [first, past] : ends) fullest = std::max(fullest, past - first);
+  const bool takes_nodes =
+      set.plan.is_mean && set.field.source().profile() != KernelProfile::kGaussian;
+  const double of_list = 1.1 * (takes_nodes ? device::kProfileNodes : 1) * (layers.coarsest + 1);
+  if (longest < kMostRounds && fullest * of_list < kMostRounds) return;
+  throw Error(
+      ErrorCode::kUnsupported,
+      fmt::format("backend vulkan: software drivers cannot sum the {} kernels that reach one "
+                  "tile, or list one kernel at {} tiles: expected a nearer view, or backend "
+                  "cpu",
+                  fullest, longest));
 }
 
 // Layers [first, end) become sheets of the ring, coarse levels first.
@@ -416,44 +476,18 @@ void KernelRenderer::draw_band(Set& set, const Band& band, const RenderHooks& ho
   shade(set, band, shaded_to, num_sheets);
 }
 
-void KernelRenderer::render(const KernelField& field, const Camera& camera, const Look& look,
-                            const RenderOptions& options, const RenderHooks& hooks, Image& image,
-                            FrameProfile& profile) {
-  Commands& commands = bench_.commands;
-  Set set(field, camera, look, options);
+// The frame's constants and tables.
+void KernelRenderer::set_constants(Set& set) {
+  const KernelField& field = set.field;
+  const RenderOptions& options = set.options;
   const bool has_levels =
       options.post_convolution != PostConvolution::kOff && options.evaluate != Evaluate::kGather;
-  if (!kernels_ || !kernels_->is_of(field)) {
-    kernels_.reset();
-    kernels_ = std::make_unique<DeviceKernels>(bench_.device, field, bench_.most_bytes);
-  }
-
   Tables tables;
   device::KernelFrame& frame = set.frame;
-  const view::SplatSpace& space = set.plan.space;
   frame.view = view_constants(set.plan, options);
-  frame.looks[0] = look_constants(set.plan, look, field.value_range(), tables);
-  for (int r = 0; r < 3; ++r) {
-    const Vec3 row = space.rotation.row(r);
-    frame.rotation[r] = {static_cast<float>(row[0]), static_cast<float>(row[1]),
-                         static_cast<float>(row[2]), 0};
-  }
-  std::array<float, 12> taps{};
-  for (std::size_t phase = 0; has_levels && phase < 2; ++phase) {
-    const FilterTaps weights = filter_taps(options.post_convolution, phase == 0 ? 0.25 : 0.75);
-    for (std::size_t k = 0; k < weights.size(); ++k)
-      taps[6 * phase + k] = static_cast<float>(weights[k]);
-  }
-  for (std::size_t i = 0; i < 3; ++i)
-    frame.taps[i] = {taps[4 * i], taps[4 * i + 1], taps[4 * i + 2], taps[4 * i + 3]};
-  frame.pitch = static_cast<float>(space.pitch);
-  frame.sampling_distance = static_cast<float>(space.sampling_distance);
-  frame.focal_depth = static_cast<float>(space.focal_depth);
-  frame.first_depth = static_cast<float>(space.first_depth);
-  frame.center_x = static_cast<float>(space.center_x);
-  frame.center_y = static_cast<float>(space.center_y);
-  frame.near_depth = static_cast<float>(std::max(
-      set.plan.lattice.near_depth(), -static_cast<double>(std::numeric_limits<float>::max())));
+  frame.looks[0] = look_constants(set.plan, set.look, field.value_range(), tables);
+  set_space(frame, set.plan);
+  if (has_levels) set_taps(frame, options.post_convolution);
   frame.cutoff = static_cast<float>(field.source().cutoff());
   frame.least_pixels = static_cast<float>(view::kLeastPixels);
   frame.least_level_sigma =
@@ -464,10 +498,15 @@ void KernelRenderer::render(const KernelField& field, const Camera& camera, cons
   frame.num_sheets = frame.view.num_sheets;
   frame.max_level = has_levels ? device::kNumLevels - 1 : 0;
   frame.num_numbers = kernels_->num_numbers();
-  set.constants = {mode_number(look.mode), frame_flags(set.plan, look, options),
+  set.constants = {mode_number(set.look.mode), frame_flags(set.plan, set.look, options),
                    set_flags(field, set.plan, options, has_levels),
                    profile_number(field.source().profile()), num_channels(field)};
+  reserve(tables_, bench_.device, tables.size() * sizeof(device::vec4), BufferUse::kDevice);
+  bench_.commands.upload(tables_, 0, std::as_bytes(std::span(tables)));
+}
 
+// Which of the plan's blocks, and layers of them, are needed, and which bricks those are of.
+void KernelRenderer::set_needs(Set& set) {
   const int num_layers = set.plan.num_blocks[2];
   const std::size_t per_layer =
       static_cast<std::size_t>(set.plan.num_blocks[0]) * set.plan.num_blocks[1];
@@ -482,16 +521,28 @@ void KernelRenderer::render(const KernelField& field, const Camera& camera, cons
   set.layers_of_brick.reserve(set.plan.bricks.size());
   for (const std::int64_t brick : set.plan.bricks) {
     set.layers_of_brick.push_back(
-        layers_of(field.source().brick(brick), set.plan, field.source().cutoff()));
-    profile.kernels_drawn += field.source().brick(brick).count;
+        layers_of(set.field.source().brick(brick), set.plan, set.field.source().cutoff()));
   }
-  reserve(tables_, bench_.device, tables.size() * sizeof(device::vec4), BufferUse::kDevice);
   reserve(needed_layers_, bench_.device, set.needed_layers.size() * 4, BufferUse::kDevice);
   reserve(needed_blocks_, bench_.device, blocks.size() + 4, BufferUse::kDevice);
-  commands.upload(tables_, 0, std::as_bytes(std::span(tables)));
-  commands.upload(needed_layers_, 0, std::as_bytes(std::span(set.needed_layers)));
-  commands.upload(needed_blocks_, 0, std::as_bytes(std::span(blocks)));
+  bench_.commands.upload(needed_layers_, 0, std::as_bytes(std::span(set.needed_layers)));
+  bench_.commands.upload(needed_blocks_, 0, std::as_bytes(std::span(blocks)));
+}
 
+void KernelRenderer::render(const KernelField& field, const Camera& camera, const Look& look,
+                            const RenderOptions& options, const RenderHooks& hooks, Image& image,
+                            FrameProfile& profile) {
+  Commands& commands = bench_.commands;
+  Set set(field, camera, look, options);
+  if (!kernels_ || !kernels_->is_of(field)) {
+    kernels_.reset();
+    kernels_ = std::make_unique<DeviceKernels>(bench_.device, field, bench_.most_bytes);
+  }
+
+  set_constants(set);
+  set_needs(set);
+  for (const std::int64_t brick : set.plan.bricks)
+    profile.kernels_drawn += field.source().brick(brick).count;
   // A ring of two layers of sheets at least, and as much again for coarser levels, must fit.
   const std::uint64_t margin = 4 * device::kGroupEdge;
   const auto width = static_cast<std::uint64_t>(options.width);
@@ -504,7 +555,7 @@ void KernelRenderer::render(const KernelField& field, const Camera& camera, cons
     commands.submit_and_wait();
     bench_.pixels.finish(commands, look, band, image);
     add_counts(commands, counts_,
-               static_cast<std::size_t>(frame.levels[0].tiles.x) * frame.levels[0].tiles.y,
+               static_cast<std::size_t>(set.frame.levels[0].tiles.x) * set.frame.levels[0].tiles.y,
                profile);
     tell_of(band, hooks, image);
   }

@@ -35,12 +35,15 @@ class KernelRenderer {
     int coarsest = 0;
   };
 
+  void set_constants(Set& set);
+  void set_needs(Set& set);
   void prepare_band(Set& set, const Band& band);
   void draw_band(Set& set, const Band& band, const RenderHooks& hooks, FrameProfile& profile);
   // From `first` on as many as there is room for.
   Layers bin_layers(Set& set, int first);
   Layers project_layers(Set& set, int first, int end);
   void list_and_sort(Set& set, const Layers& layers);
+  void require_short_loops(const Set& set, const Layers& layers, std::uint32_t num_lists);
   void scan(const Buffer& numbers, std::uint32_t count);
   void reconstruct(Set& set, const Layers& layers, int first, int end);
   void shade(Set& set, const Band& band, int first_sheet, int end_sheet);

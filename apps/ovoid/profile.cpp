@@ -87,9 +87,11 @@ std::string to_table(const RunProfile& profile) {
   };
   const auto ms = [](double value) { return fmt::format("{:.2f} ms", value); };
   std::string target = frame.simd_target.empty() ? "" : ", " + frame.simd_target;
-  if (!frame.device.empty()) target += ", " + frame.device;
-  out += fmt::format("{}{}, {} thread{}, {} x {} pixels\n", frame.backend, target, frame.threads,
-                     frame.threads == 1 ? "" : "s", profile.width, profile.height);
+  target += frame.device.empty()
+                ? fmt::format(", {} thread{}", frame.threads, frame.threads == 1 ? "" : "s")
+                : ", " + frame.device;
+  out +=
+      fmt::format("{}{}, {} x {} pixels\n", frame.backend, target, profile.width, profile.height);
   row("load", ms(profile.load_ms));
   row("model", ms(profile.model_ms));
   if (profile.frames_ms.size() == 1) {

@@ -113,13 +113,19 @@ TEST_F(OnDevice, TrailsGoThroughTheSameBoxes) {
   expect_same_bytes(draw_trail(std::uint64_t{320} << 10), whole, "trail");
 }
 
-// Fails if a page's kernels are taken for another's, or an evicted page for a resident one.
+// Fails if a page's kernels are taken for another's, an evicted page for a resident one, or a brick
+// is left out of rows or layers that it reaches.
 TEST_F(OnDevice, SetsLargerThanMemoryAreDrawnPageByPage) {
-  const Scene scene = kernel_scene();
+  Scene scene = kernel_scene();
+  scene.field = KernelField(jittered_ellipsoids(24).source(), Reconstruction::kNormalized);
+  scene.options = picture(80, 160);
+  scene.options.post_convolution = PostConvolution::kOff;
   const Image whole = draw(scene).image;
-  const Frame in_pages =
-      draw_with({.backend = Backend::kVulkan, .device_memory = 16U << 10U}, scene);
-  expect_same_bytes(in_pages.image, whole, "pages");
+  // Of the 13824 kernels 11520 at a time, then 10240; of one layer there are more: fewer rows.
+  for (const std::uint64_t bytes : {720U << 10U, 640U << 10U}) {
+    const Frame in_pages = draw_with({.backend = Backend::kVulkan, .device_memory = bytes}, scene);
+    expect_same_bytes(in_pages.image, whole, "pages");
+  }
 }
 
 // Fails if a frame leaves something behind that the next one reads, or sends the field again.

@@ -7,6 +7,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "ovoid/error.h"
 #include "render/shared/filters.h"
@@ -59,28 +60,49 @@ std::uint32_t num_channels(const KernelField& field) {
   return field.reconstruction() == Reconstruction::kSum ? 1 + color : 2 + color;
 }
 
-// Layers that a brick's kernels can reach, half open.
-struct LayerRange {
-  int first, end;
+// What a brick's kernels can reach: layers and rows of pixels, half open.
+struct Reach {
+  int first_layer, end_layer;
+  double first_row, end_row;
+
+  bool meets(int first, int end, const Band& band) const {
+    return first_layer < end && end_layer > first && first_row < band.end && end_row > band.first;
+  }
 };
 
-LayerRange layers_of(const KernelBrick& brick, const view::KernelPlan& plan, double cutoff) {
-  double nearest = std::numeric_limits<double>::infinity();
-  double farthest = -nearest;
-  for (int corner = 0; corner < 8; ++corner) {
-    const double depth = plan.space.camera_from_world(
-        brick.support.corner(static_cast<Bounds3::CornerType>(corner)))[2];
-    nearest = std::min(nearest, depth);
-    farthest = std::max(farthest, depth);
-  }
+// Filters bring a kernel from the coarsest samples, 64 pixels wide, to pixels three of them
+// farther.
+constexpr double kFilteredRows = 4 * 64;
+
+Reach reach_of(const KernelBrick& brick, const view::KernelPlan& plan, double cutoff,
+               bool has_levels) {
+  const view::SplatSpace& space = plan.space;
+  Bounds3 box;  // camera coordinates
+  for (int corner = 0; corner < 8; ++corner)
+    box.extend(
+        space.camera_from_world(brick.support.corner(static_cast<Bounds3::CornerType>(corner))));
   // Kernels are widened to half a sheet; a mean stands for half a sheet on either side.
   const double reach = 0.5 * cutoff + (plan.is_mean ? 0.5 : 0.0) + 0.01;
   const double layers = plan.num_blocks[2];
-  const double first = (plan.space.sheet_of(nearest) - reach) / view::kBlockDepth;
-  const double last = (plan.space.sheet_of(farthest) + reach) / view::kBlockDepth;
+  const double first = (space.sheet_of(box.min()[2]) - reach) / view::kBlockDepth;
+  const double last = (space.sheet_of(box.max()[2]) + reach) / view::kBlockDepth;
+  // Rows are farthest apart where the brick is nearest; across, kernels are widened to pixels.
+  const double ds = space.sampling_distance;
+  const double nearest = std::max(box.min()[2] - reach * ds, plan.lattice.near_depth());
+  const double farthest = std::max(box.max()[2] + reach * ds, nearest);
+  const double beyond =
+      (has_levels ? kFilteredRows : 2.0) +
+      0.5 * view::kLeastPixels * cutoff * (space.is_parallel ? 1.0 : farthest / nearest);
+  const auto row_at = [&](double y, bool is_low) {
+    const bool is_wide = (y < 0) == is_low;
+    return space.center_y + y / space.pitch * space.scale(is_wide ? nearest : farthest);
+  };
   return {static_cast<int>(std::clamp(std::floor(first), 0.0, layers)),
-          static_cast<int>(std::clamp(std::floor(last) + 1, 0.0, layers))};
+          static_cast<int>(std::clamp(std::floor(last) + 1, 0.0, layers)),
+          row_at(box.min()[1], true) - beyond, row_at(box.max()[1], false) + beyond};
 }
+
+int floor_divided(int a, int b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
 
 // Splat space.
 void set_space(device::KernelFrame& frame, const view::KernelPlan& plan) {
@@ -112,7 +134,17 @@ void set_taps(device::KernelFrame& frame, PostConvolution how) {
     frame.taps[i] = {taps[4 * i], taps[4 * i + 1], taps[4 * i + 2], taps[4 * i + 3]};
 }
 
-int floor_divided(int a, int b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
+// The rear half of a band's rows, in whole tiles. Throws Error(kOutOfMemory) if it is one.
+Band second_half(const Band& band) {
+  if (band.rows() <= kTileEdge)
+    throw Error(
+        ErrorCode::kOutOfMemory,
+        "backend vulkan: the device's memory does not hold the kernels that reach one row of "
+        "tiles and four sheets: expected a larger device memory limit, a finer "
+        "--sampling-distance, or backend cpu");
+  const int tiles = (band.rows() + kTileEdge - 1) / kTileEdge;
+  return {band.first + (tiles + 1) / 2 * kTileEdge, band.end};
+}
 
 }  // namespace
 
@@ -127,7 +159,8 @@ struct KernelRenderer::Set {
   device::KernelFrame frame{};
   Constants constants;
   std::vector<std::uint32_t> needed_layers;
-  std::vector<LayerRange> layers_of_brick;  // of the plan's
+  std::vector<Reach> reaches;  // of the plan's bricks
+  Band band;                   // that is drawn now
   std::uint32_t lists_per_layer = 0;
   std::uint64_t plane_samples = 0;   // of the finest level
   std::uint64_t coarse_numbers = 0;  // of all others, of a sheet
@@ -195,6 +228,9 @@ void KernelRenderer::prepare_band(Set& set, const Band& band) {
   Commands& commands = bench_.commands;
   reserve(frame_, bench_.device, sizeof(set.frame), BufferUse::kDevice);
   commands.upload(frame_, 0, std::as_bytes(std::span(&set.frame, 1)));
+  // There even if no kernel reaches the band.
+  reserve(splats_, bench_.device, sizeof(device::DeviceSplat), BufferUse::kDevice);
+  reserve(pairs_, bench_.device, 8, BufferUse::kDevice);
   const bool is_half = set.options.sheet_precision == SheetPrecision::kHalf;
   const std::uint64_t ring =
       static_cast<std::uint64_t>(set.frame.ring_sheets) * set.plane_samples * sizeof(float);
@@ -246,8 +282,7 @@ KernelRenderer::Layers KernelRenderer::project_layers(Set& set, int first, int e
   std::vector<device::BrickConstants> bricks;
   std::vector<std::pair<std::size_t, std::uint32_t>> pages;  // and its first brick here
   for (std::size_t i = 0; i < set.plan.bricks.size(); ++i) {
-    const LayerRange& reached = set.layers_of_brick[i];
-    if (reached.first >= end || reached.end <= first) continue;
+    if (!set.reaches[i].meets(first, end, set.band)) continue;
     const std::int64_t number = set.plan.bricks[i];
     const KernelBrick& brick = set.field.source().brick(number);
     if (pages.empty() || pages.back().first != kernels_->page_of(number))
@@ -297,17 +332,17 @@ KernelRenderer::Layers KernelRenderer::project_layers(Set& set, int first, int e
   return layers;
 }
 
-KernelRenderer::Layers KernelRenderer::bin_layers(Set& set, int first) {
-  const std::uint64_t most = bench_.device->limits().maxStorageBufferRange;
+std::optional<KernelRenderer::Layers> KernelRenderer::bin_layers(Set& set, int first) {
+  const std::uint64_t most =
+      std::min<std::uint64_t>(bench_.device->limits().maxStorageBufferRange, bench_.most_bytes);
   const std::uint64_t most_splats = most / sizeof(device::DeviceSplat);
   const std::uint64_t most_pairs = most / 8;
-  const std::uint64_t most_lists = most / 8;
+  const std::uint64_t most_lists = bench_.device->limits().maxStorageBufferRange / 8;
   int end = set.plan.num_blocks[2];
   for (;; end = first + (end - first) / 2) {
     std::uint64_t num_splats = 0;
     for (std::size_t i = 0; i < set.plan.bricks.size(); ++i) {
-      const LayerRange& reached = set.layers_of_brick[i];
-      if (reached.first < end && reached.end > first)
+      if (set.reaches[i].meets(first, end, set.band))
         num_splats +=
             static_cast<std::uint64_t>(set.field.source().brick(set.plan.bricks[i]).count);
     }
@@ -321,12 +356,7 @@ KernelRenderer::Layers KernelRenderer::bin_layers(Set& set, int first) {
         return layers;
       }
     }
-    if (is_one)
-      throw Error(ErrorCode::kOutOfMemory,
-                  fmt::format("backend vulkan: {} kernels reach {} sheets, more than buffers of {} "
-                              "MiB hold: expected a finer --sampling-distance, a nearer view, or "
-                              "backend cpu",
-                              num_splats, view::kBlockDepth, most >> 20U));
+    if (is_one) return std::nullopt;
   }
 }
 
@@ -379,18 +409,23 @@ void KernelRenderer::require_short_loops(const Set& set, const Layers& layers,
     longest = std::max(longest, offsets[i] - offsets[i - 1]);
   std::vector<std::array<std::uint32_t, 2>> ends(num_lists);
   commands.read_back(ends_, 0, std::as_writable_bytes(std::span(ends)));
-  std::uint32_t fullest = 0;
-  for (const auto& [first, past] : ends) fullest = std::max(fullest, past - first);
+  std::array<std::uint32_t, device::kNumLevels> fullest{};  // list of each level
+  for (std::uint32_t list = 0; list < num_lists; ++list) {
+    std::size_t level = device::kNumLevels - 1;
+    while (list % set.lists_per_layer < set.frame.levels[level].first_list) --level;
+    fullest[level] = std::max(fullest[level], ends[list][1] - ends[list][0]);
+  }
   const bool takes_nodes =
       set.plan.is_mean && set.field.source().profile() != KernelProfile::kGaussian;
-  const double of_list = 1.1 * (takes_nodes ? device::kProfileNodes : 1) * (layers.coarsest + 1);
-  if (longest < kMostRounds && fullest * of_list < kMostRounds) return;
+  const std::uint32_t most = std::accumulate(fullest.begin(), fullest.end(), 0U);
+  const double rounds = 1.1 * most * (takes_nodes ? device::kProfileNodes : 1);
+  if (longest < kMostRounds && rounds < kMostRounds) return;
   throw Error(
       ErrorCode::kUnsupported,
       fmt::format("backend vulkan: software drivers cannot sum the {} kernels that reach one "
                   "tile, or list one kernel at {} tiles: expected a nearer view, or backend "
                   "cpu",
-                  fullest, longest));
+                  most, longest));
 }
 
 // Layers [first, end) become sheets of the ring, coarse levels first.
@@ -436,8 +471,9 @@ void KernelRenderer::shade(Set& set, const Band& band, int first_sheet, int end_
       push, groups_of(set.options, band, device::kGroupEdge));
 }
 
-void KernelRenderer::draw_band(Set& set, const Band& band, const RenderHooks& hooks,
+bool KernelRenderer::draw_band(Set& set, const Band& band, const RenderHooks& hooks,
                                FrameProfile& profile) {
+  set.band = band;
   prepare_band(set, band);
   const int num_layers = set.plan.num_blocks[2];
   const int num_sheets = set.frame.num_sheets;
@@ -447,7 +483,9 @@ void KernelRenderer::draw_band(Set& set, const Band& band, const RenderHooks& ho
       ++first;
       continue;
     }
-    const Layers layers = bin_layers(set, first);
+    const std::optional<Layers> binned = bin_layers(set, first);
+    if (!binned) return false;
+    const Layers& layers = *binned;
     profile.kernels_loaded += layers.num_pairs;
     for (int layer = layers.first; layer < layers.end;) {
       if (hooks.stop.stop_requested())
@@ -474,6 +512,7 @@ void KernelRenderer::draw_band(Set& set, const Band& band, const RenderHooks& ho
     first = layers.end;
   }
   shade(set, band, shaded_to, num_sheets);
+  return true;
 }
 
 // The frame's constants and tables.
@@ -518,10 +557,10 @@ void KernelRenderer::set_needs(Set& set) {
                                   (set.plan.is_relevant[i] != 0 ? device::kBlockIsRelevant : 0));
     if (set.plan.is_needed[i] != 0) set.needed_layers[i / per_layer] = 1;
   }
-  set.layers_of_brick.reserve(set.plan.bricks.size());
+  set.reaches.reserve(set.plan.bricks.size());
   for (const std::int64_t brick : set.plan.bricks) {
-    set.layers_of_brick.push_back(
-        layers_of(set.field.source().brick(brick), set.plan, set.field.source().cutoff()));
+    set.reaches.push_back(reach_of(set.field.source().brick(brick), set.plan,
+                                   set.field.source().cutoff(), set.frame.max_level > 0));
   }
   reserve(needed_layers_, bench_.device, set.needed_layers.size() * 4, BufferUse::kDevice);
   reserve(needed_blocks_, bench_.device, blocks.size() + 4, BufferUse::kDevice);
@@ -547,10 +586,19 @@ void KernelRenderer::render(const KernelField& field, const Camera& camera, cons
   const std::uint64_t margin = 4 * device::kGroupEdge;
   const auto width = static_cast<std::uint64_t>(options.width);
   const std::uint64_t bytes_per_pixel = (64 * (width + margin) + width - 1) / width;
-  for (const Band& band : bench_.pixels.bands(options, hooks, bytes_per_pixel)) {
+  std::vector<Band> bands = bench_.pixels.bands(options, hooks, bytes_per_pixel);
+  std::reverse(bands.begin(), bands.end());
+  while (!bands.empty()) {
+    const Band band = bands.back();
+    bands.pop_back();
     bench_.pixels.clear(commands, options.width, band);
     commands.submit_and_wait();
-    draw_band(set, band, hooks, profile);
+    if (!draw_band(set, band, hooks, profile)) {
+      // Fewer kernels reach half as many rows.
+      bands.push_back(second_half(band));
+      bands.push_back({band.first, bands.back().first});
+      continue;
+    }
     commands.mark("read back");
     commands.submit_and_wait();
     bench_.pixels.finish(commands, look, band, image);

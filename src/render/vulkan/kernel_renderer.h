@@ -5,6 +5,7 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "render/shared/device_layout.h"
@@ -38,9 +39,10 @@ class KernelRenderer {
   void set_constants(Set& set);
   void set_needs(Set& set);
   void prepare_band(Set& set, const Band& band);
-  void draw_band(Set& set, const Band& band, const RenderHooks& hooks, FrameProfile& profile);
-  // From `first` on as many as there is room for.
-  Layers bin_layers(Set& set, int first);
+  // False if what reaches its rows does not fit, even layer by layer.
+  bool draw_band(Set& set, const Band& band, const RenderHooks& hooks, FrameProfile& profile);
+  // From `first` on as many as there is room for; none: not even one.
+  std::optional<Layers> bin_layers(Set& set, int first);
   Layers project_layers(Set& set, int first, int end);
   void list_and_sort(Set& set, const Layers& layers);
   void require_short_loops(const Set& set, const Layers& layers, std::uint32_t num_lists);

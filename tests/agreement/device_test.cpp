@@ -121,11 +121,10 @@ TEST_F(OnDevice, SetsLargerThanMemoryAreDrawnPageByPage) {
   scene.options = picture(80, 160);
   scene.options.post_convolution = PostConvolution::kOff;
   const Image whole = draw(scene).image;
-  // Of the 13824 kernels 11520 at a time, then 10240; of one layer there are more: fewer rows.
-  for (const std::uint64_t bytes : {720U << 10U, 640U << 10U}) {
-    const Frame in_pages = draw_with({.backend = Backend::kVulkan, .device_memory = bytes}, scene);
-    expect_same_bytes(in_pages.image, whole, "pages");
-  }
+  // Of the 13824 kernels 11520 at a time: of one layer there are more, so it has fewer rows.
+  const Frame in_pages =
+      draw_with({.backend = Backend::kVulkan, .device_memory = 720U << 10U}, scene);
+  expect_same_bytes(in_pages.image, whole, "pages");
 }
 
 // Fails if a frame leaves something behind that the next one reads, or sends the field again.

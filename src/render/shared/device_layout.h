@@ -66,7 +66,6 @@ OVOID_CONSTANT uint kStopsOpaque = 128u;
 OVOID_CONSTANT uint kHalfSheets = 256u;
 OVOID_CONSTANT uint kHasBehind = 1024u;
 OVOID_CONSTANT uint kHasOwnColor = 2048u;
-OVOID_CONSTANT uint kHasNodes = 4096u;
 OVOID_CONSTANT uint kNodesKeepBound = 8192u;  // those near faces have no value
 OVOID_CONSTANT uint kSpreads = 16384u;        // bilinearly
 // Of post-convolution.
@@ -230,8 +229,7 @@ OVOID_CONSTANT uint kSortGroup = 256u;  // threads of a sort, which takes eight 
 OVOID_CONSTANT uint kSortItems = 2048u;
 OVOID_CONSTANT uint kSortBits = 4u;  // of a digit
 OVOID_CONSTANT uint kSortBins = 16u;
-OVOID_CONSTANT int kProfileNodes = 8;  // of a slab, where a mean has no closed form
-OVOID_CONSTANT int kMostChannels = 3;
+OVOID_CONSTANT int kProfileNodes = 8;     // of a slab, where a mean has no closed form
 OVOID_CONSTANT float kLeastSigma = 0.5f;  // in units of kLeastPixels (view) and sheets
 // Bits of a plan's block.
 OVOID_CONSTANT uint kBlockIsNeeded = 1u;

@@ -24,7 +24,7 @@ DeviceKernels::DeviceKernels(std::shared_ptr<Device> device, const KernelField& 
       id_(field.id()),
       version_(field.version()),
       num_numbers_(numbers_of(field)),
-      most_bytes_(most_bytes) {
+      residency_(most_bytes) {
   const std::uint64_t page_bytes =
       std::min<std::uint64_t>({kPageBytes, device_->limits().maxStorageBufferRange, most_bytes});
   const std::int64_t num_bricks = field.source().num_bricks();
@@ -76,22 +76,12 @@ std::vector<float> DeviceKernels::pack(const Page& page, const KernelField& fiel
 const Buffer& DeviceKernels::acquire(std::size_t page, const KernelField& field,
                                      Commands& commands) {
   Page& own = pages_[page];
-  own.last_used = ++clock_;
-  if (!own.numbers.is_empty()) return own.numbers;
-  const std::vector<float> numbers = pack(own, field);
-  while (resident_bytes_ > 0 && resident_bytes_ + bytes_of(own) > most_bytes_) {
-    Page* oldest = nullptr;
-    for (Page& other : pages_) {
-      if (other.numbers.is_empty()) continue;
-      if (oldest == nullptr || other.last_used < oldest->last_used) oldest = &other;
-    }
-    oldest->numbers = Buffer();
-    resident_bytes_ -= bytes_of(*oldest);
+  residency_.touch(own);
+  if (own.data.is_empty()) {
+    const std::vector<float> numbers = pack(own, field);
+    residency_.send<Page>(own, pages_, std::as_bytes(std::span(numbers)), device_, commands);
   }
-  own.numbers = Buffer(device_, bytes_of(own), BufferUse::kDevice);
-  resident_bytes_ += bytes_of(own);
-  commands.upload(own.numbers, 0, std::as_bytes(std::span(numbers)));
-  return own.numbers;
+  return own.data;
 }
 
 }  // namespace ovoid::vulkan

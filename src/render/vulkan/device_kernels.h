@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "ovoid/kernel_field.h"
-#include "render/vulkan/commands.h"
+#include "render/vulkan/residency.h"
 
 namespace ovoid::vulkan {
 
@@ -25,7 +25,6 @@ class DeviceKernels {
   // if another attribute gives it.
   int num_numbers() const noexcept { return num_numbers_; }
 
-  std::size_t num_pages() const noexcept { return pages_.size(); }
   std::size_t page_of(std::int64_t brick) const noexcept {
     return page_of_brick_[static_cast<std::size_t>(brick)];
   }
@@ -37,11 +36,9 @@ class DeviceKernels {
   const Buffer& acquire(std::size_t page, const KernelField& field, Commands& commands);
 
  private:
-  struct Page {
+  struct Page : Resident {
     std::int64_t first_brick = 0, last_brick = 0;
     std::uint32_t num_kernels = 0;
-    Buffer numbers;  // empty: not there
-    std::uint64_t last_used = 0;
   };
   std::uint64_t bytes_of(const Page& page) const noexcept {
     return std::uint64_t{4} * page.num_kernels * static_cast<std::uint64_t>(num_numbers_);
@@ -53,7 +50,7 @@ class DeviceKernels {
   int num_numbers_;
   std::vector<Page> pages_;
   std::vector<std::uint32_t> page_of_brick_, first_in_page_;
-  std::uint64_t most_bytes_, resident_bytes_ = 0, clock_ = 0;
+  Residency residency_;
 };
 
 }  // namespace ovoid::vulkan

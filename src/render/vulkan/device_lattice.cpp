@@ -85,7 +85,8 @@ DeviceLattice::DeviceLattice(std::shared_ptr<Device> device, const LatticeField&
       version_(field.version()),
       cells_(field.geometry().cells()),
       num_sublattices_(field.geometry().num_sublattices()),
-      cut_(cut) {
+      cut_(cut),
+      residency_(cut.most_bytes) {
   const BrickSource& source = field.source();
   type_ = source.acquire(0, 0, 0, 0.0).type;
   const Index3 counts = brick_counts(source);
@@ -221,21 +222,9 @@ std::vector<std::byte> DeviceLattice::pack(const LatticeBox& box, const LatticeF
 const LatticeBox& DeviceLattice::acquire(std::size_t box, const LatticeField& field,
                                          Commands& commands) {
   LatticeBox& own = boxes_[box];
-  own.last_used = ++clock_;
-  if (!own.samples.is_empty()) return own;
-  const std::vector<std::byte> bytes = pack(own, field);
-  while (resident_bytes_ > 0 && resident_bytes_ + own.bytes > cut_.most_bytes) {
-    LatticeBox* oldest = nullptr;
-    for (LatticeBox& other : boxes_) {
-      if (other.samples.is_empty()) continue;
-      if (oldest == nullptr || other.last_used < oldest->last_used) oldest = &other;
-    }
-    oldest->samples = Buffer();
-    resident_bytes_ -= oldest->bytes;
-  }
-  own.samples = Buffer(device_, own.bytes, BufferUse::kDevice);
-  resident_bytes_ += own.bytes;
-  commands.upload(own.samples, 0, bytes);
+  residency_.touch(own);
+  if (own.data.is_empty())
+    residency_.send<LatticeBox>(own, boxes_, pack(own, field), device_, commands);
   return own;
 }
 

@@ -9,16 +9,14 @@
 
 #include "ovoid/field.h"
 #include "render/shared/device_layout.h"
-#include "render/vulkan/commands.h"
+#include "render/vulkan/residency.h"
 
 namespace ovoid::vulkan {
 
-struct LatticeBox {
+struct LatticeBox : Resident {
   Index3 own_lo{}, own_hi{};        // cells that it alone has
   Index3 stored_lo{}, stored_hi{};  // cells whose samples are stored: as far as kernels reach
   std::uint64_t bytes = 0;
-  Buffer samples;  // empty: not there
-  std::uint64_t last_used = 0;
 };
 
 // Bytes of a sample, as the field's source has it. Throws what that throws.
@@ -47,7 +45,6 @@ class DeviceLattice {
   // Of every brick whether a sample that reaches it is missing; bytes of 0 or kMissingBit.
   const std::vector<std::uint8_t>& missing() const noexcept { return missing_; }
   std::size_t num_boxes() const noexcept { return boxes_.size(); }
-  std::uint64_t resident_bytes() const noexcept { return resident_bytes_; }
 
   // Numbers of the boxes such that along every ray those in front come first. `eye`: index space;
   // parallel projection: far away.
@@ -72,7 +69,7 @@ class DeviceLattice {
   bool may_miss_ = false;
   std::vector<std::uint8_t> missing_;
   std::vector<LatticeBox> boxes_;
-  std::uint64_t resident_bytes_ = 0, clock_ = 0;
+  Residency residency_;
 };
 
 }  // namespace ovoid::vulkan

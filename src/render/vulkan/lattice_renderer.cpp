@@ -264,7 +264,7 @@ void LatticeRenderer::draw_box(const Job& job, std::size_t number, const Band& b
   const Buffer* samples_behind = &nothing_;
   const Buffer* bricks_behind = &nothing_;
   if (job.other) {
-    samples_behind = &job.other->kept.lattice->acquire(number, job.other->field, commands).samples;
+    samples_behind = &job.other->kept.lattice->acquire(number, job.other->field, commands).data;
     bricks_behind = &job.other->kept.bricks;
   }
   device::BoxConstants place = job.own.kept.lattice->constants_of(box);
@@ -282,7 +282,7 @@ void LatticeRenderer::draw_box(const Job& job, std::size_t number, const Band& b
     commands.dispatch(
         is_at_nodes ? Stage::kLatticeNodes : Stage::kLattice,
         is_at_nodes ? node_constants : job.constants,
-        {&frame_, &tables_, &box.samples, samples_behind, &job.own.kept.bricks, bricks_behind,
+        {&frame_, &tables_, &box.data, samples_behind, &job.own.kept.bricks, bricks_behind,
          &bench_.pixels.colors(), &bench_.pixels.depths(), &bench_.pixels.states(), &counts_},
         place, groups_of(job.options, band, is_at_nodes ? device::kNodeTile : device::kGroupEdge));
   }

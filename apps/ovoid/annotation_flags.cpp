@@ -90,7 +90,8 @@ void draw_annotations(Image& image, const AnnotationFlags& flags, const Describe
                       const Camera& camera, const Look& look, const double* background) {
   Described data = described;
   if (flags.length_unit) data.length_unit = *flags.length_unit;
-  const MarkStyle style = mark_style_on(background);
+  MarkStyle style = mark_style_on(background);
+  style.text_px = flags.text_px;
   if (flags.bounding_box) draw_bounding_box(image, camera, data.box, data.length_unit, style);
   if (flags.axes) draw_axes(image, camera, data.space, style);
   if (flags.scale_bar) draw_scale_bar(image, camera, data.length_unit, style);

@@ -19,6 +19,7 @@ struct AnnotationFlags {
   bool bounding_box = false;
   bool scale_bar = false;
   std::optional<std::string> length_unit;  // none: what the data say
+  double text_px = 0;                      // height of a line of text; 0: by the picture's size
 
   bool any() const noexcept { return color_bar || axes || bounding_box || scale_bar; }
 };

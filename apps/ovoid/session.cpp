@@ -68,14 +68,21 @@ void Progress::rename(std::string what) {
   if (shown_percent_ >= 0) shown_percent_ = kNotThisPercent;
 }
 
-Session::Session(const std::vector<std::string>& words) : command_line_(quoted(words)) {}
+Session::Session(const std::vector<std::string>& words)
+    : command_line_(quoted(words)),
+      interrupt_(std::in_place),
+      tell_([](const std::string& note) { fmt::print(stderr, "note: {}\n", note); }),
+      stop_(interrupt_->token()) {}
+
+Session::Session(Tell tell, std::stop_token stop)
+    : tell_(std::move(tell)), stop_(std::move(stop)) {}
 
 void Session::note(const std::string& text) {
   if (num_quiet_ > 0) return;
   const std::string line = one_line(text);
   if (std::find(told_.begin(), told_.end(), line) != told_.end()) return;
   told_.push_back(line);
-  fmt::print(stderr, "note: {}\n", line);
+  tell_(line);
 }
 
 void Session::notes(const std::vector<std::string>& texts) {

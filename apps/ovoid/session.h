@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <functional>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -52,12 +53,17 @@ class Progress {
 // What lasts for one run of the program: Ctrl-C and what is told to the person.
 class Session {
  public:
+  using Tell = std::function<void(const std::string& note)>;
+
   explicit Session(const std::vector<std::string>& words);
+  // One of several pieces of work in a program that goes on: notes go to `tell`, and `stop` stops
+  // it, not Ctrl-C.
+  Session(Tell tell, std::stop_token stop);
 
   // A line on standard error, each text once.
   void note(const std::string& text);
   void notes(const std::vector<std::string>& texts);
-  std::stop_token stop() const { return interrupt_.token(); }
+  std::stop_token stop() const { return stop_; }
   // Throws Error(kCancelled) if Ctrl-C was pressed; for work that does not look itself.
   void check_stop() const;
 
@@ -67,7 +73,9 @@ class Session {
   std::string command_line_;
   std::vector<std::string> told_;
   int num_quiet_ = 0;
-  Interrupt interrupt_;
+  std::optional<Interrupt> interrupt_;
+  Tell tell_;
+  std::stop_token stop_;
 
   friend class Quiet;
 };

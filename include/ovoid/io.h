@@ -103,10 +103,19 @@ std::optional<ScalarType> find_scalar_type(const std::string& name) noexcept;
 // like); kUnsupported; kInvalidArgument for an unknown name.
 Look read_look(const std::string& path, const std::string& name = {});
 
+// The same of a text that is in memory. `source_name` stands for the file in messages.
+Look look_from_text(const std::string& text, const std::string& source_name = "text",
+                    const std::string& name = {});
+
 // Writes the transfer function, shading, material and unit distance as a ParaView JSON preset with
-// keys of our own for what ParaView has none; read_look() gives all of them back. Mode, isovalue
-// and light are left out. Throws Error(kFileWrite), kInvalidArgument for what is not valid.
+// keys of our own for what ParaView has none; read_look() gives all of them back, to the bit. The
+// look's unit distance comes back as the transfer function's, which it beats; the linear width is
+// kept of kSymlog alone, which uses it. Mode, isovalue, light direction and the color_function are
+// left out. Throws Error(kFileWrite), kInvalidArgument for what is not valid.
 void write_look(const Look& look, const std::string& path);
+
+// What write_look() writes. Throws Error(kInvalidArgument).
+std::string to_text(const Look& look);
 
 // The same for transfer functions alone.
 TransferFunction read_transfer_function(const std::string& path, const std::string& preset = {});
@@ -118,9 +127,15 @@ void write_transfer_function(const TransferFunction& tf, const std::string& path
 std::vector<ColorPoint> colors_from_list(const std::vector<double>& numbers);
 std::vector<OpacityPoint> opacities_from_list(const std::vector<double>& numbers);
 
-// Camera files (JSON, VTK's words; docs/conventions.md). Missing members keep VTK's defaults.
-// Throws Error.
+// Camera files (JSON, VTK's words; docs/conventions.md). Missing members keep VTK's defaults. What
+// was written is read to the bit. Throws Error.
 Camera read_camera(const std::string& path);
 void write_camera(const Camera& camera, const std::string& path);
+
+// The same of a text that is in memory. `source_name` stands for the file in messages.
+Camera camera_from_text(const std::string& text, const std::string& source_name = "text");
+
+// What write_camera() writes. Throws Error(kInvalidArgument).
+std::string to_text(const Camera& camera);
 
 }  // namespace ovoid

@@ -7,6 +7,7 @@
 
 #include "io/atomic_file.h"
 #include "io/json_file.h"
+#include "io/text_file.h"
 #include "ovoid/error.h"
 #include "ovoid/io.h"
 
@@ -30,8 +31,13 @@ OrderedJson json_of(const Vec3& v) { return OrderedJson::array({v.x(), v.y(), v.
 }  // namespace
 
 Camera read_camera(const std::string& path) {
-  const Json json = io::read_json(path);
-  const JsonValue root(json, path + ": ");
+  return camera_from_text(io::read_text(path, io::kMaxJsonBytes), path);
+}
+
+Camera camera_from_text(const std::string& text, const std::string& source_name) {
+  io::require_size(text, io::kMaxJsonBytes, source_name);
+  const Json json = io::parse_json(text, source_name);
+  const JsonValue root(json, source_name + ": ");
   // A misspelt member would silently give another picture.
   for (const auto& item : root.object().json().items()) {
     if (std::find(std::begin(kMembers), std::end(kMembers), item.key()) == std::end(kMembers)) {
@@ -50,12 +56,12 @@ Camera read_camera(const std::string& path) {
   try {
     camera.validate();
   } catch (const Error& error) {
-    throw Error(ErrorCode::kFileFormat, fmt::format("{}: {}", path, error.what()));
+    throw Error(ErrorCode::kFileFormat, fmt::format("{}: {}", source_name, error.what()));
   }
   return camera;
 }
 
-void write_camera(const Camera& camera, const std::string& path) {
+std::string to_text(const Camera& camera) {
   camera.validate();
   OrderedJson json;
   json["position"] = json_of(camera.position);
@@ -64,7 +70,11 @@ void write_camera(const Camera& camera, const std::string& path) {
   json["parallel_projection"] = camera.parallel_projection;
   json["parallel_scale"] = camera.parallel_scale;
   json["view_angle"] = camera.view_angle;
-  io::write_atomically(path, json.dump(1) + "\n");
+  return json.dump(1) + "\n";
+}
+
+void write_camera(const Camera& camera, const std::string& path) {
+  io::write_atomically(path, to_text(camera));
 }
 
 }  // namespace ovoid

@@ -3,12 +3,9 @@
 
 #include <fmt/format.h>
 
-#include "io/text_file.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {
-
-Json read_json(const std::string& path) { return parse_json(read_text(path, kMaxJsonBytes), path); }
 
 Json parse_json(const std::string& text, const std::string& path) {
   const auto check_depth = [&](int depth, Json::parse_event_t, Json&) {

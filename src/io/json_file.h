@@ -15,11 +15,8 @@ inline constexpr std::size_t kMaxJsonBytes = std::size_t{16}
                                              << 20;  // parsed it takes up to ten times that
 inline constexpr int kMaxJsonDepth = 64;
 
-// The parsed content of `path`. Nothing beyond kMaxJsonBytes is read, whatever the path is. Throws
-// Error: kFileNotFound; kFileFormat for what is larger, deeper or not JSON.
-Json read_json(const std::string& path);
-
-// The same of text that was read from `path`.
+// The parsed content of text that was read from `path`, at most kMaxJsonBytes of it. Throws
+// Error(kFileFormat) for what is nested deeper or not JSON.
 Json parse_json(const std::string& text, const std::string& path);
 
 // A value inside a JSON file and the way to it, "looks.json: [2].Points[7]".

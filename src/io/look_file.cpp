@@ -87,7 +87,13 @@ void refuse_name(const LookFile& file, const std::vector<std::string>& names) {
 }  // namespace io
 
 Look read_look(const std::string& path, const std::string& name) {
-  io::LookFile file{path, io::read_text(path, io::kMaxJsonBytes), name};
+  return look_from_text(io::read_text(path, io::kMaxJsonBytes), path, name);
+}
+
+Look look_from_text(const std::string& text, const std::string& source_name,
+                    const std::string& name) {
+  io::require_size(text, io::kMaxJsonBytes, source_name);
+  io::LookFile file{source_name, text, name};
   constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
   if (file.text.starts_with(kByteOrderMark)) file.text.erase(0, kByteOrderMark.size());
   Look look = io::read_any_look(file);
@@ -95,7 +101,7 @@ Look read_look(const std::string& path, const std::string& name) {
   try {
     look.validate();
   } catch (const Error& error) {
-    throw Error(ErrorCode::kFileFormat, fmt::format("{}: {}", path, error.what()));
+    throw Error(ErrorCode::kFileFormat, fmt::format("{}: {}", source_name, error.what()));
   }
   return look;
 }

@@ -231,15 +231,13 @@ OrderedJson preset_of(const TransferFunction& tf) {
   return preset;
 }
 
-void write_preset(const OrderedJson& preset, const std::string& path) {
-  std::string text;
+std::string text_of(const OrderedJson& preset) {
   try {
-    text = OrderedJson::array({preset}).dump(1) +
+    return OrderedJson::array({preset}).dump(1) +
            "\n";  // doubles in the fewest digits that read back the same
   } catch (const OrderedJson::type_error&) {
     throw Error(ErrorCode::kInvalidArgument, "transfer function name: must be UTF-8");
   }
-  io::write_atomically(path, text);
 }
 
 }  // namespace
@@ -289,10 +287,10 @@ void write_transfer_function(const TransferFunction& tf, const std::string& path
   Look look;
   look.transfer_function = tf;
   look.validate();
-  write_preset(preset_of(tf), path);
+  io::write_atomically(path, text_of(preset_of(tf)));
 }
 
-void write_look(const Look& look, const std::string& path) {
+std::string to_text(const Look& look) {
   look.validate();
   TransferFunction tf = look.transfer_function;
   if (look.unit_distance > 0.0) tf.unit_distance = look.unit_distance;
@@ -302,7 +300,11 @@ void write_look(const Look& look, const std::string& path) {
   preset["Diffuse"] = look.material.diffuse;
   preset["Specular"] = look.material.specular;
   preset["SpecularPower"] = look.material.specular_power;
-  write_preset(preset, path);
+  return text_of(preset);
+}
+
+void write_look(const Look& look, const std::string& path) {
+  io::write_atomically(path, to_text(look));
 }
 
 }  // namespace ovoid

@@ -33,11 +33,14 @@ std::string read_text(const std::string& path, std::size_t max_bytes) {
     text.append(piece, static_cast<std::size_t>(stream.gcount()));
   }
   if (stream.bad()) throw Error(ErrorCode::kFileNotFound, fmt::format("{}: cannot be read", path));
-  if (text.size() > max_bytes) {
-    throw Error(ErrorCode::kFileFormat,
-                fmt::format("{}: must have at most {} bytes", path, max_bytes));
-  }
+  require_size(text, max_bytes, path);
   return text;
+}
+
+void require_size(std::string_view text, std::size_t max_bytes, const std::string& path) {
+  if (text.size() <= max_bytes) return;
+  throw Error(ErrorCode::kFileFormat,
+              fmt::format("{}: must have at most {} bytes", path, max_bytes));
 }
 
 std::optional<double> parse_real(std::string_view text) noexcept {

@@ -13,6 +13,9 @@ namespace ovoid::io {
 // bytes.
 std::string read_text(const std::string& path, std::size_t max_bytes);
 
+// Throws Error(kFileFormat) for more bytes, as read_text() does.
+void require_size(std::string_view text, std::size_t max_bytes, const std::string& path);
+
 // The number that the whole text is, if it is finite; a plus sign may stand before it.
 std::optional<double> parse_real(std::string_view text) noexcept;
 

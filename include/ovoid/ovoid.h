@@ -10,6 +10,7 @@
 
 #include "ovoid/annotate.h"
 #include "ovoid/camera.h"
+#include "ovoid/coarse.h"
 #include "ovoid/crop.h"
 #include "ovoid/dataset.h"
 #include "ovoid/devices.h"

@@ -41,11 +41,15 @@ void set_view_angle_in_sight(Camera& camera, double degrees) {
   camera.view_angle = degrees;
 }
 
+Camera camera_of(const CameraFlags& flags) {
+  return is_json(flags.file) ? camera_from_text(flags.file, "--camera") : read_camera(flags.file);
+}
+
 }  // namespace
 
 void add_camera_flags(Flags& flags, CameraFlags* camera) {
   flags.section("camera");
-  flags.value("--camera", "FILE.json", "a camera in VTK's words",
+  flags.value("--camera", "FILE|JSON", "a camera in VTK's words, or JSON itself",
               [camera](const std::string& text) { camera->file = text; });
   flags.value("--view", "DIRECTION",
               "from where: +x, -x, +y, -y, +z, -z, or for patient data anterior, posterior, left, "
@@ -67,16 +71,22 @@ void add_camera_flags(Flags& flags, CameraFlags* camera) {
               });
 }
 
-void check_camera_flags(const Flags& flags) {
+void check_camera_flags(const Flags& flags, const CameraFlags& camera) {
   if (flags.is_given("--camera") && flags.is_given("--view")) {
     throw UsageError("--view: contradicts --camera, which already says from where");
+  }
+  if (!is_json(camera.file)) return;
+  try {
+    camera_of(camera);
+  } catch (const Error& error) {
+    throw UsageError(error.what());
   }
 }
 
 Camera make_camera(const CameraFlags& flags, const Bounds3& bounds, Space space, double aspect) {
   const bool is_from_file = !flags.file.empty();
   Camera camera =
-      is_from_file ? read_camera(flags.file) : default_camera(bounds, space, flags.view, aspect);
+      is_from_file ? camera_of(flags) : default_camera(bounds, space, flags.view, aspect);
   if (flags.parallel_projection) camera.parallel_projection = *flags.parallel_projection;
   if (flags.view_angle && is_from_file) camera.view_angle = *flags.view_angle;
   if (flags.view_angle && !is_from_file) set_view_angle_in_sight(camera, *flags.view_angle);

@@ -11,7 +11,7 @@ namespace ovoid::cli {
 
 // Where the picture is taken from. What is not given is the file's, or else the default camera's.
 struct CameraFlags {
-  std::string file;
+  std::string file;  // a name, or JSON itself
   std::string view;
   double azimuth = 0;  // degrees, as are the next two
   double elevation = 0;
@@ -22,7 +22,8 @@ struct CameraFlags {
 };
 
 void add_camera_flags(Flags& flags, CameraFlags* camera);
-void check_camera_flags(const Flags& flags);  // throws UsageError for contradictions
+// Throws UsageError for contradictions, and for JSON that is no camera.
+void check_camera_flags(const Flags& flags, const CameraFlags& camera);
 
 // The default view of the bounds, or the file's camera, with the flags applied. `aspect` is width /
 // height. Throws Error.

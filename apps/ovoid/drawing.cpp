@@ -63,7 +63,7 @@ void check_drawing_flags(const Flags& flags, const DrawingFlags& drawing,
     throw UsageError(fmt::format("--background: '{}' holds no background, only .png does", output));
   }
   check_look_flags(flags, drawing.look);
-  check_camera_flags(flags);
+  check_camera_flags(flags, drawing.camera);
   check_crop_flags(flags);
   check_model_flags(flags, drawing.model);
   check_trail_flags(flags, drawing.trail, drawing.look.mode, drawing.options.post_convolution);
@@ -74,10 +74,12 @@ void check_drawing_flags(const Flags& flags, const DrawingFlags& drawing,
 
 std::vector<InputFile> files_to_read(const DataFlags& data, const DrawingFlags& drawing) {
   std::vector<InputFile> inputs = volume_inputs(data.inputs);
-  if (!drawing.look.file.empty()) inputs.push_back({drawing.look.file, "the look of --tf"});
-  if (!drawing.trail.file.empty()) inputs.push_back({drawing.trail.file, "the look of --trail-tf"});
-  if (!drawing.camera.file.empty())
-    inputs.push_back({drawing.camera.file, "the camera of --camera"});
+  const auto add = [&](const std::string& value, const char* what) {
+    if (!value.empty() && !is_json(value)) inputs.push_back({value, what});
+  };
+  add(drawing.look.file, "the look of --tf");
+  add(drawing.trail.file, "the look of --trail-tf");
+  add(drawing.camera.file, "the camera of --camera");
   return inputs;
 }
 

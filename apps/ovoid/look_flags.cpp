@@ -125,9 +125,9 @@ std::pair<double, double> parse_window(const std::string& text) {
 bool is_lit(Mode mode) { return mode == Mode::kComposite || mode == Mode::kIsosurface; }
 
 void add_look_source_flags(Flags& flags, LookFlags* look) {
-  flags.value("--tf", "FILE",
+  flags.value("--tf", "FILE|JSON",
               "a look: ParaView JSON or XML, Slicer .vp.json or .vp, Inviwo .itf, or numbers; "
-              "values are absolute",
+              "values are absolute; or JSON itself",
               [look](const std::string& text) { look->file = text; });
   flags.value("--tf-name", "NAME", "which look of a file with several (default: the first)",
               [look](const std::string& text) { look->file_name = text; });
@@ -287,11 +287,13 @@ void complete(TransferFunction& file, TransferFunction defaults, const LookFlags
               Session& session) {
   spread_over(defaults, file.lo(), file.hi(), file.scale, file.linear_width);
   if (file.opacities.empty() && flags.opacities.empty() && uses_opacity(flags.mode)) {
-    session.note(flags.file + ": has no opacities, drawn with a ramp over its span");
+    session.note(source_of_flag("--tf", flags.file) +
+                 ": has no opacities, drawn with a ramp over its span");
     file.opacities = defaults.opacities;
   }
   if (file.colors.empty() && flags.color_map.empty() && flags.colors.empty()) {
-    session.note(flags.file + ": has no colours, drawn with viridis over its span");
+    session.note(source_of_flag("--tf", flags.file) +
+                 ": has no colours, drawn with viridis over its span");
     take_colors(file, defaults);
   }
 }
@@ -322,7 +324,7 @@ Look base_look(const LookFlags& flags, const Field& field, const std::string& un
     make_opaque(look.transfer_function);
   if (!flags.preset.empty()) look = look_preset(flags.preset, range);
   if (!flags.file.empty()) {
-    Look file = read_look(flags.file, flags.file_name);
+    Look file = look_of_flag("--tf", flags.file, flags.file_name);
     complete(file.transfer_function, look.transfer_function, flags, session);
     look = std::move(file);
   }
@@ -378,7 +380,8 @@ void take_flag_light(Look& look, const LookFlags& flags, Session& session) {
   const bool has_light = flags.ambient || flags.diffuse || flags.specular || flags.specular_power ||
                          flags.light_direction;
   if (has_light && !look.shade && is_lit(flags.mode)) {
-    session.note(flags.file + ": is not lit, so that light and material show nothing; --shade");
+    session.note(source_of_flag("--tf", flags.file) +
+                 ": is not lit, so that light and material show nothing; --shade");
   }
 }
 
@@ -432,7 +435,7 @@ Look look_of_two(const LookFlags& flags, const Field& field, const std::string& 
   if (!flags.preset.empty())
     colors = look_preset(flags.preset, field.color_range()).transfer_function;
   if (!flags.file.empty()) {
-    TransferFunction file = read_look(flags.file, flags.file_name).transfer_function;
+    TransferFunction file = look_of_flag("--tf", flags.file, flags.file_name).transfer_function;
     if (!file.colors.empty()) colors = std::move(file);
   }
   place(colors, flags, session);
@@ -470,6 +473,23 @@ std::pair<double, double> logarithmic_range(double lo, double hi, Session& sessi
   return {hi * kDecades, hi};
 }
 
+Look look_of_flag(const char* flag, const std::string& value, const std::string& name) {
+  return is_json(value) ? look_from_text(value, flag, name) : read_look(value, name);
+}
+
+void check_look_of_flag(const char* flag, const std::string& value, const std::string& name) {
+  if (!is_json(value)) return;
+  try {
+    look_of_flag(flag, value, name);
+  } catch (const Error& error) {
+    throw UsageError(error.what());
+  }
+}
+
+std::string source_of_flag(const char* flag, const std::string& value) {
+  return is_json(value) ? flag : value;
+}
+
 bool uses_opacity(Mode mode) { return mode != Mode::kXray && mode != Mode::kIsosurface; }
 
 const char* name_of_mode(Mode mode) { return name_in(kModes, mode); }
@@ -484,6 +504,7 @@ void check_look_flags(const Flags& flags, const LookFlags& look) {
   if (is_surface && !flags.is_given("--iso")) throw UsageError("--mode isosurface: needs --iso V");
   if (!is_surface && flags.is_given("--iso")) throw UsageError("--iso: needs --mode isosurface");
   check_spread_flags(flags, look);
+  check_look_of_flag("--tf", look.file, look.file_name);
   contradict(flags, "--no-shade", "--shade");
   const std::string mode = fmt::format("--mode {}", name_of_mode(look.mode));
   const char* const light =

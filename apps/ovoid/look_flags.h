@@ -16,7 +16,7 @@ namespace ovoid::cli {
 // Appearance: colours and opacities, mode, light. What is not given is the file's or the preset's,
 // or else the default look's.
 struct LookFlags {
-  std::string file;
+  std::string file;       // a name, or JSON itself
   std::string file_name;  // which look of the file; empty: the first
   std::string preset;
   std::string color_map;           // by name; empty: none
@@ -60,6 +60,14 @@ bool may_be_labels(const LookFlags& flags);
 // Ends for a logarithmic scale from those of the data or of a picture: where `lo` is not above 0, a
 // thousandth of `hi`, with a note. Throws Error(kInvalidArgument) if nothing is above 0.
 std::pair<double, double> logarithmic_range(double lo, double hi, Session& session);
+
+// The look that the value of a flag such as --tf is: JSON itself (values.h), or a file's, the first
+// or the one called `name`. Throws Error; of JSON it names the flag.
+Look look_of_flag(const char* flag, const std::string& value, const std::string& name);
+// Throws UsageError for JSON that is no look, before any file is read.
+void check_look_of_flag(const char* flag, const std::string& value, const std::string& name);
+// What notes call it: the file, or the flag.
+std::string source_of_flag(const char* flag, const std::string& value);
 
 bool uses_opacity(Mode mode);  // of the transfer function
 const char* name_of_mode(Mode mode);

@@ -5,8 +5,8 @@
 
 #include <vector>
 
+#include "look_flags.h"
 #include "ovoid/error.h"
-#include "ovoid/io.h"
 #include "ovoid/slices.h"
 #include "usage.h"
 #include "values.h"
@@ -37,9 +37,10 @@ TransferFunction fainter(const Look& look, const ValueRange& values) {
 TransferFunction function_of(const TrailFlags& flags, const Look& look, const ValueRange& values,
                              Session& session) {
   if (flags.file.empty()) return fainter(look, values);
-  TransferFunction tf = read_look(flags.file, flags.file_name).transfer_function;
+  TransferFunction tf = look_of_flag("--trail-tf", flags.file, flags.file_name).transfer_function;
   if (tf.opacities.empty()) {
-    session.note(flags.file + ": has no opacities, the trail is drawn with a ramp over its span");
+    session.note(source_of_flag("--trail-tf", flags.file) +
+                 ": has no opacities, the trail is drawn with a ramp over its span");
     tf.opacities = {{tf.lo(), 0.0}, {tf.hi(), kShareOfOpacity}};
   }
   return tf;
@@ -61,7 +62,7 @@ void add_trail_flags(Flags& flags, TrailFlags* trail) {
                 if (has_decay)
                   trail->decay = parse_number(parts[1], {.lo = 0, .hi = TrailOptions::kMaxDecay});
               });
-  flags.value("--trail-tf", "FILE",
+  flags.value("--trail-tf", "FILE|JSON",
               "colours and opacities of the trail, as --tf (default: the picture's, a quarter as "
               "opaque)",
               [trail](const std::string& text) { trail->file = text; });
@@ -74,6 +75,7 @@ void check_trail_flags(const Flags& flags, const TrailFlags& trail, Mode mode,
       throw UsageError("--trail-tf: has no effect without --motion-blur");
     return;
   }
+  check_look_of_flag("--trail-tf", trail.file, trail.file_name);
   if (mode != Mode::kComposite && mode != Mode::kIsosurface)
     throw UsageError("--motion-blur: is for --mode composite and isosurface");
   if (is_published(post_convolution))

@@ -16,7 +16,7 @@ namespace ovoid::cli {
 struct TrailFlags {
   std::optional<double> length;
   double decay = 0;
-  std::string file;       // its look; empty: made from the picture's
+  std::string file;       // its look, a name or JSON itself; empty: made from the picture's
   std::string file_name;  // which look of the file; empty: the first
 };
 

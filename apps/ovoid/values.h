@@ -73,6 +73,9 @@ const char* name_in(const Names<T>& names, T value) {
   return "";
 }
 
+// Whether the value of a flag that takes a file is its content instead: JSON begins with { or [.
+bool is_json(const std::string& text);
+
 std::vector<std::string> split(const std::string& text, char separator);  // keeps empty parts
 
 }  // namespace ovoid::cli

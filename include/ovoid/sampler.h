@@ -17,7 +17,8 @@ namespace ovoid {
 using FieldSample = KernelSample;
 
 // Evaluates a field of any kind at places in the world, in double precision. Immutable; any number
-// of threads may ask at once. Of a lattice it keeps a copy of all samples, 9 bytes each. Throws
+// of threads may ask at once. Of a lattice it keeps a copy of all samples, 9 bytes each; see
+// FieldProbe for a few places. Throws
 // what the field's source throws, and Error(kOutOfMemory).
 class FieldSampler {
  public:
@@ -27,6 +28,24 @@ class FieldSampler {
   FieldSampler& operator=(FieldSampler&&) noexcept;
 
   FieldSample at(const Vec3& world) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<const Impl> impl_;
+};
+
+// The same numbers for a few places, as under a pointer: of a lattice no samples are kept, those in
+// reach of a place are acquired when it is asked for. Immutable; any number of threads may ask at
+// once. Cost: a kernel field's tree of bricks to make; to ask, the bricks in reach, eight at most
+// with usual kernels. Throws what the field's source throws, at() as well, and Error(kOutOfMemory).
+class FieldProbe {
+ public:
+  explicit FieldProbe(const Field& field);
+  ~FieldProbe();
+  FieldProbe(FieldProbe&&) noexcept;
+  FieldProbe& operator=(FieldProbe&&) noexcept;
+
+  FieldSample at(const Vec3& world) const;  // FieldSampler's, to the last digit
 
  private:
   struct Impl;

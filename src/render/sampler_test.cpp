@@ -7,9 +7,12 @@
 
 #include <cmath>
 #include <cstring>
+#include <limits>
+#include <random>
 
 #include "ovoid/error.h"
 #include "ovoid/model.h"
+#include "support/volumes.h"
 
 namespace ovoid {
 namespace {
@@ -47,6 +50,69 @@ TEST(FieldSampler, AKernelFieldIsItsKernelSampler) {
     EXPECT_EQ(a.weight, b.weight);
     EXPECT_EQ(a.is_defined, b.is_defined);
   }
+}
+
+// Fails if the probe's box of samples lacks one that the sampler counts, at borders and holes too,
+// or puts one elsewhere. Sums run over the same kernels in the same order: not a digit differs.
+void expect_probe_is_sampler(const Field& field, const char* what) {
+  SCOPED_TRACE(what);
+  const FieldSampler sampler(field);
+  const FieldProbe probe(field);
+  // A box that may lie obliquely, and its surroundings.
+  const LatticeField* const lattice = field.lattice();
+  const Affine3 world_from_box =
+      lattice != nullptr ? lattice->geometry().world_from_index : Affine3::Identity();
+  const Bounds3 box =
+      lattice != nullptr ? lattice->geometry().index_bounds() : field.world_bounds();
+  std::mt19937_64 random(9);
+  std::uniform_real_distribution<double> any(-0.2, 1.2);
+  int num_defined = 0;
+  for (int n = 0; n < 600; ++n) {
+    const Vec3 share(any(random), any(random), any(random));
+    Vec3 in_box = box.min() + box.sizes().cwiseProduct(share);
+    const int axis = n / 4 % 3;
+    if (n % 4 == 0) in_box[axis] = n % 8 == 0 ? box.min()[axis] : box.max()[axis];
+    const Vec3 at = world_from_box * in_box;
+    const FieldSample a = sampler.at(at), b = probe.at(at);
+    EXPECT_EQ(a.value, b.value);
+    EXPECT_EQ(a.color_value, b.color_value);
+    EXPECT_EQ(a.gradient, b.gradient);
+    EXPECT_EQ(a.weight, b.weight);
+    EXPECT_EQ(a.is_defined, b.is_defined);
+    num_defined += a.is_defined ? 1 : 0;
+  }
+  EXPECT_GT(num_defined, 50);
+  for (const double far : {1e300, -1e300, std::numeric_limits<double>::quiet_NaN(),
+                           std::numeric_limits<double>::infinity()})
+    EXPECT_FALSE(probe.at({far, 0, 0}).is_defined);
+}
+
+TEST(FieldProbe, IsTheSampler) {
+  const auto waves = [](std::int64_t i, std::int64_t j, std::int64_t k) {
+    return i % 5 == 2 && j % 4 == 1 && k % 3 != 0
+               ? test::kMissing
+               : std::sin(static_cast<double>(3 * i + 5 * j + 7 * k));
+  };
+  for (const LatticeKind kind : {LatticeKind::kCartesian, LatticeKind::kBodyCentred}) {
+    for (const auto how : {Reconstruction::kNormalized, Reconstruction::kSum}) {
+      test::FieldSetup setup;
+      setup.lattice = kind;
+      setup.reconstruction = how;
+      setup.world_from_index = test::oblique_axes();
+      setup.value_scale = 3;
+      setup.value_offset = -1;
+      expect_probe_is_sampler(test::make_field({19, 14, 23}, waves, setup), name_of(kind));
+      setup.kernel = {.sigma = 0.9, .cutoff = 5};
+      setup.brick_edge = 4;
+      expect_probe_is_sampler(test::make_field({19, 2, 23}, waves, setup), "wide, flat");
+    }
+  }
+  LatticeModelOptions model;
+  model.kernel.sigma = 0.6;
+  model.prefilter = true;
+  expect_probe_is_sampler(make_lattice_field(make_sample("head", {.size = {20, 20, 20}}), model),
+                          "prefiltered");
+  expect_probe_is_sampler(make_kernel_field(make_sample("blobs", {.count = 300})), "kernels");
 }
 
 TEST(Resample, ALatticeOverBoundsFillsThem) {

@@ -154,14 +154,20 @@ struct LineIntegral {
 }  // namespace
 
 FieldEvaluator::FieldEvaluator(const LatticeField& field)
+    : FieldEvaluator(field, {0, 0, 0}, field.geometry().dims) {}
+
+FieldEvaluator::FieldEvaluator(const LatticeField& field, const Index3& lo, const Index3& hi)
     : lattice_(field.geometry()),
       world_gradient_from_index_(lattice_.world_from_index.linear().inverse().transpose()),
       index_from_world_(lattice_.world_from_index.inverse()),
       index_gradient_from_world_(lattice_.world_from_index.linear().transpose()),
       kernel_(field.index_kernel()),
-      reconstruction_(field.reconstruction()) {
+      reconstruction_(field.reconstruction()),
+      lo_(lo),
+      hi_(hi) {
   const BrickSource& source = field.source();
-  const auto count = static_cast<std::size_t>(num_samples(lattice_.dims));
+  const auto count =
+      static_cast<std::size_t>(num_samples({hi_[0] - lo_[0], hi_[1] - lo_[1], hi_[2] - lo_[2]}));
   try {
     values_.assign(count, 0.0);
     exists_.assign(count, 0);
@@ -170,10 +176,11 @@ FieldEvaluator::FieldEvaluator(const LatticeField& field)
                                              std::to_string(count) + " samples of 9 bytes");
   }
   const std::int64_t edge = source.brick_edge();
-  const Index3 cells = lattice_.cells();
-  for (std::int64_t bz = 0; bz * edge < cells[2]; ++bz) {
-    for (std::int64_t by = 0; by * edge < cells[1]; ++by) {
-      for (std::int64_t bx = 0; bx * edge < cells[0]; ++bx) copy_brick(source, {bx, by, bz});
+  const std::int64_t layers = edge * lattice_.num_sublattices();
+  for (std::int64_t bz = lo_[2] / layers; bz * layers < hi_[2]; ++bz) {
+    for (std::int64_t by = lo_[1] / edge; by * edge < hi_[1]; ++by) {
+      for (std::int64_t bx = lo_[0] / edge; bx * edge < hi_[0]; ++bx)
+        copy_brick(source, {bx, by, bz});
     }
   }
 }
@@ -183,9 +190,9 @@ void FieldEvaluator::copy_brick(const BrickSource& source, const Index3& brick) 
   Index3 begin;
   Index3 end;
   for (int a = 0; a < 3; ++a) {
-    const int layers = a == 2 ? lattice_.num_sublattices() : 1;
-    begin[a] = brick[a] * source.brick_edge() * layers;
-    end[a] = std::min(begin[a] + source.brick_edge() * layers, lattice_.dims[a]);
+    const std::int64_t samples = source.brick_edge() * (a == 2 ? lattice_.num_sublattices() : 1);
+    begin[a] = std::max(brick[a] * samples, lo_[a]);
+    end[a] = std::min((brick[a] + 1) * samples, hi_[a]);
   }
   for (std::int64_t k = begin[2]; k < end[2]; ++k) {
     for (std::int64_t j = begin[1]; j < end[1]; ++j) {
@@ -195,8 +202,7 @@ void FieldEvaluator::copy_brick(const BrickSource& source, const Index3& brick) 
                                     (k - view.lo[2]) * view.stride_z);
         const double value = stored * source.value_scale() + source.value_offset();
         if (!std::isfinite(value)) continue;
-        const auto place =
-            static_cast<std::size_t>(i + lattice_.dims[0] * (j + lattice_.dims[1] * k));
+        const std::size_t place = place_of_sample({i, j, k});
         values_[place] = value;
         exists_[place] = 1;
         ++num_existing_;
@@ -432,9 +438,14 @@ bool FieldEvaluator::is_inside(int sublattice, const Index3& index) const noexce
 }
 
 std::size_t FieldEvaluator::place_of(int sublattice, const Index3& index) const noexcept {
-  const Index3& dims = lattice_.dims;
   const std::int64_t layer = index[2] * lattice_.num_sublattices() + sublattice;
-  return static_cast<std::size_t>(index[0] + dims[0] * (index[1] + dims[1] * layer));
+  return place_of_sample({index[0], index[1], layer});
+}
+
+std::size_t FieldEvaluator::place_of_sample(const Index3& sample) const noexcept {
+  return static_cast<std::size_t>(
+      (sample[0] - lo_[0]) +
+      (hi_[0] - lo_[0]) * ((sample[1] - lo_[1]) + (hi_[1] - lo_[1]) * (sample[2] - lo_[2])));
 }
 
 }  // namespace ovoid::reference

@@ -27,6 +27,11 @@ class FieldEvaluator {
   // Error(kOutOfMemory).
   explicit FieldEvaluator(const LatticeField& field);
 
+  // The same of the samples lo <= (i, j, k) < hi alone, k the layer, a box inside the lattice.
+  // Right for places whose kernels in reach are all in it or outside of the lattice; asks for no
+  // others.
+  FieldEvaluator(const LatticeField& field, const Index3& lo, const Index3& hi);
+
   // The field at a position in index space. `widening` holds the factors m_a >= 1 of
   // "Minification", per lattice axis.
   FieldSample at_index(const Vec3& position, const Vec3& widening = Vec3::Ones()) const;
@@ -73,6 +78,7 @@ class FieldEvaluator {
   // Of sample `index` of a sublattice.
   bool is_inside(int sublattice, const Index3& index) const noexcept;
   std::size_t place_of(int sublattice, const Index3& index) const noexcept;
+  std::size_t place_of_sample(const Index3& sample) const noexcept;  // (i, j, layer)
 
   LatticeGeometry lattice_;
   Mat3 world_gradient_from_index_;  // inverse transpose of the axis vectors
@@ -80,7 +86,8 @@ class FieldEvaluator {
   Mat3 index_gradient_from_world_;  // transpose of the axis vectors
   LatticeKernel kernel_;            // in index units
   Reconstruction reconstruction_;
-  std::vector<double> values_;        // [layer, y, x]; 0 where missing
+  Index3 lo_, hi_;                    // the samples that are held
+  std::vector<double> values_;        // [layer, y, x] of these; 0 where missing
   std::vector<std::uint8_t> exists_;  // [layer, y, x]; 1 where the value is finite, else 0
   std::int64_t num_existing_ = 0;
 };

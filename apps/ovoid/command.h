@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "flags.h"
 #include "session.h"
 
 namespace ovoid::cli {
@@ -19,5 +20,16 @@ void run_make(const Words& words, Session& session);
 void run_convert(const Words& words, Session& session);
 void run_sample(const Words& words, Session& session);
 void run_bench(const Words& words, Session& session);
+
+// Becomes the viewer, the program ovoid-viewer that lies beside this one, and hands it the words.
+// Throws Error(kUnsupported) if it is not there.
+[[noreturn]] void run_view(const Words& words);
+
+// How the flags of render are given.
+const std::vector<FlagForm>& render_flags();
+
+// Throws UsageError for what render would refuse of these flags before it reads a file: values, and
+// what contradicts itself. No inputs and no output are needed; nothing is opened.
+void check_render_flags(const Words& flag_words);
 
 }  // namespace ovoid::cli

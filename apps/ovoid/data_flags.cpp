@@ -78,6 +78,10 @@ void require_inputs(const Flags& flags, const DataFlags& data) {
   for (const std::string& input : data.inputs) {
     if (input.empty()) throw UsageError("INPUT '': expected the name of a file");
   }
+  check_data_flags(flags, data);
+}
+
+void check_data_flags(const Flags& flags, const DataFlags& data) {
   if (data.step && data.time) throw UsageError("--time: contradicts --step; give one of them");
   check_slice_flags(flags, data.slice);
 }

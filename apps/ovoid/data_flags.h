@@ -37,6 +37,7 @@ void add_input_flags(Flags& flags, DataFlags* data);
 
 // Throws UsageError if no INPUT was given, or an empty one, and for contradictions.
 void require_inputs(const Flags& flags, const DataFlags& data);
+void check_data_flags(const Flags& flags, const DataFlags& data);  // for contradictions alone
 
 // What the data must know of the model: the array to read, where one is enough, and what a slice is
 // taken of, which then is a component by itself.

@@ -48,6 +48,12 @@ std::string wrapped(const std::string& text, std::size_t indent) {
 // "-o,--output" as the flag that messages name: the long form if there is one.
 std::string long_name(const std::string& names) { return split(names, ',').back(); }
 
+// "output", of "-o,--output".
+std::string bare_name(const std::string& names) {
+  const std::string name = long_name(names);
+  return name.substr(name.find_first_not_of('-'));
+}
+
 // "-o, --output OUT", "--profile[=FILE]"
 std::string shown(const std::string& names, const std::string& form) {
   std::string out;
@@ -62,6 +68,12 @@ struct Entry {
   std::string text;
   CLI::Option* option = nullptr;  // null for what is no flag
   bool is_repeatable = false;
+
+  FlagKind kind() const {
+    if (form.empty()) return FlagKind::kToggle;
+    if (form.front() == '[') return FlagKind::kOptionalValue;
+    return is_repeatable ? FlagKind::kRepeatable : FlagKind::kValue;
+  }
 };
 
 struct Section {
@@ -240,6 +252,38 @@ bool Flags::parse(const std::vector<std::string>& words) {
                                  flag->option->count()));
   }
   return true;
+}
+
+std::vector<GivenFlag> Flags::given() const {
+  std::vector<GivenFlag> all;
+  const std::vector<const Entry*> known = impl_->flags();
+  for (const CLI::Option* const option : impl_->app.parse_order()) {
+    const auto found = std::find_if(known.begin(), known.end(),
+                                    [&](const Entry* entry) { return entry->option == option; });
+    if (found == known.end()) continue;
+    const Entry& entry = **found;
+    GivenFlag flag{bare_name(entry.names), {}, false};
+    const bool is_known = std::any_of(all.begin(), all.end(), [&](const GivenFlag& earlier) {
+      return earlier.name == flag.name;
+    });
+    if (is_known) continue;
+    const FlagKind kind = entry.kind();
+    const bool is_bare = kind == FlagKind::kOptionalValue && option->results().front() == "true";
+    if (kind != FlagKind::kToggle && !is_bare) flag.values = option->results();
+    flag.has_value = !flag.values.empty();
+    all.push_back(std::move(flag));
+  }
+  return all;
+}
+
+std::vector<FlagForm> Flags::forms() const {
+  std::vector<FlagForm> all;
+  for (const Entry* const flag : impl_->flags()) {
+    const std::vector<std::string> names = split(flag->names, ',');
+    all.push_back(
+        {bare_name(flag->names), names.size() > 1 ? names.front().substr(1) : "", flag->kind()});
+  }
+  return all;
 }
 
 bool Flags::is_given(const std::string& name) const {

@@ -11,6 +11,23 @@ namespace ovoid::cli {
 
 inline constexpr const char* kListFlags = "--list-flags";
 
+enum class FlagKind { kToggle, kValue, kRepeatable, kOptionalValue };
+
+// How a flag is given.
+struct FlagForm {
+  std::string name;        // long, without dashes: "output"
+  std::string short_name;  // without dash: "o"; empty: none
+  FlagKind kind = FlagKind::kToggle;
+};
+
+// A flag as it stood on the command line. `values` are several of a repeatable flag, and none of a
+// toggle or where an optional value is missing.
+struct GivenFlag {
+  std::string name;  // as FlagForm has it
+  std::vector<std::string> values;
+  bool has_value = false;
+};
+
 // The flags of one command. CLI11 takes the command line apart; this class keeps the words of each
 // flag, so that parsing, help text and error messages come from one declaration. Sections group the
 // help; a flag belongs to the section opened last.
@@ -58,6 +75,14 @@ class Flags {
   // flags for a shell to complete (names, form, sentence, with tabs between), and returns false if
   // that was asked for. Throws UsageError.
   bool parse(const std::vector<std::string>& words);
+
+  // The flags given on the command line, in the order in which each stands there first; what is no
+  // flag is apart. With its form (forms()) each can be written again: an optional value stands
+  // behind an equals sign.
+  std::vector<GivenFlag> given() const;
+
+  // All flags that were declared and not refused, in that order; --help is none of them.
+  std::vector<FlagForm> forms() const;
 
   bool is_given(const std::string& name) const;
   // The first of `names` that is on the command line, or null.

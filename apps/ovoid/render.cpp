@@ -13,6 +13,7 @@
 #include "drawing.h"
 #include "dry_run.h"
 #include "profile.h"
+#include "state_words.h"
 #include "usage.h"
 #include "values.h"
 
@@ -23,6 +24,7 @@ constexpr int kMaxRepeat = 100'000;
 
 struct RenderFlags {
   std::string output;
+  std::string state;  // where some of the others come from; empty: the command line alone
   DataFlags data;
   DrawingFlags drawing;
   int repeat = 0;  // 0: one frame, the one that is written
@@ -57,6 +59,12 @@ void add_measure_flags(Flags& flags, RenderFlags* render) {
 }
 
 void add_flags(Flags& flags, RenderFlags* render) {
+  flags.section("state");
+  flags.value(
+      "--state", "FILE.json",
+      "inputs and flags from a file that the viewer or a script has saved; those that stand "
+      "on the command line beat it",
+      [render](const std::string& text) { render->state = text; });
   add_input_flags(flags, &render->data);
   add_picture_flags(flags, render);
   add_drawing_flags(flags, &render->drawing);
@@ -78,7 +86,9 @@ void check_flags(const Flags& flags, const RenderFlags& render) {
   if (!render.output.empty()) outputs.push_back({"--output", render.output, render.output});
   if (!render.profile_file.empty())
     outputs.push_back({"--profile", render.profile_file, render.profile_file});
-  check_files(files_to_read(render.data, render.drawing), outputs);
+  std::vector<InputFile> inputs = files_to_read(render.data, render.drawing);
+  if (!render.state.empty()) inputs.push_back({render.state, "the state of --state"});
+  check_files(inputs, outputs);
 }
 
 struct Scene {
@@ -152,15 +162,38 @@ void tell_times(const RenderFlags& render, const RunProfile& profile, Session& s
   }
 }
 
+class Declared : public Flags {
+ public:
+  explicit Declared(RenderFlags* render)
+      : Flags("render", "INPUT... -o OUT [FLAG...]",
+              "Draws a volume, mesh, particles or kernels to a picture and exits; never opens a "
+              "window.") {
+    add_flags(*this, render);
+  }
+};
+
 }  // namespace
+
+const std::vector<FlagForm>& render_flags() {
+  static const std::vector<FlagForm> forms = [] {
+    RenderFlags render;
+    return Declared(&render).forms();
+  }();
+  return forms;
+}
+
+void check_render_flags(const Words& flag_words) {
+  RenderFlags render;
+  Declared flags(&render);
+  if (!flags.parse(flag_words)) return;
+  check_data_flags(flags, render.data);
+  check_drawing_flags(flags, render.drawing, "picture.png");  // which every flag is for
+}
 
 void run_render(const Words& words, Session& session) {
   RenderFlags render;
-  Flags flags("render", "INPUT... -o OUT [FLAG...]",
-              "Draws a volume, mesh, particles or kernels to a picture and exits; never opens a "
-              "window.");
-  add_flags(flags, &render);
-  if (!flags.parse(words)) return;
+  Declared flags(&render);
+  if (!flags.parse(with_state(words))) return;
   check_flags(flags, render);
 
   DrawingFlags& drawing = render.drawing;

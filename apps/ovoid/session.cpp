@@ -19,26 +19,6 @@ namespace {
 constexpr int kNotThisPercent = 101;  // the line is shown again, whatever it says
 constexpr double kQuietMs = 500;      // shorter work needs no progress line
 
-// The words as a shell would take them again.
-std::string quoted(const std::vector<std::string>& words) {
-  std::string line;
-  for (const std::string& word : words) {
-    if (!line.empty()) line += ' ';
-    const bool is_plain =
-        !word.empty() && std::all_of(word.begin(), word.end(), [](unsigned char c) {
-          return std::isalnum(c) != 0 || std::strchr("-_./=,:+%@", c) != nullptr;
-        });
-    if (is_plain) {
-      line += word;
-      continue;
-    }
-    line += '\'';
-    for (const char c : word) line += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    line += '\'';
-  }
-  return line;
-}
-
 }  // namespace
 
 Progress::Progress(std::string what)
@@ -91,6 +71,25 @@ void Session::notes(const std::vector<std::string>& texts) {
 
 void Session::check_stop() const {
   if (stop().stop_requested()) throw Error(ErrorCode::kCancelled, "interrupted");
+}
+
+std::string quoted(const std::vector<std::string>& words) {
+  std::string line;
+  for (const std::string& word : words) {
+    if (!line.empty()) line += ' ';
+    const bool is_plain =
+        !word.empty() && std::all_of(word.begin(), word.end(), [](unsigned char c) {
+          return std::isalnum(c) != 0 || std::strchr("-_./=,:+%@", c) != nullptr;
+        });
+    if (is_plain) {
+      line += word;
+      continue;
+    }
+    line += '\'';
+    for (const char c : word) line += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    line += '\'';
+  }
+  return line;
 }
 
 std::string one_line(const std::string& text) {

@@ -93,6 +93,9 @@ class Quiet {
   Session& session_;
 };
 
+// The words as a shell would take them again, in one line.
+std::string quoted(const std::vector<std::string>& words);
+
 // Text as one printable line: control characters, which file names may hold, become '?'.
 std::string one_line(const std::string& text);
 

@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "state_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <string_view>
+#include <system_error>
+#include <unordered_set>
+
+#include "ovoid/error.h"
+#include "session.h"
+#include "suggest.h"
+#include "usage.h"
+#include "values.h"
+
+namespace ovoid::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kMaxBytes = std::size_t{16} << 20;
+constexpr int kMaxDepth = 64;
+// Of one object: members are found one after the other, so that their number must not be the
+// file's to choose.
+constexpr std::size_t kMaxMembers = 1000;
+constexpr std::array<const char*, 5> kMembers = {"ovoid_state", "program", "inputs", "flags",
+                                                 "window"};
+
+[[noreturn]] void refuse(const std::string& message) {
+  throw Error(ErrorCode::kFileFormat, message);
+}
+
+std::string read_text(const std::string& path) {
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored))
+    throw Error(ErrorCode::kFileNotFound, path + ": is a folder, must be a file");
+  errno = 0;
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) {
+    throw Error(ErrorCode::kFileNotFound, fmt::format("{}: cannot be read: {}", path,
+                                                      std::strerror(errno != 0 ? errno : EIO)));
+  }
+  // By pieces, so that a pipe works and an endless one ends.
+  std::string text;
+  std::array<char, 65536> piece{};
+  while (text.size() <= kMaxBytes && stream) {
+    stream.read(piece.data(), piece.size());
+    text.append(piece.data(), static_cast<std::size_t>(stream.gcount()));
+  }
+  if (stream.bad()) throw Error(ErrorCode::kFileNotFound, path + ": cannot be read");
+  if (text.size() > kMaxBytes)
+    refuse(fmt::format("{}: must have at most {} bytes", path, kMaxBytes));
+  return text;
+}
+
+std::string cut(const std::string& text) {
+  constexpr std::size_t kShown = 40;
+  return one_line(text.substr(0, kShown));
+}
+
+// Refuses while it is read what would take long, and what stands twice, of which one would be lost.
+class Watch {
+ public:
+  explicit Watch(const std::string& path) : path_(path) {}
+
+  bool operator()(int depth, Json::parse_event_t event, const Json& parsed) {
+    if (depth > kMaxDepth)
+      refuse(fmt::format("{}: nested deeper than {} levels", path_, kMaxDepth));
+    if (event == Json::parse_event_t::object_start) open_.emplace_back();
+    if (event == Json::parse_event_t::object_end) open_.pop_back();
+    if (event != Json::parse_event_t::key) return true;
+    const std::string& key = parsed.get_ref<const std::string&>();
+    if (!open_.back().insert(key).second)
+      refuse(fmt::format("{}: '{}' stands twice in one object", path_, cut(key)));
+    if (open_.back().size() > kMaxMembers)
+      refuse(fmt::format("{}: an object has more than {} members", path_, kMaxMembers));
+    return true;
+  }
+
+ private:
+  const std::string& path_;
+  std::vector<std::unordered_set<std::string>> open_;
+};
+
+Json parse(const std::string& text, const std::string& path) {
+  Watch watch(path);
+  const auto callback = [&watch](int depth, Json::parse_event_t event, Json& parsed) {
+    return watch(depth, event, parsed);
+  };
+  try {
+    return Json::parse(text, callback);
+  } catch (const Json::parse_error& error) {
+    refuse(fmt::format("{}: not JSON at byte {}", path, error.byte));
+  } catch (const Json::exception&) {
+    refuse(path + ": holds a number that double cannot");
+  }
+}
+
+void check_version(const Json& json, const std::string& path) {
+  if (!json.is_object() || !json.contains("ovoid_state")) {
+    refuse(path +
+           ": is no state, expected an object with the members ovoid_state, program, "
+           "inputs, flags and window");
+  }
+  const Json& version = json["ovoid_state"];
+  const bool is_number = version.is_number_integer() && version > 0;
+  if (!is_number) {
+    refuse(fmt::format("{}: ovoid_state = {}: must be a whole number, from 1", path,
+                       cut(version.dump(-1, ' ', true, Json::error_handler_t::replace))));
+  }
+  if (version == kStateVersion) return;
+  const bool has_program = json.contains("program") && json["program"].is_string();
+  throw Error(
+      ErrorCode::kUnsupported,
+      fmt::format("{}: a state of version {}, this program reads version {}; {} or newer reads it",
+                  path, version.dump(), kStateVersion,
+                  has_program ? "ovoid " + cut(json["program"].get<std::string>())
+                              : "the ovoid that wrote it"));
+}
+
+void check_members(const Json& json, const std::string& path) {
+  for (const auto& [key, value] : json.items()) {
+    if (std::find(kMembers.begin(), kMembers.end(), key) != kMembers.end()) continue;
+    refuse(fmt::format("{}: {}: unknown; a state has {}{}", path, cut(key),
+                       fmt::join(kMembers, ", "),
+                       did_you_mean(key, {kMembers.begin(), kMembers.end()})));
+  }
+  if (json.contains("program") && !json["program"].is_string())
+    refuse(path + ": program: must be a string");
+  if (json.contains("window") && !json["window"].is_object())
+    refuse(path + ": window: must be an object");
+}
+
+// A relative name is meant from the folder; one that begins with a dash would be taken for a flag.
+std::string from_folder(const std::string& name, const fs::path& folder) {
+  const std::string path = (folder / name).string();
+  return path.front() == '-' ? "./" + path : path;
+}
+
+std::vector<std::string> inputs_from(const Json& json, const std::string& path) {
+  std::vector<std::string> inputs;
+  if (!json.contains("inputs")) return inputs;
+  const Json& list = json["inputs"];
+  if (!list.is_array()) refuse(path + ": inputs: must be an array of strings");
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const std::string place = fmt::format("{}: inputs[{}]", path, i);
+    if (!list[i].is_string()) refuse(place + ": must be a string");
+    const auto name = list[i].get<std::string>();
+    if (name.empty() || name.find('\0') != std::string::npos)
+      refuse(place + ": must be the name of a file");
+    inputs.push_back(from_folder(name, fs::path(path).parent_path()));
+  }
+  return inputs;
+}
+
+FlagSet flags_from(const Json& json, const std::string& path) {
+  if (!json.contains("flags")) return {};
+  FlagSet flags = FlagSet::from_json(json["flags"], path + ": flags");
+  const std::vector<FlagSet::Flag> all = flags.flags();
+  for (const auto& [name, value] : all) {
+    if (!value.is_string()) continue;
+    const auto text = value.get<std::string>();
+    if (!text.empty() && names_file(name, text))
+      flags.set(name, from_folder(text, fs::path(path).parent_path()));
+  }
+  try {
+    check_render_flags(flags.words());
+  } catch (const UsageError& error) {
+    refuse(fmt::format("{}: flags: {}", path, error.what()));
+  }
+  return flags;
+}
+
+// The folder that the file lies in, without links on the way.
+fs::path folder_of(const std::string& path) {
+  const fs::path whole = fs::absolute(path).lexically_normal();
+  const fs::path name = whole.filename();
+  // "." and "x/" are folders by themselves.
+  if (name.empty() || name == "." || name == "..") return fs::weakly_canonical(whole);
+  return fs::weakly_canonical(whole.parent_path());
+}
+
+std::string to_folder(const std::string& name, const fs::path& folder) {
+  fs::path own = folder_of(name);
+  const fs::path last = fs::absolute(name).lexically_normal().filename();
+  if (!last.empty() && last != "." && last != "..") own /= last;
+  if (!own.has_filename() && own.has_relative_path()) own = own.parent_path();
+  const fs::path relative = own.lexically_relative(folder);
+  if (relative.empty() || *relative.begin() == "..") return own.string();
+  const std::string text = relative.string();
+  return is_json(text) ? "./" + text : text;
+}
+
+}  // namespace
+
+State read_state(const std::string& path) {
+  const Json json = parse(read_text(path), path);
+  check_version(json, path);
+  check_members(json, path);
+  State state;
+  state.inputs = inputs_from(json, path);
+  state.flags = flags_from(json, path);
+  if (json.contains("window")) state.window = json["window"];
+  return state;
+}
+
+void write_state(const State& state, const std::string& path) {
+  const fs::path folder = folder_of(path);
+  Json json;
+  json["ovoid_state"] = kStateVersion;
+  json["program"] = OVOID_VERSION;
+  json["inputs"] = Json::array();
+  for (const std::string& input : state.inputs) json["inputs"].push_back(to_folder(input, folder));
+  Json flags = state.flags.to_json();
+  for (const auto& [name, value] : flags.items()) {
+    if (!value.is_string()) continue;
+    const auto text = value.get<std::string>();
+    if (!text.empty() && names_file(name, text)) value = to_folder(text, folder);
+  }
+  json["flags"] = std::move(flags);
+  json["window"] = state.window.is_null() ? Json::object() : state.window;
+  std::string text;
+  try {
+    text = json.dump(1) + "\n";
+  } catch (const Json::exception&) {
+    throw Error(ErrorCode::kInvalidArgument,
+                path + ": a state holds only names and texts that are UTF-8");
+  }
+  write_text(text, path);
+}
+
+}  // namespace ovoid::cli

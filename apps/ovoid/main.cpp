@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <exception>
@@ -22,14 +23,17 @@
 namespace ovoid::cli {
 namespace {
 
+constexpr const char* kView = "view";
+
 struct Command {
   const char* name;
   const char* synopsis;
   const char* summary;
-  void (*run)(const Words& words, Session& session);
+  void (*run)(const Words& words, Session& session);  // null: run_view(), before there is a session
 };
 
-constexpr std::array<Command, 7> kCommands = {{
+constexpr std::array<Command, 8> kCommands = {{
+    {kView, "INPUT...", "look around in data, in a window", nullptr},
     {"render", "INPUT... -o OUT.png", "draw data to a picture", run_render},
     {"animate", "INPUT... -o OUT.mp4", "draw a film or numbered pictures", run_animate},
     {"info", "INPUT...", "what is in a file, and how it would be drawn", run_info},
@@ -45,6 +49,7 @@ std::string help() {
     out += fmt::format("  {:34}{}\n", fmt::format("ovoid {} {}", command.name, command.synopsis),
                        command.summary);
   }
+  out += fmt::format("  {:34}{}\n", "ovoid INPUT...", "the same as ovoid view INPUT...");
   out += fmt::format("  {:34}{}\n", "ovoid COMMAND --help", "all flags of a command");
   out += fmt::format("  {:34}{}\n", "ovoid --version", "the version");
   return out;
@@ -52,19 +57,27 @@ std::string help() {
 
 // The first word is no command: say what it might have been.
 [[noreturn]] void explain_first_word(const std::string& word) {
-  std::error_code ignored;
-  if (std::filesystem::exists(word, ignored)) {
-    throw UsageError(
-        fmt::format("'{}': the viewer is not available in this version; to draw to a file: ovoid "
-                    "render {} -o OUT.png",
-                    word, word));
-  }
   std::vector<std::string> names;
   names.reserve(kCommands.size());
   for (const Command& command : kCommands) names.emplace_back(command.name);
   const char* const kind = word.rfind('-', 0) == 0 ? "flag" : "command";
   throw UsageError(
       fmt::format("'{}': unknown {}{} (see ovoid --help)", word, kind, did_you_mean(word, names)));
+}
+
+bool is_command(const std::string& word) {
+  return std::any_of(kCommands.begin(), kCommands.end(),
+                     [&](const Command& command) { return word == command.name; });
+}
+
+// The viewer takes signals its own way, so it is started before a session blocks any.
+void start_view_if_asked(const Words& words) {
+  if (words.empty()) return;
+  const std::string& first = words.front();
+  if (first == kView) run_view({words.begin() + 1, words.end()});
+  std::error_code ignored;
+  const bool is_word = is_command(first) || first == "help" || first.starts_with('-');
+  if (!is_word && std::filesystem::exists(first, ignored)) run_view(words);
 }
 
 void run(const Words& words, Session& session) {
@@ -98,8 +111,10 @@ int complain(const std::string& message, int exit_code) {
 int run_guarded(int argc, char** argv) {
   try {
     const Words words(argv, argv + argc);
+    const Words after_name(words.begin() + 1, words.end());
+    start_view_if_asked(after_name);
     Session session(words);
-    run({words.begin() + 1, words.end()}, session);
+    run(after_name, session);
     if (std::fflush(stdout) != 0)
       return complain("standard output: cannot be written", kExitFailed);
     return kExitDone;

@@ -52,7 +52,8 @@ TEST(DryRun, NeedsNoOutput) {
 TEST(Completion, ProgramListsItsCommandsAndFlags) {
   const Outcome commands = run({"--list-flags"});
   EXPECT_EQ(commands.exit_code, 0);
-  for (const char* const command : {"render\t", "info\t", "make\t", "convert\t", "bench\t"})
+  for (const char* const command :
+       {"view\t", "render\t", "info\t", "make\t", "convert\t", "bench\t"})
     EXPECT_NE(commands.out.find(command), std::string::npos) << command;
   const Outcome flags = run({"render", "--list-flags"});
   EXPECT_EQ(flags.exit_code, 0);
@@ -79,6 +80,8 @@ TEST(Completion, BashCompletesCommandsFlagsAndChoices) {
   EXPECT_EQ(completed("ovoid ren"), "render\n");
   EXPECT_EQ(completed("ovoid render --samp"), "--sampling-distance\n");
   EXPECT_EQ(completed("ovoid render x.nrrd --slab m"), "mid mean\n");
+  EXPECT_EQ(completed("ovoid vie"), "view\n");
+  EXPECT_EQ(completed("ovoid render --stat"), "--state\n");
   EXPECT_EQ(completed("ovoid render x.nrrd --azimuth ''"), "\n");  // a number: nothing to offer
 }
 

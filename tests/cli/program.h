@@ -80,8 +80,8 @@ struct Outcome {
 // A started program; `run` waits for it at once.
 class Program {
  public:
-  explicit Program(Words words) {
-    words.insert(words.begin(), OVOID_PROGRAM);
+  explicit Program(Words words, const std::string& program = OVOID_PROGRAM) {
+    words.insert(words.begin(), program);
     std::vector<char*> arguments;
     for (std::string& word : words) arguments.push_back(word.data());
     arguments.push_back(nullptr);
@@ -130,7 +130,9 @@ class Program {
   pid_t pid_ = -1;
 };
 
-inline Outcome run(const Words& words) { return Program(words).finish(); }
+inline Outcome run(const Words& words, const std::string& program = OVOID_PROGRAM) {
+  return Program(words, program).finish();
+}
 
 inline std::string joined(const Words& words) {
   std::string line = "ovoid";

@@ -7,10 +7,13 @@ _ovoid() {
   local names form choices=
   COMPREPLY=()
   if ((COMP_CWORD == 1)); then
-    mapfile -t COMPREPLY < <(compgen -W "$("$program" --list-flags 2>/dev/null | cut -f1)" -- "$word")
+    compopt -o filenames 2>/dev/null
+    mapfile -t COMPREPLY < <(compgen -W "$("$program" --list-flags 2>/dev/null | cut -f1)" -- "$word"; compgen -f -- "$word")
     return
   fi
   local command=${COMP_WORDS[1]}
+  # A file in the command's place is for the viewer.
+  "$program" --list-flags 2>/dev/null | cut -f1 | grep -qxF -e "$command" || command=view
   while IFS=$'\t' read -r names form _; do
     [[ ,$names, == *,"$before",* ]] || continue
     if [[ $form == *'|'* && $form != *[A-Z]* ]]; then choices=${form//|/ }; fi

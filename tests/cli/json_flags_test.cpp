@@ -25,7 +25,7 @@ TEST(JsonInFlags, StandsForAFile) {
   const std::string ball = write_ball(folder);
   write_file(folder / "look.json", kLookInFlag);
   write_file(folder / "camera.json", kCameraInFlag);
-  const std::string expected = drawn(
+  const std::string expected = bytes_drawn(
       {ball, "--size", "40x30", "--tf", folder / "look.json", "--camera", folder / "camera.json"},
       folder / "a.png");
   EXPECT_EQ(bytes_drawn({ball, "--size", "40x30", "--tf", " [" + std::string(kLookInFlag) + "]",

@@ -69,7 +69,8 @@ void check_value(const FlagForm& form, const Json& value) {
       if (!is_list(value, is_text)) refuse_value(name, value, "an array of strings");
       return;
     case FlagKind::kOptionalValue:
-      if (value.is_boolean() ? !value.get<bool>() : !is_text(value) || value == "")
+      if (value.is_boolean() ? !value.get<bool>()
+                             : !is_text(value) || value.get_ref<const std::string&>().empty())
         refuse_value(name, value, "true or a string that is not empty");
       return;
     case FlagKind::kValue:

@@ -44,6 +44,18 @@ void choice(Flags& flags, const char* name, const Names<T>& names, const char* t
               [into, &names](const std::string& given) { *into = parse_name(given, names); });
 }
 
+// The flag for a choice, none for the default.
+template <typename T>
+void tell_choice(FlagSet* flags, const char* flag, const Names<T>& names, T value, T usual) {
+  flags->erase(flag);
+  if (value != usual) flags->set(flag, name_in(names, value));
+}
+
+void tell_toggle(FlagSet* flags, const char* flag, bool is_set) {
+  flags->erase(flag);
+  if (is_set) flags->set(flag, true);
+}
+
 ClipPlane parse_clip(const std::string& text) {
   const std::vector<double> numbers = parse_numbers(text, 4);
   ClipPlane plane{{numbers[0], numbers[1], numbers[2]}, numbers[3]};
@@ -121,6 +133,41 @@ void add_switch_flags(Flags& flags, RenderOptions* options) {
   flags.toggle("--no-pack",
                "backend vulkan: sum a set's kernels on one sheet at a time (slower, same picture)",
                &options->pack_sheets, false);
+}
+
+void tell_numbers(const RenderOptions& options, FlagSet* flags) {
+  const RenderOptions usual;
+  flags->erase("sampling-distance");
+  if (options.sampling_distance > 0)
+    flags->set("sampling-distance", fmt::format("{}", options.sampling_distance));
+  tell_choice(flags, "slab", kSlabs, options.slab, usual.slab);
+  tell_choice(flags, "gradient", kGradients, options.gradient, usual.gradient);
+  tell_choice(flags, "classification", kClassifications, options.classification,
+              usual.classification);
+  tell_choice(flags, "evaluate", kEvaluates, options.evaluate, usual.evaluate);
+  tell_choice(flags, "post-convolution", kPostConvolutions, options.post_convolution,
+              usual.post_convolution);
+  tell_choice(flags, "sheet-precision", kSheetPrecisions, options.sheet_precision,
+              usual.sheet_precision);
+  tell_choice(flags, "spread", kSpreads, options.spread, usual.spread);
+  flags->erase("clip");
+  nlohmann::ordered_json planes = nlohmann::ordered_json::array();
+  for (const ClipPlane& plane : options.clip_planes) {
+    planes.push_back(fmt::format("{},{},{},{}", plane.normal.x(), plane.normal.y(),
+                                 plane.normal.z(), plane.offset));
+  }
+  if (!planes.empty()) flags->set("clip", planes);
+  tell_toggle(flags, "no-skip", !options.skip_irrelevant);
+  tell_toggle(flags, "no-stop", !options.stop_opaque);
+  tell_toggle(flags, "no-pack", !options.pack_sheets);
+}
+
+void tell_run(const RendererSetup& run, FlagSet* flags) {
+  tell_choice(flags, "backend", kBackends, run.backend, RendererSetup{}.backend);
+  for (const char* const flag : {"threads", "device", "device-memory"}) flags->erase(flag);
+  if (run.threads > 0) flags->set("threads", fmt::format("{}", run.threads));
+  if (run.device >= 0) flags->set("device", fmt::format("{}", run.device));
+  if (run.device_memory > 0) flags->set("device-memory", fmt::format("{}", run.device_memory));
 }
 
 }  // namespace ovoid::cli

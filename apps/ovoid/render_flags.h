@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "flag_set.h"
 #include "flags.h"
 #include "ovoid/renderer.h"
 
@@ -11,5 +12,10 @@ namespace ovoid::cli {
 void add_number_flags(Flags& flags, RenderOptions* options);
 void add_run_flags(Flags& flags, RendererSetup* run);
 void add_switch_flags(Flags& flags, RenderOptions* options);  // --no-skip, --no-stop, --no-pack
+
+// The other way round: the flags that say the same, in the place of those that the set has. What is
+// at its default takes no flag.
+void tell_numbers(const RenderOptions& options, FlagSet* flags);  // the switches, too; not --size
+void tell_run(const RendererSetup& run, FlagSet* flags);
 
 }  // namespace ovoid::cli

@@ -19,7 +19,7 @@
 namespace ovoid::model {
 namespace {
 
-constexpr std::int64_t kGroup = 8;
+constexpr std::int64_t kGroupKernels = 8;
 
 // Two kernels of weight 1 and distance D sum to 2 exp(-D^2 / 8) half-way, in units of their sigma.
 // Where that is under KernelField::kLeastWeight a normalized field has a hole: D^2 = 8 ln 10.
@@ -156,7 +156,8 @@ class BrickMerger {
       keep(members[0]);
       return;
     }
-    const std::int64_t groups = std::max<std::int64_t>((count + kGroup / 2) / kGroup, 1);
+    const std::int64_t groups =
+        std::max<std::int64_t>((count + kGroupKernels / 2) / kGroupKernels, 1);
     const Eigen::LLT<Mat3> unit = mean_kernel(members);
     if (is_within_length(members) || (groups == 1 && leaves_no_hole(members, unit))) {
       unite(members);

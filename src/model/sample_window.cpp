@@ -27,7 +27,8 @@ void copy_box(const BrickView& view, const data::SampleRange& box, SampleWindow&
     for (std::int64_t j = box.lo[1]; j < box.hi[1]; ++j) {
       const std::int64_t first = (box.lo[0] - view.lo[0]) + (j - view.lo[1]) * view.stride_y +
                                  (k - view.lo[2]) * view.stride_z;
-      double* const to = const_cast<double*>(window.row(j, k)) + (box.lo[0] - window.lo[0]);
+      double* const to =
+          window.numbers.data() + window.start_of_row(j, k) + (box.lo[0] - window.lo[0]);
       for (std::int64_t i = 0; i < count; ++i) {
         const T number = data::load_scalar<T>(bytes, first + i);
         to[i] = static_cast<double>(number);

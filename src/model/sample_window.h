@@ -19,7 +19,10 @@ struct SampleWindow {
   void load(const BrickSource& source, const Index3& first, const Index3& end);
 
   const double* row(std::int64_t j, std::int64_t k) const noexcept {
-    return numbers.data() + (hi[0] - lo[0]) * ((j - lo[1]) + (hi[1] - lo[1]) * (k - lo[2]));
+    return numbers.data() + start_of_row(j, k);
+  }
+  std::int64_t start_of_row(std::int64_t j, std::int64_t k) const noexcept {
+    return (hi[0] - lo[0]) * ((j - lo[1]) + (hi[1] - lo[1]) * (k - lo[2]));
   }
 };
 

@@ -59,6 +59,8 @@ KernelPlan::KernelPlan(const KernelField& field, const Camera& camera, const Loo
                 (space.is_parallel ? 1.0 : space.focal_depth);
   space.center_x = 0.5 * (options.width - 1);
   space.center_y = 0.5 * (options.height - 1);
+  width = options.width;
+  height = options.height;
   num_blocks[0] = (options.width + kBlockEdge - 1) / kBlockEdge;
   num_blocks[1] = (options.height + kBlockEdge - 1) / kBlockEdge;
   num_blocks[2] = static_cast<int>(
@@ -76,6 +78,7 @@ KernelPlan::KernelPlan(const KernelField& field, const Camera& camera, const Loo
   for (std::int64_t b = 0; b < field.source().num_bricks(); ++b)
     ranges.push_back(blocks_of_brick(field.source().brick(b), cutoff));
   find_relevant(field, ranges, is_preintegrated || look.mode == Mode::kIsosurface);
+  if (may_matter) drop_clipped();
   find_needed(ranges);
 }
 
@@ -186,6 +189,46 @@ void KernelPlan::find_relevant(const KernelField& field, const std::vector<Block
     const float slack =
         kSlack * (all.hi - all.lo) + 1e-5F * std::max(std::abs(all.lo), std::abs(all.hi));
     is_relevant[block] = may_matter(all.lo - slack, all.hi + slack) ? 1 : 0;
+  }
+}
+
+// Distances are linear along pixels, sheets and slabs, each by itself: greatest at a corner.
+bool KernelPlan::is_clipped_away(int x, int y, int layer) const {
+  // Paths are worked out in floats, in sheets.
+  constexpr double kSlack = 1e-3;
+  const int x0 = x * kBlockEdge;
+  const int y0 = y * kBlockEdge;
+  const int x1 = std::min(x0 + kBlockEdge, width) - 1;
+  const int y1 = std::min(y0 + kBlockEdge, height) - 1;
+  const std::int64_t first = sheets.first + static_cast<std::int64_t>(layer) * kBlockDepth;
+  const std::int64_t last = std::min(first + kBlockDepth, sheets.last) - 1;
+  const double reach = (0.5 + kSlack) * lattice.sampling_distance();
+  return std::any_of(clip_planes.begin(), clip_planes.end(), [&](const ClipPlane& plane) {
+    const ClipMap slope = clip_slope(plane);
+    for (const std::int64_t sheet : {first, last}) {
+      const ClipMap distance = clip_distance(plane, sheet);
+      for (const int px : {x0, x1}) {
+        for (const int py : {y0, y1}) {
+          const double lean = slope.origin + px * slope.per_x + py * slope.per_y;
+          const double inside = distance.origin + px * distance.per_x + py * distance.per_y;
+          if (inside + reach * std::abs(lean) + kSlack * lattice.sampling_distance() >= 0)
+            return false;
+        }
+      }
+    }
+    return true;
+  });
+}
+
+void KernelPlan::drop_clipped() {
+  if (clip_planes.empty()) return;
+  for (int s = 0; s < num_blocks[2]; ++s) {
+    for (int y = 0; y < num_blocks[1]; ++y) {
+      for (int x = 0; x < num_blocks[0]; ++x) {
+        std::uint8_t& is_kept = is_relevant[static_cast<std::size_t>(block_index(x, y, s))];
+        if (is_kept != 0 && is_clipped_away(x, y, s)) is_kept = 0;
+      }
+    }
   }
 }
 

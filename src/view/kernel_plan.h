@@ -67,6 +67,7 @@ struct KernelPlan : FramePlan {
   SplatSpace space;
   bool is_mean;                           // samples are means over their slabs
   double overshoot = 0;                   // how far filters carry kernels, sigmas of their cuts
+  int width, height;                      // of the picture, pixels
   int num_blocks[3];                      // along x, y and s
   std::vector<std::uint8_t> is_needed;    // [s][y][x]: its kernels are wanted
   std::vector<std::uint8_t> is_relevant;  // [s][y][x]: it can show; relevant blocks are needed
@@ -87,6 +88,9 @@ struct KernelPlan : FramePlan {
   BlockRange blocks_of_brick(const KernelBrick& brick, double cutoff) const noexcept;
   void find_relevant(const KernelField& field, const std::vector<BlockRange>& ranges,
                      bool needs_both_ends);
+  // No sample of such a block has a path.
+  bool is_clipped_away(int x, int y, int layer) const;
+  void drop_clipped();
   void find_needed(const std::vector<BlockRange>& ranges);
 };
 

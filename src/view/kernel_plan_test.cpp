@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "ovoid/error.h"
 
 namespace ovoid::view {
@@ -78,6 +80,51 @@ TEST(KernelPlan, ValuesWithoutOpacityAreSkipped) {
   };
   EXPECT_EQ(bricks(0.0), static_cast<std::size_t>(field.source().num_bricks()));
   EXPECT_EQ(bricks(9.5), 0U);
+}
+
+// Fails if kernels behind a clip plane are asked for, or those before it are not.
+TEST(KernelPlan, ClippedBlocksAreSkipped) {
+  const KernelField field = two_balls();
+  ASSERT_EQ(field.source().num_bricks(), 2);
+  const auto bricks = [&](const ClipPlane& plane, bool is_parallel, bool skips) {
+    RenderOptions options = options_of(640);
+    options.clip_planes = {plane};
+    options.skip_irrelevant = skips;
+    return KernelPlan(field, camera_from_z(is_parallel), look_above(0), options).bricks;
+  };
+  for (const bool is_parallel : {true, false}) {
+    for (const double sign : {-1.0, 1.0}) {
+      const auto kept = bricks({{2 * sign, 0, 0}, 4 * sign}, is_parallel, true);
+      ASSERT_EQ(kept.size(), 1U);
+      const double at = field.source().brick(kept[0]).support.center().x();
+      EXPECT_GT((at - 2) * sign, 0);
+    }
+    EXPECT_EQ(bricks({{0, 0, 1}, 5}, is_parallel, true).size(), 0U);
+    EXPECT_EQ(bricks({{0, 0, 1}, 0.05}, is_parallel, true).size(), 2U);
+    EXPECT_EQ(bricks({{0, 0, 1}, 5}, is_parallel, false).size(), 2U);
+  }
+}
+
+// Fails if a block is dropped whose last slab is not all cut away, or kept when it is.
+TEST(KernelPlan, SliversOfSlabsAreKept) {
+  const KernelField field = two_balls();
+  const auto relevant_in_layer = [&](int layer, const std::vector<ClipPlane>& clip_planes) {
+    RenderOptions options = options_of(640);
+    options.clip_planes = clip_planes;
+    const KernelPlan plan(field, camera_from_z(true), look_above(0), options);
+    const auto begin = plan.is_relevant.begin() + plan.block_index(0, 0, layer);
+    return std::count(begin, begin + plan.block_index(0, 0, 1), 1);
+  };
+  const KernelPlan plan(field, camera_from_z(true), look_above(0), options_of(640));
+  ASSERT_GE(plan.num_blocks[2], 2);
+  const double step = plan.lattice.sampling_distance();
+  const double last = plan.lattice.depth(plan.sheets.first + kBlockDepth - 1);
+  // Keeps what is farther than a depth from the camera, which is at z = 10.
+  const auto beyond = [](double depth) { return ClipPlane{{0, 0, -1}, depth - 10}; };
+  EXPECT_GT(relevant_in_layer(0, {}), 0);
+  EXPECT_EQ(relevant_in_layer(0, {beyond(last + 0.45 * step)}), relevant_in_layer(0, {}));
+  EXPECT_EQ(relevant_in_layer(0, {beyond(last + 0.55 * step)}), 0);
+  EXPECT_GT(relevant_in_layer(1, {beyond(last + 0.55 * step)}), 0);
 }
 
 TEST(KernelPlan, RefusesMoreBlocksThanItCanKeep) {

@@ -172,14 +172,18 @@ TEST(KernelSets, AgreeFromWithin) {
 // Skipping and stopping change time, not pixels.
 TEST(KernelSets, SkippingChangesNoByte) {
   const KernelField field(jittered_ellipsoids(9).source(), Reconstruction::kNormalized);
+  const std::vector<ClipPlane> planes[] = {{}, {{{-1, 0.6, 0.5}, -0.1}, {{0, 0, 1}, 0.55}}};
   for (const TestLook& look : test_looks(0, 1)) {
     for (const PostConvolution levels : {PostConvolution::kOff, PostConvolution::kAuto}) {
-      Scene scene{field, askew_camera(field, false, 1.5), look.look, direct_options(130, 100)};
-      scene.options.post_convolution = levels;
-      const Image skipped = draw(scene).image;
-      scene.options.skip_irrelevant = false;
-      scene.options.stop_opaque = false;
-      EXPECT_EQ(draw(scene).image.rgba, skipped.rgba) << look.name;
+      for (const std::vector<ClipPlane>& clip_planes : planes) {
+        Scene scene{field, askew_camera(field, false, 1.5), look.look, direct_options(130, 100)};
+        scene.options.post_convolution = levels;
+        scene.options.clip_planes = clip_planes;
+        const Image skipped = draw(scene).image;
+        scene.options.skip_irrelevant = false;
+        scene.options.stop_opaque = false;
+        EXPECT_EQ(draw(scene).image.rgba, skipped.rgba) << look.name;
+      }
     }
   }
 }

@@ -34,3 +34,4 @@
 #include "ovoid/series.h"
 #include "ovoid/slices.h"
 #include "ovoid/transfer_function.h"
+#include "ovoid/value_plane.h"

@@ -18,8 +18,8 @@ test: setup  ## set up, build, and run all tests
 	@scripts/build.sh release
 	@scripts/run_tests.sh release
 
-build: setup  ## set up and build the program: build/release/bin/ovoid
-	@scripts/build.sh release ovoid_program
+build: setup  ## set up and build the program and its window: build/release/bin/ovoid
+	@scripts/build.sh release ovoid_program ovoid_viewer
 
 setup:  ## install the distribution's packages (nothing to do when they are there)
 	@scripts/setup.sh build

@@ -47,6 +47,7 @@ OUTSIDE = [
     ("HDF5", re.compile(r"^hdf5\.h"), ("src/io/",)),
     ("Highway", re.compile(r"^hwy/"), ("src/render/cpu/", "bench/")),
     ("Vulkan", re.compile(r"^(volk\.h|vulkan/)"), ("src/render/vulkan/",)),
+    ("GLFW, Dear ImGui and OpenGL", re.compile(r"^(GLFW/|GL/|imgui|backends/imgui)"), ("apps/viewer/",)),
     ("oneTBB", re.compile(r"^(oneapi/)?tbb/"), ("src/render/cpu/",)),
     ("OpenEXR", re.compile(r"^(OpenEXR/)?(Imf|Imath|Iex)|^Imath/"), ("src/io/", "apps/", "tests/")),
     ("libpng", re.compile(r"^png\.h"), ("src/io/", "tests/")),

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Holds what the program is linked with to a list of licences: check_licences.py PROGRAM LIST.
+"""Holds what the programs are linked with to a list of licences: check_licences.py PROGRAM... LIST.
 
-Each line of LIST is a pattern of package names and an SPDX expression. Every shared library that the program loads must come from
+Each line of LIST is a pattern of package names and an SPDX expression. Every shared library that a program loads must come from
 a listed package whose licence may be linked into an Apache-2.0 program and shipped with it.
 """
 import fnmatch
@@ -13,7 +13,7 @@ import sys
 
 # The copyleft licences that do not reach over dynamic linking (LGPL), or that say so for this very use (the GCC exception).
 ACCEPTED = {"Apache-2.0", "MIT", "BSD-2-Clause", "BSD-3-Clause", "Zlib", "libpng-2.0", "bzip2-1.0.6", "0BSD", "public-domain",
-            "BSL-1.0", "IJG", "curl", "Unicode-DFS-2016", "OLDAP-2.8", "BSD-3-Clause-Attribution", "LGPL-2.1-or-later", "LGPL-3.0-or-later",
+            "BSL-1.0", "IJG", "curl", "ISC", "Unicode-DFS-2016", "OLDAP-2.8", "BSD-3-Clause-Attribution", "LGPL-2.1-or-later", "LGPL-3.0-or-later",
             "GPL-3.0-or-later WITH GCC-exception-3.1"}
 
 
@@ -41,10 +41,11 @@ def package_of(library):
     return None
 
 
-def main(program, list_path):
+def main(*arguments):
+    *programs, list_path = arguments
     licences = read_list(list_path)
     packages, findings = {}, []
-    for library in loaded_libraries(program):
+    for library in sorted({library for program in programs for library in loaded_libraries(program)}):
         package = package_of(library)
         if package is None:
             findings.append(f"{library}: belongs to no package, so its licence is unknown")
@@ -64,6 +65,6 @@ def main(program, list_path):
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 3:
+    if len(sys.argv) < 3:
         sys.exit(__doc__)
     sys.exit(main(*sys.argv[1:]))

@@ -8,12 +8,14 @@ set -euo pipefail
 declare -A groups=(
   # Tests of the vulkan back end run on Mesa's software driver, with the validation layer looking on.
   # make and g++ are what the newcomer brings; named so that a container without them gets them.
+  # The window is tested on a virtual screen (xvfb) with Mesa's software driver (libgl1-mesa-dri).
   [build]="make g++ cmake ninja-build ccache pkg-config git python3
     libeigen3-dev libfmt-dev nlohmann-json3-dev libcli11-dev
     libpng-dev zlib1g-dev libbz2-dev libopenexr-dev
     libvulkan-dev libvulkan-volk-dev glslang-tools
     voro++-dev libhwy-dev libtbb-dev libvtk9-dev libgdcm-dev libhdf5-dev libgtest-dev libgmock-dev
-    libvulkan1 mesa-vulkan-drivers vulkan-validationlayers"
+    libvulkan1 mesa-vulkan-drivers vulkan-validationlayers
+    libglfw3-dev libimgui-dev libgl-dev xvfb xauth libgl1-mesa-dri fonts-dejavu-core"
   [check]="clang-format clang-tidy"
   [fuzz]="clang"
   # The GPU peer draws with Mesa's software driver on a virtual screen.

@@ -304,8 +304,8 @@ class Animator {
       time_ = frame.time;
     }
     const RenderOptions& options = animate_.drawing.options;
-    Frame drawn = trail_ ? renderer_.render(field_, camera, look, *trail_, options, hooks)
-                         : renderer_.render(field_, camera, look, options, hooks);
+    Frame drawn = draw_frame(renderer_, field_, camera, look, trail_ ? &*trail_ : nullptr,
+                             animate_.drawing, options, hooks);
     if (!drawn.profile.notice.empty()) session_.note(drawn.profile.notice);
     return std::move(drawn.image);
   }

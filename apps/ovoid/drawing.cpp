@@ -53,6 +53,7 @@ void add_drawing_flags(Flags& flags, DrawingFlags* drawing) {
   add_model_flags(flags, &drawing->model);
   add_relevant_flag(flags, &drawing->model);
   add_number_flags(flags, &drawing->options);
+  add_plane_flag(flags, &drawing->plane);
   add_run_flags(flags, &drawing->run);
 }
 
@@ -67,6 +68,11 @@ void check_drawing_flags(const Flags& flags, const DrawingFlags& drawing,
   check_crop_flags(flags);
   check_model_flags(flags, drawing.model);
   check_trail_flags(flags, drawing.trail, drawing.look.mode, drawing.options.post_convolution);
+  if (drawing.plane && drawing.look.mode != Mode::kComposite &&
+      drawing.look.mode != Mode::kIsosurface)
+    throw UsageError("--value-plane: is for --mode composite and isosurface");
+  if (drawing.plane && drawing.trail.length)
+    throw UsageError("--value-plane: contradicts --motion-blur; give one of them");
   if (flags.is_given("--color-array") && drawing.look.mode == Mode::kXray)
     throw UsageError("--color-array: has no effect with --mode xray, whose colours are integrals");
   check_annotation_flags(flags, output);
@@ -78,6 +84,7 @@ std::vector<InputFile> files_to_read(const DataFlags& data, const DrawingFlags& 
     if (!value.empty() && !is_json(value)) inputs.push_back({value, what});
   };
   add(drawing.look.file, "the look of --tf");
+  add(drawing.look.color_file, "the colours of --color-tf");
   add(drawing.trail.file, "the look of --trail-tf");
   add(drawing.camera.file, "the camera of --camera");
   return inputs;
@@ -130,6 +137,15 @@ void color_integrals(Image& image, const TransferFunction& tf) {
       image.rgba[i + c] = static_cast<float>(color[c]) * image.rgba[i + 3];
     }
   }
+}
+
+Frame draw_frame(Renderer& renderer, const Field& field, const Camera& camera, const Look& look,
+                 const Trail* trail, const DrawingFlags& drawing, const RenderOptions& options,
+                 const RenderHooks& hooks) {
+  if (trail != nullptr) return renderer.render(field, camera, look, *trail, options, hooks);
+  if (drawing.plane)
+    return render_with_plane(renderer, field, camera, look, *drawing.plane, options, hooks);
+  return renderer.render(field, camera, look, options, hooks);
 }
 
 bool is_empty(const Image& image) {

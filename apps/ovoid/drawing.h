@@ -30,6 +30,7 @@ struct DrawingFlags {
   AnnotationFlags annotation;
   RenderOptions options;
   TrailFlags trail;
+  std::optional<ValuePlane> plane;
   RendererSetup run;
   TimeFilter time_filter = TimeFilter::kTwoSteps;  // as DataFlags has it
 };
@@ -65,6 +66,11 @@ void spread_over_integrals(TransferFunction& tf, const Image& image, const LookF
                            Session& session);
 // Turns integrals into colours, which PNG wants.
 void color_integrals(Image& image, const TransferFunction& tf);
+
+// The frame that the flags ask for: with a trail (null: none), or with their value plane.
+Frame draw_frame(Renderer& renderer, const Field& field, const Camera& camera, const Look& look,
+                 const Trail* trail, const DrawingFlags& drawing, const RenderOptions& options,
+                 const RenderHooks& hooks);
 
 bool is_empty(const Image& image);
 // Why there may be nothing in it.

@@ -20,7 +20,9 @@ bool is_of_command_line(const std::string& name) {
   return name == "output" || name == "profile" || name == "state";
 }
 
-bool may_be_json(const std::string& name) { return name == "tf" || name == "camera"; }
+bool may_be_json(const std::string& name) {
+  return name == "tf" || name == "color-tf" || name == "camera";
+}
 
 [[noreturn]] void refuse(const std::string& message) {
   throw Error(ErrorCode::kInvalidArgument, message);
@@ -112,7 +114,8 @@ const FlagForm* find_render_flag(const std::string& name) {
 }
 
 bool names_file(const std::string& flag, const std::string& value) {
-  return (flag == "tf" || flag == "camera" || flag == "trail-tf") && !is_json(value);
+  return (flag == "tf" || flag == "color-tf" || flag == "camera" || flag == "trail-tf") &&
+         !is_json(value);
 }
 
 FlagSet FlagSet::of(const std::vector<GivenFlag>& given) {

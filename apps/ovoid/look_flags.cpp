@@ -131,6 +131,9 @@ void add_look_source_flags(Flags& flags, LookFlags* look) {
               [look](const std::string& text) { look->file = text; });
   flags.value("--tf-name", "NAME", "which look of a file with several (default: the first)",
               [look](const std::string& text) { look->file_name = text; });
+  flags.value("--color-tf", "FILE|JSON",
+              "colours of --color-array alone, as --tf; other flags about colour leave them be",
+              [look](const std::string& text) { look->color_file = text; });
   flags.value(
       "--preset", "NAME",
       fmt::format("a look made for one kind of data: {}", fmt::join(look_preset_names(), ", ")),
@@ -430,7 +433,12 @@ LookFlags without_colors(LookFlags flags) {
 // the scales with them, is about that array's values, all the rest about the other's.
 Look look_of_two(const LookFlags& flags, const Field& field, const std::string& unit,
                  Session& session) {
-  Look look = look_of_one(without_colors(flags), field, unit, session);
+  const bool has_file = !flags.color_file.empty();
+  Look look = look_of_one(has_file ? flags : without_colors(flags), field, unit, session);
+  if (has_file) {
+    look.color_function = look_of_flag("--color-tf", flags.color_file, {}).transfer_function;
+    return look;
+  }
   TransferFunction colors = ramp_look(field.color_range()).transfer_function;
   if (!flags.preset.empty())
     colors = look_preset(flags.preset, field.color_range()).transfer_function;
@@ -505,6 +513,7 @@ void check_look_flags(const Flags& flags, const LookFlags& look) {
   if (!is_surface && flags.is_given("--iso")) throw UsageError("--iso: needs --mode isosurface");
   check_spread_flags(flags, look);
   check_look_of_flag("--tf", look.file, look.file_name);
+  check_look_of_flag("--color-tf", look.color_file, {});
   contradict(flags, "--no-shade", "--shade");
   const std::string mode = fmt::format("--mode {}", name_of_mode(look.mode));
   const char* const light =
@@ -529,7 +538,12 @@ void check_look_flags(const Flags& flags, const LookFlags& look) {
 Look make_look(const LookFlags& flags, const Field& field, const std::string& unit,
                Session& session) {
   const KernelField* const set = field.kernels();
-  if (set != nullptr && set->has_own_color()) return look_of_two(flags, field, unit, session);
+  const bool has_own_color = set != nullptr && set->has_own_color();
+  if (!has_own_color && !flags.color_file.empty()) {
+    throw Error(ErrorCode::kInvalidArgument,
+                "--color-tf: no array of its own gives colour (--color-array)");
+  }
+  if (has_own_color) return look_of_two(flags, field, unit, session);
   return look_of_one(flags, field, unit, session);
 }
 

@@ -16,8 +16,9 @@ namespace ovoid::cli {
 // Appearance: colours and opacities, mode, light. What is not given is the file's or the preset's,
 // or else the default look's.
 struct LookFlags {
-  std::string file;       // a name, or JSON itself
-  std::string file_name;  // which look of the file; empty: the first
+  std::string file;        // a name, or JSON itself
+  std::string file_name;   // which look of the file; empty: the first
+  std::string color_file;  // the colours of --color-array; empty: the other flags say them
   std::string preset;
   std::string color_map;           // by name; empty: none
   std::vector<ColorPoint> colors;  // or as a list

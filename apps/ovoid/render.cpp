@@ -96,11 +96,11 @@ struct Scene {
   const Camera& camera;
   const Look& look;
   const Trail* trail;  // null: none
+  const DrawingFlags& drawing;
 
   Frame draw(Renderer& renderer, const Camera& from, const RenderOptions& options,
              const RenderHooks& hooks) const {
-    return trail == nullptr ? renderer.render(field, from, look, options, hooks)
-                            : renderer.render(field, from, look, *trail, options, hooks);
+    return draw_frame(renderer, field, from, look, trail, drawing, options, hooks);
   }
 };
 
@@ -224,7 +224,7 @@ void run_render(const Words& words, Session& session) {
     return;
   }
   const std::optional<Trail> trail = trail_of(render, subject, step, look, session);
-  const Scene scene{field, camera, look, trail ? &*trail : nullptr};
+  const Scene scene{field, camera, look, trail ? &*trail : nullptr, drawing};
   Image image = draw(render, scene, &profile, session);
   // A picture without anything in it is seldom what was meant.
   if (is_empty(image))

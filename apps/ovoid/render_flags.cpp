@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstring>
 
+#include "session.h"
 #include "usage.h"
 #include "values.h"
 
@@ -104,6 +106,20 @@ void add_number_flags(Flags& flags, RenderOptions* options) {
       });
 }
 
+void add_plane_flag(Flags& flags, std::optional<ValuePlane>* plane) {
+  flags.value("--value-plane", "NX,NY,NZ,D[,shown]",
+              "an opaque plane n.x = D, world, with the field's own colours; what is before it is "
+              "cut away, or shown",
+              [plane](const std::string& text) {
+                constexpr const char* kShown = ",shown";
+                const bool is_shown = has_ending(text, kShown);
+                const auto numbers = text.size() - (is_shown ? std::strlen(kShown) : 0);
+                const ClipPlane parsed = parse_clip(text.substr(0, numbers));
+                *plane = ValuePlane{parsed.normal, parsed.offset,
+                                    is_shown ? PlaneFront::kShown : PlaneFront::kRemoved};
+              });
+}
+
 void add_run_flags(Flags& flags, RendererSetup* run) {
   flags.section("running");
   flags.value("--backend", joined(kBackends),
@@ -160,6 +176,14 @@ void tell_numbers(const RenderOptions& options, FlagSet* flags) {
   tell_toggle(flags, "no-skip", !options.skip_irrelevant);
   tell_toggle(flags, "no-stop", !options.stop_opaque);
   tell_toggle(flags, "no-pack", !options.pack_sheets);
+}
+
+void tell_plane(const std::optional<ValuePlane>& plane, FlagSet* flags) {
+  flags->erase("value-plane");
+  if (!plane) return;
+  const Vec3& n = plane->normal;
+  flags->set("value-plane", fmt::format("{},{},{},{}{}", n.x(), n.y(), n.z(), plane->offset,
+                                        plane->front == PlaneFront::kShown ? ",shown" : ""));
 }
 
 void tell_run(const RendererSetup& run, FlagSet* flags) {

@@ -127,6 +127,8 @@ constexpr Contradiction kContradictions[] = {
     {{"motion-blur"}, {"hyperslice"}},
     {{"motion-blur"}, {"mode", is_unlit}},
     {{"motion-blur"}, {"post-convolution", is_published_way}},
+    {{"value-plane"}, {"motion-blur"}},
+    {{"value-plane"}, {"mode", is_unlit}},
     {{"slice-method", is_extracted}, {"slice-lattice"}},
     {{"slice-method", is_extracted}, {"slice-spacing"}},
     {{"no-shade"}, {"shade"}},

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+// What lies around and over the picture.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+
+#include "app.h"
+
+namespace ovoid::viewer {
+namespace {
+
+constexpr ImU32 kInk = IM_COL32(235, 238, 242, 255);
+constexpr ImU32 kFaint = IM_COL32(170, 178, 190, 255);
+constexpr ImU32 kError = IM_COL32(255, 120, 100, 255);
+constexpr ImU32 kShade = IM_COL32(10, 11, 13, 190);
+constexpr ImU32 kBar = IM_COL32(90, 160, 255, 255);
+
+struct KeyHelp {
+  const char* keys;
+  const char* meaning;
+};
+constexpr std::array kHelp = {KeyHelp{"drag", "turn"},
+                              KeyHelp{"shift + drag, middle drag", "move"},
+                              KeyHelp{"wheel, two fingers", "zoom to the mouse"},
+                              KeyHelp{"right drag", "zoom"},
+                              KeyHelp{"ctrl + drag", "roll"},
+                              KeyHelp{"double click", "turn about this place"},
+                              KeyHelp{"shift + arrows, [ ]", "turn and roll in steps"},
+                              KeyHelp{"1 ... 6", "from +x, -x, +y, -y, +z, -z"},
+                              KeyHelp{"r", "the first view again"},
+                              KeyHelp{"p", "parallel or perspective"},
+                              KeyHelp{"space, left, right", "play, step through time"},
+                              KeyHelp{"s", "save the picture"},
+                              KeyHelp{"ctrl + c", "copy as command"},
+                              KeyHelp{"ctrl + s", "save the state"},
+                              KeyHelp{"ctrl + z, ctrl + y", "undo, redo"},
+                              KeyHelp{"tab", "panel"},
+                              KeyHelp{"f", "full screen"},
+                              KeyHelp{"?", "this help"},
+                              KeyHelp{"ctrl + q", "close"}};
+
+double now_s() { return std::chrono::duration<double>(Clock::now().time_since_epoch()).count(); }
+
+void label(ImDrawList& list, ImVec2 at, ImU32 color, const std::string& text, float wrap = 0) {
+  const ImVec2 size = ImGui::CalcTextSize(text.c_str(), nullptr, false, wrap);
+  list.AddRectFilled({at.x - 4, at.y - 2}, {at.x + size.x + 4, at.y + size.y + 2}, kShade, 3);
+  list.AddText(nullptr, 0, at, color, text.c_str(), nullptr, wrap);
+}
+
+}  // namespace
+
+void App::draw_panel(Panel& panel, ImVec2 at, ImVec2 size) {
+  struct Tab {
+    const char* name;
+    void (*draw)(Panel&);
+    bool needs_data;
+  };
+  static constexpr std::array<Tab, 6> kTabs = {{{"data", data_panel, false},
+                                                {"look", look_panel, true},
+                                                {"space", space_panel, true},
+                                                {"time", time_panel, true},
+                                                {"compare", compare_panel, true},
+                                                {"profile", profile_panel, true}}};
+  ImGui::SetNextWindowPos(at);
+  ImGui::SetNextWindowSize(size);
+  ImGui::Begin("panel", nullptr,
+               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
+                   ImGuiWindowFlags_NoSavedSettings);
+  if (ImGui::BeginTabBar("tabs")) {
+    for (const Tab& tab : kTabs) {
+      // The first that is seen is the one that is used most.
+      const bool is_first = !has_chosen_tab_ && document_.is_open() && tab.draw == look_panel;
+      if (is_first) has_chosen_tab_ = true;
+      const bool is_open = ImGui::BeginTabItem(
+          tab.name, nullptr, is_first ? ImGuiTabItemFlags_SetSelected : ImGuiTabItemFlags_None);
+      widgets_.mark(fmt::format("tab.{}", tab.name));
+      if (!is_open) continue;
+      if (!tab.needs_data || document_.is_open()) {
+        tab.draw(panel);
+      } else {
+        ImGui::TextDisabled("Nothing is open.");
+      }
+      ImGui::EndTabItem();
+    }
+    ImGui::EndTabBar();
+  }
+  ImGui::End();
+}
+
+void App::draw_transport(Panel& panel, ImVec2 at, ImVec2 size) {
+  const float scale = gui_.scale();
+  const float width = std::min(420 * scale, size.x * 0.6F);
+  ImGui::SetNextWindowPos({at.x + (size.x - width) / 2, at.y + size.y - 44 * scale});
+  ImGui::SetNextWindowSize({width, 36 * scale});
+  ImGui::SetNextWindowBgAlpha(0.6F);
+  ImGui::Begin("transport", nullptr,
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
+                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing |
+                   ImGuiWindowFlags_NoNav);
+  TimeState& time = document_.time;
+  const std::vector<double>& times = document_.info->times;
+  if (widgets_.button("transport.play", time.is_playing ? "||" : ">"))
+    time.is_playing = !time.is_playing;
+  ImGui::SameLine();
+  const std::string format = "%.6g " + document_.info->time_unit;
+  if (widgets_.slider("transport.time", "", &time.now, times.front(), times.back(), format.c_str()))
+    panel.wishes.goes_to_time = true;
+  ImGui::End();
+}
+
+void App::draw_status(ImVec2 at, ImVec2 size) {
+  ImDrawList& list = *ImGui::GetForegroundDrawList();
+  const float line = ImGui::GetTextLineHeightWithSpacing();
+  const float left = at.x + 8;
+  float y = at.y + 6;
+  if (document_.is_open() && picture_view_.shown() != nullptr) {
+    const Pictures& shown = *picture_view_.shown();
+    label(list, {left, y}, kFaint, describe(shown.level, shown.is_final));
+    y += line + 4;
+  }
+  if (const auto& picked = picture_view_.picked()) {
+    const Vec3& place = picked->position;
+    std::string text = fmt::format("{:.5g}, {:.5g}, {:.5g}", place.x(), place.y(), place.z());
+    if (!document_.shown->subject.described.length_unit.empty())
+      text += " " + document_.shown->subject.described.length_unit;
+    if (picked->is_defined)
+      text += fmt::format(": {:.5g} {}", picked->value, document_.shown->subject.unit);
+    label(list, {left, y}, kInk, text);
+    y += line + 4;
+  }
+  if (progress_) {
+    const std::string text = progress_->what;
+    label(list, {left, y}, kInk, text);
+    y += line + 4;
+    const float width = std::min(260 * gui_.scale(), size.x - 20);
+    list.AddRectFilled({left, y}, {left + width, y + 6}, kShade, 3);
+    const auto done = static_cast<float>(std::clamp(progress_->fraction, 0.0, 1.0));
+    list.AddRectFilled({left, y}, {left + width * done, y + 6}, kBar, 3);
+    y += 14;
+  }
+  const double now = now_s();
+  while (!messages_.empty() && messages_.front().until < now) messages_.pop_front();
+  for (const Message& message : messages_) {
+    const float wrap = std::max(size.x - 24, 60.0F);
+    label(list, {left, y}, message.is_error ? kError : kInk, message.text, wrap);
+    y += ImGui::CalcTextSize(message.text.c_str(), nullptr, false, wrap).y + 8;
+  }
+  if (document_.is_open() || progress_) return;
+  const std::string hint =
+      load_error_.empty() ? "Drop a file here, or name one in the panel."
+                          : load_error_ + "\n\nDrop another file here, or name one in the panel.";
+  const float wrap = std::max(size.x * 0.8F, 60.0F);
+  const ImVec2 extent = ImGui::CalcTextSize(hint.c_str(), nullptr, false, wrap);
+  label(list, {at.x + (size.x - extent.x) / 2, at.y + (size.y - extent.y) / 2},
+        load_error_.empty() ? kInk : kError, hint, wrap);
+}
+
+void App::draw_help() {
+  const ImVec2 all = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos({picture_extent_.x / 2, all.y / 2}, ImGuiCond_Always, {0.5F, 0.5F});
+  ImGui::SetNextWindowBgAlpha(0.93F);
+  ImGui::Begin("help", &shows_help_,
+               ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse |
+                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoMove);
+  if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit)) {
+    for (const KeyHelp& help : kHelp) {
+      ImGui::TableNextRow();
+      ImGui::TableNextColumn();
+      ImGui::TextDisabled("%s   ", help.keys);
+      ImGui::TableNextColumn();
+      ImGui::TextUnformatted(help.meaning);
+    }
+    ImGui::EndTable();
+  }
+  ImGui::End();
+}
+
+}  // namespace ovoid::viewer

@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is opened, read and written, and what the loader tells of it.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+#include <system_error>
+#include <utility>
+
+#include "app.h"
+#include "command.h"
+#include "ovoid/error.h"
+#include "ovoid/io.h"
+#include "state_file.h"
+#include "usage.h"
+
+namespace ovoid::viewer {
+namespace {
+
+constexpr double kWatchEvery = 0.5;    // seconds
+constexpr double kWatchSettles = 0.3;  // seconds for which a file must have stayed as it is
+
+double now_s() { return std::chrono::duration<double>(Clock::now().time_since_epoch()).count(); }
+
+std::filesystem::file_time_type time_of(const std::string& path) {
+  std::error_code error;
+  const auto time = std::filesystem::last_write_time(path, error);
+  return error ? std::filesystem::file_time_type() : time;
+}
+
+// The start of a file, to tell what it is.
+std::string head_of(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string head(4096, '\0');
+  file.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(file.gcount()));
+  return head;
+}
+
+bool is_look(const std::string& path) {
+  return cli::has_ending(path, ".json") || cli::has_ending(path, ".vp") ||
+         cli::has_ending(path, ".itf") || cli::has_ending(path, ".xml");
+}
+
+std::string free_name(const std::string& stem, const std::string& ending) {
+  for (int i = 1;; ++i) {
+    const std::string name = fmt::format("{}-{:04}{}", stem, i, ending);
+    std::error_code error;
+    if (!std::filesystem::exists(name, error)) return name;
+  }
+}
+
+}  // namespace
+
+void App::take_load_reports() {
+  for (LoadReport& report : loader_->take_reports()) {
+    frames_due_ = std::max(frames_due_, 2);
+    if (auto* progress = std::get_if<LoadProgress>(&report)) progress_ = *progress;
+    if (auto* noted = std::get_if<Noted>(&report)) tell(noted->text);
+    if (auto* opened = std::get_if<Opened>(&report)) {
+      const bool is_other = !opened->is_reload;
+      document_.take(*opened);
+      if (is_other) {
+        picture_view_.forget();
+        panel_state_ = {};
+      }
+      load_error_.clear();
+      window_.set_title(opened->info->title + " - Ovoid");
+      watched_.clear();
+      for (const std::string& input : opened->launch->data.inputs) {
+        for (const std::string& file : files_read_for(input))
+          watched_.emplace_back(file, time_of(file));
+      }
+    }
+    if (auto* ready = std::get_if<ShownReady>(&report)) {
+      document_.take(*ready, aspect());
+      time_version_ = document_.version();
+      progress_.reset();
+    }
+    if (auto* extras = std::get_if<std::shared_ptr<const Extras>>(&report)) {
+      if ((*extras)->of == document_.shown) document_.extras = std::move(*extras);
+    }
+    if (auto* failed = std::get_if<LoadFailed>(&report)) {
+      progress_.reset();
+      waits_for_time_ = false;
+      document_.time.is_playing = false;
+      if (failed->was_opening) load_error_ = failed->message;
+      tell(failed->message, true);
+    }
+  }
+}
+
+void App::open(const std::vector<std::string>& words) {
+  try {
+    std::shared_ptr<Launch> launch = parse_launch(words);
+    if (!launch || launch->data.inputs.empty()) return;
+    launch->watches = launch_->watches;
+    launch->drawing.run = document_.is_open() ? document_.setup : launch_->drawing.run;
+    loader_->open(std::move(launch));
+  } catch (const std::exception& error) {
+    tell(cli::one_line(error.what()), true);
+  }
+}
+
+void App::take_drop(const std::vector<std::string>& paths) {
+  if (paths.empty()) return;
+  if (paths.size() == 1 && cli::has_ending(paths.front(), ".json")) {
+    if (head_of(paths.front()).find("\"ovoid_state\"") != std::string::npos)
+      return read_state_file(paths.front());
+  }
+  if (paths.size() == 1 && is_look(paths.front())) return read_look_file(paths.front());
+  open(paths);
+}
+
+void App::read_look_file(const std::string& path) {
+  if (!document_.is_open()) return tell("a look needs data first", true);
+  try {
+    const Look read = read_look(path);
+    Look& look = document_.view.look;
+    look.transfer_function = read.transfer_function;
+    look.shade = read.shade;
+    look.material = read.material;
+    look.unit_distance = read.unit_distance;
+    panel_state_.opacity = panel_state_.gradient = panel_state_.colors = {};
+    document_.touch();
+    tell("look of " + path);
+  } catch (const std::exception& error) {
+    tell(cli::one_line(error.what()), true);
+  }
+}
+
+void App::read_state_file(const std::string& path) { open({"--state", path}); }
+
+void App::save_state(const std::string& path) {
+  if (!document_.is_open()) return;
+  cli::State state;
+  state.inputs = document_.launch->data.inputs;
+  state.flags = flags_of(document_, picture_size());
+  state.window = window_state(document_);
+  cli::write_state(state, path);
+}
+
+std::string App::command_line() const { return command_of(document_, picture_size()); }
+
+void App::grant(Wishes wishes) {
+  try {
+    if (!wishes.open.empty()) take_drop({wishes.open});
+    if (!wishes.read_look.empty()) read_look_file(wishes.read_look);
+    if (!wishes.write_look.empty()) {
+      write_look(document_.view.look, wishes.write_look);
+      tell("look written to " + wishes.write_look);
+    }
+    if (!wishes.read_state.empty()) read_state_file(wishes.read_state);
+    if (!wishes.write_state.empty() && document_.is_open()) {
+      save_state(wishes.write_state);
+      tell("state written to " + wishes.write_state);
+    }
+    if (wishes.copies_command && document_.is_open()) {
+      window_.set_clipboard(command_line());
+      tell("the command is in the clipboard");
+    }
+    if (wishes.saves_picture && document_.is_open()) {
+      const std::string stem =
+          std::filesystem::path(document_.launch->data.inputs.front()).stem().stem().string();
+      picture_wish_ = free_name(stem.empty() ? "picture" : stem, ".png");
+      if (picture_view_.full(document_.version()) != nullptr)
+        save_the_picture(*std::exchange(picture_wish_, std::nullopt));
+    }
+    if (wishes.array) {
+      progress_ = LoadProgress{"choosing kernels for " + wishes.array->array, 0};
+      loader_->choose(*wishes.array);
+    }
+  } catch (const std::exception& error) {
+    tell(cli::one_line(error.what()), true);
+  }
+  if (wishes.goes_to_time) {
+    played_time_ = document_.time.now;
+    go_to_time();
+  }
+}
+
+// As `ovoid render` would write it.
+void App::save_the_picture(const std::string& path) {
+  const Picture* const picture = picture_view_.full(document_.version());
+  if (picture == nullptr) return;
+  try {
+    const Scene& scene = *picture->scene;
+    Image image = picture->image;
+    Look look = scene.look;
+    const bool is_png = cli::has_ending(path, ".png");
+    if (look.mode == Mode::kXray && is_png) {
+      look.transfer_function.map_range(picture->xray_range.first, picture->xray_range.second);
+      cli::color_integrals(image, look.transfer_function);
+    }
+    cli::DrawingFlags drawing;
+    drawing.background = document_.view.background;
+    if (is_png) drawing.annotation = document_.view.marks;
+    cli::Described described = scene.shown->subject.described;
+    RenderOptions ignored;
+    described.box = cli::apply_crop(crop_of(document_), scene.shown->field(), &ignored);
+    cli::write_picture(image, drawing, described, scene.camera, look, path);
+    tell("picture written to " + path);
+  } catch (const std::exception& error) {
+    tell(cli::one_line(error.what()), true);
+  }
+}
+
+void App::watch() {
+  if (!launch_->watches || !document_.is_open()) return;
+  const double now = now_s();
+  if (now - watched_at_ < kWatchEvery) return;
+  watched_at_ = now;
+  bool is_changed = false;
+  for (const auto& [path, time] : watched_) is_changed |= time_of(path) != time;
+  if (!is_changed || loader_->is_busy()) return;
+  // Whoever writes it may not be done.
+  const auto settled = std::filesystem::file_time_type::clock::now() -
+                       std::chrono::duration_cast<std::filesystem::file_time_type::duration>(
+                           std::chrono::duration<double>(kWatchSettles));
+  for (const auto& [path, time] : watched_) {
+    const auto written = time_of(path);
+    if (written == std::filesystem::file_time_type() || written > settled) return;
+  }
+  for (auto& [path, time] : watched_) time = time_of(path);  // tried once, should it fail
+  tell("the file has changed: read again");
+  loader_->open(document_.launch, true);
+}
+
+}  // namespace ovoid::viewer

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: Apache-2.0
+// What scripts see of the program.
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <cmath>
+#include <fstream>
+#include <sstream>
+#include <utility>
+
+#include "app.h"
+#include "command.h"
+#include "ovoid/error.h"
+#include "ovoid/io.h"
+
+#ifdef __linux__
+#include <unistd.h>
+#endif
+
+namespace ovoid::viewer {
+namespace {
+
+double resident_mib() {
+#ifdef __linux__
+  std::ifstream file("/proc/self/statm");
+  double all = 0;
+  double resident = 0;
+  file >> all >> resident;
+  return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1048576;
+#else
+  return 0;
+#endif
+}
+
+std::string plain(const nlohmann::ordered_json& value) {
+  return value.is_string() ? value.get<std::string>() : value.dump();
+}
+
+nlohmann::ordered_json to_json(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
+nlohmann::ordered_json to_json(const std::vector<OpacityPoint>& points) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const OpacityPoint& point : points)
+    list.push_back({{"x", point.x}, {"opacity", point.opacity}});
+  return list;
+}
+
+nlohmann::ordered_json to_json(const View& view) {
+  const TransferFunction& tf = view.look.transfer_function;
+  nlohmann::ordered_json json = {{"points", tf.opacities.size()},
+                                 {"opacities", to_json(tf.opacities)},
+                                 {"colors", tf.colors.size()},
+                                 {"gradient_points", tf.gradient_opacities.size()},
+                                 {"range", {tf.lo(), tf.hi()}},
+                                 {"mode", cli::name_of_mode(view.look.mode)},
+                                 {"isovalue", view.look.isovalue},
+                                 {"shade", view.look.shade},
+                                 {"unit_distance", view.look.unit_distance},
+                                 {"clips", view.clip_planes.size()},
+                                 {"has_crop", view.crop.has_value()},
+                                 {"has_plane", view.plane.has_value()}};
+  if (view.plane) json["plane"] = {{"offset", view.plane->offset}};
+  if (view.crop)
+    json["crop"] = {{"min", to_json(view.crop->min())}, {"max", to_json(view.crop->max())}};
+  for (const ClipPlane& plane : view.clip_planes)
+    json["clip"].push_back({{"normal", to_json(plane.normal)}, {"offset", plane.offset}});
+  return json;
+}
+
+}  // namespace
+
+std::optional<Box2> App::find(const std::string& name) const { return widgets_.find(name); }
+
+bool App::scroll_to(const std::string& name) {
+  frames_due_ = std::max(frames_due_, 2);
+  return widgets_.scroll_to(name);
+}
+
+bool App::has_come_to(const std::string& state) const {
+  const bool has_failed = !load_error_.empty() && !loader_->is_busy();
+  const bool is_loaded = document_.is_open() || has_failed;
+  if (state == "loaded") return is_loaded;
+  if (has_failed && !document_.is_open()) return true;
+  if (!document_.is_open() || is_moving_) return false;
+  const bool is_full =
+      picture_view_.full(document_.version()) != nullptr || failed_version_ == document_.version();
+  if (state == "full") return is_full;
+  return is_full && !loader_->is_busy() && worker_->is_idle();
+}
+
+nlohmann::ordered_json App::facts() const {
+  nlohmann::ordered_json json = {{"is_open", document_.is_open()},
+                                 {"error", load_error_},
+                                 {"message", last_message_},
+                                 {"memory_mib", resident_mib()},
+                                 {"has_panel", has_panel_},
+                                 {"clipboard", window_.clipboard()},
+                                 {"help", shows_help_}};
+  json["interface_scale"] = gui_.scale();
+  if (!document_.is_open()) return json;
+  const Size size = picture_size();
+  json["picture"] = {{"width", size.width}, {"height", size.height}};
+  json["version"] = document_.version();
+  json["level"] = {{"pixels", status_.level.pixels}, {"field", status_.level.field}};
+  json["is_final"] = status_.is_final;
+  json["array"] = document_.shown->array;
+  json["color_array"] = document_.shown->color_array;
+  json["component"] = document_.shown->component;
+  json["kernels"] = document_.shown->field().num_kernels();
+  json["view"] = to_json(document_.view);
+  const Camera& camera = document_.camera;
+  json["camera"] = {{"position", to_json(camera.position)},
+                    {"focal_point", to_json(camera.focal_point)},
+                    {"view_up", to_json(camera.view_up)},
+                    {"parallel", camera.parallel_projection},
+                    {"distance", (camera.position - camera.focal_point).norm()},
+                    {"parallel_scale", camera.parallel_scale}};
+  json["time"] = {{"now", document_.shown->time},
+                  {"is_playing", document_.time.is_playing},
+                  {"steps", document_.info->times.size()}};
+  json["can_undo"] = document_.can_undo();
+  json["can_redo"] = document_.can_redo();
+  json["compare"] = {{"mode", static_cast<int>(document_.compare)},
+                     {"psnr", std::isfinite(status_.psnr) ? status_.psnr : 1e9}};
+  json["backend"] = status_.profile.backend;
+  json["has_extras"] = document_.extras != nullptr;
+  if (const auto& picked = picture_view_.picked()) {
+    json["picked"] = {{"position", to_json(picked->position)},
+                      {"value", picked->value},
+                      {"is_defined", picked->is_defined}};
+  }
+  return json;
+}
+
+// "camera.position.0": members and elements by dots.
+std::string App::value_of(const std::string& key) const {
+  nlohmann::ordered_json at = facts();
+  if (key == "all") return at.dump();
+  std::stringstream parts(key);
+  for (std::string part; std::getline(parts, part, '.');) {
+    nlohmann::ordered_json next;
+    if (at.is_object() && at.contains(part)) {
+      next = at[part];
+    } else if (at.is_array() && !part.empty() &&
+               part.find_first_not_of("0123456789") == std::string::npos && part.size() < 6 &&
+               std::stoul(part) < at.size()) {
+      next = at[std::stoul(part)];
+    } else {
+      throw Error(ErrorCode::kInvalidArgument,
+                  fmt::format("'{}': nothing is known by that name", key));
+    }
+    at = std::move(next);
+  }
+  return plain(at);
+}
+
+void App::save_screenshot(const std::string& path) {
+  screenshot_wish_ = path;
+  frames_due_ = std::max(frames_due_, 1);
+}
+
+void App::write_screenshot() {
+  Size size;
+  const std::vector<std::uint8_t> rgb = gui_.pixels(&size);
+  Image image;
+  image.width = size.width;
+  image.height = size.height;
+  const std::size_t pixels = rgb.size() / 3;
+  image.rgba.resize(pixels * 4);
+  image.depth.assign(pixels, 0.0F);
+  for (std::size_t i = 0; i < pixels; ++i) {
+    for (std::size_t c = 0; c < 3; ++c)
+      image.rgba[i * 4 + c] = static_cast<float>(rgb[i * 3 + c]) / 255.0F;
+    image.rgba[i * 4 + 3] = 1;
+  }
+  try {
+    write_image(image, std::exchange(screenshot_wish_, {}));
+  } catch (const Error& error) {
+    tell(cli::one_line(error.what()), true);
+  }
+}
+
+void App::save_picture(const std::string& path) {
+  if (picture_view_.full(document_.version()) == nullptr)
+    throw Error(ErrorCode::kInvalidArgument, "picture: the full one is not there yet (wait full)");
+  save_the_picture(path);
+}
+
+void App::resize(int width, int height) {
+  window_.resize({std::max(width, 1), std::max(height, 1)});
+  frames_due_ = std::max(frames_due_, 3);
+}
+
+void App::begin_measure(const std::string& name) { meter_.begin(name); }
+
+}  // namespace ovoid::viewer

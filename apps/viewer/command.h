@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// From the window to a script: the flags of `ovoid render` that draw what is shown.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "document.h"
+#include "flag_set.h"
+
+namespace ovoid::viewer {
+
+// The flags that draw the document's picture in that size, byte for byte on the same back end:
+// those that it was opened with, but for what has been changed since.
+cli::FlagSet flags_of(const Document& document, Size size);
+
+// A line for a shell, with the flags and -o picture.png.
+std::string command_of(const Document& document, Size size);
+
+// What a state keeps beside them: how time runs.
+nlohmann::ordered_json window_state(const Document& document);
+// Takes what is there and makes sense, and leaves the rest as it is.
+void take_window_state(const nlohmann::ordered_json& window, Document& document);
+
+// The crop as flags have it: the view's, or else the one that the data were opened with.
+cli::CropFlags crop_of(const Document& document);
+
+}  // namespace ovoid::viewer

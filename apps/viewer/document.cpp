@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "document.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "ovoid/crop.h"
+#include "ovoid/error.h"
+
+namespace ovoid::viewer {
+namespace {
+
+constexpr std::size_t kMostSteps = 200;  // of undo
+
+}  // namespace
+
+void Document::take(const Opened& opened) {
+  info = opened.info;
+  awaits_first_ = true;
+  is_reload_ = opened.is_reload && is_open();
+  launch = opened.launch;
+  extras.reset();
+  time.is_playing = false;
+}
+
+void Document::take(const ShownReady& ready, double aspect) {
+  const bool is_first = std::exchange(awaits_first_, false);
+  shown = ready.shown;
+  if (extras && extras->of != shown) extras.reset();
+  time.now = shown->time;
+  if (ready.kernel || ready.look) label_kernel = ready.kernel;
+  if (is_first && !is_reload_) {
+    const cli::DrawingFlags& flags = launch->drawing;
+    view = {};
+    view.look = *ready.look;
+    view.options = flags.options;
+    view.options.clip_planes.clear();
+    view.clip_planes = flags.options.clip_planes;
+    view.marks = flags.annotation;
+    if (flags.background) view.background = *flags.background;
+    if (flags.crop.world) view.crop = flags.crop.world;
+    setup = flags.run;
+    time.blur_length = flags.trail.length.value_or(0);
+    time.blur_decay = flags.trail.decay;
+    other.reset();
+    compare = CompareMode::kOff;
+    camera = cli::make_camera(flags.camera, bounds(), shown->subject.described.space, aspect);
+    past_.clear();
+    future_.clear();
+    settled_ = view;
+  } else if (ready.look && !is_first) {  // another array
+    const Mode mode = view.look.mode;
+    view.look = *ready.look;
+    if (mode != Mode::kIsosurface) view.look.mode = mode;
+    remember();
+  }
+  if (ready.look) view.options.gradient = ready.gradient;
+  touch();
+}
+
+Bounds3 Document::bounds() const {
+  const Bounds3 all = data_bounds();
+  if (!view.crop) return all;
+  const Bounds3 left(all.min().cwiseMax(view.crop->min()), all.max().cwiseMin(view.crop->max()));
+  return left.isEmpty() ? all : left;
+}
+
+void Document::reset_camera(double aspect) {
+  const bool is_parallel = camera.parallel_projection;
+  camera = default_camera(bounds(), shown->subject.described.space, {}, aspect);
+  camera.parallel_projection = is_parallel;
+}
+
+const ArrayInfo* Document::array_info(const std::string& name) const {
+  if (!info) return nullptr;
+  const auto found = std::find_if(info->arrays.begin(), info->arrays.end(),
+                                  [&](const ArrayInfo& array) { return array.name == name; });
+  return found == info->arrays.end() ? nullptr : &*found;
+}
+
+RenderOptions Document::options_of(const View& of, Size size) const {
+  RenderOptions options = of.options;
+  options.width = size.width;
+  options.height = size.height;
+  options.clip_planes = of.clip_planes;
+  cli::CropFlags crop = launch->drawing.crop;
+  crop.world = of.crop;
+  if (crop.world && (crop.world->min().array() >= data_bounds().max().array()).any())
+    crop.world.reset();
+  try {
+    cli::apply_crop(crop, shown->field(), &options);
+  } catch (const Error&) {
+    options.clip_planes = of.clip_planes;  // nothing would be left, so nothing is cut
+  }
+  return options;
+}
+
+std::shared_ptr<const Scene> Document::scene(const View& of, const RendererSetup& on,
+                                             Size size) const {
+  auto made = std::make_shared<Scene>();
+  made->shown = shown;
+  made->extras = extras;
+  made->camera = camera;
+  made->look = of.look;
+  made->options = options_of(of, size);
+  made->setup = on;
+  const bool is_layered = of.look.mode == Mode::kComposite || of.look.mode == Mode::kIsosurface;
+  made->has_trail = shown->trail != nullptr && time.blur_length > 0 && is_layered;
+  if (is_layered && !made->has_trail) made->plane = of.plane;
+  made->background = of.background;
+  made->xray_range = launch->drawing.look.range;
+  return made;
+}
+
+std::vector<std::shared_ptr<const Scene>> Document::scenes(Size size) const {
+  if (compare == CompareMode::kOff || !other) return {scene(view, setup, size)};
+  const bool is_split = compare == CompareMode::kSideBySide;
+  const Size half{is_split ? std::max(1, size.width / 2) : size.width, size.height};
+  return {scene(other->view, other->setup, half), scene(view, setup, half)};
+}
+
+void Document::remember() {
+  past_.push_back(std::exchange(settled_, view));
+  if (past_.size() > kMostSteps) past_.erase(past_.begin());
+  future_.clear();
+}
+
+void Document::undo() {
+  if (past_.empty()) return;
+  future_.push_back(std::move(settled_));
+  settled_ = view = std::move(past_.back());
+  past_.pop_back();
+  touch();
+}
+
+void Document::redo() {
+  if (future_.empty()) return;
+  past_.push_back(std::move(settled_));
+  settled_ = view = std::move(future_.back());
+  future_.pop_back();
+  touch();
+}
+
+}  // namespace ovoid::viewer

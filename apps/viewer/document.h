@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is open and how it is shown: all that the panels edit, that pictures are drawn from, and
+// that a state file keeps. Knows no window.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "loader.h"
+#include "size.h"
+#include "worker.h"
+
+namespace ovoid::viewer {
+
+// How the picture looks, but for the camera: what undo takes back.
+struct View {
+  Look look;
+  std::optional<Bounds3> crop;  // world; sides that are not cut are infinite
+  std::vector<ClipPlane> clip_planes;
+  std::optional<ValuePlane> plane;
+  RenderOptions options;  // without size and clip planes
+  cli::AnnotationFlags marks;
+  Rgb background{0.05, 0.055, 0.065};
+};
+
+// One of two settings that are compared.
+struct Setting {
+  View view;
+  RendererSetup setup;
+};
+
+enum class CompareMode { kOff, kSideBySide, kDifference };
+
+struct TimeState {
+  double now = 0;
+  bool is_playing = false;
+  bool loops = true;
+  bool is_interpolated = false;
+  bool is_fastest = false;  // shows every step as soon as it can, whatever the clock
+  double rate = 1;          // units of time per second
+  double blur_length = 0;   // 0: none
+  double blur_decay = 0;
+};
+
+class Document {
+ public:
+  // --- data, as the loader reports them
+  std::shared_ptr<const Launch> launch;  // as opened
+  std::shared_ptr<const DataInfo> info;  // null: nothing is open
+  std::shared_ptr<const Shown> shown;
+  std::shared_ptr<const Extras> extras;
+  std::optional<LatticeKernel> label_kernel;  // narrow, where the data look like labels
+
+  // --- how they are shown
+  Camera camera;
+  View view;
+  RendererSetup setup;
+  TimeState time;
+  CompareMode compare = CompareMode::kOff;
+  std::optional<Setting> other;  // what the view is compared with
+
+  bool is_open() const noexcept { return shown != nullptr; }
+  bool has_time() const noexcept { return info && info->times.size() > 1; }
+
+  // New data: keeps camera and look where `keeps_view` says so (a reload), else takes those that
+  // flags or the data ask for. `aspect`: width over height of the picture.
+  void take(const Opened& opened);
+  void take(const ShownReady& ready, double aspect);
+
+  // The part of the data that is left by the crop.
+  Bounds3 bounds() const;
+  Bounds3 data_bounds() const { return shown->field().world_bounds(); }
+  double extent() const { return data_bounds().diagonal().norm(); }
+  void reset_camera(double aspect);
+  const ArrayInfo* array_info(const std::string& name) const;
+
+  // The request for a picture of `size` pixels.
+  std::vector<std::shared_ptr<const Scene>> scenes(Size size) const;
+  // The same options as a scene has, crop and clip planes included.
+  RenderOptions options_of(const View& of, Size size) const;
+
+  // --- undo
+  // To be called when an edit is complete: remembers the view that was there before.
+  void remember();
+  bool can_undo() const noexcept { return !past_.empty(); }
+  bool can_redo() const noexcept { return !future_.empty(); }
+  void undo();
+  void redo();
+
+  // --- pictures: counts up with each change that a picture shows
+  std::uint64_t version() const noexcept { return version_; }
+  void touch() noexcept {
+    ++version_;
+    ++view_version_;
+  }
+  // The camera alone has changed.
+  void touch_camera() noexcept { ++version_; }
+  std::uint64_t view_version() const noexcept { return view_version_; }
+
+ private:
+  std::shared_ptr<const Scene> scene(const View& of, const RendererSetup& on, Size size) const;
+
+  std::vector<View> past_, future_;
+  View settled_;  // the view when remember() was called last
+  bool awaits_first_ = false;
+  bool is_reload_ = false;
+  std::uint64_t version_ = 0;
+  std::uint64_t view_version_ = 0;  // counts what is no change of the camera
+};
+
+}  // namespace ovoid::viewer

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "handles.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+namespace ovoid::viewer {
+namespace {
+
+constexpr ImU32 kEdge = IM_COL32(255, 170, 40, 110);
+constexpr ImU32 kFill = IM_COL32(255, 170, 40, 255);
+constexpr ImU32 kFillHeld = IM_COL32(255, 230, 160, 255);
+constexpr ImU32 kInk = IM_COL32(0, 0, 0, 200);
+constexpr float kRadius = 5;
+constexpr double kSquare = 0.3;  // half a side of a plane's square, in extents of the data
+constexpr double kArrow = 0.12;  // of its arrow
+
+ImVec2 to_window(const Vec2& pixel, ImVec2 at) {
+  return {at.x + static_cast<float>(pixel.x()), at.y + static_cast<float>(pixel.y())};
+}
+
+// The nearest point of the plane to the middle of what is seen of the data.
+Vec3 foot(const Vec3& normal, double offset, const Vec3& from) {
+  return from + normal * ((offset - normal.dot(from)) / normal.squaredNorm());
+}
+
+void draw_line(const Vec3& a, const Vec3& b, const Projection& projection, ImVec2 at,
+               ImDrawList& list, ImU32 color) {
+  const auto from = projection.pixel_of(a);
+  const auto to = projection.pixel_of(b);
+  if (from && to) list.AddLine(to_window(*from, at), to_window(*to, at), color, 1.5F);
+}
+
+// By how much the mouse moved it along its direction, world units: the direction's picture is short
+// when it points at the eye, so that it is never taken for shorter than a pixel in eight.
+double moved_along(const Vec3& anchor, const Vec3& direction, double length,
+                   const Projection& projection, const Vec2& moved) {
+  const auto a = projection.pixel_of(anchor);
+  const auto b = projection.pixel_of(anchor + direction * length);
+  if (!a || !b) return 0;
+  const Vec2 picture = (*b - *a) / length;  // pixels per world unit
+  const double least = 0.125 / projection.pixel_size_at(projection.focal_depth());
+  return moved.dot(picture) / std::max(picture.squaredNorm(), least * least);
+}
+
+}  // namespace
+
+void draw_box(const Box& box, const Projection& projection, ImVec2 at, ImDrawList& list,
+              ImU32 color) {
+  const auto corner = [&](int number) {
+    const Vec3& lo = box.bounds.min();
+    const Vec3& hi = box.bounds.max();
+    return Vec3(box.world_from_box * Vec3((number & 1) != 0 ? hi.x() : lo.x(),
+                                          (number & 2) != 0 ? hi.y() : lo.y(),
+                                          (number & 4) != 0 ? hi.z() : lo.z()));
+  };
+  for (int a = 0; a < 8; ++a) {
+    for (const int bit : {1, 2, 4}) {
+      if ((a & bit) == 0) draw_line(corner(a), corner(a | bit), projection, at, list, color);
+    }
+  }
+}
+
+void Handles::add(Handle handle, const Projection& projection, ImVec2 at) {
+  const auto pixel = projection.pixel_of(handle.anchor);
+  if (!pixel) return;
+  handle.place = to_window(*pixel, at);
+  handles_.push_back(std::move(handle));
+}
+
+void Handles::add_plane(const std::string& name, const Vec3& normal, double offset, bool has_normal,
+                        int index, const Document& document, const Projection& projection,
+                        ImVec2 at, ImDrawList& list) {
+  const Vec3 unit = normal.normalized();
+  const Vec3 center = foot(normal, offset, document.bounds().center());
+  const double extent = document.extent();
+  const Vec3 u = unit.unitOrthogonal() * extent * kSquare;
+  const Vec3 v = unit.cross(u);
+  const std::array<Vec3, 4> corners = {center - u - v, center + u - v, center + u + v,
+                                       center - u + v};
+  for (std::size_t i = 0; i < 4; ++i)
+    draw_line(corners[i], corners[(i + 1) % 4], projection, at, list, kEdge);
+  const Vec3 tip = center + unit * extent * kArrow;
+  draw_line(center, tip, projection, at, list, kEdge);
+  const bool is_clip = has_normal;
+  add({name + ".offset",
+       {},
+       is_clip ? Handle::Kind::kClipOffset : Handle::Kind::kPlaneOffset,
+       index,
+       center,
+       unit},
+      projection, at);
+  if (has_normal)
+    add({name + ".normal", {}, Handle::Kind::kClipNormal, index, tip, unit}, projection, at);
+}
+
+void Handles::draw(const Document& document, const Projection& projection, ImVec2 at,
+                   ImDrawList& list, Widgets& widgets) {
+  handles_.clear();
+  const View& view = document.view;
+  if (view.crop) {
+    const Bounds3 left = document.bounds();
+    draw_box({Affine3::Identity(), left}, projection, at, list, kEdge);
+    static constexpr std::array<char, 3> kAxes = {'x', 'y', 'z'};
+    for (int end = 0; end < 6; ++end) {
+      const int axis = end / 2;
+      Vec3 anchor = left.center();
+      anchor[axis] = end % 2 == 0 ? left.min()[axis] : left.max()[axis];
+      add({fmt::format("handle.crop.{}{}", kAxes[static_cast<std::size_t>(axis)], end % 2),
+           {},
+           Handle::Kind::kCrop,
+           end,
+           anchor,
+           Vec3::Unit(axis)},
+          projection, at);
+    }
+  }
+  for (std::size_t i = 0; i < view.clip_planes.size(); ++i) {
+    add_plane(fmt::format("handle.clip.{}", i), view.clip_planes[i].normal,
+              view.clip_planes[i].offset, true, static_cast<int>(i), document, projection, at,
+              list);
+  }
+  if (view.plane) {
+    add_plane("handle.plane", view.plane->normal, view.plane->offset, false, 0, document,
+              projection, at, list);
+  }
+  const float radius = kRadius * widgets.scale();
+  for (const Handle& handle : handles_) {
+    list.AddCircleFilled(handle.place, radius, handle.name == held_ ? kFillHeld : kFill);
+    list.AddCircle(handle.place, radius, kInk);
+    widgets.mark(handle.name,
+                 {handle.place.x - 1, handle.place.y - 1, handle.place.x + 1, handle.place.y + 1});
+  }
+}
+
+bool Handles::press(ImVec2 mouse, float reach) {
+  float least = reach * reach;
+  held_.clear();
+  for (const Handle& handle : handles_) {
+    const float dx = handle.place.x - mouse.x;
+    const float dy = handle.place.y - mouse.y;
+    if (dx * dx + dy * dy > least) continue;
+    least = dx * dx + dy * dy;
+    held_ = handle.name;
+  }
+  return is_held();
+}
+
+bool Handles::drag(Document& document, const Projection& projection, const Vec2& moved) {
+  const auto held = std::find_if(handles_.begin(), handles_.end(),
+                                 [&](const Handle& handle) { return handle.name == held_; });
+  if (held == handles_.end() || moved.norm() == 0) return false;
+  const double extent = document.extent();
+  const double along = moved_along(held->anchor, held->direction, extent * 0.01, projection, moved);
+  View& view = document.view;
+  const auto index = static_cast<std::size_t>(held->index);
+  if (held->kind == Handle::Kind::kCrop && view.crop) {
+    const int axis = held->index / 2;
+    const Bounds3 all = document.data_bounds();
+    const Bounds3 left = document.bounds();
+    const double least = all.sizes()[axis] * 1e-3;  // is left in any case
+    if (held->index % 2 == 0) {
+      const double end = std::min(left.min()[axis] + along, left.max()[axis] - least);
+      view.crop->min()[axis] = end <= all.min()[axis] ? -HUGE_VAL : end;
+    } else {
+      const double end = std::max(left.max()[axis] + along, left.min()[axis] + least);
+      view.crop->max()[axis] = end >= all.max()[axis] ? HUGE_VAL : end;
+    }
+  } else if (held->kind == Handle::Kind::kClipOffset && index < view.clip_planes.size()) {
+    ClipPlane& plane = view.clip_planes[index];
+    plane.offset += along * plane.normal.norm();
+  } else if (held->kind == Handle::Kind::kClipNormal && index < view.clip_planes.size()) {
+    // The arrow's tip follows the mouse, the plane turns about its middle.
+    ClipPlane& plane = view.clip_planes[index];
+    const Vec3 center = foot(plane.normal, plane.offset, document.bounds().center());
+    const double size = projection.pixel_size_at(projection.depth_of(held->anchor));
+    const Vec3 tip =
+        held->anchor + (projection.right() * moved.x() - projection.up() * moved.y()) * size;
+    if ((tip - center).norm() < extent * 1e-3) return false;
+    plane.normal = (tip - center).normalized();
+    plane.offset = plane.normal.dot(center);
+  } else if (held->kind == Handle::Kind::kPlaneOffset && view.plane) {
+    view.plane->offset += along * view.plane->normal.norm();
+  } else {
+    return false;
+  }
+  return true;
+}
+
+}  // namespace ovoid::viewer

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <stop_token>
+#include <vector>
+
+#include "ovoid/field.h"
+
+namespace ovoid::viewer {
+
+// How often the drawn values occur.
+struct Histogram {
+  double lo = 0, hi = 1;              // the ends of the bins
+  std::vector<std::uint64_t> counts;  // of equal bins; empty: nothing known
+  std::uint64_t greatest = 0;         // of the counts
+};
+
+// Of a lattice's samples, and of the field at a kernel set's centres (a sum) or of its kernels'
+// values (normalized). Bins span the field's value range. Of more than some millions of samples
+// every n-th brick is taken. Throws what the field's source throws, and Error(kCancelled).
+Histogram histogram_of(const Field& field, const std::stop_token& stop = {});
+
+inline constexpr int kHistogramBins = 512;
+
+}  // namespace ovoid::viewer

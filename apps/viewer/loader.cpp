@@ -1,0 +1,431 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "loader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <condition_variable>
+#include <filesystem>
+#include <mutex>
+#include <new>
+#include <thread>
+#include <utility>
+
+#include "ovoid/coarse.h"
+#include "ovoid/error.h"
+#include "ovoid/io.h"
+#include "ovoid/slices.h"
+#include "priority.h"
+#include "window.h"
+
+namespace ovoid::viewer {
+namespace {
+
+constexpr int kCoarserFields = 2;
+// Fewer kernels than this cost nothing worth saving.
+constexpr std::int64_t kLeastWorthCoarsening = 20'000;
+
+struct OpenTask {
+  std::shared_ptr<const Launch> launch;
+  bool is_reload = false;
+};
+struct TimeTask {
+  TimeChoice choice;
+  Look look;
+  bool wants_extras = true;
+};
+
+// What was read, and what is drawn of it.
+struct Data {
+  std::shared_ptr<const Launch> launch;
+  cli::DrawingFlags drawing;  // the launch's, with the array that was chosen
+  std::shared_ptr<const Dataset> dataset;
+  std::optional<Series> series;  // opened when another time is asked for
+  std::shared_ptr<const Shown> shown;
+};
+
+std::string title_of(const cli::DataFlags& data) {
+  const std::string first = std::filesystem::path(data.inputs.front()).filename().string();
+  return data.inputs.size() == 1 ? first
+                                 : fmt::format("{} and {} more", first, data.inputs.size() - 1);
+}
+
+template <typename Value>
+void widen(ValueRange& range, const DataArray& array) {
+  const auto* const values = reinterpret_cast<const Value*>(array.bytes.view.data());
+  const std::size_t count = array.bytes.view.size() / sizeof(Value);
+  const auto step = static_cast<std::size_t>(array.num_components);
+  for (std::size_t i = 0; i < count; i += step) {
+    const double value = static_cast<double>(values[i]) * array.value_scale + array.value_offset;
+    if (!(std::abs(value) < 1e38)) continue;
+    const auto rounded = static_cast<float>(value);
+    if (range.is_empty()) range = {rounded, rounded};
+    range.lo = std::min(range.lo, rounded);
+    range.hi = std::max(range.hi, rounded);
+  }
+}
+
+ValueRange range_of(const DataArray& array) {
+  ValueRange range;
+  switch (array.type) {
+    case ScalarType::kUInt8:
+      widen<std::uint8_t>(range, array);
+      break;
+    case ScalarType::kInt8:
+      widen<std::int8_t>(range, array);
+      break;
+    case ScalarType::kUInt16:
+      widen<std::uint16_t>(range, array);
+      break;
+    case ScalarType::kInt16:
+      widen<std::int16_t>(range, array);
+      break;
+    case ScalarType::kUInt32:
+      widen<std::uint32_t>(range, array);
+      break;
+    case ScalarType::kInt32:
+      widen<std::int32_t>(range, array);
+      break;
+    case ScalarType::kUInt64:
+      widen<std::uint64_t>(range, array);
+      break;
+    case ScalarType::kInt64:
+      widen<std::int64_t>(range, array);
+      break;
+    case ScalarType::kFloat32:
+      widen<float>(range, array);
+      break;
+    case ScalarType::kFloat64:
+      widen<double>(range, array);
+      break;
+  }
+  return range;
+}
+
+std::shared_ptr<const DataInfo> info_of(const Dataset& dataset, const cli::DataFlags& data) {
+  auto info = std::make_shared<DataInfo>();
+  info->title = title_of(data);
+  info->source = dataset.source;
+  info->kind = dataset.kind;
+  for (const DataArray& array : dataset.arrays) {
+    info->arrays.push_back(
+        {array.name, array.unit, array.num_components, array.is_cell_data, range_of(array)});
+  }
+  info->times = dataset.times;
+  if (info->times.empty()) {
+    for (std::int64_t i = 0; i < dataset.num_steps; ++i)
+      info->times.push_back(static_cast<double>(i));
+  }
+  info->time_unit = dataset.time_unit;
+  info->is_staggered = dataset.series == SeriesKind::kStaggered;
+  info->step = dataset.step;
+  return info;
+}
+
+}  // namespace
+
+struct Loader::Impl {
+  mutable std::mutex mutex;
+  std::condition_variable wanted;
+  // What waits; the thread takes them in this order.
+  std::optional<OpenTask> next_open;
+  std::optional<ArrayChoice> next_choice;
+  std::optional<TimeTask> next_time;
+  bool wants_extras = false;
+  bool is_over = false;
+  bool is_working = false;
+  std::stop_source stop;        // of what is done now
+  std::stop_source stop_extra;  // of what may be done when nothing else waits
+  std::vector<LoadReport> reports;
+  std::size_t resident_bytes = 0;
+
+  std::optional<Data> data;  // the thread's own; none before anything was read
+  std::thread thread;
+
+  void report(LoadReport report) {
+    {
+      const std::lock_guard lock(mutex);
+      // Progress that nobody has seen yet is out of date.
+      if (std::holds_alternative<LoadProgress>(report) && !reports.empty() &&
+          std::holds_alternative<LoadProgress>(reports.back())) {
+        reports.back() = std::move(report);
+      } else {
+        reports.push_back(std::move(report));
+      }
+    }
+    Window::wake();
+  }
+
+  cli::Session session(const std::stop_token& token) {
+    return cli::Session([this](const std::string& note) { report(Noted{note}); }, token);
+  }
+
+  void run();
+  void read(const OpenTask& task, const std::stop_token& token);
+  void choose(const ArrayChoice& choice, const std::stop_token& token);
+  void go_to(const TimeTask& task, const std::stop_token& token);
+  void work_out_extras(const std::stop_token& token);
+};
+
+namespace {
+
+// The dataset, and the series where the first step is made of several.
+void read_dataset_of(Data& data, cli::Session& session, const ReadOptions& options) {
+  const cli::DataFlags& flags = data.launch->data;
+  if (flags.slice.plane || flags.time) {
+    data.dataset = std::make_shared<Dataset>(cli::load(flags, session));
+    return;
+  }
+  auto read = std::make_shared<Dataset>(read_dataset(flags.inputs, options));
+  cli::check_format_flags(flags, *read);
+  session.notes(read->notes);
+  if (read->series == SeriesKind::kStaggered && !flags.step) {  // both halves of the lattice
+    data.series.emplace(cli::open_series(flags, session));
+    read = std::make_shared<Dataset>(
+        slice_at_time(*data.series, read->times[static_cast<std::size_t>(read->step)]));
+  }
+  data.dataset = std::move(read);
+}
+
+// The field of the dataset, drawn as `drawing` says, which gets what labels need.
+std::shared_ptr<Shown> shown_of(const Data& data, cli::DrawingFlags& drawing, double time,
+                                cli::Session& session) {
+  auto made = std::make_shared<Shown>();
+  made->subject = cli::make_subject(*data.dataset, *data.launch->flags, &drawing, session);
+  made->time = time;
+  made->array = made->subject.modelled.array;
+  made->color_array = made->subject.modelled.color_array;
+  made->component = drawing.model.lattice.component;
+  return made;
+}
+
+// The same with a look, for an array that is drawn for the first time.
+ShownReady first_of_array(Data& data, double time, const cli::Stopwatch& since,
+                          cli::Session& session) {
+  ShownReady ready;
+  cli::DrawingFlags drawing = data.drawing;
+  auto made = shown_of(data, drawing, time, session);
+  ready.look = cli::make_look(data.drawing.look, made->field(), made->subject.unit, session);
+  ready.gradient = drawing.options.gradient;
+  if (!(drawing.model.lattice.kernel == data.drawing.model.lattice.kernel))
+    ready.kernel = drawing.model.lattice.kernel;
+  ready.ms = since.ms();
+  ready.shown = data.shown = std::move(made);
+  return ready;
+}
+
+}  // namespace
+
+void Loader::Impl::read(const OpenTask& task, const std::stop_token& token) {
+  const cli::Stopwatch since;
+  cli::Session own = session(token);
+  Data next{task.launch, task.launch->drawing, nullptr, std::nullopt, nullptr};
+  const cli::DataFlags& flags = task.launch->data;
+  const std::string what = "reading " + title_of(flags);
+  report(LoadProgress{what, 0});
+  ReadOptions options = cli::read_options(flags, own);
+  options.progress = [&](double fraction) { report(LoadProgress{what, fraction}); };
+  read_dataset_of(next, own, options);
+  const auto info = info_of(*next.dataset, flags);
+  report(LoadProgress{"choosing kernels for " + title_of(flags), 1});
+  const double time = flags.time.value_or(info->times[static_cast<std::size_t>(info->step)]);
+  ShownReady ready = first_of_array(next, time, since, own);
+  data = std::move(next);  // what was there before stays if anything went wrong
+  report(Opened{info, task.launch, task.is_reload});
+  report(std::move(ready));
+  const std::lock_guard lock(mutex);
+  wants_extras = true;
+}
+
+void Loader::Impl::choose(const ArrayChoice& choice, const std::stop_token& token) {
+  if (!data) return;
+  const cli::Stopwatch since;
+  cli::Session own = session(token);
+  report(LoadProgress{"choosing kernels for " + choice.array, 0});
+  cli::DrawingFlags& drawing = data->drawing;
+  const cli::DrawingFlags before = drawing;
+  drawing.model.lattice.array = drawing.model.kernels.array = choice.array;
+  drawing.model.lattice.component = drawing.model.kernels.component = choice.component;
+  drawing.model.kernels.is_density = false;
+  drawing.model.kernels.color_array =
+      choice.color_array == choice.array ? std::string() : choice.color_array;
+  // Flags about the look were meant for the array that the data were opened with.
+  drawing.look = {};
+  try {
+    report(first_of_array(*data, data->shown ? data->shown->time : 0, since, own));
+  } catch (...) {
+    drawing = before;
+    throw;
+  }
+  const std::lock_guard lock(mutex);
+  wants_extras = true;
+}
+
+void Loader::Impl::go_to(const TimeTask& task, const std::stop_token& token) {
+  if (!data) return;
+  const cli::Stopwatch since;
+  cli::Session own = session(token);
+  if (!data->series) data->series.emplace(cli::open_series(data->launch->data, own));
+  const Series& series = *data->series;
+  const TimeChoice& choice = task.choice;
+  double time = choice.time;
+  if (choice.is_interpolated || series.source().kind() == SeriesKind::kStaggered) {
+    TimeSliceOptions options;
+    options.filter = data->launch->data.time_filter;
+    options.stop = token;
+    data->dataset = std::make_shared<Dataset>(slice_at_time(series, time, options));
+    own.notes(data->dataset->notes);
+  } else {
+    const std::int64_t step = series.nearest_step(time);
+    time = series.times()[static_cast<std::size_t>(step)];
+    data->dataset = series.step(step, token);
+  }
+  const cli::Quiet quiet(own);
+  cli::DrawingFlags drawing = data->drawing;
+  cli::ModelFlags& model = drawing.model;
+  // The array by its name: at another time another one might vary first.
+  if (data->shown && !model.kernels.is_density)
+    model.lattice.array = model.kernels.array = data->shown->array;
+  auto made = shown_of(*data, drawing, time, own);
+  if (choice.blur_length > 0) {
+    cli::TrailFlags trail = data->launch->drawing.trail;
+    trail.length = choice.blur_length;
+    trail.decay = choice.blur_decay;
+    made->trail = std::make_shared<const Trail>(cli::make_trail(trail, series, time, model,
+                                                                drawing.run.threads, task.look,
+                                                                made->field().value_range(), own));
+  }
+  ShownReady ready;
+  ready.ms = since.ms();
+  ready.shown = data->shown = std::move(made);
+  report(std::move(ready));
+  const std::lock_guard lock(mutex);
+  resident_bytes = series.resident_bytes();
+  wants_extras = task.wants_extras;
+}
+
+void Loader::Impl::work_out_extras(const std::stop_token& token) {
+  if (!data) return;
+  auto extras = std::make_shared<Extras>();
+  extras->of = data->shown;
+  const Field* finest = &data->shown->field();
+  CoarseOptions options;
+  options.threads = data->drawing.run.threads;
+  options.stop = token;
+  extras->coarser.reserve(kCoarserFields);  // `finest` points into it
+  while (static_cast<int>(extras->coarser.size()) < kCoarserFields &&
+         finest->num_kernels() >= kLeastWorthCoarsening) {
+    try {
+      extras->coarser.push_back(coarse_field(*finest, options));
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::kUnsupported) throw;
+      break;  // pixels alone become coarser
+    }
+    finest = &extras->coarser.back();
+  }
+  extras->histogram = histogram_of(data->shown->field(), token);
+  extras->probe = std::make_shared<const FieldProbe>(data->shown->field());
+  report(std::shared_ptr<const Extras>(std::move(extras)));
+}
+
+void Loader::Impl::run() {
+  lower_priority();
+  std::unique_lock lock(mutex);
+  while (!is_over) {
+    if (!next_open && !next_choice && !next_time && !wants_extras) {
+      is_working = false;
+      wanted.wait(lock);
+      continue;
+    }
+    is_working = true;
+    const auto opening = std::exchange(next_open, std::nullopt);
+    const auto chosen = opening ? std::nullopt : std::exchange(next_choice, std::nullopt);
+    const auto gone = opening || chosen ? std::nullopt : std::exchange(next_time, std::nullopt);
+    if (!opening && !chosen && !gone) wants_extras = false;
+    stop = {};
+    stop_extra = {};
+    const std::stop_token token = stop.get_token();
+    const std::stop_token extra_token = stop_extra.get_token();
+    lock.unlock();
+    std::string message;
+    try {
+      if (opening) {
+        read(*opening, token);
+      } else if (chosen) {
+        choose(*chosen, token);
+      } else if (gone) {
+        go_to(*gone, token);
+      } else {
+        work_out_extras(extra_token);
+      }
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::kCancelled) message = cli::one_line(error.what());
+    } catch (const std::bad_alloc&) {
+      message = "out of memory";
+    } catch (const std::exception& error) {
+      message = cli::one_line(fmt::format("unexpected: {}", error.what()));
+    }
+    if (!message.empty()) report(LoadFailed{message, opening.has_value()});
+    lock.lock();
+  }
+}
+
+Loader::Loader() : impl_(std::make_unique<Impl>()) {
+  impl_->thread = std::thread([this] { impl_->run(); });
+}
+
+Loader::~Loader() {
+  stop();
+  impl_->thread.join();
+}
+
+void Loader::stop() {
+  const std::lock_guard lock(impl_->mutex);
+  impl_->is_over = true;
+  impl_->stop.request_stop();
+  impl_->stop_extra.request_stop();
+  impl_->wanted.notify_all();
+}
+
+void Loader::open(std::shared_ptr<const Launch> launch, bool is_reload) {
+  const std::lock_guard lock(impl_->mutex);
+  impl_->next_open = OpenTask{std::move(launch), is_reload};
+  impl_->next_choice.reset();
+  impl_->next_time.reset();
+  impl_->wants_extras = false;
+  impl_->stop.request_stop();
+  impl_->stop_extra.request_stop();
+  impl_->wanted.notify_all();
+}
+
+void Loader::choose(const ArrayChoice& choice) {
+  const std::lock_guard lock(impl_->mutex);
+  impl_->next_choice = choice;
+  impl_->stop_extra.request_stop();
+  impl_->wanted.notify_all();
+}
+
+void Loader::go_to(const TimeChoice& choice, const Look& look, bool wants_extras) {
+  const std::lock_guard lock(impl_->mutex);
+  impl_->next_time = TimeTask{choice, look, wants_extras};
+  impl_->stop_extra.request_stop();
+  impl_->wanted.notify_all();
+}
+
+std::vector<LoadReport> Loader::take_reports() {
+  const std::lock_guard lock(impl_->mutex);
+  return std::exchange(impl_->reports, {});
+}
+
+bool Loader::is_busy() const {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->is_working || impl_->next_open || impl_->next_choice || impl_->next_time ||
+         impl_->wants_extras;
+}
+
+std::size_t Loader::resident_bytes() const {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->resident_bytes;
+}
+
+}  // namespace ovoid::viewer

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+// Everything that reads or makes data, on a thread of its own: the interface never waits for it.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "histogram.h"
+#include "launch.h"
+#include "ovoid/dataset.h"
+#include "ovoid/look.h"
+#include "ovoid/sampler.h"
+
+namespace ovoid::viewer {
+
+struct ArrayInfo {
+  std::string name;
+  std::string unit;
+  int num_components = 1;
+  bool is_cell_data = false;
+  ValueRange range;  // of the first component, or of the magnitude if there are several
+};
+
+// What the input is, whatever of it is shown.
+struct DataInfo {
+  std::string title;  // of the window
+  std::string source;
+  DatasetKind kind = DatasetKind::kLattice;
+  std::vector<ArrayInfo> arrays;
+  std::vector<double> times;  // one per step; the steps' numbers where the input names none
+  std::string time_unit;
+  bool is_staggered = false;
+  std::int64_t step = 0;  // the one that was read first
+};
+
+// What is drawn: one array of the data at one time. Immutable.
+struct Shown {
+  cli::Subject subject;
+  double time = 0;
+  std::string array;        // gives opacity
+  std::string color_array;  // gives colour; of lattices the same
+  int component = 0;
+  std::shared_ptr<const Trail> trail;  // what was there before; null: none
+
+  const Field& field() const noexcept { return subject.modelled.field; }
+};
+
+// What is worked out of it for the interface, later than the first picture.
+struct Extras {
+  std::shared_ptr<const Shown> of;
+  std::vector<Field> coarser;  // coarse_field(), once, twice, ...
+  Histogram histogram;
+  std::shared_ptr<const FieldProbe> probe;  // values at places
+};
+
+// Reports of the loader.
+struct LoadProgress {
+  std::string what;  // "reading engine.nii.gz"
+  double fraction = 0;
+};
+struct Opened {  // files were read; `shown` follows
+  std::shared_ptr<const DataInfo> info;
+  std::shared_ptr<const Launch> launch;
+  bool is_reload = false;
+};
+struct ShownReady {
+  std::shared_ptr<const Shown> shown;
+  std::optional<Look> look;  // where another array wants another one
+  // Options that the data ask for (labels: narrow kernels, differences).
+  GradientMethod gradient = GradientMethod::kAuto;
+  std::optional<LatticeKernel> kernel;
+  double ms = 0;  // from the task's begin
+};
+struct Noted {
+  std::string text;
+};
+struct LoadFailed {
+  std::string message;
+  bool was_opening = false;
+};
+using LoadReport = std::variant<LoadProgress, Opened, ShownReady, std::shared_ptr<const Extras>,
+                                Noted, LoadFailed>;
+
+struct ArrayChoice {
+  std::string array;
+  std::string color_array;  // empty: the same
+  int component = 0;        // LatticeModelOptions::kMagnitude: the norm
+  bool operator==(const ArrayChoice&) const = default;
+};
+
+struct TimeChoice {
+  double time = 0;
+  bool is_interpolated = true;
+  double blur_length = 0;  // of --motion-blur; 0: none
+  double blur_decay = 0;
+  bool operator==(const TimeChoice&) const = default;
+};
+
+// All members may be called from one thread, the interface's. Of several choices of the same kind
+// that wait only the last one is served; opening stops whatever else is done.
+class Loader {
+ public:
+  Loader();
+  ~Loader();  // stops, and waits until it has
+  Loader(const Loader&) = delete;
+  Loader& operator=(const Loader&) = delete;
+
+  void open(std::shared_ptr<const Launch> launch, bool is_reload = false);
+  void choose(const ArrayChoice& choice);
+  // `look`: the picture's, which a trail's is made from.
+  void go_to(const TimeChoice& choice, const Look& look, bool wants_extras);
+  void stop();  // asks what is done to end; nothing follows
+
+  std::vector<LoadReport> take_reports();
+  bool is_busy() const;
+  std::size_t resident_bytes() const;  // of the steps that are kept
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace ovoid::viewer

@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "ovoid/error.h"
+#include "panels.h"
+
+namespace ovoid::viewer {
+namespace {
+
+constexpr std::array<Mode, 5> kModes = {Mode::kComposite, Mode::kXray, Mode::kMaximum, Mode::kMean,
+                                        Mode::kIsosurface};
+
+TransferFunction& colors_of(Look& look) {
+  return look.color_function ? *look.color_function : look.transfer_function;
+}
+
+// From the least to the greatest of the values that are there and those that the curve names.
+ValueAxis axis_of(const TransferFunction& tf, const ValueRange& range) {
+  ValueAxis axis{tf.lo(), tf.hi(), tf.scale, tf.linear_width};
+  if (!range.is_empty()) {
+    axis.lo = std::min<double>(axis.lo, range.lo);
+    axis.hi = std::max<double>(axis.hi, range.hi);
+  }
+  if (axis.scale == ValueScale::kLog && !(axis.lo > 0))
+    axis.lo = tf.lo() > 0 ? tf.lo() : axis.hi * 1e-3;
+  if (!(axis.hi > axis.lo)) axis.hi = axis.lo + 1;
+  return axis;
+}
+
+// The selected point's numbers.
+bool edit_point(Panel& panel, const std::string& name, std::vector<OpacityPoint>& points,
+                const CurveEditing& editing) {
+  if (editing.selected < 0 || editing.selected >= static_cast<int>(points.size())) {
+    ImGui::TextDisabled("Click: a new point. Right click: away with it.");
+    return false;
+  }
+  Widgets& widgets = panel.widgets;
+  OpacityPoint& point = points[static_cast<std::size_t>(editing.selected)];
+  bool is_changed = widgets.number(name + ".value", "value", &point.x);
+  is_changed |= widgets.number(name + ".opacity", "opacity", &point.opacity, {.lo = 0, .hi = 1});
+  is_changed |= widgets.number(name + ".midpoint", "midpoint", &point.midpoint, {.lo = 0, .hi = 1});
+  is_changed |=
+      widgets.number(name + ".sharpness", "sharpness", &point.sharpness, {.lo = 0, .hi = 1});
+  if (is_changed) {
+    std::stable_sort(points.begin(), points.end(),
+                     [](const OpacityPoint& a, const OpacityPoint& b) { return a.x < b.x; });
+  }
+  return is_changed;
+}
+
+bool choose_mode(Panel& panel) {
+  Look& look = panel.document.view.look;
+  int mode = static_cast<int>(std::find(kModes.begin(), kModes.end(), look.mode) - kModes.begin());
+  const bool is_changed = panel.widgets.choice(
+      "look.mode", "mode", {"composite", "x-ray", "maximum", "mean", "isosurface"}, &mode);
+  if (is_changed) {
+    look.mode = kModes[static_cast<std::size_t>(mode)];
+    const ValueRange range = panel.document.shown->field().value_range();
+    if (look.mode == Mode::kIsosurface && !(look.isovalue > range.lo && look.isovalue < range.hi))
+      look.isovalue = (static_cast<double>(range.lo) + range.hi) / 2;
+  }
+  if (look.mode != Mode::kIsosurface) return is_changed;
+  const ValueRange range = panel.document.shown->field().value_range();
+  return panel.widgets.slider("look.isovalue", "isovalue", &look.isovalue, range.lo, range.hi) ||
+         is_changed;
+}
+
+bool opacity_editor(Panel& panel) {
+  Document& document = panel.document;
+  TransferFunction& tf = document.view.look.transfer_function;
+  CurveLook look;
+  if (document.extras) look.histogram = &document.extras->histogram;
+  look.is_log_count = panel.state.is_log_count;
+  look.is_magnified = panel.state.is_magnified;
+  if (document.view.look.mode == Mode::kIsosurface) look.marks = {document.view.look.isovalue};
+  const ValueAxis axis = axis_of(tf, document.shown->field().value_range());
+  bool is_changed =
+      edit_opacities(panel.widgets, "look.opacity", tf.opacities, axis, look, panel.state.opacity);
+  if (!document.view.look.color_function)
+    is_changed |= edit_colors(panel.widgets, "look.colors", tf, axis, panel.state.colors);
+  ImGui::TextDisabled("%.5g", axis.lo);
+  const std::string hi = fmt::format("{:.5g} {}", axis.hi, document.shown->subject.unit);
+  ImGui::SameLine(ImGui::GetContentRegionMax().x - ImGui::CalcTextSize(hi.c_str()).x);
+  ImGui::TextDisabled("%s", hi.c_str());
+  panel.widgets.checkbox("look.log-count", "log counts", &panel.state.is_log_count);
+  ImGui::SameLine();
+  panel.widgets.checkbox("look.magnify", "room for low opacities", &panel.state.is_magnified);
+  is_changed |= edit_point(panel, "look.point", tf.opacities, panel.state.opacity);
+  return is_changed;
+}
+
+// Colours of the map by name, over the span that the look has.
+void take_map(TransferFunction& tf, const std::string& name) {
+  TransferFunction map = color_map(name);
+  const double lo = tf.lo();
+  const double hi = tf.hi();
+  if (lo < hi) map.map_range(lo, hi, tf.scale, tf.linear_width);
+  tf.colors = map.colors;
+  tf.color_space = map.color_space;
+  tf.below_color.reset();
+  tf.above_color.reset();
+}
+
+bool color_editor(Panel& panel) {
+  Document& document = panel.document;
+  Look& look = document.view.look;
+  TransferFunction& tf = colors_of(look);
+  Widgets& widgets = panel.widgets;
+  bool is_changed = false;
+  if (look.color_function) {
+    const ValueAxis axis = axis_of(tf, document.shown->field().color_range());
+    is_changed |= edit_colors(widgets, "look.colors", tf, axis, panel.state.colors);
+  }
+  static const std::vector<std::string> names = color_map_names();
+  std::vector<const char*> options;
+  options.reserve(names.size());
+  for (const std::string& name : names) options.push_back(name.c_str());
+  if (widgets.choice("look.map", "colours", options, &panel.state.color_map)) {
+    take_map(tf, names[static_cast<std::size_t>(panel.state.color_map)]);
+    is_changed = true;
+  }
+  const int selected = panel.state.colors.selected;
+  if (selected >= 0 && selected < static_cast<int>(tf.colors.size())) {
+    ColorPoint& point = tf.colors[static_cast<std::size_t>(selected)];
+    is_changed |= widgets.color("look.color.rgb", "colour", &point.rgb);
+    if (widgets.number("look.color.value", "at value", &point.x)) {
+      tf.sort();
+      is_changed = true;
+    }
+  }
+  return is_changed;
+}
+
+bool range_editor(Panel& panel) {
+  TransferFunction& tf = colors_of(panel.document.view.look);
+  Widgets& widgets = panel.widgets;
+  double lo = tf.lo();
+  double hi = tf.hi();
+  bool is_moved = widgets.number("look.range.lo", "range from", &lo);
+  is_moved |= widgets.number("look.range.hi", "to", &hi);
+  int scale = static_cast<int>(tf.scale);
+  double linear_width = tf.linear_width;
+  bool is_scaled = widgets.choice("look.scale", "scale", {"linear", "log", "symlog"}, &scale);
+  if (scale == static_cast<int>(ValueScale::kSymlog)) {
+    is_scaled |= widgets.number("look.linear-width", "straight within", &linear_width,
+                                {.lo = 1e-300, .is_logarithmic = true});
+  }
+  if (!is_moved && !is_scaled) return false;
+  const auto wanted = static_cast<ValueScale>(scale);
+  if (wanted == ValueScale::kLog && !(hi > 0)) return false;  // nothing has a logarithm
+  if (wanted == ValueScale::kLog && !(lo > 0)) lo = hi * 1e-3;
+  if (!(lo < hi)) return false;
+  tf.map_range(lo, hi, wanted, linear_width);
+  return true;
+}
+
+bool light_editor(Panel& panel) {
+  Look& look = panel.document.view.look;
+  Widgets& widgets = panel.widgets;
+  bool is_changed = widgets.checkbox("look.shade", "light", &look.shade);
+  if (!look.shade) return is_changed;
+  Material& material = look.material;
+  is_changed |= widgets.slider("look.ambient", "ambient", &material.ambient, 0, 1);
+  is_changed |= widgets.slider("look.diffuse", "diffuse", &material.diffuse, 0, 1);
+  is_changed |= widgets.slider("look.specular", "specular", &material.specular, 0, 1);
+  is_changed |= widgets.slider("look.power", "specular power", &material.specular_power, 1, 100);
+  bool is_headlight = !look.light_direction.has_value();
+  if (widgets.checkbox("look.headlight", "light from the eye", &is_headlight)) {
+    look.light_direction.reset();
+    const Camera& camera = panel.document.camera;
+    if (!is_headlight)
+      look.light_direction = (camera.position - camera.focal_point).normalized() + camera.view_up;
+    is_changed = true;
+  }
+  if (look.light_direction) {
+    Vec3 direction = *look.light_direction;
+    if (widgets.vector("look.light", "light from", &direction, 0.01) && direction.norm() > 1e-6) {
+      look.light_direction = direction;
+      is_changed = true;
+    }
+  }
+  return is_changed;
+}
+
+bool gradient_editor(Panel& panel) {
+  Document& document = panel.document;
+  TransferFunction& tf = document.view.look.transfer_function;
+  Widgets& widgets = panel.widgets;
+  // Steeper than the whole range within one spacing nothing is.
+  const ValueRange range = document.shown->field().value_range();
+  const double spacing = document.shown->field().default_sampling_distance();
+  const double steepest = std::max((static_cast<double>(range.hi) - range.lo) / spacing, 1e-30);
+  bool is_on = !tf.gradient_opacities.empty();
+  bool is_changed = false;
+  if (widgets.checkbox("look.gradient", "opacity by gradient", &is_on)) {
+    tf.gradient_opacities.clear();
+    if (is_on) tf.gradient_opacities = {{0, 0}, {steepest / 8, 1}};
+    panel.state.gradient = {};
+    is_changed = true;
+  }
+  widgets.tip(
+      "Factor on the opacity by the steepness of the field: shows boundaries, hides what "
+      "is even.");
+  if (!is_on) return is_changed;
+  CurveLook look;
+  look.height = 70;
+  ValueAxis axis{0, steepest / 2};
+  axis.hi = std::max(axis.hi, tf.gradient_opacities.back().x);
+  is_changed |= edit_opacities(widgets, "look.gradient.curve", tf.gradient_opacities, axis, look,
+                               panel.state.gradient);
+  is_changed |=
+      edit_point(panel, "look.gradient.point", tf.gradient_opacities, panel.state.gradient);
+  return is_changed;
+}
+
+bool presets(Panel& panel) {
+  Document& document = panel.document;
+  static const std::vector<std::string> names = look_preset_names();
+  std::vector<const char*> options = {"what suits the data"};
+  for (const std::string& name : names) options.push_back(name.c_str());
+  int chosen = -1;
+  if (!panel.widgets.choice("look.preset", "preset", options, &chosen)) return false;
+  const Field& field = document.shown->field();
+  Look& look = document.view.look;
+  const auto colors = look.color_function;
+  look = chosen == 0
+             ? default_look(field, document.shown->subject.unit)
+             : look_preset(names[static_cast<std::size_t>(chosen - 1)], field.value_range());
+  look.color_function = colors;
+  panel.state.opacity = panel.state.gradient = panel.state.colors = {};
+  return true;
+}
+
+void look_files(Panel& panel) {
+  Widgets& widgets = panel.widgets;
+  widgets.text("look.path", "look file", &panel.state.look_path, -90 * widgets.scale());
+  widgets.tip("ParaView's JSON. Read: also looks of 3D Slicer and Inviwo. Or drop a file here.");
+  ImGui::SameLine();
+  if (widgets.button("look.read", "read")) panel.wishes.read_look = panel.state.look_path;
+  ImGui::SameLine();
+  if (widgets.button("look.write", "write")) panel.wishes.write_look = panel.state.look_path;
+}
+
+}  // namespace
+
+void look_panel(Panel& panel) {
+  Document& document = panel.document;
+  Widgets& widgets = panel.widgets;
+  if (widgets.button("look.undo", "undo", document.can_undo())) document.undo();
+  ImGui::SameLine();
+  if (widgets.button("look.redo", "redo", document.can_redo())) document.redo();
+  bool is_changed = presets(panel);
+  is_changed |= choose_mode(panel);
+  is_changed |= opacity_editor(panel);
+  is_changed |= color_editor(panel);
+  is_changed |= range_editor(panel);
+  const Field& field = document.shown->field();
+  Look& look = document.view.look;
+  double unit = look.unit_distance;
+  if (unit == 0) unit = look.transfer_function.unit_distance.value_or(default_unit_distance(field));
+  if (widgets.number("look.unit-distance", "unit distance", &unit,
+                     {.lo = 1e-300, .hi = 1e300, .speed = unit / 100, .is_logarithmic = true})) {
+    look.unit_distance = unit;
+    is_changed = true;
+  }
+  widgets.tip(
+      "The length, in the data's own units, over which an opacity is meant. Larger: more "
+      "transparent.");
+  ImGui::Separator();
+  is_changed |= light_editor(panel);
+  is_changed |= gradient_editor(panel);
+  ImGui::Separator();
+  look_files(panel);
+  if (is_changed) document.touch();
+}
+
+}  // namespace ovoid::viewer

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// The tabs beside the picture. Each edits the document at once, and asks for what it cannot do by
+// itself.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "curve_editor.h"
+#include "document.h"
+#include "widgets.h"
+
+namespace ovoid::viewer {
+
+// What a person asked for with a button or a key, to be done after the frame.
+struct Wishes {
+  std::optional<ArrayChoice> array;
+  bool goes_to_time = false;  // the document's time has changed
+  bool copies_command = false;
+  bool saves_picture = false;
+  std::string open;                     // a file of data
+  std::string read_look, write_look;    // paths
+  std::string read_state, write_state;  // paths
+  bool closes = false;
+};
+
+// What the interface remembers that is no property of the picture.
+struct PanelState {
+  CurveEditing opacity, gradient, colors;
+  bool is_log_count = true;
+  bool is_magnified = true;
+  std::string look_path = "look.json";
+  std::string state_path = "state.json";
+  std::string open_path;
+  int color_map = -1;
+  bool has_handles = true;  // of crop and clip planes, in the picture
+};
+
+// What the program tells of the picture that is shown.
+struct Status {
+  FrameProfile profile;
+  Level level;
+  double picture_ms = 0;
+  double pictures_per_second = 0;
+  double interface_ms = 0;
+  bool is_final = false;
+  double psnr = 0;  // of a comparison
+  std::size_t resident_bytes = 0;
+  Size picture;
+};
+
+struct Panel {
+  Document& document;
+  Widgets& widgets;
+  PanelState& state;
+  Wishes& wishes;
+  const Status& status;
+};
+
+void data_panel(Panel& panel);
+void look_panel(Panel& panel);
+void space_panel(Panel& panel);
+void time_panel(Panel& panel);
+void compare_panel(Panel& panel);
+void profile_panel(Panel& panel);
+
+// The transport of the time, also under the picture; whether it is to be gone to.
+bool step_time(Document& document, int steps);
+
+}  // namespace ovoid::viewer

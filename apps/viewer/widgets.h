@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+// Dear ImGui's widgets with names, by which scripts find them, and with our numbers' types.
+#pragma once
+
+#include <imgui.h>
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ovoid/math.h"
+#include "ovoid/transfer_function.h"
+
+namespace ovoid::viewer {
+
+// A rectangle of the window, in its own units.
+struct Box2 {
+  float x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+  ImVec2 middle() const { return {(x0 + x1) / 2, (y0 + y1) / 2}; }
+};
+
+// What of a number may be typed or dragged.
+struct NumberField {
+  double lo = -1e300;
+  double hi = 1e300;
+  double speed = 0;  // per pixel of a drag; 0: a two-hundredth of the range, or of the value
+  const char* format = "%.6g";
+  bool is_logarithmic = false;
+};
+
+// All but the finders are to be called between ImGui::NewFrame() and Render(). Widgets that change
+// a value return whether they did.
+class Widgets {
+ public:
+  void begin_frame(float scale);
+
+  // Names the last item, or a place that is no item of ImGui's.
+  void mark(const std::string& name);
+  void mark(const std::string& name, const Box2& box);
+  // Where it was drawn last; empty if it was not, or is hidden behind its panel's border.
+  std::optional<Box2> find(const std::string& name) const;
+  // Whether it was drawn, if out of sight; the next frame will scroll to it.
+  bool scroll_to(const std::string& name);
+  std::vector<std::string> names() const;
+
+  bool button(const std::string& name, const char* label, bool is_enabled = true);
+  bool checkbox(const std::string& name, const char* label, bool* value);
+  bool number(const std::string& name, const char* label, double* value, const NumberField& = {});
+  bool slider(const std::string& name, const char* label, double* value, double lo, double hi,
+              const char* format = "%.4g");
+  bool whole(const std::string& name, const char* label, int* value, int lo, int hi);
+  bool vector(const std::string& name, const char* label, Vec3* value, double speed);
+  bool color(const std::string& name, const char* label, Rgb* value);
+  bool choice(const std::string& name, const char* label, const std::vector<const char*>& options,
+              int* chosen);
+  bool text(const std::string& name, const char* hint, std::string* value, float width = -1);
+  // A sentence about the item before, shown while the mouse rests on it.
+  void tip(const char* sentence) const;
+
+  float scale() const noexcept { return scale_; }
+  float width_of_label() const noexcept { return 120 * scale_; }
+
+ private:
+  struct Place {
+    Box2 box;
+    bool is_in_sight = true;
+  };
+  void label_before(const char* label) const;
+
+  std::map<std::string, Place> now_, last_;
+  std::string wanted_;  // is scrolled to
+  float scale_ = 1;
+};
+
+}  // namespace ovoid::viewer

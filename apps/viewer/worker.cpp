@@ -1,0 +1,353 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <condition_variable>
+#include <exception>
+#include <map>
+#include <mutex>
+#include <new>
+#include <thread>
+#include <tuple>
+#include <utility>
+
+#include "ovoid/error.h"
+#include "priority.h"
+#include "projection.h"
+#include "session.h"
+#include "window.h"
+
+namespace ovoid::viewer {
+namespace {
+
+constexpr double kDefaultBudgetMs = 28;  // with showing it, 25 pictures per second and more
+
+// Stages whose cost goes with the number of kernels; that of all others with the samples.
+bool goes_with_kernels(const std::string& stage) {
+  return stage == "plan" || stage == "project and bin";
+}
+
+FrameCost cost_of(const FrameProfile& profile) {
+  double kernels = 0;
+  double all = 0;
+  for (const auto& [stage, ms] : profile.stages_ms) {
+    all += ms;
+    if (goes_with_kernels(stage)) kernels += ms;
+  }
+  const double share = all > 0 ? kernels / all : 0;
+  return {profile.frame_ms * share, profile.frame_ms * (1 - share)};
+}
+
+int coarsened(int pixels, int by) { return std::max(1, (pixels + by - 1) / by); }
+
+// What the level's picture is drawn with.
+struct Coarse {
+  const Field* field;
+  Look look;
+  RenderOptions options;
+};
+
+Coarse at_level(const Scene& scene, const Level& level) {
+  const Field& full = scene.shown->field();
+  Coarse coarse{&full, scene.look, scene.options};
+  coarse.options.width = coarsened(scene.options.width, level.pixels);
+  coarse.options.height = coarsened(scene.options.height, level.pixels);
+  coarse.options.collect_profile = true;
+  if (level.field == 0) return coarse;
+  coarse.field = &scene.extras->coarser[static_cast<std::size_t>(level.field - 1)];
+  coarse.options.sampling_distance *= std::exp2(level.field);
+  // Opacities mean what they mean at the full picture.
+  if (coarse.look.unit_distance == 0 && !coarse.look.transfer_function.unit_distance)
+    coarse.look.unit_distance = default_unit_distance(full);
+  return coarse;
+}
+
+std::pair<double, double> range_of_integrals(const Image& image) {
+  double lo = 0;
+  double hi = 0;
+  for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
+    if (image.rgba[i + 3] == 0) continue;
+    lo = std::min<double>(lo, image.rgba[i]);
+    hi = std::max<double>(hi, image.rgba[i]);
+  }
+  return {lo, lo < hi ? hi : lo + 1};
+}
+
+std::uint8_t to_byte(float value) {
+  return static_cast<std::uint8_t>(std::clamp(value * 255.0F + 0.5F, 0.0F, 255.0F));
+}
+
+void compare(Pictures& pictures) {
+  const Image& a = pictures.pictures[0].image;
+  const Image& b = pictures.pictures[1].image;
+  if (a.width != b.width || a.height != b.height) return;
+  pictures.psnr = psnr(a, b);
+  Image difference = a;
+  for (std::size_t i = 0; i < a.rgba.size(); ++i) {
+    const float distance = std::abs(a.rgba[i] - b.rgba[i]);
+    difference.rgba[i] = i % 4 == 3 ? 1 : distance * static_cast<float>(kDifferenceGain);
+  }
+  Scene plain = *pictures.pictures[0].scene;
+  plain.look.mode = Mode::kComposite;
+  pictures.difference = to_display(difference, plain, {0, 1});
+}
+
+double world_pixel(const Scene& scene) {
+  const Projection projection(scene.camera, scene.options.width, scene.options.height);
+  return projection.pixel_size_at(projection.focal_depth());
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> to_display(const Image& image, const Scene& scene,
+                                     const std::pair<double, double>& xray_range) {
+  const bool is_xray = scene.look.mode == Mode::kXray;
+  constexpr std::size_t kTable = 1024;
+  std::vector<Rgb> table;
+  if (is_xray) {
+    TransferFunction tf = scene.look.transfer_function;
+    tf.map_range(xray_range.first, xray_range.second);
+    table.resize(kTable);
+    for (std::size_t i = 0; i < kTable; ++i) {
+      const double at = static_cast<double>(i) / (kTable - 1);
+      table[i] = tf.color_at(xray_range.first + at * (xray_range.second - xray_range.first));
+    }
+  }
+  const std::array<float, 3> back = {static_cast<float>(scene.background[0]),
+                                     static_cast<float>(scene.background[1]),
+                                     static_cast<float>(scene.background[2])};
+  const auto row = static_cast<std::size_t>(image.width) * 4;
+  const auto height = static_cast<std::size_t>(image.height);
+  std::vector<std::uint8_t> bytes(image.rgba.size());
+  for (std::size_t y = 0; y < height; ++y) {
+    const float* from = image.rgba.data() + y * row;
+    std::uint8_t* to = bytes.data() + (height - 1 - y) * row;
+    for (const float* const end = from + row; from != end; from += 4, to += 4) {
+      const float through = 1 - from[3];
+      std::array<float, 3> color = {from[0], from[1], from[2]};
+      if (is_xray && from[3] > 0) {
+        const double at = (from[0] - xray_range.first) / (xray_range.second - xray_range.first);
+        const Rgb& mapped =
+            table[static_cast<std::size_t>(std::clamp(at, 0.0, 1.0) * (kTable - 1) + 0.5)];
+        for (std::size_t c = 0; c < 3; ++c) color[c] = static_cast<float>(mapped[c]) * from[3];
+      }
+      for (std::size_t c = 0; c < 3; ++c) to[c] = to_byte(color[c] + through * back[c]);
+      to[3] = 255;
+    }
+  }
+  return bytes;
+}
+
+struct Worker::Impl {
+  mutable std::mutex mutex;
+  std::condition_variable wanted;
+  std::optional<Request> pending;
+  std::optional<Pictures> finished;
+  std::stop_source stop;
+  bool is_over = false;
+  bool is_drawing = false;
+  bool may_be_given_up = false;  // what is drawn is a refinement
+  std::atomic<double> fraction{0};
+  std::atomic<double> budget_ms{kDefaultBudgetMs};
+  std::thread thread;
+
+  // The thread's own.
+  using Key = std::tuple<int, int, int, std::uint64_t>;
+  std::map<Key, Renderer> renderers;
+  LevelChooser chooser;
+  std::shared_ptr<const Shown> measured_of;
+  Level moving_level{4, 0};
+
+  Renderer& renderer_for(const RendererSetup& setup);
+  void set_scales(const Scene& scene);
+  Picture draw(const std::shared_ptr<const Scene>& scene, const Level& level,
+               const std::stop_token& token);
+  bool draw_all(const Request& request, const Level& level, bool is_final);
+  void serve(const Request& request);
+  void run();
+  bool is_superseded() {
+    const std::lock_guard lock(mutex);
+    return pending.has_value() || is_over;
+  }
+};
+
+Renderer& Worker::Impl::renderer_for(const RendererSetup& setup) {
+  const Key key{static_cast<int>(setup.backend), setup.threads, setup.device, setup.device_memory};
+  const auto known = renderers.find(key);
+  if (known != renderers.end()) return known->second;
+  constexpr std::size_t kMostKept = 3;  // each keeps threads, or fields on a device
+  if (renderers.size() >= kMostKept) renderers.clear();
+  return renderers.emplace(key, Renderer(setup)).first->second;
+}
+
+void Worker::Impl::set_scales(const Scene& scene) {
+  int coarsest = 0;
+  if (scene.extras) coarsest = static_cast<int>(scene.extras->coarser.size());
+  chooser.set_scales(world_pixel(scene), scene.shown->field().default_sampling_distance(),
+                     coarsest);
+}
+
+Picture Worker::Impl::draw(const std::shared_ptr<const Scene>& scene, const Level& level,
+                           const std::stop_token& token) {
+  Picture picture;
+  picture.scene = scene;
+  const Coarse coarse = at_level(*scene, level);
+  Renderer& renderer = renderer_for(scene->setup);
+  RenderHooks hooks;
+  hooks.stop = token;
+  hooks.progress = [this](double done) { fraction = done; };
+  const Trail* const trail = scene->has_trail ? scene->shown->trail.get() : nullptr;
+  Frame frame = [&] {
+    if (trail != nullptr && level.field == 0)
+      return renderer.render(*coarse.field, scene->camera, coarse.look, *trail, coarse.options,
+                             hooks);
+    if (scene->plane) {
+      return render_with_plane(renderer, *coarse.field, scene->camera, coarse.look, *scene->plane,
+                               coarse.options, hooks);
+    }
+    return renderer.render(*coarse.field, scene->camera, coarse.look, coarse.options, hooks);
+  }();
+  picture.image = std::move(frame.image);
+  picture.profile = std::move(frame.profile);
+  if (scene->look.mode == Mode::kXray)
+    picture.xray_range = scene->xray_range.value_or(range_of_integrals(picture.image));
+  picture.rgba = to_display(picture.image, *scene, picture.xray_range);
+  return picture;
+}
+
+// Whether they were drawn to the end.
+bool Worker::Impl::draw_all(const Request& request, const Level& level, bool is_final) {
+  Pictures done;
+  done.number = request.number;
+  done.level = level;
+  done.is_final = is_final;
+  done.asked = request.asked;
+  std::stop_token token;
+  {
+    const std::lock_guard lock(mutex);
+    stop = {};
+    token = stop.get_token();
+    may_be_given_up = !request.is_moving;
+    if (is_over || (may_be_given_up && pending)) return false;
+  }
+  const cli::Stopwatch since;
+  FrameCost cost;
+  try {
+    for (const auto& scene : request.scenes) {
+      fraction = 0;
+      done.pictures.push_back(draw(scene, level, token));
+      const FrameCost one = cost_of(done.pictures.back().profile);
+      cost.kernels_ms += one.kernels_ms;
+      cost.samples_ms += one.samples_ms;
+    }
+    if (done.pictures.size() == 2) compare(done);
+    done.ms = since.ms();
+    chooser.measured(level, cost);
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::kCancelled) return false;
+    done.error = cli::one_line(error.what());
+  } catch (const std::bad_alloc&) {
+    done.error = "out of memory";
+  } catch (const std::exception& error) {
+    done.error = cli::one_line(error.what());
+  }
+  if (!done.error.empty()) {
+    done.pictures.clear();
+    done.is_final = true;
+  }
+  const bool is_drawn = done.error.empty();
+  {
+    const std::lock_guard lock(mutex);
+    finished = std::move(done);
+  }
+  Window::wake();
+  return is_drawn;
+}
+
+void Worker::Impl::serve(const Request& request) {
+  const Scene& scene = *request.scenes.front();
+  set_scales(scene);
+  if (measured_of != scene.shown) {
+    // Steps in time cost alike; other data do not.
+    if (!measured_of || measured_of->field().num_kernels() != scene.shown->field().num_kernels())
+      chooser.forget();
+    measured_of = scene.shown;
+  }
+  const double budget = budget_ms;
+  moving_level = chooser.choose(budget, moving_level);
+  if (chooser.predicted_ms(moving_level) == 0) moving_level = chooser.levels().back();
+  if (request.is_moving) {
+    draw_all(request, moving_level, false);
+    return;
+  }
+  // What is quick enough to be shown at once, then steps up to the full picture.
+  const bool is_quick =
+      chooser.predicted_ms(Level{}) > 0 && chooser.predicted_ms(Level{}) < 2 * budget;
+  std::vector<Level> steps;
+  if (!is_quick) {
+    steps = chooser.refinement(moving_level);
+    if (!moving_level.is_full()) steps.insert(steps.begin(), moving_level);
+  } else {
+    steps = {Level{}};
+  }
+  for (const Level& level : steps) {
+    if (!draw_all(request, level, level.is_full()) || is_superseded()) return;
+  }
+}
+
+void Worker::Impl::run() {
+  lower_priority();
+  std::unique_lock lock(mutex);
+  while (!is_over) {
+    if (!pending) {
+      is_drawing = false;
+      wanted.wait(lock);
+      continue;
+    }
+    is_drawing = true;
+    const Request request = *std::exchange(pending, std::nullopt);
+    lock.unlock();
+    serve(request);
+    lock.lock();
+  }
+}
+
+Worker::Worker() : impl_(std::make_unique<Impl>()) {
+  impl_->thread = std::thread([this] { impl_->run(); });
+}
+
+Worker::~Worker() {
+  {
+    const std::lock_guard lock(impl_->mutex);
+    impl_->is_over = true;
+    impl_->stop.request_stop();
+    impl_->wanted.notify_all();
+  }
+  impl_->thread.join();
+}
+
+void Worker::ask(Request request) {
+  const std::lock_guard lock(impl_->mutex);
+  impl_->pending = std::move(request);
+  if (impl_->may_be_given_up) impl_->stop.request_stop();
+  impl_->wanted.notify_all();
+}
+
+std::optional<Pictures> Worker::take() {
+  const std::lock_guard lock(impl_->mutex);
+  return std::exchange(impl_->finished, std::nullopt);
+}
+
+bool Worker::is_idle() const {
+  const std::lock_guard lock(impl_->mutex);
+  return !impl_->is_drawing && !impl_->pending && !impl_->finished;
+}
+
+double Worker::progress() const { return impl_->fraction; }
+
+void Worker::set_budget(double ms) { impl_->budget_ms = ms; }
+
+}  // namespace ovoid::viewer

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+// Draws pictures on a thread of its own: the newest that is asked for, coarse ones while something
+// moves, then finer ones up to the full picture.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "levels.h"
+#include "loader.h"
+#include "ovoid/renderer.h"
+#include "ovoid/value_plane.h"
+
+namespace ovoid::viewer {
+
+using Clock = std::chrono::steady_clock;
+
+// All that one picture is made of. Immutable once it is handed over.
+struct Scene {
+  std::shared_ptr<const Shown> shown;
+  std::shared_ptr<const Extras> extras;  // of `shown`; null while it is worked out
+  Camera camera;
+  Look look;
+  RenderOptions options;  // the full picture's, width and height included
+  std::optional<ValuePlane> plane;
+  RendererSetup setup;
+  bool has_trail = false;
+  Rgb background{0, 0, 0};
+  std::optional<std::pair<double, double>> xray_range;  // none: the picture's own
+};
+
+struct Request {
+  std::uint64_t number = 0;                          // rising
+  std::vector<std::shared_ptr<const Scene>> scenes;  // one, or two to be compared
+  bool is_moving = false;  // more requests will follow soon: a coarse picture will do
+  Clock::time_point asked{};
+};
+
+struct Picture {
+  std::shared_ptr<const Scene> scene;
+  Image image;
+  std::vector<std::uint8_t> rgba;  // opaque, before the background; row 0 at the bottom
+  std::pair<double, double> xray_range{0, 1};
+  FrameProfile profile;
+};
+
+struct Pictures {
+  std::uint64_t number = 0;  // of the request
+  Level level;
+  bool is_final = false;  // nothing finer follows
+  std::vector<Picture> pictures;
+  std::string error;  // why there is none
+  Clock::time_point asked{};
+  double ms = 0;  // of all its pictures
+  // Of two full pictures.
+  double psnr = 0;
+  std::vector<std::uint8_t> difference;  // their distance, kDifferenceGain-fold, as Picture::rgba
+};
+
+inline constexpr double kDifferenceGain = 8;
+
+class Worker {
+ public:
+  Worker();
+  ~Worker();  // stops, and waits until it has
+  Worker(const Worker&) = delete;
+  Worker& operator=(const Worker&) = delete;
+
+  // Supersedes what was asked for before. A picture for something moving that is nearly done is
+  // finished first, so that pictures keep coming; finer ones are given up at once.
+  void ask(Request request);
+  // The pictures that are newer than those taken last, if there are.
+  std::optional<Pictures> take();
+  bool is_idle() const;
+  double progress() const;  // of the picture in work, in [0, 1]
+  // While something moves a picture should take no longer than this.
+  void set_budget(double ms);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+// Opaque 8-bit colours, row 0 at the bottom; an x-ray's integrals become colours over `xray_range`.
+std::vector<std::uint8_t> to_display(const Image& image, const Scene& scene,
+                                     const std::pair<double, double>& xray_range);
+
+}  // namespace ovoid::viewer

@@ -19,9 +19,9 @@ constexpr double kRest = 0.5;        // seconds a window sleeps in which nothing
 constexpr double kHeldStill = 0.25;  // seconds without a change after which pictures refine
 constexpr int kFramesPerEvent = 3;   // ImGui needs some to show what an event led to
 
-double now_s() { return std::chrono::duration<double>(Clock::now().time_since_epoch()).count(); }
-
 }  // namespace
+
+double now_s() { return std::chrono::duration<double>(Clock::now().time_since_epoch()).count(); }
 
 App::App(std::shared_ptr<const Launch> launch)
     : launch_(std::move(launch)),
@@ -34,6 +34,12 @@ App::App(std::shared_ptr<const Launch> launch)
   if (!launch_->record.empty()) {
     recorder_.emplace(launch_->record);
     recorder_->begin(window_.size().width, window_.size().height);
+  }
+  const float scale = gui_.scale();
+  if (has_panel_ && scale != 1) {  // which is known only now
+    const Size size = window_.size();
+    const float more = static_cast<float>(kPanelWidth) * (scale - 1);
+    window_.resize({size.width + static_cast<int>(more), size.height});
   }
   worker_ = std::make_unique<Worker>();
   loader_ = std::make_unique<Loader>();
@@ -50,9 +56,10 @@ App::~App() {
 
 double App::patience() const {
   if (frames_due_ > 0) return 0;
-  if (is_moving_ || document_.time.is_playing || script_ || !messages_.empty() || progress_)
-    return kFrame;
-  return kRest;
+  if (is_moving_ || document_.time.is_playing || script_ || progress_) return kFrame;
+  double rest = kRest;
+  for (const Message& message : messages_) rest = std::min(rest, message.until - now_s());
+  return std::max(rest, 0.0);
 }
 
 void App::run(const std::stop_token& stop) {
@@ -79,7 +86,8 @@ void App::run(const std::stop_token& stop) {
     take_pictures();
     watch();
     play();
-    if (frames_due_ <= 0 && !is_moving_ && messages_.empty() && !progress_) continue;
+    if (!messages_.empty() && messages_.front().until < begun) frames_due_ = 1;  // it goes
+    if (frames_due_ <= 0 && !is_moving_ && !progress_) continue;
     frame(events, begun - last_frame);
     last_frame = begun;
     --frames_due_;
@@ -124,9 +132,15 @@ void App::frame(const std::vector<Event>& events, double seconds) {
     last_version_ = document_.version();
     meter_.changed(last_version_);
     changed_at_ = now;
-    was_edited_ = true;
     frames_due_ = std::max(frames_due_, 2);
   }
+  if (document_.view_version() != last_view_version_) {
+    last_view_version_ = document_.view_version();
+    was_edited_ = true;
+  }
+  // What is shown is what the slider says, once nothing newer is on its way.
+  if (document_.is_open() && !is_mouse_down && !waits_for_time_ && !document_.time.is_playing)
+    document_.time.now = document_.shown->time;
   is_moving_ =
       ((is_held || is_mouse_down) && now - changed_at_ < kHeldStill) || document_.time.is_playing;
   meter_.moving(is_moving_);
@@ -194,6 +208,7 @@ void App::take_pictures() {
   if (!notice.empty() && notice != told_notice_) tell(told_notice_ = notice);
   meter_.picture_shown(pictures->number, is_moving_, pictures->is_final, pictures->ms);
   if (pictures->number >= time_version_) waits_for_time_ = false;
+  for (const double ms : worker_->take_cancel_times()) meter_.cancelled(ms);
   picture_view_.take(std::move(*pictures));
   if (picture_wish_ && picture_view_.full(document_.version()) != nullptr)
     save_the_picture(*std::exchange(picture_wish_, std::nullopt));

@@ -26,6 +26,8 @@ namespace ovoid::viewer {
 
 inline constexpr int kPanelWidth = 340;  // units, before the interface's scale
 
+double now_s();  // seconds of the steady clock
+
 class App final : public ScriptHost {
  public:
   // Opens the window. Throws what Window throws, and Error of a script that cannot be read.
@@ -108,7 +110,7 @@ class App final : public ScriptHost {
   bool shows_help_ = false;
   bool is_moving_ = false;
   bool was_edited_ = false;  // since the view was remembered
-  std::uint64_t last_version_ = 0;
+  std::uint64_t last_version_ = 0, last_view_version_ = 0;
   std::uint64_t asked_version_ = 0;
   bool asked_moving_ = false;
   Size asked_size_;

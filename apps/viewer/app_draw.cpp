@@ -41,8 +41,6 @@ constexpr std::array kHelp = {KeyHelp{"drag", "turn"},
                               KeyHelp{"?", "this help"},
                               KeyHelp{"ctrl + q", "close"}};
 
-double now_s() { return std::chrono::duration<double>(Clock::now().time_since_epoch()).count(); }
-
 void label(ImDrawList& list, ImVec2 at, ImU32 color, const std::string& text, float wrap = 0) {
   const ImVec2 size = ImGui::CalcTextSize(text.c_str(), nullptr, false, wrap);
   list.AddRectFilled({at.x - 4, at.y - 2}, {at.x + size.x + 4, at.y + size.y + 2}, kShade, 3);

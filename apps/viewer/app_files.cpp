@@ -21,8 +21,6 @@ namespace {
 constexpr double kWatchEvery = 0.5;    // seconds
 constexpr double kWatchSettles = 0.3;  // seconds for which a file must have stayed as it is
 
-double now_s() { return std::chrono::duration<double>(Clock::now().time_since_epoch()).count(); }
-
 std::filesystem::file_time_type time_of(const std::string& path) {
   std::error_code error;
   const auto time = std::filesystem::last_write_time(path, error);
@@ -74,7 +72,11 @@ void App::take_load_reports() {
       }
     }
     if (auto* ready = std::get_if<ShownReady>(&report)) {
-      document_.take(*ready, aspect());
+      try {
+        document_.take(*ready, aspect());
+      } catch (const Error& error) {  // a camera that cannot be
+        tell(cli::one_line(error.what()), true);
+      }
       time_version_ = document_.version();
       progress_.reset();
     }

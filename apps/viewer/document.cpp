@@ -28,7 +28,7 @@ void Document::take(const ShownReady& ready, double aspect) {
   const bool is_first = std::exchange(awaits_first_, false);
   shown = ready.shown;
   if (extras && extras->of != shown) extras.reset();
-  time.now = shown->time;
+  if (is_first) time.now = shown->time;
   if (ready.kernel || ready.look) label_kernel = ready.kernel;
   if (is_first && !is_reload_) {
     const cli::DrawingFlags& flags = launch->drawing;

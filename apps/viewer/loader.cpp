@@ -230,6 +230,12 @@ void Loader::Impl::read(const OpenTask& task, const std::stop_token& token) {
   report(LoadProgress{"choosing kernels for " + title_of(flags), 1});
   const double time = flags.time.value_or(info->times[static_cast<std::size_t>(info->step)]);
   ShownReady ready = first_of_array(next, time, since, own);
+  // What can be wrong with the flags comes out here, where it keeps nothing from being shown.
+  const Field& field = next.shown->field();
+  RenderOptions ignored = next.drawing.options;
+  const Box box = cli::apply_crop(next.drawing.crop, field, &ignored);
+  cli::make_camera(next.drawing.camera, box.world_bounds(),
+                   next.shown->subject.described.space, 1.0);
   data = std::move(next);  // what was there before stays if anything went wrong
   report(Opened{info, task.launch, task.is_reload});
   report(std::move(ready));

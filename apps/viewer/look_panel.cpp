@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
+#include <utility>
 
 #include "ovoid/error.h"
 #include "panels.h"
@@ -52,13 +54,32 @@ bool edit_point(Panel& panel, const std::string& name, std::vector<OpacityPoint>
   return is_changed;
 }
 
+// Modes in which one sample makes the pixel: its opacity is no matter of thickness.
+bool is_of_one_sample(Mode mode) { return mode == Mode::kMaximum || mode == Mode::kMean; }
+
+// Between them and the others: what was faint in layers becomes visible, and faint again.
+void swap_opacities(Panel& panel, bool was_one, bool is_one) {
+  std::vector<OpacityPoint>& points = panel.document.view.look.transfer_function.opacities;
+  if (was_one == is_one) return;
+  if (!is_one) {
+    if (panel.state.layered.size() == points.size()) points = panel.state.layered;
+    return;
+  }
+  panel.state.layered = points;
+  double greatest = 0;
+  for (const OpacityPoint& point : points) greatest = std::max(greatest, point.opacity);
+  if (greatest == 0) return;
+  for (OpacityPoint& point : points) point.opacity /= greatest;
+}
+
 bool choose_mode(Panel& panel) {
   Look& look = panel.document.view.look;
   int mode = static_cast<int>(std::find(kModes.begin(), kModes.end(), look.mode) - kModes.begin());
   const bool is_changed = panel.widgets.choice(
       "look.mode", "mode", {"composite", "x-ray", "maximum", "mean", "isosurface"}, &mode);
   if (is_changed) {
-    look.mode = kModes[static_cast<std::size_t>(mode)];
+    const Mode before = std::exchange(look.mode, kModes[static_cast<std::size_t>(mode)]);
+    swap_opacities(panel, is_of_one_sample(before), is_of_one_sample(look.mode));
     const ValueRange range = panel.document.shown->field().value_range();
     if (look.mode == Mode::kIsosurface && !(look.isovalue > range.lo && look.isovalue < range.hi))
       look.isovalue = (static_cast<double>(range.lo) + range.hi) / 2;

@@ -107,6 +107,8 @@ void Meter::picture_shown(std::uint64_t version, bool is_moving, bool is_final, 
   if (is_final && first_full_ms_ < 0) first_full_ms_ = ms_since_start();
 }
 
+void Meter::cancelled(double ms) { keep(now().cancel_ms, ms); }
+
 void Meter::moving(bool is_moving) {
   if (is_moving == is_moving_) return;
   const double at = steady_ms();
@@ -147,6 +149,7 @@ nlohmann::ordered_json Meter::report() const {
          {"input_to_picture_ms", spread_of(section.latency_ms)},
          {"between_pictures_ms", spread_of(section.gap_ms)},
          {"picture_ms", spread_of(section.picture_ms)},
+         {"cancel_ms", spread_of(section.cancel_ms)},
          {"release_to_full_ms", spread_of(section.settle_ms)}});
   }
   return {{"window_ms", window_ms_},

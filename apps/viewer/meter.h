@@ -24,6 +24,7 @@ class Meter {
   void changed(std::uint64_t version);  // something was done that the picture must follow
   void picture_shown(std::uint64_t version, bool is_moving, bool is_final, double picture_ms);
   void moving(bool is_moving);         // every frame
+  void cancelled(double ms);  // a picture that was given up had stopped
   void first_frame();                  // the window is up
   double pictures_per_second() const;  // of the last second while moving
   double interface_ms() const;         // the last one
@@ -37,7 +38,7 @@ class Meter {
   };
   struct Section {
     std::string name;
-    std::vector<double> interface_ms, latency_ms, picture_ms, gap_ms, settle_ms;
+    std::vector<double> interface_ms, latency_ms, picture_ms, gap_ms, settle_ms, cancel_ms;
     double moving_ms = 0;
     std::int64_t pictures_moving = 0, pictures = 0;
   };

@@ -34,6 +34,7 @@ struct PanelState {
   std::string state_path = "state.json";
   std::string open_path;
   int color_map = -1;
+  std::vector<OpacityPoint> layered;  // opacities before a mode in which one sample makes the pixel
   bool has_handles = true;  // of crop and clip planes, in the picture
 };
 

@@ -150,6 +150,8 @@ struct Worker::Impl {
   bool is_over = false;
   bool is_drawing = false;
   bool may_be_given_up = false;  // what is drawn is a refinement
+  std::optional<Clock::time_point> given_up_at;
+  std::vector<double> cancel_times;
   std::atomic<double> fraction{0};
   std::atomic<double> budget_ms{kDefaultBudgetMs};
   std::thread thread;
@@ -160,6 +162,7 @@ struct Worker::Impl {
   LevelChooser chooser;
   std::shared_ptr<const Shown> measured_of;
   Level moving_level{4, 0};
+  std::optional<std::pair<double, double>> last_xray_range;
 
   Renderer& renderer_for(const RendererSetup& setup);
   void set_scales(const Scene& scene);
@@ -212,8 +215,13 @@ Picture Worker::Impl::draw(const std::shared_ptr<const Scene>& scene, const Leve
   }();
   picture.image = std::move(frame.image);
   picture.profile = std::move(frame.profile);
-  if (scene->look.mode == Mode::kXray)
-    picture.xray_range = scene->xray_range.value_or(range_of_integrals(picture.image));
+  if (scene->look.mode == Mode::kXray) {
+    // Colours of the last full picture, so that coarse ones do not flicker.
+    if (level.is_full() || !last_xray_range) last_xray_range = range_of_integrals(picture.image);
+    picture.xray_range = scene->xray_range.value_or(*last_xray_range);
+  } else {
+    last_xray_range.reset();
+  }
   picture.rgba = to_display(picture.image, *scene, picture.xray_range);
   return picture;
 }
@@ -229,6 +237,7 @@ bool Worker::Impl::draw_all(const Request& request, const Level& level, bool is_
   {
     const std::lock_guard lock(mutex);
     stop = {};
+    given_up_at.reset();
     token = stop.get_token();
     may_be_given_up = !request.is_moving;
     if (is_over || (may_be_given_up && pending)) return false;
@@ -247,7 +256,14 @@ bool Worker::Impl::draw_all(const Request& request, const Level& level, bool is_
     done.ms = since.ms();
     chooser.measured(level, cost);
   } catch (const Error& error) {
-    if (error.code() == ErrorCode::kCancelled) return false;
+    if (error.code() == ErrorCode::kCancelled) {
+      const std::lock_guard lock(mutex);
+      if (given_up_at) {
+        cancel_times.push_back(
+            std::chrono::duration<double, std::milli>(Clock::now() - *given_up_at).count());
+      }
+      return false;
+    }
     done.error = cli::one_line(error.what());
   } catch (const std::bad_alloc&) {
     done.error = "out of memory";
@@ -274,6 +290,7 @@ void Worker::Impl::serve(const Request& request) {
     // Steps in time cost alike; other data do not.
     if (!measured_of || measured_of->field().num_kernels() != scene.shown->field().num_kernels())
       chooser.forget();
+    last_xray_range.reset();
     measured_of = scene.shown;
   }
   const double budget = budget_ms;
@@ -332,8 +349,16 @@ Worker::~Worker() {
 void Worker::ask(Request request) {
   const std::lock_guard lock(impl_->mutex);
   impl_->pending = std::move(request);
-  if (impl_->may_be_given_up) impl_->stop.request_stop();
+  if (impl_->is_drawing && impl_->may_be_given_up && !impl_->given_up_at) {
+    impl_->given_up_at = Clock::now();
+    impl_->stop.request_stop();
+  }
   impl_->wanted.notify_all();
+}
+
+std::vector<double> Worker::take_cancel_times() {
+  const std::lock_guard lock(impl_->mutex);
+  return std::exchange(impl_->cancel_times, {});
 }
 
 std::optional<Pictures> Worker::take() {

@@ -75,6 +75,8 @@ class Worker {
   void ask(Request request);
   // The pictures that are newer than those taken last, if there are.
   std::optional<Pictures> take();
+  // How long pictures that were given up took to stop, since the last call; milliseconds.
+  std::vector<double> take_cancel_times();
   bool is_idle() const;
   double progress() const;  // of the picture in work, in [0, 1]
   // While something moves a picture should take no longer than this.

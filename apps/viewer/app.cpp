@@ -210,8 +210,13 @@ void App::take_pictures() {
   if (pictures->number >= time_version_) waits_for_time_ = false;
   for (const double ms : worker_->take_cancel_times()) meter_.cancelled(ms);
   picture_view_.take(std::move(*pictures));
-  if (picture_wish_ && picture_view_.full(document_.version()) != nullptr)
-    save_the_picture(*std::exchange(picture_wish_, std::nullopt));
+  if (picture_wish_ && picture_view_.full(document_.version()) != nullptr) {
+    try {
+      save_the_picture(*std::exchange(picture_wish_, std::nullopt));
+    } catch (const Error& error) {
+      tell(cli::one_line(error.what()), true);
+    }
+  }
 }
 
 void App::tell(const std::string& text, bool is_error) {

@@ -27,6 +27,7 @@ constexpr std::array kHelp = {KeyHelp{"drag", "turn"},
                               KeyHelp{"right drag", "zoom"},
                               KeyHelp{"ctrl + drag", "roll"},
                               KeyHelp{"double click", "turn about this place"},
+                              KeyHelp{"yellow and coloured dots", "drag: ends of the crop, planes"},
                               KeyHelp{"shift + arrows, [ ]", "turn and roll in steps"},
                               KeyHelp{"1 ... 6", "from +x, -x, +y, -y, +z, -z"},
                               KeyHelp{"r", "the first view again"},
@@ -35,11 +36,11 @@ constexpr std::array kHelp = {KeyHelp{"drag", "turn"},
                               KeyHelp{"s", "save the picture"},
                               KeyHelp{"ctrl + c", "copy as command"},
                               KeyHelp{"ctrl + s", "save the state"},
-                              KeyHelp{"ctrl + z, ctrl + y", "undo, redo"},
+                              KeyHelp{"ctrl + z, ctrl + y", "undo, redo (also ctrl + shift + z)"},
                               KeyHelp{"tab", "panel"},
                               KeyHelp{"f", "full screen"},
-                              KeyHelp{"?", "this help"},
-                              KeyHelp{"ctrl + q", "close"}};
+                              KeyHelp{"?, escape", "this help, and away with it"},
+                              KeyHelp{"ctrl + q, ctrl + w", "close"}};
 
 void label(ImDrawList& list, ImVec2 at, ImU32 color, const std::string& text, float wrap = 0) {
   const ImVec2 size = ImGui::CalcTextSize(text.c_str(), nullptr, false, wrap);
@@ -66,7 +67,7 @@ void App::draw_panel(Panel& panel, ImVec2 at, ImVec2 size) {
   ImGui::Begin("panel", nullptr,
                ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
                    ImGuiWindowFlags_NoSavedSettings);
-  if (ImGui::BeginTabBar("tabs")) {
+  if (ImGui::BeginTabBar("tabs", ImGuiTabBarFlags_FittingPolicyScroll)) {
     for (const Tab& tab : kTabs) {
       // The first that is seen is the one that is used most.
       const bool is_first = !has_chosen_tab_ && document_.is_open() && tab.draw == look_panel;
@@ -89,8 +90,10 @@ void App::draw_panel(Panel& panel, ImVec2 at, ImVec2 size) {
 
 void App::draw_transport(Panel& panel, ImVec2 at, ImVec2 size) {
   const float scale = gui_.scale();
-  const float width = std::min(420 * scale, size.x * 0.6F);
-  ImGui::SetNextWindowPos({at.x + (size.x - width) / 2, at.y + size.y - 44 * scale});
+  const float left = std::min(190 * scale, size.x * 0.3F);  // beside the axes
+  const float width = std::clamp(size.x - 2 * left, 60 * scale, 460 * scale);
+  ImGui::SetNextWindowPos(
+      {at.x + std::max((size.x - width) / 2, left), at.y + size.y - 44 * scale});
   ImGui::SetNextWindowSize({width, 36 * scale});
   ImGui::SetNextWindowBgAlpha(0.6F);
   ImGui::Begin("transport", nullptr,
@@ -102,20 +105,21 @@ void App::draw_transport(Panel& panel, ImVec2 at, ImVec2 size) {
   if (widgets_.button("transport.play", time.is_playing ? "||" : ">"))
     time.is_playing = !time.is_playing;
   ImGui::SameLine();
-  const std::string format = "%.6g " + document_.info->time_unit;
+  const std::string format = "%.6g " + document_.info->time_unit + step_text(document_);
   if (widgets_.slider("transport.time", "", &time.now, times.front(), times.back(), format.c_str()))
     panel.wishes.goes_to_time = true;
   ImGui::End();
 }
 
 void App::draw_status(ImVec2 at, ImVec2 size) {
-  ImDrawList& list = *ImGui::GetForegroundDrawList();
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
   const float line = ImGui::GetTextLineHeightWithSpacing();
   const float left = at.x + 8;
   float y = at.y + 6;
   if (document_.is_open() && picture_view_.shown() != nullptr) {
     const Pictures& shown = *picture_view_.shown();
-    label(list, {left, y}, kFaint, describe(shown.level, shown.is_final));
+    label(list, {left, y}, kFaint,
+          fmt::format("{}, {:.0f} ms", describe(shown.level, shown.is_final), shown.ms));
     y += line + 4;
   }
   if (const auto& picked = picture_view_.picked()) {
@@ -146,19 +150,22 @@ void App::draw_status(ImVec2 at, ImVec2 size) {
     y += ImGui::CalcTextSize(message.text.c_str(), nullptr, false, wrap).y + 8;
   }
   if (document_.is_open() || progress_) return;
-  const std::string hint =
-      load_error_.empty() ? "Drop a file here, or name one in the panel."
-                          : load_error_ + "\n\nDrop another file here, or name one in the panel.";
   const float wrap = std::max(size.x * 0.8F, 60.0F);
-  const ImVec2 extent = ImGui::CalcTextSize(hint.c_str(), nullptr, false, wrap);
-  label(list, {at.x + (size.x - extent.x) / 2, at.y + (size.y - extent.y) / 2},
-        load_error_.empty() ? kInk : kError, hint, wrap);
+  const auto in_the_middle = [&](const std::string& text, ImU32 color, float below) {
+    const ImVec2 extent = ImGui::CalcTextSize(text.c_str(), nullptr, false, wrap);
+    label(list, {at.x + (size.x - extent.x) / 2, at.y + size.y / 2 - extent.y + below}, color, text,
+          wrap);
+  };
+  if (!load_error_.empty()) in_the_middle(load_error_, kError, -line);
+  in_the_middle("Drop a file here, or name one in the panel (Tab).", kInk, line);
 }
 
 void App::draw_help() {
   const ImVec2 all = ImGui::GetIO().DisplaySize;
-  ImGui::SetNextWindowPos({picture_extent_.x / 2, all.y / 2}, ImGuiCond_Always, {0.5F, 0.5F});
+  ImGui::SetNextWindowPos({all.x / 2, all.y / 2}, ImGuiCond_Always, {0.5F, 0.5F});
   ImGui::SetNextWindowBgAlpha(0.93F);
+  ImGui::SetNextWindowSizeConstraints({100, 60}, {all.x, all.y});
+  ImGui::SetNextWindowFocus();
   ImGui::Begin("help", &shows_help_,
                ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse |
                    ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoMove);

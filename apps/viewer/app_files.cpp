@@ -54,8 +54,14 @@ std::string free_name(const std::string& stem, const std::string& ending) {
 void App::take_load_reports() {
   for (LoadReport& report : loader_->take_reports()) {
     frames_due_ = std::max(frames_due_, 2);
-    if (auto* progress = std::get_if<LoadProgress>(&report)) progress_ = *progress;
-    if (auto* noted = std::get_if<Noted>(&report)) tell(noted->text);
+    if (auto* progress = std::get_if<LoadProgress>(&report)) {
+      progress_ = *progress;
+      if (progress->is_opening) document_.notes.clear();
+    }
+    if (auto* noted = std::get_if<Noted>(&report)) {
+      tell(noted->text);
+      document_.notes.push_back(noted->text);
+    }
     if (auto* opened = std::get_if<Opened>(&report)) {
       const bool is_other = !opened->is_reload;
       document_.take(*opened);
@@ -78,6 +84,7 @@ void App::take_load_reports() {
         tell(cli::one_line(error.what()), true);
       }
       time_version_ = document_.version();
+      if (!was_edited_) last_view_version_ = document_.view_version();  // nobody's edit
       progress_.reset();
     }
     if (auto* extras = std::get_if<std::shared_ptr<const Extras>>(&report)) {
@@ -88,7 +95,9 @@ void App::take_load_reports() {
       waits_for_time_ = false;
       document_.time.is_playing = false;
       if (failed->was_opening) load_error_ = failed->message;
-      tell(failed->message, true);
+      // With nothing open it stands in the middle.
+      if (document_.is_open()) tell(failed->message, true);
+      last_message_ = failed->message;
     }
   }
 }
@@ -182,30 +191,26 @@ void App::grant(Wishes wishes) {
   }
 }
 
-// As `ovoid render` would write it.
+// As `ovoid render` would write it. Throws Error(kFileWrite).
 void App::save_the_picture(const std::string& path) {
   const Picture* const picture = picture_view_.full(document_.version());
   if (picture == nullptr) return;
-  try {
-    const Scene& scene = *picture->scene;
-    Image image = picture->image;
-    Look look = scene.look;
-    const bool is_png = cli::has_ending(path, ".png");
-    if (look.mode == Mode::kXray && is_png) {
-      look.transfer_function.map_range(picture->xray_range.first, picture->xray_range.second);
-      cli::color_integrals(image, look.transfer_function);
-    }
-    cli::DrawingFlags drawing;
-    drawing.background = document_.view.background;
-    if (is_png) drawing.annotation = document_.view.marks;
-    cli::Described described = scene.shown->subject.described;
-    RenderOptions ignored;
-    described.box = cli::apply_crop(crop_of(document_), scene.shown->field(), &ignored);
-    cli::write_picture(image, drawing, described, scene.camera, look, path);
-    tell("picture written to " + path);
-  } catch (const std::exception& error) {
-    tell(cli::one_line(error.what()), true);
+  const Scene& scene = *picture->scene;
+  Image image = picture->image;
+  Look look = scene.look;
+  const bool is_png = cli::has_ending(path, ".png");
+  if (look.mode == Mode::kXray && is_png) {
+    look.transfer_function.map_range(picture->xray_range.first, picture->xray_range.second);
+    cli::color_integrals(image, look.transfer_function);
   }
+  cli::DrawingFlags drawing;
+  drawing.background = document_.view.background;
+  if (is_png) drawing.annotation = document_.view.marks;
+  cli::Described described = scene.shown->subject.described;
+  RenderOptions ignored;
+  described.box = cli::apply_crop(crop_of(document_), scene.shown->field(), &ignored);
+  cli::write_picture(image, drawing, described, scene.camera, look, path);
+  tell("picture written to " + std::filesystem::absolute(path).string());
 }
 
 void App::watch() {

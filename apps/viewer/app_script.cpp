@@ -173,11 +173,7 @@ void App::write_screenshot() {
       image.rgba[i * 4 + c] = static_cast<float>(rgb[i * 3 + c]) / 255.0F;
     image.rgba[i * 4 + 3] = 1;
   }
-  try {
-    write_image(image, std::exchange(screenshot_wish_, {}));
-  } catch (const Error& error) {
-    tell(cli::one_line(error.what()), true);
-  }
+  write_image(image, std::exchange(screenshot_wish_, {}));  // scripts alone ask for it
 }
 
 void App::save_picture(const std::string& path) {

@@ -42,8 +42,10 @@ void tell_time(const Document& document, cli::FlagSet& flags) {
 void tell_array(const Document& document, cli::FlagSet& flags) {
   const Shown& shown = *document.shown;
   erase(flags, {"array", "color-array", "component"});
-  const bool is_density = flags.find("quantity") != nullptr;
-  if (!is_density && document.array_info(shown.array) != nullptr) flags.set("array", shown.array);
+  flags.erase("quantity");
+  if (shown.is_density) flags.set("quantity", "density");
+  if (!shown.is_density && document.array_info(shown.array) != nullptr)
+    flags.set("array", shown.array);
   if (shown.color_array != shown.array && document.array_info(shown.color_array) != nullptr)
     flags.set("color-array", shown.color_array);
   if (shown.component != 0) {

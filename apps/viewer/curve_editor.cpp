@@ -70,33 +70,42 @@ struct Canvas {
     is_pressed = ImGui::IsItemActivated() && ImGui::IsMouseDown(ImGuiMouseButton_Left);
     is_right_pressed = ImGui::IsItemHovered() && ImGui::IsMouseClicked(ImGuiMouseButton_Right);
   }
-  float x_of(double place) const { return lo.x + static_cast<float>(place) * (hi.x - lo.x); }
-  float y_of(double height) const { return hi.y - static_cast<float>(height) * (hi.y - lo.y); }
-  double place_of_mouse() const {
-    return std::clamp(static_cast<double>((mouse.x - lo.x) / (hi.x - lo.x)), 0.0, 1.0);
+  // Room at both ends for the handles of the first and the last point.
+  float inset = 6;
+  float x_of(double place) const {
+    return lo.x + inset + static_cast<float>(place) * (hi.x - lo.x - 2 * inset);
   }
+  float y_of(double height) const { return hi.y - static_cast<float>(height) * (hi.y - lo.y); }
+  double place_of(float x) const {
+    return static_cast<double>((x - lo.x - inset) / (hi.x - lo.x - 2 * inset));
+  }
+  double place_of_mouse() const { return std::clamp(place_of(mouse.x), 0.0, 1.0); }
   double height_of_mouse() const { return (hi.y - mouse.y) / (hi.y - lo.y); }
 };
 
 void draw_histogram(ImDrawList& list, const Canvas& canvas, const Histogram& histogram,
                     const ValueAxis& axis, bool is_log) {
-  if (histogram.counts.empty() || histogram.greatest == 0) return;
+  const bool is_by_decades =
+      axis.scale != ValueScale::kLinear && !histogram.logarithmic.counts.empty();
+  const Histogram::Bins& bins = is_by_decades ? histogram.logarithmic : histogram.linear;
+  if (bins.greatest == 0) return;
   const auto height = [&](std::uint64_t count) {
-    const auto all = static_cast<double>(histogram.greatest);
+    const auto all = static_cast<double>(bins.greatest);
     const auto some = static_cast<double>(count);
     return is_log ? std::log1p(some) / std::log1p(all) : some / all;
   };
-  const double width = (histogram.hi - histogram.lo) / static_cast<double>(histogram.counts.size());
-  for (std::size_t i = 0; i < histogram.counts.size(); ++i) {
-    if (histogram.counts[i] == 0) continue;
-    const double from = histogram.lo + width * static_cast<double>(i);
-    const double a = axis.place_of(from);
-    const double b = axis.place_of(from + width);
-    if (b < 0 || a > 1) continue;
-    const float x0 = canvas.x_of(std::max(a, 0.0));
-    const float x1 = std::max(canvas.x_of(std::min(b, 1.0)), x0 + 1);
-    list.AddRectFilled({x0, canvas.y_of(0.97 * height(histogram.counts[i]))}, {x1, canvas.hi.y},
-                       kBars);
+  const double width = (bins.hi - bins.lo) / static_cast<double>(bins.counts.size());
+  // Bars meet: their ends are whole pixels.
+  const auto end_of = [&](std::size_t bin) {
+    const double at = bins.lo + width * static_cast<double>(bin);
+    const double place = axis.place_of(is_by_decades ? std::pow(10.0, at) : at);
+    return std::floor(canvas.x_of(std::clamp(place, -0.1, 1.1)));
+  };
+  for (std::size_t i = 0; i < bins.counts.size(); ++i) {
+    if (bins.counts[i] == 0) continue;
+    const float x0 = end_of(i);
+    const float x1 = std::max(end_of(i + 1), x0 + 1);
+    list.AddRectFilled({x0, canvas.y_of(0.97 * height(bins.counts[i]))}, {x1, canvas.hi.y}, kBars);
   }
 }
 
@@ -108,7 +117,7 @@ void draw_curve(ImDrawList& list, const Canvas& canvas, const std::vector<Opacit
   curve.linear_width = axis.linear_width;
   std::vector<ImVec2> line;
   for (float x = canvas.lo.x; x <= canvas.hi.x; x += 1) {
-    const double place = (x - canvas.lo.x) / (canvas.hi.x - canvas.lo.x);
+    const double place = canvas.place_of(x);
     const double opacity = points.empty() ? 1 : curve.opacity_at(axis.value_at(place));
     line.emplace_back(x, canvas.y_of(height_of(opacity, is_magnified)));
   }
@@ -151,7 +160,8 @@ template <typename Point>
 int insert_sorted(std::vector<Point>& points, const Point& point) {
   const auto at = std::upper_bound(points.begin(), points.end(), point,
                                    [](const Point& a, const Point& b) { return a.x < b.x; });
-  return static_cast<int>(points.insert(at, point) - points.begin());
+  const auto inserted = points.insert(at, point);  // which moves the beginning
+  return static_cast<int>(inserted - points.begin());
 }
 
 template <typename Point>
@@ -244,7 +254,7 @@ bool edit_colors(Widgets& widgets, const std::string& name, TransferFunction& tf
   ImDrawList& list = *ImGui::GetWindowDrawList();
   const float bottom = canvas.lo.y + kStrip * widgets.scale();
   for (float x = canvas.lo.x; x < canvas.hi.x; x += 2) {
-    const double place = (x - canvas.lo.x) / (canvas.hi.x - canvas.lo.x);
+    const double place = canvas.place_of(x);
     const Rgb color = tf.color_at(axis.value_at(place));
     list.AddRectFilled({x, canvas.lo.y}, {std::min(x + 2, canvas.hi.x), bottom},
                        ImGui::ColorConvertFloat4ToU32(ImVec4(static_cast<float>(color[0]),

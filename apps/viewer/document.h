@@ -53,6 +53,7 @@ class Document {
   std::shared_ptr<const DataInfo> info;  // null: nothing is open
   std::shared_ptr<const Shown> shown;
   std::shared_ptr<const Extras> extras;
+  std::vector<std::string> notes;             // what reading and modelling had to say
   std::optional<LatticeKernel> label_kernel;  // narrow, where the data look like labels
 
   // --- how they are shown

@@ -81,6 +81,7 @@ void set_style(float scale) {
   ImVec4* const colors = style.Colors;
   colors[ImGuiCol_WindowBg] = ImVec4(0.11F, 0.12F, 0.14F, 1.0F);
   colors[ImGuiCol_PopupBg] = ImVec4(0.14F, 0.15F, 0.17F, 0.98F);
+  colors[ImGuiCol_SliderGrab].w = 0.55F;  // the number can be read through it
   ImGui::GetStyle() = style;
 }
 

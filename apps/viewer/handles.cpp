@@ -13,6 +13,9 @@ namespace {
 
 constexpr ImU32 kEdge = IM_COL32(255, 170, 40, 110);
 constexpr ImU32 kFill = IM_COL32(255, 170, 40, 255);
+// As the axes' own (red, green, blue).
+constexpr std::array<ImU32, 3> kAxisColors = {
+    IM_COL32(237, 77, 71, 255), IM_COL32(84, 184, 71, 255), IM_COL32(90, 130, 255, 255)};
 constexpr ImU32 kFillHeld = IM_COL32(255, 230, 160, 255);
 constexpr ImU32 kInk = IM_COL32(0, 0, 0, 200);
 constexpr float kRadius = 5;
@@ -63,6 +66,22 @@ void draw_box(const Box& box, const Projection& projection, ImVec2 at, ImDrawLis
       if ((a & bit) == 0) draw_line(corner(a), corner(a | bit), projection, at, list, color);
     }
   }
+}
+
+const char* Handles::Handle::meaning() const {
+  static constexpr std::array<const char*, 6> kEnds = {"x from", "x to",   "y from",
+                                                       "y to",   "z from", "z to"};
+  switch (kind) {
+    case Kind::kCrop:
+      return kEnds[static_cast<std::size_t>(index)];
+    case Kind::kClipOffset:
+      return "move the clip plane";
+    case Kind::kClipNormal:
+      return "turn the clip plane";
+    case Kind::kPlaneOffset:
+      return "move the value plane";
+  }
+  return "";
 }
 
 void Handles::add(Handle handle, const Projection& projection, ImVec2 at) {
@@ -129,9 +148,18 @@ void Handles::draw(const Document& document, const Projection& projection, ImVec
               projection, at, list);
   }
   const float radius = kRadius * widgets.scale();
+  const ImVec2 mouse = ImGui::GetIO().MousePos;
   for (const Handle& handle : handles_) {
-    list.AddCircleFilled(handle.place, radius, handle.name == held_ ? kFillHeld : kFill);
-    list.AddCircle(handle.place, radius, kInk);
+    const float distance = std::hypot(handle.place.x - mouse.x, handle.place.y - mouse.y);
+    const bool is_near = held_.empty() ? distance < 2 * radius : handle.name == held_;
+    const bool is_crop = handle.kind == Handle::Kind::kCrop;
+    const ImU32 color = is_crop ? kAxisColors[static_cast<std::size_t>(handle.index / 2)] : kFill;
+    list.AddCircleFilled(handle.place, is_near ? 1.5F * radius : radius, color);
+    list.AddCircle(handle.place, is_near ? 1.5F * radius : radius, is_near ? kFillHeld : kInk);
+    if (is_near) {
+      list.AddText({handle.place.x + 2 * radius, handle.place.y - 2 * radius}, kFillHeld,
+                   handle.meaning());
+    }
     widgets.mark(handle.name,
                  {handle.place.x - 1, handle.place.y - 1, handle.place.x + 1, handle.place.y + 1});
   }

@@ -35,6 +35,7 @@ class Handles {
     int index = 0;
     Vec3 anchor;     // world
     Vec3 direction;  // world, unit length: along it, it moves
+    const char* meaning() const;
   };
   void add(Handle handle, const Projection& projection, ImVec2 at);
   void add_plane(const std::string& name, const Vec3& normal, double offset, bool has_normal,

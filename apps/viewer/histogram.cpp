@@ -13,28 +13,61 @@ namespace {
 constexpr std::int64_t kEnoughSamples = 4'000'000;
 constexpr std::int64_t kEnoughKernels = 20'000;  // where each is a sum over its neighbours
 
+Histogram::Bins bins_over(double lo, double hi, std::size_t number) {
+  return {lo, hi > lo ? hi : lo + 1, std::vector<std::uint64_t>(number, 0), 0};
+}
+
+void add(Histogram::Bins& bins, double at) {
+  const auto number = static_cast<double>(bins.counts.size());
+  const double bin = std::floor((at - bins.lo) / (bins.hi - bins.lo) * number);
+  ++bins.counts[static_cast<std::size_t>(std::clamp(bin, 0.0, number - 1))];
+}
+
 class Counter {
  public:
-  explicit Counter(const ValueRange& range) {
-    histogram_.lo = range.lo;
-    histogram_.hi = range.hi > range.lo ? static_cast<double>(range.hi) : range.lo + 1.0;
-    histogram_.counts.assign(kHistogramBins, 0);
-    bins_per_value_ = kHistogramBins / (histogram_.hi - histogram_.lo);
+  // `step`: between values where only multiples of it occur, else 0.
+  Counter(const ValueRange& range, double step) {
+    const double span = static_cast<double>(range.hi) - range.lo;
+    const double values = step > 0 ? std::round(span / step) + 1 : 0;
+    if (values >= 2 && values <= kHistogramBins) {
+      histogram_.linear =
+          bins_over(range.lo - step / 2, range.hi + step / 2, static_cast<std::size_t>(values));
+    } else {
+      histogram_.linear = bins_over(range.lo, range.hi, kHistogramBins);
+    }
+    if (!(range.hi > 0)) return;
+    constexpr double kDecades = 6;
+    const double hi = std::log10(static_cast<double>(range.hi));
+    const double lo = range.lo > 0 ? std::log10(static_cast<double>(range.lo)) : hi - kDecades;
+    histogram_.logarithmic = bins_over(lo, hi, kHistogramBins);
   }
   void count(double value) {
-    const double bin = std::floor((value - histogram_.lo) * bins_per_value_);
-    if (!std::isfinite(bin)) return;
-    ++histogram_.counts[static_cast<std::size_t>(std::clamp(bin, 0.0, kHistogramBins - 1.0))];
+    if (!std::isfinite(value)) return;
+    add(histogram_.linear, value);
+    Histogram::Bins& logarithmic = histogram_.logarithmic;
+    if (value <= 0 || logarithmic.counts.empty()) return;
+    const double at = std::log10(value);
+    if (at >= logarithmic.lo) add(logarithmic, at);
   }
   Histogram result() {
-    histogram_.greatest = *std::max_element(histogram_.counts.begin(), histogram_.counts.end());
+    for (Histogram::Bins* const bins : {&histogram_.linear, &histogram_.logarithmic}) {
+      if (bins->counts.empty()) continue;
+      bins->greatest = *std::max_element(bins->counts.begin(), bins->counts.end());
+    }
     return std::move(histogram_);
   }
 
  private:
   Histogram histogram_;
-  double bins_per_value_ = 1;
 };
+
+// Between the values of a lattice of whole numbers; 0 for others.
+double step_of(const Field& field) {
+  const LatticeField* const lattice = field.lattice();
+  if (lattice == nullptr) return 0;
+  const BrickSource& source = lattice->source();
+  return is_floating(source.acquire(0, 0, 0, 0).type) ? 0 : std::abs(source.value_scale());
+}
 
 template <typename Sample>
 void count_samples(const BrickView& view, const Index3& lo, const Index3& hi,
@@ -116,7 +149,7 @@ void count_kernels(const KernelField& field, Counter& counter, const std::stop_t
 Histogram histogram_of(const Field& field, const std::stop_token& stop) {
   const ValueRange range = field.value_range();
   if (!(range.lo <= range.hi)) return {};
-  Counter counter(range);
+  Counter counter(range, step_of(field));
   if (field.lattice() != nullptr) {
     count_lattice(*field.lattice(), counter, stop);
   } else {

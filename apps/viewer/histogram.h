@@ -11,13 +11,19 @@ namespace ovoid::viewer {
 
 // How often the drawn values occur.
 struct Histogram {
-  double lo = 0, hi = 1;              // the ends of the bins
-  std::vector<std::uint64_t> counts;  // of equal bins; empty: nothing known
-  std::uint64_t greatest = 0;         // of the counts
+  // Equal bins between two values, or between their logarithms to base 10.
+  struct Bins {
+    double lo = 0, hi = 1;
+    std::vector<std::uint64_t> counts;  // empty: nothing known
+    std::uint64_t greatest = 0;         // of the counts
+  };
+  Bins linear;
+  Bins logarithmic;  // of values > 0: six decades, if there are as many
 };
 
 // Of a lattice's samples, and of the field at a kernel set's centres (a sum) or of its kernels'
-// values (normalized). Bins span the field's value range. Of more than some millions of samples
+// values (normalized). Bins span the field's value range; of whole numbers each has one of its own,
+// if they are not too many. Of more than some millions of samples
 // every n-th brick is taken. Throws what the field's source throws, and Error(kCancelled).
 Histogram histogram_of(const Field& field, const std::stop_token& stop = {});
 

@@ -4,18 +4,31 @@
 #include <algorithm>
 #include <array>
 #include <string_view>
+#include <tuple>
 #include <utility>
 
 #include "state_file.h"
 #include "state_words.h"
 #include "usage.h"
+#include "values.h"
 
 namespace ovoid::viewer {
 namespace {
 
 void add_window_flags(cli::Flags& flags, Launch* launch) {
   flags.section("window");
-  cli::add_size_flags(flags, &launch->drawing);
+  flags.value("--size", "WIDTHxHEIGHT", "of the picture, pixels (default 1280x720)",
+              [launch](const std::string& text) {
+                RenderOptions& options = launch->drawing.options;
+                std::tie(options.width, options.height) =
+                    cli::parse_size(text, RenderOptions::kMaxImageSide);
+              });
+  flags.value("--background", "R,G,B", "each in [0, 1] (default 0.05,0.055,0.065)",
+              [launch](const std::string& text) {
+                if (text != "none") launch->drawing.background = cli::parse_rgb(text);
+              });
+  flags.toggle("--no-marks", "begin without axes and colour bar, which are there otherwise",
+               &launch->has_marks, false);
   flags.value("--state", "FILE.json",
               "inputs and flags from a file that was saved; those that stand on the command line "
               "beat it",
@@ -34,7 +47,8 @@ void add_window_flags(cli::Flags& flags, Launch* launch) {
 // The window's own flags, and all other words, which are those of `ovoid render`.
 std::pair<std::vector<std::string>, std::vector<std::string>> own_and_others(
     const std::vector<std::string>& words) {
-  static constexpr std::array<std::string_view, 2> kToggles = {"--no-panel", "--watch"};
+  static constexpr std::array<std::string_view, 3> kToggles = {"--no-panel", "--no-marks",
+                                                               "--watch"};
   static constexpr std::array<std::string_view, 3> kValues = {"--script", "--record", "--report"};
   const auto is_in = [](const auto& names, std::string_view word) {
     return std::find(names.begin(), names.end(), word) != names.end();
@@ -62,8 +76,6 @@ std::shared_ptr<Launch> parse_launch(const std::vector<std::string>& words) {
   auto launch = std::make_shared<Launch>();
   launch->drawing.options.width = 1280;
   launch->drawing.options.height = 720;
-  launch->drawing.annotation.axes = true;
-  launch->drawing.annotation.color_bar = true;
   launch->flags = std::make_unique<cli::Flags>(
       "view", "[INPUT...] [FLAG...]",
       "Shows a volume, mesh, particles or kernels in a window, to look around in.");
@@ -77,6 +89,9 @@ std::shared_ptr<Launch> parse_launch(const std::vector<std::string>& words) {
   all = cli::with_state(all);
   own.insert(own.end(), all.begin(), all.end());
   if (!flags.parse(own)) return nullptr;
+  // A state says which marks it has.
+  if (launch->has_marks && launch->state.empty())
+    launch->drawing.annotation.axes = launch->drawing.annotation.color_bar = true;
   if (!launch->state.empty()) launch->window = cli::read_state(launch->state).window;
   if (!launch->data.inputs.empty()) cli::require_inputs(flags, launch->data);
   cli::check_drawing_flags(flags, launch->drawing, "picture.png");

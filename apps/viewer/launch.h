@@ -24,6 +24,7 @@ struct Launch {
   std::string report;  // where the measured times are written at the end
   bool watches = false;
   bool has_panel = true;
+  bool has_marks = true;
   std::unique_ptr<cli::Flags> flags;  // as they were given
 };
 

@@ -25,6 +25,15 @@ constexpr int kCoarserFields = 2;
 // Fewer kernels than this cost nothing worth saving.
 constexpr std::int64_t kLeastWorthCoarsening = 20'000;
 
+// A note without the flag that it advises; what it is about can be seen and clicked.
+std::string in_a_window(const std::string& note) {
+  for (const char* const advice : {"; choose with --", "; choose one with --"}) {
+    const std::size_t at = note.find(advice);
+    if (at != std::string::npos) return note.substr(0, at);
+  }
+  return note;
+}
+
 struct OpenTask {
   std::shared_ptr<const Launch> launch;
   bool is_reload = false;
@@ -157,7 +166,8 @@ struct Loader::Impl {
   }
 
   cli::Session session(const std::stop_token& token) {
-    return cli::Session([this](const std::string& note) { report(Noted{note}); }, token);
+    return cli::Session([this](const std::string& note) { report(Noted{in_a_window(note)}); },
+                        token);
   }
 
   void run();
@@ -196,6 +206,7 @@ std::shared_ptr<Shown> shown_of(const Data& data, cli::DrawingFlags& drawing, do
   made->array = made->subject.modelled.array;
   made->color_array = made->subject.modelled.color_array;
   made->component = drawing.model.lattice.component;
+  made->is_density = drawing.model.kernels.is_density;
   return made;
 }
 
@@ -222,7 +233,7 @@ void Loader::Impl::read(const OpenTask& task, const std::stop_token& token) {
   Data next{task.launch, task.launch->drawing, nullptr, std::nullopt, nullptr};
   const cli::DataFlags& flags = task.launch->data;
   const std::string what = "reading " + title_of(flags);
-  report(LoadProgress{what, 0});
+  report(LoadProgress{what, 0, true});
   ReadOptions options = cli::read_options(flags, own);
   options.progress = [&](double fraction) { report(LoadProgress{what, fraction}); };
   read_dataset_of(next, own, options);
@@ -234,8 +245,8 @@ void Loader::Impl::read(const OpenTask& task, const std::stop_token& token) {
   const Field& field = next.shown->field();
   RenderOptions ignored = next.drawing.options;
   const Box box = cli::apply_crop(next.drawing.crop, field, &ignored);
-  cli::make_camera(next.drawing.camera, box.world_bounds(),
-                   next.shown->subject.described.space, 1.0);
+  cli::make_camera(next.drawing.camera, box.world_bounds(), next.shown->subject.described.space,
+                   1.0);
   data = std::move(next);  // what was there before stays if anything went wrong
   report(Opened{info, task.launch, task.is_reload});
   report(std::move(ready));
@@ -252,7 +263,7 @@ void Loader::Impl::choose(const ArrayChoice& choice, const std::stop_token& toke
   const cli::DrawingFlags before = drawing;
   drawing.model.lattice.array = drawing.model.kernels.array = choice.array;
   drawing.model.lattice.component = drawing.model.kernels.component = choice.component;
-  drawing.model.kernels.is_density = false;
+  drawing.model.kernels.is_density = choice.is_density;
   drawing.model.kernels.color_array =
       choice.color_array == choice.array ? std::string() : choice.color_array;
   // Flags about the look were meant for the array that the data were opened with.

@@ -44,6 +44,7 @@ struct Shown {
   std::string array;        // gives opacity
   std::string color_array;  // gives colour; of lattices the same
   int component = 0;
+  bool is_density = false;             // of particles: mass, or number, per volume
   std::shared_ptr<const Trail> trail;  // what was there before; null: none
 
   const Field& field() const noexcept { return subject.modelled.field; }
@@ -61,6 +62,7 @@ struct Extras {
 struct LoadProgress {
   std::string what;  // "reading engine.nii.gz"
   double fraction = 0;
+  bool is_opening = false;  // the first word of new data
 };
 struct Opened {  // files were read; `shown` follows
   std::shared_ptr<const DataInfo> info;
@@ -89,6 +91,7 @@ struct ArrayChoice {
   std::string array;
   std::string color_array;  // empty: the same
   int component = 0;        // LatticeModelOptions::kMagnitude: the norm
+  bool is_density = false;  // particles: their mass or number per volume; `array` is empty
   bool operator==(const ArrayChoice&) const = default;
 };
 

@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <utility>
-#include <utility>
 
 #include "ovoid/error.h"
 #include "panels.h"
@@ -35,7 +34,7 @@ ValueAxis axis_of(const TransferFunction& tf, const ValueRange& range) {
 
 // The selected point's numbers.
 bool edit_point(Panel& panel, const std::string& name, std::vector<OpacityPoint>& points,
-                const CurveEditing& editing) {
+                CurveEditing& editing) {
   if (editing.selected < 0 || editing.selected >= static_cast<int>(points.size())) {
     ImGui::TextDisabled("Click: a new point. Right click: away with it.");
     return false;
@@ -47,10 +46,12 @@ bool edit_point(Panel& panel, const std::string& name, std::vector<OpacityPoint>
   is_changed |= widgets.number(name + ".midpoint", "midpoint", &point.midpoint, {.lo = 0, .hi = 1});
   is_changed |=
       widgets.number(name + ".sharpness", "sharpness", &point.sharpness, {.lo = 0, .hi = 1});
-  if (is_changed) {
-    std::stable_sort(points.begin(), points.end(),
-                     [](const OpacityPoint& a, const OpacityPoint& b) { return a.x < b.x; });
-  }
+  // Past its neighbours, if it was typed; it stays the one that is edited.
+  auto at = static_cast<std::size_t>(editing.selected);
+  for (; at > 0 && points[at].x < points[at - 1].x; --at) std::swap(points[at], points[at - 1]);
+  for (; at + 1 < points.size() && points[at].x > points[at + 1].x; ++at)
+    std::swap(points[at], points[at + 1]);
+  editing.selected = static_cast<int>(at);
   return is_changed;
 }
 
@@ -126,6 +127,36 @@ void take_map(TransferFunction& tf, const std::string& name) {
   tf.above_color.reset();
 }
 
+// The built-in maps, each with a strip of its colours.
+bool choose_map(Panel& panel, TransferFunction& tf) {
+  static const std::vector<std::string> names = color_map_names();
+  static const std::vector<TransferFunction> maps = [] {
+    std::vector<TransferFunction> all;
+    all.reserve(names.size());
+    for (const std::string& name : names) all.push_back(color_map(name));
+    return all;
+  }();
+  Widgets& widgets = panel.widgets;
+  std::vector<const char*> options;
+  options.reserve(names.size());
+  for (const std::string& name : names) options.push_back(name.c_str());
+  const auto strip = [&](int number) {
+    const TransferFunction& map = maps[static_cast<std::size_t>(number)];
+    const ImVec2 hi = ImGui::GetItemRectMax();
+    const ImVec2 lo(hi.x - 90 * widgets.scale(), ImGui::GetItemRectMin().y + 2);
+    for (float x = lo.x; x < hi.x; x += 2) {
+      const Rgb c = map.color_at(static_cast<double>((x - lo.x) / (hi.x - lo.x)));
+      ImGui::GetWindowDrawList()->AddRectFilled(
+          {x, lo.y}, {x + 2, hi.y - 2},
+          ImGui::ColorConvertFloat4ToU32(
+              {static_cast<float>(c[0]), static_cast<float>(c[1]), static_cast<float>(c[2]), 1}));
+    }
+  };
+  if (!widgets.choice("look.map", "colours", options, &panel.state.color_map, strip)) return false;
+  take_map(tf, names[static_cast<std::size_t>(panel.state.color_map)]);
+  return true;
+}
+
 bool color_editor(Panel& panel) {
   Document& document = panel.document;
   Look& look = document.view.look;
@@ -136,14 +167,7 @@ bool color_editor(Panel& panel) {
     const ValueAxis axis = axis_of(tf, document.shown->field().color_range());
     is_changed |= edit_colors(widgets, "look.colors", tf, axis, panel.state.colors);
   }
-  static const std::vector<std::string> names = color_map_names();
-  std::vector<const char*> options;
-  options.reserve(names.size());
-  for (const std::string& name : names) options.push_back(name.c_str());
-  if (widgets.choice("look.map", "colours", options, &panel.state.color_map)) {
-    take_map(tf, names[static_cast<std::size_t>(panel.state.color_map)]);
-    is_changed = true;
-  }
+  is_changed |= choose_map(panel, tf);
   const int selected = panel.state.colors.selected;
   if (selected >= 0 && selected < static_cast<int>(tf.colors.size())) {
     ColorPoint& point = tf.colors[static_cast<std::size_t>(selected)];
@@ -156,18 +180,17 @@ bool color_editor(Panel& panel) {
   return is_changed;
 }
 
-bool range_editor(Panel& panel) {
-  TransferFunction& tf = colors_of(panel.document.view.look);
+bool range_editor(Panel& panel, const std::string& name, TransferFunction& tf) {
   Widgets& widgets = panel.widgets;
   double lo = tf.lo();
   double hi = tf.hi();
-  bool is_moved = widgets.number("look.range.lo", "range from", &lo);
-  is_moved |= widgets.number("look.range.hi", "to", &hi);
+  bool is_moved = widgets.number(name + ".range.lo", "range from", &lo);
+  is_moved |= widgets.number(name + ".range.hi", "to", &hi);
   int scale = static_cast<int>(tf.scale);
   double linear_width = tf.linear_width;
-  bool is_scaled = widgets.choice("look.scale", "scale", {"linear", "log", "symlog"}, &scale);
+  bool is_scaled = widgets.choice(name + ".scale", "scale", {"linear", "log", "symlog"}, &scale);
   if (scale == static_cast<int>(ValueScale::kSymlog)) {
-    is_scaled |= widgets.number("look.linear-width", "straight within", &linear_width,
+    is_scaled |= widgets.number(name + ".linear-width", "straight within", &linear_width,
                                 {.lo = 1e-300, .is_logarithmic = true});
   }
   if (!is_moved && !is_scaled) return false;
@@ -258,7 +281,7 @@ bool presets(Panel& panel) {
 
 void look_files(Panel& panel) {
   Widgets& widgets = panel.widgets;
-  widgets.text("look.path", "look file", &panel.state.look_path, -90 * widgets.scale());
+  widgets.text("look.path", "look file", &panel.state.look_path, -104 * widgets.scale());
   widgets.tip("ParaView's JSON. Read: also looks of 3D Slicer and Inviwo. Or drop a file here.");
   ImGui::SameLine();
   if (widgets.button("look.read", "read")) panel.wishes.read_look = panel.state.look_path;
@@ -272,15 +295,24 @@ void look_panel(Panel& panel) {
   Document& document = panel.document;
   Widgets& widgets = panel.widgets;
   if (widgets.button("look.undo", "undo", document.can_undo())) document.undo();
+  widgets.tip("Changes of look, space and settings; not the camera (Ctrl+Z).");
   ImGui::SameLine();
   if (widgets.button("look.redo", "redo", document.can_redo())) document.redo();
   bool is_changed = presets(panel);
   is_changed |= choose_mode(panel);
   is_changed |= opacity_editor(panel);
-  is_changed |= color_editor(panel);
-  is_changed |= range_editor(panel);
-  const Field& field = document.shown->field();
   Look& look = document.view.look;
+  if (look.color_function) {  // opacity and colour each have values of their own
+    is_changed |= range_editor(panel, "look.opacities", look.transfer_function);
+    ImGui::Separator();
+    is_changed |= color_editor(panel);
+    is_changed |= range_editor(panel, "look", *look.color_function);
+    ImGui::Separator();
+  } else {
+    is_changed |= color_editor(panel);
+    is_changed |= range_editor(panel, "look", look.transfer_function);
+  }
+  const Field& field = document.shown->field();
   double unit = look.unit_distance;
   if (unit == 0) unit = look.transfer_function.unit_distance.value_or(default_unit_distance(field));
   if (widgets.number("look.unit-distance", "unit distance", &unit,

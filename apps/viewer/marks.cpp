@@ -13,6 +13,9 @@ namespace {
 constexpr int kAxesSide = 10;
 constexpr int kScaleBarHeight = 5;
 constexpr int kColorBarWidth = 20;
+// A window narrower than this, in lines, keeps the picture free.
+constexpr int kLeastWidthForBar = 26;
+constexpr double kLeastText = 13;  // units, before the interface's scale
 
 Image clear_image(int width, int height) {
   Image image;
@@ -75,7 +78,7 @@ double text_height(int width, int height) {
 }  // namespace
 
 void Marks::draw(const Document& document, const std::pair<double, double>& xray_range,
-                 ImDrawList& list, ImVec2 at, ImVec2 size, float density) {
+                 ImDrawList& list, ImVec2 at, ImVec2 size, float density, float scale) {
   const Size pixels{static_cast<int>(size.x * density), static_cast<int>(size.y * density)};
   if (pixels.width < 32 || pixels.height < 32) return;
   const bool is_resized = !(pixels == drawn_for_);
@@ -88,7 +91,7 @@ void Marks::draw(const Document& document, const std::pair<double, double>& xray
   drawn_for_ = pixels;
   const cli::AnnotationFlags& wanted = document.view.marks;
   cli::AnnotationFlags piece;
-  piece.text_px = text_height(pixels.width, pixels.height);
+  piece.text_px = std::max(text_height(pixels.width, pixels.height), kLeastText * scale * density);
   piece.length_unit = wanted.length_unit;
   piece.title = wanted.title;
   const int line = static_cast<int>(std::ceil(piece.text_px));
@@ -130,7 +133,8 @@ void Marks::draw(const Document& document, const std::pair<double, double>& xray
     show(scale_bar_, pixels.width, kScaleBarHeight * line, true, true);
     piece.scale_bar = false;
   }
-  if (wanted.color_bar) {
+  const bool is_difference = document.other && document.compare == CompareMode::kDifference;
+  if (wanted.color_bar && !is_difference && pixels.width > kLeastWidthForBar * line) {
     piece.color_bar = true;
     show(color_bar_, kColorBarWidth * line, pixels.height, true, false);
   }

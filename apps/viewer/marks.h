@@ -16,9 +16,10 @@ namespace ovoid::viewer {
 class Marks {
  public:
   // Draws the marks of the document's view into the rectangle of `size` units at `at`; `density`:
-  // pixels per unit. `xray_range`: over which an x-ray's colours are spread.
+  // pixels per unit; `scale`: of the interface. `xray_range`: over which an x-ray's colours are
+  // spread.
   void draw(const Document& document, const std::pair<double, double>& xray_range, ImDrawList& list,
-            ImVec2 at, ImVec2 size, float density);
+            ImVec2 at, ImVec2 size, float density, float scale);
 
  private:
   // What of a piece is not clear, and where in the piece that is.

@@ -24,7 +24,7 @@ class Meter {
   void changed(std::uint64_t version);  // something was done that the picture must follow
   void picture_shown(std::uint64_t version, bool is_moving, bool is_final, double picture_ms);
   void moving(bool is_moving);         // every frame
-  void cancelled(double ms);  // a picture that was given up had stopped
+  void cancelled(double ms);           // a picture that was given up had stopped
   void first_frame();                  // the window is up
   double pictures_per_second() const;  // of the last second while moving
   double interface_ms() const;         // the last one

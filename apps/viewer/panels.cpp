@@ -14,7 +14,7 @@ constexpr std::array<Backend, 4> kBackends = {Backend::kAuto, Backend::kCpu, Bac
                                               Backend::kReference};
 
 std::string text_of(const ValueRange& range) {
-  return range.is_empty() ? "no values" : fmt::format("{:.4g} to {:.4g}", range.lo, range.hi);
+  return range.is_empty() ? "no values" : fmt::format("{:.3g} to {:.3g}", range.lo, range.hi);
 }
 
 bool radio(Widgets& widgets, const std::string& name, bool is_on) {
@@ -34,7 +34,10 @@ void array_table(Panel& panel) {
   Document& document = panel.document;
   const Shown& shown = *document.shown;
   const bool has_colors = document.info->kind != DatasetKind::kLattice;
-  ArrayChoice choice{shown.array, shown.color_array, shown.component};
+  ArrayChoice choice{shown.array, shown.color_array, shown.component, shown.is_density};
+  // Particles without a density of their own are drawn by their number per volume at first.
+  const bool is_of_none = document.array_info(shown.array) == nullptr;
+  if (is_of_none) choice.is_density = true;
   const ArrayChoice before = choice;
   if (!ImGui::BeginTable("arrays", has_colors ? 4 : 3,
                          ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingFixedFit))
@@ -48,8 +51,9 @@ void array_table(Panel& panel) {
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
     if (radio(panel.widgets, "data.array." + array.name, array.name == choice.array)) {
-      if (choice.color_array == choice.array) choice.color_array = array.name;
+      if (choice.color_array == choice.array || is_of_none) choice.color_array = array.name;
       choice.array = array.name;
+      choice.is_density = false;
     }
     if (has_colors) {
       ImGui::TableNextColumn();
@@ -57,11 +61,26 @@ void array_table(Panel& panel) {
         choice.color_array = array.name;
     }
     ImGui::TableNextColumn();
-    ImGui::Text("%s%s%s", array.name.c_str(), array.is_cell_data ? " (cells)" : "",
-                array.num_components > 1 ? fmt::format(" x{}", array.num_components).c_str() : "");
+    const std::string name =
+        fmt::format("{}{}{}", array.name, array.is_cell_data ? " (cells)" : "",
+                    array.num_components > 1 ? fmt::format(" x{}", array.num_components) : "");
+    ImGui::TextUnformatted(name.c_str());
+    panel.widgets.tip(name.c_str());
     ImGui::TableNextColumn();
     ImGui::TextUnformatted(
         (text_of(array.range) + (array.unit.empty() ? "" : " " + array.unit)).c_str());
+  }
+  if (document.info->kind == DatasetKind::kParticles) {
+    ImGui::TableNextRow();
+    ImGui::TableNextColumn();
+    if (radio(panel.widgets, "data.density", choice.is_density) && !before.is_density) {
+      choice = {};
+      choice.is_density = true;
+    }
+    ImGui::TableNextColumn();
+    ImGui::TableNextColumn();
+    ImGui::TextUnformatted("density");
+    panel.widgets.tip("The particles' mass per volume, or their number where they have no mass.");
   }
   ImGui::EndTable();
   const ArrayInfo* const chosen = document.array_info(choice.array);
@@ -124,6 +143,9 @@ void data_panel(Panel& panel) {
   ImGui::SameLine();
   if (widgets.button("data.picture", "save the picture")) panel.wishes.saves_picture = true;
   files_of_state(panel);
+  if (document.notes.empty()) return;
+  ImGui::Separator();
+  for (const std::string& note : document.notes) ImGui::TextWrapped("%s", note.c_str());
 }
 
 bool step_time(Document& document, int steps) {
@@ -138,6 +160,13 @@ bool step_time(Document& document, int steps) {
   if (document.time.loops) at = (at % (last + 1) + last + 1) % (last + 1);
   document.time.now = times[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(at, 0, last))];
   return true;
+}
+
+std::string step_text(const Document& document) {
+  const std::vector<double>& times = document.info->times;
+  const auto at = std::find(times.begin(), times.end(), document.shown->time);
+  if (at == times.end()) return {};
+  return fmt::format(" (step {} of {})", at - times.begin(), times.size());
 }
 
 void time_panel(Panel& panel) {
@@ -191,6 +220,11 @@ void time_panel(Panel& panel) {
       is_moved |= widgets.slider("time.blur.decay", "decay", &time.blur_decay, 0, 10);
     }
   }
+  row("shown", fmt::format("{:g} {}{}", document.shown->time, unit, step_text(document)));
+  if (panel.status.resident_bytes == 0) {
+    if (is_moved) panel.wishes.goes_to_time = true;
+    return;
+  }
   row("steps in memory",
       fmt::format("{:.1f} MiB", static_cast<double>(panel.status.resident_bytes) / 1048576));
   if (is_moved) panel.wishes.goes_to_time = true;
@@ -202,6 +236,7 @@ void compare_panel(Panel& panel) {
   ImGui::TextWrapped("Keep how the picture looks as A, change anything, and see both.");
   if (widgets.button("compare.keep", "keep this as A")) {
     document.other = Setting{document.view, document.setup};
+    document.compare = CompareMode::kSideBySide;
     document.touch();
   }
   ImGui::SameLine();
@@ -211,6 +246,13 @@ void compare_panel(Panel& panel) {
     document.touch();
   }
   if (!document.other) return;
+  ImGui::SameLine();
+  if (widgets.button("compare.drop", "drop A")) {
+    document.other.reset();
+    document.compare = CompareMode::kOff;
+    document.touch();
+    return;
+  }
   int mode = static_cast<int>(document.compare);
   if (widgets.choice("compare.mode", "show", {"B alone", "A and B side by side", "difference"},
                      &mode)) {
@@ -295,6 +337,7 @@ void profile_panel(Panel& panel) {
   row("picture", fmt::format("{:.1f} ms", status.picture_ms));
   row("pictures per second", fmt::format("{:.1f}", status.pictures_per_second));
   row("interface", fmt::format("{:.1f} ms", status.interface_ms));
+  ImGui::TextDisabled("stages, summed over threads:");
   for (const auto& [stage, ms] : profile.stages_ms)
     row(("  " + stage).c_str(), fmt::format("{:.2f} ms", ms));
   row("kernels", fmt::format("{} of {}", profile.kernels_drawn, profile.kernels_total));

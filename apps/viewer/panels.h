@@ -35,7 +35,7 @@ struct PanelState {
   std::string open_path;
   int color_map = -1;
   std::vector<OpacityPoint> layered;  // opacities before a mode in which one sample makes the pixel
-  bool has_handles = true;  // of crop and clip planes, in the picture
+  bool has_handles = true;            // of crop and clip planes, in the picture
 };
 
 // What the program tells of the picture that is shown.
@@ -68,5 +68,6 @@ void profile_panel(Panel& panel);
 
 // The transport of the time, also under the picture; whether it is to be gone to.
 bool step_time(Document& document, int steps);
+std::string step_text(const Document& document);  // " (step 2 of 4)"; empty between steps
 
 }  // namespace ovoid::viewer

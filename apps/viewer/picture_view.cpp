@@ -28,11 +28,11 @@ Vec2 size_of_picture(const Document& document, ImVec2 size) {
 }  // namespace
 
 std::string describe(const Level& level, bool is_final) {
-  if (level.is_full()) return is_final ? "full" : "full pixels, moving";
-  std::string text;
+  if (level.is_full()) return is_final ? "full picture" : "moving: full pixels";
+  std::string text = is_final ? "" : "coarse: ";
   if (level.pixels > 1) text = fmt::format("pixels {0} x {0}", level.pixels);
   if (level.field > 0) {
-    if (!text.empty()) text += ", ";
+    if (level.pixels > 1) text += ", ";
     text += fmt::format("1/{} of the kernels", 1 << (3 * level.field));
   }
   return text;
@@ -76,7 +76,7 @@ void PictureView::show_pictures(const Document& document, Gui& gui, ImDrawList& 
   const float middle = at.x + half;
   list.AddLine({middle, at.y}, {middle, at.y + size.y}, IM_COL32(255, 255, 255, 160));
   list.AddText({middle - 20, at.y + 8}, IM_COL32(255, 255, 255, 220), "A");
-  list.AddText({middle + 10, at.y + 8}, IM_COL32(255, 255, 255, 220), "B");
+  list.AddText({middle + 10, at.y + 8}, IM_COL32(255, 255, 255, 220), "B, which the panel edits");
 }
 
 void PictureView::begin_drag(const Panel& panel, ImVec2 mouse, float reach) {
@@ -208,8 +208,8 @@ bool PictureView::draw(Panel& panel, Gui& gui, ImVec2 at, ImVec2 size, float den
     if (panel.state.has_handles && document.compare == CompareMode::kOff)
       handles_.draw(document, projection, at, list, panel.widgets);
     const auto xray_range = shown_ && !shown_->pictures.empty() ? shown_->pictures.back().xray_range
-                                                                : std::pair(0.0, 1.0);
-    marks_.draw(document, xray_range, list, at, size, density);
+                                                                : std::pair(1e-3, 1.0);
+    marks_.draw(document, xray_range, list, at, size, density, panel.widgets.scale());
   }
   ImGui::End();
   return is_moving;

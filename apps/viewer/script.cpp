@@ -21,6 +21,7 @@ namespace {
 
 constexpr double kPatienceMs = 60'000;
 constexpr int kMostSearches = 10;
+constexpr std::size_t kFramesToSettle = 2;
 constexpr std::uintmax_t kMostBytes = 16U << 20;
 
 struct NamedKey {
@@ -408,7 +409,12 @@ void Script::begin(const Line& line, ScriptHost& host) {
   } else if (command == "close") {
     frames_.push_back({CloseAsked{}});
   }
-  if (searches_ == 0) ++at_;
+  if (searches_ > 0) return;
+  ++at_;
+  // What follows sees what this has led to.
+  static constexpr std::array kActs = {"click", "drag", "key", "wheel", "type", "release", "drop"};
+  if (std::find(kActs.begin(), kActs.end(), command) != kActs.end())
+    frames_.insert(frames_.end(), kFramesToSettle, Frame{});
 }
 
 std::vector<Event> Script::next_frame(ScriptHost& host) {

@@ -110,6 +110,8 @@ bool plane_editor(Panel& panel) {
       "An opaque plane that shows the field itself, without opacity or light. For the modes "
       "composite and isosurface.");
   if (!view.plane) return is_changed;
+  if (view.look.mode != Mode::kComposite && view.look.mode != Mode::kIsosurface)
+    ImGui::TextWrapped("Not shown in this mode: it takes composite or isosurface.");
   ValuePlane& plane = *view.plane;
   int across = -1;
   for (int axis = 0; axis < 3; ++axis) {

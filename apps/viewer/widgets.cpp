@@ -14,6 +14,14 @@ namespace {
 // ImGui shows what stands before "##" and tells items apart by all of it.
 std::string hidden_label(const std::string& name) { return "##" + name; }
 
+auto key_of_escape() {
+#if IMGUI_VERSION_NUM < 18700
+  return ImGui::GetKeyIndex(ImGuiKey_Escape);
+#else
+  return ImGuiKey_Escape;
+#endif
+}
+
 }  // namespace
 
 void Widgets::begin_frame(float scale) {
@@ -73,6 +81,29 @@ bool Widgets::checkbox(const std::string& name, const char* label, bool* value) 
   return is_changed;
 }
 
+template <typename Value, typename Draw>
+bool Widgets::typed(const std::string& name, Value* value, const Draw& draw) {
+  ImGui::SetNextItemWidth(-FLT_MIN);
+  const bool was_typed_into = typed_into_ == name;
+  Value edited = *value;
+  if (was_typed_into) std::copy_n(typed_.begin(), edited.size(), edited.begin());
+  const bool is_changed = draw(edited.data());
+  mark(name);
+  const bool is_finite = std::all_of(edited.begin(), edited.end(),
+                                     [](double number) { return std::isfinite(number); });
+  const bool is_typed_into = ImGui::IsItemActive() && ImGui::GetIO().WantTextInput;
+  if (is_typed_into) {
+    typed_into_ = name;
+    if (is_finite) std::copy_n(edited.begin(), edited.size(), typed_.begin());
+    return false;
+  }
+  if (was_typed_into) typed_into_.clear();
+  if (!is_finite || edited == *value || !(is_changed || was_typed_into)) return false;
+  if (was_typed_into && ImGui::IsKeyPressed(key_of_escape())) return false;
+  *value = edited;
+  return true;
+}
+
 bool Widgets::number(const std::string& name, const char* label, double* value,
                      const NumberField& field) {
   label_before(label);
@@ -83,29 +114,26 @@ bool Widgets::number(const std::string& name, const char* label, double* value,
   }
   const ImGuiSliderFlags flags = ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_NoRoundToFormat |
                                  (field.is_logarithmic ? ImGuiSliderFlags_Logarithmic : 0);
-  ImGui::SetNextItemWidth(-FLT_MIN);
-  double edited = *value;
-  const bool is_changed =
-      ImGui::DragScalar(hidden_label(name).c_str(), ImGuiDataType_Double, &edited,
-                        static_cast<float>(speed), &field.lo, &field.hi, field.format, flags);
-  mark(name);
-  if (!is_changed || !std::isfinite(edited)) return false;
-  *value = edited;
-  return true;
+  std::array<double, 1> edited = {*value};
+  const bool is_changed = typed(name, &edited, [&](double* numbers) {
+    return ImGui::DragScalar(hidden_label(name).c_str(), ImGuiDataType_Double, numbers,
+                             static_cast<float>(speed), &field.lo, &field.hi, field.format, flags);
+  });
+  *value = edited[0];
+  return is_changed;
 }
 
 bool Widgets::slider(const std::string& name, const char* label, double* value, double lo,
                      double hi, const char* format) {
   label_before(label);
-  ImGui::SetNextItemWidth(-FLT_MIN);
-  double edited = *value;
-  const bool is_changed =
-      ImGui::SliderScalar(hidden_label(name).c_str(), ImGuiDataType_Double, &edited, &lo, &hi,
-                          format, ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_NoRoundToFormat);
-  mark(name);
-  if (!is_changed || !std::isfinite(edited)) return false;
-  *value = edited;
-  return true;
+  std::array<double, 1> edited = {*value};
+  const bool is_changed = typed(name, &edited, [&](double* numbers) {
+    return ImGui::SliderScalar(hidden_label(name).c_str(), ImGuiDataType_Double, numbers, &lo, &hi,
+                               format,
+                               ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_NoRoundToFormat);
+  });
+  *value = edited[0];
+  return is_changed;
 }
 
 bool Widgets::whole(const std::string& name, const char* label, int* value, int lo, int hi) {
@@ -119,17 +147,13 @@ bool Widgets::whole(const std::string& name, const char* label, int* value, int 
 
 bool Widgets::vector(const std::string& name, const char* label, Vec3* value, double speed) {
   label_before(label);
-  ImGui::SetNextItemWidth(-FLT_MIN);
   std::array<double, 3> edited = {value->x(), value->y(), value->z()};
-  const bool is_changed =
-      ImGui::DragScalarN(hidden_label(name).c_str(), ImGuiDataType_Double, edited.data(), 3,
-                         static_cast<float>(speed), nullptr, nullptr, "%.4g");
-  mark(name);
-  const bool is_finite = std::all_of(edited.begin(), edited.end(),
-                                     [](double number) { return std::isfinite(number); });
-  if (!is_changed || !is_finite) return false;
+  const bool is_changed = typed(name, &edited, [&](double* numbers) {
+    return ImGui::DragScalarN(hidden_label(name).c_str(), ImGuiDataType_Double, numbers, 3,
+                              static_cast<float>(speed), nullptr, nullptr, "%.4g");
+  });
   *value = Vec3(edited[0], edited[1], edited[2]);
-  return true;
+  return is_changed;
 }
 
 bool Widgets::color(const std::string& name, const char* label, Rgb* value) {
@@ -144,12 +168,13 @@ bool Widgets::color(const std::string& name, const char* label, Rgb* value) {
 }
 
 bool Widgets::choice(const std::string& name, const char* label,
-                     const std::vector<const char*>& options, int* chosen) {
+                     const std::vector<const char*>& options, int* chosen,
+                     const std::function<void(int option)>& decorate) {
   label_before(label);
   ImGui::SetNextItemWidth(-FLT_MIN);
   bool is_changed = false;
   const bool has_chosen = *chosen >= 0 && *chosen < static_cast<int>(options.size());
-  const char* const shown = has_chosen ? options[static_cast<std::size_t>(*chosen)] : "";
+  const char* const shown = has_chosen ? options[static_cast<std::size_t>(*chosen)] : "choose ...";
   const bool is_open =
       ImGui::BeginCombo(hidden_label(name).c_str(), shown, ImGuiComboFlags_HeightLarge);
   mark(name);
@@ -160,6 +185,7 @@ bool Widgets::choice(const std::string& name, const char* label,
       *chosen = i;
       is_changed = true;
     }
+    if (decorate && ImGui::IsItemVisible()) decorate(i);
     mark(name + "/" + option);
   }
   ImGui::EndCombo();
@@ -174,8 +200,17 @@ bool Widgets::text(const std::string& name, const char* hint, std::string* value
   return is_entered;
 }
 
-void Widgets::tip(const char* sentence) const {
+void Widgets::tip(const char* sentence) {
   if (!ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) return;
+  // Not at once, and not after a click, when it would lie over what the click has opened.
+  constexpr double kRest = 0.7;
+  const ImVec2 item = ImGui::GetItemRectMin();
+  const bool is_other = item.x != rested_on_.x || item.y != rested_on_.y;
+  if (is_other || ImGui::IsMouseDown(ImGuiMouseButton_Left)) {
+    rested_on_ = item;
+    rests_since_ = ImGui::GetTime() + (is_other ? 0 : 1e9);
+  }
+  if (ImGui::GetTime() - rests_since_ < kRest) return;
   ImGui::BeginTooltip();
   ImGui::PushTextWrapPos(280 * scale_);
   ImGui::TextUnformatted(sentence);

@@ -4,6 +4,8 @@
 
 #include <imgui.h>
 
+#include <array>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -52,14 +54,15 @@ class Widgets {
   bool whole(const std::string& name, const char* label, int* value, int lo, int hi);
   bool vector(const std::string& name, const char* label, Vec3* value, double speed);
   bool color(const std::string& name, const char* label, Rgb* value);
+  // `decorate`, if any, draws onto an option in the opened list, which is then ImGui's last item.
   bool choice(const std::string& name, const char* label, const std::vector<const char*>& options,
-              int* chosen);
+              int* chosen, const std::function<void(int option)>& decorate = {});
   bool text(const std::string& name, const char* hint, std::string* value, float width = -1);
   // A sentence about the item before, shown while the mouse rests on it.
-  void tip(const char* sentence) const;
+  void tip(const char* sentence);
 
   float scale() const noexcept { return scale_; }
-  float width_of_label() const noexcept { return 120 * scale_; }
+  float width_of_label() const noexcept { return 134 * scale_; }
 
  private:
   struct Place {
@@ -67,9 +70,18 @@ class Widgets {
     bool is_in_sight = true;
   };
   void label_before(const char* label) const;
+  // A field that is typed into takes effect when it is left or Enter is pressed, not by every key.
+  template <typename Value, typename Draw>
+  bool typed(const std::string& name, Value* value, const Draw& draw);
 
   std::map<std::string, Place> now_, last_;
   std::string wanted_;  // is scrolled to
+  // The item that the mouse rests on, and since when.
+  ImVec2 rested_on_{-1, -1};
+  double rests_since_ = 0;
+  // The field that is typed into, and what it says so far.
+  std::string typed_into_;
+  std::array<double, 3> typed_{};
   float scale_ = 1;
 };
 

@@ -44,7 +44,7 @@ struct Picture {
   std::shared_ptr<const Scene> scene;
   Image image;
   std::vector<std::uint8_t> rgba;  // opaque, before the background; row 0 at the bottom
-  std::pair<double, double> xray_range{0, 1};
+  std::pair<double, double> xray_range{1e-3, 1};
   FrameProfile profile;
 };
 

@@ -173,8 +173,14 @@ void RampDrawing::make_labels() {
     labels_ = {{lo, annotate::number_text(lo)}};
     return;
   }
-  Tick low{lo, annotate::number_text(lo, resolution)};
-  Tick high{hi, annotate::number_text(hi, resolution)};
+  // Over decades each end has a scale of its own.
+  const auto text_of = [&](double value) {
+    const double own = std::max(std::abs(value) * 1e-3, 1e-307);
+    return annotate::number_text(value,
+                                 scale_.is_linear() ? resolution : annotate::round_below(own));
+  };
+  Tick low{lo, text_of(lo)};
+  Tick high{hi, text_of(hi)};
   if (low.label == high.label) {
     low.label = annotate::number_text(lo);
     high.label = annotate::number_text(hi);

@@ -110,6 +110,10 @@ class DicomReader {
       throw Error(ErrorCode::kUnsupported,
                   fmt::format("{}: is DICOM, but has no pixel data", source_));
     }
+    if (num_files == 0) {
+      throw Error(ErrorCode::kUnsupported,
+                  fmt::format("{}: the folder is empty, expected DICOM slices", source_));
+    }
     throw Error(ErrorCode::kUnsupported,
                 fmt::format("{}: none of its {} files is DICOM: a folder is read as DICOM slices",
                             source_, num_files));

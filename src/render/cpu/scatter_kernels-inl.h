@@ -465,6 +465,9 @@ inline void scatter_splats(const KernelFrame& frame, KernelWorkspace& work,
   for (std::size_t i = 0; i < indices.size(); ++i) {
     // A block's splats are from several bricks, and far apart in memory.
     constexpr std::size_t kAhead = 8;
+    // In clusters most splats are in one block, which takes too long to be waited for.
+    constexpr std::size_t kSplatsPerLook = 512;
+    if (i % kSplatsPerLook == 0 && frame.common.stop.stop_requested()) return;
     if (i + kAhead < indices.size()) hwy::Prefetch(splats + indices[i + kAhead]);
     if (is_gaussian) {
       add_splat<kChannels, true>(frame, work, splats[indices[i]], block, run);

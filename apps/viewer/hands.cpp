@@ -36,7 +36,7 @@ void roll_with(Camera& camera, const Vec2& from, const Vec2& to, const Vec2& mid
   const Vec2 b = to - middle;
   if (a.norm() < 1 || b.norm() < 1) return;  // there is no angle at the very middle
   const double angle = std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b));
-  camera.roll(angle * kDegrees);
+  camera.roll(-angle * kDegrees);  // the world goes with the mouse, so the camera against it
 }
 
 void zoom_to(Camera& camera, double factor, const Vec2& cursor, const Vec2& size, double extent) {

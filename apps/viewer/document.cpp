@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "command.h"
 #include "ovoid/crop.h"
 #include "ovoid/error.h"
 
@@ -40,9 +41,11 @@ void Document::take(const ShownReady& ready, double aspect) {
     view.marks = flags.annotation;
     if (flags.background) view.background = *flags.background;
     if (flags.crop.world) view.crop = flags.crop.world;
+    view.plane = flags.plane;
     setup = flags.run;
     time.blur_length = flags.trail.length.value_or(0);
     time.blur_decay = flags.trail.decay;
+    take_window_state(launch->window, *this);
     other.reset();
     compare = CompareMode::kOff;
     camera = cli::make_camera(flags.camera, bounds(), shown->subject.described.space, aspect);

@@ -9,7 +9,9 @@
 #include <charconv>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <fstream>
+#include <initializer_list>
 #include <sstream>
 #include <utility>
 
@@ -47,10 +49,37 @@ constexpr std::array kNamedKeys = {NamedKey{"ctrl", GLFW_KEY_LEFT_CONTROL},
                                    NamedKey{"[", GLFW_KEY_LEFT_BRACKET},
                                    NamedKey{"]", GLFW_KEY_RIGHT_BRACKET}};
 
-constexpr std::array kCommands = {"wait",    "move",       "press",   "release", "click",
-                                  "drag",    "wheel",      "key",     "type",    "drop",
-                                  "resize",  "screenshot", "picture", "state",   "expect",
-                                  "measure", "repeat",     "end",     "close",   "pace"};
+// A command, and how many words follow it.
+struct Form {
+  const char* command;
+  std::size_t least, most;
+  const char* form;
+};
+constexpr std::array kForms = {
+    Form{"wait", 1, 2, "wait loaded|full|idle, wait N frames|ms"},
+    Form{"move", 1, 1, "move TARGET"},
+    Form{"press", 1, 1, "press left|middle|right"},
+    Form{"release", 1, 1, "release left|middle|right"},
+    Form{"click", 1, 2, "click TARGET [left|right|double]"},
+    Form{"drag", 3, 4, "drag BUTTON TARGET DX,DY [FRAMES]"},
+    Form{"wheel", 1, 2, "wheel NOTCHES [TARGET]"},
+    Form{"key", 1, 2, "key CHORD, key down|up KEY"},
+    Form{"type", 1, 1000, "type TEXT..."},
+    Form{"drop", 1, 1000, "drop FILE..."},
+    Form{"resize", 1, 1, "resize WIDTHxHEIGHT"},
+    Form{"screenshot", 1, 1, "screenshot FILE"},
+    Form{"picture", 1, 1, "picture FILE"},
+    Form{"state", 1, 1, "state FILE"},
+    Form{"expect", 3, 3, "expect KEY ==|!=|<|<=|>|>=|contains VALUE"},
+    Form{"print", 1, 1, "print KEY"},
+    Form{"measure", 1, 1, "measure NAME"},
+    Form{"pace", 1, 1, "pace FRAMES_PER_SECOND (0: as fast as possible)"},
+    Form{"repeat", 1, 1, "repeat N"},
+    Form{"end", 0, 0, "end"},
+    Form{"close", 0, 0, "close"}};
+constexpr std::array kComparisons = {"==", "!=", "<", "<=", ">", ">=", "contains"};
+constexpr double kMostTimes = 1e9;    // of a repeat, and of frames and milliseconds to wait
+constexpr double kLargestSide = 1e5;  // of a window
 
 double now_ms() {
   return std::chrono::duration<double, std::milli>(
@@ -106,6 +135,74 @@ std::optional<int> button_by_name(const std::string& name) {
   return std::nullopt;
 }
 
+// A whole number from 1.
+std::optional<long> times_in(const std::string& text) {
+  const auto number = number_in(text);
+  if (!number || !(*number >= 1 && *number <= kMostTimes) || *number != std::floor(*number))
+    return std::nullopt;
+  return static_cast<long>(*number);
+}
+
+std::optional<std::pair<int, int>> size_in(const std::string& text) {
+  const auto sides = pair_in(text, 'x');
+  const auto is_side = [](double side) { return side >= 1 && side <= kLargestSide; };
+  if (!sides || !is_side(sides->first) || !is_side(sides->second)) return std::nullopt;
+  return std::pair(static_cast<int>(sides->first), static_cast<int>(sides->second));
+}
+
+bool is_one_of(const std::string& word, std::initializer_list<const char*> words) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+using Words = std::vector<std::string>;
+
+// What is wrong with the words behind a command of the mouse or the keys; empty: nothing.
+std::string fault_of_input(const Words& words) {
+  const std::string& command = words.front();
+  if (is_one_of(command, {"press", "release", "drag"}) && !button_by_name(words[1]))
+    return fmt::format("'{}' is no button", words[1]);
+  if (command == "click" && words.size() == 3 && !is_one_of(words[2], {"left", "right", "double"}))
+    return fmt::format("'{}' is no kind of click", words[2]);
+  if (command == "drag" && !pair_in(words[3])) return fmt::format("'{}': expected DX,DY", words[3]);
+  if (command == "drag" && words.size() == 5 && !times_in(words[4]))
+    return fmt::format("'{}': expected a number of frames", words[4]);
+  if (command == "wheel" && !number_in(words[1]))
+    return fmt::format("'{}': expected a number", words[1]);
+  if (command != "key") return {};
+  if (words.size() == 3 && !is_one_of(words[1], {"down", "up"}))
+    return fmt::format("'{}': expected down or up", words[1]);
+  std::stringstream parts(words.back());
+  for (std::string part; std::getline(parts, part, '+');) {
+    if (key_by_name(part) < 0) return fmt::format("'{}' is no key", part);
+  }
+  if (words.size() == 3 && key_by_name(words[2]) < 0)
+    return fmt::format("'{}' is no key", words[2]);
+  return {};
+}
+
+// The same for all others; "?" stands for the command's form.
+std::string fault_of_others(const Words& words) {
+  const std::string& command = words.front();
+  if (command == "wait" && words.size() == 2 && !is_one_of(words[1], {"loaded", "full", "idle"}))
+    return "?";
+  if (command == "wait" && words.size() == 3) {
+    const auto number = number_in(words[1]);
+    const bool is_number = number && *number >= 0 && *number <= kMostTimes;
+    if (!is_number || !is_one_of(words[2], {"frames", "ms"})) return "expected: wait N frames|ms";
+  }
+  if (command == "resize" && !size_in(words[1])) return "?";
+  if (command == "expect" &&
+      std::find(kComparisons.begin(), kComparisons.end(), words[2]) == kComparisons.end())
+    return fmt::format("'{}' is no comparison", words[2]);
+  if (command == "pace") {
+    const auto rate = number_in(words[1]);
+    if (!rate || *rate < 0) return "?";
+  }
+  if (command == "repeat" && !times_in(words[1]))
+    return fmt::format("'{}': expected a whole number, from 1", words[1]);
+  return {};
+}
+
 int modifier_of(int key) {
   if (key == GLFW_KEY_LEFT_CONTROL) return GLFW_MOD_CONTROL;
   if (key == GLFW_KEY_LEFT_SHIFT) return GLFW_MOD_SHIFT;
@@ -125,6 +222,10 @@ int key_by_name(const std::string& name) {
 }
 
 std::string name_of_key(int key) {
+  // Those on the right do the same.
+  if (key == GLFW_KEY_RIGHT_CONTROL) key = GLFW_KEY_LEFT_CONTROL;
+  if (key == GLFW_KEY_RIGHT_SHIFT) key = GLFW_KEY_LEFT_SHIFT;
+  if (key == GLFW_KEY_RIGHT_ALT) key = GLFW_KEY_LEFT_ALT;
   for (const NamedKey& named : kNamedKeys) {
     if (key == named.key) return named.name;
   }
@@ -164,61 +265,19 @@ void Script::check(const Line& line, int* depth) const {
     throw Error(ErrorCode::kFileFormat,
                 fmt::format("{}:{}: {}", path_, line.number, cli::one_line(what)));
   };
-  const std::vector<std::string>& words = line.words;
-  const std::string& command = words.front();
-  if (std::find(kCommands.begin(), kCommands.end(), command) == kCommands.end())
-    complain(fmt::format("'{}' is no command", command));
-  const auto needs = [&](std::size_t least, std::size_t most, const char* form) {
-    if (words.size() < least + 1 || words.size() > most + 1)
-      complain(fmt::format("expected: {}", form));
-  };
-  const auto needs_button = [&](std::size_t at) {
-    if (!button_by_name(words[at])) complain(fmt::format("'{}' is no button", words[at]));
-  };
-  if (command == "wait") needs(1, 2, "wait loaded|full|idle, wait N frames|ms");
-  if (command == "wait" && words.size() == 2 && words[1] != "loaded" && words[1] != "full" &&
-      words[1] != "idle")
-    complain("expected: wait loaded|full|idle, wait N frames|ms");
-  if (command == "wait" && words.size() == 3 &&
-      (!number_in(words[1]) || (words[2] != "frames" && words[2] != "ms")))
-    complain("expected: wait N frames|ms");
-  if (command == "move") needs(1, 1, "move TARGET");
-  if (command == "press" || command == "release") {
-    needs(1, 1, "press|release left|middle|right");
-    needs_button(1);
+  const std::string& command = line.words.front();
+  const auto form = std::find_if(kForms.begin(), kForms.end(),
+                                 [&](const Form& known) { return command == known.command; });
+  if (form == kForms.end()) return complain(fmt::format("'{}' is no command", command));
+  const std::size_t following = line.words.size() - 1;
+  std::string fault = "?";
+  if (following >= form->least && following <= form->most) {
+    fault = fault_of_input(line.words);
+    if (fault.empty()) fault = fault_of_others(line.words);
   }
-  if (command == "click") needs(1, 2, "click TARGET [left|right|double]");
-  if (command == "drag") {
-    needs(3, 4, "drag BUTTON TARGET DX,DY [FRAMES]");
-    needs_button(1);
-    if (!pair_in(words[3])) complain(fmt::format("'{}': expected DX,DY", words[3]));
-  }
-  if (command == "wheel") {
-    needs(1, 2, "wheel NOTCHES [TARGET]");
-    if (!number_in(words[1])) complain(fmt::format("'{}': expected a number", words[1]));
-  }
-  if (command == "key") {
-    needs(1, 2, "key CHORD, key down|up KEY");
-    const std::string& chord = words.back();
-    std::stringstream parts(chord);
-    for (std::string part; std::getline(parts, part, '+');) {
-      if (key_by_name(part) < 0) complain(fmt::format("'{}' is no key", part));
-    }
-  }
-  if (command == "drop") needs(1, 1000, "drop FILE...");
-  if (command == "resize" && (words.size() != 2 || !pair_in(words[1], 'x')))
-    complain("expected: resize WIDTHxHEIGHT");
-  if (command == "screenshot" || command == "picture" || command == "state")
-    needs(1, 1, "screenshot|picture|state FILE");
-  if (command == "expect") needs(3, 3, "expect KEY ==|!=|<|<=|>|>=|contains VALUE");
-  if (command == "measure") needs(1, 1, "measure NAME");
-  if (command == "pace" && (words.size() != 2 || !number_in(words[1]) || *number_in(words[1]) < 0))
-    complain("expected: pace FRAMES_PER_SECOND (0: as fast as possible)");
-  if (command == "repeat") {
-    needs(1, 1, "repeat N");
-    if (!number_in(words[1])) complain(fmt::format("'{}': expected a number", words[1]));
-    ++*depth;
-  }
+  if (fault == "?") fault = fmt::format("expected: {}", form->form);
+  if (!fault.empty()) complain(fault);
+  if (command == "repeat") ++*depth;
   if (command == "end" && --*depth < 0) complain("'end' without 'repeat'");
 }
 
@@ -270,8 +329,9 @@ void Script::press_key(const std::string& chord) {
 void Script::drag(const Line& line, ImVec2 from) {
   const int button = *button_by_name(line.words[1]);
   const auto [dx, dy] = *pair_in(line.words[3]);
-  const double asked = line.words.size() > 4 ? number_in(line.words[4]).value_or(10) : 10;
-  const int steps = std::clamp(static_cast<int>(asked), 1, 1'000'000);
+  constexpr long kMostFrames = 1'000'000;
+  const long asked = line.words.size() > 4 ? times_in(line.words[4]).value_or(10) : 10;
+  const int steps = static_cast<int>(std::min(asked, kMostFrames));
   move_to(from.x, from.y);
   press(button, true);
   for (int i = 1; i <= steps; ++i) move_to(from.x + dx * i / steps, from.y + dy * i / steps);
@@ -301,10 +361,8 @@ void Script::expect(const Line& line, const ScriptHost& host) const {
     holds = *a <= *b;
   else if (how == ">")
     holds = *a > *b;
-  else if (how == ">=")
-    holds = *a >= *b;
   else
-    fail(fmt::format("'{}' is no comparison", how));
+    holds = *a >= *b;
   if (!holds) fail(fmt::format("{} is '{}', expected {} {}", key, is, how, wanted));
 }
 
@@ -331,60 +389,57 @@ bool Script::waits(ScriptHost& host) {
   return true;
 }
 
-void Script::begin(const Line& line, ScriptHost& host) {
+// Mouse, keys and drops become frames; false while what is aimed at is not found yet.
+bool Script::begin_input(const Line& line, ScriptHost& host) {
   const std::vector<std::string>& words = line.words;
   const std::string& command = words.front();
-  if (command == "wait" && words.size() == 2) {
-    awaited_ = words[1];
-    since_ms_ = now_ms();
-  } else if (command == "wait") {
-    const double number = *number_in(words[1]);
-    if (words[2] == "ms")
-      until_ms_ = now_ms() + number;
-    else
-      frames_to_wait_ = static_cast<int>(number);
-  } else if (command == "move" || command == "click") {
-    const auto place = place_of(words[1], host);
-    if (!place) return;
-    move_to(place->x, place->y);
-    if (command == "click") {
-      frames_.push_back({});  // the item learns that the mouse is over it
-      const std::string how = words.size() > 2 ? words[2] : "left";
-      const int button = how == "right" ? GLFW_MOUSE_BUTTON_RIGHT : GLFW_MOUSE_BUTTON_LEFT;
-      for (int i = 0; i < (how == "double" ? 2 : 1); ++i) {
-        press(button, true);
-        press(button, false);
-      }
+  std::string target;
+  if (command == "move" || command == "click") target = words[1];
+  if (command == "drag" || (command == "wheel" && words.size() > 2)) target = words[2];
+  ImVec2 place(0, 0);
+  if (!target.empty()) {
+    const auto found = place_of(target, host);
+    if (!found) return false;
+    place = *found;
+  }
+  if (command == "drag") {
+    drag(line, place);
+  } else if (!target.empty()) {
+    move_to(place.x, place.y);
+    if (command != "move") frames_.push_back({});  // the item learns that the mouse is over it
+  }
+  if (command == "click") {
+    const std::string how = words.size() > 2 ? words[2] : "left";
+    const int button = how == "right" ? GLFW_MOUSE_BUTTON_RIGHT : GLFW_MOUSE_BUTTON_LEFT;
+    for (int i = 0; i < (how == "double" ? 2 : 1); ++i) {
+      press(button, true);
+      press(button, false);
     }
-  } else if (command == "press" || command == "release") {
+  }
+  if (command == "press" || command == "release")
     press(*button_by_name(words[1]), command == "press");
-  } else if (command == "drag") {
-    const auto place = place_of(words[2], host);
-    if (!place) return;
-    drag(line, *place);
-  } else if (command == "wheel") {
-    if (words.size() > 2) {
-      const auto place = place_of(words[2], host);
-      if (!place) return;
-      move_to(place->x, place->y);
-      frames_.push_back({});
-    }
-    frames_.push_back({Scrolled{0, *number_in(words[1])}});
-  } else if (command == "key" && words.size() == 3) {
+  if (command == "wheel") frames_.push_back({Scrolled{0, *number_in(words[1])}});
+  if (command == "key" && words.size() == 3) {
     const int key = key_by_name(words[2]);
     frames_.push_back({KeyChanged{key, words[1] == "down", modifier_of(key)}});
   } else if (command == "key") {
     press_key(words[1]);
-  } else if (command == "type") {
-    for (std::size_t i = 1; i < words.size(); ++i) {
-      for (const char c : words[i])
-        frames_.push_back({Typed{static_cast<unsigned>(static_cast<unsigned char>(c))}});
-    }
-  } else if (command == "drop") {
-    frames_.push_back({Dropped{{words.begin() + 1, words.end()}}});
-  } else if (command == "resize") {
-    const auto [width, height] = *pair_in(words[1], 'x');
-    host.resize(static_cast<int>(width), static_cast<int>(height));
+  }
+  for (std::size_t i = 1; command == "type" && i < words.size(); ++i) {
+    for (const char c : words[i])
+      frames_.push_back({Typed{static_cast<unsigned>(static_cast<unsigned char>(c))}});
+  }
+  if (command == "drop") frames_.push_back({Dropped{{words.begin() + 1, words.end()}}});
+  if (command == "close") frames_.push_back({CloseAsked{}});
+  return true;
+}
+
+void Script::ask_host(const Line& line, ScriptHost& host) {
+  const std::vector<std::string>& words = line.words;
+  const std::string& command = words.front();
+  if (command == "resize") {
+    const auto [width, height] = *size_in(words[1]);
+    host.resize(width, height);
   } else if (command == "screenshot") {
     host.save_screenshot(words[1]);
   } else if (command == "picture") {
@@ -393,23 +448,40 @@ void Script::begin(const Line& line, ScriptHost& host) {
     host.save_state(words[1]);
   } else if (command == "expect") {
     expect(line, host);
+  } else if (command == "print") {
+    fmt::print("{} = {}\n", words[1], host.value_of(words[1]));
+    std::fflush(stdout);
+  } else if (command == "measure") {
+    host.begin_measure(words[1]);
+  }
+}
+
+void Script::begin(const Line& line, ScriptHost& host) {
+  const std::vector<std::string>& words = line.words;
+  const std::string& command = words.front();
+  if (command == "wait" && words.size() == 2) {
+    awaited_ = words[1];
+    since_ms_ = now_ms();
+  } else if (command == "wait" && words[2] == "ms") {
+    until_ms_ = now_ms() + *number_in(words[1]);
+  } else if (command == "wait") {
+    frames_to_wait_ = static_cast<int>(*number_in(words[1]));
   } else if (command == "pace") {
     const double rate = *number_in(words[1]);
     seconds_per_frame_ = rate > 0 ? 1 / rate : 0;
-  } else if (command == "measure") {
-    host.begin_measure(words[1]);
   } else if (command == "repeat") {
-    loops_.push_back({at_ + 1, static_cast<long>(*number_in(words[1])) - 1});
+    loops_.push_back({at_ + 1, times_in(words[1]).value_or(1) - 1});
   } else if (command == "end") {
     if (!loops_.empty() && loops_.back().left-- > 0) {
       at_ = loops_.back().first;
       return;
     }
     if (!loops_.empty()) loops_.pop_back();
-  } else if (command == "close") {
-    frames_.push_back({CloseAsked{}});
+  } else if (begin_input(line, host)) {
+    ask_host(line, host);
+  } else {
+    return;
   }
-  if (searches_ > 0) return;
   ++at_;
   // What follows sees what this has led to.
   static constexpr std::array kActs = {"click", "drag", "key", "wheel", "type", "release", "drop"};
@@ -455,7 +527,7 @@ void Recorder::take(const std::vector<Event>& events, double at_ms) {
       if (!name.empty()) text_ += fmt::format("key {} {}\n", key->is_down ? "down" : "up", name);
     }
     if (const auto* typed = std::get_if<Typed>(&event)) {
-      if (typed->codepoint > ' ' && typed->codepoint < 127 && typed->codepoint != '"')
+      if (typed->codepoint >= ' ' && typed->codepoint < 127 && typed->codepoint != '"')
         text_ += fmt::format("type \"{}\"\n", static_cast<char>(typed->codepoint));
     }
     if (const auto* dropped = std::get_if<Dropped>(&event)) {

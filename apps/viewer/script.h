@@ -57,6 +57,8 @@ class Script {
   [[noreturn]] void fail(const std::string& what) const;
   void check(const Line& line, int* depth) const;
   void begin(const Line& line, ScriptHost& host);  // turns it into frames, or acts at once
+  bool begin_input(const Line& line, ScriptHost& host);
+  void ask_host(const Line& line, ScriptHost& host);
   bool waits(ScriptHost& host);
   void move_to(double x, double y);
   void press(int button, bool is_down);
@@ -92,7 +94,7 @@ class Recorder {
   double last_ms_ = 0;
 };
 
-// GLFW's number of a key by its name ("r", "ctrl", "left", "f5", "?"), and back; -1 and "" for
+// GLFW's number of a key by its name ("r", "ctrl", "left", "?"), and back; -1 and "" for
 // none.
 int key_by_name(const std::string& name);
 std::string name_of_key(int key);

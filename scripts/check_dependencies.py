@@ -85,7 +85,7 @@ def resolve(path, included):
         beside = os.path.dirname(path)
         sources = {os.path.join(beside, *folder, included[:-4] + ".comp") for folder in ((), ("shaders",))}
         return path if sources & SHADERS else None
-    for folder in (os.path.dirname(path), "include", "src", "tests", "bench", "apps/ovoid"):
+    for folder in (os.path.dirname(path), "include", "src", "tests", "bench", "apps/ovoid", "apps/viewer"):
         candidate = os.path.normpath(os.path.join(folder, included))
         if candidate in FILES:
             return candidate

@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is open and how it is shown, filled by the loader and without a window; and the command that
+// says the same.
+#include "document.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <thread>
+
+#include "cli/program.h"
+#include "command.h"
+#include "ovoid/camera.h"
+#include "ovoid/error.h"
+
+namespace ovoid::viewer {
+namespace {
+
+using cli_tests::Folder;
+
+constexpr Size kPicture{64, 48};
+constexpr double kAspect = 64.0 / 48;
+
+// Hands over all that the loader reports until it has nothing more to do; returns its complaint.
+std::string load(Loader& loader, Document& document) {
+  std::string failure;
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  for (bool is_busy = true; is_busy;) {
+    is_busy = loader.is_busy();
+    for (LoadReport& report : loader.take_reports()) {
+      if (auto* opened = std::get_if<Opened>(&report)) document.take(*opened);
+      if (auto* ready = std::get_if<ShownReady>(&report)) document.take(*ready, kAspect);
+      if (auto* extras = std::get_if<std::shared_ptr<const Extras>>(&report))
+        document.extras = *extras;
+      if (auto* failed = std::get_if<LoadFailed>(&report)) failure = failed->message;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    if (std::chrono::steady_clock::now() > deadline) return "not loaded in time";
+  }
+  return failure;
+}
+
+class Documents : public ::testing::Test {
+ protected:
+  void open(std::vector<std::string> flags = {}) {
+    path_ = cli_tests::write_ball(folder_);
+    flags.insert(flags.begin(), path_);
+    loader_.open(parse_launch(flags));
+    ASSERT_EQ(load(loader_, document_), "");
+    ASSERT_TRUE(document_.is_open());
+  }
+  std::vector<std::string> words() const { return flags_of(document_, kPicture).words(); }
+  // The word behind a flag; "" if it is not there.
+  std::string told(const std::string& flag) const {
+    const cli::FlagSet flags = flags_of(document_, kPicture);
+    const auto* const value = flags.find(flag);
+    if (value == nullptr) return "";
+    return value->is_string() ? value->get<std::string>() : value->dump();
+  }
+
+  Folder folder_;
+  std::string path_;
+  Loader loader_;
+  Document document_;
+};
+
+TEST_F(Documents, AreFilledByTheLoader) {
+  open();
+  EXPECT_EQ(document_.info->title, "ball_16x16x16_uint8.raw");
+  EXPECT_FALSE(document_.has_time());
+  EXPECT_EQ(document_.shown->field().num_kernels(), 4096);
+  ASSERT_NE(document_.extras, nullptr);
+  EXPECT_EQ(document_.extras->of, document_.shown);
+  EXPECT_FALSE(document_.extras->histogram.counts.empty());
+  EXPECT_TRUE(document_.extras->probe != nullptr);
+  EXPECT_NO_THROW(document_.camera.validate());
+}
+
+TEST_F(Documents, WhatCannotBeReadLeavesWhatIsThere) {
+  open();
+  const auto shown = document_.shown;
+  const std::string missing = folder_ / "missing.nrrd";
+  loader_.open(parse_launch({missing}));
+  EXPECT_NE(load(loader_, document_).find(missing), std::string::npos);
+  EXPECT_EQ(document_.shown, shown);
+}
+
+// All that flags say of the view is there from the beginning, and is said again by the command.
+TEST_F(Documents, TakeWhatTheFlagsSay) {
+  open({"--value-plane", "0,0,1,2", "--clip", "1,0,0,3", "--crop-world", "1:,:,:", "--background",
+        "1,0.5,0.25", "--mode", "isosurface", "--iso", "100", "--backend", "reference",
+        "--sampling-distance", "0.5", "--scale-bar"});
+  const View& view = document_.view;
+  ASSERT_TRUE(view.plane.has_value());
+  EXPECT_EQ(view.plane->offset, 2);
+  ASSERT_EQ(view.clip_planes.size(), 1U);
+  EXPECT_EQ(view.clip_planes[0].offset, 3);
+  ASSERT_TRUE(view.crop.has_value());
+  EXPECT_EQ(view.crop->min().x(), 1);
+  EXPECT_EQ(view.background, (Rgb{1, 0.5, 0.25}));
+  EXPECT_EQ(view.look.mode, Mode::kIsosurface);
+  EXPECT_EQ(view.look.isovalue, 100);
+  EXPECT_EQ(document_.setup.backend, Backend::kReference);
+  EXPECT_EQ(view.options.sampling_distance, 0.5);
+  EXPECT_TRUE(view.marks.scale_bar);
+  EXPECT_NE(told("value-plane"), "");
+  EXPECT_NE(told("clip"), "");
+  EXPECT_EQ(told("crop-world"), "1:,:,:");
+  EXPECT_EQ(told("background"), "1,0.5,0.25");
+  EXPECT_EQ(told("iso"), "100");
+  EXPECT_EQ(told("backend"), "reference");
+  EXPECT_EQ(told("sampling-distance"), "0.5");
+  EXPECT_EQ(told("scale-bar"), "true");
+  EXPECT_EQ(told("size"), "64x48");
+}
+
+TEST_F(Documents, UndoAndRedo) {
+  open();
+  EXPECT_FALSE(document_.can_undo());
+  EXPECT_FALSE(document_.can_redo());
+  document_.undo();  // has no effect
+  const Rgb first = document_.view.background;
+  const auto edit = [&](double red) {
+    document_.view.background = {red, 0, 0};
+    document_.touch();
+    document_.remember();
+  };
+  edit(0.25);
+  edit(0.5);
+  const std::uint64_t version = document_.version();
+  document_.undo();
+  EXPECT_EQ(document_.view.background[0], 0.25);
+  EXPECT_GT(document_.version(), version);  // so that a picture is asked for
+  document_.undo();
+  EXPECT_EQ(document_.view.background, first);
+  EXPECT_FALSE(document_.can_undo());
+  document_.redo();
+  document_.redo();
+  EXPECT_EQ(document_.view.background[0], 0.5);
+  EXPECT_FALSE(document_.can_redo());
+  document_.undo();
+  edit(0.75);  // another future
+  EXPECT_FALSE(document_.can_redo());
+  document_.undo();
+  EXPECT_EQ(document_.view.background[0], 0.25);
+}
+
+TEST_F(Documents, UndoForgetsTheOldestOfManySteps) {
+  open();
+  for (int i = 0; i < 300; ++i) {
+    document_.view.background = {i / 300.0, 0, 0};
+    document_.remember();
+  }
+  int steps = 0;
+  for (; document_.can_undo(); ++steps) document_.undo();
+  EXPECT_EQ(steps, 200);
+  EXPECT_NEAR(document_.view.background[0], 99 / 300.0, 1e-12);
+}
+
+TEST_F(Documents, BoundsAreWhatTheCropLeaves) {
+  open();
+  const Bounds3 all = document_.data_bounds();
+  EXPECT_EQ(document_.bounds().min(), all.min());
+  EXPECT_EQ(document_.bounds().max(), all.max());
+  const Vec3 far = Vec3::Constant(HUGE_VAL);
+  document_.view.crop = Bounds3(Vec3(5, -HUGE_VAL, -HUGE_VAL), Vec3(9, HUGE_VAL, 7));
+  EXPECT_EQ(document_.bounds().min(), Vec3(5, all.min().y(), all.min().z()));
+  EXPECT_EQ(document_.bounds().max(), Vec3(9, all.max().y(), 7));
+  EXPECT_EQ(document_.options_of(document_.view, kPicture).clip_planes.size(), 3U);
+  // A crop that would leave nothing cuts nothing.
+  document_.view.crop = Bounds3(Vec3::Constant(1e6), far);
+  EXPECT_EQ(document_.bounds().min(), all.min());
+  EXPECT_TRUE(document_.options_of(document_.view, kPicture).clip_planes.empty());
+}
+
+TEST_F(Documents, ResetTheCameraButNotItsProjection) {
+  open();
+  const Camera first = document_.camera;
+  document_.camera.position += Vec3(1, 2, 3);
+  document_.camera.parallel_projection = true;
+  document_.reset_camera(kAspect);
+  EXPECT_EQ(document_.camera.position, first.position);
+  EXPECT_TRUE(document_.camera.parallel_projection);
+}
+
+TEST_F(Documents, ScenesAreOneOrTwo) {
+  open();
+  EXPECT_EQ(document_.scenes(kPicture).size(), 1U);
+  document_.other = Setting{document_.view, document_.setup};
+  document_.other->setup.backend = Backend::kReference;
+  EXPECT_EQ(document_.scenes(kPicture).size(), 1U);
+  document_.compare = CompareMode::kSideBySide;
+  auto scenes = document_.scenes(kPicture);
+  ASSERT_EQ(scenes.size(), 2U);
+  EXPECT_EQ(scenes[0]->setup.backend, Backend::kReference);
+  EXPECT_EQ(scenes[0]->options.width, 32);
+  EXPECT_EQ(scenes[1]->options.width, 32);
+  document_.compare = CompareMode::kDifference;
+  scenes = document_.scenes(kPicture);
+  EXPECT_EQ(scenes[0]->options.width, 64);
+  EXPECT_EQ(scenes[1]->options.height, 48);
+}
+
+// A reload keeps what was set; other data do not.
+TEST_F(Documents, AReloadKeepsTheView) {
+  open();
+  document_.view.background = {1, 0, 0};
+  document_.camera.position += Vec3(1, 2, 3);
+  const Camera camera = document_.camera;
+  const auto shown = document_.shown;
+  loader_.open(document_.launch, true);
+  ASSERT_EQ(load(loader_, document_), "");
+  EXPECT_NE(document_.shown, shown);
+  EXPECT_EQ(document_.view.background[0], 1);
+  EXPECT_EQ(document_.camera.position, camera.position);
+  loader_.open(parse_launch({path_}));
+  ASSERT_EQ(load(loader_, document_), "");
+  EXPECT_NE(document_.view.background[0], 1);
+  EXPECT_NE(document_.camera.position, camera.position);
+}
+
+// Numbers are told so that the same are read again, and other words so that a shell leaves them be.
+TEST_F(Documents, CommandsAreQuotedForAShell) {
+  open();
+  document_.camera.position = Vec3(1.0 / 3, -2e-17, 12345.678901234567);
+  const std::string odd = folder_ / "it's $HOME & \"more\"_4x4x4_uint8.raw";
+  cli_tests::write_file(odd, std::string(64, '\x7f'));
+  auto launch = parse_launch({odd});
+  document_.launch = launch;
+  const std::string command = command_of(document_, kPicture);
+  EXPECT_EQ(command.rfind("ovoid render ", 0), 0U);
+  EXPECT_EQ(command.find('\n'), std::string::npos);
+  // A shell hands over the words as they were.
+  const auto shell = cli_tests::run(
+      {"-c", "ovoid() { for word in \"$@\"; do printf '%s\\n' \"$word\"; done; }\n" + command},
+      "/bin/sh");
+  EXPECT_EQ(shell.exit_code, 0) << shell.err;
+  std::vector<std::string> wanted = {"render", odd};
+  for (const std::string& word : words()) wanted.push_back(word);
+  wanted.insert(wanted.end(), {"-o", "picture.png"});
+  std::istringstream lines(shell.out);
+  std::vector<std::string> got;
+  for (std::string line; std::getline(lines, line);) got.push_back(line);
+  EXPECT_EQ(got, wanted);
+  const auto camera = nlohmann::json::parse(told("camera"));
+  EXPECT_EQ(camera["position"][0].get<double>(), 1.0 / 3);
+  EXPECT_EQ(camera["position"][1].get<double>(), -2e-17);
+  EXPECT_EQ(camera["position"][2].get<double>(), 12345.678901234567);
+}
+
+// What the window wants back of a state, and what is no such thing.
+TEST_F(Documents, TheWindowsPartOfAState) {
+  open();
+  document_.time.loops = false;
+  document_.time.is_interpolated = true;
+  document_.time.is_fastest = true;
+  document_.time.rate = 2.5;
+  const nlohmann::ordered_json kept = window_state(document_);
+  document_.time = {};
+  take_window_state(kept, document_);
+  EXPECT_FALSE(document_.time.loops);
+  EXPECT_TRUE(document_.time.is_interpolated);
+  EXPECT_TRUE(document_.time.is_fastest);
+  EXPECT_EQ(document_.time.rate, 2.5);
+  for (const char* const damaged :
+       {"[]", "3", "null", R"({"loops": 3, "rate": "fast"})", R"({"rate": -1})", R"({"rate": 0})"})
+    take_window_state(nlohmann::ordered_json::parse(damaged), document_);
+  EXPECT_FALSE(document_.time.loops);
+  EXPECT_EQ(document_.time.rate, 2.5);
+}
+
+}  // namespace
+}  // namespace ovoid::viewer

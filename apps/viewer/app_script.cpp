@@ -81,7 +81,7 @@ bool App::has_come_to(const std::string& state) const {
   const bool is_loaded = document_.is_open() || has_failed;
   if (state == "loaded") return is_loaded;
   if (has_failed && !document_.is_open()) return true;
-  if (!document_.is_open() || is_moving_) return false;
+  if (!document_.is_open() || is_moving_ || waits_for_time_ || progress_) return false;
   const bool is_full =
       picture_view_.full(document_.version()) != nullptr || failed_version_ == document_.version();
   if (state == "full") return is_full;

@@ -442,6 +442,7 @@ void Script::ask_host(const Line& line, ScriptHost& host) {
     host.resize(width, height);
   } else if (command == "screenshot") {
     host.save_screenshot(words[1]);
+    frames_.push_back({});  // of the frame that is drawn next
   } else if (command == "picture") {
     host.save_picture(words[1]);
   } else if (command == "state") {

@@ -41,7 +41,10 @@ class Script {
   // not there, is not as expected, or does not come within a minute.
   std::vector<Event> next_frame(ScriptHost& host);
   double seconds_per_frame() const noexcept { return seconds_per_frame_; }
-  bool is_over() const noexcept { return at_ >= lines_.size() && frames_.empty(); }
+  bool is_over() const noexcept {
+    const bool waits = !awaited_.empty() || until_ms_ > 0 || frames_to_wait_ > 0;
+    return at_ >= lines_.size() && frames_.empty() && !waits;
+  }
 
  private:
   struct Line {

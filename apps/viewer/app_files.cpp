@@ -43,7 +43,7 @@ bool is_look(const std::string& path) {
 
 std::string free_name(const std::string& stem, const std::string& ending) {
   for (int i = 1;; ++i) {
-    const std::string name = fmt::format("{}-{:04}{}", stem, i, ending);
+    std::string name = fmt::format("{}-{:04}{}", stem, i, ending);
     std::error_code error;
     if (!std::filesystem::exists(name, error)) return name;
   }

@@ -150,9 +150,9 @@ bool is_delete_pressed() {
 // A point stays between its neighbours, so that its number stays what it is.
 template <typename Point>
 double between_neighbours(const std::vector<Point>& points, int index, double x) {
-  if (index > 0) x = std::max(x, points[static_cast<std::size_t>(index - 1)].x);
-  if (index + 1 < static_cast<int>(points.size()))
-    x = std::min(x, points[static_cast<std::size_t>(index + 1)].x);
+  const auto at = static_cast<std::size_t>(index);
+  if (at > 0) x = std::max(x, points[at - 1].x);
+  if (at + 1 < points.size()) x = std::min(x, points[at + 1].x);
   return x;
 }
 

@@ -229,8 +229,9 @@ void Texture::upload(const std::uint8_t* rgba, int width, int height) {
 }
 
 void* Texture::id() const noexcept {
-  return reinterpret_cast<void*>(
-      static_cast<std::uintptr_t>(name_));  // NOLINT(performance-no-int-to-ptr)
+  // What ImGui's OpenGL back end takes a texture's name in.
+  // NOLINTNEXTLINE(performance-no-int-to-ptr)
+  return reinterpret_cast<void*>(static_cast<std::uintptr_t>(name_));
 }
 
 Gui::Gui(Window& window) : window_(window) {

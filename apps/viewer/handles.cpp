@@ -17,7 +17,7 @@ constexpr ImU32 kFill = IM_COL32(255, 170, 40, 255);
 constexpr std::array<ImU32, 3> kAxisColors = {
     IM_COL32(237, 77, 71, 255), IM_COL32(84, 184, 71, 255), IM_COL32(90, 130, 255, 255)};
 constexpr ImU32 kFillHeld = IM_COL32(255, 230, 160, 255);
-constexpr ImU32 kInk = IM_COL32(0, 0, 0, 200);
+constexpr ImU32 kHandleInk = IM_COL32(0, 0, 0, 200);
 constexpr float kRadius = 5;
 constexpr double kSquare = 0.3;  // half a side of a plane's square, in extents of the data
 constexpr double kArrow = 0.12;  // of its arrow
@@ -155,7 +155,8 @@ void Handles::draw(const Document& document, const Projection& projection, ImVec
     const bool is_crop = handle.kind == Handle::Kind::kCrop;
     const ImU32 color = is_crop ? kAxisColors[static_cast<std::size_t>(handle.index / 2)] : kFill;
     list.AddCircleFilled(handle.place, is_near ? 1.5F * radius : radius, color);
-    list.AddCircle(handle.place, is_near ? 1.5F * radius : radius, is_near ? kFillHeld : kInk);
+    list.AddCircle(handle.place, is_near ? 1.5F * radius : radius,
+                   is_near ? kFillHeld : kHandleInk);
     if (is_near) {
       list.AddText({handle.place.x + 2 * radius, handle.place.y - 2 * radius}, kFillHeld,
                    handle.meaning());

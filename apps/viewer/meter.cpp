@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdlib>
 #include <ctime>
 #include <fstream>
@@ -48,7 +49,8 @@ nlohmann::ordered_json spread_of(std::vector<double> numbers) {
   if (numbers.empty()) return nullptr;
   std::sort(numbers.begin(), numbers.end());
   const auto quantile = [&](double share) {
-    return numbers[static_cast<std::size_t>(share * static_cast<double>(numbers.size() - 1) + 0.5)];
+    const double at = share * static_cast<double>(numbers.size() - 1);
+    return numbers[static_cast<std::size_t>(std::lround(at))];
   };
   return {{"count", numbers.size()},
           {"median", quantile(0.5)},

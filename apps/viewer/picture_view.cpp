@@ -14,7 +14,7 @@ namespace {
 constexpr double kWheelZoom = 1.12;     // per notch
 constexpr double kDragZoom = 1.008;     // per pixel
 constexpr double kWheelSettles = 0.18;  // seconds after its last notch
-constexpr float kReach = 10;            // of a handle
+constexpr float kHandleReach = 10;      // of a handle
 constexpr ImU32 kBoxColor = IM_COL32(200, 205, 215, 110);
 
 Vec2 vec(ImVec2 v) { return {v.x, v.y}; }
@@ -81,13 +81,12 @@ void PictureView::show_pictures(const Document& document, Gui& gui, ImDrawList& 
 
 void PictureView::begin_drag(const Panel& panel, ImVec2 mouse, float reach) {
   const ImGuiIO& io = ImGui::GetIO();
-  if (ImGui::IsMouseDown(ImGuiMouseButton_Middle)) {
-    drag_ = Drag::kPan;
+  const bool is_left = ImGui::IsMouseDown(ImGuiMouseButton_Left);
+  if (is_left && panel.state.has_handles && handles_.press(mouse, reach)) {
+    drag_ = Drag::kHandle;
   } else if (ImGui::IsMouseDown(ImGuiMouseButton_Right)) {
     drag_ = Drag::kZoom;
-  } else if (panel.state.has_handles && handles_.press(mouse, reach)) {
-    drag_ = Drag::kHandle;
-  } else if (io.KeyShift) {
+  } else if (!is_left || io.KeyShift) {
     drag_ = Drag::kPan;
   } else {
     drag_ = io.KeyCtrl ? Drag::kRoll : Drag::kOrbit;
@@ -126,7 +125,8 @@ bool PictureView::act(Panel& panel, ImVec2 at, ImVec2 size) {
   Vec2 mouse = vec(io.MousePos) - vec(at);
   if (mouse.x() > picture.x()) mouse.x() -= picture.x();  // the second of two
   bool is_changed = false;
-  if (ImGui::IsItemActivated()) begin_drag(panel, io.MousePos, kReach * panel.widgets.scale());
+  if (ImGui::IsItemActivated())
+    begin_drag(panel, io.MousePos, kHandleReach * panel.widgets.scale());
   if (ImGui::IsItemActive()) {
     is_changed |= continue_drag(document, mouse, vec(io.MouseDelta), picture);
   } else {

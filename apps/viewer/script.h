@@ -87,7 +87,7 @@ class Script {
 class Recorder {
  public:
   explicit Recorder(std::string path) : path_(std::move(path)) {}
-  void take(const std::vector<Event>& events, double now_ms);
+  void take(const std::vector<Event>& events, double at_ms);
   void begin(int width, int height);
   void write() const;  // throws Error(kFileWrite)
 

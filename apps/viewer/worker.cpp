@@ -139,7 +139,7 @@ std::vector<std::uint8_t> to_display(const Image& image, const Scene& scene,
       if (is_xray && from[3] > 0) {
         const double at = (from[0] - xray_range.first) / (xray_range.second - xray_range.first);
         const Rgb& mapped =
-            table[static_cast<std::size_t>(std::clamp(at, 0.0, 1.0) * (kTable - 1) + 0.5)];
+            table[static_cast<std::size_t>(std::lround(std::clamp(at, 0.0, 1.0) * (kTable - 1)))];
         for (std::size_t c = 0; c < 3; ++c) color[c] = static_cast<float>(mapped[c]) * from[3];
       }
       for (std::size_t c = 0; c < 3; ++c) to[c] = to_byte(color[c] + through * back[c]);

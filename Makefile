@@ -57,8 +57,9 @@ experiments: setup  ## the tables and pictures of docs/numerics.md, measured aga
 	@mkdir -p docs/images
 	@build/release/bin/ovoid_experiments docs/images
 
-pictures: build  ## draw the pictures of the guide and the other pages again, by their own commands
+pictures: build  ## draw the pictures of the guide and the other pages again, by their own commands and scripts
 	@scripts/run_docs.py build/release/bin/ovoid docs/guide.md docs/annotations.md docs/time.md
+	@scripts/viewer_pictures.sh
 
 install: build  ## install program, library and headers under PREFIX (/usr/local)
 	@cmake --install build/release --prefix "$(PREFIX)"

@@ -8,7 +8,12 @@
 namespace ovoid::cli_tests {
 namespace {
 
-const char* const kCommands[] = {"render", "animate", "info", "make", "convert", "sample", "bench"};
+const char* const kCommands[] = {
+    "render", "animate", "info", "make", "convert", "sample", "bench",
+#ifdef OVOID_VIEWER
+    "view",  // a program of its own, which lies beside this one
+#endif
+};
 
 TEST(Help, StandsWordForWordInTheDocs) {
   const std::string docs = read_file(OVOID_SOURCE_DIR "/docs/command-line.md");

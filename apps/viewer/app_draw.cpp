@@ -118,8 +118,7 @@ void App::draw_status(ImVec2 at, ImVec2 size) {
   float y = at.y + 6;
   if (document_.is_open() && picture_view_.shown() != nullptr) {
     const Pictures& shown = *picture_view_.shown();
-    label(list, {left, y}, kFaint,
-          fmt::format("{}, {:.0f} ms", describe(shown.level, shown.is_final), shown.ms));
+    label(list, {left, y}, kFaint, describe(shown.level, shown.is_final));
     y += line + 4;
   }
   if (const auto& picked = picture_view_.picked()) {

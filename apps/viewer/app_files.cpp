@@ -200,7 +200,7 @@ void App::save_the_picture(const std::string& path) {
   Look look = scene.look;
   const bool is_png = cli::has_ending(path, ".png");
   if (look.mode == Mode::kXray && is_png) {
-    look.transfer_function.map_range(picture->xray_range.first, picture->xray_range.second);
+    look.transfer_function = spread_over_integrals(look.transfer_function, picture->xray_range);
     cli::color_integrals(image, look.transfer_function);
   }
   cli::DrawingFlags drawing;

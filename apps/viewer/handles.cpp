@@ -143,7 +143,8 @@ void Handles::draw(const Document& document, const Projection& projection, ImVec
               view.clip_planes[i].offset, true, static_cast<int>(i), document, projection, at,
               list);
   }
-  if (view.plane) {
+  const bool is_layered = view.look.mode == Mode::kComposite || view.look.mode == Mode::kIsosurface;
+  if (view.plane && is_layered) {
     add_plane("handle.plane", view.plane->normal, view.plane->offset, false, 0, document,
               projection, at, list);
   }

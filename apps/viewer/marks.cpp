@@ -104,7 +104,7 @@ void Marks::draw(const Document& document, const std::pair<double, double>& xray
       Image image = clear_image(width, height);
       Look look = document.view.look;
       if (look.mode == Mode::kXray)
-        look.transfer_function.map_range(xray_range.first, xray_range.second);
+        look.transfer_function = spread_over_integrals(look.transfer_function, xray_range);
       cli::draw_annotations(image, piece, document.shown->subject.described,
                             camera_of_piece(document.camera, height, pixels.height), look,
                             document.view.background.data());

@@ -87,7 +87,10 @@ void array_table(Panel& panel) {
   if (chosen != nullptr && chosen->num_components > 1) {
     int component = choice.component + 1;  // the norm comes first
     std::vector<std::string> names = {"magnitude"};
-    for (int i = 0; i < chosen->num_components; ++i) names.push_back(fmt::format("{}", i));
+    static constexpr const char* kAxes[] = {" (x)", " (y)", " (z)"};
+    const bool is_vector = chosen->num_components == 3;
+    for (int i = 0; i < chosen->num_components; ++i)
+      names.push_back(fmt::format("{}{}", i, is_vector ? kAxes[i] : ""));
     std::vector<const char*> options;
     options.reserve(names.size());
     for (const std::string& name : names) options.push_back(name.c_str());

@@ -29,12 +29,10 @@ Vec2 size_of_picture(const Document& document, ImVec2 size) {
 
 std::string describe(const Level& level, bool is_final) {
   if (level.is_full()) return is_final ? "full picture" : "moving: full pixels";
-  std::string text = is_final ? "" : "coarse: ";
-  if (level.pixels > 1) text = fmt::format("pixels {0} x {0}", level.pixels);
-  if (level.field > 0) {
-    if (level.pixels > 1) text += ", ";
-    text += fmt::format("1/{} of the kernels", 1 << (3 * level.field));
-  }
+  std::string text = "coarse: ";
+  if (level.pixels > 1) text += fmt::format("pixels {0} x {0}", level.pixels);
+  if (level.pixels > 1 && level.field > 0) text += ", ";
+  if (level.field > 0) text += fmt::format("1/{} of the kernels", 1 << (3 * level.field));
   return text;
 }
 

@@ -76,14 +76,6 @@ std::pair<double, double> range_of_integrals(const Image& image) {
   return {lo, lo < hi ? hi : lo + 1};
 }
 
-// Over what an x-ray's colours are spread, as `ovoid render` does it.
-std::pair<double, double> spread_of_integrals(const Scene& scene, const Image& image) {
-  auto [lo, hi] = scene.xray_range.value_or(range_of_integrals(image));
-  if (scene.look.transfer_function.scale != ValueScale::kLog || lo > 0) return {lo, hi};
-  constexpr double kDecades = 1e-3;
-  return {kDecades * hi, hi};
-}
-
 std::uint8_t to_byte(float value) {
   return static_cast<std::uint8_t>(std::clamp(value * 255.0F + 0.5F, 0.0F, 255.0F));
 }
@@ -110,14 +102,25 @@ double world_pixel(const Scene& scene) {
 
 }  // namespace
 
+TransferFunction spread_over_integrals(TransferFunction tf,
+                                       const std::pair<double, double>& range) {
+  auto [lo, hi] = range;
+  if (tf.scale == ValueScale::kLog && !(lo > 0)) {  // as `ovoid render` does it
+    constexpr double kDecades = 1e-3;
+    if (!(hi > 0)) hi = 1;
+    lo = kDecades * hi;
+  }
+  tf.map_range(lo, hi);
+  return tf;
+}
+
 std::vector<std::uint8_t> to_display(const Image& image, const Scene& scene,
                                      const std::pair<double, double>& xray_range) {
   const bool is_xray = scene.look.mode == Mode::kXray;
   constexpr std::size_t kTable = 1024;
   std::vector<Rgb> table;
   if (is_xray) {
-    TransferFunction tf = scene.look.transfer_function;
-    tf.map_range(xray_range.first, xray_range.second);
+    const TransferFunction tf = spread_over_integrals(scene.look.transfer_function, xray_range);
     table.resize(kTable);
     for (std::size_t i = 0; i < kTable; ++i) {
       const double at = static_cast<double>(i) / (kTable - 1);
@@ -225,9 +228,8 @@ Picture Worker::Impl::draw(const std::shared_ptr<const Scene>& scene, const Leve
   picture.profile = std::move(frame.profile);
   if (scene->look.mode == Mode::kXray) {
     // Colours of the last full picture, so that coarse ones do not flicker.
-    if (level.is_full() || !last_xray_range)
-      last_xray_range = spread_of_integrals(*scene, picture.image);
-    picture.xray_range = *last_xray_range;
+    if (level.is_full() || !last_xray_range) last_xray_range = range_of_integrals(picture.image);
+    picture.xray_range = scene->xray_range.value_or(*last_xray_range);
   } else {
     last_xray_range.reset();
   }

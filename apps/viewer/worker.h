@@ -87,6 +87,10 @@ class Worker {
   std::unique_ptr<Impl> impl_;
 };
 
+// The colours of an x-ray whose integrals lie in the range; on a logarithmic scale what is not
+// above 0 lies below them.
+TransferFunction spread_over_integrals(TransferFunction tf, const std::pair<double, double>& range);
+
 // Opaque 8-bit colours, row 0 at the bottom; an x-ray's integrals become colours over `xray_range`.
 std::vector<std::uint8_t> to_display(const Image& image, const Scene& scene,
                                      const std::pair<double, double>& xray_range);

@@ -52,14 +52,16 @@ void Document::take(const ShownReady& ready, double aspect) {
     past_.clear();
     future_.clear();
     settled_ = view;
+    is_edited_ = false;
   } else if (ready.look && !is_first) {  // another array
     const Mode mode = view.look.mode;
     view.look = *ready.look;
     if (mode != Mode::kIsosurface) view.look.mode = mode;
+    is_edited_ = true;
     remember();
   }
   if (ready.look) view.options.gradient = ready.gradient;
-  touch();
+  count_up();
 }
 
 Bounds3 Document::bounds() const {
@@ -124,6 +126,7 @@ std::vector<std::shared_ptr<const Scene>> Document::scenes(Size size) const {
 }
 
 void Document::remember() {
+  if (!std::exchange(is_edited_, false)) return;
   past_.push_back(std::exchange(settled_, view));
   if (past_.size() > kMostSteps) past_.erase(past_.begin());
   future_.clear();
@@ -134,7 +137,8 @@ void Document::undo() {
   future_.push_back(std::move(settled_));
   settled_ = view = std::move(past_.back());
   past_.pop_back();
-  touch();
+  is_edited_ = false;
+  count_up();
 }
 
 void Document::redo() {
@@ -142,7 +146,8 @@ void Document::redo() {
   past_.push_back(std::move(settled_));
   settled_ = view = std::move(future_.back());
   future_.pop_back();
-  touch();
+  is_edited_ = false;
+  count_up();
 }
 
 }  // namespace ovoid::viewer

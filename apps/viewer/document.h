@@ -85,7 +85,8 @@ class Document {
   RenderOptions options_of(const View& of, Size size) const;
 
   // --- undo
-  // To be called when an edit is complete: remembers the view that was there before.
+  // To be called when an edit is complete: remembers the view that was there before. Without an
+  // edit (touch()) since the last one nothing happens, so that what undo does is none itself.
   void remember();
   bool can_undo() const noexcept { return !past_.empty(); }
   bool can_redo() const noexcept { return !future_.empty(); }
@@ -95,18 +96,23 @@ class Document {
   // --- pictures: counts up with each change that a picture shows
   std::uint64_t version() const noexcept { return version_; }
   void touch() noexcept {
-    ++version_;
-    ++view_version_;
+    count_up();
+    is_edited_ = true;
   }
   // The camera alone has changed.
   void touch_camera() noexcept { ++version_; }
   std::uint64_t view_version() const noexcept { return view_version_; }
 
  private:
+  void count_up() noexcept {
+    ++version_;
+    ++view_version_;
+  }
   std::shared_ptr<const Scene> scene(const View& of, const RendererSetup& on, Size size) const;
 
   std::vector<View> past_, future_;
   View settled_;  // the view when remember() was called last
+  bool is_edited_ = false;
   bool awaits_first_ = false;
   bool is_reload_ = false;
   std::uint64_t version_ = 0;

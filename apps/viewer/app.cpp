@@ -138,9 +138,6 @@ void App::frame(const std::vector<Event>& events, double seconds) {
     last_view_version_ = document_.view_version();
     was_edited_ = true;
   }
-  // What is shown is what the slider says, once nothing newer is on its way.
-  if (document_.is_open() && !is_mouse_down && !waits_for_time_ && !document_.time.is_playing)
-    document_.time.now = document_.shown->time;
   is_moving_ =
       ((is_held || is_mouse_down) && now - changed_at_ < kHeldStill) || document_.time.is_playing;
   meter_.moving(is_moving_);
@@ -149,6 +146,9 @@ void App::frame(const std::vector<Event>& events, double seconds) {
     was_edited_ = false;
   }
   grant(std::move(wishes));
+  // What is shown is what the slider says, once nothing newer is on its way.
+  if (document_.is_open() && !is_mouse_down && !waits_for_time_ && !document_.time.is_playing)
+    document_.time.now = document_.shown->time;
   ask_for_picture(is_moving_);
   if (is_visible)
     gui_.end();

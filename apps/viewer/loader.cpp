@@ -437,7 +437,7 @@ std::vector<LoadReport> Loader::take_reports() {
 bool Loader::is_busy() const {
   const std::lock_guard lock(impl_->mutex);
   return impl_->is_working || impl_->next_open || impl_->next_choice || impl_->next_time ||
-         impl_->wants_extras;
+         impl_->wants_extras || !impl_->reports.empty();
 }
 
 std::size_t Loader::resident_bytes() const {

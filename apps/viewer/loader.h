@@ -119,7 +119,7 @@ class Loader {
   void stop();  // asks what is done to end; nothing follows
 
   std::vector<LoadReport> take_reports();
-  bool is_busy() const;
+  bool is_busy() const;                // or has reports that nobody has taken
   std::size_t resident_bytes() const;  // of the steps that are kept
 
  private:

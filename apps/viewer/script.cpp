@@ -286,6 +286,16 @@ void Script::fail(const std::string& what) const {
   throw Error(ErrorCode::kInvalidArgument, fmt::format("{}:{}: {}", path_, number, what));
 }
 
+// What the program answers; its complaint becomes one about the line.
+template <typename Question>
+auto Script::asked(const Question& question) const {
+  try {
+    return question();
+  } catch (const Error& error) {
+    fail(error.what());
+  }
+}
+
 void Script::move_to(double x, double y) { frames_.push_back({MouseMoved{x, y}}); }
 
 void Script::press(int button, bool is_down) {
@@ -342,7 +352,7 @@ void Script::expect(const Line& line, const ScriptHost& host) const {
   const std::string& key = line.words[1];
   const std::string& how = line.words[2];
   const std::string& wanted = line.words[3];
-  const std::string is = host.value_of(key);
+  const std::string is = asked([&] { return host.value_of(key); });
   const auto a = number_in(is);
   const auto b = number_in(wanted);
   const bool are_numbers = a && b;
@@ -444,13 +454,14 @@ void Script::ask_host(const Line& line, ScriptHost& host) {
     host.save_screenshot(words[1]);
     frames_.push_back({});  // of the frame that is drawn next
   } else if (command == "picture") {
-    host.save_picture(words[1]);
+    asked([&] { host.save_picture(words[1]); });
   } else if (command == "state") {
-    host.save_state(words[1]);
+    asked([&] { host.save_state(words[1]); });
   } else if (command == "expect") {
     expect(line, host);
   } else if (command == "print") {
-    fmt::print("{} = {}\n", words[1], host.value_of(words[1]));
+    const std::string value = asked([&] { return host.value_of(words[1]); });
+    fmt::print("{} = {}\n", words[1], value);
     std::fflush(stdout);
   } else if (command == "measure") {
     host.begin_measure(words[1]);

@@ -58,6 +58,8 @@ class Script {
   using Frame = std::vector<Event>;
 
   [[noreturn]] void fail(const std::string& what) const;
+  template <typename Question>
+  auto asked(const Question& question) const;
   void check(const Line& line, int* depth) const;
   void begin(const Line& line, ScriptHost& host);  // turns it into frames, or acts at once
   bool begin_input(const Line& line, ScriptHost& host);

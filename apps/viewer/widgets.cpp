@@ -32,14 +32,18 @@ void Widgets::begin_frame(float scale) {
 void Widgets::mark(const std::string& name) {
   const ImVec2 lo = ImGui::GetItemRectMin();
   const ImVec2 hi = ImGui::GetItemRectMax();
-  now_[name] = {{lo.x, lo.y, hi.x, hi.y}, ImGui::IsItemVisible()};
+  mark(name, {lo.x, lo.y, hi.x, hi.y});
+}
+
+// In sight is what can be clicked: its middle.
+void Widgets::mark(const std::string& name, const Box2& box) {
+  const ImVec2 at = box.middle();
+  now_[name] = {box, ImGui::IsRectVisible(at, {at.x + 1, at.y + 1})};
   if (wanted_ == name) {
-    ImGui::SetScrollHereY(0.5F);
+    ImGui::SetScrollFromPosY(at.y - ImGui::GetWindowPos().y, 0.5F);
     wanted_.clear();
   }
 }
-
-void Widgets::mark(const std::string& name, const Box2& box) { now_[name] = {box, true}; }
 
 std::optional<Box2> Widgets::find(const std::string& name) const {
   const auto found = now_.find(name);

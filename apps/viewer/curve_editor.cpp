@@ -70,17 +70,19 @@ struct Canvas {
     is_pressed = ImGui::IsItemActivated() && ImGui::IsMouseDown(ImGuiMouseButton_Left);
     is_right_pressed = ImGui::IsItemHovered() && ImGui::IsMouseClicked(ImGuiMouseButton_Right);
   }
-  // Room at both ends for the handles of the first and the last point.
+  // Room for the handles of points at the ends, and of those that are clear or opaque.
   float inset = 6;
   float x_of(double place) const {
     return lo.x + inset + static_cast<float>(place) * (hi.x - lo.x - 2 * inset);
   }
-  float y_of(double height) const { return hi.y - static_cast<float>(height) * (hi.y - lo.y); }
+  float y_of(double height) const {
+    return hi.y - inset - static_cast<float>(height) * (hi.y - lo.y - 2 * inset);
+  }
   double place_of(float x) const {
     return static_cast<double>((x - lo.x - inset) / (hi.x - lo.x - 2 * inset));
   }
   double place_of_mouse() const { return std::clamp(place_of(mouse.x), 0.0, 1.0); }
-  double height_of_mouse() const { return (hi.y - mouse.y) / (hi.y - lo.y); }
+  double height_of_mouse() const { return (hi.y - inset - mouse.y) / (hi.y - lo.y - 2 * inset); }
 };
 
 void draw_histogram(ImDrawList& list, const Canvas& canvas, const Histogram& histogram,

@@ -72,8 +72,12 @@ void App::draw_panel(Panel& panel, ImVec2 at, ImVec2 size) {
       // The first that is seen is the one that is used most.
       const bool is_first = !has_chosen_tab_ && document_.is_open() && tab.draw == look_panel;
       if (is_first) has_chosen_tab_ = true;
+      // All have room in a panel of the usual width.
+      const ImVec2 padding = ImGui::GetStyle().FramePadding;
+      ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {padding.x / 2, padding.y});
       const bool is_open = ImGui::BeginTabItem(
           tab.name, nullptr, is_first ? ImGuiTabItemFlags_SetSelected : ImGuiTabItemFlags_None);
+      ImGui::PopStyleVar();
       widgets_.mark(fmt::format("tab.{}", tab.name));
       if (!is_open) continue;
       if (!tab.needs_data || document_.is_open()) {

@@ -101,8 +101,11 @@ bool plane_editor(Panel& panel) {
   if (widgets.checkbox("space.plane", "value plane", &is_on)) {
     view.plane.reset();
     if (is_on) {
-      const Vec3 towards = Vec3::UnitZ();
-      view.plane = ValuePlane{towards, towards.dot(document.bounds().center())};
+      // The axis that is looked along most, so that its face is seen.
+      int across = 0;
+      (document.camera.focal_point - document.camera.position).cwiseAbs().maxCoeff(&across);
+      const Vec3 normal = Vec3::Unit(across);
+      view.plane = ValuePlane{normal, normal.dot(document.bounds().center())};
     }
     is_changed = true;
   }

@@ -38,16 +38,18 @@ void draw_line(const Vec3& a, const Vec3& b, const Projection& projection, ImVec
   if (from && to) list.AddLine(to_window(*from, at), to_window(*to, at), color, 1.5F);
 }
 
-// By how much the mouse moved it along its direction, world units: the direction's picture is short
-// when it points at the eye, so that it is never taken for shorter than a pixel in eight.
+// By how much the mouse moved it along its direction, world units. Where that points at the eye,
+// its picture is too short to follow: upwards then goes away from the eye.
 double moved_along(const Vec3& anchor, const Vec3& direction, double length,
                    const Projection& projection, const Vec2& moved) {
   const auto a = projection.pixel_of(anchor);
   const auto b = projection.pixel_of(anchor + direction * length);
   if (!a || !b) return 0;
   const Vec2 picture = (*b - *a) / length;  // pixels per world unit
-  const double least = 0.125 / projection.pixel_size_at(projection.focal_depth());
-  return moved.dot(picture) / std::max(picture.squaredNorm(), least * least);
+  const double pixel_size = projection.pixel_size_at(projection.focal_depth());
+  if (picture.norm() * pixel_size < 0.125)
+    return std::copysign(pixel_size, direction.dot(projection.forward())) * -moved.y();
+  return moved.dot(picture) / picture.squaredNorm();
 }
 
 }  // namespace

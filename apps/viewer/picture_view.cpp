@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "hands.h"
 
@@ -14,7 +15,8 @@ namespace {
 constexpr double kWheelZoom = 1.12;     // per notch
 constexpr double kDragZoom = 1.008;     // per pixel
 constexpr double kWheelSettles = 0.18;  // seconds after its last notch
-constexpr float kHandleReach = 10;      // of a handle
+constexpr float kHandleReach = 10;            // of a handle
+constexpr double kMostOfAClick = 4;     // how far the mouse may go
 constexpr ImU32 kBoxColor = IM_COL32(200, 205, 215, 110);
 
 Vec2 vec(ImVec2 v) { return {v.x, v.y}; }
@@ -123,10 +125,15 @@ bool PictureView::act(Panel& panel, ImVec2 at, ImVec2 size) {
   Vec2 mouse = vec(io.MousePos) - vec(at);
   if (mouse.x() > picture.x()) mouse.x() -= picture.x();  // the second of two
   bool is_changed = false;
-  if (ImGui::IsItemActivated())
+  bool is_second_click = false;  // of a double click; two quick drags are none
+  if (ImGui::IsItemActivated()) {
+    is_second_click = std::exchange(dragged_, 0) < kMostOfAClick &&
+                      ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left);
     begin_drag(panel, io.MousePos, kHandleReach * panel.widgets.scale());
+  }
   if (ImGui::IsItemActive()) {
     is_changed |= continue_drag(document, mouse, vec(io.MouseDelta), picture);
+    dragged_ += vec(io.MouseDelta).norm();
   } else {
     drag_ = Drag::kNone;
     handles_.release();
@@ -138,7 +145,7 @@ bool PictureView::act(Panel& panel, ImVec2 at, ImVec2 size) {
     wheel_until_ = ImGui::GetTime() + kWheelSettles;
     is_changed = true;
   }
-  if (is_hovered && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left) && picked_) {
+  if (is_second_click && drag_ != Drag::kHandle && picked_) {
     const Vec3 shift = picked_->position - document.camera.focal_point;
     document.camera.focal_point += shift;
     document.camera.position += shift;

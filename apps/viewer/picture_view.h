@@ -52,6 +52,7 @@ class PictureView {
   Marks marks_;
   Handles handles_;
   Drag drag_ = Drag::kNone;
+  double dragged_ = 0;  // how far, with the last button that was pressed
   std::optional<Picked> picked_;
   double wheel_until_ = 0;  // ImGui::GetTime() up to which a turn of the wheel counts as moving
 };

@@ -15,7 +15,7 @@ namespace {
 constexpr double kWheelZoom = 1.12;     // per notch
 constexpr double kDragZoom = 1.008;     // per pixel
 constexpr double kWheelSettles = 0.18;  // seconds after its last notch
-constexpr float kHandleReach = 10;            // of a handle
+constexpr float kHandleReach = 10;      // of a handle
 constexpr double kMostOfAClick = 4;     // how far the mouse may go
 constexpr ImU32 kBoxColor = IM_COL32(200, 205, 215, 110);
 

@@ -15,14 +15,18 @@
 namespace ovoid::viewer {
 namespace {
 
-std::uint64_t sum_of(const Histogram& histogram) {
-  return std::accumulate(histogram.counts.begin(), histogram.counts.end(), std::uint64_t{0});
+std::uint64_t sum_of(const Histogram::Bins& bins) {
+  return std::accumulate(bins.counts.begin(), bins.counts.end(), std::uint64_t{0});
 }
+std::uint64_t sum_of(const Histogram& histogram) { return sum_of(histogram.linear); }
 
+std::uint64_t count_at(const Histogram::Bins& bins, double value) {
+  const double place = (value - bins.lo) / (bins.hi - bins.lo);
+  const double bin = std::floor(place * static_cast<double>(bins.counts.size()));
+  return bins.counts.at(std::min(static_cast<std::size_t>(bin), bins.counts.size() - 1));
+}
 std::uint64_t count_at(const Histogram& histogram, double value) {
-  const double place = (value - histogram.lo) / (histogram.hi - histogram.lo);
-  const double bin = std::floor(place * static_cast<double>(histogram.counts.size()));
-  return histogram.counts.at(std::min(static_cast<std::size_t>(bin), histogram.counts.size() - 1));
+  return count_at(histogram.linear, value);
 }
 
 TEST(ValueAxes, ThereAndBack) {
@@ -59,15 +63,28 @@ TEST(Histograms, OfALatticeCountEachSampleOnce) {
   const LatticeField field = test::make_field(
       {10, 9, 8}, [](auto i, auto, auto) { return static_cast<double>(i % 4); }, {});
   const Histogram histogram = histogram_of(field);
-  EXPECT_EQ(histogram.lo, 0);
-  EXPECT_EQ(histogram.hi, 3);
-  ASSERT_EQ(histogram.counts.size(), static_cast<std::size_t>(kHistogramBins));
+  EXPECT_EQ(histogram.linear.lo, 0);
+  EXPECT_EQ(histogram.linear.hi, 3);
+  ASSERT_EQ(histogram.linear.counts.size(), static_cast<std::size_t>(kHistogramBins));
   EXPECT_EQ(sum_of(histogram), 720U);
   EXPECT_EQ(count_at(histogram, 0), 3U * 72);  // i = 0, 4, 8
   EXPECT_EQ(count_at(histogram, 1), 3U * 72);
   EXPECT_EQ(count_at(histogram, 2), 2U * 72);
   EXPECT_EQ(count_at(histogram, 3), 2U * 72);  // the last bin has its upper end
-  EXPECT_EQ(histogram.greatest, 3U * 72);
+  EXPECT_EQ(histogram.linear.greatest, 3U * 72);
+}
+
+// Those without a logarithm are left out.
+TEST(Histograms, ByDecades) {
+  const double values[] = {-3, 0, 1, 10, 100, 1000};
+  const LatticeField field =
+      test::make_field({6, 4, 4}, [&](auto i, auto, auto) { return values[i]; }, {});
+  const Histogram histogram = histogram_of(field);
+  EXPECT_EQ(sum_of(histogram.linear), 96U);
+  EXPECT_EQ(sum_of(histogram.logarithmic), 64U);
+  EXPECT_NEAR(histogram.logarithmic.hi, 3, 1e-6);
+  EXPECT_NEAR(histogram.logarithmic.lo, -3, 1e-6);  // six decades
+  EXPECT_EQ(histogram.logarithmic.greatest, 16U);
 }
 
 TEST(Histograms, OfScaledNumbersMissingSamplesAndOneValue) {
@@ -78,8 +95,8 @@ TEST(Histograms, OfScaledNumbersMissingSamplesAndOneValue) {
       {4, 4, 4},
       [](auto i, auto j, auto) { return i == 0 ? test::kMissing : static_cast<double>(j); }, setup);
   const Histogram histogram = histogram_of(scaled);
-  EXPECT_EQ(histogram.lo, 100);
-  EXPECT_EQ(histogram.hi, 101.5);
+  EXPECT_EQ(histogram.linear.lo, 100);
+  EXPECT_EQ(histogram.linear.hi, 101.5);
   EXPECT_EQ(sum_of(histogram), 48U);
   EXPECT_EQ(count_at(histogram, 100.5), 12U);
   const Histogram flat = histogram_of(test::constant_field({4, 4, 4}, 7));

@@ -71,7 +71,7 @@ TEST_F(Documents, AreFilledByTheLoader) {
   EXPECT_EQ(document_.shown->field().num_kernels(), 4096);
   ASSERT_NE(document_.extras, nullptr);
   EXPECT_EQ(document_.extras->of, document_.shown);
-  EXPECT_FALSE(document_.extras->histogram.counts.empty());
+  EXPECT_FALSE(document_.extras->histogram.linear.counts.empty());
   EXPECT_TRUE(document_.extras->probe != nullptr);
   EXPECT_NO_THROW(document_.camera.validate());
 }
@@ -145,10 +145,33 @@ TEST_F(Documents, UndoAndRedo) {
   EXPECT_EQ(document_.view.background[0], 0.25);
 }
 
+// The window calls remember() after whatever was done.
+TEST_F(Documents, WhatIsNoEditIsNotUndone) {
+  open();
+  document_.remember();
+  EXPECT_FALSE(document_.can_undo());
+  document_.touch_camera();
+  document_.remember();
+  EXPECT_FALSE(document_.can_undo());
+  document_.view.background = {1, 0, 0};
+  document_.touch();
+  document_.remember();
+  document_.undo();
+  document_.remember();
+  EXPECT_FALSE(document_.can_undo());
+  ASSERT_TRUE(document_.can_redo());
+  document_.redo();
+  document_.remember();
+  EXPECT_EQ(document_.view.background[0], 1);
+  EXPECT_TRUE(document_.can_undo());
+  EXPECT_FALSE(document_.can_redo());
+}
+
 TEST_F(Documents, UndoForgetsTheOldestOfManySteps) {
   open();
   for (int i = 0; i < 300; ++i) {
     document_.view.background = {i / 300.0, 0, 0};
+    document_.touch();
     document_.remember();
   }
   int steps = 0;

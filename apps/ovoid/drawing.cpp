@@ -112,8 +112,7 @@ Subject make_subject(const Dataset& dataset, const Flags& flags, DrawingFlags* d
   return subject;
 }
 
-void spread_over_integrals(TransferFunction& tf, const Image& image, const LookFlags& flags,
-                           Session& session) {
+std::pair<double, double> range_of_integrals(const Image& image) {
   double lo = 0;
   double hi = 0;
   for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
@@ -121,6 +120,12 @@ void spread_over_integrals(TransferFunction& tf, const Image& image, const LookF
     lo = std::min<double>(lo, image.rgba[i]);
     hi = std::max<double>(hi, image.rgba[i]);
   }
+  return {lo, hi};
+}
+
+void spread_over_integrals(TransferFunction& tf, const Image& image, const LookFlags& flags,
+                           Session& session) {
+  auto [lo, hi] = range_of_integrals(image);
   if (flags.range) std::tie(lo, hi) = *flags.range;
   session.note(
       fmt::format("x-ray: colours span the integrals {:g} to {:g} (value x length)", lo, hi));

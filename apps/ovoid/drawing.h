@@ -6,6 +6,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "annotation_flags.h"
@@ -60,6 +61,8 @@ struct Subject {
 Subject make_subject(const Dataset& dataset, const Flags& flags, DrawingFlags* drawing,
                      Session& session);
 
+// Of an x-ray's picture, 0 included.
+std::pair<double, double> range_of_integrals(const Image& image);
 // Spreads the colours of `tf` over the integrals of an x-ray's picture, or over the given range,
 // and tells which.
 void spread_over_integrals(TransferFunction& tf, const Image& image, const LookFlags& flags,

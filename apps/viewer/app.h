@@ -128,7 +128,6 @@ class App final : public ScriptHost {
   // Watched files.
   std::vector<std::pair<std::string, std::filesystem::file_time_type>> watched_;
   double watched_at_ = 0;
-  std::filesystem::file_time_type changed_{};
   std::optional<std::string> picture_wish_;  // saved when the full picture is there
   ImVec2 picture_at_{0, 0}, picture_extent_{1, 1};
 

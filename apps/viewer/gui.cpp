@@ -105,7 +105,14 @@ void load_font(float pixels) {
 }
 
 #if IMGUI_VERSION_NUM < 18700
-constexpr std::pair<int, int> kKeys[] = {{ImGuiKey_Tab, GLFW_KEY_TAB},
+using Key = int;
+constexpr Key kKeypadEnter = ImGuiKey_KeyPadEnter;
+#else
+using Key = ImGuiKey;
+constexpr Key kKeypadEnter = ImGuiKey_KeypadEnter;
+#endif
+
+constexpr std::pair<Key, int> kKeys[] = {{ImGuiKey_Tab, GLFW_KEY_TAB},
                                          {ImGuiKey_LeftArrow, GLFW_KEY_LEFT},
                                          {ImGuiKey_RightArrow, GLFW_KEY_RIGHT},
                                          {ImGuiKey_UpArrow, GLFW_KEY_UP},
@@ -118,7 +125,7 @@ constexpr std::pair<int, int> kKeys[] = {{ImGuiKey_Tab, GLFW_KEY_TAB},
                                          {ImGuiKey_Backspace, GLFW_KEY_BACKSPACE},
                                          {ImGuiKey_Enter, GLFW_KEY_ENTER},
                                          {ImGuiKey_Escape, GLFW_KEY_ESCAPE},
-                                         {ImGuiKey_KeyPadEnter, GLFW_KEY_KP_ENTER},
+                                         {kKeypadEnter, GLFW_KEY_KP_ENTER},
                                          {ImGuiKey_Space, GLFW_KEY_SPACE},
                                          {ImGuiKey_A, GLFW_KEY_A},
                                          {ImGuiKey_C, GLFW_KEY_C},
@@ -127,6 +134,7 @@ constexpr std::pair<int, int> kKeys[] = {{ImGuiKey_Tab, GLFW_KEY_TAB},
                                          {ImGuiKey_Y, GLFW_KEY_Y},
                                          {ImGuiKey_Z, GLFW_KEY_Z}};
 
+#if IMGUI_VERSION_NUM < 18700
 void take_key(ImGuiIO& io, const KeyChanged& key) {
   if (key.key >= 0 && key.key < static_cast<int>(std::size(io.KeysDown)))
     io.KeysDown[key.key] = key.is_down;
@@ -141,28 +149,6 @@ void map_keys(ImGuiIO& io) {
   for (const auto& [imgui, glfw] : kKeys) io.KeyMap[imgui] = glfw;
 }
 #else
-constexpr std::pair<ImGuiKey, int> kKeys[] = {{ImGuiKey_Tab, GLFW_KEY_TAB},
-                                              {ImGuiKey_LeftArrow, GLFW_KEY_LEFT},
-                                              {ImGuiKey_RightArrow, GLFW_KEY_RIGHT},
-                                              {ImGuiKey_UpArrow, GLFW_KEY_UP},
-                                              {ImGuiKey_DownArrow, GLFW_KEY_DOWN},
-                                              {ImGuiKey_PageUp, GLFW_KEY_PAGE_UP},
-                                              {ImGuiKey_PageDown, GLFW_KEY_PAGE_DOWN},
-                                              {ImGuiKey_Home, GLFW_KEY_HOME},
-                                              {ImGuiKey_End, GLFW_KEY_END},
-                                              {ImGuiKey_Delete, GLFW_KEY_DELETE},
-                                              {ImGuiKey_Backspace, GLFW_KEY_BACKSPACE},
-                                              {ImGuiKey_Enter, GLFW_KEY_ENTER},
-                                              {ImGuiKey_Escape, GLFW_KEY_ESCAPE},
-                                              {ImGuiKey_KeypadEnter, GLFW_KEY_KP_ENTER},
-                                              {ImGuiKey_Space, GLFW_KEY_SPACE},
-                                              {ImGuiKey_A, GLFW_KEY_A},
-                                              {ImGuiKey_C, GLFW_KEY_C},
-                                              {ImGuiKey_V, GLFW_KEY_V},
-                                              {ImGuiKey_X, GLFW_KEY_X},
-                                              {ImGuiKey_Y, GLFW_KEY_Y},
-                                              {ImGuiKey_Z, GLFW_KEY_Z}};
-
 void take_key(ImGuiIO& io, const KeyChanged& key) {
   for (const auto& [imgui, glfw] : kKeys) {
     if (glfw == key.key) io.AddKeyEvent(imgui, key.is_down);

@@ -204,6 +204,13 @@ bool Widgets::text(const std::string& name, const char* hint, std::string* value
   return is_entered;
 }
 
+void Widgets::row(const char* label, const std::string& value) {
+  ImGui::TextUnformatted(label);
+  const float width = ImGui::CalcTextSize(value.c_str()).x;
+  ImGui::SameLine(std::max(ImGui::GetContentRegionMax().x - width, 0.0F));
+  ImGui::TextUnformatted(value.c_str());
+}
+
 void Widgets::tip(const char* sentence) {
   if (!ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) return;
   // Not at once, and not after a click, when it would lie over what the click has opened.

@@ -58,6 +58,7 @@ class Widgets {
   bool choice(const std::string& name, const char* label, const std::vector<const char*>& options,
               int* chosen, const std::function<void(int option)>& decorate = {});
   bool text(const std::string& name, const char* hint, std::string* value, float width = -1);
+  void row(const char* label, const std::string& value);  // text at both borders
   // A sentence about the item before, shown while the mouse rests on it.
   void tip(const char* sentence);
 

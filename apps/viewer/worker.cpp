@@ -65,17 +65,6 @@ Coarse at_level(const Scene& scene, const Level& level) {
   return coarse;
 }
 
-std::pair<double, double> range_of_integrals(const Image& image) {
-  double lo = 0;
-  double hi = 0;
-  for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
-    if (image.rgba[i + 3] == 0) continue;
-    lo = std::min<double>(lo, image.rgba[i]);
-    hi = std::max<double>(hi, image.rgba[i]);
-  }
-  return {lo, lo < hi ? hi : lo + 1};
-}
-
 std::uint8_t to_byte(float value) {
   return static_cast<std::uint8_t>(std::clamp(value * 255.0F + 0.5F, 0.0F, 255.0F));
 }
@@ -105,6 +94,7 @@ double world_pixel(const Scene& scene) {
 TransferFunction spread_over_integrals(TransferFunction tf,
                                        const std::pair<double, double>& range) {
   auto [lo, hi] = range;
+  if (!(lo < hi)) hi = lo + 1;                      // nothing but zeros
   if (tf.scale == ValueScale::kLog && !(lo > 0)) {  // as `ovoid render` does it
     constexpr double kDecades = 1e-3;
     if (!(hi > 0)) hi = 1;
@@ -228,8 +218,10 @@ Picture Worker::Impl::draw(const std::shared_ptr<const Scene>& scene, const Leve
   picture.profile = std::move(frame.profile);
   if (scene->look.mode == Mode::kXray) {
     // Colours of the last full picture, so that coarse ones do not flicker.
-    if (level.is_full() || !last_xray_range) last_xray_range = range_of_integrals(picture.image);
-    picture.xray_range = scene->xray_range.value_or(*last_xray_range);
+    if (level.is_full() || !last_xray_range)
+      last_xray_range = cli::range_of_integrals(picture.image);
+    auto [lo, hi] = scene->xray_range.value_or(*last_xray_range);
+    picture.xray_range = {lo, lo < hi ? hi : lo + 1};  // else there is nothing but zeros
   } else {
     last_xray_range.reset();
   }

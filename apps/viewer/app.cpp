@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <thread>
 #include <utility>
 
 #include "ovoid/error.h"
@@ -14,10 +15,11 @@
 namespace ovoid::viewer {
 namespace {
 
-constexpr double kFrame = 1.0 / 60;  // seconds between frames while anything happens
-constexpr double kRest = 0.5;        // seconds a window sleeps in which nothing does
-constexpr double kHeldStill = 0.25;  // seconds without a change after which pictures refine
-constexpr int kFramesPerEvent = 3;   // ImGui needs some to show what an event led to
+constexpr double kFrame = 1.0 / 60;         // seconds between frames while anything happens
+constexpr double kLeastBetween = 1.0 / 70;  // seconds between frames while something moves
+constexpr double kRest = 0.5;               // seconds a window sleeps in which nothing does
+constexpr double kHeldStill = 0.25;         // seconds without a change after which pictures refine
+constexpr int kFramesPerEvent = 3;          // ImGui needs some to show what an event led to
 
 }  // namespace
 
@@ -70,6 +72,14 @@ void App::run(const std::stop_token& stop) {
     double wait = patience();
     if (script_ && wait > 0) wait = std::clamp(next_input - now_s(), 0.0, wait);
     std::vector<Event> events = window_.events(wait);
+    // Pictures and input that come soon after each other share a frame; what it would have cost is
+    // left to the pictures.
+    const double early = is_moving_ ? last_frame + kLeastBetween - now_s() : 0;
+    if (early > 0) {
+      std::this_thread::sleep_for(std::chrono::duration<double>(early));
+      const std::vector<Event> more = window_.events(0);
+      events.insert(events.end(), more.begin(), more.end());
+    }
     const double begun = now_s();
     if (recorder_) recorder_->take(events, begun * 1000);
     if (script_ && begun >= next_input) {

@@ -195,6 +195,14 @@ Texture& Texture::operator=(Texture&& other) noexcept {
 }
 
 void Texture::upload(const std::uint8_t* rgba, int width, int height) {
+  upload(rgba, width, height, GL_RGBA);
+}
+
+void Texture::upload_opaque(const std::uint8_t* bgra, int width, int height) {
+  upload(bgra, width, height, GL_BGRA);
+}
+
+void Texture::upload(const std::uint8_t* pixels, int width, int height, unsigned order) {
   const bool is_new = name_ == 0;
   if (is_new) gl().gen_textures(1, &name_);
   gl().bind_texture(GL_TEXTURE_2D, name_);
@@ -206,9 +214,9 @@ void Texture::upload(const std::uint8_t* rgba, int width, int height) {
     gl().tex_parameter(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
   }
   if (width == width_ && height == height_) {
-    gl().tex_sub_image(GL_TEXTURE_2D, 0, 0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
+    gl().tex_sub_image(GL_TEXTURE_2D, 0, 0, 0, width, height, order, GL_UNSIGNED_BYTE, pixels);
   } else {
-    gl().tex_image(GL_TEXTURE_2D, 0, GL_RGBA8, width, height, 0, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
+    gl().tex_image(GL_TEXTURE_2D, 0, GL_RGBA8, width, height, 0, order, GL_UNSIGNED_BYTE, pixels);
   }
   width_ = width;
   height_ = height;

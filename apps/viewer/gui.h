@@ -21,13 +21,19 @@ class Texture {
   Texture(Texture&& other) noexcept;
   Texture& operator=(Texture&& other) noexcept;
 
-  void upload(const std::uint8_t* rgba, int width, int height);  // straight alpha, row 0 at the top
+  // Straight alpha, row 0 at the top.
+  void upload(const std::uint8_t* rgba, int width, int height);
+  // Opaque, row 0 at the bottom, in the order of most windows' own pixels, into which a driver
+  // without a graphics processor then copies it as it is (Gui::show_behind).
+  void upload_opaque(const std::uint8_t* bgra, int width, int height);
   unsigned name() const noexcept { return name_; }
   void* id() const noexcept;  // as ImGui takes it
   bool is_empty() const noexcept { return name_ == 0; }
   Size size() const noexcept { return {width_, height_}; }
 
  private:
+  void upload(const std::uint8_t* pixels, int width, int height, unsigned order);
+
   unsigned name_ = 0;
   int width_ = 0, height_ = 0;
 };

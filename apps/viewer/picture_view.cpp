@@ -41,11 +41,11 @@ std::string describe(const Level& level, bool is_final) {
 void PictureView::take(Pictures pictures) {
   for (std::size_t i = 0; i < pictures.pictures.size() && i < 2; ++i) {
     const Picture& picture = pictures.pictures[i];
-    textures_[i].upload(picture.rgba.data(), picture.image.width, picture.image.height);
+    textures_[i].upload_opaque(picture.bgra.data(), picture.image.width, picture.image.height);
   }
   if (!pictures.difference.empty()) {
     const Image& image = pictures.pictures.front().image;
-    difference_.upload(pictures.difference.data(), image.width, image.height);
+    difference_.upload_opaque(pictures.difference.data(), image.width, image.height);
   }
   shown_ = std::move(pictures);
 }

@@ -11,7 +11,7 @@ namespace ovoid::viewer {
 
 void lower_priority() noexcept {
 #ifdef __linux__
-  constexpr int kNicer = 3;  // half of the time, where another thread wants the same processor
+  constexpr int kNicer = 6;  // a quarter of the time, where another thread wants the same processor
   const auto thread = static_cast<id_t>(syscall(SYS_gettid));  // Linux nices threads, not processes
   setpriority(PRIO_PROCESS, thread, getpriority(PRIO_PROCESS, thread) + kNicer);
 #endif

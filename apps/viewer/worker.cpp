@@ -23,7 +23,7 @@
 namespace ovoid::viewer {
 namespace {
 
-constexpr double kDefaultBudgetMs = 28;  // with showing it, 25 pictures per second and more
+constexpr double kDefaultBudgetMs = 25;  // with showing it, 25 pictures per second and more
 
 // Stages whose cost goes with the number of kernels; that of all others with the samples.
 bool goes_with_kernels(const std::string& stage) {
@@ -135,7 +135,7 @@ std::vector<std::uint8_t> to_display(const Image& image, const Scene& scene,
             table[static_cast<std::size_t>(std::lround(std::clamp(at, 0.0, 1.0) * (kTable - 1)))];
         for (std::size_t c = 0; c < 3; ++c) color[c] = static_cast<float>(mapped[c]) * from[3];
       }
-      for (std::size_t c = 0; c < 3; ++c) to[c] = to_byte(color[c] + through * back[c]);
+      for (std::size_t c = 0; c < 3; ++c) to[2 - c] = to_byte(color[c] + through * back[c]);
       to[3] = 255;
     }
   }
@@ -225,7 +225,7 @@ Picture Worker::Impl::draw(const std::shared_ptr<const Scene>& scene, const Leve
   } else {
     last_xray_range.reset();
   }
-  picture.rgba = to_display(picture.image, *scene, picture.xray_range);
+  picture.bgra = to_display(picture.image, *scene, picture.xray_range);
   return picture;
 }
 

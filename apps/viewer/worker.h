@@ -43,7 +43,7 @@ struct Request {
 struct Picture {
   std::shared_ptr<const Scene> scene;
   Image image;
-  std::vector<std::uint8_t> rgba;  // opaque, before the background; row 0 at the bottom
+  std::vector<std::uint8_t> bgra;  // opaque, before the background; row 0 at the bottom
   std::pair<double, double> xray_range{1e-3, 1};
   FrameProfile profile;
 };
@@ -58,7 +58,7 @@ struct Pictures {
   double ms = 0;  // of all its pictures
   // Of two full pictures.
   double psnr = 0;
-  std::vector<std::uint8_t> difference;  // their distance, kDifferenceGain-fold, as Picture::rgba
+  std::vector<std::uint8_t> difference;  // their distance, kDifferenceGain-fold, as Picture::bgra
 };
 
 inline constexpr double kDifferenceGain = 8;
@@ -91,7 +91,8 @@ class Worker {
 // above 0 lies below them.
 TransferFunction spread_over_integrals(TransferFunction tf, const std::pair<double, double>& range);
 
-// Opaque 8-bit colours, row 0 at the bottom; an x-ray's integrals become colours over `xray_range`.
+// Opaque 8-bit colours, blue first, row 0 at the bottom; an x-ray's integrals become colours over
+// `xray_range`.
 std::vector<std::uint8_t> to_display(const Image& image, const Scene& scene,
                                      const std::pair<double, double>& xray_range);
 

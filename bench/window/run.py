@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """How the window feels: run.py [--program BUILD/bin/ovoid-viewer] [--size WxH] FILE... prints a table in Markdown.
 
-Replays measure.txt (turn, drag an opacity point, change one's mind) on each file, on the display that there is or on a virtual
+Replays measure.txt on each file (turn, change one's mind, and with the panel shown drag an opacity point), on the display that there is or on a virtual
 one, and tells pictures per second and how late they were. A virtual screen is drawn by the processor, which a desktop's is not.
 """
 import argparse
@@ -57,7 +57,7 @@ def main():
         for path in arguments.files:
             with tempfile.TemporaryDirectory() as folder:
                 report = os.path.join(folder, "report.json")
-                subprocess.run([arguments.program, path, "--size", arguments.size, "--backend", "cpu",
+                subprocess.run([arguments.program, path, "--size", arguments.size, "--backend", "cpu", "--no-panel",
                                 "--script", os.path.join(HERE, "measure.txt"), "--report", report],
                                check=True, env=environment, stderr=subprocess.DEVNULL)
                 with open(report, encoding="utf-8") as file:

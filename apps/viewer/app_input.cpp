@@ -104,7 +104,7 @@ bool App::take_plain_key(int key, bool is_shifted) {
   } else {
     return false;
   }
-  document_.touch_camera();
+  document_.touch_beside_view();
   return true;
 }
 

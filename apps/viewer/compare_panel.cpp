@@ -13,7 +13,7 @@ void compare_panel(Panel& panel) {
   if (widgets.button("compare.keep", "keep this as A")) {
     document.other = Setting{document.view, document.setup};
     document.compare = CompareMode::kSideBySide;
-    document.touch();
+    document.touch_beside_view();
   }
   ImGui::SameLine();
   if (widgets.button("compare.swap", "swap A and B", document.other.has_value())) {
@@ -26,14 +26,14 @@ void compare_panel(Panel& panel) {
   if (widgets.button("compare.drop", "drop A")) {
     document.other.reset();
     document.compare = CompareMode::kOff;
-    document.touch();
+    document.touch_beside_view();
     return;
   }
   int mode = static_cast<int>(document.compare);
   if (widgets.choice("compare.mode", "show", {"B alone", "A and B side by side", "difference"},
                      &mode)) {
     document.compare = static_cast<CompareMode>(mode);
-    document.touch();
+    document.touch_beside_view();
   }
   if (document.compare == CompareMode::kOff) return;
   if (document.compare == CompareMode::kDifference)

@@ -99,8 +99,8 @@ class Document {
     count_up();
     is_edited_ = true;
   }
-  // The camera alone has changed.
-  void touch_camera() noexcept { ++version_; }
+  // What has changed is no part of the view, and undo leaves it: camera, back end, comparison.
+  void touch_beside_view() noexcept { ++version_; }
   std::uint64_t view_version() const noexcept { return view_version_; }
 
  private:

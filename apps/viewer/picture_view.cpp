@@ -152,7 +152,7 @@ bool PictureView::act(Panel& panel, ImVec2 at, ImVec2 size) {
     is_changed = true;
   }
   if (is_changed && drag_ == Drag::kHandle) document.touch();
-  if (is_changed && drag_ != Drag::kHandle) document.touch_camera();
+  if (is_changed && drag_ != Drag::kHandle) document.touch_beside_view();
   if (is_hovered && drag_ == Drag::kNone) {
     pick(document, at, size);
   } else {

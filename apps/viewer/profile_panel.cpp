@@ -18,11 +18,14 @@ void engine_settings(Panel& panel) {
   RenderOptions& options = document.view.options;
   int backend = static_cast<int>(
       std::find(kBackends.begin(), kBackends.end(), document.setup.backend) - kBackends.begin());
-  bool is_changed = widgets.choice("profile.backend", "back end",
-                                   {"auto", "cpu", "vulkan", "reference"}, &backend);
-  if (is_changed) document.setup.backend = kBackends[static_cast<std::size_t>(backend)];
-  is_changed |=
-      widgets.whole("profile.threads", "threads (0: all)", &document.setup.threads, 0, 64);
+  if (widgets.choice("profile.backend", "back end", {"auto", "cpu", "vulkan", "reference"},
+                     &backend)) {
+    document.setup.backend = kBackends[static_cast<std::size_t>(backend)];
+    document.touch_beside_view();
+  }
+  if (widgets.whole("profile.threads", "threads (0: all)", &document.setup.threads, 0, 64))
+    document.touch_beside_view();
+  bool is_changed = false;
   double distance = options.sampling_distance;
   if (distance == 0) distance = document.shown->field().default_sampling_distance();
   const double natural = document.shown->field().default_sampling_distance();

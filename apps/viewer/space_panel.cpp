@@ -156,13 +156,13 @@ void view_buttons(Panel& panel) {
     if (panel.widgets.button(fmt::format("space.view.{}", view), view)) {
       document.camera = axis_view(document.camera, document.bounds(),
                                   document.shown->subject.described.space, view, aspect);
-      document.touch();
+      document.touch_beside_view();
     }
     ImGui::SameLine();
   }
   if (panel.widgets.button("space.reset", "reset")) {
     document.reset_camera(aspect);
-    document.touch();
+    document.touch_beside_view();
   }
 }
 
@@ -173,17 +173,15 @@ void space_panel(Panel& panel) {
   Widgets& widgets = panel.widgets;
   view_buttons(panel);
   bool is_parallel = document.camera.parallel_projection;
-  bool is_changed = false;
   if (widgets.checkbox("space.parallel", "parallel projection", &is_parallel)) {
     toggle_projection(document.camera);
-    is_changed = true;
+    document.touch_beside_view();
   }
-  if (!is_parallel) {
-    is_changed |= widgets.slider("space.view-angle", "view angle", &document.camera.view_angle, 5,
-                                 120, "%.3g degrees");
-  }
+  if (!is_parallel && widgets.slider("space.view-angle", "view angle", &document.camera.view_angle,
+                                     5, 120, "%.3g degrees"))
+    document.touch_beside_view();
   ImGui::Separator();
-  is_changed |= crop_editor(panel);
+  bool is_changed = crop_editor(panel);
   ImGui::Separator();
   is_changed |= clip_editor(panel);
   ImGui::Separator();

@@ -150,7 +150,7 @@ TEST_F(Documents, WhatIsNoEditIsNotUndone) {
   open();
   document_.remember();
   EXPECT_FALSE(document_.can_undo());
-  document_.touch_camera();
+  document_.touch_beside_view();
   document_.remember();
   EXPECT_FALSE(document_.can_undo());
   document_.view.background = {1, 0, 0};

@@ -67,14 +67,18 @@ void App::draw_panel(Panel& panel, ImVec2 at, ImVec2 size) {
   ImGui::Begin("panel", nullptr,
                ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
                    ImGuiWindowFlags_NoSavedSettings);
-  if (ImGui::BeginTabBar("tabs", ImGuiTabBarFlags_FittingPolicyScroll)) {
+  // All tabs have room in a panel of the usual width.
+  const ImVec2 usual = ImGui::GetStyle().FramePadding;
+  const ImVec2 narrow(usual.x / 2, usual.y);
+  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, narrow);
+  const bool has_tabs = ImGui::BeginTabBar("tabs", ImGuiTabBarFlags_FittingPolicyScroll);
+  ImGui::PopStyleVar();
+  if (has_tabs) {
     for (const Tab& tab : kTabs) {
       // The first that is seen is the one that is used most.
       const bool is_first = !has_chosen_tab_ && document_.is_open() && tab.draw == look_panel;
       if (is_first) has_chosen_tab_ = true;
-      // All have room in a panel of the usual width.
-      const ImVec2 padding = ImGui::GetStyle().FramePadding;
-      ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {padding.x / 2, padding.y});
+      ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, narrow);
       const bool is_open = ImGui::BeginTabItem(
           tab.name, nullptr, is_first ? ImGuiTabItemFlags_SetSelected : ImGuiTabItemFlags_None);
       ImGui::PopStyleVar();

@@ -29,7 +29,7 @@ double corner_value(std::int64_t x, std::int64_t y, std::int64_t z, std::uint64_
   return 2 * unit_interval(hash) - 1;
 }
 
-double blend(double t) noexcept { return t * t * (3 - 2 * t); }
+double fade(double t) noexcept { return t * t * (3 - 2 * t); }
 
 }  // namespace
 
@@ -41,7 +41,7 @@ double Random::uniform(double lo, double hi) noexcept {
 
 double smooth_noise(const Vec3& position, std::uint64_t seed) noexcept {
   const Vec3 floor = position.array().floor();
-  const Vec3 t = (position - floor).unaryExpr(&blend);
+  const Vec3 t = (position - floor).unaryExpr(&fade);
   double value = 0;
   for (int corner = 0; corner < 8; ++corner) {
     const int x = corner & 1;

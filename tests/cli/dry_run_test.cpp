@@ -69,8 +69,9 @@ std::string completed(const std::string& line) {
       line + "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _ovoid; echo \"${COMPREPLY[@]}\"";
   const Folder folder;
   write_file(folder / "script", script);
-  const std::string command =
-      "bash '" + (folder / "script") + "' > '" + (folder / "out") + "' 2>&1";
+  // In that folder, for the first word may be a file, too.
+  const std::string command = "cd '" + (folder / "") + "' && bash '" + (folder / "script") +
+                              "' > '" + (folder / "out") + "' 2>&1";
   EXPECT_EQ(std::system(command.c_str()), 0);
   return read_file(folder / "out");
 }

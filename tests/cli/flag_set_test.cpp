@@ -209,6 +209,8 @@ const std::vector<Words>& samples() {
       {"--evaluate", "gather", "--sheet-precision", "fp16"},
       {"--post-convolution", "cubic", "--spread", "bilinear"},
       {"--clip", "1,0,0,0", "--clip", "0,1,0,0"},
+      {"--value-plane", "1,0,0,0,shown"},
+      {"--color-array", "c", "--color-tf", "a.json"},
       {"--backend", "cpu", "--threads", "1", "--device", "0", "--device-memory", "1G"},
       {"--no-skip", "--no-stop", "--no-pack", "--repeat", "2", "--dry-run"},
   };

@@ -136,6 +136,23 @@ void App::frame(const std::vector<Event>& events, double seconds) {
   draw_status(picture_at_, picture_extent_);
   if (has_panel_) draw_panel(panel, {picture_extent_.x, 0}, {panel_width, all.y});
   if (shows_help_) draw_help();
+  take_changes(is_held);
+  grant(std::move(wishes));
+  // What is shown is what the slider says, once nothing newer is on its way.
+  if (document_.is_open() && !ImGui::IsAnyMouseDown() && !waits_for_time_ &&
+      !document_.time.is_playing)
+    document_.time.now = document_.shown->time;
+  ask_for_picture(is_moving_);
+  if (is_visible)
+    gui_.end();
+  else
+    ImGui::EndFrame();
+  if (!screenshot_wish_.empty()) write_screenshot();
+  window_.show_frame();
+}
+
+// What the frame has changed: is it moving, and is there something to undo?
+void App::take_changes(bool is_held) {
   const double now = now_s();
   const bool is_mouse_down = ImGui::IsAnyMouseDown();
   if (document_.version() != last_version_) {
@@ -155,17 +172,6 @@ void App::frame(const std::vector<Event>& events, double seconds) {
     document_.remember();
     was_edited_ = false;
   }
-  grant(std::move(wishes));
-  // What is shown is what the slider says, once nothing newer is on its way.
-  if (document_.is_open() && !is_mouse_down && !waits_for_time_ && !document_.time.is_playing)
-    document_.time.now = document_.shown->time;
-  ask_for_picture(is_moving_);
-  if (is_visible)
-    gui_.end();
-  else
-    ImGui::EndFrame();
-  if (!screenshot_wish_.empty()) write_screenshot();
-  window_.show_frame();
 }
 
 double App::aspect() const {

@@ -57,6 +57,7 @@ class App final : public ScriptHost {
   };
 
   void frame(const std::vector<Event>& events, double seconds);
+  void take_changes(bool is_held);
   double patience() const;  // seconds to wait for events
   // Input.
   void take_shortcuts(const std::vector<Event>& events);

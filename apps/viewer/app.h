@@ -86,7 +86,6 @@ class App final : public ScriptHost {
   void write_screenshot();
   nlohmann::ordered_json facts() const;  // what scripts may ask for
   void tell(const std::string& text, bool is_error = false);
-  std::string command_line() const;
   void save_the_picture(const std::string& path);
 
   std::shared_ptr<const Launch> launch_;

@@ -152,8 +152,6 @@ void App::save_state(const std::string& path) {
   cli::write_state(state, path);
 }
 
-std::string App::command_line() const { return command_of(document_, picture_size()); }
-
 void App::grant(Wishes wishes) {
   try {
     if (!wishes.open.empty()) take_drop({wishes.open});
@@ -168,7 +166,7 @@ void App::grant(Wishes wishes) {
       tell("state written to " + wishes.write_state);
     }
     if (wishes.copies_command && document_.is_open()) {
-      window_.set_clipboard(command_line());
+      window_.set_clipboard(command_of(document_, picture_size()));
       tell("the command is in the clipboard");
     }
     if (wishes.saves_picture && document_.is_open()) {

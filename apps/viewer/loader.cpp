@@ -211,8 +211,7 @@ std::shared_ptr<Shown> shown_of(const Data& data, cli::DrawingFlags& drawing, do
 }
 
 // The same with a look, for an array that is drawn for the first time.
-ShownReady first_of_array(Data& data, double time, const cli::Stopwatch& since,
-                          cli::Session& session) {
+ShownReady first_of_array(Data& data, double time, cli::Session& session) {
   ShownReady ready;
   cli::DrawingFlags drawing = data.drawing;
   auto made = shown_of(data, drawing, time, session);
@@ -220,7 +219,6 @@ ShownReady first_of_array(Data& data, double time, const cli::Stopwatch& since,
   ready.gradient = drawing.options.gradient;
   if (!(drawing.model.lattice.kernel == data.drawing.model.lattice.kernel))
     ready.kernel = drawing.model.lattice.kernel;
-  ready.ms = since.ms();
   ready.shown = data.shown = std::move(made);
   return ready;
 }
@@ -228,7 +226,6 @@ ShownReady first_of_array(Data& data, double time, const cli::Stopwatch& since,
 }  // namespace
 
 void Loader::Impl::read(const OpenTask& task, const std::stop_token& token) {
-  const cli::Stopwatch since;
   cli::Session own = session(token);
   Data next{task.launch, task.launch->drawing, nullptr, std::nullopt, nullptr};
   const cli::DataFlags& flags = task.launch->data;
@@ -240,7 +237,7 @@ void Loader::Impl::read(const OpenTask& task, const std::stop_token& token) {
   const auto info = info_of(*next.dataset, flags);
   report(LoadProgress{"choosing kernels for " + title_of(flags), 1});
   const double time = flags.time.value_or(info->times[static_cast<std::size_t>(info->step)]);
-  ShownReady ready = first_of_array(next, time, since, own);
+  ShownReady ready = first_of_array(next, time, own);
   // What can be wrong with the flags comes out here, where it keeps nothing from being shown.
   const Field& field = next.shown->field();
   RenderOptions ignored = next.drawing.options;
@@ -256,7 +253,6 @@ void Loader::Impl::read(const OpenTask& task, const std::stop_token& token) {
 
 void Loader::Impl::choose(const ArrayChoice& choice, const std::stop_token& token) {
   if (!data) return;
-  const cli::Stopwatch since;
   cli::Session own = session(token);
   report(LoadProgress{"choosing kernels for " + choice.array, 0});
   cli::DrawingFlags& drawing = data->drawing;
@@ -269,7 +265,7 @@ void Loader::Impl::choose(const ArrayChoice& choice, const std::stop_token& toke
   // Flags about the look were meant for the array that the data were opened with.
   drawing.look = {};
   try {
-    report(first_of_array(*data, data->shown ? data->shown->time : 0, since, own));
+    report(first_of_array(*data, data->shown ? data->shown->time : 0, own));
   } catch (...) {
     drawing = before;
     throw;
@@ -280,7 +276,6 @@ void Loader::Impl::choose(const ArrayChoice& choice, const std::stop_token& toke
 
 void Loader::Impl::go_to(const TimeTask& task, const std::stop_token& token) {
   if (!data) return;
-  const cli::Stopwatch since;
   cli::Session own = session(token);
   if (!data->series) data->series.emplace(cli::open_series(data->launch->data, own));
   const Series& series = *data->series;
@@ -313,7 +308,6 @@ void Loader::Impl::go_to(const TimeTask& task, const std::stop_token& token) {
                                                                 made->field().value_range(), own));
   }
   ShownReady ready;
-  ready.ms = since.ms();
   ready.shown = data->shown = std::move(made);
   report(std::move(ready));
   const std::lock_guard lock(mutex);

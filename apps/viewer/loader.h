@@ -75,7 +75,6 @@ struct ShownReady {
   // Options that the data ask for (labels: narrow kernels, differences).
   GradientMethod gradient = GradientMethod::kAuto;
   std::optional<LatticeKernel> kernel;
-  double ms = 0;  // from the task's begin
 };
 struct Noted {
   std::string text;

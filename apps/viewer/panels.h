@@ -22,7 +22,6 @@ struct Wishes {
   std::string open;                     // a file of data
   std::string read_look, write_look;    // paths
   std::string read_state, write_state;  // paths
-  bool closes = false;
 };
 
 // What the interface remembers that is no property of the picture.

@@ -57,13 +57,6 @@ bool Widgets::scroll_to(const std::string& name) {
   return true;
 }
 
-std::vector<std::string> Widgets::names() const {
-  std::vector<std::string> names;
-  names.reserve(now_.size());
-  for (const auto& [name, place] : now_) names.push_back(name);
-  return names;
-}
-
 void Widgets::label_before(const char* label) const {
   if (label == nullptr || *label == '\0') return;
   ImGui::AlignTextToFramePadding();

@@ -44,7 +44,6 @@ class Widgets {
   std::optional<Box2> find(const std::string& name) const;
   // Whether it was drawn, if out of sight; the next frame will scroll to it.
   bool scroll_to(const std::string& name);
-  std::vector<std::string> names() const;
 
   bool button(const std::string& name, const char* label, bool is_enabled = true);
   bool checkbox(const std::string& name, const char* label, bool* value);

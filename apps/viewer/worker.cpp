@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <condition_variable>
 #include <exception>
@@ -23,7 +22,7 @@
 namespace ovoid::viewer {
 namespace {
 
-constexpr double kDefaultBudgetMs = 25;  // with showing it, 25 pictures per second and more
+constexpr double kBudgetMs = 25;  // with showing it, 25 pictures per second and more
 
 // Stages whose cost goes with the number of kernels; that of all others with the samples.
 bool goes_with_kernels(const std::string& stage) {
@@ -153,8 +152,6 @@ struct Worker::Impl {
   bool may_be_given_up = false;  // what is drawn is a refinement
   std::optional<Clock::time_point> given_up_at;
   std::vector<double> cancel_times;
-  std::atomic<double> fraction{0};
-  std::atomic<double> budget_ms{kDefaultBudgetMs};
   std::thread thread;
 
   // The thread's own.
@@ -202,7 +199,6 @@ Picture Worker::Impl::draw(const std::shared_ptr<const Scene>& scene, const Leve
   Renderer& renderer = renderer_for(scene->setup);
   RenderHooks hooks;
   hooks.stop = token;
-  hooks.progress = [this](double done) { fraction = done; };
   const Trail* const trail = scene->has_trail ? scene->shown->trail.get() : nullptr;
   Frame frame = [&] {
     if (trail != nullptr && level.field == 0)
@@ -235,7 +231,6 @@ bool Worker::Impl::draw_all(const Request& request, const Level& level, bool is_
   done.number = request.number;
   done.level = level;
   done.is_final = is_final;
-  done.asked = request.asked;
   std::stop_token token;
   {
     const std::lock_guard lock(mutex);
@@ -249,7 +244,6 @@ bool Worker::Impl::draw_all(const Request& request, const Level& level, bool is_
   FrameCost cost;
   try {
     for (const auto& scene : request.scenes) {
-      fraction = 0;
       done.pictures.push_back(draw(scene, level, token));
       const FrameCost one = cost_of(done.pictures.back().profile);
       cost.kernels_ms += one.kernels_ms;
@@ -296,8 +290,7 @@ void Worker::Impl::serve(const Request& request) {
     last_xray_range.reset();
     measured_of = scene.shown;
   }
-  const double budget = budget_ms;
-  moving_level = chooser.choose(budget, moving_level);
+  moving_level = chooser.choose(kBudgetMs, moving_level);
   if (chooser.predicted_ms(moving_level) == 0) moving_level = chooser.levels().back();
   if (request.is_moving) {
     draw_all(request, moving_level, false);
@@ -305,7 +298,7 @@ void Worker::Impl::serve(const Request& request) {
   }
   // What is quick enough to be shown at once, then steps up to the full picture.
   const bool is_quick =
-      chooser.predicted_ms(Level{}) > 0 && chooser.predicted_ms(Level{}) < 2 * budget;
+      chooser.predicted_ms(Level{}) > 0 && chooser.predicted_ms(Level{}) < 2 * kBudgetMs;
   std::vector<Level> steps;
   if (!is_quick) {
     steps = chooser.refinement(moving_level);
@@ -373,9 +366,5 @@ bool Worker::is_idle() const {
   const std::lock_guard lock(impl_->mutex);
   return !impl_->is_drawing && !impl_->pending && !impl_->finished;
 }
-
-double Worker::progress() const { return impl_->fraction; }
-
-void Worker::set_budget(double ms) { impl_->budget_ms = ms; }
 
 }  // namespace ovoid::viewer

@@ -37,7 +37,6 @@ struct Request {
   std::uint64_t number = 0;                          // rising
   std::vector<std::shared_ptr<const Scene>> scenes;  // one, or two to be compared
   bool is_moving = false;  // more requests will follow soon: a coarse picture will do
-  Clock::time_point asked{};
 };
 
 struct Picture {
@@ -54,8 +53,7 @@ struct Pictures {
   bool is_final = false;  // nothing finer follows
   std::vector<Picture> pictures;
   std::string error;  // why there is none
-  Clock::time_point asked{};
-  double ms = 0;  // of all its pictures
+  double ms = 0;      // of all its pictures
   // Of two full pictures.
   double psnr = 0;
   std::vector<std::uint8_t> difference;  // their distance, kDifferenceGain-fold, as Picture::bgra
@@ -78,9 +76,6 @@ class Worker {
   // How long pictures that were given up took to stop, since the last call; milliseconds.
   std::vector<double> take_cancel_times();
   bool is_idle() const;
-  double progress() const;  // of the picture in work, in [0, 1]
-  // While something moves a picture should take no longer than this.
-  void set_budget(double ms);
 
  private:
   struct Impl;

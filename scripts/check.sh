@@ -9,7 +9,7 @@ declare -A checks=(
   [dependencies]="python3 scripts/check_dependencies.py"
   [references]="python3 scripts/check_references.py"
   [format]="scripts/check_format.sh"
-  [licences]="python3 scripts/check_licences.py build/release/bin/ovoid build/release/bin/ovoid-viewer scripts/licences.txt"
+  [licences]="python3 scripts/check_licences.py build/release/bin/ovoid build/release/bin/ovoid-viewer build/release/bin/ovoid-read scripts/licences.txt"
   [tidy]="python3 scripts/check_tidy.py"
 )
 names=("$@")

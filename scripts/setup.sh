@@ -13,7 +13,7 @@ declare -A groups=(
     libeigen3-dev libfmt-dev nlohmann-json3-dev libcli11-dev
     libpng-dev zlib1g-dev libbz2-dev libopenexr-dev
     libvulkan-dev libvulkan-volk-dev glslang-tools
-    voro++-dev libhwy-dev libtbb-dev libvtk9-dev libgdcm-dev libhdf5-dev libgtest-dev libgmock-dev
+    voro++-dev libhwy-dev libtbb-dev libvtk9-dev libgdcm-dev libhdf5-dev libseccomp-dev libgtest-dev libgmock-dev
     libvulkan1 mesa-vulkan-drivers vulkan-validationlayers
     libglfw3-dev libimgui-dev libgl-dev xvfb xauth libgl1-mesa-dri fonts-dejavu-core"
   [check]="clang-format clang-tidy"

@@ -28,7 +28,8 @@ struct DataFlags {
   std::size_t memory_limit = std::size_t{1} << 30;  // bytes of steps
   std::string positions;                            // HDF5: the path of the positions
   std::vector<std::string> values;                  // HDF5: paths of arrays
-  std::string array;  // the only one that is read where the format allows; empty: all
+  std::vector<std::string> folders;  // where files that the input names may lie, beside its own
+  std::string array;                 // the only one that is read where the format allows; empty: all
   int component = 0;  // of hyperslices
 };
 

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "ovoid/lattice.h"
@@ -19,6 +22,41 @@ struct Bytes {
   std::shared_ptr<const void>
       owner;  // what keeps `view` valid; may be empty for memory that outlives the library's use
   std::span<const std::byte> view;
+};
+
+// Values in a row, immutable and shared: copies share the memory. Made of a vector, whose values it
+// takes over, or of memory that `owner` keeps valid.
+template <typename T>
+class SharedValues {
+ public:
+  SharedValues() = default;
+  SharedValues(std::vector<T> values) {  // NOLINT(google-explicit-constructor): as a vector is
+    const auto owner = std::make_shared<const std::vector<T>>(std::move(values));
+    view_ = *owner;
+    owner_ = owner;
+  }
+  SharedValues(std::initializer_list<T> values) : SharedValues(std::vector<T>(values)) {}
+  SharedValues(std::shared_ptr<const void> owner, std::span<const T> view)
+      : owner_(std::move(owner)), view_(view) {}
+
+  std::span<const T> view() const noexcept { return view_; }
+  operator std::span<const T>() const noexcept { return view_; }  // NOLINT(google-explicit-constructor)
+  std::size_t size() const noexcept { return view_.size(); }
+  bool empty() const noexcept { return view_.empty(); }
+  const T& operator[](std::size_t i) const noexcept { return view_[i]; }
+  const T& front() const noexcept { return view_.front(); }
+  const T& back() const noexcept { return view_.back(); }
+  auto begin() const noexcept { return view_.begin(); }
+  auto end() const noexcept { return view_.end(); }
+  // A copy, to be changed.
+  std::vector<T> to_vector() const { return {view_.begin(), view_.end()}; }
+  friend bool operator==(const SharedValues& a, const SharedValues& b) noexcept {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end());
+  }
+
+ private:
+  std::shared_ptr<const void> owner_;
+  std::span<const T> view_;
 };
 
 // One named array of a dataset: `num_tuples` tuples of `num_components` values, component fastest.
@@ -97,11 +135,11 @@ const char* name_of(SeriesKind kind) noexcept;  // "steps", "staggered"
 
 // The cells of a mesh. Either explicit: cell c has the nodes connectivity[offsets[c]] to
 // connectivity[offsets[c + 1] - 1], in VTK's order for its type. Or structured: `dims` nodes along
-// i, j, k (i fastest) with hexahedra between them, and the vectors are empty.
+// i, j, k (i fastest) with hexahedra between them, and the others are empty.
 struct Cells {
-  std::vector<CellType> types;              // [num_cells]
-  std::vector<std::int64_t> offsets;        // [num_cells + 1], rising from 0
-  std::vector<std::uint32_t> connectivity;  // node numbers
+  SharedValues<CellType> types;              // [num_cells]
+  SharedValues<std::int64_t> offsets;        // [num_cells + 1], rising from 0
+  SharedValues<std::uint32_t> connectivity;  // node numbers
   Index3 dims{0, 0, 0};
 
   bool is_structured() const noexcept { return dims[0] > 0; }

@@ -16,7 +16,8 @@
 
 namespace ovoid {
 
-class StepSource;  // ovoid/series.h
+class ReaderSession;  // the library's own
+class StepSource;     // ovoid/series.h
 
 // What a headerless file cannot say.
 struct RawOptions {
@@ -33,8 +34,14 @@ struct ReadOptions {
   std::optional<std::int64_t> step;  // which time step; none: the first whose samples vary
   std::string positions;  // HDF5: the path of the positions, "/PartType1/Coordinates"; empty: found
   std::vector<std::string> values;  // HDF5: paths of arrays; empty: those beside the positions
+  // Files that the input names (pieces, data files, external storage) may also lie below these
+  // folders; without any, in the input's own folder alone, and HDF5 files take nothing from others.
+  std::vector<std::string> data_folders;
   std::function<void(double fraction)> progress;
   std::stop_token stop;
+  // The process that reads with other people's libraries, kept from one read to the next;
+  // open_steps() makes one. None: each read starts and ends its own.
+  std::shared_ptr<ReaderSession> session;
 };
 
 // Reads a volume: raw, NRRD/NHDR, NIfTI, MetaImage, SLC, NPY, DICOM; a mesh: PLOT3D; with VTK both
@@ -60,9 +67,9 @@ Dataset read_dataset(const std::vector<std::string>& paths, const ReadOptions& o
 std::shared_ptr<const StepSource> open_steps(const std::vector<std::string>& paths,
                                              const ReadOptions& options = {});
 
-// Writes a dataset; the name's ending chooses the format (.nrrd .nhdr .nii .nii.gz .npy .raw,
-// .vti .vtk with VTK, .h5 with HDF5, which alone takes body-centred lattices; meshes .vtu;
-// particles .csv .npz .ply, kernels .ply). Written beside and renamed: an existing file stays whole
+// Writes a dataset; the name's ending chooses the format (.nrrd .nhdr .nii .nii.gz .npy .raw
+// .vti .vtk, .h5 with HDF5, which alone takes body-centred lattices; meshes .vtu; particles .csv
+// .npz .ply, kernels .ply). Written beside and renamed: an existing file stays whole
 // until the new one is. The samples of NAME.nhdr go to NAME.raw, which is replaced only if it
 // belongs to an existing NAME.nhdr. Throws Error(kFileWrite, kUnsupported).
 void write_dataset(const Dataset& dataset, const std::string& path);
@@ -72,10 +79,9 @@ void write_dataset(const Dataset& dataset, const std::string& path);
 // Error(kFileWrite, kUnsupported, kInvalidArgument).
 void write_image(const Image& image, const std::string& path, const double* background = nullptr);
 
-// The files that read_dataset would read for `path`: it and those that its header names (NRRD,
-// MetaImage, a pair of NIfTI), up to the first that is not there, or the DICOM files of a folder. A
-// file that cannot be read stands
-// alone; reading it tells why.
+// The files that read_dataset would read for `path`: it and those that it names (NRRD, MetaImage, a
+// pair of NIfTI, pieces and steps of VTK's sets, EnSight, Enzo), up to the first that is not there,
+// or the DICOM files of a folder. A file that cannot be read stands alone; reading it tells why.
 std::vector<std::string> files_read_for(const std::string& path);
 
 // The files that write_dataset would write for `path`: it and the samples of a .nhdr.

@@ -14,9 +14,11 @@
 #include <utility>
 
 #include "data/scalar_visit.h"
+#include "io/dicom_codec.h"
 #include "io/dicom_file.h"
 #include "io/dicom_pixels.h"
 #include "io/dicom_series.h"
+#include "io/reader_session.h"
 #include "io/samples.h"
 #include "ovoid/error.h"
 
@@ -74,6 +76,8 @@ class DicomReader {
     dataset_.notes = left_out_.notes(source_);
     describe(chosen);
     DicomVolume volume = place_dicom_group(files_, std::move(groups_[chosen]));
+    if (needs_foreign_decoder(volume))
+      return read_foreign(ForeignFormat::kDicom, source_, names, options_);
     finish(volume);
     return std::move(dataset_);
   }
@@ -169,6 +173,16 @@ class DicomReader {
 
   const DicomPlane& plane_of(const DicomFrame& frame) const {
     return files_[frame.file].planes[frame.frame];
+  }
+
+  bool needs_foreign_decoder(const DicomVolume& volume) const {
+    const auto needs = [&](const DicomFrame& frame) {
+      return frame.file != DicomFrame::kMissing && files_[frame.file].is_encapsulated &&
+             io::needs_foreign_decoder(files_[frame.file].transfer_syntax);
+    };
+    return std::any_of(volume.steps.begin(), volume.steps.end(), [&](const auto& slices) {
+      return std::any_of(slices.begin(), slices.end(), needs);
+    });
   }
 
   void finish(DicomVolume& volume) {

@@ -5,28 +5,19 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <bit>
 #include <cstring>
-#include <mutex>
 #include <optional>
 #include <string_view>
 #include <vector>
 
 #include "ovoid/error.h"
 
-#ifdef OVOID_IO_GDCM
-#include <gdcmDataElement.h>
-#include <gdcmJPEG2000Codec.h>
-#include <gdcmJPEGCodec.h>
-#include <gdcmJPEGLSCodec.h>
-#include <gdcmSequenceOfFragments.h>
-#include <gdcmTrace.h>
-#endif
-
 namespace ovoid::io {
 namespace {
 
-enum class Codec { kRle, kJpeg, kJpegLs, kJpeg2000 };
+using Codec = DicomCodec;
 
 struct Syntax {
   std::string_view uid;
@@ -53,6 +44,8 @@ constexpr std::int64_t kMaxCompression = 250;
 
 // OpenJPEG keeps some kilobytes for every tile that a header announces.
 constexpr std::int64_t kMaxTiles = 1024;
+
+std::atomic<ForeignDicomDecoder> foreign_decoder{nullptr};
 
 const Syntax* find_syntax(const std::string& uid) noexcept {
   const auto* const found = std::find_if(kSyntaxes.begin(), kSyntaxes.end(),
@@ -252,53 +245,6 @@ void decode_rle(const StreamReader& reader, std::span<const std::byte> stream,
   }
 }
 
-#ifdef OVOID_IO_GDCM
-
-// What GDCM's codecs ask of their input beyond the standard: a stream that goes on behind its end
-// would keep the JPEG codec waiting for more, and the JPEG 2000 codec looks for the last EOC.
-std::vector<char> closed_stream(Codec codec, std::span<const std::byte> stream) {
-  const auto* const chars = reinterpret_cast<const char*>(stream.data());
-  std::vector<char> result(chars, chars + stream.size());
-  constexpr std::array<char, 2> kEnd = {'\xff', '\xd9'};
-  if (codec == Codec::kJpeg2000) {
-    while (result.size() > 2 && result.back() != kEnd[1]) result.pop_back();
-    if (result.size() > 2 && result[result.size() - 2] == kEnd[0]) return result;
-  }
-  result.insert(result.end(), kEnd.begin(), kEnd.end());
-  return result;
-}
-
-template <typename GdcmCodec>
-bool run_gdcm(GdcmCodec& codec, const DicomFrameShape& shape, const DicomStreamHeader& header,
-              const gdcm::DataElement& in, gdcm::DataElement& out) {
-  const unsigned dims[3] = {static_cast<unsigned>(shape.columns), static_cast<unsigned>(shape.rows),
-                            1};
-  codec.SetDimensions(dims);
-  codec.SetNumberOfDimensions(2);
-  codec.SetPlanarConfiguration(0);
-  codec.SetPhotometricInterpretation(gdcm::PhotometricInterpretation::MONOCHROME2);
-  const auto bits = static_cast<unsigned short>(header.precision);
-  // By the width GDCM chooses among its builds of the JPEG codec: that for 16 bits is lossless
-  // only.
-  const unsigned short width = bits <= 8 ? 8 : header.is_lossy ? 12 : 16;
-  codec.SetPixelFormat(gdcm::PixelFormat(1, width, bits, static_cast<unsigned short>(bits - 1), 0));
-  return codec.Decode(in, out);
-}
-
-bool decode_with_gdcm(Codec which, const DicomFrameShape& shape, const DicomStreamHeader& header,
-                      const gdcm::DataElement& in, gdcm::DataElement& out) {
-  if (which == Codec::kJpeg) {
-    gdcm::JPEGCodec codec;
-    return run_gdcm(codec, shape, header, in, out);
-  }
-  if (which == Codec::kJpegLs) {
-    gdcm::JPEGLSCodec codec;
-    return run_gdcm(codec, shape, header, in, out);
-  }
-  gdcm::JPEG2000Codec codec;
-  return run_gdcm(codec, shape, header, in, out);
-}
-
 // Samples of one or two bytes to words of the file's width.
 void widen(const char* from, std::size_t sample_bytes, std::size_t word_bytes,
            std::span<std::byte> out) {
@@ -313,38 +259,6 @@ void widen(const char* from, std::size_t sample_bytes, std::size_t word_bytes,
     std::memcpy(out.data() + to + shift, from + i * sample_bytes, sample_bytes);
   }
 }
-
-void decode_gdcm(const StreamReader& reader, const Syntax& syntax,
-                 std::span<const std::byte> stream, const DicomStreamHeader& header,
-                 const DicomFrameShape& shape, std::span<std::byte> out) {
-  static std::once_flag silenced;
-  std::call_once(silenced, [] {
-    gdcm::Trace::DebugOff();
-    gdcm::Trace::WarningOff();
-    gdcm::Trace::ErrorOff();
-  });
-  const std::vector<char> closed = closed_stream(syntax.codec, stream);
-  gdcm::Fragment fragment;
-  fragment.SetByteValue(closed.data(), gdcm::VL(static_cast<std::uint32_t>(closed.size())));
-  gdcm::SmartPointer<gdcm::SequenceOfFragments> fragments = new gdcm::SequenceOfFragments;
-  fragments->AddFragment(fragment);
-  gdcm::DataElement in(gdcm::Tag(0x7FE0, 0x0010)), decoded;
-  in.SetValue(*fragments);
-  bool is_decoded = false;
-  try {
-    is_decoded = decode_with_gdcm(syntax.codec, shape, header, in, decoded);
-  } catch (const std::exception&) {
-    // Said below.
-  }
-  const gdcm::ByteValue* const bytes = is_decoded ? decoded.GetByteValue() : nullptr;
-  const std::size_t sample_bytes = header.precision <= 8 ? 1 : 2;
-  const auto word_bytes = static_cast<std::size_t>(shape.bits_allocated / 8);
-  if (bytes == nullptr || bytes->GetLength() != out.size() / word_bytes * sample_bytes)
-    reader.fail("is damaged");
-  widen(bytes->GetPointer(), sample_bytes, word_bytes, out);
-}
-
-#endif
 
 }  // namespace
 
@@ -363,6 +277,13 @@ std::string unreadable_syntax_reason(const std::string& uid) {
 #endif
   return {};
 }
+
+bool needs_foreign_decoder(const std::string& uid) noexcept {
+  const Syntax* const syntax = find_syntax(uid);
+  return syntax != nullptr && syntax->codec != Codec::kRle && foreign_decoder.load() == nullptr;
+}
+
+void set_foreign_dicom_decoder(ForeignDicomDecoder decoder) noexcept { foreign_decoder = decoder; }
 
 DicomStreamHeader check_dicom_stream(const std::string& uid, std::span<const std::byte> stream,
                                      const DicomFrameShape& shape) {
@@ -393,13 +314,16 @@ void decode_dicom_frame(const std::string& uid, std::span<const std::byte> strea
   const Syntax& syntax = *find_syntax(uid);
   const StreamReader reader(syntax, stream, shape);
   if (syntax.codec == Codec::kRle) return decode_rle(reader, stream, shape, out);
-#ifdef OVOID_IO_GDCM
-  decode_gdcm(reader, syntax, stream, header, shape, out);
-#else
-  static_cast<void>(header);
-  throw Error(ErrorCode::kUnsupported,
-              fmt::format("{}: {}", shape.where, unreadable_syntax_reason(uid)));
-#endif
+  const ForeignDicomDecoder decoder = foreign_decoder;
+  if (decoder == nullptr) {
+    throw Error(ErrorCode::kUnsupported,
+                fmt::format("{}: {} is decoded in a process of its own", shape.where, syntax.name));
+  }
+  const std::size_t sample_bytes = header.precision <= 8 ? 1 : 2;
+  const auto word_bytes = static_cast<std::size_t>(shape.bits_allocated / 8);
+  const std::vector<char> samples = decoder(syntax.codec, stream, shape, header);
+  if (samples.size() != out.size() / word_bytes * sample_bytes) reader.fail("is damaged");
+  widen(samples.data(), sample_bytes, word_bytes, out);
 }
 
 }  // namespace ovoid::io

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Compressed pixel data, one frame at a time. RLE is decoded here; JPEG, JPEG-LS and JPEG 2000 by
-// GDCM's codecs, which believe a stream's own header and allocate by it. So a stream is looked
-// through first: its size and depth must be the file's, its markers must lie within it.
+// GDCM's codecs (foreign/gdcm_codec.h) in the reader's process, which believe a stream's own header
+// and allocate by it. So a stream is looked through first: its size and depth must be the file's,
+// its markers must lie within it.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace ovoid::io {
 
@@ -31,6 +33,22 @@ struct DicomStreamHeader {
   int precision = 0;      // bits of a sample
   bool is_lossy = false;  // as far as it matters to the codec: JPEG of 12 bits
 };
+
+enum class DicomCodec { kRle, kJpeg, kJpegLs, kJpeg2000 };
+
+// Decodes a stream that was checked, to samples of one byte up to a precision of 8, else of two in
+// the machine's order; gives another number of bytes for one that is damaged. May be called from
+// many threads.
+using ForeignDicomDecoder = std::vector<char> (*)(DicomCodec codec,
+                                                  std::span<const std::byte> stream,
+                                                  const DicomFrameShape& shape,
+                                                  const DicomStreamHeader& header);
+
+// The process that has other people's codecs names them here.
+void set_foreign_dicom_decoder(ForeignDicomDecoder decoder) noexcept;
+
+// Whether frames of this transfer syntax must be decoded in another process than this one.
+bool needs_foreign_decoder(const std::string& uid) noexcept;
 
 // Throws Error(kFileFormat) unless the stream begins and goes on as one of the transfer syntax and
 // holds a frame of this shape; Error(kUnsupported) for what is sound but is not read.

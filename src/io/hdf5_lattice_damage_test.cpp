@@ -9,13 +9,16 @@
 #include <algorithm>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <random>
 #include <string>
 #include <vector>
 
 #include "fuzz/targets.h"
-#include "io/hdf5_attributes.h"
-#include "io/hdf5_file.h"
+#include "io/foreign/hdf5_attributes.h"
+#include "io/hdf5_handle.h"
+#include "io/hdf5_write_attributes.h"
+#include "io/reader_session.h"
 #include "io/test_folder.h"
 #include "io/test_lattice_files.h"
 
@@ -234,6 +237,8 @@ TEST_F(BadLatticeFile, CutShort) {
 // As in Hdf5Points.DamagedFiles: something consistent, or an Error. What describes things has
 // checksums, so that what is left to read is damaged in its samples, or where nothing is.
 TEST_F(BadLatticeFile, Damaged) {
+  ReadOptions options;
+  options.session = std::make_shared<ReaderSession>(std::vector{path_});
   std::mt19937_64 random(20240229);
   int num_read = 0;
   for (int i = 0; i < 3000; ++i) {
@@ -243,7 +248,7 @@ TEST_F(BadLatticeFile, Damaged) {
     if (i % 10 == 0) bytes.resize(random() % bytes.size());
     folder_.write("a.h5", bytes);
     fuzz::expect_dataset_or_error([&] {
-      Dataset dataset = read_dataset({path_});
+      Dataset dataset = read_dataset({path_}, options);
       num_read += dataset.kind == DatasetKind::kLattice ? 1 : 0;
       return dataset;
     });

@@ -12,7 +12,7 @@
 
 #include "io/atomic_file.h"
 #include "io/cell_lattice.h"
-#include "io/hdf5_lattice.h"
+#include "io/hdf5_lattice_format.h"
 #include "io/samples.h"
 #include "ovoid/error.h"
 
@@ -22,8 +22,8 @@
 
 #include "data/encode_relevant.h"
 #include "data/scalar_visit.h"
-#include "io/hdf5_attributes.h"
-#include "io/hdf5_file.h"
+#include "io/hdf5_handle.h"
+#include "io/hdf5_write_attributes.h"
 #endif
 
 namespace ovoid {

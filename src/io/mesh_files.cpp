@@ -1,18 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/mesh_files.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <filesystem>
-#include <mutex>
 #include <system_error>
 
 #include "io/formats.h"
-#include "io/netcdf_header.h"
-#include "io/text_scanner.h"
-#include "ovoid/error.h"
 
 namespace ovoid::io {
 namespace {
@@ -28,44 +22,6 @@ bool is_exodus_ending(const std::string& ending) {
 bool has_vtk_group(const ByteSource& source) {
   constexpr std::int64_t kSearched = 1 << 16;
   return source.text(0, kSearched).find("VTKHDF") != std::string::npos;
-}
-
-std::string enzo_hierarchy(const std::string& path) {
-  return path.ends_with(".hierarchy") ? path : path + ".hierarchy";
-}
-
-// The HDF5 files of an Enzo hierarchy lie beside it, whatever folder it names.
-void check_enzo(const std::string& path) {
-  const auto source = open_file(path);
-  TextScanner text(*source, 0, source->size());
-  std::string last;
-  std::int64_t num_files = 0;
-  while (auto line = text.line()) {
-    const auto parts = words(*line);
-    if (parts.size() != 3 || parts[0] != "BaryonFileName" || parts[1] != "=") continue;
-    ++num_files;
-    const std::string name(std::filesystem::path(parts[2]).filename().string());
-    if (name == last) continue;
-    last = name;
-    const auto file = open_file(path_beside(path, name));
-    if (!file->text(0, 8).starts_with(kHdf5Magic)) {
-      throw Error(
-          ErrorCode::kFileFormat,
-          fmt::format("{}: is no HDF5 file, {} says it holds its grids", file->name(), path));
-    }
-    check_hdf5_size(*file);
-  }
-  if (num_files == 0) {
-    throw Error(ErrorCode::kFileFormat,
-                fmt::format("{}: has no BaryonFileName: expected an Enzo hierarchy", path));
-  }
-}
-
-void check_mesh_file(MeshFile kind, const ByteSource& source) {
-  const bool is_hdf5 = source.text(0, 8).starts_with(kHdf5Magic);
-  if (is_hdf5) check_hdf5_size(source);
-  if (kind == MeshFile::kExodus && !is_hdf5) check_netcdf(source);
-  if (kind == MeshFile::kEnzo) check_enzo(enzo_hierarchy(source.name()));
 }
 
 }  // namespace
@@ -100,33 +56,6 @@ MeshFile mesh_file_of(const ByteSource& source, std::string_view start) {
     return MeshFile::kEnzo;
   if (ending == ".case" || ending == ".encas") return MeshFile::kEnSight;
   return MeshFile::kNone;
-}
-
-Dataset read_mesh_file(MeshFile kind, const ByteSource& source, const ReadOptions& options) {
-  check_mesh_file(kind, source);
-#ifdef OVOID_IO_VTK
-  // netCDF and HDF5 as distributions build them are for one thread at a time, readers' ends
-  // included.
-  static std::mutex mutex;
-  const std::lock_guard lock(mutex);
-  switch (kind) {
-    case MeshFile::kExodus:
-      return read_exodus(source, options);
-    case MeshFile::kVtkHdf:
-      return read_vtk_hdf(source, options);
-    case MeshFile::kEnzo:
-      return read_enzo(source, options);
-    case MeshFile::kEnSight:
-      return read_ensight(source, options);
-    case MeshFile::kNone:
-      break;
-  }
-#else
-  (void)options;
-#endif
-  throw Error(ErrorCode::kUnsupported,
-              fmt::format("{}: this build has no VTK and cannot read {} files", source.name(),
-                          name_of(kind)));
 }
 
 }  // namespace ovoid::io

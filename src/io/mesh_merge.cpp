@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "data/bookkeeping.h"
+#include "data/cell_builder.h"
 #include "io/mesh_parts.h"
 #include "io/samples.h"
 #include "ovoid/error.h"
@@ -240,8 +241,7 @@ class Merger {
   }
 
   Cells merged_cells() const {
-    Cells result;
-    result.offsets.push_back(0);
+    data::CellBuilder result;
     for (std::size_t p = 0; p < parts_.size(); ++p) {
       const Cells& cells = parts_[p].cells;
       const auto begin = static_cast<std::int64_t>(result.connectivity.size());
@@ -252,7 +252,7 @@ class Merger {
         result.offsets.push_back(begin + cells.offsets[c]);
     }
     if (result.types.empty()) return {};
-    return result;
+    return std::move(result).finish();
   }
 
   DataArray merged_array(const DataArray& like) const {

@@ -11,6 +11,7 @@
 #include <optional>
 #include <span>
 
+#include "data/cell_builder.h"
 #include "io/samples.h"
 #include "ovoid/error.h"
 
@@ -119,17 +120,14 @@ void keep_tuples(MeshPart& part, bool is_cell_data, const std::vector<bool>& is_
 
 void keep_cells(MeshPart& part, const std::vector<bool>& is_kept, std::int64_t num_kept) {
   make_explicit(part);
-  Cells kept;
-  kept.offsets.push_back(0);
+  data::CellBuilder kept;
   for (std::size_t c = 0; c < is_kept.size(); ++c) {
     if (!is_kept[c]) continue;
-    const auto begin = part.cells.connectivity.begin();
-    kept.connectivity.insert(kept.connectivity.end(), begin + part.cells.offsets[c],
-                             begin + part.cells.offsets[c + 1]);
-    kept.offsets.push_back(static_cast<std::int64_t>(kept.connectivity.size()));
-    kept.types.push_back(part.cells.types[c]);
+    const auto begin = static_cast<std::size_t>(part.cells.offsets[c]);
+    const auto end = static_cast<std::size_t>(part.cells.offsets[c + 1]);
+    kept.add(part.cells.types[c], part.cells.connectivity.view().subspan(begin, end - begin));
   }
-  part.cells = std::move(kept);
+  part.cells = std::move(kept).finish();
   keep_tuples(part, true, is_kept, num_kept);
 }
 
@@ -218,20 +216,18 @@ void make_explicit(MeshPart& part) {
     for (std::size_t axis = 0; axis < axes.size(); ++axis) corner += kCorners[i][axis] * axes[axis];
     corners.push_back(corner);
   }
-  Cells cells;
-  cells.offsets.push_back(0);
+  data::CellBuilder cells;
   for (std::int64_t k = 0; k < num_cells[2]; ++k) {
     for (std::int64_t j = 0; j < num_cells[1]; ++j) {
       for (std::int64_t i = 0; i < num_cells[0]; ++i) {
         const std::int64_t first = i + strides[1] * j + strides[2] * k;
         for (const std::int64_t corner : corners)
           cells.connectivity.push_back(static_cast<std::uint32_t>(first + corner));
-        cells.offsets.push_back(static_cast<std::int64_t>(cells.connectivity.size()));
-        cells.types.push_back(kTypes[axes.size()]);
+        cells.end_cell(kTypes[axes.size()]);
       }
     }
   }
-  part.cells = std::move(cells);
+  part.cells = std::move(cells).finish();
 }
 
 std::int64_t drop_ghosts(MeshPart& part) {

@@ -54,7 +54,7 @@ std::string check_error(const MeshPart& part) {
 TEST(MeshParts, WhatAFileClaimsIsChecked) {
   EXPECT_EQ(check_error(lines_from(0)), "");
   MeshPart part = lines_from(0);
-  part.cells.connectivity[3] = 3;
+  part.cells.connectivity = {0, 1, 1, 3};
   EXPECT_EQ(check_error(part),
             "file-format: a.vtu: cells: connectivity[3] = 3: the mesh has 3 nodes");
   part = lines_from(0);
@@ -190,9 +190,9 @@ TEST(MeshParts, BlocksAreMergedOrChosen) {
   ASSERT_EQ(rest.arrays.size(), 1U);
   EXPECT_EQ(rest.arrays[0].name, "c");
   b.arrays[1].name = "d";
-  b.cells.types.push_back(CellType::kVertex);
-  b.cells.offsets.push_back(5);
-  b.cells.connectivity.push_back(0);
+  b.cells.types = {CellType::kLine, CellType::kLine, CellType::kVertex};
+  b.cells.offsets = {0, 2, 4, 5};
+  b.cells.connectivity = {0, 1, 1, 2, 0};
   b.arrays[1] = cell_array("d", {1, 2, 3});
   const Dataset largest = mesh_of_parts(named(), {a, b}, {});
   EXPECT_EQ(largest.block, "iron");

@@ -14,6 +14,7 @@
 
 #include "fuzz/seeds.h"
 #include "fuzz/targets.h"
+#include "io/reader_session.h"
 #include "io/test_folder.h"
 #include "io/test_volumes.h"
 #include "ovoid/io.h"
@@ -233,12 +234,15 @@ TEST(Mutation, VtkFiles) {
   testing::internal::CaptureStderr();
   const std::string first = folder.write("seed.vti", fuzz::vtk_header_seeds()[0]);
   const bool has_vtk = error_of([&] { read_dataset({first}); }).find("no VTK") == std::string::npos;
+  const std::string path = folder.file("a.vti");
+  ReadOptions options;
+  options.session = std::make_shared<ReaderSession>(std::vector{path});
   Mutator mutator(fuzz::vtk_header_seeds());
   for (int i = 0; has_vtk && i < wanted(1000); ++i) {
     const std::string input = mutator.next();
-    const std::string path = folder.write("a.vti", input);
+    folder.write("a.vti", input);
     try {
-      fuzz::expect_dataset_or_error([&] { return read_dataset({path}); });
+      fuzz::expect_dataset_or_error([&] { return read_dataset({path}, options); });
     } catch (const std::exception& error) {
       ADD_FAILURE() << "mutation " << i << " of seed " << kSeed << ": " << error.what() << "\n"
                     << testing::PrintToString(input);

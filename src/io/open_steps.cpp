@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "io/byte_source.h"
+#include "io/reader_session.h"
 #include "io/step_times.h"
 #include "ovoid/error.h"
 #include "ovoid/io.h"
@@ -82,10 +83,12 @@ class FileSteps final : public StepSource {
 
 std::shared_ptr<const StepSource> open_steps(const std::vector<std::string>& paths,
                                              const ReadOptions& options) {
-  ReadOptions first = options;
+  ReadOptions all = options;
+  if (!all.session) all.session = std::make_shared<ReaderSession>(paths);
+  ReadOptions first = all;
   first.step = 0;
   const Dataset dataset = read_dataset(paths, first);
-  return std::make_shared<FileSteps>(paths, options, dataset);
+  return std::make_shared<FileSteps>(paths, std::move(all), dataset);
 }
 
 }  // namespace ovoid

@@ -9,32 +9,26 @@
 
 #include "io/byte_source.h"
 #include "io/byte_stream.h"
-#include "io/data_files.h"
 #include "io/decode.h"
 #include "io/dicom.h"
 #include "io/dicom_elements.h"
 #include "io/formats.h"
-#include "io/hdf5_lattice.h"
-#include "io/hdf5_points.h"
+#include "io/input_files.h"
 #include "io/lammps_dump.h"
 #include "io/mesh_files.h"
 #include "io/metaimage.h"
-#include "io/metaimage_header.h"
 #include "io/nifti.h"
 #include "io/npy.h"
 #include "io/npy_points.h"
 #include "io/nrrd.h"
-#include "io/nrrd_header.h"
 #include "io/plot3d.h"
 #include "io/ply.h"
 #include "io/point_text.h"
 #include "io/raw.h"
 #include "io/read_source.h"
+#include "io/reader_session.h"
 #include "io/slc.h"
 #include "io/step_files.h"
-#include "io/vtk_header.h"
-#include "io/vtk_image.h"
-#include "io/vtk_sets.h"
 #include "ovoid/error.h"
 #include "ovoid/io.h"
 
@@ -130,28 +124,32 @@ io::FileKind packed_kind_of(const io::ByteSource& source, bool is_gzip) {
   return is_read ? kind : io::FileKind::kUnknown;
 }
 
-Dataset read_hdf5(const io::ByteSource& source, const ReadOptions& options) {
-  if (io::is_hdf5_lattice(source)) return io::read_hdf5_lattice(source, options);
-  if (io::is_vtkhdf(source)) {
-    throw Error(ErrorCode::kUnsupported,
-                fmt::format("{}: is a VTKHDF file, which is not read", source.name()));
+io::ForeignFormat format_of(io::MeshFile kind) {
+  switch (kind) {
+    case io::MeshFile::kExodus:
+      return io::ForeignFormat::kExodus;
+    case io::MeshFile::kEnzo:
+      return io::ForeignFormat::kEnzo;
+    case io::MeshFile::kEnSight:
+      return io::ForeignFormat::kEnSight;
+    case io::MeshFile::kVtkHdf:
+    case io::MeshFile::kNone:
+      break;
   }
-  return io::read_hdf5_points(source, options);
+  return io::ForeignFormat::kVtkHdf;
 }
 
-Dataset read_vtk(const io::ByteSource& source, io::FileKind kind, const ReadOptions& options) {
-  if (kind == io::FileKind::kVtkXml) {
-    const std::string type = io::vtk_xml_type(source);
-    if (io::is_vtk_set(type)) return io::read_vtk_set(source, type, options);
-  }
-  return io::read_vtk_file(source, kind, options);
+// By the process that has the library for it.
+Dataset read_elsewhere(io::ForeignFormat format, const io::ByteSource& source,
+                       const ReadOptions& options) {
+  return io::read_foreign(format, source.name(), {source.name()}, options);
 }
 
 Dataset read_any(const io::ByteSource& source, const ReadOptions& options, const io::Opener& open) {
   const std::string start = source.text(0, 512);
   if (const io::MeshFile mesh = io::mesh_file_of(source, start); mesh != io::MeshFile::kNone) {
     refuse_raw_options(source.name(), io::name_of(mesh), options.raw, true);
-    return io::read_mesh_file(mesh, source, options);
+    return read_elsewhere(format_of(mesh), source, options);
   }
   const bool is_gzip = io::is_gzip(start);
   const bool is_packed = is_gzip || io::is_bzip2(start);
@@ -179,7 +177,7 @@ Dataset read_any(const io::ByteSource& source, const ReadOptions& options, const
     case io::FileKind::kVtkXml:
     case io::FileKind::kVtkLegacy:
       refuse_raw_options(source.name(), "VTK", options.raw, true);
-      return read_vtk(source, kind, options);
+      return read_elsewhere(io::ForeignFormat::kVtk, source, options);
     case io::FileKind::kPly:
       refuse_raw_options(source.name(), "PLY", options.raw, true);
       return io::read_ply(source, options);
@@ -188,7 +186,7 @@ Dataset read_any(const io::ByteSource& source, const ReadOptions& options, const
       return io::read_npz(source, options);
     case io::FileKind::kHdf5:
       refuse_raw_options(source.name(), "HDF5", options.raw, true);
-      return read_hdf5(source, options);
+      return read_elsewhere(io::ForeignFormat::kHdf5, source, options);
     case io::FileKind::kLammpsDump:
       refuse_raw_options(source.name(), "a LAMMPS dump", options.raw, true);
       return io::read_lammps_dump(source, options);
@@ -295,46 +293,10 @@ Dataset read_source(const ByteSource& source, const ReadOptions& options, const 
 
 }  // namespace io
 
-std::vector<std::string> files_read_for(const std::string& path) {
-  std::vector<std::string> files{path};
-  const auto add = [&](const std::string& file) {
-    std::error_code ignored;
-    const bool is_there = std::filesystem::exists(file, ignored);
-    if (is_there) files.push_back(file);
-    return is_there;
-  };
-  const auto add_all = [&](const std::optional<io::DataFiles>& named) {
-    const std::int64_t count = named ? named->count : 0;
-    for (std::int64_t i = 0; i < count && add(io::path_beside(path, named->name(i))); ++i) {
-    }
-  };
-  try {
-    if (is_folder(path)) {
-      for (std::string& file : io::dicom_files_in(path))
-        if (io::is_dicom_file(file)) files.push_back(std::move(file));
-      return files;
-    }
-    const auto source = io::open_file(path);
-    switch (io::kind_of(source->text(0, 512))) {
-      case io::FileKind::kNrrd:
-        add_all(io::read_nrrd_header(*source).files);
-        break;
-      case io::FileKind::kMetaImage:
-        add_all(io::read_metaimage_header(*source).files);
-        break;
-      default:
-        break;
-    }
-    const std::string image = io::nifti_image_path(path);
-    if (image != path && !add(image)) add(image + ".gz");
-  } catch (const Error&) {
-    // It is not for this function to tell.
-  }
-  return files;
-}
-
-Dataset read_dataset(const std::vector<std::string>& paths, const ReadOptions& options) {
+Dataset read_dataset(const std::vector<std::string>& paths, const ReadOptions& given) {
   if (paths.empty()) throw Error(ErrorCode::kInvalidArgument, "input: no file is named");
+  ReadOptions options = given;
+  if (!options.session) options.session = std::make_shared<ReaderSession>(paths);
   if (is_folder(paths[0]) || (paths.size() > 1 && is_dicom(paths[0])))
     return finished([&] { return read_dicom_parts(paths, options); }, options);
   if (paths.size() == 2 && is_plot3d(paths[0], options.raw, io::Plot3dContent::kSolution) &&
@@ -346,7 +308,8 @@ Dataset read_dataset(const std::vector<std::string>& paths, const ReadOptions& o
     return finished([&] { return io::read_plot3d(paths[0], solutions, options); }, options);
   }
   if (paths.size() > 1) return io::read_step_files(paths, options);
-  return io::read_source(*io::open_file(paths[0]), options);
+  return io::read_source(*io::open_file(paths[0]), options,
+                         io::opener_of_named_files(paths[0], options));
 }
 
 }  // namespace ovoid

@@ -9,7 +9,7 @@
 
 #include "io/test_folder.h"
 #include "io/test_volumes.h"
-#include "io/vtk_header.h"
+#include "io/foreign/vtk_header.h"
 #include "ovoid/io.h"
 
 namespace ovoid::io {

@@ -5,6 +5,7 @@
 
 #include "data/bookkeeping.h"
 #include "io/byte_source.h"
+#include "io/input_files.h"
 #include "io/read_source.h"
 #include "io/sample_parts.h"
 #include "ovoid/error.h"
@@ -16,7 +17,8 @@ Dataset read_step_file(const std::vector<std::string>& paths, std::int64_t step,
                        const ReadOptions& options) {
   ReadOptions own = options;
   own.step.reset();
-  Dataset dataset = read_source(*open_file(paths[static_cast<std::size_t>(step)]), own);
+  const std::string& path = paths[static_cast<std::size_t>(step)];
+  Dataset dataset = read_source(*open_file(path), own, opener_of_named_files(path, own));
   if (dataset.num_steps > 1) {
     throw Error(ErrorCode::kUnsupported,
                 fmt::format("{}: has {} steps of its own: several inputs are steps of one dataset, "

@@ -3,13 +3,12 @@
 
 #include <fmt/format.h>
 
-#include <bit>
 #include <cstdint>
 #include <span>
 #include <vector>
 
-#include "io/atomic_file.h"
 #include "io/samples.h"
+#include "io/xml_array_file.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {
@@ -59,55 +58,6 @@ VtkCell vtk_cell(CellType type) {
       break;
   }
   return {};
-}
-
-const char* vtk_type_name(ScalarType type) {
-  switch (type) {
-    case ScalarType::kUInt8:
-      return "UInt8";
-    case ScalarType::kInt8:
-      return "Int8";
-    case ScalarType::kUInt16:
-      return "UInt16";
-    case ScalarType::kInt16:
-      return "Int16";
-    case ScalarType::kUInt32:
-      return "UInt32";
-    case ScalarType::kInt32:
-      return "Int32";
-    case ScalarType::kUInt64:
-      return "UInt64";
-    case ScalarType::kInt64:
-      return "Int64";
-    case ScalarType::kFloat32:
-      return "Float32";
-    case ScalarType::kFloat64:
-      return "Float64";
-  }
-  return "";
-}
-
-std::string xml_text(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
-    }
-  }
-  return out;
 }
 
 // The cells as VTK's three columns.
@@ -173,42 +123,6 @@ VtkCells vtk_cells(const Dataset& dataset) {
   return hexahedra(cells.dims);
 }
 
-// The header as it grows, and what is appended to it: each array's size, then its bytes.
-class VtuFile {
- public:
-  void array(const std::string& name, ScalarType type, int num_components,
-             std::span<const std::byte> bytes) {
-    header_ += fmt::format(
-        "        <DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" "
-        "format=\"appended\" offset=\"{}\"/>\n",
-        vtk_type_name(type), xml_text(name), num_components, offset_);
-    offset_ += sizeof(std::uint64_t) + bytes.size();
-    pieces_.push_back(bytes);
-  }
-  void array(const DataArray& from) {
-    array(from.name, from.type, from.num_components, from.bytes.view);
-  }
-  void text(const std::string& text) { header_ += text; }
-
-  void write(const std::string& path) const {
-    AtomicFile file(path);
-    file.write(header_);
-    file.write("  <AppendedData encoding=\"raw\">\n   _");
-    for (const std::span<const std::byte> bytes : pieces_) {
-      const std::uint64_t size = bytes.size();
-      file.write(&size, sizeof(size));
-      file.write(bytes.data(), bytes.size());
-    }
-    file.write("\n  </AppendedData>\n</VTKFile>\n");
-    file.commit();
-  }
-
- private:
-  std::string header_;
-  std::vector<std::span<const std::byte>> pieces_;
-  std::uint64_t offset_ = 0;
-};
-
 void check_tuples(const DataArray& array, std::int64_t expected, const char* noun) {
   const std::string where =
       array.name.empty() ? "positions" : fmt::format("array '{}'", array.name);
@@ -224,7 +138,7 @@ void check_tuples(const DataArray& array, std::int64_t expected, const char* nou
                           noun));
 }
 
-void add_arrays(VtuFile& file, const Dataset& dataset, bool is_cell_data, std::int64_t count) {
+void add_arrays(XmlArrayFile& file, const Dataset& dataset, bool is_cell_data, std::int64_t count) {
   const char* const section = is_cell_data ? "CellData" : "PointData";
   file.text(fmt::format("      <{}>\n", section));
   for (const DataArray& array : dataset.arrays) {
@@ -246,12 +160,9 @@ void write_vtu(const Dataset& dataset, const std::string& path) {
   const VtkCells cells = vtk_cells(dataset);
   const auto num_cells = static_cast<std::int64_t>(cells.types.size());
 
-  VtuFile file;
+  XmlArrayFile file("UnstructuredGrid", XmlArrayFile::Packing::kPlain);
   file.text(
-      fmt::format("<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" "
-                  "byte_order=\"{}\" header_type=\"UInt64\">\n  <UnstructuredGrid>\n    <Piece "
-                  "NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n",
-                  std::endian::native == std::endian::little ? "LittleEndian" : "BigEndian",
+      fmt::format("  <UnstructuredGrid>\n    <Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n",
                   num_nodes, num_cells));
   add_arrays(file, dataset, false, num_nodes);
   add_arrays(file, dataset, true, num_cells);

@@ -71,7 +71,10 @@ std::vector<T> numbers_of(const std::string& text, const std::string& name) {
 }
 
 TEST_F(VtuWrite, HoldsNodesCellsAndArrays) {
-  const std::string text = written(two_cells());
+  Dataset mesh = two_cells();
+  mesh.arrays[1].unit = "J & kg";
+  const std::string text = written(mesh);
+  EXPECT_NE(text.find("location=\"vtkDataArray\">J &amp; kg</InformationKey>"), std::string::npos);
   EXPECT_NE(text.find("NumberOfPoints=\"5\" NumberOfCells=\"2\""), std::string::npos);
   EXPECT_EQ(numbers_of<std::int64_t>(text, "connectivity"),
             (std::vector<std::int64_t>{0, 1, 2, 3, 1, 2, 3, 4}));
@@ -115,13 +118,13 @@ TEST_F(VtuWrite, RefusesWhatContradictsItself) {
     }
   };
   Dataset mesh = two_cells();
-  mesh.cells.connectivity[6] = 5;
+  mesh.cells.connectivity = {0, 1, 2, 3, 1, 2, 5, 4};
   refused(mesh, "cell 1: node 5, must be under 5");
   mesh = two_cells();
   mesh.cells.offsets = {0, 4, 9};
   refused(mesh, "cell 1: nodes 4 to 9");
   mesh = two_cells();
-  mesh.cells.offsets.pop_back();
+  mesh.cells.offsets = {0, 4};
   refused(mesh, "2 offsets");
   mesh = two_cells();
   mesh.arrays[1].is_cell_data = false;

@@ -7,6 +7,7 @@
 #include "io/atomic_file.h"
 #include "io/cell_lattice.h"
 #include "io/formats.h"
+#include "io/legacy_vtk_write.h"
 #include "io/nifti.h"
 #include "io/npy.h"
 #include "io/npy_points.h"
@@ -16,7 +17,7 @@
 #include "io/point_text.h"
 #include "io/raw.h"
 #include "io/samples.h"
-#include "io/vtk_image.h"
+#include "io/vti_write.h"
 #include "io/vtu_write.h"
 #include "ovoid/error.h"
 #include "ovoid/io.h"
@@ -25,7 +26,20 @@
 namespace ovoid {
 namespace {
 
-enum class Target { kNrrd, kNhdr, kNpy, kRaw, kNifti, kVtk, kVtu, kPly, kNpz, kCsv, kHdf5 };
+enum class Target {
+  kNrrd,
+  kNhdr,
+  kNpy,
+  kRaw,
+  kNifti,
+  kVti,
+  kLegacyVtk,
+  kVtu,
+  kPly,
+  kNpz,
+  kCsv,
+  kHdf5
+};
 
 Target target_of(const std::string& path) {
   const std::string ending = io::ending_of(path);
@@ -46,14 +60,8 @@ Target target_of(const std::string& path) {
                 fmt::format("{}: this build has no HDF5 and cannot write {}", path, ending));
 #endif
   }
-  if (ending == ".vti" || ending == ".vtk") {
-#ifdef OVOID_IO_VTK
-    return Target::kVtk;
-#else
-    throw Error(ErrorCode::kUnsupported,
-                fmt::format("{}: this build has no VTK and cannot write {}", path, ending));
-#endif
-  }
+  if (ending == ".vti") return Target::kVti;
+  if (ending == ".vtk") return Target::kLegacyVtk;
   throw Error(ErrorCode::kUnsupported,
               fmt::format("{}: the ending '{}' names no format that is written: expected .nrrd, "
                           ".nhdr, .npy, .raw, .nii, .nii.gz, .vti, .vtk or .h5 for volumes, .vtu "
@@ -201,10 +209,10 @@ void write_dataset(const Dataset& dataset, const std::string& path) {
   for (const DataArray& array : dataset.arrays) check_array(dataset, array);
   if (target == Target::kHdf5) return write_lattice_file(dataset, path);
   refuse_body_centred(dataset, path);
-  if (target == Target::kVtk) {
+  if (target == Target::kVti || target == Target::kLegacyVtk) {
     Dataset plain = dataset;  // cheap: arrays share their bytes
     for (DataArray& array : plain.arrays) array = io::plain_values(array);
-    return io::write_vtk_image(plain, path);
+    return target == Target::kVti ? io::write_vti(plain, path) : io::write_legacy_vtk(plain, path);
   }
 
   const bool keeps_scale = target == Target::kNifti;

@@ -396,13 +396,13 @@ TEST(MeshKernels, RefusesBadMeshes) {
     EXPECT_NE(model_refusal(bad, options).find(words), std::string::npos)
         << model_refusal(bad, options);
   };
-  refused([](Dataset& d) { d.cells.connectivity[2] = 4; }, "cells[0]: node 4, must be under 4");
-  refused([](Dataset& d) { d.cells.types[0] = CellType::kWedge; }, "cells[0]: 4 nodes");
-  refused([](Dataset& d) { d.cells.offsets[1] = 3; }, "cell offsets");
+  refused([](Dataset& d) { d.cells.connectivity = {0, 1, 4, 3}; }, "cells[0]: node 4, must be under 4");
+  refused([](Dataset& d) { d.cells.types = {CellType::kWedge}; }, "cells[0]: 4 nodes");
+  refused([](Dataset& d) { d.cells.offsets = {0, 3}; }, "cell offsets");
   refused(
       [](Dataset& d) {
         d.cells.offsets = {0, 9, 4};
-        d.cells.types.resize(2);
+        d.cells.types = {CellType::kTetrahedron, CellType::kTetrahedron};
       },
       "offsets[2] = 4");
   refused([](Dataset& d) { d.cells = {}; }, "no cells");

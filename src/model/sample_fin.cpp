@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "data/cell_builder.h"
 #include "model/noise.h"
 #include "model/own_array.h"
 #include "model/sample_sets.h"
@@ -69,11 +70,11 @@ FlowValues flow_at(const Vec3& p) {
 }
 
 // Six tetrahedra around the diagonal of a box: one for each order of the axes.
-void cut_boxes(const Index3& dims, Cells& cells) {
+Cells cut_boxes(const Index3& dims) {
   constexpr std::array<std::array<int, 3>, 6> kOrders = {
       {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {1, 0, 2}, {0, 2, 1}, {2, 1, 0}}};
   const std::array<std::int64_t, 3> stride = {1, dims[0], dims[0] * dims[1]};
-  cells.offsets.push_back(0);
+  data::CellBuilder cells;
   for (std::int64_t k = 0; k + 1 < dims[2]; ++k) {
     for (std::int64_t j = 0; j + 1 < dims[1]; ++j) {
       for (std::int64_t i = 0; i + 1 < dims[0]; ++i) {
@@ -86,13 +87,12 @@ void cut_boxes(const Index3& dims, Cells& cells) {
             corners[c + 1] = static_cast<std::uint32_t>(node);
           }
           if (o < 3) std::swap(corners[1], corners[2]);  // even orders: i, j, k run left-handed
-          cells.connectivity.insert(cells.connectivity.end(), corners.begin(), corners.end());
-          cells.offsets.push_back(static_cast<std::int64_t>(cells.connectivity.size()));
-          cells.types.push_back(CellType::kTetrahedron);
+          cells.add(CellType::kTetrahedron, corners);
         }
       }
     }
   }
+  return std::move(cells).finish();
 }
 
 }  // namespace
@@ -133,7 +133,7 @@ Dataset make_fin(std::int64_t count, std::uint64_t seed) {
   dataset.positions = array_of_numbers("positions", 3, std::move(positions));
   dataset.arrays.push_back(array_of_numbers("density", 1, std::move(density)));
   dataset.arrays.push_back(array_of_numbers("pressure", 1, std::move(pressure)));
-  cut_boxes(dims, dataset.cells);
+  dataset.cells = cut_boxes(dims);
   return dataset;
 }
 

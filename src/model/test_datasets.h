@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "data/cell_builder.h"
 #include "data/kernel_shape.h"
 #include "model/own_array.h"
 #include "ovoid/error.h"
@@ -85,12 +86,9 @@ inline Dataset mesh_dataset(
     const std::vector<Vec3>& points,
     const std::vector<std::pair<CellType, std::vector<std::uint32_t>>>& cells) {
   Dataset dataset = points_dataset(DatasetKind::kMesh, points);
-  dataset.cells.offsets = {0};
-  for (const auto& [type, nodes] : cells) {
-    dataset.cells.types.push_back(type);
-    dataset.cells.connectivity.insert(dataset.cells.connectivity.end(), nodes.begin(), nodes.end());
-    dataset.cells.offsets.push_back(static_cast<std::int64_t>(dataset.cells.connectivity.size()));
-  }
+  data::CellBuilder builder;
+  for (const auto& [type, nodes] : cells) builder.add(type, nodes);
+  dataset.cells = std::move(builder).finish();
   return dataset;
 }
 

@@ -22,10 +22,12 @@
 #include "data/relevant_runs.h"
 #include "io/byte_source.h"
 #include "io/dicom_codec.h"
-#include "io/netcdf_header.h"
+#include "io/foreign/foreign_readers.h"
+#include "io/foreign/gdcm_codec.h"
+#include "io/foreign/netcdf_header.h"
 #include "io/plot3d.h"
 #include "io/read_source.h"
-#include "io/vtk_header.h"
+#include "io/foreign/vtk_header.h"
 #include "ovoid/dataset.h"
 #include "ovoid/error.h"
 #include "ovoid/io.h"
@@ -174,6 +176,7 @@ inline void dicom_codec(Input input) {
                                               "1.2.840.10008.1.2.4.51", "1.2.840.10008.1.2.4.80",
                                               "1.2.840.10008.1.2.4.90"};
   if (input.empty()) return;
+  io::use_gdcm();
   std::byte out[2 * 23 * 17];
   try {
     io::decode_dicom_frame(kSyntaxes[static_cast<unsigned>(input[0]) % std::size(kSyntaxes)],
@@ -245,7 +248,8 @@ inline void plot3d(Input input) {
   expect_dataset_or_error([&] { return io::read_plot3d(grid.path(), {solution.path()}, {}); });
 }
 
-// Not among the libFuzzer programs, whose sanitizers find HDF5's own library first.
+// Within this process. Not among the libFuzzer programs, whose sanitizers find HDF5's own library
+// first.
 // The library wants a name that leads to the file, which those of MemoryFile do not.
 inline void hdf5_lattice(Input input) {
   const std::filesystem::path path =
@@ -253,7 +257,11 @@ inline void hdf5_lattice(Input input) {
   std::ofstream(path, std::ios::binary)
       .write(reinterpret_cast<const char*>(input.data()),
              static_cast<std::streamsize>(input.size()));
-  expect_dataset_or_error([&] { return read_dataset({path.string()}); });
+  io::ReaderRequest request;
+  request.format = io::ForeignFormat::kHdf5;
+  request.source = path.string();
+  request.paths = {path.string()};
+  expect_dataset_or_error([&] { return io::read_here(request); });
   std::error_code ignored;
   std::filesystem::remove(path, ignored);
 }

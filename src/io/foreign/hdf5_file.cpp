@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifdef OVOID_IO_HDF5
+#include "io/foreign/hdf5_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <type_traits>
+
+#include "data/scalar_visit.h"
+#include "io/point_arrays.h"
+#include "ovoid/error.h"
+
+namespace ovoid::io {
+namespace {
+
+// The sizes of a simple dataspace of up to `max_rank` axes; nothing for another.
+std::optional<std::vector<std::int64_t>> dims_of(hid_t space, int max_rank) {
+  const int rank = H5Sget_simple_extent_ndims(space);
+  if (rank < 0 || rank > max_rank || H5Sget_simple_extent_type(space) == H5S_NULL)
+    return std::nullopt;
+  std::array<hsize_t, H5S_MAX_RANK> dims{};
+  if (H5Sget_simple_extent_dims(space, dims.data(), nullptr) < 0) return std::nullopt;
+  std::vector<std::int64_t> result;
+  for (int i = 0; i < rank; ++i) {
+    if (dims[static_cast<std::size_t>(i)] > static_cast<hsize_t>(kMaxNumBytes)) return std::nullopt;
+    result.push_back(static_cast<std::int64_t>(dims[static_cast<std::size_t>(i)]));
+  }
+  return result;
+}
+
+}  // namespace
+
+bool is_hard_link(hid_t group, const std::string& name) {
+  H5L_info_t info{};
+  return H5Lget_info(group, name.c_str(), &info, H5P_DEFAULT) >= 0 && info.type == H5L_TYPE_HARD;
+}
+
+Hdf5File::Hdf5File(const std::string& path) : name_(path), source_(open_file(path)) {
+  file_ = {H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose};
+  if (!file_.is_open()) fail("the HDF5 library cannot open it: is the file truncated?");
+  const Hdf5Handle root(H5Gopen2(file_.get(), "/", H5P_DEFAULT), H5Gclose);
+  if (!root.is_open()) fail("the root group is broken");
+  list(root.get(), "", 0);
+}
+
+void Hdf5File::fail(const std::string& what, bool is_unsupported) const {
+  throw Error(is_unsupported ? ErrorCode::kUnsupported : ErrorCode::kFileFormat,
+              fmt::format("{}: {}", name_, what));
+}
+
+void Hdf5File::list(hid_t group, const std::string& path, int depth) {
+  if (depth > kMaxDepth) fail(fmt::format("groups are more than {} deep", kMaxDepth), true);
+  std::vector<std::string> names;
+  const auto add = [](hid_t, const char* name, const H5L_info_t*, void* to) -> herr_t {
+    static_cast<std::vector<std::string>*>(to)->emplace_back(name);
+    return static_cast<std::vector<std::string>*>(to)->size() > kMaxObjects ? -1 : 0;
+  };
+  if (H5Literate(group, H5_INDEX_NAME, H5_ITER_INC, nullptr, add, &names) < 0)
+    fail(fmt::format("group '{}/' is broken or has more than {} members", path, kMaxObjects));
+  for (const std::string& name : names) {
+    if (++num_objects_ > kMaxObjects)
+      fail(fmt::format("has more than {} objects", kMaxObjects), true);
+    if (!is_hard_link(group, name)) continue;
+    H5O_info_t info{};
+    if (H5Oget_info_by_name(group, name.c_str(), &info, H5P_DEFAULT) < 0) continue;
+    if (info.type == H5O_TYPE_DATASET) describe(group, path, name);
+    if (info.type != H5O_TYPE_GROUP) continue;
+    const Hdf5Handle inner(H5Gopen2(group, name.c_str(), H5P_DEFAULT), H5Gclose);
+    if (inner.is_open()) list(inner.get(), fmt::format("{}/{}", path, name), depth + 1);
+  }
+}
+
+void Hdf5File::describe(hid_t group, const std::string& path, const std::string& name) {
+  const Hdf5Handle dataset(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose);
+  if (!dataset.is_open()) return;
+  const Hdf5Handle space(H5Dget_space(dataset.get()), H5Sclose);
+  const Hdf5Handle type(H5Dget_type(dataset.get()), H5Tclose);
+  if (!space.is_open() || !type.is_open()) return;
+  auto dims = dims_of(space.get(), 2);
+  if (!dims) return;
+  if (dims->empty()) dims->push_back(1);  // a single number
+  datasets_.push_back({fmt::format("{}/{}", path, name), path.empty() ? "/" : path, name,
+                       std::move(*dims), hdf5_type_of(type.get())});
+}
+
+bool Hdf5File::exists(const std::string& path) const {
+  return H5Lexists(file_.get(), path.c_str(), H5P_DEFAULT) > 0;
+}
+
+std::int64_t Hdf5File::num_bytes(const Hdf5Dataset& dataset) const {
+  const auto count = checked_product(dataset.dims).value_or(0);
+  return std::min(count, kMaxNumBytes / 8) *
+         static_cast<std::int64_t>(dataset.type ? size_of(dataset.type->type) : 0);
+}
+
+DataArray Hdf5File::read(const Hdf5Dataset& described, bool is_transposed,
+                         ReadProgress& progress) const {
+  const std::string where = fmt::format("{}: '{}'", name_, described.path);
+  const Hdf5Handle dataset(H5Dopen2(file_.get(), described.path.c_str(), H5P_DEFAULT), H5Dclose);
+  if (!dataset.is_open() || !described.type) fail(fmt::format("'{}' is broken", described.path));
+  checked_num_bytes(where, described.dims, described.type->type);
+  const std::int64_t rows = described.dims[0];
+  const std::int64_t columns = described.dims.size() > 1 ? described.dims[1] : 1;
+  const Hdf5Extent extent{where, *described.type, described.dims};
+  check_hdf5_storage(dataset.get(), extent, *source_);
+  std::byte* to = nullptr;
+  DataArray array = new_array(
+      {described.name, extent.type.type, static_cast<int>(columns), rows, "", false, {}}, to);
+  read_hdf5_storage(dataset.get(), extent, *source_, to, progress);
+  if (!is_transposed) return array;
+  DataArray turned = new_array(
+      {described.name, extent.type.type, static_cast<int>(rows), columns, "", false, {}}, to);
+  transpose_items(array.bytes.view.data(), to, rows, columns, size_of(array.type));
+  return turned;
+}
+
+std::vector<double> Hdf5File::numbers(const std::string& object, const std::string& name) const {
+  constexpr std::int64_t kMost = 4096;
+  const auto doubles = [](ScalarType type, const std::byte* bytes, std::int64_t count) {
+    return data::visit_scalar(type, [&]<class T>(std::type_identity<T>) {
+      std::vector<double> values;
+      for (std::int64_t i = 0; i < count; ++i)
+        values.push_back(static_cast<double>(data::load_scalar<T>(bytes, i)));
+      return values;
+    });
+  };
+  const std::string path = fmt::format("{}/{}", object, name);
+  for (const Hdf5Dataset& dataset : datasets_) {
+    const auto count = checked_product(dataset.dims);
+    if (dataset.path != path || !dataset.type || !count || *count < 1 || *count > kMost) continue;
+    const ReadOptions options;
+    ReadProgress progress(options, 0);
+    const DataArray array = read(dataset, false, progress);
+    return doubles(array.type, array.bytes.view.data(), *count);
+  }
+  if (!exists(object) ||
+      H5Aexists_by_name(file_.get(), object.c_str(), name.c_str(), H5P_DEFAULT) <= 0)
+    return {};
+  const Hdf5Handle attribute(
+      H5Aopen_by_name(file_.get(), object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT),
+      H5Aclose);
+  if (!attribute.is_open()) return {};
+  const Hdf5Handle space(H5Aget_space(attribute.get()), H5Sclose);
+  const Hdf5Handle type(H5Aget_type(attribute.get()), H5Tclose);
+  const auto dims = dims_of(space.get(), 2);
+  const auto count = dims ? checked_product(*dims) : std::nullopt;
+  const auto known = hdf5_type_of(type.get());
+  if (!count || *count < 1 || *count > kMost || !known) return {};
+  std::vector<std::byte> bytes(static_cast<std::size_t>(*count) * size_of(known->type));
+  if (H5Aread(attribute.get(), type.get(), bytes.data()) < 0) return {};
+  if (known->is_big_endian != (std::endian::native == std::endian::big))
+    swap_bytes(bytes, size_of(known->type));
+  return doubles(known->type, bytes.data(), *count);
+}
+
+}  // namespace ovoid::io
+#endif

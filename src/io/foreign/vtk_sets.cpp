@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifdef OVOID_IO_VTK
+
+#include "io/foreign/vtk_sets.h"
+
+#include <fmt/format.h>
+#include <vtkDataSet.h>
+#include <vtkImageData.h>
+
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "io/foreign/vtk_amr.h"
+#include "io/foreign/vtk_image.h"
+#include "io/foreign/vtk_leaf.h"
+#include "io/foreign/vtk_mesh.h"
+#include "io/foreign/vtk_reading.h"
+#include "io/formats.h"
+#include "io/mesh_steps.h"
+#include "io/vtk_set_files.h"
+#include "ovoid/error.h"
+
+namespace ovoid::io {
+namespace {
+
+class SetReader {
+ public:
+  SetReader(const ReadOptions& options, std::vector<std::string>& notes)
+      : options_(options), notes_(notes) {
+    options_.array.clear();  // not every piece may have it
+    options_.progress = {};
+  }
+
+  std::vector<MeshPart> parts;
+
+  // Adds the parts of a file, or of the files it names.
+  void add(const std::string& path, const std::string& block, int depth) {
+    if (depth > kMaxVtkSetDepth) {
+      throw Error(ErrorCode::kUnsupported,
+                  fmt::format("{}: sets within sets more than {} deep", path, kMaxVtkSetDepth));
+    }
+    count_file(path);
+    const auto source = open_file(path);
+    const bool is_xml = kind_of(source->text(0, 512)) == FileKind::kVtkXml;
+    const std::string type = is_xml ? vtk_xml_type(*source) : "";
+    if (is_vtk_set(type)) {
+      for (const VtkSetFile& file : vtk_set_files(*source)) {
+        const std::string joined =
+            block.empty() || file.block.empty() ? block + file.block : block + "/" + file.block;
+        add(file.path, type == "vtkMultiBlockDataSet" ? joined : block, depth + 1);
+      }
+      return;
+    }
+    const VtkLeaf leaf = read(*source);
+    parts.push_back(part_of(path, leaf.data, notes_));
+    parts.back().block = block;
+  }
+
+  AmrGrid grid(const VtkSetFile& file) {
+    count_file(file.path);
+    const auto source = open_file(file.path);
+    const VtkLeaf leaf = read(*source);
+    auto* const image = vtkImageData::SafeDownCast(leaf.data);
+    if (image == nullptr) {
+      throw Error(ErrorCode::kFileFormat,
+                  fmt::format("{}: expected ImageData, as adaptive grids are made of", file.path));
+    }
+    return amr_grid_of(file.path, image, file.level, notes_);
+  }
+
+ private:
+  VtkLeaf read(const ByteSource& source) {
+    const FileKind kind = kind_of(source.text(0, 512));
+    if (kind != FileKind::kVtkXml && kind != FileKind::kVtkLegacy) {
+      throw Error(ErrorCode::kUnsupported,
+                  fmt::format("{}: is no VTK file: expected a piece or block", source.name()));
+    }
+    VtkRun run(source, options_);
+    VtkLeaf leaf = read_vtk_leaf(source, kind == FileKind::kVtkXml, options_, run);
+    notes_.insert(notes_.end(), run.notes.begin(), run.notes.end());
+    return leaf;
+  }
+
+  // A set may name itself, or the same set many times.
+  void count_file(const std::string& path) {
+    if (++num_files_ <= kMaxVtkSetFiles) return;
+    throw Error(ErrorCode::kUnsupported,
+                fmt::format("{}: more than {} files in sets within sets", path, kMaxVtkSetFiles));
+  }
+
+  ReadOptions options_;
+  std::vector<std::string>& notes_;
+  std::int64_t num_files_ = 0;
+};
+
+Dataset begin_dataset(const ByteSource& source, const std::string& xml_type) {
+  Dataset dataset;
+  dataset.source = source.name();
+  dataset.format = format_of_vtk_set(xml_type);
+  return dataset;
+}
+
+Dataset read_amr(const ByteSource& source, Dataset dataset, const ReadOptions& options) {
+  SetReader reader(options, dataset.notes);
+  std::vector<AmrGrid> grids;
+  for (const VtkSetFile& file : vtk_set_files(source)) grids.push_back(reader.grid(file));
+  return boxes_of_grids(std::move(dataset), grids, options);
+}
+
+// Files of the same time are parts of one data set.
+Dataset read_series(const ByteSource& source, const ReadOptions& options) {
+  std::map<double, std::vector<VtkSetFile>> steps;
+  for (VtkSetFile& file : vtk_set_files(source)) steps[file.time].push_back(std::move(file));
+  std::vector<double> times;
+  times.reserve(steps.size());
+  for (const auto& [time, files] : steps) times.push_back(time);
+  return read_mesh_step(
+      source.name(), static_cast<std::int64_t>(times.size()), times, options,
+      [&](std::int64_t step) {
+        const auto& files = steps.at(times[static_cast<std::size_t>(step)]);
+        if (files.size() > 1) {
+          Dataset dataset = begin_dataset(source, "Collection");
+          SetReader reader(options, dataset.notes);
+          for (const VtkSetFile& file : files) reader.add(file.path, "", 1);
+          return mesh_of_parts(std::move(dataset), std::move(reader.parts), options);
+        }
+        ReadOptions own = options;
+        own.step.reset();
+        const auto file = open_file(files.front().path);
+        const FileKind kind = kind_of(file->text(0, 512));
+        if (kind != FileKind::kVtkXml && kind != FileKind::kVtkLegacy) {
+          throw Error(ErrorCode::kUnsupported,
+                      fmt::format("{}: is no VTK file: expected a step of {}", file->name(),
+                                  source.name()));
+        }
+        if (kind == FileKind::kVtkXml && vtk_xml_type(*file) == "Collection") {
+          throw Error(ErrorCode::kUnsupported,
+                      fmt::format("{}: a time series within a time series", file->name()));
+        }
+        return read_vtk(*file, own);
+      });
+}
+
+Dataset read_vtk_set(const ByteSource& source, const std::string& xml_type,
+                     const ReadOptions& options) {
+  if (xml_type == "Collection") return read_series(source, options);
+  Dataset dataset = begin_dataset(source, xml_type);
+  if (dataset.format == "VTK AMR") return read_amr(source, std::move(dataset), options);
+  SetReader reader(options, dataset.notes);
+  reader.add(source.name(), "", 1);
+  return mesh_of_parts(std::move(dataset), std::move(reader.parts), options);
+}
+
+}  // namespace
+
+Dataset read_vtk(const ByteSource& source, const ReadOptions& options) {
+  const FileKind kind = kind_of(source.text(0, 512));
+  if (kind == FileKind::kVtkXml) {
+    const std::string type = vtk_xml_type(source);
+    if (is_vtk_set(type)) return read_vtk_set(source, type, options);
+  }
+  return read_vtk_file(source, kind, options);
+}
+
+}  // namespace ovoid::io
+
+#endif

@@ -108,6 +108,8 @@ struct KernelColumns {
   std::span<const float> weights;   // [num_kernels] > 0; or one for all
   std::vector<std::span<const float>> values;  // one [num_kernels] per attribute, finite
   std::vector<KernelAttribute> attributes;     // as many; `range` is ignored
+  // As many, or none: of values that kernels here stand for; the set's ranges hold them, too.
+  std::vector<ValueRange> ranges;
 
   static constexpr double kMaxCutoff = 16.0;
 };

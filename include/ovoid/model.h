@@ -91,7 +91,9 @@ struct KernelModelReport {
   std::int64_t num_kernels = 0;    // that became kernels
   std::int64_t num_missing = 0;    // value NaN or infinite: no kernel
   std::int64_t num_misplaced = 0;  // position NaN or infinite: no kernel
-  std::int64_t num_merged = 0;  // nodes at the same place as another, whose kernel stands for both
+  // Nodes at the same place as another, or particles with `neighbors` or more at their place: one
+  // kernel stands for all.
+  std::int64_t num_merged = 0;
   std::int64_t num_dangling = 0;    // nodes of no cell: no kernel
   std::int64_t num_copies = 0;      // of kernels that cross a face of a periodic box
   std::int64_t num_degenerate = 0;  // shapes that had to be made thicker to be ellipsoids at all

@@ -59,6 +59,9 @@ void check_lengths(const KernelColumns& columns, std::size_t count) {
   if (columns.attributes.size() != columns.values.size())
     refuse(fmt::format("attributes: {}, expected one for each of {} columns of values",
                        columns.attributes.size(), columns.values.size()));
+  if (!columns.ranges.empty() && columns.ranges.size() != columns.values.size())
+    refuse(fmt::format("ranges: {}, expected one for each of {} columns of values, or none",
+                       columns.ranges.size(), columns.values.size()));
   for (std::size_t a = 0; a < columns.values.size(); ++a) {
     if (columns.values[a].size() != count)
       refuse(fmt::format("values[{}]: {} numbers, expected one for each of {} kernels", a,
@@ -295,7 +298,7 @@ class ResidentKernels final : public KernelSource {
                               fill_brick(columns, static_cast<std::size_t>(b));
                           });
     for (std::size_t a = 0; a < attributes_.size(); ++a) {
-      attributes_[a].range = {};
+      attributes_[a].range = columns.ranges.empty() ? ValueRange{} : columns.ranges[a];
       for (const KernelBrick& brick : bricks_) merge(attributes_[a].range, brick.ranges[a]);
     }
   }

@@ -23,6 +23,9 @@ constexpr int kLeastNeighbors = 4, kMostNeighbors = 512;
 constexpr int kMostPasses = 100;
 constexpr std::int64_t kMostReported = 1 << 16;  // kernels looked at for quantiles
 constexpr std::int64_t kMostSums = 4096;         // centres where the sum of weights is taken
+// Kernels looked at for these: about what 4096 centres take of particles that lie evenly. Where
+// very many kernels reach a centre, fewer centres are taken.
+constexpr double kMostTerms = 1 << 24;
 
 void check_options(const KernelModelOptions& options) {
   const auto refuse_option = [](const std::string& message) {
@@ -71,6 +74,7 @@ KernelField field_of_parts(const model::ModelRun& run, model::KernelParts parts)
   columns.weights = parts.weights;
   for (const std::vector<float>& column : parts.values) columns.values.push_back(column);
   columns.attributes = parts.attributes;
+  columns.ranges = parts.ranges;
   auto source = make_kernel_source(columns, run.threads);
   const Reconstruction reconstruction = parts.reconstruction;
   parts = {};
@@ -86,6 +90,23 @@ std::array<double, 5> quantiles(std::vector<double> numbers) {
     result[q] = numbers[static_cast<std::size_t>(
         std::lround(kShares[q] * static_cast<double>(numbers.size() - 1)))];
   return result;
+}
+
+// At how many of the places to take the sum of weights: a few are looked at first, for the kernels
+// of the bricks that may reach them.
+std::size_t affordable_sums(const KernelSource& source, const std::vector<Vec3>& places) {
+  constexpr std::size_t kProbes = 16;
+  const std::size_t most = std::min<std::size_t>(places.size(), kMostSums);
+  double num_terms = 0;
+  for (std::size_t probe = 0; probe < kProbes; ++probe) {
+    const Vec3& place = places[probe * places.size() / kProbes];
+    for (std::int64_t b = 0; b < source.num_bricks(); ++b) {
+      if (source.brick(b).support.contains(place)) num_terms += source.brick(b).count;
+    }
+  }
+  const double per_place = num_terms / kProbes + 1;
+  return std::clamp<std::size_t>(static_cast<std::size_t>(kMostTerms / per_place),
+                                 std::min(most, kProbes), most);
 }
 
 // Sizes of kernels spread over all bricks, and where their sum is wanted.
@@ -105,7 +126,8 @@ void report_kernels(const KernelField& field, KernelModelReport& report) {
   report.axis_ratios = quantiles(std::move(ratios));
   if (report.constant_mean != 0 || !report.is_normalized) return;
   const KernelSampler sampler(field);
-  const std::size_t every = std::max<std::size_t>(1, places.size() / kMostSums);
+  const std::size_t every =
+      std::max<std::size_t>(1, places.size() / affordable_sums(source, places));
   double count = 0, mean = 0, square = 0;
   for (std::size_t i = 0; i < places.size(); i += every) {
     const double sum = sampler.at(places[i]).weight;

@@ -34,6 +34,7 @@ struct KernelParts {
   std::vector<float> weights;
   std::vector<std::vector<float>> values;
   std::vector<KernelAttribute> attributes;
+  std::vector<ValueRange> ranges;  // as KernelColumns has them
 
   std::size_t count() const noexcept { return centers.size() / 3; }
   Vec3 center(std::size_t i) const noexcept {

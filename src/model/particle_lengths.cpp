@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
 
@@ -25,8 +26,13 @@ class Smallest {
     bound_ = std::numeric_limits<double>::infinity();
   }
 
-  // Greater ones are of no interest.
+  // Only smaller ones change the greatest of the wanted: as great a one leaves it as it is. (In a
+  // heap of sites at one place all distances are equal; looking at each of them would cost the
+  // square of their number.)
   double bound() const { return bound_; }
+  static bool is_of_interest(double least, double bound) {
+    return least < bound || bound == std::numeric_limits<double>::infinity();
+  }
 
   // Adds number(i) for i from 0 to `count` - 1.
   template <class Number>
@@ -113,11 +119,14 @@ class GroupSearch {
       visit(group.sites[i], squares_[i].greatest());
   }
 
+  std::int64_t num_pairs() const noexcept { return num_pairs_; }
+
  private:
   // The sites around the group as seen from a box shifted by `shift`.
   void add_image(const SiteGroups::Group& group, const Vec3& shift) {
     groups_.visit_near(
-        group.box.translated(shift), [&] { return widest_; },
+        group.box.translated(shift),
+        [&](double square) { return Smallest::is_of_interest(square, widest_); },
         [&](const SiteGroups::Group& near) {
           widest_ = 0;
           for (std::size_t i = 0; i < group.sites.size(); ++i) {
@@ -127,8 +136,9 @@ class GroupSearch {
         });
   }
 
-  static void add_sites(const Vec3& at, const SiteGroups::Group& near, Smallest& squares) {
-    if (square_from(near.box, at) > squares.bound()) return;
+  void add_sites(const Vec3& at, const SiteGroups::Group& near, Smallest& squares) {
+    if (!Smallest::is_of_interest(square_from(near.box, at), squares.bound())) return;
+    num_pairs_ += static_cast<std::int64_t>(near.sites.size());
     squares.add(near.sites.size(),
                 [&](std::size_t i) { return (near.sites[i].at - at).squaredNorm(); });
   }
@@ -138,19 +148,27 @@ class GroupSearch {
   std::size_t k_;
   std::vector<Smallest> squares_;  // of distances, per site of the group
   double widest_ = 0;              // of their bounds
+  std::int64_t num_pairs_ = 0;
 };
 
 // Second moments about the site itself of its neighbours, those no farther than the root of
 // `square`, over h^2; the trace of a ball's worth is then about 2.4.
-void store_covariance(const SiteGroups& groups, const std::optional<Bounds3>& periodic_box,
-                      const Vec3& at, double square, float* to) {
+// Returns how many sites were looked at.
+std::int64_t store_covariance(const SiteGroups& groups, const std::optional<Bounds3>& periodic_box,
+                              const Vec3& at, double square, float* to) {
+  if (square == 0) {  // all at one place, and perhaps very many
+    std::fill_n(to, 6, 0.0F);
+    return 0;
+  }
+  std::int64_t num_pairs = 0;
   Mat3 sum = Mat3::Zero();
   double count = 0;
   const auto add_image = [&](const Vec3& shift) {
     const Vec3 place = at + shift;
     groups.visit_near(
-        Bounds3(place), [square] { return square; },
+        Bounds3(place), [square](double from) { return from <= square; },
         [&](const SiteGroups::Group& near) {
+          num_pairs += static_cast<std::int64_t>(near.sites.size());
           for (const SiteGroups::Site& site : near.sites) {
             const Vec3 offset = site.at - place;
             if (offset.squaredNorm() > square) continue;
@@ -161,10 +179,11 @@ void store_covariance(const SiteGroups& groups, const std::optional<Bounds3>& pe
   };
   add_image(Vec3::Zero());
   if (periodic_box) for_each_image(*periodic_box, Bounds3(at), std::sqrt(square), add_image);
-  if (square > 0) sum *= 4 / (square * count);
+  sum *= 4 / (square * count);
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column <= row; ++column) *to++ = static_cast<float>(sum(row, column));
   }
+  return num_pairs;
 }
 
 }  // namespace
@@ -176,19 +195,24 @@ NearestStatistics nearest_statistics(const ModelRun& run, std::span<const double
   statistics.lengths.resize(sites.size() / 3);
   if (with == WithCovariances::kYes) statistics.covariances.resize(6 * sites.size() / 3);
   const SiteGroups groups(sites, run.threads, run.stop);
+  std::atomic<std::int64_t> num_pairs = 0;
   data::parallel_ranges(
       {static_cast<std::int64_t>(groups.count()), kGroupGrain, run.threads, run.stop},
       [&](std::int64_t begin, std::int64_t end) {
+        std::int64_t num_compared = 0;
         GroupSearch search(groups, periodic_box, static_cast<std::size_t>(run.options.neighbors));
         for (auto g = static_cast<std::size_t>(begin); g < static_cast<std::size_t>(end); ++g) {
           search.run(groups.group(g), [&](const SiteGroups::Site& site, double square) {
             statistics.lengths[site.index] = static_cast<float>(std::sqrt(square) / 2);
             if (with == WithCovariances::kYes)
-              store_covariance(groups, periodic_box, site.at, square,
-                               statistics.covariances.data() + 6 * std::size_t{site.index});
+              num_compared +=
+                  store_covariance(groups, periodic_box, site.at, square,
+                                   statistics.covariances.data() + 6 * std::size_t{site.index});
           });
         }
+        num_pairs += num_compared + search.num_pairs();
       });
+  statistics.num_pairs = num_pairs;
   return statistics;
 }
 

@@ -3,6 +3,7 @@
 // periodic box.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
@@ -15,6 +16,7 @@ namespace ovoid::model {
 struct NearestStatistics {
   std::vector<float> lengths;      // h: half the distance to the last of them; 0 in a heap
   std::vector<float> covariances;  // [n, 6] of their offsets: xx, yx, yy, zx, zy, zz over h^2
+  std::int64_t num_pairs = 0;      // of sites that were compared: what the search cost
 };
 
 enum class WithCovariances { kNo, kYes };

@@ -6,11 +6,13 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 
 #include "data/bookkeeping.h"
 #include "data/parallel.h"
 #include "model/ellipsoid_set.h"
 #include "model/ellipsoid_shape.h"
+#include "model/heaps.h"
 #include "model/kernel_parts.h"
 #include "model/particle_lengths.h"
 #include "model/voronoi_sites.h"
@@ -191,9 +193,10 @@ Mat3 drawn_out(const float* covariance, double sigma) {
   return factor * (sigma / std::cbrt(factor.determinant()));
 }
 
-// Smoothing lengths into sigmas or factors.
-void make_shapes(const ModelRun& run, const ParticleSites& sites, const ParticleColumns& columns,
-                 KernelParts& parts) {
+// Smoothing lengths into sigmas or factors. Returns the sites that have so many at their own place
+// that their neighbours tell no length: their shapes follow from the place alone.
+std::vector<std::uint32_t> make_shapes(const ModelRun& run, const ParticleSites& sites,
+                                       const ParticleColumns& columns, KernelParts& parts) {
   const KernelModelOptions& options = run.options;
   parts.profile = options.profile;
   parts.cutoff = options.cutoff.value_or(kParticleCutoff);
@@ -203,7 +206,11 @@ void make_shapes(const ModelRun& run, const ParticleSites& sites, const Particle
     nearest =
         nearest_statistics(run, sites.centers, sites.periodic_box,
                            options.anisotropic ? WithCovariances::kYes : WithCovariances::kNo);
+  std::vector<std::uint32_t> heaped;
   if (columns.radius.empty()) {
+    for (std::uint32_t i = 0; i < sites.count(); ++i) {
+      if (!(nearest.lengths[i] > 0)) heaped.push_back(i);
+    }
     raise_zero_lengths(run, nearest.lengths);
   } else {
     nearest.lengths.resize(sites.count());
@@ -216,12 +223,13 @@ void make_shapes(const ModelRun& run, const ParticleSites& sites, const Particle
   if (!options.anisotropic) {
     parts.shapes = std::move(nearest.lengths);
     for (float& sigma : parts.shapes) sigma = static_cast<float>(per_length * sigma);
-    return;
+    return heaped;
   }
   parts.shapes.reserve(6 * sites.count());
   for (std::size_t i = 0; i < sites.count(); ++i)
     append_factor(drawn_out(nearest.covariances.data() + 6 * i, per_length * nearest.lengths[i]),
                   parts.shapes);
+  return heaped;
 }
 
 double volume_of_shape(const KernelParts& parts, std::size_t i) {
@@ -367,11 +375,15 @@ KernelParts particle_kernels(const ModelRun& run) {
   }
   if (run.options.neighborhood == Neighborhood::kVoronoi && !roles.is_density &&
       roles.radius == nullptr) {
-    std::vector<SiteKernel> kernels = voronoi_kernels(sites.centers, run.stop);
     parts.centers = std::move(sites.centers);
+    std::vector<std::uint32_t> all(sites.count());
+    std::iota(all.begin(), all.end(), 0U);
+    run.report.num_merged =
+        merge_heaps(std::move(all), static_cast<std::size_t>(run.options.neighbors), parts);
+    std::vector<SiteKernel> kernels = voronoi_kernels(parts.centers, run.stop);
     return fit_ellipsoids(run, {std::move(parts), std::move(kernels)});
   }
-  make_shapes(run, sites, columns, parts);
+  std::vector<std::uint32_t> heaped = make_shapes(run, sites, columns, parts);
   parts.centers = std::move(sites.centers);
   parts.reconstruction = run.options.reconstruction.value_or(
       roles.is_density ? Reconstruction::kSum : Reconstruction::kNormalized);
@@ -380,6 +392,8 @@ KernelParts particle_kernels(const ModelRun& run) {
   } else {
     weigh_attributes(run, sites, roles, columns, parts);
   }
+  run.report.num_merged = merge_heaps(std::move(heaped), 2, parts);
+  run.report.num_degenerate -= run.report.num_merged;  // those that went had no length
   if (sites.periodic_box) add_images(run, parts, *sites.periodic_box);
   return parts;
 }

@@ -45,11 +45,12 @@ class SiteGroups {
   std::size_t count() const noexcept { return num_groups_; }
   Group group(std::size_t index) const { return node(num_groups_ + index); }
 
-  // Calls visit(const Group&) for the groups whose box comes as near to `box` as the root of what
-  // bound() then returns, the nearer half of each part first.
-  template <class Bound, class Visit>
-  void visit_near(const Bounds3& box, const Bound& bound, const Visit& visit) const {
-    if (square_to(1, box) <= bound()) visit_below(1, box, bound, visit);
+  // Calls visit(const Group&) for the groups for which is_wanted(square), asked when their turn
+  // comes, is true of the square of their box's distance from `box`; the nearer half of each part
+  // first. Whoever wants a square must want every smaller one.
+  template <class IsWanted, class Visit>
+  void visit_near(const Bounds3& box, const IsWanted& is_wanted, const Visit& visit) const {
+    if (is_wanted(square_to(1, box))) visit_below(1, box, is_wanted, visit);
   }
 
  private:
@@ -60,8 +61,8 @@ class SiteGroups {
     return square_between(boxes_[index], box);
   }
 
-  template <class Bound, class Visit>
-  void visit_below(std::size_t index, const Bounds3& box, const Bound& bound,
+  template <class IsWanted, class Visit>
+  void visit_below(std::size_t index, const Bounds3& box, const IsWanted& is_wanted,
                    const Visit& visit) const {
     if (index >= num_groups_) return visit(node(index));
     std::size_t near = 2 * index, far = near + 1;
@@ -70,8 +71,8 @@ class SiteGroups {
       std::swap(near, far);
       std::swap(near_square, far_square);
     }
-    if (near_square <= bound()) visit_below(near, box, bound, visit);
-    if (far_square <= bound()) visit_below(far, box, bound, visit);
+    if (is_wanted(near_square)) visit_below(near, box, is_wanted, visit);
+    if (is_wanted(far_square)) visit_below(far, box, is_wanted, visit);
   }
 
   std::size_t num_groups_ = 1;  // a power of two

@@ -41,6 +41,8 @@ std::size_t begin_of_name(const std::string& path) {
 
 // None if it is not there.
 std::optional<std::string> content_of(const std::string& path) {
+  std::error_code error;
+  if (!fs::is_regular_file(path, error)) return std::nullopt;  // a pipe would block
   std::ifstream file(path, std::ios::binary);
   if (!file) return std::nullopt;
   std::string bytes{std::istreambuf_iterator<char>(file), {}};

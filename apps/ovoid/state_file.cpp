@@ -5,15 +5,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <string_view>
 #include <system_error>
 #include <unordered_set>
 
 #include "ovoid/error.h"
+#include "ovoid/io.h"
 #include "session.h"
 #include "suggest.h"
 #include "usage.h"
@@ -35,29 +33,6 @@ constexpr std::array<const char*, 5> kMembers = {"ovoid_state", "program", "inpu
 
 [[noreturn]] void refuse(const std::string& message) {
   throw Error(ErrorCode::kFileFormat, message);
-}
-
-std::string read_text(const std::string& path) {
-  std::error_code ignored;
-  if (fs::is_directory(path, ignored))
-    throw Error(ErrorCode::kFileNotFound, path + ": is a folder, must be a file");
-  errno = 0;
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) {
-    throw Error(ErrorCode::kFileNotFound, fmt::format("{}: cannot be read: {}", path,
-                                                      std::strerror(errno != 0 ? errno : EIO)));
-  }
-  // By pieces, so that a pipe works and an endless one ends.
-  std::string text;
-  std::array<char, 65536> piece{};
-  while (text.size() <= kMaxBytes && stream) {
-    stream.read(piece.data(), piece.size());
-    text.append(piece.data(), static_cast<std::size_t>(stream.gcount()));
-  }
-  if (stream.bad()) throw Error(ErrorCode::kFileNotFound, path + ": cannot be read");
-  if (text.size() > kMaxBytes)
-    refuse(fmt::format("{}: must have at most {} bytes", path, kMaxBytes));
-  return text;
 }
 
 std::string cut(const std::string& text) {
@@ -201,7 +176,7 @@ std::string to_folder(const std::string& name, const fs::path& folder) {
 }  // namespace
 
 State read_state(const std::string& path) {
-  const Json json = parse(read_text(path), path);
+  const Json json = parse(read_text_file(path, kMaxBytes), path);
   check_version(json, path);
   check_members(json, path);
   State state;

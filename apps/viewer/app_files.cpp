@@ -29,6 +29,8 @@ std::filesystem::file_time_type time_of(const std::string& path) {
 
 // The start of a file, to tell what it is.
 std::string head_of(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return {};  // a pipe would block
   std::ifstream file(path, std::ios::binary);
   std::string head(4096, '\0');
   file.read(head.data(), static_cast<std::streamsize>(head.size()));

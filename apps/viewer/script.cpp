@@ -10,12 +10,12 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <initializer_list>
 #include <sstream>
 #include <utility>
 
 #include "ovoid/error.h"
+#include "ovoid/io.h"
 #include "session.h"
 
 namespace ovoid::viewer {
@@ -24,7 +24,7 @@ namespace {
 constexpr double kPatienceMs = 60'000;
 constexpr int kMostSearches = 10;
 constexpr std::size_t kFramesToSettle = 2;
-constexpr std::uintmax_t kMostBytes = 16U << 20;
+constexpr std::size_t kMostBytes = 16U << 20;
 
 struct NamedKey {
   const char* name;
@@ -237,19 +237,12 @@ std::string name_of_key(int key) {
 }
 
 Script::Script(const std::string& path) : path_(path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw Error(ErrorCode::kFileNotFound, fmt::format("{}: cannot be opened", path));
+  std::istringstream file(read_text_file(path, kMostBytes));
   std::string text;
   int number = 0;
   int depth = 0;
-  std::uintmax_t bytes = 0;
   while (std::getline(file, text)) {
     ++number;
-    bytes += text.size();
-    if (bytes > kMostBytes) {
-      throw Error(ErrorCode::kFileFormat,
-                  fmt::format("{}: larger than {} MiB", path, kMostBytes >> 20));
-    }
     Line line{number, words_of(text)};
     if (line.words.empty()) continue;
     check(line, &depth);

@@ -133,6 +133,12 @@ void write_transfer_function(const TransferFunction& tf, const std::string& path
 std::vector<ColorPoint> colors_from_list(const std::vector<double>& numbers);
 std::vector<OpacityPoint> opacities_from_list(const std::vector<double>& numbers);
 
+// The content of a small text file, as looks, cameras and states are read: of a regular file. Pipes
+// and devices, which could block or never end, are not read. Throws Error: kFileNotFound for what
+// is missing or unreadable; kUnsupported for a folder, a device or a pipe; kFileFormat for more
+// than `max_bytes`.
+std::string read_text_file(const std::string& path, std::size_t max_bytes);
+
 // Camera files (JSON, VTK's words; docs/conventions.md). Missing members keep VTK's defaults. What
 // was written is read to the bit. Throws Error.
 Camera read_camera(const std::string& path);

@@ -35,7 +35,7 @@ Camera read_camera(const std::string& path) {
 }
 
 Camera camera_from_text(const std::string& text, const std::string& source_name) {
-  io::require_size(text, io::kMaxJsonBytes, source_name);
+  io::require_size(text.size(), io::kMaxJsonBytes, source_name);
   const Json json = io::parse_json(text, source_name);
   const JsonValue root(json, source_name + ": ");
   // A misspelt member would silently give another picture.

@@ -92,7 +92,7 @@ Look read_look(const std::string& path, const std::string& name) {
 
 Look look_from_text(const std::string& text, const std::string& source_name,
                     const std::string& name) {
-  io::require_size(text, io::kMaxJsonBytes, source_name);
+  io::require_size(text.size(), io::kMaxJsonBytes, source_name);
   io::LookFile file{source_name, text, name};
   constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
   if (file.text.starts_with(kByteOrderMark)) file.text.erase(0, kByteOrderMark.size());

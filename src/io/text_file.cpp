@@ -3,42 +3,23 @@
 
 #include <fmt/format.h>
 
-#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
 
+#include "io/byte_source.h"
 #include "ovoid/error.h"
+#include "ovoid/io.h"
 
 namespace ovoid::io {
 
 std::string read_text(const std::string& path, std::size_t max_bytes) {
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) {
-    throw Error(ErrorCode::kFileNotFound, fmt::format("{}: is a folder, must be a file", path));
-  }
-  errno = 0;
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) {
-    throw Error(ErrorCode::kFileNotFound, fmt::format("{}: cannot be read: {}", path,
-                                                      std::strerror(errno != 0 ? errno : EIO)));
-  }
-  // By pieces, so that a pipe works and an endless one ends.
-  std::string text;
-  char piece[65536];
-  while (text.size() <= max_bytes && stream) {
-    stream.read(piece, sizeof(piece));
-    text.append(piece, static_cast<std::size_t>(stream.gcount()));
-  }
-  if (stream.bad()) throw Error(ErrorCode::kFileNotFound, fmt::format("{}: cannot be read", path));
-  require_size(text, max_bytes, path);
-  return text;
+  const auto source = open_file(path);
+  require_size(static_cast<std::size_t>(source->size()), max_bytes, path);
+  return source->text(0, source->size());
 }
 
-void require_size(std::string_view text, std::size_t max_bytes, const std::string& path) {
-  if (text.size() <= max_bytes) return;
+void require_size(std::size_t num_bytes, std::size_t max_bytes, const std::string& path) {
+  if (num_bytes <= max_bytes) return;
   throw Error(ErrorCode::kFileFormat,
               fmt::format("{}: must have at most {} bytes", path, max_bytes));
 }
@@ -54,3 +35,11 @@ std::optional<double> parse_real(std::string_view text) noexcept {
 }
 
 }  // namespace ovoid::io
+
+namespace ovoid {
+
+std::string read_text_file(const std::string& path, std::size_t max_bytes) {
+  return io::read_text(path, max_bytes);
+}
+
+}  // namespace ovoid

@@ -312,8 +312,8 @@ TEST(TransferFunctionFile, HostileFilesAreRefused) {
     return ErrorCode::kCancelled;
   };
   EXPECT_EQ(code(folder.file("missing.json")), ErrorCode::kFileNotFound);
-  EXPECT_EQ(code(folder.file("")), ErrorCode::kFileNotFound);  // a folder
-  EXPECT_EQ(code("/dev/zero"), ErrorCode::kFileFormat);        // endless
+  EXPECT_EQ(code(folder.file("")), ErrorCode::kUnsupported);  // a folder
+  EXPECT_EQ(code("/dev/zero"), ErrorCode::kUnsupported);      // endless
   EXPECT_EQ(code(folder.write("deep.json", std::string(1000000, '['))), ErrorCode::kFileFormat);
   EXPECT_EQ(code(folder.write("zeros.json", std::string(100000, '\0'))), ErrorCode::kFileFormat);
   std::string many = "{\"Points\": []";

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <sys/stat.h>
+
 #include <deque>
 #include <map>
 
@@ -90,14 +92,19 @@ TEST(Scripts, EachBadLineIsNamedWithItsFileAndNumber) {
 TEST(Scripts, FilesThatAreNoneAndLoopsWithoutEnd) {
   const Folder folder;
   const std::string missing = folder / "missing.txt";
-  EXPECT_EQ(complaint_of_script(missing), missing + ": cannot be opened");
+  EXPECT_EQ(complaint_of_script(missing), missing + ": no such file");
   const std::string path = folder / "script.txt";
   cli_tests::write_file(path, "repeat 2\nrepeat 3\nend\n");
   EXPECT_EQ(complaint_of_script(path), path + ": a 'repeat' has no 'end'");
   cli_tests::write_file(path, std::string((16U << 20) + 1, 'x'));
-  EXPECT_EQ(complaint_of_script(path), path + ": larger than 16 MiB");
+  EXPECT_EQ(complaint_of_script(path), path + ": must have at most 16777216 bytes");
   cli_tests::write_file(path, "");
   EXPECT_EQ(complaint_of_script(path), "");
+  EXPECT_EQ(complaint_of_script(folder / "."),
+            folder / "." + ": is a folder: expected a regular file");
+  const std::string pipe = folder / "pipe";  // without a writer: to open it as a file would wait
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_EQ(complaint_of_script(pipe), pipe + ": is a device or a pipe: expected a regular file");
 }
 
 TEST(Scripts, KeysByNameAndBack) {

@@ -138,7 +138,7 @@ bool LineReader::refill() {
     throw Error(ErrorCode::kFileFormat,
                 fmt::format("{}: is no text: it holds bytes that are 0", name_));
   }
-  end_ += got;
+  end_ += line_ends_.unify(std::span(window_).subspan(end_, got));
   return got > 0;
 }
 
@@ -161,7 +161,6 @@ bool LineReader::next(std::string_view& line) {
     begin_ = end_;
     break;
   }
-  if (line.ends_with('\r')) line.remove_suffix(1);
   ++number_;
   return true;
 }

@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "io/byte_source.h"
+#include "io/line_ends.h"
 #include "io/samples.h"
 
 namespace ovoid::io {
@@ -43,7 +44,7 @@ class LineReader {
   // Longer lines are an error: what has no line ends is no text, and is not to fill the memory.
   static constexpr std::size_t kLongestLine = std::size_t{1} << 30;
 
-  // The next line without its end, Unix or Windows; false at the end. Valid until the next call.
+  // The next line without its end (LineEnds); false at the end. Valid until the next call.
   // Throws Error(kFileFormat) for a line that is too long or holds a byte 0.
   bool next(std::string_view& line);
 
@@ -57,6 +58,7 @@ class LineReader {
   ByteStream& stream_;
   std::string name_;
   std::string window_;
+  LineEnds line_ends_;
   std::size_t begin_ = 0, end_ = 0;  // of what is not handed out yet
   std::int64_t number_ = 0;
 };

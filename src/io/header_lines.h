@@ -26,7 +26,9 @@ class HeaderLines {
  public:
   explicit HeaderLines(const ByteSource& source) : source_(source) {}
 
-  // The next line without its end, Unix or Windows; false at the end of the file. Throws
+  // The next line without its end, of Unix, Windows or old Macs (\n, \r\n, \r), in any mixture;
+  // false at the end of the file. Where all lines so far have ended in \r alone, a \n behind one
+  // belongs to what follows: samples may begin with it. Throws
   // Error(kFileFormat) if the header has more than 16 MiB: long enough for a list of 100 000 file
   // names, and a file that is all header is refused before it is held in memory.
   bool next(std::string& line);
@@ -37,7 +39,10 @@ class HeaderLines {
 
  private:
   const ByteSource& source_;
+  std::size_t find_end(std::size_t from) const { return text_.find_first_of("\r\n", from); }
+
   std::string text_;
+  bool are_returns_ = true;  // the ends of all lines so far
   std::size_t position_ = 0;
   int number_ = 0;
 };

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "io/line_ends.h"
 #include "io/look_readers.h"
 #include "io/text_file.h"
 #include "io/text_scanner.h"
@@ -96,6 +97,7 @@ Look look_from_text(const std::string& text, const std::string& source_name,
   io::LookFile file{source_name, text, name};
   constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
   if (file.text.starts_with(kByteOrderMark)) file.text.erase(0, kByteOrderMark.size());
+  io::unify_line_ends(file.text);
   Look look = io::read_any_look(file);
   look.transfer_function.sort();
   try {

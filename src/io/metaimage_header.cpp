@@ -323,7 +323,7 @@ bool looks_like_metaimage(std::string_view start) noexcept {
   // One of the first lines says how many axes there are.
   std::size_t begin = 0;
   for (int line = 0; line < 16 && begin < start.size(); ++line) {
-    const std::size_t end = std::min(start.find('\n', begin), start.size());
+    const std::size_t end = std::min(start.find_first_of("\r\n", begin), start.size());
     const std::string_view text = start.substr(begin, end - begin);
     if (text.find('\0') != std::string_view::npos) return false;
     const std::size_t equals = text.find_first_of("=:");

@@ -136,7 +136,7 @@ class PlyHeaderParser {
 }  // namespace
 
 bool looks_like_ply(std::string_view start) noexcept {
-  return start.starts_with("ply\n") || start.starts_with("ply\r\n");
+  return start.starts_with("ply\n") || start.starts_with("ply\r");
 }
 
 bool PlyElement::has_lists() const noexcept {

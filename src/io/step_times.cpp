@@ -45,7 +45,8 @@ std::optional<double> vtk_time(const ByteSource& source) {
   return std::nullopt;
 }
 
-std::optional<double> dump_time(const std::string& start) {
+std::optional<double> dump_time(std::string start) {
+  unify_line_ends(start);
   constexpr std::string_view kItem = "ITEM: TIMESTEP";
   const auto begin = start.find(kItem);
   if (begin == std::string::npos) return std::nullopt;

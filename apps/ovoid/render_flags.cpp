@@ -190,7 +190,8 @@ void tell_run(const RendererSetup& run, FlagSet* flags) {
   tell_choice(flags, "backend", kBackends, run.backend, RendererSetup{}.backend);
   for (const char* const flag : {"threads", "device", "device-memory"}) flags->erase(flag);
   if (run.threads > 0) flags->set("threads", fmt::format("{}", run.threads));
-  if (run.device >= 0) flags->set("device", fmt::format("{}", run.device));
+  const bool is_on_device = run.backend == Backend::kAuto || run.backend == Backend::kVulkan;
+  if (run.device >= 0 && is_on_device) flags->set("device", fmt::format("{}", run.device));
   if (run.device_memory > 0) flags->set("device-memory", fmt::format("{}", run.device_memory));
 }
 

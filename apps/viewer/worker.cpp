@@ -175,7 +175,10 @@ struct Worker::Impl {
   }
 };
 
-Renderer& Worker::Impl::renderer_for(const RendererSetup& setup) {
+Renderer& Worker::Impl::renderer_for(const RendererSetup& chosen) {
+  RendererSetup setup = chosen;
+  // The window keeps the device while another back end draws; the renderer would refuse it.
+  if (setup.backend == Backend::kCpu || setup.backend == Backend::kReference) setup.device = -1;
   const Key key{static_cast<int>(setup.backend), setup.threads, setup.device, setup.device_memory};
   const auto known = renderers.find(key);
   if (known != renderers.end()) return known->second;

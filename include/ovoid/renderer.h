@@ -80,7 +80,7 @@ struct RendererSetup {
   Backend backend = Backend::kAuto;
   int threads = 0;  // of the host; 0: one per hardware thread
   int device =
-      -1;  // of kVulkan, by DeviceInfo::index; -1: the first hardware device, else the first
+      -1;  // by DeviceInfo::index; -1: the first hardware device, else the first. kVulkan alone
   std::uint64_t device_memory = 0;  // bytes that fields may take there; 0: most of it. Larger ones
                                     // are drawn piece by piece.
 };
@@ -89,8 +89,8 @@ struct RendererSetup {
 // One render() at a time per renderer; several renderers may be used from several threads.
 class Renderer {
  public:
-  // Throws Error: kInvalidArgument; kUnsupported if kVulkan is asked for and there is no loader, no
-  // device, or none that has what is needed.
+  // Throws Error: kInvalidArgument, also for a device where none draws; kUnsupported if kVulkan is
+  // asked for and there is no loader, no device, or none that has what is needed.
   explicit Renderer(const RendererSetup& setup);
   explicit Renderer(Backend backend = Backend::kAuto, int threads = 0)
       : Renderer(RendererSetup{backend, threads}) {}

@@ -67,6 +67,18 @@ constexpr const char* kWithoutVulkan =
 bool draws_on_device() { return false; }
 #endif
 
+// Of a back end that runs on none.
+[[noreturn]] void refuse_device(const RendererSetup& setup) {
+  throw Error(
+      ErrorCode::kInvalidArgument,
+      setup.backend == Backend::kAuto
+          ? fmt::format("device = {}: there is none that backend auto would take: leave it "
+                        "out to draw on the cpu, or name backend vulkan to hear why",
+                        setup.device)
+          : fmt::format("device = {}: is for backend vulkan, not {}: leave one of them out",
+                        setup.device, setup.backend == Backend::kCpu ? "cpu" : "reference"));
+}
+
 // What render() was called with.
 struct Job {
   const Field& field;
@@ -104,6 +116,7 @@ Renderer::Renderer(const RendererSetup& setup) : impl_(std::make_unique<Impl>())
   impl_->backend = setup.backend;
   impl_->is_auto = setup.backend == Backend::kAuto;
   if (impl_->is_auto) impl_->backend = draws_on_device() ? Backend::kVulkan : Backend::kCpu;
+  if (setup.device >= 0 && impl_->backend != Backend::kVulkan) refuse_device(setup);
   if (impl_->backend == Backend::kVulkan) {
 #ifdef OVOID_VULKAN
     impl_->vulkan = std::make_unique<vulkan::VulkanRenderer>(setup.device, setup.device_memory);

@@ -72,6 +72,16 @@ TEST_F(Devices, WithoutADriverThereIsOneLine) {
   expect_success(render({}));
 }
 
+// Fails if a device is asked for and something else draws without a word.
+TEST_F(Devices, AreRefusedWhereNoneDraws) {
+  for (const std::string backend : {"cpu", "reference"}) {
+    expect_failure(render({"--backend", backend, "--device", "5"}), 1,
+                   {"device = 5: is for backend vulkan, not " + backend});
+  }
+  const Environment none("OVOID_VULKAN_LOADER", "/nowhere/libvulkan.so.1");
+  expect_failure(render({"--device", "5"}), 1, {"device = 5: there is none", "leave it out"});
+}
+
 TEST_F(Devices, IndicesOutOfRangeAreNamed) {
   if (num_devices_ == 0) GTEST_SKIP() << "no device";
   expect_failure(render({"--backend", "vulkan", "--device", std::to_string(num_devices_)}), 1,

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "data/bookkeeping.h"
+#include "data/names_text.h"
 #include "data/varies.h"
 #include "ovoid/error.h"
 
@@ -13,11 +14,9 @@ namespace ovoid {
 namespace {
 
 std::string listed_names(const std::vector<DataArray>& arrays) {
-  std::string names;
-  for (const DataArray& array : arrays) {
-    names += fmt::format("{}'{}'", names.empty() ? "" : ", ", array.name);
-  }
-  return names;
+  std::vector<std::string> names;
+  for (const DataArray& array : arrays) names.push_back(array.name);
+  return data::names_text(names);
 }
 
 }  // namespace

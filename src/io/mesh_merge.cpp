@@ -12,6 +12,7 @@
 
 #include "data/bookkeeping.h"
 #include "data/cell_builder.h"
+#include "data/names_text.h"
 #include "io/mesh_parts.h"
 #include "io/samples.h"
 #include "ovoid/error.h"
@@ -120,8 +121,8 @@ void choose_blocks(Dataset& dataset, std::vector<MeshPart>& parts, const ReadOpt
   if (!options.block.empty()) {
     if (std::find(names.begin(), names.end(), options.block) == names.end()) {
       throw Error(ErrorCode::kInvalidArgument,
-                  fmt::format("{}: block '{}': not there: expected one of '{}'", dataset.source,
-                              options.block, fmt::join(names, "', '")));
+                  fmt::format("{}: block '{}': not there: expected one of {}", dataset.source,
+                              options.block, data::names_text(names)));
     }
     keep_block(parts, options.block);
     dataset.block = options.block;

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "data/names_text.h"
 #include "io/atomic_file.h"
 #include "io/npy.h"
 #include "io/npy_header.h"
@@ -56,23 +57,24 @@ std::string_view array_name(std::string_view entry) {
 
 const ZipEntry& positions_entry(const ByteSource& source, const std::vector<ZipEntry>& entries) {
   const ZipEntry* found = nullptr;
-  std::string names;
+  std::vector<std::string> names;
   for (const ZipEntry& entry : entries) {
     const std::string_view name = array_name(entry.name);
     if (name == "positions") return entry;
-    names += fmt::format("{}'{}'", names.empty() ? "" : ", ", name);
+    names.emplace_back(name);
     if (!is_position_name(name)) continue;
     if (found != nullptr) {
       throw Error(ErrorCode::kFileFormat,
-                  fmt::format("{}: '{}' and '{}' may both be the positions: call one 'positions'",
-                              source.name(), array_name(found->name), name));
+                  fmt::format("{}: {} and {} may both be the positions: call one 'positions'",
+                              source.name(), data::name_text(array_name(found->name)),
+                              data::name_text(name)));
     }
     found = &entry;
   }
   if (found == nullptr) {
     throw Error(ErrorCode::kFileFormat,
                 fmt::format("{}: has no array 'positions' of shape (N, 3); it has {}",
-                            source.name(), names.empty() ? "none" : names));
+                            source.name(), data::names_text(names)));
   }
   return *found;
 }
@@ -81,7 +83,8 @@ void add_npz_array(const ByteSource& source, const ZipEntry& entry, const ReadOp
                    Dataset& dataset) {
   const std::string_view name = array_name(entry.name);
   const auto leave_out = [&](const std::string& why) {
-    dataset.notes.push_back(fmt::format("{}: '{}' is left out: {}", source.name(), name, why));
+    dataset.notes.push_back(
+        fmt::format("{}: {} is left out: {}", source.name(), data::name_text(name), why));
   };
   const ZipMember member = open_zip_entry(source, entry);
   if (!looks_like_npy(member.source->text(0, 16))) return leave_out("it is no array");
@@ -153,6 +156,7 @@ Dataset read_npz(const ByteSource& source, const ReadOptions& options) {
   }
   for (const ZipEntry& entry : entries)
     if (&entry != &positions) add_npz_array(source, entry, options, dataset);
+  shorten_notes(dataset.notes);
   return dataset;
 }
 

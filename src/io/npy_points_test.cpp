@@ -116,5 +116,20 @@ TEST(Npz, RoundTrip) {
   EXPECT_EQ(again.array("v").type, ScalarType::kInt64);
 }
 
+// An archive of very many arrays, or of very long names, is told of in a line.
+TEST(Npz, MessagesAreShortWhateverTheArchiveHolds) {
+  std::vector<std::pair<std::string, std::string>> entries;
+  for (int i = 0; i < 3000; ++i)
+    entries.emplace_back(std::to_string(i) + std::string(i == 0 ? 30000 : 1, 'n'), "no array");
+  const std::string error = npz_error(fuzz::zip_file(entries, false));
+  EXPECT_LT(error.size(), 500U);
+  EXPECT_NE(error.find("'9n' and 2990 more"), std::string::npos) << error;
+  entries.emplace_back("positions.npy",
+                       npy_of(ScalarType::kFloat32, {1, 3}, bytes_of(counting<float>(3))));
+  const Dataset dataset = read_named("a.npz", fuzz::zip_file(entries, false));
+  EXPECT_EQ(dataset.notes.size(), 11U);
+  for (const std::string& note : dataset.notes) EXPECT_LT(note.size(), 200U);
+}
+
 }  // namespace
 }  // namespace ovoid::io

@@ -17,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "data/names_text.h"
 #include "data/scalar_visit.h"
 #include "io/byte_stream.h"
 #include "io/number_fields.h"
@@ -106,7 +107,7 @@ PlyOrder order_properties(const PlyElement& element, bool is_kernels,
                           property.name == "weight";
     if (property.is_list ||
         (is_kernels && (property.name == "scale" || property.name == "rotation")))
-      left_out.push_back(fmt::format("'{}'", property.name));
+      left_out.push_back(property.name);
     else if (!is_taken[i] && !(is_kernels && is_shape))
       take(i, property.name);
   }
@@ -373,7 +374,7 @@ Dataset read_ply(const ByteSource& source, const ReadOptions& options) {
   const PlyOrder order = order_properties(element, is_kernels, left_out);
   if (!left_out.empty()) {
     dataset.notes.push_back(
-        fmt::format("{}: properties left out: {}", source.name(), fmt::join(left_out, ", ")));
+        fmt::format("{}: properties left out: {}", source.name(), data::names_text(left_out)));
   }
   const PointLayout layout = lay_out_points(source.name(), order.columns, dataset.notes);
   PlyArrays arrays(element, order, layout);

@@ -8,6 +8,7 @@
 #include <limits>
 #include <optional>
 
+#include "data/names_text.h"
 #include "io/text_scanner.h"
 #include "ovoid/error.h"
 
@@ -150,7 +151,7 @@ PointLayout lay_out_points(const std::string& where, const std::vector<PointColu
   std::vector<std::string> text_names;
   for (std::size_t i = 0; i < columns.size();) {
     if (layout.targets[i].array >= 0 || !columns[i].is_number) {
-      if (!columns[i].is_number) text_names.push_back(fmt::format("'{}'", columns[i].name));
+      if (!columns[i].is_number) text_names.push_back(columns[i].name);
       ++i;
       continue;
     }
@@ -160,7 +161,7 @@ PointLayout lay_out_points(const std::string& where, const std::vector<PointColu
   }
   if (!text_names.empty()) {
     notes.push_back(
-        fmt::format("{}: columns of text are left out: {}", where, fmt::join(text_names, ", ")));
+        fmt::format("{}: columns of text are left out: {}", where, data::names_text(text_names)));
   }
   return layout;
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <string>
 
+#include "data/names_text.h"
 #include "io/atomic_file.h"
 #include "io/cell_lattice.h"
 #include "io/formats.h"
@@ -90,13 +91,12 @@ void check_array(const Dataset& dataset, const DataArray& array) {
 
 const DataArray& only_array(const Dataset& dataset, const std::string& path) {
   if (dataset.arrays.size() == 1) return dataset.arrays[0];
-  std::string names;
-  for (const DataArray& array : dataset.arrays)
-    names += fmt::format("{}'{}'", names.empty() ? "" : ", ", array.name);
+  std::vector<std::string> names;
+  for (const DataArray& array : dataset.arrays) names.push_back(array.name);
   throw Error(
       ErrorCode::kUnsupported,
       fmt::format("{}: {} holds one array, the dataset has {} ({}): keep one, or write .vti", path,
-                  io::ending_of(path), dataset.arrays.size(), names));
+                  io::ending_of(path), dataset.arrays.size(), data::names_text(names)));
 }
 
 // Throws unless every array has a tuple for each position, and the memory for them.

@@ -10,6 +10,7 @@
 #include <optional>
 #include <utility>
 
+#include "data/names_text.h"
 #include "io/decompressors.h"
 #include "io/samples.h"
 #include "ovoid/error.h"
@@ -128,10 +129,12 @@ ZipEntry take_entry(const ByteSource& source, std::string_view& rest) {
                 {&size, &packed, &offset});
   rest.remove_prefix(kCentralSize + name_size + extra_size + comment_size);
   if ((flags & 1U) != 0)
-    fail_zip(source, fmt::format("'{}' is encrypted", entry.name), ErrorCode::kUnsupported);
+    fail_zip(source, fmt::format("{} is encrypted", data::name_text(entry.name)),
+             ErrorCode::kUnsupported);
   if (method != kStored && method != kDeflated) {
     fail_zip(source,
-             fmt::format("'{}': compression {}: expected stored or deflated", entry.name, method),
+             fmt::format("{}: compression {}: expected stored or deflated",
+                         data::name_text(entry.name), method),
              ErrorCode::kUnsupported);
   }
   entry.is_deflated = method == kDeflated;
@@ -139,8 +142,8 @@ ZipEntry take_entry(const ByteSource& source, std::string_view& rest) {
   const std::uint64_t most = entry.is_deflated ? packed * kMaxDeflateRatio : packed;
   if (packed > file_size || offset > file_size || packed + kLocalSize > file_size - offset ||
       size > most || (!entry.is_deflated && size != packed)) {
-    fail_zip(source, fmt::format("'{}': {} bytes, {} unpacked, at byte {} do not fit the file",
-                                 entry.name, packed, size, offset));
+    fail_zip(source, fmt::format("{}: {} bytes, {} unpacked, at byte {} do not fit the file",
+                                 data::name_text(entry.name), packed, size, offset));
   }
   entry.packed_size = static_cast<std::int64_t>(packed);
   entry.size = static_cast<std::int64_t>(size);
@@ -165,7 +168,7 @@ class PartSource final : public ByteSource {
 Bytes unpack(const ByteSource& source, const ZipEntry& entry, std::int64_t offset) {
   constexpr std::int64_t kPiece = std::int64_t{1} << 18;
   const auto broken = [&](const std::string& why) {
-    fail_zip(source, fmt::format("'{}' is broken: {}", entry.name, why));
+    fail_zip(source, fmt::format("{} is broken: {}", data::name_text(entry.name), why));
   };
   Inflater inflater(Inflater::kBare);
   SampleBuffer out;
@@ -231,12 +234,13 @@ ZipMember open_zip_entry(const ByteSource& source, const ZipEntry& entry) {
   const std::string header = source.text(entry.offset, kLocalSize);
   if (static_cast<std::int64_t>(header.size()) < kLocalSize ||
       zip_number<std::uint32_t>(header, 0) != kLocalHeader)
-    fail_zip(source, fmt::format("'{}' is not where the directory says", entry.name));
+    fail_zip(source,
+             fmt::format("{} is not where the directory says", data::name_text(entry.name)));
   const std::int64_t offset = entry.offset + kLocalSize + zip_number<std::uint16_t>(header, 26) +
                               zip_number<std::uint16_t>(header, 28);
   if (offset > source.size() || entry.packed_size > source.size() - offset)
-    fail_zip(source, fmt::format("'{}' ends behind the file", entry.name));
-  const std::string name = fmt::format("{}: {}", source.name(), entry.name);
+    fail_zip(source, fmt::format("{} ends behind the file", data::name_text(entry.name)));
+  const std::string name = fmt::format("{}: {}", source.name(), entry.name.substr(0, 80));
   ZipMember member;
   if (entry.is_deflated) {
     member.unpacked = unpack(source, entry, offset);

@@ -9,6 +9,7 @@
 #include <span>
 #include <utility>
 
+#include "io/memory.h"
 #include "io/npy.h"
 #include "io/samples.h"
 #include "ovoid/error.h"
@@ -195,6 +196,7 @@ NpySamples read_npy_samples(const ByteSource& source, const ReadOptions& options
   const auto& shape = result.header.shape;
   const std::int64_t num_bytes = checked_num_bytes(source.name() + ": shape", shape, type.type);
   check_npy_size(source, result.header, type.type, num_bytes);
+  require_memory(fmt::format("{}: {}", source.name(), layout_text(shape, type.type)), num_bytes);
   ReadProgress progress(options, num_bytes);
   append_plain(source, result.header.data_offset, num_bytes, result.samples, progress);
   if (type.is_big_endian != (std::endian::native == std::endian::big))

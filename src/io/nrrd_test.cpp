@@ -318,7 +318,11 @@ TEST(Nrrd, ClaimsAreNotAllocated) {
     const std::string data = std::string(encoding) == "gzip"    ? gzip("x")
                              : std::string(encoding) == "bzip2" ? bzip2("x")
                                                                 : "00 00";
-    EXPECT_EQ(error(nrrd(fields, data)).substr(0, 12), "file-format:") << encoding;
+    // What bzip2 data stand for cannot be told from their size: the claim is held against the
+    // memory.
+    const char* const expected =
+        std::string(encoding) == "bzip2" ? "out-of-memory:" : "file-format:";
+    EXPECT_EQ(error(nrrd(fields, data)).find(expected), 0U) << encoding;
   }
 }
 

@@ -11,6 +11,7 @@
 
 #include "io/atomic_file.h"
 #include "io/decode.h"
+#include "io/memory.h"
 #include "io/samples.h"
 #include "ovoid/error.h"
 
@@ -99,6 +100,7 @@ Dataset read_raw(const ByteSource& source, const ReadOptions& options) {
   const WantedSamples wanted{num_bytes, 0, *type, source.name(), layout_text(*dims, *type)};
   const auto stream =
       open_samples(source, 0, is_gzip ? Encoding::kGzip : Encoding::kRaw, wanted, progress);
+  require_memory(fmt::format("{}: {}", source.name(), wanted.layout), num_bytes);
   if (!is_gzip) samples.reserve(num_bytes);
   stream->append(num_bytes, samples);
   stream->finish(behind);

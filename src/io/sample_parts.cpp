@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "data/varies.h"
+#include "io/memory.h"
 #include "io/samples.h"
 #include "ovoid/error.h"
 
@@ -154,6 +155,10 @@ StepSamples read_step(const SampleParts& parts, const StepLayout& layout,
   const std::string& name = parts.each.header;
   if (options.step) check_step(name, *options.step, layout.num_steps);
   ReadProgress progress(options, check_parts(parts, options));
+  const bool is_planar = layout.order == StepLayout::Order::kPlanar && layout.num_components > 1;
+  // Planes are put together in memory of their own.
+  require_memory(fmt::format("{}: {}", name, parts.each.layout),
+                 layout.num_bytes * (is_planar ? 2 : 1));
   SampleBuffer samples;
   StepSamples result;
   std::optional<std::int64_t> found;
@@ -168,7 +173,6 @@ StepSamples read_step(const SampleParts& parts, const StepLayout& layout,
     StepReader(parts, layout, progress, stream_notes).read(result.step, samples);
   }
   notes.insert(notes.end(), stream_notes.begin(), stream_notes.end());
-  const bool is_planar = layout.order == StepLayout::Order::kPlanar && layout.num_components > 1;
   result.bytes = is_planar ? interleave(samples, size_of(layout.type), layout.num_components)
                            : samples.release();
   return result;

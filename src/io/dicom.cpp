@@ -13,12 +13,15 @@
 #include <system_error>
 #include <utility>
 
+#include "data/names_text.h"
 #include "data/scalar_visit.h"
 #include "io/dicom_codec.h"
 #include "io/dicom_file.h"
 #include "io/dicom_pixels.h"
 #include "io/dicom_series.h"
 #include "io/reader_session.h"
+#include "io/formats.h"
+#include "io/memory.h"
 #include "io/samples.h"
 #include "ovoid/error.h"
 
@@ -87,6 +90,10 @@ class DicomReader {
     const SharedSource file = open_(name);
     if (!begins_like_dicom(*file)) {
       ++left_out_.num_others;
+      const std::string start = file->text(0, 512);
+      const std::string format = picture_format_of(start);
+      if (!format.empty()) ++num_pictures_[format];
+      if (kind_of(start) != FileKind::kUnknown) ++num_readable_;
       return;
     }
     DicomFile parsed = read_dicom_file(*dicom_data_source(file));
@@ -119,8 +126,24 @@ class DicomReader {
                   fmt::format("{}: the folder is empty, expected DICOM slices", source_));
     }
     throw Error(ErrorCode::kUnsupported,
-                fmt::format("{}: none of its {} files is DICOM: a folder is read as DICOM slices",
-                            source_, num_files));
+                fmt::format("{}: none of its {} files is DICOM: a folder is read as DICOM slices{}",
+                            source_, num_files, advice()));
+  }
+
+  // What to do with a folder that holds something else.
+  std::string advice() const {
+    if (!num_pictures_.empty()) {
+      const auto& [format, count] =
+          *std::max_element(num_pictures_.begin(), num_pictures_.end(),
+                            [](const auto& a, const auto& b) { return a.second < b.second; });
+      return fmt::format(
+          "; {} are {} pictures: stack them into one volume first, as Fiji does (File > Import > "
+          "Image Sequence, then Save As > Nrrd)",
+          count, format);
+    }
+    if (num_readable_ == 0) return {};
+    return fmt::format("; {} are of other kinds that are read: name the files themselves",
+                       num_readable_);
   }
 
   std::int64_t size_of_group(const DicomGroup& group) const {
@@ -136,14 +159,14 @@ class DicomReader {
           [&](const auto& a, const auto& b) { return size_of_group(a) < size_of_group(b); });
       return static_cast<std::size_t>(largest - groups_.begin());
     }
-    std::string names;
+    std::vector<std::string> names;
     for (std::size_t i = 0; i < groups_.size(); ++i) {
       if (groups_[i].name == options_.block) return i;
-      if (i < 20) names += fmt::format("{}'{}'", i == 0 ? "" : ", ", groups_[i].name);
+      names.push_back(groups_[i].name);
     }
-    if (groups_.size() > 20) names += ", ...";
     throw Error(ErrorCode::kInvalidArgument,
-                fmt::format("{}: block '{}': expected one of {}", source_, options_.block, names));
+                fmt::format("{}: block '{}': expected one of {}", source_, options_.block,
+                            data::names_text(names)));
   }
 
   void describe(std::size_t chosen) {
@@ -291,6 +314,8 @@ class DicomReader {
     const std::int64_t num_bytes =
         checked_num_bytes(source_ + ": its volume", volume.lattice.dims, array_.type);
     const std::int64_t slice_bytes = num_bytes / volume.lattice.dims[2];
+    require_memory(fmt::format("{}: {}", source_, layout_text(volume.lattice.dims, array_.type)),
+                   num_bytes);
     SampleBuffer samples;
     // What a native file states has been compared with its size; a stream says little by its own.
     if (!files_[slices[0].file].is_encapsulated) samples.reserve(num_bytes);
@@ -351,6 +376,9 @@ class DicomReader {
   SourceOpener open_;
   const ReadOptions& options_;
   LeftOut left_out_;
+  // Of the files that are no DICOM.
+  std::map<std::string, std::int64_t> num_pictures_;  // by format
+  std::int64_t num_readable_ = 0;
   std::vector<DicomFile> files_;
   std::vector<DicomGroup> groups_;
   Dataset dataset_;

@@ -452,6 +452,20 @@ TEST(Dicom, AFolderWithoutDicomIsRefused) {
   folder.write("a.txt", "text");
   EXPECT_THAT(error_of([&] { read_dataset({folder.file("")}); }),
               HasSubstr("none of its 1 files is DICOM: a folder is read as DICOM slices"));
+  for (int i = 0; i < 3; ++i)
+    folder.write("slice" + std::to_string(i) + ".tif", std::string("II*\0\x08\0\0\0", 8));
+  folder.write("a.png", "\x89PNG");
+  EXPECT_THAT(
+      error_of([&] { read_dataset({folder.file("")}); }),
+      HasSubstr("none of its 5 files is DICOM: a folder is read as DICOM slices; 3 are TIFF "
+                "pictures: stack them into one volume first"));
+  EXPECT_THAT(error_of([&] { read_dataset({folder.file("slice1.tif")}); }),
+              HasSubstr("a TIFF picture"));
+  const std::string volumes = folder.file("volumes");
+  std::filesystem::create_directory(volumes);
+  folder.write("volumes/a.nrrd", "NRRD0004\n");
+  EXPECT_THAT(error_of([&] { read_dataset({volumes}); }),
+              HasSubstr("; 1 are of other kinds that are read: name the files themselves"));
   const std::string slice = folder.write("a.dcm", dicom_slice(slice_of_series(0)));
   EXPECT_THAT(error_of([&] {
                 read_dataset({slice, folder.file("a.txt")});

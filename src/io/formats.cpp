@@ -45,13 +45,25 @@ FileKind kind_of(std::string_view start) noexcept {
   return FileKind::kUnknown;
 }
 
+std::string picture_format_of(std::string_view start) {
+  using namespace std::string_view_literals;
+  for (const std::string_view magic : {"II*\0"sv, "MM\0*"sv, "II+\0"sv, "MM\0+"sv}) {
+    if (start.starts_with(magic)) return "TIFF";
+  }
+  if (start.starts_with("\x89PNG")) return "PNG";
+  if (start.starts_with("\xff\xd8\xff")) return "JPEG";
+  if (start.starts_with("BM") && has_at(start, 6, "\0\0\0\0"sv)) return "BMP";
+  return {};
+}
+
 std::string unsupported_kind_of(std::string_view start) {
   if (looks_like_analyze(start)) return "an ANALYZE 7.5 header";
   if (is_gzip(start)) return "a gzip file of something other than NIfTI or text";
   if (is_bzip2(start)) return "a bzip2 file of something other than text";
   if (start.find("<Xdmf") != std::string_view::npos)
     return "an XDMF file, for which distributions' VTK has no reader (write VTU or VTKHDF instead)";
-  if (has_at(start, 0, "\x89PNG")) return "a PNG picture";
+  if (const std::string picture = picture_format_of(start); !picture.empty())
+    return "a " + picture + " picture";
   if (has_at(start, 0, "\x76\x2f\x31\x01")) return "an OpenEXR picture";
   return {};
 }

@@ -26,6 +26,9 @@ enum class FileKind {
 // From the first 512 bytes of a file.
 FileKind kind_of(std::string_view start) noexcept;
 
+// The format of a picture that may be a slice of somebody's volume: "TIFF"; empty if it is none.
+std::string picture_format_of(std::string_view start);
+
 // A format that is recognised but not read, in words for a message ("a NIfTI file"); empty if none
 // is.
 std::string unsupported_kind_of(std::string_view start);

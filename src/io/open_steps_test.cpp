@@ -102,16 +102,62 @@ TEST(OpenSteps, StepsOfOtherSizesAndTypesAreNamed) {
   const std::string a = folder.write("a.nrrd", nrrd(1));
   const std::string b = folder.write("b.nrrd", nrrd(1, "uint8", "4 1 1"));
   const std::string c = folder.write("c.nrrd", nrrd(1, "uint16"));
-  const Series series(open_steps({a, b, c}), {.prefetch = false});
+  EXPECT_EQ(error_of([&] {
+              open_steps({a, c, b});
+            }),
+            "invalid-argument: " + b + ": is 4x1x1, " + a +
+                " is 2x2x1: several inputs are steps of one dataset, alike in kind, dimensions and "
+                "spacing");
+  const Series series(open_steps({a, c}), {.prefetch = false});
   series.step(0);
   EXPECT_EQ(error_of([&] { series.step(1); }),
-            "file-format: " + b +
-                ": step 1: has 4 x 1 x 1 samples, step 0 has 2 x 2 x 1: the "
-                "steps of a series are alike");
-  EXPECT_EQ(error_of([&] { series.step(2); }),
             "file-format: " + c +
-                ": step 2: array 'values' is uint16, in step 0 uint8: the steps "
+                ": step 1: array 'values' is uint16, in step 0 uint8: the steps "
                 "of a series are alike");
+}
+
+// Fails if the first of files that cannot be steps of one dataset is read without a word.
+TEST(OpenSteps, FilesThatAreNoStepsAreNamed) {
+  const TestFolder folder;
+  const auto meta = [](const std::string& spacing) {
+    return "ObjectType = Image\nNDims = 3\nDimSize = 2 2 1\nElementSpacing = " + spacing +
+           "\nElementType = MET_UCHAR\nElementDataFile = LOCAL\nabcd";
+  };
+  const auto legacy = [](const std::string& dims) {
+    return "# vtk DataFile Version 3.0\na dataset\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS " +
+           dims +
+           "\nSPACING 1 1 1\nORIGIN 0 0 0\nPOINT_DATA 4\nSCALARS v unsigned_char\n"
+           "LOOKUP_TABLE default\n1 2 3 4\n";
+  };
+  const std::string lattice = folder.write("a.nrrd", nrrd(1));
+  const std::string particles = folder.write("b.csv", "x,y,z\n1,2,3\n");
+  const std::vector<std::vector<std::string>> cases = {
+      {lattice, particles, "holds particles, " + lattice + " lattice"},
+      {particles, lattice, "holds lattice, " + particles + " particles"},
+      {lattice, folder.write("c.dump", frame("0")), "holds particles"},
+      {folder.write("a.mha", meta("1 1 1")), folder.write("b.mha", meta("1 2 1")),
+       "has spacings 1 2 1, " + folder.file("a.mha") + " has 1 1 1"},
+      {folder.write("a.vti", vti("")), folder.write("b.vti", with(vti(""), "\"0 1 0", "\"0 7 0")),
+       "is 8x1x1, " + folder.file("a.vti") + " is 2x1x1"},
+      {folder.file("a.vti"),
+       folder.write("c.vti", with(vti(""), "Spacing=\"1 1 1\"", "Spacing=\"2 1 1\"")),
+       "has spacings 2 1 1"},
+      {folder.write("a.vtk", legacy("2 2 1")), folder.write("b.vtk", legacy("4 1 1")),
+       "is 4x1x1, " + folder.file("a.vtk") + " is 2x2x1"},
+      {particles, folder.file("a.vtk"), "holds lattice"},
+      {folder.write("a.ply", "ply\nformat ascii 1.0\n"), folder.file("a.vti"), "holds lattice"}};
+  for (const auto& files : cases) {
+    const std::string error = error_of([&] { read_dataset({files[0], files[1]}); });
+    EXPECT_EQ(error.find("invalid-argument: " + files[1] + ": " + files[2]), 0U) << error;
+    ReadOptions last;
+    last.step = 1;
+    EXPECT_EQ(error_of([&] { read_dataset({files[0], files[1]}, last); }), error);
+  }
+  // Rounded otherwise, and what cannot be told.
+  EXPECT_EQ(
+      open_steps({folder.file("a.mha"), folder.write("c.mha", meta("1 1.0001 1"))})->num_steps(),
+      2);
+  EXPECT_EQ(open_steps({lattice, folder.write("d.nrrd", "broken")})->num_steps(), 2);
 }
 
 TEST(OpenSteps, OneStepOfManyInAFile) {

@@ -8,6 +8,7 @@
 #include "io/input_files.h"
 #include "io/read_source.h"
 #include "io/sample_parts.h"
+#include "io/step_outline.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {
@@ -38,6 +39,11 @@ Dataset read_step_files(const std::vector<std::string>& paths, const ReadOptions
   const std::string name = fmt::format("{} and {} more", paths[0], num_steps - 1);
   if (options.step) check_step(name, *options.step, num_steps);
   for (const std::string& path : paths) open_file(path);
+  // Whoever goes through a series asks for step after step: all are compared when it is opened.
+  const bool is_opened = options.step.value_or(0) == 0;
+  check_step_outlines(paths[0], is_opened
+                                    ? std::vector(paths.begin() + 1, paths.end())
+                                    : std::vector{paths[static_cast<std::size_t>(*options.step)]});
   if (options.step) return read_step_file(paths, *options.step, options);
   for (std::int64_t step = 0; step < num_steps; ++step) {
     Dataset dataset = read_step_file(paths, step, options);

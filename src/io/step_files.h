@@ -11,7 +11,8 @@ namespace ovoid::io {
 
 // Files that are the time steps of one volume, in the order given, one each: reads the one that
 // options.step says, or the first whose array varies, and no other. That all are there is looked at
-// first; that they have the same lattice is not, since they are not read. Throws Error.
+// first, and what their headers tell of kind, dimensions and spacings (check_step_outlines): of all
+// files if step 0 or none is asked for, else of that step and the first. Throws Error.
 Dataset read_step_files(const std::vector<std::string>& paths, const ReadOptions& options);
 
 }  // namespace ovoid::io

@@ -2,6 +2,8 @@
 // ovoid animate: data in time, or turned before the camera, to numbered pictures or a film.
 
 #include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <bit>
 #include <filesystem>
@@ -268,7 +270,8 @@ class Animator {
     if (scenery.look.mode == Mode::kXray && has_ending(path, ".png"))
       color_integrals(image, scenery.look.transfer_function);
     session_.check_stop();
-    write_picture(image, animate_.drawing, scenery.described, camera, scenery.look, path);
+    write_picture(image, animate_.drawing, scenery.described, camera, scenery.look,
+                  {path, session_.stop()});
   }
 
   // The integrals over which an x-ray's colours are spread in all frames.
@@ -375,13 +378,14 @@ void remove_frames(const std::string& folder) {
   for (const auto& entry : fs::directory_iterator(folder, ignored)) {
     const std::string name = entry.path().filename().string();
     const bool is_ours = (name.rfind("frame_", 0) == 0 && has_ending(name, ".png")) ||
-                         name == "frame.ovoid" || name == "ffmpeg.log";
+                         name == "frame.ovoid" || name == kFilmLog || name == kFilmPart;
     if (is_ours) files.push_back(entry.path());
   }
   for (const fs::path& file : files) fs::remove(file, ignored);
   fs::remove(folder, ignored);
 }
 
+// The caller's own, so that nobody else can put links in the frames' place.
 void make_folder(const std::string& folder) {
   std::error_code error;
   fs::create_directory(folder, error);
@@ -389,6 +393,13 @@ void make_folder(const std::string& folder) {
     throw Error(ErrorCode::kFileWrite,
                 fmt::format("{}: cannot be made: {}", folder, error.message()));
   }
+  struct stat info {};
+  if (lstat(folder.c_str(), &info) == 0 && S_ISDIR(info.st_mode) && info.st_uid == geteuid())
+    return;
+  throw Error(ErrorCode::kFileWrite,
+              fmt::format("{}: is a link or another user's: remove it, or choose another name for "
+                          "the film",
+                          folder));
 }
 
 std::vector<std::string> paths_of(const std::vector<InputFile>& files) {

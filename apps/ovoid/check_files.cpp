@@ -2,10 +2,7 @@
 #include "check_files.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <system_error>
 
@@ -35,23 +32,12 @@ std::string named(const OutputFile& output) {
 
 void check_writable(const std::string& path) {
   std::error_code ignored;  // what cannot be looked at will be told by the write itself
-  if (fs::is_directory(path, ignored)) {
-    throw Error(ErrorCode::kFileWrite, path + ": is a folder, expected a file to write");
-  }
-  if (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored)) {
+  if (fs::exists(path, ignored) && !fs::is_directory(path, ignored) &&
+      !fs::is_regular_file(path, ignored)) {
     // A device or pipe would be replaced by the renamed file.
     throw Error(ErrorCode::kFileWrite, path + ": is no regular file, expected a file to write");
   }
-  const fs::path folder = fs::path(path).parent_path();
-  if (!folder.empty() && !fs::is_directory(folder, ignored)) {
-    throw Error(ErrorCode::kFileWrite, fmt::format("{}: cannot be written, there is no folder '{}'",
-                                                   path, folder.string()));
-  }
-  const std::string place = folder.empty() ? "." : folder.string();
-  if (access(place.c_str(), W_OK) != 0) {
-    throw Error(ErrorCode::kFileWrite, fmt::format("{}: cannot be written, folder '{}': {}", path,
-                                                   place, std::strerror(errno)));
-  }
+  check_file_path(path);
 }
 
 }  // namespace

@@ -160,7 +160,7 @@ void write_relevant(const ConvertFlags& convert, const Dataset& dataset, Session
     refuse_kind("--relevant-above", "lattices (--size makes one)", dataset);
   LatticeFileHeader header = lattice_file_header(dataset);
   header.relevant = relevant_of(convert);
-  LatticeFileWriter writer(convert.output, header);
+  LatticeFileWriter writer(convert.output, header, {session.stop()});
   writer.write_step(dataset);
   writer.finish();
   note_relevant(convert.output, writer.counts(), session);
@@ -358,7 +358,7 @@ void run_convert(const Words& words, Session& session) {
   }
   session.check_stop();
   if (keeps_relevant(convert)) return write_relevant(convert, dataset, session);
-  write_dataset(dataset, output);
+  write_dataset(dataset, output, {session.stop()});
   if (dataset.kind == DatasetKind::kLattice) note_losses(dataset, output, session);
 }
 

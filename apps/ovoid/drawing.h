@@ -79,8 +79,13 @@ bool is_empty(const Image& image);
 // Why there may be nothing in it.
 std::string cause_of_emptiness(const Look& look, const ValueRange& range);
 
+struct PictureFile {
+  std::string path;
+  std::stop_token stop;  // of its writing
+};
+
 // The marks, and the file.
 void write_picture(Image& image, const DrawingFlags& drawing, const Described& described,
-                   const Camera& camera, const Look& look, const std::string& path);
+                   const Camera& camera, const Look& look, const PictureFile& file);
 
 }  // namespace ovoid::cli

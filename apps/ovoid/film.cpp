@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "ovoid/error.h"
+#include "ovoid/io.h"
 #include "values.h"
 
 extern char** environ;
@@ -80,7 +81,8 @@ std::string last_words(const std::string& path) {
   return last.empty() ? "it said nothing" : last.substr(0, 300);
 }
 
-// Starts it without a shell, with the signals that this program keeps to itself let through.
+// Starts it without a shell, with the signals that this program keeps to itself or ignores as
+// they usually are.
 pid_t start(const std::string& program, const Arguments& arguments, const std::string& log) {
   std::vector<char*> words;
   words.reserve(arguments.size() + 1);
@@ -92,7 +94,11 @@ pid_t start(const std::string& program, const Arguments& arguments, const std::s
   sigset_t none;
   sigemptyset(&none);
   posix_spawnattr_setsigmask(&attributes, &none);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
+  sigset_t ignored;
+  sigemptyset(&ignored);
+  for (const int signal : {SIGPIPE, SIGXFSZ}) sigaddset(&ignored, signal);
+  posix_spawnattr_setsigdefault(&attributes, &ignored);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
   posix_spawn_file_actions_t files;
   posix_spawn_file_actions_init(&files);
   posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
@@ -148,8 +154,10 @@ std::string find_ffmpeg(const std::string& film_path) {
 }
 
 void make_film(const Film& film, const std::string& ffmpeg, const Session& session) {
-  const std::string part = fmt::format("{}.{}.part", film.path, getpid());
-  const std::string log = (fs::path(film.frames).parent_path() / "ffmpeg.log").string();
+  // Both among the frames, where nobody else writes: ffmpeg takes any file of the name.
+  const fs::path folder = fs::path(film.frames).parent_path();
+  const std::string part = (folder / kFilmPart).string();
+  const std::string log = (folder / kFilmLog).string();
   Arguments arguments{ffmpeg,
                       "-nostdin",
                       "-loglevel",
@@ -176,11 +184,7 @@ void make_film(const Film& film, const std::string& ffmpeg, const Session& sessi
       throw Error(ErrorCode::kFileWrite,
                   fmt::format("{}: ffmpeg failed: {}", film.path, last_words(log)));
     }
-    fs::rename(part, film.path, error);
-    if (error) {
-      throw Error(ErrorCode::kFileWrite,
-                  fmt::format("{}: cannot be written: {}", film.path, error.message()));
-    }
+    replace_file(part, film.path);
   } catch (...) {
     fs::remove(part, error);
     throw;

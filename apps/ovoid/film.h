@@ -18,11 +18,16 @@ struct Film {
   double fps = 25;
 };
 
+// What make_film() leaves in the frames' folder.
+inline constexpr const char* kFilmPart = "film.part";
+inline constexpr const char* kFilmLog = "ffmpeg.log";
+
 // The ffmpeg that is first on PATH. Throws Error(kUnsupported) that says how to go on without one.
 std::string find_ffmpeg(const std::string& film_path);
 
-// Makes the film beside its place and renames it. Frames without transparency and, but for .gif,
-// of even size. Throws Error(kFileWrite) with ffmpeg's own last words, kCancelled.
+// Makes the film in the folder of its frames and puts it in its place. Frames without transparency
+// and, but for .gif, of even size. Throws Error(kFileWrite) with ffmpeg's own last words,
+// kCancelled.
 void make_film(const Film& film, const std::string& ffmpeg, const Session& session);
 
 }  // namespace ovoid::cli

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "frame_files.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <bit>
 #include <cerrno>
@@ -16,6 +18,7 @@
 #include <system_error>
 
 #include "ovoid/error.h"
+#include "ovoid/io.h"
 #include "session.h"
 #include "usage.h"
 
@@ -24,6 +27,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::string_view kRecordStart = "# ovoid animate";
 constexpr const char* kFirstLine =
     "# ovoid animate: what made each frame, and what its file then held; the same command keeps "
     "them";
@@ -52,6 +56,29 @@ std::optional<std::string> content_of(const std::string& path) {
 [[noreturn]] void refuse_to_write(const std::string& path) {
   throw Error(ErrorCode::kFileWrite,
               fmt::format("{}: cannot be written: {}", path, std::strerror(errno)));
+}
+
+// What the record holds; nothing if there is none. A file of somebody else is not replaced.
+std::string record_text(const std::string& path) {
+  std::error_code ignored;
+  const fs::file_status status = fs::symlink_status(path, ignored);
+  if (!fs::exists(status)) return "";
+  const auto text = fs::is_regular_file(status) ? content_of(path) : std::nullopt;
+  if (text && (text->empty() || text->starts_with(kRecordStart))) return *text;
+  throw Error(ErrorCode::kFileWrite,
+              fmt::format("{}: is not ovoid's, and animate notes there which frames are whole: "
+                          "move it, or choose another name for the frames",
+                          path));
+}
+
+bool write_all(int descriptor, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return false;
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return true;
 }
 
 }  // namespace
@@ -106,7 +133,7 @@ std::uint64_t settings_key(const std::string& command_line, const std::vector<st
 
 FrameRecord::FrameRecord(FrameNames names) : names_(std::move(names)) {
   const std::string path = names_.record_path();
-  std::istringstream lines(content_of(path).value_or(""));
+  std::istringstream lines(record_text(path));
   std::string line;
   while (std::getline(lines, line)) {
     std::istringstream fields(line);
@@ -119,7 +146,7 @@ FrameRecord::FrameRecord(FrameNames names) : names_(std::move(names)) {
   std::string text = std::string(kFirstLine) + '\n';
   for (const auto& [name, entry] : entries_)
     text += fmt::format("{:016x} {:016x} {}\n", entry.key, entry.content, name);
-  write_text(text, path);
+  write_file(path, text);
 }
 
 bool FrameRecord::is_whole(std::int64_t number, std::uint64_t key) const {
@@ -138,10 +165,13 @@ void FrameRecord::add(std::int64_t number, std::uint64_t key) {
   const Entry entry{key, hash_of(*bytes)};
   entries_[name] = entry;
   const std::string record = names_.record_path();
-  std::FILE* const file = std::fopen(record.c_str(), "ab");
-  if (file == nullptr) refuse_to_write(record);
-  fmt::print(file, "{:016x} {:016x} {}\n", entry.key, entry.content, name);
-  if (std::fclose(file) != 0) refuse_to_write(record);
+  // Lines are added to the file that the constructor has made: a whole one for each frame would be
+  // quadratic, and of a line that is cut short no frame is believed.
+  const int file = ::open(record.c_str(), O_WRONLY | O_APPEND | O_NOFOLLOW | O_CLOEXEC);
+  if (file < 0) refuse_to_write(record);
+  const bool is_written =
+      write_all(file, fmt::format("{:016x} {:016x} {}\n", entry.key, entry.content, name));
+  if (::close(file) != 0 || !is_written) refuse_to_write(record);
 }
 
 }  // namespace ovoid::cli

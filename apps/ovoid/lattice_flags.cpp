@@ -38,7 +38,7 @@ void write_steps(const StepSource& steps, const std::string& output,
       header.times = steps.times();
       header.time_unit = dataset.time_unit;
       header.relevant = relevant;
-      writer.emplace(output, header);
+      writer.emplace(output, header, WriteOptions{session.stop()});
     }
     writer->write_step(dataset);
     session.check_stop();

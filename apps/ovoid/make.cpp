@@ -133,7 +133,7 @@ void run_make(const Words& words, Session& session) {
   }
   const Dataset dataset = made([&] { return make_sample(names[0], options); });
   session.check_stop();
-  write_dataset(dataset, output);
+  write_dataset(dataset, output, {session.stop()});
 }
 
 }  // namespace ovoid::cli

@@ -12,6 +12,7 @@
 #include "command.h"
 #include "drawing.h"
 #include "dry_run.h"
+#include "ovoid/io.h"
 #include "profile.h"
 #include "state_words.h"
 #include "usage.h"
@@ -154,7 +155,7 @@ Image draw(const RenderFlags& render, const Scene& scene, RunProfile* profile, S
 
 void tell_times(const RenderFlags& render, const RunProfile& profile, Session& session) {
   if (render.profile && render.profile_file.empty()) fmt::print(stderr, "{}", to_table(profile));
-  if (!render.profile_file.empty()) write_text(to_json(profile), render.profile_file);
+  if (!render.profile_file.empty()) write_file(render.profile_file, to_json(profile));
   if (render.repeat > 0 && !render.profile) {
     const Spread time = spread(profile.frames_ms);
     session.note(fmt::format("frame: {:.2f} ms median of {}, {:.2f} to {:.2f}", time.median,
@@ -234,7 +235,7 @@ void run_render(const Words& words, Session& session) {
     color_integrals(image, look.transfer_function);
   }
   session.check_stop();
-  write_picture(image, drawing, described, camera, look, render.output);
+  write_picture(image, drawing, described, camera, look, {render.output, session.stop()});
   tell_times(render, profile, session);
 }
 

@@ -154,7 +154,7 @@ void run_sample(const Words& words, Session& session) {
   const Modelled modelled = make_field(dataset, sample.model, 0, session);
   const Dataset samples = take_samples(points, modelled.field, session);
   session.check_stop();
-  write_dataset(samples, sample.output);
+  write_dataset(samples, sample.output, {session.stop()});
 }
 
 }  // namespace ovoid::cli

@@ -209,7 +209,7 @@ void App::save_the_picture(const std::string& path) {
   cli::Described described = scene.shown->subject.described;
   RenderOptions ignored;
   described.box = cli::apply_crop(crop_of(document_), scene.shown->field(), &ignored);
-  cli::write_picture(image, drawing, described, scene.camera, look, path);
+  cli::write_picture(image, drawing, described, scene.camera, look, {path, {}});
   tell("picture written to " + std::filesystem::absolute(path).string());
 }
 

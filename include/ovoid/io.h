@@ -6,6 +6,7 @@
 #include <optional>
 #include <stop_token>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "ovoid/camera.h"
@@ -67,17 +68,36 @@ Dataset read_dataset(const std::vector<std::string>& paths, const ReadOptions& o
 std::shared_ptr<const StepSource> open_steps(const std::vector<std::string>& paths,
                                              const ReadOptions& options = {});
 
-// Writes a dataset; the name's ending chooses the format (.nrrd .nhdr .nii .nii.gz .npy .raw
-// .vti .vtk, .h5 with HDF5, which alone takes body-centred lattices; meshes .vtu; particles .csv
-// .npz .ply, kernels .ply). Written beside and renamed: an existing file stays whole
-// until the new one is. The samples of NAME.nhdr go to NAME.raw, which is replaced only if it
-// belongs to an existing NAME.nhdr. Throws Error(kFileWrite, kUnsupported).
-void write_dataset(const Dataset& dataset, const std::string& path);
+struct WriteOptions {
+  std::stop_token stop;  // triggered: Error(kCancelled), and an existing file stays as it was
+};
+
+// Writes a dataset; the name's ending chooses the format (.nrrd .nhdr .nii .nii.gz .npy .raw .vti
+// .vtk, .h5 with HDF5, which alone takes body-centred lattices; meshes .vtu;
+// particles .csv .npz .ply, kernels .ply), as a file is written below. The samples of NAME.nhdr go
+// to NAME.raw, which is replaced only if it belongs to an existing NAME.nhdr; header and samples
+// are replaced as one: whenever the program is stopped, the header names samples that are its own
+// (in a file ovoid-*.raw, should it be killed between the two). Throws Error(kFileWrite,
+// kUnsupported, kCancelled).
+void write_dataset(const Dataset& dataset, const std::string& path,
+                   const WriteOptions& options = {});
 
 // Writes a picture: .png (8 bit, straight alpha; x-ray pictures must be mapped first), .exr (float,
 // premultiplied, with depth channel Z), .npy (float32 [height, width, 4], premultiplied). Throws
-// Error(kFileWrite, kUnsupported, kInvalidArgument).
-void write_image(const Image& image, const std::string& path, const double* background = nullptr);
+// Error(kFileWrite, kUnsupported, kInvalidArgument, kCancelled).
+void write_image(const Image& image, const std::string& path, const double* background = nullptr,
+                 const WriteOptions& options = {});
+
+// Writes `bytes` as the whole content of `path`, as everything here is written: to a file of a
+// random name in the same folder, made anew, which is put on the disk and then renamed. An existing
+// file stays whole until the new one is; its owner, group, mode and access list are kept as far as
+// the system lets the caller. A path that is a symbolic link stays one, and the file that it points
+// to is replaced. Devices and pipes are written directly. Throws Error(kFileWrite).
+void write_file(const std::string& path, std::string_view bytes);
+
+// Puts the file `from` in the place of `to` in the same manner; a copy of it, if they lie in
+// different file systems. Throws Error(kFileWrite); then `from` is left.
+void replace_file(const std::string& from, const std::string& to);
 
 // The files that read_dataset would read for `path`: it and those that it names (NRRD, MetaImage, a
 // pair of NIfTI, pieces and steps of VTK's sets, EnSight, Enzo), up to the first that is not there,
@@ -87,10 +107,12 @@ std::vector<std::string> files_read_for(const std::string& path);
 // The files that write_dataset would write for `path`: it and the samples of a .nhdr.
 std::vector<std::string> files_written_for(const std::string& path);
 
-// Check, before long work, that write_image or write_dataset would accept the path: its ending is
-// known and its folder can be written. They create nothing. Throw Error(kUnsupported, kFileWrite).
+// Check, before long work, that write_image, write_dataset or write_file would accept the path: its
+// ending is known, the system takes its name, and its folder can be written. They create nothing.
+// Throw Error(kUnsupported, kFileWrite).
 void check_image_path(const std::string& path);
 void check_dataset_path(const std::string& path);
+void check_file_path(const std::string& path);
 
 // Removes what unfinished writers of this process have written so far; for a program's Ctrl-C
 // handler, which must exit afterwards. Async-signal-safe.

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "ovoid/dataset.h"
+#include "ovoid/io.h"
 #include "ovoid/lattice.h"
 #include "ovoid/relevant.h"
 
@@ -57,14 +58,16 @@ LatticeFileHeader lattice_file_header(const Dataset& dataset);
 // Writes a lattice file (.h5, docs/formats.md, "Ovoid's HDF5 lattices") step after step; of the
 // samples nothing is kept. It goes to a partial file beside `path`, which finish() renames over it;
 // without finish(), also after an exception, nothing is left behind and an existing file stays as
-// it was, and remove_partial_files() knows the partial one. One thread at a time; several writers
+// it was, and remove_partial_files() knows the partial one. The options' stop token, triggered,
+// makes write_step() and finish() throw Error(kCancelled). One thread at a time; several writers
 // may be open. Calls into the HDF5 library are made one at a time.
 class LatticeFileWriter {
  public:
   // Throws Error: kInvalidArgument naming the member of the header that is not as it says, a row of
   // more than 1 GiB or a name or unit of more than 4096 bytes; kFileWrite; kUnsupported in a build
   // without HDF5.
-  LatticeFileWriter(const std::string& path, LatticeFileHeader header);
+  LatticeFileWriter(const std::string& path, LatticeFileHeader header,
+                    const WriteOptions& options = {});
   ~LatticeFileWriter();
   LatticeFileWriter(LatticeFileWriter&&) noexcept;
   LatticeFileWriter& operator=(LatticeFileWriter&&) noexcept;

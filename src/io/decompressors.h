@@ -7,10 +7,11 @@
 #include <bzlib.h>
 #include <zlib.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 
-#include "ovoid/error.h"
+#include "data/out_of_memory.h"
 
 namespace ovoid::io {
 
@@ -20,14 +21,14 @@ inline constexpr std::int64_t kMaxDeflateRatio = 1032;
 
 struct Inflater {
   static constexpr const char* kName = "gzip";
-  static constexpr int kGzipOrZlib = 15 + 32;  // zlib's window bits: a header of either kind
-  static constexpr int kBare = -15;            // none: deflate data as zip files hold them
+  static constexpr int kGzipOrZlib = 15 + 32;       // zlib's window bits: a header of either kind
+  static constexpr std::size_t kMemory = 40 << 10;  // at most: its state and a window of 32 KiB
+  static constexpr int kBare = -15;                 // none: deflate data as zip files hold them
   z_stream stream{};
   bool ended = false;  // at the end of a member
 
   explicit Inflater(int window_bits = kGzipOrZlib) {
-    if (inflateInit2(&stream, window_bits) != Z_OK)
-      throw Error(ErrorCode::kOutOfMemory, "zlib: cannot start");
+    if (inflateInit2(&stream, window_bits) != Z_OK) data::throw_out_of_memory("zlib", kMemory);
   }
   ~Inflater() { inflateEnd(&stream); }
   Inflater(const Inflater&) = delete;
@@ -37,11 +38,12 @@ struct Inflater {
     ended = false;
     return inflateReset(&stream) == Z_OK;
   }
-  // Empty if all is well, else what is wrong.
+  // Empty if all is well, else what is wrong. Throws Error(kOutOfMemory).
   std::string step() {
     const int status = inflate(&stream, Z_NO_FLUSH);
     ended = status == Z_STREAM_END;
     if (status == Z_OK || status == Z_STREAM_END || status == Z_BUF_ERROR) return {};
+    if (status == Z_MEM_ERROR) data::throw_out_of_memory("zlib", kMemory);
     return stream.msg != nullptr   ? stream.msg
            : status == Z_NEED_DICT ? "needs a dictionary"
                                    : "broken";
@@ -50,12 +52,12 @@ struct Inflater {
 
 struct Bunzipper {
   static constexpr const char* kName = "bzip2";
+  static constexpr std::size_t kMemory = 3'700'000;  // at most, says its manual
   bz_stream stream{};
   bool ended = false;
 
   Bunzipper() {
-    if (BZ2_bzDecompressInit(&stream, 0, 0) != BZ_OK)
-      throw Error(ErrorCode::kOutOfMemory, "libbz2: cannot start");
+    if (BZ2_bzDecompressInit(&stream, 0, 0) != BZ_OK) data::throw_out_of_memory("libbz2", kMemory);
   }
   ~Bunzipper() { BZ2_bzDecompressEnd(&stream); }
   Bunzipper(const Bunzipper&) = delete;
@@ -76,7 +78,8 @@ struct Bunzipper {
     const int status = BZ2_bzDecompress(&stream);
     ended = status == BZ_STREAM_END;
     if (status == BZ_OK || status == BZ_STREAM_END) return {};
-    return status == BZ_MEM_ERROR ? "no memory for it" : "block or checksum broken";
+    if (status == BZ_MEM_ERROR) data::throw_out_of_memory("libbz2", kMemory);
+    return "block or checksum broken";
   }
 };
 

@@ -64,6 +64,8 @@ std::string inflated(const ByteSource& file, std::int64_t begin) {
       inflater.stream.next_out = reinterpret_cast<Bytef*>(piece.data());
       inflater.stream.avail_out = static_cast<uInt>(piece.size());
       status = inflate(&inflater.stream, Z_NO_FLUSH);
+      if (status == Z_MEM_ERROR)
+        throw Error(ErrorCode::kOutOfMemory, file.name() + ": no memory for zlib");
       out.append(piece, 0, piece.size() - inflater.stream.avail_out);
       if (out.size() > kMaxInflated) {
         throw Error(ErrorCode::kUnsupported,

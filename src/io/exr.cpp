@@ -6,7 +6,9 @@
 #include <ImfOutputFile.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdint>
+#include <new>
 #include <string>
 
 #include "io/atomic_file.h"
@@ -40,7 +42,7 @@ class MemoryStream final : public Imf::OStream {
 
 }  // namespace
 
-void write_exr(const Image& image, const std::string& path) {
+void write_exr(const Image& image, const std::string& path, const std::stop_token& stop) {
   check_writable(path);
   MemoryStream stream(path);
   try {
@@ -59,12 +61,21 @@ void write_exr(const Image& image, const std::string& path) {
     add("Z", image.depth.data(), 1);
     Imf::OutputFile file(stream, header, 0);
     file.setFrameBuffer(frame);
-    file.writePixels(image.height);
+    // As many rows as are packed at once, between two looks at the token.
+    constexpr int kRows = 16;
+    for (int row = 0; row < image.height; row += kRows) {
+      check_stop(stop);
+      file.writePixels(std::min(kRows, image.height - row));
+    }
+  } catch (const Error&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    throw;
   } catch (const std::exception& error) {
     throw Error(ErrorCode::kFileWrite,
                 fmt::format("{}: cannot be written: OpenEXR: {}", path, error.what()));
   }
-  write_atomically(path, stream.bytes());
+  write_atomically(path, stream.bytes(), stop);
 }
 
 }  // namespace ovoid::io

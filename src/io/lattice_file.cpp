@@ -4,12 +4,15 @@
 #include "ovoid/lattice_file.h"
 
 #include <fmt/format.h>
+#include <sys/mman.h>
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <mutex>
 #include <utility>
 
+#include "data/out_of_memory.h"
 #include "io/atomic_file.h"
 #include "io/cell_lattice.h"
 #include "io/hdf5_lattice_format.h"
@@ -73,6 +76,18 @@ constexpr std::int64_t kChunkBytes = std::int64_t{1} << 20;
 // The library packs chunks of less than 4 GiB.
 constexpr std::int64_t kMaxRowBytes = std::int64_t{1} << 30;
 
+// Throws Error(kOutOfMemory) unless the library will find the memory that it needs: where it finds
+// none it ends the process. It takes some MiB for itself, and with its filters three times a chunk.
+void require_room(std::size_t chunk_bytes) {
+  constexpr std::size_t kOwn = std::size_t{16} << 20;
+  const std::size_t room = kOwn + 3 * chunk_bytes;
+  // Not malloc(): what is freed unused need never have been there, to a compiler.
+  void* const tried =
+      ::mmap(nullptr, room, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (tried == MAP_FAILED) data::throw_out_of_memory("the HDF5 library", room);
+  ::munmap(tried, room);
+}
+
 void check_text(const std::string& what, const std::string& text) {
   if (text.size() <= io::kMaxHdf5Text) return;
   fail(fmt::format("{}: has {} bytes: expected at most {}", what, text.size(), io::kMaxHdf5Text));
@@ -132,12 +147,13 @@ void check_header(const LatticeFileHeader& header) {
 
 class LatticeFileWriter::Impl {
  public:
-  Impl(const std::string& path, LatticeFileHeader header)
-      : path_(path), header_(std::move(header)) {
+  Impl(const std::string& path, LatticeFileHeader header, std::stop_token stop)
+      : path_(path), header_(std::move(header)), stop_(std::move(stop)) {
     check_header(header_);
+    require_room(0);
     const std::lock_guard lock(io::hdf5_mutex());
     const io::Hdf5Silence silence;
-    target_ = std::make_unique<io::AtomicFile>(path);
+    target_ = std::make_unique<io::AtomicFile>(path, stop_);
     // The file format of HDF5 1.10, whose descriptions of things carry checksums: damage is told
     // before the library believes it.
     const io::Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
@@ -281,9 +297,32 @@ class LatticeFileWriter::Impl {
     io::Hdf5Handle dataset(H5Dcreate2(group, name.c_str(), io::hdf5_native(type), space.get(),
                                       H5P_DEFAULT, plist.get(), H5P_DEFAULT),
                            H5Dclose);
-    require(dataset.is_open() && H5Dwrite(dataset.get(), io::hdf5_native(type), H5S_ALL, H5S_ALL,
-                                          H5P_DEFAULT, values) >= 0);
+    require(dataset.is_open());
+    write_slabs(dataset.get(), type, dims, chunk[0], values);
     require(dataset.close());
+  }
+
+  // The values, a chunk of the first axis at a time, between which it may be stopped.
+  void write_slabs(hid_t dataset, ScalarType type, const std::vector<hsize_t>& dims, hsize_t chunk,
+                   const void* values) const {
+    std::size_t row_bytes = size_of(type);
+    for (std::size_t i = 1; i < dims.size(); ++i) row_bytes *= dims[i];
+    require_room(std::min(chunk, dims[0]) * row_bytes);
+    const auto* from = static_cast<const std::byte*>(values);
+    std::vector<hsize_t> start(dims.size(), 0), count = dims;
+    for (start[0] = 0; start[0] < dims[0]; start[0] += chunk) {
+      io::check_stop(stop_);
+      count[0] = std::min(chunk, dims[0] - start[0]);
+      const int rank = static_cast<int>(dims.size());
+      const io::Hdf5Handle memory(H5Screate_simple(rank, count.data(), nullptr), H5Sclose);
+      const io::Hdf5Handle file(H5Dget_space(dataset), H5Sclose);
+      require(memory.is_open() && file.is_open() &&
+              H5Sselect_hyperslab(file.get(), H5S_SELECT_SET, start.data(), nullptr, count.data(),
+                                  nullptr) >= 0 &&
+              H5Dwrite(dataset, io::hdf5_native(type), memory.get(), file.get(), H5P_DEFAULT,
+                       from) >= 0);
+      from += count[0] * row_bytes;
+    }
   }
 
   // Whole layers, or of one layer whole rows.
@@ -323,7 +362,7 @@ class LatticeFileWriter::Impl {
   void write_runs(hid_t array_group, const LatticeFileArray& array, const Bytes& samples) {
     const data::RelevantRuns runs =
         data::encode_relevant(header_.lattice, {array.type, array.value_scale, array.value_offset},
-                              samples, *header_.relevant, {});
+                              samples, *header_.relevant, {.stop = stop_});
     counts_.num_relevant += runs.num_relevant();
     counts_.num_runs += runs.num_runs();
     counts_.run_bytes += static_cast<std::int64_t>(runs.num_bytes());
@@ -361,6 +400,7 @@ class LatticeFileWriter::Impl {
 
   std::string path_;
   LatticeFileHeader header_;
+  std::stop_token stop_;
   std::unique_ptr<io::AtomicFile> target_;
   io::Hdf5Handle file_, root_;
   std::vector<io::Hdf5Handle> groups_;  // of the arrays
@@ -372,7 +412,7 @@ class LatticeFileWriter::Impl {
 
 class LatticeFileWriter::Impl {
  public:
-  Impl(const std::string& path, LatticeFileHeader) {
+  Impl(const std::string& path, LatticeFileHeader, const std::stop_token&) {
     throw Error(ErrorCode::kUnsupported,
                 fmt::format("{}: this build has no HDF5 and cannot write .h5", path));
   }
@@ -389,8 +429,9 @@ class LatticeFileWriter::Impl {
 
 #endif
 
-LatticeFileWriter::LatticeFileWriter(const std::string& path, LatticeFileHeader header)
-    : impl_(std::make_unique<Impl>(path, std::move(header))) {}
+LatticeFileWriter::LatticeFileWriter(const std::string& path, LatticeFileHeader header,
+                                     const WriteOptions& options)
+    : impl_(std::make_unique<Impl>(path, std::move(header), options.stop)) {}
 LatticeFileWriter::~LatticeFileWriter() = default;
 LatticeFileWriter::LatticeFileWriter(LatticeFileWriter&&) noexcept = default;
 LatticeFileWriter& LatticeFileWriter::operator=(LatticeFileWriter&&) noexcept = default;

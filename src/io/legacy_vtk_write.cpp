@@ -129,7 +129,8 @@ void write_section(AtomicFile& file, const ImageSection& chosen, const char* sec
 
 }  // namespace
 
-void write_legacy_vtk(const Dataset& dataset, const std::string& path) {
+void write_legacy_vtk(const Dataset& dataset, const std::string& path,
+                      const std::stop_token& stop) {
   const Index3& dims = dataset.lattice.dims;
   const ImageSections sections = image_sections(dataset, path);
   const Mat3 axes = dataset.lattice.world_from_index.linear();
@@ -140,7 +141,7 @@ void write_legacy_vtk(const Dataset& dataset, const std::string& path) {
                                                      path));
   }
   const Vec3 origin = dataset.lattice.world_from_index.translation();
-  AtomicFile file(path);
+  AtomicFile file(path, stop);
   file.write(
       fmt::format("# vtk DataFile Version 5.1\nvtk output\nBINARY\nDATASET STRUCTURED_POINTS\n"
                   "DIMENSIONS {} {} {}\nSPACING {} {} {}\nORIGIN {} {} {}\n",

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <stop_token>
 #include <string>
 
 #include "io/byte_source.h"
@@ -23,7 +24,8 @@ std::string nifti_image_path(const std::string& header_path);
 // Writes the array as .nii or .nii.gz: NIfTI-1, or NIfTI-2 where an axis is too long for it. World
 // coordinates become RAS. An array of components is a vector. Throws Error(kFileWrite,
 // kUnsupported).
-void write_nifti(const Dataset& dataset, const DataArray& array, const std::string& path);
+void write_nifti(const Dataset& dataset, const DataArray& array, const std::string& path,
+                 const std::stop_token& stop = {});
 
 // True if write_nifti can say where the lattice lies without calling its space a patient's: it lies
 // at the origin, along the axes.

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "data/out_of_memory.h"
 #include "io/atomic_file.h"
 #include "io/formats.h"
 #include "io/nifti.h"
@@ -24,13 +25,14 @@ constexpr std::size_t kChunk = std::size_t{1} << 20;
 // A file, or gzip data into one.
 class OutputStream {
  public:
-  explicit OutputStream(const std::string& path)
-      : file_(path), is_gzip_(ending_of(path) == ".nii.gz") {
+  OutputStream(const std::string& path, const std::stop_token& stop)
+      : file_(path, stop), is_gzip_(ending_of(path) == ".nii.gz") {
     constexpr int kGzipHeader = 16;
     constexpr int kDefaultMemory = 8;
     if (is_gzip_ && deflateInit2(&stream_, kLevel, Z_DEFLATED, 15 + kGzipHeader, kDefaultMemory,
                                  Z_DEFAULT_STRATEGY) != Z_OK) {
-      throw Error(ErrorCode::kOutOfMemory, "zlib: cannot start");
+      constexpr std::size_t kMemory = 264 << 10;  // of zlib's manual, with these parameters
+      data::throw_out_of_memory("zlib", kMemory);
     }
   }
   ~OutputStream() {
@@ -262,12 +264,13 @@ bool is_placed_by_spacing(const LatticeGeometry& lattice) {
          lattice.world_from_index.translation().isZero(0);
 }
 
-void write_nifti(const Dataset& dataset, const DataArray& array, const std::string& path) {
+void write_nifti(const Dataset& dataset, const DataArray& array, const std::string& path,
+                 const std::stop_token& stop) {
   const Placement placement = placement_of(dataset);
   const std::vector<std::byte> header = fits_version_1(dataset, array, placement)
                                             ? header_1(dataset, array, placement)
                                             : header_2(dataset, array, placement);
-  OutputStream out(path);
+  OutputStream out(path, stop);
   out.write(header.data(), header.size());
   if (array.num_components > 1)
     write_planar(array, out);

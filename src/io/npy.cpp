@@ -169,10 +169,11 @@ std::string npy_header(ScalarType type, std::span<const std::int64_t> shape) {
   return result + dict;
 }
 
-void write_npy(const Index3& dims, const DataArray& array, const std::string& path) {
+void write_npy(const Index3& dims, const DataArray& array, const std::string& path,
+               const std::stop_token& stop) {
   std::vector<std::int64_t> shape{dims[2], dims[1], dims[0]};
   if (array.num_components > 1) shape.push_back(array.num_components);
-  AtomicFile file(path);
+  AtomicFile file(path, stop);
   file.write(npy_header(array.type, shape));
   file.write(array.bytes.view.data(), array.bytes.view.size());
   file.commit();

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <span>
+#include <stop_token>
 #include <string>
 
 #include "io/byte_source.h"
@@ -20,7 +21,8 @@ Dataset read_npy(const ByteSource& source, const ReadOptions& options);
 
 // Writes the array with shape (z, y, x) or (z, y, x, component). Geometry is lost. Throws
 // Error(kFileWrite).
-void write_npy(const Index3& dims, const DataArray& array, const std::string& path);
+void write_npy(const Index3& dims, const DataArray& array, const std::string& path,
+               const std::stop_token& stop = {});
 
 // The header of a C-ordered array of native byte order, padded as numpy pads it. `shape` slowest
 // first.

@@ -160,8 +160,8 @@ Dataset read_npz(const ByteSource& source, const ReadOptions& options) {
   return dataset;
 }
 
-void write_npz(const Dataset& dataset, const std::string& path) {
-  AtomicFile file(path);
+void write_npz(const Dataset& dataset, const std::string& path, const std::stop_token& stop) {
+  AtomicFile file(path, stop);
   ZipWriter zip(file);
   const auto add = [&](const DataArray& array, const std::string& name) {
     std::vector<std::int64_t> shape{array.num_tuples};

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <span>
+#include <stop_token>
 #include <string>
 
 #include "io/byte_source.h"
@@ -27,6 +28,6 @@ Dataset read_npy_points(const ByteSource& source, const ReadOptions& options);
 Dataset read_npz(const ByteSource& source, const ReadOptions& options);
 
 // Writes positions and arrays under their names, stored. Throws Error(kFileWrite, kUnsupported).
-void write_npz(const Dataset& dataset, const std::string& path);
+void write_npz(const Dataset& dataset, const std::string& path, const std::stop_token& stop = {});
 
 }  // namespace ovoid::io

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <stop_token>
 #include <string>
 
 #include "io/byte_source.h"
@@ -17,8 +18,10 @@ Dataset read_nrrd(const ByteSource& source, const ReadOptions& options,
 
 // Writes the dataset's only array: attached and raw (.nrrd), or as a text header (.nhdr) beside the
 // samples. Geometry, patient space, array name and unit are kept. Throws Error(kFileWrite).
-void write_nrrd(const Dataset& dataset, const DataArray& array, const std::string& path);
-void write_nhdr(const Dataset& dataset, const DataArray& array, const std::string& path);
+void write_nrrd(const Dataset& dataset, const DataArray& array, const std::string& path,
+                const std::stop_token& stop = {});
+void write_nhdr(const Dataset& dataset, const DataArray& array, const std::string& path,
+                const std::stop_token& stop = {});
 
 // Where write_nhdr puts the samples: a .raw file of the same stem.
 std::string nhdr_data_path(const std::string& path);

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <span>
+#include <stop_token>
 #include <string>
 
 #include "ovoid/image.h"
@@ -12,12 +13,14 @@
 namespace ovoid::io {
 
 // 8-bit RGBA, straight alpha, with the sRGB chunk. `rgba8`: [height, width, 4].
-void write_png(std::span<const std::uint8_t> rgba8, int width, int height, const std::string& path);
+void write_png(std::span<const std::uint8_t> rgba8, int width, int height, const std::string& path,
+               const std::stop_token& stop = {});
 
 // 32-bit float channels R, G, B, A (premultiplied) and Z (depth), ZIP-compressed scan lines.
-void write_exr(const Image& image, const std::string& path);
+void write_exr(const Image& image, const std::string& path, const std::stop_token& stop = {});
 
 // float32 [height, width, 4], premultiplied.
-void write_picture_npy(const Image& image, const std::string& path);
+void write_picture_npy(const Image& image, const std::string& path,
+                       const std::stop_token& stop = {});
 
 }  // namespace ovoid::io

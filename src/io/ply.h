@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <stop_token>
 #include <string>
 
 #include "io/byte_source.h"
@@ -20,6 +21,6 @@ Dataset read_ply(const ByteSource& source, const ReadOptions& options);
 // sigmas within a relative 1.2e-7 max(1, |ln sigma|), since it is their logarithm that is stored.
 // Integers of 8 bytes become float64. Throws Error(kFileWrite); kInvalidArgument for sigmas that
 // are not above 0 and for arrays whose names mean something else in the format.
-void write_ply(const Dataset& dataset, const std::string& path);
+void write_ply(const Dataset& dataset, const std::string& path, const std::stop_token& stop = {});
 
 }  // namespace ovoid::io

@@ -143,12 +143,12 @@ void check_shapes(const Dataset& dataset) {
 
 }  // namespace
 
-void write_ply(const Dataset& dataset, const std::string& path) {
+void write_ply(const Dataset& dataset, const std::string& path, const std::stop_token& stop) {
   check_shapes(dataset);
   const std::vector<PlyOutput> outputs = ply_outputs(dataset);
   std::size_t record_size = 0;
   for (const PlyOutput& output : outputs) record_size += size_of(output.type());
-  AtomicFile file(path);
+  AtomicFile file(path, stop);
   file.write(ply_header_text(dataset, outputs));
   const auto at_a_time = static_cast<std::int64_t>((std::size_t{1} << 20) / record_size + 1);
   std::vector<std::byte> piece(static_cast<std::size_t>(at_a_time) * record_size);

@@ -3,9 +3,11 @@
 #include <png.h>
 
 #include <csetjmp>
+#include <cstdlib>
 #include <exception>
 #include <string>
 
+#include "data/out_of_memory.h"
 #include "io/atomic_file.h"
 #include "io/pictures.h"
 #include "ovoid/error.h"
@@ -19,6 +21,7 @@ struct PngState {
   AtomicFile* file = nullptr;
   std::exception_ptr write_error;
   std::string message;
+  std::size_t refused_bytes = 0;  // of memory
 };
 
 [[noreturn]] void on_error(png_structp png, png_const_charp message) {
@@ -26,6 +29,14 @@ struct PngState {
   if (state->message.empty()) state->message = message;
   png_longjmp(png, 1);
 }
+
+png_voidp on_allocate(png_structp png, png_alloc_size_t size) {
+  void* const memory = std::malloc(size);
+  if (memory == nullptr) static_cast<PngState*>(png_get_mem_ptr(png))->refused_bytes = size;
+  return memory;
+}
+
+void on_free(png_structp, png_voidp memory) { std::free(memory); }
 
 void on_warning(png_structp, png_const_charp) {}
 
@@ -59,15 +70,18 @@ bool encode(png_structp png, png_infop info, PngState* state, const std::uint8_t
 
 }  // namespace
 
-void write_png(std::span<const std::uint8_t> rgba8, int width, int height,
-               const std::string& path) {
-  AtomicFile file(path);
+void write_png(std::span<const std::uint8_t> rgba8, int width, int height, const std::string& path,
+               const std::stop_token& stop) {
+  AtomicFile file(path, stop);
   PngState state{&file, nullptr, {}};
-  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &state, on_error, on_warning);
+  png_structp png = png_create_write_struct_2(PNG_LIBPNG_VER_STRING, &state, on_error, on_warning,
+                                              &state, on_allocate, on_free);
   png_infop info = png != nullptr ? png_create_info_struct(png) : nullptr;
   const bool done = info != nullptr && encode(png, info, &state, rgba8.data(), width, height);
   if (png != nullptr) png_destroy_write_struct(&png, info != nullptr ? &info : nullptr);
   if (state.write_error) std::rethrow_exception(state.write_error);
+  if (!done && state.refused_bytes > 0)
+    data::throw_out_of_memory(path + ": libpng", state.refused_bytes);
   if (!done)
     throw Error(ErrorCode::kFileWrite,
                 fmt::format("{}: cannot be written: libpng: {}", path, state.message));

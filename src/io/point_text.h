@@ -18,6 +18,7 @@ Dataset read_point_text(const ByteSource& source, const ReadOptions& options);
 // Writes particles as CSV, numbers as short as they can be without loss: x,y,z, then the arrays,
 // whose components are called NAME:0, NAME:1 ...; units stand in brackets behind the names. Missing
 // values are nan. Throws Error(kFileWrite).
-void write_point_text(const Dataset& dataset, const std::string& path);
+void write_point_text(const Dataset& dataset, const std::string& path,
+                      const std::stop_token& stop = {});
 
 }  // namespace ovoid::io

@@ -50,9 +50,10 @@ void append_tuple(const DataArray& array, std::int64_t row, std::string& line) {
 
 }  // namespace
 
-void write_point_text(const Dataset& dataset, const std::string& path) {
+void write_point_text(const Dataset& dataset, const std::string& path,
+                      const std::stop_token& stop) {
   constexpr std::size_t kPiece = std::size_t{1} << 20;
-  AtomicFile file(path);
+  AtomicFile file(path, stop);
   std::string text = csv_names(dataset);
   for (std::int64_t row = 0; row < dataset.num_positions(); ++row) {
     append_tuple(dataset.positions, row, text);

@@ -115,8 +115,8 @@ Dataset read_raw(const ByteSource& source, const ReadOptions& options) {
   return dataset;
 }
 
-void write_raw(const DataArray& array, const std::string& path) {
-  AtomicFile file(path);
+void write_raw(const DataArray& array, const std::string& path, const std::stop_token& stop) {
+  AtomicFile file(path, stop);
   file.write(array.bytes.view.data(), array.bytes.view.size());
   file.commit();
 }

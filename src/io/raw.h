@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <stop_token>
 #include <string>
 
 #include "io/byte_source.h"
@@ -21,6 +22,6 @@ RawOptions parse_raw_name(const std::string& path);
 Dataset read_raw(const ByteSource& source, const ReadOptions& options);
 
 // Writes the bytes of the array, native order. Throws Error(kFileWrite).
-void write_raw(const DataArray& array, const std::string& path);
+void write_raw(const DataArray& array, const std::string& path, const std::stop_token& stop = {});
 
 }  // namespace ovoid::io

@@ -58,7 +58,8 @@ void add_section(XmlArrayFile& file, const ImageSection& chosen, const char* sec
 
 }  // namespace
 
-void write_vti(const Dataset& dataset, const std::string& path) {
+void write_vti(const Dataset& dataset, const std::string& path,
+               const std::stop_token& stop) {
   const Index3& dims = dataset.lattice.dims;
   const ImageSections sections = image_sections(dataset, path);
   const Affine3& place = dataset.lattice.world_from_index;
@@ -80,7 +81,7 @@ void write_vti(const Dataset& dataset, const std::string& path) {
   add_section(file, sections.of_points, "PointData");
   add_section(file, sections.of_cells, "CellData");
   file.text("    </Piece>\n  </ImageData>\n");
-  file.write(path);
+  file.write(path, stop);
 }
 
 }  // namespace ovoid::io

@@ -151,7 +151,7 @@ void add_arrays(XmlArrayFile& file, const Dataset& dataset, bool is_cell_data, s
 
 }  // namespace
 
-void write_vtu(const Dataset& dataset, const std::string& path) {
+void write_vtu(const Dataset& dataset, const std::string& path, const std::stop_token& stop) {
   const std::int64_t num_nodes = dataset.num_positions();
   if (num_nodes < 1) refuse_mesh("positions: there are none to write");
   if (dataset.positions.num_components != 3 || !is_floating(dataset.positions.type))
@@ -173,7 +173,7 @@ void write_vtu(const Dataset& dataset, const std::string& path) {
   file.array("offsets", ScalarType::kInt64, 1, std::as_bytes(std::span(cells.offsets)));
   file.array("types", ScalarType::kUInt8, 1, std::as_bytes(std::span(cells.types)));
   file.text("      </Cells>\n    </Piece>\n  </UnstructuredGrid>\n");
-  file.write(path);
+  file.write(path, stop);
 }
 
 }  // namespace ovoid::io

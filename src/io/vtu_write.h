@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <stop_token>
 #include <string>
 
 #include "ovoid/dataset.h"
@@ -11,6 +12,6 @@ namespace ovoid::io {
 // Structured cells become hexahedra; cells whose number of nodes is not their type's become convex
 // point sets. Arrays that are scaled must have been made plain. Throws Error(kFileWrite);
 // kInvalidArgument that names what contradicts itself: cells, nodes, an array's length.
-void write_vtu(const Dataset& dataset, const std::string& path);
+void write_vtu(const Dataset& dataset, const std::string& path, const std::stop_token& stop = {});
 
 }  // namespace ovoid::io

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <new>
 #include <string>
 
 #include "data/names_text.h"
@@ -121,17 +122,18 @@ void check_points(const Dataset& dataset) {
   for (const DataArray& array : dataset.arrays) check(array, fmt::format("array '{}'", array.name));
 }
 
-void write_mesh(const Dataset& dataset, const std::string& path) {
+void write_mesh(const Dataset& dataset, const std::string& path, const WriteOptions& options) {
   if (dataset.kind != DatasetKind::kMesh) {
     throw Error(ErrorCode::kUnsupported, fmt::format("{}: .vtu holds a mesh, the dataset is {}",
                                                      path, name_of(dataset.kind)));
   }
   Dataset plain = dataset;  // cheap: arrays share their bytes
   for (DataArray& array : plain.arrays) array = io::plain_values(array);
-  io::write_vtu(plain, path);
+  io::write_vtu(plain, path, options.stop);
 }
 
-void write_points(const Dataset& dataset, Target target, const std::string& path) {
+void write_points(const Dataset& dataset, Target target, const std::string& path,
+                  const WriteOptions& options) {
   const bool is_kernels = dataset.kind == DatasetKind::kKernels;
   if (dataset.kind != DatasetKind::kParticles && !(is_kernels && target == Target::kPly)) {
     throw Error(
@@ -142,9 +144,9 @@ void write_points(const Dataset& dataset, Target target, const std::string& path
   check_points(dataset);
   Dataset plain = dataset;  // cheap: arrays share their bytes
   for (DataArray& array : plain.arrays) array = io::plain_values(array);
-  if (target == Target::kPly) return io::write_ply(plain, path);
-  if (target == Target::kNpz) return io::write_npz(plain, path);
-  io::write_point_text(plain, path);
+  if (target == Target::kPly) return io::write_ply(plain, path, options.stop);
+  if (target == Target::kNpz) return io::write_npz(plain, path, options.stop);
+  io::write_point_text(plain, path, options.stop);
 }
 
 // What VTK and others have no type for.
@@ -157,8 +159,9 @@ void refuse_body_centred(const Dataset& dataset, const std::string& path) {
                   path, io::ending_of(path)));
 }
 
-void write_lattice_file(const Dataset& dataset, const std::string& path) {
-  LatticeFileWriter writer(path, lattice_file_header(dataset));
+void write_lattice_file(const Dataset& dataset, const std::string& path,
+                        const WriteOptions& options) {
+  LatticeFileWriter writer(path, lattice_file_header(dataset), options);
   writer.write_step(dataset);
   writer.finish();
 }
@@ -193,12 +196,13 @@ std::vector<std::string> files_written_for(const std::string& path) {
   return {path, io::nhdr_data_path(path)};
 }
 
-void write_dataset(const Dataset& dataset, const std::string& path) {
+void write_dataset(const Dataset& dataset, const std::string& path,
+                   const WriteOptions& options) try {
   const Target target = target_of(path);
   const bool is_for_points =
       target == Target::kPly || target == Target::kNpz || target == Target::kCsv;
-  if (target == Target::kVtu) return write_mesh(dataset, path);
-  if (is_for_points) return write_points(dataset, target, path);
+  if (target == Target::kVtu) return write_mesh(dataset, path, options);
+  if (is_for_points) return write_points(dataset, target, path, options);
   if (dataset.kind != DatasetKind::kLattice) {
     throw Error(ErrorCode::kUnsupported,
                 fmt::format("{}: holds a lattice, the dataset is {}", path, name_of(dataset.kind)));
@@ -207,26 +211,30 @@ void write_dataset(const Dataset& dataset, const std::string& path) {
     throw Error(ErrorCode::kInvalidArgument,
                 fmt::format("{}: the dataset has no array to write", path));
   for (const DataArray& array : dataset.arrays) check_array(dataset, array);
-  if (target == Target::kHdf5) return write_lattice_file(dataset, path);
+  if (target == Target::kHdf5) return write_lattice_file(dataset, path, options);
   refuse_body_centred(dataset, path);
   if (target == Target::kVti || target == Target::kLegacyVtk) {
+    io::check_stop(options.stop);
     Dataset plain = dataset;  // cheap: arrays share their bytes
     for (DataArray& array : plain.arrays) array = io::plain_values(array);
-    return target == Target::kVti ? io::write_vti(plain, path) : io::write_legacy_vtk(plain, path);
+    return target == Target::kVti ? io::write_vti(plain, path, options.stop)
+                                  : io::write_legacy_vtk(plain, path, options.stop);
   }
 
   const bool keeps_scale = target == Target::kNifti;
   const DataArray array =
       keeps_scale ? only_array(dataset, path) : io::plain_values(only_array(dataset, path));
   const LatticeGeometry lattice = io::lattice_of(dataset.lattice, array);
-  if (target == Target::kNpy) return io::write_npy(lattice.dims, array, path);
-  if (target == Target::kRaw) return io::write_raw(array, path);
+  if (target == Target::kNpy) return io::write_npy(lattice.dims, array, path, options.stop);
+  if (target == Target::kRaw) return io::write_raw(array, path, options.stop);
   Dataset described;  // cheap: arrays share their bytes
   described.lattice = lattice;
   described.space = dataset.space;
-  if (target == Target::kNifti) return io::write_nifti(described, array, path);
-  if (target == Target::kNrrd) return io::write_nrrd(described, array, path);
-  io::write_nhdr(described, array, path);
+  if (target == Target::kNifti) return io::write_nifti(described, array, path, options.stop);
+  if (target == Target::kNrrd) return io::write_nrrd(described, array, path, options.stop);
+  io::write_nhdr(described, array, path, options.stop);
+} catch (const std::bad_alloc&) {
+  throw Error(ErrorCode::kOutOfMemory, path + ": no memory to write it");
 }
 
 }  // namespace ovoid

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <new>
 #include <string>
 
 #include "io/atomic_file.h"
@@ -48,9 +49,9 @@ void check_image(const Image& image) {
 
 namespace io {
 
-void write_picture_npy(const Image& image, const std::string& path) {
+void write_picture_npy(const Image& image, const std::string& path, const std::stop_token& stop) {
   const std::array<std::int64_t, 3> shape{image.height, image.width, 4};
-  AtomicFile file(path);
+  AtomicFile file(path, stop);
   file.write(npy_header(ScalarType::kFloat32, shape));
   file.write(image.rgba.data(), image.rgba.size() * sizeof(float));
   file.commit();
@@ -63,17 +64,21 @@ void check_image_path(const std::string& path) {
   io::check_writable(path);
 }
 
-void write_image(const Image& image, const std::string& path, const double* background) {
+void write_image(const Image& image, const std::string& path, const double* background,
+                 const WriteOptions& options) try {
   const ImageFormat target = image_format_of(path);
   check_image(image);
   switch (target) {
     case ImageFormat::kPng:
-      return io::write_png(to_rgba8(image, background), image.width, image.height, path);
+      return io::write_png(to_rgba8(image, background), image.width, image.height, path,
+                           options.stop);
     case ImageFormat::kExr:
-      return io::write_exr(image, path);
+      return io::write_exr(image, path, options.stop);
     case ImageFormat::kNpy:
-      return io::write_picture_npy(image, path);
+      return io::write_picture_npy(image, path, options.stop);
   }
+} catch (const std::bad_alloc&) {
+  throw Error(ErrorCode::kOutOfMemory, path + ": no memory to write it");
 }
 
 }  // namespace ovoid

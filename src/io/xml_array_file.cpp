@@ -171,9 +171,9 @@ void XmlArrayFile::array(const std::string& name, ScalarType type, int num_compo
       xml_text(unit));
 }
 
-void XmlArrayFile::write(const std::string& path) const {
-  if (packing_ == Packing::kZlib) return write_packed(path);
-  AtomicFile file(path);
+void XmlArrayFile::write(const std::string& path, const std::stop_token& stop) const {
+  if (packing_ == Packing::kZlib) return write_packed(path, stop);
+  AtomicFile file(path, stop);
   file.write(header_);
   file.write(kAppendedBegin);
   for (const Piece& piece : pieces_) {
@@ -185,8 +185,8 @@ void XmlArrayFile::write(const std::string& path) const {
   file.commit();
 }
 
-void XmlArrayFile::write_packed(const std::string& path) const {
-  AtomicFile file(path);
+void XmlArrayFile::write_packed(const std::string& path, const std::stop_token& stop) const {
+  AtomicFile file(path, stop);
   file.write(header_);
   file.write(kAppendedBegin);
   std::vector<Patch> patches;

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -31,8 +32,8 @@ class XmlArrayFile {
 
   // Packed arrays are packed while they are written, a block at a time; where each begins is filled
   // in at the end, so that the target must be a file or a device that can be gone back in. Throws
-  // Error(kFileWrite).
-  void write(const std::string& path) const;
+  // Error(kFileWrite, kCancelled).
+  void write(const std::string& path, const std::stop_token& stop = {}) const;
 
  private:
   struct Piece {
@@ -40,7 +41,7 @@ class XmlArrayFile {
     std::size_t offset_at;  // in the header: the field for where the piece begins
   };
 
-  void write_packed(const std::string& path) const;
+  void write_packed(const std::string& path, const std::stop_token& stop) const;
 
   Packing packing_;
   std::string header_;

@@ -181,6 +181,21 @@ TEST(Animate, CtrlCLeavesWholeFramesFromWhichItGoesOn) {
   }
 }
 
+// The record would take its place.
+TEST(Animate, AFileOfSomebodyElseIsNoRecord) {
+  const Folder folder;
+  const std::string steps = write_steps(folder);
+  write_file(folder / "fr.ovoid", "my notes\n");
+  expect_failure(animate(steps, folder / "fr%d.png"), 1, {"fr.ovoid", "choose another name"});
+  EXPECT_EQ(read_file(folder / "fr.ovoid"), "my notes\n");
+  std::filesystem::remove(folder / "fr.ovoid");
+  write_file(folder / "notes", "my notes\n");
+  std::filesystem::create_symlink(folder / "notes", folder / "fr.ovoid");
+  expect_failure(animate(steps, folder / "fr%d.png"), 1, {"fr.ovoid"});
+  EXPECT_EQ(read_file(folder / "notes"), "my notes\n");
+  EXPECT_EQ(folder.num_files(), 3U);
+}
+
 // A program called ffmpeg that writes its arguments, one a line, into the film.
 class FakeFfmpeg {
  public:
@@ -294,7 +309,7 @@ TEST(Animate, WhatTheDataDoNotHaveIsTold) {
   expect_failure(animate(steps, good, {"--times", "9:11:1"}), 1, {"--times", "10 to 11"});
   expect_failure(animate(steps, good, {"--step", "0"}), 1, {"steps.nrrd", "--turn"});
   expect_failure(animate(write_ball(folder), good, {"--times", "0:1:1"}), 1, {"names no times"});
-  expect_failure(animate(steps, folder / "none/f_%d.png"), 1, {"no folder"});
+  expect_failure(animate(steps, folder / "none/f_%d.png"), 1, {"the folder", "does not exist"});
   const std::string wrong = folder / "wrong_8x8x8_uint8.raw";
   write_file(wrong, std::string(512, 'x'));
   expect_failure(with({"animate", write_ball(folder), wrong, "-o", good}, kLook), 1,

@@ -168,8 +168,11 @@ TEST(Usage, OutputsAreCheckedBeforeAnythingIsRead) {
                  {"out.jpg", ".png, .exr or .npy"});
   expect_failure({"render", missing, "-o", folder / "out"}, 2, {"/out'", ".png"});
   expect_failure({"render", "-o", folder / "out.png"}, 2, {"INPUT", "none given"});
-  expect_failure({"render", missing, "-o", folder / "no/out.png"}, 1, {"no/out.png", "no folder"});
-  expect_failure({"render", missing, "-o", ball + "/out.png"}, 1, {"out.png", "no folder"});
+  expect_failure({"render", missing, "-o", folder / "no/out.png"}, 1,
+                 {"no/out.png", "does not exist"});
+  expect_failure({"render", missing, "-o", ball + "/out.png"}, 1, {"out.png", "does not exist"});
+  expect_failure({"render", missing, "-o", folder / (std::string(300, 'n') + ".png")}, 1,
+                 {"File name too long"});
   for (const char* const format : {"out.exr", "out.npy"}) {
     expect_failure({"render", ball, "-o", folder / format, "--background", "0,0,0"}, 2,
                    {"--background", format});

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "command.h"
+#include "console.h"
 #include "data_flags.h"
 #include "flags.h"
 #include "model_flags.h"
@@ -202,22 +203,21 @@ Json run_json(const FrameProfile& profile, int frames, const std::string& comman
 
 void print_row(const SceneResult& result) {
   const FrameProfile& frame = result.profile;
-  fmt::print("{:<34}{:>9.1f}{:>9.1f}{:>9.1f}{:>10.1f}{:>10.2f}\n", result.scene.name(),
-             result.frame_ms.median, result.frame_ms.q1, result.frame_ms.q3,
-             reconstructed_per_second(frame) / 1e6,
-             static_cast<double>(frame.samples_shaded) / 1e6);
+  print_out("{:<34}{:>9.1f}{:>9.1f}{:>9.1f}{:>10.1f}{:>10.2f}\n", result.scene.name(),
+            result.frame_ms.median, result.frame_ms.q1, result.frame_ms.q3,
+            reconstructed_per_second(frame) / 1e6, static_cast<double>(frame.samples_shaded) / 1e6);
   std::string stages;
   for (const auto& [stage, ms] : frame.stages_ms) stages += fmt::format("  {} {:.1f}", stage, ms);
-  if (!stages.empty()) fmt::print("  {}\n", stages);
-  std::fflush(stdout);
+  if (!stages.empty()) print_out("  {}\n", stages);
+  flush_out();
 }
 
 void print_heading(const FrameProfile& frame, int frames) {
-  fmt::print("{} {}, {} threads, {} frames each, {}\n\n", frame.backend,
-             frame.device.empty() ? frame.simd_target : frame.device, frame.threads, frames,
-             cpu_name());
-  fmt::print("{:<34}{:>9}{:>9}{:>9}{:>10}{:>10}\n", "scene", "median ms", "q1", "q3", "Msample/s",
-             "M shaded");
+  print_out("{} {}, {} threads, {} frames each, {}\n\n", frame.backend,
+            frame.device.empty() ? frame.simd_target : frame.device, frame.threads, frames,
+            cpu_name());
+  print_out("{:<34}{:>9}{:>9}{:>9}{:>10}{:>10}\n", "scene", "median ms", "q1", "q3", "Msample/s",
+            "M shaded");
 }
 
 void measure_all(const BenchFlags& bench, Session& session) {
@@ -238,7 +238,7 @@ void measure_all(const BenchFlags& bench, Session& session) {
     if (!bench.is_json) print_row(result);
   }
   report["peak_memory_bytes"] = peak_memory_bytes();
-  if (bench.is_json) fmt::print("{}\n", report.dump(2, ' ', false, Json::error_handler_t::replace));
+  if (bench.is_json) print_out("{}\n", report.dump(2, ' ', false, Json::error_handler_t::replace));
 }
 
 }  // namespace
@@ -270,7 +270,7 @@ void run_bench(const Words& words, Session& session) {
   if (!flags.parse(words)) return;
   check_model_flags(flags, bench.model);
   if (bench.lists) {
-    for (const Scene& scene : select_scenes(bench.names)) fmt::print("{}\n", scene.name());
+    for (const Scene& scene : select_scenes(bench.names)) print_out("{}\n", scene.name());
     return;
   }
   measure_all(bench, session);

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "console.h"
 #include "suggest.h"
 #include "usage.h"
 #include "values.h"
@@ -230,8 +231,8 @@ void Flags::refuse(std::initializer_list<const char*> names) {
 bool Flags::parse(const std::vector<std::string>& words) {
   if (words.size() == 1 && words[0] == kListFlags) {
     for (const Entry* const flag : impl_->flags())
-      fmt::print("{}\t{}\t{}\n", flag->names, flag->form, flag->text);
-    fmt::print("-h,--help\t\tthis help\n");
+      print_out("{}\t{}\t{}\n", flag->names, flag->form, flag->text);
+    print_out("-h,--help\t\tthis help\n");
     return false;
   }
   for (const Entry* const flag : impl_->flags()) check_words(*flag, words);
@@ -239,7 +240,7 @@ bool Flags::parse(const std::vector<std::string>& words) {
     // CLI11 wants the last word first.
     impl_->app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
   } catch (const CLI::CallForHelp&) {
-    fmt::print("{}", help());
+    print_out("{}", help());
     return false;
   } catch (const CLI::ExtrasError&) {
     impl_->explain_extras();

@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "command.h"
+#include "console.h"
 #include "data_flags.h"
 #include "model_flags.h"
 #include "ovoid/devices.h"
@@ -341,9 +342,7 @@ std::string range_text(const Json& range) {
   return range.is_null() ? "no values" : number(range[0]) + " to " + number(range[1]);
 }
 
-void print_row(const char* name, const std::string& value) {
-  fmt::print("{:<26}{}\n", name, value);
-}
+void print_row(const char* name, const std::string& value) { print_out("{:<26}{}\n", name, value); }
 
 std::string scale_text(const Json& array) {
   const auto scale = array["value_scale"].get<double>();
@@ -512,7 +511,7 @@ std::string device_text(const Json& device) {
 void print_devices(const Json& devices) {
   for (const Json& device : devices) {
     const auto name = device["backend"].get<std::string>();
-    const auto print_line = [&](const std::string& text) { fmt::print("{:<12}{}\n", name, text); };
+    const auto print_line = [&](const std::string& text) { print_out("{:<12}{}\n", name, text); };
     if (name == "vulkan") {
       for (const Json& one : device["devices"]) print_line(device_text(one));
       if (!device["problem"].is_null())
@@ -529,7 +528,7 @@ void print_devices(const Json& devices) {
 
 void print_json(const Json& json) {
   // Names in files may hold any bytes; JSON is UTF-8.
-  fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
+  print_out("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
 }
 
 }  // namespace

@@ -6,14 +6,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
-#include <exception>
 #include <filesystem>
-#include <new>
 #include <string>
 #include <system_error>
 
 #include "command.h"
+#include "console.h"
 #include "flags.h"
 #include "ovoid/error.h"
 #include "session.h"
@@ -84,17 +82,17 @@ void run(const Words& words, Session& session) {
   if (words.empty()) throw UsageError("no command given (see ovoid --help)");
   const std::string& first = words.front();
   if (first == "--help" || first == "-h" || first == "help") {
-    fmt::print("{}", help());
+    print_out("{}", help());
     return;
   }
   if (first == kListFlags) {
     for (const Command& command : kCommands)
-      fmt::print("{}\t{}\t{}\n", command.name, command.synopsis, command.summary);
-    fmt::print("--help\t\tcommands\n--version\t\tthe version\n");
+      print_out("{}\t{}\t{}\n", command.name, command.synopsis, command.summary);
+    print_out("--help\t\tcommands\n--version\t\tthe version\n");
     return;
   }
   if (first == "--version") {
-    fmt::print("ovoid {}\n", OVOID_VERSION);
+    print_out("ovoid {}\n", OVOID_VERSION);
     return;
   }
   for (const Command& command : kCommands) {
@@ -103,30 +101,18 @@ void run(const Words& words, Session& session) {
   explain_first_word(first);
 }
 
-int complain(const std::string& message, int exit_code) {
-  fmt::print(stderr, "ovoid: error: {}\n", one_line(message));
-  return exit_code;
-}
-
 int run_guarded(int argc, char** argv) {
+  hold_standard_files();
   try {
     const Words words(argv, argv + argc);
     const Words after_name(words.begin() + 1, words.end());
     start_view_if_asked(after_name);
     Session session(words);
     run(after_name, session);
-    if (std::fflush(stdout) != 0)
-      return complain("standard output: cannot be written", kExitFailed);
+    flush_out();
     return kExitDone;
-  } catch (const UsageError& error) {
-    return complain(error.what(), kExitUsage);
-  } catch (const Error& error) {
-    const bool is_stopped = error.code() == ErrorCode::kCancelled;
-    return complain(error.what(), is_stopped ? kExitInterrupted : kExitFailed);
-  } catch (const std::bad_alloc&) {
-    return complain("out of memory", kExitFailed);
-  } catch (const std::exception& error) {
-    return complain(fmt::format("unexpected: {}", error.what()), kExitFailed);
+  } catch (...) {
+    return complain_of_exception();
   }
 }
 

@@ -10,6 +10,7 @@
 
 #include "check_files.h"
 #include "command.h"
+#include "console.h"
 #include "drawing.h"
 #include "dry_run.h"
 #include "ovoid/io.h"
@@ -154,7 +155,7 @@ Image draw(const RenderFlags& render, const Scene& scene, RunProfile* profile, S
 }
 
 void tell_times(const RenderFlags& render, const RunProfile& profile, Session& session) {
-  if (render.profile && render.profile_file.empty()) fmt::print(stderr, "{}", to_table(profile));
+  if (render.profile && render.profile_file.empty()) tell(to_table(profile));
   if (!render.profile_file.empty()) write_file(render.profile_file, to_json(profile));
   if (render.repeat > 0 && !render.profile) {
     const Spread time = spread(profile.frames_ms);
@@ -221,7 +222,7 @@ void run_render(const Words& words, Session& session) {
   Look look = make_look(drawing.look, field, subject.unit, session);
   if (render.dry_run) {
     const DryRun run{field, camera, look, drawing.options, drawing.run, render.output};
-    fmt::print("{}", predict(run, session));
+    write_out(predict(run, session));
     return;
   }
   const std::optional<Trail> trail = trail_of(render, subject, step, look, session);

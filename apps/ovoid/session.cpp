@@ -6,11 +6,10 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cerrno>
-#include <cstdio>
 #include <cstring>
 #include <utility>
 
+#include "console.h"
 #include "ovoid/error.h"
 
 namespace ovoid::cli {
@@ -26,8 +25,7 @@ Progress::Progress(std::string what)
 
 Progress::~Progress() {
   if (shown_percent_ < 0) return;
-  fmt::print(stderr, "\r{:{}}\r", "", shown_size_);
-  std::fflush(stderr);
+  tell(fmt::format("\r{:{}}\r", "", shown_size_));
 }
 
 void Progress::show(double fraction) {
@@ -38,9 +36,8 @@ void Progress::show(double fraction) {
   const std::string line =
       fmt::format("{} [{:.<{}}] {:3} %", what_,
                   std::string(static_cast<std::size_t>(percent * kBar / 100), '#'), kBar, percent);
-  fmt::print(stderr, "\r{:{}}", line, shown_size_);
+  tell(fmt::format("\r{:{}}", line, shown_size_));
   shown_size_ = std::max(shown_size_, line.size());
-  std::fflush(stderr);
 }
 
 void Progress::rename(std::string what) {
@@ -48,10 +45,10 @@ void Progress::rename(std::string what) {
   if (shown_percent_ >= 0) shown_percent_ = kNotThisPercent;
 }
 
-Session::Session(const std::vector<std::string>& words)
+Session::Session(const std::vector<std::string>& words, std::chrono::milliseconds grace)
     : command_line_(quoted(words)),
-      interrupt_(std::in_place),
-      tell_([](const std::string& note) { fmt::print(stderr, "note: {}\n", note); }),
+      interrupt_(std::in_place, grace),
+      tell_([](const std::string& note) { tell(fmt::format("note: {}\n", note)); }),
       stop_(interrupt_->token()) {}
 
 Session::Session(Tell tell, std::stop_token stop)
@@ -90,29 +87,6 @@ std::string quoted(const std::vector<std::string>& words) {
     line += '\'';
   }
   return line;
-}
-
-std::string one_line(const std::string& text) {
-  std::string line = text;
-  for (char& c : line) {
-    if (std::iscntrl(static_cast<unsigned char>(c)) != 0) c = '?';
-  }
-  return line;
-}
-
-void write_text(const std::string& text, const std::string& path) {
-  const std::string beside = fmt::format("{}.{}.part", path, getpid());
-  std::FILE* const file = std::fopen(beside.c_str(), "wb");
-  bool is_written = file != nullptr;
-  if (file != nullptr) {
-    is_written = std::fwrite(text.data(), 1, text.size(), file) == text.size();
-    is_written = std::fclose(file) == 0 && is_written;
-  }
-  if (!is_written || std::rename(beside.c_str(), path.c_str()) != 0) {
-    const std::string reason = std::strerror(errno);
-    std::remove(beside.c_str());
-    throw Error(ErrorCode::kFileWrite, fmt::format("{}: cannot be written: {}", path, reason));
-  }
 }
 
 bool has_ending(const std::string& path, const std::string& ending) {

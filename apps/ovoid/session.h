@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "console.h"
 #include "interrupt.h"
 
 namespace ovoid::cli {
@@ -55,7 +56,11 @@ class Session {
  public:
   using Tell = std::function<void(const std::string& note)>;
 
-  explicit Session(const std::vector<std::string>& words);
+  // So long may work that was asked to stop take to do so. With the program's own end that is
+  // within 0.2 s.
+  static constexpr std::chrono::milliseconds kGrace{120};
+
+  explicit Session(const std::vector<std::string>& words, std::chrono::milliseconds grace = kGrace);
   // One of several pieces of work in a program that goes on: notes go to `tell`, and `stop` stops
   // it, not Ctrl-C.
   Session(Tell tell, std::stop_token stop);
@@ -95,12 +100,6 @@ class Quiet {
 
 // The words as a shell would take them again, in one line.
 std::string quoted(const std::vector<std::string>& words);
-
-// Text as one printable line: control characters, which file names may hold, become '?'.
-std::string one_line(const std::string& text);
-
-// Writes beside and renames, so that no half-written file is left. Throws Error(kFileWrite).
-void write_text(const std::string& text, const std::string& path);
 
 bool has_ending(const std::string& path, const std::string& ending);  // "x.PNG" has ".png"
 

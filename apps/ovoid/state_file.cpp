@@ -208,7 +208,7 @@ void write_state(const State& state, const std::string& path) {
     throw Error(ErrorCode::kInvalidArgument,
                 path + ": a state holds only names and texts that are UTF-8");
   }
-  write_text(text, path);
+  write_file(path, text);
 }
 
 }  // namespace ovoid::cli

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "ovoid/error.h"
+#include "ovoid/io.h"
 
 namespace ovoid::viewer {
 namespace {
@@ -108,7 +109,7 @@ void App::run(const std::stop_token& stop) {
   if (!launch_->report.empty()) {
     nlohmann::ordered_json report = meter_.report();
     report["memory_mib"] = value_of("memory_mib");
-    cli::write_text(report.dump(2) + "\n", launch_->report);
+    write_file(launch_->report, report.dump(2) + "\n");
   }
 }
 

@@ -1,52 +1,41 @@
 // SPDX-License-Identifier: Apache-2.0
 // `ovoid view`: the window.
-#include <fmt/format.h>
-
-#include <cstdio>
-#include <new>
+#include <chrono>
 #include <string>
 #include <vector>
 
 #include "app.h"
+#include "console.h"
 #include "meter.h"
-#include "ovoid/error.h"
 #include "session.h"
 #include "usage.h"
 
 namespace {
 
-using ovoid::cli::kExitDone;
-using ovoid::cli::kExitFailed;
-using ovoid::cli::kExitInterrupted;
-using ovoid::cli::kExitUsage;
-
-int complain(const std::string& message, int exit_code) {
-  fmt::print(stderr, "ovoid: error: {}\n", ovoid::cli::one_line(message));
-  return exit_code;
-}
-
 int view(const std::vector<std::string>& words) {
-  ovoid::cli::Session session(words);  // Ctrl-C closes the window
+  // Ctrl-C closes the window, and what is under way in it is waited for.
+  constexpr std::chrono::seconds kGrace{1};
+  ovoid::cli::Session session(words, kGrace);
   const auto launch = ovoid::viewer::parse_launch({words.begin() + 1, words.end()});
-  if (!launch) return kExitDone;
+  if (!launch) {
+    ovoid::cli::flush_out();
+    return ovoid::cli::kExitDone;
+  }
   ovoid::viewer::App app(launch);
   app.run(session.stop());
-  return session.stop().stop_requested() ? kExitInterrupted : kExitDone;
+  ovoid::cli::flush_out();
+  return session.stop().stop_requested() ? ovoid::cli::Interrupt::exit_code()
+                                         : ovoid::cli::kExitDone;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   ovoid::viewer::ms_since_start();
+  ovoid::cli::hold_standard_files();
   try {
     return view({argv, argv + argc});
-  } catch (const ovoid::cli::UsageError& error) {
-    return complain(error.what(), kExitUsage);
-  } catch (const ovoid::Error& error) {
-    return complain(error.what(), kExitFailed);
-  } catch (const std::bad_alloc&) {
-    return complain("out of memory", kExitFailed);
-  } catch (const std::exception& error) {
-    return complain(fmt::format("unexpected: {}", error.what()), kExitFailed);
+  } catch (...) {
+    return ovoid::cli::complain_of_exception();
   }
 }

@@ -14,6 +14,7 @@
 #include <sstream>
 #include <utility>
 
+#include "console.h"
 #include "ovoid/error.h"
 #include "ovoid/io.h"
 #include "session.h"
@@ -454,8 +455,8 @@ void Script::ask_host(const Line& line, ScriptHost& host) {
     expect(line, host);
   } else if (command == "print") {
     const std::string value = asked([&] { return host.value_of(words[1]); });
-    fmt::print("{} = {}\n", words[1], value);
-    std::fflush(stdout);
+    cli::print_out("{} = {}\n", words[1], value);
+    cli::flush_out();
   } else if (command == "measure") {
     host.begin_measure(words[1]);
   }
@@ -544,6 +545,6 @@ void Recorder::take(const std::vector<Event>& events, double at_ms) {
   }
 }
 
-void Recorder::write() const { cli::write_text(text_, path_); }
+void Recorder::write() const { write_file(path_, text_); }
 
 }  // namespace ovoid::viewer

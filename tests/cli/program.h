@@ -16,6 +16,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -80,7 +81,9 @@ struct Outcome {
 // A started program; `run` waits for it at once.
 class Program {
  public:
-  explicit Program(Words words, const std::string& program = OVOID_PROGRAM) {
+  // `prepare` runs in the child, before it becomes the program, with its files in place.
+  explicit Program(Words words, const std::string& program = OVOID_PROGRAM,
+                   const std::function<void()>& prepare = {}) {
     words.insert(words.begin(), program);
     std::vector<char*> arguments;
     for (std::string& word : words) arguments.push_back(word.data());
@@ -89,6 +92,7 @@ class Program {
     if (pid_ != 0) return;
     redirect(folder_ / "out", STDOUT_FILENO);
     redirect(folder_ / "err", STDERR_FILENO);
+    if (prepare) prepare();
     execv(arguments[0], arguments.data());
     _exit(127);
   }
@@ -132,6 +136,10 @@ class Program {
 
 inline Outcome run(const Words& words, const std::string& program = OVOID_PROGRAM) {
   return Program(words, program).finish();
+}
+
+inline Outcome run_after(const std::function<void()>& prepare, const Words& words) {
+  return Program(words, OVOID_PROGRAM, prepare).finish();
 }
 
 inline std::string joined(const Words& words) {

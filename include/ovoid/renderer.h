@@ -40,7 +40,8 @@ struct FrameProfile {
   std::string backend;      // "cpu", "vulkan", "reference"
   std::string device;       // of vulkan: its name
   std::string simd_target;  // "AVX2", ...; empty for the reference
-  std::string notice;       // of kAuto: why the device that there is did not draw; empty: it did
+  std::string notice;       // of kAuto: why the device that there is did not draw; and that there
+                            // were fewer threads than wanted; empty: neither
   int threads = 1;
   double frame_ms = 0;  // plan to finish, wall clock
   std::vector<std::pair<std::string, double>>

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <exception>
 #include <mutex>
+#include <new>
 #include <system_error>
 #include <thread>
 #include <vector>
@@ -57,6 +58,7 @@ void parallel_ranges(const ParallelPlan& plan,
       for (std::int64_t i = 1; i < num_threads; ++i) helpers.emplace_back(work);
     } catch (const std::system_error&) {
       // No more threads to be had: those that started, and this one, do all the work.
+    } catch (const std::bad_alloc&) {  // NOLINT(bugprone-empty-catch): likewise
     }
     work();
   }

@@ -12,6 +12,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -243,8 +244,13 @@ void Series::Impl::plan() {
   if (!options.prefetch || is_over) return;
   wanted = next_likely();
   if (!wanted) return;
-  if (!reader.joinable())
-    reader = std::jthread([this](const std::stop_token& stop) { read_ahead(stop); });
+  try {
+    if (!reader.joinable())
+      reader = std::jthread([this](const std::stop_token& stop) { read_ahead(stop); });
+  } catch (const std::system_error&) {
+    options.prefetch = false;  // no thread is to be had: steps are read when they are asked for
+    return;
+  }
   planned.notify_one();
 }
 

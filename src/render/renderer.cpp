@@ -3,6 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <new>
+
 #include "ovoid/error.h"
 #include "render/cpu/cpu_renderer.h"
 #include "render/cpu/tile.h"
@@ -94,6 +97,8 @@ struct Job {
 struct Renderer::Impl {
   Frame draw(const Job& job) const;
   Frame draw_by(Backend by, const Job& job) const;
+  // With a notice where there were fewer threads than wanted.
+  static Frame told(Frame frame, int wanted);
 
   Backend backend;
   bool is_auto = false;
@@ -141,7 +146,7 @@ Frame Renderer::render(const Field& field, const Camera& camera, const Look& loo
   return impl_->draw({field, camera, look, &trail, options, hooks});
 }
 
-Frame Renderer::Impl::draw(const Job& job) const {
+Frame Renderer::Impl::draw(const Job& job) const try {
   job.camera.validate();
   job.look.validate();
   job.options.validate();
@@ -155,13 +160,21 @@ Frame Renderer::Impl::draw(const Job& job) const {
     if (!is_of_device) throw;
     // What the cpu cannot do either, it refuses likewise.
     Frame frame = draw_by(Backend::kCpu, job);
-    frame.profile.notice = fmt::format("{}; drawn by backend cpu", error.what());
+    const std::string notice = fmt::format("{}; drawn by backend cpu", error.what());
+    frame.profile.notice += frame.profile.notice.empty() ? notice : "; " + notice;
     return frame;
   }
+} catch (const std::bad_alloc&) {
+  // What is large names itself.
+  throw Error(ErrorCode::kOutOfMemory,
+              fmt::format("a frame of {} x {} pixels: no memory for its plan", job.options.width,
+                          job.options.height));
 }
 
 Frame Renderer::Impl::draw_by(Backend by, const Job& job) const {
   const auto& [field, camera, look, trail, options, hooks] = job;
+  const int wanted = runner->num_wanted();
+  const int num_rows_at_once = std::min(wanted, options.height);  // of the reference
   require_spread(field, options);
   if (trail != nullptr) require_trail(field, look, *trail, options);
   if (const KernelField* kernels = field.kernels()) {
@@ -170,8 +183,9 @@ Frame Renderer::Impl::draw_by(Backend by, const Job& job) const {
     if (by == Backend::kVulkan) return vulkan->render(*kernels, camera, look, options, hooks);
 #endif
     if (by == Backend::kReference)
-      return reference::render(*kernels, camera, look, options, hooks, runner->num_workers());
-    return cpu::render(*kernels, camera, look, options, hooks, *runner);
+      return told(reference::render(*kernels, camera, look, options, hooks, num_rows_at_once),
+                  num_rows_at_once);
+    return told(cpu::render(*kernels, camera, look, options, hooks, *runner), wanted);
   }
   std::optional<view::Behind> behind;
   if (trail != nullptr) {
@@ -184,8 +198,17 @@ Frame Renderer::Impl::draw_by(Backend by, const Job& job) const {
   if (by == Backend::kVulkan) return vulkan->render(lattice, camera, look, options, hooks, second);
 #endif
   if (by == Backend::kReference)
-    return reference::render(lattice, camera, look, options, hooks, runner->num_workers(), second);
-  return cpu::render(lattice, camera, look, options, hooks, *runner, second);
+    return told(reference::render(lattice, camera, look, options, hooks, num_rows_at_once, second),
+                num_rows_at_once);
+  return told(cpu::render(lattice, camera, look, options, hooks, *runner, second), wanted);
+}
+
+Frame Renderer::Impl::told(Frame frame, int wanted) {
+  if (frame.profile.threads < wanted) {
+    frame.profile.notice =
+        fmt::format("threads: {} were wanted, the system grants {}", wanted, frame.profile.threads);
+  }
+  return frame;
 }
 
 std::vector<std::string> simd_targets() { return cpu::usable_simd_targets(); }

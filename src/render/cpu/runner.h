@@ -16,15 +16,18 @@ class Runner {
   using Task = std::function<void(int task, int worker)>;
 
   virtual ~Runner() = default;
-  virtual int num_workers() const noexcept = 0;
+  // As many as there are: fewer than num_wanted() where the system grants no more threads. The same
+  // from the first call on.
+  virtual int num_workers() = 0;
+  virtual int num_wanted() const noexcept = 0;
   // Returns when all tasks in [0, num_tasks) are done. An exception of a task is rethrown here, one
   // of them if several; no new task starts after it.
   virtual void run(int num_tasks, const Task& task) = 0;
 };
 
-// oneTBB if the build has it, else plain threads; environment OVOID_RUNNER = tbb | threads |
-// shuffle chooses. "shuffle" runs the tasks one after the other on the calling thread in a
-// scrambled order: for tests of independence.
+// Threads of its own; environment OVOID_RUNNER = threads | tbb (if the build has it) | shuffle
+// chooses. "tbb" ends the process where a thread cannot be made. "shuffle" runs the tasks one after
+// the other on the calling thread in a scrambled order: for tests of independence.
 std::unique_ptr<Runner> make_runner(int num_threads);
 std::unique_ptr<Runner> make_runner(const std::string& kind, int num_threads);
 

@@ -9,6 +9,7 @@
 #include <memory>
 #include <mutex>
 #include <stdexcept>
+#include <thread>
 #include <vector>
 
 #include "ovoid/error.h"
@@ -76,6 +77,22 @@ TEST(Runner, ShuffleScrambles) {
   std::vector<int> order;
   make_runner("shuffle", 4)->run(100, [&](int task, int) { order.push_back(task); });
   EXPECT_FALSE(std::is_sorted(order.begin(), order.end()));
+}
+
+// Fails if a run takes tasks of another, or two that come at a time mix them up.
+TEST(Runner, ThreadsTakeOneRunAfterTheOther) {
+  const auto runner = make_runner("threads", 3);
+  std::array<std::atomic<int>, 2> done{};
+  {
+    std::vector<std::jthread> callers;
+    for (std::size_t caller = 0; caller < 2; ++caller) {
+      callers.emplace_back([&, caller] {
+        for (int i = 0; i < 200; ++i) runner->run(7, [&](int, int) { ++done[caller]; });
+      });
+    }
+  }
+  EXPECT_EQ(done[0], 1400);
+  EXPECT_EQ(done[1], 1400);
 }
 
 TEST(Runner, ZeroThreadsIsOnePerHardwareThread) {

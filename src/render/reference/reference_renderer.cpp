@@ -15,6 +15,7 @@
 #include <new>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -59,12 +60,19 @@ class RowPainter {
   RowPainter(TracerOfRows tracer, int rows_each, const RenderHooks& hooks, Image& image)
       : tracer_(std::move(tracer)), rows_each_(rows_each), hooks_(hooks), image_(image) {}
 
-  // Throws Error(kCancelled), and what a hook throws.
-  TraceCounts paint(int threads) {
+  // With as many threads as the system grants; `threads` is then that many. Throws
+  // Error(kCancelled), and what a hook throws.
+  TraceCounts paint(int& threads) {
     {
-      std::vector<std::jthread> workers;
-      workers.reserve(static_cast<std::size_t>(threads));
-      for (int t = 0; t < threads; ++t) workers.emplace_back([this] { work(); });
+      std::vector<std::jthread> helpers;
+      helpers.reserve(static_cast<std::size_t>(threads));
+      try {
+        while (static_cast<int>(helpers.size()) + 1 < threads)
+          helpers.emplace_back([this] { work(); });
+      } catch (const std::system_error&) {
+        threads = static_cast<int>(helpers.size()) + 1;
+      }
+      work();
     }
     if (failure_) std::rethrow_exception(failure_);
     if (num_done_ < image_.height) {

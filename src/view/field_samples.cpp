@@ -5,8 +5,10 @@
 #include <bitset>
 #include <cmath>
 #include <limits>
+#include <new>
 #include <optional>
 
+#include "data/out_of_memory.h"
 #include "data/scalar_visit.h"
 #include "data/some_kernels.h"
 
@@ -102,9 +104,14 @@ void take_face_samples(SampleReader& reader, const Index3& dims, std::vector<flo
   }
 }
 
+[[noreturn]] void throw_no_memory() {
+  data::throw_out_of_memory("samples of the field, to choose a look",
+                            2 * kWantedSamples * sizeof(float));
+}
+
 }  // namespace
 
-FieldSamples take_samples(const LatticeField& field) {
+FieldSamples take_samples(const LatticeField& field) try {
   const LatticeGeometry& geometry = field.geometry();
   SampleReader reader(field.source());
   FieldSamples samples;
@@ -126,9 +133,11 @@ FieldSamples take_samples(const LatticeField& field) {
   samples.share_of_equals =
       num_pairs > 0 ? static_cast<double>(num_equal) / static_cast<double>(num_pairs) : 0.0;
   return samples;
+} catch (const std::bad_alloc&) {
+  throw_no_memory();
 }
 
-FieldSamples take_samples(const KernelField& field) {
+FieldSamples take_samples(const KernelField& field) try {
   constexpr std::int64_t kWantedSums = 4096;
   const KernelSource& source = field.source();
   const bool is_sum = field.reconstruction() == Reconstruction::kSum;
@@ -145,6 +154,8 @@ FieldSamples take_samples(const KernelField& field) {
       });
   std::sort(samples.values.begin(), samples.values.end());
   return samples;
+} catch (const std::bad_alloc&) {
+  throw_no_memory();
 }
 
 double quantile(std::span<const float> sorted, double q) {

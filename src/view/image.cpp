@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <limits>
 
+#include "data/out_of_memory.h"
 #include "ovoid/error.h"
 
 namespace ovoid {
@@ -33,7 +34,9 @@ void require_rgba(const Image& image, const char* name) {
 
 std::vector<std::uint8_t> to_rgba8(const Image& image, const double* background) {
   require_rgba(image, "image");
-  std::vector<std::uint8_t> bytes(image.rgba.size());
+  const std::size_t size = image.rgba.size();
+  auto bytes =
+      data::allocated("the picture's bytes", size, [&] { return std::vector<std::uint8_t>(size); });
   for (std::size_t i = 0; i < bytes.size(); i += 4) {
     const double alpha = image.rgba[i + 3];
     for (std::size_t c = 0; c < 3; ++c) {

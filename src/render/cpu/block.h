@@ -20,6 +20,7 @@
 #include <cstring>
 #include <limits>
 
+#include "data/out_of_memory.h"
 #include "render/cpu/frame.h"
 
 namespace ovoid::cpu {
@@ -145,13 +146,17 @@ struct Block {
   alignas(64) float gradient[3][kMaxPlaneRows * kPlaneStride];  // world
 };
 
-// Memory that grows to the largest block seen and is reused.
+// Memory that grows to the largest block seen and is reused. Throws Error(kOutOfMemory).
 struct FloatBuffer {
   hwy::AlignedFreeUniquePtr<float[]> data;
   std::size_t capacity = 0;
   float* reserve(std::size_t count) {
     if (count > capacity) {
+      capacity = 0;
+      data.reset();  // before the next is there: the content is not kept
       data = hwy::AllocateAligned<float>(count);
+      if (data == nullptr)
+        ovoid::data::throw_out_of_memory("a block of samples", count * sizeof(float));
       capacity = count;
     }
     return data.get();

@@ -156,10 +156,7 @@ Frame render(const LatticeField& field, const Camera& camera, const Look& look,
 
   const std::vector<TileRect> tiles =
       tiles_of(options.width, options.height, frame.samples_at_nodes ? kPatchSize : kTileSize);
-  std::vector<std::unique_ptr<LatticeWorkspace>> workspaces;
-  workspaces.reserve(static_cast<std::size_t>(runner.num_workers()));
-  for (int i = 0; i < runner.num_workers(); ++i)
-    workspaces.push_back(std::make_unique<LatticeWorkspace>());
+  const auto workspaces = make_workspaces<LatticeWorkspace>(runner.num_workers());
   Watch watch(hooks, tiles.size());
   runner.run(static_cast<int>(tiles.size()), [&](int task, int worker) {
     if (hooks.stop.stop_requested()) return;

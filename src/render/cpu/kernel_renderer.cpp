@@ -97,10 +97,7 @@ Frame render(const KernelField& field, const Camera& camera, const Look& look,
   set_frame(frame, field, options);
 
   const std::vector<TileRect> tiles = tiles_of(options.width, options.height, view::kBlockEdge);
-  std::vector<std::unique_ptr<KernelWorkspace>> workspaces;
-  workspaces.reserve(static_cast<std::size_t>(runner.num_workers()));
-  for (int i = 0; i < runner.num_workers(); ++i)
-    workspaces.push_back(std::make_unique<KernelWorkspace>());
+  const auto workspaces = make_workspaces<KernelWorkspace>(runner.num_workers());
   Watch watch(hooks, tiles.size());
   runner.run(static_cast<int>(tiles.size()), [&](int task, int worker) {
     if (hooks.stop.stop_requested()) return;

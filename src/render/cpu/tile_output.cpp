@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "render/cpu/tile_output.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
 
@@ -17,8 +19,11 @@ Image empty_image(const RenderOptions& options) {
   image.width = options.width;
   image.height = options.height;
   const std::size_t num_pixels = static_cast<std::size_t>(options.width) * options.height;
-  image.rgba.assign(4 * num_pixels, 0.0F);
-  image.depth.assign(num_pixels, std::numeric_limits<float>::infinity());
+  data::allocated(fmt::format("a picture of {} x {} pixels", options.width, options.height),
+                  5 * sizeof(float) * num_pixels, [&] {
+                    image.rgba.assign(4 * num_pixels, 0.0F);
+                    image.depth.assign(num_pixels, std::numeric_limits<float>::infinity());
+                  });
   return image;
 }
 

@@ -7,6 +7,7 @@
 #include <mutex>
 #include <vector>
 
+#include "data/out_of_memory.h"
 #include "render/cpu/block.h"
 
 namespace ovoid::cpu {
@@ -14,8 +15,19 @@ namespace ovoid::cpu {
 using Clock = std::chrono::steady_clock;
 double ms_since(Clock::time_point start);
 
-// A picture of the size asked for in which nothing is drawn yet.
+// A picture of the size asked for in which nothing is drawn yet. Throws Error(kOutOfMemory).
 Image empty_image(const RenderOptions& options);
+
+// One for each worker. Throws Error(kOutOfMemory).
+template <typename Workspace>
+std::vector<std::unique_ptr<Workspace>> make_workspaces(int num_workers) {
+  const auto count = static_cast<std::size_t>(num_workers);
+  return data::allocated("the working memory of the threads", count * sizeof(Workspace), [&] {
+    std::vector<std::unique_ptr<Workspace>> workspaces(count);
+    for (auto& workspace : workspaces) workspace = std::make_unique<Workspace>();
+    return workspaces;
+  });
+}
 
 // Rectangles of `edge` x `edge` pixels that cover the picture, row by row; the last ones smaller.
 std::vector<TileRect> tiles_of(int width, int height, int edge);

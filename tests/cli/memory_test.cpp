@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+// Memory that runs out, wherever it does: the program is run under limits from where it barely
+// starts to where it finishes. Fails on a crash, on an exception that nobody catches, on another
+// exit code than 0 or 3, on more than one line, and on a file that is left.
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include "program.h"
+
+namespace ovoid::cli_tests {
+namespace {
+
+constexpr rlim_t kMiB = rlim_t{1} << 20;
+
+Outcome run_within(rlim_t bytes, const Words& words) {
+  return run_after(
+      [bytes] {
+        const rlimit limit{bytes, bytes};
+        setrlimit(RLIMIT_AS, &limit);
+      },
+      words);
+}
+
+// The least limit, in MiB, within which the program starts; 0 if it does not within 4 GiB, as with
+// AddressSanitizer.
+rlim_t least_to_start() {
+  rlim_t below = 0, enough = 4096;
+  if (run_within(enough * kMiB, {"--version"}).exit_code != 0) return 0;
+  while (enough - below > 1) {
+    const rlim_t middle = (below + enough) / 2;
+    (run_within(middle * kMiB, {"--version"}).exit_code == 0 ? enough : below) = middle;
+  }
+  return enough;
+}
+
+// Step by step from where it starts, until it finishes three times in a row.
+void sweep(const Folder& folder, const Words& words, rlim_t first, rlim_t step) {
+  SCOPED_TRACE(joined(words));
+  const std::size_t num_files = folder.num_files();
+  int failures = 0;
+  for (int finished = 0; finished < 3; first += step) {
+    ASSERT_LT(first, 8192U);
+    const Outcome result = run_within(first * kMiB, words);
+    const bool is_done = result.exit_code == 0;
+    finished = is_done ? finished + 1 : 0;
+    if (is_done) continue;
+    ++failures;
+    EXPECT_EQ(result.exit_code, 3) << first << " MiB: " << result.err;
+    EXPECT_EQ(result.error_lines().size(), 1U) << first << " MiB: " << result.err;
+    EXPECT_EQ(folder.num_files(), num_files) << first << " MiB left a file";
+    if (testing::Test::HasFailure()) return;
+  }
+  EXPECT_GT(failures, 0) << "the sweep began too high";
+}
+
+class Memory : public testing::Test {
+ protected:
+  void SetUp() override {
+    least_ = least_to_start();
+    if (least_ == 0) GTEST_SKIP() << "this program cannot be limited";
+  }
+  struct Command {
+    Words words;
+    std::string output;  // empty: none
+  };
+  void sweep_all(const std::vector<Command>& commands) const {
+    const char* const step = std::getenv("OVOID_TEST_MEMORY_STEP");  // MiB
+    for (const Command& command : commands) {
+      const Folder out;
+      Words words = command.words;
+      if (!command.output.empty()) words.insert(words.end(), {"-o", out / command.output});
+      sweep(out, words, least_, step != nullptr ? std::strtoul(step, nullptr, 10) : 5);
+    }
+  }
+  Folder folder_;
+  rlim_t least_ = 0;
+};
+
+TEST_F(Memory, OfLattices) {
+  const std::string path = folder_ / "a.nrrd";
+  expect_success({"make", "head", "-o", path, "--size", "96"});
+  sweep_all(
+      {{{"info", path}, ""},
+       {{"render", path, "--backend", "cpu", "--threads", "3", "--size", "640x480"}, "o.png"},
+       {{"render", path, "--backend", "reference", "--threads", "2", "--size", "8x6"}, "o.exr"},
+       {{"convert", path}, "o.nii.gz"},
+       {{"convert", path}, "o.h5"},
+       {{"convert", path, "--size", "64", "--threads", "2"}, "o.nrrd"}});
+}
+
+TEST_F(Memory, OfParticles) {
+  const std::string path = folder_ / "a.npz";
+  expect_success({"make", "galaxy", "-o", path});
+  sweep_all({{{"info", path}, ""},
+             {{"render", path, "--backend", "cpu", "--threads", "3", "--size", "320x240"}, "o.png"},
+             {{"convert", path}, "o.csv"}});
+}
+
+TEST_F(Memory, OfKernels) {
+  const std::string path = folder_ / "a.ply";
+  expect_success({"make", "blobs", "-o", path});
+  sweep_all({{{"info", path}, ""},
+             {{"render", path, "--backend", "cpu", "--threads", "3", "--size", "320x240"}, "o.png"},
+             {{"convert", path, "--size", "48"}, "o.npy"}});
+}
+
+}  // namespace
+}  // namespace ovoid::cli_tests

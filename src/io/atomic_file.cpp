@@ -63,10 +63,12 @@ std::string reason(int error) { return std::generic_category().message(error); }
 
 // The file that `path` finally names. A dangling link, too, is followed to where its file would be.
 std::string resolve_links(const std::string& path) {
+  constexpr int kMostLinks = 40;  // the system's own bound; longer chains it has refused
   std::error_code ignored;
-  if (!std::filesystem::is_symlink(path, ignored)) return path;
-  const std::filesystem::path resolved = std::filesystem::weakly_canonical(path, ignored);
-  return ignored ? path : resolved.string();
+  std::filesystem::path file = path;
+  for (int i = 0; i < kMostLinks && std::filesystem::is_symlink(file, ignored); ++i)
+    file = file.parent_path() / std::filesystem::read_symlink(file, ignored);
+  return file.string();
 }
 
 bool exists_but_cannot_be_replaced(const std::string& path) {

@@ -163,6 +163,16 @@ TEST(AtomicFile, NamesMayBeAsLongAsTheSystemTakes) {
   EXPECT_THROW(check_writable(too_long), Error);
 }
 
+TEST(AtomicFile, FollowsLinksToWhatIsNotThereYet) {
+  const TestFolder folder;
+  std::filesystem::create_symlink("second", folder.file("first"));
+  std::filesystem::create_symlink("file", folder.file("second"));
+  write_atomically(folder.file("first"), "new");
+  EXPECT_EQ(folder.read("file"), "new");
+  EXPECT_TRUE(std::filesystem::is_symlink(folder.file("first")));
+  EXPECT_TRUE(std::filesystem::is_symlink(folder.file("second")));
+}
+
 TEST(AtomicFile, LinksThatLeadNowhereAreNotReplaced) {
   const TestFolder folder;
   const std::string a = folder.file("a"), b = folder.file("b");

@@ -3,9 +3,11 @@
 // exit code.
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <cstdio>
 #include <filesystem>
 #include <string>
 #include <system_error>
@@ -112,7 +114,11 @@ int run_guarded(int argc, char** argv) {
     flush_out();
     return kExitDone;
   } catch (...) {
-    return complain_of_exception();
+    const int code = complain_of_exception();
+    std::fflush(stdout);
+    // Not return: HDF5 closes at the end once more what it could not close on a full disk, and
+    // crashes.
+    _exit(code);
   }
 }
 

@@ -72,7 +72,7 @@ TEST(Interrupt, AFileThatMayNotGrowIsAnError) {
   for (const char* const name : {"out.nrrd", "out.nhdr", "out.vti", "out.h5", "out.nii"}) {
     const Outcome result = run_after(
         [] {
-          const rlimit limit{1024, 1024};
+          const rlimit limit{512, 512};
           setrlimit(RLIMIT_FSIZE, &limit);
         },
         {"convert", ball, "-o", folder / name});

@@ -70,6 +70,8 @@ class BrickSource {
 // equal data.
 class LatticeField {
  public:
+  // An empty field: no samples, empty bounds and range. source(), geometry() and index_kernel() are
+  // not to be called on it, and functions that take a field refuse it, Error(kInvalidArgument).
   LatticeField() = default;
   // `value_range`: of the samples that exist; empty: taken from the brick ranges. To be given where
   // the source does not hold the samples themselves but coefficients (prefiltered). Throws
@@ -77,6 +79,7 @@ class LatticeField {
   LatticeField(std::shared_ptr<const BrickSource> source, LatticeKernel kernel,
                Reconstruction reconstruction, ValueRange value_range = {});
 
+  bool is_empty() const noexcept { return source_ == nullptr; }
   const BrickSource& source() const noexcept { return *source_; }
   const LatticeGeometry& geometry() const noexcept { return source_->geometry(); }
   const LatticeKernel& kernel() const noexcept { return kernel_; }
@@ -86,12 +89,12 @@ class LatticeField {
   }
   Reconstruction reconstruction() const noexcept { return reconstruction_; }
 
-  std::int64_t num_kernels() const noexcept { return num_samples(geometry().dims); }
-  Bounds3 world_bounds() const { return geometry().world_bounds(); }
+  std::int64_t num_kernels() const noexcept { return source_ ? num_samples(geometry().dims) : 0; }
+  Bounds3 world_bounds() const { return source_ ? geometry().world_bounds() : Bounds3(); }
   ValueRange value_range() const noexcept {
     return value_range_;
   }  // of the samples that exist, not of coefficients
-  double default_sampling_distance() const noexcept;  // the smallest spacing, world units
+  double default_sampling_distance() const noexcept;  // the smallest spacing, world units; empty: 1
   std::uint64_t id() const noexcept { return id_; }
   std::uint64_t version() const noexcept { return version_; }
 
@@ -107,7 +110,7 @@ class LatticeField {
 // What a renderer takes: a lattice field or a kernel field. A value type, made from either.
 class Field {
  public:
-  Field() = default;
+  Field() = default;                                      // an empty lattice field
   Field(LatticeField field) : kind_(std::move(field)) {}  // NOLINT(google-explicit-constructor)
   Field(KernelField field) : kind_(std::move(field)) {}   // NOLINT(google-explicit-constructor)
 
@@ -116,6 +119,7 @@ class Field {
   const KernelField* kernels() const noexcept { return std::get_if<KernelField>(&kind_); }
 
   // What both kinds have, as their own members say.
+  bool is_empty() const noexcept;
   std::int64_t num_kernels() const noexcept;
   Bounds3 world_bounds() const;
   ValueRange value_range() const noexcept;

@@ -129,11 +129,14 @@ std::shared_ptr<const KernelSource> make_kernel_source(const KernelColumns& colu
 // the data. Equal (id, version) means equal data.
 class KernelField {
  public:
+  // An empty field: no kernels, empty bounds and ranges. source() is not to be called on it, and
+  // functions that take a field refuse it, Error(kInvalidArgument).
   KernelField() = default;
   // Attributes by index; `color_attribute` -1: the same. Throws Error(kInvalidArgument).
   KernelField(std::shared_ptr<const KernelSource> source, Reconstruction reconstruction,
               int attribute = 0, int color_attribute = -1);
 
+  bool is_empty() const noexcept { return source_ == nullptr; }
   const KernelSource& source() const noexcept { return *source_; }
   const std::shared_ptr<const KernelSource>& shared_source() const noexcept { return source_; }
   Reconstruction reconstruction() const noexcept { return reconstruction_; }
@@ -141,7 +144,7 @@ class KernelField {
   int color_attribute() const noexcept { return color_attribute_; }
   bool has_own_color() const noexcept { return color_attribute_ != attribute_; }
 
-  std::int64_t num_kernels() const noexcept { return source_->num_kernels(); }
+  std::int64_t num_kernels() const noexcept { return source_ ? source_->num_kernels() : 0; }
   Bounds3 world_bounds() const noexcept { return bounds_; }  // of the centres, half a spacing wider
   // Normalized: of the kernels' values. `sum`: of the field at the kernels' centres.
   ValueRange value_range() const noexcept { return value_range_; }

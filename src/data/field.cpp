@@ -37,10 +37,13 @@ LatticeField::LatticeField(std::shared_ptr<const BrickSource> source, LatticeKer
 }
 
 double LatticeField::default_sampling_distance() const noexcept {
-  return geometry().spacing().minCoeff();
+  return source_ ? geometry().spacing().minCoeff() : 1.0;
 }
 
 // Every answer is the alternative's own.
+bool Field::is_empty() const noexcept {
+  return std::visit([](const auto& field) { return field.is_empty(); }, kind_);
+}
 std::int64_t Field::num_kernels() const noexcept {
   return std::visit([](const auto& field) { return field.num_kernels(); }, kind_);
 }
@@ -61,6 +64,7 @@ double Field::default_sampling_distance() const noexcept {
   return std::visit([](const auto& field) { return field.default_sampling_distance(); }, kind_);
 }
 std::size_t Field::resident_bytes() const noexcept {
+  if (is_empty()) return 0;
   return std::visit([](const auto& field) { return field.source().resident_bytes(); }, kind_);
 }
 std::uint64_t Field::id() const noexcept {

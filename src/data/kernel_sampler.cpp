@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "data/kernel_shape.h"
+#include "data/validate.h"
 #include "ovoid/kernel_field.h"
 
 namespace ovoid {
@@ -143,8 +144,10 @@ struct KernelSampler::Impl {
   }
 };
 
-KernelSampler::KernelSampler(KernelField field)
-    : impl_(std::make_unique<const Impl>(std::move(field))) {}
+KernelSampler::KernelSampler(KernelField field) {
+  data::require_field(field);
+  impl_ = std::make_unique<const Impl>(std::move(field));
+}
 KernelSampler::~KernelSampler() = default;
 KernelSampler::KernelSampler(KernelSampler&&) noexcept = default;
 KernelSampler& KernelSampler::operator=(KernelSampler&&) noexcept = default;

@@ -65,4 +65,11 @@ void validate_geometry(const LatticeGeometry& geometry) {
   }
 }
 
+void require_field(const Field& field) {
+  if (field.is_empty())
+    fail(
+        "field: is empty; make_lattice_field() and make_kernel_field() make one of a dataset, and "
+        "the constructors of LatticeField and KernelField of a source");
+}
+
 }  // namespace ovoid::data

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "ovoid/kernels.h"
-#include "ovoid/lattice.h"
+#include "ovoid/field.h"
 
 namespace ovoid::data {
 
@@ -13,6 +12,9 @@ void validate_kernel(const LatticeKernel& kernel);
 // kMaxSamples, and world_from_index is finite with axis vectors that have a length and are not
 // (nearly) in one plane.
 void validate_geometry(const LatticeGeometry& geometry);
+
+// Throws Error(kInvalidArgument) for an empty field. For every public function that takes one.
+void require_field(const Field& field);
 
 // 2^48 samples: far beyond any memory, and byte counts of any scalar type stay within 64 bits.
 inline constexpr std::int64_t kMaxSamples = std::int64_t{1} << 48;

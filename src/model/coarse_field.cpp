@@ -7,11 +7,13 @@
 #include <new>
 
 #include "data/parallel.h"
+#include "data/validate.h"
 #include "ovoid/error.h"
 
 namespace ovoid {
 
 Field coarse_field(const Field& field, const CoarseOptions& options) {
+  data::require_field(field);
   if (!(options.length >= 0) || !std::isfinite(options.length)) {
     throw Error(ErrorCode::kInvalidArgument,
                 fmt::format("length = {}: must be >= 0 and finite", options.length));

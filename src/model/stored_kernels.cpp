@@ -9,6 +9,7 @@
 
 #include "data/kernel_shape.h"
 #include "data/parallel.h"
+#include "data/validate.h"
 #include "model/ellipsoid_shape.h"
 #include "model/kernel_parts.h"
 #include "model/own_array.h"
@@ -173,6 +174,7 @@ void append_brick(const KernelSource& source, std::int64_t b, KernelTable& table
 }  // namespace model
 
 Dataset make_kernel_dataset(const KernelField& field) {
+  data::require_field(field);
   const KernelSource& source = field.source();
   model::KernelTable table;
   table.values.resize(source.attributes().size());

@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "data/validate.h"
 #include "ovoid/sampler.h"
 #include "render/reference/field_evaluator.h"
 
@@ -24,6 +25,7 @@ struct FieldSampler::Impl {
 };
 
 FieldSampler::FieldSampler(const Field& field) {
+  data::require_field(field);
   auto impl = std::make_unique<Impl>();
   if (const KernelField* const set = field.kernels()) {
     impl->kernels.emplace(*set);
@@ -69,6 +71,7 @@ struct FieldProbe::Impl {
 };
 
 FieldProbe::FieldProbe(const Field& field) {
+  data::require_field(field);
   auto impl = std::make_unique<Impl>();
   if (const KernelField* const set = field.kernels()) {
     impl->kernels.emplace(*set);

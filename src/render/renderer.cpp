@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <new>
 
+#include "data/validate.h"
 #include "ovoid/error.h"
 #include "render/cpu/cpu_renderer.h"
 #include "render/cpu/tile.h"
@@ -46,8 +47,7 @@ void require_trail(const Field& field, const Look& look, const Trail& trail,
   if (is_published(options.post_convolution))
     throw Error(ErrorCode::kUnsupported, "trail: is for post-convolution off and auto");
   const LatticeGeometry& own = field.lattice()->geometry();
-  const bool is_empty = trail.field.id() == 0;
-  if (is_empty || trail.field.geometry().kind != own.kind ||
+  if (trail.field.is_empty() || trail.field.geometry().kind != own.kind ||
       trail.field.geometry().dims != own.dims ||
       trail.field.geometry().world_from_index.matrix() != own.world_from_index.matrix())
     throw Error(ErrorCode::kInvalidArgument, "trail.field: must be on the lattice of the field");
@@ -147,6 +147,7 @@ Frame Renderer::render(const Field& field, const Camera& camera, const Look& loo
 }
 
 Frame Renderer::Impl::draw(const Job& job) const try {
+  data::require_field(job.field);
   job.camera.validate();
   job.look.validate();
   job.options.validate();

@@ -98,6 +98,7 @@ LatticeGeometry lattice_of_cubes(const Bounds3& bounds, std::int64_t longest) {
 
 Dataset resample(const Field& field, const LatticeGeometry& lattice,
                  const ResampleOptions& options) {
+  data::require_field(field);
   data::validate_geometry(lattice);
   const Index3& dims = lattice.dims;
   const std::int64_t count = num_samples(dims);

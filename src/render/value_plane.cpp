@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "data/parallel.h"
+#include "data/validate.h"
 #include "ovoid/error.h"
 #include "render/plane_values.h"
 #include "render/plane_view.h"
@@ -25,8 +26,9 @@ using Clock = std::chrono::steady_clock;
 
 constexpr float kNowhere = std::numeric_limits<float>::infinity();
 
-void require_valid(const Camera& camera, const Look& look, const ValuePlane& plane,
-                   const RenderOptions& options) {
+void require_valid(const Field& field, const Camera& camera, const Look& look,
+                   const ValuePlane& plane, const RenderOptions& options) {
+  data::require_field(field);
   camera.validate();
   look.validate();
   options.validate();
@@ -204,7 +206,7 @@ class PlaneFrame {
 Frame render_with_plane(Renderer& renderer, const Field& field, const Camera& camera,
                         const Look& look, const ValuePlane& plane, const RenderOptions& options,
                         const RenderHooks& hooks) {
-  require_valid(camera, look, plane, options);
+  require_valid(field, camera, look, plane, options);
   const Clock::time_point start = Clock::now();
   const auto elapsed_ms = [&] {
     return std::chrono::duration<double, std::milli>(Clock::now() - start).count();

@@ -13,6 +13,7 @@
 #include <span>
 #include <utility>
 
+#include "data/validate.h"
 #include "ovoid/look.h"
 #include "view/field_samples.h"
 
@@ -421,12 +422,14 @@ Look look_of_kernels(const KernelField& field) {
 }  // namespace
 
 bool holds_labels(const Field& field) {
+  data::require_field(field);
   if (field.lattice() == nullptr) return false;
   const FieldSamples samples = view::take_samples(*field.lattice());
   return !samples.values.empty() && !labels_of(*field.lattice(), samples).empty();
 }
 
 Look default_look(const Field& field, std::string_view unit) {
+  data::require_field(field);
   if (field.lattice() != nullptr) return look_of_lattice(*field.lattice(), unit);
   return look_of_kernels(*field.kernels());
 }

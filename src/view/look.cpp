@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "data/validate.h"
 #include "ovoid/error.h"
 
 namespace ovoid {
@@ -114,7 +115,10 @@ void Look::validate() const {
   }
 }
 
-double default_unit_distance(const Field& field) { return field.default_sampling_distance(); }
+double default_unit_distance(const Field& field) {
+  data::require_field(field);
+  return field.default_sampling_distance();
+}
 
 Look ramp_look(const ValueRange& range, const std::string& color_map_name) {
   double lo = range.lo;

@@ -20,6 +20,7 @@
 #include <utility>
 #include <vector>
 
+#include "data/validate.h"
 #include "ovoid/error.h"
 #include "render/reference/field_evaluator.h"
 #include "render/reference/kernel_tracer.h"
@@ -161,10 +162,7 @@ void count(const TraceCounts& counts, FrameProfile& profile) {
 Frame render(const LatticeField& field, const Camera& camera, const Look& look,
              const RenderOptions& options, const RenderHooks& hooks, int threads,
              const view::Behind* behind) {
-  if (field.id() == 0) {
-    throw Error(ErrorCode::kInvalidArgument,
-                "field is empty: expected one made from a brick source");
-  }
+  data::require_field(field);
   camera.validate();
   look.validate();
   options.validate();

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+// Compiled twice; numbers alone, so that no inline function of the one with wide registers gets
+// into a program for other processors.
+#include "layout/public_layout.h"
+
+#include "ovoid/ovoid.h"
+
+#define OVOID_TYPE(type) \
+  { #type, sizeof(type), alignof(type) }
+
+namespace ovoid::test {
+
+constinit const TypeLayout OVOID_LAYOUTS[] = {
+    OVOID_TYPE(Vec3),
+    OVOID_TYPE(Mat3),
+    OVOID_TYPE(Affine3),
+    OVOID_TYPE(Bounds3),
+    OVOID_TYPE(Index3),
+    OVOID_TYPE(MarkStyle),
+    OVOID_TYPE(ColorBarEntry),
+    OVOID_TYPE(ColorBar),
+    OVOID_TYPE(PixelBox),
+    OVOID_TYPE(Camera),
+    OVOID_TYPE(CoarseOptions),
+    OVOID_TYPE(Box),
+    OVOID_TYPE(Bytes),
+    OVOID_TYPE(DataArray),
+    OVOID_TYPE(DatasetBlock),
+    OVOID_TYPE(Cells),
+    OVOID_TYPE(Dataset),
+    OVOID_TYPE(DeviceInfo),
+    OVOID_TYPE(DeviceList),
+    OVOID_TYPE(Error),
+    OVOID_TYPE(BrickView),
+    OVOID_TYPE(BrickSource),
+    OVOID_TYPE(LatticeField),
+    OVOID_TYPE(Field),
+    OVOID_TYPE(Hyperplane),
+    OVOID_TYPE(HypersliceOptions),
+    OVOID_TYPE(Image),
+    OVOID_TYPE(RawOptions),
+    OVOID_TYPE(ReadOptions),
+    OVOID_TYPE(KernelAttribute),
+    OVOID_TYPE(KernelBrick),
+    OVOID_TYPE(KernelView),
+    OVOID_TYPE(KernelSource),
+    OVOID_TYPE(KernelColumns),
+    OVOID_TYPE(KernelField),
+    OVOID_TYPE(KernelSample),
+    OVOID_TYPE(KernelSampler),
+    OVOID_TYPE(ValueRange),
+    OVOID_TYPE(LatticeKernel),
+    OVOID_TYPE(LatticeGeometry),
+    OVOID_TYPE(LatticeFileArray),
+    OVOID_TYPE(LatticeFileCounts),
+    OVOID_TYPE(LatticeFileHeader),
+    OVOID_TYPE(LatticeFileWriter),
+    OVOID_TYPE(Material),
+    OVOID_TYPE(Look),
+    OVOID_TYPE(LatticeModelOptions),
+    OVOID_TYPE(LatticeModelReport),
+    OVOID_TYPE(KernelModelOptions),
+    OVOID_TYPE(KernelModelReport),
+    OVOID_TYPE(MakeOptions),
+    OVOID_TYPE(RelevantSamples),
+    OVOID_TYPE(ClipPlane),
+    OVOID_TYPE(RenderOptions),
+    OVOID_TYPE(TileDone),
+    OVOID_TYPE(RenderHooks),
+    OVOID_TYPE(FrameProfile),
+    OVOID_TYPE(Frame),
+    OVOID_TYPE(Trail),
+    OVOID_TYPE(RendererSetup),
+    OVOID_TYPE(Renderer),
+    OVOID_TYPE(LatticeResampleOptions),
+    OVOID_TYPE(SeriesResampleOptions),
+    OVOID_TYPE(FieldSampler),
+    OVOID_TYPE(FieldProbe),
+    OVOID_TYPE(ResampleOptions),
+    OVOID_TYPE(StepSource),
+    OVOID_TYPE(SeriesOptions),
+    OVOID_TYPE(Series),
+    OVOID_TYPE(StepWeight),
+    OVOID_TYPE(TimeSliceOptions),
+    OVOID_TYPE(SliceFields),
+    OVOID_TYPE(TrailOptions),
+    OVOID_TYPE(ColorPoint),
+    OVOID_TYPE(OpacityPoint),
+    OVOID_TYPE(TransferFunction),
+    OVOID_TYPE(ValuePlane),
+    {nullptr, 0, 0},
+};
+
+constinit const std::size_t OVOID_ALIGNMENT = EIGEN_MAX_STATIC_ALIGN_BYTES;
+
+}  // namespace ovoid::test

@@ -6,8 +6,10 @@
 #include <array>
 #include <cstdint>
 #include <stop_token>
+#include <type_traits>
 
 #include "ovoid/renderer.h"
+#include "render/shared/device_layout.h"
 #include "render/shared/look_nodes.h"
 #include "render/shared/slab_nodes.h"
 #include "view/frame_plan.h"
@@ -17,6 +19,7 @@ namespace ovoid::cpu {
 // A normalized field is undefined where the weights that exist are a smaller part of an endless
 // lattice's (docs/numerics.md).
 inline constexpr float kLeastWeight = 0.48F;
+static_assert(kLeastWeight == device::kLeastShare);
 
 // The look table, to be read as it says: red, green, blue and opacity of a node side by side. The
 // opacity is corrected for a path of one sampling distance, unless the frame corrects_late.
@@ -32,6 +35,8 @@ struct ClassificationTable {
 inline constexpr float kLeastVariance = 1e-6F;
 // The same of several sublattices, where a matrix is inverted: it must not be near to singular.
 inline constexpr float kLeastInnerVariance = 1e-3F;
+static_assert(kLeastVariance == device::kLeastOffset);
+static_assert(kLeastInnerVariance == device::kLeastInnerOffset);
 
 // Samples at whole numbers of index space, shifted.
 struct FrameSublattice {
@@ -40,6 +45,7 @@ struct FrameSublattice {
 };
 
 inline constexpr int kMaxSublattices = 2;
+static_assert(kMaxSublattices == std::extent_v<decltype(device::LatticeConstants::dims)>);
 
 struct CpuFrame {
   const view::FramePlan* plan = nullptr;

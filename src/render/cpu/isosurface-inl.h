@@ -18,6 +18,7 @@ namespace ovoid::cpu {
 namespace HWY_NAMESPACE {
 
 inline constexpr int kBisections = 8;  // to 1/256 of a sheet's distance, before the secant step
+static_assert(kBisections == device::kSurfaceSteps);
 
 // Where between two samples (0 to 1) the field takes the isovalue; `before` and `after` lie on
 // different sides.

@@ -19,13 +19,15 @@
 #include "render/cpu/block.h"
 #include "render/cpu/filter_band.h"
 #include "render/cpu/splat.h"
+#include "render/shared/device_layout.h"
 #include "render/shared/levels.h"
 
 namespace ovoid::cpu {
 
 inline constexpr int kMaxChannels = 3;
-inline constexpr int kMaxLevel = 6;   // 64 pixels per sample: a tile is one sample
-inline constexpr int kValueRing = 8;  // a power of two, > kBlockDepth + 2
+inline constexpr int kMaxLevel = 6;  // 64 pixels per sample: a tile is one sample
+static_assert(kMaxLevel + 1 == device::kNumLevels);
+inline constexpr int kValueRing = 8;                            // a power of two, > kBlockDepth + 2
 inline constexpr int kSubtiles = view::kBlockEdge / kTileSize;  // along one axis
 inline constexpr int kPlanePadding = 64;  // floats: a group at a plane's end reads and writes on
 

@@ -7,6 +7,7 @@
 
 #include "data/kernel_shape.h"
 #include "render/cpu/splat.h"
+#include "render/shared/device_layout.h"
 
 namespace ovoid::cpu {
 namespace {
@@ -15,6 +16,7 @@ namespace {
 // by 2 exp(-2 pi^2 0.65^2) = 0.05 % of the mass along each axis at most, and half a sheet, as it is
 // on a lattice that is sampled at its spacing.
 constexpr double kLeastSquaredSigma = 0.25;
+static_assert(kLeastSquaredSigma == device::kLeastSigma * device::kLeastSigma);
 
 // True if all eigenvalues of the symmetric matrix are at least kLeastSquaredSigma: the leading
 // minors of what is left when that is subtracted are not negative.

@@ -50,6 +50,7 @@ struct SheetPlace {
 
 // Where a block lies in the picture, and its sheets (or the nodes of their slabs, sheet by sheet).
 inline constexpr int kProfileNodes = 8;
+static_assert(kProfileNodes == device::kProfileNodes);
 struct BlockPlace {
   int tile_x, tile_y;               // pixel of its corner
   float scales[view::kBlockDepth];  // of the sheets' middle planes

@@ -179,6 +179,7 @@ HWY_INLINE Classified classify_segment(const CpuFrame& frame, V from, V to) {
 // kCloseCells the look is as good as straight between them, and its middle stands for it; so it
 // does for a sample that has none before it.
 inline constexpr float kCloseCells = 2.0F;
+static_assert(kCloseCells == device::kClosePieces);
 
 HWY_INLINE Classified classify_from(const CpuFrame& frame, V before, V value) {
   const V middle = hn::MulAdd(hn::Sub(value, before), hn::Set(d, 0.5F), before);

@@ -17,11 +17,6 @@
 namespace ovoid::vulkan {
 namespace {
 
-static_assert(device::kBlockSheets == view::kBlockDepth);
-static_assert(device::kPlanEdge == view::kBlockEdge);
-static_assert(device::kBrickGroup == KernelBrick::kMaxBrickKernels);
-static_assert(device::kLeastSetWeight == static_cast<float>(KernelField::kLeastWeight));
-
 // Of sheets that are kept at a time: more would be worked out behind what is opaque.
 constexpr int kMostChunkLayers = 4;
 constexpr int kTileEdge = device::kGroupEdge;

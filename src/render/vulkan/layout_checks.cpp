@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the device layouts copy of the host's constants, held together: a constant that is changed
+// on one side alone would let the host write past an array that a shader reads, or the two back
+// ends draw different pictures, so it does not compile. What the cpu back end copies is held where
+// it stands there.
+#include "ovoid/kernel_field.h"
+#include "ovoid/lattice.h"
+#include "ovoid/render_options.h"
+#include "render/shared/device_layout.h"
+#include "render/shared/filters.h"
+#include "render/shared/slab_nodes.h"
+#include "view/frame_plan.h"
+#include "view/kernel_plan.h"
+#include "view/look_table.h"
+
+namespace ovoid::device {
+namespace {
+
+// Arrays.
+static_assert(kMaxClips == RenderOptions::kMaxClipPlanes);
+static_assert(2 * kMaxSlabPairs == kMaxSlabNodes);
+static_assert(kTableCells == view::LookTable::kCells);
+static_assert(kBrickGroup == KernelBrick::kMaxBrickKernels);
+static_assert(1 << (kNumLevels - 1) == static_cast<int>(view::kWidestSample));
+static_assert(sizeof(KernelFrame::taps) == 2 * kFilterTaps * sizeof(float));
+// The nodes between and around kNodeTile pixels where they are closest.
+static_assert((kNodeTile - 1) / view::kLeastNodePitch + 1 + kFilterTaps <= kMostNodes);
+static_assert(kMostNodes <= 32);  // a bit for each
+
+// Divisions of space and of work.
+static_assert(kBlockSheets == view::kBlockDepth);
+static_assert(kPlanEdge == view::kBlockEdge);
+static_assert(kGroupSize == kGroupEdge * kGroupEdge);
+static_assert(kScanItems == 4 * kScanGroup);
+static_assert(kSortItems == 8 * kSortGroup);
+static_assert(kSortBins == 1U << kSortBits);
+static_assert(kSortGroup == 16 * kSortBins);  // sort_scatter.comp: sixteen threads for a digit
+static_assert(kStoredEdge == 4);              // gather.glsl: shifts by two bits
+static_assert(kFarBricks <= static_cast<int>(kDistanceBits));
+static_assert((kDistanceBits & kMissingBit) == 0);
+
+// Numbers of the definition.
+static_assert(kOpaque == static_cast<float>(RenderOptions::kOpaque));
+static_assert(kLeastSetWeight == static_cast<float>(KernelField::kLeastWeight));
+static_assert(kTapsBefore == 2);  // lattice_nodes.comp, post_convolve.glsl
+
+// By number: look.glsl.
+static_assert(static_cast<int>(ValueScale::kLinear) == 0);
+static_assert(static_cast<int>(ValueScale::kLog) == 1);
+static_assert(static_cast<int>(ValueScale::kSymlog) == 2);
+
+}  // namespace
+}  // namespace ovoid::device

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "ovoid/kernels.h"
 #include "ovoid/lattice.h"
 
 namespace ovoid {
@@ -158,6 +159,8 @@ struct Dataset {
   Cells cells;                          // kMesh only
   DataArray box_sizes;                  // kBoxes only: [n, 3] float64, world units
   std::optional<Bounds3> periodic_box;  // kParticles: opposite faces are the same place
+  std::optional<Reconstruction> reconstruction;  // kKernels: how they are meant to be summed, where
+                                                 // that is known; no file says
   Space space = Space::kNone;
   std::vector<DataArray> arrays;
   std::vector<DatasetBlock> blocks;        // all volumes of the input; empty if it is one

@@ -51,12 +51,13 @@ struct HypersliceOptions {
 //
 // kInterpolated: a lattice of float32, NaN where the plane leaves the data and where more than half
 // of what a sample is summed from is missing. kExtracted: kernels with the array and "weight",
-// exp(-2 d^2) for samples within d = 2 T. Steps are read one by one, in order. Throws Error:
-// kInvalidArgument for a plane without a direction or that misses the data, steps that are not even
-// (but for planes across time), anything but lattices, a spacing that is not finite and > 0 or
-// makes too many samples; kOutOfMemory, kCancelled; what reading throws. Cost: a sample of the
-// slice takes some 256 kernels, or 128 where steps are staggered; across one axis, two to four.
-// Source: [Neophytou 2006, section 2.3].
+// exp(-2 d^2) for samples within d = 2 T, divided by what the weights of the endless lattice sum to
+// on average, (pi / 2)^2 and of staggered steps half of that; reconstruction normalized. Steps are
+// read one by one, in order. Throws Error: kInvalidArgument for a plane without a direction or that
+// misses the data, steps that are not even (but for planes across time), anything but lattices, a
+// spacing that is not finite and > 0 or makes too many samples; kOutOfMemory, kCancelled; what
+// reading throws. Cost: a sample of the slice takes some 256 kernels, or 128 where steps are
+// staggered; across one axis, two to four. Source: [Neophytou 2006, section 2.3].
 Dataset hyperslice(const Series& series, const Hyperplane& plane,
                    const HypersliceOptions& options = {});
 

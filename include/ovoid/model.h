@@ -63,7 +63,9 @@ struct KernelModelOptions {
   std::string array{};        // gives opacity and surfaces; empty: Dataset::array()'s default
   std::string color_array{};  // gives colour; empty: the same
   int component = 0;          // of both arrays' tuples; LatticeModelOptions::kMagnitude: the norm
-  std::optional<Reconstruction> reconstruction{};  // none: sum for densities, else normalized
+  // None: the dataset's own; of those that have none sum for densities and stored kernels, else
+  // normalized.
+  std::optional<Reconstruction> reconstruction{};
   std::optional<double>
       cutoff{};     // sigmas; none: 4 for stored kernels and particles, 3.5 for meshes
   int threads = 0;  // 0: one per hardware thread

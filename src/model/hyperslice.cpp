@@ -11,6 +11,7 @@
 #include <cmath>
 #include <limits>
 #include <new>
+#include <numbers>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -397,10 +398,18 @@ DataArray numbers(const std::string& name, int num_components, const std::vector
   return array;
 }
 
+// What the kernels of an endless lattice sum to on average: the integral of exp(-2 d^2) over space
+// and time, times the samples there are in a unit of it.
+double mean_sum(const SpaceTime& space_time) {
+  constexpr double kIntegral = 0.25 * std::numbers::pi * std::numbers::pi;
+  return kIntegral / (std::pow(space_time.scale(), 3) * space_time.step_distance());
+}
+
 Dataset extracted(const Series& series, const StepValues& steps, const SpaceTime& space_time,
                   const HyperplaneFrame& frame, const HypersliceOptions& options) {
   const Index3& dims = space_time.dims;
   const Affine3 world = frame.world_from_plane();
+  const double per_kernel = 1 / mean_sum(space_time);
   std::vector<double> positions;
   std::vector<float> weights, values;
   for (std::int64_t step = 0; step < series.num_steps(); ++step) {
@@ -421,7 +430,7 @@ Dataset extracted(const Series& series, const StepValues& steps, const SpaceTime
           if (std::abs(distance) > kReach || !std::isfinite(*value)) continue;
           const Vec3 place = world * frame.to_plane(at);
           positions.insert(positions.end(), place.data(), place.data() + 3);
-          weights.push_back(static_cast<float>(kernel_at(distance)));
+          weights.push_back(static_cast<float>(per_kernel * kernel_at(distance)));
           values.push_back(*value);
         }
       }
@@ -439,6 +448,7 @@ Dataset extracted(const Series& series, const StepValues& steps, const SpaceTime
   }
   Dataset out = described(steps);
   out.kind = DatasetKind::kKernels;
+  out.reconstruction = Reconstruction::kNormalized;
   out.positions = numbers("positions", 3, positions);
   DataArray array = numbers(steps.array().name, 1, values);
   array.unit = steps.array().unit;

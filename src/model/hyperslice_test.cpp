@@ -7,10 +7,13 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <numbers>
 #include <vector>
 
 #include "model/test_steps.h"
 #include "ovoid/error.h"
+#include "ovoid/model.h"
+#include "ovoid/sampler.h"
 
 namespace ovoid {
 namespace {
@@ -249,16 +252,48 @@ TEST(Hyperslice, ExtractsWhatIsNear) {
   const auto* weights = reinterpret_cast<const float*>(slice.array("weight").bytes.view.data());
   const auto* values = reinterpret_cast<const float*>(slice.array("value").bytes.view.data());
   const Affine3 world = unlike_axes();
+  const double per_kernel = std::pow(2 / std::numbers::pi, 2);
   for (int step = 3; step <= 6; ++step) {
     const std::int64_t n = (step - 3) * volume + 100;
     const Vec3 expected = world * Vec3(100 % 9, 100 / 9 % 8, 100 / 72);
     for (int a = 0; a < 3; ++a) EXPECT_NEAR(positions[3 * n + a], expected[a], 1e-9);
-    EXPECT_NEAR(weights[n], std::exp(-2 * std::pow(step - 4.3, 2)), 1e-5);
+    EXPECT_NEAR(weights[n], std::exp(-2 * std::pow(step - 4.3, 2)) * per_kernel, 1e-5);
     EXPECT_NEAR(values[n], mixed(expected, data.times[static_cast<std::size_t>(step)]), 1e-5);
   }
   const auto* scales = reinterpret_cast<const float*>(slice.array("scale").bytes.view.data());
   EXPECT_NEAR(scales[0], 1.0, 1e-6);  // half of the greatest spacing, 2
   EXPECT_NEAR(scales[2], 0.25, 1e-6);
+}
+
+// Fails if extracted kernels are summed where they are meant to be averaged, or if their weights
+// are not such that their sum is about 1 inside, as sets are defined.
+TEST(Hyperslice, ExtractedFieldsHaveTheSamplesValues) {
+  HypersliceOptions options;
+  options.method = SliceMethod::kExtracted;
+  for (const SeriesKind kind : kKinds) {
+    SCOPED_TRACE(name_of(kind));
+    constexpr double kLeast = 1.000, kGreatest = 1.007;
+    const Sampled data(kind, [](const Vec3& p, double t) {
+      return kLeast + (kGreatest - kLeast) * (0.5 + 0.25 * mixed(p, t));
+    });
+    for (const Hyperplane& plane : {Hyperplane{{0, 0, 0, 1}, 3.3}, {{0, 1, 0, 1}, 12.3}}) {
+      const KernelField field = make_kernel_field(hyperslice(data.series, plane, options));
+      EXPECT_EQ(field.reconstruction(), Reconstruction::kNormalized);
+      const FieldProbe probe{field};
+      const Bounds3 bounds = field.world_bounds();
+      for (const double share : {0.4, 0.45, 0.5, 0.55, 0.6}) {
+        for (int axis = 0; axis < 3; ++axis) {
+          Vec3 at = bounds.center();
+          at[axis] = bounds.min()[axis] + share * bounds.sizes()[axis];
+          const FieldSample sample = probe.at(at);
+          ASSERT_TRUE(sample.is_defined);
+          EXPECT_GE(sample.value, kLeast - 1e-6);
+          EXPECT_LE(sample.value, kGreatest + 1e-6);
+          EXPECT_NEAR(sample.weight, 1, 0.1);
+        }
+      }
+    }
+  }
 }
 
 TEST(Hyperslice, RefusesWhatIsNoPlaneOrMisses) {

@@ -99,7 +99,8 @@ KernelParts stored_kernels(const ModelRun& run) {
   KernelParts parts;
   parts.shape = KernelShape::kEllipsoids;
   parts.cutoff = run.options.cutoff.value_or(kStoredCutoff);
-  parts.reconstruction = run.options.reconstruction.value_or(Reconstruction::kSum);
+  parts.reconstruction = run.options.reconstruction.value_or(
+      run.dataset.reconstruction.value_or(Reconstruction::kSum));
   parts.attributes = values.attributes;
   run.report.num_sites = count;
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {

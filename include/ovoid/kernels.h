@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
+
 namespace ovoid {
 
 // Least and greatest value; empty (lo > hi) when there is no sample.
@@ -23,7 +25,15 @@ struct LatticeKernel {
   static constexpr double kMaxCutoff = 16.0;
   static constexpr double kMinSupport = 0.5;  // below half a spacing the kernels leave gaps
 
-  double support_radius() const noexcept { return sigma * cutoff; }  // spacings
+  // Spacings. What misses a whole number by a cut-off's last typed digit, as 0.6 * 3.3333333 does,
+  // is that number: else the taps at that distance would be lost on the planes of samples alone.
+  double support_radius() const noexcept {
+    const double radius = sigma * cutoff;
+    const double whole = std::round(radius);
+    return std::abs(radius - whole) <= kSupportRounding ? whole : radius;
+  }
+  static constexpr double kSupportRounding = 1e-6;
+
   bool operator==(const LatticeKernel&) const = default;
 };
 

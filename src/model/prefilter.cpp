@@ -34,12 +34,15 @@ constexpr std::int64_t kLanes = 16;
 // Samples per task.
 constexpr std::int64_t kGrainSamples = std::int64_t{1} << 16;
 
-// g(0), g(1), ... to the last within the support.
+// g(0), g(1), ... to the last within the support: on the cut-off itself it counts half, as the
+// field has it there, so that the field's limits on both sides of a sample have the sample's value
+// for their mean.
 std::vector<double> one_axis_taps(const LatticeKernel& kernel) {
   std::vector<double> taps;
-  for (int k = 0; k <= kernel.support_radius(); ++k) {
+  const double reach = kernel.support_radius();
+  for (int k = 0; k <= reach; ++k) {
     const double t = k / kernel.sigma;
-    taps.push_back(std::exp(-0.5 * t * t));
+    taps.push_back(std::exp(-0.5 * t * t) * (k == reach ? 0.5 : 1.0));
   }
   return taps;
 }

@@ -87,14 +87,15 @@ TEST(KernelSums, PublishedRippleOfTheBodyCentredLattice) {
   EXPECT_NEAR(ball_sums(1.5, 2.5, true).ripple(integral_of(1.5) * density), 0.023, 0.0005);
 }
 
-// One axis of the box-cut kernel: 1 + 2 e^-2 + 2 e^-8 on a sample, 2 e^-1/2 + 2 e^-9/2 between two.
+// One axis of the box-cut kernel: 1 + 2 e^-2 + e^-8 on a sample, as the two at the cut-off count
+// half, 2 e^-1/2 + 2 e^-9/2 between two.
 TEST(KernelSums, BoxCutSumIsTheProductOfItsAxes) {
   FieldSetup setup;
   setup.reconstruction = Reconstruction::kSum;
   const FieldEvaluator field(constant_field({9, 9, 9}, 1, setup));
-  const double on = 1 + 2 * std::exp(-2.0) + 2 * std::exp(-8.0);
+  const double on = 1 + 2 * std::exp(-2.0) + std::exp(-8.0);
   const double between = 2 * std::exp(-0.5) + 2 * std::exp(-4.5);
-  EXPECT_NEAR(on, 1.2713, kFourDigits);
+  EXPECT_NEAR(on + std::exp(-8.0), 1.2713, kFourDigits);  // printed with both whole
   EXPECT_NEAR(between, 1.2353, kFourDigits);
   const double full = integral_of(2.0);
   EXPECT_NEAR(field.at_index({4, 4, 4}).value * full, on * on * on, kDoubleRelative * full);

@@ -15,7 +15,7 @@ namespace {
 using reference::render;
 
 // One sample of 1 among zeros, sheets through the samples' planes: the greatest sample is the
-// kernel over E^3 at its own centre, 1 / 1.2713^3. Fails if the maximum is of colours or opacities,
+// kernel over E^3 at its own centre, 1 / 1.2710^3. Fails if the maximum is of colours or opacities,
 // or its opacity is corrected by a path.
 TEST(Maximum, OfASingleBrightSample) {
   const LatticeField field =
@@ -24,7 +24,7 @@ TEST(Maximum, OfASingleBrightSample) {
       });
   // Focal plane at 4.5: sheets at 5 and so on, on samples.
   const Camera camera = parallel_camera({4, 4, 4.5}, {0, 0, 1}, 4.5);
-  const double endless = 1 + 2 * std::exp(-2.0) + 2 * std::exp(-8.0);
+  const double endless = 1 + 2 * std::exp(-2.0) + std::exp(-8.0);  // half at the cut-off
   Look look = with_mode(gray_look(0, 1, 0.25), Mode::kMaximum);
   look.unit_distance = 0.1;
   const Image image = render(field, camera, look, picture(9, 9, 1)).image;

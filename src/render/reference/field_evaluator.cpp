@@ -30,6 +30,9 @@ constexpr double kLeastVariance = 1e-6;
 // The same of several sublattices, where a matrix is inverted: it must not be near to singular.
 constexpr double kLeastInnerVariance = 1e-3;
 
+// Index units: so near to the cut-off, where rounding would decide about a kernel, it counts half.
+constexpr double kOnCutoff = 1e-9;
+
 // Spacings; nobody waits for the sums of longer ones.
 constexpr double kMaxSegment = 1e6;
 
@@ -84,10 +87,12 @@ struct AxisWeights {
   std::vector<Weight> weights;
   double endless = 0;
 
-  AxisWeights(double u, double sigma, double reach) : indices(indices_in_reach(u, u, reach)) {
+  AxisWeights(double u, double sigma, double reach)
+      : indices(indices_in_reach(u, u, reach + kOnCutoff)) {
     for (std::int64_t i = indices.first; i <= indices.last; ++i) {
       const double d = u - static_cast<double>(i);
-      const double g = std::exp(-0.5 * d * d / (sigma * sigma));
+      const double part = std::abs(d) >= reach - kOnCutoff ? 0.5 : 1.0;
+      const double g = part * std::exp(-0.5 * d * d / (sigma * sigma));
       weights.push_back({g, -d / (sigma * sigma) * g});
       endless += g;
     }

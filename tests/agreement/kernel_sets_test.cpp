@@ -206,6 +206,43 @@ TEST(KernelSets, LevelsAgreeWithDirectSums) {
   }
 }
 
+std::int64_t num_seen(const Image& image) {
+  std::int64_t count = 0;
+  for (std::size_t p = 3; p < image.rgba.size(); p += 4) count += image.rgba[p] > 0 ? 1 : 0;
+  return count;
+}
+
+// Fails if what filters carry beyond the cut of a kernel counts as a part of a sum: pictures of
+// sums would end at samples of coarse levels.
+TEST(KernelSets, SumsOnLevelsEndWhereTheirKernelsDo) {
+  KernelNumbers blobs = balls_of_all_sizes(300, 0.02);
+  for (const NamedSet& set :
+       {NamedSet{"ellipsoids", jittered_ellipsoids(5)}, NamedSet{"balls of all sizes", blobs}}) {
+    const KernelField field(set.numbers.source(), Reconstruction::kSum);
+    for (const Mode mode : {Mode::kXray, Mode::kMean, Mode::kMaximum, Mode::kComposite}) {
+      for (const bool is_parallel : {true, false}) {
+        Look look = semi_transparent_look(-field.value_range().hi, field.value_range().hi);
+        look.mode = mode;
+        look.shade = false;  // of next to nothing: what is seen at the kernels' ends
+        Scene scene{field, askew_camera(field, is_parallel, 0.6), look, picture(190, 180)};
+        Scene direct = scene;
+        direct.options.post_convolution = PostConvolution::kOff;
+        const Image expected = draw(direct).image;
+        const Image image = draw(scene).image;
+        const double peak = mode == Mode::kXray ? greatest_color(expected) : 1.0;
+        const ImageDifference difference = compare(image, expected, peak);
+        const std::string name = set.name + ", mode " + std::to_string(static_cast<int>(mode)) +
+                                 view_text(is_parallel) + ": " + difference.to_string();
+        EXPECT_LT(num_seen(expected), 190 * 180) << name << ": nothing ends in the picture";
+        EXPECT_GT(num_seen(expected), 3000) << name;
+        EXPECT_EQ(num_seen(image), num_seen(expected)) << name;
+        EXPECT_GE(difference.psnr_db, kLevelsPsnrDb) << name;
+        EXPECT_LT(difference.psnr_db, 130) << name << ": no kernel went to a level";
+      }
+    }
+  }
+}
+
 // At cut-off 6, where a box and a ball agree, a lattice and its own kernels give one picture.
 TEST(KernelSets, EqualTheLatticeOfTheSameKernels) {
   constexpr int kEdge = 9;

@@ -75,6 +75,12 @@ struct KernelWorkspace {
   std::array<FloatBuffer, kMaxLevel + 1> levels;
   std::array<bool, kMaxLevel + 1> is_touched{};
 
+  // Of frames with finds_cover: not 0 where a splat of a coarse level reaches the pixel. [sheet of
+  // the block][row][column] as on level 0; there where a coarse level is touched.
+  FloatBuffer cover;
+  bool has_cover = false;
+  std::array<bool, view::kBlockDepth> is_all_covered{};
+
   // The ring: NaN where the field is undefined.
   FloatBuffer values, colors;
   std::array<std::int64_t, kValueRing> ring_sheets{};  // which sheet each plane holds
@@ -94,6 +100,9 @@ struct KernelFrame {
   float least_level_sigma = 1;  // samples of a level
   std::unique_ptr<const LevelBands> level_bands;
   bool gathers = false;  // fragment-centric
+  // Sums are undefined where no kernel reaches. What the filter carries from coarse levels beyond
+  // the kernels' cuts would say otherwise, so it is found for each pixel.
+  bool finds_cover = false;
 };
 
 }  // namespace ovoid::cpu

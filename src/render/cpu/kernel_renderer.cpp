@@ -34,6 +34,7 @@ void set_frame(KernelFrame& frame, const KernelField& field, const RenderOptions
   frame.least_level_sigma =
       options.post_convolution == PostConvolution::kAuto ? kLeastLevelSigma : kPublishedLevelSigma;
   frame.level_bands = level_bands(options.post_convolution);
+  frame.finds_cover = frame.is_sum && options.post_convolution == PostConvolution::kAuto;
 }
 
 void draw_tile(const KernelFrame& frame, const Look& look, KernelWorkspace& work,

@@ -49,6 +49,8 @@ inline void finish_values(const KernelFrame& frame, KernelWorkspace& work, int j
   const float* channels = planes_of(frame, work, 0, j);
   const std::size_t size = plane_size(0);
   float* values = work.values.data.get() + ring_offset(sheet);
+  const float* cover =
+      work.has_cover ? work.cover.data.get() + static_cast<std::size_t>(j) * size : nullptr;
   const V nan = hn::Set(d, std::numeric_limits<float>::quiet_NaN());
   for (std::size_t i = 0; i < size; i += static_cast<std::size_t>(group_size())) {
     const V first = hn::LoadU(d, channels + i);
@@ -56,6 +58,8 @@ inline void finish_values(const KernelFrame& frame, KernelWorkspace& work, int j
     M is_defined;
     if (frame.is_sum) {
       is_defined = hn::Ne(first, hn::Zero(d));
+      if (cover != nullptr)
+        is_defined = hn::And(is_defined, hn::Ne(hn::LoadU(d, cover + i), hn::Zero(d)));
     } else {
       const V weight = hn::LoadU(d, channels + size + i);
       is_defined = hn::Ge(weight, hn::Set(d, static_cast<float>(KernelField::kLeastWeight)));
@@ -67,6 +71,20 @@ inline void finish_values(const KernelFrame& frame, KernelWorkspace& work, int j
       const V whole = frame.is_sum ? first : hn::LoadU(d, channels + size + i);
       hn::StoreU(hn::Div(part, hn::IfThenElse(is_defined, whole, hn::Set(d, 1.0F))), d,
                  work.colors.data.get() + ring_offset(sheet) + i);
+    }
+  }
+}
+
+// Pixels that splats of level 0 itself reach, before coarser levels are added there.
+inline void cover_own_pixels(const KernelFrame& frame, KernelWorkspace& work, const SheetRun& run) {
+  const std::size_t size = plane_size(0);
+  for (int j = run.first; j < run.last; ++j) {
+    const float* sums = planes_of(frame, work, 0, j);
+    float* cover = work.cover.data.get() + static_cast<std::size_t>(j) * size;
+    for (std::size_t i = 0; i < size; i += static_cast<std::size_t>(group_size())) {
+      const V own = hn::LoadU(d, sums + i);
+      const M is_reached = hn::Ne(own, hn::Zero(d));
+      hn::StoreU(hn::IfThenElse(is_reached, own, hn::LoadU(d, cover + i)), d, cover + i);
     }
   }
 }
@@ -103,6 +121,7 @@ inline void reconstruct_sheets(const KernelFrame& frame, KernelWorkspace& work,
   const std::span<const std::uint32_t> indices = frame.binned->of_block(block);
   work.shading.stats.kernels_loaded += static_cast<std::int64_t>(indices.size());
   sum_splats(frame, work, indices, place_of_block(frame, rect, layer), run);
+  if (work.has_cover) cover_own_pixels(frame, work, run);
   for (int level = kMaxLevel; level > 0; --level) {
     if (work.is_touched[static_cast<std::size_t>(level)]) bring_down_level(frame, work, level, run);
   }

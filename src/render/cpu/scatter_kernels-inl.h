@@ -395,6 +395,33 @@ HWY_INLINE void for_each_section(const KernelFrame& frame, const Splat& splat,
   }
 }
 
+inline void clear_cover(KernelWorkspace& work, const SheetRun& run) {
+  work.has_cover = true;
+  work.is_all_covered = {};
+  const std::size_t size = plane_size(0);
+  float* cover = work.cover.reserve(size * view::kBlockDepth + kPlanePadding);
+  std::memset(cover + size * static_cast<std::size_t>(run.first), 0,
+              sizeof(float) * size * static_cast<std::size_t>(run.last - run.first));
+}
+
+// The pixels that a section reaches, as level 0 would have them.
+inline void cover_section(KernelWorkspace& work, const Section& section, int j) {
+  const LevelExtent& extent = kLevelExtents[0];
+  RowRuns runs;
+  find_rows<RowWay::kProfile>(section, extent, runs);
+  float* const cover = work.cover.data.get() + static_cast<std::size_t>(j) * plane_size(0);
+  bool is_all = runs.count == extent.size;
+  for (int i = 0; i < runs.count; ++i) {
+    const int first = runs.first[i];
+    const int last = runs.last[i];
+    is_all = is_all && first == 0 && last == extent.size - 1;
+    if (first > last) continue;
+    std::fill_n(cover + static_cast<std::size_t>(runs.row0 + i) * extent.stride + first,
+                last - first + 1, 1.0F);
+  }
+  if (is_all) work.is_all_covered[static_cast<std::size_t>(j)] = true;
+}
+
 template <int kChannels, bool kIsGaussian>
 HWY_INLINE void add_splat(const KernelFrame& frame, KernelWorkspace& work, const Splat& splat,
                           const BlockPlace& block, const SheetRun& run) {
@@ -406,6 +433,13 @@ HWY_INLINE void add_splat(const KernelFrame& frame, KernelWorkspace& work, const
     if (!work.is_touched[l]) {
       work.is_touched[l] = true;
       clear_level(frame, work, level, run);
+    }
+    // A kernel of the value 0 does not define a sum.
+    if (level > 0 && frame.finds_cover && coefficients[0] != 0.0F) {
+      if (!work.has_cover) clear_cover(work, run);
+      if (!work.is_all_covered[static_cast<std::size_t>(j)])
+        for_each_section(frame, splat, block, j, 0,
+                         [&](const Section& section) { cover_section(work, section, j); });
     }
     for_each_section(frame, splat, block, j, level, [&](const Section& section) {
       add_section<kChannels, kIsGaussian>(frame, section, coefficients, kLevelExtents[l],
@@ -485,6 +519,7 @@ inline void sum_splats(const KernelFrame& frame, KernelWorkspace& work,
   work.is_touched = {};
   work.is_touched[0] = true;
   clear_level(frame, work, 0, run);
+  work.has_cover = false;
   if (frame.gathers) {
     for (int j = run.first; j < run.last; ++j) gather_sheet(frame, work, indices, block, j);
   } else if (frame.num_channels == 1) {

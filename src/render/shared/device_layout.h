@@ -251,6 +251,7 @@ OVOID_CONSTANT uint kHasLevels = 16u;
 OVOID_CONSTANT uint kIsFragmentCentric = 32u;
 OVOID_CONSTANT uint kSetHalfSheets = 64u;
 OVOID_CONSTANT uint kSetIsParallel = 128u;
+OVOID_CONSTANT uint kSetFindsCover = 256u;  // a sum on levels, defined where a kernel reaches
 
 // A level's tiles of kGroupEdge^2 samples in a band of the picture.
 struct LevelConstants {

@@ -20,6 +20,9 @@ std::uint32_t set_flags(const KernelField& field, const view::KernelPlan& plan,
   set(has_levels, device::kHasLevels);
   set(options.evaluate == Evaluate::kGather, device::kIsFragmentCentric);
   set(options.sheet_precision == SheetPrecision::kHalf, device::kSetHalfSheets);
+  set(field.reconstruction() == Reconstruction::kSum && has_levels &&
+          options.post_convolution == PostConvolution::kAuto,
+      device::kSetFindsCover);
   set(plan.space.is_parallel, device::kSetIsParallel);
   return flags;
 }

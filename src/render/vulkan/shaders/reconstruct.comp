@@ -6,7 +6,9 @@
 // The tile's splats are taken from their lists sixty-four at a time. Each thread cuts one with the
 // four sheets; those that meet the tile are packed in shared memory, and every thread adds them to
 // its four sums, in their order. On coarse levels the sums stay in memory for the next finer one;
-// on the finest they become field values in a ring of sheets.
+// on the finest they become field values in a ring of sheets. What the filter carries beyond the
+// kernels of coarse levels is no part of a sum: where one is defined, their splats are asked once
+// more, until all samples of the tile are known to be reached.
 #extension GL_GOOGLE_include_directive : require
 #include "kernel_bindings.glsl"
 
@@ -30,6 +32,7 @@ layout(std430, binding = 9) buffer CountBuffer { uvec4 counts[]; };
 shared Section staged[kGroupSize][kBlockSheets];
 shared vec3 staged_values[kGroupSize];
 shared uint staged_bits[2];
+shared uint is_any_uncovered;
 
 vec3 coefficients_of(DeviceSplat splat) {
   float weight = splat.center.w;
@@ -68,8 +71,9 @@ bool is_open(ivec2 tile, ivec2 tiles) {
 // Whether a sheet of the layer is worked out now.
 bool is_wanted(int j) { return push.only_sheet < 0 || push.only_sheet == j; }
 
-// Cuts one splat with the layer's sheets, at one node of their slabs. True if it meets the tile.
-bool stage(DeviceSplat splat, int first_sheet, int node, vec2 corner,
+// Cuts one splat of a level with the layer's sheets, at one node of their slabs, in samples of the
+// level in hand. True if it meets the tile.
+bool stage(DeviceSplat splat, int of_level, int first_sheet, int node, vec2 corner,
            out Section sections[kBlockSheets]) {
   bool meets = false;
   float unit = float(1 << push.level);
@@ -90,7 +94,7 @@ bool stage(DeviceSplat splat, int first_sheet, int node, vec2 corner,
     float t = s - splat.center.z;
     if (abs(t) - (takes_means ? 0.5 : 0.0) >= splat.slide.z) continue;
     if (set_has(kHasLevels) &&
-        level_for(splat.slide.w, scale_at(depth_at(middle))) != push.level)
+        level_for(splat.slide.w, scale_at(depth_at(middle))) != of_level)
       continue;
     float factor = scale / unit;
     vec2 offset = (vec2(frame.center_x, frame.center_y) - 0.5 * (unit - 1.0)) / unit - corner;
@@ -117,20 +121,30 @@ bool stage(DeviceSplat splat, int first_sheet, int node, vec2 corner,
 }
 
 vec3 sums[kBlockSheets];
+uint covered_sheets = 0u;  // a bit for each: some kernel reaches the sample there
+const uint kAllCovered = (1u << uint(kBlockSheets)) - 1u;
 
-void add_list(uint list, int first_sheet, int node, vec2 corner, vec2 sample_at) {
+// Adds a list's splats to the sums, or, those of a coarser level, notes whom they reach.
+void add_list(uint list, int of_level, int first_sheet, int node, vec2 corner, vec2 sample_at) {
   uint first = ends[2u * list];
   uint past = ends[2u * list + 1u];
   uint self = gl_LocalInvocationIndex;
+  bool only_covers = set_has(kSetFindsCover) && of_level != push.level;
   for (uint batch = first; batch < past; batch += kGroupSize) {
     if (self < 2u) staged_bits[self] = 0u;
+    if (self == 2u) is_any_uncovered = 0u;
     barrier();
+    if (only_covers) {
+      if (covered_sheets != kAllCovered) atomicOr(is_any_uncovered, 1u);
+      barrier();
+      if (is_any_uncovered == 0u) return;
+    }
     bool meets = false;
     DeviceSplat splat;
     Section sections[kBlockSheets];
     if (batch + self < past) {
       splat = splats[pairs[batch + self].y];
-      meets = stage(splat, first_sheet, node, corner, sections);
+      meets = stage(splat, of_level, first_sheet, node, corner, sections);
     }
     if (meets) atomicOr(staged_bits[self >> 5], 1u << (self & 31u));
     barrier();
@@ -152,6 +166,10 @@ void add_list(uint list, int first_sheet, int node, vec2 corner, vec2 sample_at)
         float q = fma(d.x * d.x, section.shape.x,
                       d.y * fma(d.x, 2.0 * section.shape.y, d.y * section.shape.z));
         if (q > section.room) continue;
+        if (only_covers) {
+          if (values.x != 0.0) covered_sheets |= 1u << uint(j);
+          continue;
+        }
         float phi = section.amplitude * profile_at(q + section.q_along);
         sums[j] = fma(values, vec3(phi), sums[j]);
       }
@@ -164,6 +182,20 @@ uint list_of(int level, ivec2 tile, int layer) {
   LevelConstants constants = frame.levels[level];
   return uint(layer - push.first_layer) * uint(frame.num_blocks.w) + constants.first_list +
          uint(tile.y * constants.tiles.x + tile.x);
+}
+
+// Sums of coarser levels are still to come: where are they a part of the field?
+void find_cover(ivec2 tile, int layer, int first_sheet, int num_nodes, vec2 corner,
+                vec2 sample_at) {
+  for (int j = 0; j < kBlockSheets; ++j) {
+    if (sums[j].x != 0.0 || !is_wanted(j)) covered_sheets |= 1u << uint(j);
+  }
+  for (int node = 0; node < num_nodes; ++node) {
+    for (int coarse = 1; coarse <= push.coarsest; ++coarse) {
+      ivec2 of = ivec2(tile.x >> coarse, tile.y >> coarse) - frame.levels[coarse].tiles.zw;
+      add_list(list_of(coarse, of, layer), coarse, first_sheet, node, corner, sample_at);
+    }
+  }
 }
 
 // A finished sheet's value at a sample of the finest level.
@@ -179,6 +211,7 @@ void finish_samples(uint at, uint plane_size, int first_sheet) {
     if (!is_wanted(j)) continue;
     float whole = set_has(kSetIsSum) ? sums[j].x : sums[j].y;
     bool is_defined = set_has(kSetIsSum) ? whole != 0.0 : whole >= kLeastSetWeight;
+    if (set_has(kSetFindsCover)) is_defined = is_defined && (covered_sheets >> uint(j) & 1u) != 0u;
     float part = set_has(kSetIsSum) ? sums[j].y : sums[j].z;
     float value = !is_defined ? uintBitsToFloat(0x7FC00000u)
                   : set_has(kSetIsSum) ? sums[j].x
@@ -210,16 +243,20 @@ void main() {
   int num_nodes = takes_nodes ? kProfileNodes : 1;
   for (int node = 0; node < num_nodes; ++node) {
     if (set_has(kHasLevels)) {
-      add_list(list_of(push.level, tile, layer), first_sheet, node, vec2(corner), vec2(within));
+      add_list(list_of(push.level, tile, layer), push.level, first_sheet, node, vec2(corner),
+               vec2(within));
     } else {
       // The lists of all the larger tiles that this one lies in.
       for (int coarse = 0; coarse <= push.coarsest; ++coarse) {
         ivec2 of = ivec2(absolute.x >> coarse, absolute.y >> coarse) -
                    frame.levels[coarse].tiles.zw;
-        add_list(list_of(coarse, of, layer), first_sheet, node, vec2(corner), vec2(within));
+        add_list(list_of(coarse, of, layer), push.level, first_sheet, node, vec2(corner),
+                 vec2(within));
       }
     }
   }
+  if (set_has(kSetFindsCover) && is_finest)
+    find_cover(absolute, layer, first_sheet, num_nodes, vec2(corner), vec2(within));
   ivec2 size = level.tiles.xy * int(kGroupEdge);
   ivec2 place = tile * int(kGroupEdge) + within;
   uint at = uint(place.y * size.x + place.x);

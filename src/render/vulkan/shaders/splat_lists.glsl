@@ -17,9 +17,11 @@ void list_on_level(int level, int layer, vec2 from, vec2 to) {
   const float kSlack = 0.02;
   float unit = float(1 << level);
   float edge = float(kGroupEdge) * unit;
-  // Samples of a level lie in the middle of its pixels; without levels tiles are of pixels.
-  float middle = set_has(kHasLevels) ? 0.5 * (unit - 1.0) : 0.0;
-  float last = set_has(kHasLevels) ? float(kGroupEdge - 1u) * unit : edge - 1.0;
+  // Samples of a level lie in the middle of its pixels; without levels, and where pixels are asked
+  // for too, tiles are of pixels.
+  bool is_of_samples = set_has(kHasLevels) && !set_has(kSetFindsCover);
+  float middle = is_of_samples ? 0.5 * (unit - 1.0) : 0.0;
+  float last = is_of_samples ? float(kGroupEdge - 1u) * unit : edge - 1.0;
   vec2 first_tile = ceil((from - middle - last - kSlack) / edge);
   vec2 last_tile = floor((to - middle + kSlack) / edge);
   vec2 least = vec2(constants.tiles.zw);

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""What half sheets lose: pictures with --sheet-precision fp16 against fp32, as a table. half_sheets.py NAME=FILE [NAME=FILE...]
+"""What half sheets lose: unlit pictures with --sheet-precision fp16 against fp32, as a table; lit ones keep floats. half_sheets.py NAME=FILE [NAME=FILE...]
 
 Sample data by formula are added. Needs a Vulkan device; a software driver will do.
 """
@@ -31,7 +31,7 @@ def main():
             for precision in ("fp32", "fp16"):
                 pictures.append(os.path.join(folder, precision + ".npy"))
                 run(PROGRAM, "render", path, "-o", pictures[-1], "--size", "256x256", "--backend", "vulkan", "--post-convolution", "off",
-                    "--sheet-precision", precision)
+                    "--no-shade", "--sheet-precision", precision)
             print(f"| {name} | {run(sys.executable, COMPARE, *pictures).strip()} |", flush=True)
 
 

@@ -90,9 +90,10 @@ void add_number_flags(Flags& flags, RenderOptions* options) {
          "magnified sheets are sampled at nodes, large kernels of a set on coarser levels; the "
          "three by name are published ways that blur",
          &options->post_convolution);
-  choice(flags, "--sheet-precision", kSheetPrecisions,
-         "of the samples between reconstruction and classification, backend vulkan",
-         &options->sheet_precision);
+  choice(
+      flags, "--sheet-precision", kSheetPrecisions,
+      "of a kernel set's sheets, backend vulkan: fp16 is half the memory, where none would see it",
+      &options->sheet_precision);
   choice(flags, "--spread", kSpreads,
          "samples add to nodes by their kernel, or in the published ways to the four around",
          &options->spread);

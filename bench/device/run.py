@@ -46,8 +46,6 @@ def scenes(quick):
     for switch in SWITCHES:
         yield f"blobs-{count}-{picture}-opaque", [switch]
     yield f"blobs-{counts[0]}-{picture}-soft", ["--evaluate", "gather"]
-    for name in (f"head-{size}-{picture}-soft", f"blobs-{count}-{picture}-soft"):
-        yield name, ["--sheet-precision", "fp16"]
 
 
 def measure(program, scene, flags, device):

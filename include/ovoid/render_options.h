@@ -43,8 +43,10 @@ constexpr bool is_published(PostConvolution how) {
 // only.
 enum class Spread { kGaussian, kBilinear };
 
-// How exactly the vulkan back end keeps a sheet's samples before they are classified: as floats, or
-// in half the memory (docs/numerics.md, "Half sheets"). The others keep floats.
+// How exactly the vulkan back end keeps a kernel set's sheets before they are classified: as
+// floats, or in half the memory where that cannot be seen (docs/numerics.md, "Half sheets"). Where
+// it could be, for lattices and in the other back ends there are floats, and FrameProfile::notice
+// says so.
 enum class SheetPrecision { kSingle, kHalf };
 
 // A half space: points with dot(normal, x) >= offset are kept (world). `normal` need not have unit

@@ -40,8 +40,9 @@ struct FrameProfile {
   std::string backend;      // "cpu", "vulkan", "reference"
   std::string device;       // of vulkan: its name
   std::string simd_target;  // "AVX2", ...; empty for the reference
-  std::string notice;       // of kAuto: why the device that there is did not draw; and that there
-                            // were fewer threads than wanted; empty: neither
+  std::string notice;       // what was drawn otherwise than asked for, and why: by the cpu instead
+                            // of the device that kAuto found, in another precision, by fewer
+                            // threads; empty: nothing
   int threads = 1;
   double frame_ms = 0;  // plan to finish, wall clock
   std::vector<std::pair<std::string, double>>

@@ -92,10 +92,27 @@ struct Job {
   const RenderHooks& hooks;
 };
 
+void add_notice(FrameProfile& profile, const std::string& notice) {
+  if (!profile.notice.empty()) profile.notice += "; ";
+  profile.notice += notice;
+}
+
+// Where half sheets are asked for and nothing is kept that could be halved.
+void note_on_precision(FrameProfile& profile, const Job& job) {
+  if (job.options.sheet_precision == SheetPrecision::kSingle) return;
+  if (profile.backend != "vulkan") {
+    add_notice(profile, fmt::format("sheet precision: floats; backend {} has no half sheets",
+                                    profile.backend));
+  } else if (job.field.lattice() != nullptr) {
+    add_notice(profile, "sheet precision: floats; of lattices no sheets are kept");
+  }
+}
+
 }  // namespace
 
 struct Renderer::Impl {
   Frame draw(const Job& job) const;
+  Frame draw_by_choice(const Job& job) const;
   Frame draw_by(Backend by, const Job& job) const;
   // With a notice where there were fewer threads than wanted.
   static Frame told(Frame frame, int wanted);
@@ -151,6 +168,17 @@ Frame Renderer::Impl::draw(const Job& job) const try {
   job.camera.validate();
   job.look.validate();
   job.options.validate();
+  Frame frame = draw_by_choice(job);
+  note_on_precision(frame.profile, job);
+  return frame;
+} catch (const std::bad_alloc&) {
+  // What is large names itself.
+  throw Error(ErrorCode::kOutOfMemory,
+              fmt::format("a frame of {} x {} pixels: no memory for its plan", job.options.width,
+                          job.options.height));
+}
+
+Frame Renderer::Impl::draw_by_choice(const Job& job) const {
   if (!is_auto || backend != Backend::kVulkan) return draw_by(backend, job);
   try {
     return draw_by(Backend::kVulkan, job);
@@ -161,15 +189,9 @@ Frame Renderer::Impl::draw(const Job& job) const try {
     if (!is_of_device) throw;
     // What the cpu cannot do either, it refuses likewise.
     Frame frame = draw_by(Backend::kCpu, job);
-    const std::string notice = fmt::format("{}; drawn by backend cpu", error.what());
-    frame.profile.notice += frame.profile.notice.empty() ? notice : "; " + notice;
+    add_notice(frame.profile, fmt::format("{}; drawn by backend cpu", error.what()));
     return frame;
   }
-} catch (const std::bad_alloc&) {
-  // What is large names itself.
-  throw Error(ErrorCode::kOutOfMemory,
-              fmt::format("a frame of {} x {} pixels: no memory for its plan", job.options.width,
-                          job.options.height));
 }
 
 Frame Renderer::Impl::draw_by(Backend by, const Job& job) const {

@@ -113,5 +113,21 @@ TEST(Renderer, AutoIsTheCpuWhereThereIsNoHardwareDevice) {
   EXPECT_EQ(backend_of(Backend::kReference), "reference");
 }
 
+// Fails if a back end without half sheets ignores the wish for them without a word.
+TEST(Renderer, SaysWhereHalfSheetsHaveNoEffect) {
+  const LatticeField field = test::constant_field({2, 2, 2}, 1);
+  const Camera camera = test::parallel_camera({0, 0, 0}, {0, 0, 1}, 1);
+  RenderOptions options = test::picture(4, 4);
+  for (const Backend backend : {Backend::kCpu, Backend::kReference}) {
+    Renderer renderer(backend, 1);
+    options.sheet_precision = SheetPrecision::kSingle;
+    EXPECT_EQ(renderer.render(field, camera, {}, options).profile.notice, "");
+    options.sheet_precision = SheetPrecision::kHalf;
+    const FrameProfile profile = renderer.render(field, camera, {}, options).profile;
+    EXPECT_EQ(profile.notice,
+              "sheet precision: floats; backend " + profile.backend + " has no half sheets");
+  }
+}
+
 }  // namespace
 }  // namespace ovoid

@@ -36,8 +36,8 @@ inline constexpr int kAllEnd8BitDifference = 27;
 inline constexpr double kKinkedMeanPsnrDb = 45;
 inline constexpr int kKinkedMean8BitDifference = 64;
 
-// Sheets of 16 bits: the tier of the design. Whole numbers over the range err by 1e-5 of it, half
-// floats of sums by 2^-12, which a peak of 2 % of the range makes fifty times as much of.
+// Sheets of 16 bits: the tier of the design. Looks in which one sample can err by more than half an
+// 8-bit step keep floats; compositing adds up to some eight such samples of one sign.
 inline constexpr double kHalfSheetsPsnrDb = 55;
 inline constexpr int kHalfSheets8BitDifference = 4;
 

@@ -63,7 +63,6 @@ OVOID_CONSTANT uint kFades = 16u;       // by the gradient
 OVOID_CONSTANT uint kTakesGradients = 32u;
 OVOID_CONSTANT uint kTakesDifferences = 64u;
 OVOID_CONSTANT uint kStopsOpaque = 128u;
-OVOID_CONSTANT uint kHalfSheets = 256u;
 OVOID_CONSTANT uint kHasBehind = 1024u;
 OVOID_CONSTANT uint kHasOwnColor = 2048u;
 OVOID_CONSTANT uint kNodesKeepBound = 8192u;  // those near faces have no value
@@ -152,10 +151,10 @@ struct LatticeConstants {
   float far_weight;
   float value_scale;
   float value_offset;
-  float sheet_scale;  // from values to what half sheets hold
-  float sheet_offset;
   int num_slab_nodes;
-  uint padding;
+  uint padding0;
+  uint padding1;
+  uint padding2;
 };
 
 // A clip plane: distance inside, world, at pixel (x, y) of sheet s: at_first + s per_sheet, each
@@ -279,7 +278,7 @@ struct KernelFrame {
   float cutoff;
   float least_pixels;
   float least_level_sigma;
-  float sheet_scale;
+  float sheet_scale;  // from values to what half sheets hold
   float sheet_offset;
   int num_sheets;
   int max_level;

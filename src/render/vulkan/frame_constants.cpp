@@ -184,9 +184,6 @@ device::LatticeConstants lattice_constants(const LatticeField& field, const view
   out.far_weight = static_cast<float>(std::exp(-2.0 * inverse_variance));
   out.value_scale = static_cast<float>(field.source().value_scale());
   out.value_offset = static_cast<float>(field.source().value_offset());
-  const SheetRange sheets = sheet_range(field.value_range(), field.reconstruction());
-  out.sheet_scale = sheets.scale;
-  out.sheet_offset = sheets.offset;
   out.num_slab_nodes = 1;
   if (options.slab == Slab::kMean) {
     const SlabNodes slab = slab_nodes(field, plan.lattice);
@@ -197,15 +194,6 @@ device::LatticeConstants lattice_constants(const LatticeField& field, const view
     }
   }
   return out;
-}
-
-// Filters overshoot: normalized fields have an eighth of their range to spare. Half floats are
-// finest around zero.
-SheetRange sheet_range(const ValueRange& range, Reconstruction reconstruction) {
-  const float width = range.hi - range.lo;
-  if (!(width > 0)) return {1.0F, range.lo - 0.5F};
-  if (reconstruction == Reconstruction::kSum) return {2 / width, 0.5F * (range.lo + range.hi)};
-  return {0.8F / width, range.lo - 0.125F * width};
 }
 
 std::uint32_t frame_flags(const view::FramePlan& plan, const Look& look,
@@ -228,7 +216,6 @@ std::uint32_t frame_flags(const view::FramePlan& plan, const Look& look,
   set(options.spread == Spread::kBilinear, device::kSpreads);
   set(options.post_convolution == PostConvolution::kAuto, device::kNodesKeepBound);
   set(options.stop_opaque, device::kStopsOpaque);
-  set(options.sheet_precision == SheetPrecision::kHalf, device::kHalfSheets);
   set(plan.color_table.has_value(), device::kHasOwnColor);
   return flags;
 }

@@ -22,12 +22,6 @@ device::LookConstants look_constants(const view::FramePlan& plan, const Look& lo
 device::LatticeConstants lattice_constants(const LatticeField& field, const view::LatticePlan& plan,
                                            const RenderOptions& options);
 
-// How sheets of 16 bits hold a field's values (shaders/sheet_bits.glsl).
-struct SheetRange {
-  float scale, offset;
-};
-SheetRange sheet_range(const ValueRange& range, Reconstruction reconstruction);
-
 // Bits of the specialisation constants of a frame, and of a lattice in it.
 std::uint32_t frame_flags(const view::FramePlan& plan, const Look& look,
                           const RenderOptions& options);

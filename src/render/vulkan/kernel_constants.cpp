@@ -19,11 +19,10 @@ std::uint32_t set_flags(const KernelField& field, const view::KernelPlan& plan,
   set(field.has_own_color(), device::kSetHasColor);
   set(has_levels, device::kHasLevels);
   set(options.evaluate == Evaluate::kGather, device::kIsFragmentCentric);
-  set(options.sheet_precision == SheetPrecision::kHalf, device::kSetHalfSheets);
+  set(plan.space.is_parallel, device::kSetIsParallel);
   set(field.reconstruction() == Reconstruction::kSum && has_levels &&
           options.post_convolution == PostConvolution::kAuto,
       device::kSetFindsCover);
-  set(plan.space.is_parallel, device::kSetIsParallel);
   return flags;
 }
 

@@ -8,9 +8,11 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <string>
 
 #include "ovoid/error.h"
 #include "render/shared/levels.h"
+#include "render/vulkan/half_sheets.h"
 #include "render/vulkan/kernel_constants.h"
 #include "render/vulkan/software_limits.h"
 
@@ -81,12 +83,18 @@ Band second_half(const Band& band) {
 
 struct KernelRenderer::Set {
   Set(const KernelField& of, const Camera& camera, const Look& with, const RenderOptions& as)
-      : field(of), look(with), options(as), plan(of, camera, with, as) {}
+      : field(of), look(with), options(as), plan(of, camera, with, as) {
+    if (options.sheet_precision == SheetPrecision::kSingle) return;
+    why_no_half_sheets = why_not_half_sheets(field, plan, look);
+    has_half_sheets = why_no_half_sheets.empty();
+  }
 
   const KernelField& field;
   const Look& look;
   const RenderOptions& options;
   view::KernelPlan plan;
+  bool has_half_sheets = false;
+  std::string why_no_half_sheets;  // if they are asked for
   device::KernelFrame frame{};
   Constants constants;
   std::vector<std::uint32_t> needed_layers;
@@ -162,10 +170,9 @@ void KernelRenderer::prepare_band(Set& set, const Band& band) {
   // There even if no kernel reaches the band.
   reserve(splats_, bench_.device, sizeof(device::DeviceSplat), BufferUse::kDevice);
   reserve(pairs_, bench_.device, 8, BufferUse::kDevice);
-  const bool is_half = set.options.sheet_precision == SheetPrecision::kHalf;
   const std::uint64_t ring =
       static_cast<std::uint64_t>(set.frame.ring_sheets) * set.plane_samples * sizeof(float);
-  reserve(sheets_, bench_.device, is_half ? ring / 2 : ring, BufferUse::kDevice);
+  reserve(sheets_, bench_.device, set.has_half_sheets ? ring / 2 : ring, BufferUse::kDevice);
   reserve(color_sheets_, bench_.device, set.field.has_own_color() ? ring : 4, BufferUse::kDevice);
   reserve(planes_, bench_.device,
           set.frame.max_level > 0
@@ -372,8 +379,7 @@ void KernelRenderer::reconstruct(Set& set, const Layers& layers, int first, int 
     const device::ivec4& tiles = set.frame.levels[level].tiles;
     bench_.commands.mark("reconstruct");
     // Two half sheets share a word: they go together.
-    const bool is_packed =
-        set.options.pack_sheets || set.options.sheet_precision == SheetPrecision::kHalf;
+    const bool is_packed = set.options.pack_sheets || set.has_half_sheets;
     for (int sheet = is_packed ? -1 : 0; sheet < (is_packed ? 0 : view::kBlockDepth); ++sheet) {
       push.only_sheet = sheet;
       bench_.commands.dispatch(
@@ -469,7 +475,8 @@ void KernelRenderer::set_constants(Set& set) {
   frame.max_level = has_levels ? device::kNumLevels - 1 : 0;
   frame.num_numbers = kernels_->num_numbers();
   set.constants = {mode_number(set.look.mode), frame_flags(set.plan, set.look, options),
-                   set_flags(field, set.plan, options, has_levels),
+                   set_flags(field, set.plan, options, has_levels) |
+                       (set.has_half_sheets ? device::kSetHalfSheets : 0),
                    profile_number(field.source().profile()), num_channels(field)};
   reserve(tables_, bench_.device, tables.size() * sizeof(device::vec4), BufferUse::kDevice);
   bench_.commands.upload(tables_, 0, std::as_bytes(std::span(tables)));
@@ -509,6 +516,9 @@ void KernelRenderer::render(const KernelField& field, const Camera& camera, cons
     kernels_ = std::make_unique<DeviceKernels>(bench_.device, field, bench_.most_bytes);
   }
 
+  if (!set.why_no_half_sheets.empty())
+    profile.notice = fmt::format("sheet precision: floats, as 16 bits could be seen: {}",
+                                 set.why_no_half_sheets);
   set_constants(set);
   set_needs(set);
   for (const std::int64_t brick : set.plan.bricks)

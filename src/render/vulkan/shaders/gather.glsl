@@ -9,7 +9,6 @@
 // Two ways, same numbers: four taps along each axis, unrolled, for the default kernel; and loops,
 // for all others, holes, sums, means and widened kernels.
 
-#include "sheet_bits.glsl"
 
 struct Gathered {
   float value;
@@ -424,30 +423,14 @@ vec3 widening_on(int field, float s) {
   return max(min(pitch, frame.fields[field].widening_limit.xyz), vec3(1.0));
 }
 
-// What a sheet keeps of a value.
-float kept_by_sheet(int field, float value) {
-  if (!has_flag(kHalfSheets)) return value;
-  bool is_sum = field_has(field, kIsSum);
-  float scale = frame.fields[field].sheet_scale;
-  float offset = frame.fields[field].sheet_offset;
-  float kept;
-  read_sheet_bits(sheet_bits(value, true, is_sum, scale, offset), is_sum, scale, offset, kept);
-  return kept;
-}
-
 // The field at a place near sheet s, where its slab is `step` long.
 Gathered gather(int field, Place place, float s, vec3 step, bool wants_gradient) {
   bool may_miss = field_has(field, kMayMiss) &&
                   (brick_byte(field, vec3(place.cell)) & kMissingBit) != 0u;
   vec3 widening = widening_on(field, s);
-  Gathered result;
-  if (field_has(field, kHasFourTaps) && !may_miss && all(equal(widening, vec3(1.0)))) {
-    result = gather_four(field, place, wants_gradient);
-  } else {
-    result = gather_general(field, place, widening, step, may_miss, wants_gradient);
-  }
-  result.value = kept_by_sheet(field, result.value);
-  return result;
+  if (field_has(field, kHasFourTaps) && !may_miss && all(equal(widening, vec3(1.0))))
+    return gather_four(field, place, wants_gradient);
+  return gather_general(field, place, widening, step, may_miss, wants_gradient);
 }
 
 vec3 to_world(int field, vec3 gradient) {

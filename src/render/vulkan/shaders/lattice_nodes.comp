@@ -259,7 +259,7 @@ void main() {
         Taps rows = taps_at(float(places[i].y) / box.pitch, first_node.y);
         is_from_nodes[i] = has_all_nodes(columns, rows);
         if (is_from_nodes[i]) {
-          values[i] = kept_by_sheet(0, filtered_at(rows, int(places[i].x - corner.x)));
+          values[i] = filtered_at(rows, int(places[i].x - corner.x));
           is_defined[i] = true;
           if (takes_node_gradients && classify(frame.looks[0].look, values[i]).a > 0.0)
             atomicOr(wanted_by_any, 2u);

@@ -7,7 +7,8 @@ const float kMostSheetBits = 65534.0;
 
 uint sheet_bits(float value, bool is_defined, bool is_sum, float scale, float offset) {
   float held = (value - offset) * scale;
-  if (is_sum) return is_defined ? packHalf2x16(vec2(held, 0.0)) & 0xFFFFu : 0x7E00u;
+  if (is_sum)
+    return is_defined ? packHalf2x16(vec2(clamp(held, -65504.0, 65504.0), 0.0)) & 0xFFFFu : 0x7E00u;
   return is_defined ? 1u + uint(clamp(held, 0.0, 1.0) * kMostSheetBits + 0.5) : 0u;
 }
 

@@ -13,12 +13,15 @@ namespace {
 // The picture holds the lattice at every angle: its half diagonal is sqrt(2) across the turn.
 constexpr double kHalfHeight = 1.45;
 
-// Semi-transparent throughout, with one thin bright layer.
-TransferFunction haze() {
+TransferFunction look_of(TurnLook look) {
   TransferFunction tf = color_map("viridis");
   tf.map_range(0, 1);
-  tf.opacities = {{0, 0.0},     {0.3, 0.01}, {0.45, 0.02}, {0.5, 0.35},
-                  {0.55, 0.02}, {0.8, 0.1},  {1, 0.25}};
+  if (look == TurnLook::kHard) {
+    tf.opacities = {{0, 0}, {0.5, 0}, {0.5, 1}, {1, 1}};
+  } else {
+    tf.opacities = {{0, 0.0},     {0.3, 0.01}, {0.45, 0.02}, {0.5, 0.35},
+                    {0.55, 0.02}, {0.8, 0.1},  {1, 0.25}};
+  }
   return tf;
 }
 
@@ -32,13 +35,27 @@ double mean_change(const Image& a, const Image& b) {
   return 255 * sum / static_cast<double>(a.rgba.size());
 }
 
+double greatest_column_of(const Image& image) {
+  double greatest = 0;
+  for (int x = 0; x < image.width; ++x) {
+    double sum = 0;
+    for (int y = 0; y < image.height; ++y) {
+      for (int c = 0; c < 4; ++c)
+        sum += image.rgba[static_cast<std::size_t>(4 * (y * image.width + x) + c)];
+    }
+    greatest = std::max(greatest, sum);
+  }
+  return 255 * greatest / static_cast<double>(image.rgba.size());
+}
+
 Turn turn(const TurnOptions& options, const std::function<Image(double degrees)>& draw) {
   Turn result;
-  const double first = 45 - options.steps / 2.0;
+  const double first = 45 - options.step_degrees * options.steps / 2.0;
   Image previous = draw(first);
   for (int step = 0; step < options.steps; ++step) {
-    Image next = draw(first + step + 1);
+    Image next = draw(first + options.step_degrees * (step + 1));
     result.changes.push_back(mean_change(previous, next));
+    result.greatest_column = std::max(result.greatest_column, greatest_column_of(next));
     if (step == options.steps / 2) {
       result.before = previous;
       result.after = next;
@@ -57,8 +74,10 @@ double Turn::median() const {
   return sorted[sorted.size() / 2];
 }
 
+double Turn::greatest() const { return *std::max_element(changes.begin(), changes.end()); }
+
 Turn turn_control(Sheets sheets, const TurnOptions& options) {
-  const ControlRenderer renderer(signal(options), haze());
+  const ControlRenderer renderer(signal(options), look_of(options.look));
   return turn(options, [&](double degrees) {
     return renderer.draw(degrees, options.pixels, kHalfHeight, sheets);
   });
@@ -67,7 +86,7 @@ Turn turn_control(Sheets sheets, const TurnOptions& options) {
 Turn turn_renderer(const TurnOptions& options) {
   const LatticeField field = field_of(signal(options), default_choice());
   Look look;
-  look.transfer_function = haze();
+  look.transfer_function = look_of(options.look);
   RenderOptions render;
   render.width = options.pixels;
   render.height = options.pixels;

@@ -54,10 +54,11 @@ inline void check_bytes(const DataArray& array, std::int64_t num_tuples) {
   require(array.bytes.view.size() == num_bytes, "bytes that do not fit the tuples");
   require(reinterpret_cast<std::uintptr_t>(array.bytes.view.data()) % size_of(array.type) == 0,
           "unaligned samples");
-  // Every byte must be readable and, under a sanitizer that knows, initialised.
+  // Every byte must be readable and, under a sanitizer that knows, initialised: it is for that one
+  // to find, so the sum goes where no compiler leaves it out.
   unsigned sum = 0;
   for (const std::byte byte : array.bytes.view) sum += static_cast<unsigned>(byte);
-  require(sum < 0xffffffffU || num_bytes > 0, "no bytes");
+  [[maybe_unused]] const volatile unsigned read_by_nobody = sum;
 }
 
 // Meshes, boxes and particles.

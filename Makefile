@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Everything a person or CI does here, by one word each. `make help` lists the words.
 .DEFAULT_GOAL := help
-.PHONY: help run test build setup check format sanitize asan tsan scalar fuzz bench experiments pictures install clean
+.PHONY: help run test build setup check format sanitize asan tsan scalar fuzz mutants bench experiments pictures install clean
 
 JOBS ?= $(shell nproc)
 SECONDS ?= 60
@@ -46,6 +46,9 @@ tsan scalar: setup
 fuzz: setup  ## fuzz the readers for SECONDS (60) each
 	@scripts/setup.sh fuzz
 	@scripts/fuzz.sh $(SECONDS)
+
+mutants: build  ## damage files a thousand times each, and let the program read them
+	@python3 tests/hostile/mutants.py build/release/bin/ovoid --count $(or $(COUNT),1000)
 
 bench: build  ## measure against the peers; the table goes to bench/results/
 	@scripts/setup.sh bench

@@ -32,6 +32,7 @@ ALLOWED = {
     "view": {"data"},
     "annotate": {"data", "view"},
     "io": {"data", "view:public"},
+    "io/foreign": {"data", "io", "view:public"},  # io itself, the library, sees none of it
     "render": {"data", "view", "render/reference", "render/cpu", "render/vulkan"},  # src/render itself: chooses the back end
     "render/reference": {"data", "view", "render"},
     "render/cpu": {"data", "view", "render", "render/shared"},
@@ -42,8 +43,9 @@ ALLOWED = {
 
 # Third-party headers and the places that may see them, by prefix of the path.
 OUTSIDE = [
-    ("VTK", re.compile(r"^vtk\w*\.h"), ("src/io/", "bench/")),
-    ("GDCM", re.compile(r"^gdcm\w*\.h"), ("src/io/",)),
+    ("VTK", re.compile(r"^vtk\w*\.h"), ("src/io/foreign/", "bench/")),
+    ("GDCM", re.compile(r"^gdcm\w*\.h"), ("src/io/foreign/", "src/io/test_dicom")),
+    ("Linux's sandboxes", re.compile(r"^(linux/landlock|seccomp)\.h"), ("apps/reader/",)),
     ("HDF5", re.compile(r"^hdf5\.h"), ("src/io/",)),
     ("Highway", re.compile(r"^hwy/"), ("src/render/cpu/", "bench/")),
     ("Vulkan", re.compile(r"^(volk\.h|vulkan/)"), ("src/render/vulkan/",)),
@@ -62,7 +64,7 @@ OUTSIDE = [
 ]
 # A C++20 standard header has no dot and no slash; the rest are POSIX ones that the program needs.
 STANDARD = re.compile(r"^[a-z0-9_]+$")
-POSIX = re.compile(r"^(sys/|unistd\.h|fcntl\.h|signal\.h|stdio\.h|stdlib\.h|dlfcn\.h|setjmp\.h|spawn\.h|immintrin\.h|x86intrin\.h)")
+POSIX = re.compile(r"^(sys/|unistd\.h|fcntl\.h|signal\.h|stdio\.h|stdlib\.h|dlfcn\.h|setjmp\.h|spawn\.h|poll\.h|sched\.h|malloc\.h|link\.h|immintrin\.h|x86intrin\.h)")
 PROGRAMS = ("src/", "apps/", "tests/", "bench/")
 # A unit test beside its source, or what several of them share.
 IS_TEST = re.compile(r"(_test\.cpp|/test_\w+\.h)$")
@@ -76,7 +78,7 @@ def part_of(path):
     pieces = path.split("/")
     if pieces[0] != "src":
         return None
-    return "/".join(pieces[1:3]) if pieces[1] == "render" and len(pieces) > 3 else pieces[1]
+    return "/".join(pieces[1:3]) if pieces[1] in ("render", "io") and len(pieces) > 3 else pieces[1]
 
 
 def resolve(path, included):

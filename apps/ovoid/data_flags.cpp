@@ -55,10 +55,11 @@ void add_input_flags(Flags& flags, DataFlags* data) {
                    "HDF5: an array of the particles (repeatable; default: those beside the "
                    "positions)",
                    [data](const std::string& text) { data->values.push_back(text); });
-  flags.repeatable("--data-folder", "DIR",
-                   "files that the input names (pieces, samples, external storage of HDF5) may also "
-                   "lie below this folder (repeatable; default: below the input's own)",
-                   [data](const std::string& text) { data->folders.push_back(text); });
+  flags.repeatable(
+      "--data-folder", "DIR",
+      "files that the input names (pieces, samples, external storage of HDF5) may also "
+      "lie below this folder (repeatable; default: below the input's own)",
+      [data](const std::string& text) { data->folders.push_back(text); });
   flags.section("raw data, where the name is not like x_256x256x256_uint8.raw");
   flags.value("--dims", "XxYxZ", "samples along x, y, z",
               [data](const std::string& text) { data->raw.dims = parse_dims(text); });

@@ -29,7 +29,7 @@ struct DataFlags {
   std::string positions;                            // HDF5: the path of the positions
   std::vector<std::string> values;                  // HDF5: paths of arrays
   std::vector<std::string> folders;  // where files that the input names may lie, beside its own
-  std::string array;                 // the only one that is read where the format allows; empty: all
+  std::string array;  // the only one that is read where the format allows; empty: all
   int component = 0;  // of hyperslices
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// ovoid-read: reads files with other people's libraries, in a process of its own, for libovoid, which
-// starts it. Of no use to people.
+// ovoid-read: reads files with other people's libraries, in a process of its own, for libovoid,
+// which starts it. Of no use to people.
 #include <sys/socket.h>
 #include <unistd.h>
 

@@ -14,6 +14,11 @@
 #include "guarded_open.h"
 #include "io/reader_link.h"
 
+// Sanitizers make calls of their own, at any time.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#undef OVOID_SECCOMP
+#endif
+
 #ifdef OVOID_SECCOMP
 #include <sched.h>
 #include <seccomp.h>
@@ -39,7 +44,8 @@ void restrict_files(const std::vector<std::string>& files,
       ::syscall(SYS_landlock_create_ruleset, nullptr, 0, LANDLOCK_CREATE_RULESET_VERSION);
   if (version < 1) return;
   landlock_ruleset_attr all{};
-  // Everything of the first version, which has 13 rights; later ones are about what seccomp refuses.
+  // Everything of the first version, which has 13 rights; later ones are about what seccomp
+  // refuses.
   all.handled_access_fs = (LANDLOCK_ACCESS_FS_MAKE_SYM << 1U) - 1U;
   const io::UniqueFd ruleset(
       static_cast<int>(::syscall(SYS_landlock_create_ruleset, &all, sizeof(all), 0)));

@@ -20,9 +20,9 @@
 #include <utility>
 
 #include "io/foreign/foreign_readers.h"
-#include "sandbox.h"
 #include "io/reader_messages.h"
 #include "ovoid/error.h"
+#include "sandbox.h"
 
 namespace ovoid::reader {
 namespace {
@@ -61,7 +61,8 @@ class Server {
       refuse(ErrorCode::kOutOfMemory,
              source_ + ": memory for its arrays: the system has none left");
     } catch (const std::exception& error) {
-      refuse(ErrorCode::kFileFormat, fmt::format("{}: its reader failed: {}", source_, error.what()));
+      refuse(ErrorCode::kFileFormat,
+             fmt::format("{}: its reader failed: {}", source_, error.what()));
     }
   }
 
@@ -100,9 +101,10 @@ class Server {
   }
 
   std::string refused_text(const std::string& file) const {
-    return fmt::format("{}: takes data from '{}', which is none of its files and was not opened: "
-                       "if it may, allow that with --data-folder '{}'",
-                       source_, file, fs::path(file).parent_path().string());
+    return fmt::format(
+        "{}: takes data from '{}', which is none of its files and was not opened: "
+        "if it may, allow that with --data-folder '{}'",
+        source_, file, fs::path(file).parent_path().string());
   }
 
   io::ReaderLink link_;

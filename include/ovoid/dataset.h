@@ -41,7 +41,9 @@ class SharedValues {
       : owner_(std::move(owner)), view_(view) {}
 
   std::span<const T> view() const noexcept { return view_; }
-  operator std::span<const T>() const noexcept { return view_; }  // NOLINT(google-explicit-constructor)
+  operator std::span<const T>() const noexcept {
+    return view_;
+  }  // NOLINT(google-explicit-constructor)
   std::size_t size() const noexcept { return view_.size(); }
   bool empty() const noexcept { return view_.empty(); }
   const T& operator[](std::size_t i) const noexcept { return view_[i]; }

@@ -19,9 +19,9 @@
 #include "io/dicom_file.h"
 #include "io/dicom_pixels.h"
 #include "io/dicom_series.h"
-#include "io/reader_session.h"
 #include "io/formats.h"
 #include "io/memory.h"
+#include "io/reader_session.h"
 #include "io/samples.h"
 #include "ovoid/error.h"
 

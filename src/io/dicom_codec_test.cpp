@@ -6,9 +6,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "io/foreign/gdcm_codec.h"
 #include "io/read_source.h"
 #include "io/test_dicom.h"
 #include "io/test_dicom_streams.h"
+#include "io/test_folder.h"
 #include "io/test_volumes.h"
 
 namespace ovoid::io {
@@ -26,7 +28,9 @@ TestSlice compressed_slice(const std::string& uid, const std::vector<std::string
   return slice;
 }
 
+// In this process.
 Dataset read_slice_of(const TestSlice& slice) {
+  use_gdcm();
   const std::string file = dicom_slice(slice);
   return read_source(*open_memory("a.dcm", std::as_bytes(std::span(file))), {});
 }
@@ -89,6 +93,15 @@ TEST(DicomCodec, LosslessFramesComeOutAsTheyWentIn) {
     EXPECT_THAT(error_of([&] { read_slice_of(larger); }),
                 HasSubstr("says 23x17, 1 components: the file says 23x18, 1"));
   }
+}
+
+// As the library reads them: the codecs are in the reader's process.
+TEST(DicomCodec, FramesAreDecodedElsewhere) {
+  const TestFolder folder;
+  const std::string samples = pixels_of(17 * 23, 4095);
+  const std::string path =
+      folder.write("a.dcm", dicom_slice(compressed_slice(kJpegLsUid, {jpeg_ls(samples)})));
+  EXPECT_EQ(samples_of(read_dataset({path})), samples);
 }
 
 TEST(DicomCodec, SixteenBitsAndSigns) {

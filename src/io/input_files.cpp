@@ -102,7 +102,8 @@ class InputFiles {
     }
   }
 
-  // NAME, NAME.hierarchy and what is named in them, which lies beside them whatever folder they say.
+  // NAME, NAME.hierarchy and what is named in them, which lies beside them whatever folder they
+  // say.
   void add_enzo(const std::string& path) {
     constexpr std::string_view kEnding = ".hierarchy";
     const bool is_hierarchy = path.ends_with(kEnding);

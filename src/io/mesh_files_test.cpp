@@ -11,10 +11,10 @@
 #include <vector>
 
 #include "io/foreign/netcdf_header.h"
+#include "io/foreign/vtk_header.h"
 #include "io/test_data.h"
 #include "io/test_folder.h"
 #include "io/test_volumes.h"
-#include "io/foreign/vtk_header.h"
 #include "ovoid/io.h"
 
 namespace ovoid::io {

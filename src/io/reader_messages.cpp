@@ -58,7 +58,8 @@ std::int64_t count_of(const Json& json) {
 // Lays arrays one behind the other.
 class MemoryWriter {
  public:
-  explicit MemoryWriter(std::size_t num_bytes) : fd_(::memfd_create("ovoid-dataset", MFD_CLOEXEC | MFD_ALLOW_SEALING)), size_(num_bytes) {
+  explicit MemoryWriter(std::size_t num_bytes)
+      : fd_(::memfd_create("ovoid-dataset", MFD_CLOEXEC | MFD_ALLOW_SEALING)), size_(num_bytes) {
     if (!fd_.is_open() || ::ftruncate(fd_.get(), static_cast<off_t>(num_bytes)) != 0) refuse();
     if (num_bytes == 0) return;
     void* const at = ::mmap(nullptr, num_bytes, PROT_READ | PROT_WRITE, MAP_SHARED, fd_.get(), 0);
@@ -116,8 +117,10 @@ class SharedMemory {
     if (size_ == 0) return;
     at_ = ::mmap(nullptr, size_, PROT_READ, MAP_SHARED, fd.get(), 0);
     if (at_ == MAP_FAILED) {
-      throw Error(ErrorCode::kOutOfMemory,
-                  fmt::format("{} bytes of address space for what was read: the system has none left", size_));
+      throw Error(
+          ErrorCode::kOutOfMemory,
+          fmt::format("{} bytes of address space for what was read: the system has none left",
+                      size_));
     }
   }
   ~SharedMemory() {
@@ -229,7 +232,8 @@ Cells cells_of(const Json& json, const Shared& memory) {
 
 Json json_of(const std::optional<Bounds3>& box) {
   if (!box) return nullptr;
-  return {box->min().x(), box->min().y(), box->min().z(), box->max().x(), box->max().y(), box->max().z()};
+  return {box->min().x(), box->min().y(), box->min().z(),
+          box->max().x(), box->max().y(), box->max().z()};
 }
 
 std::optional<Bounds3> box_of(const Json& json) {
@@ -266,8 +270,7 @@ Dataset dataset_of(const Json& json, const Shared& memory) {
   dataset.periodic_box = box_of(json.at("periodic_box"));
   dataset.space = enum_of(json.at("space"), Space::kRas);
   for (const Json& array : json.at("arrays")) dataset.arrays.push_back(array_of(array, memory));
-  for (const Json& block : json.at("blocks"))
-    dataset.blocks.push_back({block.at(0), block.at(1)});
+  for (const Json& block : json.at("blocks")) dataset.blocks.push_back({block.at(0), block.at(1)});
   dataset.block = json.at("block");
   dataset.num_steps = count_of(json.at("num_steps"));
   dataset.step = count_of(json.at("step"));
@@ -295,8 +298,7 @@ void check_dataset(const std::string& source, const Dataset& dataset) {
       return check_arrays(dataset, num_samples(dims));
     }
     case DatasetKind::kBoxes:
-      if (dataset.box_sizes.num_components != 3 ||
-          dataset.box_sizes.type != ScalarType::kFloat64 ||
+      if (dataset.box_sizes.num_components != 3 || dataset.box_sizes.type != ScalarType::kFloat64 ||
           dataset.box_sizes.num_tuples != dataset.positions.num_tuples)
         fail("boxes without sizes");
       [[fallthrough]];
@@ -328,8 +330,7 @@ std::vector<std::uint8_t> to_message(const ReaderRequest& request) {
                            {"positions", options.positions},
                            {"values", options.values},
                            {"files", request.files},
-                           {"folders", request.folders},
-                           {"memory_limit", request.memory_limit}});
+                           {"folders", request.folders}});
 }
 
 ReaderRequest request_from_message(const std::vector<std::uint8_t>& message) {
@@ -352,7 +353,6 @@ ReaderRequest request_from_message(const std::vector<std::uint8_t>& message) {
     request.options.values = json.at("values").get<std::vector<std::string>>();
     request.files = json.at("files").get<std::vector<std::string>>();
     request.folders = json.at("folders").get<std::vector<std::string>>();
-    request.memory_limit = json.at("memory_limit");
     return request;
   });
 }
@@ -398,8 +398,8 @@ DatasetMessage to_message(Dataset dataset) {
 Dataset dataset_from_message(const std::string& source, const DatasetMessage& message) {
   try {
     const auto memory = std::make_shared<const SharedMemory>(message.memory);
-    Dataset dataset = parsed(message.description,
-                             [&](const Json& json) { return dataset_of(json, memory); });
+    Dataset dataset =
+        parsed(message.description, [&](const Json& json) { return dataset_of(json, memory); });
     check_dataset(source, dataset);
     return dataset;
   } catch (const Error& error) {

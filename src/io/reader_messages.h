@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is said over a ReaderLink. Descriptions are MessagePack; numbers of arrays lie in one piece of
-// shared memory, sealed so that it can neither shrink nor change.
+// What is said over a ReaderLink. Descriptions are MessagePack; numbers of arrays lie in one piece
+// of shared memory, sealed so that it can neither shrink nor change.
 #pragma once
 
 #include <cstdint>
@@ -30,7 +30,6 @@ struct ReaderRequest {
   // What may be opened, canonical paths: regular files, and folders with all that is below them.
   std::vector<std::string> files;
   std::vector<std::string> folders;
-  std::uint64_t memory_limit = 0;  // bytes that reading may take
 };
 
 std::vector<std::uint8_t> to_message(const ReaderRequest& request);

@@ -25,7 +25,7 @@
 #include <utility>
 
 #include "io/input_files.h"
-#include "io/machine_memory.h"
+#include "io/memory.h"
 #include "io/reader_program.h"
 #include "ovoid/error.h"
 
@@ -43,6 +43,9 @@ constexpr int kSocketInChild = 3;
 // which are those of text.
 constexpr double kBaseSeconds = 4;
 constexpr double kBytesPerSecond = 2e6;
+
+// Addresses that VTK and all below it, and the reader's own threads, take before a file is read.
+constexpr std::int64_t kLibraries = std::int64_t{1} << 30;
 
 // A reader that neither works nor waits for a disk is stuck.
 constexpr std::chrono::seconds kIdleLimit{6};
@@ -74,8 +77,8 @@ class SpawnSettings {
     posix_spawnattr_setsigmask(&attributes_, &none);
     posix_spawnattr_setsigdefault(&attributes_, &all);
     posix_spawnattr_setpgroup(&attributes_, 0);
-    posix_spawnattr_setflags(&attributes_, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF |
-                                               POSIX_SPAWN_SETPGROUP);
+    posix_spawnattr_setflags(
+        &attributes_, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
   }
 
   pid_t start(const std::string& program) {
@@ -97,16 +100,15 @@ class SpawnSettings {
   posix_spawnattr_t attributes_{};
 };
 
-// A running reader. A process descriptor keeps its number from meaning another process once the host
-// has waited for all its children.
+// A running reader. A process descriptor keeps its number from meaning another process once the
+// host has waited for all its children.
 class ReaderProcess {
  public:
   explicit ReaderProcess(const std::string& program) {
     std::array<int, 2> ends{-1, -1};
     if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) {
-      throw Error(ErrorCode::kUnsupported,
-                  fmt::format("{}: no socket for it: {}", program,
-                              std::generic_category().message(errno)));
+      throw Error(ErrorCode::kUnsupported, fmt::format("{}: no socket for it: {}", program,
+                                                       std::generic_category().message(errno)));
     }
     link_.emplace(UniqueFd(ends[0]));
     const UniqueFd theirs(above_standard(UniqueFd(ends[1])));
@@ -143,11 +145,17 @@ class ReaderProcess {
     return reason_;
   }
 
-  // Lets it use so many seconds more of a processor; then the system ends it.
-  void allow_seconds(double seconds) const noexcept {
+  // Lets it use so many seconds more of a processor, then the system ends it; and so many bytes
+  // beside its libraries, then it gets no more.
+  void allow(double seconds, std::int64_t num_bytes) const noexcept {
     const double limit = std::min(used_seconds() + seconds, 1e9) + 1;
-    const rlimit both{static_cast<rlim_t>(limit), static_cast<rlim_t>(limit) + 1};
-    ::prlimit(pid_, RLIMIT_CPU, &both, nullptr);
+    const rlimit time{static_cast<rlim_t>(limit), static_cast<rlim_t>(limit) + 1};
+    ::prlimit(pid_, RLIMIT_CPU, &time, nullptr);
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // these take terabytes
+    const auto size = static_cast<rlim_t>(num_bytes + kLibraries);
+    const rlimit memory{size, size};
+    ::prlimit(pid_, RLIMIT_AS, &memory, nullptr);
+#endif
   }
 
   double used_seconds() const noexcept {
@@ -217,7 +225,7 @@ struct ReaderSession::Impl {
   std::vector<std::string> inputs;
   std::mutex mutex;
   std::unique_ptr<io::ReaderProcess> process;
-  std::vector<std::string> files;    // what the process may open
+  std::vector<std::string> files;  // what the process may open
   std::vector<std::string> folders;
 
   void start(const ReadOptions& options);
@@ -241,8 +249,8 @@ void ReaderSession::Impl::start(const ReadOptions& options) {
 void ReaderSession::Impl::report_end(const std::string& source, const char* what) {
   const auto reason = process->reason();
   process.reset();
-  throw Error(ErrorCode::kFileFormat, fmt::format("{}: its reader {}{}: is the file damaged?", source, what,
-                                                  io::reason_text(reason)));
+  throw Error(ErrorCode::kFileFormat, fmt::format("{}: its reader {}{}: is the file damaged?",
+                                                  source, what, io::reason_text(reason)));
 }
 
 Dataset ReaderSession::Impl::receive(const std::string& source, const ReadOptions& options) {
@@ -273,8 +281,8 @@ Dataset ReaderSession::Impl::receive(const std::string& source, const ReadOption
         }
         break;
       case io::LinkMessage::kDataset:
-        return io::dataset_from_message(
-            source, {std::move(message->bytes), std::move(message->fd)});
+        return io::dataset_from_message(source,
+                                        {std::move(message->bytes), std::move(message->fd)});
       case io::LinkMessage::kError:
         throw io::error_from_message(message->bytes);
       default:
@@ -298,8 +306,7 @@ Dataset ReaderSession::read(io::ForeignFormat format, const std::string& source,
   request.options = options;
   request.files = impl_->files;
   request.folders = impl_->folders;
-  request.memory_limit = io::available_memory();
-  impl_->process->allow_seconds(io::seconds_for(impl_->files));
+  impl_->process->allow(io::seconds_for(impl_->files), io::available_memory());
   const std::stop_callback killer(options.stop, [&] { impl_->process->kill(); });
   if (!impl_->process->link().send(io::LinkMessage::kRequest, io::to_message(request)))
     impl_->report_end(source, "did not start");
@@ -345,8 +352,9 @@ const char* name_of(io::ForeignFormat format) {
 Dataset io::read_foreign(ForeignFormat format, const std::string& source,
                          const std::vector<std::string>& paths, const ReadOptions& options) {
   if (const char* const missing = missing_library(format); missing != nullptr) {
-    throw Error(ErrorCode::kUnsupported, fmt::format("{}: this build has no {} and cannot read {} files",
-                                                     source, missing, name_of(format)));
+    throw Error(ErrorCode::kUnsupported,
+                fmt::format("{}: this build has no {} and cannot read {} files", source, missing,
+                            name_of(format)));
   }
   if (options.session) return options.session->read(format, source, paths, options);
   return ReaderSession(paths).read(format, source, paths, options);

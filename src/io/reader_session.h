@@ -12,8 +12,8 @@
 namespace ovoid {
 
 // The process that readers of other people's libraries run in: ovoid-read, started when it is first
-// needed and kept for the steps of a series, until the session ends. It may open the files that were
-// named and nothing else (docs/reliability.md, "Readers in a process of their own").
+// needed and kept for the steps of a series, until the session ends. It may open the files that
+// were named and nothing else (docs/reliability.md, "Readers in a process of their own").
 //
 // The host of the library is left as it is: no handler of a signal is set, none is raised, no other
 // child is waited for, and no descriptor of the host's is handed on.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The process that reads with other people's libraries: what it may open, what becomes of crashes and
-// endless loops, and what its host does not notice. Every test fails if the reading is done within
-// the library's own process.
+// The process that reads with other people's libraries: what it may open, what becomes of crashes
+// and endless loops, and what its host does not notice. Every test fails if the reading is done
+// within the library's own process.
 #include "io/reader_session.h"
 
 #include <gtest/gtest.h>
@@ -47,8 +47,8 @@ std::string pieces(const std::string& name) {
          name + R"("/></PUnstructuredGrid></VTKFile>)";
 }
 
-// A polyhedron one of whose faces says that it has more corners than there are numbers: VTK 9.1 reads
-// on where there is nothing.
+// A polyhedron one of whose faces says that it has more corners than there are numbers: VTK 9.1
+// reads on where there is nothing.
 const std::string kCrash =
     R"(<VTKFile type="UnstructuredGrid"><UnstructuredGrid>
 <Piece NumberOfPoints="4" NumberOfCells="1">
@@ -157,6 +157,13 @@ TEST_F(ReaderSessionTest, PiecesElsewhereNeedLeave) {
   EXPECT_EQ(values_of<float>(read_dataset({path}, options).array("v")).back(), 5);
 }
 
+// As VTK reads them: streams take a plus sign and blanks.
+TEST_F(ReaderSessionTest, PiecesMayCountWithASign) {
+  const std::string piece = with(vtu("4"), "NumberOfPoints=\"4\"", "NumberOfPoints=\" +4 \"");
+  folder.write("p.vtu", with(piece, "NumberOfCells=\"1\"", "NumberOfCells=\"+1\""));
+  EXPECT_EQ(refusal(folder.write("a.pvtu", pieces("p.vtu"))), "");
+}
+
 // A link in the folder leads out of it as well as ".." does; the input itself may be a link.
 TEST_F(ReaderSessionTest, LinksAreFollowedFirst) {
   fs::create_directories(folder.file("own"));
@@ -203,8 +210,9 @@ TEST_F(ReaderSessionTest, FilesOfSetsAndCases) {
                                          "FORMAT\ntype: ensight gold\nGEOMETRY\nmodel: a.geo\n"
                                          "VARIABLE\nscalar per node: v v***\n");
   EXPECT_EQ(files_read_for(input), (std::vector{input, geometry, first, second}));
-  const std::string enzo = folder.write(
-      "e.hierarchy", "Grid = 1\nBaryonFileName = /far/away/e.cpu0000\nNumberOfParticles   = 4962\n");
+  const std::string enzo =
+      folder.write("e.hierarchy",
+                   "Grid = 1\nBaryonFileName = /far/away/e.cpu0000\nNumberOfParticles   = 4962\n");
   const std::string start = folder.write("e", "InitialTime = 0\n");
   const std::string grid = folder.write("e.cpu0000", "x");
   EXPECT_EQ(files_read_for(enzo), (std::vector{enzo, start, grid}));

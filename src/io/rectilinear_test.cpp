@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "io/foreign/vtk_header.h"
 #include "io/test_folder.h"
 #include "io/test_volumes.h"
-#include "io/foreign/vtk_header.h"
 #include "ovoid/io.h"
 
 namespace ovoid::io {

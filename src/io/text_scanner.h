@@ -54,9 +54,10 @@ class TextScanner {
 // What the locale "C" calls blank: space, \t, \n, \v, \f, \r.
 bool is_blank(char c) noexcept;
 
-std::string lower(std::string_view text);                          // ASCII letters only
-std::vector<std::string_view> words(std::string_view text);        // between blanks
-std::optional<std::int64_t> parse_integer(std::string_view text);  // the whole text
+std::string lower(std::string_view text);                    // ASCII letters only
+std::vector<std::string_view> words(std::string_view text);  // between blanks
+// The whole text; a plus sign may stand before it.
+std::optional<std::int64_t> parse_integer(std::string_view text);
 
 // Does the whole text look like a number, as C++ streams read it? Its range is not looked at.
 enum class NumberKind { kInteger, kReal };

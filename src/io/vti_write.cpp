@@ -58,8 +58,7 @@ void add_section(XmlArrayFile& file, const ImageSection& chosen, const char* sec
 
 }  // namespace
 
-void write_vti(const Dataset& dataset, const std::string& path,
-               const std::stop_token& stop) {
+void write_vti(const Dataset& dataset, const std::string& path, const std::stop_token& stop) {
   const Index3& dims = dataset.lattice.dims;
   const ImageSections sections = image_sections(dataset, path);
   const Affine3& place = dataset.lattice.world_from_index;

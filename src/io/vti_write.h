@@ -13,7 +13,6 @@ namespace ovoid::io {
 // to the bit; control characters in names and units become blanks. Arrays that are scaled must have
 // been made plain. Throws Error(kFileWrite); kUnsupported for an axis too long for VTK, and for two
 // arrays of one name, of which VTK would read one.
-void write_vti(const Dataset& dataset, const std::string& path,
-               const std::stop_token& stop = {});
+void write_vti(const Dataset& dataset, const std::string& path, const std::stop_token& stop = {});
 
 }  // namespace ovoid::io

@@ -396,7 +396,11 @@ TEST(MeshKernels, RefusesBadMeshes) {
     EXPECT_NE(model_refusal(bad, options).find(words), std::string::npos)
         << model_refusal(bad, options);
   };
-  refused([](Dataset& d) { d.cells.connectivity = {0, 1, 4, 3}; }, "cells[0]: node 4, must be under 4");
+  refused(
+      [](Dataset& d) {
+        d.cells.connectivity = {0, 1, 4, 3};
+      },
+      "cells[0]: node 4, must be under 4");
   refused([](Dataset& d) { d.cells.types = {CellType::kWedge}; }, "cells[0]: 4 nodes");
   refused([](Dataset& d) { d.cells.offsets = {0, 3}; }, "cell offsets");
   refused(

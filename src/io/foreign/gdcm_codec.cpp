@@ -52,8 +52,9 @@ bool run_gdcm(GdcmCodec& codec, const DicomFrameShape& shape, const DicomStreamH
   return codec.Decode(in, out);
 }
 
-bool decode_with_gdcm(DicomCodec which, const DicomFrameShape& shape, const DicomStreamHeader& header,
-                      const gdcm::DataElement& in, gdcm::DataElement& out) {
+bool decode_with_gdcm(DicomCodec which, const DicomFrameShape& shape,
+                      const DicomStreamHeader& header, const gdcm::DataElement& in,
+                      gdcm::DataElement& out) {
   if (which == DicomCodec::kJpeg) {
     gdcm::JPEGCodec codec;
     return run_gdcm(codec, shape, header, in, out);

@@ -15,10 +15,10 @@
 #include <vector>
 
 #include "io/foreign/legacy_vtk_types.h"
-#include "io/samples.h"
-#include "io/text_scanner.h"
 #include "io/foreign/vtk_header.h"
 #include "io/foreign/vtk_header_parts.h"
+#include "io/samples.h"
+#include "io/text_scanner.h"
 
 namespace ovoid::io {
 namespace {

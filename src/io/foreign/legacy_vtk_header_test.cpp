@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "io/test_volumes.h"
 #include "io/foreign/vtk_header.h"
+#include "io/test_volumes.h"
 
 namespace ovoid::io {
 namespace {

@@ -7,7 +7,6 @@
 
 #include "ovoid/error.h"
 
-
 #include <vtkCellData.h>
 #include <vtkDataArray.h>
 #include <vtkFieldData.h>
@@ -18,13 +17,13 @@
 
 #include <vector>
 
-#include "io/mesh_parts.h"
-#include "io/rectilinear.h"
-#include "io/samples.h"
 #include "io/foreign/vtk_leaf.h"
 #include "io/foreign/vtk_mesh.h"
 #include "io/foreign/vtk_reading.h"
 #include "io/foreign/vtk_timed.h"
+#include "io/mesh_parts.h"
+#include "io/rectilinear.h"
+#include "io/samples.h"
 
 namespace ovoid::io {
 namespace {

@@ -22,6 +22,7 @@
 #include <vtkXMLStructuredGridReader.h>
 #include <vtkXMLUnstructuredGridReader.h>
 
+#include "data/names_text.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {
@@ -138,8 +139,8 @@ const char* format_of_leaf(VtkGrid grid, bool is_xml) noexcept {
 void throw_no_array(const ByteSource& source, const std::string& wanted,
                     const std::vector<std::string>& names) {
   throw Error(ErrorCode::kInvalidArgument,
-              fmt::format("{}: array '{}': not there: expected one of '{}'", source.name(), wanted,
-                          fmt::join(names, "', '")));
+              fmt::format("{}: array '{}': not there: expected one of {}", source.name(), wanted,
+                          data::names_text(names)));
 }
 
 }  // namespace ovoid::io

@@ -12,9 +12,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "io/mesh_steps.h"
 #include "io/foreign/vtk_mesh.h"
 #include "io/foreign/vtk_reading.h"
+#include "io/mesh_steps.h"
 
 namespace ovoid::io {
 

@@ -13,10 +13,10 @@
 #include <utility>
 #include <vector>
 
-#include "io/samples.h"
-#include "io/text_scanner.h"
 #include "io/foreign/vtk_header_parts.h"
 #include "io/foreign/vtk_xml_arrays.h"
+#include "io/samples.h"
+#include "io/text_scanner.h"
 #include "io/xml_tags.h"
 #include "ovoid/error.h"
 
@@ -274,7 +274,8 @@ class XmlChecker {
     counts_.clear();
     const auto count = [&](const char* key) {
       const std::string text = tag.attribute(key, "0");
-      const auto value = parse_integer(text);
+      const auto parts = words(text);
+      const auto value = parts.size() == 1 ? parse_integer(parts[0]) : std::nullopt;
       if (!value || *value < 0 || *value > kMaxAxisSize)
         fail(fmt::format("Piece: {}=\"{}\": expected 0 to {}", key, text.substr(0, 40),
                          kMaxAxisSize));

@@ -164,6 +164,7 @@ const std::vector<Words>& samples() {
       {"--hyperslice", "0,0,0,1,2", "--slice-method", "extracted"},
       {"--hyperslice", "0,0,0,1,2", "--slice-lattice", "cc", "--slice-spacing", "2"},
       {"--positions", "/p", "--value", "/a", "--value", "/b"},
+      {"--data-folder", "/a", "--data-folder", "/b"},
       {"--dims", "4x4x4", "--type", "uint8", "--spacing", "1,1,1", "--big-endian"},
       {"--size", "8x8", "--background", "1,1,1"},
       {"--colorbar=T", "--length-unit", "m"},

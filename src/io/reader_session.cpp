@@ -327,7 +327,7 @@ const char* missing_library(io::ForeignFormat format) {
   return nullptr;
 }
 
-const char* name_of(io::ForeignFormat format) {
+const char* words_for(io::ForeignFormat format) {
   switch (format) {
     case io::ForeignFormat::kVtk:
       return "VTK";
@@ -354,7 +354,7 @@ Dataset io::read_foreign(ForeignFormat format, const std::string& source,
   if (const char* const missing = missing_library(format); missing != nullptr) {
     throw Error(ErrorCode::kUnsupported,
                 fmt::format("{}: this build has no {} and cannot read {} files", source, missing,
-                            name_of(format)));
+                            words_for(format)));
   }
   if (options.session) return options.session->read(format, source, paths, options);
   return ReaderSession(paths).read(format, source, paths, options);

@@ -25,7 +25,12 @@ Dataset read_here(const ReaderRequest& request) {
   const std::unique_ptr<ByteSource> source = open_file(request.paths.front());
   switch (request.format) {
     case ForeignFormat::kVtk:
+#ifdef OVOID_IO_VTK
       return read_vtk(*source, options);
+#else
+      throw Error(ErrorCode::kUnsupported,
+                  request.source + ": this build has no VTK and cannot read VTK files");
+#endif
     case ForeignFormat::kExodus:
       return read_mesh_file(MeshFile::kExodus, *source, options);
     case ForeignFormat::kVtkHdf:

@@ -41,7 +41,7 @@ constexpr int kSocketInChild = 3;
 
 // Processor time of one request: what starting takes on a slow machine, and the slowest of readers,
 // which are those of text.
-constexpr double kBaseSeconds = 4;
+constexpr double kBaseSeconds = 2;
 constexpr double kBytesPerSecond = 2e6;
 
 // Addresses that VTK and all below it, and the reader's own threads, take before a file is read.

@@ -114,10 +114,17 @@ std::string take_refused_open() {
 
 }  // namespace ovoid::reader
 
-// NOLINTBEGIN(cert-dcl50-cpp): the system's signatures
+// NOLINTBEGIN(cert-dcl50-cpp): the system's signatures; its names are given to the linker alone
 extern "C" {
 
-int open(const char* path, int flags, ...) {
+int guarded_open(const char* path, int flags, ...) __asm__("open");
+int guarded_open64(const char* path, int flags, ...) __asm__("open64");
+int guarded_openat(int folder, const char* path, int flags, ...) __asm__("openat");
+int guarded_openat64(int folder, const char* path, int flags, ...) __asm__("openat64");
+FILE* guarded_fopen(const char* path, const char* mode) __asm__("fopen");
+FILE* guarded_fopen64(const char* path, const char* mode) __asm__("fopen64");
+
+int guarded_open(const char* path, int flags, ...) {
   va_list arguments;
   va_start(arguments, flags);
   const mode_t mode = ovoid::reader::mode_of(flags, arguments);
@@ -125,7 +132,7 @@ int open(const char* path, int flags, ...) {
   return ovoid::reader::open_next("open64", path, flags, mode);
 }
 
-int open64(const char* path, int flags, ...) {
+int guarded_open64(const char* path, int flags, ...) {
   va_list arguments;
   va_start(arguments, flags);
   const mode_t mode = ovoid::reader::mode_of(flags, arguments);
@@ -133,7 +140,7 @@ int open64(const char* path, int flags, ...) {
   return ovoid::reader::open_next("open64", path, flags, mode);
 }
 
-int openat(int folder, const char* path, int flags, ...) {
+int guarded_openat(int folder, const char* path, int flags, ...) {
   va_list arguments;
   va_start(arguments, flags);
   const mode_t mode = ovoid::reader::mode_of(flags, arguments);
@@ -141,7 +148,7 @@ int openat(int folder, const char* path, int flags, ...) {
   return ovoid::reader::openat_next("openat64", folder, path, flags, mode);
 }
 
-int openat64(int folder, const char* path, int flags, ...) {
+int guarded_openat64(int folder, const char* path, int flags, ...) {
   va_list arguments;
   va_start(arguments, flags);
   const mode_t mode = ovoid::reader::mode_of(flags, arguments);
@@ -149,11 +156,11 @@ int openat64(int folder, const char* path, int flags, ...) {
   return ovoid::reader::openat_next("openat64", folder, path, flags, mode);
 }
 
-FILE* fopen(const char* path, const char* mode) {
+FILE* guarded_fopen(const char* path, const char* mode) {
   return ovoid::reader::fopen_next("fopen64", path, mode);
 }
 
-FILE* fopen64(const char* path, const char* mode) {
+FILE* guarded_fopen64(const char* path, const char* mode) {
   return ovoid::reader::fopen_next("fopen64", path, mode);
 }
 

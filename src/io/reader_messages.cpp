@@ -203,10 +203,10 @@ LatticeGeometry lattice_of(const Json& json) {
   LatticeGeometry lattice;
   for (std::size_t axis = 0; axis < 3; ++axis)
     lattice.dims[axis] = count_of(json.at("dims").at(axis));
+  std::size_t next = 0;
   for (int column = 0; column < 4; ++column)
     for (int row = 0; row < 3; ++row)
-      lattice.world_from_index.matrix()(row, column) =
-          json.at("matrix").at(static_cast<std::size_t>(3 * column + row));
+      lattice.world_from_index.matrix()(row, column) = json.at("matrix").at(next++);
   lattice.kind = enum_of(json.at("kind"), LatticeKind::kBodyCentred);
   return lattice;
 }
@@ -241,7 +241,7 @@ std::optional<Bounds3> box_of(const Json& json) {
   Bounds3 box;
   for (int axis = 0; axis < 3; ++axis) {
     box.min()[axis] = json.at(static_cast<std::size_t>(axis));
-    box.max()[axis] = json.at(static_cast<std::size_t>(axis + 3));
+    box.max()[axis] = json.at(static_cast<std::size_t>(axis) + 3);
   }
   return box;
 }

@@ -15,6 +15,7 @@ namespace {
 
 std::string listed_names(const std::vector<DataArray>& arrays) {
   std::vector<std::string> names;
+  names.reserve(arrays.size());
   for (const DataArray& array : arrays) names.push_back(array.name);
   return data::names_text(names);
 }

@@ -293,10 +293,13 @@ Dataset read_source(const ByteSource& source, const ReadOptions& options, const 
 
 }  // namespace io
 
-Dataset read_dataset(const std::vector<std::string>& paths, const ReadOptions& given) {
+Dataset read_dataset(const std::vector<std::string>& paths, const ReadOptions& options) {
   if (paths.empty()) throw Error(ErrorCode::kInvalidArgument, "input: no file is named");
-  ReadOptions options = given;
-  if (!options.session) options.session = std::make_shared<ReaderSession>(paths);
+  if (!options.session) {
+    ReadOptions own = options;
+    own.session = std::make_shared<ReaderSession>(paths);
+    return read_dataset(paths, own);
+  }
   if (is_folder(paths[0]) || (paths.size() > 1 && is_dicom(paths[0])))
     return finished([&] { return read_dicom_parts(paths, options); }, options);
   if (paths.size() == 2 && is_plot3d(paths[0], options.raw, io::Plot3dContent::kSolution) &&

@@ -162,7 +162,7 @@ struct Worker::Impl {
   Level moving_level{4, 0};
   std::optional<std::pair<double, double>> last_xray_range;
 
-  Renderer& renderer_for(const RendererSetup& setup);
+  Renderer& renderer_for(const RendererSetup& chosen);
   void set_scales(const Scene& scene);
   Picture draw(const std::shared_ptr<const Scene>& scene, const Level& level,
                const std::stop_token& token);

@@ -86,7 +86,11 @@ class Server {
     if (const std::string refused = take_refused_file(); !refused.empty())
       dataset.notes.push_back(refused_text(refused));
     const io::DatasetMessage answer = io::to_message(std::move(dataset));
-    link_.send(io::LinkMessage::kDataset, answer.description, answer.memory.get());
+    if (!link_.send(io::LinkMessage::kDataset, answer.description, answer.memory.get())) {
+      refuse(ErrorCode::kUnsupported,
+             fmt::format("{}: the names of its arrays take {} bytes: at most {} are read", source_,
+                         answer.description.size(), io::kMaxLinkMessage));
+    }
   }
 
   void refuse(ErrorCode code, std::string what) {

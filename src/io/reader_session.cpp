@@ -202,8 +202,8 @@ class ReaderProcess {
 
 std::string reason_text(const std::optional<int>& reason) {
   if (!reason) return "";
-  if (*reason == SIGXCPU || *reason == SIGKILL)
-    return " (it took more processor time than such a file needs)";
+  if (*reason == SIGXCPU) return " (it took more processor time than such a file needs)";
+  if (*reason == SIGKILL) return " (the system killed it: did memory run out?)";
   if (*reason > 0) return fmt::format(" (signal {})", *reason);
   return fmt::format(" (exit code {})", -*reason);
 }
@@ -224,7 +224,7 @@ double seconds_for(const std::vector<std::string>& files) {
 struct ReaderSession::Impl {
   std::vector<std::string> inputs;
   std::mutex mutex;
-  std::unique_ptr<io::ReaderProcess> process;
+  std::shared_ptr<io::ReaderProcess> process;
   std::vector<std::string> files;  // what the process may open
   std::vector<std::string> folders;
 
@@ -243,7 +243,7 @@ void ReaderSession::Impl::start(const ReadOptions& options) {
   if (process) return;
   files = io::files_that_may_be_read(inputs, options);
   folders = io::real_data_folders(options);
-  process = std::make_unique<io::ReaderProcess>(io::find_reader_program());
+  process = std::make_shared<io::ReaderProcess>(io::find_reader_program());
 }
 
 void ReaderSession::Impl::report_end(const std::string& source, const char* what) {
@@ -262,7 +262,6 @@ Dataset ReaderSession::Impl::receive(const std::string& source, const ReadOption
       if (now_used > used || !process->is_asleep()) last_work = io::Clock::now();
       used = now_used;
       if (io::Clock::now() - last_work < io::kIdleLimit) continue;
-      process->kill();
       process.reset();
       throw Error(ErrorCode::kFileFormat,
                   fmt::format("{}: its reader is stuck: is the file damaged?", source));
@@ -307,7 +306,8 @@ Dataset ReaderSession::read(io::ForeignFormat format, const std::string& source,
   request.files = impl_->files;
   request.folders = impl_->folders;
   impl_->process->allow(io::seconds_for(impl_->files), io::available_memory());
-  const std::stop_callback killer(options.stop, [&] { impl_->process->kill(); });
+  // The callback may run while this thread already gives the process up, and holds it so long.
+  const std::stop_callback killer(options.stop, [process = impl_->process] { process->kill(); });
   if (!impl_->process->link().send(io::LinkMessage::kRequest, io::to_message(request)))
     impl_->report_end(source, "did not start");
   return impl_->receive(source, options);

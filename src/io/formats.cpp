@@ -32,7 +32,7 @@ FileKind kind_of(std::string_view start) noexcept {
   if (start.starts_with("# vtk DataFile")) return FileKind::kVtkLegacy;
   if (looks_like_ply(start)) return FileKind::kPly;
   if (start.starts_with("PK\x03\x04") || start.starts_with("PK\x05\x06")) return FileKind::kZip;
-  if (start.starts_with("\x89HDF\r\n\x1a\n")) return FileKind::kHdf5;
+  if (is_hdf5(start)) return FileKind::kHdf5;
   if (start.starts_with("ITEM: TIMESTEP") || start.starts_with("ITEM: UNITS"))
     return FileKind::kLammpsDump;
   if (start.starts_with("\xef\xbb\xbf")) start.remove_prefix(3);  // a byte order mark
@@ -55,6 +55,8 @@ std::string picture_format_of(std::string_view start) {
   if (start.starts_with("BM") && has_at(start, 6, "\0\0\0\0"sv)) return "BMP";
   return {};
 }
+
+bool is_hdf5(std::string_view start) noexcept { return start.starts_with("\x89HDF\r\n\x1a\n"); }
 
 std::string unsupported_kind_of(std::string_view start) {
   if (looks_like_analyze(start)) return "an ANALYZE 7.5 header";

@@ -29,6 +29,9 @@ FileKind kind_of(std::string_view start) noexcept;
 // The format of a picture that may be a slice of somebody's volume: "TIFF"; empty if it is none.
 std::string picture_format_of(std::string_view start);
 
+// The magic of HDF5, whatever is in the file.
+bool is_hdf5(std::string_view start) noexcept;
+
 // A format that is recognised but not read, in words for a message ("a NIfTI file"); empty if none
 // is.
 std::string unsupported_kind_of(std::string_view start);

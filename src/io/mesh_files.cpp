@@ -11,8 +11,6 @@
 namespace ovoid::io {
 namespace {
 
-constexpr std::string_view kHdf5Magic = "\x89HDF\r\n\x1a\n";
-
 bool is_exodus_ending(const std::string& ending) {
   constexpr std::array<std::string_view, 6> kEndings{".e", ".ex2", ".exo", ".exii", ".ex2v2", ".g"};
   return std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
@@ -46,7 +44,7 @@ MeshFile mesh_file_of(const ByteSource& source, std::string_view start) {
   const std::string ending = ending_of(source.name());
   if (start.starts_with("CDF\x01") || start.starts_with("CDF\x02") || start.starts_with("CDF\x05"))
     return MeshFile::kExodus;
-  if (start.starts_with(kHdf5Magic)) {
+  if (is_hdf5(start)) {
     if (is_exodus_ending(ending)) return MeshFile::kExodus;
     return has_vtk_group(source) ? MeshFile::kVtkHdf : MeshFile::kNone;
   }

@@ -29,10 +29,6 @@
 
 namespace ovoid::io {
 
-bool is_vtkhdf(const ByteSource& source) {
-  return source.text(0, std::int64_t{1} << 16).find("VTKHDF") != std::string::npos;
-}
-
 #ifdef OVOID_IO_HDF5
 namespace {
 

@@ -7,10 +7,6 @@
 
 namespace ovoid::io {
 
-// Is an HDF5 file one of VTK's, with a group VTKHDF at its root? Looks at the first 64 KiB, where
-// the names of the root group's members are.
-bool is_vtkhdf(const ByteSource& source);
-
 // Reads particles from the HDF5 file called source.name(): options.positions, or what is called
 // like positions; options.values, or what lies beside them and has as many rows (docs/formats.md,
 // "HDF5"). Positions are float32 or float64, arrays have the file's types. Peak memory is that of

@@ -5,16 +5,14 @@
 
 #include <filesystem>
 #include <string>
-#include <string_view>
 
 #include "io/foreign/netcdf_header.h"
+#include "io/formats.h"
 #include "io/text_scanner.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {
 namespace {
-
-constexpr std::string_view kHdf5Magic = "\x89HDF\r\n\x1a\n";
 
 std::string enzo_hierarchy(const std::string& path) {
   return path.ends_with(".hierarchy") ? path : path + ".hierarchy";
@@ -34,7 +32,7 @@ void check_enzo(const std::string& path) {
     if (name == last) continue;
     last = name;
     const auto file = open_file(path_beside(path, name));
-    if (!file->text(0, 8).starts_with(kHdf5Magic)) {
+    if (!is_hdf5(file->text(0, 8))) {
       throw Error(
           ErrorCode::kFileFormat,
           fmt::format("{}: is no HDF5 file, {} says it holds its grids", file->name(), path));
@@ -48,9 +46,9 @@ void check_enzo(const std::string& path) {
 }
 
 void check_mesh_file(MeshFile kind, const ByteSource& source) {
-  const bool is_hdf5 = source.text(0, 8).starts_with(kHdf5Magic);
-  if (is_hdf5) check_hdf5_size(source);
-  if (kind == MeshFile::kExodus && !is_hdf5) check_netcdf(source);
+  const bool is_new = is_hdf5(source.text(0, 8));
+  if (is_new) check_hdf5_size(source);
+  if (kind == MeshFile::kExodus && !is_new) check_netcdf(source);
   if (kind == MeshFile::kEnzo) check_enzo(enzo_hierarchy(source.name()));
 }
 

@@ -16,8 +16,7 @@
 
 #include "fuzz/targets.h"
 #include "io/foreign/hdf5_attributes.h"
-#include "io/hdf5_handle.h"
-#include "io/hdf5_write_attributes.h"
+#include "io/foreign/hdf5_handle.h"
 #include "io/reader_session.h"
 #include "io/test_folder.h"
 #include "io/test_lattice_files.h"
@@ -42,13 +41,16 @@ class Changed {
 
   hid_t id() const { return file_.get(); }
   Changed& numbers(const std::string& object, const char* name, const std::vector<double>& values) {
-    const Hdf5Handle place = without(object, name);
-    add_hdf5_numbers(place.get(), name, ScalarType::kFloat64, values.data(), {values.size()});
-    return *this;
+    const hsize_t count = values.size();
+    const Hdf5Handle space(H5Screate_simple(1, &count, nullptr), H5Sclose);
+    return put(object, name, H5T_NATIVE_DOUBLE, space.get(), values.data());
   }
   Changed& text(const std::string& object, const char* name, const std::string& value) {
-    add_hdf5_text(without(object, name).get(), name, value);
-    return *this;
+    const Hdf5Handle type(H5Tcopy(H5T_C_S1), H5Tclose), space(H5Screate(H5S_SCALAR), H5Sclose);
+    H5Tset_size(type.get(), value.size());
+    H5Tset_strpad(type.get(), H5T_STR_NULLPAD);
+    H5Tset_cset(type.get(), H5T_CSET_UTF8);
+    return put(object, name, type.get(), space.get(), value.data());
   }
   Changed& remove(const std::string& object, const char* name) {
     without(object, name);
@@ -56,6 +58,14 @@ class Changed {
   }
 
  private:
+  Changed& put(const std::string& object, const char* name, hid_t type, hid_t space,
+               const void* values) {
+    const Hdf5Handle place = without(object, name);
+    const Hdf5Handle made(H5Acreate2(place.get(), name, type, space, H5P_DEFAULT, H5P_DEFAULT),
+                          H5Aclose);
+    H5Awrite(made.get(), type, values);
+    return *this;
+  }
   Hdf5Handle without(const std::string& object, const char* name) {
     Hdf5Handle place(H5Oopen(id(), object.c_str(), H5P_DEFAULT), H5Oclose);
     if (has_hdf5_attribute(place.get(), name)) H5Adelete(place.get(), name);

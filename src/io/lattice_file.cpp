@@ -8,26 +8,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
-#include <mutex>
 #include <utility>
 
+#include "data/encode_relevant.h"
 #include "data/out_of_memory.h"
 #include "io/atomic_file.h"
 #include "io/cell_lattice.h"
 #include "io/hdf5_lattice_format.h"
+#include "io/hdf5_writer.h"
 #include "io/samples.h"
 #include "ovoid/error.h"
-
-#ifdef OVOID_IO_HDF5
-#include <limits>
-#include <type_traits>
-
-#include "data/encode_relevant.h"
-#include "data/scalar_visit.h"
-#include "io/hdf5_handle.h"
-#include "io/hdf5_write_attributes.h"
-#endif
 
 namespace ovoid {
 namespace {
@@ -65,12 +57,8 @@ LatticeFileHeader lattice_file_header(const Dataset& dataset) {
   return header;
 }
 
-#ifdef OVOID_IO_HDF5
-
 namespace {
 
-// Deflate at the level where, after shuffling, more effort buys next to nothing.
-constexpr unsigned kDeflateLevel = 4;
 // So much of a step is packed, and has to be unpacked, at once: a few layers.
 constexpr std::int64_t kChunkBytes = std::int64_t{1} << 20;
 // The library packs chunks of less than 4 GiB.
@@ -151,27 +139,17 @@ class LatticeFileWriter::Impl {
       : path_(path), header_(std::move(header)), stop_(std::move(stop)) {
     check_header(header_);
     require_room(0);
-    const std::lock_guard lock(io::hdf5_mutex());
-    const io::Hdf5Silence silence;
+    try {
+      io::require_hdf5();
+    } catch (const Error& error) {
+      throw Error(error.code(), fmt::format("{}: {}", path, error.what()));
+    }
     target_ = std::make_unique<io::AtomicFile>(path, stop_);
-    // The file format of HDF5 1.10, whose descriptions of things carry checksums: damage is told
-    // before the library believes it.
-    const io::Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-    require(H5Pset_libver_bounds(access.get(), H5F_LIBVER_V110, H5F_LIBVER_LATEST) >= 0);
-    const io::Hdf5Handle plist(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
-    require(H5Pset_obj_track_times(plist.get(), 0) >= 0);
-    file_ = {H5Fcreate(target_->partial_path().c_str(), H5F_ACC_TRUNC, plist.get(), access.get()),
-             H5Fclose};
+    file_ = io::make_hdf5_file(target_->partial_path());
     require(file_.is_open());
-    root_ = {H5Gopen2(file_.get(), "/", H5P_DEFAULT), H5Gclose};
-    require(root_.is_open());
     write_header();
   }
-  ~Impl() {
-    const std::lock_guard lock(io::hdf5_mutex());
-    const io::Hdf5Silence silence;
-    close();
-  }
+  ~Impl() { close(); }
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
@@ -180,7 +158,7 @@ class LatticeFileWriter::Impl {
   const LatticeFileCounts& counts() const noexcept { return counts_; }
 
   void write_step(std::span<const Bytes> samples) {
-    if (!root_.is_open()) fail("write_step: the file is finished");
+    if (!file_.is_open()) fail("write_step: the file is finished");
     if (samples.size() != header_.arrays.size())
       fail(fmt::format("samples: {} arrays: expected {}", samples.size(), header_.arrays.size()));
     for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -192,27 +170,23 @@ class LatticeFileWriter::Impl {
                                          header_.arrays[i].num_components)));
       }
     }
-    const std::lock_guard lock(io::hdf5_mutex());
-    const io::Hdf5Silence silence;
     for (std::size_t i = 0; i < samples.size(); ++i) {
       counts_.num_samples += num_samples(header_.lattice.dims);
       counts_.dense_bytes += num_bytes(header_.arrays[i]);
-      header_.relevant ? write_runs(groups_[i].get(), header_.arrays[i], samples[i])
-                       : write_dense(groups_[i].get(), header_.arrays[i], samples[i].view.data());
+      header_.relevant ? write_runs(groups_[i], header_.arrays[i], samples[i])
+                       : write_dense(groups_[i], header_.arrays[i], samples[i].view.data());
     }
     if (!header_.relevant) counts_.num_relevant = counts_.num_samples;
     ++num_steps_;
   }
 
   void finish() {
-    if (!root_.is_open()) fail("finish: the file is finished already");
+    if (!file_.is_open()) fail("finish: the file is finished already");
     if (num_steps_ == 0) fail("finish: no step was written");
     const auto num_times = static_cast<std::int64_t>(header_.times.size());
     if (num_times != 0 && num_times != num_steps_)
       fail(fmt::format("times: there are {}: expected one for each of {} steps", num_times,
                        num_steps_));
-    const std::lock_guard lock(io::hdf5_mutex());
-    const io::Hdf5Silence silence;
     const auto* const word = std::find_if(
         io::kHdf5LatticeWords.begin(), io::kHdf5LatticeWords.end(),
         [&](const io::Hdf5LatticeWord& w) {
@@ -220,11 +194,9 @@ class LatticeFileWriter::Impl {
                  (w.has_steps == (num_steps_ > 1) || w.kind == LatticeKind::kBodyCentred ||
                   w.series == SeriesKind::kStaggered);
         });
-    require(io::add_hdf5_text(root_.get(), "lattice", word->word) &&
-            io::add_hdf5_number(root_.get(), "num_steps", num_steps_));
+    require(file_.add_text("lattice", word->word) && file_.add_number("num_steps", num_steps_));
     if (num_times > 0) write_times();
-    require(H5Fflush(file_.get(), H5F_SCOPE_GLOBAL) >= 0);
-    require(close());
+    require(file_.flush() && close());
     target_->commit();
   }
 
@@ -239,8 +211,7 @@ class LatticeFileWriter::Impl {
   // True if the library wrote everything.
   bool close() noexcept {
     bool is_well = true;
-    for (io::Hdf5Handle& group : groups_) is_well = group.close() && is_well;
-    is_well = root_.close() && is_well;
+    for (io::Hdf5Object& group : groups_) is_well = group.close() && is_well;
     return file_.close() && is_well;
   }
 
@@ -250,184 +221,133 @@ class LatticeFileWriter::Impl {
   }
 
   void write_header() {
-    using io::add_hdf5_number, io::add_hdf5_numbers, io::add_hdf5_text;
-    const hid_t root = root_.get();
     const LatticeGeometry& lattice = header_.lattice;
     double rows[12];
     for (int i = 0; i < 12; ++i) rows[i] = lattice.world_from_index(i / 4, i % 4);
     // The halves of a staggered series have the distance of the samples of a sublattice.
     const double unit_spacing =
         header_.series == SeriesKind::kStaggered ? std::sqrt(0.5) : lattice.unit_spacing();
-    require(add_hdf5_text(root, "format", io::kHdf5LatticeFormat) &&
-            add_hdf5_number(root, "version", io::kHdf5LatticeVersion) &&
-            add_hdf5_numbers(root, "dims", ScalarType::kInt64, lattice.dims.data(), {3}) &&
-            add_hdf5_numbers(root, "world_from_index", ScalarType::kFloat64, rows, {3, 4}) &&
-            add_hdf5_number(root, "unit_spacing", unit_spacing) &&
-            add_hdf5_text(root, "space", name_of(header_.space)) &&
-            add_hdf5_number(root, "num_arrays", static_cast<std::int64_t>(header_.arrays.size())));
-    const io::Hdf5Handle plist(H5Pcreate(H5P_GROUP_CREATE), H5Pclose);
-    require(H5Pset_obj_track_times(plist.get(), 0) >= 0);
+    require(file_.add_text("format", io::kHdf5LatticeFormat) &&
+            file_.add_number("version", io::kHdf5LatticeVersion) &&
+            file_.add_numbers("dims", ScalarType::kInt64, lattice.dims.data(), {3}) &&
+            file_.add_numbers("world_from_index", ScalarType::kFloat64, rows, {3, 4}) &&
+            file_.add_number("unit_spacing", unit_spacing) &&
+            file_.add_text("space", name_of(header_.space)) &&
+            file_.add_number("num_arrays", static_cast<std::int64_t>(header_.arrays.size())));
     for (std::size_t i = 0; i < header_.arrays.size(); ++i) {
       const LatticeFileArray& array = header_.arrays[i];
-      groups_.emplace_back(H5Gcreate2(root, fmt::format("array{}", i).c_str(), H5P_DEFAULT,
-                                      plist.get(), H5P_DEFAULT),
-                           H5Gclose);
-      const hid_t group = groups_.back().get();
-      require(groups_.back().is_open() && add_hdf5_text(group, "name", array.name) &&
-              add_hdf5_text(group, "unit", array.unit) &&
-              add_hdf5_number(group, "components", std::int64_t{array.num_components}) &&
-              add_hdf5_number(group, "value_scale", array.value_scale) &&
-              add_hdf5_number(group, "value_offset", array.value_offset) &&
-              add_hdf5_text(group, "encoding", header_.relevant ? "runs" : "dense"));
+      groups_.push_back(file_.make_group(fmt::format("array{}", i)));
+      const io::Hdf5Object& group = groups_.back();
+      require(group.is_open() && group.add_text("name", array.name) &&
+              group.add_text("unit", array.unit) &&
+              group.add_number("components", std::int64_t{array.num_components}) &&
+              group.add_number("value_scale", array.value_scale) &&
+              group.add_number("value_offset", array.value_offset) &&
+              group.add_text("encoding", header_.relevant ? "runs" : "dense"));
     }
   }
 
-  // A dataset, shuffled and deflated in chunks.
-  void write_dataset(hid_t group, const std::string& name, ScalarType type,
-                     const std::vector<hsize_t>& dims, const std::vector<hsize_t>& chunk,
-                     const void* values) const {
-    const io::Hdf5Handle plist(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
-    require(H5Pset_chunk(plist.get(), static_cast<int>(chunk.size()), chunk.data()) >= 0 &&
-            H5Pset_shuffle(plist.get()) >= 0 && H5Pset_deflate(plist.get(), kDeflateLevel) >= 0 &&
-            H5Pset_fill_time(plist.get(), H5D_FILL_TIME_NEVER) >= 0 &&
-            H5Pset_obj_track_times(plist.get(), 0) >= 0);
-    const io::Hdf5Handle space(
-        H5Screate_simple(static_cast<int>(dims.size()), dims.data(), nullptr), H5Sclose);
-    require(space.is_open());
-    io::Hdf5Handle dataset(H5Dcreate2(group, name.c_str(), io::hdf5_native(type), space.get(),
-                                      H5P_DEFAULT, plist.get(), H5P_DEFAULT),
-                           H5Dclose);
+  using Sizes = std::vector<std::uint64_t>;
+
+  // A dataset, a chunk of the first axis at a time, between which it may be stopped.
+  void write_dataset(const io::Hdf5Object& group, const std::string& name, ScalarType type,
+                     const Sizes& dims, const Sizes& chunk, const void* values) const {
+    std::size_t row_bytes = size_of(type);
+    for (std::size_t i = 1; i < dims.size(); ++i) row_bytes *= dims[i];
+    require_room(std::min(chunk[0], dims[0]) * row_bytes);
+    io::Hdf5Object dataset = group.make_dataset(name, type, dims, chunk);
     require(dataset.is_open());
-    write_slabs(dataset.get(), type, dims, chunk[0], values);
+    const auto* from = static_cast<const std::byte*>(values);
+    for (std::uint64_t row = 0; row < dims[0]; row += chunk[0]) {
+      io::check_stop(stop_);
+      const std::uint64_t count = std::min(chunk[0], dims[0] - row);
+      require(dataset.write_rows(row, count, type, from));
+      from += count * row_bytes;
+    }
     require(dataset.close());
   }
 
-  // The values, a chunk of the first axis at a time, between which it may be stopped.
-  void write_slabs(hid_t dataset, ScalarType type, const std::vector<hsize_t>& dims, hsize_t chunk,
-                   const void* values) const {
-    std::size_t row_bytes = size_of(type);
-    for (std::size_t i = 1; i < dims.size(); ++i) row_bytes *= dims[i];
-    require_room(std::min(chunk, dims[0]) * row_bytes);
-    const auto* from = static_cast<const std::byte*>(values);
-    std::vector<hsize_t> start(dims.size(), 0), count = dims;
-    for (start[0] = 0; start[0] < dims[0]; start[0] += chunk) {
-      io::check_stop(stop_);
-      count[0] = std::min(chunk, dims[0] - start[0]);
-      const int rank = static_cast<int>(dims.size());
-      const io::Hdf5Handle memory(H5Screate_simple(rank, count.data(), nullptr), H5Sclose);
-      const io::Hdf5Handle file(H5Dget_space(dataset), H5Sclose);
-      require(memory.is_open() && file.is_open() &&
-              H5Sselect_hyperslab(file.get(), H5S_SELECT_SET, start.data(), nullptr, count.data(),
-                                  nullptr) >= 0 &&
-              H5Dwrite(dataset, io::hdf5_native(type), memory.get(), file.get(), H5P_DEFAULT,
-                       from) >= 0);
-      from += count[0] * row_bytes;
-    }
-  }
-
   // Whole layers, or of one layer whole rows.
-  void write_dense(hid_t group, const LatticeFileArray& array, const std::byte* samples) const {
+  void write_dense(const io::Hdf5Object& group, const LatticeFileArray& array,
+                   const std::byte* samples) const {
     const Index3& size = header_.lattice.dims;
     const std::int64_t row_bytes =
         size[0] * array.num_components * static_cast<std::int64_t>(size_of(array.type));
     const std::int64_t rows = std::clamp<std::int64_t>(kChunkBytes / row_bytes, 1, size[1]);
     const std::int64_t layers =
         rows < size[1] ? 1 : std::clamp<std::int64_t>(kChunkBytes / (row_bytes * rows), 1, size[2]);
-    const auto as_size = [](std::int64_t n) { return static_cast<hsize_t>(n); };
-    std::vector<hsize_t> dims{as_size(size[2]), as_size(size[1]), as_size(size[0])};
-    std::vector<hsize_t> chunk{as_size(layers), as_size(rows), as_size(size[0])};
+    const auto as_size = [](std::int64_t n) { return static_cast<std::uint64_t>(n); };
+    Sizes dims{as_size(size[2]), as_size(size[1]), as_size(size[0])};
+    Sizes chunk{as_size(layers), as_size(rows), as_size(size[0])};
     if (array.num_components > 1) {
-      dims.push_back(static_cast<hsize_t>(array.num_components));
+      dims.push_back(static_cast<std::uint64_t>(array.num_components));
       chunk.push_back(dims.back());
     }
     write_dataset(group, fmt::format("step{}", num_steps_), array.type, dims, chunk, samples);
   }
 
   // A list in chunks of kChunkBytes; nothing if it is empty.
-  void write_list(hid_t group, const char* name, ScalarType type, std::size_t count,
+  void write_list(const io::Hdf5Object& group, const char* name, ScalarType type, std::size_t count,
                   const void* values) const {
     if (count == 0) return;
     write_dataset(group, name, type, {count},
-                  {std::min<hsize_t>(count, kChunkBytes / size_of(type))}, values);
+                  {std::min<std::uint64_t>(count, kChunkBytes / size_of(type))}, values);
   }
 
   // As short numbers where rows are short enough.
-  void write_list(hid_t group, const char* name, const std::vector<std::uint32_t>& numbers) const {
+  void write_list(const io::Hdf5Object& group, const char* name,
+                  const std::vector<std::uint32_t>& numbers) const {
     if (header_.lattice.dims[0] > std::numeric_limits<std::uint16_t>::max())
       return write_list(group, name, ScalarType::kUInt32, numbers.size(), numbers.data());
     const std::vector<std::uint16_t> narrow(numbers.begin(), numbers.end());
     write_list(group, name, ScalarType::kUInt16, narrow.size(), narrow.data());
   }
 
-  void write_runs(hid_t array_group, const LatticeFileArray& array, const Bytes& samples) {
+  void write_runs(const io::Hdf5Object& array_group, const LatticeFileArray& array,
+                  const Bytes& samples) {
     const data::RelevantRuns runs =
         data::encode_relevant(header_.lattice, {array.type, array.value_scale, array.value_offset},
                               samples, *header_.relevant, {.stop = stop_});
     counts_.num_relevant += runs.num_relevant();
     counts_.num_runs += runs.num_runs();
     counts_.run_bytes += static_cast<std::int64_t>(runs.num_bytes());
-    const io::Hdf5Handle plist(H5Pcreate(H5P_GROUP_CREATE), H5Pclose);
-    require(H5Pset_obj_track_times(plist.get(), 0) >= 0);
-    const io::Hdf5Handle step(H5Gcreate2(array_group, fmt::format("step{}", num_steps_).c_str(),
-                                         H5P_DEFAULT, plist.get(), H5P_DEFAULT),
-                              H5Gclose);
+    const io::Hdf5Object step = array_group.make_group(fmt::format("step{}", num_steps_));
     require(step.is_open() &&
-            io::add_hdf5_numbers(step.get(), "background", array.type,
-                                 runs.background_bytes().data()) &&
-            io::add_hdf5_number(step.get(), "num_runs", runs.num_runs()) &&
-            io::add_hdf5_number(step.get(), "num_relevant", runs.num_relevant()));
+            step.add_numbers("background", array.type, runs.background_bytes().data()) &&
+            step.add_number("num_runs", runs.num_runs()) &&
+            step.add_number("num_relevant", runs.num_relevant()));
     const data::RunLists lists = runs.lists();
     const Index3& size = header_.lattice.dims;
     const std::int64_t rows = std::clamp<std::int64_t>(kChunkBytes / 4 / size[1], 1, size[2]);
     const std::int64_t columns = std::min(size[1], kChunkBytes / 4);
-    write_dataset(step.get(), "row_runs", ScalarType::kUInt32,
-                  {static_cast<hsize_t>(size[2]), static_cast<hsize_t>(size[1])},
-                  {static_cast<hsize_t>(rows), static_cast<hsize_t>(columns)},
+    write_dataset(step, "row_runs", ScalarType::kUInt32,
+                  {static_cast<std::uint64_t>(size[2]), static_cast<std::uint64_t>(size[1])},
+                  {static_cast<std::uint64_t>(rows), static_cast<std::uint64_t>(columns)},
                   lists.row_runs.data());
-    write_list(step.get(), "starts", lists.starts);
-    write_list(step.get(), "lengths", lists.lengths);
-    write_list(step.get(), "values", array.type, static_cast<std::size_t>(runs.num_relevant()),
+    write_list(step, "starts", lists.starts);
+    write_list(step, "lengths", lists.lengths);
+    write_list(step, "values", array.type, static_cast<std::size_t>(runs.num_relevant()),
                runs.values().data());
   }
 
   void write_times() const {
-    const hsize_t count = header_.times.size();
-    write_dataset(root_.get(), "times", ScalarType::kFloat64, {count},
-                  {std::min<hsize_t>(count, kChunkBytes / 8)}, header_.times.data());
-    const io::Hdf5Handle times(H5Dopen2(root_.get(), "times", H5P_DEFAULT), H5Dclose);
-    require(times.is_open() && io::add_hdf5_text(times.get(), "unit", header_.time_unit));
+    const std::uint64_t count = header_.times.size();
+    io::Hdf5Object times = file_.make_dataset("times", ScalarType::kFloat64, {count},
+                                              {std::min<std::uint64_t>(count, kChunkBytes / 8)});
+    require(times.is_open() &&
+            times.write_rows(0, count, ScalarType::kFloat64, header_.times.data()) &&
+            times.add_text("unit", header_.time_unit) && times.close());
   }
 
   std::string path_;
   LatticeFileHeader header_;
   std::stop_token stop_;
   std::unique_ptr<io::AtomicFile> target_;
-  io::Hdf5Handle file_, root_;
-  std::vector<io::Hdf5Handle> groups_;  // of the arrays
+  io::Hdf5Object file_;
+  std::vector<io::Hdf5Object> groups_;  // of the arrays
   std::int64_t num_steps_ = 0;
   LatticeFileCounts counts_;
 };
-
-#else
-
-class LatticeFileWriter::Impl {
- public:
-  Impl(const std::string& path, LatticeFileHeader, const std::stop_token&) {
-    throw Error(ErrorCode::kUnsupported,
-                fmt::format("{}: this build has no HDF5 and cannot write .h5", path));
-  }
-  const LatticeFileHeader& header() const noexcept { return header_; }
-  std::int64_t num_steps() const noexcept { return 0; }
-  const LatticeFileCounts& counts() const noexcept { return counts_; }
-  void write_step(std::span<const Bytes>) {}
-  void finish() {}
-
- private:
-  LatticeFileHeader header_;
-  LatticeFileCounts counts_;
-};
-
-#endif
 
 LatticeFileWriter::LatticeFileWriter(const std::string& path, LatticeFileHeader header,
                                      const WriteOptions& options)

@@ -247,8 +247,9 @@ TEST_F(MeshFiles, AdaptiveGridsAreTheirFinestCells) {
   EXPECT_EQ(volume, 4);
 }
 
-// A netCDF header of one dimension and one variable of ten doubles.
-std::string netcdf(std::uint32_t size, std::size_t num_there) {
+// A netCDF header of one dimension, one attribute and one variable of ten doubles.
+std::string netcdf(std::uint32_t size, std::size_t num_there,
+                   const std::string& attribute = "api_version") {
   std::string bytes = "CDF\x01";
   const auto number = [&](std::uint32_t value) {
     for (int shift = 24; shift >= 0; shift -= 8)
@@ -260,7 +261,7 @@ std::string netcdf(std::uint32_t size, std::size_t num_there) {
   };
   number(0);
   number(10), number(1), name("n"), number(size);
-  number(0), number(0);
+  number(12), number(1), name(attribute), number(4), number(1), number(7);
   number(11), number(1), name("xy"), number(1), number(0), number(0), number(0), number(6);
   number(size * 8), number(static_cast<std::uint32_t>(bytes.size()) + 4);
   return bytes + std::string(num_there, 'x');
@@ -268,17 +269,20 @@ std::string netcdf(std::uint32_t size, std::size_t num_there) {
 
 TEST(NetcdfHeader, VariablesMustBeThere) {
   const auto error = [](const std::string& bytes) {
-    return error_of([&] { check_netcdf(*open_memory("a.e", std::as_bytes(std::span(bytes)))); });
+    return error_of([&] { check_exodus(*open_memory("a.e", std::as_bytes(std::span(bytes)))); });
   };
   EXPECT_EQ(error(netcdf(10, 80)), "");
   EXPECT_EQ(error(netcdf(10, 70)),
-            "file-format: a.e: netCDF variable 'xy' needs 80 bytes from 80 on, the file has 150: "
+            "file-format: a.e: netCDF variable 'xy' needs 80 bytes from 108 on, the file has 178: "
             "is it truncated?");
   EXPECT_NE(error(netcdf(0x7fffffff, 80)), "");
   EXPECT_EQ(error(netcdf(10, 80).substr(0, 30)),
             "file-format: a.e: the netCDF header ends at attributes of the file: is the file "
             "truncated?");
   EXPECT_NE(error("CDF\x07 and more"), "");
+  EXPECT_EQ(error(netcdf(10, 80, "Conventions")),
+            "unsupported: a.e: is netCDF, but no Exodus mesh (it has no attribute 'api_version'), "
+            "and other netCDF files are not read: write its grid as NRRD, VTI, NPY or HDF5");
 }
 
 // What every Exodus reader finds in these.

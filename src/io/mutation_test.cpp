@@ -214,7 +214,7 @@ TEST(Mutation, SeedsAreValid) {
   const auto netcdf = fuzz::netcdf_header_seeds();
   for (std::size_t i = 0; i < 2; ++i) {  // the third is HDF5
     EXPECT_EQ(
-        error_of([&] { check_netcdf(*open_memory("a.e", std::as_bytes(std::span(netcdf[i])))); }),
+        error_of([&] { check_exodus(*open_memory("a.e", std::as_bytes(std::span(netcdf[i])))); }),
         "")
         << i;
   }

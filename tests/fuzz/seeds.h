@@ -385,8 +385,9 @@ inline std::vector<std::string> netcdf_header_seeds() {
   const auto word = [](int value) { return std::string{0, 0, 0, static_cast<char>(value)}; };
   const std::string dims = word(10) + word(2) + word(1) + "n" + std::string(3, '\0') + word(3) +
                            word(1) + "t" + std::string(3, '\0') + word(0);
-  const std::string attributes = word(12) + word(1) + word(1) + "a" + std::string(3, '\0') +
-                                 word(2) + word(2) + "hi" + std::string(2, '\0');
+  const std::string attributes = word(12) + word(1) + word(11) + "api_version" +
+                                 std::string(1, '\0') + word(2) + word(2) + "hi" +
+                                 std::string(2, '\0');
   const std::string variable = word(1) + "v" + std::string(3, '\0') + word(2) + word(1) + word(0) +
                                word(0) + word(0) + word(6) + word(24);
   const std::string start = word(2) + dims + attributes + word(11) + word(1) + variable;

@@ -25,6 +25,8 @@ import tempfile
 import time
 from pathlib import Path
 
+from hdf5_file import Hdf5File
+
 SECRET = b"ovoid-secret-7f3a91"
 LONGEST_SECONDS = 10
 LONGEST_MESSAGE = 2000
@@ -150,6 +152,57 @@ def exodus():
     return header(begins) + body
 
 
+def vtk_hdf_image(path):
+    with Hdf5File(path) as file:
+        file.group("VTKHDF")
+        file.attribute("VTKHDF", "Version", [1, 0])
+        file.attribute("VTKHDF", "Type", b"ImageData")
+        file.attribute("VTKHDF", "WholeExtent", [0, 3, 0, 2, 0, 1])
+        file.attribute("VTKHDF", "Origin", [0, 0, 0], "f8")
+        file.attribute("VTKHDF", "Spacing", [1, 1, 1], "f8")
+        file.attribute("VTKHDF", "Direction", [1, 0, 0, 0, 1, 0, 0, 0, 1], "f8")
+        file.group("VTKHDF/PointData")
+        file.dataset("VTKHDF/PointData/v", "f4", range(24), [2, 3, 4])
+
+
+def vtk_hdf_mesh(path):
+    with Hdf5File(path) as file:
+        file.group("VTKHDF")
+        file.attribute("VTKHDF", "Version", [1, 0])
+        file.attribute("VTKHDF", "Type", b"UnstructuredGrid")
+        for name, value in (("Points", 9), ("Cells", 2), ("ConnectivityIds", 12)):
+            file.dataset(f"VTKHDF/NumberOf{name}", "i8", [value])
+        file.dataset("VTKHDF/Points", "f4", CUBE + [2, 0.5, 0.5], [9, 3])
+        file.dataset("VTKHDF/Connectivity", "i8", [0, 1, 2, 3, 4, 5, 6, 7, 1, 2, 6, 8])
+        file.dataset("VTKHDF/Offsets", "i8", [0, 8, 12])
+        file.dataset("VTKHDF/Types", "u1", [12, 10])
+        file.group("VTKHDF/PointData")
+        file.dataset("VTKHDF/PointData/v", "f4", range(9))
+
+
+def enzo(folder):
+    """A root grid of 4^3 cells and a finer one of 4^3 in its middle, each with three ghost cells on all sides."""
+
+    def grid(number, left, right, pointers):
+        return (f"\nGrid = {number}\nGridRank          = 3\nGridDimension     = 10 10 10\n"
+                "GridStartIndex    = 3 3 3\nGridEndIndex      = 6 6 6\n"
+                f"GridLeftEdge      = {left} {left} {left}\nGridRightEdge     = {right} {right} {right}\n"
+                "Time              = 0.5\nSubgridsAreStatic = 0\nNumberOfBaryonFields = 1\nFieldType = 0\n"
+                "BaryonFileName = ./a.cpu0000\nNumberOfParticles   = 0\nGravityBoundaryType = 0\n" +
+                "".join(f"Pointer: Grid[{number}]->{p}\n" for p in pointers))
+
+    (folder / "a.hierarchy").write_text(
+        grid(1, 0, 1, ["NextGridThisLevel = 0", "NextGridNextLevel = 2"]) +
+        grid(2, 0.25, 0.75, ["NextGridThisLevel = 0", "NextGridNextLevel = 0"]))
+    (folder / "a").write_text("InitialCycleNumber  = 10\nInitialTime         = 0.5\nTopGridRank = 3\n"
+                              "TopGridDimensions   = 4 4 4\nDataLabel[0] = Density\n")
+    (folder / "a.boundary").write_text("BoundaryRank = 3\n")
+    with Hdf5File(folder / "a.cpu0000") as file:
+        for number in (1, 2):
+            file.group(f"Grid{number:08d}")
+            file.dataset(f"Grid{number:08d}/Density", "f8", range(64), [4, 4, 4])
+
+
 def write(folder, files):
     for name, content in files.items():
         (folder / name).write_bytes(content if isinstance(content, bytes) else content.encode())
@@ -216,6 +269,10 @@ def seeds(folder, program):
                  f"         8\n{coordinates}\nhexa8\n         1\n" + "".join(f"{n:10d}" for n in range(1, 9)) + "\n",
         "a.v000": "v\npart\n         1\ncoordinates\n" + "\n".join(f"{i:12.5e}" for i in range(8)) + "\n",
         "a.v001": "v\npart\n         1\ncoordinates\n" + "\n".join(f"{i + 8:12.5e}" for i in range(8)) + "\n"})
+    for kind, first, make in (("VTKHDF image", "a.vtkhdf", vtk_hdf_image), ("VTKHDF mesh", "a.vtkhdf", vtk_hdf_mesh),
+                              ("Enzo", "a.hierarchy", lambda path: enzo(path.parent))):
+        add(kind, first, {first: b""})
+        make(made[kind])
     place = folder / "HDF5 lattice"
     place.mkdir()
     subprocess.run([program, "make", "ball", "-o", place / "a.h5", "--size", "8"], check=True, capture_output=True)

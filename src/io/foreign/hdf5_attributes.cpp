@@ -10,7 +10,7 @@
 
 #include "data/scalar_visit.h"
 #include "io/foreign/hdf5_storage.h"
-#include "io/hdf5_handle.h"
+#include "io/foreign/hdf5_handle.h"
 #include "io/hdf5_lattice_format.h"
 #include "io/samples.h"
 

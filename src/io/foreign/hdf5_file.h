@@ -14,7 +14,7 @@
 
 #include "io/byte_source.h"
 #include "io/foreign/hdf5_storage.h"
-#include "io/hdf5_handle.h"
+#include "io/foreign/hdf5_handle.h"
 #include "io/samples.h"
 #include "ovoid/dataset.h"
 

@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -433,7 +432,6 @@ class LatticeReader {
 }  // namespace
 
 bool is_hdf5_lattice(const ByteSource& source) {
-  const std::lock_guard lock(hdf5_mutex());
   try {
     return LatticeReader(source.name(), {}).is_lattice();
   } catch (const Error&) {
@@ -442,7 +440,6 @@ bool is_hdf5_lattice(const ByteSource& source) {
 }
 
 Dataset read_hdf5_lattice(const ByteSource& source, const ReadOptions& options) {
-  const std::lock_guard lock(hdf5_mutex());
   return LatticeReader(source.name(), options).read();
 }
 

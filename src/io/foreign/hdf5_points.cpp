@@ -13,7 +13,6 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <mutex>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -345,7 +344,6 @@ class Hdf5Reader {
 }  // namespace
 
 Dataset read_hdf5_points(const ByteSource& source, const ReadOptions& options) {
-  const std::lock_guard lock(hdf5_mutex());
   const Hdf5File file(source.name());
   Dataset dataset;
   dataset.source = source.name();

@@ -48,7 +48,7 @@ void check_enzo(const std::string& path) {
 void check_mesh_file(MeshFile kind, const ByteSource& source) {
   const bool is_new = is_hdf5(source.text(0, 8));
   if (is_new) check_hdf5_size(source);
-  if (kind == MeshFile::kExodus && !is_new) check_netcdf(source);
+  if (kind == MeshFile::kExodus && !is_new) check_exodus(source);
   if (kind == MeshFile::kEnzo) check_enzo(enzo_hierarchy(source.name()));
 }
 

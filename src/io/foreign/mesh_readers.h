@@ -11,7 +11,7 @@ namespace ovoid::io {
 
 // Reads what mesh_file_of has told: the step and the blocks that `options` say (mesh_of_parts,
 // read_mesh_step), Enzo as boxes. Checks before VTK sees the file: netCDF headers are there whole
-// with all variables (check_netcdf), HDF5 files have the size that they state, Enzo's hierarchy
+// with all variables (check_exodus), HDF5 files have the size that they state, Enzo's hierarchy
 // names files that are there. VTK's readers believe the rest; what comes out is checked. Throws
 // Error; kUnsupported without VTK.
 Dataset read_mesh_file(MeshFile kind, const ByteSource& source, const ReadOptions& options);

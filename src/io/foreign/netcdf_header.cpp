@@ -30,6 +30,12 @@ class NetcdfChecker {
     read_dimensions();
     pass_attributes("the file");
     read_variables();
+    if (!has_exodus_version_)
+      throw Error(ErrorCode::kUnsupported,
+                  fmt::format("{}: is netCDF, but no Exodus mesh (it has no attribute "
+                              "'api_version'), and other netCDF files are not read: write its grid "
+                              "as NRRD, VTI, NPY or HDF5",
+                              source_.name()));
   }
 
  private:
@@ -102,7 +108,7 @@ class NetcdfChecker {
   void pass_attributes(const std::string& of) {
     const std::string what = "attributes of " + of;
     for (std::int64_t left = begin_list(0x0c, what); left > 0; --left) {
-      name(what);
+      if (name(what) == "api_version") has_exodus_version_ = true;
       const std::int64_t size = type_size(what);
       const std::int64_t num_values = count(what);
       if (num_values > (source_.size() - position_) / size)
@@ -184,12 +190,13 @@ class NetcdfChecker {
   int version_ = 1;
   std::int64_t position_ = 0;
   std::int64_t num_records_ = 0;
+  bool has_exodus_version_ = false;
   std::vector<std::int64_t> dimensions_;
 };
 
 }  // namespace
 
-void check_netcdf(const ByteSource& source) { NetcdfChecker(source).run(); }
+void check_exodus(const ByteSource& source) { NetcdfChecker(source).run(); }
 
 void check_hdf5_size(const ByteSource& source) {
   const std::string start = source.text(0, 96);

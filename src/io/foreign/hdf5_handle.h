@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every caller of the HDF5 library needs.
+// What every reader through the HDF5 library needs.
 #pragma once
 
 #include <hdf5.h>
 
-#include <mutex>
 #include <utility>
 
 namespace ovoid::io {
@@ -40,9 +39,6 @@ class Hdf5Handle {
   hid_t id_ = -1;
   Close close_ = nullptr;
 };
-
-// To be held around calls of the library, which may have been built without a lock of its own.
-std::mutex& hdf5_mutex();
 
 // The library prints nothing while this lives: errors are told by us.
 class Hdf5Silence {

@@ -40,8 +40,9 @@ double greatest_column_of(const Image& image) {
   for (int x = 0; x < image.width; ++x) {
     double sum = 0;
     for (int y = 0; y < image.height; ++y) {
-      for (int c = 0; c < 4; ++c)
-        sum += image.rgba[static_cast<std::size_t>(4 * (y * image.width + x) + c)];
+      const auto pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
+                         static_cast<std::size_t>(x);
+      for (std::size_t c = 0; c < 4; ++c) sum += image.rgba[4 * pixel + c];
     }
     greatest = std::max(greatest, sum);
   }

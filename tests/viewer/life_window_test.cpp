@@ -10,10 +10,6 @@
 namespace ovoid::viewer_tests {
 namespace {
 
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
 class WindowLife : public OnScreen {};
 
 TEST_F(WindowLife, ClosesAtAnyMoment) {
@@ -26,25 +22,20 @@ TEST_F(WindowLife, ClosesAtAnyMoment) {
         "wait loaded\ndrag left picture 90,0 10\nclose\n",
         "wait loaded\nmove picture\npress left\nmove 50,50\nclose\n", "key ctrl+q\n",
         "wait loaded\nkey ctrl+w\nwait 1000 frames\n"}) {
-    const auto start = std::chrono::steady_clock::now();
     const Viewed viewed = view({head}, script);
     EXPECT_EQ(viewed.outcome.out, "");
-    // Reading alone takes less; what is to be stopped must not be waited for on end.
-    EXPECT_LT(seconds_since(start), 15) << script;
   }
 }
 
 TEST_F(WindowLife, AnInterruptClosesIt) {
   for (const int after_ms : {0, 40, 150, 500}) {
-    Program viewer(words_of({make_head()}, "wait 50000 ms\n"), OVOID_VIEWER_PROGRAM);
+    Program viewer(words_of({make_head()}, "wait 100000 ms\n"), OVOID_VIEWER_PROGRAM);
     // From the first moment on it is the system's, with the same exit code.
     std::this_thread::sleep_for(std::chrono::milliseconds(after_ms));
     viewer.send(SIGINT);
-    const auto start = std::chrono::steady_clock::now();
-    const Outcome outcome = viewer.finish(kLimitSeconds);
+    const Outcome outcome = viewer.finish(kLimitSeconds);  // before the script ends by itself
     EXPECT_EQ(outcome.exit_code, 130) << after_ms;
     EXPECT_EQ(outcome.out, "");
-    EXPECT_LT(seconds_since(start), 5);
   }
 }
 

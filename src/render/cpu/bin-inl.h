@@ -128,11 +128,12 @@ inline void bound_region(const CpuFrame& frame, Block& block,
         for (int a = 0; a < 3; ++a) {
           const float u = sheet.base[a] + static_cast<float>(y) * sheet.per_y[a] +
                           static_cast<float>(x) * sheet.per_x[a];
-          float reach =
-              std::max(frame.support * sheet.widening[a], static_cast<float>(least_reach[a]));
-          const bool reads_four_taps = frame.has_four_taps && frame.evaluate != Evaluate::kScatter;
+          float reach = std::max(frame.lattice.support * sheet.widening[a],
+                                 static_cast<float>(least_reach[a]));
+          const bool reads_four_taps =
+              frame.has_four_taps && frame.options->evaluate != Evaluate::kScatter;
           if (reads_four_taps) reach = std::max(reach, 2.0F);
-          if (frame.slab.count > 1) {
+          if (frame.lattice.num_slab_nodes > 1) {
             reach += 0.5F * std::abs(sheet.step[a] + static_cast<float>(x) * sheet.step_per_x[a] +
                                      static_cast<float>(y) * sheet.step_per_y[a]);
           }
@@ -150,8 +151,8 @@ inline void bound_region(const CpuFrame& frame, Block& block,
     std::int64_t last = std::numeric_limits<std::int64_t>::min();
     const std::int64_t lattice_first = -block.origin[a];
     std::int64_t lattice_last = lattice_first;
-    for (int s = 0; s < frame.num_sublattices; ++s) {
-      const auto& [dims, offset] = frame.sublattices[static_cast<std::size_t>(s)];
+    for (int s = 0; s < frame.lattice.num_sublattices; ++s) {
+      const auto& [dims, offset] = frame.lattice.sublattices[s];
       const auto own_first = static_cast<std::int64_t>(std::floor(lo[a] - offset - 0.01F));
       const auto own_last = static_cast<std::int64_t>(std::ceil(hi[a] - offset + 0.01F));
       const std::int64_t own_end = lattice_first + dims[a] - 1;
@@ -234,7 +235,7 @@ inline std::uint32_t open_samples(const CpuFrame& frame, const Block& block, con
   const int y = block.y0 + row - block.margin;
   if (y < block.y0 || y >= block.y1) return 0;
   const std::uint32_t pixels = (1U << (block.x1 - block.x0)) - 1U;
-  const std::uint32_t open = frame.stop_opaque ? tile.open[y] >> block.x0 : ~0U;
+  const std::uint32_t open = frame.options->stop_opaque ? tile.open[y] >> block.x0 : ~0U;
   return (open & pixels) << block.margin;
 }
 

@@ -81,7 +81,7 @@ inline void accumulate_sheet(const CpuFrame& frame, Block& block, TileState& til
           } else {
             const V length = hn::Mul(hn::Mul(path_fraction(frame, block, s, column, y),
                                              ray_length(frame, block, column, y)),
-                                     hn::Set(d, frame.sampling_distance));
+                                     hn::Set(d, frame.camera.sampling_distance));
             const V sum = hn::IfThenElseZero(seen, best);
             store_masked(mask, hn::MulAdd(value, length, sum), tile.best + to);
             store_masked(mask, hn::Add(length, hn::LoadU(d, tile.path + to)), tile.path + to);
@@ -103,7 +103,7 @@ inline void accumulate_sum(const CpuFrame& frame, const Block& block, TileState&
       const int to = tile_index(block, column, y);
       const M seen = mask_of(tile.seen[y] >> column & group_bits());
       const V length =
-          hn::Mul(ray_length(frame, block, column, y), hn::Set(d, frame.sampling_distance));
+          hn::Mul(ray_length(frame, block, column, y), hn::Set(d, frame.camera.sampling_distance));
       const V sum = hn::IfThenElseZero(seen, hn::LoadU(d, tile.best + to));
       const V value = hn::LoadU(d, block.values[0] + y * kPlaneStride + column);
       store_masked(mask, hn::MulAdd(value, length, sum), tile.best + to);

@@ -4,45 +4,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 #include <optional>
 
 #include "ovoid/error.h"
-#include "render/cpu/frame_tables.h"
+#include "render/cpu/frame.h"
 #include "render/cpu/ticks.h"
 #include "render/cpu/tile.h"
 #include "render/cpu/tile_output.h"
 
 namespace ovoid::cpu {
 namespace {
-
-void set_kernel(CpuFrame& frame, const LatticeField& field) {
-  const LatticeKernel kernel = field.index_kernel();
-  const LatticeGeometry& lattice = field.geometry();
-  frame.sigma = static_cast<float>(kernel.sigma);
-  frame.support = static_cast<float>(kernel.support_radius());
-  frame.inverse_variance = 1.0F / (frame.sigma * frame.sigma);
-  frame.near_weight = std::exp(-0.5F * frame.inverse_variance);
-  frame.far_weight = std::exp(-2.0F * frame.inverse_variance);
-  frame.is_sum = field.reconstruction() == Reconstruction::kSum;
-  frame.sum_weight = static_cast<float>(
-      1.0 / (lattice.density() * std::pow(2 * std::numbers::pi, 1.5) * std::pow(kernel.sigma, 3)));
-  frame.num_sublattices = lattice.num_sublattices();
-  for (int s = 0; s < frame.num_sublattices; ++s) {
-    FrameSublattice& own = frame.sublattices[static_cast<std::size_t>(s)];
-    const Index3 dims = lattice.dims_of(s);
-    for (std::size_t a = 0; a < 3; ++a) own.dims[a] = static_cast<std::int32_t>(dims[a]);
-    own.offset = static_cast<float>(lattice.offset_of(s)[0]);
-  }
-  frame.value_scale = static_cast<float>(field.source().value_scale());
-  frame.value_offset = static_cast<float>(field.source().value_offset());
-  const Mat3 gradient = lattice.world_from_index.linear().inverse().transpose();
-  for (int r = 0; r < 3; ++r) {
-    for (int c = 0; c < 3; ++c)
-      frame.world_from_index_gradient[3 * r + c] = static_cast<float>(gradient(r, c));
-  }
-}
 
 void decide_relevance(view::LatticePlan& plan, Runner& runner) {
   if (!plan.may_matter) {
@@ -54,20 +25,9 @@ void decide_relevance(view::LatticePlan& plan, Runner& runner) {
   plan.relevance.finish();
 }
 
-constexpr float kLeastCutoff = 3.99F;  // sigmas: less than a thousandth of a kernel is cut off
-
-// kAuto keeps its bound where the field is as smooth as its kernel, and the gradient no difference
-// of neighbours, which would be as far apart as nodes.
-bool keeps_bound(const CpuFrame& frame) {
-  const bool is_smooth =
-      !frame.is_sum && frame.sigma >= 0.25F && frame.support >= kLeastCutoff * frame.sigma;
-  return is_smooth && !frame.central_gradient;
-}
-
 bool has_nodes(const CpuFrame& frame, const view::LatticePlan& plan) {
-  if (frame.post_convolution == PostConvolution::kAuto && !keeps_bound(frame)) return false;
-  return plan.sheets.first < plan.sheets.last &&
-         plan.node_pitch(frame.post_convolution, plan.sheets.first) > 1.0;
+  return frame.may_have_nodes && plan.sheets.first < plan.sheets.last &&
+         plan.node_pitch(frame.options->post_convolution, plan.sheets.first) > 1.0;
 }
 
 // The tiles of a patch, or the one tile, become pixels.
@@ -89,37 +49,18 @@ struct PreparedField {
                 const RenderOptions& options, const RenderHooks& hooks, Runner& runner)
       : plan(field, camera, look, options) {
     decide_relevance(plan, runner);
-    frame.plan = &plan;
+    set_frame(frame, field.value_range(), look, options, plan);
+    static_cast<LatticeTraits&>(frame) = lattice_traits(field, frame, options);
+    frame.lattice = lattice_constants(field, plan, frame);
     frame.lattice_plan = &plan;
     frame.field = &field;
     frame.stop = hooks.stop;
-    set_kernel(frame, field);
-    set_view(frame, plan);
-    set_look(frame, field.value_range(), look, plan, tables);
-    const bool is_mean = options.slab == Slab::kMean;
-    if (is_mean) frame.slab = slab_nodes(field, plan.lattice);
-    frame.spread = options.spread;
-    const bool takes_differences =
-        options.gradient == GradientMethod::kCentral || frame.spread == Spread::kBilinear;
-    frame.central_gradient = takes_differences && frame.takes_gradients;
-    frame.corrects_gradient = options.gradient != GradientMethod::kExact && !frame.is_sum;
-    frame.evaluate = options.evaluate;
-    frame.stop_opaque = options.stop_opaque;
-    frame.collect_profile = options.collect_profile;
-    // Of two sublattices the kernels are narrower, and reach three of the taps.
-    const bool fits_taps =
-        frame.num_sublattices == 1 ? frame.support == 2.0F : frame.support <= 1.5F;
-    frame.has_four_taps =
-        fits_taps && frame.sigma >= 0.25F && frame.sigma <= 2.0F && !frame.is_sum && !is_mean;
-    frame.post_convolution = options.post_convolution;
     frame.samples_at_nodes = has_nodes(frame, plan);
-    frame.takes_pieces = frame.is_preintegrated || frame.mode == Mode::kIsosurface;
   }
   PreparedField(const PreparedField&) = delete;
   PreparedField& operator=(const PreparedField&) = delete;
 
   view::LatticePlan plan;
-  LookTables tables;
   CpuFrame frame;
 };
 
@@ -138,20 +79,21 @@ Frame render(const LatticeField& field, const Camera& camera, const Look& look,
   out.image = empty_image(options);
 
   RenderOptions own_options = options;
+  RenderOptions plain_options;
   std::optional<PreparedField> prepared_behind;
   if (behind != nullptr) {
     own_options.post_convolution = PostConvolution::kOff;
-    RenderOptions plain = own_options;
-    plain.classification = Classification::kSampled;
-    prepared_behind.emplace(*behind->field, camera, behind->look, plain, hooks, runner);
+    plain_options = own_options;
+    plain_options.classification = Classification::kSampled;
+    prepared_behind.emplace(*behind->field, camera, behind->look, plain_options, hooks, runner);
   }
   PreparedField prepared(field, camera, look, own_options, hooks, runner);
   CpuFrame& frame = prepared.frame;
   if (prepared_behind) frame.behind = &prepared_behind->frame;
   const int edge = field.source().brick_edge();
   out.profile.kernels_drawn =
-      std::min(field.num_kernels(),
-               prepared.plan.relevance.num_relevant() * edge * edge * edge * frame.num_sublattices);
+      std::min(field.num_kernels(), prepared.plan.relevance.num_relevant() * edge * edge * edge *
+                                        frame.lattice.num_sublattices);
   const double plan_ms = ms_since(start);
 
   const std::vector<TileRect> tiles =

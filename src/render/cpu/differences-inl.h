@@ -67,15 +67,15 @@ HWY_INLINE WorldVector central_difference_at(const CpuFrame& frame, const Block&
   const V inverse_pitch = hn::Set(d, block.sheets[s].inverse_pitch);
   const V along_right = hn::Mul(dx, inverse_pitch);
   const V along_up = hn::Neg(hn::Mul(dy, inverse_pitch));
-  V along_axis = hn::Mul(ds, hn::Set(d, 1.0F / frame.sampling_distance));
+  V along_axis = hn::Mul(ds, hn::Set(d, 1.0F / frame.camera.sampling_distance));
   if (!frame.is_parallel) {
-    along_axis = hn::NegMulAdd(evaluate2d(frame.ray_slope_right, x, y), along_right, along_axis);
-    along_axis = hn::NegMulAdd(evaluate2d(frame.ray_slope_up, x, y), along_up, along_axis);
+    along_axis = hn::NegMulAdd(evaluate2d(frame.camera.slope_right, x, y), along_right, along_axis);
+    along_axis = hn::NegMulAdd(evaluate2d(frame.camera.slope_up, x, y), along_up, along_axis);
   }
   const auto component = [&](int a) {
-    return hn::MulAdd(along_right, hn::Set(d, frame.right[a]),
-                      hn::MulAdd(along_up, hn::Set(d, frame.up[a]),
-                                 hn::Mul(along_axis, hn::Set(d, frame.axis[a]))));
+    return hn::MulAdd(along_right, hn::Set(d, frame.camera.right[a]),
+                      hn::MulAdd(along_up, hn::Set(d, frame.camera.up[a]),
+                                 hn::Mul(along_axis, hn::Set(d, frame.camera.axis[a]))));
   };
   return {component(0), component(1), component(2)};
 }

@@ -40,7 +40,7 @@ inline bool finish_samples(const CpuFrame& frame, Block& block, TileState& tile,
     clock.lap(kGradient);
   }
   if (frame.corrects_late) correct_sheet(frame, block, s);
-  if (frame.shade) light_sheet(frame, block);
+  if (frame.is_lit) light_sheet(frame, block);
   clock.lap(kShade);
   composite_sheet(block, tile, s);
   clock.lap(kComposite);

@@ -41,7 +41,7 @@ struct AxisEnds {
   float first, last;
 };
 
-HWY_INLINE AxisEnds ends_of(const FrameSublattice& sublattice, const Block& block, int axis) {
+HWY_INLINE AxisEnds ends_of(const device::Sublattice& sublattice, const Block& block, int axis) {
   const float first = static_cast<float>(-block.origin[axis]);
   return {first, first + static_cast<float>(sublattice.dims[axis] - 1)};
 }
@@ -59,15 +59,18 @@ HWY_INLINE FourWeights four_weights_at(V whole, V fraction, const CpuFrame& fram
   // g(f + 1) : g(f) : g(1 - f) : g(2 - f) = n : e : n e^2 : F e^3 with e = exp(f / sigma^2).
   constexpr float kLog2E = 1.44269504F;
   const V e = vector_exp2</*kCoarse=*/true>(
-      d, hn::Mul(fraction, hn::Set(d, frame.inverse_variance * kLog2E)));
-  const V n = hn::Set(d, frame.near_weight);
+      d, hn::Mul(fraction, hn::Set(d, frame.lattice.inverse_variance * kLog2E)));
+  const V n = hn::Set(d, frame.lattice.near_weight);
   const V ee = hn::Mul(e, e);
   FourWeights t{
-      {n, e, hn::Mul(n, ee), hn::Mul(hn::Set(d, frame.far_weight), hn::Mul(ee, e))}, n, n, n};
+      {n, e, hn::Mul(n, ee), hn::Mul(hn::Set(d, frame.lattice.far_weight), hn::Mul(ee, e))},
+      n,
+      n,
+      n};
   if constexpr (kNarrow) {
     for (int k = 0; k < 4; ++k) {
       const V distance = hn::Sub(hn::Set(d, static_cast<float>(k - 1)), fraction);
-      const M is_reached = hn::Le(hn::Abs(distance), hn::Set(d, frame.support));
+      const M is_reached = hn::Le(hn::Abs(distance), hn::Set(d, frame.lattice.support));
       t.w[k] = hn::IfThenElseZero(is_reached, t.w[k]);
     }
   }
@@ -100,7 +103,7 @@ HWY_INLINE FourWeights four_weights_at(V whole, V fraction, const CpuFrame& fram
 // d w_k / d f = w_k (k - mean of k) / sigma^2, k = -1, 0, 1, 2, whichever of them exist.
 HWY_INLINE FourWeights derivative_of(const FourWeights& w, const CpuFrame& frame) {
   const V mean = mean_tap(w);
-  const V scale = hn::Set(d, frame.inverse_variance);
+  const V scale = hn::Set(d, frame.lattice.inverse_variance);
   FourWeights out;
   for (int k = 0; k < 4; ++k) {
     out.w[k] =
@@ -236,7 +239,7 @@ HWY_INLINE FourWeights three_rows(const FourWeights& w, M from_second) {
 // in the region (in floats). `u`: of the sublattice, its offset taken off.
 template <bool kNarrow, bool kBorder, class Batch>
 HWY_INLINE GroupWeights weigh_taps(const CpuFrame& frame, const Block& block,
-                                   const FrameSublattice& sublattice, const Position& u, int i,
+                                   const device::Sublattice& sublattice, const Position& u, int i,
                                    Batch& batch) {
   constexpr bool kGradient = std::is_same_v<Batch, FourTapGradientBatch>;
   const V position[3] = {u.x, u.y, u.z};

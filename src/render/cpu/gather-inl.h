@@ -27,8 +27,8 @@ struct SampleBatch {
   alignas(64) float row[kBatchSamples];
   alignas(64) std::int32_t at[kBatchSamples];  // row * kPlaneStride + column
   alignas(64) float share[kBatchSamples];      // of the weights that exist; only at borders
-  alignas(64) float part[kMaxSublattices][kBatchSamples];  // if there are several
-  Taps taps[kMaxSublattices];
+  alignas(64) float part[device::kMaxSublattices][kBatchSamples];  // if there are several
+  Taps taps[device::kMaxSublattices];
 
   int padded_count() const { return (count + group_size() - 1) / group_size() * group_size(); }
 };
@@ -53,8 +53,8 @@ inline constexpr bool kTakesGradient = std::is_same_v<Batch, GradientBatch>;
 // variance / sigma^2.
 HWY_INLINE V correction_for(V variance, const CpuFrame& frame) {
   if (!frame.corrects_gradient) return hn::Set(d, 1.0F);
-  const V answer = hn::Mul(variance, hn::Set(d, frame.inverse_variance));
-  return hn::IfThenElse(hn::Gt(variance, hn::Set(d, kLeastVariance)),
+  const V answer = hn::Mul(variance, hn::Set(d, frame.lattice.inverse_variance));
+  return hn::IfThenElse(hn::Gt(variance, hn::Set(d, device::kLeastVariance)),
                         hn::Div(hn::Set(d, 1.0F), answer), hn::Set(d, 1.0F));
 }
 
@@ -62,7 +62,7 @@ template <bool kBorder, class Batch>
 HWY_INLINE void weigh_one(const CpuFrame& frame, const Block& block, const Position& u, int i,
                           Batch& batch) {
   const GroupWeights group =
-      weigh_taps<false, kBorder>(frame, block, frame.sublattices[0], u, i, batch.taps[0]);
+      weigh_taps<false, kBorder>(frame, block, frame.lattice.sublattices[0], u, i, batch.taps[0]);
   if constexpr (kBorder) hn::Store(group.share, d, batch.share + i);
   if constexpr (kTakesGradient<Batch>) {
     for (int a = 0; a < 3; ++a)
@@ -76,7 +76,7 @@ HWY_INLINE V log2_of_scale(const CpuFrame& frame, const GroupWeights& group) {
   V sum = hn::Zero(d);
   for (const V f : group.fraction)
     sum = hn::Add(sum, hn::MulAdd(hn::Mul(f, f), hn::Set(d, 0.5F), f));
-  return hn::Mul(sum, hn::Set(d, -frame.inverse_variance * kLog2E));
+  return hn::Mul(sum, hn::Set(d, -frame.lattice.inverse_variance * kLog2E));
 }
 
 HWY_INLINE V product_of_totals(const GroupWeights& group) {
@@ -86,12 +86,12 @@ HWY_INLINE V product_of_totals(const GroupWeights& group) {
 template <bool kBorder, class Batch>
 HWY_INLINE void weigh_two(const CpuFrame& frame, const Block& block, const Position& u, int i,
                           Batch& batch) {
-  const V offset = hn::Set(d, frame.sublattices[1].offset);
+  const V offset = hn::Set(d, frame.lattice.sublattices[1].offset);
   const Position shifted{hn::Sub(u.x, offset), hn::Sub(u.y, offset), hn::Sub(u.z, offset)};
   const GroupWeights first =
-      weigh_taps<true, kBorder>(frame, block, frame.sublattices[0], u, i, batch.taps[0]);
-  const GroupWeights second =
-      weigh_taps<true, kBorder>(frame, block, frame.sublattices[1], shifted, i, batch.taps[1]);
+      weigh_taps<true, kBorder>(frame, block, frame.lattice.sublattices[0], u, i, batch.taps[0]);
+  const GroupWeights second = weigh_taps<true, kBorder>(frame, block, frame.lattice.sublattices[1],
+                                                        shifted, i, batch.taps[1]);
   // Of the endless lattice.
   const V scale =
       vector_exp2(d, hn::Sub(log2_of_scale(frame, second), log2_of_scale(frame, first)));
@@ -130,7 +130,7 @@ HWY_INLINE void weigh_two(const CpuFrame& frame, const Block& block, const Posit
 template <class Batch>
 HWY_INLINE void weigh_at(const CpuFrame& frame, const Block& block, const Position& u, int i,
                          Batch& batch) {
-  if (frame.num_sublattices == 1) {
+  if (frame.lattice.num_sublattices == 1) {
     block.is_interior ? weigh_one<false>(frame, block, u, i, batch)
                       : weigh_one<true>(frame, block, u, i, batch);
   } else {
@@ -158,11 +158,11 @@ HWY_INLINE void weigh_sheet(const CpuFrame& frame, const Block& block, int s, Ba
 template <class Batch>
 HWY_INLINE void sum_batch(const CpuFrame& frame, const Workspace& work, Batch& batch) {
   const Block& block = work.block;
-  if (frame.num_sublattices == 1) {
+  if (frame.lattice.num_sublattices == 1) {
     sum_yz<4>(block, work.samples, batch.padded_count(), batch.taps[0]);
     return;
   }
-  for (int s = 0; s < frame.num_sublattices; ++s)
+  for (int s = 0; s < frame.lattice.num_sublattices; ++s)
     sum_yz<3>(block, work.samples + s * block.sublattice_stride, batch.padded_count(),
               batch.taps[s]);
 }
@@ -170,7 +170,7 @@ HWY_INLINE void sum_batch(const CpuFrame& frame, const Workspace& work, Batch& b
 // Pass 3: samples i and following.
 HWY_INLINE V value_of(const CpuFrame& frame, const ValueBatch& batch, int i) {
   const V first = reduce(batch.taps[0], i);
-  if (frame.num_sublattices == 1) return first;
+  if (frame.lattice.num_sublattices == 1) return first;
   return hn::MulAdd(first, hn::Load(d, batch.part[0] + i),
                     hn::Mul(reduce(batch.taps[1], i), hn::Load(d, batch.part[1] + i)));
 }
@@ -194,8 +194,8 @@ HWY_INLINE void correct_two(const CpuFrame& frame, const GradientBatch& batch, i
     length = hn::MulAdd(scaled, apart[a], length);
   }
   const V share = hn::Div(hn::Mul(c, along), hn::MulAdd(c, length, hn::Set(d, 1.0F)));
-  const M is_sound = hn::Gt(least, hn::Set(d, kLeastInnerVariance));
-  const V variance = hn::Set(d, 1.0F / frame.inverse_variance);
+  const M is_sound = hn::Gt(least, hn::Set(d, device::kLeastInnerVariance));
+  const V variance = hn::Set(d, 1.0F / frame.lattice.inverse_variance);
   for (int a = 0; a < 3; ++a) {
     const V own = hn::Mul(hn::NegMulAdd(share, apart[a], gradient[a]), within[a]);
     gradient[a] = hn::IfThenElse(is_sound, hn::Mul(variance, own), gradient[a]);
@@ -204,7 +204,7 @@ HWY_INLINE void correct_two(const CpuFrame& frame, const GradientBatch& batch, i
 
 HWY_INLINE ValueAndGradient value_of(const CpuFrame& frame, const GradientBatch& batch, int i) {
   const ValueAndGradient first = reduce(batch.taps[0], i);
-  if (frame.num_sublattices == 1) {
+  if (frame.lattice.num_sublattices == 1) {
     const auto correction = [&](int a) { return hn::Load(d, batch.correction[a] + i); };
     return {first.value, hn::Mul(first.x, correction(0)), hn::Mul(first.y, correction(1)),
             hn::Mul(first.z, correction(2))};
@@ -214,7 +214,7 @@ HWY_INLINE ValueAndGradient value_of(const CpuFrame& frame, const GradientBatch&
   const V q1 = hn::Load(d, batch.part[1] + i);
   const auto mix = [&](V a, V b) { return hn::MulAdd(q0, a, hn::Mul(q1, b)); };
   const V change = hn::Mul(hn::Mul(q0, q1), hn::Mul(hn::Sub(second.value, first.value),
-                                                    hn::Set(d, frame.inverse_variance)));
+                                                    hn::Set(d, frame.lattice.inverse_variance)));
   const auto changed = [&](V g, int a) {
     return hn::MulAdd(change, hn::Load(d, batch.between[a] + i), g);
   };

@@ -31,14 +31,15 @@ inline constexpr DT dt;
 
 inline int tap_capacity(const CpuFrame& frame, const SheetSetup& sheet) {
   const float widest = std::max({sheet.widening[0], sheet.widening[1], sheet.widening[2]});
-  return static_cast<int>(2 * frame.support * widest) + 2 + 2 * kTapPadding;
+  return static_cast<int>(2 * frame.lattice.support * widest) + 2 + 2 * kTapPadding;
 }
 
 // `u`: of the sublattice, its offset taken off.
-inline void fill_axis(const CpuFrame& frame, const Block& block, const FrameSublattice& sublattice,
-                      int axis, float u, float widening, AxisTaps& taps) {
-  const float support = frame.support * widening;
-  const float inverse_variance = frame.inverse_variance / (widening * widening);
+inline void fill_axis(const CpuFrame& frame, const Block& block,
+                      const device::Sublattice& sublattice, int axis, float u, float widening,
+                      AxisTaps& taps) {
+  const float support = frame.lattice.support * widening;
+  const float inverse_variance = frame.lattice.inverse_variance / (widening * widening);
   const int reach_first = static_cast<int>(std::ceil(u - support));
   const int reach_last = static_cast<int>(std::floor(u + support));
   const int lattice_first = static_cast<int>(-block.origin[axis]);
@@ -142,7 +143,7 @@ inline void add_node(const CpuFrame& frame, const Workspace& work, int s, const 
                      const SheetSetup& sheet, float node_weight, float* tap_memory, int capacity,
                      Quotient& q) {
   const Block& block = work.block;
-  const FrameSublattice& sublattice = frame.sublattices[static_cast<std::size_t>(s)];
+  const device::Sublattice& sublattice = frame.lattice.sublattices[s];
   AxisTaps axis[3];
   for (int a = 0; a < 3; ++a) {
     axis[a].weight = tap_memory + 2 * a * capacity;
@@ -208,18 +209,18 @@ inline void correct_for_two(const float* within, const float* apart, float c, fl
 // Makes the gradient of ramps constant (docs/numerics.md, "Gradients").
 inline void correct_gradient(const CpuFrame& frame, const SheetSetup& sheet, const float* u,
                              float* gradient) {
-  AxisMoments moments[kMaxSublattices][3];
-  float weight[kMaxSublattices];
+  AxisMoments moments[device::kMaxSublattices][3];
+  float weight[device::kMaxSublattices];
   float sigma_squared[3];
   float total = 0;
-  for (int s = 0; s < frame.num_sublattices; ++s) {
+  for (int s = 0; s < frame.lattice.num_sublattices; ++s) {
     weight[s] = 1;
     for (int a = 0; a < 3; ++a) {
       const float widening = sheet.widening[a];
-      const float inverse_variance = frame.inverse_variance / (widening * widening);
+      const float inverse_variance = frame.lattice.inverse_variance / (widening * widening);
       sigma_squared[a] = 1 / inverse_variance;
-      moments[s][a] = moments_of(u[a] - frame.sublattices[static_cast<std::size_t>(s)].offset,
-                                 frame.support * widening, inverse_variance);
+      moments[s][a] = moments_of(u[a] - frame.lattice.sublattices[s].offset,
+                                 frame.lattice.support * widening, inverse_variance);
       weight[s] *= moments[s][a].total;
     }
     if (!(weight[s] > 0)) {
@@ -228,10 +229,10 @@ inline void correct_gradient(const CpuFrame& frame, const SheetSetup& sheet, con
     }
     total += weight[s];
   }
-  if (frame.num_sublattices == 1) {
+  if (frame.lattice.num_sublattices == 1) {
     for (int a = 0; a < 3; ++a) {
       const float variance = moments[0][a].variance;
-      if (variance > kLeastVariance) gradient[a] *= sigma_squared[a] / variance;
+      if (variance > device::kLeastVariance) gradient[a] *= sigma_squared[a] / variance;
     }
     return;
   }
@@ -243,7 +244,7 @@ inline void correct_gradient(const CpuFrame& frame, const SheetSetup& sheet, con
     within[a] = (weight[0] * first.variance + weight[1] * second.variance) / total;
     apart[a] = second.mean - first.mean;
   }
-  if (std::min({within[0], within[1], within[2]}) > kLeastInnerVariance) {
+  if (std::min({within[0], within[1], within[2]}) > device::kLeastInnerVariance) {
     for (int a = 0; a < 3; ++a) gradient[a] *= sigma_squared[a];
     correct_for_two(within, apart, weight[0] * weight[1] / (total * total), gradient);
   }
@@ -251,14 +252,14 @@ inline void correct_gradient(const CpuFrame& frame, const SheetSetup& sheet, con
 
 // Does any kernel of a sublattice reach the sample at u, or its slab, `step` long? Where no sample
 // is missing the supports fill one box. Nodes would miss a slab that has but an end in it.
-inline bool meets_support_of(const FrameSublattice& sublattice, const CpuFrame& frame,
+inline bool meets_support_of(const device::Sublattice& sublattice, const CpuFrame& frame,
                              const Block& block, const SheetSetup& sheet, const float* u,
                              const float* step) {
-  const bool is_point = frame.slab.count == 1;
+  const bool is_point = frame.lattice.num_slab_nodes == 1;
   float from = -0.5F;
   float to = 0.5F;
   for (int a = 0; a < 3; ++a) {
-    const float support = frame.support * sheet.widening[a];
+    const float support = frame.lattice.support * sheet.widening[a];
     const float first = static_cast<float>(-block.origin[a]) + sublattice.offset;
     const float below = first - support - u[a];
     const float above = first + static_cast<float>(sublattice.dims[a] - 1) + support - u[a];
@@ -277,8 +278,9 @@ inline bool meets_support_of(const FrameSublattice& sublattice, const CpuFrame& 
 
 inline bool meets_support(const CpuFrame& frame, const Block& block, const SheetSetup& sheet,
                           const float* u, const float* step) {
-  return std::any_of(frame.sublattices.begin(), frame.sublattices.begin() + frame.num_sublattices,
-                     [&](const FrameSublattice& sublattice) {
+  return std::any_of(frame.lattice.sublattices,
+                     frame.lattice.sublattices + frame.lattice.num_sublattices,
+                     [&](const device::Sublattice& sublattice) {
                        return meets_support_of(sublattice, frame, block, sheet, u, step);
                      });
 }
@@ -307,11 +309,11 @@ inline std::uint32_t gather_general(const CpuFrame& frame, Workspace& work, int 
       center[a] = position[a][l];
     }
     Quotient q;
-    for (int node = 0; node < frame.slab.count; ++node) {
-      const SlabNode slab = frame.slab.nodes[static_cast<std::size_t>(node)];
+    for (int node = 0; node < frame.lattice.num_slab_nodes; ++node) {
+      const device::SlabNode slab = frame.lattice.slab[node];
       float at[3];
       for (int a = 0; a < 3; ++a) at[a] = center[a] + slab.offset * step[a];
-      for (int sub = 0; sub < frame.num_sublattices; ++sub)
+      for (int sub = 0; sub < frame.lattice.num_sublattices; ++sub)
         add_node<kGradient>(frame, work, sub, at, sheet, slab.weight, tap_memory, capacity, q);
     }
     const TapSums& n = q.numerator;
@@ -321,7 +323,7 @@ inline std::uint32_t gather_general(const CpuFrame& frame, Workspace& work, int 
                                   ? e.value > 0
                                   : meets_support(frame, work.block, sheet, center, step);
       if (!is_defined) continue;
-      const float w = frame.sum_weight / mass;
+      const float w = frame.lattice.sum_weight / mass;
       out.value[l] = w * n.value;
       if constexpr (kGradient) {
         out.x[l] = w * n.x;
@@ -329,7 +331,7 @@ inline std::uint32_t gather_general(const CpuFrame& frame, Workspace& work, int 
         out.z[l] = w * n.z;
       }
     } else {
-      if (!(e.value >= kLeastWeight * q.endless) || !(e.value > 0)) continue;
+      if (!(e.value >= device::kLeastShare * q.endless) || !(e.value > 0)) continue;
       const float inverse = 1.0F / e.value;
       const float f = n.value * inverse;
       out.value[l] = f;

@@ -20,11 +20,10 @@ namespace ovoid::cpu {
 namespace HWY_NAMESPACE {
 
 HWY_INLINE WorldVector to_world(const CpuFrame& frame, V x, V y, V z) {
-  const float* m = frame.world_from_index_gradient;
   const auto row = [&](int r) {
-    return hn::MulAdd(
-        hn::Set(d, m[3 * r]), x,
-        hn::MulAdd(hn::Set(d, m[3 * r + 1]), y, hn::Mul(hn::Set(d, m[3 * r + 2]), z)));
+    const device::vec4& m = frame.lattice.gradient_rows[r];
+    return hn::MulAdd(hn::Set(d, m.x), x,
+                      hn::MulAdd(hn::Set(d, m.y), y, hn::Mul(hn::Set(d, m.z), z)));
   };
   return {row(0), row(1), row(2)};
 }
@@ -80,7 +79,7 @@ inline void reconstruct_with_gradients(const CpuFrame& frame, Workspace& work, i
 inline RowBits guess_visible(const CpuFrame& frame, const Block& block, const RowBits& wanted) {
   RowBits guess{};
   const bool is_worthwhile = frame.takes_gradients && !frame.is_preintegrated &&
-                             !frame.central_gradient && block.uses_four_taps;
+                             !frame.takes_differences && block.uses_four_taps;
   if (!is_worthwhile) return guess;
   for (int y = 0; y < block.rows; ++y) guess[y] = wanted[y] & block.visible[y];
   return guess;
@@ -108,7 +107,7 @@ inline void gradient_of_pieces(const CpuFrame& frame, Workspace& work, int s, co
 // The visible samples that have no gradient yet.
 inline void gradients_of(const CpuFrame& frame, Workspace& work, int s, const RowBits& missing) {
   Block& block = work.block;
-  if (!frame.central_gradient && block.uses_four_taps) {
+  if (!frame.takes_differences && block.uses_four_taps) {
     reconstruct_with_gradients(frame, work, s, missing);
     return;
   }
@@ -118,7 +117,7 @@ inline void gradients_of(const CpuFrame& frame, Workspace& work, int s, const Ro
                    [&](int column, std::uint32_t lanes) {
                      const Position u = position_of(block.sheets[s], column, y);
                      store_gradient(block, column, y, lanes,
-                                    frame.central_gradient
+                                    frame.takes_differences
                                         ? central_difference_gradient(frame, block, s, column, y)
                                         : exact_gradient(frame, work, s, column, y, u, lanes));
                    });
@@ -130,7 +129,7 @@ inline void gradient_of_sheet(const CpuFrame& frame, Workspace& work, int s) {
   const Block& block = work.block;
   RowBits missing;
   for (int y = 0; y < block.rows; ++y) missing[y] = block.visible[y] & ~block.has_gradient[y];
-  if (frame.is_preintegrated && !frame.central_gradient) {
+  if (frame.is_preintegrated && !frame.takes_differences) {
     gradient_of_pieces(frame, work, s, missing);
   } else {
     gradients_of(frame, work, s, missing);

@@ -17,20 +17,17 @@ HWY_BEFORE_NAMESPACE();
 namespace ovoid::cpu {
 namespace HWY_NAMESPACE {
 
-inline constexpr int kBisections = 8;  // to 1/256 of a sheet's distance, before the secant step
-static_assert(kBisections == device::kSurfaceSteps);
-
 // Where between two samples (0 to 1) the field takes the isovalue; `before` and `after` lie on
 // different sides.
 HWY_INLINE V refine(const CpuFrame& frame, Workspace& work, int s, int column, int row,
                     const Position& from, const Position& to, V before, V after,
                     std::uint32_t lanes) {
-  const V iso = hn::Set(d, frame.isovalue);
+  const V iso = hn::Set(d, frame.look.isovalue);
   const M rises = hn::Lt(before, iso);
   V near = hn::Zero(d);
   V far = hn::Set(d, 1.0F);
   M far_is_defined = mask_of(lanes);
-  for (int i = 0; i < kBisections; ++i) {
+  for (int i = 0; i < device::kSurfaceSteps; ++i) {
     const V middle = hn::Mul(hn::Set(d, 0.5F), hn::Add(near, far));
     const GroupValues f =
         gather_group(frame, work, s, column, row, point_between(from, to, middle), lanes);
@@ -59,7 +56,7 @@ inline void surface_sheet(const CpuFrame& frame, Workspace& work, int s) {
   TileState& tile = *work.tile;
   const int here = s & (kRingSheets - 1);
   const int front = (s - 1) & (kRingSheets - 1);
-  const V iso = hn::Set(d, frame.isovalue);
+  const V iso = hn::Set(d, frame.look.isovalue);
   for (int y = 0; y < block.rows; ++y) {
     std::uint32_t& open = tile.open[tile_row(block, y)];
     const RowWord both = block.defined[here][y] & block.defined[front][y] & open >> block.x0;
@@ -74,11 +71,11 @@ inline void surface_sheet(const CpuFrame& frame, Workspace& work, int s) {
       const V t = refine(frame, work, s, column, y, from, to, before, after, crossing);
       crossing &= kept_by_planes(frame, block, s, column, y, t);
       if (crossing == 0) return;
-      const V color[3] = {hn::Set(d, frame.isosurface_color[0]),
-                          hn::Set(d, frame.isosurface_color[1]),
-                          hn::Set(d, frame.isosurface_color[2])};
+      const V color[3] = {hn::Set(d, frame.look.isosurface_color.x),
+                          hn::Set(d, frame.look.isosurface_color.y),
+                          hn::Set(d, frame.look.isosurface_color.z)};
       Lighting light{hn::Set(d, 1.0F), hn::Zero(d)};
-      if (frame.shade) {
+      if (frame.is_lit) {
         const WorldVector g =
             exact_gradient(frame, work, s, column, y, point_between(from, to, t), crossing);
         light = light_sample(frame, g, direction_to_eye(frame, block, column, y));
@@ -96,8 +93,9 @@ inline void surface_sheet(const CpuFrame& frame, Workspace& work, int s) {
       add(tile.green, lit_color(color[1], light));
       add(tile.blue, lit_color(color[2], light));
       store_masked(mask, hn::Set(d, 1.0F), tile.alpha + pixel);
-      const V depth = hn::MulAdd(hn::Sub(t, hn::Set(d, 1.0F)), hn::Set(d, frame.sampling_distance),
-                                 hn::Set(d, block.sheets[s].depth));
+      const V depth =
+          hn::MulAdd(hn::Sub(t, hn::Set(d, 1.0F)), hn::Set(d, frame.camera.sampling_distance),
+                     hn::Set(d, block.sheets[s].depth));
       store_masked(hn::And(mask, hn::Lt(in_front, hn::Set(d, 0.5F))), depth, tile.depth + pixel);
       open &= ~(crossing << tile_column(block, column));
       work.stats.samples_shaded += std::popcount(crossing);

@@ -19,8 +19,7 @@
 #include "render/cpu/block.h"
 #include "render/cpu/filter_band.h"
 #include "render/cpu/splat.h"
-#include "render/shared/device_layout.h"
-#include "render/shared/levels.h"
+#include "render/shared/kernel_values.h"
 
 namespace ovoid::cpu {
 
@@ -87,22 +86,12 @@ struct KernelWorkspace {
   alignas(64) float color_window[kRingSheets][kMaxPlaneRows * kPlaneStride];
 };
 
-// What a frame of a kernel field needs beside CpuFrame.
-struct KernelFrame {
+// A frame of a kernel field.
+struct KernelFrame : KernelTraits {
   CpuFrame common;
   const view::KernelPlan* plan = nullptr;
   const BinnedSplats* binned = nullptr;
-  KernelProfile profile = KernelProfile::kGaussian;
-  float cutoff = 4;
-  bool is_sum = false;
-  int num_channels = 2;
-  int max_level = 0;            // 0: post-convolution is off
-  float least_level_sigma = 1;  // samples of a level
-  std::unique_ptr<const LevelBands> level_bands;
-  bool gathers = false;  // fragment-centric
-  // Sums are undefined where no kernel reaches. What the filter carries from coarse levels beyond
-  // the kernels' cuts would say otherwise, so it is found for each pixel.
-  bool finds_cover = false;
+  std::unique_ptr<const LevelBands> level_bands;  // if there are levels
 };
 
 }  // namespace ovoid::cpu

@@ -4,7 +4,6 @@
 
 #include "ovoid/error.h"
 #include "render/cpu/cpu_renderer.h"
-#include "render/cpu/frame_tables.h"
 #include "render/cpu/kernel_tile.h"
 #include "render/cpu/ticks.h"
 #include "render/cpu/tile.h"
@@ -12,30 +11,6 @@
 
 namespace ovoid::cpu {
 namespace {
-
-int num_channels_of(const KernelField& field) {
-  const int color = field.has_own_color() ? 1 : 0;
-  return field.reconstruction() == Reconstruction::kSum ? 1 + color : 2 + color;
-}
-
-void set_frame(KernelFrame& frame, const KernelField& field, const RenderOptions& options) {
-  CpuFrame& common = frame.common;
-  common.central_gradient = common.takes_gradients;
-  common.stop_opaque = options.stop_opaque;
-  common.collect_profile = options.collect_profile;
-  frame.profile = field.source().profile();
-  frame.cutoff = static_cast<float>(field.source().cutoff());
-  frame.is_sum = field.reconstruction() == Reconstruction::kSum;
-  frame.num_channels = num_channels_of(field);
-  frame.gathers = options.evaluate == Evaluate::kGather;
-  const bool has_levels = options.post_convolution != PostConvolution::kOff && !frame.gathers;
-  if (!has_levels) return;
-  frame.max_level = kMaxLevel;
-  frame.least_level_sigma =
-      options.post_convolution == PostConvolution::kAuto ? kLeastLevelSigma : kPublishedLevelSigma;
-  frame.level_bands = level_bands(options.post_convolution);
-  frame.finds_cover = frame.is_sum && options.post_convolution == PostConvolution::kAuto;
-}
 
 void draw_tile(const KernelFrame& frame, const Look& look, KernelWorkspace& work,
                const TileRect& rect, Image& image) {
@@ -87,15 +62,14 @@ Frame render(const KernelField& field, const Camera& camera, const Look& look,
     out.profile.stages_ms.emplace_back("plan", plan_ms);
     out.profile.stages_ms.emplace_back("project and bin", bin_ms);
   }
-  LookTables tables;
   KernelFrame frame;
+  static_cast<KernelTraits&>(frame) = kernel_traits(field, plan, options);
   frame.plan = &plan;
   frame.binned = &binned;
-  frame.common.plan = &plan;
+  if (frame.max_level > 0) frame.level_bands = level_bands(options.post_convolution);
+  set_frame(frame.common, field.value_range(), look, options, plan);
+  frame.common.takes_differences = frame.common.takes_gradients;
   frame.common.stop = hooks.stop;
-  set_view(frame.common, plan);
-  set_look(frame.common, field.value_range(), look, plan, tables);
-  set_frame(frame, field, options);
 
   const std::vector<TileRect> tiles = tiles_of(options.width, options.height, view::kBlockEdge);
   const auto workspaces = make_workspaces<KernelWorkspace>(runner.num_workers());

@@ -35,7 +35,7 @@ inline void kernel_surface_sheet(const KernelFrame& kernel_frame, KernelWorkspac
   Block& block = work.shading.block;
   const int here = s & (kRingSheets - 1);
   const int front = (s - 1) & (kRingSheets - 1);
-  const V iso = hn::Set(d, frame.isovalue);
+  const V iso = hn::Set(d, frame.look.isovalue);
   for (int y = block.margin; y < block.rows - block.margin; ++y) {
     std::uint32_t& open = tile.open[tile_row(block, y)];
     const RowWord both = block.defined[here][y] & block.defined[front][y] & open << block.margin;
@@ -54,16 +54,16 @@ inline void kernel_surface_sheet(const KernelFrame& kernel_frame, KernelWorkspac
           crossing &=
               with_path(frame, block, s - 1, column, y) & with_path(frame, block, s, column, y);
           if (crossing == 0) return;
-          Classified color{hn::Set(d, frame.isosurface_color[0]),
-                           hn::Set(d, frame.isosurface_color[1]),
-                           hn::Set(d, frame.isosurface_color[2]), hn::Zero(d)};
+          Classified color{hn::Set(d, frame.look.isosurface_color.x),
+                           hn::Set(d, frame.look.isosurface_color.y),
+                           hn::Set(d, frame.look.isosurface_color.z), hn::Zero(d)};
           if (frame.has_own_color) {
             const V from = hn::LoadU(d, work.color_window[front] + at);
             const V to = hn::LoadU(d, work.color_window[here] + at);
             color = classify(frame.color_table, hn::MulAdd(hn::Sub(to, from), t, from));
           }
           Lighting light{hn::Set(d, 1.0F), hn::Zero(d)};
-          if (frame.shade) {
+          if (frame.is_lit) {
             const WorldVector g =
                 mix_vectors(central_difference_gradient(frame, block, s - 1, column, y),
                             central_difference_gradient(frame, block, s, column, y), t);
@@ -77,7 +77,7 @@ inline void kernel_surface_sheet(const KernelFrame& kernel_frame, KernelWorkspac
           store_masked(mask, lit_color(color.blue, light), tile.blue + pixel);
           store_masked(mask, hn::Set(d, 1.0F), tile.alpha + pixel);
           const V depth =
-              hn::MulAdd(hn::Sub(t, hn::Set(d, 1.0F)), hn::Set(d, frame.sampling_distance),
+              hn::MulAdd(hn::Sub(t, hn::Set(d, 1.0F)), hn::Set(d, frame.camera.sampling_distance),
                          hn::Set(d, block.sheets[s].depth));
           store_masked(mask, depth, tile.depth + pixel);
           open &= ~(crossing << tile_column(block, column));

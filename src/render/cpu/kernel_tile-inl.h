@@ -33,7 +33,7 @@ HWY_INLINE std::size_t ring_offset(int sheet) {
 
 inline BlockPlace place_of_block(const KernelFrame& frame, const TileRect& rect, int layer) {
   BlockPlace place{rect.x0, rect.y0, {}, {}};
-  const bool has_nodes = frame.plan->is_mean && frame.profile != KernelProfile::kGaussian;
+  const bool has_nodes = frame.takes_means && frame.profile != KernelProfile::kGaussian;
   for (int j = 0; j < view::kBlockDepth; ++j) {
     const auto sheet = static_cast<float>(layer * view::kBlockDepth + j);
     place.scales[j] = sheet_place(frame, sheet).scale;
@@ -185,7 +185,8 @@ inline RowBits visible_candidates(const KernelFrame& frame, const Block& block,
     const int row = tile_row(block, y);
     const bool is_inside = row >= 0 && row < block.y1 - block.y0;
     const std::uint32_t pixels =
-        is_inside ? (frame.common.stop_opaque ? tile.open[row] : (1U << (block.x1 - block.x0)) - 1U)
+        is_inside ? (frame.common.options->stop_opaque ? tile.open[row]
+                                                       : (1U << (block.x1 - block.x0)) - 1U)
                   : 0U;
     bits[y] = block.defined[s & (kRingSheets - 1)][y] & pixels << block.margin;
   }
@@ -261,7 +262,7 @@ inline void finish_sheets(const KernelFrame& frame, KernelWorkspace& work, const
     if (block.x1 <= 0 || block.y1 <= 0) continue;
     block.columns = block.x1 + 2 * block.margin;
     block.rows = block.y1 + 2 * block.margin;
-    if (frame.common.stop_opaque && !tile.any_open(0, 0, block.x1, block.y1)) continue;
+    if (frame.common.options->stop_opaque && !tile.any_open(0, 0, block.x1, block.y1)) continue;
     const int before = is_surface ? 2 : 1;
     for (int sheet = first - before; sheet < first + 1; ++sheet)
       load_window(frame, work, sub_x, sub_y, sheet, sheet - first + 2);
@@ -302,7 +303,7 @@ inline void render_kernel_tile_on_target(const KernelFrame& frame, KernelWorkspa
                                          const TileRect& rect) {
   const view::KernelPlan& plan = *frame.plan;
   WorkerStats& stats = work.shading.stats;
-  StageClock clock(stats.ticks, frame.common.collect_profile);
+  StageClock clock(stats.ticks, frame.common.options->collect_profile);
   set_up_tile(frame, work, rect);
   const int tile_x = rect.x0 / view::kBlockEdge;
   const int tile_y = rect.y0 / view::kBlockEdge;
@@ -316,7 +317,7 @@ inline void render_kernel_tile_on_target(const KernelFrame& frame, KernelWorkspa
   for (int layer = 0; layer < plan.num_blocks[2]; ++layer) {
     ++stats.blocks_total;
     if (frame.common.stop.stop_requested()) return;
-    if (frame.common.stop_opaque && !any_open(work)) {
+    if (frame.common.options->stop_opaque && !any_open(work)) {
       ++stats.skipped_opaque;
       continue;
     }

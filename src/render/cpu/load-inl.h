@@ -223,7 +223,7 @@ struct LatticePart {
   Index3 lo, hi;
 };
 
-inline LatticePart part_in_lattice(const Block& block, const FrameSublattice& sublattice) {
+inline LatticePart part_in_lattice(const Block& block, const device::Sublattice& sublattice) {
   LatticePart part{};
   for (int a = 0; a < 3; ++a) {
     const std::int64_t first = block.origin[a] + block.region_lo[a];
@@ -255,8 +255,8 @@ inline BrickView sublattice_view(BrickView view, int s, int count) {
 inline void load_sublattice(const CpuFrame& frame, const Block& block, int s, float* samples,
                             float* presence) {
   const BrickSource& source = frame.field->source();
-  const LoadScale map{frame.value_scale, frame.value_offset};
-  const auto [lo, hi] = part_in_lattice(block, frame.sublattices[static_cast<std::size_t>(s)]);
+  const LoadScale map{frame.lattice.value_scale, frame.lattice.value_offset};
+  const auto [lo, hi] = part_in_lattice(block, frame.lattice.sublattices[s]);
   const int edge = source.brick_edge();
   Index3 at = lo;
   while (at[2] < hi[2]) {
@@ -266,7 +266,7 @@ inline void load_sublattice(const CpuFrame& frame, const Block& block, int s, fl
       for (at[0] = lo[0]; at[0] < hi[0];) {
         const BrickView view =
             sublattice_view(source.acquire(at[0] / edge, at[1] / edge, at[2] / edge, 0.0), s,
-                            frame.num_sublattices);
+                            frame.lattice.num_sublattices);
         const Index3 part_hi{std::min(hi[0], view.hi[0]), std::min(hi[1], view.hi[1]),
                              std::min(hi[2], view.hi[2])};
         next_y = std::min(next_y, part_hi[1]);
@@ -283,7 +283,7 @@ inline void load_sublattice(const CpuFrame& frame, const Block& block, int s, fl
 // `is_scattered`: the region is for kernels that splat themselves, which read it plainly.
 inline void load_region(const CpuFrame& frame, Workspace& work, bool is_scattered) {
   Block& block = work.block;
-  const auto [lo, hi] = part_in_lattice(block, frame.sublattices[0]);
+  const auto [lo, hi] = part_in_lattice(block, frame.lattice.sublattices[0]);
   block.has_missing = region_misses(frame.field->source(), lo, hi);
   block.uses_four_taps = !is_scattered && can_use_four_taps(frame, block);
   block.row_stride = block.region_size[0] + (block.uses_four_taps ? 0 : kTapPadding);
@@ -291,7 +291,7 @@ inline void load_region(const CpuFrame& frame, Workspace& work, bool is_scattere
   const std::size_t floats_per_sample = block.uses_four_taps ? 2 : 1;
   const std::size_t own_count =
       floats_per_sample * block.slice_stride * block.region_size[2] + kTapPadding;
-  const std::size_t count = own_count * static_cast<std::size_t>(frame.num_sublattices);
+  const std::size_t count = own_count * static_cast<std::size_t>(frame.lattice.num_sublattices);
   block.sublattice_stride = static_cast<std::ptrdiff_t>(own_count);
   float* samples = work.sample_memory.reserve(count);
   work.samples = samples;
@@ -303,7 +303,7 @@ inline void load_region(const CpuFrame& frame, Workspace& work, bool is_scattere
     std::fill_n(samples, count, 0.0F);
     if (presence != nullptr) std::fill_n(presence, count, 0.0F);
   }
-  for (int s = 0; s < frame.num_sublattices; ++s) {
+  for (int s = 0; s < frame.lattice.num_sublattices; ++s) {
     float* own_samples = samples + s * block.sublattice_stride;
     float* own_presence = presence == nullptr ? nullptr : presence + s * block.sublattice_stride;
     if (block.is_interior && !block.uses_four_taps) {
@@ -313,7 +313,7 @@ inline void load_region(const CpuFrame& frame, Workspace& work, bool is_scattere
     load_sublattice(frame, block, s, own_samples, own_presence);
   }
   work.stats.kernels_loaded +=
-      frame.num_sublattices *
+      frame.lattice.num_sublattices *
       num_samples({block.region_size[0], block.region_size[1], block.region_size[2]});
 }
 

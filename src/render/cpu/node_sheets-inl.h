@@ -51,13 +51,13 @@ struct SpreadShape {
 inline SpreadShape spread_shape(const CpuFrame& frame, const Patch& patch) {
   const view::ViewLattice& lattice = frame.plan->lattice;
   const Mat3 axes = frame.field->geometry().world_from_index.linear();
-  const double sigma = static_cast<double>(frame.sigma) *
+  const double sigma = static_cast<double>(frame.lattice.sigma) *
                        (axes.transpose() * lattice.view_axis()).norm() /
                        lattice.sampling_distance();
   SpreadShape shape;
   shape.along = axes.inverse() * lattice.view_axis() * lattice.sampling_distance();
   shape.sigma = sigma;
-  shape.half_height = sigma * static_cast<double>(frame.support / frame.sigma);
+  shape.half_height = sigma * static_cast<double>(frame.lattice.support / frame.lattice.sigma);
   const view::SheetMap map = lattice.index_map(patch.last_sheet - 1);
   shape.reach = patch.pitch * (map.per_x.cwiseAbs() + map.per_y.cwiseAbs()) +
                 shape.half_height * shape.along.cwiseAbs();
@@ -68,13 +68,13 @@ inline SpreadShape spread_shape(const CpuFrame& frame, const Patch& patch) {
 inline Support whole_support(const CpuFrame& frame, const Block& nodes, const SheetSetup& sheet) {
   Support support;
   for (int a = 0; a < 3; ++a) {
-    const float slab = frame.slab.count > 1 ? 0.5F * std::abs(sheet.step[a]) : 0.0F;
-    const float reach = frame.support * sheet.widening[a] + slab;
+    const float slab = frame.lattice.num_slab_nodes > 1 ? 0.5F * std::abs(sheet.step[a]) : 0.0F;
+    const float reach = frame.lattice.support * sheet.widening[a] + slab;
     const auto first = static_cast<float>(-nodes.origin[a]);
     float lo = first;
     float hi = std::numeric_limits<float>::max();
-    for (int s = 0; s < frame.num_sublattices; ++s) {
-      const auto& [dims, offset] = frame.sublattices[static_cast<std::size_t>(s)];
+    for (int s = 0; s < frame.lattice.num_sublattices; ++s) {
+      const auto& [dims, offset] = frame.lattice.sublattices[s];
       lo = std::max(lo, first + offset);
       hi = std::min(hi, first + offset + static_cast<float>(dims[a] - 1));
     }
@@ -88,7 +88,7 @@ inline Support whole_support(const CpuFrame& frame, const Block& nodes, const Sh
 // Nodes that no kernel reaches are not active; nor are, if the bound is to be kept, those near a
 // face, where the field has kinks.
 inline void drop_outside(const CpuFrame& frame, Block& nodes, const Bounds3& box) {
-  const bool keeps_bound = frame.post_convolution == PostConvolution::kAuto;
+  const bool keeps_bound = frame.nodes_keep_bound;
   for (int s = 0; s < nodes.num_sheets; ++s) {
     const Support support =
         keeps_bound ? whole_support(frame, nodes, nodes.sheets[s]) : support_of(frame, nodes, box);
@@ -109,9 +109,9 @@ struct NodePlace {
 
 // The nodes as samples of a block; with neighbours all around where differences are taken.
 inline NodePlace place_nodes(const CpuFrame& frame, Block& nodes, const Patch& patch) {
-  const int margin = frame.central_gradient ? 1 : 0;
+  const int margin = frame.takes_differences ? 1 : 0;
   nodes.margin = nodes.back_margin = margin;
-  nodes.front_margin = std::max(margin, frame.takes_pieces ? 1 : 0);
+  nodes.front_margin = std::max(margin, frame.has_pieces ? 1 : 0);
   nodes.tile_x = nodes.tile_y = nodes.x0 = nodes.y0 = 0;
   nodes.x1 = patch.nodes_x.count;
   nodes.y1 = patch.nodes_y.count;
@@ -142,7 +142,7 @@ inline void set_up_nodes(const CpuFrame& frame, Block& nodes, const Patch& patch
     nodes.sheets[s].inverse_pitch /= static_cast<float>(patch.pitch);
     for (int y = 0; y < nodes.rows; ++y) nodes.active[s][y] = all;
   }
-  const bool spreads = frame.spread == Spread::kBilinear;
+  const bool spreads = frame.options->spread == Spread::kBilinear;
   bound_region(frame, nodes, spreads ? spread_shape(frame, patch).reach : Vec3::Zero());
   if (!nodes.is_interior) drop_outside(frame, nodes, place.box);
 }
@@ -198,7 +198,7 @@ inline void spread_region(const CpuFrame& frame, Workspace& nodes, const Patch& 
 }
 
 inline bool scatters_to_nodes(const CpuFrame& frame) {
-  return frame.spread == Spread::kBilinear || should_scatter(frame);
+  return frame.options->spread == Spread::kBilinear || should_scatter(frame);
 }
 
 // Loads the lattice's samples around the nodes. False if pixels cannot stand in for nodes without
@@ -206,12 +206,12 @@ inline bool scatters_to_nodes(const CpuFrame& frame) {
 inline bool load_nodes(const CpuFrame& frame, Workspace& nodes, const Patch& patch) {
   Block& block = nodes.block;
   load_region(frame, nodes, scatters_to_nodes(frame));
-  if (block.has_missing && frame.post_convolution == PostConvolution::kAuto) return false;
-  const bool takes_all = frame.central_gradient || frame.spread == Spread::kBilinear;
+  if (block.has_missing && frame.nodes_keep_bound) return false;
+  const bool takes_all = frame.takes_differences || frame.options->spread == Spread::kBilinear;
   if (takes_all && !is_whole(block)) return false;
   if (!scatters_to_nodes(frame)) return true;
   reserve_splat_planes(nodes);
-  if (frame.spread == Spread::kGaussian) return true;
+  if (frame.options->spread == Spread::kGaussian) return true;
   spread_region(frame, nodes, patch);
   for (int s = 0; s < block.num_sheets; ++s) {
     for (int y = 0; y < block.rows; ++y) {
@@ -241,10 +241,10 @@ inline void reconstruct_nodes(const CpuFrame& frame, Workspace& nodes, int s, co
                               const RowBits& guess, StageClock& clock) {
   Block& block = nodes.block;
   block.defined[s & (kRingSheets - 1)] = {};
-  if (!frame.central_gradient) block.has_gradient = {};
+  if (!frame.takes_differences) block.has_gradient = {};
   nodes.stats.samples_reconstructed += count_bits(block, wanted);
   if (scatters_to_nodes(frame)) {
-    if (frame.spread == Spread::kGaussian) splat_sheet(frame, nodes, s, wanted);
+    if (frame.options->spread == Spread::kGaussian) splat_sheet(frame, nodes, s, wanted);
     read_splat_sheet(frame, nodes, s, wanted);
   } else {
     RowBits others = wanted;
@@ -285,7 +285,7 @@ inline void provide_node_gradients(const CpuFrame& frame, Workspace& nodes, int 
   RowBits missing;
   for (int row = 0; row < block.rows; ++row) missing[row] = bits[row] & ~block.has_gradient[row];
   if (!has_bits(missing, block.rows)) return;
-  if (frame.central_gradient) {
+  if (frame.takes_differences) {
     difference_nodes(frame, nodes, s, patch, missing);
   } else {
     gradients_of(frame, nodes, s, missing);

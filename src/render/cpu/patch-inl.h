@@ -93,7 +93,7 @@ struct PatchBands {
 
 inline void set_up_bands(const CpuFrame& frame, const Block& nodes, const Patch& patch,
                          PatchBands& bands) {
-  const auto how = frame.post_convolution;
+  const auto how = frame.options->post_convolution;
   for (int t = 0; t < kPatchTiles; ++t) {
     const int x = patch.rect.x0 + t * kTileSize;
     const int y = patch.rect.y0 + t * kTileSize;
@@ -142,7 +142,7 @@ inline void bring_up_gradients(const CpuFrame& frame, LatticeWorkspace& work, co
                                const RowBits& by_themselves) {
   Block& pixels = work.pixels.block;
   Block& nodes = work.nodes.block;
-  if (frame.is_preintegrated && !frame.central_gradient) {
+  if (frame.is_preintegrated && !frame.takes_differences) {
     gradient_of_pieces(frame, work.pixels, s, pixels.visible);
     return;
   }
@@ -194,7 +194,7 @@ inline void complete_pixels(const CpuFrame& frame, LatticeWorkspace& work, int s
   clear_bits(given);
   std::copy_n(block.defined[s & (kRingSheets - 1)].begin(), block.rows, given.begin());
   // A front end is given only where the piece's own end is.
-  for (int sheet = s; sheet >= (frame.takes_pieces ? s - 1 : s); --sheet) {
+  for (int sheet = s; sheet >= (frame.has_pieces ? s - 1 : s); --sheet) {
     RowBits& defined = block.defined[sheet & (kRingSheets - 1)];
     keep_whole(nodes.defined[sheet & (kRingSheets - 1)], x, y, block.rows, given);
     RowBits others;
@@ -216,7 +216,7 @@ inline bool take_pixels(const CpuFrame& frame, const LatticeWorkspace& work, std
   if (!of_tile.any_relevant) return false;
   const RowBits& relevant = of_tile.relevant[static_cast<std::size_t>(s)];
   const std::uint32_t* open = work.tiles[t].open;
-  const std::uint32_t always = frame.stop_opaque ? 0U : ~0U;
+  const std::uint32_t always = frame.options->stop_opaque ? 0U : ~0U;
   RowWord any = 0;
   for (int y = 0; y < kTileSize; ++y) any |= bits[y] = relevant[y] & (open[y] | always);
   return any != 0;
@@ -230,19 +230,19 @@ inline void finish_patch_tile(const CpuFrame& frame, LatticeWorkspace& work, con
   work.pixels.tile = &work.tiles[t];
   block.rays = &work.rays[t];
   work.bits[t].any_visible = false;
-  for (int sheet = frame.takes_pieces ? s - 1 : s; sheet <= s; ++sheet) {
+  for (int sheet = frame.has_pieces ? s - 1 : s; sheet <= s; ++sheet) {
     const int plane = sheet & (kRingSheets - 1);
     bring_up(work.nodes.block.values[plane], x, y, bits, block.rows, block.values[plane]);
     block.defined[plane] = bits;
   }
   // A piece whose front end is cut away begins at its sample.
-  if (frame.takes_pieces && !patch.is_binned_by_tile) {
+  if (frame.has_pieces && !patch.is_binned_by_tile) {
     const RowBits& kept = work.bits[t].relevant[static_cast<std::size_t>(s) - 1];
     RowBits& before = block.defined[(s - 1) & (kRingSheets - 1)];
     for (int row = 0; row < block.rows; ++row) before[row] &= kept[row];
   }
   const bool has_all = is_whole(work.nodes.block);
-  if (frame.takes_pieces || !has_all) share_region(frame, work, s);
+  if (frame.has_pieces || !has_all) share_region(frame, work, s);
   RowBits by_themselves;
   if (!has_all) complete_pixels(frame, work, s, x, y, by_themselves);
   clock.lap(kReconstruct);
@@ -260,7 +260,7 @@ inline void finish_patch_tile(const CpuFrame& frame, LatticeWorkspace& work, con
 
 inline void finish_patch_sheet(const CpuFrame& frame, LatticeWorkspace& work, const Patch& patch,
                                const PatchBands& bands, int s, StageClock& clock) {
-  if (frame.central_gradient) work.nodes.block.has_gradient = {};
+  if (frame.takes_differences) work.nodes.block.has_gradient = {};
   for_each_tile(patch, [&](std::size_t t, int x, int y) {
     RowBits bits;
     if (!take_pixels(frame, work, t, s, bits)) return;
@@ -290,8 +290,8 @@ inline WantedNodes wanted_nodes(const CpuFrame& frame, const LatticeWorkspace& w
   WantedNodes wanted;
   const Block& nodes = work.nodes.block;
   // Pieces begin on this sheet, too, and differences take neighbours on either side.
-  const bool takes_behind = frame.takes_pieces || frame.central_gradient;
-  const int first = std::max(frame.central_gradient ? s - 1 : s, nodes.front_margin);
+  const bool takes_behind = frame.has_pieces || frame.takes_differences;
+  const int first = std::max(frame.takes_differences ? s - 1 : s, nodes.front_margin);
   const int last = std::min(takes_behind ? s + 1 : s, nodes.num_sheets - nodes.back_margin - 1);
   for_each_tile(patch, [&](std::size_t t, int x, int y) {
     RowBits bits;
@@ -303,7 +303,7 @@ inline WantedNodes wanted_nodes(const CpuFrame& frame, const LatticeWorkspace& w
     for (int row = 0; row < kTileSize; ++row) bits[row] &= work.bits[t].visible[row];
     add_nodes(bits, kTileSize, bands.x[x], bands.y[y], wanted.gradients);
   });
-  if (frame.central_gradient) add_neighbours(wanted.values, nodes.rows);
+  if (frame.takes_differences) add_neighbours(wanted.values, nodes.rows);
   for (int row = 0; row < nodes.rows; ++row) {
     wanted.values[row] &= nodes.active[s][row];
     wanted.gradients[row] &= nodes.active[s][row];
@@ -322,7 +322,7 @@ inline void draw_patch_sheets(const CpuFrame& frame, LatticeWorkspace& work, con
       reconstruct_nodes(frame, work.nodes, s, wanted.values, wanted.gradients, clock);
     }
     // With differences, a sheet is finished once its far neighbour is there.
-    const int finished = frame.central_gradient ? s - 1 : s;
+    const int finished = frame.takes_differences ? s - 1 : s;
     if (finished >= nodes.front_margin)
       finish_patch_sheet(frame, work, patch, bands, finished, clock);
   }
@@ -379,7 +379,7 @@ inline bool bin_tile(const CpuFrame& frame, const Block& block, const Block& nod
   bool any = false;
   for (int s = nodes.front_margin; s < nodes.num_sheets - nodes.back_margin; ++s) {
     Bounds3 box;
-    for (int sheet = frame.takes_pieces ? s - 1 : s; sheet <= s; ++sheet) {
+    for (int sheet = frame.has_pieces ? s - 1 : s; sheet <= s; ++sheet) {
       const view::SheetMap map = plan.lattice.index_map(nodes.first_sheet + sheet);
       for (const int x : {0, block.x1 - 1}) {
         for (const int y : {0, block.y1 - 1})
@@ -427,7 +427,7 @@ inline bool bin_patch(const CpuFrame& frame, LatticeWorkspace& work, const Patch
     bits.any_visible = false;
     place_tile(block, patch, x, y);
     const TileState& tile = work.tiles[t];
-    if (frame.stop_opaque && !tile.any_open(0, 0, block.x1, block.y1)) return;
+    if (frame.options->stop_opaque && !tile.any_open(0, 0, block.x1, block.y1)) return;
     bits.any_relevant = patch.is_binned_by_tile
                             ? bin_tile(frame, block, work.nodes.block, bits)
                             : bin_pixels(frame, block, work.nodes.block, patch, tile, bits);

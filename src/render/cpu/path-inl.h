@@ -38,8 +38,8 @@ HWY_INLINE V path_fraction(const CpuFrame& frame, const Block& block, int s, int
   const float y = pixel_y(block, row);
   for (const ClipPlane& plane : plan.clip_planes) {
     const V inside = evaluate2d(plan.clip_distance(plane, sheet), x, y);
-    const V slope =
-        hn::Mul(evaluate2d(plan.clip_slope(plane), x, y), hn::Set(d, frame.sampling_distance));
+    const V slope = hn::Mul(evaluate2d(plan.clip_slope(plane), x, y),
+                            hn::Set(d, frame.camera.sampling_distance));
     // inside + t slope >= 0. A slope of nothing keeps or drops the whole slab.
     const M is_parallel = hn::Lt(hn::Abs(slope), hn::Set(d, 1e-20F));
     const V crossing =
@@ -67,7 +67,7 @@ HWY_INLINE V ray_length(const CpuFrame& frame, const Block& block, int column, i
 // Works out the rays of the tile at a pixel of the picture. They are the same on all sheets.
 inline void set_up_rays(const CpuFrame& frame, int tile_x, int tile_y, TileRays& rays) {
   if (frame.is_parallel) return;
-  const view::SheetMap& direction = frame.ray_direction;
+  const view::SheetMap& direction = frame.camera.ray;
   for (int y = 0; y < kTileSize; ++y) {
     for (int column = 0; column < kTileSize; column += group_size()) {
       const V x = hn::Iota(d, static_cast<float>(tile_x + column));
@@ -106,8 +106,8 @@ HWY_INLINE std::uint32_t kept_by_planes(const CpuFrame& frame, const Block& bloc
   const V sheets_back = hn::Sub(t, hn::Set(d, 1.0F));
   for (const ClipPlane& plane : plan.clip_planes) {
     const V inside = evaluate2d(plan.clip_distance(plane, block.first_sheet + s), x, y);
-    const V slope =
-        hn::Mul(evaluate2d(plan.clip_slope(plane), x, y), hn::Set(d, frame.sampling_distance));
+    const V slope = hn::Mul(evaluate2d(plan.clip_slope(plane), x, y),
+                            hn::Set(d, frame.camera.sampling_distance));
     kept &= bits_of(hn::Ge(hn::MulAdd(slope, sheets_back, inside), hn::Zero(d)));
   }
   return kept;

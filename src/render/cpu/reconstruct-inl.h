@@ -55,7 +55,7 @@ HWY_INLINE GroupValues gather_group(const CpuFrame& frame, Workspace& work, int 
     const std::uint32_t whole =
         work.block.is_interior
             ? group_bits()
-            : bits_of(hn::Ge(hn::Load(d, batch.share), hn::Set(d, kLeastWeight)));
+            : bits_of(hn::Ge(hn::Load(d, batch.share), hn::Set(d, device::kLeastShare)));
     return {value_of(frame, batch, 0), lanes & whole};
   }
   alignas(64) float value[kMaxLanes] = {};
@@ -112,7 +112,7 @@ HWY_INLINE void for_each_batch(const Block& block, const RowBits& bits, Batch& b
 template <class Batch>
 inline void drop_undefined(const Batch& batch, RowBits& defined) {
   for (int i = 0; i < batch.count; ++i) {
-    if (batch.share[i] >= kLeastWeight) continue;
+    if (batch.share[i] >= device::kLeastShare) continue;
     defined[batch.at[i] / kPlaneStride] &= ~(RowWord{1} << batch.at[i] % kPlaneStride);
   }
 }

@@ -368,7 +368,7 @@ HWY_INLINE SheetPlace sheet_place(const KernelFrame& frame, float sheet) {
 // Where on its slab a sample is taken: Gaussian sections are integrated in closed form, other
 // profiles' means are taken at nodes.
 HWY_INLINE int num_nodes(const KernelFrame& frame) {
-  return frame.plan->is_mean && frame.profile != KernelProfile::kGaussian ? kProfileNodes : 1;
+  return frame.takes_means && frame.profile != KernelProfile::kGaussian ? kProfileNodes : 1;
 }
 
 // Runs `body(section)` for the sections that make up a splat's part of sheet j on a level.
@@ -380,7 +380,7 @@ HWY_INLINE void for_each_section(const KernelFrame& frame, const Splat& splat,
   for (int n = 0; n < nodes; ++n) {
     const SheetPlace& place = block.places[j * nodes + n];
     const float t = place.s - splat.s;
-    const bool is_section = frame.plan->is_mean && is_gaussian;
+    const bool is_section = frame.takes_means && is_gaussian;
     if (std::abs(t) - (is_section ? 0.5F : 0.0F) >= splat.reach_s) continue;
     const LevelMap map = level_map(frame, block.tile_x, block.tile_y, level, place.scale);
     Section section;

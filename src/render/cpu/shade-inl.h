@@ -60,11 +60,11 @@ HWY_INLINE Classified transpose_nodes(const float* nodes, const std::int32_t* in
 #endif
 
 // LookAxis::place().
-HWY_INLINE V place_of(const view::LookAxis& axis, V value) {
+HWY_INLINE V place_of(const device::TableConstants& axis, V value) {
   V steps;
-  if (axis.scale == ValueScale::kLinear) {
+  if (axis.scale == device::kScaleLinear) {
     steps = hn::Sub(value, hn::Set(d, axis.origin));
-  } else if (axis.scale == ValueScale::kLog) {
+  } else if (axis.scale == device::kScaleLog) {
     const VI bits = hn::BitCast(di, hn::Max(value, hn::Set(d, view::LookAxis::kLeast)));
     steps = hn::ConvertTo(d, hn::Sub(bits, hn::Set(di, axis.origin_bits)));
   } else {
@@ -78,12 +78,14 @@ HWY_INLINE V place_of(const view::LookAxis& axis, V value) {
   return hn::Mul(steps, hn::Set(d, axis.cells_per_step));
 }
 
+inline constexpr auto kLastNode = static_cast<float>(device::kTableCells);
+
 // A node is four floats, so a lane's two nodes are two loads; hardware gathers of eight separate
 // columns take longer.
 HWY_INLINE Classified classify(const ClassificationTable& table, V value) {
-  const V at = place_of(table.axis, value);
+  const V at = place_of(table.constants, value);
   // The order of operands makes NaN, of lanes that nobody asked for, a node too.
-  const V clamped = hn::Min(hn::Max(at, hn::Zero(d)), hn::Set(d, table.last_node));
+  const V clamped = hn::Min(hn::Max(at, hn::Zero(d)), hn::Set(d, kLastNode));
   const V node = hn::Floor(clamped);
   V fraction = hn::Sub(clamped, node);
   alignas(64) std::int32_t index[16];
@@ -117,18 +119,18 @@ HWY_INLINE V correct_opacity(V a, V exponent) {
 
 // What a segment of straight values between `from` and `to` shows: the mean of what is integrated.
 HWY_INLINE Classified classify_segment(const CpuFrame& frame, V from, V to) {
-  const IntegralNodes& table = *frame.integrals;
-  const float* const nodes = table.nodes.data();
+  const device::LookConstants& look = frame.look;
+  const float* const nodes = frame.integrals;
   alignas(64) std::int32_t index[16];
-  const V lo = hn::Set(d, table.value_lo);
-  const V hi = hn::Set(d, table.value_hi);
+  const V lo = hn::Set(d, look.integral_lo);
+  const V hi = hn::Set(d, look.integral_hi);
   struct Integrals {
     Classified high, low;
   };
   const auto integrals_to = [&](V value) -> Integrals {
     const V inside = hn::Min(hn::Max(value, lo), hi);
-    const V place = hn::Min(hn::Max(place_of(frame.table.axis, inside), hn::Zero(d)),
-                            hn::Set(d, frame.table.last_node));
+    const V place =
+        hn::Min(hn::Max(place_of(look.look, inside), hn::Zero(d)), hn::Set(d, kLastNode));
     const V node = hn::Floor(place);
     const V fraction = hn::Sub(place, node);
     hn::Store(hn::ShiftLeft<1>(nearest_integer(node)), di, index);
@@ -136,19 +138,20 @@ HWY_INLINE Classified classify_segment(const CpuFrame& frame, V from, V to) {
     const Classified b = transpose_nodes(nodes + 8, index);
     const Classified a_low = transpose_nodes(nodes + 4, index);
     const Classified b_low = transpose_nodes(nodes + 12, index);
-    const V excess = hn::Mul(hn::Sub(value, inside), hn::Set(d, table.per_value));
+    const V excess = hn::Mul(hn::Sub(value, inside), hn::Set(d, look.integral_per_value));
     const M is_before = hn::Lt(excess, hn::Zero(d));
-    const auto low = [&](V p, V q, V p_low, V q_low, std::size_t c) {
-      const V end =
-          hn::IfThenElse(is_before, hn::Set(d, table.before[c]), hn::Set(d, table.behind[c]));
+    const auto low = [&](V p, V q, V p_low, V q_low, float before, float behind) {
+      const V end = hn::IfThenElse(is_before, hn::Set(d, before), hn::Set(d, behind));
       const V step = hn::Add(hn::Sub(q, p), hn::Sub(q_low, p_low));
       return hn::MulAdd(step, fraction, hn::MulAdd(end, excess, p_low));
     };
+    const device::vec4& before = look.integrals_before;
+    const device::vec4& behind = look.integrals_behind;
     return {a,
-            {low(a.red, b.red, a_low.red, b_low.red, 0),
-             low(a.green, b.green, a_low.green, b_low.green, 1),
-             low(a.blue, b.blue, a_low.blue, b_low.blue, 2),
-             low(a.opacity, b.opacity, a_low.opacity, b_low.opacity, 3)}};
+            {low(a.red, b.red, a_low.red, b_low.red, before.x, behind.x),
+             low(a.green, b.green, a_low.green, b_low.green, before.y, behind.y),
+             low(a.blue, b.blue, a_low.blue, b_low.blue, before.z, behind.z),
+             low(a.opacity, b.opacity, a_low.opacity, b_low.opacity, before.w, behind.w)}};
   };
   const Integrals begin = integrals_to(from);
   const Integrals end = integrals_to(to);
@@ -164,7 +167,7 @@ HWY_INLINE Classified classify_segment(const CpuFrame& frame, V from, V to) {
     const V c = hn::Mul(difference(p, q, p_low, q_low), inverse);
     return hn::Min(hn::Max(c, hn::Zero(d)), hn::Set(d, 1.0F));
   };
-  const V length = hn::Mul(hn::Sub(to, from), hn::Set(d, table.per_value));
+  const V length = hn::Mul(hn::Sub(to, from), hn::Set(d, look.integral_per_value));
   const V mean = hn::Max(hn::Div(extinction, length), hn::Zero(d));
   constexpr float kLog2E = 1.44269504F;
   const V through =
@@ -176,17 +179,14 @@ HWY_INLINE Classified classify_segment(const CpuFrame& frame, V from, V to) {
 }
 
 // Pre-integrated: the piece from the sheet before to the sample. Where both ends lie within
-// kCloseCells the look is as good as straight between them, and its middle stands for it; so it
-// does for a sample that has none before it.
-inline constexpr float kCloseCells = 2.0F;
-static_assert(kCloseCells == device::kClosePieces);
-
+// kClosePieces cells the look is as good as straight between them, and its middle stands for it; so
+// it does for a sample that has none before it.
 HWY_INLINE Classified classify_from(const CpuFrame& frame, V before, V value) {
   const V middle = hn::MulAdd(hn::Sub(value, before), hn::Set(d, 0.5F), before);
   const Classified close = classify(frame.table, middle);
   const V cells =
-      hn::Abs(hn::Sub(place_of(frame.table.axis, value), place_of(frame.table.axis, before)));
-  const M is_far = hn::Gt(cells, hn::Set(d, kCloseCells));
+      hn::Abs(hn::Sub(place_of(frame.look.look, value), place_of(frame.look.look, before)));
+  const M is_far = hn::Gt(cells, hn::Set(d, device::kClosePieces));
   if (bits_of(is_far) == 0) return close;
   const Classified far = classify_segment(frame, before, value);
   return {hn::IfThenElse(is_far, far.red, close.red),
@@ -206,7 +206,7 @@ inline void classify_sheet(const CpuFrame& frame, Block& block, int s, const Row
   const float* values = block.values[s & (kRingSheets - 1)];
   const float* values_before = block.values[(s - 1) & (kRingSheets - 1)];
   const RowBits& defined_before = block.defined[(s - 1) & (kRingSheets - 1)];
-  const bool has_own_path = !frame.is_parallel || frame.plan->is_clipped;
+  const bool has_own_path = !frame.is_parallel || frame.is_clipped;
   for (int y = 0; y < block.rows; ++y) {
     block.visible[y] = 0;
     for_each_group(
@@ -219,8 +219,8 @@ inline void classify_sheet(const CpuFrame& frame, Block& block, int s, const Row
             before = hn::IfThenElse(has_before, hn::LoadU(d, values_before + at), value);
           }
           const M may_show =
-              hn::And(hn::Ge(hn::Max(value, before), hn::Set(d, frame.table.visible_lo)),
-                      hn::Le(hn::Min(value, before), hn::Set(d, frame.table.visible_hi)));
+              hn::And(hn::Ge(hn::Max(value, before), hn::Set(d, frame.look.look.visible_lo)),
+                      hn::Le(hn::Min(value, before), hn::Set(d, frame.look.look.visible_hi)));
           if ((bits_of(may_show) & lanes) == 0) return;
           const Classified color = frame.is_preintegrated ? classify_from(frame, before, value)
                                                           : classify(frame.table, value);
@@ -257,7 +257,7 @@ inline void color_sheet(const CpuFrame& frame, Block& block, const float* values
 // Where opacities are corrected late: fades the visible samples by their gradients, which are
 // there, and corrects for the path. What fades away is no longer visible.
 inline void correct_sheet(const CpuFrame& frame, Block& block, int s) {
-  const bool has_own_path = !frame.is_parallel || frame.plan->is_clipped;
+  const bool has_own_path = !frame.is_parallel || frame.is_clipped;
   for (int y = 0; y < block.rows; ++y) {
     const RowWord candidates = block.visible[y];
     for_each_group(
@@ -273,7 +273,7 @@ inline void correct_sheet(const CpuFrame& frame, Block& block, int s) {
             }
             a = hn::Mul(a, classify(frame.fading, hn::Sqrt(squared)).opacity);
           }
-          V length = hn::Set(d, frame.path_in_units);
+          V length = hn::Set(d, frame.look.path_in_units);
           if (has_own_path) length = hn::Mul(length, path_length(frame, block, s, column, y));
           const std::uint32_t gone = bits_of(hn::Le(a, hn::Zero(d))) & lanes;
           block.visible[y] &= ~(gone << column);
@@ -286,7 +286,8 @@ inline void correct_sheet(const CpuFrame& frame, Block& block, int s) {
 HWY_INLINE WorldVector direction_to_eye(const CpuFrame& frame, const Block& block, int column,
                                         int row) {
   if (frame.is_parallel) {
-    return {hn::Set(d, -frame.axis[0]), hn::Set(d, -frame.axis[1]), hn::Set(d, -frame.axis[2])};
+    return {hn::Set(d, -frame.camera.axis[0]), hn::Set(d, -frame.camera.axis[1]),
+            hn::Set(d, -frame.camera.axis[2])};
   }
   const int at = tile_index(block, column, row);
   const auto along = [&](int a) { return hn::LoadU(d, block.rays->eye[a] + at); };
@@ -310,13 +311,13 @@ HWY_INLINE Lighting light_sample(const CpuFrame& frame, const WorldVector& gradi
   const WorldVector normal{hn::Mul(gradient.x, inverse), hn::Mul(gradient.y, inverse),
                            hn::Mul(gradient.z, inverse)};
   const V flatness =
-      hn::Min(hn::Mul(length, hn::Set(d, frame.flat_gradient_inverse)), hn::Set(d, 1.0F));
+      hn::Min(hn::Mul(length, hn::Set(d, frame.look.flat_gradient_inverse)), hn::Set(d, 1.0F));
   const V to_eye = dot_product(normal, eye);
   V diffuse = hn::Abs(to_eye);
   V specular = diffuse;
-  if (!frame.has_headlight) {
-    const WorldVector light{hn::Set(d, frame.light[0]), hn::Set(d, frame.light[1]),
-                            hn::Set(d, frame.light[2])};
+  if (frame.look.has_headlight == 0) {
+    const WorldVector light{hn::Set(d, frame.look.light.x), hn::Set(d, frame.look.light.y),
+                            hn::Set(d, frame.look.light.z)};
     const V to_light = dot_product(normal, light);
     diffuse = hn::Abs(to_light);
     const WorldVector half{hn::Add(light.x, eye.x), hn::Add(light.y, eye.y),
@@ -327,10 +328,11 @@ HWY_INLINE Lighting light_sample(const CpuFrame& frame, const WorldVector& gradi
     specular = hn::IfThenElseZero(hn::Ge(hn::Mul(to_light, to_eye), hn::Zero(d)), cosine);
   }
   const V lit = hn::MulAdd(flatness, hn::Sub(diffuse, hn::Set(d, 1.0F)), hn::Set(d, 1.0F));
-  Lighting out{hn::MulAdd(hn::Set(d, frame.diffuse), lit, hn::Set(d, frame.ambient)), hn::Zero(d)};
-  if (frame.specular > 0) {
-    const V shine = vector_power(hn::Min(specular, hn::Set(d, 1.0F)), frame.specular_power);
-    out.highlight = hn::Mul(hn::Mul(flatness, hn::Set(d, frame.specular)), shine);
+  Lighting out{hn::MulAdd(hn::Set(d, frame.look.diffuse), lit, hn::Set(d, frame.look.ambient)),
+               hn::Zero(d)};
+  if (frame.look.specular > 0) {
+    const V shine = vector_power(hn::Min(specular, hn::Set(d, 1.0F)), frame.look.specular_power);
+    out.highlight = hn::Mul(hn::Mul(flatness, hn::Set(d, frame.look.specular)), shine);
   }
   return out;
 }

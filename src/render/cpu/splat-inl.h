@@ -52,9 +52,9 @@ inline SplatPlane make_splat_plane(const CpuFrame& frame, const SheetSetup& shee
     plane.per_x[a] = sheet.per_x[a] + offset * sheet.step_per_x[a];
     plane.per_y[a] = sheet.per_y[a] + offset * sheet.step_per_y[a];
     plane.step[a] = sheet.step[a];
-    plane.support[a] = frame.support * sheet.widening[a];
-    plane.exponent[a] =
-        -0.5F * 1.44269504F * frame.inverse_variance / (sheet.widening[a] * sheet.widening[a]);
+    plane.support[a] = frame.lattice.support * sheet.widening[a];
+    plane.exponent[a] = -0.5F * 1.44269504F * frame.lattice.inverse_variance /
+                        (sheet.widening[a] * sheet.widening[a]);
     columns(a, 0) = plane.per_x[a];
     columns(a, 1) = plane.per_y[a];
     columns(a, 2) = plane.step[a];
@@ -130,7 +130,7 @@ HWY_INLINE void splat_kernel(const SampleBox& box, const SplatPlane& plane, cons
 
 // The kernels of one sublattice's region, as far as it goes, that reach a plane.
 template <class Visit>
-inline void for_each_kernel_of(const FrameSublattice& sublattice, const Workspace& work,
+inline void for_each_kernel_of(const device::Sublattice& sublattice, const Workspace& work,
                                std::ptrdiff_t from, const SplatPlane& plane, const Visit& visit) {
   const Block& block = work.block;
   const float* samples = work.samples + from;
@@ -179,9 +179,9 @@ inline void for_each_kernel_of(const FrameSublattice& sublattice, const Workspac
 template <class Visit>
 inline void for_each_kernel(const CpuFrame& frame, const Workspace& work, const SplatPlane& plane,
                             const Visit& visit) {
-  for (int s = 0; s < frame.num_sublattices; ++s)
-    for_each_kernel_of(frame.sublattices[static_cast<std::size_t>(s)], work,
-                       s * work.block.sublattice_stride, plane, visit);
+  for (int s = 0; s < frame.lattice.num_sublattices; ++s)
+    for_each_kernel_of(frame.lattice.sublattices[s], work, s * work.block.sublattice_stride, plane,
+                       visit);
 }
 
 // Room for the planes of all sheets of the block.
@@ -199,8 +199,8 @@ inline void splat_sheet(const CpuFrame& frame, Workspace& work, int s, const Row
   clear_splat_planes(work, s);
   const SampleBox box = box_of_bits(block, wanted);
   if (box.x1 < 0) return;
-  for (int node = 0; node < frame.slab.count; ++node) {
-    const SlabNode slab = frame.slab.nodes[node];
+  for (int node = 0; node < frame.lattice.num_slab_nodes; ++node) {
+    const device::SlabNode slab = frame.lattice.slab[node];
     const SplatPlane plane = make_splat_plane(frame, block.sheets[s], slab.offset);
     for_each_kernel(frame, work, plane, [&](const float* center, float value) {
       splat_kernel(box, plane, center, value, slab.weight, numerator_plane(work, s),
@@ -217,16 +217,16 @@ inline float endless_sum(const CpuFrame& frame, Workspace& work, const SheetSetu
   float sum = 0;
   const float x = static_cast<float>(column);
   const float y = static_cast<float>(row);
-  for (int node = 0; node < frame.slab.count; ++node) {
+  for (int node = 0; node < frame.lattice.num_slab_nodes; ++node) {
     float u[3];
     for (int a = 0; a < 3; ++a) {
       const float step = sheet.step[a] + x * sheet.step_per_x[a] + y * sheet.step_per_y[a];
       u[a] = sheet.base[a] + x * sheet.per_x[a] + y * sheet.per_y[a] +
-             frame.slab.nodes[node].offset * step;
+             frame.lattice.slab[node].offset * step;
     }
-    for (int s = 0; s < frame.num_sublattices; ++s) {
-      const FrameSublattice& sublattice = frame.sublattices[static_cast<std::size_t>(s)];
-      float product = frame.slab.nodes[node].weight;
+    for (int s = 0; s < frame.lattice.num_sublattices; ++s) {
+      const device::Sublattice& sublattice = frame.lattice.sublattices[s];
+      float product = frame.lattice.slab[node].weight;
       for (int a = 0; a < 3; ++a) {
         AxisTaps taps;
         taps.weight = memory;
@@ -272,11 +272,12 @@ inline void read_splat_sheet(const CpuFrame& frame, Workspace& work, int s, cons
       const float e = denominator_plane(work, s)[at];
       if (frame.is_sum) {
         if (!is_sum_defined(frame, block, sheet, x, y, e)) continue;
-        values[at] = frame.sum_weight / mass * n;
+        values[at] = frame.lattice.sum_weight / mass * n;
       } else {
         if (!(e > 0)) continue;
         const bool is_whole = block.is_interior && !block.has_missing;
-        if (!is_whole && !(e >= kLeastWeight * endless_sum(frame, work, sheet, x, y))) continue;
+        if (!is_whole && !(e >= device::kLeastShare * endless_sum(frame, work, sheet, x, y)))
+          continue;
         values[at] = n / e;
       }
       defined[y] |= RowWord{1} << x;
@@ -286,7 +287,9 @@ inline void read_splat_sheet(const CpuFrame& frame, Workspace& work, int s, cons
 
 // Scatter if asked to. Left to itself, gather: it reads each tap once for a sample that is needed,
 // scatter pays for samples that are not.
-inline bool should_scatter(const CpuFrame& frame) { return frame.evaluate == Evaluate::kScatter; }
+inline bool should_scatter(const CpuFrame& frame) {
+  return frame.options->evaluate == Evaluate::kScatter;
+}
 
 }  // namespace HWY_NAMESPACE
 }  // namespace ovoid::cpu

@@ -68,7 +68,7 @@ inline void finish_sheet(const CpuFrame& frame, Workspace& work, int s, StageClo
 }
 
 // With differences, a sheet is finished once its far neighbour is there: so many later.
-inline int sheets_late(const CpuFrame& frame) { return frame.central_gradient ? 1 : 0; }
+inline int sheets_late(const CpuFrame& frame) { return frame.takes_differences ? 1 : 0; }
 
 // Sheet s of a block that is ready.
 inline void run_sheet(const CpuFrame& frame, Workspace& work, int s, StageClock& clock) {
@@ -95,7 +95,7 @@ inline void run_sheet(const CpuFrame& frame, Workspace& work, int s, StageClock&
 // No pixel of the block takes more samples.
 inline bool is_closed(const CpuFrame& frame, const Workspace& work) {
   const Block& block = work.block;
-  return frame.stop_opaque && !work.tile->any_open(block.x0, block.y0, block.x1, block.y1);
+  return frame.options->stop_opaque && !work.tile->any_open(block.x0, block.y0, block.x1, block.y1);
 }
 
 inline Part first_half(const Part& part, int axis) {
@@ -216,7 +216,7 @@ inline void draw_tile_layer(const CpuFrame& frame, Workspace& work, const Part& 
                             StageClock& clock) {
   WorkerStats& stats = work.stats;
   ++stats.blocks_total;
-  if (frame.stop_opaque && !work.tile->any_open(0, 0, part.x1, part.y1)) {
+  if (frame.options->stop_opaque && !work.tile->any_open(0, 0, part.x1, part.y1)) {
     ++stats.skipped_opaque;
   } else if (may_show(frame, work, part, stats)) {
     if (draw_part(frame, work, part, clock)) {
@@ -233,7 +233,7 @@ inline void draw_tile_layer_of_both(const CpuFrame& frame, LatticeWorkspace& wor
   WorkerStats& stats = work.pixels.stats;
   WorkerStats ignored;
   ++stats.blocks_total;
-  if (frame.stop_opaque && !work.pixels.tile->any_open(0, 0, part.x1, part.y1)) {
+  if (frame.options->stop_opaque && !work.pixels.tile->any_open(0, 0, part.x1, part.y1)) {
     ++stats.skipped_opaque;
   } else if (may_show(*frame.behind, work.behind, part, ignored) ||
              may_show(frame, work.pixels, part, stats)) {
@@ -249,8 +249,8 @@ inline void draw_tile_layer_of_both(const CpuFrame& frame, LatticeWorkspace& wor
 inline void enter_tile(const CpuFrame& frame, LatticeWorkspace& work, Workspace& own,
                        const Patch& patch, std::size_t t, int x, int y) {
   Block& block = own.block;
-  block.margin = block.back_margin = frame.central_gradient ? 1 : 0;
-  block.front_margin = frame.central_gradient || frame.takes_pieces ? 1 : 0;
+  block.margin = block.back_margin = frame.takes_differences ? 1 : 0;
+  block.front_margin = frame.takes_differences || frame.has_pieces ? 1 : 0;
   place_tile(block, patch, x, y);
   own.tile = &work.tiles[t];
   block.rays = &work.rays[t];
@@ -272,7 +272,7 @@ inline void draw_tiles_layer(const CpuFrame& frame, LatticeWorkspace& work, cons
 
 // Nothing more can be seen.
 inline bool is_closed(const CpuFrame& frame, const TileState& tile) {
-  return frame.stop_opaque && !tile.any_open(0, 0, kTileSize, kTileSize);
+  return frame.options->stop_opaque && !tile.any_open(0, 0, kTileSize, kTileSize);
 }
 
 inline bool is_closed(const CpuFrame& frame, const LatticeWorkspace& work, const Patch& patch) {
@@ -321,7 +321,7 @@ inline void draw_layer(const CpuFrame& frame, LatticeWorkspace& work, const Tile
                        std::int64_t first, std::int64_t last, StageClock& clock) {
   Patch patch{rect, first, last, 1.0, {}, {}, false};
   if (frame.samples_at_nodes)
-    patch.pitch = frame.lattice_plan->node_pitch(frame.post_convolution, first);
+    patch.pitch = frame.lattice_plan->node_pitch(frame.options->post_convolution, first);
   if (patch.pitch <= 1.0) return draw_tiles_layer(frame, work, patch, clock);
   draw_patch_layer(frame, work, patch, clock);
 }
@@ -334,7 +334,7 @@ inline void render_patch_on_target(const CpuFrame& frame, LatticeWorkspace& work
     const view::ViewLattice::SheetRange& others = frame.behind->lattice_plan->sheets;
     sheets = {std::min(sheets.first, others.first), std::max(sheets.last, others.last)};
   }
-  StageClock clock(work.pixels.stats.ticks, frame.collect_profile);
+  StageClock clock(work.pixels.stats.ticks, frame.options->collect_profile);
   work.pixels.block.visible = work.behind.block.visible = {};
   const int num_tiles = frame.samples_at_nodes ? kPatchTiles * kPatchTiles : 1;
   for (int t = 0; t < num_tiles; ++t) {

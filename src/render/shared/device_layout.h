@@ -32,19 +32,24 @@ OVOID_CONSTANT uint kGroupSize = 64u;
 OVOID_CONSTANT int kStoredEdge = 4;   // samples along the side of a cube that lies together
 OVOID_CONSTANT uint kMaxFields = 2u;  // a field, and what is behind it
 OVOID_CONSTANT uint kMaxClips = 16u;
-OVOID_CONSTANT uint kMaxSlabPairs = 16u;  // two nodes of a slab in one vector
+OVOID_CONSTANT int kMaxSublattices = 2;
+OVOID_CONSTANT int kMaxSlabNodes = 32;
 OVOID_CONSTANT uint kNoTable = 0xFFFFFFFFu;
 OVOID_CONSTANT uint kTableCells = 4096u;
 OVOID_CONSTANT float kOpaque = 0.9990234375f;  // 1 - 1/1024
-OVOID_CONSTANT float kLeastShare = 0.48f;      // of an endless lattice's weights
+// A normalized field is undefined where the weights that exist are a smaller part of an endless
+// lattice's (docs/numerics.md).
+OVOID_CONSTANT float kLeastShare = 0.48f;
 OVOID_CONSTANT float kLeastSetWeight = 0.2f;
-OVOID_CONSTANT float kLeastOffset = 1e-6f;       // spacings squared: see "Gradients"
-OVOID_CONSTANT float kLeastInnerOffset = 1e-3f;  // the same of several sublattices
-OVOID_CONSTANT int kSurfaceSteps = 8;            // bisections
-OVOID_CONSTANT float kClosePieces = 2.0f;        // cells: the middle stands for a shorter piece
-OVOID_CONSTANT int kFarBricks = 63;              // the greatest distance that is kept
-OVOID_CONSTANT uint kDistanceBits = 63u;         // of a brick's byte
-OVOID_CONSTANT uint kMissingBit = 128u;          // of a brick's byte: samples may be missing
+// Spacings squared: a gradient is only corrected where more than one kernel has weight; of several
+// sublattices, where the matrix that is inverted is not near to singular.
+OVOID_CONSTANT float kLeastVariance = 1e-6f;
+OVOID_CONSTANT float kLeastInnerVariance = 1e-3f;
+OVOID_CONSTANT int kSurfaceSteps = 8;  // bisections, to 1/256 of a sheet's distance, then a secant
+OVOID_CONSTANT float kClosePieces = 2.0f;  // cells: the middle stands for a shorter piece
+OVOID_CONSTANT int kFarBricks = 63;        // the greatest distance that is kept
+OVOID_CONSTANT uint kDistanceBits = 63u;   // of a brick's byte
+OVOID_CONSTANT uint kMissingBit = 128u;    // of a brick's byte: samples may be missing
 
 // Bits of the specialisation constants.
 // Of a field:
@@ -58,8 +63,8 @@ OVOID_CONSTANT uint kIsDouble = 32u;  // two sublattices
 OVOID_CONSTANT uint kIsParallel = 1u;
 OVOID_CONSTANT uint kIsClipped = 2u;
 OVOID_CONSTANT uint kShades = 4u;
-OVOID_CONSTANT uint kTakesPieces = 8u;  // pre-integrated
-OVOID_CONSTANT uint kFades = 16u;       // by the gradient
+OVOID_CONSTANT uint kIsPreintegrated = 8u;
+OVOID_CONSTANT uint kFades = 16u;  // by the gradient
 OVOID_CONSTANT uint kTakesGradients = 32u;
 OVOID_CONSTANT uint kTakesDifferences = 64u;
 OVOID_CONSTANT uint kStopsOpaque = 128u;
@@ -70,11 +75,14 @@ OVOID_CONSTANT uint kSpreads = 16384u;        // bilinearly
 // Of post-convolution.
 OVOID_CONSTANT int kNodeTile = 32;   // pixels along the side of the tile that shares nodes
 OVOID_CONSTANT int kMostNodes = 30;  // along it, with those around: at 1.45 pixels each 28
-OVOID_CONSTANT uint kFilterLagrange = 0u;
+// ovoid::PostConvolution as a number.
 OVOID_CONSTANT uint kFilterBilinear = 1u;
 OVOID_CONSTANT uint kFilterGaussian = 2u;
 OVOID_CONSTANT uint kFilterCubic = 3u;
-// ovoid::Mode and ovoid::ScalarType, as numbers.
+OVOID_CONSTANT uint kFilterLagrange = 4u;
+// ovoid::ValueScale and ovoid::Mode as numbers, and types of samples.
+OVOID_CONSTANT uint kScaleLinear = 0u;
+OVOID_CONSTANT uint kScaleLog = 1u;
 OVOID_CONSTANT uint kComposite = 0u;
 OVOID_CONSTANT uint kXray = 1u;
 OVOID_CONSTANT uint kMaximum = 2u;
@@ -126,6 +134,18 @@ struct LookConstants {
   uint has_headlight;
 };
 
+// Samples at whole numbers of index space, shifted.
+struct Sublattice {
+  int dims[3];
+  float offset;  // along every axis
+};
+
+// A Gauss-Legendre node of a slab.
+struct SlabNode {
+  float offset;  // sheets, from the middle
+  float weight;  // their sum is 1
+};
+
 // Positions are sums of two floats each, so that they are as exact far from the origin as near it.
 struct LatticeConstants {
   vec4 place_hi[3];  // index position of pixel (0, 0) on the frame's sheet 0; per x; per y
@@ -139,22 +159,21 @@ struct LatticeConstants {
   vec4 widening_limit;
   vec4 support_lo;  // index positions where the field can be defined
   vec4 support_hi;
-  vec4 slab[kMaxSlabPairs];  // offset, weight, offset, weight
-  ivec4 num_bricks;          // w: log2 of the edge
-  ivec4 dims[2];             // of the sublattices
-  vec4 sublattice_offset;    // x and y: of the first and the second, along every axis
-  float sigma;
-  float support;
+  SlabNode slab[kMaxSlabNodes];  // where the mean of a slab is taken
+  ivec4 num_bricks;              // w: log2 of the edge
+  Sublattice sublattices[kMaxSublattices];
+  float sigma;    // index units, before widening
+  float support;  // likewise
   float inverse_variance;
-  float sum_weight;
-  float near_weight;
-  float far_weight;
+  float sum_weight;   // w of a `sum` field
+  float near_weight;  // of a kernel one spacing away, against that of one in the place
+  float far_weight;   // two spacings away
   float value_scale;
   float value_offset;
-  int num_slab_nodes;
+  int num_slab_nodes;  // 1: the middle alone
+  int num_sublattices;
   uint padding0;
   uint padding1;
-  uint padding2;
 };
 
 // A clip plane: distance inside, world, at pixel (x, y) of sheet s: at_first + s per_sheet, each

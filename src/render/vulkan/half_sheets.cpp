@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/shared/look_nodes.h"
+#include "render/shared/look_values.h"
 
 namespace ovoid::vulkan {
 namespace {

@@ -11,9 +11,9 @@
 #include <string>
 
 #include "ovoid/error.h"
-#include "render/shared/levels.h"
+#include "render/shared/look_values.h"
 #include "render/vulkan/half_sheets.h"
-#include "render/vulkan/kernel_constants.h"
+#include "render/vulkan/shader_flags.h"
 #include "render/vulkan/software_limits.h"
 
 namespace ovoid::vulkan {
@@ -83,7 +83,12 @@ Band second_half(const Band& band) {
 
 struct KernelRenderer::Set {
   Set(const KernelField& of, const Camera& camera, const Look& with, const RenderOptions& as)
-      : field(of), look(with), options(as), plan(of, camera, with, as) {
+      : field(of),
+        look(with),
+        options(as),
+        plan(of, camera, with, as),
+        traits(kernel_traits(of, plan, as)),
+        frame(kernel_constants(plan, traits, as.post_convolution)) {
     if (options.sheet_precision == SheetPrecision::kSingle) return;
     why_no_half_sheets = why_not_half_sheets(field, plan, look);
     has_half_sheets = why_no_half_sheets.empty();
@@ -93,9 +98,10 @@ struct KernelRenderer::Set {
   const Look& look;
   const RenderOptions& options;
   view::KernelPlan plan;
+  KernelTraits traits;
+  device::KernelFrame frame;
   bool has_half_sheets = false;
   std::string why_no_half_sheets;  // if they are asked for
-  device::KernelFrame frame{};
   Constants constants;
   std::vector<std::uint32_t> needed_layers;
   std::vector<Reach> reaches;  // of the plan's bricks
@@ -117,7 +123,7 @@ device::KernelPush KernelRenderer::push_of(const Layers& layers) const {
 
 // Levels, their tiles and lists, of a band of the picture.
 void KernelRenderer::prepare_band(Set& set, const Band& band) {
-  const std::uint32_t channels = num_channels(set.field);
+  const auto channels = static_cast<std::uint32_t>(set.traits.num_channels);
   std::uint32_t first_list = 0;
   set.coarse_numbers = 0;
   for (int level = 0; level < device::kNumLevels; ++level) {
@@ -353,8 +359,7 @@ void KernelRenderer::require_short_loops(const Set& set, const Layers& layers,
     while (list % set.lists_per_layer < set.frame.levels[level].first_list) --level;
     fullest[level] = std::max(fullest[level], ends[list][1] - ends[list][0]);
   }
-  const bool takes_nodes =
-      set.plan.is_mean && set.field.source().profile() != KernelProfile::kGaussian;
+  const bool takes_nodes = set.traits.takes_means && set.traits.profile != KernelProfile::kGaussian;
   const std::uint32_t most = std::accumulate(fullest.begin(), fullest.end(), 0U);
   const double rounds = 1.1 * most * (takes_nodes ? device::kProfileNodes : 1);
   if (longest < kMostRounds && rounds < kMostRounds) return;
@@ -456,28 +461,22 @@ bool KernelRenderer::draw_band(Set& set, const Band& band, const RenderHooks& ho
 void KernelRenderer::set_constants(Set& set) {
   const KernelField& field = set.field;
   const RenderOptions& options = set.options;
-  const bool has_levels =
-      options.post_convolution != PostConvolution::kOff && options.evaluate != Evaluate::kGather;
-  Tables tables;
+  const FrameTraits traits = frame_traits(set.plan, set.look, options);
+  FrameTables tables;
   device::KernelFrame& frame = set.frame;
   frame.view = view_constants(set.plan, options);
-  frame.looks[0] = look_constants(set.plan, set.look, field.value_range(), tables);
-  set_space(frame, set.plan);
-  if (has_levels) set_taps(frame, options.post_convolution);
-  frame.cutoff = static_cast<float>(field.source().cutoff());
-  frame.least_pixels = static_cast<float>(view::kLeastPixels);
-  frame.least_level_sigma =
-      options.post_convolution == PostConvolution::kAuto ? kLeastLevelSigma : kPublishedLevelSigma;
+  frame.looks[0] =
+      look_constants(set.plan, set.look, field.value_range(), traits.corrects_late, tables);
   const SheetRange sheets = sheet_range(field.value_range(), field.reconstruction());
   frame.sheet_scale = sheets.scale;
   frame.sheet_offset = sheets.offset;
   frame.num_sheets = frame.view.num_sheets;
-  frame.max_level = has_levels ? device::kNumLevels - 1 : 0;
   frame.num_numbers = kernels_->num_numbers();
-  set.constants = {mode_number(set.look.mode), frame_flags(set.plan, set.look, options),
-                   set_flags(field, set.plan, options, has_levels) |
+  set.constants = {number_of(set.look.mode), frame_flags(traits, options),
+                   set_flags(set.traits, field, traits.is_parallel) |
                        (set.has_half_sheets ? device::kSetHalfSheets : 0),
-                   profile_number(field.source().profile()), num_channels(field)};
+                   number_of(set.traits.profile),
+                   static_cast<std::uint32_t>(set.traits.num_channels)};
   reserve(tables_, bench_.device, tables.size() * sizeof(device::vec4), BufferUse::kDevice);
   bench_.commands.upload(tables_, 0, std::as_bytes(std::span(tables)));
 }

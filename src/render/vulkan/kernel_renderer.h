@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "render/shared/device_layout.h"
+#include "render/shared/kernel_values.h"
 #include "render/vulkan/device_kernels.h"
-#include "render/vulkan/frame_constants.h"
 #include "render/vulkan/workbench.h"
 #include "view/kernel_plan.h"
 

@@ -7,6 +7,8 @@
 
 #include "data/parallel.h"
 #include "ovoid/error.h"
+#include "render/shared/look_values.h"
+#include "render/vulkan/shader_flags.h"
 #include "render/vulkan/software_limits.h"
 
 namespace ovoid::vulkan {
@@ -44,31 +46,6 @@ int reach_of(const LatticeField& field, const view::LatticePlan& plan, bool has_
   return static_cast<int>(std::ceil(std::max(kernel, 2.0) + step + pixel + nodes)) + 1;
 }
 
-std::uint32_t filter_number(PostConvolution how) {
-  switch (how) {
-    case PostConvolution::kBilinear:
-      return device::kFilterBilinear;
-    case PostConvolution::kGaussian:
-      return device::kFilterGaussian;
-    case PostConvolution::kCubic:
-      return device::kFilterCubic;
-    default:
-      return device::kFilterLagrange;
-  }
-}
-
-// The bound of kAuto holds where the field is as smooth as its kernel, and the gradient no
-// difference of neighbours, which would be as far apart as nodes.
-constexpr double kLeastCutoff = 3.99;
-bool may_have_nodes(const LatticeField& field, const RenderOptions& options,
-                    const view::Behind* behind) {
-  if (behind != nullptr || options.post_convolution == PostConvolution::kOff) return false;
-  if (options.post_convolution != PostConvolution::kAuto) return true;
-  const LatticeKernel kernel = field.index_kernel();
-  return field.reconstruction() == Reconstruction::kNormalized && kernel.sigma >= 0.25 &&
-         kernel.cutoff >= kLeastCutoff && options.gradient != GradientMethod::kCentral;
-}
-
 // Pixels per node from which kAuto takes nodes: a tile's, with those around it, are half as many as
 // its pixels, whose taps of nodes are a fifth of those of samples.
 constexpr double kWorthwhilePitch = 2.0;
@@ -79,11 +56,18 @@ constexpr double kWorthwhilePitch = 2.0;
 struct LatticeRenderer::Drawn {
   Drawn(const LatticeField& of, const Camera& camera, const Look& with,
         const RenderOptions& options, Kept& on)
-      : field(of), look(with), plan(of, camera, with, options), kept(on) {}
+      : field(of),
+        look(with),
+        plan(of, camera, with, options),
+        frame_traits(ovoid::frame_traits(plan, with, options)),
+        traits(lattice_traits(of, frame_traits, options)),
+        kept(on) {}
 
   const LatticeField& field;
   const Look& look;
   view::LatticePlan plan;
+  FrameTraits frame_traits;
+  LatticeTraits traits;
   Kept& kept;
 };
 
@@ -190,19 +174,19 @@ void LatticeRenderer::upload(Job& job) {
 }
 
 void LatticeRenderer::set_constants(Job& job) {
-  Tables tables;
+  FrameTables tables;
   const auto add = [&](const Drawn& drawn, std::size_t number) {
-    job.frame.looks[number] =
-        look_constants(drawn.plan, drawn.look, drawn.field.value_range(), tables);
-    job.frame.fields[number] = lattice_constants(drawn.field, drawn.plan, job.options);
+    job.frame.looks[number] = look_constants(drawn.plan, drawn.look, drawn.field.value_range(),
+                                             drawn.frame_traits.corrects_late, tables);
+    job.frame.fields[number] = lattice_constants(drawn.field, drawn.plan, drawn.traits);
     job.constants[2 + 2 * number] = type_number(drawn.kept.lattice->type());
-    job.constants[3 + 2 * number] =
-        lattice_flags(drawn.field, job.options, drawn.kept.lattice->may_miss());
+    job.constants[3 + 2 * number] = lattice_flags(
+        drawn.traits, drawn.field.geometry().num_sublattices() > 1, drawn.kept.lattice->may_miss());
   };
   job.frame.view = view_constants(job.own.plan, job.options);
   job.constants = {
-      mode_number(job.own.look.mode),
-      frame_flags(job.own.plan, job.own.look, job.options) | (job.other ? device::kHasBehind : 0),
+      number_of(job.own.look.mode),
+      frame_flags(job.own.frame_traits, job.options) | (job.other ? device::kHasBehind : 0),
       0,
       0,
       0,
@@ -225,7 +209,7 @@ void LatticeRenderer::divide_sheets(Job& job) const {
   const view::LatticePlan& plan = job.own.plan;
   const bool is_software = bench_.device->info().kind == DeviceKind::kSoftware;
   const bool is_auto = job.options.post_convolution == PostConvolution::kAuto;
-  const bool takes_differences = (job.constants[1] & device::kTakesDifferences) != 0;
+  const bool takes_differences = job.own.frame_traits.takes_differences;
   const auto rounds_of = [&](const Drawn& drawn, std::size_t number) {
     return rounds_of_sample({drawn.plan.greatest_widening, drawn.field.geometry().num_sublattices(),
                              job.constants[3 + 2 * number], drawn.look.mode, takes_differences},
@@ -272,7 +256,7 @@ void LatticeRenderer::draw_box(const Job& job, std::size_t number, const Band& b
   place.end_row = static_cast<std::uint32_t>(band.end);
   place.tile_y = place.first_row;
   Constants node_constants = job.constants;
-  node_constants.push_back(filter_number(job.options.post_convolution));
+  node_constants.push_back(number_of(job.options.post_convolution));
   commands.mark("draw");
   for (const Job::Part& part : job.parts) {
     place.first_sheet = part.first;
@@ -292,7 +276,7 @@ void LatticeRenderer::render(const LatticeField& field, const Camera& camera, co
                              const RenderOptions& options, const RenderHooks& hooks,
                              const view::Behind* behind, Image& image, FrameProfile& profile) {
   Job job{options, {field, camera, look, options, kept_}};
-  job.has_nodes = may_have_nodes(field, options, behind);
+  job.has_nodes = behind == nullptr && job.own.traits.may_have_nodes;
   if (behind != nullptr) {
     RenderOptions plain = options;
     plain.classification = Classification::kSampled;

@@ -5,8 +5,8 @@
 #include <memory>
 #include <vector>
 
+#include "render/shared/lattice_values.h"
 #include "render/vulkan/device_lattice.h"
-#include "render/vulkan/frame_constants.h"
 #include "render/vulkan/workbench.h"
 #include "view/behind.h"
 

@@ -5,10 +5,10 @@
 // it stands there.
 #include "ovoid/kernel_field.h"
 #include "ovoid/lattice.h"
+#include "ovoid/look.h"
 #include "ovoid/render_options.h"
 #include "render/shared/device_layout.h"
 #include "render/shared/filters.h"
-#include "render/shared/slab_nodes.h"
 #include "view/frame_plan.h"
 #include "view/kernel_plan.h"
 #include "view/look_table.h"
@@ -18,7 +18,6 @@ namespace {
 
 // Arrays.
 static_assert(kMaxClips == RenderOptions::kMaxClipPlanes);
-static_assert(2 * kMaxSlabPairs == kMaxSlabNodes);
 static_assert(kTableCells == view::LookTable::kCells);
 static_assert(kBrickGroup == KernelBrick::kMaxBrickKernels);
 static_assert(1 << (kNumLevels - 1) == static_cast<int>(view::kWidestSample));
@@ -44,10 +43,22 @@ static_assert(kOpaque == static_cast<float>(RenderOptions::kOpaque));
 static_assert(kLeastSetWeight == static_cast<float>(KernelField::kLeastWeight));
 static_assert(kTapsBefore == 2);  // lattice_nodes.comp, post_convolve.glsl
 
-// By number: look.glsl.
-static_assert(static_cast<int>(ValueScale::kLinear) == 0);
-static_assert(static_cast<int>(ValueScale::kLog) == 1);
-static_assert(static_cast<int>(ValueScale::kSymlog) == 2);
+// Enumerators by their numbers.
+static_assert(kScaleLinear == static_cast<uint>(ValueScale::kLinear));
+static_assert(kScaleLog == static_cast<uint>(ValueScale::kLog));
+static_assert(kComposite == static_cast<uint>(Mode::kComposite));
+static_assert(kXray == static_cast<uint>(Mode::kXray));
+static_assert(kMaximum == static_cast<uint>(Mode::kMaximum));
+static_assert(kMean == static_cast<uint>(Mode::kMean));
+static_assert(kIsosurface == static_cast<uint>(Mode::kIsosurface));
+static_assert(kFilterBilinear == static_cast<uint>(PostConvolution::kBilinear));
+static_assert(kFilterGaussian == static_cast<uint>(PostConvolution::kGaussian));
+static_assert(kFilterCubic == static_cast<uint>(PostConvolution::kCubic));
+static_assert(kFilterLagrange == static_cast<uint>(PostConvolution::kAuto));
+static_assert(kProfileGaussian == static_cast<uint>(KernelProfile::kGaussian));
+static_assert(kProfileCubicSpline == static_cast<uint>(KernelProfile::kCubicSpline));
+static_assert(kProfileWendland == static_cast<uint>(KernelProfile::kWendlandC2));
+static_assert(kProfileEpanechnikov == static_cast<uint>(KernelProfile::kEpanechnikov));
 
 }  // namespace
 }  // namespace ovoid::device

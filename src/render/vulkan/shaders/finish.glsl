@@ -17,7 +17,7 @@ void draw_sample(inout Pixel pixel, vec2 at, float s, float path, float value, b
   if (max(value, before) < look.look.visible_lo || min(value, before) > look.look.visible_hi)
     return;
   vec4 color =
-      has_flag(kTakesPieces) ? classify_from(look, before, value) : classify(look.look, value);
+      has_flag(kIsPreintegrated) ? classify_from(look, before, value) : classify(look.look, value);
   float opacity = color.a;
   if (!(opacity > 0.0)) return;
   ++num_samples.y;
@@ -29,7 +29,7 @@ void draw_sample(inout Pixel pixel, vec2 at, float s, float path, float value, b
     gradient = gradient_of_sample(at, s, value, has_before);
   }
   if (has_flag(kFades)) opacity *= classify(look.fading, sqrt(dot(gradient, gradient))).a;
-  if (has_flag(kTakesPieces) || has_flag(kFades)) {
+  if (has_flag(kIsPreintegrated) || has_flag(kFades)) {
     if (!(opacity > 0.0)) return;
     opacity = correct_opacity(opacity, length * look.path_in_units);
   } else if (!has_flag(kIsParallel) || has_flag(kIsClipped)) {

@@ -16,6 +16,11 @@ struct Gathered {
   bool is_defined;
 };
 
+ivec3 dims_of(LatticeConstants lattice, int sublattice) {
+  Sublattice own = lattice.sublattices[sublattice];
+  return ivec3(own.dims[0], own.dims[1], own.dims[2]);
+}
+
 uint type_of(int field) { return field == 0 ? kType0 : kType1; }
 uint flags_of(int field) { return field == 0 ? kFieldFlags0 : kFieldFlags1; }
 bool field_has(int field, uint flag) { return (flags_of(field) & flag) != 0u; }
@@ -140,7 +145,7 @@ vec4 derivative_of(vec4 weight, float inverse_variance) {
 
 Gathered gather_four(int field, Place place, bool wants_gradient) {
   LatticeConstants lattice = frame.fields[field];
-  ivec3 dims = lattice.dims[0].xyz;
+  ivec3 dims = dims_of(lattice, 0);
   FourWeights x = four_weights(lattice, place.fraction.x, place.cell.x, dims.x);
   FourWeights y = four_weights(lattice, place.fraction.y, place.cell.y, dims.y);
   FourWeights z = four_weights(lattice, place.fraction.z, place.cell.z, dims.z);
@@ -182,7 +187,7 @@ Gathered gather_four(int field, Place place, bool wants_gradient) {
     if (field_has(field, kCorrects)) {
       vec3 variance = vec3(x.variance, y.variance, z.variance);
       vec3 answer = variance * lattice.inverse_variance;
-      gradient = mix(gradient, gradient / answer, greaterThan(variance, vec3(kLeastOffset)));
+      gradient = mix(gradient, gradient / answer, greaterThan(variance, vec3(kLeastVariance)));
     }
     result.gradient = gradient * lattice.value_scale;
   }
@@ -229,7 +234,7 @@ AxisTaps taps_of(float fraction, int cell, int dims, float support, float invers
 void add_sublattice(int field, int sublattice, Place place, vec3 widening, float node_weight,
                     bool may_miss, inout Sums sums) {
   LatticeConstants lattice = frame.fields[field];
-  ivec3 dims = lattice.dims[sublattice].xyz;
+  ivec3 dims = dims_of(lattice, sublattice);
   vec3 support = lattice.support * widening;
   vec3 inverse = lattice.inverse_variance / (widening * widening);
   AxisTaps x = taps_of(place.fraction.x, place.cell.x, dims.x, support.x, inverse.x);
@@ -286,7 +291,7 @@ Place in_sublattice(Place place, float offset) {
 }
 
 float offset_of(LatticeConstants lattice, int sublattice) {
-  return sublattice == 0 ? lattice.sublattice_offset.x : lattice.sublattice_offset.y;
+  return sublattice == 0 ? lattice.sublattices[0].offset : lattice.sublattices[1].offset;
 }
 
 int num_sublattices(int field) { return field_has(field, kIsDouble) ? 2 : 1; }
@@ -329,10 +334,10 @@ vec3 corrected(int field, Place place, vec3 widening, vec3 gradient) {
   }
   if (!field_has(field, kIsDouble))
     return mix(gradient, gradient * squared / variances[0],
-               greaterThan(variances[0], vec3(kLeastOffset)));
+               greaterThan(variances[0], vec3(kLeastVariance)));
   float total = weights[0] + weights[1];
   vec3 within = (weights[0] * variances[0] + weights[1] * variances[1]) / total;
-  if (!(min(min(within.x, within.y), within.z) > kLeastInnerOffset)) return gradient;
+  if (!(min(min(within.x, within.y), within.z) > kLeastInnerVariance)) return gradient;
   vec3 apart = means[1] - means[0];
   float c = weights[0] * weights[1] / (total * total);
   vec3 scaled = gradient * squared;
@@ -346,7 +351,7 @@ bool meets_support_of(int field, int sublattice, Place place, vec3 widening, vec
   Place own = in_sublattice(place, offset_of(lattice, sublattice));
   vec3 support = lattice.support * widening;
   vec3 below = -vec3(own.cell) - own.fraction - support;
-  vec3 above = vec3(lattice.dims[sublattice].xyz - 1 - own.cell) - own.fraction + support;
+  vec3 above = vec3(dims_of(lattice, sublattice) - 1 - own.cell) - own.fraction + support;
   float from = -0.5, to = 0.5;
   for (int a = 0; a < 3; ++a) {
     if (!field_has(field, kTakesMeans) || step[a] == 0.0) {
@@ -370,15 +375,14 @@ Gathered gather_general(int field, Place place, vec3 widening, vec3 step, bool m
   sums.endless = 0.0;
   int num_nodes = field_has(field, kTakesMeans) ? lattice.num_slab_nodes : 1;
   for (int node = 0; node < num_nodes; ++node) {
-    vec2 slab = vec2(0.0, 1.0);
+    SlabNode slab = SlabNode(0.0, 1.0);
     Place at = place;
     if (field_has(field, kTakesMeans)) {
-      vec4 pair = lattice.slab[node >> 1];
-      slab = (node & 1) == 0 ? pair.xy : pair.zw;
-      at = moved(place, slab.x * step);
+      slab = lattice.slab[node];
+      at = moved(place, slab.offset * step);
     }
     for (int s = 0; s < num_sublattices(field); ++s) {
-      add_sublattice(field, s, in_sublattice(at, offset_of(lattice, s)), widening, slab.y,
+      add_sublattice(field, s, in_sublattice(at, offset_of(lattice, s)), widening, slab.weight,
                      may_miss, sums);
     }
   }

@@ -79,7 +79,7 @@ bool is_whole(Place place, float s) {
   for (int n = 0; n < num_sublattices(0); ++n) {
     vec3 at = vec3(place.cell) + place.fraction - offset_of(lattice, n);
     if (any(lessThan(at, reach)) ||
-        any(greaterThan(at, vec3(lattice.dims[n].xyz - 1) - reach)))
+        any(greaterThan(at, vec3(dims_of(lattice, n) - 1) - reach)))
       return false;
   }
   return (brick_byte(0, vec3(place.cell)) & kMissingBit) == 0u;
@@ -196,9 +196,9 @@ void main() {
     // What is known of the sheet before is of another layer's nodes.
     pixels[i].before_sheet = -1;
   }
-  bool takes_pieces = has_flag(kTakesPieces) || kMode == kIsosurface;
+  bool takes_pieces = has_flag(kIsPreintegrated) || kMode == kIsosurface;
   bool takes_node_gradients =
-      has_flag(kTakesGradients) && (!has_flag(kTakesPieces) || has_flag(kTakesDifferences));
+      has_flag(kTakesGradients) && (!has_flag(kIsPreintegrated) || has_flag(kTakesDifferences));
   int sheet = takes_pieces ? max(box.first_sheet - 1, 0) : box.first_sheet;
   while (sheet < box.end_sheet) {
     float s = float(sheet);

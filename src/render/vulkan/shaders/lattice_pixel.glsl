@@ -126,7 +126,7 @@ void draw_surface(inout Pixel pixel, vec2 at, float s, float value) {
 // Sheet s of the field has a value here.
 void take_value(inout Pixel pixel, vec2 at, float s, float path, float value) {
   if (kMode == kComposite) {
-    bool has_before = has_flag(kTakesPieces) && pixel.before_sheet == int(s) - 1;
+    bool has_before = has_flag(kIsPreintegrated) && pixel.before_sheet == int(s) - 1;
     draw_sample(pixel, at, s, path, value, has_before, pixel.before);
   } else if (kMode == kIsosurface) {
     draw_surface(pixel, at, s, value);

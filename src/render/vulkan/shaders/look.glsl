@@ -3,9 +3,9 @@
 
 float place_of(TableConstants table, float value) {
   float steps;
-  if (table.scale == 0u) {
+  if (table.scale == kScaleLinear) {
     steps = value - table.origin;
-  } else if (table.scale == 1u) {
+  } else if (table.scale == kScaleLog) {
     steps = float(floatBitsToInt(max(value, 1.17549435e-38)) - table.origin_bits);
   } else {
     int bits = floatBitsToInt(fma(abs(value), table.inverse_width, 1.0)) - floatBitsToInt(1.0);

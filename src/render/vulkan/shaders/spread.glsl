@@ -29,7 +29,7 @@ Gathered spread_at(Place place, float s, float pitch) {
           if (!(weight > 0.0)) continue;
           ivec3 at = own.cell + ivec3(i, j, k);
           if (any(lessThan(at, ivec3(0))) ||
-              any(greaterThanEqual(at, lattice.dims[n].xyz))) {
+              any(greaterThanEqual(at, dims_of(lattice, n)))) {
             is_whole = false;
             continue;
           }

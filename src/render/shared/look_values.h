@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// A look as every back end but the reference reads it: its tables, its light, its isosurface.
+#pragma once
+
+#include <vector>
+
+#include "ovoid/look.h"
+#include "render/shared/device_layout.h"
+#include "view/frame_plan.h"
+
+namespace ovoid {
+
+// All tables of a frame, one behind the other, in vectors of four numbers: red, green, blue and
+// opacity of a node side by side.
+using FrameTables = std::vector<device::vec4>;
+
+// [kPaddedNodes][4]: the nodes of the table, opacities corrected for a path of so many unit
+// distances.
+std::vector<float> classification_nodes(const view::LookTable& table, double path_in_units);
+
+// Appends the look's tables to `tables`. The opacities of the look's own table are corrected for a
+// path of one sampling distance, unless the frame corrects late. `range`: of the field's values.
+device::LookConstants look_constants(const view::FramePlan& plan, const Look& look,
+                                     const ValueRange& range, bool corrects_late,
+                                     FrameTables& tables);
+
+}  // namespace ovoid

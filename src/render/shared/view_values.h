@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// The values that every frame has, whatever its field is: what is decided about the frame, and
+// where its rays run. Every back end but the reference reads them here.
+#pragma once
+
+#include "ovoid/renderer.h"
+#include "render/shared/device_layout.h"
+#include "view/frame_plan.h"
+
+namespace ovoid {
+
+// What a frame does, decided from its plan, its look and its options.
+struct FrameTraits {
+  Mode mode = Mode::kComposite;
+  bool is_parallel = true;
+  bool is_clipped = false;
+  bool is_lit = true;
+  bool has_own_color = false;      // another attribute gives the colours
+  bool is_preintegrated = false;   // pieces between sheets are classified
+  bool has_pieces = false;         // what shows lies between a sheet and the one before it
+  bool fades_by_gradient = false;  // the opacity depends on the gradient's length
+  bool takes_gradients = true;     // for light or for fading
+  bool takes_differences = false;  // the gradients are central differences
+  bool nodes_keep_bound = false;   // nodes near a lattice's faces have no value
+  bool corrects_late = false;      // opacities are corrected for their path after the gradient
+};
+
+FrameTraits frame_traits(const view::FramePlan& plan, const Look& look,
+                         const RenderOptions& options);
+
+// The camera's axes and the rays through the pixels.
+struct FrameCamera {
+  float sampling_distance = 1;
+  float right[3] = {}, up[3] = {}, axis[3] = {};  // world, unit length
+  view::SheetMap ray;                             // of pixel (x, y), per unit of depth
+  view::ClipMap slope_right{}, slope_up{};        // of that ray along `right` and `up`
+};
+
+FrameCamera frame_camera(const view::ViewLattice& lattice);
+
+device::ViewConstants view_constants(const view::FramePlan& plan, const RenderOptions& options);
+
+}  // namespace ovoid

@@ -57,7 +57,8 @@ int main(int argc, char** argv) try {
   if (argc != 2) return std::fprintf(stderr, "usage: %s PICTURE\n", argv[0]), 2;
   const auto field = ovoid::make_field(bent_bar());
   const auto camera = ovoid::default_camera(field.world_bounds());
-  const auto frame = ovoid::Renderer{}.render(field, camera, ovoid::default_look(field));
+  const auto look = ovoid::ramp_look(field.value_range(), "inferno");
+  const auto frame = ovoid::Renderer{}.render(field, camera, look);
   ovoid::write_image(frame.image, argv[1], ovoid::Rgb{1, 1, 1});
 } catch (const ovoid::Error& error) {
   return std::fprintf(stderr, "%s\n", error.what()), 1;

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Everything a person or CI does here, by one word each. `make help` lists the words.
 .DEFAULT_GOAL := help
-.PHONY: help run test build setup check format sanitize asan tsan scalar fuzz mutants bench experiments pictures install clean
+.PHONY: help run test build setup check format sanitize asan tsan scalar fuzz mutants bench experiments pictures install package clean
 
 JOBS ?= $(shell nproc)
 SECONDS ?= 60
@@ -11,15 +11,16 @@ export JOBS
 help:  ## list these words
 	@sed -nE 's/^([a-z]+):.*## (.*)/  make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 18
 
-run: build  ## set up, build, and draw a sample volume to build/sample.png
+run: setup  ## set up, build what a first picture needs, and draw a sample volume to build/sample.png
+	@scripts/build.sh release ovoid_program
 	@scripts/sample.sh
 
 test: setup  ## set up, build, and run all tests
 	@scripts/build.sh release
 	@scripts/run_tests.sh release
 
-build: setup  ## set up and build the program and its window: build/release/bin/ovoid
-	@scripts/build.sh release ovoid_program ovoid_viewer
+build: setup  ## set up and build the program, its readers and its window: build/release/bin/ovoid
+	@scripts/build.sh release ovoid_program ovoid_reader ovoid_viewer
 
 setup:  ## install the distribution's packages (nothing to do when they are there)
 	@scripts/setup.sh build
@@ -66,6 +67,10 @@ pictures: build  ## draw the pictures of the guide and the other pages again, by
 
 install: build  ## install program, library and headers under PREFIX (/usr/local)
 	@cmake --install build/release --prefix "$(PREFIX)"
+
+package: build  ## a .deb of program, window, library and headers: build/package/ovoid_*.deb
+	@cpack --config build/release/CPackConfig.cmake -B "$(CURDIR)/build/package" >/dev/null
+	@ls build/package/*.deb
 
 clean:  ## remove everything that was built
 	rm -rf build

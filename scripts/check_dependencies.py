@@ -13,7 +13,7 @@ from sources import project_files, read_text
 
 # Which part stands behind each public header. A new header needs a line here.
 PUBLIC = {
-    "error.h": "data", "math.h": "data", "lattice.h": "data", "kernels.h": "data", "kernel_field.h": "data", "field.h": "data", "dataset.h": "data", "series.h": "data", "relevant.h": "data",
+    "error.h": "data", "export.h": "data", "version.h": "data", "math.h": "data", "lattice.h": "data", "kernels.h": "data", "kernel_field.h": "data", "field.h": "data", "dataset.h": "data", "series.h": "data", "relevant.h": "data",
     "model.h": "model", "resample.h": "model", "slices.h": "model", "hyperslice.h": "model", "coarse.h": "model",
     "camera.h": "view", "transfer_function.h": "view", "look.h": "view", "image.h": "view",
     "render_options.h": "view", "crop.h": "view",
@@ -50,7 +50,6 @@ OUTSIDE = [
     ("Highway", re.compile(r"^hwy/"), ("src/render/cpu/", "bench/")),
     ("Vulkan", re.compile(r"^(volk\.h|vulkan/)"), ("src/render/vulkan/",)),
     ("GLFW, Dear ImGui and OpenGL", re.compile(r"^(GLFW/|GL/|imgui|backends/imgui)"), ("apps/viewer/",)),
-    ("oneTBB", re.compile(r"^(oneapi/)?tbb/"), ("src/render/cpu/",)),
     ("OpenEXR", re.compile(r"^(OpenEXR/)?(Imf|Imath|Iex)|^Imath/"), ("src/io/", "apps/", "tests/")),
     ("libpng", re.compile(r"^png\.h"), ("src/io/", "tests/")),
     ("Voro++", re.compile(r"^voro\+\+/"), ("src/model/",)),

@@ -28,7 +28,8 @@ def loaded_libraries(program):
     missing = re.findall(r"^\s*(\S+) => not found", listing, re.MULTILINE)
     if missing:
         raise SystemExit(f"{program}: not found: {', '.join(missing)}")
-    return sorted(set(re.findall(r"(/\S+) \(0x", listing)))
+    own = os.path.dirname(os.path.realpath(program))  # libovoid lies beside it
+    return sorted(path for path in set(re.findall(r"(/\S+) \(0x", listing)) if os.path.dirname(os.path.realpath(path)) != own)
 
 
 def package_of(library):

@@ -8,13 +8,15 @@ set -euo pipefail
 declare -A groups=(
   # Tests of the vulkan back end run on Mesa's software driver, with the validation layer looking on.
   # make and g++ are what the newcomer brings; named so that a container without them gets them.
+  # The .deb's dependencies are found by dpkg-dev's dpkg-shlibdeps and file.
   # The window is tested on a virtual screen (xvfb) with Mesa's software driver (libgl1-mesa-dri).
   [build]="make g++ cmake ninja-build ccache pkg-config git python3
     libeigen3-dev libfmt-dev nlohmann-json3-dev libcli11-dev
     libpng-dev zlib1g-dev libbz2-dev libopenexr-dev
     libvulkan-dev libvulkan-volk-dev glslang-tools
-    voro++-dev libhwy-dev libtbb-dev libvtk9-dev libgdcm-dev libhdf5-dev libseccomp-dev libgtest-dev libgmock-dev
+    voro++-dev libhwy-dev libvtk9-dev libgdcm-dev libhdf5-dev libseccomp-dev libgtest-dev libgmock-dev
     libvulkan1 mesa-vulkan-drivers vulkan-validationlayers
+    dpkg-dev file
     libglfw3-dev libimgui-dev libgl-dev xvfb xauth libgl1-mesa-dri fonts-dejavu-core"
   [check]="clang-format clang-tidy"
   [fuzz]="clang"

@@ -87,7 +87,8 @@ Look look_of_bar(const Look& look) {
 }
 
 void draw_annotations(Image& image, const AnnotationFlags& flags, const Described& described,
-                      const Camera& camera, const Look& look, const double* background) {
+                      const Camera& camera, const Look& look,
+                      const std::optional<Rgb>& background) {
   Described data = described;
   if (flags.length_unit) data.length_unit = *flags.length_unit;
   MarkStyle style = mark_style_on(background);

@@ -42,6 +42,6 @@ Described describe(const Dataset& dataset, const Modelled& modelled, int compone
 
 // Draws the marks; an x-ray has been mapped to the colours of `look`.
 void draw_annotations(Image& image, const AnnotationFlags& flags, const Described& described,
-                      const Camera& camera, const Look& look, const double* background);
+                      const Camera& camera, const Look& look, const std::optional<Rgb>& background);
 
 }  // namespace ovoid::cli

@@ -11,6 +11,7 @@
 #include "command.h"
 #include "console.h"
 #include "data_flags.h"
+#include "environment.h"
 #include "flags.h"
 #include "model_flags.h"
 #include "profile.h"
@@ -35,7 +36,7 @@ struct BenchFlags {
   bool lists = false;
   ModelFlags model;
   RenderOptions options;
-  RendererSetup run;
+  RendererSetup run = setup_of_environment();
 };
 
 struct SceneResult {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "environment.h"
 #include "ovoid/error.h"
 #include "usage.h"
 #include "values.h"
@@ -119,9 +120,10 @@ ReadOptions read_options(const DataFlags& data, const Session& session) {
   options.block = data.block;
   options.step = data.step;
   options.stop = session.stop();
-  options.positions = data.positions;
-  options.values = data.values;
+  options.hdf5.positions = data.positions;
+  options.hdf5.values = data.values;
   options.data_folders = data.folders;
+  options.reader_program = reader_of_environment();
   return options;
 }
 

@@ -174,9 +174,8 @@ std::string cause_of_emptiness(const Look& look, const ValueRange& range) {
 
 void write_picture(Image& image, const DrawingFlags& drawing, const Described& described,
                    const Camera& camera, const Look& look, const PictureFile& file) {
-  const double* const background = drawing.background ? drawing.background->data() : nullptr;
-  draw_annotations(image, drawing.annotation, described, camera, look, background);
-  write_image(image, file.path, background, {file.stop});
+  draw_annotations(image, drawing.annotation, described, camera, look, drawing.background);
+  write_image(image, file.path, drawing.background, {file.stop});
 }
 
 }  // namespace ovoid::cli

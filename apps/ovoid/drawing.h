@@ -14,6 +14,7 @@
 #include "check_files.h"
 #include "crop_flags.h"
 #include "data_flags.h"
+#include "environment.h"
 #include "look_flags.h"
 #include "model_flags.h"
 #include "ovoid/renderer.h"
@@ -32,7 +33,7 @@ struct DrawingFlags {
   RenderOptions options;
   TrailFlags trail;
   std::optional<ValuePlane> plane;
-  RendererSetup run;
+  RendererSetup run = setup_of_environment();
   TimeFilter time_filter = TimeFilter::kTwoSteps;  // as DataFlags has it
 };
 

@@ -15,6 +15,7 @@
 #include "command.h"
 #include "console.h"
 #include "data_flags.h"
+#include "environment.h"
 #include "model_flags.h"
 #include "ovoid/devices.h"
 #include "ovoid/error.h"
@@ -484,7 +485,7 @@ Json json_of(const DeviceInfo& device) {
 }
 
 Json devices_json() {
-  const DeviceList list = list_devices();
+  const DeviceList list = list_devices(setup_of_environment().vulkan);
   Json vulkan;
   vulkan["backend"] = "vulkan";
   vulkan["devices"] = Json::array();

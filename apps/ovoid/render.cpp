@@ -93,7 +93,7 @@ void check_flags(const Flags& flags, const RenderFlags& render) {
   check_files(inputs, outputs);
 }
 
-struct Scene {
+struct RenderScene {
   const Field& field;
   const Camera& camera;
   const Look& look;
@@ -121,7 +121,8 @@ std::optional<Trail> trail_of(const RenderFlags& render, const Subject& subject,
 }
 
 // One frame for the picture, and with --repeat N more for the clock.
-Image draw(const RenderFlags& render, const Scene& scene, RunProfile* profile, Session& session) {
+Image draw(const RenderFlags& render, const RenderScene& scene, RunProfile* profile,
+           Session& session) {
   Renderer renderer(render.drawing.run);
   RenderOptions options = render.drawing.options;
   RenderHooks hooks;
@@ -226,7 +227,7 @@ void run_render(const Words& words, Session& session) {
     return;
   }
   const std::optional<Trail> trail = trail_of(render, subject, step, look, session);
-  const Scene scene{field, camera, look, trail ? &*trail : nullptr, drawing};
+  const RenderScene scene{field, camera, look, trail ? &*trail : nullptr, drawing};
   Image image = draw(render, scene, &profile, session);
   // A picture without anything in it is seldom what was meant.
   if (is_empty(image))

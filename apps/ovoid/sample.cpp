@@ -12,6 +12,7 @@
 #include "check_files.h"
 #include "command.h"
 #include "data_flags.h"
+#include "environment.h"
 #include "model_flags.h"
 #include "ovoid/error.h"
 #include "ovoid/sampler.h"
@@ -58,6 +59,7 @@ void check_flags(const Flags& flags, const SampleFlags& sample) {
 Dataset read_points(const std::string& path, Session& session) {
   ReadOptions options;
   options.stop = session.stop();
+  options.reader_program = reader_of_environment();
   Dataset points = read_dataset({path}, options);
   session.notes(points.notes);
   if (points.kind == DatasetKind::kLattice) {

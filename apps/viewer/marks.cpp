@@ -107,7 +107,7 @@ void Marks::draw(const Document& document, const std::pair<double, double>& xray
         look.transfer_function = spread_over_integrals(look.transfer_function, xray_range);
       cli::draw_annotations(image, piece, document.shown->subject.described,
                             camera_of_piece(document.camera, height, pixels.height), look,
-                            document.view.background.data());
+                            document.view.background);
       const Part part = part_in_use(image);
       const Image used = cut(image, part);
       mark.texture.upload(to_rgba8(used).data(), used.width, used.height);

@@ -36,7 +36,7 @@ double best_ms(Commands& commands, const Record& record) {
 }
 
 void measure(int index) {
-  const std::shared_ptr<Device> device = Device::get(index);
+  const std::shared_ptr<Device> device = Device::get(index, {});
   Commands commands(device);
   commands.times = true;
   const bool is_hardware = device->info().is_hardware();

@@ -75,7 +75,7 @@ Image stretched(const Image& image, double gain) {
 }
 
 void write_figure(const Image& image, const std::string& path) {
-  constexpr double kWhite[3] = {1, 1, 1};
+  constexpr Rgb kWhite{1, 1, 1};
   write_image(image, path, kWhite);
 }
 

@@ -6,7 +6,7 @@
 
 int main(int argc, char** argv) try {
   if (argc != 3) return std::fprintf(stderr, "usage: %s VOLUME PICTURE\n", argv[0]), 2;
-  const auto field = ovoid::make_lattice_field(ovoid::read_dataset({argv[1]}));
+  const auto field = ovoid::make_field(ovoid::read_dataset({argv[1]}));
   const auto camera = ovoid::default_camera(field.world_bounds());
   const auto look = ovoid::default_look(field);
   const auto frame = ovoid::Renderer{}.render(field, camera, look);

@@ -28,7 +28,7 @@ ovoid::Look own_look(const ovoid::ValueRange& range) {
 int main(int argc, char** argv) try {
   if (argc != 3) return std::fprintf(stderr, "usage: %s VOLUME PREFIX\n", argv[0]), 2;
   const std::string prefix = argv[2];
-  const auto field = ovoid::make_lattice_field(ovoid::read_dataset({argv[1]}));
+  const auto field = ovoid::make_field(ovoid::read_dataset({argv[1]}));
   const auto camera = ovoid::default_camera(field.world_bounds());
   const ovoid::ValueRange range = field.value_range();
 

@@ -16,10 +16,11 @@
 #include "ovoid/camera.h"
 #include "ovoid/crop.h"
 #include "ovoid/dataset.h"
+#include "ovoid/export.h"
 #include "ovoid/image.h"
 #include "ovoid/look.h"
 
-namespace ovoid {
+namespace OVOID_API ovoid {
 
 // Colours and size of text and lines. Around them lies a halo of the other brightness, so that they
 // can be read over the volume and over backgrounds not known yet.
@@ -33,8 +34,8 @@ struct MarkStyle {
 };
 
 // Light ink for a dark background, dark ink for a light one (r, g, b in [0, 1]), with a narrow
-// halo; null, a background not known yet: light ink with the wide, dark halo of the default.
-MarkStyle mark_style_on(const double* background);
+// halo; none, a background not known yet: light ink with the wide, dark halo of the default.
+MarkStyle mark_style_on(const std::optional<Rgb>& background);
 
 // The colour of a thick, homogeneous box of one value: the transfer function's, times ambient +
 // diffuse where the look shades (a flat field is lit so; docs/numerics.md, "Light").

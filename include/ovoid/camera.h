@@ -4,9 +4,10 @@
 #include <string>
 
 #include "ovoid/dataset.h"
+#include "ovoid/export.h"
 #include "ovoid/math.h"
 
-namespace ovoid {
+namespace OVOID_API ovoid {
 
 // A camera in VTK's words; world units and degrees. Valid if position != focal_point, view_up is
 // not parallel to the view axis, parallel_scale > 0 and 0 < view_angle < 180.

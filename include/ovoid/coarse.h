@@ -4,9 +4,10 @@
 #include <functional>
 #include <stop_token>
 
+#include "ovoid/export.h"
 #include "ovoid/field.h"
 
-namespace ovoid {
+namespace OVOID_API ovoid {
 
 struct CoarseOptions {
   // Kernel sets alone: those whose centres lie in a box of sides up to `length` become one, however

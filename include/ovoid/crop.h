@@ -3,11 +3,12 @@
 
 #include <vector>
 
+#include "ovoid/export.h"
 #include "ovoid/lattice.h"
 #include "ovoid/math.h"
 #include "ovoid/render_options.h"
 
-namespace ovoid {
+namespace OVOID_API ovoid {
 
 // A box in the world; oblique if its axes are. `bounds` are in the box's own coordinates.
 struct Box {

@@ -12,10 +12,11 @@
 #include <utility>
 #include <vector>
 
+#include "ovoid/export.h"
 #include "ovoid/kernels.h"
 #include "ovoid/lattice.h"
 
-namespace ovoid {
+namespace OVOID_API ovoid {
 
 // Bytes that are owned, or borrowed from a caller who keeps them alive through `owner`. Cheap to
 // copy, immutable.
@@ -182,7 +183,8 @@ struct Dataset {
   // numbers of nodes, cells, blocks and particles (GlobalNodeId, ParticleIDs and their like), and
   // the shapes of stored kernels. Throws Error(kInvalidArgument) naming the arrays that exist. Cost
   // of the default: one pass over the arrays looked at.
-  const DataArray& array(const std::string& name = {}) const;
+  const DataArray& array(const std::string& name = {}) const&;
+  const DataArray& array(const std::string& name = {}) const&& = delete;  // of a temporary
 };
 
 }  // namespace ovoid

@@ -5,7 +5,9 @@
 #include <string>
 #include <vector>
 
-namespace ovoid {
+#include "ovoid/export.h"
+
+namespace OVOID_API ovoid {
 
 enum class DeviceKind { kDiscrete, kIntegrated, kVirtual, kSoftware, kOther };
 
@@ -29,6 +31,13 @@ struct DeviceInfo {
   bool is_usable() const noexcept { return lack.empty(); }
 };
 
+// How Vulkan is brought up. A process has one loader and one instance at a time, as the first
+// renderer or list that lives asks for them; later ones share them.
+struct VulkanSetup {
+  std::string loader{};    // path of the loader's library; empty: the system's
+  bool validates = false;  // the validation layer looks on; what it finds is an error
+};
+
 struct DeviceList {
   std::vector<DeviceInfo> devices;  // in the loader's order
   std::string problem;              // why there is none: one line; empty if there are some
@@ -36,6 +45,6 @@ struct DeviceList {
 
 // The devices of this machine that Backend::kVulkan could use. Never throws for want of them. Cost:
 // the loader and all drivers are loaded, some 0.1 s.
-DeviceList list_devices();
+DeviceList list_devices(const VulkanSetup& setup = {});
 
 }  // namespace ovoid

@@ -4,7 +4,9 @@
 #include <stdexcept>
 #include <string>
 
-namespace ovoid {
+#include "ovoid/export.h"
+
+namespace OVOID_API ovoid {
 
 // What kind of thing went wrong; each code is provoked by a test.
 enum class ErrorCode {

@@ -8,11 +8,12 @@
 #include <utility>
 #include <variant>
 
+#include "ovoid/export.h"
 #include "ovoid/kernel_field.h"
 #include "ovoid/kernels.h"
 #include "ovoid/lattice.h"
 
-namespace ovoid {
+namespace OVOID_API ovoid {
 
 // Samples of a lattice somewhere in memory, as acquired from a brick source: sample (i, j, k) of
 // the lattice, k the layer, for lo <= (i, j, k) < hi, is at data + ((i - lo.x) + (j - lo.y) *

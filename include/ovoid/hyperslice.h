@@ -8,10 +8,11 @@
 #include <string>
 
 #include "ovoid/dataset.h"
+#include "ovoid/export.h"
 #include "ovoid/series.h"
 #include "ovoid/slices.h"
 
-namespace ovoid {
+namespace OVOID_API ovoid {
 
 // The points of space and time where normal . (x, y, z, t) = offset; x, y, z in world units, t in
 // the series' unit of time.

@@ -2,9 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
-namespace ovoid {
+#include "ovoid/export.h"
+#include "ovoid/transfer_function.h"
+
+namespace OVOID_API ovoid {
 
 // A finished picture: row 0 at the top, pixel centres at +0.5.
 struct Image {
@@ -18,9 +22,9 @@ struct Image {
   bool operator==(const Image&) const = default;
 };
 
-// 8-bit straight alpha, as PNG wants it; [height, width, 4]. `background` (r, g, b in [0, 1], or
-// null) is blended behind.
-std::vector<std::uint8_t> to_rgba8(const Image& image, const double* background = nullptr);
+// 8-bit straight alpha, as PNG wants it; [height, width, 4]. `background` (r, g, b in [0, 1]) is
+// blended behind.
+std::vector<std::uint8_t> to_rgba8(const Image& image, const std::optional<Rgb>& background = {});
 
 // Peak signal-to-noise ratio in dB between two pictures of equal size: peak 1, all four channels,
 // over the pixels covered (alpha > 0) in either; +inf if they agree. Throws Error(kInvalidArgument)

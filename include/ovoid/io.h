@@ -11,14 +11,18 @@
 
 #include "ovoid/camera.h"
 #include "ovoid/dataset.h"
+#include "ovoid/export.h"
 #include "ovoid/image.h"
 #include "ovoid/look.h"
 #include "ovoid/transfer_function.h"
 
 namespace ovoid {
-
 class ReaderSession;  // the library's own
-class StepSource;     // ovoid/series.h
+}
+
+namespace OVOID_API ovoid {
+
+class StepSource;  // ovoid/series.h
 
 // What a headerless file cannot say.
 struct RawOptions {
@@ -28,19 +32,29 @@ struct RawOptions {
   bool big_endian = false;
 };
 
+// Which of an HDF5 file's arrays are read as particles, by their paths in the file.
+struct Hdf5Options {
+  std::string positions;            // "/PartType1/Coordinates"; empty: found
+  std::vector<std::string> values;  // empty: all that lie beside the positions
+};
+
 struct ReadOptions {
   RawOptions raw;
   std::string array;                 // read only this one if the format allows; empty: all
   std::string block;                 // which of Dataset::blocks; empty: the largest, of meshes all
   std::optional<std::int64_t> step;  // which time step; none: the first whose samples vary
-  std::string positions;  // HDF5: the path of the positions, "/PartType1/Coordinates"; empty: found
-  std::vector<std::string> values;  // HDF5: paths of arrays; empty: those beside the positions
+  Hdf5Options hdf5;
   // Files that the input names (pieces, data files, external storage) may also lie below these
   // folders; without any, in the input's own folder alone, and HDF5 files take nothing from others.
   std::vector<std::string> data_folders;
+  // In [0, 1], on the reading thread. An exception that it throws ends the read, which throws it
+  // on.
   std::function<void(double fraction)> progress;
   std::stop_token stop;
-  // The process that reads with other people's libraries, kept from one read to the next;
+  // Path of ovoid-read, which reads with other people's libraries. Empty: looked for beside the
+  // library, in libexec/ovoid of its prefix, and where it was to be installed.
+  std::string reader_program;
+  // The process that ovoid-read runs in, kept from one read to the next;
   // open_steps() makes one. None: each read starts and ends its own.
   std::shared_ptr<ReaderSession> session;
 };
@@ -85,8 +99,8 @@ void write_dataset(const Dataset& dataset, const std::string& path,
 // Writes a picture: .png (8 bit, straight alpha; x-ray pictures must be mapped first), .exr (float,
 // premultiplied, with depth channel Z), .npy (float32 [height, width, 4], premultiplied). Throws
 // Error(kFileWrite, kUnsupported, kInvalidArgument, kCancelled).
-void write_image(const Image& image, const std::string& path, const double* background = nullptr,
-                 const WriteOptions& options = {});
+void write_image(const Image& image, const std::string& path,
+                 const std::optional<Rgb>& background = {}, const WriteOptions& options = {});
 
 // Writes `bytes` as the whole content of `path`, as everything here is written: to a file of a
 // random name in the same folder, made anew, which is put on the disk and then renamed. An existing

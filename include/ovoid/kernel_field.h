@@ -4,17 +4,22 @@
 #pragma once
 
 #include <array>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <ranges>
 #include <span>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
+#include "ovoid/export.h"
 #include "ovoid/kernels.h"
 #include "ovoid/math.h"
 
-namespace ovoid {
+namespace OVOID_API ovoid {
 
 inline constexpr int kMaxAttributes = 4;
 
@@ -98,16 +103,29 @@ class KernelSource {
   virtual std::size_t resident_bytes() const noexcept = 0;
 };
 
-// What make_kernel_source() sorts into bricks. All spans are borrowed for the call.
+// Values that are somebody else's and stay where they are. Made of anything in one piece that has a
+// name; a temporary, which would be gone before the values are used, does not compile.
+template <typename T>
+class BorrowedValues : public std::span<const T> {
+ public:
+  BorrowedValues() = default;
+  template <typename Range>
+  requires std::convertible_to<Range, std::span<const T>> &&
+      (std::is_lvalue_reference_v<Range> || std::ranges::borrowed_range<Range>)
+          BorrowedValues(Range&& range)  // NOLINT(google-explicit-constructor): as a span is
+      : std::span<const T>(std::forward<Range>(range)) {}
+};
+
+// What make_kernel_source() sorts into bricks. All values are borrowed for the call.
 struct KernelColumns {
   KernelShape shape = KernelShape::kBalls;
   KernelProfile profile = KernelProfile::kGaussian;
-  double cutoff = 4.0;              // sigmas, in [1, kMaxCutoff]
-  std::span<const double> centers;  // [num_kernels, 3] x y z, world units, finite
-  std::span<const float> shapes;    // [num_kernels, 1 or 6] as KernelShape says, or one for all
-  std::span<const float> weights;   // [num_kernels] > 0; or one for all
-  std::vector<std::span<const float>> values;  // one [num_kernels] per attribute, finite
-  std::vector<KernelAttribute> attributes;     // as many; `range` is ignored
+  double cutoff = 4.0;             // sigmas, in [1, kMaxCutoff]
+  BorrowedValues<double> centers;  // [num_kernels, 3] x y z, world units, finite
+  BorrowedValues<float> shapes;    // [num_kernels, 1 or 6] as KernelShape says, or one for all
+  BorrowedValues<float> weights;   // [num_kernels] > 0; or one for all
+  std::vector<BorrowedValues<float>> values;  // one [num_kernels] per attribute, finite
+  std::vector<KernelAttribute> attributes;    // as many; `range` is ignored
   // As many, or none: of values that kernels here stand for; the set's ranges hold them, too.
   std::vector<ValueRange> ranges;
 

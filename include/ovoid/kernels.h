@@ -3,7 +3,9 @@
 
 #include <cmath>
 
-namespace ovoid {
+#include "ovoid/export.h"
+
+namespace OVOID_API ovoid {
 
 // Least and greatest value; empty (lo > hi) when there is no sample.
 struct ValueRange {

@@ -5,9 +5,10 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "ovoid/export.h"
 #include "ovoid/math.h"
 
-namespace ovoid {
+namespace OVOID_API ovoid {
 
 // The stored type of one sample. The order is part of the interface: io tables index by it.
 enum class ScalarType : std::uint8_t {

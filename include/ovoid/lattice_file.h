@@ -10,11 +10,12 @@
 #include <vector>
 
 #include "ovoid/dataset.h"
+#include "ovoid/export.h"
 #include "ovoid/io.h"
 #include "ovoid/lattice.h"
 #include "ovoid/relevant.h"
 
-namespace ovoid {
+namespace OVOID_API ovoid {
 
 // One array of a lattice file: what DataArray says of its samples, without them.
 struct LatticeFileArray {

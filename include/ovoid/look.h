@@ -6,11 +6,12 @@
 #include <string_view>
 #include <vector>
 
+#include "ovoid/export.h"
 #include "ovoid/field.h"
 #include "ovoid/math.h"
 #include "ovoid/transfer_function.h"
 
-namespace ovoid {
+namespace OVOID_API ovoid {
 
 // How the samples of a ray become a pixel (docs/numerics.md, "Modes").
 enum class Mode { kComposite, kXray, kMaximum, kMean, kIsosurface };

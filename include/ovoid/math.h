@@ -9,7 +9,9 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-namespace ovoid {
+#include "ovoid/export.h"
+
+namespace OVOID_API ovoid {
 
 using Vec3 = Eigen::Vector3d;  // double precision: all transforms are double
 using Mat3 = Eigen::Matrix3d;

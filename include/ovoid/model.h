@@ -12,10 +12,11 @@
 #include <vector>
 
 #include "ovoid/dataset.h"
+#include "ovoid/export.h"
 #include "ovoid/field.h"
 #include "ovoid/relevant.h"
 
-namespace ovoid {
+namespace OVOID_API ovoid {
 
 class StepSource;  // ovoid/series.h
 
@@ -116,6 +117,17 @@ struct KernelModelReport {
 // array and index. kCancelled. Cost: for meshes some microseconds per node.
 KernelField make_kernel_field(const Dataset& dataset, const KernelModelOptions& options = {},
                               KernelModelReport* report = nullptr, std::stop_token stop = {});
+
+// Of lattices the one, of everything else the other.
+struct FieldModelOptions {
+  LatticeModelOptions lattice{};
+  KernelModelOptions kernels{};
+};
+
+// A dataset of any kind as a field: make_lattice_field() or make_kernel_field(). Throws what they
+// throw.
+Field make_field(const Dataset& dataset, const FieldModelOptions& options = {},
+                 std::stop_token stop = {});
 
 // The kernels of a field as a dataset of kind kKernels, for files: positions, "scale", "rotation",
 // "weight" and the attributes, all but the positions float32. Rotations turn the longest axis to x,

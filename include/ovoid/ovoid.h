@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Everything: volumes drawn straight from their points. A volume to a picture:
+// Everything: volumes drawn straight from their points. A file to a picture:
 //
-//   auto field = ovoid::make_lattice_field(ovoid::read_dataset({"head.nrrd"}));
+//   auto field = ovoid::make_field(ovoid::read_dataset({"head.nrrd"}));
 //   auto camera = ovoid::default_camera(field.world_bounds());
 //   auto look = ovoid::default_look(field);
 //   auto frame = ovoid::Renderer{}.render(field, camera, look);
@@ -35,3 +35,4 @@
 #include "ovoid/slices.h"
 #include "ovoid/transfer_function.h"
 #include "ovoid/value_plane.h"
+#include "ovoid/version.h"

@@ -3,7 +3,9 @@
 
 #include <optional>
 
-namespace ovoid {
+#include "ovoid/export.h"
+
+namespace OVOID_API ovoid {
 
 // Which samples of a lattice are kept where relevant ones are kept alone, as runs: those whose
 // value is greater than `above`, and missing ones (NaN, infinities). All others become the

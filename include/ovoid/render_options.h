@@ -3,9 +3,10 @@
 
 #include <vector>
 
+#include "ovoid/export.h"
 #include "ovoid/math.h"
 
-namespace ovoid {
+namespace OVOID_API ovoid {
 
 // What a sample stands for: the field on its slab's middle plane, or the slab's mean
 // (docs/numerics.md, "Slabs"). Auto: the middle, but for x-ray pictures of kernel sets the mean, so

@@ -11,12 +11,14 @@
 #include <vector>
 
 #include "ovoid/camera.h"
+#include "ovoid/devices.h"
+#include "ovoid/export.h"
 #include "ovoid/field.h"
 #include "ovoid/image.h"
 #include "ovoid/look.h"
 #include "ovoid/render_options.h"
 
-namespace ovoid {
+namespace OVOID_API ovoid {
 
 // kAuto: vulkan where there is a hardware device, else cpu; and cpu, with a notice, for what the
 // device fails to draw.
@@ -28,7 +30,9 @@ struct TileDone {
   const Image* image = nullptr;        // the picture so far; only this rectangle of it may be read
 };
 
-// Ways to watch and to stop a frame. Callbacks come from worker threads, one at a time.
+// Ways to watch and to stop a frame. Callbacks come from worker threads, one at a time. An
+// exception that one throws ends the frame: render() throws it on when the tiles under way, which
+// may still report, are done. The renderer can draw again.
 struct RenderHooks {
   std::stop_token stop;  // triggered: render throws Error(kCancelled) within a block's time
   std::function<void(double fraction)> progress;  // in [0, 1], not decreasing
@@ -83,19 +87,23 @@ struct RendererSetup {
   int threads = 0;  // of the host; 0: one per hardware thread
   int device =
       -1;  // by DeviceInfo::index; -1: the first hardware device, else the first. kVulkan alone
-  std::uint64_t device_memory = 0;  // bytes that fields may take there; 0: most of it. Larger ones
-                                    // are drawn piece by piece.
+  std::uint64_t device_memory = 0;   // bytes that fields may take there; 0: most of it. Larger ones
+                                     // are drawn piece by piece.
+  bool auto_takes_software = false;  // kAuto draws with software devices, too
+  std::string simd_target{};         // of kCpu: one of simd_targets(); empty: the best
+  VulkanSetup vulkan{};
 };
 
 // Draws fields. Holds what outlives a frame: worker threads, and what a back end keeps of a field.
 // One render() at a time per renderer; several renderers may be used from several threads.
 class Renderer {
  public:
-  // Throws Error: kInvalidArgument, also for a device where none draws; kUnsupported if kVulkan is
+  // Throws Error: kInvalidArgument, also for a device where none draws and for a SIMD target that
+  // is not there; kUnsupported if kVulkan is
   // asked for and there is no loader, no device, or none that has what is needed.
   explicit Renderer(const RendererSetup& setup);
   explicit Renderer(Backend backend = Backend::kAuto, int threads = 0)
-      : Renderer(RendererSetup{backend, threads}) {}
+      : Renderer(RendererSetup{.backend = backend, .threads = threads}) {}
   ~Renderer();
   Renderer(Renderer&&) noexcept;
   Renderer& operator=(Renderer&&) noexcept;
@@ -120,7 +128,6 @@ class Renderer {
 };
 
 // Names of the SIMD targets that this build has and this machine can run, best first.
-// OVOID_TARGET=name forces one.
 std::vector<std::string> simd_targets();
 
 }  // namespace ovoid

@@ -8,9 +8,10 @@
 #include <string>
 
 #include "ovoid/dataset.h"
+#include "ovoid/export.h"
 #include "ovoid/series.h"
 
-namespace ovoid {
+namespace OVOID_API ovoid {
 
 // How a Cartesian lattice is brought to another one (docs/lattices.md).
 struct LatticeResampleOptions {

@@ -8,9 +8,10 @@
 #include <string>
 
 #include "ovoid/dataset.h"
+#include "ovoid/export.h"
 #include "ovoid/field.h"
 
-namespace ovoid {
+namespace OVOID_API ovoid {
 
 // The field at one place: see KernelSample. A lattice's weight is its kernels' share of what the
 // endless lattice's would sum to, and its colour value is its value.

@@ -9,8 +9,9 @@
 #include <vector>
 
 #include "ovoid/dataset.h"
+#include "ovoid/export.h"
 
-namespace ovoid {
+namespace OVOID_API ovoid {
 
 // Where the steps of a series come from: files (open_steps() in ovoid/io.h), memory, another
 // process. Immutable; all members are called from many threads at once.

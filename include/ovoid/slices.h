@@ -7,11 +7,12 @@
 #include <vector>
 
 #include "ovoid/dataset.h"
+#include "ovoid/export.h"
 #include "ovoid/field.h"
 #include "ovoid/model.h"
 #include "ovoid/series.h"
 
-namespace ovoid {
+namespace OVOID_API ovoid {
 
 // Over which kernels a time slice of a staggered series (D4*) is taken; others have one way.
 enum class TimeFilter : std::uint8_t {
@@ -60,6 +61,8 @@ class SliceFields {
   // Error(kInvalidArgument) for TimeFilter::kExact, which is no sum over steps alone.
   SliceFields(const Series& series, LatticeModelOptions model,
               const TimeSliceOptions& options = {});
+  SliceFields(const Series&& series, LatticeModelOptions model,
+              const TimeSliceOptions& options = {}) = delete;  // a temporary
   ~SliceFields();
   SliceFields(SliceFields&&) noexcept;
   SliceFields& operator=(SliceFields&&) noexcept;

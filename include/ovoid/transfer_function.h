@@ -7,7 +7,9 @@
 #include <string>
 #include <vector>
 
-namespace ovoid {
+#include "ovoid/export.h"
+
+namespace OVOID_API ovoid {
 
 using Rgb =
     std::array<double, 3>;  // sRGB-encoded components in [0, 1]; blended as they are, as VTK does

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "ovoid/export.h"
 #include "ovoid/math.h"
 #include "ovoid/renderer.h"
 
-namespace ovoid {
+namespace OVOID_API ovoid {
 
 // What lies between the eye and a value plane: drawn over it, or cut away.
 enum class PlaneFront { kShown, kRemoved };

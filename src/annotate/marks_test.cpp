@@ -397,12 +397,12 @@ TEST(Marks, RefuseImagesAndStylesThatAreNone) {
 
 // Ink and halo must be far apart, whatever the background.
 TEST(Marks, StylesSuitTheirBackground) {
-  const double white[3] = {1, 1, 1};
-  const double black[3] = {0, 0, 0};
+  const Rgb white{1, 1, 1};
+  const Rgb black{0, 0, 0};
   EXPECT_LT(mark_style_on(white).ink[1], 0.2);
   EXPECT_GT(mark_style_on(black).ink[1], 0.8);
-  EXPECT_GT(mark_style_on(nullptr).ink[1], 0.8);
-  EXPECT_GT(mark_style_on(nullptr).halo_size, mark_style_on(black).halo_size);
+  EXPECT_GT(mark_style_on({}).ink[1], 0.8);
+  EXPECT_GT(mark_style_on({}).halo_size, mark_style_on(black).halo_size);
 }
 
 }  // namespace

@@ -71,7 +71,7 @@ void label_multiples(std::vector<Tick>& ticks, const Step& step) {
   }
   for (Tick& tick : ticks) {
     if (tick.value == 0) {
-      tick.label = "0";
+      tick.label.assign(1, '0');
       continue;
     }
     const int digits = std::clamp(exponent_of(tick.value) - step.exponent, 0, 17);

@@ -62,7 +62,7 @@ std::int64_t Cells::count() const noexcept {
   return cells;
 }
 
-const DataArray& Dataset::array(const std::string& name) const {
+const DataArray& Dataset::array(const std::string& name) const& {
   if (arrays.empty()) {
     throw Error(ErrorCode::kInvalidArgument, fmt::format("'{}': has no arrays", source));
   }

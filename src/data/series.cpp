@@ -51,7 +51,7 @@ void check_times(const StepSource& source) {
 
 }  // namespace
 
-struct Series::Impl {
+struct __attribute__((visibility("hidden"))) Series::Impl {
   struct Slot {
     Held kept;                          // by the series
     std::weak_ptr<const Dataset> seen;  // finds it while anybody has it

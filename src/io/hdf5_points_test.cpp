@@ -123,13 +123,13 @@ TEST(Hdf5Points, GadgetSnapshot) {
   EXPECT_EQ(gas.periodic_box->max(), Vec3(100, 100, 100));
   ASSERT_EQ(gas.notes.size(), 1U);
   ReadOptions options;
-  options.positions = "PartType1/Coordinates";
+  options.hdf5.positions = "PartType1/Coordinates";
   const Dataset halo = read_dataset({path}, options);
   EXPECT_EQ(values_of<float>(halo.array("mass")), (Floats{2.5F, 2.5F}));
-  options.positions = "/PartType0/Coordinates";
-  options.values = {"Density"};
+  options.hdf5.positions = "/PartType0/Coordinates";
+  options.hdf5.values = {"Density"};
   EXPECT_EQ(array_names(read_dataset({path}, options)), std::vector<std::string>{"Density"});
-  options.values = {"Other"};
+  options.hdf5.values = {"Other"};
   EXPECT_EQ(hdf5_error(path, options),
             "invalid-argument: F: values 'Other': has shape [5]: expected 4 rows of numbers");
 }
@@ -185,10 +185,10 @@ TEST(Hdf5Points, ErrorsListWhatThereIs) {
             "file-format: F: several datasets may be the positions: '/a/pos', "
             "'/b/xyz': choose one with --positions");
   ReadOptions options;
-  options.positions = "/c";
+  options.hdf5.positions = "/c";
   EXPECT_EQ(hdf5_error(path, options).substr(0, 54),
             "invalid-argument: F: positions '/c': has shape [2]: ex");
-  options.positions = "/d";
+  options.hdf5.positions = "/d";
   EXPECT_EQ(hdf5_error(path, options),
             "invalid-argument: F: positions '/d': the file has no such dataset");
   Hdf5Maker(path).floats("/c", {2});

@@ -327,8 +327,8 @@ std::vector<std::uint8_t> to_message(const ReaderRequest& request) {
                            {"array", options.array},
                            {"block", options.block},
                            {"step", options.step ? Json(*options.step) : Json()},
-                           {"positions", options.positions},
-                           {"values", options.values},
+                           {"positions", options.hdf5.positions},
+                           {"values", options.hdf5.values},
                            {"files", request.files},
                            {"folders", request.folders}});
 }
@@ -349,8 +349,8 @@ ReaderRequest request_from_message(const std::vector<std::uint8_t>& message) {
     request.options.array = json.at("array");
     request.options.block = json.at("block");
     if (!json.at("step").is_null()) request.options.step = json.at("step").get<std::int64_t>();
-    request.options.positions = json.at("positions");
-    request.options.values = json.at("values").get<std::vector<std::string>>();
+    request.options.hdf5.positions = json.at("positions");
+    request.options.hdf5.values = json.at("values").get<std::vector<std::string>>();
     request.files = json.at("files").get<std::vector<std::string>>();
     request.folders = json.at("folders").get<std::vector<std::string>>();
     return request;

@@ -91,13 +91,13 @@ TEST(ReaderMessages, RequestArrivesWhole) {
   sent.folder = "/data";
   sent.options.array = "v";
   sent.options.step = -7;  // the reader is the one to refuse it
-  sent.options.values = {"/a", "/b"};
+  sent.options.hdf5.values = {"/a", "/b"};
   sent.files = {"/data/a.case"};
   const ReaderRequest got = request_from_message(to_message(sent));
   EXPECT_EQ(got.format, sent.format);
   EXPECT_EQ(got.paths, sent.paths);
   EXPECT_EQ(got.options.step, -7);
-  EXPECT_EQ(got.options.values, sent.options.values);
+  EXPECT_EQ(got.options.hdf5.values, sent.options.hdf5.values);
   EXPECT_EQ(got.files, sent.files);
   sent.options.step.reset();
   EXPECT_FALSE(request_from_message(to_message(sent)).options.step.has_value());

@@ -6,7 +6,6 @@
 #include <link.h>
 #include <unistd.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <system_error>
 #include <vector>
@@ -35,11 +34,11 @@ fs::path own_module() {
 
 }  // namespace
 
-std::string find_reader_program() {
-  if (const char* const named = std::getenv("OVOID_READER"); named != nullptr && *named != '\0') {
-    if (::access(named, X_OK) == 0) return named;
+std::string find_reader_program(const std::string& named) {
+  if (!named.empty()) {
+    if (::access(named.c_str(), X_OK) == 0) return named;
     throw Error(ErrorCode::kUnsupported,
-                fmt::format("OVOID_READER = {}: is no program that can be started: expected {}",
+                fmt::format("reader_program = {}: is no program that can be started: expected {}",
                             named, kName));
   }
   const fs::path folder = own_module().parent_path();
@@ -52,7 +51,8 @@ std::string find_reader_program() {
   }
   throw Error(ErrorCode::kUnsupported,
               fmt::format("{}: the program that reads VTK's files, HDF5 and compressed DICOM is "
-                          "neither beside {} nor in {}: install it, or name it in OVOID_READER",
+                          "neither beside {} nor in {}: install it, or name it (the program: by "
+                          "OVOID_READER; the library: by ReadOptions::reader_program)",
                           kName, folder.string(), OVOID_READER_FOLDER));
 }
 

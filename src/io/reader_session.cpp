@@ -230,6 +230,7 @@ struct ReaderSession::Impl {
 
   void start(const ReadOptions& options);
   Dataset receive(const std::string& source, const ReadOptions& options);
+  void report_progress(const ReadOptions& options, double fraction);
   [[noreturn]] void report_end(const std::string& source, const char* what);
 };
 
@@ -243,7 +244,7 @@ void ReaderSession::Impl::start(const ReadOptions& options) {
   if (process) return;
   files = io::files_that_may_be_read(inputs, options);
   folders = io::real_data_folders(options);
-  process = std::make_shared<io::ReaderProcess>(io::find_reader_program());
+  process = std::make_shared<io::ReaderProcess>(io::find_reader_program(options.reader_program));
 }
 
 void ReaderSession::Impl::report_end(const std::string& source, const char* what) {
@@ -251,6 +252,15 @@ void ReaderSession::Impl::report_end(const std::string& source, const char* what
   process.reset();
   throw Error(ErrorCode::kFileFormat, fmt::format("{}: its reader {}{}: is the file damaged?",
                                                   source, what, io::reason_text(reason)));
+}
+
+void ReaderSession::Impl::report_progress(const ReadOptions& options, double fraction) {
+  try {
+    options.progress(fraction);
+  } catch (...) {
+    process.reset();  // its answer is still to come, and nobody waits for it
+    throw;
+  }
 }
 
 Dataset ReaderSession::Impl::receive(const std::string& source, const ReadOptions& options) {
@@ -276,7 +286,7 @@ Dataset ReaderSession::Impl::receive(const std::string& source, const ReadOption
       case io::LinkMessage::kProgress:
         if (double fraction = 0; options.progress && message->bytes.size() == sizeof(double)) {
           std::memcpy(&fraction, message->bytes.data(), sizeof(double));
-          if (fraction >= 0 && fraction <= 1) options.progress(fraction);
+          if (fraction >= 0 && fraction <= 1) report_progress(options, fraction);
         }
         break;
       case io::LinkMessage::kDataset:

@@ -19,6 +19,7 @@
 #include <thread>
 #include <vector>
 
+#include "io/reader_program.h"
 #include "io/test_folder.h"
 #include "io/test_volumes.h"
 #include "ovoid/io.h"
@@ -284,13 +285,13 @@ TEST_F(ReaderSessionTest, ManyThreadsReadAtOnce) {
 }
 
 TEST_F(ReaderSessionTest, MissingProgramIsNamed) {
-  ::setenv("OVOID_READER", "/nowhere/ovoid-read", 1);
-  const std::string missing = refusal(folder.write("a.vtu", vtu("4")));
-  ::setenv("OVOID_READER", "/bin/true", 1);
-  const std::string wrong = refusal(folder.file("a.vtu"));
-  ::unsetenv("OVOID_READER");
+  ReadOptions options;
+  options.reader_program = "/nowhere/ovoid-read";
+  const std::string missing = refusal(folder.write("a.vtu", vtu("4")), options);
+  options.reader_program = "/bin/true";
+  const std::string wrong = refusal(folder.file("a.vtu"), options);
   EXPECT_EQ(missing,
-            "unsupported: OVOID_READER = /nowhere/ovoid-read: is no program that can be started: "
+            "unsupported: reader_program = /nowhere/ovoid-read: is no program that can be started: "
             "expected ovoid-read");
   EXPECT_NE(wrong.find("its reader "), std::string::npos) << wrong;
 }
@@ -299,11 +300,12 @@ TEST_F(ReaderSessionTest, MissingProgramIsNamed) {
 TEST_F(ReaderSessionTest, SeriesKeepsItsProcess) {
   const std::vector<std::string> paths{folder.write("a0.vtu", vtu("4")),
                                        folder.write("a1.vtu", vtu("5"))};
-  const auto steps = open_steps(paths);
-  ::setenv("OVOID_READER", "/nowhere/ovoid-read", 1);
-  const std::string message = error_of([&] { steps->read(1); });
-  ::unsetenv("OVOID_READER");
-  EXPECT_EQ(message, "");
+  ReadOptions options;
+  options.reader_program = folder.file("reader");
+  fs::create_symlink(find_reader_program({}), options.reader_program);
+  const auto steps = open_steps(paths, options);
+  fs::remove(options.reader_program);
+  EXPECT_EQ(error_of([&] { steps->read(1); }), "");
 }
 
 }  // namespace

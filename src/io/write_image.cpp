@@ -64,7 +64,7 @@ void check_image_path(const std::string& path) {
   io::check_writable(path);
 }
 
-void write_image(const Image& image, const std::string& path, const double* background,
+void write_image(const Image& image, const std::string& path, const std::optional<Rgb>& background,
                  const WriteOptions& options) try {
   const ImageFormat target = image_format_of(path);
   check_image(image);

@@ -87,7 +87,7 @@ TEST(WriteImage, SamePictureSameBytes) {
 
 TEST(WriteImage, BackgroundGoesBehindPngOnly) {
   const TestFolder folder;
-  const double white[] = {1, 1, 1};
+  const Rgb white{1, 1, 1};
   write_image(small_image(), folder.file("a.png"), white);
   write_image(small_image(), folder.file("b.png"));
   EXPECT_NE(folder.read("a.png"), folder.read("b.png"));

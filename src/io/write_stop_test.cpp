@@ -91,7 +91,7 @@ TEST(WriteStop, StopsEveryWriterOfPictures) {
   source.request_stop();
   for (const char* const name : {"a.png", "a.exr", "a.npy"}) {
     try {
-      write_image(image, folder.file(name), nullptr, {source.get_token()});
+      write_image(image, folder.file(name), {}, {source.get_token()});
       ADD_FAILURE() << name << " was not stopped";
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::kCancelled) << error.what();

@@ -25,10 +25,10 @@ const char* name_of(DeviceKind kind) noexcept {
 }
 
 #ifdef OVOID_VULKAN
-DeviceList list_devices() {
+DeviceList list_devices(const VulkanSetup& setup) {
   DeviceList list;
   try {
-    const std::shared_ptr<vulkan::Instance> instance = vulkan::Instance::get();
+    const std::shared_ptr<vulkan::Instance> instance = vulkan::Instance::get(setup);
     for (int i = 0; i < static_cast<int>(instance->physical_devices().size()); ++i)
       list.devices.push_back(instance->info_of(i));
     if (list.devices.empty()) list.problem = "no Vulkan driver on this machine has a device";
@@ -38,7 +38,9 @@ DeviceList list_devices() {
   return list;
 }
 #else
-DeviceList list_devices() { return {{}, "this program was built without Vulkan"}; }
+DeviceList list_devices(const VulkanSetup& /*setup*/) {
+  return {{}, "this program was built without Vulkan"};
+}
 #endif
 
 }  // namespace ovoid

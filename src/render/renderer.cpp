@@ -9,7 +9,6 @@
 #include "data/validate.h"
 #include "ovoid/error.h"
 #include "render/cpu/cpu_renderer.h"
-#include "render/cpu/tile.h"
 #include "render/reference/reference_renderer.h"
 #include "view/behind.h"
 #ifdef OVOID_VULKAN
@@ -63,11 +62,11 @@ view::Behind behind_of(const Trail& trail, const Look& look) {
 }
 
 #ifdef OVOID_VULKAN
-bool draws_on_device() { return vulkan::has_device_for_auto(); }
+bool draws_on_device(const RendererSetup& setup) { return vulkan::has_device_for_auto(setup); }
 #else
 constexpr const char* kWithoutVulkan =
     "backend vulkan: this program was built without it; backend cpu is there";
-bool draws_on_device() { return false; }
+bool draws_on_device(const RendererSetup& /*setup*/) { return false; }
 #endif
 
 // Of a back end that runs on none.
@@ -110,7 +109,7 @@ void note_on_precision(FrameProfile& profile, const Job& job) {
 
 }  // namespace
 
-struct Renderer::Impl {
+struct __attribute__((visibility("hidden"))) Renderer::Impl {
   Frame draw(const Job& job) const;
   Frame draw_by_choice(const Job& job) const;
   Frame draw_by(Backend by, const Job& job) const;
@@ -119,7 +118,7 @@ struct Renderer::Impl {
 
   Backend backend;
   bool is_auto = false;
-  std::unique_ptr<cpu::Runner> runner;
+  cpu::Machine machine;
 #ifdef OVOID_VULKAN
   std::unique_ptr<vulkan::VulkanRenderer> vulkan;
 #endif
@@ -135,18 +134,18 @@ Renderer::Renderer(const RendererSetup& setup) : impl_(std::make_unique<Impl>())
     throw Error(ErrorCode::kInvalidArgument,
                 fmt::format("device = {}: must be >= 0, or -1 for the first", setup.device));
   }
+  impl_->machine = {cpu::make_runner(setup.threads), cpu::SimdTarget(setup.simd_target)};
   impl_->backend = setup.backend;
   impl_->is_auto = setup.backend == Backend::kAuto;
-  if (impl_->is_auto) impl_->backend = draws_on_device() ? Backend::kVulkan : Backend::kCpu;
+  if (impl_->is_auto) impl_->backend = draws_on_device(setup) ? Backend::kVulkan : Backend::kCpu;
   if (setup.device >= 0 && impl_->backend != Backend::kVulkan) refuse_device(setup);
   if (impl_->backend == Backend::kVulkan) {
 #ifdef OVOID_VULKAN
-    impl_->vulkan = std::make_unique<vulkan::VulkanRenderer>(setup.device, setup.device_memory);
+    impl_->vulkan = std::make_unique<vulkan::VulkanRenderer>(setup);
 #else
     throw Error(ErrorCode::kUnsupported, kWithoutVulkan);
 #endif
   }
-  impl_->runner = cpu::make_runner(setup.threads);
 }
 
 Renderer::~Renderer() = default;
@@ -196,7 +195,7 @@ Frame Renderer::Impl::draw_by_choice(const Job& job) const {
 
 Frame Renderer::Impl::draw_by(Backend by, const Job& job) const {
   const auto& [field, camera, look, trail, options, hooks] = job;
-  const int wanted = runner->num_wanted();
+  const int wanted = machine.runner->num_wanted();
   const int num_rows_at_once = std::min(wanted, options.height);  // of the reference
   require_spread(field, options);
   if (trail != nullptr) require_trail(field, look, *trail, options);
@@ -208,7 +207,7 @@ Frame Renderer::Impl::draw_by(Backend by, const Job& job) const {
     if (by == Backend::kReference)
       return told(reference::render(*kernels, camera, look, options, hooks, num_rows_at_once),
                   num_rows_at_once);
-    return told(cpu::render(*kernels, camera, look, options, hooks, *runner), wanted);
+    return told(cpu::render(*kernels, camera, look, options, hooks, machine), wanted);
   }
   std::optional<view::Behind> behind;
   if (trail != nullptr) {
@@ -223,7 +222,7 @@ Frame Renderer::Impl::draw_by(Backend by, const Job& job) const {
   if (by == Backend::kReference)
     return told(reference::render(lattice, camera, look, options, hooks, num_rows_at_once, second),
                 num_rows_at_once);
-  return told(cpu::render(lattice, camera, look, options, hooks, *runner, second), wanted);
+  return told(cpu::render(lattice, camera, look, options, hooks, machine, second), wanted);
 }
 
 Frame Renderer::Impl::told(Frame frame, int wanted) {
@@ -234,6 +233,6 @@ Frame Renderer::Impl::told(Frame frame, int wanted) {
   return frame;
 }
 
-std::vector<std::string> simd_targets() { return cpu::usable_simd_targets(); }
+std::vector<std::string> simd_targets() { return cpu::SimdTarget::usable(); }
 
 }  // namespace ovoid

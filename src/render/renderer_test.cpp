@@ -129,5 +129,39 @@ TEST(Renderer, SaysWhereHalfSheetsHaveNoEffect) {
   }
 }
 
+struct FromCallback {
+  int number;
+};
+
+// Fails if an exception of a callback is lost, changed or ends the process, if callbacks go on, or
+// if the renderer is of no use afterwards.
+TEST(Renderer, PassesOnWhatCallbacksThrow) {
+  const LatticeField field = test::constant_field({8, 8, 8}, 1);
+  const Camera camera = test::parallel_camera({0, 0, 0}, {0, 0, 1}, 1);
+  const RenderOptions options = test::picture(200, 150);
+  for (const Backend backend : {Backend::kCpu, Backend::kReference}) {
+    Renderer renderer(backend, 3);
+    const Image expected = renderer.render(field, camera, {}, options).image;
+    int num_calls = 0;
+    const auto fail = [&] {
+      if (++num_calls == 3) throw FromCallback{num_calls};
+    };
+    RenderHooks progress, tiles;
+    progress.progress = [&](double) { fail(); };
+    tiles.tile_done = [&](const TileDone&) { fail(); };
+    for (const RenderHooks& hooks : {progress, tiles}) {
+      num_calls = 0;
+      try {
+        renderer.render(field, camera, {}, options, hooks);
+        ADD_FAILURE() << "nothing was thrown";
+      } catch (const FromCallback& thrown) {
+        EXPECT_EQ(thrown.number, 3);
+      }
+      EXPECT_LE(num_calls, 3 + 2);  // tiles under way
+      EXPECT_EQ(renderer.render(field, camera, {}, options).image, expected);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace ovoid

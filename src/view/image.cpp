@@ -32,7 +32,7 @@ void require_rgba(const Image& image, const char* name) {
 
 }  // namespace
 
-std::vector<std::uint8_t> to_rgba8(const Image& image, const double* background) {
+std::vector<std::uint8_t> to_rgba8(const Image& image, const std::optional<Rgb>& background) {
   require_rgba(image, "image");
   const std::size_t size = image.rgba.size();
   auto bytes =
@@ -41,12 +41,12 @@ std::vector<std::uint8_t> to_rgba8(const Image& image, const double* background)
     const double alpha = image.rgba[i + 3];
     for (std::size_t c = 0; c < 3; ++c) {
       const double premultiplied = image.rgba[i + c];
-      const double value = background != nullptr ? premultiplied + (1.0 - alpha) * background[c]
-                           : alpha > 0.0         ? premultiplied / alpha
-                                                 : 0.0;
+      const double value = background    ? premultiplied + (1.0 - alpha) * (*background)[c]
+                           : alpha > 0.0 ? premultiplied / alpha
+                                         : 0.0;
       bytes[i + c] = to_byte(value);
     }
-    bytes[i + 3] = background != nullptr ? std::uint8_t{255} : to_byte(alpha);
+    bytes[i + 3] = background ? std::uint8_t{255} : to_byte(alpha);
   }
   return bytes;
 }

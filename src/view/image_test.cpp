@@ -34,7 +34,7 @@ TEST(ToRgba8, IsStraightAlphaRoundedHalfUp) {
 }
 
 TEST(ToRgba8, BlendsTheBackgroundBehind) {
-  const double background[3] = {1.0, 0.5, 0.0};
+  const Rgb background{1.0, 0.5, 0.0};
   const Image image = picture(2, 1, {0.25F, 0.0F, 0.5F, 0.5F, 0.0F, 0.0F, 0.0F, 0.0F});
   EXPECT_EQ(to_rgba8(image, background), (Bytes8{191, 64, 128, 255, 255, 128, 0, 255}));
 }

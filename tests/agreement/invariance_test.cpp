@@ -147,11 +147,11 @@ std::vector<std::pair<std::string, Scene>> scenes() {
   return result;
 }
 
-Frame draw_with(const Scene& scene, const std::string& runner_kind, int threads) {
-  const auto runner = cpu::make_runner(runner_kind, threads);
+Frame draw_with(const Scene& scene, std::unique_ptr<cpu::Runner> runner) {
+  const cpu::Machine machine{std::move(runner)};
   if (const KernelField* kernels = scene.field.kernels())
-    return cpu::render(*kernels, scene.camera, scene.look, scene.options, {}, *runner);
-  return cpu::render(scene.lattice(), scene.camera, scene.look, scene.options, {}, *runner);
+    return cpu::render(*kernels, scene.camera, scene.look, scene.options, {}, machine);
+  return cpu::render(scene.lattice(), scene.camera, scene.look, scene.options, {}, machine);
 }
 
 // Bits, so that -0 and NaN count too.
@@ -175,15 +175,13 @@ Frame draw_with(const Scene& scene, const std::string& runner_kind, int threads)
 
 // Fails if a tile sees what another one, or an earlier frame, left behind.
 TEST(Invariance, ThreadsAndTheirOrder) {
-  const char* own = "";
-  const std::pair<const char*, int> runners[] = {{own, 2},       {own, 3},       {"threads", 1},
-                                                 {"threads", 2}, {"threads", 3}, {"shuffle", 1}};
   for (const auto& [name, scene] : scenes()) {
-    const Image expected = draw_with(scene, own, 1).image;
-    for (const auto& [kind, threads] : runners) {
-      EXPECT_TRUE(same_bits(draw_with(scene, kind, threads).image, expected))
-          << name << ", runner " << kind << ", threads " << threads;
-    }
+    const Image expected = draw_with(scene, cpu::make_runner(1)).image;
+    for (const int threads : {2, 3})
+      EXPECT_TRUE(same_bits(draw_with(scene, cpu::make_runner(threads)).image, expected))
+          << name << ", threads " << threads;
+    EXPECT_TRUE(same_bits(draw_with(scene, cpu::make_shuffled_runner()).image, expected))
+        << name << ", shuffled";
   }
 }
 
@@ -193,10 +191,12 @@ TEST(Invariance, ThreadsAndTheirOrderOnKernelSets) {
   for (const double fill : {1.3, 6.0}) {
     const Scene scene{field, askew_camera(field, false, fill), semi_transparent_look(0, 1),
                       picture(150, 140)};
-    const Image expected = draw_with(scene, "", 1).image;
-    for (const auto& [kind, threads] :
-         {std::pair("", 2), std::pair("threads", 3), std::pair("shuffle", 1)})
-      EXPECT_TRUE(same_bits(draw_with(scene, kind, threads).image, expected)) << kind;
+    const Image expected = draw_with(scene, cpu::make_runner(1)).image;
+    for (const int threads : {2, 3})
+      EXPECT_TRUE(same_bits(draw_with(scene, cpu::make_runner(threads)).image, expected))
+          << threads << " threads";
+    EXPECT_TRUE(same_bits(draw_with(scene, cpu::make_shuffled_runner()).image, expected))
+        << "shuffled";
   }
 }
 
@@ -219,7 +219,7 @@ TEST(Invariance, SkippingChangesNothing) {
   std::int64_t skipped_irrelevant = 0;
   std::int64_t skipped_opaque = 0;
   for (const auto& [name, scene] : scenes()) {
-    const Frame frame = draw_with(scene, "", 2);
+    const Frame frame = draw_with(scene, cpu::make_runner(2));
     skipped_irrelevant += frame.profile.blocks_skipped_irrelevant;
     skipped_opaque += frame.profile.blocks_skipped_opaque;
     for (const bool keeps_irrelevant : {true, false}) {
@@ -227,7 +227,7 @@ TEST(Invariance, SkippingChangesNothing) {
         Scene all = scene;
         all.options.skip_irrelevant = !keeps_irrelevant;
         all.options.stop_opaque = !keeps_opaque;
-        const Frame thorough = draw_with(all, "", 2);
+        const Frame thorough = draw_with(all, cpu::make_runner(2));
         EXPECT_TRUE(same_bits(frame.image, thorough.image))
             << name << (keeps_irrelevant ? ", nothing irrelevant" : "")
             << (keeps_opaque ? ", nothing opaque" : "");
@@ -249,8 +249,8 @@ TEST(Invariance, ProfilesChangeNothing) {
   for (const auto& [name, scene] : scenes()) {
     Scene timed = scene;
     timed.options.collect_profile = true;
-    const Frame frame = draw_with(timed, "", 2);
-    EXPECT_TRUE(same_bits(frame.image, draw_with(scene, "", 2).image)) << name;
+    const Frame frame = draw_with(timed, cpu::make_runner(2));
+    EXPECT_TRUE(same_bits(frame.image, draw_with(scene, cpu::make_runner(2)).image)) << name;
     EXPECT_FALSE(frame.profile.stages_ms.empty());
     EXPECT_EQ(frame.profile.backend, "cpu");
     EXPECT_EQ(frame.profile.threads, 2);
@@ -261,84 +261,44 @@ TEST(Invariance, ProfilesChangeNothing) {
 // draws by the size of bricks.
 TEST(Invariance, BricksOneAtATime) {
   for (const auto& [name, scene] : scenes()) {
-    const Image expected = draw_with(scene, "", 2).image;
+    const Image expected = draw_with(scene, cpu::make_runner(2)).image;
     for (const int edge : {4, 8, 16, 64}) {
       Scene bricked = scene;
       bricked.field = LatticeField(std::make_shared<OneBrickSource>(scene.lattice(), edge),
                                    scene.lattice().kernel(), scene.field.reconstruction());
-      EXPECT_TRUE(same_bits(draw_with(bricked, "", 2).image, expected))
+      EXPECT_TRUE(same_bits(draw_with(bricked, cpu::make_runner(2)).image, expected))
           << name << ", bricks of " << edge;
     }
   }
 }
 
-// ---- SIMD targets. A process chooses its target once, so each is drawn in a process of its own:
-// ---- a death test's statement, whose process starts afresh.
-
-class SimdTargetDeathTest : public ::testing::Test {
- protected:
-  void SetUp() override { GTEST_FLAG_SET(death_test_style, "threadsafe"); }
-  void TearDown() override { unsetenv("OVOID_TARGET"); }
-};
-
-// Draws all scenes; the process ends with 0 if `target` drew them and they agree.
-[[noreturn]] void draw_and_exit(const std::string& target) {
-  for (const auto& [name, scene] : scenes()) {
-    const Frame frame = draw(scene);
-    if (frame.profile.simd_target != target) {
-      fmt::print(stderr, "{}: drawn by target {}\n", name, frame.profile.simd_target);
-      std::exit(2);
-    }
-    if (scene.options.slab == Slab::kMean) continue;  // its reference takes long
-    const auto result = backends_agree(scene, target + ", " + name, 0);
-    if (!result) {
-      fmt::print(stderr, "{}\n", result.message());
-      std::exit(1);
-    }
-  }
-  std::exit(0);
-}
-
 // Fails if a target's code differs from the others' in what it computes, or is not run at all.
-TEST_F(SimdTargetDeathTest, EachAgreesWithTheReference) {
-  const std::vector<std::string> targets = simd_targets();
-  ASSERT_FALSE(targets.empty());
-  for (const std::string& target : targets) {
-    setenv("OVOID_TARGET", target.c_str(), 1);
-    EXPECT_EXIT(draw_and_exit(target), ::testing::ExitedWithCode(0), "") << target;
+TEST(SimdTargets, EachAgreesWithTheReference) {
+  ASSERT_FALSE(simd_targets().empty());
+  for (const auto& [name, scene] : scenes()) {
+    if (scene.options.slab == Slab::kMean) continue;  // its reference takes long
+    const Image expected = draw(scene, Backend::kReference).image;
+    for (const std::string& target : simd_targets()) {
+      Renderer renderer(
+          RendererSetup{.backend = Backend::kCpu, .threads = 2, .simd_target = target});
+      const Frame frame = renderer.render(scene.field, scene.camera, scene.look, scene.options);
+      EXPECT_EQ(frame.profile.simd_target, target) << name;
+      EXPECT_TRUE(images_agree(frame.image, expected, scene, target + ", " + name, 0));
+    }
   }
 }
 
 // Fails if a misspelt target falls back to another in silence.
-TEST_F(SimdTargetDeathTest, UnknownNameIsAnError) {
-  setenv("OVOID_TARGET", "mmx", 1);
-  EXPECT_EXIT(
-      {
-        try {
-          draw(small_scene(Mode::kComposite, true));
-        } catch (const Error& error) {
-          fmt::print(stderr, "{}\n", error.what());
-          std::exit(error.code() == ErrorCode::kInvalidArgument ? 3 : 4);
-        }
-        std::exit(5);
-      },
-      ::testing::ExitedWithCode(3), "OVOID_TARGET = mmx: must be one of .*scalar");
-}
-
-// Fails if the renderer takes its runner from elsewhere than the environment, or draws otherwise
-// with another one.
-TEST(Invariance, RunnerOfTheEnvironment) {
-  const Scene scene = small_scene(Mode::kComposite, true);
-  const Image expected = draw(scene).image;
-  for (const char* kind : {"threads", "shuffle"}) {
-    setenv("OVOID_RUNNER", kind, 1);
-    const Frame frame = draw(scene);
-    EXPECT_TRUE(same_bits(frame.image, expected)) << kind;
-    EXPECT_EQ(frame.profile.threads, std::string(kind) == "shuffle" ? 1 : 2);
+TEST(SimdTargets, UnknownNameIsAnError) {
+  try {
+    Renderer(RendererSetup{.backend = Backend::kCpu, .simd_target = "mmx"});
+    FAIL() << "nothing was thrown";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kInvalidArgument);
+    EXPECT_NE(std::string(error.what()).find("simd_target = mmx: must be one of "),
+              std::string::npos)
+        << error.what();
   }
-  setenv("OVOID_RUNNER", "looms", 1);
-  EXPECT_THROW(draw(scene), Error);
-  unsetenv("OVOID_RUNNER");
 }
 
 }  // namespace

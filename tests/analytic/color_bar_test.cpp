@@ -38,7 +38,7 @@ Image drawn_box(double value, const Look& look) {
 
 // Fails if bar and volume disagree: other light, other colour space, other row.
 TEST(ColorBarTruth, TheSwatchHasTheColourOfAThickBox) {
-  const double background[3] = {0.2, 0.4, 0.6};
+  const Rgb background{0.2, 0.4, 0.6};
   for (const char* const map : {"viridis", "cool-to-warm", "turbo"}) {
     for (const bool shade : {true, false}) {
       Look look = colorful_look(map, Mode::kComposite, shade);

@@ -23,7 +23,7 @@ namespace {
 
 constexpr int kWidth = 120;
 constexpr int kHeight = 96;
-constexpr double kBackground[3] = {0.06, 0.07, 0.10};
+constexpr Rgb kBackground{0.06, 0.07, 0.10};
 
 // Steps of 1/255. Float sums differ by 1e-6 between SIMD targets: one step at a tie of rounding,
 // and one more where an opacity of nearly nothing starts.

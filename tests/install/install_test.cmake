@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Installs the build tree into a fresh folder, then configures, builds and runs the examples against it and nothing else.
 # Fails if a header, a dependency of the package file or the program is missing from what gets installed.
-#   cmake -DSOURCE=... -DBUILD=... -DWORK=... -P install_test.cmake
+#   cmake -DSOURCE=... -DBUILD=... -DWORK=... [-DWIDE=-mavx] [-DVTK=ON] -P install_test.cmake
 
 file(REMOVE_RECURSE ${WORK})
 set(prefix ${WORK}/prefix)
@@ -54,3 +54,28 @@ expect_picture(${WORK}/gyroid.png)
 run(${WORK}/build/05_profile/profile ${volume})
 run(${WORK}/build/06_embedding/embedding ${volume} ${WORK}/embedded.png)
 expect_picture(${WORK}/embedded.png)
+run(${prefix}/bin/ovoid make blobs -o ${WORK}/blobs.ply)
+run(${WORK}/build/01_volume_to_png/volume_to_png ${WORK}/blobs.ply ${WORK}/blobs.png)
+expect_picture(${WORK}/blobs.png)
+if(VTK)  # ovoid-read is found from where the library lies
+  run(${prefix}/bin/ovoid make fin -o ${WORK}/fin.vtu)
+  run(${WORK}/build/01_volume_to_png/volume_to_png ${WORK}/fin.vtu ${WORK}/fin.png)
+  expect_picture(${WORK}/fin.png)
+endif()
+run(${WORK}/build/07_mesh/mesh ${WORK}/mesh.png)
+expect_picture(${WORK}/mesh.png)
+run(${WORK}/build/08_particles/particles ${WORK}/particles.png)
+expect_picture(${WORK}/particles.png)
+
+# A program built for wider registers than the library draws the same bytes: both see one layout of everything public.
+if(WIDE)
+  run(${CMAKE_COMMAND} -G Ninja -S ${SOURCE}/examples/07_mesh -B ${WORK}/wide
+      -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_BUILD_TYPE=Release "-DCMAKE_CXX_FLAGS=${FLAGS} ${WIDE}")
+  run(${CMAKE_COMMAND} --build ${WORK}/wide)
+  run(${WORK}/wide/mesh ${WORK}/wide.png)
+  file(SHA256 ${WORK}/mesh.png here)
+  file(SHA256 ${WORK}/wide.png wide)
+  if(NOT here STREQUAL wide)
+    message(FATAL_ERROR "a program built with ${WIDE} draws another picture")
+  endif()
+endif()

@@ -92,11 +92,15 @@ class NeedsDevice final : public ::testing::Environment {
  public:
   void SetUp() override {
     if (tested_backend() != Backend::kVulkan) return;
-    setenv("OVOID_VULKAN_VALIDATION", "1", 0);
-    const DeviceList list = list_devices();
+    const VulkanSetup validating{.validates = true};
+    const DeviceList list = list_devices(validating);
     const bool is_there = std::any_of(list.devices.begin(), list.devices.end(),
                                       [](const DeviceInfo& device) { return device.is_usable(); });
     if (!is_there) GTEST_SKIP() << "no Vulkan device: " << list.problem;
+    // The first of the process, which all others share the layer with; never destroyed.
+    static auto* const first =
+        new Renderer(RendererSetup{.backend = Backend::kVulkan, .vulkan = validating});
+    std::ignore = first;
   }
 };
 [[maybe_unused]] ::testing::Environment* const kNeedsDevice =
@@ -222,7 +226,12 @@ Frame draw(const Scene& scene, Backend backend) {
 ::testing::AssertionResult agrees_with(const Image& reference, const Scene& scene,
                                        const std::string& name, double least_covered,
                                        ImageTolerance tolerance) {
-  const Image image = draw(scene).image;
+  return images_agree(draw(scene).image, reference, scene, name, least_covered, tolerance);
+}
+
+::testing::AssertionResult images_agree(const Image& image, const Image& reference,
+                                        const Scene& scene, const std::string& name,
+                                        double least_covered, ImageTolerance tolerance) {
   if (scene.look.mode == Mode::kXray) {
     const double greatest = greatest_color(reference);
     tolerance.peak = greatest > 0 ? greatest : 1.0;

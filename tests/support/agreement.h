@@ -99,6 +99,11 @@ Frame draw(const Scene& scene, Backend backend = tested_backend());
                                        const std::string& name, double least_covered = 0.05,
                                        ImageTolerance tolerance = {});
 
+// The same with both pictures at hand.
+::testing::AssertionResult images_agree(const Image& image, const Image& reference,
+                                        const Scene& scene, const std::string& name,
+                                        double least_covered = 0.05, ImageTolerance tolerance = {});
+
 // Every way to evaluate the scene against one picture of the reference.
 void expect_agreement_however_evaluated(Scene scene, const std::string& name,
                                         double least_covered = 0.05);

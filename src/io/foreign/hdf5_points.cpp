@@ -190,14 +190,14 @@ class Hdf5Reader {
 
   std::vector<const Hdf5Dataset*> choose_values() const {
     std::vector<const Hdf5Dataset*> values;
-    if (options_.values.empty()) {
+    if (options_.hdf5.values.empty()) {
       for (const Hdf5Dataset& dataset : file_.datasets()) {
         if (dataset.group == positions_.group() && !is_positions(dataset) && has_rows(dataset))
           values.push_back(&dataset);
       }
       return values;
     }
-    for (const std::string& asked : options_.values) values.push_back(&asked_value(asked));
+    for (const std::string& asked : options_.hdf5.values) values.push_back(&asked_value(asked));
     return values;
   }
 
@@ -349,9 +349,9 @@ Dataset read_hdf5_points(const ByteSource& source, const ReadOptions& options) {
   dataset.source = source.name();
   dataset.format = "HDF5";
   dataset.kind = DatasetKind::kParticles;
-  Hdf5Positions positions = options.positions.empty()
+  Hdf5Positions positions = options.hdf5.positions.empty()
                                 ? find_hdf5_positions(file, source.name(), dataset.notes)
-                                : asked_positions(file, source.name(), options.positions);
+                                : asked_positions(file, source.name(), options.hdf5.positions);
   Hdf5Reader(file, options, std::move(positions), dataset).run();
   return dataset;
 }

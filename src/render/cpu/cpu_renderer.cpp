@@ -67,13 +67,14 @@ struct PreparedField {
 }  // namespace
 
 Frame render(const LatticeField& field, const Camera& camera, const Look& look,
-             const RenderOptions& options, const RenderHooks& hooks, Runner& runner,
+             const RenderOptions& options, const RenderHooks& hooks, const Machine& machine,
              const view::Behind* behind) {
   const Clock::time_point start = Clock::now();
   const std::uint64_t start_ticks = read_ticks();
+  Runner& runner = *machine.runner;
   Frame out;
   out.profile.backend = "cpu";
-  out.profile.simd_target = simd_target_in_use();
+  out.profile.simd_target = machine.target.name();
   out.profile.threads = runner.num_workers();
   out.profile.kernels_total = field.num_kernels();
   out.image = empty_image(options);
@@ -104,7 +105,7 @@ Frame render(const LatticeField& field, const Camera& camera, const Look& look,
     if (hooks.stop.stop_requested()) return;
     LatticeWorkspace& work = *workspaces[static_cast<std::size_t>(worker)];
     const TileRect& rect = tiles[static_cast<std::size_t>(task)];
-    render_patch(frame, work, rect);
+    render_patch(machine.target, frame, work, rect);
     finish_patch(frame, look, work, rect, out.image);
     watch.tile_done(rect, out.image);
   });

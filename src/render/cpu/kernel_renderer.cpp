@@ -12,9 +12,9 @@
 namespace ovoid::cpu {
 namespace {
 
-void draw_tile(const KernelFrame& frame, const Look& look, KernelWorkspace& work,
-               const TileRect& rect, Image& image) {
-  render_kernel_tile(frame, work, rect);
+void draw_tile(const SimdTarget& target, const KernelFrame& frame, const Look& look,
+               KernelWorkspace& work, const TileRect& rect, Image& image) {
+  render_kernel_tile(target, frame, work, rect);
   for (int sub = 0; sub < kSubtiles * kSubtiles; ++sub) {
     const int x = rect.x0 + sub % kSubtiles * kTileSize;
     const int y = rect.y0 + sub / kSubtiles * kTileSize;
@@ -43,12 +43,13 @@ std::unique_ptr<LevelBands> level_bands(PostConvolution how) {
 }
 
 Frame render(const KernelField& field, const Camera& camera, const Look& look,
-             const RenderOptions& options, const RenderHooks& hooks, Runner& runner) {
+             const RenderOptions& options, const RenderHooks& hooks, const Machine& machine) {
   const Clock::time_point start = Clock::now();
   const std::uint64_t start_ticks = read_ticks();
+  Runner& runner = *machine.runner;
   Frame out;
   out.profile.backend = "cpu";
-  out.profile.simd_target = simd_target_in_use();
+  out.profile.simd_target = machine.target.name();
   out.profile.threads = runner.num_workers();
   out.profile.kernels_total = field.num_kernels();
   out.image = empty_image(options);
@@ -77,7 +78,8 @@ Frame render(const KernelField& field, const Camera& camera, const Look& look,
   runner.run(static_cast<int>(tiles.size()), [&](int task, int worker) {
     if (hooks.stop.stop_requested()) return;
     const TileRect& rect = tiles[static_cast<std::size_t>(task)];
-    draw_tile(frame, look, *workspaces[static_cast<std::size_t>(worker)], rect, out.image);
+    draw_tile(machine.target, frame, look, *workspaces[static_cast<std::size_t>(worker)], rect,
+              out.image);
     watch.tile_done(rect, out.image);
   });
   if (hooks.stop.stop_requested()) throw Error(ErrorCode::kCancelled, "rendering was cancelled");

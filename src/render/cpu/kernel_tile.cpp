@@ -14,8 +14,9 @@ namespace ovoid::cpu {
 
 HWY_EXPORT(render_kernel_tile_on_target);
 
-void render_kernel_tile(const KernelFrame& frame, KernelWorkspace& work, const TileRect& rect) {
-  HWY_DYNAMIC_DISPATCH(render_kernel_tile_on_target)(frame, work, rect);
+void render_kernel_tile(const SimdTarget& target, const KernelFrame& frame, KernelWorkspace& work,
+                        const TileRect& rect) {
+  target.choose(HWY_DISPATCH_TABLE(render_kernel_tile_on_target))(frame, work, rect);
 }
 
 }  // namespace ovoid::cpu

@@ -1,31 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "render/cpu/runner.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
-#include <cstdlib>
 #include <exception>
 #include <mutex>
 #include <new>
 #include <numeric>
-#include <optional>
 #include <random>
 #include <system_error>
 #include <thread>
 #include <vector>
-
-#include "ovoid/error.h"
-
-#ifdef OVOID_TBB
-#include <tbb/global_control.h>
-#include <tbb/info.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-#endif
 
 namespace ovoid::cpu {
 namespace {
@@ -161,52 +148,14 @@ class ShuffleRunner final : public Runner {
   std::mt19937 random_{20061};
 };
 
-#ifdef OVOID_TBB
-// oneTBB ends the process where a thread cannot be made, which nothing can catch.
-class TbbRunner final : public Runner {
- public:
-  explicit TbbRunner(int num_threads) : arena_(num_threads), num_threads_(num_threads) {
-    // More threads than the machine has must be allowed first, else TBB refuses them, and says so
-    // on standard error. Never less: the least control of a process holds for all its arenas.
-    if (num_threads > tbb::info::default_concurrency()) {
-      more_threads_.emplace(tbb::global_control::max_allowed_parallelism, num_threads);
-    }
-  }
-  int num_wanted() const noexcept override { return num_threads_; }
-  int num_workers() override { return num_threads_; }
-  void run(int num_tasks, const Task& task) override {
-    arena_.execute([&] {
-      tbb::parallel_for(
-          0, num_tasks, [&](int i) { task(i, tbb::this_task_arena::current_thread_index()); },
-          tbb::simple_partitioner());
-    });
-  }
-
- private:
-  std::optional<tbb::global_control> more_threads_;
-  tbb::task_arena arena_;
-  int num_threads_;
-};
-#endif
-
 }  // namespace
 
-std::unique_ptr<Runner> make_runner(const std::string& kind, int num_threads) {
+std::unique_ptr<Runner> make_runner(int num_threads) {
   if (num_threads <= 0)
     num_threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  if (kind == "threads" || kind.empty()) return std::make_unique<ThreadRunner>(num_threads);
-  if (kind == "shuffle") return std::make_unique<ShuffleRunner>();
-#ifdef OVOID_TBB
-  if (kind == "tbb") return std::make_unique<TbbRunner>(num_threads);
-#endif
-  throw Error(
-      ErrorCode::kInvalidArgument,
-      fmt::format("OVOID_RUNNER = {}: must be tbb (if built in), threads or shuffle", kind));
+  return std::make_unique<ThreadRunner>(num_threads);
 }
 
-std::unique_ptr<Runner> make_runner(int num_threads) {
-  const char* kind = std::getenv("OVOID_RUNNER");
-  return make_runner(kind == nullptr ? "" : kind, num_threads);
-}
+std::unique_ptr<Runner> make_shuffled_runner() { return std::make_unique<ShuffleRunner>(); }
 
 }  // namespace ovoid::cpu

@@ -3,7 +3,6 @@
 
 #include <functional>
 #include <memory>
-#include <string>
 
 namespace ovoid::cpu {
 
@@ -25,10 +24,11 @@ class Runner {
   virtual void run(int num_tasks, const Task& task) = 0;
 };
 
-// Threads of its own; environment OVOID_RUNNER = threads | tbb (if the build has it) | shuffle
-// chooses. "tbb" ends the process where a thread cannot be made. "shuffle" runs the tasks one after
-// the other on the calling thread in a scrambled order: for tests of independence.
+// Threads of its own; 0: one per hardware thread.
 std::unique_ptr<Runner> make_runner(int num_threads);
-std::unique_ptr<Runner> make_runner(const std::string& kind, int num_threads);
+
+// The tasks one after the other on the calling thread in a scrambled order: for tests of
+// independence.
+std::unique_ptr<Runner> make_shuffled_runner();
 
 }  // namespace ovoid::cpu

@@ -54,11 +54,11 @@ bool device_has(VkPhysicalDevice device, const char* wanted) {
 
 }  // namespace
 
-std::shared_ptr<Device> Device::get(int index) {
+std::shared_ptr<Device> Device::get(int index, const VulkanSetup& setup) {
   static std::mutex mutex;
   static std::map<int, std::weak_ptr<Device>> known;
   const std::lock_guard lock(mutex);
-  std::shared_ptr<Instance> instance = Instance::get();
+  std::shared_ptr<Instance> instance = Instance::get(setup);
   index = checked_index(*instance, index);
   std::shared_ptr<Device> device = known[index].lock();
   if (!device || device->is_lost()) {

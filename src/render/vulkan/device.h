@@ -30,7 +30,7 @@ class Device {
   // `index` of the loader's list; -1: the first hardware device, else the first. Throws
   // Error(kUnsupported) if there is none or it lacks something, Error(kInvalidArgument) for an
   // index out of range.
-  static std::shared_ptr<Device> get(int index);
+  static std::shared_ptr<Device> get(int index, const VulkanSetup& setup);
   ~Device();
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <cstring>
 #include <utility>
 
@@ -18,21 +17,15 @@ namespace {
 
 constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
 
-bool is_set(const char* variable) {
-  const char* text = std::getenv(variable);
-  return text != nullptr && *text != '\0' && std::strcmp(text, "0") != 0;
-}
-
 [[noreturn]] void refuse(const std::string& why) {
   throw Error(ErrorCode::kUnsupported, "backend vulkan: " + why);
 }
 
-// The loader's library, by the environment's name or by those that systems give it.
-void* open_loader() {
-  const char* own = std::getenv("OVOID_VULKAN_LOADER");
-  if (own != nullptr && *own != '\0') {
-    if (void* library = dlopen(own, RTLD_NOW | RTLD_LOCAL)) return library;
-    refuse(fmt::format("OVOID_VULKAN_LOADER = {}: cannot be opened as a Vulkan loader", own));
+// The loader's library, by its own name or by those that systems give it.
+void* open_loader(const std::string& own) {
+  if (!own.empty()) {
+    if (void* library = dlopen(own.c_str(), RTLD_NOW | RTLD_LOCAL)) return library;
+    refuse(fmt::format("vulkan.loader = {}: cannot be opened as a Vulkan loader", own));
   }
 #if defined(__APPLE__)
   const char* const names[] = {"libvulkan.dylib", "libvulkan.1.dylib", "libMoltenVK.dylib"};
@@ -130,19 +123,20 @@ int compute_family(VkPhysicalDevice device) {
   return -1;
 }
 
-std::shared_ptr<Instance> Instance::get() {
+std::shared_ptr<Instance> Instance::get(const VulkanSetup& setup) {
   static std::mutex mutex;
   static std::weak_ptr<Instance> known;
   const std::lock_guard lock(mutex);
   std::shared_ptr<Instance> instance = known.lock();
   if (!instance) {
-    instance.reset(new Instance);
+    instance.reset(new Instance(setup));
     known = instance;
   }
   return instance;
 }
 
-Instance::Instance() : library_(open_loader()) {
+Instance::Instance(const VulkanSetup& setup)
+    : library_(open_loader(setup.loader)), validates_(setup.validates) {
   // Never closed: drivers leave threads and handlers behind.
   auto* const find =
       reinterpret_cast<PFN_vkGetInstanceProcAddr>(dlsym(library_, "vkGetInstanceProcAddr"));
@@ -161,12 +155,11 @@ Instance::Instance() : library_(open_loader()) {
 }
 
 void Instance::create() {
-  validates_ = is_set("OVOID_VULKAN_VALIDATION");
   std::vector<const char*> layers;
   std::vector<const char*> extensions;
   if (validates_) {
     if (!has_layer(kValidationLayer))
-      refuse("OVOID_VULKAN_VALIDATION is set, but the validation layer is not installed");
+      refuse("vulkan.validates is set, but the validation layer is not installed");
     layers.push_back(kValidationLayer);
     extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
   }

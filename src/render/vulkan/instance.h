@@ -12,13 +12,12 @@
 
 namespace ovoid::vulkan {
 
-// The process has one at a time, made by the first who needs it. Environment: OVOID_VULKAN_LOADER
-// names the loader's library (none: the system's); OVOID_VULKAN_VALIDATION=1 asks for the
-// validation layer, and for its check of synchronisation.
+// The process has one at a time, made by the first who needs it. The validation layer checks
+// synchronisation, too.
 class Instance {
  public:
   // Throws Error(kUnsupported): no loader, too old a one, the validation layer wanted and absent.
-  static std::shared_ptr<Instance> get();
+  static std::shared_ptr<Instance> get(const VulkanSetup& setup);
   ~Instance();
   Instance(const Instance&) = delete;
   Instance& operator=(const Instance&) = delete;
@@ -30,7 +29,7 @@ class Instance {
   std::vector<std::string> take_messages();
 
  private:
-  Instance();
+  explicit Instance(const VulkanSetup& setup);
   void create();
   void listen();
   static VkBool32 VKAPI_PTR hear(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
@@ -40,7 +39,7 @@ class Instance {
   void* library_ = nullptr;
   VkInstance instance_ = VK_NULL_HANDLE;
   VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
-  bool validates_ = false;
+  const bool validates_;
   std::vector<VkPhysicalDevice> devices_;
   std::mutex mutex_;
   std::vector<std::string> messages_;

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdlib>
 #include <filesystem>
 #include <limits>
 #include <optional>
@@ -26,18 +25,18 @@ double ms_since(Clock::time_point start) {
 }  // namespace
 
 struct VulkanRenderer::Impl {
-  int device_index;
-  std::uint64_t most_bytes;
+  const RendererSetup setup;
   bool has_drawn = false;
   std::optional<Workbench> bench;
   std::optional<LatticeRenderer> lattices;
   std::optional<KernelRenderer> kernels;
 
+  explicit Impl(const RendererSetup& of) : setup(of) {}
   void open() {
-    std::shared_ptr<Device> device = Device::get(device_index);
+    std::shared_ptr<Device> device = Device::get(setup.device, setup.vulkan);
     const std::uint64_t all = device->info().memory_bytes;
-    const auto bytes = most_bytes > 0
-                           ? most_bytes
+    const auto bytes = setup.device_memory > 0
+                           ? setup.device_memory
                            : static_cast<std::uint64_t>(kShareForFields * static_cast<double>(all));
     bench.emplace(std::move(device), bytes);
     lattices.emplace(*bench);
@@ -109,10 +108,7 @@ struct VulkanRenderer::Impl {
   }
 };
 
-VulkanRenderer::VulkanRenderer(int device, std::uint64_t most_bytes)
-    : impl_(std::make_unique<Impl>()) {
-  impl_->device_index = device;
-  impl_->most_bytes = most_bytes;
+VulkanRenderer::VulkanRenderer(const RendererSetup& setup) : impl_(std::make_unique<Impl>(setup)) {
   impl_->open();
 }
 
@@ -152,15 +148,13 @@ bool may_have_hardware() {
 
 }  // namespace
 
-bool has_device_for_auto() {
-  const char* takes = std::getenv("OVOID_AUTO_DEVICE");
-  const bool takes_any = takes != nullptr && std::string(takes) == "any";
-  if (!takes_any && !may_have_hardware()) return false;
+bool has_device_for_auto(const RendererSetup& setup) {
+  if (!setup.auto_takes_software && !may_have_hardware()) return false;
   try {
-    const std::shared_ptr<Instance> instance = Instance::get();
+    const std::shared_ptr<Instance> instance = Instance::get(setup.vulkan);
     for (int i = 0; i < static_cast<int>(instance->physical_devices().size()); ++i) {
       const DeviceInfo info = instance->info_of(i);
-      if ((takes_any || info.is_hardware()) && info.is_usable()) return true;
+      if ((setup.auto_takes_software || info.is_hardware()) && info.is_usable()) return true;
     }
   } catch (const Error&) {
     return false;

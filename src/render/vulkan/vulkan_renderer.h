@@ -13,10 +13,8 @@ namespace ovoid::vulkan {
 // frame at a time.
 class VulkanRenderer {
  public:
-  // `device`: index, or -1 for the first hardware device, else the first; `most_bytes`: of its
-  // memory for fields, 0 for most of it. Throws Error(kUnsupported) if there is none,
-  // Error(kInvalidArgument).
-  VulkanRenderer(int device, std::uint64_t most_bytes);
+  // Throws Error(kUnsupported) if there is no such device, Error(kInvalidArgument).
+  explicit VulkanRenderer(const RendererSetup& setup);
   ~VulkanRenderer();
   VulkanRenderer(const VulkanRenderer&) = delete;
   VulkanRenderer& operator=(const VulkanRenderer&) = delete;
@@ -33,8 +31,7 @@ class VulkanRenderer {
   std::unique_ptr<Impl> impl_;
 };
 
-// True if there is a hardware device that could be used; with OVOID_AUTO_DEVICE=any in the
-// environment, any device.
-bool has_device_for_auto();
+// True if there is a device that could be used and that kAuto takes.
+bool has_device_for_auto(const RendererSetup& setup);
 
 }  // namespace ovoid::vulkan

@@ -17,10 +17,11 @@ function(ovoid_precompile target owner)
   endif()
 endfunction()
 
-# ovoid_part(name DEPENDS parts... LINK libraries...): an object library of the folder's sources (x_test.cpp files belong to tests/).
+# ovoid_part(name FOLDERS folders... LINK libraries...): an object library of the sources in this folder and in those (x_test.cpp files belong to tests/).
 function(ovoid_part name)
-  cmake_parse_arguments(ARG "" "" "DEPENDS;LINK" ${ARGN})
-  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  cmake_parse_arguments(ARG "" "" "FOLDERS;LINK" ${ARGN})
+  list(TRANSFORM ARG_FOLDERS REPLACE "(.+)" "${CMAKE_CURRENT_SOURCE_DIR}/\\1/*.cpp" OUTPUT_VARIABLE patterns)
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp ${patterns})
   list(FILTER sources EXCLUDE REGEX "_test\\.cpp$")
   if(NOT sources)  # a part of headers alone; CMake wants at least one source
     set(sources ${CMAKE_CURRENT_BINARY_DIR}/${name}_headers_only.cpp)

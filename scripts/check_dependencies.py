@@ -44,7 +44,7 @@ ALLOWED = {
 # Third-party headers and the places that may see them, by prefix of the path.
 OUTSIDE = [
     ("VTK", re.compile(r"^vtk\w*\.h"), ("src/io/foreign/", "bench/")),
-    ("GDCM", re.compile(r"^gdcm\w*\.h"), ("src/io/foreign/", "src/io/test_dicom")),
+    ("GDCM", re.compile(r"^gdcm\w*\.h"), ("src/io/foreign/", "src/io/dicom/test_dicom")),
     ("Linux's sandboxes", re.compile(r"^(linux/landlock|seccomp)\.h"), ("apps/reader/",)),
     ("HDF5", re.compile(r"^hdf5\.h"), ("src/io/",)),
     ("Highway", re.compile(r"^hwy/"), ("src/render/cpu/", "bench/")),
@@ -77,7 +77,8 @@ def part_of(path):
     pieces = path.split("/")
     if pieces[0] != "src":
         return None
-    return "/".join(pieces[1:3]) if pieces[1] in ("render", "io") and len(pieces) > 3 else pieces[1]
+    is_part = pieces[1] == "render" or pieces[1:3] == ["io", "foreign"]  # io's other folders are one part
+    return "/".join(pieces[1:3]) if is_part and len(pieces) > 3 else pieces[1]
 
 
 def resolve(path, included):

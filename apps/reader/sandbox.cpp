@@ -12,7 +12,7 @@
 #include <cstdlib>
 
 #include "guarded_open.h"
-#include "io/reader_link.h"
+#include "io/reader/reader_link.h"
 
 // Sanitizers make calls of their own, at any time.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)

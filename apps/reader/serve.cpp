@@ -20,7 +20,7 @@
 #include <utility>
 
 #include "io/foreign/foreign_readers.h"
-#include "io/reader_messages.h"
+#include "io/reader/reader_messages.h"
 #include "ovoid/error.h"
 #include "sandbox.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "io/reader_link.h"
+#include "io/reader/reader_link.h"
 
 namespace ovoid::reader {
 

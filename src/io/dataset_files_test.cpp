@@ -6,8 +6,8 @@
 #include <numbers>
 #include <string>
 
-#include "io/test_folder.h"
-#include "io/test_volumes.h"
+#include "io/core/test_folder.h"
+#include "io/images/test_volumes.h"
 #include "ovoid/io.h"
 
 namespace ovoid::io {

@@ -4,14 +4,14 @@
 #include <cstddef>
 #include <filesystem>
 
-#include "io/dicom_elements.h"
-#include "io/metaimage_header.h"
-#include "io/nifti_header.h"
-#include "io/npy.h"
-#include "io/nrrd_header.h"
-#include "io/ply_header.h"
-#include "io/slc.h"
-#include "io/text_scanner.h"
+#include "io/core/text_scanner.h"
+#include "io/dicom/dicom_elements.h"
+#include "io/images/metaimage_header.h"
+#include "io/images/nifti_header.h"
+#include "io/images/npy.h"
+#include "io/images/nrrd_header.h"
+#include "io/images/slc.h"
+#include "io/points/ply_header.h"
 
 namespace ovoid::io {
 namespace {

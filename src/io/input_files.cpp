@@ -13,15 +13,15 @@
 #include <system_error>
 #include <utility>
 
-#include "io/data_files.h"
-#include "io/dicom.h"
+#include "io/core/text_scanner.h"
+#include "io/dicom/dicom.h"
 #include "io/formats.h"
-#include "io/mesh_files.h"
-#include "io/metaimage_header.h"
-#include "io/nifti.h"
-#include "io/nrrd_header.h"
-#include "io/text_scanner.h"
-#include "io/vtk_set_files.h"
+#include "io/images/data_files.h"
+#include "io/images/metaimage_header.h"
+#include "io/images/nifti.h"
+#include "io/images/nrrd_header.h"
+#include "io/meshes/mesh_files.h"
+#include "io/vtk/vtk_set_files.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {

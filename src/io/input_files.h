@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "io/byte_source.h"
+#include "io/core/byte_source.h"
 #include "ovoid/io.h"
 
 namespace ovoid::io {

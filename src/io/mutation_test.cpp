@@ -14,9 +14,9 @@
 
 #include "fuzz/seeds.h"
 #include "fuzz/targets.h"
-#include "io/reader_session.h"
-#include "io/test_folder.h"
-#include "io/test_volumes.h"
+#include "io/core/test_folder.h"
+#include "io/images/test_volumes.h"
+#include "io/reader/reader_session.h"
 #include "ovoid/io.h"
 
 namespace ovoid::io {

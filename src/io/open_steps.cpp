@@ -5,8 +5,8 @@
 #include <numeric>
 #include <utility>
 
-#include "io/byte_source.h"
-#include "io/reader_session.h"
+#include "io/core/byte_source.h"
+#include "io/reader/reader_session.h"
 #include "io/step_times.h"
 #include "ovoid/error.h"
 #include "ovoid/io.h"

@@ -13,10 +13,10 @@
 #include <utility>
 #include <vector>
 
+#include "io/core/test_data.h"
+#include "io/core/test_folder.h"
+#include "io/images/test_volumes.h"
 #include "io/step_times.h"
-#include "io/test_data.h"
-#include "io/test_folder.h"
-#include "io/test_volumes.h"
 #include "ovoid/io.h"
 #include "ovoid/series.h"
 

@@ -4,10 +4,10 @@
 #include <fmt/format.h>
 
 #include "data/bookkeeping.h"
-#include "io/byte_source.h"
+#include "io/core/byte_source.h"
+#include "io/core/sample_parts.h"
 #include "io/input_files.h"
 #include "io/read_source.h"
-#include "io/sample_parts.h"
 #include "io/step_outline.h"
 #include "ovoid/error.h"
 

@@ -5,11 +5,11 @@
 
 #include <cmath>
 
-#include "io/byte_stream.h"
+#include "io/core/byte_stream.h"
+#include "io/core/number_fields.h"
+#include "io/core/text_scanner.h"
+#include "io/core/xml_tags.h"
 #include "io/formats.h"
-#include "io/number_fields.h"
-#include "io/text_scanner.h"
-#include "io/xml_tags.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {

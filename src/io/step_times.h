@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "io/byte_source.h"
+#include "io/core/byte_source.h"
 
 namespace ovoid::io {
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "io/test_data.h"
-#include "io/test_folder.h"
+#include "io/core/test_data.h"
+#include "io/core/test_folder.h"
 #include "ovoid/error.h"
 #include "ovoid/io.h"
 

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "io/test_data.h"
+#include "io/core/test_data.h"
 #include "ovoid/error.h"
 #include "ovoid/io.h"
 #include "ovoid/model.h"

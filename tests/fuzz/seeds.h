@@ -19,10 +19,10 @@
 #include <system_error>
 #include <vector>
 
-#include "io/npy.h"
-#include "io/test_deflate.h"
-#include "io/test_dicom.h"
-#include "io/test_dicom_streams.h"
+#include "io/core/test_deflate.h"
+#include "io/dicom/test_dicom.h"
+#include "io/dicom/test_dicom_streams.h"
+#include "io/images/npy.h"
 #include "ovoid/error.h"
 #include "ovoid/lattice_file.h"
 

@@ -20,13 +20,13 @@
 #include <vector>
 
 #include "data/relevant_runs.h"
-#include "io/byte_source.h"
-#include "io/dicom_codec.h"
+#include "io/core/byte_source.h"
+#include "io/dicom/dicom_codec.h"
 #include "io/foreign/foreign_readers.h"
 #include "io/foreign/gdcm_codec.h"
 #include "io/foreign/netcdf_header.h"
 #include "io/foreign/vtk_header.h"
-#include "io/plot3d.h"
+#include "io/meshes/plot3d.h"
 #include "io/read_source.h"
 #include "ovoid/dataset.h"
 #include "ovoid/error.h"

@@ -3,8 +3,8 @@
 
 #include <memory>
 
-#include "io/byte_source.h"
-#include "io/dicom.h"
+#include "io/core/byte_source.h"
+#include "io/dicom/dicom.h"
 #include "io/foreign/gdcm_codec.h"
 #include "io/foreign/hdf5_lattice.h"
 #include "io/foreign/hdf5_points.h"

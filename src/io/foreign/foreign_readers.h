@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "io/reader_messages.h"
+#include "io/reader/reader_messages.h"
 #include "ovoid/dataset.h"
 
 namespace ovoid::io {

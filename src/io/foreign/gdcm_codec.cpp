@@ -16,7 +16,7 @@
 #include <span>
 #include <vector>
 
-#include "io/dicom_codec.h"
+#include "io/dicom/dicom_codec.h"
 
 namespace ovoid::io {
 namespace {

@@ -9,10 +9,10 @@
 #include <type_traits>
 
 #include "data/scalar_visit.h"
-#include "io/foreign/hdf5_storage.h"
+#include "io/core/samples.h"
 #include "io/foreign/hdf5_handle.h"
-#include "io/hdf5_lattice_format.h"
-#include "io/samples.h"
+#include "io/foreign/hdf5_storage.h"
+#include "io/hdf5/hdf5_lattice_format.h"
 
 namespace ovoid::io {
 namespace {

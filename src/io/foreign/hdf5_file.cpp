@@ -11,7 +11,7 @@
 #include <type_traits>
 
 #include "data/scalar_visit.h"
-#include "io/point_arrays.h"
+#include "io/core/point_arrays.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {

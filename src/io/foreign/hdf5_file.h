@@ -12,10 +12,10 @@
 #include <string>
 #include <vector>
 
-#include "io/byte_source.h"
-#include "io/foreign/hdf5_storage.h"
+#include "io/core/byte_source.h"
+#include "io/core/samples.h"
 #include "io/foreign/hdf5_handle.h"
-#include "io/samples.h"
+#include "io/foreign/hdf5_storage.h"
 #include "ovoid/dataset.h"
 
 namespace ovoid::io {

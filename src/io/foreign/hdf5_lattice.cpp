@@ -17,13 +17,13 @@
 #include "data/relevant_runs.h"
 #include "data/scalar_visit.h"
 #include "data/varies.h"
+#include "io/core/point_arrays.h"
+#include "io/core/sample_parts.h"
+#include "io/core/samples.h"
 #include "io/foreign/hdf5_attributes.h"
 #include "io/foreign/hdf5_file.h"
 #include "io/foreign/hdf5_storage.h"
-#include "io/hdf5_lattice_format.h"
-#include "io/point_arrays.h"
-#include "io/sample_parts.h"
-#include "io/samples.h"
+#include "io/hdf5/hdf5_lattice_format.h"
 #endif
 
 namespace ovoid::io {

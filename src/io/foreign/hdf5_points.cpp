@@ -19,11 +19,11 @@
 #include <vector>
 
 #include "data/scalar_visit.h"
+#include "io/core/point_arrays.h"
+#include "io/core/samples.h"
+#include "io/core/text_scanner.h"
 #include "io/foreign/hdf5_file.h"
-#include "io/point_arrays.h"
-#include "io/point_columns.h"
-#include "io/samples.h"
-#include "io/text_scanner.h"
+#include "io/points/point_columns.h"
 #endif
 
 namespace ovoid::io {

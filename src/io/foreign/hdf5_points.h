@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "io/byte_source.h"
+#include "io/core/byte_source.h"
 #include "ovoid/dataset.h"
 #include "ovoid/io.h"
 

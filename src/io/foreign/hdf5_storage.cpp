@@ -10,7 +10,7 @@
 #include <cstring>
 #include <span>
 
-#include "io/decompressors.h"
+#include "io/core/decompressors.h"
 #include "io/foreign/hdf5_file.h"
 #include "ovoid/error.h"
 

@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "io/byte_source.h"
-#include "io/samples.h"
+#include "io/core/byte_source.h"
+#include "io/core/samples.h"
 #include "ovoid/lattice.h"
 
 namespace ovoid::io {

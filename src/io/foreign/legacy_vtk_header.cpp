@@ -14,11 +14,11 @@
 #include <string_view>
 #include <vector>
 
+#include "io/core/samples.h"
+#include "io/core/text_scanner.h"
 #include "io/foreign/legacy_vtk_types.h"
 #include "io/foreign/vtk_header.h"
 #include "io/foreign/vtk_header_parts.h"
-#include "io/samples.h"
-#include "io/text_scanner.h"
 
 namespace ovoid::io {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "io/foreign/vtk_header.h"
-#include "io/test_volumes.h"
+#include "io/images/test_volumes.h"
 
 namespace ovoid::io {
 namespace {

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "io/text_scanner.h"
+#include "io/core/text_scanner.h"
 
 namespace ovoid::io {
 

@@ -6,9 +6,9 @@
 #include <filesystem>
 #include <string>
 
+#include "io/core/text_scanner.h"
 #include "io/foreign/netcdf_header.h"
 #include "io/formats.h"
-#include "io/text_scanner.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {

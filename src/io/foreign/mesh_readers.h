@@ -2,8 +2,8 @@
 // Readers of meshes that are not VTK's own text formats; all stand on VTK's.
 #pragma once
 
-#include "io/byte_source.h"
-#include "io/mesh_files.h"
+#include "io/core/byte_source.h"
+#include "io/meshes/mesh_files.h"
 #include "ovoid/dataset.h"
 #include "ovoid/io.h"
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "io/samples.h"
+#include "io/core/samples.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {

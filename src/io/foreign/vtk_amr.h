@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "io/amr_boxes.h"
+#include "io/meshes/amr_boxes.h"
 
 // NOLINTBEGIN(cppcoreguidelines-virtual-class-destructor): VTK counts references
 class vtkImageData;

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "io/byte_source.h"
+#include "io/core/byte_source.h"
 
 namespace ovoid::io {
 

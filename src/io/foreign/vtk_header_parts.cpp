@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "io/samples.h"
+#include "io/core/samples.h"
 
 namespace ovoid::io {
 

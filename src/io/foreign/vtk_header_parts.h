@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <string>
 
-#include "io/byte_source.h"
+#include "io/core/byte_source.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {

@@ -17,13 +17,13 @@
 
 #include <vector>
 
+#include "io/core/samples.h"
 #include "io/foreign/vtk_leaf.h"
 #include "io/foreign/vtk_mesh.h"
 #include "io/foreign/vtk_reading.h"
 #include "io/foreign/vtk_timed.h"
-#include "io/mesh_parts.h"
-#include "io/rectilinear.h"
-#include "io/samples.h"
+#include "io/meshes/mesh_parts.h"
+#include "io/vtk/rectilinear.h"
 
 namespace ovoid::io {
 namespace {

@@ -2,7 +2,7 @@
 // VTK files of one data set, XML or legacy, through VTK's own readers.
 #pragma once
 
-#include "io/byte_source.h"
+#include "io/core/byte_source.h"
 #include "io/formats.h"
 #include "ovoid/dataset.h"
 #include "ovoid/io.h"

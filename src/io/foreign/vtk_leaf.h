@@ -4,7 +4,7 @@
 #include <vtkDataSet.h>
 #include <vtkSmartPointer.h>
 
-#include "io/byte_source.h"
+#include "io/core/byte_source.h"
 #include "io/foreign/vtk_header.h"
 #include "io/foreign/vtk_reading.h"
 #include "ovoid/io.h"

@@ -28,8 +28,8 @@
 #include <utility>
 
 #include "data/cell_builder.h"
+#include "io/core/samples.h"
 #include "io/foreign/vtk_reading.h"
-#include "io/samples.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {

@@ -18,8 +18,8 @@
 #include <filesystem>
 #include <new>
 
+#include "io/core/samples.h"
 #include "io/foreign/vtk_messages.h"
-#include "io/samples.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {

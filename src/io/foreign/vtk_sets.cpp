@@ -17,8 +17,8 @@
 #include "io/foreign/vtk_mesh.h"
 #include "io/foreign/vtk_reading.h"
 #include "io/formats.h"
-#include "io/mesh_steps.h"
-#include "io/vtk_set_files.h"
+#include "io/meshes/mesh_steps.h"
+#include "io/vtk/vtk_set_files.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {

@@ -14,7 +14,7 @@
 
 #include "io/foreign/vtk_mesh.h"
 #include "io/foreign/vtk_reading.h"
-#include "io/mesh_steps.h"
+#include "io/meshes/mesh_steps.h"
 
 namespace ovoid::io {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "io/byte_source.h"
-#include "io/mesh_parts.h"
+#include "io/core/byte_source.h"
+#include "io/meshes/mesh_parts.h"
 #include "ovoid/dataset.h"
 #include "ovoid/io.h"
 

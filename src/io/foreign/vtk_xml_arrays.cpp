@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <array>
 
+#include "io/core/samples.h"
 #include "io/foreign/vtk_header_parts.h"
-#include "io/samples.h"
 
 namespace ovoid::io {
 namespace {

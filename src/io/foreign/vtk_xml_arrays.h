@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
-#include "io/byte_source.h"
-#include "io/text_scanner.h"
+#include "io/core/byte_source.h"
+#include "io/core/text_scanner.h"
 
 namespace ovoid::io {
 

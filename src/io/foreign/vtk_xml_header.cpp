@@ -13,11 +13,11 @@
 #include <utility>
 #include <vector>
 
+#include "io/core/samples.h"
+#include "io/core/text_scanner.h"
+#include "io/core/xml_tags.h"
 #include "io/foreign/vtk_header_parts.h"
 #include "io/foreign/vtk_xml_arrays.h"
-#include "io/samples.h"
-#include "io/text_scanner.h"
-#include "io/xml_tags.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {

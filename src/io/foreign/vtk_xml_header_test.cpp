@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "io/test_deflate.h"
-#include "io/test_volumes.h"
-#include "io/xml_tags.h"
+#include "io/core/test_deflate.h"
+#include "io/core/xml_tags.h"
+#include "io/images/test_volumes.h"
 
 namespace ovoid::io {
 namespace {

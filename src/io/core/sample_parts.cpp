@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/core/sample_parts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <optional>
+
+#include "data/varies.h"
+#include "io/core/memory.h"
+#include "io/core/samples.h"
+#include "ovoid/error.h"
+
+namespace ovoid::io {
+namespace {
+
+// All parts as one stream.
+class PartsStream {
+ public:
+  PartsStream(const SampleParts& parts, ReadProgress& progress, std::vector<std::string>& notes)
+      : parts_(parts), progress_(progress), notes_(notes) {}
+
+  void append(std::int64_t count, SampleBuffer& out) {
+    pass(count, [&](SampleStream& stream, std::int64_t piece) { stream.append(piece, out); });
+  }
+  void skip(std::int64_t count) {
+    pass(count, [](SampleStream& stream, std::int64_t piece) { stream.skip(piece); });
+  }
+
+ private:
+  template <typename Action>
+  void pass(std::int64_t count, const Action& action) {
+    while (count > 0) {
+      if (!stream_) {
+        part_ = parts_.open(index_);
+        stream_ =
+            open_samples(*part_.source, part_.offset, parts_.encoding, parts_.each, progress_);
+        num_left_ = parts_.each.num_bytes;
+      }
+      const std::int64_t piece = std::min(count, num_left_);
+      action(*stream_, piece);
+      count -= piece;
+      num_left_ -= piece;
+      if (num_left_ > 0) continue;
+      stream_->finish(notes_);
+      stream_.reset();
+      part_ = {};
+      ++index_;
+    }
+  }
+
+  const SampleParts& parts_;
+  ReadProgress& progress_;
+  std::vector<std::string>& notes_;
+  std::int64_t index_ = 0;
+  std::int64_t num_left_ = 0;
+  SamplePart part_;
+  std::unique_ptr<SampleStream> stream_;
+};
+
+// Bytes of the files, for progress; throws if one is not there or too small.
+std::int64_t check_parts(const SampleParts& parts, const ReadOptions& options) {
+  std::int64_t num_stored = 0;
+  for (std::int64_t i = 0; i < parts.count; ++i) {
+    const SamplePart part = parts.open(i);
+    check_plausible(*part.source, part.offset, parts.encoding, parts.each);
+    num_stored += part.source->size() - part.offset;
+    if (options.stop.stop_requested())
+      throw Error(ErrorCode::kCancelled, "reading: stopped by the caller");
+  }
+  return num_stored;
+}
+
+class StepReader {
+ public:
+  StepReader(const SampleParts& parts, const StepLayout& layout, ReadProgress& progress,
+             std::vector<std::string>& notes)
+      : parts_(parts), layout_(layout), stream_(parts, progress, notes) {}
+
+  std::int64_t plane_bytes() const {
+    return is_planar() ? layout_.num_bytes / layout_.num_components : layout_.num_bytes;
+  }
+  bool is_planar() const { return layout_.order == StepLayout::Order::kPlanar; }
+
+  void read(std::int64_t step, SampleBuffer& samples) {
+    if (parts_.encoding == Encoding::kRaw) samples.reserve(layout_.num_bytes);
+    stream_.skip(step * plane_bytes());
+    append_plane(samples);
+    append_other_planes(samples);
+  }
+
+  // Reads the first that varies, in one pass over the file.
+  std::optional<std::int64_t> find(SampleBuffer& samples) {
+    for (std::int64_t step = 0; step < layout_.num_steps; ++step) {
+      append_plane(samples);
+      if (does_vary(samples)) {
+        append_other_planes(samples);
+        return step;
+      }
+      samples.shrink(samples.size());
+    }
+    return std::nullopt;
+  }
+
+ private:
+  void append_plane(SampleBuffer& samples) {
+    const auto begin = static_cast<std::size_t>(samples.size());
+    stream_.append(plane_bytes(), samples);
+    const bool is_native_big = std::endian::native == std::endian::big;
+    if (parts_.encoding != Encoding::kText && layout_.is_big_endian != is_native_big)
+      swap_bytes(samples.bytes().subspan(begin), size_of(layout_.type));
+  }
+
+  // The step's samples of the other components, each behind the other steps of the one before.
+  void append_other_planes(SampleBuffer& samples) {
+    for (int i = 1; is_planar() && i < layout_.num_components; ++i) {
+      stream_.skip((layout_.num_steps - 1) * plane_bytes());
+      append_plane(samples);
+    }
+  }
+
+  bool does_vary(SampleBuffer& samples) const {
+    DataArray array;
+    array.type = layout_.type;
+    array.num_components = is_planar() ? 1 : layout_.num_components;
+    array.bytes.view = samples.bytes();
+    return data::varies(array);
+  }
+
+  const SampleParts& parts_;
+  const StepLayout& layout_;
+  PartsStream stream_;
+};
+
+// [num_components, num_samples] to [num_samples, num_components].
+Bytes interleave(SampleBuffer& planar, std::size_t sample_size, std::int64_t num_components) {
+  SampleBuffer samples;
+  std::byte* const out = samples.extend(planar.size(), planar.size()).data();
+  const std::byte* in = planar.bytes().data();
+  const auto tuple_size = static_cast<std::size_t>(num_components) * sample_size;
+  const std::size_t num_tuples = static_cast<std::size_t>(planar.size()) / tuple_size;
+  for (std::size_t c = 0; c < static_cast<std::size_t>(num_components); ++c) {
+    for (std::size_t i = 0; i < num_tuples; ++i, in += sample_size)
+      std::memcpy(out + i * tuple_size + c * sample_size, in, sample_size);
+  }
+  return samples.release();
+}
+
+}  // namespace
+
+StepSamples read_step(const SampleParts& parts, const StepLayout& layout,
+                      const ReadOptions& options, std::vector<std::string>& notes) {
+  const std::string& name = parts.each.header;
+  if (options.step) check_step(name, *options.step, layout.num_steps);
+  ReadProgress progress(options, check_parts(parts, options));
+  const bool is_planar = layout.order == StepLayout::Order::kPlanar && layout.num_components > 1;
+  // Planes are put together in memory of their own.
+  require_memory(fmt::format("{}: {}", name, parts.each.layout),
+                 layout.num_bytes * (is_planar ? 2 : 1));
+  SampleBuffer samples;
+  StepSamples result;
+  std::optional<std::int64_t> found;
+  std::vector<std::string> stream_notes;
+  if (!options.step && layout.num_steps > 1) {
+    found = StepReader(parts, layout, progress, stream_notes).find(samples);
+    if (found) stream_notes.push_back(chosen_step_note(name, *found, layout.num_steps));
+  }
+  result.step = found.value_or(options.step.value_or(0));
+  if (!found) {
+    stream_notes.clear();  // of a vain search
+    StepReader(parts, layout, progress, stream_notes).read(result.step, samples);
+  }
+  notes.insert(notes.end(), stream_notes.begin(), stream_notes.end());
+  result.bytes = is_planar ? interleave(samples, size_of(layout.type), layout.num_components)
+                           : samples.release();
+  return result;
+}
+
+void check_num_steps(const std::string& where, std::int64_t num_steps) {
+  constexpr std::int64_t kMaxNumSteps = 1'000'000;
+  if (num_steps <= kMaxNumSteps) return;
+  throw Error(ErrorCode::kUnsupported, fmt::format("{}: {} time steps: expected at most {}", where,
+                                                   num_steps, kMaxNumSteps));
+}
+
+std::string chosen_step_note(const std::string& name, std::int64_t step, std::int64_t num_steps) {
+  return fmt::format("{}: step {} of {}, the first that varies; choose with --step", name, step,
+                     num_steps);
+}
+
+void check_step(const std::string& name, std::int64_t step, std::int64_t num_steps) {
+  if (step >= 0 && step < num_steps) return;
+  throw Error(ErrorCode::kInvalidArgument,
+              fmt::format("{}: step {}: expected 0 to {}", name, step, num_steps - 1));
+}
+
+}  // namespace ovoid::io

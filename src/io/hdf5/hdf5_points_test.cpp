@@ -1,0 +1,331 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/foreign/hdf5_points.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "io/core/test_folder.h"
+#include "io/images/test_volumes.h"
+#include "ovoid/io.h"
+
+#ifdef OVOID_IO_HDF5
+#include <hdf5.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <random>
+
+#include "fuzz/targets.h"
+#include "io/foreign/hdf5_file.h"
+#include "io/meshes/mesh_files.h"
+#include "io/reader/reader_session.h"
+
+namespace ovoid::io {
+namespace {
+
+using Floats = std::vector<float>;
+
+// A file, group by group, written through the library.
+class Hdf5Maker {
+ public:
+  explicit Hdf5Maker(const std::string& path)
+      : file_(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose) {}
+
+  Hdf5Maker& group(const std::string& path) {
+    H5Gclose(H5Gcreate2(file_.get(), path.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+    return *this;
+  }
+  // Floats counted from 1, or with a chunk deflated.
+  Hdf5Maker& floats(const std::string& path, const std::vector<hsize_t>& dims,
+                    const std::vector<hsize_t>& chunk = {}) {
+    hsize_t count = 1;
+    for (const hsize_t dim : dims) count *= dim;
+    const auto values = counting<float>(count);
+    const Hdf5Handle plist(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+    if (!chunk.empty()) {
+      H5Pset_chunk(plist.get(), static_cast<int>(chunk.size()), chunk.data());
+      H5Pset_deflate(plist.get(), 6);
+    }
+    const Hdf5Handle space(H5Screate_simple(static_cast<int>(dims.size()), dims.data(), nullptr),
+                           H5Sclose);
+    const Hdf5Handle dataset(H5Dcreate2(file_.get(), path.c_str(), H5T_IEEE_F32BE, space.get(),
+                                        H5P_DEFAULT, plist.get(), H5P_DEFAULT),
+                             H5Dclose);
+    H5Dwrite(dataset.get(), H5T_NATIVE_FLOAT, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
+    return *this;
+  }
+  // A dataset whose numbers were never written.
+  Hdf5Maker& claim(const std::string& path, const std::vector<hsize_t>& dims,
+                   const std::vector<hsize_t>& chunk) {
+    const Hdf5Handle plist(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+    if (!chunk.empty()) H5Pset_chunk(plist.get(), static_cast<int>(chunk.size()), chunk.data());
+    const Hdf5Handle space(H5Screate_simple(static_cast<int>(dims.size()), dims.data(), nullptr),
+                           H5Sclose);
+    const Hdf5Handle dataset(H5Dcreate2(file_.get(), path.c_str(), H5T_IEEE_F64LE, space.get(),
+                                        H5P_DEFAULT, plist.get(), H5P_DEFAULT),
+                             H5Dclose);
+    return *this;
+  }
+  Hdf5Maker& attribute(const std::string& object, const char* name,
+                       const std::vector<double>& values) {
+    const hsize_t size = values.size();
+    const Hdf5Handle space(H5Screate_simple(1, &size, nullptr), H5Sclose);
+    const Hdf5Handle made(H5Acreate_by_name(file_.get(), object.c_str(), name, H5T_NATIVE_DOUBLE,
+                                            space.get(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+                          H5Aclose);
+    H5Awrite(made.get(), H5T_NATIVE_DOUBLE, values.data());
+    return *this;
+  }
+
+ private:
+  Hdf5Handle file_;
+};
+
+std::vector<std::string> array_names(const Dataset& dataset) {
+  std::vector<std::string> names;
+  for (const DataArray& array : dataset.arrays) names.push_back(array.name);
+  return names;
+}
+
+std::string hdf5_error(const std::string& path, const ReadOptions& options = {}) {
+  const std::string message = error_of([&] { read_dataset({path}, options); });
+  const auto at = message.find(path);
+  return at == std::string::npos ? message
+                                 : message.substr(0, at) + "F" + message.substr(at + path.size());
+}
+
+TEST(Hdf5Points, GadgetSnapshot) {
+  const TestFolder folder;
+  const std::string path = folder.file("a.hdf5");
+  Hdf5Maker(path)
+      .group("/Header")
+      .attribute("/Header", "BoxSize", {100})
+      .attribute("/Header", "MassTable", {0, 2.5, 0, 0, 0, 0})
+      .group("/PartType0")
+      .floats("/PartType0/Coordinates", {4, 3}, {2, 3})
+      .floats("/PartType0/Density", {4})
+      .floats("/PartType0/Velocities", {4, 3})
+      .floats("/PartType0/Other", {5})
+      .group("/PartType1")
+      .floats("/PartType1/Coordinates", {2, 3})
+      .group("/PartType4")
+      .floats("/PartType4/Coordinates", {1, 3});
+  const Dataset gas = read_dataset({path});
+  EXPECT_EQ(gas.kind, DatasetKind::kParticles);
+  EXPECT_EQ(values_of<float>(gas.positions), counting<float>(12));
+  EXPECT_EQ(array_names(gas), (std::vector<std::string>{"Density", "Velocities"}));
+  EXPECT_EQ(gas.array("Velocities").num_components, 3);
+  ASSERT_TRUE(gas.periodic_box.has_value());
+  EXPECT_EQ(gas.periodic_box->max(), Vec3(100, 100, 100));
+  ASSERT_EQ(gas.notes.size(), 1U);
+  ReadOptions options;
+  options.hdf5.positions = "PartType1/Coordinates";
+  const Dataset halo = read_dataset({path}, options);
+  EXPECT_EQ(values_of<float>(halo.array("mass")), (Floats{2.5F, 2.5F}));
+  options.hdf5.positions = "/PartType0/Coordinates";
+  options.hdf5.values = {"Density"};
+  EXPECT_EQ(array_names(read_dataset({path}, options)), std::vector<std::string>{"Density"});
+  options.hdf5.values = {"Other"};
+  EXPECT_EQ(hdf5_error(path, options),
+            "invalid-argument: F: values 'Other': has shape [5]: expected 4 rows of numbers");
+}
+
+TEST(Hdf5Points, OneDatasetPerAxisAndTransposed) {
+  const TestFolder folder;
+  const std::string path = folder.file("a.h5");
+  Hdf5Maker(path).floats("/x", {4}).floats("/y", {4}).floats("/Z", {4}).floats("/v", {4});
+  const Dataset dataset = read_dataset({path});
+  EXPECT_EQ(values_of<double>(dataset.positions),
+            (std::vector<double>{1, 1, 1, 2, 2, 2, 3, 3, 3, 4, 4, 4}));
+  EXPECT_EQ(array_names(dataset), std::vector<std::string>{"v"});
+  Hdf5Maker(path).floats("/pos", {3, 4});
+  EXPECT_EQ(values_of<float>(read_dataset({path}).positions),
+            (Floats{1, 5, 9, 2, 6, 10, 3, 7, 11, 4, 8, 12}));
+}
+
+TEST(Hdf5Points, BoxOfOthersIsNotPeriodic) {
+  const TestFolder folder;
+  const std::string path = folder.file("a.h5");
+  Hdf5Maker(path).group("/Header").attribute("/Header", "BoxSize", {2}).floats("/pos", {2, 3});
+  const Dataset dataset = read_dataset({path});
+  EXPECT_FALSE(dataset.periodic_box.has_value());
+  ASSERT_EQ(dataset.notes.size(), 1U);
+}
+
+TEST(Hdf5Points, PhantomMassesAndDensities) {
+  const TestFolder folder;
+  const std::string path = folder.file("a.h5");
+  Hdf5Maker(path)
+      .group("/header")
+      .floats("/header/massoftype", {3})
+      .floats("/header/hfact", {1})
+      .group("/particles")
+      .floats("/particles/xyz", {3, 3})
+      .floats("/particles/itype", {3})
+      .floats("/particles/h", {3});
+  const Dataset dataset = read_dataset({path});
+  EXPECT_EQ(values_of<float>(dataset.array("mass")), (Floats{1, 2, 3}));
+  EXPECT_EQ(values_of<float>(dataset.array("density")), (Floats{1, 2.0F / 8, 3.0F / 27}));
+}
+
+TEST(Hdf5Points, ErrorsListWhatThereIs) {
+  const TestFolder folder;
+  const std::string path = folder.file("a.h5");
+  Hdf5Maker(path)
+      .group("/a")
+      .floats("/a/pos", {2, 3})
+      .group("/b")
+      .floats("/b/xyz", {2, 3})
+      .floats("/c", {2});
+  EXPECT_EQ(hdf5_error(path),
+            "file-format: F: several datasets may be the positions: '/a/pos', "
+            "'/b/xyz': choose one with --positions");
+  ReadOptions options;
+  options.hdf5.positions = "/c";
+  EXPECT_EQ(hdf5_error(path, options).substr(0, 54),
+            "invalid-argument: F: positions '/c': has shape [2]: ex");
+  options.hdf5.positions = "/d";
+  EXPECT_EQ(hdf5_error(path, options),
+            "invalid-argument: F: positions '/d': the file has no such dataset");
+  Hdf5Maker(path).floats("/c", {2});
+  EXPECT_EQ(hdf5_error(path).substr(0, 64),
+            "file-format: F: no dataset [N, 3] is called Coordinates, positio");
+  EXPECT_EQ(hdf5_error(folder.write("b.h5", "\x89HDF\r\n\x1a\n garbage")),
+            "file-format: F: the HDF5 library cannot open it: is the file truncated?");
+  Hdf5Maker(path).group("/VTKHDF").floats("/VTKHDF/Points", {2, 3});
+  const auto source = open_file(path);
+  EXPECT_EQ(mesh_file_of(*source, source->text(0, 512)), MeshFile::kVtkHdf);
+}
+
+TEST(Hdf5Points, ClaimsThatTheFileCannotHold) {
+  const TestFolder folder;
+  const std::string path = folder.file("a.h5");
+  Hdf5Maker(path).claim("/pos", {hsize_t{1} << 30, 3}, {1024, 3});
+  EXPECT_NE(hdf5_error(path).find("more than a file of"), std::string::npos) << hdf5_error(path);
+  Hdf5Maker(path).claim("/pos", {10, 3}, {});
+  EXPECT_EQ(hdf5_error(path), "unsupported: F: '/pos': was never written");
+}
+
+// A file may say that its numbers lie in others, which VTK and the library follow. Without leave
+// nothing of those is in what is read, nor in the error.
+class Hdf5Elsewhere : public testing::Test {
+ protected:
+  // A VTKHDF image of 4 x 4 x 4 bytes, which `file` holds.
+  std::string image_from(const std::string& file) const {
+    const std::string path = folder.file("a.vtkhdf");
+    const Hdf5Handle whole(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT),
+                           H5Fclose);
+    const Hdf5Handle root = group_in(whole.get(), "VTKHDF");
+    numbers(root.get(), "Version", H5T_NATIVE_INT64, std::vector<std::int64_t>{1, 0});
+    numbers(root.get(), "WholeExtent", H5T_NATIVE_INT64,
+            std::vector<std::int64_t>{0, 3, 0, 3, 0, 3});
+    numbers(root.get(), "Origin", H5T_NATIVE_DOUBLE, std::vector<double>{0, 0, 0});
+    numbers(root.get(), "Spacing", H5T_NATIVE_DOUBLE, std::vector<double>{1, 1, 1});
+    numbers(root.get(), "Direction", H5T_NATIVE_DOUBLE,
+            std::vector<double>{1, 0, 0, 0, 1, 0, 0, 0, 1});
+    text(root.get(), "Type", "ImageData");
+    const Hdf5Handle points = group_in(root.get(), "PointData");
+    const Hdf5Handle plist(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+    H5Pset_external(plist.get(), file.c_str(), 0, 64);
+    const std::array<hsize_t, 3> dims{4, 4, 4};
+    const Hdf5Handle space(H5Screate_simple(3, dims.data(), nullptr), H5Sclose);
+    const Hdf5Handle made(H5Dcreate2(points.get(), "v", H5T_NATIVE_UINT8, space.get(), H5P_DEFAULT,
+                                     plist.get(), H5P_DEFAULT),
+                          H5Dclose);
+    EXPECT_TRUE(made.is_open());
+    return path;
+  }
+
+  TestFolder folder;
+
+ private:
+  static Hdf5Handle group_in(hid_t place, const char* name) {
+    return {H5Gcreate2(place, name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose};
+  }
+  template <typename T>
+  static void numbers(hid_t place, const char* name, hid_t type, const std::vector<T>& values) {
+    const hsize_t count = values.size();
+    const Hdf5Handle space(H5Screate_simple(1, &count, nullptr), H5Sclose);
+    const Hdf5Handle made(H5Acreate2(place, name, type, space.get(), H5P_DEFAULT, H5P_DEFAULT),
+                          H5Aclose);
+    EXPECT_GE(H5Awrite(made.get(), type, values.data()), 0);
+  }
+  static void text(hid_t place, const char* name, const std::string& value) {
+    const Hdf5Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+    H5Tset_size(type.get(), value.size());
+    const Hdf5Handle space(H5Screate(H5S_SCALAR), H5Sclose);
+    const Hdf5Handle made(
+        H5Acreate2(place, name, type.get(), space.get(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+    EXPECT_GE(H5Awrite(made.get(), type.get(), value.data()), 0);
+  }
+};
+
+TEST_F(Hdf5Elsewhere, OtherFilesNeedLeave) {
+  const std::string secret = folder.write("secret", std::string(64, 's'));
+  const std::string path = image_from(secret);
+  const std::string message = error_of([&] { read_dataset({path}); });
+  if (message.find("no VTK") != std::string::npos) GTEST_SKIP() << "this build has no VTK";
+  EXPECT_NE(message.find("takes data from '" + std::filesystem::canonical(secret).string() + "'"),
+            std::string::npos)
+      << message;
+  ReadOptions options;
+  options.data_folders = {folder.file("")};
+  const Dataset dataset = read_dataset({path}, options);
+  EXPECT_EQ(values_of<char>(dataset.array("v")), std::vector<char>(64, 's'));
+}
+
+TEST_F(Hdf5Elsewhere, EnvironmentIsOutOfReach) {
+  ::setenv("OVOID_TEST_SECRET", "secret", 1);
+  const std::string path = image_from("/proc/self/environ");
+  const std::string message = error_of([&] { read_dataset({path}); });
+  ReadOptions options;
+  options.data_folders = {"/proc"};
+  const std::string with_leave = error_of([&] {
+    const Dataset dataset = read_dataset({path}, options);
+    const auto values = values_of<char>(dataset.array("v"));
+    EXPECT_EQ(std::string(values.begin(), values.end()).find("OVOID_TEST_SECRET"),
+              std::string::npos);
+  });
+  ::unsetenv("OVOID_TEST_SECRET");
+  if (message.find("no VTK") != std::string::npos) GTEST_SKIP() << "this build has no VTK";
+  EXPECT_NE(message.find("/environ'"), std::string::npos) << message;
+}
+
+// The library reads what the file says, in a process of its own; whatever that is, we return
+// something consistent or throw.
+TEST(Hdf5Points, DamagedFiles) {
+  const TestFolder folder;
+  const std::string path = folder.file("a.h5");
+  Hdf5Maker(path)
+      .group("/Header")
+      .attribute("/Header", "BoxSize", {100})
+      .group("/PartType0")
+      .floats("/PartType0/Coordinates", {40, 3}, {8, 3})
+      .floats("/PartType0/Density", {40});
+  const std::string good = folder.read("a.h5");
+  ReadOptions options;
+  options.session = std::make_shared<ReaderSession>(std::vector{path});
+  std::mt19937_64 random(20240229);
+  int num_read = 0;
+  for (int i = 0; i < 3000; ++i) {
+    std::string bytes = good;
+    for (std::size_t k = 1 + random() % 4; k > 0; --k)
+      bytes[random() % bytes.size()] = static_cast<char>(random());
+    if (i % 10 == 0) bytes.resize(random() % bytes.size());
+    folder.write("a.h5", bytes);
+    fuzz::expect_dataset_or_error([&] {
+      Dataset dataset = read_dataset({path}, options);
+      ++num_read;
+      return dataset;
+    });
+  }
+  EXPECT_GT(num_read, 300) << "most damage hits nothing that matters";
+}
+
+}  // namespace
+}  // namespace ovoid::io
+#endif

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/images/npy.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "io/core/test_folder.h"
+#include "io/images/test_volumes.h"
+
+namespace ovoid::io {
+namespace {
+
+std::string npy(const std::string& dict, const std::string& samples, int version = 1) {
+  std::string result = "\x93NUMPY";
+  result += {static_cast<char>(version), '\0', static_cast<char>(dict.size() % 256),
+             static_cast<char>(dict.size() / 256)};
+  if (version > 1) result += {'\0', '\0'};
+  return result + dict + samples;
+}
+
+Dataset read(const std::string& content, const ReadOptions& options = {}) {
+  return read_npy(*open_memory("a.npy", std::as_bytes(std::span(content))), options);
+}
+
+const std::string kDict = "{'descr': '<i2', 'fortran_order': False, 'shape': (2, 3, 4), }\n";
+
+TEST(Npy, ShapeIsZYXInAllVersions) {
+  const auto values = counting<std::int16_t>(24);
+  for (const int version : {1, 2, 3}) {
+    const Dataset dataset = read(npy(kDict, bytes_of(values), version));
+    EXPECT_EQ(dataset.lattice.dims, (Index3{4, 3, 2})) << version;
+    EXPECT_EQ(values_of<std::int16_t>(dataset.array()), values) << version;
+  }
+}
+
+TEST(Npy, LastAxisOfFourHoldsComponents) {
+  const Dataset dataset = read(
+      npy("{'descr': '|u1', 'fortran_order': False, 'shape': (2, 3, 4, 3)}", std::string(72, 'x')));
+  EXPECT_EQ(dataset.lattice.dims, (Index3{4, 3, 2}));
+  EXPECT_EQ(dataset.array().num_components, 3);
+  EXPECT_EQ(dataset.array().num_tuples, 24);
+}
+
+TEST(Npy, FiveAxesAndLongOnesBeginWithTime) {
+  std::string samples;
+  for (const char step : {'a', 'b', 'c'}) samples += std::string(2 * 3 * 4 * 2, step);
+  const std::string five =
+      npy("{'descr': '|u1', 'fortran_order': False, 'shape': (3, 2, 3, 4, 2)}", samples);
+  Dataset dataset = read(five, {.step = 1});
+  EXPECT_EQ(dataset.lattice.dims, (Index3{4, 3, 2}));
+  EXPECT_EQ(dataset.num_steps, 3);
+  EXPECT_EQ(dataset.step, 1);
+  EXPECT_EQ(dataset.array().num_components, 2);
+  EXPECT_EQ(values_of<char>(dataset.array()), std::vector<char>(48, 'b'));
+  const std::string wide = npy("{'descr': '|u1', 'fortran_order': False, 'shape': (2, 1, 1, 72)}",
+                               std::string(72, 'x') + std::string(71, 'y') + "z");
+  dataset = read(wide);  // the first that varies
+  EXPECT_EQ(dataset.step, 1);
+  EXPECT_EQ(dataset.array().num_components, 1);
+  EXPECT_EQ(
+      error_of([&] { read(wide.substr(0, wide.size() - 1)); }),
+      "file-format: a.npy: holds 143 bytes of samples, shape (2, 1, 1, 72) of uint8 needs 144");
+  EXPECT_EQ(error_of([&] { read(with(wide, "False", "True ")); }),
+            "unsupported: a.npy: shape (2, 1, 1, 72) in Fortran order: expected C order of data in "
+            "time");
+}
+
+TEST(Npy, ByteOrderAndBooleans) {
+  EXPECT_EQ(values_of<std::uint16_t>(
+                read(npy("{'descr': '>u2', 'fortran_order': False, 'shape': (1,1,1)}", "\x12\x34"))
+                    .array())[0],
+            0x1234);
+  const Dataset dataset = read(
+      npy("{'descr': '|b1', 'fortran_order': False, 'shape': (1, 1, 2)}", std::string("\0\1", 2)));
+  EXPECT_EQ(values_of<std::uint8_t>(dataset.array()), (std::vector<std::uint8_t>{0, 1}));
+  EXPECT_EQ(dataset.notes.size(), 1U);
+}
+
+// Sizes above the transposition's block of 32 and no multiples of it, so that its edges are met.
+TEST(Npy, FortranOrderIsTransposed) {
+  constexpr int kZ = 35, kY = 3, kX = 41, kC = 2;
+  const auto value = [](int z, int y, int x, int c) {
+    return static_cast<std::int32_t>(((z * kY + y) * kX + x) * kC + c);
+  };
+  std::vector<std::int32_t> fortran, expected;
+  for (int c = 0; c < kC; ++c)
+    for (int x = 0; x < kX; ++x)
+      for (int y = 0; y < kY; ++y)
+        for (int z = 0; z < kZ; ++z) fortran.push_back(value(z, y, x, c));
+  for (int i = 0; i < kZ * kY * kX * kC; ++i) expected.push_back(i);
+  const Dataset dataset = read(
+      npy("{'descr': '<i4', 'fortran_order': True, 'shape': (35, 3, 41, 2)}", bytes_of(fortran)));
+  EXPECT_EQ(dataset.lattice.dims, (Index3{kX, kY, kZ}));
+  EXPECT_EQ(values_of<std::int32_t>(dataset.array()), expected);
+}
+
+TEST(Npy, SpacingMayBeGiven) {
+  ReadOptions options;
+  options.raw.spacing = Vec3(1, 2, 3);
+  EXPECT_EQ(read(npy(kDict, std::string(48, 'x')), options).lattice.spacing(), Vec3(1, 2, 3));
+}
+
+TEST(Npy, ErrorsNameFieldAndValue) {
+  const auto message = [](const std::string& dict, std::size_t size) {
+    return error_of([&] { read(npy(dict, std::string(size, 'x'))); });
+  };
+  EXPECT_EQ(message(kDict, 47),
+            "file-format: a.npy: holds 47 bytes of samples, shape (2, 3, 4) of int16 needs 48");
+  EXPECT_EQ(message("{'descr': '<f2', 'fortran_order': False, 'shape': (1,1,1)}", 2),
+            "unsupported: a.npy: descr: '<f2': expected booleans, integers of 1 to 8 bytes, or "
+            "floats of 4 or 8");
+  EXPECT_EQ(message("{'descr': '|O', 'fortran_order': False, 'shape': (1,1,1)}", 2).substr(0, 12),
+            "unsupported:");
+  EXPECT_EQ(message("{'descr': [('a', '<i4')], 'fortran_order': False, 'shape': (1,1,1)}", 4),
+            "unsupported: a.npy: descr: is a record of several fields: expected one number type");
+  EXPECT_EQ(message("{'descr': '<i4', 'fortran_order': False, 'shape': (7, 5)}", 140),
+            "unsupported: a.npy: shape: (7, 5): expected (z, y, x), or (z, y, x, component) with "
+            "up to 64 components, or (N, 3) or (N, 4) for more than 4 points");
+  EXPECT_EQ(message("{'descr': '<i4', 'fortran_order': False, 'shape': (0, 3, 4)}", 0),
+            "file-format: a.npy: shape: 0x3x4 has an axis of 0 samples: expected 1 to 2147483647");
+  EXPECT_EQ(message("{'descr': '<i4', 'fortran_order': Maybe, 'shape': (1, 1, 1)}", 4),
+            "file-format: a.npy: NPY header: expected True or False at 'Maybe, 'shape': (1, '");
+  EXPECT_EQ(message("{'descr': '<i4', 'shape': (1, 1, 1)}", 4),
+            "file-format: a.npy: NPY header: expected the keys descr, fortran_order and shape");
+  EXPECT_EQ(error_of([] { read("\x93NUMPY\x01"); }),
+            "file-format: a.npy: NPY header: the file ends within it");
+  EXPECT_EQ(error_of([] { read(std::string("\x93NUMPY\x09\0\0\0\0\0", 12)); }),
+            "unsupported: a.npy: NPY version 9: expected 1 to 3");
+}
+
+TEST(Npy, HeaderIsWhatNumpyWrites) {
+  const std::int64_t shape[] = {2, 3, 4};
+  const std::string header = npy_header(ScalarType::kFloat32, shape);
+  EXPECT_EQ(header.size() % 64, 0U);
+  EXPECT_EQ(header.substr(10, 62),
+            "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 3, 4), }");
+  EXPECT_EQ(header.back(), '\n');
+}
+
+TEST(Npy, RoundTrip) {
+  const TestFolder folder;
+  const auto values = counting<float>(2 * 3 * 4 * 2);
+  write_npy({4, 3, 2}, make_array("v", ScalarType::kFloat32, values, 2), folder.file("a.npy"));
+  const Dataset dataset = read_npy(*open_file(folder.file("a.npy")), {});
+  EXPECT_EQ(values_of<float>(dataset.array()), values);
+  EXPECT_EQ(dataset.array().num_components, 2);
+}
+
+}  // namespace
+}  // namespace ovoid::io

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfInputFile.h>
+#include <gtest/gtest.h>
+#include <png.h>
+
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "io/core/test_folder.h"
+#include "io/images/npy.h"
+#include "io/images/test_volumes.h"
+#include "ovoid/io.h"
+
+namespace ovoid::io {
+namespace {
+
+Image small_image() {
+  Image image;
+  image.width = 3;
+  image.height = 2;
+  image.rgba = {1,     0,     0,     1,    0, 0.5F, 0, 0.5F, 0, 0, 0, 0,
+                0.25F, 0.25F, 0.25F, 0.5F, 0, 0,    1, 1,    1, 1, 1, 1};
+  image.depth = {1, 2, std::numeric_limits<float>::infinity(), 4.5F, 5, 6};
+  return image;
+}
+
+TEST(WriteImage, PngReadsBackAsStraightAlpha) {
+  const TestFolder folder;
+  write_image(small_image(), folder.file("a.png"));
+  png_image png{};
+  png.version = PNG_IMAGE_VERSION;
+  ASSERT_NE(png_image_begin_read_from_file(&png, folder.file("a.png").c_str()), 0);
+  EXPECT_EQ(png.width, 3U);
+  EXPECT_EQ(png.height, 2U);
+  png.format = PNG_FORMAT_RGBA;
+  std::vector<std::uint8_t> pixels(PNG_IMAGE_SIZE(png));
+  ASSERT_NE(png_image_finish_read(&png, nullptr, pixels.data(), 0, nullptr), 0);
+  EXPECT_EQ(pixels, to_rgba8(small_image()));
+  EXPECT_NE(folder.read("a.png").find("sRGB"), std::string::npos);
+}
+
+TEST(WriteImage, ExrKeepsFloatsAndDepth) {
+  const TestFolder folder;
+  const Image image = small_image();
+  write_image(image, folder.file("a.exr"));
+  Imf::InputFile file(folder.file("a.exr").c_str());
+  Image back = image;
+  back.rgba.assign(24, -1);
+  back.depth.assign(6, -1);
+  Imf::FrameBuffer frame;
+  for (std::size_t i = 0; i < 4; ++i) {
+    ASSERT_NE(file.header().channels().findChannel(std::string(1, "RGBA"[i])), nullptr);
+    frame.insert(std::string(1, "RGBA"[i]),
+                 Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(back.rgba.data() + i), 16, 48));
+  }
+  frame.insert("Z", Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(back.depth.data()), 4, 12));
+  file.setFrameBuffer(frame);
+  file.readPixels(0, 1);
+  EXPECT_EQ(back, image);
+  EXPECT_EQ(file.header().channels()["R"].type, Imf::FLOAT);
+}
+
+TEST(WriteImage, NpyIsHeightWidthFour) {
+  const TestFolder folder;
+  const Image image = small_image();
+  write_image(image, folder.file("a.npy"));
+  const std::string content = folder.read("a.npy");
+  const std::int64_t shape[] = {2, 3, 4};
+  EXPECT_EQ(content, npy_header(ScalarType::kFloat32, shape) + bytes_of(image.rgba));
+}
+
+TEST(WriteImage, SamePictureSameBytes) {
+  const TestFolder folder;
+  for (const char* ending : {".png", ".exr", ".npy"}) {
+    const std::string a = std::string("a") + ending, b = std::string("b") + ending;
+    write_image(small_image(), folder.file(a));
+    write_image(small_image(), folder.file(b));
+    EXPECT_EQ(folder.read(a), folder.read(b)) << ending;
+  }
+  EXPECT_EQ(folder.count(), 6);
+}
+
+TEST(WriteImage, BackgroundGoesBehindPngOnly) {
+  const TestFolder folder;
+  const Rgb white{1, 1, 1};
+  write_image(small_image(), folder.file("a.png"), white);
+  write_image(small_image(), folder.file("b.png"));
+  EXPECT_NE(folder.read("a.png"), folder.read("b.png"));
+}
+
+TEST(WriteImage, Errors) {
+  const TestFolder folder;
+  Image image = small_image();
+  const auto error = [&](const std::string& path) {
+    return error_of([&] { write_image(image, path); });
+  };
+  EXPECT_EQ(
+      error("a.jpg"),
+      "unsupported: a.jpg: the ending '.jpg' names no picture format: expected .png, .exr or .npy");
+  for (const char* name : {"no/a.png", "no/a.exr", "no/a.npy"})
+    EXPECT_EQ(error(folder.file(name)).substr(0, 11), "file-write:") << name;
+  EXPECT_EQ(error_of([&] { check_image_path(folder.file("no/a.png")); }).substr(0, 11),
+            "file-write:");
+  EXPECT_EQ(error_of([] { check_image_path("a.jpg"); }).substr(0, 12), "unsupported:");
+  check_image_path(folder.file("a.png"));
+  image.depth.pop_back();
+  EXPECT_EQ(error(folder.file("a.png")),
+            "invalid-argument: image: 3x2 has 24 colour and 5 depth values: expected 24 and 6");
+  image = {};
+  EXPECT_EQ(error(folder.file("a.png")),
+            "invalid-argument: image: is 0x0: expected at least one pixel");
+  EXPECT_EQ(folder.count(), 0);
+}
+
+}  // namespace
+}  // namespace ovoid::io

@@ -1,0 +1,306 @@
+// SPDX-License-Identifier: Apache-2.0
+// A dump is a row of frames, each a few "ITEM:" lines, their values, and a line per atom. Where the
+// frames begin is known only by walking over them, so one pass counts all and reads one.
+#include "io/points/lammps_dump.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "data/varies.h"
+#include "io/core/byte_stream.h"
+#include "io/core/number_fields.h"
+#include "io/core/sample_parts.h"
+#include "io/core/samples.h"
+#include "io/core/text_scanner.h"
+#include "io/points/point_columns.h"
+#include "ovoid/error.h"
+
+namespace ovoid::io {
+namespace {
+
+constexpr std::size_t kMaxDumpColumns = 4096;
+
+struct DumpFrame {
+  double time = 0;
+  std::int64_t num_atoms = -1;
+  std::array<double, 3> lo{}, hi{};  // of the box
+  std::array<double, 3> tilt{};      // xy, xz, yz
+  bool has_box = false;
+  bool is_periodic = false;  // in all three directions
+  std::vector<std::string> columns;
+};
+
+// How a frame's columns hold the positions.
+struct DumpPositions {
+  std::array<std::size_t, 3> columns{};
+  bool is_scaled = false;     // parts of the box's edges
+  bool is_unwrapped = false;  // atoms that have left the box stay out of it
+};
+
+bool find_dump_positions(const DumpFrame& frame, DumpPositions& positions) {
+  for (const char* const suffix : {"", "u", "s", "su"}) {
+    const std::string_view kind = suffix;
+    bool is_there = true;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto found = std::find(frame.columns.begin(), frame.columns.end(),
+                                   fmt::format("{}{}", "xyz"[axis], kind));
+      is_there = is_there && found != frame.columns.end();
+      positions.columns[axis] = static_cast<std::size_t>(found - frame.columns.begin());
+    }
+    positions.is_scaled = kind.starts_with('s');
+    positions.is_unwrapped = kind.ends_with('u');
+    if (is_there) return true;
+  }
+  return false;
+}
+
+class DumpReader {
+ public:
+  DumpReader(LineReader& lines, std::vector<std::string>& notes) : lines_(lines), notes_(notes) {}
+
+  // Up to the first atom of the next frame; false at the end of the file.
+  bool next(DumpFrame& frame) {
+    frame = {};
+    std::string_view line;
+    do {
+      if (!lines_.next(line)) return false;
+    } while (line.find_first_not_of(" \t") == std::string_view::npos);
+    while (true) {
+      if (line.starts_with("ITEM: ATOMS")) {
+        for (const std::string_view word : words(line.substr(11))) frame.columns.emplace_back(word);
+        check(frame);
+        return true;
+      }
+      read_item(line, frame);
+      line = next_line();
+    }
+  }
+
+  void skip_atoms(const DumpFrame& frame) {
+    for (std::int64_t i = 0; i < frame.num_atoms; ++i) next_line();
+  }
+
+  // Behind them. Of `dataset` it sets positions, arrays and box.
+  void read_atoms(const DumpFrame& frame, Dataset& dataset);
+
+  bool is_cut() const noexcept { return is_cut_; }  // the file ended within a frame
+
+ private:
+  [[noreturn]] void fail(const std::string& what, ErrorCode code = ErrorCode::kFileFormat) const {
+    throw Error(code, fmt::format("{}: {}", lines_.where(), what));
+  }
+
+  std::string_view next_line() {
+    std::string_view line;
+    if (!lines_.next(line)) {
+      is_cut_ = true;
+      fail("the file ends within a frame");
+    }
+    return line;
+  }
+
+  double number(std::string_view word) const {
+    const auto value = parse_field(word);
+    if (!value || !(*value - *value == 0))
+      fail(fmt::format("'{}': expected a number", word.substr(0, 40)));
+    return *value;
+  }
+
+  void read_item(std::string_view line, DumpFrame& frame) {
+    if (line.starts_with("ITEM: TIMESTEP")) {
+      frame.time = number(next_line());
+    } else if (line.starts_with("ITEM: NUMBER OF ATOMS")) {
+      const std::string_view text = next_line();
+      const auto parts = words(text);
+      const auto count = parts.size() == 1 ? parse_integer(parts[0]) : std::nullopt;
+      if (!count || *count < 0)
+        fail(fmt::format("'{}': expected a number of atoms", text.substr(0, 40)));
+      frame.num_atoms = *count;
+    } else if (line.starts_with("ITEM: BOX BOUNDS")) {
+      read_box(std::string(line.substr(16)), frame);
+    } else if (line.starts_with("ITEM: UNITS") || line.starts_with("ITEM: TIME")) {
+      next_line();
+    } else {
+      fail(
+          fmt::format("'{}': expected 'ITEM: TIMESTEP', 'NUMBER OF ATOMS', 'BOX BOUNDS' or 'ATOMS'",
+                      line.substr(0, 40)));
+    }
+  }
+
+  void read_box(const std::string& kinds, DumpFrame& frame) {
+    const auto flags = words(kinds);
+    if (std::find(flags.begin(), flags.end(), "abc") != flags.end())
+      fail("a general triclinic box is not read", ErrorCode::kUnsupported);
+    const auto num_periodic = std::count(flags.begin(), flags.end(), "pp");
+    const bool is_tilted = std::find(flags.begin(), flags.end(), "xy") != flags.end();
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const std::string_view line = next_line();
+      const auto bounds = words(line);
+      if (bounds.size() != (is_tilted ? 3U : 2U))
+        fail(fmt::format("'{}': expected {} numbers", line.substr(0, 60), is_tilted ? 3 : 2));
+      frame.lo[axis] = number(bounds[0]);
+      frame.hi[axis] = number(bounds[1]);
+      if (is_tilted) frame.tilt[axis] = number(bounds[2]);
+    }
+    // The bounds of a tilted box are those of the box around it.
+    const auto [xy, xz, yz] = frame.tilt;
+    frame.lo[0] -= std::min({0.0, xy, xz, xy + xz});
+    frame.hi[0] -= std::max({0.0, xy, xz, xy + xz});
+    frame.lo[1] -= std::min(0.0, yz);
+    frame.hi[1] -= std::max(0.0, yz);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (!(frame.hi[axis] >= frame.lo[axis]))
+        fail(fmt::format("the box is turned inside out along {}", "xyz"[axis]));
+    }
+    frame.has_box = true;
+    frame.is_periodic = num_periodic == 3;
+  }
+
+  void check(const DumpFrame& frame) const {
+    if (frame.num_atoms < 0) fail("no 'ITEM: NUMBER OF ATOMS' before the atoms");
+    if (frame.columns.size() > kMaxDumpColumns)
+      fail(fmt::format("{} columns: expected at most {}", frame.columns.size(), kMaxDumpColumns),
+           ErrorCode::kUnsupported);
+  }
+
+  void place(const DumpFrame& frame, const DumpPositions& positions, PointTable& table,
+             Dataset& dataset);
+
+  LineReader& lines_;
+  std::vector<std::string>& notes_;
+  bool is_cut_ = false;
+};
+
+// Brings scaled positions into the box, and says whether its faces are joined.
+void DumpReader::place(const DumpFrame& frame, const DumpPositions& positions, PointTable& table,
+                       Dataset& dataset) {
+  const auto [xy, xz, yz] = frame.tilt;
+  const bool is_tilted = xy != 0 || xz != 0 || yz != 0;
+  if (positions.is_scaled) {
+    if (!frame.has_box) fail("scaled positions without 'ITEM: BOX BOUNDS'");
+    double* const x = table.slot(positions.columns[0], 0).first;  // y and z follow it
+    for (std::int64_t i = 0; i < table.num_rows(); ++i) {
+      double* const p = x + 3 * i;
+      const double s = p[0], t = p[1], u = p[2];
+      p[0] = frame.lo[0] + s * (frame.hi[0] - frame.lo[0]) + t * xy + u * xz;
+      p[1] = frame.lo[1] + t * (frame.hi[1] - frame.lo[1]) + u * yz;
+      p[2] = frame.lo[2] + u * (frame.hi[2] - frame.lo[2]);
+    }
+  }
+  const bool has_volume =
+      frame.hi[0] > frame.lo[0] && frame.hi[1] > frame.lo[1] && frame.hi[2] > frame.lo[2];
+  if (!frame.is_periodic || positions.is_unwrapped || !has_volume) return;
+  if (is_tilted) {
+    notes_.push_back(
+        fmt::format("{}: the box is tilted: its periodic faces are not joined", lines_.where()));
+    return;
+  }
+  dataset.periodic_box = Bounds3(Vec3(frame.lo[0], frame.lo[1], frame.lo[2]),
+                                 Vec3(frame.hi[0], frame.hi[1], frame.hi[2]));
+}
+
+void DumpReader::read_atoms(const DumpFrame& frame, Dataset& dataset) {
+  DumpPositions positions;
+  if (!find_dump_positions(frame, positions))
+    fail("the atoms have no columns x y z, xu yu zu, xs ys zs or xsu ysu zsu");
+  if (frame.num_atoms == 0) fail("the frame has no atoms");
+  std::string_view line = next_line();
+  std::vector<PointColumn> columns;
+  const auto first = split_fields(line, Separator::kBlanks);
+  for (std::size_t i = 0; i < frame.columns.size(); ++i)
+    columns.push_back({frame.columns[i], i < first.size() && parse_field(first[i]).has_value()});
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (PointColumn& column : columns)  // one of three that are not all there
+      if (column.name == std::string(1, "xyz"[axis])) column.name += " alone";
+    PointColumn& column = columns[positions.columns[axis]];
+    if (!column.is_number) fail(fmt::format("column '{}' holds no numbers", column.name));
+    column.name = std::string(1, "xyz"[axis]);
+  }
+  constexpr std::int64_t kAtomsAtATime = 4096;
+  PointTable table(lay_out_points(lines_.where(), columns, notes_));
+  std::vector<PointTable::Slot> slots(columns.size());
+  for (std::int64_t i = 0; i < frame.num_atoms; ++i) {
+    if (i > 0) line = next_line();
+    if (i % kAtomsAtATime == 0) {
+      table.extend(std::min(kAtomsAtATime, frame.num_atoms - i));
+      for (std::size_t c = 0; c < slots.size(); ++c) slots[c] = table.slot(c, i);
+    }
+    FieldReader fields(line, Separator::kBlanks);
+    for (std::size_t c = 0; c < slots.size(); ++c) {
+      const bool is_good =
+          slots[c].first == nullptr ? fields.skip() : fields.number(*slots[c].first);
+      if (!is_good) {
+        fail(fmt::format("column '{}' is '{}': expected a number", frame.columns[c],
+                         fields.text().substr(0, 32)));
+      }
+      if (slots[c].first != nullptr) slots[c].first += slots[c].stride;
+    }
+  }
+  place(frame, positions, table, dataset);
+  table.release(dataset);
+}
+
+bool step_varies(const Dataset& dataset, const ReadOptions& options) {
+  return dataset.arrays.empty() || data::varies(dataset.array(options.array));
+}
+
+}  // namespace
+
+Dataset read_lammps_dump(const ByteSource& source, const ReadOptions& options) {
+  ReadProgress progress(options, source.size());
+  const auto stream = open_stream(source, progress);
+  LineReader lines(*stream, source.name());
+  Dataset dataset;
+  dataset.source = source.name();
+  dataset.format = "LAMMPS dump";
+  dataset.kind = DatasetKind::kParticles;
+  std::vector<std::string> notes, step_notes;
+  DumpReader reader(lines, step_notes);
+  DumpFrame frame;
+  bool is_found = false;
+  std::int64_t num_steps = 0;
+  try {
+    for (; reader.next(frame); ++num_steps) {
+      const bool is_tried =
+          options.step ? num_steps == *options.step : !is_found && frame.num_atoms > 0;
+      if (is_tried) {
+        Dataset tried;
+        step_notes.clear();
+        tried.source = source.name();
+        reader.read_atoms(frame, tried);
+        is_found = options.step.has_value() || step_varies(tried, options);
+        if (is_found || dataset.positions.num_tuples == 0) {
+          dataset.positions = std::move(tried.positions);
+          dataset.arrays = std::move(tried.arrays);
+          dataset.periodic_box = tried.periodic_box;
+          dataset.step = num_steps;
+          notes = step_notes;
+        }
+      } else {
+        reader.skip_atoms(frame);
+      }
+      check_num_steps(source.name(), num_steps + 1);
+      dataset.times.push_back(frame.time);
+    }
+  } catch (const Error&) {
+    // A simulation that is still running, or was stopped, leaves part of a frame.
+    if (!reader.is_cut() || dataset.positions.num_tuples == 0) throw;
+    notes.push_back(fmt::format("{}: the last frame is cut short and left out", source.name()));
+  }
+  dataset.num_steps = static_cast<std::int64_t>(dataset.times.size());
+  if (options.step) check_step(source.name(), *options.step, dataset.num_steps);
+  if (dataset.positions.num_tuples == 0)
+    throw Error(ErrorCode::kFileFormat, fmt::format("{}: has no frame with atoms", source.name()));
+  if (!options.step && dataset.num_steps > 1)
+    notes.push_back(chosen_step_note(source.name(), dataset.step, dataset.num_steps));
+  dataset.notes = std::move(notes);
+  return dataset;
+}
+
+}  // namespace ovoid::io

@@ -1,0 +1,410 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/reader/reader_messages.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <span>
+
+#include "io/core/samples.h"
+#include "io/meshes/mesh_parts.h"
+
+namespace ovoid::io {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::size_t kAlignment = 64;
+
+constexpr int kSeals = F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE;
+
+[[noreturn]] void fail(const std::string& what) {
+  throw Error(ErrorCode::kFileFormat, "its reader sent " + what);
+}
+
+// Everything that a message may be wrong in becomes an Error here.
+template <typename Read>
+auto parsed(const std::vector<std::uint8_t>& message, const Read& read) {
+  try {
+    return read(Json::from_msgpack(message));
+  } catch (const Json::exception&) {
+    fail("a message that is none");
+  }
+}
+
+template <typename Enum>
+Enum enum_of(const Json& json, Enum last) {
+  const auto value = json.get<std::int64_t>();
+  if (value < 0 || value > static_cast<std::int64_t>(last)) fail("an unknown kind");
+  return static_cast<Enum>(value);
+}
+
+std::int64_t count_of(const Json& json) {
+  const auto value = json.get<std::int64_t>();
+  if (value < 0 || value > kMaxNumBytes) fail("an impossible count");
+  return value;
+}
+
+// --- the memory ---------------------------------------------------------------------------------
+
+// Lays arrays one behind the other.
+class MemoryWriter {
+ public:
+  explicit MemoryWriter(std::size_t num_bytes)
+      : fd_(::memfd_create("ovoid-dataset", MFD_CLOEXEC | MFD_ALLOW_SEALING)), size_(num_bytes) {
+    if (!fd_.is_open() || ::ftruncate(fd_.get(), static_cast<off_t>(num_bytes)) != 0) refuse();
+    if (num_bytes == 0) return;
+    void* const at = ::mmap(nullptr, num_bytes, PROT_READ | PROT_WRITE, MAP_SHARED, fd_.get(), 0);
+    if (at == MAP_FAILED) refuse();
+    memory_ = static_cast<std::byte*>(at);
+  }
+  ~MemoryWriter() { unmap(); }
+  MemoryWriter(const MemoryWriter&) = delete;
+  MemoryWriter& operator=(const MemoryWriter&) = delete;
+
+  static std::size_t padded(std::size_t num_bytes) {
+    return (num_bytes + kAlignment - 1) / kAlignment * kAlignment;
+  }
+
+  // Where the bytes are now: [offset, size].
+  Json add(std::span<const std::byte> bytes) {
+    if (!bytes.empty()) std::memcpy(memory_ + used_, bytes.data(), bytes.size());
+    Json place = Json::array({used_, bytes.size()});
+    used_ += padded(bytes.size());
+    return place;
+  }
+
+  UniqueFd finish() {
+    unmap();
+    if (::fcntl(fd_.get(), F_ADD_SEALS, kSeals) != 0) refuse();
+    return std::move(fd_);
+  }
+
+ private:
+  [[noreturn]] void refuse() const {
+    throw Error(ErrorCode::kOutOfMemory,
+                fmt::format("{} bytes of shared memory for what was read: the system has none left",
+                            size_));
+  }
+  void unmap() {
+    if (memory_ != nullptr) ::munmap(memory_, size_);
+    memory_ = nullptr;
+  }
+
+  UniqueFd fd_;
+  std::size_t size_;
+  std::size_t used_ = 0;
+  std::byte* memory_ = nullptr;
+};
+
+// Sealed memory, mapped for as long as somebody holds it.
+class SharedMemory {
+ public:
+  explicit SharedMemory(const UniqueFd& fd) {
+    struct stat status {};
+    if (!fd.is_open() || (::fcntl(fd.get(), F_GET_SEALS) & kSeals) != kSeals ||
+        ::fstat(fd.get(), &status) != 0)
+      fail("memory that is not sealed");
+    size_ = static_cast<std::size_t>(status.st_size);
+    if (size_ == 0) return;
+    at_ = ::mmap(nullptr, size_, PROT_READ, MAP_SHARED, fd.get(), 0);
+    if (at_ == MAP_FAILED) {
+      throw Error(
+          ErrorCode::kOutOfMemory,
+          fmt::format("{} bytes of address space for what was read: the system has none left",
+                      size_));
+    }
+  }
+  ~SharedMemory() {
+    if (size_ != 0) ::munmap(at_, size_);
+  }
+  SharedMemory(const SharedMemory&) = delete;
+  SharedMemory& operator=(const SharedMemory&) = delete;
+
+  std::span<const std::byte> bytes() const noexcept {
+    return {static_cast<const std::byte*>(at_), size_};
+  }
+
+ private:
+  void* at_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+using Shared = std::shared_ptr<const SharedMemory>;
+
+Bytes bytes_at(const Json& place, const Shared& memory) {
+  const std::span<const std::byte> all = memory->bytes();
+  const auto offset = static_cast<std::uint64_t>(count_of(place.at(0)));
+  const auto size = static_cast<std::uint64_t>(count_of(place.at(1)));
+  if (offset % kAlignment != 0 || offset > all.size() || size > all.size() - offset)
+    fail("an array outside its memory");
+  return {memory, all.subspan(offset, size)};
+}
+
+template <typename T>
+SharedValues<T> values_at(const Json& place, const Shared& memory) {
+  const Bytes bytes = bytes_at(place, memory);
+  if (bytes.view.size() % sizeof(T) != 0) fail("an array with half a number");
+  return {bytes.owner,
+          {reinterpret_cast<const T*>(bytes.view.data()), bytes.view.size() / sizeof(T)}};
+}
+
+// --- the parts of a dataset ---------------------------------------------------------------------
+
+Json json_of(DataArray array, MemoryWriter& memory) {
+  return {{"name", array.name},
+          {"type", static_cast<int>(array.type)},
+          {"components", array.num_components},
+          {"tuples", array.num_tuples},
+          {"unit", array.unit},
+          {"is_cell_data", array.is_cell_data},
+          {"scale", array.value_scale},
+          {"offset", array.value_offset},
+          {"at", memory.add(array.bytes.view)}};
+}
+
+DataArray array_of(const Json& json, const Shared& memory) {
+  DataArray array;
+  array.name = json.at("name");
+  array.type = enum_of(json.at("type"), ScalarType::kFloat64);
+  const std::int64_t num_components = count_of(json.at("components"));
+  array.num_tuples = count_of(json.at("tuples"));
+  array.unit = json.at("unit");
+  array.is_cell_data = json.at("is_cell_data");
+  array.value_scale = json.at("scale");
+  array.value_offset = json.at("offset");
+  array.bytes = bytes_at(json.at("at"), memory);
+  const std::array factors{num_components, array.num_tuples,
+                           static_cast<std::int64_t>(size_of(array.type))};
+  if (num_components > std::numeric_limits<int>::max() ||
+      checked_product(factors) != static_cast<std::int64_t>(array.bytes.view.size()))
+    fail("an array of another size than its own");
+  array.num_components = static_cast<int>(num_components);
+  return array;
+}
+
+Json json_of(const LatticeGeometry& lattice) {
+  std::vector<double> matrix;
+  for (int column = 0; column < 4; ++column)
+    for (int row = 0; row < 3; ++row)
+      matrix.push_back(lattice.world_from_index.matrix()(row, column));
+  return {{"dims", lattice.dims}, {"matrix", matrix}, {"kind", static_cast<int>(lattice.kind)}};
+}
+
+LatticeGeometry lattice_of(const Json& json) {
+  LatticeGeometry lattice;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    lattice.dims[axis] = count_of(json.at("dims").at(axis));
+  std::size_t next = 0;
+  for (int column = 0; column < 4; ++column)
+    for (int row = 0; row < 3; ++row)
+      lattice.world_from_index.matrix()(row, column) = json.at("matrix").at(next++);
+  lattice.kind = enum_of(json.at("kind"), LatticeKind::kBodyCentred);
+  return lattice;
+}
+
+Json json_of(Cells cells, MemoryWriter& memory) {
+  return {{"types", memory.add(std::as_bytes(cells.types.view()))},
+          {"offsets", memory.add(std::as_bytes(cells.offsets.view()))},
+          {"connectivity", memory.add(std::as_bytes(cells.connectivity.view()))},
+          {"dims", cells.dims}};
+}
+
+Cells cells_of(const Json& json, const Shared& memory) {
+  Cells cells;
+  cells.types = values_at<CellType>(json.at("types"), memory);
+  cells.offsets = values_at<std::int64_t>(json.at("offsets"), memory);
+  cells.connectivity = values_at<std::uint32_t>(json.at("connectivity"), memory);
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    cells.dims[axis] = count_of(json.at("dims").at(axis));
+  for (const CellType type : cells.types)
+    if (type > CellType::kOther) fail("an unknown type of cell");
+  return cells;
+}
+
+Json json_of(const std::optional<Bounds3>& box) {
+  if (!box) return nullptr;
+  return {box->min().x(), box->min().y(), box->min().z(),
+          box->max().x(), box->max().y(), box->max().z()};
+}
+
+std::optional<Bounds3> box_of(const Json& json) {
+  if (json.is_null()) return std::nullopt;
+  Bounds3 box;
+  for (int axis = 0; axis < 3; ++axis) {
+    box.min()[axis] = json.at(static_cast<std::size_t>(axis));
+    box.max()[axis] = json.at(static_cast<std::size_t>(axis) + 3);
+  }
+  return box;
+}
+
+// Bytes that the arrays take in the memory.
+std::size_t num_shared_bytes(const Dataset& dataset) {
+  const auto padded = [](std::size_t size) { return MemoryWriter::padded(size); };
+  std::size_t size = padded(dataset.positions.bytes.view.size()) +
+                     padded(dataset.box_sizes.bytes.view.size()) +
+                     padded(dataset.cells.types.size() * sizeof(CellType)) +
+                     padded(dataset.cells.offsets.size() * sizeof(std::int64_t)) +
+                     padded(dataset.cells.connectivity.size() * sizeof(std::uint32_t));
+  for (const DataArray& array : dataset.arrays) size += padded(array.bytes.view.size());
+  return size;
+}
+
+Dataset dataset_of(const Json& json, const Shared& memory) {
+  Dataset dataset;
+  dataset.source = json.at("source");
+  dataset.format = json.at("format");
+  dataset.kind = enum_of(json.at("kind"), DatasetKind::kKernels);
+  dataset.lattice = lattice_of(json.at("lattice"));
+  dataset.positions = array_of(json.at("positions"), memory);
+  dataset.cells = cells_of(json.at("cells"), memory);
+  dataset.box_sizes = array_of(json.at("box_sizes"), memory);
+  dataset.periodic_box = box_of(json.at("periodic_box"));
+  dataset.space = enum_of(json.at("space"), Space::kRas);
+  for (const Json& array : json.at("arrays")) dataset.arrays.push_back(array_of(array, memory));
+  for (const Json& block : json.at("blocks")) dataset.blocks.push_back({block.at(0), block.at(1)});
+  dataset.block = json.at("block");
+  dataset.num_steps = count_of(json.at("num_steps"));
+  dataset.step = count_of(json.at("step"));
+  dataset.series = enum_of(json.at("series"), SeriesKind::kStaggered);
+  dataset.times = json.at("times").get<std::vector<double>>();
+  dataset.time_unit = json.at("time_unit");
+  dataset.notes = json.at("notes").get<std::vector<std::string>>();
+  return dataset;
+}
+
+void check_arrays(const Dataset& dataset, std::int64_t num_tuples) {
+  for (const DataArray& array : dataset.arrays)
+    if (!array.is_cell_data && array.num_tuples != num_tuples)
+      fail(fmt::format("{} tuples for {} places", array.num_tuples, num_tuples));
+}
+
+// That the parts fit each other.
+void check_dataset(const std::string& source, const Dataset& dataset) {
+  if (dataset.num_steps < 1 || dataset.step >= dataset.num_steps) fail("a step that is not there");
+  switch (dataset.kind) {
+    case DatasetKind::kLattice: {
+      const Index3& dims = dataset.lattice.dims;
+      checked_num_bytes(source, dims, ScalarType::kFloat64);
+      check_geometry(source, dataset.lattice.world_from_index);
+      return check_arrays(dataset, num_samples(dims));
+    }
+    case DatasetKind::kBoxes:
+      if (dataset.box_sizes.num_components != 3 || dataset.box_sizes.type != ScalarType::kFloat64 ||
+          dataset.box_sizes.num_tuples != dataset.positions.num_tuples)
+        fail("boxes without sizes");
+      [[fallthrough]];
+    case DatasetKind::kMesh:
+    case DatasetKind::kParticles:
+    case DatasetKind::kKernels: {
+      MeshPart part;
+      part.positions = dataset.positions;
+      part.cells = dataset.cells;
+      if (dataset.kind == DatasetKind::kMesh) part.arrays = dataset.arrays;
+      check_mesh(source, part);
+      if (dataset.kind != DatasetKind::kMesh) check_arrays(dataset, dataset.num_positions());
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> to_message(const ReaderRequest& request) {
+  const ReadOptions& options = request.options;
+  return Json::to_msgpack({{"protocol", kReaderProtocol},
+                           {"format", static_cast<int>(request.format)},
+                           {"source", request.source},
+                           {"paths", request.paths},
+                           {"folder", request.folder},
+                           {"array", options.array},
+                           {"block", options.block},
+                           {"step", options.step ? Json(*options.step) : Json()},
+                           {"positions", options.hdf5.positions},
+                           {"values", options.hdf5.values},
+                           {"files", request.files},
+                           {"folders", request.folders}});
+}
+
+ReaderRequest request_from_message(const std::vector<std::uint8_t>& message) {
+  return parsed(message, [](const Json& json) {
+    if (json.at("protocol") != kReaderProtocol) {
+      throw Error(ErrorCode::kUnsupported,
+                  fmt::format("ovoid-read is of another version than the library (protocol {}, the "
+                              "library's is {}): install both from one build",
+                              kReaderProtocol, json.at("protocol").dump()));
+    }
+    ReaderRequest request;
+    request.format = enum_of(json.at("format"), ForeignFormat::kDicom);
+    request.source = json.at("source");
+    request.paths = json.at("paths").get<std::vector<std::string>>();
+    request.folder = json.at("folder");
+    request.options.array = json.at("array");
+    request.options.block = json.at("block");
+    if (!json.at("step").is_null()) request.options.step = json.at("step").get<std::int64_t>();
+    request.options.hdf5.positions = json.at("positions");
+    request.options.hdf5.values = json.at("values").get<std::vector<std::string>>();
+    request.files = json.at("files").get<std::vector<std::string>>();
+    request.folders = json.at("folders").get<std::vector<std::string>>();
+    return request;
+  });
+}
+
+std::vector<std::uint8_t> to_message(const Error& error) {
+  return Json::to_msgpack({{"code", static_cast<int>(error.code())}, {"what", error.what()}});
+}
+
+Error error_from_message(const std::vector<std::uint8_t>& message) {
+  return parsed(message, [](const Json& json) {
+    return Error(enum_of(json.at("code"), ErrorCode::kCancelled),
+                 json.at("what").get<std::string>());
+  });
+}
+
+DatasetMessage to_message(Dataset dataset) {
+  MemoryWriter memory(num_shared_bytes(dataset));
+  Json arrays = Json::array(), blocks = Json::array();
+  for (DataArray& array : dataset.arrays) arrays.push_back(json_of(std::move(array), memory));
+  for (const DatasetBlock& block : dataset.blocks)
+    blocks.push_back(Json::array({block.name, block.description}));
+  const Json json{{"source", dataset.source},
+                  {"format", dataset.format},
+                  {"kind", static_cast<int>(dataset.kind)},
+                  {"lattice", json_of(dataset.lattice)},
+                  {"positions", json_of(std::move(dataset.positions), memory)},
+                  {"cells", json_of(std::move(dataset.cells), memory)},
+                  {"box_sizes", json_of(std::move(dataset.box_sizes), memory)},
+                  {"periodic_box", json_of(dataset.periodic_box)},
+                  {"space", static_cast<int>(dataset.space)},
+                  {"arrays", arrays},
+                  {"blocks", blocks},
+                  {"block", dataset.block},
+                  {"num_steps", dataset.num_steps},
+                  {"step", dataset.step},
+                  {"series", static_cast<int>(dataset.series)},
+                  {"times", dataset.times},
+                  {"time_unit", dataset.time_unit},
+                  {"notes", dataset.notes}};
+  return {Json::to_msgpack(json), memory.finish()};
+}
+
+Dataset dataset_from_message(const std::string& source, const DatasetMessage& message) {
+  try {
+    const auto memory = std::make_shared<const SharedMemory>(message.memory);
+    Dataset dataset =
+        parsed(message.description, [&](const Json& json) { return dataset_of(json, memory); });
+    check_dataset(source, dataset);
+    return dataset;
+  } catch (const Error& error) {
+    throw Error(error.code(), fmt::format("{}: {}", source, error.what()));
+  }
+}
+
+}  // namespace ovoid::io

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is said over a ReaderLink. Descriptions are MessagePack; numbers of arrays lie in one piece
+// of shared memory, sealed so that it can neither shrink nor change.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "io/reader/reader_link.h"
+#include "ovoid/dataset.h"
+#include "ovoid/error.h"
+#include "ovoid/io.h"
+
+namespace ovoid::io {
+
+// A reader that speaks another version refuses every request.
+inline constexpr int kReaderProtocol = 1;
+
+// Formats whose readers stand on other people's libraries (src/foreign).
+enum class ForeignFormat : std::uint8_t { kVtk, kExodus, kVtkHdf, kEnzo, kEnSight, kHdf5, kDicom };
+
+// Reads one dataset, or one step of it.
+struct ReaderRequest {
+  ForeignFormat format = ForeignFormat::kVtk;
+  std::string source;              // what the user named, for messages
+  std::vector<std::string> paths;  // files; as named, from `folder`
+  std::string folder;              // the working directory
+  ReadOptions options;             // but for `raw`, `progress`, `stop` and `session`
+  // What may be opened, canonical paths: regular files, and folders with all that is below them.
+  std::vector<std::string> files;
+  std::vector<std::string> folders;
+};
+
+std::vector<std::uint8_t> to_message(const ReaderRequest& request);
+std::vector<std::uint8_t> to_message(const Error& error);
+
+// Throw Error(kFileFormat) for what is none.
+ReaderRequest request_from_message(const std::vector<std::uint8_t>& message);
+Error error_from_message(const std::vector<std::uint8_t>& message);
+
+// A dataset with its arrays moved to shared memory, one after the other: each is given back as soon
+// as it is copied. Throws Error(kOutOfMemory).
+struct DatasetMessage {
+  std::vector<std::uint8_t> description;
+  UniqueFd memory;
+};
+DatasetMessage to_message(Dataset dataset);
+
+// The dataset, its arrays and cells in the memory itself, which they keep. Everything is checked as
+// if it came from a file: the seals and the size of the memory, the places of arrays in it, sizes
+// against each other, node numbers, positions (finite), the lattice's axes. Throws
+// Error(kFileFormat) naming `source`.
+Dataset dataset_from_message(const std::string& source, const DatasetMessage& message);
+
+}  // namespace ovoid::io

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/reader/reader_program.h"
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+#include <link.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <system_error>
+#include <vector>
+
+#include "ovoid/error.h"
+
+namespace ovoid::io {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kName = "ovoid-read";
+
+// The program, or the shared library, that this function is in.
+fs::path own_module() {
+  Dl_info info{};
+  link_map* module = nullptr;
+  std::error_code ignored;
+  const bool is_known = ::dladdr1(reinterpret_cast<const void*>(&find_reader_program), &info,
+                                  reinterpret_cast<void**>(&module), RTLD_DL_LINKMAP) != 0;
+  // The main program has no name there; the one that it was called by may mean another file.
+  if (is_known && module->l_name != nullptr && *module->l_name != '\0')
+    return fs::canonical(module->l_name, ignored);
+  return fs::read_symlink("/proc/self/exe", ignored);
+}
+
+}  // namespace
+
+std::string find_reader_program(const std::string& named) {
+  if (!named.empty()) {
+    if (::access(named.c_str(), X_OK) == 0) return named;
+    throw Error(ErrorCode::kUnsupported,
+                fmt::format("reader_program = {}: is no program that can be started: expected {}",
+                            named, kName));
+  }
+  const fs::path folder = own_module().parent_path();
+  const std::vector<fs::path> places{folder / kName, folder / "../libexec/ovoid" / kName,
+                                     folder / "../../libexec/ovoid" / kName,
+                                     fs::path(OVOID_READER_FOLDER) / kName};
+  for (const fs::path& place : places) {
+    std::error_code ignored;
+    if (::access(place.c_str(), X_OK) == 0) return fs::canonical(place, ignored).string();
+  }
+  throw Error(ErrorCode::kUnsupported,
+              fmt::format("{}: the program that reads VTK's files, HDF5 and compressed DICOM is "
+                          "neither beside {} nor in {}: install it, or name it (the program: by "
+                          "OVOID_READER; the library: by ReadOptions::reader_program)",
+                          kName, folder.string(), OVOID_READER_FOLDER));
+}
+
+}  // namespace ovoid::io

@@ -1,0 +1,373 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/reader/reader_session.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <system_error>
+#include <utility>
+
+#include "io/core/memory.h"
+#include "io/input_files.h"
+#include "io/reader/reader_program.h"
+#include "ovoid/error.h"
+
+namespace ovoid {
+namespace io {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+// Descriptor 3 is the socket; 0, 1 and 2 are nowhere.
+constexpr int kSocketInChild = 3;
+
+// Processor time of one request: what starting takes on a slow machine, and the slowest of readers,
+// which are those of text.
+constexpr double kBaseSeconds = 2;
+constexpr double kBytesPerSecond = 2e6;
+
+// Addresses that VTK and all below it, and the reader's own threads, take before a file is read.
+constexpr std::int64_t kLibraries = std::int64_t{1} << 30;
+
+// A reader that neither works nor waits for a disk is stuck.
+constexpr std::chrono::seconds kIdleLimit{6};
+
+// posix_spawn's two tables.
+class SpawnSettings {
+ public:
+  SpawnSettings() {
+    posix_spawn_file_actions_init(&files_);
+    posix_spawnattr_init(&attributes_);
+  }
+  ~SpawnSettings() {
+    posix_spawn_file_actions_destroy(&files_);
+    posix_spawnattr_destroy(&attributes_);
+  }
+  SpawnSettings(const SpawnSettings&) = delete;
+  SpawnSettings& operator=(const SpawnSettings&) = delete;
+
+  // The socket, nothing else of the host's descriptors; its signals as they are in a new program,
+  // and those of the terminal not at all: the library ends the reader itself.
+  void set_up(int socket) {
+    for (int fd = 0; fd < 3; ++fd)
+      posix_spawn_file_actions_addopen(&files_, fd, "/dev/null", fd == 0 ? O_RDONLY : O_WRONLY, 0);
+    posix_spawn_file_actions_adddup2(&files_, socket, kSocketInChild);
+    posix_spawn_file_actions_addclosefrom_np(&files_, kSocketInChild + 1);
+    sigset_t none, all;
+    sigemptyset(&none);
+    sigfillset(&all);
+    posix_spawnattr_setsigmask(&attributes_, &none);
+    posix_spawnattr_setsigdefault(&attributes_, &all);
+    posix_spawnattr_setpgroup(&attributes_, 0);
+    posix_spawnattr_setflags(
+        &attributes_, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
+  }
+
+  pid_t start(const std::string& program) {
+    std::string name = "ovoid-read";
+    std::array<char*, 2> arguments{name.data(), nullptr};
+    std::array<char*, 1> environment{nullptr};
+    pid_t pid = -1;
+    const int error = ::posix_spawn(&pid, program.c_str(), &files_, &attributes_, arguments.data(),
+                                    environment.data());
+    if (error != 0) {
+      throw Error(ErrorCode::kUnsupported, fmt::format("{}: cannot be started: {}", program,
+                                                       std::generic_category().message(error)));
+    }
+    return pid;
+  }
+
+ private:
+  posix_spawn_file_actions_t files_{};
+  posix_spawnattr_t attributes_{};
+};
+
+// A running reader. A process descriptor keeps its number from meaning another process once the
+// host has waited for all its children.
+class ReaderProcess {
+ public:
+  explicit ReaderProcess(const std::string& program) {
+    std::array<int, 2> ends{-1, -1};
+    if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) {
+      throw Error(ErrorCode::kUnsupported, fmt::format("{}: no socket for it: {}", program,
+                                                       std::generic_category().message(errno)));
+    }
+    link_.emplace(UniqueFd(ends[0]));
+    const UniqueFd theirs(above_standard(UniqueFd(ends[1])));
+    SpawnSettings settings;
+    settings.set_up(theirs.get());
+    pid_ = settings.start(program);
+    handle_ = UniqueFd(static_cast<int>(::syscall(SYS_pidfd_open, pid_, 0)));
+  }
+  ~ReaderProcess() {
+    if (is_reaped_) return;
+    kill();
+    reap(0);
+  }
+  ReaderProcess(const ReaderProcess&) = delete;
+  ReaderProcess& operator=(const ReaderProcess&) = delete;
+
+  const ReaderLink& link() const noexcept { return *link_; }
+
+  // May be called while another thread receives.
+  void kill() noexcept {
+    if (handle_.is_open())
+      ::syscall(SYS_pidfd_send_signal, handle_.get(), SIGKILL, nullptr, 0);
+    else if (!is_reaped_)
+      ::kill(pid_, SIGKILL);
+  }
+
+  // Of one that has closed its end of the socket: the signal that ended it, or minus its exit code;
+  // nothing if it has not ended, or the host has taken that knowledge.
+  std::optional<int> reason() noexcept {
+    for (int i = 0; i < 100 && !is_reaped_; ++i) {
+      if (i > 0) ::usleep(2000);
+      reap(WNOHANG);
+    }
+    return reason_;
+  }
+
+  // Lets it use so many seconds more of a processor, then the system ends it; and so many bytes
+  // beside its libraries, then it gets no more.
+  void allow(double seconds, std::int64_t num_bytes) const noexcept {
+    const double limit = std::min(used_seconds() + seconds, 1e9) + 1;
+    const rlimit time{static_cast<rlim_t>(limit), static_cast<rlim_t>(limit) + 1};
+    ::prlimit(pid_, RLIMIT_CPU, &time, nullptr);
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // these take terabytes
+    const auto size = static_cast<rlim_t>(num_bytes + kLibraries);
+    const rlimit memory{size, size};
+    ::prlimit(pid_, RLIMIT_AS, &memory, nullptr);
+#endif
+  }
+
+  double used_seconds() const noexcept {
+    clockid_t clock{};
+    timespec time{};
+    if (::clock_getcpuclockid(pid_, &clock) != 0 || ::clock_gettime(clock, &time) != 0) return 0;
+    return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_nsec) * 1e-9;
+  }
+
+  // Does it sleep for something that is not a disk?
+  bool is_asleep() const {
+    std::ifstream file(fmt::format("/proc/{}/stat", pid_));
+    std::string text;
+    std::getline(file, text);
+    const auto end = text.rfind(')');
+    return end != std::string::npos && text.substr(end, 3) == ") S";
+  }
+
+ private:
+  // Closing 0, 1 and 2 in the child must not close the socket.
+  static UniqueFd above_standard(UniqueFd fd) {
+    if (fd.get() > kSocketInChild) return fd;
+    return UniqueFd(::fcntl(fd.get(), F_DUPFD_CLOEXEC, kSocketInChild + 1));
+  }
+
+  // A host that waits for all children, or ignores their ends, leaves nothing to wait for.
+  void reap(int flags) noexcept {
+    siginfo_t info{};
+    int result = 0;
+    do {
+      result = ::waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | flags);
+    } while (result != 0 && errno == EINTR);
+    if (result == 0 && info.si_pid == 0) return;
+    is_reaped_ = true;
+    if (result == 0) reason_ = info.si_code == CLD_EXITED ? -info.si_status : info.si_status;
+  }
+
+  std::optional<ReaderLink> link_;
+  pid_t pid_ = -1;
+  UniqueFd handle_;
+  bool is_reaped_ = false;
+  std::optional<int> reason_;
+};
+
+std::string reason_text(const std::optional<int>& reason) {
+  if (!reason) return "";
+  if (*reason == SIGXCPU) return " (it took more processor time than such a file needs)";
+  if (*reason == SIGKILL) return " (the system killed it: did memory run out?)";
+  if (*reason > 0) return fmt::format(" (signal {})", *reason);
+  return fmt::format(" (exit code {})", -*reason);
+}
+
+double seconds_for(const std::vector<std::string>& files) {
+  double num_bytes = 0;
+  for (const std::string& file : files) {
+    std::error_code ignored;
+    const auto size = fs::file_size(file, ignored);
+    if (!ignored) num_bytes += static_cast<double>(size);
+  }
+  return kBaseSeconds + num_bytes / kBytesPerSecond;
+}
+
+}  // namespace
+}  // namespace io
+
+struct ReaderSession::Impl {
+  std::vector<std::string> inputs;
+  std::mutex mutex;
+  std::shared_ptr<io::ReaderProcess> process;
+  std::vector<std::string> files;  // what the process may open
+  std::vector<std::string> folders;
+
+  void start(const ReadOptions& options);
+  Dataset receive(const std::string& source, const ReadOptions& options);
+  void report_progress(const ReadOptions& options, double fraction);
+  [[noreturn]] void report_end(const std::string& source, const char* what);
+};
+
+ReaderSession::ReaderSession(std::vector<std::string> inputs) : impl_(std::make_unique<Impl>()) {
+  impl_->inputs = std::move(inputs);
+}
+
+ReaderSession::~ReaderSession() = default;
+
+void ReaderSession::Impl::start(const ReadOptions& options) {
+  if (process) return;
+  files = io::files_that_may_be_read(inputs, options);
+  folders = io::real_data_folders(options);
+  process = std::make_shared<io::ReaderProcess>(io::find_reader_program(options.reader_program));
+}
+
+void ReaderSession::Impl::report_end(const std::string& source, const char* what) {
+  const auto reason = process->reason();
+  process.reset();
+  throw Error(ErrorCode::kFileFormat, fmt::format("{}: its reader {}{}: is the file damaged?",
+                                                  source, what, io::reason_text(reason)));
+}
+
+void ReaderSession::Impl::report_progress(const ReadOptions& options, double fraction) {
+  try {
+    options.progress(fraction);
+  } catch (...) {
+    process.reset();  // its answer is still to come, and nobody waits for it
+    throw;
+  }
+}
+
+Dataset ReaderSession::Impl::receive(const std::string& source, const ReadOptions& options) {
+  double used = 0;
+  auto last_work = io::Clock::now();
+  for (;;) {
+    if (!process->link().wait(500)) {
+      const double now_used = process->used_seconds();
+      if (now_used > used || !process->is_asleep()) last_work = io::Clock::now();
+      used = now_used;
+      if (io::Clock::now() - last_work < io::kIdleLimit) continue;
+      process.reset();
+      throw Error(ErrorCode::kFileFormat,
+                  fmt::format("{}: its reader is stuck: is the file damaged?", source));
+    }
+    auto message = process->link().receive();
+    if (options.stop.stop_requested()) {
+      process.reset();
+      throw Error(ErrorCode::kCancelled, "reading: stopped by the caller");
+    }
+    if (!message) report_end(source, "stopped");
+    switch (message->type) {
+      case io::LinkMessage::kProgress:
+        if (double fraction = 0; options.progress && message->bytes.size() == sizeof(double)) {
+          std::memcpy(&fraction, message->bytes.data(), sizeof(double));
+          if (fraction >= 0 && fraction <= 1) report_progress(options, fraction);
+        }
+        break;
+      case io::LinkMessage::kDataset:
+        return io::dataset_from_message(source,
+                                        {std::move(message->bytes), std::move(message->fd)});
+      case io::LinkMessage::kError:
+        throw io::error_from_message(message->bytes);
+      default:
+        report_end(source, "sent nonsense");
+    }
+  }
+}
+
+Dataset ReaderSession::read(io::ForeignFormat format, const std::string& source,
+                            const std::vector<std::string>& paths, const ReadOptions& options) {
+  const std::lock_guard lock(impl_->mutex);
+  if (options.stop.stop_requested())
+    throw Error(ErrorCode::kCancelled, "reading: stopped by the caller");
+  impl_->start(options);
+  io::ReaderRequest request;
+  request.format = format;
+  request.source = source;
+  request.paths = paths;
+  std::error_code ignored;
+  request.folder = std::filesystem::current_path(ignored).string();
+  request.options = options;
+  request.files = impl_->files;
+  request.folders = impl_->folders;
+  impl_->process->allow(io::seconds_for(impl_->files), io::available_memory());
+  // The callback may run while this thread already gives the process up, and holds it so long.
+  const std::stop_callback killer(options.stop, [process = impl_->process] { process->kill(); });
+  if (!impl_->process->link().send(io::LinkMessage::kRequest, io::to_message(request)))
+    impl_->report_end(source, "did not start");
+  return impl_->receive(source, options);
+}
+
+namespace {
+
+// What this build has no library for is not worth a process.
+const char* missing_library(io::ForeignFormat format) {
+#ifndef OVOID_IO_HDF5
+  if (format == io::ForeignFormat::kHdf5) return "HDF5";
+#endif
+#ifndef OVOID_IO_VTK
+  if (format != io::ForeignFormat::kHdf5 && format != io::ForeignFormat::kDicom) return "VTK";
+#endif
+  static_cast<void>(format);
+  return nullptr;
+}
+
+const char* words_for(io::ForeignFormat format) {
+  switch (format) {
+    case io::ForeignFormat::kVtk:
+      return "VTK";
+    case io::ForeignFormat::kExodus:
+      return "Exodus";
+    case io::ForeignFormat::kVtkHdf:
+      return "VTKHDF";
+    case io::ForeignFormat::kEnzo:
+      return "Enzo";
+    case io::ForeignFormat::kEnSight:
+      return "EnSight";
+    case io::ForeignFormat::kHdf5:
+      return "HDF5";
+    case io::ForeignFormat::kDicom:
+      return "compressed DICOM";
+  }
+  return "";
+}
+
+}  // namespace
+
+Dataset io::read_foreign(ForeignFormat format, const std::string& source,
+                         const std::vector<std::string>& paths, const ReadOptions& options) {
+  if (const char* const missing = missing_library(format); missing != nullptr) {
+    throw Error(ErrorCode::kUnsupported,
+                fmt::format("{}: this build has no {} and cannot read {} files", source, missing,
+                            words_for(format)));
+  }
+  if (options.session) return options.session->read(format, source, paths, options);
+  return ReaderSession(paths).read(format, source, paths, options);
+}
+
+}  // namespace ovoid

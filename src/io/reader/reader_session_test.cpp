@@ -1,0 +1,312 @@
+// SPDX-License-Identifier: Apache-2.0
+// The process that reads with other people's libraries: what it may open, what becomes of crashes
+// and endless loops, and what its host does not notice. Every test fails if the reading is done
+// within the library's own process.
+#include "io/reader/reader_session.h"
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <stop_token>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "io/core/test_folder.h"
+#include "io/images/test_volumes.h"
+#include "io/reader/reader_program.h"
+#include "ovoid/io.h"
+#include "ovoid/series.h"
+
+namespace ovoid::io {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string vtu(const std::string& value) {
+  return R"(<VTKFile type="UnstructuredGrid"><UnstructuredGrid>
+<Piece NumberOfPoints="4" NumberOfCells="1">
+<PointData><DataArray type="Float32" Name="v" format="ascii">1 2 3 )" +
+         value + R"(</DataArray></PointData>
+<Points><DataArray type="Float32" NumberOfComponents="3" format="ascii">
+0 0 0 1 0 0 0 1 0 0 0 1</DataArray></Points>
+<Cells><DataArray type="Int64" Name="connectivity" format="ascii">0 1 2 3</DataArray>
+<DataArray type="Int64" Name="offsets" format="ascii">4</DataArray>
+<DataArray type="UInt8" Name="types" format="ascii">10</DataArray></Cells>
+</Piece></UnstructuredGrid></VTKFile>)";
+}
+
+std::string pieces(const std::string& name) {
+  return R"(<VTKFile type="PUnstructuredGrid"><PUnstructuredGrid GhostLevel="0"><Piece Source=")" +
+         name + R"("/></PUnstructuredGrid></VTKFile>)";
+}
+
+// A polyhedron one of whose faces says that it has more corners than there are numbers: VTK 9.1
+// reads on where there is nothing.
+const std::string kCrash =
+    R"(<VTKFile type="UnstructuredGrid"><UnstructuredGrid>
+<Piece NumberOfPoints="4" NumberOfCells="1">
+<PointData><DataArray type="Float32" Name="v" format="ascii">1 2 3 4</DataArray></PointData>
+<Points><DataArray type="Float32" NumberOfComponents="3" format="ascii">
+0 0 0 1 0 0 0 1 0 0 0 1</DataArray></Points>
+<Cells><DataArray type="Int64" Name="connectivity" format="ascii">0 1 2 3</DataArray>
+<DataArray type="Int64" Name="offsets" format="ascii">4</DataArray>
+<DataArray type="UInt8" Name="types" format="ascii">42</DataArray>
+<DataArray type="Int64" Name="faces" format="ascii">4 300000000 0 1 2 3 0 1 3 3 1 2 3 3 0 2 3</DataArray>
+<DataArray type="Int64" Name="faceoffsets" format="ascii">17</DataArray></Cells>
+</Piece></UnstructuredGrid></VTKFile>)";
+
+// VTK 9.1 looks for a section that never comes.
+const std::string kEndless =
+    "FORMAT\ntype: ensight gold\nGEOMETRY\nmodel: a.geo\nVARIABL\nscalar per node: v a.v\n";
+
+class ReaderSessionTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (error_of([&] { read("probe.vtu", vtu("4")); }).find("no VTK") != std::string::npos)
+      GTEST_SKIP() << "this build has no VTK";
+  }
+
+  Dataset read(const std::string& name, const std::string& content,
+               const ReadOptions& options = {}) const {
+    return read_dataset({folder.write(name, content)}, options);
+  }
+  std::string refusal(const std::string& path, const ReadOptions& options = {}) const {
+    return error_of([&] { read_dataset({path}, options); });
+  }
+
+  TestFolder folder;
+};
+
+std::size_t num_open_files() {
+  return static_cast<std::size_t>(std::distance(fs::directory_iterator("/proc/self/fd"), {}));
+}
+
+TEST_F(ReaderSessionTest, CrashIsOneLine) {
+  const std::string path = folder.write("crash.vtu", kCrash);
+  const std::string message = refusal(path);
+  EXPECT_TRUE(message.starts_with("file-format: " + path + ": its reader stopped")) << message;
+  EXPECT_EQ(message.find('\n'), std::string::npos);
+}
+
+TEST_F(ReaderSessionTest, SessionOutlivesACrash) {
+  const std::string good = folder.write("a.vtu", vtu("4")), bad = folder.write("crash.vtu", kCrash);
+  ReadOptions options;
+  options.session = std::make_shared<ReaderSession>(std::vector{good, bad});
+  EXPECT_EQ(read_dataset({good}, options).array().name, "v");
+  EXPECT_NE(refusal(bad, options), "");
+  EXPECT_EQ(read_dataset({good}, options).array().name, "v");
+}
+
+TEST_F(ReaderSessionTest, EndlessLoopIsEnded) {
+  folder.write("a.geo", "x\n");
+  folder.write("a.v", "x\n");
+  const std::string message = refusal(folder.write("a.case", kEndless));
+  EXPECT_NE(message.find("processor time"), std::string::npos) << message;
+}
+
+TEST_F(ReaderSessionTest, StopEndsAnEndlessLoop) {
+  folder.write("a.geo", "x\n");
+  folder.write("a.v", "x\n");
+  std::stop_source source;
+  ReadOptions options;
+  options.stop = source.get_token();
+  std::jthread stopper([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    source.request_stop();
+  });
+  EXPECT_EQ(refusal(folder.write("a.case", kEndless), options),
+            "cancelled: reading: stopped by the caller");
+}
+
+// Every input stays as it was read, whatever becomes of the session and of other arrays.
+TEST_F(ReaderSessionTest, ArraysOutliveTheProcess) {
+  Dataset dataset;
+  {
+    ReadOptions options;
+    const std::string path = folder.write("a.vtu", vtu("4"));
+    options.session = std::make_shared<ReaderSession>(std::vector{path});
+    dataset = read_dataset({path}, options);
+  }
+  const DataArray kept = dataset.array("v");
+  dataset = {};
+  EXPECT_EQ(values_of<float>(kept), (std::vector<float>{1, 2, 3, 4}));
+}
+
+// --- what may be opened -------------------------------------------------------------------------
+
+TEST_F(ReaderSessionTest, PiecesElsewhereNeedLeave) {
+  fs::create_directories(folder.file("own"));
+  fs::create_directories(folder.file("other"));
+  folder.write("own/p.vtu", vtu("4"));
+  folder.write("other/p.vtu", vtu("5"));
+  EXPECT_EQ(refusal(folder.write("own/a.pvtu", pieces("p.vtu"))), "");
+  const std::string path = folder.write("own/b.pvtu", pieces("../other/p.vtu"));
+  const std::string message = refusal(path);
+  const std::string other = fs::canonical(folder.file("other")).string();
+  EXPECT_TRUE(message.starts_with("unsupported: " + path)) << message;
+  EXPECT_TRUE(message.ends_with("allow that with --data-folder '" + other + "'")) << message;
+  ReadOptions options;
+  options.data_folders = {other};
+  EXPECT_EQ(values_of<float>(read_dataset({path}, options).array("v")).back(), 5);
+}
+
+// As VTK reads them: streams take a plus sign and blanks.
+TEST_F(ReaderSessionTest, PiecesMayCountWithASign) {
+  const std::string piece = with(vtu("4"), "NumberOfPoints=\"4\"", "NumberOfPoints=\" +4 \"");
+  folder.write("p.vtu", with(piece, "NumberOfCells=\"1\"", "NumberOfCells=\"+1\""));
+  EXPECT_EQ(refusal(folder.write("a.pvtu", pieces("p.vtu"))), "");
+}
+
+// A link in the folder leads out of it as well as ".." does; the input itself may be a link.
+TEST_F(ReaderSessionTest, LinksAreFollowedFirst) {
+  fs::create_directories(folder.file("own"));
+  fs::create_directories(folder.file("other"));
+  folder.write("other/p.vtu", vtu("4"));
+  fs::create_symlink("../other/p.vtu", folder.file("own/p.vtu"));
+  EXPECT_EQ(refusal(folder.file("own/p.vtu")), "");
+  EXPECT_NE(refusal(folder.write("own/a.pvtu", pieces("p.vtu"))).find("--data-folder"),
+            std::string::npos);
+}
+
+TEST_F(ReaderSessionTest, HeadersOfSamplesToo) {
+  fs::create_directories(folder.file("own"));
+  folder.write("secret", "passwords");
+  const std::string header =
+      "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 3 3 1\nencoding: raw\ndata file: ../secret\n";
+  const std::string message = refusal(folder.write("own/a.nhdr", header));
+  EXPECT_NE(message.find("--data-folder"), std::string::npos) << message;
+  ReadOptions options;
+  options.data_folders = {folder.file("")};
+  EXPECT_EQ(refusal(folder.file("own/a.nhdr"), options), "");
+}
+
+TEST_F(ReaderSessionTest, DataFolderMustBeThere) {
+  ReadOptions options;
+  options.data_folders = {folder.file("nowhere")};
+  EXPECT_EQ(refusal(folder.write("a.vtu", vtu("4")), options),
+            "file-not-found: data folder '" + folder.file("nowhere") + "': is no folder");
+}
+
+TEST_F(ReaderSessionTest, FilesOfSetsAndCases) {
+  fs::create_directories(folder.file("a"));
+  const std::string inner = folder.write("a/p.vtu", vtu("4"));
+  const std::string set = folder.write("a.pvtu", pieces("a/p.vtu"));
+  EXPECT_EQ(files_read_for(set), (std::vector{set, inner}));
+  const std::string series = folder.write(
+      "a.pvd",
+      R"(<VTKFile type="Collection"><Collection><DataSet timestep="0" file="a.pvtu"/></Collection></VTKFile>)");
+  EXPECT_EQ(files_read_for(series), (std::vector{series, set, inner}));
+  const std::string geometry = folder.write("a.geo", "x");
+  const std::string first = folder.write("v001", "x"), second = folder.write("v002", "x");
+  folder.write("v00x", "x");
+  const std::string input = folder.write("a.case",
+                                         "FORMAT\ntype: ensight gold\nGEOMETRY\nmodel: a.geo\n"
+                                         "VARIABLE\nscalar per node: v v***\n");
+  EXPECT_EQ(files_read_for(input), (std::vector{input, geometry, first, second}));
+  const std::string enzo =
+      folder.write("e.hierarchy",
+                   "Grid = 1\nBaryonFileName = /far/away/e.cpu0000\nNumberOfParticles   = 4962\n");
+  const std::string start = folder.write("e", "InitialTime = 0\n");
+  const std::string grid = folder.write("e.cpu0000", "x");
+  EXPECT_EQ(files_read_for(enzo), (std::vector{enzo, start, grid}));
+}
+
+// --- what the host does not notice --------------------------------------------------------------
+
+TEST_F(ReaderSessionTest, HostIsLeftAsItWas) {
+  folder.write("warm.vtu", vtu("4"));
+  EXPECT_EQ(refusal(folder.file("warm.vtu")), "");
+  const std::size_t num_before = num_open_files();
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(refusal(folder.file("warm.vtu")), "");
+    EXPECT_NE(refusal(folder.write("crash.vtu", kCrash)), "");
+  }
+  EXPECT_EQ(num_open_files(), num_before);
+  EXPECT_EQ(::waitpid(-1, nullptr, WNOHANG), -1) << "a child is left";
+  for (const int signal : {SIGCHLD, SIGPIPE, SIGTERM}) {
+    struct sigaction action {};
+    ::sigaction(signal, nullptr, &action);
+    EXPECT_EQ(action.sa_handler, SIG_DFL) << signal;
+  }
+}
+
+// As some servers do, whose children are then gone before anybody can ask why they ended.
+TEST_F(ReaderSessionTest, HostMayIgnoreItsChildren) {
+  ::signal(SIGCHLD, SIG_IGN);
+  const std::string good = refusal(folder.write("a.vtu", vtu("4")));
+  const std::string bad = refusal(folder.write("crash.vtu", kCrash));
+  ::signal(SIGCHLD, SIG_DFL);
+  EXPECT_EQ(good, "");
+  EXPECT_NE(bad.find("its reader stopped"), std::string::npos) << bad;
+}
+
+TEST_F(ReaderSessionTest, HostMayWaitForAllItsChildren) {
+  std::atomic<bool> is_done = false;
+  std::jthread waiter([&] {
+    while (!is_done) ::waitpid(-1, nullptr, WNOHANG);
+  });
+  const std::string good = refusal(folder.write("a.vtu", vtu("4")));
+  const std::string bad = refusal(folder.write("crash.vtu", kCrash));
+  is_done = true;
+  EXPECT_EQ(good, "");
+  EXPECT_NE(bad.find("its reader stopped"), std::string::npos) << bad;
+}
+
+TEST_F(ReaderSessionTest, HostMayHaveClosedItsStandardFiles) {
+  const std::string path = folder.write("a.vtu", vtu("4"));
+  const pid_t child = ::fork();
+  if (child == 0) {
+    for (int fd = 0; fd < 3; ++fd) ::close(fd);
+    ::_exit(refusal(path).empty() ? 0 : 1);
+  }
+  int status = -1;
+  ::waitpid(child, &status, 0);
+  EXPECT_EQ(status, 0);
+}
+
+TEST_F(ReaderSessionTest, ManyThreadsReadAtOnce) {
+  std::vector<std::string> messages(6);
+  {
+    std::vector<std::jthread> threads;
+    for (std::size_t i = 0; i < messages.size(); ++i) {
+      const std::string path = folder.write("t" + std::to_string(i) + ".vtu", vtu("4"));
+      threads.emplace_back([&messages, path, i, this] { messages[i] = refusal(path); });
+    }
+  }
+  for (const std::string& message : messages) EXPECT_EQ(message, "");
+}
+
+TEST_F(ReaderSessionTest, MissingProgramIsNamed) {
+  ReadOptions options;
+  options.reader_program = "/nowhere/ovoid-read";
+  const std::string missing = refusal(folder.write("a.vtu", vtu("4")), options);
+  options.reader_program = "/bin/true";
+  const std::string wrong = refusal(folder.file("a.vtu"), options);
+  EXPECT_EQ(missing,
+            "unsupported: reader_program = /nowhere/ovoid-read: is no program that can be started: "
+            "expected ovoid-read");
+  EXPECT_NE(wrong.find("its reader "), std::string::npos) << wrong;
+}
+
+// Steps of a series come from one process: the second is read although the program is gone.
+TEST_F(ReaderSessionTest, SeriesKeepsItsProcess) {
+  const std::vector<std::string> paths{folder.write("a0.vtu", vtu("4")),
+                                       folder.write("a1.vtu", vtu("5"))};
+  ReadOptions options;
+  options.reader_program = folder.file("reader");
+  fs::create_symlink(find_reader_program({}), options.reader_program);
+  const auto steps = open_steps(paths, options);
+  fs::remove(options.reader_program);
+  EXPECT_EQ(error_of([&] { steps->read(1); }), "");
+}
+
+}  // namespace
+}  // namespace ovoid::io

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/vtk/vtk_set_files.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <string_view>
+#include <utility>
+
+#include "io/core/xml_tags.h"
+#include "ovoid/error.h"
+
+namespace ovoid::io {
+namespace {
+
+struct SetType {
+  std::string_view type;
+  const char* format;
+};
+constexpr std::array<SetType, 9> kSetTypes{{{"PUnstructuredGrid", "PVTU"},
+                                            {"PPolyData", "PVTP"},
+                                            {"PStructuredGrid", "PVTS"},
+                                            {"PRectilinearGrid", "PVTR"},
+                                            {"vtkMultiBlockDataSet", "VTM"},
+                                            {"vtkOverlappingAMR", "VTK AMR"},
+                                            {"vtkNonOverlappingAMR", "VTK AMR"},
+                                            {"vtkHierarchicalBoxDataSet", "VTK AMR"},
+                                            {"Collection", "PVD"}}};
+
+const SetType* find_set_type(const std::string& xml_type) noexcept {
+  const auto found =
+      std::find_if(kSetTypes.begin(), kSetTypes.end(),
+                   [&](const SetType& candidate) { return candidate.type == xml_type; });
+  return found == kSetTypes.end() ? nullptr : &*found;
+}
+
+double time_of(const ByteSource& source, const XmlTag& tag) {
+  const std::string text = tag.attribute("timestep", "0");
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
+    throw Error(ErrorCode::kFileFormat,
+                fmt::format("{}: DataSet: timestep=\"{}\": expected a finite number", source.name(),
+                            text.substr(0, 40)));
+  }
+  return value;
+}
+
+int level_of(const ByteSource& source, const XmlTag& tag) {
+  const std::string text = tag.attribute("level", "0");
+  int value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || value < 0 || value > 1000) {
+    throw Error(ErrorCode::kFileFormat, fmt::format("{}: Block: level=\"{}\": expected 0 to 1000",
+                                                    source.name(), text.substr(0, 40)));
+  }
+  return value;
+}
+
+}  // namespace
+
+std::string vtk_xml_type(const ByteSource& source) {
+  XmlTagReader reader(source);
+  while (const auto tag = reader.next()) {
+    if (tag->name == "VTKFile") return tag->attribute("type");
+    if (!tag->name.starts_with('?') && !tag->name.starts_with('!')) break;
+  }
+  return {};
+}
+
+bool is_vtk_set(const std::string& xml_type) noexcept { return find_set_type(xml_type) != nullptr; }
+
+const char* format_of_vtk_set(const std::string& xml_type) noexcept {
+  return find_set_type(xml_type)->format;
+}
+
+// The layouts differ in the names of the tags alone.
+std::vector<VtkSetFile> vtk_set_files(const ByteSource& source) {
+  std::vector<VtkSetFile> files;
+  std::vector<std::string> blocks;
+  int level = 0;
+  XmlTagReader reader(source);
+  while (const auto tag = reader.next()) {
+    if (tag->name == "/Block" && !blocks.empty()) blocks.pop_back();
+    if (tag->name == "AppendedData") break;
+    if (tag->name == "Block" && !tag->is_empty_element) {
+      level = level_of(source, *tag);
+      blocks.push_back(tag->attribute("name", tag->attribute("index")));
+    }
+    const bool is_piece = tag->name == "Piece" && tag->attributes.contains("Source");
+    const bool is_data_set = tag->name == "DataSet" && tag->attributes.contains("file");
+    if (!is_piece && !is_data_set) continue;
+    VtkSetFile file;
+    const std::string name = tag->attribute(is_piece ? "Source" : "file");
+    if (name.empty()) continue;  // an empty block
+    file.path = path_beside(source.name(), name);
+    for (const std::string& block : blocks) file.block += block + "/";
+    if (is_data_set) file.block += tag->attribute("name", tag->attribute("index"));
+    file.level = level;
+    file.time = is_data_set ? time_of(source, *tag) : 0;
+    files.push_back(std::move(file));
+    if (static_cast<std::int64_t>(files.size()) > kMaxVtkSetFiles) {
+      throw Error(ErrorCode::kUnsupported,
+                  fmt::format("{}: names more than {} files", source.name(), kMaxVtkSetFiles));
+    }
+  }
+  if (files.empty())
+    throw Error(ErrorCode::kFileFormat, fmt::format("{}: names no files", source.name()));
+  return files;
+}
+
+}  // namespace ovoid::io

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// VTK's XML files that name other files: pieces (.pvtu .pvtp .pvts .pvtr), blocks (.vtm), adaptive
+// grids (.vth .vthb) and time series (.pvd).
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "io/core/byte_source.h"
+
+namespace ovoid::io {
+
+// Sets within sets, and the files of one of them, or of all of them together.
+inline constexpr int kMaxVtkSetDepth = 8;
+inline constexpr std::int64_t kMaxVtkSetFiles = 10000;
+
+// What the root of an XML file says it is: "ImageData", "vtkMultiBlockDataSet", "Collection"; empty
+// if it is no VTKFile.
+std::string vtk_xml_type(const ByteSource& source);
+
+// Is this what the root of such a file says it is?
+bool is_vtk_set(const std::string& xml_type) noexcept;
+
+// "PVTU", "VTM", ... for a type that is_vtk_set().
+const char* format_of_vtk_set(const std::string& xml_type) noexcept;
+
+// A file that a set names.
+struct VtkSetFile {
+  std::string path;
+  std::string block;  // the names of the blocks around it
+  int level = 0;      // adaptive grids
+  double time = 0;    // time series
+};
+
+// The files of a set, in the order they stand; names count from the set's folder. Throws Error.
+std::vector<VtkSetFile> vtk_set_files(const ByteSource& source);
+
+}  // namespace ovoid::io

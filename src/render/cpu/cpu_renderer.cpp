@@ -68,7 +68,7 @@ struct PreparedField {
 
 Frame render(const LatticeField& field, const Camera& camera, const Look& look,
              const RenderOptions& options, const RenderHooks& hooks, Runner& runner,
-             const view::Behind* behind) {
+             const view::TrailView* trail) {
   const Clock::time_point start = Clock::now();
   const std::uint64_t start_ticks = read_ticks();
   Frame out;
@@ -78,18 +78,12 @@ Frame render(const LatticeField& field, const Camera& camera, const Look& look,
   out.profile.kernels_total = field.num_kernels();
   out.image = empty_image(options);
 
-  RenderOptions own_options = options;
-  RenderOptions plain_options;
-  std::optional<PreparedField> prepared_behind;
-  if (behind != nullptr) {
-    own_options.post_convolution = PostConvolution::kOff;
-    plain_options = own_options;
-    plain_options.classification = Classification::kSampled;
-    prepared_behind.emplace(*behind->field, camera, behind->look, plain_options, hooks, runner);
-  }
-  PreparedField prepared(field, camera, look, own_options, hooks, runner);
+  std::optional<PreparedField> prepared_trail;
+  if (trail != nullptr)
+    prepared_trail.emplace(*trail->field, camera, trail->look, trail->options, hooks, runner);
+  PreparedField prepared(field, camera, look, options, hooks, runner);
   CpuFrame& frame = prepared.frame;
-  if (prepared_behind) frame.behind = &prepared_behind->frame;
+  if (prepared_trail) frame.behind = &prepared_trail->frame;
   const int edge = field.source().brick_edge();
   out.profile.kernels_drawn =
       std::min(field.num_kernels(), prepared.plan.relevance.num_relevant() * edge * edge * edge *

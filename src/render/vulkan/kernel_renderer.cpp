@@ -505,9 +505,9 @@ void KernelRenderer::set_needs(Set& set) {
   bench_.commands.upload(needed_blocks_, 0, std::as_bytes(std::span(blocks)));
 }
 
-void KernelRenderer::render(const KernelField& field, const Camera& camera, const Look& look,
-                            const RenderOptions& options, const RenderHooks& hooks, Image& image,
-                            FrameProfile& profile) {
+void KernelRenderer::render(const FrameJob& job, Image& image, FrameProfile& profile) {
+  const KernelField& field = *job.field.kernels();
+  const auto& [any_field, camera, look, trail, options, hooks] = job;
   Commands& commands = bench_.commands;
   Set set(field, camera, look, options);
   if (!kernels_ || !kernels_->is_of(field)) {

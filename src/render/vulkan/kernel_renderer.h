@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "render/back_end.h"
 #include "render/shared/device_layout.h"
 #include "render/shared/kernel_values.h"
 #include "render/vulkan/device_kernels.h"
@@ -21,9 +22,7 @@ class KernelRenderer {
   explicit KernelRenderer(Workbench& bench) : bench_(bench) {}
 
   // Draws into `image`, which is empty, and counts in `profile`.
-  void render(const KernelField& field, const Camera& camera, const Look& look,
-              const RenderOptions& options, const RenderHooks& hooks, Image& image,
-              FrameProfile& profile);
+  void render(const FrameJob& job, Image& image, FrameProfile& profile);
 
  private:
   struct Set;  // a frame's field, plan and constants

@@ -81,7 +81,7 @@ struct LatticeRenderer::Job {
 
   const RenderOptions& options;
   Drawn own;
-  std::optional<Drawn> other{};  // behind it
+  std::optional<Drawn> trail{};
   bool has_nodes = false;
   device::LatticeFrame frame{};
   Constants constants{};  // of the shader without nodes; that with them has one more
@@ -155,22 +155,22 @@ void LatticeRenderer::decide_relevance(Drawn& drawn, const RenderOptions& option
 
 // What both fields of a frame need to be cut into the same boxes.
 void LatticeRenderer::upload(Job& job) {
-  const std::uint64_t num_fields = job.other ? 2 : 1;
+  const std::uint64_t num_fields = job.trail ? 2 : 1;
   BoxCut cut;
   cut.most_bytes = bench_.most_bytes / num_fields;
-  for (const Drawn* drawn : {&job.own, job.other ? &*job.other : nullptr}) {
+  for (const Drawn* drawn : {&job.own, job.trail ? &*job.trail : nullptr}) {
     if (drawn == nullptr) continue;
     const int reach = reach_of(drawn->field, drawn->plan, job.has_nodes);
     // Somewhat more, so that not every change of the view cuts anew.
     cut.reach = std::max(cut.reach, reach + reach / 2);
     cut.sample_bytes = std::max(cut.sample_bytes, stored_size(drawn->field));
   }
-  if (!job.other) kept_behind_ = {};
-  keep(job.own, cut, job.other.has_value());
+  if (!job.trail) kept_trail_ = {};
+  keep(job.own, cut, job.trail.has_value());
   decide_relevance(job.own, job.options);
-  if (!job.other) return;
-  keep(*job.other, cut, true);
-  decide_relevance(*job.other, job.options);
+  if (!job.trail) return;
+  keep(*job.trail, cut, true);
+  decide_relevance(*job.trail, job.options);
 }
 
 void LatticeRenderer::set_constants(Job& job) {
@@ -186,13 +186,13 @@ void LatticeRenderer::set_constants(Job& job) {
   job.frame.view = view_constants(job.own.plan, job.options);
   job.constants = {
       number_of(job.own.look.mode),
-      frame_flags(job.own.frame_traits, job.options) | (job.other ? device::kHasBehind : 0),
+      frame_flags(job.own.frame_traits, job.options) | (job.trail ? device::kHasBehind : 0),
       0,
       0,
       0,
       0};
   add(job.own, 0);
-  if (job.other) add(*job.other, 1);
+  if (job.trail) add(*job.trail, 1);
 
   Commands& commands = bench_.commands;
   commands.submit_and_wait();  // of relevance, whose buffers stay
@@ -215,7 +215,7 @@ void LatticeRenderer::divide_sheets(Job& job) const {
                              job.constants[3 + 2 * number], drawn.look.mode, takes_differences},
                             job.frame.fields[number]);
   };
-  const double rounds = rounds_of(job.own, 0) + (job.other ? rounds_of(*job.other, 1) : 0.0);
+  const double rounds = rounds_of(job.own, 0) + (job.trail ? rounds_of(*job.trail, 1) : 0.0);
   const int num_sheets = job.frame.view.num_sheets;
   for (int first = 0; first < num_sheets;) {
     const std::int64_t sheet = plan.sheets.first + first;
@@ -245,11 +245,11 @@ void LatticeRenderer::draw_box(const Job& job, std::size_t number, const Band& b
   Commands& commands = bench_.commands;
   commands.submit_and_wait();
   const LatticeBox& box = job.own.kept.lattice->acquire(number, job.own.field, commands);
-  const Buffer* samples_behind = &nothing_;
-  const Buffer* bricks_behind = &nothing_;
-  if (job.other) {
-    samples_behind = &job.other->kept.lattice->acquire(number, job.other->field, commands).data;
-    bricks_behind = &job.other->kept.bricks;
+  const Buffer* trail_samples = &nothing_;
+  const Buffer* trail_bricks = &nothing_;
+  if (job.trail) {
+    trail_samples = &job.trail->kept.lattice->acquire(number, job.trail->field, commands).data;
+    trail_bricks = &job.trail->kept.bricks;
   }
   device::BoxConstants place = job.own.kept.lattice->constants_of(box);
   place.first_row = static_cast<std::uint32_t>(band.first);
@@ -266,25 +266,23 @@ void LatticeRenderer::draw_box(const Job& job, std::size_t number, const Band& b
     commands.dispatch(
         is_at_nodes ? Stage::kLatticeNodes : Stage::kLattice,
         is_at_nodes ? node_constants : job.constants,
-        {&frame_, &tables_, &box.data, samples_behind, &job.own.kept.bricks, bricks_behind,
+        {&frame_, &tables_, &box.data, trail_samples, &job.own.kept.bricks, trail_bricks,
          &bench_.pixels.colors(), &bench_.pixels.depths(), &bench_.pixels.states(), &counts_},
         place, groups_of(job.options, band, is_at_nodes ? device::kNodeTile : device::kGroupEdge));
   }
 }
 
-void LatticeRenderer::render(const LatticeField& field, const Camera& camera, const Look& look,
-                             const RenderOptions& options, const RenderHooks& hooks,
-                             const view::Behind* behind, Image& image, FrameProfile& profile) {
+void LatticeRenderer::render(const FrameJob& frame, Image& image, FrameProfile& profile) {
+  const auto& [any_field, camera, look, trail, options, hooks] = frame;
+  const LatticeField& field = *any_field.lattice();
   Job job{options, {field, camera, look, options, kept_}};
-  job.has_nodes = behind == nullptr && job.own.traits.may_have_nodes;
-  if (behind != nullptr) {
-    RenderOptions plain = options;
-    plain.classification = Classification::kSampled;
-    job.other.emplace(*behind->field, camera, behind->look, plain, kept_behind_);
+  job.has_nodes = job.own.traits.may_have_nodes;
+  if (trail != nullptr) {
+    job.trail.emplace(*trail->field, camera, trail->look, trail->options, kept_trail_);
     // Both count sheets from the same one.
     view::ViewLattice::SheetRange& own = job.own.plan.sheets;
-    view::ViewLattice::SheetRange& others = job.other->plan.sheets;
-    own = others = {std::min(own.first, others.first), std::max(own.last, others.last)};
+    view::ViewLattice::SheetRange& of_trail = job.trail->plan.sheets;
+    own = of_trail = {std::min(own.first, of_trail.first), std::max(own.last, of_trail.last)};
   }
   upload(job);
   set_constants(job);

@@ -83,7 +83,7 @@ Frame render(const LatticeField& field, const Camera& camera, const Look& look,
     prepared_trail.emplace(*trail->field, camera, trail->look, trail->options, hooks, runner);
   PreparedField prepared(field, camera, look, options, hooks, runner);
   CpuFrame& frame = prepared.frame;
-  if (prepared_trail) frame.behind = &prepared_trail->frame;
+  if (prepared_trail) frame.trail = &prepared_trail->frame;
   const int edge = field.source().brick_edge();
   out.profile.kernels_drawn =
       std::min(field.num_kernels(), prepared.plan.relevance.num_relevant() * edge * edge * edge *
@@ -109,7 +109,7 @@ Frame render(const LatticeField& field, const Camera& camera, const Look& look,
       static_cast<double>(read_ticks() - start_ticks) / out.profile.frame_ms;
   if (options.collect_profile) out.profile.stages_ms.emplace_back("plan", plan_ms);
   for (const auto& work : workspaces) {
-    for (const WorkerStats* stats : {&work->pixels.stats, &work->nodes.stats, &work->behind.stats})
+    for (const WorkerStats* stats : {&work->pixels.stats, &work->nodes.stats, &work->trail.stats})
       add_worker_stats(*stats, options.collect_profile ? ticks_per_ms : 0.0, out.profile);
   }
   return out;

@@ -24,7 +24,7 @@ struct CpuFrame : FrameTraits, LatticeTraits {
   const view::LatticePlan* lattice_plan = nullptr;  // `plan`, if it is a lattice's
   const LatticeField* field = nullptr;              // likewise
   const RenderOptions* options = nullptr;
-  const CpuFrame* behind = nullptr;  // of a second field, drawn behind this one sheet by sheet
+  const CpuFrame* trail = nullptr;  // the trail's, drawn behind this one sheet by sheet
   std::stop_token stop;
 
   bool samples_at_nodes = false;  // some sheets are: tiles come in patches (nodes.h)

@@ -35,7 +35,7 @@ NodeSpan nodes_for(double pitch, int first_pixel, int last_pixel);
 struct LatticeWorkspace {
   Workspace pixels;
   Workspace nodes;
-  Workspace behind;                                        // of CpuFrame::behind
+  Workspace trail;                                         // of CpuFrame::trail
   std::array<TileState, kPatchTiles * kPatchTiles> tiles;  // row by row
   std::array<TileRays, kPatchTiles * kPatchTiles> rays;
   struct TileBits {

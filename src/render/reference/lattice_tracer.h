@@ -12,11 +12,10 @@ namespace ovoid::reference {
 // out anew for every pixel.
 class LatticeTracer final : public PixelTracer {
  public:
-  // Camera, look and options are valid; `field`, `evaluator` (of that field) and `behind` outlive
+  // Camera, look and options are valid; `field`, `evaluator` (of that field) and `trail` outlive
   // the tracer.
   LatticeTracer(const LatticeField& field, const FieldEvaluator& evaluator, const Camera& camera,
-                const Look& look, const RenderOptions& options,
-                const PixelTracer* behind = nullptr);
+                const Look& look, const RenderOptions& options, const PixelTracer* trail = nullptr);
 
  private:
   SheetRange sheets_of(const Ray& ray) const override;

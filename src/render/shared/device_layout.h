@@ -30,7 +30,7 @@ struct alignas(16) ivec4 {
 OVOID_CONSTANT uint kGroupEdge = 8u;  // pixels along the side of a work group: 64 threads
 OVOID_CONSTANT uint kGroupSize = 64u;
 OVOID_CONSTANT int kStoredEdge = 4;   // samples along the side of a cube that lies together
-OVOID_CONSTANT uint kMaxFields = 2u;  // a field, and what is behind it
+OVOID_CONSTANT uint kMaxFields = 2u;  // a field and its trail
 OVOID_CONSTANT uint kMaxClips = 16u;
 OVOID_CONSTANT int kMaxSublattices = 2;
 OVOID_CONSTANT int kMaxSlabNodes = 32;
@@ -68,7 +68,7 @@ OVOID_CONSTANT uint kFades = 16u;  // by the gradient
 OVOID_CONSTANT uint kTakesGradients = 32u;
 OVOID_CONSTANT uint kTakesDifferences = 64u;
 OVOID_CONSTANT uint kStopsOpaque = 128u;
-OVOID_CONSTANT uint kHasBehind = 1024u;
+OVOID_CONSTANT uint kHasTrail = 1024u;
 OVOID_CONSTANT uint kHasOwnColor = 2048u;
 OVOID_CONSTANT uint kNodesKeepBound = 8192u;  // those near faces have no value
 OVOID_CONSTANT uint kSpreads = 16384u;        // bilinearly

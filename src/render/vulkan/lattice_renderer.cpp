@@ -186,7 +186,7 @@ void LatticeRenderer::set_constants(Job& job) {
   job.frame.view = view_constants(job.own.plan, job.options);
   job.constants = {
       number_of(job.own.look.mode),
-      frame_flags(job.own.frame_traits, job.options) | (job.trail ? device::kHasBehind : 0),
+      frame_flags(job.own.frame_traits, job.options) | (job.trail ? device::kHasTrail : 0),
       0,
       0,
       0,

@@ -90,8 +90,8 @@ inline void cover_own_pixels(const KernelFrame& frame, KernelWorkspace& work, co
 }
 
 // Adds a level to the next finer one.
-inline void bring_down_level(const KernelFrame& frame, KernelWorkspace& work, int level,
-                             const SheetRun& run) {
+inline void post_convolve_level(const KernelFrame& frame, KernelWorkspace& work, int level,
+                                const SheetRun& run) {
   auto& is_finer_touched = work.is_touched[static_cast<std::size_t>(level) - 1];
   if (!is_finer_touched) clear_level(frame, work, level - 1, run);
   is_finer_touched = true;
@@ -123,7 +123,8 @@ inline void reconstruct_sheets(const KernelFrame& frame, KernelWorkspace& work,
   sum_splats(frame, work, indices, place_of_block(frame, rect, layer), run);
   if (work.has_cover) cover_own_pixels(frame, work, run);
   for (int level = kMaxLevel; level > 0; --level) {
-    if (work.is_touched[static_cast<std::size_t>(level)]) bring_down_level(frame, work, level, run);
+    if (work.is_touched[static_cast<std::size_t>(level)])
+      post_convolve_level(frame, work, level, run);
   }
   for (int j = run.first; j < run.last; ++j) {
     const int sheet = layer * view::kBlockDepth + j;

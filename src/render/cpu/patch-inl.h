@@ -105,8 +105,8 @@ inline void set_up_bands(const CpuFrame& frame, const Block& nodes, const Patch&
 }
 
 // A tile's pixels from a plane of nodes, the rows that hold `bits`.
-inline void bring_up(const float* nodes, const NodeBand& x, const NodeBand& y, const RowBits& bits,
-                     int num_rows, float* pixels) {
+inline void post_convolve_nodes(const float* nodes, const NodeBand& x, const NodeBand& y,
+                                const RowBits& bits, int num_rows, float* pixels) {
   const RowSpan rows = rows_with_bits(bits, num_rows);
   post_convolve<false>(nodes, kPlaneStride, x, y, rows.first, rows.last, kTileSize, pixels,
                        kPlaneStride);
@@ -137,9 +137,9 @@ inline void share_region(const CpuFrame& frame, LatticeWorkspace& work, int s) {
 
 // The gradients of the visible pixels from the nodes', but those of pieces, which lie between
 // sheets, and of pixels worked out by themselves.
-inline void bring_up_gradients(const CpuFrame& frame, LatticeWorkspace& work, const Patch& patch,
-                               int s, const NodeBand& x, const NodeBand& y,
-                               const RowBits& by_themselves) {
+inline void post_convolve_gradients(const CpuFrame& frame, LatticeWorkspace& work,
+                                    const Patch& patch, int s, const NodeBand& x, const NodeBand& y,
+                                    const RowBits& by_themselves) {
   Block& pixels = work.pixels.block;
   Block& nodes = work.nodes.block;
   if (frame.is_preintegrated && !frame.takes_differences) {
@@ -158,7 +158,7 @@ inline void bring_up_gradients(const CpuFrame& frame, LatticeWorkspace& work, co
   }
   provide_node_gradients(frame, work.nodes, s, patch, wanted);
   for (int a = 0; a < 3; ++a)
-    bring_up(nodes.gradient[a], x, y, pixels.visible, pixels.rows, pixels.gradient[a]);
+    post_convolve_nodes(nodes.gradient[a], x, y, pixels.visible, pixels.rows, pixels.gradient[a]);
   if (is_whole(nodes)) return;
   RowBits own;
   clear_bits(own);
@@ -232,7 +232,8 @@ inline void finish_patch_tile(const CpuFrame& frame, LatticeWorkspace& work, con
   work.bits[t].any_visible = false;
   for (int sheet = frame.has_pieces ? s - 1 : s; sheet <= s; ++sheet) {
     const int plane = sheet & (kRingSheets - 1);
-    bring_up(work.nodes.block.values[plane], x, y, bits, block.rows, block.values[plane]);
+    post_convolve_nodes(work.nodes.block.values[plane], x, y, bits, block.rows,
+                        block.values[plane]);
     block.defined[plane] = bits;
   }
   // A piece whose front end is cut away begins at its sample.
@@ -251,7 +252,7 @@ inline void finish_patch_tile(const CpuFrame& frame, LatticeWorkspace& work, con
     clock.lap(kShade);
   } else if (finish_samples(frame, block, work.tiles[t], work.pixels.stats, s,
                             block.defined[s & (kRingSheets - 1)], nullptr, clock, [&] {
-                              bring_up_gradients(frame, work, patch, s, x, y, by_themselves);
+                              post_convolve_gradients(frame, work, patch, s, x, y, by_themselves);
                             })) {
     work.bits[t].any_visible = true;
     std::copy_n(block.visible.begin(), kTileSize, work.bits[t].visible.begin());
@@ -355,7 +356,8 @@ inline void draw_patch_sum(const CpuFrame& frame, LatticeWorkspace& work, const 
     pixels.rays = &work.rays[t];
     RowBits bits{};
     std::fill_n(bits.begin(), pixels.rows, (1U << pixels.columns) - 1U);
-    bring_up(work.node_sums, bands.x[x], bands.y[y], bits, pixels.rows, pixels.values[0]);
+    post_convolve_nodes(work.node_sums, bands.x[x], bands.y[y], bits, pixels.rows,
+                        pixels.values[0]);
     clock.lap(kReconstruct);
     accumulate_sum(frame, pixels, work.tiles[t], nodes.num_sheets, nodes.sheets[0].depth);
     clock.lap(kComposite);

@@ -97,7 +97,7 @@ KernelPlanes::KernelPlanes(const KernelField& field, const std::vector<ViewedKer
       way_(way) {
   add_levels(rows);
   for (const ViewedKernel& kernel : kernels) add_kernel(kernel);
-  for (std::size_t l = levels_.size() - 1; l > 0; --l) bring_down(levels_[l], levels_[l - 1]);
+  for (std::size_t l = levels_.size() - 1; l > 0; --l) post_convolve(levels_[l], levels_[l - 1]);
 }
 
 // The pixels and one more on every side; of each coarser level what its finer one is made from.
@@ -170,7 +170,7 @@ std::size_t KernelPlanes::level_for(const ViewedKernel& kernel, double z) const 
   return l;
 }
 
-void KernelPlanes::bring_down(const Level& coarse, Level& fine) const {
+void KernelPlanes::post_convolve(const Level& coarse, Level& fine) const {
   const std::int64_t num_sheets = std::max<std::int64_t>(0, sheets_.last - sheets_.first + 1);
   for (std::int64_t plane = 0; plane < num_sheets; ++plane) {
     for (int y = fine.y0; y < fine.y1; ++y) {

@@ -235,9 +235,9 @@ struct DistanceConstants {
 
 // ---- Kernel sets ----
 
-OVOID_CONSTANT int kBlockSheets = 4;  // of a layer; view::kBlockDepth
-OVOID_CONSTANT int kPlanEdge = 64;    // pixels of a plan's block; view::kBlockEdge
-OVOID_CONSTANT int kNumLevels = 7;    // samples 1 to 64 pixels wide
+OVOID_CONSTANT int kBlockDepth = 4;  // of a layer; view::kBlockDepth
+OVOID_CONSTANT int kPlanEdge = 64;   // pixels of a plan's block; view::kBlockEdge
+OVOID_CONSTANT int kNumLevels = 7;   // samples 1 to 64 pixels wide
 OVOID_CONSTANT uint kBrickGroup =
     256u;  // threads for a brick's kernels: KernelBrick::kMaxBrickKernels
 OVOID_CONSTANT uint kNoList = 0xFFFFFFFFu;

@@ -27,7 +27,7 @@ static_assert((kNodeTile - 1) / view::kLeastNodePitch + 1 + kFilterTaps <= kMost
 static_assert(kMostNodes <= 32);  // a bit for each
 
 // Divisions of space and of work.
-static_assert(kBlockSheets == view::kBlockDepth);
+static_assert(kBlockDepth == view::kBlockDepth);
 static_assert(kPlanEdge == view::kBlockEdge);
 static_assert(kGroupSize == kGroupEdge * kGroupEdge);
 static_assert(kScanItems == 4 * kScanGroup);

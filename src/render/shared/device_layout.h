@@ -271,7 +271,7 @@ OVOID_CONSTANT uint kSetHalfSheets = 64u;
 OVOID_CONSTANT uint kSetIsParallel = 128u;
 OVOID_CONSTANT uint kSetFindsCover = 256u;  // a sum on levels, defined where a kernel reaches
 
-// A level's tiles of kGroupEdge^2 samples in a band of the picture.
+// A level's tiles of kGroupEdge^2 samples in a strip of the picture.
 struct LevelConstants {
   ivec4 tiles;      // number along x and y; numbers of the first ones
   uint first_list;  // of the level, for a layer's tiles one after the other
@@ -333,7 +333,7 @@ struct KernelPush {
   int end_sheet;
   uint num_items;  // kernels, numbers, pairs, lists: whatever there are of
   uint shift;      // of a sort's digit
-  uint first_row;  // of the band
+  uint first_row;  // of the strip
   uint end_row;
   uint first_item;
   int only_sheet;  // of a layer's; -1: all at once

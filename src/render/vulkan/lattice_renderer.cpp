@@ -240,8 +240,8 @@ void LatticeRenderer::divide_sheets(Job& job) const {
   }
 }
 
-// All sheets of one box of the lattice, on one band of the picture.
-void LatticeRenderer::draw_box(const Job& job, std::size_t number, const Band& band) {
+// All sheets of one box of the lattice, on one strip of the picture.
+void LatticeRenderer::draw_box(const Job& job, std::size_t number, const Strip& strip) {
   Commands& commands = bench_.commands;
   commands.submit_and_wait();
   const LatticeBox& box = job.own.kept.lattice->acquire(number, job.own.field, commands);
@@ -252,8 +252,8 @@ void LatticeRenderer::draw_box(const Job& job, std::size_t number, const Band& b
     trail_bricks = &job.trail->kept.bricks;
   }
   device::BoxConstants place = job.own.kept.lattice->constants_of(box);
-  place.first_row = static_cast<std::uint32_t>(band.first);
-  place.end_row = static_cast<std::uint32_t>(band.end);
+  place.first_row = static_cast<std::uint32_t>(strip.first);
+  place.end_row = static_cast<std::uint32_t>(strip.end);
   place.tile_y = place.first_row;
   Constants node_constants = job.constants;
   node_constants.push_back(number_of(job.options.post_convolution));
@@ -268,7 +268,7 @@ void LatticeRenderer::draw_box(const Job& job, std::size_t number, const Band& b
         is_at_nodes ? node_constants : job.constants,
         {&frame_, &tables_, &box.data, trail_samples, &job.own.kept.bricks, trail_bricks,
          &bench_.pixels.colors(), &bench_.pixels.depths(), &bench_.pixels.states(), &counts_},
-        place, groups_of(job.options, band, is_at_nodes ? device::kNodeTile : device::kGroupEdge));
+        place, groups_of(job.options, strip, is_at_nodes ? device::kNodeTile : device::kGroupEdge));
   }
 }
 
@@ -294,21 +294,21 @@ void LatticeRenderer::render(const FrameJob& frame, Image& image, FrameProfile& 
   Commands& commands = bench_.commands;
   const std::vector<std::size_t> order =
       kept_.lattice->front_to_back(eye_of(camera, job.own.plan, field));
-  for (const Band& band : bench_.pixels.bands(options, hooks, sizeof(device::vec4))) {
-    const Groups groups = groups_of(options, band, device::kGroupEdge);
-    bench_.pixels.clear(commands, options.width, band);
+  for (const Strip& strip : bench_.pixels.strips(options, hooks, sizeof(device::vec4))) {
+    const Groups groups = groups_of(options, strip, device::kGroupEdge);
+    bench_.pixels.clear(commands, options.width, strip);
     reserve(counts_, bench_.device, std::uint64_t{16} * groups.x * groups.y, BufferUse::kDevice);
     commands.fill(counts_, 0);
     for (const std::size_t number : order) {
       if (hooks.stop.stop_requested())
         throw Error(ErrorCode::kCancelled, "rendering was cancelled");
-      draw_box(job, number, band);
+      draw_box(job, number, strip);
     }
     commands.mark("read back");
     commands.submit_and_wait();
-    bench_.pixels.finish(commands, look, band, image);
+    bench_.pixels.finish(commands, look, strip, image);
     add_counts(commands, counts_, std::size_t{groups.x} * groups.y, profile);
-    tell_of(band, hooks, image);
+    tell_of(strip, hooks, image);
   }
 }
 

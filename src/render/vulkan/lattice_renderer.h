@@ -37,7 +37,7 @@ class LatticeRenderer {
   void upload(Job& job);
   void set_constants(Job& job);
   void divide_sheets(Job& job) const;
-  void draw_box(const Job& job, std::size_t number, const Band& band);
+  void draw_box(const Job& job, std::size_t number, const Strip& strip);
 
   Workbench& bench_;
   Kept kept_, kept_trail_;

@@ -27,7 +27,7 @@ void decide_relevance(view::LatticePlan& plan, Runner& runner) {
 
 bool has_nodes(const CpuFrame& frame, const view::LatticePlan& plan) {
   return frame.may_have_nodes && plan.sheets.first < plan.sheets.last &&
-         plan.node_pitch(frame.options->post_convolution, plan.sheets.first) > 1.0;
+         plan.node_step(frame.options->post_convolution, plan.sheets.first) > 1.0;
 }
 
 // The tiles of a patch, or the one tile, become pixels.

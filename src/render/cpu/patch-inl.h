@@ -98,9 +98,9 @@ inline void set_up_bands(const CpuFrame& frame, const Block& nodes, const Patch&
     const int x = patch.rect.x0 + t * kTileSize;
     const int y = patch.rect.y0 + t * kTileSize;
     if (x < patch.rect.x1)
-      bands.x[t] = node_band(how, patch.pitch, x, patch.nodes_x.first - nodes.margin);
+      bands.x[t] = node_band(how, patch.node_step, x, patch.nodes_x.first - nodes.margin);
     if (y < patch.rect.y1)
-      bands.y[t] = node_band(how, patch.pitch, y, patch.nodes_y.first - nodes.margin);
+      bands.y[t] = node_band(how, patch.node_step, y, patch.nodes_y.first - nodes.margin);
   }
 }
 

@@ -285,8 +285,8 @@ inline bool is_closed(const CpuFrame& frame, const LatticeWorkspace& work, const
 // A patch from nodes if they save anything and all of them are inside, else tile by tile.
 inline void draw_patch_layer(const CpuFrame& frame, LatticeWorkspace& work, Patch patch,
                              StageClock& clock) {
-  patch.nodes_x = nodes_for(patch.pitch, patch.rect.x0, patch.rect.x1 - 1);
-  patch.nodes_y = nodes_for(patch.pitch, patch.rect.y0, patch.rect.y1 - 1);
+  patch.nodes_x = nodes_for(patch.node_step, patch.rect.x0, patch.rect.x1 - 1);
+  patch.nodes_y = nodes_for(patch.node_step, patch.rect.y0, patch.rect.y1 - 1);
   const PatchResult result = is_closed(frame, work, patch) ? PatchResult::kNothingRelevant
                                                            : draw_patch(frame, work, patch, clock);
   if (result == PatchResult::kTooLarge) {
@@ -320,8 +320,8 @@ inline void draw_layer(const CpuFrame& frame, LatticeWorkspace& work, const Tile
                        std::int64_t first, std::int64_t last, StageClock& clock) {
   Patch patch{rect, first, last, 1.0, {}, {}, false};
   if (frame.samples_at_nodes)
-    patch.pitch = frame.lattice_plan->node_pitch(frame.options->post_convolution, first);
-  if (patch.pitch <= 1.0) return draw_tiles_layer(frame, work, patch, clock);
+    patch.node_step = frame.lattice_plan->node_step(frame.options->post_convolution, first);
+  if (patch.node_step <= 1.0) return draw_tiles_layer(frame, work, patch, clock);
   draw_patch_layer(frame, work, patch, clock);
 }
 

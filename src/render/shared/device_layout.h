@@ -224,7 +224,7 @@ struct BoxConstants {
   uint end_row;
   int first_sheet;  // that are drawn now
   int end_sheet;
-  float pitch;  // pixels between nodes, on these sheets
+  float node_step;  // pixels from node to node, on these sheets
   uint padding;
 };
 

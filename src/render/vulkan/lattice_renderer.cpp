@@ -48,7 +48,7 @@ int reach_of(const LatticeField& field, const view::LatticePlan& plan, bool has_
 
 // Pixels per node from which kAuto takes nodes: a tile's, with those around it, are half as many as
 // its pixels, whose taps of nodes are a fifth of those of samples.
-constexpr double kWorthwhilePitch = 2.0;
+constexpr double kWorthwhileNodeStep = 2.0;
 
 }  // namespace
 
@@ -76,7 +76,7 @@ struct LatticeRenderer::Job {
   // Sheets [first, end) that one dispatch draws, and pixels between their nodes; 1: none.
   struct Part {
     int first, end;
-    float pitch;
+    float node_step;
   };
 
   const RenderOptions& options;
@@ -203,7 +203,7 @@ void LatticeRenderer::set_constants(Job& job) {
   commands.upload(tables_, 0, std::as_bytes(std::span(tables)));
 }
 
-// A part is of one layer, whose nodes have one pitch, and on software drivers as short as those
+// A part is of one layer, whose nodes have one node_step, and on software drivers as short as those
 // need it.
 void LatticeRenderer::divide_sheets(Job& job) const {
   const view::LatticePlan& plan = job.own.plan;
@@ -219,23 +219,24 @@ void LatticeRenderer::divide_sheets(Job& job) const {
   const int num_sheets = job.frame.view.num_sheets;
   for (int first = 0; first < num_sheets;) {
     const std::int64_t sheet = plan.sheets.first + first;
-    double pitch = job.has_nodes ? plan.node_pitch(job.options.post_convolution, sheet) : 1.0;
-    if (is_auto && pitch < kWorthwhilePitch) pitch = 1.0;
+    double node_step = job.has_nodes ? plan.node_step(job.options.post_convolution, sheet) : 1.0;
+    if (is_auto && node_step < kWorthwhileNodeStep) node_step = 1.0;
     int end = num_sheets;
     if (job.has_nodes)
       end = static_cast<int>(
           std::min<std::int64_t>(end, view::next_layer(sheet) - plan.sheets.first));
     // Of nodes a thread has up to four, and four pixels that may have to stand for themselves.
-    double per_sheet = pitch > 1 ? 8 * rounds + 2500 : rounds + 20;
-    if (pitch > 1 && job.options.spread == Spread::kBilinear)
-      per_sheet += 4 * 7 * rounds_of_spread(job.frame.fields[0], pitch * plan.lattice.pitch(sheet));
+    double per_sheet = node_step > 1 ? 8 * rounds + 2500 : rounds + 20;
+    if (node_step > 1 && job.options.spread == Spread::kBilinear)
+      per_sheet +=
+          4 * 7 * rounds_of_spread(job.frame.fields[0], node_step * plan.lattice.pitch(sheet));
     const int most = is_software ? static_cast<int>(kMostRounds / per_sheet) : end - first;
     if (most < 1)
       throw Error(ErrorCode::kUnsupported,
                   "backend vulkan: software drivers cannot sum so many kernels for one sample: "
                   "expected a larger picture, a nearer view, or backend cpu");
     end = std::min(end, first + most);
-    job.parts.push_back({first, end, static_cast<float>(pitch)});
+    job.parts.push_back({first, end, static_cast<float>(node_step)});
     first = end;
   }
 }
@@ -261,8 +262,8 @@ void LatticeRenderer::draw_box(const Job& job, std::size_t number, const Strip& 
   for (const Job::Part& part : job.parts) {
     place.first_sheet = part.first;
     place.end_sheet = part.end;
-    place.pitch = part.pitch;
-    const bool is_at_nodes = part.pitch > 1;
+    place.node_step = part.node_step;
+    const bool is_at_nodes = part.node_step > 1;
     commands.dispatch(
         is_at_nodes ? Stage::kLatticeNodes : Stage::kLattice,
         is_at_nodes ? node_constants : job.constants,

@@ -23,7 +23,7 @@ static_assert(kBrickGroup == KernelBrick::kMaxBrickKernels);
 static_assert(1 << (kNumLevels - 1) == static_cast<int>(view::kWidestSample));
 static_assert(sizeof(KernelFrame::taps) == 2 * kFilterTaps * sizeof(float));
 // The nodes between and around kNodeTile pixels where they are closest.
-static_assert((kNodeTile - 1) / view::kLeastNodePitch + 1 + kFilterTaps <= kMostNodes);
+static_assert((kNodeTile - 1) / view::kLeastNodeStep + 1 + kFilterTaps <= kMostNodes);
 static_assert(kMostNodes <= 32);  // a bit for each
 
 // Divisions of space and of work.

@@ -155,7 +155,7 @@ constexpr Member kMembers[] = {
     OVOID_MEMBER(BoxConstants, end_row),
     OVOID_MEMBER(BoxConstants, first_sheet),
     OVOID_MEMBER(BoxConstants, end_sheet),
-    OVOID_MEMBER(BoxConstants, pitch),
+    OVOID_MEMBER(BoxConstants, node_step),
     OVOID_MEMBER(BoxConstants, padding),
     OVOID_MEMBER(DistanceConstants, num_bricks),
     OVOID_MEMBER(LevelConstants, tiles),

@@ -33,13 +33,13 @@ HWY_INLINE std::size_t ring_offset(int sheet) {
 
 inline BlockPlace place_of_block(const KernelFrame& frame, const TileRect& rect, int layer) {
   BlockPlace place{rect.x0, rect.y0, {}, {}};
-  const bool has_nodes = frame.takes_means && frame.profile != KernelProfile::kGaussian;
+  const bool has_points = frame.takes_means && frame.profile != KernelProfile::kGaussian;
   for (int j = 0; j < view::kBlockDepth; ++j) {
     const auto sheet = static_cast<float>(layer * view::kBlockDepth + j);
     place.scales[j] = sheet_place(frame, sheet).scale;
-    if (!has_nodes) place.places[j] = sheet_place(frame, sheet);
-    for (int n = 0; has_nodes && n < kProfileNodes; ++n)
-      place.places[j * kProfileNodes + n] = sheet_place(frame, sheet + kProfileNodeOffsets[n]);
+    if (!has_points) place.places[j] = sheet_place(frame, sheet);
+    for (int n = 0; has_points && n < kProfilePoints; ++n)
+      place.places[j * kProfilePoints + n] = sheet_place(frame, sheet + kProfilePointOffsets[n]);
   }
   return place;
 }

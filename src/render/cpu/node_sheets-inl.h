@@ -68,7 +68,7 @@ inline SpreadShape spread_shape(const CpuFrame& frame, const Patch& patch) {
 inline Support whole_support(const CpuFrame& frame, const Block& nodes, const SheetSetup& sheet) {
   Support support;
   for (int a = 0; a < 3; ++a) {
-    const float slab = frame.lattice.num_slab_nodes > 1 ? 0.5F * std::abs(sheet.step[a]) : 0.0F;
+    const float slab = frame.lattice.num_slab_points > 1 ? 0.5F * std::abs(sheet.step[a]) : 0.0F;
     const float reach = frame.lattice.support * sheet.widening[a] + slab;
     const auto first = static_cast<float>(-nodes.origin[a]);
     float lo = first;

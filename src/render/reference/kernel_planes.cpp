@@ -23,7 +23,7 @@ constexpr double kLeastPixels = 1.3;
 constexpr std::size_t kNumLevels = 7;
 constexpr double kLeastLevelSigma = 0.5;  // samples
 
-constexpr int kSlabNodes = 64;  // where a mean has no closed form
+constexpr int kSlabPoints = 64;  // where a mean has no closed form
 
 // Raises what is less than kLeastSquaredSigma in these units; the mass stays.
 void widen(ViewedKernel& kernel, const Vec3& units) {
@@ -150,10 +150,10 @@ void KernelPlanes::add_sheet(const ViewedKernel& kernel, std::int64_t sheet) {
   } else if (profile_ == KernelProfile::kGaussian) {
     add_section(kernel, mean_section(kernel, z), sheet, z, level);
   } else {
-    for (int node = 0; node < kSlabNodes; ++node) {
-      const double at = z + ((node + 0.5) / kSlabNodes - 0.5) * view_.sampling_distance();
+    for (int point = 0; point < kSlabPoints; ++point) {
+      const double at = z + ((point + 0.5) / kSlabPoints - 0.5) * view_.sampling_distance();
       Section section = middle_section(kernel, at);
-      section.amplitude /= kSlabNodes;
+      section.amplitude /= kSlabPoints;
       add_section(kernel, section, sheet, at, level);
     }
   }

@@ -33,7 +33,7 @@ OVOID_CONSTANT int kStoredEdge = 4;   // samples along the side of a cube that l
 OVOID_CONSTANT uint kMaxFields = 2u;  // a field and its trail
 OVOID_CONSTANT uint kMaxClips = 16u;
 OVOID_CONSTANT int kMaxSublattices = 2;
-OVOID_CONSTANT int kMaxSlabNodes = 32;
+OVOID_CONSTANT int kMaxSlabPoints = 32;
 OVOID_CONSTANT uint kNoTable = 0xFFFFFFFFu;
 OVOID_CONSTANT uint kTableCells = 4096u;
 OVOID_CONSTANT float kOpaque = 0.9990234375f;  // 1 - 1/1024
@@ -140,8 +140,8 @@ struct Sublattice {
   float offset;  // along every axis
 };
 
-// A Gauss-Legendre node of a slab.
-struct SlabNode {
+// A Gauss-Legendre point of a slab.
+struct SlabPoint {
   float offset;  // sheets, from the middle
   float weight;  // their sum is 1
 };
@@ -159,8 +159,8 @@ struct LatticeConstants {
   vec4 widening_limit;
   vec4 support_lo;  // index positions where the field can be defined
   vec4 support_hi;
-  SlabNode slab[kMaxSlabNodes];  // where the mean of a slab is taken
-  ivec4 num_bricks;              // w: log2 of the edge
+  SlabPoint slab[kMaxSlabPoints];  // where the mean of a slab is taken
+  ivec4 num_bricks;                // w: log2 of the edge
   Sublattice sublattices[kMaxSublattices];
   float sigma;    // index units, before widening
   float support;  // likewise
@@ -170,7 +170,7 @@ struct LatticeConstants {
   float far_weight;   // two spacings away
   float value_scale;
   float value_offset;
-  int num_slab_nodes;  // 1: the middle alone
+  int num_slab_points;  // 1: the middle alone
   int num_sublattices;
   uint padding0;
   uint padding1;
@@ -247,7 +247,7 @@ OVOID_CONSTANT uint kSortGroup = 256u;  // threads of a sort, which takes eight 
 OVOID_CONSTANT uint kSortItems = 2048u;
 OVOID_CONSTANT uint kSortBits = 4u;  // of a digit
 OVOID_CONSTANT uint kSortBins = 16u;
-OVOID_CONSTANT int kProfileNodes = 8;     // of a slab, where a mean has no closed form
+OVOID_CONSTANT int kProfilePoints = 8;    // of a slab, where a mean has no closed form
 OVOID_CONSTANT float kLeastSigma = 0.5f;  // in units of kLeastPixels (view) and sheets
 // Bits of a plan's block.
 OVOID_CONSTANT uint kBlockIsNeeded = 1u;

@@ -359,9 +359,10 @@ void KernelRenderer::require_short_loops(const Set& set, const Layers& layers,
     while (list % set.lists_per_layer < set.frame.levels[level].first_list) --level;
     fullest[level] = std::max(fullest[level], ends[list][1] - ends[list][0]);
   }
-  const bool takes_nodes = set.traits.takes_means && set.traits.profile != KernelProfile::kGaussian;
+  const bool takes_points =
+      set.traits.takes_means && set.traits.profile != KernelProfile::kGaussian;
   const std::uint32_t most = std::accumulate(fullest.begin(), fullest.end(), 0U);
-  const double rounds = 1.1 * most * (takes_nodes ? device::kProfileNodes : 1);
+  const double rounds = 1.1 * most * (takes_points ? device::kProfilePoints : 1);
   if (longest < kMostRounds && rounds < kMostRounds) return;
   throw Error(
       ErrorCode::kUnsupported,

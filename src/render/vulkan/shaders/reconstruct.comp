@@ -71,21 +71,21 @@ bool is_open(ivec2 tile, ivec2 tiles) {
 // Whether a sheet of the layer is worked out now.
 bool is_wanted(int j) { return push.only_sheet < 0 || push.only_sheet == j; }
 
-// Cuts one splat of a level with the layer's sheets, at one node of their slabs, in samples of the
+// Cuts one splat of a level with the layer's sheets, at one point of their slabs, in samples of the
 // level in hand. True if it meets the tile.
-bool stage(DeviceSplat splat, int of_level, int first_sheet, int node, vec2 corner,
+bool stage(DeviceSplat splat, int of_level, int first_sheet, int point, vec2 corner,
            out Section sections[kBlockDepth]) {
   bool meets = false;
   float unit = float(1 << push.level);
-  bool takes_nodes = set_has(kSetTakesMeans) && kProfile != kProfileGaussian;
+  bool takes_points = set_has(kSetTakesMeans) && kProfile != kProfileGaussian;
   bool takes_means = set_has(kSetTakesMeans) && kProfile == kProfileGaussian;
   for (int j = 0; j < kBlockDepth; ++j) {
     float middle = float(first_sheet + j);
     float s = middle;
-    float node_weight = 1.0;
-    if (takes_nodes) {
-      s += node < 4 ? kNodes[node & 3] : -kNodes[node & 3];
-      node_weight = kNodeWeights[node & 3];
+    float point_weight = 1.0;
+    if (takes_points) {
+      s += point < 4 ? kSlabPoints[point & 3] : -kSlabPoints[point & 3];
+      point_weight = kSlabWeights[point & 3];
     }
     float depth = depth_at(s);
     float scale = scale_at(depth);
@@ -104,7 +104,7 @@ bool stage(DeviceSplat splat, int of_level, int first_sheet, int node, vec2 corn
       sections[j] = mean_section(splat, t, factor, offset, per_depth);
     } else {
       sections[j] = middle_section(splat, t, factor, offset);
-      sections[j].amplitude *= node_weight;
+      sections[j].amplitude *= point_weight;
     }
     if (!(sections[j].room > 0.0)) continue;
     // The box around the cut.
@@ -125,7 +125,7 @@ uint covered_sheets = 0u;  // a bit for each: some kernel reaches the sample the
 const uint kAllCovered = (1u << uint(kBlockDepth)) - 1u;
 
 // Adds a list's splats to the sums, or, those of a coarser level, notes whom they reach.
-void add_list(uint list, int of_level, int first_sheet, int node, vec2 corner, vec2 sample_at) {
+void add_list(uint list, int of_level, int first_sheet, int point, vec2 corner, vec2 sample_at) {
   uint first = ends[2u * list];
   uint past = ends[2u * list + 1u];
   uint self = gl_LocalInvocationIndex;
@@ -144,7 +144,7 @@ void add_list(uint list, int of_level, int first_sheet, int node, vec2 corner, v
     Section sections[kBlockDepth];
     if (batch + self < past) {
       splat = splats[pairs[batch + self].y];
-      meets = stage(splat, of_level, first_sheet, node, corner, sections);
+      meets = stage(splat, of_level, first_sheet, point, corner, sections);
     }
     if (meets) atomicOr(staged_bits[self >> 5], 1u << (self & 31u));
     barrier();
@@ -185,15 +185,15 @@ uint list_of(int level, ivec2 tile, int layer) {
 }
 
 // Sums of coarser levels are still to come: where are they a part of the field?
-void find_cover(ivec2 tile, int layer, int first_sheet, int num_nodes, vec2 corner,
+void find_cover(ivec2 tile, int layer, int first_sheet, int num_points, vec2 corner,
                 vec2 sample_at) {
   for (int j = 0; j < kBlockDepth; ++j) {
     if (sums[j].x != 0.0 || !is_wanted(j)) covered_sheets |= 1u << uint(j);
   }
-  for (int node = 0; node < num_nodes; ++node) {
+  for (int point = 0; point < num_points; ++point) {
     for (int coarse = 1; coarse <= push.coarsest; ++coarse) {
       ivec2 of = ivec2(tile.x >> coarse, tile.y >> coarse) - frame.levels[coarse].tiles.zw;
-      add_list(list_of(coarse, of, layer), coarse, first_sheet, node, corner, sample_at);
+      add_list(list_of(coarse, of, layer), coarse, first_sheet, point, corner, sample_at);
     }
   }
 }
@@ -239,24 +239,24 @@ void main() {
   ivec2 within = ivec2(int(gl_LocalInvocationIndex & 7u), int(gl_LocalInvocationIndex >> 3));
   int first_sheet = layer * kBlockDepth;
   for (int j = 0; j < kBlockDepth; ++j) sums[j] = vec3(0.0);
-  bool takes_nodes = set_has(kSetTakesMeans) && kProfile != kProfileGaussian;
-  int num_nodes = takes_nodes ? kProfileNodes : 1;
-  for (int node = 0; node < num_nodes; ++node) {
+  bool takes_points = set_has(kSetTakesMeans) && kProfile != kProfileGaussian;
+  int num_points = takes_points ? kProfilePoints : 1;
+  for (int point = 0; point < num_points; ++point) {
     if (set_has(kHasLevels)) {
-      add_list(list_of(push.level, tile, layer), push.level, first_sheet, node, vec2(corner),
+      add_list(list_of(push.level, tile, layer), push.level, first_sheet, point, vec2(corner),
                vec2(within));
     } else {
       // The lists of all the larger tiles that this one lies in.
       for (int coarse = 0; coarse <= push.coarsest; ++coarse) {
         ivec2 of = ivec2(absolute.x >> coarse, absolute.y >> coarse) -
                    frame.levels[coarse].tiles.zw;
-        add_list(list_of(coarse, of, layer), push.level, first_sheet, node, vec2(corner),
+        add_list(list_of(coarse, of, layer), push.level, first_sheet, point, vec2(corner),
                  vec2(within));
       }
     }
   }
   if (set_has(kSetFindsCover) && is_finest)
-    find_cover(absolute, layer, first_sheet, num_nodes, vec2(corner), vec2(within));
+    find_cover(absolute, layer, first_sheet, num_points, vec2(corner), vec2(within));
   ivec2 size = level.tiles.xy * int(kGroupEdge);
   ivec2 place = tile * int(kGroupEdge) + within;
   uint at = uint(place.y * size.x + place.x);

@@ -17,16 +17,16 @@ struct SlabMoments {
 
 // Of exp(-x^2 / 2) over [a, b], not wider than a few: by quadrature, which unlike differences of
 // error functions loses no digits far from the middle, nor where the slab is thin.
-const float kNodes[4] = float[4](0.09171732, 0.26276620, 0.39833324, 0.48014493);
-const float kNodeWeights[4] = float[4](0.18134189, 0.15685332, 0.11119052, 0.05061427);
+const float kSlabPoints[4] = float[4](0.09171732, 0.26276620, 0.39833324, 0.48014493);
+const float kSlabWeights[4] = float[4](0.18134189, 0.15685332, 0.11119052, 0.05061427);
 
 SlabMoments slab_moments(float a, float b) {
   float middle = 0.5 * (a + b);
   float width = b - a;
   float weight = 0.0, first = 0.0, second = 0.0;
   for (int i = 0; i < 8; ++i) {
-    float at = (i < 4 ? kNodes[i & 3] : -kNodes[i & 3]) * width;
-    float g = kNodeWeights[i & 3] * exp(-0.5 * (middle + at) * (middle + at));
+    float at = (i < 4 ? kSlabPoints[i & 3] : -kSlabPoints[i & 3]) * width;
+    float g = kSlabWeights[i & 3] * exp(-0.5 * (middle + at) * (middle + at));
     weight += g;
     first += g * at;
     second += g * at * at;

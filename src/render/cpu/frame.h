@@ -11,11 +11,11 @@
 
 namespace ovoid::cpu {
 
-// A table of the look. A node is red, green, blue and opacity side by side.
+// A table of the look. An entry is red, green, blue and opacity side by side.
 struct ClassificationTable {
   device::TableConstants constants{};
-  const float* nodes = nullptr;  // [kTableCells + 2][4], 16-byte aligned
-  const float* steps = nullptr;  // [kTableCells + 1]; null if no cell has one
+  const float* entries = nullptr;  // [kTableCells + 2][4], 16-byte aligned
+  const float* steps = nullptr;    // [kTableCells + 1]; null if no cell has one
 };
 
 // A frame of any field. Kernel sets leave the members about lattices as they are.

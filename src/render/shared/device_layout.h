@@ -96,7 +96,7 @@ OVOID_CONSTANT uint kTypeF32 = 4u;
 
 // ---- Layouts ----
 
-// view::LookAxis and where its table lies: nodes_at counts vectors, steps_at numbers.
+// view::LookAxis and where its table lies: entries_at counts vectors, steps_at numbers.
 struct TableConstants {
   uint scale;
   float origin;
@@ -105,7 +105,7 @@ struct TableConstants {
   float inverse_width;
   float visible_lo;
   float visible_hi;
-  uint nodes_at;
+  uint entries_at;
   uint steps_at;  // kNoTable: no cell has a step
   uint padding0;
   uint padding1;

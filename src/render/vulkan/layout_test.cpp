@@ -67,7 +67,7 @@ constexpr Member kMembers[] = {
     OVOID_MEMBER(TableConstants, inverse_width),
     OVOID_MEMBER(TableConstants, visible_lo),
     OVOID_MEMBER(TableConstants, visible_hi),
-    OVOID_MEMBER(TableConstants, nodes_at),
+    OVOID_MEMBER(TableConstants, entries_at),
     OVOID_MEMBER(TableConstants, steps_at),
     OVOID_MEMBER(TableConstants, padding0),
     OVOID_MEMBER(TableConstants, padding1),

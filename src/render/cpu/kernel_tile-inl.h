@@ -38,8 +38,9 @@ inline BlockPlace place_of_block(const KernelFrame& frame, const TileRect& rect,
     const auto sheet = static_cast<float>(layer * view::kBlockDepth + j);
     place.scales[j] = sheet_place(frame, sheet).scale;
     if (!has_points) place.places[j] = sheet_place(frame, sheet);
-    for (int n = 0; has_points && n < kProfilePoints; ++n)
-      place.places[j * kProfilePoints + n] = sheet_place(frame, sheet + kProfilePointOffsets[n]);
+    for (int n = 0; has_points && n < device::kProfilePoints; ++n)
+      place.places[j * device::kProfilePoints + n] =
+          sheet_place(frame, sheet + device::kProfilePointOffsets[n]);
   }
   return place;
 }

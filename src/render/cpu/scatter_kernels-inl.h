@@ -49,21 +49,11 @@ struct SheetPlace {
 };
 
 // Where a block lies in the picture, and its sheets (or the points of their slabs, sheet by sheet).
-inline constexpr int kProfilePoints = 8;
-static_assert(kProfilePoints == device::kProfilePoints);
 struct BlockPlace {
   int tile_x, tile_y;               // pixel of its corner
   float scales[view::kBlockDepth];  // of the sheets' middle planes
-  SheetPlace places[view::kBlockDepth * kProfilePoints];
+  SheetPlace places[view::kBlockDepth * device::kProfilePoints];
 };
-
-// Gauss-Legendre on [-1/2, 1/2].
-inline constexpr float kProfilePointOffsets[kProfilePoints] = {
-    -0.48014493F, -0.39833324F, -0.26276620F, -0.09171732F,
-    0.09171732F,  0.26276620F,  0.39833324F,  0.48014493F};
-inline constexpr float kProfilePointWeights[kProfilePoints] = {
-    0.05061427F, 0.11119052F, 0.15685332F, 0.18134189F,
-    0.18134189F, 0.15685332F, 0.11119052F, 0.05061427F};
 
 // exp(-q / 2).
 HWY_INLINE V gaussian_at(V q) {
@@ -368,7 +358,8 @@ HWY_INLINE SheetPlace sheet_place(const KernelFrame& frame, float sheet) {
 // Where on its slab a sample is taken: Gaussian sections are integrated in closed form, other
 // profiles' means are taken at points.
 HWY_INLINE int num_points(const KernelFrame& frame) {
-  return frame.takes_means && frame.profile != KernelProfile::kGaussian ? kProfilePoints : 1;
+  return frame.takes_means && frame.profile != KernelProfile::kGaussian ? device::kProfilePoints
+                                                                        : 1;
 }
 
 // Runs `body(section)` for the sections that make up a splat's part of sheet j on a level.
@@ -389,7 +380,7 @@ HWY_INLINE void for_each_section(const KernelFrame& frame, const Splat& splat,
                              (splat.y + splat.my * t) * place.per_depth, map);
     } else {
       section = middle_section(splat, t, frame.cutoff, is_gaussian, map);
-      if (points > 1) section.amplitude *= kProfilePointWeights[n];
+      if (points > 1) section.amplitude *= device::kProfilePointWeights[n];
     }
     if (section.room > 0) body(section);
   }

@@ -75,6 +75,8 @@ OVOID_CONSTANT uint kSpreads = 16384u;        // bilinearly
 // Of post-convolution.
 OVOID_CONSTANT int kNodeTile = 32;   // pixels along the side of the tile that shares nodes
 OVOID_CONSTANT int kMostNodes = 30;  // along it, with those around: at 1.45 pixels each 28
+OVOID_CONSTANT int kFilterTaps = 6;  // samples at -kTapsBefore, ..., +3 from the one at or before
+OVOID_CONSTANT int kTapsBefore = 2;
 // ovoid::PostConvolution as a number.
 OVOID_CONSTANT uint kFilterBilinear = 1u;
 OVOID_CONSTANT uint kFilterGaussian = 2u;
@@ -247,7 +249,14 @@ OVOID_CONSTANT uint kSortGroup = 256u;  // threads of a sort, which takes eight 
 OVOID_CONSTANT uint kSortItems = 2048u;
 OVOID_CONSTANT uint kSortBits = 4u;  // of a digit
 OVOID_CONSTANT uint kSortBins = 16u;
-OVOID_CONSTANT int kProfilePoints = 8;    // of a slab, where a mean has no closed form
+// Of a slab, where a mean has no closed form: Gauss-Legendre on [-1/2, 1/2].
+OVOID_CONSTANT int kProfilePoints = 8;
+OVOID_CONSTANT float kProfilePointOffsets[kProfilePoints] = {
+    -0.48014493f, -0.39833324f, -0.26276620f, -0.09171732f,
+    0.09171732f,  0.26276620f,  0.39833324f,  0.48014493f};
+OVOID_CONSTANT float kProfilePointWeights[kProfilePoints] = {0.05061427f, 0.11119052f, 0.15685332f,
+                                                             0.18134189f, 0.18134189f, 0.15685332f,
+                                                             0.11119052f, 0.05061427f};
 OVOID_CONSTANT float kLeastSigma = 0.5f;  // in units of kLeastPixels (view) and sheets
 // Bits of a plan's block.
 OVOID_CONSTANT uint kBlockIsNeeded = 1u;

@@ -41,7 +41,7 @@ static_assert((kDistanceBits & kMissingBit) == 0);
 // Numbers of the definition.
 static_assert(kOpaque == static_cast<float>(RenderOptions::kOpaque));
 static_assert(kLeastSetWeight == static_cast<float>(KernelField::kLeastWeight));
-static_assert(kTapsBefore == 2);  // lattice_nodes.comp, post_convolve.glsl
+static_assert(kTapsBefore == 2);  // post_convolve.glsl
 
 // Enumerators by their numbers.
 static_assert(kScaleLinear == static_cast<uint>(ValueScale::kLinear));

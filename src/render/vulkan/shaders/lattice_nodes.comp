@@ -7,6 +7,7 @@
 // node without value around it is worked out by itself, as without nodes.
 #extension GL_GOOGLE_include_directive : require
 #include "lattice_bindings.glsl"
+#include "render/shared/filter_formulas.h"
 
 layout(local_size_x = 16, local_size_y = 16) in;
 layout(constant_id = 6) const uint kFilter = 0u;
@@ -36,39 +37,23 @@ shared uint wanted_hi[2];
 
 vec3 own_color(vec2 at, float s) { return vec3(0.0); }  // lattices have one attribute
 
-// The weight of a node, `distance` nodes away, before they are made to add up to 1.
-float filter_at(float distance) {
-  float x = abs(distance);
-  if (kFilter == kFilterBilinear) return max(1.0 - x, 0.0);
-  if (kFilter == kFilterGaussian) return x < 2.0 ? exp(-2.0 * x * x) : 0.0;
-  if (x < 1.0) return (1.5 * x - 2.5) * x * x + 1.0;
-  return x < 2.0 ? ((-0.5 * x + 2.5) * x - 4.0) * x + 2.0 : 0.0;
-}
-
 struct Taps {
   int first;  // node, of the tile's
-  float weight[6];
+  float weight[kFilterTaps];
 };
 
 Taps taps_at(float place, int first_node) {
   Taps taps;
   float whole = floor(place);
   float phase = place - whole;
-  taps.first = int(whole) - 2 - first_node;
+  taps.first = int(whole) - kTapsBefore - first_node;
   float sum = 0.0;
-  for (int k = 0; k < 6; ++k) {
-    float weight = 1.0;
-    if (kFilter == kFilterLagrange) {
-      for (int m = 0; m < 6; ++m) {
-        if (m != k) weight *= (phase - float(m - 2)) / float(k - m);
-      }
-    } else {
-      weight = filter_at(phase - float(k - 2));
-    }
+  for (int k = 0; k < kFilterTaps; ++k) {
+    float weight = filter_weight(kFilter, k, phase);
     taps.weight[k] = weight;
     sum += weight;
   }
-  for (int k = 0; k < 6; ++k) taps.weight[k] /= sum;
+  for (int k = 0; k < kFilterTaps; ++k) taps.weight[k] /= sum;
   return taps;
 }
 
@@ -150,7 +135,7 @@ void filter_rows(int kind, uvec2 corner) {
     int column = int(n) % kNodeTile;
     Taps taps = taps_at(float(corner.x + uint(column)) / box.node_step, first_node.x);
     float sum = 0.0;
-    for (int k = 0; k < 6; ++k) {
+    for (int k = 0; k < kFilterTaps; ++k) {
       int at = row * kMostNodes + min(taps.first + k, num_nodes.x - 1);
       sum = fma(taps.weight[k], kind < 0 ? node_values[at] : node_gradients[kind][at], sum);
     }
@@ -161,7 +146,7 @@ void filter_rows(int kind, uvec2 corner) {
 
 float filtered_at(Taps rows, int column) {
   float sum = 0.0;
-  for (int k = 0; k < 6; ++k)
+  for (int k = 0; k < kFilterTaps; ++k)
     sum = fma(rows.weight[k],
               filtered_rows[min(rows.first + k, num_nodes.y - 1) * kNodeTile + column], sum);
   return sum;
@@ -169,7 +154,7 @@ float filtered_at(Taps rows, int column) {
 
 bool has_all_nodes(Taps columns, Taps rows) {
   uint mask = 63u << uint(columns.first);
-  for (int k = 0; k < 6; ++k) {
+  for (int k = 0; k < kFilterTaps; ++k) {
     if ((defined_rows[rows.first + k] & mask) != mask) return false;
   }
   return true;

@@ -84,8 +84,8 @@ bool stage(DeviceSplat splat, int of_level, int first_sheet, int point, vec2 cor
     float s = middle;
     float point_weight = 1.0;
     if (takes_points) {
-      s += point < 4 ? kSlabPoints[point & 3] : -kSlabPoints[point & 3];
-      point_weight = kSlabWeights[point & 3];
+      s += kProfilePointOffsets[point];
+      point_weight = kProfilePointWeights[point];
     }
     float depth = depth_at(s);
     float scale = scale_at(depth);

@@ -3,9 +3,9 @@
 // nodes some pixels apart, and pixels take their values and gradients from those.
 //
 //   node     node i of a sheet lies at pixel node_step * i of the picture, along both axes
-//   patch    kPatchSize^2 pixels, whose tiles share nodes; with the filter's reach, and a margin
-//   for
-//            differences, at most as many along each axis as a Block has samples
+//   patch    kPatchSize^2 pixels, whose tiles share nodes. The nodes of a patch, those that the
+//            filter reaches and a margin for differences included, are along each axis at most as
+//            many as a Block has samples.
 #pragma once
 
 #include <array>

@@ -12,7 +12,7 @@ namespace ovoid::cpu {
 // (or the one that OVOID_TARGET names). Brick sources may throw.
 void render_patch(const CpuFrame& frame, LatticeWorkspace& work, const TileRect& rect);
 
-// The target that render_tile() uses, and all that could be used, best first. Throws
+// The target that render_patch() uses, and all targets that it could use, best first. Throws
 // Error(kInvalidArgument) if OVOID_TARGET names one that this build or machine does not have.
 std::string simd_target_in_use();
 std::vector<std::string> usable_simd_targets();

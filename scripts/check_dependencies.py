@@ -37,6 +37,7 @@ ALLOWED = {
     "render/reference": {"data", "view", "render"},
     "render/cpu": {"data", "view", "render", "render/shared"},
     "render/vulkan": {"data", "view", "render", "render/shared"},
+    "render/without_vulkan": {"data", "view", "render"},
     "render/shared": {"data", "view", "render"},
     "everything": {"data", "model", "view", "annotate", "io", "render"},
 }

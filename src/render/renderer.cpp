@@ -5,15 +5,13 @@
 
 #include <algorithm>
 #include <new>
+#include <optional>
 
 #include "data/validate.h"
 #include "ovoid/error.h"
+#include "render/back_end.h"
 #include "render/cpu/cpu_renderer.h"
 #include "render/reference/reference_renderer.h"
-#include "view/behind.h"
-#ifdef OVOID_VULKAN
-#include "render/vulkan/vulkan_renderer.h"
-#endif
 
 namespace ovoid {
 namespace {
@@ -52,22 +50,17 @@ void require_trail(const Field& field, const Look& look, const Trail& trail,
     throw Error(ErrorCode::kInvalidArgument, "trail.field: must be on the lattice of the field");
 }
 
-view::Behind behind_of(const Trail& trail, const Look& look) {
-  view::Behind behind{&trail.field, {}};
-  behind.look.transfer_function = trail.transfer_function;
-  behind.look.transfer_function.gradient_opacities.clear();
-  behind.look.shade = false;
-  behind.look.unit_distance = look.unit_distance;
-  return behind;
+// Where a frame has a trail, samples are classified at their pixels, the trail's without pieces.
+view::TrailView view_of(const Trail& trail, const Look& look, const RenderOptions& options) {
+  view::TrailView view{&trail.field, {}, options};
+  view.look.transfer_function = trail.transfer_function;
+  view.look.transfer_function.gradient_opacities.clear();
+  view.look.shade = false;
+  view.look.unit_distance = look.unit_distance;
+  view.look.validate();
+  view.options.classification = Classification::kSampled;
+  return view;
 }
-
-#ifdef OVOID_VULKAN
-bool draws_on_device(const RendererSetup& setup) { return vulkan::has_device_for_auto(setup); }
-#else
-constexpr const char* kWithoutVulkan =
-    "backend vulkan: this program was built without it; backend cpu is there";
-bool draws_on_device(const RendererSetup& /*setup*/) { return false; }
-#endif
 
 // Of a back end that runs on none.
 [[noreturn]] void refuse_device(const RendererSetup& setup) {
@@ -81,23 +74,13 @@ bool draws_on_device(const RendererSetup& /*setup*/) { return false; }
                         setup.device, setup.backend == Backend::kCpu ? "cpu" : "reference"));
 }
 
-// What render() was called with.
-struct Job {
-  const Field& field;
-  const Camera& camera;
-  const Look& look;
-  const Trail* trail;
-  const RenderOptions& options;
-  const RenderHooks& hooks;
-};
-
 void add_notice(FrameProfile& profile, const std::string& notice) {
   if (!profile.notice.empty()) profile.notice += "; ";
   profile.notice += notice;
 }
 
 // Where half sheets are asked for and nothing is kept that could be halved.
-void note_on_precision(FrameProfile& profile, const Job& job) {
+void note_on_precision(FrameProfile& profile, const FrameJob& job) {
   if (job.options.sheet_precision == SheetPrecision::kSingle) return;
   if (profile.backend != "vulkan") {
     add_notice(profile, fmt::format("sheet precision: floats; backend {} has no half sheets",
@@ -107,21 +90,60 @@ void note_on_precision(FrameProfile& profile, const Job& job) {
   }
 }
 
+// Where there were fewer threads than wanted.
+Frame with_note_on_threads(Frame frame, int wanted) {
+  if (frame.profile.threads < wanted) {
+    frame.profile.notice =
+        fmt::format("threads: {} were wanted, the system grants {}", wanted, frame.profile.threads);
+  }
+  return frame;
+}
+
+class CpuBackEnd final : public BackEnd {
+ public:
+  explicit CpuBackEnd(const cpu::Machine& machine) : machine_(machine) {}
+
+  Frame draw(const FrameJob& job) override {
+    const auto& [field, camera, look, trail, options, hooks] = job;
+    return with_note_on_threads(
+        field.kernels() != nullptr
+            ? cpu::render(*field.kernels(), camera, look, options, hooks, machine_)
+            : cpu::render(*field.lattice(), camera, look, options, hooks, machine_, trail),
+        machine_.runner->num_wanted());
+  }
+
+ private:
+  const cpu::Machine& machine_;
+};
+
+class ReferenceBackEnd final : public BackEnd {
+ public:
+  explicit ReferenceBackEnd(int num_threads) : num_threads_(num_threads) {}
+
+  Frame draw(const FrameJob& job) override {
+    const auto& [field, camera, look, trail, options, hooks] = job;
+    const int wanted = std::min(num_threads_, options.height);  // a thread has a row at least
+    return with_note_on_threads(
+        field.kernels() != nullptr
+            ? reference::render(*field.kernels(), camera, look, options, hooks, wanted)
+            : reference::render(*field.lattice(), camera, look, options, hooks, wanted, trail),
+        wanted);
+  }
+
+ private:
+  int num_threads_;
+};
+
 }  // namespace
 
 struct __attribute__((visibility("hidden"))) Renderer::Impl {
-  Frame draw(const Job& job) const;
-  Frame draw_by_choice(const Job& job) const;
-  Frame draw_by(Backend by, const Job& job) const;
-  // With a notice where there were fewer threads than wanted.
-  static Frame told(Frame frame, int wanted);
+  Frame draw(const Field& field, const Camera& camera, const Look& look, const Trail* trail,
+             const RenderOptions& options, const RenderHooks& hooks) const;
+  Frame draw_by_choice(const FrameJob& job) const;
 
-  Backend backend;
-  bool is_auto = false;
   cpu::Machine machine;
-#ifdef OVOID_VULKAN
-  std::unique_ptr<vulkan::VulkanRenderer> vulkan;
-#endif
+  std::unique_ptr<BackEnd> back_end;
+  std::unique_ptr<BackEnd> fallback;  // of kAuto on a device, for what the device fails to draw
 };
 
 Renderer::Renderer(const RendererSetup& setup) : impl_(std::make_unique<Impl>()) {
@@ -134,18 +156,16 @@ Renderer::Renderer(const RendererSetup& setup) : impl_(std::make_unique<Impl>())
     throw Error(ErrorCode::kInvalidArgument,
                 fmt::format("device = {}: must be >= 0, or -1 for the first", setup.device));
   }
+  Backend backend = setup.backend;
+  if (backend == Backend::kAuto) backend = has_device_for_auto(setup) ? Backend::kVulkan : Backend::kCpu;
+  if (setup.device >= 0 && backend != Backend::kVulkan) refuse_device(setup);
+  if (backend == Backend::kVulkan) impl_->back_end = make_vulkan_back_end(setup);
   impl_->machine = {cpu::make_runner(setup.threads), cpu::SimdTarget(setup.simd_target)};
-  impl_->backend = setup.backend;
-  impl_->is_auto = setup.backend == Backend::kAuto;
-  if (impl_->is_auto) impl_->backend = draws_on_device(setup) ? Backend::kVulkan : Backend::kCpu;
-  if (setup.device >= 0 && impl_->backend != Backend::kVulkan) refuse_device(setup);
-  if (impl_->backend == Backend::kVulkan) {
-#ifdef OVOID_VULKAN
-    impl_->vulkan = std::make_unique<vulkan::VulkanRenderer>(setup);
-#else
-    throw Error(ErrorCode::kUnsupported, kWithoutVulkan);
-#endif
-  }
+  if (backend == Backend::kReference)
+    impl_->back_end = std::make_unique<ReferenceBackEnd>(impl_->machine.runner->num_wanted());
+  if (backend == Backend::kCpu) impl_->back_end = std::make_unique<CpuBackEnd>(impl_->machine);
+  if (backend == Backend::kVulkan && setup.backend == Backend::kAuto)
+    impl_->fallback = std::make_unique<CpuBackEnd>(impl_->machine);
 }
 
 Renderer::~Renderer() = default;
@@ -154,83 +174,55 @@ Renderer& Renderer::operator=(Renderer&&) noexcept = default;
 
 Frame Renderer::render(const Field& field, const Camera& camera, const Look& look,
                        const RenderOptions& options, const RenderHooks& hooks) {
-  return impl_->draw({field, camera, look, nullptr, options, hooks});
+  return impl_->draw(field, camera, look, nullptr, options, hooks);
 }
 
 Frame Renderer::render(const Field& field, const Camera& camera, const Look& look,
                        const Trail& trail, const RenderOptions& options, const RenderHooks& hooks) {
-  return impl_->draw({field, camera, look, &trail, options, hooks});
+  return impl_->draw(field, camera, look, &trail, options, hooks);
 }
 
-Frame Renderer::Impl::draw(const Job& job) const try {
-  data::require_field(job.field);
-  job.camera.validate();
-  job.look.validate();
-  job.options.validate();
+Frame Renderer::Impl::draw(const Field& field, const Camera& camera, const Look& look,
+                           const Trail* trail, const RenderOptions& options,
+                           const RenderHooks& hooks) const try {
+  data::require_field(field);
+  camera.validate();
+  look.validate();
+  options.validate();
+  require_spread(field, options);
+  if (trail != nullptr) require_trail(field, look, *trail, options);
+  if (field.kernels() != nullptr) require_central_differences(options);
+  RenderOptions own_options = options;
+  std::optional<view::TrailView> trail_view;
+  if (trail != nullptr) {
+    own_options.post_convolution = PostConvolution::kOff;
+    trail_view = view_of(*trail, look, own_options);
+  }
+  const FrameJob job{field, camera, look, trail_view ? &*trail_view : nullptr, own_options, hooks};
   Frame frame = draw_by_choice(job);
   note_on_precision(frame.profile, job);
   return frame;
 } catch (const std::bad_alloc&) {
   // What is large names itself.
   throw Error(ErrorCode::kOutOfMemory,
-              fmt::format("a frame of {} x {} pixels: no memory for its plan", job.options.width,
-                          job.options.height));
+              fmt::format("a frame of {} x {} pixels: no memory for its plan", options.width,
+                          options.height));
 }
 
-Frame Renderer::Impl::draw_by_choice(const Job& job) const {
-  if (!is_auto || backend != Backend::kVulkan) return draw_by(backend, job);
+Frame Renderer::Impl::draw_by_choice(const FrameJob& job) const {
+  if (fallback == nullptr) return back_end->draw(job);
   try {
-    return draw_by(Backend::kVulkan, job);
+    return back_end->draw(job);
   } catch (const Error& error) {
     const bool is_of_device = error.code() == ErrorCode::kOutOfMemory ||
                               error.code() == ErrorCode::kDeviceLost ||
                               error.code() == ErrorCode::kUnsupported;
     if (!is_of_device) throw;
     // What the cpu cannot do either, it refuses likewise.
-    Frame frame = draw_by(Backend::kCpu, job);
+    Frame frame = fallback->draw(job);
     add_notice(frame.profile, fmt::format("{}; drawn by backend cpu", error.what()));
     return frame;
   }
-}
-
-Frame Renderer::Impl::draw_by(Backend by, const Job& job) const {
-  const auto& [field, camera, look, trail, options, hooks] = job;
-  const int wanted = machine.runner->num_wanted();
-  const int num_rows_at_once = std::min(wanted, options.height);  // of the reference
-  require_spread(field, options);
-  if (trail != nullptr) require_trail(field, look, *trail, options);
-  if (const KernelField* kernels = field.kernels()) {
-    require_central_differences(options);
-#ifdef OVOID_VULKAN
-    if (by == Backend::kVulkan) return vulkan->render(*kernels, camera, look, options, hooks);
-#endif
-    if (by == Backend::kReference)
-      return told(reference::render(*kernels, camera, look, options, hooks, num_rows_at_once),
-                  num_rows_at_once);
-    return told(cpu::render(*kernels, camera, look, options, hooks, machine), wanted);
-  }
-  std::optional<view::Behind> behind;
-  if (trail != nullptr) {
-    behind = behind_of(*trail, look);
-    behind->look.validate();
-  }
-  const view::Behind* const second = behind ? &*behind : nullptr;
-  const LatticeField& lattice = *field.lattice();
-#ifdef OVOID_VULKAN
-  if (by == Backend::kVulkan) return vulkan->render(lattice, camera, look, options, hooks, second);
-#endif
-  if (by == Backend::kReference)
-    return told(reference::render(lattice, camera, look, options, hooks, num_rows_at_once, second),
-                num_rows_at_once);
-  return told(cpu::render(lattice, camera, look, options, hooks, machine, second), wanted);
-}
-
-Frame Renderer::Impl::told(Frame frame, int wanted) {
-  if (frame.profile.threads < wanted) {
-    frame.profile.notice =
-        fmt::format("threads: {} were wanted, the system grants {}", wanted, frame.profile.threads);
-  }
-  return frame;
 }
 
 std::vector<std::string> simd_targets() { return cpu::SimdTarget::usable(); }

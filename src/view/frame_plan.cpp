@@ -183,14 +183,14 @@ Vec3 LatticePlan::widening(std::int64_t sheet) const {
   return (lattice.pitch(sheet) / spacing_.array()).min(widening_limit_.array()).max(1.0).matrix();
 }
 
-double LatticePlan::node_pitch(PostConvolution how, std::int64_t sheet) const {
+double LatticePlan::node_step(PostConvolution how, std::int64_t sheet) const {
   if (how == PostConvolution::kOff) return 1.0;
   // Pixels are widest on the layer's rearmost sheet.
   const SheetMap map = lattice.index_map(next_layer(sheet) - 1);
   const double step = std::max(map.per_x.norm(), map.per_y.norm());  // of a pixel, index space
   const double reach = how == PostConvolution::kAuto ? node_reach_ : unit_spacing_;
-  const double pitch = step > 0 ? reach / step : kGreatestNodePitch;
-  return pitch < kLeastNodePitch ? 1.0 : std::min(pitch, kGreatestNodePitch);
+  const double node_step = step > 0 ? reach / step : kGreatestNodeStep;
+  return node_step < kLeastNodeStep ? 1.0 : std::min(node_step, kGreatestNodeStep);
 }
 
 }  // namespace ovoid::view

@@ -65,7 +65,7 @@ struct LatticePlan : FramePlan {
 
   // Pixels between the nodes at which a sheet is sampled, 1 if it is sampled at its pixels
   // (docs/numerics.md, "Post-convolution"). The same for the kNodeSheets sheets of a layer.
-  double node_pitch(PostConvolution how, std::int64_t sheet) const;
+  double node_step(PostConvolution how, std::int64_t sheet) const;
 
  private:
   double node_reach_;  // of kAuto, index space
@@ -86,8 +86,8 @@ inline constexpr double kMostSteepness = 400;
 // Layers: sheets [q kNodeSheets, (q + 1) kNodeSheets) share their nodes' places in the picture.
 inline constexpr std::int64_t kNodeSheets = 16;
 // Fewer pixels per node save nothing.
-inline constexpr double kLeastNodePitch = 1.45;
-inline constexpr double kGreatestNodePitch = 64.0;
+inline constexpr double kLeastNodeStep = 1.45;
+inline constexpr double kGreatestNodeStep = 64.0;
 
 // The first sheet of the layer behind that of a sheet.
 constexpr std::int64_t next_layer(std::int64_t sheet) {

@@ -14,9 +14,9 @@
 namespace ovoid::view {
 namespace {
 
-// Nodes lie this far (in cells) inside the outermost points, so that float rounding of a coordinate
-// up to 4096 (2^-12 cells for the difference and the product) cannot put such a point on the wrong
-// side of its node.
+// Entries lie this far (in cells) inside the outermost points, so that float rounding of a
+// coordinate up to 4096 (2^-12 cells for the difference and the product) cannot put such a point on
+// the wrong side of its entry.
 constexpr double kMargin = 1.0 / 512;
 
 // Keeps value - origin and value * scale of all floats finite or rightly infinite.
@@ -107,11 +107,11 @@ LookTable::LookTable(const TransferFunction& tf) : tables_(std::make_unique<Tabl
   fill(tf);
   keep_steps(tf);
   keep_zeros(tf);
-  count_opaque_nodes();
+  count_opaque_entries();
   find_showing(tf);
 }
 
-double LookAxis::value_of_node(double i) const noexcept {
+double LookAxis::value_of_entry(double i) const noexcept {
   const double steps = i / static_cast<double>(cells_per_step);
   return scale == ValueScale::kLinear ? static_cast<double>(origin) + steps
                                       : unwarped(*this, origin_bits + steps);
@@ -148,8 +148,8 @@ void LookTable::place(const TransferFunction& tf) {
 }
 
 void LookTable::fill(const TransferFunction& tf) {
-  for (int i = 0; i < kNodes; ++i) {
-    const double value = node_value(i);
+  for (int i = 0; i < kEntries; ++i) {
+    const double value = entry_value(i);
     const Rgb rgb = tf.color_at(value);
     tables_->r[i] = static_cast<float>(rgb[0]);
     tables_->g[i] = static_cast<float>(rgb[1]);
@@ -157,23 +157,23 @@ void LookTable::fill(const TransferFunction& tf) {
     tables_->opacity[i] = static_cast<float>(tf.opacity_at(value));
   }
   for (float* x : {tables_->r, tables_->g, tables_->b, tables_->opacity}) {
-    std::fill(x + kNodes, x + kPaddedNodes, x[kCells]);
+    std::fill(x + kEntries, x + kPaddedEntries, x[kCells]);
   }
 }
 
-// Makes the table change its side at `value`. The nodes decide which cell that is, because they
+// Makes the table change its side at `value`. The entries decide which cell that is, because they
 // were read from one side or the other.
 void LookTable::keep_step_at(double value) {
   int i = std::clamp(static_cast<int>(coordinate(static_cast<float>(value))), 0, kCells - 1);
-  if (i > 0 && node_value(i) >= value) --i;
-  if (i + 1 < kCells && node_value(i + 1) < value) ++i;
+  if (i > 0 && entry_value(i) >= value) --i;
+  if (i + 1 < kCells && entry_value(i + 1) < value) ++i;
   const float t = coordinate(ceil_to_float(value)) - static_cast<float>(i);
   tables_->step[i] = std::clamp(t, 0.0F, 1.0F);
   has_steps_ = true;
 }
 
 void LookTable::keep_steps(const TransferFunction& tf) {
-  std::fill_n(tables_->step, kPaddedNodes, -1.0F);
+  std::fill_n(tables_->step, kPaddedEntries, -1.0F);
   const auto& colors = tf.colors;
   for (std::size_t k = 0; k + 1 < colors.size(); ++k) {
     if (tf.color_space == ColorSpace::kStep || colors[k].x == colors[k + 1].x)
@@ -215,13 +215,13 @@ void LookTable::keep_zeros(const TransferFunction& tf) {
   }
 }
 
-void LookTable::count_opaque_nodes() {
+void LookTable::count_opaque_entries() {
   int count = 0;
-  for (int i = 0; i < kNodes; ++i) {
-    tables_->opaque_nodes_before[i] = static_cast<std::int16_t>(count);
+  for (int i = 0; i < kEntries; ++i) {
+    tables_->opaque_entries_before[i] = static_cast<std::int16_t>(count);
     if (tables_->opacity[i] > 0.0F) ++count;
   }
-  tables_->opaque_nodes_before[kNodes] = static_cast<std::int16_t>(count);
+  tables_->opaque_entries_before[kEntries] = static_cast<std::int16_t>(count);
 }
 
 void LookTable::find_showing(const TransferFunction& tf) {
@@ -264,11 +264,11 @@ bool LookTable::any_opacity(float lo, float hi) const noexcept {
   if (!(lo <= hi)) return false;
   const float t_lo = coordinate(lo);
   const float t_hi = coordinate(hi);
-  // A piece, straight or a step, is zero between two zeros: the ends of the range and the nodes
+  // A piece, straight or a step, is zero between two zeros: the ends of the range and the entries
   // within it decide.
   if (read(tables_->opacity, t_lo) > 0.0F || read(tables_->opacity, t_hi) > 0.0F) return true;
-  const std::int16_t* nodes_before = tables_->opaque_nodes_before;
-  if (nodes_before[static_cast<int>(t_hi) + 1] > nodes_before[static_cast<int>(t_lo) + 1])
+  const std::int16_t* entries_before = tables_->opaque_entries_before;
+  if (entries_before[static_cast<int>(t_hi) + 1] > entries_before[static_cast<int>(t_lo) + 1])
     return true;
   const auto reaches_lo = [](const Interval& i, float v) { return i.last < v; };
   const auto next = std::lower_bound(showing_.begin(), showing_.end(), lo, reaches_lo);

@@ -14,14 +14,14 @@
 
 namespace ovoid::view {
 
-// Where a value lies among the table's nodes. Linear scales: in proportion to the value. Others: by
-// the bits of a float, which taken as an integer rise with it and are straight within each octave:
-// a logarithm that costs nothing, that vector code repeats exactly, and that gives every decade as
-// many cells.
+// Where a value lies among the table's entries. Linear scales: in proportion to the value. Others:
+// by the bits of a float, which taken as an integer rise with it and are straight within each
+// octave: a logarithm that costs nothing, that vector code repeats exactly, and that gives every
+// decade as many cells.
 struct LookAxis {
   ValueScale scale = ValueScale::kLinear;
-  float origin = 0.0F;           // kLinear: the value of node 0
-  std::int32_t origin_bits = 0;  // others: warped(value of node 0)
+  float origin = 0.0F;           // kLinear: the value of entry 0
+  std::int32_t origin_bits = 0;  // others: warped(value of entry 0)
   float cells_per_step = 1.0F;   // cells per unit of value, or per unit of warped(), > 0
   float inverse_width = 1.0F;    // kSymlog: 1 / linear_width
 
@@ -37,7 +37,7 @@ struct LookAxis {
     return value < 0.0F ? -bits : bits;
   }
 
-  // In cells from node 0, not clamped.
+  // In cells from entry 0, not clamped.
   float place(float value) const noexcept {
     const float steps = scale == ValueScale::kLinear
                             ? value - origin
@@ -45,7 +45,7 @@ struct LookAxis {
     return steps * cells_per_step;
   }
 
-  double value_of_node(double i) const noexcept;
+  double value_of_entry(double i) const noexcept;
 };
 
 // A table of kCells cells over the values where a transfer function has something to show. The
@@ -55,10 +55,10 @@ struct LookAxis {
 //   if (step[i] >= 0) f = f >= step[i] ? 1 : 0;
 //   x = x[i] + f * (x[i + 1] - x[i])
 //
-// Node i stands for the value axis().value_of_node(i). Whether the last line is fused does not
-// change where the opacity is zero. Every array has kPaddedNodes floats, 64-byte aligned, the last
-// node repeated, so that x[i + 1] exists for t = kCells, too. `value` must not be NaN; infinities
-// read as the ends.
+// Entry i stands for the value axis().value_of_entry(i). Whether the last line is fused does not
+// change where the opacity is zero. Every array has kPaddedEntries floats, 64-byte aligned, the
+// last entry repeated, so that x[i + 1] exists for t = kCells, too. `value` must not be NaN;
+// infinities read as the ends.
 //
 // Coverage: from the first to the last value whose opacity is not zero, and a cell more on either
 // side; where the curve does not end in zeros, to the outermost point of colours and opacities. So
@@ -75,13 +75,13 @@ struct LookAxis {
 // is exactly zero, too (background that sits at the foot of a ramp costs nothing); in turn the ramp
 // may start up to a cell late.
 //
-// Immutable; all members may be called from many threads. Cost of construction: kNodes exact
+// Immutable; all members may be called from many threads. Cost of construction: kEntries exact
 // evaluations, about 0.1 ms for colours in RGB, 2 ms for Lab and Diverging; 89 KiB.
 class LookTable {
  public:
   static constexpr int kCells = 4096;
-  static constexpr int kNodes = kCells + 1;
-  static constexpr int kPaddedNodes = kCells + 16;
+  static constexpr int kEntries = kCells + 1;
+  static constexpr int kPaddedEntries = kCells + 16;
   static constexpr int kMinFeatureCells = 4;
 
   struct Sample {
@@ -119,9 +119,10 @@ class LookTable {
 
  private:
   struct alignas(64) Tables {
-    float r[kPaddedNodes], g[kPaddedNodes], b[kPaddedNodes], opacity[kPaddedNodes];
-    float step[kPaddedNodes];
-    std::int16_t opaque_nodes_before[kNodes + 1];  // how many of nodes 0 to i - 1 are not zero
+    float r[kPaddedEntries], g[kPaddedEntries], b[kPaddedEntries], opacity[kPaddedEntries];
+    float step[kPaddedEntries];
+    std::int16_t
+        opaque_entries_before[kEntries + 1];  // how many of entries 0 to i - 1 are not zero
   };
 
   float read(const float* x, float t) const noexcept {
@@ -135,14 +136,14 @@ class LookTable {
   }
 
   void place(const TransferFunction& tf);
-  double node_value(int i) const noexcept { return axis_.value_of_node(i); }
+  double entry_value(int i) const noexcept { return axis_.value_of_entry(i); }
   void fill(const TransferFunction& tf);
   void keep_step_at(double value);
   void keep_steps(const TransferFunction& tf);
   void keep_zero_at(float value);
   void keep_zeros(const TransferFunction& tf);
   void find_showing(const TransferFunction& tf);
-  void count_opaque_nodes();
+  void count_opaque_entries();
 
   struct Interval {
     float first, last;  // both included

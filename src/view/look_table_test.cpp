@@ -61,8 +61,8 @@ Extent exact_opacity(const TransferFunction& tf, double lo, double hi) {
   return out;
 }
 
-// Fails if nodes are evaluated at other values than readers compute, if the table is not padded, or
-// if a range is cut.
+// Fails if entries are evaluated at other values than readers compute, if the table is not padded,
+// or if a range is cut.
 TEST(LookTable, StraightPiecesAreExactToFloatRounding) {
   TransferFunction tf;
   tf.opacities = {{-10, 0.25}, {30, 0.75}};
@@ -72,7 +72,7 @@ TEST(LookTable, StraightPiecesAreExactToFloatRounding) {
     const auto s = table.at(static_cast<float>(v));
     // A coordinate of 4096 is rounded twice, to 2^-12 cells: 6e-8 of a curve that rises by 1; three
     // roundings of values up to 1, 2^-24 each; and at -10, a corner, the 1/512 cells to the next
-    // node: 4.8e-7.
+    // entry: 4.8e-7.
     const double tolerance = 8e-7;
     ASSERT_NEAR(s.opacity, tf.opacity_at(v), tolerance) << v;
     ASSERT_NEAR(s.r, tf.color_at(v)[0], tolerance) << v;
@@ -88,7 +88,7 @@ TEST(LookTable, ArraysAreAlignedAndPadded) {
   const LookTable table(hat(0, 1, 2, 0.1, 0.9));
   for (const float* x : {table.red(), table.green(), table.blue(), table.opacity()}) {
     EXPECT_EQ(reinterpret_cast<std::uintptr_t>(x) % 64, 0U);
-    for (int i = LookTable::kNodes; i < LookTable::kPaddedNodes; ++i)
+    for (int i = LookTable::kEntries; i < LookTable::kPaddedEntries; ++i)
       EXPECT_EQ(x[i], x[LookTable::kCells]);
   }
 }
@@ -141,7 +141,7 @@ TEST(LookTable, StepsAreWhereTheyShouldBe) {
   EXPECT_EQ(table.at(50 + near).b, 1.0F);
 }
 
-// Fails if a node that a step falls on is read from the wrong side: one of the many does.
+// Fails if an entry that a step falls on is read from the wrong side: one of the many does.
 TEST(LookTable, EveryPlaceOfAStepIsSharp) {
   for (int trial = 0; trial < 5000; ++trial) {
     const double x = 10 + trial * 0.001;
@@ -170,7 +170,7 @@ TEST(LookTable, StepsAtTheEnds) {
 
 // At every value the table must lie within what the curve does up to two cells away (one for a
 // step, one for a late start); colours are straight, so they agree where they are kept. Fails for
-// any misplaced node.
+// any misplaced entry.
 TEST(LookTable, RandomCurvesStayWithinTwoCells) {
   std::mt19937_64 random(20240601);
   for (int trial = 0; trial < 300; ++trial) {
@@ -210,7 +210,7 @@ TEST(LookTable, TheFootOfARampIsExactlyZero) {
   EXPECT_FALSE(whole.any_opacity(-kInfinityF, 0));
   EXPECT_TRUE(whole.any_opacity(0, 1e-3F));
 
-  // Colours that reach below the background, and a foot that no node meets.
+  // Colours that reach below the background, and a foot that no entry meets.
   TransferFunction shifted = hat(-1000, 1000, 3000.7);
   shifted.colors = {{-1024, {0, 0, 0}}, {3071, {1, 1, 1}}};
   const LookTable ct(shifted);
@@ -319,7 +319,7 @@ TEST(LookTable, MaxOpacity) {
   EXPECT_FALSE(LookTable(nothing).any_opacity(-kInfinityF, kInfinityF));
 }
 
-// Six decades: every one of them has its cells. Fails if nodes stand at other values than readers
+// Six decades: every one of them has its cells. Fails if entries stand at other values than readers
 // compute, or if a corner's place is taken for linear.
 TEST(LookTable, LogarithmicScalesResolveEveryDecade) {
   TransferFunction tf;

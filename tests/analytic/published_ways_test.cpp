@@ -98,7 +98,7 @@ TEST(PublishedWaysByHand, ReferenceSumsNodes) {
   for_each_sheet_scene(noisy.field, with_mode(gray_look(0, 1), Mode::kMean),
                        [&](const Scene& scene, std::int64_t sheet) {
                          const HandView view(scene.camera, scene.options);
-                         const double p = view.node_pitch(noisy.index_from_world, sheet);
+                         const double p = view.node_step(noisy.index_from_world, sheet);
                          const Image image = draw(scene, Backend::kReference).image;
                          for (const Spot& at : some_spots(scene.options, 12)) {
                            const double expected = filtered<double>(
@@ -139,7 +139,7 @@ TEST(PublishedWaysByHand, ReferenceSumsGradients) {
       noisy.field, gradient_look(0.8 * 0.3, kLongest), [&](Scene scene, std::int64_t sheet) {
         scene.options.gradient = GradientMethod::kExact;
         const HandView view(scene.camera, scene.options);
-        const double p = view.node_pitch(noisy.index_from_world, sheet);
+        const double p = view.node_step(noisy.index_from_world, sheet);
         expect_lengths(scene, view, kLongest, [&](const Spot& at) {
           return filtered<Vec3>(scene.options.post_convolution, at.x / p, at.y / p, Vec3::Zero(),
                                 [&](int i, int j) {
@@ -173,7 +173,7 @@ TEST(PublishedWaysByHand, ReferenceTakesDifferencesOfNodes) {
       noisy.field, gradient_look(0.8 * 0.3, kLongest), [&](Scene scene, std::int64_t sheet) {
         scene.options.gradient = GradientMethod::kCentral;
         const HandView view(scene.camera, scene.options);
-        const double p = view.node_pitch(noisy.index_from_world, sheet);
+        const double p = view.node_step(noisy.index_from_world, sheet);
         const ValueOfNode value = [&](double x, double y, std::int64_t k) {
           return noisy.sampler.at(view.place(x, y, k)).value;
         };
@@ -200,7 +200,7 @@ TEST(PublishedWaysByHand, ReferenceLightsPieces) {
         const Spot at{7, 11};
         const double stretch = 0.9 * view.direction(at.x, at.y).norm();  // a tenth of a slab is cut
         const auto brought_up = [&](std::int64_t k, const auto& gradient) {
-          const double p = view.node_pitch(noisy.index_from_world, k);
+          const double p = view.node_step(noisy.index_from_world, k);
           return filtered<Vec3>(scene.options.post_convolution, at.x / p, at.y / p, Vec3::Zero(),
                                 [&](int i, int j) { return gradient(p, i, j, k); });
         };
@@ -239,7 +239,7 @@ TEST(PublishedWaysByHand, ReferenceRefinesSurfacesOnTheField) {
     const Image image = draw(scene, Backend::kReference).image;
     for (const Spot& at : some_spots(scene.options, 6)) {
       const auto is_below = [&](std::int64_t k, std::int64_t behind) {
-        const double p = view.node_pitch(noisy.index_from_world, behind);
+        const double p = view.node_step(noisy.index_from_world, behind);
         return filtered<double>(scene.options.post_convolution, at.x / p, at.y / p, 0.0,
                                 [&](int i, int j) {
                                   return noisy.sampler.at(view.place(p * i, p * j, k)).value;
@@ -315,7 +315,7 @@ TEST(PublishedWaysByHand, ReferenceSpreadsSamples) {
         scene.options.post_convolution = how;
         scene.options.spread = Spread::kBilinear;
         const HandView view(scene.camera, scene.options);
-        const double p = view.node_pitch(index_from_world, 1);
+        const double p = view.node_step(index_from_world, 1);
         const ValueOfNode value = [&](double x, double y, std::int64_t k) {
           return spread_by_hand(field, samples, view, p, x, y, k);
         };
@@ -391,7 +391,7 @@ TEST(PublishedWaysByHand, PixelsNearUndefinedNodesAreWorkedOut) {
   scene.options.post_convolution = PostConvolution::kAuto;
   EXPECT_EQ(draw(scene, Backend::kReference).image.rgba, exact.rgba);
   const HandView view(scene.camera, scene.options);
-  const double p = view.node_pitch(Mat3::Identity(), 2);
+  const double p = view.node_step(Mat3::Identity(), 2);
   for (const PostConvolution how : kPublishedWays) {
     scene.options.post_convolution = how;
     const Image image = draw(scene, Backend::kReference).image;

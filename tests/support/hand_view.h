@@ -42,7 +42,7 @@ class HandView {
     return origin + depth(sheet) * direction(x, y);
   }
   // Pixels from node to node: a spacing on the last of 16 sheets.
-  double node_pitch(const Mat3& index_from_world, std::int64_t sheet) const {
+  double node_step(const Mat3& index_from_world, std::int64_t sheet) const {
     std::int64_t last = sheet;
     while (((last + 1) % 16 + 16) % 16 != 0) ++last;
     const Vec3 origin = place(0, 0, last);

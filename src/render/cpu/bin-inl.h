@@ -133,7 +133,7 @@ inline void bound_region(const CpuFrame& frame, Block& block,
           const bool reads_four_taps =
               frame.has_four_taps && frame.options->evaluate != Evaluate::kScatter;
           if (reads_four_taps) reach = std::max(reach, 2.0F);
-          if (frame.lattice.num_slab_nodes > 1) {
+          if (frame.lattice.num_slab_points > 1) {
             reach += 0.5F * std::abs(sheet.step[a] + static_cast<float>(x) * sheet.step_per_x[a] +
                                      static_cast<float>(y) * sheet.step_per_y[a]);
           }

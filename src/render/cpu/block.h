@@ -3,13 +3,12 @@
 // Everything a worker needs lies here and in TileState; both stay in the L2 cache. One worker owns
 // one Workspace and uses it for tile after tile.
 //
-//   plane      the samples of one sheet: rows of kPlaneStride, kMaxPlaneRows rows. Sample (0, 0) of
-//   a plane is pixel
-//              (x0 - margin, y0 - margin): central differences need a margin of 1, else it is 0. Or
-//              they are nodes (nodes.h), of which more fit than a tile has pixels.
+//   plane      the samples of one sheet: kMaxPlaneRows rows of kPlaneStride. Sample (0, 0) of a
+//              plane is pixel (x0 - margin, y0 - margin): central differences need a margin of 1,
+//              else it is 0. Or they are nodes (nodes.h), of which more fit than a tile has pixels.
 //   row bits   one bit per sample of a plane's row, bit x for sample x
 //   region     the box of lattice samples that the block's active samples reach, as floats, zero
-//   where no kernel exists; one such box of every sublattice
+//              where no kernel exists; one such box of every sublattice
 #pragma once
 
 #include <hwy/aligned_allocator.h>

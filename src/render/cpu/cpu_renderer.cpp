@@ -27,7 +27,7 @@ void decide_relevance(view::LatticePlan& plan, Runner& runner) {
 
 bool has_nodes(const CpuFrame& frame, const view::LatticePlan& plan) {
   return frame.may_have_nodes && plan.sheets.first < plan.sheets.last &&
-         plan.node_pitch(frame.options->post_convolution, plan.sheets.first) > 1.0;
+         plan.node_step(frame.options->post_convolution, plan.sheets.first) > 1.0;
 }
 
 // The tiles of a patch, or the one tile, become pixels.
@@ -68,7 +68,7 @@ struct PreparedField {
 
 Frame render(const LatticeField& field, const Camera& camera, const Look& look,
              const RenderOptions& options, const RenderHooks& hooks, const Machine& machine,
-             const view::Behind* behind) {
+             const view::TrailView* trail) {
   const Clock::time_point start = Clock::now();
   const std::uint64_t start_ticks = read_ticks();
   Runner& runner = *machine.runner;
@@ -79,18 +79,12 @@ Frame render(const LatticeField& field, const Camera& camera, const Look& look,
   out.profile.kernels_total = field.num_kernels();
   out.image = empty_image(options);
 
-  RenderOptions own_options = options;
-  RenderOptions plain_options;
-  std::optional<PreparedField> prepared_behind;
-  if (behind != nullptr) {
-    own_options.post_convolution = PostConvolution::kOff;
-    plain_options = own_options;
-    plain_options.classification = Classification::kSampled;
-    prepared_behind.emplace(*behind->field, camera, behind->look, plain_options, hooks, runner);
-  }
-  PreparedField prepared(field, camera, look, own_options, hooks, runner);
+  std::optional<PreparedField> prepared_trail;
+  if (trail != nullptr)
+    prepared_trail.emplace(*trail->field, camera, trail->look, trail->options, hooks, runner);
+  PreparedField prepared(field, camera, look, options, hooks, runner);
   CpuFrame& frame = prepared.frame;
-  if (prepared_behind) frame.behind = &prepared_behind->frame;
+  if (prepared_trail) frame.trail = &prepared_trail->frame;
   const int edge = field.source().brick_edge();
   out.profile.kernels_drawn =
       std::min(field.num_kernels(), prepared.plan.relevance.num_relevant() * edge * edge * edge *
@@ -116,7 +110,7 @@ Frame render(const LatticeField& field, const Camera& camera, const Look& look,
       static_cast<double>(read_ticks() - start_ticks) / out.profile.frame_ms;
   if (options.collect_profile) out.profile.stages_ms.emplace_back("plan", plan_ms);
   for (const auto& work : workspaces) {
-    for (const WorkerStats* stats : {&work->pixels.stats, &work->nodes.stats, &work->behind.stats})
+    for (const WorkerStats* stats : {&work->pixels.stats, &work->nodes.stats, &work->trail.stats})
       add_worker_stats(*stats, options.collect_profile ? ticks_per_ms : 0.0, out.profile);
   }
   return out;

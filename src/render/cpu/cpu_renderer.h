@@ -6,7 +6,7 @@
 #include "ovoid/renderer.h"
 #include "render/cpu/runner.h"
 #include "render/cpu/simd_target.h"
-#include "view/behind.h"
+#include "view/trail_view.h"
 
 namespace ovoid::cpu {
 
@@ -17,10 +17,10 @@ struct Machine {
 };
 
 // The cpu back end: tiles as tasks on a runner, SIMD within. Arguments have been validated.
-// `behind`: none if null.
+// `trail`: none if null.
 Frame render(const LatticeField& field, const Camera& camera, const Look& look,
              const RenderOptions& options, const RenderHooks& hooks, const Machine& machine,
-             const view::Behind* behind = nullptr);
+             const view::TrailView* trail = nullptr);
 
 // The same of a kernel field; gradients are central differences. Memory: 64 bytes per kernel that
 // can be seen, and 4 per block that it reaches.

@@ -6,7 +6,7 @@ namespace {
 
 ClassificationTable table_in(const FrameTables& tables, const device::TableConstants& constants) {
   const float* const numbers = &tables.front().x;
-  ClassificationTable table{constants, numbers + std::size_t{4} * constants.nodes_at, nullptr};
+  ClassificationTable table{constants, numbers + std::size_t{4} * constants.entries_at, nullptr};
   if (constants.steps_at != device::kNoTable) table.steps = numbers + constants.steps_at;
   return table;
 }

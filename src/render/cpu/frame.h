@@ -11,11 +11,11 @@
 
 namespace ovoid::cpu {
 
-// A table of the look. A node is red, green, blue and opacity side by side.
+// A table of the look. An entry is red, green, blue and opacity side by side.
 struct ClassificationTable {
   device::TableConstants constants{};
-  const float* nodes = nullptr;  // [kTableCells + 2][4], 16-byte aligned
-  const float* steps = nullptr;  // [kTableCells + 1]; null if no cell has one
+  const float* entries = nullptr;  // [kTableCells + 2][4], 16-byte aligned
+  const float* steps = nullptr;    // [kTableCells + 1]; null if no cell has one
 };
 
 // A frame of any field. Kernel sets leave the members about lattices as they are.
@@ -24,22 +24,22 @@ struct CpuFrame : FrameTraits, LatticeTraits {
   const view::LatticePlan* lattice_plan = nullptr;  // `plan`, if it is a lattice's
   const LatticeField* field = nullptr;              // likewise
   const RenderOptions* options = nullptr;
-  const CpuFrame* behind = nullptr;  // of a second field, drawn behind this one sheet by sheet
+  const CpuFrame* trail = nullptr;  // drawn behind this frame sheet by sheet; null: none
   std::stop_token stop;
 
-  bool samples_at_nodes = false;  // some sheets are: tiles come in patches (nodes.h)
+  bool samples_at_nodes = false;  // of some sheets: tiles come in patches (nodes.h)
   FrameCamera camera;
   device::LatticeConstants lattice{};
   device::LookConstants look{};
-  FrameTables tables;  // memory of the tables below
+  FrameTables tables;  // the memory that the tables below point into
   ClassificationTable table;
   ClassificationTable fading;        // opacity by the gradient's length, if fades_by_gradient
   ClassificationTable color_table;   // colours by another attribute, if has_own_color
   const float* integrals = nullptr;  // [kTableCells + 2][8], if is_preintegrated
 };
 
-// Fills in what every field has. `options` and `plan` must live as long as the frame is drawn;
-// `range`: of the field's values.
+// Sets the members that every field has. `options` and `plan` must live as long as the frame is
+// drawn; `range`: of the field's values.
 void set_frame(CpuFrame& frame, const ValueRange& range, const Look& look,
                const RenderOptions& options, const view::FramePlan& plan);
 

@@ -131,7 +131,7 @@ struct GeneralOut {
   float *value, *x, *y, *z;  // [lanes]; the gradient's may be null
 };
 
-// Numerator, denominator and endless denominator of one sample, added up over its slab's nodes.
+// Numerator, denominator and endless denominator of one sample, added up over its slab's points.
 struct Quotient {
   TapSums numerator, denominator;
   float endless = 0;
@@ -139,9 +139,9 @@ struct Quotient {
 
 // What the kernels of one sublattice add.
 template <bool kGradient>
-inline void add_node(const CpuFrame& frame, const Workspace& work, int s, const float* u,
-                     const SheetSetup& sheet, float node_weight, float* tap_memory, int capacity,
-                     Quotient& q) {
+inline void add_point(const CpuFrame& frame, const Workspace& work, int s, const float* u,
+                      const SheetSetup& sheet, float point_weight, float* tap_memory, int capacity,
+                      Quotient& q) {
   const Block& block = work.block;
   const device::Sublattice& sublattice = frame.lattice.sublattices[s];
   AxisTaps axis[3];
@@ -150,7 +150,7 @@ inline void add_node(const CpuFrame& frame, const Workspace& work, int s, const 
     axis[a].derivative = axis[a].weight + capacity;
     fill_axis(frame, block, sublattice, a, u[a] - sublattice.offset, sheet.widening[a], axis[a]);
   }
-  q.endless += node_weight * axis[0].endless * axis[1].endless * axis[2].endless;
+  q.endless += point_weight * axis[0].endless * axis[1].endless * axis[2].endless;
   if (axis[0].count == 0 || axis[1].count == 0 || axis[2].count == 0) return;
   const TapSums n = sum_taps<kGradient>(block, work.samples + s * block.sublattice_stride, axis);
   TapSums e;
@@ -163,10 +163,10 @@ inline void add_node(const CpuFrame& frame, const Workspace& work, int s, const 
     e.z = axis[0].existing * axis[1].existing * axis[2].existing_derivative;
   }
   const auto add = [&](TapSums& to, const TapSums& from) {
-    to.value += node_weight * from.value;
-    to.x += node_weight * from.x;
-    to.y += node_weight * from.y;
-    to.z += node_weight * from.z;
+    to.value += point_weight * from.value;
+    to.x += point_weight * from.x;
+    to.y += point_weight * from.y;
+    to.z += point_weight * from.z;
   };
   add(q.numerator, n);
   add(q.denominator, e);
@@ -251,11 +251,11 @@ inline void correct_gradient(const CpuFrame& frame, const SheetSetup& sheet, con
 }
 
 // Does any kernel of a sublattice reach the sample at u, or its slab, `step` long? Where no sample
-// is missing the supports fill one box. Nodes would miss a slab that has but an end in it.
+// is missing the supports fill one box. Points would miss a slab that has but an end in it.
 inline bool meets_support_of(const device::Sublattice& sublattice, const CpuFrame& frame,
                              const Block& block, const SheetSetup& sheet, const float* u,
                              const float* step) {
-  const bool is_point = frame.lattice.num_slab_nodes == 1;
+  const bool is_point = frame.lattice.num_slab_points == 1;
   float from = -0.5F;
   float to = 0.5F;
   for (int a = 0; a < 3; ++a) {
@@ -309,12 +309,12 @@ inline std::uint32_t gather_general(const CpuFrame& frame, Workspace& work, int 
       center[a] = position[a][l];
     }
     Quotient q;
-    for (int node = 0; node < frame.lattice.num_slab_nodes; ++node) {
-      const device::SlabNode slab = frame.lattice.slab[node];
+    for (int point = 0; point < frame.lattice.num_slab_points; ++point) {
+      const device::SlabPoint slab = frame.lattice.slab[point];
       float at[3];
       for (int a = 0; a < 3; ++a) at[a] = center[a] + slab.offset * step[a];
       for (int sub = 0; sub < frame.lattice.num_sublattices; ++sub)
-        add_node<kGradient>(frame, work, sub, at, sheet, slab.weight, tap_memory, capacity, q);
+        add_point<kGradient>(frame, work, sub, at, sheet, slab.weight, tap_memory, capacity, q);
     }
     const TapSums& n = q.numerator;
     const TapSums& e = q.denominator;

@@ -3,9 +3,8 @@
 // are summed, and the ring of sheets of field values that its tile keeps. It all lies in the L2
 // cache of one core.
 //
-//   channel   what is summed over splats: normalized fields w v phi, w phi and, with a colour of
-//   its
-//             own, w c phi; sums v w phi and c v w phi
+//   channel   what is summed over splats: of normalized fields w v phi, w phi and, with a colour
+//             of its own, w c phi; of sums v w phi and c v w phi
 //   level     level l has a sample for every 2^l x 2^l pixels, at their middle. Sample i of a plane
 //             of level l lies at the pixel 2^l (lo + i) + (2^l - 1) / 2 of the tile. Coarse planes
 //             reach as far beyond the finer one as the filter that brings them there.

@@ -33,13 +33,14 @@ HWY_INLINE std::size_t ring_offset(int sheet) {
 
 inline BlockPlace place_of_block(const KernelFrame& frame, const TileRect& rect, int layer) {
   BlockPlace place{rect.x0, rect.y0, {}, {}};
-  const bool has_nodes = frame.takes_means && frame.profile != KernelProfile::kGaussian;
+  const bool has_points = frame.takes_means && frame.profile != KernelProfile::kGaussian;
   for (int j = 0; j < view::kBlockDepth; ++j) {
     const auto sheet = static_cast<float>(layer * view::kBlockDepth + j);
     place.scales[j] = sheet_place(frame, sheet).scale;
-    if (!has_nodes) place.places[j] = sheet_place(frame, sheet);
-    for (int n = 0; has_nodes && n < kProfileNodes; ++n)
-      place.places[j * kProfileNodes + n] = sheet_place(frame, sheet + kProfileNodeOffsets[n]);
+    if (!has_points) place.places[j] = sheet_place(frame, sheet);
+    for (int n = 0; has_points && n < device::kProfilePoints; ++n)
+      place.places[j * device::kProfilePoints + n] =
+          sheet_place(frame, sheet + device::kProfilePointOffsets[n]);
   }
   return place;
 }
@@ -90,8 +91,8 @@ inline void cover_own_pixels(const KernelFrame& frame, KernelWorkspace& work, co
 }
 
 // Adds a level to the next finer one.
-inline void bring_down_level(const KernelFrame& frame, KernelWorkspace& work, int level,
-                             const SheetRun& run) {
+inline void post_convolve_level(const KernelFrame& frame, KernelWorkspace& work, int level,
+                                const SheetRun& run) {
   auto& is_finer_touched = work.is_touched[static_cast<std::size_t>(level) - 1];
   if (!is_finer_touched) clear_level(frame, work, level - 1, run);
   is_finer_touched = true;
@@ -123,7 +124,8 @@ inline void reconstruct_sheets(const KernelFrame& frame, KernelWorkspace& work,
   sum_splats(frame, work, indices, place_of_block(frame, rect, layer), run);
   if (work.has_cover) cover_own_pixels(frame, work, run);
   for (int level = kMaxLevel; level > 0; --level) {
-    if (work.is_touched[static_cast<std::size_t>(level)]) bring_down_level(frame, work, level, run);
+    if (work.is_touched[static_cast<std::size_t>(level)])
+      post_convolve_level(frame, work, level, run);
   }
   for (int j = run.first; j < run.last; ++j) {
     const int sheet = layer * view::kBlockDepth + j;

@@ -25,7 +25,7 @@ namespace HWY_NAMESPACE {
 struct Patch {
   TileRect rect;  // of the picture
   std::int64_t first_sheet, last_sheet;
-  double pitch;
+  double node_step;
   NodeSpan nodes_x, nodes_y;
   bool is_binned_by_tile;  // not pixel by pixel: nothing is cut away, all of it is inside
 };
@@ -59,7 +59,7 @@ inline SpreadShape spread_shape(const CpuFrame& frame, const Patch& patch) {
   shape.sigma = sigma;
   shape.half_height = sigma * static_cast<double>(frame.lattice.support / frame.lattice.sigma);
   const view::SheetMap map = lattice.index_map(patch.last_sheet - 1);
-  shape.reach = patch.pitch * (map.per_x.cwiseAbs() + map.per_y.cwiseAbs()) +
+  shape.reach = patch.node_step * (map.per_x.cwiseAbs() + map.per_y.cwiseAbs()) +
                 shape.half_height * shape.along.cwiseAbs();
   return shape;
 }
@@ -68,7 +68,7 @@ inline SpreadShape spread_shape(const CpuFrame& frame, const Patch& patch) {
 inline Support whole_support(const CpuFrame& frame, const Block& nodes, const SheetSetup& sheet) {
   Support support;
   for (int a = 0; a < 3; ++a) {
-    const float slab = frame.lattice.num_slab_nodes > 1 ? 0.5F * std::abs(sheet.step[a]) : 0.0F;
+    const float slab = frame.lattice.num_slab_points > 1 ? 0.5F * std::abs(sheet.step[a]) : 0.0F;
     const float reach = frame.lattice.support * sheet.widening[a] + slab;
     const auto first = static_cast<float>(-nodes.origin[a]);
     float lo = first;
@@ -120,14 +120,14 @@ inline NodePlace place_nodes(const CpuFrame& frame, Block& nodes, const Patch& p
   nodes.first_sheet = patch.first_sheet - nodes.front_margin;
   nodes.num_sheets = static_cast<int>(patch.last_sheet - patch.first_sheet) + nodes.front_margin +
                      nodes.back_margin;
-  const double x0 = patch.pitch * static_cast<double>(patch.nodes_x.first - margin);
-  const double y0 = patch.pitch * static_cast<double>(patch.nodes_y.first - margin);
-  NodePlace place{{x0, y0, patch.pitch}, {}};
+  const double x0 = patch.node_step * static_cast<double>(patch.nodes_x.first - margin);
+  const double y0 = patch.node_step * static_cast<double>(patch.nodes_y.first - margin);
+  NodePlace place{{x0, y0, patch.node_step}, {}};
   for (const std::int64_t sheet : {nodes.first_sheet, nodes.first_sheet + nodes.num_sheets - 1}) {
     const view::SheetMap map = frame.plan->lattice.index_map(sheet);
     for (const int x : {0, nodes.columns - 1}) {
       for (const int y : {0, nodes.rows - 1})
-        place.box.extend(map.at(x0 + patch.pitch * x, y0 + patch.pitch * y));
+        place.box.extend(map.at(x0 + patch.node_step * x, y0 + patch.node_step * y));
     }
   }
   return place;
@@ -139,7 +139,7 @@ inline void set_up_nodes(const CpuFrame& frame, Block& nodes, const Patch& patch
   set_up_sheets(frame, nodes, place.grid, place.box);
   const RowWord all = ~RowWord{0} >> (64 - nodes.columns);
   for (int s = 0; s < nodes.num_sheets; ++s) {
-    nodes.sheets[s].inverse_pitch /= static_cast<float>(patch.pitch);
+    nodes.sheets[s].inverse_pitch /= static_cast<float>(patch.node_step);
     for (int y = 0; y < nodes.rows; ++y) nodes.active[s][y] = all;
   }
   const bool spreads = frame.options->spread == Spread::kBilinear;
@@ -263,17 +263,18 @@ inline void reconstruct_nodes(const CpuFrame& frame, Workspace& nodes, int s, co
 inline void difference_nodes(const CpuFrame& frame, Workspace& nodes, int s, const Patch& patch,
                              const RowBits& bits) {
   Block& block = nodes.block;
-  const auto pitch = static_cast<float>(patch.pitch);
+  const auto node_step = static_cast<float>(patch.node_step);
   const auto left = static_cast<float>(patch.nodes_x.first - block.margin);
   const auto top = static_cast<float>(patch.nodes_y.first - block.margin);
   for (int y = 0; y < block.rows; ++y) {
     nodes.stats.gradients += std::popcount(bits[y]);
     for_each_group(
         bits[y], block.margin, block.columns - block.margin, [&](int column, std::uint32_t lanes) {
-          const V x = hn::Mul(hn::Set(d, pitch), hn::Iota(d, left + static_cast<float>(column)));
+          const V x =
+              hn::Mul(hn::Set(d, node_step), hn::Iota(d, left + static_cast<float>(column)));
           store_gradient(block, column, y, lanes,
                          central_difference_at(frame, block, s, column, y, x,
-                                               pitch * (top + static_cast<float>(y))));
+                                               node_step * (top + static_cast<float>(y))));
         });
   }
 }

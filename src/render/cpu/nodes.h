@@ -2,10 +2,10 @@
 // Post-convolution of lattices: where a picture has many pixels per spacing, sheets are sampled at
 // nodes some pixels apart, and pixels take their values and gradients from those.
 //
-//   node     node i of a sheet lies at pixel pitch * i of the picture, along both axes
-//   patch    kPatchSize^2 pixels, whose tiles share nodes; with the filter's reach, and a margin
-//   for
-//            differences, at most as many along each axis as a Block has samples
+//   node     node i of a sheet lies at pixel node_step * i of the picture, along both axes
+//   patch    kPatchSize^2 pixels, whose tiles share nodes. The nodes of a patch, those that the
+//            filter reaches and a margin for differences included, are along each axis at most as
+//            many as a Block has samples.
 #pragma once
 
 #include <array>
@@ -16,12 +16,12 @@
 namespace ovoid::cpu {
 
 static_assert(view::kNodeSheets <= kBlockSheets);
-static_assert((kPatchSize - 1) / view::kLeastNodePitch + 1 + kFilterTaps + 2 * kMaxMargin <=
+static_assert((kPatchSize - 1) / view::kLeastNodeStep + 1 + kFilterTaps + 2 * kMaxMargin <=
               kPlaneStride);
 
 // From a patch's nodes to the pixels of one of its tiles, along one axis.
 using NodeBand = FilterBand<kTileSize, 20>;
-NodeBand node_band(PostConvolution how, double pitch, int first_pixel, std::int64_t first_node);
+NodeBand node_band(PostConvolution how, double node_step, int first_pixel, std::int64_t first_node);
 
 // Nodes along one axis.
 struct NodeSpan {
@@ -29,13 +29,13 @@ struct NodeSpan {
   int count = 0;
 };
 // Those that pixels [first, last] take their values from.
-NodeSpan nodes_for(double pitch, int first_pixel, int last_pixel);
+NodeSpan nodes_for(double node_step, int first_pixel, int last_pixel);
 
 // What a worker needs beside the tile in hand.
 struct LatticeWorkspace {
   Workspace pixels;
   Workspace nodes;
-  Workspace behind;                                        // of CpuFrame::behind
+  Workspace trail;                                         // of CpuFrame::trail
   std::array<TileState, kPatchTiles * kPatchTiles> tiles;  // row by row
   std::array<TileRays, kPatchTiles * kPatchTiles> rays;
   struct TileBits {

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// A patch of tiles x consecutive sheets whose field is sampled at nodes (nodes.h). Sheet by sheet:
-// the nodes that open, relevant pixels need; then, tile by tile, values for the pixels,
-// classification, and where something shows the nodes' gradients, the pixels' from them, light and
-// composition. Sums over sheets are brought to the pixels once.
+// Draws a patch of tiles on consecutive sheets. The field of a patch is sampled at nodes (nodes.h).
 //
-// At the lattice's faces and holes, where a field ends within a pixel, nodes are without value:
-// pixels near one are worked out by themselves.
+// The work on a sheet has two steps. First the field is reconstructed at the nodes that open and
+// relevant pixels need. Then, tile by tile, post-convolution gives the pixels their values, and the
+// pixels are classified. Where a pixel shows something, the gradients of the nodes are
+// reconstructed and post-convolved too, and the pixel is lit and composited. For x-ray and mean
+// pictures the sheets are summed at the nodes, and the sum alone is post-convolved.
+//
+// Nodes near the lattice's faces and holes have no value, because the field ends there within a
+// pixel. A pixel near such a node is reconstructed from the kernels, without nodes.
 #if defined(OVOID_RENDER_CPU_PATCH_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef OVOID_RENDER_CPU_PATCH_INL_H_
 #undef OVOID_RENDER_CPU_PATCH_INL_H_
@@ -23,7 +26,7 @@ HWY_BEFORE_NAMESPACE();
 namespace ovoid::cpu {
 namespace HWY_NAMESPACE {
 
-// Its tiles: number, column and row.
+// Calls body(number, column, row) for each tile of the patch.
 template <class Body>
 inline void for_each_tile(const Patch& patch, const Body& body) {
   for (int y = 0; patch.rect.y0 + y * kTileSize < patch.rect.y1; ++y) {
@@ -33,7 +36,7 @@ inline void for_each_tile(const Patch& patch, const Body& body) {
   }
 }
 
-// Where tile (x, y) of the patch lies.
+// Moves the block to tile (x, y) of the patch.
 inline void place_tile(Block& block, const Patch& patch, int x, int y) {
   block.tile_x = patch.rect.x0 + x * kTileSize;
   block.tile_y = patch.rect.y0 + y * kTileSize;
@@ -48,7 +51,7 @@ inline Part part_of(const Block& block, const Patch& patch) {
   return {0, 0, block.x1, block.y1, patch.first_sheet, patch.last_sheet};
 }
 
-// Rows with bits, inclusive; there are some.
+// The first and the last row that has bits.
 struct RowSpan {
   int first, last;
 };
@@ -60,7 +63,7 @@ inline RowSpan rows_with_bits(const RowBits& bits, int rows) {
   return span;
 }
 
-// Columns of nodes from which the pixels of a row take their values.
+// The columns of nodes that the pixels of a row need.
 HWY_INLINE RowWord node_columns(RowWord pixels, const NodeBand& x) {
   RowWord columns = 0;
   for (RowWord left = pixels; left != 0;) {  // run by run
@@ -74,7 +77,7 @@ HWY_INLINE RowWord node_columns(RowWord pixels, const NodeBand& x) {
   return columns;
 }
 
-// Adds the nodes from which a tile's pixels take their values.
+// Adds the nodes that a tile's pixels need.
 inline void add_nodes(const RowBits& pixels, int rows, const NodeBand& x, const NodeBand& y,
                       RowBits& nodes) {
   for (int py = 0; py < rows;) {
@@ -98,21 +101,23 @@ inline void set_up_bands(const CpuFrame& frame, const Block& nodes, const Patch&
     const int x = patch.rect.x0 + t * kTileSize;
     const int y = patch.rect.y0 + t * kTileSize;
     if (x < patch.rect.x1)
-      bands.x[t] = node_band(how, patch.pitch, x, patch.nodes_x.first - nodes.margin);
+      bands.x[t] = node_band(how, patch.node_step, x, patch.nodes_x.first - nodes.margin);
     if (y < patch.rect.y1)
-      bands.y[t] = node_band(how, patch.pitch, y, patch.nodes_y.first - nodes.margin);
+      bands.y[t] = node_band(how, patch.node_step, y, patch.nodes_y.first - nodes.margin);
   }
 }
 
-// A tile's pixels from a plane of nodes, the rows that hold `bits`.
-inline void bring_up(const float* nodes, const NodeBand& x, const NodeBand& y, const RowBits& bits,
-                     int num_rows, float* pixels) {
+// Computes a tile's pixels from a plane of nodes, in the rows from the first to the last that has
+// bits.
+inline void post_convolve_nodes(const float* nodes, const NodeBand& x, const NodeBand& y,
+                                const RowBits& bits, int num_rows, float* pixels) {
   const RowSpan rows = rows_with_bits(bits, num_rows);
   post_convolve<false>(nodes, kPlaneStride, x, y, rows.first, rows.last, kTileSize, pixels,
                        kPlaneStride);
 }
 
-// The lattice around the nodes, for places that lie between them: on sheet s and the one before.
+// Gives the pixels the region of the lattice that the nodes have loaded, for samples on sheet s, on
+// the sheet before it and between the two.
 inline void share_region(const CpuFrame& frame, LatticeWorkspace& work, int s) {
   const Block& nodes = work.nodes.block;
   Block& pixels = work.pixels.block;
@@ -135,11 +140,11 @@ inline void share_region(const CpuFrame& frame, LatticeWorkspace& work, int s) {
                  frame.lattice_plan->widening(pixels.first_sheet + sheet));
 }
 
-// The gradients of the visible pixels from the nodes', but those of pieces, which lie between
-// sheets, and of pixels worked out by themselves.
-inline void bring_up_gradients(const CpuFrame& frame, LatticeWorkspace& work, const Patch& patch,
-                               int s, const NodeBand& x, const NodeBand& y,
-                               const RowBits& by_themselves) {
+// Computes the gradients of the visible pixels from the gradients of the nodes. The gradients of
+// pieces, which lie between sheets, and of pixels without nodes are computed from the kernels.
+inline void post_convolve_gradients(const CpuFrame& frame, LatticeWorkspace& work,
+                                    const Patch& patch, int s, const NodeBand& x, const NodeBand& y,
+                                    const RowBits& by_themselves) {
   Block& pixels = work.pixels.block;
   Block& nodes = work.nodes.block;
   if (frame.is_preintegrated && !frame.takes_differences) {
@@ -158,7 +163,7 @@ inline void bring_up_gradients(const CpuFrame& frame, LatticeWorkspace& work, co
   }
   provide_node_gradients(frame, work.nodes, s, patch, wanted);
   for (int a = 0; a < 3; ++a)
-    bring_up(nodes.gradient[a], x, y, pixels.visible, pixels.rows, pixels.gradient[a]);
+    post_convolve_nodes(nodes.gradient[a], x, y, pixels.visible, pixels.rows, pixels.gradient[a]);
   if (is_whole(nodes)) return;
   RowBits own;
   clear_bits(own);
@@ -166,7 +171,7 @@ inline void bring_up_gradients(const CpuFrame& frame, LatticeWorkspace& work, co
   gradients_of(frame, work.pixels, s, own);
 }
 
-// Leaves the pixels around which all nodes have values.
+// Keeps the bits of the pixels around which all nodes have values.
 inline void keep_whole(const RowBits& defined, const NodeBand& x, const NodeBand& y, int rows,
                        RowBits& bits) {
   constexpr RowWord kAll = (RowWord{1} << kFilterTaps) - 1;
@@ -183,9 +188,9 @@ inline void keep_whole(const RowBits& defined, const NodeBand& x, const NodeBand
   }
 }
 
-// Of the pixels named by block.defined of sheets s and, for pieces, s - 1: works out those by
-// themselves that nodes do not give, and takes back those that have no value. Which ones on sheet s
-// it was goes into `by_themselves`.
+// Reconstructs the pixels around which a node has no value from the kernels, on sheet s and, for
+// pieces, on sheet s - 1. On entry block.defined names the pixels that need a value, on return the
+// pixels that have one. `by_themselves` becomes the reconstructed pixels of sheet s.
 inline void complete_pixels(const CpuFrame& frame, LatticeWorkspace& work, int s, const NodeBand& x,
                             const NodeBand& y, RowBits& by_themselves) {
   Block& block = work.pixels.block;
@@ -209,7 +214,7 @@ inline void complete_pixels(const CpuFrame& frame, LatticeWorkspace& work, int s
   }
 }
 
-// Pixels of a tile that are looked at on sheet s; false if none is.
+// Finds the pixels of a tile that are relevant and open on sheet s. False if there is none.
 inline bool take_pixels(const CpuFrame& frame, const LatticeWorkspace& work, std::size_t t, int s,
                         RowBits& bits) {
   const LatticeWorkspace::TileBits& of_tile = work.bits[t];
@@ -222,7 +227,8 @@ inline bool take_pixels(const CpuFrame& frame, const LatticeWorkspace& work, std
   return any != 0;
 }
 
-// One tile's part of sheet s, whose nodes are there. `bits`: the pixels that are looked at.
+// Finishes one tile on sheet s, whose nodes have been reconstructed. `bits`: the pixels that are
+// relevant and open.
 inline void finish_patch_tile(const CpuFrame& frame, LatticeWorkspace& work, const Patch& patch,
                               std::size_t t, int s, const RowBits& bits, const NodeBand& x,
                               const NodeBand& y, StageClock& clock) {
@@ -232,7 +238,8 @@ inline void finish_patch_tile(const CpuFrame& frame, LatticeWorkspace& work, con
   work.bits[t].any_visible = false;
   for (int sheet = frame.has_pieces ? s - 1 : s; sheet <= s; ++sheet) {
     const int plane = sheet & (kRingSheets - 1);
-    bring_up(work.nodes.block.values[plane], x, y, bits, block.rows, block.values[plane]);
+    post_convolve_nodes(work.nodes.block.values[plane], x, y, bits, block.rows,
+                        block.values[plane]);
     block.defined[plane] = bits;
   }
   // A piece whose front end is cut away begins at its sample.
@@ -251,7 +258,7 @@ inline void finish_patch_tile(const CpuFrame& frame, LatticeWorkspace& work, con
     clock.lap(kShade);
   } else if (finish_samples(frame, block, work.tiles[t], work.pixels.stats, s,
                             block.defined[s & (kRingSheets - 1)], nullptr, clock, [&] {
-                              bring_up_gradients(frame, work, patch, s, x, y, by_themselves);
+                              post_convolve_gradients(frame, work, patch, s, x, y, by_themselves);
                             })) {
     work.bits[t].any_visible = true;
     std::copy_n(block.visible.begin(), kTileSize, work.bits[t].visible.begin());
@@ -271,10 +278,10 @@ inline void finish_patch_sheet(const CpuFrame& frame, LatticeWorkspace& work, co
 
 struct WantedNodes {
   RowBits values{};
-  RowBits gradients{};  // a guess: where something showed on the sheet before
+  RowBits gradients{};  // a guess: the nodes of pixels that were visible on the sheet before
 };
 
-// Those beside, above and below.
+// Adds the bits beside, above and below those that are set.
 inline void add_neighbours(RowBits& bits, int rows) {
   RowWord above = 0;
   for (int row = 0; row < rows; ++row) {
@@ -289,7 +296,7 @@ inline WantedNodes wanted_nodes(const CpuFrame& frame, const LatticeWorkspace& w
                                 const Patch& patch, const PatchBands& bands, int s) {
   WantedNodes wanted;
   const Block& nodes = work.nodes.block;
-  // Pieces begin on this sheet, too, and differences take neighbours on either side.
+  // A piece may also begin on this sheet, and differences need the neighbours on both sides.
   const bool takes_behind = frame.has_pieces || frame.takes_differences;
   const int first = std::max(frame.takes_differences ? s - 1 : s, nodes.front_margin);
   const int last = std::min(takes_behind ? s + 1 : s, nodes.num_sheets - nodes.back_margin - 1);
@@ -321,20 +328,21 @@ inline void draw_patch_sheets(const CpuFrame& frame, LatticeWorkspace& work, con
     } else {
       reconstruct_nodes(frame, work.nodes, s, wanted.values, wanted.gradients, clock);
     }
-    // With differences, a sheet is finished once its far neighbour is there.
+    // Differences need the next sheet, so the sheet before this one is finished now.
     const int finished = frame.takes_differences ? s - 1 : s;
     if (finished >= nodes.front_margin)
       finish_patch_sheet(frame, work, patch, bands, finished, clock);
   }
 }
 
-// Nothing is cut short, left out or covered: the sheets' sum is all that counts.
+// True if the pixels are functions of the sheets' sum: no sample has a shortened path, is left out
+// or has no value.
 inline bool counts_sums(const CpuFrame& frame, const Block& nodes, const Patch& patch) {
   return (frame.mode == Mode::kXray || frame.mode == Mode::kMean) && patch.is_binned_by_tile &&
          is_whole(nodes) && !frame.lattice_plan->may_matter;
 }
 
-// X-ray and mean: the nodes' sum over the sheets, brought up once.
+// X-ray and mean: sums the sheets at the nodes, then post-convolves the sum once.
 inline void draw_patch_sum(const CpuFrame& frame, LatticeWorkspace& work, const Patch& patch,
                            const PatchBands& bands, StageClock& clock) {
   Block& nodes = work.nodes.block;
@@ -355,23 +363,25 @@ inline void draw_patch_sum(const CpuFrame& frame, LatticeWorkspace& work, const 
     pixels.rays = &work.rays[t];
     RowBits bits{};
     std::fill_n(bits.begin(), pixels.rows, (1U << pixels.columns) - 1U);
-    bring_up(work.node_sums, bands.x[x], bands.y[y], bits, pixels.rows, pixels.values[0]);
+    post_convolve_nodes(work.node_sums, bands.x[x], bands.y[y], bits, pixels.rows,
+                        pixels.values[0]);
     clock.lap(kReconstruct);
     accumulate_sum(frame, pixels, work.tiles[t], nodes.num_sheets, nodes.sheets[0].depth);
     clock.lap(kComposite);
   });
 }
 
-// Neither planes nor the near plane cut a sample's path.
+// True if neither a clip plane nor the near plane shortens a sample's path.
 inline bool are_paths_whole(const CpuFrame& frame, const Patch& patch) {
   const view::ViewLattice& lattice = frame.plan->lattice;
   return frame.plan->clip_planes.empty() &&
          lattice.depth(patch.first_sheet) - lattice.sampling_distance() > lattice.near_depth();
 }
 
-// Sheet by sheet: all pixels of a tile if its place on the sheet (or between it and the one before)
-// meets a relevant brick. Where a brick is wider than a tile that is hardly more than pixel by
-// pixel, which takes longer.
+// Decides sheet by sheet for all pixels of a tile together: they are relevant if the tile's place
+// on the sheet, or for pieces the place between this sheet and the one before, meets a relevant
+// brick. Where bricks are wider than tiles this finds hardly more pixels than bin_pixels() and is
+// faster.
 inline bool bin_tile(const CpuFrame& frame, const Block& block, const Block& nodes,
                      LatticeWorkspace::TileBits& bits) {
   const view::LatticePlan& plan = *frame.lattice_plan;
@@ -395,7 +405,7 @@ inline bool bin_tile(const CpuFrame& frame, const Block& block, const Block& nod
   return any;
 }
 
-// Pixel by pixel: what planes cut away is not looked at.
+// Decides for each pixel. Samples that planes cut away are not relevant.
 inline bool bin_pixels(const CpuFrame& frame, Block& block, const Block& nodes, const Patch& patch,
                        const TileState& tile, LatticeWorkspace::TileBits& bits) {
   block.margin = 0;
@@ -417,7 +427,7 @@ inline bool bin_pixels(const CpuFrame& frame, Block& block, const Block& nodes, 
   return true;
 }
 
-// Which pixels of the patch's tiles are relevant.
+// Finds the relevant pixels of the patch's tiles. False if there is none.
 inline bool bin_patch(const CpuFrame& frame, LatticeWorkspace& work, const Patch& patch) {
   Block& block = work.pixels.block;
   bool any = false;
@@ -438,8 +448,8 @@ inline bool bin_patch(const CpuFrame& frame, LatticeWorkspace& work, const Patch
 
 enum class PatchResult { kDrawn, kNothingRelevant, kNeedsPixels, kTooLarge };
 
-// kNeedsPixels: nothing was drawn, and the patch must be without nodes. kTooLarge: nor was it, but
-// with fewer sheets it may be.
+// kNeedsPixels: nothing was drawn, and the patch must be drawn without nodes. kTooLarge: nothing
+// was drawn, and the patch may be drawn with fewer sheets.
 inline PatchResult draw_patch(const CpuFrame& frame, LatticeWorkspace& work, Patch patch,
                               StageClock& clock) {
   const view::LatticePlan& plan = *frame.lattice_plan;
@@ -451,7 +461,7 @@ inline PatchResult draw_patch(const CpuFrame& frame, LatticeWorkspace& work, Pat
   set_up_nodes(frame, nodes, patch, place);
   const std::int64_t region =
       num_samples({nodes.region_size[0], nodes.region_size[1], nodes.region_size[2]});
-  // Sheets before the near plane have no samples.
+  // Sheets in front of the near plane have no samples.
   const bool has_front = plan.lattice.depth(nodes.first_sheet) > plan.lattice.near_depth();
   if (!has_front) return PatchResult::kNeedsPixels;
   patch.is_binned_by_tile = nodes.is_interior && are_paths_whole(frame, patch);

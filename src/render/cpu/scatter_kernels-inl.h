@@ -48,22 +48,12 @@ struct SheetPlace {
   float per_depth;  // of the ray, per sheet: lateral position over depth
 };
 
-// Where a block lies in the picture, and its sheets (or the nodes of their slabs, sheet by sheet).
-inline constexpr int kProfileNodes = 8;
-static_assert(kProfileNodes == device::kProfileNodes);
+// Where a block lies in the picture, and its sheets (or the points of their slabs, sheet by sheet).
 struct BlockPlace {
   int tile_x, tile_y;               // pixel of its corner
   float scales[view::kBlockDepth];  // of the sheets' middle planes
-  SheetPlace places[view::kBlockDepth * kProfileNodes];
+  SheetPlace places[view::kBlockDepth * device::kProfilePoints];
 };
-
-// Gauss-Legendre on [-1/2, 1/2].
-inline constexpr float kProfileNodeOffsets[kProfileNodes] = {
-    -0.48014493F, -0.39833324F, -0.26276620F, -0.09171732F,
-    0.09171732F,  0.26276620F,  0.39833324F,  0.48014493F};
-inline constexpr float kProfileNodeWeights[kProfileNodes] = {0.05061427F, 0.11119052F, 0.15685332F,
-                                                             0.18134189F, 0.18134189F, 0.15685332F,
-                                                             0.11119052F, 0.05061427F};
 
 // exp(-q / 2).
 HWY_INLINE V gaussian_at(V q) {
@@ -366,9 +356,10 @@ HWY_INLINE SheetPlace sheet_place(const KernelFrame& frame, float sheet) {
 }
 
 // Where on its slab a sample is taken: Gaussian sections are integrated in closed form, other
-// profiles' means are taken at nodes.
-HWY_INLINE int num_nodes(const KernelFrame& frame) {
-  return frame.takes_means && frame.profile != KernelProfile::kGaussian ? kProfileNodes : 1;
+// profiles' means are taken at points.
+HWY_INLINE int num_points(const KernelFrame& frame) {
+  return frame.takes_means && frame.profile != KernelProfile::kGaussian ? device::kProfilePoints
+                                                                        : 1;
 }
 
 // Runs `body(section)` for the sections that make up a splat's part of sheet j on a level.
@@ -376,9 +367,9 @@ template <class Body>
 HWY_INLINE void for_each_section(const KernelFrame& frame, const Splat& splat,
                                  const BlockPlace& block, int j, int level, const Body& body) {
   const bool is_gaussian = frame.profile == KernelProfile::kGaussian;
-  const int nodes = num_nodes(frame);
-  for (int n = 0; n < nodes; ++n) {
-    const SheetPlace& place = block.places[j * nodes + n];
+  const int points = num_points(frame);
+  for (int n = 0; n < points; ++n) {
+    const SheetPlace& place = block.places[j * points + n];
     const float t = place.s - splat.s;
     const bool is_section = frame.takes_means && is_gaussian;
     if (std::abs(t) - (is_section ? 0.5F : 0.0F) >= splat.reach_s) continue;
@@ -389,7 +380,7 @@ HWY_INLINE void for_each_section(const KernelFrame& frame, const Splat& splat,
                              (splat.y + splat.my * t) * place.per_depth, map);
     } else {
       section = middle_section(splat, t, frame.cutoff, is_gaussian, map);
-      if (nodes > 1) section.amplitude *= kProfileNodeWeights[n];
+      if (points > 1) section.amplitude *= device::kProfilePointWeights[n];
     }
     if (section.room > 0) body(section);
   }

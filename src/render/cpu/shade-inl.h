@@ -23,10 +23,10 @@ struct Classified {
 };
 
 #if HWY_TARGET != HWY_SCALAR
-// Nodes of the lanes k, k + 4, k + 8, ...: one 128-bit block each.
-HWY_INLINE V load_nodes(const float* nodes, const std::int32_t* index, int k) {
+// Entries of the lanes k, k + 4, k + 8, ...: one 128-bit block each.
+HWY_INLINE V load_entries(const float* entries, const std::int32_t* index, int k) {
   const hn::FixedTag<float, 4> four;
-  const auto block = [&](int lane) { return hn::Load(four, nodes + 4 * index[lane]); };
+  const auto block = [&](int lane) { return hn::Load(four, entries + 4 * index[lane]); };
 #if HWY_MAX_BYTES >= 64
   const hn::FixedTag<float, 8> eight;
   return hn::Combine(d, hn::Combine(eight, block(k + 12), block(k + 8)),
@@ -38,11 +38,11 @@ HWY_INLINE V load_nodes(const float* nodes, const std::int32_t* index, int k) {
 #endif
 }
 
-// The four channels of every lane's node: a 4 x 4 transposition within blocks.
-HWY_INLINE Classified transpose_nodes(const float* nodes, const std::int32_t* index) {
+// The four channels of every lane's entry: a 4 x 4 transposition within blocks.
+HWY_INLINE Classified transpose_entries(const float* entries, const std::int32_t* index) {
   const hn::RepartitionToWide<D> pairs;
-  const V n0 = load_nodes(nodes, index, 0), n1 = load_nodes(nodes, index, 1);
-  const V n2 = load_nodes(nodes, index, 2), n3 = load_nodes(nodes, index, 3);
+  const V n0 = load_entries(entries, index, 0), n1 = load_entries(entries, index, 1);
+  const V n2 = load_entries(entries, index, 2), n3 = load_entries(entries, index, 3);
   const auto rg01 = hn::BitCast(pairs, hn::InterleaveLower(d, n0, n1));
   const auto rg23 = hn::BitCast(pairs, hn::InterleaveLower(d, n2, n3));
   const auto ba01 = hn::BitCast(pairs, hn::InterleaveUpper(d, n0, n1));
@@ -53,8 +53,8 @@ HWY_INLINE Classified transpose_nodes(const float* nodes, const std::int32_t* in
           hn::BitCast(d, hn::InterleaveUpper(pairs, ba01, ba23))};
 }
 #else
-HWY_INLINE Classified transpose_nodes(const float* nodes, const std::int32_t* index) {
-  const float* n = nodes + 4 * index[0];
+HWY_INLINE Classified transpose_entries(const float* entries, const std::int32_t* index) {
+  const float* n = entries + 4 * index[0];
   return {hn::Load(d, n), hn::Load(d, n + 1), hn::Load(d, n + 2), hn::Load(d, n + 3)};
 }
 #endif
@@ -78,26 +78,26 @@ HWY_INLINE V place_of(const device::TableConstants& axis, V value) {
   return hn::Mul(steps, hn::Set(d, axis.cells_per_step));
 }
 
-inline constexpr auto kLastNode = static_cast<float>(device::kTableCells);
+inline constexpr auto kLastEntry = static_cast<float>(device::kTableCells);
 
-// A node is four floats, so a lane's two nodes are two loads; hardware gathers of eight separate
-// columns take longer.
+// An entry is four floats, so a lane's two entries are two loads; hardware gathers of eight
+// separate columns take longer.
 HWY_INLINE Classified classify(const ClassificationTable& table, V value) {
   const V at = place_of(table.constants, value);
-  // The order of operands makes NaN, of lanes that nobody asked for, a node too.
-  const V clamped = hn::Min(hn::Max(at, hn::Zero(d)), hn::Set(d, kLastNode));
-  const V node = hn::Floor(clamped);
-  V fraction = hn::Sub(clamped, node);
+  // The order of operands makes NaN, of lanes that nobody asked for, an entry too.
+  const V clamped = hn::Min(hn::Max(at, hn::Zero(d)), hn::Set(d, kLastEntry));
+  const V entry = hn::Floor(clamped);
+  V fraction = hn::Sub(clamped, entry);
   alignas(64) std::int32_t index[16];
-  const auto integers = nearest_integer(node);
+  const auto integers = nearest_integer(entry);
   hn::Store(integers, di, index);
   if (table.steps != nullptr) {
     const V step = hn::GatherIndex(d, table.steps, integers);
     const V side = hn::IfThenElseZero(hn::Ge(fraction, step), hn::Set(d, 1.0F));
     fraction = hn::IfThenElse(hn::Lt(step, hn::Zero(d)), fraction, side);
   }
-  const Classified lo = transpose_nodes(table.nodes, index);
-  const Classified hi = transpose_nodes(table.nodes + 4, index);
+  const Classified lo = transpose_entries(table.entries, index);
+  const Classified hi = transpose_entries(table.entries + 4, index);
   const auto mix = [&](V a, V b) { return hn::MulAdd(hn::Sub(b, a), fraction, a); };
   return {mix(lo.red, hi.red), mix(lo.green, hi.green), mix(lo.blue, hi.blue),
           mix(lo.opacity, hi.opacity)};
@@ -120,7 +120,7 @@ HWY_INLINE V correct_opacity(V a, V exponent) {
 // What a segment of straight values between `from` and `to` shows: the mean of what is integrated.
 HWY_INLINE Classified classify_segment(const CpuFrame& frame, V from, V to) {
   const device::LookConstants& look = frame.look;
-  const float* const nodes = frame.integrals;
+  const float* const entries = frame.integrals;
   alignas(64) std::int32_t index[16];
   const V lo = hn::Set(d, look.integral_lo);
   const V hi = hn::Set(d, look.integral_hi);
@@ -130,14 +130,14 @@ HWY_INLINE Classified classify_segment(const CpuFrame& frame, V from, V to) {
   const auto integrals_to = [&](V value) -> Integrals {
     const V inside = hn::Min(hn::Max(value, lo), hi);
     const V place =
-        hn::Min(hn::Max(place_of(look.look, inside), hn::Zero(d)), hn::Set(d, kLastNode));
-    const V node = hn::Floor(place);
-    const V fraction = hn::Sub(place, node);
-    hn::Store(hn::ShiftLeft<1>(nearest_integer(node)), di, index);
-    const Classified a = transpose_nodes(nodes, index);
-    const Classified b = transpose_nodes(nodes + 8, index);
-    const Classified a_low = transpose_nodes(nodes + 4, index);
-    const Classified b_low = transpose_nodes(nodes + 12, index);
+        hn::Min(hn::Max(place_of(look.look, inside), hn::Zero(d)), hn::Set(d, kLastEntry));
+    const V entry = hn::Floor(place);
+    const V fraction = hn::Sub(place, entry);
+    hn::Store(hn::ShiftLeft<1>(nearest_integer(entry)), di, index);
+    const Classified a = transpose_entries(entries, index);
+    const Classified b = transpose_entries(entries + 8, index);
+    const Classified a_low = transpose_entries(entries + 4, index);
+    const Classified b_low = transpose_entries(entries + 12, index);
     const V excess = hn::Mul(hn::Sub(value, inside), hn::Set(d, look.integral_per_value));
     const M is_before = hn::Lt(excess, hn::Zero(d));
     const auto low = [&](V p, V q, V p_low, V q_low, float before, float behind) {

@@ -199,8 +199,8 @@ inline void splat_sheet(const CpuFrame& frame, Workspace& work, int s, const Row
   clear_splat_planes(work, s);
   const SampleBox box = box_of_bits(block, wanted);
   if (box.x1 < 0) return;
-  for (int node = 0; node < frame.lattice.num_slab_nodes; ++node) {
-    const device::SlabNode slab = frame.lattice.slab[node];
+  for (int point = 0; point < frame.lattice.num_slab_points; ++point) {
+    const device::SlabPoint slab = frame.lattice.slab[point];
     const SplatPlane plane = make_splat_plane(frame, block.sheets[s], slab.offset);
     for_each_kernel(frame, work, plane, [&](const float* center, float value) {
       splat_kernel(box, plane, center, value, slab.weight, numerator_plane(work, s),
@@ -217,16 +217,16 @@ inline float endless_sum(const CpuFrame& frame, Workspace& work, const SheetSetu
   float sum = 0;
   const float x = static_cast<float>(column);
   const float y = static_cast<float>(row);
-  for (int node = 0; node < frame.lattice.num_slab_nodes; ++node) {
+  for (int point = 0; point < frame.lattice.num_slab_points; ++point) {
     float u[3];
     for (int a = 0; a < 3; ++a) {
       const float step = sheet.step[a] + x * sheet.step_per_x[a] + y * sheet.step_per_y[a];
       u[a] = sheet.base[a] + x * sheet.per_x[a] + y * sheet.per_y[a] +
-             frame.lattice.slab[node].offset * step;
+             frame.lattice.slab[point].offset * step;
     }
     for (int s = 0; s < frame.lattice.num_sublattices; ++s) {
       const device::Sublattice& sublattice = frame.lattice.sublattices[s];
-      float product = frame.lattice.slab[node].weight;
+      float product = frame.lattice.slab[point].weight;
       for (int a = 0; a < 3; ++a) {
         AxisTaps taps;
         taps.weight = memory;

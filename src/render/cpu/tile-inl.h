@@ -167,13 +167,13 @@ inline bool draw_part(const CpuFrame& frame, Workspace& work, const Part& part, 
   return state != PartState::kNothing;
 }
 
-// The same with what is behind the field: of every sheet first the field's samples, then those.
+// The same of the field and its trail: of every sheet first the field's samples, then the trail's.
 inline bool draw_part_of_both(const CpuFrame& frame, LatticeWorkspace& work, const Part& part,
                               StageClock& clock) {
-  const CpuFrame& behind = *frame.behind;
+  const CpuFrame& trail = *frame.trail;
   const PartState own = prepare_part(frame, work.pixels, part, clock);
-  const PartState other = prepare_part(behind, work.behind, part, clock);
-  if (own == PartState::kTooLarge || other == PartState::kTooLarge) {
+  const PartState of_trail = prepare_part(trail, work.trail, part, clock);
+  if (own == PartState::kTooLarge || of_trail == PartState::kTooLarge) {
     const int axis = longest_axis(work.pixels.block, part);
     draw_part_of_both(frame, work, first_half(part, axis), clock);
     draw_part_of_both(frame, work, second_half(part, axis), clock);
@@ -186,11 +186,10 @@ inline bool draw_part_of_both(const CpuFrame& frame, LatticeWorkspace& work, con
     const std::int64_t last = sheet - block.first_sheet + sheets_late(frame);
     for (; own == PartState::kReady && next < block.num_sheets && next <= last; ++next)
       run_sheet(frame, work.pixels, next, clock);
-    if (other == PartState::kReady)
-      run_sheet(behind, work.behind, static_cast<int>(sheet - work.behind.block.first_sheet),
-                clock);
+    if (of_trail == PartState::kReady)
+      run_sheet(trail, work.trail, static_cast<int>(sheet - work.trail.block.first_sheet), clock);
   }
-  return own != PartState::kNothing || other != PartState::kNothing;
+  return own != PartState::kNothing || of_trail != PartState::kNothing;
 }
 
 // A block in which no sample is relevant.
@@ -235,7 +234,7 @@ inline void draw_tile_layer_of_both(const CpuFrame& frame, LatticeWorkspace& wor
   ++stats.blocks_total;
   if (frame.options->stop_opaque && !work.pixels.tile->any_open(0, 0, part.x1, part.y1)) {
     ++stats.skipped_opaque;
-  } else if (may_show(*frame.behind, work.behind, part, ignored) ||
+  } else if (may_show(*frame.trail, work.trail, part, ignored) ||
              may_show(frame, work.pixels, part, stats)) {
     if (draw_part_of_both(frame, work, part, clock)) {
       ++stats.blocks_drawn;
@@ -261,10 +260,10 @@ inline void draw_tiles_layer(const CpuFrame& frame, LatticeWorkspace& work, cons
   for_each_tile(patch, [&](std::size_t t, int x, int y) {
     enter_tile(frame, work, work.pixels, patch, t, x, y);
     const Part part = part_of(work.pixels.block, patch);
-    if (frame.behind == nullptr) {
+    if (frame.trail == nullptr) {
       draw_tile_layer(frame, work.pixels, part, clock);
     } else {
-      enter_tile(*frame.behind, work, work.behind, patch, t, x, y);
+      enter_tile(*frame.trail, work, work.trail, patch, t, x, y);
       draw_tile_layer_of_both(frame, work, part, clock);
     }
   });
@@ -286,8 +285,8 @@ inline bool is_closed(const CpuFrame& frame, const LatticeWorkspace& work, const
 // A patch from nodes if they save anything and all of them are inside, else tile by tile.
 inline void draw_patch_layer(const CpuFrame& frame, LatticeWorkspace& work, Patch patch,
                              StageClock& clock) {
-  patch.nodes_x = nodes_for(patch.pitch, patch.rect.x0, patch.rect.x1 - 1);
-  patch.nodes_y = nodes_for(patch.pitch, patch.rect.y0, patch.rect.y1 - 1);
+  patch.nodes_x = nodes_for(patch.node_step, patch.rect.x0, patch.rect.x1 - 1);
+  patch.nodes_y = nodes_for(patch.node_step, patch.rect.y0, patch.rect.y1 - 1);
   const PatchResult result = is_closed(frame, work, patch) ? PatchResult::kNothingRelevant
                                                            : draw_patch(frame, work, patch, clock);
   if (result == PatchResult::kTooLarge) {
@@ -321,8 +320,8 @@ inline void draw_layer(const CpuFrame& frame, LatticeWorkspace& work, const Tile
                        std::int64_t first, std::int64_t last, StageClock& clock) {
   Patch patch{rect, first, last, 1.0, {}, {}, false};
   if (frame.samples_at_nodes)
-    patch.pitch = frame.lattice_plan->node_pitch(frame.options->post_convolution, first);
-  if (patch.pitch <= 1.0) return draw_tiles_layer(frame, work, patch, clock);
+    patch.node_step = frame.lattice_plan->node_step(frame.options->post_convolution, first);
+  if (patch.node_step <= 1.0) return draw_tiles_layer(frame, work, patch, clock);
   draw_patch_layer(frame, work, patch, clock);
 }
 
@@ -330,12 +329,12 @@ inline void draw_layer(const CpuFrame& frame, LatticeWorkspace& work, const Tile
 inline void render_patch_on_target(const CpuFrame& frame, LatticeWorkspace& work,
                                    const TileRect& rect) {
   view::ViewLattice::SheetRange sheets = frame.lattice_plan->sheets;
-  if (frame.behind != nullptr) {
-    const view::ViewLattice::SheetRange& others = frame.behind->lattice_plan->sheets;
-    sheets = {std::min(sheets.first, others.first), std::max(sheets.last, others.last)};
+  if (frame.trail != nullptr) {
+    const view::ViewLattice::SheetRange& of_trail = frame.trail->lattice_plan->sheets;
+    sheets = {std::min(sheets.first, of_trail.first), std::max(sheets.last, of_trail.last)};
   }
   StageClock clock(work.pixels.stats.ticks, frame.options->collect_profile);
-  work.pixels.block.visible = work.behind.block.visible = {};
+  work.pixels.block.visible = work.trail.block.visible = {};
   const int num_tiles = frame.samples_at_nodes ? kPatchTiles * kPatchTiles : 1;
   for (int t = 0; t < num_tiles; ++t) {
     const int width = rect.x1 - rect.x0 - t % kPatchTiles * kTileSize;

@@ -23,7 +23,7 @@ constexpr double kLeastPixels = 1.3;
 constexpr std::size_t kNumLevels = 7;
 constexpr double kLeastLevelSigma = 0.5;  // samples
 
-constexpr int kSlabNodes = 64;  // where a mean has no closed form
+constexpr int kSlabPoints = 64;  // where a mean has no closed form
 
 // Raises what is less than kLeastSquaredSigma in these units; the mass stays.
 void widen(ViewedKernel& kernel, const Vec3& units) {
@@ -97,7 +97,7 @@ KernelPlanes::KernelPlanes(const KernelField& field, const std::vector<ViewedKer
       way_(way) {
   add_levels(rows);
   for (const ViewedKernel& kernel : kernels) add_kernel(kernel);
-  for (std::size_t l = levels_.size() - 1; l > 0; --l) bring_down(levels_[l], levels_[l - 1]);
+  for (std::size_t l = levels_.size() - 1; l > 0; --l) post_convolve(levels_[l], levels_[l - 1]);
 }
 
 // The pixels and one more on every side; of each coarser level what its finer one is made from.
@@ -150,10 +150,10 @@ void KernelPlanes::add_sheet(const ViewedKernel& kernel, std::int64_t sheet) {
   } else if (profile_ == KernelProfile::kGaussian) {
     add_section(kernel, mean_section(kernel, z), sheet, z, level);
   } else {
-    for (int node = 0; node < kSlabNodes; ++node) {
-      const double at = z + ((node + 0.5) / kSlabNodes - 0.5) * view_.sampling_distance();
+    for (int point = 0; point < kSlabPoints; ++point) {
+      const double at = z + ((point + 0.5) / kSlabPoints - 0.5) * view_.sampling_distance();
       Section section = middle_section(kernel, at);
-      section.amplitude /= kSlabNodes;
+      section.amplitude /= kSlabPoints;
       add_section(kernel, section, sheet, at, level);
     }
   }
@@ -170,7 +170,7 @@ std::size_t KernelPlanes::level_for(const ViewedKernel& kernel, double z) const 
   return l;
 }
 
-void KernelPlanes::bring_down(const Level& coarse, Level& fine) const {
+void KernelPlanes::post_convolve(const Level& coarse, Level& fine) const {
   const std::int64_t num_sheets = std::max<std::int64_t>(0, sheets_.last - sheets_.first + 1);
   for (std::int64_t plane = 0; plane < num_sheets; ++plane) {
     for (int y = fine.y0; y < fine.y1; ++y) {

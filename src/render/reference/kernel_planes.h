@@ -83,7 +83,7 @@ class KernelPlanes {
   void add_section(const ViewedKernel& kernel, const Section& section, std::int64_t sheet, double z,
                    Level& level);
   std::size_t level_for(const ViewedKernel& kernel, double z) const;
-  void bring_down(const Level& coarse, Level& fine) const;
+  void post_convolve(const Level& coarse, Level& fine) const;
   Section middle_section(const ViewedKernel& kernel, double z) const;
   Section mean_section(const ViewedKernel& kernel, double z) const;
   void add_sheet(const ViewedKernel& kernel, std::int64_t sheet);

@@ -9,8 +9,8 @@ namespace {
 
 // docs/numerics.md, "Post-convolution".
 constexpr std::int64_t kSheetsOfOnePitch = 16;
-constexpr double kLeastPitch = 1.45;  // pixels
-constexpr double kGreatestPitch = 64;
+constexpr double kLeastNodeStep = 1.45;  // pixels
+constexpr double kGreatestNodeStep = 64;
 
 // The last of the group of sheets that a sheet belongs to.
 std::int64_t rearmost_of_group(std::int64_t sheet) {
@@ -23,8 +23,8 @@ std::int64_t rearmost_of_group(std::int64_t sheet) {
 
 LatticeTracer::LatticeTracer(const LatticeField& field, const FieldEvaluator& evaluator,
                              const Camera& camera, const Look& look, const RenderOptions& options,
-                             const PixelTracer* behind)
-    : PixelTracer(field, ViewRays(field, camera, options), look, options, behind),
+                             const PixelTracer* trail)
+    : PixelTracer(field, ViewRays(field, camera, options), look, options, trail),
       evaluator_(evaluator),
       slab_(options.slab),
       gradient_method_(options.spread == Spread::kBilinear ? GradientMethod::kCentral
@@ -52,8 +52,8 @@ std::optional<LatticeTracer::RaySample> LatticeTracer::sample(const PixelRay& pi
   if (!(path > 0)) return std::nullopt;
   ++counts.samples;
   const double z = view().z_of(sheet);
-  if (const std::optional<double> pitch = node_pitch(sheet)) {
-    const FieldSample at = value_from(nodes_around(pixel, sheet, *pitch));
+  if (const std::optional<double> node_step = node_step_on(sheet)) {
+    const FieldSample at = value_from(nodes_around(pixel, sheet, *node_step));
     if (at.is_defined) return RaySample{sheet, z, path, at.value, at.value, Vec3::Zero(), true};
   }
   const FieldSample at = field_at({1.0 * pixel.x, 1.0 * pixel.y, sheet});
@@ -66,7 +66,7 @@ PixelTracer::RaySample LatticeTracer::front_end(const PixelRay& pixel, const Ray
                                                 const RaySample& at) const {
   RaySample front = before;
   if (at.is_from_nodes) {
-    const FieldSample there = value_from(nodes_around(pixel, before.sheet, *node_pitch(at.sheet)));
+    const FieldSample there = value_from(nodes_around(pixel, before.sheet, *node_step_on(at.sheet)));
     if (there.is_defined) front.value = front.color_value = there.value;
   } else if (before.is_from_nodes) {
     front.value = front.color_value = field_at({1.0 * pixel.x, 1.0 * pixel.y, before.sheet}).value;
@@ -75,17 +75,17 @@ PixelTracer::RaySample LatticeTracer::front_end(const PixelRay& pixel, const Ray
 }
 
 // None if every pixel of the sheet is worked out by itself.
-std::optional<double> LatticeTracer::node_pitch(std::int64_t sheet) const {
+std::optional<double> LatticeTracer::node_step_on(std::int64_t sheet) const {
   if (!has_nodes_) return std::nullopt;
   const double pixel_step = view().pixel_step(rearmost_of_group(sheet));
-  const double pitch = std::min(node_distance_ / pixel_step, kGreatestPitch);
-  if (!(pitch >= kLeastPitch)) return std::nullopt;
-  return pitch;
+  const double node_step = std::min(node_distance_ / pixel_step, kGreatestNodeStep);
+  if (!(node_step >= kLeastNodeStep)) return std::nullopt;
+  return node_step;
 }
 
 LatticeTracer::Nodes LatticeTracer::nodes_around(const PixelRay& pixel, std::int64_t sheet,
-                                                 double pitch) const {
-  return {pitch, taps_at(way_, pixel.x / pitch), taps_at(way_, pixel.y / pitch), sheet};
+                                                 double node_step) const {
+  return {node_step, taps_at(way_, pixel.x / node_step), taps_at(way_, pixel.y / node_step), sheet};
 }
 
 // Undefined if one of the nodes is, whether it has weight or not.
@@ -167,7 +167,7 @@ Vec3 LatticeTracer::gradient(const PixelRay& pixel, const RaySample& sample) con
   // The field's own, of what would be a piece if it had a front end.
   const bool is_piece = takes_pieces_ && !is_central;
   if (sample.is_from_nodes && !is_piece)
-    return gradient_from(nodes_around(pixel, sample.sheet, *node_pitch(sample.sheet)));
+    return gradient_from(nodes_around(pixel, sample.sheet, *node_step_on(sample.sheet)));
   if (is_central) return central_gradient(place);
   const Vec3 exact = sample.is_from_nodes ? field_at(place).gradient : sample.exact_gradient;
   return own_gradient(exact, pixel.ray.at(sample.z), view().widening(sample.sheet));

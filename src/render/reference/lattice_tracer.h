@@ -12,11 +12,10 @@ namespace ovoid::reference {
 // out anew for every pixel.
 class LatticeTracer final : public PixelTracer {
  public:
-  // Camera, look and options are valid; `field`, `evaluator` (of that field) and `behind` outlive
+  // Camera, look and options are valid; `field`, `evaluator` (of that field) and `trail` outlive
   // the tracer.
   LatticeTracer(const LatticeField& field, const FieldEvaluator& evaluator, const Camera& camera,
-                const Look& look, const RenderOptions& options,
-                const PixelTracer* behind = nullptr);
+                const Look& look, const RenderOptions& options, const PixelTracer* trail = nullptr);
 
  private:
   SheetRange sheets_of(const Ray& ray) const override;
@@ -39,17 +38,18 @@ class LatticeTracer final : public PixelTracer {
   };
   // The nodes that a pixel takes its samples on a sheet from.
   struct Nodes {
-    double pitch;  // pixels from node to node
+    double node_step;  // pixels from node to node
     FilterTaps x, y;
     std::int64_t sheet;
 
     Place place(std::size_t i, std::size_t j) const {
-      return {pitch * (static_cast<double>(x.first) + static_cast<double>(i)),
-              pitch * (static_cast<double>(y.first) + static_cast<double>(j)), sheet, pitch};
+      return {node_step * (static_cast<double>(x.first) + static_cast<double>(i)),
+              node_step * (static_cast<double>(y.first) + static_cast<double>(j)), sheet,
+              node_step};
     }
   };
-  std::optional<double> node_pitch(std::int64_t sheet) const;
-  Nodes nodes_around(const PixelRay& pixel, std::int64_t sheet, double pitch) const;
+  std::optional<double> node_step_on(std::int64_t sheet) const;
+  Nodes nodes_around(const PixelRay& pixel, std::int64_t sheet, double node_step) const;
   FieldSample value_from(const Nodes& nodes) const;
   Vec3 gradient_from(const Nodes& nodes) const;
   FieldSample node_at(const Place& place) const;

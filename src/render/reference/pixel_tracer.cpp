@@ -38,7 +38,7 @@ Pixel premultiplied(const Rgb& color, double alpha, double depth) {
 }  // namespace
 
 PixelTracer::PixelTracer(const Field& field, const ViewRays& view, const Look& look,
-                         const RenderOptions& options, const PixelTracer* behind)
+                         const RenderOptions& options, const PixelTracer* trail)
     : look_(look),
       has_own_color_(field.kernels() != nullptr && field.kernels()->has_own_color()),
       classification_(options.classification),
@@ -46,7 +46,7 @@ PixelTracer::PixelTracer(const Field& field, const ViewRays& view, const Look& l
       view_(view),
       shading_{unit_distance_of(look, field), field.default_sampling_distance(),
                span_of(look, field)},
-      behind_(behind) {}
+      trail_(trail) {}
 
 Pixel PixelTracer::trace(int x, int y, TraceCounts& counts) const {
   const Ray ray = view_.ray(x, y);
@@ -68,11 +68,11 @@ Pixel PixelTracer::trace(int x, int y, TraceCounts& counts) const {
 
 SheetRange PixelTracer::sheets_of_all(const Ray& ray) const {
   const SheetRange own = sheets_of(ray);
-  if (behind_ == nullptr) return own;
-  const SheetRange others = behind_->sheets_of_all(ray);
-  if (own.first > own.last) return others;
-  if (others.first > others.last) return own;
-  return {std::min(own.first, others.first), std::max(own.last, others.last)};
+  if (trail_ == nullptr) return own;
+  const SheetRange of_trail = trail_->sheets_of_all(ray);
+  if (own.first > own.last) return of_trail;
+  if (of_trail.first > of_trail.last) return own;
+  return {std::min(own.first, of_trail.first), std::max(own.last, of_trail.last)};
 }
 
 // A sample, or the piece that ends at it, joins what is in front of it.
@@ -97,12 +97,12 @@ void PixelTracer::add_sample(const PixelRay& pixel, const std::optional<RaySampl
   if (alpha >= 0.5 && std::isinf(result.depth)) result.depth = at.z;
 }
 
-// What the field behind has on a sheet.
-void PixelTracer::add_behind(const PixelRay& pixel, std::int64_t sheet, Pixel& result,
-                             TraceCounts& counts) const {
-  if (behind_ == nullptr || result.rgba[3] >= RenderOptions::kOpaque) return;
-  const std::optional<RaySample> at = behind_->sample(pixel, sheet, counts);
-  if (at) behind_->add_sample(pixel, std::nullopt, *at, result, counts);
+// What the trail has on a sheet.
+void PixelTracer::add_trail(const PixelRay& pixel, std::int64_t sheet, Pixel& result,
+                            TraceCounts& counts) const {
+  if (trail_ == nullptr || result.rgba[3] >= RenderOptions::kOpaque) return;
+  const std::optional<RaySample> at = trail_->sample(pixel, sheet, counts);
+  if (at) trail_->add_sample(pixel, std::nullopt, *at, result, counts);
 }
 
 Pixel PixelTracer::composite(const PixelRay& pixel, TraceCounts& counts) const {
@@ -118,7 +118,7 @@ Pixel PixelTracer::composite(const PixelRay& pixel, TraceCounts& counts) const {
       add_sample(pixel, start, *at, result, counts);
     }
     before = at;
-    add_behind(pixel, k, result, counts);
+    add_trail(pixel, k, result, counts);
   }
   return result;
 }
@@ -217,7 +217,7 @@ Pixel PixelTracer::isosurface(const PixelRay& pixel, TraceCounts& counts) const 
       }
     }
     near = far;
-    add_behind(pixel, k, result, counts);
+    add_trail(pixel, k, result, counts);
   }
   return result;
 }

@@ -59,9 +59,9 @@ class PixelTracer {
   };
 
   // Camera, look and options are valid. `least_spacing` and `range` are the field's.
-  // `behind`, if there is one, is asked sheet by sheet for what is behind this field.
+  // `trail`, if there is one, is asked sheet by sheet for what it has there.
   PixelTracer(const Field& field, const ViewRays& view, const Look& look,
-              const RenderOptions& options, const PixelTracer* behind = nullptr);
+              const RenderOptions& options, const PixelTracer* trail = nullptr);
 
   // All sheets on which the ray may have a sample.
   virtual SheetRange sheets_of(const Ray& ray) const = 0;
@@ -89,8 +89,8 @@ class PixelTracer {
   SheetRange sheets_of_all(const Ray& ray) const;
   void add_sample(const PixelRay& pixel, const std::optional<RaySample>& start, const RaySample& at,
                   Pixel& result, TraceCounts& counts) const;
-  void add_behind(const PixelRay& pixel, std::int64_t sheet, Pixel& result,
-                  TraceCounts& counts) const;
+  void add_trail(const PixelRay& pixel, std::int64_t sheet, Pixel& result,
+                 TraceCounts& counts) const;
   Pixel composite(const PixelRay& pixel, TraceCounts& counts) const;
   Pixel xray(const PixelRay& pixel, TraceCounts& counts) const;
   Pixel maximum(const PixelRay& pixel, TraceCounts& counts) const;
@@ -104,7 +104,7 @@ class PixelTracer {
   const TransferFunction fading_;  // opacity by the gradient's length; without points 1
   const ViewRays view_;
   ShadingContext shading_;
-  const PixelTracer* const behind_;
+  const PixelTracer* const trail_;
 };
 
 }  // namespace ovoid::reference

@@ -161,7 +161,7 @@ void count(const TraceCounts& counts, FrameProfile& profile) {
 
 Frame render(const LatticeField& field, const Camera& camera, const Look& look,
              const RenderOptions& options, const RenderHooks& hooks, int threads,
-             const view::Behind* behind) {
+             const view::TrailView* trail) {
   data::require_field(field);
   camera.validate();
   look.validate();
@@ -172,19 +172,17 @@ Frame render(const LatticeField& field, const Camera& camera, const Look& look,
   Frame frame;
   frame.image = empty_image(options);
   const FieldEvaluator evaluator(field);
-  std::optional<FieldEvaluator> evaluator_behind;
-  std::optional<LatticeTracer> tracer_behind;
-  if (behind != nullptr) {
-    evaluator_behind.emplace(*behind->field);
-    RenderOptions plain = options;
-    plain.classification = Classification::kSampled;
-    tracer_behind.emplace(*behind->field, *evaluator_behind, camera, behind->look, plain);
+  std::optional<FieldEvaluator> trail_evaluator;
+  std::optional<LatticeTracer> trail_tracer;
+  if (trail != nullptr) {
+    trail_evaluator.emplace(*trail->field);
+    trail_tracer.emplace(*trail->field, *trail_evaluator, camera, trail->look, trail->options);
   }
   const double copy_ms = milliseconds_since(start);
 
   const Clock::time_point trace_start = Clock::now();
   const auto tracer = std::make_shared<const LatticeTracer>(
-      field, evaluator, camera, look, options, tracer_behind ? &*tracer_behind : nullptr);
+      field, evaluator, camera, look, options, trail_tracer ? &*trail_tracer : nullptr);
   const TraceCounts counts =
       RowPainter([&](int, int) -> std::shared_ptr<const PixelTracer> { return tracer; }, 1, hooks,
                  frame.image)

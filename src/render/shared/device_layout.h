@@ -30,10 +30,10 @@ struct alignas(16) ivec4 {
 OVOID_CONSTANT uint kGroupEdge = 8u;  // pixels along the side of a work group: 64 threads
 OVOID_CONSTANT uint kGroupSize = 64u;
 OVOID_CONSTANT int kStoredEdge = 4;   // samples along the side of a cube that lies together
-OVOID_CONSTANT uint kMaxFields = 2u;  // a field, and what is behind it
+OVOID_CONSTANT uint kMaxFields = 2u;  // a field and its trail
 OVOID_CONSTANT uint kMaxClips = 16u;
 OVOID_CONSTANT int kMaxSublattices = 2;
-OVOID_CONSTANT int kMaxSlabNodes = 32;
+OVOID_CONSTANT int kMaxSlabPoints = 32;
 OVOID_CONSTANT uint kNoTable = 0xFFFFFFFFu;
 OVOID_CONSTANT uint kTableCells = 4096u;
 OVOID_CONSTANT float kOpaque = 0.9990234375f;  // 1 - 1/1024
@@ -68,13 +68,15 @@ OVOID_CONSTANT uint kFades = 16u;  // by the gradient
 OVOID_CONSTANT uint kTakesGradients = 32u;
 OVOID_CONSTANT uint kTakesDifferences = 64u;
 OVOID_CONSTANT uint kStopsOpaque = 128u;
-OVOID_CONSTANT uint kHasBehind = 1024u;
+OVOID_CONSTANT uint kHasTrail = 1024u;
 OVOID_CONSTANT uint kHasOwnColor = 2048u;
 OVOID_CONSTANT uint kNodesKeepBound = 8192u;  // those near faces have no value
 OVOID_CONSTANT uint kSpreads = 16384u;        // bilinearly
 // Of post-convolution.
 OVOID_CONSTANT int kNodeTile = 32;   // pixels along the side of the tile that shares nodes
 OVOID_CONSTANT int kMostNodes = 30;  // along it, with those around: at 1.45 pixels each 28
+OVOID_CONSTANT int kFilterTaps = 6;  // samples at -kTapsBefore, ..., +3 from the one at or before
+OVOID_CONSTANT int kTapsBefore = 2;
 // ovoid::PostConvolution as a number.
 OVOID_CONSTANT uint kFilterBilinear = 1u;
 OVOID_CONSTANT uint kFilterGaussian = 2u;
@@ -96,7 +98,7 @@ OVOID_CONSTANT uint kTypeF32 = 4u;
 
 // ---- Layouts ----
 
-// view::LookAxis and where its table lies: nodes_at counts vectors, steps_at numbers.
+// view::LookAxis and where its table lies: entries_at counts vectors, steps_at numbers.
 struct TableConstants {
   uint scale;
   float origin;
@@ -105,7 +107,7 @@ struct TableConstants {
   float inverse_width;
   float visible_lo;
   float visible_hi;
-  uint nodes_at;
+  uint entries_at;
   uint steps_at;  // kNoTable: no cell has a step
   uint padding0;
   uint padding1;
@@ -140,8 +142,8 @@ struct Sublattice {
   float offset;  // along every axis
 };
 
-// A Gauss-Legendre node of a slab.
-struct SlabNode {
+// A Gauss-Legendre point of a slab.
+struct SlabPoint {
   float offset;  // sheets, from the middle
   float weight;  // their sum is 1
 };
@@ -159,8 +161,8 @@ struct LatticeConstants {
   vec4 widening_limit;
   vec4 support_lo;  // index positions where the field can be defined
   vec4 support_hi;
-  SlabNode slab[kMaxSlabNodes];  // where the mean of a slab is taken
-  ivec4 num_bricks;              // w: log2 of the edge
+  SlabPoint slab[kMaxSlabPoints];  // where the mean of a slab is taken
+  ivec4 num_bricks;                // w: log2 of the edge
   Sublattice sublattices[kMaxSublattices];
   float sigma;    // index units, before widening
   float support;  // likewise
@@ -170,7 +172,7 @@ struct LatticeConstants {
   float far_weight;   // two spacings away
   float value_scale;
   float value_offset;
-  int num_slab_nodes;  // 1: the middle alone
+  int num_slab_points;  // 1: the middle alone
   int num_sublattices;
   uint padding0;
   uint padding1;
@@ -224,7 +226,7 @@ struct BoxConstants {
   uint end_row;
   int first_sheet;  // that are drawn now
   int end_sheet;
-  float pitch;  // pixels between nodes, on these sheets
+  float node_step;  // pixels from node to node, on these sheets
   uint padding;
 };
 
@@ -235,9 +237,9 @@ struct DistanceConstants {
 
 // ---- Kernel sets ----
 
-OVOID_CONSTANT int kBlockSheets = 4;  // of a layer; view::kBlockDepth
-OVOID_CONSTANT int kPlanEdge = 64;    // pixels of a plan's block; view::kBlockEdge
-OVOID_CONSTANT int kNumLevels = 7;    // samples 1 to 64 pixels wide
+OVOID_CONSTANT int kBlockDepth = 4;  // of a layer; view::kBlockDepth
+OVOID_CONSTANT int kPlanEdge = 64;   // pixels of a plan's block; view::kBlockEdge
+OVOID_CONSTANT int kNumLevels = 7;   // samples 1 to 64 pixels wide
 OVOID_CONSTANT uint kBrickGroup =
     256u;  // threads for a brick's kernels: KernelBrick::kMaxBrickKernels
 OVOID_CONSTANT uint kNoList = 0xFFFFFFFFu;
@@ -247,7 +249,14 @@ OVOID_CONSTANT uint kSortGroup = 256u;  // threads of a sort, which takes eight 
 OVOID_CONSTANT uint kSortItems = 2048u;
 OVOID_CONSTANT uint kSortBits = 4u;  // of a digit
 OVOID_CONSTANT uint kSortBins = 16u;
-OVOID_CONSTANT int kProfileNodes = 8;     // of a slab, where a mean has no closed form
+// Of a slab, where a mean has no closed form: Gauss-Legendre on [-1/2, 1/2].
+OVOID_CONSTANT int kProfilePoints = 8;
+OVOID_CONSTANT float kProfilePointOffsets[kProfilePoints] = {
+    -0.48014493f, -0.39833324f, -0.26276620f, -0.09171732f,
+    0.09171732f,  0.26276620f,  0.39833324f,  0.48014493f};
+OVOID_CONSTANT float kProfilePointWeights[kProfilePoints] = {0.05061427f, 0.11119052f, 0.15685332f,
+                                                             0.18134189f, 0.18134189f, 0.15685332f,
+                                                             0.11119052f, 0.05061427f};
 OVOID_CONSTANT float kLeastSigma = 0.5f;  // in units of kLeastPixels (view) and sheets
 // Bits of a plan's block.
 OVOID_CONSTANT uint kBlockIsNeeded = 1u;
@@ -271,7 +280,7 @@ OVOID_CONSTANT uint kSetHalfSheets = 64u;
 OVOID_CONSTANT uint kSetIsParallel = 128u;
 OVOID_CONSTANT uint kSetFindsCover = 256u;  // a sum on levels, defined where a kernel reaches
 
-// A level's tiles of kGroupEdge^2 samples in a band of the picture.
+// A level's tiles of kGroupEdge^2 samples in a strip of the picture.
 struct LevelConstants {
   ivec4 tiles;      // number along x and y; numbers of the first ones
   uint first_list;  // of the level, for a layer's tiles one after the other
@@ -333,7 +342,7 @@ struct KernelPush {
   int end_sheet;
   uint num_items;  // kernels, numbers, pairs, lists: whatever there are of
   uint shift;      // of a sort's digit
-  uint first_row;  // of the band
+  uint first_row;  // of the strip
   uint end_row;
   uint first_item;
   int only_sheet;  // of a layer's; -1: all at once

@@ -10,9 +10,9 @@
 namespace ovoid {
 namespace {
 
-// Gauss-Legendre nodes on [-1/2, 1/2], by Newton's method on the Legendre polynomials.
+// Gauss-Legendre points on [-1/2, 1/2], by Newton's method on the Legendre polynomials.
 void set_slab(int count, device::LatticeConstants& out) {
-  out.num_slab_nodes = count;
+  out.num_slab_points = count;
   for (int i = 0; i < count; ++i) {
     double x = std::cos(std::numbers::pi * (i + 0.75) / (count + 0.5));
     double slope = 1;
@@ -32,9 +32,9 @@ void set_slab(int count, device::LatticeConstants& out) {
   }
 }
 
-// Enough nodes for the slab's mean to err by less than the agreement tier allows: four per two
+// Enough points for the slab's mean to err by less than the agreement tier allows: four per two
 // sigmas of the narrowest kernel.
-int num_slab_nodes(const LatticeField& field, const view::ViewLattice& lattice) {
+int num_slab_points(const LatticeField& field, const view::ViewLattice& lattice) {
   double longest = 0;  // slab in index units
   const view::SheetMap here = lattice.index_map(0);
   const view::SheetMap next = lattice.index_map(1);
@@ -44,7 +44,7 @@ int num_slab_nodes(const LatticeField& field, const view::ViewLattice& lattice) 
     }
   }
   return std::clamp(2 + static_cast<int>(std::ceil(2 * longest / field.index_kernel().sigma)), 4,
-                    device::kMaxSlabNodes);
+                    device::kMaxSlabPoints);
 }
 
 // What is left of a number once it has been rounded to a float.
@@ -149,8 +149,8 @@ device::LatticeConstants lattice_constants(const LatticeField& field, const view
   set_axes(field.geometry(), plan.lattice, out);
   set_kernel(field, out);
   out.slab[0] = {0, 1};
-  out.num_slab_nodes = 1;
-  if (traits.takes_means) set_slab(num_slab_nodes(field, plan.lattice), out);
+  out.num_slab_points = 1;
+  if (traits.takes_means) set_slab(num_slab_points(field, plan.lattice), out);
   return out;
 }
 

@@ -12,17 +12,17 @@
 
 namespace ovoid {
 
-std::vector<float> classification_nodes(const view::LookTable& table, double path_in_units) {
-  std::vector<float> nodes(std::size_t{4} * view::LookTable::kPaddedNodes);
-  float* node = nodes.data();
-  for (int i = 0; i < view::LookTable::kPaddedNodes; ++i, node += 4) {
-    node[0] = table.red()[i];
-    node[1] = table.green()[i];
-    node[2] = table.blue()[i];
-    node[3] = static_cast<float>(
+std::vector<float> classification_entries(const view::LookTable& table, double path_in_units) {
+  std::vector<float> entries(std::size_t{4} * view::LookTable::kPaddedEntries);
+  float* entry = entries.data();
+  for (int i = 0; i < view::LookTable::kPaddedEntries; ++i, entry += 4) {
+    entry[0] = table.red()[i];
+    entry[1] = table.green()[i];
+    entry[2] = table.blue()[i];
+    entry[3] = static_cast<float>(
         1.0 - std::pow(1.0 - static_cast<double>(table.opacity()[i]), path_in_units));
   }
-  return nodes;
+  return entries;
 }
 
 namespace {
@@ -37,7 +37,7 @@ std::uint32_t append(FrameTables& tables, std::span<const float> numbers) {
   return at;
 }
 
-// Extinction times red, green and blue, and extinction, at node i.
+// Extinction times red, green and blue, and extinction, at entry i.
 std::array<double, 4> integrand_at(const view::LookTable& table, int i) {
   const double opacity = table.opacity()[i];
   const double extinction =
@@ -50,17 +50,17 @@ std::array<double, 4> integrand_at(const view::LookTable& table, int i) {
 void set_visible_values(const view::LookTable& table, device::TableConstants& out) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   const float* const opacity = table.opacity();
-  const float* const end = opacity + view::LookTable::kNodes;
+  const float* const end = opacity + view::LookTable::kEntries;
   const auto shows = [](float a) { return a > 0.0F; };
   const auto first = std::find_if(opacity, end, shows) - opacity;
   out.visible_lo = kInfinity;
   out.visible_hi = -kInfinity;
-  if (first == view::LookTable::kNodes) return;
+  if (first == view::LookTable::kEntries) return;
   const auto last =
       std::find_if(std::reverse_iterator(end), std::reverse_iterator(opacity), shows).base() - 1 -
       opacity;
-  const auto value_at = [&](std::ptrdiff_t node) {
-    return static_cast<float>(table.axis().value_of_node(static_cast<double>(node)));
+  const auto value_at = [&](std::ptrdiff_t entry) {
+    return static_cast<float>(table.axis().value_of_entry(static_cast<double>(entry)));
   };
   // Values beyond the table read its ends.
   out.visible_lo = first == 0 ? -kInfinity : value_at(first - 2);
@@ -77,42 +77,42 @@ device::TableConstants table_constants(const view::LookTable& table, double path
   out.cells_per_step = axis.cells_per_step;
   out.inverse_width = axis.inverse_width;
   set_visible_values(table, out);
-  out.nodes_at = append(tables, classification_nodes(table, path_in_units));
+  out.entries_at = append(tables, classification_entries(table, path_in_units));
   out.steps_at = device::kNoTable;
   if (table.has_steps())
-    out.steps_at = 4 * append(tables, {table.step(), view::LookTable::kPaddedNodes});
+    out.steps_at = 4 * append(tables, {table.step(), view::LookTable::kPaddedEntries});
   return out;
 }
 
-// Integrals of the look over the value, from node 0 on: extinction times red, green and blue, and
+// Integrals of the look over the value, from entry 0 on: extinction times red, green and blue, and
 // extinction, each as the sum of two floats, since differences are taken of large numbers. Appends
-// them to `tables`, [kPaddedNodes][8]: four high parts, four low.
+// them to `tables`, [kPaddedEntries][8]: four high parts, four low.
 void set_integrals(const view::LookTable& table, device::LookConstants& out, FrameTables& tables) {
   using view::LookTable;
   constexpr int kParts = 8;
-  std::vector<float> nodes(std::size_t{kParts} * LookTable::kPaddedNodes);
-  float* node = nodes.data();
-  const double first = table.axis().value_of_node(0);
-  const double last = table.axis().value_of_node(LookTable::kCells);
+  std::vector<float> entries(std::size_t{kParts} * LookTable::kPaddedEntries);
+  float* entry = entries.data();
+  const double first = table.axis().value_of_entry(0);
+  const double last = table.axis().value_of_entry(LookTable::kCells);
   const double per_value = LookTable::kCells / (last - first);
   std::array<double, 4> sum{};
   std::array<double, 4> here = integrand_at(table, 0);
-  for (int i = 0; i < LookTable::kPaddedNodes; ++i, node += kParts) {
+  for (int i = 0; i < LookTable::kPaddedEntries; ++i, entry += kParts) {
     for (std::size_t c = 0; c < 4; ++c) {
-      node[c] = static_cast<float>(sum[c]);
-      node[c + 4] = static_cast<float>(sum[c] - static_cast<double>(node[c]));
+      entry[c] = static_cast<float>(sum[c]);
+      entry[c + 4] = static_cast<float>(sum[c] - static_cast<double>(entry[c]));
     }
     if (i >= LookTable::kCells) continue;
     const std::array<double, 4> next = integrand_at(table, i + 1);
     // Of a cell with a step, each side has its share.
     const double share = table.step()[i] >= 0.0F ? static_cast<double>(table.step()[i]) : 0.5;
     const double width =
-        (table.axis().value_of_node(i + 1) - table.axis().value_of_node(i)) * per_value;
+        (table.axis().value_of_entry(i + 1) - table.axis().value_of_entry(i)) * per_value;
     for (std::size_t c = 0; c < 4; ++c)
       sum[c] += width * (share * here[c] + (1.0 - share) * next[c]);
     here = next;
   }
-  out.integrals_at = append(tables, nodes);
+  out.integrals_at = append(tables, entries);
   out.integral_per_value = static_cast<float>(per_value);
   out.integral_lo = static_cast<float>(first);
   out.integral_hi = static_cast<float>(last);

@@ -11,12 +11,12 @@
 namespace ovoid {
 
 // All tables of a frame, one behind the other, in vectors of four numbers: red, green, blue and
-// opacity of a node side by side.
+// opacity of an entry side by side.
 using FrameTables = std::vector<device::vec4>;
 
-// [kPaddedNodes][4]: the nodes of the table, opacities corrected for a path of so many unit
+// [kPaddedEntries][4]: the entries of the table, opacities corrected for a path of so many unit
 // distances.
-std::vector<float> classification_nodes(const view::LookTable& table, double path_in_units);
+std::vector<float> classification_entries(const view::LookTable& table, double path_in_units);
 
 // Appends the look's tables to `tables`. The opacities of the look's own table are corrected for a
 // path of one sampling distance, unless the frame corrects late. `range`: of the field's values.

@@ -5,12 +5,11 @@
 
 #include <cmath>
 
+#include "render/shared/moment_formulas.h"
+
 namespace ovoid {
 
-// Of exp(-x^2 / 2) over a <= x <= b: its integral, and the mean and variance of x under it.
-struct SlabMoments {
-  float weight, mean, variance;
-};
+using device::SlabMoments;
 
 // Double inside: far from the middle the weight is a small difference. Slabs without weight have
 // their middle as their mean.

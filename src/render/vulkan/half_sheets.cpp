@@ -19,17 +19,17 @@ float magnitude_of(const ValueRange& range) {
 }
 
 // Whether a table's colours or opacities change over the error of a value by more than may be.
-// Nodes are a cell apart, between which the look is straight.
+// Entries are a cell apart, between which the look is straight.
 bool is_too_steep(const view::LookTable& table, double path_in_units, const KernelField& field) {
   if (table.has_steps()) return true;
-  const std::vector<float> nodes = classification_nodes(table, path_in_units);
-  const auto premultiplied = [&](int node, int channel) {
-    const float* of = nodes.data() + static_cast<std::size_t>(4 * node);
+  const std::vector<float> entries = classification_entries(table, path_in_units);
+  const auto premultiplied = [&](int entry, int channel) {
+    const float* of = entries.data() + static_cast<std::size_t>(4 * entry);
     return static_cast<double>(channel == 3 ? of[3] : of[3] * of[channel]);
   };
   for (int i = 0; i < view::LookTable::kCells; ++i) {
-    const double lo = table.axis().value_of_node(i);
-    const double hi = table.axis().value_of_node(i + 1);
+    const double lo = table.axis().value_of_entry(i);
+    const double hi = table.axis().value_of_entry(i + 1);
     const double error =
         std::max(half_sheet_error(lo, field.value_range(), field.reconstruction()),
                  half_sheet_error(hi, field.value_range(), field.reconstruction()));

@@ -28,8 +28,8 @@ struct Reach {
   int first_layer, end_layer;
   double first_row, end_row;
 
-  bool meets(int first, int end, const Band& band) const {
-    return first_layer < end && end_layer > first && first_row < band.end && end_row > band.first;
+  bool meets(int first, int end, const Strip& strip) const {
+    return first_layer < end && end_layer > first && first_row < strip.end && end_row > strip.first;
   }
 };
 
@@ -67,16 +67,16 @@ Reach reach_of(const KernelBrick& brick, const view::KernelPlan& plan, double cu
 
 int floor_divided(int a, int b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
 
-// The rear half of a band's rows, in whole tiles. Throws Error(kOutOfMemory) if it is one.
-Band second_half(const Band& band) {
-  if (band.rows() <= kTileEdge)
+// The rear half of a strip's rows, in whole tiles. Throws Error(kOutOfMemory) if it is one.
+Strip second_half(const Strip& strip) {
+  if (strip.rows() <= kTileEdge)
     throw Error(
         ErrorCode::kOutOfMemory,
         "backend vulkan: the device's memory does not hold the kernels that reach one row of "
         "tiles and four sheets: expected a larger device memory limit, a finer "
         "--sampling-distance, or backend cpu");
-  const int tiles = (band.rows() + kTileEdge - 1) / kTileEdge;
-  return {band.first + (tiles + 1) / 2 * kTileEdge, band.end};
+  const int tiles = (strip.rows() + kTileEdge - 1) / kTileEdge;
+  return {strip.first + (tiles + 1) / 2 * kTileEdge, strip.end};
 }
 
 }  // namespace
@@ -105,7 +105,7 @@ struct KernelRenderer::Set {
   Constants constants;
   std::vector<std::uint32_t> needed_layers;
   std::vector<Reach> reaches;  // of the plan's bricks
-  Band band;                   // that is drawn now
+  Strip strip;                 // that is drawn now
   std::uint32_t lists_per_layer = 0;
   std::uint64_t plane_samples = 0;   // of the finest level
   std::uint64_t coarse_numbers = 0;  // of all others, of a sheet
@@ -121,8 +121,8 @@ device::KernelPush KernelRenderer::push_of(const Layers& layers) const {
   return push;
 }
 
-// Levels, their tiles and lists, of a band of the picture.
-void KernelRenderer::prepare_band(Set& set, const Band& band) {
+// Levels, their tiles and lists, of a strip of the picture.
+void KernelRenderer::prepare_strip(Set& set, const Strip& strip) {
   const auto channels = static_cast<std::uint32_t>(set.traits.num_channels);
   std::uint32_t first_list = 0;
   set.coarse_numbers = 0;
@@ -132,8 +132,8 @@ void KernelRenderer::prepare_band(Set& set, const Band& band) {
     // One tile beside the picture all around: what filters and differences read there.
     const int first_x = -1;
     const int last_x = floor_divided(set.options.width - 1, edge) + 1;
-    const int first_y = floor_divided(band.first, edge) - 1;
-    const int last_y = floor_divided(band.end - 1, edge) + 1;
+    const int first_y = floor_divided(strip.first, edge) - 1;
+    const int last_y = floor_divided(strip.end - 1, edge) + 1;
     constants.tiles = {last_x - first_x + 1, last_y - first_y + 1, first_x, first_y};
     const auto tiles = static_cast<std::uint32_t>(constants.tiles.x * constants.tiles.y);
     constants.first_list = first_list;
@@ -173,7 +173,7 @@ void KernelRenderer::prepare_band(Set& set, const Band& band) {
   Commands& commands = bench_.commands;
   reserve(frame_, bench_.device, sizeof(set.frame), BufferUse::kDevice);
   commands.upload(frame_, 0, std::as_bytes(std::span(&set.frame, 1)));
-  // There even if no kernel reaches the band.
+  // There even if no kernel reaches the strip.
   reserve(splats_, bench_.device, sizeof(device::DeviceSplat), BufferUse::kDevice);
   reserve(pairs_, bench_.device, 8, BufferUse::kDevice);
   const std::uint64_t ring =
@@ -226,7 +226,7 @@ KernelRenderer::Layers KernelRenderer::project_layers(Set& set, int first, int e
   std::vector<device::BrickConstants> bricks;
   std::vector<std::pair<std::size_t, std::uint32_t>> pages;  // and its first brick here
   for (std::size_t i = 0; i < set.plan.bricks.size(); ++i) {
-    if (!set.reaches[i].meets(first, end, set.band)) continue;
+    if (!set.reaches[i].meets(first, end, set.strip)) continue;
     const std::int64_t number = set.plan.bricks[i];
     const KernelBrick& brick = set.field.source().brick(number);
     if (pages.empty() || pages.back().first != kernels_->page_of(number))
@@ -286,7 +286,7 @@ std::optional<KernelRenderer::Layers> KernelRenderer::bin_layers(Set& set, int f
   for (;; end = first + (end - first) / 2) {
     std::uint64_t num_splats = 0;
     for (std::size_t i = 0; i < set.plan.bricks.size(); ++i) {
-      if (set.reaches[i].meets(first, end, set.band))
+      if (set.reaches[i].meets(first, end, set.strip))
         num_splats +=
             static_cast<std::uint64_t>(set.field.source().brick(set.plan.bricks[i]).count);
     }
@@ -359,9 +359,10 @@ void KernelRenderer::require_short_loops(const Set& set, const Layers& layers,
     while (list % set.lists_per_layer < set.frame.levels[level].first_list) --level;
     fullest[level] = std::max(fullest[level], ends[list][1] - ends[list][0]);
   }
-  const bool takes_nodes = set.traits.takes_means && set.traits.profile != KernelProfile::kGaussian;
+  const bool takes_points =
+      set.traits.takes_means && set.traits.profile != KernelProfile::kGaussian;
   const std::uint32_t most = std::accumulate(fullest.begin(), fullest.end(), 0U);
-  const double rounds = 1.1 * most * (takes_nodes ? device::kProfileNodes : 1);
+  const double rounds = 1.1 * most * (takes_points ? device::kProfilePoints : 1);
   if (longest < kMostRounds && rounds < kMostRounds) return;
   throw Error(
       ErrorCode::kUnsupported,
@@ -398,25 +399,25 @@ void KernelRenderer::reconstruct(Set& set, const Layers& layers, int first, int 
   }
 }
 
-void KernelRenderer::shade(Set& set, const Band& band, int first_sheet, int end_sheet) {
+void KernelRenderer::shade(Set& set, const Strip& strip, int first_sheet, int end_sheet) {
   if (first_sheet >= end_sheet) return;
   device::KernelPush push{};
   push.first_sheet = first_sheet;
   push.end_sheet = end_sheet;
-  push.first_row = static_cast<std::uint32_t>(band.first);
-  push.end_row = static_cast<std::uint32_t>(band.end);
+  push.first_row = static_cast<std::uint32_t>(strip.first);
+  push.end_row = static_cast<std::uint32_t>(strip.end);
   bench_.commands.mark("shade and composite");
   bench_.commands.dispatch(
       Stage::kShade, set.constants,
       {&frame_, &tables_, &sheets_, &color_sheets_, &needed_blocks_, &open_,
        &bench_.pixels.colors(), &bench_.pixels.depths(), &bench_.pixels.states(), &counts_},
-      push, groups_of(set.options, band, device::kGroupEdge));
+      push, groups_of(set.options, strip, device::kGroupEdge));
 }
 
-bool KernelRenderer::draw_band(Set& set, const Band& band, const RenderHooks& hooks,
-                               FrameProfile& profile) {
-  set.band = band;
-  prepare_band(set, band);
+bool KernelRenderer::draw_strip(Set& set, const Strip& strip, const RenderHooks& hooks,
+                                FrameProfile& profile) {
+  set.strip = strip;
+  prepare_strip(set, strip);
   const int num_layers = set.plan.num_blocks[2];
   const int num_sheets = set.frame.num_sheets;
   int shaded_to = 0;
@@ -444,7 +445,7 @@ bool KernelRenderer::draw_band(Set& set, const Band& band, const RenderHooks& ho
       reconstruct(set, layers, layer, end);
       // The last sheet waits for the one behind it.
       const int shade_to = std::min(end * view::kBlockDepth - 1, num_sheets);
-      shade(set, band, shaded_to, shade_to);
+      shade(set, strip, shaded_to, shade_to);
       shaded_to = std::max(shaded_to, shade_to);
       layer = end;
       // Who waits for a software driver wants to be able to stop.
@@ -453,7 +454,7 @@ bool KernelRenderer::draw_band(Set& set, const Band& band, const RenderHooks& ho
     }
     first = layers.end;
   }
-  shade(set, band, shaded_to, num_sheets);
+  shade(set, strip, shaded_to, num_sheets);
   return true;
 }
 
@@ -505,9 +506,9 @@ void KernelRenderer::set_needs(Set& set) {
   bench_.commands.upload(needed_blocks_, 0, std::as_bytes(std::span(blocks)));
 }
 
-void KernelRenderer::render(const KernelField& field, const Camera& camera, const Look& look,
-                            const RenderOptions& options, const RenderHooks& hooks, Image& image,
-                            FrameProfile& profile) {
+void KernelRenderer::render(const FrameJob& job, Image& image, FrameProfile& profile) {
+  const KernelField& field = *job.field.kernels();
+  const auto& [any_field, camera, look, trail, options, hooks] = job;
   Commands& commands = bench_.commands;
   Set set(field, camera, look, options);
   if (!kernels_ || !kernels_->is_of(field)) {
@@ -526,26 +527,26 @@ void KernelRenderer::render(const KernelField& field, const Camera& camera, cons
   const std::uint64_t margin = 4 * device::kGroupEdge;
   const auto width = static_cast<std::uint64_t>(options.width);
   const std::uint64_t bytes_per_pixel = (64 * (width + margin) + width - 1) / width;
-  std::vector<Band> bands = bench_.pixels.bands(options, hooks, bytes_per_pixel);
-  std::reverse(bands.begin(), bands.end());
-  while (!bands.empty()) {
-    const Band band = bands.back();
-    bands.pop_back();
-    bench_.pixels.clear(commands, options.width, band);
+  std::vector<Strip> strips = bench_.pixels.strips(options, hooks, bytes_per_pixel);
+  std::reverse(strips.begin(), strips.end());
+  while (!strips.empty()) {
+    const Strip strip = strips.back();
+    strips.pop_back();
+    bench_.pixels.clear(commands, options.width, strip);
     commands.submit_and_wait();
-    if (!draw_band(set, band, hooks, profile)) {
+    if (!draw_strip(set, strip, hooks, profile)) {
       // Fewer kernels reach half as many rows.
-      bands.push_back(second_half(band));
-      bands.push_back({band.first, bands.back().first});
+      strips.push_back(second_half(strip));
+      strips.push_back({strip.first, strips.back().first});
       continue;
     }
     commands.mark("read back");
     commands.submit_and_wait();
-    bench_.pixels.finish(commands, look, band, image);
+    bench_.pixels.finish(commands, look, strip, image);
     add_counts(commands, counts_,
                static_cast<std::size_t>(set.frame.levels[0].tiles.x) * set.frame.levels[0].tiles.y,
                profile);
-    tell_of(band, hooks, image);
+    tell_of(strip, hooks, image);
   }
 }
 

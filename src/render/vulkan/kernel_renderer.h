@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "render/back_end.h"
 #include "render/shared/device_layout.h"
 #include "render/shared/kernel_values.h"
 #include "render/vulkan/device_kernels.h"
@@ -21,9 +22,7 @@ class KernelRenderer {
   explicit KernelRenderer(Workbench& bench) : bench_(bench) {}
 
   // Draws into `image`, which is empty, and counts in `profile`.
-  void render(const KernelField& field, const Camera& camera, const Look& look,
-              const RenderOptions& options, const RenderHooks& hooks, Image& image,
-              FrameProfile& profile);
+  void render(const FrameJob& job, Image& image, FrameProfile& profile);
 
  private:
   struct Set;  // a frame's field, plan and constants
@@ -38,9 +37,9 @@ class KernelRenderer {
 
   void set_constants(Set& set);
   void set_needs(Set& set);
-  void prepare_band(Set& set, const Band& band);
+  void prepare_strip(Set& set, const Strip& strip);
   // False if what reaches its rows does not fit, even layer by layer.
-  bool draw_band(Set& set, const Band& band, const RenderHooks& hooks, FrameProfile& profile);
+  bool draw_strip(Set& set, const Strip& strip, const RenderHooks& hooks, FrameProfile& profile);
   // From `first` on as many as there is room for; none: not even one.
   std::optional<Layers> bin_layers(Set& set, int first);
   Layers project_layers(Set& set, int first, int end);
@@ -48,7 +47,7 @@ class KernelRenderer {
   void require_short_loops(const Set& set, const Layers& layers, std::uint32_t num_lists);
   void scan(const Buffer& numbers, std::uint32_t count);
   void reconstruct(Set& set, const Layers& layers, int first, int end);
-  void shade(Set& set, const Band& band, int first_sheet, int end_sheet);
+  void shade(Set& set, const Strip& strip, int first_sheet, int end_sheet);
   device::KernelPush push_of(const Layers& layers) const;
 
   Workbench& bench_;

@@ -48,7 +48,7 @@ int reach_of(const LatticeField& field, const view::LatticePlan& plan, bool has_
 
 // Pixels per node from which kAuto takes nodes: a tile's, with those around it, are half as many as
 // its pixels, whose taps of nodes are a fifth of those of samples.
-constexpr double kWorthwhilePitch = 2.0;
+constexpr double kWorthwhileNodeStep = 2.0;
 
 }  // namespace
 
@@ -76,12 +76,12 @@ struct LatticeRenderer::Job {
   // Sheets [first, end) that one dispatch draws, and pixels between their nodes; 1: none.
   struct Part {
     int first, end;
-    float pitch;
+    float node_step;
   };
 
   const RenderOptions& options;
   Drawn own;
-  std::optional<Drawn> other{};  // behind it
+  std::optional<Drawn> trail{};
   bool has_nodes = false;
   device::LatticeFrame frame{};
   Constants constants{};  // of the shader without nodes; that with them has one more
@@ -155,22 +155,22 @@ void LatticeRenderer::decide_relevance(Drawn& drawn, const RenderOptions& option
 
 // What both fields of a frame need to be cut into the same boxes.
 void LatticeRenderer::upload(Job& job) {
-  const std::uint64_t num_fields = job.other ? 2 : 1;
+  const std::uint64_t num_fields = job.trail ? 2 : 1;
   BoxCut cut;
   cut.most_bytes = bench_.most_bytes / num_fields;
-  for (const Drawn* drawn : {&job.own, job.other ? &*job.other : nullptr}) {
+  for (const Drawn* drawn : {&job.own, job.trail ? &*job.trail : nullptr}) {
     if (drawn == nullptr) continue;
     const int reach = reach_of(drawn->field, drawn->plan, job.has_nodes);
     // Somewhat more, so that not every change of the view cuts anew.
     cut.reach = std::max(cut.reach, reach + reach / 2);
     cut.sample_bytes = std::max(cut.sample_bytes, stored_size(drawn->field));
   }
-  if (!job.other) kept_behind_ = {};
-  keep(job.own, cut, job.other.has_value());
+  if (!job.trail) kept_trail_ = {};
+  keep(job.own, cut, job.trail.has_value());
   decide_relevance(job.own, job.options);
-  if (!job.other) return;
-  keep(*job.other, cut, true);
-  decide_relevance(*job.other, job.options);
+  if (!job.trail) return;
+  keep(*job.trail, cut, true);
+  decide_relevance(*job.trail, job.options);
 }
 
 void LatticeRenderer::set_constants(Job& job) {
@@ -186,13 +186,13 @@ void LatticeRenderer::set_constants(Job& job) {
   job.frame.view = view_constants(job.own.plan, job.options);
   job.constants = {
       number_of(job.own.look.mode),
-      frame_flags(job.own.frame_traits, job.options) | (job.other ? device::kHasBehind : 0),
+      frame_flags(job.own.frame_traits, job.options) | (job.trail ? device::kHasTrail : 0),
       0,
       0,
       0,
       0};
   add(job.own, 0);
-  if (job.other) add(*job.other, 1);
+  if (job.trail) add(*job.trail, 1);
 
   Commands& commands = bench_.commands;
   commands.submit_and_wait();  // of relevance, whose buffers stay
@@ -203,7 +203,7 @@ void LatticeRenderer::set_constants(Job& job) {
   commands.upload(tables_, 0, std::as_bytes(std::span(tables)));
 }
 
-// A part is of one layer, whose nodes have one pitch, and on software drivers as short as those
+// A part is of one layer, whose nodes have one node_step, and on software drivers as short as those
 // need it.
 void LatticeRenderer::divide_sheets(Job& job) const {
   const view::LatticePlan& plan = job.own.plan;
@@ -215,45 +215,46 @@ void LatticeRenderer::divide_sheets(Job& job) const {
                              job.constants[3 + 2 * number], drawn.look.mode, takes_differences},
                             job.frame.fields[number]);
   };
-  const double rounds = rounds_of(job.own, 0) + (job.other ? rounds_of(*job.other, 1) : 0.0);
+  const double rounds = rounds_of(job.own, 0) + (job.trail ? rounds_of(*job.trail, 1) : 0.0);
   const int num_sheets = job.frame.view.num_sheets;
   for (int first = 0; first < num_sheets;) {
     const std::int64_t sheet = plan.sheets.first + first;
-    double pitch = job.has_nodes ? plan.node_pitch(job.options.post_convolution, sheet) : 1.0;
-    if (is_auto && pitch < kWorthwhilePitch) pitch = 1.0;
+    double node_step = job.has_nodes ? plan.node_step(job.options.post_convolution, sheet) : 1.0;
+    if (is_auto && node_step < kWorthwhileNodeStep) node_step = 1.0;
     int end = num_sheets;
     if (job.has_nodes)
       end = static_cast<int>(
           std::min<std::int64_t>(end, view::next_layer(sheet) - plan.sheets.first));
     // Of nodes a thread has up to four, and four pixels that may have to stand for themselves.
-    double per_sheet = pitch > 1 ? 8 * rounds + 2500 : rounds + 20;
-    if (pitch > 1 && job.options.spread == Spread::kBilinear)
-      per_sheet += 4 * 7 * rounds_of_spread(job.frame.fields[0], pitch * plan.lattice.pitch(sheet));
+    double per_sheet = node_step > 1 ? 8 * rounds + 2500 : rounds + 20;
+    if (node_step > 1 && job.options.spread == Spread::kBilinear)
+      per_sheet +=
+          4 * 7 * rounds_of_spread(job.frame.fields[0], node_step * plan.lattice.pitch(sheet));
     const int most = is_software ? static_cast<int>(kMostRounds / per_sheet) : end - first;
     if (most < 1)
       throw Error(ErrorCode::kUnsupported,
                   "backend vulkan: software drivers cannot sum so many kernels for one sample: "
                   "expected a larger picture, a nearer view, or backend cpu");
     end = std::min(end, first + most);
-    job.parts.push_back({first, end, static_cast<float>(pitch)});
+    job.parts.push_back({first, end, static_cast<float>(node_step)});
     first = end;
   }
 }
 
-// All sheets of one box of the lattice, on one band of the picture.
-void LatticeRenderer::draw_box(const Job& job, std::size_t number, const Band& band) {
+// All sheets of one box of the lattice, on one strip of the picture.
+void LatticeRenderer::draw_box(const Job& job, std::size_t number, const Strip& strip) {
   Commands& commands = bench_.commands;
   commands.submit_and_wait();
   const LatticeBox& box = job.own.kept.lattice->acquire(number, job.own.field, commands);
-  const Buffer* samples_behind = &nothing_;
-  const Buffer* bricks_behind = &nothing_;
-  if (job.other) {
-    samples_behind = &job.other->kept.lattice->acquire(number, job.other->field, commands).data;
-    bricks_behind = &job.other->kept.bricks;
+  const Buffer* trail_samples = &nothing_;
+  const Buffer* trail_bricks = &nothing_;
+  if (job.trail) {
+    trail_samples = &job.trail->kept.lattice->acquire(number, job.trail->field, commands).data;
+    trail_bricks = &job.trail->kept.bricks;
   }
   device::BoxConstants place = job.own.kept.lattice->constants_of(box);
-  place.first_row = static_cast<std::uint32_t>(band.first);
-  place.end_row = static_cast<std::uint32_t>(band.end);
+  place.first_row = static_cast<std::uint32_t>(strip.first);
+  place.end_row = static_cast<std::uint32_t>(strip.end);
   place.tile_y = place.first_row;
   Constants node_constants = job.constants;
   node_constants.push_back(number_of(job.options.post_convolution));
@@ -261,30 +262,28 @@ void LatticeRenderer::draw_box(const Job& job, std::size_t number, const Band& b
   for (const Job::Part& part : job.parts) {
     place.first_sheet = part.first;
     place.end_sheet = part.end;
-    place.pitch = part.pitch;
-    const bool is_at_nodes = part.pitch > 1;
+    place.node_step = part.node_step;
+    const bool is_at_nodes = part.node_step > 1;
     commands.dispatch(
         is_at_nodes ? Stage::kLatticeNodes : Stage::kLattice,
         is_at_nodes ? node_constants : job.constants,
-        {&frame_, &tables_, &box.data, samples_behind, &job.own.kept.bricks, bricks_behind,
+        {&frame_, &tables_, &box.data, trail_samples, &job.own.kept.bricks, trail_bricks,
          &bench_.pixels.colors(), &bench_.pixels.depths(), &bench_.pixels.states(), &counts_},
-        place, groups_of(job.options, band, is_at_nodes ? device::kNodeTile : device::kGroupEdge));
+        place, groups_of(job.options, strip, is_at_nodes ? device::kNodeTile : device::kGroupEdge));
   }
 }
 
-void LatticeRenderer::render(const LatticeField& field, const Camera& camera, const Look& look,
-                             const RenderOptions& options, const RenderHooks& hooks,
-                             const view::Behind* behind, Image& image, FrameProfile& profile) {
+void LatticeRenderer::render(const FrameJob& frame, Image& image, FrameProfile& profile) {
+  const auto& [any_field, camera, look, trail, options, hooks] = frame;
+  const LatticeField& field = *any_field.lattice();
   Job job{options, {field, camera, look, options, kept_}};
-  job.has_nodes = behind == nullptr && job.own.traits.may_have_nodes;
-  if (behind != nullptr) {
-    RenderOptions plain = options;
-    plain.classification = Classification::kSampled;
-    job.other.emplace(*behind->field, camera, behind->look, plain, kept_behind_);
+  job.has_nodes = job.own.traits.may_have_nodes;
+  if (trail != nullptr) {
+    job.trail.emplace(*trail->field, camera, trail->look, trail->options, kept_trail_);
     // Both count sheets from the same one.
     view::ViewLattice::SheetRange& own = job.own.plan.sheets;
-    view::ViewLattice::SheetRange& others = job.other->plan.sheets;
-    own = others = {std::min(own.first, others.first), std::max(own.last, others.last)};
+    view::ViewLattice::SheetRange& of_trail = job.trail->plan.sheets;
+    own = of_trail = {std::min(own.first, of_trail.first), std::max(own.last, of_trail.last)};
   }
   upload(job);
   set_constants(job);
@@ -296,21 +295,21 @@ void LatticeRenderer::render(const LatticeField& field, const Camera& camera, co
   Commands& commands = bench_.commands;
   const std::vector<std::size_t> order =
       kept_.lattice->front_to_back(eye_of(camera, job.own.plan, field));
-  for (const Band& band : bench_.pixels.bands(options, hooks, sizeof(device::vec4))) {
-    const Groups groups = groups_of(options, band, device::kGroupEdge);
-    bench_.pixels.clear(commands, options.width, band);
+  for (const Strip& strip : bench_.pixels.strips(options, hooks, sizeof(device::vec4))) {
+    const Groups groups = groups_of(options, strip, device::kGroupEdge);
+    bench_.pixels.clear(commands, options.width, strip);
     reserve(counts_, bench_.device, std::uint64_t{16} * groups.x * groups.y, BufferUse::kDevice);
     commands.fill(counts_, 0);
     for (const std::size_t number : order) {
       if (hooks.stop.stop_requested())
         throw Error(ErrorCode::kCancelled, "rendering was cancelled");
-      draw_box(job, number, band);
+      draw_box(job, number, strip);
     }
     commands.mark("read back");
     commands.submit_and_wait();
-    bench_.pixels.finish(commands, look, band, image);
+    bench_.pixels.finish(commands, look, strip, image);
     add_counts(commands, counts_, std::size_t{groups.x} * groups.y, profile);
-    tell_of(band, hooks, image);
+    tell_of(strip, hooks, image);
   }
 }
 

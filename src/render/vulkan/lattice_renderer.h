@@ -5,10 +5,10 @@
 #include <memory>
 #include <vector>
 
+#include "render/back_end.h"
 #include "render/shared/lattice_values.h"
 #include "render/vulkan/device_lattice.h"
 #include "render/vulkan/workbench.h"
-#include "view/behind.h"
 
 namespace ovoid::vulkan {
 
@@ -17,12 +17,10 @@ class LatticeRenderer {
   explicit LatticeRenderer(Workbench& bench) : bench_(bench) {}
 
   // Draws into `image`, which is empty, and counts in `profile`.
-  void render(const LatticeField& field, const Camera& camera, const Look& look,
-              const RenderOptions& options, const RenderHooks& hooks, const view::Behind* behind,
-              Image& image, FrameProfile& profile);
+  void render(const FrameJob& job, Image& image, FrameProfile& profile);
 
   // After a frame that was broken off: what is on the device of relevance may be half done.
-  void forget_relevance() { kept_.bytes = kept_behind_.bytes = {}; }
+  void forget_relevance() { kept_.bytes = kept_trail_.bytes = {}; }
 
  private:
   // A field on the device, and which of its bricks can show.
@@ -39,10 +37,10 @@ class LatticeRenderer {
   void upload(Job& job);
   void set_constants(Job& job);
   void divide_sheets(Job& job) const;
-  void draw_box(const Job& job, std::size_t number, const Band& band);
+  void draw_box(const Job& job, std::size_t number, const Strip& strip);
 
   Workbench& bench_;
-  Kept kept_, kept_behind_;
+  Kept kept_, kept_trail_;
   Buffer frame_, tables_, counts_, nothing_;
 };
 

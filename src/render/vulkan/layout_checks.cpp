@@ -23,11 +23,11 @@ static_assert(kBrickGroup == KernelBrick::kMaxBrickKernels);
 static_assert(1 << (kNumLevels - 1) == static_cast<int>(view::kWidestSample));
 static_assert(sizeof(KernelFrame::taps) == 2 * kFilterTaps * sizeof(float));
 // The nodes between and around kNodeTile pixels where they are closest.
-static_assert((kNodeTile - 1) / view::kLeastNodePitch + 1 + kFilterTaps <= kMostNodes);
+static_assert((kNodeTile - 1) / view::kLeastNodeStep + 1 + kFilterTaps <= kMostNodes);
 static_assert(kMostNodes <= 32);  // a bit for each
 
 // Divisions of space and of work.
-static_assert(kBlockSheets == view::kBlockDepth);
+static_assert(kBlockDepth == view::kBlockDepth);
 static_assert(kPlanEdge == view::kBlockEdge);
 static_assert(kGroupSize == kGroupEdge * kGroupEdge);
 static_assert(kScanItems == 4 * kScanGroup);
@@ -41,7 +41,7 @@ static_assert((kDistanceBits & kMissingBit) == 0);
 // Numbers of the definition.
 static_assert(kOpaque == static_cast<float>(RenderOptions::kOpaque));
 static_assert(kLeastSetWeight == static_cast<float>(KernelField::kLeastWeight));
-static_assert(kTapsBefore == 2);  // lattice_nodes.comp, post_convolve.glsl
+static_assert(kTapsBefore == 2);  // post_convolve.glsl
 
 // Enumerators by their numbers.
 static_assert(kScaleLinear == static_cast<uint>(ValueScale::kLinear));

@@ -21,8 +21,8 @@ std::span<std::byte> bytes_of(T* at, std::size_t count) {
 
 }  // namespace
 
-std::vector<Band> Pixels::bands(const RenderOptions& options, const RenderHooks& hooks,
-                                std::uint64_t bytes_per_pixel) const {
+std::vector<Strip> Pixels::strips(const RenderOptions& options, const RenderHooks& hooks,
+                                  std::uint64_t bytes_per_pixel) const {
   const std::uint64_t per_row = static_cast<std::uint64_t>(options.width) * bytes_per_pixel;
   const std::uint64_t most =
       std::max<std::uint64_t>(device_->limits().maxStorageBufferRange / per_row, 1);
@@ -34,14 +34,14 @@ std::vector<Band> Pixels::bands(const RenderOptions& options, const RenderHooks&
                                       hooks.tile_done != nullptr);
   if (is_watched) rows = std::min(rows, kWatchedRows);
   if (rows > edge) rows -= rows % edge;
-  std::vector<Band> bands;
+  std::vector<Strip> strips;
   for (int first = 0; first < options.height; first += rows)
-    bands.push_back({first, std::min(first + rows, options.height)});
-  return bands;
+    strips.push_back({first, std::min(first + rows, options.height)});
+  return strips;
 }
 
-void Pixels::clear(Commands& commands, int width, const Band& band) {
-  const std::uint64_t count = static_cast<std::uint64_t>(width) * band.rows();
+void Pixels::clear(Commands& commands, int width, const Strip& strip) {
+  const std::uint64_t count = static_cast<std::uint64_t>(width) * strip.rows();
   reserve(colors_, device_, count * sizeof(device::vec4), BufferUse::kDevice);
   reserve(depths_, device_, count * sizeof(float), BufferUse::kDevice);
   reserve(states_, device_, count * sizeof(device::PixelState), BufferUse::kDevice);
@@ -50,9 +50,9 @@ void Pixels::clear(Commands& commands, int width, const Band& band) {
   commands.fill(states_, 0);
 }
 
-void Pixels::finish(Commands& commands, const Look& look, const Band& band, Image& image) {
-  const std::size_t first = static_cast<std::size_t>(band.first) * image.width;
-  const std::size_t count = static_cast<std::size_t>(band.rows()) * image.width;
+void Pixels::finish(Commands& commands, const Look& look, const Strip& strip, Image& image) {
+  const std::size_t first = static_cast<std::size_t>(strip.first) * image.width;
+  const std::size_t count = static_cast<std::size_t>(strip.rows()) * image.width;
   commands.read_back(depths_, 0, bytes_of(image.depth.data() + first, count));
   if (look.mode == Mode::kComposite || look.mode == Mode::kIsosurface) {
     commands.read_back(colors_, 0, bytes_of(image.rgba.data() + 4 * first, 4 * count));

@@ -10,7 +10,7 @@
 namespace ovoid::vulkan {
 
 // Rows [first, end) of a picture.
-struct Band {
+struct Strip {
   int first = 0, end = 0;
   int rows() const noexcept { return end - first; }
 };
@@ -19,15 +19,15 @@ class Pixels {
  public:
   explicit Pixels(std::shared_ptr<Device> device) : device_(std::move(device)) {}
 
-  // A picture in bands that a buffer of `bytes_per_pixel` at most can hold, and, if somebody
+  // A picture in strips that a buffer of `bytes_per_pixel` at most can hold, and, if somebody
   // watches, of at most kWatchedRows.
-  std::vector<Band> bands(const RenderOptions& options, const RenderHooks& hooks,
-                          std::uint64_t bytes_per_pixel) const;
+  std::vector<Strip> strips(const RenderOptions& options, const RenderHooks& hooks,
+                            std::uint64_t bytes_per_pixel) const;
 
-  // Room for a band in which nothing is drawn yet. Recorded, not submitted.
-  void clear(Commands& commands, int width, const Band& band);
-  // A finished band becomes pixels of the picture.
-  void finish(Commands& commands, const Look& look, const Band& band, Image& image);
+  // Room for a strip in which nothing is drawn yet. Recorded, not submitted.
+  void clear(Commands& commands, int width, const Strip& strip);
+  // A finished strip becomes pixels of the picture.
+  void finish(Commands& commands, const Look& look, const Strip& strip, Image& image);
 
   const Buffer& colors() const noexcept { return colors_; }
   const Buffer& depths() const noexcept { return depths_; }

@@ -10,11 +10,11 @@ double rounds_of_sample(const LatticeLoops& loops, const device::LatticeConstant
   const bool has_four_taps = (loops.flags & device::kHasFourTaps) != 0 && loops.widening == 1 &&
                              (loops.flags & device::kMayMiss) == 0;
   // A row of taps goes by fours.
-  const double per_node =
+  const double per_point =
       has_four_taps ? 30 : taps * (taps * (std::ceil(taps / 4) + 1) + 1) + 9 * taps;
   const bool is_surface = loops.mode == Mode::kIsosurface;
   const double samples = is_surface ? device::kSurfaceSteps + 3 : loops.takes_differences ? 8 : 2;
-  return samples * per_node * lattice.num_slab_nodes * loops.num_sublattices;
+  return samples * per_point * lattice.num_slab_points * loops.num_sublattices;
 }
 
 double rounds_of_spread(const device::LatticeConstants& lattice, double apart) {

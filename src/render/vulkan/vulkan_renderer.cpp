@@ -52,12 +52,10 @@ struct VulkanRenderer::Impl {
   // Times a frame and tells of it. A frame that is stopped leaves the fields where they are. Where
   // memory does not suffice while other fields lie there, it is tried once more without them; a
   // device that is lost is given up, and the next frame opens it anew.
-  template <class Draw>
-  Frame draw(const Field& field, const RenderOptions& options, const RenderHooks& hooks,
-             const Draw& draw_into) {
+  Frame draw(const FrameJob& job) {
     const bool is_fresh = !bench || !has_drawn;
     try {
-      return try_to_draw(field, options, hooks, draw_into);
+      return try_to_draw(job);
     } catch (const Error& error) {
       const bool is_well =
           error.code() == ErrorCode::kCancelled || error.code() == ErrorCode::kInvalidArgument;
@@ -70,16 +68,15 @@ struct VulkanRenderer::Impl {
       if (error.code() != ErrorCode::kOutOfMemory || is_fresh) throw;
     }
     try {
-      return try_to_draw(field, options, hooks, draw_into);
+      return try_to_draw(job);
     } catch (const Error&) {
       close();
       throw;
     }
   }
 
-  template <class Draw>
-  Frame try_to_draw(const Field& field, const RenderOptions& options, const RenderHooks& hooks,
-                    const Draw& draw_into) {
+  Frame try_to_draw(const FrameJob& job) {
+    const RenderOptions& options = job.options;
     const Clock::time_point start = Clock::now();
     if (!bench) open();
     has_drawn = true;
@@ -91,19 +88,24 @@ struct VulkanRenderer::Impl {
     out.image.depth.assign(num_pixels, std::numeric_limits<float>::infinity());
     out.profile.backend = "vulkan";
     out.profile.device = bench->device->info().name;
-    out.profile.kernels_total = field.num_kernels();
+    out.profile.kernels_total = job.field.num_kernels();
     Commands& commands = bench->commands;
     commands.times = options.collect_profile;
     commands.uploaded_bytes = 0;
     commands.stages_ms.clear();
     commands.stage_order.clear();
-    draw_into(out);
+    if (job.field.kernels() != nullptr) {
+      kernels->render(job, out.image, out.profile);
+    } else {
+      lattices->render(job, out.image, out.profile);
+    }
     bench->device->check_messages();
     out.profile.bytes_uploaded = static_cast<std::int64_t>(commands.uploaded_bytes);
     out.profile.frame_ms = ms_since(start);
     for (const std::string& stage : commands.stage_order)
       out.profile.stages_ms.emplace_back(stage, commands.stages_ms[stage]);
-    if (hooks.stop.stop_requested()) throw Error(ErrorCode::kCancelled, "rendering was cancelled");
+    if (job.hooks.stop.stop_requested())
+      throw Error(ErrorCode::kCancelled, "rendering was cancelled");
     return out;
   }
 };
@@ -114,20 +116,7 @@ VulkanRenderer::VulkanRenderer(const RendererSetup& setup) : impl_(std::make_uni
 
 VulkanRenderer::~VulkanRenderer() = default;
 
-Frame VulkanRenderer::render(const LatticeField& field, const Camera& camera, const Look& look,
-                             const RenderOptions& options, const RenderHooks& hooks,
-                             const view::Behind* behind) {
-  return impl_->draw(field, options, hooks, [&](Frame& out) {
-    impl_->lattices->render(field, camera, look, options, hooks, behind, out.image, out.profile);
-  });
-}
-
-Frame VulkanRenderer::render(const KernelField& field, const Camera& camera, const Look& look,
-                             const RenderOptions& options, const RenderHooks& hooks) {
-  return impl_->draw(field, options, hooks, [&](Frame& out) {
-    impl_->kernels->render(field, camera, look, options, hooks, out.image, out.profile);
-  });
-}
+Frame VulkanRenderer::draw(const FrameJob& job) { return impl_->draw(job); }
 
 namespace {
 

@@ -4,27 +4,21 @@
 #include <cstdint>
 #include <memory>
 
-#include "ovoid/renderer.h"
-#include "view/behind.h"
+#include "render/back_end.h"
 
 namespace ovoid::vulkan {
 
 // The vulkan back end. Keeps fields on the device between frames, as long as they are drawn. One
 // frame at a time.
-class VulkanRenderer {
+class VulkanRenderer final : public BackEnd {
  public:
   // Throws Error(kUnsupported) if there is no such device, Error(kInvalidArgument).
   explicit VulkanRenderer(const RendererSetup& setup);
-  ~VulkanRenderer();
+  ~VulkanRenderer() override;
   VulkanRenderer(const VulkanRenderer&) = delete;
   VulkanRenderer& operator=(const VulkanRenderer&) = delete;
 
-  // Arguments have been validated. Throws Error, also kDeviceLost and kOutOfMemory.
-  Frame render(const LatticeField& field, const Camera& camera, const Look& look,
-               const RenderOptions& options, const RenderHooks& hooks,
-               const view::Behind* behind = nullptr);
-  Frame render(const KernelField& field, const Camera& camera, const Look& look,
-               const RenderOptions& options, const RenderHooks& hooks);
+  Frame draw(const FrameJob& job) override;
 
  private:
   struct Impl;

@@ -6,10 +6,10 @@
 
 namespace ovoid::vulkan {
 
-void tell_of(const Band& band, const RenderHooks& hooks, const Image& image) {
-  if (hooks.tile_done) hooks.tile_done({0, band.first, image.width, band.end, &image});
+void tell_of(const Strip& strip, const RenderHooks& hooks, const Image& image) {
+  if (hooks.tile_done) hooks.tile_done({0, strip.first, image.width, strip.end, &image});
   if (hooks.progress)
-    hooks.progress(static_cast<double>(band.end) / static_cast<double>(image.height));
+    hooks.progress(static_cast<double>(strip.end) / static_cast<double>(image.height));
 }
 
 void add_counts(Commands& commands, const Buffer& counts, std::size_t num_groups,

@@ -31,14 +31,14 @@ inline Groups grid_of(std::uint32_t groups) {
   return {std::min(groups, kMostInRow), groups_for(groups, kMostInRow), 1};
 }
 
-// Work groups of edge^2 pixels for a band.
-inline Groups groups_of(const RenderOptions& options, const Band& band, std::uint32_t edge) {
+// Work groups of edge^2 pixels for a strip.
+inline Groups groups_of(const RenderOptions& options, const Strip& strip, std::uint32_t edge) {
   return {groups_for(static_cast<std::uint64_t>(options.width), edge),
-          groups_for(static_cast<std::uint64_t>(band.rows()), edge), 1};
+          groups_for(static_cast<std::uint64_t>(strip.rows()), edge), 1};
 }
 
-// A band is finished.
-void tell_of(const Band& band, const RenderHooks& hooks, const Image& image);
+// A strip is finished.
+void tell_of(const Strip& strip, const RenderHooks& hooks, const Image& image);
 
 // Adds what each of so many work groups has counted: samples reconstructed, shaded, gradients, -.
 void add_counts(Commands& commands, const Buffer& counts, std::size_t num_groups,

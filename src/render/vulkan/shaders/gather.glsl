@@ -231,7 +231,7 @@ AxisTaps taps_of(float fraction, int cell, int dims, float support, float invers
 }
 
 // Adds what the kernels of one sublattice bring to a place, which is relative to it.
-void add_sublattice(int field, int sublattice, Place place, vec3 widening, float node_weight,
+void add_sublattice(int field, int sublattice, Place place, vec3 widening, float point_weight,
                     bool may_miss, inout Sums sums) {
   LatticeConstants lattice = frame.fields[field];
   ivec3 dims = dims_of(lattice, sublattice);
@@ -240,7 +240,7 @@ void add_sublattice(int field, int sublattice, Place place, vec3 widening, float
   AxisTaps x = taps_of(place.fraction.x, place.cell.x, dims.x, support.x, inverse.x);
   AxisTaps y = taps_of(place.fraction.y, place.cell.y, dims.y, support.y, inverse.y);
   AxisTaps z = taps_of(place.fraction.z, place.cell.z, dims.z, support.z, inverse.z);
-  sums.endless += node_weight * x.endless * y.endless * z.endless;
+  sums.endless += point_weight * x.endless * y.endless * z.endless;
   if (x.first > x.last || y.first > y.last || z.first > z.last) return;
   vec4 samples = vec4(0.0);
   vec4 weights = vec4(0.0);
@@ -282,8 +282,8 @@ void add_sublattice(int field, int sublattice, Place place, vec3 widening, float
     weights = vec4(x.derivative * y.existing * z.existing, x.existing * y.derivative * z.existing,
                    x.existing * y.existing * z.derivative, x.existing * y.existing * z.existing);
   }
-  sums.samples += node_weight * samples;
-  sums.weights += node_weight * weights;
+  sums.samples += point_weight * samples;
+  sums.weights += point_weight * weights;
 }
 
 Place in_sublattice(Place place, float offset) {
@@ -373,12 +373,12 @@ Gathered gather_general(int field, Place place, vec3 widening, vec3 step, bool m
   Sums sums;
   sums.samples = sums.weights = vec4(0.0);
   sums.endless = 0.0;
-  int num_nodes = field_has(field, kTakesMeans) ? lattice.num_slab_nodes : 1;
-  for (int node = 0; node < num_nodes; ++node) {
-    SlabNode slab = SlabNode(0.0, 1.0);
+  int num_points = field_has(field, kTakesMeans) ? lattice.num_slab_points : 1;
+  for (int point = 0; point < num_points; ++point) {
+    SlabPoint slab = SlabPoint(0.0, 1.0);
     Place at = place;
     if (field_has(field, kTakesMeans)) {
-      slab = lattice.slab[node];
+      slab = lattice.slab[point];
       at = moved(place, slab.offset * step);
     }
     for (int s = 0; s < num_sublattices(field); ++s) {

@@ -31,9 +31,9 @@ void draw_pixel(uvec2 at) {
   for (int sheet = sheets.x; sheet < sheets.y;) {
     float s = float(sheet);
     int skipped = sheets_to_skip(0, ray, s);
-    int skipped_behind = has_flag(kHasBehind) ? sheets_to_skip(1, ray, s) : skipped;
-    if (skipped > 0 && skipped_behind > 0) {
-      sheet += min(skipped, skipped_behind);
+    int trail_skipped = has_flag(kHasTrail) ? sheets_to_skip(1, ray, s) : skipped;
+    if (skipped > 0 && trail_skipped > 0) {
+      sheet += min(skipped, trail_skipped);
       continue;
     }
     ++sheet;
@@ -47,8 +47,8 @@ void draw_pixel(uvec2 at) {
       own_place = place;
       if (f.is_defined) take_value(pixel, center, s, path, f.value);
     }
-    if (has_flag(kHasBehind) && skipped_behind == 0 && is_in_support(1, place))
-      take_behind(pixel, center, ray, place, s, path);
+    if (has_flag(kHasTrail) && trail_skipped == 0 && is_in_support(1, place))
+      take_trail(pixel, center, ray, place, s, path);
     if (pixel.is_closed && has_flag(kStopsOpaque)) break;
   }
   store_pixel(index, pixel);

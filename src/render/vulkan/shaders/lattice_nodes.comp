@@ -7,6 +7,7 @@
 // node without value around it is worked out by itself, as without nodes.
 #extension GL_GOOGLE_include_directive : require
 #include "lattice_bindings.glsl"
+#include "render/shared/filter_formulas.h"
 
 layout(local_size_x = 16, local_size_y = 16) in;
 layout(constant_id = 6) const uint kFilter = 0u;
@@ -36,39 +37,23 @@ shared uint wanted_hi[2];
 
 vec3 own_color(vec2 at, float s) { return vec3(0.0); }  // lattices have one attribute
 
-// The weight of a node, `distance` nodes away, before they are made to add up to 1.
-float filter_at(float distance) {
-  float x = abs(distance);
-  if (kFilter == kFilterBilinear) return max(1.0 - x, 0.0);
-  if (kFilter == kFilterGaussian) return x < 2.0 ? exp(-2.0 * x * x) : 0.0;
-  if (x < 1.0) return (1.5 * x - 2.5) * x * x + 1.0;
-  return x < 2.0 ? ((-0.5 * x + 2.5) * x - 4.0) * x + 2.0 : 0.0;
-}
-
 struct Taps {
   int first;  // node, of the tile's
-  float weight[6];
+  float weight[kFilterTaps];
 };
 
 Taps taps_at(float place, int first_node) {
   Taps taps;
   float whole = floor(place);
   float phase = place - whole;
-  taps.first = int(whole) - 2 - first_node;
+  taps.first = int(whole) - kTapsBefore - first_node;
   float sum = 0.0;
-  for (int k = 0; k < 6; ++k) {
-    float weight = 1.0;
-    if (kFilter == kFilterLagrange) {
-      for (int m = 0; m < 6; ++m) {
-        if (m != k) weight *= (phase - float(m - 2)) / float(k - m);
-      }
-    } else {
-      weight = filter_at(phase - float(k - 2));
-    }
+  for (int k = 0; k < kFilterTaps; ++k) {
+    float weight = filter_weight(kFilter, k, phase);
     taps.weight[k] = weight;
     sum += weight;
   }
-  for (int k = 0; k < 6; ++k) taps.weight[k] /= sum;
+  for (int k = 0; k < kFilterTaps; ++k) taps.weight[k] /= sum;
   return taps;
 }
 
@@ -93,7 +78,7 @@ Gathered node_at(vec2 at, float s, bool wants_gradient) {
   result.value = 0.0;
   result.gradient = vec3(0.0);
   result.is_defined = false;
-  if (has_flag(kSpreads)) return spread_at(place, s, box.pitch);
+  if (has_flag(kSpreads)) return spread_at(place, s, box.node_step);
   if (!is_in_support(0, place)) return result;
   if (has_flag(kNodesKeepBound) && !is_whole(place, s)) return result;
   result = gather(0, place, s, ray.step.hi, wants_gradient);
@@ -102,17 +87,17 @@ Gathered node_at(vec2 at, float s, bool wants_gradient) {
 }
 
 vec3 central_gradient_of_node(vec2 at, float s, float value) {
-  Gathered left = node_at(at - vec2(box.pitch, 0.0), s, false);
-  Gathered right = node_at(at + vec2(box.pitch, 0.0), s, false);
-  Gathered above = node_at(at - vec2(0.0, box.pitch), s, false);
-  Gathered below = node_at(at + vec2(0.0, box.pitch), s, false);
+  Gathered left = node_at(at - vec2(box.node_step, 0.0), s, false);
+  Gathered right = node_at(at + vec2(box.node_step, 0.0), s, false);
+  Gathered above = node_at(at - vec2(0.0, box.node_step), s, false);
+  Gathered below = node_at(at + vec2(0.0, box.node_step), s, false);
   Gathered front = node_at(at, s - 1.0, false);
   Gathered back = node_at(at, s + 1.0, false);
   vec3 differences =
       vec3(difference(left.value, value, right.value, left.is_defined, right.is_defined),
            difference(above.value, value, below.value, above.is_defined, below.is_defined),
            difference(front.value, value, back.value, front.is_defined, back.is_defined));
-  return gradient_of_differences(differences, at, s, box.pitch);
+  return gradient_of_differences(differences, at, s, box.node_step);
 }
 
 ivec2 first_node;  // of the tile; the others are counted from it
@@ -128,7 +113,7 @@ void fill_nodes(float s, bool wants_gradient) {
   ivec2 count = most_node - least_node + 1;
   for (uint n = self; n < uint(count.x * count.y); n += kThreads) {
     ivec2 node = least_node + ivec2(int(n) % count.x, int(n) / count.x);
-    vec2 at = vec2(first_node + node) * box.pitch;
+    vec2 at = vec2(first_node + node) * box.node_step;
     bool takes_differences = has_flag(kTakesDifferences);
     Gathered f = node_at(at, s, wants_gradient && !takes_differences);
     if (wants_gradient && takes_differences && f.is_defined)
@@ -148,9 +133,9 @@ void filter_rows(int kind, uvec2 corner) {
   for (uint n = gl_LocalInvocationIndex; n < uint(num_rows * kNodeTile); n += kThreads) {
     int row = least_node.y + int(n) / kNodeTile;
     int column = int(n) % kNodeTile;
-    Taps taps = taps_at(float(corner.x + uint(column)) / box.pitch, first_node.x);
+    Taps taps = taps_at(float(corner.x + uint(column)) / box.node_step, first_node.x);
     float sum = 0.0;
-    for (int k = 0; k < 6; ++k) {
+    for (int k = 0; k < kFilterTaps; ++k) {
       int at = row * kMostNodes + min(taps.first + k, num_nodes.x - 1);
       sum = fma(taps.weight[k], kind < 0 ? node_values[at] : node_gradients[kind][at], sum);
     }
@@ -161,7 +146,7 @@ void filter_rows(int kind, uvec2 corner) {
 
 float filtered_at(Taps rows, int column) {
   float sum = 0.0;
-  for (int k = 0; k < 6; ++k)
+  for (int k = 0; k < kFilterTaps; ++k)
     sum = fma(rows.weight[k],
               filtered_rows[min(rows.first + k, num_nodes.y - 1) * kNodeTile + column], sum);
   return sum;
@@ -169,7 +154,7 @@ float filtered_at(Taps rows, int column) {
 
 bool has_all_nodes(Taps columns, Taps rows) {
   uint mask = 63u << uint(columns.first);
-  for (int k = 0; k < 6; ++k) {
+  for (int k = 0; k < kFilterTaps; ++k) {
     if ((defined_rows[rows.first + k] & mask) != mask) return false;
   }
   return true;
@@ -178,8 +163,8 @@ bool has_all_nodes(Taps columns, Taps rows) {
 void main() {
   uvec2 corner = gl_WorkGroupID.xy * uint(kNodeTile) + uvec2(box.tile_x, box.tile_y);
   ivec2 within = ivec2(gl_LocalInvocationID.xy);
-  first_node = ivec2(floor(vec2(corner) / box.pitch)) - 2;
-  num_nodes = ivec2(floor(vec2(corner + uint(kNodeTile) - 1u) / box.pitch)) + 3 - first_node + 1;
+  first_node = ivec2(floor(vec2(corner) / box.node_step)) - 2;
+  num_nodes = ivec2(floor(vec2(corner + uint(kNodeTile) - 1u) / box.node_step)) + 3 - first_node + 1;
   num_nodes = min(num_nodes, ivec2(kMostNodes));
   Pixel pixels[kOwn];
   Ray rays[kOwn];
@@ -241,8 +226,8 @@ void main() {
     if (is_wanted) {
       vec2 lo = vec2(float(wanted_lo[0]), float(wanted_lo[1]));
       vec2 hi = vec2(float(wanted_hi[0]), float(wanted_hi[1]));
-      least_node = max(ivec2(floor(lo / box.pitch)) - 2 - first_node, ivec2(0));
-      most_node = min(ivec2(floor(hi / box.pitch)) + 3 - first_node, num_nodes - 1);
+      least_node = max(ivec2(floor(lo / box.node_step)) - 2 - first_node, ivec2(0));
+      most_node = min(ivec2(floor(hi / box.node_step)) + 3 - first_node, num_nodes - 1);
     }
     barrier();
     if (is_wanted) {
@@ -255,8 +240,8 @@ void main() {
       for (int i = 0; i < kOwn; ++i) {
         is_defined[i] = is_from_nodes[i] = false;
         if (!wants[i]) continue;
-        Taps columns = taps_at(float(places[i].x) / box.pitch, first_node.x);
-        Taps rows = taps_at(float(places[i].y) / box.pitch, first_node.y);
+        Taps columns = taps_at(float(places[i].x) / box.node_step, first_node.x);
+        Taps rows = taps_at(float(places[i].y) / box.node_step, first_node.y);
         is_from_nodes[i] = has_all_nodes(columns, rows);
         if (is_from_nodes[i]) {
           values[i] = filtered_at(rows, int(places[i].x - corner.x));
@@ -276,7 +261,7 @@ void main() {
           filter_rows(a, corner);
           for (int i = 0; i < kOwn; ++i) {
             if (!is_from_nodes[i]) continue;
-            Taps rows = taps_at(float(places[i].y) / box.pitch, first_node.y);
+            Taps rows = taps_at(float(places[i].y) / box.node_step, first_node.y);
             gradients[i][a] = filtered_at(rows, int(places[i].x - corner.x));
           }
           barrier();

@@ -138,8 +138,8 @@ void take_value(inout Pixel pixel, vec2 at, float s, float path, float value) {
   pixel.before_sheet = int(s);
 }
 
-// Sheet s of what is behind the field: classified, not lit.
-void take_behind(inout Pixel pixel, vec2 at, Ray ray, Place place, float s, float path) {
+// Sheet s of the trail: classified, not lit.
+void take_trail(inout Pixel pixel, vec2 at, Ray ray, Place place, float s, float path) {
   Gathered f = gather(1, place, s, ray.step.hi, false);
   ++num_samples.x;
   if (!f.is_defined) return;
@@ -167,7 +167,7 @@ int sheets_to_skip(int field, Ray ray, float s) {
 ivec2 sheets_in_box(Ray ray) {
   vec3 lo = frame.fields[0].support_lo.xyz;
   vec3 hi = frame.fields[0].support_hi.xyz;
-  if (has_flag(kHasBehind)) {
+  if (has_flag(kHasTrail)) {
     lo = min(lo, frame.fields[1].support_lo.xyz);
     hi = max(hi, frame.fields[1].support_hi.xyz);
   }

@@ -14,23 +14,23 @@ float place_of(TableConstants table, float value) {
   return steps * table.cells_per_step;
 }
 
-float step_of(TableConstants table, uint node) {
-  uint at = table.steps_at + node;
+float step_of(TableConstants table, uint entry) {
+  uint at = table.steps_at + entry;
   return tables[at >> 2][at & 3u];
 }
 
 // Colour, not premultiplied, and opacity.
 vec4 classify(TableConstants table, float value) {
   float at = clamp(place_of(table, value), 0.0, float(kTableCells));
-  float node = floor(at);
-  float fraction = at - node;
-  uint i = uint(node);
+  float entry = floor(at);
+  float fraction = at - entry;
+  uint i = uint(entry);
   if (table.steps_at != kNoTable) {
     float step = step_of(table, i);
     if (step >= 0.0) fraction = fraction >= step ? 1.0 : 0.0;
   }
-  vec4 lo = tables[table.nodes_at + i];
-  vec4 hi = tables[table.nodes_at + i + 1u];
+  vec4 lo = tables[table.entries_at + i];
+  vec4 hi = tables[table.entries_at + i + 1u];
   return fma(hi - lo, vec4(fraction), lo);
 }
 
@@ -42,9 +42,9 @@ struct Integrals {
 Integrals integrals_to(LookConstants look, float value) {
   float inside = clamp(value, look.integral_lo, look.integral_hi);
   float at = clamp(place_of(look.look, inside), 0.0, float(kTableCells));
-  float node = floor(at);
-  vec4 fraction = vec4(at - node);
-  uint i = look.integrals_at + 2u * uint(node);
+  float entry = floor(at);
+  vec4 fraction = vec4(at - entry);
+  uint i = look.integrals_at + 2u * uint(entry);
   precise vec4 a = tables[i];
   precise vec4 b = tables[i + 2u];
   precise vec4 a_low = tables[i + 1u];

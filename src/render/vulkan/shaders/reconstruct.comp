@@ -29,7 +29,7 @@ layout(std430, binding = 9) buffer CountBuffer { uvec4 counts[]; };
 #include "post_convolve.glsl"
 #include "sheet_bits.glsl"
 
-shared Section staged[kGroupSize][kBlockSheets];
+shared Section staged[kGroupSize][kBlockDepth];
 shared vec3 staged_values[kGroupSize];
 shared uint staged_bits[2];
 shared uint is_any_uncovered;
@@ -71,21 +71,21 @@ bool is_open(ivec2 tile, ivec2 tiles) {
 // Whether a sheet of the layer is worked out now.
 bool is_wanted(int j) { return push.only_sheet < 0 || push.only_sheet == j; }
 
-// Cuts one splat of a level with the layer's sheets, at one node of their slabs, in samples of the
+// Cuts one splat of a level with the layer's sheets, at one point of their slabs, in samples of the
 // level in hand. True if it meets the tile.
-bool stage(DeviceSplat splat, int of_level, int first_sheet, int node, vec2 corner,
-           out Section sections[kBlockSheets]) {
+bool stage(DeviceSplat splat, int of_level, int first_sheet, int point, vec2 corner,
+           out Section sections[kBlockDepth]) {
   bool meets = false;
   float unit = float(1 << push.level);
-  bool takes_nodes = set_has(kSetTakesMeans) && kProfile != kProfileGaussian;
+  bool takes_points = set_has(kSetTakesMeans) && kProfile != kProfileGaussian;
   bool takes_means = set_has(kSetTakesMeans) && kProfile == kProfileGaussian;
-  for (int j = 0; j < kBlockSheets; ++j) {
+  for (int j = 0; j < kBlockDepth; ++j) {
     float middle = float(first_sheet + j);
     float s = middle;
-    float node_weight = 1.0;
-    if (takes_nodes) {
-      s += node < 4 ? kNodes[node & 3] : -kNodes[node & 3];
-      node_weight = kNodeWeights[node & 3];
+    float point_weight = 1.0;
+    if (takes_points) {
+      s += kProfilePointOffsets[point];
+      point_weight = kProfilePointWeights[point];
     }
     float depth = depth_at(s);
     float scale = scale_at(depth);
@@ -104,7 +104,7 @@ bool stage(DeviceSplat splat, int of_level, int first_sheet, int node, vec2 corn
       sections[j] = mean_section(splat, t, factor, offset, per_depth);
     } else {
       sections[j] = middle_section(splat, t, factor, offset);
-      sections[j].amplitude *= node_weight;
+      sections[j].amplitude *= point_weight;
     }
     if (!(sections[j].room > 0.0)) continue;
     // The box around the cut.
@@ -120,12 +120,12 @@ bool stage(DeviceSplat splat, int of_level, int first_sheet, int node, vec2 corn
   return meets;
 }
 
-vec3 sums[kBlockSheets];
+vec3 sums[kBlockDepth];
 uint covered_sheets = 0u;  // a bit for each: some kernel reaches the sample there
-const uint kAllCovered = (1u << uint(kBlockSheets)) - 1u;
+const uint kAllCovered = (1u << uint(kBlockDepth)) - 1u;
 
 // Adds a list's splats to the sums, or, those of a coarser level, notes whom they reach.
-void add_list(uint list, int of_level, int first_sheet, int node, vec2 corner, vec2 sample_at) {
+void add_list(uint list, int of_level, int first_sheet, int point, vec2 corner, vec2 sample_at) {
   uint first = ends[2u * list];
   uint past = ends[2u * list + 1u];
   uint self = gl_LocalInvocationIndex;
@@ -141,10 +141,10 @@ void add_list(uint list, int of_level, int first_sheet, int node, vec2 corner, v
     }
     bool meets = false;
     DeviceSplat splat;
-    Section sections[kBlockSheets];
+    Section sections[kBlockDepth];
     if (batch + self < past) {
       splat = splats[pairs[batch + self].y];
-      meets = stage(splat, of_level, first_sheet, node, corner, sections);
+      meets = stage(splat, of_level, first_sheet, point, corner, sections);
     }
     if (meets) atomicOr(staged_bits[self >> 5], 1u << (self & 31u));
     barrier();
@@ -153,14 +153,14 @@ void add_list(uint list, int of_level, int first_sheet, int node, vec2 corner, v
     if (meets) {
       uint below = (1u << (self & 31u)) - 1u;
       uint slot = self < 32u ? bitCount(low & below) : bitCount(low) + bitCount(high & below);
-      for (int j = 0; j < kBlockSheets; ++j) staged[slot][j] = sections[j];
+      for (int j = 0; j < kBlockDepth; ++j) staged[slot][j] = sections[j];
       staged_values[slot] = coefficients_of(splat);
     }
     barrier();
     uint count = bitCount(low) + bitCount(high);
     for (uint i = 0u; i < count; ++i) {
       vec3 values = staged_values[i];
-      for (int j = 0; j < kBlockSheets; ++j) {
+      for (int j = 0; j < kBlockDepth; ++j) {
         Section section = staged[i][j];
         vec2 d = sample_at - section.center;
         float q = fma(d.x * d.x, section.shape.x,
@@ -185,15 +185,15 @@ uint list_of(int level, ivec2 tile, int layer) {
 }
 
 // Sums of coarser levels are still to come: where are they a part of the field?
-void find_cover(ivec2 tile, int layer, int first_sheet, int num_nodes, vec2 corner,
+void find_cover(ivec2 tile, int layer, int first_sheet, int num_points, vec2 corner,
                 vec2 sample_at) {
-  for (int j = 0; j < kBlockSheets; ++j) {
+  for (int j = 0; j < kBlockDepth; ++j) {
     if (sums[j].x != 0.0 || !is_wanted(j)) covered_sheets |= 1u << uint(j);
   }
-  for (int node = 0; node < num_nodes; ++node) {
+  for (int point = 0; point < num_points; ++point) {
     for (int coarse = 1; coarse <= push.coarsest; ++coarse) {
       ivec2 of = ivec2(tile.x >> coarse, tile.y >> coarse) - frame.levels[coarse].tiles.zw;
-      add_list(list_of(coarse, of, layer), coarse, first_sheet, node, corner, sample_at);
+      add_list(list_of(coarse, of, layer), coarse, first_sheet, point, corner, sample_at);
     }
   }
 }
@@ -206,8 +206,8 @@ void store_value(int sheet, uint at, uint plane_size, float value, float color) 
 }
 
 void finish_samples(uint at, uint plane_size, int first_sheet) {
-  uint bits[kBlockSheets];
-  for (int j = 0; j < kBlockSheets; ++j) {
+  uint bits[kBlockDepth];
+  for (int j = 0; j < kBlockDepth; ++j) {
     if (!is_wanted(j)) continue;
     float whole = set_has(kSetIsSum) ? sums[j].x : sums[j].y;
     bool is_defined = set_has(kSetIsSum) ? whole != 0.0 : whole >= kLeastSetWeight;
@@ -222,7 +222,7 @@ void finish_samples(uint at, uint plane_size, int first_sheet) {
   }
   if (!set_has(kSetHalfSheets)) return;
   // Two sheets in a word.
-  for (int j = 0; j < kBlockSheets; j += 2) {
+  for (int j = 0; j < kBlockDepth; j += 2) {
     uint ring = uint((first_sheet + j) % frame.ring_sheets) >> 1;
     sheets[ring * plane_size + at] = bits[j] | bits[j + 1] << 16;
   }
@@ -237,33 +237,33 @@ void main() {
   bool is_finest = (kLevelKind & kIsFinest) != 0u;
   if (is_finest && (!is_open(tile, level.tiles.xy) || !is_needed(corner, layer))) return;
   ivec2 within = ivec2(int(gl_LocalInvocationIndex & 7u), int(gl_LocalInvocationIndex >> 3));
-  int first_sheet = layer * kBlockSheets;
-  for (int j = 0; j < kBlockSheets; ++j) sums[j] = vec3(0.0);
-  bool takes_nodes = set_has(kSetTakesMeans) && kProfile != kProfileGaussian;
-  int num_nodes = takes_nodes ? kProfileNodes : 1;
-  for (int node = 0; node < num_nodes; ++node) {
+  int first_sheet = layer * kBlockDepth;
+  for (int j = 0; j < kBlockDepth; ++j) sums[j] = vec3(0.0);
+  bool takes_points = set_has(kSetTakesMeans) && kProfile != kProfileGaussian;
+  int num_points = takes_points ? kProfilePoints : 1;
+  for (int point = 0; point < num_points; ++point) {
     if (set_has(kHasLevels)) {
-      add_list(list_of(push.level, tile, layer), push.level, first_sheet, node, vec2(corner),
+      add_list(list_of(push.level, tile, layer), push.level, first_sheet, point, vec2(corner),
                vec2(within));
     } else {
       // The lists of all the larger tiles that this one lies in.
       for (int coarse = 0; coarse <= push.coarsest; ++coarse) {
         ivec2 of = ivec2(absolute.x >> coarse, absolute.y >> coarse) -
                    frame.levels[coarse].tiles.zw;
-        add_list(list_of(coarse, of, layer), push.level, first_sheet, node, vec2(corner),
+        add_list(list_of(coarse, of, layer), push.level, first_sheet, point, vec2(corner),
                  vec2(within));
       }
     }
   }
   if (set_has(kSetFindsCover) && is_finest)
-    find_cover(absolute, layer, first_sheet, num_nodes, vec2(corner), vec2(within));
+    find_cover(absolute, layer, first_sheet, num_points, vec2(corner), vec2(within));
   ivec2 size = level.tiles.xy * int(kGroupEdge);
   ivec2 place = tile * int(kGroupEdge) + within;
   uint at = uint(place.y * size.x + place.x);
   uint plane_size = uint(size.x * size.y);
-  int in_chunk = (layer - push.layer) * kBlockSheets;
+  int in_chunk = (layer - push.layer) * kBlockDepth;
   if ((kLevelKind & kHasCoarser) != 0u) {
-    for (int j = 0; j < kBlockSheets; ++j) {
+    for (int j = 0; j < kBlockDepth; ++j) {
       if (!is_wanted(j)) continue;
       for (uint c = 0u; c < kChannels; ++c)
         sums[j][c] += post_convolved(push.level + 1, in_chunk + j, c, corner + within);
@@ -272,10 +272,10 @@ void main() {
   if (is_finest) {
     finish_samples(at, plane_size, first_sheet);
     if (gl_LocalInvocationIndex == 0u)
-      atomicAdd(counts[tile.y * level.tiles.x + tile.x].x, kGroupSize * (push.only_sheet < 0 ? uint(kBlockSheets) : 1u));
+      atomicAdd(counts[tile.y * level.tiles.x + tile.x].x, kGroupSize * (push.only_sheet < 0 ? uint(kBlockDepth) : 1u));
     return;
   }
-  for (int j = 0; j < kBlockSheets; ++j) {
+  for (int j = 0; j < kBlockDepth; ++j) {
     if (!is_wanted(j)) continue;
     for (uint c = 0u; c < kChannels; ++c)
       planes[level.plane_at + (uint(in_chunk + j) * kChannels + c) * plane_size + at] = sums[j][c];

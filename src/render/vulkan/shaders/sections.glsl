@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The cut of a splat with a sheet, or its slab's mean, in samples of a level.
+#include "render/shared/moment_formulas.h"
 
 struct Section {
   vec2 center;
@@ -8,39 +9,6 @@ struct Section {
   float q_along;    // others: the part of the squared distance along s
   float room;       // the cut ends where the rest of it exceeds this; none: it does not meet it
 };
-
-struct SlabMoments {
-  float weight;
-  float mean;
-  float variance;
-};
-
-// Of exp(-x^2 / 2) over [a, b], not wider than a few: by quadrature, which unlike differences of
-// error functions loses no digits far from the middle, nor where the slab is thin.
-const float kNodes[4] = float[4](0.09171732, 0.26276620, 0.39833324, 0.48014493);
-const float kNodeWeights[4] = float[4](0.18134189, 0.15685332, 0.11119052, 0.05061427);
-
-SlabMoments slab_moments(float a, float b) {
-  float middle = 0.5 * (a + b);
-  float width = b - a;
-  float weight = 0.0, first = 0.0, second = 0.0;
-  for (int i = 0; i < 8; ++i) {
-    float at = (i < 4 ? kNodes[i & 3] : -kNodes[i & 3]) * width;
-    float g = kNodeWeights[i & 3] * exp(-0.5 * (middle + at) * (middle + at));
-    weight += g;
-    first += g * at;
-    second += g * at * at;
-  }
-  SlabMoments moments;
-  moments.weight = weight * width;
-  moments.mean = middle;
-  moments.variance = 0.0;
-  if (!(moments.weight > 1e-12)) return moments;
-  float mean = first / weight;
-  moments.mean = middle + mean;
-  moments.variance = max(second / weight - mean * mean, 0.0);
-  return moments;
-}
 
 Section middle_section(DeviceSplat splat, float t, float factor, vec2 offset) {
   float along = t * t * splat.shape.w;
@@ -60,7 +28,7 @@ Section middle_section(DeviceSplat splat, float t, float factor, vec2 offset) {
 Section mean_section(DeviceSplat splat, float t, float factor, vec2 offset, float per_depth) {
   float sigma = inversesqrt(splat.shape.w);
   float reach = splat.slide.z;
-  SlabMoments moments = slab_moments(clamp(t - 0.5, -reach, reach) / sigma,
+  SlabMoments moments = slab_moments_by_points(clamp(t - 0.5, -reach, reach) / sigma,
                                      clamp(t + 0.5, -reach, reach) / sigma);
   float mean = moments.mean * sigma;
   float variance = moments.variance * sigma * sigma;

@@ -116,10 +116,10 @@ void draw_pixel(ivec2 at, inout Pixel pixel) {
   ivec2 of_plan = at / kPlanEdge;
   for (int sheet = push.first_sheet; sheet < push.end_sheet; ++sheet) {
     if (pixel.is_closed && has_flag(kStopsOpaque)) return;
-    int layer = sheet / kBlockSheets;
+    int layer = sheet / kBlockDepth;
     uint block = uint((layer * frame.num_blocks.y + of_plan.y) * frame.num_blocks.x + of_plan.x);
     if ((needed_blocks[block >> 2] >> ((block & 3u) * 8u) & kBlockIsRelevant) == 0u) {
-      sheet = (layer + 1) * kBlockSheets - 1;
+      sheet = (layer + 1) * kBlockDepth - 1;
       continue;
     }
     Sample own = sample_at(at, sheet);

@@ -39,16 +39,16 @@ void for_each_list(DeviceSplat splat) {
   float reach_s = splat.slide.z;
   float first_sheet = splat.center.z - reach_s - reach;
   float last_sheet = splat.center.z + reach_s + reach;
-  float first_s = float(push.first_layer * kBlockSheets);
-  float last_s = float(push.end_layer * kBlockSheets);
+  float first_s = float(push.first_layer * kBlockDepth);
+  float last_s = float(push.end_layer * kBlockDepth);
   if (!(last_sheet >= first_s - 1.0) || !(first_sheet <= last_s)) return;
-  int first = max(int(max(first_sheet, 0.0)) / kBlockSheets - 1, push.first_layer);
-  int end = min(int(min(last_sheet, last_s)) / kBlockSheets + 1, push.end_layer);
+  int first = max(int(max(first_sheet, 0.0)) / kBlockDepth - 1, push.first_layer);
+  int end = min(int(min(last_sheet, last_s)) / kBlockDepth + 1, push.end_layer);
   vec2 center = vec2(frame.center_x, frame.center_y);
   for (int layer = first; layer < end; ++layer) {
     if (!layer_is_needed(layer)) continue;
-    float layer_first = float(layer * kBlockSheets) - reach;
-    float layer_last = float(layer * kBlockSheets + kBlockSheets - 1) + reach;
+    float layer_first = float(layer * kBlockDepth) - reach;
+    float layer_last = float(layer * kBlockDepth + kBlockDepth - 1) + reach;
     float t0 = max(first_sheet, layer_first) - splat.center.z;
     float t1 = min(last_sheet, layer_last) - splat.center.z;
     if (t0 > t1) continue;

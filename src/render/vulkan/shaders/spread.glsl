@@ -2,10 +2,10 @@
 // The published bilinear spread: a lattice's sample is shared among the four nodes around it
 // (docs/numerics.md, "Spread"). Here a node looks for the samples that it has a share of.
 
-// `pitch`: pixels between nodes.
-Gathered spread_at(Place place, float s, float pitch) {
+// `node_step`: pixels from node to node.
+Gathered spread_at(Place place, float s, float node_step) {
   LatticeConstants lattice = frame.fields[0];
-  float apart = (frame.view.pitch + s * frame.view.pitch_per_sheet) * pitch;
+  float apart = (frame.view.pitch + s * frame.view.pitch_per_sheet) * node_step;
   float tau = lattice.sigma * length(lattice.camera_rows[2].xyz);
   vec3 reach = vec3(apart, apart, lattice.support / lattice.sigma * tau);
   float sum = 0.0, weights = 0.0;

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// What Renderer draws with. One of each kind, chosen once; renderer.cpp knows no more of them.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "ovoid/renderer.h"
+#include "view/trail_view.h"
+
+namespace ovoid {
+
+// The arguments of Renderer::render(), which have been validated.
+struct FrameJob {
+  const Field& field;
+  const Camera& camera;
+  const Look& look;
+  const view::TrailView* trail;  // null: none
+  const RenderOptions& options;
+  const RenderHooks& hooks;
+};
+
+class BackEnd {
+ public:
+  virtual ~BackEnd() = default;
+  // Throws Error, also kDeviceLost and kOutOfMemory, and what the hooks throw. One frame at a time.
+  virtual Frame draw(const FrameJob& job) = 0;
+};
+
+// Draws on a device of the setup. Throws Error: kUnsupported where there is none, or where the
+// program was built without Vulkan (without_vulkan/); kInvalidArgument.
+std::unique_ptr<BackEnd> make_vulkan_back_end(const RendererSetup& setup);
+
+// True if Backend::kAuto takes a device of this machine and setup.
+bool has_device_for_auto(const RendererSetup& setup);
+
+}  // namespace ovoid

@@ -38,7 +38,7 @@ ovoid::Dataset bent_bar() {
         const double radius = 3 + j / 12.0;
         positions.insert(positions.end(),
                          {radius * std::cos(angle), radius * std::sin(angle), k / 12.0});
-        temperatures.push_back(300 + 200 * std::exp(-0.08 * i) + 20 * std::sin(0.5 * j));
+        temperatures.push_back(500 - 3.0 * i + 2.0 * j);
       }
     }
   }
@@ -57,7 +57,9 @@ int main(int argc, char** argv) try {
   if (argc != 2) return std::fprintf(stderr, "usage: %s PICTURE\n", argv[0]), 2;
   const auto field = ovoid::make_field(bent_bar());
   const auto camera = ovoid::default_camera(field.world_bounds());
-  const auto look = ovoid::ramp_look(field.value_range(), "inferno");
+  auto look = ovoid::ramp_look(field.value_range(), "viridis");
+  look.transfer_function.opacities = {{0, 0.9}};  // the same everywhere
+  look.shade = false;
   const auto frame = ovoid::Renderer{}.render(field, camera, look);
   ovoid::write_image(frame.image, argv[1], ovoid::Rgb{1, 1, 1});
 } catch (const ovoid::Error& error) {

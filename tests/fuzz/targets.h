@@ -259,7 +259,7 @@ inline void hdf5_lattice(Input input) {
       .write(reinterpret_cast<const char*>(input.data()),
              static_cast<std::streamsize>(input.size()));
   io::ReaderRequest request;
-  request.format = io::ForeignFormat::kHdf5;
+  request.format = "HDF5";
   request.source = path.string();
   request.paths = {path.string()};
   expect_dataset_or_error([&] { return io::read_here(request); });

@@ -294,4 +294,14 @@ Dataset read_plot3d(const std::string& grid_path, const std::vector<std::string>
   return result;
 }
 
+void refuse_lone_plot3d(const ByteSource& source) {
+  const char* const what = find_plot3d(source, Plot3dContent::kGrid)
+                               ? "grid, which has no arrays: give its solution (q file) behind it"
+                           : find_plot3d(source, Plot3dContent::kSolution)
+                               ? "solution, which has no points: give its grid before it"
+                               : nullptr;
+  if (what != nullptr)
+    throw Error(ErrorCode::kFileFormat, fmt::format("{}: is a PLOT3D {}", source.name(), what));
+}
+
 }  // namespace ovoid::io

@@ -62,6 +62,17 @@ int level_of(const ByteSource& source, const XmlTag& tag) {
 
 }  // namespace
 
+bool begins_like_vtk_xml(std::string_view start) noexcept {
+  if (start.starts_with("\xef\xbb\xbf")) start.remove_prefix(3);  // a byte order mark
+  const auto first = start.find_first_not_of(" \t\r\n");
+  return first != std::string_view::npos && start[first] == '<' &&
+         start.find("<VTKFile") != std::string_view::npos;
+}
+
+bool begins_like_legacy_vtk(std::string_view start) noexcept {
+  return start.starts_with("# vtk DataFile");
+}
+
 std::string vtk_xml_type(const ByteSource& source) {
   XmlTagReader reader(source);
   while (const auto tag = reader.next()) {

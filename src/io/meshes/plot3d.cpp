@@ -11,6 +11,7 @@
 #include <span>
 #include <utility>
 
+#include "io/core/numbers.h"
 #include "io/core/samples.h"
 #include "io/meshes/mesh_parts.h"
 #include "io/meshes/mesh_steps.h"
@@ -93,10 +94,7 @@ class Plot3dWalker {
     const std::string bytes = source_.text(position_, 4);
     if (bytes.size() < 4) return -1;
     position_ += 4;
-    std::uint32_t value = 0;
-    for (std::size_t i = 0; i < 4; ++i)
-      value = value << 8U | static_cast<unsigned char>(bytes[layout_.is_big_endian ? i : 3 - i]);
-    return static_cast<std::int32_t>(value);
+    return number_at<std::int32_t>(bytes.data(), layout_.is_big_endian);
   }
 
   const ByteSource& source_;

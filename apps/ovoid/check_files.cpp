@@ -2,6 +2,7 @@
 #include "check_files.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <filesystem>
 #include <system_error>
@@ -73,6 +74,15 @@ void check_files(const std::vector<InputFile>& inputs, const std::vector<OutputF
     }
   }
   for (const OutputFile& output : outputs) check_writable(output.path);
+}
+
+std::string written_files_text() {
+  const auto endings = [](DatasetKind kind) {
+    return fmt::format("{}", fmt::join(written_endings(kind), ", "));
+  };
+  return fmt::format("the file: a volume {}; a mesh {}; particles {}; kernels {}",
+                     endings(DatasetKind::kLattice), endings(DatasetKind::kMesh),
+                     endings(DatasetKind::kParticles), endings(DatasetKind::kKernels));
 }
 
 void check_volume_output(const std::string& flag, const std::string& path) {

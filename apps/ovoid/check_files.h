@@ -29,6 +29,10 @@ std::vector<OutputFile> volume_outputs(const std::string& flag, const std::strin
 // or cannot be written, or if it is no regular file.
 void check_files(const std::vector<InputFile>& inputs, const std::vector<OutputFile>& outputs);
 
+// "the file: a volume .nrrd, ...; a mesh .vtu; ...": what a flag may be given that names a dataset
+// to write, for its help.
+std::string written_files_text();
+
 // Throws UsageError if no format of volumes has the ending, Error(kFileWrite) if the samples of a
 // .nhdr would replace a file that is not its own.
 void check_volume_output(const std::string& flag, const std::string& path);

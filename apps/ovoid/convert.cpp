@@ -32,29 +32,6 @@ void convert_look(const std::vector<std::string>& inputs, const std::string& nam
   write_look(read_look(inputs[0], name), output);
 }
 
-// What the format cannot hold, in one note.
-void note_losses(const Dataset& dataset, const std::string& output, Session& session) {
-  const bool has_space = dataset.space != Space::kNone;
-  const bool is_placed = !dataset.lattice.world_from_index.matrix().isIdentity(0);
-  if (has_ending(output, ".npy") || has_ending(output, ".raw")) {
-    if (has_space || is_placed)
-      session.note(
-          fmt::format("{}: holds no spacing, directions and origin: they are lost", output));
-  } else if (has_space && (has_ending(output, ".vti") || has_ending(output, ".vtk"))) {
-    session.note(fmt::format("{}: holds no patient space: that the axes are {} is lost", output,
-                             name_of(dataset.space)));
-  } else if (has_ending(output, ".nii") || has_ending(output, ".nii.gz")) {
-    const Affine3& place = dataset.lattice.world_from_index;
-    const Mat3 axes = place.linear();
-    const bool is_spacing_alone =
-        axes.isDiagonal(0) && axes.diagonal().minCoeff() > 0 && place.translation().isZero(0);
-    if (!has_space && !is_spacing_alone)
-      session.note(fmt::format(
-          "{}: holds a place in patient space only: x, y, z are now right, anterior, superior",
-          output));
-  }
-}
-
 // What --size asks for: sides, or one for the longest, of cubes.
 struct GridSize {
   std::optional<Index3> dims;
@@ -178,9 +155,9 @@ bool becomes_kernels(const ConvertFlags& convert, const Dataset& dataset) {
 }
 
 bool is_grid_name(const std::string& path) {
-  const auto endings = {".nrrd", ".nhdr", ".nii", ".nii.gz", ".npy", ".raw", ".vti", ".vtk", ".h5"};
+  const std::vector<std::string> endings = written_endings(DatasetKind::kLattice);
   return std::any_of(endings.begin(), endings.end(),
-                     [&](const char* ending) { return has_ending(path, ending); });
+                     [&](const std::string& ending) { return has_ending(path, ending); });
 }
 
 LatticeResampleOptions resample_options(const ConvertFlags& convert, Progress& progress,
@@ -249,9 +226,7 @@ Dataset converted(const ConvertFlags& convert, const Flags& flags, const Dataset
 
 void add_flags(Flags& flags, ConvertFlags* convert) {
   flags.section("");
-  flags.value("-o,--output", "OUT",
-              "the file: a volume .nrrd, .nhdr, .nii, .nii.gz, .npy, .raw, .vti, .vtk, .h5; a mesh "
-              ".vtu; particles .csv, .npz, .ply; kernels .ply; a look .json",
+  flags.value("-o,--output", "OUT", written_files_text() + "; a look .json",
               [convert](const std::string& text) { convert->output = text; });
   flags.value("--size", "N|XxYxZ",
               "resample the field to a grid over its bounds, NaN where it is not defined; N: of "
@@ -365,7 +340,8 @@ void run_convert(const Words& words, Session& session) {
   session.check_stop();
   if (keeps_relevant(convert)) return write_relevant(convert, dataset, session);
   write_dataset(dataset, output, {session.stop()});
-  if (dataset.kind == DatasetKind::kLattice) note_losses(dataset, output, session);
+  if (const std::string lost = lost_place(dataset, output); !lost.empty())
+    session.note(fmt::format("{}: {}", output, lost));
 }
 
 }  // namespace ovoid::cli

@@ -68,11 +68,8 @@ void check_lattice(const MakeFlags& make) {
 void add_flags(Flags& flags, MakeFlags* make) {
   flags.section("");
   flags.positionals("NAME", "what to make, see below", &make->names);
-  flags.value(
-      "-o,--output", "OUT",
-      "the file: a volume .nrrd, .nhdr, .nii, .nii.gz, .npy, .raw, .vti, .vtk, .h5; a mesh .vtu; "
-      "particles .csv, .npz, .ply; kernels .ply",
-      [make](const std::string& text) { make->output = text; });
+  flags.value("-o,--output", "OUT", written_files_text(),
+              [make](const std::string& text) { make->output = text; });
   flags.value("--size", "N|XxYxZ", "samples of a volume (default: the name's own)",
               [make](const std::string& text) { make->options.size = parse_samples(text); });
   flags.value("--lattice", kLatticeWords,

@@ -59,15 +59,13 @@ struct ReadOptions {
   std::shared_ptr<ReaderSession> session;
 };
 
-// Reads a volume: raw, NRRD/NHDR, NIfTI, MetaImage, SLC, NPY, DICOM; a mesh: PLOT3D; with VTK both
-// of them from VTK's XML and legacy files, VTKHDF, and meshes from Exodus and EnSight, adaptive
-// grids from Enzo; particles: CSV and other text, NPY, NPZ, PLY, text dumps of LAMMPS, and HDF5 in
-// a build that has it; or kernels stored in PLY (docs/formats.md). The format is told from content,
-// then from the name. A path may be a folder of DICOM files. Several paths are the slices of a
-// DICOM series, a PLOT3D grid and its solutions, or else the time steps of one dataset, of which
-// one is read. Peak memory of a volume is at most 2.1 times the decoded size; sizes in headers are
-// checked against the file before anything is allocated. Throws Error: kFileNotFound, kFileFormat
-// (names file and field), kUnsupported, kInvalidArgument, kCancelled.
+// Reads a volume, a mesh, adaptive grids, particles or stored kernels of the formats that
+// docs/formats.md lists, some of which need a build with VTK or HDF5. The format is told from
+// content, then from the name. A path may be a folder of DICOM files. Several paths are the slices
+// of a DICOM series, a PLOT3D grid and its solutions, or else the time steps of one dataset, of
+// which one is read. Peak memory of a volume is at most 2.1 times the decoded size; sizes in
+// headers are checked against the file before anything is allocated. Throws Error: kFileNotFound,
+// kFileFormat (names file and field), kUnsupported, kInvalidArgument, kCancelled.
 Dataset read_dataset(const std::vector<std::string>& paths, const ReadOptions& options = {});
 
 // The time steps of what read_dataset(paths) reads, one of which is read at a time; a single volume
@@ -86,15 +84,21 @@ struct WriteOptions {
   std::stop_token stop;  // triggered: Error(kCancelled), and an existing file stays as it was
 };
 
-// Writes a dataset; the name's ending chooses the format (.nrrd .nhdr .nii .nii.gz .npy .raw .vti
-// .vtk, .h5 with HDF5, which alone takes body-centred lattices; meshes .vtu;
-// particles .csv .npz .ply, kernels .ply), as a file is written below. The samples of NAME.nhdr go
-// to NAME.raw, which is replaced only if it belongs to an existing NAME.nhdr; header and samples
-// are replaced as one: whenever the program is stopped, the header names samples that are its own
-// (in a file ovoid-*.raw, should it be killed between the two). Throws Error(kFileWrite,
-// kUnsupported, kCancelled).
+// The endings of names under which write_dataset() writes data of this kind: ".nrrd", ".nii.gz".
+std::vector<std::string> written_endings(DatasetKind kind);
+
+// Writes a dataset; the name's ending chooses the format (written_endings; .h5 needs HDF5, and
+// alone takes body-centred lattices), as a file is written below. The samples of NAME.nhdr go to
+// NAME.raw, which is replaced only if it belongs to an existing NAME.nhdr; header and samples are
+// replaced as one: whenever the program is stopped, the header names samples that are its own (in a
+// file ovoid-*.raw, should it be killed between the two). Throws Error(kFileWrite, kUnsupported,
+// kCancelled).
 void write_dataset(const Dataset& dataset, const std::string& path,
                    const WriteOptions& options = {});
+
+// What a file of this name will not say about where the samples of a lattice are, in words that
+// follow the name; empty if nothing is lost. Throws Error(kUnsupported).
+std::string lost_place(const Dataset& dataset, const std::string& path);
 
 // Writes a picture: .png (8 bit, straight alpha; x-ray pictures must be mapped first), .exr (float,
 // premultiplied, with depth channel Z), .npy (float32 [height, width, 4], premultiplied). Throws

@@ -269,9 +269,9 @@ TEST(DatasetFiles, ReadErrors) {
   folder.write("name.vti", "hello");
   folder.write("a.gz", "\x1f\x8b\x08");
   const std::string readable =
-      "NRRD, NPY, NIfTI, MetaImage, SLC, VTK's files, Exodus, VTKHDF, PLOT3D, Enzo, EnSight, "
-      "DICOM, "
-      "CSV, NPZ, PLY, HDF5, a LAMMPS dump, or raw samples with dimensions and type";
+      "NRRD, NIfTI, MetaImage, SLC, NPY, VTK XML, legacy VTK, VTKHDF, Exodus, EnSight, Enzo, "
+      "PLOT3D, HDF5, CSV and other text, NPZ, PLY, LAMMPS dump, DICOM, or raw samples with "
+      "dimensions and type";
   expect("missing.nrrd", "file-not-found", "no such file");
   expect("", "unsupported", "none of its 4 files is DICOM: a folder is read as DICOM slices");
   expect("empty", "file-format", "is empty");
@@ -287,9 +287,10 @@ TEST(DatasetFiles, ReadErrors) {
   write_dataset(oblique_dataset(), folder.file("a.nrrd"));
   ReadOptions options;
   options.raw.dims = Index3{1, 1, 1};
-  EXPECT_EQ(error(folder.file("a.nrrd"), options),
-            "invalid-argument: " + folder.file("a.nrrd") +
-                ": is NRRD and states its own layout: dimensions can be given for raw files only");
+  EXPECT_EQ(
+      error(folder.file("a.nrrd"), options),
+      "invalid-argument: " + folder.file("a.nrrd") +
+          ": the format NRRD states its own layout: dimensions can be given for raw files only");
 }
 
 // Fails if another file is read than the one that was asked for, or the first that varies.
@@ -335,9 +336,8 @@ TEST(DatasetFiles, WriteErrors) {
   EXPECT_EQ(
       error("a.mhd"),
       "unsupported: a.mhd: the ending '.mhd' names no format that is written: expected .nrrd, "
-      ".nhdr, .npy, .raw, .nii, .nii.gz, .vti, .vtk or .h5 for volumes, .vtu for meshes, .csv, "
-      ".npz "
-      "or .ply for particles");
+      ".nhdr, .nii, .nii.gz, .npy, .raw, .vti, .vtk or .h5 for volumes, .vtu for meshes, .csv, "
+      ".npz or .ply for particles, .ply for kernels");
   EXPECT_EQ(error_of([] { check_dataset_path("a"); }).substr(0, 12), "unsupported:");
   EXPECT_EQ(error(folder.file("no/a.nrrd")).substr(0, 11), "file-write:");
   dataset.arrays.push_back(dataset.arrays[0]);

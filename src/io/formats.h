@@ -1,48 +1,97 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a file is, told from its first bytes, and what a name asks for.
+// The formats of datasets, one row each. All that depends on a file's format is told from here: how
+// it is recognised, who reads it, which files belong to it, what is written and what that loses.
 #pragma once
 
+#include <optional>
+#include <stop_token>
 #include <string>
 #include <string_view>
+#include <vector>
+
+#include "io/core/byte_source.h"
+#include "io/step_outline.h"
+#include "ovoid/dataset.h"
+#include "ovoid/io.h"
 
 namespace ovoid::io {
 
-enum class FileKind {
-  kUnknown,
-  kNrrd,
-  kNpy,
-  kNifti,
-  kMetaImage,
-  kSlc,
-  kVtkXml,
-  kVtkLegacy,
-  kDicom,
-  kPly,
-  kZip,
-  kHdf5,
-  kLammpsDump
+// Compression that a format is read through: its text alone, or a header that stays at the front.
+enum class Packing { kNone, kGzip, kGzipOrBzip2 };
+
+// Where the samples of a lattice are, as far as a written file says.
+enum class PlaceInFile { kWhole, kNoSpace, kInSpaceAlone, kNone };
+
+// How a format is written.
+struct FormatWriter {
+  std::vector<std::string_view> endings;
+  std::vector<DatasetKind> kinds;
+  // Of a dataset that was checked: of lattices at least one array, of points all of one length.
+  void (*write)(const Dataset&, const std::string& path, const std::stop_token&) = nullptr;
+  bool is_one_array = false;        // on a lattice of its own (lattice_of)
+  bool keeps_scale = false;         // else arrays are written as plain_values()
+  bool takes_body_centred = false;  // else Cartesian lattices alone
+  PlaceInFile place = PlaceInFile::kWhole;
+  const char* library = nullptr;                                   // that it takes
+  std::string (*samples_path)(const std::string& path) = nullptr;  // a second file
+  void (*check_samples_path)(const std::string& path) = nullptr;   // throws if it is not ours
 };
 
-// From the first 512 bytes of a file.
-FileKind kind_of(std::string_view start) noexcept;
+struct Format {
+  const char* name;  // as docs/formats.md calls it
+  // Of names that promise the format; a file that is called so and is of none is told so.
+  std::vector<std::string_view> endings;
 
-// The format of a picture that may be a slice of somebody's volume: "TIFF"; empty if it is none.
-std::string picture_format_of(std::string_view start);
+  // Either tells the format from the first 512 bytes, unpacked as `packing` allows, or from the
+  // file and its name. With neither the format is told otherwise (format_of, read_dataset).
+  bool (*begins)(std::string_view start) = nullptr;
+  bool (*is_file)(const ByteSource& source, std::string_view start) = nullptr;
+  Packing packing = Packing::kNone;
 
-// The magic of HDF5, whatever is in the file.
-bool is_hdf5(std::string_view start) noexcept;
+  // Without a reader here, ovoid-read has one (io/foreign), which stands on `library`.
+  Dataset (*read)(const ByteSource&, const ReadOptions&, const Opener&) = nullptr;
+  const char* library = nullptr;
+  bool says_layout = true;   // the flags of raw files contradict it,
+  bool says_spacing = true;  // --spacing too
 
-// A format that is recognised but not read, in words for a message ("a NIfTI file"); empty if none
-// is.
-std::string unsupported_kind_of(std::string_view start);
+  // The files that belong to the one named, beside it and as far as they are there.
+  std::vector<std::string> (*companions)(const ByteSource&) = nullptr;
+  std::vector<DatasetKind> kinds = {};                         // that it may hold; empty: any
+  StepOutline (*outline)(const ByteSource&) = nullptr;         // what more a header tells
+  std::optional<double> (*time)(const ByteSource&) = nullptr;  // that the file names
 
-// The data behind these bytes are compressed so.
-bool is_gzip(std::string_view start) noexcept;
-bool is_bzip2(std::string_view start) noexcept;
+  std::vector<FormatWriter> writers = {};
+};
 
-// The lower-case ending with its dot (".nrrd"), with the one before it if it is ".gz" (".nii.gz");
-// empty without one. plain_ending_of() leaves out ".gz" and ".bz2" (".nii").
-std::string ending_of(const std::string& path);
-std::string plain_ending_of(const std::string& path);
+// In the order in which they are tried and told.
+const std::vector<Format>& formats();
+
+// The row of that name, which there must be.
+const Format& format_called(std::string_view name);
+
+// Is the library that a row names, VTK or HDF5, in this build?
+bool has_library(std::string_view name);
+
+// The format that the file's content, or its name where that decides, has; null if it has none.
+const Format* format_by_content(const ByteSource& source);
+
+// The same, and else raw where flags or name say dimensions and type, and tables of points by name.
+const Format* format_of(const ByteSource& source, const RawOptions& raw);
+
+// Reads a file of that format, here or in ovoid-read. Throws Error.
+Dataset read_as(const Format& format, const ByteSource& source, const ReadOptions& options,
+                const Opener& open);
+
+// Throws the Error that tells what a file without a format may be, and what is read.
+[[noreturn]] void refuse_unknown(const ByteSource& source);
+
+// Throws Error(kInvalidArgument) for flags of raw files given with a file that says these things
+// itself: one of both is a mistake. `source` names it in the message.
+void refuse_raw_options(const std::string& source, const Format& format, const RawOptions& raw);
+
+bool is_one_of(const std::vector<std::string_view>& endings, const std::string& ending);
+
+// By the ending of `path`. Throws Error(kUnsupported) if none is written so, or not in this build.
+const FormatWriter& writer_for(const std::string& path);
 
 }  // namespace ovoid::io

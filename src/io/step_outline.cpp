@@ -20,7 +20,6 @@
 #include "io/images/nifti_header.h"
 #include "io/images/npy_header.h"
 #include "io/images/nrrd_header.h"
-#include "io/points/point_text.h"
 #include "ovoid/dataset.h"
 #include "ovoid/error.h"
 
@@ -29,17 +28,18 @@ namespace {
 
 using Kinds = std::vector<DatasetKind>;
 
-// What a header tells of a file at little cost.
-struct StepOutline {
-  Kinds kinds;                      // that it may hold; empty: any
-  std::vector<std::int64_t> sizes;  // as the format orders them; empty: not known
-  std::vector<double> spacings;     // of as many axes, or their vectors; empty: not known
-};
-
 const Kinds kLatticeOnly{DatasetKind::kLattice};
 const Kinds kParticlesOnly{DatasetKind::kParticles};
 const Kinds kMeshOrParticles{DatasetKind::kMesh, DatasetKind::kParticles};
 const Kinds kLatticeOrMesh{DatasetKind::kLattice, DatasetKind::kMesh};
+
+std::vector<double> reals(std::string_view text) {
+  std::vector<double> result;
+  for (const std::string_view word : words(text)) result.push_back(parse_real(word).value_or(0));
+  return result;
+}
+
+}  // namespace
 
 StepOutline outline_of_nrrd(const ByteSource& source) {
   StepOutline outline{kLatticeOnly, {}, {}};
@@ -71,12 +71,6 @@ StepOutline outline_of_npy(const ByteSource& source) {
   const NpyHeader header = read_npy_header(source);
   if (header.shape.size() < 3) return {};
   return {kLatticeOnly, header.shape, {}};
-}
-
-std::vector<double> reals(std::string_view text) {
-  std::vector<double> result;
-  for (const std::string_view word : words(text)) result.push_back(parse_real(word).value_or(0));
-  return result;
 }
 
 StepOutline outline_of_vtk_xml(const ByteSource& source) {
@@ -133,35 +127,12 @@ StepOutline outline_of_legacy_vtk(const ByteSource& source) {
   return outline;
 }
 
+namespace {
+
 StepOutline outline_of(const ByteSource& source) {
-  switch (kind_of(stream_start(source, 512))) {
-    case FileKind::kNrrd:
-      return outline_of_nrrd(source);
-    case FileKind::kNifti:
-      return outline_of_nifti(source);
-    case FileKind::kMetaImage:
-      return outline_of_metaimage(source);
-    case FileKind::kNpy:
-      return outline_of_npy(source);
-    case FileKind::kVtkXml:
-      return outline_of_vtk_xml(source);
-    case FileKind::kVtkLegacy:
-      return outline_of_legacy_vtk(source);
-    case FileKind::kSlc:
-    case FileKind::kDicom:
-      return {kLatticeOnly, {}, {}};
-    case FileKind::kLammpsDump:
-    case FileKind::kZip:
-      return {kParticlesOnly, {}, {}};
-    case FileKind::kPly:
-      return {{DatasetKind::kParticles, DatasetKind::kKernels}, {}, {}};
-    case FileKind::kHdf5:
-      return {};
-    case FileKind::kUnknown:
-      break;
-  }
-  if (is_point_text_name(source.name())) return {kParticlesOnly, {}, {}};
-  return {};
+  const Format* const format = format_of(source, {});
+  if (format == nullptr) return {};
+  return format->outline != nullptr ? format->outline(source) : StepOutline{format->kinds, {}, {}};
 }
 
 // What is broken, or not there, is told by who reads it.

@@ -34,7 +34,9 @@ std::optional<double> number_of(const ByteSource& source, const XmlTag& tag) {
   return parse_field(least);
 }
 
-std::optional<double> vtk_time(const ByteSource& source) {
+}  // namespace
+
+std::optional<double> time_of_vtk_xml(const ByteSource& source) {
   XmlTagReader reader(source);
   for (int i = 0; i < kMaxTags; ++i) {
     const auto tag = reader.next();
@@ -45,7 +47,8 @@ std::optional<double> vtk_time(const ByteSource& source) {
   return std::nullopt;
 }
 
-std::optional<double> dump_time(std::string start) {
+std::optional<double> time_of_dump(const ByteSource& source) {
+  std::string start = stream_start(source, 512);
   unify_line_ends(start);
   constexpr std::string_view kItem = "ITEM: TIMESTEP";
   const auto begin = start.find(kItem);
@@ -57,18 +60,9 @@ std::optional<double> dump_time(std::string start) {
   return parts.size() == 1 ? parse_field(parts[0]) : std::nullopt;
 }
 
-}  // namespace
-
 std::optional<double> named_time(const ByteSource& source) {
-  const std::string start = stream_start(source, 512);
-  switch (kind_of(start)) {
-    case FileKind::kVtkXml:
-      return vtk_time(source);
-    case FileKind::kLammpsDump:
-      return dump_time(start);
-    default:
-      return std::nullopt;
-  }
+  const Format* const format = format_by_content(source);
+  return format != nullptr && format->time != nullptr ? format->time(source) : std::nullopt;
 }
 
 void check_step_times(const std::vector<std::string>& files, const std::vector<double>& times) {

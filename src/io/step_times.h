@@ -9,10 +9,13 @@
 
 namespace ovoid::io {
 
-// The time that a file of one step names, from its first lines: the field data TimeValue of VTK's
-// XML files, the time step of a LAMMPS dump. None if it names none, or not there. It need not be
-// finite. Throws what reading throws.
+// The time that a file of one step names, from its first lines. None if its format has none, or it
+// is not there. It need not be finite. Throws what reading throws.
 std::optional<double> named_time(const ByteSource& source);
+
+// By format: the field data TimeValue, the time step.
+std::optional<double> time_of_vtk_xml(const ByteSource& source);
+std::optional<double> time_of_dump(const ByteSource& source);
 
 // Throws Error(kFileFormat) naming the step unless the times are finite and rise. `files`: of the
 // steps, one each, or the one of all.

@@ -10,66 +10,14 @@
 #include "io/core/atomic_file.h"
 #include "io/core/plain_values.h"
 #include "io/core/samples.h"
+#include "io/core/signatures.h"
 #include "io/formats.h"
 #include "io/images/nifti.h"
-#include "io/images/npy.h"
-#include "io/images/nrrd.h"
-#include "io/images/raw.h"
-#include "io/points/npy_points.h"
-#include "io/points/ply.h"
-#include "io/points/point_text.h"
-#include "io/vtk/legacy_vtk_write.h"
-#include "io/vtk/vti_write.h"
-#include "io/vtk/vtu_write.h"
 #include "ovoid/error.h"
 #include "ovoid/io.h"
-#include "ovoid/lattice_file.h"
 
 namespace ovoid {
 namespace {
-
-enum class Target {
-  kNrrd,
-  kNhdr,
-  kNpy,
-  kRaw,
-  kNifti,
-  kVti,
-  kLegacyVtk,
-  kVtu,
-  kPly,
-  kNpz,
-  kCsv,
-  kHdf5
-};
-
-Target target_of(const std::string& path) {
-  const std::string ending = io::ending_of(path);
-  if (ending == ".nrrd") return Target::kNrrd;
-  if (ending == ".nhdr") return Target::kNhdr;
-  if (ending == ".npy") return Target::kNpy;
-  if (ending == ".raw") return Target::kRaw;
-  if (ending == ".nii" || ending == ".nii.gz") return Target::kNifti;
-  if (ending == ".ply") return Target::kPly;
-  if (ending == ".npz") return Target::kNpz;
-  if (ending == ".csv") return Target::kCsv;
-  if (ending == ".vtu") return Target::kVtu;
-  if (ending == ".h5") {
-#ifdef OVOID_IO_HDF5
-    return Target::kHdf5;
-#else
-    throw Error(ErrorCode::kUnsupported,
-                fmt::format("{}: this build has no HDF5 and cannot write {}", path, ending));
-#endif
-  }
-  if (ending == ".vti") return Target::kVti;
-  if (ending == ".vtk") return Target::kLegacyVtk;
-  throw Error(ErrorCode::kUnsupported,
-              fmt::format("{}: the ending '{}' names no format that is written: expected .nrrd, "
-                          ".nhdr, .npy, .raw, .nii, .nii.gz, .vti, .vtk or .h5 for volumes, .vtu "
-                          "for meshes, .csv, .npz or .ply for particles",
-                          path, ending));
-}
 
 void check_array(const Dataset& dataset, const DataArray& array) {
   const std::string where = fmt::format("array '{}'", array.name);
@@ -122,33 +70,6 @@ void check_points(const Dataset& dataset) {
   for (const DataArray& array : dataset.arrays) check(array, fmt::format("array '{}'", array.name));
 }
 
-void write_mesh(const Dataset& dataset, const std::string& path, const WriteOptions& options) {
-  if (dataset.kind != DatasetKind::kMesh) {
-    throw Error(ErrorCode::kUnsupported, fmt::format("{}: .vtu holds a mesh, the dataset is {}",
-                                                     path, name_of(dataset.kind)));
-  }
-  Dataset plain = dataset;  // cheap: arrays share their bytes
-  for (DataArray& array : plain.arrays) array = io::plain_values(array);
-  io::write_vtu(plain, path, options.stop);
-}
-
-void write_points(const Dataset& dataset, Target target, const std::string& path,
-                  const WriteOptions& options) {
-  const bool is_kernels = dataset.kind == DatasetKind::kKernels;
-  if (dataset.kind != DatasetKind::kParticles && !(is_kernels && target == Target::kPly)) {
-    throw Error(
-        ErrorCode::kUnsupported,
-        fmt::format("{}: {} holds particles{}, the dataset is {}", path, io::ending_of(path),
-                    target == Target::kPly ? " or kernels" : "", name_of(dataset.kind)));
-  }
-  check_points(dataset);
-  Dataset plain = dataset;  // cheap: arrays share their bytes
-  for (DataArray& array : plain.arrays) array = io::plain_values(array);
-  if (target == Target::kPly) return io::write_ply(plain, path, options.stop);
-  if (target == Target::kNpz) return io::write_npz(plain, path, options.stop);
-  io::write_point_text(plain, path, options.stop);
-}
-
 // What VTK and others have no type for.
 void refuse_body_centred(const Dataset& dataset, const std::string& path) {
   if (dataset.lattice.kind != LatticeKind::kBodyCentred) return;
@@ -159,11 +80,44 @@ void refuse_body_centred(const Dataset& dataset, const std::string& path) {
                   path, io::ending_of(path)));
 }
 
-void write_lattice_file(const Dataset& dataset, const std::string& path,
-                        const WriteOptions& options) {
-  LatticeFileWriter writer(path, lattice_file_header(dataset), options);
-  writer.write_step(dataset);
-  writer.finish();
+// "a mesh", "particles or kernels"
+std::string held_by(const io::FormatWriter& writer) {
+  std::string held;
+  for (const DatasetKind kind : writer.kinds) {
+    const bool is_one = kind == DatasetKind::kLattice || kind == DatasetKind::kMesh;
+    held += fmt::format("{}{}{}", held.empty() ? "" : " or ", is_one ? "a " : "", name_of(kind));
+  }
+  return held;
+}
+
+// Throws unless the writer's format can hold what the dataset is.
+void check_dataset(const Dataset& dataset, const io::FormatWriter& writer,
+                   const std::string& path) {
+  if (std::find(writer.kinds.begin(), writer.kinds.end(), dataset.kind) == writer.kinds.end()) {
+    throw Error(ErrorCode::kUnsupported,
+                fmt::format("{}: {} holds {}, the dataset is {}", path, io::ending_of(path),
+                            held_by(writer), name_of(dataset.kind)));
+  }
+  if (dataset.kind == DatasetKind::kMesh) return;
+  if (dataset.kind != DatasetKind::kLattice) return check_points(dataset);
+  if (dataset.arrays.empty())
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("{}: the dataset has no array to write", path));
+  for (const DataArray& array : dataset.arrays) check_array(dataset, array);
+  if (!writer.takes_body_centred) refuse_body_centred(dataset, path);
+}
+
+// What goes into the file: one array alone, or all; cheap, because arrays share their bytes.
+Dataset dataset_to_write(const Dataset& dataset, const io::FormatWriter& writer,
+                         const std::string& path) {
+  Dataset written = dataset;
+  if (writer.is_one_array) {
+    written.arrays = {only_array(dataset, path)};
+    written.lattice = io::lattice_of(dataset.lattice, written.arrays[0]);
+  }
+  if (!writer.keeps_scale)
+    for (DataArray& array : written.arrays) array = io::plain_values(array);
+  return written;
 }
 
 }  // namespace
@@ -186,53 +140,45 @@ LatticeGeometry lattice_of(const LatticeGeometry& points, const DataArray& array
 }  // namespace io
 
 void check_dataset_path(const std::string& path) {
-  const Target target = target_of(path);
+  const io::FormatWriter& writer = io::writer_for(path);
   io::check_writable(path);
-  if (target == Target::kNhdr) io::check_nhdr_data_path(path);
+  if (writer.check_samples_path != nullptr) writer.check_samples_path(path);
 }
 
 std::vector<std::string> files_written_for(const std::string& path) {
-  if (io::ending_of(path) != ".nhdr") return {path};
-  return {path, io::nhdr_data_path(path)};
+  for (const io::Format& format : io::formats())
+    for (const io::FormatWriter& writer : format.writers)
+      if (writer.samples_path != nullptr && io::is_one_of(writer.endings, io::ending_of(path)))
+        return {path, writer.samples_path(path)};
+  return {path};
+}
+
+std::string lost_place(const Dataset& dataset, const std::string& path) {
+  const bool has_space = dataset.space != Space::kNone;
+  const bool is_placed = !dataset.lattice.world_from_index.matrix().isIdentity(0);
+  if (dataset.kind != DatasetKind::kLattice) return {};
+  switch (io::writer_for(path).place) {
+    case io::PlaceInFile::kNone:
+      return has_space || is_placed ? "holds no spacing, directions and origin: they are lost" : "";
+    case io::PlaceInFile::kNoSpace:
+      if (!has_space) return {};
+      return fmt::format("holds no patient space: that the axes are {} is lost",
+                         name_of(dataset.space));
+    case io::PlaceInFile::kInSpaceAlone:
+      if (has_space || io::is_placed_by_spacing(dataset.lattice)) return {};
+      return "holds a place in patient space only: x, y, z are now right, anterior, superior";
+    case io::PlaceInFile::kWhole:
+      return {};
+  }
+  return {};
 }
 
 void write_dataset(const Dataset& dataset, const std::string& path,
                    const WriteOptions& options) try {
-  const Target target = target_of(path);
-  const bool is_for_points =
-      target == Target::kPly || target == Target::kNpz || target == Target::kCsv;
-  if (target == Target::kVtu) return write_mesh(dataset, path, options);
-  if (is_for_points) return write_points(dataset, target, path, options);
-  if (dataset.kind != DatasetKind::kLattice) {
-    throw Error(ErrorCode::kUnsupported,
-                fmt::format("{}: holds a lattice, the dataset is {}", path, name_of(dataset.kind)));
-  }
-  if (dataset.arrays.empty())
-    throw Error(ErrorCode::kInvalidArgument,
-                fmt::format("{}: the dataset has no array to write", path));
-  for (const DataArray& array : dataset.arrays) check_array(dataset, array);
-  if (target == Target::kHdf5) return write_lattice_file(dataset, path, options);
-  refuse_body_centred(dataset, path);
-  if (target == Target::kVti || target == Target::kLegacyVtk) {
-    io::check_stop(options.stop);
-    Dataset plain = dataset;  // cheap: arrays share their bytes
-    for (DataArray& array : plain.arrays) array = io::plain_values(array);
-    return target == Target::kVti ? io::write_vti(plain, path, options.stop)
-                                  : io::write_legacy_vtk(plain, path, options.stop);
-  }
-
-  const bool keeps_scale = target == Target::kNifti;
-  const DataArray array =
-      keeps_scale ? only_array(dataset, path) : io::plain_values(only_array(dataset, path));
-  const LatticeGeometry lattice = io::lattice_of(dataset.lattice, array);
-  if (target == Target::kNpy) return io::write_npy(lattice.dims, array, path, options.stop);
-  if (target == Target::kRaw) return io::write_raw(array, path, options.stop);
-  Dataset described;  // cheap: arrays share their bytes
-  described.lattice = lattice;
-  described.space = dataset.space;
-  if (target == Target::kNifti) return io::write_nifti(described, array, path, options.stop);
-  if (target == Target::kNrrd) return io::write_nrrd(described, array, path, options.stop);
-  io::write_nhdr(described, array, path, options.stop);
+  const io::FormatWriter& writer = io::writer_for(path);
+  check_dataset(dataset, writer, path);
+  io::check_stop(options.stop);
+  writer.write(dataset_to_write(dataset, writer, path), path, options.stop);
 } catch (const std::bad_alloc&) {
   throw Error(ErrorCode::kOutOfMemory, path + ": no memory to write it");
 }

@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -22,12 +23,12 @@
 #include "data/relevant_runs.h"
 #include "io/core/byte_source.h"
 #include "io/dicom/dicom_codec.h"
-#include "io/foreign/foreign_readers.h"
 #include "io/foreign/gdcm_codec.h"
 #include "io/foreign/netcdf_header.h"
 #include "io/foreign/vtk_header.h"
 #include "io/meshes/plot3d.h"
 #include "io/read_source.h"
+#include "io/reader/reader_session.h"
 #include "ovoid/dataset.h"
 #include "ovoid/error.h"
 #include "ovoid/io.h"
@@ -249,20 +250,18 @@ inline void plot3d(Input input) {
   expect_dataset_or_error([&] { return io::read_plot3d(grid.path(), {solution.path()}, {}); });
 }
 
-// Within this process. Not among the libFuzzer programs, whose sanitizers find HDF5's own library
-// first.
-// The library wants a name that leads to the file, which those of MemoryFile do not.
+// By the reader's process, which HDF5's library may crash.
 inline void hdf5_lattice(Input input) {
-  const std::filesystem::path path =
-      std::filesystem::temp_directory_path() / ("ovoid_fuzz_" + std::to_string(::getpid()) + ".h5");
+  static const std::string path = (std::filesystem::temp_directory_path() /
+                                   ("ovoid_fuzz_" + std::to_string(::getpid()) + ".h5"))
+                                      .string();
+  static const auto session = std::make_shared<ReaderSession>(std::vector{path});
   std::ofstream(path, std::ios::binary)
       .write(reinterpret_cast<const char*>(input.data()),
              static_cast<std::streamsize>(input.size()));
-  io::ReaderRequest request;
-  request.format = io::ForeignFormat::kHdf5;
-  request.source = path.string();
-  request.paths = {path.string()};
-  expect_dataset_or_error([&] { return io::read_here(request); });
+  ReadOptions options;
+  options.session = session;
+  expect_dataset_or_error([&] { return read_dataset({path}, options); });
   std::error_code ignored;
   std::filesystem::remove(path, ignored);
 }

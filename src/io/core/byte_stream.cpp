@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "io/core/decompressors.h"
-#include "io/formats.h"
+#include "io/core/signatures.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {

@@ -5,12 +5,12 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cstring>
 #include <span>
 #include <string_view>
 
 #include "io/core/decompressors.h"
+#include "io/core/text_scanner.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {
@@ -175,30 +175,22 @@ class DecompressedStream final : public SampleStream {
   std::int64_t num_decoded_ = 0;
 };
 
-bool is_space(char c) {
-  return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\v' || c == '\f';
-}
-
 // One number of type T from `word` into `out`; false if it is none or does not fit.
 template <typename T>
-bool parse_number(std::string_view word, std::byte* out) {
-  if (word.starts_with('+')) word.remove_prefix(1);
-  const char* const end = word.data() + word.size();
-  T value{};
-  const auto result = std::from_chars(word.data(), end, value);
-  if (result.ec != std::errc{} || result.ptr != end) return false;
-  std::memcpy(out, &value, sizeof(T));
-  return true;
+bool store_number(std::string_view word, std::byte* out) {
+  const auto value = parse_number<T>(word);
+  if (value) std::memcpy(out, &*value, sizeof(T));
+  return value.has_value();
 }
 
 using NumberParser = bool (*)(std::string_view, std::byte*);
 
 // In the order of ScalarType.
 constexpr std::array<NumberParser, 10> kNumberParsers{
-    parse_number<std::uint8_t>,  parse_number<std::int8_t>,   parse_number<std::uint16_t>,
-    parse_number<std::int16_t>,  parse_number<std::uint32_t>, parse_number<std::int32_t>,
-    parse_number<std::uint64_t>, parse_number<std::int64_t>,  parse_number<float>,
-    parse_number<double>};
+    store_number<std::uint8_t>,  store_number<std::int8_t>,   store_number<std::uint16_t>,
+    store_number<std::int16_t>,  store_number<std::uint32_t>, store_number<std::int32_t>,
+    store_number<std::uint64_t>, store_number<std::int64_t>,  store_number<float>,
+    store_number<double>};
 
 // The characters of a source, one after the other.
 class Characters {
@@ -247,7 +239,7 @@ class TextStream final : public SampleStream {
     char c = ' ';
     bool has_more = true;
     while (word_.size() <= kLongestWord && (has_more = characters_.next(c))) {
-      if (!is_space(c) && c != ',')
+      if (!is_blank(c) && c != ',')
         word_ += c;
       else if (!word_.empty())
         break;
@@ -305,7 +297,7 @@ class HexStream final : public SampleStream {
   int next_digit() {
     char c = ' ';
     while (characters_.next(c)) {
-      if (is_space(c)) continue;
+      if (is_blank(c)) continue;
       const int digit = hex_digit(c);
       if (digit < 0) {
         throw_broken(source_, wanted_,

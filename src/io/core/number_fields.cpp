@@ -14,17 +14,11 @@ namespace {
 constexpr std::array<std::string_view, 8> kMissingWords{"",  "nan",  "na",   "n/a",
                                                         "-", "null", "none", "nil"};
 
-std::string_view without_blanks(std::string_view text) {
-  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
-  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
-  return text;
-}
-
 std::string_view without_quotes(std::string_view text) {
-  text = without_blanks(text);
+  text = trimmed(text);
   const char quote = text.size() < 2 ? '\0' : text.front();
   if ((quote != '"' && quote != '\'') || text.back() != quote) return text;
-  return without_blanks(text.substr(1, text.size() - 2));
+  return trimmed(text.substr(1, text.size() - 2));
 }
 
 // From the start of a field to its end: the separator, or the end of the text.

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "data/validate.h"
+#include "io/core/numbers.h"
 #include "ovoid/error.h"
 
 namespace ovoid {
@@ -186,9 +187,7 @@ void swap_words(std::span<std::byte> bytes) noexcept {
   for (std::size_t i = 0; i + sizeof(Word) <= bytes.size(); i += sizeof(Word)) {
     Word word;
     std::memcpy(&word, bytes.data() + i, sizeof(Word));
-    if constexpr (sizeof(Word) == 2) word = __builtin_bswap16(word);
-    if constexpr (sizeof(Word) == 4) word = __builtin_bswap32(word);
-    if constexpr (sizeof(Word) == 8) word = __builtin_bswap64(word);
+    word = swapped(word);
     std::memcpy(bytes.data() + i, &word, sizeof(Word));
   }
 }

@@ -3,9 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
-#include <cmath>
-
 #include "io/core/byte_source.h"
 #include "ovoid/error.h"
 #include "ovoid/io.h"
@@ -22,16 +19,6 @@ void require_size(std::size_t num_bytes, std::size_t max_bytes, const std::strin
   if (num_bytes <= max_bytes) return;
   throw Error(ErrorCode::kFileFormat,
               fmt::format("{}: must have at most {} bytes", path, max_bytes));
-}
-
-std::optional<double> parse_real(std::string_view text) noexcept {
-  if (text.size() > 1 && text.front() == '+' && text[1] != '-') text.remove_prefix(1);
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value)) {
-    return std::nullopt;
-  }
-  return value;
 }
 
 }  // namespace ovoid::io

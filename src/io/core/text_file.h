@@ -2,9 +2,7 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 #include <string>
-#include <string_view>
 
 namespace ovoid::io {
 
@@ -13,8 +11,5 @@ std::string read_text(const std::string& path, std::size_t max_bytes);
 
 // Throws Error(kFileFormat) for more bytes, as read_text() does.
 void require_size(std::size_t num_bytes, std::size_t max_bytes, const std::string& path);
-
-// The number that the whole text is, if it is finite; a plus sign may stand before it.
-std::optional<double> parse_real(std::string_view text) noexcept;
 
 }  // namespace ovoid::io

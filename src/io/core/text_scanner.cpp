@@ -2,7 +2,6 @@
 #include "io/core/text_scanner.h"
 
 #include <algorithm>
-#include <charconv>
 
 namespace ovoid::io {
 namespace {
@@ -83,13 +82,10 @@ std::vector<std::string_view> words(std::string_view text) {
   }
 }
 
-std::optional<std::int64_t> parse_integer(std::string_view text) {
-  // A plus sign is read by C++ streams, and so by VTK, but not by from_chars.
-  if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
-  std::int64_t value = 0;
-  const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (result.ec != std::errc{} || result.ptr != text.data() + text.size()) return std::nullopt;
-  return value;
+std::string_view trimmed(std::string_view text) noexcept {
+  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
+  return text;
 }
 
 bool is_number(std::string_view text, NumberKind kind) noexcept {

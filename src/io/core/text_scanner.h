@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "io/core/byte_source.h"
+#include "io/core/numbers.h"
 
 namespace ovoid::io {
 
@@ -56,8 +57,7 @@ bool is_blank(char c) noexcept;
 
 std::string lower(std::string_view text);                    // ASCII letters only
 std::vector<std::string_view> words(std::string_view text);  // between blanks
-// The whole text; a plus sign may stand before it.
-std::optional<std::int64_t> parse_integer(std::string_view text);
+std::string_view trimmed(std::string_view text) noexcept;    // without blanks around it
 
 // Does the whole text look like a number, as C++ streams read it? Its range is not looked at.
 enum class NumberKind { kInteger, kReal };

@@ -12,6 +12,7 @@
 
 #include "data/names_text.h"
 #include "io/core/decompressors.h"
+#include "io/core/numbers.h"
 #include "io/core/samples.h"
 #include "ovoid/error.h"
 
@@ -38,10 +39,7 @@ constexpr unsigned kStored = 0, kDeflated = 8;
 // A number at `offset`, which the caller has checked; zip is little endian.
 template <typename T>
 T zip_number(std::string_view bytes, std::size_t offset) {
-  std::uint64_t value = 0;
-  for (std::size_t i = sizeof(T); i > 0; --i)
-    value = value << 8 | static_cast<unsigned char>(bytes[offset + i - 1]);
-  return static_cast<T>(value);
+  return number_at<T>(bytes.data() + offset, false);
 }
 
 template <typename T>

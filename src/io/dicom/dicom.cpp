@@ -17,6 +17,7 @@
 #include "data/scalar_visit.h"
 #include "io/core/memory.h"
 #include "io/core/samples.h"
+#include "io/core/signatures.h"
 #include "io/dicom/dicom_codec.h"
 #include "io/dicom/dicom_file.h"
 #include "io/dicom/dicom_pixels.h"
@@ -79,8 +80,7 @@ class DicomReader {
     dataset_.notes = left_out_.notes(source_);
     describe(chosen);
     DicomVolume volume = place_dicom_group(files_, std::move(groups_[chosen]));
-    if (needs_foreign_decoder(volume))
-      return read_foreign(ForeignFormat::kDicom, source_, names, options_);
+    if (needs_foreign_decoder(volume)) return read_foreign("DICOM", source_, names, options_);
     finish(volume);
     return std::move(dataset_);
   }
@@ -90,10 +90,9 @@ class DicomReader {
     const SharedSource file = open_(name);
     if (!begins_like_dicom(*file)) {
       ++left_out_.num_others;
-      const std::string start = file->text(0, 512);
-      const std::string format = picture_format_of(start);
+      const std::string format = picture_format_of(file->text(0, 512));
       if (!format.empty()) ++num_pictures_[format];
-      if (kind_of(start) != FileKind::kUnknown) ++num_readable_;
+      if (format_by_content(*file) != nullptr) ++num_readable_;
       return;
     }
     DicomFile parsed = read_dicom_file(*dicom_data_source(file));

@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "io/core/numbers.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {
@@ -203,9 +204,7 @@ std::int64_t bytes_of_frame(const DicomFrameShape& shape) {
 }
 
 std::uint32_t little_word_at(std::span<const std::byte> bytes, std::size_t at) {
-  std::uint32_t word = 0;
-  for (std::size_t i = 4; i-- > 0;) word = word << 8U | static_cast<std::uint32_t>(bytes[at + i]);
-  return word;
+  return number_at<std::uint32_t>(bytes.data() + at, false);
 }
 
 // One plane of bytes, packed as runs and literals, to every `stride`-th byte of `out`.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The deflated syntax: what lies behind the meta information is one stream of deflate.
 #include <fmt/format.h>
-#include <zlib.h>
 
 #include <cstdint>
 #include <cstring>
@@ -10,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "io/core/decompressors.h"
 #include "io/dicom/dicom_file.h"
 #include "ovoid/error.h"
 
@@ -35,47 +35,31 @@ class InflatedSource final : public ByteSource {
   std::string bytes_;
 };
 
-// zlib's state, which goes away with it.
-struct RawInflater {
-  RawInflater() { is_ready = inflateInit2(&stream, -15) == Z_OK; }  // no header of zlib's or gzip's
-  ~RawInflater() { inflateEnd(&stream); }
-  RawInflater(const RawInflater&) = delete;
-  RawInflater& operator=(const RawInflater&) = delete;
-
-  z_stream stream{};
-  bool is_ready = false;
-};
-
 // The file's meta information as it stands, and behind it the inflated data set.
 std::string inflated(const ByteSource& file, std::int64_t begin) {
   constexpr std::int64_t kChunk = std::int64_t{1} << 18;
   std::string out = file.text(0, begin);
-  RawInflater inflater;
-  if (!inflater.is_ready)
-    throw Error(ErrorCode::kOutOfMemory, file.name() + ": no memory for zlib");
-  int status = Z_OK;
-  std::string piece(static_cast<std::size_t>(kChunk), '\0');
-  for (std::int64_t at = begin; status != Z_STREAM_END;) {
-    std::string in = file.text(at, kChunk);
-    at += static_cast<std::int64_t>(in.size());
-    inflater.stream.next_in = reinterpret_cast<Bytef*>(in.data());
-    inflater.stream.avail_in = static_cast<uInt>(in.size());
-    do {
-      inflater.stream.next_out = reinterpret_cast<Bytef*>(piece.data());
-      inflater.stream.avail_out = static_cast<uInt>(piece.size());
-      status = inflate(&inflater.stream, Z_NO_FLUSH);
-      if (status == Z_MEM_ERROR)
-        throw Error(ErrorCode::kOutOfMemory, file.name() + ": no memory for zlib");
-      out.append(piece, 0, piece.size() - inflater.stream.avail_out);
-      if (out.size() > kMaxInflated) {
-        throw Error(ErrorCode::kUnsupported,
-                    fmt::format("{}: its deflated data set has more than {} bytes", file.name(),
-                                kMaxInflated));
-      }
-    } while (status == Z_OK && inflater.stream.avail_out == 0);
-    const bool is_stuck = status == Z_BUF_ERROR && !in.empty();
-    if ((status != Z_OK && status != Z_STREAM_END && !is_stuck) ||
-        (in.empty() && status != Z_STREAM_END)) {
+  Inflater inflater(Inflater::kBare);
+  std::string in, piece(static_cast<std::size_t>(kChunk), '\0');
+  for (std::int64_t at = begin; !inflater.ended;) {
+    if (inflater.stream.avail_in == 0) {
+      in = file.text(at, kChunk);
+      at += static_cast<std::int64_t>(in.size());
+      inflater.stream.next_in = reinterpret_cast<Bytef*>(in.data());
+      inflater.stream.avail_in = static_cast<uInt>(in.size());
+    }
+    inflater.stream.next_out = reinterpret_cast<Bytef*>(piece.data());
+    inflater.stream.avail_out = static_cast<uInt>(piece.size());
+    const bool has_input = !in.empty();
+    const bool is_broken = !inflater.step().empty();
+    const std::size_t made = piece.size() - inflater.stream.avail_out;
+    out.append(piece, 0, made);
+    if (out.size() > kMaxInflated) {
+      throw Error(ErrorCode::kUnsupported,
+                  fmt::format("{}: its deflated data set has more than {} bytes", file.name(),
+                              kMaxInflated));
+    }
+    if (is_broken || (!has_input && made == 0 && !inflater.ended)) {
       throw Error(ErrorCode::kFileFormat,
                   fmt::format("{}: byte {}: the deflated data set is damaged or cut short",
                               file.name(), at));

@@ -4,9 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
-#include <cstring>
 
+#include "io/core/numbers.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {
@@ -58,18 +57,9 @@ class Window {
   std::string text_;
 };
 
-template <typename Word>
-Word word_at(const char* bytes, bool is_big_endian) noexcept {
-  Word word;
-  std::memcpy(&word, bytes, sizeof(Word));
-  if (is_big_endian == (std::endian::native == std::endian::big)) return word;
-  if constexpr (sizeof(Word) == 2) return __builtin_bswap16(word);
-  if constexpr (sizeof(Word) == 4) return __builtin_bswap32(word);
-}
-
 DicomTag tag_at(const char* bytes, bool is_big_endian) noexcept {
-  return static_cast<DicomTag>(word_at<std::uint16_t>(bytes, is_big_endian)) << 16U |
-         word_at<std::uint16_t>(bytes + 2, is_big_endian);
+  return static_cast<DicomTag>(number_at<std::uint16_t>(bytes, is_big_endian)) << 16U |
+         number_at<std::uint16_t>(bytes + 2, is_big_endian);
 }
 
 // The header of the element at `at`; all of it lies before `limit`, and so does its value.
@@ -86,7 +76,7 @@ DicomElement element_at(const ByteSource& source, Window& window, std::int64_t a
   std::int64_t header = 8;
   std::uint32_t length = 0;
   if (syntax == DicomSyntax::kImplicitLittle || element.tag >> 16U == 0xFFFEU) {
-    length = word_at<std::uint32_t>(bytes + 4, element.is_big_endian);
+    length = number_at<std::uint32_t>(bytes + 4, element.is_big_endian);
   } else {
     std::copy_n(bytes + 4, 2, element.vr.begin());
     const auto is_letter = [](char c) { return c >= 'A' && c <= 'Z'; };
@@ -97,12 +87,12 @@ DicomElement element_at(const ByteSource& source, Window& window, std::int64_t a
                        static_cast<unsigned char>(element.vr[1])));
     }
     if (is_in(kShortNames, {element.vr.data(), 2})) {
-      length = word_at<std::uint16_t>(bytes + 6, element.is_big_endian);
+      length = number_at<std::uint16_t>(bytes + 6, element.is_big_endian);
     } else {
       header = 12;
       if (limit - at < header)
         fail(source, at, fmt::format("{}: the file ends in its length", tag_text(element.tag)));
-      length = word_at<std::uint32_t>(window.at(at, header) + 8, element.is_big_endian);
+      length = number_at<std::uint32_t>(window.at(at, header) + 8, element.is_big_endian);
     }
   }
   element.offset = at + header;
@@ -242,7 +232,7 @@ bool begins_like_data_set(std::string_view start) noexcept {
   }
   const std::string_view vr = start.substr(4, 2);
   if (vr == "CS" || vr == "UI" || vr == "UL" || vr == "DA") return true;
-  const auto length = word_at<std::uint32_t>(start.data() + 4, false);
+  const auto length = number_at<std::uint32_t>(start.data() + 4, false);
   return length % 2 == 0 && length >= 2 && length <= 128;
 }
 

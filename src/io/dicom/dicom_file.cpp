@@ -5,10 +5,10 @@
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <cmath>
 #include <utility>
 
+#include "io/core/numbers.h"
 #include "io/core/samples.h"
 #include "io/dicom/dicom_codec.h"
 #include "ovoid/error.h"
@@ -80,7 +80,7 @@ bool is_functional_group(DicomTag tag) noexcept {
          tag == kPixelMeasures || tag == kPixelValueTransformation;
 }
 
-std::string_view trimmed(std::string_view text) noexcept {
+std::string_view without_padding(std::string_view text) noexcept {
   constexpr std::string_view kPadding(" \0\t\r\n", 5);
   const auto first = text.find_first_not_of(kPadding);
   if (first == std::string_view::npos) return {};
@@ -140,7 +140,7 @@ class Collector final : public DicomVisitor {
   std::string text(const DicomElement& element, std::int64_t limit = kMaxValue) const {
     if (element.length > limit)
       fail(element, fmt::format("{} bytes: expected at most {}", element.length, limit));
-    return std::string(trimmed(source_.text(element.offset, element.length)));
+    return std::string(without_padding(source_.text(element.offset, element.length)));
   }
 
   // An unsigned short, or whatever else of up to four bytes a writer took for it.
@@ -149,13 +149,7 @@ class Collector final : public DicomVisitor {
         source_.text(element.offset, std::min<std::int64_t>(element.length, 4));
     if (bytes.size() != 2 && bytes.size() != 4)
       fail(element, fmt::format("{} bytes: expected an integer of 2 or 4", element.length));
-    std::int64_t value = 0;
-    for (std::size_t i = 0; i < bytes.size(); ++i) {
-      const auto byte =
-          static_cast<unsigned char>(bytes[element.is_big_endian ? i : bytes.size() - 1 - i]);
-      value = value << 8 | byte;
-    }
-    return value;
+    return static_cast<std::int64_t>(unsigned_of(bytes, element.is_big_endian));
   }
 
   // Numbers between backslashes. Empty if the value is.
@@ -165,16 +159,14 @@ class Collector final : public DicomVisitor {
     if (all.empty()) return result;
     for (std::size_t begin = 0; begin <= all.size();) {
       const std::size_t end = std::min(all.find('\\', begin), all.size());
-      std::string_view one = trimmed(std::string_view(all).substr(begin, end - begin));
-      if (one.starts_with('+')) one.remove_prefix(1);
-      double value = 0;
-      const auto [stop, error] = std::from_chars(one.data(), one.data() + one.size(), value);
-      if (error != std::errc() || stop != one.data() + one.size())
-        fail(element, fmt::format("'{}' is not a number", one.substr(0, 40)));
+      const std::string_view one =
+          without_padding(std::string_view(all).substr(begin, end - begin));
+      const auto value = parse_number<double>(one);
+      if (!value) fail(element, fmt::format("'{}' is not a number", one.substr(0, 40)));
       // Products of a few stay finite.
-      if (!(std::abs(value) <= 1e30))
+      if (!(std::abs(*value) <= 1e30))
         fail(element, fmt::format("{} is beyond 1e30", one.substr(0, 40)));
-      result.push_back(value);
+      result.push_back(*value);
       begin = end + 1;
     }
     return result;

@@ -1,50 +1,79 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/foreign/foreign_readers.h"
 
+#include <fmt/format.h>
+
 #include <memory>
 
 #include "io/core/byte_source.h"
+#include "io/core/signatures.h"
 #include "io/dicom/dicom.h"
 #include "io/foreign/gdcm_codec.h"
 #include "io/foreign/hdf5_lattice.h"
 #include "io/foreign/hdf5_points.h"
 #include "io/foreign/mesh_readers.h"
+#include "io/foreign/netcdf_header.h"
 #include "io/foreign/vtk_sets.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {
+namespace {
+
+// How a format is read here: what is checked first, and what of it VTK or HDF5 then read.
+struct ForeignReader {
+  std::string_view format;  // as formats() call it
+  void (*check)(const ByteSource&);
+  Dataset (*read)(const ByteSource&, const ReadOptions&);
+};
+
+#ifdef OVOID_IO_VTK
+void check_exodus_or_hdf5(const ByteSource& source) {
+  is_hdf5(source.text(0, 8)) ? check_hdf5_size(source) : check_exodus(source);
+}
+#endif
+
+#ifdef OVOID_IO_HDF5
+Dataset read_hdf5(const ByteSource& source, const ReadOptions& options) {
+  return is_hdf5_lattice(source) ? read_hdf5_lattice(source, options)
+                                 : read_hdf5_points(source, options);
+}
+#endif
+
+const std::vector<ForeignReader>& foreign_readers() {
+  static const std::vector<ForeignReader> readers{
+#ifdef OVOID_IO_VTK
+      {"VTK XML", nullptr, read_vtk},
+      {"legacy VTK", nullptr, read_vtk},
+      {"VTKHDF", check_hdf5_size, read_vtk_hdf},
+      {"Exodus", check_exodus_or_hdf5, read_exodus},
+      {"EnSight", nullptr, read_ensight},
+      {"Enzo", check_enzo, read_enzo},
+#endif
+#ifdef OVOID_IO_HDF5
+      {"HDF5", nullptr, read_hdf5},
+#endif
+  };
+  return readers;
+}
+
+}  // namespace
 
 Dataset read_here(const ReaderRequest& request) {
-  const ReadOptions& options = request.options;
   if (request.paths.empty())
     throw Error(ErrorCode::kInvalidArgument, request.source + ": no file is named");
-  if (request.format == ForeignFormat::kDicom) {
+  if (request.format == "DICOM") {
     use_gdcm();
-    return read_dicom(request.source, request.paths, options);
+    return read_dicom(request.source, request.paths, request.options);
   }
-  const std::unique_ptr<ByteSource> source = open_file(request.paths.front());
-  switch (request.format) {
-    case ForeignFormat::kVtk:
-#ifdef OVOID_IO_VTK
-      return read_vtk(*source, options);
-#else
-      throw Error(ErrorCode::kUnsupported,
-                  request.source + ": this build has no VTK and cannot read VTK files");
-#endif
-    case ForeignFormat::kExodus:
-      return read_mesh_file(MeshFile::kExodus, *source, options);
-    case ForeignFormat::kVtkHdf:
-      return read_mesh_file(MeshFile::kVtkHdf, *source, options);
-    case ForeignFormat::kEnzo:
-      return read_mesh_file(MeshFile::kEnzo, *source, options);
-    case ForeignFormat::kEnSight:
-      return read_mesh_file(MeshFile::kEnSight, *source, options);
-    case ForeignFormat::kHdf5:
-    case ForeignFormat::kDicom:
-      break;
+  for (const ForeignReader& reader : foreign_readers()) {
+    if (reader.format != request.format) continue;
+    const std::unique_ptr<ByteSource> source = open_file(request.paths.front());
+    if (reader.check != nullptr) reader.check(*source);
+    return reader.read(*source, request.options);
   }
-  if (is_hdf5_lattice(*source)) return read_hdf5_lattice(*source, options);
-  return read_hdf5_points(*source, options);
+  throw Error(ErrorCode::kUnsupported, fmt::format("{}: this build of ovoid-read has no reader of "
+                                                   "the format {}",
+                                                   request.source, request.format));
 }
 
 }  // namespace ovoid::io

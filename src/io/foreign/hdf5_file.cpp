@@ -110,7 +110,7 @@ DataArray Hdf5File::read(const Hdf5Dataset& described, bool is_transposed,
   std::byte* to = nullptr;
   DataArray array = new_array(
       {described.name, extent.type.type, static_cast<int>(columns), rows, "", false, {}}, to);
-  read_hdf5_storage(dataset.get(), extent, *source_, to, progress);
+  read_hdf5_storage(dataset.get(), extent, to, progress);
   if (!is_transposed) return array;
   DataArray turned = new_array(
       {described.name, extent.type.type, static_cast<int>(rows), columns, "", false, {}}, to);

@@ -205,7 +205,7 @@ class LatticeReader {
     description.type = extent.type.type;
     std::byte* to = nullptr;
     DataArray array = new_array(std::move(description), to);
-    read_hdf5_storage(dataset, extent, *source_, to, progress);
+    read_hdf5_storage(dataset, extent, to, progress);
     return array;
   }
 
@@ -441,15 +441,6 @@ bool is_hdf5_lattice(const ByteSource& source) {
 
 Dataset read_hdf5_lattice(const ByteSource& source, const ReadOptions& options) {
   return LatticeReader(source.name(), options).read();
-}
-
-#else
-
-bool is_hdf5_lattice(const ByteSource&) { return false; }
-
-Dataset read_hdf5_lattice(const ByteSource& source, const ReadOptions&) {
-  throw Error(ErrorCode::kUnsupported,
-              fmt::format("{}: is HDF5: this build has no HDF5 and cannot read it", source.name()));
 }
 
 #endif

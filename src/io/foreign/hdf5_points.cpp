@@ -356,13 +356,6 @@ Dataset read_hdf5_points(const ByteSource& source, const ReadOptions& options) {
   return dataset;
 }
 
-#else
-
-Dataset read_hdf5_points(const ByteSource& source, const ReadOptions&) {
-  throw Error(ErrorCode::kUnsupported,
-              fmt::format("{}: is HDF5: this build has no HDF5 and cannot read it", source.name()));
-}
-
 #endif
 
 }  // namespace ovoid::io

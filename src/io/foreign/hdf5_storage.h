@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the numbers of an HDF5 dataset lie in the file. They are read and unpacked here and not by
-// the library, which trusts the sizes of damaged chunks and reads past their ends; of the library
-// it takes what describes them.
+// The numbers of an HDF5 dataset. What it claims is compared with the file before memory is taken;
+// then the library reads, which may still crash on damaged chunks: in a process of its own.
 #pragma once
 
 #include <hdf5.h>
@@ -46,12 +45,12 @@ struct Hdf5Extent {
 
 // Throws Error unless the numbers can be in the file, by their sizes: kFileFormat; kUnsupported for
 // what lies in other files, was never written, or is compressed by another filter than deflate,
-// shuffle and Fletcher's checksum, which is not verified. Takes no memory.
+// shuffle and Fletcher's checksum. Takes no memory.
 void check_hdf5_storage(hid_t dataset, const Hdf5Extent& extent, const ByteSource& source);
 
 // The numbers, last axis fastest, native byte order, into extent.num_bytes() bytes at `to`, after
-// check_hdf5_storage(). Throws Error(kFileFormat) for chunks that are broken, Error(kCancelled).
-void read_hdf5_storage(hid_t dataset, const Hdf5Extent& extent, const ByteSource& source,
-                       std::byte* to, ReadProgress& progress);
+// check_hdf5_storage(). Throws Error(kFileFormat) for what is damaged, Error(kCancelled).
+void read_hdf5_storage(hid_t dataset, const Hdf5Extent& extent, std::byte* to,
+                       ReadProgress& progress);
 
 }  // namespace ovoid::io

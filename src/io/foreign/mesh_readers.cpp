@@ -6,20 +6,16 @@
 #include <filesystem>
 #include <string>
 
+#include "io/core/signatures.h"
 #include "io/core/text_scanner.h"
 #include "io/foreign/netcdf_header.h"
-#include "io/formats.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {
-namespace {
-
-std::string enzo_hierarchy(const std::string& path) {
-  return path.ends_with(".hierarchy") ? path : path + ".hierarchy";
-}
-
 // The HDF5 files of an Enzo hierarchy lie beside it, whatever folder it names.
-void check_enzo(const std::string& path) {
+void check_enzo(const ByteSource& named) {
+  const bool is_hierarchy = named.name().ends_with(".hierarchy");
+  const std::string path = is_hierarchy ? named.name() : named.name() + ".hierarchy";
   const auto source = open_file(path);
   TextScanner text(*source, 0, source->size());
   std::string last;
@@ -43,38 +39,6 @@ void check_enzo(const std::string& path) {
     throw Error(ErrorCode::kFileFormat,
                 fmt::format("{}: has no BaryonFileName: expected an Enzo hierarchy", path));
   }
-}
-
-void check_mesh_file(MeshFile kind, const ByteSource& source) {
-  const bool is_new = is_hdf5(source.text(0, 8));
-  if (is_new) check_hdf5_size(source);
-  if (kind == MeshFile::kExodus && !is_new) check_exodus(source);
-  if (kind == MeshFile::kEnzo) check_enzo(enzo_hierarchy(source.name()));
-}
-
-}  // namespace
-
-Dataset read_mesh_file(MeshFile kind, const ByteSource& source, const ReadOptions& options) {
-  check_mesh_file(kind, source);
-#ifdef OVOID_IO_VTK
-  switch (kind) {
-    case MeshFile::kExodus:
-      return read_exodus(source, options);
-    case MeshFile::kVtkHdf:
-      return read_vtk_hdf(source, options);
-    case MeshFile::kEnzo:
-      return read_enzo(source, options);
-    case MeshFile::kEnSight:
-      return read_ensight(source, options);
-    case MeshFile::kNone:
-      break;
-  }
-#else
-  (void)options;
-#endif
-  throw Error(ErrorCode::kUnsupported,
-              fmt::format("{}: this build has no VTK and cannot read {} files", source.name(),
-                          name_of(kind)));
 }
 
 }  // namespace ovoid::io

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "io/core/numbers.h"
 #include "io/core/samples.h"
 #include "ovoid/error.h"
 
@@ -57,9 +58,7 @@ class NetcdfChecker {
     if (static_cast<std::int64_t>(bytes.size()) < num_bytes)
       fail(fmt::format("the netCDF header ends at {}: is the file truncated?", what));
     position_ += num_bytes;
-    std::uint64_t value = 0;
-    for (const char c : bytes) value = value << 8U | static_cast<unsigned char>(c);
-    return value;
+    return unsigned_of(bytes, true);
   }
 
   // Counts and sizes have 8 bytes in version 5, else 4. All ones: records are still being written.

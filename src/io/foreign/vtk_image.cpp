@@ -112,8 +112,7 @@ Dataset lattice_of_leaf(const ByteSource& source, vtkDataSet* image, LatticeGeom
 
 }  // namespace
 
-Dataset read_vtk_file(const ByteSource& source, FileKind kind, const ReadOptions& options) {
-  const bool is_xml = kind == FileKind::kVtkXml;
+Dataset read_vtk_file(const ByteSource& source, bool is_xml, const ReadOptions& options) {
   VtkRun run(source, options);
   const VtkLeaf leaf = read_vtk_leaf(source, is_xml, options, run);
   Dataset dataset;

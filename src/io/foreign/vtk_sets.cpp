@@ -16,13 +16,20 @@
 #include "io/foreign/vtk_leaf.h"
 #include "io/foreign/vtk_mesh.h"
 #include "io/foreign/vtk_reading.h"
-#include "io/formats.h"
 #include "io/meshes/mesh_steps.h"
 #include "io/vtk/vtk_set_files.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {
 namespace {
+
+bool is_xml(const ByteSource& source) { return begins_like_vtk_xml(source.text(0, 512)); }
+
+void check_vtk(const ByteSource& source, const std::string& expected) {
+  if (is_xml(source) || begins_like_legacy_vtk(source.text(0, 512))) return;
+  throw Error(ErrorCode::kUnsupported,
+              fmt::format("{}: is no VTK file: expected {}", source.name(), expected));
+}
 
 class SetReader {
  public:
@@ -42,8 +49,7 @@ class SetReader {
     }
     count_file(path);
     const auto source = open_file(path);
-    const bool is_xml = kind_of(source->text(0, 512)) == FileKind::kVtkXml;
-    const std::string type = is_xml ? vtk_xml_type(*source) : "";
+    const std::string type = is_xml(*source) ? vtk_xml_type(*source) : "";
     if (is_vtk_set(type)) {
       for (const VtkSetFile& file : vtk_set_files(*source)) {
         const std::string joined =
@@ -71,13 +77,9 @@ class SetReader {
 
  private:
   VtkLeaf read(const ByteSource& source) {
-    const FileKind kind = kind_of(source.text(0, 512));
-    if (kind != FileKind::kVtkXml && kind != FileKind::kVtkLegacy) {
-      throw Error(ErrorCode::kUnsupported,
-                  fmt::format("{}: is no VTK file: expected a piece or block", source.name()));
-    }
+    check_vtk(source, "a piece or block");
     VtkRun run(source, options_);
-    VtkLeaf leaf = read_vtk_leaf(source, kind == FileKind::kVtkXml, options_, run);
+    VtkLeaf leaf = read_vtk_leaf(source, is_xml(source), options_, run);
     notes_.insert(notes_.end(), run.notes.begin(), run.notes.end());
     return leaf;
   }
@@ -128,13 +130,8 @@ Dataset read_series(const ByteSource& source, const ReadOptions& options) {
         ReadOptions own = options;
         own.step.reset();
         const auto file = open_file(files.front().path);
-        const FileKind kind = kind_of(file->text(0, 512));
-        if (kind != FileKind::kVtkXml && kind != FileKind::kVtkLegacy) {
-          throw Error(ErrorCode::kUnsupported,
-                      fmt::format("{}: is no VTK file: expected a step of {}", file->name(),
-                                  source.name()));
-        }
-        if (kind == FileKind::kVtkXml && vtk_xml_type(*file) == "Collection") {
+        check_vtk(*file, "a step of " + source.name());
+        if (is_xml(*file) && vtk_xml_type(*file) == "Collection") {
           throw Error(ErrorCode::kUnsupported,
                       fmt::format("{}: a time series within a time series", file->name()));
         }
@@ -155,12 +152,9 @@ Dataset read_vtk_set(const ByteSource& source, const std::string& xml_type,
 }  // namespace
 
 Dataset read_vtk(const ByteSource& source, const ReadOptions& options) {
-  const FileKind kind = kind_of(source.text(0, 512));
-  if (kind == FileKind::kVtkXml) {
-    const std::string type = vtk_xml_type(source);
-    if (is_vtk_set(type)) return read_vtk_set(source, type, options);
-  }
-  return read_vtk_file(source, kind, options);
+  const std::string type = is_xml(source) ? vtk_xml_type(source) : "";
+  if (is_vtk_set(type)) return read_vtk_set(source, type, options);
+  return read_vtk_file(source, is_xml(source), options);
 }
 
 }  // namespace ovoid::io

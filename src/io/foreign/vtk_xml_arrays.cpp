@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 
+#include "io/core/numbers.h"
 #include "io/core/samples.h"
 #include "io/foreign/vtk_header_parts.h"
 
@@ -47,9 +48,7 @@ std::optional<std::int64_t> XmlArrays::last_value(const StoredArray& array) cons
     bytes = stored_bytes(array, word_size + array.num_bytes - array.value_size, size);
   }
   if (bytes.size() != size) fail_header(source_, "cells: offsets: the last one cannot be read");
-  std::uint64_t value = 0;
-  for (std::size_t i = 0; i < size; ++i)
-    value = value << 8U | static_cast<unsigned char>(bytes[is_big_endian ? i : size - 1 - i]);
+  const std::uint64_t value = unsigned_of(bytes, is_big_endian);
   return value > static_cast<std::uint64_t>(kMaxNumBytes) ? -1 : static_cast<std::int64_t>(value);
 }
 
@@ -130,16 +129,9 @@ std::vector<std::uint64_t> XmlArrays::read_words(const StoredArray& array,
   if (is_base64(array)) bytes = decode_base64(bytes, num_bytes);
   if (bytes.size() < num_bytes) return {};
   std::vector<std::uint64_t> result;
-  for (std::size_t i = 0; i < count; ++i) {
-    std::uint64_t word = 0;
-    for (std::int64_t j = 0; j < word_size; ++j) {
-      const std::int64_t k = is_big_endian ? j : word_size - 1 - j;
-      word = word << 8U |
-             static_cast<unsigned char>(
-                 bytes[i * static_cast<std::size_t>(word_size) + static_cast<std::size_t>(k)]);
-    }
-    result.push_back(word);
-  }
+  const auto size = static_cast<std::size_t>(word_size);
+  for (std::size_t i = 0; i < count; ++i)
+    result.push_back(unsigned_of(std::string_view(bytes).substr(i * size, size), is_big_endian));
   return result;
 }
 

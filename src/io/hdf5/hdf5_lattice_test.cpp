@@ -194,7 +194,8 @@ TEST(LatticeFile, OneStepIsReadAlone) {
   options.step = 1;
   EXPECT_EQ(lattice_error(path, options), "");
   options.step = 0;
-  EXPECT_THAT(lattice_error(path, options), HasSubstr("'array0/step0': a chunk is broken"));
+  EXPECT_THAT(lattice_error(path, options),
+              HasSubstr("'array0/step0': cannot be read: is the file damaged?"));
 }
 
 TEST(LatticeFile, WriterLeavesNothingBehind) {

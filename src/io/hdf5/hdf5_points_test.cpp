@@ -21,7 +21,7 @@
 
 #include "fuzz/targets.h"
 #include "io/foreign/hdf5_file.h"
-#include "io/meshes/mesh_files.h"
+#include "io/formats.h"
 #include "io/reader/reader_session.h"
 
 namespace ovoid::io {
@@ -198,7 +198,7 @@ TEST(Hdf5Points, ErrorsListWhatThereIs) {
             "file-format: F: the HDF5 library cannot open it: is the file truncated?");
   Hdf5Maker(path).group("/VTKHDF").floats("/VTKHDF/Points", {2, 3});
   const auto source = open_file(path);
-  EXPECT_EQ(mesh_file_of(*source, source->text(0, 512)), MeshFile::kVtkHdf);
+  EXPECT_EQ(format_by_content(*source), &format_called("VTKHDF"));
 }
 
 TEST(Hdf5Points, ClaimsThatTheFileCannotHold) {

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <initializer_list>
@@ -20,23 +19,12 @@
 namespace ovoid::io {
 namespace {
 
-std::string_view trim_blanks(std::string_view text) {
-  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
-  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
-  return text;
-}
-
 // One "Field = value" line and where it stands, for messages.
 struct MetaField : HeaderField {
   double real(std::string_view text) const {
-    if (text.starts_with('+')) text.remove_prefix(1);
-    double number = 0;
-    const auto result = std::from_chars(text.data(), text.data() + text.size(), number);
-    if (result.ec != std::errc{} || result.ptr != text.data() + text.size() ||
-        !std::isfinite(number)) {
-      fail(fmt::format("'{}': expected finite numbers", text.substr(0, 40)));
-    }
-    return number;
+    const auto number = parse_real(text);
+    if (!number) fail(fmt::format("'{}': expected finite numbers", text.substr(0, 40)));
+    return *number;
   }
 
   std::int64_t integer(std::string_view text, std::int64_t least, std::int64_t most) const {
@@ -80,7 +68,7 @@ MetaText read_meta_text(const ByteSource& source) {
   HeaderLines lines(source);
   std::string line;
   while (lines.next(line)) {
-    if (trim_blanks(line).empty()) continue;
+    if (trimmed(line).empty()) continue;
     const auto equals = line.find_first_of("=:");
     if (equals == std::string::npos) {
       throw Error(ErrorCode::kFileFormat,
@@ -88,8 +76,8 @@ MetaText read_meta_text(const ByteSource& source) {
                               lines.number(), line.substr(0, 80)));
     }
     MetaField field{{&source, lines.number(),
-                     std::string(trim_blanks(std::string_view(line).substr(0, equals))),
-                     std::string(trim_blanks(std::string_view(line).substr(equals + 1)))}};
+                     std::string(trimmed(std::string_view(line).substr(0, equals))),
+                     std::string(trimmed(std::string_view(line).substr(equals + 1)))}};
     const bool is_last = field.name == "ElementDataFile";
     const bool is_list = is_last && field.value.starts_with("LIST");
     const auto [existing, is_new] = result.fields.emplace(field.name, field);
@@ -99,7 +87,7 @@ MetaText read_meta_text(const ByteSource& source) {
     if (!is_last) continue;
     result.data_offset = lines.offset();
     while (is_list && lines.next(line)) {
-      if (!trim_blanks(line).empty()) result.list.emplace_back(trim_blanks(line));
+      if (!trimmed(line).empty()) result.list.emplace_back(trimmed(line));
     }
     return result;
   }
@@ -327,8 +315,7 @@ bool looks_like_metaimage(std::string_view start) noexcept {
     const std::string_view text = start.substr(begin, end - begin);
     if (text.find('\0') != std::string_view::npos) return false;
     const std::size_t equals = text.find_first_of("=:");
-    if (equals != std::string_view::npos && trim_blanks(text.substr(0, equals)) == "NDims")
-      return true;
+    if (equals != std::string_view::npos && trimmed(text.substr(0, equals)) == "NDims") return true;
     begin = end + 1;
   }
   return false;

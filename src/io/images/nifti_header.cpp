@@ -4,12 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <optional>
 
+#include "io/core/numbers.h"
 #include "io/core/samples.h"
 #include "ovoid/error.h"
 
@@ -50,10 +50,8 @@ struct StatedSize {
 StatedSize stated_size(std::string_view bytes) {
   StatedSize size;
   if (bytes.size() < 4) return size;
-  std::uint32_t little = 0;
-  for (int i = 3; i >= 0; --i)
-    little = little << 8U | static_cast<unsigned char>(bytes[static_cast<std::size_t>(i)]);
-  const std::uint32_t big = __builtin_bswap32(little);
+  const auto little = number_at<std::uint32_t>(bytes.data(), false);
+  const std::uint32_t big = swapped(little);
   for (const std::size_t known : {kNifti1Size, kNifti2Size}) {
     if (little == known || big == known) return {static_cast<std::int32_t>(known), big == known};
   }
@@ -86,11 +84,7 @@ class Parser {
 
   template <typename T>
   T get(std::size_t offset) const {
-    std::array<char, sizeof(T)> raw{};
-    std::copy_n(bytes_.data() + offset, sizeof(T), raw.data());
-    if (header_.is_big_endian != (std::endian::native == std::endian::big))
-      std::reverse(raw.begin(), raw.end());
-    return std::bit_cast<T>(raw);
+    return number_at<T>(bytes_.data() + offset, header_.is_big_endian);
   }
 
   std::string text(std::size_t offset, std::size_t size) const {

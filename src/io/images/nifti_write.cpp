@@ -12,7 +12,7 @@
 
 #include "data/out_of_memory.h"
 #include "io/core/atomic_file.h"
-#include "io/formats.h"
+#include "io/core/signatures.h"
 #include "io/images/nifti.h"
 #include "io/images/nifti_header.h"
 #include "ovoid/error.h"

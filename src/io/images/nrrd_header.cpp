@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <functional>
 #include <utility>
@@ -19,27 +18,11 @@ namespace {
 
 constexpr int kMaxDimension = 16;  // NRRD_DIM_MAX
 
-std::string_view trim(std::string_view text) {
-  const auto is_blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
-  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
-  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
-  return text;
-}
-
-template <typename T>
-std::optional<T> parse(std::string_view text) {
-  if (text.starts_with('+')) text.remove_prefix(1);
-  T value{};
-  const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (result.ec != std::errc{} || result.ptr != text.data() + text.size()) return std::nullopt;
-  return value;
-}
-
 // One "field: value" line and where it stands, for messages.
 struct Field : HeaderField {
   template <typename T>
   T number(std::string_view text, const char* expected) const {
-    const auto result = parse<T>(text);
+    const auto result = parse_number<T>(text);
     if (!result) fail(fmt::format("'{}': expected {}", text.substr(0, 40), expected));
     return *result;
   }
@@ -68,7 +51,7 @@ std::string canonical_name(std::string_view name) {
       {"axismins", "axis mins"}, {"axismaxs", "axis maxs"},
       {"centerings", "centers"}, {"blocksize", "block size"},
       {"oldmin", "old min"},     {"oldmax", "old max"}};
-  const std::string result = lower(trim(name));
+  const std::string result = lower(trimmed(name));
   const auto alias = kAliases.find(result);
   return alias == kAliases.end() ? result : alias->second;
 }
@@ -91,7 +74,7 @@ HeaderText read_text(const ByteSource& source) {
       return result;
     }
     if (is_list) {
-      result.list.emplace_back(trim(line));
+      result.list.emplace_back(trimmed(line));
       continue;
     }
     const auto colon = line.find(':');
@@ -104,7 +87,7 @@ HeaderText read_text(const ByteSource& source) {
     if (line.compare(colon, 2, ":=") == 0)
       continue;  // a key and its value: free for other programs
     Field field{{&source, reader.number(), canonical_name(line.substr(0, colon)),
-                 std::string(trim(std::string_view(line).substr(colon + 1)))}};
+                 std::string(trimmed(std::string_view(line).substr(colon + 1)))}};
     is_list = field.name == "data file" && words(field.value).size() <= 2 &&
               field.value.starts_with("LIST");
     const auto [existing, is_new] = result.fields.emplace(field.name, field);
@@ -214,11 +197,11 @@ void parse_space(const Field& field, NrrdHeader& header) {
 // missing ones (a plane) are 0.
 std::vector<std::optional<std::array<double, 3>>> parse_vectors(const Field& field, int dimension) {
   std::vector<std::optional<std::array<double, 3>>> result;
-  std::string_view rest = trim(field.value);
+  std::string_view rest = trimmed(field.value);
   while (!rest.empty()) {
     if (lower(rest.substr(0, 4)) == "none") {
       result.emplace_back();
-      rest = trim(rest.substr(4));
+      rest = trimmed(rest.substr(4));
       continue;
     }
     const auto close = rest.find(')');
@@ -226,7 +209,7 @@ std::vector<std::optional<std::array<double, 3>>> parse_vectors(const Field& fie
       field.fail(fmt::format("{}: expected vectors such as (1,0,0)", field.quoted()));
     }
     std::string inside(rest.substr(1, close - 1));
-    rest = trim(rest.substr(close + 1));
+    rest = trimmed(rest.substr(close + 1));
     if (static_cast<int>(std::count(inside.begin(), inside.end(), ',')) != dimension - 1) {
       field.fail(fmt::format("({}): expected {} numbers", inside.substr(0, 80), dimension));
     }
@@ -267,7 +250,7 @@ DataFiles parse_data_files(const Field& field, const HeaderText& text, std::size
   }
   // A pattern has no blanks in it, as its numbers are told from it by them; anything else is one
   // name, blanks included.
-  if ((parts.size() == 4 || parts.size() == 5) && parse<std::int64_t>(parts[1]) &&
+  if ((parts.size() == 4 || parts.size() == 5) && parse_number<std::int64_t>(parts[1]) &&
       parse_numbered_name(parts[0], files)) {
     constexpr const char* kExpected = "'name%d.raw MIN MAX STEP'";
     const auto first = field.number<std::int32_t>(parts[1], kExpected);
@@ -286,7 +269,7 @@ DataFiles parse_data_files(const Field& field, const HeaderText& text, std::size
 }
 
 std::string unquoted(std::string_view text) {
-  text = trim(text);
+  text = trimmed(text);
   if (text.size() >= 2 && text.front() == '"' && text.back() == '"')
     text = text.substr(1, text.size() - 2);
   return std::string(text);

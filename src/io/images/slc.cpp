@@ -104,11 +104,9 @@ class SlcReader {
 
   double real(const char* field) {
     const std::string text(text_.word());
-    double value = 0;
-    const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (result.ec != std::errc{} || result.ptr != text.data() + text.size())
-      fail(fmt::format("{}: '{}': expected a number", field, text.substr(0, 40)));
-    return value;
+    const auto value = parse_number<double>(text);
+    if (!value) fail(fmt::format("{}: '{}': expected a number", field, text.substr(0, 40)));
+    return *value;
   }
 
   // Bytes follow it at once.

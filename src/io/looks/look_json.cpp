@@ -8,6 +8,7 @@
 
 #include "io/core/atomic_file.h"
 #include "io/core/json_file.h"
+#include "io/core/numbers.h"
 #include "io/core/text_file.h"
 #include "io/looks/look_readers.h"
 #include "ovoid/error.h"

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cstdint>
 #include <limits>
 
@@ -76,12 +75,6 @@ struct Line {
 
 bool is_comment(std::string_view text) { return text.starts_with('#') || text.starts_with("//"); }
 
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
-  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
-  return text;
-}
-
 // The next line that is neither blank nor a comment, taken off `rest`; counts in `line.number`.
 bool next_line(std::string_view& rest, Line& line) {
   while (!rest.empty()) {
@@ -136,13 +129,12 @@ Look read_vp(const LookFile& file) {
 }
 
 Rgb hex_color(std::string_view text, const std::string& place) {
-  std::uint32_t rgb = 0;
-  const std::string_view digits = text.substr(1);
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), rgb, 16);
-  if (digits.size() != 6 || error != std::errc{} || end != digits.data() + digits.size()) {
+  const auto number = exact_number<std::uint32_t>(text.substr(1), 16);
+  if (text.size() != 7 || !number) {
     throw Error(ErrorCode::kFileFormat,
                 fmt::format("{}: '{}': must be #rrggbb", place, printable(text)));
   }
+  const std::uint32_t rgb = *number;
   return {(rgb >> 16 & 0xffU) / 255.0, (rgb >> 8 & 0xffU) / 255.0, (rgb & 0xffU) / 255.0};
 }
 

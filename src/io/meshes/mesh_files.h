@@ -1,21 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files of meshes that are not VTK's own text formats: which they are.
+// How files of meshes are recognised that are not told from their first bytes alone. `start`: the
+// first 512 bytes.
 #pragma once
 
 #include <string_view>
+#include <vector>
 
 #include "io/core/byte_source.h"
 
 namespace ovoid::io {
 
-enum class MeshFile { kNone, kExodus, kVtkHdf, kEnzo, kEnSight };
+inline const std::vector<std::string_view> kExodusEndings{".e",    ".ex2",   ".exo",
+                                                          ".exii", ".ex2v2", ".g"};
 
-// "Exodus", "VTKHDF", ...; "" for kNone.
-const char* name_of(MeshFile kind) noexcept;
-
-// From the file's first 512 bytes and, where those cannot tell, from its name: netCDF files and
-// HDF5 files called .e .ex2 .exo .exii .g are Exodus, HDF5 files with a group VTKHDF are VTKHDF;
-// NAME.hierarchy, or NAME beside it, is Enzo; .case is EnSight.
-MeshFile mesh_file_of(const ByteSource& source, std::string_view start);
+bool is_exodus(const ByteSource& source, std::string_view start);   // netCDF, or HDF5 called so
+bool is_vtk_hdf(const ByteSource& source, std::string_view start);  // HDF5 with a group VTKHDF
+bool is_enzo(const ByteSource& source,
+             std::string_view start);  // NAME.hierarchy, or NAME beside it
+bool is_ensight(const ByteSource& source, std::string_view start);  // by name
 
 }  // namespace ovoid::io

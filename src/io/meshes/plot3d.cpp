@@ -11,6 +11,7 @@
 #include <span>
 #include <utility>
 
+#include "io/core/numbers.h"
 #include "io/core/samples.h"
 #include "io/meshes/mesh_parts.h"
 #include "io/meshes/mesh_steps.h"
@@ -93,10 +94,7 @@ class Plot3dWalker {
     const std::string bytes = source_.text(position_, 4);
     if (bytes.size() < 4) return -1;
     position_ += 4;
-    std::uint32_t value = 0;
-    for (std::size_t i = 0; i < 4; ++i)
-      value = value << 8U | static_cast<unsigned char>(bytes[layout_.is_big_endian ? i : 3 - i]);
-    return static_cast<std::int32_t>(value);
+    return number_at<std::int32_t>(bytes.data(), layout_.is_big_endian);
   }
 
   const ByteSource& source_;
@@ -292,6 +290,16 @@ Dataset read_plot3d(const std::string& grid_path, const std::vector<std::string>
     return mesh_of_parts(std::move(dataset), std::move(parts), options);
   });
   return result;
+}
+
+void refuse_lone_plot3d(const ByteSource& source) {
+  const char* const what = find_plot3d(source, Plot3dContent::kGrid)
+                               ? "grid, which has no arrays: give its solution (q file) behind it"
+                           : find_plot3d(source, Plot3dContent::kSolution)
+                               ? "solution, which has no points: give its grid before it"
+                               : nullptr;
+  if (what != nullptr)
+    throw Error(ErrorCode::kFileFormat, fmt::format("{}: is a PLOT3D {}", source.name(), what));
 }
 
 }  // namespace ovoid::io

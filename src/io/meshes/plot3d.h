@@ -39,4 +39,7 @@ std::optional<Plot3dLayout> find_plot3d(const ByteSource& source, Plot3dContent 
 Dataset read_plot3d(const std::string& grid_path, const std::vector<std::string>& solution_paths,
                     const ReadOptions& options);
 
+// Throws Error(kFileFormat) if the file is half of a dataset: a grid, or a solution.
+void refuse_lone_plot3d(const ByteSource& source);
+
 }  // namespace ovoid::io

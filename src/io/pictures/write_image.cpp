@@ -7,7 +7,7 @@
 #include <string>
 
 #include "io/core/atomic_file.h"
-#include "io/formats.h"
+#include "io/core/signatures.h"
 #include "io/images/npy.h"
 #include "io/pictures/pictures.h"
 #include "ovoid/error.h"

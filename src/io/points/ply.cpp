@@ -21,6 +21,7 @@
 #include "data/scalar_visit.h"
 #include "io/core/byte_stream.h"
 #include "io/core/number_fields.h"
+#include "io/core/numbers.h"
 #include "io/core/point_arrays.h"
 #include "io/core/samples.h"
 #include "io/core/text_scanner.h"
@@ -167,13 +168,6 @@ class PlyArrays {
 
   std::int64_t num_records_;
 };
-
-template <typename T>
-T swapped(T value) {
-  auto bytes = std::bit_cast<std::array<std::byte, sizeof(T)>>(value);
-  std::reverse(bytes.begin(), bytes.end());
-  return std::bit_cast<T>(bytes);
-}
 
 // Takes a property out of `count` records; `to` is where that of the first one goes.
 void take_column(const PlyColumn& column, const std::byte* records, std::int64_t record_size,

@@ -109,19 +109,14 @@ bool is_position_name(std::string_view name) {
 }
 
 NameAndUnit split_unit(std::string_view text) {
-  const auto trim = [](std::string_view part) {
-    while (!part.empty() && is_blank(part.front())) part.remove_prefix(1);
-    while (!part.empty() && is_blank(part.back())) part.remove_suffix(1);
-    return part;
-  };
-  text = trim(text);
+  text = trimmed(text);
   const char close = text.empty() ? '\0' : text.back();
   const char open = close == ']' ? '[' : close == ')' ? '(' : '\0';
   const auto begin = open == '\0' ? std::string_view::npos : text.rfind(open);
-  if (begin == std::string_view::npos || trim(text.substr(0, begin)).empty())
+  if (begin == std::string_view::npos || trimmed(text.substr(0, begin)).empty())
     return {std::string(text), ""};
-  return {std::string(trim(text.substr(0, begin))),
-          std::string(trim(text.substr(begin + 1, text.size() - begin - 2)))};
+  return {std::string(trimmed(text.substr(0, begin))),
+          std::string(trimmed(text.substr(begin + 1, text.size() - begin - 2)))};
 }
 
 PointLayout lay_out_points(const std::string& where, const std::vector<PointColumn>& columns,

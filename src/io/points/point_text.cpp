@@ -18,8 +18,8 @@
 #include "io/core/byte_stream.h"
 #include "io/core/number_fields.h"
 #include "io/core/samples.h"
+#include "io/core/signatures.h"
 #include "io/core/text_scanner.h"
-#include "io/formats.h"
 #include "io/points/point_columns.h"
 #include "ovoid/error.h"
 
@@ -300,11 +300,6 @@ void read_rows(const ByteSource& source, const TextTable& shape, LineReader& lin
 }
 
 }  // namespace
-
-bool is_point_text_name(const std::string& name) {
-  static constexpr std::array<std::string_view, 4> kEndings{".csv", ".tsv", ".txt", ".dat"};
-  return std::find(kEndings.begin(), kEndings.end(), plain_ending_of(name)) != kEndings.end();
-}
 
 Dataset read_point_text(const ByteSource& source, const ReadOptions& options) {
   const TextTable shape = look_at_table(source);

@@ -7,9 +7,6 @@
 
 namespace ovoid::io {
 
-// Does the name end as those of tables of points: .csv .tsv .txt .dat, also within gzip or bzip2?
-bool is_point_text_name(const std::string& name);
-
 // Reads a table of points as text: a point per line, or, where there are few long lines, a quantity
 // per line (docs/formats.md, "CSV and other text"). Numbers become float64. Peak memory is that of
 // the arrays and, per line, of the line. Throws Error.

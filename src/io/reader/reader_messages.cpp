@@ -320,7 +320,7 @@ void check_dataset(const std::string& source, const Dataset& dataset) {
 std::vector<std::uint8_t> to_message(const ReaderRequest& request) {
   const ReadOptions& options = request.options;
   return Json::to_msgpack({{"protocol", kReaderProtocol},
-                           {"format", static_cast<int>(request.format)},
+                           {"format", request.format},
                            {"source", request.source},
                            {"paths", request.paths},
                            {"folder", request.folder},
@@ -342,7 +342,7 @@ ReaderRequest request_from_message(const std::vector<std::uint8_t>& message) {
                               kReaderProtocol, json.at("protocol").dump()));
     }
     ReaderRequest request;
-    request.format = enum_of(json.at("format"), ForeignFormat::kDicom);
+    request.format = json.at("format");
     request.source = json.at("source");
     request.paths = json.at("paths").get<std::vector<std::string>>();
     request.folder = json.at("folder");

@@ -15,14 +15,11 @@
 namespace ovoid::io {
 
 // A reader that speaks another version refuses every request.
-inline constexpr int kReaderProtocol = 1;
-
-// Formats whose readers stand on other people's libraries (src/foreign).
-enum class ForeignFormat : std::uint8_t { kVtk, kExodus, kVtkHdf, kEnzo, kEnSight, kHdf5, kDicom };
+inline constexpr int kReaderProtocol = 2;
 
 // Reads one dataset, or one step of it.
 struct ReaderRequest {
-  ForeignFormat format = ForeignFormat::kVtk;
+  std::string format;              // as formats() call it
   std::string source;              // what the user named, for messages
   std::vector<std::string> paths;  // files; as named, from `folder`
   std::string folder;              // the working directory

@@ -85,7 +85,7 @@ TEST(ReaderMessages, LatticeAndBoxArriveWhole) {
 
 TEST(ReaderMessages, RequestArrivesWhole) {
   ReaderRequest sent;
-  sent.format = ForeignFormat::kEnSight;
+  sent.format = "EnSight";
   sent.source = "a.case";
   sent.paths = {"a.case"};
   sent.folder = "/data";

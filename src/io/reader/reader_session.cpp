@@ -300,7 +300,7 @@ Dataset ReaderSession::Impl::receive(const std::string& source, const ReadOption
   }
 }
 
-Dataset ReaderSession::read(io::ForeignFormat format, const std::string& source,
+Dataset ReaderSession::read(const std::string& format, const std::string& source,
                             const std::vector<std::string>& paths, const ReadOptions& options) {
   const std::lock_guard lock(impl_->mutex);
   if (options.stop.stop_requested())
@@ -323,49 +323,8 @@ Dataset ReaderSession::read(io::ForeignFormat format, const std::string& source,
   return impl_->receive(source, options);
 }
 
-namespace {
-
-// What this build has no library for is not worth a process.
-const char* missing_library(io::ForeignFormat format) {
-#ifndef OVOID_IO_HDF5
-  if (format == io::ForeignFormat::kHdf5) return "HDF5";
-#endif
-#ifndef OVOID_IO_VTK
-  if (format != io::ForeignFormat::kHdf5 && format != io::ForeignFormat::kDicom) return "VTK";
-#endif
-  static_cast<void>(format);
-  return nullptr;
-}
-
-const char* words_for(io::ForeignFormat format) {
-  switch (format) {
-    case io::ForeignFormat::kVtk:
-      return "VTK";
-    case io::ForeignFormat::kExodus:
-      return "Exodus";
-    case io::ForeignFormat::kVtkHdf:
-      return "VTKHDF";
-    case io::ForeignFormat::kEnzo:
-      return "Enzo";
-    case io::ForeignFormat::kEnSight:
-      return "EnSight";
-    case io::ForeignFormat::kHdf5:
-      return "HDF5";
-    case io::ForeignFormat::kDicom:
-      return "compressed DICOM";
-  }
-  return "";
-}
-
-}  // namespace
-
-Dataset io::read_foreign(ForeignFormat format, const std::string& source,
+Dataset io::read_foreign(const std::string& format, const std::string& source,
                          const std::vector<std::string>& paths, const ReadOptions& options) {
-  if (const char* const missing = missing_library(format); missing != nullptr) {
-    throw Error(ErrorCode::kUnsupported,
-                fmt::format("{}: this build has no {} and cannot read {} files", source, missing,
-                            words_for(format)));
-  }
   if (options.session) return options.session->read(format, source, paths, options);
   return ReaderSession(paths).read(format, source, paths, options);
 }

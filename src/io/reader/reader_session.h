@@ -26,11 +26,11 @@ class ReaderSession {
   ReaderSession(const ReaderSession&) = delete;
   ReaderSession& operator=(const ReaderSession&) = delete;
 
-  // Reads `paths`, of what the user calls `source`. options.progress and options.stop are heeded.
-  // Throws what the reader throws; Error(kFileFormat) if the process ends for another reason or
-  // sends what is wrong; Error(kUnsupported) if it cannot be found or started; kCancelled. May be
-  // called from many threads: one reads, the others wait.
-  Dataset read(io::ForeignFormat format, const std::string& source,
+  // Reads `paths`, of the format that formats() call so, of what the user calls `source`.
+  // options.progress and options.stop are heeded. Throws what the reader throws; Error(kFileFormat)
+  // if the process ends for another reason or sends what is wrong; Error(kUnsupported) if it cannot
+  // be found or started; kCancelled. May be called from many threads: one reads, the others wait.
+  Dataset read(const std::string& format, const std::string& source,
                const std::vector<std::string>& paths, const ReadOptions& options);
 
  private:
@@ -40,8 +40,9 @@ class ReaderSession {
 
 namespace io {
 
-// options.session's, or that of a session for these paths alone.
-Dataset read_foreign(ForeignFormat format, const std::string& source,
+// Of the format that formats() call so. In options.session's process, or that of a session for
+// these paths alone.
+Dataset read_foreign(const std::string& format, const std::string& source,
                      const std::vector<std::string>& paths, const ReadOptions& options);
 
 }  // namespace io

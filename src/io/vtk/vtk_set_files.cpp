@@ -5,11 +5,11 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <string_view>
 #include <utility>
 
+#include "io/core/numbers.h"
 #include "io/core/xml_tags.h"
 #include "ovoid/error.h"
 
@@ -39,28 +39,37 @@ const SetType* find_set_type(const std::string& xml_type) noexcept {
 
 double time_of(const ByteSource& source, const XmlTag& tag) {
   const std::string text = tag.attribute("timestep", "0");
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
+  const auto value = parse_real(text);
+  if (!value) {
     throw Error(ErrorCode::kFileFormat,
                 fmt::format("{}: DataSet: timestep=\"{}\": expected a finite number", source.name(),
                             text.substr(0, 40)));
   }
-  return value;
+  return *value;
 }
 
 int level_of(const ByteSource& source, const XmlTag& tag) {
   const std::string text = tag.attribute("level", "0");
-  int value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || value < 0 || value > 1000) {
+  const auto value = parse_number<int>(text);
+  if (!value || *value < 0 || *value > 1000) {
     throw Error(ErrorCode::kFileFormat, fmt::format("{}: Block: level=\"{}\": expected 0 to 1000",
                                                     source.name(), text.substr(0, 40)));
   }
-  return value;
+  return *value;
 }
 
 }  // namespace
+
+bool begins_like_vtk_xml(std::string_view start) noexcept {
+  if (start.starts_with("\xef\xbb\xbf")) start.remove_prefix(3);  // a byte order mark
+  const auto first = start.find_first_not_of(" \t\r\n");
+  return first != std::string_view::npos && start[first] == '<' &&
+         start.find("<VTKFile") != std::string_view::npos;
+}
+
+bool begins_like_legacy_vtk(std::string_view start) noexcept {
+  return start.starts_with("# vtk DataFile");
+}
 
 std::string vtk_xml_type(const ByteSource& source) {
   XmlTagReader reader(source);

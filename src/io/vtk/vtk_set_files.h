@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "io/core/byte_source.h"
@@ -14,6 +15,10 @@ namespace ovoid::io {
 // Sets within sets, and the files of one of them, or of all of them together.
 inline constexpr int kMaxVtkSetDepth = 8;
 inline constexpr std::int64_t kMaxVtkSetFiles = 10000;
+
+// Do these first bytes begin a file of VTK's XML, of its legacy format?
+bool begins_like_vtk_xml(std::string_view start) noexcept;
+bool begins_like_legacy_vtk(std::string_view start) noexcept;
 
 // What the root of an XML file says it is: "ImageData", "vtkMultiBlockDataSet", "Collection"; empty
 // if it is no VTKFile.

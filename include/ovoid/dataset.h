@@ -184,7 +184,7 @@ struct Dataset {
   // the shapes of stored kernels. Throws Error(kInvalidArgument) naming the arrays that exist. Cost
   // of the default: one pass over the arrays looked at.
   const DataArray& array(const std::string& name = {}) const&;
-  const DataArray& array(const std::string& name = {}) const&& = delete;  // of a temporary
+  DataArray array(const std::string& name = {}) const&& { return array(name); }  // of a temporary
 };
 
 }  // namespace ovoid

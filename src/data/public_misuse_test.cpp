@@ -24,11 +24,9 @@ concept TakesATemporary = requires(Columns columns) {
 };
 static_assert(!TakesATemporary<KernelColumns>);
 
-template <typename Data>
-concept GivesAnArray = requires(Data&& data) {
-  std::forward<Data>(data).array("density");
-};
-static_assert(GivesAnArray<const Dataset&> && !GivesAnArray<Dataset>);
+// Of a temporary the array comes as a copy, which shares the values.
+static_assert(std::is_reference_v<decltype(std::declval<const Dataset&>().array())>);
+static_assert(!std::is_reference_v<decltype(std::declval<Dataset>().array())>);
 
 static_assert(std::constructible_from<SliceFields, const Series&, LatticeModelOptions>);
 static_assert(!std::constructible_from<SliceFields, Series, LatticeModelOptions>);

@@ -56,7 +56,7 @@ OUTSIDE = [
     ("Voro++", re.compile(r"^voro\+\+/"), ("src/model/",)),
     ("zlib and bzip2", re.compile(r"^(zlib|bzlib)\.h"), ("src/io/", "tests/")),
     ("nlohmann-json", re.compile(r"^nlohmann/"), ("src/io/", "apps/", "tests/", "bench/")),
-    ("CLI11", re.compile(r"^CLI/"), ("apps/", "bench/")),
+    ("CLI11", re.compile(r"^CLI/"), ("bench/",)),
     ("GoogleTest", re.compile(r"^g(test|mock)/"), ("tests/",)),
     ("fmt", re.compile(r"^fmt/"), ("src/", "apps/", "tests/", "bench/")),
     ("Eigen", re.compile(r"^Eigen/"), ("",)),

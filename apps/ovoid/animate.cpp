@@ -18,6 +18,10 @@
 #include "drawing.h"
 #include "film.h"
 #include "frame_files.h"
+#include "load.h"
+#include "make_camera.h"
+#include "make_look.h"
+#include "make_trail.h"
 #include "ovoid/error.h"
 #include "ovoid/io.h"
 #include "series_survey.h"
@@ -39,21 +43,38 @@ struct AnimateFlags {
 
 constexpr double kMaxFps = 1000;
 
+std::optional<std::string> is_no_film(const std::string& output) {
+  return is_film(output) ? std::nullopt : std::optional(output);
+}
+
+const Table<AnimateFlags>& film_settings() {
+  static const Table<AnimateFlags> all = {
+      {"--fps", number("N", {.lo = 0, .hi = kMaxFps, .lo_open = true}), &AnimateFlags::fps,
+       "frames per second of a film (default {})",
+       not_with("output", "is for films (.mp4, .webm, .gif), pictures have no speed", is_no_film)},
+  };
+  return all;
+}
+
+const Table<AnimateFlags>& output_settings() {
+  static const Table<AnimateFlags> all = {
+      {"-o,--output", word("OUT"), &AnimateFlags::output,
+       "a film: .mp4, .webm or .gif, made by ffmpeg; or pictures with a number in their name: "
+       "frames_%04d.png, .exr or .npy"},
+  };
+  return all;
+}
+
 void add_flags(Flags& flags, AnimateFlags* animate) {
   add_input_flags(flags, &animate->data);
-  add_animation_flags(flags, &animate->animation);
-  flags.value("--fps", "N", fmt::format("frames per second of a film (default {})", animate->fps),
-              [animate](const std::string& text) {
-                animate->fps = parse_number(text, {.lo = 0, .hi = kMaxFps, .lo_open = true});
-              });
+  flags.section("animation");
+  flags.add(animation_settings(), &animate->animation);
+  flags.add(film_settings(), animate);
   flags.section("picture");
-  flags.value("-o,--output", "OUT",
-              "a film: .mp4, .webm or .gif, made by ffmpeg; or pictures with a number in their "
-              "name: frames_%04d.png, .exr or .npy",
-              [animate](const std::string& text) { animate->output = text; });
-  add_size_flags(flags, &animate->drawing);
+  flags.add(output_settings(), animate);
+  flags.add(picture_settings(), &animate->drawing);
   add_drawing_flags(flags, &animate->drawing);
-  add_switch_flags(flags, &animate->drawing.options);
+  flags.add(switch_settings(), &animate->drawing.options);
   flags.footer(
       "Frames that the same command has left whole are kept. What holds for all frames, and what "
       "the defaults are: docs/time.md and docs/command-line.md.");
@@ -89,7 +110,7 @@ void check_output(const Flags& flags, const AnimateFlags& animate) {
     throw UsageError(
         "--output: none given, expected -o OUT.mp4, .webm or .gif, or frames_%04d.png");
   if (is_film(output)) {
-    if (flags.is_given("--background") && !animate.drawing.background) {
+    if (flags.is_given("background") && !animate.drawing.background) {
       throw UsageError(
           fmt::format("--background none: '{}' is a film, which cannot be transparent", output));
     }
@@ -100,8 +121,6 @@ void check_output(const Flags& flags, const AnimateFlags& animate) {
     }
     return;
   }
-  if (flags.is_given("--fps"))
-    throw UsageError("--fps: is for films (.mp4, .webm, .gif), pictures have no speed");
   if (!FrameNames::is_pattern(output)) {
     throw UsageError(
         fmt::format("--output '{}': expected a place for the frames' number, as in "
@@ -118,8 +137,7 @@ void check_output(const Flags& flags, const AnimateFlags& animate) {
 void check_flags(const Flags& flags, const AnimateFlags& animate) {
   require_inputs(flags, animate.data);
   check_output(flags, animate);
-  check_animation_flags(flags, animate.animation);
-  check_drawing_flags(flags, animate.drawing, pattern_of(animate));
+  check_json_flags(animate.drawing);
   if (animate.data.slice.plane)
     throw UsageError("--hyperslice: is for render; convert writes it to a file, which turns");
   std::vector<OutputFile> outputs;
@@ -204,9 +222,9 @@ void note_order(const std::vector<std::string>& inputs, Session& session) {
 
 // The array that is drawn is the same in all steps; an array that is alone may change its name.
 void fix_array(const Dataset& dataset, const Modelled& modelled, ModelFlags* model) {
-  const bool is_chosen = !model->lattice.array.empty() || model->kernels.is_density;
+  const bool is_chosen = !model->array.empty() || model->kernels.is_density;
   if (is_chosen || dataset.arrays.size() < 2 || !find_array(dataset, modelled.array)) return;
-  model->lattice.array = model->kernels.array = modelled.array;
+  model->array = modelled.array;
 }
 
 Scenery make_scenery(const Series& series, const Chosen& chosen, const Flags& flags,

@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "ovoid/error.h"
-#include "usage.h"
 #include "values.h"
 
 namespace ovoid::cli {
@@ -54,6 +53,10 @@ AnimationFlags::Steps parse_steps(const std::string& text) {
   }
   if (steps.first && steps.last && *steps.first > *steps.last) throw BadValue(kStepsForm);
   return steps;
+}
+
+std::optional<std::string> has_stride(const std::string& text) {
+  return parse_steps(text).step > 1 ? std::optional(text) : std::nullopt;
 }
 
 // The moments of --times.
@@ -105,42 +108,28 @@ std::vector<double> spread_times(const std::vector<double>& times, std::int64_t 
 
 }  // namespace
 
-void add_animation_flags(Flags& flags, AnimationFlags* animation) {
-  flags.section("animation");
-  flags.value("--steps", "A:B[:STEP]",
-              "a frame for each step from A to B, both included; without A from the first, without "
-              "B to the last (default: all)",
-              [animation](const std::string& text) { animation->steps = parse_steps(text); });
-  flags.value("--times", "A:B:STEP",
-              "frames at the times A, A+STEP, ... up to B, where the input names times; each shows "
-              "the step nearest to its time",
-              [animation](const std::string& text) { animation->times = parse_times(text); });
-  flags.value("--turn", "DEG",
-              "turn the camera around the view's up axis by so much in all; 360 is a round whose "
-              "last frame comes just before the first",
-              [animation](const std::string& text) { animation->turn = parse_number(text); });
-  flags.value("--frames", "N",
-              fmt::format("so many, spread evenly over the times (default: one per step; {} of a "
-                          "turn around one step)",
-                          AnimationFlags::kTurnFrames),
-              [animation](const std::string& text) {
-                animation->num_frames = parse_integer(text, 1, AnimationFlags::kMaxFrames);
-              });
-}
-
-void check_animation_flags(const Flags& flags, const AnimationFlags& animation) {
-  const auto contradict = [&](const char* a, const char* b) {
-    if (flags.is_given(a) && flags.is_given(b))
-      throw UsageError(fmt::format("{}: contradicts {}; give one of them", a, b));
+const Table<AnimationFlags>& animation_settings() {
+  using A = AnimationFlags;
+  static const Table<A> all = {
+      {"--steps", Form<A::Steps>{"A:B[:STEP]", parse_steps}, &A::steps,
+       "a frame for each step from A to B, both included; without A from the first, without B to "
+       "the last (default: all)",
+       not_with("step time", kGiveOne)},
+      {"--times", Form<A::Times>{"A:B:STEP", parse_times}, &A::times,
+       "frames at the times A, A+STEP, ... up to B, where the input names times; each shows the "
+       "step nearest to its time",
+       not_with("steps frames step time", kGiveOne)},
+      {"--turn", number("DEG"), &A::turn,
+       "turn the camera around the view's up axis by so much in all; 360 is a round whose last "
+       "frame comes just before the first"},
+      {"--frames", integer<std::int64_t>("N", 1, A::kMaxFrames), &A::num_frames,
+       fmt::format("so many, spread evenly over the times (default: one per step; {} of a turn "
+                   "around one step)",
+                   A::kTurnFrames),
+       not_with("steps", "contradicts --steps with a STEP, which says how many there are",
+                has_stride)},
   };
-  contradict("--times", "--steps");
-  contradict("--times", "--frames");
-  for (const char* const one : {"--step", "--time"}) {
-    contradict("--times", one);
-    contradict("--steps", one);
-  }
-  if (animation.num_frames && animation.steps && animation.steps->step > 1)
-    throw UsageError("--frames: contradicts --steps with a STEP, which says how many there are");
+  return all;
 }
 
 std::vector<PlannedFrame> plan_frames(const AnimationFlags& animation, const StepSource& source,

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "flags.h"
 #include "ovoid/series.h"
+#include "setting.h"
 
 namespace ovoid::cli {
 
@@ -34,9 +34,7 @@ struct PlannedFrame {
   double turn = 0;  // degrees beyond the camera's own azimuth
 };
 
-void add_animation_flags(Flags& flags, AnimationFlags* animation);
-// Throws UsageError for contradictions.
-void check_animation_flags(const Flags& flags, const AnimationFlags& animation);
+const Table<AnimationFlags>& animation_settings();
 
 // The frames in order, at least one. `only`: the moment that --step or --time took. Throws
 // Error(kInvalidArgument) for steps and times that the series does not have, for --times where it

@@ -10,16 +10,13 @@
 
 #include "command.h"
 #include "console.h"
-#include "data_flags.h"
 #include "environment.h"
-#include "flags.h"
-#include "model_flags.h"
+#include "make_field.h"
 #include "profile.h"
-#include "render_flags.h"
 #include "scenes.h"
+#include "settings.h"
 #include "suggest.h"
 #include "usage.h"
-#include "values.h"
 
 namespace ovoid::cli {
 namespace {
@@ -38,6 +35,17 @@ struct BenchFlags {
   RenderOptions options;
   RendererSetup run = setup_of_environment();
 };
+
+const Table<BenchFlags>& settings() {
+  using B = BenchFlags;
+  static const Table<B> all = {
+      {"--json", Toggle(), &B::is_json, "results as JSON on standard output"},
+      {"--list", Toggle(), &B::lists, "names of the scenes"},
+      {"--frames", integer("N", kMinFrames, kMaxFrames), &B::frames,
+       fmt::format("frames per scene, at least {} (default {})", kMinFrames, B{}.frames)},
+  };
+  return all;
+}
 
 struct SceneResult {
   Scene scene;
@@ -257,19 +265,14 @@ void run_bench(const Words& words, Session& session) {
       "names, or parts of names: head-256, 512px, opaque (default: all); or one of your "
       "own: head-512-1920x1080-soft, -x4 behind it for a view 4 times nearer",
       &bench.names);
-  flags.toggle("--json", "results as JSON on standard output", &bench.is_json);
-  flags.toggle("--list", "names of the scenes", &bench.lists);
-  flags.value("--frames", "N",
-              fmt::format("frames per scene, at least {} (default {})", kMinFrames, bench.frames),
-              [&bench](const std::string& text) {
-                bench.frames = static_cast<int>(parse_integer(text, kMinFrames, kMaxFrames));
-              });
-  add_model_flags(flags, &bench.model);
-  add_number_flags(flags, &bench.options);
-  add_run_flags(flags, &bench.run);
-  add_switch_flags(flags, &bench.options);
+  flags.add(settings(), &bench);
+  add_kernel_flags(flags, &bench.model);
+  flags.section("numbers");
+  flags.add(number_settings(), &bench.options);
+  flags.section("running");
+  flags.add(run_settings(), &bench.run);
+  flags.add(switch_settings(), &bench.options);
   if (!flags.parse(words)) return;
-  check_model_flags(flags, bench.model);
   if (bench.lists) {
     for (const Scene& scene : select_scenes(bench.names)) print_out("{}\n", scene.name());
     return;

@@ -9,9 +9,9 @@
 
 #include "check_files.h"
 #include "command.h"
-#include "data_flags.h"
 #include "lattice_flags.h"
-#include "model_flags.h"
+#include "load.h"
+#include "make_field.h"
 #include "ovoid/error.h"
 #include "ovoid/io.h"
 #include "ovoid/lattice_file.h"
@@ -163,7 +163,7 @@ bool is_grid_name(const std::string& path) {
 LatticeResampleOptions resample_options(const ConvertFlags& convert, Progress& progress,
                                         Session& session) {
   LatticeResampleOptions options;
-  options.array = convert.model.lattice.array;
+  options.array = convert.model.array;
   options.spacing = convert.lattice_spacing;
   options.band_limit = convert.band_limit;
   options.threads = convert.threads;
@@ -189,7 +189,7 @@ void convert_in_time(const ConvertFlags& convert, Session& session) {
     Progress progress("resampling");
     SeriesResampleOptions options;
     options.lattice = resample_options(convert, progress, session);
-    options.component = convert.model.lattice.component;
+    options.component = convert.model.component;
     return resample_series(series, series_of(*convert.lattice), options);
   }();
   write_steps(*steps, convert.output, relevant_of(convert), session);
@@ -203,11 +203,12 @@ Dataset converted(const ConvertFlags& convert, const Flags& flags, const Dataset
   if (convert.as_kernels && dataset.kind == DatasetKind::kLattice)
     refuse_kind("--kernels", "meshes and particles", dataset);
   if (becomes_kernels(convert, dataset)) return to_kernels(convert, dataset, session);
-  const char* const flag = flags.first_given(
-      {"--color-array", "--component", "--kernel", "--prefilter", "--reconstruction", "--cutoff",
-       "--neighborhood", "--quantity", "--radius-array", "--mass-array", "--mass", "--neighbors",
-       "--anisotropic", "--profile-kernel"});
-  if (flag != nullptr) {
+  std::string flag = flags.first_given(kernel_settings());
+  if (flag.empty()) flag = flags.first_given(particle_settings());
+  for (const char* const name : {"component", "color-array"}) {
+    if (flags.is_given(name)) flag = fmt::format("--{}", name);
+  }
+  if (!flag.empty()) {
     throw UsageError(
         fmt::format("{}: has no effect without --size, --kernels or a mesh as .ply", flag));
   }
@@ -219,81 +220,58 @@ Dataset converted(const ConvertFlags& convert, const Flags& flags, const Dataset
   if (dataset.reconstruction)
     note_on_sum(convert, *dataset.reconstruction, KernelColumns{}.cutoff, session);
   Dataset same = dataset;
-  const std::string& array = convert.model.lattice.array;
+  const std::string& array = convert.model.array;
   if (!array.empty()) same.arrays = {dataset.array(array)};
   return same;
 }
 
-void add_flags(Flags& flags, ConvertFlags* convert) {
-  flags.section("");
-  flags.value("-o,--output", "OUT", written_files_text() + "; a look .json",
-              [convert](const std::string& text) { convert->output = text; });
-  flags.value("--size", "N|XxYxZ",
-              "resample the field to a grid over its bounds, NaN where it is not defined; N: of "
-              "cubes, so many along the longest side",
-              [convert](const std::string& text) { convert->size = parse_grid_size(text); });
-  flags.toggle("--kernels",
-               "write the kernels that are drawn, not the particles, to .ply (a mesh as .ply: "
-               "always)",
-               &convert->as_kernels);
-  flags.value("--lattice", kLatticeWords,
-              "resample a volume to this lattice, limited to a ball of frequencies: Cartesian or "
-              "body-centred, of one step, or, with all steps to .h5, in space and time",
-              [convert](const std::string& text) { convert->lattice = parse_lattice(text); });
-  flags.value("--lattice-spacing", "S",
-              fmt::format("T of --lattice, in spacings (and steps) of the input (default {})",
-                          convert->lattice_spacing),
-              [convert](const std::string& text) {
-                convert->lattice_spacing =
-                    parse_number(text, {.lo = 0, .hi = 1000, .lo_open = true});
-              });
-  flags.toggle("--no-band-limit", "resample by splines alone", &convert->band_limit, false);
-  flags.value("--relevant-above", "V",
-              "to .h5: keep the samples whose value is greater, and missing ones, as runs",
-              [convert](const std::string& text) { convert->relevant_above = parse_number(text); });
-  flags.value("--relevant-tf", "FILE",
-              "to .h5: keep the samples that a picture with this look (as --tf) takes, as runs, so "
-              "that it stays the same",
-              [convert](const std::string& text) { convert->relevant_look = text; });
-  flags.value(
-      "--background-value", "B",
-      "with one of these: the value of all others (default: the least there is)",
-      [convert](const std::string& text) { convert->background_value = parse_number(text); });
-  flags.value("--tf-name", "NAME", "which look of a file with several (default: the first)",
-              [convert](const std::string& text) { convert->look_name = text; });
-  flags.value("--threads", "N", "(default 0: one per hardware thread)",
-              [convert](const std::string& text) {
-                convert->threads = static_cast<int>(parse_integer(text, 0, 1024));
-              });
-  add_input_flags(flags, &convert->data);
-  add_array_flags(flags, &convert->model);
-  add_model_flags(flags, &convert->model);
+const Table<ConvertFlags>& settings() {
+  using C = ConvertFlags;
+  const Rule of_lattice = needs("lattice", "has no effect without --lattice");
+  static const Table<C> all = {
+      {"-o,--output", word("OUT"), &C::output,
+       written_files_text() + "; a look .json"},
+      {"--size", Form<GridSize>{"N|XxYxZ", parse_grid_size}, &C::size,
+       "resample the field to a grid over its bounds, NaN where it is not defined; N: of cubes, so "
+       "many along the longest side"},
+      {"--kernels", Toggle(), &C::as_kernels,
+       "write the kernels that are drawn, not the particles, to .ply (a mesh as .ply: always)",
+       not_with("size", kGiveOne)},
+      {"--lattice", lattice_form(), &C::lattice,
+       "resample a volume to this lattice, limited to a ball of frequencies: Cartesian or "
+       "body-centred, of one step, or, with all steps to .h5, in space and time",
+       not_with("size kernels", "contradicts --size and --kernels; give one of them")},
+      {"--lattice-spacing", number("S", {.lo = 0, .hi = 1000, .lo_open = true}),
+       &C::lattice_spacing, "T of --lattice, in spacings (and steps) of the input (default {})",
+       of_lattice},
+      {"--no-band-limit", Toggle(false), &C::band_limit, "resample by splines alone", of_lattice},
+      {"--relevant-above", number("V"), &C::relevant_above,
+       "to .h5: keep the samples whose value is greater, and missing ones, as runs"},
+      {"--relevant-tf", word("FILE"), &C::relevant_look,
+       "to .h5: keep the samples that a picture with this look (as --tf) takes, as runs, so that "
+       "it stays the same",
+       not_with("relevant-above", kGiveOne)},
+      {"--background-value", number("B"), &C::background_value,
+       "with one of these: the value of all others (default: the least there is)",
+       needs("relevant-above relevant-tf",
+             "has no effect without --relevant-above or --relevant-tf")},
+      {"--tf-name", word("NAME"), &C::look_name,
+       "which look of a file with several (default: the first)"},
+      {"--threads", integer("N", 0, 1024), &C::threads, "(default {}: one per hardware thread)"},
+  };
+  return all;
 }
 
-void check_lattice_flags(const Flags& flags, const ConvertFlags& convert) {
-  const char* const lost = flags.first_given({"--lattice-spacing", "--no-band-limit"});
-  if (!convert.lattice) {
-    if (lost != nullptr) throw UsageError(fmt::format("{}: has no effect without --lattice", lost));
-    return;
-  }
-  if (convert.size.is_given() || convert.as_kernels)
-    throw UsageError("--lattice: contradicts --size and --kernels; give one of them");
-  require_file_in_time(*convert.lattice, convert.output);
-  const char* const one = flags.first_given({"--step", "--time", "--hyperslice"});
-  if (is_in_time(*convert.lattice) && one != nullptr)
-    throw UsageError(fmt::format("{}: contradicts --lattice in time, which takes all steps", one));
-}
-
-void check_relevant_flags(const ConvertFlags& convert) {
-  if (convert.background_value && !keeps_relevant(convert))
-    throw UsageError("--background-value: has no effect without --relevant-above or --relevant-tf");
-  if (!keeps_relevant(convert)) return;
-  if (convert.relevant_above && !convert.relevant_look.empty())
-    throw UsageError("--relevant-tf: contradicts --relevant-above; give one of them");
-  if (!has_ending(convert.output, ".h5")) {
+void check_output(const ConvertFlags& convert) {
+  const std::string& output = convert.output;
+  if (output.empty()) throw UsageError("--output: none given, expected -o OUT");
+  if (convert.as_kernels && !has_ending(output, ".ply"))
+    throw UsageError(fmt::format("--kernels: '{}' holds no kernels, only .ply does", output));
+  if (keeps_relevant(convert) && !has_ending(output, ".h5")) {
     throw UsageError(fmt::format("--relevant-{}: '{}' holds no runs, only .h5 does",
-                                 convert.relevant_above ? "above" : "tf", convert.output));
+                                 convert.relevant_above ? "above" : "tf", output));
   }
+  if (convert.lattice) require_file_in_time(*convert.lattice, output);
 }
 
 }  // namespace
@@ -306,19 +284,16 @@ void run_convert(const Words& words, Session& session) {
       "particles' kernels (.ply). Without these, --array names the one array to write (default: "
       "all). A look of any kind that --tf reads is written as ParaView JSON if OUT ends in .json, "
       "its points sorted and its defaults written out.");
-  add_flags(flags, &convert);
+  flags.section("");
+  flags.add(settings(), &convert);
+  add_input_flags(flags, &convert.data);
+  add_array_flags(flags, &convert.model);
+  add_kernel_flags(flags, &convert.model);
   if (!flags.parse(words)) return;
 
   const std::string& output = convert.output;
   require_inputs(flags, convert.data);
-  check_model_flags(flags, convert.model);
-  if (output.empty()) throw UsageError("--output: none given, expected -o OUT");
-  if (convert.size.is_given() && convert.as_kernels)
-    throw UsageError("--kernels: contradicts --size; give one of them");
-  if (convert.as_kernels && !has_ending(output, ".ply"))
-    throw UsageError(fmt::format("--kernels: '{}' holds no kernels, only .ply does", output));
-  check_relevant_flags(convert);
-  check_lattice_flags(flags, convert);
+  check_output(convert);
   std::vector<InputFile> inputs = volume_inputs(convert.data.inputs);
   if (!convert.relevant_look.empty())
     inputs.push_back({convert.relevant_look, "the look of --relevant-tf"});

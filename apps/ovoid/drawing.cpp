@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <tuple>
 
+#include "make_look.h"
 #include "ovoid/error.h"
 #include "ovoid/io.h"
-#include "usage.h"
 #include "values.h"
 
 namespace ovoid::cli {
@@ -22,61 +22,6 @@ bool shows_any(const TransferFunction& tf, const ValueRange& range) {
 }
 
 }  // namespace
-
-void add_size_flags(Flags& flags, DrawingFlags* drawing) {
-  const RenderOptions& options = drawing->options;
-  flags.value("--size", "WIDTHxHEIGHT",
-              fmt::format("pixels (default {}x{})", options.width, options.height),
-              [drawing](const std::string& text) {
-                std::tie(drawing->options.width, drawing->options.height) =
-                    parse_size(text, RenderOptions::kMaxImageSide);
-              });
-  flags.value("--background", "R,G,B|none",
-              "colour behind a PNG, each in [0, 1] (default none: transparent)",
-              [drawing](const std::string& text) {
-                if (text == "none") return;
-                try {
-                  drawing->background = parse_rgb(text);
-                } catch (const BadValue& bad) {
-                  throw BadValue(fmt::format("{}, or none", bad.what()));
-                }
-              });
-}
-
-void add_drawing_flags(Flags& flags, DrawingFlags* drawing) {
-  add_annotation_flags(flags, &drawing->annotation);
-  add_array_flags(flags, &drawing->model);
-  add_look_flags(flags, &drawing->look);
-  add_camera_flags(flags, &drawing->camera);
-  add_crop_flags(flags, &drawing->crop);
-  add_trail_flags(flags, &drawing->trail);
-  add_model_flags(flags, &drawing->model);
-  add_relevant_flag(flags, &drawing->model);
-  add_number_flags(flags, &drawing->options);
-  add_plane_flag(flags, &drawing->plane);
-  add_run_flags(flags, &drawing->run);
-}
-
-void check_drawing_flags(const Flags& flags, const DrawingFlags& drawing,
-                         const std::string& output) {
-  const bool is_png = output.empty() || has_ending(output, ".png");
-  if (drawing.background && !is_png) {
-    throw UsageError(fmt::format("--background: '{}' holds no background, only .png does", output));
-  }
-  check_look_flags(flags, drawing.look);
-  check_camera_flags(flags, drawing.camera);
-  check_crop_flags(flags);
-  check_model_flags(flags, drawing.model);
-  check_trail_flags(flags, drawing.trail, drawing.look.mode, drawing.options.post_convolution);
-  if (drawing.plane && drawing.look.mode != Mode::kComposite &&
-      drawing.look.mode != Mode::kIsosurface)
-    throw UsageError("--value-plane: is for --mode composite and isosurface");
-  if (drawing.plane && drawing.trail.length)
-    throw UsageError("--value-plane: contradicts --motion-blur; give one of them");
-  if (flags.is_given("--color-array") && drawing.look.mode == Mode::kXray)
-    throw UsageError("--color-array: has no effect with --mode xray, whose colours are integrals");
-  check_annotation_flags(flags, output);
-}
 
 std::vector<InputFile> files_to_read(const DataFlags& data, const DrawingFlags& drawing) {
   std::vector<InputFile> inputs = volume_inputs(data.inputs);
@@ -93,21 +38,19 @@ std::vector<InputFile> files_to_read(const DataFlags& data, const DrawingFlags& 
 Subject make_subject(const Dataset& dataset, const Flags& flags, DrawingFlags* drawing,
                      Session& session) {
   check_kind_flags(flags, dataset);
-  if (flags.is_given("--crop") && dataset.kind != DatasetKind::kLattice)
-    refuse_kind("--crop", "lattices (--crop-world takes any data)", dataset);
   Subject subject;
   subject.modelled = make_field(dataset, drawing->model, drawing->run.threads, session);
-  if (!flags.is_given("--kernel") && may_be_labels(drawing->look) &&
+  if (!flags.is_given("kernel") && may_be_labels(drawing->look) &&
       holds_labels(subject.modelled.field)) {
     session.note(
         "the values look like labels: drawn with narrow kernels and a colour for each "
         "(--kernel, --tf, --colormap with --range for another look)");
     drawing->model.lattice.kernel = kLabelKernel;
     // Within a sample a narrow kernel's field is flat; only its neighbours know where it ends.
-    if (!flags.is_given("--gradient")) drawing->options.gradient = GradientMethod::kCentral;
+    if (!flags.is_given("gradient")) drawing->options.gradient = GradientMethod::kCentral;
     subject.modelled = make_field(dataset, drawing->model, drawing->run.threads, session);
   }
-  subject.described = describe(dataset, subject.modelled, drawing->model.lattice.component);
+  subject.described = describe(dataset, subject.modelled, drawing->model.component);
   subject.unit = unit_of(dataset, subject.modelled, Role::kOpacity);
   return subject;
 }

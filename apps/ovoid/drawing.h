@@ -1,50 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// What `render` and `animate` share: the flags that make a picture of data, and the steps from a
-// dataset to the file.
+// What `render` and `animate` share: the steps from a dataset to the file.
 #pragma once
 
-#include <array>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "annotation_flags.h"
-#include "camera_flags.h"
 #include "check_files.h"
-#include "crop_flags.h"
-#include "data_flags.h"
-#include "environment.h"
-#include "look_flags.h"
-#include "model_flags.h"
+#include "draw_marks.h"
+#include "make_field.h"
 #include "ovoid/renderer.h"
-#include "render_flags.h"
-#include "trail_flags.h"
+#include "settings.h"
 
 namespace ovoid::cli {
-
-struct DrawingFlags {
-  std::optional<std::array<double, 3>> background;
-  ModelFlags model;
-  LookFlags look;
-  CameraFlags camera;
-  CropFlags crop;
-  AnnotationFlags annotation;
-  RenderOptions options;
-  TrailFlags trail;
-  std::optional<ValuePlane> plane;
-  RendererSetup run = setup_of_environment();
-  TimeFilter time_filter = TimeFilter::kTwoSteps;  // as DataFlags has it
-};
-
-// --size and --background, in the section that is open.
-void add_size_flags(Flags& flags, DrawingFlags* drawing);
-// All others, section by section, from the marks to section "running", which stays open.
-void add_drawing_flags(Flags& flags, DrawingFlags* drawing);
-
-// Throws UsageError for contradictions. `output`: the name of a picture; empty if none is written.
-void check_drawing_flags(const Flags& flags, const DrawingFlags& drawing,
-                         const std::string& output);
 
 // The files that are read: the data's, the look's and the camera's.
 std::vector<InputFile> files_to_read(const DataFlags& data, const DrawingFlags& drawing);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "command.h"
 #include "ovoid/error.h"
 #include "suggest.h"
 #include "values.h"
@@ -15,13 +16,9 @@ namespace {
 
 using Json = FlagSet::Json;
 
-// What a state of other people's making must not decide.
-bool is_of_command_line(const std::string& name) {
-  return name == "output" || name == "profile" || name == "state";
-}
-
-bool may_be_json(const std::string& name) {
-  return name == "tf" || name == "color-tf" || name == "camera";
+// A file's name, or JSON itself.
+bool may_be_json(const FlagForm& form) {
+  return form.content == Content::kLook || form.content == Content::kCamera;
 }
 
 [[noreturn]] void refuse(const std::string& message) {
@@ -40,12 +37,14 @@ bool may_be_json(const std::string& name) {
 }
 
 const FlagForm& form_of(const std::string& name) {
-  if (is_of_command_line(name))
+  const FlagForm* const found = find_render_flag(name);
+  // What a state of other people's making must not decide.
+  if (found != nullptr && found->content == Content::kOfRun)
     refuse(name + ": is for the command line alone, a set of flags writes no files");
-  if (const FlagForm* const form = find_render_flag(name)) return *form;
+  if (found != nullptr) return *found;
   std::vector<std::string> names;
   for (const FlagForm& form : render_flags()) {
-    if (!is_of_command_line(form.name)) names.push_back(form.name);
+    if (form.content != Content::kOfRun) names.push_back(form.name);
   }
   constexpr std::size_t kShown = 40;
   refuse(fmt::format("{}: unknown flag{}", name.substr(0, kShown), did_you_mean(name, names)));
@@ -77,8 +76,8 @@ void check_value(const FlagForm& form, const Json& value) {
       return;
     case FlagKind::kValue:
       if (is_text(value)) return;
-      if (!may_be_json(name)) refuse_value(name, value, "a string");
-      if (name == "camera" && !value.is_object())
+      if (!may_be_json(form)) refuse_value(name, value, "a string");
+      if (form.content == Content::kCamera && !value.is_object())
         refuse_value(name, value, "a string or an object");
       if (!value.is_object() && !is_list(value, is_object))
         refuse_value(name, value, "a string, an object or an array of objects");
@@ -95,34 +94,31 @@ std::string text_of(const std::string& name, const Json& value) {
 }
 
 // JSON in a string as JSON.
-Json opened(const std::string& name, Json value) {
-  if (!may_be_json(name) || !value.is_string()) return value;
+Json opened(const FlagForm& form, Json value) {
+  if (!may_be_json(form) || !value.is_string()) return value;
   const std::string& text = value.get_ref<const std::string&>();
   if (!is_json(text)) return value;
   Json json = Json::parse(text, nullptr, false);
-  if (json.is_discarded()) refuse(name + ": begins like JSON and is none");
+  if (json.is_discarded()) refuse(form.name + ": begins like JSON and is none");
   return json;
 }
 
 }  // namespace
 
 const FlagForm* find_render_flag(const std::string& name) {
-  const std::vector<FlagForm>& all = render_flags();
-  const auto found =
-      std::find_if(all.begin(), all.end(), [&](const FlagForm& form) { return form.name == name; });
-  return found == all.end() ? nullptr : &*found;
+  return find_form(render_flags(), name);
 }
 
 bool names_file(const std::string& flag, const std::string& value) {
-  return (flag == "tf" || flag == "color-tf" || flag == "camera" || flag == "trail-tf") &&
-         !is_json(value);
+  const FlagForm* const form = find_render_flag(flag);
+  return form != nullptr && may_be_json(*form) && !is_json(value);
 }
 
 FlagSet FlagSet::of(const std::vector<GivenFlag>& given) {
   FlagSet set;
   for (const GivenFlag& flag : given) {
     const FlagForm* const form = find_render_flag(flag.name);
-    if (form == nullptr || is_of_command_line(flag.name)) continue;
+    if (form == nullptr || form->content == Content::kOfRun) continue;
     if (form->kind == FlagKind::kRepeatable) {
       set.set(flag.name, flag.values);
     } else {
@@ -156,7 +152,7 @@ Json FlagSet::to_json() const {
 
 void FlagSet::set(const std::string& name, Json value) {
   const FlagForm& form = form_of(name);
-  value = opened(name, std::move(value));
+  value = opened(form, std::move(value));
   check_value(form, value);
   const auto found = std::find_if(flags_.begin(), flags_.end(),
                                   [&](const Flag& flag) { return flag.name == name; });

@@ -8,16 +8,15 @@
 #include <utility>
 #include <vector>
 
-#include "command.h"
 #include "flags.h"
 
 namespace ovoid::cli {
 
 // Flags by their long names without dashes, in the order in which they were set. The value of a
 // toggle is true, of a flag with a value a string, of a repeatable flag an array of strings, of a
-// flag with an optional value true or a string; `tf` and `camera` may also be JSON itself, an
+// flag with an optional value true or a string; looks and cameras may also be JSON itself, an
 // object (of looks also an array of them), which is kept as such so that people can edit it. What
-// says what a run writes or reads its flags from (output, profile, state) is no part of a set.
+// says what a run writes or reads its flags from (Content::kOfRun) is no part of a set.
 // Values are checked for their kind, not for their meaning: check_render_flags() does that.
 class FlagSet {
  public:

@@ -3,10 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cstdio>
-#include <utility>
 
 #include "console.h"
 #include "suggest.h"
@@ -46,264 +43,247 @@ std::string wrapped(const std::string& text, std::size_t indent) {
   return out;
 }
 
-// "-o,--output" as the flag that messages name: the long form if there is one.
-std::string long_name(const std::string& names) { return split(names, ',').back(); }
-
-// "output", of "-o,--output".
-std::string bare_name(const std::string& names) {
-  const std::string name = long_name(names);
-  return name.substr(name.find_first_not_of('-'));
+// "-o,--output", with any separator.
+std::string names_of(const FlagForm& flag, const char* separator) {
+  const std::string name = "--" + flag.name;
+  return flag.short_name.empty() ? name : "-" + flag.short_name + separator + name;
 }
 
-// "-o, --output OUT", "--profile[=FILE]"
-std::string shown(const std::string& names, const std::string& form) {
-  std::string out;
-  for (const std::string& name : split(names, ',')) out += (out.empty() ? "" : ", ") + name;
-  if (!form.empty()) out += form.front() == '[' ? form : ' ' + form;
-  return out;
+bool takes_next_word(const FlagForm& flag) {
+  return flag.kind == FlagKind::kValue || flag.kind == FlagKind::kRepeatable;
 }
 
-struct Entry {
-  std::string names;  // "-o,--output"
-  std::string form;   // "OUT"; empty for flags without a value and what is no flag
-  std::string text;
-  CLI::Option* option = nullptr;  // null for what is no flag
-  bool is_repeatable = false;
-
-  FlagKind kind() const {
-    if (form.empty()) return FlagKind::kToggle;
-    if (form.front() == '[') return FlagKind::kOptionalValue;
-    return is_repeatable ? FlagKind::kRepeatable : FlagKind::kValue;
-  }
+// A word that begins with a dash, as a flag.
+struct Named {
+  const FlagForm* form = nullptr;    // null: unknown
+  std::string name;                  // as it was written
+  std::optional<std::string> value;  // behind an equals sign, or behind a short name
 };
 
-struct Section {
-  std::string title;
-  std::vector<Entry> entries;
-};
-
-// What CLI11 would take differently from what was meant, or report without naming it.
-void check_words(const Entry& flag, const std::vector<std::string>& words) {
-  const bool takes_value = !flag.form.empty();
-  const bool is_optional = takes_value && flag.form.front() == '[';
-  for (const std::string& name : split(flag.names, ',')) {
-    for (const std::string& word : words) {
-      if (word == "--") break;
-      const bool has_value = word.rfind(name + '=', 0) == 0;
-      const bool has_nothing = has_value && word.size() == name.size() + 1;
-      const bool is_last = word == name && &word == &words.back();
-      if (has_value && !takes_value) throw UsageError(name + ": takes no value");
-      if (has_nothing || (is_last && takes_value && !is_optional)) {
-        throw UsageError(fmt::format("{}: expected a value, {}", name, flag.form));
-      }
-    }
+Named named(const std::string& word, const std::vector<FlagForm>& forms) {
+  Named flag;
+  if (word.starts_with("--")) {
+    const std::size_t end = word.find('=');
+    flag.name = word.substr(0, end);
+    flag.form = find_form(forms, flag.name.substr(2));
+    if (end != std::string::npos) flag.value = word.substr(end + 1);
+    return flag;
   }
+  for (const FlagForm& form : forms) {
+    if (form.short_name.empty() || word.compare(1, form.short_name.size(), form.short_name) != 0)
+      continue;
+    flag.form = &form;
+    flag.name = "-" + form.short_name;
+    if (word.size() > flag.name.size()) flag.value = word.substr(flag.name.size());
+    if (flag.value && flag.value->front() == '=') flag.value->erase(0, 1);
+    return flag;
+  }
+  flag.name = word.substr(0, word.find('='));
+  return flag;
+}
+
+void add_given(std::vector<GivenFlag>& given, const FlagForm& form,
+               const std::optional<std::string>& value) {
+  auto place = std::find_if(given.begin(), given.end(),
+                            [&](const GivenFlag& flag) { return flag.name == form.name; });
+  if (place == given.end()) {
+    place = given.insert(given.end(), GivenFlag{form.name, {}, false, 0});
+  }
+  ++place->times;
+  place->has_value = place->has_value || value;
+  if (value) place->values.push_back(*value);
 }
 
 }  // namespace
 
-struct Flags::Impl {
-  std::string command;
-  std::string usage;
-  std::string summary;
-  std::string footer;
-  std::vector<Section> sections;
-  CLI::App app;
-
-  void add(Entry entry);
-  CLI::Option* add_taker(const std::string& names, const Take& take);
-  std::vector<const Entry*> flags() const;
-  [[noreturn]] void explain_extras() const;
-};
-
-void Flags::Impl::add(Entry entry) {
-  if (sections.empty()) sections.emplace_back();
-  sections.back().entries.push_back(std::move(entry));
+const GivenFlag* find_given(const std::vector<GivenFlag>& given, const std::string& name) {
+  const auto place = std::find_if(given.begin(), given.end(),
+                                  [&](const GivenFlag& flag) { return flag.name == name; });
+  return place == given.end() ? nullptr : &*place;
 }
 
-// An option that hands every value it is given to `take`, and completes what `take` complains
-// about.
-CLI::Option* Flags::Impl::add_taker(const std::string& names, const Take& take) {
-  const CLI::callback_t take_all = [names, take](const CLI::results_t& given) {
-    for (const std::string& value : given) {
-      try {
-        take(value);
-      } catch (const BadValue& bad) {
-        throw UsageError(fmt::format("{} '{}': {}", long_name(names), value, bad.what()));
+const FlagForm* find_form(const std::vector<FlagForm>& forms, const std::string& name) {
+  const auto place = std::find_if(forms.begin(), forms.end(),
+                                  [&](const FlagForm& form) { return form.name == name; });
+  return place == forms.end() ? nullptr : &*place;
+}
+
+Line take_apart(const Words& words, const std::vector<FlagForm>& forms) {
+  Line line;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (words[i] == "--") {
+      line.others.insert(line.others.end(), words.begin() + static_cast<std::ptrdiff_t>(i) + 1,
+                         words.end());
+      break;
+    }
+    if (words[i].size() < 2 || words[i].front() != '-') {
+      line.others.push_back(words[i]);
+      continue;
+    }
+    auto [form, name, value] = named(words[i], forms);
+    if (form == nullptr && (name == "-h" || name == "--help")) {
+      line.asks_for_help = true;
+    } else if (form == nullptr) {
+      line.unknown.push_back(name);
+    } else {
+      const bool is_empty = value && value->empty();
+      const bool is_last = i + 1 == words.size();
+      const bool lacks_value = is_empty || (!value && takes_next_word(*form) && is_last);
+      if (form->kind == FlagKind::kToggle && value) {
+        if (line.problem.empty()) line.problem = name + ": takes no value";
+      } else if (lacks_value && line.problem.empty()) {
+        line.problem = fmt::format("{}: expected a value, {}", name, form->form);
       }
-    }
-    return true;
-  };
-  CLI::Option* const option = app.add_option(names, take_all);
-  return option->type_size(1)->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-}
-
-std::vector<const Entry*> Flags::Impl::flags() const {
-  std::vector<const Entry*> found;
-  for (const Section& section : sections) {
-    for (const Entry& entry : section.entries) {
-      if (entry.option != nullptr) found.push_back(&entry);
+      if (!value && !is_last && takes_next_word(*form)) value = words[++i];
+      add_given(line.given, *form, value);
     }
   }
-  return found;
+  return line;
 }
 
-void Flags::Impl::explain_extras() const {
-  std::vector<std::string> known = {"--help"};
-  for (const Entry* const flag : flags()) known.push_back(long_name(flag->names));
-  const std::vector<std::string> extras = app.remaining();
-  for (const std::string& extra : extras) {
-    if (extra.size() < 2 || extra.front() != '-') continue;
-    const std::string name = extra.substr(0, extra.find('='));
-    throw UsageError(fmt::format("{}: unknown flag{} (see ovoid {} --help)", name,
-                                 did_you_mean(name, known), command));
+std::optional<std::string> found(Test test, const GivenFlag* flag) {
+  if (flag == nullptr) return std::nullopt;
+  const std::string value = flag->has_value ? flag->values.front() : "";
+  if (test == nullptr) return value;
+  try {
+    return test(value);
+  } catch (const BadValue&) {
+    return std::nullopt;
   }
-  throw UsageError(
-      fmt::format("'{}': unexpected argument (see ovoid {} --help)", extras.front(), command));
+}
+
+namespace {
+
+// What the rule says of the flag; empty: it is kept.
+std::string breach(const Rule& rule, const GivenFlag& flag, const std::vector<FlagForm>& forms,
+                   const std::vector<GivenFlag>& given) {
+  const auto own = found(rule.own_test, &flag);
+  const auto is_given = [&](const std::string& name) { return find_given(given, name) != nullptr; };
+  if (!own || rule.kind == Rule::Kind::kForData ||
+      std::any_of(rule.unless.begin(), rule.unless.end(), is_given))
+    return "";
+  for (const std::string& name : rule.others) {
+    const auto other = found(rule.other_test, find_given(given, name));
+    if (!other) continue;
+    if (rule.kind == Rule::Kind::kNeeds) return "";
+    return fmt::format("--{}: {}", flag.name,
+                       fmt::format(fmt::runtime(rule.message), "--" + name, *other, *own));
+  }
+  const bool has_any = std::any_of(rule.others.begin(), rule.others.end(), [&](const auto& name) {
+    return find_form(forms, name) != nullptr;
+  });
+  if (rule.kind != Rule::Kind::kNeeds || !has_any) return "";
+  return fmt::format("--{}{}: {}", flag.name, rule.own_test ? " " + *own : "", rule.message);
+}
+
+}  // namespace
+
+void check_rules(const std::vector<FlagForm>& forms, const std::vector<GivenFlag>& given) {
+  for (const FlagForm& form : forms) {
+    const GivenFlag* const flag = find_given(given, form.name);
+    if (flag == nullptr) continue;
+    for (const Rule& rule : form.rules) {
+      const std::string said = breach(rule, *flag, forms, given);
+      if (!said.empty()) throw UsageError(said);
+    }
+  }
 }
 
 Flags::Flags(std::string command, std::string usage, std::string summary)
-    : impl_(std::make_unique<Impl>()) {
-  impl_->command = std::move(command);
-  impl_->usage = std::move(usage);
-  impl_->summary = std::move(summary);
-  impl_->app.set_help_flag("-h,--help", "");
-  impl_->app.allow_windows_style_options(false);
+    : command_(std::move(command)), usage_(std::move(usage)), summary_(std::move(summary)) {}
+
+void Flags::section(std::string title) { sections_.push_back({std::move(title), {}}); }
+
+void Flags::footer(std::string text) { footer_ = std::move(text); }
+
+void Flags::refuse(std::string name) { refused_.push_back(std::move(name)); }
+
+void Flags::add_line(const std::string& shown, const std::string& text) {
+  if (sections_.empty()) sections_.emplace_back();
+  sections_.back().entries.push_back({shown, text});
 }
 
-Flags::~Flags() = default;
-
-const std::string& Flags::command() const noexcept { return impl_->command; }
-
-void Flags::section(std::string title) { impl_->sections.push_back({std::move(title), {}}); }
-
-void Flags::footer(std::string text) { impl_->footer = std::move(text); }
-
-void Flags::positionals(const std::string& name, const std::string& text,
-                        std::vector<std::string>* into) {
-  impl_->app.add_option(name, *into);
-  impl_->add({name, "", text});
+void Flags::positionals(const std::string& name, const std::string& text, Words* into) {
+  positionals_ = into;
+  add_line(name, text);
 }
 
-void Flags::explain(const std::string& name, const std::string& text) {
-  impl_->add({name, "", text});
-}
+void Flags::explain(const std::string& name, const std::string& text) { add_line(name, text); }
 
-void Flags::value(const std::string& names, const std::string& form, const std::string& text,
-                  const Take& take) {
-  impl_->add({names, form, text, impl_->add_taker(names, take)});
-}
-
-void Flags::repeatable(const std::string& names, const std::string& form, const std::string& text,
-                       const Take& take) {
-  impl_->add({names, form, text, impl_->add_taker(names, take), true});
-}
-
-void Flags::toggle(const std::string& names, const std::string& text, bool* into, bool set_to) {
-  const auto set = [into, set_to](std::int64_t) { *into = set_to; };
-  CLI::Option* const option = impl_->app.add_flag_function(names, set);
-  option->disable_flag_override();
-  impl_->add({names, "", text, option});
-}
-
-void Flags::optional_value(const std::string& names, const std::string& form,
-                           const std::string& text, const Take& take) {
-  // CLI11 stores "true" for a flag without a value, so a value of exactly that name cannot be
-  // given.
-  const Take take_or_default = [take](const std::string& value) {
-    take(value == "true" ? "" : value);
-  };
-  CLI::Option* const option = impl_->add_taker(names, take_or_default);
-  option->type_size(0)->expected(0);
-  impl_->add({names, form, text, option});
-}
-
-void Flags::refuse(std::initializer_list<const char*> names) {
-  for (const char* const name : names) {
-    const CLI::callback_t refuse_it = [name](const CLI::results_t&) -> bool {
-      throw UsageError(fmt::format("{}: not available in this version", name));
-    };
-    CLI::Option* const option = impl_->app.add_option(name, refuse_it);
-    option->type_size(1)->expected(0, 1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  }
-}
-
-bool Flags::parse(const std::vector<std::string>& words) {
-  if (words.size() == 1 && words[0] == kListFlags) {
-    for (const Entry* const flag : impl_->flags())
-      print_out("{}\t{}\t{}\n", flag->names, flag->form, flag->text);
-    print_out("-h,--help\t\tthis help\n");
-    return false;
-  }
-  for (const Entry* const flag : impl_->flags()) check_words(*flag, words);
-  try {
-    // CLI11 wants the last word first.
-    impl_->app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
-  } catch (const CLI::CallForHelp&) {
-    print_out("{}", help());
-    return false;
-  } catch (const CLI::ExtrasError&) {
-    impl_->explain_extras();
-  } catch (const CLI::ParseError& error) {
-    throw UsageError(fmt::format("{} (see ovoid {} --help)", error.what(), impl_->command));
-  }
-  for (const Entry* const flag : impl_->flags()) {
-    if (flag->is_repeatable || flag->option->count() < 2) continue;
-    throw UsageError(fmt::format("{}: given {} times, expected once", long_name(flag->names),
-                                 flag->option->count()));
-  }
-  return true;
-}
-
-std::vector<GivenFlag> Flags::given() const {
-  std::vector<GivenFlag> all;
-  const std::vector<const Entry*> known = impl_->flags();
-  for (const CLI::Option* const option : impl_->app.parse_order()) {
-    const auto found = std::find_if(known.begin(), known.end(),
-                                    [&](const Entry* entry) { return entry->option == option; });
-    if (found == known.end()) continue;
-    const Entry& entry = **found;
-    GivenFlag flag{bare_name(entry.names), {}, false};
-    const bool is_known = std::any_of(all.begin(), all.end(), [&](const GivenFlag& earlier) {
-      return earlier.name == flag.name;
-    });
-    if (is_known) continue;
-    const FlagKind kind = entry.kind();
-    const bool is_bare = kind == FlagKind::kOptionalValue && option->results().front() == "true";
-    if (kind != FlagKind::kToggle && !is_bare) flag.values = option->results();
-    flag.has_value = !flag.values.empty();
-    all.push_back(std::move(flag));
-  }
-  return all;
-}
-
-std::vector<FlagForm> Flags::forms() const {
-  std::vector<FlagForm> all;
-  for (const Entry* const flag : impl_->flags()) {
-    const std::vector<std::string> names = split(flag->names, ',');
-    all.push_back(
-        {bare_name(flag->names), names.size() > 1 ? names.front().substr(1) : "", flag->kind()});
-  }
-  return all;
+void Flags::declare(const FlagForm& form, Take take) {
+  forms_.push_back(form);
+  takes_.push_back(std::move(take));
+  const bool is_apart = takes_next_word(form);
+  add_line(names_of(form, ", ") + (is_apart ? " " : "") + form.form, form.text);
 }
 
 bool Flags::is_given(const std::string& name) const {
-  return impl_->app.get_option(name)->count() > 0;
+  return find_given(line_.given, name) != nullptr;
 }
 
-const char* Flags::first_given(std::initializer_list<const char*> names) const {
-  const auto* const found =
-      std::find_if(names.begin(), names.end(), [&](const char* name) { return is_given(name); });
-  return found == names.end() ? nullptr : *found;
+void Flags::explain_unknown() const {
+  std::vector<std::string> known = {"--help"};
+  for (const FlagForm& flag : forms_) known.push_back("--" + flag.name);
+  const std::string& name = line_.unknown.front();
+  throw UsageError(fmt::format("{}: unknown flag{} (see ovoid {} --help)", name,
+                               did_you_mean(name, known), command_));
+}
+
+void Flags::take_values() const {
+  for (std::size_t i = 0; i < forms_.size(); ++i) {
+    const GivenFlag* const flag = find_given(line_.given, forms_[i].name);
+    if (flag == nullptr) continue;
+    for (const std::string& value : flag->has_value ? flag->values : Words{""}) {
+      try {
+        takes_[i](value);
+      } catch (const BadValue& bad) {
+        throw UsageError(fmt::format("--{} '{}': {}", forms_[i].name, value, bad.what()));
+      }
+    }
+  }
+}
+
+bool Flags::parse(const Words& words) {
+  if (words.size() == 1 && words[0] == kListFlags) {
+    for (const FlagForm& flag : forms_)
+      print_out("{}\t{}\t{}\n", names_of(flag, ","), flag.form, flag.text);
+    print_out("-h,--help\t\tthis help\n");
+    return false;
+  }
+  line_ = take_apart(words, forms_);
+  if (!line_.problem.empty()) throw UsageError(line_.problem);
+  for (const std::string& name : line_.unknown) {
+    if (std::find(refused_.begin(), refused_.end(), name) != refused_.end())
+      throw UsageError(name + ": not available in this version");
+  }
+  take_values();
+  if (line_.asks_for_help) {
+    print_out("{}", help());
+    return false;
+  }
+  if (!line_.unknown.empty()) explain_unknown();
+  if (positionals_ != nullptr) {
+    *positionals_ = line_.others;
+  } else if (!line_.others.empty()) {
+    throw UsageError(fmt::format("'{}': unexpected argument (see ovoid {} --help)",
+                                 line_.others.front(), command_));
+  }
+  for (const FlagForm& form : forms_) {
+    const GivenFlag* const flag = find_given(line_.given, form.name);
+    if (flag != nullptr && flag->times > 1 && form.kind != FlagKind::kRepeatable)
+      throw UsageError(fmt::format("--{}: given {} times, expected once", form.name, flag->times));
+  }
+  check_rules(forms_, line_.given);
+  return true;
 }
 
 std::string Flags::help() const {
-  std::string out = fmt::format("usage: ovoid {} {}\n\n{}\n", impl_->command, impl_->usage,
-                                wrapped(impl_->summary, 0));
-  for (const Section& section : impl_->sections) {
+  std::string out =
+      fmt::format("usage: ovoid {} {}\n\n{}\n", command_, usage_, wrapped(summary_, 0));
+  for (const Section& section : sections_) {
     out += section.title.empty() ? "\n" : fmt::format("\n{}:\n", section.title);
     for (const Entry& entry : section.entries) {
-      std::string line = "  " + shown(entry.names, entry.form);
+      std::string line = "  " + entry.shown;
       if (line.size() + 2 > kTextColumn) {
         line += '\n' + std::string(kTextColumn, ' ');
       } else {
@@ -312,7 +292,7 @@ std::string Flags::help() const {
       out += line + wrapped(entry.text, kTextColumn) + '\n';
     }
   }
-  if (!impl_->footer.empty()) out += '\n' + wrapped(impl_->footer, 0) + '\n';
+  if (!footer_.empty()) out += '\n' + wrapped(footer_, 0) + '\n';
   return out;
 }
 

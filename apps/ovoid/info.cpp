@@ -14,9 +14,9 @@
 
 #include "command.h"
 #include "console.h"
-#include "data_flags.h"
 #include "environment.h"
-#include "model_flags.h"
+#include "load.h"
+#include "make_field.h"
 #include "ovoid/devices.h"
 #include "ovoid/error.h"
 #include "ovoid/look.h"
@@ -277,7 +277,7 @@ Json places_json(const Dataset& dataset) {
 Json try_field(const Dataset& dataset, const ModelFlags& model, const Flags& flags,
                Session& session) {
   if (dataset.kind == DatasetKind::kLattice) {
-    const DataArray& array = dataset.array(model.lattice.array);
+    const DataArray& array = dataset.array(model.array);
     if (facts_of(array).num_missing == array.num_tuples * array.num_components) {
       session.note(fmt::format("array '{}': none of its {} samples is finite, nothing can be drawn",
                                array.name, array.num_tuples));
@@ -532,32 +532,43 @@ void print_json(const Json& json) {
   print_out("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
 }
 
+struct InfoFlags {
+  bool is_json = false;
+  bool lists_devices = false;
+};
+
+const Table<InfoFlags>& settings() {
+  static const Table<InfoFlags> all = {
+      {"--json", Toggle(), &InfoFlags::is_json, "as JSON"},
+      {"--devices", Toggle(), &InfoFlags::lists_devices,
+       "list what can draw on this machine; needs no INPUT"},
+  };
+  return all;
+}
+
 }  // namespace
 
 void run_info(const Words& words, Session& session) {
   DataFlags data;
   ModelFlags model;
-  bool is_json = false;
-  bool lists_devices = false;
+  InfoFlags info;
   Flags flags("info", "INPUT... [FLAG...]", "Tells what is in a file, and how it would be drawn.");
   flags.section("");
-  flags.toggle("--json", "as JSON", &is_json);
-  flags.toggle("--devices", "list what can draw on this machine; needs no INPUT", &lists_devices);
+  flags.add(settings(), &info);
   add_input_flags(flags, &data);
   add_array_flags(flags, &model);
-  add_model_flags(flags, &model);
-  add_relevant_flag(flags, &model);
+  add_kernel_flags(flags, &model);
+  flags.add(relevant_settings(), &model);
   if (!flags.parse(words)) return;
 
-  if (lists_devices) {
+  if (info.lists_devices) {
     const Json devices = devices_json();
-    return is_json ? print_json(devices) : print_devices(devices);
+    return info.is_json ? print_json(devices) : print_devices(devices);
   }
   require_inputs(flags, data);
-  check_model_flags(flags, model);
   take_from_model(&data, &model);
   const Json json = gather(data, model, flags, session);
-  return is_json ? print_json(json) : print_text(json);
+  return info.is_json ? print_json(json) : print_text(json);
 }
 
 }  // namespace ovoid::cli

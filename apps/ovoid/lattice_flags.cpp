@@ -5,7 +5,6 @@
 
 #include "check_files.h"
 #include "usage.h"
-#include "values.h"
 
 namespace ovoid::cli {
 namespace {
@@ -17,7 +16,7 @@ const Names<TargetLattice> kLattices = {{"cc", TargetLattice::kCartesian},
 
 }  // namespace
 
-TargetLattice parse_lattice(const std::string& text) { return parse_name(text, kLattices); }
+Form<TargetLattice> lattice_form() { return choice(kLattices); }
 
 void require_file_in_time(TargetLattice lattice, const std::string& output) {
   if (is_in_time(lattice) && !has_ending(output, ".h5")) {

@@ -8,14 +8,13 @@
 #include "ovoid/lattice_file.h"
 #include "ovoid/series.h"
 #include "session.h"
+#include "setting.h"
 
 namespace ovoid::cli {
 
 enum class TargetLattice { kCartesian, kBodyCentred, kCartesianInTime, kD4Star };
 
-// "cc", "bcc", "cc4", "d4star". Throws BadValue.
-TargetLattice parse_lattice(const std::string& text);
-inline constexpr const char* kLatticeWords = "cc|bcc|cc4|d4star";
+Form<TargetLattice> lattice_form();  // "cc|bcc|cc4|d4star"
 
 inline bool is_in_time(TargetLattice lattice) {
   return lattice == TargetLattice::kCartesianInTime || lattice == TargetLattice::kD4Star;

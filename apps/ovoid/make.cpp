@@ -65,35 +65,28 @@ void check_lattice(const MakeFlags& make) {
         fmt::format("NAME '{}': does not move, expected one that does, see below", make.names[0]));
 }
 
-void add_flags(Flags& flags, MakeFlags* make) {
-  flags.section("");
-  flags.positionals("NAME", "what to make, see below", &make->names);
-  flags.value("-o,--output", "OUT", written_files_text(),
-              [make](const std::string& text) { make->output = text; });
-  flags.value("--size", "N|XxYxZ", "samples of a volume (default: the name's own)",
-              [make](const std::string& text) { make->options.size = parse_samples(text); });
-  flags.value("--lattice", kLatticeWords,
-              "of a volume: Cartesian or body-centred, or, to .h5, in space and time (default cc); "
-              "--size and --steps count the samples of the Cartesian one that it stands for",
-              [make](const std::string& text) { make->lattice = parse_lattice(text); });
-  flags.value("--steps", "T", "steps in time of names that move, to .h5 (default 1; 64 in time)",
-              [make](const std::string& text) { make->steps = parse_integer(text, 2, 100'000); });
-  flags.value("--count", "N",
-              "nodes (about so many), particles or kernels, of names that are no volume (default: "
-              "the name's own)",
-              [make](const std::string& text) {
-                make->options.count = parse_integer(text, 1, std::int64_t{1} << 30);
-              });
-  flags.value("--type", joined(kTypes),
-              fmt::format("of a sample; integers use their full range (default {})",
-                          name_in(kTypes, make->options.type)),
-              [make](const std::string& text) { make->options.type = parse_name(text, kTypes); });
-  flags.value(
-      "--seed", "N",
-      fmt::format("of random numbers, where the name uses some (default {})", make->options.seed),
-      [make](const std::string& text) { make->options.seed = parse_seed(text); });
-  flags.section("names");
-  for (const std::string& name : sample_names()) flags.explain(name, describe_sample(name));
+const Table<MakeFlags>& settings() {
+  using M = MakeFlags;
+  static const Table<M> all = {
+      {"-o,--output", word("OUT"), &M::output,
+       written_files_text()},
+      {"--size", Form<Index3>{"N|XxYxZ", parse_samples}, at(&M::options, &MakeOptions::size),
+       "samples of a volume (default: the name's own)"},
+      {"--lattice", lattice_form(), &M::lattice,
+       "of a volume: Cartesian or body-centred, or, to .h5, in space and time (default cc); "
+       "--size and --steps count the samples of the Cartesian one that it stands for"},
+      {"--steps", integer<std::int64_t>("T", 2, 100'000), &M::steps,
+       "steps in time of names that move, to .h5 (default 1; 64 in time)"},
+      {"--count", integer<std::int64_t>("N", 1, std::int64_t{1} << 30),
+       at(&M::options, &MakeOptions::count),
+       "nodes (about so many), particles or kernels, of names that are no volume (default: the "
+       "name's own)"},
+      {"--type", choice(kTypes), at(&M::options, &MakeOptions::type),
+       "of a sample; integers use their full range (default {})"},
+      {"--seed", Form<std::uint64_t>{"N", parse_seed}, at(&M::options, &MakeOptions::seed),
+       fmt::format("of random numbers, where the name uses some (default {})", M{}.options.seed)},
+  };
+  return all;
 }
 
 }  // namespace
@@ -102,7 +95,11 @@ void run_make(const Words& words, Session& session) {
   MakeFlags make;
   Flags flags("make", "NAME -o OUT [FLAG...]",
               "Writes a volume, mesh, particles or kernels made by formula.");
-  add_flags(flags, &make);
+  flags.section("");
+  flags.positionals("NAME", "what to make, see below", &make.names);
+  flags.add(settings(), &make);
+  flags.section("names");
+  for (const std::string& name : sample_names()) flags.explain(name, describe_sample(name));
   if (!flags.parse(words)) return;
 
   const std::string& output = make.output;

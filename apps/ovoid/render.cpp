@@ -8,11 +8,16 @@
 #include <utility>
 #include <vector>
 
+#include "apply_crop.h"
 #include "check_files.h"
 #include "command.h"
 #include "console.h"
 #include "drawing.h"
 #include "dry_run.h"
+#include "load.h"
+#include "make_camera.h"
+#include "make_look.h"
+#include "make_trail.h"
 #include "ovoid/io.h"
 #include "profile.h"
 #include "state_words.h"
@@ -35,43 +40,41 @@ struct RenderFlags {
   std::string profile_file;  // empty: a table on standard error
 };
 
-void add_picture_flags(Flags& flags, RenderFlags* render) {
-  flags.section("picture");
-  flags.value("-o,--output", "OUT", "the picture: .png, .exr or .npy",
-              [render](const std::string& text) { render->output = text; });
-  add_size_flags(flags, &render->drawing);
+const Table<RenderFlags>& state_settings() {
+  static const Table<RenderFlags> all = {
+      {"--state", word("FILE.json", Content::kOfRun), &RenderFlags::state,
+       "inputs and flags from a file that the viewer or a script has saved; those that stand on "
+       "the command line beat it"},
+  };
+  return all;
 }
 
-void add_measure_flags(Flags& flags, RenderFlags* render) {
-  flags.value("--repeat", "N",
-              "time N frames after one to warm up, the camera turned by 0.01 degree each",
-              [render](const std::string& text) {
-                render->repeat = static_cast<int>(parse_integer(text, 1, kMaxRepeat));
-              });
-  flags.optional_value("--profile", "[=FILE.json]",
-                       "say where the time went, in a table or as JSON",
-                       [render](const std::string& text) {
-                         render->profile = true;
-                         render->profile_file = text;
-                       });
-  flags.toggle("--dry-run",
-               "read the data, tell what the picture will cost, and write nothing; needs no -o",
-               &render->dry_run);
-  add_switch_flags(flags, &render->drawing.options);
+const Table<RenderFlags>& output_settings() {
+  static const Table<RenderFlags> all = {
+      {"-o,--output", word("OUT", Content::kOfRun), &RenderFlags::output,
+       "the picture: .png, .exr or .npy"},
+  };
+  return all;
 }
 
-void add_flags(Flags& flags, RenderFlags* render) {
-  flags.section("state");
-  flags.value(
-      "--state", "FILE.json",
-      "inputs and flags from a file that the viewer or a script has saved; those that stand "
-      "on the command line beat it",
-      [render](const std::string& text) { render->state = text; });
-  add_input_flags(flags, &render->data);
-  add_picture_flags(flags, render);
-  add_drawing_flags(flags, &render->drawing);
-  add_measure_flags(flags, render);
-  flags.footer("Which flag wins over another, and what the defaults are: docs/command-line.md.");
+const Table<RenderFlags>& measure_settings() {
+  using R = RenderFlags;
+  static const Table<R> all = {
+      {"--repeat", integer("N", 1, kMaxRepeat), &R::repeat,
+       "time N frames after one to warm up, the camera turned by 0.01 degree each"},
+      {"--profile",
+       {"[=FILE.json]",
+        [](R& render, const std::string& text) {
+          render.profile = true;
+          render.profile_file = text;
+        },
+        {},
+        Content::kOfRun},
+       "say where the time went, in a table or as JSON"},
+      {"--dry-run", Toggle(), &R::dry_run,
+       "read the data, tell what the picture will cost, and write nothing; needs no -o"},
+  };
+  return all;
 }
 
 void check_flags(const Flags& flags, const RenderFlags& render) {
@@ -83,7 +86,7 @@ void check_flags(const Flags& flags, const RenderFlags& render) {
     throw UsageError(fmt::format("--output '{}': expected a name that ends in .png, .exr or .npy",
                                  render.output));
   }
-  check_drawing_flags(flags, render.drawing, render.output);
+  check_json_flags(render.drawing);
   std::vector<OutputFile> outputs;
   if (!render.output.empty()) outputs.push_back({"--output", render.output, render.output});
   if (!render.profile_file.empty())
@@ -115,7 +118,7 @@ std::optional<Trail> trail_of(const RenderFlags& render, const Subject& subject,
   const Series series = open_series(render.data, session);
   const double time = render.data.time.value_or(series.times()[static_cast<std::size_t>(step)]);
   ModelFlags model = drawing.model;
-  model.lattice.array = subject.modelled.array;
+  model.array = subject.modelled.array;
   return make_trail(drawing.trail, series, time, model, drawing.run.threads, look,
                     subject.modelled.field.value_range(), session);
 }
@@ -171,7 +174,16 @@ class Declared : public Flags {
       : Flags("render", "INPUT... -o OUT [FLAG...]",
               "Draws a volume, mesh, particles or kernels to a picture and exits; never opens a "
               "window.") {
-    add_flags(*this, render);
+    section("state");
+    add(state_settings(), render);
+    add_input_flags(*this, &render->data);
+    section("picture");
+    add(output_settings(), render);
+    add(picture_settings(), &render->drawing);
+    add_drawing_flags(*this, &render->drawing);
+    add(measure_settings(), render);
+    add(switch_settings(), &render->drawing.options);
+    footer("Which flag wins over another, and what the defaults are: docs/command-line.md.");
   }
 };
 
@@ -189,14 +201,13 @@ void check_render_flags(const Words& flag_words) {
   RenderFlags render;
   Declared flags(&render);
   if (!flags.parse(flag_words)) return;
-  check_data_flags(flags, render.data);
-  check_drawing_flags(flags, render.drawing, "picture.png");  // which every flag is for
+  check_json_flags(render.drawing);
 }
 
 void run_render(const Words& words, Session& session) {
   RenderFlags render;
   Declared flags(&render);
-  if (!flags.parse(with_state(words))) return;
+  if (!flags.parse(with_state(words, flags.forms()))) return;
   check_flags(flags, render);
 
   DrawingFlags& drawing = render.drawing;

@@ -11,9 +11,9 @@
 
 #include "check_files.h"
 #include "command.h"
-#include "data_flags.h"
 #include "environment.h"
-#include "model_flags.h"
+#include "load.h"
+#include "make_field.h"
 #include "ovoid/error.h"
 #include "ovoid/sampler.h"
 #include "usage.h"
@@ -28,21 +28,18 @@ struct SampleFlags {
   std::string output;
 };
 
-void add_flags(Flags& flags, SampleFlags* sample) {
-  flags.section("");
-  flags.value("--points", "FILE",
-              "where: the places of particles in any format, such as CSV with columns x, y, z",
-              [sample](const std::string& text) { sample->points = text; });
-  flags.value("-o,--output", "OUT", "the samples: .csv, .npz or .ply",
-              [sample](const std::string& text) { sample->output = text; });
-  add_input_flags(flags, &sample->data);
-  add_array_flags(flags, &sample->model);
-  add_model_flags(flags, &sample->model);
+const Table<SampleFlags>& settings() {
+  using S = SampleFlags;
+  static const Table<S> all = {
+      {"--points", word("FILE"), &S::points,
+       "where: the places of particles in any format, such as CSV with columns x, y, z"},
+      {"-o,--output", word("OUT"), &S::output, "the samples: .csv, .npz or .ply"},
+  };
+  return all;
 }
 
 void check_flags(const Flags& flags, const SampleFlags& sample) {
   require_inputs(flags, sample.data);
-  check_model_flags(flags, sample.model);
   if (sample.points.empty()) throw UsageError("--points: none given, expected --points FILE");
   if (sample.output.empty())
     throw UsageError("--output: none given, expected -o OUT.csv, .npz or .ply");
@@ -144,7 +141,11 @@ void run_sample(const Words& words, Session& session) {
               "Writes the reconstructed field and its gradient at given points: x, y, z, value, "
               "gx, gy, gz, weight (the sum of the kernels, about 1 inside) and defined (0 or 1; "
               "value and gradient are NaN where it is 0); with --color-array also color_value.");
-  add_flags(flags, &sample);
+  flags.section("");
+  flags.add(settings(), &sample);
+  add_input_flags(flags, &sample.data);
+  add_array_flags(flags, &sample.model);
+  add_kernel_flags(flags, &sample.model);
   if (!flags.parse(words)) return;
   check_flags(flags, sample);
   check_volume_output("--output", sample.output);

@@ -4,6 +4,10 @@
 #include <algorithm>
 #include <vector>
 
+#include "apply_crop.h"
+#include "make_look.h"
+#include "setting_forms.h"
+
 namespace ovoid::cli {
 namespace {
 
@@ -99,7 +103,7 @@ LookFlags with_range_of(const Survey& survey, const LookFlags& flags, const Fiel
   const bool has_own_color = set != nullptr && set->has_own_color();
   const ValueRange range = has_own_color ? survey.colors : survey.values;
   // Lists of colours stand where they say, and an x-ray's colours are integrals.
-  const bool is_told = flags.range || has_own_span || !flags.colors.empty() ||
+  const bool is_told = flags.range || has_own_span || is_list_of_colors(flags.color_map) ||
                        flags.mode == Mode::kXray || range.is_empty() || !(range.lo < range.hi);
   // The default look is more than a range; it is that of the step whose values span the most.
   if (is_told || survey.num_steps == 1 || (uses_default_look(flags) && !has_own_color))

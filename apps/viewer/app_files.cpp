@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "app.h"
+#include "apply_crop.h"
 #include "command.h"
 #include "ovoid/error.h"
 #include "ovoid/io.h"

@@ -5,135 +5,75 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
 #include "ovoid/io.h"
-#include "render_flags.h"
 #include "session.h"
+#include "settings.h"
 
 namespace ovoid::viewer {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string text_of(const Vec3& v) { return fmt::format("{},{},{}", v.x(), v.y(), v.z()); }
-
-void erase(cli::FlagSet& flags, std::initializer_list<const char*> names) {
-  for (const char* const name : names) flags.erase(name);
-}
-
-void tell_time(const Document& document, cli::FlagSet& flags) {
-  if (!document.has_time() || document.launch->data.slice.plane) return;
-  erase(flags, {"time", "step", "motion-blur"});
+// The moment, where there are several.
+void take_time(const Document& document, cli::DataFlags& data, cli::TrailFlags& trail) {
   const std::vector<double>& times = document.info->times;
   const double now = document.shown->time;
   const auto step = std::find(times.begin(), times.end(), now);
+  data.step.reset();
+  data.time.reset();
   if (document.info->is_staggered || step == times.end()) {
-    flags.set("time", fmt::format("{}", now));
+    data.time = now;
   } else {
-    flags.set("step", fmt::format("{}", step - times.begin()));
+    data.step = step - times.begin();
   }
+  trail.length.reset();
   if (document.time.blur_length > 0 && document.shown->trail) {
-    flags.set("motion-blur",
-              fmt::format("{},{}", document.time.blur_length, document.time.blur_decay));
+    trail.length = document.time.blur_length;
+    trail.decay = document.time.blur_decay;
   }
 }
 
-void tell_array(const Document& document, cli::FlagSet& flags) {
+void take_array(const Document& document, cli::ModelFlags& model) {
   const Shown& shown = *document.shown;
-  erase(flags, {"array", "color-array", "component"});
-  flags.erase("quantity");
-  if (shown.is_density) flags.set("quantity", "density");
-  if (!shown.is_density && document.array_info(shown.array) != nullptr)
-    flags.set("array", shown.array);
-  if (shown.color_array != shown.array && document.array_info(shown.color_array) != nullptr)
-    flags.set("color-array", shown.color_array);
-  if (shown.component != 0) {
-    flags.set("component", shown.component == LatticeModelOptions::kMagnitude
-                               ? "magnitude"
-                               : fmt::format("{}", shown.component));
-  }
-  if (document.label_kernel) {
-    flags.set("kernel", fmt::format("gaussian:{},{}", document.label_kernel->sigma,
-                                    document.label_kernel->cutoff));
-  }
+  const auto known = [&](const std::string& name) {
+    return document.array_info(name) != nullptr ? name : "";
+  };
+  model.kernels.is_density = shown.is_density;
+  model.array = shown.is_density ? "" : known(shown.array);
+  model.kernels.color_array = shown.color_array == shown.array ? "" : known(shown.color_array);
+  model.component = shown.component;
+  if (document.label_kernel) model.lattice.kernel = *document.label_kernel;
 }
 
-void tell_look(const Document& document, cli::FlagSet& flags) {
+cli::LookFlags look_of(const Document& document) {
   const Look& look = document.view.look;
-  erase(flags, {"tf",
-                "tf-name",
-                "color-tf",
-                "preset",
-                "colormap",
-                "opacity",
-                "gradient-opacity",
-                "window",
-                "log",
-                "symlog",
-                "below-color",
-                "above-color",
-                "unit-distance",
-                "mode",
-                "iso",
-                "shade",
-                "no-shade",
-                "ambient",
-                "diffuse",
-                "specular",
-                "specular-power",
-                "light"});
-  if (look.mode != Mode::kXray) flags.erase("range");  // there it is that of the integrals
   Look file = look;
   if (file.unit_distance == 0 && !file.transfer_function.unit_distance) {
     // Said aloud: a look without one may be taken for that of another program.
     file.unit_distance = default_unit_distance(document.shown->field());
   }
-  flags.set("tf", Json::parse(to_text(file)));
+  cli::LookFlags flags;
+  flags.file = to_text(file);
   if (look.color_function) {
     Look colors;
     colors.transfer_function = *look.color_function;
-    flags.set("color-tf", Json::parse(to_text(colors)));
+    flags.color_file = to_text(colors);
   }
-  if (look.mode != Mode::kComposite) flags.set("mode", cli::name_of_mode(look.mode));
-  if (look.mode == Mode::kIsosurface) flags.set("iso", fmt::format("{}", look.isovalue));
+  flags.mode = look.mode;
+  if (look.mode == Mode::kIsosurface) flags.isovalue = look.isovalue;
   const bool is_lit = look.mode == Mode::kComposite || look.mode == Mode::kIsosurface;
-  if (is_lit && look.shade && look.light_direction)
-    flags.set("light", text_of(*look.light_direction));
+  if (is_lit && look.shade) flags.light_direction = look.light_direction;
+  // There it is that of the integrals.
+  if (look.mode == Mode::kXray) flags.range = document.launch->drawing.look.range;
+  return flags;
 }
 
-void tell_camera(const Document& document, cli::FlagSet& flags) {
-  erase(flags, {"view", "azimuth", "elevation", "roll", "zoom", "projection", "view-angle"});
-  flags.set("camera", Json::parse(to_text(document.camera)));
-}
-
-void tell_space(const Document& document, cli::FlagSet& flags) {
-  const View& view = document.view;
-  if (view.crop) {
-    const auto end = [](double value) {
-      return std::isinf(value) ? std::string() : fmt::format("{}", value);
-    };
-    const Vec3& lo = view.crop->min();
-    const Vec3& hi = view.crop->max();
-    erase(flags, {"crop", "crop-world"});
-    if (lo.allFinite() || hi.allFinite() || !(lo.array().isInf() && hi.array().isInf()).all()) {
-      flags.set("crop-world", fmt::format("{}:{},{}:{},{}:{}", end(lo.x()), end(hi.x()),
-                                          end(lo.y()), end(hi.y()), end(lo.z()), end(hi.z())));
-    }
-  } else {
-    flags.erase("crop-world");
-  }
-  cli::tell_plane(document.scenes({1, 1}).back()->plane, &flags);
-}
-
-void tell_marks(const Document& document, cli::FlagSet& flags) {
-  const cli::AnnotationFlags& marks = document.view.marks;
-  erase(flags, {"colorbar", "axes", "bounding-box", "scale-bar", "length-unit"});
-  if (marks.color_bar) flags.set("colorbar", marks.title.empty() ? Json(true) : Json(marks.title));
-  if (marks.axes) flags.set("axes", true);
-  if (marks.bounding_box) flags.set("bounding-box", true);
-  if (marks.scale_bar) flags.set("scale-bar", true);
-  if (marks.length_unit && marks.any()) flags.set("length-unit", *marks.length_unit);
+// The view's, or else the samples that the data were opened with.
+cli::CropFlags told_crop(const View& view, const cli::CropFlags& opened) {
+  if (!view.crop) return {opened.samples, {}};
+  const bool is_cut = !(view.crop->min().array().isInf() && view.crop->max().array().isInf()).all();
+  return {{}, is_cut ? view.crop : std::nullopt};
 }
 
 }  // namespace
@@ -145,22 +85,44 @@ cli::CropFlags crop_of(const Document& document) {
 }
 
 cli::FlagSet flags_of(const Document& document, Size size) {
+  const View& view = document.view;
   cli::FlagSet flags = cli::FlagSet::of(document.launch->flags->given());
-  flags.set("size", fmt::format("{}x{}", size.width, size.height));
-  const Rgb& back = document.view.background;
-  flags.set("background", fmt::format("{},{},{}", back[0], back[1], back[2]));
-  tell_time(document, flags);
-  tell_array(document, flags);
-  tell_look(document, flags);
-  tell_camera(document, flags);
-  tell_space(document, flags);
-  tell_marks(document, flags);
-  RenderOptions options = document.view.options;
-  options.clip_planes = document.view.clip_planes;
-  if (document.view.look.mode != Mode::kComposite)
-    options.classification = Classification::kSampled;  // has no effect there, and is refused
-  cli::tell_numbers(options, &flags);
-  cli::tell_run(document.setup, &flags);
+  cli::DrawingFlags drawing = document.launch->drawing;
+  drawing.options = view.options;
+  drawing.options.width = size.width;
+  drawing.options.height = size.height;
+  drawing.options.clip_planes = view.clip_planes;
+  if (view.look.mode != Mode::kComposite)
+    drawing.options.classification = Classification::kSampled;  // has no effect there, is refused
+  drawing.background = view.background;
+  cli::tell(cli::picture_settings(), drawing, &flags);
+  if (document.has_time() && !document.launch->data.slice.plane) {
+    cli::DataFlags data = document.launch->data;
+    take_time(document, data, drawing.trail);
+    cli::tell(cli::data_settings(), data, &flags, {"time", "step"});
+    cli::tell(cli::trail_settings(), drawing.trail, &flags, {"motion-blur"});
+  }
+  take_array(document, drawing.model);
+  cli::tell(cli::array_settings(), drawing.model, &flags);
+  cli::tell(cli::particle_settings(), drawing.model, &flags, {"quantity"});
+  if (document.label_kernel) cli::tell(cli::kernel_settings(), drawing.model, &flags, {"kernel"});
+  const cli::LookFlags look = look_of(document);
+  cli::tell(cli::color_settings(), look, &flags);
+  cli::tell(cli::light_settings(), look, &flags);
+  cli::CameraFlags camera;
+  camera.file = to_text(document.camera);
+  cli::tell(cli::camera_settings(), camera, &flags);
+  cli::tell(cli::crop_settings(), told_crop(view, document.launch->drawing.crop), &flags);
+  drawing.plane = document.scenes({1, 1}).back()->plane;
+  cli::tell(cli::plane_settings(), drawing, &flags);
+  cli::AnnotationFlags marks = view.marks;
+  if (!marks.any()) marks.length_unit.reset();
+  cli::tell(cli::mark_settings(), marks, &flags);
+  cli::tell(cli::number_settings(), drawing.options, &flags);
+  cli::tell(cli::switch_settings(), drawing.options, &flags);
+  RendererSetup run = document.setup;
+  if (run.backend != Backend::kAuto && run.backend != Backend::kVulkan) run.device = -1;
+  cli::tell(cli::run_settings(), run, &flags);
   return flags;
 }
 

@@ -5,7 +5,9 @@
 #include <limits>
 #include <utility>
 
+#include "apply_crop.h"
 #include "command.h"
+#include "make_camera.h"
 #include "ovoid/crop.h"
 #include "ovoid/error.h"
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "data_flags.h"
 #include "drawing.h"
-#include "flags.h"
+#include "load.h"
+#include "settings.h"
 
 namespace ovoid::viewer {
 

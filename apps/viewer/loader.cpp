@@ -11,6 +11,10 @@
 #include <thread>
 #include <utility>
 
+#include "apply_crop.h"
+#include "make_camera.h"
+#include "make_look.h"
+#include "make_trail.h"
 #include "ovoid/coarse.h"
 #include "ovoid/error.h"
 #include "ovoid/io.h"
@@ -205,7 +209,7 @@ std::shared_ptr<Shown> shown_of(const Data& data, cli::DrawingFlags& drawing, do
   made->time = time;
   made->array = made->subject.modelled.array;
   made->color_array = made->subject.modelled.color_array;
-  made->component = drawing.model.lattice.component;
+  made->component = drawing.model.component;
   made->is_density = drawing.model.kernels.is_density;
   return made;
 }
@@ -257,8 +261,8 @@ void Loader::Impl::choose(const ArrayChoice& choice, const std::stop_token& toke
   report(LoadProgress{"choosing kernels for " + choice.array, 0});
   cli::DrawingFlags& drawing = data->drawing;
   const cli::DrawingFlags before = drawing;
-  drawing.model.lattice.array = drawing.model.kernels.array = choice.array;
-  drawing.model.lattice.component = drawing.model.kernels.component = choice.component;
+  drawing.model.array = choice.array;
+  drawing.model.component = choice.component;
   drawing.model.kernels.is_density = choice.is_density;
   drawing.model.kernels.color_array =
       choice.color_array == choice.array ? std::string() : choice.color_array;
@@ -296,8 +300,7 @@ void Loader::Impl::go_to(const TimeTask& task, const std::stop_token& token) {
   cli::DrawingFlags drawing = data->drawing;
   cli::ModelFlags& model = drawing.model;
   // The array by its name: at another time another one might vary first.
-  if (data->shown && !model.kernels.is_density)
-    model.lattice.array = model.kernels.array = data->shown->array;
+  if (data->shown && !model.kernels.is_density) model.array = data->shown->array;
   auto made = shown_of(*data, drawing, time, own);
   if (choice.blur_length > 0) {
     cli::TrailFlags trail = data->launch->drawing.trail;

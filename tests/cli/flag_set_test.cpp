@@ -5,11 +5,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <optional>
 #include <set>
 
+#include "command.h"
 #include "ovoid/error.h"
 #include "program.h"
 #include "session.h"
+#include "settings.h"
 #include "state_file.h"
 #include "state_words.h"
 #include "usage.h"
@@ -46,21 +50,43 @@ FlagSet set_of(const Words& words) {
   return FlagSet::of(given);
 }
 
+// Settings of every kind.
+struct Kinds {
+  std::string text;
+  std::vector<std::string> texts;
+  bool is_set = false;
+  std::optional<std::string> profile, title;
+  int count = 3;
+};
+
+const cli::Table<Kinds>& kinds() {
+  const auto optional = [](const char* form, std::optional<std::string> Kinds::*into) {
+    return cli::Own<Kinds>{
+        form, [into](Kinds& kinds, const std::string& value) { kinds.*into = value; }, {}};
+  };
+  static const cli::Table<Kinds> all = {
+      {"-o,--output", cli::word("OUT"), &Kinds::text, ""},
+      {"--size", cli::integer("N", 1, 9), &Kinds::count, "so many (default {})",
+       cli::not_with("no-shade", "{2} of {0} '{1}'"), cli::needs("output", "needs -o")},
+      {"--clip", cli::word("N"), &Kinds::texts, ""},
+      {"--no-shade", cli::Toggle(), &Kinds::is_set, ""},
+      {"--profile", optional("[=FILE]", &Kinds::profile), ""},
+      {"--colorbar", optional("[=TITLE]", &Kinds::title), ""},
+  };
+  return all;
+}
+
 TEST(GivenFlags, StandInTheOrderOfTheLine) {
   Flags flags("x", "", "");
-  std::string text;
-  bool is_set = false;
+  Kinds values;
   std::vector<std::string> inputs;
-  const Flags::Take take = [&](const std::string& value) { text = value; };
   flags.positionals("INPUT", "", &inputs);
-  flags.value("-o,--output", "OUT", "", take);
-  flags.value("--size", "WxH", "", take);
-  flags.repeatable("--clip", "N", "", take);
-  flags.toggle("--no-shade", "", &is_set);
-  flags.optional_value("--profile", "[=FILE]", "", take);
-  flags.optional_value("--colorbar", "[=TITLE]", "", take);
+  flags.add(kinds(), &values);
   ASSERT_TRUE(flags.parse({"a", "--clip", "-1", "--no-shade", "-o", "x", "--clip=2", "b",
                            "--profile", "--colorbar=T", "--", "--size"}));
+  EXPECT_EQ(values.texts, (Words{"-1", "2"}));
+  EXPECT_EQ(values.profile, "");
+  EXPECT_EQ(values.title, "T");
   const std::vector<GivenFlag> given = flags.given();
   ASSERT_EQ(given.size(), 5U);
   const auto is = [](const GivenFlag& flag, const std::string& name, const Words& values) {
@@ -78,6 +104,29 @@ TEST(GivenFlags, StandInTheOrderOfTheLine) {
   EXPECT_EQ(forms[2].kind, FlagKind::kRepeatable);
   EXPECT_EQ(forms[3].kind, FlagKind::kToggle);
   EXPECT_EQ(forms[4].kind, FlagKind::kOptionalValue);
+}
+
+TEST(GivenFlags, RulesAndDefaultsComeFromTheRow) {
+  const auto refusal = [](const Words& words) -> std::string {
+    Flags flags("x", "", "");
+    Kinds values;
+    flags.add(kinds(), &values);
+    try {
+      flags.parse(words);
+    } catch (const cli::UsageError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(refusal({"--size", "4"}), "--size: needs -o");
+  EXPECT_EQ(refusal({"--size", "4", "-ox"}), "");
+  EXPECT_EQ(refusal({"--size", "4", "-o", "x", "--no-shade"}), "--size: 4 of --no-shade ''");
+  EXPECT_EQ(refusal({"--size", "12"}), "--size '12': expected a whole number from 1 to 9");
+  EXPECT_EQ(refusal({"--profile=true", "--", "x"}),
+            "'x': unexpected argument (see ovoid x --help)");
+  EXPECT_EQ(refusal({"-o"}), "-o: expected a value, OUT");
+  EXPECT_EQ(refusal({"-5"}), "-5: unknown flag (see ovoid x --help)");
+  EXPECT_EQ(kinds()[1].flag.text, "so many (default 3)");
 }
 
 TEST(FlagSets, AreWordsInOrder) {
@@ -232,8 +281,60 @@ TEST(FlagSets, SamplesHoldEveryFlag) {
   }
 }
 
+// The settings of a drawing and its data as flags.
+FlagSet told(const cli::DataFlags& data, const cli::DrawingFlags& drawing) {
+  FlagSet set;
+  cli::tell(cli::data_settings(), data, &set);
+  cli::tell(cli::raw_settings(), data, &set);
+  cli::tell(cli::array_settings(), drawing.model, &set);
+  cli::tell(cli::kernel_settings(), drawing.model, &set);
+  cli::tell(cli::particle_settings(), drawing.model, &set);
+  cli::tell(cli::relevant_settings(), drawing.model, &set);
+  cli::tell(cli::color_settings(), drawing.look, &set);
+  cli::tell(cli::light_settings(), drawing.look, &set);
+  cli::tell(cli::camera_settings(), drawing.camera, &set);
+  cli::tell(cli::crop_settings(), drawing.crop, &set);
+  cli::tell(cli::mark_settings(), drawing.annotation, &set);
+  cli::tell(cli::trail_settings(), drawing.trail, &set);
+  cli::tell(cli::picture_settings(), drawing, &set);
+  cli::tell(cli::number_settings(), drawing.options, &set);
+  cli::tell(cli::switch_settings(), drawing.options, &set);
+  cli::tell(cli::plane_settings(), drawing, &set);
+  cli::tell(cli::run_settings(), drawing.run, &set);
+  return set;
+}
+
+FlagSet told_of(const Words& words) {
+  cli::DataFlags data;
+  cli::DrawingFlags drawing;
+  Flags flags("x", "", "");
+  cli::add_input_flags(flags, &data);
+  cli::add_drawing_flags(flags, &drawing);
+  flags.add(cli::picture_settings(), &drawing);
+  flags.add(cli::switch_settings(), &drawing.options);
+  EXPECT_TRUE(flags.parse(words));
+  return told(data, drawing);
+}
+
+// Fails for a row whose value is told otherwise than it is parsed, or not at all.
+TEST(FlagSets, WhatIsParsedIsTold) {
+  for (Words sample : samples()) {
+    std::erase(sample, "--dry-run");
+    if (const auto repeat = std::find(sample.begin(), sample.end(), "--repeat");
+        repeat != sample.end())
+      sample.erase(repeat, repeat + 2);
+    const FlagSet once = told_of(sample);
+    EXPECT_EQ(told_of(once.words()).words(), once.words()) << joined(sample);
+    for (const FlagSet::Flag& flag : set_of(sample).flags()) {
+      const bool is_default = flag.value == "composite" || flag.value == "edges" ||
+                              flag.value == "gaussian" || flag.value == "1G" || flag.value == "1";
+      EXPECT_TRUE(is_default || once.find(flag.name) != nullptr) << flag.name;
+    }
+  }
+}
+
 // Whatever a state says, a line that is right without it is right with it, and has its way. Fails
-// if a check is added to a flag that state_words.cpp does not know of.
+// if a command checks what no rule of a row says.
 TEST(StateWords, TheLineBeatsEveryState) {
   const Folder folder;
   const std::string path = folder / "s.json";
@@ -245,7 +346,7 @@ TEST(StateWords, TheLineBeatsEveryState) {
       SCOPED_TRACE(joined(sample) + " then " + joined(line));
       Words words = {"--state", path};
       words.insert(words.end(), line.begin(), line.end());
-      const Words all = cli::with_state(words);
+      const Words all = cli::with_state(words, cli::render_flags());
       EXPECT_EQ(Words(all.end() - static_cast<std::ptrdiff_t>(words.size()), all.end()), words);
       EXPECT_NO_THROW(cli::check_render_flags(all));
     }
@@ -265,7 +366,7 @@ TEST(StateWords, WhatDoesNotContradictStays) {
     Words expected = {folder / "in.nrrd"};
     expected.insert(expected.end(), kept.begin(), kept.end());
     expected.insert(expected.end(), line.begin(), line.end());
-    EXPECT_EQ(cli::with_state(line), expected);
+    EXPECT_EQ(cli::with_state(line, cli::render_flags()), expected);
   };
   const Words turned = {"--view", "+x", "--azimuth", "1", "--no-shade"};
   expect_kept(turned, {"--size", "8x8"}, turned);
@@ -287,9 +388,9 @@ TEST(StateWords, WordsThatParsingRefusesComeBack) {
                              Words{"--state", "no.json", "--state", "no.json"}, Words{"--state"},
                              Words{"--state="}, Words{"--state", "no.json", "--siez", "1"},
                              Words{"--array", "--state"}, Words{"--", "--state", "no.json"}}) {
-    EXPECT_EQ(cli::with_state(words), words) << joined(words);
+    EXPECT_EQ(cli::with_state(words, cli::render_flags()), words) << joined(words);
   }
-  EXPECT_THROW(cli::with_state({"--state", "no.json"}), Error);
+  EXPECT_THROW(cli::with_state({"--state", "no.json"}, cli::render_flags()), Error);
 }
 
 }  // namespace

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "annotation_flags.h"
+#include "draw_marks.h"
 
 #include <fmt/format.h>
 
 #include "ovoid/model.h"
-#include "session.h"
-#include "usage.h"
 
 namespace ovoid::cli {
 namespace {
@@ -30,36 +28,6 @@ ColorBar color_bar_for(const AnnotationFlags& flags, const Described& data, cons
 }
 
 }  // namespace
-
-void add_annotation_flags(Flags& flags, AnnotationFlags* annotation) {
-  flags.section("marks in a PNG");
-  flags.optional_value("--colorbar", "[=TITLE]",
-                       "what the colours stand for (default title: the array's name)",
-                       [annotation](const std::string& text) {
-                         annotation->color_bar = true;
-                         annotation->title = text;
-                       });
-  flags.toggle("--axes", "directions of x, y, z, or of the patient", &annotation->axes);
-  flags.toggle("--bounding-box", "edges of the volume and where they lie",
-               &annotation->bounding_box);
-  flags.toggle("--scale-bar", "a round length, true at the focal point", &annotation->scale_bar);
-  flags.value("--length-unit", "NAME",
-              "unit of the world's lengths (default: mm for patient data, else none)",
-              [annotation](const std::string& text) { annotation->length_unit = text; });
-}
-
-void check_annotation_flags(const Flags& flags, const std::string& output) {
-  const char* const mark =
-      flags.first_given({"--colorbar", "--axes", "--bounding-box", "--scale-bar"});
-  if (mark != nullptr && !has_ending(output, ".png")) {
-    throw UsageError(fmt::format(
-        "{}: '{}' holds the volume's own numbers, marks are drawn into .png only", mark, output));
-  }
-  if (mark == nullptr && flags.is_given("--length-unit")) {
-    throw UsageError(
-        "--length-unit: has no effect without --scale-bar, --bounding-box or --colorbar");
-  }
-}
 
 Described describe(const Dataset& dataset, const Modelled& modelled, int component) {
   Described data;

@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "trail_flags.h"
+#include "make_trail.h"
 
 #include <fmt/format.h>
 
-#include <vector>
-
-#include "look_flags.h"
+#include "make_field.h"
+#include "make_look.h"
 #include "ovoid/error.h"
 #include "ovoid/slices.h"
-#include "usage.h"
-#include "values.h"
 
 namespace ovoid::cli {
 namespace {
@@ -47,42 +44,6 @@ TransferFunction function_of(const TrailFlags& flags, const Look& look, const Va
 }
 
 }  // namespace
-
-void add_trail_flags(Flags& flags, TrailFlags* trail) {
-  flags.section("motion blur");
-  flags.value("--motion-blur", "L[,DECAY]",
-              fmt::format("lattices in time: behind everything a trail of what was there in the "
-                          "last L units of time, what was first less by exp(-DECAY) (default {})",
-                          trail->decay),
-              [trail](const std::string& text) {
-                const bool has_decay = text.find(',') != std::string::npos;
-                const auto parts = split(text, ',');
-                if (parts.size() > 2) throw BadValue("expected L or L,DECAY");
-                trail->length = parse_number(parts[0], {.lo = 0, .lo_open = true});
-                if (has_decay)
-                  trail->decay = parse_number(parts[1], {.lo = 0, .hi = TrailOptions::kMaxDecay});
-              });
-  flags.value("--trail-tf", "FILE|JSON",
-              "colours and opacities of the trail, as --tf (default: the picture's, a quarter as "
-              "opaque)",
-              [trail](const std::string& text) { trail->file = text; });
-}
-
-void check_trail_flags(const Flags& flags, const TrailFlags& trail, Mode mode,
-                       PostConvolution post_convolution) {
-  if (!trail.length) {
-    if (flags.is_given("--trail-tf"))
-      throw UsageError("--trail-tf: has no effect without --motion-blur");
-    return;
-  }
-  check_look_of_flag("--trail-tf", trail.file, trail.file_name);
-  if (mode != Mode::kComposite && mode != Mode::kIsosurface)
-    throw UsageError("--motion-blur: is for --mode composite and isosurface");
-  if (is_published(post_convolution))
-    throw UsageError("--motion-blur: is for --post-convolution off and auto");
-  if (flags.is_given("--hyperslice"))
-    throw UsageError("--motion-blur: contradicts --hyperslice, which has no time before it");
-}
 
 Trail make_trail(const TrailFlags& flags, const Series& series, double time,
                  const ModelFlags& model, int threads, const Look& look, const ValueRange& values,

@@ -1,32 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
-#include <optional>
 #include <string>
 
-#include "flags.h"
-#include "model_flags.h"
+#include "make_field.h"
 #include "ovoid/annotate.h"
+#include "settings.h"
 
 namespace ovoid::cli {
-
-// Which marks are drawn into the picture.
-struct AnnotationFlags {
-  bool color_bar = false;
-  std::string title;  // of the colour bar; empty: the array's name
-  bool axes = false;
-  bool bounding_box = false;
-  bool scale_bar = false;
-  std::optional<std::string> length_unit;  // none: what the data say
-  double text_px = 0;                      // height of a line of text; 0: by the picture's size
-
-  bool any() const noexcept { return color_bar || axes || bounding_box || scale_bar; }
-};
-
-void add_annotation_flags(Flags& flags, AnnotationFlags* annotation);
-// Throws UsageError for contradictions; marks are drawn into .png only.
-void check_annotation_flags(const Flags& flags, const std::string& output);
 
 // What the marks tell of the data.
 struct Described {

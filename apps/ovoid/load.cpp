@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "load.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "environment.h"
+#include "make_field.h"
+#include "ovoid/error.h"
+#include "ovoid/slices.h"
+
+namespace ovoid::cli {
+void check_format_flags(const DataFlags& data, const Dataset& dataset) {
+  const char* const given = !data.positions.empty() ? "--positions"
+                            : !data.values.empty()  ? "--value"
+                                                    : nullptr;
+  if (given == nullptr || dataset.format == "HDF5") return;
+  throw Error(ErrorCode::kInvalidArgument, fmt::format("{}: is for HDF5 files, '{}' is {}", given,
+                                                       dataset.source, dataset.format));
+}
+
+void take_from_model(DataFlags* data, ModelFlags* model) {
+  data->array = array_to_read(*model);
+  if (!data->slice.plane) return;
+  data->component = std::exchange(model->component, 0);
+}
+
+Series open_series(const DataFlags& data, const Session& session, bool prefetch) {
+  return Series(open_steps(data.inputs, read_options(data, session)),
+                {.memory_limit = data.memory_limit, .prefetch = prefetch});
+}
+
+ReadOptions read_options(const DataFlags& data, const Session& session) {
+  ReadOptions options;
+  options.raw = data.raw;
+  options.array = data.array;
+  options.block = data.block;
+  options.step = data.step;
+  options.stop = session.stop();
+  options.hdf5.positions = data.positions;
+  options.hdf5.values = data.values;
+  options.data_folders = data.folders;
+  options.reader_program = reader_of_environment();
+  return options;
+}
+
+namespace {
+
+void require_steps(const Dataset& dataset) {
+  if (dataset.num_steps > 1) return;
+  throw Error(ErrorCode::kInvalidArgument,
+              fmt::format("--time: '{}' has one step", dataset.source));
+}
+
+// Made of the steps around the time; a note tells which.
+Dataset at_time(const DataFlags& data, double time, Session& session) {
+  const Series series = open_series(data, session, false);
+  TimeSliceOptions options;
+  options.filter = data.time_filter;
+  options.stop = session.stop();
+  Dataset dataset = slice_at_time(series, time, options);
+  if (series.source().kind() == SeriesKind::kStaggered) {
+    session.note(fmt::format("time {:g}: of both halves of the lattice in time", time));
+    return dataset;
+  }
+  const std::vector<StepWeight> weights = weights_of_steps(series.times(), time);
+  if (weights.size() == 1) {
+    session.note(fmt::format("time {:g}: step {}", time, weights[0].step));
+  } else {
+    session.note(fmt::format("time {:g}: between steps {} and {}, {:.0f} % of the second", time,
+                             weights[0].step, weights[1].step, 100 * weights[1].weight));
+  }
+  return dataset;
+}
+
+Dataset sliced(const DataFlags& data, Session& session) {
+  const Series series = open_series(data, session);
+  HypersliceOptions options;
+  options.method = data.slice.method;
+  options.lattice = data.slice.lattice;
+  options.spacing = data.slice.spacing;
+  options.filter = data.time_filter;
+  options.array = data.array;
+  options.component = data.component;
+  options.stop = session.stop();
+  return hyperslice(series, *data.slice.plane, options);
+}
+
+}  // namespace
+
+Dataset load(const DataFlags& data, Session& session) {
+  if (data.slice.plane) {
+    Dataset dataset = sliced(data, session);
+    session.notes(dataset.notes);
+    return dataset;
+  }
+  Progress progress("reading");
+  ReadOptions options = read_options(data, session);
+  options.progress = progress.callback();
+  Dataset dataset = read_dataset(data.inputs, options);
+  const bool is_half = dataset.series == SeriesKind::kStaggered && !data.step;
+  if (data.time || is_half) {
+    const double time =
+        data.time.value_or(is_half ? dataset.times[static_cast<std::size_t>(dataset.step)] : 0.0);
+    require_steps(dataset);
+    dataset = at_time(data, time, session);
+  }
+  check_format_flags(data, dataset);
+  session.notes(dataset.notes);
+  return dataset;
+}
+
+}  // namespace ovoid::cli

@@ -1,0 +1,296 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "setting_forms.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "ovoid/error.h"
+#include "session.h"
+#include "suggest.h"
+
+namespace ovoid::cli {
+namespace {
+
+// "v,r,g,b,v,r,g,b,..." and "v,a,v,a,...": blanks may stand around the numbers, as in files.
+std::vector<double> parse_list(const std::string& text) {
+  std::vector<double> numbers;
+  for (const std::string& part : split(text, ',')) {
+    const auto begin = part.find_first_not_of(' ');
+    const auto end = part.find_last_not_of(' ');
+    numbers.push_back(
+        parse_number(begin == std::string::npos ? "" : part.substr(begin, end - begin + 1)));
+  }
+  return numbers;
+}
+
+// "v:a,v:a,..." or "v,a,v,a,..."; `value` is what the first of each is called.
+std::vector<OpacityPoint> parse_points(const std::string& text, const char* value) {
+  std::vector<double> numbers;
+  const bool has_pairs = text.find(':') != std::string::npos;
+  for (const std::string& pair : has_pairs ? split(text, ',') : std::vector<std::string>{}) {
+    const std::vector<std::string> parts = split(pair, ':');
+    try {
+      if (parts.size() != 2) throw BadValue("");
+      numbers.push_back(parse_number(parts[0]));
+      numbers.push_back(parse_number(parts[1], {0, 1}));
+    } catch (const BadValue&) {
+      throw BadValue(
+          fmt::format("expected {}:OPACITY pairs with OPACITY in [0, 1], not '{}'", value, pair));
+    }
+    const std::size_t n = numbers.size();
+    if (n > 2 && numbers[n - 4] > numbers[n - 2]) {
+      throw BadValue(fmt::format("expected rising values, not {:g} after {:g}", numbers[n - 2],
+                                 numbers[n - 4]));
+    }
+  }
+  if (!has_pairs) {
+    try {
+      numbers = parse_list(text);
+    } catch (const BadValue&) {
+      throw BadValue(
+          fmt::format("expected {}:OPACITY pairs with OPACITY in [0, 1], not '{}'", value, text));
+    }
+  }
+  try {
+    return opacities_from_list(numbers);
+  } catch (const Error& error) {
+    throw BadValue(
+        fmt::format("expected {0}:OPACITY,... or {0},OPACITY,...: {1}", value, error.what()));
+  }
+}
+
+// The three "LO:HI" of "LO:HI,LO:HI,LO:HI" as text; any of the numbers, or a whole part, may be
+// missing.
+std::array<std::array<std::string, 2>, 3> parse_parts(const std::string& text) {
+  const std::vector<std::string> axes = split(text, ',');
+  if (axes.size() != 3) throw BadValue("expected three ranges LO:HI, each may be empty");
+  std::array<std::array<std::string, 2>, 3> parts;
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (axes[a].empty()) continue;
+    const std::vector<std::string> ends = split(axes[a], ':');
+    if (ends.size() != 2) throw BadValue(fmt::format("expected LO:HI, not '{}'", axes[a]));
+    parts[a] = {ends[0], ends[1]};
+  }
+  return parts;
+}
+
+}  // namespace
+
+LatticeKernel parse_kernel(const std::string& text) {
+  using K = LatticeKernel;
+  const std::vector<std::string> parts = split(text, ':');
+  if (parts[0] != "gaussian" || parts.size() > 2) throw BadValue("expected gaussian:SIGMA,CUTOFF");
+  K kernel;
+  if (parts.size() == 1) return kernel;
+  const std::vector<std::string> numbers = split(parts[1], ',');
+  if (numbers.size() > 2) throw BadValue("expected gaussian:SIGMA,CUTOFF");
+  const auto named = [](const char* what, const std::string& number, const Interval& interval) {
+    try {
+      return parse_number(number, interval);
+    } catch (const BadValue& bad) {
+      throw BadValue(fmt::format("{}: {}", what, bad.what()));
+    }
+  };
+  kernel.sigma = named("SIGMA", numbers[0], {K::kMinSigma, K::kMaxSigma});
+  if (numbers.size() == 2) kernel.cutoff = named("CUTOFF", numbers[1], {0, K::kMaxCutoff, true});
+  if (kernel.support_radius() < K::kMinSupport) {
+    throw BadValue(fmt::format("expected SIGMA x CUTOFF >= {:g} spacings, else kernels leave gaps",
+                               K::kMinSupport));
+  }
+  return kernel;
+}
+
+int parse_component(const std::string& text) {
+  if (text == "magnitude") return LatticeModelOptions::kMagnitude;
+  try {
+    return static_cast<int>(parse_integer(text, 0, 1'000'000));
+  } catch (const BadValue&) {
+    throw BadValue("expected a component's number, from 0, or magnitude");
+  }
+}
+
+Vec3 parse_spacing(const std::string& text) {
+  const Vec3 spacing = parse_vec3(text);
+  // What any reader takes for a distance of samples.
+  if (!(spacing.minCoeff() >= 1e-90 && spacing.maxCoeff() <= 1e90))
+    throw BadValue("expected three numbers > 0, from 1e-90 to 1e90");
+  return spacing;
+}
+
+Vec3 parse_direction(const std::string& text) {
+  const Vec3 direction = parse_vec3(text);
+  if (direction.norm() == 0) throw BadValue("expected a direction other than 0,0,0");
+  return direction;
+}
+
+Hyperplane parse_hyperplane(const std::string& text) {
+  const std::vector<double> numbers = parse_numbers(text, 5);
+  Hyperplane plane{{numbers[0], numbers[1], numbers[2], numbers[3]}, numbers[4]};
+  if (plane.normal == std::array<double, 4>{})
+    throw BadValue("expected a, b, c and d that are not all 0");
+  return plane;
+}
+
+ClipPlane parse_clip(const std::string& text) {
+  const std::vector<double> numbers = parse_numbers(text, 4);
+  ClipPlane plane{{numbers[0], numbers[1], numbers[2]}, numbers[3]};
+  if (plane.normal.norm() == 0)
+    throw BadValue("expected NX,NY,NZ,D with a normal other than 0,0,0");
+  return plane;
+}
+
+ValuePlane parse_value_plane(const std::string& text) {
+  constexpr const char* kShown = ",shown";
+  const bool is_shown = has_ending(text, kShown);
+  const auto [normal, offset] =
+      parse_clip(text.substr(0, text.size() - (is_shown ? std::strlen(kShown) : 0)));
+  return {normal, offset, is_shown ? PlaneFront::kShown : PlaneFront::kRemoved};
+}
+
+std::string parse_preset(const std::string& text) {
+  const std::vector<std::string> names = look_preset_names();
+  if (std::find(names.begin(), names.end(), text) == names.end()) {
+    throw BadValue(
+        fmt::format("expected one of {}{}", fmt::join(names, ", "), did_you_mean(text, names)));
+  }
+  return text;
+}
+
+bool is_list_of_colors(const std::string& text) { return text.find(',') != std::string::npos; }
+
+std::vector<ColorPoint> parse_colors(const std::string& text) {
+  try {
+    return colors_from_list(parse_list(text));
+  } catch (const BadValue&) {
+    throw BadValue("expected V,R,G,B,V,R,G,B,...: numbers, separated by commas");
+  } catch (const Error& error) {
+    throw BadValue(fmt::format("expected V,R,G,B,V,R,G,B,...: {}", error.what()));
+  }
+}
+
+std::string parse_color_map(const std::string& text) {
+  if (is_list_of_colors(text)) {
+    parse_colors(text);
+    return text;
+  }
+  const std::vector<std::string> names = color_map_names();
+  const bool is_reversed = text.size() > 2 && text.compare(text.size() - 2, 2, "_r") == 0;
+  const std::string base = is_reversed ? text.substr(0, text.size() - 2) : text;
+  const bool is_known = std::any_of(names.begin(), names.end(), [&](const std::string& name) {
+    return name == text || name == base;
+  });
+  if (!is_known) {
+    throw BadValue(fmt::format("expected one of {}, or V,R,G,B,...{}", fmt::join(names, ", "),
+                               did_you_mean(text, names)));
+  }
+  return text;
+}
+
+std::vector<OpacityPoint> parse_opacities(const std::string& text) {
+  return parse_points(text, "VALUE");
+}
+
+std::vector<OpacityPoint> parse_gradient_opacities(const std::string& text) {
+  std::vector<OpacityPoint> points = parse_points(text, "GRADIENT");
+  if (points.front().x < 0) {
+    throw BadValue(fmt::format("expected gradients >= 0, not {:g}", points.front().x));
+  }
+  return points;
+}
+
+std::pair<double, double> parse_window(const std::string& text) {
+  const std::vector<double> numbers = parse_numbers(text, 2);
+  const double lo = numbers[1] - numbers[0] / 2;
+  const double hi = numbers[1] + numbers[0] / 2;
+  if (!(lo < hi) || !std::isfinite(hi - lo)) throw BadValue("expected W,L with W > 0");
+  return {lo, hi};
+}
+
+std::array<CropFlags::Range, 3> parse_samples(const std::string& text) {
+  constexpr std::int64_t kGreatest = std::numeric_limits<std::int64_t>::max();
+  const auto parts = parse_parts(text);
+  std::array<CropFlags::Range, 3> ranges;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto& [first, last] = parts[a];
+    if (!first.empty()) ranges[a].first = parse_integer(first, 0, kGreatest);
+    if (!last.empty()) ranges[a].last = parse_integer(last, 0, kGreatest);
+    if (ranges[a].first && ranges[a].last && *ranges[a].first > *ranges[a].last)
+      throw BadValue(fmt::format("expected FIRST:LAST with FIRST <= LAST, not {}:{}", first, last));
+  }
+  return ranges;
+}
+
+Bounds3 parse_world(const std::string& text) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const auto parts = parse_parts(text);
+  Bounds3 world;
+  for (int a = 0; a < 3; ++a) {
+    const auto& [lo, hi] = parts[static_cast<std::size_t>(a)];
+    world.min()[a] = lo.empty() ? -kInfinity : parse_number(lo);
+    world.max()[a] = hi.empty() ? kInfinity : parse_number(hi);
+    if (!(world.min()[a] < world.max()[a]))
+      throw BadValue(fmt::format("expected LO:HI with LO < HI, not {}:{}", lo, hi));
+  }
+  return world;
+}
+
+std::string text_of_component(int component) {
+  return component == LatticeModelOptions::kMagnitude ? "magnitude" : fmt::format("{}", component);
+}
+
+std::string text_of(const LatticeKernel& kernel) {
+  return fmt::format("gaussian:{},{}", kernel.sigma, kernel.cutoff);
+}
+
+std::string text_of(const Vec3& v) { return fmt::format("{},{},{}", v.x(), v.y(), v.z()); }
+std::string text_of(const Rgb& rgb) { return fmt::format("{}", fmt::join(rgb, ",")); }
+std::string text_of(const Index3& dims) { return fmt::format("{}", fmt::join(dims, "x")); }
+std::string text_of(ScalarType type) { return name_of(type); }
+
+std::string text_of(const Hyperplane& plane) {
+  return fmt::format("{},{}", fmt::join(plane.normal, ","), plane.offset);
+}
+
+std::string text_of(const ClipPlane& plane) {
+  return fmt::format("{},{}", text_of(plane.normal), plane.offset);
+}
+
+std::string text_of(const ValuePlane& plane) {
+  const bool is_shown = plane.front == PlaneFront::kShown;
+  return fmt::format("{},{}{}", text_of(plane.normal), plane.offset, is_shown ? ",shown" : "");
+}
+
+std::string text_of(const std::vector<OpacityPoint>& points) {
+  std::string text;
+  for (const OpacityPoint& point : points)
+    text += fmt::format("{}{}:{}", text.empty() ? "" : ",", point.x, point.opacity);
+  return text;
+}
+
+std::string text_of(const std::pair<double, double>& range) {
+  return fmt::format("{},{}", range.first, range.second);
+}
+
+std::string text_of(const std::array<CropFlags::Range, 3>& samples) {
+  const auto end = [](const auto& sample) { return sample ? fmt::format("{}", *sample) : ""; };
+  std::array<std::string, 3> axes;
+  for (std::size_t a = 0; a < 3; ++a)
+    axes[a] = fmt::format("{}:{}", end(samples[a].first), end(samples[a].last));
+  return fmt::format("{}", fmt::join(axes, ","));
+}
+
+std::string text_of(const Bounds3& world) {
+  const auto end = [](double value) { return std::isinf(value) ? "" : fmt::format("{}", value); };
+  std::array<std::string, 3> axes;
+  for (int a = 0; a < 3; ++a)
+    axes[static_cast<std::size_t>(a)] =
+        fmt::format("{}:{}", end(world.min()[a]), end(world.max()[a]));
+  return fmt::format("{}", fmt::join(axes, ","));
+}
+
+}  // namespace ovoid::cli

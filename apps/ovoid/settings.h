@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+// All settings that several commands share: the values, and the tables that declare them. What is
+// not given is what the initialisers say, or the file's, or the library's default.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "environment.h"
+#include "flag_set.h"
+#include "flags.h"
+#include "ovoid/camera.h"
+#include "ovoid/field.h"
+#include "ovoid/hyperslice.h"
+#include "ovoid/io.h"
+#include "ovoid/look.h"
+#include "ovoid/model.h"
+#include "ovoid/renderer.h"
+#include "ovoid/slices.h"
+#include "ovoid/value_plane.h"
+#include "setting.h"
+
+namespace ovoid::cli {
+
+// --hyperslice and how it is taken.
+struct SliceFlags {
+  std::optional<Hyperplane> plane;
+  SliceMethod method = SliceMethod::kInterpolated;
+  std::optional<LatticeKind> lattice;
+  double spacing = 1.0;
+};
+
+// Which data: files, and what headerless ones cannot say.
+struct DataFlags {
+  std::vector<std::string> inputs;
+  RawOptions raw;
+  std::string block;
+  std::optional<std::int64_t> step;
+  std::optional<double> time;
+  TimeFilter time_filter = TimeFilter::kTwoSteps;
+  SliceFlags slice;
+  std::size_t memory_limit = std::size_t{1} << 30;  // bytes of steps
+  std::string positions;                            // HDF5: the path of the positions
+  std::vector<std::string> values;                  // HDF5: paths of arrays
+  std::vector<std::string> folders;  // where files that the input names may lie, beside its own
+  std::string array;  // the only one that is read where the format allows; empty: all
+  int component = 0;  // of hyperslices
+};
+
+// Which array is drawn, and how it becomes a field: what all data, what lattices, and what
+// everything else takes. The members of the latter two that have the name of one before them are
+// not used.
+struct ModelFlags {
+  std::string array;
+  int component = 0;  // LatticeModelOptions::kMagnitude: the norm
+  std::optional<Reconstruction> reconstruction;
+  std::optional<double> relevant_above;
+  LatticeModelOptions lattice;
+  KernelModelOptions kernels;
+};
+
+// Appearance: colours and opacities, mode, light.
+struct LookFlags {
+  std::string file;        // a name, or JSON itself
+  std::string file_name;   // which look of the file; empty: the first
+  std::string color_file;  // the colours of --color-array; empty: the other flags say them
+  std::string preset;
+  std::string color_map;  // by name, or a list of colours; empty: none
+  std::vector<OpacityPoint> opacities;
+  std::vector<OpacityPoint> gradient_opacities;
+  std::optional<std::pair<double, double>> range;
+  bool is_window = false;  // `range` was given as window and level
+  bool is_log = false;
+  std::optional<double> linear_width;  // of a symmetric logarithm; none: not asked for
+  std::optional<Rgb> below_color;
+  std::optional<Rgb> above_color;
+  std::optional<double> unit_distance;
+  Mode mode = Mode::kComposite;
+  std::optional<double> isovalue;
+  bool shade = false;  // asked for
+  bool no_shade = false;
+  std::optional<double> ambient;
+  std::optional<double> diffuse;
+  std::optional<double> specular;
+  std::optional<double> specular_power;
+  std::optional<Vec3> light_direction;
+};
+
+// Where the picture is taken from.
+struct CameraFlags {
+  std::string file;  // a name, or JSON itself
+  std::string view;
+  double azimuth = 0;  // degrees, as are the next two
+  double elevation = 0;
+  double roll = 0;
+  double zoom = 1;
+  std::optional<bool> parallel_projection;
+  std::optional<double> view_angle;
+};
+
+// The part of the data that is drawn. An end that is not given is the data's own.
+struct CropFlags {
+  struct Range {
+    std::optional<std::int64_t> first, last;  // samples, both included
+  };
+  std::optional<std::array<Range, 3>> samples;
+  std::optional<Bounds3> world;  // infinite where not given
+};
+
+// Which marks are drawn into the picture.
+struct AnnotationFlags {
+  bool color_bar = false;
+  std::string title;  // of the colour bar; empty: the array's name
+  bool axes = false;
+  bool bounding_box = false;
+  bool scale_bar = false;
+  std::optional<std::string> length_unit;  // none: what the data say
+  double text_px = 0;                      // height of a line of text; 0: by the picture's size
+
+  bool any() const noexcept { return color_bar || axes || bounding_box || scale_bar; }
+};
+
+// --motion-blur: what was there some time ago, behind what is.
+struct TrailFlags {
+  std::optional<double> length;
+  double decay = 0;
+  std::string file;       // its look, a name or JSON itself; empty: made from the picture's
+  std::string file_name;  // which look of the file; empty: the first
+};
+
+struct DrawingFlags {
+  std::optional<std::array<double, 3>> background;
+  ModelFlags model;
+  LookFlags look;
+  CameraFlags camera;
+  CropFlags crop;
+  AnnotationFlags annotation;
+  RenderOptions options;
+  TrailFlags trail;
+  std::optional<ValuePlane> plane;
+  RendererSetup run = setup_of_environment();
+  TimeFilter time_filter = TimeFilter::kTwoSteps;  // as DataFlags has it
+};
+
+const Table<DataFlags>& data_settings();
+const Table<DataFlags>& raw_settings();
+const Table<ModelFlags>& array_settings();  // --array, --color-array, --component
+const Table<ModelFlags>& kernel_settings();
+const Table<ModelFlags>& particle_settings();
+const Table<ModelFlags>& relevant_settings();  // of commands that draw or describe
+const Table<LookFlags>& color_settings();
+const Table<LookFlags>& light_settings();
+const Table<CameraFlags>& camera_settings();
+const Table<CropFlags>& crop_settings();
+const Table<AnnotationFlags>& mark_settings();
+const Table<TrailFlags>& trail_settings();
+const Table<DrawingFlags>& picture_settings();  // --size, --background
+const Table<RenderOptions>& number_settings();
+const Table<DrawingFlags>& plane_settings();
+const Table<RendererSetup>& run_settings();
+const Table<RenderOptions>& switch_settings();  // --no-skip, --no-stop, --no-pack
+
+// The INPUT... arguments and the flags of sections "data" and "raw data".
+void add_input_flags(Flags& flags, DataFlags* data);
+// Sections "array" and "kernels" with "particles".
+void add_array_flags(Flags& flags, ModelFlags* model);
+void add_kernel_flags(Flags& flags, ModelFlags* model);
+// All that draw, section by section, from the marks to section "running", which stays open.
+void add_drawing_flags(Flags& flags, DrawingFlags* drawing);
+
+// The other way round: the flags that say the same, in the place of those that the set has. What is
+// at its default takes no flag. `names`: these alone; empty: all of the table.
+template <class S>
+void tell(const Table<S>& table, const std::type_identity_t<S>& settings, FlagSet* flags,
+          const std::vector<std::string>& names = {}) {
+  for (const Setting<S>& setting : table) {
+    if (!names.empty() && std::find(names.begin(), names.end(), setting.flag.name) == names.end())
+      continue;
+    flags->erase(setting.flag.name);
+    const FlagSet::Json value = setting.tell(settings);
+    if (!value.is_null()) flags->set(setting.flag.name, value);
+  }
+}
+
+// Throws UsageError if no INPUT was given, or an empty one.
+void require_inputs(const Flags& flags, const DataFlags& data);
+
+// Throws Error(kInvalidArgument) for the first flag that is given but not for this kind of data.
+void check_kind_flags(const Flags& flags, const Dataset& dataset);
+// "--kernel: is for lattices, 'x.csv' holds particles"
+[[noreturn]] void refuse_kind(const std::string& flag, const std::string& meant,
+                              const Dataset& dataset);
+
+// Whether a flag of the model is given.
+bool is_model_flag_given(const Flags& flags);
+
+// Throws UsageError for JSON that is no look or no camera, before any file is read.
+void check_json_flags(const DrawingFlags& drawing);
+
+const char* name_of_mode(Mode mode);
+
+}  // namespace ovoid::cli

@@ -229,8 +229,7 @@ const Table<ConvertFlags>& settings() {
   using C = ConvertFlags;
   const Rule of_lattice = needs("lattice", "has no effect without --lattice");
   static const Table<C> all = {
-      {"-o,--output", word("OUT"), &C::output,
-       written_files_text() + "; a look .json"},
+      {"-o,--output", word("OUT"), &C::output, written_files_text() + "; a look .json"},
       {"--size", Form<GridSize>{"N|XxYxZ", parse_grid_size}, &C::size,
        "resample the field to a grid over its bounds, NaN where it is not defined; N: of cubes, so "
        "many along the longest side"},

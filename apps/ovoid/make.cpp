@@ -68,8 +68,7 @@ void check_lattice(const MakeFlags& make) {
 const Table<MakeFlags>& settings() {
   using M = MakeFlags;
   static const Table<M> all = {
-      {"-o,--output", word("OUT"), &M::output,
-       written_files_text()},
+      {"-o,--output", word("OUT"), &M::output, written_files_text()},
       {"--size", Form<Index3>{"N|XxYxZ", parse_samples}, at(&M::options, &MakeOptions::size),
        "samples of a volume (default: the name's own)"},
       {"--lattice", lattice_form(), &M::lattice,

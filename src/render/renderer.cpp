@@ -157,7 +157,8 @@ Renderer::Renderer(const RendererSetup& setup) : impl_(std::make_unique<Impl>())
                 fmt::format("device = {}: must be >= 0, or -1 for the first", setup.device));
   }
   Backend backend = setup.backend;
-  if (backend == Backend::kAuto) backend = has_device_for_auto(setup) ? Backend::kVulkan : Backend::kCpu;
+  if (backend == Backend::kAuto)
+    backend = has_device_for_auto(setup) ? Backend::kVulkan : Backend::kCpu;
   if (setup.device >= 0 && backend != Backend::kVulkan) refuse_device(setup);
   if (backend == Backend::kVulkan) impl_->back_end = make_vulkan_back_end(setup);
   impl_->machine = {cpu::make_runner(setup.threads), cpu::SimdTarget(setup.simd_target)};

@@ -23,17 +23,18 @@ namespace {
 constexpr unsigned kDeflateLevel = 4;
 
 // Every function of the library that is called here, without its H5.
-#define OVOID_HDF5_FUNCTIONS(DO)                                                                 \
-  DO(open)                                                                                       \
-  DO(Aclose)                                                                                     \
-  DO(Acreate2)                                                                                   \
-  DO(Awrite)                                                                                     \
-  DO(Dclose) DO(Dcreate2) DO(Dget_space) DO(Dwrite) DO(Eget_auto2) DO(Eset_auto2) DO(Fclose)     \
-      DO(Fcreate) DO(Fflush) DO(Gclose) DO(Gcreate2) DO(Pclose) DO(Pcreate) DO(Pset_chunk)       \
-          DO(Pset_deflate) DO(Pset_fill_time) DO(Pset_libver_bounds) DO(Pset_obj_track_times)    \
-              DO(Pset_shuffle) DO(Sclose) DO(Screate) DO(Screate_simple)                         \
-                  DO(Sget_simple_extent_dims) DO(Sget_simple_extent_ndims) DO(Sselect_hyperslab) \
-                      DO(Tclose) DO(Tcopy) DO(Tset_cset) DO(Tset_size) DO(Tset_strpad)
+#define OVOID_HDF5_FUNCTIONS(DO)                                                                \
+  DO(open)                                                                                      \
+  DO(Aclose)                                                                                    \
+  DO(Acreate2)                                                                                  \
+  DO(Awrite)                                                                                    \
+  DO(Dclose)                                                                                    \
+  DO(Dcreate2) DO(Dget_space) DO(Dwrite) DO(Eget_auto2) DO(Eset_auto2) DO(Fclose) DO(Fcreate)   \
+      DO(Fflush) DO(Gclose) DO(Gcreate2) DO(Pclose) DO(Pcreate) DO(Pset_chunk) DO(Pset_deflate) \
+          DO(Pset_fill_time) DO(Pset_libver_bounds) DO(Pset_obj_track_times) DO(Pset_shuffle)   \
+              DO(Sclose) DO(Screate) DO(Screate_simple) DO(Sget_simple_extent_dims)             \
+                  DO(Sget_simple_extent_ndims) DO(Sselect_hyperslab) DO(Tclose) DO(Tcopy)       \
+                      DO(Tset_cset) DO(Tset_size) DO(Tset_strpad)
 
 // The library's functions, and what its header would take from its variables.
 struct Library {

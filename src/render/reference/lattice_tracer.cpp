@@ -66,7 +66,8 @@ PixelTracer::RaySample LatticeTracer::front_end(const PixelRay& pixel, const Ray
                                                 const RaySample& at) const {
   RaySample front = before;
   if (at.is_from_nodes) {
-    const FieldSample there = value_from(nodes_around(pixel, before.sheet, *node_step_on(at.sheet)));
+    const FieldSample there =
+        value_from(nodes_around(pixel, before.sheet, *node_step_on(at.sheet)));
     if (there.is_defined) front.value = front.color_value = there.value;
   } else if (before.is_from_nodes) {
     front.value = front.color_value = field_at({1.0 * pixel.x, 1.0 * pixel.y, before.sheet}).value;

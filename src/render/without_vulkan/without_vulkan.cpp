@@ -13,6 +13,8 @@ std::unique_ptr<BackEnd> make_vulkan_back_end(const RendererSetup&) {
 
 bool has_device_for_auto(const RendererSetup&) { return false; }
 
-DeviceList list_devices(const VulkanSetup&) { return {{}, "this program was built without Vulkan"}; }
+DeviceList list_devices(const VulkanSetup&) {
+  return {{}, "this program was built without Vulkan"};
+}
 
 }  // namespace ovoid

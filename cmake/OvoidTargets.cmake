@@ -6,6 +6,11 @@ add_library(ovoid_flags INTERFACE)
 target_compile_options(ovoid_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
                                              -ffp-contract=off)
 
+# Of sources that are put together the compiler takes each one's own types for types that others could see.
+if(CMAKE_UNITY_BUILD)
+  target_compile_options(ovoid_flags INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+endif()
+
 # ovoid_precompile(target owner headers...): the first target asked for under a name of `owner` compiles the headers, the rest reuse them.
 function(ovoid_precompile target owner)
   get_property(first GLOBAL PROPERTY ${owner})

@@ -7,11 +7,14 @@
 #include <dlfcn.h>
 #include <fmt/format.h>
 #include <hdf5.h>
+#include <sys/mman.h>
 
 #include <algorithm>
 #include <array>
 #include <mutex>
 #include <utility>
+
+#include "data/out_of_memory.h"
 #endif
 
 namespace ovoid::io {
@@ -23,18 +26,23 @@ namespace {
 constexpr unsigned kDeflateLevel = 4;
 
 // Every function of the library that is called here, without its H5.
-#define OVOID_HDF5_FUNCTIONS(DO)                                                                \
-  DO(open)                                                                                      \
-  DO(Aclose)                                                                                    \
-  DO(Acreate2)                                                                                  \
-  DO(Awrite)                                                                                    \
-  DO(Dclose)                                                                                    \
-  DO(Dcreate2) DO(Dget_space) DO(Dwrite) DO(Eget_auto2) DO(Eset_auto2) DO(Fclose) DO(Fcreate)   \
-      DO(Fflush) DO(Gclose) DO(Gcreate2) DO(Pclose) DO(Pcreate) DO(Pset_chunk) DO(Pset_deflate) \
-          DO(Pset_fill_time) DO(Pset_libver_bounds) DO(Pset_obj_track_times) DO(Pset_shuffle)   \
-              DO(Sclose) DO(Screate) DO(Screate_simple) DO(Sget_simple_extent_dims)             \
-                  DO(Sget_simple_extent_ndims) DO(Sselect_hyperslab) DO(Tclose) DO(Tcopy)       \
-                      DO(Tset_cset) DO(Tset_size) DO(Tset_strpad)
+// clang-format off
+#define OVOID_HDF5_FUNCTIONS(DO)                                                                   \
+  DO(open) DO(Aclose) DO(Acreate2) DO(Awrite) DO(Dclose) DO(Dcreate2) DO(Dget_space) DO(Dwrite)    \
+  DO(Eget_auto2) DO(Eset_auto2) DO(Fclose) DO(Fcreate) DO(Fflush) DO(Gclose) DO(Gcreate2)          \
+  DO(Pclose) DO(Pcreate) DO(Pset_chunk) DO(Pset_deflate) DO(Pset_fill_time)                        \
+  DO(Pset_libver_bounds) DO(Pset_obj_track_times) DO(Pset_shuffle) DO(Sclose) DO(Screate)          \
+  DO(Screate_simple) DO(Sget_simple_extent_dims) DO(Sget_simple_extent_ndims)                      \
+  DO(Sselect_hyperslab) DO(Tclose) DO(Tcopy) DO(Tset_cset) DO(Tset_size) DO(Tset_strpad)
+// clang-format on
+
+void require_room(std::size_t num_bytes) {
+  // Not malloc(): what is freed unused need never have been there, to a compiler.
+  void* const tried =
+      ::mmap(nullptr, num_bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (tried == MAP_FAILED) data::throw_out_of_memory("the HDF5 library", num_bytes);
+  ::munmap(tried, num_bytes);
+}
 
 // The library's functions, and what its header would take from its variables.
 struct Library {
@@ -42,7 +50,10 @@ struct Library {
   OVOID_HDF5_FUNCTIONS(OVOID_DECLARE)
 #undef OVOID_DECLARE
 
-  Library() : handle_(::dlopen(OVOID_HDF5_LIBRARY, RTLD_NOW | RTLD_LOCAL)) {
+  Library() {
+    // Twice what it and the libraries that it brings are mapped to.
+    require_room(std::size_t{40} << 20);
+    handle_ = ::dlopen(OVOID_HDF5_LIBRARY, RTLD_NOW | RTLD_LOCAL);
     if (handle_ == nullptr)
       throw Error(ErrorCode::kUnsupported, fmt::format("cannot write HDF5: {}", ::dlerror()));
 #define OVOID_FIND(name) find("H5" #name, name);
@@ -84,7 +95,7 @@ struct Library {
       throw Error(ErrorCode::kUnsupported, fmt::format("cannot write HDF5: {}", ::dlerror()));
   }
 
-  void* handle_;
+  void* handle_ = nullptr;
 };
 
 // Loaded by the first call that succeeds, and never let go: the library keeps threads' data.
@@ -234,7 +245,11 @@ bool Hdf5Object::flush() const {
   return call.h5.Fflush(id_, H5F_SCOPE_GLOBAL) >= 0;
 }
 
-void require_hdf5() { library(); }
+void require_hdf5(std::size_t chunk_bytes) {
+  library();
+  // For the library itself some MiB, and with its filters three times a chunk.
+  require_room((std::size_t{16} << 20) + 3 * chunk_bytes);
+}
 
 Hdf5Object make_hdf5_file(const std::string& path) {
   const Call call;
@@ -267,10 +282,12 @@ bool Hdf5Object::add_numbers(const char*, ScalarType, const void*,
 }
 bool Hdf5Object::flush() const { return false; }
 
-void require_hdf5() { throw Error(ErrorCode::kUnsupported, "this build cannot write HDF5"); }
+void require_hdf5(std::size_t) {
+  throw Error(ErrorCode::kUnsupported, "this build cannot write HDF5");
+}
 
 Hdf5Object make_hdf5_file(const std::string&) {
-  require_hdf5();
+  require_hdf5(0);
   return {};
 }
 

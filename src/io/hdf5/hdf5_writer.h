@@ -4,6 +4,7 @@
 // the rest of the program.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <utility>

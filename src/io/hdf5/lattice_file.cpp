@@ -4,7 +4,6 @@
 #include "ovoid/lattice_file.h"
 
 #include <fmt/format.h>
-#include <sys/mman.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +12,6 @@
 #include <utility>
 
 #include "data/encode_relevant.h"
-#include "data/out_of_memory.h"
 #include "io/cell_lattice.h"
 #include "io/core/atomic_file.h"
 #include "io/core/samples.h"
@@ -63,18 +61,6 @@ namespace {
 constexpr std::int64_t kChunkBytes = std::int64_t{1} << 20;
 // The library packs chunks of less than 4 GiB.
 constexpr std::int64_t kMaxRowBytes = std::int64_t{1} << 30;
-
-// Throws Error(kOutOfMemory) unless the library will find the memory that it needs: where it finds
-// none it ends the process. It takes some MiB for itself, and with its filters three times a chunk.
-void require_room(std::size_t chunk_bytes) {
-  constexpr std::size_t kOwn = std::size_t{16} << 20;
-  const std::size_t room = kOwn + 3 * chunk_bytes;
-  // Not malloc(): what is freed unused need never have been there, to a compiler.
-  void* const tried =
-      ::mmap(nullptr, room, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-  if (tried == MAP_FAILED) data::throw_out_of_memory("the HDF5 library", room);
-  ::munmap(tried, room);
-}
 
 void check_text(const std::string& what, const std::string& text) {
   if (text.size() <= io::kMaxHdf5Text) return;
@@ -138,9 +124,8 @@ class LatticeFileWriter::Impl {
   Impl(const std::string& path, LatticeFileHeader header, std::stop_token stop)
       : path_(path), header_(std::move(header)), stop_(std::move(stop)) {
     check_header(header_);
-    require_room(0);
     try {
-      io::require_hdf5();
+      io::require_hdf5(0);
     } catch (const Error& error) {
       throw Error(error.code(), fmt::format("{}: {}", path, error.what()));
     }
@@ -254,7 +239,7 @@ class LatticeFileWriter::Impl {
                      const Sizes& dims, const Sizes& chunk, const void* values) const {
     std::size_t row_bytes = size_of(type);
     for (std::size_t i = 1; i < dims.size(); ++i) row_bytes *= dims[i];
-    require_room(std::min(chunk[0], dims[0]) * row_bytes);
+    io::require_hdf5(std::min(chunk[0], dims[0]) * row_bytes);
     io::Hdf5Object dataset = group.make_dataset(name, type, dims, chunk);
     require(dataset.is_open());
     const auto* from = static_cast<const std::byte*>(values);

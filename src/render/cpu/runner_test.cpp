@@ -98,9 +98,7 @@ TEST(Runner, ThreadsTakeOneRunAfterTheOther) {
   EXPECT_EQ(done[1], 1400);
 }
 
-TEST(Runner, ZeroThreadsIsOnePerHardwareThread) {
-  EXPECT_GE(make_runner(0)->num_workers(), 1);
-}
+TEST(Runner, ZeroThreadsIsOnePerHardwareThread) { EXPECT_GE(make_runner(0)->num_workers(), 1); }
 
 }  // namespace
 }  // namespace ovoid::cpu

@@ -56,7 +56,7 @@ const Table<AnimateFlags>& film_settings() {
   return all;
 }
 
-const Table<AnimateFlags>& output_settings() {
+const Table<AnimateFlags>& animate_output_settings() {
   static const Table<AnimateFlags> all = {
       {"-o,--output", word("OUT"), &AnimateFlags::output,
        "a film: .mp4, .webm or .gif, made by ffmpeg; or pictures with a number in their name: "
@@ -71,7 +71,7 @@ void add_flags(Flags& flags, AnimateFlags* animate) {
   flags.add(animation_settings(), &animate->animation);
   flags.add(film_settings(), animate);
   flags.section("picture");
-  flags.add(output_settings(), animate);
+  flags.add(animate_output_settings(), animate);
   flags.add(picture_settings(), &animate->drawing);
   add_drawing_flags(flags, &animate->drawing);
   flags.add(switch_settings(), &animate->drawing.options);

@@ -36,7 +36,7 @@ struct BenchFlags {
   RendererSetup run = setup_of_environment();
 };
 
-const Table<BenchFlags>& settings() {
+const Table<BenchFlags>& bench_settings() {
   using B = BenchFlags;
   static const Table<B> all = {
       {"--json", Toggle(), &B::is_json, "results as JSON on standard output"},
@@ -265,7 +265,7 @@ void run_bench(const Words& words, Session& session) {
       "names, or parts of names: head-256, 512px, opaque (default: all); or one of your "
       "own: head-512-1920x1080-soft, -x4 behind it for a view 4 times nearer",
       &bench.names);
-  flags.add(settings(), &bench);
+  flags.add(bench_settings(), &bench);
   add_kernel_flags(flags, &bench.model);
   flags.section("numbers");
   flags.add(number_settings(), &bench.options);

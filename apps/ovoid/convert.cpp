@@ -225,7 +225,7 @@ Dataset converted(const ConvertFlags& convert, const Flags& flags, const Dataset
   return same;
 }
 
-const Table<ConvertFlags>& settings() {
+const Table<ConvertFlags>& convert_settings() {
   using C = ConvertFlags;
   const Rule of_lattice = needs("lattice", "has no effect without --lattice");
   static const Table<C> all = {
@@ -284,7 +284,7 @@ void run_convert(const Words& words, Session& session) {
       "all). A look of any kind that --tf reads is written as ParaView JSON if OUT ends in .json, "
       "its points sorted and its defaults written out.");
   flags.section("");
-  flags.add(settings(), &convert);
+  flags.add(convert_settings(), &convert);
   add_input_flags(flags, &convert.data);
   add_array_flags(flags, &convert.model);
   add_kernel_flags(flags, &convert.model);

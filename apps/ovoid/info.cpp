@@ -537,7 +537,7 @@ struct InfoFlags {
   bool lists_devices = false;
 };
 
-const Table<InfoFlags>& settings() {
+const Table<InfoFlags>& info_settings() {
   static const Table<InfoFlags> all = {
       {"--json", Toggle(), &InfoFlags::is_json, "as JSON"},
       {"--devices", Toggle(), &InfoFlags::lists_devices,
@@ -554,7 +554,7 @@ void run_info(const Words& words, Session& session) {
   InfoFlags info;
   Flags flags("info", "INPUT... [FLAG...]", "Tells what is in a file, and how it would be drawn.");
   flags.section("");
-  flags.add(settings(), &info);
+  flags.add(info_settings(), &info);
   add_input_flags(flags, &data);
   add_array_flags(flags, &model);
   add_kernel_flags(flags, &model);

@@ -65,7 +65,7 @@ void check_lattice(const MakeFlags& make) {
         fmt::format("NAME '{}': does not move, expected one that does, see below", make.names[0]));
 }
 
-const Table<MakeFlags>& settings() {
+const Table<MakeFlags>& make_settings() {
   using M = MakeFlags;
   static const Table<M> all = {
       {"-o,--output", word("OUT"), &M::output, written_files_text()},
@@ -96,7 +96,7 @@ void run_make(const Words& words, Session& session) {
               "Writes a volume, mesh, particles or kernels made by formula.");
   flags.section("");
   flags.positionals("NAME", "what to make, see below", &make.names);
-  flags.add(settings(), &make);
+  flags.add(make_settings(), &make);
   flags.section("names");
   for (const std::string& name : sample_names()) flags.explain(name, describe_sample(name));
   if (!flags.parse(words)) return;

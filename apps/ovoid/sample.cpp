@@ -28,7 +28,7 @@ struct SampleFlags {
   std::string output;
 };
 
-const Table<SampleFlags>& settings() {
+const Table<SampleFlags>& sample_settings() {
   using S = SampleFlags;
   static const Table<S> all = {
       {"--points", word("FILE"), &S::points,
@@ -142,7 +142,7 @@ void run_sample(const Words& words, Session& session) {
               "gx, gy, gz, weight (the sum of the kernels, about 1 inside) and defined (0 or 1; "
               "value and gradient are NaN where it is 0); with --color-array also color_value.");
   flags.section("");
-  flags.add(settings(), &sample);
+  flags.add(sample_settings(), &sample);
   add_input_flags(flags, &sample.data);
   add_array_flags(flags, &sample.model);
   add_kernel_flags(flags, &sample.model);

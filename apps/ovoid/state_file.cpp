@@ -31,7 +31,7 @@ constexpr std::size_t kMaxMembers = 1000;
 constexpr std::array<const char*, 5> kMembers = {"ovoid_state", "program", "inputs", "flags",
                                                  "window"};
 
-[[noreturn]] void refuse(const std::string& message) {
+[[noreturn]] void refuse_state(const std::string& message) {
   throw Error(ErrorCode::kFileFormat, message);
 }
 
@@ -47,15 +47,15 @@ class Watch {
 
   bool operator()(int depth, Json::parse_event_t event, const Json& parsed) {
     if (depth > kMaxDepth)
-      refuse(fmt::format("{}: nested deeper than {} levels", path_, kMaxDepth));
+      refuse_state(fmt::format("{}: nested deeper than {} levels", path_, kMaxDepth));
     if (event == Json::parse_event_t::object_start) open_.emplace_back();
     if (event == Json::parse_event_t::object_end) open_.pop_back();
     if (event != Json::parse_event_t::key) return true;
     const std::string& key = parsed.get_ref<const std::string&>();
     if (!open_.back().insert(key).second)
-      refuse(fmt::format("{}: '{}' stands twice in one object", path_, cut(key)));
+      refuse_state(fmt::format("{}: '{}' stands twice in one object", path_, cut(key)));
     if (open_.back().size() > kMaxMembers)
-      refuse(fmt::format("{}: an object has more than {} members", path_, kMaxMembers));
+      refuse_state(fmt::format("{}: an object has more than {} members", path_, kMaxMembers));
     return true;
   }
 
@@ -72,23 +72,23 @@ Json parse(const std::string& text, const std::string& path) {
   try {
     return Json::parse(text, callback);
   } catch (const Json::parse_error& error) {
-    refuse(fmt::format("{}: not JSON at byte {}", path, error.byte));
+    refuse_state(fmt::format("{}: not JSON at byte {}", path, error.byte));
   } catch (const Json::exception&) {
-    refuse(path + ": holds a number that double cannot");
+    refuse_state(path + ": holds a number that double cannot");
   }
 }
 
 void check_version(const Json& json, const std::string& path) {
   if (!json.is_object() || !json.contains("ovoid_state")) {
-    refuse(path +
-           ": is no state, expected an object with the members ovoid_state, program, "
-           "inputs, flags and window");
+    refuse_state(path +
+                 ": is no state, expected an object with the members ovoid_state, program, "
+                 "inputs, flags and window");
   }
   const Json& version = json["ovoid_state"];
   const bool is_number = version.is_number_integer() && version > 0;
   if (!is_number) {
-    refuse(fmt::format("{}: ovoid_state = {}: must be a whole number, from 1", path,
-                       cut(version.dump(-1, ' ', true, Json::error_handler_t::replace))));
+    refuse_state(fmt::format("{}: ovoid_state = {}: must be a whole number, from 1", path,
+                             cut(version.dump(-1, ' ', true, Json::error_handler_t::replace))));
   }
   if (version == kStateVersion) return;
   const bool has_program = json.contains("program") && json["program"].is_string();
@@ -103,14 +103,14 @@ void check_version(const Json& json, const std::string& path) {
 void check_members(const Json& json, const std::string& path) {
   for (const auto& [key, value] : json.items()) {
     if (std::find(kMembers.begin(), kMembers.end(), key) != kMembers.end()) continue;
-    refuse(fmt::format("{}: {}: unknown; a state has {}{}", path, cut(key),
-                       fmt::join(kMembers, ", "),
-                       did_you_mean(key, {kMembers.begin(), kMembers.end()})));
+    refuse_state(fmt::format("{}: {}: unknown; a state has {}{}", path, cut(key),
+                             fmt::join(kMembers, ", "),
+                             did_you_mean(key, {kMembers.begin(), kMembers.end()})));
   }
   if (json.contains("program") && !json["program"].is_string())
-    refuse(path + ": program: must be a string");
+    refuse_state(path + ": program: must be a string");
   if (json.contains("window") && !json["window"].is_object())
-    refuse(path + ": window: must be an object");
+    refuse_state(path + ": window: must be an object");
 }
 
 // A relative name is meant from the folder; one that begins with a dash would be taken for a flag.
@@ -123,13 +123,13 @@ std::vector<std::string> inputs_from(const Json& json, const std::string& path) 
   std::vector<std::string> inputs;
   if (!json.contains("inputs")) return inputs;
   const Json& list = json["inputs"];
-  if (!list.is_array()) refuse(path + ": inputs: must be an array of strings");
+  if (!list.is_array()) refuse_state(path + ": inputs: must be an array of strings");
   for (std::size_t i = 0; i < list.size(); ++i) {
     const std::string place = fmt::format("{}: inputs[{}]", path, i);
-    if (!list[i].is_string()) refuse(place + ": must be a string");
+    if (!list[i].is_string()) refuse_state(place + ": must be a string");
     const auto name = list[i].get<std::string>();
     if (name.empty() || name.find('\0') != std::string::npos)
-      refuse(place + ": must be the name of a file");
+      refuse_state(place + ": must be the name of a file");
     inputs.push_back(from_folder(name, fs::path(path).parent_path()));
   }
   return inputs;
@@ -148,7 +148,7 @@ FlagSet flags_from(const Json& json, const std::string& path) {
   try {
     check_render_flags(flags.words());
   } catch (const UsageError& error) {
-    refuse(fmt::format("{}: flags: {}", path, error.what()));
+    refuse_state(fmt::format("{}: flags: {}", path, error.what()));
   }
   return flags;
 }

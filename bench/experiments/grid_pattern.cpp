@@ -7,9 +7,9 @@ namespace ovoid::experiments {
 
 namespace {
 
-constexpr std::int64_t kSize = 32;
-constexpr double kMiddle = (kSize - 1) / 2.0;
-constexpr double kMargin = 4;  // spacings
+constexpr std::int64_t kGridSize = 32;
+constexpr double kGridMiddle = (kGridSize - 1) / 2.0;
+constexpr double kGridMargin = 4;  // spacings
 constexpr double kSurface =
     16;  // the value on the surface, from which it falls by 1 per spacing outwards
 constexpr double kRadius = 11;  // of the ball, spacings
@@ -24,11 +24,11 @@ double distance_to(SmoothSurface surface, const Vec3& p) {
 }
 
 Dataset dataset_with(SmoothSurface surface) {
-  Dataset dataset = dataset_of({kSize, kSize, kSize}, [&](auto i, auto j, auto k) {
+  Dataset dataset = dataset_of({kGridSize, kGridSize, kGridSize}, [&](auto i, auto j, auto k) {
     const Vec3 p(static_cast<double>(i), static_cast<double>(j), static_cast<double>(k));
-    return kSurface - distance_to(surface, p - Vec3::Constant(kMiddle));
+    return kSurface - distance_to(surface, p - Vec3::Constant(kGridMiddle));
   });
-  dataset.lattice.world_from_index = Eigen::Translation3d(Vec3::Constant(-kMiddle));
+  dataset.lattice.world_from_index = Eigen::Translation3d(Vec3::Constant(-kGridMiddle));
   return dataset;
 }
 
@@ -47,7 +47,7 @@ Look matte() {
 // field has fewer samples to go by.
 double brightness(SmoothSurface surface, double x, double y) {
   const double plane_z = -(x * kSlope.x() + y * kSlope.y()) / kSlope.z();
-  if (surface == SmoothSurface::kPlane && std::abs(plane_z) > kMiddle - kMargin) return -1;
+  if (surface == SmoothSurface::kPlane && std::abs(plane_z) > kGridMiddle - kGridMargin) return -1;
   if (surface == SmoothSurface::kPlane) return kAmbient + kDiffuse * std::abs(kSlope.dot(kLight));
   const double z2 = kRadius * kRadius - x * x - y * y;
   if (z2 < 0.2 * kRadius * kRadius) return -1;

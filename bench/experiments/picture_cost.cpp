@@ -10,7 +10,7 @@ namespace ovoid::experiments {
 
 namespace {
 
-constexpr int kRepeats = 5;
+constexpr int kCostRepeats = 5;
 
 Look skin_and_bone() {
   Look look;
@@ -40,7 +40,7 @@ TimedFrame best_of(Renderer& renderer, const LatticeField& field, const Look& lo
                    const RenderOptions& options) {
   const Camera camera = three_quarter_view(field);
   TimedFrame best{{}, std::numeric_limits<double>::infinity()};
-  for (int n = 0; n < kRepeats; ++n) {
+  for (int n = 0; n < kCostRepeats; ++n) {
     const std::clock_t start = std::clock();
     Frame frame = renderer.render(field, camera, look, options);
     const double cpu_ms = 1e3 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;

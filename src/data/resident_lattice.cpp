@@ -15,30 +15,32 @@ namespace ovoid {
 
 namespace {
 
-[[noreturn]] void fail(const std::string& message) {
+[[noreturn]] void refuse_samples(const std::string& message) {
   throw Error(ErrorCode::kInvalidArgument, message);
 }
 
 void validate(const ResidentLatticeOptions& options) {
   if (!(options.range_reach >= 0) || !std::isfinite(options.range_reach)) {
-    fail(fmt::format("range_reach = {}: must be >= 0 and finite", options.range_reach));
+    refuse_samples(fmt::format("range_reach = {}: must be >= 0 and finite", options.range_reach));
   }
   if (!std::isfinite(options.value_scale) || options.value_scale == 0) {
-    fail(fmt::format("value_scale = {}: must be finite and not 0", options.value_scale));
+    refuse_samples(fmt::format("value_scale = {}: must be finite and not 0", options.value_scale));
   }
   if (!std::isfinite(options.value_offset)) {
-    fail(fmt::format("value_offset = {}: must be finite", options.value_offset));
+    refuse_samples(fmt::format("value_offset = {}: must be finite", options.value_offset));
   }
 }
 
 void validate(const Bytes& samples, ScalarType type, const Index3& dims) {
   const std::size_t expected = static_cast<std::size_t>(num_samples(dims)) * size_of(type);
   if (samples.view.size() != expected) {
-    fail(fmt::format("samples: {} bytes, must be {} for {} x {} x {} of {}", samples.view.size(),
-                     expected, dims[0], dims[1], dims[2], name_of(type)));
+    refuse_samples(fmt::format("samples: {} bytes, must be {} for {} x {} x {} of {}",
+                               samples.view.size(), expected, dims[0], dims[1], dims[2],
+                               name_of(type)));
   }
   if (reinterpret_cast<std::uintptr_t>(samples.view.data()) % size_of(type) != 0) {
-    fail(fmt::format("samples: must be aligned to {} bytes for {}", size_of(type), name_of(type)));
+    refuse_samples(
+        fmt::format("samples: must be aligned to {} bytes for {}", size_of(type), name_of(type)));
   }
 }
 
@@ -59,7 +61,8 @@ ResidentLattice::ResidentLattice(const LatticeGeometry& geometry, ScalarType typ
       value_offset_(options.value_offset) {
   data::validate_geometry(geometry_);
   if (!can_show(type)) {
-    fail(fmt::format("type = {}: must be uint8, int8, uint16, int16 or float32", name_of(type)));
+    refuse_samples(
+        fmt::format("type = {}: must be uint8, int8, uint16, int16 or float32", name_of(type)));
   }
   validate(options);
   validate(samples_, type, geometry_.dims);

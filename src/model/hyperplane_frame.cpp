@@ -17,7 +17,7 @@ constexpr double kSqrt2 = std::numbers::sqrt2;
 // Of a plane that is meant to be across an axis, but for rounding.
 constexpr double kAcross = 1e-9;
 
-[[noreturn]] void refuse(const std::string& what) {
+[[noreturn]] void refuse_plane(const std::string& what) {
   throw Error(ErrorCode::kInvalidArgument, "hyperslice: " + what);
 }
 
@@ -46,8 +46,9 @@ HyperplaneFrame::HyperplaneFrame(const SpaceTime& lattice, const Hyperplane& pla
   const Vec3 space(plane.normal[0], plane.normal[1], plane.normal[2]);
   const double time = plane.normal[3];
   if (!space.allFinite() || !std::isfinite(time) || !std::isfinite(plane.offset))
-    refuse("the plane's numbers must be finite");
-  if (space.isZero() && time == 0) refuse("the plane has no direction: a, b, c and d are all 0");
+    refuse_plane("the plane's numbers must be finite");
+  if (space.isZero() && time == 0)
+    refuse_plane("the plane has no direction: a, b, c and d are all 0");
 
   // The plane over positions in T.
   const double per_step =
@@ -67,14 +68,15 @@ HyperplaneFrame::HyperplaneFrame(const SpaceTime& lattice, const Hyperplane& pla
   const double rounding = 1e-9 * (greatest - least);
   if (!(offset >= least - rounding && offset <= greatest + rounding)) {
     const double shift = plane.offset - offset;
-    refuse(
+    refuse_plane(
         fmt::format("the plane misses the data, over which {:g} x + {:g} y + {:g} z + {:g} t "
                     "goes from {:g} to {:g}: e = {:g}",
                     plane.normal[0], plane.normal[1], plane.normal[2], time, least + shift,
                     greatest + shift, plane.offset));
   }
   const double length = normal.norm();
-  if (!(length > 0) || !std::isfinite(length)) refuse("the plane's numbers are too small or large");
+  if (!(length > 0) || !std::isfinite(length))
+    refuse_plane("the plane's numbers are too small or large");
   normal_ = normal / length;
   offset_ = std::clamp(offset, least, greatest) / length;
 
@@ -124,7 +126,7 @@ HyperplaneFrame::HyperplaneFrame(const SpaceTime& lattice, const Hyperplane& pla
       bounds_.extend(Vec3(to_plane(from)));
     }
   }
-  if (bounds_.isEmpty()) refuse("the plane touches the data in no more than a corner");
+  if (bounds_.isEmpty()) refuse_plane("the plane touches the data in no more than a corner");
 
   world_.setIdentity();
   world_.linear() = directions;

@@ -24,8 +24,6 @@
 namespace ovoid {
 namespace {
 
-constexpr double kSqrt2 = std::numbers::sqrt2;
-
 [[noreturn]] void refuse_series(const std::string& message) {
   throw Error(ErrorCode::kInvalidArgument, message);
 }
@@ -137,7 +135,7 @@ class ResampledSeries final : public model::LatticeSteps {
 
   void place_steps(const std::vector<double>& input_times) {
     const double spacing = options_.lattice.spacing;
-    const double step = kind() == SeriesKind::kStaggered ? spacing / kSqrt2 : spacing;
+    const double step = kind() == SeriesKind::kStaggered ? spacing / std::numbers::sqrt2 : spacing;
     const auto last = static_cast<double>(num_input_steps_ - 1);
     const auto count = static_cast<std::int64_t>(std::floor(last / step + 1e-9)) + 1;
     const double distance = (input_times.back() - input_times.front()) / last;

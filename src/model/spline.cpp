@@ -9,7 +9,7 @@ namespace ovoid::model {
 namespace {
 
 const double kPole = std::sqrt(3.0) - 2.0;
-constexpr std::int64_t kReach = 20;  // samples: pole^20 = 4e-12
+constexpr std::int64_t kPoleReach = 20;  // samples: pole^20 = 4e-12
 
 // The place in [0, length) at which a mirrored line has what it has at `index`.
 std::int64_t mirrored(std::int64_t index, std::int64_t length) {
@@ -26,7 +26,7 @@ void to_spline_coefficients(std::span<double> line) {
   if (length < 2) return;
   double start = 0;
   double power = 1;
-  for (std::int64_t i = 0; i < kReach; ++i) {
+  for (std::int64_t i = 0; i < kPoleReach; ++i) {
     start += power * line[static_cast<std::size_t>(mirrored(i, length))];
     power *= kPole;
   }

@@ -30,7 +30,7 @@ using model::HeldStep;
 constexpr double kOwnSpacing = std::numbers::sqrt2;  // of the samples and steps of one half, T
 
 // The kernel over time, `distance` in units of T.
-double kernel_at(double distance) { return std::exp(-2 * distance * distance); }
+double kernel_in_time(double distance) { return std::exp(-2 * distance * distance); }
 constexpr double kKernelSupport = 2;  // T
 
 void require_time(const std::vector<double>& times, double time) {
@@ -212,8 +212,8 @@ Floats along_axes(Floats in, const Index3& dims, int components, const AxisStenc
 std::array<Floats, 2> exact_halves(const std::array<Floats, 2>& sums,
                                    const std::array<double, 2>& weights, const Index3& dims,
                                    int components, const TimeSliceOptions& options) {
-  const double far = kernel_at(kOwnSpacing);
-  const double near = kernel_at(1 / kOwnSpacing);
+  const double far = kernel_in_time(kOwnSpacing);
+  const double near = kernel_in_time(1 / kOwnSpacing);
   const AxisStencil own{{far, 1, far}, -1};
   const AxisStencil of_other[2] = {{{near, near}, -1}, {{near, near}, 0}};
   const std::int64_t row = dims[0] * components;
@@ -268,7 +268,7 @@ std::vector<StepWeight> raw_weights(const std::vector<double>& times, int half, 
   std::vector<StepWeight> weights;
   for (std::int64_t l = 0; l < count; ++l) {
     const double distance = kOwnSpacing * std::abs(static_cast<double>(l) - place);  // T
-    const double weight = distance <= reach ? kernel_at(distance) - floor : 0.0;
+    const double weight = distance <= reach ? kernel_in_time(distance) - floor : 0.0;
     if (weight > 0) weights.push_back({2 * l + half, weight});
   }
   return weights;
@@ -333,7 +333,7 @@ std::vector<StepWeight> weights_of_half(const std::vector<double>& times, int ha
   const bool takes_two = filter == TimeFilter::kTwoSteps;
   std::vector<StepWeight> weights =
       raw_weights(times, half, time, takes_two ? kOwnSpacing : kKernelSupport,
-                  takes_two ? kernel_at(kOwnSpacing) : 0.0);
+                  takes_two ? kernel_in_time(kOwnSpacing) : 0.0);
   normalize(weights);
   return weights;
 }

@@ -27,7 +27,7 @@ constexpr int kNumColors = kSide * kSide * kSide;
 constexpr int kNumSteps = 27;  // to the neighbours, and one to nowhere
 constexpr double kTurn = 2.0 * std::numbers::pi;
 
-double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
+double to_radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
 struct GridColor {
   int r, g, b;
@@ -143,13 +143,13 @@ double ciede2000(const Rgb& lab_a, const Rgb& lab_b) {
 
   const double lightness_scale = 1.0 + 0.015 * off_middle / std::sqrt(20.0 + off_middle);
   const double chroma_scale = 1.0 + 0.045 * chroma;
-  const double hue_term = 1.0 - 0.17 * std::cos(hue - radians(30.0)) + 0.24 * std::cos(2.0 * hue) +
-                          0.32 * std::cos(3.0 * hue + radians(6.0)) -
-                          0.20 * std::cos(4.0 * hue - radians(63.0));
+  const double hue_term =
+      1.0 - 0.17 * std::cos(hue - to_radians(30.0)) + 0.24 * std::cos(2.0 * hue) +
+      0.32 * std::cos(3.0 * hue + to_radians(6.0)) - 0.20 * std::cos(4.0 * hue - to_radians(63.0));
   const double hue_scale = 1.0 + 0.015 * chroma * hue_term;
-  const double blueness = std::pow((hue - radians(275.0)) / radians(25.0), 2.0);
+  const double blueness = std::pow((hue - to_radians(275.0)) / to_radians(25.0), 2.0);
   const double rotation =
-      -std::sin(2.0 * radians(30.0) * std::exp(-blueness)) * 2.0 * saturation_weight(chroma);
+      -std::sin(2.0 * to_radians(30.0) * std::exp(-blueness)) * 2.0 * saturation_weight(chroma);
 
   const double dl = (lab_b[0] - lab_a[0]) / lightness_scale;
   const double dc = (b.chroma - a.chroma) / chroma_scale;

@@ -18,7 +18,7 @@
 namespace ovoid::io {
 namespace {
 
-std::string reason(int error) { return std::generic_category().message(error); }
+std::string reason_of(int error) { return std::generic_category().message(error); }
 
 // Plain reads, not a mapping: a mapped file that somebody truncates kills the process, and one that
 // somebody overwrites changes a dataset that is said to be immutable.
@@ -38,7 +38,7 @@ class FileSource final : public ByteSource {
       if (got < 0 && errno == EINTR) continue;
       if (got < 0) {
         throw Error(ErrorCode::kFileNotFound,
-                    fmt::format("{}: cannot be read: {}", name(), reason(errno)));
+                    fmt::format("{}: cannot be read: {}", name(), reason_of(errno)));
       }
       if (got == 0) {
         throw Error(
@@ -84,7 +84,7 @@ std::unique_ptr<ByteSource> open_file(const std::string& path) {
   if (descriptor < 0) {
     throw Error(ErrorCode::kFileNotFound,
                 errno == ENOENT ? fmt::format("{}: no such file", path)
-                                : fmt::format("{}: cannot be opened: {}", path, reason(errno)));
+                                : fmt::format("{}: cannot be opened: {}", path, reason_of(errno)));
   }
   struct stat info {};
   const bool is_known = ::fstat(descriptor, &info) == 0;

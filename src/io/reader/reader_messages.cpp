@@ -26,7 +26,7 @@ constexpr std::size_t kAlignment = 64;
 
 constexpr int kSeals = F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE;
 
-[[noreturn]] void fail(const std::string& what) {
+[[noreturn]] void nonsense(const std::string& what) {
   throw Error(ErrorCode::kFileFormat, "its reader sent " + what);
 }
 
@@ -36,20 +36,20 @@ auto parsed(const std::vector<std::uint8_t>& message, const Read& read) {
   try {
     return read(Json::from_msgpack(message));
   } catch (const Json::exception&) {
-    fail("a message that is none");
+    nonsense("a message that is none");
   }
 }
 
 template <typename Enum>
 Enum enum_of(const Json& json, Enum last) {
   const auto value = json.get<std::int64_t>();
-  if (value < 0 || value > static_cast<std::int64_t>(last)) fail("an unknown kind");
+  if (value < 0 || value > static_cast<std::int64_t>(last)) nonsense("an unknown kind");
   return static_cast<Enum>(value);
 }
 
 std::int64_t count_of(const Json& json) {
   const auto value = json.get<std::int64_t>();
-  if (value < 0 || value > kMaxNumBytes) fail("an impossible count");
+  if (value < 0 || value > kMaxNumBytes) nonsense("an impossible count");
   return value;
 }
 
@@ -112,7 +112,7 @@ class SharedMemory {
     struct stat status {};
     if (!fd.is_open() || (::fcntl(fd.get(), F_GET_SEALS) & kSeals) != kSeals ||
         ::fstat(fd.get(), &status) != 0)
-      fail("memory that is not sealed");
+      nonsense("memory that is not sealed");
     size_ = static_cast<std::size_t>(status.st_size);
     if (size_ == 0) return;
     at_ = ::mmap(nullptr, size_, PROT_READ, MAP_SHARED, fd.get(), 0);
@@ -145,14 +145,14 @@ Bytes bytes_at(const Json& place, const Shared& memory) {
   const auto offset = static_cast<std::uint64_t>(count_of(place.at(0)));
   const auto size = static_cast<std::uint64_t>(count_of(place.at(1)));
   if (offset % kAlignment != 0 || offset > all.size() || size > all.size() - offset)
-    fail("an array outside its memory");
+    nonsense("an array outside its memory");
   return {memory, all.subspan(offset, size)};
 }
 
 template <typename T>
 SharedValues<T> values_at(const Json& place, const Shared& memory) {
   const Bytes bytes = bytes_at(place, memory);
-  if (bytes.view.size() % sizeof(T) != 0) fail("an array with half a number");
+  if (bytes.view.size() % sizeof(T) != 0) nonsense("an array with half a number");
   return {bytes.owner,
           {reinterpret_cast<const T*>(bytes.view.data()), bytes.view.size() / sizeof(T)}};
 }
@@ -186,7 +186,7 @@ DataArray array_of(const Json& json, const Shared& memory) {
                            static_cast<std::int64_t>(size_of(array.type))};
   if (num_components > std::numeric_limits<int>::max() ||
       checked_product(factors) != static_cast<std::int64_t>(array.bytes.view.size()))
-    fail("an array of another size than its own");
+    nonsense("an array of another size than its own");
   array.num_components = static_cast<int>(num_components);
   return array;
 }
@@ -226,7 +226,7 @@ Cells cells_of(const Json& json, const Shared& memory) {
   for (std::size_t axis = 0; axis < 3; ++axis)
     cells.dims[axis] = count_of(json.at("dims").at(axis));
   for (const CellType type : cells.types)
-    if (type > CellType::kOther) fail("an unknown type of cell");
+    if (type > CellType::kOther) nonsense("an unknown type of cell");
   return cells;
 }
 
@@ -284,12 +284,13 @@ Dataset dataset_of(const Json& json, const Shared& memory) {
 void check_arrays(const Dataset& dataset, std::int64_t num_tuples) {
   for (const DataArray& array : dataset.arrays)
     if (!array.is_cell_data && array.num_tuples != num_tuples)
-      fail(fmt::format("{} tuples for {} places", array.num_tuples, num_tuples));
+      nonsense(fmt::format("{} tuples for {} places", array.num_tuples, num_tuples));
 }
 
 // That the parts fit each other.
 void check_dataset(const std::string& source, const Dataset& dataset) {
-  if (dataset.num_steps < 1 || dataset.step >= dataset.num_steps) fail("a step that is not there");
+  if (dataset.num_steps < 1 || dataset.step >= dataset.num_steps)
+    nonsense("a step that is not there");
   switch (dataset.kind) {
     case DatasetKind::kLattice: {
       const Index3& dims = dataset.lattice.dims;
@@ -300,7 +301,7 @@ void check_dataset(const std::string& source, const Dataset& dataset) {
     case DatasetKind::kBoxes:
       if (dataset.box_sizes.num_components != 3 || dataset.box_sizes.type != ScalarType::kFloat64 ||
           dataset.box_sizes.num_tuples != dataset.positions.num_tuples)
-        fail("boxes without sizes");
+        nonsense("boxes without sizes");
       [[fallthrough]];
     case DatasetKind::kMesh:
     case DatasetKind::kParticles:

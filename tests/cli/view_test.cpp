@@ -11,6 +11,12 @@ namespace {
 std::string copied_program(const Folder& folder) {
   const std::string program = folder / "ovoid";
   std::filesystem::copy_file(OVOID_PROGRAM, program);
+  // With its library, if that is a shared one.
+  for (const auto& file :
+       std::filesystem::directory_iterator(std::filesystem::path(OVOID_PROGRAM).parent_path())) {
+    const std::string name = file.path().filename();
+    if (name.starts_with("libovoid.so")) std::filesystem::copy_file(file, folder / name);
+  }
   return program;
 }
 

@@ -96,8 +96,8 @@ void Marks::draw(const Document& document, const std::pair<double, double>& xray
   piece.title = wanted.title;
   const int line = static_cast<int>(std::ceil(piece.text_px));
   const auto show = [&](Mark& mark, int width, int height, bool is_right, bool is_low) {
-    const bool is_due =
-        is_right && !is_low ? has_changed : has_moved;  // the colour bar stands still
+    // The colour bar stands still.
+    const bool is_due = is_right && !is_low ? has_changed : has_moved;
     width = std::min(width, pixels.width);
     height = std::min(height, pixels.height);
     if (is_due || mark.texture.is_empty()) {

@@ -16,8 +16,8 @@ struct Camera {
   Vec3 focal_point{0, 0, 0};
   Vec3 view_up{0, 1, 0};
   bool parallel_projection = false;
-  double parallel_scale =
-      1.0;                   // half the height of the picture in world units (parallel projection)
+  // Half the height of the picture in world units (parallel projection).
+  double parallel_scale = 1.0;
   double view_angle = 30.0;  // vertical opening angle (perspective projection)
 
   // Throws Error(kInvalidArgument) that names the member.

@@ -21,8 +21,8 @@ namespace OVOID_API ovoid {
 // Bytes that are owned, or borrowed from a caller who keeps them alive through `owner`. Cheap to
 // copy, immutable.
 struct Bytes {
-  std::shared_ptr<const void>
-      owner;  // what keeps `view` valid; may be empty for memory that outlives the library's use
+  // What keeps `view` valid; may be empty for memory that outlives the library's use.
+  std::shared_ptr<const void> owner;
   std::span<const std::byte> view;
 };
 

@@ -26,8 +26,8 @@ struct LatticeModelOptions {
   int component = 0;  // of the array's tuples; kMagnitude: Euclidean norm
   LatticeKernel kernel;
   Reconstruction reconstruction = Reconstruction::kNormalized;
-  bool prefilter =
-      false;  // coefficients such that the field takes the samples' values at the samples
+  // Coefficients such that the field takes the samples' values at the samples.
+  bool prefilter = false;
   std::optional<RelevantSamples> relevant{};  // these alone, as runs, in memory of their own
   int threads = 0;                            // 0: one per hardware thread
 
@@ -67,8 +67,8 @@ struct KernelModelOptions {
   // None: the dataset's own; of those that have none sum for densities and stored kernels, else
   // normalized.
   std::optional<Reconstruction> reconstruction{};
-  std::optional<double>
-      cutoff{};     // sigmas; none: 4 for stored kernels and particles, 3.5 for meshes
+  // Sigmas; none: 4 for stored kernels and particles, 3.5 for meshes.
+  std::optional<double> cutoff{};
   int threads = 0;  // 0: one per hardware thread
 
   // Meshes
@@ -77,9 +77,9 @@ struct KernelModelOptions {
 
   // Particles
   bool is_density = false;  // the field is mass per volume of `mass_array`, not an attribute
-  std::string
-      radius_array{};        // smoothing lengths h, support 2 h; empty: one that is called like one
-                             // (h, hsml, SmoothingLength, smoothing_length), else from neighbours
+  // Smoothing lengths h, support 2 h; empty: one that is called like one (h, hsml,
+  // SmoothingLength, smoothing_length), else from neighbours.
+  std::string radius_array{};
   std::string mass_array{};  // empty: one that is called like one (m, mass, Masses), else `mass`
   std::optional<double> mass{};  // of every particle; none: 1
   int neighbors = 32;            // particles within 2 h where h comes from neighbours, 4 to 512

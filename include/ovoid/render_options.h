@@ -71,8 +71,8 @@ struct RenderOptions {
   SheetPrecision sheet_precision = SheetPrecision::kSingle;
   std::vector<ClipPlane> clip_planes;  // at most kMaxClipPlanes
   bool skip_irrelevant = true;  // off: every block is reconstructed (time changes, pixels do not)
-  bool stop_opaque =
-      true;  // off: covered samples are still worked out (time changes, pixels do not)
+  // Off: covered samples are still worked out (time changes, pixels do not).
+  bool stop_opaque = true;
   bool pack_sheets = true;  // off: the vulkan back end sums a set's kernels on one sheet at a time
                             // (time changes, pixels do not)
   bool collect_profile = false;  // stage times cost a few per cent

@@ -49,20 +49,20 @@ struct FrameProfile {
                             // threads; empty: nothing
   int threads = 1;
   double frame_ms = 0;  // plan to finish, wall clock
-  std::vector<std::pair<std::string, double>>
-      stages_ms;  // summed over threads, in pipeline order; empty without collect_profile
+  // Summed over threads, in pipeline order; empty without collect_profile.
+  std::vector<std::pair<std::string, double>> stages_ms;
   std::int64_t kernels_total = 0;
   std::int64_t kernels_drawn = 0;  // kernels in bricks that can meet a non-zero opacity
-  std::int64_t kernels_loaded =
-      0;  // loaded for some block; one that several blocks share counts for each
+  // Loaded for some block; one that several blocks share counts for each.
+  std::int64_t kernels_loaded = 0;
   std::int64_t samples_reconstructed = 0;
   std::int64_t samples_shaded = 0;  // samples with a non-zero opacity
   std::int64_t gradients = 0;       // samples whose gradient was taken
   std::int64_t bytes_uploaded = 0;  // to a device: what of field, look and camera it did not have
   std::int64_t blocks_total = 0;    // these four: of the cpu back end
   std::int64_t blocks_drawn = 0;
-  std::int64_t blocks_skipped_empty =
-      0;  // no kernel reaches the block (outside the field, or clipped)
+  // No kernel reaches the block (outside the field, or clipped).
+  std::int64_t blocks_skipped_empty = 0;
   std::int64_t blocks_skipped_irrelevant = 0;  // the field cannot meet a non-zero opacity there
   std::int64_t blocks_skipped_opaque = 0;      // every pixel had stopped
 };
@@ -85,8 +85,8 @@ struct Trail {
 struct RendererSetup {
   Backend backend = Backend::kAuto;
   int threads = 0;  // of the host; 0: one per hardware thread
-  int device =
-      -1;  // by DeviceInfo::index; -1: the first hardware device, else the first. kVulkan alone
+  // By DeviceInfo::index; -1: the first hardware device, else the first. kVulkan alone.
+  int device = -1;
   std::uint64_t device_memory = 0;   // bytes that fields may take there; 0: most of it. Larger ones
                                      // are drawn piece by piece.
   bool auto_takes_software = false;  // kAuto draws with software devices, too

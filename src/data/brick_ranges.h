@@ -21,8 +21,8 @@ struct Extent {
 template <class T>
 struct BrickTable {
   std::vector<Extent<T>> extents;  // one per brick
-  std::vector<std::uint8_t>
-      missing;  // one per brick, 1 if a sample in reach is missing; empty if no sample is
+  // One per brick, 1 if a sample in reach is missing; empty if no sample is.
+  std::vector<std::uint8_t> missing;
   std::int64_t num_missing = 0;  // samples that are NaN or infinite
 };
 

@@ -14,8 +14,8 @@ namespace ovoid {
 
 // What a resident lattice needs to know beside its samples.
 struct ResidentLatticeOptions {
-  double range_reach =
-      2.0;  // support radius of the kernels that will be used, index units, finite, >= 0
+  // Support radius of the kernels that will be used, index units, finite, >= 0.
+  double range_reach = 2.0;
   double value_scale = 1.0;  // value = stored number * scale + offset; finite, scale not 0
   double value_offset = 0.0;
   int threads = 0;  // for the brick ranges; 0: one per hardware thread

@@ -121,8 +121,8 @@ class LookTable {
   struct alignas(64) Tables {
     float r[kPaddedEntries], g[kPaddedEntries], b[kPaddedEntries], opacity[kPaddedEntries];
     float step[kPaddedEntries];
-    std::int16_t
-        opaque_entries_before[kEntries + 1];  // how many of entries 0 to i - 1 are not zero
+    // How many of entries 0 to i - 1 are not zero.
+    std::int16_t opaque_entries_before[kEntries + 1];
   };
 
   float read(const float* x, float t) const noexcept {

@@ -25,8 +25,8 @@ class FunctionSource final : public BrickSource {
   struct Options {
     int brick_edge = 8;
     double range_reach = 2.0;  // at least the support radius of the kernels put on it
-    double value_scale =
-        1.0;  // the function tells stored numbers; values are number * scale + offset
+    // The function tells stored numbers; values are number * scale + offset.
+    double value_scale = 1.0;
     double value_offset = 0.0;
   };
 

@@ -233,8 +233,8 @@ class TextStream final : public SampleStream {
 
  private:
   void next_number(std::byte* out) {
-    constexpr std::size_t kLongestWord =
-        512;  // a double in full decimal notation has at most 327 characters
+    // A double in full decimal notation has at most 327 characters.
+    constexpr std::size_t kLongestWord = 512;
     word_.clear();
     char c = ' ';
     bool has_more = true;

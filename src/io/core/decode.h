@@ -22,11 +22,11 @@ const char* name_of(Encoding encoding) noexcept;
 // What the file should hold.
 struct WantedSamples {
   std::int64_t num_bytes = 0;
-  std::int64_t num_skipped =
-      0;  // decoded bytes before them to leave out; kRaw: -1 takes the last bytes of the file
+  // Decoded bytes before them to leave out; kRaw: -1 takes the last bytes of the file.
+  std::int64_t num_skipped = 0;
   ScalarType type = ScalarType::kUInt8;
-  std::string
-      header;  // the file that says so, and what: "a.nhdr" and "64x64x64 uint8", for messages
+  // The file that says so, and what: "a.nhdr" and "64x64x64 uint8", for messages.
+  std::string header;
   std::string layout;
 };
 

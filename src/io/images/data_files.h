@@ -24,8 +24,8 @@ struct DataFiles {
   int width = 0;
   std::int64_t first = 0, step = 1;
   std::int64_t count = 0;
-  std::optional<int>
-      subdimension;  // axes in one file; default: all but the slowest if there are several files
+  // Axes in one file; default: all but the slowest if there are several files.
+  std::optional<int> subdimension;
 
   std::string name(std::int64_t index) const;
 };

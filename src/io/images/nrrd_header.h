@@ -36,8 +36,8 @@ struct NrrdHeader {
   std::vector<NrrdAxis> axes;   // fastest first
   bool has_directions = false;  // "space directions" is there
   bool has_centers = false;
-  std::string
-      space;  // as the format spells it in full ("left-posterior-superior"); empty if unnamed
+  // As the format spells it in full ("left-posterior-superior"); empty if unnamed.
+  std::string space;
   int space_dimension = 0;  // 0: no space
   std::optional<std::array<double, 3>> origin;
   std::string content, unit;

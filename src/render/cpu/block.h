@@ -61,8 +61,8 @@ struct SheetSetup {
 
 // The tile's pixels so far, front to back; index y * kTileSize + x. Premultiplied.
 struct alignas(64) TileState {
-  static constexpr int kPixels =
-      kTileSize * kTileSize + 16;  // a group at a row's end reads and writes back what follows
+  // A group at a row's end reads and writes back what follows.
+  static constexpr int kPixels = kTileSize * kTileSize + 16;
   float red[kPixels], green[kPixels], blue[kPixels], alpha[kPixels], depth[kPixels];
   float best[kPixels];            // maximum: greatest value; xray and mean: sum of value * path
   float path[kPixels];            // mean: sum of path

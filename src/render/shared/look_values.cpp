@@ -127,8 +127,8 @@ void set_integrals(const view::LookTable& table, device::LookConstants& out, Fra
 
 // 1 / (the gradient's length, world, below which a region counts as flat).
 float flat_gradient_inverse(const Look& look, const ValueRange& range, double least_spacing) {
-  constexpr double kFlat =
-      1e-4;  // of the drawn range, per smallest spacing (docs/numerics.md, "Light")
+  // Of the drawn range, per smallest spacing (docs/numerics.md, "Light").
+  constexpr double kFlat = 1e-4;
   const double span = look.mode == Mode::kIsosurface
                           ? static_cast<double>(range.hi) - range.lo
                           : look.transfer_function.hi() - look.transfer_function.lo();

@@ -41,3 +41,11 @@ function(ovoid_part name)
   set_property(GLOBAL APPEND PROPERTY OVOID_PARTS ${name})
   set_property(GLOBAL APPEND PROPERTY OVOID_LINK ${ARG_LINK})
 endfunction()
+
+# Under AddressSanitizer, programs unload no library: see the source.
+function(ovoid_unloads_nothing target)
+  if(CMAKE_CXX_FLAGS MATCHES "fsanitize=address")
+    target_sources(${target} PRIVATE ${CMAKE_SOURCE_DIR}/tests/support/unload_nothing.cpp)
+    target_link_options(${target} PRIVATE -Wl,--export-dynamic-symbol=dlclose)  # libraries shall find it
+  endif()
+endfunction()

@@ -50,7 +50,7 @@ const Table<BenchFlags>& bench_settings() {
 struct SceneResult {
   Scene scene;
   double model_ms = 0;
-  Spread frame_ms;
+  Quartiles frame_ms;
   FrameProfile profile;  // of one more frame, with stage times
 };
 
@@ -149,7 +149,7 @@ SceneResult measure(const Scene& scene, const Volume& volume, const BenchFlags& 
     turned.azimuth(kTurnDegrees * i);
     frames_ms.push_back(draw(turned).profile.frame_ms);
   }
-  result.frame_ms = spread(frames_ms);
+  result.frame_ms = quartiles(frames_ms);
   options.collect_profile = true;
   result.profile = draw(middle).profile;
   return result;
@@ -165,7 +165,7 @@ double reconstructed_per_second(const FrameProfile& frame) {
 }
 
 Json to_json(const SceneResult& result) {
-  const Spread& time = result.frame_ms;
+  const Quartiles& time = result.frame_ms;
   Json json;
   json["name"] = result.scene.name();
   json["volume"] = result.scene.volume;

@@ -243,7 +243,7 @@ const Table<ConvertFlags>& convert_settings() {
       {"--lattice-spacing", number("S", {.lo = 0, .hi = 1000, .lo_open = true}),
        &C::lattice_spacing, "T of --lattice, in spacings (and steps) of the input (default {})",
        of_lattice},
-      {"--no-band-limit", Toggle(false), &C::band_limit, "resample by splines alone", of_lattice},
+      {"--no-band-limit", Toggle{false}, &C::band_limit, "resample by splines alone", of_lattice},
       {"--relevant-above", number("V"), &C::relevant_above,
        "to .h5: keep the samples whose value is greater, and missing ones, as runs"},
       {"--relevant-tf", word("FILE"), &C::relevant_look,

@@ -12,7 +12,7 @@ namespace ovoid::cli {
 
 using Json = nlohmann::ordered_json;
 
-Spread spread(std::vector<double> values) {
+Quartiles quartiles(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   const auto at = [&values](double fraction) {
     const double place = fraction * static_cast<double>(values.size() - 1);
@@ -59,7 +59,7 @@ Json stages_json(const FrameProfile& frame) {
 }
 
 std::string to_json(const RunProfile& profile) {
-  const Spread frame = spread(profile.frames_ms);
+  const Quartiles frame = quartiles(profile.frames_ms);
   Json json;
   json["load_ms"] = profile.load_ms;
   json["model_ms"] = profile.model_ms;
@@ -80,7 +80,7 @@ std::string to_json(const RunProfile& profile) {
 
 std::string to_table(const RunProfile& profile) {
   const FrameProfile& frame = profile.frame;
-  const Spread time = spread(profile.frames_ms);
+  const Quartiles time = quartiles(profile.frames_ms);
   std::string out;
   const auto row = [&out](const std::string& name, const std::string& value) {
     out += fmt::format("  {:<24}{}\n", name, value);

@@ -27,14 +27,14 @@ struct RunProfile {
 inline constexpr double kTurnDegrees = 0.01;
 
 // Quartiles of measurements, by linear interpolation between the sorted values.
-struct Spread {
+struct Quartiles {
   double min = 0;
   double q1 = 0;
   double median = 0;
   double q3 = 0;
   double max = 0;
 };
-Spread spread(std::vector<double> values);  // at least one value
+Quartiles quartiles(std::vector<double> values);  // at least one value
 
 std::string to_json(const RunProfile& profile);   // the members of docs/command-line.md
 std::string to_table(const RunProfile& profile);  // for people

@@ -162,7 +162,7 @@ void tell_times(const RenderFlags& render, const RunProfile& profile, Session& s
   if (render.profile && render.profile_file.empty()) tell(to_table(profile));
   if (!render.profile_file.empty()) write_file(render.profile_file, to_json(profile));
   if (render.repeat > 0 && !render.profile) {
-    const Spread time = spread(profile.frames_ms);
+    const Quartiles time = quartiles(profile.frames_ms);
     session.note(fmt::format("frame: {:.2f} ms median of {}, {:.2f} to {:.2f}", time.median,
                              render.repeat, time.min, time.max));
   }

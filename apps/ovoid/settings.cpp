@@ -384,11 +384,11 @@ const Table<RendererSetup>& run_settings() {
 const Table<RenderOptions>& switch_settings() {
   using R = RenderOptions;
   static const Table<R> all = {
-      {"--no-skip", Toggle(false), &R::skip_irrelevant,
+      {"--no-skip", Toggle{false}, &R::skip_irrelevant,
        "reconstruct also what cannot be seen (slower, same picture)"},
-      {"--no-stop", Toggle(false), &R::stop_opaque,
+      {"--no-stop", Toggle{false}, &R::stop_opaque,
        "work also on what is behind the opaque (slower, same picture)"},
-      {"--no-pack", Toggle(false), &R::pack_sheets,
+      {"--no-pack", Toggle{false}, &R::pack_sheets,
        "backend vulkan: sum a set's kernels on one sheet at a time (slower, same picture)"},
   };
   return all;

@@ -13,11 +13,11 @@ namespace {
 const cli::Table<Launch>& window_settings() {
   using cli::Toggle, cli::word;
   static const cli::Table<Launch> all = {
-      {"--no-marks", Toggle(false), &Launch::has_marks,
+      {"--no-marks", Toggle{false}, &Launch::has_marks,
        "begin without axes and colour bar, which are there otherwise"},
       {"--state", word("FILE.json", cli::Content::kOfRun), &Launch::state,
        "inputs and flags from a file that was saved; those that stand on the command line beat it"},
-      {"--no-panel", Toggle(false), &Launch::has_panel,
+      {"--no-panel", Toggle{false}, &Launch::has_panel,
        "begin with the picture alone (Tab shows the panel)"},
       {"--watch", Toggle(), &Launch::watches, "read the files again when they change"},
       {"--script", word("FILE"), &Launch::script,

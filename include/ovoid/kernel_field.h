@@ -111,7 +111,8 @@ class BorrowedValues : public std::span<const T> {
   BorrowedValues() = default;
   template <typename Range>
   requires std::convertible_to<Range, std::span<const T>> &&
-      (std::is_lvalue_reference_v<Range> || std::ranges::borrowed_range<Range>)
+      (!std::same_as<std::remove_cvref_t<Range>, BorrowedValues>)&&(
+          std::is_lvalue_reference_v<Range> || std::ranges::borrowed_range<Range>)
           BorrowedValues(Range&& range)  // NOLINT(google-explicit-constructor): as a span is
       : std::span<const T>(std::forward<Range>(range)) {}
 };

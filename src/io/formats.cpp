@@ -295,7 +295,7 @@ const Format& format_called(std::string_view name) {
   return *found;
 }
 
-bool has_library(std::string_view name) {
+bool has_library([[maybe_unused]] std::string_view name) {
 #ifdef OVOID_IO_VTK
   if (name == "VTK") return true;
 #endif

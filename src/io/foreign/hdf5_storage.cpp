@@ -58,7 +58,8 @@ ChunkLayout chunk_layout(hid_t plist, const Hdf5Extent& extent) {
     if (chunk[axis] < 1 || chunk[axis] > static_cast<hsize_t>(kMaxAxisSize))
       fail_storage(extent, fmt::format("has chunks of {} along axis {}", chunk[axis], axis));
     const auto size = static_cast<std::int64_t>(chunk[axis]);
-    layout.num_chunks *= static_cast<double>((extent.dims[axis] - 1) / size + 1);
+    const std::int64_t num_along = (extent.dims[axis] - 1) / size + 1;
+    layout.num_chunks *= static_cast<double>(num_along);
     num_bytes *= static_cast<double>(size);
   }
   if (num_bytes > static_cast<double>(kMaxNumBytes)) fail_storage(extent, "has chunks without end");
@@ -155,8 +156,9 @@ void check_hdf5_storage(hid_t dataset, const Hdf5Extent& extent, const ByteSourc
   const ChunkLayout layout = chunk_layout(plist.get(), extent);
   // Deflate's best, whatever the filters are, and 8 bytes of index for each chunk.
   const std::int64_t most = source.size() * kMaxDeflateRatio;
+  const std::int64_t most_chunks = source.size() / 8;
   if (extent.num_bytes() <= most && layout.num_bytes <= most &&
-      layout.num_chunks <= static_cast<double>(source.size() / 8))
+      layout.num_chunks <= static_cast<double>(most_chunks))
     return check_written(dataset, extent, layout);
   fail_storage(extent, fmt::format("claims {} bytes in chunks of {}, more than a file of {} bytes "
                                    "can hold",

@@ -10,7 +10,7 @@ namespace ovoid::io {
 
 // Throws Error(kFileFormat) unless the hierarchy, or the one beside the file, names HDF5 files that
 // are there and have the size that they state.
-void check_enzo(const ByteSource& source);
+void check_enzo(const ByteSource& named);
 
 // Read the step and the blocks that `options` say (mesh_of_parts, read_mesh_step), Enzo as boxes.
 // VTK's readers believe what foreign_readers.cpp has not checked before; what comes out is checked.

@@ -17,7 +17,7 @@ class LatticeRenderer {
   explicit LatticeRenderer(Workbench& bench) : bench_(bench) {}
 
   // Draws into `image`, which is empty, and counts in `profile`.
-  void render(const FrameJob& job, Image& image, FrameProfile& profile);
+  void render(const FrameJob& frame, Image& image, FrameProfile& profile);
 
   // After a frame that was broken off: what is on the device of relevance may be half done.
   void forget_relevance() { kept_.bytes = kept_trail_.bytes = {}; }

@@ -46,7 +46,8 @@ void require_room(std::size_t num_bytes) {
 
 // The library's functions, and what its header would take from its variables.
 struct Library {
-#define OVOID_DECLARE(name) decltype (&::H5##name)(name) = nullptr;
+// NOLINTNEXTLINE(bugprone-macro-parentheses): GCC warns of them
+#define OVOID_DECLARE(name) decltype(&::H5##name) name = nullptr;
   OVOID_HDF5_FUNCTIONS(OVOID_DECLARE)
 #undef OVOID_DECLARE
 

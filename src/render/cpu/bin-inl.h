@@ -115,7 +115,7 @@ inline void dilate_active(Block& block, const RowBits* inside) {
 
 // The box of samples that active samples reach, by the kernels' support or farther. Positions are
 // affine along a row, so its first and last active sample bound it.
-inline void bound_region(const CpuFrame& frame, Block& block,
+inline void bound_region(const LatticeFrame& frame, Block& block,
                          const Vec3& least_reach = Vec3::Zero()) {
   float lo[3] = {1e30F, 1e30F, 1e30F};
   float hi[3] = {-1e30F, -1e30F, -1e30F};
@@ -174,7 +174,7 @@ inline void bound_region(const CpuFrame& frame, Block& block,
 // farther from its group's middle than a brick's edge.
 using CellColumns = std::array<std::array<std::uint32_t, kTileSize / 4>, (kMaxSheets + 3) / 4>;
 
-inline bool cells_fit_bricks(const CpuFrame& frame, const Block& block) {
+inline bool cells_fit_bricks(const LatticeFrame& frame, const Block& block) {
   const auto edge = static_cast<float>(1 << frame.lattice_plan->relevance.brick_shift());
   for (const int s : {0, block.num_sheets - 1}) {
     const SheetSetup& sheet = block.sheets[s];
@@ -215,7 +215,7 @@ inline CellColumns bin_cells(const Block& block, const BrickLookup& neighbours) 
   return columns;
 }
 
-inline Support support_of(const CpuFrame& frame, const Block& block, const Bounds3& box) {
+inline Support support_of(const LatticeFrame& frame, const Block& block, const Bounds3& box) {
   const Bounds3& defined = frame.lattice_plan->index_support;
   Support support;
   for (int a = 0; a < 3; ++a) {
@@ -241,7 +241,7 @@ inline std::uint32_t open_samples(const CpuFrame& frame, const Block& block, con
 
 // `box` holds all samples of the block, in index space. Returns the number of relevant samples;
 // active bits and region are only valid if it is not zero.
-inline std::int64_t bin_region(const CpuFrame& frame, Block& block, const TileState& tile,
+inline std::int64_t bin_region(const LatticeFrame& frame, Block& block, const TileState& tile,
                                const Bounds3& box) {
   RowBits inside[kMaxSheets];
   const view::RelevanceMap& map = frame.lattice_plan->relevance;

@@ -7,6 +7,7 @@
 #define OVOID_RENDER_CPU_BLOCK_INL_H_
 #endif
 
+#include "render/cpu/lattice_frame.h"
 #include "render/cpu/path-inl.h"
 #include "render/cpu/simd-inl.h"
 
@@ -104,7 +105,7 @@ inline void set_up_sheet(const CpuFrame& frame, Block& block, const SampleGrid& 
 }
 
 // The sheets of a block whose first sheet and number of sheets are set.
-inline void set_up_sheets(const CpuFrame& frame, Block& block, const SampleGrid& grid,
+inline void set_up_sheets(const LatticeFrame& frame, Block& block, const SampleGrid& grid,
                           const Bounds3& box) {
   for (int a = 0; a < 3; ++a) block.origin[a] = static_cast<std::int64_t>(std::floor(box.min()[a]));
   const view::LatticePlan& plan = *frame.lattice_plan;
@@ -116,7 +117,7 @@ inline void set_up_sheets(const CpuFrame& frame, Block& block, const SampleGrid&
   }
 }
 
-inline void set_up_block(const CpuFrame& frame, Block& block, const Part& part,
+inline void set_up_block(const LatticeFrame& frame, Block& block, const Part& part,
                          const Bounds3& box) {
   block.x0 = part.x0;
   block.y0 = part.y0;

@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "ovoid/error.h"
-#include "render/cpu/frame.h"
+#include "render/cpu/lattice_frame.h"
 #include "render/cpu/ticks.h"
 #include "render/cpu/tile.h"
 #include "render/cpu/tile_output.h"
@@ -25,7 +25,7 @@ void decide_relevance(view::LatticePlan& plan, Runner& runner) {
   plan.relevance.finish();
 }
 
-bool has_nodes(const CpuFrame& frame, const view::LatticePlan& plan) {
+bool has_nodes(const LatticeFrame& frame, const view::LatticePlan& plan) {
   return frame.may_have_nodes && plan.sheets.first < plan.sheets.last &&
          plan.node_step(frame.options->post_convolution, plan.sheets.first) > 1.0;
 }
@@ -61,7 +61,7 @@ struct PreparedField {
   PreparedField& operator=(const PreparedField&) = delete;
 
   view::LatticePlan plan;
-  CpuFrame frame;
+  LatticeFrame frame;
 };
 
 }  // namespace
@@ -83,7 +83,7 @@ Frame render(const LatticeField& field, const Camera& camera, const Look& look,
   if (trail != nullptr)
     prepared_trail.emplace(*trail->field, camera, trail->look, trail->options, hooks, runner);
   PreparedField prepared(field, camera, look, options, hooks, runner);
-  CpuFrame& frame = prepared.frame;
+  LatticeFrame& frame = prepared.frame;
   if (prepared_trail) frame.trail = &prepared_trail->frame;
   const int edge = field.source().brick_edge();
   out.profile.kernels_drawn =

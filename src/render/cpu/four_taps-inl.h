@@ -54,8 +54,8 @@ HWY_INLINE V mean_tap(const FourWeights& w) {
 // `whole` and `fraction` are the position's. At a border, taps that do not exist get no weight, and
 // `share` is multiplied by the part of the weights that is left.
 template <bool kNarrow, bool kBorder, bool kWithVariance>
-HWY_INLINE FourWeights four_weights_at(V whole, V fraction, const CpuFrame& frame, AxisEnds ends,
-                                       V& share) {
+HWY_INLINE FourWeights four_weights_at(V whole, V fraction, const LatticeFrame& frame,
+                                       AxisEnds ends, V& share) {
   // g(f + 1) : g(f) : g(1 - f) : g(2 - f) = n : e : n e^2 : F e^3 with e = exp(f / sigma^2).
   constexpr float kLog2E = 1.44269504F;
   const V e = vector_exp2</*kCoarse=*/true>(
@@ -101,7 +101,7 @@ HWY_INLINE FourWeights four_weights_at(V whole, V fraction, const CpuFrame& fram
 }
 
 // d w_k / d f = w_k (k - mean of k) / sigma^2, k = -1, 0, 1, 2, whichever of them exist.
-HWY_INLINE FourWeights derivative_of(const FourWeights& w, const CpuFrame& frame) {
+HWY_INLINE FourWeights derivative_of(const FourWeights& w, const LatticeFrame& frame) {
   const V mean = mean_tap(w);
   const V scale = hn::Set(d, frame.lattice.inverse_variance);
   FourWeights out;
@@ -238,7 +238,7 @@ HWY_INLINE FourWeights three_rows(const FourWeights& w, M from_second) {
 // Pass 1: weights of a group's taps, samples i and following, and where each one's first tap lies
 // in the region (in floats). `u`: of the sublattice, its offset taken off.
 template <bool kNarrow, bool kBorder, class Batch>
-HWY_INLINE GroupWeights weigh_taps(const CpuFrame& frame, const Block& block,
+HWY_INLINE GroupWeights weigh_taps(const LatticeFrame& frame, const Block& block,
                                    const device::Sublattice& sublattice, const Position& u, int i,
                                    Batch& batch) {
   constexpr bool kGradient = std::is_same_v<Batch, FourTapGradientBatch>;

@@ -51,7 +51,7 @@ inline constexpr bool kTakesGradient = std::is_same_v<Batch, GradientBatch>;
 
 // What makes the gradient of a ramp constant: the weights' derivative answers to slope 1 with
 // variance / sigma^2.
-HWY_INLINE V correction_for(V variance, const CpuFrame& frame) {
+HWY_INLINE V correction_for(V variance, const LatticeFrame& frame) {
   if (!frame.corrects_gradient) return hn::Set(d, 1.0F);
   const V answer = hn::Mul(variance, hn::Set(d, frame.lattice.inverse_variance));
   return hn::IfThenElse(hn::Gt(variance, hn::Set(d, device::kLeastVariance)),
@@ -59,7 +59,7 @@ HWY_INLINE V correction_for(V variance, const CpuFrame& frame) {
 }
 
 template <bool kBorder, class Batch>
-HWY_INLINE void weigh_one(const CpuFrame& frame, const Block& block, const Position& u, int i,
+HWY_INLINE void weigh_one(const LatticeFrame& frame, const Block& block, const Position& u, int i,
                           Batch& batch) {
   const GroupWeights group =
       weigh_taps<false, kBorder>(frame, block, frame.lattice.sublattices[0], u, i, batch.taps[0]);
@@ -71,7 +71,7 @@ HWY_INLINE void weigh_one(const CpuFrame& frame, const Block& block, const Posit
 }
 
 // The weights of a sublattice, summed, are this times the product of the axes' totals.
-HWY_INLINE V log2_of_scale(const CpuFrame& frame, const GroupWeights& group) {
+HWY_INLINE V log2_of_scale(const LatticeFrame& frame, const GroupWeights& group) {
   constexpr float kLog2E = 1.44269504F;
   V sum = hn::Zero(d);
   for (const V f : group.fraction)
@@ -84,7 +84,7 @@ HWY_INLINE V product_of_totals(const GroupWeights& group) {
 }
 
 template <bool kBorder, class Batch>
-HWY_INLINE void weigh_two(const CpuFrame& frame, const Block& block, const Position& u, int i,
+HWY_INLINE void weigh_two(const LatticeFrame& frame, const Block& block, const Position& u, int i,
                           Batch& batch) {
   const V offset = hn::Set(d, frame.lattice.sublattices[1].offset);
   const Position shifted{hn::Sub(u.x, offset), hn::Sub(u.y, offset), hn::Sub(u.z, offset)};
@@ -128,7 +128,7 @@ HWY_INLINE void weigh_two(const CpuFrame& frame, const Block& block, const Posit
 
 // Pass 1 for samples i and following, at u.
 template <class Batch>
-HWY_INLINE void weigh_at(const CpuFrame& frame, const Block& block, const Position& u, int i,
+HWY_INLINE void weigh_at(const LatticeFrame& frame, const Block& block, const Position& u, int i,
                          Batch& batch) {
   if (frame.lattice.num_sublattices == 1) {
     block.is_interior ? weigh_one<false>(frame, block, u, i, batch)
@@ -141,7 +141,7 @@ HWY_INLINE void weigh_at(const CpuFrame& frame, const Block& block, const Positi
 
 // Pass 1 for all samples of a batch on one sheet.
 template <class Batch>
-HWY_INLINE void weigh_sheet(const CpuFrame& frame, const Block& block, int s, Batch& batch) {
+HWY_INLINE void weigh_sheet(const LatticeFrame& frame, const Block& block, int s, Batch& batch) {
   const SheetSetup& sheet = block.sheets[s];
   for (int i = 0; i < batch.padded_count(); i += group_size()) {
     const V column = hn::Load(d, batch.column + i);
@@ -156,7 +156,7 @@ HWY_INLINE void weigh_sheet(const CpuFrame& frame, const Block& block, int s, Ba
 
 // Pass 2.
 template <class Batch>
-HWY_INLINE void sum_batch(const CpuFrame& frame, const Workspace& work, Batch& batch) {
+HWY_INLINE void sum_batch(const LatticeFrame& frame, const Workspace& work, Batch& batch) {
   const Block& block = work.block;
   if (frame.lattice.num_sublattices == 1) {
     sum_yz<4>(block, work.samples, batch.padded_count(), batch.taps[0]);
@@ -168,7 +168,7 @@ HWY_INLINE void sum_batch(const CpuFrame& frame, const Workspace& work, Batch& b
 }
 
 // Pass 3: samples i and following.
-HWY_INLINE V value_of(const CpuFrame& frame, const ValueBatch& batch, int i) {
+HWY_INLINE V value_of(const LatticeFrame& frame, const ValueBatch& batch, int i) {
   const V first = reduce(batch.taps[0], i);
   if (frame.lattice.num_sublattices == 1) return first;
   return hn::MulAdd(first, hn::Load(d, batch.part[0] + i),
@@ -178,7 +178,8 @@ HWY_INLINE V value_of(const CpuFrame& frame, const ValueBatch& batch, int i) {
 // Two sublattices answer to the slope of a ramp with C slope / sigma^2, C = D + c a a^T the
 // covariance of the kernels' places: D inside the sublattices, a from one's mean to the other's. By
 // the formula of Sherman and Morrison.
-HWY_INLINE void correct_two(const CpuFrame& frame, const GradientBatch& batch, int i, V* gradient) {
+HWY_INLINE void correct_two(const LatticeFrame& frame, const GradientBatch& batch, int i,
+                            V* gradient) {
   V within[3], apart[3];
   V along = hn::Zero(d);   // a^T D^-1 g
   V length = hn::Zero(d);  // a^T D^-1 a
@@ -202,7 +203,7 @@ HWY_INLINE void correct_two(const CpuFrame& frame, const GradientBatch& batch, i
   }
 }
 
-HWY_INLINE ValueAndGradient value_of(const CpuFrame& frame, const GradientBatch& batch, int i) {
+HWY_INLINE ValueAndGradient value_of(const LatticeFrame& frame, const GradientBatch& batch, int i) {
   const ValueAndGradient first = reduce(batch.taps[0], i);
   if (frame.lattice.num_sublattices == 1) {
     const auto correction = [&](int a) { return hn::Load(d, batch.correction[a] + i); };

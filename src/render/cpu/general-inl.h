@@ -29,13 +29,13 @@ struct AxisTaps {
 using DT = hn::CappedTag<float, 8>;  // taps of a row
 inline constexpr DT dt;
 
-inline int tap_capacity(const CpuFrame& frame, const SheetSetup& sheet) {
+inline int tap_capacity(const LatticeFrame& frame, const SheetSetup& sheet) {
   const float widest = std::max({sheet.widening[0], sheet.widening[1], sheet.widening[2]});
   return static_cast<int>(2 * frame.lattice.support * widest) + 2 + 2 * kTapPadding;
 }
 
 // `u`: of the sublattice, its offset taken off.
-inline void fill_axis(const CpuFrame& frame, const Block& block,
+inline void fill_axis(const LatticeFrame& frame, const Block& block,
                       const device::Sublattice& sublattice, int axis, float u, float widening,
                       AxisTaps& taps) {
   const float support = frame.lattice.support * widening;
@@ -139,7 +139,7 @@ struct Quotient {
 
 // What the kernels of one sublattice add.
 template <bool kGradient>
-inline void add_point(const CpuFrame& frame, const Workspace& work, int s, const float* u,
+inline void add_point(const LatticeFrame& frame, const Workspace& work, int s, const float* u,
                       const SheetSetup& sheet, float point_weight, float* tap_memory, int capacity,
                       Quotient& q) {
   const Block& block = work.block;
@@ -207,7 +207,7 @@ inline void correct_for_two(const float* within, const float* apart, float c, fl
 }
 
 // Makes the gradient of ramps constant (docs/numerics.md, "Gradients").
-inline void correct_gradient(const CpuFrame& frame, const SheetSetup& sheet, const float* u,
+inline void correct_gradient(const LatticeFrame& frame, const SheetSetup& sheet, const float* u,
                              float* gradient) {
   AxisMoments moments[device::kMaxSublattices][3];
   float weight[device::kMaxSublattices];
@@ -252,7 +252,7 @@ inline void correct_gradient(const CpuFrame& frame, const SheetSetup& sheet, con
 
 // Does any kernel of a sublattice reach the sample at u, or its slab, `step` long? Where no sample
 // is missing the supports fill one box. Points would miss a slab that has but an end in it.
-inline bool meets_support_of(const device::Sublattice& sublattice, const CpuFrame& frame,
+inline bool meets_support_of(const device::Sublattice& sublattice, const LatticeFrame& frame,
                              const Block& block, const SheetSetup& sheet, const float* u,
                              const float* step) {
   const bool is_point = frame.lattice.num_slab_points == 1;
@@ -276,7 +276,7 @@ inline bool meets_support_of(const device::Sublattice& sublattice, const CpuFram
   return true;
 }
 
-inline bool meets_support(const CpuFrame& frame, const Block& block, const SheetSetup& sheet,
+inline bool meets_support(const LatticeFrame& frame, const Block& block, const SheetSetup& sheet,
                           const float* u, const float* step) {
   return std::any_of(frame.lattice.sublattices,
                      frame.lattice.sublattices + frame.lattice.num_sublattices,
@@ -287,7 +287,7 @@ inline bool meets_support(const CpuFrame& frame, const Block& block, const Sheet
 
 // Returns the bits of the lanes whose field is defined.
 template <bool kGradient>
-inline std::uint32_t gather_general(const CpuFrame& frame, Workspace& work, int s, int column,
+inline std::uint32_t gather_general(const LatticeFrame& frame, Workspace& work, int s, int column,
                                     int row, const Position& u, std::uint32_t lanes,
                                     const GeneralOut& out) {
   const SheetSetup& sheet = work.block.sheets[s];

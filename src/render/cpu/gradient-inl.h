@@ -19,7 +19,7 @@ HWY_BEFORE_NAMESPACE();
 namespace ovoid::cpu {
 namespace HWY_NAMESPACE {
 
-HWY_INLINE WorldVector to_world(const CpuFrame& frame, V x, V y, V z) {
+HWY_INLINE WorldVector to_world(const LatticeFrame& frame, V x, V y, V z) {
   const auto row = [&](int r) {
     const device::vec4& m = frame.lattice.gradient_rows[r];
     return hn::MulAdd(hn::Set(d, m.x), x,
@@ -28,7 +28,7 @@ HWY_INLINE WorldVector to_world(const CpuFrame& frame, V x, V y, V z) {
   return {row(0), row(1), row(2)};
 }
 
-HWY_INLINE WorldVector exact_gradient(const CpuFrame& frame, Workspace& work, int s, int column,
+HWY_INLINE WorldVector exact_gradient(const LatticeFrame& frame, Workspace& work, int s, int column,
                                       int row, const Position& u, std::uint32_t lanes) {
   const ValueAndGradient g = gather_gradient(frame, work, s, column, row, u, lanes);
   return to_world(frame, g.x, g.y, g.z);
@@ -41,7 +41,7 @@ HWY_INLINE Position point_between(const Position& a, const Position& b, V t) {
 
 // Values and gradients of the samples named by `bits`, of which all must be active, in one pass.
 // Marks them in has_gradient and, where the field is, in the sheet's defined bits.
-inline void reconstruct_with_gradients(const CpuFrame& frame, Workspace& work, int s,
+inline void reconstruct_with_gradients(const LatticeFrame& frame, Workspace& work, int s,
                                        const RowBits& bits) {
   Block& block = work.block;
   float* values = block.values[s & (kRingSheets - 1)];
@@ -76,7 +76,7 @@ inline void reconstruct_with_gradients(const CpuFrame& frame, Workspace& work, i
 // Samples of the next sheet whose gradient will probably be wanted: those behind samples that were
 // visible. Their value comes with the gradient for less than both would cost apart. A wrong guess
 // costs time, nothing else.
-inline RowBits guess_visible(const CpuFrame& frame, const Block& block, const RowBits& wanted) {
+inline RowBits guess_visible(const LatticeFrame& frame, const Block& block, const RowBits& wanted) {
   RowBits guess{};
   const bool is_worthwhile = frame.takes_gradients && !frame.is_preintegrated &&
                              !frame.takes_differences && block.uses_four_taps;
@@ -86,7 +86,8 @@ inline RowBits guess_visible(const CpuFrame& frame, const Block& block, const Ro
 }
 
 // A piece's gradient is that of its middle; of a sample that has none before it, the sample's own.
-inline void gradient_of_pieces(const CpuFrame& frame, Workspace& work, int s, const RowBits& bits) {
+inline void gradient_of_pieces(const LatticeFrame& frame, Workspace& work, int s,
+                               const RowBits& bits) {
   Block& block = work.block;
   const RowBits& defined_before = block.defined[(s - 1) & (kRingSheets - 1)];
   for (int y = 0; y < block.rows; ++y) {
@@ -105,7 +106,8 @@ inline void gradient_of_pieces(const CpuFrame& frame, Workspace& work, int s, co
 }
 
 // The visible samples that have no gradient yet.
-inline void gradients_of(const CpuFrame& frame, Workspace& work, int s, const RowBits& missing) {
+inline void gradients_of(const LatticeFrame& frame, Workspace& work, int s,
+                         const RowBits& missing) {
   Block& block = work.block;
   if (!frame.takes_differences && block.uses_four_taps) {
     reconstruct_with_gradients(frame, work, s, missing);
@@ -125,7 +127,7 @@ inline void gradients_of(const CpuFrame& frame, Workspace& work, int s, const Ro
 }
 
 // Gradients of the sheet's visible samples.
-inline void gradient_of_sheet(const CpuFrame& frame, Workspace& work, int s) {
+inline void gradient_of_sheet(const LatticeFrame& frame, Workspace& work, int s) {
   const Block& block = work.block;
   RowBits missing;
   for (int y = 0; y < block.rows; ++y) missing[y] = block.visible[y] & ~block.has_gradient[y];

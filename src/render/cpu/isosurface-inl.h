@@ -19,10 +19,10 @@ namespace HWY_NAMESPACE {
 
 // Where between two samples (0 to 1) the field takes the isovalue; `before` and `after` lie on
 // different sides.
-HWY_INLINE V refine(const CpuFrame& frame, Workspace& work, int s, int column, int row,
+HWY_INLINE V refine(const LatticeFrame& frame, Workspace& work, int s, int column, int row,
                     const Position& from, const Position& to, V before, V after,
                     std::uint32_t lanes) {
-  const V iso = hn::Set(d, frame.look.isovalue);
+  const V iso = hn::Set(d, frame.look.constants.isovalue);
   const M rises = hn::Lt(before, iso);
   V near = hn::Zero(d);
   V far = hn::Set(d, 1.0F);
@@ -51,12 +51,12 @@ HWY_INLINE V refine(const CpuFrame& frame, Workspace& work, int s, int column, i
 }
 
 // Crossings between sheet s - 1 and sheet s of the block.
-inline void surface_sheet(const CpuFrame& frame, Workspace& work, int s) {
+inline void surface_sheet(const LatticeFrame& frame, Workspace& work, int s) {
   Block& block = work.block;
   TileState& tile = *work.tile;
   const int here = s & (kRingSheets - 1);
   const int front = (s - 1) & (kRingSheets - 1);
-  const V iso = hn::Set(d, frame.look.isovalue);
+  const V iso = hn::Set(d, frame.look.constants.isovalue);
   for (int y = 0; y < block.rows; ++y) {
     std::uint32_t& open = tile.open[tile_row(block, y)];
     const RowWord both = block.defined[here][y] & block.defined[front][y] & open >> block.x0;
@@ -71,14 +71,14 @@ inline void surface_sheet(const CpuFrame& frame, Workspace& work, int s) {
       const V t = refine(frame, work, s, column, y, from, to, before, after, crossing);
       crossing &= kept_by_planes(frame, block, s, column, y, t);
       if (crossing == 0) return;
-      const V color[3] = {hn::Set(d, frame.look.isosurface_color.x),
-                          hn::Set(d, frame.look.isosurface_color.y),
-                          hn::Set(d, frame.look.isosurface_color.z)};
+      const V color[3] = {hn::Set(d, frame.look.constants.isosurface_color.x),
+                          hn::Set(d, frame.look.constants.isosurface_color.y),
+                          hn::Set(d, frame.look.constants.isosurface_color.z)};
       Lighting light{hn::Set(d, 1.0F), hn::Zero(d)};
       if (frame.is_lit) {
         const WorldVector g =
             exact_gradient(frame, work, s, column, y, point_between(from, to, t), crossing);
-        light = light_sample(frame, g, direction_to_eye(frame, block, column, y));
+        light = light_sample(frame.look.constants, g, direction_to_eye(frame, block, column, y));
         work.stats.gradients += std::popcount(crossing);
       }
       const int pixel = tile_index(block, column, y);

@@ -86,9 +86,8 @@ struct KernelWorkspace {
 };
 
 // A frame of a kernel field.
-struct KernelFrame : KernelTraits {
-  CpuFrame common;
-  const view::KernelPlan* plan = nullptr;
+struct KernelFrame : CpuFrame, KernelTraits {
+  const view::KernelPlan* kernel_plan = nullptr;  // `plan`, as what it is
   const BinnedSplats* binned = nullptr;
   std::unique_ptr<const LevelBands> level_bands;  // if there are levels
 };

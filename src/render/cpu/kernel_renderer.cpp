@@ -19,7 +19,7 @@ void draw_tile(const SimdTarget& target, const KernelFrame& frame, const Look& l
     const int x = rect.x0 + sub % kSubtiles * kTileSize;
     const int y = rect.y0 + sub / kSubtiles * kTileSize;
     if (x >= rect.x1 || y >= rect.y1) continue;
-    finish_tile(frame.common, look, work.tiles[static_cast<std::size_t>(sub)],
+    finish_tile(frame, look, work.tiles[static_cast<std::size_t>(sub)],
                 {x, y, std::min(x + kTileSize, rect.x1), std::min(y + kTileSize, rect.y1)}, image);
   }
 }
@@ -65,12 +65,12 @@ Frame render(const KernelField& field, const Camera& camera, const Look& look,
   }
   KernelFrame frame;
   static_cast<KernelTraits&>(frame) = kernel_traits(field, plan, options);
-  frame.plan = &plan;
+  frame.kernel_plan = &plan;
   frame.binned = &binned;
   if (frame.max_level > 0) frame.level_bands = level_bands(options.post_convolution);
-  set_frame(frame.common, field.value_range(), look, options, plan);
-  frame.common.takes_differences = frame.common.takes_gradients;
-  frame.common.stop = hooks.stop;
+  set_frame(frame, field.value_range(), look, options, plan);
+  frame.takes_differences = frame.takes_gradients;
+  frame.stop = hooks.stop;
 
   const std::vector<TileRect> tiles = tiles_of(options.width, options.height, view::kBlockEdge);
   const auto workspaces = make_workspaces<KernelWorkspace>(runner.num_workers());

@@ -29,13 +29,12 @@ HWY_INLINE std::uint32_t with_path(const CpuFrame& frame, const Block& block, in
   return bits_of(hn::Gt(path_fraction(frame, block, s, column, row), hn::Zero(d)));
 }
 
-inline void kernel_surface_sheet(const KernelFrame& kernel_frame, KernelWorkspace& work,
-                                 TileState& tile, int s) {
-  const CpuFrame& frame = kernel_frame.common;
+inline void kernel_surface_sheet(const CpuFrame& frame, KernelWorkspace& work, TileState& tile,
+                                 int s) {
   Block& block = work.shading.block;
   const int here = s & (kRingSheets - 1);
   const int front = (s - 1) & (kRingSheets - 1);
-  const V iso = hn::Set(d, frame.look.isovalue);
+  const V iso = hn::Set(d, frame.look.constants.isovalue);
   for (int y = block.margin; y < block.rows - block.margin; ++y) {
     std::uint32_t& open = tile.open[tile_row(block, y)];
     const RowWord both = block.defined[here][y] & block.defined[front][y] & open << block.margin;
@@ -54,20 +53,21 @@ inline void kernel_surface_sheet(const KernelFrame& kernel_frame, KernelWorkspac
           crossing &=
               with_path(frame, block, s - 1, column, y) & with_path(frame, block, s, column, y);
           if (crossing == 0) return;
-          Classified color{hn::Set(d, frame.look.isosurface_color.x),
-                           hn::Set(d, frame.look.isosurface_color.y),
-                           hn::Set(d, frame.look.isosurface_color.z), hn::Zero(d)};
+          Classified color{hn::Set(d, frame.look.constants.isosurface_color.x),
+                           hn::Set(d, frame.look.constants.isosurface_color.y),
+                           hn::Set(d, frame.look.constants.isosurface_color.z), hn::Zero(d)};
           if (frame.has_own_color) {
             const V from = hn::LoadU(d, work.color_window[front] + at);
             const V to = hn::LoadU(d, work.color_window[here] + at);
-            color = classify(frame.color_table, hn::MulAdd(hn::Sub(to, from), t, from));
+            color = classify(frame.look.color, hn::MulAdd(hn::Sub(to, from), t, from));
           }
           Lighting light{hn::Set(d, 1.0F), hn::Zero(d)};
           if (frame.is_lit) {
             const WorldVector g =
                 mix_vectors(central_difference_gradient(frame, block, s - 1, column, y),
                             central_difference_gradient(frame, block, s, column, y), t);
-            light = light_sample(frame, g, direction_to_eye(frame, block, column, y));
+            light =
+                light_sample(frame.look.constants, g, direction_to_eye(frame, block, column, y));
             work.shading.stats.gradients += std::popcount(crossing);
           }
           const int pixel = tile_index(block, column, y);

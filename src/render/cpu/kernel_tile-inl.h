@@ -67,7 +67,7 @@ inline void finish_values(const KernelFrame& frame, KernelWorkspace& work, int j
       value = hn::Div(first, hn::IfThenElse(is_defined, weight, hn::Set(d, 1.0F)));
     }
     hn::StoreU(hn::IfThenElse(is_defined, value, nan), d, values + i);
-    if (frame.common.has_own_color) {
+    if (frame.has_own_color) {
       const V part = hn::LoadU(d, channels + (frame.is_sum ? size : 2 * size) + i);
       const V whole = frame.is_sum ? first : hn::LoadU(d, channels + size + i);
       hn::StoreU(hn::Div(part, hn::IfThenElse(is_defined, whole, hn::Set(d, 1.0F))), d,
@@ -114,7 +114,7 @@ inline void post_convolve_level(const KernelFrame& frame, KernelWorkspace& work,
 // Sheets [first, last) of the frame, all of one layer of blocks, into the ring.
 inline void reconstruct_sheets(const KernelFrame& frame, KernelWorkspace& work,
                                const TileRect& rect, int first, int last) {
-  const view::KernelPlan& plan = *frame.plan;
+  const view::KernelPlan& plan = *frame.kernel_plan;
   const int layer = first / view::kBlockDepth;
   const auto block = static_cast<std::size_t>(
       plan.block_index(rect.x0 / view::kBlockEdge, rect.y0 / view::kBlockEdge, layer));
@@ -141,7 +141,8 @@ inline void provide_sheet(const KernelFrame& frame, KernelWorkspace& work, const
                           int sheet) {
   auto& held = work.ring_sheets[static_cast<std::size_t>(sheet & (kValueRing - 1))];
   if (held == sheet) return;
-  const int num_sheets = static_cast<int>(frame.plan->sheets.last - frame.plan->sheets.first);
+  const int num_sheets =
+      static_cast<int>(frame.kernel_plan->sheets.last - frame.kernel_plan->sheets.first);
   if (sheet >= 0 && sheet < num_sheets) {
     reconstruct_sheets(frame, work, rect, sheet, sheet + 1);
     return;
@@ -172,7 +173,7 @@ inline void load_window(const KernelFrame& frame, KernelWorkspace& work, int sub
     }
     defined[y] = bits & all;
   }
-  if (!frame.common.has_own_color) return;
+  if (!frame.has_own_color) return;
   const float* color = work.colors.data.get() + corner;
   for (int y = 0; y < block.rows; ++y, color += kValueStride)
     std::memcpy(work.color_window[s & (kRingSheets - 1)] + y * kPlaneStride, color,
@@ -187,9 +188,9 @@ inline RowBits visible_candidates(const KernelFrame& frame, const Block& block,
     const int row = tile_row(block, y);
     const bool is_inside = row >= 0 && row < block.y1 - block.y0;
     const std::uint32_t pixels =
-        is_inside ? (frame.common.options->stop_opaque ? tile.open[row]
-                                                       : (1U << (block.x1 - block.x0)) - 1U)
-                  : 0U;
+        is_inside
+            ? (frame.options->stop_opaque ? tile.open[row] : (1U << (block.x1 - block.x0)) - 1U)
+            : 0U;
     bits[y] = block.defined[s & (kRingSheets - 1)][y] & pixels << block.margin;
   }
   return bits;
@@ -223,27 +224,26 @@ inline void difference_gradients(const CpuFrame& frame, Workspace& work, int s) 
 // classify, light and composite sheet s of the window.
 inline void finish_window_sheet(const KernelFrame& frame, KernelWorkspace& work, TileState& tile,
                                 int s, StageClock& clock) {
-  const CpuFrame& common = frame.common;
   Block& block = work.shading.block;
-  if (common.mode == Mode::kIsosurface) {
+  if (frame.mode == Mode::kIsosurface) {
     kernel_surface_sheet(frame, work, tile, s);
     clock.lap(kShade);
     return;
   }
   RowBits bits = visible_candidates(frame, block, tile, s);
-  drop_clipped(common, block, s, bits);
-  finish_samples(common, block, tile, work.shading.stats, s, bits,
+  drop_clipped(frame, block, s, bits);
+  finish_samples(frame, block, tile, work.shading.stats, s, bits,
                  work.color_window[s & (kRingSheets - 1)], clock,
-                 [&] { difference_gradients(common, work.shading, s); });
+                 [&] { difference_gradients(frame, work.shading, s); });
 }
 
 // Sheets [first, last) of the frame, whose neighbours are in the ring, on all subtiles.
 inline void finish_sheets(const KernelFrame& frame, KernelWorkspace& work, const TileRect& rect,
                           int first, int last, StageClock& clock) {
-  const view::ViewLattice& lattice = frame.plan->lattice;
+  const view::ViewLattice& lattice = frame.kernel_plan->lattice;
   Block& block = work.shading.block;
   // Window sheet s is frame sheet first - 2 + s, so that its neighbours have numbers, too.
-  block.first_sheet = frame.plan->sheets.first + first - 2;
+  block.first_sheet = frame.kernel_plan->sheets.first + first - 2;
   block.num_sheets = last - first + 3;
   for (int s = 0; s < block.num_sheets; ++s) {
     const std::int64_t sheet = block.first_sheet + s;
@@ -251,7 +251,7 @@ inline void finish_sheets(const KernelFrame& frame, KernelWorkspace& work, const
     block.sheets[s].inverse_pitch = static_cast<float>(1.0 / lattice.pitch(sheet));
     block.sheets[s].near_cut = near_cut_of(lattice, sheet);
   }
-  const bool is_surface = frame.common.mode == Mode::kIsosurface;
+  const bool is_surface = frame.mode == Mode::kIsosurface;
   for (int sub = 0; sub < kSubtiles * kSubtiles; ++sub) {
     const int sub_x = sub % kSubtiles;
     const int sub_y = sub / kSubtiles;
@@ -264,7 +264,7 @@ inline void finish_sheets(const KernelFrame& frame, KernelWorkspace& work, const
     if (block.x1 <= 0 || block.y1 <= 0) continue;
     block.columns = block.x1 + 2 * block.margin;
     block.rows = block.y1 + 2 * block.margin;
-    if (frame.common.options->stop_opaque && !tile.any_open(0, 0, block.x1, block.y1)) continue;
+    if (frame.options->stop_opaque && !tile.any_open(0, 0, block.x1, block.y1)) continue;
     const int before = is_surface ? 2 : 1;
     for (int sheet = first - before; sheet < first + 1; ++sheet)
       load_window(frame, work, sub_x, sub_y, sheet, sheet - first + 2);
@@ -293,8 +293,8 @@ inline void set_up_tile(const KernelFrame& frame, KernelWorkspace& work, const T
     const int width = std::clamp(rect.x1 - rect.x0 - sub % kSubtiles * kTileSize, 0, kTileSize);
     const int height = std::clamp(rect.y1 - rect.y0 - sub / kSubtiles * kTileSize, 0, kTileSize);
     work.tiles[static_cast<std::size_t>(sub)].reset(width, width > 0 ? height : 0);
-    set_up_rays(frame.common, rect.x0 + sub % kSubtiles * kTileSize,
-                rect.y0 + sub / kSubtiles * kTileSize, work.rays[static_cast<std::size_t>(sub)]);
+    set_up_rays(frame, rect.x0 + sub % kSubtiles * kTileSize, rect.y0 + sub / kSubtiles * kTileSize,
+                work.rays[static_cast<std::size_t>(sub)]);
   }
   work.values.reserve(kValueRing * kValuePlane + kPlanePadding);
   work.colors.reserve(kValueRing * kValuePlane + kPlanePadding);
@@ -303,9 +303,9 @@ inline void set_up_tile(const KernelFrame& frame, KernelWorkspace& work, const T
 
 inline void render_kernel_tile_on_target(const KernelFrame& frame, KernelWorkspace& work,
                                          const TileRect& rect) {
-  const view::KernelPlan& plan = *frame.plan;
+  const view::KernelPlan& plan = *frame.kernel_plan;
   WorkerStats& stats = work.shading.stats;
-  StageClock clock(stats.ticks, frame.common.options->collect_profile);
+  StageClock clock(stats.ticks, frame.options->collect_profile);
   set_up_tile(frame, work, rect);
   const int tile_x = rect.x0 / view::kBlockEdge;
   const int tile_y = rect.y0 / view::kBlockEdge;
@@ -318,8 +318,8 @@ inline void render_kernel_tile_on_target(const KernelFrame& frame, KernelWorkspa
   bool is_running = false;
   for (int layer = 0; layer < plan.num_blocks[2]; ++layer) {
     ++stats.blocks_total;
-    if (frame.common.stop.stop_requested()) return;
-    if (frame.common.options->stop_opaque && !any_open(work)) {
+    if (frame.stop.stop_requested()) return;
+    if (frame.options->stop_opaque && !any_open(work)) {
       ++stats.skipped_opaque;
       continue;
     }
@@ -334,7 +334,7 @@ inline void render_kernel_tile_on_target(const KernelFrame& frame, KernelWorkspa
     const int last = std::min(first + view::kBlockDepth, num_sheets);
     if (!is_running) {
       shaded_to = first;
-      if (frame.common.mode == Mode::kIsosurface) provide_sheet(frame, work, rect, first - 2);
+      if (frame.mode == Mode::kIsosurface) provide_sheet(frame, work, rect, first - 2);
       provide_sheet(frame, work, rect, first - 1);
     }
     is_running = true;

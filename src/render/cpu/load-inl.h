@@ -199,7 +199,7 @@ inline bool region_misses(const BrickSource& source, const Index3& lo, const Ind
 
 // May this block take the four-tap way of reconstruction? Decided before loading, which stores the
 // region accordingly.
-inline bool can_use_four_taps(const CpuFrame& frame, const Block& block) {
+inline bool can_use_four_taps(const LatticeFrame& frame, const Block& block) {
   if (!frame.has_four_taps || block.has_missing) return false;
   for (int s = 0; s < block.num_sheets; ++s) {
     const float* m = block.sheets[s].widening;
@@ -252,7 +252,7 @@ inline BrickView sublattice_view(BrickView view, int s, int count) {
 
 // A sublattice's samples. A view may show more than its brick: walks over the region in the steps
 // that the views allow.
-inline void load_sublattice(const CpuFrame& frame, const Block& block, int s, float* samples,
+inline void load_sublattice(const LatticeFrame& frame, const Block& block, int s, float* samples,
                             float* presence) {
   const BrickSource& source = frame.field->source();
   const LoadScale map{frame.lattice.value_scale, frame.lattice.value_offset};
@@ -281,7 +281,7 @@ inline void load_sublattice(const CpuFrame& frame, const Block& block, int s, fl
 }
 
 // `is_scattered`: the region is for kernels that splat themselves, which read it plainly.
-inline void load_region(const CpuFrame& frame, Workspace& work, bool is_scattered) {
+inline void load_region(const LatticeFrame& frame, Workspace& work, bool is_scattered) {
   Block& block = work.block;
   const auto [lo, hi] = part_in_lattice(block, frame.lattice.sublattices[0]);
   block.has_missing = region_misses(frame.field->source(), lo, hi);

@@ -48,7 +48,7 @@ struct SpreadShape {
   Vec3 reach;          // of a node, index space
 };
 
-inline SpreadShape spread_shape(const CpuFrame& frame, const Patch& patch) {
+inline SpreadShape spread_shape(const LatticeFrame& frame, const Patch& patch) {
   const view::ViewLattice& lattice = frame.plan->lattice;
   const Mat3 axes = frame.field->geometry().world_from_index.linear();
   const double sigma = static_cast<double>(frame.lattice.sigma) *
@@ -65,7 +65,8 @@ inline SpreadShape spread_shape(const CpuFrame& frame, const Patch& patch) {
 }
 
 // Where all kernels of an endless lattice exist that reach the samples of a sheet.
-inline Support whole_support(const CpuFrame& frame, const Block& nodes, const SheetSetup& sheet) {
+inline Support whole_support(const LatticeFrame& frame, const Block& nodes,
+                             const SheetSetup& sheet) {
   Support support;
   for (int a = 0; a < 3; ++a) {
     const float slab = frame.lattice.num_slab_points > 1 ? 0.5F * std::abs(sheet.step[a]) : 0.0F;
@@ -87,7 +88,7 @@ inline Support whole_support(const CpuFrame& frame, const Block& nodes, const Sh
 
 // Nodes that no kernel reaches are not active; nor are, if the bound is to be kept, those near a
 // face, where the field has kinks.
-inline void drop_outside(const CpuFrame& frame, Block& nodes, const Bounds3& box) {
+inline void drop_outside(const LatticeFrame& frame, Block& nodes, const Bounds3& box) {
   const bool keeps_bound = frame.nodes_keep_bound;
   for (int s = 0; s < nodes.num_sheets; ++s) {
     const Support support =
@@ -108,7 +109,7 @@ struct NodePlace {
 };
 
 // The nodes as samples of a block; with neighbours all around where differences are taken.
-inline NodePlace place_nodes(const CpuFrame& frame, Block& nodes, const Patch& patch) {
+inline NodePlace place_nodes(const LatticeFrame& frame, Block& nodes, const Patch& patch) {
   const int margin = frame.takes_differences ? 1 : 0;
   nodes.margin = nodes.back_margin = margin;
   nodes.front_margin = std::max(margin, frame.has_pieces ? 1 : 0);
@@ -134,7 +135,7 @@ inline NodePlace place_nodes(const CpuFrame& frame, Block& nodes, const Patch& p
 }
 
 // Their sheets and region; all of them active that a kernel reaches.
-inline void set_up_nodes(const CpuFrame& frame, Block& nodes, const Patch& patch,
+inline void set_up_nodes(const LatticeFrame& frame, Block& nodes, const Patch& patch,
                          const NodePlace& place) {
   set_up_sheets(frame, nodes, place.grid, place.box);
   const RowWord all = ~RowWord{0} >> (64 - nodes.columns);
@@ -173,7 +174,7 @@ HWY_INLINE void spread_sample(const Block& nodes, const SplatPlane& plane, float
   }
 }
 
-inline void spread_region(const CpuFrame& frame, Workspace& nodes, const Patch& patch) {
+inline void spread_region(const LatticeFrame& frame, Workspace& nodes, const Patch& patch) {
   const SpreadShape shape = spread_shape(frame, patch);
   for (int s = 0; s < nodes.block.num_sheets; ++s) {
     clear_splat_planes(nodes, s);
@@ -197,13 +198,13 @@ inline void spread_region(const CpuFrame& frame, Workspace& nodes, const Patch& 
   }
 }
 
-inline bool scatters_to_nodes(const CpuFrame& frame) {
+inline bool scatters_to_nodes(const LatticeFrame& frame) {
   return frame.options->spread == Spread::kBilinear || should_scatter(frame);
 }
 
 // Loads the lattice's samples around the nodes. False if pixels cannot stand in for nodes without
 // value.
-inline bool load_nodes(const CpuFrame& frame, Workspace& nodes, const Patch& patch) {
+inline bool load_nodes(const LatticeFrame& frame, Workspace& nodes, const Patch& patch) {
   Block& block = nodes.block;
   load_region(frame, nodes, scatters_to_nodes(frame));
   if (block.has_missing && frame.nodes_keep_bound) return false;
@@ -237,8 +238,8 @@ inline void clear_undefined(Block& nodes, int s, const RowBits& wanted) {
 }
 
 // Values of the wanted nodes; with their gradients where `guess` says that those will be wanted.
-inline void reconstruct_nodes(const CpuFrame& frame, Workspace& nodes, int s, const RowBits& wanted,
-                              const RowBits& guess, StageClock& clock) {
+inline void reconstruct_nodes(const LatticeFrame& frame, Workspace& nodes, int s,
+                              const RowBits& wanted, const RowBits& guess, StageClock& clock) {
   Block& block = nodes.block;
   block.defined[s & (kRingSheets - 1)] = {};
   if (!frame.takes_differences) block.has_gradient = {};
@@ -260,7 +261,7 @@ inline void reconstruct_nodes(const CpuFrame& frame, Workspace& nodes, int s, co
 }
 
 // Where the margin's nodes, which are there, are the neighbours.
-inline void difference_nodes(const CpuFrame& frame, Workspace& nodes, int s, const Patch& patch,
+inline void difference_nodes(const LatticeFrame& frame, Workspace& nodes, int s, const Patch& patch,
                              const RowBits& bits) {
   Block& block = nodes.block;
   const auto node_step = static_cast<float>(patch.node_step);
@@ -280,7 +281,7 @@ inline void difference_nodes(const CpuFrame& frame, Workspace& nodes, int s, con
 }
 
 // Gradients of the nodes in `bits` that have none yet.
-inline void provide_node_gradients(const CpuFrame& frame, Workspace& nodes, int s,
+inline void provide_node_gradients(const LatticeFrame& frame, Workspace& nodes, int s,
                                    const Patch& patch, const RowBits& bits) {
   Block& block = nodes.block;
   RowBits missing;

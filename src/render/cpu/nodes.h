@@ -12,6 +12,7 @@
 
 #include "render/cpu/block.h"
 #include "render/cpu/filter_band.h"
+#include "render/cpu/lattice_frame.h"
 
 namespace ovoid::cpu {
 
@@ -35,7 +36,7 @@ NodeSpan nodes_for(double node_step, int first_pixel, int last_pixel);
 struct LatticeWorkspace {
   Workspace pixels;
   Workspace nodes;
-  Workspace trail;                                         // of CpuFrame::trail
+  Workspace trail;                                         // of LatticeFrame::trail
   std::array<TileState, kPatchTiles * kPatchTiles> tiles;  // row by row
   std::array<TileRays, kPatchTiles * kPatchTiles> rays;
   struct TileBits {

@@ -94,7 +94,7 @@ struct PatchBands {
   NodeBand x[kPatchTiles], y[kPatchTiles];
 };
 
-inline void set_up_bands(const CpuFrame& frame, const Block& nodes, const Patch& patch,
+inline void set_up_bands(const LatticeFrame& frame, const Block& nodes, const Patch& patch,
                          PatchBands& bands) {
   const auto how = frame.options->post_convolution;
   for (int t = 0; t < kPatchTiles; ++t) {
@@ -118,7 +118,7 @@ inline void post_convolve_nodes(const float* nodes, const NodeBand& x, const Nod
 
 // Gives the pixels the region of the lattice that the nodes have loaded, for samples on sheet s, on
 // the sheet before it and between the two.
-inline void share_region(const CpuFrame& frame, LatticeWorkspace& work, int s) {
+inline void share_region(const LatticeFrame& frame, LatticeWorkspace& work, int s) {
   const Block& nodes = work.nodes.block;
   Block& pixels = work.pixels.block;
   work.pixels.samples = work.nodes.samples;
@@ -142,7 +142,7 @@ inline void share_region(const CpuFrame& frame, LatticeWorkspace& work, int s) {
 
 // Computes the gradients of the visible pixels from the gradients of the nodes. The gradients of
 // pieces, which lie between sheets, and of pixels without nodes are computed from the kernels.
-inline void post_convolve_gradients(const CpuFrame& frame, LatticeWorkspace& work,
+inline void post_convolve_gradients(const LatticeFrame& frame, LatticeWorkspace& work,
                                     const Patch& patch, int s, const NodeBand& x, const NodeBand& y,
                                     const RowBits& by_themselves) {
   Block& pixels = work.pixels.block;
@@ -191,8 +191,8 @@ inline void keep_whole(const RowBits& defined, const NodeBand& x, const NodeBand
 // Reconstructs the pixels around which a node has no value from the kernels, on sheet s and, for
 // pieces, on sheet s - 1. On entry block.defined names the pixels that need a value, on return the
 // pixels that have one. `by_themselves` becomes the reconstructed pixels of sheet s.
-inline void complete_pixels(const CpuFrame& frame, LatticeWorkspace& work, int s, const NodeBand& x,
-                            const NodeBand& y, RowBits& by_themselves) {
+inline void complete_pixels(const LatticeFrame& frame, LatticeWorkspace& work, int s,
+                            const NodeBand& x, const NodeBand& y, RowBits& by_themselves) {
   Block& block = work.pixels.block;
   const Block& nodes = work.nodes.block;
   RowBits given;
@@ -229,7 +229,7 @@ inline bool take_pixels(const CpuFrame& frame, const LatticeWorkspace& work, std
 
 // Finishes one tile on sheet s, whose nodes have been reconstructed. `bits`: the pixels that are
 // relevant and open.
-inline void finish_patch_tile(const CpuFrame& frame, LatticeWorkspace& work, const Patch& patch,
+inline void finish_patch_tile(const LatticeFrame& frame, LatticeWorkspace& work, const Patch& patch,
                               std::size_t t, int s, const RowBits& bits, const NodeBand& x,
                               const NodeBand& y, StageClock& clock) {
   Block& block = work.pixels.block;
@@ -265,8 +265,9 @@ inline void finish_patch_tile(const CpuFrame& frame, LatticeWorkspace& work, con
   }
 }
 
-inline void finish_patch_sheet(const CpuFrame& frame, LatticeWorkspace& work, const Patch& patch,
-                               const PatchBands& bands, int s, StageClock& clock) {
+inline void finish_patch_sheet(const LatticeFrame& frame, LatticeWorkspace& work,
+                               const Patch& patch, const PatchBands& bands, int s,
+                               StageClock& clock) {
   if (frame.takes_differences) work.nodes.block.has_gradient = {};
   for_each_tile(patch, [&](std::size_t t, int x, int y) {
     RowBits bits;
@@ -292,7 +293,7 @@ inline void add_neighbours(RowBits& bits, int rows) {
   }
 }
 
-inline WantedNodes wanted_nodes(const CpuFrame& frame, const LatticeWorkspace& work,
+inline WantedNodes wanted_nodes(const LatticeFrame& frame, const LatticeWorkspace& work,
                                 const Patch& patch, const PatchBands& bands, int s) {
   WantedNodes wanted;
   const Block& nodes = work.nodes.block;
@@ -318,7 +319,7 @@ inline WantedNodes wanted_nodes(const CpuFrame& frame, const LatticeWorkspace& w
   return wanted;
 }
 
-inline void draw_patch_sheets(const CpuFrame& frame, LatticeWorkspace& work, const Patch& patch,
+inline void draw_patch_sheets(const LatticeFrame& frame, LatticeWorkspace& work, const Patch& patch,
                               const PatchBands& bands, StageClock& clock) {
   const Block& nodes = work.nodes.block;
   for (int s = 0; s < nodes.num_sheets; ++s) {
@@ -337,13 +338,13 @@ inline void draw_patch_sheets(const CpuFrame& frame, LatticeWorkspace& work, con
 
 // True if the pixels are functions of the sheets' sum: no sample has a shortened path, is left out
 // or has no value.
-inline bool counts_sums(const CpuFrame& frame, const Block& nodes, const Patch& patch) {
+inline bool counts_sums(const LatticeFrame& frame, const Block& nodes, const Patch& patch) {
   return (frame.mode == Mode::kXray || frame.mode == Mode::kMean) && patch.is_binned_by_tile &&
          is_whole(nodes) && !frame.lattice_plan->may_matter;
 }
 
 // X-ray and mean: sums the sheets at the nodes, then post-convolves the sum once.
-inline void draw_patch_sum(const CpuFrame& frame, LatticeWorkspace& work, const Patch& patch,
+inline void draw_patch_sum(const LatticeFrame& frame, LatticeWorkspace& work, const Patch& patch,
                            const PatchBands& bands, StageClock& clock) {
   Block& nodes = work.nodes.block;
   std::fill_n(work.node_sums, nodes.rows * kPlaneStride, 0.0F);
@@ -382,7 +383,7 @@ inline bool are_paths_whole(const CpuFrame& frame, const Patch& patch) {
 // on the sheet, or for pieces the place between this sheet and the one before, meets a relevant
 // brick. Where bricks are wider than tiles this finds hardly more pixels than bin_pixels() and is
 // faster.
-inline bool bin_tile(const CpuFrame& frame, const Block& block, const Block& nodes,
+inline bool bin_tile(const LatticeFrame& frame, const Block& block, const Block& nodes,
                      LatticeWorkspace::TileBits& bits) {
   const view::LatticePlan& plan = *frame.lattice_plan;
   const std::uint32_t columns = (1U << block.x1) - 1U;
@@ -406,8 +407,9 @@ inline bool bin_tile(const CpuFrame& frame, const Block& block, const Block& nod
 }
 
 // Decides for each pixel. Samples that planes cut away are not relevant.
-inline bool bin_pixels(const CpuFrame& frame, Block& block, const Block& nodes, const Patch& patch,
-                       const TileState& tile, LatticeWorkspace::TileBits& bits) {
+inline bool bin_pixels(const LatticeFrame& frame, Block& block, const Block& nodes,
+                       const Patch& patch, const TileState& tile,
+                       LatticeWorkspace::TileBits& bits) {
   block.margin = 0;
   block.front_margin = nodes.front_margin;
   block.back_margin = nodes.back_margin;
@@ -428,7 +430,7 @@ inline bool bin_pixels(const CpuFrame& frame, Block& block, const Block& nodes, 
 }
 
 // Finds the relevant pixels of the patch's tiles. False if there is none.
-inline bool bin_patch(const CpuFrame& frame, LatticeWorkspace& work, const Patch& patch) {
+inline bool bin_patch(const LatticeFrame& frame, LatticeWorkspace& work, const Patch& patch) {
   Block& block = work.pixels.block;
   bool any = false;
   for_each_tile(patch, [&](std::size_t t, int x, int y) {
@@ -450,7 +452,7 @@ enum class PatchResult { kDrawn, kNothingRelevant, kNeedsPixels, kTooLarge };
 
 // kNeedsPixels: nothing was drawn, and the patch must be drawn without nodes. kTooLarge: nothing
 // was drawn, and the patch may be drawn with fewer sheets.
-inline PatchResult draw_patch(const CpuFrame& frame, LatticeWorkspace& work, Patch patch,
+inline PatchResult draw_patch(const LatticeFrame& frame, LatticeWorkspace& work, Patch patch,
                               StageClock& clock) {
   const view::LatticePlan& plan = *frame.lattice_plan;
   Block& nodes = work.nodes.block;

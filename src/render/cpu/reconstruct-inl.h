@@ -45,7 +45,7 @@ HWY_INLINE Position fill_lanes(const Position& u, std::uint32_t lanes) {
 }
 
 // Values of one group at any positions near sheet s. `lanes` must be active samples.
-HWY_INLINE GroupValues gather_group(const CpuFrame& frame, Workspace& work, int s, int column,
+HWY_INLINE GroupValues gather_group(const LatticeFrame& frame, Workspace& work, int s, int column,
                                     int row, const Position& u, std::uint32_t lanes) {
   if (work.block.uses_four_taps) {
     ValueBatch batch;
@@ -64,7 +64,7 @@ HWY_INLINE GroupValues gather_group(const CpuFrame& frame, Workspace& work, int 
   return {hn::Load(d, value), defined};
 }
 
-HWY_INLINE ValueAndGradient gather_gradient(const CpuFrame& frame, Workspace& work, int s,
+HWY_INLINE ValueAndGradient gather_gradient(const LatticeFrame& frame, Workspace& work, int s,
                                             int column, int row, const Position& u,
                                             std::uint32_t lanes) {
   if (work.block.uses_four_taps) {
@@ -117,7 +117,7 @@ inline void drop_undefined(const Batch& batch, RowBits& defined) {
   }
 }
 
-inline void reconstruct_four_taps(const CpuFrame& frame, Workspace& work, int s,
+inline void reconstruct_four_taps(const LatticeFrame& frame, Workspace& work, int s,
                                   const RowBits& wanted) {
   Block& block = work.block;
   float* values = block.values[s & (kRingSheets - 1)];
@@ -135,7 +135,7 @@ inline void reconstruct_four_taps(const CpuFrame& frame, Workspace& work, int s,
   });
 }
 
-inline void reconstruct_general(const CpuFrame& frame, Workspace& work, int s,
+inline void reconstruct_general(const LatticeFrame& frame, Workspace& work, int s,
                                 const RowBits& wanted) {
   Block& block = work.block;
   float* values = block.values[s & (kRingSheets - 1)];
@@ -152,7 +152,7 @@ inline void reconstruct_general(const CpuFrame& frame, Workspace& work, int s,
 }
 
 // Adds the samples named by `wanted` to sheet s of the block.
-inline void reconstruct_sheet(const CpuFrame& frame, Workspace& work, int s,
+inline void reconstruct_sheet(const LatticeFrame& frame, Workspace& work, int s,
                               const RowBits& wanted) {
   if (work.block.uses_four_taps) {
     reconstruct_four_taps(frame, work, s, wanted);

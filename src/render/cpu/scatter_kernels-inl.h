@@ -257,8 +257,8 @@ HWY_INLINE LevelMap level_map(const KernelFrame& frame, int tile_x, int tile_y, 
   const float middle = 0.5F * (step - 1.0F);
   const auto lo = static_cast<float>(extent.lo);
   return {scale / step,
-          (static_cast<float>(frame.plan->space.center_x - tile_x) - middle) / step - lo,
-          (static_cast<float>(frame.plan->space.center_y - tile_y) - middle) / step - lo};
+          (static_cast<float>(frame.kernel_plan->space.center_x - tile_x) - middle) / step - lo,
+          (static_cast<float>(frame.kernel_plan->space.center_y - tile_y) - middle) / step - lo};
 }
 
 // The cut with the plane t sheets behind the centre.
@@ -348,7 +348,7 @@ HWY_INLINE int level_for(const KernelFrame& frame, const Splat& splat, float sca
 }
 
 HWY_INLINE SheetPlace sheet_place(const KernelFrame& frame, float sheet) {
-  const view::SplatSpace& space = frame.plan->space;
+  const view::SplatSpace& space = frame.kernel_plan->space;
   if (space.is_parallel) return {sheet, 1.0F, 0.0F};
   const double depth = space.depth_of(sheet);
   return {sheet, static_cast<float>(space.scale(depth)),
@@ -493,7 +493,7 @@ inline void scatter_splats(const KernelFrame& frame, KernelWorkspace& work,
     constexpr std::size_t kAhead = 8;
     // In clusters most splats are in one block, which takes too long to be waited for.
     constexpr std::size_t kSplatsPerLook = 512;
-    if (i % kSplatsPerLook == 0 && frame.common.stop.stop_requested()) return;
+    if (i % kSplatsPerLook == 0 && frame.stop.stop_requested()) return;
     if (i + kAhead < indices.size()) hwy::Prefetch(splats + indices[i + kAhead]);
     if (is_gaussian) {
       add_splat<kChannels, true>(frame, work, splats[indices[i]], block, run);

@@ -44,7 +44,8 @@ struct SplatPlane {
 };
 
 // At `offset` sheets from sheet s, for slab means.
-inline SplatPlane make_splat_plane(const CpuFrame& frame, const SheetSetup& sheet, float offset) {
+inline SplatPlane make_splat_plane(const LatticeFrame& frame, const SheetSetup& sheet,
+                                   float offset) {
   SplatPlane plane;
   Eigen::Matrix3f columns;
   for (int a = 0; a < 3; ++a) {
@@ -177,8 +178,8 @@ inline void for_each_kernel_of(const device::Sublattice& sublattice, const Works
 
 // The kernels of the region, as far as the lattice goes, that reach a plane: visit(center, value).
 template <class Visit>
-inline void for_each_kernel(const CpuFrame& frame, const Workspace& work, const SplatPlane& plane,
-                            const Visit& visit) {
+inline void for_each_kernel(const LatticeFrame& frame, const Workspace& work,
+                            const SplatPlane& plane, const Visit& visit) {
   for (int s = 0; s < frame.lattice.num_sublattices; ++s)
     for_each_kernel_of(frame.lattice.sublattices[s], work, s * work.block.sublattice_stride, plane,
                        visit);
@@ -194,7 +195,7 @@ inline void clear_splat_planes(Workspace& work, int s) {
 }
 
 // All kernels of the region onto the wanted samples of a sheet.
-inline void splat_sheet(const CpuFrame& frame, Workspace& work, int s, const RowBits& wanted) {
+inline void splat_sheet(const LatticeFrame& frame, Workspace& work, int s, const RowBits& wanted) {
   const Block& block = work.block;
   clear_splat_planes(work, s);
   const SampleBox box = box_of_bits(block, wanted);
@@ -210,7 +211,7 @@ inline void splat_sheet(const CpuFrame& frame, Workspace& work, int s, const Row
 }
 
 // The sum of all kernels of an endless lattice at a sample (its slab's mean).
-inline float endless_sum(const CpuFrame& frame, Workspace& work, const SheetSetup& sheet,
+inline float endless_sum(const LatticeFrame& frame, Workspace& work, const SheetSetup& sheet,
                          int column, int row) {
   const int capacity = tap_capacity(frame, sheet);
   float* memory = work.taps.reserve(static_cast<std::size_t>(6) * capacity);
@@ -242,7 +243,7 @@ inline float endless_sum(const CpuFrame& frame, Workspace& work, const SheetSetu
 }
 
 // Is a sample of `sum` defined, whose weights add up to e?
-inline bool is_sum_defined(const CpuFrame& frame, const Block& block, const SheetSetup& sheet,
+inline bool is_sum_defined(const LatticeFrame& frame, const Block& block, const SheetSetup& sheet,
                            int column, int row, float e) {
   if (block.has_missing) return e > 0;
   const float x = static_cast<float>(column);
@@ -257,7 +258,8 @@ inline bool is_sum_defined(const CpuFrame& frame, const Block& block, const Shee
 }
 
 // The quotients of what was splatted.
-inline void read_splat_sheet(const CpuFrame& frame, Workspace& work, int s, const RowBits& wanted) {
+inline void read_splat_sheet(const LatticeFrame& frame, Workspace& work, int s,
+                             const RowBits& wanted) {
   Block& block = work.block;
   const SheetSetup& sheet = block.sheets[s];
   const float mass = sheet.widening[0] * sheet.widening[1] * sheet.widening[2];
@@ -287,7 +289,7 @@ inline void read_splat_sheet(const CpuFrame& frame, Workspace& work, int s, cons
 
 // Scatter if asked to. Left to itself, gather: it reads each tap once for a sample that is needed,
 // scatter pays for samples that are not.
-inline bool should_scatter(const CpuFrame& frame) {
+inline bool should_scatter(const LatticeFrame& frame) {
   return frame.options->evaluate == Evaluate::kScatter;
 }
 

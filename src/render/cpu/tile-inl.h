@@ -53,7 +53,7 @@ inline RowBits wanted_now(const CpuFrame& frame, const Block& block, const TileS
 
 // classify, light and composite sheet s, whose values (and neighbours', if differences are taken)
 // are there.
-inline void finish_sheet(const CpuFrame& frame, Workspace& work, int s, StageClock& clock) {
+inline void finish_sheet(const LatticeFrame& frame, Workspace& work, int s, StageClock& clock) {
   Block& block = work.block;
   TileState& tile = *work.tile;
   if (frame.mode == Mode::kIsosurface) {
@@ -71,7 +71,7 @@ inline void finish_sheet(const CpuFrame& frame, Workspace& work, int s, StageClo
 inline int sheets_late(const CpuFrame& frame) { return frame.takes_differences ? 1 : 0; }
 
 // Sheet s of a block that is ready.
-inline void run_sheet(const CpuFrame& frame, Workspace& work, int s, StageClock& clock) {
+inline void run_sheet(const LatticeFrame& frame, Workspace& work, int s, StageClock& clock) {
   Block& block = work.block;
   RowBits wanted = wanted_now(frame, block, *work.tile, s);
   work.stats.samples_reconstructed += count_bits(block, wanted);
@@ -134,7 +134,7 @@ enum class PartState { kNothing, kTooLarge, kReady };
 
 // Sets up a part's block: kNothing if nothing in it is relevant, kTooLarge if its region is too
 // large for the cache and can be halved.
-inline PartState prepare_part(const CpuFrame& frame, Workspace& work, const Part& part,
+inline PartState prepare_part(const LatticeFrame& frame, Workspace& work, const Part& part,
                               StageClock& clock) {
   Block& block = work.block;
   const Bounds3 box = box_of(frame, block, part, block.margin);
@@ -154,7 +154,8 @@ inline PartState prepare_part(const CpuFrame& frame, Workspace& work, const Part
 
 // Draws a part, a large one in halves, the front half first. Returns false if nothing in it was
 // relevant.
-inline bool draw_part(const CpuFrame& frame, Workspace& work, const Part& part, StageClock& clock) {
+inline bool draw_part(const LatticeFrame& frame, Workspace& work, const Part& part,
+                      StageClock& clock) {
   const PartState state = prepare_part(frame, work, part, clock);
   if (state == PartState::kTooLarge) {
     const int axis = longest_axis(work.block, part);
@@ -168,9 +169,9 @@ inline bool draw_part(const CpuFrame& frame, Workspace& work, const Part& part, 
 }
 
 // The same of the field and its trail: of every sheet first the field's samples, then the trail's.
-inline bool draw_part_of_both(const CpuFrame& frame, LatticeWorkspace& work, const Part& part,
+inline bool draw_part_of_both(const LatticeFrame& frame, LatticeWorkspace& work, const Part& part,
                               StageClock& clock) {
-  const CpuFrame& trail = *frame.trail;
+  const LatticeFrame& trail = *frame.trail;
   const PartState own = prepare_part(frame, work.pixels, part, clock);
   const PartState of_trail = prepare_part(trail, work.trail, part, clock);
   if (own == PartState::kTooLarge || of_trail == PartState::kTooLarge) {
@@ -193,12 +194,13 @@ inline bool draw_part_of_both(const CpuFrame& frame, LatticeWorkspace& work, con
 }
 
 // A block in which no sample is relevant.
-inline void count_without_samples(const CpuFrame& frame, WorkerStats& stats) {
+inline void count_without_samples(const LatticeFrame& frame, WorkerStats& stats) {
   ++(frame.lattice_plan->may_matter ? stats.skipped_irrelevant : stats.skipped_empty);
 }
 
 // What can be said of a tile's block before anything of it is worked out; true if it may show.
-inline bool may_show(const CpuFrame& frame, Workspace& work, const Part& part, WorkerStats& stats) {
+inline bool may_show(const LatticeFrame& frame, Workspace& work, const Part& part,
+                     WorkerStats& stats) {
   const view::LatticePlan& plan = *frame.lattice_plan;
   const Bounds3 box = box_of(frame, work.block, part, 0);
   if (!box.intersects(plan.index_support) || is_clipped_away(frame, work.block, part)) {
@@ -211,7 +213,7 @@ inline bool may_show(const CpuFrame& frame, Workspace& work, const Part& part, W
 }
 
 // One tile's part of a layer of sheets, every sample from the kernels.
-inline void draw_tile_layer(const CpuFrame& frame, Workspace& work, const Part& part,
+inline void draw_tile_layer(const LatticeFrame& frame, Workspace& work, const Part& part,
                             StageClock& clock) {
   WorkerStats& stats = work.stats;
   ++stats.blocks_total;
@@ -227,8 +229,8 @@ inline void draw_tile_layer(const CpuFrame& frame, Workspace& work, const Part& 
 }
 
 // The same of both fields.
-inline void draw_tile_layer_of_both(const CpuFrame& frame, LatticeWorkspace& work, const Part& part,
-                                    StageClock& clock) {
+inline void draw_tile_layer_of_both(const LatticeFrame& frame, LatticeWorkspace& work,
+                                    const Part& part, StageClock& clock) {
   WorkerStats& stats = work.pixels.stats;
   WorkerStats ignored;
   ++stats.blocks_total;
@@ -245,7 +247,7 @@ inline void draw_tile_layer_of_both(const CpuFrame& frame, LatticeWorkspace& wor
 }
 
 // A workspace's block goes to a tile.
-inline void enter_tile(const CpuFrame& frame, LatticeWorkspace& work, Workspace& own,
+inline void enter_tile(const LatticeFrame& frame, LatticeWorkspace& work, Workspace& own,
                        const Patch& patch, std::size_t t, int x, int y) {
   Block& block = own.block;
   block.margin = block.back_margin = frame.takes_differences ? 1 : 0;
@@ -255,7 +257,7 @@ inline void enter_tile(const CpuFrame& frame, LatticeWorkspace& work, Workspace&
   block.rays = &work.rays[t];
 }
 
-inline void draw_tiles_layer(const CpuFrame& frame, LatticeWorkspace& work, const Patch& patch,
+inline void draw_tiles_layer(const LatticeFrame& frame, LatticeWorkspace& work, const Patch& patch,
                              StageClock& clock) {
   for_each_tile(patch, [&](std::size_t t, int x, int y) {
     enter_tile(frame, work, work.pixels, patch, t, x, y);
@@ -274,7 +276,7 @@ inline bool is_closed(const CpuFrame& frame, const TileState& tile) {
   return frame.options->stop_opaque && !tile.any_open(0, 0, kTileSize, kTileSize);
 }
 
-inline bool is_closed(const CpuFrame& frame, const LatticeWorkspace& work, const Patch& patch) {
+inline bool is_closed(const LatticeFrame& frame, const LatticeWorkspace& work, const Patch& patch) {
   bool are_closed = true;
   for_each_tile(patch, [&](std::size_t t, int, int) {
     are_closed = are_closed && is_closed(frame, work.tiles[t]);
@@ -283,7 +285,7 @@ inline bool is_closed(const CpuFrame& frame, const LatticeWorkspace& work, const
 }
 
 // A patch from nodes if they save anything and all of them are inside, else tile by tile.
-inline void draw_patch_layer(const CpuFrame& frame, LatticeWorkspace& work, Patch patch,
+inline void draw_patch_layer(const LatticeFrame& frame, LatticeWorkspace& work, Patch patch,
                              StageClock& clock) {
   patch.nodes_x = nodes_for(patch.node_step, patch.rect.x0, patch.rect.x1 - 1);
   patch.nodes_y = nodes_for(patch.node_step, patch.rect.y0, patch.rect.y1 - 1);
@@ -316,7 +318,7 @@ inline void draw_patch_layer(const CpuFrame& frame, LatticeWorkspace& work, Patc
 }
 
 // Sheets [first, last) of one layer.
-inline void draw_layer(const CpuFrame& frame, LatticeWorkspace& work, const TileRect& rect,
+inline void draw_layer(const LatticeFrame& frame, LatticeWorkspace& work, const TileRect& rect,
                        std::int64_t first, std::int64_t last, StageClock& clock) {
   Patch patch{rect, first, last, 1.0, {}, {}, false};
   if (frame.samples_at_nodes)
@@ -326,7 +328,7 @@ inline void draw_layer(const CpuFrame& frame, LatticeWorkspace& work, const Tile
 }
 
 // Draws a patch, or one tile where the frame has no nodes, into work.tiles.
-inline void render_patch_on_target(const CpuFrame& frame, LatticeWorkspace& work,
+inline void render_patch_on_target(const LatticeFrame& frame, LatticeWorkspace& work,
                                    const TileRect& rect) {
   view::ViewLattice::SheetRange sheets = frame.lattice_plan->sheets;
   if (frame.trail != nullptr) {

@@ -25,7 +25,7 @@ struct SampleBatch {
   int count = 0;                            // samples; padded to whole groups by repeating the last
   alignas(64) float column[kBatchSamples];  // of the plane
   alignas(64) float row[kBatchSamples];
-  alignas(64) std::int32_t at[kBatchSamples];  // row * kPlaneStride + column
+  alignas(64) std::int32_t at[kBatchSamples];  // in the plane
   alignas(64) float share[kBatchSamples];      // of the weights that exist; only at borders
   alignas(64) float part[device::kMaxSublattices][kBatchSamples];  // if there are several
   Taps taps[device::kMaxSublattices];
@@ -59,10 +59,10 @@ HWY_INLINE V correction_for(V variance, const LatticeFrame& frame) {
 }
 
 template <bool kBorder, class Batch>
-HWY_INLINE void weigh_one(const LatticeFrame& frame, const Block& block, const Position& u, int i,
+HWY_INLINE void weigh_one(const LatticeFrame& frame, const Region& region, const Position& u, int i,
                           Batch& batch) {
   const GroupWeights group =
-      weigh_taps<false, kBorder>(frame, block, frame.lattice.sublattices[0], u, i, batch.taps[0]);
+      weigh_taps<false, kBorder>(frame.lattice, region, 0, u, i, batch.taps[0]);
   if constexpr (kBorder) hn::Store(group.share, d, batch.share + i);
   if constexpr (kTakesGradient<Batch>) {
     for (int a = 0; a < 3; ++a)
@@ -84,14 +84,14 @@ HWY_INLINE V product_of_totals(const GroupWeights& group) {
 }
 
 template <bool kBorder, class Batch>
-HWY_INLINE void weigh_two(const LatticeFrame& frame, const Block& block, const Position& u, int i,
+HWY_INLINE void weigh_two(const LatticeFrame& frame, const Region& region, const Position& u, int i,
                           Batch& batch) {
   const V offset = hn::Set(d, frame.lattice.sublattices[1].offset);
   const Position shifted{hn::Sub(u.x, offset), hn::Sub(u.y, offset), hn::Sub(u.z, offset)};
   const GroupWeights first =
-      weigh_taps<true, kBorder>(frame, block, frame.lattice.sublattices[0], u, i, batch.taps[0]);
-  const GroupWeights second = weigh_taps<true, kBorder>(frame, block, frame.lattice.sublattices[1],
-                                                        shifted, i, batch.taps[1]);
+      weigh_taps<true, kBorder>(frame.lattice, region, 0, u, i, batch.taps[0]);
+  const GroupWeights second =
+      weigh_taps<true, kBorder>(frame.lattice, region, 1, shifted, i, batch.taps[1]);
   // Of the endless lattice.
   const V scale =
       vector_exp2(d, hn::Sub(log2_of_scale(frame, second), log2_of_scale(frame, first)));
@@ -128,21 +128,21 @@ HWY_INLINE void weigh_two(const LatticeFrame& frame, const Block& block, const P
 
 // Pass 1 for samples i and following, at u.
 template <class Batch>
-HWY_INLINE void weigh_at(const LatticeFrame& frame, const Block& block, const Position& u, int i,
+HWY_INLINE void weigh_at(const LatticeFrame& frame, const Region& region, const Position& u, int i,
                          Batch& batch) {
   if (frame.lattice.num_sublattices == 1) {
-    block.is_interior ? weigh_one<false>(frame, block, u, i, batch)
-                      : weigh_one<true>(frame, block, u, i, batch);
+    region.is_interior ? weigh_one<false>(frame, region, u, i, batch)
+                       : weigh_one<true>(frame, region, u, i, batch);
   } else {
-    block.is_interior ? weigh_two<false>(frame, block, u, i, batch)
-                      : weigh_two<true>(frame, block, u, i, batch);
+    region.is_interior ? weigh_two<false>(frame, region, u, i, batch)
+                       : weigh_two<true>(frame, region, u, i, batch);
   }
 }
 
 // Pass 1 for all samples of a batch on one sheet.
 template <class Batch>
 HWY_INLINE void weigh_sheet(const LatticeFrame& frame, const Block& block, int s, Batch& batch) {
-  const SheetSetup& sheet = block.sheets[s];
+  const SheetInLattice& sheet = block.sheets[s];
   for (int i = 0; i < batch.padded_count(); i += group_size()) {
     const V column = hn::Load(d, batch.column + i);
     const V row = hn::Load(d, batch.row + i);
@@ -150,20 +150,19 @@ HWY_INLINE void weigh_sheet(const LatticeFrame& frame, const Block& block, int s
       const V start = hn::MulAdd(row, hn::Set(d, sheet.per_y[a]), hn::Set(d, sheet.base[a]));
       return hn::MulAdd(column, hn::Set(d, sheet.per_x[a]), start);
     };
-    weigh_at(frame, block, {along(0), along(1), along(2)}, i, batch);
+    weigh_at(frame, block.region, {along(0), along(1), along(2)}, i, batch);
   }
 }
 
 // Pass 2.
 template <class Batch>
-HWY_INLINE void sum_batch(const LatticeFrame& frame, const Workspace& work, Batch& batch) {
-  const Block& block = work.block;
+HWY_INLINE void sum_batch(const LatticeFrame& frame, const Region& region, Batch& batch) {
   if (frame.lattice.num_sublattices == 1) {
-    sum_yz<4>(block, work.samples, batch.padded_count(), batch.taps[0]);
+    sum_yz<4>(region, region.samples, batch.padded_count(), batch.taps[0]);
     return;
   }
   for (int s = 0; s < frame.lattice.num_sublattices; ++s)
-    sum_yz<3>(block, work.samples + s * block.sublattice_stride, batch.padded_count(),
+    sum_yz<3>(region, region.samples + s * region.sublattice_stride, batch.padded_count(),
               batch.taps[s]);
 }
 

@@ -19,7 +19,7 @@ void draw_tile(const SimdTarget& target, const KernelFrame& frame, const Look& l
     const int x = rect.x0 + sub % kSubtiles * kTileSize;
     const int y = rect.y0 + sub / kSubtiles * kTileSize;
     if (x >= rect.x1 || y >= rect.y1) continue;
-    finish_tile(frame, look, work.tiles[static_cast<std::size_t>(sub)],
+    finish_tile(frame, look, work.subtiles[static_cast<std::size_t>(sub)].pixels,
                 {x, y, std::min(x + kTileSize, rect.x1), std::min(y + kTileSize, rect.y1)}, image);
   }
 }
@@ -88,8 +88,7 @@ Frame render(const KernelField& field, const Camera& camera, const Look& look,
   const double ticks_per_ms =
       static_cast<double>(read_ticks() - start_ticks) / out.profile.frame_ms;
   for (const auto& work : workspaces)
-    add_worker_stats(work->shading.stats, options.collect_profile ? ticks_per_ms : 0.0,
-                     out.profile);
+    add_worker_stats(work->stats, options.collect_profile ? ticks_per_ms : 0.0, out.profile);
   return out;
 }
 

@@ -62,7 +62,7 @@ struct RowMasks {
   std::uint32_t relevant = 0;
 };
 
-// Where the field can be defined, relative to the block's origin; nothing to test if the whole
+// Where the field can be defined, relative to the region's origin; nothing to test if the whole
 // block lies inside.
 struct Support {
   V lo[3], hi[3];

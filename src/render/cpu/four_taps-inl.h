@@ -37,7 +37,7 @@ struct FourWeights {
 };
 
 // The lattice's end along one axis, as the four taps see it: bounds of the indices that exist,
-// relative to the block's origin.
+// relative to the region's origin.
 struct AxisEnds {
   float first, last;
 };

@@ -9,7 +9,8 @@ namespace ovoid::cpu {
 
 SheetRing::SheetRing(const PlaneShape& shape) {
   const std::size_t plane = shape.num_floats();
-  const std::size_t count = kSheets * 5 * plane;
+  constexpr std::size_t kPlanes = 5;  // values, colours, gradient
+  const std::size_t count = kSheets * kPlanes * plane;
   memory_ = hwy::AllocateAligned<float>(count);
   if (memory_ == nullptr) data::throw_out_of_memory("the sheets of a tile", count * sizeof(float));
   std::fill_n(memory_.get(), count, 0.0F);

@@ -41,7 +41,8 @@ inline SplatBlock place_of_block(const KernelFrame& frame, const TileRect& rect,
 // Sheet j of a block on the samples of a subtile: channels become values.
 inline void take_values(const KernelFrame& frame, KernelWorkspace& work, int sub, int j,
                         Sheet& sheet) {
-  const BlockPlace& place = work.place;
+  const int rows = work.place.rows;
+  const int columns = work.place.columns;
   const std::size_t size = plane_size(0);
   const std::size_t corner = static_cast<std::size_t>(sub / kSubtiles * kTileSize) * kValueStride +
                              static_cast<std::size_t>(sub % kSubtiles * kTileSize);
@@ -49,11 +50,13 @@ inline void take_values(const KernelFrame& frame, KernelWorkspace& work, int sub
   const float* cover = work.has_cover
                            ? work.cover.data.get() + static_cast<std::size_t>(j) * size + corner
                            : nullptr;
-  const std::uint32_t all = (1U << place.columns) - 1U;
-  for (int y = 0; y < place.rows; ++y) {
+  const std::uint32_t all = (1U << columns) - 1U;
+  for (int y = 0; y < rows; ++y) {
     const std::size_t row = static_cast<std::size_t>(y) * kValueStride;
+    float* const values = sheet.values + sheet.at(0, y);
+    float* const colors = sheet.colors + sheet.at(0, y);
     std::uint32_t defined = 0;
-    for (int x = 0; x < place.columns; x += group_size()) {
+    for (int x = 0; x < columns; x += group_size()) {
       const std::size_t i = row + static_cast<std::size_t>(x);
       const V first = hn::LoadU(d, channels + i);
       V value = first;
@@ -69,12 +72,12 @@ inline void take_values(const KernelFrame& frame, KernelWorkspace& work, int sub
       }
       is_defined = hn::And(is_defined, hn::Eq(value, value));
       defined |= bits_of(is_defined) << x;
-      hn::StoreU(hn::IfThenElseZero(is_defined, value), d, sheet.values + sheet.at(x, y));
+      hn::StoreU(hn::IfThenElseZero(is_defined, value), d, values + x);
       if (frame.has_own_color) {
         const V part = hn::LoadU(d, channels + (frame.is_sum ? size : 2 * size) + i);
         const V whole = frame.is_sum ? first : hn::LoadU(d, channels + size + i);
         hn::StoreU(hn::Div(part, hn::IfThenElse(is_defined, whole, hn::Set(d, 1.0F))), d,
-                   sheet.colors + sheet.at(x, y));
+                   colors + x);
       }
     }
     sheet.defined[y] = defined & all;

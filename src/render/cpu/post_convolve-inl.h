@@ -60,9 +60,9 @@ struct FineRows {
 // Whole groups are written. kAdds: to what is there, and what lies behind the columns stays as it
 // is.
 template <bool kAdds, class Band>
-inline void post_convolve(const CoarsePlane& coarse, const Band& x, const Band& y,
-                          const FineRows& wanted, const FinePlane& fine) {
-  const auto& [first, last, num_columns] = wanted;
+inline void post_convolve(CoarsePlane coarse, const Band& x, const Band& y, FineRows wanted,
+                          FinePlane fine) {
+  const auto [first, last, num_columns] = wanted;
   alignas(64) float rows[Band::kInputs][Band::kOutputs];
   const int first_tap = y.taps[static_cast<std::size_t>(first)];
   const int num_rows = y.taps[static_cast<std::size_t>(last)] + kFilterTaps - first_tap;

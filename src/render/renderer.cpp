@@ -104,12 +104,7 @@ class CpuBackEnd final : public BackEnd {
   explicit CpuBackEnd(const cpu::Machine& machine) : machine_(machine) {}
 
   Frame draw(const FrameJob& job) override {
-    const auto& [field, camera, look, trail, options, hooks] = job;
-    return with_note_on_threads(
-        field.kernels() != nullptr
-            ? cpu::render(*field.kernels(), camera, look, options, hooks, machine_)
-            : cpu::render(*field.lattice(), camera, look, options, hooks, machine_, trail),
-        machine_.runner->num_wanted());
+    return with_note_on_threads(cpu::render(job, machine_), machine_.runner->num_wanted());
   }
 
  private:

@@ -149,9 +149,9 @@ std::vector<std::pair<std::string, Scene>> scenes() {
 
 Frame draw_with(const Scene& scene, std::unique_ptr<cpu::Runner> runner) {
   const cpu::Machine machine{std::move(runner)};
-  if (const KernelField* kernels = scene.field.kernels())
-    return cpu::render(*kernels, scene.camera, scene.look, scene.options, {}, machine);
-  return cpu::render(scene.lattice(), scene.camera, scene.look, scene.options, {}, machine);
+  const RenderHooks hooks;
+  return cpu::render({scene.field, scene.camera, scene.look, nullptr, scene.options, hooks},
+                     machine);
 }
 
 // Bits, so that -0 and NaN count too.

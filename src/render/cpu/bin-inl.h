@@ -13,6 +13,7 @@
 #define OVOID_RENDER_CPU_BIN_INL_H_
 #endif
 
+#include "render/cpu/block-inl.h"
 #include "render/cpu/path-inl.h"
 #include "render/cpu/simd-inl.h"
 
@@ -61,7 +62,7 @@ struct RowMasks {
   std::uint32_t relevant = 0;
 };
 
-// Where the field can be defined, relative to the block's origin; nothing to test if the whole
+// Where the field can be defined, relative to the region's origin; nothing to test if the whole
 // block lies inside.
 struct Support {
   V lo[3], hi[3];
@@ -73,26 +74,31 @@ struct Support {
   }
 };
 
+// What a block's samples are looked up in.
+struct SampleLookup {
+  BrickLookup bricks;
+  Support support;
+};
+
 HWY_INLINE RowMasks bin_row(const CpuFrame& frame, const Block& block, int s, int row,
-                            const BrickLookup& lookup, const Support& support,
-                            std::uint32_t columns) {
+                            const SampleLookup& lookup, std::uint32_t columns) {
   RowMasks masks;
-  for (int column = 0; column < block.columns; column += group_size()) {
+  for (int column = 0; column < block.place.columns; column += group_size()) {
     if ((columns >> column & group_bits()) == 0) continue;
     const Position u = position_of(block.sheets[s], column, row);
     std::uint32_t inside = group_bits();
-    if (!support.holds_block) {
-      inside = bits_of(support(u));
+    if (!lookup.support.holds_block) {
+      inside = bits_of(lookup.support(u));
       if (inside == 0) continue;
     }
-    std::uint32_t relevant = bits_of(lookup(u)) & inside;
+    std::uint32_t relevant = bits_of(lookup.bricks(u)) & inside;
     if (frame.plan->is_clipped && relevant != 0) {
-      relevant &= bits_of(hn::Gt(path_fraction(frame, block, s, column, row), hn::Zero(d)));
+      relevant &= bits_of(hn::Gt(path_fraction(frame, block.place, s, column, row), hn::Zero(d)));
     }
     masks.inside |= inside << column;
     masks.relevant |= relevant << column;
   }
-  const std::uint32_t row_mask = (1U << block.columns) - 1U;
+  const std::uint32_t row_mask = (1U << block.place.columns) - 1U;
   masks.inside &= row_mask;
   masks.relevant &= row_mask;
   return masks;
@@ -100,29 +106,29 @@ HWY_INLINE RowMasks bin_row(const CpuFrame& frame, const Block& block, int s, in
 
 // Central differences also need the six neighbours of every relevant sample.
 inline void dilate_active(Block& block, const RowBits* inside) {
-  for (int s = 0; s < block.num_sheets; ++s) {
-    for (int y = 0; y < block.rows; ++y) {
-      RowWord bits = block.relevant[s][y];
+  for (int s = 0; s < block.place.num_sheets; ++s) {
+    for (int y = 0; y < block.place.rows; ++y) {
+      RowWord bits = block.bits.relevant[s][y];
       bits |= bits << 1 | bits >> 1;
-      if (y > 0) bits |= block.relevant[s][y - 1];
-      if (y + 1 < block.rows) bits |= block.relevant[s][y + 1];
-      if (s > 0) bits |= block.relevant[s - 1][y];
-      if (s + 1 < block.num_sheets) bits |= block.relevant[s + 1][y];
-      block.active[s][y] = bits & inside[s][y];
+      if (y > 0) bits |= block.bits.relevant[s][y - 1];
+      if (y + 1 < block.place.rows) bits |= block.bits.relevant[s][y + 1];
+      if (s > 0) bits |= block.bits.relevant[s - 1][y];
+      if (s + 1 < block.place.num_sheets) bits |= block.bits.relevant[s + 1][y];
+      block.bits.active[s][y] = bits & inside[s][y];
     }
   }
 }
 
 // The box of samples that active samples reach, by the kernels' support or farther. Positions are
 // affine along a row, so its first and last active sample bound it.
-inline void bound_region(const CpuFrame& frame, Block& block,
+inline void bound_region(const LatticeFrame& frame, Block& block,
                          const Vec3& least_reach = Vec3::Zero()) {
   float lo[3] = {1e30F, 1e30F, 1e30F};
   float hi[3] = {-1e30F, -1e30F, -1e30F};
-  for (int s = 0; s < block.num_sheets; ++s) {
-    const SheetSetup& sheet = block.sheets[s];
-    for (int y = 0; y < block.rows; ++y) {
-      const RowWord bits = block.active[s][y];
+  for (int s = 0; s < block.place.num_sheets; ++s) {
+    const SheetInLattice& sheet = block.sheets[s];
+    for (int y = 0; y < block.place.rows; ++y) {
+      const RowWord bits = block.bits.active[s][y];
       if (bits == 0) continue;
       for (const int x : {std::countr_zero(bits), 63 - std::countl_zero(bits)}) {
         for (int a = 0; a < 3; ++a) {
@@ -143,20 +149,20 @@ inline void bound_region(const CpuFrame& frame, Block& block,
       }
     }
   }
-  block.is_interior = true;
+  block.region.is_interior = true;
   for (int a = 0; a < 3; ++a) {
     // A hundredth of a sample of slack for rounding; what lies farther outside the lattice is cut
     // off. Samples of all sublattices have the same numbers.
     std::int64_t first = std::numeric_limits<std::int64_t>::max();
     std::int64_t last = std::numeric_limits<std::int64_t>::min();
-    const std::int64_t lattice_first = -block.origin[a];
+    const std::int64_t lattice_first = -block.region.origin[a];
     std::int64_t lattice_last = lattice_first;
     for (int s = 0; s < frame.lattice.num_sublattices; ++s) {
       const auto& [dims, offset] = frame.lattice.sublattices[s];
       const auto own_first = static_cast<std::int64_t>(std::floor(lo[a] - offset - 0.01F));
       const auto own_last = static_cast<std::int64_t>(std::ceil(hi[a] - offset + 0.01F));
       const std::int64_t own_end = lattice_first + dims[a] - 1;
-      if (own_first < lattice_first || own_last > own_end) block.is_interior = false;
+      if (own_first < lattice_first || own_last > own_end) block.region.is_interior = false;
       first = std::min(first, own_first);
       last = std::max(last, own_last);
       lattice_last = std::max(lattice_last, own_end);
@@ -164,8 +170,8 @@ inline void bound_region(const CpuFrame& frame, Block& block,
     // At least one sample of the lattice stays in it: `sum` is binned to where no kernel reaches.
     first = std::clamp(first, lattice_first - kRegionBeyond, lattice_last);
     last = std::clamp(last, lattice_first, lattice_last + kRegionBeyond);
-    block.region_lo[a] = static_cast<int>(first);
-    block.region_size[a] = static_cast<int>(last - first + 1);
+    block.region.lo[a] = static_cast<int>(first);
+    block.region.size[a] = static_cast<int>(last - first + 1);
   }
 }
 
@@ -174,10 +180,10 @@ inline void bound_region(const CpuFrame& frame, Block& block,
 // farther from its group's middle than a brick's edge.
 using CellColumns = std::array<std::array<std::uint32_t, kTileSize / 4>, (kMaxSheets + 3) / 4>;
 
-inline bool cells_fit_bricks(const CpuFrame& frame, const Block& block) {
+inline bool cells_fit_bricks(const LatticeFrame& frame, const Block& block) {
   const auto edge = static_cast<float>(1 << frame.lattice_plan->relevance.brick_shift());
-  for (const int s : {0, block.num_sheets - 1}) {
-    const SheetSetup& sheet = block.sheets[s];
+  for (const int s : {0, block.place.num_sheets - 1}) {
+    const SheetInLattice& sheet = block.sheets[s];
     for (int a = 0; a < 3; ++a) {
       const float step = std::abs(sheet.step[a]) + kTileSize * (std::abs(sheet.step_per_x[a]) +
                                                                 std::abs(sheet.step_per_y[a]));
@@ -190,11 +196,11 @@ inline bool cells_fit_bricks(const CpuFrame& frame, const Block& block) {
 
 inline CellColumns bin_cells(const Block& block, const BrickLookup& neighbours) {
   CellColumns columns{};
-  for (int cz = 0; 4 * cz < block.num_sheets; ++cz) {
-    const int s = std::min(4 * cz + 1, block.num_sheets - 1);
-    const SheetSetup& near = block.sheets[s];
-    const SheetSetup& far = block.sheets[std::min(s + 1, block.num_sheets - 1)];
-    for (int cy = 0; 4 * cy < block.rows; ++cy) {
+  for (int cz = 0; 4 * cz < block.place.num_sheets; ++cz) {
+    const int s = std::min(4 * cz + 1, block.place.num_sheets - 1);
+    const SheetInLattice& near = block.sheets[s];
+    const SheetInLattice& far = block.sheets[std::min(s + 1, block.place.num_sheets - 1)];
+    for (int cy = 0; 4 * cy < block.place.rows; ++cy) {
       std::uint32_t cells = 0;
       for (int first = 0; first < kTileSize / 4; first += group_size()) {
         const V x =
@@ -215,12 +221,12 @@ inline CellColumns bin_cells(const Block& block, const BrickLookup& neighbours) 
   return columns;
 }
 
-inline Support support_of(const CpuFrame& frame, const Block& block, const Bounds3& box) {
+inline Support support_of(const LatticeFrame& frame, const Region& region, const Bounds3& box) {
   const Bounds3& defined = frame.lattice_plan->index_support;
   Support support;
   for (int a = 0; a < 3; ++a) {
     // Rounding slack; the reconstruct stage decides exactly.
-    const auto origin = static_cast<double>(block.origin[a]);
+    const auto origin = static_cast<double>(region.origin[a]);
     support.lo[a] = hn::Set(d, static_cast<float>(defined.min()[a] - origin - 1e-3));
     support.hi[a] = hn::Set(d, static_cast<float>(defined.max()[a] - origin + 1e-3));
   }
@@ -230,49 +236,50 @@ inline Support support_of(const CpuFrame& frame, const Block& block, const Bound
 
 // Samples of a plane's row that are worth the work, as bits of the plane: those of pixels that
 // still take samples, or all.
-inline std::uint32_t open_samples(const CpuFrame& frame, const Block& block, const TileState& tile,
-                                  int row) {
-  const int y = block.y0 + row - block.margin;
-  if (y < block.y0 || y >= block.y1) return 0;
-  const std::uint32_t pixels = (1U << (block.x1 - block.x0)) - 1U;
-  const std::uint32_t open = frame.options->stop_opaque ? tile.open[y] >> block.x0 : ~0U;
-  return (open & pixels) << block.margin;
+inline std::uint32_t open_samples(const CpuFrame& frame, const BlockPlace& place,
+                                  const TileState& tile, int row) {
+  const int y = place.y0 + row - place.margin;
+  if (y < place.y0 || y >= place.y1) return 0;
+  const std::uint32_t pixels = (1U << (place.x1 - place.x0)) - 1U;
+  const std::uint32_t open = frame.options->stop_opaque ? tile.open[y] >> place.x0 : ~0U;
+  return (open & pixels) << place.margin;
 }
 
 // `box` holds all samples of the block, in index space. Returns the number of relevant samples;
 // active bits and region are only valid if it is not zero.
-inline std::int64_t bin_region(const CpuFrame& frame, Block& block, const TileState& tile,
+inline std::int64_t bin_region(const LatticeFrame& frame, Block& block, const TileState& tile,
                                const Bounds3& box) {
   RowBits inside[kMaxSheets];
   const view::RelevanceMap& map = frame.lattice_plan->relevance;
-  const BrickLookup lookup(map, map.words(), block.origin);
-  const Support support = support_of(frame, block, box);
+  const SampleLookup lookup{BrickLookup(map, map.words(), block.region.origin),
+                            support_of(frame, block.region, box)};
   // Differences need every sample's surroundings; then all samples are looked up.
-  const bool has_cells = block.margin == 0 && cells_fit_bricks(frame, block);
+  const bool has_cells = block.place.margin == 0 && cells_fit_bricks(frame, block);
   const CellColumns cells =
-      has_cells ? bin_cells(block, BrickLookup(map, map.neighbour_words(), block.origin))
+      has_cells ? bin_cells(block, BrickLookup(map, map.neighbour_words(), block.region.origin))
                 : CellColumns{};
   std::int64_t num_relevant = 0;
-  for (int s = 0; s < block.num_sheets; ++s) {
+  for (int s = 0; s < block.place.num_sheets; ++s) {
     const bool is_margin_sheet =
-        s < block.front_margin || s >= block.num_sheets - block.back_margin;
+        s < block.place.front_margin || s >= block.place.num_sheets - block.place.back_margin;
     // The front sheet is needed where pieces between sheets are looked at, though the block before
     // has classified it.
     const bool is_needed = !is_margin_sheet || frame.mode == Mode::kIsosurface ||
-                           (frame.is_preintegrated && s < block.front_margin);
-    for (int y = 0; y < block.rows; ++y) {
+                           (frame.is_preintegrated && s < block.place.front_margin);
+    for (int y = 0; y < block.place.rows; ++y) {
       const std::uint32_t columns = has_cells ? cells[s / 4][y / 4] : ~0U;
-      const RowMasks masks = bin_row(frame, block, s, y, lookup, support, columns);
+      const RowMasks masks = bin_row(frame, block, s, y, lookup, columns);
       inside[s][y] = masks.inside;
-      block.relevant[s][y] = is_needed ? masks.relevant & open_samples(frame, block, tile, y) : 0;
-      num_relevant += std::popcount(block.relevant[s][y]);
+      block.bits.relevant[s][y] =
+          is_needed ? masks.relevant & open_samples(frame, block.place, tile, y) : 0;
+      num_relevant += std::popcount(block.bits.relevant[s][y]);
     }
   }
   if (num_relevant == 0) return 0;
-  if (block.margin > 0) {
+  if (block.place.margin > 0) {
     dilate_active(block, inside);
   } else {
-    for (int s = 0; s < block.num_sheets; ++s) block.active[s] = block.relevant[s];
+    for (int s = 0; s < block.place.num_sheets; ++s) block.bits.active[s] = block.bits.relevant[s];
   }
   bound_region(frame, block);
   return num_relevant;

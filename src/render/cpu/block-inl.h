@@ -7,12 +7,28 @@
 #define OVOID_RENDER_CPU_BLOCK_INL_H_
 #endif
 
+#include "render/cpu/lattice_block.h"
 #include "render/cpu/path-inl.h"
 #include "render/cpu/simd-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace ovoid::cpu {
 namespace HWY_NAMESPACE {
+
+// Index position of a group of samples, relative to the region's origin.
+struct Position {
+  V x, y, z;
+};
+
+HWY_INLINE Position position_of(const SheetInLattice& sheet, int column, int row) {
+  const V x = hn::Iota(d, static_cast<float>(column));
+  const float y = static_cast<float>(row);
+  const auto along = [&](int a) {
+    return hn::MulAdd(x, hn::Set(d, sheet.per_x[a]),
+                      hn::Set(d, sheet.base[a] + y * sheet.per_y[a]));
+  };
+  return {along(0), along(1), along(2)};
+}
 
 // A part of a tile's work: pixels of the tile x consecutive sheets.
 struct Part {
@@ -21,15 +37,16 @@ struct Part {
 };
 
 // Index-space box around a part's samples, margins and slabs included.
-inline Bounds3 box_of(const CpuFrame& frame, const Block& block, const Part& part, int margin) {
+inline Bounds3 box_of(const CpuFrame& frame, const BlockPlace& place, const Part& part,
+                      int margin) {
   const view::ViewLattice& lattice = frame.plan->lattice;
   Bounds3 box;
   for (const std::int64_t sheet :
-       {part.first_sheet - block.front_margin, part.last_sheet - 1 + block.back_margin}) {
+       {part.first_sheet - place.front_margin, part.last_sheet - 1 + place.back_margin}) {
     const view::SheetMap map = lattice.index_map(sheet);
     for (const int x : {part.x0 - margin, part.x1 - 1 + margin}) {
       for (const int y : {part.y0 - margin, part.y1 - 1 + margin}) {
-        box.extend(map.at(block.tile_x + x, block.tile_y + y));
+        box.extend(map.at(place.tile_x + x, place.tile_y + y));
       }
     }
   }
@@ -37,7 +54,7 @@ inline Bounds3 box_of(const CpuFrame& frame, const Block& block, const Part& par
 }
 
 // True if every sample's slab lies outside one of the half spaces.
-inline bool is_clipped_away(const CpuFrame& frame, const Block& block, const Part& part) {
+inline bool is_clipped_away(const CpuFrame& frame, const BlockPlace& place, const Part& part) {
   const view::FramePlan& plan = *frame.plan;
   for (const ClipPlane& plane : plan.clip_planes) {
     double nearest = -1;
@@ -46,8 +63,8 @@ inline bool is_clipped_away(const CpuFrame& frame, const Block& block, const Par
       const view::ClipMap slope = plan.clip_slope(plane);
       for (const int x : {part.x0, part.x1 - 1}) {
         for (const int y : {part.y0, part.y1 - 1}) {
-          const double px = block.tile_x + x;
-          const double py = block.tile_y + y;
+          const double px = place.tile_x + x;
+          const double py = place.tile_y + y;
           const double inside = distance.origin + px * distance.per_x + py * distance.per_y;
           const double lean = std::abs(slope.origin + px * slope.per_x + py * slope.per_y);
           nearest = std::max(nearest, inside + 0.5 * lean * plan.lattice.sampling_distance());
@@ -79,64 +96,59 @@ inline SheetMaps sheet_maps(const CpuFrame& frame, std::int64_t first_sheet) {
   return maps;
 }
 
+// Sheet s of a block whose origin is set.
 inline void set_up_sheet(const CpuFrame& frame, Block& block, const SampleGrid& grid, int s,
                          const SheetMaps& maps, const Vec3& widening) {
   const view::ViewLattice& lattice = frame.plan->lattice;
   const auto& [first, step] = maps;
-  SheetSetup& setup = block.sheets[s];
+  SheetInLattice& sheet = block.sheets[s];
   for (int a = 0; a < 3; ++a) {
     const double per_x = first.per_x[a] + s * step.per_x[a];
     const double per_y = first.per_y[a] + s * step.per_y[a];
     const double base = first.origin[a] + s * step.origin[a] + grid.x * per_x + grid.y * per_y;
-    setup.base[a] = static_cast<float>(base - static_cast<double>(block.origin[a]));
-    setup.per_x[a] = static_cast<float>(grid.step * per_x);
-    setup.per_y[a] = static_cast<float>(grid.step * per_y);
-    setup.step[a] =
+    sheet.base[a] = static_cast<float>(base - static_cast<double>(block.region.origin[a]));
+    sheet.per_x[a] = static_cast<float>(grid.step * per_x);
+    sheet.per_y[a] = static_cast<float>(grid.step * per_y);
+    sheet.step[a] =
         static_cast<float>(step.origin[a] + grid.x * step.per_x[a] + grid.y * step.per_y[a]);
-    setup.step_per_x[a] = static_cast<float>(grid.step * step.per_x[a]);
-    setup.step_per_y[a] = static_cast<float>(grid.step * step.per_y[a]);
-    setup.widening[a] = static_cast<float>(widening[a]);
+    sheet.step_per_x[a] = static_cast<float>(grid.step * step.per_x[a]);
+    sheet.step_per_y[a] = static_cast<float>(grid.step * step.per_y[a]);
+    sheet.widening[a] = static_cast<float>(widening[a]);
   }
-  const std::int64_t sheet = block.first_sheet + s;
-  setup.depth = static_cast<float>(lattice.depth(sheet));
-  setup.inverse_pitch = static_cast<float>(1.0 / lattice.pitch(sheet));
-  setup.near_cut = near_cut_of(lattice, sheet);
+  block.place.sheets[s] = place_of_sheet(lattice, block.place.number_of(s));
 }
 
 // The sheets of a block whose first sheet and number of sheets are set.
-inline void set_up_sheets(const CpuFrame& frame, Block& block, const SampleGrid& grid,
+inline void set_up_sheets(const LatticeFrame& frame, Block& block, const SampleGrid& grid,
                           const Bounds3& box) {
-  for (int a = 0; a < 3; ++a) block.origin[a] = static_cast<std::int64_t>(std::floor(box.min()[a]));
+  for (int a = 0; a < 3; ++a)
+    block.region.origin[a] = static_cast<std::int64_t>(std::floor(box.min()[a]));
   const view::LatticePlan& plan = *frame.lattice_plan;
-  const SheetMaps maps = sheet_maps(frame, block.first_sheet);
-  Vec3 widening = plan.widening(block.first_sheet);
-  for (int s = 0; s < block.num_sheets; ++s) {
-    if (!frame.is_parallel) widening = plan.widening(block.first_sheet + s);
+  const BlockPlace& place = block.place;
+  const SheetMaps maps = sheet_maps(frame, place.first_sheet);
+  Vec3 widening = plan.widening(place.first_sheet);
+  for (int s = 0; s < place.num_sheets; ++s) {
+    if (!frame.is_parallel) widening = plan.widening(place.number_of(s));
     set_up_sheet(frame, block, grid, s, maps, widening);
   }
 }
 
-inline void set_up_block(const CpuFrame& frame, Block& block, const Part& part,
+inline void set_up_block(const LatticeFrame& frame, Block& block, const Part& part,
                          const Bounds3& box) {
-  block.x0 = part.x0;
-  block.y0 = part.y0;
-  block.x1 = part.x1;
-  block.y1 = part.y1;
-  block.columns = part.x1 - part.x0 + 2 * block.margin;
-  block.rows = part.y1 - part.y0 + 2 * block.margin;
-  block.first_sheet = part.first_sheet - block.front_margin;
-  block.num_sheets =
-      static_cast<int>(part.last_sheet - part.first_sheet) + block.front_margin + block.back_margin;
+  BlockPlace& place = block.place;
+  place.x0 = part.x0;
+  place.y0 = part.y0;
+  place.x1 = part.x1;
+  place.y1 = part.y1;
+  place.columns = part.x1 - part.x0 + 2 * place.margin;
+  place.rows = part.y1 - part.y0 + 2 * place.margin;
+  place.first_sheet = part.first_sheet - place.front_margin;
+  place.num_sheets =
+      static_cast<int>(part.last_sheet - part.first_sheet) + place.front_margin + place.back_margin;
   set_up_sheets(frame, block,
-                {static_cast<double>(block.tile_x + block.x0 - block.margin),
-                 static_cast<double>(block.tile_y + block.y0 - block.margin), 1.0},
+                {static_cast<double>(place.tile_x + place.x0 - place.margin),
+                 static_cast<double>(place.tile_y + place.y0 - place.margin), 1.0},
                 box);
-}
-
-inline std::int64_t count_bits(const Block& block, const RowBits& bits) {
-  std::int64_t count = 0;
-  for (int y = 0; y < block.rows; ++y) count += std::popcount(bits[y]);
-  return count;
 }
 
 }  // namespace HWY_NAMESPACE

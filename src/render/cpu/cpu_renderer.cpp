@@ -7,7 +7,8 @@
 #include <optional>
 
 #include "ovoid/error.h"
-#include "render/cpu/frame.h"
+#include "render/cpu/kernel_renderer.h"
+#include "render/cpu/lattice_frame.h"
 #include "render/cpu/ticks.h"
 #include "render/cpu/tile.h"
 #include "render/cpu/tile_output.h"
@@ -25,7 +26,7 @@ void decide_relevance(view::LatticePlan& plan, Runner& runner) {
   plan.relevance.finish();
 }
 
-bool has_nodes(const CpuFrame& frame, const view::LatticePlan& plan) {
+bool has_nodes(const LatticeFrame& frame, const view::LatticePlan& plan) {
   return frame.may_have_nodes && plan.sheets.first < plan.sheets.last &&
          plan.node_step(frame.options->post_convolution, plan.sheets.first) > 1.0;
 }
@@ -46,7 +47,7 @@ void finish_patch(const CpuFrame& frame, const Look& look, const LatticeWorkspac
 // One field of a frame, ready to be drawn. Stays where it is: its parts point to each other.
 struct PreparedField {
   PreparedField(const LatticeField& field, const Camera& camera, const Look& look,
-                const RenderOptions& options, const RenderHooks& hooks, Runner& runner)
+                const RenderOptions& options, Runner& runner)
       : plan(field, camera, look, options) {
     decide_relevance(plan, runner);
     set_frame(frame, field.value_range(), look, options, plan);
@@ -54,21 +55,19 @@ struct PreparedField {
     frame.lattice = lattice_constants(field, plan, frame);
     frame.lattice_plan = &plan;
     frame.field = &field;
-    frame.stop = hooks.stop;
     frame.samples_at_nodes = has_nodes(frame, plan);
   }
   PreparedField(const PreparedField&) = delete;
   PreparedField& operator=(const PreparedField&) = delete;
 
   view::LatticePlan plan;
-  CpuFrame frame;
+  LatticeFrame frame;
 };
 
-}  // namespace
-
-Frame render(const LatticeField& field, const Camera& camera, const Look& look,
-             const RenderOptions& options, const RenderHooks& hooks, const Machine& machine,
-             const view::TrailView* trail) {
+Frame render_lattice_field(const FrameJob& job, const Machine& machine) {
+  const LatticeField& field = *job.field.lattice();
+  const RenderOptions& options = job.options;
+  const std::stop_token& stop = job.hooks.stop;
   const Clock::time_point start = Clock::now();
   const std::uint64_t start_ticks = read_ticks();
   Runner& runner = *machine.runner;
@@ -80,10 +79,11 @@ Frame render(const LatticeField& field, const Camera& camera, const Look& look,
   out.image = empty_image(options);
 
   std::optional<PreparedField> prepared_trail;
-  if (trail != nullptr)
-    prepared_trail.emplace(*trail->field, camera, trail->look, trail->options, hooks, runner);
-  PreparedField prepared(field, camera, look, options, hooks, runner);
-  CpuFrame& frame = prepared.frame;
+  if (const view::TrailView* trail = job.trail)
+    prepared_trail.emplace(*trail->field, job.camera, trail->look, trail->options, runner);
+  PreparedField prepared(field, job.camera, job.look, options, runner);
+  LatticeFrame& frame = prepared.frame;
+  frame.stop = stop;
   if (prepared_trail) frame.trail = &prepared_trail->frame;
   const int edge = field.source().brick_edge();
   out.profile.kernels_drawn =
@@ -94,16 +94,16 @@ Frame render(const LatticeField& field, const Camera& camera, const Look& look,
   const std::vector<TileRect> tiles =
       tiles_of(options.width, options.height, frame.samples_at_nodes ? kPatchSize : kTileSize);
   const auto workspaces = make_workspaces<LatticeWorkspace>(runner.num_workers());
-  Watch watch(hooks, tiles.size());
+  Watch watch(job.hooks, tiles.size());
   runner.run(static_cast<int>(tiles.size()), [&](int task, int worker) {
-    if (hooks.stop.stop_requested()) return;
+    if (stop.stop_requested()) return;
     LatticeWorkspace& work = *workspaces[static_cast<std::size_t>(worker)];
     const TileRect& rect = tiles[static_cast<std::size_t>(task)];
     render_patch(machine.target, frame, work, rect);
-    finish_patch(frame, look, work, rect, out.image);
+    finish_patch(frame, job.look, work, rect, out.image);
     watch.tile_done(rect, out.image);
   });
-  if (hooks.stop.stop_requested()) throw Error(ErrorCode::kCancelled, "rendering was cancelled");
+  if (stop.stop_requested()) throw Error(ErrorCode::kCancelled, "rendering was cancelled");
 
   out.profile.frame_ms = ms_since(start);
   const double ticks_per_ms =
@@ -114,6 +114,13 @@ Frame render(const LatticeField& field, const Camera& camera, const Look& look,
       add_worker_stats(*stats, options.collect_profile ? ticks_per_ms : 0.0, out.profile);
   }
   return out;
+}
+
+}  // namespace
+
+Frame render(const FrameJob& job, const Machine& machine) {
+  return job.field.kernels() != nullptr ? render_kernel_field(job, machine)
+                                        : render_lattice_field(job, machine);
 }
 
 }  // namespace ovoid::cpu

@@ -21,14 +21,14 @@ struct WorldVector {
   V x, y, z;
 };
 
-// Of the samples named by `lanes` alone: their neighbours may have theirs already.
-HWY_INLINE void store_gradient(Block& block, int column, int row, std::uint32_t lanes,
-                               const WorldVector& g) {
-  const int at = row * kPlaneStride + column;
-  const M mask = mask_of(lanes);
-  hn::BlendedStore(g.x, mask, d, block.gradient[0] + at);
-  hn::BlendedStore(g.y, mask, d, block.gradient[1] + at);
-  hn::BlendedStore(g.z, mask, d, block.gradient[2] + at);
+// Of the samples of the group alone: their neighbours may have theirs already.
+HWY_INLINE void store_gradient(Sheet& sheet, const SampleGroup& group, const WorldVector& g) {
+  const int at = sheet.at(group.column, group.row);
+  const M mask = mask_of(group.lanes);
+  hn::BlendedStore(g.x, mask, d, sheet.gradient[0] + at);
+  hn::BlendedStore(g.y, mask, d, sheet.gradient[1] + at);
+  hn::BlendedStore(g.z, mask, d, sheet.gradient[2] + at);
+  sheet.has_gradient[group.row] |= RowWord{group.lanes} << group.column;
 }
 
 // Difference of the samples on both sides of the middle one; one-sided, or zero, where they are
@@ -42,35 +42,43 @@ HWY_INLINE V difference(V before, V middle, V after, M has_before, M has_after) 
       hn::IfThenElse(has_after, forward, hn::IfThenElseZero(has_before, backward)));
 }
 
-// `x`, `y`: where the samples lie in the picture.
-HWY_INLINE WorldVector central_difference_at(const CpuFrame& frame, const Block& block, int s,
-                                             int column, int row, V x, float y) {
-  const auto plane = [&](int sheet) {
-    return block.values[sheet & (kRingSheets - 1)] + row * kPlaneStride + column;
+// Where a group's samples lie in the picture.
+struct PicturePlace {
+  V x;
+  float y;
+};
+
+HWY_INLINE WorldVector central_difference_at(const CpuFrame& frame, const BlockPlace& place,
+                                             const SheetRing& ring, const SampleGroup& group,
+                                             const PicturePlace& at) {
+  const Sheet& before = ring[place.number_of(group.s - 1)];
+  const Sheet& here = ring[place.number_of(group.s)];
+  const Sheet& after = ring[place.number_of(group.s + 1)];
+  const auto value = [&](const Sheet& sheet, int column, int row) {
+    return hn::LoadU(d, sheet.values + sheet.at(group.column + column, group.row + row));
   };
-  const auto defined = [&](int sheet, int of_row, int shift) {
-    const RowWord bits = block.defined[sheet & (kRingSheets - 1)][of_row];
-    const int from = column + shift;
+  const auto is_defined = [&](const Sheet& sheet, int column, int row) {
+    const RowWord bits = sheet.defined[group.row + row];
+    const int from = group.column + column;
     return mask_of(from < 0 ? lanes_at(bits << 1, 0) : lanes_at(bits, from));
   };
-  const float* here = plane(s);
-  const V middle = hn::LoadU(d, here);
-  const V dx = difference(hn::LoadU(d, here - 1), middle, hn::LoadU(d, here + 1),
-                          defined(s, row, -1), defined(s, row, 1));
-  const V dy =
-      difference(hn::LoadU(d, here - kPlaneStride), middle, hn::LoadU(d, here + kPlaneStride),
-                 defined(s, row - 1, 0), defined(s, row + 1, 0));
-  const V ds = difference(hn::LoadU(d, plane(s - 1)), middle, hn::LoadU(d, plane(s + 1)),
-                          defined(s - 1, row, 0), defined(s + 1, row, 0));
+  const V middle = value(here, 0, 0);
+  const V dx = difference(value(here, -1, 0), middle, value(here, 1, 0), is_defined(here, -1, 0),
+                          is_defined(here, 1, 0));
+  const V dy = difference(value(here, 0, -1), middle, value(here, 0, 1), is_defined(here, 0, -1),
+                          is_defined(here, 0, 1));
+  const V ds = difference(value(before, 0, 0), middle, value(after, 0, 0), is_defined(before, 0, 0),
+                          is_defined(after, 0, 0));
   // The reciprocal basis of (pixel right, pixel down, next sheet): pixels are square and orthogonal
   // to the view axis, the step to the next sheet leans by the ray's slopes.
-  const V inverse_pitch = hn::Set(d, block.sheets[s].inverse_pitch);
+  const V inverse_pitch = hn::Set(d, place.sheets[group.s].inverse_pitch);
   const V along_right = hn::Mul(dx, inverse_pitch);
   const V along_up = hn::Neg(hn::Mul(dy, inverse_pitch));
   V along_axis = hn::Mul(ds, hn::Set(d, 1.0F / frame.camera.sampling_distance));
   if (!frame.is_parallel) {
-    along_axis = hn::NegMulAdd(evaluate2d(frame.camera.slope_right, x, y), along_right, along_axis);
-    along_axis = hn::NegMulAdd(evaluate2d(frame.camera.slope_up, x, y), along_up, along_axis);
+    along_axis =
+        hn::NegMulAdd(evaluate2d(frame.camera.slope_right, at.x, at.y), along_right, along_axis);
+    along_axis = hn::NegMulAdd(evaluate2d(frame.camera.slope_up, at.x, at.y), along_up, along_axis);
   }
   const auto component = [&](int a) {
     return hn::MulAdd(along_right, hn::Set(d, frame.camera.right[a]),
@@ -80,10 +88,11 @@ HWY_INLINE WorldVector central_difference_at(const CpuFrame& frame, const Block&
   return {component(0), component(1), component(2)};
 }
 
-HWY_INLINE WorldVector central_difference_gradient(const CpuFrame& frame, const Block& block, int s,
-                                                   int column, int row) {
-  return central_difference_at(frame, block, s, column, row, pixel_x(block, column),
-                               pixel_y(block, row));
+HWY_INLINE WorldVector central_difference_gradient(const CpuFrame& frame, const BlockPlace& place,
+                                                   const SheetRing& ring,
+                                                   const SampleGroup& group) {
+  return central_difference_at(frame, place, ring, group,
+                               {pixel_x(place, group.column), pixel_y(place, group.row)});
 }
 
 }  // namespace HWY_NAMESPACE

@@ -8,7 +8,6 @@
 #define OVOID_RENDER_CPU_FINISH_INL_H_
 #endif
 
-#include "render/cpu/block-inl.h"
 #include "render/cpu/composite-inl.h"
 #include "render/cpu/shade-inl.h"
 #include "render/cpu/ticks.h"
@@ -17,32 +16,34 @@ HWY_BEFORE_NAMESPACE();
 namespace ovoid::cpu {
 namespace HWY_NAMESPACE {
 
-// The samples of sheet s named by `bits`, whose values are there. `colors`: the plane of the values
-// that give colour, where another attribute does. Calls take_gradients() if any are wanted of the
-// samples that turn out visible. Returns whether any is.
+// The samples of sheet s named by `bits`, whose values are there. Calls take_gradients() if any are
+// wanted of the samples that turn out visible. Returns whether any is.
 template <class TakeGradients>
-inline bool finish_samples(const CpuFrame& frame, Block& block, TileState& tile, WorkerStats& stats,
-                           int s, const RowBits& bits, const float* colors, StageClock& clock,
+inline bool finish_samples(const CpuFrame& frame, const TileInHand& tile, int s,
+                           const RowBits& bits, StageClock& clock,
                            const TakeGradients& take_gradients) {
+  const BlockPlace& place = tile.place;
+  const Sheet& sheet = tile.ring[place.number_of(s)];
+  ShadedSheet& shaded = tile.shaded;
   if (frame.mode != Mode::kComposite) {
-    accumulate_sheet(frame, block, tile, s, bits);
+    accumulate_sheet(frame, place, s, sheet.values, bits, tile.pixels);
     clock.lap(kComposite);
     return false;
   }
-  classify_sheet(frame, block, s, bits);
-  const std::int64_t num_visible = count_bits(block, block.visible);
+  classify_sheet(frame, place, tile.ring, s, bits, shaded);
+  const std::int64_t num_visible = count_bits(shaded.visible, place.rows);
   clock.lap(kShade);
   if (num_visible == 0) return false;
-  stats.samples_shaded += num_visible;
-  if (frame.has_own_color) color_sheet(frame, block, colors);
+  tile.stats.samples_shaded += num_visible;
+  if (frame.has_own_color) color_sheet(frame, place, sheet, shaded);
   if (frame.takes_gradients) {
     take_gradients();
     clock.lap(kGradient);
   }
-  if (frame.corrects_late) correct_sheet(frame, block, s);
-  if (frame.is_lit) light_sheet(frame, block);
+  if (frame.corrects_late) correct_sheet(frame, place, s, sheet, shaded);
+  if (frame.is_lit) light_sheet(frame, place, sheet, shaded);
   clock.lap(kShade);
-  composite_sheet(block, tile, s);
+  composite_sheet(place, s, shaded, tile.pixels);
   clock.lap(kComposite);
   return true;
 }

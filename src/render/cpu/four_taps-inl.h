@@ -20,6 +20,7 @@
 #define OVOID_RENDER_CPU_FOUR_TAPS_INL_H_
 #endif
 
+#include "render/cpu/block-inl.h"
 #include "render/cpu/simd-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -36,13 +37,13 @@ struct FourWeights {
 };
 
 // The lattice's end along one axis, as the four taps see it: bounds of the indices that exist,
-// relative to the block's origin.
+// relative to the region's origin.
 struct AxisEnds {
   float first, last;
 };
 
-HWY_INLINE AxisEnds ends_of(const device::Sublattice& sublattice, const Block& block, int axis) {
-  const float first = static_cast<float>(-block.origin[axis]);
+HWY_INLINE AxisEnds ends_of(const device::Sublattice& sublattice, const Region& region, int axis) {
+  const float first = static_cast<float>(-region.origin[axis]);
   return {first, first + static_cast<float>(sublattice.dims[axis] - 1)};
 }
 
@@ -54,23 +55,20 @@ HWY_INLINE V mean_tap(const FourWeights& w) {
 // `whole` and `fraction` are the position's. At a border, taps that do not exist get no weight, and
 // `share` is multiplied by the part of the weights that is left.
 template <bool kNarrow, bool kBorder, bool kWithVariance>
-HWY_INLINE FourWeights four_weights_at(V whole, V fraction, const CpuFrame& frame, AxisEnds ends,
-                                       V& share) {
+HWY_INLINE FourWeights four_weights_at(V whole, V fraction, const device::LatticeConstants& lattice,
+                                       AxisEnds ends, V& share) {
   // g(f + 1) : g(f) : g(1 - f) : g(2 - f) = n : e : n e^2 : F e^3 with e = exp(f / sigma^2).
   constexpr float kLog2E = 1.44269504F;
   const V e = vector_exp2</*kCoarse=*/true>(
-      d, hn::Mul(fraction, hn::Set(d, frame.lattice.inverse_variance * kLog2E)));
-  const V n = hn::Set(d, frame.lattice.near_weight);
+      d, hn::Mul(fraction, hn::Set(d, lattice.inverse_variance * kLog2E)));
+  const V n = hn::Set(d, lattice.near_weight);
   const V ee = hn::Mul(e, e);
   FourWeights t{
-      {n, e, hn::Mul(n, ee), hn::Mul(hn::Set(d, frame.lattice.far_weight), hn::Mul(ee, e))},
-      n,
-      n,
-      n};
+      {n, e, hn::Mul(n, ee), hn::Mul(hn::Set(d, lattice.far_weight), hn::Mul(ee, e))}, n, n, n};
   if constexpr (kNarrow) {
     for (int k = 0; k < 4; ++k) {
       const V distance = hn::Sub(hn::Set(d, static_cast<float>(k - 1)), fraction);
-      const M is_reached = hn::Le(hn::Abs(distance), hn::Set(d, frame.lattice.support));
+      const M is_reached = hn::Le(hn::Abs(distance), hn::Set(d, lattice.support));
       t.w[k] = hn::IfThenElseZero(is_reached, t.w[k]);
     }
   }
@@ -101,9 +99,10 @@ HWY_INLINE FourWeights four_weights_at(V whole, V fraction, const CpuFrame& fram
 }
 
 // d w_k / d f = w_k (k - mean of k) / sigma^2, k = -1, 0, 1, 2, whichever of them exist.
-HWY_INLINE FourWeights derivative_of(const FourWeights& w, const CpuFrame& frame) {
+HWY_INLINE FourWeights derivative_of(const FourWeights& w,
+                                     const device::LatticeConstants& lattice) {
   const V mean = mean_tap(w);
-  const V scale = hn::Set(d, frame.lattice.inverse_variance);
+  const V scale = hn::Set(d, lattice.inverse_variance);
   FourWeights out;
   for (int k = 0; k < 4; ++k) {
     out.w[k] =
@@ -238,9 +237,8 @@ HWY_INLINE FourWeights three_rows(const FourWeights& w, M from_second) {
 // Pass 1: weights of a group's taps, samples i and following, and where each one's first tap lies
 // in the region (in floats). `u`: of the sublattice, its offset taken off.
 template <bool kNarrow, bool kBorder, class Batch>
-HWY_INLINE GroupWeights weigh_taps(const CpuFrame& frame, const Block& block,
-                                   const device::Sublattice& sublattice, const Position& u, int i,
-                                   Batch& batch) {
+HWY_INLINE GroupWeights weigh_taps(const device::LatticeConstants& lattice, const Region& region,
+                                   int sublattice, const Position& u, int i, Batch& batch) {
   constexpr bool kGradient = std::is_same_v<Batch, FourTapGradientBatch>;
   const V position[3] = {u.x, u.y, u.z};
   GroupWeights group;
@@ -249,17 +247,18 @@ HWY_INLINE GroupWeights weigh_taps(const CpuFrame& frame, const Block& block,
   for (int a = 0; a < 3; ++a) {
     const V whole = hn::Floor(position[a]);
     group.fraction[a] = hn::Sub(position[a], whole);
-    index[a] = hn::Sub(nearest_integer(whole), hn::Set(di, block.region_lo[a] + 1));
+    index[a] = hn::Sub(nearest_integer(whole), hn::Set(di, region.lo[a] + 1));
     group.axis[a] = four_weights_at<kNarrow, kBorder, kGradient>(
-        whole, group.fraction[a], frame, ends_of(sublattice, block, a), group.share);
+        whole, group.fraction[a], lattice, ends_of(lattice.sublattices[sublattice], region, a),
+        group.share);
   }
   store_by_tap(group.axis[0], batch.x, i);
   store_by_lane(group.axis[2], batch.z + 4 * i);
   FourWeights derivative_y;
   if constexpr (kGradient) {
-    store_by_tap(derivative_of(group.axis[0], frame), batch.dx, i);
-    store_by_lane(derivative_of(group.axis[2], frame), batch.dz + 4 * i);
-    derivative_y = derivative_of(group.axis[1], frame);
+    store_by_tap(derivative_of(group.axis[0], lattice), batch.dx, i);
+    store_by_lane(derivative_of(group.axis[2], lattice), batch.dz + 4 * i);
+    derivative_y = derivative_of(group.axis[1], lattice);
   }
   if constexpr (kNarrow) {
     const M from_second = hn::Gt(group.fraction[1], hn::Set(d, 0.5F));
@@ -271,19 +270,19 @@ HWY_INLINE GroupWeights weigh_taps(const CpuFrame& frame, const Block& block,
     store_by_tap(group.axis[1], batch.y, i);
     if constexpr (kGradient) store_by_tap(derivative_y, batch.dy, i);
   }
-  const VI rows = hn::Add(hn::Mul(index[2], hn::Set(di, block.region_size[1])), index[1]);
-  const VI samples = hn::Add(hn::Mul(rows, hn::Set(di, block.row_stride)), index[0]);
+  const VI rows = hn::Add(hn::Mul(index[2], hn::Set(di, region.size[1])), index[1]);
+  const VI samples = hn::Add(hn::Mul(rows, hn::Set(di, region.row_stride)), index[0]);
   hn::Store(hn::ShiftLeft<1>(samples), di, batch.offset + i);
   return group;
 }
 
 // Pass 2: sums over y and z, four x-taps kept apart; `samples`: of the sublattice.
 template <int kRows>
-HWY_INLINE void sum_yz(const Block& block, const float* HWY_RESTRICT samples, int count,
+HWY_INLINE void sum_yz(const Region& region, const float* HWY_RESTRICT samples, int count,
                        FourTapBatch& batch) {
-  const std::ptrdiff_t row = 2 * static_cast<std::ptrdiff_t>(block.row_stride);
+  const std::ptrdiff_t row = 2 * static_cast<std::ptrdiff_t>(region.row_stride);
   const std::ptrdiff_t three_rows = 3 * row;
-  const std::ptrdiff_t two_slices = 4 * static_cast<std::ptrdiff_t>(block.slice_stride);
+  const std::ptrdiff_t two_slices = 4 * static_cast<std::ptrdiff_t>(region.slice_stride);
   for (int i = 0; i < count; ++i) {
     const float* HWY_RESTRICT p = samples + batch.offset[i];
     const float* HWY_RESTRICT q = p + two_slices;
@@ -304,10 +303,10 @@ HWY_INLINE void sum_yz(const Block& block, const float* HWY_RESTRICT samples, in
 }
 
 template <int kRows>
-HWY_INLINE void sum_yz(const Block& block, const float* HWY_RESTRICT samples, int count,
+HWY_INLINE void sum_yz(const Region& region, const float* HWY_RESTRICT samples, int count,
                        FourTapGradientBatch& batch) {
-  const std::ptrdiff_t row = 2 * static_cast<std::ptrdiff_t>(block.row_stride);
-  const std::ptrdiff_t two_slices = 4 * static_cast<std::ptrdiff_t>(block.slice_stride);
+  const std::ptrdiff_t row = 2 * static_cast<std::ptrdiff_t>(region.row_stride);
+  const std::ptrdiff_t two_slices = 4 * static_cast<std::ptrdiff_t>(region.slice_stride);
   for (int i = 0; i < count; ++i) {
     const float* HWY_RESTRICT p = samples + batch.offset[i];
     const float* HWY_RESTRICT q = p + two_slices;

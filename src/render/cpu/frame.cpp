@@ -19,11 +19,12 @@ void set_frame(CpuFrame& frame, const ValueRange& range, const Look& look,
   frame.plan = &plan;
   frame.options = &options;
   frame.camera = frame_camera(plan.lattice);
-  frame.look = look_constants(plan, look, range, frame.corrects_late, frame.tables);
-  frame.table = table_in(frame.tables, frame.look.look);
-  if (frame.fades_by_gradient) frame.fading = table_in(frame.tables, frame.look.fading);
-  if (frame.has_own_color) frame.color_table = table_in(frame.tables, frame.look.color);
-  if (frame.is_preintegrated) frame.integrals = &frame.tables[frame.look.integrals_at].x;
+  FrameLook& tables = frame.look;
+  tables.constants = look_constants(plan, look, range, frame.corrects_late, tables.memory);
+  tables.table = table_in(tables.memory, tables.constants.look);
+  if (frame.fades_by_gradient) tables.fading = table_in(tables.memory, tables.constants.fading);
+  if (frame.has_own_color) tables.color = table_in(tables.memory, tables.constants.color);
+  if (frame.is_preintegrated) tables.integrals = &tables.memory[tables.constants.integrals_at].x;
 }
 
 }  // namespace ovoid::cpu

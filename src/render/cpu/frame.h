@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The constants of one frame that every stage reads and no stage writes.
+// The constants of one frame that stages read and no stage writes: those that every frame has.
+// Lattices add theirs in lattice_frame.h, kernel sets in kernel_block.h.
 #pragma once
 
 #include <stop_token>
 
 #include "ovoid/renderer.h"
-#include "render/shared/lattice_values.h"
 #include "render/shared/look_values.h"
 #include "render/shared/view_values.h"
 
@@ -18,28 +18,26 @@ struct ClassificationTable {
   const float* steps = nullptr;    // [kTableCells + 1]; null if no cell has one
 };
 
-// A frame of any field. Kernel sets leave the members about lattices as they are.
-struct CpuFrame : FrameTraits, LatticeTraits {
-  const view::FramePlan* plan = nullptr;
-  const view::LatticePlan* lattice_plan = nullptr;  // `plan`, if it is a lattice's
-  const LatticeField* field = nullptr;              // likewise
-  const RenderOptions* options = nullptr;
-  const CpuFrame* trail = nullptr;  // drawn behind this frame sheet by sheet; null: none
-  std::stop_token stop;
-
-  bool samples_at_nodes = false;  // of some sheets: tiles come in patches (nodes.h)
-  FrameCamera camera;
-  device::LatticeConstants lattice{};
-  device::LookConstants look{};
-  FrameTables tables;  // the memory that the tables below point into
+// The look. Stays where it is: the tables point into its memory.
+struct FrameLook {
+  device::LookConstants constants{};
   ClassificationTable table;
   ClassificationTable fading;        // opacity by the gradient's length, if fades_by_gradient
-  ClassificationTable color_table;   // colours by another attribute, if has_own_color
+  ClassificationTable color;         // colours by another attribute, if has_own_color
   const float* integrals = nullptr;  // [kTableCells + 2][8], if is_preintegrated
+  FrameTables memory;
 };
 
-// Sets the members that every field has. `options` and `plan` must live as long as the frame is
-// drawn; `range`: of the field's values.
+// What every frame has, whatever its field is.
+struct CpuFrame : FrameTraits {
+  const view::FramePlan* plan = nullptr;
+  const RenderOptions* options = nullptr;
+  std::stop_token stop;
+  FrameCamera camera;
+  FrameLook look;
+};
+
+// `options` and `plan` must live as long as the frame is drawn; `range`: of the field's values.
 void set_frame(CpuFrame& frame, const ValueRange& range, const Look& look,
                const RenderOptions& options, const view::FramePlan& plan);
 

@@ -25,7 +25,7 @@ struct SampleBatch {
   int count = 0;                            // samples; padded to whole groups by repeating the last
   alignas(64) float column[kBatchSamples];  // of the plane
   alignas(64) float row[kBatchSamples];
-  alignas(64) std::int32_t at[kBatchSamples];  // row * kPlaneStride + column
+  alignas(64) std::int32_t at[kBatchSamples];  // in the plane
   alignas(64) float share[kBatchSamples];      // of the weights that exist; only at borders
   alignas(64) float part[device::kMaxSublattices][kBatchSamples];  // if there are several
   Taps taps[device::kMaxSublattices];
@@ -51,7 +51,7 @@ inline constexpr bool kTakesGradient = std::is_same_v<Batch, GradientBatch>;
 
 // What makes the gradient of a ramp constant: the weights' derivative answers to slope 1 with
 // variance / sigma^2.
-HWY_INLINE V correction_for(V variance, const CpuFrame& frame) {
+HWY_INLINE V correction_for(V variance, const LatticeFrame& frame) {
   if (!frame.corrects_gradient) return hn::Set(d, 1.0F);
   const V answer = hn::Mul(variance, hn::Set(d, frame.lattice.inverse_variance));
   return hn::IfThenElse(hn::Gt(variance, hn::Set(d, device::kLeastVariance)),
@@ -59,10 +59,10 @@ HWY_INLINE V correction_for(V variance, const CpuFrame& frame) {
 }
 
 template <bool kBorder, class Batch>
-HWY_INLINE void weigh_one(const CpuFrame& frame, const Block& block, const Position& u, int i,
+HWY_INLINE void weigh_one(const LatticeFrame& frame, const Region& region, const Position& u, int i,
                           Batch& batch) {
   const GroupWeights group =
-      weigh_taps<false, kBorder>(frame, block, frame.lattice.sublattices[0], u, i, batch.taps[0]);
+      weigh_taps<false, kBorder>(frame.lattice, region, 0, u, i, batch.taps[0]);
   if constexpr (kBorder) hn::Store(group.share, d, batch.share + i);
   if constexpr (kTakesGradient<Batch>) {
     for (int a = 0; a < 3; ++a)
@@ -71,7 +71,7 @@ HWY_INLINE void weigh_one(const CpuFrame& frame, const Block& block, const Posit
 }
 
 // The weights of a sublattice, summed, are this times the product of the axes' totals.
-HWY_INLINE V log2_of_scale(const CpuFrame& frame, const GroupWeights& group) {
+HWY_INLINE V log2_of_scale(const LatticeFrame& frame, const GroupWeights& group) {
   constexpr float kLog2E = 1.44269504F;
   V sum = hn::Zero(d);
   for (const V f : group.fraction)
@@ -84,14 +84,14 @@ HWY_INLINE V product_of_totals(const GroupWeights& group) {
 }
 
 template <bool kBorder, class Batch>
-HWY_INLINE void weigh_two(const CpuFrame& frame, const Block& block, const Position& u, int i,
+HWY_INLINE void weigh_two(const LatticeFrame& frame, const Region& region, const Position& u, int i,
                           Batch& batch) {
   const V offset = hn::Set(d, frame.lattice.sublattices[1].offset);
   const Position shifted{hn::Sub(u.x, offset), hn::Sub(u.y, offset), hn::Sub(u.z, offset)};
   const GroupWeights first =
-      weigh_taps<true, kBorder>(frame, block, frame.lattice.sublattices[0], u, i, batch.taps[0]);
-  const GroupWeights second = weigh_taps<true, kBorder>(frame, block, frame.lattice.sublattices[1],
-                                                        shifted, i, batch.taps[1]);
+      weigh_taps<true, kBorder>(frame.lattice, region, 0, u, i, batch.taps[0]);
+  const GroupWeights second =
+      weigh_taps<true, kBorder>(frame.lattice, region, 1, shifted, i, batch.taps[1]);
   // Of the endless lattice.
   const V scale =
       vector_exp2(d, hn::Sub(log2_of_scale(frame, second), log2_of_scale(frame, first)));
@@ -128,21 +128,21 @@ HWY_INLINE void weigh_two(const CpuFrame& frame, const Block& block, const Posit
 
 // Pass 1 for samples i and following, at u.
 template <class Batch>
-HWY_INLINE void weigh_at(const CpuFrame& frame, const Block& block, const Position& u, int i,
+HWY_INLINE void weigh_at(const LatticeFrame& frame, const Region& region, const Position& u, int i,
                          Batch& batch) {
   if (frame.lattice.num_sublattices == 1) {
-    block.is_interior ? weigh_one<false>(frame, block, u, i, batch)
-                      : weigh_one<true>(frame, block, u, i, batch);
+    region.is_interior ? weigh_one<false>(frame, region, u, i, batch)
+                       : weigh_one<true>(frame, region, u, i, batch);
   } else {
-    block.is_interior ? weigh_two<false>(frame, block, u, i, batch)
-                      : weigh_two<true>(frame, block, u, i, batch);
+    region.is_interior ? weigh_two<false>(frame, region, u, i, batch)
+                       : weigh_two<true>(frame, region, u, i, batch);
   }
 }
 
 // Pass 1 for all samples of a batch on one sheet.
 template <class Batch>
-HWY_INLINE void weigh_sheet(const CpuFrame& frame, const Block& block, int s, Batch& batch) {
-  const SheetSetup& sheet = block.sheets[s];
+HWY_INLINE void weigh_sheet(const LatticeFrame& frame, const Block& block, int s, Batch& batch) {
+  const SheetInLattice& sheet = block.sheets[s];
   for (int i = 0; i < batch.padded_count(); i += group_size()) {
     const V column = hn::Load(d, batch.column + i);
     const V row = hn::Load(d, batch.row + i);
@@ -150,25 +150,24 @@ HWY_INLINE void weigh_sheet(const CpuFrame& frame, const Block& block, int s, Ba
       const V start = hn::MulAdd(row, hn::Set(d, sheet.per_y[a]), hn::Set(d, sheet.base[a]));
       return hn::MulAdd(column, hn::Set(d, sheet.per_x[a]), start);
     };
-    weigh_at(frame, block, {along(0), along(1), along(2)}, i, batch);
+    weigh_at(frame, block.region, {along(0), along(1), along(2)}, i, batch);
   }
 }
 
 // Pass 2.
 template <class Batch>
-HWY_INLINE void sum_batch(const CpuFrame& frame, const Workspace& work, Batch& batch) {
-  const Block& block = work.block;
+HWY_INLINE void sum_batch(const LatticeFrame& frame, const Region& region, Batch& batch) {
   if (frame.lattice.num_sublattices == 1) {
-    sum_yz<4>(block, work.samples, batch.padded_count(), batch.taps[0]);
+    sum_yz<4>(region, region.samples, batch.padded_count(), batch.taps[0]);
     return;
   }
   for (int s = 0; s < frame.lattice.num_sublattices; ++s)
-    sum_yz<3>(block, work.samples + s * block.sublattice_stride, batch.padded_count(),
+    sum_yz<3>(region, region.samples + s * region.sublattice_stride, batch.padded_count(),
               batch.taps[s]);
 }
 
 // Pass 3: samples i and following.
-HWY_INLINE V value_of(const CpuFrame& frame, const ValueBatch& batch, int i) {
+HWY_INLINE V value_of(const LatticeFrame& frame, const ValueBatch& batch, int i) {
   const V first = reduce(batch.taps[0], i);
   if (frame.lattice.num_sublattices == 1) return first;
   return hn::MulAdd(first, hn::Load(d, batch.part[0] + i),
@@ -178,7 +177,8 @@ HWY_INLINE V value_of(const CpuFrame& frame, const ValueBatch& batch, int i) {
 // Two sublattices answer to the slope of a ramp with C slope / sigma^2, C = D + c a a^T the
 // covariance of the kernels' places: D inside the sublattices, a from one's mean to the other's. By
 // the formula of Sherman and Morrison.
-HWY_INLINE void correct_two(const CpuFrame& frame, const GradientBatch& batch, int i, V* gradient) {
+HWY_INLINE void correct_two(const LatticeFrame& frame, const GradientBatch& batch, int i,
+                            V* gradient) {
   V within[3], apart[3];
   V along = hn::Zero(d);   // a^T D^-1 g
   V length = hn::Zero(d);  // a^T D^-1 a
@@ -202,7 +202,7 @@ HWY_INLINE void correct_two(const CpuFrame& frame, const GradientBatch& batch, i
   }
 }
 
-HWY_INLINE ValueAndGradient value_of(const CpuFrame& frame, const GradientBatch& batch, int i) {
+HWY_INLINE ValueAndGradient value_of(const LatticeFrame& frame, const GradientBatch& batch, int i) {
   const ValueAndGradient first = reduce(batch.taps[0], i);
   if (frame.lattice.num_sublattices == 1) {
     const auto correction = [&](int a) { return hn::Load(d, batch.correction[a] + i); };

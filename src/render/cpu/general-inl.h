@@ -9,6 +9,7 @@
 #define OVOID_RENDER_CPU_GENERAL_INL_H_
 #endif
 
+#include "render/cpu/block-inl.h"
 #include "render/cpu/simd-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -29,24 +30,31 @@ struct AxisTaps {
 using DT = hn::CappedTag<float, 8>;  // taps of a row
 inline constexpr DT dt;
 
-inline int tap_capacity(const CpuFrame& frame, const SheetSetup& sheet) {
+inline int tap_capacity(const LatticeFrame& frame, const SheetInLattice& sheet) {
   const float widest = std::max({sheet.widening[0], sheet.widening[1], sheet.widening[2]});
   return static_cast<int>(2 * frame.lattice.support * widest) + 2 + 2 * kTapPadding;
 }
 
-// `u`: of the sublattice, its offset taken off.
-inline void fill_axis(const CpuFrame& frame, const Block& block,
-                      const device::Sublattice& sublattice, int axis, float u, float widening,
+// A sample along one axis of a sublattice, whose offset is taken off, and how kernels are widened.
+struct AxisPlace {
+  int axis;
+  float u;
+  float widening;
+};
+
+inline void fill_axis(const device::LatticeConstants& lattice, const Region& region,
+                      const device::Sublattice& sublattice, const AxisPlace& place,
                       AxisTaps& taps) {
-  const float support = frame.lattice.support * widening;
-  const float inverse_variance = frame.lattice.inverse_variance / (widening * widening);
+  const auto [axis, u, widening] = place;
+  const float support = lattice.support * widening;
+  const float inverse_variance = lattice.inverse_variance / (widening * widening);
   const int reach_first = static_cast<int>(std::ceil(u - support));
   const int reach_last = static_cast<int>(std::floor(u + support));
-  const int lattice_first = static_cast<int>(-block.origin[axis]);
+  const int lattice_first = static_cast<int>(-region.origin[axis]);
   const int lattice_last = lattice_first + sublattice.dims[axis] - 1;
   const int first = std::max(reach_first, lattice_first);
   const int last = std::min(reach_last, lattice_last);
-  taps.first = first - block.region_lo[axis];
+  taps.first = first - region.lo[axis];
   taps.count = std::max(0, last - first + 1);
   const int lanes = static_cast<int>(hn::Lanes(dt));
   constexpr float kLog2E = 1.44269504F;
@@ -90,7 +98,7 @@ struct TapSums {
 };
 
 template <bool kGradient>
-inline TapSums sum_taps(const Block& block, const float* HWY_RESTRICT samples,
+inline TapSums sum_taps(const Region& region, const float* HWY_RESTRICT samples,
                         const AxisTaps* axis) {
   const int lanes = static_cast<int>(hn::Lanes(dt));
   auto sum = hn::Zero(dt), sum_x = hn::Zero(dt), sum_y = hn::Zero(dt), sum_z = hn::Zero(dt);
@@ -98,12 +106,12 @@ inline TapSums sum_taps(const Block& block, const float* HWY_RESTRICT samples,
     auto t = hn::Zero(dt), ty = hn::Zero(dt), tz = hn::Zero(dt);
     for (int k = 0; k < axis[2].count; ++k) {
       const float* slice = samples +
-                           static_cast<std::ptrdiff_t>(axis[2].first + k) * block.slice_stride +
+                           static_cast<std::ptrdiff_t>(axis[2].first + k) * region.slice_stride +
                            axis[0].first + i;
       auto row_sum = hn::Zero(dt), row_sum_y = hn::Zero(dt);
       for (int j = 0; j < axis[1].count; ++j) {
         const auto row = hn::LoadU(
-            dt, slice + static_cast<std::ptrdiff_t>(axis[1].first + j) * block.row_stride);
+            dt, slice + static_cast<std::ptrdiff_t>(axis[1].first + j) * region.row_stride);
         row_sum = hn::MulAdd(row, hn::Set(dt, axis[1].weight[j]), row_sum);
         if constexpr (kGradient)
           row_sum_y = hn::MulAdd(row, hn::Set(dt, axis[1].derivative[j]), row_sum_y);
@@ -137,36 +145,51 @@ struct Quotient {
   float endless = 0;
 };
 
+// The sheet on which samples are gathered, and memory for the weights of one.
+struct GeneralSheet {
+  const LatticeFrame& frame;
+  const Region& region;
+  const SheetInLattice& sheet;
+  float* tap_memory;
+  int capacity;
+};
+
+// A point of a sample's slab.
+struct SamplePoint {
+  float u[3];
+  float weight;
+};
+
 // What the kernels of one sublattice add.
 template <bool kGradient>
-inline void add_point(const CpuFrame& frame, const Workspace& work, int s, const float* u,
-                      const SheetSetup& sheet, float point_weight, float* tap_memory, int capacity,
-                      Quotient& q) {
-  const Block& block = work.block;
-  const device::Sublattice& sublattice = frame.lattice.sublattices[s];
+inline void add_point(const GeneralSheet& on, int s, const SamplePoint& point, Quotient& q) {
+  const Region& region = on.region;
+  const device::Sublattice& sublattice = on.frame.lattice.sublattices[s];
   AxisTaps axis[3];
   for (int a = 0; a < 3; ++a) {
-    axis[a].weight = tap_memory + 2 * a * capacity;
-    axis[a].derivative = axis[a].weight + capacity;
-    fill_axis(frame, block, sublattice, a, u[a] - sublattice.offset, sheet.widening[a], axis[a]);
+    axis[a].weight = on.tap_memory + 2 * a * on.capacity;
+    axis[a].derivative = axis[a].weight + on.capacity;
+    fill_axis(on.frame.lattice, region, sublattice,
+              {a, point.u[a] - sublattice.offset, on.sheet.widening[a]}, axis[a]);
   }
-  q.endless += point_weight * axis[0].endless * axis[1].endless * axis[2].endless;
+  q.endless += point.weight * axis[0].endless * axis[1].endless * axis[2].endless;
   if (axis[0].count == 0 || axis[1].count == 0 || axis[2].count == 0) return;
-  const TapSums n = sum_taps<kGradient>(block, work.samples + s * block.sublattice_stride, axis);
+  const std::ptrdiff_t from = s * region.sublattice_stride;
+  const TapSums n = sum_taps<kGradient>(region, region.samples + from, axis);
   TapSums e;
-  if (block.has_missing) {
-    e = sum_taps<kGradient>(block, work.presence + s * block.sublattice_stride, axis);
+  if (region.has_missing) {
+    e = sum_taps<kGradient>(region, region.presence + from, axis);
   } else {
     e.value = axis[0].existing * axis[1].existing * axis[2].existing;
     e.x = axis[0].existing_derivative * axis[1].existing * axis[2].existing;
     e.y = axis[0].existing * axis[1].existing_derivative * axis[2].existing;
     e.z = axis[0].existing * axis[1].existing * axis[2].existing_derivative;
   }
-  const auto add = [&](TapSums& to, const TapSums& from) {
-    to.value += point_weight * from.value;
-    to.x += point_weight * from.x;
-    to.y += point_weight * from.y;
-    to.z += point_weight * from.z;
+  const auto add = [&](TapSums& to, const TapSums& sums) {
+    to.value += point.weight * sums.value;
+    to.x += point.weight * sums.x;
+    to.y += point.weight * sums.y;
+    to.z += point.weight * sums.z;
   };
   add(q.numerator, n);
   add(q.denominator, e);
@@ -207,7 +230,7 @@ inline void correct_for_two(const float* within, const float* apart, float c, fl
 }
 
 // Makes the gradient of ramps constant (docs/numerics.md, "Gradients").
-inline void correct_gradient(const CpuFrame& frame, const SheetSetup& sheet, const float* u,
+inline void correct_gradient(const LatticeFrame& frame, const SheetInLattice& sheet, const float* u,
                              float* gradient) {
   AxisMoments moments[device::kMaxSublattices][3];
   float weight[device::kMaxSublattices];
@@ -252,15 +275,15 @@ inline void correct_gradient(const CpuFrame& frame, const SheetSetup& sheet, con
 
 // Does any kernel of a sublattice reach the sample at u, or its slab, `step` long? Where no sample
 // is missing the supports fill one box. Points would miss a slab that has but an end in it.
-inline bool meets_support_of(const device::Sublattice& sublattice, const CpuFrame& frame,
-                             const Block& block, const SheetSetup& sheet, const float* u,
+inline bool meets_support_of(const device::Sublattice& sublattice, const LatticeFrame& frame,
+                             const Region& region, const SheetInLattice& sheet, const float* u,
                              const float* step) {
   const bool is_point = frame.lattice.num_slab_points == 1;
   float from = -0.5F;
   float to = 0.5F;
   for (int a = 0; a < 3; ++a) {
     const float support = frame.lattice.support * sheet.widening[a];
-    const float first = static_cast<float>(-block.origin[a]) + sublattice.offset;
+    const float first = static_cast<float>(-region.origin[a]) + sublattice.offset;
     const float below = first - support - u[a];
     const float above = first + static_cast<float>(sublattice.dims[a] - 1) + support - u[a];
     if (is_point || step[a] == 0.0F) {
@@ -276,52 +299,53 @@ inline bool meets_support_of(const device::Sublattice& sublattice, const CpuFram
   return true;
 }
 
-inline bool meets_support(const CpuFrame& frame, const Block& block, const SheetSetup& sheet,
-                          const float* u, const float* step) {
+inline bool meets_support(const LatticeFrame& frame, const Region& region,
+                          const SheetInLattice& sheet, const float* u, const float* step) {
   return std::any_of(frame.lattice.sublattices,
                      frame.lattice.sublattices + frame.lattice.num_sublattices,
                      [&](const device::Sublattice& sublattice) {
-                       return meets_support_of(sublattice, frame, block, sheet, u, step);
+                       return meets_support_of(sublattice, frame, region, sheet, u, step);
                      });
 }
 
-// Returns the bits of the lanes whose field is defined.
+// The samples of a group, at u. Returns the bits of the lanes whose field is defined.
 template <bool kGradient>
-inline std::uint32_t gather_general(const CpuFrame& frame, Workspace& work, int s, int column,
-                                    int row, const Position& u, std::uint32_t lanes,
+inline std::uint32_t gather_general(const LatticeFrame& frame, Workspace& work,
+                                    const SampleGroup& group, const Position& u,
                                     const GeneralOut& out) {
-  const SheetSetup& sheet = work.block.sheets[s];
+  const Region& region = work.block.region;
+  const SheetInLattice& sheet = work.block.sheets[group.s];
   alignas(64) float position[3][16];
   hn::Store(u.x, d, position[0]);
   hn::Store(u.y, d, position[1]);
   hn::Store(u.z, d, position[2]);
   const int capacity = tap_capacity(frame, sheet);
-  float* tap_memory = work.taps.reserve(static_cast<std::size_t>(6) * capacity);
+  const GeneralSheet on{frame, region, sheet,
+                        work.taps.reserve(static_cast<std::size_t>(6) * capacity), capacity};
   const float mass = sheet.widening[0] * sheet.widening[1] * sheet.widening[2];
   std::uint32_t defined = 0;
-  for (; lanes != 0; lanes &= lanes - 1) {
+  for (std::uint32_t lanes = group.lanes; lanes != 0; lanes &= lanes - 1) {
     const int l = std::countr_zero(lanes);
     float step[3];
     float center[3];
     for (int a = 0; a < 3; ++a) {
-      step[a] = sheet.step[a] + static_cast<float>(column + l) * sheet.step_per_x[a] +
-                static_cast<float>(row) * sheet.step_per_y[a];
+      step[a] = sheet.step[a] + static_cast<float>(group.column + l) * sheet.step_per_x[a] +
+                static_cast<float>(group.row) * sheet.step_per_y[a];
       center[a] = position[a][l];
     }
     Quotient q;
-    for (int point = 0; point < frame.lattice.num_slab_points; ++point) {
-      const device::SlabPoint slab = frame.lattice.slab[point];
-      float at[3];
-      for (int a = 0; a < 3; ++a) at[a] = center[a] + slab.offset * step[a];
+    for (int i = 0; i < frame.lattice.num_slab_points; ++i) {
+      const device::SlabPoint slab = frame.lattice.slab[i];
+      SamplePoint point{{}, slab.weight};
+      for (int a = 0; a < 3; ++a) point.u[a] = center[a] + slab.offset * step[a];
       for (int sub = 0; sub < frame.lattice.num_sublattices; ++sub)
-        add_point<kGradient>(frame, work, sub, at, sheet, slab.weight, tap_memory, capacity, q);
+        add_point<kGradient>(on, sub, point, q);
     }
     const TapSums& n = q.numerator;
     const TapSums& e = q.denominator;
     if (frame.is_sum) {
-      const bool is_defined = work.block.has_missing
-                                  ? e.value > 0
-                                  : meets_support(frame, work.block, sheet, center, step);
+      const bool is_defined =
+          region.has_missing ? e.value > 0 : meets_support(frame, region, sheet, center, step);
       if (!is_defined) continue;
       const float w = frame.lattice.sum_weight / mass;
       out.value[l] = w * n.value;

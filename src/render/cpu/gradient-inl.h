@@ -2,7 +2,7 @@
 // Stage "gradient": the world gradient of the visible samples of one sheet.
 //
 // In:  visible bits; exact: the region; central: the planes of the sheet and its two neighbours.
-// Out: block.gradient, world units.
+// Out: the gradients of the sheet, world units.
 // Exact costs three more multiply-adds per tap and runs only where something is visible; central
 // needs a margin of samples.
 #if defined(OVOID_RENDER_CPU_GRADIENT_INL_H_) == defined(HWY_TARGET_TOGGLE)
@@ -19,7 +19,7 @@ HWY_BEFORE_NAMESPACE();
 namespace ovoid::cpu {
 namespace HWY_NAMESPACE {
 
-HWY_INLINE WorldVector to_world(const CpuFrame& frame, V x, V y, V z) {
+HWY_INLINE WorldVector to_world(const LatticeFrame& frame, V x, V y, V z) {
   const auto row = [&](int r) {
     const device::vec4& m = frame.lattice.gradient_rows[r];
     return hn::MulAdd(hn::Set(d, m.x), x,
@@ -28,9 +28,9 @@ HWY_INLINE WorldVector to_world(const CpuFrame& frame, V x, V y, V z) {
   return {row(0), row(1), row(2)};
 }
 
-HWY_INLINE WorldVector exact_gradient(const CpuFrame& frame, Workspace& work, int s, int column,
-                                      int row, const Position& u, std::uint32_t lanes) {
-  const ValueAndGradient g = gather_gradient(frame, work, s, column, row, u, lanes);
+HWY_INLINE WorldVector exact_gradient(const LatticeFrame& frame, Workspace& work,
+                                      const SampleGroup& group, const Position& u) {
+  const ValueAndGradient g = gather_gradient(frame, work, group, u);
   return to_world(frame, g.x, g.y, g.z);
 }
 
@@ -41,20 +41,21 @@ HWY_INLINE Position point_between(const Position& a, const Position& b, V t) {
 
 // Values and gradients of the samples named by `bits`, of which all must be active, in one pass.
 // Marks them in has_gradient and, where the field is, in the sheet's defined bits.
-inline void reconstruct_with_gradients(const CpuFrame& frame, Workspace& work, int s,
+inline void reconstruct_with_gradients(const LatticeFrame& frame, Workspace& work, int s,
                                        const RowBits& bits) {
-  Block& block = work.block;
-  float* values = block.values[s & (kRingSheets - 1)];
-  RowBits& defined = block.defined[s & (kRingSheets - 1)];
-  for (int y = 0; y < block.rows; ++y) {
-    defined[y] |= bits[y];
-    block.has_gradient[y] |= bits[y];
+  const Block& block = work.block;
+  Sheet& sheet = work.ring[block.place.number_of(s)];
+  float* const values = sheet.values;
+  const std::array<float*, 3> gradient = sheet.gradient;
+  for (int y = 0; y < block.place.rows; ++y) {
+    sheet.defined[y] |= bits[y];
+    sheet.has_gradient[y] |= bits[y];
     work.stats.gradients += std::popcount(bits[y]);
   }
   GradientBatch batch;
-  for_each_batch(block, bits, batch, [&] {
+  for_each_batch({bits, block.place.rows, sheet.stride}, batch, [&] {
     weigh_sheet(frame, block, s, batch);
-    sum_batch(frame, work, batch);
+    sum_batch(frame, block.region, batch);
     alignas(64) float value[kBatchSamples];
     alignas(64) float g[3][kBatchSamples];
     for (int i = 0; i < batch.count; i += group_size()) {
@@ -67,68 +68,78 @@ inline void reconstruct_with_gradients(const CpuFrame& frame, Workspace& work, i
     }
     for (int i = 0; i < batch.count; ++i) {
       values[batch.at[i]] = value[i];
-      for (int a = 0; a < 3; ++a) block.gradient[a][batch.at[i]] = g[a][i];
+      for (std::size_t a = 0; a < 3; ++a) gradient[a][batch.at[i]] = g[a][i];
     }
-    if (!block.is_interior) drop_undefined(batch, defined);
+    if (!block.region.is_interior) drop_undefined(batch, sheet.defined);
   });
 }
 
 // Samples of the next sheet whose gradient will probably be wanted: those behind samples that were
 // visible. Their value comes with the gradient for less than both would cost apart. A wrong guess
 // costs time, nothing else.
-inline RowBits guess_visible(const CpuFrame& frame, const Block& block, const RowBits& wanted) {
+inline RowBits guess_visible(const LatticeFrame& frame, const Workspace& work,
+                             const RowBits& wanted) {
   RowBits guess{};
   const bool is_worthwhile = frame.takes_gradients && !frame.is_preintegrated &&
-                             !frame.takes_differences && block.uses_four_taps;
+                             !frame.takes_differences && work.block.region.uses_four_taps;
   if (!is_worthwhile) return guess;
-  for (int y = 0; y < block.rows; ++y) guess[y] = wanted[y] & block.visible[y];
+  for (int y = 0; y < work.block.place.rows; ++y) guess[y] = wanted[y] & work.was_visible[y];
   return guess;
 }
 
 // A piece's gradient is that of its middle; of a sample that has none before it, the sample's own.
-inline void gradient_of_pieces(const CpuFrame& frame, Workspace& work, int s, const RowBits& bits) {
-  Block& block = work.block;
-  const RowBits& defined_before = block.defined[(s - 1) & (kRingSheets - 1)];
-  for (int y = 0; y < block.rows; ++y) {
+inline void gradient_of_pieces(const LatticeFrame& frame, Workspace& work, int s,
+                               const RowBits& bits) {
+  const Block& block = work.block;
+  const BlockPlace& place = block.place;
+  Sheet& sheet = work.ring[place.number_of(s)];
+  const RowBits& defined_before = work.ring[place.number_of(s - 1)].defined;
+  for (int y = 0; y < place.rows; ++y) {
     work.stats.gradients += std::popcount(bits[y]);
-    for_each_group(bits[y], block.margin, block.columns - block.margin,
+    for_each_group(bits[y], place.margin, place.columns - place.margin,
                    [&](int column, std::uint32_t lanes) {
+                     const SampleGroup group{s, column, y, lanes};
                      const Position to = position_of(block.sheets[s], column, y);
                      const Position from = position_of(block.sheets[s - 1], column, y);
                      const M has_before = mask_of(lanes_at(defined_before[y], column));
                      const V share = hn::IfThenElseZero(has_before, hn::Set(d, 0.5F));
                      const Position middle = point_between(to, from, share);
-                     store_gradient(block, column, y, lanes,
-                                    exact_gradient(frame, work, s, column, y, middle, lanes));
+                     store_gradient(sheet, group, exact_gradient(frame, work, group, middle));
                    });
   }
 }
 
 // The visible samples that have no gradient yet.
-inline void gradients_of(const CpuFrame& frame, Workspace& work, int s, const RowBits& missing) {
-  Block& block = work.block;
-  if (!frame.takes_differences && block.uses_four_taps) {
+inline void gradients_of(const LatticeFrame& frame, Workspace& work, int s,
+                         const RowBits& missing) {
+  const Block& block = work.block;
+  const BlockPlace& place = block.place;
+  if (!frame.takes_differences && block.region.uses_four_taps) {
     reconstruct_with_gradients(frame, work, s, missing);
     return;
   }
-  for (int y = 0; y < block.rows; ++y) {
+  Sheet& sheet = work.ring[place.number_of(s)];
+  for (int y = 0; y < place.rows; ++y) {
     work.stats.gradients += std::popcount(missing[y]);
-    for_each_group(missing[y], block.margin, block.columns - block.margin,
+    for_each_group(missing[y], place.margin, place.columns - place.margin,
                    [&](int column, std::uint32_t lanes) {
+                     const SampleGroup group{s, column, y, lanes};
                      const Position u = position_of(block.sheets[s], column, y);
-                     store_gradient(block, column, y, lanes,
-                                    frame.takes_differences
-                                        ? central_difference_gradient(frame, block, s, column, y)
-                                        : exact_gradient(frame, work, s, column, y, u, lanes));
+                     store_gradient(
+                         sheet, group,
+                         frame.takes_differences
+                             ? central_difference_gradient(frame, place, work.ring, group)
+                             : exact_gradient(frame, work, group, u));
                    });
   }
 }
 
 // Gradients of the sheet's visible samples.
-inline void gradient_of_sheet(const CpuFrame& frame, Workspace& work, int s) {
-  const Block& block = work.block;
+inline void gradient_of_sheet(const LatticeFrame& frame, Workspace& work, int s) {
+  const BlockPlace& place = work.block.place;
+  const RowBits& has_gradient = work.ring[place.number_of(s)].has_gradient;
   RowBits missing;
-  for (int y = 0; y < block.rows; ++y) missing[y] = block.visible[y] & ~block.has_gradient[y];
+  for (int y = 0; y < place.rows; ++y) missing[y] = work.shaded.visible[y] & ~has_gradient[y];
   if (frame.is_preintegrated && !frame.takes_differences) {
     gradient_of_pieces(frame, work, s, missing);
   } else {

@@ -17,20 +17,27 @@ HWY_BEFORE_NAMESPACE();
 namespace ovoid::cpu {
 namespace HWY_NAMESPACE {
 
-// Where between two samples (0 to 1) the field takes the isovalue; `before` and `after` lie on
-// different sides.
-HWY_INLINE V refine(const CpuFrame& frame, Workspace& work, int s, int column, int row,
-                    const Position& from, const Position& to, V before, V after,
-                    std::uint32_t lanes) {
-  const V iso = hn::Set(d, frame.look.isovalue);
+// A group's samples on sheet s - 1 of the block and on sheet s, between which the field takes the
+// isovalue.
+struct SurfaceEnds {
+  Position from, to;
+  V before, after;  // the values there
+};
+
+// Where between the ends (0 to 1) the field takes the isovalue.
+HWY_INLINE V refine(const LatticeFrame& frame, Workspace& work, const SampleGroup& group,
+                    const SurfaceEnds& ends) {
+  V before = ends.before;
+  V after = ends.after;
+  const V iso = hn::Set(d, frame.look.constants.isovalue);
   const M rises = hn::Lt(before, iso);
   V near = hn::Zero(d);
   V far = hn::Set(d, 1.0F);
-  M far_is_defined = mask_of(lanes);
+  M far_is_defined = mask_of(group.lanes);
   for (int i = 0; i < device::kSurfaceSteps; ++i) {
     const V middle = hn::Mul(hn::Set(d, 0.5F), hn::Add(near, far));
     const GroupValues f =
-        gather_group(frame, work, s, column, row, point_between(from, to, middle), lanes);
+        gather_group(frame, work, group, point_between(ends.from, ends.to, middle));
     const M is_low = hn::Lt(f.value, iso);
     // Same side as the near end: the crossing is behind the middle. Where the field is undefined,
     // stay in front of it.
@@ -38,7 +45,7 @@ HWY_INLINE V refine(const CpuFrame& frame, Workspace& work, int s, int column, i
         hn::And(mask_of(f.defined), hn::Or(hn::And(is_low, rises), hn::Not(hn::Or(is_low, rises))));
     near = hn::IfThenElse(same, middle, near);
     before = hn::IfThenElse(same, f.value, before);
-    const M other = hn::And(hn::Not(same), mask_of(lanes));
+    const M other = hn::And(hn::Not(same), mask_of(group.lanes));
     far = hn::IfThenElse(other, middle, far);
     after = hn::IfThenElse(other, f.value, after);
     far_is_defined = hn::Or(hn::And(other, mask_of(f.defined)), hn::AndNot(other, far_is_defined));
@@ -51,37 +58,40 @@ HWY_INLINE V refine(const CpuFrame& frame, Workspace& work, int s, int column, i
 }
 
 // Crossings between sheet s - 1 and sheet s of the block.
-inline void surface_sheet(const CpuFrame& frame, Workspace& work, int s) {
-  Block& block = work.block;
+inline void surface_sheet(const LatticeFrame& frame, Workspace& work, int s) {
+  const Block& block = work.block;
+  const BlockPlace& place = block.place;
   TileState& tile = *work.tile;
-  const int here = s & (kRingSheets - 1);
-  const int front = (s - 1) & (kRingSheets - 1);
-  const V iso = hn::Set(d, frame.look.isovalue);
-  for (int y = 0; y < block.rows; ++y) {
-    std::uint32_t& open = tile.open[tile_row(block, y)];
-    const RowWord both = block.defined[here][y] & block.defined[front][y] & open >> block.x0;
-    for_each_group(both, 0, block.columns, [&](int column, std::uint32_t lanes) {
-      const int at = y * kPlaneStride + column;
-      const V before = hn::LoadU(d, block.values[front] + at);
-      const V after = hn::LoadU(d, block.values[here] + at);
-      std::uint32_t crossing = bits_of(hn::Xor(hn::Lt(before, iso), hn::Lt(after, iso))) & lanes;
+  const Sheet& here = work.ring[place.number_of(s)];
+  const Sheet& front = work.ring[place.number_of(s - 1)];
+  const V iso = hn::Set(d, frame.look.constants.isovalue);
+  for (int y = 0; y < place.rows; ++y) {
+    std::uint32_t& open = tile.open[tile_row(place, y)];
+    const RowWord both = here.defined[y] & front.defined[y] & open >> place.x0;
+    for_each_group(both, 0, place.columns, [&](int column, std::uint32_t lanes) {
+      const int at = here.at(column, y);
+      SurfaceEnds ends;
+      ends.before = hn::LoadU(d, front.values + at);
+      ends.after = hn::LoadU(d, here.values + at);
+      std::uint32_t crossing =
+          bits_of(hn::Xor(hn::Lt(ends.before, iso), hn::Lt(ends.after, iso))) & lanes;
       if (crossing == 0) return;
-      const Position from = position_of(block.sheets[s - 1], column, y);
-      const Position to = position_of(block.sheets[s], column, y);
-      const V t = refine(frame, work, s, column, y, from, to, before, after, crossing);
-      crossing &= kept_by_planes(frame, block, s, column, y, t);
+      ends.from = position_of(block.sheets[s - 1], column, y);
+      ends.to = position_of(block.sheets[s], column, y);
+      const V t = refine(frame, work, {s, column, y, crossing}, ends);
+      crossing &= kept_by_planes(frame, place, s, column, y, t);
       if (crossing == 0) return;
-      const V color[3] = {hn::Set(d, frame.look.isosurface_color.x),
-                          hn::Set(d, frame.look.isosurface_color.y),
-                          hn::Set(d, frame.look.isosurface_color.z)};
+      const V color[3] = {hn::Set(d, frame.look.constants.isosurface_color.x),
+                          hn::Set(d, frame.look.constants.isosurface_color.y),
+                          hn::Set(d, frame.look.constants.isosurface_color.z)};
       Lighting light{hn::Set(d, 1.0F), hn::Zero(d)};
       if (frame.is_lit) {
-        const WorldVector g =
-            exact_gradient(frame, work, s, column, y, point_between(from, to, t), crossing);
-        light = light_sample(frame, g, direction_to_eye(frame, block, column, y));
+        const WorldVector g = exact_gradient(frame, work, {s, column, y, crossing},
+                                             point_between(ends.from, ends.to, t));
+        light = light_sample(frame.look.constants, g, direction_to_eye(frame, place, column, y));
         work.stats.gradients += std::popcount(crossing);
       }
-      const int pixel = tile_index(block, column, y);
+      const int pixel = tile_index(place, column, y);
       const M mask = mask_of(crossing);
       // What is in front is not all that shows.
       const V in_front = hn::LoadU(d, tile.alpha + pixel);
@@ -95,9 +105,9 @@ inline void surface_sheet(const CpuFrame& frame, Workspace& work, int s) {
       store_masked(mask, hn::Set(d, 1.0F), tile.alpha + pixel);
       const V depth =
           hn::MulAdd(hn::Sub(t, hn::Set(d, 1.0F)), hn::Set(d, frame.camera.sampling_distance),
-                     hn::Set(d, block.sheets[s].depth));
+                     hn::Set(d, place.sheets[s].depth));
       store_masked(hn::And(mask, hn::Lt(in_front, hn::Set(d, 0.5F))), depth, tile.depth + pixel);
-      open &= ~(crossing << tile_column(block, column));
+      open &= ~(crossing << tile_column(place, column));
       work.stats.samples_shaded += std::popcount(crossing);
     });
   }

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // A block of a kernel field: view::kBlockEdge^2 pixels x view::kBlockDepth sheets, in which splats
-// are summed, and the ring of sheets of field values that its tile keeps. It all lies in the L2
-// cache of one core.
+// are summed, and its subtiles, which keep the sheets of field values. It all lies in the L2 cache
+// of one core.
 //
 //   channel   what is summed over splats: of normalized fields w v phi, w phi and, with a colour
 //             of its own, w c phi; of sums v w phi and c v w phi
 //   level     level l has a sample for every 2^l x 2^l pixels, at their middle. Sample i of a plane
 //             of level l lies at the pixel 2^l (lo + i) + (2^l - 1) / 2 of the tile. Coarse planes
 //             reach as far beyond the finer one as the filter that brings them there.
-//   ring      sheet k of the frame lives in plane k & (kValueRing - 1)
 #pragma once
 
 #include <array>
@@ -25,7 +24,6 @@ namespace ovoid::cpu {
 inline constexpr int kMaxChannels = 3;
 inline constexpr int kMaxLevel = 6;  // 64 pixels per sample: a tile is one sample
 static_assert(kMaxLevel + 1 == device::kNumLevels);
-inline constexpr int kValueRing = 8;                            // a power of two, > kBlockDepth + 2
 inline constexpr int kSubtiles = view::kBlockEdge / kTileSize;  // along one axis
 inline constexpr int kPlanePadding = 64;  // floats: a group at a plane's end reads and writes on
 
@@ -64,10 +62,18 @@ using LevelBands = std::array<LevelBand, kMaxLevel>;
 // `how` is not kOff.
 std::unique_ptr<LevelBands> level_bands(PostConvolution how);
 
+// kTileSize^2 pixels of a block.
+struct Subtile {
+  TileState pixels;
+  TileRays rays;
+  SheetRing ring{kTilePlane};
+};
+
 struct KernelWorkspace {
-  Workspace shading;  // its block holds one subtile's window of the ring
-  std::array<TileState, kSubtiles * kSubtiles> tiles;
-  std::array<TileRays, kSubtiles * kSubtiles> rays;
+  std::array<Subtile, kSubtiles * kSubtiles> subtiles;  // row by row
+  BlockPlace place;                                     // of the subtile in hand
+  ShadedSheet shaded;
+  WorkerStats stats;
 
   // [sheet of the block][channel][row][column], one buffer per level
   std::array<FloatBuffer, kMaxLevel + 1> levels;
@@ -79,16 +85,14 @@ struct KernelWorkspace {
   bool has_cover = false;
   std::array<bool, view::kBlockDepth> is_all_covered{};
 
-  // The ring: NaN where the field is undefined.
-  FloatBuffer values, colors;
-  std::array<std::int64_t, kValueRing> ring_sheets{};  // which sheet each plane holds
-  alignas(64) float color_window[kRingSheets][kMaxPlaneRows * kPlaneStride];
+  TileInHand in_hand(Subtile& subtile) {
+    return {place, subtile.ring, subtile.pixels, shaded, stats};
+  }
 };
 
 // A frame of a kernel field.
-struct KernelFrame : KernelTraits {
-  CpuFrame common;
-  const view::KernelPlan* plan = nullptr;
+struct KernelFrame : CpuFrame, KernelTraits {
+  const view::KernelPlan* kernel_plan = nullptr;  // `plan`, as what it is
   const BinnedSplats* binned = nullptr;
   std::unique_ptr<const LevelBands> level_bands;  // if there are levels
 };

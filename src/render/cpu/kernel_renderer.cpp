@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // A frame of a kernel field: plan, project and bin once, then tiles as independent tasks.
+#include "render/cpu/kernel_renderer.h"
+
 #include <algorithm>
 
 #include "ovoid/error.h"
-#include "render/cpu/cpu_renderer.h"
 #include "render/cpu/kernel_tile.h"
 #include "render/cpu/ticks.h"
 #include "render/cpu/tile.h"
@@ -19,7 +20,7 @@ void draw_tile(const SimdTarget& target, const KernelFrame& frame, const Look& l
     const int x = rect.x0 + sub % kSubtiles * kTileSize;
     const int y = rect.y0 + sub / kSubtiles * kTileSize;
     if (x >= rect.x1 || y >= rect.y1) continue;
-    finish_tile(frame.common, look, work.tiles[static_cast<std::size_t>(sub)],
+    finish_tile(frame, look, work.subtiles[static_cast<std::size_t>(sub)].pixels,
                 {x, y, std::min(x + kTileSize, rect.x1), std::min(y + kTileSize, rect.y1)}, image);
   }
 }
@@ -42,8 +43,10 @@ std::unique_ptr<LevelBands> level_bands(PostConvolution how) {
   return bands;
 }
 
-Frame render(const KernelField& field, const Camera& camera, const Look& look,
-             const RenderOptions& options, const RenderHooks& hooks, const Machine& machine) {
+Frame render_kernel_field(const FrameJob& job, const Machine& machine) {
+  const KernelField& field = *job.field.kernels();
+  const RenderOptions& options = job.options;
+  const std::stop_token& stop = job.hooks.stop;
   const Clock::time_point start = Clock::now();
   const std::uint64_t start_ticks = read_ticks();
   Runner& runner = *machine.runner;
@@ -54,7 +57,7 @@ Frame render(const KernelField& field, const Camera& camera, const Look& look,
   out.profile.kernels_total = field.num_kernels();
   out.image = empty_image(options);
 
-  const view::KernelPlan plan(field, camera, look, options);
+  const view::KernelPlan plan(field, job.camera, job.look, options);
   const double plan_ms = ms_since(start);
   const BinnedSplats binned = bin_splats(field, plan, runner);
   const double bin_ms = ms_since(start) - plan_ms;
@@ -65,31 +68,30 @@ Frame render(const KernelField& field, const Camera& camera, const Look& look,
   }
   KernelFrame frame;
   static_cast<KernelTraits&>(frame) = kernel_traits(field, plan, options);
-  frame.plan = &plan;
+  frame.kernel_plan = &plan;
   frame.binned = &binned;
   if (frame.max_level > 0) frame.level_bands = level_bands(options.post_convolution);
-  set_frame(frame.common, field.value_range(), look, options, plan);
-  frame.common.takes_differences = frame.common.takes_gradients;
-  frame.common.stop = hooks.stop;
+  set_frame(frame, field.value_range(), job.look, options, plan);
+  frame.takes_differences = frame.takes_gradients;
+  frame.stop = stop;
 
   const std::vector<TileRect> tiles = tiles_of(options.width, options.height, view::kBlockEdge);
   const auto workspaces = make_workspaces<KernelWorkspace>(runner.num_workers());
-  Watch watch(hooks, tiles.size());
+  Watch watch(job.hooks, tiles.size());
   runner.run(static_cast<int>(tiles.size()), [&](int task, int worker) {
-    if (hooks.stop.stop_requested()) return;
+    if (stop.stop_requested()) return;
     const TileRect& rect = tiles[static_cast<std::size_t>(task)];
-    draw_tile(machine.target, frame, look, *workspaces[static_cast<std::size_t>(worker)], rect,
+    draw_tile(machine.target, frame, job.look, *workspaces[static_cast<std::size_t>(worker)], rect,
               out.image);
     watch.tile_done(rect, out.image);
   });
-  if (hooks.stop.stop_requested()) throw Error(ErrorCode::kCancelled, "rendering was cancelled");
+  if (stop.stop_requested()) throw Error(ErrorCode::kCancelled, "rendering was cancelled");
 
   out.profile.frame_ms = ms_since(start);
   const double ticks_per_ms =
       static_cast<double>(read_ticks() - start_ticks) / out.profile.frame_ms;
   for (const auto& work : workspaces)
-    add_worker_stats(work->shading.stats, options.collect_profile ? ticks_per_ms : 0.0,
-                     out.profile);
+    add_worker_stats(work->stats, options.collect_profile ? ticks_per_ms : 0.0, out.profile);
   return out;
 }
 

@@ -23,65 +23,65 @@ HWY_INLINE WorldVector mix_vectors(const WorldVector& a, const WorldVector& b, V
 }
 
 // The samples of a sheet that a ray can meet: those with a path.
-HWY_INLINE std::uint32_t with_path(const CpuFrame& frame, const Block& block, int s, int column,
-                                   int row) {
+HWY_INLINE std::uint32_t with_path(const CpuFrame& frame, const BlockPlace& place, int s,
+                                   int column, int row) {
   if (!frame.plan->is_clipped) return group_bits();
-  return bits_of(hn::Gt(path_fraction(frame, block, s, column, row), hn::Zero(d)));
+  return bits_of(hn::Gt(path_fraction(frame, place, s, column, row), hn::Zero(d)));
 }
 
-inline void kernel_surface_sheet(const KernelFrame& kernel_frame, KernelWorkspace& work,
-                                 TileState& tile, int s) {
-  const CpuFrame& frame = kernel_frame.common;
-  Block& block = work.shading.block;
-  const int here = s & (kRingSheets - 1);
-  const int front = (s - 1) & (kRingSheets - 1);
-  const V iso = hn::Set(d, frame.look.isovalue);
-  for (int y = block.margin; y < block.rows - block.margin; ++y) {
-    std::uint32_t& open = tile.open[tile_row(block, y)];
-    const RowWord both = block.defined[here][y] & block.defined[front][y] & open << block.margin;
+inline void kernel_surface_sheet(const CpuFrame& frame, const TileInHand& tile, int s) {
+  const BlockPlace& place = tile.place;
+  TileState& pixels = tile.pixels;
+  const Sheet& here = tile.ring[place.number_of(s)];
+  const Sheet& front = tile.ring[place.number_of(s - 1)];
+  const V iso = hn::Set(d, frame.look.constants.isovalue);
+  for (int y = place.margin; y < place.rows - place.margin; ++y) {
+    std::uint32_t& open = pixels.open[tile_row(place, y)];
+    const RowWord both = here.defined[y] & front.defined[y] & open << place.margin;
     for_each_group(
-        both, block.margin, block.columns - block.margin, [&](int column, std::uint32_t lanes) {
-          const int at = y * kPlaneStride + column;
-          const V before = hn::LoadU(d, block.values[front] + at);
-          const V after = hn::LoadU(d, block.values[here] + at);
+        both, place.margin, place.columns - place.margin, [&](int column, std::uint32_t lanes) {
+          const int at = here.at(column, y);
+          const V before = hn::LoadU(d, front.values + at);
+          const V after = hn::LoadU(d, here.values + at);
           std::uint32_t crossing =
               bits_of(hn::Xor(hn::Lt(before, iso), hn::Lt(after, iso))) & lanes;
           if (crossing == 0) return;
           const V rise = hn::Sub(after, before);
           const V t = hn::Div(hn::Sub(iso, before),
                               hn::IfThenElse(hn::Eq(rise, hn::Zero(d)), hn::Set(d, 1.0F), rise));
-          crossing &= kept_by_planes(frame, block, s, column, y, t);
+          crossing &= kept_by_planes(frame, place, s, column, y, t);
           crossing &=
-              with_path(frame, block, s - 1, column, y) & with_path(frame, block, s, column, y);
+              with_path(frame, place, s - 1, column, y) & with_path(frame, place, s, column, y);
           if (crossing == 0) return;
-          Classified color{hn::Set(d, frame.look.isosurface_color.x),
-                           hn::Set(d, frame.look.isosurface_color.y),
-                           hn::Set(d, frame.look.isosurface_color.z), hn::Zero(d)};
+          Classified color{hn::Set(d, frame.look.constants.isosurface_color.x),
+                           hn::Set(d, frame.look.constants.isosurface_color.y),
+                           hn::Set(d, frame.look.constants.isosurface_color.z), hn::Zero(d)};
           if (frame.has_own_color) {
-            const V from = hn::LoadU(d, work.color_window[front] + at);
-            const V to = hn::LoadU(d, work.color_window[here] + at);
-            color = classify(frame.color_table, hn::MulAdd(hn::Sub(to, from), t, from));
+            const V from = hn::LoadU(d, front.colors + at);
+            const V to = hn::LoadU(d, here.colors + at);
+            color = classify(frame.look.color, hn::MulAdd(hn::Sub(to, from), t, from));
           }
           Lighting light{hn::Set(d, 1.0F), hn::Zero(d)};
           if (frame.is_lit) {
-            const WorldVector g =
-                mix_vectors(central_difference_gradient(frame, block, s - 1, column, y),
-                            central_difference_gradient(frame, block, s, column, y), t);
-            light = light_sample(frame, g, direction_to_eye(frame, block, column, y));
-            work.shading.stats.gradients += std::popcount(crossing);
+            const WorldVector g = mix_vectors(
+                central_difference_gradient(frame, place, tile.ring, {s - 1, column, y, crossing}),
+                central_difference_gradient(frame, place, tile.ring, {s, column, y, crossing}), t);
+            light =
+                light_sample(frame.look.constants, g, direction_to_eye(frame, place, column, y));
+            tile.stats.gradients += std::popcount(crossing);
           }
-          const int pixel = tile_index(block, column, y);
+          const int pixel = tile_index(place, column, y);
           const M mask = mask_of(crossing);
-          store_masked(mask, lit_color(color.red, light), tile.red + pixel);
-          store_masked(mask, lit_color(color.green, light), tile.green + pixel);
-          store_masked(mask, lit_color(color.blue, light), tile.blue + pixel);
-          store_masked(mask, hn::Set(d, 1.0F), tile.alpha + pixel);
+          store_masked(mask, lit_color(color.red, light), pixels.red + pixel);
+          store_masked(mask, lit_color(color.green, light), pixels.green + pixel);
+          store_masked(mask, lit_color(color.blue, light), pixels.blue + pixel);
+          store_masked(mask, hn::Set(d, 1.0F), pixels.alpha + pixel);
           const V depth =
               hn::MulAdd(hn::Sub(t, hn::Set(d, 1.0F)), hn::Set(d, frame.camera.sampling_distance),
-                         hn::Set(d, block.sheets[s].depth));
-          store_masked(mask, depth, tile.depth + pixel);
-          open &= ~(crossing << tile_column(block, column));
-          work.shading.stats.samples_shaded += std::popcount(crossing);
+                         hn::Set(d, place.sheets[s].depth));
+          store_masked(mask, depth, pixels.depth + pixel);
+          open &= ~(crossing << tile_column(place, column));
+          tile.stats.samples_shaded += std::popcount(crossing);
         });
   }
 }

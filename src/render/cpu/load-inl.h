@@ -20,6 +20,7 @@
 
 #include <hwy/cache_control.h>
 
+#include "render/cpu/lattice_block.h"
 #include "render/cpu/simd-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -38,8 +39,21 @@ HWY_INLINE V load_as_float(const T* from) {
 
 inline constexpr int kPrefetchRows = 6;  // about the time of a trip to memory
 
+// Values are stored numbers * scale + offset.
 struct LoadScale {
   float scale, offset;
+};
+
+// Where a sublattice's part of the region goes.
+struct LoadTarget {
+  float* samples;
+  float* presence;  // null: none is missing
+  LoadScale map;
+};
+
+// Samples of a sublattice: [lo, hi).
+struct LatticePart {
+  Index3 lo, hi;
 };
 
 // All samples of a row: whole groups by `load_group`, of which the last may overlap the one before;
@@ -104,83 +118,85 @@ HWY_INLINE void load_row_pair(const T* row, const T* after, int count, LoadScale
   });
 }
 
-// The part of the region that `view` shows, [lo, hi) in lattice indices, as pairs. Parts come in
-// order of z: the second of a pair whose slice another view shows is set when that view's turn
-// comes.
+// The part of the region that `view` shows, as pairs. Parts come in order of z: the second of a
+// pair whose slice another view shows is set when that view's turn comes.
 template <typename T>
-void load_part_pairs(const Block& block, const BrickView& view, const Index3& lo, const Index3& hi,
-                     LoadScale map, float* pairs) {
+void load_part_pairs(const Region& region, const BrickView& view, const LatticePart& part,
+                     const LoadTarget& target) {
+  const auto& [lo, hi] = part;
   const T* data = static_cast<const T*>(view.data);
   const auto to_region = [&](std::int64_t index, int a) {
-    return static_cast<std::ptrdiff_t>(index - block.origin[a]) - block.region_lo[a];
+    return static_cast<std::ptrdiff_t>(index - region.origin[a]) - region.lo[a];
   };
   const int count = static_cast<int>(hi[0] - lo[0]);
   for (std::int64_t z = lo[2]; z < hi[2]; ++z) {
     for (std::int64_t y = lo[1]; y < hi[1]; ++y) {
       const T* from = data + (lo[0] - view.lo[0]) + (y - view.lo[1]) * view.stride_y +
                       (z - view.lo[2]) * view.stride_z;
-      const std::ptrdiff_t to = to_region(z, 2) * block.slice_stride +
-                                to_region(y, 1) * block.row_stride + to_region(lo[0], 0);
+      const std::ptrdiff_t to = to_region(z, 2) * region.slice_stride +
+                                to_region(y, 1) * region.row_stride + to_region(lo[0], 0);
       // The slice behind is new; its rows are too short for the hardware to guess the next one.
       if (y + kPrefetchRows < hi[1] && z + 1 < hi[2]) {
         const T* ahead = from + view.stride_z + kPrefetchRows * view.stride_y;
         hwy::Prefetch(ahead);
         hwy::Prefetch(ahead + count - 1);
       }
-      load_row_pair(from, z + 1 < hi[2] ? from + view.stride_z : nullptr, count, map,
-                    pairs + 2 * to);
+      load_row_pair(from, z + 1 < hi[2] ? from + view.stride_z : nullptr, count, target.map,
+                    target.samples + 2 * to);
       if (z > lo[2] || to_region(z, 2) == 0) continue;
-      float* before = pairs + 2 * (to - block.slice_stride) + 1;
+      float* before = target.samples + 2 * (to - region.slice_stride) + 1;
       for (int i = 0; i < count; ++i)
-        before[2 * i] = static_cast<float>(from[i]) * map.scale + map.offset;
+        before[2 * i] = static_cast<float>(from[i]) * target.map.scale + target.map.offset;
     }
   }
 }
 
-// The part of the region that `view` shows, [lo, hi) in lattice indices.
+// The part of the region that `view` shows.
 template <typename T>
-void load_part(const Block& block, const BrickView& view, const Index3& lo, const Index3& hi,
-               LoadScale map, float* samples, float* presence) {
+void load_part(const Region& region, const BrickView& view, const LatticePart& part,
+               const LoadTarget& target) {
+  const auto& [lo, hi] = part;
   const T* data = static_cast<const T*>(view.data);
   const auto to_region = [&](std::int64_t index, int a) {
-    return static_cast<int>(index - block.origin[a]) - block.region_lo[a];
+    return static_cast<int>(index - region.origin[a]) - region.lo[a];
   };
   const int count = static_cast<int>(hi[0] - lo[0]);
   for (std::int64_t z = lo[2]; z < hi[2]; ++z) {
     for (std::int64_t y = lo[1]; y < hi[1]; ++y) {
       const T* from = data + (lo[0] - view.lo[0]) + (y - view.lo[1]) * view.stride_y +
                       (z - view.lo[2]) * view.stride_z;
-      const std::ptrdiff_t to = static_cast<std::ptrdiff_t>(to_region(z, 2)) * block.slice_stride +
-                                static_cast<std::ptrdiff_t>(to_region(y, 1)) * block.row_stride +
+      const std::ptrdiff_t to = static_cast<std::ptrdiff_t>(to_region(z, 2)) * region.slice_stride +
+                                static_cast<std::ptrdiff_t>(to_region(y, 1)) * region.row_stride +
                                 to_region(lo[0], 0);
-      load_row(from, count, map, samples + to, presence == nullptr ? nullptr : presence + to);
+      load_row(from, count, target.map, target.samples + to,
+               target.presence == nullptr ? nullptr : target.presence + to);
     }
   }
 }
 
 template <typename T>
-void load_part_as(const Block& block, const BrickView& view, const Index3& lo, const Index3& hi,
-                  LoadScale map, float* samples, float* presence) {
-  if (block.uses_four_taps) {
-    load_part_pairs<T>(block, view, lo, hi, map, samples);
+void load_part_as(const Region& region, const BrickView& view, const LatticePart& part,
+                  const LoadTarget& target) {
+  if (region.uses_four_taps) {
+    load_part_pairs<T>(region, view, part, target);
   } else {
-    load_part<T>(block, view, lo, hi, map, samples, presence);
+    load_part<T>(region, view, part, target);
   }
 }
 
-inline void load_typed_part(const Block& block, const BrickView& view, const Index3& lo,
-                            const Index3& hi, LoadScale map, float* samples, float* presence) {
+inline void load_typed_part(const Region& region, const BrickView& view, const LatticePart& part,
+                            const LoadTarget& target) {
   switch (view.type) {
     case ScalarType::kUInt8:
-      return load_part_as<std::uint8_t>(block, view, lo, hi, map, samples, presence);
+      return load_part_as<std::uint8_t>(region, view, part, target);
     case ScalarType::kInt8:
-      return load_part_as<std::int8_t>(block, view, lo, hi, map, samples, presence);
+      return load_part_as<std::int8_t>(region, view, part, target);
     case ScalarType::kUInt16:
-      return load_part_as<std::uint16_t>(block, view, lo, hi, map, samples, presence);
+      return load_part_as<std::uint16_t>(region, view, part, target);
     case ScalarType::kInt16:
-      return load_part_as<std::int16_t>(block, view, lo, hi, map, samples, presence);
+      return load_part_as<std::int16_t>(region, view, part, target);
     default:
-      return load_part_as<float>(block, view, lo, hi, map, samples, presence);
+      return load_part_as<float>(region, view, part, target);
   }
 }
 
@@ -199,9 +215,9 @@ inline bool region_misses(const BrickSource& source, const Index3& lo, const Ind
 
 // May this block take the four-tap way of reconstruction? Decided before loading, which stores the
 // region accordingly.
-inline bool can_use_four_taps(const CpuFrame& frame, const Block& block) {
-  if (!frame.has_four_taps || block.has_missing) return false;
-  for (int s = 0; s < block.num_sheets; ++s) {
+inline bool can_use_four_taps(const LatticeFrame& frame, const Block& block) {
+  if (!frame.has_four_taps || block.region.has_missing) return false;
+  for (int s = 0; s < block.place.num_sheets; ++s) {
     const float* m = block.sheets[s].widening;
     if (m[0] != 1.0F || m[1] != 1.0F || m[2] != 1.0F) return false;
   }
@@ -209,27 +225,24 @@ inline bool can_use_four_taps(const CpuFrame& frame, const Block& block) {
 }
 
 // Behind every row, and behind the last.
-inline void clear_padding(const Block& block, float* floats) {
-  const int num_rows = block.region_size[1] * block.region_size[2];
+inline void clear_padding(const Region& region, float* floats) {
+  const int num_rows = region.size[1] * region.size[2];
   for (int row = 0; row < num_rows; ++row) {
-    std::fill_n(floats + static_cast<std::ptrdiff_t>(row) * block.row_stride + block.region_size[0],
+    std::fill_n(floats + static_cast<std::ptrdiff_t>(row) * region.row_stride + region.size[0],
                 kTapPadding, 0.0F);
   }
-  std::fill_n(floats + static_cast<std::ptrdiff_t>(num_rows) * block.row_stride, kTapPadding, 0.0F);
+  std::fill_n(floats + static_cast<std::ptrdiff_t>(num_rows) * region.row_stride, kTapPadding,
+              0.0F);
 }
 
-// What of the region lies in a sublattice: [lo, hi) in its samples.
-struct LatticePart {
-  Index3 lo, hi;
-};
-
-inline LatticePart part_in_lattice(const Block& block, const device::Sublattice& sublattice) {
+// What of the region lies in a sublattice.
+inline LatticePart part_in_lattice(const Region& region, const device::Sublattice& sublattice) {
   LatticePart part{};
   for (int a = 0; a < 3; ++a) {
-    const std::int64_t first = block.origin[a] + block.region_lo[a];
+    const std::int64_t first = region.origin[a] + region.lo[a];
     const std::int64_t size = sublattice.dims[a];
     part.lo[a] = std::clamp<std::int64_t>(first, 0, size - 1);
-    part.hi[a] = std::clamp<std::int64_t>(first + block.region_size[a], part.lo[a] + 1, size);
+    part.hi[a] = std::clamp<std::int64_t>(first + region.size[a], part.lo[a] + 1, size);
   }
   return part;
 }
@@ -252,11 +265,10 @@ inline BrickView sublattice_view(BrickView view, int s, int count) {
 
 // A sublattice's samples. A view may show more than its brick: walks over the region in the steps
 // that the views allow.
-inline void load_sublattice(const CpuFrame& frame, const Block& block, int s, float* samples,
-                            float* presence) {
+inline void load_sublattice(const LatticeFrame& frame, const Region& region, int s,
+                            const LoadTarget& target) {
   const BrickSource& source = frame.field->source();
-  const LoadScale map{frame.lattice.value_scale, frame.lattice.value_offset};
-  const auto [lo, hi] = part_in_lattice(block, frame.lattice.sublattices[s]);
+  const auto [lo, hi] = part_in_lattice(region, frame.lattice.sublattices[s]);
   const int edge = source.brick_edge();
   Index3 at = lo;
   while (at[2] < hi[2]) {
@@ -271,7 +283,7 @@ inline void load_sublattice(const CpuFrame& frame, const Block& block, int s, fl
                              std::min(hi[2], view.hi[2])};
         next_y = std::min(next_y, part_hi[1]);
         next_z = std::min(next_z, part_hi[2]);
-        load_typed_part(block, view, at, part_hi, map, samples, presence);
+        load_typed_part(region, view, {at, part_hi}, target);
         at[0] = part_hi[0];
       }
       at[1] = next_y;
@@ -281,40 +293,39 @@ inline void load_sublattice(const CpuFrame& frame, const Block& block, int s, fl
 }
 
 // `is_scattered`: the region is for kernels that splat themselves, which read it plainly.
-inline void load_region(const CpuFrame& frame, Workspace& work, bool is_scattered) {
-  Block& block = work.block;
-  const auto [lo, hi] = part_in_lattice(block, frame.lattice.sublattices[0]);
-  block.has_missing = region_misses(frame.field->source(), lo, hi);
-  block.uses_four_taps = !is_scattered && can_use_four_taps(frame, block);
-  block.row_stride = block.region_size[0] + (block.uses_four_taps ? 0 : kTapPadding);
-  block.slice_stride = block.row_stride * block.region_size[1];
-  const std::size_t floats_per_sample = block.uses_four_taps ? 2 : 1;
+inline void load_region(const LatticeFrame& frame, Workspace& work, bool is_scattered) {
+  Region& region = work.block.region;
+  const auto [lo, hi] = part_in_lattice(region, frame.lattice.sublattices[0]);
+  region.has_missing = region_misses(frame.field->source(), lo, hi);
+  region.uses_four_taps = !is_scattered && can_use_four_taps(frame, work.block);
+  region.row_stride = region.size[0] + (region.uses_four_taps ? 0 : kTapPadding);
+  region.slice_stride = region.row_stride * region.size[1];
+  const std::size_t floats_per_sample = region.uses_four_taps ? 2 : 1;
   const std::size_t own_count =
-      floats_per_sample * block.slice_stride * block.region_size[2] + kTapPadding;
+      floats_per_sample * region.slice_stride * region.size[2] + kTapPadding;
   const std::size_t count = own_count * static_cast<std::size_t>(frame.lattice.num_sublattices);
-  block.sublattice_stride = static_cast<std::ptrdiff_t>(own_count);
+  region.sublattice_stride = static_cast<std::ptrdiff_t>(own_count);
   float* samples = work.sample_memory.reserve(count);
-  work.samples = samples;
-  float* presence = block.has_missing ? work.presence_memory.reserve(count) : nullptr;
-  work.presence = presence;
+  region.samples = samples;
+  float* presence = region.has_missing ? work.presence_memory.reserve(count) : nullptr;
+  region.presence = presence;
   // Padding and places outside the lattice are read under zero weights; they must not hold what
   // times zero is not zero.
-  if (!block.is_interior) {
+  if (!region.is_interior) {
     std::fill_n(samples, count, 0.0F);
     if (presence != nullptr) std::fill_n(presence, count, 0.0F);
   }
   for (int s = 0; s < frame.lattice.num_sublattices; ++s) {
-    float* own_samples = samples + s * block.sublattice_stride;
-    float* own_presence = presence == nullptr ? nullptr : presence + s * block.sublattice_stride;
-    if (block.is_interior && !block.uses_four_taps) {
-      clear_padding(block, own_samples);
-      if (own_presence != nullptr) clear_padding(block, own_presence);
+    const LoadTarget target{samples + s * region.sublattice_stride,
+                            presence == nullptr ? nullptr : presence + s * region.sublattice_stride,
+                            {frame.lattice.value_scale, frame.lattice.value_offset}};
+    if (region.is_interior && !region.uses_four_taps) {
+      clear_padding(region, target.samples);
+      if (target.presence != nullptr) clear_padding(region, target.presence);
     }
-    load_sublattice(frame, block, s, own_samples, own_presence);
+    load_sublattice(frame, region, s, target);
   }
-  work.stats.kernels_loaded +=
-      frame.lattice.num_sublattices *
-      num_samples({block.region_size[0], block.region_size[1], block.region_size[2]});
+  work.stats.kernels_loaded += frame.lattice.num_sublattices * region.num_samples();
 }
 
 }  // namespace HWY_NAMESPACE

@@ -27,7 +27,8 @@ struct Patch {
   std::int64_t first_sheet, last_sheet;
   double node_step;
   NodeSpan nodes_x, nodes_y;
-  bool is_binned_by_tile;  // not pixel by pixel: nothing is cut away, all of it is inside
+  bool is_binned_by_tile;   // not pixel by pixel: nothing is cut away, all of it is inside
+  const PatchBands* bands;  // once it has nodes
 };
 
 inline bool has_bits(const RowBits& bits, int rows) {
@@ -48,7 +49,7 @@ struct SpreadShape {
   Vec3 reach;          // of a node, index space
 };
 
-inline SpreadShape spread_shape(const CpuFrame& frame, const Patch& patch) {
+inline SpreadShape spread_shape(const LatticeFrame& frame, const Patch& patch) {
   const view::ViewLattice& lattice = frame.plan->lattice;
   const Mat3 axes = frame.field->geometry().world_from_index.linear();
   const double sigma = static_cast<double>(frame.lattice.sigma) *
@@ -65,12 +66,13 @@ inline SpreadShape spread_shape(const CpuFrame& frame, const Patch& patch) {
 }
 
 // Where all kernels of an endless lattice exist that reach the samples of a sheet.
-inline Support whole_support(const CpuFrame& frame, const Block& nodes, const SheetSetup& sheet) {
+inline Support whole_support(const LatticeFrame& frame, const Region& region,
+                             const SheetInLattice& sheet) {
   Support support;
   for (int a = 0; a < 3; ++a) {
     const float slab = frame.lattice.num_slab_points > 1 ? 0.5F * std::abs(sheet.step[a]) : 0.0F;
     const float reach = frame.lattice.support * sheet.widening[a] + slab;
-    const auto first = static_cast<float>(-nodes.origin[a]);
+    const auto first = static_cast<float>(-region.origin[a]);
     float lo = first;
     float hi = std::numeric_limits<float>::max();
     for (int s = 0; s < frame.lattice.num_sublattices; ++s) {
@@ -87,16 +89,16 @@ inline Support whole_support(const CpuFrame& frame, const Block& nodes, const Sh
 
 // Nodes that no kernel reaches are not active; nor are, if the bound is to be kept, those near a
 // face, where the field has kinks.
-inline void drop_outside(const CpuFrame& frame, Block& nodes, const Bounds3& box) {
+inline void drop_outside(const LatticeFrame& frame, Block& nodes, const Bounds3& box) {
   const bool keeps_bound = frame.nodes_keep_bound;
-  for (int s = 0; s < nodes.num_sheets; ++s) {
-    const Support support =
-        keeps_bound ? whole_support(frame, nodes, nodes.sheets[s]) : support_of(frame, nodes, box);
-    for (int y = 0; y < nodes.rows; ++y) {
+  for (int s = 0; s < nodes.place.num_sheets; ++s) {
+    const Support support = keeps_bound ? whole_support(frame, nodes.region, nodes.sheets[s])
+                                        : support_of(frame, nodes.region, box);
+    for (int y = 0; y < nodes.place.rows; ++y) {
       RowWord inside = 0;
-      for (int column = 0; column < nodes.columns; column += group_size())
+      for (int column = 0; column < nodes.place.columns; column += group_size())
         inside |= RowWord{bits_of(support(position_of(nodes.sheets[s], column, y)))} << column;
-      nodes.active[s][y] &= inside;
+      nodes.bits.active[s][y] &= inside;
     }
   }
 }
@@ -108,7 +110,7 @@ struct NodePlace {
 };
 
 // The nodes as samples of a block; with neighbours all around where differences are taken.
-inline NodePlace place_nodes(const CpuFrame& frame, Block& nodes, const Patch& patch) {
+inline NodePlace place_nodes(const LatticeFrame& frame, const Patch& patch, BlockPlace& nodes) {
   const int margin = frame.takes_differences ? 1 : 0;
   nodes.margin = nodes.back_margin = margin;
   nodes.front_margin = std::max(margin, frame.has_pieces ? 1 : 0);
@@ -123,7 +125,7 @@ inline NodePlace place_nodes(const CpuFrame& frame, Block& nodes, const Patch& p
   const double x0 = patch.node_step * static_cast<double>(patch.nodes_x.first - margin);
   const double y0 = patch.node_step * static_cast<double>(patch.nodes_y.first - margin);
   NodePlace place{{x0, y0, patch.node_step}, {}};
-  for (const std::int64_t sheet : {nodes.first_sheet, nodes.first_sheet + nodes.num_sheets - 1}) {
+  for (const std::int64_t sheet : {nodes.first_sheet, nodes.number_of(nodes.num_sheets - 1)}) {
     const view::SheetMap map = frame.plan->lattice.index_map(sheet);
     for (const int x : {0, nodes.columns - 1}) {
       for (const int y : {0, nodes.rows - 1})
@@ -134,26 +136,26 @@ inline NodePlace place_nodes(const CpuFrame& frame, Block& nodes, const Patch& p
 }
 
 // Their sheets and region; all of them active that a kernel reaches.
-inline void set_up_nodes(const CpuFrame& frame, Block& nodes, const Patch& patch,
+inline void set_up_nodes(const LatticeFrame& frame, Block& nodes, const Patch& patch,
                          const NodePlace& place) {
   set_up_sheets(frame, nodes, place.grid, place.box);
-  const RowWord all = ~RowWord{0} >> (64 - nodes.columns);
-  for (int s = 0; s < nodes.num_sheets; ++s) {
-    nodes.sheets[s].inverse_pitch /= static_cast<float>(patch.node_step);
-    for (int y = 0; y < nodes.rows; ++y) nodes.active[s][y] = all;
+  const RowWord all = ~RowWord{0} >> (64 - nodes.place.columns);
+  for (int s = 0; s < nodes.place.num_sheets; ++s) {
+    nodes.place.sheets[s].inverse_pitch /= static_cast<float>(patch.node_step);
+    for (int y = 0; y < nodes.place.rows; ++y) nodes.bits.active[s][y] = all;
   }
   const bool spreads = frame.options->spread == Spread::kBilinear;
   bound_region(frame, nodes, spreads ? spread_shape(frame, patch).reach : Vec3::Zero());
-  if (!nodes.is_interior) drop_outside(frame, nodes, place.box);
+  if (!nodes.region.is_interior) drop_outside(frame, nodes, place.box);
 }
 
 // All nodes have values.
-inline bool is_whole(const Block& nodes) { return nodes.is_interior && !nodes.has_missing; }
+inline bool is_whole(const Region& region) { return region.is_interior && !region.has_missing; }
 
 // A sample among its four nodes of one sheet.
-HWY_INLINE void spread_sample(const Block& nodes, const SplatPlane& plane, float sigma,
-                              const float* center, float value, float* numerator,
-                              float* denominator) {
+HWY_INLINE void spread_sample(const SampleBox& nodes, const SplatPlane& plane,
+                              const PlacedKernel& kernel, float sigma, const SplatSums& sums) {
+  const float* const center = kernel.center;
   const float from_base[3] = {center[0] - plane.base[0], center[1] - plane.base[1],
                               center[2] - plane.base[2]};
   const float along = product_with(plane.inverse[2], from_base);
@@ -163,21 +165,24 @@ HWY_INLINE void spread_sample(const Block& nodes, const SplatPlane& plane, float
   const float y = product_with(plane.inverse[1], from_base);
   const int column = static_cast<int>(std::floor(x));
   const int row = static_cast<int>(std::floor(y));
-  for (int j = std::max(row, 0); j <= std::min(row + 1, nodes.rows - 1); ++j) {
-    for (int i = std::max(column, 0); i <= std::min(column + 1, nodes.columns - 1); ++i) {
+  for (int j = std::max(row, nodes.y0); j <= std::min(row + 1, nodes.y1); ++j) {
+    for (int i = std::max(column, nodes.x0); i <= std::min(column + 1, nodes.x1); ++i) {
       const float share = weight * (1 - std::abs(x - static_cast<float>(i))) *
                           (1 - std::abs(y - static_cast<float>(j)));
-      numerator[j * kPlaneStride + i] += share * value;
-      denominator[j * kPlaneStride + i] += share;
+      sums.numerator[j * kPlaneStride + i] += share * kernel.value;
+      sums.denominator[j * kPlaneStride + i] += share;
     }
   }
 }
 
-inline void spread_region(const CpuFrame& frame, Workspace& nodes, const Patch& patch) {
+inline void spread_region(const LatticeFrame& frame, Workspace& nodes, const Patch& patch) {
   const SpreadShape shape = spread_shape(frame, patch);
-  for (int s = 0; s < nodes.block.num_sheets; ++s) {
-    clear_splat_planes(nodes, s);
-    const SheetSetup& sheet = nodes.block.sheets[s];
+  const Block& block = nodes.block;
+  const SampleBox all{0, 0, block.place.columns - 1, block.place.rows - 1};
+  for (int s = 0; s < block.place.num_sheets; ++s) {
+    const SplatSums sums = splat_sums(nodes, s);
+    clear_splat_planes(sums);
+    const SheetInLattice& sheet = block.sheets[s];
     SplatPlane plane{};
     Mat3 columns;
     for (int a = 0; a < 3; ++a) {
@@ -190,33 +195,32 @@ inline void spread_region(const CpuFrame& frame, Workspace& nodes, const Patch& 
       for (int a = 0; a < 3; ++a) plane.inverse[r][a] = static_cast<float>(inverse(r, a));
     }
     plane.half_extent[2] = static_cast<float>(shape.half_height);
-    for_each_kernel(frame, nodes, plane, [&](const float* center, float value) {
-      spread_sample(nodes.block, plane, static_cast<float>(shape.sigma), center, value,
-                    numerator_plane(nodes, s), denominator_plane(nodes, s));
+    for_each_kernel(frame, block.region, plane, [&](const float* center, float value) {
+      spread_sample(all, plane, {center, value, 1.0F}, static_cast<float>(shape.sigma), sums);
     });
   }
 }
 
-inline bool scatters_to_nodes(const CpuFrame& frame) {
+inline bool scatters_to_nodes(const LatticeFrame& frame) {
   return frame.options->spread == Spread::kBilinear || should_scatter(frame);
 }
 
 // Loads the lattice's samples around the nodes. False if pixels cannot stand in for nodes without
 // value.
-inline bool load_nodes(const CpuFrame& frame, Workspace& nodes, const Patch& patch) {
+inline bool load_nodes(const LatticeFrame& frame, Workspace& nodes, const Patch& patch) {
   Block& block = nodes.block;
   load_region(frame, nodes, scatters_to_nodes(frame));
-  if (block.has_missing && frame.nodes_keep_bound) return false;
+  if (block.region.has_missing && frame.nodes_keep_bound) return false;
   const bool takes_all = frame.takes_differences || frame.options->spread == Spread::kBilinear;
-  if (takes_all && !is_whole(block)) return false;
+  if (takes_all && !is_whole(block.region)) return false;
   if (!scatters_to_nodes(frame)) return true;
   reserve_splat_planes(nodes);
   if (frame.options->spread == Spread::kGaussian) return true;
   spread_region(frame, nodes, patch);
-  for (int s = 0; s < block.num_sheets; ++s) {
-    for (int y = 0; y < block.rows; ++y) {
-      const float* weights = denominator_plane(nodes, s) + y * kPlaneStride;
-      if (!std::all_of(weights, weights + block.columns, [](float w) { return w > 0; }))
+  for (int s = 0; s < block.place.num_sheets; ++s) {
+    for (int y = 0; y < block.place.rows; ++y) {
+      const float* weights = splat_sums(nodes, s).denominator + y * kPlaneStride;
+      if (!std::all_of(weights, weights + block.place.columns, [](float w) { return w > 0; }))
         return false;
     }
   }
@@ -224,74 +228,78 @@ inline bool load_nodes(const CpuFrame& frame, Workspace& nodes, const Patch& pat
 }
 
 // Nodes without value count as zero: filters read them for pixels that do not take it.
-inline void clear_undefined(Block& nodes, int s, const RowBits& wanted) {
-  for (int row = 0; row < nodes.rows; ++row) {
-    RowWord left = wanted[row] & ~nodes.defined[s & (kRingSheets - 1)][row];
-    nodes.has_gradient[row] |= left;
+inline void clear_undefined(Sheet& sheet, const RowBits& wanted, int rows) {
+  for (int row = 0; row < rows; ++row) {
+    RowWord left = wanted[row] & ~sheet.defined[row];
+    sheet.has_gradient[row] |= left;
     for (; left != 0; left &= left - 1) {
-      const int at = row * kPlaneStride + std::countr_zero(left);
-      nodes.values[s & (kRingSheets - 1)][at] = 0;
-      for (float* g : {nodes.gradient[0], nodes.gradient[1], nodes.gradient[2]}) g[at] = 0;
+      const int at = sheet.at(std::countr_zero(left), row);
+      sheet.values[at] = 0;
+      for (float* g : sheet.gradient) g[at] = 0;
     }
   }
 }
 
 // Values of the wanted nodes; with their gradients where `guess` says that those will be wanted.
-inline void reconstruct_nodes(const CpuFrame& frame, Workspace& nodes, int s, const RowBits& wanted,
-                              const RowBits& guess, StageClock& clock) {
-  Block& block = nodes.block;
-  block.defined[s & (kRingSheets - 1)] = {};
-  if (!frame.takes_differences) block.has_gradient = {};
-  nodes.stats.samples_reconstructed += count_bits(block, wanted);
+inline void reconstruct_nodes(const LatticeFrame& frame, Workspace& nodes, int s,
+                              const RowBits& wanted, const RowBits& guess, StageClock& clock) {
+  const Block& block = nodes.block;
+  const int rows = block.place.rows;
+  Sheet& sheet = nodes.ring[block.place.number_of(s)];
+  sheet.clear();
+  if (!has_bits(wanted, rows)) return;
+  nodes.stats.samples_reconstructed += count_bits(wanted, rows);
   if (scatters_to_nodes(frame)) {
     if (frame.options->spread == Spread::kGaussian) splat_sheet(frame, nodes, s, wanted);
     read_splat_sheet(frame, nodes, s, wanted);
   } else {
     RowBits others = wanted;
-    if (block.uses_four_taps && has_bits(guess, block.rows)) {
+    if (block.region.uses_four_taps && has_bits(guess, rows)) {
       reconstruct_with_gradients(frame, nodes, s, guess);
       clock.lap(kGradient);
-      for (int row = 0; row < block.rows; ++row) others[row] &= ~guess[row];
+      for (int row = 0; row < rows; ++row) others[row] &= ~guess[row];
     }
     reconstruct_sheet(frame, nodes, s, others);
   }
-  if (!is_whole(block)) clear_undefined(block, s, wanted);
+  if (!is_whole(block.region)) clear_undefined(sheet, wanted, rows);
   clock.lap(kReconstruct);
 }
 
 // Where the margin's nodes, which are there, are the neighbours.
-inline void difference_nodes(const CpuFrame& frame, Workspace& nodes, int s, const Patch& patch,
+inline void difference_nodes(const LatticeFrame& frame, Workspace& nodes, int s, const Patch& patch,
                              const RowBits& bits) {
-  Block& block = nodes.block;
+  const BlockPlace& place = nodes.block.place;
+  Sheet& sheet = nodes.ring[place.number_of(s)];
   const auto node_step = static_cast<float>(patch.node_step);
-  const auto left = static_cast<float>(patch.nodes_x.first - block.margin);
-  const auto top = static_cast<float>(patch.nodes_y.first - block.margin);
-  for (int y = 0; y < block.rows; ++y) {
+  const auto left = static_cast<float>(patch.nodes_x.first - place.margin);
+  const auto top = static_cast<float>(patch.nodes_y.first - place.margin);
+  for (int y = 0; y < place.rows; ++y) {
     nodes.stats.gradients += std::popcount(bits[y]);
     for_each_group(
-        bits[y], block.margin, block.columns - block.margin, [&](int column, std::uint32_t lanes) {
+        bits[y], place.margin, place.columns - place.margin, [&](int column, std::uint32_t lanes) {
+          const SampleGroup group{s, column, y, lanes};
           const V x =
               hn::Mul(hn::Set(d, node_step), hn::Iota(d, left + static_cast<float>(column)));
-          store_gradient(block, column, y, lanes,
-                         central_difference_at(frame, block, s, column, y, x,
-                                               node_step * (top + static_cast<float>(y))));
+          store_gradient(sheet, group,
+                         central_difference_at(frame, place, nodes.ring, group,
+                                               {x, node_step * (top + static_cast<float>(y))}));
         });
   }
 }
 
 // Gradients of the nodes in `bits` that have none yet.
-inline void provide_node_gradients(const CpuFrame& frame, Workspace& nodes, int s,
+inline void provide_node_gradients(const LatticeFrame& frame, Workspace& nodes, int s,
                                    const Patch& patch, const RowBits& bits) {
-  Block& block = nodes.block;
+  const BlockPlace& place = nodes.block.place;
+  const RowBits& has_gradient = nodes.ring[place.number_of(s)].has_gradient;
   RowBits missing;
-  for (int row = 0; row < block.rows; ++row) missing[row] = bits[row] & ~block.has_gradient[row];
-  if (!has_bits(missing, block.rows)) return;
+  for (int row = 0; row < place.rows; ++row) missing[row] = bits[row] & ~has_gradient[row];
+  if (!has_bits(missing, place.rows)) return;
   if (frame.takes_differences) {
     difference_nodes(frame, nodes, s, patch, missing);
   } else {
     gradients_of(frame, nodes, s, missing);
   }
-  for (int row = 0; row < block.rows; ++row) block.has_gradient[row] |= missing[row];
 }
 
 }  // namespace HWY_NAMESPACE

@@ -10,8 +10,8 @@
 
 #include <array>
 
-#include "render/cpu/block.h"
 #include "render/cpu/filter_band.h"
+#include "render/cpu/lattice_block.h"
 
 namespace ovoid::cpu {
 
@@ -23,6 +23,17 @@ static_assert((kPatchSize - 1) / view::kLeastNodeStep + 1 + kFilterTaps + 2 * kM
 using NodeBand = FilterBand<kTileSize, 20>;
 NodeBand node_band(PostConvolution how, double node_step, int first_pixel, std::int64_t first_node);
 
+// Those of a patch, by the tiles' columns and rows.
+struct TileBands {
+  const NodeBand& x;
+  const NodeBand& y;
+};
+struct PatchBands {
+  NodeBand x[kPatchTiles], y[kPatchTiles];
+
+  TileBands of_tile(int column, int row) const noexcept { return {x[column], y[row]}; }
+};
+
 // Nodes along one axis.
 struct NodeSpan {
   std::int64_t first = 0;
@@ -33,9 +44,9 @@ NodeSpan nodes_for(double node_step, int first_pixel, int last_pixel);
 
 // What a worker needs beside the tile in hand.
 struct LatticeWorkspace {
-  Workspace pixels;
-  Workspace nodes;
-  Workspace trail;                                         // of CpuFrame::trail
+  Workspace pixels{kTilePlane};
+  Workspace nodes{kNodePlane};
+  Workspace trail{kTilePlane};                             // of LatticeFrame::trail
   std::array<TileState, kPatchTiles * kPatchTiles> tiles;  // row by row
   std::array<TileRays, kPatchTiles * kPatchTiles> rays;
   struct TileBits {

@@ -26,29 +26,36 @@ HWY_BEFORE_NAMESPACE();
 namespace ovoid::cpu {
 namespace HWY_NAMESPACE {
 
-// Calls body(number, column, row) for each tile of the patch.
+// Tile (x, y) of a patch.
+struct PatchTile {
+  std::size_t number;
+  int x, y;
+};
+
+// Calls body(tile) for each tile of the patch.
 template <class Body>
 inline void for_each_tile(const Patch& patch, const Body& body) {
   for (int y = 0; patch.rect.y0 + y * kTileSize < patch.rect.y1; ++y) {
     for (int x = 0; patch.rect.x0 + x * kTileSize < patch.rect.x1; ++x) {
-      body(static_cast<std::size_t>(y) * kPatchTiles + static_cast<std::size_t>(x), x, y);
+      body(
+          PatchTile{static_cast<std::size_t>(y) * kPatchTiles + static_cast<std::size_t>(x), x, y});
     }
   }
 }
 
-// Moves the block to tile (x, y) of the patch.
-inline void place_tile(Block& block, const Patch& patch, int x, int y) {
-  block.tile_x = patch.rect.x0 + x * kTileSize;
-  block.tile_y = patch.rect.y0 + y * kTileSize;
-  block.x0 = block.y0 = 0;
-  block.x1 = std::min(patch.rect.x1 - block.tile_x, kTileSize);
-  block.y1 = std::min(patch.rect.y1 - block.tile_y, kTileSize);
-  block.columns = block.x1;
-  block.rows = block.y1;
+// Moves a block to a tile of the patch.
+inline void place_tile(const Patch& patch, const PatchTile& tile, BlockPlace& place) {
+  place.tile_x = patch.rect.x0 + tile.x * kTileSize;
+  place.tile_y = patch.rect.y0 + tile.y * kTileSize;
+  place.x0 = place.y0 = 0;
+  place.x1 = std::min(patch.rect.x1 - place.tile_x, kTileSize);
+  place.y1 = std::min(patch.rect.y1 - place.tile_y, kTileSize);
+  place.columns = place.x1;
+  place.rows = place.y1;
 }
 
-inline Part part_of(const Block& block, const Patch& patch) {
-  return {0, 0, block.x1, block.y1, patch.first_sheet, patch.last_sheet};
+inline Part part_of(const BlockPlace& place, const Patch& patch) {
+  return {0, 0, place.x1, place.y1, patch.first_sheet, patch.last_sheet};
 }
 
 // The first and the last row that has bits.
@@ -78,102 +85,89 @@ HWY_INLINE RowWord node_columns(RowWord pixels, const NodeBand& x) {
 }
 
 // Adds the nodes that a tile's pixels need.
-inline void add_nodes(const RowBits& pixels, int rows, const NodeBand& x, const NodeBand& y,
-                      RowBits& nodes) {
+inline void add_nodes(const RowBits& pixels, int rows, const TileBands& bands, RowBits& nodes) {
+  const NodeBand& y = bands.y;
   for (int py = 0; py < rows;) {
     const int tap = y.taps[static_cast<std::size_t>(py)];
     RowWord together = 0;  // of the rows that take the same nodes
     for (; py < rows && y.taps[static_cast<std::size_t>(py)] == tap; ++py) together |= pixels[py];
     if (together == 0) continue;
-    const RowWord columns = node_columns(together, x);
+    const RowWord columns = node_columns(together, bands.x);
     for (int k = 0; k < kFilterTaps; ++k) nodes[tap + k] |= columns;
   }
 }
 
-struct PatchBands {
-  NodeBand x[kPatchTiles], y[kPatchTiles];
-};
-
-inline void set_up_bands(const CpuFrame& frame, const Block& nodes, const Patch& patch,
+inline void set_up_bands(const LatticeFrame& frame, const Patch& patch, int margin,
                          PatchBands& bands) {
   const auto how = frame.options->post_convolution;
   for (int t = 0; t < kPatchTiles; ++t) {
     const int x = patch.rect.x0 + t * kTileSize;
     const int y = patch.rect.y0 + t * kTileSize;
     if (x < patch.rect.x1)
-      bands.x[t] = node_band(how, patch.node_step, x, patch.nodes_x.first - nodes.margin);
+      bands.x[t] = node_band(how, patch.node_step, x, patch.nodes_x.first - margin);
     if (y < patch.rect.y1)
-      bands.y[t] = node_band(how, patch.node_step, y, patch.nodes_y.first - nodes.margin);
+      bands.y[t] = node_band(how, patch.node_step, y, patch.nodes_y.first - margin);
   }
 }
 
 // Computes a tile's pixels from a plane of nodes, in the rows from the first to the last that has
 // bits.
-inline void post_convolve_nodes(const float* nodes, const NodeBand& x, const NodeBand& y,
-                                const RowBits& bits, int num_rows, float* pixels) {
+inline void post_convolve_nodes(const float* nodes, const TileBands& bands, const RowBits& bits,
+                                int num_rows, float* pixels) {
   const RowSpan rows = rows_with_bits(bits, num_rows);
-  post_convolve<false>(nodes, kPlaneStride, x, y, rows.first, rows.last, kTileSize, pixels,
-                       kPlaneStride);
+  post_convolve<false>({nodes, kNodePlane.stride}, bands.x, bands.y,
+                       {rows.first, rows.last, kTileSize}, {pixels, kTilePlane.stride});
 }
 
 // Gives the pixels the region of the lattice that the nodes have loaded, for samples on sheet s, on
 // the sheet before it and between the two.
-inline void share_region(const CpuFrame& frame, LatticeWorkspace& work, int s) {
-  const Block& nodes = work.nodes.block;
+inline void share_region(const LatticeFrame& frame, LatticeWorkspace& work, int s) {
   Block& pixels = work.pixels.block;
-  work.pixels.samples = work.nodes.samples;
-  work.pixels.presence = work.nodes.presence;
-  std::copy_n(nodes.origin, 3, pixels.origin);
-  std::copy_n(nodes.region_lo, 3, pixels.region_lo);
-  std::copy_n(nodes.region_size, 3, pixels.region_size);
-  pixels.row_stride = nodes.row_stride;
-  pixels.slice_stride = nodes.slice_stride;
-  pixels.sublattice_stride = nodes.sublattice_stride;
-  pixels.is_interior = nodes.is_interior;
-  pixels.has_missing = nodes.has_missing;
-  pixels.uses_four_taps = nodes.uses_four_taps;
-  const SampleGrid grid{static_cast<double>(pixels.tile_x), static_cast<double>(pixels.tile_y),
-                        1.0};
-  const SheetMaps maps = sheet_maps(frame, pixels.first_sheet);
+  const BlockPlace& place = pixels.place;
+  pixels.region = work.nodes.block.region;
+  const SampleGrid grid{static_cast<double>(place.tile_x), static_cast<double>(place.tile_y), 1.0};
+  const SheetMaps maps = sheet_maps(frame, place.first_sheet);
   for (int sheet = std::max(s - 1, 0); sheet <= s; ++sheet)
     set_up_sheet(frame, pixels, grid, sheet, maps,
-                 frame.lattice_plan->widening(pixels.first_sheet + sheet));
+                 frame.lattice_plan->widening(place.number_of(sheet)));
 }
 
 // Computes the gradients of the visible pixels from the gradients of the nodes. The gradients of
 // pieces, which lie between sheets, and of pixels without nodes are computed from the kernels.
-inline void post_convolve_gradients(const CpuFrame& frame, LatticeWorkspace& work,
-                                    const Patch& patch, int s, const NodeBand& x, const NodeBand& y,
+inline void post_convolve_gradients(const LatticeFrame& frame, LatticeWorkspace& work,
+                                    const Patch& patch, int s, const TileBands& bands,
                                     const RowBits& by_themselves) {
-  Block& pixels = work.pixels.block;
-  Block& nodes = work.nodes.block;
+  const BlockPlace& place = work.pixels.block.place;
+  const RowBits& visible = work.pixels.shaded.visible;
   if (frame.is_preintegrated && !frame.takes_differences) {
-    gradient_of_pieces(frame, work.pixels, s, pixels.visible);
+    gradient_of_pieces(frame, work.pixels, s, visible);
     return;
   }
+  const bool has_all = is_whole(work.nodes.block.region);
   RowBits wanted;
   clear_bits(wanted);
-  if (is_whole(nodes)) {
-    add_nodes(pixels.visible, pixels.rows, x, y, wanted);
+  if (has_all) {
+    add_nodes(visible, place.rows, bands, wanted);
   } else {
     RowBits others;
-    for (int row = 0; row < pixels.rows; ++row)
-      others[row] = pixels.visible[row] & ~by_themselves[row];
-    add_nodes(others, pixels.rows, x, y, wanted);
+    for (int row = 0; row < place.rows; ++row) others[row] = visible[row] & ~by_themselves[row];
+    add_nodes(others, place.rows, bands, wanted);
   }
   provide_node_gradients(frame, work.nodes, s, patch, wanted);
-  for (int a = 0; a < 3; ++a)
-    post_convolve_nodes(nodes.gradient[a], x, y, pixels.visible, pixels.rows, pixels.gradient[a]);
-  if (is_whole(nodes)) return;
+  const Sheet& nodes = work.nodes.ring[place.number_of(s)];
+  const Sheet& pixels = work.pixels.ring[place.number_of(s)];
+  for (std::size_t a = 0; a < 3; ++a)
+    post_convolve_nodes(nodes.gradient[a], bands, visible, place.rows, pixels.gradient[a]);
+  if (has_all) return;
   RowBits own;
   clear_bits(own);
-  for (int row = 0; row < pixels.rows; ++row) own[row] = pixels.visible[row] & by_themselves[row];
+  for (int row = 0; row < place.rows; ++row) own[row] = visible[row] & by_themselves[row];
   gradients_of(frame, work.pixels, s, own);
 }
 
 // Keeps the bits of the pixels around which all nodes have values.
-inline void keep_whole(const RowBits& defined, const NodeBand& x, const NodeBand& y, int rows,
-                       RowBits& bits) {
+inline void keep_whole(const RowBits& defined, const TileBands& bands, int rows, RowBits& bits) {
+  const auto& [x, y] = bands;
   constexpr RowWord kAll = (RowWord{1} << kFilterTaps) - 1;
   for (int py = 0; py < rows;) {
     const int tap = y.taps[static_cast<std::size_t>(py)];
@@ -189,26 +183,25 @@ inline void keep_whole(const RowBits& defined, const NodeBand& x, const NodeBand
 }
 
 // Reconstructs the pixels around which a node has no value from the kernels, on sheet s and, for
-// pieces, on sheet s - 1. On entry block.defined names the pixels that need a value, on return the
-// pixels that have one. `by_themselves` becomes the reconstructed pixels of sheet s.
-inline void complete_pixels(const CpuFrame& frame, LatticeWorkspace& work, int s, const NodeBand& x,
-                            const NodeBand& y, RowBits& by_themselves) {
-  Block& block = work.pixels.block;
-  const Block& nodes = work.nodes.block;
+// pieces, on sheet s - 1. On entry the sheets' defined bits name the pixels that need a value, on
+// return the pixels that have one. `by_themselves` becomes the reconstructed pixels of sheet s.
+inline void complete_pixels(const LatticeFrame& frame, LatticeWorkspace& work, int s,
+                            const TileBands& bands, RowBits& by_themselves) {
+  const BlockPlace& place = work.pixels.block.place;
   RowBits given;
   clear_bits(given);
-  std::copy_n(block.defined[s & (kRingSheets - 1)].begin(), block.rows, given.begin());
+  std::copy_n(work.pixels.ring[place.number_of(s)].defined.begin(), place.rows, given.begin());
   // A front end is given only where the piece's own end is.
   for (int sheet = s; sheet >= (frame.has_pieces ? s - 1 : s); --sheet) {
-    RowBits& defined = block.defined[sheet & (kRingSheets - 1)];
-    keep_whole(nodes.defined[sheet & (kRingSheets - 1)], x, y, block.rows, given);
+    RowBits& defined = work.pixels.ring[place.number_of(sheet)].defined;
+    keep_whole(work.nodes.ring[place.number_of(sheet)].defined, bands, place.rows, given);
     RowBits others;
     clear_bits(others);
-    for (int row = 0; row < block.rows; ++row) {
+    for (int row = 0; row < place.rows; ++row) {
       others[row] = defined[row] & ~given[row];
       defined[row] &= given[row];
     }
-    work.pixels.stats.samples_reconstructed += count_bits(block, others);
+    work.pixels.stats.samples_reconstructed += count_bits(others, place.rows);
     reconstruct_sheet(frame, work.pixels, sheet, others);
     if (sheet == s) by_themselves = others;
   }
@@ -227,53 +220,51 @@ inline bool take_pixels(const CpuFrame& frame, const LatticeWorkspace& work, std
   return any != 0;
 }
 
-// Finishes one tile on sheet s, whose nodes have been reconstructed. `bits`: the pixels that are
-// relevant and open.
-inline void finish_patch_tile(const CpuFrame& frame, LatticeWorkspace& work, const Patch& patch,
-                              std::size_t t, int s, const RowBits& bits, const NodeBand& x,
-                              const NodeBand& y, StageClock& clock) {
-  Block& block = work.pixels.block;
-  work.pixels.tile = &work.tiles[t];
-  block.rays = &work.rays[t];
-  work.bits[t].any_visible = false;
+// Finishes one tile on sheet s, whose nodes have been reconstructed.
+inline void finish_patch_tile(const LatticeFrame& frame, LatticeWorkspace& work, const Patch& patch,
+                              const PatchTile& tile, int s, StageClock& clock) {
+  const TileBands bands = patch.bands->of_tile(tile.x, tile.y);
+  RowBits bits;
+  if (!take_pixels(frame, work, tile.number, s, bits)) return;
+  LatticeWorkspace::TileBits& of_tile = work.bits[tile.number];
+  Workspace& own = work.pixels;
+  BlockPlace& place = own.block.place;
+  place_tile(patch, tile, place);
+  own.tile = &work.tiles[tile.number];
+  place.rays = &work.rays[tile.number];
+  of_tile.any_visible = false;
   for (int sheet = frame.has_pieces ? s - 1 : s; sheet <= s; ++sheet) {
-    const int plane = sheet & (kRingSheets - 1);
-    post_convolve_nodes(work.nodes.block.values[plane], x, y, bits, block.rows,
-                        block.values[plane]);
-    block.defined[plane] = bits;
+    Sheet& pixels = own.ring[place.number_of(sheet)];
+    post_convolve_nodes(work.nodes.ring[place.number_of(sheet)].values, bands, bits, place.rows,
+                        pixels.values);
+    pixels.defined = bits;
   }
   // A piece whose front end is cut away begins at its sample.
   if (frame.has_pieces && !patch.is_binned_by_tile) {
-    const RowBits& kept = work.bits[t].relevant[static_cast<std::size_t>(s) - 1];
-    RowBits& before = block.defined[(s - 1) & (kRingSheets - 1)];
-    for (int row = 0; row < block.rows; ++row) before[row] &= kept[row];
+    const RowBits& kept = of_tile.relevant[static_cast<std::size_t>(s) - 1];
+    RowBits& before = own.ring[place.number_of(s - 1)].defined;
+    for (int row = 0; row < place.rows; ++row) before[row] &= kept[row];
   }
-  const bool has_all = is_whole(work.nodes.block);
+  const bool has_all = is_whole(work.nodes.block.region);
   if (frame.has_pieces || !has_all) share_region(frame, work, s);
   RowBits by_themselves;
-  if (!has_all) complete_pixels(frame, work, s, x, y, by_themselves);
+  if (!has_all) complete_pixels(frame, work, s, bands, by_themselves);
   clock.lap(kReconstruct);
   if (frame.mode == Mode::kIsosurface) {
-    surface_sheet(frame, work.pixels, s);
+    surface_sheet(frame, own, s);
     clock.lap(kShade);
-  } else if (finish_samples(frame, block, work.tiles[t], work.pixels.stats, s,
-                            block.defined[s & (kRingSheets - 1)], nullptr, clock, [&] {
-                              post_convolve_gradients(frame, work, patch, s, x, y, by_themselves);
-                            })) {
-    work.bits[t].any_visible = true;
-    std::copy_n(block.visible.begin(), kTileSize, work.bits[t].visible.begin());
+  } else if (finish_samples(
+                 frame, own.in_hand(), s, own.ring[place.number_of(s)].defined, clock,
+                 [&] { post_convolve_gradients(frame, work, patch, s, bands, by_themselves); })) {
+    of_tile.any_visible = true;
+    std::copy_n(own.shaded.visible.begin(), kTileSize, of_tile.visible.begin());
   }
 }
 
-inline void finish_patch_sheet(const CpuFrame& frame, LatticeWorkspace& work, const Patch& patch,
-                               const PatchBands& bands, int s, StageClock& clock) {
-  if (frame.takes_differences) work.nodes.block.has_gradient = {};
-  for_each_tile(patch, [&](std::size_t t, int x, int y) {
-    RowBits bits;
-    if (!take_pixels(frame, work, t, s, bits)) return;
-    place_tile(work.pixels.block, patch, x, y);
-    finish_patch_tile(frame, work, patch, t, s, bits, bands.x[x], bands.y[y], clock);
-  });
+inline void finish_patch_sheet(const LatticeFrame& frame, LatticeWorkspace& work,
+                               const Patch& patch, int s, StageClock& clock) {
+  for_each_tile(
+      patch, [&](const PatchTile& tile) { finish_patch_tile(frame, work, patch, tile, s, clock); });
 }
 
 struct WantedNodes {
@@ -292,81 +283,79 @@ inline void add_neighbours(RowBits& bits, int rows) {
   }
 }
 
-inline WantedNodes wanted_nodes(const CpuFrame& frame, const LatticeWorkspace& work,
-                                const Patch& patch, const PatchBands& bands, int s) {
+inline WantedNodes wanted_nodes(const LatticeFrame& frame, const LatticeWorkspace& work,
+                                const Patch& patch, int s) {
   WantedNodes wanted;
   const Block& nodes = work.nodes.block;
   // A piece may also begin on this sheet, and differences need the neighbours on both sides.
   const bool takes_behind = frame.has_pieces || frame.takes_differences;
-  const int first = std::max(frame.takes_differences ? s - 1 : s, nodes.front_margin);
-  const int last = std::min(takes_behind ? s + 1 : s, nodes.num_sheets - nodes.back_margin - 1);
-  for_each_tile(patch, [&](std::size_t t, int x, int y) {
+  const int first = std::max(frame.takes_differences ? s - 1 : s, nodes.place.front_margin);
+  const int last =
+      std::min(takes_behind ? s + 1 : s, nodes.place.num_sheets - nodes.place.back_margin - 1);
+  for_each_tile(patch, [&](const PatchTile& at) {
     RowBits bits;
     for (int sheet = last; sheet >= first; --sheet) {
-      if (take_pixels(frame, work, t, sheet, bits))
-        add_nodes(bits, kTileSize, bands.x[x], bands.y[y], wanted.values);
+      if (take_pixels(frame, work, at.number, sheet, bits))
+        add_nodes(bits, kTileSize, patch.bands->of_tile(at.x, at.y), wanted.values);
     }
-    if (!frame.takes_gradients || takes_behind || !work.bits[t].any_visible) return;
-    for (int row = 0; row < kTileSize; ++row) bits[row] &= work.bits[t].visible[row];
-    add_nodes(bits, kTileSize, bands.x[x], bands.y[y], wanted.gradients);
+    if (!frame.takes_gradients || takes_behind || !work.bits[at.number].any_visible) return;
+    for (int row = 0; row < kTileSize; ++row) bits[row] &= work.bits[at.number].visible[row];
+    add_nodes(bits, kTileSize, patch.bands->of_tile(at.x, at.y), wanted.gradients);
   });
-  if (frame.takes_differences) add_neighbours(wanted.values, nodes.rows);
-  for (int row = 0; row < nodes.rows; ++row) {
-    wanted.values[row] &= nodes.active[s][row];
-    wanted.gradients[row] &= nodes.active[s][row];
+  if (frame.takes_differences) add_neighbours(wanted.values, nodes.place.rows);
+  for (int row = 0; row < nodes.place.rows; ++row) {
+    wanted.values[row] &= nodes.bits.active[s][row];
+    wanted.gradients[row] &= nodes.bits.active[s][row];
   }
   return wanted;
 }
 
-inline void draw_patch_sheets(const CpuFrame& frame, LatticeWorkspace& work, const Patch& patch,
-                              const PatchBands& bands, StageClock& clock) {
+inline void draw_patch_sheets(const LatticeFrame& frame, LatticeWorkspace& work, const Patch& patch,
+                              StageClock& clock) {
   const Block& nodes = work.nodes.block;
-  for (int s = 0; s < nodes.num_sheets; ++s) {
-    const WantedNodes wanted = wanted_nodes(frame, work, patch, bands, s);
-    if (!has_bits(wanted.values, nodes.rows)) {
-      work.nodes.block.defined[s & (kRingSheets - 1)] = {};
-    } else {
-      reconstruct_nodes(frame, work.nodes, s, wanted.values, wanted.gradients, clock);
-    }
+  for (int s = 0; s < nodes.place.num_sheets; ++s) {
+    const WantedNodes wanted = wanted_nodes(frame, work, patch, s);
+    reconstruct_nodes(frame, work.nodes, s, wanted.values, wanted.gradients, clock);
     // Differences need the next sheet, so the sheet before this one is finished now.
     const int finished = frame.takes_differences ? s - 1 : s;
-    if (finished >= nodes.front_margin)
-      finish_patch_sheet(frame, work, patch, bands, finished, clock);
+    if (finished >= nodes.place.front_margin)
+      finish_patch_sheet(frame, work, patch, finished, clock);
   }
 }
 
 // True if the pixels are functions of the sheets' sum: no sample has a shortened path, is left out
 // or has no value.
-inline bool counts_sums(const CpuFrame& frame, const Block& nodes, const Patch& patch) {
+inline bool counts_sums(const LatticeFrame& frame, const Block& nodes, const Patch& patch) {
   return (frame.mode == Mode::kXray || frame.mode == Mode::kMean) && patch.is_binned_by_tile &&
-         is_whole(nodes) && !frame.lattice_plan->may_matter;
+         is_whole(nodes.region) && !frame.lattice_plan->may_matter;
 }
 
 // X-ray and mean: sums the sheets at the nodes, then post-convolves the sum once.
-inline void draw_patch_sum(const CpuFrame& frame, LatticeWorkspace& work, const Patch& patch,
-                           const PatchBands& bands, StageClock& clock) {
-  Block& nodes = work.nodes.block;
-  std::fill_n(work.node_sums, nodes.rows * kPlaneStride, 0.0F);
+inline void draw_patch_sum(const LatticeFrame& frame, LatticeWorkspace& work, const Patch& patch,
+                           StageClock& clock) {
+  const Block& nodes = work.nodes.block;
+  const BlockPlace& place = nodes.place;
+  std::fill_n(work.node_sums, place.rows * kNodePlane.stride, 0.0F);
   RowBits all{};
-  std::copy_n(nodes.active[0].begin(), nodes.rows, all.begin());
-  for (int s = 0; s < nodes.num_sheets; ++s) {
+  std::copy_n(nodes.bits.active[0].begin(), place.rows, all.begin());
+  for (int s = 0; s < place.num_sheets; ++s) {
     reconstruct_nodes(frame, work.nodes, s, all, {}, clock);
-    const float* values = nodes.values[s & (kRingSheets - 1)];
-    for (int row = 0; row < nodes.rows; ++row) {
-      for (int i = row * kPlaneStride; i < row * kPlaneStride + nodes.columns; ++i)
-        work.node_sums[i] += values[i];
+    const float* values = work.nodes.ring[place.number_of(s)].values;
+    for (int row = 0; row < place.rows; ++row) {
+      const int first = row * kNodePlane.stride;
+      for (int i = first; i < first + place.columns; ++i) work.node_sums[i] += values[i];
     }
   }
-  Block& pixels = work.pixels.block;
-  for_each_tile(patch, [&](std::size_t t, int x, int y) {
-    place_tile(pixels, patch, x, y);
-    pixels.rays = &work.rays[t];
+  BlockPlace& pixels = work.pixels.block.place;
+  float* const sums = work.pixels.ring[place.first_sheet].values;
+  for_each_tile(patch, [&](const PatchTile& at) {
+    place_tile(patch, at, pixels);
+    pixels.rays = &work.rays[at.number];
     RowBits bits{};
     std::fill_n(bits.begin(), pixels.rows, (1U << pixels.columns) - 1U);
-    post_convolve_nodes(work.node_sums, bands.x[x], bands.y[y], bits, pixels.rows,
-                        pixels.values[0]);
+    post_convolve_nodes(work.node_sums, patch.bands->of_tile(at.x, at.y), bits, pixels.rows, sums);
     clock.lap(kReconstruct);
-    accumulate_sum(frame, pixels, work.tiles[t], nodes.num_sheets, nodes.sheets[0].depth);
+    accumulate_sum(frame, pixels, sums, work.tiles[at.number]);
     clock.lap(kComposite);
   });
 }
@@ -382,65 +371,67 @@ inline bool are_paths_whole(const CpuFrame& frame, const Patch& patch) {
 // on the sheet, or for pieces the place between this sheet and the one before, meets a relevant
 // brick. Where bricks are wider than tiles this finds hardly more pixels than bin_pixels() and is
 // faster.
-inline bool bin_tile(const CpuFrame& frame, const Block& block, const Block& nodes,
+inline bool bin_tile(const LatticeFrame& frame, const BlockPlace& tile, const BlockPlace& nodes,
                      LatticeWorkspace::TileBits& bits) {
   const view::LatticePlan& plan = *frame.lattice_plan;
-  const std::uint32_t columns = (1U << block.x1) - 1U;
+  const std::uint32_t columns = (1U << tile.x1) - 1U;
   bool any = false;
   for (int s = nodes.front_margin; s < nodes.num_sheets - nodes.back_margin; ++s) {
     Bounds3 box;
     for (int sheet = frame.has_pieces ? s - 1 : s; sheet <= s; ++sheet) {
-      const view::SheetMap map = plan.lattice.index_map(nodes.first_sheet + sheet);
-      for (const int x : {0, block.x1 - 1}) {
-        for (const int y : {0, block.y1 - 1})
-          box.extend(map.at(block.tile_x + x, block.tile_y + y));
+      const view::SheetMap map = plan.lattice.index_map(nodes.number_of(sheet));
+      for (const int x : {0, tile.x1 - 1}) {
+        for (const int y : {0, tile.y1 - 1}) box.extend(map.at(tile.tile_x + x, tile.tile_y + y));
       }
     }
     const bool is_relevant = plan.relevance.any_in(box.min(), box.max());
     RowBits& rows = bits.relevant[static_cast<std::size_t>(s)];
     rows = {};
-    if (is_relevant) std::fill_n(rows.begin(), block.y1, columns);
+    if (is_relevant) std::fill_n(rows.begin(), tile.y1, columns);
     any |= is_relevant;
   }
   return any;
 }
 
 // Decides for each pixel. Samples that planes cut away are not relevant.
-inline bool bin_pixels(const CpuFrame& frame, Block& block, const Block& nodes, const Patch& patch,
-                       const TileState& tile, LatticeWorkspace::TileBits& bits) {
-  block.margin = 0;
-  block.front_margin = nodes.front_margin;
-  block.back_margin = nodes.back_margin;
-  const Part part = part_of(block, patch);
-  const Bounds3 box = box_of(frame, block, part, 0);
+inline bool bin_pixels(const LatticeFrame& frame, const Patch& patch, const BlockPlace& nodes,
+                       Block& block, const TileState& tile, LatticeWorkspace::TileBits& bits) {
+  BlockPlace& place = block.place;
+  place.margin = 0;
+  place.front_margin = nodes.front_margin;
+  place.back_margin = nodes.back_margin;
+  const Part part = part_of(place, patch);
+  const Bounds3 box = box_of(frame, place, part, 0);
   const view::LatticePlan& plan = *frame.lattice_plan;
   if (!box.intersects(plan.index_support) || !plan.relevance.any_in(box.min(), box.max()) ||
-      is_clipped_away(frame, block, part))
+      is_clipped_away(frame, place, part))
     return false;
   set_up_block(frame, block, part, box);
   if (bin_region(frame, block, tile, box) == 0) return false;
-  for (int s = 0; s < block.num_sheets; ++s) {
+  for (int s = 0; s < place.num_sheets; ++s) {
     RowBits& rows = bits.relevant[static_cast<std::size_t>(s)];
     rows = {};
-    std::copy_n(block.relevant[s].begin(), block.rows, rows.begin());
+    std::copy_n(block.bits.relevant[s].begin(), place.rows, rows.begin());
   }
   return true;
 }
 
 // Finds the relevant pixels of the patch's tiles. False if there is none.
-inline bool bin_patch(const CpuFrame& frame, LatticeWorkspace& work, const Patch& patch) {
+inline bool bin_patch(const LatticeFrame& frame, LatticeWorkspace& work, const Patch& patch) {
   Block& block = work.pixels.block;
+  const BlockPlace& place = block.place;
+  const BlockPlace& nodes = work.nodes.block.place;
   bool any = false;
-  for_each_tile(patch, [&](std::size_t t, int x, int y) {
-    LatticeWorkspace::TileBits& bits = work.bits[t];
+  for_each_tile(patch, [&](const PatchTile& at) {
+    LatticeWorkspace::TileBits& bits = work.bits[at.number];
     bits.any_relevant = false;
     bits.any_visible = false;
-    place_tile(block, patch, x, y);
-    const TileState& tile = work.tiles[t];
-    if (frame.options->stop_opaque && !tile.any_open(0, 0, block.x1, block.y1)) return;
+    place_tile(patch, at, block.place);
+    const TileState& tile = work.tiles[at.number];
+    if (frame.options->stop_opaque && !tile.any_open(0, 0, place.x1, place.y1)) return;
     bits.any_relevant = patch.is_binned_by_tile
-                            ? bin_tile(frame, block, work.nodes.block, bits)
-                            : bin_pixels(frame, block, work.nodes.block, patch, tile, bits);
+                            ? bin_tile(frame, place, nodes, bits)
+                            : bin_pixels(frame, patch, nodes, block, tile, bits);
     any |= bits.any_relevant;
   });
   return any;
@@ -450,22 +441,20 @@ enum class PatchResult { kDrawn, kNothingRelevant, kNeedsPixels, kTooLarge };
 
 // kNeedsPixels: nothing was drawn, and the patch must be drawn without nodes. kTooLarge: nothing
 // was drawn, and the patch may be drawn with fewer sheets.
-inline PatchResult draw_patch(const CpuFrame& frame, LatticeWorkspace& work, Patch patch,
+inline PatchResult draw_patch(const LatticeFrame& frame, LatticeWorkspace& work, Patch patch,
                               StageClock& clock) {
   const view::LatticePlan& plan = *frame.lattice_plan;
   Block& nodes = work.nodes.block;
-  Block& pixels = work.pixels.block;
-  const NodePlace place = place_nodes(frame, nodes, patch);
+  BlockPlace& pixels = work.pixels.block.place;
+  const NodePlace place = place_nodes(frame, patch, nodes.place);
   if (!plan.relevance.any_in(place.box.min(), place.box.max()))
     return PatchResult::kNothingRelevant;
   set_up_nodes(frame, nodes, patch, place);
-  const std::int64_t region =
-      num_samples({nodes.region_size[0], nodes.region_size[1], nodes.region_size[2]});
   // Sheets in front of the near plane have no samples.
-  const bool has_front = plan.lattice.depth(nodes.first_sheet) > plan.lattice.near_depth();
+  const bool has_front = plan.lattice.depth(nodes.place.first_sheet) > plan.lattice.near_depth();
   if (!has_front) return PatchResult::kNeedsPixels;
-  patch.is_binned_by_tile = nodes.is_interior && are_paths_whole(frame, patch);
-  if (region > kMaxRegionSamples && patch.last_sheet - patch.first_sheet > 1)
+  patch.is_binned_by_tile = nodes.region.is_interior && are_paths_whole(frame, patch);
+  if (nodes.region.num_samples() > kMaxRegionSamples && patch.last_sheet - patch.first_sheet > 1)
     return PatchResult::kTooLarge;
   if (!bin_patch(frame, work, patch)) return PatchResult::kNothingRelevant;
   clock.lap(kBin);
@@ -473,18 +462,19 @@ inline PatchResult draw_patch(const CpuFrame& frame, LatticeWorkspace& work, Pat
   clock.lap(kLoad);
   if (!are_defined) return PatchResult::kNeedsPixels;
   pixels.margin = 0;
-  pixels.first_sheet = nodes.first_sheet;
-  pixels.num_sheets = nodes.num_sheets;
-  for (int s = 0; s < nodes.num_sheets; ++s) {
-    pixels.sheets[s].depth = nodes.sheets[s].depth;
-    pixels.sheets[s].near_cut = nodes.sheets[s].near_cut;
+  pixels.first_sheet = nodes.place.first_sheet;
+  pixels.num_sheets = nodes.place.num_sheets;
+  for (int s = 0; s < pixels.num_sheets; ++s) {
+    pixels.sheets[s].depth = nodes.place.sheets[s].depth;
+    pixels.sheets[s].near_cut = nodes.place.sheets[s].near_cut;
   }
   PatchBands bands;
-  set_up_bands(frame, nodes, patch, bands);
+  set_up_bands(frame, patch, nodes.place.margin, bands);
+  patch.bands = &bands;
   if (counts_sums(frame, nodes, patch)) {
-    draw_patch_sum(frame, work, patch, bands, clock);
+    draw_patch_sum(frame, work, patch, clock);
   } else {
-    draw_patch_sheets(frame, work, patch, bands, clock);
+    draw_patch_sheets(frame, work, patch, clock);
   }
   return PatchResult::kDrawn;
 }

@@ -8,6 +8,7 @@
 #define OVOID_RENDER_CPU_PATH_INL_H_
 #endif
 
+#include "render/cpu/block.h"
 #include "render/cpu/simd-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -15,11 +16,11 @@ namespace ovoid::cpu {
 namespace HWY_NAMESPACE {
 
 // Picture coordinates of a group of a plane's samples.
-HWY_INLINE V pixel_x(const Block& block, int column) {
-  return hn::Iota(d, static_cast<float>(block.tile_x + block.x0 + column - block.margin));
+HWY_INLINE V pixel_x(const BlockPlace& place, int column) {
+  return hn::Iota(d, static_cast<float>(place.tile_x + place.x0 + column - place.margin));
 }
-HWY_INLINE float pixel_y(const Block& block, int row) {
-  return static_cast<float>(block.tile_y + block.y0 + row - block.margin);
+HWY_INLINE float pixel_y(const BlockPlace& place, int row) {
+  return static_cast<float>(place.tile_y + place.y0 + row - place.margin);
 }
 
 HWY_INLINE V evaluate2d(const view::ClipMap& map, V x, float y) {
@@ -29,13 +30,14 @@ HWY_INLINE V evaluate2d(const view::ClipMap& map, V x, float y) {
 
 // Fraction of the slab, in [0, 1]. The slab is [-1/2, 1/2] sheets around the sample; every half
 // space cuts off an end.
-HWY_INLINE V path_fraction(const CpuFrame& frame, const Block& block, int s, int column, int row) {
+HWY_INLINE V path_fraction(const CpuFrame& frame, const BlockPlace& place, int s, int column,
+                           int row) {
   const view::FramePlan& plan = *frame.plan;
-  const std::int64_t sheet = block.first_sheet + s;
-  V from = hn::Set(d, block.sheets[s].near_cut);
+  const std::int64_t sheet = place.number_of(s);
+  V from = hn::Set(d, place.sheets[s].near_cut);
   V to = hn::Set(d, 0.5F);
-  const V x = pixel_x(block, column);
-  const float y = pixel_y(block, row);
+  const V x = pixel_x(place, column);
+  const float y = pixel_y(place, row);
   for (const ClipPlane& plane : plan.clip_planes) {
     const V inside = evaluate2d(plan.clip_distance(plane, sheet), x, y);
     const V slope = hn::Mul(evaluate2d(plan.clip_slope(plane), x, y),
@@ -54,14 +56,14 @@ HWY_INLINE V path_fraction(const CpuFrame& frame, const Block& block, int s, int
 }
 
 // Where a plane's sample lies in the tile's arrays.
-HWY_INLINE int tile_index(const Block& block, int column, int row) {
-  return (block.y0 + row - block.margin) * kTileSize + block.x0 + column - block.margin;
+HWY_INLINE int tile_index(const BlockPlace& place, int column, int row) {
+  return (place.y0 + row - place.margin) * kTileSize + place.x0 + column - place.margin;
 }
 
 // Length of the ray per unit of depth: 1 for parallel projection.
-HWY_INLINE V ray_length(const CpuFrame& frame, const Block& block, int column, int row) {
+HWY_INLINE V ray_length(const CpuFrame& frame, const BlockPlace& place, int column, int row) {
   if (frame.is_parallel) return hn::Set(d, 1.0F);
-  return hn::LoadU(d, block.rays->length + tile_index(block, column, row));
+  return hn::LoadU(d, place.rays->length + tile_index(place, column, row));
 }
 
 // Works out the rays of the tile at a pixel of the picture. They are the same on all sheets.
@@ -95,17 +97,23 @@ inline float near_cut_of(const view::ViewLattice& lattice, std::int64_t sheet) {
   return nearest > -0.5 ? static_cast<float>(nearest) : -0.5F;
 }
 
+// A sheet of pixels.
+inline SheetPlace place_of_sheet(const view::ViewLattice& lattice, std::int64_t sheet) {
+  return {static_cast<float>(lattice.depth(sheet)), static_cast<float>(1.0 / lattice.pitch(sheet)),
+          near_cut_of(lattice, sheet)};
+}
+
 // Lanes whose place, a share t of the way from sheet s - 1 to sheet s, lies in all clip half
 // spaces.
-HWY_INLINE std::uint32_t kept_by_planes(const CpuFrame& frame, const Block& block, int s,
+HWY_INLINE std::uint32_t kept_by_planes(const CpuFrame& frame, const BlockPlace& place, int s,
                                         int column, int row, V t) {
   std::uint32_t kept = group_bits();
   const view::FramePlan& plan = *frame.plan;
-  const V x = pixel_x(block, column);
-  const float y = pixel_y(block, row);
+  const V x = pixel_x(place, column);
+  const float y = pixel_y(place, row);
   const V sheets_back = hn::Sub(t, hn::Set(d, 1.0F));
   for (const ClipPlane& plane : plan.clip_planes) {
-    const V inside = evaluate2d(plan.clip_distance(plane, block.first_sheet + s), x, y);
+    const V inside = evaluate2d(plan.clip_distance(plane, place.number_of(s)), x, y);
     const V slope = hn::Mul(evaluate2d(plan.clip_slope(plane), x, y),
                             hn::Set(d, frame.camera.sampling_distance));
     kept &= bits_of(hn::Ge(hn::MulAdd(slope, sheets_back, inside), hn::Zero(d)));

@@ -41,28 +41,44 @@ HWY_INLINE void filter_rows(const float* coarse, std::ptrdiff_t stride, const Ba
   }
 }
 
-// Rows [first, last] of the finer plane, all of `num_columns`; whole groups are written. kAdds: to
-// what is there, and what lies behind the columns stays as it is.
+// Samples of a plane, row by row.
+struct CoarsePlane {
+  const float* samples;
+  std::ptrdiff_t stride;
+};
+struct FinePlane {
+  float* samples;
+  std::ptrdiff_t stride;
+};
+
+// What of the finer plane is wanted: rows [first, last], so many columns.
+struct FineRows {
+  int first, last;
+  int num_columns;
+};
+
+// Whole groups are written. kAdds: to what is there, and what lies behind the columns stays as it
+// is.
 template <bool kAdds, class Band>
-inline void post_convolve(const float* coarse, std::ptrdiff_t coarse_stride, const Band& x,
-                          const Band& y, int first, int last, int num_columns, float* fine,
-                          std::ptrdiff_t fine_stride) {
+inline void post_convolve(CoarsePlane coarse, const Band& x, const Band& y, FineRows wanted,
+                          FinePlane fine) {
+  const auto [first, last, num_columns] = wanted;
   alignas(64) float rows[Band::kInputs][Band::kOutputs];
   const int first_tap = y.taps[static_cast<std::size_t>(first)];
   const int num_rows = y.taps[static_cast<std::size_t>(last)] + kFilterTaps - first_tap;
-  const float* from = coarse + first_tap * coarse_stride + x.first_input;
+  const float* from = coarse.samples + first_tap * coarse.stride + x.first_input;
   int row = 0;
   for (; row + 4 <= num_rows; row += 4)
-    filter_rows<4>(from + row * coarse_stride, coarse_stride, x, num_columns, rows + row);
+    filter_rows<4>(from + row * coarse.stride, coarse.stride, x, num_columns, rows + row);
   for (; row < num_rows; ++row)
-    filter_rows<1>(from + row * coarse_stride, coarse_stride, x, num_columns, rows + row);
+    filter_rows<1>(from + row * coarse.stride, coarse.stride, x, num_columns, rows + row);
   for (int out = first; out <= last; ++out) {
     const int tap = y.taps[static_cast<std::size_t>(out)];
     const float(*six)[Band::kOutputs] = rows + (tap - first_tap);
     V weight[kFilterTaps];
     for (int k = 0; k < kFilterTaps; ++k)
       weight[k] = hn::Set(d, y.weight[tap - y.first_input + k][out]);
-    float* to = fine + out * fine_stride;
+    float* to = fine.samples + out * fine.stride;
     for (int c = 0; c < num_columns; c += group_size()) {
       V sum = hn::Mul(weight[0], hn::Load(d, six[0] + c));
       for (int k = 1; k < kFilterTaps; ++k)

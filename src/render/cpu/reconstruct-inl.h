@@ -44,47 +44,52 @@ HWY_INLINE Position fill_lanes(const Position& u, std::uint32_t lanes) {
           hn::IfThenElse(mask, u.z, hn::Set(d, p[2][first]))};
 }
 
-// Values of one group at any positions near sheet s. `lanes` must be active samples.
-HWY_INLINE GroupValues gather_group(const CpuFrame& frame, Workspace& work, int s, int column,
-                                    int row, const Position& u, std::uint32_t lanes) {
-  if (work.block.uses_four_taps) {
+// Values of one group at any positions near its sheet. Its samples must be active.
+HWY_INLINE GroupValues gather_group(const LatticeFrame& frame, Workspace& work,
+                                    const SampleGroup& group, const Position& u) {
+  const Region& region = work.block.region;
+  if (region.uses_four_taps) {
     ValueBatch batch;
     batch.count = group_size();
-    weigh_at(frame, work.block, fill_lanes(u, lanes), 0, batch);
-    sum_batch(frame, work, batch);
+    weigh_at(frame, region, fill_lanes(u, group.lanes), 0, batch);
+    sum_batch(frame, region, batch);
     const std::uint32_t whole =
-        work.block.is_interior
+        region.is_interior
             ? group_bits()
             : bits_of(hn::Ge(hn::Load(d, batch.share), hn::Set(d, device::kLeastShare)));
-    return {value_of(frame, batch, 0), lanes & whole};
+    return {value_of(frame, batch, 0), group.lanes & whole};
   }
   alignas(64) float value[kMaxLanes] = {};
-  const std::uint32_t defined = gather_general<false>(frame, work, s, column, row, u, lanes,
-                                                      GeneralOut{value, nullptr, nullptr, nullptr});
+  const std::uint32_t defined =
+      gather_general<false>(frame, work, group, u, GeneralOut{value, nullptr, nullptr, nullptr});
   return {hn::Load(d, value), defined};
 }
 
-HWY_INLINE ValueAndGradient gather_gradient(const CpuFrame& frame, Workspace& work, int s,
-                                            int column, int row, const Position& u,
-                                            std::uint32_t lanes) {
-  if (work.block.uses_four_taps) {
+HWY_INLINE ValueAndGradient gather_gradient(const LatticeFrame& frame, Workspace& work,
+                                            const SampleGroup& group, const Position& u) {
+  const Region& region = work.block.region;
+  if (region.uses_four_taps) {
     GradientBatch batch;
     batch.count = group_size();
-    weigh_at(frame, work.block, fill_lanes(u, lanes), 0, batch);
-    sum_batch(frame, work, batch);
+    weigh_at(frame, region, fill_lanes(u, group.lanes), 0, batch);
+    sum_batch(frame, region, batch);
     return value_of(frame, batch, 0);
   }
   alignas(64) float out[4][kMaxLanes] = {};
-  gather_general<true>(frame, work, s, column, row, u, lanes,
-                       GeneralOut{out[0], out[1], out[2], out[3]});
+  gather_general<true>(frame, work, group, u, GeneralOut{out[0], out[1], out[2], out[3]});
   return {hn::Load(d, out[0]), hn::Load(d, out[1]), hn::Load(d, out[2]), hn::Load(d, out[3])};
 }
 
-// Hands the samples named by `bits` to `run` in batches, packed. (Packing by vector compression is
-// slower: its overlapping stores must drain before the next pass may read.)
+// Samples of a plane, to be handed on in batches.
+struct SampleSet {
+  const RowBits& bits;
+  int rows, stride;
+};
+
+// Hands samples to `run` in batches, packed. (Packing by vector compression is slower: its
+// overlapping stores must drain before the next pass may read.)
 template <class Batch, class Run>
-HWY_INLINE void for_each_batch(const Block& block, const RowBits& bits, Batch& batch,
-                               const Run& run) {
+HWY_INLINE void for_each_batch(const SampleSet& samples, Batch& batch, const Run& run) {
   int count = 0;  // not in `batch`: the loop would wait for its own stores
   const auto finish = [&] {
     batch.count = count;
@@ -95,13 +100,13 @@ HWY_INLINE void for_each_batch(const Block& block, const RowBits& bits, Batch& b
     run();
     count = 0;
   };
-  for (int y = 0; y < block.rows; ++y) {
+  for (int y = 0; y < samples.rows; ++y) {
     const auto row = static_cast<float>(y);
-    for (RowWord left = bits[y]; left != 0; left &= left - 1) {
+    for (RowWord left = samples.bits[y]; left != 0; left &= left - 1) {
       const int x = std::countr_zero(left);
       batch.column[count] = static_cast<float>(x);
       batch.row[count] = row;
-      batch.at[count] = y * kPlaneStride + x;
+      batch.at[count] = y * samples.stride + x;
       if (++count == kBatchSamples) finish();
     }
   }
@@ -113,48 +118,48 @@ template <class Batch>
 inline void drop_undefined(const Batch& batch, RowBits& defined) {
   for (int i = 0; i < batch.count; ++i) {
     if (batch.share[i] >= device::kLeastShare) continue;
-    defined[batch.at[i] / kPlaneStride] &= ~(RowWord{1} << batch.at[i] % kPlaneStride);
+    defined[static_cast<std::size_t>(batch.row[i])] &=
+        ~(RowWord{1} << static_cast<int>(batch.column[i]));
   }
 }
 
-inline void reconstruct_four_taps(const CpuFrame& frame, Workspace& work, int s,
+inline void reconstruct_four_taps(const LatticeFrame& frame, Workspace& work, int s,
                                   const RowBits& wanted) {
-  Block& block = work.block;
-  float* values = block.values[s & (kRingSheets - 1)];
-  RowBits& defined = block.defined[s & (kRingSheets - 1)];
-  for (int y = 0; y < block.rows; ++y) defined[y] |= wanted[y];
+  const Block& block = work.block;
+  Sheet& sheet = work.ring[block.place.number_of(s)];
+  float* values = sheet.values;
+  for (int y = 0; y < block.place.rows; ++y) sheet.defined[y] |= wanted[y];
   ValueBatch batch;
-  for_each_batch(block, wanted, batch, [&] {
+  for_each_batch({wanted, block.place.rows, sheet.stride}, batch, [&] {
     weigh_sheet(frame, block, s, batch);
-    sum_batch(frame, work, batch);
+    sum_batch(frame, block.region, batch);
     alignas(64) float value[kBatchSamples];
     for (int i = 0; i < batch.count; i += group_size())
       hn::Store(value_of(frame, batch, i), d, value + i);
     for (int i = 0; i < batch.count; ++i) values[batch.at[i]] = value[i];
-    if (!block.is_interior) drop_undefined(batch, defined);
+    if (!block.region.is_interior) drop_undefined(batch, sheet.defined);
   });
 }
 
-inline void reconstruct_general(const CpuFrame& frame, Workspace& work, int s,
+inline void reconstruct_general(const LatticeFrame& frame, Workspace& work, int s,
                                 const RowBits& wanted) {
-  Block& block = work.block;
-  float* values = block.values[s & (kRingSheets - 1)];
-  RowBits& defined = block.defined[s & (kRingSheets - 1)];
-  for (int y = 0; y < block.rows; ++y) {
-    for_each_group(wanted[y], 0, block.columns, [&](int column, std::uint32_t lanes) {
+  const Block& block = work.block;
+  Sheet& sheet = work.ring[block.place.number_of(s)];
+  for (int y = 0; y < block.place.rows; ++y) {
+    for_each_group(wanted[y], 0, block.place.columns, [&](int column, std::uint32_t lanes) {
       const Position u = position_of(block.sheets[s], column, y);
-      const GroupValues group = gather_group(frame, work, s, column, y, u, lanes);
+      const GroupValues group = gather_group(frame, work, {s, column, y, lanes}, u);
       // Neighbours may have their values already.
-      hn::BlendedStore(group.value, mask_of(lanes), d, values + y * kPlaneStride + column);
-      defined[y] |= RowWord{group.defined} << column;
+      hn::BlendedStore(group.value, mask_of(lanes), d, sheet.values + sheet.at(column, y));
+      sheet.defined[y] |= RowWord{group.defined} << column;
     });
   }
 }
 
 // Adds the samples named by `wanted` to sheet s of the block.
-inline void reconstruct_sheet(const CpuFrame& frame, Workspace& work, int s,
+inline void reconstruct_sheet(const LatticeFrame& frame, Workspace& work, int s,
                               const RowBits& wanted) {
-  if (work.block.uses_four_taps) {
+  if (work.block.region.uses_four_taps) {
     reconstruct_four_taps(frame, work, s, wanted);
   } else {
     reconstruct_general(frame, work, s, wanted);

@@ -42,17 +42,17 @@ struct Section {
 };
 
 // Where sheets lie, per block: offset in splat space and scale.
-struct SheetPlace {
+struct SplatSheet {
   float s;          // number of the sheet in the frame
   float scale;      // perspective
   float per_depth;  // of the ray, per sheet: lateral position over depth
 };
 
 // Where a block lies in the picture, and its sheets (or the points of their slabs, sheet by sheet).
-struct BlockPlace {
+struct SplatBlock {
   int tile_x, tile_y;               // pixel of its corner
   float scales[view::kBlockDepth];  // of the sheets' middle planes
-  SheetPlace places[view::kBlockDepth * device::kProfilePoints];
+  SplatSheet places[view::kBlockDepth * device::kProfilePoints];
 };
 
 // exp(-q / 2).
@@ -257,8 +257,8 @@ HWY_INLINE LevelMap level_map(const KernelFrame& frame, int tile_x, int tile_y, 
   const float middle = 0.5F * (step - 1.0F);
   const auto lo = static_cast<float>(extent.lo);
   return {scale / step,
-          (static_cast<float>(frame.plan->space.center_x - tile_x) - middle) / step - lo,
-          (static_cast<float>(frame.plan->space.center_y - tile_y) - middle) / step - lo};
+          (static_cast<float>(frame.kernel_plan->space.center_x - tile_x) - middle) / step - lo,
+          (static_cast<float>(frame.kernel_plan->space.center_y - tile_y) - middle) / step - lo};
 }
 
 // The cut with the plane t sheets behind the centre.
@@ -347,8 +347,8 @@ HWY_INLINE int level_for(const KernelFrame& frame, const Splat& splat, float sca
   return std::min(frame.max_level, static_cast<int>(std::ilogb(sigma)));
 }
 
-HWY_INLINE SheetPlace sheet_place(const KernelFrame& frame, float sheet) {
-  const view::SplatSpace& space = frame.plan->space;
+HWY_INLINE SplatSheet sheet_place(const KernelFrame& frame, float sheet) {
+  const view::SplatSpace& space = frame.kernel_plan->space;
   if (space.is_parallel) return {sheet, 1.0F, 0.0F};
   const double depth = space.depth_of(sheet);
   return {sheet, static_cast<float>(space.scale(depth)),
@@ -365,11 +365,11 @@ HWY_INLINE int num_points(const KernelFrame& frame) {
 // Runs `body(section)` for the sections that make up a splat's part of sheet j on a level.
 template <class Body>
 HWY_INLINE void for_each_section(const KernelFrame& frame, const Splat& splat,
-                                 const BlockPlace& block, int j, int level, const Body& body) {
+                                 const SplatBlock& block, int j, int level, const Body& body) {
   const bool is_gaussian = frame.profile == KernelProfile::kGaussian;
   const int points = num_points(frame);
   for (int n = 0; n < points; ++n) {
-    const SheetPlace& place = block.places[j * points + n];
+    const SplatSheet& place = block.places[j * points + n];
     const float t = place.s - splat.s;
     const bool is_section = frame.takes_means && is_gaussian;
     if (std::abs(t) - (is_section ? 0.5F : 0.0F) >= splat.reach_s) continue;
@@ -415,7 +415,7 @@ inline void cover_section(KernelWorkspace& work, const Section& section, int j) 
 
 template <int kChannels, bool kIsGaussian>
 HWY_INLINE void add_splat(const KernelFrame& frame, KernelWorkspace& work, const Splat& splat,
-                          const BlockPlace& block, const SheetRun& run) {
+                          const SplatBlock& block, const SheetRun& run) {
   float coefficients[kMaxChannels] = {};
   set_coefficients(frame, splat, coefficients);
   for (int j = run.first; j < run.last; ++j) {
@@ -441,7 +441,7 @@ HWY_INLINE void add_splat(const KernelFrame& frame, KernelWorkspace& work, const
 
 // Fragment-centric, for comparison: every sample visits every splat of its block [Jang 2004].
 inline void gather_sheet(const KernelFrame& frame, KernelWorkspace& work,
-                         std::span<const std::uint32_t> indices, const BlockPlace& block, int j) {
+                         std::span<const std::uint32_t> indices, const SplatBlock& block, int j) {
   std::vector<Section> sections;
   std::vector<std::array<float, kMaxChannels>> coefficients;
   for (const std::uint32_t index : indices) {
@@ -484,7 +484,7 @@ inline void gather_sheet(const KernelFrame& frame, KernelWorkspace& work,
 
 template <int kChannels>
 inline void scatter_splats(const KernelFrame& frame, KernelWorkspace& work,
-                           std::span<const std::uint32_t> indices, const BlockPlace& block,
+                           std::span<const std::uint32_t> indices, const SplatBlock& block,
                            const SheetRun& run) {
   const Splat* splats = frame.binned->splats.get();
   const bool is_gaussian = frame.profile == KernelProfile::kGaussian;
@@ -493,7 +493,7 @@ inline void scatter_splats(const KernelFrame& frame, KernelWorkspace& work,
     constexpr std::size_t kAhead = 8;
     // In clusters most splats are in one block, which takes too long to be waited for.
     constexpr std::size_t kSplatsPerLook = 512;
-    if (i % kSplatsPerLook == 0 && frame.common.stop.stop_requested()) return;
+    if (i % kSplatsPerLook == 0 && frame.stop.stop_requested()) return;
     if (i + kAhead < indices.size()) hwy::Prefetch(splats + indices[i + kAhead]);
     if (is_gaussian) {
       add_splat<kChannels, true>(frame, work, splats[indices[i]], block, run);
@@ -505,7 +505,7 @@ inline void scatter_splats(const KernelFrame& frame, KernelWorkspace& work,
 
 // Sums the block's splats on the levels of the wanted sheets; level 0 is always there.
 inline void sum_splats(const KernelFrame& frame, KernelWorkspace& work,
-                       std::span<const std::uint32_t> indices, const BlockPlace& block,
+                       std::span<const std::uint32_t> indices, const SplatBlock& block,
                        const SheetRun& run) {
   work.is_touched = {};
   work.is_touched[0] = true;

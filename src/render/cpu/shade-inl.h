@@ -118,9 +118,9 @@ HWY_INLINE V correct_opacity(V a, V exponent) {
 }
 
 // What a segment of straight values between `from` and `to` shows: the mean of what is integrated.
-HWY_INLINE Classified classify_segment(const CpuFrame& frame, V from, V to) {
-  const device::LookConstants& look = frame.look;
-  const float* const entries = frame.integrals;
+HWY_INLINE Classified classify_segment(const FrameLook& tables, V from, V to) {
+  const device::LookConstants& look = tables.constants;
+  const float* const entries = tables.integrals;
   alignas(64) std::int32_t index[16];
   const V lo = hn::Set(d, look.integral_lo);
   const V hi = hn::Set(d, look.integral_hi);
@@ -181,14 +181,14 @@ HWY_INLINE Classified classify_segment(const CpuFrame& frame, V from, V to) {
 // Pre-integrated: the piece from the sheet before to the sample. Where both ends lie within
 // kClosePieces cells the look is as good as straight between them, and its middle stands for it; so
 // it does for a sample that has none before it.
-HWY_INLINE Classified classify_from(const CpuFrame& frame, V before, V value) {
+HWY_INLINE Classified classify_from(const FrameLook& look, V before, V value) {
   const V middle = hn::MulAdd(hn::Sub(value, before), hn::Set(d, 0.5F), before);
-  const Classified close = classify(frame.table, middle);
-  const V cells =
-      hn::Abs(hn::Sub(place_of(frame.look.look, value), place_of(frame.look.look, before)));
+  const Classified close = classify(look.table, middle);
+  const V cells = hn::Abs(
+      hn::Sub(place_of(look.table.constants, value), place_of(look.table.constants, before)));
   const M is_far = hn::Gt(cells, hn::Set(d, device::kClosePieces));
   if (bits_of(is_far) == 0) return close;
-  const Classified far = classify_segment(frame, before, value);
+  const Classified far = classify_segment(look, before, value);
   return {hn::IfThenElse(is_far, far.red, close.red),
           hn::IfThenElse(is_far, far.green, close.green),
           hn::IfThenElse(is_far, far.blue, close.blue),
@@ -196,101 +196,104 @@ HWY_INLINE Classified classify_from(const CpuFrame& frame, V before, V value) {
 }
 
 // How many sampling distances long the path of a sample is.
-HWY_INLINE V path_length(const CpuFrame& frame, const Block& block, int s, int column, int row) {
-  return hn::Mul(path_fraction(frame, block, s, column, row),
-                 ray_length(frame, block, column, row));
+HWY_INLINE V path_length(const CpuFrame& frame, const BlockPlace& place, int s, int column,
+                         int row) {
+  return hn::Mul(path_fraction(frame, place, s, column, row),
+                 ray_length(frame, place, column, row));
 }
 
 // Opacity of every sample in `bits`, and which are visible.
-inline void classify_sheet(const CpuFrame& frame, Block& block, int s, const RowBits& bits) {
-  const float* values = block.values[s & (kRingSheets - 1)];
-  const float* values_before = block.values[(s - 1) & (kRingSheets - 1)];
-  const RowBits& defined_before = block.defined[(s - 1) & (kRingSheets - 1)];
+inline void classify_sheet(const CpuFrame& frame, const BlockPlace& place, const SheetRing& ring,
+                           int s, const RowBits& bits, ShadedSheet& shaded) {
+  const Sheet& sheet = ring[place.number_of(s)];
+  const Sheet& sheet_before = ring[place.number_of(s - 1)];
   const bool has_own_path = !frame.is_parallel || frame.is_clipped;
-  for (int y = 0; y < block.rows; ++y) {
-    block.visible[y] = 0;
+  for (int y = 0; y < place.rows; ++y) {
+    shaded.visible[y] = 0;
     for_each_group(
-        bits[y], block.margin, block.columns - block.margin, [&](int column, std::uint32_t lanes) {
-          const int at = y * kPlaneStride + column;
-          const V value = hn::LoadU(d, values + at);
+        bits[y], place.margin, place.columns - place.margin, [&](int column, std::uint32_t lanes) {
+          const int at = y * kTilePlane.stride + column;
+          const V value = hn::LoadU(d, sheet.values + at);
           V before = value;
           if (frame.is_preintegrated) {
-            const M has_before = mask_of(lanes_at(defined_before[y], column));
-            before = hn::IfThenElse(has_before, hn::LoadU(d, values_before + at), value);
+            const M has_before = mask_of(lanes_at(sheet_before.defined[y], column));
+            before = hn::IfThenElse(has_before, hn::LoadU(d, sheet_before.values + at), value);
           }
-          const M may_show =
-              hn::And(hn::Ge(hn::Max(value, before), hn::Set(d, frame.look.look.visible_lo)),
-                      hn::Le(hn::Min(value, before), hn::Set(d, frame.look.look.visible_hi)));
+          const M may_show = hn::And(
+              hn::Ge(hn::Max(value, before), hn::Set(d, frame.look.constants.look.visible_lo)),
+              hn::Le(hn::Min(value, before), hn::Set(d, frame.look.constants.look.visible_hi)));
           if ((bits_of(may_show) & lanes) == 0) return;
-          const Classified color = frame.is_preintegrated ? classify_from(frame, before, value)
-                                                          : classify(frame.table, value);
+          const Classified color = frame.is_preintegrated ? classify_from(frame.look, before, value)
+                                                          : classify(frame.look.table, value);
           V a = color.opacity;
           const std::uint32_t visible = bits_of(hn::Gt(a, hn::Zero(d))) & lanes;
           if (visible == 0) return;
           if (has_own_path && !frame.corrects_late)
-            a = correct_opacity(a, path_length(frame, block, s, column, y));
-          hn::StoreU(a, d, block.sample_alpha + at);
-          hn::StoreU(color.red, d, block.sample_red + at);
-          hn::StoreU(color.green, d, block.sample_green + at);
-          hn::StoreU(color.blue, d, block.sample_blue + at);
-          block.visible[y] |= visible << column;
+            a = correct_opacity(a, path_length(frame, place, s, column, y));
+          hn::StoreU(a, d, shaded.alpha + at);
+          hn::StoreU(color.red, d, shaded.red + at);
+          hn::StoreU(color.green, d, shaded.green + at);
+          hn::StoreU(color.blue, d, shaded.blue + at);
+          shaded.visible[y] |= visible << column;
         });
   }
 }
 
 // Where another attribute gives the colour: its colours, at its own values, for the visible
 // samples.
-inline void color_sheet(const CpuFrame& frame, Block& block, const float* values) {
-  for (int y = 0; y < block.rows; ++y) {
-    for_each_group(block.visible[y], block.margin, block.columns - block.margin,
+inline void color_sheet(const CpuFrame& frame, const BlockPlace& place, const Sheet& sheet,
+                        ShadedSheet& shaded) {
+  for (int y = 0; y < place.rows; ++y) {
+    for_each_group(shaded.visible[y], place.margin, place.columns - place.margin,
                    [&](int column, std::uint32_t) {
-                     const int at = y * kPlaneStride + column;
+                     const int at = y * kTilePlane.stride + column;
                      const Classified color =
-                         classify(frame.color_table, hn::LoadU(d, values + at));
-                     hn::StoreU(color.red, d, block.sample_red + at);
-                     hn::StoreU(color.green, d, block.sample_green + at);
-                     hn::StoreU(color.blue, d, block.sample_blue + at);
+                         classify(frame.look.color, hn::LoadU(d, sheet.colors + at));
+                     hn::StoreU(color.red, d, shaded.red + at);
+                     hn::StoreU(color.green, d, shaded.green + at);
+                     hn::StoreU(color.blue, d, shaded.blue + at);
                    });
   }
 }
 
 // Where opacities are corrected late: fades the visible samples by their gradients, which are
 // there, and corrects for the path. What fades away is no longer visible.
-inline void correct_sheet(const CpuFrame& frame, Block& block, int s) {
+inline void correct_sheet(const CpuFrame& frame, const BlockPlace& place, int s, const Sheet& sheet,
+                          ShadedSheet& shaded) {
   const bool has_own_path = !frame.is_parallel || frame.is_clipped;
-  for (int y = 0; y < block.rows; ++y) {
-    const RowWord candidates = block.visible[y];
-    for_each_group(
-        candidates, block.margin, block.columns - block.margin,
-        [&](int column, std::uint32_t lanes) {
-          const int at = y * kPlaneStride + column;
-          V a = hn::LoadU(d, block.sample_alpha + at);
-          if (frame.fades_by_gradient) {
-            V squared = hn::Zero(d);
-            for (const float* g : {block.gradient[0], block.gradient[1], block.gradient[2]}) {
-              const V component = hn::LoadU(d, g + at);
-              squared = hn::MulAdd(component, component, squared);
-            }
-            a = hn::Mul(a, classify(frame.fading, hn::Sqrt(squared)).opacity);
-          }
-          V length = hn::Set(d, frame.look.path_in_units);
-          if (has_own_path) length = hn::Mul(length, path_length(frame, block, s, column, y));
-          const std::uint32_t gone = bits_of(hn::Le(a, hn::Zero(d))) & lanes;
-          block.visible[y] &= ~(gone << column);
-          hn::StoreU(correct_opacity(a, length), d, block.sample_alpha + at);
-        });
+  for (int y = 0; y < place.rows; ++y) {
+    const RowWord candidates = shaded.visible[y];
+    for_each_group(candidates, place.margin, place.columns - place.margin,
+                   [&](int column, std::uint32_t lanes) {
+                     const int at = y * kTilePlane.stride + column;
+                     V a = hn::LoadU(d, shaded.alpha + at);
+                     if (frame.fades_by_gradient) {
+                       V squared = hn::Zero(d);
+                       for (const float* g : sheet.gradient) {
+                         const V component = hn::LoadU(d, g + at);
+                         squared = hn::MulAdd(component, component, squared);
+                       }
+                       a = hn::Mul(a, classify(frame.look.fading, hn::Sqrt(squared)).opacity);
+                     }
+                     V length = hn::Set(d, frame.look.constants.path_in_units);
+                     if (has_own_path)
+                       length = hn::Mul(length, path_length(frame, place, s, column, y));
+                     const std::uint32_t gone = bits_of(hn::Le(a, hn::Zero(d))) & lanes;
+                     shaded.visible[y] &= ~(gone << column);
+                     hn::StoreU(correct_opacity(a, length), d, shaded.alpha + at);
+                   });
   }
 }
 
 // Direction from the sample to the eye, unit length.
-HWY_INLINE WorldVector direction_to_eye(const CpuFrame& frame, const Block& block, int column,
+HWY_INLINE WorldVector direction_to_eye(const CpuFrame& frame, const BlockPlace& place, int column,
                                         int row) {
   if (frame.is_parallel) {
     return {hn::Set(d, -frame.camera.axis[0]), hn::Set(d, -frame.camera.axis[1]),
             hn::Set(d, -frame.camera.axis[2])};
   }
-  const int at = tile_index(block, column, row);
-  const auto along = [&](int a) { return hn::LoadU(d, block.rays->eye[a] + at); };
+  const int at = tile_index(place, column, row);
+  const auto along = [&](int a) { return hn::LoadU(d, place.rays->eye[a] + at); };
   return {along(0), along(1), along(2)};
 }
 
@@ -303,7 +306,7 @@ struct Lighting {
   V factor, highlight;
 };
 
-HWY_INLINE Lighting light_sample(const CpuFrame& frame, const WorldVector& gradient,
+HWY_INLINE Lighting light_sample(const device::LookConstants& look, const WorldVector& gradient,
                                  const WorldVector& eye) {
   const V squared = hn::Max(dot_product(gradient, gradient), hn::Set(d, 1e-36F));
   const V inverse = reciprocal_sqrt(squared);
@@ -311,13 +314,13 @@ HWY_INLINE Lighting light_sample(const CpuFrame& frame, const WorldVector& gradi
   const WorldVector normal{hn::Mul(gradient.x, inverse), hn::Mul(gradient.y, inverse),
                            hn::Mul(gradient.z, inverse)};
   const V flatness =
-      hn::Min(hn::Mul(length, hn::Set(d, frame.look.flat_gradient_inverse)), hn::Set(d, 1.0F));
+      hn::Min(hn::Mul(length, hn::Set(d, look.flat_gradient_inverse)), hn::Set(d, 1.0F));
   const V to_eye = dot_product(normal, eye);
   V diffuse = hn::Abs(to_eye);
   V specular = diffuse;
-  if (frame.look.has_headlight == 0) {
-    const WorldVector light{hn::Set(d, frame.look.light.x), hn::Set(d, frame.look.light.y),
-                            hn::Set(d, frame.look.light.z)};
+  if (look.has_headlight == 0) {
+    const WorldVector light{hn::Set(d, look.light.x), hn::Set(d, look.light.y),
+                            hn::Set(d, look.light.z)};
     const V to_light = dot_product(normal, light);
     diffuse = hn::Abs(to_light);
     const WorldVector half{hn::Add(light.x, eye.x), hn::Add(light.y, eye.y),
@@ -328,11 +331,10 @@ HWY_INLINE Lighting light_sample(const CpuFrame& frame, const WorldVector& gradi
     specular = hn::IfThenElseZero(hn::Ge(hn::Mul(to_light, to_eye), hn::Zero(d)), cosine);
   }
   const V lit = hn::MulAdd(flatness, hn::Sub(diffuse, hn::Set(d, 1.0F)), hn::Set(d, 1.0F));
-  Lighting out{hn::MulAdd(hn::Set(d, frame.look.diffuse), lit, hn::Set(d, frame.look.ambient)),
-               hn::Zero(d)};
-  if (frame.look.specular > 0) {
-    const V shine = vector_power(hn::Min(specular, hn::Set(d, 1.0F)), frame.look.specular_power);
-    out.highlight = hn::Mul(hn::Mul(flatness, hn::Set(d, frame.look.specular)), shine);
+  Lighting out{hn::MulAdd(hn::Set(d, look.diffuse), lit, hn::Set(d, look.ambient)), hn::Zero(d)};
+  if (look.specular > 0) {
+    const V shine = vector_power(hn::Min(specular, hn::Set(d, 1.0F)), look.specular_power);
+    out.highlight = hn::Mul(hn::Mul(flatness, hn::Set(d, look.specular)), shine);
   }
   return out;
 }
@@ -342,18 +344,18 @@ HWY_INLINE V lit_color(V color, const Lighting& light) {
   return hn::Min(hn::Max(c, hn::Zero(d)), hn::Set(d, 1.0F));
 }
 
-inline void light_sheet(const CpuFrame& frame, Block& block) {
-  for (int y = 0; y < block.rows; ++y) {
-    for_each_group(block.visible[y], block.margin, block.columns - block.margin,
+inline void light_sheet(const CpuFrame& frame, const BlockPlace& place, const Sheet& sheet,
+                        ShadedSheet& shaded) {
+  for (int y = 0; y < place.rows; ++y) {
+    for_each_group(shaded.visible[y], place.margin, place.columns - place.margin,
                    [&](int column, std::uint32_t) {
-                     const int at = y * kPlaneStride + column;
-                     const WorldVector g{hn::LoadU(d, block.gradient[0] + at),
-                                         hn::LoadU(d, block.gradient[1] + at),
-                                         hn::LoadU(d, block.gradient[2] + at)};
-                     const Lighting light =
-                         light_sample(frame, g, direction_to_eye(frame, block, column, y));
-                     for (float* color : {block.sample_red + at, block.sample_green + at,
-                                          block.sample_blue + at}) {
+                     const int at = y * kTilePlane.stride + column;
+                     const WorldVector g{hn::LoadU(d, sheet.gradient[0] + at),
+                                         hn::LoadU(d, sheet.gradient[1] + at),
+                                         hn::LoadU(d, sheet.gradient[2] + at)};
+                     const Lighting light = light_sample(frame.look.constants, g,
+                                                         direction_to_eye(frame, place, column, y));
+                     for (float* color : {shaded.red + at, shaded.green + at, shaded.blue + at}) {
                        hn::StoreU(lit_color(hn::LoadU(d, color), light), d, color);
                      }
                    });

@@ -14,7 +14,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "render/cpu/block.h"
+#include "render/cpu/sheets.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace ovoid::cpu {
@@ -48,21 +48,6 @@ HWY_INLINE std::uint32_t bits_of(M mask) {
   alignas(8) std::uint8_t bytes[8] = {};
   hn::StoreMaskBits(d, mask, bytes);
   return bytes[0] | static_cast<std::uint32_t>(bytes[1]) << 8;
-}
-
-// Index position of a group of samples, relative to the block's origin.
-struct Position {
-  V x, y, z;
-};
-
-HWY_INLINE Position position_of(const SheetSetup& sheet, int column, int row) {
-  const V x = hn::Iota(d, static_cast<float>(column));
-  const float y = static_cast<float>(row);
-  const auto along = [&](int a) {
-    return hn::MulAdd(x, hn::Set(d, sheet.per_x[a]),
-                      hn::Set(d, sheet.base[a] + y * sheet.per_y[a]));
-  };
-  return {along(0), along(1), along(2)};
 }
 
 // Adding this to a float of magnitude under 2^22 leaves its nearest whole number in the low bits:
@@ -131,6 +116,19 @@ HWY_INLINE V vector_log2(V x) {
   series = hn::MulAdd(series, tt, hn::Set(d, 2.88539008F));
   return hn::MulAdd(series, t, exponent);
 }
+
+inline std::int64_t count_bits(const RowBits& bits, int rows) {
+  std::int64_t count = 0;
+  for (int y = 0; y < rows; ++y) count += std::popcount(bits[y]);
+  return count;
+}
+
+// Samples of a group: those of its lanes, of which bit i is sample column + i of the row.
+struct SampleGroup {
+  int s;  // sheet of the block
+  int column, row;
+  std::uint32_t lanes;
+};
 
 // Runs `body(column, bits)` for each group of a row in which `row_bits` has a bit set; bit i of
 // `bits` is sample column + i.

@@ -26,11 +26,15 @@ namespace HWY_NAMESPACE {
 
 inline constexpr std::size_t kPlaneFloats = kMaxPlaneRows * kPlaneStride + kTapPadding;
 
-inline float* numerator_plane(Workspace& work, int s) {
-  return work.splats.data.get() + 2 * kPlaneFloats * s;
-}
-inline float* denominator_plane(Workspace& work, int s) {
-  return numerator_plane(work, s) + kPlaneFloats;
+// What is summed on one sheet; sample (x, y) at y * kPlaneStride + x.
+struct SplatSums {
+  float* numerator;
+  float* denominator;
+};
+
+inline SplatSums splat_sums(Workspace& work, int s) {
+  float* const planes = work.splats.data.get() + 2 * kPlaneFloats * s;
+  return {planes, planes + kPlaneFloats};
 }
 
 // A plane of samples as kernels see it: u(x, y) = base + x per_x + y per_y, and the inverse of
@@ -44,7 +48,8 @@ struct SplatPlane {
 };
 
 // At `offset` sheets from sheet s, for slab means.
-inline SplatPlane make_splat_plane(const CpuFrame& frame, const SheetSetup& sheet, float offset) {
+inline SplatPlane make_splat_plane(const LatticeFrame& frame, const SheetInLattice& sheet,
+                                   float offset) {
   SplatPlane plane;
   Eigen::Matrix3f columns;
   for (int a = 0; a < 3; ++a) {
@@ -79,10 +84,10 @@ struct SampleBox {
   int x0, y0, x1, y1;
 };
 
-inline SampleBox box_of_bits(const Block& block, const RowBits& bits) {
-  SampleBox box{0, block.rows, -1, -1};
+inline SampleBox box_of_bits(const RowBits& bits, int rows) {
+  SampleBox box{0, rows, -1, -1};
   RowWord columns = 0;
-  for (int y = 0; y < block.rows; ++y) {
+  for (int y = 0; y < rows; ++y) {
     if (bits[y] == 0) continue;
     box.y0 = std::min(box.y0, y);
     box.y1 = y;
@@ -94,10 +99,18 @@ inline SampleBox box_of_bits(const Block& block, const RowBits& bits) {
   return box;
 }
 
-// Adds one kernel at index position `center` to a plane's samples.
-HWY_INLINE void splat_kernel(const SampleBox& box, const SplatPlane& plane, const float* center,
-                             float value, float weight, float* HWY_RESTRICT numerator,
-                             float* HWY_RESTRICT denominator) {
+// A kernel at an index position.
+struct PlacedKernel {
+  const float* center;
+  float value, weight;
+};
+
+// Adds one kernel to a plane's samples.
+HWY_INLINE void splat_kernel(const SampleBox& box, const SplatPlane& plane,
+                             const PlacedKernel& kernel, const SplatSums& sums) {
+  float* HWY_RESTRICT const numerator = sums.numerator;
+  float* HWY_RESTRICT const denominator = sums.denominator;
+  const float* const center = kernel.center;
   const float from_base[3] = {center[0] - plane.base[0], center[1] - plane.base[1],
                               center[2] - plane.base[2]};
   const float x = product_with(plane.inverse[0], from_base);
@@ -106,8 +119,8 @@ HWY_INLINE void splat_kernel(const SampleBox& box, const SplatPlane& plane, cons
   const int x1 = std::min(box.x1, static_cast<int>(std::floor(x + plane.half_extent[0])));
   const int y0 = std::max(box.y0, static_cast<int>(std::ceil(y - plane.half_extent[1])));
   const int y1 = std::min(box.y1, static_cast<int>(std::floor(y + plane.half_extent[1])));
-  const V scaled_value = hn::Set(d, value * weight);
-  const V scaled_one = hn::Set(d, weight);
+  const V scaled_value = hn::Set(d, kernel.value * kernel.weight);
+  const V scaled_one = hn::Set(d, kernel.weight);
   for (int row = y0; row <= y1; ++row) {
     for (int column = x0; column <= x1; column += group_size()) {
       const V px = hn::Iota(d, static_cast<float>(column));
@@ -130,12 +143,11 @@ HWY_INLINE void splat_kernel(const SampleBox& box, const SplatPlane& plane, cons
 
 // The kernels of one sublattice's region, as far as it goes, that reach a plane.
 template <class Visit>
-inline void for_each_kernel_of(const device::Sublattice& sublattice, const Workspace& work,
+inline void for_each_kernel_of(const device::Sublattice& sublattice, const Region& region,
                                std::ptrdiff_t from, const SplatPlane& plane, const Visit& visit) {
-  const Block& block = work.block;
-  const float* samples = work.samples + from;
-  const float* presence = block.has_missing ? work.presence + from : nullptr;
-  const auto [lo, hi] = part_in_lattice(block, sublattice);
+  const float* samples = region.samples + from;
+  const float* presence = region.has_missing ? region.presence + from : nullptr;
+  const auto [lo, hi] = part_in_lattice(region, sublattice);
   const int last_in_row = static_cast<int>(hi[0] - lo[0]) - 1;
   const float slope = plane.inverse[2][0];
   const bool is_steep = std::abs(slope) > 1e-6F;
@@ -143,9 +155,9 @@ inline void for_each_kernel_of(const device::Sublattice& sublattice, const Works
   const float half_width = std::abs(plane.half_extent[2] * kernels_per_sheet);
   for (std::int64_t z = lo[2]; z < hi[2]; ++z) {
     for (std::int64_t y = lo[1]; y < hi[1]; ++y) {
-      float center[3] = {static_cast<float>(lo[0] - block.origin[0]) + sublattice.offset,
-                         static_cast<float>(y - block.origin[1]) + sublattice.offset,
-                         static_cast<float>(z - block.origin[2]) + sublattice.offset};
+      float center[3] = {static_cast<float>(lo[0] - region.origin[0]) + sublattice.offset,
+                         static_cast<float>(y - region.origin[1]) + sublattice.offset,
+                         static_cast<float>(z - region.origin[2]) + sublattice.offset};
       // Kernels of the row that meet the sheet: |sheet + i * slope| <= half extent.
       const float from_base[3] = {center[0] - plane.base[0], center[1] - plane.base[1],
                                   center[2] - plane.base[2]};
@@ -162,9 +174,9 @@ inline void for_each_kernel_of(const device::Sublattice& sublattice, const Works
       } else if (std::abs(sheet) > plane.half_extent[2]) {
         continue;
       }
-      const std::ptrdiff_t row = (z - block.origin[2] - block.region_lo[2]) * block.slice_stride +
-                                 (y - block.origin[1] - block.region_lo[1]) * block.row_stride +
-                                 (lo[0] - block.origin[0] - block.region_lo[0]);
+      const std::ptrdiff_t row = (z - region.origin[2] - region.lo[2]) * region.slice_stride +
+                                 (y - region.origin[1] - region.lo[1]) * region.row_stride +
+                                 (lo[0] - region.origin[0] - region.lo[0]);
       const float x0 = center[0];
       for (int i = first; i <= last; ++i) {
         if (presence != nullptr && presence[row + i] == 0.0F) continue;
@@ -177,40 +189,40 @@ inline void for_each_kernel_of(const device::Sublattice& sublattice, const Works
 
 // The kernels of the region, as far as the lattice goes, that reach a plane: visit(center, value).
 template <class Visit>
-inline void for_each_kernel(const CpuFrame& frame, const Workspace& work, const SplatPlane& plane,
-                            const Visit& visit) {
+inline void for_each_kernel(const LatticeFrame& frame, const Region& region,
+                            const SplatPlane& plane, const Visit& visit) {
   for (int s = 0; s < frame.lattice.num_sublattices; ++s)
-    for_each_kernel_of(frame.lattice.sublattices[s], work, s * work.block.sublattice_stride, plane,
+    for_each_kernel_of(frame.lattice.sublattices[s], region, s * region.sublattice_stride, plane,
                        visit);
 }
 
 // Room for the planes of all sheets of the block.
 inline void reserve_splat_planes(Workspace& work) {
-  work.splats.reserve(2 * kPlaneFloats * static_cast<std::size_t>(work.block.num_sheets));
+  work.splats.reserve(2 * kPlaneFloats * static_cast<std::size_t>(work.block.place.num_sheets));
 }
 
-inline void clear_splat_planes(Workspace& work, int s) {
-  std::fill_n(numerator_plane(work, s), 2 * kPlaneFloats, 0.0F);
+inline void clear_splat_planes(const SplatSums& sums) {
+  std::fill_n(sums.numerator, 2 * kPlaneFloats, 0.0F);
 }
 
 // All kernels of the region onto the wanted samples of a sheet.
-inline void splat_sheet(const CpuFrame& frame, Workspace& work, int s, const RowBits& wanted) {
+inline void splat_sheet(const LatticeFrame& frame, Workspace& work, int s, const RowBits& wanted) {
   const Block& block = work.block;
-  clear_splat_planes(work, s);
-  const SampleBox box = box_of_bits(block, wanted);
+  const SplatSums sums = splat_sums(work, s);
+  clear_splat_planes(sums);
+  const SampleBox box = box_of_bits(wanted, block.place.rows);
   if (box.x1 < 0) return;
   for (int point = 0; point < frame.lattice.num_slab_points; ++point) {
     const device::SlabPoint slab = frame.lattice.slab[point];
     const SplatPlane plane = make_splat_plane(frame, block.sheets[s], slab.offset);
-    for_each_kernel(frame, work, plane, [&](const float* center, float value) {
-      splat_kernel(box, plane, center, value, slab.weight, numerator_plane(work, s),
-                   denominator_plane(work, s));
+    for_each_kernel(frame, block.region, plane, [&](const float* center, float value) {
+      splat_kernel(box, plane, {center, value, slab.weight}, sums);
     });
   }
 }
 
 // The sum of all kernels of an endless lattice at a sample (its slab's mean).
-inline float endless_sum(const CpuFrame& frame, Workspace& work, const SheetSetup& sheet,
+inline float endless_sum(const LatticeFrame& frame, Workspace& work, const SheetInLattice& sheet,
                          int column, int row) {
   const int capacity = tap_capacity(frame, sheet);
   float* memory = work.taps.reserve(static_cast<std::size_t>(6) * capacity);
@@ -231,8 +243,8 @@ inline float endless_sum(const CpuFrame& frame, Workspace& work, const SheetSetu
         AxisTaps taps;
         taps.weight = memory;
         taps.derivative = memory + capacity;
-        fill_axis(frame, work.block, sublattice, a, u[a] - sublattice.offset, sheet.widening[a],
-                  taps);
+        fill_axis(frame.lattice, work.block.region, sublattice,
+                  {a, u[a] - sublattice.offset, sheet.widening[a]}, taps);
         product *= taps.endless;
       }
       sum += product;
@@ -242,9 +254,9 @@ inline float endless_sum(const CpuFrame& frame, Workspace& work, const SheetSetu
 }
 
 // Is a sample of `sum` defined, whose weights add up to e?
-inline bool is_sum_defined(const CpuFrame& frame, const Block& block, const SheetSetup& sheet,
-                           int column, int row, float e) {
-  if (block.has_missing) return e > 0;
+inline bool is_sum_defined(const LatticeFrame& frame, const Region& region,
+                           const SheetInLattice& sheet, int column, int row, float e) {
+  if (region.has_missing) return e > 0;
   const float x = static_cast<float>(column);
   const float y = static_cast<float>(row);
   float u[3];
@@ -253,41 +265,43 @@ inline bool is_sum_defined(const CpuFrame& frame, const Block& block, const Shee
     u[a] = sheet.base[a] + x * sheet.per_x[a] + y * sheet.per_y[a];
     step[a] = sheet.step[a] + x * sheet.step_per_x[a] + y * sheet.step_per_y[a];
   }
-  return meets_support(frame, block, sheet, u, step);
+  return meets_support(frame, region, sheet, u, step);
 }
 
 // The quotients of what was splatted.
-inline void read_splat_sheet(const CpuFrame& frame, Workspace& work, int s, const RowBits& wanted) {
-  Block& block = work.block;
-  const SheetSetup& sheet = block.sheets[s];
-  const float mass = sheet.widening[0] * sheet.widening[1] * sheet.widening[2];
-  float* values = block.values[s & (kRingSheets - 1)];
-  RowBits& defined = block.defined[s & (kRingSheets - 1)];
-  for (int y = 0; y < block.rows; ++y) {
-    defined[y] = 0;
+inline void read_splat_sheet(const LatticeFrame& frame, Workspace& work, int s,
+                             const RowBits& wanted) {
+  const Block& block = work.block;
+  const Region& region = block.region;
+  const SheetInLattice& in_lattice = block.sheets[s];
+  const float* const w = in_lattice.widening;
+  const float mass = w[0] * w[1] * w[2];
+  const SplatSums sums = splat_sums(work, s);
+  Sheet& sheet = work.ring[block.place.number_of(s)];
+  for (int y = 0; y < block.place.rows; ++y) {
+    sheet.defined[y] = 0;
     for (RowWord bits = wanted[y]; bits != 0; bits &= bits - 1) {
       const int x = std::countr_zero(bits);
-      const int at = y * kPlaneStride + x;
-      const float n = numerator_plane(work, s)[at];
-      const float e = denominator_plane(work, s)[at];
+      const float n = sums.numerator[y * kPlaneStride + x];
+      const float e = sums.denominator[y * kPlaneStride + x];
       if (frame.is_sum) {
-        if (!is_sum_defined(frame, block, sheet, x, y, e)) continue;
-        values[at] = frame.lattice.sum_weight / mass * n;
+        if (!is_sum_defined(frame, region, in_lattice, x, y, e)) continue;
+        sheet.values[sheet.at(x, y)] = frame.lattice.sum_weight / mass * n;
       } else {
         if (!(e > 0)) continue;
-        const bool is_whole = block.is_interior && !block.has_missing;
-        if (!is_whole && !(e >= device::kLeastShare * endless_sum(frame, work, sheet, x, y)))
+        const bool is_whole = region.is_interior && !region.has_missing;
+        if (!is_whole && !(e >= device::kLeastShare * endless_sum(frame, work, in_lattice, x, y)))
           continue;
-        values[at] = n / e;
+        sheet.values[sheet.at(x, y)] = n / e;
       }
-      defined[y] |= RowWord{1} << x;
+      sheet.defined[y] |= RowWord{1} << x;
     }
   }
 }
 
 // Scatter if asked to. Left to itself, gather: it reads each tap once for a sample that is needed,
 // scatter pays for samples that are not.
-inline bool should_scatter(const CpuFrame& frame) {
+inline bool should_scatter(const LatticeFrame& frame) {
   return frame.options->evaluate == Evaluate::kScatter;
 }
 

@@ -26,65 +26,66 @@ namespace ovoid::cpu {
 namespace HWY_NAMESPACE {
 
 // Samples to be classified now: relevant ones of open pixels.
-inline RowBits relevant_now(const CpuFrame& frame, const Block& block, const TileState& tile,
-                            int s) {
+inline RowBits relevant_now(const CpuFrame& frame, const Workspace& work, int s) {
+  const Block& block = work.block;
+  const RowBits& defined = work.ring[block.place.number_of(s)].defined;
   RowBits bits;
-  for (int y = 0; y < block.rows; ++y) {
-    bits[y] = block.relevant[s][y] & open_samples(frame, block, tile, y) &
-              block.defined[s & (kRingSheets - 1)][y];
+  for (int y = 0; y < block.place.rows; ++y) {
+    bits[y] =
+        block.bits.relevant[s][y] & open_samples(frame, block.place, *work.tile, y) & defined[y];
   }
   return bits;
 }
 
 // Samples to be reconstructed now: active ones of open pixels, and of their neighbours where
 // differences are taken.
-inline RowBits wanted_now(const CpuFrame& frame, const Block& block, const TileState& tile, int s) {
+inline RowBits wanted_now(const CpuFrame& frame, const Workspace& work, int s) {
+  const BlockPlace& place = work.block.place;
+  const TileState& tile = *work.tile;
   RowBits bits;
-  for (int y = 0; y < block.rows; ++y) {
-    std::uint32_t near = open_samples(frame, block, tile, y);
-    if (block.margin > 0) {
+  for (int y = 0; y < place.rows; ++y) {
+    std::uint32_t near = open_samples(frame, place, tile, y);
+    if (place.margin > 0) {
       near |= near << 1 | near >> 1;
-      near |= open_samples(frame, block, tile, y - 1) | open_samples(frame, block, tile, y + 1);
+      near |= open_samples(frame, place, tile, y - 1) | open_samples(frame, place, tile, y + 1);
     }
-    bits[y] = block.active[s][y] & near;
+    bits[y] = work.block.bits.active[s][y] & near;
   }
   return bits;
 }
 
 // classify, light and composite sheet s, whose values (and neighbours', if differences are taken)
 // are there.
-inline void finish_sheet(const CpuFrame& frame, Workspace& work, int s, StageClock& clock) {
-  Block& block = work.block;
-  TileState& tile = *work.tile;
+inline void finish_sheet(const LatticeFrame& frame, Workspace& work, int s, StageClock& clock) {
   if (frame.mode == Mode::kIsosurface) {
     if (s > 0) surface_sheet(frame, work, s);
     clock.lap(kShade);
     return;
   }
-  if (frame.is_preintegrated && s < block.front_margin) return;  // the block before has drawn it
-  const RowBits bits = relevant_now(frame, block, tile, s);
-  finish_samples(frame, block, tile, work.stats, s, bits, nullptr, clock,
-                 [&] { gradient_of_sheet(frame, work, s); });
+  // The block before has drawn it.
+  if (frame.is_preintegrated && s < work.block.place.front_margin) return;
+  const RowBits bits = relevant_now(frame, work, s);
+  finish_samples(frame, work.in_hand(), s, bits, clock, [&] { gradient_of_sheet(frame, work, s); });
+  work.was_visible = work.shaded.visible;
 }
 
 // With differences, a sheet is finished once its far neighbour is there: so many later.
 inline int sheets_late(const CpuFrame& frame) { return frame.takes_differences ? 1 : 0; }
 
 // Sheet s of a block that is ready.
-inline void run_sheet(const CpuFrame& frame, Workspace& work, int s, StageClock& clock) {
-  Block& block = work.block;
-  RowBits wanted = wanted_now(frame, block, *work.tile, s);
-  work.stats.samples_reconstructed += count_bits(block, wanted);
-  block.defined[s & (kRingSheets - 1)] = {};
-  block.has_gradient = {};
+inline void run_sheet(const LatticeFrame& frame, Workspace& work, int s, StageClock& clock) {
+  const BlockPlace& place = work.block.place;
+  RowBits wanted = wanted_now(frame, work, s);
+  work.stats.samples_reconstructed += count_bits(wanted, place.rows);
+  work.ring[place.number_of(s)].clear();
   if (should_scatter(frame)) {
     splat_sheet(frame, work, s, wanted);
     read_splat_sheet(frame, work, s, wanted);
   } else {
-    const RowBits guess = guess_visible(frame, block, wanted);
+    const RowBits guess = guess_visible(frame, work, wanted);
     reconstruct_with_gradients(frame, work, s, guess);
     clock.lap(kGradient);
-    for (int y = 0; y < block.rows; ++y) wanted[y] &= ~guess[y];
+    for (int y = 0; y < place.rows; ++y) wanted[y] &= ~guess[y];
     reconstruct_sheet(frame, work, s, wanted);
   }
   clock.lap(kReconstruct);
@@ -94,8 +95,8 @@ inline void run_sheet(const CpuFrame& frame, Workspace& work, int s, StageClock&
 
 // No pixel of the block takes more samples.
 inline bool is_closed(const CpuFrame& frame, const Workspace& work) {
-  const Block& block = work.block;
-  return frame.options->stop_opaque && !work.tile->any_open(block.x0, block.y0, block.x1, block.y1);
+  const BlockPlace& place = work.block.place;
+  return frame.options->stop_opaque && !work.tile->any_open(place.x0, place.y0, place.x1, place.y1);
 }
 
 inline Part first_half(const Part& part, int axis) {
@@ -118,7 +119,7 @@ inline Part second_half(const Part& part, int axis) {
 // The axis (pixels x, y, sheets) along which a part spans most of the lattice, or -1 if it is a
 // single sample.
 inline int longest_axis(const Block& block, const Part& part) {
-  const SheetSetup& sheet = block.sheets[0];
+  const SheetInLattice& sheet = block.sheets[0];
   const auto reach = [](const float* v) {
     return std::abs(v[0]) + std::abs(v[1]) + std::abs(v[2]);
   };
@@ -134,17 +135,16 @@ enum class PartState { kNothing, kTooLarge, kReady };
 
 // Sets up a part's block: kNothing if nothing in it is relevant, kTooLarge if its region is too
 // large for the cache and can be halved.
-inline PartState prepare_part(const CpuFrame& frame, Workspace& work, const Part& part,
+inline PartState prepare_part(const LatticeFrame& frame, Workspace& work, const Part& part,
                               StageClock& clock) {
   Block& block = work.block;
-  const Bounds3 box = box_of(frame, block, part, block.margin);
+  const Bounds3 box = box_of(frame, block.place, part, block.place.margin);
   set_up_block(frame, block, part, box);
   const std::int64_t num_relevant = bin_region(frame, block, *work.tile, box);
   clock.lap(kBin);
   if (num_relevant == 0) return PartState::kNothing;
-  const std::int64_t region =
-      num_samples({block.region_size[0], block.region_size[1], block.region_size[2]});
-  if (region > kMaxRegionSamples && longest_axis(block, part) >= 0) return PartState::kTooLarge;
+  if (block.region.num_samples() > kMaxRegionSamples && longest_axis(block, part) >= 0)
+    return PartState::kTooLarge;
   const bool is_scattered = should_scatter(frame);
   load_region(frame, work, is_scattered);
   clock.lap(kLoad);
@@ -154,23 +154,24 @@ inline PartState prepare_part(const CpuFrame& frame, Workspace& work, const Part
 
 // Draws a part, a large one in halves, the front half first. Returns false if nothing in it was
 // relevant.
-inline bool draw_part(const CpuFrame& frame, Workspace& work, const Part& part, StageClock& clock) {
+inline bool draw_part(const LatticeFrame& frame, Workspace& work, const Part& part,
+                      StageClock& clock) {
   const PartState state = prepare_part(frame, work, part, clock);
   if (state == PartState::kTooLarge) {
     const int axis = longest_axis(work.block, part);
     draw_part(frame, work, first_half(part, axis), clock);
     draw_part(frame, work, second_half(part, axis), clock);
   } else if (state == PartState::kReady) {
-    for (int s = 0; s < work.block.num_sheets && !is_closed(frame, work); ++s)
+    for (int s = 0; s < work.block.place.num_sheets && !is_closed(frame, work); ++s)
       run_sheet(frame, work, s, clock);
   }
   return state != PartState::kNothing;
 }
 
 // The same of the field and its trail: of every sheet first the field's samples, then the trail's.
-inline bool draw_part_of_both(const CpuFrame& frame, LatticeWorkspace& work, const Part& part,
+inline bool draw_part_of_both(const LatticeFrame& frame, LatticeWorkspace& work, const Part& part,
                               StageClock& clock) {
-  const CpuFrame& trail = *frame.trail;
+  const LatticeFrame& trail = *frame.trail;
   const PartState own = prepare_part(frame, work.pixels, part, clock);
   const PartState of_trail = prepare_part(trail, work.trail, part, clock);
   if (own == PartState::kTooLarge || of_trail == PartState::kTooLarge) {
@@ -182,26 +183,28 @@ inline bool draw_part_of_both(const CpuFrame& frame, LatticeWorkspace& work, con
   int next = 0;  // sheet of the field's block
   for (std::int64_t sheet = part.first_sheet; sheet < part.last_sheet; ++sheet) {
     if (is_closed(frame, work.pixels)) break;
-    const Block& block = work.pixels.block;
-    const std::int64_t last = sheet - block.first_sheet + sheets_late(frame);
-    for (; own == PartState::kReady && next < block.num_sheets && next <= last; ++next)
+    const BlockPlace& place = work.pixels.block.place;
+    const std::int64_t last = sheet - place.first_sheet + sheets_late(frame);
+    for (; own == PartState::kReady && next < place.num_sheets && next <= last; ++next)
       run_sheet(frame, work.pixels, next, clock);
     if (of_trail == PartState::kReady)
-      run_sheet(trail, work.trail, static_cast<int>(sheet - work.trail.block.first_sheet), clock);
+      run_sheet(trail, work.trail, static_cast<int>(sheet - work.trail.block.place.first_sheet),
+                clock);
   }
   return own != PartState::kNothing || of_trail != PartState::kNothing;
 }
 
 // A block in which no sample is relevant.
-inline void count_without_samples(const CpuFrame& frame, WorkerStats& stats) {
+inline void count_without_samples(const LatticeFrame& frame, WorkerStats& stats) {
   ++(frame.lattice_plan->may_matter ? stats.skipped_irrelevant : stats.skipped_empty);
 }
 
 // What can be said of a tile's block before anything of it is worked out; true if it may show.
-inline bool may_show(const CpuFrame& frame, Workspace& work, const Part& part, WorkerStats& stats) {
+inline bool may_show(const LatticeFrame& frame, Workspace& work, const Part& part,
+                     WorkerStats& stats) {
   const view::LatticePlan& plan = *frame.lattice_plan;
-  const Bounds3 box = box_of(frame, work.block, part, 0);
-  if (!box.intersects(plan.index_support) || is_clipped_away(frame, work.block, part)) {
+  const Bounds3 box = box_of(frame, work.block.place, part, 0);
+  if (!box.intersects(plan.index_support) || is_clipped_away(frame, work.block.place, part)) {
     ++stats.skipped_empty;
     return false;
   }
@@ -211,7 +214,7 @@ inline bool may_show(const CpuFrame& frame, Workspace& work, const Part& part, W
 }
 
 // One tile's part of a layer of sheets, every sample from the kernels.
-inline void draw_tile_layer(const CpuFrame& frame, Workspace& work, const Part& part,
+inline void draw_tile_layer(const LatticeFrame& frame, Workspace& work, const Part& part,
                             StageClock& clock) {
   WorkerStats& stats = work.stats;
   ++stats.blocks_total;
@@ -227,8 +230,8 @@ inline void draw_tile_layer(const CpuFrame& frame, Workspace& work, const Part& 
 }
 
 // The same of both fields.
-inline void draw_tile_layer_of_both(const CpuFrame& frame, LatticeWorkspace& work, const Part& part,
-                                    StageClock& clock) {
+inline void draw_tile_layer_of_both(const LatticeFrame& frame, LatticeWorkspace& work,
+                                    const Part& part, StageClock& clock) {
   WorkerStats& stats = work.pixels.stats;
   WorkerStats ignored;
   ++stats.blocks_total;
@@ -246,24 +249,24 @@ inline void draw_tile_layer_of_both(const CpuFrame& frame, LatticeWorkspace& wor
 
 // A workspace's block goes to a tile.
 inline void enter_tile(const CpuFrame& frame, LatticeWorkspace& work, Workspace& own,
-                       const Patch& patch, std::size_t t, int x, int y) {
-  Block& block = own.block;
-  block.margin = block.back_margin = frame.takes_differences ? 1 : 0;
-  block.front_margin = frame.takes_differences || frame.has_pieces ? 1 : 0;
-  place_tile(block, patch, x, y);
-  own.tile = &work.tiles[t];
-  block.rays = &work.rays[t];
+                       const Patch& patch, const PatchTile& tile) {
+  BlockPlace& place = own.block.place;
+  place.margin = place.back_margin = frame.takes_differences ? 1 : 0;
+  place.front_margin = frame.takes_differences || frame.has_pieces ? 1 : 0;
+  place_tile(patch, tile, place);
+  own.tile = &work.tiles[tile.number];
+  place.rays = &work.rays[tile.number];
 }
 
-inline void draw_tiles_layer(const CpuFrame& frame, LatticeWorkspace& work, const Patch& patch,
+inline void draw_tiles_layer(const LatticeFrame& frame, LatticeWorkspace& work, const Patch& patch,
                              StageClock& clock) {
-  for_each_tile(patch, [&](std::size_t t, int x, int y) {
-    enter_tile(frame, work, work.pixels, patch, t, x, y);
-    const Part part = part_of(work.pixels.block, patch);
+  for_each_tile(patch, [&](const PatchTile& at) {
+    enter_tile(frame, work, work.pixels, patch, at);
+    const Part part = part_of(work.pixels.block.place, patch);
     if (frame.trail == nullptr) {
       draw_tile_layer(frame, work.pixels, part, clock);
     } else {
-      enter_tile(*frame.trail, work, work.trail, patch, t, x, y);
+      enter_tile(*frame.trail, work, work.trail, patch, at);
       draw_tile_layer_of_both(frame, work, part, clock);
     }
   });
@@ -274,16 +277,16 @@ inline bool is_closed(const CpuFrame& frame, const TileState& tile) {
   return frame.options->stop_opaque && !tile.any_open(0, 0, kTileSize, kTileSize);
 }
 
-inline bool is_closed(const CpuFrame& frame, const LatticeWorkspace& work, const Patch& patch) {
+inline bool is_closed(const LatticeFrame& frame, const LatticeWorkspace& work, const Patch& patch) {
   bool are_closed = true;
-  for_each_tile(patch, [&](std::size_t t, int, int) {
-    are_closed = are_closed && is_closed(frame, work.tiles[t]);
+  for_each_tile(patch, [&](const PatchTile& at) {
+    are_closed = are_closed && is_closed(frame, work.tiles[at.number]);
   });
   return are_closed;
 }
 
 // A patch from nodes if they save anything and all of them are inside, else tile by tile.
-inline void draw_patch_layer(const CpuFrame& frame, LatticeWorkspace& work, Patch patch,
+inline void draw_patch_layer(const LatticeFrame& frame, LatticeWorkspace& work, Patch patch,
                              StageClock& clock) {
   patch.nodes_x = nodes_for(patch.node_step, patch.rect.x0, patch.rect.x1 - 1);
   patch.nodes_y = nodes_for(patch.node_step, patch.rect.y0, patch.rect.y1 - 1);
@@ -303,11 +306,11 @@ inline void draw_patch_layer(const CpuFrame& frame, LatticeWorkspace& work, Patc
     return;
   }
   WorkerStats& stats = work.pixels.stats;
-  for_each_tile(patch, [&](std::size_t t, int, int) {
+  for_each_tile(patch, [&](const PatchTile& at) {
     ++stats.blocks_total;
-    if (result == PatchResult::kDrawn && work.bits[t].any_relevant) {
+    if (result == PatchResult::kDrawn && work.bits[at.number].any_relevant) {
       ++stats.blocks_drawn;
-    } else if (is_closed(frame, work.tiles[t])) {
+    } else if (is_closed(frame, work.tiles[at.number])) {
       ++stats.skipped_opaque;
     } else {
       count_without_samples(frame, stats);
@@ -316,9 +319,9 @@ inline void draw_patch_layer(const CpuFrame& frame, LatticeWorkspace& work, Patc
 }
 
 // Sheets [first, last) of one layer.
-inline void draw_layer(const CpuFrame& frame, LatticeWorkspace& work, const TileRect& rect,
+inline void draw_layer(const LatticeFrame& frame, LatticeWorkspace& work, const TileRect& rect,
                        std::int64_t first, std::int64_t last, StageClock& clock) {
-  Patch patch{rect, first, last, 1.0, {}, {}, false};
+  Patch patch{rect, first, last, 1.0, {}, {}, false, nullptr};
   if (frame.samples_at_nodes)
     patch.node_step = frame.lattice_plan->node_step(frame.options->post_convolution, first);
   if (patch.node_step <= 1.0) return draw_tiles_layer(frame, work, patch, clock);
@@ -326,7 +329,7 @@ inline void draw_layer(const CpuFrame& frame, LatticeWorkspace& work, const Tile
 }
 
 // Draws a patch, or one tile where the frame has no nodes, into work.tiles.
-inline void render_patch_on_target(const CpuFrame& frame, LatticeWorkspace& work,
+inline void render_patch_on_target(const LatticeFrame& frame, LatticeWorkspace& work,
                                    const TileRect& rect) {
   view::ViewLattice::SheetRange sheets = frame.lattice_plan->sheets;
   if (frame.trail != nullptr) {
@@ -334,7 +337,8 @@ inline void render_patch_on_target(const CpuFrame& frame, LatticeWorkspace& work
     sheets = {std::min(sheets.first, of_trail.first), std::max(sheets.last, of_trail.last)};
   }
   StageClock clock(work.pixels.stats.ticks, frame.options->collect_profile);
-  work.pixels.block.visible = work.trail.block.visible = {};
+  work.pixels.was_visible = work.trail.was_visible = {};
+  work.pixels.shaded.visible = work.trail.shaded.visible = {};
   const int num_tiles = frame.samples_at_nodes ? kPatchTiles * kPatchTiles : 1;
   for (int t = 0; t < num_tiles; ++t) {
     const int width = rect.x1 - rect.x0 - t % kPatchTiles * kTileSize;

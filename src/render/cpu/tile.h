@@ -7,7 +7,7 @@
 namespace ovoid::cpu {
 
 // Draws a patch, or one tile if the frame has no nodes, into work.tiles. Brick sources may throw.
-void render_patch(const SimdTarget& target, const CpuFrame& frame, LatticeWorkspace& work,
+void render_patch(const SimdTarget& target, const LatticeFrame& frame, LatticeWorkspace& work,
                   const TileRect& rect);
 
 }  // namespace ovoid::cpu

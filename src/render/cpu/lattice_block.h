@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// A block of a lattice field: which of its samples can show, and the part of the lattice that they
+// read.
+//
+//   region     the box of lattice samples that the block's active samples reach, as floats, zero
+//              where no kernel exists; one such box of every sublattice
+#pragma once
+
+#include "render/cpu/block.h"
+#include "render/cpu/lattice_frame.h"
+
+namespace ovoid::cpu {
+
+// The most samples that a plane has: of nodes. Not a power of two, for the rows of ten planes to
+// share the L1 cache.
+inline constexpr int kPlaneStride = kMaxPlaneRows;
+inline constexpr PlaneShape kNodePlane{kMaxPlaneRows, kPlaneStride};
+inline constexpr int kPatchTiles = 4;  // tiles along a side of a patch, which share nodes (nodes.h)
+inline constexpr int kPatchSize = kPatchTiles * kTileSize;
+// Floats readable beyond a region's row, so that a vector of taps may overrun.
+inline constexpr int kTapPadding = 16;
+// Samples: how far regions go beyond the lattice, for four taps at its faces.
+inline constexpr int kRegionBeyond = 2;
+inline constexpr std::int64_t kMaxRegionSamples =
+    72 * 1024;  // 288 KiB of floats, over half an L2 cache: larger blocks are split
+
+// One sheet of a block in the lattice: index position relative to the region's origin,
+// u = base + x per_x + y per_y for sample (x, y) of the plane, how u changes over one sheet along
+// the ray, step + x step_per_x + y step_per_y, and how kernels are widened there.
+struct SheetInLattice {
+  float base[3], per_x[3], per_y[3];
+  float step[3], step_per_x[3], step_per_y[3];
+  float widening[3];
+};
+
+// Which samples of a block are to be reconstructed, and which of them are to be classified (all,
+// without a margin).
+struct SampleBits {
+  RowBits active[kMaxSheets];
+  RowBits relevant[kMaxSheets];
+};
+
+struct Region {
+  std::int64_t origin[3];            // index position to which all others of a block are relative
+  int lo[3], size[3];                // samples
+  int row_stride, slice_stride;      // samples
+  std::ptrdiff_t sublattice_stride;  // floats from a sublattice's samples to the next one's
+  bool is_interior;                  // every tap of every active sample exists
+  bool has_missing;
+  bool uses_four_taps;    // stored as pairs of slices (load-inl.h)
+  const float* samples;   // 0 where missing
+  const float* presence;  // 1 where a kernel exists, else 0; only if has_missing
+
+  std::int64_t num_samples() const { return std::int64_t{size[0]} * size[1] * size[2]; }
+};
+
+struct Block {
+  BlockPlace place;
+  SheetInLattice sheets[kMaxSheets];
+  SampleBits bits;
+  Region region;
+};
+
+struct Workspace {
+  explicit Workspace(const PlaneShape& shape) : ring(shape) {}
+
+  Block block{};
+  SheetRing ring;
+  TileState* tile = nullptr;  // the one in hand
+  ShadedSheet shaded{};
+  RowBits was_visible{};  // samples of the sheet that was shaded last: for a guess
+  FloatBuffer sample_memory, presence_memory;  // the region's, unless it is shared
+  FloatBuffer taps;                            // general gathering: weights of one sample
+  FloatBuffer splats;                          // scatter: numerators and denominators of all sheets
+  WorkerStats stats;
+
+  TileInHand in_hand() { return {block.place, ring, *tile, shaded, stats}; }
+};
+
+}  // namespace ovoid::cpu

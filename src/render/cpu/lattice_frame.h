@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "render/cpu/frame.h"
+#include "render/shared/lattice_values.h"
+
+namespace ovoid::cpu {
+
+// A frame of a lattice field.
+struct LatticeFrame : CpuFrame, LatticeTraits {
+  const view::LatticePlan* lattice_plan = nullptr;  // `plan`, as what it is
+  const LatticeField* field = nullptr;
+  device::LatticeConstants lattice{};
+  bool samples_at_nodes = false;        // of some sheets: tiles come in patches (nodes.h)
+  const LatticeFrame* trail = nullptr;  // drawn behind this frame sheet by sheet; null: none
+};
+
+}  // namespace ovoid::cpu

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// The sheets that a tile keeps at a time, of either kind of field.
+#pragma once
+
+#include <hwy/aligned_allocator.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace ovoid::cpu {
+
+inline constexpr int kTileSize = 16;  // pixels: the largest SIMD group is 16 lanes, and a cube of
+                                      // 16^3 samples reads few kernels twice
+inline constexpr int kMaxMargin = 1;
+
+using RowWord = std::uint64_t;  // bit x for sample x
+inline constexpr int kMaxPlaneRows = 56;
+using RowBits = std::array<RowWord, kMaxPlaneRows>;
+
+// How the samples of one sheet are kept: sample (x, y) at y * stride + x.
+struct PlaneShape {
+  int rows, stride;
+
+  // A group at a plane's end reads and writes on.
+  constexpr std::size_t num_floats() const {
+    constexpr std::size_t kGroup = 16;
+    return (static_cast<std::size_t>(rows) * static_cast<std::size_t>(stride) + 2 * kGroup - 1) /
+           kGroup * kGroup;
+  }
+};
+
+// The pixels of a tile and the margin around them.
+inline constexpr PlaneShape kTilePlane{kTileSize + 2 * kMaxMargin, 24};
+
+// What is known of the samples of one sheet.
+struct Sheet {
+  int stride = 0;
+  float* values = nullptr;
+  float* colors = nullptr;           // of the attribute that gives the colour, if another one does
+  std::array<float*, 3> gradient{};  // world; a piece's stands at the sample that it ends at
+  RowBits defined{};                 // samples that have a value
+  RowBits has_gradient{};
+
+  int at(int column, int row) const noexcept { return row * stride + column; }
+  void clear() noexcept { defined = has_gradient = {}; }
+};
+
+// The last sheets of a tile. They go by their numbers in the frame, whichever block brought them.
+class SheetRing {
+ public:
+  static constexpr int kSheets = 4;  // a power of two: differences on a sheet and on the one before
+
+  // Throws Error(kOutOfMemory).
+  explicit SheetRing(const PlaneShape& shape);
+
+  Sheet& operator[](std::int64_t sheet) noexcept { return sheets_[slot_of(sheet)]; }
+  const Sheet& operator[](std::int64_t sheet) const noexcept { return sheets_[slot_of(sheet)]; }
+
+ private:
+  static std::size_t slot_of(std::int64_t sheet) noexcept {
+    return static_cast<std::size_t>(sheet & (kSheets - 1));
+  }
+
+  hwy::AlignedFreeUniquePtr<float[]> memory_;
+  std::array<Sheet, kSheets> sheets_;
+};
+
+}  // namespace ovoid::cpu

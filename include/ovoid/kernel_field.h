@@ -103,18 +103,20 @@ class KernelSource {
   virtual std::size_t resident_bytes() const noexcept = 0;
 };
 
+// What stays where it is when a span of it has been made: a temporary does not.
+template <typename Range, typename T>
+concept BorrowableAs = std::convertible_to<Range, std::span<const T>> &&
+    (std::is_lvalue_reference_v<Range> || std::ranges::borrowed_range<Range>);
+
 // Values that are somebody else's and stay where they are. Made of anything in one piece that has a
 // name; a temporary, which would be gone before the values are used, does not compile.
 template <typename T>
 class BorrowedValues : public std::span<const T> {
  public:
   BorrowedValues() = default;
-  template <typename Range>
-  requires std::convertible_to<Range, std::span<const T>> &&
-      (!std::same_as<std::remove_cvref_t<Range>, BorrowedValues>)&&(
-          std::is_lvalue_reference_v<Range> || std::ranges::borrowed_range<Range>)
-          BorrowedValues(Range&& range)  // NOLINT(google-explicit-constructor): as a span is
-      : std::span<const T>(std::forward<Range>(range)) {}
+  template <BorrowableAs<T> Range>  // implicit, as a span's is
+  // NOLINTNEXTLINE(google-explicit-constructor,bugprone-forwarding-reference-overload)
+  BorrowedValues(Range&& range) : std::span<const T>(std::forward<Range>(range)) {}
 };
 
 // What make_kernel_source() sorts into bricks. All values are borrowed for the call.

@@ -115,7 +115,7 @@ int parse_component(const std::string& text) {
 }
 
 Vec3 parse_spacing(const std::string& text) {
-  const Vec3 spacing = parse_vec3(text);
+  Vec3 spacing = parse_vec3(text);
   // What any reader takes for a distance of samples.
   if (!(spacing.minCoeff() >= 1e-90 && spacing.maxCoeff() <= 1e90))
     throw BadValue("expected three numbers > 0, from 1e-90 to 1e90");
@@ -123,7 +123,7 @@ Vec3 parse_spacing(const std::string& text) {
 }
 
 Vec3 parse_direction(const std::string& text) {
-  const Vec3 direction = parse_vec3(text);
+  Vec3 direction = parse_vec3(text);
   if (direction.norm() == 0) throw BadValue("expected a direction other than 0,0,0");
   return direction;
 }

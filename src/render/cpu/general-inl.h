@@ -45,7 +45,9 @@ struct AxisPlace {
 inline void fill_axis(const device::LatticeConstants& lattice, const Region& region,
                       const device::Sublattice& sublattice, const AxisPlace& place,
                       AxisTaps& taps) {
-  const auto [axis, u, widening] = place;
+  const int axis = place.axis;
+  const float u = place.u;
+  const float widening = place.widening;
   const float support = lattice.support * widening;
   const float inverse_variance = lattice.inverse_variance / (widening * widening);
   const int reach_first = static_cast<int>(std::ceil(u - support));

@@ -55,6 +55,7 @@ bench: build  ## measure against the peers; the table goes to bench/results/
 	@scripts/setup.sh bench
 	@scripts/build.sh bench
 	@python3 bench/run.py $(BENCH)
+	@python3 bench/convergence.py
 
 experiments: setup  ## the tables and pictures of docs/numerics.md, measured again
 	@scripts/build.sh release ovoid_experiments

@@ -37,11 +37,6 @@ def output_of(command):
     return subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout.strip()
 
 
-def data_folder():
-    candidates = [os.environ.get("OVOID_DATA", ""), os.path.join(ROOT, "..", "shared", "data")]
-    return next((path for path in candidates if path and os.path.isdir(path)), "")
-
-
 def describe_machine():
     with open("/proc/cpuinfo", encoding="ascii", errors="replace") as file:
         cpu = next((line.split(":", 1)[1].strip() for line in file if line.startswith("model name")), platform.machine())
@@ -69,7 +64,7 @@ class Scene:
     def __init__(self, row, config, name):
         self.row, self.name = row, name
         volume = volumes.prepare(row["volume"], config["volumes"][row["volume"]], OVOID, os.path.join(WORK, "volumes"),
-                                 data_folder())
+                                 volumes.data_folder())
         self.is_here = volume is not None
         if not self.is_here:
             return
@@ -90,8 +85,8 @@ class Scene:
         profile = os.path.join(WORK, "profile.json")
         subprocess.run([OVOID, "render", self.volume, "--tf", self.look, "--camera", self.camera,
                         "--size", f"{self.pixels}x{self.pixels}", "--sampling-distance", str(self.sampling_distance),
-                        "--unit-distance", str(self.sampling_distance), "--threads", str(self.row["threads"]),
-                        *self.row["flags"], "--repeat", str(frames), f"--profile={profile}",
+                        "--unit-distance", str(self.sampling_distance), "--classification", "sampled", "--threads",
+                        str(self.row["threads"]), *self.row["flags"], "--repeat", str(frames), f"--profile={profile}",
                         "-o", self.picture("ovoid", "npy")], check=True)
         with open(profile, encoding="utf-8") as file:
             return json.load(file)

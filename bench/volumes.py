@@ -17,6 +17,11 @@ HEADER = """<?xml version="1.0"?>
 _"""
 
 
+def data_folder():
+    candidates = [os.environ.get("OVOID_DATA", ""), os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "shared", "data")]
+    return next((path for path in candidates if path and os.path.isdir(path)), "")
+
+
 def read_nifti(path):
     """Dims, spacing and bytes of an 8-bit NIfTI-1 volume; the rest of the header does not matter to a benchmark."""
     with gzip.open(path) as file:

@@ -142,12 +142,16 @@ const Table<ModelFlags>& kernel_settings() {
   using L = LatticeModelOptions;
   using K = KernelModelOptions;
   static const Table<M> all = {
-      {"--kernel", form("gaussian:SIGMA,CUTOFF", parse_kernel), at(&M::lattice, &L::kernel),
-       "the kernel that a lattice's samples share; SIGMA in spacings, CUTOFF in sigmas (default "
-       "{})",
+      {"--kernel", form("bspline|catmull-rom|gaussian[:SIGMA[,CUTOFF]]", parse_kernel),
+       at(&M::lattice, &L::kernel),
+       "the kernel that a lattice's samples share; SIGMA in spacings (0.5), CUTOFF in sigmas (4) "
+       "(default bspline; gaussian, as published, for labels and with --relevant-above)",
        kOfLattices},
       {"--prefilter", Toggle(), at(&M::lattice, &L::prefilter),
-       "make a lattice's field take the samples' values at the samples", kOfLattices},
+       "make a lattice's field take the samples' values at the samples (default with bspline)",
+       kOfLattices, not_with("no-prefilter", kGiveOne)},
+      {"--no-prefilter", Toggle{false}, at(&M::lattice, &L::prefilter),
+       "sum the samples as they are", kOfLattices},
       {"--reconstruction", choice(kReconstructions), &M::reconstruction,
        "weighted mean of the kernels, or their sum that fades to 0 (default normalized; "
        "densities and stored kernels: sum)"},

@@ -90,9 +90,7 @@ std::string predict(const DryRun& run, Session& session) {
                              readable_count(static_cast<double>(profile.kernels_total)),
                              readable_count(static_cast<double>(profile.kernels_drawn))));
   row("memory of the field", readable_bytes(static_cast<double>(run.field.resident_bytes())));
-  row("sampling distance", fmt::format("{:.6g}", run.options.sampling_distance > 0
-                                                     ? run.options.sampling_distance
-                                                     : run.field.default_sampling_distance()));
+  row("sampling distance", fmt::format("{:.6g}", sheet_distance(run.field, run.look, run.options)));
   row("samples",
       fmt::format("about {} reconstructed, {} of them visible", readable_count(num_samples),
                   readable_count(ratio * static_cast<double>(profile.samples_shaded))));

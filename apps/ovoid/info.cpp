@@ -22,6 +22,7 @@
 #include "ovoid/look.h"
 #include "ovoid/renderer.h"
 #include "profile.h"
+#include "setting_forms.h"
 
 namespace ovoid::cli {
 namespace {
@@ -184,7 +185,12 @@ Json field_json(const Modelled& modelled) {
   json["num_kernels"] = field.num_kernels();
   json["missing"] = set != nullptr ? modelled.kernels.num_missing : modelled.lattice.num_missing;
   json["range"] = json_of(field.value_range());
-  if (set != nullptr) add_set_json(json, *set, modelled.kernels);
+  if (set != nullptr) {
+    add_set_json(json, *set, modelled.kernels);
+  } else {
+    json["kernel"] = text_of(field.lattice()->kernel());
+    json["prefiltered"] = modelled.lattice.is_prefiltered;
+  }
   json["default_sampling_distance"] = field.default_sampling_distance();
   json["default_unit_distance"] = default_unit_distance(field);
   json["memory_bytes"] = field.resident_bytes();
@@ -468,6 +474,9 @@ void print_text(const Json& json) {
   print_row("drawn array", fmt::format("'{}', {}", one_line(field["array"].get<std::string>()),
                                        range_text(field["range"])));
   print_row("kernels", number(field["num_kernels"]));
+  if (field.contains("kernel"))
+    print_row("kernel", field["kernel"].get<std::string>() +
+                            (field["prefiltered"].get<bool>() ? ", prefiltered" : ""));
   if (field.contains("shape")) print_set(field);
   print_row("default sampling distance", number(field["default_sampling_distance"]));
   print_row("default unit distance", number(field["default_unit_distance"]));

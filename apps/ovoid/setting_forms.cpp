@@ -83,8 +83,13 @@ std::array<std::array<std::string, 2>, 3> parse_parts(const std::string& text) {
 
 LatticeKernel parse_kernel(const std::string& text) {
   using K = LatticeKernel;
+  for (const K& kernel : {kBSplineKernel, kCatmullRomKernel})
+    if (text == name_of(kernel.kind)) return kernel;
   const std::vector<std::string> parts = split(text, ':');
-  if (parts[0] != "gaussian" || parts.size() > 2) throw BadValue("expected gaussian:SIGMA,CUTOFF");
+  if (parts[0] != name_of(LatticeKernelKind::kGaussian) || parts.size() > 2)
+    throw BadValue(fmt::format("expected {}, {} or gaussian:SIGMA,CUTOFF",
+                               name_of(LatticeKernelKind::kBSpline),
+                               name_of(LatticeKernelKind::kCatmullRom)));
   K kernel;
   if (parts.size() == 1) return kernel;
   const std::vector<std::string> numbers = split(parts[1], ',');
@@ -244,6 +249,7 @@ std::string text_of_component(int component) {
 }
 
 std::string text_of(const LatticeKernel& kernel) {
+  if (kernel.kind != LatticeKernelKind::kGaussian) return name_of(kernel.kind);
   return fmt::format("gaussian:{},{}", kernel.sigma, kernel.cutoff);
 }
 

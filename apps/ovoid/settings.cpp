@@ -36,7 +36,8 @@ const Names<GradientMethod> kGradients = {{"auto", GradientMethod::kAuto},
                                           {"exact", GradientMethod::kExact},
                                           {"central", GradientMethod::kCentral}};
 const Names<Classification> kClassifications = {{"sampled", Classification::kSampled},
-                                                {"pre-integrated", Classification::kPreintegrated}};
+                                                {"pre-integrated", Classification::kPreintegrated},
+                                                {"refined", Classification::kRefined}};
 const Names<Evaluate> kEvaluates = {
     {"auto", Evaluate::kAuto}, {"gather", Evaluate::kGather}, {"scatter", Evaluate::kScatter}};
 const Names<PostConvolution> kPostConvolutions = {{"off", PostConvolution::kOff},
@@ -317,15 +318,18 @@ const Table<RenderOptions>& number_settings() {
   using R = RenderOptions;
   static const Table<R> all = {
       {"--sampling-distance", number("D", kPositive), &R::sampling_distance,
-       "distance of sheets, world (default: a lattice's smallest spacing, else twice the sigma of "
-       "a small kernel)"},
+       "distance of sheets, world (default: half a lattice's smallest spacing, else twice the "
+       "sigma "
+       "of a narrow kernel; twice as much where nothing is refined)"},
       {"--slab", choice(kSlabs), &R::slab,
        "a sample is the field in the middle of its slab, or its mean there (default {})"},
       {"--gradient", choice(kGradients), &R::gradient,
        "the kernels' derivative, constant on ramps or as it is, or differences of samples "
        "(default {})"},
       {"--classification", choice(kClassifications), &R::classification,
-       "colour and opacity of a sample, or of the piece from the sheet before it (default {})",
+       "colour and opacity of samples, of the piece from the sheet before, or of as many steps of "
+       "it "
+       "as the look needs (default {})",
        not_with("mode", "has no effect with --mode {1}", is_no_layer)},
       {"--evaluate", choice(kEvaluates), &R::evaluate,
        "samples gather kernels, or kernels scatter to samples (default {})"},
@@ -338,6 +342,8 @@ const Table<RenderOptions>& number_settings() {
       {"--spread", choice(kSpreads), &R::spread,
        "samples add to nodes by their kernel, or in the published ways to the four around "
        "(default {})"},
+      {"--opaque-at", number("A", {.lo = 0, .hi = 1, .lo_open = true}), &R::opaque_at,
+       "a pixel takes no more once its opacity has reached this (default {})"},
       {"--clip",
        {"NX,NY,NZ,D",
         [](R& options, const std::string& text) {

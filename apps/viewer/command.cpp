@@ -93,7 +93,7 @@ cli::FlagSet flags_of(const Document& document, Size size) {
   drawing.options.height = size.height;
   drawing.options.clip_planes = view.clip_planes;
   if (view.look.mode != Mode::kComposite)
-    drawing.options.classification = Classification::kSampled;  // has no effect there, is refused
+    drawing.options.classification = RenderOptions().classification;  // no effect, is refused
   drawing.background = view.background;
   cli::tell(cli::picture_settings(), drawing, &flags);
   if (document.has_time() && !document.launch->data.slice.plane) {

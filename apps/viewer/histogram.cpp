@@ -65,7 +65,7 @@ class Counter {
 double step_of(const Field& field) {
   const LatticeField* const lattice = field.lattice();
   if (lattice == nullptr) return 0;
-  const BrickSource& source = lattice->source();
+  const BrickSource& source = lattice->samples();
   return is_floating(source.acquire(0, 0, 0, 0).type) ? 0 : std::abs(source.value_scale());
 }
 
@@ -100,7 +100,7 @@ void count_brick(const BrickView& view, const Index3& lo, const Index3& hi,
 }
 
 void count_lattice(const LatticeField& field, Counter& counter, const std::stop_token& stop) {
-  const BrickSource& source = field.source();
+  const BrickSource& source = field.samples();
   const LatticeGeometry& geometry = source.geometry();
   const std::int64_t edge = source.brick_edge();
   Index3 bricks{};

@@ -26,8 +26,7 @@ void engine_settings(Panel& panel) {
   if (widgets.whole("profile.threads", "threads (0: all)", &document.setup.threads, 0, 64))
     document.touch_beside_view();
   bool is_changed = false;
-  double distance = options.sampling_distance;
-  if (distance == 0) distance = document.shown->field().default_sampling_distance();
+  double distance = sheet_distance(document.shown->field(), document.view.look, options);
   const double natural = document.shown->field().default_sampling_distance();
   if (widgets.number("profile.sampling-distance", "sampling distance", &distance,
                      {.lo = natural / 16, .hi = natural * 16, .speed = natural / 50})) {
@@ -53,8 +52,8 @@ void engine_settings(Panel& panel) {
   }
   int classification = static_cast<int>(options.classification);
   if (document.view.look.mode == Mode::kComposite &&
-      widgets.choice("profile.classification", "classification", {"sampled", "pre-integrated"},
-                     &classification)) {
+      widgets.choice("profile.classification", "classification",
+                     {"sampled", "pre-integrated", "refined"}, &classification)) {
     options.classification = static_cast<Classification>(classification);
     is_changed = true;
   }

@@ -63,9 +63,10 @@ std::vector<BetweenSheets> measure_between_sheets(std::int64_t size, int pixels)
     options.height = pixels;
     const double spacing = subject.field.default_sampling_distance();
     options.sampling_distance = spacing / kFineSheets;
+    options.classification = Classification::kSampled;
     const Image fine = renderer.render(subject.field, camera, subject.look, options).image;
     for (const Classification classification :
-         {Classification::kSampled, Classification::kPreintegrated}) {
+         {Classification::kSampled, Classification::kPreintegrated, Classification::kRefined}) {
       for (const double sheets : {0.5, 1.0, 2.0, 4.0}) {
         options.classification = classification;
         options.sampling_distance = spacing / sheets;

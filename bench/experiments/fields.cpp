@@ -11,12 +11,15 @@
 namespace ovoid::experiments {
 
 KernelChoice default_choice() {
-  const LatticeModelOptions options;
-  return {"default", options.kernel, options.reconstruction, options.prefilter};
+  return {"default: B-spline, prefilter", kBSplineKernel, Reconstruction::kNormalized, true};
 }
 
 KernelChoice published_choice() {
   return {"plain sum, sigma 0.5", {0.5, 4.0}, Reconstruction::kSum, false};
+}
+
+KernelChoice catmull_rom_choice() {
+  return {"Catmull-Rom", kCatmullRomKernel, Reconstruction::kNormalized, false};
 }
 
 KernelChoice normalized_choice(double sigma, double reach, bool prefilter) {

@@ -23,6 +23,7 @@ struct KernelChoice {
 // The default of the library, and the kernel as it was published: a plain sum.
 KernelChoice default_choice();
 KernelChoice published_choice();
+KernelChoice catmull_rom_choice();
 
 // A normalized field whose kernels reach `reach` spacings; with reach 2, four samples per axis.
 KernelChoice normalized_choice(double sigma, double reach, bool prefilter);

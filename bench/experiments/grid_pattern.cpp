@@ -68,6 +68,7 @@ GridPattern measure_grid_pattern(const KernelChoice& choice, const GridPatternOp
   RenderOptions render;
   render.width = options.pixels;
   render.height = options.pixels;
+  render.classification = Classification::kSampled;
   render.gradient = options.gradient;
 
   GridPattern result;

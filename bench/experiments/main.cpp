@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "experiments/between_sheets.h"
@@ -17,6 +19,8 @@
 #include "experiments/picture_cost.h"
 #include "experiments/pictures.h"
 #include "experiments/popping.h"
+#include "experiments/removed_samples.h"
+#include "ovoid/io.h"
 
 namespace ovoid::experiments {
 namespace {
@@ -32,6 +36,8 @@ std::vector<KernelChoice> choices() {
     list.push_back(normalized_choice(0.6, 2.5, prefilter));
     list.push_back(normalized_choice(0.7, 3, prefilter));
   }
+  list.push_back(catmull_rom_choice());
+  list.push_back(default_choice());
   return list;
 }
 
@@ -67,7 +73,8 @@ void kernels(const std::string&) {
 }
 
 void kernel_cost(const std::string&) {
-  std::vector<KernelChoice> list = {default_choice()};
+  std::vector<KernelChoice> list = {default_choice(), catmull_rom_choice(),
+                                    normalized_choice(0.5, 2, false)};
   for (const double reach : {2.0, 2.5, 3.0}) list.push_back(normalized_choice(0.6, reach, false));
   list.push_back(normalized_choice(0.6, 2, true));
   const std::vector<double> times = measure_kernel_cost(list, 128, 256);
@@ -100,6 +107,8 @@ void grid(const std::string& folder) {
   list.push_back(normalized_choice(0.6, 2, true));
   list.push_back(normalized_choice(0.6, 2.5, true));
   list.push_back(normalized_choice(0.7, 3, true));
+  list.push_back(catmull_rom_choice());
+  list.push_back(default_choice());
   fmt::print(
       "| field | plane, exact | ball, exact | plane, corrected | ball, corrected |\n"
       "|---|---|---|---|---|\n");
@@ -119,9 +128,9 @@ void grid(const std::string& folder) {
     images.push_back(measure_grid_pattern(choice, options).image);
   };
   draw(published_choice(), GradientMethod::kExact);
-  draw(default_choice(), GradientMethod::kExact);
+  draw(normalized_choice(0.5, 2, false), GradientMethod::kExact);
+  draw(normalized_choice(0.5, 2, false), GradientMethod::kCorrected);
   draw(default_choice(), GradientMethod::kCorrected);
-  draw(normalized_choice(0.6, 2, true), GradientMethod::kCorrected);
   write_figure(side_by_side(images), folder + "/grid-pattern.png");
 }
 
@@ -166,6 +175,18 @@ void edges(const std::string& folder) {
   write_figure(side_by_side({edge.post, edge.pre}), folder + "/crisp-edges.png");
 }
 
+std::string_view name_of(Classification classification) {
+  switch (classification) {
+    case Classification::kSampled:
+      return "sampled";
+    case Classification::kPreintegrated:
+      return "pre-integrated";
+    case Classification::kRefined:
+      return "refined";
+  }
+  return "";
+}
+
 void between(const std::string& folder) {
   const std::vector<BetweenSheets> rows = measure_between_sheets(64, 256);
   fmt::print(
@@ -173,21 +194,58 @@ void between(const std::string& folder) {
       "|---|---|---|---|---|\n");
   std::vector<Image> images;
   for (const BetweenSheets& row : rows) {
-    const bool is_sampled = row.classification == Classification::kSampled;
     const bool is_fine = row.cpu_ms == 0;
     if (row.look == "layers" && (row.sheets_per_spacing == 1.0 || is_fine))
       images.push_back(row.image);
     if (is_fine) continue;
-    // Times are relative to samples at one sheet per spacing, the default.
+    // Times are relative to samples at one sheet per spacing.
     const auto plain = std::find_if(rows.begin(), rows.end(), [&](const BetweenSheets& other) {
       return other.look == row.look && other.classification == Classification::kSampled &&
              other.sheets_per_spacing == 1.0;
     });
-    fmt::print("| {} | {} | {} | {:.1f} | {:.2f} |\n", row.look,
-               is_sampled ? "sampled" : "pre-integrated", row.sheets_per_spacing, row.psnr_db,
-               row.cpu_ms / plain->cpu_ms);
+    fmt::print("| {} | {} | {} | {:.1f} | {:.2f} |\n", row.look, name_of(row.classification),
+               row.sheets_per_spacing, row.psnr_db, row.cpu_ms / plain->cpu_ms);
   }
   write_figure(side_by_side(images), folder + "/between-sheets.png");
+}
+
+// The files that OVOID_EXPERIMENT_FILES names, with colons between; none: formulas.
+std::vector<Dataset> removed_data() {
+  const char* files = std::getenv("OVOID_EXPERIMENT_FILES");
+  if (files == nullptr)
+    return {make_sample("head", {.size = {128, 128, 128}}),
+            make_sample("tornado", {.size = {96, 96, 96}})};
+  std::vector<Dataset> data;
+  std::string left = files;
+  while (!left.empty()) {
+    const auto end = std::min(left.find(':'), left.size());
+    data.push_back(read_dataset({left.substr(0, end)}));
+    left.erase(0, end + 1);
+  }
+  return data;
+}
+
+void removed(const std::string&) {
+  const std::vector<FieldWay> ways = field_ways();
+  std::string head = "| dB |";
+  std::string line = "|---|";
+  for (const FieldWay& way : ways) {
+    head += fmt::format(" {} |", way.name);
+    line += "---|";
+  }
+  fmt::print("{}\n{}\n", head, line);
+  const auto print = [](const std::string& name, const std::vector<double>& decibels) {
+    std::string row = fmt::format("| {} |", name);
+    for (const double db : decibels) row += fmt::format(" {:.1f} |", db);
+    fmt::print("{}\n", row);
+    std::fflush(stdout);
+  };
+  for (const Dataset& dataset : removed_data()) {
+    const RemovedErrors errors = measure_removed(dataset, ways, 20000);
+    const std::string name = dataset.source.substr(dataset.source.rfind('/') + 1);
+    print(name, errors.as_they_are);
+    print(name + ", half-band", errors.band_limited);
+  }
 }
 
 struct Experiment {
@@ -196,7 +254,7 @@ struct Experiment {
 };
 constexpr Experiment kExperiments[] = {
     {"kernels", &kernels}, {"cost", &kernel_cost}, {"pictures", &pictures}, {"grid", &grid},
-    {"popping", &popping}, {"edges", &edges},      {"between", &between}};
+    {"removed", &removed}, {"popping", &popping},  {"edges", &edges},       {"between", &between}};
 
 int run(const std::vector<std::string>& arguments) {
   const auto is_known = [](const std::string& name) {

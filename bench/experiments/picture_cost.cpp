@@ -53,6 +53,7 @@ RenderOptions square(int pixels) {
   RenderOptions options;
   options.width = pixels;
   options.height = pixels;
+  options.classification = Classification::kSampled;
   return options;
 }
 

@@ -91,6 +91,7 @@ Turn turn_renderer(const TurnOptions& options) {
   RenderOptions render;
   render.width = options.pixels;
   render.height = options.pixels;
+  render.classification = Classification::kSampled;
   Renderer renderer(Backend::kCpu);
   return turn(options, [&](double degrees) {
     Camera camera;

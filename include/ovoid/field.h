@@ -64,6 +64,10 @@ class BrickSource {
                             double time) const = 0;
 
   virtual std::size_t resident_bytes() const noexcept = 0;  // memory held, samples and ranges
+
+  // Where this holds coefficients (prefiltered), the samples that they were made of, of the same
+  // geometry; else null.
+  virtual const BrickSource* samples() const noexcept { return nullptr; }
 };
 
 // What is drawn: kernels on a lattice and how they are summed. A value type: copies share the data.
@@ -74,19 +78,26 @@ class LatticeField {
   // An empty field: no samples, empty bounds and range. source(), geometry() and index_kernel() are
   // not to be called on it, and functions that take a field refuse it, Error(kInvalidArgument).
   LatticeField() = default;
-  // `value_range`: of the samples that exist; empty: taken from the brick ranges. To be given where
-  // the source does not hold the samples themselves but coefficients (prefiltered). Throws
-  // Error(kInvalidArgument) for a null source, a degenerate geometry or a kernel out of range.
+  // `value_range`: of the samples that exist; empty: taken from the brick ranges of the samples. To
+  // be given where the source holds coefficients (prefiltered) and does not know the samples.
+  // Throws Error(kInvalidArgument) for a null source, a degenerate geometry or a kernel out of
+  // range.
   LatticeField(std::shared_ptr<const BrickSource> source, LatticeKernel kernel,
                Reconstruction reconstruction, ValueRange value_range = {});
 
   bool is_empty() const noexcept { return source_ == nullptr; }
   const BrickSource& source() const noexcept { return *source_; }
+  // The samples as the data have them, which looks and histograms are about; of a prefiltered field
+  // source() holds coefficients instead. Where a source does not know its samples, itself.
+  const BrickSource& samples() const noexcept {
+    const BrickSource* samples = source_->samples();
+    return samples != nullptr ? *samples : *source_;
+  }
   const LatticeGeometry& geometry() const noexcept { return source_->geometry(); }
   const LatticeKernel& kernel() const noexcept { return kernel_; }
   // The kernel in index units, where spacings of a body-centred lattice are 1 / sqrt(2).
   LatticeKernel index_kernel() const noexcept {
-    return {kernel_.sigma * geometry().unit_spacing(), kernel_.cutoff};
+    return {kernel_.sigma * geometry().unit_spacing(), kernel_.cutoff, kernel_.kind};
   }
   Reconstruction reconstruction() const noexcept { return reconstruction_; }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstdint>
 
 #include "ovoid/export.h"
 
@@ -14,13 +15,24 @@ struct ValueRange {
   bool is_empty() const noexcept { return lo > hi; }
 };
 
-// The shared kernel of a lattice: phi(d) = exp(-1/2 sum_a (d_a / sigma)^2), d in lattice axes and
-// in spacings of each axis. Its support is the BOX |d_a| <= cutoff * sigma. With the defaults that
-// is exp(-2 r^2) cut at two spacings: four samples reach any position along each axis. Source:
-// [Neophytou 2006, eq. 7], docs/numerics.md.
+// What a lattice's kernel looks like along one axis (docs/numerics.md, "The kernel").
+enum class LatticeKernelKind : std::uint8_t {
+  kGaussian,    // exp(-1/2 (d / sigma)^2), cut; as published
+  kBSpline,     // cubic B-spline: twice continuously differentiable, never negative
+  kCatmullRom,  // interpolates the samples as they are; once differentiable, negative in places
+};
+const char* name_of(LatticeKernelKind kind) noexcept;  // "gaussian", "bspline", "catmull-rom"
+
+// The shared kernel of a lattice: phi(d) is the product of one function of each d_a, d in lattice
+// axes and in spacings of each axis. Its support is the BOX |d_a| <= support_radius(). The default
+// is the published kernel, exp(-2 r^2) cut at two spacings: four samples reach any position along
+// each axis, as they do with the kinds of one size. Source: [Neophytou 2006, eq. 7].
 struct LatticeKernel {
+  // The Gaussian's. Kinds of one size have these two values and no others; they stand for their
+  // width where one is asked for (widening, nodes).
   double sigma = 0.5;   // spacings, in [kMinSigma, kMaxSigma]
   double cutoff = 4.0;  // sigmas, in (0, kMaxCutoff]; support_radius() must be at least kMinSupport
+  LatticeKernelKind kind = LatticeKernelKind::kGaussian;
 
   static constexpr double kMinSigma = 0.1;
   static constexpr double kMaxSigma = 4.0;
@@ -38,6 +50,8 @@ struct LatticeKernel {
 
   bool operator==(const LatticeKernel&) const = default;
 };
+inline constexpr LatticeKernel kBSplineKernel{.kind = LatticeKernelKind::kBSpline};
+inline constexpr LatticeKernel kCatmullRomKernel{.kind = LatticeKernelKind::kCatmullRom};
 
 // How a field is summed from its kernels (docs/numerics.md, "The field").
 enum class Reconstruction {

@@ -24,10 +24,13 @@ class StepSource;  // ovoid/series.h
 struct LatticeModelOptions {
   std::string array;  // empty: Dataset::array()'s default
   int component = 0;  // of the array's tuples; kMagnitude: Euclidean norm
-  LatticeKernel kernel;
+  // None: the cubic B-spline, prefiltered; but for labels, which it would overshoot, and for
+  // relevant samples alone the published Gaussian as it is (docs/kernels.md, "Lattices").
+  std::optional<LatticeKernel> kernel{};
   Reconstruction reconstruction = Reconstruction::kNormalized;
-  // Coefficients such that the field takes the samples' values at the samples.
-  bool prefilter = false;
+  // Coefficients such that the field takes the samples' values at the samples. None: of B-splines
+  // alone.
+  std::optional<bool> prefilter{};
   std::optional<RelevantSamples> relevant{};  // these alone, as runs, in memory of their own
   int threads = 0;                            // 0: one per hardware thread
 
@@ -38,6 +41,7 @@ struct LatticeModelOptions {
 struct LatticeModelReport {
   std::string array;
   std::int64_t num_missing = 0;    // NaN and infinite samples: no kernel there
+  bool is_prefiltered = false;     // the field takes the samples' values at the samples
   std::size_t resident_bytes = 0;  // of the field, samples and ranges
   std::size_t source_bytes = 0;    // of the stored samples in the dataset
   std::vector<std::string> notes;
@@ -45,11 +49,12 @@ struct LatticeModelReport {
 
 // Chooses kernels for a dataset: one ball per sample, shared shape. Samples are borrowed from the
 // dataset (whose buffers stay alive with the field) when their type is one a BrickView can show;
-// 32-bit and 64-bit integers and doubles become float32, and a prefiltered field is float32. Values
-// beyond float32's range are missing. Throws Error: unknown array, component or type, kernel out of
-// range, `prefilter` with a kernel whose samples cannot be interpolated or with `relevant`. Cost:
-// one pass for the value ranges; with `prefilter` three more, one per axis [METHOD 7.3.2: separable
-// banded solve].
+// 32-bit and 64-bit integers and doubles become float32, and a prefiltered field holds float32
+// coefficients beside its samples. Values beyond float32's range are missing. Throws Error: unknown
+// array, component or type, kernel out of range, `prefilter` with a kernel whose samples cannot be
+// interpolated or with `relevant`. Cost: one pass for the value ranges, of integers one to see
+// whether they are labels, which soon ends; a prefiltered field three more [METHOD 7.3.2: separable
+// banded solve], body-centred some fifteen.
 LatticeField make_lattice_field(const Dataset& dataset, const LatticeModelOptions& options = {},
                                 LatticeModelReport* report = nullptr, std::stop_token stop = {});
 

@@ -15,9 +15,10 @@ struct RelevantSamples {
   // A value, finite, rounded and clamped to what the type can store; none: the least finite value
   // of the array in each step.
   std::optional<double> background{};
-  // Keeps also what the default kernel brings to places where the field may be greater than
-  // `above`, in bricks of 4 cells: then the field is the same there, and nowhere else above it, if
-  // the background is not. So is a picture whose look shows nothing up to `above`.
+  // Keeps also what kernels of support radius 2 bring to places where the field may be greater than
+  // `above`, in bricks of 4 cells and 1 beside them: then the field of samples as they are is the
+  // same there, and nowhere else above it, if the background is not. So is a picture whose look
+  // shows nothing up to `above`. Prefiltered fields change a little at the borders.
   bool with_reach = false;
 };
 

@@ -8,6 +8,9 @@
 
 namespace OVOID_API ovoid {
 
+class Field;
+struct Look;
+
 // What a sample stands for: the field on its slab's middle plane, or the slab's mean
 // (docs/numerics.md, "Slabs"). Auto: the middle, but for x-ray pictures of kernel sets the mean, so
 // that no mass is lost.
@@ -19,10 +22,12 @@ enum class Slab { kAuto, kMid, kMean };
 // Auto: corrected for lattices, central for kernel sets, which know no other.
 enum class GradientMethod { kAuto, kCorrected, kExact, kCentral };
 
-// What of a ray gets colour and opacity: the sample itself, or the piece from the sample before it,
-// along which the field is taken for straight, so that what lies between two sheets is not missed
-// (docs/numerics.md, "Classification"). Mode composite only.
-enum class Classification { kSampled, kPreintegrated };
+// What of a ray gets colour and opacity (docs/numerics.md, "Classification"). Mode composite only.
+//   kSampled        the samples on the sheets, as published
+//   kPreintegrated  the pieces between two sheets, by integrals of the look over their values
+//   kRefined        the pieces between two sheets, in as many steps as look and light need; value
+//                   and gradient go straight between the sheets, which lie closer by default
+enum class Classification { kSampled, kPreintegrated, kRefined };
 
 // How the cpu back end evaluates a block: each sample sums its kernels, each kernel adds to its
 // samples, or the cheaper of both. Of kernel sets: gather is the fragment-centric way, every sample
@@ -61,10 +66,10 @@ struct ClipPlane {
 struct RenderOptions {
   int width = 1024;  // pixels, 1 to kMaxImageSide
   int height = 768;
-  double sampling_distance = 0.0;  // distance of sheets, world units; 0: the field's default
+  double sampling_distance = 0.0;  // distance of sheets, world units; 0: sheet_distance()
   Slab slab = Slab::kAuto;
   GradientMethod gradient = GradientMethod::kAuto;
-  Classification classification = Classification::kSampled;
+  Classification classification = Classification::kRefined;
   Evaluate evaluate = Evaluate::kAuto;
   PostConvolution post_convolution = PostConvolution::kAuto;
   Spread spread = Spread::kGaussian;
@@ -73,17 +78,22 @@ struct RenderOptions {
   bool skip_irrelevant = true;  // off: every block is reconstructed (time changes, pixels do not)
   // Off: covered samples are still worked out (time changes, pixels do not).
   bool stop_opaque = true;
+  double opaque_at = kOpaque;  // a pixel takes no more once its opacity has reached this; in (0, 1]
   bool pack_sheets = true;  // off: the vulkan back end sums a set's kernels on one sheet at a time
                             // (time changes, pixels do not)
   bool collect_profile = false;  // stage times cost a few per cent
 
   static constexpr int kMaxImageSide = 32768;
   static constexpr int kMaxClipPlanes = 16;
-  static constexpr double kOpaque =
-      1.0 - 1.0 / 1024.0;  // a pixel takes no sample once its opacity has reached this
+  static constexpr double kOpaque = 1.0 - 1.0 / 1024.0;
 
   // Throws Error(kInvalidArgument) that names the member.
   void validate() const;
 };
+
+// The distance of a frame's sheets, world units: that of the options, or else the field's default
+// sampling distance, of which refined pieces take half, those of kernel sets
+// KernelField::refined_sampling_distance().
+double sheet_distance(const Field& field, const Look& look, const RenderOptions& options);
 
 }  // namespace ovoid

@@ -69,7 +69,8 @@ class SliceFields {
 
   // The field of slice_at_time(series, time, options), equal but for rounding; its value range may
   // be wider, as sums of the steps' are. Memory: the steps that have a share, as they are stored,
-  // and of the slice what was drawn, as float32. Throws what Series::step, weights_of_steps and
+  // and of the slice what was drawn, as float32. Prefiltered staggered series are no such sums: of
+  // these the whole volume is made. Throws what Series::step, weights_of_steps and
   // make_lattice_field throw.
   LatticeField at(double time);
 

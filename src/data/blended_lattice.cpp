@@ -58,10 +58,12 @@ void add_row(const T* from, std::int64_t count, float scale, float offset, bool 
 }  // namespace
 
 BlendedLattice::BlendedLattice(const LatticeGeometry& geometry,
-                               std::array<std::vector<Part>, 2> parts, double range_reach)
+                               std::array<std::vector<Part>, 2> parts, double range_reach,
+                               std::shared_ptr<const BrickSource> samples)
     : geometry_(geometry),
       parts_(std::move(parts)),
       range_reach_(range_reach),
+      samples_(std::move(samples)),
       edge_(parts_[0].front().source->brick_edge()) {
   for (int s = 0; s < geometry_.num_sublattices(); ++s) {
     assert(!parts_[static_cast<std::size_t>(s)].empty());

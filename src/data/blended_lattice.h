@@ -25,8 +25,9 @@ class BlendedLattice final : public BrickSource {
   };
   // `parts` of each sublattice, at least one, all of one brick edge; those of sublattices with a
   // range_reach half an index unit more than this field's, since they do not know of their shift.
+  // `samples`: where the parts are coefficients, the samples' own sum; else null.
   BlendedLattice(const LatticeGeometry& geometry, std::array<std::vector<Part>, 2> parts,
-                 double range_reach);
+                 double range_reach, std::shared_ptr<const BrickSource> samples = nullptr);
   ~BlendedLattice() override;
   BlendedLattice(const BlendedLattice&) = delete;
   BlendedLattice& operator=(const BlendedLattice&) = delete;
@@ -39,6 +40,7 @@ class BlendedLattice final : public BrickSource {
   // A cube of bricks around that one; valid as long as this lattice lives.
   BrickView acquire(std::int64_t bx, std::int64_t by, std::int64_t bz, double time) const override;
   std::size_t resident_bytes() const noexcept override;  // of the parts, and what is summed so far
+  const BrickSource* samples() const noexcept override { return samples_.get(); }
 
  private:
   // Its samples; `cube` says where they lie, without them.
@@ -47,6 +49,7 @@ class BlendedLattice final : public BrickSource {
   LatticeGeometry geometry_;
   std::array<std::vector<Part>, 2> parts_;
   double range_reach_;
+  std::shared_ptr<const BrickSource> samples_;
   int edge_;
   Index3 num_cubes_{};
   mutable std::vector<std::atomic<const float*>> cubes_;  // null: not summed yet

@@ -31,7 +31,7 @@ LatticeField::LatticeField(std::shared_ptr<const BrickSource> source, LatticeKer
   }
   data::validate_geometry(source_->geometry());
   data::validate_kernel(kernel_);
-  if (value_range_.is_empty()) value_range_ = data::merged_range(*source_);
+  if (value_range_.is_empty()) value_range_ = data::merged_range(samples());
   id_ = data::next_field_id();
   version_ = 1;
 }

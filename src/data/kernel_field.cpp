@@ -16,19 +16,40 @@ namespace ovoid {
 namespace {
 
 constexpr std::int64_t kMostSamples = 1 << 16;  // kernels looked at for a quantile
-constexpr double kMostSheets = 512;             // through the bounds' diagonal, by default
+constexpr double kNarrowShare = 0.2;
+constexpr double kMostSheets = 512;  // through the bounds' diagonal, by default
 
-// The median of the kernels' sizes: the geometric means of their sigmas.
-double median_sigma(const KernelSource& source) {
-  std::vector<double> sizes;
-  data::for_some_kernels(
-      source, kMostSamples, [&](const KernelBrick&, const KernelView& view, std::int32_t i) {
-        const auto numbers = data::shape_numbers(view, source.shape(), i);
-        sizes.push_back(std::cbrt(data::factor_of(source.shape(), numbers.data()).determinant()));
-      });
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
-  return *middle;
+struct TypicalSigmas {
+  double median;  // of the kernels' sizes: the geometric means of their sigmas
+  double narrow;  // kernels of a fifth of all area, as seen from their flat side, are narrower
+};
+
+TypicalSigmas typical_sigmas(const KernelSource& source) {
+  struct Kernel {
+    double size, least, area;
+  };
+  std::vector<Kernel> kernels;
+  data::for_some_kernels(source, kMostSamples,
+                         [&](const KernelBrick&, const KernelView& view, std::int32_t i) {
+                           const auto numbers = data::shape_numbers(view, source.shape(), i);
+                           const Vec3 axes = data::semi_axes(source.shape(), numbers.data());
+                           const double least = axes.minCoeff();
+                           kernels.push_back({std::cbrt(axes.prod()), least, axes.prod() / least});
+                         });
+  const auto middle = kernels.begin() + static_cast<std::ptrdiff_t>(kernels.size() / 2);
+  std::nth_element(kernels.begin(), middle, kernels.end(),
+                   [](const Kernel& a, const Kernel& b) { return a.size < b.size; });
+  TypicalSigmas sigmas{middle->size, 0.0};
+  std::sort(kernels.begin(), kernels.end(),
+            [](const Kernel& a, const Kernel& b) { return a.least < b.least; });
+  double left = 0;
+  for (const Kernel& kernel : kernels) left += kNarrowShare * kernel.area;
+  for (const Kernel& kernel : kernels) {
+    sigmas.narrow = kernel.least;
+    left -= kernel.area;
+    if (left <= 0) break;
+  }
+  return sigmas;
 }
 
 // Half a spacing beyond the centres: for lattice-like kernels, half a spacing is sigma.
@@ -88,8 +109,10 @@ KernelField::KernelField(std::shared_ptr<const KernelSource> source, Reconstruct
                          ? attribute_
                          : checked_attribute(*source_, color_attribute, "color_attribute");
   bounds_ = bounds_of_cells(*source_);
-  sampling_distance_ =
-      std::max(2 * median_sigma(*source_), bounds_.diagonal().norm() / kMostSheets);
+  const TypicalSigmas sigmas = typical_sigmas(*source_);
+  sampling_distance_ = std::max(2 * sigmas.median, bounds_.diagonal().norm() / kMostSheets);
+  refined_distance_ =
+      std::clamp(2 * sigmas.narrow, 0.25 * sampling_distance_, 0.5 * sampling_distance_);
   id_ = data::next_field_id();
   version_ = 1;
   if (reconstruction_ == Reconstruction::kNormalized) {

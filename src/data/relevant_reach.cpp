@@ -15,6 +15,10 @@
 namespace ovoid::data {
 namespace {
 
+// What is drawn of a place may depend on the field as far beside it, index units: the other end of
+// a piece, a difference of neighbours.
+constexpr double kBeside = 1.0;
+
 bool may_hold(const RelevantValues& relevant, const ValueRange& bounds) {
   for (const RelevantValues::Interval& interval : relevant.intervals()) {
     if (!bounds.is_empty() && interval[0] <= static_cast<double>(bounds.hi) &&
@@ -52,7 +56,7 @@ std::vector<std::byte> keep_in_reach(const LatticeGeometry& geometry, ScalarType
         const bool is_kept = may_hold(relevant, bricks.brick_range(brick[0], brick[1], brick[2])) ||
                              bricks.has_missing(brick[0], brick[1], brick[2]);
         if (!is_kept) continue;
-        const SampleRange range = samples_in_reach(geometry, brick, kEdge, options.reach);
+        const SampleRange range = samples_in_reach(geometry, brick, kEdge, options.reach + kBeside);
         const auto length = static_cast<std::size_t>(range.hi[0] - range.lo[0]) * size;
         for (std::int64_t k = range.lo[2]; k < range.hi[2]; ++k) {
           for (std::int64_t j = range.lo[1]; j < range.hi[1]; ++j) {

@@ -30,7 +30,7 @@ struct ResidentLatticeOptions {
 // one byte per brick if any sample is missing. Positions before the first sample belong to the
 // first brick, those behind the last to the last one. Immutable; all members may be called from
 // many threads.
-class ResidentLattice final : public BrickSource {
+class ResidentLattice : public BrickSource {
  public:
   static constexpr int kBrickEdge = 4;
 

@@ -18,6 +18,13 @@ namespace {
 }  // namespace
 
 void validate_kernel(const LatticeKernel& kernel) {
+  if (kernel.kind != LatticeKernelKind::kGaussian &&
+      !(kernel == LatticeKernel{.kind = kernel.kind})) {
+    fail(
+        fmt::format("kernel {} with sigma = {}, cutoff = {}: has one size, leave them at {} and {}",
+                    name_of(kernel.kind), kernel.sigma, kernel.cutoff, LatticeKernel{}.sigma,
+                    LatticeKernel{}.cutoff));
+  }
   // Written so that NaN fails.
   if (!(kernel.sigma >= LatticeKernel::kMinSigma && kernel.sigma <= LatticeKernel::kMaxSigma)) {
     fail(fmt::format("kernel sigma = {}: must be {} to {} spacings", kernel.sigma,

@@ -7,11 +7,13 @@
 #include <new>
 
 #include "data/encode_relevant.h"
+#include "data/field_samples.h"
 #include "data/merged_range.h"
 #include "data/parallel.h"
 #include "data/resident_lattice.h"
 #include "data/run_lattice.h"
 #include "data/validate.h"
+#include "model/coefficients.h"
 #include "model/convert.h"
 #include "model/prefilter.h"
 #include "ovoid/error.h"
@@ -76,6 +78,58 @@ struct TakenSamples {
   std::stop_token stop;
 };
 
+// A kernel, and whether the field takes the samples' values at the samples.
+struct Interpolation {
+  LatticeKernel kernel;
+  bool is_prefiltered;
+};
+
+Interpolation interpolation_of(const LatticeModelOptions& options, const BrickSource& samples) {
+  const auto with = [&](const LatticeKernel& kernel) -> Interpolation {
+    return {kernel, options.prefilter.value_or(kernel.kind == LatticeKernelKind::kBSpline)};
+  };
+  if (options.kernel) return with(*options.kernel);
+  return with(data::labels_of(samples).empty() ? kBSplineKernel : LatticeKernel{});
+}
+
+// Coefficients, and the samples that they were made of.
+class PrefilteredLattice final : public ResidentLattice {
+ public:
+  PrefilteredLattice(const TakenSamples& taken, const model::ScalarSamples& coefficients,
+                     std::shared_ptr<const ResidentLattice> samples)
+      : ResidentLattice(taken.geometry, coefficients.type, coefficients.bytes,
+                        {samples->range_reach(), coefficients.value_scale,
+                         coefficients.value_offset, taken.threads, taken.stop}),
+        samples_(std::move(samples)) {}
+
+  const BrickSource* samples() const noexcept override { return samples_.get(); }
+  std::size_t resident_bytes() const noexcept override {
+    return ResidentLattice::resident_bytes() + samples_->resident_bytes();
+  }
+
+ private:
+  std::shared_ptr<const ResidentLattice> samples_;
+};
+
+// The samples' coefficients as a lattice of their own.
+std::shared_ptr<const ResidentLattice> coefficients_of(
+    const TakenSamples& taken, const std::shared_ptr<const ResidentLattice>& samples,
+    const ValueRange& range, const LatticeModelOptions& options, const LatticeKernel& kernel) {
+  const model::PrefilterOptions prefilter{
+      kernel, options.reconstruction, taken.threads, taken.stop, range, samples->num_missing() > 0};
+  const bool is_cartesian = taken.geometry.kind == LatticeKind::kCartesian;
+  if (is_cartesian && model::have_few_levels(taken.samples, range)) {
+    return std::make_shared<PrefilteredLattice>(
+        taken, model::make_coefficients(taken.samples, taken.geometry.dims, prefilter), samples);
+  }
+  const model::ScalarSamples floats = model::take_component(
+      taken.array, {options.component, /*as_float32=*/true, taken.threads, taken.stop});
+  const std::span<float> values(floats.writable, static_cast<std::size_t>(taken.array.num_tuples));
+  (is_cartesian ? model::prefilter : model::prefilter_body_centred)(values, taken.geometry.dims,
+                                                                    prefilter);
+  return std::make_shared<PrefilteredLattice>(taken, floats, samples);
+}
+
 LatticeField field_of_relevant(const TakenSamples& taken, const LatticeModelOptions& options,
                                LatticeModelReport* report) {
   const model::ScalarSamples& samples = taken.samples;
@@ -83,32 +137,33 @@ LatticeField field_of_relevant(const TakenSamples& taken, const LatticeModelOpti
       taken.geometry, {samples.type, samples.value_scale, samples.value_offset}, samples.bytes,
       *options.relevant, {taken.threads, taken.stop});
   const std::int64_t num_relevant = runs.num_relevant();
+  const LatticeKernel kernel = options.kernel.value_or(LatticeKernel{});
   const auto lattice = std::make_shared<RunLattice>(
       taken.geometry, std::move(runs),
-      ResidentLatticeOptions{options.kernel.support_radius() * taken.geometry.unit_spacing(),
+      ResidentLatticeOptions{kernel.support_radius() * taken.geometry.unit_spacing(),
                              samples.value_scale, samples.value_offset, taken.threads, taken.stop});
   const ValueRange range = data::merged_range(*lattice);
   if (range.is_empty())
     fail(fmt::format("array '{}': none of its {} samples is finite", taken.array.name,
                      taken.array.num_tuples));
   if (report != nullptr) {
-    *report = {taken.array.name, 0, lattice->resident_bytes(), taken.array.bytes.view.size(), {}};
+    *report = {
+        taken.array.name, 0, false, lattice->resident_bytes(), taken.array.bytes.view.size(), {}};
     report->notes.push_back(fmt::format(
         "array '{}': {} of {} samples are relevant ({:.1f} %) and kept, {:.3g} MiB",
         taken.array.name, num_relevant, taken.array.num_tuples,
         100.0 * static_cast<double>(num_relevant) / static_cast<double>(taken.array.num_tuples),
         static_cast<double>(report->resident_bytes) / (1 << 20)));
   }
-  return {lattice, options.kernel, options.reconstruction, range};
+  return {lattice, kernel, options.reconstruction, range};
 }
 
 }  // namespace
 
 LatticeField make_lattice_field(const Dataset& dataset, const LatticeModelOptions& options,
                                 LatticeModelReport* report, std::stop_token stop) {
-  data::validate_kernel(options.kernel);
+  if (options.kernel) data::validate_kernel(*options.kernel);
   const int threads = data::resolve_threads(options.threads);
-  if (options.prefilter) model::require_interpolating(options.kernel);
   if (dataset.kind != DatasetKind::kLattice) {
     throw Error(ErrorCode::kInvalidArgument,
                 fmt::format("'{}': is no lattice but {}; make_kernel_field() takes it",
@@ -117,42 +172,38 @@ LatticeField make_lattice_field(const Dataset& dataset, const LatticeModelOption
   const DataArray& array = dataset.array(options.array);
   const LatticeGeometry geometry = sample_geometry(dataset, array);
   validate_array(array, geometry);
-  if (options.prefilter && geometry.kind != LatticeKind::kCartesian) {
-    throw Error(ErrorCode::kUnsupported,
-                "prefilter: is for cartesian lattices, whose axes can be filtered one by one");
-  }
-
-  if (options.prefilter && options.relevant)
+  const bool asks_for_prefilter = options.prefilter.value_or(
+      options.kernel && options.kernel->kind == LatticeKernelKind::kBSpline);
+  if (asks_for_prefilter && options.relevant)
     throw Error(ErrorCode::kUnsupported,
                 "prefilter: is for fields of all samples, not of relevant ones");
+  if (asks_for_prefilter && options.kernel && geometry.kind == LatticeKind::kCartesian)
+    model::require_interpolating(*options.kernel);
 
   try {
     const model::ScalarSamples samples =
-        model::take_component(array, {options.component, options.prefilter, threads, stop});
-    const auto in_bricks = [&] {
-      return std::make_shared<ResidentLattice>(
-          geometry, samples.type, samples.bytes,
-          ResidentLatticeOptions{options.kernel.support_radius() * geometry.unit_spacing(),
-                                 samples.value_scale, samples.value_offset, threads, stop});
-    };
-    if (options.relevant) {
-      return field_of_relevant({geometry, samples, array, threads, stop}, options, report);
-    }
-    auto lattice = in_bricks();
+        model::take_component(array, {options.component, /*as_float32=*/false, threads, stop});
+    const TakenSamples taken{geometry, samples, array, threads, stop};
+    if (options.relevant) return field_of_relevant(taken, options, report);
+    // All kernels but Gaussians that somebody names reach as far as the published one.
+    const double reach = options.kernel.value_or(LatticeKernel{}).support_radius();
+    auto lattice = std::make_shared<const ResidentLattice>(
+        geometry, samples.type, samples.bytes,
+        ResidentLatticeOptions{reach * geometry.unit_spacing(), samples.value_scale,
+                               samples.value_offset, threads, stop});
     if (lattice->num_missing() == array.num_tuples) {
       fail(fmt::format("array '{}': none of its {} samples is finite", array.name,
                        array.num_tuples));
     }
-    const ValueRange value_range = data::merged_range(*lattice);
-    if (options.prefilter) {
-      model::prefilter({samples.writable, static_cast<std::size_t>(array.num_tuples)},
-                       geometry.dims, {options.kernel, options.reconstruction, threads, stop});
-      lattice = in_bricks();
-    }
-    LatticeField field(lattice, options.kernel, options.reconstruction, value_range);
+    const std::int64_t num_missing = lattice->num_missing();
+    const ValueRange range = data::merged_range(*lattice);
+    const auto [kernel, is_prefiltered] = interpolation_of(options, *lattice);
+    if (is_prefiltered) lattice = coefficients_of(taken, lattice, range, options, kernel);
+    LatticeField field(lattice, kernel, options.reconstruction, range);
     if (report != nullptr) {
       *report = {array.name,
-                 lattice->num_missing(),
+                 num_missing,
+                 is_prefiltered,
                  lattice->resident_bytes(),
                  array.bytes.view.size(),
                  {}};

@@ -29,8 +29,10 @@ constexpr double kBrain = 38;
 constexpr double kFluid = 8;
 constexpr double kEye = 20;
 
-// Width of an edge: a voxel of the default size, 2 / 127, and a little more.
-constexpr double kEdge = 0.02;
+// Width of an edge, and of the head's own: 2.5 and 4 voxels of the default size, 2 / 127. A scanner
+// blurs more than its voxels are wide; what it did not blur would be sampled to terraces.
+constexpr double kEdge = 0.04;
+constexpr double kOuterEdge = 0.064;
 
 // The brain case's inside.
 const Vec3 kCavityCentre{0, 0.05, 0.25};
@@ -64,8 +66,9 @@ double blend_union(double a, double b, double k) {
 
 double carve(double solid, double hole) { return std::max(solid, -hole); }
 
-double cover(double below, double value, double distance) {
-  return std::lerp(below, value, std::clamp(0.5 - distance / kEdge, 0.0, 1.0));
+double cover(double below, double value, double distance, double edge = kEdge) {
+  const double t = std::clamp(0.5 - distance / edge, 0.0, 1.0);
+  return std::lerp(below, value, t * t * (3 - 2 * t));
 }
 
 // Left and right are alike: parts are placed on the left, x >= 0.
@@ -177,7 +180,7 @@ double head_value(const Vec3& p, std::uint64_t seed) {
   const double cavity = ellipsoid(p, kCavityCentre, kCavityRadii);
   if (cavity < -kEdge) return brain_value(p, seed);
   const double surface = skin(p);
-  if (surface > kEdge) return kAir;
+  if (surface > kOuterEdge) return kAir;
   const double grain = smooth_noise(24 * p, seed + 2);
 
   double value = cover(kSkin, kFat, surface + 0.025);
@@ -199,7 +202,7 @@ double head_value(const Vec3& p, std::uint64_t seed) {
 
   value = cover(value, kAir, airways(p));
   value = cover(value, kAir, ellipsoid(mirrored(p), {0.17, -0.36, -0.17}, {0.065, 0.10, 0.075}));
-  return cover(kAir, value, surface);
+  return cover(kAir, value, surface, kOuterEdge);
 }
 
 }  // namespace

@@ -37,6 +37,13 @@ struct SliceFields::Impl {
   TimeSliceOptions options;
   std::map<std::int64_t, LatticeField> fields;  // of the last slice's steps
 
+  // Coefficients of halves are those of their whole, which has to be made.
+  bool takes_volumes() const {
+    return is_staggered() && !model.relevant &&
+           model.prefilter.value_or(!model.kernel ||
+                                    model.kernel->kind == LatticeKernelKind::kBSpline);
+  }
+
   bool is_staggered() const { return series.source().kind() == SeriesKind::kStaggered; }
 
   std::vector<StepWeight> weights(int half, double time) const {
@@ -58,7 +65,10 @@ struct SliceFields::Impl {
     if (kept != fields.end()) return kept->second;
     const auto dataset = series.step(step, options.stop);
     LatticeModelOptions how = model;
-    if (is_staggered()) how.kernel = kernel_in_half(model.kernel, kUnitSpacingOfHalves);
+    // All steps have the first one's kernel.
+    if (!fields.empty() && !is_staggered()) how.kernel = fields.begin()->second.kernel();
+    if (is_staggered())
+      how.kernel = kernel_in_half(model.kernel.value_or(LatticeKernel{}), kUnitSpacingOfHalves);
     return fields.emplace(step, make_lattice_field(*dataset, how, nullptr, options.stop))
         .first->second;
   }
@@ -77,6 +87,9 @@ SliceFields::SliceFields(SliceFields&&) noexcept = default;
 SliceFields& SliceFields::operator=(SliceFields&&) noexcept = default;
 
 LatticeField SliceFields::at(double time) {
+  if (impl_->takes_volumes())
+    return make_lattice_field(slice_at_time(impl_->series, time, impl_->options), impl_->model,
+                              nullptr, impl_->options.stop);
   const int halves = impl_->is_staggered() ? 2 : 1;
   std::array<std::vector<StepWeight>, 2> weights;
   for (int half = 0; half < halves; ++half)
@@ -85,23 +98,32 @@ LatticeField SliceFields::at(double time) {
   if (halves == 1 && weights[0].size() == 1) return impl_->field_of(weights[0][0].step);
 
   std::array<std::vector<BlendedLattice::Part>, 2> parts;
+  std::array<std::vector<BlendedLattice::Part>, 2> samples;
+  bool knows_samples = true;
   for (std::size_t half = 0; half < 2; ++half) {
     for (const auto& [step, weight] : weights[half]) {
-      const LatticeField& field = impl_->field_of(step);
-      parts[half].push_back({std::shared_ptr<const BrickSource>(
-                                 std::make_shared<LatticeField>(field), &field.source()),
-                             weight});
+      const auto field = std::make_shared<LatticeField>(impl_->field_of(step));
+      parts[half].push_back({{field, &field->source()}, weight});
+      samples[half].push_back({{field, &field->samples()}, weight});
+      knows_samples = knows_samples && field->source().samples() != nullptr;
     }
   }
   // That of an even step, whose samples are at whole indices.
-  LatticeGeometry geometry = impl_->field_of(weights[0][0].step).geometry();
+  const LatticeField& first = impl_->field_of(weights[0][0].step);
+  LatticeGeometry geometry = first.geometry();
+  LatticeKernel kernel = first.kernel();
   if (halves == 2) {
     geometry.kind = LatticeKind::kBodyCentred;
     geometry.dims[2] *= 2;
+    kernel = impl_->model.kernel.value_or(LatticeKernel{});
   }
-  const double reach = impl_->model.kernel.support_radius() * geometry.unit_spacing();
-  return {std::make_shared<BlendedLattice>(geometry, std::move(parts), reach), impl_->model.kernel,
-          impl_->model.reconstruction};
+  const double reach = kernel.support_radius() * geometry.unit_spacing();
+  std::shared_ptr<const BrickSource> blended_samples;
+  if (knows_samples)
+    blended_samples = std::make_shared<BlendedLattice>(geometry, std::move(samples), reach);
+  return {std::make_shared<BlendedLattice>(geometry, std::move(parts), reach,
+                                           std::move(blended_samples)),
+          kernel, impl_->model.reconstruction};
 }
 
 }  // namespace ovoid

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "data/kernel_weight.h"
 #include "view/kernel_plan.h"
 
 namespace ovoid {
@@ -23,7 +24,7 @@ double reach_of(const LatticeField& field, double widening) {
   const double half_cell = 0.5 / field.geometry().num_sublattices();
   return field.reconstruction() == Reconstruction::kSum
              ? kernel.support_radius() * widening - half_cell
-             : 0.06 * kernel.sigma + 0.5 - half_cell + 1e-3;
+             : data::face_reach(kernel) + 0.5 - half_cell + 1e-3;
 }
 
 // A convex polygon's part in a half space.

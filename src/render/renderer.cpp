@@ -189,6 +189,7 @@ Frame Renderer::Impl::draw(const Field& field, const Camera& camera, const Look&
   if (trail != nullptr) require_trail(field, look, *trail, options);
   if (field.kernels() != nullptr) require_central_differences(options);
   RenderOptions own_options = options;
+  own_options.sampling_distance = sheet_distance(field, look, options);
   std::optional<view::TrailView> trail_view;
   if (trail != nullptr) {
     own_options.post_convolution = PostConvolution::kOff;

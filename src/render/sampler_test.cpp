@@ -102,13 +102,17 @@ TEST(FieldProbe, IsTheSampler) {
       setup.value_scale = 3;
       setup.value_offset = -1;
       expect_probe_is_sampler(test::make_field({19, 14, 23}, waves, setup), name_of(kind));
+      for (const LatticeKernel& kernel : {kBSplineKernel, kCatmullRomKernel}) {
+        setup.kernel = kernel;
+        expect_probe_is_sampler(test::make_field({19, 14, 23}, waves, setup), name_of(kernel.kind));
+      }
       setup.kernel = {.sigma = 0.9, .cutoff = 5};
       setup.brick_edge = 4;
       expect_probe_is_sampler(test::make_field({19, 2, 23}, waves, setup), "wide, flat");
     }
   }
   LatticeModelOptions model;
-  model.kernel.sigma = 0.6;
+  model.kernel = LatticeKernel{.sigma = 0.6};
   model.prefilter = true;
   expect_probe_is_sampler(make_lattice_field(make_sample("head", {.size = {20, 20, 20}}), model),
                           "prefiltered");

@@ -115,7 +115,8 @@ view::LookTable colors_of(const Field& field, const Look& look) {
 // The frame while its parts come in.
 class PlaneFrame {
  public:
-  PlaneFrame(const PlaneView& view, const RenderOptions& options) : view_(view) {
+  PlaneFrame(const PlaneView& view, const RenderOptions& options)
+      : view_(view), opaque_at_(static_cast<float>(options.opaque_at)) {
     const auto count =
         static_cast<std::size_t>(options.width) * static_cast<std::size_t>(options.height);
     image_.width = options.width;
@@ -170,7 +171,7 @@ class PlaneFrame {
     const std::size_t i = static_cast<std::size_t>(y) * static_cast<std::size_t>(image_.width) +
                           static_cast<std::size_t>(x);
     float* rgba = image_.rgba.data() + 4 * i;
-    if (rgba[3] >= static_cast<float>(RenderOptions::kOpaque)) return;
+    if (rgba[3] >= opaque_at_) return;
     const auto hit = view_.hit(x, y);
     if (!hit) {
       takes_behind_[i] = is_before_plane(x, y) ? 0 : 1;
@@ -197,6 +198,7 @@ class PlaneFrame {
   }
 
   const PlaneView& view_;
+  float opaque_at_;
   Image image_;
   std::vector<std::uint8_t> takes_behind_;  // of each pixel: the half behind can be seen in it
 };

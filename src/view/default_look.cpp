@@ -23,11 +23,6 @@ namespace {
 using view::FieldSamples;
 using view::quantile;
 
-constexpr std::size_t kMostLabels = 64;
-// Neighbours that are equal: regions of labels have it, quantized fields do not.
-constexpr double kEqualsOfLabels = 0.8;
-// In fewer samples nobody sees regions.
-constexpr std::size_t kFewestForLabels = 512;
 // Least quotient of the greatest and the median value that asks for a logarithmic scale.
 constexpr double kLogQuotient = 1000;
 
@@ -101,18 +96,6 @@ Look label_look(const std::vector<int>& labels, const FieldSamples& samples) {
     tf.opacities.push_back({.x = hi, .opacity = opacity});
   }
   return look;
-}
-
-std::vector<int> labels_of(const LatticeField& field, const FieldSamples& samples) {
-  if (samples.values.size() < kFewestForLabels || samples.share_of_equals < kEqualsOfLabels)
-    return {};
-  std::size_t num_different = 1;
-  for (std::size_t i = 0; i < samples.values.size(); ++i) {
-    const float value = samples.values[i];
-    if (value < 0 || value != std::floor(value)) return {};
-    if (i > 0 && value != samples.values[i - 1] && ++num_different > kMostLabels) return {};
-  }
-  return view::few_integers(field, kMostLabels);
 }
 
 // --- CT in Hounsfield units
@@ -338,9 +321,9 @@ bool says_nothing(const FieldSamples& samples) {
 }
 
 Look look_of_lattice(const LatticeField& field, std::string_view unit) {
-  const FieldSamples samples = view::take_samples(field);
+  const FieldSamples samples = data::take_samples(field.samples());
   if (says_nothing(samples)) return ramp_look(field.value_range());
-  if (const std::vector<int> labels = labels_of(field, samples); !labels.empty())
+  if (const std::vector<int> labels = data::labels_of(field.samples()); !labels.empty())
     return label_look(labels, samples);
   if (is_in_hounsfield_units(samples, unit)) return hounsfield_look(field);
   return look_of_values(field, samples);
@@ -423,9 +406,7 @@ Look look_of_kernels(const KernelField& field) {
 
 bool holds_labels(const Field& field) {
   data::require_field(field);
-  if (field.lattice() == nullptr) return false;
-  const FieldSamples samples = view::take_samples(*field.lattice());
-  return !samples.values.empty() && !labels_of(*field.lattice(), samples).empty();
+  return field.lattice() != nullptr && !data::labels_of(field.lattice()->samples()).empty();
 }
 
 Look default_look(const Field& field, std::string_view unit) {

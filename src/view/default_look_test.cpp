@@ -232,7 +232,7 @@ TEST(FieldSamples, AreSpreadOverAllOfAFieldAndLimited) {
       test::make_field(dims, [](std::int64_t i, std::int64_t j, std::int64_t k) {
         return static_cast<double>(i + 200 * (j + 150 * k));
       });
-  const view::FieldSamples samples = view::take_samples(field);
+  const data::FieldSamples samples = data::take_samples(field.samples());
   EXPECT_NEAR(static_cast<double>(samples.values.size()), 3e6 / std::ceil(3e6 / (1 << 18)), 5000);
   for (const double q : {0.0, 0.1, 0.5, 0.9, 1.0})
     EXPECT_NEAR(view::quantile(samples.values, q), q * 3e6, 0.003 * 3e6) << q;
@@ -240,9 +240,9 @@ TEST(FieldSamples, AreSpreadOverAllOfAFieldAndLimited) {
 }
 
 TEST(FieldSamples, TellFewIntegersFromMany) {
-  EXPECT_EQ(view::few_integers(labels({0, 7, 2, 40}), 4), (std::vector<int>{0, 2, 7, 40}));
-  EXPECT_TRUE(view::few_integers(labels({0, 7, 2, 40}), 3).empty());
-  EXPECT_TRUE(view::few_integers(labels({0, 7, 70000}), 8).empty());
+  EXPECT_EQ(data::few_integers(labels({0, 7, 2, 40}).source(), 4), (std::vector<int>{0, 2, 7, 40}));
+  EXPECT_TRUE(data::few_integers(labels({0, 7, 2, 40}).source(), 3).empty());
+  EXPECT_TRUE(data::few_integers(labels({0, 7, 70000}).source(), 8).empty());
 }
 
 }  // namespace

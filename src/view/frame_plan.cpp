@@ -7,15 +7,27 @@
 #include <cmath>
 #include <limits>
 
+#include "data/kernel_weight.h"
 #include "ovoid/error.h"
 
-namespace ovoid::view {
-namespace {
+namespace ovoid {
 
-double effective_sampling_distance(const Field& field, const RenderOptions& options) {
-  return options.sampling_distance > 0 ? options.sampling_distance
-                                       : field.default_sampling_distance();
+double sheet_distance(const Field& field, const Look& look, const RenderOptions& options) {
+  if (options.sampling_distance > 0) return options.sampling_distance;
+  if (!view::is_refined(look, options)) return field.default_sampling_distance();
+  const KernelField* const set = field.kernels();
+  return set != nullptr ? set->refined_sampling_distance()
+                        : 0.5 * field.default_sampling_distance();
 }
+
+namespace view {
+
+bool is_refined(const Look& look, const RenderOptions& options) {
+  return options.classification == Classification::kRefined && look.mode == Mode::kComposite &&
+         !is_published(options.post_convolution) && options.spread == Spread::kGaussian;
+}
+
+namespace {
 
 double effective_unit_distance(const Field& field, const Look& look) {
   if (look.unit_distance > 0) return look.unit_distance;
@@ -53,10 +65,9 @@ double slab_reach(const ViewLattice& lattice, const RenderOptions& options) {
 }
 
 // Places of samples that can be defined: `sum` wherever a kernel reaches the slab; normalized to
-// where 0.48 of the weights exist, which is at most 0.05 sigma (the slope of a Gaussian's integral)
-// beyond the faces of the outermost cells, or 0.02 of a slab's length if that is more. Cells of a
-// body-centred lattice reach half an axis vector from their sample: where kernels are narrow, twice
-// as far as the plane on which the faces lie.
+// where 0.48 of the weights exist, a little beyond the faces of the outermost cells, or 0.02 of a
+// slab's length if that is more. Cells of a body-centred lattice reach half an axis vector from
+// their sample: where kernels are narrow, twice as far as the plane on which the faces lie.
 Bounds3 support_of(const LatticeField& field, double widening, double reach) {
   const LatticeKernel kernel = field.index_kernel();
   Bounds3 box = field.geometry().index_bounds();
@@ -64,20 +75,18 @@ Bounds3 support_of(const LatticeField& field, double widening, double reach) {
   const double bulge = 0.5 - half_cell;
   const double beyond = field.reconstruction() == Reconstruction::kSum
                             ? kernel.support_radius() * widening - half_cell + reach
-                            : 0.06 * kernel.sigma * widening + 0.05 * reach + bulge + 1e-3;
+                            : data::face_reach(kernel) * widening + 0.05 * reach + bulge + 1e-3;
   box.min().array() -= beyond;
   box.max().array() += beyond;
   return box;
 }
 
-double greatest_pitch(const ViewLattice& lattice, const Bounds3& index_box) {
+// Of the sheets that meet a box, and where pieces are refined of the one behind them, too.
+double greatest_pitch(const ViewLattice& lattice, const Bounds3& index_box, bool is_refined) {
   if (lattice.is_parallel()) return lattice.pitch(0);
   const ViewLattice::SheetRange range = lattice.sheets_meeting(index_box);
-  return range.first < range.last ? lattice.pitch(range.last - 1) : 0.0;
-}
-
-bool preintegrates(const Look& look, const RenderOptions& options) {
-  return look.mode == Mode::kComposite && options.classification == Classification::kPreintegrated;
+  if (range.first >= range.last) return 0.0;
+  return lattice.pitch(is_refined ? range.last : range.last - 1);
 }
 
 std::optional<LookTable> fading_table(const Look& look) {
@@ -89,10 +98,9 @@ std::optional<LookTable> fading_table(const Look& look) {
 
 // Bricks by which the relevant set grows: slabs reach into others, and both samples around an
 // isosurface's crossing, or at the ends of a piece, must be taken.
-int relevance_grow(const ViewLattice& lattice, const LatticeField& field, const Look& look,
-                   const RenderOptions& options) {
-  const double step =
-      look.mode == Mode::kIsosurface || preintegrates(look, options) ? greatest_step(lattice) : 0.0;
+int relevance_grow(const ViewLattice& lattice, const LatticeField& field,
+                   const RenderOptions& options, bool has_pieces) {
+  const double step = has_pieces ? greatest_step(lattice) : 0.0;
   const double reach = step + slab_reach(lattice, options);
   return static_cast<int>(std::ceil(reach / field.source().brick_edge()));
 }
@@ -112,6 +120,18 @@ double steepness_of(const Look& look, const ValueRange& range) {
   return steepness;
 }
 
+// Wider kernels reach farther, where pixels are wider still; the second time that is next to
+// nothing.
+double greatest_widening_of(const FramePlan& plan, const LatticeField& field, double reach) {
+  double widening = 1.0;
+  for (int round = 0; round < 2; ++round) {
+    const double pitch =
+        greatest_pitch(plan.lattice, support_of(field, widening, reach), plan.is_refined);
+    widening = std::max(widening, pitch / field.geometry().spacing().minCoeff());
+  }
+  return widening;
+}
+
 MayMatter may_matter_for(const Look& look, const LookTable& table) {
   if (look.mode == Mode::kComposite) {
     return [&table](float lo, float hi) { return table.any_opacity(lo, hi); };
@@ -128,11 +148,13 @@ MayMatter may_matter_for(const Look& look, const LookTable& table) {
 
 FramePlan::FramePlan(const Field& field, const LatticeGeometry& geometry, const Camera& camera,
                      const Look& look, const RenderOptions& options)
-    : lattice(camera, options.width, options.height, effective_sampling_distance(field, options),
+    : lattice(camera, options.width, options.height, sheet_distance(field, look, options),
               geometry),
       look_table(look.transfer_function),
       fading(fading_table(look)),
-      is_preintegrated(preintegrates(look, options)),
+      is_preintegrated(look.mode == Mode::kComposite &&
+                       options.classification == Classification::kPreintegrated),
+      is_refined(view::is_refined(look, options)),
       unit_distance(effective_unit_distance(field, look)),
       least_spacing(field.default_sampling_distance()),
       clip_planes(options.clip_planes),
@@ -147,6 +169,7 @@ FramePlan::FramePlan(const Field& field, const LatticeGeometry& geometry, const 
 
 void FramePlan::set_sheets(const Bounds3& index_box) {
   sheets = checked_sheets(lattice, index_box);
+  if (is_refined && sheets.first < sheets.last) ++sheets.last;  // where the last piece ends
 }
 
 ClipMap FramePlan::clip_distance(const ClipPlane& plane, std::int64_t sheet) const {
@@ -162,19 +185,24 @@ ClipMap FramePlan::clip_slope(const ClipPlane& plane) const {
 }
 
 LatticePlan::LatticePlan(const LatticeField& field, const Camera& camera, const Look& look,
-                         const RenderOptions& options)
+                         const RenderOptions& options, PieceRelevance pieces)
     : FramePlan(field, field.geometry(), camera, look, options),
-      greatest_widening(std::max(
-          1.0, greatest_pitch(lattice, support_of(field, 1.0, slab_reach(lattice, options))) /
-                   field.geometry().spacing().minCoeff())),
-      relevance(field, greatest_widening, relevance_grow(lattice, field, look, options)),
-      node_reach_(kNodeSigmas * field.index_kernel().sigma *
+      greatest_widening(greatest_widening_of(*this, field, slab_reach(lattice, options))),
+      relevance(
+          field, greatest_widening,
+          relevance_grow(lattice, field, options,
+                         look.mode == Mode::kIsosurface || is_preintegrated ||
+                             (is_refined && pieces == PieceRelevance::kWholePieces)),
+          is_refined && pieces == PieceRelevance::kPieceEnds ? 0.5 * greatest_step(lattice) : 0.0),
+      node_reach_((data::is_piecewise(field.kernel().kind) ? kNodeSigmasOfPieces : kNodeSigmas) *
+                  field.index_kernel().sigma *
                   std::pow(kNodeSteepness / steepness_of(look, field.value_range()), 0.25)),
       spacing_(field.geometry().spacing()),
       unit_spacing_(field.geometry().unit_spacing()) {
   const Index3 cells = field.geometry().cells();
   for (int a = 0; a < 3; ++a)
     widening_limit_[a] = static_cast<double>(cells[a]) / (4 * field.index_kernel().sigma);
+  faces = field.geometry().index_bounds();
   index_support = support_of(field, greatest_widening, slab_reach(lattice, options));
   set_sheets(index_support);
 }
@@ -193,4 +221,5 @@ double LatticePlan::node_step(PostConvolution how, std::int64_t sheet) const {
   return node_step < kLeastNodeStep ? 1.0 : std::min(node_step, kGreatestNodeStep);
 }
 
-}  // namespace ovoid::view
+}  // namespace view
+}  // namespace ovoid

@@ -20,6 +20,10 @@ struct ClipMap {
   double origin, per_x, per_y;
 };
 
+// True if pieces between sheets are drawn in steps. Modes other than composite have no layers; the
+// published ways of post-convolution classify samples, as published.
+bool is_refined(const Look& look, const RenderOptions& options);
+
 // Everything about a frame, of whatever field, that can be said before a sample is reconstructed.
 struct FramePlan {
   // `geometry`: whose index space ViewLattice::index_map() is in.
@@ -34,7 +38,8 @@ struct FramePlan {
   LookTable look_table;
   std::optional<LookTable> color_table;  // colours of the attribute that gives them, if one does
   std::optional<LookTable> fading;       // opacity by the gradient's length, if the look has that
-  bool is_preintegrated;                 // pieces between sheets are classified
+  bool is_preintegrated;                 // pieces between sheets are classified as one
+  bool is_refined;                       // or in steps
   double unit_distance;
   double least_spacing;                // over which flatness is judged, world units
   MayMatter may_matter;                // whether bounds can show; empty: everything may
@@ -52,10 +57,14 @@ struct FramePlan {
 
 // A frame of a lattice field.
 struct LatticePlan : FramePlan {
+  // `relevance`: where refined pieces can show (kWholePieces), or one of their ends is in a brick
+  // near which they can (kPieceEnds), which is less.
+  enum class PieceRelevance { kWholePieces, kPieceEnds };
   LatticePlan(const LatticeField& field, const Camera& camera, const Look& look,
-              const RenderOptions& options);
+              const RenderOptions& options, PieceRelevance pieces = PieceRelevance::kWholePieces);
 
   Bounds3 index_support;     // positions (index space) where the field can be defined
+  Bounds3 faces;             // of the lattice, index space
   double greatest_widening;  // of any kernel on any sheet
   RelevanceMap relevance;    // to be filled: one fill_layer() per layer, then finish()
 
@@ -78,6 +87,8 @@ struct LatticePlan : FramePlan {
 // have this PSNR, dB, to those of kOff. The published ways have a node per spacing.
 inline constexpr double kNodeDecibels = 50;
 inline constexpr double kNodeSigmas = 0.8;
+// Of kernels that are made of polynomials, whose fields have more of the high frequencies.
+inline constexpr double kNodeSigmasOfPieces = 0.7;
 // Looks that are steeper than this, in opacity over the field's range, have closer nodes: by the
 // fourth root, since the error of interpolation falls with about the fourth power of their distance
 // where edges are as sharp as samples can show.

@@ -78,7 +78,8 @@ TEST(FramePlan, ClipDistances) {
                   1e-12);
       const Vec3 next = plan.lattice.world_map(sheet + 1).at(3, 11);
       const ClipMap slope = plan.clip_slope(plane);
-      EXPECT_NEAR((slope.origin + 3 * slope.per_x + 11 * slope.per_y) * 0.5,
+      const double distance = plan.lattice.sampling_distance();
+      EXPECT_NEAR((slope.origin + 3 * slope.per_x + 11 * slope.per_y) * distance,
                   (next - place).dot(plane.normal), 1e-12);
     }
   }

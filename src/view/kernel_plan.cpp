@@ -77,7 +77,7 @@ KernelPlan::KernelPlan(const KernelField& field, const Camera& camera, const Loo
   ranges.reserve(static_cast<std::size_t>(field.source().num_bricks()));
   for (std::int64_t b = 0; b < field.source().num_bricks(); ++b)
     ranges.push_back(blocks_of_brick(field.source().brick(b), cutoff));
-  find_relevant(field, ranges, is_preintegrated || look.mode == Mode::kIsosurface);
+  find_relevant(field, ranges, is_preintegrated || is_refined || look.mode == Mode::kIsosurface);
   if (may_matter) drop_clipped();
   find_needed(ranges);
 }
@@ -85,10 +85,11 @@ KernelPlan::KernelPlan(const KernelField& field, const Camera& camera, const Loo
 BlockRange KernelPlan::blocks_touching(const double lateral_lo[2], const double lateral_hi[2],
                                        double sheet_lo, double sheet_hi) const noexcept {
   BlockRange range;
-  // Sheets are at whole numbers; a mean one stands for half a sheet on either side.
+  // Sheets are at whole numbers; a mean one stands for half a sheet on either side. A refined piece
+  // ends on the sheet behind.
   const double reach = is_mean ? 0.5 : 0.0;
   const double first = std::ceil(sheet_lo - reach - 1e-3);
-  const double last = std::floor(sheet_hi + reach + 1e-3);
+  const double last = std::floor(sheet_hi + reach + (is_refined ? 1.0 : 0.0) + 1e-3);
   if (!(first <= last)) return range;
   range.lo[2] = clamp_block(std::floor(first / kBlockDepth), num_blocks[2]);
   range.hi[2] = clamp_block(std::floor(last / kBlockDepth) + 1, num_blocks[2]);
@@ -202,7 +203,7 @@ bool KernelPlan::is_clipped_away(int x, int y, int layer) const {
   const int y1 = std::min(y0 + kBlockEdge, height) - 1;
   const std::int64_t first = sheets.first + static_cast<std::int64_t>(layer) * kBlockDepth;
   const std::int64_t last = std::min(first + kBlockDepth, sheets.last) - 1;
-  const double reach = (0.5 + kSlack) * lattice.sampling_distance();
+  const double reach = ((is_refined ? 1.0 : 0.5) + kSlack) * lattice.sampling_distance();
   return std::any_of(clip_planes.begin(), clip_planes.end(), [&](const ClipPlane& plane) {
     const ClipMap slope = clip_slope(plane);
     for (const std::int64_t sheet : {first, last}) {

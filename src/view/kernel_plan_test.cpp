@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "ovoid/error.h"
 
@@ -105,26 +106,36 @@ TEST(KernelPlan, ClippedBlocksAreSkipped) {
   }
 }
 
-// Fails if a block is dropped whose last slab is not all cut away, or kept when it is.
+// Fails if a block is dropped whose last slab, or piece, is not all cut away, or kept when it is.
 TEST(KernelPlan, SliversOfSlabsAreKept) {
   const KernelField field = two_balls();
-  const auto relevant_in_layer = [&](int layer, const std::vector<ClipPlane>& clip_planes) {
-    RenderOptions options = options_of(640);
-    options.clip_planes = clip_planes;
-    const KernelPlan plan(field, camera_from_z(true), look_above(0), options);
-    const auto begin = plan.is_relevant.begin() + plan.block_index(0, 0, layer);
-    return std::count(begin, begin + plan.block_index(0, 0, 1), 1);
-  };
-  const KernelPlan plan(field, camera_from_z(true), look_above(0), options_of(640));
-  ASSERT_GE(plan.num_blocks[2], 2);
-  const double step = plan.lattice.sampling_distance();
-  const double last = plan.lattice.depth(plan.sheets.first + kBlockDepth - 1);
-  // Keeps what is farther than a depth from the camera, which is at z = 10.
-  const auto beyond = [](double depth) { return ClipPlane{{0, 0, -1}, depth - 10}; };
-  EXPECT_GT(relevant_in_layer(0, {}), 0);
-  EXPECT_EQ(relevant_in_layer(0, {beyond(last + 0.45 * step)}), relevant_in_layer(0, {}));
-  EXPECT_EQ(relevant_in_layer(0, {beyond(last + 0.55 * step)}), 0);
-  EXPECT_GT(relevant_in_layer(1, {beyond(last + 0.55 * step)}), 0);
+  // How many sheets farther than the last something of a block is drawn.
+  const std::pair<Classification, double> ways[] = {{Classification::kSampled, 0.5},
+                                                    {Classification::kRefined, 1.0}};
+  for (const auto& [classification, reach] : ways) {
+    const auto plan_with = [&](const std::vector<ClipPlane>& clip_planes) {
+      RenderOptions options = options_of(640);
+      options.classification = classification;
+      options.clip_planes = clip_planes;
+      return KernelPlan(field, camera_from_z(true), look_above(0), options);
+    };
+    const auto relevant_in_layer = [&](int layer, const std::vector<ClipPlane>& clip_planes) {
+      const KernelPlan plan = plan_with(clip_planes);
+      const auto begin = plan.is_relevant.begin() + plan.block_index(0, 0, layer);
+      return std::count(begin, begin + plan.block_index(0, 0, 1), 1);
+    };
+    const KernelPlan plan = plan_with({});
+    ASSERT_GE(plan.num_blocks[2], 2);
+    const double step = plan.lattice.sampling_distance();
+    const double last = plan.lattice.depth(plan.sheets.first + kBlockDepth - 1);
+    // Keeps what is farther than a depth from the camera, which is at z = 10.
+    const auto beyond = [](double depth) { return ClipPlane{{0, 0, -1}, depth - 10}; };
+    EXPECT_GT(relevant_in_layer(0, {}), 0);
+    EXPECT_EQ(relevant_in_layer(0, {beyond(last + (reach - 0.05) * step)}),
+              relevant_in_layer(0, {}));
+    EXPECT_EQ(relevant_in_layer(0, {beyond(last + (reach + 0.05) * step)}), 0);
+    EXPECT_GT(relevant_in_layer(1, {beyond(last + (reach + 0.05) * step)}), 0);
+  }
 }
 
 TEST(KernelPlan, RefusesMoreBlocksThanItCanKeep) {

@@ -108,6 +108,11 @@ class LookTable {
             read(tables_->opacity, t)};
   }
 
+  // What the reading rule makes of `entries`, kPaddedEntries of them.
+  float read(const std::vector<float>& entries, float value) const noexcept {
+    return read(entries.data(), coordinate(value));
+  }
+
   // Whether a value in [lo, hi] can have an opacity other than zero, in this table or by exact
   // evaluation: never false where one of the two is not zero; false if lo > hi. Infinite ends are
   // allowed. Cost: a few loads, and where the table is zero a search among the separate stretches

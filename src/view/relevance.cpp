@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "data/kernel_weight.h"
+
 namespace ovoid::view {
 namespace {
 
@@ -13,28 +15,30 @@ namespace {
 // of half an ulp each are 4e-6).
 constexpr float kBoundSlack = 1e-5F;
 
-// Greatest value of sum_i w phi(u - i): that of kernels without end, which peaks at the samples,
-// for the odd harmonics of two sublattices cancel.
+// Greatest value of sum_i w |phi(u - i)| of kernels without end: it peaks at the samples, for the
+// odd harmonics of two sublattices cancel; where weights are negative, between them.
 double greatest_sum(const LatticeField& field) {
   const LatticeKernel kernel = field.index_kernel();
-  const double weight = 1 / (field.geometry().density() *
-                             std::pow(std::sqrt(2 * std::numbers::pi) * kernel.sigma, 3));
+  const double weight = 1 / (field.geometry().density() * std::pow(data::axis_mass(kernel), 3));
   double sum = 0;
   for (int s = 0; s < field.geometry().num_sublattices(); ++s) {
     double along_axis = 0;
     const int most = static_cast<int>(kernel.support_radius()) + 1;
     for (int i = -most; i <= most; ++i) {
-      const double d = (i - field.geometry().offset_of(s)[0]) / kernel.sigma;
-      along_axis += std::exp(-0.5 * d * d);
+      const double d = i - field.geometry().offset_of(s)[0];
+      along_axis += data::is_piecewise(kernel.kind)
+                        ? std::abs(data::axis_weight(kernel, d))
+                        : std::exp(-0.5 * d * d / (kernel.sigma * kernel.sigma));
     }
     sum += along_axis * along_axis * along_axis;
   }
-  return weight * sum;
+  return weight * sum * (1 + 2 * data::overshoot_of(kernel, /*is_whole=*/true));
 }
 
 }  // namespace
 
-RelevanceMap::RelevanceMap(const LatticeField& field, double widening, int grow) : field_(&field) {
+RelevanceMap::RelevanceMap(const LatticeField& field, double widening, int grow, double beyond)
+    : field_(&field) {
   const BrickSource& source = field.source();
   const int edge = source.brick_edge();
   shift_ = std::countr_zero(static_cast<unsigned>(edge));
@@ -44,7 +48,9 @@ RelevanceMap::RelevanceMap(const LatticeField& field, double widening, int grow)
   words_per_row_ = static_cast<int>((num_bricks_[0] + 31) / 32);
   words_.assign(static_cast<std::size_t>(words_per_row_ * num_bricks_[1] * num_bricks_[2]), 0);
   groups_.assign(static_cast<std::size_t>(num_samples(num_groups_)), 0);
-  const double reach = field.index_kernel().support_radius() * widening;
+  double reach = field.index_kernel().support_radius() * widening + beyond;
+  // From a brick's faces, which lie on samples, only whole numbers reach other samples.
+  if (field.geometry().kind == LatticeKind::kCartesian) reach = std::floor(reach);
   const double missing_reach = std::max(0.0, reach - source.range_reach());
   dilation_ = grow + static_cast<int>(std::ceil(missing_reach / edge - 1e-9));
   sum_bound_ = greatest_sum(field) * 1.0001;
@@ -52,6 +58,9 @@ RelevanceMap::RelevanceMap(const LatticeField& field, double widening, int grow)
 
 void RelevanceMap::fill_layer(int bz, const MayMatter& may_matter) {
   const bool is_sum = field_->reconstruction() == Reconstruction::kSum;
+  const LatticeKernel& kernel = field_->kernel();
+  const auto overshoot = static_cast<float>(data::overshoot_of(kernel, /*is_whole=*/true));
+  const auto most_overshoot = static_cast<float>(data::overshoot_of(kernel, /*is_whole=*/false));
   // Neighbouring bricks often have the same range, background above all.
   ValueRange known;
   bool known_matters = false;
@@ -60,7 +69,9 @@ void RelevanceMap::fill_layer(int bz, const MayMatter& may_matter) {
     for (std::int64_t bx = 0; bx < num_bricks_[0]; ++bx) {
       const ValueRange range = field_->source().brick_range(bx, by, bz);
       if (range.is_empty()) continue;
-      if (range.lo == known.lo && range.hi == known.hi) {
+      const bool may_overshoot_more =
+          overshoot > 0 && range.lo < range.hi && field_->source().has_missing(bx, by, bz);
+      if (range.lo == known.lo && range.hi == known.hi && !may_overshoot_more) {
         if (known_matters) row[bx >> 5] |= 1U << (bx & 31);
         continue;
       }
@@ -69,12 +80,24 @@ void RelevanceMap::fill_layer(int bz, const MayMatter& may_matter) {
       if (is_sum) {
         lo = static_cast<float>(std::min(lo, 0.0F) * sum_bound_);
         hi = static_cast<float>(std::max(hi, 0.0F) * sum_bound_);
+        // Negative weights turn the ends over.
+        if (overshoot > 0) {
+          hi = std::max(hi, -lo);
+          lo = -hi;
+        }
+      } else if (overshoot > 0) {
+        const float beyond = (hi - lo) * (may_overshoot_more ? most_overshoot : overshoot);
+        lo -= beyond;
+        hi += beyond;
       }
       lo -= kBoundSlack * std::abs(lo);
       hi += kBoundSlack * std::abs(hi);
-      known = range;
-      known_matters = may_matter(lo, hi);
-      if (known_matters) row[bx >> 5] |= 1U << (bx & 31);
+      const bool matters = may_matter(lo, hi);
+      if (!may_overshoot_more) {
+        known = range;
+        known_matters = matters;
+      }
+      if (matters) row[bx >> 5] |= 1U << (bx & 31);
     }
   }
 }

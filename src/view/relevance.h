@@ -20,9 +20,10 @@ using MayMatter = std::function<bool(float lo, float hi)>;
 class RelevanceMap {
  public:
   // `widening` >= 1: the largest factor by which the frame widens kernels (minification). `grow`:
-  // bricks by which the relevant set is dilated on top of what widening needs. Nothing is relevant
-  // until fill_layer() has run for every layer and finish() once.
-  RelevanceMap(const LatticeField& field, double widening, int grow);
+  // bricks by which the relevant set is dilated on top of what widening needs. `beyond`: index
+  // units; a brick's bounds hold so far around it, too. Nothing is relevant until fill_layer() has
+  // run for every layer and finish() once.
+  RelevanceMap(const LatticeField& field, double widening, int grow, double beyond = 0);
 
   int num_layers() const noexcept { return static_cast<int>(num_bricks_[2]); }
   // Decides the bricks (*, *, bz). Layers may be filled from different threads.

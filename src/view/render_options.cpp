@@ -30,6 +30,8 @@ void RenderOptions::validate() const {
       spread == Spread::kGaussian ||
           (post_convolution != PostConvolution::kOff && post_convolution != PostConvolution::kAuto),
       "spread: bilinear needs a published way of post-convolution: bilinear, gaussian or cubic");
+  require(opaque_at > 0 && opaque_at <= 1,
+          fmt::format("opaque_at = {}: must be > 0 and at most 1", opaque_at));
   require(clip_planes.size() <= kMaxClipPlanes,
           fmt::format("clip_planes: {} given, at most {} are possible", clip_planes.size(),
                       kMaxClipPlanes));

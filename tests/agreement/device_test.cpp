@@ -177,6 +177,8 @@ TEST_F(OnDevice, HalfSheetsKeepTheirTierOnSets) {
       scene.field = field;
       scene.camera = askew_camera(field, false, 1.3);
       scene.look = look.look;
+      scene.options.classification =
+          Classification::kSampled;  // refined pieces have a test of theirs
       const Frame whole = draw(scene);
       EXPECT_EQ(whole.profile.notice, "");
       scene.options.sheet_precision = SheetPrecision::kHalf;

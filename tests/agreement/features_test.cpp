@@ -24,6 +24,16 @@ void set_kernel(Scene& scene, const LatticeKernel& kernel, Reconstruction recons
   scene.field = make_stored_field(dims, shells(dims), {ScalarType::kFloat32, 10, 50}, setup);
 }
 
+// Kernels that reach as far as the published one, which they stand beside.
+constexpr LatticeKernel kOneSize[] = {{}, kBSplineKernel, kCatmullRomKernel};
+
+// The same samples under another kernel of one size.
+LatticeField with_kernel(const LatticeField& field, const LatticeKernel& kernel) {
+  const auto kept = std::make_shared<const LatticeField>(field);
+  return {std::shared_ptr<const BrickSource>(kept, &kept->source()), kernel,
+          field.reconstruction()};
+}
+
 class EveryMode : public ::testing::TestWithParam<int> {
  protected:
   Mode mode() const { return kModes[GetParam()]; }
@@ -37,13 +47,15 @@ TEST_P(EveryMode, SlabsReconstructionsEvaluations) {
     for (const Reconstruction reconstruction :
          {Reconstruction::kNormalized, Reconstruction::kSum}) {
       for (const Slab slab : {Slab::kMid, Slab::kMean}) {
-        Scene scene = small_scene(mode(), is_parallel);
-        set_kernel(scene, {}, reconstruction);
-        scene.options.slab = slab;
-        expect_agreement_however_evaluated(
-            scene, name() + ", " + projection_name(is_parallel) +
-                       (reconstruction == Reconstruction::kSum ? ", sum" : "") +
-                       (slab == Slab::kMean ? ", slab means" : ""));
+        for (const LatticeKernel& kernel : kOneSize) {
+          Scene scene = small_scene(mode(), is_parallel);
+          set_kernel(scene, kernel, reconstruction);
+          scene.options.slab = slab;
+          expect_agreement_however_evaluated(
+              scene, name() + ", " + projection_name(is_parallel) + ", " + name_of(kernel.kind) +
+                         (reconstruction == Reconstruction::kSum ? ", sum" : "") +
+                         (slab == Slab::kMean ? ", slab means" : ""));
+        }
       }
     }
   }
@@ -104,25 +116,30 @@ TEST_P(EveryMode, CameraInsideTheVolume) {
 
 // Fails if kernels narrower than a pixel are not widened, sheet by sheet in perspective.
 TEST_P(EveryMode, Minification) {
+  const auto check = [&](bool is_parallel, double pitch, Reconstruction reconstruction,
+                         const LatticeKernel& kernel) {
+    Scene scene = small_scene(mode(), is_parallel);
+    set_kernel(scene, kernel, reconstruction);
+    scene.options = picture(20, 18, 1.5);
+    const double half_height = 0.5 * 18 * pitch * scene.field.default_sampling_distance();
+    const Vec3 center = scene.field.world_bounds().center();
+    const Vec3 direction(0.48, -0.31, 0.82);
+    scene.camera = is_parallel
+                       ? parallel_camera(center, direction, half_height, 60)
+                       : perspective_camera(center, direction, half_height, 4 * half_height);
+    const std::string name_here = name() + ", " + projection_name(is_parallel) + ", " +
+                                  name_of(kernel.kind) +
+                                  (reconstruction == Reconstruction::kSum ? ", sum" : "") +
+                                  ", pitch " + (pitch == 2.0 ? "2" : "5");
+    // Sums fade towards the faces, out of the range that shows.
+    EXPECT_TRUE(
+        backends_agree(scene, name_here, reconstruction == Reconstruction::kSum ? 0.0 : 0.02));
+  };
   for (const bool is_parallel : {true, false}) {
     for (const double pitch : {2.0, 5.0}) {
-      for (const Reconstruction reconstruction :
-           {Reconstruction::kNormalized, Reconstruction::kSum}) {
-        Scene scene = small_scene(mode(), is_parallel);
-        set_kernel(scene, {}, reconstruction);
-        scene.options = picture(20, 18, 1.5);
-        const double half_height = 0.5 * 18 * pitch * scene.field.default_sampling_distance();
-        const Vec3 center = scene.field.world_bounds().center();
-        const Vec3 direction(0.48, -0.31, 0.82);
-        scene.camera = is_parallel
-                           ? parallel_camera(center, direction, half_height, 60)
-                           : perspective_camera(center, direction, half_height, 4 * half_height);
-        const std::string name_here = name() + ", " + projection_name(is_parallel) +
-                                      (reconstruction == Reconstruction::kSum ? ", sum" : "") +
-                                      ", pitch " + (pitch == 2.0 ? "2" : "5");
-        // Sums fade towards the faces, out of the range that shows.
-        EXPECT_TRUE(
-            backends_agree(scene, name_here, reconstruction == Reconstruction::kSum ? 0.0 : 0.02));
+      for (const LatticeKernel& kernel : kOneSize) {
+        check(is_parallel, pitch, Reconstruction::kNormalized, kernel);
+        check(is_parallel, pitch, Reconstruction::kSum, kernel);
       }
     }
   }
@@ -153,12 +170,16 @@ TEST(Agreement, KernelShapes) {
 // Fails if missing samples are summed as zeros, or their places' weights as present.
 TEST(Agreement, HolesInEveryMode) {
   const TestVolume volume = test_volumes()[2];
-  for (int m = 0; m < 5; ++m) {
-    Scene scene{volume.field, askew_camera(volume.field, m % 2 == 0, 1.4),
-                semi_transparent_look(volume.lo, volume.hi), picture(40, 36)};
-    scene.look.mode = kModes[m];
-    scene.look.isovalue = 0.3;
-    expect_agreement_however_evaluated(scene, std::string("holes, ") + kModeNames[m]);
+  for (const LatticeKernel& kernel : kOneSize) {
+    const LatticeField field = with_kernel(volume.field, kernel);
+    for (int m = 0; m < 5; ++m) {
+      Scene scene{field, askew_camera(field, m % 2 == 0, 1.4),
+                  semi_transparent_look(volume.lo, volume.hi), picture(40, 36)};
+      scene.look.mode = kModes[m];
+      scene.look.isovalue = 0.3;
+      expect_agreement_however_evaluated(
+          scene, std::string("holes, ") + name_of(kernel.kind) + ", " + kModeNames[m]);
+    }
   }
 }
 
@@ -181,14 +202,18 @@ TEST(Agreement, PrefilteredField) {
   array.num_tuples = num_samples(dims);
   array.bytes = {nullptr, std::as_bytes(std::span<const float>(samples))};
   dataset.arrays.push_back(array);
-  LatticeModelOptions model;
-  model.prefilter = true;
-  model.threads = 1;
-  const LatticeField field = make_lattice_field(dataset, model);
-  for (const TestLook& look : test_looks(0, 1)) {
-    if (look.name == "colour step") continue;  // other tests' subject
-    const Scene scene{field, askew_camera(field, false, 1.4), look.look, picture(40, 36)};
-    expect_agreement_however_evaluated(scene, "prefiltered, " + look.name, 0.02);
+  for (const LatticeKernel& kernel : kOneSize) {
+    LatticeModelOptions model;
+    model.kernel = kernel;
+    model.prefilter = true;
+    model.threads = 1;
+    const LatticeField field = make_lattice_field(dataset, model);
+    for (const TestLook& look : test_looks(0, 1)) {
+      if (look.name == "colour step") continue;  // other tests' subject
+      const Scene scene{field, askew_camera(field, false, 1.4), look.look, picture(40, 36)};
+      expect_agreement_however_evaluated(
+          scene, std::string("prefiltered, ") + name_of(kernel.kind) + ", " + look.name, 0.02);
+    }
   }
 }
 
@@ -197,6 +222,7 @@ TEST(Agreement, SamplingDistances) {
   for (const bool is_parallel : {true, false}) {
     for (const double factor : {0.25, 0.5, 2.0, 4.0}) {
       Scene scene = small_scene(Mode::kComposite, is_parallel);
+      set_kernel(scene, kBSplineKernel, Reconstruction::kNormalized);
       scene.options.sampling_distance = factor * scene.field.default_sampling_distance();
       expect_agreement_however_evaluated(scene, projection_name(is_parallel) + ", sheets at " +
                                                     std::to_string(factor).substr(0, 4));

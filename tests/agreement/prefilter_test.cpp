@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "data/scalar_visit.h"
 #include "ovoid/model.h"
 #include "ovoid/sampler.h"
 #include "support/agreement.h"
@@ -60,9 +61,13 @@ double spread_of(const LatticeField& field) {
     for (std::int64_t j = 0; j < kDims[1]; ++j) {
       for (std::int64_t i = 0; i < kDims[0]; ++i) {
         const BrickView view = field.source().acquire(i / edge, j / edge, k / edge, 0);
-        const double number = static_cast<const float*>(
-            view.data)[(i - view.lo[0]) + (j - view.lo[1]) * view.stride_y +
-                       (k - view.lo[2]) * view.stride_z];
+        const std::int64_t at =
+            (i - view.lo[0]) + (j - view.lo[1]) * view.stride_y + (k - view.lo[2]) * view.stride_z;
+        const double number = data::visit_scalar(view.type, [&]<class T>(std::type_identity<T>) {
+          return static_cast<double>(static_cast<const T*>(view.data)[at]) *
+                     field.source().value_scale() +
+                 field.source().value_offset();
+        });
         least = std::min(least, number);
         greatest = std::max(greatest, number);
       }
@@ -92,8 +97,9 @@ TEST(PrefilteredPlanes, LimitsOnBothSidesHaveTheSampleBetweenThem) {
     const FieldSampler sampler(field);
     const double most = share_at_cutoff(kernel.sigma) * spread_of(field);
     // Of what is linear in the offset, which is under 1000 per spacing, nothing is left of a mean,
-    // and 2e-6 of a difference; coefficients are floats.
-    constexpr double kOffset = 1e-9 * 2, kRounding = 1e-3;
+    // and 2e-6 of a difference; coefficients are rounded to 65534 steps of their own range,
+    // here up to six times the samples' 255 levels, and a sum may be off by half of one.
+    constexpr double kOffset = 1e-9 * 2, kRounding = 0.015;
     double greatest = 0;
     for (std::int64_t k = 3; k + 3 < kDims[2]; ++k) {
       for (std::int64_t j = 3; j + 3 < kDims[1]; ++j) {

@@ -298,7 +298,9 @@ TEST(LatticeField, ResidentAndBrickedSourcesAgree) {
     Dataset dataset;
     dataset.lattice.dims = dims;
     dataset.arrays.push_back({"a", type, 1, num_samples(dims), "", false, {nullptr, bytes}});
-    const FieldEvaluator resident(make_lattice_field(dataset));
+    LatticeModelOptions published;
+    published.kernel = LatticeKernel{};
+    const FieldEvaluator resident(make_lattice_field(dataset, published));
     const FieldEvaluator bricked(make_field(dims, volume));
     for (double t = 0; t <= 1; t += 0.05) {
       const Vec3 u(12 * t, 8 - 8 * t, 17 * t);

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "ovoid/error.h"
 #include "render/reference/reference_renderer.h"
 #include "support/scenes.h"
 #include "support/tolerances.h"
@@ -178,25 +179,62 @@ TEST(Opacity, OfABoxAroundTheCamera) {
 }
 
 // No sample is taken once a pixel has 1 - 1/1024, and the one that brings it there is taken whole.
-// Depth is where it has a half.
+// Depth is where it has a half. The first refined piece is the half from the face to the first
+// sheet, and samples of pieces lie in their middles.
 TEST(Opacity, StopsWhereItIsOpaque) {
   const LatticeField deep = constant_field({8, 8, 64}, 0.5);
   const Camera camera = parallel_camera({3.5, 3.5, 31.5}, {0, 0, 1}, 4);
-  for (const double opacity : {0.13, 0.5, 0.9}) {
-    double transparency = 1;
-    int samples = 0;
-    while (1 - transparency < 1 - 1.0 / 1024) {
-      transparency *= 1 - opacity;
-      ++samples;
+  for (const Classification classification : {Classification::kSampled, Classification::kRefined}) {
+    const bool is_refined = classification == Classification::kRefined;
+    for (const double opacity : {0.13, 0.5, 0.9}) {
+      double transparency = 1;
+      double depth = 0;
+      int samples = 0;
+      while (1 - transparency < 1 - 1.0 / 1024) {
+        const bool is_half = is_refined && samples == 0;
+        const double before = transparency;
+        transparency *= std::pow(1 - opacity, is_half ? 0.5 : 1.0);
+        if (transparency <= 0.5 + 1e-9 && before > 0.5 + 1e-9)
+          depth = 100 - 31.5 + samples - (is_half ? 0.25 : is_refined ? 0.5 : 0.0);
+        ++samples;
+      }
+      RenderOptions options = picture(1, 1, 1);
+      options.classification = classification;
+      const Frame frame = render(deep, camera, uniform_look(opacity), options, {}, 1);
+      EXPECT_EQ(frame.profile.samples_shaded, samples);
+      EXPECT_NEAR(center_pixel(frame.image).a(), 1 - transparency, kFloatRelative) << opacity;
+      EXPECT_NEAR(center_depth(frame.image), depth, 100 * kFloatRelative) << opacity;
     }
-    const Frame frame = render(deep, camera, uniform_look(opacity), picture(1, 1, 1), {}, 1);
-    EXPECT_EQ(frame.profile.samples_shaded, samples);
-    EXPECT_NEAR(center_pixel(frame.image).a(), 1 - transparency, kFloatRelative) << opacity;
-    const double to_half = std::ceil(std::log(0.5) / std::log(1 - opacity) - 1e-9);
-    EXPECT_NEAR(center_depth(frame.image), 100 - 32 + to_half - 0.5, 100 * kFloatRelative);
   }
   const Image faint = render(box(), haze_camera(), uniform_look(0.05), picture(5, 5)).image;
   EXPECT_TRUE(std::isinf(center_depth(faint)));
+}
+
+// Fails if a pixel goes on beyond the opacity that is asked for, or stops before it.
+TEST(Opacity, StopsWhereItIsToldTo) {
+  const LatticeField deep = constant_field({8, 8, 64}, 0.5);
+  const Camera camera = parallel_camera({3.5, 3.5, 31.5}, {0, 0, 1}, 4);
+  for (const Classification classification : {Classification::kSampled, Classification::kRefined}) {
+    double before = 0;
+    for (const double opaque_at : {0.3, 0.9, 1 - 1e-4, 1.0}) {
+      RenderOptions options = picture(1, 1, 1);
+      options.classification = classification;
+      options.opaque_at = opaque_at;
+      const double alpha = center_pixel(render(deep, camera, uniform_look(0.2), options).image).a();
+      EXPECT_GT(alpha, before);
+      if (opaque_at < 1) {
+        EXPECT_GE(alpha, opaque_at - kFloatRelative);
+        EXPECT_LT(1 - alpha, (1 - opaque_at) * 1.0001);
+        EXPECT_GT((1 - alpha) / 0.79, 1 - opaque_at) << "one sample more than it takes";
+      }
+      before = alpha;
+    }
+  }
+  for (const double wrong : {0.0, -1.0, 1.5, std::nan("")}) {
+    RenderOptions options;
+    options.opaque_at = wrong;
+    EXPECT_THROW(options.validate(), Error);
+  }
 }
 
 }  // namespace

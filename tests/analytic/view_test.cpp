@@ -105,16 +105,20 @@ TEST(View, ThinVolumesDoNotVanish) {
   }
 }
 
-// A lattice of odd size has sheets on its faces; all their pixels are on one side.
+// A lattice of odd size has sheets on its faces; all their pixels are on one side. Samples stand
+// for half a sheet beyond the faces, too; pieces end there.
 TEST(View, SheetsOnAFaceAreWhole) {
   const Camera camera = parallel_camera({10, 10, 4}, {0, 0, 1}, 7);
-  for (const Slab slab : {Slab::kMid, Slab::kMean}) {
-    const Image image =
-        render(constant_field({21, 21, 9}, 1), camera, uniform_look(0.1), picture(16, 16, 1, slab))
-            .image;
-    for (int y = 0; y < 16; ++y) {
-      for (int x = 0; x < 16; ++x) {
-        ASSERT_NEAR(pixel(image, x, y).a(), 1 - std::pow(0.9, 10), kFloatRelative) << x << " " << y;
+  for (const bool is_refined : {false, true}) {
+    for (const Slab slab : {Slab::kMid, Slab::kMean}) {
+      RenderOptions options = picture(16, 16, 1, slab);
+      options.classification = is_refined ? Classification::kRefined : Classification::kSampled;
+      const Image image =
+          render(constant_field({21, 21, 9}, 1), camera, uniform_look(0.1), options).image;
+      const double expected = 1 - std::pow(0.9, is_refined ? 9 : 10);
+      for (int y = 0; y < 16; ++y) {
+        for (int x = 0; x < 16; ++x)
+          ASSERT_NEAR(pixel(image, x, y).a(), expected, kFloatRelative) << x << " " << y;
       }
     }
   }
@@ -157,8 +161,10 @@ TEST(Frame, SameBytesForAnySource) {
                             "",
                             false,
                             {nullptr, std::as_bytes(std::span(samples))}});
-  const Image resident =
-      render(make_lattice_field(dataset), kCamera, colourful(), picture(23, 17)).image;
+  LatticeModelOptions published;
+  published.kernel = LatticeKernel{};
+  const LatticeField same = make_lattice_field(dataset, published);
+  const Image resident = render(same, kCamera, colourful(), picture(23, 17)).image;
   EXPECT_EQ(render(bumps(), kCamera, colourful(), picture(23, 17)).image, resident);
   FieldSetup setup;
   setup.world_from_index = oblique_axes();

@@ -29,7 +29,8 @@ TEST(Lattices, AreMadeConvertedAndDrawn) {
   expect_success({"render", body, "-o", folder / "b.png", "--size", "40x30", "--crop", "4:12,,"});
   expect_failure({"convert", body, "-o", folder / "a.nrrd"}, 1, {"body-centred", ".h5"});
   expect_failure({"convert", body, "--lattice", "bcc", "-o", folder / "a.h5"}, 1, {"cartesian"});
-  expect_failure({"render", body, "--prefilter", "-o", folder / "a.png"}, 1, {"prefilter"});
+  expect_failure({"render", body, "--prefilter", "--kernel", "gaussian:2", "-o", folder / "a.png"},
+                 1, {"kernel gaussian, sigma = 2"});
 }
 
 // Fails if a file in time has other steps or times than were asked for, or a time between steps is
@@ -98,13 +99,15 @@ TEST(RelevantSamples, OfALookLeaveItsPictureAsItIs) {
     expect_success({"make", "gaussians", "--size", "32", "--type", "uint8", "--lattice", lattice,
                     "-o", whole});
     expect_success({"convert", whole, "--relevant-tf", look, "-o", some});
-    const Picture expected = draw(folder, {whole, "--tf", look});
-    EXPECT_EQ(draw(folder, {some, "--tf", look}).rgba, expected.rgba);
+    for (const char* const kernel : {"gaussian", "catmull-rom"}) {
+      const Picture expected = draw(folder, {whole, "--tf", look, "--kernel", kernel});
+      EXPECT_EQ(draw(folder, {some, "--tf", look, "--kernel", kernel}).rgba, expected.rgba);
+    }
     // The same in memory, of the samples themselves.
     const std::string above = folder / (std::string("above_") + lattice + ".h5");
     expect_success({"convert", whole, "--relevant-above", "120", "-o", above});
     EXPECT_EQ(draw(folder, {whole, "--tf", look, "--relevant-above", "120"}).rgba,
-              draw(folder, {above, "--tf", look}).rgba);
+              draw(folder, {above, "--tf", look, "--kernel", "gaussian"}).rgba);
   }
   write_file(look, R"([{"Name": "t", "ColorSpace": "RGB", "RGBPoints": [0, 0, 0, 1, 255, 1, 1, 0],)"
                    R"( "Points": [0, 0.1, 0.5, 0, 255, 0.2, 0.5, 0]}])");

@@ -100,11 +100,16 @@ TEST_F(Render, TheReferenceBackEndAgrees) {
 
 TEST_F(Render, EveryNumberFlagIsTaken) {
   const std::vector<float> plain = npy({});
-  const std::vector<Words> changes = {{"--sampling-distance", "0.5"},
+  const std::vector<Words> changes = {{"--sampling-distance", "0.25"},
+                                      {"--classification", "sampled"},
+                                      {"--classification", "pre-integrated"},
                                       {"--slab", "mean"},
                                       {"--gradient", "central"},
                                       {"--kernel", "gaussian:0.8,4"},
-                                      {"--prefilter"},
+                                      {"--kernel", "gaussian"},
+                                      {"--kernel", "gaussian", "--prefilter"},
+                                      {"--kernel", "catmull-rom"},
+                                      {"--no-prefilter"},
                                       {"--reconstruction", "sum"},
                                       {"--clip", "1,0,0,8"},
                                       {"--colormap", "inferno"},
@@ -376,7 +381,7 @@ TEST_F(RenderLook, AFileBesideTheDataIsNoted) {
 
 TEST_F(RenderLook, XrayPngIsColouredAndFloatsAreIntegrals) {
   const Outcome result = run({"render", ball_, "-o", folder_ / "x.png", "--size", "40x30", "--mode",
-                              "xray", "--colormap", "gray"});
+                              "xray", "--colormap", "gray", "--kernel", "gaussian"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_NE(result.err.find("note: x-ray: colours span the integrals 0 to "), std::string::npos)
       << result.err;

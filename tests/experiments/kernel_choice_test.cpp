@@ -23,6 +23,20 @@ TEST(KernelChoice, PrefilteredIsNearerThanTrilinearAndThatThanThePlainSum) {
   EXPECT_LT(trilinear.exact_deg, plain.exact_deg);
 }
 
+// Fails if the default loses what it was chosen for: 3 dB over trilinear interpolation and more, a
+// quarter cycle per sample all but whole, ramps as they are, and no more overshoot than a cubic
+// spline has.
+TEST(KernelChoice, TheDefaultIsTheSpline) {
+  const KernelErrors spline = measure_kernel(default_choice(), kNumPoints);
+  EXPECT_LT(spline.rms, 0.5 * measure_trilinear(kNumPoints).rms);
+  EXPECT_GT(spline.quarter, 0.97);
+  EXPECT_LT(spline.ramp_deg, 0.2);
+  EXPECT_LT(spline.overshoot, 0.115);
+  const KernelErrors catmull_rom = measure_kernel(catmull_rom_choice(), kNumPoints);
+  EXPECT_LT(catmull_rom.rms, 0.75 * measure_trilinear(kNumPoints).rms);
+  EXPECT_GT(catmull_rom.quarter, 0.92);
+}
+
 // A linear interpolant is the samples convolved with a tent, whose transform is sinc^2: 8 / pi^2 at
 // a quarter of the sampling rate. The projection of a sampled wave on itself has no other part
 // there.
@@ -35,7 +49,7 @@ TEST(KernelChoice, TransferOfTheTentIsSincSquared) {
 // 3 axes with 2 exp(-pi^2 / 2) each, (1 + 0.0144)^3 - (1 - 0.0144)^3 = 0.0864.
 TEST(KernelChoice, RippleIsThePlainSumsAlone) {
   EXPECT_NEAR(measure_kernel(published_choice(), kNumPoints).ripple, 0.0864, 1e-3);
-  EXPECT_LT(measure_kernel(default_choice(), kNumPoints).ripple, 1e-12);
+  EXPECT_LT(measure_kernel(default_choice(), kNumPoints).ripple, 1e-6);  // coefficients are floats
 }
 
 }  // namespace

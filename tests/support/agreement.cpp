@@ -14,6 +14,7 @@
 #include "ovoid/devices.h"
 #include "support/compare.h"
 #include "support/scenes.h"
+#include "view/frame_plan.h"
 
 namespace ovoid::test {
 namespace {
@@ -236,11 +237,11 @@ Frame draw(const Scene& scene, Backend backend) {
     const double greatest = greatest_color(reference);
     tolerance.peak = greatest > 0 ? greatest : 1.0;
   }
+  if (view::is_refined(scene.look, scene.options))
+    tolerance.beyond_per_mille = kRefinedBeyondPerMille;
   const ImageDifference difference = compare(image, reference, tolerance.peak);
-  const double sheet_distance = scene.options.sampling_distance > 0
-                                    ? scene.options.sampling_distance
-                                    : scene.field.default_sampling_distance();
-  const std::int64_t other_depths = num_other_depths(image, reference, sheet_distance);
+  const std::int64_t other_depths =
+      num_other_depths(image, reference, sheet_distance(scene.field, scene.look, scene.options));
   std::printf("[agreement ] %-52s %6.1f dB, %d / 255, %4d covered, %d other depths\n", name.c_str(),
               difference.psnr_db, difference.max_8bit, static_cast<int>(difference.num_covered),
               static_cast<int>(other_depths));

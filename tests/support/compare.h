@@ -20,6 +20,8 @@ struct ImageDifference {
   double max_float = 0;
   double p999 = 0;               // of the pixels' greatest channel difference, covered pixels
   std::int64_t num_covered = 0;  // pixels with alpha > 0 in either
+  std::int64_t num_beyond = 0;   // pixels that differ by more than kAgreement8BitDifference
+  double psnr_of_others_db = std::numeric_limits<double>::infinity();  // of the other pixels
   int worst_x = -1;
   int worst_y = -1;
   std::int64_t num_depth_missing = 0;  // pixels where one picture alone has a depth
@@ -40,6 +42,9 @@ struct ImageTolerance {
   double min_psnr_db = kAgreementPsnrDb;
   int max_8bit = kAgreement8BitDifference;
   double peak = 1.0;
+  // Pixels, of a thousand covered ones, that may differ by more, of any number one: where floats
+  // decide about whole samples, as whether there is one.
+  double beyond_per_mille = 0;
 };
 
 // For EXPECT_TRUE. On failure prints the differences, writes NAME_actual, NAME_expected and

@@ -20,6 +20,12 @@ inline constexpr double kAgreementPsnrDb = 60;
 // itself at a tie, the other what the sums above can do.
 inline constexpr int kAgreement8BitDifference = 2;
 
+// Of a thousand covered pixels of refined pieces: whether a piece is cut into as many steps or
+// twice as many, and whether it has one end or two where the field ends, is decided by the rounding
+// of its ends. Any one pixel may be such; those of steep looks then differ by up to some 30 steps
+// of 8 bits, and the other pixels are held to both bounds above.
+inline constexpr double kRefinedBeyondPerMille = 2.5;
+
 // Share of the pixels whose depth may be another sheet's: where the opacity reaches a half within
 // the rounding of a sample, either sheet is right.
 inline constexpr double kAgreementOtherDepths = 0.005;

@@ -316,6 +316,15 @@ Dataset ReaderSession::read(const std::string& format, const std::string& source
   request.files = impl_->files;
   request.folders = impl_->folders;
   impl_->process->allow(io::seconds_for(impl_->files), io::available_memory());
+  // Who asks to stop may kill the process when its answer is already here; the next read must not
+  // find it. Declared before the callback, so that this runs when that has ended.
+  struct LeavesNoneKilled {
+    Impl& impl;
+    const std::stop_token& stop;
+    ~LeavesNoneKilled() {
+      if (stop.stop_requested()) impl.process.reset();
+    }
+  } const leaves_none_killed{*impl_, options.stop};
   // The callback may run while this thread already gives the process up, and holds it so long.
   const std::stop_callback killer(options.stop, [process = impl_->process] { process->kill(); });
   if (!impl_->process->link().send(io::LinkMessage::kRequest, io::to_message(request)))

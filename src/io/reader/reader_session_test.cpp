@@ -126,6 +126,31 @@ TEST_F(ReaderSessionTest, StopEndsAnEndlessLoop) {
             "cancelled: reading: stopped by the caller");
 }
 
+// Fails if a stop that comes with the answer leaves a dead process to the next read.
+TEST_F(ReaderSessionTest, SessionOutlivesAStopAtAnyTime) {
+  const std::string path = folder.write("a.vtu", vtu("4"));
+  ReadOptions plain;
+  plain.session = std::make_shared<ReaderSession>(std::vector{path});
+  read_dataset({path}, plain);
+  const auto begin = std::chrono::steady_clock::now();
+  read_dataset({path}, plain);
+  const auto whole = std::chrono::steady_clock::now() - begin;
+  constexpr int kTimes = 40;
+  for (int i = 0; i < kTimes; ++i) {
+    std::stop_source source;
+    ReadOptions stopped = plain;
+    stopped.stop = source.get_token();
+    std::jthread stopper([&] {
+      std::this_thread::sleep_for(whole * i / (kTimes / 2));
+      source.request_stop();
+    });
+    const std::string message = error_of([&] { read_dataset({path}, stopped); });
+    EXPECT_TRUE(message.empty() || message == "cancelled: reading: stopped by the caller")
+        << message;
+    EXPECT_EQ(error_of([&] { read_dataset({path}, plain); }), "") << i;
+  }
+}
+
 // Every input stays as it was read, whatever becomes of the session and of other arrays.
 TEST_F(ReaderSessionTest, ArraysOutliveTheProcess) {
   Dataset dataset;

@@ -105,17 +105,35 @@ HWY_INLINE RowMasks bin_row(const CpuFrame& frame, const Block& block, int s, in
 }
 
 // Central differences also need the six neighbours of every relevant sample.
-inline void dilate_active(Block& block, const RowBits* inside) {
+inline void dilate_active(const RowBits* relevant, const RowBits* inside, Block& block) {
   for (int s = 0; s < block.place.num_sheets; ++s) {
     for (int y = 0; y < block.place.rows; ++y) {
-      RowWord bits = block.bits.relevant[s][y];
+      RowWord bits = relevant[s][y];
       bits |= bits << 1 | bits >> 1;
-      if (y > 0) bits |= block.bits.relevant[s][y - 1];
-      if (y + 1 < block.place.rows) bits |= block.bits.relevant[s][y + 1];
-      if (s > 0) bits |= block.bits.relevant[s - 1][y];
-      if (s + 1 < block.place.num_sheets) bits |= block.bits.relevant[s + 1][y];
+      if (y > 0) bits |= relevant[s][y - 1];
+      if (y + 1 < block.place.rows) bits |= relevant[s][y + 1];
+      if (s > 0) bits |= relevant[s - 1][y];
+      if (s + 1 < block.place.num_sheets) bits |= relevant[s + 1][y];
       block.bits.active[s][y] = bits & inside[s][y];
     }
+  }
+}
+
+// From relevant samples to relevant pieces: a piece is relevant if one of its ends is. `ends`
+// becomes the samples at the ends of the block's own pieces.
+inline void find_pieces(Block& block, RowBits* ends) {
+  const BlockPlace& place = block.place;
+  RowBits* const relevant = block.bits.relevant;
+  const int first = place.front_margin;
+  const int last = place.num_sheets - place.back_margin - 1;
+  for (int s = place.num_sheets - 1; s >= 0; --s) {
+    const bool is_own = first <= s && s <= last;
+    for (int y = 0; y < place.rows; ++y)
+      relevant[s][y] = is_own ? relevant[s][y] | relevant[s - 1][y] : 0;
+  }
+  for (int s = 0; s < place.num_sheets; ++s) {
+    for (int y = 0; y < place.rows; ++y)
+      ends[s][y] = relevant[s][y] | (s < last ? relevant[s + 1][y] : 0);
   }
 }
 
@@ -265,7 +283,8 @@ inline std::int64_t bin_region(const LatticeFrame& frame, Block& block, const Ti
     // The front sheet is needed where pieces between sheets are looked at, though the block before
     // has classified it.
     const bool is_needed = !is_margin_sheet || frame.mode == Mode::kIsosurface ||
-                           (frame.is_preintegrated && s < block.place.front_margin);
+                           (frame.is_preintegrated && s < block.place.front_margin) ||
+                           (frame.is_refined && s == block.place.front_margin - 1);
     for (int y = 0; y < block.place.rows; ++y) {
       const std::uint32_t columns = has_cells ? cells[s / 4][y / 4] : ~0U;
       const RowMasks masks = bin_row(frame, block, s, y, lookup, columns);
@@ -276,10 +295,16 @@ inline std::int64_t bin_region(const LatticeFrame& frame, Block& block, const Ti
     }
   }
   if (num_relevant == 0) return 0;
+  RowBits ends[kMaxSheets];
+  if (frame.is_refined) find_pieces(block, ends);
+  const RowBits* const wanted = frame.is_refined ? ends : block.bits.relevant;
   if (block.place.margin > 0) {
-    dilate_active(block, inside);
+    dilate_active(wanted, inside, block);
   } else {
-    for (int s = 0; s < block.place.num_sheets; ++s) block.bits.active[s] = block.bits.relevant[s];
+    for (int s = 0; s < block.place.num_sheets; ++s) {
+      for (int y = 0; y < block.place.rows; ++y)
+        block.bits.active[s][y] = wanted[s][y] & inside[s][y];
+    }
   }
   bound_region(frame, block);
   return num_relevant;

@@ -58,7 +58,7 @@ inline bool is_clipped_away(const CpuFrame& frame, const BlockPlace& place, cons
   const view::FramePlan& plan = *frame.plan;
   for (const ClipPlane& plane : plan.clip_planes) {
     double nearest = -1;
-    for (const std::int64_t sheet : {part.first_sheet, part.last_sheet - 1}) {
+    for (const std::int64_t sheet : {part.first_sheet - place.front_margin, part.last_sheet - 1}) {
       const view::ClipMap distance = plan.clip_distance(plane, sheet);
       const view::ClipMap slope = plan.clip_slope(plane);
       for (const int x : {part.x0, part.x1 - 1}) {
@@ -74,6 +74,13 @@ inline bool is_clipped_away(const CpuFrame& frame, const BlockPlace& place, cons
     if (nearest < 0) return true;
   }
   return false;
+}
+
+// Sheets before a block's own that it needs: front ends of pieces, and neighbours of ends.
+inline int sheets_before(const CpuFrame& frame) {
+  return frame.is_refined && frame.takes_differences   ? 2
+         : frame.takes_differences || frame.has_pieces ? 1
+                                                       : 0;
 }
 
 // Where a block's samples lie in the picture: sample (0, 0), and pixels from one to the next.

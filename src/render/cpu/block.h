@@ -23,8 +23,8 @@
 
 namespace ovoid::cpu {
 
-inline constexpr int kBlockSheets = 16;  // sheets, before splitting
-inline constexpr int kMaxSheets = kBlockSheets + 2 * kMaxMargin;
+inline constexpr int kBlockSheets = 16;                           // sheets, before splitting
+inline constexpr int kMaxSheets = kBlockSheets + 3 * kMaxMargin;  // two in front
 
 // Where one sheet of a block lies.
 struct SheetPlace {

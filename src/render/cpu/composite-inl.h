@@ -27,8 +27,8 @@ HWY_INLINE void store_masked(M mask, V value, float* to) {
   hn::StoreU(hn::IfThenElse(mask, value, hn::LoadU(d, to)), d, to);
 }
 
-inline void composite_sheet(const BlockPlace& place, int s, const ShadedSheet& shaded,
-                            TileState& tile) {
+inline void composite_sheet(const CpuFrame& frame, const BlockPlace& place, int s,
+                            const ShadedSheet& shaded, TileState& tile) {
   const V one = hn::Set(d, 1.0F);
   const V half = hn::Set(d, 0.5F);
   for (int y = 0; y < place.rows; ++y) {
@@ -54,7 +54,7 @@ inline void composite_sheet(const BlockPlace& place, int s, const ShadedSheet& s
           hn::StoreU(after, d, tile.alpha + to);
           store_masked(hn::And(hn::Lt(before, half), hn::Ge(after, half)),
                        hn::Set(d, place.sheets[s].depth), tile.depth + to);
-          const M opaque = hn::Ge(after, hn::Set(d, static_cast<float>(RenderOptions::kOpaque)));
+          const M opaque = hn::Ge(after, hn::Set(d, frame.opaque_at));
           open &= ~((bits_of(opaque) & lanes) << tile_column(place, column));
         });
   }

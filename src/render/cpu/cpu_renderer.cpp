@@ -48,7 +48,7 @@ void finish_patch(const CpuFrame& frame, const Look& look, const LatticeWorkspac
 struct PreparedField {
   PreparedField(const LatticeField& field, const Camera& camera, const Look& look,
                 const RenderOptions& options, Runner& runner)
-      : plan(field, camera, look, options) {
+      : plan(field, camera, look, options, view::LatticePlan::PieceRelevance::kPieceEnds) {
     decide_relevance(plan, runner);
     set_frame(frame, field.value_range(), look, options, plan);
     static_cast<LatticeTraits&>(frame) = lattice_traits(field, frame, options);

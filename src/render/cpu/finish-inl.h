@@ -9,6 +9,7 @@
 #endif
 
 #include "render/cpu/composite-inl.h"
+#include "render/cpu/pieces-inl.h"
 #include "render/cpu/shade-inl.h"
 #include "render/cpu/ticks.h"
 
@@ -43,8 +44,28 @@ inline bool finish_samples(const CpuFrame& frame, const TileInHand& tile, int s,
   if (frame.corrects_late) correct_sheet(frame, place, s, sheet, shaded);
   if (frame.is_lit) light_sheet(frame, place, sheet, shaded);
   clock.lap(kShade);
-  composite_sheet(place, s, shaded, tile.pixels);
+  composite_sheet(frame, place, s, shaded, tile.pixels);
   clock.lap(kComposite);
+  return true;
+}
+
+// The refined pieces that end on sheet s, of the pixels named by `bits`. Calls take_gradients() if
+// those of the ends of visible pieces are wanted. Returns whether any is visible.
+template <class PartOf, class TakeGradients>
+inline bool finish_pieces(const CpuFrame& frame, const TileInHand& tile, int s, const RowBits& bits,
+                          const PartOf& part_of, StageClock& clock,
+                          const TakeGradients& take_gradients) {
+  classify_pieces(frame, tile.place, tile.ring, s, with_an_end(tile.place, tile.ring, s, bits),
+                  tile.shaded);
+  const bool is_visible = count_bits(tile.shaded.visible, tile.place.rows) > 0;
+  clock.lap(kShade);
+  if (!is_visible) return false;
+  if (frame.takes_gradients) {
+    take_gradients();
+    clock.lap(kGradient);
+  }
+  draw_pieces(frame, tile, s, part_of);
+  clock.lap(kShade);
   return true;
 }
 

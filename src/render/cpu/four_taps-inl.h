@@ -5,8 +5,9 @@
 // In:  positions; the region as pairs of slices (load-inl.h).
 // Out: the kernels' weighted mean, and where asked its derivatives in index space.
 //
-// The normalized weights of one axis are a softmax of (-1, 0, 1, 2) times f / sigma^2, f the
-// position's fraction, so one exponential serves four weights. Three passes over a batch of groups
+// The normalized weights of a Gaussian along one axis are a softmax of (-1, 0, 1, 2) times f /
+// sigma^2, f the position's fraction, so one exponential serves four weights; those of piecewise
+// kernels are four polynomials, which add up to 1. Three passes over a batch of groups
 // keep the processor from waiting for any of them: weigh (SIMD over samples), sum y and z (SIMD
 // along the taps: the region is stored with z, z + 1 side by side, so one load of eight floats
 // brings 4 x-taps of two slices and feeds one multiply-add), reduce x (SIMD over samples).
@@ -30,10 +31,13 @@ namespace HWY_NAMESPACE {
 // Normalized weights of the four taps around a position.
 struct FourWeights {
   V w[4];
-  // Of the tap's number under the endless lattice's weights, index units (squared).
+  V slope[4];  // their derivatives; where asked for
+  // Of the tap's number under the endless lattice's weights, index units (squared); of Gaussians.
   V mean;
   V variance;
-  V total;  // of the endless lattice's weights, over that of tap 0 times exp(f / sigma^2)
+  V total;      // of the endless lattice's weights; of Gaussians over that of tap 0 times exp(f /
+                // sigma^2)
+  V log_slope;  // of piecewise kernels: the derivative of the logarithm of what exists
 };
 
 // The lattice's end along one axis, as the four taps see it: bounds of the indices that exist,
@@ -52,19 +56,45 @@ HWY_INLINE V mean_tap(const FourWeights& w) {
   return hn::Add(hn::Sub(w.w[2], w.w[0]), hn::Add(w.w[3], w.w[3]));
 }
 
+// d w_k / d f = w_k (k - mean of k) / sigma^2, k = -1, 0, 1, 2, whichever of them exist.
+HWY_INLINE void set_gaussian_slopes(const device::LatticeConstants& lattice, FourWeights& w) {
+  const V mean = mean_tap(w);
+  const V scale = hn::Set(d, lattice.inverse_variance);
+  for (int k = 0; k < 4; ++k) {
+    w.slope[k] =
+        hn::Mul(hn::Mul(w.w[k], scale), hn::Sub(hn::Set(d, static_cast<float>(k - 1)), mean));
+  }
+}
+
+HWY_INLINE V sum_of(const V (&v)[4]) { return hn::Add(hn::Add(v[0], v[1]), hn::Add(v[2], v[3])); }
+
+// Weights of the taps that do not exist become 0.
+HWY_INLINE void keep_existing(V whole, AxisEnds ends, V (&weights)[4]) {
+  for (int k = 0; k < 4; ++k) {
+    const V index = hn::Add(whole, hn::Set(d, static_cast<float>(k - 1)));
+    const M exists =
+        hn::And(hn::Ge(index, hn::Set(d, ends.first)), hn::Le(index, hn::Set(d, ends.last)));
+    weights[k] = hn::IfThenElseZero(exists, weights[k]);
+  }
+}
+
 // `whole` and `fraction` are the position's. At a border, taps that do not exist get no weight, and
 // `share` is multiplied by the part of the weights that is left.
-template <bool kNarrow, bool kBorder, bool kWithVariance>
-HWY_INLINE FourWeights four_weights_at(V whole, V fraction, const device::LatticeConstants& lattice,
-                                       AxisEnds ends, V& share) {
+template <bool kNarrow, bool kBorder, bool kGradient>
+HWY_INLINE FourWeights gaussian_weights_at(V whole, V fraction,
+                                           const device::LatticeConstants& lattice, AxisEnds ends,
+                                           V& share) {
   // g(f + 1) : g(f) : g(1 - f) : g(2 - f) = n : e : n e^2 : F e^3 with e = exp(f / sigma^2).
   constexpr float kLog2E = 1.44269504F;
   const V e = vector_exp2</*kCoarse=*/true>(
       d, hn::Mul(fraction, hn::Set(d, lattice.inverse_variance * kLog2E)));
   const V n = hn::Set(d, lattice.near_weight);
   const V ee = hn::Mul(e, e);
-  FourWeights t{
-      {n, e, hn::Mul(n, ee), hn::Mul(hn::Set(d, lattice.far_weight), hn::Mul(ee, e))}, n, n, n};
+  FourWeights t{};
+  t.w[0] = n;
+  t.w[1] = e;
+  t.w[2] = hn::Mul(n, ee);
+  t.w[3] = hn::Mul(hn::Set(d, lattice.far_weight), hn::Mul(ee, e));
   if constexpr (kNarrow) {
     for (int k = 0; k < 4; ++k) {
       const V distance = hn::Sub(hn::Set(d, static_cast<float>(k - 1)), fraction);
@@ -72,10 +102,9 @@ HWY_INLINE FourWeights four_weights_at(V whole, V fraction, const device::Lattic
       t.w[k] = hn::IfThenElseZero(is_reached, t.w[k]);
     }
   }
-  const auto sum = [&] { return hn::Add(hn::Add(t.w[0], t.w[1]), hn::Add(t.w[2], t.w[3])); };
-  V total = sum();
+  V total = sum_of(t.w);
   t.total = total;
-  if constexpr (kWithVariance) {
+  if constexpr (kGradient) {
     const V inverse = reciprocal_of(total);
     t.mean = hn::Mul(inverse, mean_tap(t));
     const V square =
@@ -83,32 +112,95 @@ HWY_INLINE FourWeights four_weights_at(V whole, V fraction, const device::Lattic
     t.variance = hn::NegMulAdd(t.mean, t.mean, square);
   }
   if constexpr (kBorder) {
-    for (int k = 0; k < 4; ++k) {
-      const V index = hn::Add(whole, hn::Set(d, static_cast<float>(k - 1)));
-      const M exists =
-          hn::And(hn::Ge(index, hn::Set(d, ends.first)), hn::Le(index, hn::Set(d, ends.last)));
-      t.w[k] = hn::IfThenElseZero(exists, t.w[k]);
-    }
-    const V existing = sum();
+    keep_existing(whole, ends, t.w);
+    const V existing = sum_of(t.w);
     share = hn::Mul(share, hn::Div(existing, total));
     total = hn::Max(existing, hn::Set(d, 1e-30F));
   }
   const V r = reciprocal_of(total);
   for (V& w : t.w) w = hn::Mul(w, r);
+  if constexpr (kGradient) set_gaussian_slopes(lattice, t);
   return t;
 }
 
-// d w_k / d f = w_k (k - mean of k) / sigma^2, k = -1, 0, 1, 2, whichever of them exist.
-HWY_INLINE FourWeights derivative_of(const FourWeights& w,
-                                     const device::LatticeConstants& lattice) {
-  const V mean = mean_tap(w);
-  const V scale = hn::Set(d, lattice.inverse_variance);
-  FourWeights out;
+HWY_INLINE V polynomial(const device::vec4& c, V t) {
+  return hn::MulAdd(hn::MulAdd(hn::MulAdd(hn::Set(d, c.w), t, hn::Set(d, c.z)), t, hn::Set(d, c.y)),
+                    t, hn::Set(d, c.x));
+}
+HWY_INLINE V slope_of_polynomial(const device::vec4& c, V t) {
+  return hn::MulAdd(hn::MulAdd(hn::Set(d, 3 * c.w), t, hn::Set(d, 2 * c.z)), t, hn::Set(d, c.y));
+}
+
+// The weight, or its derivative, at the distance t >= 0 of the kernel's units.
+template <bool kSlope>
+HWY_INLINE V piece_at(const device::LatticeConstants& lattice, V t) {
+  const auto of = [&](const device::vec4& c) {
+    return kSlope ? slope_of_polynomial(c, t) : polynomial(c, t);
+  };
+  const V piece =
+      hn::IfThenElse(hn::Lt(t, hn::Set(d, 1.0F)), of(lattice.inner_piece), of(lattice.outer_piece));
+  return hn::IfThenElseZero(hn::Lt(t, hn::Set(d, 2.0F)), piece);
+}
+
+// Weights of the four taps, which add up to 1 where the kernel's unit is that of the lattice, and
+// their derivatives.
+template <bool kNarrow, bool kGradient>
+HWY_INLINE void set_pieces(V fraction, const device::LatticeConstants& lattice, FourWeights& t) {
+  const V unit = hn::Set(d, kNarrow ? lattice.inverse_unit : 1.0F);
   for (int k = 0; k < 4; ++k) {
-    out.w[k] =
-        hn::Mul(hn::Mul(w.w[k], scale), hn::Sub(hn::Set(d, static_cast<float>(k - 1)), mean));
+    const bool is_behind = k <= 1;  // the tap, of the position: the derivative is that of t
+    const V number = hn::Set(d, static_cast<float>(k - 1));
+    const V distance = is_behind ? hn::Sub(fraction, number) : hn::Sub(number, fraction);
+    const V sign = hn::Set(d, is_behind ? 1.0F : -1.0F);
+    if constexpr (kNarrow) {
+      const V of_unit = hn::Mul(distance, unit);
+      t.w[k] = piece_at<false>(lattice, of_unit);
+      if constexpr (kGradient)
+        t.slope[k] = hn::Mul(hn::Mul(unit, sign), piece_at<true>(lattice, of_unit));
+    } else {
+      const bool is_inner = k == 1 || k == 2;
+      const device::vec4& piece = is_inner ? lattice.inner_piece : lattice.outer_piece;
+      t.w[k] = polynomial(piece, distance);
+      if constexpr (kGradient) t.slope[k] = hn::Mul(sign, slope_of_polynomial(piece, distance));
+    }
   }
-  return out;
+}
+
+// As gaussian_weights_at().
+template <bool kNarrow, bool kBorder, bool kGradient>
+HWY_INLINE FourWeights piecewise_weights_at(V whole, V fraction,
+                                            const device::LatticeConstants& lattice, AxisEnds ends,
+                                            V& share) {
+  FourWeights t{};
+  t.mean = t.variance = t.log_slope = hn::Zero(d);
+  t.total = hn::Set(d, 1.0F);
+  set_pieces<kNarrow, kGradient>(fraction, lattice, t);
+  if constexpr (!kNarrow && !kBorder) return t;
+  t.total = sum_of(t.w);
+  if constexpr (kBorder) {
+    keep_existing(whole, ends, t.w);
+    if constexpr (kGradient) keep_existing(whole, ends, t.slope);
+  }
+  const V existing = kBorder ? sum_of(t.w) : t.total;
+  if constexpr (kBorder) share = hn::Mul(share, hn::Div(existing, t.total));
+  // Where next to nothing exists the sample is not defined, but has to be a number.
+  const V inverse = hn::Div(hn::Set(d, 1.0F), hn::Max(existing, hn::Set(d, 1e-6F)));
+  for (V& w : t.w) w = hn::Mul(w, inverse);
+  if constexpr (kGradient) {
+    t.log_slope = hn::Mul(sum_of(t.slope), inverse);
+    for (int k = 0; k < 4; ++k)
+      t.slope[k] = hn::NegMulAdd(t.w[k], t.log_slope, hn::Mul(t.slope[k], inverse));
+  }
+  return t;
+}
+
+template <bool kNarrow, bool kBorder, bool kGradient>
+HWY_INLINE FourWeights four_weights_at(V whole, V fraction, const device::LatticeConstants& lattice,
+                                       AxisEnds ends, V& share) {
+  return lattice.is_piecewise != 0 ? piecewise_weights_at<kNarrow, kBorder, kGradient>(
+                                         whole, fraction, lattice, ends, share)
+                                   : gaussian_weights_at<kNarrow, kBorder, kGradient>(
+                                         whole, fraction, lattice, ends, share);
 }
 
 // Eight floats: four x-taps, each of slice z and slice z + 1. One register where vectors are wide
@@ -208,15 +300,15 @@ struct FourTapGradientBatch : FourTapBatch {
   alignas(64) float partial_z[4 * kBatchSamples];
 };
 
-HWY_INLINE void store_by_tap(const FourWeights& w, float (*to)[kBatchSamples], int i) {
-  for (int k = 0; k < 4; ++k) hn::Store(w.w[k], d, to[k] + i);
+HWY_INLINE void store_by_tap(const V (&w)[4], float (*to)[kBatchSamples], int i) {
+  for (int k = 0; k < 4; ++k) hn::Store(w[k], d, to[k] + i);
 }
 
-HWY_INLINE void store_by_lane(const FourWeights& w, float* to) {
+HWY_INLINE void store_by_lane(const V (&w)[4], float* to) {
 #if HWY_TARGET == HWY_SCALAR
-  for (int k = 0; k < 4; ++k) hn::Store(w.w[k], d, to + k);
+  for (int k = 0; k < 4; ++k) hn::Store(w[k], d, to + k);
 #else
-  hn::StoreInterleaved4(w.w[0], w.w[1], w.w[2], w.w[3], d, to);
+  hn::StoreInterleaved4(w[0], w[1], w[2], w[3], d, to);
 #endif
 }
 
@@ -228,10 +320,9 @@ struct GroupWeights {
 };
 
 // Which rows of the four a narrow kernel reaches: those from tap 0 on where `fraction` is over 1/2.
-HWY_INLINE FourWeights three_rows(const FourWeights& w, M from_second) {
-  FourWeights rows = w;
-  for (int k = 0; k < 3; ++k) rows.w[k] = hn::IfThenElse(from_second, w.w[k + 1], w.w[k]);
-  return rows;
+HWY_INLINE void store_three_rows(const V (&w)[4], M from_second, float (*to)[kBatchSamples],
+                                 int i) {
+  for (int k = 0; k < 3; ++k) hn::Store(hn::IfThenElse(from_second, w[k + 1], w[k]), d, to[k] + i);
 }
 
 // Pass 1: weights of a group's taps, samples i and following, and where each one's first tap lies
@@ -252,23 +343,22 @@ HWY_INLINE GroupWeights weigh_taps(const device::LatticeConstants& lattice, cons
         whole, group.fraction[a], lattice, ends_of(lattice.sublattices[sublattice], region, a),
         group.share);
   }
-  store_by_tap(group.axis[0], batch.x, i);
-  store_by_lane(group.axis[2], batch.z + 4 * i);
-  FourWeights derivative_y;
+  const FourWeights& y = group.axis[1];
+  store_by_tap(group.axis[0].w, batch.x, i);
+  store_by_lane(group.axis[2].w, batch.z + 4 * i);
   if constexpr (kGradient) {
-    store_by_tap(derivative_of(group.axis[0], lattice), batch.dx, i);
-    store_by_lane(derivative_of(group.axis[2], lattice), batch.dz + 4 * i);
-    derivative_y = derivative_of(group.axis[1], lattice);
+    store_by_tap(group.axis[0].slope, batch.dx, i);
+    store_by_lane(group.axis[2].slope, batch.dz + 4 * i);
   }
   if constexpr (kNarrow) {
     const M from_second = hn::Gt(group.fraction[1], hn::Set(d, 0.5F));
     index[1] =
         hn::Add(index[1], hn::IfThenElseZero(hn::RebindMask(di, from_second), hn::Set(di, 1)));
-    store_by_tap(three_rows(group.axis[1], from_second), batch.y, i);
-    if constexpr (kGradient) store_by_tap(three_rows(derivative_y, from_second), batch.dy, i);
+    store_three_rows(y.w, from_second, batch.y, i);
+    if constexpr (kGradient) store_three_rows(y.slope, from_second, batch.dy, i);
   } else {
-    store_by_tap(group.axis[1], batch.y, i);
-    if constexpr (kGradient) store_by_tap(derivative_y, batch.dy, i);
+    store_by_tap(y.w, batch.y, i);
+    if constexpr (kGradient) store_by_tap(y.slope, batch.dy, i);
   }
   const VI rows = hn::Add(hn::Mul(index[2], hn::Set(di, region.size[1])), index[1]);
   const VI samples = hn::Add(hn::Mul(rows, hn::Set(di, region.row_stride)), index[0]);

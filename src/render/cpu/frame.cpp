@@ -24,6 +24,7 @@ void set_frame(CpuFrame& frame, const ValueRange& range, const Look& look,
   tables.table = table_in(tables.memory, tables.constants.look);
   if (frame.fades_by_gradient) tables.fading = table_in(tables.memory, tables.constants.fading);
   if (frame.has_own_color) tables.color = table_in(tables.memory, tables.constants.color);
+  if (frame.is_refined) tables.variation = &tables.memory.front().x + tables.constants.variation_at;
   if (frame.is_preintegrated) tables.integrals = &tables.memory[tables.constants.integrals_at].x;
 }
 

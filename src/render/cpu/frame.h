@@ -25,6 +25,7 @@ struct FrameLook {
   ClassificationTable fading;        // opacity by the gradient's length, if fades_by_gradient
   ClassificationTable color;         // colours by another attribute, if has_own_color
   const float* integrals = nullptr;  // [kTableCells + 2][8], if is_preintegrated
+  const float* variation = nullptr;  // [kTableCells + 2], if is_refined
   FrameTables memory;
 };
 

@@ -4,8 +4,9 @@
 //
 // One sublattice: its weighted mean F is the field. Two: the field is q_0 F_0 + q_1 F_1, q_s the
 // part of sublattice s in all weights that exist; its gradient adds to those of F_s what the parts
-// change, q_0 q_1 (F_1 - F_0) (m_1 - m_0) / sigma^2, m_s the mean place of the kernels that have
-// weight.
+// change: q_0 q_1 (F_1 - F_0) times the difference of the derivatives of the logarithms of their
+// sums of weights, which is that of the mean places of the kernels that have weight over sigma^2,
+// if they are Gaussians.
 #if defined(OVOID_RENDER_CPU_GATHER_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef OVOID_RENDER_CPU_GATHER_INL_H_
 #undef OVOID_RENDER_CPU_GATHER_INL_H_
@@ -39,8 +40,9 @@ struct GradientBatch : SampleBatch<FourTapGradientBatch> {
   // What makes gradients of ramps constant: a factor for each component; of two sublattices, the
   // variance inside them.
   alignas(64) float correction[3][kBatchSamples];
-  // Two sublattices: from one's mean place to the other's, of the kernels that exist and of the
-  // endless lattice, and the product of their parts in that.
+  // Two sublattices: from one's mean place to the other's, of the kernels that exist (of piecewise
+  // kernels, what stands for it) and of the endless lattice, and the product of their parts in
+  // that.
   alignas(64) float between[3][kBatchSamples];
   alignas(64) float apart[3][kBatchSamples];
   alignas(64) float parts[kBatchSamples];
@@ -72,6 +74,7 @@ HWY_INLINE void weigh_one(const LatticeFrame& frame, const Region& region, const
 
 // The weights of a sublattice, summed, are this times the product of the axes' totals.
 HWY_INLINE V log2_of_scale(const LatticeFrame& frame, const GroupWeights& group) {
+  if (frame.is_piecewise) return hn::Zero(d);
   constexpr float kLog2E = 1.44269504F;
   V sum = hn::Zero(d);
   for (const V f : group.fraction)
@@ -117,7 +120,10 @@ HWY_INLINE void weigh_two(const LatticeFrame& frame, const Region& region, const
       const FourWeights& w0 = first.axis[a];
       const FourWeights& w1 = second.axis[a];
       const V shift = hn::Sub(first.fraction[a], second.fraction[a]);
-      const V between = hn::Add(hn::Sub(mean_tap(w1), mean_tap(w0)), shift);
+      const V between = frame.is_piecewise
+                            ? hn::Mul(hn::Sub(w1.log_slope, w0.log_slope),
+                                      hn::Set(d, 1.0F / frame.lattice.inverse_variance))
+                            : hn::Add(hn::Sub(mean_tap(w1), mean_tap(w0)), shift);
       hn::Store(between, d, batch.between[a] + i);
       hn::Store(kBorder ? hn::Add(hn::Sub(w1.mean, w0.mean), shift) : between, d,
                 batch.apart[a] + i);

@@ -35,6 +35,65 @@ inline int tap_capacity(const LatticeFrame& frame, const SheetInLattice& sheet) 
   return static_cast<int>(2 * frame.lattice.support * widest) + 2 + 2 * kTapPadding;
 }
 
+// The kernel along one axis, widened.
+struct AxisKernel {
+  const device::LatticeConstants& lattice;
+  float support;
+  float inverse_variance;
+  float inverse_unit;
+
+  AxisKernel(const device::LatticeConstants& constants, float widening)
+      : lattice(constants),
+        support(lattice.support * widening),
+        inverse_variance(lattice.inverse_variance / (widening * widening)),
+        inverse_unit(lattice.inverse_unit / widening) {}
+};
+
+// The weights of taps at `distance`, the position less theirs, which is at most the support.
+template <class Tag, class Vector>
+HWY_INLINE Vector axis_weight(Tag tag, const AxisKernel& kernel, Vector distance) {
+  if (kernel.lattice.is_piecewise == 0) {
+    constexpr float kLog2E = 1.44269504F;
+    return vector_exp2(tag, hn::Mul(hn::Mul(distance, distance),
+                                    hn::Set(tag, -0.5F * kernel.inverse_variance * kLog2E)));
+  }
+  const Vector t = hn::Mul(hn::Abs(distance), hn::Set(tag, kernel.inverse_unit));
+  const auto piece = [&](const device::vec4& c) {
+    return hn::MulAdd(
+        hn::MulAdd(hn::MulAdd(hn::Set(tag, c.w), t, hn::Set(tag, c.z)), t, hn::Set(tag, c.y)), t,
+        hn::Set(tag, c.x));
+  };
+  const Vector weight =
+      hn::IfThenElse(hn::Lt(t, hn::Set(tag, 1.0F)), piece(kernel.lattice.inner_piece),
+                     piece(kernel.lattice.outer_piece));
+  return hn::IfThenElseZero(hn::Lt(t, hn::Set(tag, 2.0F)), weight);
+}
+
+// Their derivative by the position, `weight` at hand.
+template <class Tag, class Vector>
+HWY_INLINE Vector axis_slope(Tag tag, const AxisKernel& kernel, Vector distance, Vector weight) {
+  if (kernel.lattice.is_piecewise == 0)
+    return hn::Mul(weight, hn::Mul(distance, hn::Set(tag, -kernel.inverse_variance)));
+  const Vector t = hn::Mul(hn::Abs(distance), hn::Set(tag, kernel.inverse_unit));
+  const auto piece = [&](const device::vec4& c) {
+    return hn::MulAdd(hn::MulAdd(hn::Set(tag, 3 * c.w), t, hn::Set(tag, 2 * c.z)), t,
+                      hn::Set(tag, c.y));
+  };
+  const Vector slope =
+      hn::IfThenElse(hn::Lt(t, hn::Set(tag, 1.0F)), piece(kernel.lattice.inner_piece),
+                     piece(kernel.lattice.outer_piece));
+  const Vector of_unit = hn::Mul(hn::CopySign(hn::Set(tag, kernel.inverse_unit), distance), slope);
+  return hn::IfThenElseZero(hn::Lt(t, hn::Set(tag, 2.0F)), of_unit);
+}
+
+using D1 = hn::CappedTag<float, 1>;
+
+inline float axis_weight(const AxisKernel& kernel, float distance) {
+  if (kernel.lattice.is_piecewise == 0)
+    return std::exp(-0.5F * kernel.inverse_variance * distance * distance);
+  return hn::GetLane(axis_weight(D1(), kernel, hn::Set(D1(), distance)));
+}
+
 // A sample along one axis of a sublattice, whose offset is taken off, and how kernels are widened.
 struct AxisPlace {
   int axis;
@@ -47,11 +106,9 @@ inline void fill_axis(const device::LatticeConstants& lattice, const Region& reg
                       AxisTaps& taps) {
   const int axis = place.axis;
   const float u = place.u;
-  const float widening = place.widening;
-  const float support = lattice.support * widening;
-  const float inverse_variance = lattice.inverse_variance / (widening * widening);
-  const int reach_first = static_cast<int>(std::ceil(u - support));
-  const int reach_last = static_cast<int>(std::floor(u + support));
+  const AxisKernel kernel(lattice, place.widening);
+  const int reach_first = static_cast<int>(std::ceil(u - kernel.support));
+  const int reach_last = static_cast<int>(std::floor(u + kernel.support));
   const int lattice_first = static_cast<int>(-region.origin[axis]);
   const int lattice_last = lattice_first + sublattice.dims[axis] - 1;
   const int first = std::max(reach_first, lattice_first);
@@ -59,19 +116,14 @@ inline void fill_axis(const device::LatticeConstants& lattice, const Region& reg
   taps.first = first - region.lo[axis];
   taps.count = std::max(0, last - first + 1);
   const int lanes = static_cast<int>(hn::Lanes(dt));
-  constexpr float kLog2E = 1.44269504F;
-  const auto weigh = [&](auto distance) {
-    return vector_exp2(
-        dt, hn::Mul(hn::Mul(distance, distance), hn::Set(dt, -0.5F * inverse_variance * kLog2E)));
-  };
   auto existing = hn::Zero(dt);
   auto slope = hn::Zero(dt);
   for (int k = 0; k < taps.count; k += lanes) {
     const auto index = hn::Iota(dt, static_cast<float>(first + k));
     const auto distance = hn::Sub(hn::Set(dt, u), index);
     const auto exists = hn::Lt(index, hn::Set(dt, static_cast<float>(last) + 0.5F));
-    const auto weight = hn::IfThenElseZero(exists, weigh(distance));
-    const auto derivative = hn::Mul(weight, hn::Mul(distance, hn::Set(dt, -inverse_variance)));
+    const auto weight = hn::IfThenElseZero(exists, axis_weight(dt, kernel, distance));
+    const auto derivative = hn::IfThenElseZero(exists, axis_slope(dt, kernel, distance, weight));
     hn::StoreU(weight, dt, taps.weight + k);
     hn::StoreU(derivative, dt, taps.derivative + k);
     existing = hn::Add(existing, weight);
@@ -81,10 +133,7 @@ inline void fill_axis(const device::LatticeConstants& lattice, const Region& reg
   taps.existing_derivative = hn::GetLane(hn::SumOfLanes(dt, slope));
   taps.endless = taps.existing;
   const auto add_missing = [&](int from, int to) {
-    for (int k = from; k <= to; ++k) {
-      const float distance = u - static_cast<float>(k);
-      taps.endless += std::exp(-0.5F * inverse_variance * distance * distance);
-    }
+    for (int k = from; k <= to; ++k) taps.endless += axis_weight(kernel, u - static_cast<float>(k));
   };
   if (taps.count == 0) {
     add_missing(reach_first, reach_last);
@@ -147,6 +196,13 @@ struct Quotient {
   float endless = 0;
 };
 
+// Of `sum` the denominator says no more than whether a kernel reaches: negative weights count, too.
+inline void take_magnitudes(AxisTaps* axis) {
+  for (int a = 0; a < 3; ++a) {
+    for (int k = 0; k < axis[a].count; ++k) axis[a].weight[k] = std::abs(axis[a].weight[k]);
+  }
+}
+
 // The sheet on which samples are gathered, and memory for the weights of one.
 struct GeneralSheet {
   const LatticeFrame& frame;
@@ -179,7 +235,10 @@ inline void add_point(const GeneralSheet& on, int s, const SamplePoint& point, Q
   const std::ptrdiff_t from = s * region.sublattice_stride;
   const TapSums n = sum_taps<kGradient>(region, region.samples + from, axis);
   TapSums e;
-  if (region.has_missing) {
+  if (region.has_missing && on.frame.is_sum) {
+    take_magnitudes(axis);
+    e = sum_taps<false>(region, region.presence + from, axis);
+  } else if (region.has_missing) {
     e = sum_taps<kGradient>(region, region.presence + from, axis);
   } else {
     e.value = axis[0].existing * axis[1].existing * axis[2].existing;

@@ -62,6 +62,8 @@ using LevelBands = std::array<LevelBand, kMaxLevel>;
 // `how` is not kOff.
 std::unique_ptr<LevelBands> level_bands(PostConvolution how);
 
+inline constexpr std::uint32_t kAllSubtiles = (1U << (kSubtiles * kSubtiles)) - 1U;
+
 // kTileSize^2 pixels of a block.
 struct Subtile {
   TileState pixels;
@@ -74,6 +76,9 @@ struct KernelWorkspace {
   BlockPlace place;                                     // of the subtile in hand
   ShadedSheet shaded;
   WorkerStats stats;
+
+  // Subtiles of which some pixel still takes samples, a bit each. Level 0 has no sums elsewhere.
+  std::uint32_t open_subtiles = kAllSubtiles;
 
   // [sheet of the block][channel][row][column], one buffer per level
   std::array<FloatBuffer, kMaxLevel + 1> levels;

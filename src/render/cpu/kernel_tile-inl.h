@@ -170,9 +170,9 @@ inline void drop_clipped(const CpuFrame& frame, const BlockPlace& place, int s, 
   }
 }
 
-inline void difference_gradients(const CpuFrame& frame, const TileInHand& tile, int s) {
+inline void difference_gradients(const CpuFrame& frame, const TileInHand& tile, int s,
+                                 const RowBits& visible) {
   const BlockPlace& place = tile.place;
-  const RowBits& visible = tile.shaded.visible;
   Sheet& sheet = tile.ring[place.number_of(s)];
   for (int y = 0; y < place.rows; ++y) {
     tile.stats.gradients += std::popcount(visible[y]);
@@ -185,6 +185,28 @@ inline void difference_gradients(const CpuFrame& frame, const TileInHand& tile, 
   }
 }
 
+// Gradients of the ends of the visible pieces that end on sheet s.
+inline void difference_gradients_of_ends(const CpuFrame& frame, const TileInHand& tile, int s) {
+  const BlockPlace& place = tile.place;
+  for (const int end : {s - 1, s}) {
+    const Sheet& sheet = tile.ring[place.number_of(end)];
+    RowBits missing{};
+    for (int y = 0; y < place.rows; ++y)
+      missing[y] = tile.shaded.visible[y] & sheet.defined[y] & ~sheet.has_gradient[y];
+    difference_gradients(frame, tile, end, missing);
+  }
+}
+
+// The refined pieces between sheet s and the one before it.
+inline void finish_subtile_pieces(const CpuFrame& frame, const TileInHand& tile, int s,
+                                  StageClock& clock) {
+  RowBits bits = visible_candidates(frame, tile, s);
+  const RowBits front = visible_candidates(frame, tile, s - 1);
+  for (int y = 0; y < tile.place.rows; ++y) bits[y] |= front[y];
+  finish_pieces(frame, tile, s, bits, HalfPieces(), clock,
+                [&] { difference_gradients_of_ends(frame, tile, s); });
+}
+
 // classify, light and composite sheet s, whose neighbours are there.
 inline void finish_subtile_sheet(const CpuFrame& frame, const TileInHand& tile, int s,
                                  StageClock& clock) {
@@ -193,9 +215,11 @@ inline void finish_subtile_sheet(const CpuFrame& frame, const TileInHand& tile, 
     clock.lap(kShade);
     return;
   }
+  if (frame.is_refined) return finish_subtile_pieces(frame, tile, s, clock);
   RowBits bits = visible_candidates(frame, tile, s);
   drop_clipped(frame, tile.place, s, bits);
-  finish_samples(frame, tile, s, bits, clock, [&] { difference_gradients(frame, tile, s); });
+  finish_samples(frame, tile, s, bits, clock,
+                 [&] { difference_gradients(frame, tile, s, tile.shaded.visible); });
 }
 
 // Sheets [first, last) of the frame come in, and those before them from `unfinished` on, whose
@@ -258,10 +282,13 @@ inline void take_neighbour(const KernelFrame& frame, KernelWorkspace& work, cons
   take_sheets(frame, work, rect, sheet, clock);
 }
 
-inline bool any_open(const KernelWorkspace& work) {
-  return std::any_of(work.subtiles.begin(), work.subtiles.end(), [](const Subtile& subtile) {
-    return subtile.pixels.any_open(0, 0, kTileSize, kTileSize);
-  });
+inline std::uint32_t open_subtiles_of(const KernelWorkspace& work) {
+  std::uint32_t bits = 0;
+  for (std::size_t sub = 0; sub < work.subtiles.size(); ++sub) {
+    const bool is_open = work.subtiles[sub].pixels.any_open(0, 0, kTileSize, kTileSize);
+    bits |= std::uint32_t{is_open} << sub;
+  }
+  return bits;
 }
 
 inline void set_up_tile(const KernelFrame& frame, KernelWorkspace& work, const TileRect& rect) {
@@ -292,7 +319,7 @@ inline void draw_block(const KernelFrame& frame, KernelWorkspace& work, const Ti
                        const BlockSheets& block, StageClock& clock) {
   const auto& [first, last, begins, ends] = block;
   if (begins) {
-    if (frame.mode == Mode::kIsosurface)
+    if (frame.mode == Mode::kIsosurface || frame.is_refined)
       take_neighbour(frame, work, rect, {first - 2, first - 1, first}, clock);
     take_neighbour(frame, work, rect, {first - 1, first, first}, clock);
   }
@@ -309,6 +336,7 @@ inline void render_kernel_tile_on_target(const KernelFrame& frame, KernelWorkspa
   WorkerStats& stats = work.stats;
   StageClock clock(stats.ticks, frame.options->collect_profile);
   set_up_tile(frame, work, rect);
+  work.open_subtiles = kAllSubtiles;
   const int tile_x = rect.x0 / view::kBlockEdge;
   const int tile_y = rect.y0 / view::kBlockEdge;
   const auto is_relevant = [&](int layer) {
@@ -319,7 +347,8 @@ inline void render_kernel_tile_on_target(const KernelFrame& frame, KernelWorkspa
   for (int layer = 0; layer < plan.num_blocks[2]; ++layer) {
     ++stats.blocks_total;
     if (frame.stop.stop_requested()) return;
-    if (frame.options->stop_opaque && !any_open(work)) {
+    if (frame.options->stop_opaque) work.open_subtiles = open_subtiles_of(work);
+    if (work.open_subtiles == 0) {
       ++stats.skipped_opaque;
       continue;
     }

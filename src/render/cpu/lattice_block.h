@@ -34,7 +34,7 @@ struct SheetInLattice {
 };
 
 // Which samples of a block are to be reconstructed, and which of them are to be classified (all,
-// without a margin).
+// without a margin). Where pieces are refined, relevant are the pieces that end at the samples.
 struct SampleBits {
   RowBits active[kMaxSheets];
   RowBits relevant[kMaxSheets];

@@ -113,7 +113,7 @@ struct NodePlace {
 inline NodePlace place_nodes(const LatticeFrame& frame, const Patch& patch, BlockPlace& nodes) {
   const int margin = frame.takes_differences ? 1 : 0;
   nodes.margin = nodes.back_margin = margin;
-  nodes.front_margin = std::max(margin, frame.has_pieces ? 1 : 0);
+  nodes.front_margin = sheets_before(frame);
   nodes.tile_x = nodes.tile_y = nodes.x0 = nodes.y0 = 0;
   nodes.x1 = patch.nodes_x.count;
   nodes.y1 = patch.nodes_y.count;

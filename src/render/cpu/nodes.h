@@ -50,8 +50,9 @@ struct LatticeWorkspace {
   std::array<TileState, kPatchTiles * kPatchTiles> tiles;  // row by row
   std::array<TileRays, kPatchTiles * kPatchTiles> rays;
   struct TileBits {
-    std::array<RowBits, kMaxSheets> relevant;  // by the sheets of the nodes' block
-    RowBits visible;                           // on the sheet before, if any were
+    // By the sheets of the nodes' block; what is active is known where pixels are binned.
+    std::array<RowBits, kMaxSheets> relevant, active;
+    RowBits visible;  // on the sheet before, if any were
     bool any_relevant, any_visible;
   };
   std::array<TileBits, kPatchTiles * kPatchTiles> bits;

@@ -18,6 +18,7 @@
 
 #include "render/cpu/finish-inl.h"
 #include "render/cpu/isosurface-inl.h"
+#include "render/cpu/lattice_pieces-inl.h"
 #include "render/cpu/node_sheets-inl.h"
 #include "render/cpu/post_convolve-inl.h"
 #include "render/cpu/ticks.h"
@@ -133,16 +134,11 @@ inline void share_region(const LatticeFrame& frame, LatticeWorkspace& work, int 
 }
 
 // Computes the gradients of the visible pixels from the gradients of the nodes. The gradients of
-// pieces, which lie between sheets, and of pixels without nodes are computed from the kernels.
+// pixels without nodes are computed from the kernels.
 inline void post_convolve_gradients(const LatticeFrame& frame, LatticeWorkspace& work,
                                     const Patch& patch, int s, const TileBands& bands,
-                                    const RowBits& by_themselves) {
+                                    const RowBits& visible, const RowBits& by_themselves) {
   const BlockPlace& place = work.pixels.block.place;
-  const RowBits& visible = work.pixels.shaded.visible;
-  if (frame.is_preintegrated && !frame.takes_differences) {
-    gradient_of_pieces(frame, work.pixels, s, visible);
-    return;
-  }
   const bool has_all = is_whole(work.nodes.block.region);
   RowBits wanted;
   clear_bits(wanted);
@@ -165,6 +161,35 @@ inline void post_convolve_gradients(const LatticeFrame& frame, LatticeWorkspace&
   gradients_of(frame, work.pixels, s, own);
 }
 
+// The pixels of a tile that were not made from nodes, on a sheet and on the one before it.
+struct OwnPixels {
+  RowBits on_sheet, before;
+};
+
+// The gradients that a tile's visible samples or pieces take.
+inline void provide_pixel_gradients(const LatticeFrame& frame, LatticeWorkspace& work,
+                                    const Patch& patch, int s, const TileBands& bands,
+                                    const OwnPixels& own) {
+  const RowBits& visible = work.pixels.shaded.visible;
+  if (frame.is_preintegrated && !frame.takes_differences) {
+    gradient_of_pieces(frame, work.pixels, s, visible);
+    return;
+  }
+  if (!frame.is_refined) {
+    post_convolve_gradients(frame, work, patch, s, bands, visible, own.on_sheet);
+    return;
+  }
+  const BlockPlace& place = work.pixels.block.place;
+  for (const int end : {s - 1, s}) {
+    RowBits wanted;
+    clear_bits(wanted);
+    const RowBits& defined = work.pixels.ring[place.number_of(end)].defined;
+    for (int row = 0; row < place.rows; ++row) wanted[row] = visible[row] & defined[row];
+    post_convolve_gradients(frame, work, patch, end, bands, wanted,
+                            end == s ? own.on_sheet : own.before);
+  }
+}
+
 // Keeps the bits of the pixels around which all nodes have values.
 inline void keep_whole(const RowBits& defined, const TileBands& bands, int rows, RowBits& bits) {
   const auto& [x, y] = bands;
@@ -184,9 +209,9 @@ inline void keep_whole(const RowBits& defined, const TileBands& bands, int rows,
 
 // Reconstructs the pixels around which a node has no value from the kernels, on sheet s and, for
 // pieces, on sheet s - 1. On entry the sheets' defined bits name the pixels that need a value, on
-// return the pixels that have one. `by_themselves` becomes the reconstructed pixels of sheet s.
+// return the pixels that have one. `own` becomes the reconstructed pixels.
 inline void complete_pixels(const LatticeFrame& frame, LatticeWorkspace& work, int s,
-                            const TileBands& bands, RowBits& by_themselves) {
+                            const TileBands& bands, OwnPixels& own) {
   const BlockPlace& place = work.pixels.block.place;
   RowBits given;
   clear_bits(given);
@@ -195,7 +220,7 @@ inline void complete_pixels(const LatticeFrame& frame, LatticeWorkspace& work, i
   for (int sheet = s; sheet >= (frame.has_pieces ? s - 1 : s); --sheet) {
     RowBits& defined = work.pixels.ring[place.number_of(sheet)].defined;
     keep_whole(work.nodes.ring[place.number_of(sheet)].defined, bands, place.rows, given);
-    RowBits others;
+    RowBits& others = sheet == s ? own.on_sheet : own.before;
     clear_bits(others);
     for (int row = 0; row < place.rows; ++row) {
       others[row] = defined[row] & ~given[row];
@@ -203,7 +228,6 @@ inline void complete_pixels(const LatticeFrame& frame, LatticeWorkspace& work, i
     }
     work.pixels.stats.samples_reconstructed += count_bits(others, place.rows);
     reconstruct_sheet(frame, work.pixels, sheet, others);
-    if (sheet == s) by_themselves = others;
   }
 }
 
@@ -220,11 +244,24 @@ inline bool take_pixels(const CpuFrame& frame, const LatticeWorkspace& work, std
   return any != 0;
 }
 
+// Values of a tile's pixels on a sheet, from the nodes, for those named by `bits`. Which of them
+// are wanted there becomes the sheet's defined bits.
+inline void take_values_from_nodes(LatticeWorkspace& work, const TileBands& bands, int s,
+                                   const RowBits& bits, const RowBits& wanted) {
+  const BlockPlace& place = work.pixels.block.place;
+  Sheet& pixels = work.pixels.ring[place.number_of(s)];
+  post_convolve_nodes(work.nodes.ring[place.number_of(s)].values, bands, bits, place.rows,
+                      pixels.values);
+  for (int row = 0; row < place.rows; ++row) pixels.defined[row] = bits[row] & wanted[row];
+  clear_bits(pixels.has_gradient);
+}
+
 // Finishes one tile on sheet s, whose nodes have been reconstructed.
 inline void finish_patch_tile(const LatticeFrame& frame, LatticeWorkspace& work, const Patch& patch,
                               const PatchTile& tile, int s, StageClock& clock) {
   const TileBands bands = patch.bands->of_tile(tile.x, tile.y);
   RowBits bits;
+  clear_bits(bits);
   if (!take_pixels(frame, work, tile.number, s, bits)) return;
   LatticeWorkspace::TileBits& of_tile = work.bits[tile.number];
   Workspace& own = work.pixels;
@@ -233,32 +270,33 @@ inline void finish_patch_tile(const LatticeFrame& frame, LatticeWorkspace& work,
   own.tile = &work.tiles[tile.number];
   place.rays = &work.rays[tile.number];
   of_tile.any_visible = false;
-  for (int sheet = frame.has_pieces ? s - 1 : s; sheet <= s; ++sheet) {
-    Sheet& pixels = own.ring[place.number_of(sheet)];
-    post_convolve_nodes(work.nodes.ring[place.number_of(sheet)].values, bands, bits, place.rows,
-                        pixels.values);
-    pixels.defined = bits;
-  }
+  const auto wanted_on = [&](int sheet) -> const RowBits& {
+    return patch.is_binned_by_tile ? bits : of_tile.active[static_cast<std::size_t>(sheet)];
+  };
   // A piece whose front end is cut away begins at its sample.
-  if (frame.has_pieces && !patch.is_binned_by_tile) {
-    const RowBits& kept = of_tile.relevant[static_cast<std::size_t>(s) - 1];
-    RowBits& before = own.ring[place.number_of(s - 1)].defined;
-    for (int row = 0; row < place.rows; ++row) before[row] &= kept[row];
-  }
+  if (frame.has_pieces) take_values_from_nodes(work, bands, s - 1, bits, wanted_on(s - 1));
+  take_values_from_nodes(work, bands, s, bits, wanted_on(s));
   const bool has_all = is_whole(work.nodes.block.region);
   if (frame.has_pieces || !has_all) share_region(frame, work, s);
-  RowBits by_themselves;
-  if (!has_all) complete_pixels(frame, work, s, bands, by_themselves);
+  OwnPixels own_pixels;
+  if (!has_all) complete_pixels(frame, work, s, bands, own_pixels);
   clock.lap(kReconstruct);
+  const auto provide_gradients = [&] {
+    provide_pixel_gradients(frame, work, patch, s, bands, own_pixels);
+  };
   if (frame.mode == Mode::kIsosurface) {
     surface_sheet(frame, own, s);
     clock.lap(kShade);
-  } else if (finish_samples(
-                 frame, own.in_hand(), s, own.ring[place.number_of(s)].defined, clock,
-                 [&] { post_convolve_gradients(frame, work, patch, s, bands, by_themselves); })) {
-    of_tile.any_visible = true;
-    std::copy_n(own.shaded.visible.begin(), kTileSize, of_tile.visible.begin());
+    return;
   }
+  const RowBits& defined = own.ring[place.number_of(s)].defined;
+  const bool is_visible =
+      frame.is_refined ? finish_pieces(frame, own.in_hand(), s, bits,
+                                       LatticePieces{frame, own.block}, clock, provide_gradients)
+                       : finish_samples(frame, own.in_hand(), s, defined, clock, provide_gradients);
+  if (!is_visible) return;
+  of_tile.any_visible = true;
+  std::copy_n(own.shaded.visible.begin(), kTileSize, of_tile.visible.begin());
 }
 
 inline void finish_patch_sheet(const LatticeFrame& frame, LatticeWorkspace& work,
@@ -412,6 +450,7 @@ inline bool bin_pixels(const LatticeFrame& frame, const Patch& patch, const Bloc
     RowBits& rows = bits.relevant[static_cast<std::size_t>(s)];
     rows = {};
     std::copy_n(block.bits.relevant[s].begin(), place.rows, rows.begin());
+    bits.active[static_cast<std::size_t>(s)] = block.bits.active[s];
   }
   return true;
 }

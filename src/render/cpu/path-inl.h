@@ -28,6 +28,24 @@ HWY_INLINE V evaluate2d(const view::ClipMap& map, V x, float y) {
                     hn::Set(d, static_cast<float>(map.origin + y * map.per_y)));
 }
 
+// What a half space leaves of a ray, in sheets from where `inside` (a distance to the plane) and
+// `slope` (its change over a sheet) hold.
+struct SlabCut {
+  V from, to;
+};
+
+HWY_INLINE SlabCut cut_of(V inside, V slope) {
+  const V far = hn::Set(d, 1e30F);
+  // inside + t slope >= 0. A slope of nothing keeps or drops the whole ray.
+  const M is_parallel = hn::Lt(hn::Abs(slope), hn::Set(d, 1e-20F));
+  const V crossing = hn::Div(hn::Neg(inside), hn::IfThenElse(is_parallel, hn::Set(d, 1.0F), slope));
+  const M enters = hn::AndNot(is_parallel, hn::Gt(slope, hn::Zero(d)));
+  const M leaves = hn::AndNot(is_parallel, hn::Lt(slope, hn::Zero(d)));
+  const M is_gone = hn::And(is_parallel, hn::Lt(inside, hn::Zero(d)));
+  return {hn::IfThenElse(enters, crossing, hn::Neg(far)),
+          hn::IfThenElse(is_gone, hn::Neg(far), hn::IfThenElse(leaves, crossing, far))};
+}
+
 // Fraction of the slab, in [0, 1]. The slab is [-1/2, 1/2] sheets around the sample; every half
 // space cuts off an end.
 HWY_INLINE V path_fraction(const CpuFrame& frame, const BlockPlace& place, int s, int column,
@@ -42,15 +60,9 @@ HWY_INLINE V path_fraction(const CpuFrame& frame, const BlockPlace& place, int s
     const V inside = evaluate2d(plan.clip_distance(plane, sheet), x, y);
     const V slope = hn::Mul(evaluate2d(plan.clip_slope(plane), x, y),
                             hn::Set(d, frame.camera.sampling_distance));
-    // inside + t slope >= 0. A slope of nothing keeps or drops the whole slab.
-    const M is_parallel = hn::Lt(hn::Abs(slope), hn::Set(d, 1e-20F));
-    const V crossing =
-        hn::Div(hn::Neg(inside), hn::IfThenElse(is_parallel, hn::Set(d, 1.0F), slope));
-    const M enters = hn::AndNot(is_parallel, hn::Gt(slope, hn::Zero(d)));
-    const M leaves = hn::AndNot(is_parallel, hn::Lt(slope, hn::Zero(d)));
-    from = hn::IfThenElse(enters, hn::Max(from, crossing), from);
-    to = hn::IfThenElse(leaves, hn::Min(to, crossing), to);
-    to = hn::IfThenElse(hn::And(is_parallel, hn::Lt(inside, hn::Zero(d))), hn::Set(d, -1.0F), to);
+    const SlabCut cut = cut_of(inside, slope);
+    from = hn::Max(from, cut.from);
+    to = hn::Min(to, cut.to);
   }
   return hn::Max(hn::Sub(to, from), hn::Zero(d));
 }

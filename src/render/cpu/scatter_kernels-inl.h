@@ -413,6 +413,36 @@ inline void cover_section(KernelWorkspace& work, const Section& section, int j) 
   if (is_all) work.is_all_covered[static_cast<std::size_t>(j)] = true;
 }
 
+// Bits [first, last] of kSubtiles in which places [lo, hi] along an axis count, samples of level 0;
+// gradients take the samples around a subtile, too.
+HWY_INLINE std::uint32_t subtiles_along(float lo, float hi) {
+  constexpr auto kTile = static_cast<float>(kTileSize);
+  constexpr auto kLo = static_cast<float>(kLevelExtents[0].lo);
+  constexpr float kAround = 1.5F;  // a sample, and rounding
+  constexpr auto kLast = static_cast<float>(kSubtiles - 1);
+  const float first = std::max((lo + kLo - kAround) / kTile - 1.0F, -1.0F);
+  const float last = std::min((hi + kLo + kAround) / kTile, kLast);
+  if (!(first < last + 1.0F) || first > kLast || last < 0.0F) return 0;
+  const int begin = static_cast<int>(std::floor(first)) + 1;
+  const int end = static_cast<int>(std::floor(last)) + 1;
+  return begin < end ? (1U << end) - (1U << begin) : 0U;
+}
+
+// Whether a cut on level 0 reaches a subtile that is open.
+HWY_INLINE bool reaches_open(const KernelWorkspace& work, const Section& section) {
+  if (work.open_subtiles == kAllSubtiles) return true;
+  const float det = section.axx * section.ayy - section.axy * section.axy;
+  const float reach_x = std::sqrt(section.room * section.ayy / det);
+  const float reach_y = std::sqrt(section.room * section.axx / det);
+  const std::uint32_t columns = subtiles_along(section.x - reach_x, section.x + reach_x);
+  const std::uint32_t rows = subtiles_along(section.y - reach_y, section.y + reach_y);
+  for (int row = 0; row < kSubtiles; ++row) {
+    if ((rows >> row & 1U) != 0 && (work.open_subtiles >> (row * kSubtiles) & columns) != 0)
+      return true;
+  }
+  return false;
+}
+
 template <int kChannels, bool kIsGaussian>
 HWY_INLINE void add_splat(const KernelFrame& frame, KernelWorkspace& work, const Splat& splat,
                           const SplatBlock& block, const SheetRun& run) {
@@ -433,6 +463,7 @@ HWY_INLINE void add_splat(const KernelFrame& frame, KernelWorkspace& work, const
                          [&](const Section& section) { cover_section(work, section, j); });
     }
     for_each_section(frame, splat, block, j, level, [&](const Section& section) {
+      if (level == 0 && !reaches_open(work, section)) return;
       add_section<kChannels, kIsGaussian>(frame, section, coefficients, kLevelExtents[l],
                                           planes_of(frame, work, level, j), plane_size(level));
     });

@@ -80,22 +80,49 @@ HWY_INLINE V place_of(const device::TableConstants& axis, V value) {
 
 inline constexpr auto kLastEntry = static_cast<float>(device::kTableCells);
 
-// An entry is four floats, so a lane's two entries are two loads; hardware gathers of eight
-// separate columns take longer.
-HWY_INLINE Classified classify(const ClassificationTable& table, V value) {
+// Where a value lies in a table.
+struct TableCell {
+  VI entry;
+  V fraction;
+};
+
+HWY_INLINE TableCell cell_of(const ClassificationTable& table, V value) {
   const V at = place_of(table.constants, value);
   // The order of operands makes NaN, of lanes that nobody asked for, an entry too.
   const V clamped = hn::Min(hn::Max(at, hn::Zero(d)), hn::Set(d, kLastEntry));
   const V entry = hn::Floor(clamped);
   V fraction = hn::Sub(clamped, entry);
-  alignas(64) std::int32_t index[16];
-  const auto integers = nearest_integer(entry);
-  hn::Store(integers, di, index);
+  const VI integers = nearest_integer(entry);
   if (table.steps != nullptr) {
     const V step = hn::GatherIndex(d, table.steps, integers);
     const V side = hn::IfThenElseZero(hn::Ge(fraction, step), hn::Set(d, 1.0F));
     fraction = hn::IfThenElse(hn::Lt(step, hn::Zero(d)), fraction, side);
   }
+  return {integers, fraction};
+}
+
+// Opacity of a value, and how much the look varies up to it.
+struct VariationAt {
+  V opacity, variation;
+};
+
+HWY_INLINE VariationAt variation_at(const FrameLook& look, V value) {
+  const auto [entry, fraction] = cell_of(look.table, value);
+  const auto read = [&](const float* lo, const float* hi, VI at) {
+    const V from = hn::GatherIndex(d, lo, at);
+    return hn::MulAdd(hn::Sub(hn::GatherIndex(d, hi, at), from), fraction, from);
+  };
+  const float* const opacities = look.table.entries + 3;
+  return {read(opacities, opacities + 4, hn::ShiftLeft<2>(entry)),
+          read(look.variation, look.variation + 1, entry)};
+}
+
+// An entry is four floats, so a lane's two entries are two loads; hardware gathers of eight
+// separate columns take longer.
+HWY_INLINE Classified classify(const ClassificationTable& table, V value) {
+  const auto [entry, fraction] = cell_of(table, value);
+  alignas(64) std::int32_t index[16];
+  hn::Store(entry, di, index);
   const Classified lo = transpose_entries(table.entries, index);
   const Classified hi = transpose_entries(table.entries + 4, index);
   const auto mix = [&](V a, V b) { return hn::MulAdd(hn::Sub(b, a), fraction, a); };

@@ -44,7 +44,8 @@ struct SplatPlane {
   float inverse[3][3];   // row 0: x, row 1: y, row 2: sheets, from an index-space offset
   float half_extent[3];  // of a kernel's support box in x, y, sheets
   float support[3];      // of the box, index space
-  float exponent[3];     // log2 of the kernel is the sum of exponent * offset^2
+  float exponent[3];     // of Gaussians: log2 of the kernel is the sum of exponent * offset^2
+  float widening[3];
 };
 
 // At `offset` sheets from sheet s, for slab means.
@@ -60,6 +61,7 @@ inline SplatPlane make_splat_plane(const LatticeFrame& frame, const SheetInLatti
     plane.support[a] = frame.lattice.support * sheet.widening[a];
     plane.exponent[a] = -0.5F * 1.44269504F * frame.lattice.inverse_variance /
                         (sheet.widening[a] * sheet.widening[a]);
+    plane.widening[a] = sheet.widening[a];
     columns(a, 0) = plane.per_x[a];
     columns(a, 1) = plane.per_y[a];
     columns(a, 2) = plane.step[a];
@@ -106,8 +108,10 @@ struct PlacedKernel {
 };
 
 // Adds one kernel to a plane's samples.
-HWY_INLINE void splat_kernel(const SampleBox& box, const SplatPlane& plane,
-                             const PlacedKernel& kernel, const SplatSums& sums) {
+template <bool kPiecewise>
+HWY_INLINE void splat_kernel(const LatticeFrame& frame, const SampleBox& box,
+                             const SplatPlane& plane, const PlacedKernel& kernel,
+                             const SplatSums& sums) {
   float* HWY_RESTRICT const numerator = sums.numerator;
   float* HWY_RESTRICT const denominator = sums.denominator;
   const float* const center = kernel.center;
@@ -125,18 +129,28 @@ HWY_INLINE void splat_kernel(const SampleBox& box, const SplatPlane& plane,
     for (int column = x0; column <= x1; column += group_size()) {
       const V px = hn::Iota(d, static_cast<float>(column));
       V log = hn::Zero(d);
+      V product = hn::Set(d, 1.0F);
       M covered = hn::Lt(px, hn::Set(d, static_cast<float>(box.x1 + 1)));
       for (int a = 0; a < 3; ++a) {
         const V offset =
             hn::MulAdd(px, hn::Set(d, plane.per_x[a]),
                        hn::Set(d, static_cast<float>(row) * plane.per_y[a] - from_base[a]));
         covered = hn::And(covered, hn::Le(hn::Abs(offset), hn::Set(d, plane.support[a])));
-        log = hn::MulAdd(hn::Mul(offset, offset), hn::Set(d, plane.exponent[a]), log);
+        if constexpr (kPiecewise) {
+          product = hn::Mul(product,
+                            axis_weight(d, AxisKernel(frame.lattice, plane.widening[a]), offset));
+        } else {
+          log = hn::MulAdd(hn::Mul(offset, offset), hn::Set(d, plane.exponent[a]), log);
+        }
       }
-      const V phi = hn::IfThenElseZero(covered, vector_exp2(d, hn::Max(log, hn::Set(d, -126.0F))));
+      const V all = kPiecewise ? product : vector_exp2(d, hn::Max(log, hn::Set(d, -126.0F)));
+      const V phi = hn::IfThenElseZero(covered, all);
       const int at = row * kPlaneStride + column;
       hn::StoreU(hn::MulAdd(phi, scaled_value, hn::LoadU(d, numerator + at)), d, numerator + at);
-      hn::StoreU(hn::MulAdd(phi, scaled_one, hn::LoadU(d, denominator + at)), d, denominator + at);
+      // Of `sum` no more than whether a kernel reaches: negative weights count, too.
+      const V share = kPiecewise && frame.is_sum ? hn::Abs(phi) : phi;
+      hn::StoreU(hn::MulAdd(share, scaled_one, hn::LoadU(d, denominator + at)), d,
+                 denominator + at);
     }
   }
 }
@@ -216,7 +230,12 @@ inline void splat_sheet(const LatticeFrame& frame, Workspace& work, int s, const
     const device::SlabPoint slab = frame.lattice.slab[point];
     const SplatPlane plane = make_splat_plane(frame, block.sheets[s], slab.offset);
     for_each_kernel(frame, block.region, plane, [&](const float* center, float value) {
-      splat_kernel(box, plane, {center, value, slab.weight}, sums);
+      const PlacedKernel kernel{center, value, slab.weight};
+      if (frame.is_piecewise) {
+        splat_kernel<true>(frame, box, plane, kernel, sums);
+      } else {
+        splat_kernel<false>(frame, box, plane, kernel, sums);
+      }
     });
   }
 }

@@ -13,6 +13,7 @@
 #include "render/cpu/finish-inl.h"
 #include "render/cpu/gradient-inl.h"
 #include "render/cpu/isosurface-inl.h"
+#include "render/cpu/lattice_pieces-inl.h"
 #include "render/cpu/load-inl.h"
 #include "render/cpu/nodes.h"
 #include "render/cpu/patch-inl.h"
@@ -54,6 +55,18 @@ inline RowBits wanted_now(const CpuFrame& frame, const Workspace& work, int s) {
   return bits;
 }
 
+// The pieces between sheet s and the one before it.
+inline void finish_pieces_of_sheet(const LatticeFrame& frame, Workspace& work, int s,
+                                   StageClock& clock) {
+  const BlockPlace& place = work.block.place;
+  RowBits bits{};
+  for (int y = 0; y < place.rows; ++y)
+    bits[y] = work.block.bits.relevant[s][y] & open_samples(frame, place, *work.tile, y);
+  finish_pieces(frame, work.in_hand(), s, bits, LatticePieces{frame, work.block}, clock,
+                [&] { gradients_of_ends(frame, work, s); });
+  work.was_visible = work.shaded.visible;
+}
+
 // classify, light and composite sheet s, whose values (and neighbours', if differences are taken)
 // are there.
 inline void finish_sheet(const LatticeFrame& frame, Workspace& work, int s, StageClock& clock) {
@@ -63,7 +76,8 @@ inline void finish_sheet(const LatticeFrame& frame, Workspace& work, int s, Stag
     return;
   }
   // The block before has drawn it.
-  if (frame.is_preintegrated && s < work.block.place.front_margin) return;
+  if (frame.has_pieces && s < work.block.place.front_margin) return;
+  if (frame.is_refined) return finish_pieces_of_sheet(frame, work, s, clock);
   const RowBits bits = relevant_now(frame, work, s);
   finish_samples(frame, work.in_hand(), s, bits, clock, [&] { gradient_of_sheet(frame, work, s); });
   work.was_visible = work.shaded.visible;
@@ -252,7 +266,7 @@ inline void enter_tile(const CpuFrame& frame, LatticeWorkspace& work, Workspace&
                        const Patch& patch, const PatchTile& tile) {
   BlockPlace& place = own.block.place;
   place.margin = place.back_margin = frame.takes_differences ? 1 : 0;
-  place.front_margin = frame.takes_differences || frame.has_pieces ? 1 : 0;
+  place.front_margin = sheets_before(frame);
   place_tile(patch, tile, place);
   own.tile = &work.tiles[tile.number];
   place.rays = &work.rays[tile.number];

@@ -77,28 +77,62 @@ IndexRange indices_in_reach(double lowest_u, double highest_u, double reach) {
           static_cast<std::int64_t>(std::floor(highest_u + reach))};
 }
 
-// g and dg/du at u of every kernel in reach along one axis, and their endless sum E.
-struct AxisWeights {
-  struct Weight {
-    double g;
-    double dg;
-  };
-  IndexRange indices;
-  std::vector<Weight> weights;
-  double endless = 0;
+// A weight along one axis, and its slope.
+struct AxisWeight {
+  double g = 0;
+  double dg = 0;
+};
 
-  AxisWeights(double u, double sigma, double reach)
-      : indices(indices_in_reach(u, u, reach + kOnCutoff)) {
-    for (std::int64_t i = indices.first; i <= indices.last; ++i) {
-      const double d = u - static_cast<double>(i);
+AxisWeight b_spline_at(double t) {
+  const double a = std::abs(t);
+  if (a >= 2) return {};
+  const double sign = t < 0 ? -1.0 : 1.0;
+  if (a >= 1) return {(2 - a) * (2 - a) * (2 - a) / 6, -sign * (2 - a) * (2 - a) / 2};
+  return {2.0 / 3.0 - a * a * (2 - a) / 2, sign * (1.5 * a * a - 2 * a)};
+}
+
+AxisWeight catmull_rom_at(double t) {
+  const double a = std::abs(t);
+  if (a >= 2) return {};
+  const double sign = t < 0 ? -1.0 : 1.0;
+  if (a >= 1) return {(1 - a) * (2 - a) * (2 - a) / 2, sign * (2 - a) * (3 * a - 4) / 2};
+  return {(1 - a) * (1 + a - 1.5 * a * a), sign * a * (4.5 * a - 5)};
+}
+
+// A kernel along one axis, widened: g and dg/dd at the distance d.
+struct AxisKernel {
+  LatticeKernelKind kind;
+  double sigma;
+  double reach;
+
+  AxisWeight at(double d) const {
+    if (kind == LatticeKernelKind::kGaussian) {
       const double part = std::abs(d) >= reach - kOnCutoff ? 0.5 : 1.0;
       const double g = part * std::exp(-0.5 * d * d / (sigma * sigma));
-      weights.push_back({g, -d / (sigma * sigma) * g});
-      endless += g;
+      return {g, -d / (sigma * sigma) * g};
+    }
+    const double unit = 2 * sigma;
+    const AxisWeight piece =
+        kind == LatticeKernelKind::kBSpline ? b_spline_at(d / unit) : catmull_rom_at(d / unit);
+    return {piece.g, piece.dg / unit};
+  }
+};
+
+// g and dg/du at u of every kernel in reach along one axis, and their endless sum E.
+struct AxisWeights {
+  IndexRange indices;
+  std::vector<AxisWeight> weights;
+  double endless = 0;
+
+  AxisWeights(double u, const AxisKernel& kernel)
+      : indices(indices_in_reach(u, u, kernel.reach + kOnCutoff)) {
+    for (std::int64_t i = indices.first; i <= indices.last; ++i) {
+      weights.push_back(kernel.at(u - static_cast<double>(i)));
+      endless += weights.back().g;
     }
   }
 
-  const Weight& of(std::int64_t i) const {
+  const AxisWeight& of(std::int64_t i) const {
     return weights[static_cast<std::size_t>(i - indices.first)];
   }
 };
@@ -133,28 +167,66 @@ IndexRange indices_in_reach(double from, double step, const Part& part, double r
 }
 
 // Integrals over a part of a segment, in t, of one kernel and its gradient along d(t) = start + t
-// step, where d is the offset from the kernel's centre. Along the line phi is one Gaussian in t:
-// exp(-q0 - k/2 (t - t0)^2).
+// step, where d is the offset from the kernel's centre.
 struct LineIntegral {
   double phi = 0;
   Vec3 grad_phi = Vec3::Zero();
-
-  LineIntegral(const Part& part, const Vec3& start, const Vec3& step, const Vec3& sigma) {
-    const Vec3 scaled_start = start.cwiseQuotient(sigma);
-    const Vec3 scaled_step = step.cwiseQuotient(sigma);
-    const double k = scaled_step.squaredNorm();
-    const double t0 = -scaled_start.dot(scaled_step) / k;
-    const double peak = std::exp(-0.5 * (scaled_start + t0 * scaled_step).squaredNorm());
-    const double a = part.t_in - t0;
-    const double b = part.t_out - t0;
-    const double root = std::sqrt(0.5 * k);
-    phi = peak * std::sqrt(std::numbers::pi / (2 * k)) * difference_of_erf(root * a, root * b);
-    // First moment about t0: the integral of (t - t0) phi.
-    const double moment = peak * (std::exp(-0.5 * k * a * a) - std::exp(-0.5 * k * b * b)) / k;
-    const Vec3 nearest = start + t0 * step;
-    grad_phi = -(nearest * phi + step * moment).cwiseQuotient(sigma.cwiseProduct(sigma));
-  }
 };
+
+// Along the line phi is one Gaussian in t: exp(-q0 - k/2 (t - t0)^2).
+LineIntegral gaussian_integral(const Part& part, const Vec3& start, const Vec3& step,
+                               const Vec3& sigma) {
+  LineIntegral integral;
+  const Vec3 scaled_start = start.cwiseQuotient(sigma);
+  const Vec3 scaled_step = step.cwiseQuotient(sigma);
+  const double k = scaled_step.squaredNorm();
+  const double t0 = -scaled_start.dot(scaled_step) / k;
+  const double peak = std::exp(-0.5 * (scaled_start + t0 * scaled_step).squaredNorm());
+  const double a = part.t_in - t0;
+  const double b = part.t_out - t0;
+  const double root = std::sqrt(0.5 * k);
+  integral.phi =
+      peak * std::sqrt(std::numbers::pi / (2 * k)) * difference_of_erf(root * a, root * b);
+  // First moment about t0: the integral of (t - t0) phi.
+  const double moment = peak * (std::exp(-0.5 * k * a * a) - std::exp(-0.5 * k * b * b)) / k;
+  const Vec3 nearest = start + t0 * step;
+  integral.grad_phi =
+      -(nearest * integral.phi + step * moment).cwiseQuotient(sigma.cwiseProduct(sigma));
+  return integral;
+}
+
+// Kinds of one size: between the places where the line meets a knot of one of the axes, phi is a
+// polynomial of degree 9 in t, for which five Gauss-Legendre points are exact.
+LineIntegral piecewise_integral(const Part& part, const Vec3& start, const Vec3& step,
+                                const std::array<AxisKernel, 3>& kernels) {
+  static constexpr double kPoints[5] = {0.0, -0.5384693101056831, 0.5384693101056831,
+                                        -0.9061798459386640, 0.9061798459386640};
+  static constexpr double kWeights[5] = {0.5688888888888889, 0.4786286704993665, 0.4786286704993665,
+                                         0.2369268850561891, 0.2369268850561891};
+  std::vector<double> knots{part.t_in, part.t_out};
+  for (int a = 0; a < 3; ++a) {
+    for (int knot = -1; knot <= 1 && step[a] != 0; ++knot) {
+      const double t = (2 * kernels[static_cast<std::size_t>(a)].sigma * knot - start[a]) / step[a];
+      if (t > part.t_in && t < part.t_out) knots.push_back(t);
+    }
+  }
+  std::sort(knots.begin(), knots.end());
+  LineIntegral integral;
+  for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
+    const double half = 0.5 * (knots[i + 1] - knots[i]);
+    const double middle = 0.5 * (knots[i + 1] + knots[i]);
+    for (int n = 0; n < 5; ++n) {
+      const Vec3 d = start + (middle + half * kPoints[n]) * step;
+      const AxisWeight x = kernels[0].at(d[0]);
+      const AxisWeight y = kernels[1].at(d[1]);
+      const AxisWeight z = kernels[2].at(d[2]);
+      const double weight = half * kWeights[n];
+      integral.phi += weight * x.g * y.g * z.g;
+      integral.grad_phi += weight * Vec3(x.dg * y.g * z.g, x.g * y.dg * z.g, x.g * y.g * z.dg);
+    }
+  }
+  return integral;
+}
 
 }  // namespace
 
@@ -229,7 +301,8 @@ void FieldEvaluator::add_sublattice(int sublattice, const Vec3& position, const 
   const Vec3 u = position - lattice_.offset_of(sublattice);
   const Index3 dims = lattice_.dims_of(sublattice);
   const auto axis = [&](int a) {
-    return AxisWeights(u[a], kernel_.sigma * widening[a], kernel_.support_radius() * widening[a]);
+    return AxisWeights(
+        u[a], {kernel_.kind, kernel_.sigma * widening[a], kernel_.support_radius() * widening[a]});
   };
   const AxisWeights x = axis(0);
   const AxisWeights y = axis(1);
@@ -250,6 +323,7 @@ void FieldEvaluator::add_sublattice(int sublattice, const Vec3& position, const 
         const Vec3 grad_phi(dgx * gy * gz, gx * dgy * gz, gx * gy * dgz);
         sums.numerator += values_[place] * phi;
         sums.denominator += phi;
+        sums.reaches = sums.reaches || phi != 0;
         sums.grad_numerator += values_[place] * grad_phi;
         sums.grad_denominator += grad_phi;
       }
@@ -302,13 +376,21 @@ void FieldEvaluator::integrate_sublattice(int sublattice, const Vec3& from, cons
         const double dx = from[0] - static_cast<double>(i);
         const Part in_box = near_j.within(dx, step[0], reach[0]);
         if (in_box.is_empty()) continue;
-        const LineIntegral integral(in_box, {dx, dy, dz}, step, sigma);
+        const Vec3 start(dx, dy, dz);
+        const LineIntegral integral =
+            kernel_.kind == LatticeKernelKind::kGaussian
+                ? gaussian_integral(in_box, start, step, sigma)
+                : piecewise_integral(in_box, start, step,
+                                     {{{kernel_.kind, sigma[0], reach[0]},
+                                       {kernel_.kind, sigma[1], reach[1]},
+                                       {kernel_.kind, sigma[2], reach[2]}}});
         sums.endless += integral.phi;
         if (!is_inside(sublattice, {i, j, k})) continue;
         const std::size_t place = place_of(sublattice, {i, j, k});
         if (exists_[place] == 0) continue;
         sums.numerator += values_[place] * integral.phi;
         sums.denominator += integral.phi;
+        sums.reaches = true;
         sums.grad_numerator += values_[place] * integral.grad_phi;
         sums.grad_denominator += integral.grad_phi;
       }
@@ -349,7 +431,8 @@ FieldSample FieldEvaluator::mean_under(const Bounds3& box,
 
 Vec3 FieldEvaluator::corrected_gradient(const Vec3& gradient, const Vec3& position,
                                         const Vec3& widening) const {
-  if (reconstruction_ == Reconstruction::kSum) return gradient;
+  if (reconstruction_ == Reconstruction::kSum || kernel_.kind != LatticeKernelKind::kGaussian)
+    return gradient;
   // Moments of the samples' places, relative to the position, under the endless lattice's weights:
   // of each sublattice, which are products, and of all.
   const Vec3 sigma = kernel_.sigma * widening;
@@ -363,7 +446,8 @@ Vec3 FieldEvaluator::corrected_gradient(const Vec3& gradient, const Vec3& positi
     Vec3 own_mean;
     Vec3 variance;
     for (int a = 0; a < 3; ++a) {
-      const AxisWeights axis(u[a], sigma[a], kernel_.support_radius() * widening[a]);
+      const AxisWeights axis(u[a],
+                             {kernel_.kind, sigma[a], kernel_.support_radius() * widening[a]});
       double first = 0;
       double second = 0;
       for (std::int64_t i = axis.indices.first; i <= axis.indices.last; ++i) {
@@ -410,20 +494,20 @@ Bounds3 FieldEvaluator::support_bounds(const Vec3& widening) const {
 }
 
 FieldSample FieldEvaluator::reconstruct(const Sums& sums, const Vec3& widening) const {
-  // No existing kernel reaches the place: the cutoff is at most 16 sigmas, so no phi within reach
-  // underflows.
-  if (!(sums.denominator > 0)) return {};
+  const bool is_normalized = reconstruction_ == Reconstruction::kNormalized;
+  // The cutoff is at most 16 sigmas, so no phi within reach underflows.
+  if (!(is_normalized ? sums.denominator > 0 : sums.reaches)) return {};
   FieldSample sample;
   sample.weight = sums.denominator / sums.endless;
-  if (reconstruction_ == Reconstruction::kNormalized &&
-      sums.denominator < kLeastShare * sums.endless) {
-    return sample;
-  }
+  if (is_normalized && sums.denominator < kLeastShare * sums.endless) return sample;
   sample.is_defined = true;
   Vec3 grad_index;
   if (reconstruction_ == Reconstruction::kSum) {
-    const double weight = 1 / (std::pow(2 * std::numbers::pi, 1.5) * std::pow(kernel_.sigma, 3)) /
-                          (lattice_.density() * widening[0] * widening[1] * widening[2]);
+    const double mass = kernel_.kind == LatticeKernelKind::kGaussian
+                            ? std::sqrt(2 * std::numbers::pi) * kernel_.sigma
+                            : 2 * kernel_.sigma;
+    const double weight =
+        1 / (mass * mass * mass) / (lattice_.density() * widening[0] * widening[1] * widening[2]);
     sample.value = weight * sums.numerator;
     grad_index = weight * sums.grad_numerator;
   } else {

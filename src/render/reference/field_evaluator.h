@@ -66,6 +66,7 @@ class FieldEvaluator {
     double numerator = 0;    // sum v phi
     double denominator = 0;  // sum phi, over the kernels that exist
     double endless = 0;      // sum phi, over the endless lattice
+    bool reaches = false;    // some phi of a kernel that exists is not 0
     Vec3 grad_numerator = Vec3::Zero();
     Vec3 grad_denominator = Vec3::Zero();
   };

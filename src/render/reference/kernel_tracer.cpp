@@ -21,7 +21,7 @@ std::optional<PixelTracer::RaySample> KernelTracer::sample(const PixelRay& pixel
                                                            TraceCounts& counts) const {
   if (!view().exists(sheet)) return std::nullopt;
   const double path = view().path(pixel.ray, sheet);
-  if (!(path > 0)) return std::nullopt;
+  if (!(path > 0) && !is_refined()) return std::nullopt;
   ++counts.samples;
   const KernelPlanes::Sample at = planes_.at(pixel.x, pixel.y, sheet);
   if (!at.is_defined) return std::nullopt;

@@ -30,6 +30,7 @@ LatticeTracer::LatticeTracer(const LatticeField& field, const FieldEvaluator& ev
       gradient_method_(options.spread == Spread::kBilinear ? GradientMethod::kCentral
                                                            : options.gradient),
       takes_pieces_(options.classification == Classification::kPreintegrated),
+      ends_at_faces_(field.reconstruction() == Reconstruction::kNormalized),
       has_nodes_(is_published(options.post_convolution)),
       way_(options.post_convolution),
       spread_(options.spread),
@@ -37,7 +38,8 @@ LatticeTracer::LatticeTracer(const LatticeField& field, const FieldEvaluator& ev
       world_from_index_(field.geometry().world_from_index),
       kernel_(field.index_kernel()),
       node_distance_(field.geometry().unit_spacing()),
-      support_(evaluator.support_bounds(view().greatest_widening())) {}
+      support_(evaluator.support_bounds(view().greatest_widening())),
+      faces_(field.geometry().index_bounds()) {}
 
 SheetRange LatticeTracer::sheets_of(const Ray& ray) const {
   return view().sheets_within(ray, support_);
@@ -49,7 +51,7 @@ std::optional<LatticeTracer::RaySample> LatticeTracer::sample(const PixelRay& pi
                                                               TraceCounts& counts) const {
   if (!view().exists(sheet)) return std::nullopt;
   const double path = view().path(pixel.ray, sheet);
-  if (!(path > 0)) return std::nullopt;
+  if (!(path > 0) && !is_refined()) return std::nullopt;
   ++counts.samples;
   const double z = view().z_of(sheet);
   if (const std::optional<double> node_step = node_step_on(sheet)) {
@@ -73,6 +75,18 @@ PixelTracer::RaySample LatticeTracer::front_end(const PixelRay& pixel, const Ray
     front.value = front.color_value = field_at({1.0 * pixel.x, 1.0 * pixel.y, before.sheet}).value;
   }
   return front;
+}
+
+ZRange LatticeTracer::range_of(const PixelRay& pixel, const Piece& piece) const {
+  if (ends_at_faces_ && !(piece.front && piece.back)) {
+    const ZRange whole{view().z_of(piece.sheet - 1), view().z_of(piece.sheet)};
+    const Vec3 undefined_end = index_from_world_ * pixel.ray.at(piece.front ? whole.hi : whole.lo);
+    if (!faces_.contains(undefined_end)) {
+      const ZRange inside = view().inside(pixel.ray, faces_);
+      return {std::max(whole.lo, inside.lo), std::min(whole.hi, inside.hi)};
+    }
+  }
+  return PixelTracer::range_of(pixel, piece);
 }
 
 // None if every pixel of the sheet is worked out by itself.

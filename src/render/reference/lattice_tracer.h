@@ -26,6 +26,7 @@ class LatticeTracer final : public PixelTracer {
                       const RaySample& to) const override;
   RaySample front_end(const PixelRay& pixel, const RaySample& before,
                       const RaySample& at) const override;
+  ZRange range_of(const PixelRay& pixel, const Piece& piece) const override;
   Crossing crossing(const PixelRay& pixel, const RaySample& near,
                     const RaySample& far) const override;
 
@@ -66,6 +67,7 @@ class LatticeTracer final : public PixelTracer {
   const Slab slab_;
   const GradientMethod gradient_method_;
   const bool takes_pieces_;    // pre-integrated
+  const bool ends_at_faces_;   // a normalized field
   const bool has_nodes_;       // on sheets that are magnified enough
   const PostConvolution way_;  // and how pixels are made from them
   const Spread spread_;
@@ -74,6 +76,7 @@ class LatticeTracer final : public PixelTracer {
   const LatticeKernel kernel_;  // in index units
   const double node_distance_;  // of the published ways, index units
   const Bounds3 support_;       // index space, the whole frame's
+  const Bounds3 faces_;         // index space
 };
 
 }  // namespace ovoid::reference

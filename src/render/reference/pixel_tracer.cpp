@@ -8,6 +8,9 @@
 #include <cmath>
 #include <utility>
 
+#include "view/frame_plan.h"
+#include "view/look_variation.h"
+
 namespace ovoid::reference {
 namespace {
 
@@ -41,8 +44,13 @@ PixelTracer::PixelTracer(const Field& field, const ViewRays& view, const Look& l
                          const RenderOptions& options, const PixelTracer* trail)
     : look_(look),
       has_own_color_(field.kernels() != nullptr && field.kernels()->has_own_color()),
-      classification_(options.classification),
+      opaque_at_(options.opaque_at),
+      is_preintegrated_(options.classification == Classification::kPreintegrated),
+      is_refined_(view::is_refined(look, options)),
       fading_(fading_of(look)),
+      table_(look.transfer_function),
+      variation_(
+          view::look_variation(table_, view.sampling_distance() / unit_distance_of(look, field))),
       view_(view),
       shading_{unit_distance_of(look, field), field.default_sampling_distance(),
                span_of(look, field)},
@@ -53,7 +61,7 @@ Pixel PixelTracer::trace(int x, int y, TraceCounts& counts) const {
   const PixelRay pixel{x, y, ray, sheets_of_all(ray)};
   switch (look_.mode) {
     case Mode::kComposite:
-      return composite(pixel, counts);
+      return is_refined_ ? refined(pixel, counts) : composite(pixel, counts);
     case Mode::kXray:
       return xray(pixel, counts);
     case Mode::kMaximum:
@@ -81,26 +89,33 @@ void PixelTracer::add_sample(const PixelRay& pixel, const std::optional<RaySampl
   ClassifiedSample seen = classified_sample(start, at);
   if (seen.opacity == 0) return;
   ++counts.visible;
-  if (look_.shade || !fading_.opacities.empty()) {
+  Vec3 slope = Vec3::Zero();
+  if (uses_gradients()) {
     ++counts.gradients;
-    const Vec3 slope = start ? piece_gradient(pixel, *start, at) : gradient(pixel, at);
-    seen.opacity *= fading_.opacity_at(slope.norm());
-    if (look_.shade) {
-      const Vec3 to_eye = -pixel.ray.direction.normalized();
-      seen.color = shaded(seen.color, slope, to_eye, look_, shading_);
-    }
+    slope = start ? piece_gradient(pixel, *start, at) : gradient(pixel, at);
+  }
+  add_seen(pixel, seen, slope, at.z, at.path, result);
+}
+
+// What was classified is faded, lit and composited.
+void PixelTracer::add_seen(const PixelRay& pixel, ClassifiedSample seen, const Vec3& slope,
+                           double z, double path, Pixel& result) const {
+  if (!fading_.opacities.empty()) seen.opacity *= fading_.opacity_at(slope.norm());
+  if (look_.shade) {
+    const Vec3 to_eye = -pixel.ray.direction.normalized();
+    seen.color = shaded(seen.color, slope, to_eye, look_, shading_);
   }
   double& alpha = result.rgba[3];
-  const double a = opacity_over(seen.opacity, at.path, shading_.unit_distance);
+  const double a = opacity_over(seen.opacity, path, shading_.unit_distance);
   for (std::size_t c = 0; c < 3; ++c) result.rgba[c] += (1 - alpha) * a * seen.color[c];
   alpha += (1 - alpha) * a;
-  if (alpha >= 0.5 && std::isinf(result.depth)) result.depth = at.z;
+  if (alpha >= 0.5 && std::isinf(result.depth)) result.depth = z;
 }
 
 // What the trail has on a sheet.
 void PixelTracer::add_trail(const PixelRay& pixel, std::int64_t sheet, Pixel& result,
                             TraceCounts& counts) const {
-  if (trail_ == nullptr || result.rgba[3] >= RenderOptions::kOpaque) return;
+  if (trail_ == nullptr || result.rgba[3] >= opaque_at_) return;
   const std::optional<RaySample> at = trail_->sample(pixel, sheet, counts);
   if (at) trail_->add_sample(pixel, std::nullopt, *at, result, counts);
 }
@@ -109,12 +124,11 @@ Pixel PixelTracer::composite(const PixelRay& pixel, TraceCounts& counts) const {
   Pixel result;
   std::optional<RaySample> before;
   for (std::int64_t k = pixel.sheets.first; k <= pixel.sheets.last; ++k) {
-    if (result.rgba[3] >= RenderOptions::kOpaque) break;
+    if (result.rgba[3] >= opaque_at_) break;
     const std::optional<RaySample> at = sample(pixel, k, counts);
     if (at) {
       std::optional<RaySample> start;
-      if (before && classification_ == Classification::kPreintegrated)
-        start = front_end(pixel, *before, *at);
+      if (before && is_preintegrated_) start = front_end(pixel, *before, *at);
       add_sample(pixel, start, *at, result, counts);
     }
     before = at;
@@ -126,6 +140,79 @@ Pixel PixelTracer::composite(const PixelRay& pixel, TraceCounts& counts) const {
 PixelTracer::RaySample PixelTracer::front_end(const PixelRay& /*pixel*/, const RaySample& before,
                                               const RaySample& /*at*/) const {
   return before;
+}
+
+// Half of it, next to the end that there is.
+ZRange PixelTracer::range_of(const PixelRay& /*pixel*/, const Piece& piece) const {
+  const double near = view_.z_of(piece.sheet - 1);
+  const double far = view_.z_of(piece.sheet);
+  const double middle = 0.5 * (near + far);
+  return {piece.front ? near : middle, piece.back ? far : middle};
+}
+
+// Whether a value between the ends has any opacity.
+bool PixelTracer::may_show(const Piece& piece) const {
+  const auto front = static_cast<float>((piece.front ? piece.front : piece.back)->value);
+  const auto back = static_cast<float>((piece.back ? piece.back : piece.front)->value);
+  return table_.any_opacity(std::min(front, back), std::max(front, back));
+}
+
+int PixelTracer::num_steps(const Piece& piece, const Vec3& front_slope,
+                           const Vec3& back_slope) const {
+  if (!piece.front || !piece.back) return 1;
+  const auto variation_to = [&](double value) {
+    return static_cast<double>(table_.read(variation_, static_cast<float>(value)));
+  };
+  const double change =
+      std::abs(variation_to(piece.back->value) - variation_to(piece.front->value));
+  const auto seen_normal = [&](const Vec3& slope) -> Vec3 {
+    return flatness(slope, shading_) * normal_of(slope);
+  };
+  const double turn = (seen_normal(back_slope) - seen_normal(front_slope)).norm();
+  return view::steps_for(view::kStepsPerVariation * change + (uses_gradients() ? turn : 0.0));
+}
+
+// The piece in steps: docs/numerics.md, "Classification", refined.
+void PixelTracer::add_piece(const PixelRay& pixel, const Piece& piece, Pixel& result,
+                            TraceCounts& counts) const {
+  if (!may_show(piece)) return;
+  const ZRange part = view_.kept(pixel.ray, range_of(pixel, piece));
+  if (!(part.lo < part.hi)) return;
+  const RaySample& front = piece.front ? *piece.front : *piece.back;
+  const RaySample& back = piece.back ? *piece.back : *piece.front;
+  Vec3 front_slope = Vec3::Zero();
+  Vec3 back_slope = Vec3::Zero();
+  if (uses_gradients()) {
+    counts.gradients += 2;
+    front_slope = gradient(pixel, front);
+    back_slope = gradient(pixel, back);
+  }
+  const int steps = num_steps(piece, front_slope, back_slope);
+  const double length = (part.hi - part.lo) / steps;
+  for (int m = 0; m < steps && result.rgba[3] < opaque_at_; ++m) {
+    const double z = part.lo + (m + 0.5) * length;
+    const double t = (z - view_.z_of(piece.sheet - 1)) / view_.sampling_distance();
+    const double value = front.value + t * (back.value - front.value);
+    const double opacity = look_.transfer_function.opacity_at(value);
+    if (opacity == 0) continue;
+    ++counts.visible;
+    const Rgb color = color_of(front.color_value + t * (back.color_value - front.color_value));
+    add_seen(pixel, {color, opacity}, front_slope + t * (back_slope - front_slope), z,
+             length * pixel.ray.direction.norm(), result);
+  }
+}
+
+Pixel PixelTracer::refined(const PixelRay& pixel, TraceCounts& counts) const {
+  Pixel result;
+  std::optional<RaySample> before;
+  for (std::int64_t k = pixel.sheets.first; k <= pixel.sheets.last + 1; ++k) {
+    if (result.rgba[3] >= opaque_at_) break;
+    const std::optional<RaySample> at = sample(pixel, k, counts);
+    if (before || at) add_piece(pixel, {k, before, at}, result, counts);
+    before = at;
+    add_trail(pixel, k, result, counts);
+  }
+  return result;
 }
 
 // Colour, and opacity over a unit distance, of a sample, or of the piece that ends at it.
@@ -197,7 +284,7 @@ Pixel PixelTracer::isosurface(const PixelRay& pixel, TraceCounts& counts) const 
   Pixel result;  // what is in front of the surface
   std::optional<RaySample> near;
   for (std::int64_t k = pixel.sheets.first; k <= pixel.sheets.last; ++k) {
-    if (result.rgba[3] >= RenderOptions::kOpaque) break;
+    if (result.rgba[3] >= opaque_at_) break;
     const std::optional<RaySample> far = sample(pixel, k, counts);
     if (near && far) near = front_end(pixel, *near, *far);
     if (near && far && (near->value < iso) != (far->value < iso)) {

@@ -5,12 +5,14 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <vector>
 
 #include "ovoid/field.h"
 #include "ovoid/look.h"
 #include "ovoid/renderer.h"
 #include "render/reference/shading.h"
 #include "render/reference/view_rays.h"
+#include "view/look_table.h"
 
 namespace ovoid::reference {
 
@@ -52,6 +54,11 @@ class PixelTracer {
     Vec3 exact_gradient;  // of lattices, unless from nodes
     bool is_from_nodes = false;
   };
+  // The ends of what lies between sheet - 1 and sheet; at least one is there.
+  struct Piece {
+    std::int64_t sheet;
+    std::optional<RaySample> front, back;
+  };
   struct Crossing {
     double z;
     double color_value;
@@ -75,12 +82,16 @@ class PixelTracer {
   // The sample before as the front end of the piece to `at`.
   virtual RaySample front_end(const PixelRay& pixel, const RaySample& before,
                               const RaySample& at) const;
+  // Where along the ray a piece has a field, before anything is cut away.
+  virtual ZRange range_of(const PixelRay& pixel, const Piece& piece) const;
   // Where between two samples on either side the field takes the isovalue.
   virtual Crossing crossing(const PixelRay& pixel, const RaySample& near,
                             const RaySample& far) const = 0;
 
   const Look& look() const { return look_; }
   const ViewRays& view() const { return view_; }
+  bool is_refined() const { return is_refined_; }
+  bool uses_gradients() const { return look_.shade || !fading_.opacities.empty(); }
 
  private:
   ClassifiedSample classified_sample(const std::optional<RaySample>& before,
@@ -91,7 +102,14 @@ class PixelTracer {
                   Pixel& result, TraceCounts& counts) const;
   void add_trail(const PixelRay& pixel, std::int64_t sheet, Pixel& result,
                  TraceCounts& counts) const;
+  void add_seen(const PixelRay& pixel, ClassifiedSample seen, const Vec3& slope, double z,
+                double path, Pixel& result) const;
+  bool may_show(const Piece& piece) const;
+  int num_steps(const Piece& piece, const Vec3& front_slope, const Vec3& back_slope) const;
+  void add_piece(const PixelRay& pixel, const Piece& piece, Pixel& result,
+                 TraceCounts& counts) const;
   Pixel composite(const PixelRay& pixel, TraceCounts& counts) const;
+  Pixel refined(const PixelRay& pixel, TraceCounts& counts) const;
   Pixel xray(const PixelRay& pixel, TraceCounts& counts) const;
   Pixel maximum(const PixelRay& pixel, TraceCounts& counts) const;
   Pixel mean(const PixelRay& pixel, TraceCounts& counts) const;
@@ -100,8 +118,12 @@ class PixelTracer {
 
   const Look look_;
   const bool has_own_color_;
-  const Classification classification_;
+  const double opaque_at_;
+  const bool is_preintegrated_;
+  const bool is_refined_;
   const TransferFunction fading_;  // opacity by the gradient's length; without points 1
+  const view::LookTable table_;    // decides about steps and what shows, never about colours
+  const std::vector<float> variation_;
   const ViewRays view_;
   ShadingContext shading_;
   const PixelTracer* const trail_;

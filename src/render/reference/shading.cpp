@@ -8,20 +8,6 @@
 namespace ovoid::reference {
 namespace {
 
-// Zero stays zero.
-Vec3 direction_of(const Vec3& v) {
-  const double length = v.norm();
-  return length > 0 ? Vec3(v / length) : Vec3(Vec3::Zero());
-}
-
-// q: 0 where the field is flat, 1 where its gradient tells a direction.
-double flatness(const Vec3& gradient, const ShadingContext& context) {
-  const double rise = gradient.norm() * context.least_spacing;
-  const double threshold = 1e-4 * context.span;
-  if (rise >= threshold) return rise > 0 ? 1 : 0;
-  return rise / threshold;
-}
-
 // An opacity of 1 counts as this much extinction per unit distance.
 constexpr double kGreatestExtinction = 64;
 
@@ -42,6 +28,18 @@ std::vector<double> corners_between(const TransferFunction& tf, double from, dou
 }
 
 }  // namespace
+
+Vec3 normal_of(const Vec3& gradient) {
+  const double length = gradient.norm();
+  return length > 0 ? Vec3(gradient / length) : Vec3(Vec3::Zero());
+}
+
+double flatness(const Vec3& gradient, const ShadingContext& context) {
+  const double rise = gradient.norm() * context.least_spacing;
+  const double threshold = 1e-4 * context.span;
+  if (rise >= threshold) return rise > 0 ? 1 : 0;
+  return rise / threshold;
+}
 
 ClassifiedSample classified_piece(const TransferFunction& tf, double from, double to) {
   constexpr int kSamples = 64;
@@ -70,9 +68,9 @@ double opacity_over(double opacity, double path, double unit_distance) {
 
 Rgb shaded(const Rgb& color, const Vec3& gradient, const Vec3& to_eye, const Look& look,
            const ShadingContext& context) {
-  const Vec3 to_light = look.light_direction ? direction_of(*look.light_direction) : to_eye;
-  const Vec3 normal = direction_of(gradient);
-  const Vec3 half_way = direction_of(to_light + to_eye);
+  const Vec3 to_light = look.light_direction ? normal_of(*look.light_direction) : to_eye;
+  const Vec3 normal = normal_of(gradient);
+  const Vec3 half_way = normal_of(to_light + to_eye);
   const double n_l = normal.dot(to_light);
   const double n_e = normal.dot(to_eye);
 

@@ -13,6 +13,9 @@ struct ShadingContext {
   double span;           // of the values over which flatness is judged
 };
 
+// q: 0 where the field is flat, 1 where its gradient tells a direction.
+double flatness(const Vec3& gradient, const ShadingContext& context);
+
 struct ClassifiedSample {
   Rgb color;
   double opacity;  // over a unit distance
@@ -21,6 +24,9 @@ struct ClassifiedSample {
 // The piece of a ray along which the value goes straight from `from` to `to`, which differ:
 // docs/numerics.md, "Classification", pre-integrated.
 ClassifiedSample classified_piece(const TransferFunction& tf, double from, double to);
+
+// The gradient's direction; zero stays zero.
+Vec3 normal_of(const Vec3& gradient);
 
 // The opacity of a path through material of opacity `opacity` per unit distance.
 double opacity_over(double opacity, double path, double unit_distance);

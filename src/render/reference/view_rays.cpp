@@ -79,13 +79,29 @@ Vec3 ViewRays::widening(std::int64_t sheet) const {
 
 Vec3 ViewRays::greatest_widening() const { return is_perspective_ ? widest_ : widening(0); }
 
-double ViewRays::path(const Ray& ray, std::int64_t sheet) const {
-  Interval kept{z_of(sheet) - 0.5 * ds_, z_of(sheet) + 0.5 * ds_};
+ZRange ViewRays::kept(const Ray& ray, ZRange range) const {
+  Interval kept{range.lo, range.hi};
   if (is_perspective_) kept.lo = std::max(kept.lo, z_near());
   for (const ClipPlane& plane : clip_planes_) {
     kept.keep(plane.normal.dot(ray.direction), plane.offset - plane.normal.dot(ray.origin));
   }
-  return std::max(kept.hi - kept.lo, 0.0) * ray.direction.norm();
+  return {kept.lo, kept.hi};
+}
+
+double ViewRays::path(const Ray& ray, std::int64_t sheet) const {
+  const ZRange part = kept(ray, {z_of(sheet) - 0.5 * ds_, z_of(sheet) + 0.5 * ds_});
+  return std::max(part.hi - part.lo, 0.0) * ray.direction.norm();
+}
+
+ZRange ViewRays::inside(const Ray& ray, const Bounds3& box) const {
+  const Vec3 origin = index_from_world_ * ray.origin;
+  const Vec3 direction = index_from_world_.linear() * ray.direction;
+  Interval inside;
+  for (int a = 0; a < 3; ++a) {
+    inside.keep(direction[a], box.min()[a] - origin[a]);
+    inside.keep(-direction[a], origin[a] - box.max()[a]);
+  }
+  return {inside.lo, inside.hi};
 }
 
 bool ViewRays::is_kept(const Vec3& position) const {
@@ -95,13 +111,7 @@ bool ViewRays::is_kept(const Vec3& position) const {
 }
 
 SheetRange ViewRays::sheets_within(const Ray& ray, const Bounds3& box) const {
-  const Vec3 origin = index_from_world_ * ray.origin;
-  const Vec3 direction = index_from_world_.linear() * ray.direction;
-  Interval inside;
-  for (int a = 0; a < 3; ++a) {
-    inside.keep(direction[a], box.min()[a] - origin[a]);
-    inside.keep(-direction[a], origin[a] - box.max()[a]);
-  }
+  ZRange inside = this->inside(ray, box);
   if (is_perspective_) inside.lo = std::max(inside.lo, z_near());
   if (!(inside.lo <= inside.hi)) return {};
   // Half a slab, and one sheet more for rounding, on either side.

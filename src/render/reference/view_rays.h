@@ -19,6 +19,11 @@ struct Ray {
   Vec3 at(double z) const { return origin + z * direction; }
 };
 
+// From lo to hi along a ray; empty if lo > hi.
+struct ZRange {
+  double lo, hi;
+};
+
 // Sheets first..last; none if first > last.
 struct SheetRange {
   std::int64_t first = 0;
@@ -50,8 +55,12 @@ class ViewRays {
   Vec3 widening(std::int64_t sheet) const;
   Vec3 greatest_widening() const;
 
-  // Length of the part of the sheet's segment that is before no clip plane nor the near plane.
+  // The part of `range` that no clip plane nor the near plane cuts away.
+  ZRange kept(const Ray& ray, ZRange range) const;
+  // Length of that part of the sheet's segment.
   double path(const Ray& ray, std::int64_t sheet) const;
+  // Where the ray is inside `box` (index space).
+  ZRange inside(const Ray& ray, const Bounds3& box) const;
 
   // Width of a pixel at the distance z, world units.
   double pitch_at(double z) const {

@@ -36,7 +36,6 @@ OVOID_CONSTANT int kMaxSublattices = 2;
 OVOID_CONSTANT int kMaxSlabPoints = 32;
 OVOID_CONSTANT uint kNoTable = 0xFFFFFFFFu;
 OVOID_CONSTANT uint kTableCells = 4096u;
-OVOID_CONSTANT float kOpaque = 0.9990234375f;  // 1 - 1/1024
 // A normalized field is undefined where the weights that exist are a smaller part of an endless
 // lattice's (docs/numerics.md).
 OVOID_CONSTANT float kLeastShare = 0.48f;
@@ -46,6 +45,9 @@ OVOID_CONSTANT float kLeastSetWeight = 0.2f;
 OVOID_CONSTANT float kLeastVariance = 1e-6f;
 OVOID_CONSTANT float kLeastInnerVariance = 1e-3f;
 OVOID_CONSTANT int kSurfaceSteps = 8;  // bisections, to 1/256 of a sheet's distance, then a secant
+// Refined pieces: view/look_variation.h.
+OVOID_CONSTANT int kMostSteps = 16;
+OVOID_CONSTANT float kStepsPerVariation = 10.0f;
 OVOID_CONSTANT float kClosePieces = 2.0f;  // cells: the middle stands for a shorter piece
 OVOID_CONSTANT int kFarBricks = 63;        // the greatest distance that is kept
 OVOID_CONSTANT uint kDistanceBits = 63u;   // of a brick's byte
@@ -56,9 +58,10 @@ OVOID_CONSTANT uint kMissingBit = 128u;    // of a brick's byte: samples may be 
 OVOID_CONSTANT uint kIsSum = 1u;
 OVOID_CONSTANT uint kTakesMeans = 2u;
 OVOID_CONSTANT uint kHasFourTaps = 4u;
-OVOID_CONSTANT uint kCorrects = 8u;   // gradients, so that ramps have a constant one
-OVOID_CONSTANT uint kMayMiss = 16u;   // some sample is missing
-OVOID_CONSTANT uint kIsDouble = 32u;  // two sublattices
+OVOID_CONSTANT uint kCorrects = 8u;      // gradients, so that ramps have a constant one
+OVOID_CONSTANT uint kMayMiss = 16u;      // some sample is missing
+OVOID_CONSTANT uint kIsDouble = 32u;     // two sublattices
+OVOID_CONSTANT uint kIsPiecewise = 64u;  // the kernel is made of polynomials
 // Of a frame:
 OVOID_CONSTANT uint kIsParallel = 1u;
 OVOID_CONSTANT uint kIsClipped = 2u;
@@ -68,6 +71,7 @@ OVOID_CONSTANT uint kFades = 16u;  // by the gradient
 OVOID_CONSTANT uint kTakesGradients = 32u;
 OVOID_CONSTANT uint kTakesDifferences = 64u;
 OVOID_CONSTANT uint kStopsOpaque = 128u;
+OVOID_CONSTANT uint kIsRefined = 256u;
 OVOID_CONSTANT uint kHasTrail = 1024u;
 OVOID_CONSTANT uint kHasOwnColor = 2048u;
 OVOID_CONSTANT uint kNodesKeepBound = 8192u;  // those near faces have no value
@@ -134,6 +138,10 @@ struct LookConstants {
   float path_in_units;
   float isovalue;
   uint has_headlight;
+  uint variation_at;  // view::look_variation(), one number an entry; of refined pieces
+  uint padding0;
+  uint padding1;
+  uint padding2;
 };
 
 // Samples at whole numbers of index space, shifted.
@@ -161,6 +169,12 @@ struct LatticeConstants {
   vec4 widening_limit;
   vec4 support_lo;  // index positions where the field can be defined
   vec4 support_hi;
+  // Kernels that are cubic polynomials of t, the distance over a unit of the axis: coefficients of
+  // 1, t, t^2 and t^3 for t < 1 and for t from 1 to 2. Of Gaussians zeros.
+  vec4 inner_piece;
+  vec4 outer_piece;
+  vec4 faces_lo;  // of the box of all samples' cells, index space
+  vec4 faces_hi;
   SlabPoint slab[kMaxSlabPoints];  // where the mean of a slab is taken
   ivec4 num_bricks;                // w: log2 of the edge
   Sublattice sublattices[kMaxSublattices];
@@ -174,8 +188,8 @@ struct LatticeConstants {
   float value_offset;
   int num_slab_points;  // 1: the middle alone
   int num_sublattices;
-  uint padding0;
-  uint padding1;
+  float inverse_unit;  // of the pieces' t, before widening
+  uint is_piecewise;   // the pieces are the kernel; shaders have kIsPiecewise
 };
 
 // A clip plane: distance inside, world, at pixel (x, y) of sheet s: at_first + s per_sheet, each
@@ -202,7 +216,7 @@ struct ViewConstants {
   float near_cut;     // sheets: where slabs begin at the earliest; -infinity in parallel projection
   float pitch;        // of a pixel on sheet 0, world
   float pitch_per_sheet;
-  float padding0;
+  float opaque_at;  // a pixel is closed once its opacity has reached this
   float padding1;
   float padding2;
 };
@@ -363,7 +377,7 @@ OVOID_CONSTANT uint kClosed = 2u;
 
 #ifdef __cplusplus
 static_assert(sizeof(TableConstants) == 48);
-static_assert(sizeof(LookConstants) == 3 * 48 + 4 * 16 + 48);
+static_assert(sizeof(LookConstants) == 3 * 48 + 4 * 16 + 64);
 static_assert(sizeof(LatticeConstants) % 16 == 0);
 static_assert(sizeof(ViewConstants) % 16 == 0);
 static_assert(sizeof(BoxConstants) == 96);  // push constants: 128 bytes are sure

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "data/kernel_weight.h"
 #include "render/shared/device_vectors.h"
 
 namespace ovoid {
@@ -88,6 +89,9 @@ void set_axes(const LatticeGeometry& geometry, const view::ViewLattice& lattice,
     out.camera_columns[r] = device_vector(index_from_camera.row(r).cwiseAbs().transpose());
   }
   out.inverse_spacing = device_vector(geometry.spacing().cwiseInverse());
+  const Bounds3 faces = geometry.index_bounds();
+  out.faces_lo = device_vector(faces.min());
+  out.faces_hi = device_vector(faces.max());
 }
 
 void set_kernel(const LatticeField& field, device::LatticeConstants& out) {
@@ -98,8 +102,15 @@ void set_kernel(const LatticeField& field, device::LatticeConstants& out) {
   out.inverse_variance = 1.0F / (out.sigma * out.sigma);
   out.near_weight = std::exp(-0.5F * out.inverse_variance);
   out.far_weight = std::exp(-2.0F * out.inverse_variance);
-  out.sum_weight = static_cast<float>(
-      1.0 / (geometry.density() * std::pow(2 * std::numbers::pi, 1.5) * std::pow(kernel.sigma, 3)));
+  if (data::is_piecewise(kernel.kind)) {
+    const data::KernelPieces pieces = data::pieces_of(kernel.kind);
+    out.is_piecewise = 1;
+    out.inner_piece = device_vector(pieces.inner);
+    out.outer_piece = device_vector(pieces.outer);
+    out.inverse_unit = static_cast<float>(1 / (2 * kernel.sigma));
+  }
+  out.sum_weight =
+      static_cast<float>(1.0 / (geometry.density() * std::pow(data::axis_mass(kernel), 3)));
   out.value_scale = static_cast<float>(field.source().value_scale());
   out.value_offset = static_cast<float>(field.source().value_offset());
   out.num_sublattices = geometry.num_sublattices();
@@ -133,10 +144,12 @@ LatticeTraits lattice_traits(const LatticeField& field, const FrameTraits& frame
   const PostConvolution how = options.post_convolution;
   LatticeTraits traits;
   traits.is_sum = field.reconstruction() == Reconstruction::kSum;
+  traits.is_piecewise = data::is_piecewise(kernel.kind);
   traits.takes_means = options.slab == Slab::kMean;
   traits.has_four_taps = fits_taps && kernel.sigma >= 0.25 && kernel.sigma <= 2.0 &&
                          !traits.is_sum && !traits.takes_means;
-  traits.corrects_gradient = options.gradient != GradientMethod::kExact && !traits.is_sum;
+  traits.corrects_gradient =
+      options.gradient != GradientMethod::kExact && !traits.is_sum && !traits.is_piecewise;
   traits.may_have_nodes =
       how != PostConvolution::kOff && (how != PostConvolution::kAuto || holds_bound(field, frame));
   return traits;

@@ -12,6 +12,7 @@ namespace ovoid {
 // How the lattice's field is worked out in a frame.
 struct LatticeTraits {
   bool is_sum = false;
+  bool is_piecewise = false;      // the kernel is made of polynomials
   bool takes_means = false;       // of slabs
   bool has_four_taps = true;      // the kernel reaches four samples along an axis; normalized, mid
   bool corrects_gradient = true;  // constant on ramps (docs/numerics.md, "Gradients")

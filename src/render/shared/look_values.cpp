@@ -9,6 +9,7 @@
 #include <span>
 
 #include "render/shared/device_vectors.h"
+#include "view/look_variation.h"
 
 namespace ovoid {
 
@@ -146,6 +147,8 @@ device::LookConstants look_constants(const view::FramePlan& plan, const Look& lo
   if (plan.color_table) out.color = table_constants(*plan.color_table, 1.0, tables);
   if (plan.fading) out.fading = table_constants(*plan.fading, 1.0, tables);
   if (plan.is_preintegrated) set_integrals(plan.look_table, out, tables);
+  if (plan.is_refined)
+    out.variation_at = 4 * append(tables, view::look_variation(plan.look_table, path_in_units));
   const Rgb color = look.transfer_function.color_at(look.isovalue);
   out.isosurface_color = device_vector(Vec3(color[0], color[1], color[2]));
   out.has_headlight = look.light_direction ? 0 : 1;

@@ -26,20 +26,22 @@ FrameTraits frame_traits(const view::FramePlan& plan, const Look& look,
   const bool is_composite = look.mode == Mode::kComposite;
   const bool is_surface = look.mode == Mode::kIsosurface;
   FrameTraits traits;
+  traits.opaque_at = static_cast<float>(options.opaque_at);
   traits.mode = look.mode;
   traits.is_parallel = plan.lattice.is_parallel();
   traits.is_clipped = plan.is_clipped;
   traits.is_lit = look.shade && (is_composite || is_surface);
   traits.has_own_color = plan.color_table.has_value();
   traits.is_preintegrated = is_composite && plan.is_preintegrated;
-  traits.has_pieces = traits.is_preintegrated || is_surface;
+  traits.is_refined = is_composite && plan.is_refined;
+  traits.has_pieces = traits.is_preintegrated || traits.is_refined || is_surface;
   traits.fades_by_gradient = is_composite && plan.fading.has_value();
   traits.takes_gradients = is_composite && (look.shade || traits.fades_by_gradient);
   traits.takes_differences =
       traits.takes_gradients &&
       (options.gradient == GradientMethod::kCentral || options.spread == Spread::kBilinear);
   traits.nodes_keep_bound = options.post_convolution == PostConvolution::kAuto;
-  traits.corrects_late = traits.is_preintegrated || traits.fades_by_gradient;
+  traits.corrects_late = traits.is_preintegrated || traits.is_refined || traits.fades_by_gradient;
   return traits;
 }
 
@@ -95,6 +97,7 @@ device::ViewConstants view_constants(const view::FramePlan& plan, const RenderOp
                      : static_cast<float>((lattice.near_depth() - lattice.depth(first)) /
                                           lattice.sampling_distance());
   out.pitch = static_cast<float>(lattice.pitch(first));
+  out.opaque_at = static_cast<float>(options.opaque_at);
   out.pitch_per_sheet = static_cast<float>(lattice.pitch(first + 1) - lattice.pitch(first));
   return out;
 }

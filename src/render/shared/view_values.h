@@ -16,12 +16,14 @@ struct FrameTraits {
   bool is_clipped = false;
   bool is_lit = true;
   bool has_own_color = false;      // another attribute gives the colours
-  bool is_preintegrated = false;   // pieces between sheets are classified
+  bool is_preintegrated = false;   // pieces between sheets are classified as one
+  bool is_refined = false;         // or in steps
   bool has_pieces = false;         // what shows lies between a sheet and the one before it
   bool fades_by_gradient = false;  // the opacity depends on the gradient's length
   bool takes_gradients = true;     // for light or for fading
   bool takes_differences = false;  // the gradients are central differences
   bool nodes_keep_bound = false;   // nodes near a lattice's faces have no value
+  float opaque_at = 1;             // a pixel is closed once its opacity has reached this
   bool corrects_late = false;      // opacities are corrected for their path after the gradient
 };
 

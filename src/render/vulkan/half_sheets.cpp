@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "render/shared/look_values.h"
+#include "view/look_variation.h"
 
 namespace ovoid::vulkan {
 namespace {
@@ -69,6 +70,10 @@ std::string why_not_half_sheets(const KernelField& field, const view::FramePlan&
   if (look.mode == Mode::kXray) return {};
   // Only composited opacities are over a path.
   const double path = is_composite ? plan.lattice.sampling_distance() / plan.unit_distance : 1.0;
+  // A piece in twice as many steps may be other than by an error of its values.
+  if (plan.is_refined &&
+      view::look_variation(plan.look_table, path).back() > 1 / view::kStepsPerVariation)
+    return "the values at its ends decide in how many steps a piece is classified";
   const bool is_steep = is_too_steep(plan.look_table, path, field);
   return is_steep ? "the look changes too much from one value of 16 bits to the next" : "";
 }

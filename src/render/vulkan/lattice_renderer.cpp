@@ -43,7 +43,9 @@ int reach_of(const LatticeField& field, const view::LatticePlan& plan, bool has_
                 last.per_x.cwiseAbs().maxCoeff(), last.per_y.cwiseAbs().maxCoeff()});
   const double kernel = field.index_kernel().support_radius() * plan.greatest_widening;
   const double nodes = has_nodes ? kNodeReach : 0;
-  return static_cast<int>(std::ceil(std::max(kernel, 2.0) + step + pixel + nodes)) + 1;
+  // The front end of a piece has neighbours of its own.
+  const double steps = plan.is_refined ? 2 * step : step;
+  return static_cast<int>(std::ceil(std::max(kernel, 2.0) + steps + pixel + nodes)) + 1;
 }
 
 // Pixels per node from which kAuto takes nodes: a tile's, with those around it, are half as many as
@@ -209,10 +211,10 @@ void LatticeRenderer::divide_sheets(Job& job) const {
   const view::LatticePlan& plan = job.own.plan;
   const bool is_software = bench_.device->info().kind == DeviceKind::kSoftware;
   const bool is_auto = job.options.post_convolution == PostConvolution::kAuto;
-  const bool takes_differences = job.own.frame_traits.takes_differences;
   const auto rounds_of = [&](const Drawn& drawn, std::size_t number) {
     return rounds_of_sample({drawn.plan.greatest_widening, drawn.field.geometry().num_sublattices(),
-                             job.constants[3 + 2 * number], drawn.look.mode, takes_differences},
+                             job.constants[3 + 2 * number], drawn.look.mode,
+                             drawn.frame_traits.takes_differences, drawn.frame_traits.is_refined},
                             job.frame.fields[number]);
   };
   const double rounds = rounds_of(job.own, 0) + (job.trail ? rounds_of(*job.trail, 1) : 0.0);

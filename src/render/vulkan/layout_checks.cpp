@@ -12,6 +12,7 @@
 #include "view/frame_plan.h"
 #include "view/kernel_plan.h"
 #include "view/look_table.h"
+#include "view/look_variation.h"
 
 namespace ovoid::device {
 namespace {
@@ -39,9 +40,10 @@ static_assert(kFarBricks <= static_cast<int>(kDistanceBits));
 static_assert((kDistanceBits & kMissingBit) == 0);
 
 // Numbers of the definition.
-static_assert(kOpaque == static_cast<float>(RenderOptions::kOpaque));
 static_assert(kLeastSetWeight == static_cast<float>(KernelField::kLeastWeight));
 static_assert(kTapsBefore == 2);  // post_convolve.glsl
+static_assert(kMostSteps == view::kMostSteps);
+static_assert(kStepsPerVariation == view::kStepsPerVariation);
 
 // Enumerators by their numbers.
 static_assert(kScaleLinear == static_cast<uint>(ValueScale::kLinear));

@@ -22,6 +22,7 @@ std::uint32_t frame_flags(const FrameTraits& traits, const RenderOptions& option
                   {traits.is_clipped, device::kIsClipped},
                   {traits.is_lit, device::kShades},
                   {traits.is_preintegrated, device::kIsPreintegrated},
+                  {traits.is_refined, device::kIsRefined},
                   {traits.fades_by_gradient, device::kFades},
                   {traits.takes_gradients, device::kTakesGradients},
                   {traits.takes_differences, device::kTakesDifferences},
@@ -34,6 +35,7 @@ std::uint32_t frame_flags(const FrameTraits& traits, const RenderOptions& option
 std::uint32_t lattice_flags(const LatticeTraits& traits, bool is_double, bool may_miss) {
   return bits_of({{traits.is_sum, device::kIsSum},
                   {traits.takes_means, device::kTakesMeans},
+                  {traits.is_piecewise, device::kIsPiecewise},
                   {traits.has_four_taps && !is_double, device::kHasFourTaps},
                   {traits.corrects_gradient, device::kCorrects},
                   {may_miss, device::kMayMiss},

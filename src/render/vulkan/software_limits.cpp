@@ -13,8 +13,12 @@ double rounds_of_sample(const LatticeLoops& loops, const device::LatticeConstant
   const double per_point =
       has_four_taps ? 30 : taps * (taps * (std::ceil(taps / 4) + 1) + 1) + 9 * taps;
   const bool is_surface = loops.mode == Mode::kIsosurface;
-  const double samples = is_surface ? device::kSurfaceSteps + 3 : loops.takes_differences ? 8 : 2;
-  return samples * per_point * lattice.num_slab_points * loops.num_sublattices;
+  // Of a refined piece both ends may have to be worked out with their gradients.
+  const double ends = loops.is_refined ? 2 : 1;
+  const double samples =
+      is_surface ? device::kSurfaceSteps + 3 : ends * (loops.takes_differences ? 8 : 2);
+  const double steps = loops.is_refined ? device::kMostSteps : 0;
+  return samples * per_point * lattice.num_slab_points * loops.num_sublattices + steps;
 }
 
 double rounds_of_spread(const device::LatticeConstants& lattice, double apart) {

@@ -17,6 +17,7 @@ struct LatticeLoops {
   std::uint32_t flags = 0;  // of the field, as shaders have them
   Mode mode = Mode::kComposite;
   bool takes_differences = false;
+  bool is_refined = false;
 };
 
 // Of all loops for one sample of a sheet, its gradient included.

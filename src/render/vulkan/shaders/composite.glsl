@@ -12,6 +12,9 @@ struct Pixel {
   bool is_closed;
 };
 
+// Whether `before` is of the sheet before s. No sheet is before the first one.
+bool has_before(Pixel pixel, float s) { return s > 0.0 && pixel.before_sheet == int(s) - 1; }
+
 Pixel load_pixel(uint at) {
   PixelState state = states[at];
   Pixel pixel;
@@ -43,7 +46,7 @@ void composite(inout Pixel pixel, vec3 color, float opacity, float depth) {
   pixel.color.rgb = fma(vec3(share), color, pixel.color.rgb);
   pixel.color.a = after;
   if (before < 0.5 && after >= 0.5) pixel.depth = depth;
-  if (after >= kOpaque) pixel.is_closed = true;
+  if (after >= frame.view.opaque_at) pixel.is_closed = true;
 }
 
 // An opaque surface, whatever is in front of it.

@@ -10,6 +10,22 @@ vec3 gradient_of_sample(vec2 at, float s, float value, bool has_before);
 // Its colour, where another attribute gives it.
 vec3 own_color(vec2 at, float s);
 
+// What was classified is faded, lit and composited: opacity over a unit distance if the frame
+// corrects late, else over one sheet's. `length`: of the path, in sheets.
+void draw_seen(inout Pixel pixel, vec2 at, float s, float length, vec4 seen, vec3 gradient) {
+  LookConstants look = frame.looks[0];
+  float opacity = seen.a;
+  if (has_flag(kFades)) opacity *= classify(look.fading, sqrt(dot(gradient, gradient))).a;
+  if (has_flag(kIsPreintegrated | kIsRefined | kFades)) {
+    if (!(opacity > 0.0)) return;
+    opacity = correct_opacity(opacity, length * look.path_in_units);
+  } else if (!has_flag(kIsParallel) || has_flag(kIsClipped)) {
+    opacity = correct_opacity(opacity, length);
+  }
+  vec3 color = has_flag(kShades) ? lit(look, seen.rgb, gradient, to_eye(at)) : seen.rgb;
+  composite(pixel, color, opacity, depth_of_sheet(s));
+}
+
 void draw_sample(inout Pixel pixel, vec2 at, float s, float path, float value, bool has_before,
                  float before) {
   LookConstants look = frame.looks[0];
@@ -18,23 +34,13 @@ void draw_sample(inout Pixel pixel, vec2 at, float s, float path, float value, b
     return;
   vec4 color =
       has_flag(kIsPreintegrated) ? classify_from(look, before, value) : classify(look.look, value);
-  float opacity = color.a;
-  if (!(opacity > 0.0)) return;
+  if (!(color.a > 0.0)) return;
   ++num_samples.y;
   if (has_flag(kHasOwnColor)) color.rgb = own_color(at, s);
-  float length = path * ray_length(at);
   vec3 gradient = vec3(0.0);
   if (has_flag(kTakesGradients)) {
     ++num_samples.z;
     gradient = gradient_of_sample(at, s, value, has_before);
   }
-  if (has_flag(kFades)) opacity *= classify(look.fading, sqrt(dot(gradient, gradient))).a;
-  if (has_flag(kIsPreintegrated) || has_flag(kFades)) {
-    if (!(opacity > 0.0)) return;
-    opacity = correct_opacity(opacity, length * look.path_in_units);
-  } else if (!has_flag(kIsParallel) || has_flag(kIsClipped)) {
-    opacity = correct_opacity(opacity, length);
-  }
-  if (has_flag(kShades)) color.rgb = lit(look, color.rgb, gradient, to_eye(at));
-  composite(pixel, color.rgb, opacity, depth_of_sheet(s));
+  draw_seen(pixel, at, s, path * ray_length(at), color, gradient);
 }

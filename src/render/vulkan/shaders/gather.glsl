@@ -106,17 +106,59 @@ vec4 four_samples(int field, uint row, int x) {
 
 bool is_missing(float number) { return (floatBitsToUint(number) & 0x7F800000u) == 0x7F800000u; }
 
-// The weights of the taps -1, 0, 1 and 2 from a cell, of those that exist, summing to 1.
+// The weights of the taps -1, 0, 1 and 2 from a cell, of those that exist, summing to 1, and their
+// derivatives.
 struct FourWeights {
   vec4 weight;
+  vec4 slope;
   float share;     // of the endless lattice's weights that exist
   float variance;  // of the tap's number under the endless lattice's
 };
 
 const vec4 kTapNumbers = vec4(-1.0, 0.0, 1.0, 2.0);
 
-// g(f + 1) : g(f) : g(1 - f) : g(2 - f) = n : e : n e^2 : F e^3 with e = exp(f / sigma^2).
-FourWeights four_weights(LatticeConstants lattice, float fraction, int cell, int dims) {
+// Piecewise kernels: the weight at t >= 0 of the kernel's units, and its derivative.
+float piece_at(LatticeConstants lattice, float t) {
+  vec4 c = t < 1.0 ? lattice.inner_piece : lattice.outer_piece;
+  return t < 2.0 ? fma(fma(fma(c.w, t, c.z), t, c.y), t, c.x) : 0.0;
+}
+
+float piece_slope_at(LatticeConstants lattice, float t) {
+  vec4 c = t < 1.0 ? lattice.inner_piece : lattice.outer_piece;
+  return t < 2.0 ? fma(fma(3.0 * c.w, t, 2.0 * c.z), t, c.y) : 0.0;
+}
+
+vec4 existing_of(vec4 weights, int cell, int dims) {
+  for (int k = 0; k < 4; ++k) {
+    int tap = cell + k - 1;
+    if (tap < 0 || tap >= dims) weights[k] = 0.0;
+  }
+  return weights;
+}
+
+FourWeights four_piecewise_weights(LatticeConstants lattice, float fraction, int cell, int dims) {
+  FourWeights result;
+  result.weight =
+      vec4(piece_at(lattice, fraction + 1.0), piece_at(lattice, fraction),
+           piece_at(lattice, 1.0 - fraction), piece_at(lattice, 2.0 - fraction));
+  result.slope =
+      vec4(piece_slope_at(lattice, fraction + 1.0), piece_slope_at(lattice, fraction),
+           -piece_slope_at(lattice, 1.0 - fraction), -piece_slope_at(lattice, 2.0 - fraction));
+  result.share = 1.0;
+  result.variance = 0.0;
+  if (cell >= 1 && cell + 2 < dims) return result;
+  result.weight = existing_of(result.weight, cell, dims);
+  result.slope = existing_of(result.slope, cell, dims);
+  result.share = dot(result.weight, vec4(1.0));
+  float inverse = 1.0 / max(result.share, 1e-6);
+  result.weight *= inverse;
+  result.slope = result.slope * inverse - result.weight * dot(result.slope, vec4(inverse));
+  return result;
+}
+
+// g(f + 1) : g(f) : g(1 - f) : g(2 - f) = n : e : n e^2 : F e^3 with e = exp(f / sigma^2). The
+// derivatives are d w_k / d f = w_k (k - mean of k) / sigma^2.
+FourWeights four_gaussian_weights(LatticeConstants lattice, float fraction, int cell, int dims) {
   float e = exp2(fraction * lattice.inverse_variance * 1.44269504);
   vec4 w = vec4(lattice.near_weight, e, lattice.near_weight * e * e, lattice.far_weight * e * e * e);
   float total = (w.x + w.y) + (w.z + w.w);
@@ -124,10 +166,7 @@ FourWeights four_weights(LatticeConstants lattice, float fraction, int cell, int
   float mean = dot(w, kTapNumbers) / total;
   result.variance = dot(w, kTapNumbers * kTapNumbers) / total - mean * mean;
   if (cell < 1 || cell + 2 >= dims) {
-    for (int k = 0; k < 4; ++k) {
-      int tap = cell + k - 1;
-      if (tap < 0 || tap >= dims) w[k] = 0.0;
-    }
+    w = existing_of(w, cell, dims);
     float existing = (w.x + w.y) + (w.z + w.w);
     result.share = existing / total;
     total = max(existing, 1e-30);
@@ -135,20 +174,24 @@ FourWeights four_weights(LatticeConstants lattice, float fraction, int cell, int
     result.share = 1.0;
   }
   result.weight = w / total;
+  result.slope = result.weight * lattice.inverse_variance *
+                 (kTapNumbers - dot(result.weight, kTapNumbers));
   return result;
 }
 
-// d w_k / d f = w_k (k - mean of k) / sigma^2.
-vec4 derivative_of(vec4 weight, float inverse_variance) {
-  return weight * inverse_variance * (kTapNumbers - dot(weight, kTapNumbers));
+FourWeights four_weights(int field, float fraction, int cell, int dims) {
+  LatticeConstants lattice = frame.fields[field];
+  return field_has(field, kIsPiecewise)
+             ? four_piecewise_weights(lattice, fraction, cell, dims)
+             : four_gaussian_weights(lattice, fraction, cell, dims);
 }
 
 Gathered gather_four(int field, Place place, bool wants_gradient) {
   LatticeConstants lattice = frame.fields[field];
   ivec3 dims = dims_of(lattice, 0);
-  FourWeights x = four_weights(lattice, place.fraction.x, place.cell.x, dims.x);
-  FourWeights y = four_weights(lattice, place.fraction.y, place.cell.y, dims.y);
-  FourWeights z = four_weights(lattice, place.fraction.z, place.cell.z, dims.z);
+  FourWeights x = four_weights(field, place.fraction.x, place.cell.x, dims.x);
+  FourWeights y = four_weights(field, place.fraction.y, place.cell.y, dims.y);
+  FourWeights z = four_weights(field, place.fraction.z, place.cell.z, dims.z);
   Gathered result;
   result.gradient = vec3(0.0);
   result.value = 0.0;
@@ -156,8 +199,6 @@ Gathered gather_four(int field, Place place, bool wants_gradient) {
   if (!result.is_defined) return result;
   ivec3 first = place.cell - 1;
   bool is_inside = all(greaterThanEqual(first, ivec3(0))) && all(lessThan(first + 3, dims));
-  vec4 dy = derivative_of(y.weight, lattice.inverse_variance);
-  vec4 dz = derivative_of(z.weight, lattice.inverse_variance);
   vec4 sum = vec4(0.0), sum_y = vec4(0.0), sum_z = vec4(0.0);
   for (int k = 0; k < 4; ++k) {
     int tap_z = clamp(first.z + k, 0, dims.z - 1);
@@ -172,18 +213,17 @@ Gathered gather_four(int field, Place place, bool wants_gradient) {
           taps[i] = sample_at(field, row, clamp(first.x + i, 0, dims.x - 1));
       }
       slice = fma(taps, vec4(y.weight[j]), slice);
-      if (wants_gradient) slice_y = fma(taps, vec4(dy[j]), slice_y);
+      if (wants_gradient) slice_y = fma(taps, vec4(y.slope[j]), slice_y);
     }
     sum = fma(slice, vec4(z.weight[k]), sum);
     if (wants_gradient) {
       sum_y = fma(slice_y, vec4(z.weight[k]), sum_y);
-      sum_z = fma(slice, vec4(dz[k]), sum_z);
+      sum_z = fma(slice, vec4(z.slope[k]), sum_z);
     }
   }
   result.value = fma(dot(sum, x.weight), lattice.value_scale, lattice.value_offset);
   if (wants_gradient) {
-    vec3 gradient = vec3(dot(sum, derivative_of(x.weight, lattice.inverse_variance)),
-                         dot(sum_y, x.weight), dot(sum_z, x.weight));
+    vec3 gradient = vec3(dot(sum, x.slope), dot(sum_y, x.weight), dot(sum_z, x.weight));
     if (field_has(field, kCorrects)) {
       vec3 variance = vec3(x.variance, y.variance, z.variance);
       vec3 answer = variance * lattice.inverse_variance;
@@ -197,7 +237,7 @@ Gathered gather_four(int field, Place place, bool wants_gradient) {
 // Sum of samples, or of what exists, times weights, and its derivatives in index space.
 struct Sums {
   vec4 samples;  // xyz: derivatives, w: the sum
-  vec4 weights;
+  vec4 weights;  // of `sum` w alone, of magnitudes: is there a kernel that reaches?
   float endless;
 };
 
@@ -208,24 +248,47 @@ struct AxisTaps {
   float endless;
 };
 
-float tap_weight(float distance, float inverse_variance) {
-  return exp2(distance * distance * inverse_variance * -0.72134752);
+// The kernel along one axis, widened.
+struct AxisKernel {
+  float support;
+  float inverse_variance;
+  float inverse_unit;
+};
+
+AxisKernel axis_kernel(LatticeConstants lattice, float widening) {
+  return AxisKernel(lattice.support * widening, lattice.inverse_variance / (widening * widening),
+                    lattice.inverse_unit / widening);
 }
 
-AxisTaps taps_of(float fraction, int cell, int dims, float support, float inverse_variance) {
-  int reach_first = int(ceil(fraction - support));
-  int reach_last = int(floor(fraction + support));
+float tap_weight(int field, AxisKernel kernel, float distance) {
+  if (field_has(field, kIsPiecewise))
+    return piece_at(frame.fields[field], abs(distance) * kernel.inverse_unit);
+  return exp2(distance * distance * kernel.inverse_variance * -0.72134752);
+}
+
+// Its derivative by the position, `distance` behind the tap.
+float tap_slope(int field, AxisKernel kernel, float distance, float weight) {
+  if (field_has(field, kIsPiecewise)) {
+    float slope = piece_slope_at(frame.fields[field], abs(distance) * kernel.inverse_unit);
+    return (distance < 0.0 ? -slope : slope) * kernel.inverse_unit;
+  }
+  return -weight * distance * kernel.inverse_variance;
+}
+
+AxisTaps taps_of(int field, AxisKernel kernel, float fraction, int cell, int dims) {
+  int reach_first = int(ceil(fraction - kernel.support));
+  int reach_last = int(floor(fraction + kernel.support));
   AxisTaps taps;
   taps.first = max(reach_first, -cell);
   taps.last = min(reach_last, dims - 1 - cell);
   taps.existing = taps.derivative = taps.endless = 0.0;
   for (int k = reach_first; k <= reach_last; ++k) {
     float distance = fraction - float(k);
-    float weight = tap_weight(distance, inverse_variance);
+    float weight = tap_weight(field, kernel, distance);
     taps.endless += weight;
     if (k < taps.first || k > taps.last) continue;
     taps.existing += weight;
-    taps.derivative -= weight * distance * inverse_variance;
+    taps.derivative += tap_slope(field, kernel, distance, weight);
   }
   return taps;
 }
@@ -235,48 +298,51 @@ void add_sublattice(int field, int sublattice, Place place, vec3 widening, float
                     bool may_miss, inout Sums sums) {
   LatticeConstants lattice = frame.fields[field];
   ivec3 dims = dims_of(lattice, sublattice);
-  vec3 support = lattice.support * widening;
-  vec3 inverse = lattice.inverse_variance / (widening * widening);
-  AxisTaps x = taps_of(place.fraction.x, place.cell.x, dims.x, support.x, inverse.x);
-  AxisTaps y = taps_of(place.fraction.y, place.cell.y, dims.y, support.y, inverse.y);
-  AxisTaps z = taps_of(place.fraction.z, place.cell.z, dims.z, support.z, inverse.z);
+  AxisKernel kernel_x = axis_kernel(lattice, widening.x);
+  AxisKernel kernel_y = axis_kernel(lattice, widening.y);
+  AxisKernel kernel_z = axis_kernel(lattice, widening.z);
+  AxisTaps x = taps_of(field, kernel_x, place.fraction.x, place.cell.x, dims.x);
+  AxisTaps y = taps_of(field, kernel_y, place.fraction.y, place.cell.y, dims.y);
+  AxisTaps z = taps_of(field, kernel_z, place.fraction.z, place.cell.z, dims.z);
   sums.endless += point_weight * x.endless * y.endless * z.endless;
   if (x.first > x.last || y.first > y.last || z.first > z.last) return;
   vec4 samples = vec4(0.0);
   vec4 weights = vec4(0.0);
   for (int k = z.first; k <= z.last; ++k) {
     float distance_z = place.fraction.z - float(k);
-    float weight_z = tap_weight(distance_z, inverse.z);
-    vec4 slice = vec4(0.0), slice_weights = vec4(0.0);  // x, y, -, sum
+    float weight_z = tap_weight(field, kernel_z, distance_z);
+    vec3 slice = vec3(0.0), slice_weights = vec3(0.0);  // x, y, sum
     for (int j = y.first; j <= y.last; ++j) {
       float distance_y = place.fraction.y - float(j);
-      float weight_y = tap_weight(distance_y, inverse.y);
+      float weight_y = tap_weight(field, kernel_y, distance_y);
       uint row = row_at(field, sublattice, place.cell.y + j, place.cell.z + k);
       vec2 line = vec2(0.0), line_weights = vec2(0.0);  // derivative along x, sum
       for (int i = x.first; i <= x.last; i += 4) {
-        vec4 distances = place.fraction.x - float(i) - vec4(0.0, 1.0, 2.0, 3.0);
-        vec4 weight = exp2(distances * distances * (inverse.x * -0.72134752));
-        vec4 numbers;
+        vec4 weight, derivatives, numbers;
         for (int n = 0; n < 4; ++n) {
+          float distance = place.fraction.x - float(i + n);
+          weight[n] = tap_weight(field, kernel_x, distance);
+          derivatives[n] = tap_slope(field, kernel_x, distance, weight[n]);
           numbers[n] = sample_at(field, row, place.cell.x + min(i + n, x.last));
           bool counts_not = i + n > x.last || (may_miss && is_missing(numbers[n]));
-          if (counts_not) numbers[n] = weight[n] = 0.0;
+          if (counts_not) numbers[n] = weight[n] = derivatives[n] = 0.0;
         }
         numbers = fma(numbers, vec4(lattice.value_scale), vec4(lattice.value_offset));
-        vec4 derivatives = -inverse.x * distances * weight;
         line += vec2(dot(numbers, derivatives), dot(numbers, weight));
-        line_weights += vec2(dot(vec4(1.0), derivatives), dot(vec4(1.0), weight));
+        vec4 shares = field_has(field, kIsSum) ? abs(weight) : weight;
+        line_weights += vec2(dot(vec4(1.0), derivatives), dot(vec4(1.0), shares));
       }
-      float derivative_y = -distance_y * inverse.y;
-      slice += weight_y * vec4(line.x, derivative_y * line.y, 0.0, line.y);
+      float slope_y = tap_slope(field, kernel_y, distance_y, weight_y);
+      slice += vec3(weight_y * line.x, slope_y * line.y, weight_y * line.y);
+      float share_y = field_has(field, kIsSum) ? abs(weight_y) : weight_y;
       slice_weights +=
-          weight_y * vec4(line_weights.x, derivative_y * line_weights.y, 0.0, line_weights.y);
+          vec3(weight_y * line_weights.x, slope_y * line_weights.y, share_y * line_weights.y);
     }
-    float derivative_z = -distance_z * inverse.z;
-    slice.z = derivative_z * slice.w;
-    slice_weights.z = derivative_z * slice_weights.w;
-    samples = fma(slice, vec4(weight_z), samples);
-    weights = fma(slice_weights, vec4(weight_z), weights);
+    float slope_z = tap_slope(field, kernel_z, distance_z, weight_z);
+    samples += vec4(weight_z * slice.xy, slope_z * slice.z, weight_z * slice.z);
+    float share_z = field_has(field, kIsSum) ? abs(weight_z) : weight_z;
+    weights += vec4(weight_z * slice_weights.xy, slope_z * slice_weights.z,
+                    share_z * slice_weights.z);
   }
   if (!may_miss) {
     weights = vec4(x.derivative * y.existing * z.existing, x.existing * y.derivative * z.existing,
@@ -298,11 +364,12 @@ int num_sublattices(int field) { return field_has(field, kIsDouble) ? 2 : 1; }
 
 // Of the samples' places along one axis under the weights of an endless lattice: sum of weights,
 // mean relative to the place, variance.
-vec3 moments_of(float fraction, float support, float inverse_variance) {
+vec3 moments_of(int field, AxisKernel kernel, float fraction) {
   float total = 0.0, mean = 0.0, square = 0.0;
-  for (int i = int(ceil(fraction - support)); i <= int(floor(fraction + support)); ++i) {
+  for (int i = int(ceil(fraction - kernel.support)); i <= int(floor(fraction + kernel.support));
+       ++i) {
     float distance = float(i) - fraction;
-    float weight = tap_weight(distance, inverse_variance);
+    float weight = tap_weight(field, kernel, distance);
     total += weight;
     mean += weight * distance;
     square += weight * distance * distance;
@@ -322,7 +389,7 @@ vec3 corrected(int field, Place place, vec3 widening, vec3 gradient) {
   for (int s = 0; s < num_sublattices(field); ++s) {
     Place own = in_sublattice(place, offset_of(lattice, s));
     for (int a = 0; a < 3; ++a) {
-      vec3 m = moments_of(own.fraction[a], lattice.support * widening[a], inverse[a]);
+      vec3 m = moments_of(field, axis_kernel(lattice, widening[a]), own.fraction[a]);
       weights[s] *= m.x;
       means[s][a] = m.y;
       variances[s][a] = m.z;

@@ -15,11 +15,49 @@ layout(local_size_x = 8, local_size_y = 8) in;
 #include "gather.glsl"
 #include "composite.glsl"
 #include "finish.glsl"
+#include "piece.glsl"
 #include "lattice_pixel.glsl"
 
 shared uvec4 group_counts[kGroupSize];
 
 vec3 own_color(vec2 at, float s) { return vec3(0.0); }  // lattices have one attribute
+
+Gathered gather_own(Place place, float s) {
+  Gathered f;
+  f.value = 0.0;
+  f.is_defined = false;
+  if (!is_in_support(0, place)) return f;
+  ++num_samples.x;
+  return gather(0, place, s, own_ray.step.hi, false);
+}
+
+// The piece that ends on a sheet. Where a part of the frame or a box begins, its front end is
+// another one's: it is worked out again.
+int known_sheet = -1;
+void take_piece(inout Pixel pixel, vec2 at, int sheet) {
+  float s = float(sheet);
+  vec2 kept = kept_part(at, s - 1.0, vec2(0.0, 1.0));
+  if (!(kept.x < kept.y)) return;
+  bool is_known = known_sheet == sheet - 1;
+  bool has_sheet_before = sheet > 0 && sheets_to_skip(0, own_ray, s - 1.0) == 0;
+  if (!is_known) {
+    pixel.before_sheet = -1;
+    has_own_gradient = false;
+  }
+  for (int k = is_known || !has_sheet_before ? sheet : sheet - 1; k <= sheet; ++k) {
+    Gathered f = gather_own(place_on(own_ray, float(k)), float(k));
+    if (k == sheet) {
+      front_gradient = own_gradient;
+      has_front_gradient = has_own_gradient;
+      has_own_gradient = false;
+      take_end(pixel, at, s, f.is_defined, f.value);
+    } else if (f.is_defined) {
+      pixel.before = f.value;
+      pixel.before_sheet = k;
+    }
+  }
+  known_sheet = sheet;
+}
 
 void draw_pixel(uvec2 at) {
   uint index = (at.y - box.first_row) * frame.view.width + at.x;
@@ -40,14 +78,14 @@ void draw_pixel(uvec2 at) {
     Place place = place_on(ray, s);
     if (!is_own(place)) continue;
     float path = path_fraction(center, s);
-    if (!(path > 0.0)) continue;
-    if (skipped == 0 && is_in_support(0, place)) {
-      Gathered f = gather(0, place, s, ray.step.hi, false);
-      ++num_samples.x;
-      own_place = place;
+    own_place = place;
+    if (has_flag(kIsRefined)) {
+      if (skipped == 0) take_piece(pixel, center, int(s));
+    } else if (path > 0.0 && skipped == 0) {
+      Gathered f = gather_own(place, s);
       if (f.is_defined) take_value(pixel, center, s, path, f.value);
     }
-    if (has_flag(kHasTrail) && trail_skipped == 0 && is_in_support(1, place))
+    if (has_flag(kHasTrail) && path > 0.0 && trail_skipped == 0 && is_in_support(1, place))
       take_trail(pixel, center, ray, place, s, path);
     if (pixel.is_closed && has_flag(kStopsOpaque)) break;
   }

@@ -18,6 +18,7 @@ layout(constant_id = 6) const uint kFilter = 0u;
 #include "gather.glsl"
 #include "composite.glsl"
 #include "finish.glsl"
+#include "piece.glsl"
 #include "lattice_pixel.glsl"
 #include "spread.glsl"
 
@@ -87,17 +88,12 @@ Gathered node_at(vec2 at, float s, bool wants_gradient) {
 }
 
 vec3 central_gradient_of_node(vec2 at, float s, float value) {
-  Gathered left = node_at(at - vec2(box.node_step, 0.0), s, false);
-  Gathered right = node_at(at + vec2(box.node_step, 0.0), s, false);
-  Gathered above = node_at(at - vec2(0.0, box.node_step), s, false);
-  Gathered below = node_at(at + vec2(0.0, box.node_step), s, false);
-  Gathered front = node_at(at, s - 1.0, false);
-  Gathered back = node_at(at, s + 1.0, false);
-  vec3 differences =
-      vec3(difference(left.value, value, right.value, left.is_defined, right.is_defined),
-           difference(above.value, value, below.value, above.is_defined, below.is_defined),
-           difference(front.value, value, back.value, front.is_defined, back.is_defined));
-  return gradient_of_differences(differences, at, s, box.node_step);
+  Neighbours around = kNoNeighbours;
+  for (int i = 0; i < kNumNeighbours; ++i) {
+    vec3 way = way_to_neighbour(i);
+    take_neighbour(around, i, node_at(at + way.xy * box.node_step, s + way.z, false));
+  }
+  return gradient_of_differences(differences_of(around, value), at, s, box.node_step);
 }
 
 ivec2 first_node;  // of the tile; the others are counted from it
@@ -160,6 +156,46 @@ bool has_all_nodes(Taps columns, Taps rows) {
   return true;
 }
 
+// Whether a pixel's sample on a sheet is wanted: the one itself, or as the front end of a piece.
+bool is_wanted_on(Ray ray, vec2 at, float s) {
+  Place place = place_on(ray, s);
+  if (!is_in_support(0, place)) return false;
+  if (has_flag(kIsRefined)) return is_own(place) || is_own(place_on(ray, s + 1.0));
+  return is_own(place) && path_fraction(at, s) > 0.0;
+}
+
+bool takes_pieces() { return has_flag(kIsPreintegrated | kIsRefined) || kMode == kIsosurface; }
+
+// What a pixel has on a sheet: from nodes, or worked out by itself.
+struct NodeSample {
+  bool is_defined;
+  bool is_from_nodes;
+  float value;
+  vec3 gradient;  // from nodes, where gradients are
+};
+const NodeSample kNoSample = NodeSample(false, false, 0.0, vec3(0.0));
+
+// The sample of the sheet joins its pixel. A piece is of the layer that the sheet at its end is of,
+// and of nodes if that sample is.
+void take_sample(inout Pixel pixel, vec2 at, float s, NodeSample front, NodeSample back,
+                 bool has_gradients) {
+  bool is_mixed = front.is_from_nodes && !back.is_from_nodes;
+  if (takes_pieces() && is_mixed && has_before(pixel, s)) {
+    ++num_samples.x;
+    pixel.before = gather(0, place_on(own_ray, s - 1.0), s - 1.0, own_ray.step.hi, false).value;
+  }
+  own_place = place_on(own_ray, s);
+  has_own_gradient = back.is_from_nodes && has_gradients;
+  own_gradient = back.gradient;
+  if (!has_flag(kIsRefined)) {
+    take_value(pixel, at, s, path_fraction(at, s), back.value);
+    return;
+  }
+  has_front_gradient = has_own_gradient && front.is_from_nodes;
+  front_gradient = front.gradient;
+  take_end(pixel, at, s, back.is_defined, back.value);
+}
+
 void main() {
   uvec2 corner = gl_WorkGroupID.xy * uint(kNodeTile) + uvec2(box.tile_x, box.tile_y);
   ivec2 within = ivec2(gl_LocalInvocationID.xy);
@@ -171,7 +207,9 @@ void main() {
   ivec2 ranges[kOwn];
   bool exists[kOwn];
   uvec2 places[kOwn];
+  NodeSample fronts[kOwn];  // of the sheet before
   for (int i = 0; i < kOwn; ++i) {
+    fronts[i] = kNoSample;
     places[i] = corner + uvec2(within + ivec2(i & 1, i >> 1) * kHalf);
     exists[i] = places[i].x < frame.view.width && places[i].y < box.end_row;
     if (!exists[i]) continue;
@@ -181,10 +219,9 @@ void main() {
     // What is known of the sheet before is of another layer's nodes.
     pixels[i].before_sheet = -1;
   }
-  bool takes_pieces = has_flag(kIsPreintegrated) || kMode == kIsosurface;
   bool takes_node_gradients =
       has_flag(kTakesGradients) && (!has_flag(kIsPreintegrated) || has_flag(kTakesDifferences));
-  int sheet = takes_pieces ? max(box.first_sheet - 1, 0) : box.first_sheet;
+  int sheet = takes_pieces() ? max(box.first_sheet - 1, 0) : box.first_sheet;
   while (sheet < box.end_sheet) {
     float s = float(sheet);
     bool is_margin = sheet < box.first_sheet;
@@ -196,9 +233,10 @@ void main() {
     }
     barrier();
     bool wants[kOwn];
+    bool visits[kOwn];
     int next = box.end_sheet;
     for (int i = 0; i < kOwn; ++i) {
-      wants[i] = false;
+      wants[i] = visits[i] = false;
       if (!exists[i] || (pixels[i].is_closed && has_flag(kStopsOpaque))) continue;
       if (sheet >= ranges[i].y) continue;
       // The sheet before a layer is not in its range, which says nothing of the samples on it.
@@ -209,9 +247,8 @@ void main() {
         continue;
       }
       next = min(next, sheet + 1);
-      Place place = place_on(rays[i], s);
-      wants[i] = is_own(place) && path_fraction(vec2(places[i]), s) > 0.0 &&
-                 is_in_support(0, place);
+      visits[i] = is_own(place_on(rays[i], s));
+      wants[i] = is_wanted_on(rays[i], vec2(places[i]), s);
       if (!wants[i]) continue;
       atomicOr(wanted_by_any, 1u);
       for (int a = 0; a < 2; ++a) {
@@ -230,61 +267,53 @@ void main() {
       most_node = min(ivec2(floor(hi / box.node_step)) + 3 - first_node, num_nodes - 1);
     }
     barrier();
+    bool wants_gradients = takes_node_gradients && (!is_margin || has_flag(kIsRefined));
+    NodeSample found[kOwn];
+    for (int i = 0; i < kOwn; ++i) found[i] = kNoSample;
     if (is_wanted) {
-      fill_nodes(s, takes_node_gradients && !is_margin);
+      fill_nodes(s, wants_gradients);
       filter_rows(-1, corner);
-      float values[kOwn];
-      bool is_defined[kOwn];
-      bool is_from_nodes[kOwn];
-      vec3 gradients[kOwn];
       for (int i = 0; i < kOwn; ++i) {
-        is_defined[i] = is_from_nodes[i] = false;
         if (!wants[i]) continue;
         Taps columns = taps_at(float(places[i].x) / box.node_step, first_node.x);
         Taps rows = taps_at(float(places[i].y) / box.node_step, first_node.y);
-        is_from_nodes[i] = has_all_nodes(columns, rows);
-        if (is_from_nodes[i]) {
-          values[i] = filtered_at(rows, int(places[i].x - corner.x));
-          is_defined[i] = true;
-          if (takes_node_gradients && classify(frame.looks[0].look, values[i]).a > 0.0)
+        found[i].is_from_nodes = has_all_nodes(columns, rows);
+        if (found[i].is_from_nodes) {
+          found[i].value = filtered_at(rows, int(places[i].x - corner.x));
+          found[i].is_defined = true;
+          // What lies between two sheets may show where neither of them does.
+          if (wants_gradients &&
+              (has_flag(kIsRefined) || classify(frame.looks[0].look, found[i].value).a > 0.0))
             atomicOr(wanted_by_any, 2u);
         } else {
           ++num_samples.x;
           Gathered f = gather(0, place_on(rays[i], s), s, rays[i].step.hi, false);
-          values[i] = f.value;
-          is_defined[i] = f.is_defined;
+          found[i].value = f.value;
+          found[i].is_defined = f.is_defined;
         }
       }
       barrier();
-      if (takes_node_gradients && !is_margin && (wanted_by_any & 2u) != 0u) {
+      if (wants_gradients && (wanted_by_any & 2u) != 0u) {
         for (int a = 0; a < 3; ++a) {
           filter_rows(a, corner);
           for (int i = 0; i < kOwn; ++i) {
-            if (!is_from_nodes[i]) continue;
+            if (!found[i].is_from_nodes) continue;
             Taps rows = taps_at(float(places[i].y) / box.node_step, first_node.y);
-            gradients[i][a] = filtered_at(rows, int(places[i].x - corner.x));
+            found[i].gradient[a] = filtered_at(rows, int(places[i].x - corner.x));
           }
           barrier();
         }
       }
-      for (int i = 0; i < kOwn; ++i) {
-        if (!is_defined[i]) continue;
-        if (is_margin) {
-          pixels[i].before = values[i];
-          pixels[i].before_sheet = sheet;
-          continue;
-        }
+    }
+    for (int i = 0; i < kOwn; ++i) {
+      if (visits[i] && !is_margin && (found[i].is_defined || has_flag(kIsRefined))) {
         own_ray = rays[i];
-        own_place = place_on(rays[i], s);
-        has_own_gradient = is_from_nodes[i] && takes_node_gradients;
-        own_gradient = gradients[i];
-        // A piece is of the layer that the sheet at its end is of, and of nodes if that sample is.
-        if (takes_pieces && !is_from_nodes[i] && pixels[i].before_sheet == sheet - 1) {
-          pixels[i].before =
-              gather(0, place_on(rays[i], s - 1.0), s - 1.0, rays[i].step.hi, false).value;
-        }
-        take_value(pixels[i], vec2(places[i]), s, path_fraction(vec2(places[i]), s), values[i]);
+        take_sample(pixels[i], vec2(places[i]), s, fronts[i], found[i], takes_node_gradients);
+      } else if (found[i].is_defined) {
+        pixels[i].before = found[i].value;
+        pixels[i].before_sheet = sheet;
       }
+      fronts[i] = found[i];
     }
     sheet = following;
     barrier();

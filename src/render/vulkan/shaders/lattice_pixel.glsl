@@ -44,19 +44,49 @@ Gathered gather_beside(int field, vec2 pixel, float s) {
   return gather(field, place, s, ray.step.hi, false);
 }
 
+// The samples to the left, right, above, below, in front and behind, which are worked out in a
+// loop: the code of a sum is long.
+struct Neighbours {
+  vec3 before, after;  // along x, y and the sheets
+  bvec3 has_before, has_after;
+};
+const int kNumNeighbours = 6;
+const Neighbours kNoNeighbours =
+    Neighbours(vec3(0.0), vec3(0.0), bvec3(false), bvec3(false));
+
+vec3 way_to_neighbour(int number) {
+  vec3 along = vec3(equal(ivec3(number >> 1), ivec3(0, 1, 2)));
+  return (number & 1) == 0 ? -along : along;
+}
+
+void take_neighbour(inout Neighbours around, int number, Gathered f) {
+  if (!f.is_defined) return;
+  bvec3 along = equal(ivec3(number >> 1), ivec3(0, 1, 2));
+  if ((number & 1) == 0) {
+    around.before = mix(around.before, vec3(f.value), along);
+    around.has_before = bvec3(uvec3(around.has_before) | uvec3(along));
+  } else {
+    around.after = mix(around.after, vec3(f.value), along);
+    around.has_after = bvec3(uvec3(around.has_after) | uvec3(along));
+  }
+}
+
+vec3 differences_of(Neighbours around, float value) {
+  vec3 differences;
+  for (int a = 0; a < 3; ++a)
+    differences[a] = difference(around.before[a], value, around.after[a], around.has_before[a],
+                                around.has_after[a]);
+  return differences;
+}
+
 // World gradient by differences of the samples around; `apart` pixels.
 vec3 central_gradient(vec2 pixel, float s, float value, float apart) {
-  Gathered left = gather_beside(0, pixel - vec2(apart, 0.0), s);
-  Gathered right = gather_beside(0, pixel + vec2(apart, 0.0), s);
-  Gathered above = gather_beside(0, pixel - vec2(0.0, apart), s);
-  Gathered below = gather_beside(0, pixel + vec2(0.0, apart), s);
-  Gathered front = gather_beside(0, pixel, s - 1.0);
-  Gathered back = gather_beside(0, pixel, s + 1.0);
-  vec3 differences =
-      vec3(difference(left.value, value, right.value, left.is_defined, right.is_defined),
-           difference(above.value, value, below.value, above.is_defined, below.is_defined),
-           difference(front.value, value, back.value, front.is_defined, back.is_defined));
-  return gradient_of_differences(differences, pixel, s, apart);
+  Neighbours around = kNoNeighbours;
+  for (int i = 0; i < kNumNeighbours; ++i) {
+    vec3 way = way_to_neighbour(i);
+    take_neighbour(around, i, gather_beside(0, pixel + way.xy * apart, s + way.z));
+  }
+  return gradient_of_differences(differences_of(around, value), pixel, s, apart);
 }
 
 Place between(Place from, vec3 way, float t) { return moved(from, t * way); }
@@ -64,8 +94,11 @@ Place between(Place from, vec3 way, float t) { return moved(from, t * way); }
 // The sample in hand.
 Ray own_ray;
 Place own_place;
-bool has_own_gradient = false;  // from nodes
+bool has_own_gradient = false;  // from nodes, or of a piece's end that was worked out before
 vec3 own_gradient;
+// The one on the sheet before, of refined pieces.
+bool has_front_gradient = false;
+vec3 front_gradient;
 
 vec3 gradient_of_sample(vec2 at, float s, float value, bool has_before) {
   if (has_flag(kTakesDifferences))
@@ -76,6 +109,63 @@ vec3 gradient_of_sample(vec2 at, float s, float value, bool has_before) {
   }
   if (has_own_gradient) return own_gradient;
   return to_world(0, gather(0, own_place, s, own_ray.step.hi, true).gradient);
+}
+
+vec3 gradient_of_end(vec2 at, float s, float value, bool is_front) {
+  if (is_front && has_front_gradient) return front_gradient;
+  if (!is_front && has_own_gradient) return own_gradient;
+  vec3 gradient;
+  if (has_flag(kTakesDifferences)) {
+    gradient = central_gradient(at, s, value, 1.0);
+  } else {
+    gradient = to_world(0, gather(0, place_on(own_ray, s), s, own_ray.step.hi, true).gradient);
+  }
+  if (!is_front) {
+    own_gradient = gradient;
+    has_own_gradient = true;
+  }
+  return gradient;
+}
+
+// The part of a piece that has a field: where a normalized one ends at a face, as far as that.
+vec2 part_with_field(Piece piece, float s) {
+  vec2 part = part_by_ends(piece);
+  if ((piece.has_front && piece.has_back) || field_has(0, kIsSum)) return part;
+  Place front = place_on(own_ray, s - 1.0);
+  vec3 step = own_ray.step.hi;
+  vec3 lo = (frame.fields[0].faces_lo.xyz - vec3(front.cell)) - front.fraction;
+  vec3 hi = (frame.fields[0].faces_hi.xyz - vec3(front.cell)) - front.fraction;
+  vec3 undefined_end = piece.has_front ? step : vec3(0.0);
+  if (all(greaterThanEqual(undefined_end, lo)) && all(lessThanEqual(undefined_end, hi)))
+    return part;
+  part = vec2(0.0, 1.0);
+  for (int a = 0; a < 3; ++a) {
+    if (abs(step[a]) < 1e-12) {
+      if (lo[a] > 0.0 || hi[a] < 0.0) return vec2(0.0);
+      continue;
+    }
+    float at_lo = lo[a] / step[a];
+    float at_hi = hi[a] / step[a];
+    part.x = max(part.x, min(at_lo, at_hi));
+    part.y = min(part.y, max(at_lo, at_hi));
+  }
+  return part;
+}
+
+// Refined: what the field is on sheet s is known, and the piece that ends there is drawn. The
+// gradients that are known of its ends have been set.
+void take_end(inout Pixel pixel, vec2 at, float s, bool is_defined, float value) {
+  Piece piece;
+  piece.has_front = has_before(pixel, s);
+  piece.has_back = is_defined;
+  if (piece.has_front || piece.has_back) {
+    piece.front = piece.front_color = piece.has_front ? pixel.before : value;
+    piece.back = piece.back_color = is_defined ? value : pixel.before;
+    draw_piece(pixel, at, s, piece, part_with_field(piece, s));
+  }
+  if (!is_defined) return;
+  pixel.before = value;
+  pixel.before_sheet = int(s);
 }
 
 // Where between sheets s - 1 and s the field takes the isovalue, which its ends lie on both sides
@@ -104,7 +194,7 @@ float crossing_of(Place from, vec3 way, float s, vec3 step, float before, float 
 
 void draw_surface(inout Pixel pixel, vec2 at, float s, float value) {
   LookConstants look = frame.looks[0];
-  if (pixel.before_sheet != int(s) - 1) return;
+  if (!has_before(pixel, s)) return;
   if ((pixel.before < look.isovalue) == (value < look.isovalue)) return;
   if (pixel.is_closed) return;
   vec3 step = own_ray.step.hi;
@@ -126,8 +216,8 @@ void draw_surface(inout Pixel pixel, vec2 at, float s, float value) {
 // Sheet s of the field has a value here.
 void take_value(inout Pixel pixel, vec2 at, float s, float path, float value) {
   if (kMode == kComposite) {
-    bool has_before = has_flag(kIsPreintegrated) && pixel.before_sheet == int(s) - 1;
-    draw_sample(pixel, at, s, path, value, has_before, pixel.before);
+    bool is_piece = has_flag(kIsPreintegrated) && has_before(pixel, s);
+    draw_sample(pixel, at, s, path, value, is_piece, pixel.before);
   } else if (kMode == kIsosurface) {
     draw_surface(pixel, at, s, value);
   } else {

@@ -19,19 +19,29 @@ float step_of(TableConstants table, uint entry) {
   return tables[at >> 2][at & 3u];
 }
 
-// Colour, not premultiplied, and opacity.
-vec4 classify(TableConstants table, float value) {
+// The entry at or before a value, and how far on the way to the next one the value lies.
+struct TablePlace {
+  uint entry;
+  float fraction;
+};
+
+TablePlace find_place(TableConstants table, float value) {
   float at = clamp(place_of(table, value), 0.0, float(kTableCells));
   float entry = floor(at);
-  float fraction = at - entry;
-  uint i = uint(entry);
+  TablePlace place = TablePlace(uint(entry), at - entry);
   if (table.steps_at != kNoTable) {
-    float step = step_of(table, i);
-    if (step >= 0.0) fraction = fraction >= step ? 1.0 : 0.0;
+    float step = step_of(table, place.entry);
+    if (step >= 0.0) place.fraction = place.fraction >= step ? 1.0 : 0.0;
   }
-  vec4 lo = tables[table.entries_at + i];
-  vec4 hi = tables[table.entries_at + i + 1u];
-  return fma(hi - lo, vec4(fraction), lo);
+  return place;
+}
+
+// Colour, not premultiplied, and opacity.
+vec4 classify(TableConstants table, float value) {
+  TablePlace place = find_place(table, value);
+  vec4 lo = tables[table.entries_at + place.entry];
+  vec4 hi = tables[table.entries_at + place.entry + 1u];
+  return fma(hi - lo, vec4(place.fraction), lo);
 }
 
 struct Integrals {

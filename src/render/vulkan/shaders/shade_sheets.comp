@@ -22,6 +22,7 @@ layout(std430, binding = 9) buffer CountBuffer { uvec4 counts[]; };
 #include "shade.glsl"
 #include "composite.glsl"
 #include "finish.glsl"
+#include "piece.glsl"
 #include "sheet_bits.glsl"
 
 struct Sample {
@@ -80,8 +81,40 @@ vec3 gradient_of_sample(vec2 at, float s, float value, bool has_before) {
   return central_gradient(ivec2(at), int(s), value);
 }
 
+// A piece's end is the next one's front.
+vec3 kept_gradient;
+int kept_sheet = -1;
+
+vec3 gradient_of_end(vec2 at, float s, float value, bool is_front) {
+  if (kept_sheet == int(s)) return kept_gradient;
+  vec3 gradient = central_gradient(ivec2(at), int(s), value);
+  if (!is_front) {
+    kept_gradient = gradient;
+    kept_sheet = int(s);
+  }
+  return gradient;
+}
+
 vec3 own_color(vec2 at, float s) {
   return classify(frame.looks[0].color, color_value_at(ivec2(at), int(s))).rgb;
+}
+
+// The refined piece that ends on a sheet.
+void take_piece(inout Pixel pixel, ivec2 at, int sheet) {
+  Sample front = sample_at(at, sheet - 1);
+  Sample back = sample_at(at, sheet);
+  if (!front.is_defined && !back.is_defined) return;
+  Piece piece;
+  piece.has_front = front.is_defined;
+  piece.has_back = back.is_defined;
+  piece.front = front.is_defined ? front.value : back.value;
+  piece.back = back.is_defined ? back.value : front.value;
+  piece.front_color = piece.back_color = 0.0;
+  if (has_flag(kHasOwnColor)) {
+    piece.front_color = color_value_at(at, front.is_defined ? sheet - 1 : sheet);
+    piece.back_color = color_value_at(at, back.is_defined ? sheet : sheet - 1);
+  }
+  draw_piece(pixel, vec2(at), float(sheet), piece, part_by_ends(piece));
 }
 
 // The first crossing between two sheets, on the straight line between their values; gradient and
@@ -120,6 +153,10 @@ void draw_pixel(ivec2 at, inout Pixel pixel) {
     uint block = uint((layer * frame.num_blocks.y + of_plan.y) * frame.num_blocks.x + of_plan.x);
     if ((needed_blocks[block >> 2] >> ((block & 3u) * 8u) & kBlockIsRelevant) == 0u) {
       sheet = (layer + 1) * kBlockDepth - 1;
+      continue;
+    }
+    if (has_flag(kIsRefined)) {
+      take_piece(pixel, at, sheet);
       continue;
     }
     Sample own = sample_at(at, sheet);

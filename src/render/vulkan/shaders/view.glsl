@@ -60,27 +60,33 @@ vec3 to_eye(vec2 pixel) {
 
 float at_pixel(vec4 map, vec2 pixel) { return map.x + pixel.x * map.y + pixel.y * map.z; }
 
-// How much of a sample's slab lies in all clip half spaces and in front of the eye, in [0, 1].
-float path_fraction(vec2 pixel, float s) {
-  if (!has_flag(kIsClipped)) return 1.0;
-  float from = -0.5;
-  if (!has_flag(kIsParallel)) from = max(from, frame.view.near_cut - s);
-  float to = 0.5;
+// The part of `range`, in sheets behind sheet s, that lies in all clip half spaces and in front of
+// the eye; empty where its end is not behind its beginning.
+vec2 kept_part(vec2 pixel, float s, vec2 range) {
+  if (!has_flag(kIsClipped)) return range;
+  if (!has_flag(kIsParallel)) range.x = max(range.x, frame.view.near_cut - s);
   for (uint i = 0u; i < frame.view.num_clips; ++i) {
     float slope = at_pixel(frame.view.clips[i].per_sheet, pixel);
     float inside = fma(s, slope, at_pixel(frame.view.clips[i].at_first, pixel));
     if (abs(slope) < 1e-20) {
-      if (inside < 0.0) to = -1.0;
+      if (inside < 0.0) range.y = range.x;
       continue;
     }
     float crossing = -inside / slope;
     if (slope > 0.0) {
-      from = max(from, crossing);
+      range.x = max(range.x, crossing);
     } else {
-      to = min(to, crossing);
+      range.y = min(range.y, crossing);
     }
   }
-  return max(to - from, 0.0);
+  return range;
+}
+
+// How much of a sample's slab is kept, in [0, 1].
+float path_fraction(vec2 pixel, float s) {
+  if (!has_flag(kIsClipped)) return 1.0;
+  vec2 part = kept_part(pixel, s, vec2(-0.5, 0.5));
+  return max(part.y - part.x, 0.0);
 }
 
 // Whether the place s (between sheets) lies in all clip half spaces.

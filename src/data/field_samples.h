@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// A few hundred thousand samples of a lattice, spread evenly: enough for quantiles that a person
+// can rely on, few enough to cost a moment whatever the lattice's size. And whether samples are
+// labels.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "ovoid/field.h"
+
+namespace ovoid::data {
+
+// Values as the field has them (scaled), missing ones left out. The same field gives the same
+// samples.
+struct FieldSamples {
+  std::vector<float> values;    // rising
+  std::vector<float> on_faces;  // rising: the part of them that lies on the lattice's outer faces
+  double share_of_equals = 0;   // of neighbours along x that exist: those with the same value
+};
+
+// At most about kWantedSamples of the lattice's and as many of its faces'. Cost: some ten
+// milliseconds. Throws what the source throws.
+inline constexpr std::int64_t kWantedSamples = std::int64_t{1} << 18;
+FieldSamples take_samples(const BrickSource& source);
+
+// The different values of all samples, rising; empty if one is not an integer in [0, 65535] or if
+// there are more than `most`. Cost: one pass, which ends at the first sample that does not fit.
+std::vector<int> few_integers(const BrickSource& source, std::size_t most);
+
+// The different values of samples that look like labels: at most 64 integers as above, in regions:
+// of neighbours along x at least four of five are equal. Else empty. Cost: that of few_integers();
+// for labels that of take_samples(), too.
+std::vector<int> labels_of(const BrickSource& source);
+
+}  // namespace ovoid::data

@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: Apache-2.0
+// Stages "shade" and "composite" of refined pieces: what lies between two sheets is classified, lit
+// and composited in steps (docs/numerics.md, "Classification", refined).
+//
+// In:  values, gradients and defined bits of a sheet and of the one before it.
+// Out: visible bits (pieces that may show something); the tile's state.
+//
+// A group of pixels takes as many steps as the lane that needs most. All that a step works on stays
+// in registers: the ends of the piece, and the pixels' colour and opacity.
+#if defined(OVOID_RENDER_CPU_PIECES_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef OVOID_RENDER_CPU_PIECES_INL_H_
+#undef OVOID_RENDER_CPU_PIECES_INL_H_
+#else
+#define OVOID_RENDER_CPU_PIECES_INL_H_
+#endif
+
+#include "render/cpu/composite-inl.h"
+#include "render/cpu/shade-inl.h"
+#include "view/look_variation.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace ovoid::cpu {
+namespace HWY_NAMESPACE {
+
+// The part of a piece that is drawn, as shares of the way from the sheet before to its own.
+struct PiecePart {
+  V from, to;
+};
+
+// The lanes of a group for which an end of the piece is there.
+struct PieceEnds {
+  std::uint32_t front, back;
+};
+
+// False for sheets before the near plane, where differences have values and pieces none.
+inline bool exists(const BlockPlace& place, int s) { return place.sheets[s].near_cut < 0; }
+
+HWY_INLINE PieceEnds ends_of(const BlockPlace& place, const SheetRing& ring,
+                             const SampleGroup& group) {
+  const auto lanes_of = [&](int s) {
+    return exists(place, s) ? lanes_at(ring[place.number_of(s)].defined[group.row], group.column)
+                            : 0U;
+  };
+  return {lanes_of(group.s - 1), lanes_of(group.s)};
+}
+
+// Of the pieces that end on sheet s, those that have an end.
+inline RowBits with_an_end(const BlockPlace& place, const SheetRing& ring, int s,
+                           const RowBits& bits) {
+  RowBits out{};
+  const RowBits& front = ring[place.number_of(s - 1)].defined;
+  const RowBits& back = ring[place.number_of(s)].defined;
+  for (int y = 0; y < place.rows; ++y) {
+    const RowWord ends = (exists(place, s - 1) ? front[y] : 0) | (exists(place, s) ? back[y] : 0);
+    out[y] = bits[y] & ends;
+  }
+  return out;
+}
+
+// One number of a group's pieces at both ends; an end that is not there has the other's.
+struct EndValues {
+  V front, back;
+  V at(V t) const { return hn::MulAdd(hn::Sub(back, front), t, front); }
+};
+
+HWY_INLINE EndValues end_values(const PieceEnds& ends, const float* front, const float* back) {
+  const V f = hn::LoadU(d, front);
+  const V b = hn::LoadU(d, back);
+  return {hn::IfThenElse(mask_of(ends.front), f, b), hn::IfThenElse(mask_of(ends.back), b, f)};
+}
+
+// Finds the pieces named by `bits` on which a value between the ends has any opacity, and how much
+// the look changes along them, which is kept in shaded.alpha.
+inline void classify_pieces(const CpuFrame& frame, const BlockPlace& place, const SheetRing& ring,
+                            int s, const RowBits& bits, ShadedSheet& shaded) {
+  const Sheet& front = ring[place.number_of(s - 1)];
+  const Sheet& back = ring[place.number_of(s)];
+  const device::TableConstants& table = frame.look.constants.look;
+  for (int y = 0; y < place.rows; ++y) {
+    shaded.visible[y] = 0;
+    for_each_group(
+        bits[y], place.margin, place.columns - place.margin, [&](int column, std::uint32_t lanes) {
+          const int at = back.at(column, y);
+          const PieceEnds ends = ends_of(place, ring, {s, column, y, lanes});
+          const EndValues value = end_values(ends, front.values + at, back.values + at);
+          const M may_show =
+              hn::And(hn::Ge(hn::Max(value.front, value.back), hn::Set(d, table.visible_lo)),
+                      hn::Le(hn::Min(value.front, value.back), hn::Set(d, table.visible_hi)));
+          if ((bits_of(may_show) & lanes) == 0) return;
+          const VariationAt from = variation_at(frame.look, value.front);
+          const VariationAt to = variation_at(frame.look, value.back);
+          const V change = hn::Abs(hn::Sub(to.variation, from.variation));
+          const M shows = hn::Or(hn::Gt(hn::Max(from.opacity, to.opacity), hn::Zero(d)),
+                                 hn::Gt(change, hn::Zero(d)));
+          const std::uint32_t visible = bits_of(shows) & lanes;
+          if (visible == 0) return;
+          hn::StoreU(change, d, shaded.alpha + at);
+          shaded.visible[y] |= RowWord{visible} << column;
+        });
+  }
+}
+
+// What no plane cuts away, the near plane included.
+HWY_INLINE PiecePart cut_part(const CpuFrame& frame, const BlockPlace& place,
+                              const SampleGroup& group, PiecePart part) {
+  const view::FramePlan& plan = *frame.plan;
+  const std::int64_t sheet = place.number_of(group.s);
+  if (!frame.is_parallel) {
+    const double nearest = 1.0 + (plan.lattice.near_depth() - plan.lattice.depth(sheet)) /
+                                     plan.lattice.sampling_distance();
+    part.from = hn::Max(part.from, hn::Set(d, static_cast<float>(nearest)));
+  }
+  const V x = pixel_x(place, group.column);
+  const float y = pixel_y(place, group.row);
+  for (const ClipPlane& plane : plan.clip_planes) {
+    const V inside = evaluate2d(plan.clip_distance(plane, sheet), x, y);
+    const V slope = hn::Mul(evaluate2d(plan.clip_slope(plane), x, y),
+                            hn::Set(d, frame.camera.sampling_distance));
+    const SlabCut cut = cut_of(inside, slope);
+    const V one = hn::Set(d, 1.0F);
+    part.from = hn::Max(part.from, hn::Add(cut.from, one));
+    part.to = hn::Min(part.to, hn::Add(cut.to, one));
+  }
+  return part;
+}
+
+// A piece that has one end is half a piece.
+struct HalfPieces {
+  HWY_INLINE PiecePart operator()(const SampleGroup& /*group*/, const PieceEnds& ends) const {
+    const V half = hn::Set(d, 0.5F);
+    return {hn::IfThenElse(mask_of(ends.front), hn::Zero(d), half),
+            hn::IfThenElse(mask_of(ends.back), hn::Set(d, 1.0F), half)};
+  }
+};
+
+// Gradients of a group's pieces at both ends.
+struct EndGradients {
+  EndValues x, y, z;
+  WorldVector at(V t) const { return {x.at(t), y.at(t), z.at(t)}; }
+
+  // The distance between the ends of both normals, which are shorter where the field is flat.
+  V turn(float flat_gradient_inverse) const {
+    const auto factor = [&](V a, V b, V c) {
+      const V squared = hn::MulAdd(a, a, hn::MulAdd(b, b, hn::Mul(c, c)));
+      return hn::Min(reciprocal_sqrt(hn::Max(squared, hn::Set(d, 1e-36F))),
+                     hn::Set(d, flat_gradient_inverse));
+    };
+    const V front = factor(x.front, y.front, z.front);
+    const V back = factor(x.back, y.back, z.back);
+    const auto change = [&](const EndValues& g) {
+      return hn::NegMulAdd(g.front, front, hn::Mul(g.back, back));
+    };
+    const V dx = change(x), dy = change(y), dz = change(z);
+    return hn::Sqrt(hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz))));
+  }
+};
+
+// view::steps_for().
+HWY_INLINE V steps_for(V need) {
+  V steps = hn::Set(d, 1.0F);
+  for (int count = 1; count < view::kMostSteps; count *= 2) {
+    const auto least = static_cast<float>(count);
+    steps = hn::IfThenElse(hn::Gt(need, hn::Set(d, least)), hn::Set(d, 2 * least), steps);
+  }
+  return steps;
+}
+
+// Pixels of a tile that a group draws on.
+struct GroupPixels {
+  V red, green, blue, alpha, depth;
+};
+
+HWY_INLINE GroupPixels load_pixels(const TileState& tile, int at) {
+  return {hn::LoadU(d, tile.red + at), hn::LoadU(d, tile.green + at), hn::LoadU(d, tile.blue + at),
+          hn::LoadU(d, tile.alpha + at), hn::LoadU(d, tile.depth + at)};
+}
+
+HWY_INLINE void store_pixels(const GroupPixels& pixels, TileState& tile, int at) {
+  hn::StoreU(pixels.red, d, tile.red + at);
+  hn::StoreU(pixels.green, d, tile.green + at);
+  hn::StoreU(pixels.blue, d, tile.blue + at);
+  hn::StoreU(pixels.alpha, d, tile.alpha + at);
+  hn::StoreU(pixels.depth, d, tile.depth + at);
+}
+
+HWY_INLINE void add_to_pixels(const Classified& seen, V alpha, V depth, GroupPixels& pixels) {
+  const V half = hn::Set(d, 0.5F);
+  const V before = pixels.alpha;
+  const V share = hn::Mul(hn::Sub(hn::Set(d, 1.0F), before), alpha);
+  pixels.alpha = hn::Add(before, share);
+  pixels.red = hn::MulAdd(share, seen.red, pixels.red);
+  pixels.green = hn::MulAdd(share, seen.green, pixels.green);
+  pixels.blue = hn::MulAdd(share, seen.blue, pixels.blue);
+  const M reaches_half = hn::And(hn::Lt(before, half), hn::Ge(pixels.alpha, half));
+  pixels.depth = hn::IfThenElse(reaches_half, depth, pixels.depth);
+}
+
+// Classifies, lights and composites the pieces that end on sheet s and may show something, whose
+// ends' gradients are there. `part_of`: what there is of pieces that have one end.
+template <class PartOf>
+inline void draw_pieces(const CpuFrame& frame, const TileInHand& tile, int s,
+                        const PartOf& part_of) {
+  const BlockPlace& place = tile.place;
+  const Sheet& front = tile.ring[place.number_of(s - 1)];
+  const Sheet& back = tile.ring[place.number_of(s)];
+  const device::LookConstants& look = frame.look.constants;
+  const V one = hn::Set(d, 1.0F);
+  const V sheet_distance = hn::Set(d, frame.camera.sampling_distance);
+  const V front_depth = hn::Sub(hn::Set(d, place.sheets[s].depth), sheet_distance);
+  for (int y = 0; y < place.rows; ++y) {
+    if (tile.shaded.visible[y] == 0) continue;  // as in all rows of the margin
+    std::uint32_t& open = tile.pixels.open[tile_row(place, y)];
+    const RowWord bits = tile.shaded.visible[y] & RowWord{open >> place.x0} << place.margin;
+    for_each_group(
+        bits, place.margin, place.columns - place.margin, [&](int column, std::uint32_t lanes) {
+          const SampleGroup group{s, column, y, lanes};
+          const int at = back.at(column, y);
+          const PieceEnds ends = ends_of(place, tile.ring, group);
+          const auto both = [&](const float* f, const float* b) {
+            return end_values(ends, f + at, b + at);
+          };
+          const EndValues value = both(front.values, back.values);
+          EndValues color_value{};
+          if (frame.has_own_color) color_value = both(front.colors, back.colors);
+          PiecePart part{hn::Zero(d), one};
+          if ((ends.front & ends.back & lanes) != lanes) part = part_of(group, ends);
+          if (frame.is_clipped) part = cut_part(frame, place, group, part);
+          V need =
+              hn::Mul(hn::LoadU(d, tile.shaded.alpha + at), hn::Set(d, view::kStepsPerVariation));
+          EndGradients gradient{};
+          if (frame.takes_gradients) {
+            gradient = {both(front.gradient[0], back.gradient[0]),
+                        both(front.gradient[1], back.gradient[1]),
+                        both(front.gradient[2], back.gradient[2])};
+            need = hn::Add(need, gradient.turn(look.flat_gradient_inverse));
+          }
+          const V steps = steps_for(need);
+          const V step = hn::Div(hn::Max(hn::Sub(part.to, part.from), hn::Zero(d)), steps);
+          const V path = hn::Mul(hn::Mul(step, hn::Set(d, look.path_in_units)),
+                                 ray_length(frame, place, column, y));
+          const WorldVector eye = direction_to_eye(frame, place, column, y);
+          const int to = tile_index(place, column, y);
+          GroupPixels pixels = load_pixels(tile.pixels, to);
+          M active = hn::And(mask_of(lanes), hn::Gt(step, hn::Zero(d)));
+          for (V m = hn::Zero(d);; m = hn::Add(m, one)) {
+            active = hn::And(active, hn::Lt(m, steps));
+            if (bits_of(active) == 0) break;
+            const V t = hn::MulAdd(hn::Add(m, hn::Set(d, 0.5F)), step, part.from);
+            Classified seen = classify(frame.look.table, value.at(t));
+            const WorldVector slope = frame.takes_gradients ? gradient.at(t) : WorldVector{};
+            if (frame.fades_by_gradient) {
+              const V length = hn::Sqrt(dot_product(slope, slope));
+              seen.opacity = hn::Mul(seen.opacity, classify(frame.look.fading, length).opacity);
+            }
+            const M is_visible = hn::And(active, hn::Gt(seen.opacity, hn::Zero(d)));
+            const std::uint32_t visible = bits_of(is_visible);
+            if (visible == 0) continue;
+            tile.stats.samples_shaded += std::popcount(visible);
+            if (frame.has_own_color) {
+              const Classified color = classify(frame.look.color, color_value.at(t));
+              seen = {color.red, color.green, color.blue, seen.opacity};
+            }
+            if (frame.is_lit) {
+              const Lighting light = light_sample(look, slope, eye);
+              seen = {lit_color(seen.red, light), lit_color(seen.green, light),
+                      lit_color(seen.blue, light), seen.opacity};
+            }
+            add_to_pixels(seen, hn::IfThenElseZero(is_visible, correct_opacity(seen.opacity, path)),
+                          hn::MulAdd(t, sheet_distance, front_depth), pixels);
+            active = hn::AndNot(hn::Ge(pixels.alpha, hn::Set(d, frame.opaque_at)), active);
+          }
+          store_pixels(pixels, tile.pixels, to);
+          const M opaque = hn::Ge(pixels.alpha, hn::Set(d, frame.opaque_at));
+          open &= ~((bits_of(opaque) & lanes) << tile_column(place, column));
+        });
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace ovoid::cpu
+HWY_AFTER_NAMESPACE();
+
+#endif

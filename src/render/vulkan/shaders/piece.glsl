@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// Refined pieces (docs/numerics.md, "Classification"): what lies between two sheets is classified,
+// lit and composited in steps, along which value and gradient go straight.
+
+// The piece that ends at a sheet. An end where the field is undefined has the other one's value.
+struct Piece {
+  bool has_front;
+  bool has_back;
+  float front;
+  float back;
+  float front_color;  // what the colour is taken at
+  float back_color;
+};
+
+// World gradient at an end where the field is defined, on sheet s: the including shader's.
+vec3 gradient_of_end(vec2 at, float s, float value, bool is_front);
+
+// Where it has a field if what ends it is not known better: next to the ends that there are.
+vec2 part_by_ends(Piece piece) {
+  return vec2(piece.has_front ? 0.0 : 0.5, piece.has_back ? 1.0 : 0.5);
+}
+
+float variation_to(LookConstants look, float value) {
+  TablePlace place = find_place(look.look, value);
+  uint at = look.variation_at + place.entry;
+  float lo = tables[at >> 2][at & 3u];
+  ++at;
+  return fma(tables[at >> 2][at & 3u] - lo, place.fraction, lo);
+}
+
+// Shorter where the field is flat, 0 where there is no gradient. Scaled first: gradients may be too
+// small to be squared.
+vec3 seen_normal(LookConstants look, vec3 gradient) {
+  vec3 size = abs(gradient);
+  float greatest = max(max(size.x, size.y), size.z);
+  if (!(greatest > 0.0)) return vec3(0.0);
+  vec3 scaled = gradient / greatest;
+  float inverse_length = inversesqrt(dot(scaled, scaled));
+  return scaled * min(inverse_length, greatest * look.flat_gradient_inverse);
+}
+
+int steps_for(float need) {
+  int steps = 1;
+  while (float(steps) < need && steps < kMostSteps) steps *= 2;
+  return steps;
+}
+
+// The part of the piece before sheet s, 0 being the sheet before it, that `has_field` names and
+// nothing cuts away.
+void draw_piece(inout Pixel pixel, vec2 at, float s, Piece piece, vec2 has_field) {
+  LookConstants look = frame.looks[0];
+  if (pixel.is_closed || max(piece.front, piece.back) < look.look.visible_lo ||
+      min(piece.front, piece.back) > look.look.visible_hi)
+    return;
+  vec2 part = kept_part(at, s - 1.0, has_field);
+  if (!(part.x < part.y)) return;
+  // Where the look does not change on the way, it shows nothing if it does not at the end.
+  float change = abs(variation_to(look, piece.back) - variation_to(look, piece.front));
+  if (change == 0.0 && !(classify(look.look, piece.back).a > 0.0)) return;
+  vec3 front = vec3(0.0);
+  vec3 back = vec3(0.0);
+  float need = kStepsPerVariation * change;
+  if (has_flag(kTakesGradients)) {
+    num_samples.z += 2u;
+    // A loop, since the code of a lattice's gradient is long.
+    for (int end = piece.has_front ? 0 : 1; end < (piece.has_back ? 2 : 1); ++end) {
+      bool is_front = end == 0;
+      vec3 gradient = gradient_of_end(at, is_front ? s - 1.0 : s,
+                                      is_front ? piece.front : piece.back, is_front);
+      if (is_front) front = gradient;
+      else back = gradient;
+    }
+    if (!piece.has_front) front = back;
+    if (!piece.has_back) back = front;
+    need += length(seen_normal(look, back) - seen_normal(look, front));
+  }
+  int steps = steps_for(need);
+  float share = (part.y - part.x) / float(steps);
+  float path = share * ray_length(at);
+  for (int m = 0; m < steps && !pixel.is_closed; ++m) {
+    float t = fma(float(m) + 0.5, share, part.x);
+    vec4 color = classify(look.look, fma(piece.back - piece.front, t, piece.front));
+    if (!(color.a > 0.0)) continue;
+    ++num_samples.y;
+    if (has_flag(kHasOwnColor))
+      color.rgb =
+          classify(look.color, fma(piece.back_color - piece.front_color, t, piece.front_color)).rgb;
+    draw_seen(pixel, at, s - 1.0 + t, path, color, mix(front, back, t));
+  }
+}

@@ -84,7 +84,7 @@ void check_value(const FlagForm& form, const Json& value) {
   }
 }
 
-std::string text_of(const std::string& name, const Json& value) {
+std::string word_of(const std::string& name, const Json& value) {
   if (value.is_string()) return value.get<std::string>();
   try {
     return value.dump();
@@ -181,15 +181,15 @@ Words FlagSet::words() const {
     if (value.is_boolean()) {
       words.push_back(word);
     } else if (kind == FlagKind::kOptionalValue) {
-      words.push_back(word + "=" + text_of(name, value));
+      words.push_back(word + "=" + word_of(name, value));
     } else if (kind == FlagKind::kRepeatable) {
       for (const Json& element : value) {
         words.push_back(word);
-        words.push_back(text_of(name, element));
+        words.push_back(word_of(name, element));
       }
     } else {
       words.push_back(word);
-      words.push_back(text_of(name, value));
+      words.push_back(word_of(name, value));
     }
   }
   return words;

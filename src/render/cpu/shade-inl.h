@@ -107,25 +107,25 @@ struct VariationAt {
 };
 
 HWY_INLINE VariationAt variation_at(const FrameLook& look, V value) {
-  const auto [entry, fraction] = cell_of(look.table, value);
+  const TableCell cell = cell_of(look.table, value);
   const auto read = [&](const float* lo, const float* hi, VI at) {
     const V from = hn::GatherIndex(d, lo, at);
-    return hn::MulAdd(hn::Sub(hn::GatherIndex(d, hi, at), from), fraction, from);
+    return hn::MulAdd(hn::Sub(hn::GatherIndex(d, hi, at), from), cell.fraction, from);
   };
   const float* const opacities = look.table.entries + 3;
-  return {read(opacities, opacities + 4, hn::ShiftLeft<2>(entry)),
-          read(look.variation, look.variation + 1, entry)};
+  return {read(opacities, opacities + 4, hn::ShiftLeft<2>(cell.entry)),
+          read(look.variation, look.variation + 1, cell.entry)};
 }
 
 // An entry is four floats, so a lane's two entries are two loads; hardware gathers of eight
 // separate columns take longer.
 HWY_INLINE Classified classify(const ClassificationTable& table, V value) {
-  const auto [entry, fraction] = cell_of(table, value);
+  const TableCell cell = cell_of(table, value);
   alignas(64) std::int32_t index[16];
-  hn::Store(entry, di, index);
+  hn::Store(cell.entry, di, index);
   const Classified lo = transpose_entries(table.entries, index);
   const Classified hi = transpose_entries(table.entries + 4, index);
-  const auto mix = [&](V a, V b) { return hn::MulAdd(hn::Sub(b, a), fraction, a); };
+  const auto mix = [&](V a, V b) { return hn::MulAdd(hn::Sub(b, a), cell.fraction, a); };
   return {mix(lo.red, hi.red), mix(lo.green, hi.green), mix(lo.blue, hi.blue),
           mix(lo.opacity, hi.opacity)};
 }

@@ -73,8 +73,9 @@ void limit_band(Volume& volume) {
         for (int t = -kFilterReach; t <= kFilterReach; ++t) {
           std::int64_t at = n + t;
           while (at < 0 || at >= size) at = at < 0 ? -at - 1 : 2 * size - 1 - at;
+          const int tap = t + kFilterReach;
           value +=
-              taps[static_cast<std::size_t>(t + kFilterReach)] *
+              taps[static_cast<std::size_t>(tap)] *
               static_cast<double>(volume.values[static_cast<std::size_t>(start + at * stride)]);
         }
         line[static_cast<std::size_t>(n)] = value / sum;

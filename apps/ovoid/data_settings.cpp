@@ -145,7 +145,8 @@ const Table<ModelFlags>& kernel_settings() {
       {"--kernel", form("bspline|catmull-rom|gaussian[:SIGMA[,CUTOFF]]", parse_kernel),
        at(&M::lattice, &L::kernel),
        "the kernel that a lattice's samples share; SIGMA in spacings (0.5), CUTOFF in sigmas (4) "
-       "(default bspline; gaussian, as published, for labels and with --relevant-above)",
+       "(default bspline; gaussian, as published, for labels and with --relevant-above; "
+       "catmull-rom for slices)",
        kOfLattices},
       {"--prefilter", Toggle(), at(&M::lattice, &L::prefilter),
        "make a lattice's field take the samples' values at the samples (default with bspline)",

@@ -3,6 +3,7 @@
 // Dataset -> field, for regular lattices: one kernel per sample, all of one shape.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 #include <new>
 
@@ -89,7 +90,11 @@ Interpolation interpolation_of(const LatticeModelOptions& options, const BrickSo
     return {kernel, options.prefilter.value_or(kernel.kind == LatticeKernelKind::kBSpline)};
   };
   if (options.kernel) return with(*options.kernel);
-  return with(data::labels_of(samples).empty() ? kBSplineKernel : LatticeKernel{});
+  if (!data::labels_of(samples).empty()) return with(LatticeKernel{});
+  // A B-spline alone along two axes has less of its weight at its own sample than a field needs.
+  const Index3& dims = samples.geometry().dims;
+  const bool is_flat = std::find(dims.begin(), dims.end(), 1) != dims.end();
+  return with(is_flat ? kCatmullRomKernel : kBSplineKernel);
 }
 
 // Coefficients, and the samples that they were made of.

@@ -11,6 +11,7 @@
 #include "data/scalar_visit.h"
 #include "ovoid/error.h"
 #include "ovoid/model.h"
+#include "ovoid/sampler.h"
 #include "support/numbers.h"
 
 namespace ovoid {
@@ -94,6 +95,25 @@ TEST(MakeLatticeField, AppliesTheScaleOfTheArray) {
   EXPECT_EQ(lengths.samples().value_scale(), 1);
   EXPECT_EQ(samples_of(lengths)[0], 10);
   EXPECT_EQ(samples_of(lengths)[1], 0);
+}
+
+// Fails if a slice, a line or one sample has no field, or another one than its samples.
+TEST(MakeLatticeField, FlatLatticesHaveAField) {
+  for (const Index3& dims : {Index3{7, 5, 1}, Index3{1, 6, 1}, Index3{1, 1, 1}, Index3{2, 2, 2}}) {
+    std::vector<float> values;
+    for (std::int64_t i = 0; i < num_samples(dims); ++i)
+      values.push_back(static_cast<float>(i * 7 % 11) + 0.5F);
+    const LatticeField field =
+        make_lattice_field(dataset_of(array_of<float>(ScalarType::kFloat32, values), dims));
+    const FieldSampler sampler(field);
+    for (std::int64_t i = 0; i < num_samples(dims); ++i) {
+      const Index3 at{i % dims[0], i / dims[0] % dims[1], i / (dims[0] * dims[1])};
+      const FieldSample found =
+          sampler.at(field.geometry().world_from_index * field.geometry().index_position(at));
+      EXPECT_TRUE(found.is_defined) << dims[0] << " " << dims[1] << " " << i;
+      EXPECT_NEAR(found.value, values[static_cast<std::size_t>(i)], 1e-5);
+    }
+  }
 }
 
 // Prefiltering is linear, and so is the scale: it must not matter which comes first.
@@ -270,6 +290,7 @@ TEST(MakeLatticeField, PrefilteredKeepsTheSamplesRange) {
   values[3] = kNanF;
   const Dataset dataset = dataset_of(array_of(ScalarType::kFloat32, values), {32, 1, 1});
   LatticeModelOptions options;
+  options.kernel = kBSplineKernel;
   options.prefilter = true;
   LatticeModelReport report;
   const LatticeField field = make_lattice_field(dataset, options, &report);

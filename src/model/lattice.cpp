@@ -86,15 +86,15 @@ struct Interpolation {
 };
 
 Interpolation interpolation_of(const LatticeModelOptions& options, const BrickSource& samples) {
-  const auto with = [&](const LatticeKernel& kernel) -> Interpolation {
+  const auto with = [&](LatticeKernel kernel) -> Interpolation {
     return {kernel, options.prefilter.value_or(kernel.kind == LatticeKernelKind::kBSpline)};
   };
   if (options.kernel) return with(*options.kernel);
   if (!data::labels_of(samples).empty()) return with(LatticeKernel{});
   // A B-spline alone along two axes has less of its weight at its own sample than a field needs.
   const Index3& dims = samples.geometry().dims;
-  const bool is_flat = std::find(dims.begin(), dims.end(), 1) != dims.end();
-  return with(is_flat ? kCatmullRomKernel : kBSplineKernel);
+  if (std::find(dims.begin(), dims.end(), 1) != dims.end()) return with(kCatmullRomKernel);
+  return with(kBSplineKernel);
 }
 
 // Coefficients, and the samples that they were made of.

@@ -319,8 +319,7 @@ const Table<RenderOptions>& number_settings() {
   static const Table<R> all = {
       {"--sampling-distance", number("D", kPositive), &R::sampling_distance,
        "distance of sheets, world (default: half a lattice's smallest spacing, else twice the "
-       "sigma "
-       "of a narrow kernel; twice as much where nothing is refined)"},
+       "sigma of a narrow kernel; twice as much where nothing is refined)"},
       {"--slab", choice(kSlabs), &R::slab,
        "a sample is the field in the middle of its slab, or its mean there (default {})"},
       {"--gradient", choice(kGradients), &R::gradient,
@@ -328,8 +327,7 @@ const Table<RenderOptions>& number_settings() {
        "(default {})"},
       {"--classification", choice(kClassifications), &R::classification,
        "colour and opacity of samples, of the piece from the sheet before, or of as many steps of "
-       "it "
-       "as the look needs (default {})",
+       "it as the look needs (default {})",
        not_with("mode", "has no effect with --mode {1}", is_no_layer)},
       {"--evaluate", choice(kEvaluates), &R::evaluate,
        "samples gather kernels, or kernels scatter to samples (default {})"},

@@ -363,7 +363,7 @@ TEST(RefinedOnDevice, PiecesAreWholeAcrossBoxesAndPages) {
     if (way == 2) scene.options.gradient = GradientMethod::kCentral;
     if (way >= 3) {
       scene.camera = askew_camera(scene.field, way == 3, 6);
-      scene.options.post_convolution = way == 3 ? PostConvolution::kCubic : PostConvolution::kAuto;
+      scene.options.post_convolution = PostConvolution::kAuto;
     }
     const Image whole = draw(scene).image;
     const Image in_boxes = draw_within(scene, 64U << 10U);

@@ -27,36 +27,61 @@ HWY_INLINE void store_masked(M mask, V value, float* to) {
   hn::StoreU(hn::IfThenElse(mask, value, hn::LoadU(d, to)), d, to);
 }
 
+// Pixels of a tile that a group draws on.
+struct GroupPixels {
+  V red, green, blue, alpha, depth;
+};
+
+HWY_INLINE GroupPixels load_pixels(const TileState& tile, int at) {
+  return {hn::LoadU(d, tile.red + at), hn::LoadU(d, tile.green + at), hn::LoadU(d, tile.blue + at),
+          hn::LoadU(d, tile.alpha + at), hn::LoadU(d, tile.depth + at)};
+}
+
+HWY_INLINE void store_pixels(const GroupPixels& pixels, TileState& tile, int at) {
+  hn::StoreU(pixels.red, d, tile.red + at);
+  hn::StoreU(pixels.green, d, tile.green + at);
+  hn::StoreU(pixels.blue, d, tile.blue + at);
+  hn::StoreU(pixels.alpha, d, tile.alpha + at);
+  hn::StoreU(pixels.depth, d, tile.depth + at);
+}
+
+struct GroupColor {
+  V red, green, blue;
+};
+
+// What a pixel has in front of it hides its share.
+HWY_INLINE void add_to_pixels(const GroupColor& seen, V alpha, V depth, GroupPixels& pixels) {
+  const V half = hn::Set(d, 0.5F);
+  const V before = pixels.alpha;
+  const V share = hn::Mul(hn::Sub(hn::Set(d, 1.0F), before), alpha);
+  pixels.alpha = hn::Add(before, share);
+  pixels.red = hn::MulAdd(share, seen.red, pixels.red);
+  pixels.green = hn::MulAdd(share, seen.green, pixels.green);
+  pixels.blue = hn::MulAdd(share, seen.blue, pixels.blue);
+  const M reaches_half = hn::And(hn::Lt(before, half), hn::Ge(pixels.alpha, half));
+  pixels.depth = hn::IfThenElse(reaches_half, depth, pixels.depth);
+}
+
 inline void composite_sheet(const CpuFrame& frame, const BlockPlace& place, int s,
                             const ShadedSheet& shaded, TileState& tile) {
-  const V one = hn::Set(d, 1.0F);
-  const V half = hn::Set(d, 0.5F);
   for (int y = 0; y < place.rows; ++y) {
     if (shaded.visible[y] == 0) continue;  // as in all rows of the margin, which the tile lacks
     // Nothing is added behind what is opaque, even if it was worked out.
     std::uint32_t& open = tile.open[tile_row(place, y)];
-    for_each_group(
-        shaded.visible[y] & open >> place.x0 << place.margin, place.margin,
-        place.columns - place.margin, [&](int column, std::uint32_t lanes) {
-          const int from = y * kTilePlane.stride + column;
-          const int to = tile_index(place, column, y);
-          const V before = hn::LoadU(d, tile.alpha + to);
-          const V share = hn::IfThenElseZero(
-              mask_of(lanes), hn::Mul(hn::Sub(one, before), hn::LoadU(d, shaded.alpha + from)));
-          const V after = hn::Add(before, share);
-          const auto add = [&](float* sum, const float* color) {
-            hn::StoreU(hn::MulAdd(share, hn::LoadU(d, color + from), hn::LoadU(d, sum + to)), d,
-                       sum + to);
-          };
-          add(tile.red, shaded.red);
-          add(tile.green, shaded.green);
-          add(tile.blue, shaded.blue);
-          hn::StoreU(after, d, tile.alpha + to);
-          store_masked(hn::And(hn::Lt(before, half), hn::Ge(after, half)),
-                       hn::Set(d, place.sheets[s].depth), tile.depth + to);
-          const M opaque = hn::Ge(after, hn::Set(d, frame.opaque_at));
-          open &= ~((bits_of(opaque) & lanes) << tile_column(place, column));
-        });
+    for_each_group(shaded.visible[y] & open >> place.x0 << place.margin, place.margin,
+                   place.columns - place.margin, [&](int column, std::uint32_t lanes) {
+                     const int from = y * kTilePlane.stride + column;
+                     const int to = tile_index(place, column, y);
+                     GroupPixels pixels = load_pixels(tile, to);
+                     add_to_pixels(
+                         {hn::LoadU(d, shaded.red + from), hn::LoadU(d, shaded.green + from),
+                          hn::LoadU(d, shaded.blue + from)},
+                         hn::IfThenElseZero(mask_of(lanes), hn::LoadU(d, shaded.alpha + from)),
+                         hn::Set(d, place.sheets[s].depth), pixels);
+                     store_pixels(pixels, tile, to);
+                     const M opaque = hn::Ge(pixels.alpha, hn::Set(d, frame.opaque_at));
+                     open &= ~((bits_of(opaque) & lanes) << tile_column(place, column));
+                   });
   }
 }
 

@@ -165,36 +165,6 @@ HWY_INLINE V steps_for(V need) {
   return steps;
 }
 
-// Pixels of a tile that a group draws on.
-struct GroupPixels {
-  V red, green, blue, alpha, depth;
-};
-
-HWY_INLINE GroupPixels load_pixels(const TileState& tile, int at) {
-  return {hn::LoadU(d, tile.red + at), hn::LoadU(d, tile.green + at), hn::LoadU(d, tile.blue + at),
-          hn::LoadU(d, tile.alpha + at), hn::LoadU(d, tile.depth + at)};
-}
-
-HWY_INLINE void store_pixels(const GroupPixels& pixels, TileState& tile, int at) {
-  hn::StoreU(pixels.red, d, tile.red + at);
-  hn::StoreU(pixels.green, d, tile.green + at);
-  hn::StoreU(pixels.blue, d, tile.blue + at);
-  hn::StoreU(pixels.alpha, d, tile.alpha + at);
-  hn::StoreU(pixels.depth, d, tile.depth + at);
-}
-
-HWY_INLINE void add_to_pixels(const Classified& seen, V alpha, V depth, GroupPixels& pixels) {
-  const V half = hn::Set(d, 0.5F);
-  const V before = pixels.alpha;
-  const V share = hn::Mul(hn::Sub(hn::Set(d, 1.0F), before), alpha);
-  pixels.alpha = hn::Add(before, share);
-  pixels.red = hn::MulAdd(share, seen.red, pixels.red);
-  pixels.green = hn::MulAdd(share, seen.green, pixels.green);
-  pixels.blue = hn::MulAdd(share, seen.blue, pixels.blue);
-  const M reaches_half = hn::And(hn::Lt(before, half), hn::Ge(pixels.alpha, half));
-  pixels.depth = hn::IfThenElse(reaches_half, depth, pixels.depth);
-}
-
 // Classifies, lights and composites the pieces that end on sheet s and may show something, whose
 // ends' gradients are there. `part_of`: what there is of pieces that have one end.
 template <class PartOf>
@@ -265,7 +235,8 @@ inline void draw_pieces(const CpuFrame& frame, const TileInHand& tile, int s,
               seen = {lit_color(seen.red, light), lit_color(seen.green, light),
                       lit_color(seen.blue, light), seen.opacity};
             }
-            add_to_pixels(seen, hn::IfThenElseZero(is_visible, correct_opacity(seen.opacity, path)),
+            add_to_pixels({seen.red, seen.green, seen.blue},
+                          hn::IfThenElseZero(is_visible, correct_opacity(seen.opacity, path)),
                           hn::MulAdd(t, sheet_distance, front_depth), pixels);
             active = hn::AndNot(hn::Ge(pixels.alpha, hn::Set(d, frame.opaque_at)), active);
           }

@@ -29,7 +29,6 @@ LatticeTracer::LatticeTracer(const LatticeField& field, const FieldEvaluator& ev
       slab_(options.slab),
       gradient_method_(options.spread == Spread::kBilinear ? GradientMethod::kCentral
                                                            : options.gradient),
-      takes_pieces_(options.classification == Classification::kPreintegrated),
       ends_at_faces_(field.reconstruction() == Reconstruction::kNormalized),
       has_nodes_(is_published(options.post_convolution)),
       way_(options.post_convolution),
@@ -180,7 +179,7 @@ Vec3 LatticeTracer::gradient(const PixelRay& pixel, const RaySample& sample) con
   const Place place{1.0 * pixel.x, 1.0 * pixel.y, sample.sheet};
   const bool is_central = gradient_method_ == GradientMethod::kCentral;
   // The field's own, of what would be a piece if it had a front end.
-  const bool is_piece = takes_pieces_ && !is_central;
+  const bool is_piece = is_preintegrated() && !is_central;
   if (sample.is_from_nodes && !is_piece)
     return gradient_from(nodes_around(pixel, sample.sheet, *node_step_on(sample.sheet)));
   if (is_central) return central_gradient(place);

@@ -66,7 +66,6 @@ class LatticeTracer final : public PixelTracer {
   const FieldEvaluator& evaluator_;
   const Slab slab_;
   const GradientMethod gradient_method_;
-  const bool takes_pieces_;    // pre-integrated
   const bool ends_at_faces_;   // a normalized field
   const bool has_nodes_;       // on sheets that are magnified enough
   const PostConvolution way_;  // and how pixels are made from them

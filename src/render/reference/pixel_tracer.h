@@ -90,6 +90,7 @@ class PixelTracer {
 
   const Look& look() const { return look_; }
   const ViewRays& view() const { return view_; }
+  bool is_preintegrated() const { return is_preintegrated_; }
   bool is_refined() const { return is_refined_; }
   bool uses_gradients() const { return look_.shade || !fading_.opacities.empty(); }
 

@@ -25,7 +25,9 @@ MADE = {"ball.nrrd": ["ball", "--size", "64"], "head.nrrd": ["head", "--size", "
         "fin.vtu": ["fin"], "galaxy.csv": ["galaxy"]}
 FILES = ["bonsai/bonsai.nii.gz", "engine/engine.nii.gz", "fuel/fuel.nii.gz", "headsq/quarter.nhdr", "hydrogen_ironprot/ironProt.vtk",
          "mri_nifti/MR.nii.gz", "can/can.vtu", "disk_out_ref/disk_out_ref.ex2", "limb_tetra/limb_ugrid.vtk", "mug/mug.e",
-         "dm_halo/dm_halo.h5py", "phantom_sph/adiabatic_00000.h5"]
+         "dm_halo/dm_halo.h5py", "phantom_sph/adiabatic_00000.h5", "dicom_ct", "isabel/isabel_30.vti", "mri_nifti/example4d.nii.gz",
+         "bluntfin/bluntfinxyz.bin+bluntfin/bluntfinq.bin", "enzo_amr/moving7_0010.hierarchy", "md_water/spce_all_coords.lammpstrj.bz2",
+         "zeldovich/zeldovich.csv.gz"]  # "+": one input
 PLACE = 0.35  # of the range: where opaque and thin looks lie
 WINDOW, STRIDE = 8, 4  # pixels, of SSIM
 
@@ -69,7 +71,7 @@ class Subject:
     def draw(self, flags, turn=0.0, frames=1):
         """The picture, and the median frame in ms."""
         picture, profile = os.path.join(self.folder, "picture.npy"), os.path.join(self.folder, "profile.json")
-        subprocess.run([OVOID, "render", self.path, "--size", f"{self.size}x{self.size}", "--azimuth", str(30 + turn), "--elevation", "20", *self.look,
+        subprocess.run([OVOID, "render", *self.path.split("+"), "--size", f"{self.size}x{self.size}", "--azimuth", str(30 + turn), "--elevation", "20", *self.look,
                         *flags, "--backend", "cpu", "--repeat", str(frames), f"--profile={profile}", "-o", picture], check=True, stderr=subprocess.DEVNULL)
         with open(profile, encoding="utf-8") as file:
             return colors_of(picture), json.load(file)["frame_ms"]["median"]
@@ -101,8 +103,8 @@ def made_in(folder):
 
 
 def real_files():
-    paths = [os.path.join(data_folder(), name) for name in FILES]
-    return [path for path in paths if os.path.exists(path)]
+    paths = ["+".join(os.path.join(data_folder(), part) for part in name.split("+")) for name in FILES]
+    return [path for path in paths if all(map(os.path.exists, path.split("+")))]
 
 
 def main():
@@ -115,7 +117,7 @@ def main():
           "refined, ms | refined / sampled |\n|" + "---|" * 12)
     with tempfile.TemporaryDirectory() as folder:
         for path in options.files or [*made_in(folder), *real_files()]:
-            field = json.loads(subprocess.run([OVOID, "info", "--json", path], check=True, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL).stdout)["field"]
+            field = json.loads(subprocess.run([OVOID, "info", "--json", *path.split("+")], check=True, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL).stdout)["field"]
             for look, flags in looks_of(*field["range"]).items():
                 subject = Subject(path, flags, options.size, folder)
                 exact, sheets = subject.converged(field["default_sampling_distance"])

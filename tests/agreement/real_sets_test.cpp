@@ -64,8 +64,7 @@ TEST_P(RealSets, AgreeOnEveryLook) {
   const ValueRange range = usual_values(field);
   for (const TestLook& look : test_looks(range.lo, range.hi)) {
     for (const bool is_parallel : {true, false}) {
-      Scene scene{field, askew_camera(field, is_parallel), look.look,
-                  picture(48 / kPublishedShrink, 42 / kPublishedShrink)};
+      Scene scene{field, askew_camera(field, is_parallel), look.look, picture(48, 42)};
       scene.options.post_convolution = PostConvolution::kOff;
       EXPECT_TRUE(backends_agree(scene, set.files[0] + ", " + look.name, 0.004));
     }

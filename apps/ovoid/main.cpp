@@ -38,7 +38,7 @@ constexpr std::array<Command, 8> kCommands = {{
     {"animate", "INPUT... -o OUT.mp4", "draw a film or numbered pictures", run_animate},
     {"info", "INPUT...", "what is in a file, and how it would be drawn", run_info},
     {"make", "NAME -o OUT", "sample data by formula", run_make},
-    {"convert", "INPUT... -o OUT", "between formats, and to a grid or kernels", run_convert},
+    {"convert", "INPUT... -o OUT", "between formats, to a grid or kernels", run_convert},
     {"sample", "INPUT... --points P -o OUT", "the field and its gradient at points", run_sample},
     {"bench", "[SCENE...]", "time the stages on standard scenes", run_bench},
 }};
@@ -46,12 +46,12 @@ constexpr std::array<Command, 8> kCommands = {{
 std::string help() {
   std::string out = "Ovoid draws volumes straight from their points.\n\n";
   for (const Command& command : kCommands) {
-    out += fmt::format("  {:34}{}\n", fmt::format("ovoid {} {}", command.name, command.synopsis),
+    out += fmt::format("  {:40}{}\n", fmt::format("ovoid {} {}", command.name, command.synopsis),
                        command.summary);
   }
-  out += fmt::format("  {:34}{}\n", "ovoid INPUT...", "the same as ovoid view INPUT...");
-  out += fmt::format("  {:34}{}\n", "ovoid COMMAND --help", "all flags of a command");
-  out += fmt::format("  {:34}{}\n", "ovoid --version", "the version");
+  out += fmt::format("  {:40}{}\n", "ovoid INPUT...", "the same as ovoid view INPUT...");
+  out += fmt::format("  {:40}{}\n", "ovoid COMMAND --help", "all flags of a command");
+  out += fmt::format("  {:40}{}\n", "ovoid --version", "the version");
   return out;
 }
 

@@ -51,18 +51,15 @@ void find_distances(const KernelView& view, KernelShape shape, const Vec3& offse
   const auto x = static_cast<float>(offset[0]);
   const auto y = static_cast<float>(offset[1]);
   const auto z = static_cast<float>(offset[2]);
+  // In sigmas before they are squared: world units may be centimetres between galaxies.
   if (shape == KernelShape::kBalls) {
     for (std::int32_t i = 0; i < view.count; ++i) {
-      const float dx = x - view.center[0][i];
-      const float dy = y - view.center[1][i];
-      const float dz = z - view.center[2][i];
+      const float per_sigma =
+          1.0F / (view.shape[0] == nullptr ? view.shared_shape[0] : view.shape[0][i]);
+      const float dx = (x - view.center[0][i]) * per_sigma;
+      const float dy = (y - view.center[1][i]) * per_sigma;
+      const float dz = (z - view.center[2][i]) * per_sigma;
       out[i] = dx * dx + dy * dy + dz * dz;
-    }
-    if (view.shape[0] == nullptr) {
-      const float scale = 1.0F / (view.shared_shape[0] * view.shared_shape[0]);
-      for (std::int32_t i = 0; i < view.count; ++i) out[i] *= scale;
-    } else {
-      for (std::int32_t i = 0; i < view.count; ++i) out[i] /= view.shape[0][i] * view.shape[0][i];
     }
     return;
   }

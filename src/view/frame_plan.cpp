@@ -89,11 +89,18 @@ double greatest_pitch(const ViewLattice& lattice, const Bounds3& index_box, bool
   return lattice.pitch(is_refined ? range.last : range.last - 1);
 }
 
-std::optional<LookTable> fading_table(const Look& look) {
-  if (look.transfer_function.gradient_opacities.empty()) return std::nullopt;
-  TransferFunction by_length;
-  by_length.opacities = look.transfer_function.gradient_opacities;
-  return LookTable(by_length);
+// Of the drawn range, per smallest spacing (docs/numerics.md, "Light").
+double flat_gradient_of(const Field& field, const Look& look) {
+  constexpr double kFlat = 1e-4;
+  const ValueRange range = field.value_range();
+  const double span = look.mode == Mode::kIsosurface
+                          ? static_cast<double>(range.hi) - static_cast<double>(range.lo)
+                          : look.transfer_function.hi() - look.transfer_function.lo();
+  return span > 0 ? kFlat * span / field.default_sampling_distance() : 0.0;
+}
+
+double gradient_unit_of(double flat_gradient) {
+  return flat_gradient > 0 ? std::exp2(std::ilogb(flat_gradient)) : 1.0;
 }
 
 // Bricks by which the relevant set grows: slabs reach into others, and both samples around an
@@ -151,12 +158,13 @@ FramePlan::FramePlan(const Field& field, const LatticeGeometry& geometry, const 
     : lattice(camera, options.width, options.height, sheet_distance(field, look, options),
               geometry),
       look_table(look.transfer_function),
-      fading(fading_table(look)),
+      is_faded(!look.transfer_function.gradient_opacities.empty()),
       is_preintegrated(look.mode == Mode::kComposite &&
                        options.classification == Classification::kPreintegrated),
       is_refined(view::is_refined(look, options)),
       unit_distance(effective_unit_distance(field, look)),
-      least_spacing(field.default_sampling_distance()),
+      flat_gradient(flat_gradient_of(field, look)),
+      gradient_unit(gradient_unit_of(flat_gradient)),
       clip_planes(options.clip_planes),
       is_clipped(!options.clip_planes.empty() || !lattice.is_parallel()) {
   if (options.skip_irrelevant) may_matter = may_matter_for(look, look_table);

@@ -37,11 +37,14 @@ struct FramePlan {
   ViewLattice::SheetRange sheets;  // that can meet the field
   LookTable look_table;
   std::optional<LookTable> color_table;  // colours of the attribute that gives them, if one does
-  std::optional<LookTable> fading;       // opacity by the gradient's length, if the look has that
+  bool is_faded;                         // the opacity depends on the gradient's length, too
   bool is_preintegrated;                 // pieces between sheets are classified as one
   bool is_refined;                       // or in steps
   double unit_distance;
-  double least_spacing;                // over which flatness is judged, world units
+  double flat_gradient;  // world; where the gradient is shorter, a region counts as flat
+  // World: a power of two, in which back ends hold gradients, since values per length, and squares
+  // of them, leave float32's range in some units that people use.
+  double gradient_unit;
   MayMatter may_matter;                // whether bounds can show; empty: everything may
   std::vector<ClipPlane> clip_planes;  // normals of unit length
   bool is_clipped;  // some samples' paths are shortened by planes or the near plane

@@ -48,9 +48,10 @@ double ViewLattice::pitch(std::int64_t sheet) const noexcept {
 
 SheetMap ViewLattice::ray_direction() const {
   if (is_parallel_) return {axis_, Vec3::Zero(), Vec3::Zero()};
-  SheetMap at_one = map_at_depth(world_frame_, 1.0);
-  at_one.origin -= world_frame_.position;
-  return at_one;
+  // Not a difference of places, in which a direction of unit length may be lost.
+  auto from_eye = world_frame_;
+  from_eye.position = Vec3::Zero();
+  return map_at_depth(from_eye, 1.0);
 }
 
 ViewLattice::SheetRange ViewLattice::sheets_meeting(const Bounds3& index_box) const {

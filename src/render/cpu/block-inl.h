@@ -106,7 +106,6 @@ inline SheetMaps sheet_maps(const CpuFrame& frame, std::int64_t first_sheet) {
 // Sheet s of a block whose origin is set.
 inline void set_up_sheet(const CpuFrame& frame, Block& block, const SampleGrid& grid, int s,
                          const SheetMaps& maps, const Vec3& widening) {
-  const view::ViewLattice& lattice = frame.plan->lattice;
   const auto& [first, step] = maps;
   SheetInLattice& sheet = block.sheets[s];
   for (int a = 0; a < 3; ++a) {
@@ -122,7 +121,7 @@ inline void set_up_sheet(const CpuFrame& frame, Block& block, const SampleGrid& 
     sheet.step_per_y[a] = static_cast<float>(grid.step * step.per_y[a]);
     sheet.widening[a] = static_cast<float>(widening[a]);
   }
-  block.place.sheets[s] = place_of_sheet(lattice, block.place.number_of(s));
+  block.place.sheets[s] = place_of_sheet(*frame.plan, block.place.number_of(s));
 }
 
 // The sheets of a block whose first sheet and number of sheets are set.

@@ -29,7 +29,7 @@ inline constexpr int kMaxSheets = kBlockSheets + 3 * kMaxMargin;  // two in fron
 // Where one sheet of a block lies.
 struct SheetPlace {
   float depth;
-  float inverse_pitch;  // 1 / distance of neighbouring samples, world
+  float inverse_pitch;  // 1 / (distance of neighbouring samples times FramePlan::gradient_unit)
   float near_cut;       // where the slab begins: -1/2, or later behind the near plane, in sheets
 };
 

@@ -50,7 +50,7 @@ struct PreparedField {
                 const RenderOptions& options, Runner& runner)
       : plan(field, camera, look, options, view::LatticePlan::PieceRelevance::kPieceEnds) {
     decide_relevance(plan, runner);
-    set_frame(frame, field.value_range(), look, options, plan);
+    set_frame(frame, look, options, plan);
     static_cast<LatticeTraits&>(frame) = lattice_traits(field, frame, options);
     frame.lattice = lattice_constants(field, plan, frame);
     frame.lattice_plan = &plan;

@@ -3,7 +3,7 @@
 // sets, and of lattices on request. Knows nothing of kernels.
 //
 // In:  the planes of a sheet and its two neighbours, with a margin of one sample.
-// Out: the world gradient of a group of samples.
+// Out: the gradient of a group of samples along the world's axes, in FramePlan::gradient_unit.
 #if defined(OVOID_RENDER_CPU_DIFFERENCES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef OVOID_RENDER_CPU_DIFFERENCES_INL_H_
 #undef OVOID_RENDER_CPU_DIFFERENCES_INL_H_
@@ -74,7 +74,7 @@ HWY_INLINE WorldVector central_difference_at(const CpuFrame& frame, const BlockP
   const V inverse_pitch = hn::Set(d, place.sheets[group.s].inverse_pitch);
   const V along_right = hn::Mul(dx, inverse_pitch);
   const V along_up = hn::Neg(hn::Mul(dy, inverse_pitch));
-  V along_axis = hn::Mul(ds, hn::Set(d, 1.0F / frame.camera.sampling_distance));
+  V along_axis = hn::Mul(ds, hn::Set(d, frame.camera.inverse_step));
   if (!frame.is_parallel) {
     along_axis =
         hn::NegMulAdd(evaluate2d(frame.camera.slope_right, at.x, at.y), along_right, along_axis);

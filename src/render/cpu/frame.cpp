@@ -13,14 +13,14 @@ ClassificationTable table_in(const FrameTables& tables, const device::TableConst
 
 }  // namespace
 
-void set_frame(CpuFrame& frame, const ValueRange& range, const Look& look,
-               const RenderOptions& options, const view::FramePlan& plan) {
+void set_frame(CpuFrame& frame, const Look& look, const RenderOptions& options,
+               const view::FramePlan& plan) {
   static_cast<FrameTraits&>(frame) = frame_traits(plan, look, options);
   frame.plan = &plan;
   frame.options = &options;
-  frame.camera = frame_camera(plan.lattice);
+  frame.camera = frame_camera(plan);
   FrameLook& tables = frame.look;
-  tables.constants = look_constants(plan, look, range, frame.corrects_late, tables.memory);
+  tables.constants = look_constants(plan, look, frame.corrects_late, tables.memory);
   tables.table = table_in(tables.memory, tables.constants.look);
   if (frame.fades_by_gradient) tables.fading = table_in(tables.memory, tables.constants.fading);
   if (frame.has_own_color) tables.color = table_in(tables.memory, tables.constants.color);

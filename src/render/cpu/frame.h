@@ -38,8 +38,8 @@ struct CpuFrame : FrameTraits {
   FrameLook look;
 };
 
-// `options` and `plan` must live as long as the frame is drawn; `range`: of the field's values.
-void set_frame(CpuFrame& frame, const ValueRange& range, const Look& look,
-               const RenderOptions& options, const view::FramePlan& plan);
+// `options` and `plan` must live as long as the frame is drawn.
+void set_frame(CpuFrame& frame, const Look& look, const RenderOptions& options,
+               const view::FramePlan& plan);
 
 }  // namespace ovoid::cpu

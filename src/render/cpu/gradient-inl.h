@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage "gradient": the world gradient of the visible samples of one sheet.
+// Stage "gradient": the gradient of the visible samples of one sheet.
 //
 // In:  visible bits; exact: the region; central: the planes of the sheet and its two neighbours.
-// Out: the gradients of the sheet, world units.
+// Out: the gradients of the sheet along the world's axes, in FramePlan::gradient_unit.
 // Exact costs three more multiply-adds per tap and runs only where something is visible; central
 // needs a margin of samples.
 #if defined(OVOID_RENDER_CPU_GRADIENT_INL_H_) == defined(HWY_TARGET_TOGGLE)

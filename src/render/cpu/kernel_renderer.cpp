@@ -71,7 +71,7 @@ Frame render_kernel_field(const FrameJob& job, const Machine& machine) {
   frame.kernel_plan = &plan;
   frame.binned = &binned;
   if (frame.max_level > 0) frame.level_bands = level_bands(options.post_convolution);
-  set_frame(frame, field.value_range(), job.look, options, plan);
+  set_frame(frame, job.look, options, plan);
   frame.takes_differences = frame.takes_gradients;
   frame.stop = stop;
 

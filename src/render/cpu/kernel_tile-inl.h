@@ -253,12 +253,11 @@ inline void take_sheets_of_subtile(const KernelFrame& frame, KernelWorkspace& wo
 // On all subtiles. The channels of those sheets that the frame has are there.
 inline void take_sheets(const KernelFrame& frame, KernelWorkspace& work, const TileRect& rect,
                         const IncomingSheets& sheets, StageClock& clock) {
-  const view::ViewLattice& lattice = frame.plan->lattice;
   BlockPlace& place = work.place;
   place.first_sheet = frame.kernel_plan->sheets.first + sheets.first - place.front_margin;
   place.num_sheets = sheets.last - sheets.first + place.front_margin;
   for (int s = 0; s < place.num_sheets; ++s)
-    place.sheets[s] = place_of_sheet(lattice, place.number_of(s));
+    place.sheets[s] = place_of_sheet(*frame.plan, place.number_of(s));
   for (int sub = 0; sub < kSubtiles * kSubtiles; ++sub) {
     Subtile& subtile = work.subtiles[static_cast<std::size_t>(sub)];
     place.tile_x = rect.x0 + sub % kSubtiles * kTileSize;

@@ -110,8 +110,10 @@ inline float near_cut_of(const view::ViewLattice& lattice, std::int64_t sheet) {
 }
 
 // A sheet of pixels.
-inline SheetPlace place_of_sheet(const view::ViewLattice& lattice, std::int64_t sheet) {
-  return {static_cast<float>(lattice.depth(sheet)), static_cast<float>(1.0 / lattice.pitch(sheet)),
+inline SheetPlace place_of_sheet(const view::FramePlan& plan, std::int64_t sheet) {
+  const view::ViewLattice& lattice = plan.lattice;
+  return {static_cast<float>(lattice.depth(sheet)),
+          static_cast<float>(1.0 / (lattice.pitch(sheet) * plan.gradient_unit)),
           near_cut_of(lattice, sheet)};
 }
 

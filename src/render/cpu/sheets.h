@@ -38,7 +38,8 @@ struct Sheet {
   int stride = 0;
   float* values = nullptr;
   float* colors = nullptr;           // of the attribute that gives the colour, if another one does
-  std::array<float*, 3> gradient{};  // world; a piece's stands at the sample that it ends at
+  std::array<float*, 3> gradient{};  // along the world's axes, in FramePlan::gradient_unit; a
+                                     // piece's stands at the sample that it ends at
   RowBits defined{};                 // samples that have a value
   RowBits has_gradient{};
 

@@ -121,7 +121,7 @@ struct TableConstants {
 struct LookConstants {
   TableConstants look;
   TableConstants color;   // of another attribute
-  TableConstants fading;  // by the gradient's length
+  TableConstants fading;  // by the gradient's length, in FramePlan::gradient_unit
   vec4 integrals_before;
   vec4 integrals_behind;
   vec4 isosurface_color;
@@ -162,7 +162,7 @@ struct LatticeConstants {
   vec4 place_lo[3];
   vec4 step_hi[3];  // its change per sheet
   vec4 step_lo[3];
-  vec4 gradient_rows[3];   // world from index
+  vec4 gradient_rows[3];   // of the world's axes, in FramePlan::gradient_unit, from index
   vec4 camera_rows[3];     // to the right, down and along the view axis, world, from index
   vec4 camera_columns[3];  // the inverse's rows, magnitudes
   vec4 inverse_spacing;
@@ -216,7 +216,11 @@ struct ViewConstants {
   float near_cut;     // sheets: where slabs begin at the earliest; -infinity in parallel projection
   float pitch;        // of a pixel on sheet 0, world
   float pitch_per_sheet;
-  float opaque_at;  // a pixel is closed once its opacity has reached this
+  float opaque_at;       // a pixel is closed once its opacity has reached this
+  float gradient_pitch;  // what differences of pixels and sheets are divided by for gradients in
+  float gradient_pitch_per_sheet;  // FramePlan::gradient_unit
+  float gradient_step;
+  float padding0;
   float padding1;
   float padding2;
 };

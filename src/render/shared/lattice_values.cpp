@@ -72,15 +72,15 @@ void set_place(const view::LatticePlan& plan, device::LatticeConstants& out) {
                     static_cast<std::int32_t>(bricks[2]), plan.relevance.brick_shift()};
 }
 
-void set_axes(const LatticeGeometry& geometry, const view::ViewLattice& lattice,
+void set_axes(const LatticeGeometry& geometry, const view::LatticePlan& plan,
               device::LatticeConstants& out) {
   const Mat3 world_from_index = geometry.world_from_index.linear();
-  const Mat3 gradient = world_from_index.inverse().transpose();
-  const view::SheetMap map = lattice.world_map(0);
+  const Mat3 gradient = world_from_index.inverse().transpose() / plan.gradient_unit;
+  const view::SheetMap map = plan.lattice.world_map(0);
   Mat3 camera;
   camera.row(0) = map.per_x.normalized();
   camera.row(1) = map.per_y.normalized();
-  camera.row(2) = lattice.view_axis();
+  camera.row(2) = plan.lattice.view_axis();
   const Mat3 camera_from_index = camera * world_from_index;
   const Mat3 index_from_camera = camera_from_index.inverse();
   for (int r = 0; r < 3; ++r) {
@@ -159,7 +159,7 @@ device::LatticeConstants lattice_constants(const LatticeField& field, const view
                                            const LatticeTraits& traits) {
   device::LatticeConstants out{};
   set_place(plan, out);
-  set_axes(field.geometry(), plan.lattice, out);
+  set_axes(field.geometry(), plan, out);
   set_kernel(field, out);
   out.slab[0] = {0, 1};
   out.num_slab_points = 1;

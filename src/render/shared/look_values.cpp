@@ -126,26 +126,24 @@ void set_integrals(const view::LookTable& table, device::LookConstants& out, Fra
   out.integrals_behind = integrand(LookTable::kCells);
 }
 
-// 1 / (the gradient's length, world, below which a region counts as flat).
-float flat_gradient_inverse(const Look& look, const ValueRange& range, double least_spacing) {
-  // Of the drawn range, per smallest spacing (docs/numerics.md, "Light").
-  constexpr double kFlat = 1e-4;
-  const double span = look.mode == Mode::kIsosurface
-                          ? static_cast<double>(range.hi) - range.lo
-                          : look.transfer_function.hi() - look.transfer_function.lo();
-  return static_cast<float>(span > 0 ? std::min(least_spacing / (kFlat * span), 1e30) : 1e30);
+// Opacity by the gradient's length in units of `unit`.
+view::LookTable fading_table(const Look& look, double unit) {
+  TransferFunction by_length;
+  by_length.opacities = look.transfer_function.gradient_opacities;
+  for (OpacityPoint& point : by_length.opacities) point.x /= unit;
+  return view::LookTable(by_length);
 }
 
 }  // namespace
 
 device::LookConstants look_constants(const view::FramePlan& plan, const Look& look,
-                                     const ValueRange& range, bool corrects_late,
-                                     FrameTables& tables) {
+                                     bool corrects_late, FrameTables& tables) {
   device::LookConstants out{};
   const double path_in_units = plan.lattice.sampling_distance() / plan.unit_distance;
   out.look = table_constants(plan.look_table, corrects_late ? 1.0 : path_in_units, tables);
   if (plan.color_table) out.color = table_constants(*plan.color_table, 1.0, tables);
-  if (plan.fading) out.fading = table_constants(*plan.fading, 1.0, tables);
+  if (plan.is_faded)
+    out.fading = table_constants(fading_table(look, plan.gradient_unit), 1.0, tables);
   if (plan.is_preintegrated) set_integrals(plan.look_table, out, tables);
   if (plan.is_refined)
     out.variation_at = 4 * append(tables, view::look_variation(plan.look_table, path_in_units));
@@ -157,7 +155,8 @@ device::LookConstants look_constants(const view::FramePlan& plan, const Look& lo
   out.diffuse = static_cast<float>(look.material.diffuse);
   out.specular = static_cast<float>(look.material.specular);
   out.specular_power = static_cast<float>(look.material.specular_power);
-  out.flat_gradient_inverse = flat_gradient_inverse(look, range, plan.least_spacing);
+  out.flat_gradient_inverse =
+      static_cast<float>(std::min(plan.gradient_unit / plan.flat_gradient, 1e30));
   out.path_in_units = static_cast<float>(path_in_units);
   out.isovalue = static_cast<float>(look.isovalue);
   return out;

@@ -19,9 +19,8 @@ using FrameTables = std::vector<device::vec4>;
 std::vector<float> classification_entries(const view::LookTable& table, double path_in_units);
 
 // Appends the look's tables to `tables`. The opacities of the look's own table are corrected for a
-// path of one sampling distance, unless the frame corrects late. `range`: of the field's values.
+// path of one sampling distance, unless the frame corrects late.
 device::LookConstants look_constants(const view::FramePlan& plan, const Look& look,
-                                     const ValueRange& range, bool corrects_late,
-                                     FrameTables& tables);
+                                     bool corrects_late, FrameTables& tables);
 
 }  // namespace ovoid

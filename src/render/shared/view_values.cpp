@@ -35,7 +35,7 @@ FrameTraits frame_traits(const view::FramePlan& plan, const Look& look,
   traits.is_preintegrated = is_composite && plan.is_preintegrated;
   traits.is_refined = is_composite && plan.is_refined;
   traits.has_pieces = traits.is_preintegrated || traits.is_refined || is_surface;
-  traits.fades_by_gradient = is_composite && plan.fading.has_value();
+  traits.fades_by_gradient = is_composite && plan.is_faded;
   traits.takes_gradients = is_composite && (look.shade || traits.fades_by_gradient);
   traits.takes_differences =
       traits.takes_gradients &&
@@ -45,9 +45,11 @@ FrameTraits frame_traits(const view::FramePlan& plan, const Look& look,
   return traits;
 }
 
-FrameCamera frame_camera(const view::ViewLattice& lattice) {
+FrameCamera frame_camera(const view::FramePlan& plan) {
+  const view::ViewLattice& lattice = plan.lattice;
   FrameCamera camera;
   camera.sampling_distance = static_cast<float>(lattice.sampling_distance());
+  camera.inverse_step = static_cast<float>(1 / (lattice.sampling_distance() * plan.gradient_unit));
   camera.ray = lattice.ray_direction();
   const view::SheetMap map = lattice.world_map(0);
   // A sheet behind the eye is mirrored.
@@ -68,7 +70,7 @@ FrameCamera frame_camera(const view::ViewLattice& lattice) {
 
 device::ViewConstants view_constants(const view::FramePlan& plan, const RenderOptions& options) {
   const view::ViewLattice& lattice = plan.lattice;
-  const FrameCamera camera = frame_camera(lattice);
+  const FrameCamera camera = frame_camera(plan);
   const std::int64_t first = plan.sheets.first;
   device::ViewConstants out{};
   out.right = vector_of(camera.right);
@@ -99,6 +101,10 @@ device::ViewConstants view_constants(const view::FramePlan& plan, const RenderOp
   out.pitch = static_cast<float>(lattice.pitch(first));
   out.opaque_at = static_cast<float>(options.opaque_at);
   out.pitch_per_sheet = static_cast<float>(lattice.pitch(first + 1) - lattice.pitch(first));
+  out.gradient_pitch = static_cast<float>(lattice.pitch(first) * plan.gradient_unit);
+  out.gradient_pitch_per_sheet =
+      static_cast<float>((lattice.pitch(first + 1) - lattice.pitch(first)) * plan.gradient_unit);
+  out.gradient_step = static_cast<float>(lattice.sampling_distance() * plan.gradient_unit);
   return out;
 }
 

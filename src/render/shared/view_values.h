@@ -33,12 +33,13 @@ FrameTraits frame_traits(const view::FramePlan& plan, const Look& look,
 // The camera's axes and the rays through the pixels.
 struct FrameCamera {
   float sampling_distance = 1;
+  float inverse_step = 1;  // 1 / (the sampling distance times FramePlan::gradient_unit)
   float right[3] = {}, up[3] = {}, axis[3] = {};  // world, unit length
   view::SheetMap ray;                             // of pixel (x, y), per unit of depth
   view::ClipMap slope_right{}, slope_up{};        // of that ray along `right` and `up`
 };
 
-FrameCamera frame_camera(const view::ViewLattice& lattice);
+FrameCamera frame_camera(const view::FramePlan& plan);
 
 device::ViewConstants view_constants(const view::FramePlan& plan, const RenderOptions& options);
 

@@ -65,7 +65,7 @@ std::string why_not_half_sheets(const KernelField& field, const view::FramePlan&
                                 const Look& look) {
   const bool is_composite = look.mode == Mode::kComposite;
   if (look.mode == Mode::kIsosurface) return "a surface is or is not between two samples";
-  if (is_composite && (look.shade || plan.fading))
+  if (is_composite && (look.shade || plan.is_faded))
     return "light and opacity by the gradient take differences of samples";
   if (look.mode == Mode::kXray) return {};
   // Only composited opacities are over a path.

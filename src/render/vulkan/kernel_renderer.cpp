@@ -466,8 +466,7 @@ void KernelRenderer::set_constants(Set& set) {
   FrameTables tables;
   device::KernelFrame& frame = set.frame;
   frame.view = view_constants(set.plan, options);
-  frame.looks[0] =
-      look_constants(set.plan, set.look, field.value_range(), traits.corrects_late, tables);
+  frame.looks[0] = look_constants(set.plan, set.look, traits.corrects_late, tables);
   const SheetRange sheets = sheet_range(field.value_range(), field.reconstruction());
   frame.sheet_scale = sheets.scale;
   frame.sheet_offset = sheets.offset;

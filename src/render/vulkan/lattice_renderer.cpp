@@ -178,8 +178,8 @@ void LatticeRenderer::upload(Job& job) {
 void LatticeRenderer::set_constants(Job& job) {
   FrameTables tables;
   const auto add = [&](const Drawn& drawn, std::size_t number) {
-    job.frame.looks[number] = look_constants(drawn.plan, drawn.look, drawn.field.value_range(),
-                                             drawn.frame_traits.corrects_late, tables);
+    job.frame.looks[number] =
+        look_constants(drawn.plan, drawn.look, drawn.frame_traits.corrects_late, tables);
     job.frame.fields[number] = lattice_constants(drawn.field, drawn.plan, drawn.traits);
     job.constants[2 + 2 * number] = type_number(drawn.kept.lattice->type());
     job.constants[3 + 2 * number] = lattice_flags(
@@ -282,7 +282,8 @@ void LatticeRenderer::render(const FrameJob& frame, Image& image, FrameProfile& 
   job.has_nodes = job.own.traits.may_have_nodes;
   if (trail != nullptr) {
     job.trail.emplace(*trail->field, camera, trail->look, trail->options, kept_trail_);
-    // Both count sheets from the same one.
+    // Both count sheets from the same one, and have gradients in one unit.
+    job.trail->plan.gradient_unit = job.own.plan.gradient_unit;
     view::ViewLattice::SheetRange& own = job.own.plan.sheets;
     view::ViewLattice::SheetRange& of_trail = job.trail->plan.sheets;
     own = of_trail = {std::min(own.first, of_trail.first), std::max(own.last, of_trail.last)};

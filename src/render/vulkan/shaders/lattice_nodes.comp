@@ -71,7 +71,7 @@ bool is_whole(Place place, float s) {
   return (brick_byte(0, vec3(place.cell)) & kMissingBit) == 0u;
 }
 
-// The field at a node, with its world gradient if that is the kernels'.
+// The field at a node, with its gradient (along the world's axes) if that is the kernels'.
 Gathered node_at(vec2 at, float s, bool wants_gradient) {
   Ray ray = ray_at(0, at);
   Place place = place_on(ray, s);

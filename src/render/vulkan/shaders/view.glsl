@@ -103,10 +103,10 @@ bool is_kept_by_planes(vec2 pixel, float s) {
 // samples `apart` pixels from each other.
 vec3 gradient_of_differences(vec3 differences, vec2 pixel, float s, float apart) {
   float inverse_pitch =
-      1.0 / ((frame.view.pitch + s * frame.view.pitch_per_sheet) * apart);
+      1.0 / ((frame.view.gradient_pitch + s * frame.view.gradient_pitch_per_sheet) * apart);
   float along_right = differences.x * inverse_pitch;
   float along_up = -differences.y * inverse_pitch;
-  float along_axis = differences.z / frame.view.sampling_distance;
+  float along_axis = differences.z / frame.view.gradient_step;
   if (!has_flag(kIsParallel)) {
     along_axis -= at_pixel(frame.view.slope_right, pixel) * along_right;
     along_axis -= at_pixel(frame.view.slope_up, pixel) * along_up;

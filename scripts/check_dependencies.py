@@ -33,7 +33,7 @@ ALLOWED = {
     "annotate": {"data", "view"},
     "io": {"data", "view:public"},
     "io/foreign": {"data", "io", "view:public"},  # io itself, the library, sees none of it
-    "render": {"data", "view", "render/reference", "render/cpu", "render/vulkan"},  # src/render itself: chooses the back end
+    "render": {"data", "model", "view", "render/reference", "render/cpu", "render/vulkan"},  # src/render itself: chooses the back end
     "render/reference": {"data", "view", "render"},
     "render/cpu": {"data", "view", "render", "render/shared"},
     "render/vulkan": {"data", "view", "render", "render/shared"},

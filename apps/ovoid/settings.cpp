@@ -332,7 +332,8 @@ const Table<RenderOptions>& number_settings() {
       {"--evaluate", choice(kEvaluates), &R::evaluate,
        "samples gather kernels, or kernels scatter to samples (default {})"},
       {"--post-convolution", choice(kPostConvolutions), &R::post_convolution,
-       "magnified sheets are sampled at nodes, large kernels of a set on coarser levels; the "
+       "magnified sheets are sampled at nodes, minified lattices and large kernels of a set on "
+       "coarser levels; the "
        "three by name are published ways that blur (default {})"},
       {"--sheet-precision", choice(kSheetPrecisions), &R::sheet_precision,
        "of a kernel set's sheets, backend vulkan: fp16 is half the memory, where none would see it "

@@ -35,10 +35,11 @@ inline int num_shape_numbers(KernelShape shape) noexcept {
   return shape == KernelShape::kBalls ? 1 : 6;
 }
 
-// phi as a function of the Mahalanobis distance m = |L^-1 (x - c)|; 0 for m > cutoff. All but the
-// Gaussian are functions of t = m / cutoff alone and end smoothly there.
+// phi as a function of the Mahalanobis distance m = |L^-1 (x - c)|; 0 for m > cutoff, where the
+// value and, but for Epanechnikov's, the slope reach 0. All but the Gaussian are functions of t = m
+// / cutoff alone.
 enum class KernelProfile {
-  kGaussian,      // exp(-m^2 / 2)
+  kGaussian,      // exp(-m^2 / 2) less its tangent over m^2 at the cut-off
   kCubicSpline,   // SPH's M4 with support 2h, t = r / 2h
   kWendlandC2,    // (1 - t)^4 (1 + 4 t)
   kEpanechnikov,  // 1 - t^2
@@ -47,7 +48,7 @@ enum class KernelProfile {
 const char* name_of(KernelProfile profile) noexcept;  // "gaussian", "cubic-spline", ...
 
 // The profile's value at Mahalanobis distance `m`, and the integral of phi over a kernel of unit
-// covariance (multiply by det L). The Gaussian's integral is the uncut one, (2 pi)^(3/2).
+// covariance (multiply by det L).
 double profile_value(KernelProfile profile, double m, double cutoff) noexcept;
 double profile_integral(KernelProfile profile, double cutoff) noexcept;
 

@@ -160,9 +160,10 @@ TEST(KernelField, SamplesALatticesSpacingByDefault) {
 
 // The sum of the lattice's kernels ripples between the two values of METHOD's table, over its mean.
 TEST(KernelSampler, SumsALatticesBallsToTheKnownRipple) {
-  const KernelField field(lattice_balls(8, [](const Vec3&) { return 1.0; }).source(),
-                          Reconstruction::kSum);
-  const KernelSampler sampler(field);
+  const Kernels balls = lattice_balls(8, [](const Vec3&) { return 1.0; });
+  KernelColumns columns = balls.columns();
+  columns.cutoff = 7;  // the table's kernels have no end
+  const KernelSampler sampler(KernelField(make_kernel_source(columns), Reconstruction::kSum));
   const double integral = std::pow(2 * M_PI, 1.5) * 0.125;
   EXPECT_NEAR(sampler.at(Vec3(3, 3, 3)).value * integral, 2.0536, 2e-3);
   EXPECT_NEAR(sampler.at(Vec3(3.5, 3.5, 3.5)).value * integral, 1.8831, 2e-3);
@@ -205,14 +206,28 @@ TEST(KernelSampler, IsUndefinedWhereFewWeightsReach) {
 TEST(KernelProfile, IntegralsAreRight) {
   for (const KernelProfile profile : {KernelProfile::kGaussian, KernelProfile::kCubicSpline,
                                       KernelProfile::kWendlandC2, KernelProfile::kEpanechnikov}) {
-    const double cutoff = profile == KernelProfile::kGaussian ? 10.0 : 4.0;
-    constexpr int kShells = 100000;
-    double sum = 0;
-    for (int i = 0; i < kShells; ++i) {
-      const double r = (i + 0.5) * cutoff / kShells;
-      sum += 4 * M_PI * r * r * profile_value(profile, r, cutoff) * cutoff / kShells;
+    for (const double cutoff : {1.0, 2.5, 4.0, 10.0}) {
+      constexpr int kShells = 100000;
+      double sum = 0;
+      for (int i = 0; i < kShells; ++i) {
+        const double r = (i + 0.5) * cutoff / kShells;
+        sum += 4 * M_PI * r * r * profile_value(profile, r, cutoff) * cutoff / kShells;
+      }
+      EXPECT_NEAR(profile_integral(profile, cutoff) / sum, 1.0, 1e-6) << name_of(profile);
     }
-    EXPECT_NEAR(profile_integral(profile, cutoff) / sum, 1.0, 1e-6) << name_of(profile);
+  }
+}
+
+// Levels, light and surfaces see a jump at the end of a kernel as an edge of the data.
+TEST(KernelProfile, EndsAreSmooth) {
+  for (const KernelProfile profile : {KernelProfile::kGaussian, KernelProfile::kCubicSpline,
+                                      KernelProfile::kWendlandC2, KernelProfile::kEpanechnikov}) {
+    for (const double cutoff : {1.0, 3.5, 4.0}) {
+      EXPECT_NEAR(profile_value(profile, cutoff, cutoff), 0, 1e-15) << name_of(profile);
+      const double slope = profile_value(profile, 0.999 * cutoff, cutoff) / (0.001 * cutoff);
+      if (profile != KernelProfile::kEpanechnikov) EXPECT_LT(slope, 2e-3) << name_of(profile);
+      for (int i = 0; i < 100; ++i) EXPECT_GE(profile_value(profile, 0.01 * i * cutoff, cutoff), 0);
+    }
   }
 }
 

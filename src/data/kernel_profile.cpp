@@ -25,7 +25,8 @@ double profile_value(KernelProfile profile, double m, double cutoff) noexcept {
   const double t = m / cutoff;
   switch (profile) {
     case KernelProfile::kGaussian:
-      return std::exp(-0.5 * m * m);
+      return std::exp(-0.5 * m * m) -
+             std::exp(-0.5 * cutoff * cutoff) * (1 + 0.5 * (cutoff * cutoff - m * m));
     case KernelProfile::kCubicSpline: {
       const double q = 2 * t;
       return q < 1 ? 1 - 1.5 * q * q + 0.75 * q * q * q : 0.25 * std::pow(2 - q, 3);
@@ -43,8 +44,12 @@ double profile_integral(KernelProfile profile, double cutoff) noexcept {
   using std::numbers::pi;
   const double cube = cutoff * cutoff * cutoff;
   switch (profile) {
-    case KernelProfile::kGaussian:
-      return std::pow(2 * pi, 1.5);
+    case KernelProfile::kGaussian: {
+      const double at_end = std::exp(-0.5 * cutoff * cutoff);
+      const double inside =
+          std::pow(2 * pi, 1.5) * std::erf(cutoff / std::numbers::sqrt2) - 4 * pi * cutoff * at_end;
+      return inside - 4 * pi * cube * at_end * (1.0 / 3 + cutoff * cutoff / 15);
+    }
     case KernelProfile::kCubicSpline:
       return pi / 8 * cube;
     case KernelProfile::kWendlandC2:

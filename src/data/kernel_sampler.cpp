@@ -29,7 +29,7 @@ double profile_slope(KernelProfile profile, double m, double cutoff) noexcept {
   const double per_t = 1 / (cutoff * cutoff);  // d phi/dm / m = (d phi/dt / t) / cutoff^2
   switch (profile) {
     case KernelProfile::kGaussian:
-      return -std::exp(-0.5 * m * m);
+      return std::exp(-0.5 * cutoff * cutoff) - std::exp(-0.5 * m * m);
     case KernelProfile::kCubicSpline: {
       const double q = 2 * t;
       if (q < 1) return 4 * per_t * (-3 + 2.25 * q);

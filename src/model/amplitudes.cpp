@@ -120,6 +120,7 @@ class SumOfWeights {
 
   float sum_at(const Vec3& place, const std::vector<std::uint32_t>& near) const {
     const auto most = static_cast<float>(problem_.cutoff * problem_.cutoff);
+    const float at_end = std::exp(-0.5F * most);
     std::array<float, kGroup> distance;
     double sum = 0;
     for (const std::uint32_t g : near) {
@@ -136,8 +137,9 @@ class SumOfWeights {
         distance[i] = a * a + b * b + c * c;
       }
       for (std::size_t i = 0; i < group.count; ++i) {
-        if (distance[i] <= most)
-          sum += static_cast<double>(group.weight[i] * std::exp(-0.5F * distance[i]));
+        if (!(distance[i] <= most)) continue;
+        const float tangent = at_end * (1 + 0.5F * (most - distance[i]));  // profile_value()
+        sum += static_cast<double>(group.weight[i] * (std::exp(-0.5F * distance[i]) - tangent));
       }
     }
     return static_cast<float>(sum);

@@ -30,7 +30,7 @@ const double kGreatestGap = std::sqrt(8 * std::log(2 / KernelField::kLeastWeight
 constexpr double kGreatestSpread = 3 * 3 - 1;
 
 // The variance of a kernel of unit covariance along an axis, of which its profile says how much is
-// far out: <m^2> / 3. 1 for the Gaussian, whose mass is counted uncut.
+// far out: <m^2> / 3. 1 for the Gaussian, whatever its cut-off takes.
 double profile_variance(KernelProfile profile, double cutoff) {
   if (profile == KernelProfile::kGaussian) return 1.0;
   // By the midpoint rule, which errs by the step squared.

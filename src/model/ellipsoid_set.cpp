@@ -54,10 +54,13 @@ KernelParts fit_ellipsoids(const ModelRun& run, EllipsoidSites sites) {
   parts.shapes.reserve(6 * count);
   parts.weights.resize(count);
   std::vector<float> targets(count);
+  // Kernels are of the uncut Gaussian's mass until here.
+  const double kept = profile_integral(KernelProfile::kGaussian, parts.cutoff) /
+                      profile_integral(KernelProfile::kGaussian, KernelColumns::kMaxCutoff);
   for (std::size_t i = 0; i < count; ++i) {
     const SiteKernel& kernel = sites.kernels[i];
     append_factor(kernel.factor, parts.shapes);
-    parts.weights[i] = static_cast<float>(kernel.weight);
+    parts.weights[i] = static_cast<float>(kernel.weight / kept);
     targets[i] = static_cast<float>(kernel.target);
     if (kernel.is_degenerate) ++run.report.num_degenerate;
   }

@@ -23,10 +23,11 @@ namespace ovoid::model {
 // V is the node's part of the cells' volumes (equal parts of each cell) over the share of the full
 // solid angle that the cells fill: at a boundary, the volume that it would have inside.
 //
-// Weights. A full kernel has w = V / ((2 pi)^(3/2) det L), a boundary one a share of that, which is
-// also the sum of weights it is fitted to: the share of the solid angle, but at least kLeastShare,
-// since a corner of a box fills only an eighth and the sum of weights must stay over
-// KernelField::kLeastWeight there. The field so ends within about half a spacing outside the mesh.
+// Weights, but for what the cut-off takes (ellipsoid_set.cpp). A full kernel has w = V / ((2
+// pi)^(3/2) det L), a boundary one a share of that, which is also the sum of weights it is fitted
+// to: the share of the solid angle, but at least kLeastShare, since a corner of a box fills only an
+// eighth and the sum of weights must stay over KernelField::kLeastWeight there. The field so ends
+// within about half a spacing outside the mesh.
 inline constexpr double kLeastShare = 0.3;
 
 // One per node; of nodes that another stands for, or that have no place, it means nothing.

@@ -11,6 +11,7 @@
 #include "ovoid/error.h"
 #include "render/back_end.h"
 #include "render/cpu/cpu_renderer.h"
+#include "render/field_levels.h"
 #include "render/reference/reference_renderer.h"
 
 namespace ovoid {
@@ -133,10 +134,11 @@ class ReferenceBackEnd final : public BackEnd {
 
 struct __attribute__((visibility("hidden"))) Renderer::Impl {
   Frame draw(const Field& field, const Camera& camera, const Look& look, const Trail* trail,
-             const RenderOptions& options, const RenderHooks& hooks) const;
+             const RenderOptions& options, const RenderHooks& hooks);
   Frame draw_by_choice(const FrameJob& job) const;
 
   cpu::Machine machine;
+  FieldLevels levels;
   std::unique_ptr<BackEnd> back_end;
   std::unique_ptr<BackEnd> fallback;  // of kAuto on a device, for what the device fails to draw
 };
@@ -180,7 +182,7 @@ Frame Renderer::render(const Field& field, const Camera& camera, const Look& loo
 
 Frame Renderer::Impl::draw(const Field& field, const Camera& camera, const Look& look,
                            const Trail* trail, const RenderOptions& options,
-                           const RenderHooks& hooks) const try {
+                           const RenderHooks& hooks) try {
   data::require_field(field);
   camera.validate();
   look.validate();
@@ -188,14 +190,20 @@ Frame Renderer::Impl::draw(const Field& field, const Camera& camera, const Look&
   require_spread(field, options);
   if (trail != nullptr) require_trail(field, look, *trail, options);
   if (field.kernels() != nullptr) require_central_differences(options);
+  const int level = trail == nullptr ? coarsest_level(field, camera, options) : 0;
+  const Field& drawn = levels.at(field, level, machine.runner->num_wanted(), hooks.stop);
+  Look own_look = look;
+  if (look.unit_distance == 0 && !look.transfer_function.unit_distance)
+    own_look.unit_distance = default_unit_distance(field);
   RenderOptions own_options = options;
-  own_options.sampling_distance = sheet_distance(field, look, options);
+  own_options.sampling_distance = sheet_distance(drawn, look, options);
   std::optional<view::TrailView> trail_view;
   if (trail != nullptr) {
     own_options.post_convolution = PostConvolution::kOff;
     trail_view = view_of(*trail, look, own_options);
   }
-  const FrameJob job{field, camera, look, trail_view ? &*trail_view : nullptr, own_options, hooks};
+  const FrameJob job{drawn,       camera, own_look, trail_view ? &*trail_view : nullptr,
+                     own_options, hooks};
   Frame frame = draw_by_choice(job);
   note_on_precision(frame.profile, job);
   return frame;

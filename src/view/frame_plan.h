@@ -97,6 +97,7 @@ inline constexpr double kNodeSigmasOfPieces = 0.7;
 // where edges are as sharp as samples can show.
 inline constexpr double kNodeSteepness = 10;
 inline constexpr double kMostSteepness = 400;
+inline constexpr double kSurfaceSteepness = 100;  // of isosurfaces
 // Layers: sheets [q kNodeSheets, (q + 1) kNodeSheets) share their nodes' places in the picture.
 inline constexpr std::int64_t kNodeSheets = 16;
 // Fewer pixels per node save nothing.

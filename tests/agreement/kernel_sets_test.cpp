@@ -193,7 +193,10 @@ TEST(KernelSets, SkippingChangesNoByte) {
 TEST(KernelSets, LevelsAgreeWithDirectSums) {
   for (const NamedSet& set : test_sets()) {
     const KernelField field(set.numbers.source(), Reconstruction::kNormalized);
-    for (const TestLook& look : test_looks(0, 1)) {
+    std::vector<TestLook> looks = test_looks(0, 1);
+    looks.push_back({"surface", with_mode(looks[3].look, Mode::kIsosurface)});
+    looks.back().look.isovalue = 0.51;
+    for (const TestLook& look : looks) {
       Scene scene{field, askew_camera(field, false, 6), look.look, picture(150, 140)};
       const Image direct =
           draw({scene.field, scene.camera, scene.look, direct_options(150, 140)}).image;
@@ -235,7 +238,8 @@ TEST(KernelSets, SumsOnLevelsEndWhereTheirKernelsDo) {
                                  view_text(is_parallel) + ": " + difference.to_string();
         EXPECT_LT(num_seen(expected), 190 * 180) << name << ": nothing ends in the picture";
         EXPECT_GT(num_seen(expected), 3000) << name;
-        EXPECT_EQ(num_seen(image), num_seen(expected)) << name;
+        // Where a kernel ends it is nothing within the rounding.
+        EXPECT_NEAR(num_seen(image), num_seen(expected), 3) << name;
         EXPECT_GE(difference.psnr_db, kLevelsPsnrDb) << name;
         EXPECT_LT(difference.psnr_db, 130) << name << ": no kernel went to a level";
       }

@@ -19,7 +19,7 @@
 namespace ovoid::test {
 namespace {
 
-constexpr Index3 kDims{13, 12, 11};
+constexpr Index3 kPrefilteredDims{13, 12, 11};
 
 // The second is what a hand types for a reach of two spacings.
 constexpr LatticeKernel kKernels[] = {{0.5, 4.0}, {0.6, 3.3333333}, {0.65, 2 / 0.65}};
@@ -27,15 +27,15 @@ constexpr LatticeKernel kKernels[] = {{0.5, 4.0}, {0.6, 3.3333333}, {0.65, 2 / 0
 // Noise over 8 bits: the samples that differ most.
 Dataset noise() {
   std::mt19937 random(11);
-  const auto bytes =
-      std::make_shared<std::vector<std::uint8_t>>(static_cast<std::size_t>(num_samples(kDims)));
+  const auto bytes = std::make_shared<std::vector<std::uint8_t>>(
+      static_cast<std::size_t>(num_samples(kPrefilteredDims)));
   for (std::uint8_t& byte : *bytes) byte = static_cast<std::uint8_t>(random() & 255U);
   Dataset data;
-  data.lattice = {kDims, Affine3::Identity()};
+  data.lattice = {kPrefilteredDims, Affine3::Identity()};
   DataArray array;
   array.name = "noise";
   array.type = ScalarType::kUInt8;
-  array.num_tuples = num_samples(kDims);
+  array.num_tuples = num_samples(kPrefilteredDims);
   array.bytes = {bytes, std::as_bytes(std::span<const std::uint8_t>(*bytes))};
   data.arrays.push_back(array);
   return data;
@@ -49,7 +49,8 @@ LatticeField prefiltered(const Dataset& data, const LatticeKernel& kernel) {
 }
 
 double sample_of(const Dataset& data, const Index3& at) {
-  const auto index = static_cast<std::size_t>(at[0] + kDims[0] * (at[1] + kDims[1] * at[2]));
+  const auto index =
+      static_cast<std::size_t>(at[0] + kPrefilteredDims[0] * (at[1] + kPrefilteredDims[1] * at[2]));
   return static_cast<double>(data.arrays[0].bytes.view[index]);
 }
 
@@ -57,9 +58,9 @@ double sample_of(const Dataset& data, const Index3& at) {
 double spread_of(const LatticeField& field) {
   const std::int64_t edge = field.source().brick_edge();
   double least = 1e30, greatest = -1e30;
-  for (std::int64_t k = 0; k < kDims[2]; ++k) {
-    for (std::int64_t j = 0; j < kDims[1]; ++j) {
-      for (std::int64_t i = 0; i < kDims[0]; ++i) {
+  for (std::int64_t k = 0; k < kPrefilteredDims[2]; ++k) {
+    for (std::int64_t j = 0; j < kPrefilteredDims[1]; ++j) {
+      for (std::int64_t i = 0; i < kPrefilteredDims[0]; ++i) {
         const BrickView view = field.source().acquire(i / edge, j / edge, k / edge, 0);
         const std::int64_t at =
             (i - view.lo[0]) + (j - view.lo[1]) * view.stride_y + (k - view.lo[2]) * view.stride_z;
@@ -101,9 +102,9 @@ TEST(PrefilteredPlanes, LimitsOnBothSidesHaveTheSampleBetweenThem) {
     // here up to six times the samples' 255 levels, and a sum may be off by half of one.
     constexpr double kOffset = 1e-9 * 2, kRounding = 0.015;
     double greatest = 0;
-    for (std::int64_t k = 3; k + 3 < kDims[2]; ++k) {
-      for (std::int64_t j = 3; j + 3 < kDims[1]; ++j) {
-        for (std::int64_t i = 3; i + 3 < kDims[0]; ++i) {
+    for (std::int64_t k = 3; k + 3 < kPrefilteredDims[2]; ++k) {
+      for (std::int64_t j = 3; j + 3 < kPrefilteredDims[1]; ++j) {
+        for (std::int64_t i = 3; i + 3 < kPrefilteredDims[0]; ++i) {
           const Vec3 at = data.lattice.world_from_index * data.lattice.index_position({i, j, k});
           const double sample = sample_of(data, {i, j, k});
           EXPECT_NEAR(sampler.at(at).value, sample, kRounding);
@@ -132,7 +133,8 @@ TEST(PrefilteredPlanes, BackEndsHaveTheReferencesLimits) {
     Scene scene;
     scene.field = field;
     scene.look.mode = Mode::kXray;
-    scene.options = picture(static_cast<int>(kDims[0]) - 6, static_cast<int>(kDims[1]) - 6);
+    scene.options = picture(static_cast<int>(kPrefilteredDims[0]) - 6,
+                            static_cast<int>(kPrefilteredDims[1]) - 6);
     const double spacing = field.default_sampling_distance();
     scene.options.clip_planes = {{Vec3(0, 0, 1), bounds.center().z() - 0.4 * spacing},
                                  {Vec3(0, 0, -1), -bounds.center().z() - 0.4 * spacing}};

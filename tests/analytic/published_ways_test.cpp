@@ -480,7 +480,7 @@ void check_levels(const Scene& scene, std::int64_t sheet, const Vec3& center, do
     const double step = 1 << l, middle = 0.5 * (step - 1);
     const Vec3 place = view.place(step * i + middle, step * j + middle, sheet);
     const double q = (place - center).squaredNorm() / (sigma * sigma);
-    return q <= 16 ? 0.5 * std::exp(-0.5 * q) : 0.0;
+    return q <= 16 ? 0.5 * (std::exp(-0.5 * q) - std::exp(-8.0) * (1 + 0.5 * (16 - q))) : 0.0;
   };
   const Image image = draw(scene, Backend::kReference).image;
   double greatest = 0;

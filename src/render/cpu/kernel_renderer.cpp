@@ -67,7 +67,7 @@ Frame render_kernel_field(const FrameJob& job, const Machine& machine) {
     out.profile.stages_ms.emplace_back("project and bin", bin_ms);
   }
   KernelFrame frame;
-  static_cast<KernelTraits&>(frame) = kernel_traits(field, plan, options);
+  static_cast<KernelTraits&>(frame) = kernel_traits(field, plan, job.look, options);
   frame.kernel_plan = &plan;
   frame.binned = &binned;
   if (frame.max_level > 0) frame.level_bands = level_bands(options.post_convolution);

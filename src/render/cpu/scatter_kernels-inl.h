@@ -39,6 +39,7 @@ struct Section {
   float amplitude;      // Gaussian: with the part along s; others: 1
   float q_along;        // others: the part of m^2 along s
   float room;           // the cut ends where the rest of m^2 exceeds it
+  float tail;           // Gaussian: what amplitude * exp(-q / 2) falls to there
 };
 
 // Where sheets lie, per block: offset in splat space and scale.
@@ -60,9 +61,16 @@ HWY_INLINE V gaussian_at(V q) {
   return vector_exp2<true>(d, hn::Max(hn::Mul(q, hn::Set(d, -kHalfLog2E)), hn::Set(d, -126.0F)));
 }
 
-// A profile at m^2 = q.
+// What is taken from amplitude * exp(-q / 2), so that it ends smoothly at q = room: its tangent
+// there.
+HWY_INLINE V tangent_at(const Section& section, V q) {
+  const float half_tail = 0.5F * section.tail;
+  return hn::NegMulAdd(q, hn::Set(d, half_tail),
+                       hn::Set(d, section.tail + half_tail * section.room));
+}
+
+// A profile other than the Gaussian at m^2 = q.
 inline V profile_at(KernelProfile profile, V q, float cutoff) {
-  if (profile == KernelProfile::kGaussian) return gaussian_at(q);
   const V one = hn::Set(d, 1.0F);
   const V tt = hn::Min(hn::Mul(q, hn::Set(d, 1.0F / (cutoff * cutoff))), one);
   if (profile == KernelProfile::kEpanechnikov) return hn::Sub(one, tt);
@@ -77,12 +85,27 @@ inline V profile_at(KernelProfile profile, V q, float cutoff) {
   return hn::IfThenElse(hn::Lt(t, hn::Set(d, 0.5F)), inner, outer);
 }
 
+// Not less than nothing by rounding.
+HWY_INLINE V smooth_end(V amplitude, V gaussian, V tangent) {
+  return hn::Max(hn::MulSub(amplitude, gaussian, tangent), hn::Zero(d));
+}
+
+// A section where the part of m^2 in its plane is q.
+HWY_INLINE V section_at(const KernelFrame& frame, const Section& section, V q) {
+  const V amplitude = hn::Set(d, section.amplitude);
+  if (frame.profile == KernelProfile::kGaussian)
+    return smooth_end(amplitude, gaussian_at(q), tangent_at(section, q));
+  const V whole = hn::Add(q, hn::Set(d, section.q_along));
+  return hn::Mul(amplitude, profile_at(frame.profile, whole, frame.cutoff));
+}
+
 // Ends and middle of the rows of a section.
 struct RowRuns {
   static constexpr int kMost = kValueRows + 16;
   alignas(64) float middle[kMost];
   alignas(64) float amplitude[kMost];
-  alignas(64) float q_row[kMost];
+  alignas(64) float q_row[kMost];    // kProfile: of m^2, what the whole row has
+  alignas(64) float tangent[kMost];  // Gaussians: tangent_at() the middle
   alignas(64) std::int32_t first[kMost];
   alignas(64) std::int32_t last[kMost];
   int row0 = 0, count = 0;
@@ -132,6 +155,7 @@ HWY_INLINE void find_rows(const Section& section, const LevelExtent& extent, Row
       const V part =
           kWay == RowWay::kSlanted ? q : hn::Mul(hn::Mul(dy, dy), hn::Set(d, section.ayy));
       hn::Store(hn::Mul(hn::Set(d, section.amplitude), gaussian_at(part)), d, runs.amplitude + i);
+      hn::Store(tangent_at(section, q), d, runs.tangent + i);
     } else {
       hn::Store(hn::Add(q, hn::Set(d, section.q_along)), d, runs.q_row + i);
     }
@@ -157,6 +181,7 @@ HWY_INLINE void add_rows(const KernelFrame& frame, const Section& section, const
   RowRuns runs;
   find_rows<kWay>(section, extent, runs);
   const V axx = hn::Set(d, section.axx);
+  const V half_tail = hn::Set(d, 0.5F * section.tail);
   for (int i = 0; i < runs.count; ++i) {
     const int last = runs.last[i];
     float* row = planes + static_cast<std::size_t>(runs.row0 + i) * extent.stride;
@@ -165,7 +190,8 @@ HWY_INLINE void add_rows(const KernelFrame& frame, const Section& section, const
       const V q = hn::Mul(hn::Mul(dx, dx), axx);
       V phi;
       if constexpr (kWay == RowWay::kSlanted) {
-        phi = hn::Mul(hn::Set(d, runs.amplitude[i]), gaussian_at(q));
+        const V tangent = hn::NegMulAdd(q, half_tail, hn::Set(d, runs.tangent[i]));
+        phi = smooth_end(hn::Set(d, runs.amplitude[i]), gaussian_at(q), tangent);
       } else {
         phi =
             hn::Mul(hn::Set(d, section.amplitude),
@@ -207,14 +233,19 @@ HWY_INLINE void add_rows_recurrent(const Section& section, const V* coefficient,
         factor + x);
     if (is_slanted) hn::Store(vector_exp2(d, hn::Mul(mixed, hn::Set(d, -kHalfLog2E))), d, step + x);
   }
+  const V bend = hn::Set(d, 0.5F * section.tail * section.axx);
   for (int i = 0; i < runs.count; ++i) {
     // By rounding a row may seem to begin or end a column beyond the box.
     const int first = std::max(runs.first[i] - x0, 0);
     const int count = std::min(runs.last[i] - x0, columns - 1) - first + 1;
     float* row = planes + static_cast<std::size_t>(runs.row0 + i) * extent.stride + x0 + first;
     const V amplitude = hn::Set(d, runs.amplitude[i]);
+    const V tangent_of_row = hn::Set(d, runs.tangent[i]);
+    const float from_middle = static_cast<float>(x0 + first) - runs.middle[i];
     for (int x = 0; x < count; x += group_size()) {
-      const V phi = hn::Mul(amplitude, hn::LoadU(d, factor + first + x));
+      const V dx = hn::Iota(d, from_middle + static_cast<float>(x));
+      const V tangent = hn::NegMulAdd(hn::Mul(dx, dx), bend, tangent_of_row);
+      const V phi = smooth_end(amplitude, hn::LoadU(d, factor + first + x), tangent);
       add_group<kChannels>(coefficient, first_lanes(phi, count - x), row + x, plane_size);
     }
     if (!is_slanted) continue;
@@ -273,7 +304,8 @@ HWY_INLINE Section middle_section(const Splat& splat, float t, float cutoff, boo
           splat.ayy * per_sample,
           is_gaussian ? std::exp(-0.5F * along) : 1.0F,
           is_gaussian ? 0.0F : along,
-          cutoff * cutoff - along};
+          cutoff * cutoff - along,
+          is_gaussian ? std::exp(-0.5F * cutoff * cutoff) : 0.0F};
 }
 
 // The mean over the slab around the plane t sheets behind the centre, as one Gaussian: the weight
@@ -282,9 +314,9 @@ HWY_INLINE Section middle_section(const Splat& splat, float t, float cutoff, boo
 HWY_INLINE Section mean_section(const Splat& splat, float t, float cutoff, float lean_x,
                                 float lean_y, const LevelMap& map) {
   const float sigma = 1.0F / std::sqrt(splat.inverse_var_s);
-  const SlabMoments moments =
-      slab_moments(std::clamp(t - 0.5F, -splat.reach_s, splat.reach_s) / sigma,
-                   std::clamp(t + 0.5F, -splat.reach_s, splat.reach_s) / sigma);
+  const float from = std::clamp(t - 0.5F, -splat.reach_s, splat.reach_s) / sigma;
+  const float to = std::clamp(t + 0.5F, -splat.reach_s, splat.reach_s) / sigma;
+  const SlabMoments moments = slab_moments(from, to);
   const float mean = moments.mean * sigma;
   const float variance = moments.variance * sigma * sigma;
   const float mx = splat.mx - lean_x;
@@ -295,14 +327,17 @@ HWY_INLINE Section mean_section(const Splat& splat, float t, float cutoff, float
   const float cyy = splat.axx / det + variance * my * my;
   const float det3 = cxx * cyy - cxy * cxy;
   const float per_sample = 1.0F / (map.factor * map.factor * det3);
+  const float amplitude = moments.weight * sigma / std::sqrt(det * det3);
+  const float room = device::slab_room(from, to, moments, cutoff * cutoff);
   return {map.offset_x + map.factor * (splat.x + splat.mx * t + mx * (mean - t)),
           map.offset_y + map.factor * (splat.y + splat.my * t + my * (mean - t)),
           cyy * per_sample,
           -cxy * per_sample,
           cxx * per_sample,
-          moments.weight * sigma / std::sqrt(det * det3),
+          amplitude,
           0.0F,
-          cutoff * cutoff};
+          room,
+          amplitude * std::exp(-0.5F * room)};
 }
 
 // Which sheets of a block are wanted: [first, last).
@@ -496,9 +531,7 @@ inline void gather_sheet(const KernelFrame& frame, KernelWorkspace& work,
                                hn::Mul(dy, hn::MulAdd(dx, hn::Set(d, 2.0F * section.axy),
                                                       hn::Mul(dy, hn::Set(d, section.ayy)))));
         const M is_inside = hn::Le(q, hn::Set(d, section.room));
-        const V at =
-            profile_at(frame.profile, hn::Add(q, hn::Set(d, section.q_along)), frame.cutoff);
-        const V phi = hn::IfThenElseZero(is_inside, hn::Mul(hn::Set(d, section.amplitude), at));
+        const V phi = hn::IfThenElseZero(is_inside, section_at(frame, section, q));
         for (int c = 0; c < kMaxChannels; ++c)
           sums[c] =
               hn::MulAdd(hn::Set(d, coefficients[i][static_cast<std::size_t>(c)]), phi, sums[c]);

@@ -58,6 +58,21 @@ Moments moments_between(double a, double b) {
   return {weight, mean, std::max(spread, 0.0)};
 }
 
+// Where the section of the slab [a, b] ends: first such that it has the mean of m^2 along the ray,
+// then such that it has the slab's mass, by one step of Newton's. `most`: the squared cut-off.
+double room_of_mass(double a, double b, const Moments& moments, double most) {
+  const double room = most - moments.mean * moments.mean - moments.variance;
+  if (!(room > 1) || !(moments.weight > 1e-12)) return room;
+  // Of exp(-q / 2) less its tangent at an end: what the end takes of the mass 2, over all q.
+  const auto taken = [](double end) { return 2 + end + end * end / 4; };
+  const double at_end = moments.weight * std::exp(-room / 2);
+  const double takes =
+      std::exp(-most / 2) *
+      (taken(most) * (b - a) - (1 + most / 2) * (std::pow(b, 3) - std::pow(a, 3)) / 3 +
+       (std::pow(b, 5) - std::pow(a, 5)) / 20);
+  return room + (at_end * taken(room) - takes) / (at_end * room * room / 8);
+}
+
 }  // namespace
 
 std::vector<ViewedKernel> view_kernels(const KernelField& field, const ViewRays& view) {
@@ -216,8 +231,9 @@ KernelPlanes::Section KernelPlanes::mean_section(const ViewedKernel& kernel, dou
   const double ds = view_.sampling_distance();
   const double sigma = std::sqrt(kernel.covariance(2, 2));
   const double t = z - kernel.center[2];
-  const Moments moments = moments_between(std::clamp((t - ds / 2) / sigma, -cutoff_, cutoff_),
-                                          std::clamp((t + ds / 2) / sigma, -cutoff_, cutoff_));
+  const double from = std::clamp((t - ds / 2) / sigma, -cutoff_, cutoff_);
+  const double to = std::clamp((t + ds / 2) / sigma, -cutoff_, cutoff_);
+  const Moments moments = moments_between(from, to);
   Section section = middle_section(kernel, z);
   const Eigen::Vector2d slide = kernel.covariance.topRightCorner<2, 1>() / kernel.covariance(2, 2);
   Eigen::Vector2d ray = Eigen::Vector2d::Zero();
@@ -229,8 +245,9 @@ KernelPlanes::Section KernelPlanes::mean_section(const ViewedKernel& kernel, dou
   section.y += drift[1] * (moments.mean * sigma - t);
   section.amplitude = moments.weight * sigma / ds *
                       std::sqrt(before.determinant() / section.covariance.determinant());
-  section.q_along = 0;
-  section.room = cutoff_ * cutoff_;
+  section.room = room_of_mass(from, to, moments, cutoff_ * cutoff_);
+  section.q_along = cutoff_ * cutoff_ - section.room;
+  section.amplitude *= std::exp(section.q_along / 2);
   return section;
 }
 

@@ -14,6 +14,7 @@ namespace {
 // Least sigma, in samples of a level, of the kernels summed on it (docs/numerics.md, "Levels"; the
 // pictures' test holds what the filter then loses).
 constexpr float kLeastLevelSigma = 1.6F;
+constexpr float kLeastSurfaceSigma = 2.4F;  // a surface is there or not, by any error
 constexpr float kPublishedLevelSigma = 0.5F;
 
 // The filter from a level to the finer one.
@@ -30,7 +31,7 @@ void set_taps(device::KernelFrame& frame, PostConvolution how) {
 
 }  // namespace
 
-KernelTraits kernel_traits(const KernelField& field, const view::KernelPlan& plan,
+KernelTraits kernel_traits(const KernelField& field, const view::KernelPlan& plan, const Look& look,
                            const RenderOptions& options) {
   KernelTraits traits;
   traits.profile = field.source().profile();
@@ -40,7 +41,9 @@ KernelTraits kernel_traits(const KernelField& field, const view::KernelPlan& pla
   traits.num_channels = (traits.is_sum ? 1 : 2) + (field.has_own_color() ? 1 : 0);
   traits.gathers = options.evaluate == Evaluate::kGather;
   const bool is_auto = options.post_convolution == PostConvolution::kAuto;
-  traits.least_level_sigma = is_auto ? kLeastLevelSigma : kPublishedLevelSigma;
+  traits.least_level_sigma = !is_auto                         ? kPublishedLevelSigma
+                             : look.mode == Mode::kIsosurface ? kLeastSurfaceSigma
+                                                              : kLeastLevelSigma;
   if (options.post_convolution == PostConvolution::kOff || traits.gathers) return traits;
   traits.max_level = device::kNumLevels - 1;
   traits.finds_cover = traits.is_sum && is_auto;

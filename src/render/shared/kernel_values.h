@@ -24,7 +24,7 @@ struct KernelTraits {
 };
 
 KernelTraits kernel_traits(const KernelField& field, const view::KernelPlan& plan,
-                           const RenderOptions& options);
+                           const Look& look, const RenderOptions& options);
 
 // Splat space, the cutoff and the levels' filter; the members about the picture's division and the
 // device's memory are left to who divides them.

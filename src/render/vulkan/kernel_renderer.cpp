@@ -87,7 +87,7 @@ struct KernelRenderer::Set {
         look(with),
         options(as),
         plan(of, camera, with, as),
-        traits(kernel_traits(of, plan, as)),
+        traits(kernel_traits(of, plan, with, as)),
         frame(kernel_constants(plan, traits, as.post_convolution)) {
     if (options.sheet_precision == SheetPrecision::kSingle) return;
     why_no_half_sheets = why_not_half_sheets(field, plan, look);

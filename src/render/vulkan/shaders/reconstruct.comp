@@ -170,7 +170,7 @@ void add_list(uint list, int of_level, int first_sheet, int point, vec2 corner, 
           if (values.x != 0.0) covered_sheets |= 1u << uint(j);
           continue;
         }
-        float phi = section.amplitude * profile_at(q + section.q_along);
+        float phi = section_at(section, q);
         sums[j] = fma(values, vec3(phi), sums[j]);
       }
     }

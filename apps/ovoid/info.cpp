@@ -9,9 +9,9 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <nlohmann/json.hpp>
 
+#include "array_facts.h"
 #include "command.h"
 #include "console.h"
 #include "environment.h"
@@ -28,67 +28,6 @@ namespace ovoid::cli {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-// What the numbers of one array are, all components together.
-struct ArrayFacts {
-  double lo = std::numeric_limits<double>::infinity();
-  double hi = -std::numeric_limits<double>::infinity();
-  std::int64_t num_missing = 0;
-};
-
-template <typename T>
-ArrayFacts facts_of(const DataArray& array) {
-  ArrayFacts facts;
-  const std::byte* at = array.bytes.view.data();
-  const std::int64_t count = array.num_tuples * array.num_components;
-  for (std::int64_t i = 0; i < count; ++i, at += sizeof(T)) {
-    T stored;
-    std::memcpy(&stored, at, sizeof(T));  // a file's bytes need not be aligned
-    const auto value = static_cast<double>(stored);
-    if (!std::isfinite(value)) {
-      ++facts.num_missing;
-      continue;
-    }
-    facts.lo = std::min(facts.lo, value);
-    facts.hi = std::max(facts.hi, value);
-  }
-  return facts;
-}
-
-ArrayFacts stored_facts_of(const DataArray& array) {
-  switch (array.type) {
-    case ScalarType::kUInt8:
-      return facts_of<std::uint8_t>(array);
-    case ScalarType::kInt8:
-      return facts_of<std::int8_t>(array);
-    case ScalarType::kUInt16:
-      return facts_of<std::uint16_t>(array);
-    case ScalarType::kInt16:
-      return facts_of<std::int16_t>(array);
-    case ScalarType::kUInt32:
-      return facts_of<std::uint32_t>(array);
-    case ScalarType::kInt32:
-      return facts_of<std::int32_t>(array);
-    case ScalarType::kUInt64:
-      return facts_of<std::uint64_t>(array);
-    case ScalarType::kInt64:
-      return facts_of<std::int64_t>(array);
-    case ScalarType::kFloat32:
-      return facts_of<float>(array);
-    case ScalarType::kFloat64:
-      return facts_of<double>(array);
-  }
-  return {};
-}
-
-ArrayFacts facts_of(const DataArray& array) {
-  ArrayFacts facts = stored_facts_of(array);
-  if (!array.is_scaled() || facts.lo > facts.hi) return facts;
-  facts.lo = facts.lo * array.value_scale + array.value_offset;
-  facts.hi = facts.hi * array.value_scale + array.value_offset;
-  if (facts.lo > facts.hi) std::swap(facts.lo, facts.hi);
-  return facts;
-}
 
 Json json_of(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
@@ -576,6 +515,7 @@ void run_info(const Words& words, Session& session) {
   }
   require_inputs(flags, data);
   take_from_model(&data, &model);
+  data.may_stay_in_file = true;
   const Json json = gather(data, model, flags, session);
   return info.is_json ? print_json(json) : print_text(json);
 }

@@ -39,6 +39,7 @@ ReadOptions read_options(const DataFlags& data, const Session& session) {
   options.array = data.array;
   options.block = data.block;
   options.step = data.step;
+  options.may_stay_in_file = data.may_stay_in_file;
   options.stop = session.stop();
   options.hdf5.positions = data.positions;
   options.hdf5.values = data.values;

@@ -217,6 +217,7 @@ void run_render(const Words& words, Session& session) {
   profile.height = drawing.options.height;
   take_from_model(&render.data, &drawing.model);
   const Stopwatch loading;
+  render.data.may_stay_in_file = true;
   Dataset dataset = load(render.data, session);
   profile.load_ms = loading.ms();
   const Stopwatch modelling;

@@ -152,6 +152,7 @@ void run_sample(const Words& words, Session& session) {
 
   const Dataset points = read_points(sample.points, session);
   take_from_model(&sample.data, &sample.model);
+  sample.data.may_stay_in_file = true;
   const Dataset dataset = load(sample.data, session);
   check_kind_flags(flags, dataset);
   const Modelled modelled = make_field(dataset, sample.model, 0, session);

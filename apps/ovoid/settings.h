@@ -49,6 +49,8 @@ struct DataFlags {
   std::string positions;                            // HDF5: the path of the positions
   std::vector<std::string> values;                  // HDF5: paths of arrays
   std::vector<std::string> folders;  // where files that the input names may lie, beside its own
+  bool may_stay_in_file =
+      false;          // of commands that draw, and make nothing of the samples themselves
   std::string array;  // the only one that is read where the format allows; empty: all
   int component = 0;  // of hyperslices
 };

@@ -63,6 +63,20 @@ class SharedValues {
   std::span<const T> view_;
 };
 
+// Samples that stay in their file, since memory does not hold them. Immutable; all members are
+// called from many threads at once.
+class StoredSamples {
+ public:
+  virtual ~StoredSamples() = default;
+  virtual std::int64_t num_bytes() const noexcept = 0;
+  // Fills `out` from byte `offset` on, native byte order; both are multiples of a sample's size and
+  // within num_bytes(). Throws Error: kFileFormat if the file has shrunk, kFileNotFound if the
+  // system cannot read it.
+  virtual void read(std::int64_t offset, std::span<std::byte> out) const = 0;
+  // How much of them may be kept in memory.
+  virtual std::int64_t memory_for_pages() const noexcept = 0;
+};
+
 // One named array of a dataset: `num_tuples` tuples of `num_components` values, component fastest.
 struct DataArray {
   std::string name;
@@ -76,6 +90,10 @@ struct DataArray {
   // DICOM's rescale). Finite, value_scale not 0. Everything that shows or takes values applies it.
   double value_scale = 1.0;
   double value_offset = 0.0;
+  // Instead of `bytes`, where the reader was allowed to (ReadOptions::may_stay_in_file): one
+  // component, a type that lattices show as it is. make_lattice_field() takes such arrays; whatever
+  // else looks into `bytes` finds none.
+  std::shared_ptr<const StoredSamples> stored{};
 
   bool is_scaled() const noexcept { return value_scale != 1.0 || value_offset != 0.0; }
 };

@@ -19,18 +19,6 @@ namespace {
   throw Error(ErrorCode::kInvalidArgument, message);
 }
 
-void validate(const ResidentLatticeOptions& options) {
-  if (!(options.range_reach >= 0) || !std::isfinite(options.range_reach)) {
-    refuse_samples(fmt::format("range_reach = {}: must be >= 0 and finite", options.range_reach));
-  }
-  if (!std::isfinite(options.value_scale) || options.value_scale == 0) {
-    refuse_samples(fmt::format("value_scale = {}: must be finite and not 0", options.value_scale));
-  }
-  if (!std::isfinite(options.value_offset)) {
-    refuse_samples(fmt::format("value_offset = {}: must be finite", options.value_offset));
-  }
-}
-
 void validate(const Bytes& samples, ScalarType type, const Index3& dims) {
   const std::size_t expected = static_cast<std::size_t>(num_samples(dims)) * size_of(type);
   if (samples.view.size() != expected) {
@@ -45,6 +33,18 @@ void validate(const Bytes& samples, ScalarType type, const Index3& dims) {
 }
 
 }  // namespace
+
+void ResidentLatticeOptions::validate() const {
+  if (!(range_reach >= 0) || !std::isfinite(range_reach)) {
+    refuse_samples(fmt::format("range_reach = {}: must be >= 0 and finite", range_reach));
+  }
+  if (!std::isfinite(value_scale) || value_scale == 0) {
+    refuse_samples(fmt::format("value_scale = {}: must be finite and not 0", value_scale));
+  }
+  if (!std::isfinite(value_offset)) {
+    refuse_samples(fmt::format("value_offset = {}: must be finite", value_offset));
+  }
+}
 
 bool ResidentLattice::can_show(ScalarType type) noexcept {
   return type == ScalarType::kUInt8 || type == ScalarType::kInt8 || type == ScalarType::kUInt16 ||
@@ -64,7 +64,7 @@ ResidentLattice::ResidentLattice(const LatticeGeometry& geometry, ScalarType typ
     refuse_samples(
         fmt::format("type = {}: must be uint8, int8, uint16, int16 or float32", name_of(type)));
   }
-  validate(options);
+  options.validate();
   validate(samples_, type, geometry_.dims);
   const Index3 cells = geometry_.cells();
   for (int a = 0; a < 3; ++a) num_bricks_[a] = (cells[a] + kBrickEdge - 1) / kBrickEdge;

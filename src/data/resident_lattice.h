@@ -20,6 +20,8 @@ struct ResidentLatticeOptions {
   double value_offset = 0.0;
   int threads = 0;  // for the brick ranges; 0: one per hardware thread
   std::stop_token stop{};
+
+  void validate() const;  // throws Error(kInvalidArgument)
 };
 
 // A brick source over one linear array in memory (x fastest), which is borrowed, not copied:

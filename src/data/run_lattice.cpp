@@ -23,15 +23,6 @@ namespace {
   throw Error(ErrorCode::kInvalidArgument, message);
 }
 
-void check_options(const ResidentLatticeOptions& options) {
-  if (!(options.range_reach >= 0) || !std::isfinite(options.range_reach))
-    refuse_runs(fmt::format("range_reach = {}: must be >= 0 and finite", options.range_reach));
-  if (!std::isfinite(options.value_scale) || options.value_scale == 0)
-    refuse_runs(fmt::format("value_scale = {}: must be finite and not 0", options.value_scale));
-  if (!std::isfinite(options.value_offset))
-    refuse_runs(fmt::format("value_offset = {}: must be finite", options.value_offset));
-}
-
 // Bricks per task: some milliseconds of unpacking.
 constexpr std::int64_t kBricksPerTask = 64;
 
@@ -45,7 +36,7 @@ RunLattice::RunLattice(const LatticeGeometry& geometry, data::RelevantRuns runs,
       value_scale_(options.value_scale),
       value_offset_(options.value_offset) {
   data::validate_geometry(geometry_);
-  check_options(options);
+  options.validate();
   const ScalarType type = runs_.box().type;
   if (!ResidentLattice::can_show(type))
     refuse_runs(

@@ -10,6 +10,7 @@
 #include "data/encode_relevant.h"
 #include "data/field_samples.h"
 #include "data/merged_range.h"
+#include "data/paged_lattice.h"
 #include "data/parallel.h"
 #include "data/resident_lattice.h"
 #include "data/run_lattice.h"
@@ -55,6 +56,7 @@ void validate_array(const DataArray& array, const LatticeGeometry& geometry) {
                      array.name, array.num_tuples, expected, geometry.dims[0], geometry.dims[1],
                      geometry.dims[2], array.is_cell_data ? "cells" : "samples"));
   }
+  if (array.stored != nullptr) return;  // PagedLattice looks for itself
   // Compared by division: a product of what a dataset claims may not fit 64 bits.
   const std::size_t tuple_size =
       size_of(array.type) * static_cast<std::size_t>(array.num_components);
@@ -163,6 +165,48 @@ LatticeField field_of_relevant(const TakenSamples& taken, const LatticeModelOpti
   return {lattice, kernel, options.reconstruction, range};
 }
 
+// Of samples that stay in their file: by a kernel that needs no coefficients of all of them.
+LatticeField field_of_stored(const DataArray& array, const LatticeGeometry& geometry,
+                             const LatticeModelOptions& options, LatticeModelReport* report,
+                             int threads, const std::stop_token& stop) {
+  if (options.relevant)
+    throw Error(
+        ErrorCode::kOutOfMemory,
+        fmt::format(
+            "array '{}': no memory for its {} samples, of which relevant ones could be kept",
+            array.name, array.num_tuples));
+  if (options.prefilter.value_or(false) ||
+      (options.kernel && options.kernel->kind == LatticeKernelKind::kBSpline))
+    throw Error(ErrorCode::kOutOfMemory, fmt::format("array '{}': no memory for coefficients of {} "
+                                                     "samples; kernels catmull-rom and gaussian "
+                                                     "without prefilter need none",
+                                                     array.name, array.num_tuples));
+  const LatticeKernel published;
+  const auto lattice = std::make_shared<const PagedLattice>(
+      geometry, array.type, array.stored,
+      ResidentLatticeOptions{options.kernel.value_or(published).support_radius(), array.value_scale,
+                             array.value_offset, threads, stop});
+  const ValueRange range = data::merged_range(*lattice);
+  if (range.is_empty())
+    fail(fmt::format("array '{}': none of its {} samples is finite", array.name, array.num_tuples));
+  const LatticeKernel kernel = options.kernel                      ? *options.kernel
+                               : data::labels_of(*lattice).empty() ? kCatmullRomKernel
+                                                                   : published;
+  if (report != nullptr) {
+    *report = {array.name,
+               0,
+               false,
+               lattice->resident_bytes(),
+               static_cast<std::size_t>(array.stored->num_bytes()),
+               {}};
+    report->notes.push_back(fmt::format(
+        "array '{}': {} samples stay in their file, as memory is for {:.3g} GiB of them; kernel {}",
+        array.name, array.num_tuples,
+        static_cast<double>(array.stored->memory_for_pages()) / (1 << 30), name_of(kernel.kind)));
+  }
+  return {lattice, kernel, options.reconstruction, range};
+}
+
 }  // namespace
 
 LatticeField make_lattice_field(const Dataset& dataset, const LatticeModelOptions& options,
@@ -186,6 +230,8 @@ LatticeField make_lattice_field(const Dataset& dataset, const LatticeModelOption
     model::require_interpolating(*options.kernel);
 
   try {
+    if (array.stored != nullptr)
+      return field_of_stored(array, geometry, options, report, threads, stop);
     const model::ScalarSamples samples =
         model::take_component(array, {options.component, /*as_float32=*/false, threads, stop});
     const TakenSamples taken{geometry, samples, array, threads, stop};

@@ -83,10 +83,10 @@ double deviation_of_constant(const Dataset& grid, const Index3& dims, int passes
   return std::sqrt(square / count - mean * mean) / mean;
 }
 
-// f = 1 [METHOD 7.2.2]: at most 6 % deviation (6.3 with ends that are smooth) between the nodes after three passes, inside, and the
-// passes are what brings it there, on stretched, shaken tetrahedra. The same nodes with boxes
-// between them have fewer neighbours; where thin boxes lie around the nose, each kernel is flat and
-// the layers are not.
+// f = 1 [METHOD 7.2.2]: at most 6 % deviation (6.3 with ends that are smooth) between the nodes
+// after three passes, inside, and the passes are what brings it there, on stretched, shaken
+// tetrahedra. The same nodes with boxes between them have fewer neighbours; where thin boxes lie
+// around the nose, each kernel is flat and the layers are not.
 TEST(MeshKernels, ReproducesAConstant) {
   Dataset fin = make_sample("fin");
   const Index3 dims = {31, 25, 25};

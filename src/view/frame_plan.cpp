@@ -112,8 +112,8 @@ int relevance_grow(const ViewLattice& lattice, const LatticeField& field,
   return static_cast<int>(std::ceil(reach / field.source().brick_edge()));
 }
 
-// Greatest change of the opacity over the field's range, at least kNodeSteepness. An isosurface is a
-// step, but what is found by nodes is then refined on the field.
+// Greatest change of the opacity over the field's range, at least kNodeSteepness. An isosurface is
+// a step, but what is found by nodes is then refined on the field.
 double steepness_of(const Look& look, const ValueRange& range) {
   if (look.mode == Mode::kIsosurface) return kSurfaceSteepness;
   double steepness = kNodeSteepness;

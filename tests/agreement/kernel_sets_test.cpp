@@ -215,6 +215,18 @@ std::int64_t num_seen(const Image& image) {
   return count;
 }
 
+// Clears pixels that show something in one picture alone; returns how many.
+int clear_seen_by_one(Image& a, Image& b) {
+  int count = 0;
+  for (std::size_t p = 0; p < a.rgba.size(); p += 4) {
+    if ((a.rgba[p + 3] > 0) == (b.rgba[p + 3] > 0)) continue;
+    std::fill_n(a.rgba.begin() + static_cast<std::ptrdiff_t>(p), 4, 0.0F);
+    std::fill_n(b.rgba.begin() + static_cast<std::ptrdiff_t>(p), 4, 0.0F);
+    ++count;
+  }
+  return count;
+}
+
 // Fails if what filters carry beyond the cut of a kernel counts as a part of a sum: pictures of
 // sums would end at samples of coarse levels.
 TEST(KernelSets, SumsOnLevelsEndWhereTheirKernelsDo) {
@@ -230,16 +242,16 @@ TEST(KernelSets, SumsOnLevelsEndWhereTheirKernelsDo) {
         Scene scene{field, askew_camera(field, is_parallel, 0.6), look, picture(190, 180)};
         Scene direct = scene;
         direct.options.post_convolution = PostConvolution::kOff;
-        const Image expected = draw(direct).image;
-        const Image image = draw(scene).image;
+        Image expected = draw(direct).image;
+        Image image = draw(scene).image;
+        // Where a kernel ends it is nothing within the rounding.
+        EXPECT_LE(clear_seen_by_one(image, expected), 3);
         const double peak = mode == Mode::kXray ? greatest_color(expected) : 1.0;
         const ImageDifference difference = compare(image, expected, peak);
         const std::string name = set.name + ", mode " + std::to_string(static_cast<int>(mode)) +
                                  view_text(is_parallel) + ": " + difference.to_string();
         EXPECT_LT(num_seen(expected), 190 * 180) << name << ": nothing ends in the picture";
         EXPECT_GT(num_seen(expected), 3000) << name;
-        // Where a kernel ends it is nothing within the rounding.
-        EXPECT_NEAR(num_seen(image), num_seen(expected), 3) << name;
         EXPECT_GE(difference.psnr_db, kLevelsPsnrDb) << name;
         EXPECT_LT(difference.psnr_db, 130) << name << ": no kernel went to a level";
       }

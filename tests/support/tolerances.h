@@ -52,8 +52,9 @@ inline constexpr double kLevelsPsnrDb = 50;
 
 // Pictures of a lattice's levels, against the mean of 4 x 4 finer rays, may be less near than those
 // of the widened kernels by as much: means of samples blur by a quarter of a spacing squared more,
-// which where pixels are just two spacings wide costs fine patterns 4 dB, and scans 0.7.
-inline constexpr double kLevelsLoseDb = 4.5;
+// which where pixels are just two spacings wide costs fine patterns 4 dB by B-splines and 5.4 by
+// Gaussians, and scans 0.7.
+inline constexpr double kLevelsLoseDb = 6;
 
 // ---- Closed forms against the reference
 // -----------------------------------------------------------------------------

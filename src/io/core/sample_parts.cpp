@@ -11,6 +11,7 @@
 #include "data/varies.h"
 #include "io/core/memory.h"
 #include "io/core/samples.h"
+#include "io/core/samples_in_file.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {
@@ -156,6 +157,19 @@ StepSamples read_step(const SampleParts& parts, const StepLayout& layout,
   if (options.step) check_step(name, *options.step, layout.num_steps);
   ReadProgress progress(options, check_parts(parts, options));
   const bool is_planar = layout.order == StepLayout::Order::kPlanar && layout.num_components > 1;
+  const bool is_chosen = options.step || layout.num_steps == 1;
+  if (is_chosen && parts.count == 1 && parts.encoding == Encoding::kRaw &&
+      layout.num_components == 1 && stays_in_file(layout.type, layout.num_bytes, options)) {
+    const std::int64_t step = options.step.value_or(0);
+    const SamplePart part = parts.open(0);
+    const std::int64_t first = parts.each.num_skipped < 0
+                                   ? part.source->size() - parts.each.num_bytes
+                                   : part.offset + parts.each.num_skipped;
+    return {{},
+            samples_in_file(*part.source, first + step * layout.num_bytes, layout.num_bytes,
+                            layout.type, layout.is_big_endian),
+            step};
+  }
   // Planes are put together in memory of their own.
   require_memory(fmt::format("{}: {}", name, parts.each.layout),
                  layout.num_bytes * (is_planar ? 2 : 1));

@@ -44,13 +44,15 @@ struct StepLayout {
 };
 
 struct StepSamples {
-  Bytes bytes;  // components interleaved, native byte order
+  Bytes bytes;                                    // components interleaved, native byte order
+  std::shared_ptr<const StoredSamples> stored{};  // instead, where they may stay in their file
   std::int64_t step = 0;
 };
 
 // Reads options.step, or the first step whose samples (planar: of the first component) vary, which
 // is told in a note; the first if none does. Other steps of raw data are not read. All parts are
-// looked at before memory is taken: a missing one is found at once. Peak memory is the step, twice
+// looked at before memory is taken: a missing one is found at once. Where memory does not hold the
+// step and options say so, it stays in its file. Peak memory is the step, twice
 // if it is planar. Throws Error(kFileFormat), Error(kInvalidArgument) for a step that is not there.
 StepSamples read_step(const SampleParts& parts, const StepLayout& layout,
                       const ReadOptions& options, std::vector<std::string>& notes);

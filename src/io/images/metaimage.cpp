@@ -134,6 +134,7 @@ Dataset read_metaimage(const ByteSource& source, const ReadOptions& options, con
   StepSamples samples =
       read_step(find_parts(source, header, open, num_bytes), layout, options, header.notes);
   array.bytes = std::move(samples.bytes);
+  array.stored = std::move(samples.stored);
   dataset.step = samples.step;
   for (std::int64_t i = 0; dataset.num_steps > 1 && i < dataset.num_steps; ++i)
     dataset.times.push_back(header.offset[3] + header.spacing[3] * static_cast<double>(i));

@@ -271,6 +271,7 @@ Dataset read_nifti(const ByteSource& source, Encoding encoding, const ReadOption
   StepSamples samples = read_step(find_parts(source, encoding, header, open, num_bytes, text),
                                   layout, options, dataset.notes);
   array.bytes = std::move(samples.bytes);
+  array.stored = std::move(samples.stored);
   dataset.num_steps = layout.num_steps;
   dataset.step = samples.step;
   dataset.times = step_times(header);

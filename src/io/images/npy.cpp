@@ -104,6 +104,7 @@ Dataset read_npy_step(const ByteSource& source, const NpyHeader& header,
   dataset.step = samples.step;
   dataset.arrays.push_back({"values", type.type, layout.num_components,
                             num_samples(dataset.lattice.dims), "", false, samples.bytes});
+  dataset.arrays.back().stored = std::move(samples.stored);
   return dataset;
 }
 

@@ -239,6 +239,7 @@ Dataset read_nrrd(const ByteSource& source, const ReadOptions& options, const Op
   StepSamples samples =
       read_step(find_parts(source, header, open, num_bytes), layout, options, header.notes);
   array.bytes = std::move(samples.bytes);
+  array.stored = std::move(samples.stored);
   dataset.num_steps = axes.num_steps;
   dataset.step = samples.step;
   dataset.times = step_times(header, axes.num_steps);

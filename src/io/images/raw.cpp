@@ -13,6 +13,7 @@
 #include "io/core/decode.h"
 #include "io/core/memory.h"
 #include "io/core/samples.h"
+#include "io/core/samples_in_file.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {
@@ -93,6 +94,12 @@ Dataset read_raw(const ByteSource& source, const ReadOptions& options) {
     dataset.notes.push_back(fmt::format("{}: the name says {}: taken as {}, as given",
                                         source.name(), dims_text(*from_name.dims),
                                         dims_text(*dims)));
+  }
+  if (!is_gzip && stays_in_file(*type, num_bytes, options)) {
+    dataset.arrays.push_back({"values", *type, 1, num_samples(*dims), "", false, {}});
+    dataset.arrays.back().stored =
+        samples_in_file(source, 0, num_bytes, *type, options.raw.big_endian);
+    return dataset;
   }
   SampleBuffer samples;
   ReadProgress progress(options, source.size());

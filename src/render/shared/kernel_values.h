@@ -23,8 +23,8 @@ struct KernelTraits {
   bool finds_cover = false;
 };
 
-KernelTraits kernel_traits(const KernelField& field, const view::KernelPlan& plan,
-                           const Look& look, const RenderOptions& options);
+KernelTraits kernel_traits(const KernelField& field, const view::KernelPlan& plan, const Look& look,
+                           const RenderOptions& options);
 
 // Splat space, the cutoff and the levels' filter; the members about the picture's division and the
 // device's memory are left to who divides them.

@@ -56,17 +56,16 @@ OVOID_FORMULA SlabMoments slab_moments_by_points(float a, float b) {
   return moments;
 }
 
-// The m^2 in the plane at which a slab's mean section ends, so that section_at() has the slab's mass
-// (docs/numerics.md, "Kernel sets"): the mean of x^2 from that of the whole, and one step of
+// The m^2 in the plane at which a slab's mean section ends, so that section_at() has the slab's
+// mass (docs/numerics.md, "Kernel sets"): the mean of x^2 from that of the whole, and one step of
 // Newton's. `most`: the squared cut-off.
 OVOID_FORMULA float slab_room(float a, float b, SlabMoments moments, float most) {
   float room = most - moments.mean * moments.mean - moments.variance;
   if (!(room > 1.0f) || !(moments.weight > 1e-12f)) return room;
   float at_end = moments.weight * exp(-0.5f * room);
-  float ends = exp(-0.5f * most) *
-               ((2.0f + most + 0.25f * most * most) * (b - a) -
-                (1.0f + 0.5f * most) * (b * b * b - a * a * a) / 3.0f +
-                (b * b * b * b * b - a * a * a * a * a) / 20.0f);
+  float ends = exp(-0.5f * most) * ((2.0f + most + 0.25f * most * most) * (b - a) -
+                                    (1.0f + 0.5f * most) * (b * b * b - a * a * a) / 3.0f +
+                                    (b * b * b * b * b - a * a * a * a * a) / 20.0f);
   float ours = at_end * (2.0f + room + 0.25f * room * room);
   return room + 8.0f * (ours - ends) / (at_end * room * room);
 }

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <unordered_map>
+#include <vector>
+
+#include "data/resident_lattice.h"
+#include "ovoid/dataset.h"
+#include "ovoid/field.h"
+
+namespace ovoid {
+
+// A brick source over samples that stay in their file, x fastest. Pages are boxes of whole rows,
+// kPageEdge of them along y and z, so that a page is read in as many pieces as it has layers; those
+// that were used last are kept. Memory: the pages, and 8 bytes per brick of 8 cells along each
+// axis. Immutable to its users; all members may be called from many threads.
+class PagedLattice final : public BrickSource {
+ public:
+  static constexpr int kBrickEdge = 8;
+  static constexpr int kPageEdge = 32;
+
+  // Cartesian. The type is one that ResidentLattice shows. Throws Error: kInvalidArgument for
+  // anything else, kCancelled, what reading throws. Cost: the file is read once.
+  PagedLattice(const LatticeGeometry& geometry, ScalarType type,
+               std::shared_ptr<const StoredSamples> samples,
+               const ResidentLatticeOptions& options = {});
+
+  const LatticeGeometry& geometry() const noexcept override { return geometry_; }
+  int brick_edge() const noexcept override { return kBrickEdge; }
+  double value_scale() const noexcept override { return value_scale_; }
+  double value_offset() const noexcept override { return value_offset_; }
+  ValueRange brick_range(std::int64_t bx, std::int64_t by, std::int64_t bz) const noexcept override;
+  double range_reach() const noexcept override { return range_reach_; }
+  bool has_missing(std::int64_t bx, std::int64_t by, std::int64_t bz) const noexcept override;
+  // The brick's page, pinned by the view. Throws what reading throws.
+  BrickView acquire(std::int64_t bx, std::int64_t by, std::int64_t bz, double time) const override;
+  std::size_t resident_bytes() const noexcept override;
+
+ private:
+  struct Page {
+    std::mutex mutex;                      // held while it is read
+    std::unique_ptr<std::byte[]> samples;  // null: not read yet
+  };
+  struct Kept {
+    std::int64_t number;
+    std::shared_ptr<Page> page;
+  };
+
+  std::size_t brick_index(std::int64_t bx, std::int64_t by, std::int64_t bz) const noexcept;
+  template <class T>
+  void find_ranges(const ResidentLatticeOptions& options);
+  // The samples of a page: whole rows y, layers z.
+  struct PageBox {
+    std::int64_t y0, y1, z0, z1;
+  };
+  PageBox box_of(std::int64_t number) const noexcept;
+  std::shared_ptr<Page> keep_page(std::int64_t number) const;
+  void read_rows(const PageBox& box, std::byte* to) const;
+
+  LatticeGeometry geometry_;
+  ScalarType type_;
+  std::shared_ptr<const StoredSamples> samples_;
+  double range_reach_, value_scale_, value_offset_;
+  Index3 num_bricks_{};
+  std::vector<ValueRange> ranges_;     // values, of all bricks
+  std::vector<std::uint8_t> missing_;  // of all bricks; empty if no sample is
+  std::int64_t pages_along_y_ = 1;
+  std::size_t most_pages_ = 1;
+
+  mutable std::mutex mutex_;       // of what follows
+  mutable std::list<Kept> pages_;  // the last used first
+  mutable std::unordered_map<std::int64_t, std::list<Kept>::iterator> places_;
+};
+
+}  // namespace ovoid

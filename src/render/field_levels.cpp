@@ -11,6 +11,9 @@
 namespace ovoid {
 namespace {
 
+// Fields whose levels are kept, an eighth of a field each.
+constexpr std::size_t kMostKept = 4;
+
 // Along its longest axis; fewer samples cost nothing.
 constexpr std::int64_t kLeastSamples = 32;
 
@@ -48,26 +51,35 @@ int coarsest_level(const Field& field, const Camera& camera, const RenderOptions
   return level;
 }
 
+std::vector<Field>& FieldLevels::pyramid_of(const Field& field) {
+  const auto found = std::find_if(kept_.begin(), kept_.end(), [&](const Pyramid& kept) {
+    return kept.id == field.id() && kept.version == field.version();
+  });
+  if (found != kept_.end()) {
+    std::rotate(kept_.begin(), found, found + 1);
+  } else {
+    if (kept_.size() == kMostKept) kept_.pop_back();
+    kept_.insert(kept_.begin(), {field.id(), field.version(), {}});
+  }
+  return kept_.front().coarser;
+}
+
 const Field& FieldLevels::at(const Field& field, int level, int threads,
                              const std::stop_token& stop) {
   if (level == 0) return field;
-  if (field.id() != id_ || field.version() != version_) {
-    coarser_.clear();
-    id_ = field.id();
-    version_ = field.version();
-  }
+  std::vector<Field>& coarser = pyramid_of(field);
   try {
-    while (static_cast<int>(coarser_.size()) < level) {
+    while (static_cast<int>(coarser.size()) < level) {
       CoarseOptions options;
       options.threads = threads;
       options.stop = stop;
-      coarser_.push_back(coarse_field(coarser_.empty() ? field : coarser_.back(), options));
+      coarser.push_back(coarse_field(coarser.empty() ? field : coarser.back(), options));
     }
   } catch (const Error& error) {
     if (error.code() != ErrorCode::kOutOfMemory) throw;
   }
-  if (coarser_.empty()) return field;
-  return coarser_[std::min(static_cast<std::size_t>(level), coarser_.size()) - 1];
+  if (coarser.empty()) return field;
+  return coarser[std::min(static_cast<std::size_t>(level), coarser.size()) - 1];
 }
 
 }  // namespace ovoid

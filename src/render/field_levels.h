@@ -17,7 +17,8 @@ namespace ovoid {
 // pixel, anywhere in the picture; 0 for what has no levels.
 int coarsest_level(const Field& field, const Camera& camera, const RenderOptions& options);
 
-// Keeps the coarser fields of the field that was drawn last.
+// Keeps the coarser fields of the few fields that were drawn last: viewers go to and fro between a
+// field and its own coarse ones.
 class FieldLevels {
  public:
   // The field that is `level` times coarser, or, if there is no memory for it, the coarsest that
@@ -26,8 +27,13 @@ class FieldLevels {
   const Field& at(const Field& field, int level, int threads, const std::stop_token& stop);
 
  private:
-  std::uint64_t id_ = 0, version_ = 0;
-  std::vector<Field> coarser_;  // [0] is once coarser
+  struct Pyramid {
+    std::uint64_t id, version;   // of the field
+    std::vector<Field> coarser;  // [0] is once coarser
+  };
+  std::vector<Field>& pyramid_of(const Field& field);
+
+  std::vector<Pyramid> kept_;  // the last used first
 };
 
 }  // namespace ovoid

@@ -154,6 +154,10 @@ TEST(FieldLevels, StopWhileTheyAreMade) {
   EXPECT_THROW(levels.at(field, 1, 2, source.get_token()), Error);
   EXPECT_EQ(levels.at(field, 1, 2, {}).lattice()->geometry().dims, (Index3{32, 32, 32}));
   EXPECT_EQ(levels.at(field, 0, 2, source.get_token()).id(), field.id());
+  // They are made once, and of some fields at a time.
+  const std::uint64_t once = levels.at(field, 1, 2, {}).id();
+  levels.at(constant_field(dims, 1), 1, 2, {});
+  EXPECT_EQ(levels.at(field, 1, 2, source.get_token()).id(), once);
 }
 
 }  // namespace

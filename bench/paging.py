@@ -15,7 +15,8 @@ import time
 
 from magnification import OVOID
 
-VIEWS = {"from the front": [], "from the side, nearer": ["--azimuth", "90", "--zoom", "3"], "256 x 256": ["--size", "256x256"]}
+VIEWS = {"from the front": ["--size", "512x512"], "from the side, nearer": ["--size", "512x512", "--azimuth", "90", "--zoom", "3"],
+         "small; in memory by a level": ["--size", "256x256"]}
 
 
 def draw(path, picture, flags, limit=None):
@@ -25,7 +26,7 @@ def draw(path, picture, flags, limit=None):
             resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
     begin = time.monotonic()
     process = subprocess.Popen([OVOID, "render", path, "-o", picture, "--backend", "cpu", "--threads", "2", "--kernel", "catmull-rom",
-                                "--size", "512x512", *flags], preexec_fn=within, stderr=subprocess.DEVNULL)
+                                *flags], preexec_fn=within, stderr=subprocess.DEVNULL)
     _, status, usage = os.wait4(process.pid, 0)
     if status != 0:
         raise SystemExit(f"ovoid failed within {limit} bytes")

@@ -12,8 +12,8 @@
 namespace ovoid {
 namespace {
 
-// Bytes of the slab of layers in which ranges are found.
-constexpr std::int64_t kSlabBytes = std::int64_t{32} << 20;
+// Bytes of the slab of layers in which ranges are found, at most.
+constexpr std::int64_t kMostSlab = std::int64_t{32} << 20;
 
 }  // namespace
 
@@ -56,8 +56,9 @@ void PagedLattice::find_ranges(const ResidentLatticeOptions& options) {
   const Index3& dims = geometry_.dims;
   const std::int64_t layer = dims[0] * dims[1];
   const auto margin = static_cast<std::int64_t>(std::ceil((range_reach_ + 1) / kBrickEdge));
+  const std::int64_t slab_bytes = std::min(kMostSlab, samples_->memory_for_pages() / 2);
   const std::int64_t bricks_in_slab =
-      std::max<std::int64_t>(1, kSlabBytes / (layer * kBrickEdge * std::int64_t{sizeof(T)}));
+      std::max<std::int64_t>(1, slab_bytes / (layer * kBrickEdge * std::int64_t{sizeof(T)}));
   const std::int64_t bricks_in_layer = num_bricks_[0] * num_bricks_[1];
   std::vector<T> slab;
   for (std::int64_t first = 0; first < num_bricks_[2]; first += bricks_in_slab) {

@@ -27,6 +27,13 @@ double least_pitch(const LatticeGeometry& geometry, const Camera& camera,
   return sheets.first < sheets.last ? lattice.pitch(sheets.first) : 0.0;
 }
 
+// A level is for time, not to take more memory than the field does: of fields that stay in a file,
+// or of relevant samples alone, it may be larger than they are. Samples counted as floats.
+bool has_room_for_level(const Field& field) {
+  return field.num_kernels() / 8 * static_cast<std::int64_t>(sizeof(float)) <=
+         static_cast<std::int64_t>(field.resident_bytes());
+}
+
 }  // namespace
 
 int coarsest_level(const Field& field, const Camera& camera, const RenderOptions& options) {
@@ -70,6 +77,7 @@ const Field& FieldLevels::at(const Field& field, int level, int threads,
   std::vector<Field>& coarser = pyramid_of(field);
   try {
     while (static_cast<int>(coarser.size()) < level) {
+      if (!has_room_for_level(coarser.empty() ? field : coarser.back())) break;
       CoarseOptions options;
       options.threads = threads;
       options.stop = stop;

@@ -21,9 +21,9 @@ int coarsest_level(const Field& field, const Camera& camera, const RenderOptions
 // field and its own coarse ones.
 class FieldLevels {
  public:
-  // The field that is `level` times coarser, or, if there is no memory for it, the coarsest that
-  // there is. Valid until the next call. Makes what is missing: a pass over the samples. Throws
-  // Error(kCancelled), and what the field's source throws.
+  // The field that is `level` times coarser, or the coarsest that there is: one that would take
+  // more memory than the field does is not made. Valid until the next call. Makes what is missing:
+  // a pass over the samples. Throws Error(kCancelled), and what the field's source throws.
   const Field& at(const Field& field, int level, int threads, const std::stop_token& stop);
 
  private:

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <utility>
 
-#include "data/kernel_shape.h"
-#include "render/cpu/splat.h"
+#include "render/cpu/project_brick.h"
+#include "render/cpu/splat_layers.h"
 
 namespace ovoid::cpu {
 namespace {
@@ -49,49 +49,6 @@ struct Reached {
   std::uint32_t block, splat;
 };
 
-void project_part(const KernelField& field, const view::KernelPlan& plan, const Part& part,
-                  Splat* splats) {
-  const KernelSource& source = field.source();
-  const auto attribute = static_cast<std::size_t>(field.attribute());
-  const auto color = static_cast<std::size_t>(field.color_attribute());
-  Splat* out = splats + part.first_splat;
-  for (std::size_t n = part.first_brick; n < part.last_brick; ++n) {
-    const KernelBrick& brick = source.brick(plan.bricks[n]);
-    const KernelView view = source.acquire(plan.bricks[n], 0.0);
-    for (std::int32_t i = 0; i < view.count; ++i, ++out) {
-      const auto numbers = data::shape_numbers(view, source.shape(), i);
-      *out = project_kernel(plan.space, brick.origin + data::offset_of(view, i), source.shape(),
-                            numbers.data(), source.cutoff());
-      out->weight *= data::weight_of(view, i);
-      out->value = view.value[attribute][i];
-      out->color = view.value[color][i];
-    }
-  }
-}
-
-// Of one layer of blocks: its sheets (and their slabs, of means), and the least and greatest scale
-// on them.
-struct Layer {
-  float first, last;
-  float scale_lo, scale_hi;
-};
-
-std::vector<Layer> layers_of(const view::KernelPlan& plan) {
-  const double reach = plan.is_mean ? 0.5 : 0.0;
-  std::vector<Layer> layers;
-  for (int n = 0; n < plan.num_blocks[2]; ++n) {
-    const double first = n * view::kBlockDepth - reach;
-    const double last = (n + 1) * view::kBlockDepth - 1 + reach;
-    const double near_depth = plan.lattice.near_depth();
-    const double nearest = std::max(plan.space.depth_of(first), near_depth);
-    const double farthest = std::max(plan.space.depth_of(last), near_depth);
-    layers.push_back({static_cast<float>(first), static_cast<float>(last),
-                      static_cast<float>(plan.space.scale(farthest)),
-                      static_cast<float>(plan.space.scale(nearest))});
-  }
-  return layers;
-}
-
 // Blocks [lo, hi) along one axis whose samples, of which the first lies one before its pixels and
 // the last one behind them, meet [from, to] pixels.
 struct BlockSpan {
@@ -119,30 +76,11 @@ void for_each_block(const view::KernelPlan& plan, const std::vector<Layer>& laye
   if (!(last_sheet >= 0)) return;
   const auto end = static_cast<int>(layers.size());
   const int first = static_cast<int>(std::max(first_sheet, 0.0F) / view::kBlockDepth);
-  const auto center_x = static_cast<float>(plan.space.center_x);
-  const auto center_y = static_cast<float>(plan.space.center_y);
   for (int n = std::max(0, first - 1); n < end && layers[n].first <= last_sheet; ++n) {
-    const Layer& layer = layers[static_cast<std::size_t>(n)];
-    const float t0 = std::max(first_sheet, layer.first) - splat.s;
-    const float t1 = std::min(last_sheet, layer.last) - splat.s;
-    if (t0 > t1) continue;
-    // The cut is widest where it is nearest to the centre.
-    float width = 1.0F;
-    if (!plan.is_mean && (t0 > 0 || t1 < 0)) {
-      const float share = (t0 > 0 ? t0 : t1) / splat.reach_s;
-      width = std::sqrt(std::max(0.0F, 1.0F - share * share)) + 1e-3F;
-    }
-    const float beyond = static_cast<float>(plan.overshoot) * splat.minor;
-    const auto span = [&](float at, float slope, float extent, float center, int count) {
-      const float a = slope * t0;
-      const float b = slope * t1;
-      const float lo = at + std::min(a, b) - extent * width - beyond;
-      const float hi = at + std::max(a, b) + extent * width + beyond;
-      return span_of(center + lo * (lo < 0 ? layer.scale_hi : layer.scale_lo),
-                     center + hi * (hi > 0 ? layer.scale_hi : layer.scale_lo), count);
-    };
-    const BlockSpan xs = span(splat.x, splat.mx, splat.reach_x, center_x, plan.num_blocks[0]);
-    const BlockSpan ys = span(splat.y, splat.my, splat.reach_y, center_y, plan.num_blocks[1]);
+    const SplatExtent extent = extent_on(plan, layers[static_cast<std::size_t>(n)], splat);
+    if (extent.is_empty()) continue;
+    const BlockSpan xs = span_of(extent.lo_x, extent.hi_x, plan.num_blocks[0]);
+    const BlockSpan ys = span_of(extent.lo_y, extent.hi_y, plan.num_blocks[1]);
     for (int y = ys.lo; y < ys.hi; ++y) {
       for (int x = xs.lo; x < xs.hi; ++x) {
         const auto block = static_cast<std::size_t>(plan.block_index(x, y, n));
@@ -154,23 +92,27 @@ void for_each_block(const view::KernelPlan& plan, const std::vector<Layer>& laye
 
 }  // namespace
 
-BinnedSplats bin_splats(const KernelField& field, const view::KernelPlan& plan, Runner& runner) {
+BinnedSplats bin_splats(const KernelField& field, const view::KernelPlan& plan, Merging merging,
+                        Runner& runner) {
   BinnedSplats binned;
   std::uint64_t total = 0;
   const std::vector<Part> parts = parts_of(field, plan, total);
   const auto num_blocks = static_cast<std::size_t>(plan.total_blocks());
   const std::vector<Layer> layers = layers_of(plan);
-  binned.num_splats = static_cast<std::int64_t>(total);
+  binned.num_kernels = static_cast<std::int64_t>(total);
   binned.splats = std::make_unique_for_overwrite<Splat[]>(total);
   std::vector<std::vector<std::uint64_t>> places(parts.size());  // counts first, per block
   std::vector<std::vector<Reached>> reached(parts.size());
   runner.run(static_cast<int>(parts.size()), [&](int task, int) {
     const auto p = static_cast<std::size_t>(task);
-    const std::uint64_t end = p + 1 < parts.size() ? parts[p + 1].first_splat : total;
+    const Part& part = parts[p];
+    std::uint64_t end = part.first_splat;
+    for (std::size_t n = part.first_brick; n < part.last_brick; ++n)
+      end += static_cast<std::uint64_t>(
+          project_brick(field, plan, plan.bricks[n], merging, binned.splats.get() + end));
     places[p].assign(num_blocks, 0);
-    reached[p].reserve(end - parts[p].first_splat);
-    project_part(field, plan, parts[p], binned.splats.get());
-    for (std::uint64_t i = parts[p].first_splat; i < end; ++i) {
+    reached[p].reserve(end - part.first_splat);
+    for (std::uint64_t i = part.first_splat; i < end; ++i) {
       for_each_block(plan, layers, binned.splats[i], [&](std::size_t block) {
         reached[p].push_back({static_cast<std::uint32_t>(block), static_cast<std::uint32_t>(i)});
         ++places[p][block];

@@ -42,7 +42,7 @@ constexpr std::array<LevelExtent, kMaxLevel + 1> level_extents() {
   int hi = view::kBlockEdge;
   for (int level = 0; level <= kMaxLevel; ++level) {
     const int size = hi - lo + 1;
-    extents[static_cast<std::size_t>(level)] = {lo, size, (size + 7) / 8 * 8};
+    extents[static_cast<std::size_t>(level)] = {lo, size, (size + 15) / 16 * 16};
     const int coarse_lo = half_of(lo) - (lo % 2 == 0 ? 3 : 2);
     const int coarse_hi = half_of(hi) + (hi % 2 == 0 ? 2 : 3);
     lo = coarse_lo;
@@ -69,6 +69,11 @@ struct Subtile {
   TileState pixels;
   TileRays rays;
   SheetRing ring{kTilePlane};
+};
+
+// Which sheets of a block are wanted: [first, last).
+struct SheetRun {
+  int first = 0, last = 0;
 };
 
 struct KernelWorkspace {
@@ -99,6 +104,7 @@ struct KernelWorkspace {
 struct KernelFrame : CpuFrame, KernelTraits {
   const view::KernelPlan* kernel_plan = nullptr;  // `plan`, as what it is
   const BinnedSplats* binned = nullptr;
+  const std::uint8_t* is_visible = nullptr;       // per block: whether it can show
   std::unique_ptr<const LevelBands> level_bands;  // if there are levels
 };
 

@@ -9,6 +9,7 @@
 #include "render/cpu/ticks.h"
 #include "render/cpu/tile.h"
 #include "render/cpu/tile_output.h"
+#include "render/cpu/visible_sums.h"
 
 namespace ovoid::cpu {
 namespace {
@@ -43,6 +44,23 @@ std::unique_ptr<LevelBands> level_bands(PostConvolution how) {
   return bands;
 }
 
+namespace {
+
+// Like levels, by which they are told: what is off works every kernel out by itself.
+Merging merging_for(const RenderOptions& options) {
+  const bool is_auto = options.post_convolution == PostConvolution::kAuto &&
+                       options.evaluate != Evaluate::kGather;
+  return is_auto ? Merging::kSmall : Merging::kNone;
+}
+
+// Published filters carry kernels beyond their cuts, and a slab's mean may be more than a height.
+bool has_bounds(const KernelField& field, const view::KernelPlan& plan) {
+  return field.reconstruction() == Reconstruction::kSum && plan.may_matter &&
+         plan.overshoot == 0 && !plan.is_mean;
+}
+
+}  // namespace
+
 Frame render_kernel_field(const FrameJob& job, const Machine& machine) {
   const KernelField& field = *job.field.kernels();
   const RenderOptions& options = job.options;
@@ -59,9 +77,11 @@ Frame render_kernel_field(const FrameJob& job, const Machine& machine) {
 
   const view::KernelPlan plan(field, job.camera, job.look, options);
   const double plan_ms = ms_since(start);
-  const BinnedSplats binned = bin_splats(field, plan, runner);
+  const BinnedSplats binned = bin_splats(field, plan, merging_for(options), runner);
+  std::vector<std::uint8_t> is_visible = plan.is_relevant;
+  if (has_bounds(field, plan)) is_visible = visible_sums(plan, binned, runner);
   const double bin_ms = ms_since(start) - plan_ms;
-  out.profile.kernels_drawn = binned.num_splats;
+  out.profile.kernels_drawn = binned.num_kernels;
   if (options.collect_profile) {
     out.profile.stages_ms.emplace_back("plan", plan_ms);
     out.profile.stages_ms.emplace_back("project and bin", bin_ms);
@@ -70,6 +90,7 @@ Frame render_kernel_field(const FrameJob& job, const Machine& machine) {
   static_cast<KernelTraits&>(frame) = kernel_traits(field, plan, job.look, options);
   frame.kernel_plan = &plan;
   frame.binned = &binned;
+  frame.is_visible = is_visible.data();
   if (frame.max_level > 0) frame.level_bands = level_bands(options.post_convolution);
   set_frame(frame, job.look, options, plan);
   frame.takes_differences = frame.takes_gradients;

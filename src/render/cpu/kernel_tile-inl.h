@@ -25,10 +25,14 @@ namespace ovoid::cpu {
 namespace HWY_NAMESPACE {
 
 inline SplatBlock place_of_block(const KernelFrame& frame, const TileRect& rect, int layer) {
-  SplatBlock place{rect.x0, rect.y0, {}, {}};
+  SplatBlock place{};
+  place.tile_x = rect.x0;
+  place.tile_y = rect.y0;
+  place.tail = std::exp(-0.5F * frame.cutoff * frame.cutoff);
   const bool has_points = frame.takes_means && frame.profile != KernelProfile::kGaussian;
   for (int j = 0; j < view::kBlockDepth; ++j) {
     const auto sheet = static_cast<float>(layer * view::kBlockDepth + j);
+    place.sheets[j] = sheet;
     place.scales[j] = sheet_place(frame, sheet).scale;
     if (!has_points) place.places[j] = sheet_place(frame, sheet);
     for (int n = 0; has_points && n < device::kProfilePoints; ++n)
@@ -340,7 +344,7 @@ inline void render_kernel_tile_on_target(const KernelFrame& frame, KernelWorkspa
   const int tile_y = rect.y0 / view::kBlockEdge;
   const auto is_relevant = [&](int layer) {
     return layer < plan.num_blocks[2] &&
-           plan.is_relevant[static_cast<std::size_t>(plan.block_index(tile_x, tile_y, layer))] != 0;
+           frame.is_visible[plan.block_index(tile_x, tile_y, layer)] != 0;
   };
   bool is_running = false;
   for (int layer = 0; layer < plan.num_blocks[2]; ++layer) {

@@ -78,13 +78,46 @@ void set_ellipsoid(Splat& splat, const Mat3& factor, double lateral, double cuto
   splat.minor = static_cast<float>(std::sqrt(det / (half_trace + spread)));
 }
 
-// The same for balls, of which there are millions: a third of the time.
-void set_ball(Splat& splat, double sigma, double per_pixels, double per_sheets, double lateral,
-              double cutoff) {
-  const double least = std::sqrt(kLeastSquaredSigma);
-  const double across = sigma * per_pixels, along = sigma * per_sheets;
-  const double wide_across = std::max(across, least), wide_along = std::max(along, least);
-  const double pixels = wide_across * lateral;
+// The map from camera coordinates to units in which a splat's least sigma is a half.
+struct SplatUnits {
+  SplatUnits(const view::SplatSpace& space, double depth) {
+    // Kernels at or behind the eye are as fine as those at the near plane.
+    const double depth_scale =
+        space.is_parallel ? 1.0
+                          : std::max(depth, 0.5 * space.sampling_distance) / space.focal_depth;
+    per_pixels = 1 / (space.pitch * depth_scale * view::kLeastPixels);
+    per_sheets = 1 / space.sampling_distance;
+    lateral = depth_scale * view::kLeastPixels;
+  }
+
+  double per_pixels, per_sheets;  // per world unit
+  double lateral;                 // pixels of the focal plane in a unit
+};
+
+Splat splat_at(const view::SplatSpace& space, const Vec3& at) {
+  Splat splat;
+  splat.x = static_cast<float>(at[0] / space.pitch);
+  splat.y = static_cast<float>(at[1] / space.pitch);
+  splat.s = static_cast<float>(space.sheet_of(at[2]));
+  splat.value = splat.color = 0;
+  return splat;
+}
+
+}  // namespace
+
+// Without matrices: there are millions of balls.
+Splat project_ball(const view::SplatSpace& space, const Vec3& center_world, const BallSize& size,
+                   double cutoff) {
+  const Vec3 at = space.camera_from_world(center_world);
+  const SplatUnits units(space, at[2]);
+  const auto wide = [&](double sigma, double per) {
+    return std::sqrt(std::max(sigma * sigma, kLeastSquaredSigma) + size.variance * per * per);
+  };
+  const double across = size.sigma * units.per_pixels, along = size.sigma * units.per_sheets;
+  const double wide_across = wide(across, units.per_pixels);
+  const double wide_along = wide(along, units.per_sheets);
+  const double pixels = wide_across * units.lateral;
+  Splat splat = splat_at(space, at);
   splat.axx = splat.ayy = static_cast<float>(1 / (pixels * pixels));
   splat.axy = splat.mx = splat.my = 0;
   splat.inverse_var_s = static_cast<float>(1 / (wide_along * wide_along));
@@ -93,32 +126,18 @@ void set_ball(Splat& splat, double sigma, double per_pixels, double per_sheets, 
   splat.reach_s = static_cast<float>(cutoff * wide_along);
   splat.reach_x = splat.reach_y = static_cast<float>(cutoff * pixels);
   splat.minor = static_cast<float>(pixels);
+  return splat;
 }
-
-}  // namespace
 
 Splat project_kernel(const view::SplatSpace& space, const Vec3& center_world, KernelShape shape,
                      const float* numbers, double cutoff) {
+  if (shape == KernelShape::kBalls) return project_ball(space, center_world, {numbers[0]}, cutoff);
   const Vec3 at = space.camera_from_world(center_world);
-  // Kernels at or behind the eye are as fine as those at the near plane.
-  const double depth_scale =
-      space.is_parallel ? 1.0 : std::max(at[2], 0.5 * space.sampling_distance) / space.focal_depth;
-  // Pixels at the kernel's own depth, and sheets: where its width is judged.
-  const double per_pixels = 1 / (space.pitch * depth_scale * view::kLeastPixels);
-  const double per_sheets = 1 / space.sampling_distance;
-  const double lateral = depth_scale * view::kLeastPixels;
-  Splat splat;
-  splat.x = static_cast<float>(at[0] / space.pitch);
-  splat.y = static_cast<float>(at[1] / space.pitch);
-  splat.s = static_cast<float>(space.sheet_of(at[2]));
-  splat.value = splat.color = 0;
-  if (shape == KernelShape::kBalls) {
-    set_ball(splat, numbers[0], per_pixels, per_sheets, lateral, cutoff);
-  } else {
-    const Mat3 factor = Vec3(per_pixels, per_pixels, per_sheets).asDiagonal() *
-                        (space.rotation * data::factor_of(shape, numbers));
-    set_ellipsoid(splat, factor, lateral, cutoff);
-  }
+  const SplatUnits units(space, at[2]);
+  Splat splat = splat_at(space, at);
+  const Mat3 factor = Vec3(units.per_pixels, units.per_pixels, units.per_sheets).asDiagonal() *
+                      (space.rotation * data::factor_of(shape, numbers));
+  set_ellipsoid(splat, factor, units.lateral, cutoff);
   return splat;
 }
 

@@ -30,7 +30,7 @@ struct Splat {
 
 // Splats and, per block, which of them reach it.
 struct BinnedSplats {
-  std::int64_t num_splats = 0;
+  std::int64_t num_kernels = 0;  // that the splats stand for
   std::unique_ptr<Splat[]> splats;
   std::unique_ptr<std::uint32_t[]> indices;  // block after block
   std::vector<std::uint64_t> first;          // [num_blocks + 1] into indices
@@ -42,11 +42,25 @@ struct BinnedSplats {
 
 // Stages "project" and "bin". The result does not depend on the number of workers: the splats of a
 // block are in the bricks' order. Throws what the source throws.
-BinnedSplats bin_splats(const KernelField& field, const view::KernelPlan& plan, Runner& runner);
+enum class Merging : std::uint8_t {
+  kNone,   // a splat for each kernel
+  kSmall,  // balls smaller than a sample share one with those beside them (project_brick.h)
+};
+BinnedSplats bin_splats(const KernelField& field, const view::KernelPlan& plan, Merging merging,
+                        Runner& runner);
 
 // One kernel in splat space. Kernels narrower than a pixel at their depth, or a sheet, in some
 // direction are widened to it (docs/numerics.md, "Kernel sets").
 Splat project_kernel(const view::SplatSpace& space, const Vec3& center_world, KernelShape shape,
                      const float* numbers, double cutoff);
+
+// A ball, or several that are widened to the same size and so become one splat: `variance` is that
+// of their places, along each axis.
+struct BallSize {
+  double sigma;
+  double variance = 0;
+};
+Splat project_ball(const view::SplatSpace& space, const Vec3& center_world, const BallSize& size,
+                   double cutoff);
 
 }  // namespace ovoid::cpu

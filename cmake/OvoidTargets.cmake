@@ -49,3 +49,15 @@ function(ovoid_unloads_nothing target)
     target_link_options(${target} PRIVATE -Wl,--export-dynamic-symbol=dlclose)  # libraries shall find it
   endif()
 endfunction()
+
+# The instruction sets for which a part's SIMD sources are compiled; all parts must agree. Scalar, SSE4, AVX2 and AVX-512 on x86; those
+# between bring nothing here but compile time.
+function(ovoid_simd_targets part)
+  if(OVOID_SIMD STREQUAL "scalar")
+    target_compile_definitions(${part} PRIVATE HWY_COMPILE_ONLY_SCALAR)
+  elseif(OVOID_SIMD STREQUAL "few")
+    target_compile_definitions(${part} PRIVATE "HWY_DISABLED_TARGETS=(HWY_SSSE3|HWY_SSE4|HWY_AVX3|HWY_AVX3_DL)")
+  else()
+    target_compile_definitions(${part} PRIVATE "HWY_DISABLED_TARGETS=(HWY_SSSE3|HWY_AVX3_DL)")
+  endif()
+endfunction()

@@ -6,9 +6,11 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <memory>
 
 #include "data/parallel.h"
 #include "model/kth_smallest.h"
+#include "model/nearest_squares.h"
 #include "model/site_groups.h"
 
 namespace ovoid::model {
@@ -151,6 +153,147 @@ class GroupSearch {
   std::int64_t num_pairs_ = 0;
 };
 
+// Each group's sites as offsets from the middle of its box.
+std::vector<CandidateChunk> chunks_of(const SiteGroups& groups, const ModelRun& run) {
+  static_assert(CandidateChunk::kRoom == SiteGroups::kMostInGroup);
+  std::vector<CandidateChunk> chunks(groups.count());
+  data::parallel_ranges({static_cast<std::int64_t>(groups.count()), kGroupGrain, run.threads, run.stop},
+                        [&](std::int64_t begin, std::int64_t end) {
+                          for (auto g = static_cast<std::size_t>(begin);
+                               g < static_cast<std::size_t>(end); ++g) {
+                            const SiteGroups::Group group = groups.group(g);
+                            const Vec3 center = group.box.center();
+                            chunks[g].count = static_cast<std::int32_t>(group.sites.size());
+                            for (std::size_t i = 0; i < group.sites.size(); ++i) {
+                              const Vec3 offset = group.sites[i].at - center;
+                              for (std::size_t a = 0; a < 3; ++a)
+                                chunks[g].places[a][i] =
+                                    static_cast<float>(offset[static_cast<int>(a)]);
+                            }
+                          }
+                        });
+  return chunks;
+}
+
+// The same in floats, many candidates at a time. What floats do not tell apart goes to GroupSearch.
+class FastSearch {
+ public:
+  // `chunks`: chunks_of(groups).
+  FastSearch(const SiteGroups& groups, std::span<const CandidateChunk> chunks,
+             const std::optional<Bounds3>& periodic_box, std::size_t k)
+      : groups_(groups),
+        chunks_(chunks),
+        periodic_box_(periodic_box),
+        k_(std::min(k, groups.num_sites())),
+        nearest_(k_),
+        exact_(groups, periodic_box, k) {}
+
+  template <class Visit>
+  void run(const SiteGroups::Group& group, const Visit& visit) {
+    center_ = group.box.center();
+    unit_ = group.box.sizes().maxCoeff();
+    if (!(unit_ > kLeastUnit && unit_ < kGreatestUnit)) return exact_.run(group, visit);
+    nearest_.start();
+    for (const SiteGroups::Site& site : group.sites) {
+      const std::array<float, 3> at = place(site.at, Vec3::Zero());
+      nearest_.add_site(at[0], at[1], at[2]);
+    }
+    greatest_ = 1;
+    estimate(group);
+    add_image(group, Vec3::Zero());
+    if (periodic_box_)
+      for_each_image(*periodic_box_, group.box, std::sqrt(widest_),
+                     [&](const Vec3& shift) { add_image(group, shift); });
+    flush(NearestSquares::Wanted::kLast);
+    const float least = kLeastTrusted * greatest_;
+    for (std::size_t i = 0; i < group.sites.size(); ++i) {
+      const float square = nearest_.bound(i);
+      if (square >= least * least && square < NearestSquares::kNoBound) {
+        visit(group.sites[i], static_cast<double>(square) * unit_ * unit_);
+      } else {
+        exact_.run({Bounds3(group.sites[i].at), group.sites.subspan(i, 1)}, visit);
+      }
+    }
+  }
+
+  std::int64_t num_pairs() const noexcept { return num_pairs_ + exact_.num_pairs(); }
+
+ private:
+  // Squares of the units, and of floats in them, stay in range.
+  static constexpr double kLeastUnit = 1e-30, kGreatestUnit = 1e30;
+  // Floats err by 6e-8 of the greatest coordinate, and distances shorter than this part of it by
+  // more than some 1e-5 of themselves.
+  static constexpr float kLeastTrusted = 0.01F;
+
+  std::array<float, 3> place(const Vec3& at, const Vec3& shift) const {
+    const Vec3 scaled = ((at - shift) - center_) / unit_;
+    constexpr double kFar = CandidateBatch::kFarAway;
+    return {static_cast<float>(std::clamp(scaled[0], -kFar, kFar)),
+            static_cast<float>(std::clamp(scaled[1], -kFar, kFar)),
+            static_cast<float>(std::clamp(scaled[2], -kFar, kFar))};
+  }
+
+  void append(const SiteGroups::Group& near, const Vec3& shift) {
+    batch_.append(chunks_[near.number], place(near.box.center(), shift),
+                  static_cast<float>(1 / unit_), place(near.box.min(), shift),
+                  place(near.box.max(), shift));
+  }
+
+  // Bounds, by a few groups around this one.
+  void estimate(const SiteGroups::Group& group) {
+    constexpr std::size_t kSlack = 3;
+    widest_ = std::numeric_limits<double>::infinity();
+    std::size_t count = 0;
+    groups_.visit_near(
+        group.box,
+        [&](double) {
+          return count < kSlack * k_ && batch_.num_chunks() < CandidateBatch::kMostChunks;
+        },
+        [&](const SiteGroups::Group& near) {
+          append(near, Vec3::Zero());
+          count += near.sites.size();
+        });
+    flush(NearestSquares::Wanted::kEstimate);
+  }
+
+  void add_image(const SiteGroups::Group& group, const Vec3& shift) {
+    groups_.visit_near(
+        group.box.translated(shift), [&](double square) { return square <= widest_; },
+        [&](const SiteGroups::Group& near) {
+          if (batch_.num_chunks() == CandidateBatch::kMostChunks)
+            flush(NearestSquares::Wanted::kMoreToCome);
+          append(near, shift);
+        });
+  }
+
+  void flush(NearestSquares::Wanted wanted) {
+    for (std::size_t c = 0; c < batch_.num_chunks(); ++c) {
+      for (int a = 0; a < 3; ++a)
+        greatest_ = std::max({greatest_, -batch_.lows[a][c], batch_.highs[a][c]});
+    }
+    num_pairs_ += nearest_.add(target_, batch_, wanted);
+    batch_.clear();
+    const float widest = nearest_.widest_bound();
+    // Rounded up, for bounds are floats.
+    if (widest < NearestSquares::kNoBound)
+      widest_ = 1.0001 * static_cast<double>(widest) * unit_ * unit_;
+  }
+
+  const SiteGroups& groups_;
+  std::span<const CandidateChunk> chunks_;
+  const std::optional<Bounds3>& periodic_box_;
+  std::size_t k_;
+  simd::SimdTarget target_;
+  NearestSquares nearest_;
+  GroupSearch exact_;
+  CandidateBatch batch_;
+  Vec3 center_ = Vec3::Zero();
+  double unit_ = 1;           // of the floats
+  double widest_ = 0;         // square of the widest bound
+  float greatest_ = 1;        // coordinate of a candidate
+  std::int64_t num_pairs_ = 0;
+};
+
 // Second moments about the site itself of its neighbours, those no farther than the root of
 // `square`, over h^2; the trace of a ball's worth is then about 2.4.
 // Returns how many sites were looked at.
@@ -188,31 +331,55 @@ std::int64_t store_covariance(const SiteGroups& groups, const std::optional<Boun
 
 }  // namespace
 
+namespace {
+
+// Calls visit(site, square) for the sites of all groups, on many threads; make() makes a search.
+// Returns the number of pairs.
+template <class Make, class Visit>
+std::int64_t search_all(const ModelRun& run, const SiteGroups& groups, const Make& make,
+                        const Visit& visit) {
+  std::atomic<std::int64_t> num_pairs = 0;
+  data::parallel_ranges(
+      {static_cast<std::int64_t>(groups.count()), kGroupGrain, run.threads, run.stop},
+      [&](std::int64_t begin, std::int64_t end) {
+        const auto search = make();
+        for (auto g = static_cast<std::size_t>(begin); g < static_cast<std::size_t>(end); ++g)
+          search->run(groups.group(g), visit);
+        num_pairs += search->num_pairs();
+      });
+  return num_pairs;
+}
+
+}  // namespace
+
 NearestStatistics nearest_statistics(const ModelRun& run, std::span<const double> sites,
                                      const std::optional<Bounds3>& periodic_box,
                                      WithCovariances with) {
   NearestStatistics statistics;
   statistics.lengths.resize(sites.size() / 3);
-  if (with == WithCovariances::kYes) statistics.covariances.resize(6 * sites.size() / 3);
   const SiteGroups groups(sites, run.threads, run.stop);
-  std::atomic<std::int64_t> num_pairs = 0;
-  data::parallel_ranges(
-      {static_cast<std::int64_t>(groups.count()), kGroupGrain, run.threads, run.stop},
-      [&](std::int64_t begin, std::int64_t end) {
-        std::int64_t num_compared = 0;
-        GroupSearch search(groups, periodic_box, static_cast<std::size_t>(run.options.neighbors));
-        for (auto g = static_cast<std::size_t>(begin); g < static_cast<std::size_t>(end); ++g) {
-          search.run(groups.group(g), [&](const SiteGroups::Site& site, double square) {
-            statistics.lengths[site.index] = static_cast<float>(std::sqrt(square) / 2);
-            if (with == WithCovariances::kYes)
-              num_compared +=
-                  store_covariance(groups, periodic_box, site.at, square,
-                                   statistics.covariances.data() + 6 * std::size_t{site.index});
-          });
-        }
-        num_pairs += num_compared + search.num_pairs();
+  const auto k = static_cast<std::size_t>(run.options.neighbors);
+  const auto set_length = [&](const SiteGroups::Site& site, double square) {
+    statistics.lengths[site.index] = static_cast<float>(std::sqrt(square) / 2);
+  };
+  if (with == WithCovariances::kNo) {
+    const std::vector<CandidateChunk> chunks = chunks_of(groups, run);
+    statistics.num_pairs = search_all(
+        run, groups,
+        [&] { return std::make_unique<FastSearch>(groups, chunks, periodic_box, k); }, set_length);
+    return statistics;
+  }
+  statistics.covariances.resize(6 * sites.size() / 3);
+  std::atomic<std::int64_t> num_compared = 0;
+  statistics.num_pairs = search_all(
+      run, groups, [&] { return std::make_unique<GroupSearch>(groups, periodic_box, k); },
+      [&](const SiteGroups::Site& site, double square) {
+        set_length(site, square);
+        num_compared +=
+            store_covariance(groups, periodic_box, site.at, square,
+                             statistics.covariances.data() + 6 * std::size_t{site.index});
       });
-  statistics.num_pairs = num_pairs;
+  statistics.num_pairs += num_compared;
   return statistics;
 }
 

@@ -8,12 +8,6 @@
 
 namespace ovoid::model {
 
-namespace {
-
-constexpr std::size_t kMostInGroup = 32;  // of 8 to 64, the fastest for 32 neighbours
-
-}  // namespace
-
 SiteGroups::SiteGroups(std::span<const double> sites, int threads, const std::stop_token& stop) {
   sites_.resize(sites.size() / 3);
   for (std::size_t i = 0; i < sites_.size(); ++i)
@@ -50,7 +44,7 @@ SiteGroups::Group SiteGroups::node(std::size_t index) const {
   const std::size_t at = index - (std::size_t{1} << level);
   const std::size_t first = (at * sites_.size()) >> level;
   const std::size_t past = ((at + 1) * sites_.size()) >> level;
-  return {boxes_[index], std::span(sites_).subspan(first, past - first)};
+  return {boxes_[index], std::span(sites_).subspan(first, past - first), at};
 }
 
 }  // namespace ovoid::model

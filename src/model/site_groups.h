@@ -36,7 +36,10 @@ class SiteGroups {
   struct Group {
     Bounds3 box;
     std::span<const Site> sites;
+    std::size_t number = 0;  // of a group: from 0 to count() - 1
   };
+
+  static constexpr std::size_t kMostInGroup = 32;  // of 8 to 64, the fastest for 32 neighbours
 
   // At least one site [n, 3]. Throws Error(kCancelled).
   SiteGroups(std::span<const double> sites, int threads, const std::stop_token& stop);

@@ -158,7 +158,7 @@ Renderer::Renderer(const RendererSetup& setup) : impl_(std::make_unique<Impl>())
     backend = has_device_for_auto(setup) ? Backend::kVulkan : Backend::kCpu;
   if (setup.device >= 0 && backend != Backend::kVulkan) refuse_device(setup);
   if (backend == Backend::kVulkan) impl_->back_end = make_vulkan_back_end(setup);
-  impl_->machine = {cpu::make_runner(setup.threads), cpu::SimdTarget(setup.simd_target)};
+  impl_->machine = {cpu::make_runner(setup.threads), simd::SimdTarget(setup.simd_target)};
   if (backend == Backend::kReference)
     impl_->back_end = std::make_unique<ReferenceBackEnd>(impl_->machine.runner->num_wanted());
   if (backend == Backend::kCpu) impl_->back_end = std::make_unique<CpuBackEnd>(impl_->machine);
@@ -230,6 +230,6 @@ Frame Renderer::Impl::draw_by_choice(const FrameJob& job) const {
   }
 }
 
-std::vector<std::string> simd_targets() { return cpu::SimdTarget::usable(); }
+std::vector<std::string> simd_targets() { return simd::SimdTarget::usable(); }
 
 }  // namespace ovoid

@@ -5,14 +5,14 @@
 
 #include "render/back_end.h"
 #include "render/cpu/runner.h"
-#include "render/cpu/simd_target.h"
+#include "simd/simd_target.h"
 
 namespace ovoid::cpu {
 
 // What the cpu back end draws with.
 struct Machine {
   std::unique_ptr<Runner> runner = make_runner(0);
-  SimdTarget target{};
+  simd::SimdTarget target{};
 };
 
 // The cpu back end: tiles as tasks on a runner, SIMD within. Of a kernel field gradients are

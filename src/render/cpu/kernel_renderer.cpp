@@ -14,7 +14,7 @@
 namespace ovoid::cpu {
 namespace {
 
-void draw_tile(const SimdTarget& target, const KernelFrame& frame, const Look& look,
+void draw_tile(const simd::SimdTarget& target, const KernelFrame& frame, const Look& look,
                KernelWorkspace& work, const TileRect& rect, Image& image) {
   render_kernel_tile(target, frame, work, rect);
   for (int sub = 0; sub < kSubtiles * kSubtiles; ++sub) {

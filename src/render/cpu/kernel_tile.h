@@ -2,12 +2,12 @@
 #pragma once
 
 #include "render/cpu/kernel_block.h"
-#include "render/cpu/simd_target.h"
+#include "simd/simd_target.h"
 
 namespace ovoid::cpu {
 
 // Draws the tile of kBlockEdge^2 pixels into work.tiles.
-void render_kernel_tile(const SimdTarget& target, const KernelFrame& frame, KernelWorkspace& work,
+void render_kernel_tile(const simd::SimdTarget& target, const KernelFrame& frame, KernelWorkspace& work,
                         const TileRect& rect);
 
 }  // namespace ovoid::cpu

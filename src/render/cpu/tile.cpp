@@ -14,7 +14,7 @@ namespace ovoid::cpu {
 
 HWY_EXPORT(render_patch_on_target);
 
-void render_patch(const SimdTarget& target, const LatticeFrame& frame, LatticeWorkspace& work,
+void render_patch(const simd::SimdTarget& target, const LatticeFrame& frame, LatticeWorkspace& work,
                   const TileRect& rect) {
   target.choose(HWY_DISPATCH_TABLE(render_patch_on_target))(frame, work, rect);
 }

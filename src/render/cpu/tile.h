@@ -2,12 +2,12 @@
 #pragma once
 
 #include "render/cpu/nodes.h"
-#include "render/cpu/simd_target.h"
+#include "simd/simd_target.h"
 
 namespace ovoid::cpu {
 
 // Draws a patch, or one tile if the frame has no nodes, into work.tiles. Brick sources may throw.
-void render_patch(const SimdTarget& target, const LatticeFrame& frame, LatticeWorkspace& work,
+void render_patch(const simd::SimdTarget& target, const LatticeFrame& frame, LatticeWorkspace& work,
                   const TileRect& rect);
 
 }  // namespace ovoid::cpu

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace ovoid::cpu {
+namespace ovoid::simd {
 
 // One of the SIMD targets that this build has and this machine can run. Highway's own choice is
 // shared by the whole process, programs with Highway of their own included; this one is not.
@@ -30,4 +30,4 @@ class SimdTarget {
   std::size_t index_ = 0;
 };
 
-}  // namespace ovoid::cpu
+}  // namespace ovoid::simd

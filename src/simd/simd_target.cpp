@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "render/cpu/simd_target.h"
+#include "simd/simd_target.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -9,7 +9,7 @@
 
 #include "ovoid/error.h"
 
-namespace ovoid::cpu {
+namespace ovoid::simd {
 namespace {
 
 std::string lower(std::string text) {
@@ -46,4 +46,4 @@ std::vector<std::string> SimdTarget::usable() {
   return names;
 }
 
-}  // namespace ovoid::cpu
+}  // namespace ovoid::simd

@@ -188,6 +188,92 @@ TEST(KernelSets, SkippingChangesNoByte) {
   }
 }
 
+// A dense clump in a wide cloud of faint balls, some of negative value.
+KernelNumbers clump_in_a_cloud() {
+  KernelNumbers set = balls_of_all_sizes(3000, 0.02);
+  for (std::size_t i = 0; i < set.weights.size(); ++i) {
+    const bool is_in_clump = i % 3 == 0;
+    for (std::size_t a = 0; a < 3; ++a) {
+      double& x = set.centers[3 * i + a];
+      x = is_in_clump ? 0.5 + 0.1 * (x - 0.5) : 8 * x - 3.5;
+    }
+    set.shapes[i] = is_in_clump ? 0.01F : 0.2F;
+    set.weights[i] = is_in_clump ? 1.0F : 0.02F;
+    set.values[0][i] = i % 7 == 0 ? -0.5F : 1.0F;
+  }
+  return set;
+}
+
+// The same of a sum, whose bounds come from the splats: blocks of the faint cloud cannot show.
+TEST(KernelSets, SkippingFaintSumsChangesNoByte) {
+  const KernelField field(clump_in_a_cloud().source(), Reconstruction::kSum);
+  const double hi = field.value_range().hi;
+  std::vector<TestLook> looks = test_looks(static_cast<float>(0.2 * hi), static_cast<float>(hi));
+  looks.push_back({"surface", with_mode(looks[0].look, Mode::kIsosurface)});
+  looks.back().look.isovalue = 0.3 * hi;
+  int num_skipping = 0;
+  for (const TestLook& look : looks) {
+    for (const PostConvolution levels : {PostConvolution::kOff, PostConvolution::kAuto}) {
+      for (const bool is_parallel : {true, false}) {
+        Scene scene{field, askew_camera(field, is_parallel), look.look, picture(200, 190)};
+        scene.options.post_convolution = levels;
+        const Frame skipped = draw(scene);
+        scene.options.skip_irrelevant = false;
+        const Frame whole = draw(scene);
+        EXPECT_EQ(skipped.image.rgba, whole.image.rgba) << look.name;
+        if (skipped.profile.blocks_drawn < whole.profile.blocks_drawn / 2) ++num_skipping;
+      }
+    }
+  }
+  EXPECT_GT(num_skipping, 8) << "hardly anything was skipped";
+}
+
+// Clears pixels that show something in one picture alone; returns how many.
+int clear_seen_by_one(Image& a, Image& b) {
+  int count = 0;
+  for (std::size_t p = 0; p < a.rgba.size(); p += 4) {
+    if ((a.rgba[p + 3] > 0) == (b.rgba[p + 3] > 0)) continue;
+    std::fill_n(a.rgba.begin() + static_cast<std::ptrdiff_t>(p), 4, 0.0F);
+    std::fill_n(b.rgba.begin() + static_cast<std::ptrdiff_t>(p), 4, 0.0F);
+    ++count;
+  }
+  return count;
+}
+
+// Balls of a sum that are far smaller than pixels and sheets share splats, and the picture shows it
+// to the tier of levels.
+TEST(KernelSets, BallsSmallerThanSamplesMerge) {
+  KernelNumbers set = balls_of_all_sizes(120000, 0.001);
+  for (std::size_t i = 0; i < set.weights.size(); ++i) {  // Plummer's sphere
+    const Vec3 out(set.centers[3 * i] - 0.5, set.centers[3 * i + 1] - 0.5,
+                   set.centers[3 * i + 2] - 0.5);
+    const double share = (static_cast<double>(i) + 0.5) / static_cast<double>(set.weights.size());
+    const double radius = std::min(0.1 / std::sqrt(std::pow(share, -2.0 / 3) - 1), 0.7);
+    for (std::size_t a = 0; a < 3; ++a)
+      set.centers[3 * i + a] = 0.5 + out[static_cast<int>(a)] * radius / out.norm();
+    set.shapes[i] = 0.001F + 0.0003F * static_cast<float>(i % 5);
+  }
+  const KernelField field(set.source(), Reconstruction::kSum);
+  const ValueRange range = field.value_range();
+  std::vector<TestLook> looks = test_looks(0, 0.002F * range.hi);
+  looks.push_back({"surface", with_mode(looks[0].look, Mode::kIsosurface)});
+  looks.back().look.isovalue = 0.0005 * range.hi;
+  for (const TestLook& look : looks) {
+    for (const bool is_parallel : {true, false}) {
+      Scene scene{field, askew_camera(field, is_parallel), look.look, picture(90, 90, 0.02)};
+      Frame merged = draw(scene);
+      scene.options.post_convolution = PostConvolution::kOff;
+      Frame direct = draw(scene);
+      EXPECT_LT(merged.profile.kernels_loaded, 0.7 * direct.profile.kernels_loaded) << look.name;
+      EXPECT_LE(clear_seen_by_one(merged.image, direct.image), 3);
+      const ImageDifference difference = compare(merged.image, direct.image);
+      EXPECT_GT(difference.num_covered, 300);
+      EXPECT_GE(difference.psnr_db, kLevelsPsnrDb)
+          << look.name << view_text(is_parallel) << ": " << difference.to_string();
+    }
+  }
+}
+
 // Magnified until kernels go to the coarse levels: the tier of post-convolution. Fails if a level's
 // samples lie elsewhere, or the filter's phases are swapped.
 TEST(KernelSets, LevelsAgreeWithDirectSums) {
@@ -212,18 +298,6 @@ TEST(KernelSets, LevelsAgreeWithDirectSums) {
 std::int64_t num_seen(const Image& image) {
   std::int64_t count = 0;
   for (std::size_t p = 3; p < image.rgba.size(); p += 4) count += image.rgba[p] > 0 ? 1 : 0;
-  return count;
-}
-
-// Clears pixels that show something in one picture alone; returns how many.
-int clear_seen_by_one(Image& a, Image& b) {
-  int count = 0;
-  for (std::size_t p = 0; p < a.rgba.size(); p += 4) {
-    if ((a.rgba[p + 3] > 0) == (b.rgba[p + 3] > 0)) continue;
-    std::fill_n(a.rgba.begin() + static_cast<std::ptrdiff_t>(p), 4, 0.0F);
-    std::fill_n(b.rgba.begin() + static_cast<std::ptrdiff_t>(p), 4, 0.0F);
-    ++count;
-  }
   return count;
 }
 

@@ -46,11 +46,14 @@ std::unique_ptr<LevelBands> level_bands(PostConvolution how) {
 
 namespace {
 
-// Like levels, by which they are told: what is off works every kernel out by itself.
-Merging merging_for(const RenderOptions& options) {
-  const bool is_auto = options.post_convolution == PostConvolution::kAuto &&
-                       options.evaluate != Evaluate::kGather;
-  return is_auto ? Merging::kSmall : Merging::kNone;
+// Like levels, by which they are told: what is off works every kernel out by itself. A mean has its
+// full value up to the cut of the last kernel and, between, noise from one kernel to the next: of
+// steep looks the picture would show which were merged.
+Merging merging_for(const KernelField& field, const RenderOptions& options) {
+  const bool may_merge = field.reconstruction() == Reconstruction::kSum &&
+                         options.post_convolution == PostConvolution::kAuto &&
+                         options.evaluate != Evaluate::kGather;
+  return may_merge ? Merging::kSmall : Merging::kNone;
 }
 
 // Published filters carry kernels beyond their cuts, and a slab's mean may be more than a height.
@@ -77,7 +80,7 @@ Frame render_kernel_field(const FrameJob& job, const Machine& machine) {
 
   const view::KernelPlan plan(field, job.camera, job.look, options);
   const double plan_ms = ms_since(start);
-  const BinnedSplats binned = bin_splats(field, plan, merging_for(options), runner);
+  const BinnedSplats binned = bin_splats(field, plan, merging_for(field, options), runner);
   std::vector<std::uint8_t> is_visible = plan.is_relevant;
   if (has_bounds(field, plan)) is_visible = visible_sums(plan, binned, runner);
   const double bin_ms = ms_since(start) - plan_ms;

@@ -11,7 +11,7 @@
 namespace ovoid::cpu {
 namespace {
 
-constexpr double kMergedEdge = 0.75;  // of a splat's least sigma
+constexpr double kMergedEdge = 0.7;  // of a splat's least sigma
 
 // A brick's kernels, where the frame sees them.
 struct BrickInFrame {
@@ -79,9 +79,7 @@ class Cluster {
     const double ratio = sigma / sigma_;
     const double mass = data::weight_of(brick_.view, i) * ratio * ratio * ratio;
     const float value = brick_.values()[i];
-    // What a sum is made of is value times weight, what a mean is: the weights.
-    const bool is_sum = brick_.field.reconstruction() == Reconstruction::kSum;
-    const double share = is_sum ? mass * std::abs(value) : mass;
+    const double share = mass * std::abs(value);
     const Vec3 at = data::offset_of(brick_.view, i);
     for (std::size_t a = 0; a < 3; ++a) {
       lo_[a] = std::min(lo_[a], brick_.view.center[a][i]);
@@ -92,26 +90,30 @@ class Cluster {
     of_color_ += share * brick_.colors()[i];
     share_ += share;
     place_ += share * at;
-    squares_ += share * at.squaredNorm();
+    squares_ += share * at * at.transpose();
   }
 
   Splat splat() const {
     // Where no value has a share, any place will do.
-    const double share = share_ > 0 ? share_ : 1;
-    const Vec3 mean = share_ > 0 ? Vec3(place_ / share) : data::offset_of(brick_.view, first_);
-    const double variance = std::max(squares_ / share - mean.squaredNorm(), 0.0) / 3;
-    Splat splat = project_ball(brick_.plan.space, brick_.brick.origin + mean, {sigma_, variance},
-                               brick_.field.source().cutoff());
+    Vec3 mean = data::offset_of(brick_.view, first_);
+    Mat3 spread = Mat3::Zero();
+    if (share_ > 0) {
+      mean = place_ / share_;
+      spread = squares_ / share_ - mean * mean.transpose();
+    }
+    Splat splat = project_small_balls(brick_.plan.space, brick_.brick.origin + mean, sigma_, spread,
+                                      brick_.field.source().cutoff());
     splat.weight *= static_cast<float>(mass_);
     splat.value = static_cast<float>(of_value_ / mass_);
-    splat.color = share_ > 0 ? static_cast<float>(of_color_ / share) : brick_.colors()[first_];
+    splat.color = share_ > 0 ? static_cast<float>(of_color_ / share_) : brick_.colors()[first_];
     return splat;
   }
 
   void clear() {
     count_ = 0;
-    mass_ = of_value_ = of_color_ = share_ = squares_ = 0;
+    mass_ = of_value_ = of_color_ = share_ = 0;
     place_ = Vec3::Zero();
+    squares_ = Mat3::Zero();
     lo_ = {kFar, kFar, kFar};
     hi_ = {-kFar, -kFar, -kFar};
   }
@@ -124,8 +126,9 @@ class Cluster {
   int count_ = 0;
   std::int32_t first_ = 0;
   double sigma_ = 0;
-  double mass_ = 0, of_value_ = 0, of_color_ = 0, share_ = 0, squares_ = 0;
+  double mass_ = 0, of_value_ = 0, of_color_ = 0, share_ = 0;
   Vec3 place_ = Vec3::Zero();
+  Mat3 squares_ = Mat3::Zero();
   std::array<float, 3> lo_ = {kFar, kFar, kFar}, hi_ = {-kFar, -kFar, -kFar};
 };
 

@@ -32,26 +32,17 @@ bool is_wide_enough(const Mat3& v) {
   return det >= -1e-9 * v(0, 0) * v(1, 1) * v(2, 2);
 }
 
-// Raises eigenvalues; returns the factor by which the amplitude falls for the mass to stay.
-double widen(Mat3& covariance) {
+// Raises eigenvalues.
+void widen(Mat3& covariance) {
   Eigen::SelfAdjointEigenSolver<Mat3> solver;
   solver.computeDirect(covariance);
-  const Vec3 before = solver.eigenvalues().cwiseMax(0.0);
-  const Vec3 after = before.cwiseMax(kLeastSquaredSigma);
+  const Vec3 after = solver.eigenvalues().cwiseMax(kLeastSquaredSigma);
   covariance = solver.eigenvectors() * after.asDiagonal() * solver.eigenvectors().transpose();
-  return std::sqrt(before.prod() / after.prod());
 }
 
-// The splat's shape, from the factor of the covariance in units of kLeastPixels, `lateral` pixels
-// of the focal plane each, and sheets.
-void set_ellipsoid(Splat& splat, const Mat3& factor, double lateral, double cutoff) {
-  Mat3 v = factor * factor.transpose();
-  double mass = 1;
-  if (!is_wide_enough(v)) {
-    const double volume = std::abs(factor.determinant());
-    widen(v);
-    mass = volume / std::sqrt(v.determinant());
-  }
+// The splat's shape, from the covariance in units of kLeastPixels, `lateral` pixels of the focal
+// plane each, and sheets.
+void set_ellipsoid(Splat& splat, Mat3 v, double mass, double lateral, double cutoff) {
   v.topLeftCorner<2, 2>() *= lateral * lateral;
   v.topRightCorner<2, 1>() *= lateral;
   v.bottomLeftCorner<1, 2>() *= lateral;
@@ -90,6 +81,8 @@ struct SplatUnits {
     lateral = depth_scale * view::kLeastPixels;
   }
 
+  Mat3 scale() const { return Vec3(per_pixels, per_pixels, per_sheets).asDiagonal(); }
+
   double per_pixels, per_sheets;  // per world unit
   double lateral;                 // pixels of the focal plane in a unit
 };
@@ -106,16 +99,13 @@ Splat splat_at(const view::SplatSpace& space, const Vec3& at) {
 }  // namespace
 
 // Without matrices: there are millions of balls.
-Splat project_ball(const view::SplatSpace& space, const Vec3& center_world, const BallSize& size,
+Splat project_ball(const view::SplatSpace& space, const Vec3& center_world, double sigma,
                    double cutoff) {
   const Vec3 at = space.camera_from_world(center_world);
   const SplatUnits units(space, at[2]);
-  const auto wide = [&](double sigma, double per) {
-    return std::sqrt(std::max(sigma * sigma, kLeastSquaredSigma) + size.variance * per * per);
-  };
-  const double across = size.sigma * units.per_pixels, along = size.sigma * units.per_sheets;
-  const double wide_across = wide(across, units.per_pixels);
-  const double wide_along = wide(along, units.per_sheets);
+  const double least = std::sqrt(kLeastSquaredSigma);
+  const double across = sigma * units.per_pixels, along = sigma * units.per_sheets;
+  const double wide_across = std::max(across, least), wide_along = std::max(along, least);
   const double pixels = wide_across * units.lateral;
   Splat splat = splat_at(space, at);
   splat.axx = splat.ayy = static_cast<float>(1 / (pixels * pixels));
@@ -129,15 +119,35 @@ Splat project_ball(const view::SplatSpace& space, const Vec3& center_world, cons
   return splat;
 }
 
-Splat project_kernel(const view::SplatSpace& space, const Vec3& center_world, KernelShape shape,
-                     const float* numbers, double cutoff) {
-  if (shape == KernelShape::kBalls) return project_ball(space, center_world, {numbers[0]}, cutoff);
+Splat project_small_balls(const view::SplatSpace& space, const Vec3& center_world, double sigma,
+                          const Mat3& spread, double cutoff) {
   const Vec3 at = space.camera_from_world(center_world);
   const SplatUnits units(space, at[2]);
+  const Mat3 map = units.scale() * space.rotation;
+  const Mat3 covariance =
+      Mat3(kLeastSquaredSigma * Mat3::Identity()) + map * spread * map.transpose();
+  const double volume = std::pow(sigma, 3) * std::abs(map.determinant());
   Splat splat = splat_at(space, at);
-  const Mat3 factor = Vec3(units.per_pixels, units.per_pixels, units.per_sheets).asDiagonal() *
-                      (space.rotation * data::factor_of(shape, numbers));
-  set_ellipsoid(splat, factor, units.lateral, cutoff);
+  set_ellipsoid(splat, covariance, volume / std::sqrt(covariance.determinant()), units.lateral,
+                cutoff);
+  return splat;
+}
+
+Splat project_kernel(const view::SplatSpace& space, const Vec3& center_world, KernelShape shape,
+                     const float* numbers, double cutoff) {
+  if (shape == KernelShape::kBalls) return project_ball(space, center_world, numbers[0], cutoff);
+  const Vec3 at = space.camera_from_world(center_world);
+  const SplatUnits units(space, at[2]);
+  const Mat3 factor = units.scale() * (space.rotation * data::factor_of(shape, numbers));
+  Mat3 covariance = factor * factor.transpose();
+  double mass = 1;
+  if (!is_wide_enough(covariance)) {
+    const double volume = std::abs(factor.determinant());
+    widen(covariance);
+    mass = volume / std::sqrt(covariance.determinant());
+  }
+  Splat splat = splat_at(space, at);
+  set_ellipsoid(splat, covariance, mass, units.lateral, cutoff);
   return splat;
 }
 

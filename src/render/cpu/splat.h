@@ -44,7 +44,7 @@ struct BinnedSplats {
 // block are in the bricks' order. Throws what the source throws.
 enum class Merging : std::uint8_t {
   kNone,   // a splat for each kernel
-  kSmall,  // balls smaller than a sample share one with those beside them (project_brick.h)
+  kSmall,  // of a sum: balls smaller than a sample share one with those beside (project_brick.h)
 };
 BinnedSplats bin_splats(const KernelField& field, const view::KernelPlan& plan, Merging merging,
                         Runner& runner);
@@ -54,13 +54,12 @@ BinnedSplats bin_splats(const KernelField& field, const view::KernelPlan& plan, 
 Splat project_kernel(const view::SplatSpace& space, const Vec3& center_world, KernelShape shape,
                      const float* numbers, double cutoff);
 
-// A ball, or several that are widened to the same size and so become one splat: `variance` is that
-// of their places, along each axis.
-struct BallSize {
-  double sigma;
-  double variance = 0;
-};
-Splat project_ball(const view::SplatSpace& space, const Vec3& center_world, const BallSize& size,
+Splat project_ball(const view::SplatSpace& space, const Vec3& center_world, double sigma,
                    double cutoff);
+
+// Balls that are all widened to the same size, as one: `sigma` that of any, which the weights go
+// by, `spread` the covariance of their places, world units.
+Splat project_small_balls(const view::SplatSpace& space, const Vec3& center_world, double sigma,
+                          const Mat3& spread, double cutoff);
 
 }  // namespace ovoid::cpu

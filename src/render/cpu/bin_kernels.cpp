@@ -65,8 +65,21 @@ BlockSpan span_of(float from, float to, int count) {
   return {std::max(static_cast<int>(lo + 1.0F), 0), std::min(static_cast<int>(hi + 1.0F), count)};
 }
 
-// Runs `body(block)` for the needed blocks that a splat reaches. Layer by layer, since the cut of
-// an inclined kernel slides.
+// Blocks of a layer that an extent meets.
+struct BlockArea {
+  BlockArea(const view::KernelPlan& plan, const SplatExtent& extent)
+      : xs(span_of(extent.lo_x, extent.hi_x, plan.num_blocks[0])),
+        ys(span_of(extent.lo_y, extent.hi_y, plan.num_blocks[1])) {}
+
+  bool is_empty() const { return xs.lo >= xs.hi || ys.lo >= ys.hi; }
+  bool is_one() const { return xs.lo + 1 == xs.hi && ys.lo + 1 == ys.hi; }
+
+  BlockSpan xs, ys;
+};
+
+// Runs `body(block)` for the needed blocks that a splat reaches. Most lie within one tile; of the
+// others the blocks are found layer by layer, since cuts grow smaller and those of inclined kernels
+// slide.
 template <class Body>
 void for_each_block(const view::KernelPlan& plan, const std::vector<Layer>& layers,
                     const Splat& splat, const Body& body) {
@@ -74,20 +87,28 @@ void for_each_block(const view::KernelPlan& plan, const std::vector<Layer>& laye
   const float first_sheet = splat.s - splat.reach_s - reach;
   const float last_sheet = splat.s + splat.reach_s + reach;
   if (!(last_sheet >= 0)) return;
-  const auto end = static_cast<int>(layers.size());
-  const int first = static_cast<int>(std::max(first_sheet, 0.0F) / view::kBlockDepth);
-  for (int n = std::max(0, first - 1); n < end && layers[n].first <= last_sheet; ++n) {
-    const SplatExtent extent = extent_on(plan, layers[static_cast<std::size_t>(n)], splat);
-    if (extent.is_empty()) continue;
-    const BlockSpan xs = span_of(extent.lo_x, extent.hi_x, plan.num_blocks[0]);
-    const BlockSpan ys = span_of(extent.lo_y, extent.hi_y, plan.num_blocks[1]);
-    for (int y = ys.lo; y < ys.hi; ++y) {
-      for (int x = xs.lo; x < xs.hi; ++x) {
-        const auto block = static_cast<std::size_t>(plan.block_index(x, y, n));
+  const std::size_t end = layers.size();
+  auto first = static_cast<std::size_t>(std::max(first_sheet, 0.0F) / view::kBlockDepth);
+  first -= first > 0 ? 1 : 0;
+  while (first < end && layers[first].last < first_sheet) ++first;
+  std::size_t past = first;
+  while (past < end && layers[past].first <= last_sheet) ++past;
+  if (first == past) return;
+  const auto visit = [&](const BlockArea& area, std::size_t layer) {
+    for (int y = area.ys.lo; y < area.ys.hi; ++y) {
+      for (int x = area.xs.lo; x < area.xs.hi; ++x) {
+        const auto block =
+            static_cast<std::size_t>(plan.block_index(x, y, static_cast<int>(layer)));
         if (plan.is_needed[block] != 0) body(block);
       }
     }
-  }
+  };
+  const Layer all = {layers[first].first, layers[past - 1].last, layers[past - 1].scale_lo,
+                     layers[first].scale_hi};
+  const BlockArea whole(plan, extent_on(plan, all, splat));
+  if (whole.is_empty()) return;
+  for (std::size_t n = first; n < past; ++n)
+    visit(whole.is_one() ? whole : BlockArea(plan, extent_on(plan, layers[n], splat)), n);
 }
 
 }  // namespace

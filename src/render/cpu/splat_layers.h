@@ -51,18 +51,20 @@ inline SplatExtent extent_on(const view::KernelPlan& plan, const Layer& layer, c
     width = std::sqrt(std::max(0.0F, 1.0F - share * share)) + 1e-3F;
   }
   const float beyond = static_cast<float>(plan.overshoot) * splat.minor;
-  const auto low = [&](float at, float slope, float extent, double center) {
+  const auto center_x = static_cast<float>(plan.space.center_x);
+  const auto center_y = static_cast<float>(plan.space.center_y);
+  const auto low = [&](float at, float slope, float extent) {
     const float lo = at + std::min(slope * t0, slope * t1) - extent * width - beyond;
-    return static_cast<float>(center) + lo * (lo < 0 ? layer.scale_hi : layer.scale_lo);
+    return lo * (lo < 0 ? layer.scale_hi : layer.scale_lo);
   };
-  const auto high = [&](float at, float slope, float extent, double center) {
+  const auto high = [&](float at, float slope, float extent) {
     const float hi = at + std::max(slope * t0, slope * t1) + extent * width + beyond;
-    return static_cast<float>(center) + hi * (hi > 0 ? layer.scale_hi : layer.scale_lo);
+    return hi * (hi > 0 ? layer.scale_hi : layer.scale_lo);
   };
-  return {low(splat.x, splat.mx, splat.reach_x, plan.space.center_x),
-          high(splat.x, splat.mx, splat.reach_x, plan.space.center_x),
-          low(splat.y, splat.my, splat.reach_y, plan.space.center_y),
-          high(splat.y, splat.my, splat.reach_y, plan.space.center_y)};
+  return {center_x + low(splat.x, splat.mx, splat.reach_x),
+          center_x + high(splat.x, splat.mx, splat.reach_x),
+          center_y + low(splat.y, splat.my, splat.reach_y),
+          center_y + high(splat.y, splat.my, splat.reach_y)};
 }
 
 }  // namespace ovoid::cpu

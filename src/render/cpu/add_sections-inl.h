@@ -86,8 +86,9 @@ HWY_INLINE V first_lanes(V phi, int count) {
 
 // One row after the other, an exponential for every group.
 template <int kChannels, RowWay kWay>
-HWY_INLINE void add_rows(const KernelFrame& frame, const Section& section, const V* coefficient,
-                         const LevelExtent& extent, float* planes, std::size_t plane_size) {
+HWY_INLINE void add_rows(KernelProfile profile, float cutoff, const Section& section,
+                         const V* coefficient, const LevelExtent& extent, float* planes,
+                         std::size_t plane_size) {
   RowRuns runs;
   find_rows<kWay>(section, extent, runs);
   const V axx = hn::Set(d, section.axx);
@@ -105,7 +106,7 @@ HWY_INLINE void add_rows(const KernelFrame& frame, const Section& section, const
       } else {
         phi =
             hn::Mul(hn::Set(d, section.amplitude),
-                    profile_at(frame.profile, hn::Add(q, hn::Set(d, runs.q_row[i])), frame.cutoff));
+                    profile_at(profile, hn::Add(q, hn::Set(d, runs.q_row[i])), cutoff));
       }
       add_group<kChannels>(coefficient, first_lanes(phi, last - x + 1), row + x, plane_size);
     }
@@ -200,9 +201,24 @@ HWY_INLINE void add_strip(StripColumns<kGroups, kIsRound> columns, const StripRo
   }
 }
 
+// How a Gaussian section is added.
+enum class SectionWay {
+  kRound,    // strips: a circle
+  kTame,     // strips
+  kSlanted,  // row by row, an exponential for each group: so thin and slanted that the factors of
+             // strips would leave the range of a float
+};
+
+HWY_INLINE SectionWay way_of(float axx, float axy, float ayy, float room) {
+  if (!(axy * axy <= kMaxSlant * kMaxSlant * axx * ayy && room <= kMaxStripRoom))
+    return SectionWay::kSlanted;
+  return axy == 0.0F && axx == ayy ? SectionWay::kRound : SectionWay::kTame;
+}
+
 // Rows and columns of a level that a section reaches.
 struct SectionBox {
   Span rows, columns;
+  bool is_empty() const { return rows.first >= rows.past || columns.first >= columns.past; }
 };
 
 template <int kChannels, bool kIsRound>
@@ -235,30 +251,38 @@ HWY_INLINE SectionBox box_of(const Section& section, const LevelExtent& extent) 
           samples_within(section.x, std::sqrt(per * section.ayy), extent)};
 }
 
-// Adds coefficient[c] * phi to the planes of one sheet.
+// Adds coefficient[c] * phi of a Gaussian to the planes of one sheet.
+template <int kChannels>
+HWY_INLINE void add_gaussian(const Section& section, const SectionBox& box, SectionWay way,
+                             const V* coefficient, const LevelExtent& extent, float* planes,
+                             std::size_t plane_size) {
+  switch (way) {
+    case SectionWay::kRound:
+      return add_box<kChannels, true>(section, box, coefficient, extent, planes, plane_size);
+    case SectionWay::kTame:
+      return add_box<kChannels, false>(section, box, coefficient, extent, planes, plane_size);
+    case SectionWay::kSlanted: break;
+  }
+  add_rows<kChannels, RowWay::kGaussian>(KernelProfile::kGaussian, 0.0F, section, coefficient,
+                                         extent, planes, plane_size);
+}
+
+// The same of any section.
 template <int kChannels, bool kIsGaussian>
 HWY_INLINE void add_section(const KernelFrame& frame, const Section& section,
                             const float* coefficients, const LevelExtent& extent, float* planes,
                             std::size_t plane_size) {
   V coefficient[kChannels];
   for (int c = 0; c < kChannels; ++c) coefficient[c] = hn::Set(d, coefficients[c]);
-  if constexpr (!kIsGaussian) {
-    add_rows<kChannels, RowWay::kProfile>(frame, section, coefficient, extent, planes, plane_size);
+  if constexpr (kIsGaussian) {
+    const SectionBox box = box_of(section, extent);
+    if (box.is_empty()) return;
+    add_gaussian<kChannels>(section, box,
+                            way_of(section.axx, section.axy, section.ayy, section.room),
+                            coefficient, extent, planes, plane_size);
   } else {
-    const bool is_tame =
-        section.axy * section.axy <= kMaxSlant * kMaxSlant * section.axx * section.ayy &&
-        section.room <= kMaxStripRoom;
-    if (is_tame) {
-      const SectionBox box = box_of(section, extent);
-      if (section.axy == 0.0F && section.axx == section.ayy) {
-        add_box<kChannels, true>(section, box, coefficient, extent, planes, plane_size);
-      } else {
-        add_box<kChannels, false>(section, box, coefficient, extent, planes, plane_size);
-      }
-    } else {
-      add_rows<kChannels, RowWay::kGaussian>(frame, section, coefficient, extent, planes,
-                                            plane_size);
-    }
+    add_rows<kChannels, RowWay::kProfile>(frame.profile, frame.cutoff, section, coefficient, extent,
+                                          planes, plane_size);
   }
 }
 

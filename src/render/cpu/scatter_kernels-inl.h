@@ -130,24 +130,22 @@ HWY_INLINE bool reaches_open(const KernelWorkspace& work, const Section& section
   return false;
 }
 
-// Whether the sheets' cuts are circles behind one another.
-HWY_INLINE bool is_round(const KernelFrame& frame, const Splat& splat) {
-  return frame.profile == KernelProfile::kGaussian && !frame.takes_means && splat.axy == 0.0F &&
-         splat.axx == splat.ayy && splat.mx == 0.0F && splat.my == 0.0F;
-}
-
-// The circles in which a block's sheets cut a splat, a lane for each sheet.
-struct RoundCuts {
+// The cuts of a Gaussian with a block's sheets on the samples of a level, a lane for each sheet.
+// The shape is the splat's over factor^2.
+struct SheetCuts {
   static constexpr int kMost = 16;
-  alignas(64) float x[kMost], y[kMost], a[kMost], room[kMost], amplitude[kMost];
+  alignas(64) float x[kMost], y[kMost], per_shape[kMost], room[kMost], amplitude[kMost];
   alignas(64) std::int32_t first_row[kMost], past_row[kMost], first_column[kMost],
       past_column[kMost];
 };
 
-HWY_INLINE void find_round_cuts(const KernelFrame& frame, const Splat& splat,
-                                const SplatBlock& block, int level, RoundCuts& cuts) {
+HWY_INLINE void find_cuts(const KernelFrame& frame, const Splat& splat, const SplatBlock& block,
+                          int level, SheetCuts& cuts) {
   const LevelMap map = level_map(frame, block.tile_x, block.tile_y, level, 1.0F);
   const LevelExtent& extent = kLevelExtents[static_cast<std::size_t>(level)];
+  const float per_det = 1.0F / (splat.axx * splat.ayy - splat.axy * splat.axy);
+  const V wide = hn::Set(d, std::sqrt(splat.ayy * per_det));
+  const V high = hn::Set(d, std::sqrt(splat.axx * per_det));
   const V top = hn::Set(d, static_cast<float>(extent.size - 1));
   const V far = hn::Set(d, 1e6F);  // clamped before they are turned into integers
   const auto store_span = [&](V at, V reach, std::int32_t* first, std::int32_t* past) {
@@ -161,41 +159,49 @@ HWY_INLINE void find_round_cuts(const KernelFrame& frame, const Splat& splat,
     const V along = hn::Mul(hn::Mul(t, t), hn::Set(d, splat.inverse_var_s));
     const V room = hn::Sub(hn::Set(d, frame.cutoff * frame.cutoff), along);
     const V factor = hn::Mul(hn::Load(d, block.scales + j), hn::Set(d, map.factor));
-    const V a = hn::Div(hn::Set(d, splat.axx), hn::Mul(factor, factor));
-    const V x = hn::MulAdd(factor, hn::Set(d, splat.x), hn::Set(d, map.offset_x));
-    const V y = hn::MulAdd(factor, hn::Set(d, splat.y), hn::Set(d, map.offset_y));
-    const V reach = hn::Sqrt(hn::Div(hn::Max(room, hn::Zero(d)), a));
-    hn::Store(x, d, cuts.x + j);
-    hn::Store(y, d, cuts.y + j);
-    hn::Store(a, d, cuts.a + j);
+    const V x = hn::MulAdd(hn::Set(d, splat.mx), t, hn::Set(d, splat.x));
+    const V y = hn::MulAdd(hn::Set(d, splat.my), t, hn::Set(d, splat.y));
+    const V at_x = hn::MulAdd(factor, x, hn::Set(d, map.offset_x));
+    const V at_y = hn::MulAdd(factor, y, hn::Set(d, map.offset_y));
+    const V reach = hn::Mul(hn::Sqrt(hn::Max(room, hn::Zero(d))), factor);
+    hn::Store(at_x, d, cuts.x + j);
+    hn::Store(at_y, d, cuts.y + j);
+    hn::Store(hn::Div(hn::Set(d, 1.0F), hn::Mul(factor, factor)), d, cuts.per_shape + j);
     hn::Store(room, d, cuts.room + j);
     hn::Store(gaussian_at(along), d, cuts.amplitude + j);
-    store_span(x, reach, cuts.first_column + j, cuts.past_column + j);
-    store_span(y, reach, cuts.first_row + j, cuts.past_row + j);
+    store_span(at_x, hn::Mul(reach, wide), cuts.first_column + j, cuts.past_column + j);
+    store_span(at_y, hn::Mul(reach, high), cuts.first_row + j, cuts.past_row + j);
   }
 }
 
-// A round splat that goes to one level on all sheets of the block, which is there.
+// A Gaussian's cuts with the sheets of a block, all on one level, which is there.
 template <int kChannels>
-HWY_INLINE void add_round_splat(const KernelFrame& frame, KernelWorkspace& work, const Splat& splat,
-                                const float* coefficients, const SplatBlock& block,
-                                const SheetRun& run, int level) {
-  RoundCuts cuts;
-  find_round_cuts(frame, splat, block, level, cuts);
+HWY_INLINE void add_cuts(const KernelFrame& frame, KernelWorkspace& work, const Splat& splat,
+                         const float* coefficients, const SplatBlock& block, const SheetRun& run,
+                         int level) {
+  SheetCuts cuts;
+  find_cuts(frame, splat, block, level, cuts);
+  const LevelExtent& extent = kLevelExtents[static_cast<std::size_t>(level)];
+  const SectionWay way = way_of(splat.axx, splat.axy, splat.ayy, frame.cutoff * frame.cutoff);
   V coefficient[kChannels];
   for (int c = 0; c < kChannels; ++c) coefficient[c] = hn::Set(d, coefficients[c]);
   for (int j = run.first; j < run.last; ++j) {
     const SectionBox box = {{cuts.first_row[j], cuts.past_row[j]},
                             {cuts.first_column[j], cuts.past_column[j]}};
-    if (!(cuts.room[j] > 0) || box.rows.first >= box.rows.past ||
-        box.columns.first >= box.columns.past)
-      continue;
-    const Section section = {cuts.x[j], cuts.y[j],         cuts.a[j], 0.0F,         cuts.a[j],
-                             cuts.amplitude[j], 0.0F, cuts.room[j], block.tail};
+    if (!(cuts.room[j] > 0) || box.is_empty()) continue;
+    const float per_shape = cuts.per_shape[j];
+    const Section section = {cuts.x[j],
+                             cuts.y[j],
+                             splat.axx * per_shape,
+                             splat.axy * per_shape,
+                             splat.ayy * per_shape,
+                             cuts.amplitude[j],
+                             0.0F,
+                             cuts.room[j],
+                             block.tail};
     if (level == 0 && !reaches_open(work, section)) continue;
-    add_box<kChannels, true>(section, box, coefficient,
-                             kLevelExtents[static_cast<std::size_t>(level)],
-                             planes_of(frame, work, level, j), plane_size(level));
+    add_gaussian<kChannels>(section, box, way, coefficient, extent,
+                            planes_of(frame, work, level, j), plane_size(level));
   }
 }
 
@@ -204,12 +210,12 @@ HWY_INLINE void add_splat(const KernelFrame& frame, KernelWorkspace& work, const
                           const SplatBlock& block, const SheetRun& run) {
   float coefficients[kMaxChannels] = {};
   set_coefficients(frame, splat, coefficients);
-  if (kIsGaussian && is_round(frame, splat)) {
+  if (kIsGaussian && !frame.takes_means) {
     const int level = level_for(frame, splat, block.scales[run.first]);
     const bool needs_cover = level > 0 && frame.finds_cover;
     if (!needs_cover && level == level_for(frame, splat, block.scales[run.last - 1])) {
       touch_level(frame, work, level, run);
-      return add_round_splat<kChannels>(frame, work, splat, coefficients, block, run, level);
+      return add_cuts<kChannels>(frame, work, splat, coefficients, block, run, level);
     }
   }
   for (int j = run.first; j < run.last; ++j) {

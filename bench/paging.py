@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Lattices larger than memory: paging.py [--size XxYxZ] [--runs N]
+"""Lattices larger than memory: paging.py [--size XxYxZ] [--runs N] [--format raw|h5]
 
-Draws a raw volume of 16 bits within a limit of memory that is a quarter of the file, and with all samples in memory; whole processes by turns,
-medians. The pictures must be the same."""
+Draws a volume of 16 bits, as it is or deflated in chunks, within a limit of memory that is a quarter of its samples, and with all samples in
+memory; whole processes by turns, medians. The pictures must be the same."""
 import argparse
 import filecmp
+import math
 import os
 import resource
 import statistics
@@ -37,11 +38,12 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--size", default="640x640x768")
     parser.add_argument("--runs", type=int, default=5)
+    parser.add_argument("--format", choices=("raw", "h5"), default="raw")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        path = os.path.join(folder, f"head_{options.size}_uint16.raw")
+        path = os.path.join(folder, f"head_{options.size}_uint16.{options.format}")
         subprocess.run([OVOID, "make", "head", "--size", options.size, "--type", "uint16", "-o", path], check=True)
-        limit = os.path.getsize(path) // 4
+        limit = 2 * math.prod(map(int, options.size.split("x"))) // 4
         print(f"File {os.path.getsize(path) / 2**20:.0f} MiB, limit {limit / 2**20:.0f} MiB\n")
         print("| view | from the file, s | peak MiB | in memory, s | peak MiB | same picture |\n|---|---|---|---|---|---|")
         for view, flags in VIEWS.items():

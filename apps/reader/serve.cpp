@@ -19,6 +19,7 @@
 #include <thread>
 #include <utility>
 
+#include "io/core/memory.h"
 #include "io/foreign/foreign_readers.h"
 #include "io/reader/reader_messages.h"
 #include "ovoid/error.h"
@@ -74,6 +75,7 @@ class Server {
     fs::current_path(request.folder, ignored);
     if (!std::exchange(is_in_sandbox_, true)) enter_sandbox(request.files, request.folders);
     take_refused_file();
+    io::set_available_memory(request.memory);
     double told = 0;
     request.options.progress = [&](double fraction) {
       if (fraction < told + kProgressStep) return;

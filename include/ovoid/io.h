@@ -44,8 +44,9 @@ struct ReadOptions {
   std::string block;                 // which of Dataset::blocks; empty: the largest, of meshes all
   std::optional<std::int64_t> step;  // which time step; none: the first whose samples vary
   // Samples of a lattice that memory does not hold stay in their file: of raw data, NRRD, NIfTI,
-  // MetaImage and NPY that are not packed, of one component, uint8, int8, uint16, int16 or float32,
-  // and of the step that is asked for. DataArray::stored has them then.
+  // MetaImage and NPY that are not packed, and of HDF5 lattices, of which those in chunks are
+  // unpacked to a temporary file (in TMPDIR); of one component, uint8, int8, uint16, int16 or
+  // float32, and of the step that is asked for. DataArray::stored has them then.
   bool may_stay_in_file = false;
   Hdf5Options hdf5;
   // Files that the input names (pieces, data files, external storage) may also lie below these

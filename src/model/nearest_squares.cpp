@@ -29,8 +29,8 @@ HWY_INLINE std::uint32_t bits_of(hn::Mask<D> mask) {
 
 // Writes the squares of the distances to the candidates of all chunks that come nearer than the
 // bound to `to`, which has a chunk's room left at its end; returns how many.
-HWY_INLINE std::size_t squares_within(const CandidateBatch& batch,
-                                      const NearestSquares::Site& site, float* to) {
+HWY_INLINE std::size_t squares_within(const CandidateBatch& batch, const NearestSquares::Site& site,
+                                      float* to) {
   const V x = hn::Set(d, site.at[0]), y = hn::Set(d, site.at[1]), z = hn::Set(d, site.at[2]);
   const V bound = hn::Set(d, site.bound);
   const auto beyond = [&](int axis, std::size_t chunk, V at) {
@@ -81,7 +81,8 @@ struct Interval {
 // nothing between them. In space, squares of distances grow by about the power 2/3 of their number.
 HWY_INLINE bool narrow(const float* numbers, std::size_t count, std::size_t k, int step,
                        Interval& in) {
-  const float share = (static_cast<float>(k - in.below) - 0.5F) / static_cast<float>(in.within - in.below);
+  const float share =
+      (static_cast<float>(k - in.below) - 0.5F) / static_cast<float>(in.within - in.below);
   float at = in.lo + (in.hi - in.lo) * (step % 3 == 2 ? 0.5F : share);
   if (in.below == 0 && step < 2) at = in.hi * std::sqrt(share * std::sqrt(std::sqrt(share)));
   if (!(at > in.lo && at < in.hi)) at = 0.5F * (in.lo + in.hi);
@@ -184,9 +185,12 @@ HWY_INLINE std::size_t find_and_keep(const CandidateBatch& batch, std::size_t k,
 std::size_t add_batch(const CandidateBatch& batch, NearestSquares::Wanted wanted, std::size_t k,
                       NearestSquares::Site& site, float* squares) {
   switch (wanted) {
-    case NearestSquares::Wanted::kEstimate: return estimate_bound(batch, k, site, squares);
-    case NearestSquares::Wanted::kMoreToCome: return find_and_keep(batch, k, site, squares);
-    case NearestSquares::Wanted::kLast: break;
+    case NearestSquares::Wanted::kEstimate:
+      return estimate_bound(batch, k, site, squares);
+    case NearestSquares::Wanted::kMoreToCome:
+      return find_and_keep(batch, k, site, squares);
+    case NearestSquares::Wanted::kLast:
+      break;
   }
   return find_bound(batch, k, site, squares);
 }
@@ -226,7 +230,9 @@ std::int64_t NearestSquares::add(const simd::SimdTarget& target, const Candidate
   const auto add_to_site = target.choose(HWY_DISPATCH_TABLE(add_batch));
   std::size_t num_pairs = 0;
   for (std::size_t i = 0; i < num_sites_; ++i) {
-    Site site{{places_[i][0], places_[i][1], places_[i][2]}, bounds_[i], counts_[i],
+    Site site{{places_[i][0], places_[i][1], places_[i][2]},
+              bounds_[i],
+              counts_[i],
               kept_.data() + i * k_};
     num_pairs += add_to_site(batch, wanted, k_, site, squares_.data());
     bounds_[i] = site.bound;

@@ -157,21 +157,20 @@ class GroupSearch {
 std::vector<CandidateChunk> chunks_of(const SiteGroups& groups, const ModelRun& run) {
   static_assert(CandidateChunk::kRoom == SiteGroups::kMostInGroup);
   std::vector<CandidateChunk> chunks(groups.count());
-  data::parallel_ranges({static_cast<std::int64_t>(groups.count()), kGroupGrain, run.threads, run.stop},
-                        [&](std::int64_t begin, std::int64_t end) {
-                          for (auto g = static_cast<std::size_t>(begin);
-                               g < static_cast<std::size_t>(end); ++g) {
-                            const SiteGroups::Group group = groups.group(g);
-                            const Vec3 center = group.box.center();
-                            chunks[g].count = static_cast<std::int32_t>(group.sites.size());
-                            for (std::size_t i = 0; i < group.sites.size(); ++i) {
-                              const Vec3 offset = group.sites[i].at - center;
-                              for (std::size_t a = 0; a < 3; ++a)
-                                chunks[g].places[a][i] =
-                                    static_cast<float>(offset[static_cast<int>(a)]);
-                            }
-                          }
-                        });
+  data::parallel_ranges(
+      {static_cast<std::int64_t>(groups.count()), kGroupGrain, run.threads, run.stop},
+      [&](std::int64_t begin, std::int64_t end) {
+        for (auto g = static_cast<std::size_t>(begin); g < static_cast<std::size_t>(end); ++g) {
+          const SiteGroups::Group group = groups.group(g);
+          const Vec3 center = group.box.center();
+          chunks[g].count = static_cast<std::int32_t>(group.sites.size());
+          for (std::size_t i = 0; i < group.sites.size(); ++i) {
+            const Vec3 offset = group.sites[i].at - center;
+            for (std::size_t a = 0; a < 3; ++a)
+              chunks[g].places[a][i] = static_cast<float>(offset[static_cast<int>(a)]);
+          }
+        }
+      });
   return chunks;
 }
 
@@ -288,9 +287,9 @@ class FastSearch {
   GroupSearch exact_;
   CandidateBatch batch_;
   Vec3 center_ = Vec3::Zero();
-  double unit_ = 1;           // of the floats
-  double widest_ = 0;         // square of the widest bound
-  float greatest_ = 1;        // coordinate of a candidate
+  double unit_ = 1;     // of the floats
+  double widest_ = 0;   // square of the widest bound
+  float greatest_ = 1;  // coordinate of a candidate
   std::int64_t num_pairs_ = 0;
 };
 
@@ -365,8 +364,8 @@ NearestStatistics nearest_statistics(const ModelRun& run, std::span<const double
   if (with == WithCovariances::kNo) {
     const std::vector<CandidateChunk> chunks = chunks_of(groups, run);
     statistics.num_pairs = search_all(
-        run, groups,
-        [&] { return std::make_unique<FastSearch>(groups, chunks, periodic_box, k); }, set_length);
+        run, groups, [&] { return std::make_unique<FastSearch>(groups, chunks, periodic_box, k); },
+        set_length);
     return statistics;
   }
   statistics.covariances.resize(6 * sites.size() / 3);

@@ -92,29 +92,37 @@ TEST_F(Memory, OfLattices) {
 
 // Fails if samples that memory does not hold are read all the same, or if the picture is another's.
 TEST_F(Memory, LargerLatticesAreDrawnFromTheirFile) {
-  const std::string path = folder_ / "a_320x320x640_uint8.raw";
-  expect_success({"make", "head", "--size", "320x320x640", "--type", "uint8", "-o", path});
-  const Words render{
-      "render", path,     "--backend",          "cpu", "--threads", "2",
-      "--size", "100x80", "--post-convolution", "off"};  // in memory there would be levels
-  Words within = render, whole = render;
-  within.insert(within.end(), {"-o", folder_ / "within.png"});
-  whole.insert(whole.end(), {"--kernel", "catmull-rom", "-o", folder_ / "whole.png"});
-  const rlim_t limit = (least_ + 50) * kMiB;  // of a file of 62.5
-  const Outcome result = run_within(limit, within);
-  ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_NE(result.err.find("65536000 samples stay in their file"), std::string::npos)
-      << result.err;
-  expect_success(whole);
-  EXPECT_EQ(read_file(folder_ / "within.png"), read_file(folder_ / "whole.png"));
-  const Outcome info = run_within(limit, {"info", path});
-  EXPECT_NE(info.out.find("'values': uint8, 0 to 2"), std::string::npos) << info.out << info.err;
-  // What needs all samples says so.
-  within.insert(within.end(), {"--kernel", "bspline"});
-  const Outcome refused = run_within(limit, within);
-  EXPECT_EQ(refused.exit_code, 3);
-  EXPECT_NE(refused.err.find("no memory for coefficients"), std::string::npos) << refused.err;
-  EXPECT_EQ(run_within(limit, {"convert", path, "-o", folder_ / "a.nii"}).exit_code, 3);
+  // HDF5's samples are deflated in chunks, and its reader's process takes more than the program.
+  const std::vector<std::pair<const char*, rlim_t>> files = {{"a_320x320x640_uint8.raw", 50},
+                                                             {"a.h5", 125}};
+  for (const auto& [name, room] : files) {
+    const std::string path = folder_ / name;
+    if (path.ends_with(".h5") && !has_hdf5()) continue;
+    expect_success({"make", "head", "--size", "320x320x640", "--type", "uint8", "-o", path});
+    const Words render{
+        "render", path,     "--backend",          "cpu", "--threads", "2",
+        "--size", "100x80", "--post-convolution", "off"};  // in memory there would be levels
+    Words within = render, whole = render;
+    within.insert(within.end(), {"-o", folder_ / "within.png"});
+    whole.insert(whole.end(), {"--kernel", "catmull-rom", "-o", folder_ / "whole.png"});
+    const rlim_t limit = (least_ + room) * kMiB;  // of samples of 62.5
+    const Outcome result = run_within(limit, within);
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_NE(result.err.find("65536000 samples stay in their file"), std::string::npos)
+        << result.err;
+    EXPECT_EQ(result.err.find("/proc"), std::string::npos) << result.err;
+    expect_success(whole);
+    EXPECT_EQ(read_file(folder_ / "within.png"), read_file(folder_ / "whole.png"));
+    const Outcome info = run_within(limit, {"info", path});
+    EXPECT_NE(info.out.find(": uint8, 0 to 2"), std::string::npos) << info.out << info.err;
+    // What needs all samples says so.
+    within.insert(within.end(), {"--kernel", "bspline"});
+    const Outcome refused = run_within(limit, within);
+    EXPECT_EQ(refused.exit_code, 3);
+    EXPECT_NE(refused.err.find("no memory for coefficients"), std::string::npos) << refused.err;
+    if (path.ends_with(".raw"))
+      EXPECT_EQ(run_within(limit, {"convert", path, "-o", folder_ / "a.nii"}).exit_code, 3);
+  }
 }
 
 TEST_F(Memory, OfParticles) {

@@ -77,6 +77,10 @@ std::string ByteSource::text(std::int64_t offset, std::int64_t max_size) const {
   return result;
 }
 
+std::unique_ptr<ByteSource> source_of(std::string name, std::int64_t size, int descriptor) {
+  return std::make_unique<FileSource>(std::move(name), size, descriptor);
+}
+
 std::unique_ptr<ByteSource> open_file(const std::string& path) {
   // O_NONBLOCK: opening a pipe without a writer would wait forever; it means nothing for regular
   // files.

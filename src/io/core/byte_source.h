@@ -42,6 +42,9 @@ class ByteSource {
 // Finds the file a header names. Throws Error as open_file does.
 using Opener = std::function<std::unique_ptr<ByteSource>(const std::string& path)>;
 
+// Of an open file, which it closes.
+std::unique_ptr<ByteSource> source_of(std::string name, std::int64_t size, int descriptor);
+
 // Opens a regular file. Throws Error(kFileNotFound) if it is missing or unreadable,
 // Error(kUnsupported) for folders, devices and pipes: readers need to know the size.
 std::unique_ptr<ByteSource> open_file(const std::string& path);

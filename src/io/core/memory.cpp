@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <fstream>
 #include <limits>
 #include <string_view>
@@ -16,6 +17,8 @@ namespace ovoid::io {
 namespace {
 
 constexpr std::int64_t kUnknown = std::numeric_limits<std::int64_t>::max();
+
+std::atomic<std::int64_t> told_memory = kUnknown;
 
 // MemAvailable counts what the system would free for us, such as cached files.
 std::int64_t free_in_machine() {
@@ -59,7 +62,10 @@ std::string size_text(std::int64_t num_bytes) {
 
 }  // namespace
 
+void set_available_memory(std::int64_t num_bytes) { told_memory = num_bytes; }
+
 std::int64_t available_memory() {
+  if (const std::int64_t told = told_memory; told != kUnknown) return told;
   return std::min({free_in_machine(), limit_of_container(), left_of_address_space()});
 }
 

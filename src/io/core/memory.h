@@ -11,6 +11,10 @@ namespace ovoid::io {
 // three small files of /proc and /sys.
 std::int64_t available_memory();
 
+// What available_memory() returns from now on: for a process that may not look at the system, and
+// whose host has looked.
+void set_available_memory(std::int64_t num_bytes);
+
 // Throws Error(kOutOfMemory) naming `what`, which needs `num_bytes`, if these are more than there
 // are: a header may declare what a small packed file unpacks to, and no machine has.
 void require_memory(const std::string& what, std::int64_t num_bytes);

@@ -166,8 +166,10 @@ StepSamples read_step(const SampleParts& parts, const StepLayout& layout,
                                    ? part.source->size() - parts.each.num_bytes
                                    : part.offset + parts.each.num_skipped;
     return {{},
-            samples_in_file(*part.source, first + step * layout.num_bytes, layout.num_bytes,
-                            layout.type, layout.is_big_endian),
+            samples_in_file(*part.source,
+                            {layout.type, layout.is_big_endian, first + step * layout.num_bytes,
+                             layout.num_bytes},
+                            options),
             step};
   }
   // Planes are put together in memory of their own.

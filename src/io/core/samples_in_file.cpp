@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/core/samples_in_file.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
 
 #include "io/core/memory.h"
 #include "io/core/samples.h"
+#include "io/core/unpack_chunks.h"
+#include "ovoid/error.h"
 
 namespace ovoid::io {
 namespace {
@@ -28,15 +32,53 @@ bool can_be_shown(ScalarType type) {
          type == ScalarType::kInt16 || type == ScalarType::kFloat32;
 }
 
+void check(bool is_right, const ByteSource& source) {
+  if (is_right) return;
+  throw Error(ErrorCode::kFileFormat,
+              fmt::format("{}: the samples do not lie where it says", source.name()));
+}
+
+void check_place(const ByteSource& source, const StoredPlace& place) {
+  const std::int64_t size = source.size();
+  check(can_be_shown(place.type) && place.num_bytes > 0, source);
+  if (!place.chunked) {
+    check(place.offset >= 0 && place.num_bytes <= size && place.offset <= size - place.num_bytes,
+          source);
+    return;
+  }
+  const ChunkedStorage& chunked = *place.chunked;
+  check(!chunked.dims.empty() && chunked.dims.size() == chunked.chunk.size(), source);
+  double num_samples = 1, in_chunk = 1, num_chunks = 1;
+  for (std::size_t a = 0; a < chunked.dims.size(); ++a) {
+    check(chunked.dims[a] >= 1 && chunked.dims[a] <= kMaxAxisSize && chunked.chunk[a] >= 1 &&
+              chunked.chunk[a] <= kMaxAxisSize,
+          source);
+    num_samples *= static_cast<double>(chunked.dims[a]);
+    in_chunk *= static_cast<double>(chunked.chunk[a]);
+    num_chunks *= static_cast<double>((chunked.dims[a] - 1) / chunked.chunk[a] + 1);
+  }
+  const auto sample = static_cast<double>(size_of(place.type));
+  check(num_samples * sample == static_cast<double>(place.num_bytes) &&
+            in_chunk * sample <= static_cast<double>(ChunkedStorage::kMostChunkBytes) &&
+            num_chunks <= static_cast<double>(ChunkedStorage::kMostChunks) &&
+            num_chunks == static_cast<double>(chunked.chunks.size()),
+        source);
+  for (const ChunkedStorage::Chunk& chunk : chunked.chunks)
+    check(chunk.offset >= 0 && chunk.num_bytes >= 0 && chunk.num_bytes <= size &&
+              chunk.offset <= size - chunk.num_bytes,
+          source);
+}
+
 class SamplesInFile final : public StoredSamples {
  public:
-  SamplesInFile(std::unique_ptr<ByteSource> source, std::int64_t offset, std::int64_t num_bytes,
-                std::size_t sample_size, bool is_swapped)
+  // `offset`: of the samples in the source.
+  SamplesInFile(std::unique_ptr<ByteSource> source, std::int64_t offset, const StoredPlace& place)
       : source_(std::move(source)),
         offset_(offset),
-        num_bytes_(num_bytes),
-        sample_size_(sample_size),
-        is_swapped_(is_swapped),
+        num_bytes_(place.num_bytes),
+        sample_size_(size_of(place.type)),
+        is_swapped_(sample_size_ > 1 &&
+                    place.is_big_endian != (std::endian::native == std::endian::big)),
         memory_for_pages_(std::clamp(available_memory() / 4, kLeastPages, kMostPages)) {}
 
   std::int64_t num_bytes() const noexcept override { return num_bytes_; }
@@ -54,6 +96,21 @@ class SamplesInFile final : public StoredSamples {
   std::int64_t memory_for_pages_;
 };
 
+class SamplesTold final : public StoredSamples {
+ public:
+  explicit SamplesTold(const StoredPlace& place) : place_(place) {}
+
+  const StoredPlace& place() const noexcept { return place_; }
+  std::int64_t num_bytes() const noexcept override { return place_.num_bytes; }
+  std::int64_t memory_for_pages() const noexcept override { return 0; }
+  void read(std::int64_t /*offset*/, std::span<std::byte> /*out*/) const override {
+    throw Error(ErrorCode::kUnsupported, "samples of which only the place is known");
+  }
+
+ private:
+  StoredPlace place_;
+};
+
 }  // namespace
 
 bool stays_in_file(ScalarType type, std::int64_t num_bytes, const ReadOptions& options) {
@@ -62,12 +119,22 @@ bool stays_in_file(ScalarType type, std::int64_t num_bytes, const ReadOptions& o
              kMostOfMemory * static_cast<double>(available_memory());
 }
 
-std::shared_ptr<const StoredSamples> samples_in_file(const ByteSource& source, std::int64_t offset,
-                                                     std::int64_t num_bytes, ScalarType type,
-                                                     bool is_big_endian) {
-  const bool is_native_big = std::endian::native == std::endian::big;
-  return std::make_shared<SamplesInFile>(open_file(source.name()), offset, num_bytes, size_of(type),
-                                         size_of(type) > 1 && is_big_endian != is_native_big);
+std::shared_ptr<const StoredSamples> samples_in_file(const ByteSource& source,
+                                                     const StoredPlace& place,
+                                                     const ReadOptions& options) {
+  check_place(source, place);
+  if (!place.chunked)
+    return std::make_shared<SamplesInFile>(open_file(source.name()), place.offset, place);
+  return std::make_shared<SamplesInFile>(
+      unpack_chunks(source, *place.chunked, size_of(place.type), options), 0, place);
+}
+
+std::shared_ptr<const StoredSamples> samples_told(const StoredPlace& place) {
+  return std::make_shared<SamplesTold>(place);
+}
+
+const StoredPlace& stored_place(const StoredSamples& samples) {
+  return dynamic_cast<const SamplesTold&>(samples).place();
 }
 
 }  // namespace ovoid::io

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "io/core/byte_source.h"
 #include "ovoid/dataset.h"
@@ -11,15 +12,45 @@
 
 namespace ovoid::io {
 
-// Whether samples of one component, which lie behind each other in one file, are left there: if
-// they may be, a lattice can show them as they are, and a field of them, with coefficients, would
-// take most of the memory that is left.
+// Whether samples of one component, which lie in one file, are left there: if they may be, a
+// lattice can show them as they are, and a field of them, with coefficients, would take most of the
+// memory that is left.
 bool stays_in_file(ScalarType type, std::int64_t num_bytes, const ReadOptions& options);
 
-// The samples from byte `offset` of the source, whose file is opened again. `offset + num_bytes` is
-// within it. Throws what open_file does.
-std::shared_ptr<const StoredSamples> samples_in_file(const ByteSource& source, std::int64_t offset,
-                                                     std::int64_t num_bytes, ScalarType type,
-                                                     bool is_big_endian);
+// How samples lie in chunks, which may be packed: an array with axes from slow to fast is cut along
+// all of them, and chunks at an end are whole, too.
+struct ChunkedStorage {
+  static constexpr std::int64_t kMostChunkBytes = std::int64_t{64} << 20;
+  static constexpr std::int64_t kMostChunks = std::int64_t{1} << 20;
+
+  std::vector<std::int64_t> dims;   // samples
+  std::vector<std::int64_t> chunk;  // samples of a chunk
+  bool is_shuffled = false;         // byte planes first, before deflate
+  bool is_deflated = false;
+  struct Chunk {
+    std::int64_t offset = 0, num_bytes = 0;
+  };
+  std::vector<Chunk> chunks;  // in the file, the last axis fastest
+};
+
+// Where samples lie in a file: behind each other, or in chunks.
+struct StoredPlace {
+  ScalarType type = ScalarType::kUInt8;
+  bool is_big_endian = false;
+  std::int64_t offset = 0;     // not of chunks
+  std::int64_t num_bytes = 0;  // unpacked
+  std::shared_ptr<const ChunkedStorage> chunked{};
+};
+
+// The samples, whose file is opened again; those in chunks are unpacked to a temporary file now.
+// Throws what open_file() and unpack_chunks() do, and Error(kFileFormat) for a place that is not
+// within the file or contradicts itself.
+std::shared_ptr<const StoredSamples> samples_in_file(const ByteSource& source,
+                                                     const StoredPlace& place,
+                                                     const ReadOptions& options);
+
+// What a reader's process tells its host: nobody can read them. stored_place() is for these alone.
+std::shared_ptr<const StoredSamples> samples_told(const StoredPlace& place);
+const StoredPlace& stored_place(const StoredSamples& samples);
 
 }  // namespace ovoid::io

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -20,6 +21,7 @@
 #include "io/core/point_arrays.h"
 #include "io/core/sample_parts.h"
 #include "io/core/samples.h"
+#include "io/core/samples_in_file.h"
 #include "io/foreign/hdf5_attributes.h"
 #include "io/foreign/hdf5_file.h"
 #include "io/foreign/hdf5_storage.h"
@@ -200,6 +202,21 @@ class LatticeReader {
     return extent;
   }
 
+  // The array without its samples, if memory does not hold them and they may stay in the file.
+  std::optional<DataArray> left_in_file(hid_t dataset, const Hdf5Extent& extent,
+                                        const ArrayInFile& array) const {
+    const bool is_chosen = options_.step || dataset_.num_steps == 1;
+    if (!is_chosen || array.is_runs || array.description.num_components != 1 ||
+        !stays_in_file(extent.type.type, extent.num_bytes(), options_))
+      return std::nullopt;
+    const std::optional<StoredPlace> place = place_of_hdf5_storage(file_.get(), dataset, extent);
+    if (!place) return std::nullopt;
+    DataArray left = array.description;
+    left.type = extent.type.type;
+    left.stored = samples_told(*place);
+    return left;
+  }
+
   DataArray samples(hid_t dataset, const Hdf5Extent& extent, DataArray description,
                     ReadProgress& progress) const {
     description.type = extent.type.type;
@@ -308,6 +325,10 @@ class LatticeReader {
     for (std::size_t i = 0; i < parts.size(); ++i) {
       const hid_t object = parts[i].object.get();
       const DataArray& description = arrays_[i].description;
+      if (std::optional<DataArray> left = left_in_file(object, parts[i].extent, arrays_[i])) {
+        dataset_.arrays.push_back(std::move(*left));
+        continue;
+      }
       dataset_.arrays.push_back(arrays_[i].is_runs
                                     ? dense_of_runs(object, parts[i].place, description, progress)
                                     : samples(object, parts[i].extent, description, progress));

@@ -94,6 +94,57 @@ void check_contiguous(hid_t dataset, const Hdf5Extent& extent, const ByteSource&
   }
 }
 
+// Filters that our own unpacking knows: shuffle before deflate, either or neither.
+bool set_filters(hid_t plist, ChunkedStorage& chunked) {
+  for (int i = 0; i < H5Pget_nfilters(plist); ++i) {
+    unsigned flags = 0, config = 0;
+    std::size_t num_values = 0;
+    const H5Z_filter_t filter = H5Pget_filter2(plist, static_cast<unsigned>(i), &flags, &num_values,
+                                               nullptr, 0, nullptr, &config);
+    if (filter == H5Z_FILTER_SHUFFLE && !chunked.is_shuffled && !chunked.is_deflated) {
+      chunked.is_shuffled = true;
+    } else if (filter == H5Z_FILTER_DEFLATE && !chunked.is_deflated) {
+      chunked.is_deflated = true;
+    } else {
+      return false;
+    }
+  }
+  return true;
+}
+
+std::optional<ChunkedStorage> chunked_storage(hid_t dataset, hid_t plist,
+                                              const Hdf5Extent& extent) {
+  ChunkedStorage chunked;
+  const ChunkLayout layout = chunk_layout(plist, extent);
+  if (layout.num_bytes > ChunkedStorage::kMostChunkBytes ||
+      layout.num_chunks > static_cast<double>(ChunkedStorage::kMostChunks) ||
+      !set_filters(plist, chunked))
+    return std::nullopt;
+  std::array<hsize_t, H5S_MAX_RANK> sizes{};
+  H5Pget_chunk(plist, H5S_MAX_RANK, sizes.data());
+  chunked.dims = extent.dims;
+  const std::size_t rank = extent.dims.size();
+  for (std::size_t a = 0; a < rank; ++a)
+    chunked.chunk.push_back(static_cast<std::int64_t>(sizes[a]));
+  std::array<hsize_t, H5S_MAX_RANK> at{};
+  while (at[0] < static_cast<hsize_t>(extent.dims[0])) {
+    unsigned skipped_filters = 0;
+    haddr_t address = HADDR_UNDEF;
+    hsize_t size = 0;
+    if (H5Dget_chunk_info_by_coord(dataset, at.data(), &skipped_filters, &address, &size) < 0 ||
+        skipped_filters != 0 || address == HADDR_UNDEF ||
+        address > static_cast<haddr_t>(kMaxNumBytes) || size > static_cast<hsize_t>(kMaxNumBytes))
+      return std::nullopt;
+    chunked.chunks.push_back({static_cast<std::int64_t>(address), static_cast<std::int64_t>(size)});
+    for (std::size_t a = rank; a-- > 0;) {
+      at[a] += sizes[a];
+      if (at[a] < static_cast<hsize_t>(extent.dims[a]) || a == 0) break;
+      at[a] = 0;
+    }
+  }
+  return chunked;
+}
+
 // Rows that are read at once: whole chunks, so that each is unpacked once.
 std::int64_t rows_at_once(hid_t dataset, const Hdf5Extent& extent) {
   const Hdf5Handle plist(H5Dget_create_plist(dataset), H5Pclose);
@@ -163,6 +214,25 @@ void check_hdf5_storage(hid_t dataset, const Hdf5Extent& extent, const ByteSourc
   fail_storage(extent, fmt::format("claims {} bytes in chunks of {}, more than a file of {} bytes "
                                    "can hold",
                                    extent.num_bytes(), layout.num_bytes, source.size()));
+}
+
+std::optional<StoredPlace> place_of_hdf5_storage(hid_t file, hid_t dataset,
+                                                 const Hdf5Extent& extent) {
+  // Addresses count from behind a block of the user's, by some versions of the library.
+  const Hdf5Handle creation(H5Fget_create_plist(file), H5Pclose);
+  hsize_t user_block = 0;
+  if (H5Pget_userblock(creation.get(), &user_block) < 0 || user_block != 0) return std::nullopt;
+  const Hdf5Handle plist(H5Dget_create_plist(dataset), H5Pclose);
+  StoredPlace place{extent.type.type, extent.type.is_big_endian, 0, extent.num_bytes()};
+  if (H5Pget_layout(plist.get()) == H5D_CONTIGUOUS) {
+    place.offset = static_cast<std::int64_t>(H5Dget_offset(dataset));
+    return place;
+  }
+  if (H5Pget_layout(plist.get()) != H5D_CHUNKED) return std::nullopt;
+  auto chunked = chunked_storage(dataset, plist.get(), extent);
+  if (!chunked) return std::nullopt;
+  place.chunked = std::make_shared<const ChunkedStorage>(std::move(*chunked));
+  return place;
 }
 
 void read_hdf5_storage(hid_t dataset, const Hdf5Extent& extent, std::byte* to,

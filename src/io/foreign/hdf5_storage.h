@@ -13,6 +13,7 @@
 
 #include "io/core/byte_source.h"
 #include "io/core/samples.h"
+#include "io/core/samples_in_file.h"
 #include "ovoid/lattice.h"
 
 namespace ovoid::io {
@@ -47,6 +48,11 @@ struct Hdf5Extent {
 // what lies in other files, was never written, or is compressed by another filter than deflate,
 // shuffle and Fletcher's checksum. Takes no memory.
 void check_hdf5_storage(hid_t dataset, const Hdf5Extent& extent, const ByteSource& source);
+
+// Where in the file the numbers lie, as they are or in chunks that are deflated, shuffled or
+// neither, after check_hdf5_storage(); nothing for those that lie otherwise.
+std::optional<StoredPlace> place_of_hdf5_storage(hid_t file, hid_t dataset,
+                                                 const Hdf5Extent& extent);
 
 // The numbers, last axis fastest, native byte order, into extent.num_bytes() bytes at `to`, after
 // check_hdf5_storage(). Throws Error(kFileFormat) for what is damaged, Error(kCancelled).

@@ -98,7 +98,7 @@ Dataset read_raw(const ByteSource& source, const ReadOptions& options) {
   if (!is_gzip && stays_in_file(*type, num_bytes, options)) {
     dataset.arrays.push_back({"values", *type, 1, num_samples(*dims), "", false, {}});
     dataset.arrays.back().stored =
-        samples_in_file(source, 0, num_bytes, *type, options.raw.big_endian);
+        samples_in_file(source, {*type, options.raw.big_endian, 0, num_bytes}, options);
     return dataset;
   }
   SampleBuffer samples;

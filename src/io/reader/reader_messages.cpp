@@ -15,6 +15,7 @@
 #include <span>
 
 #include "io/core/samples.h"
+#include "io/core/samples_in_file.h"
 #include "io/meshes/mesh_parts.h"
 
 namespace ovoid::io {
@@ -159,6 +160,41 @@ SharedValues<T> values_at(const Json& place, const Shared& memory) {
 
 // --- the parts of a dataset ---------------------------------------------------------------------
 
+// Samples that stay in the file.
+Json json_of(const StoredSamples& samples) {
+  const StoredPlace& place = stored_place(samples);
+  Json json{{"is_big_endian", place.is_big_endian}, {"offset", place.offset}};
+  if (!place.chunked) return json;
+  std::vector<std::int64_t> chunks;
+  for (const ChunkedStorage::Chunk& chunk : place.chunked->chunks) {
+    chunks.push_back(chunk.offset);
+    chunks.push_back(chunk.num_bytes);
+  }
+  json["dims"] = place.chunked->dims;
+  json["chunk"] = place.chunked->chunk;
+  json["is_shuffled"] = place.chunked->is_shuffled;
+  json["is_deflated"] = place.chunked->is_deflated;
+  json["chunks"] = chunks;
+  return json;
+}
+
+StoredPlace stored_place(const Json& json) {
+  StoredPlace place;
+  place.is_big_endian = json.at("is_big_endian");
+  place.offset = count_of(json.at("offset"));
+  if (!json.contains("chunks")) return place;
+  ChunkedStorage chunked;
+  chunked.dims = json.at("dims").get<std::vector<std::int64_t>>();
+  chunked.chunk = json.at("chunk").get<std::vector<std::int64_t>>();
+  chunked.is_shuffled = json.at("is_shuffled");
+  chunked.is_deflated = json.at("is_deflated");
+  const auto chunks = json.at("chunks").get<std::vector<std::int64_t>>();
+  for (std::size_t i = 0; i + 1 < chunks.size(); i += 2)
+    chunked.chunks.push_back({chunks[i], chunks[i + 1]});
+  place.chunked = std::make_shared<const ChunkedStorage>(std::move(chunked));
+  return place;
+}
+
 Json json_of(DataArray array, MemoryWriter& memory) {
   return {{"name", array.name},
           {"type", static_cast<int>(array.type)},
@@ -168,10 +204,11 @@ Json json_of(DataArray array, MemoryWriter& memory) {
           {"is_cell_data", array.is_cell_data},
           {"scale", array.value_scale},
           {"offset", array.value_offset},
-          {"at", memory.add(array.bytes.view)}};
+          {"at", memory.add(array.bytes.view)},
+          {"in_file", array.stored ? json_of(*array.stored) : Json()}};
 }
 
-DataArray array_of(const Json& json, const Shared& memory) {
+DataArray array_of(const Json& json, const Shared& memory, const ReaderHost& host) {
   DataArray array;
   array.name = json.at("name");
   array.type = enum_of(json.at("type"), ScalarType::kFloat64);
@@ -182,12 +219,21 @@ DataArray array_of(const Json& json, const Shared& memory) {
   array.value_scale = json.at("scale");
   array.value_offset = json.at("offset");
   array.bytes = bytes_at(json.at("at"), memory);
+  if (num_components > std::numeric_limits<int>::max()) nonsense("too many components");
+  array.num_components = static_cast<int>(num_components);
   const std::array factors{num_components, array.num_tuples,
                            static_cast<std::int64_t>(size_of(array.type))};
-  if (num_components > std::numeric_limits<int>::max() ||
-      checked_product(factors) != static_cast<std::int64_t>(array.bytes.view.size()))
+  const std::int64_t num_bytes = checked_product(factors).value_or(-1);
+  if (const Json& in_file = json.at("in_file"); !in_file.is_null()) {
+    if (!host.options.may_stay_in_file || num_components != 1)
+      nonsense("an array that it left in its file");
+    StoredPlace place = stored_place(in_file);
+    place.type = array.type;
+    place.num_bytes = num_bytes;
+    array.stored = samples_in_file(*open_file(host.file), place, host.options);
+  } else if (num_bytes != static_cast<std::int64_t>(array.bytes.view.size())) {
     nonsense("an array of another size than its own");
-  array.num_components = static_cast<int>(num_components);
+  }
   return array;
 }
 
@@ -258,18 +304,19 @@ std::size_t num_shared_bytes(const Dataset& dataset) {
   return size;
 }
 
-Dataset dataset_of(const Json& json, const Shared& memory) {
+Dataset dataset_of(const Json& json, const Shared& memory, const ReaderHost& host) {
   Dataset dataset;
   dataset.source = json.at("source");
   dataset.format = json.at("format");
   dataset.kind = enum_of(json.at("kind"), DatasetKind::kKernels);
   dataset.lattice = lattice_of(json.at("lattice"));
-  dataset.positions = array_of(json.at("positions"), memory);
+  dataset.positions = array_of(json.at("positions"), memory, host);
   dataset.cells = cells_of(json.at("cells"), memory);
-  dataset.box_sizes = array_of(json.at("box_sizes"), memory);
+  dataset.box_sizes = array_of(json.at("box_sizes"), memory, host);
   dataset.periodic_box = box_of(json.at("periodic_box"));
   dataset.space = enum_of(json.at("space"), Space::kRas);
-  for (const Json& array : json.at("arrays")) dataset.arrays.push_back(array_of(array, memory));
+  for (const Json& array : json.at("arrays"))
+    dataset.arrays.push_back(array_of(array, memory, host));
   for (const Json& block : json.at("blocks")) dataset.blocks.push_back({block.at(0), block.at(1)});
   dataset.block = json.at("block");
   dataset.num_steps = count_of(json.at("num_steps"));
@@ -330,6 +377,8 @@ std::vector<std::uint8_t> to_message(const ReaderRequest& request) {
                            {"step", options.step ? Json(*options.step) : Json()},
                            {"positions", options.hdf5.positions},
                            {"values", options.hdf5.values},
+                           {"may_stay_in_file", options.may_stay_in_file},
+                           {"memory", request.memory},
                            {"files", request.files},
                            {"folders", request.folders}});
 }
@@ -352,6 +401,8 @@ ReaderRequest request_from_message(const std::vector<std::uint8_t>& message) {
     if (!json.at("step").is_null()) request.options.step = json.at("step").get<std::int64_t>();
     request.options.hdf5.positions = json.at("positions");
     request.options.hdf5.values = json.at("values").get<std::vector<std::string>>();
+    request.options.may_stay_in_file = json.at("may_stay_in_file");
+    request.memory = count_of(json.at("memory"));
     request.files = json.at("files").get<std::vector<std::string>>();
     request.folders = json.at("folders").get<std::vector<std::string>>();
     return request;
@@ -396,11 +447,12 @@ DatasetMessage to_message(Dataset dataset) {
   return {Json::to_msgpack(json), memory.finish()};
 }
 
-Dataset dataset_from_message(const std::string& source, const DatasetMessage& message) {
+Dataset dataset_from_message(const ReaderHost& host, const DatasetMessage& message) {
+  const std::string& source = host.source;
   try {
     const auto memory = std::make_shared<const SharedMemory>(message.memory);
-    Dataset dataset =
-        parsed(message.description, [&](const Json& json) { return dataset_of(json, memory); });
+    Dataset dataset = parsed(message.description,
+                             [&](const Json& json) { return dataset_of(json, memory, host); });
     check_dataset(source, dataset);
     return dataset;
   } catch (const Error& error) {

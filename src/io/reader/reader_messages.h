@@ -15,7 +15,7 @@
 namespace ovoid::io {
 
 // A reader that speaks another version refuses every request.
-inline constexpr int kReaderProtocol = 2;
+inline constexpr int kReaderProtocol = 3;
 
 // Reads one dataset, or one step of it.
 struct ReaderRequest {
@@ -24,6 +24,7 @@ struct ReaderRequest {
   std::vector<std::string> paths;  // files; as named, from `folder`
   std::string folder;              // the working directory
   ReadOptions options;             // but for `raw`, `progress`, `stop` and `session`
+  std::int64_t memory = 0;         // of the host: available_memory()
   // What may be opened, canonical paths: regular files, and folders with all that is below them.
   std::vector<std::string> files;
   std::vector<std::string> folders;
@@ -44,10 +45,18 @@ struct DatasetMessage {
 };
 DatasetMessage to_message(Dataset dataset);
 
-// The dataset, its arrays and cells in the memory itself, which they keep. Everything is checked as
-// if it came from a file: the seals and the size of the memory, the places of arrays in it, sizes
-// against each other, node numbers, positions (finite), the lattice's axes. Throws
-// Error(kFileFormat) naming `source`.
-Dataset dataset_from_message(const std::string& source, const DatasetMessage& message);
+// Who has sent the request.
+struct ReaderHost {
+  std::string source;  // as the request's
+  std::string file;    // the first of its paths
+  ReadOptions options;
+};
+
+// The dataset, its arrays and cells in the memory itself, which they keep, or, where they may, left
+// in the file. Everything is checked as if it came
+// from a file: the seals and the size of the memory, the places of arrays in it and in the file,
+// sizes against each other, node numbers, positions (finite), the lattice's axes. Throws
+// Error(kFileFormat) naming `source`, and what open_file() does.
+Dataset dataset_from_message(const ReaderHost& host, const DatasetMessage& message);
 
 }  // namespace ovoid::io

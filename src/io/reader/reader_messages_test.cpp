@@ -43,9 +43,11 @@ Dataset small_mesh() {
   return dataset;
 }
 
+ReaderHost host_of(const std::string& file) { return {file, file}; }
+
 TEST(ReaderMessages, DatasetArrivesWhole) {
   const Dataset sent = small_mesh();
-  const Dataset got = dataset_from_message("a.vtu", to_message(sent));
+  const Dataset got = dataset_from_message(host_of("a.vtu"), to_message(sent));
   EXPECT_EQ(got.format, "VTU");
   EXPECT_EQ(got.kind, DatasetKind::kMesh);
   EXPECT_EQ(values_of<double>(got.positions), values_of<double>(sent.positions));
@@ -73,7 +75,7 @@ TEST(ReaderMessages, LatticeAndBoxArriveWhole) {
   sent.lattice.world_from_index.translation() << 1e9, -2, 0.3;
   sent.space = Space::kLps;
   sent.arrays = {make_array<std::uint8_t>("v", ScalarType::kUInt8, counting<std::uint8_t>(6))};
-  const Dataset got = dataset_from_message("a.h5", to_message(sent));
+  const Dataset got = dataset_from_message(host_of("a.h5"), to_message(sent));
   EXPECT_EQ(got.lattice.dims, sent.lattice.dims);
   EXPECT_EQ(got.lattice.kind, sent.lattice.kind);
   EXPECT_EQ(Mat3(got.lattice.world_from_index.linear()),
@@ -117,7 +119,7 @@ TEST(ReaderMessages, NonsenseIsRefused) {
     Json json = Json::from_msgpack(message.description);
     spoil(json);
     message.description = Json::to_msgpack(json);
-    return error_of([&] { dataset_from_message("a.vtu", message); });
+    return error_of([&] { dataset_from_message(host_of("a.vtu"), message); });
   };
   EXPECT_EQ(refusal([](Json&) {}), "");
   const std::vector<std::function<void(Json&)>> spoils{
@@ -158,10 +160,10 @@ TEST(ReaderMessages, UnsealedMemoryIsRefused) {
   const off_t size = ::lseek(message.memory.get(), 0, SEEK_END);
   message.memory = UniqueFd(::memfd_create("loose", MFD_CLOEXEC | MFD_ALLOW_SEALING));
   ASSERT_EQ(::ftruncate(message.memory.get(), size), 0);
-  EXPECT_EQ(error_of([&] { dataset_from_message("a.vtu", message); }),
+  EXPECT_EQ(error_of([&] { dataset_from_message(host_of("a.vtu"), message); }),
             "file-format: a.vtu: its reader sent memory that is not sealed");
   message.memory = UniqueFd();
-  EXPECT_NE(error_of([&] { dataset_from_message("a.vtu", message); }), "");
+  EXPECT_NE(error_of([&] { dataset_from_message(host_of("a.vtu"), message); }), "");
 }
 
 }  // namespace

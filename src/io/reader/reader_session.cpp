@@ -25,6 +25,7 @@
 #include <utility>
 
 #include "io/core/memory.h"
+#include "io/core/samples.h"
 #include "io/input_files.h"
 #include "io/reader/reader_program.h"
 #include "ovoid/error.h"
@@ -229,7 +230,7 @@ struct ReaderSession::Impl {
   std::vector<std::string> folders;
 
   void start(const ReadOptions& options);
-  Dataset receive(const std::string& source, const ReadOptions& options);
+  Dataset receive(const io::ReaderHost& host);
   void report_progress(const ReadOptions& options, double fraction);
   [[noreturn]] void report_end(const std::string& source, const char* what);
 };
@@ -250,6 +251,13 @@ void ReaderSession::Impl::start(const ReadOptions& options) {
 void ReaderSession::Impl::report_end(const std::string& source, const char* what) {
   const auto reason = process->reason();
   process.reset();
+  constexpr int kNotLoaded = -127;  // what the system's loader ends with
+  if (reason && *reason == kNotLoaded) {
+    throw Error(ErrorCode::kOutOfMemory,
+                fmt::format("{}: its reader could not start: memory is limited to less than its "
+                            "libraries take (ulimit -v), or one of them is missing",
+                            source));
+  }
   throw Error(ErrorCode::kFileFormat, fmt::format("{}: its reader {}{}: is the file damaged?",
                                                   source, what, io::reason_text(reason)));
 }
@@ -263,7 +271,9 @@ void ReaderSession::Impl::report_progress(const ReadOptions& options, double fra
   }
 }
 
-Dataset ReaderSession::Impl::receive(const std::string& source, const ReadOptions& options) {
+Dataset ReaderSession::Impl::receive(const io::ReaderHost& host) {
+  const std::string& source = host.source;
+  const ReadOptions& options = host.options;
   double used = 0;
   auto last_work = io::Clock::now();
   for (;;) {
@@ -290,8 +300,7 @@ Dataset ReaderSession::Impl::receive(const std::string& source, const ReadOption
         }
         break;
       case io::LinkMessage::kDataset:
-        return io::dataset_from_message(source,
-                                        {std::move(message->bytes), std::move(message->fd)});
+        return io::dataset_from_message(host, {std::move(message->bytes), std::move(message->fd)});
       case io::LinkMessage::kError:
         throw io::error_from_message(message->bytes);
       default:
@@ -315,7 +324,8 @@ Dataset ReaderSession::read(const std::string& format, const std::string& source
   request.options = options;
   request.files = impl_->files;
   request.folders = impl_->folders;
-  impl_->process->allow(io::seconds_for(impl_->files), io::available_memory());
+  request.memory = std::min(io::available_memory(), io::kMaxNumBytes);
+  impl_->process->allow(io::seconds_for(impl_->files), request.memory);
   // Who asks to stop may kill the process when its answer is already here; the next read must not
   // find it. Declared before the callback, so that this runs when that has ended.
   struct LeavesNoneKilled {
@@ -329,7 +339,7 @@ Dataset ReaderSession::read(const std::string& format, const std::string& source
   const std::stop_callback killer(options.stop, [process = impl_->process] { process->kill(); });
   if (!impl_->process->link().send(io::LinkMessage::kRequest, io::to_message(request)))
     impl_->report_end(source, "did not start");
-  return impl_->receive(source, options);
+  return impl_->receive({source, paths.front(), options});
 }
 
 Dataset io::read_foreign(const std::string& format, const std::string& source,

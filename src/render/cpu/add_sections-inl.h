@@ -104,9 +104,8 @@ HWY_INLINE void add_rows(KernelProfile profile, float cutoff, const Section& sec
         const V tangent = hn::NegMulAdd(q, half_tail, hn::Set(d, runs.tangent[i]));
         phi = smooth_end(hn::Set(d, runs.amplitude[i]), gaussian_at(q), tangent);
       } else {
-        phi =
-            hn::Mul(hn::Set(d, section.amplitude),
-                    profile_at(profile, hn::Add(q, hn::Set(d, runs.q_row[i])), cutoff));
+        phi = hn::Mul(hn::Set(d, section.amplitude),
+                      profile_at(profile, hn::Add(q, hn::Set(d, runs.q_row[i])), cutoff));
       }
       add_group<kChannels>(coefficient, first_lanes(phi, last - x + 1), row + x, plane_size);
     }
@@ -139,8 +138,7 @@ HWY_INLINE void find_strip_rows(const Section& section, const Span& span, StripR
   rows.row0 = span.first;
   rows.count = span.past - span.first;
   for (int i = 0; i < rows.count; i += group_size()) {
-    const V dy =
-        hn::Sub(hn::Iota(d, static_cast<float>(span.first + i)), hn::Set(d, section.y));
+    const V dy = hn::Sub(hn::Iota(d, static_cast<float>(span.first + i)), hn::Set(d, section.y));
     const V q = hn::Mul(hn::Mul(dy, dy), hn::Set(d, section.ayy));
     hn::Store(dy, d, rows.dy + i);
     hn::Store(hn::Mul(hn::Set(d, section.amplitude), gaussian_at(q)), d, rows.amplitude + i);
@@ -173,8 +171,7 @@ HWY_INLINE StripColumns<kGroups, kIsRound> find_strip_columns(const Section& sec
       q = hn::MulAdd(columns.mixed[g], hn::Set(d, dy0), q);
       columns.step[g] = vector_exp2(d, hn::Mul(columns.mixed[g], hn::Set(d, -kHalfLog2E)));
     }
-    columns.factor[g] =
-        hn::IfThenElseZero(hn::Le(columns.q[g], hn::Set(d, box_q)), gaussian_at(q));
+    columns.factor[g] = hn::IfThenElseZero(hn::Le(columns.q[g], hn::Set(d, box_q)), gaussian_at(q));
   }
   return columns;
 }
@@ -261,7 +258,8 @@ HWY_INLINE void add_gaussian(const Section& section, const SectionBox& box, Sect
       return add_box<kChannels, true>(section, box, coefficient, extent, planes, plane_size);
     case SectionWay::kTame:
       return add_box<kChannels, false>(section, box, coefficient, extent, planes, plane_size);
-    case SectionWay::kSlanted: break;
+    case SectionWay::kSlanted:
+      break;
   }
   add_rows<kChannels, RowWay::kGaussian>(KernelProfile::kGaussian, 0.0F, section, coefficient,
                                          extent, planes, plane_size);

@@ -58,8 +58,8 @@ Merging merging_for(const KernelField& field, const RenderOptions& options) {
 
 // Published filters carry kernels beyond their cuts, and a slab's mean may be more than a height.
 bool has_bounds(const KernelField& field, const view::KernelPlan& plan) {
-  return field.reconstruction() == Reconstruction::kSum && plan.may_matter &&
-         plan.overshoot == 0 && !plan.is_mean;
+  return field.reconstruction() == Reconstruction::kSum && plan.may_matter && plan.overshoot == 0 &&
+         !plan.is_mean;
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 namespace ovoid::cpu {
 
 // Draws the tile of kBlockEdge^2 pixels into work.tiles.
-void render_kernel_tile(const simd::SimdTarget& target, const KernelFrame& frame, KernelWorkspace& work,
-                        const TileRect& rect);
+void render_kernel_tile(const simd::SimdTarget& target, const KernelFrame& frame,
+                        KernelWorkspace& work, const TileRect& rect);
 
 }  // namespace ovoid::cpu

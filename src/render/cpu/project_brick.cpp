@@ -57,7 +57,8 @@ double least_sigma(const BrickInFrame& brick) {
 // Balls beside each other, on the way to become one.
 class Cluster {
  public:
-  Cluster(const BrickInFrame& brick, double edge) : brick_(brick), edge_(static_cast<float>(edge)) {}
+  Cluster(const BrickInFrame& brick, double edge)
+      : brick_(brick), edge_(static_cast<float>(edge)) {}
 
   int count() const noexcept { return count_; }
   std::int32_t first() const noexcept { return first_; }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a sheet has of a splat: its section. Where it lies on the samples of a level, how wide it is,
-// and what it is worth at a place.
+// What a sheet has of a splat: its section. Where it lies on the samples of a level, how wide it
+// is, and what it is worth at a place.
 #if defined(OVOID_RENDER_CPU_SECTIONS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef OVOID_RENDER_CPU_SECTIONS_INL_H_
 #undef OVOID_RENDER_CPU_SECTIONS_INL_H_
@@ -40,10 +40,10 @@ struct SplatSheet {
 
 // Where a block lies in the picture, and its sheets (or the points of their slabs, sheet by sheet).
 struct SplatBlock {
-  int tile_x, tile_y;               // pixel of its corner
-  float tail;                       // Gaussian: what a kernel of height 1 falls to at its cut
-  alignas(64) float sheets[16];     // the sheets' numbers in the frame
-  alignas(64) float scales[16];     // of the sheets' middle planes
+  int tile_x, tile_y;            // pixel of its corner
+  float tail;                    // Gaussian: what a kernel of height 1 falls to at its cut
+  alignas(64) float sheets[16];  // the sheets' numbers in the frame
+  alignas(64) float scales[16];  // of the sheets' middle planes
   SplatSheet places[view::kBlockDepth * device::kProfilePoints];
 };
 

@@ -64,10 +64,9 @@ std::vector<std::uint8_t> visible_sums(const view::KernelPlan& plan, const Binne
     for (std::size_t block = first; block < std::min(count, first + kTask); ++block) {
       if (plan.is_needed[block] == 0) continue;
       const auto in_layer = static_cast<int>(block % per_layer);
-      bounds[block] = bounds_on_block(plan, layers[block / per_layer],
-                                      in_layer % plan.num_blocks[0] * view::kBlockEdge,
-                                      in_layer / plan.num_blocks[0] * view::kBlockEdge, binned,
-                                      binned.of_block(block));
+      bounds[block] = bounds_on_block(
+          plan, layers[block / per_layer], in_layer % plan.num_blocks[0] * view::kBlockEdge,
+          in_layer / plan.num_blocks[0] * view::kBlockEdge, binned, binned.of_block(block));
     }
   });
   std::vector<std::uint8_t> is_visible = plan.is_relevant;

@@ -55,7 +55,8 @@ void check_place(const ByteSource& source, const StoredPlace& place) {
           source);
     num_samples *= static_cast<double>(chunked.dims[a]);
     in_chunk *= static_cast<double>(chunked.chunk[a]);
-    num_chunks *= static_cast<double>((chunked.dims[a] - 1) / chunked.chunk[a] + 1);
+    const std::int64_t num_along = (chunked.dims[a] - 1) / chunked.chunk[a] + 1;
+    num_chunks *= static_cast<double>(num_along);
   }
   const auto sample = static_cast<double>(size_of(place.type));
   check(num_samples * sample == static_cast<double>(place.num_bytes) &&

@@ -10,9 +10,9 @@
 namespace ovoid::cpu {
 namespace {
 
-constexpr int kCell = 8;                              // pixels
-constexpr int kCells = view::kBlockEdge / kCell + 2;  // a tile's samples begin before its pixels
-constexpr int kTask = 64;                             // blocks
+constexpr int kCell = 8;                                      // pixels
+constexpr std::size_t kCells = view::kBlockEdge / kCell + 2;  // samples begin before the pixels
+constexpr int kTask = 64;                                     // blocks
 constexpr std::size_t kMostSplats = 1024;  // blocks of more can show; to look closer costs more
 
 constexpr ValueRange kAnything = {-std::numeric_limits<float>::max(),
@@ -20,13 +20,13 @@ constexpr ValueRange kAnything = {-std::numeric_limits<float>::max(),
 
 // The sums of the positive and of the negative heights that reach a cell.
 struct Heights {
-  std::array<float, static_cast<std::size_t>(kCells) * kCells> positive{}, negative{};
+  std::array<float, kCells * kCells> positive{}, negative{};
 };
 
-int cell_of(float pixel, int tile) {
+std::size_t cell_of(float pixel, int tile) {
   constexpr float kSlack = 1e-2F;
   const float at = (pixel - static_cast<float>(tile)) / kCell + 1.0F;
-  return static_cast<int>(std::clamp(at + kSlack, 0.0F, static_cast<float>(kCells - 1)));
+  return static_cast<std::size_t>(std::clamp(at + kSlack, 0.0F, static_cast<float>(kCells - 1)));
 }
 
 // Bounds of the sum on a block; 0 is within them.
@@ -40,10 +40,10 @@ ValueRange bounds_on_block(const view::KernelPlan& plan, const Layer& layer, int
     const SplatExtent extent = extent_on(plan, layer, splat);
     if (extent.is_empty()) continue;
     auto& sums = height > 0 ? heights.positive : heights.negative;
-    const int x0 = cell_of(extent.lo_x - 0.2F, tile_x), x1 = cell_of(extent.hi_x, tile_x);
-    const int y0 = cell_of(extent.lo_y - 0.2F, tile_y), y1 = cell_of(extent.hi_y, tile_y);
-    for (int y = y0; y <= y1; ++y) {
-      for (int x = x0; x <= x1; ++x) sums[static_cast<std::size_t>(y * kCells + x)] += height;
+    const std::size_t x0 = cell_of(extent.lo_x - 0.2F, tile_x), x1 = cell_of(extent.hi_x, tile_x);
+    const std::size_t y0 = cell_of(extent.lo_y - 0.2F, tile_y), y1 = cell_of(extent.hi_y, tile_y);
+    for (std::size_t y = y0; y <= y1; ++y) {
+      for (std::size_t x = x0; x <= x1; ++x) sums[y * kCells + x] += height;
     }
   }
   constexpr float kSlack = 1.02F;  // rounding, and the overshoot of post-convolution

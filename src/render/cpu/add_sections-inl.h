@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Adds sections to the planes of a level, row by row.
+// Adds sections to the planes of a level, row by row. On a row a Gaussian section is a Gaussian of
+// one variable. Most are added in strips of columns, whose factors follow from row to row by a
+// product; thin and slanted ones, and other profiles, a group of samples at a time.
 #if defined(OVOID_RENDER_CPU_ADD_SECTIONS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef OVOID_RENDER_CPU_ADD_SECTIONS_INL_H_
 #undef OVOID_RENDER_CPU_ADD_SECTIONS_INL_H_

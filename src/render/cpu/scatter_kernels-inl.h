@@ -3,9 +3,8 @@
 //
 // In:  the block's splats; which sheets of the block are wanted.
 // Out: the levels' planes, [sheet][channel][row][column].
-// One splat after the other; on each sheet its cut is an ellipse, on each row of it a Gaussian of
-// one variable: row by row the cut's two ends, the middle and the amplitude are found for a vector
-// of rows at once, then the row is added a group of samples at a time, an exponential each.
+// One splat after the other; its cut with each sheet is an ellipse. Where the cuts of Gaussians lie
+// is found for all sheets of the block at once, then each is added row by row (add_sections-inl.h).
 // A splat goes to the coarsest level on which it is still wide enough to be brought up faithfully,
 // so it costs a few hundred samples per sheet at most, however large it is in the picture.
 #if defined(OVOID_RENDER_CPU_SCATTER_KERNELS_INL_H_) == defined(HWY_TARGET_TOGGLE)

@@ -40,6 +40,8 @@ const Names<Classification> kClassifications = {{"sampled", Classification::kSam
                                                 {"refined", Classification::kRefined}};
 const Names<Evaluate> kEvaluates = {
     {"auto", Evaluate::kAuto}, {"gather", Evaluate::kGather}, {"scatter", Evaluate::kScatter}};
+const Names<Sheets> kSheetWays = {
+    {"auto", Sheets::kAuto}, {"image", Sheets::kImage}, {"lattice", Sheets::kLattice}};
 const Names<PostConvolution> kPostConvolutions = {{"off", PostConvolution::kOff},
                                                   {"bilinear", PostConvolution::kBilinear},
                                                   {"gaussian", PostConvolution::kGaussian},
@@ -329,6 +331,9 @@ const Table<RenderOptions>& number_settings() {
        "colour and opacity of samples, of the piece from the sheet before, or of as many steps of "
        "it as the look needs (default {})",
        not_with("mode", "has no effect with --mode {1}", is_no_layer)},
+      {"--sheets", choice(kSheetWays), &R::sheets,
+       "sheets of samples parallel to the picture, or to a lattice's planes, which is faster and "
+       "then warped to the picture (default {})"},
       {"--evaluate", choice(kEvaluates), &R::evaluate,
        "samples gather kernels, or kernels scatter to samples (default {})"},
       {"--post-convolution", choice(kPostConvolutions), &R::post_convolution,

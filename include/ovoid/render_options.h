@@ -55,6 +55,12 @@ enum class Spread { kGaussian, kBilinear };
 // says so.
 enum class SheetPrecision { kSingle, kHalf };
 
+// How the sheets of a lattice lie (docs/numerics.md, "Lattice sheets"): parallel to the picture, or
+// parallel to the lattice's own planes, which takes less time; the picture on them is then warped
+// to the one that is seen. kAuto: as the lattice's where that can be and is faster, by a rule that
+// looks at the frame alone. Kernel sets, and the vulkan back end, have image sheets.
+enum class Sheets { kAuto, kImage, kLattice };
+
 // A half space: points with dot(normal, x) >= offset are kept (world). `normal` need not have unit
 // length.
 struct ClipPlane {
@@ -70,6 +76,7 @@ struct RenderOptions {
   Slab slab = Slab::kAuto;
   GradientMethod gradient = GradientMethod::kAuto;
   Classification classification = Classification::kRefined;
+  Sheets sheets = Sheets::kAuto;
   Evaluate evaluate = Evaluate::kAuto;
   PostConvolution post_convolution = PostConvolution::kAuto;
   Spread spread = Spread::kGaussian;

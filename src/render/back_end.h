@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "ovoid/renderer.h"
+#include "view/base_plane.h"
 #include "view/trail_view.h"
 
 namespace ovoid {
@@ -18,11 +19,13 @@ struct FrameJob {
   const view::TrailView* trail;  // null: none
   const RenderOptions& options;
   const RenderHooks& hooks;
+  const view::BasePlane* base = nullptr;  // of lattice sheets; null: image sheets
 };
 
 class BackEnd {
  public:
   virtual ~BackEnd() = default;
+  virtual bool has_lattice_sheets() const noexcept { return false; }
   // Throws Error, also kDeviceLost and kOutOfMemory, and what the hooks throw. One frame at a time.
   virtual Frame draw(const FrameJob& job) = 0;
 };

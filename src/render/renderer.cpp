@@ -13,6 +13,7 @@
 #include "render/cpu/cpu_renderer.h"
 #include "render/field_levels.h"
 #include "render/reference/reference_renderer.h"
+#include "view/frame_plan.h"
 
 namespace ovoid {
 namespace {
@@ -63,6 +64,47 @@ view::TrailView view_of(const Trail& trail, const Look& look, const RenderOption
   return view;
 }
 
+// Why a frame cannot have lattice sheets, whatever its view; empty if it can.
+std::string against_lattice_sheets(const BackEnd& back_end, const Field& field, const Look& look,
+                                   const RenderOptions& options, bool has_trail) {
+  if (!back_end.has_lattice_sheets()) return "backend vulkan has image sheets";
+  if (field.lattice() == nullptr) return "the field is a set of kernels";
+  if (has_trail) return "a trail is drawn on image sheets";
+  if (is_published(options.post_convolution))
+    return "the published ways of post-convolution are for image sheets";
+  if (options.evaluate == Evaluate::kScatter) return "kernels are scattered to image sheets";
+  if (options.gradient == GradientMethod::kCentral && look.mode == Mode::kComposite)
+    return "central differences are taken on image sheets";
+  return {};
+}
+
+// Throws Error(kUnsupported) if they are asked for and cannot be.
+bool takes_lattice_sheets(const BackEnd& back_end, const Field& field, const Look& look,
+                          const RenderOptions& options, bool has_trail) {
+  if (options.sheets != Sheets::kLattice) return false;
+  const std::string reason = against_lattice_sheets(back_end, field, look, options, has_trail);
+  if (options.sheets == Sheets::kLattice && !reason.empty())
+    throw Error(ErrorCode::kUnsupported, fmt::format("sheets: lattice: {}", reason));
+  return reason.empty();
+}
+
+// Throws Error(kUnsupported) if they are asked for and the view does not let them be.
+std::optional<view::BasePlane> base_plane_of(const LatticeField& field, const Camera& camera,
+                                             const RenderOptions& options) {
+  const double reach = options.slab == Slab::kMean
+                           ? options.sampling_distance / field.geometry().spacing().minCoeff()
+                           : 0.0;
+  std::optional<view::BasePlane> base =
+      view::base_plane(field, view::support_of(field, 1.0, reach), camera, options);
+  if (!base && options.sheets == Sheets::kLattice)
+    throw Error(
+        ErrorCode::kUnsupported,
+        "sheets: lattice: needs a camera in front of the whole volume whose rays are within "
+        "60 degrees of the normal of the lattice's planes, and not far larger a picture on "
+        "these than the one that is seen: take auto or image");
+  return base;
+}
+
 // Of a back end that runs on none.
 [[noreturn]] void refuse_device(const RendererSetup& setup) {
   throw Error(
@@ -103,6 +145,7 @@ Frame with_note_on_threads(Frame frame, int wanted) {
 class CpuBackEnd final : public BackEnd {
  public:
   explicit CpuBackEnd(const cpu::Machine& machine) : machine_(machine) {}
+  bool has_lattice_sheets() const noexcept override { return true; }
 
   Frame draw(const FrameJob& job) override {
     return with_note_on_threads(cpu::render(job, machine_), machine_.runner->num_wanted());
@@ -115,14 +158,16 @@ class CpuBackEnd final : public BackEnd {
 class ReferenceBackEnd final : public BackEnd {
  public:
   explicit ReferenceBackEnd(int num_threads) : num_threads_(num_threads) {}
+  bool has_lattice_sheets() const noexcept override { return true; }
 
   Frame draw(const FrameJob& job) override {
-    const auto& [field, camera, look, trail, options, hooks] = job;
+    const auto& [field, camera, look, trail, options, hooks, base] = job;
     const int wanted = std::min(num_threads_, options.height);  // a thread has a row at least
     return with_note_on_threads(
         field.kernels() != nullptr
             ? reference::render(*field.kernels(), camera, look, options, hooks, wanted)
-            : reference::render(*field.lattice(), camera, look, options, hooks, wanted, trail),
+            : reference::render(*field.lattice(), camera, look, options, hooks, wanted, trail,
+                                base),
         wanted);
   }
 
@@ -202,8 +247,17 @@ Frame Renderer::Impl::draw(const Field& field, const Camera& camera, const Look&
     own_options.post_convolution = PostConvolution::kOff;
     trail_view = view_of(*trail, look, own_options);
   }
-  const FrameJob job{drawn,       camera, own_look, trail_view ? &*trail_view : nullptr,
-                     own_options, hooks};
+  std::optional<view::BasePlane> base;
+  if (takes_lattice_sheets(*back_end, drawn, look, own_options, trail != nullptr))
+    base = base_plane_of(*drawn.lattice(), camera, own_options);
+  if (base) own_options.sampling_distance *= base->closeness;
+  const FrameJob job{drawn,
+                     camera,
+                     own_look,
+                     trail_view ? &*trail_view : nullptr,
+                     own_options,
+                     hooks,
+                     base ? &*base : nullptr};
   Frame frame = draw_by_choice(job);
   note_on_precision(frame.profile, job);
   return frame;

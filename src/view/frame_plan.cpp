@@ -46,6 +46,14 @@ ViewLattice::SheetRange checked_sheets(const ViewLattice& lattice, const Bounds3
   return range;
 }
 
+ViewLattice view_lattice_of(const LatticeField& field, const Camera& camera, const Look& look,
+                            const RenderOptions& options, const BasePlane* base) {
+  const double distance = sheet_distance(field, look, options);
+  return base == nullptr
+             ? ViewLattice(camera, options.width, options.height, distance, field.geometry())
+             : ViewLattice(*base, camera, distance, field.geometry());
+}
+
 // The farthest that the ray of any pixel advances along a lattice axis per sheet, spacings.
 double greatest_step(const ViewLattice& lattice) {
   const SheetMap near = lattice.index_map(0);
@@ -62,23 +70,6 @@ double greatest_step(const ViewLattice& lattice) {
 // How far from its place a sample sees the field, for its slab's sake, spacings.
 double slab_reach(const ViewLattice& lattice, const RenderOptions& options) {
   return options.slab == Slab::kMean ? 0.5 * greatest_step(lattice) : 0.0;
-}
-
-// Places of samples that can be defined: `sum` wherever a kernel reaches the slab; normalized to
-// where 0.48 of the weights exist, a little beyond the faces of the outermost cells, or 0.02 of a
-// slab's length if that is more. Cells of a body-centred lattice reach half an axis vector from
-// their sample: where kernels are narrow, twice as far as the plane on which the faces lie.
-Bounds3 support_of(const LatticeField& field, double widening, double reach) {
-  const LatticeKernel kernel = field.index_kernel();
-  Bounds3 box = field.geometry().index_bounds();
-  const double half_cell = 0.5 / field.geometry().num_sublattices();
-  const double bulge = 0.5 - half_cell;
-  const double beyond = field.reconstruction() == Reconstruction::kSum
-                            ? kernel.support_radius() * widening - half_cell + reach
-                            : data::face_reach(kernel) * widening + 0.05 * reach + bulge + 1e-3;
-  box.min().array() -= beyond;
-  box.max().array() += beyond;
-  return box;
 }
 
 // Of the sheets that meet a box, and where pieces are refined of the one behind them, too.
@@ -155,10 +146,26 @@ MayMatter may_matter_for(const Look& look, const LookTable& table) {
 
 }  // namespace
 
-FramePlan::FramePlan(const Field& field, const LatticeGeometry& geometry, const Camera& camera,
-                     const Look& look, const RenderOptions& options)
-    : lattice(camera, options.width, options.height, sheet_distance(field, look, options),
-              geometry),
+// Places of samples that can be defined: `sum` wherever a kernel reaches the slab; normalized to
+// where 0.48 of the weights exist, a little beyond the faces of the outermost cells, or 0.02 of a
+// slab's length if that is more. Cells of a body-centred lattice reach half an axis vector from
+// their sample: where kernels are narrow, twice as far as the plane on which the faces lie.
+Bounds3 support_of(const LatticeField& field, double widening, double reach) {
+  const LatticeKernel kernel = field.index_kernel();
+  Bounds3 box = field.geometry().index_bounds();
+  const double half_cell = 0.5 / field.geometry().num_sublattices();
+  const double bulge = 0.5 - half_cell;
+  const double beyond = field.reconstruction() == Reconstruction::kSum
+                            ? kernel.support_radius() * widening - half_cell + reach
+                            : data::face_reach(kernel) * widening + 0.05 * reach + bulge + 1e-3;
+  box.min().array() -= beyond;
+  box.max().array() += beyond;
+  return box;
+}
+
+FramePlan::FramePlan(const Field& field, const ViewLattice& view_lattice, const Look& look,
+                     const RenderOptions& options)
+    : lattice(view_lattice),
       look_table(look.transfer_function),
       is_faded(!look.transfer_function.gradient_opacities.empty()),
       is_preintegrated(look.mode == Mode::kComposite &&
@@ -195,9 +202,11 @@ ClipMap FramePlan::clip_slope(const ClipPlane& plane) const {
 }
 
 LatticePlan::LatticePlan(const LatticeField& field, const Camera& camera, const Look& look,
-                         const RenderOptions& options, PieceRelevance pieces)
-    : FramePlan(field, field.geometry(), camera, look, options),
-      greatest_widening(greatest_widening_of(*this, field, slab_reach(lattice, options))),
+                         const RenderOptions& options, PieceRelevance pieces, const BasePlane* base)
+    : FramePlan(field, view_lattice_of(field, camera, look, options, base), look, options),
+      order(base == nullptr ? kOwnOrder : base->order),
+      greatest_widening(
+          base == nullptr ? greatest_widening_of(*this, field, slab_reach(lattice, options)) : 1.0),
       relevance(
           field, greatest_widening,
           relevance_grow(lattice, field, options,
@@ -207,17 +216,22 @@ LatticePlan::LatticePlan(const LatticeField& field, const Camera& camera, const 
       node_reach_((data::is_piecewise(field.kernel().kind) ? kNodeSigmasOfPieces : kNodeSigmas) *
                   field.index_kernel().sigma *
                   std::pow(kNodeSteepness / steepness_of(look, field.value_range()), 0.25)),
-      spacing_(field.geometry().spacing()),
+      widens_kernels_(base == nullptr),
+      spacing_(in_order(field.geometry().spacing(), order)),
       unit_spacing_(field.geometry().unit_spacing()) {
   const Index3 cells = field.geometry().cells();
-  for (int a = 0; a < 3; ++a)
-    widening_limit_[a] = static_cast<double>(cells[a]) / (4 * field.index_kernel().sigma);
-  faces = field.geometry().index_bounds();
-  index_support = support_of(field, greatest_widening, slab_reach(lattice, options));
+  for (int a = 0; a < 3; ++a) {
+    widening_limit_[a] = static_cast<double>(cells[static_cast<std::size_t>(order[a])]) /
+                         (4 * field.index_kernel().sigma);
+  }
+  faces = in_order(field.geometry().index_bounds(), order);
+  index_support =
+      in_order(support_of(field, greatest_widening, slab_reach(lattice, options)), order);
   set_sheets(index_support);
 }
 
 Vec3 LatticePlan::widening(std::int64_t sheet) const {
+  if (!widens_kernels_) return Vec3::Ones();
   return (lattice.pitch(sheet) / spacing_.array()).min(widening_limit_.array()).max(1.0).matrix();
 }
 

@@ -26,9 +26,8 @@ bool is_refined(const Look& look, const RenderOptions& options);
 
 // Everything about a frame, of whatever field, that can be said before a sample is reconstructed.
 struct FramePlan {
-  // `geometry`: whose index space ViewLattice::index_map() is in.
-  FramePlan(const Field& field, const LatticeGeometry& geometry, const Camera& camera,
-            const Look& look, const RenderOptions& options);
+  FramePlan(const Field& field, const ViewLattice& lattice, const Look& look,
+            const RenderOptions& options);
   // `may_matter` looks into `look_table`.
   FramePlan(const FramePlan&) = delete;
   FramePlan& operator=(const FramePlan&) = delete;
@@ -63,13 +62,23 @@ struct LatticePlan : FramePlan {
   // `relevance`: where refined pieces can show (kWholePieces), or one of their ends is in a brick
   // near which they can (kPieceEnds), which is less.
   enum class PieceRelevance { kWholePieces, kPieceEnds };
+  // `base`: of a frame of lattice sheets; null: of sheets that are parallel to the picture.
   LatticePlan(const LatticeField& field, const Camera& camera, const Look& look,
-              const RenderOptions& options, PieceRelevance pieces = PieceRelevance::kWholePieces);
+              const RenderOptions& options, PieceRelevance pieces = PieceRelevance::kWholePieces,
+              const BasePlane* base = nullptr);
 
+  // Index space, here and in ViewLattice::index_map(), has the axes in this order; the relevance
+  // map has them in their own.
+  AxisOrder order;
   Bounds3 index_support;     // positions (index space) where the field can be defined
   Bounds3 faces;             // of the lattice, index space
-  double greatest_widening;  // of any kernel on any sheet
+  double greatest_widening;  // of any kernel on any sheet; lattice sheets widen none
   RelevanceMap relevance;    // to be filled: one fill_layer() per layer, then finish()
+
+  // True if something relevant touches the box, index space.
+  bool any_relevant(const Bounds3& box) const noexcept {
+    return relevance.any_in(out_of_order(box.min(), order), out_of_order(box.max(), order));
+  }
 
   // Factors by which kernels are widened along each lattice axis on a sheet.
   Vec3 widening(std::int64_t sheet) const;
@@ -80,11 +89,17 @@ struct LatticePlan : FramePlan {
   double node_step(PostConvolution how, std::int64_t sheet) const;
 
  private:
-  double node_reach_;  // of kAuto, index space
+  double node_reach_;    // of kAuto, index space
+  bool widens_kernels_;  // where pixels are wider than spacings
   Vec3 spacing_;
   double unit_spacing_;
   Vec3 widening_limit_;  // a kernel stays under a quarter of the lattice's extent
 };
+
+// Places of samples, index space of the field's own order, where a frame that widens kernels by
+// `widening` at most can find the field defined. `reach`: how far a sample's slab reaches,
+// spacings.
+Bounds3 support_of(const LatticeField& field, double widening, double reach);
 
 // What kAuto keeps: the distance of nodes in sigmas of the lattice's kernel is such that pictures
 // have this PSNR, dB, to those of kOff. The published ways have a node per spacing.

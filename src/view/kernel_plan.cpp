@@ -37,7 +37,10 @@ bool takes_the_mean(const Look& look, const RenderOptions& options) {
 
 KernelPlan::KernelPlan(const KernelField& field, const Camera& camera, const Look& look,
                        const RenderOptions& options)
-    : FramePlan(field, world_geometry(), camera, look, options),
+    : FramePlan(field,
+                ViewLattice(camera, options.width, options.height,
+                            sheet_distance(field, look, options), world_geometry()),
+                look, options),
       is_mean(takes_the_mean(look, options)),
       overshoot(is_published(options.post_convolution) ? kOvershootSigmas : 0.0) {
   if (field.has_own_color()) color_table.emplace(color_function_of(look));

@@ -8,49 +8,74 @@
 
 namespace ovoid::view {
 
-ViewLattice::ViewLattice(const Camera& camera, int width, int height, double sampling_distance,
-                         const LatticeGeometry& lattice)
+namespace {
+
+Affine3 ordered(const Affine3& world_from_index, const AxisOrder& order) {
+  Affine3 out = world_from_index;
+  for (int a = 0; a < 3; ++a)
+    out.linear().col(a) = world_from_index.linear().col(order[static_cast<std::size_t>(a)]);
+  return out;
+}
+
+}  // namespace
+
+ViewLattice::ViewLattice(const Frame& world, const Camera& camera, int width, int height,
+                         double sampling_distance, const Affine3& world_from_index)
     : width_(width),
       height_(height),
       is_parallel_(camera.parallel_projection),
       sampling_distance_(sampling_distance),
-      world_from_index_(lattice.world_from_index) {
-  const Vec3 towards = camera.focal_point - camera.position;
-  focal_depth_ = towards.norm();
-  axis_ = towards / focal_depth_;
-  const Vec3 right = axis_.cross(camera.view_up).normalized();
-  const Vec3 up = right.cross(axis_);
-  half_height_ =
-      is_parallel_ ? camera.parallel_scale : std::tan(camera.view_angle * std::numbers::pi / 360.0);
-  near_depth_ = is_parallel_ ? -std::numeric_limits<double>::infinity() : sampling_distance / 2;
-
-  world_frame_ = {camera.position, right, up, axis_};
+      near_depth_(is_parallel_ ? -std::numeric_limits<double>::infinity() : sampling_distance / 2),
+      focal_depth_((camera.focal_point - camera.position).norm()),
+      world_frame_(world),
+      pitch_(std::max(world.per_x.norm(), world.per_y.norm())),
+      world_from_index_(world_from_index) {
+  const Vec3 across = world.per_x.cross(world.per_y);
+  normal_ = across / across.dot(world.axis);
   const Affine3 index_from_world = world_from_index_.inverse();
   const Mat3 linear = index_from_world.linear();
-  index_frame_ = {index_from_world * camera.position, linear * right, linear * up, linear * axis_};
+  index_frame_ = {index_from_world * world.eye, linear * world.axis, linear * world.corner,
+                  linear * world.per_x, linear * world.per_y};
 }
 
+ViewLattice::ViewLattice(const Camera& camera, int width, int height, double sampling_distance,
+                         const LatticeGeometry& lattice)
+    : ViewLattice(
+          [&]() -> Frame {
+            const Vec3 axis = (camera.focal_point - camera.position).normalized();
+            const Vec3 right = axis.cross(camera.view_up).normalized();
+            const Vec3 up = right.cross(axis);
+            const double half = camera.parallel_projection
+                                    ? camera.parallel_scale
+                                    : std::tan(camera.view_angle * std::numbers::pi / 360.0);
+            const double pixel = 2 * half / height;
+            return {camera.position, axis,
+                    right * (pixel / 2 * (1 - width)) + up * (pixel / 2 * (height - 1)),
+                    right * pixel, up * -pixel};
+          }(),
+          camera, width, height, sampling_distance, lattice.world_from_index) {}
+
+ViewLattice::ViewLattice(const BasePlane& base, const Camera& camera, double sampling_distance,
+                         const LatticeGeometry& lattice)
+    : ViewLattice(Frame{base.eye, base.axis, base.corner, base.per_x, base.per_y}, camera,
+                  base.width, base.height, sampling_distance,
+                  ordered(lattice.world_from_index, base.order)) {}
+
 SheetMap ViewLattice::map_at_depth(const Frame& frame, double depth) const {
-  const double scale = is_parallel_ ? half_height_ : half_height_ * depth;
-  const double aspect = static_cast<double>(width_) / height_;
-  SheetMap map;
-  map.per_x = frame.right * (2 * aspect * scale / width_);
-  map.per_y = frame.up * (-2 * scale / height_);
-  map.origin = frame.position + frame.axis * depth +
-               frame.right * (aspect * scale * (1.0 / width_ - 1)) +
-               frame.up * (scale * (1 - 1.0 / height_));
-  return map;
+  const double scale = is_parallel_ ? 1.0 : depth;
+  return {frame.eye + frame.axis * depth + frame.corner * scale, frame.per_x * scale,
+          frame.per_y * scale};
 }
 
 double ViewLattice::pitch(std::int64_t sheet) const noexcept {
-  return 2 * half_height_ * (is_parallel_ ? 1.0 : depth(sheet)) / height_;
+  return pitch_ * (is_parallel_ ? 1.0 : depth(sheet));
 }
 
 SheetMap ViewLattice::ray_direction() const {
-  if (is_parallel_) return {axis_, Vec3::Zero(), Vec3::Zero()};
+  if (is_parallel_) return {world_frame_.axis, Vec3::Zero(), Vec3::Zero()};
   // Not a difference of places, in which a direction of unit length may be lost.
   auto from_eye = world_frame_;
-  from_eye.position = Vec3::Zero();
+  from_eye.eye = Vec3::Zero();
   return map_at_depth(from_eye, 1.0);
 }
 
@@ -60,7 +85,7 @@ ViewLattice::SheetRange ViewLattice::sheets_meeting(const Bounds3& index_box) co
   for (int corner = 0; corner < 8; ++corner) {
     const Vec3 world =
         world_from_index_ * index_box.corner(static_cast<Bounds3::CornerType>(corner));
-    const double depth = axis_.dot(world - world_frame_.position);
+    const double depth = normal_.dot(world - world_frame_.eye);
     nearest = std::min(nearest, depth);
     farthest = std::max(farthest, depth);
   }

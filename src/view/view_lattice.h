@@ -6,6 +6,7 @@
 #include "ovoid/camera.h"
 #include "ovoid/lattice.h"
 #include "ovoid/math.h"
+#include "view/base_plane.h"
 
 namespace ovoid::view {
 
@@ -22,10 +23,14 @@ struct SheetMap {
 
 // The sample positions of one frame: pixels in x and y, sheets along the view axis
 // (docs/numerics.md, "The view lattice"). Sheet k is the plane at depth z_k = focal_depth + (k +
-// 1/2) * sampling_distance from the camera position.
+// 1/2) * sampling_distance from the camera position: parallel to the picture, or through the same
+// place on the view axis and parallel to a base plane, whose samples then stand for pixels.
 class ViewLattice {
  public:
   ViewLattice(const Camera& camera, int width, int height, double sampling_distance,
+              const LatticeGeometry& lattice);
+  // The lattice's axes are in the base plane's order.
+  ViewLattice(const BasePlane& base, const Camera& camera, double sampling_distance,
               const LatticeGeometry& lattice);
 
   int width() const noexcept { return width_; }
@@ -42,13 +47,14 @@ class ViewLattice {
   // World-space map of a sheet.
   SheetMap world_map(std::int64_t sheet) const { return map_at_depth(world_frame_, depth(sheet)); }
 
-  // Width of a pixel on a sheet, world units.
+  // Width of a pixel on a sheet, world units; of a base plane's samples that of the wider side.
   double pitch(std::int64_t sheet) const noexcept;
 
   // Change of world position per unit of depth along the ray of pixel (x, y): direction(x, y) =
-  // origin + x * per_x + y * per_y. Its component along the view axis is 1.
+  // origin + x * per_x + y * per_y. Its component along the view axis is 1, of sheets that are
+  // parallel to the picture.
   SheetMap ray_direction() const;
-  const Vec3& view_axis() const noexcept { return axis_; }
+  const Vec3& view_axis() const noexcept { return world_frame_.axis; }
 
   // Sheets [first, last) whose plane can meet the box given in index space, the near plane
   // respected; first >= last if none.
@@ -59,18 +65,21 @@ class ViewLattice {
   SheetRange sheets_meeting(const Bounds3& index_box) const;
 
  private:
-  // A camera frame in some space: position, and the images of right, up and view axis.
+  // The samples in some space: at depth 1 (perspective) or any, relative to the eye, and how they
+  // change with the depth.
   struct Frame {
-    Vec3 position, right, up, axis;
+    Vec3 eye, axis, corner, per_x, per_y;
   };
+  ViewLattice(const Frame& world, const Camera& camera, int width, int height,
+              double sampling_distance, const Affine3& world_from_index);
   SheetMap map_at_depth(const Frame& frame, double depth) const;
 
   int width_, height_;
   bool is_parallel_;
   double sampling_distance_, near_depth_, focal_depth_;
-  double half_height_;  // parallel: world units; perspective: tangent of half the view angle
-  Vec3 axis_;
   Frame world_frame_, index_frame_;
+  double pitch_;  // parallel: world units; perspective: at depth 1
+  Vec3 normal_;   // of the sheets; its product with the view axis is 1
   Affine3 world_from_index_;
 };
 

@@ -107,6 +107,10 @@ TEST(BodyCentredAgreement, KernelsAndSources) {
       expect_agreement_however_evaluated(
           scene, std::string("body-centred, ") + name_of(kernel.kind) + ", sigma " +
                      std::to_string(kernel.sigma) + (how == Reconstruction::kSum ? ", sum" : ""));
+      scene.options = picture(96, 80);  // no kernel is widened
+      EXPECT_TRUE(backends_agree(scene, std::string("body-centred, magnified, ") +
+                                            name_of(kernel.kind) + ", sigma " +
+                                            std::to_string(kernel.sigma)));
     }
   }
   Scene scene = body_centred_scene(Mode::kComposite, false);

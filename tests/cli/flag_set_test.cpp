@@ -259,7 +259,7 @@ const std::vector<Words>& samples() {
       {"--mass-array", "m"},
       {"--sampling-distance", "1", "--slab", "mid", "--gradient", "exact"},
       {"--classification", "pre-integrated"},
-      {"--evaluate", "gather", "--sheet-precision", "fp16"},
+      {"--evaluate", "gather", "--sheets", "lattice", "--sheet-precision", "fp16"},
       {"--post-convolution", "cubic", "--spread", "bilinear"},
       {"--clip", "1,0,0,0", "--clip", "0,1,0,0"},
       {"--value-plane", "1,0,0,0,shown"},

@@ -24,24 +24,36 @@ namespace HWY_NAMESPACE {
 // Bit of the brick that each position lies in; positions beyond the lattice belong to the outermost
 // bricks. Positions within rounding of a brick's face may be given either brick: ranges cover both.
 struct BrickLookup {
-  BrickLookup(const view::RelevanceMap& map, const std::uint32_t* bits, const std::int64_t* origin)
+  // `order`: of positions; the map has its own.
+  BrickLookup(const view::RelevanceMap& map, const std::uint32_t* bits, const std::int64_t* origin,
+              const view::AxisOrder& order)
       : words(reinterpret_cast<const std::int32_t*>(bits)),
         words_per_row(map.words_per_row()),
         rows_per_layer(static_cast<std::int32_t>(map.num_bricks()[1])),
         bricks_per_sample(std::ldexp(1.0F, -map.brick_shift())) {
-    for (int a = 0; a < 3; ++a) {
-      origin_bricks[a] = static_cast<float>(origin[a]) * bricks_per_sample;
-      last[a] = static_cast<float>(map.num_bricks()[a] - 1);
+    for (int i = 0; i < 3; ++i) {
+      const int a = order[static_cast<std::size_t>(i)];
+      own[a] = i;
+      origin_bricks[a] = static_cast<float>(origin[i]) * bricks_per_sample;
+      last[a] = static_cast<float>(map.num_bricks()[static_cast<std::size_t>(a)] - 1);
     }
   }
 
+  // Number of the bricks, along a frame's axis, that a position there lies among.
+  float layer_of(int axis, float position, const view::AxisOrder& order) const {
+    const int a = order[static_cast<std::size_t>(axis)];
+    return std::floor(position * bricks_per_sample + origin_bricks[a]);
+  }
+
   HWY_INLINE M operator()(const Position& u) const {
-    const auto brick = [&](V p, int a) {
-      const V b = hn::MulAdd(p, hn::Set(d, bricks_per_sample), hn::Set(d, origin_bricks[a]));
+    const V place[3] = {u.x, u.y, u.z};
+    const auto brick = [&](int a) {
+      const V b =
+          hn::MulAdd(place[own[a]], hn::Set(d, bricks_per_sample), hn::Set(d, origin_bricks[a]));
       return nearest_integer(hn::Min(hn::Max(hn::Floor(b), hn::Zero(d)), hn::Set(d, last[a])));
     };
-    const VI bx = brick(u.x, 0);
-    const VI row = hn::Add(hn::Mul(brick(u.z, 2), hn::Set(di, rows_per_layer)), brick(u.y, 1));
+    const VI bx = brick(0);
+    const VI row = hn::Add(hn::Mul(brick(2), hn::Set(di, rows_per_layer)), brick(1));
     const VI word = hn::Add(hn::Mul(row, hn::Set(di, words_per_row)), hn::ShiftRight<5>(bx));
     // Shifted so that the brick's bit is the sign.
     const VI to_sign = hn::Sub(hn::Set(di, 31), hn::And(bx, hn::Set(di, 31)));
@@ -53,6 +65,7 @@ struct BrickLookup {
   std::int32_t words_per_row, rows_per_layer;
   float bricks_per_sample;
   float origin_bricks[3], last[3];
+  int own[3];  // where positions have the map's axes
 };
 
 // Bits of the samples of one row that lie where the field can be defined / that also lie in a
@@ -66,7 +79,10 @@ struct RowMasks {
 // block lies inside.
 struct Support {
   V lo[3], hi[3];
+  float first[3], last[3];  // the same
   bool holds_block;
+
+  bool holds(int axis, float place) const { return first[axis] <= place && place <= last[axis]; }
 
   HWY_INLINE M operator()(const Position& u) const {
     const auto within = [&](V p, int a) { return hn::And(hn::Ge(p, lo[a]), hn::Le(p, hi[a])); };
@@ -80,6 +96,11 @@ struct SampleLookup {
   Support support;
 };
 
+// True if a part of some sample's path on sheet s is cut off.
+inline bool cuts_paths(const CpuFrame& frame, const BlockPlace& place, int s) {
+  return !frame.plan->clip_planes.empty() || place.sheets[s].near_cut > -0.5F;
+}
+
 HWY_INLINE RowMasks bin_row(const CpuFrame& frame, const Block& block, int s, int row,
                             const SampleLookup& lookup, std::uint32_t columns) {
   RowMasks masks;
@@ -92,7 +113,7 @@ HWY_INLINE RowMasks bin_row(const CpuFrame& frame, const Block& block, int s, in
       if (inside == 0) continue;
     }
     std::uint32_t relevant = bits_of(lookup.bricks(u)) & inside;
-    if (frame.plan->is_clipped && relevant != 0) {
+    if (relevant != 0 && cuts_paths(frame, block.place, s)) {
       relevant &= bits_of(hn::Gt(path_fraction(frame, block.place, s, column, row), hn::Zero(d)));
     }
     masks.inside |= inside << column;
@@ -103,6 +124,35 @@ HWY_INLINE RowMasks bin_row(const CpuFrame& frame, const Block& block, int s, in
   masks.relevant &= row_mask;
   return masks;
 }
+
+// The rows of one lattice sheet, front to back: a row lies in one row of bricks, as do most of
+// those beside it.
+class SheetRows {
+ public:
+  SheetRows(const LatticeFrame& frame, const Block& block, int s, const SampleLookup& lookup)
+      : frame_(frame), block_(block), s_(s), lookup_(lookup) {}
+
+  HWY_INLINE RowMasks operator()(int row, std::uint32_t columns) {
+    const SheetInLattice& sheet = block_.sheets[s_];
+    const float place = sheet.base[1] + static_cast<float>(row) * sheet.per_y[1];
+    const bool is_inside = lookup_.support.holds_block || lookup_.support.holds(1, place);
+    if (!is_inside || columns == 0) return {};
+    const float layer = lookup_.bricks.layer_of(1, place, frame_.lattice_plan->order);
+    if (!(layer == layer_) || cuts_paths(frame_, block_.place, s_)) {
+      layer_ = layer;
+      masks_ = bin_row(frame_, block_, s_, row, lookup_, ~0U);
+    }
+    return masks_;
+  }
+
+ private:
+  const LatticeFrame& frame_;
+  const Block& block_;
+  const int s_;
+  const SampleLookup& lookup_;
+  float layer_ = std::numeric_limits<float>::quiet_NaN();
+  RowMasks masks_;
+};
 
 // Central differences also need the six neighbours of every relevant sample.
 inline void dilate_active(const RowBits* relevant, const RowBits* inside, Block& block) {
@@ -143,29 +193,41 @@ inline void bound_region(const LatticeFrame& frame, Block& block,
                          const Vec3& least_reach = Vec3::Zero()) {
   float lo[3] = {1e30F, 1e30F, 1e30F};
   float hi[3] = {-1e30F, -1e30F, -1e30F};
+  const bool reads_four_taps = frame.has_four_taps && frame.options->evaluate != Evaluate::kScatter;
+  const auto extend = [&](const SheetInLattice& sheet, int x, int y) {
+    for (int a = 0; a < 3; ++a) {
+      const float u = sheet.base[a] + static_cast<float>(y) * sheet.per_y[a] +
+                      static_cast<float>(x) * sheet.per_x[a];
+      float reach =
+          std::max(frame.lattice.support * sheet.widening[a], static_cast<float>(least_reach[a]));
+      if (reads_four_taps) reach = std::max(reach, 2.0F);
+      if (frame.lattice.num_slab_points > 1) {
+        reach += 0.5F * std::abs(sheet.step[a] + static_cast<float>(x) * sheet.step_per_x[a] +
+                                 static_cast<float>(y) * sheet.step_per_y[a]);
+      }
+      lo[a] = std::min(lo[a], u - reach);
+      hi[a] = std::max(hi[a], u + reach);
+    }
+  };
   for (int s = 0; s < block.place.num_sheets; ++s) {
-    const SheetInLattice& sheet = block.sheets[s];
+    RowWord any = 0;
+    int first = -1;
+    int last = 0;
     for (int y = 0; y < block.place.rows; ++y) {
       const RowWord bits = block.bits.active[s][y];
       if (bits == 0) continue;
-      for (const int x : {std::countr_zero(bits), 63 - std::countl_zero(bits)}) {
-        for (int a = 0; a < 3; ++a) {
-          const float u = sheet.base[a] + static_cast<float>(y) * sheet.per_y[a] +
-                          static_cast<float>(x) * sheet.per_x[a];
-          float reach = std::max(frame.lattice.support * sheet.widening[a],
-                                 static_cast<float>(least_reach[a]));
-          const bool reads_four_taps =
-              frame.has_four_taps && frame.options->evaluate != Evaluate::kScatter;
-          if (reads_four_taps) reach = std::max(reach, 2.0F);
-          if (frame.lattice.num_slab_points > 1) {
-            reach += 0.5F * std::abs(sheet.step[a] + static_cast<float>(x) * sheet.step_per_x[a] +
-                                     static_cast<float>(y) * sheet.step_per_y[a]);
-          }
-          lo[a] = std::min(lo[a], u - reach);
-          hi[a] = std::max(hi[a], u + reach);
-        }
+      if (!frame.is_on_lattice) {
+        extend(block.sheets[s], std::countr_zero(bits), y);
+        extend(block.sheets[s], 63 - std::countl_zero(bits), y);
       }
+      any |= bits;
+      if (first < 0) first = y;
+      last = y;
     }
+    if (!frame.is_on_lattice || any == 0) continue;
+    // Rows and columns are the lattice's own.
+    extend(block.sheets[s], std::countr_zero(any), first);
+    extend(block.sheets[s], 63 - std::countl_zero(any), last);
   }
   block.region.is_interior = true;
   for (int a = 0; a < 3; ++a) {
@@ -245,8 +307,10 @@ inline Support support_of(const LatticeFrame& frame, const Region& region, const
   for (int a = 0; a < 3; ++a) {
     // Rounding slack; the reconstruct stage decides exactly.
     const auto origin = static_cast<double>(region.origin[a]);
-    support.lo[a] = hn::Set(d, static_cast<float>(defined.min()[a] - origin - 1e-3));
-    support.hi[a] = hn::Set(d, static_cast<float>(defined.max()[a] - origin + 1e-3));
+    support.first[a] = static_cast<float>(defined.min()[a] - origin - 1e-3);
+    support.last[a] = static_cast<float>(defined.max()[a] - origin + 1e-3);
+    support.lo[a] = hn::Set(d, support.first[a]);
+    support.hi[a] = hn::Set(d, support.last[a]);
   }
   support.holds_block = defined.contains(box);
   return support;
@@ -269,13 +333,16 @@ inline std::int64_t bin_region(const LatticeFrame& frame, Block& block, const Ti
                                const Bounds3& box) {
   RowBits inside[kMaxSheets];
   const view::RelevanceMap& map = frame.lattice_plan->relevance;
-  const SampleLookup lookup{BrickLookup(map, map.words(), block.region.origin),
+  const view::AxisOrder& order = frame.lattice_plan->order;
+  const SampleLookup lookup{BrickLookup(map, map.words(), block.region.origin, order),
                             support_of(frame, block.region, box)};
   // Differences need every sample's surroundings; then all samples are looked up.
-  const bool has_cells = block.place.margin == 0 && cells_fit_bricks(frame, block);
+  const bool has_cells =
+      block.place.margin == 0 && !frame.is_on_lattice && cells_fit_bricks(frame, block);
   const CellColumns cells =
-      has_cells ? bin_cells(block, BrickLookup(map, map.neighbour_words(), block.region.origin))
-                : CellColumns{};
+      has_cells
+          ? bin_cells(block, BrickLookup(map, map.neighbour_words(), block.region.origin, order))
+          : CellColumns{};
   std::int64_t num_relevant = 0;
   for (int s = 0; s < block.place.num_sheets; ++s) {
     const bool is_margin_sheet =
@@ -285,9 +352,11 @@ inline std::int64_t bin_region(const LatticeFrame& frame, Block& block, const Ti
     const bool is_needed = !is_margin_sheet || frame.mode == Mode::kIsosurface ||
                            (frame.is_preintegrated && s < block.place.front_margin) ||
                            (frame.is_refined && s == block.place.front_margin - 1);
+    SheetRows rows(frame, block, s, lookup);
     for (int y = 0; y < block.place.rows; ++y) {
       const std::uint32_t columns = has_cells ? cells[s / 4][y / 4] : ~0U;
-      const RowMasks masks = bin_row(frame, block, s, y, lookup, columns);
+      const RowMasks masks =
+          frame.is_on_lattice ? rows(y, columns) : bin_row(frame, block, s, y, lookup, columns);
       inside[s][y] = masks.inside;
       block.bits.relevant[s][y] =
           is_needed ? masks.relevant & open_samples(frame, block.place, tile, y) : 0;

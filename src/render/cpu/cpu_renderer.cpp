@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 #include "ovoid/error.h"
 #include "render/cpu/kernel_renderer.h"
@@ -12,9 +13,13 @@
 #include "render/cpu/ticks.h"
 #include "render/cpu/tile.h"
 #include "render/cpu/tile_output.h"
+#include "render/cpu/warp.h"
 
 namespace ovoid::cpu {
 namespace {
+
+// Of a frame of lattice sheets, what is done when its base plane is.
+constexpr double kShareOfBase = 0.9;
 
 void decide_relevance(view::LatticePlan& plan, Runner& runner) {
   if (!plan.may_matter) {
@@ -47,15 +52,17 @@ void finish_patch(const CpuFrame& frame, const Look& look, const LatticeWorkspac
 // One field of a frame, ready to be drawn. Stays where it is: its parts point to each other.
 struct PreparedField {
   PreparedField(const LatticeField& field, const Camera& camera, const Look& look,
-                const RenderOptions& options, Runner& runner)
-      : plan(field, camera, look, options, view::LatticePlan::PieceRelevance::kPieceEnds) {
+                const RenderOptions& options, const view::BasePlane* base, Runner& runner)
+      : plan(field, camera, look, options, view::LatticePlan::PieceRelevance::kPieceEnds, base) {
     decide_relevance(plan, runner);
     set_frame(frame, look, options, plan);
     static_cast<LatticeTraits&>(frame) = lattice_traits(field, frame, options);
     frame.lattice = lattice_constants(field, plan, frame);
     frame.lattice_plan = &plan;
     frame.field = &field;
-    frame.samples_at_nodes = has_nodes(frame, plan);
+    frame.is_on_lattice = base != nullptr;
+    frame.has_rows = base != nullptr && frame.lattice.num_sublattices == 1;
+    frame.samples_at_nodes = base == nullptr && has_nodes(frame, plan);
   }
   PreparedField(const PreparedField&) = delete;
   PreparedField& operator=(const PreparedField&) = delete;
@@ -64,7 +71,8 @@ struct PreparedField {
   LatticeFrame frame;
 };
 
-Frame render_lattice_field(const FrameJob& job, const Machine& machine) {
+// On image sheets, or the base plane's picture: job.options has the size of that.
+Frame render_samples(const FrameJob& job, const Machine& machine) {
   const LatticeField& field = *job.field.lattice();
   const RenderOptions& options = job.options;
   const std::stop_token& stop = job.hooks.stop;
@@ -80,8 +88,8 @@ Frame render_lattice_field(const FrameJob& job, const Machine& machine) {
 
   std::optional<PreparedField> prepared_trail;
   if (const view::TrailView* trail = job.trail)
-    prepared_trail.emplace(*trail->field, job.camera, trail->look, trail->options, runner);
-  PreparedField prepared(field, job.camera, job.look, options, runner);
+    prepared_trail.emplace(*trail->field, job.camera, trail->look, trail->options, nullptr, runner);
+  PreparedField prepared(field, job.camera, job.look, options, job.base, runner);
   LatticeFrame& frame = prepared.frame;
   frame.stop = stop;
   if (prepared_trail) frame.trail = &prepared_trail->frame;
@@ -91,8 +99,10 @@ Frame render_lattice_field(const FrameJob& job, const Machine& machine) {
                                         frame.lattice.num_sublattices);
   const double plan_ms = ms_since(start);
 
-  const std::vector<TileRect> tiles =
+  std::vector<TileRect> tiles =
       tiles_of(options.width, options.height, frame.samples_at_nodes ? kPatchSize : kTileSize);
+  if (job.base != nullptr)
+    std::erase_if(tiles, [&](const TileRect& tile) { return !is_seen(*job.base, tile); });
   const auto workspaces = make_workspaces<LatticeWorkspace>(runner.num_workers());
   Watch watch(job.hooks, tiles.size());
   runner.run(static_cast<int>(tiles.size()), [&](int task, int worker) {
@@ -116,11 +126,40 @@ Frame render_lattice_field(const FrameJob& job, const Machine& machine) {
   return out;
 }
 
+// The base plane's picture, then the one that is seen, row by row.
+Frame render_lattice_sheets(const FrameJob& job, const Machine& machine) {
+  const Clock::time_point start = Clock::now();
+  RenderOptions of_base = job.options;
+  of_base.width = job.base->width;
+  of_base.height = job.base->height;
+  RenderHooks hooks;
+  hooks.stop = job.hooks.stop;
+  if (job.hooks.progress) {
+    hooks.progress = [&](double done) { job.hooks.progress(kShareOfBase * done); };
+  }
+  Frame frame = render_samples(
+      {job.field, job.camera, job.look, job.trail, of_base, hooks, job.base}, machine);
+  const Clock::time_point warp_start = Clock::now();
+  const Image base_picture = std::exchange(frame.image, empty_image(job.options));
+  const std::vector<TileRect> strips = strips_of(job.options);
+  Watch watch(job.hooks, strips.size(), kShareOfBase);
+  Runner& runner = *machine.runner;
+  runner.run(static_cast<int>(strips.size()), [&](int task, int) {
+    const TileRect& strip = strips[static_cast<std::size_t>(task)];
+    warp(*job.base, base_picture, job.look.mode != Mode::kXray, strip, frame.image);
+    watch.tile_done(strip, frame.image);
+  });
+  frame.profile.frame_ms = ms_since(start);
+  if (job.options.collect_profile)
+    frame.profile.stages_ms.emplace_back("warp", runner.num_workers() * ms_since(warp_start));
+  return frame;
+}
+
 }  // namespace
 
 Frame render(const FrameJob& job, const Machine& machine) {
-  return job.field.kernels() != nullptr ? render_kernel_field(job, machine)
-                                        : render_lattice_field(job, machine);
+  if (job.field.kernels() != nullptr) return render_kernel_field(job, machine);
+  return job.base != nullptr ? render_lattice_sheets(job, machine) : render_samples(job, machine);
 }
 
 }  // namespace ovoid::cpu

@@ -183,8 +183,10 @@ HWY_INLINE FourWeights piecewise_weights_at(V whole, V fraction,
   }
   const V existing = kBorder ? sum_of(t.w) : t.total;
   if constexpr (kBorder) share = hn::Mul(share, hn::Div(existing, t.total));
-  // Where next to nothing exists the sample is not defined, but has to be a number.
-  const V inverse = hn::Div(hn::Set(d, 1.0F), hn::Max(existing, hn::Set(d, 1e-6F)));
+  // Where next to nothing exists the sample is not defined, but has to be a number. Of one of two
+  // sublattices it may be less than nothing where kernels are negative in places.
+  const V magnitude = hn::Max(hn::Abs(existing), hn::Set(d, 1e-6F));
+  const V inverse = hn::Div(hn::Set(d, 1.0F), hn::CopySign(magnitude, existing));
   for (V& w : t.w) w = hn::Mul(w, inverse);
   if constexpr (kGradient) {
     t.log_slope = hn::Mul(sum_of(t.slope), inverse);

@@ -24,7 +24,13 @@ void set_frame(CpuFrame& frame, const Look& look, const RenderOptions& options,
   tables.table = table_in(tables.memory, tables.constants.look);
   if (frame.fades_by_gradient) tables.fading = table_in(tables.memory, tables.constants.fading);
   if (frame.has_own_color) tables.color = table_in(tables.memory, tables.constants.color);
-  if (frame.is_refined) tables.variation = &tables.memory.front().x + tables.constants.variation_at;
+  if (frame.is_refined) {
+    const float* const variation = &tables.memory.front().x + tables.constants.variation_at;
+    const float* const opacity = tables.table.entries + 3;
+    tables.cells.resize(device::kTableCells + 1);
+    for (std::size_t i = 0; i < tables.cells.size(); ++i)
+      tables.cells[i] = {variation[i], variation[i + 1], opacity[4 * i], opacity[4 * i + 4]};
+  }
   if (frame.is_preintegrated) tables.integrals = &tables.memory[tables.constants.integrals_at].x;
 }
 

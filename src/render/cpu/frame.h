@@ -4,6 +4,7 @@
 #pragma once
 
 #include <stop_token>
+#include <vector>
 
 #include "ovoid/renderer.h"
 #include "render/shared/look_values.h"
@@ -25,8 +26,10 @@ struct FrameLook {
   ClassificationTable fading;        // opacity by the gradient's length, if fades_by_gradient
   ClassificationTable color;         // colours by another attribute, if has_own_color
   const float* integrals = nullptr;  // [kTableCells + 2][8], if is_preintegrated
-  const float* variation = nullptr;  // [kTableCells + 2], if is_refined
   FrameTables memory;
+  // If is_refined, by cell: how much the look varies up to its begin and its end, and the opacities
+  // there. [kTableCells + 1]
+  std::vector<device::vec4> cells;
 };
 
 // What every frame has, whatever its field is.

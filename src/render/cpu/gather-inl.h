@@ -14,6 +14,7 @@
 #define OVOID_RENDER_CPU_GATHER_INL_H_
 #endif
 
+#include "render/cpu/differences-inl.h"
 #include "render/cpu/four_taps-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -228,6 +229,16 @@ HWY_INLINE ValueAndGradient value_of(const LatticeFrame& frame, const GradientBa
                    changed(mix(first.z, second.z), 2)};
   if (frame.corrects_gradient) correct_two(frame, batch, i, gradient);
   return {mix(first.value, second.value), gradient[0], gradient[1], gradient[2]};
+}
+
+// From index space.
+HWY_INLINE WorldVector to_world(const LatticeFrame& frame, V x, V y, V z) {
+  const auto row = [&](int r) {
+    const device::vec4& m = frame.lattice.gradient_rows[r];
+    return hn::MulAdd(hn::Set(d, m.x), x,
+                      hn::MulAdd(hn::Set(d, m.y), y, hn::Mul(hn::Set(d, m.z), z)));
+  };
+  return {row(0), row(1), row(2)};
 }
 
 }  // namespace HWY_NAMESPACE

@@ -19,15 +19,6 @@ HWY_BEFORE_NAMESPACE();
 namespace ovoid::cpu {
 namespace HWY_NAMESPACE {
 
-HWY_INLINE WorldVector to_world(const LatticeFrame& frame, V x, V y, V z) {
-  const auto row = [&](int r) {
-    const device::vec4& m = frame.lattice.gradient_rows[r];
-    return hn::MulAdd(hn::Set(d, m.x), x,
-                      hn::MulAdd(hn::Set(d, m.y), y, hn::Mul(hn::Set(d, m.z), z)));
-  };
-  return {row(0), row(1), row(2)};
-}
-
 HWY_INLINE WorldVector exact_gradient(const LatticeFrame& frame, Workspace& work,
                                       const SampleGroup& group, const Position& u) {
   const ValueAndGradient g = gather_gradient(frame, work, group, u);
@@ -44,6 +35,7 @@ HWY_INLINE Position point_between(const Position& a, const Position& b, V t) {
 inline void reconstruct_with_gradients(const LatticeFrame& frame, Workspace& work, int s,
                                        const RowBits& bits) {
   const Block& block = work.block;
+  if (has_rows(frame, block)) return reconstruct_rows<true>(frame, work, s, bits);
   Sheet& sheet = work.ring[block.place.number_of(s)];
   float* const values = sheet.values;
   const std::array<float*, 3> gradient = sheet.gradient;

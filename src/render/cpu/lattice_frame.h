@@ -11,7 +11,9 @@ struct LatticeFrame : CpuFrame, LatticeTraits {
   const view::LatticePlan* lattice_plan = nullptr;  // `plan`, as what it is
   const LatticeField* field = nullptr;
   device::LatticeConstants lattice{};
-  bool samples_at_nodes = false;        // of some sheets: tiles come in patches (nodes.h)
+  bool samples_at_nodes = false;  // of some sheets: tiles come in patches (nodes.h)
+  bool is_on_lattice = false;     // sheets are parallel to the lattice's planes
+  bool has_rows = false;          // of samples that share weights, on lattice sheets (rows-inl.h)
   const LatticeFrame* trail = nullptr;  // drawn behind this frame sheet by sheet; null: none
 };
 

@@ -37,7 +37,8 @@ HWY_INLINE V load_as_float(const T* from) {
   }
 }
 
-inline constexpr int kPrefetchRows = 6;  // about the time of a trip to memory
+inline constexpr int kMaxRowAcross = 64;  // samples at a time
+inline constexpr int kPrefetchRows = 6;   // about the time of a trip to memory
 
 // Values are stored numbers * scale + offset.
 struct LoadScale {
@@ -184,19 +185,85 @@ void load_part_as(const Region& region, const BrickView& view, const LatticePart
   }
 }
 
+// The same where the axis from sheet to sheet is that along which samples lie side by side: rows of
+// the region run from row to row of `view`, its slices along the rows. `part` and `view` are in the
+// field's own order.
+template <typename T>
+void load_part_across(const Region& region, const BrickView& view, const LatticePart& part,
+                      const LoadTarget& target) {
+  const auto& [lo, hi] = part;
+  const T* data = static_cast<const T*>(view.data);
+  const auto to_region = [&](std::int64_t index, int a) {
+    return static_cast<std::ptrdiff_t>(index - region.origin[a]) - region.lo[a];
+  };
+  const int count = static_cast<int>(hi[0] - lo[0]);
+  const std::ptrdiff_t first_slice = to_region(lo[0], 2);
+  const std::ptrdiff_t floats = region.uses_four_taps ? 2 : 1;
+  const std::ptrdiff_t slice = floats * region.slice_stride;
+  alignas(64) float row[kMaxRowAcross + kTapPadding];
+  alignas(64) float presence[kMaxRowAcross + kTapPadding];
+  for (std::int64_t z = lo[2]; z < hi[2]; ++z) {
+    for (std::int64_t y = lo[1]; y < hi[1]; ++y) {
+      const T* from = data + (lo[0] - view.lo[0]) + (y - view.lo[1]) * view.stride_y +
+                      (z - view.lo[2]) * view.stride_z;
+      const std::ptrdiff_t to =
+          first_slice * slice + floats * (to_region(z, 1) * region.row_stride + to_region(y, 0));
+      for (int first = 0; first < count; first += kMaxRowAcross) {
+        const int some = std::min(count - first, kMaxRowAcross);
+        load_row(from + first, some, target.map, row,
+                 target.presence == nullptr ? nullptr : presence);
+        float* out = target.samples + to + first * slice;
+        if (region.uses_four_taps) {
+          if (first_slice + first > 0) out[1 - slice] = row[0];
+          row[some] = 0;  // of the slice behind, whose turn comes
+          for (int i = 0; i < some; ++i) std::memcpy(out + i * slice, row + i, 2 * sizeof(float));
+        } else {
+          for (int i = 0; i < some; ++i) out[i * slice] = row[i];
+          if (target.presence == nullptr) continue;
+          float* const exists = target.presence + to + first * slice;
+          for (int i = 0; i < some; ++i) exists[i * slice] = presence[i];
+        }
+      }
+    }
+  }
+}
+
+// A brick view or a part with its axes in the order of the frame.
+template <class Box>
+inline void put_in_order(Box& box, const view::AxisOrder& order) {
+  const Index3 lo = box.lo;
+  const Index3 hi = box.hi;
+  for (std::size_t i = 0; i < 3; ++i) {
+    box.lo[i] = lo[static_cast<std::size_t>(order[i])];
+    box.hi[i] = hi[static_cast<std::size_t>(order[i])];
+  }
+}
+
+template <typename T>
+void load_part_in_order(const Region& region, BrickView view, LatticePart part,
+                        const view::AxisOrder& order, const LoadTarget& target) {
+  if (order[2] == 0) return load_part_across<T>(region, view, part, target);
+  if (order[2] == 1) {
+    put_in_order(view, order);
+    std::swap(view.stride_y, view.stride_z);
+    put_in_order(part, order);
+  }
+  load_part_as<T>(region, view, part, target);
+}
+
 inline void load_typed_part(const Region& region, const BrickView& view, const LatticePart& part,
-                            const LoadTarget& target) {
+                            const view::AxisOrder& order, const LoadTarget& target) {
   switch (view.type) {
     case ScalarType::kUInt8:
-      return load_part_as<std::uint8_t>(region, view, part, target);
+      return load_part_in_order<std::uint8_t>(region, view, part, order, target);
     case ScalarType::kInt8:
-      return load_part_as<std::int8_t>(region, view, part, target);
+      return load_part_in_order<std::int8_t>(region, view, part, order, target);
     case ScalarType::kUInt16:
-      return load_part_as<std::uint16_t>(region, view, part, target);
+      return load_part_in_order<std::uint16_t>(region, view, part, order, target);
     case ScalarType::kInt16:
-      return load_part_as<std::int16_t>(region, view, part, target);
+      return load_part_in_order<std::int16_t>(region, view, part, order, target);
     default:
-      return load_part_as<float>(region, view, part, target);
+      return load_part_in_order<float>(region, view, part, order, target);
   }
 }
 
@@ -235,14 +302,16 @@ inline void clear_padding(const Region& region, float* floats) {
               0.0F);
 }
 
-// What of the region lies in a sublattice.
-inline LatticePart part_in_lattice(const Region& region, const device::Sublattice& sublattice) {
+// What of the region lies in a sublattice, in the field's own order.
+inline LatticePart part_in_lattice(const Region& region, const device::Sublattice& sublattice,
+                                   const view::AxisOrder& order) {
   LatticePart part{};
-  for (int a = 0; a < 3; ++a) {
-    const std::int64_t first = region.origin[a] + region.lo[a];
-    const std::int64_t size = sublattice.dims[a];
+  for (int i = 0; i < 3; ++i) {
+    const auto a = static_cast<std::size_t>(order[static_cast<std::size_t>(i)]);
+    const std::int64_t first = region.origin[i] + region.lo[i];
+    const std::int64_t size = sublattice.dims[i];
     part.lo[a] = std::clamp<std::int64_t>(first, 0, size - 1);
-    part.hi[a] = std::clamp<std::int64_t>(first + region.size[a], part.lo[a] + 1, size);
+    part.hi[a] = std::clamp<std::int64_t>(first + region.size[i], part.lo[a] + 1, size);
   }
   return part;
 }
@@ -268,7 +337,8 @@ inline BrickView sublattice_view(BrickView view, int s, int count) {
 inline void load_sublattice(const LatticeFrame& frame, const Region& region, int s,
                             const LoadTarget& target) {
   const BrickSource& source = frame.field->source();
-  const auto [lo, hi] = part_in_lattice(region, frame.lattice.sublattices[s]);
+  const view::AxisOrder& order = frame.lattice_plan->order;
+  const auto [lo, hi] = part_in_lattice(region, frame.lattice.sublattices[s], order);
   const int edge = source.brick_edge();
   Index3 at = lo;
   while (at[2] < hi[2]) {
@@ -283,7 +353,7 @@ inline void load_sublattice(const LatticeFrame& frame, const Region& region, int
                              std::min(hi[2], view.hi[2])};
         next_y = std::min(next_y, part_hi[1]);
         next_z = std::min(next_z, part_hi[2]);
-        load_typed_part(region, view, {at, part_hi}, target);
+        load_typed_part(region, view, {at, part_hi}, order, target);
         at[0] = part_hi[0];
       }
       at[1] = next_y;
@@ -295,14 +365,15 @@ inline void load_sublattice(const LatticeFrame& frame, const Region& region, int
 // `is_scattered`: the region is for kernels that splat themselves, which read it plainly.
 inline void load_region(const LatticeFrame& frame, Workspace& work, bool is_scattered) {
   Region& region = work.block.region;
-  const auto [lo, hi] = part_in_lattice(region, frame.lattice.sublattices[0]);
+  const auto [lo, hi] =
+      part_in_lattice(region, frame.lattice.sublattices[0], frame.lattice_plan->order);
   region.has_missing = region_misses(frame.field->source(), lo, hi);
   region.uses_four_taps = !is_scattered && can_use_four_taps(frame, work.block);
   region.row_stride = region.size[0] + (region.uses_four_taps ? 0 : kTapPadding);
   region.slice_stride = region.row_stride * region.size[1];
   const std::size_t floats_per_sample = region.uses_four_taps ? 2 : 1;
   const std::size_t own_count =
-      floats_per_sample * region.slice_stride * region.size[2] + kTapPadding;
+      floats_per_sample * (region.slice_stride * region.size[2] + kTapPadding);
   const std::size_t count = own_count * static_cast<std::size_t>(frame.lattice.num_sublattices);
   region.sublattice_stride = static_cast<std::ptrdiff_t>(own_count);
   float* samples = work.sample_memory.reserve(count);

@@ -254,6 +254,7 @@ inline void take_values_from_nodes(LatticeWorkspace& work, const TileBands& band
                       pixels.values);
   for (int row = 0; row < place.rows; ++row) pixels.defined[row] = bits[row] & wanted[row];
   clear_bits(pixels.has_gradient);
+  clear_bits(pixels.is_classified);
 }
 
 // Finishes one tile on sheet s, whose nodes have been reconstructed.

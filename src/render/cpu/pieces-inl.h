@@ -69,29 +69,51 @@ HWY_INLINE EndValues end_values(const PieceEnds& ends, const float* front, const
   return {hn::IfThenElse(mask_of(ends.front), f, b), hn::IfThenElse(mask_of(ends.back), b, f)};
 }
 
+// Opacity and variation of a group's samples, which the sheet keeps for the piece behind it.
+// `lanes`: those that have a value.
+HWY_INLINE VariationAt classify_ends(const CpuFrame& frame, Sheet& sheet, const SampleGroup& group,
+                                     std::uint32_t lanes) {
+  const int at = sheet.at(group.column, group.row);
+  if ((lanes_at(sheet.is_classified[group.row], group.column) & lanes) == lanes)
+    return {hn::LoadU(d, sheet.opacity + at), hn::LoadU(d, sheet.variation + at)};
+  const VariationAt found = variation_at(frame.look, hn::LoadU(d, sheet.values + at));
+  // A group at a row's end writes on into what others have there.
+  const M mask = mask_of(lanes);
+  hn::BlendedStore(found.opacity, mask, d, sheet.opacity + at);
+  hn::BlendedStore(found.variation, mask, d, sheet.variation + at);
+  sheet.is_classified[group.row] |= RowWord{lanes} << group.column;
+  return found;
+}
+
 // Finds the pieces named by `bits` on which a value between the ends has any opacity, and how much
 // the look changes along them, which is kept in shaded.alpha.
-inline void classify_pieces(const CpuFrame& frame, const BlockPlace& place, const SheetRing& ring,
-                            int s, const RowBits& bits, ShadedSheet& shaded) {
-  const Sheet& front = ring[place.number_of(s - 1)];
-  const Sheet& back = ring[place.number_of(s)];
+inline void classify_pieces(const CpuFrame& frame, const BlockPlace& place, SheetRing& ring, int s,
+                            const RowBits& bits, ShadedSheet& shaded) {
+  Sheet& front = ring[place.number_of(s - 1)];
+  Sheet& back = ring[place.number_of(s)];
   const device::TableConstants& table = frame.look.constants.look;
   for (int y = 0; y < place.rows; ++y) {
     shaded.visible[y] = 0;
     for_each_group(
         bits[y], place.margin, place.columns - place.margin, [&](int column, std::uint32_t lanes) {
           const int at = back.at(column, y);
-          const PieceEnds ends = ends_of(place, ring, {s, column, y, lanes});
+          const SampleGroup group{s, column, y, lanes};
+          const PieceEnds ends = ends_of(place, ring, group);
           const EndValues value = end_values(ends, front.values + at, back.values + at);
           const M may_show =
               hn::And(hn::Ge(hn::Max(value.front, value.back), hn::Set(d, table.visible_lo)),
                       hn::Le(hn::Min(value.front, value.back), hn::Set(d, table.visible_hi)));
           if ((bits_of(may_show) & lanes) == 0) return;
-          const VariationAt from = variation_at(frame.look, value.front);
-          const VariationAt to = variation_at(frame.look, value.back);
-          const V change = hn::Abs(hn::Sub(to.variation, from.variation));
-          const M shows = hn::Or(hn::Gt(hn::Max(from.opacity, to.opacity), hn::Zero(d)),
-                                 hn::Gt(change, hn::Zero(d)));
+          // An end that is not there is as the other.
+          const VariationAt from = classify_ends(frame, front, group, ends.front & lanes);
+          const VariationAt to = classify_ends(frame, back, group, ends.back & lanes);
+          const M has_from = mask_of(ends.front);
+          const M has_to = mask_of(ends.back);
+          const V change = hn::IfThenElseZero(hn::And(has_from, has_to),
+                                              hn::Abs(hn::Sub(to.variation, from.variation)));
+          const V opacity = hn::Max(hn::IfThenElseZero(has_from, from.opacity),
+                                    hn::IfThenElseZero(has_to, to.opacity));
+          const M shows = hn::Or(hn::Gt(opacity, hn::Zero(d)), hn::Gt(change, hn::Zero(d)));
           const std::uint32_t visible = bits_of(shows) & lanes;
           if (visible == 0) return;
           hn::StoreU(change, d, shaded.alpha + at);

@@ -6,7 +6,8 @@
 // Out: field values (and, where asked, index-space gradients) of the groups, and which of them are
 // defined.
 //
-// Two ways, same numbers:
+// Three ways, same numbers:
+//  - rows: the same kernel on lattice sheets, where samples share weights (rows-inl.h).
 //  - four taps: the default kernel, away from holes, batch after batch (gather-inl.h).
 //  - general: any support, holes, `sum`, widened kernels, slab means. One sample after the other,
 //  SIMD along x (general-inl.h).
@@ -19,6 +20,7 @@
 
 #include "render/cpu/gather-inl.h"
 #include "render/cpu/general-inl.h"
+#include "render/cpu/rows-inl.h"
 #include "render/cpu/simd-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -159,7 +161,9 @@ inline void reconstruct_general(const LatticeFrame& frame, Workspace& work, int 
 // Adds the samples named by `wanted` to sheet s of the block.
 inline void reconstruct_sheet(const LatticeFrame& frame, Workspace& work, int s,
                               const RowBits& wanted) {
-  if (work.block.region.uses_four_taps) {
+  if (has_rows(frame, work.block)) {
+    reconstruct_rows<false>(frame, work, s, wanted);
+  } else if (work.block.region.uses_four_taps) {
     reconstruct_four_taps(frame, work, s, wanted);
   } else {
     reconstruct_general(frame, work, s, wanted);

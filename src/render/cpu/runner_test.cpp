@@ -5,6 +5,7 @@
 
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <memory>
 #include <mutex>
 #include <stdexcept>
@@ -60,7 +61,10 @@ TEST_P(EveryRunner, RethrowsAndStops) {
   std::atomic<int> done{0};
   try {
     runner->run(100000, [&](int, int) {
-      if (++done == 10) throw Error(ErrorCode::kFileFormat, "the tenth");
+      const int number = ++done;
+      if (number == 10) throw Error(ErrorCode::kFileFormat, "the tenth");
+      // Time for the tenth to say so, whoever else has the processor.
+      if (number > 10) std::this_thread::sleep_for(std::chrono::microseconds(20));
     });
     FAIL() << "nothing was thrown";
   } catch (const Error& error) {

@@ -108,13 +108,11 @@ struct VariationAt {
 
 HWY_INLINE VariationAt variation_at(const FrameLook& look, V value) {
   const TableCell cell = cell_of(look.table, value);
-  const auto read = [&](const float* lo, const float* hi, VI at) {
-    const V from = hn::GatherIndex(d, lo, at);
-    return hn::MulAdd(hn::Sub(hn::GatherIndex(d, hi, at), from), cell.fraction, from);
-  };
-  const float* const opacities = look.table.entries + 3;
-  return {read(opacities, opacities + 4, hn::ShiftLeft<2>(cell.entry)),
-          read(look.variation, look.variation + 1, cell.entry)};
+  alignas(64) std::int32_t index[16];
+  hn::Store(cell.entry, di, index);
+  const Classified ends = transpose_entries(&look.cells.front().x, index);
+  const auto mix = [&](V a, V b) { return hn::MulAdd(hn::Sub(b, a), cell.fraction, a); };
+  return {mix(ends.blue, ends.opacity), mix(ends.red, ends.green)};
 }
 
 // An entry is four floats, so a lane's two entries are two loads; hardware gathers of eight
@@ -134,6 +132,23 @@ HWY_INLINE Classified classify(const ClassificationTable& table, V value) {
 HWY_INLINE V vector_power(V x, float power) {
   const V log = vector_log2(hn::Max(x, hn::Set(d, 1e-30F)));
   return vector_exp2(d, hn::Max(hn::Mul(log, hn::Set(d, power)), hn::Set(d, -126.0F)));
+}
+
+// The same for power 0, 1, 2, ...
+HWY_INLINE V whole_power(V x, unsigned power) {
+  V result = hn::Set(d, 1.0F);
+  for (;; x = hn::Mul(x, x)) {
+    if ((power & 1U) != 0) result = hn::Mul(result, x);
+    if ((power >>= 1U) == 0) return result;
+  }
+}
+
+// Powers up to this are worked out by multiplication where they are whole numbers.
+inline constexpr float kMostWholePower = 256;
+
+HWY_INLINE V shine_of(V cosine, float power) {
+  const bool is_whole = power <= kMostWholePower && power == std::floor(power);
+  return is_whole ? whole_power(cosine, static_cast<unsigned>(power)) : vector_power(cosine, power);
 }
 
 // 1 - (1 - a)^exponent, the opacity of a path that is `exponent` sampling distances long.
@@ -360,7 +375,7 @@ HWY_INLINE Lighting light_sample(const device::LookConstants& look, const WorldV
   const V lit = hn::MulAdd(flatness, hn::Sub(diffuse, hn::Set(d, 1.0F)), hn::Set(d, 1.0F));
   Lighting out{hn::MulAdd(hn::Set(d, look.diffuse), lit, hn::Set(d, look.ambient)), hn::Zero(d)};
   if (look.specular > 0) {
-    const V shine = vector_power(hn::Min(specular, hn::Set(d, 1.0F)), look.specular_power);
+    const V shine = shine_of(hn::Min(specular, hn::Set(d, 1.0F)), look.specular_power);
     out.highlight = hn::Mul(hn::Mul(flatness, hn::Set(d, look.specular)), shine);
   }
   return out;

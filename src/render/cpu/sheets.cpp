@@ -9,7 +9,7 @@ namespace ovoid::cpu {
 
 SheetRing::SheetRing(const PlaneShape& shape) {
   const std::size_t plane = shape.num_floats();
-  constexpr std::size_t kPlanes = 5;  // values, colours, gradient
+  constexpr std::size_t kPlanes = 7;  // values, colours, gradient, opacity, variation
   const std::size_t count = kSheets * kPlanes * plane;
   memory_ = hwy::AllocateAligned<float>(count);
   if (memory_ == nullptr) data::throw_out_of_memory("the sheets of a tile", count * sizeof(float));
@@ -18,7 +18,7 @@ SheetRing::SheetRing(const PlaneShape& shape) {
   for (Sheet& sheet : sheets_) {
     sheet.stride = shape.stride;
     for (float** samples : {&sheet.values, &sheet.colors, &sheet.gradient[0], &sheet.gradient[1],
-                            &sheet.gradient[2]}) {
+                            &sheet.gradient[2], &sheet.opacity, &sheet.variation}) {
       *samples = next;
       next += plane;
     }

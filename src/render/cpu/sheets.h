@@ -40,11 +40,14 @@ struct Sheet {
   float* colors = nullptr;           // of the attribute that gives the colour, if another one does
   std::array<float*, 3> gradient{};  // along the world's axes, in FramePlan::gradient_unit; a
                                      // piece's stands at the sample that it ends at
-  RowBits defined{};                 // samples that have a value
+  float* opacity = nullptr;  // by the look, and how much it varies up to the value; for pieces
+  float* variation = nullptr;
+  RowBits defined{};  // samples that have a value
   RowBits has_gradient{};
+  RowBits is_classified{};  // that have an opacity and a variation
 
   int at(int column, int row) const noexcept { return row * stride + column; }
-  void clear() noexcept { defined = has_gradient = {}; }
+  void clear() noexcept { defined = has_gradient = is_classified = {}; }
 };
 
 // The last sheets of a tile. They go by their numbers in the frame, whichever block brought them.

@@ -161,7 +161,7 @@ inline void for_each_kernel_of(const device::Sublattice& sublattice, const Regio
                                std::ptrdiff_t from, const SplatPlane& plane, const Visit& visit) {
   const float* samples = region.samples + from;
   const float* presence = region.has_missing ? region.presence + from : nullptr;
-  const auto [lo, hi] = part_in_lattice(region, sublattice);
+  const auto [lo, hi] = part_in_lattice(region, sublattice, view::kOwnOrder);
   const int last_in_row = static_cast<int>(hi[0] - lo[0]) - 1;
   const float slope = plane.inverse[2][0];
   const bool is_steep = std::abs(slope) > 1e-6F;

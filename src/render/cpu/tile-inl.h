@@ -222,7 +222,7 @@ inline bool may_show(const LatticeFrame& frame, Workspace& work, const Part& par
     ++stats.skipped_empty;
     return false;
   }
-  if (plan.relevance.any_in(box.min(), box.max())) return true;
+  if (plan.any_relevant(box)) return true;
   count_without_samples(frame, stats);
   return false;
 }

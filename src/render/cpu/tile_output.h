@@ -39,19 +39,23 @@ void finish_tile(const CpuFrame& frame, const Look& look, const TileState& tile,
 // Reports tiles one at a time, whatever the number of workers.
 class Watch {
  public:
-  Watch(const RenderHooks& hooks, std::size_t num_tiles) : hooks_(hooks), num_tiles_(num_tiles) {}
+  // `first`: of the progress, what is done before.
+  Watch(const RenderHooks& hooks, std::size_t num_tiles, double first = 0.0)
+      : hooks_(hooks), num_tiles_(num_tiles), first_(first) {}
   void tile_done(const TileRect& rect, const Image& image) {
     if (!hooks_.progress && !hooks_.tile_done) return;
     const std::lock_guard lock(mutex_);
     ++done_;
     if (hooks_.tile_done) hooks_.tile_done({rect.x0, rect.y0, rect.x1, rect.y1, &image});
     if (hooks_.progress)
-      hooks_.progress(static_cast<double>(done_) / static_cast<double>(num_tiles_));
+      hooks_.progress(first_ +
+                      (1 - first_) * static_cast<double>(done_) / static_cast<double>(num_tiles_));
   }
 
  private:
   const RenderHooks& hooks_;
   std::size_t num_tiles_;
+  double first_;
   std::size_t done_ = 0;
   std::mutex mutex_;
 };

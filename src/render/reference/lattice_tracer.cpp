@@ -23,8 +23,8 @@ std::int64_t rearmost_of_group(std::int64_t sheet) {
 
 LatticeTracer::LatticeTracer(const LatticeField& field, const FieldEvaluator& evaluator,
                              const Camera& camera, const Look& look, const RenderOptions& options,
-                             const PixelTracer* trail)
-    : PixelTracer(field, ViewRays(field, camera, options), look, options, trail),
+                             const PixelTracer* trail, const view::BasePlane* base)
+    : PixelTracer(field, ViewRays(field, camera, options, base), look, options, trail),
       evaluator_(evaluator),
       slab_(options.slab),
       gradient_method_(options.spread == Spread::kBilinear ? GradientMethod::kCentral

@@ -15,7 +15,8 @@ class LatticeTracer final : public PixelTracer {
   // Camera, look and options are valid; `field`, `evaluator` (of that field) and `trail` outlive
   // the tracer.
   LatticeTracer(const LatticeField& field, const FieldEvaluator& evaluator, const Camera& camera,
-                const Look& look, const RenderOptions& options, const PixelTracer* trail = nullptr);
+                const Look& look, const RenderOptions& options, const PixelTracer* trail = nullptr,
+                const view::BasePlane* base = nullptr);
 
  private:
   SheetRange sheets_of(const Ray& ray) const override;

@@ -25,6 +25,7 @@
 #include "render/reference/field_evaluator.h"
 #include "render/reference/kernel_tracer.h"
 #include "render/reference/lattice_tracer.h"
+#include "render/reference/warp.h"
 
 namespace ovoid::reference {
 namespace {
@@ -159,9 +160,12 @@ void count(const TraceCounts& counts, FrameProfile& profile) {
 
 }  // namespace
 
-Frame render(const LatticeField& field, const Camera& camera, const Look& look,
-             const RenderOptions& options, const RenderHooks& hooks, int threads,
-             const view::TrailView* trail) {
+namespace {
+
+// On image sheets, or the picture on a base plane, whose size `options` have.
+Frame render_samples(const LatticeField& field, const Camera& camera, const Look& look,
+                     const RenderOptions& options, const RenderHooks& hooks, int threads,
+                     const view::TrailView* trail, const view::BasePlane* base) {
   data::require_field(field);
   camera.validate();
   look.validate();
@@ -182,7 +186,7 @@ Frame render(const LatticeField& field, const Camera& camera, const Look& look,
 
   const Clock::time_point trace_start = Clock::now();
   const auto tracer = std::make_shared<const LatticeTracer>(
-      field, evaluator, camera, look, options, trail_tracer ? &*trail_tracer : nullptr);
+      field, evaluator, camera, look, options, trail_tracer ? &*trail_tracer : nullptr, base);
   const TraceCounts counts =
       RowPainter([&](int, int) -> std::shared_ptr<const PixelTracer> { return tracer; }, 1, hooks,
                  frame.image)
@@ -198,6 +202,25 @@ Frame render(const LatticeField& field, const Camera& camera, const Look& look,
   profile.kernels_total = field.num_kernels();
   profile.kernels_drawn = evaluator.num_existing();
   count(counts, profile);
+  return frame;
+}
+
+}  // namespace
+
+Frame render(const LatticeField& field, const Camera& camera, const Look& look,
+             const RenderOptions& options, const RenderHooks& hooks, int threads,
+             const view::TrailView* trail, const view::BasePlane* base) {
+  if (base == nullptr)
+    return render_samples(field, camera, look, options, hooks, threads, trail, nullptr);
+  RenderOptions of_base = options;
+  of_base.width = base->width;
+  of_base.height = base->height;
+  RenderHooks of_samples;
+  of_samples.stop = hooks.stop;
+  of_samples.progress = hooks.progress;
+  Frame frame = render_samples(field, camera, look, of_base, of_samples, threads, trail, base);
+  frame.image = warped(*base, frame.image, options, look.mode != Mode::kXray);
+  if (hooks.tile_done) hooks.tile_done({0, 0, options.width, options.height, &frame.image});
   return frame;
 }
 

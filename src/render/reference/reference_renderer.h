@@ -2,6 +2,7 @@
 #pragma once
 
 #include "ovoid/renderer.h"
+#include "view/base_plane.h"
 #include "view/trail_view.h"
 
 namespace ovoid::reference {
@@ -14,10 +15,11 @@ namespace ovoid::reference {
 // RenderOptions::evaluate, skip_irrelevant
 // and stop_opaque mean nothing here. Throws Error as Renderer::render() does. Cost: about half a
 // microsecond per sample of Slab::kMid and a hundred times that for Slab::kMean, 36 to 300 times as
-// much where there are nodes; 9 bytes per kernel. `trail`: none if null.
+// much where there are nodes; 9 bytes per kernel. `trail`: none if null. `base`: of lattice sheets;
+// null: image sheets.
 Frame render(const LatticeField& field, const Camera& camera, const Look& look,
              const RenderOptions& options = {}, const RenderHooks& hooks = {}, int threads = 0,
-             const view::TrailView* trail = nullptr);
+             const view::TrailView* trail = nullptr, const view::BasePlane* base = nullptr);
 
 // The same of a kernel field; RenderOptions::evaluate means nothing here. Cost: some 20 ns per
 // kernel and sample that it reaches, and the kernels once per eight rows.

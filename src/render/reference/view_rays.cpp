@@ -50,8 +50,10 @@ ViewRays::ViewRays(const Camera& camera, const RenderOptions& options, double de
       ds_(options.sampling_distance > 0 ? options.sampling_distance : default_distance),
       z_focal_((camera.focal_point - camera.position).norm()) {}
 
-ViewRays::ViewRays(const LatticeField& field, const Camera& camera, const RenderOptions& options)
+ViewRays::ViewRays(const LatticeField& field, const Camera& camera, const RenderOptions& options,
+                   const view::BasePlane* base)
     : ViewRays(camera, options, field.default_sampling_distance()) {
+  base_ = base;
   index_from_world_ = field.geometry().world_from_index.inverse();
   spacing_ = field.geometry().spacing();
   for (int a = 0; a < 3; ++a) {
@@ -64,6 +66,10 @@ ViewRays::ViewRays(const KernelField& field, const Camera& camera, const RenderO
     : ViewRays(camera, options, field.default_sampling_distance()) {}
 
 Ray ViewRays::ray(double x, double y) const {
+  if (base_ != nullptr) {
+    const Vec3 across = base_->corner + x * base_->per_x + y * base_->per_y;
+    return is_perspective_ ? Ray{position_, forward_ + across} : Ray{position_ + across, forward_};
+  }
   const double aspect = static_cast<double>(width_) / height_;
   const double across = (2 * (x + 0.5) / width_ - 1) * aspect;  // X
   const double upwards = 1 - 2 * (y + 0.5) / height_;           // Y
@@ -73,11 +79,15 @@ Ray ViewRays::ray(double x, double y) const {
 }
 
 Vec3 ViewRays::widening(std::int64_t sheet) const {
+  if (base_ != nullptr) return Vec3::Ones();
   const double pitch = pitch_at(z_of(sheet));
   return (pitch * spacing_.cwiseInverse()).cwiseMin(widest_).cwiseMax(Vec3::Ones());
 }
 
-Vec3 ViewRays::greatest_widening() const { return is_perspective_ ? widest_ : widening(0); }
+Vec3 ViewRays::greatest_widening() const {
+  if (base_ != nullptr) return Vec3::Ones();
+  return is_perspective_ ? widest_ : widening(0);
+}
 
 ZRange ViewRays::kept(const Ray& ray, ZRange range) const {
   Interval kept{range.lo, range.hi};

@@ -8,6 +8,7 @@
 #include "ovoid/field.h"
 #include "ovoid/math.h"
 #include "ovoid/renderer.h"
+#include "view/base_plane.h"
 
 namespace ovoid::reference {
 
@@ -30,11 +31,14 @@ struct SheetRange {
   std::int64_t last = -1;
 };
 
-// The sample positions of one frame: docs/numerics.md, "The view lattice".
+// The sample positions of one frame: docs/numerics.md, "The view lattice" and "Lattice sheets".
 class ViewRays {
  public:
-  // Camera and options are valid.
-  ViewRays(const LatticeField& field, const Camera& camera, const RenderOptions& options);
+  // Camera and options are valid. `base`: of lattice sheets, whose samples stand for pixels and
+  // whose z is that of their plane; right_of() and what follows are then meaningless. Null: of
+  // image sheets.
+  ViewRays(const LatticeField& field, const Camera& camera, const RenderOptions& options,
+           const view::BasePlane* base = nullptr);
   // For a kernel field, whose index space is the world; widening() means nothing there.
   ViewRays(const KernelField& field, const Camera& camera, const RenderOptions& options);
 
@@ -113,6 +117,7 @@ class ViewRays {
   Vec3 forward_;  // n
   Vec3 right_;    // r
   Vec3 up_;       // q
+  const view::BasePlane* base_ = nullptr;
   bool is_perspective_;
   double half_height_;  // of the picture: world units (parallel), or at z = 1 (perspective)
   int width_;

@@ -67,14 +67,17 @@ void set_place(const view::LatticePlan& plan, device::LatticeConstants& out) {
   // Rounding slack; the sums decide exactly.
   out.support_lo = device_vector(plan.index_support.min() - Vec3::Constant(1e-3));
   out.support_hi = device_vector(plan.index_support.max() + Vec3::Constant(1e-3));
-  const Index3& bricks = plan.relevance.num_bricks();
+  const Index3& bricks = plan.relevance.num_bricks();  // in the field's own order
   out.num_bricks = {static_cast<std::int32_t>(bricks[0]), static_cast<std::int32_t>(bricks[1]),
                     static_cast<std::int32_t>(bricks[2]), plan.relevance.brick_shift()};
 }
 
 void set_axes(const LatticeGeometry& geometry, const view::LatticePlan& plan,
               device::LatticeConstants& out) {
-  const Mat3 world_from_index = geometry.world_from_index.linear();
+  Mat3 world_from_index;
+  for (int a = 0; a < 3; ++a)
+    world_from_index.col(a) =
+        geometry.world_from_index.linear().col(plan.order[static_cast<std::size_t>(a)]);
   const Mat3 gradient = world_from_index.inverse().transpose() / plan.gradient_unit;
   const view::SheetMap map = plan.lattice.world_map(0);
   Mat3 camera;
@@ -88,13 +91,14 @@ void set_axes(const LatticeGeometry& geometry, const view::LatticePlan& plan,
     out.camera_rows[r] = device_vector(camera_from_index.row(r).transpose());
     out.camera_columns[r] = device_vector(index_from_camera.row(r).cwiseAbs().transpose());
   }
-  out.inverse_spacing = device_vector(geometry.spacing().cwiseInverse());
-  const Bounds3 faces = geometry.index_bounds();
-  out.faces_lo = device_vector(faces.min());
-  out.faces_hi = device_vector(faces.max());
+  out.inverse_spacing =
+      device_vector(view::in_order(geometry.spacing(), plan.order).cwiseInverse());
+  out.faces_lo = device_vector(plan.faces.min());
+  out.faces_hi = device_vector(plan.faces.max());
 }
 
-void set_kernel(const LatticeField& field, device::LatticeConstants& out) {
+void set_kernel(const LatticeField& field, const view::AxisOrder& order,
+                device::LatticeConstants& out) {
   const LatticeKernel kernel = field.index_kernel();
   const LatticeGeometry& geometry = field.geometry();
   out.sigma = static_cast<float>(kernel.sigma);
@@ -117,7 +121,8 @@ void set_kernel(const LatticeField& field, device::LatticeConstants& out) {
   for (int s = 0; s < out.num_sublattices; ++s) {
     device::Sublattice& own = out.sublattices[s];
     const Index3 dims = geometry.dims_of(s);
-    for (std::size_t a = 0; a < 3; ++a) own.dims[a] = static_cast<std::int32_t>(dims[a]);
+    for (std::size_t a = 0; a < 3; ++a)
+      own.dims[a] = static_cast<std::int32_t>(dims[static_cast<std::size_t>(order[a])]);
     own.offset = static_cast<float>(geometry.offset_of(s)[0]);
   }
 }
@@ -160,7 +165,7 @@ device::LatticeConstants lattice_constants(const LatticeField& field, const view
   device::LatticeConstants out{};
   set_place(plan, out);
   set_axes(field.geometry(), plan, out);
-  set_kernel(field, out);
+  set_kernel(field, plan.order, out);
   out.slab[0] = {0, 1};
   out.num_slab_points = 1;
   if (traits.takes_means) set_slab(num_slab_points(field, plan.lattice), out);

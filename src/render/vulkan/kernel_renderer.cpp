@@ -507,7 +507,7 @@ void KernelRenderer::set_needs(Set& set) {
 
 void KernelRenderer::render(const FrameJob& job, Image& image, FrameProfile& profile) {
   const KernelField& field = *job.field.kernels();
-  const auto& [any_field, camera, look, trail, options, hooks] = job;
+  const auto& [any_field, camera, look, trail, options, hooks, base] = job;
   Commands& commands = bench_.commands;
   Set set(field, camera, look, options);
   if (!kernels_ || !kernels_->is_of(field)) {

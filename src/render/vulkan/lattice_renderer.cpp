@@ -276,7 +276,7 @@ void LatticeRenderer::draw_box(const Job& job, std::size_t number, const Strip& 
 }
 
 void LatticeRenderer::render(const FrameJob& frame, Image& image, FrameProfile& profile) {
-  const auto& [any_field, camera, look, trail, options, hooks] = frame;
+  const auto& [any_field, camera, look, trail, options, hooks, base] = frame;
   const LatticeField& field = *any_field.lattice();
   Job job{options, {field, camera, look, options, kept_}};
   job.has_nodes = job.own.traits.may_have_nodes;

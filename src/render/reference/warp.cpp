@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/reference/warp.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+namespace ovoid::reference {
+namespace {
+
+// [Mitchell 1988], B = C = 1/3.
+double weight(double t) {
+  t = std::abs(t);
+  if (t < 1) return (7 * t * t * t - 12 * t * t + 16.0 / 3) / 6;
+  if (t < 2) return (-7.0 / 3 * t * t * t + 12 * t * t - 20 * t + 32.0 / 3) / 6;
+  return 0;
+}
+
+// Where the centre of a pixel lies in the base plane, and how many samples as wide as it.
+struct PlaceInBase {
+  Eigen::Vector2d at;
+  Eigen::Vector2d width;
+};
+
+PlaceInBase place_of(const view::BasePlane& base, int x, int y) {
+  PlaceInBase place;
+  place.at = base.base_from_picture(x, y);
+  const Mat3& map = base.picture_from_base.matrix;
+  const Vec3 back = map * Vec3(place.at[0], place.at[1], 1);
+  for (int a = 0; a < 2; ++a) {
+    const Eigen::Vector2d pixels_per_sample =
+        (map.col(a).head<2>() - back.head<2>() / back[2] * map(2, a)) / back[2];
+    place.width[a] = std::max(1.0, 1 / pixels_per_sample.norm());
+  }
+  return place;
+}
+
+}  // namespace
+
+Image warped(const view::BasePlane& base, const Image& samples, const RenderOptions& options,
+             bool is_bounded) {
+  Image picture;
+  picture.width = options.width;
+  picture.height = options.height;
+  const auto pixels = static_cast<std::size_t>(options.width) * options.height;
+  picture.rgba.assign(4 * pixels, 0.0F);
+  picture.depth.assign(pixels, std::numeric_limits<float>::infinity());
+  for (int y = 0; y < options.height; ++y) {
+    for (int x = 0; x < options.width; ++x) {
+      const auto [at, width] = place_of(base, x, y);
+      std::array<double, 4> sum{};
+      double total = 0;
+      const auto first = [&](int a) { return std::ceil(at[a] - 2 * width[a]); };
+      for (double j = first(1); j < at[1] + 2 * width[1]; ++j) {
+        for (double i = first(0); i < at[0] + 2 * width[0]; ++i) {
+          const double w = weight((i - at[0]) / width[0]) * weight((j - at[1]) / width[1]);
+          total += w;
+          if (i < 0 || j < 0 || i >= base.width || j >= base.height) continue;
+          const auto sample = static_cast<std::size_t>(j * base.width + i);
+          for (std::size_t c = 0; c < 4; ++c) sum[c] += w * samples.rgba[4 * sample + c];
+        }
+      }
+      const auto pixel = static_cast<std::size_t>(y) * options.width + x;
+      for (std::size_t c = 0; c < 4; ++c) {
+        const double value = sum[c] / total;
+        picture.rgba[4 * pixel + c] =
+            static_cast<float>(is_bounded ? std::clamp(value, 0.0, 1.0) : value);
+      }
+      const double i = std::round(at[0]);
+      const double j = std::round(at[1]);
+      if (i < 0 || j < 0 || i >= base.width || j >= base.height) continue;
+      picture.depth[pixel] = static_cast<float>(
+          base.depth_of(i, j, samples.depth[static_cast<std::size_t>(j * base.width + i)]));
+    }
+  }
+  return picture;
+}
+
+}  // namespace ovoid::reference

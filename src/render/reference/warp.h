@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "ovoid/renderer.h"
+#include "view/base_plane.h"
+
+namespace ovoid::reference {
+
+// The picture of a base plane's samples: docs/numerics.md, "Lattice sheets". `is_bounded`: pixels
+// are colours and opacities in [0, 1].
+Image warped(const view::BasePlane& base, const Image& samples, const RenderOptions& options,
+             bool is_bounded);
+
+}  // namespace ovoid::reference

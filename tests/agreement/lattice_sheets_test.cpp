@@ -1,0 +1,317 @@
+// SPDX-License-Identifier: Apache-2.0
+// Lattice sheets: the cpu against the reference's base plane and warp, and both against pictures of
+// image sheets whose distance and pixels are finer.
+#include <gtest/gtest.h>
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include "ovoid/error.h"
+#include "support/agreement.h"
+#include "support/scenes.h"
+#include "view/base_plane.h"
+#include "view/frame_plan.h"
+
+namespace ovoid::test {
+namespace {
+
+Scene on_lattice(Scene scene) {
+  scene.options.sheets = Sheets::kLattice;
+  return scene;
+}
+
+std::string projection_of(bool is_parallel) { return is_parallel ? ", parallel" : ", perspective"; }
+
+class LatticeSheets : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (tested_backend() == Backend::kVulkan) GTEST_SKIP() << "backend vulkan has image sheets";
+  }
+};
+
+// Views across planes of the lattice, one for each of its axes, from both sides; somewhat aslant.
+std::vector<Vec3> views_of(const Field& field) {
+  const Mat3 axes = field.lattice()->geometry().world_from_index.linear();
+  std::vector<Vec3> views;
+  for (int a = 0; a < 3; ++a) {
+    const Vec3 normal = axes.col((a + 1) % 3).cross(axes.col((a + 2) % 3)).normalized();
+    for (const double side : {1.0, -1.0})
+      views.emplace_back((side * normal + Vec3(0.21, -0.17, 0.26)).normalized());
+  }
+  return views;
+}
+
+Camera camera_from(const Field& field, const Vec3& direction, bool is_parallel, double fill) {
+  const Bounds3 bounds = field.world_bounds();
+  const double half_height = 0.5 * bounds.diagonal().norm() / fill;
+  const double distance = (is_parallel ? 5 : 4) * half_height;
+  return is_parallel ? parallel_camera(bounds.center(), direction, half_height, distance)
+                     : perspective_camera(bounds.center(), direction, half_height, distance);
+}
+
+// In perspective some rays may be at over 60 degrees; a base plane may be far larger than the
+// picture.
+bool must_be_image_sheets(const Scene& scene) {
+  return !view::base_plane(scene.lattice(), view::support_of(scene.lattice(), 1.0, 0.0),
+                           scene.camera, scene.options);
+}
+
+// Fails if an axis is taken for another one, or samples lie elsewhere.
+TEST_F(LatticeSheets, AgreeInEveryModeAndView) {
+  for (int m = 0; m < 5; ++m) {
+    for (const bool is_parallel : {true, false}) {
+      Scene scene = small_scene(kModes[m], is_parallel);
+      int number = 0;
+      for (const Vec3& direction : views_of(scene.field)) {
+        scene.camera = camera_from(scene.field, direction, is_parallel, 1.3);
+        EXPECT_TRUE(backends_agree(
+            on_lattice(scene), fmt::format("lattice sheets, {}, view {}{}", kModeNames[m], ++number,
+                                           projection_of(is_parallel))));
+      }
+    }
+  }
+}
+
+// Fails if faces, holes, stored types or a lattice of one slice or sample are off.
+TEST_F(LatticeSheets, AgreeOnEveryVolumeAndLook) {
+  for (const TestVolume& volume : test_volumes()) {
+    const bool is_one_sample = volume.field.num_kernels() == 1;
+    for (const TestLook& look : test_looks(volume.lo, volume.hi)) {
+      for (const bool is_parallel : {true, false}) {
+        Scene scene{volume.field,
+                    camera_from(volume.field, views_of(volume.field)[4], is_parallel,
+                                is_one_sample ? 8 : 1.4),
+                    look.look, picture(30, 26)};
+        if (must_be_image_sheets(scene)) continue;
+        if (is_one_sample)
+          scene.options.sampling_distance = 0.06 * volume.field.default_sampling_distance();
+        EXPECT_TRUE(backends_agree(on_lattice(scene),
+                                   fmt::format("lattice sheets, {}, {}{}", volume.name, look.name,
+                                               projection_of(is_parallel)),
+                                   0.002));
+      }
+    }
+  }
+}
+
+using Change = std::function<void(Scene&)>;
+
+TEST_F(LatticeSheets, AgreeWithOtherOptions) {
+  const std::vector<std::pair<std::string, Change>> changes = {
+      {"sampled", [](Scene& s) { s.options.classification = Classification::kSampled; }},
+      {"pre-integrated",
+       [](Scene& s) { s.options.classification = Classification::kPreintegrated; }},
+      {"exact", [](Scene& s) { s.options.gradient = GradientMethod::kExact; }},
+      {"slab means", [](Scene& s) { s.options.slab = Slab::kMean; }},
+      {"no light", [](Scene& s) { s.look.shade = false; }},
+      {"a light", [](Scene& s) { s.look.light_direction = Vec3(0.3, 0.5, 1); }},
+      {"clipped",
+       [](Scene& s) {
+         const Vec3 center = s.field.world_bounds().center();
+         const Vec3 across(-1.0, 0.6, 0.5);
+         s.options.clip_planes = {{across, across.dot(center) - 0.7}};
+       }},
+      {"four sheets a spacing",
+       [](Scene& s) { s.options.sampling_distance = 0.25 * s.field.default_sampling_distance(); }},
+      {"magnified", [](Scene& s) { s.camera.zoom(9); }},
+      {"small", [](Scene& s) { s.options.width = 7, s.options.height = 5; }},
+      {"one pixel", [](Scene& s) { s.options.width = s.options.height = 1; }},
+  };
+  for (const bool is_parallel : {true, false}) {
+    for (const auto& [name, change] : changes) {
+      Scene scene = small_scene(Mode::kComposite, is_parallel);
+      scene.camera = camera_from(scene.field, views_of(scene.field)[4], is_parallel, 1.3);
+      change(scene);
+      EXPECT_TRUE(backends_agree(on_lattice(scene),
+                                 "lattice sheets, " + name + projection_of(is_parallel)));
+    }
+  }
+}
+
+// Kernels of every kind, sums, and two sublattices: ways of their own to form a sample.
+TEST_F(LatticeSheets, AgreeForEveryKindOfField) {
+  const Index3 dims{12, 11, 14};
+  for (const bool is_parallel : {true, false}) {
+    for (const LatticeKind lattice : {LatticeKind::kCartesian, LatticeKind::kBodyCentred}) {
+      for (const Reconstruction how : {Reconstruction::kNormalized, Reconstruction::kSum}) {
+        for (const LatticeKernel& kernel : {LatticeKernel(), kBSplineKernel, kCatmullRomKernel}) {
+          FieldSetup setup;
+          setup.world_from_index = oblique_axes();
+          setup.lattice = lattice;
+          setup.reconstruction = how;
+          setup.kernel = kernel;
+          Scene scene = small_scene(Mode::kComposite, is_parallel);
+          scene.field =
+              make_stored_field(dims, shells(dims), {ScalarType::kUInt16, 0, 4000}, setup);
+          scene.look = semi_transparent_look(0, 4000);
+          const std::string name =
+              fmt::format("lattice sheets, {} {} {}{}", name_of(lattice),
+                          how == Reconstruction::kSum ? "sum" : "mean",
+                          static_cast<int>(kernel.kind), projection_of(is_parallel));
+          for (const Vec3& direction : views_of(scene.field)) {
+            scene.camera = camera_from(scene.field, direction, is_parallel, 1.3);
+            EXPECT_TRUE(backends_agree(on_lattice(scene), name));
+          }
+        }
+      }
+    }
+  }
+}
+
+// Exactly between two axes or three; along an axis; and spacings a hundred times as wide.
+TEST_F(LatticeSheets, AgreeInExtremeViews) {
+  const Index3 dims{12, 11, 13};
+  int num_drawn = 0;
+  for (const double thickness : {1.0, 100.0}) {
+    FieldSetup setup;
+    setup.world_from_index.linear() = Vec3(1, 1, thickness).asDiagonal();
+    const Field field = make_stored_field(dims, shells(dims), {ScalarType::kUInt8, 0, 255}, setup);
+    for (const bool is_parallel : {true, false}) {
+      for (const Vec3& direction :
+           {Vec3(1, 1, 1), Vec3(1, 1, 0), Vec3(0, 1, -1), Vec3(1, 0, 0), Vec3(0, 0, -1)}) {
+        Scene scene{field, camera_from(field, direction, is_parallel, 1.3),
+                    semi_transparent_look(0, 255), picture(24, 20)};
+        if (must_be_image_sheets(scene)) continue;
+        EXPECT_TRUE(backends_agree(
+            on_lattice(scene),
+            fmt::format("lattice sheets, spacing {}, from {} {} {}{}", thickness, direction.x(),
+                        direction.y(), direction.z(), projection_of(is_parallel)),
+            0.002));
+        ++num_drawn;
+      }
+    }
+  }
+  EXPECT_GE(num_drawn, 14);
+}
+
+double largest_difference(const Image& a, const Image& b) { return compare(a, b).max_float; }
+
+// Fails if a sample's value depends on which others are worked out with it.
+TEST_F(LatticeSheets, SkippingAndStoppingChangeNoByte) {
+  for (const bool is_parallel : {true, false}) {
+    for (const Mode mode : kModes) {
+      Scene scene = on_lattice(small_scene(mode, is_parallel));
+      scene.camera = camera_from(scene.field, views_of(scene.field)[0], is_parallel, 1.3);
+      scene.options.width = 150;
+      scene.options.height = 90;
+      scene.look.transfer_function.opacities = {{28, 0}, {36, 0.9}};
+      const Image all = draw(scene).image;
+      scene.options.skip_irrelevant = false;
+      EXPECT_EQ(largest_difference(draw(scene).image, all), 0) << static_cast<int>(mode);
+      scene.options.stop_opaque = false;
+      EXPECT_EQ(largest_difference(draw(scene).image, all), 0) << static_cast<int>(mode);
+    }
+  }
+}
+
+// The mean of 4 x 4 pixels.
+Image averaged(const Image& fine) {
+  Image image;
+  image.width = fine.width / 4;
+  image.height = fine.height / 4;
+  image.rgba.assign(4 * static_cast<std::size_t>(image.width) * image.height, 0.0F);
+  image.depth.assign(static_cast<std::size_t>(image.width) * image.height, 0.0F);
+  for (int y = 0; y < fine.height; ++y) {
+    for (int x = 0; x < fine.width; ++x) {
+      const auto from = 4 * (static_cast<std::size_t>(y) * fine.width + x);
+      const auto to = 4 * (static_cast<std::size_t>(y / 4) * image.width + x / 4);
+      for (std::size_t c = 0; c < 4; ++c) image.rgba[to + c] += fine.rgba[from + c] / 16;
+    }
+  }
+  return image;
+}
+
+Scene opaque_waves(bool is_parallel, const Vec3& direction) {
+  const Index3 dims{40, 40, 40};
+  FieldSetup setup;
+  setup.kernel = kBSplineKernel;
+  Scene scene;
+  scene.field = make_stored_field(
+      dims,
+      [](std::int64_t i, std::int64_t j, std::int64_t k) {
+        const double x = 0.25 * static_cast<double>(i);
+        const double y = 0.25 * static_cast<double>(j);
+        const double z = 0.25 * static_cast<double>(k);
+        return 0.5 + 0.16 * (std::sin(x) * std::cos(y) + std::sin(y) * std::cos(z) +
+                             std::sin(z) * std::cos(x));
+      },
+      {ScalarType::kFloat32, 0, 1}, setup);
+  scene.look = semi_transparent_look(0, 1);
+  scene.look.transfer_function.opacities = {{0.55, 0}, {0.6, 0.9}};
+  scene.camera = camera_from(scene.field, direction, is_parallel, 1.0);
+  scene.options = picture(96, 96);
+  return scene;
+}
+
+// A steep look is no farther from the mean of 4 x 4 rays whose samples are eight times as close
+// than image sheets are. Fails if the warp blurs what classification made sharp.
+TEST_F(LatticeSheets, AreAsNearToTheMeanOfFinerRaysAsImageSheets) {
+  for (const bool is_parallel : {true, false}) {
+    for (const Vec3& direction : {Vec3(0.48, -0.31, 0.82), Vec3(0.6, -0.5, 0.8)}) {
+      Scene scene = opaque_waves(is_parallel, direction);
+      const Image on_image = draw(scene).image;
+      const Image picture = draw(on_lattice(scene)).image;
+      scene.options.width *= 4;
+      scene.options.height *= 4;
+      scene.options.sampling_distance = 1.0 / 16;
+      scene.options.post_convolution = PostConvolution::kOff;
+      const Image fine = averaged(draw(scene).image);
+      const double own = compare(picture, fine).psnr_db;
+      const double of_image = compare(on_image, fine).psnr_db;
+      std::printf("[converged ] %.1f dB, image sheets %.1f dB\n", own, of_image);
+      EXPECT_GT(own, of_image - 0.1);
+    }
+  }
+}
+
+// Just before and just behind where the main axis changes, the picture differs by less than by a
+// turn of half a degree.
+TEST_F(LatticeSheets, NothingPopsWhereTheMainAxisChanges) {
+  const auto drawn_at = [](double degrees) {
+    const double angle = degrees * std::numbers::pi / 180;
+    Scene scene = opaque_waves(true, {std::sin(angle), 0.2, std::cos(angle)});
+    scene.options = picture(240, 240);
+    return draw(on_lattice(scene)).image;
+  };
+  const Image before = drawn_at(44.999);
+  const double step = compare(before, drawn_at(45.001)).psnr_db;
+  const double turn = compare(before, drawn_at(44.5)).psnr_db;
+  std::printf("[turn      ] %.1f dB, where the axis changes %.1f dB\n", turn, step);
+  EXPECT_GT(step, turn);
+}
+
+void expect_refused(const Scene& scene, const std::string& reason) {
+  try {
+    draw(on_lattice(scene));
+    FAIL() << "was drawn, should say: " << reason;
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kUnsupported);
+    EXPECT_NE(std::string(error.what()).find(reason), std::string::npos) << error.what();
+  }
+}
+
+TEST_F(LatticeSheets, SayWhatTheyCannotDraw) {
+  const Scene plain = small_scene(Mode::kComposite, false);
+  Scene scene = plain;
+  scene.options.gradient = GradientMethod::kCentral;
+  expect_refused(scene, "central differences");
+  scene = plain;
+  scene.options.evaluate = Evaluate::kScatter;
+  expect_refused(scene, "scattered");
+  scene = plain;
+  scene.options.post_convolution = PostConvolution::kCubic;
+  expect_refused(scene, "post-convolution");
+  scene = plain;
+  scene.camera.position = scene.field.world_bounds().center();
+  scene.camera.focal_point = scene.camera.position + Vec3(0, 0, 1);
+  expect_refused(scene, "camera in front of the whole volume");
+  scene = plain;
+  scene.camera.view_angle = 150;
+  expect_refused(scene, "60 degrees");
+}
+
+}  // namespace
+}  // namespace ovoid::test

@@ -78,14 +78,25 @@ std::string against_lattice_sheets(const BackEnd& back_end, const Field& field, 
   return {};
 }
 
+// True if samples on lattice sheets share their weights, which is what makes them faster.
+bool samples_share_weights(const LatticeField& field, const RenderOptions& options) {
+  const LatticeKernel kernel = field.index_kernel();
+  return field.geometry().num_sublattices() == 1 && kernel.support_radius() == 2.0 &&
+         kernel.sigma >= 0.25 && kernel.sigma <= 2.0 &&
+         field.reconstruction() == Reconstruction::kNormalized && options.slab != Slab::kMean;
+}
+
 // Throws Error(kUnsupported) if they are asked for and cannot be.
 bool takes_lattice_sheets(const BackEnd& back_end, const Field& field, const Look& look,
                           const RenderOptions& options, bool has_trail) {
-  if (options.sheets != Sheets::kLattice) return false;
+  if (options.sheets == Sheets::kImage) return false;
   const std::string reason = against_lattice_sheets(back_end, field, look, options, has_trail);
-  if (options.sheets == Sheets::kLattice && !reason.empty())
-    throw Error(ErrorCode::kUnsupported, fmt::format("sheets: lattice: {}", reason));
-  return reason.empty();
+  if (options.sheets == Sheets::kLattice) {
+    if (!reason.empty())
+      throw Error(ErrorCode::kUnsupported, fmt::format("sheets: lattice: {}", reason));
+    return true;
+  }
+  return reason.empty() && samples_share_weights(*field.lattice(), options);
 }
 
 // Throws Error(kUnsupported) if they are asked for and the view does not let them be.

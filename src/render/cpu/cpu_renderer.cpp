@@ -140,13 +140,14 @@ Frame render_lattice_sheets(const FrameJob& job, const Machine& machine) {
   Frame frame = render_samples(
       {job.field, job.camera, job.look, job.trail, of_base, hooks, job.base}, machine);
   const Clock::time_point warp_start = Clock::now();
-  const Image base_picture = std::exchange(frame.image, empty_image(job.options));
+  Runner& runner = *machine.runner;
+  const BasePicture samples(std::exchange(frame.image, empty_image(job.options)), runner);
+  const WarpJob warp_job{*job.base, samples, job.look.mode != Mode::kXray};
   const std::vector<TileRect> strips = strips_of(job.options);
   Watch watch(job.hooks, strips.size(), kShareOfBase);
-  Runner& runner = *machine.runner;
   runner.run(static_cast<int>(strips.size()), [&](int task, int) {
     const TileRect& strip = strips[static_cast<std::size_t>(task)];
-    warp(*job.base, base_picture, job.look.mode != Mode::kXray, strip, frame.image);
+    warp(machine.target, warp_job, strip, frame.image);
     watch.tile_done(strip, frame.image);
   });
   frame.profile.frame_ms = ms_since(start);

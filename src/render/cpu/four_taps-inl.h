@@ -68,6 +68,11 @@ HWY_INLINE void set_gaussian_slopes(const device::LatticeConstants& lattice, Fou
 
 HWY_INLINE V sum_of(const V (&v)[4]) { return hn::Add(hn::Add(v[0], v[1]), hn::Add(v[2], v[3])); }
 
+HWY_INLINE M all_exist(V whole, AxisEnds ends) {
+  return hn::And(hn::Ge(whole, hn::Set(d, ends.first + 1)),
+                 hn::Le(whole, hn::Set(d, ends.last - 2)));
+}
+
 // Weights of the taps that do not exist become 0.
 HWY_INLINE void keep_existing(V whole, AxisEnds ends, V (&weights)[4]) {
   for (int k = 0; k < 4; ++k) {
@@ -187,11 +192,15 @@ HWY_INLINE FourWeights piecewise_weights_at(V whole, V fraction,
   // sublattices it may be less than nothing where kernels are negative in places.
   const V magnitude = hn::Max(hn::Abs(existing), hn::Set(d, 1e-6F));
   const V inverse = hn::Div(hn::Set(d, 1.0F), hn::CopySign(magnitude, existing));
-  for (V& w : t.w) w = hn::Mul(w, inverse);
+  // Where all exist that add up to 1 they are what they are in the lattice's interior, to the bit.
+  const M are_whole = kNarrow ? hn::Ne(whole, whole) : all_exist(whole, ends);
+  for (V& w : t.w) w = hn::IfThenElse(are_whole, w, hn::Mul(w, inverse));
   if constexpr (kGradient) {
     t.log_slope = hn::Mul(sum_of(t.slope), inverse);
-    for (int k = 0; k < 4; ++k)
-      t.slope[k] = hn::NegMulAdd(t.w[k], t.log_slope, hn::Mul(t.slope[k], inverse));
+    for (int k = 0; k < 4; ++k) {
+      const V slope = hn::NegMulAdd(t.w[k], t.log_slope, hn::Mul(t.slope[k], inverse));
+      t.slope[k] = hn::IfThenElse(are_whole, t.slope[k], slope);
+    }
   }
   return t;
 }

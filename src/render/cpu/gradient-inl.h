@@ -35,7 +35,6 @@ HWY_INLINE Position point_between(const Position& a, const Position& b, V t) {
 inline void reconstruct_with_gradients(const LatticeFrame& frame, Workspace& work, int s,
                                        const RowBits& bits) {
   const Block& block = work.block;
-  if (has_rows(frame, block)) return reconstruct_rows<true>(frame, work, s, bits);
   Sheet& sheet = work.ring[block.place.number_of(s)];
   float* const values = sheet.values;
   const std::array<float*, 3> gradient = sheet.gradient;
@@ -106,6 +105,7 @@ inline void gradients_of(const LatticeFrame& frame, Workspace& work, int s,
                          const RowBits& missing) {
   const Block& block = work.block;
   const BlockPlace& place = block.place;
+  if (has_rows(frame, block)) return gradients_by_rows(frame, work, s, missing);
   if (!frame.takes_differences && block.region.uses_four_taps) {
     reconstruct_with_gradients(frame, work, s, missing);
     return;

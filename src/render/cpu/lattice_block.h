@@ -61,6 +61,36 @@ struct Block {
   Region region;
 };
 
+// Samples of a plane: those from (x0, y0) to before (x1, y1).
+struct SampleBounds {
+  int x0 = kTileSize, x1 = 0, y0 = kTileSize, y1 = 0;
+
+  bool is_empty() const noexcept { return x0 >= x1; }
+};
+
+// The weights that samples share along one axis: [tap][sample].
+struct SharedTaps {
+  alignas(64) float weight[4][kTileSize];
+  alignas(64) float slope[4][kTileSize];
+  alignas(64) float share[kTileSize];         // of the weights, what exists
+  alignas(64) std::int32_t first[kTileSize];  // where tap 0 lies
+};
+
+// Samples of base planes are at most a spacing apart: so many samples of the lattice lie along a
+// block's row or column, taps included; and groups that begin at any of them.
+inline constexpr int kMostAcross = kTileSize + 4;
+inline constexpr int kRowFloats = 48;
+
+// A lattice sheet within a block: the taps of its columns, its rows and of itself, and the lattice's
+// samples on it, summed over slices, with their derivatives from sheet to sheet (rows-inl.h).
+struct RowsOfSheet {
+  SampleBounds bounds;  // of the samples that can be worked out
+  int columns = 0;      // of the lattice that they read
+  SharedTaps x, y, z;
+  alignas(64) float value[kMostAcross][kRowFloats];
+  alignas(64) float slope[kMostAcross][kRowFloats];
+};
+
 struct Workspace {
   explicit Workspace(const PlaneShape& shape) : ring(shape) {}
 
@@ -71,6 +101,7 @@ struct Workspace {
   RowBits was_visible{};  // samples of the sheet that was shaded last: for a guess
   FloatBuffer sample_memory, presence_memory;  // the region's, unless it is shared
   FloatBuffer taps;                            // general gathering: weights of one sample
+  std::array<RowsOfSheet, 2> rows{};           // of lattice sheets, by the parity of their number
   FloatBuffer splats;                          // scatter: numerators and denominators of all sheets
   WorkerStats stats;
 

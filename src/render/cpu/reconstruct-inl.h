@@ -161,9 +161,7 @@ inline void reconstruct_general(const LatticeFrame& frame, Workspace& work, int 
 // Adds the samples named by `wanted` to sheet s of the block.
 inline void reconstruct_sheet(const LatticeFrame& frame, Workspace& work, int s,
                               const RowBits& wanted) {
-  if (has_rows(frame, work.block)) {
-    reconstruct_rows<false>(frame, work, s, wanted);
-  } else if (work.block.region.uses_four_taps) {
+  if (work.block.region.uses_four_taps) {
     reconstruct_four_taps(frame, work, s, wanted);
   } else {
     reconstruct_general(frame, work, s, wanted);

@@ -24,47 +24,49 @@ HWY_BEFORE_NAMESPACE();
 namespace ovoid::cpu {
 namespace HWY_NAMESPACE {
 
-// Samples of base planes are at most a spacing apart: so many samples of the lattice lie along a
-// block's row or column, taps and groups that begin at any of them included.
-inline constexpr int kMostAcross = kTileSize + 4;
-inline constexpr int kRowFloats = 2 * kTileSize + kMaxLanes;
-
-// The weights of a sheet's columns, rows, or of the sheet, along one axis: [tap][sample].
-struct SharedTaps {
-  alignas(64) float weight[4][kTileSize];
-  alignas(64) float slope[4][kTileSize];
-  alignas(64) float share[kTileSize];         // of the weights that exist
-  alignas(64) std::int32_t first[kTileSize];  // tap 0, of the region
+// Samples along an axis: `count` at base + i * step, relative to the region's origin.
+struct AxisSamples {
+  int axis;
+  float base, step;
+  int count;
 };
 
-// Of `count` samples at base + i * step, relative to the region's origin. Derivatives are corrected
-// where the frame's are (gather-inl.h).
-inline void set_shared_taps(const LatticeFrame& frame, const Region& region, int axis, float base,
-                            float step, int count, SharedTaps& taps) {
-  for (int i = 0; i < count; i += group_size()) {
-    const V position =
-        hn::MulAdd(hn::Iota(d, static_cast<float>(i)), hn::Set(d, step), hn::Set(d, base));
+// Derivatives are corrected where the frame's are (gather-inl.h).
+template <bool kBorder>
+inline void set_shared_taps(const LatticeFrame& frame, const Region& region,
+                            const AxisSamples& samples, SharedTaps& taps) {
+  const AxisEnds ends = ends_of(frame.lattice.sublattices[0], region, samples.axis);
+  for (int i = 0; i < samples.count; i += group_size()) {
+    const V position = hn::MulAdd(hn::Iota(d, static_cast<float>(i)), hn::Set(d, samples.step),
+                                  hn::Set(d, samples.base));
     const V whole = hn::Floor(position);
     V share = hn::Set(d, 1.0F);
-    const FourWeights w = four_weights_at</*kNarrow=*/false, /*kBorder=*/true, /*kGradient=*/true>(
-        whole, hn::Sub(position, whole), frame.lattice,
-        ends_of(frame.lattice.sublattices[0], region, axis), share);
+    const FourWeights w = four_weights_at</*kNarrow=*/false, kBorder, /*kGradient=*/true>(
+        whole, hn::Sub(position, whole), frame.lattice, ends, share);
     const V correction = correction_for(w.variance, frame);
     for (int k = 0; k < 4; ++k) {
       hn::Store(w.w[k], d, taps.weight[k] + i);
       hn::Store(hn::Mul(w.slope[k], correction), d, taps.slope[k] + i);
     }
     hn::Store(share, d, taps.share + i);
-    hn::Store(hn::Sub(nearest_integer(whole), hn::Set(di, region.lo[axis] + 1)), di,
+    hn::Store(hn::Sub(nearest_integer(whole), hn::Set(di, region.lo[samples.axis] + 1)), di,
               taps.first + i);
   }
 }
 
-// The lattice's samples on a sheet, and their derivatives from sheet to sheet.
-struct SheetOfLattice {
-  alignas(64) float value[kMostAcross][kRowFloats];
-  alignas(64) float slope[kMostAcross][kRowFloats];
-};
+// Of all samples of sheet s of a block.
+inline void set_taps(const LatticeFrame& frame, const Block& block, int s, RowsOfSheet& rows) {
+  const SheetInLattice& sheet = block.sheets[s];
+  const AxisSamples columns{0, sheet.base[0], sheet.per_x[0], block.place.columns};
+  const AxisSamples lines{1, sheet.base[1], sheet.per_y[1], block.place.rows};
+  const AxisSamples own{2, sheet.base[2], 0, 1};
+  const auto set = [&](auto is_border) {
+    set_shared_taps<is_border>(frame, block.region, columns, rows.x);
+    set_shared_taps<is_border>(frame, block.region, lines, rows.y);
+    set_shared_taps<is_border>(frame, block.region, own, rows.z);
+  };
+  block.region.is_interior ? set(std::false_type()) : set(std::true_type());
+}
 
 // A row of a sheet, one number for each sample along the lattice.
 struct RowOfLattice {
@@ -131,11 +133,6 @@ HWY_INLINE V sum_of_taps(const FourTaps& taps, const float (*weights)[kTileSize]
       hn::MulAdd(taps.tap[1], w(1), hn::MulAdd(taps.tap[2], w(2), hn::Mul(taps.tap[3], w(3)))));
 }
 
-// The samples of a sheet to be worked out: bounds of those named by bits.
-struct SampleBounds {
-  int x0 = kTileSize, x1 = 0, y0 = kTileSize, y1 = 0;
-};
-
 inline SampleBounds bounds_of(const RowBits& bits, int rows) {
   SampleBounds bounds;
   RowWord any = 0;
@@ -145,37 +142,31 @@ inline SampleBounds bounds_of(const RowBits& bits, int rows) {
     bounds.y0 = std::min(bounds.y0, y);
     bounds.y1 = y + 1;
   }
-  if (any == 0) return bounds;
+  if (any == 0) return {};
   bounds.x0 = std::countr_zero(any);
   bounds.x1 = 64 - std::countl_zero(any);
   return bounds;
 }
 
-// Taps of a sheet along the three axes, and what is summed along the last of them.
-struct SheetTaps {
-  SharedTaps x, y, z;
-  SheetOfLattice lattice;
-};
-
-// Pass "slices", of the part of the lattice that samples within `bounds` read.
-template <bool kGradient>
-inline void sum_slices(const Region& region, const SampleBounds& bounds, SheetTaps& taps) {
-  const int first_column = taps.x.first[bounds.x0];
-  const int end_column = taps.x.first[bounds.x1 - 1] + 4;
-  const int first_row = taps.y.first[bounds.y0];
-  const int end_row = taps.y.first[bounds.y1 - 1] + 4;
+// Pass "slices", of the part of the lattice that the samples within the sheet's bounds read.
+inline void sum_slices(const LatticeFrame& frame, const Region& region, RowsOfSheet& sheet) {
+  const SampleBounds& bounds = sheet.bounds;
+  const int first_column = sheet.x.first[bounds.x0];
+  const int columns = sheet.x.first[bounds.x1 - 1] + 4 - first_column;
+  const int first_row = sheet.y.first[bounds.y0];
+  const int rows = sheet.y.first[bounds.y1 - 1] + 4 - first_row;
   const std::ptrdiff_t row = 2 * static_cast<std::ptrdiff_t>(region.row_stride);
   const std::ptrdiff_t two_slices = 4 * static_cast<std::ptrdiff_t>(region.slice_stride);
   const float* from = region.samples +
-                      2 * static_cast<std::ptrdiff_t>(taps.z.first[0]) * region.slice_stride +
+                      2 * static_cast<std::ptrdiff_t>(sheet.z.first[0]) * region.slice_stride +
                       row * first_row + 2 * first_column;
   V w[4], s[4];
   for (int k = 0; k < 4; ++k) {
-    w[k] = hn::Set(d, taps.z.weight[k][0]);
-    s[k] = hn::Set(d, taps.z.slope[k][0]);
+    w[k] = hn::Set(d, sheet.z.weight[k][0]);
+    s[k] = hn::Set(d, sheet.z.slope[k][0]);
   }
-  for (int y = first_row; y < end_row; ++y, from += row) {
-    for (int x = 0; x < end_column - first_column; x += group_size()) {
+  for (int y = 0; y < rows; ++y, from += row) {
+    for (int x = 0; x < columns; x += group_size()) {
       V a0, a1, a2, a3;
 #if HWY_TARGET == HWY_SCALAR
       a0 = hn::Load(d, from + 2 * x);
@@ -189,33 +180,64 @@ inline void sum_slices(const Region& region, const SampleBounds& bounds, SheetTa
       const auto sum = [&](const V(&c)[4]) {
         return hn::MulAdd(a0, c[0], hn::MulAdd(a1, c[1], hn::MulAdd(a2, c[2], hn::Mul(a3, c[3]))));
       };
-      hn::StoreU(sum(w), d, taps.lattice.value[y - first_row] + x);
-      if constexpr (kGradient) hn::StoreU(sum(s), d, taps.lattice.slope[y - first_row] + x);
+      hn::StoreU(sum(w), d, sheet.value[y] + x);
+      if (frame.takes_gradients) hn::StoreU(sum(s), d, sheet.slope[y] + x);
     }
   }
+  // Counted from the first; columns beside those within bounds read the ends.
+  sheet.columns = columns;
+  for (int x = 0; x < kTileSize; ++x)
+    sheet.x.first[x] = std::clamp(sheet.x.first[x] - first_column, 0, columns - 4);
+  for (int y = bounds.y0; y < bounds.y1; ++y) sheet.y.first[y] -= first_row;
 }
 
 // Pass "rows", of sample row y.
 template <bool kGradient>
-HWY_INLINE void sum_rows(const SheetTaps& taps, int y, int first_row, int columns,
-                         RowOfLattice& out) {
-  const int first = taps.y.first[y] - first_row;
+HWY_INLINE void sum_rows(const RowsOfSheet& sheet, int y, RowOfLattice& out) {
+  const int first = sheet.y.first[y];
   V w[4], s[4];
   for (int k = 0; k < 4; ++k) {
-    w[k] = hn::Set(d, taps.y.weight[k][y]);
-    if constexpr (kGradient) s[k] = hn::Set(d, taps.y.slope[k][y]);
+    w[k] = hn::Set(d, sheet.y.weight[k][y]);
+    if constexpr (kGradient) s[k] = hn::Set(d, sheet.y.slope[k][y]);
   }
-  for (int x = 0; x < columns; x += group_size()) {
+  for (int x = 0; x < sheet.columns; x += group_size()) {
     const auto sum = [&](const float(&rows)[kMostAcross][kRowFloats], const V(&c)[4]) {
       const auto at = [&](int k) { return hn::LoadU(d, rows[first + k] + x); };
       return hn::MulAdd(at(0), c[0],
                         hn::MulAdd(at(1), c[1], hn::MulAdd(at(2), c[2], hn::Mul(at(3), c[3]))));
     };
-    hn::StoreU(sum(taps.lattice.value, w), d, out.value + x);
+    hn::StoreU(sum(sheet.value, w), d, out.value + x);
     if constexpr (kGradient) {
-      hn::StoreU(sum(taps.lattice.value, s), d, out.slope_y + x);
-      hn::StoreU(sum(taps.lattice.slope, w), d, out.slope_z + x);
+      hn::StoreU(sum(sheet.value, s), d, out.slope_y + x);
+      hn::StoreU(sum(sheet.slope, w), d, out.slope_z + x);
     }
+  }
+}
+
+// Pass "columns", of the samples of row y named by `lanes`, which are marked in `out`.
+template <bool kGradient>
+HWY_INLINE void sum_columns(const LatticeFrame& frame, const RowsOfSheet& sheet,
+                            const RowOfLattice& row, const TapPicker& pick,
+                            const SampleGroup& group, Sheet& out) {
+  const int x = group.column;
+  const int y = group.row;
+  const int at = out.at(x, y);
+  // Neighbours may have their values already.
+  const M mask = mask_of(group.lanes);
+  const FourTaps values = pick(row.value);
+  hn::BlendedStore(sum_of_taps(values, sheet.x.weight, x), mask, d, out.values + at);
+  const V share_yz = hn::Set(d, sheet.y.share[y] * sheet.z.share[0]);
+  const M is_whole = hn::Ge(hn::Mul(hn::Load(d, sheet.x.share + x), share_yz),
+                            hn::Set(d, device::kLeastShare));
+  out.defined[y] |= RowWord{bits_of(is_whole) & group.lanes} << x;
+  if constexpr (kGradient) {
+    const WorldVector slope = to_world(frame, sum_of_taps(values, sheet.x.slope, x),
+                                       sum_of_taps(pick(row.slope_y), sheet.x.weight, x),
+                                       sum_of_taps(pick(row.slope_z), sheet.x.weight, x));
+    hn::BlendedStore(slope.x, mask, d, out.gradient[0] + at);
+    hn::BlendedStore(slope.y, mask, d, out.gradient[1] + at);
+    hn::BlendedStore(slope.z, mask, d, out.gradient[2] + at);
+    out.has_gradient[y] |= RowWord{group.lanes} << x;
   }
 }
 
@@ -224,62 +246,53 @@ inline bool has_rows(const LatticeFrame& frame, const Block& block) {
   return frame.has_rows && block.region.uses_four_taps;
 }
 
-// Adds the samples named by `wanted` to sheet s of the block, which are marked in the sheet.
-template <bool kGradient>
-inline void reconstruct_rows(const LatticeFrame& frame, Workspace& work, int s,
-                             const RowBits& wanted) {
-  const Block& block = work.block;
-  const Region& region = block.region;
-  const SheetInLattice& place = block.sheets[s];
-  Sheet& sheet = work.ring[block.place.number_of(s)];
-  const SampleBounds bounds = bounds_of(wanted, block.place.rows);
-  if (bounds.x0 >= bounds.x1) return;
-  SheetTaps taps;
-  set_shared_taps(frame, region, 0, place.base[0], place.per_x[0], block.place.columns, taps.x);
-  set_shared_taps(frame, region, 1, place.base[1], place.per_y[1], block.place.rows, taps.y);
-  set_shared_taps(frame, region, 2, place.base[2], 0.0F, 1, taps.z);
-  sum_slices<kGradient>(region, bounds, taps);
-  const int first_column = taps.x.first[bounds.x0];
-  const int columns = taps.x.first[bounds.x1 - 1] + 4 - first_column;
-  const int first_row = taps.y.first[bounds.y0];
-  // Columns beside those that are wanted read the ends.
-  for (int x = 0; x < kTileSize; ++x) {
-    taps.x.first[x] =
-        std::clamp(taps.x.first[x], first_column, first_column + columns - 4) - first_column;
-  }
+// Samples of a sheet whose slices are summed.
+inline void add_rows(const LatticeFrame& frame, Workspace& work, int s, const RowBits& wanted,
+                     const RowBits& with_gradient) {
+  const std::int64_t number = work.block.place.number_of(s);
+  const RowsOfSheet& rows = work.rows[static_cast<std::size_t>(number & 1)];
+  const SampleBounds& bounds = rows.bounds;
+  if (bounds.is_empty()) return;
+  Sheet& sheet = work.ring[number];
   TapPicker pickers[kTileSize];
   const int first_group = bounds.x0 / group_size();
   for (int g = first_group; g * group_size() < bounds.x1; ++g)
-    pickers[g] = TapPicker(taps.x.first + g * group_size());
+    pickers[g] = TapPicker(rows.x.first + g * group_size());
   RowOfLattice row;
   for (int y = bounds.y0; y < bounds.y1; ++y) {
     if (wanted[y] == 0) continue;
-    sum_rows<kGradient>(taps, y, first_row, columns, row);
-    const V share_yz = hn::Set(d, taps.y.share[y] * taps.z.share[0]);
+    with_gradient[y] != 0 ? sum_rows<true>(rows, y, row) : sum_rows<false>(rows, y, row);
     for (int g = first_group; g * group_size() < bounds.x1; ++g) {
       const int x = g * group_size();
-      const std::uint32_t lanes = lanes_at(wanted[y], x);
-      if (lanes == 0) continue;
-      // Neighbours may have their values already.
-      const M mask = mask_of(lanes);
-      const int at = sheet.at(x, y);
-      const FourTaps values = pickers[g](row.value);
-      hn::BlendedStore(sum_of_taps(values, taps.x.weight, x), mask, d, sheet.values + at);
-      const M is_whole =
-          hn::Ge(hn::Mul(hn::Load(d, taps.x.share + x), share_yz), hn::Set(d, device::kLeastShare));
-      sheet.defined[y] |= RowWord{bits_of(is_whole) & lanes} << x;
-      if constexpr (kGradient) {
-        const WorldVector slope = to_world(frame, sum_of_taps(values, taps.x.slope, x),
-                                           sum_of_taps(pickers[g](row.slope_y), taps.x.weight, x),
-                                           sum_of_taps(pickers[g](row.slope_z), taps.x.weight, x));
-        hn::BlendedStore(slope.x, mask, d, sheet.gradient[0] + at);
-        hn::BlendedStore(slope.y, mask, d, sheet.gradient[1] + at);
-        hn::BlendedStore(slope.z, mask, d, sheet.gradient[2] + at);
-        sheet.has_gradient[y] |= RowWord{lanes} << x;
-        work.stats.gradients += std::popcount(lanes);
+      const SampleGroup group{s, x, y, lanes_at(wanted[y], x)};
+      if (group.lanes == 0) continue;
+      if (lanes_at(with_gradient[y], x) != 0) {
+        sum_columns<true>(frame, rows, row, pickers[g], group, sheet);
+        work.stats.gradients += std::popcount(group.lanes);
+      } else {
+        sum_columns<false>(frame, rows, row, pickers[g], group, sheet);
       }
     }
   }
+}
+
+// The samples named by `wanted` of sheet s of the block; with gradients in groups that have one
+// named by `guess`, too.
+inline void reconstruct_rows(const LatticeFrame& frame, Workspace& work, int s,
+                             const RowBits& wanted, const RowBits& guess) {
+  const Block& block = work.block;
+  RowsOfSheet& rows = work.rows[static_cast<std::size_t>(block.place.number_of(s) & 1)];
+  rows.bounds = bounds_of(wanted, block.place.rows);
+  if (rows.bounds.is_empty()) return;
+  set_taps(frame, block, s, rows);
+  sum_slices(frame, block.region, rows);
+  add_rows(frame, work, s, wanted, guess);
+}
+
+// Gradients of samples named by `missing`, which have values.
+inline void gradients_by_rows(const LatticeFrame& frame, Workspace& work, int s,
+                              const RowBits& missing) {
+  add_rows(frame, work, s, missing, missing);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -95,6 +95,8 @@ inline void run_sheet(const LatticeFrame& frame, Workspace& work, int s, StageCl
   if (should_scatter(frame)) {
     splat_sheet(frame, work, s, wanted);
     read_splat_sheet(frame, work, s, wanted);
+  } else if (has_rows(frame, work.block)) {
+    reconstruct_rows(frame, work, s, wanted, guess_visible(frame, work, wanted));
   } else {
     const RowBits guess = guess_visible(frame, work, wanted);
     reconstruct_with_gradients(frame, work, s, guess);

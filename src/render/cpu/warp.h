@@ -3,12 +3,29 @@
 // sheets").
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "render/cpu/block.h"
+#include "render/cpu/runner.h"
+#include "simd/simd_target.h"
 #include "view/base_plane.h"
 
 namespace ovoid::cpu {
+
+// The base plane's picture, and which of its tiles hold anything.
+struct BasePicture {
+  BasePicture(Image picture, Runner& runner);
+
+  bool holds_something(int x, int y) const noexcept {
+    return tiles[static_cast<std::size_t>(y / kTileSize) * tiles_across +
+                 static_cast<std::size_t>(x / kTileSize)] != 0;
+  }
+
+  Image image;
+  std::size_t tiles_across;
+  std::vector<std::uint8_t> tiles;
+};
 
 // True if some pixel of the picture takes samples of the tile.
 bool is_seen(const view::BasePlane& base, const TileRect& tile);
@@ -16,9 +33,14 @@ bool is_seen(const view::BasePlane& base, const TileRect& tile);
 // Rows of the picture that are warped as one task.
 std::vector<TileRect> strips_of(const RenderOptions& options);
 
-// Sets the pixels of `strip` from the samples of the base plane. `is_bounded`: they are colours and
-// opacities in [0, 1].
-void warp(const view::BasePlane& base, const Image& samples, bool is_bounded, const TileRect& strip,
+struct WarpJob {
+  const view::BasePlane& base;
+  const BasePicture& samples;
+  bool is_bounded;  // they are colours and opacities in [0, 1]
+};
+
+// Sets the pixels of `strip`.
+void warp(const simd::SimdTarget& target, const WarpJob& job, const TileRect& strip,
           Image& picture);
 
 }  // namespace ovoid::cpu

@@ -147,14 +147,14 @@ std::optional<BasePlane> base_plane(const LatticeField& field, const Bounds3& su
     base.closeness = 1 / longest;
   }
 
-  // As dense as the picture where it is densest, and as the lattice where it is farthest.
+  // As dense as the picture where it is densest; of the lattice where it is farthest.
   const Eigen::Vector2d stretch = greatest_stretch(picture_from_plane, window);
   Eigen::Vector2d step;
   Eigen::Vector2d first;
   std::array<int, 2> count{};
   for (int a = 0; a < 2; ++a) {
     const double spacing = axes.col(base.order[static_cast<std::size_t>(a)]).norm();
-    const double of_lattice = spacing / (base.is_parallel ? 1.0 : farthest);
+    const double of_lattice = kMostSpacings * spacing / (base.is_parallel ? 1.0 : farthest);
     step[a] = std::min(1 / (kBaseDensity * stretch[a]), of_lattice);
     first[a] = window.min()[a] - kMargin * step[a];
     const double samples = std::ceil((window.max()[a] - first[a]) / step[a] + kMargin) + 1;

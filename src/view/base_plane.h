@@ -73,7 +73,11 @@ struct BasePlane {
 // Samples of the base plane per pixel of the picture, along each axis.
 inline constexpr double kBaseDensity = 1.0;
 
-// The base plane of a lattice and a view: as dense as the picture, at least as dense as the
+// The farthest that samples of the base plane may be from each other, spacings of the lattice: where
+// pixels are wider there are more samples than pixels, and no kernel is widened.
+inline constexpr double kMostSpacings = 4.0 / 3;
+
+// The base plane of a lattice and a view: as dense as the picture, not much less dense than the
 // lattice, around what both show. `support`: where the field can be defined, index space. Empty
 // where sheets cannot lie like this: in perspective the camera has to be in front of the whole
 // field, and the rays that meet it within 60 degrees of the sheets' normal; in parallel projection

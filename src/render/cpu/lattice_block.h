@@ -8,6 +8,7 @@
 
 #include "render/cpu/block.h"
 #include "render/cpu/lattice_frame.h"
+#include "view/base_plane.h"
 
 namespace ovoid::cpu {
 
@@ -76,9 +77,9 @@ struct SharedTaps {
   alignas(64) std::int32_t first[kTileSize];  // where tap 0 lies
 };
 
-// Samples of base planes are at most a spacing apart: so many samples of the lattice lie along a
-// block's row or column, taps included; and groups that begin at any of them.
-inline constexpr int kMostAcross = kTileSize + 4;
+// So many samples of the lattice lie along a block's row or column on a lattice sheet, taps included;
+// and groups that begin at any of them.
+inline constexpr int kMostAcross = static_cast<int>((kTileSize - 1) * view::kMostSpacings) + 6;
 inline constexpr int kRowFloats = 48;
 
 // A lattice sheet within a block: the taps of its columns, its rows and of itself, and the lattice's

@@ -80,7 +80,9 @@ struct FourTaps {
   V tap[4];
 };
 
-// Of a row: `first` holds tap 0 of the group's samples, ascending.
+// Of a row: `first` holds tap 0 of the group's samples, ascending. Taps of a group of four lie among
+// two groups of the lattice's samples, and so do those of wider ones.
+static_assert(3 * view::kMostSpacings + 4 <= 8);
 #if HWY_TARGET == HWY_SCALAR
 struct TapPicker {
   TapPicker() = default;

@@ -99,6 +99,12 @@ bool takes_lattice_sheets(const BackEnd& back_end, const Field& field, const Loo
   return reason.empty() && samples_share_weights(*field.lattice(), options);
 }
 
+// Of lattice sheets where nobody asks for a distance, in that of image sheets.
+double distance_on_lattice(const Field& field, const Look& look, const RenderOptions& options) {
+  const bool is_free = options.sampling_distance == 0 && view::is_refined(look, options);
+  return is_free && view::is_gentle(look, field.value_range()) ? view::kGentleDistance : 1.0;
+}
+
 // Throws Error(kUnsupported) if they are asked for and the view does not let them be.
 std::optional<view::BasePlane> base_plane_of(const LatticeField& field, const Camera& camera,
                                              const RenderOptions& options) {
@@ -261,7 +267,8 @@ Frame Renderer::Impl::draw(const Field& field, const Camera& camera, const Look&
   std::optional<view::BasePlane> base;
   if (takes_lattice_sheets(*back_end, drawn, look, own_options, trail != nullptr))
     base = base_plane_of(*drawn.lattice(), camera, own_options);
-  if (base) own_options.sampling_distance *= base->closeness;
+  if (base)
+    own_options.sampling_distance *= base->closeness * distance_on_lattice(drawn, look, options);
   const FrameJob job{drawn,
                      camera,
                      own_look,

@@ -27,6 +27,34 @@ bool is_refined(const Look& look, const RenderOptions& options) {
          !is_published(options.post_convolution) && options.spread == Spread::kGaussian;
 }
 
+bool is_gentle(const Look& look, const ValueRange& range) {
+  const TransferFunction& transfer = look.transfer_function;
+  if (!(range.lo < range.hi) || !transfer.gradient_opacities.empty() ||
+      transfer.scale != ValueScale::kLinear)
+    return false;
+  const double span = static_cast<double>(range.hi) - static_cast<double>(range.lo);
+  const auto rises = [&](double rise, double width, double most) {
+    return rise > 0 && rise * span > most * width;
+  };
+  const auto& opacities = transfer.opacities;
+  for (std::size_t i = 1; i < opacities.size(); ++i) {
+    const OpacityPoint& from = opacities[i - 1];
+    // Sharpness 1 is a step, and so is a midpoint at an end.
+    const double width = (opacities[i].x - from.x) * (1 - from.sharpness) * 2 *
+                         std::min(from.midpoint, 1 - from.midpoint);
+    const double rise = std::abs(opacities[i].opacity - from.opacity);
+    if (rises(rise, width, kGentleOpacity)) return false;
+  }
+  const auto& colors = transfer.colors;
+  for (std::size_t i = 1; i < colors.size(); ++i) {
+    double rise = 0;
+    for (std::size_t c = 0; c < 3; ++c)
+      rise = std::max(rise, std::abs(colors[i].rgb[c] - colors[i - 1].rgb[c]));
+    if (rises(rise, colors[i].x - colors[i - 1].x, kGentleColor)) return false;
+  }
+  return true;
+}
+
 namespace {
 
 double effective_unit_distance(const Field& field, const Look& look) {

@@ -24,6 +24,14 @@ struct ClipMap {
 // published ways of post-convolution classify samples, as published.
 bool is_refined(const Look& look, const RenderOptions& options);
 
+// True of a look whose opacity and colours change by so little over the field's range that lattice
+// sheets may be kGentleDistance times as far from each other, where nothing else is asked for
+// (docs/numerics.md, "Lattice sheets").
+bool is_gentle(const Look& look, const ValueRange& range);
+inline constexpr double kGentleOpacity = 1.0;  // change over the field's range, were it as fast all along
+inline constexpr double kGentleColor = 8.0;
+inline constexpr double kGentleDistance = 1.5;
+
 // Everything about a frame, of whatever field, that can be said before a sample is reconstructed.
 struct FramePlan {
   FramePlan(const Field& field, const ViewLattice& lattice, const Look& look,

@@ -125,34 +125,32 @@ HWY_INLINE RowMasks bin_row(const CpuFrame& frame, const Block& block, int s, in
   return masks;
 }
 
-// The rows of one lattice sheet, front to back: a row lies in one row of bricks, as do most of
-// those beside it.
-class SheetRows {
- public:
-  SheetRows(const LatticeFrame& frame, const Block& block, int s, const SampleLookup& lookup)
-      : frame_(frame), block_(block), s_(s), lookup_(lookup) {}
-
-  HWY_INLINE RowMasks operator()(int row, std::uint32_t columns) {
-    const SheetInLattice& sheet = block_.sheets[s_];
-    const float place = sheet.base[1] + static_cast<float>(row) * sheet.per_y[1];
-    const bool is_inside = lookup_.support.holds_block || lookup_.support.holds(1, place);
-    if (!is_inside || columns == 0) return {};
-    const float layer = lookup_.bricks.layer_of(1, place, frame_.lattice_plan->order);
-    if (!(layer == layer_) || cuts_paths(frame_, block_.place, s_)) {
-      layer_ = layer;
-      masks_ = bin_row(frame_, block_, s_, row, lookup_, ~0U);
+// The samples of lattice sheet s, of which `open` are worth the work: a row lies in one row of
+// bricks, and so do most of those beside it. All kTileSize rows are set. Returns whether any sample
+// is relevant.
+inline bool bin_lattice_sheet(const LatticeFrame& frame, const Block& block, int s,
+                              const SampleLookup& lookup, const RowBits& open, RowBits& inside,
+                              RowBits& relevant) {
+  const SheetInLattice& sheet = block.sheets[s];
+  const bool is_cut = cuts_paths(frame, block.place, s);
+  RowWord any = 0;
+  RowMasks masks;
+  float layer = std::numeric_limits<float>::quiet_NaN();
+  for (int y = 0; y < block.place.rows; ++y) {
+    const float at = sheet.base[1] + static_cast<float>(y) * sheet.per_y[1];
+    const bool is_inside = lookup.support.holds_block || lookup.support.holds(1, at);
+    const float own_layer = lookup.bricks.layer_of(1, at, frame.lattice_plan->order);
+    if (is_inside && (is_cut || !(own_layer == layer))) {
+      masks = bin_row(frame, block, s, y, lookup, ~0U);
+      layer = own_layer;
     }
-    return masks_;
+    inside[y] = is_inside ? masks.inside : 0;
+    relevant[y] = is_inside ? masks.relevant & open[y] : 0;
+    any |= relevant[y];
   }
-
- private:
-  const LatticeFrame& frame_;
-  const Block& block_;
-  const int s_;
-  const SampleLookup& lookup_;
-  float layer_ = std::numeric_limits<float>::quiet_NaN();
-  RowMasks masks_;
-};
+  for (int y = block.place.rows; y < kTileSize; ++y) inside[y] = relevant[y] = 0;
+  return any != 0;
+}
 
 // Central differences also need the six neighbours of every relevant sample.
 inline void dilate_active(const RowBits* relevant, const RowBits* inside, Block& block) {
@@ -171,18 +169,19 @@ inline void dilate_active(const RowBits* relevant, const RowBits* inside, Block&
 
 // From relevant samples to relevant pieces: a piece is relevant if one of its ends is. `ends`
 // becomes the samples at the ends of the block's own pieces.
-inline void find_pieces(Block& block, RowBits* ends) {
+template <class Rows>
+inline void find_pieces(Block& block, Rows rows, RowBits* ends) {
   const BlockPlace& place = block.place;
   RowBits* const relevant = block.bits.relevant;
   const int first = place.front_margin;
   const int last = place.num_sheets - place.back_margin - 1;
   for (int s = place.num_sheets - 1; s >= 0; --s) {
     const bool is_own = first <= s && s <= last;
-    for (int y = 0; y < place.rows; ++y)
+    for (int y = 0; y < rows; ++y)
       relevant[s][y] = is_own ? relevant[s][y] | relevant[s - 1][y] : 0;
   }
   for (int s = 0; s < place.num_sheets; ++s) {
-    for (int y = 0; y < place.rows; ++y)
+    for (int y = 0; y < rows; ++y)
       ends[s][y] = relevant[s][y] | (s < last ? relevant[s + 1][y] : 0);
   }
 }
@@ -327,56 +326,72 @@ inline std::uint32_t open_samples(const CpuFrame& frame, const BlockPlace& place
   return (open & pixels) << place.margin;
 }
 
-// `box` holds all samples of the block, in index space. Returns the number of relevant samples;
-// active bits and region are only valid if it is not zero.
-inline std::int64_t bin_region(const LatticeFrame& frame, Block& block, const TileState& tile,
-                               const Bounds3& box) {
+// True if samples of sheet s are classified in this block, or looked at as front ends: the front
+// sheet, though the block before has classified it.
+inline bool is_needed(const CpuFrame& frame, const BlockPlace& place, int s) {
+  const bool is_margin = s < place.front_margin || s >= place.num_sheets - place.back_margin;
+  return !is_margin || frame.mode == Mode::kIsosurface ||
+         (frame.is_preintegrated && s < place.front_margin) ||
+         (frame.is_refined && s == place.front_margin - 1);
+}
+
+// From the block's relevant samples to its active ones. `rows`: a number, or a constant.
+template <class Rows>
+inline void find_active(const LatticeFrame& frame, const RowBits* inside, Rows rows, Block& block) {
+  RowBits ends[kMaxSheets];
+  if (frame.is_refined) find_pieces(block, rows, ends);
+  const RowBits* const wanted = frame.is_refined ? ends : block.bits.relevant;
+  if (block.place.margin > 0) return dilate_active(wanted, inside, block);
+  for (int s = 0; s < block.place.num_sheets; ++s) {
+    for (int y = 0; y < rows; ++y) block.bits.active[s][y] = wanted[s][y] & inside[s][y];
+  }
+}
+
+// `box` holds all samples of the block, in index space. Returns whether any sample is relevant;
+// active bits and region are only valid if one is.
+inline bool bin_region(const LatticeFrame& frame, Block& block, const TileState& tile,
+                       const Bounds3& box) {
   RowBits inside[kMaxSheets];
+  const BlockPlace& place = block.place;
   const view::RelevanceMap& map = frame.lattice_plan->relevance;
   const view::AxisOrder& order = frame.lattice_plan->order;
   const SampleLookup lookup{BrickLookup(map, map.words(), block.region.origin, order),
                             support_of(frame, block.region, box)};
+  RowBits open;
+  for (int y = 0; y < place.rows; ++y) open[y] = open_samples(frame, place, tile, y);
+  if (frame.is_on_lattice) {
+    const RowBits none{};
+    bool is_any = false;
+    for (int s = 0; s < place.num_sheets; ++s) {
+      is_any |= bin_lattice_sheet(frame, block, s, lookup, is_needed(frame, place, s) ? open : none,
+                                  inside[s], block.bits.relevant[s]);
+    }
+    if (!is_any) return false;
+    find_active(frame, inside, std::integral_constant<int, kTileSize>(), block);
+    bound_region(frame, block);
+    return true;
+  }
   // Differences need every sample's surroundings; then all samples are looked up.
-  const bool has_cells =
-      block.place.margin == 0 && !frame.is_on_lattice && cells_fit_bricks(frame, block);
+  const bool has_cells = place.margin == 0 && cells_fit_bricks(frame, block);
   const CellColumns cells =
       has_cells
           ? bin_cells(block, BrickLookup(map, map.neighbour_words(), block.region.origin, order))
           : CellColumns{};
-  std::int64_t num_relevant = 0;
-  for (int s = 0; s < block.place.num_sheets; ++s) {
-    const bool is_margin_sheet =
-        s < block.place.front_margin || s >= block.place.num_sheets - block.place.back_margin;
-    // The front sheet is needed where pieces between sheets are looked at, though the block before
-    // has classified it.
-    const bool is_needed = !is_margin_sheet || frame.mode == Mode::kIsosurface ||
-                           (frame.is_preintegrated && s < block.place.front_margin) ||
-                           (frame.is_refined && s == block.place.front_margin - 1);
-    SheetRows rows(frame, block, s, lookup);
-    for (int y = 0; y < block.place.rows; ++y) {
+  RowWord any = 0;
+  for (int s = 0; s < place.num_sheets; ++s) {
+    const bool is_wanted = is_needed(frame, place, s);
+    for (int y = 0; y < place.rows; ++y) {
       const std::uint32_t columns = has_cells ? cells[s / 4][y / 4] : ~0U;
-      const RowMasks masks =
-          frame.is_on_lattice ? rows(y, columns) : bin_row(frame, block, s, y, lookup, columns);
+      const RowMasks masks = bin_row(frame, block, s, y, lookup, columns);
       inside[s][y] = masks.inside;
-      block.bits.relevant[s][y] =
-          is_needed ? masks.relevant & open_samples(frame, block.place, tile, y) : 0;
-      num_relevant += std::popcount(block.bits.relevant[s][y]);
+      block.bits.relevant[s][y] = is_wanted ? masks.relevant & open[y] : 0;
+      any |= block.bits.relevant[s][y];
     }
   }
-  if (num_relevant == 0) return 0;
-  RowBits ends[kMaxSheets];
-  if (frame.is_refined) find_pieces(block, ends);
-  const RowBits* const wanted = frame.is_refined ? ends : block.bits.relevant;
-  if (block.place.margin > 0) {
-    dilate_active(wanted, inside, block);
-  } else {
-    for (int s = 0; s < block.place.num_sheets; ++s) {
-      for (int y = 0; y < block.place.rows; ++y)
-        block.bits.active[s][y] = wanted[s][y] & inside[s][y];
-    }
-  }
+  if (any == 0) return false;
+  find_active(frame, inside, place.rows, block);
   bound_region(frame, block);
-  return num_relevant;
+  return true;
 }
 
 }  // namespace HWY_NAMESPACE

@@ -156,9 +156,9 @@ inline PartState prepare_part(const LatticeFrame& frame, Workspace& work, const 
   Block& block = work.block;
   const Bounds3 box = box_of(frame, block.place, part, block.place.margin);
   set_up_block(frame, block, part, box);
-  const std::int64_t num_relevant = bin_region(frame, block, *work.tile, box);
+  const bool is_relevant = bin_region(frame, block, *work.tile, box);
   clock.lap(kBin);
-  if (num_relevant == 0) return PartState::kNothing;
+  if (!is_relevant) return PartState::kNothing;
   if (block.region.num_samples() > kMaxRegionSamples && longest_axis(block, part) >= 0)
     return PartState::kTooLarge;
   const bool is_scattered = should_scatter(frame);

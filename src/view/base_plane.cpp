@@ -62,22 +62,16 @@ Mat3 pixels_from_plane(const ViewAxes& view, const RenderOptions& options) {
   return map;
 }
 
-// Greatest lengths, pixels, of a step of one along the base plane's axes, over the corners of a
-// window of it.
-Eigen::Vector2d greatest_stretch(const Mat3& picture_from_plane,
-                                 const Eigen::AlignedBox2d& window) {
-  Eigen::Vector2d greatest = Eigen::Vector2d::Zero();
-  for (int corner = 0; corner < 4; ++corner) {
-    const Eigen::Vector2d at = window.corner(static_cast<Eigen::AlignedBox2d::CornerType>(corner));
-    const Vec3 mapped = picture_from_plane * Vec3(at[0], at[1], 1);
-    const Eigen::Vector2d place = mapped.head<2>() / mapped[2];
-    for (int a = 0; a < 2; ++a) {
-      const Vec3 column = picture_from_plane.col(a);
-      const Eigen::Vector2d change = (column.head<2>() - place * column[2]) / mapped[2];
-      greatest[a] = std::max(greatest[a], change.norm());
-    }
+// Lengths, pixels, of steps of one along the base plane's axes.
+Eigen::Vector2d stretch_at(const Mat3& picture_from_plane, const Eigen::Vector2d& at) {
+  const Vec3 mapped = picture_from_plane * Vec3(at[0], at[1], 1);
+  const Eigen::Vector2d place = mapped.head<2>() / mapped[2];
+  Eigen::Vector2d stretch;
+  for (int a = 0; a < 2; ++a) {
+    const Vec3 column = picture_from_plane.col(a);
+    stretch[a] = (column.head<2>() - place * column[2]).norm() / mapped[2];
   }
-  return greatest;
+  return stretch;
 }
 
 }  // namespace
@@ -135,20 +129,25 @@ std::optional<BasePlane> base_plane(const LatticeField& field, const Bounds3& su
   if (window.isEmpty()) window = Eigen::AlignedBox2d(Eigen::Vector2d(shown.center()));
 
   if (!base.is_parallel) {
-    double longest = 1;
     for (int corner = 0; corner < 4; ++corner) {
       const Eigen::Vector2d at =
           window.corner(static_cast<Eigen::AlignedBox2d::CornerType>(corner));
       const Vec3 ray = view.axis + at[0] * along + at[1] * down;
       if (!(normal.dot(ray) >= kLeastCosine * ray.norm())) return std::nullopt;
-      // From sheet to sheet, against what it is from one plane of the picture to the next.
-      longest = std::max(longest, view.axis.dot(ray));
     }
-    base.closeness = 1 / longest;
+    const Eigen::Vector2d middle = window.center();
+    const Vec3 ray = view.axis + middle[0] * along + middle[1] * down;
+    base.closeness = 1 / std::max(1.0, view.axis.dot(ray));
   }
 
-  // As dense as the picture where it is densest; of the lattice where it is farthest.
-  const Eigen::Vector2d stretch = greatest_stretch(picture_from_plane, window);
+  // Half way from as dense as the picture in the window's middle to as dense as anywhere; of the
+  // lattice where it is farthest.
+  Eigen::Vector2d stretch = Eigen::Vector2d::Zero();
+  for (int corner = 0; corner < 4; ++corner) {
+    stretch = stretch.cwiseMax(stretch_at(
+        picture_from_plane, window.corner(static_cast<Eigen::AlignedBox2d::CornerType>(corner))));
+  }
+  stretch = (stretch + stretch_at(picture_from_plane, window.center())) / 2;
   Eigen::Vector2d step;
   Eigen::Vector2d first;
   std::array<int, 2> count{};

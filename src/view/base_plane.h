@@ -53,8 +53,9 @@ struct BasePlane {
   int picture_width = 1, picture_height = 1;  // pixels
   bool is_parallel = true;
   Vec3 eye, axis, corner, per_x, per_y;
-  // The sampling distance is so much less that no ray's samples are farther from each other than
-  // between sheets that are parallel to the picture: 1 in parallel projection.
+  // The sampling distance is so much less that samples of the ray through the window's middle are
+  // no farther from each other than between sheets that are parallel to the picture: 1 in parallel
+  // projection.
   double closeness = 1;
   PlaneMap base_from_picture;  // of pixels, and of samples
   PlaneMap picture_from_base;
@@ -73,8 +74,8 @@ struct BasePlane {
 // Samples of the base plane per pixel of the picture, along each axis.
 inline constexpr double kBaseDensity = 1.0;
 
-// The farthest that samples of the base plane may be from each other, spacings of the lattice: where
-// pixels are wider there are more samples than pixels, and no kernel is widened.
+// The farthest that samples of the base plane may be from each other, spacings of the lattice:
+// where pixels are wider there are more samples than pixels, and no kernel is widened.
 inline constexpr double kMostSpacings = 4.0 / 3;
 
 // The base plane of a lattice and a view: as dense as the picture, not much less dense than the

@@ -28,7 +28,8 @@ bool is_refined(const Look& look, const RenderOptions& options);
 // sheets may be kGentleDistance times as far from each other, where nothing else is asked for
 // (docs/numerics.md, "Lattice sheets").
 bool is_gentle(const Look& look, const ValueRange& range);
-inline constexpr double kGentleOpacity = 1.0;  // change over the field's range, were it as fast all along
+inline constexpr double kGentleOpacity =
+    1.0;  // change over the field's range, were it as fast all along
 inline constexpr double kGentleColor = 8.0;
 inline constexpr double kGentleDistance = 1.5;
 

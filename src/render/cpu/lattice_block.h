@@ -77,13 +77,14 @@ struct SharedTaps {
   alignas(64) std::int32_t first[kTileSize];  // where tap 0 lies
 };
 
-// So many samples of the lattice lie along a block's row or column on a lattice sheet, taps included;
-// and groups that begin at any of them.
+// So many samples of the lattice lie along a block's row or column on a lattice sheet, taps
+// included; and groups that begin at any of them.
 inline constexpr int kMostAcross = static_cast<int>((kTileSize - 1) * view::kMostSpacings) + 6;
 inline constexpr int kRowFloats = 48;
 
-// A lattice sheet within a block: the taps of its columns, its rows and of itself, and the lattice's
-// samples on it, summed over slices, with their derivatives from sheet to sheet (rows-inl.h).
+// A lattice sheet within a block: the taps of its columns, its rows and of itself, and the
+// lattice's samples on it, summed over slices, with their derivatives from sheet to sheet
+// (rows-inl.h).
 struct RowsOfSheet {
   SampleBounds bounds;  // of the samples that can be worked out
   int columns = 0;      // of the lattice that they read

@@ -80,8 +80,8 @@ struct FourTaps {
   V tap[4];
 };
 
-// Of a row: `first` holds tap 0 of the group's samples, ascending. Taps of a group of four lie among
-// two groups of the lattice's samples, and so do those of wider ones.
+// Of a row: `first` holds tap 0 of the group's samples, ascending. Taps of a group of four lie
+// among two groups of the lattice's samples, and so do those of wider ones.
 static_assert(3 * view::kMostSpacings + 4 <= 8);
 #if HWY_TARGET == HWY_SCALAR
 struct TapPicker {
@@ -229,8 +229,8 @@ HWY_INLINE void sum_columns(const LatticeFrame& frame, const RowsOfSheet& sheet,
   const FourTaps values = pick(row.value);
   hn::BlendedStore(sum_of_taps(values, sheet.x.weight, x), mask, d, out.values + at);
   const V share_yz = hn::Set(d, sheet.y.share[y] * sheet.z.share[0]);
-  const M is_whole = hn::Ge(hn::Mul(hn::Load(d, sheet.x.share + x), share_yz),
-                            hn::Set(d, device::kLeastShare));
+  const M is_whole =
+      hn::Ge(hn::Mul(hn::Load(d, sheet.x.share + x), share_yz), hn::Set(d, device::kLeastShare));
   out.defined[y] |= RowWord{bits_of(is_whole) & group.lanes} << x;
   if constexpr (kGradient) {
     const WorldVector slope = to_world(frame, sum_of_taps(values, sheet.x.slope, x),

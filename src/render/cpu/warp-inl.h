@@ -34,16 +34,19 @@ struct PlaceInBase {
   float width_x, width_y;
 };
 
+// Of a step of one sample that is `per_sample` / `scale` pixels long.
+inline float width_of_pixel(const Eigen::Vector2d& per_sample, double scale) {
+  const double wide = scale * scale / per_sample.squaredNorm();
+  // Rounding makes no pixel wider than a sample.
+  return wide < 1 + 1e-6 ? 1.0F : static_cast<float>(std::sqrt(wide));
+}
+
 inline PlaceInBase place_in_base(const view::BasePlane& base, int x, int y) {
   const Eigen::Vector2d at = base.base_from_picture(x, y);
   const Mat3& map = base.picture_from_base.matrix;
-  const Vec3 pixel = map * Vec3(at[0], at[1], 1);
-  const Eigen::Vector2d place = pixel.head<2>() / pixel[2];
+  const double scale = map(2, 0) * at[0] + map(2, 1) * at[1] + map(2, 2);
   const auto width = [&](int a) {
-    const Eigen::Vector2d per_sample = (map.col(a).head<2>() - place * map(2, a)) / pixel[2];
-    // Rounding makes no pixel wider than a sample.
-    const double wide = 1 / per_sample.norm();
-    return wide < 1 + 1e-6 ? 1.0F : static_cast<float>(wide);
+    return width_of_pixel({map(0, a) - x * map(2, a), map(1, a) - y * map(2, a)}, scale);
   };
   return {at[0], at[1], width(0), width(1)};
 }
@@ -72,26 +75,48 @@ class PlacesInBase {
   double step_y_ = 0;
 };
 
+HWY_INLINE V filter_weights(V t) {
+  const auto polynomial = [&](float c3, float c2, float c1, float c0) {
+    return hn::MulAdd(hn::MulAdd(hn::MulAdd(hn::Set(d, c3), t, hn::Set(d, c2)), t, hn::Set(d, c1)),
+                      t, hn::Set(d, c0));
+  };
+  const V inner = polynomial(7.0F / 6, -2, 0, 8.0F / 9);
+  const V outer = polynomial(-7.0F / 18, 2, -10.0F / 3, 16.0F / 9);
+  return hn::IfThenElse(hn::Lt(t, hn::Set(d, 1.0F)), inner,
+                        hn::IfThenElseZero(hn::Lt(t, hn::Set(d, 2.0F)), outer));
+}
+
 // Samples [first, last] of one axis and their weights, which add up to 1 over all that the filter
 // reaches.
 struct FilterSpan {
-  int first, last;
-  std::vector<float> weights;
+  int first = 0, last = -1;
+  const float* weights = nullptr;
 
   void set(double at, float width, int size) {
     const auto begin = static_cast<int>(std::ceil(at - kFilterReach * static_cast<double>(width)));
     const auto end = static_cast<int>(std::floor(at + kFilterReach * static_cast<double>(width)));
     first = std::max(begin, 0);
     last = std::min(end, size - 1);
-    weights.clear();
-    float total = 0;
-    for (int i = begin; i <= end; ++i) {
-      const float w = filter_weight(std::abs(static_cast<float>(i - at)) / width);
-      total += w;
-      if (i >= first && i <= last) weights.push_back(w);
+    const int count = end - begin + 1;
+    memory_.resize(static_cast<std::size_t>(count + group_size()));
+    const V inverse = hn::Set(d, 1 / width);
+    const V nearest = hn::Set(d, static_cast<float>(begin - at));
+    V sum = hn::Zero(d);
+    for (int i = 0; i < count; i += group_size()) {
+      const V distance = hn::Abs(hn::Add(hn::Iota(d, static_cast<float>(i)), nearest));
+      const V w = filter_weights(hn::Mul(distance, inverse));  // 0 behind the last
+      sum = hn::Add(sum, w);
+      hn::StoreU(w, d, memory_.data() + i);
     }
-    for (float& w : weights) w /= total;
+    const V scale = hn::Div(hn::Set(d, 1.0F), hn::SumOfLanes(d, sum));
+    for (int i = 0; i < count; i += group_size())
+      hn::StoreU(hn::Mul(hn::LoadU(d, memory_.data() + i), scale), d, memory_.data() + i);
+    weights = memory_.data() + (first - begin);
   }
+  bool is_empty() const { return last < first; }
+
+ private:
+  std::vector<float> memory_;
 };
 
 struct Rgba {
@@ -101,17 +126,28 @@ struct Rgba {
 // Any width, anywhere.
 inline Rgba mean_of_span(const Image& samples, const FilterSpan& x, const FilterSpan& y) {
   Rgba sum;
+#if HWY_TARGET == HWY_SCALAR
   for (int j = y.first; j <= y.last; ++j) {
     const float* from =
         samples.rgba.data() + 4 * (static_cast<std::size_t>(j) * samples.width + x.first);
-    Rgba row;
     for (int i = x.first; i <= x.last; ++i, from += 4) {
-      const float weight = x.weights[static_cast<std::size_t>(i - x.first)];
-      for (int c = 0; c < 4; ++c) row.v[c] += weight * from[c];
+      const float weight = x.weights[i - x.first] * y.weights[j - y.first];
+      for (int c = 0; c < 4; ++c) sum.v[c] += weight * from[c];
     }
-    const float weight = y.weights[static_cast<std::size_t>(j - y.first)];
-    for (int c = 0; c < 4; ++c) sum.v[c] += weight * row.v[c];
   }
+#else
+  const hn::FixedTag<float, 4> four;
+  auto total = hn::Zero(four);
+  for (int j = y.first; j <= y.last; ++j) {
+    const float* from =
+        samples.rgba.data() + 4 * (static_cast<std::size_t>(j) * samples.width + x.first);
+    auto row = hn::Zero(four);
+    for (int i = x.first; i <= x.last; ++i, from += 4)
+      row = hn::MulAdd(hn::LoadU(four, from), hn::Set(four, x.weights[i - x.first]), row);
+    total = hn::MulAdd(row, hn::Set(four, y.weights[j - y.first]), total);
+  }
+  hn::Store(total, four, sum.v);
+#endif
   return sum;
 }
 
@@ -158,8 +194,8 @@ inline void warp_on_target(const WarpJob& job, const TileRect& strip, Image& pic
   const view::BasePlane& base = job.base;
   const Image& samples = job.samples.image;
   const std::ptrdiff_t row = 4 * static_cast<std::ptrdiff_t>(samples.width);
-  FilterSpan span_x{};
-  FilterSpan span_y{};
+  FilterSpan span_x;
+  FilterSpan span_y;
   for (int y = strip.y0; y < strip.y1; ++y) {
     const PlacesInBase places(base, y);
     for (int x = strip.x0; x < strip.x1; ++x) {
@@ -181,7 +217,7 @@ inline void warp_on_target(const WarpJob& job, const TileRect& strip, Image& pic
       } else {
         span_x.set(at.x, at.width_x, base.width);
         span_y.set(at.y, at.width_y, base.height);
-        if (span_x.weights.empty() || span_y.weights.empty() ||
+        if (span_x.is_empty() || span_y.is_empty() ||
             !holds_something(job.samples, span_x.first, span_y.first, span_x.last, span_y.last))
           continue;
         color = mean_of_span(samples, span_x, span_y);

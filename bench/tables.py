@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Measured rows as Markdown."""
 
-TAPS = 64  # kernels that reach a sample at the default kernel: 4 x 4 x 4
 
 
 def label(row, table):
@@ -36,7 +35,7 @@ def fma_share(result, peak):
     addresses are the overhead that keeps the share below one. Stage times are summed over threads, so the peak is one thread's.
     """
     profile = result["ovoid"]
-    needed = TAPS * (profile["samples"]["reconstructed"] + 3 * profile["samples"]["gradients"])
+    needed = profile["multiply_adds"]["done"]
     seconds = stage_ms(profile, "reconstruct", "gradient") / 1e3
     return needed / seconds / peak if seconds else None
 

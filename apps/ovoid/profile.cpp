@@ -45,6 +45,7 @@ Json counts_json(const FrameProfile& frame) {
   json["samples"] = {{"reconstructed", frame.samples_reconstructed},
                      {"shaded", frame.samples_shaded},
                      {"gradients", frame.gradients}};
+  json["multiply_adds"] = {{"done", frame.multiply_adds}, {"peak", frame.multiply_add_peak}};
   json["blocks"] = {{"total", frame.blocks_total}, {"drawn", frame.blocks_drawn}};
   json["blocks"]["skipped"] = {{"empty", frame.blocks_skipped_empty},
                                {"irrelevant", frame.blocks_skipped_irrelevant},
@@ -78,6 +79,17 @@ std::string to_json(const RunProfile& profile) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
 }
 
+// Of the stages that do them.
+std::string multiply_adds_text(const FrameProfile& frame) {
+  double ms = 0;
+  for (const auto& [stage, stage_ms] : frame.stages_ms) {
+    if (stage == "reconstruct" || stage == "gradient") ms += stage_ms;
+  }
+  const double rate = ms > 0 ? frame.multiply_adds / ms * 1e3 : 0;
+  return fmt::format("{:.3g}, {:.3g} per second in reconstruct and gradient, {:.0f} % of the peak",
+                     frame.multiply_adds, rate, 100 * rate / frame.multiply_add_peak);
+}
+
 std::string to_table(const RunProfile& profile) {
   const FrameProfile& frame = profile.frame;
   const Quartiles time = quartiles(profile.frames_ms);
@@ -104,6 +116,8 @@ std::string to_table(const RunProfile& profile) {
   row("kernels", fmt::format("{} drawn of {}", frame.kernels_drawn, frame.kernels_total));
   row("samples", fmt::format("{} reconstructed, {} shaded, {} gradients",
                              frame.samples_reconstructed, frame.samples_shaded, frame.gradients));
+  if (frame.multiply_adds > 0 && frame.multiply_add_peak > 0)
+    row("multiply-adds", multiply_adds_text(frame));
   if (frame.blocks_total > 0) {
     row("blocks", fmt::format("{} drawn of {}", frame.blocks_drawn, frame.blocks_total));
     row("  skipped", fmt::format("{} empty, {} irrelevant, {} opaque", frame.blocks_skipped_empty,

@@ -59,6 +59,7 @@ std::vector<BetweenSheets> measure_between_sheets(std::int64_t size, int pixels)
     camera.parallel_projection = true;
     camera.parallel_scale = 0.6 * subject.field.world_bounds().sizes().maxCoeff();
     RenderOptions options;
+    options.sheets = Sheets::kImage;
     options.width = pixels;
     options.height = pixels;
     const double spacing = subject.field.default_sampling_distance();

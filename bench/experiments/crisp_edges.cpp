@@ -46,6 +46,7 @@ Image draw_post(double zoom, int pixels) {
   camera.parallel_projection = true;
   camera.parallel_scale = pixels / zoom / 2;
   RenderOptions options;
+  options.sheets = Sheets::kImage;
   options.width = pixels;
   options.height = pixels;
   const LatticeField field = field_of(dataset_of({kSize, kSize, kSize}, &box), default_choice());

@@ -66,6 +66,7 @@ GridPattern measure_grid_pattern(const KernelChoice& choice, const GridPatternOp
   camera.parallel_projection = true;
   camera.parallel_scale = options.pixels / options.pixels_per_sample / 2;
   RenderOptions render;
+  render.sheets = ovoid::Sheets::kImage;
   render.width = options.pixels;
   render.height = options.pixels;
   render.classification = Classification::kSampled;

@@ -51,6 +51,7 @@ TimedFrame best_of(Renderer& renderer, const LatticeField& field, const Look& lo
 
 RenderOptions square(int pixels) {
   RenderOptions options;
+  options.sheets = Sheets::kImage;
   options.width = pixels;
   options.height = pixels;
   options.classification = Classification::kSampled;

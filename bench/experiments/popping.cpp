@@ -89,6 +89,7 @@ Turn turn_renderer(const TurnOptions& options) {
   Look look;
   look.transfer_function = look_of(options.look);
   RenderOptions render;
+  render.sheets = ovoid::Sheets::kImage;
   render.width = options.pixels;
   render.height = options.pixels;
   render.classification = Classification::kSampled;

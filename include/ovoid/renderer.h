@@ -58,6 +58,12 @@ struct FrameProfile {
   std::int64_t samples_reconstructed = 0;
   std::int64_t samples_shaded = 0;  // samples with a non-zero opacity
   std::int64_t gradients = 0;       // samples whose gradient was taken
+  // Of the cpu back end on lattices: what the values and gradients needed in the stages reconstruct
+  // and gradient, and what one thread can do per second with simd_target where nothing is in its
+  // way (0 without collect_profile). How much of that is reached tells how far the stages are from
+  // the machine's limit.
+  double multiply_adds = 0;
+  double multiply_add_peak = 0;
   std::int64_t bytes_uploaded = 0;  // to a device: what of field, look and camera it did not have
   std::int64_t blocks_total = 0;    // these four: of the cpu back end
   std::int64_t blocks_drawn = 0;

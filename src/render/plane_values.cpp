@@ -154,6 +154,7 @@ PlaneValues::PlaneValues(Renderer& renderer, const Field& field, const Look& loo
   own.width = grid_.width;
   own.height = grid_.height;
   own.slab = Slab::kMid;
+  own.sheets = Sheets::kImage;  // of the plane's own pixels
   own.evaluate = options.evaluate;
   own.post_convolution = PostConvolution::kOff;
   own.collect_profile = options.collect_profile;

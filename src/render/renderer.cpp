@@ -12,8 +12,8 @@
 #include "render/back_end.h"
 #include "render/cpu/cpu_renderer.h"
 #include "render/field_levels.h"
+#include "render/lattice_sheets.h"
 #include "render/reference/reference_renderer.h"
-#include "view/frame_plan.h"
 
 namespace ovoid {
 namespace {
@@ -62,64 +62,6 @@ view::TrailView view_of(const Trail& trail, const Look& look, const RenderOption
   view.look.validate();
   view.options.classification = Classification::kSampled;
   return view;
-}
-
-// Why a frame cannot have lattice sheets, whatever its view; empty if it can.
-std::string against_lattice_sheets(const BackEnd& back_end, const Field& field, const Look& look,
-                                   const RenderOptions& options, bool has_trail) {
-  if (!back_end.has_lattice_sheets()) return "backend vulkan has image sheets";
-  if (field.lattice() == nullptr) return "the field is a set of kernels";
-  if (has_trail) return "a trail is drawn on image sheets";
-  if (is_published(options.post_convolution))
-    return "the published ways of post-convolution are for image sheets";
-  if (options.evaluate == Evaluate::kScatter) return "kernels are scattered to image sheets";
-  if (options.gradient == GradientMethod::kCentral && look.mode == Mode::kComposite)
-    return "central differences are taken on image sheets";
-  return {};
-}
-
-// True if samples on lattice sheets share their weights, which is what makes them faster.
-bool samples_share_weights(const LatticeField& field, const RenderOptions& options) {
-  const LatticeKernel kernel = field.index_kernel();
-  return field.geometry().num_sublattices() == 1 && kernel.support_radius() == 2.0 &&
-         kernel.sigma >= 0.25 && kernel.sigma <= 2.0 &&
-         field.reconstruction() == Reconstruction::kNormalized && options.slab != Slab::kMean;
-}
-
-// Throws Error(kUnsupported) if they are asked for and cannot be.
-bool takes_lattice_sheets(const BackEnd& back_end, const Field& field, const Look& look,
-                          const RenderOptions& options, bool has_trail) {
-  if (options.sheets == Sheets::kImage) return false;
-  const std::string reason = against_lattice_sheets(back_end, field, look, options, has_trail);
-  if (options.sheets == Sheets::kLattice) {
-    if (!reason.empty())
-      throw Error(ErrorCode::kUnsupported, fmt::format("sheets: lattice: {}", reason));
-    return true;
-  }
-  return reason.empty() && samples_share_weights(*field.lattice(), options);
-}
-
-// Of lattice sheets where nobody asks for a distance, in that of image sheets.
-double distance_on_lattice(const Field& field, const Look& look, const RenderOptions& options) {
-  const bool is_free = options.sampling_distance == 0 && view::is_refined(look, options);
-  return is_free && view::is_gentle(look, field.value_range()) ? view::kGentleDistance : 1.0;
-}
-
-// Throws Error(kUnsupported) if they are asked for and the view does not let them be.
-std::optional<view::BasePlane> base_plane_of(const LatticeField& field, const Camera& camera,
-                                             const RenderOptions& options) {
-  const double reach = options.slab == Slab::kMean
-                           ? options.sampling_distance / field.geometry().spacing().minCoeff()
-                           : 0.0;
-  std::optional<view::BasePlane> base =
-      view::base_plane(field, view::support_of(field, 1.0, reach), camera, options);
-  if (!base && options.sheets == Sheets::kLattice)
-    throw Error(
-        ErrorCode::kUnsupported,
-        "sheets: lattice: needs a camera in front of the whole volume whose rays are within "
-        "60 degrees of the normal of the lattice's planes, and not far larger a picture on "
-        "these than the one that is seen: take auto or image");
-  return base;
 }
 
 // Of a back end that runs on none.
@@ -197,7 +139,9 @@ class ReferenceBackEnd final : public BackEnd {
 struct __attribute__((visibility("hidden"))) Renderer::Impl {
   Frame draw(const Field& field, const Camera& camera, const Look& look, const Trail* trail,
              const RenderOptions& options, const RenderHooks& hooks);
-  Frame draw_by_choice(const FrameJob& job) const;
+  // `is_distance_free`: nobody asks for the sampling distance of the job.
+  Frame draw_by_choice(const FrameJob& job, bool is_distance_free) const;
+  static Frame draw_on(BackEnd& chosen, const FrameJob& job, bool is_distance_free);
 
   cpu::Machine machine;
   FieldLevels levels;
@@ -264,19 +208,9 @@ Frame Renderer::Impl::draw(const Field& field, const Camera& camera, const Look&
     own_options.post_convolution = PostConvolution::kOff;
     trail_view = view_of(*trail, look, own_options);
   }
-  std::optional<view::BasePlane> base;
-  if (takes_lattice_sheets(*back_end, drawn, look, own_options, trail != nullptr))
-    base = base_plane_of(*drawn.lattice(), camera, own_options);
-  if (base)
-    own_options.sampling_distance *= base->closeness * distance_on_lattice(drawn, look, options);
-  const FrameJob job{drawn,
-                     camera,
-                     own_look,
-                     trail_view ? &*trail_view : nullptr,
-                     own_options,
-                     hooks,
-                     base ? &*base : nullptr};
-  Frame frame = draw_by_choice(job);
+  const FrameJob job{drawn,       camera, own_look, trail_view ? &*trail_view : nullptr,
+                     own_options, hooks};
+  Frame frame = draw_by_choice(job, options.sampling_distance == 0);
   note_on_precision(frame.profile, job);
   return frame;
 } catch (const std::bad_alloc&) {
@@ -286,17 +220,26 @@ Frame Renderer::Impl::draw(const Field& field, const Camera& camera, const Look&
                           options.height));
 }
 
-Frame Renderer::Impl::draw_by_choice(const FrameJob& job) const {
-  if (fallback == nullptr) return back_end->draw(job);
+Frame Renderer::Impl::draw_on(BackEnd& chosen, const FrameJob& job, bool is_distance_free) {
+  const std::optional<LatticeSheets> sheets = lattice_sheets_for(chosen, job, is_distance_free);
+  if (!sheets) return chosen.draw(job);
+  RenderOptions options = job.options;
+  options.sampling_distance = sheets->sampling_distance;
+  return chosen.draw(
+      {job.field, job.camera, job.look, job.trail, options, job.hooks, &sheets->base});
+}
+
+Frame Renderer::Impl::draw_by_choice(const FrameJob& job, bool is_distance_free) const {
+  if (fallback == nullptr) return draw_on(*back_end, job, is_distance_free);
   try {
-    return back_end->draw(job);
+    return draw_on(*back_end, job, is_distance_free);
   } catch (const Error& error) {
     const bool is_of_device = error.code() == ErrorCode::kOutOfMemory ||
                               error.code() == ErrorCode::kDeviceLost ||
                               error.code() == ErrorCode::kUnsupported;
     if (!is_of_device) throw;
     // What the cpu cannot do either, it refuses likewise.
-    Frame frame = fallback->draw(job);
+    Frame frame = draw_on(*fallback, job, is_distance_free);
     add_notice(frame.profile, fmt::format("{}; drawn by backend cpu", error.what()));
     return frame;
   }

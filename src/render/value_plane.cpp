@@ -95,6 +95,7 @@ void add_profile(FrameProfile& sum, const FrameProfile& part) {
   sum.samples_reconstructed += part.samples_reconstructed;
   sum.samples_shaded += part.samples_shaded;
   sum.gradients += part.gradients;
+  sum.multiply_adds += part.multiply_adds;
   sum.bytes_uploaded += part.bytes_uploaded;
   sum.blocks_total += part.blocks_total;
   sum.blocks_drawn += part.blocks_drawn;
@@ -206,9 +207,12 @@ class PlaneFrame {
 }  // namespace
 
 Frame render_with_plane(Renderer& renderer, const Field& field, const Camera& camera,
-                        const Look& look, const ValuePlane& plane, const RenderOptions& options,
-                        const RenderHooks& hooks) {
-  require_valid(field, camera, look, plane, options);
+                        const Look& look, const ValuePlane& plane,
+                        const RenderOptions& asked_options, const RenderHooks& hooks) {
+  require_valid(field, camera, look, plane, asked_options);
+  // The plane's values are of pixels; what lies on either side is, too.
+  RenderOptions options = asked_options;
+  if (options.sheets == Sheets::kAuto) options.sheets = Sheets::kImage;
   const Clock::time_point start = Clock::now();
   const auto elapsed_ms = [&] {
     return std::chrono::duration<double, std::milli>(Clock::now() - start).count();

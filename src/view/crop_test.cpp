@@ -132,6 +132,7 @@ TEST(Crop, TheFieldIsTheSameAsUncropped) {
   look.mode = Mode::kMaximum;
   RenderOptions options;
   options.width = options.height = 40;  // a quarter of a spacing
+  options.sheets = Sheets::kImage;
   Renderer renderer(Backend::kReference, 1);
   const Image whole = renderer.render(field, camera, look, options).image;
   options.clip_planes = crop_planes(field.geometry(), {0, 0, 0}, {4, 8, 8});

@@ -8,12 +8,15 @@
 #include <cstdlib>
 #include <cstring>
 #include <memory>
+#include <optional>
 
 #include "ovoid/error.h"
 #include "render/cpu/cpu_renderer.h"
 #include "support/agreement.h"
 #include "support/kernel_sets.h"
 #include "support/scenes.h"
+#include "view/base_plane.h"
+#include "view/frame_plan.h"
 
 namespace ovoid::test {
 namespace {
@@ -143,6 +146,15 @@ std::vector<std::pair<std::string, Scene>> scenes() {
     result.emplace_back(volume.name + ", slab means", slabs);
     slabs.options.sampling_distance = 4 * volume.field.default_sampling_distance();
     result.emplace_back(volume.name + ", long slabs", slabs);
+    for (const Vec3& direction : {Vec3(0.2, 0.1, 1), Vec3(0.1, -1, 0.2), Vec3(1, 0.2, 0.1)}) {
+      Scene on_lattice = central;
+      on_lattice.camera.position = on_lattice.camera.focal_point + 100 * direction;
+      on_lattice.camera.view_up = {0.3, 0.5, -0.7};
+      on_lattice.options.gradient = GradientMethod::kAuto;
+      on_lattice.options.sheets = Sheets::kLattice;
+      result.emplace_back(fmt::format("{}, lattice sheets from {}", volume.name, direction.x()),
+                          on_lattice);
+    }
   }
   return result;
 }
@@ -150,7 +162,14 @@ std::vector<std::pair<std::string, Scene>> scenes() {
 Frame draw_with(const Scene& scene, std::unique_ptr<cpu::Runner> runner) {
   const cpu::Machine machine{std::move(runner)};
   const RenderHooks hooks;
-  return cpu::render({scene.field, scene.camera, scene.look, nullptr, scene.options, hooks},
+  std::optional<view::BasePlane> base;
+  if (scene.options.sheets == Sheets::kLattice) {
+    base = view::base_plane(scene.lattice(), view::support_of(scene.lattice(), 1.0, 0.0),
+                            scene.camera, scene.options);
+    EXPECT_TRUE(base);
+  }
+  return cpu::render({scene.field, scene.camera, scene.look, nullptr, scene.options, hooks,
+                      base ? &*base : nullptr},
                      machine);
 }
 

@@ -65,9 +65,10 @@ TEST_F(Annotation, ACropCutsAndIsFramed) {
   // The same camera: half of the ball is half of the pixels.
   const std::string camera = folder_ / "camera.json";
   write_file(camera, R"({"position":[7.5,7.5,60],"focal_point":[7.5,7.5,7.5],"view_angle":20})");
-  const std::size_t seen = npy({"--camera", camera}).num_covered();
+  const std::size_t seen = npy({"--camera", camera, "--sheets", "image"}).num_covered();
   for (const char* const half : {"--crop=8:,,", "--crop=:7,,", "--crop=8:15,0:15,:"}) {
-    const double part = static_cast<double>(npy({"--camera", camera, half}).num_covered());
+    const double part =
+        static_cast<double>(npy({"--camera", camera, half, "--sheets", "image"}).num_covered());
     EXPECT_NEAR(part / static_cast<double>(seen), 0.5, 0.05) << half;
   }
   EXPECT_EQ(npy({"--crop", "8:,,"}).rgba, npy({"--crop-world", "7.5:15.5,,"}).rgba);
@@ -87,8 +88,9 @@ TEST_F(Annotation, ACropKeepsTheLook) {
   const std::string camera = folder_ / "camera.json";
   write_file(camera, R"({"position":[7.5,7.5,60],"focal_point":[7.5,7.5,7.5],)"
                      R"("parallel_projection":true,"parallel_scale":8})");
-  const Picture whole = npy({"--camera", camera, "--mode", "maximum"});
-  const Picture part = npy({"--camera", camera, "--mode", "maximum", "--crop", "0:4,,"});
+  const Picture whole = npy({"--camera", camera, "--mode", "maximum", "--sheets", "image"});
+  const Picture part =
+      npy({"--camera", camera, "--mode", "maximum", "--crop", "0:4,,", "--sheets", "image"});
   std::size_t covered = 0;
   for (int x = 0; x < 20; ++x) {
     if (part.at(x, 15)[3] <= 0) continue;

@@ -419,11 +419,12 @@ TEST_F(Render, ProfileHoldsExactlyTheDocumentedMembers) {
     const nlohmann::json json = nlohmann::json::parse(read_file(path));
     EXPECT_EQ(keys_of(json),
               (Words{"backend", "blocks", "bytes_uploaded", "command", "device", "frame_ms",
-                     "kernels", "load_ms", "model_ms", "peak_memory_bytes", "samples",
-                     "simd_target", "size", "stages_ms", "threads"}));
+                     "kernels", "load_ms", "model_ms", "multiply_adds", "peak_memory_bytes",
+                     "samples", "simd_target", "size", "stages_ms", "threads"}));
     EXPECT_EQ(keys_of(json["frame_ms"]), (Words{"max", "median", "min"}));
     EXPECT_EQ(keys_of(json["kernels"]), (Words{"drawn", "total"}));
     EXPECT_EQ(keys_of(json["samples"]), (Words{"gradients", "reconstructed", "shaded"}));
+    EXPECT_EQ(keys_of(json["multiply_adds"]), (Words{"done", "peak"}));
     EXPECT_EQ(keys_of(json["blocks"]), (Words{"drawn", "skipped", "total"}));
     EXPECT_EQ(keys_of(json["blocks"]["skipped"]), (Words{"empty", "irrelevant", "opaque"}));
     EXPECT_GE(json["stages_ms"].size(), 3U);

@@ -215,9 +215,7 @@ Backend tested_backend() {
   return name != nullptr && std::string(name) == "vulkan" ? Backend::kVulkan : Backend::kCpu;
 }
 
-Frame draw(const Scene& any_scene, Backend backend) {
-  Scene scene = any_scene;
-  if (scene.options.sheets == Sheets::kAuto) scene.options.sheets = Sheets::kImage;
+Frame draw(const Scene& scene, Backend backend) {
   if (backend == Backend::kVulkan) {
     // Never destroyed: drivers have ends of their own.
     static auto* const renderer = new Renderer(backend, 2);

@@ -83,8 +83,7 @@ Scene small_scene(Mode mode, bool is_parallel);
 // names. So all of these tests are run for every back end.
 Backend tested_backend();
 
-// With a renderer of its own on two threads, on image sheets unless the scene asks for lattice
-// sheets; of the vulkan back end, which takes seconds to start
+// With a renderer of its own on two threads; of the vulkan back end, which takes seconds to start
 // where a processor is its device, one for all.
 Frame draw(const Scene& scene, Backend backend = tested_backend());
 

@@ -54,6 +54,7 @@ RenderOptions picture(int width, int height, double sampling_distance, Slab slab
   options.height = height;
   options.sampling_distance = sampling_distance;
   options.slab = slab;
+  options.sheets = Sheets::kImage;
   return options;
 }
 

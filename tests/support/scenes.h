@@ -26,6 +26,7 @@ Look gray_look(double lo, double hi, double opacity = 1);
 
 Look with_mode(Look look, Mode mode);
 
+// On image sheets, whose samples are those of the pixels' own rays.
 RenderOptions picture(int width, int height, double sampling_distance = 0, Slab slab = Slab::kMid);
 
 // The four components of a pixel.

@@ -92,6 +92,7 @@ inline constexpr std::array<const char*, kNumStages> kStageNames = {
 
 struct WorkerStats {
   std::int64_t samples_reconstructed = 0, samples_shaded = 0, gradients = 0;
+  std::int64_t multiply_adds = 0;  // of values and gradients
   std::int64_t kernels_loaded = 0;
   std::int64_t blocks_total = 0, blocks_drawn = 0, skipped_empty = 0, skipped_irrelevant = 0,
                skipped_opaque = 0;

@@ -18,6 +18,10 @@
 namespace ovoid::cpu {
 namespace {
 
+[[noreturn]] void throw_cancelled() {
+  throw Error(ErrorCode::kCancelled, "rendering was cancelled");
+}
+
 // Of a frame of lattice sheets, what is done when its base plane is.
 constexpr double kShareOfBase = 0.9;
 
@@ -113,12 +117,15 @@ Frame render_samples(const FrameJob& job, const Machine& machine) {
     finish_patch(frame, job.look, work, rect, out.image);
     watch.tile_done(rect, out.image);
   });
-  if (stop.stop_requested()) throw Error(ErrorCode::kCancelled, "rendering was cancelled");
+  if (stop.stop_requested()) throw_cancelled();
 
   out.profile.frame_ms = ms_since(start);
   const double ticks_per_ms =
       static_cast<double>(read_ticks() - start_ticks) / out.profile.frame_ms;
-  if (options.collect_profile) out.profile.stages_ms.emplace_back("plan", plan_ms);
+  if (options.collect_profile) {
+    out.profile.stages_ms.emplace_back("plan", plan_ms);
+    out.profile.multiply_add_peak = machine.multiply_add_peak();
+  }
   for (const auto& work : workspaces) {
     for (const WorkerStats* stats : {&work->pixels.stats, &work->nodes.stats, &work->trail.stats})
       add_worker_stats(*stats, options.collect_profile ? ticks_per_ms : 0.0, out.profile);
@@ -142,14 +149,17 @@ Frame render_lattice_sheets(const FrameJob& job, const Machine& machine) {
   const Clock::time_point warp_start = Clock::now();
   Runner& runner = *machine.runner;
   const BasePicture samples(std::exchange(frame.image, empty_image(job.options)), runner);
-  const WarpJob warp_job{*job.base, samples, job.look.mode != Mode::kXray};
+  const WarpJob warp_job{*job.base, samples};
   const std::vector<TileRect> strips = strips_of(job.options);
   Watch watch(job.hooks, strips.size(), kShareOfBase);
+  const std::stop_token& stop = job.hooks.stop;
   runner.run(static_cast<int>(strips.size()), [&](int task, int) {
+    if (stop.stop_requested()) return;
     const TileRect& strip = strips[static_cast<std::size_t>(task)];
     warp(machine.target, warp_job, strip, frame.image);
     watch.tile_done(strip, frame.image);
   });
+  if (stop.stop_requested()) throw_cancelled();
   frame.profile.frame_ms = ms_since(start);
   if (job.options.collect_profile)
     frame.profile.stages_ms.emplace_back("warp", runner.num_workers() * ms_since(warp_start));

@@ -5,6 +5,7 @@
 
 #include "render/back_end.h"
 #include "render/cpu/runner.h"
+#include "simd/peak.h"
 #include "simd/simd_target.h"
 
 namespace ovoid::cpu {
@@ -13,6 +14,13 @@ namespace ovoid::cpu {
 struct Machine {
   std::unique_ptr<Runner> runner = make_runner(0);
   simd::SimdTarget target{};
+
+  // Measured when it is first asked for.
+  double multiply_add_peak() const {
+    if (peak_ == 0) peak_ = simd::multiply_add_peak(target);
+    return peak_;
+  }
+  mutable double peak_ = 0;
 };
 
 // The cpu back end: tiles as tasks on a runner, SIMD within. Of a kernel field gradients are

@@ -287,6 +287,8 @@ HWY_INLINE void store_folded(Octet o, float* to) {
 #endif
 
 inline constexpr int kMaxLanes = 16;
+inline constexpr std::int64_t kGatheredTaps =
+    64;  // multiply-adds of a value; a gradient has three more of each
 inline constexpr int kBatchSamples = 64;  // their weights take 5 KiB and stay in the L1 cache
 
 struct ValueAndGradient {

@@ -42,6 +42,7 @@ inline void reconstruct_with_gradients(const LatticeFrame& frame, Workspace& wor
     sheet.defined[y] |= bits[y];
     sheet.has_gradient[y] |= bits[y];
     work.stats.gradients += std::popcount(bits[y]);
+    work.stats.multiply_adds += 4 * kGatheredTaps * std::popcount(bits[y]);
   }
   GradientBatch batch;
   for_each_batch({bits, block.place.rows, sheet.stride}, batch, [&] {

@@ -86,8 +86,9 @@ inline constexpr int kRowFloats = 48;
 // lattice's samples on it, summed over slices, with their derivatives from sheet to sheet
 // (rows-inl.h).
 struct RowsOfSheet {
-  SampleBounds bounds;  // of the samples that can be worked out
-  int columns = 0;      // of the lattice that they read
+  SampleBounds bounds;             // of the samples that can be worked out
+  int columns = 0;                 // of the lattice that they read
+  std::int64_t multiply_adds = 0;  // that the slices took
   SharedTaps x, y, z;
   alignas(64) float value[kMostAcross][kRowFloats];
   alignas(64) float slope[kMostAcross][kRowFloats];

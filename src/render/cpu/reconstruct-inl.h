@@ -130,6 +130,7 @@ inline void reconstruct_four_taps(const LatticeFrame& frame, Workspace& work, in
   const Block& block = work.block;
   Sheet& sheet = work.ring[block.place.number_of(s)];
   float* values = sheet.values;
+  work.stats.multiply_adds += kGatheredTaps * count_bits(wanted, block.place.rows);
   for (int y = 0; y < block.place.rows; ++y) sheet.defined[y] |= wanted[y];
   ValueBatch batch;
   for_each_batch({wanted, block.place.rows, sheet.stride}, batch, [&] {

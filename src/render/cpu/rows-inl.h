@@ -186,6 +186,7 @@ inline void sum_slices(const LatticeFrame& frame, const Region& region, RowsOfSh
       if (frame.takes_gradients) hn::StoreU(sum(s), d, sheet.slope[y] + x);
     }
   }
+  sheet.multiply_adds = std::int64_t{4} * (frame.takes_gradients ? 2 : 1) * rows * columns;
   // Counted from the first; columns beside those within bounds read the ends.
   sheet.columns = columns;
   for (int x = 0; x < kTileSize; ++x)
@@ -261,8 +262,10 @@ inline void add_rows(const LatticeFrame& frame, Workspace& work, int s, const Ro
   for (int g = first_group; g * group_size() < bounds.x1; ++g)
     pickers[g] = TapPicker(rows.x.first + g * group_size());
   RowOfLattice row;
+  constexpr int kTaps = 4;
   for (int y = bounds.y0; y < bounds.y1; ++y) {
     if (wanted[y] == 0) continue;
+    work.stats.multiply_adds += kTaps * (with_gradient[y] != 0 ? 3 : 1) * rows.columns;
     with_gradient[y] != 0 ? sum_rows<true>(rows, y, row) : sum_rows<false>(rows, y, row);
     for (int g = first_group; g * group_size() < bounds.x1; ++g) {
       const int x = g * group_size();
@@ -271,7 +274,9 @@ inline void add_rows(const LatticeFrame& frame, Workspace& work, int s, const Ro
       if (lanes_at(with_gradient[y], x) != 0) {
         sum_columns<true>(frame, rows, row, pickers[g], group, sheet);
         work.stats.gradients += std::popcount(group.lanes);
+        work.stats.multiply_adds += 4 * kTaps * std::popcount(group.lanes);
       } else {
+        work.stats.multiply_adds += kTaps * std::popcount(group.lanes);
         sum_columns<false>(frame, rows, row, pickers[g], group, sheet);
       }
     }
@@ -288,6 +293,7 @@ inline void reconstruct_rows(const LatticeFrame& frame, Workspace& work, int s,
   if (rows.bounds.is_empty()) return;
   set_taps(frame, block, s, rows);
   sum_slices(frame, block.region, rows);
+  work.stats.multiply_adds += rows.multiply_adds;
   add_rows(frame, work, s, wanted, guess);
 }
 

@@ -90,6 +90,7 @@ HWY_INLINE V filter_weights(V t) {
 // reaches.
 struct FilterSpan {
   int first = 0, last = -1;
+  bool is_cut = false;  // some that the filter reaches do not exist
   const float* weights = nullptr;
 
   void set(double at, float width, int size) {
@@ -97,6 +98,7 @@ struct FilterSpan {
     const auto end = static_cast<int>(std::floor(at + kFilterReach * static_cast<double>(width)));
     first = std::max(begin, 0);
     last = std::min(end, size - 1);
+    is_cut = first > begin || last < end;
     const int count = end - begin + 1;
     memory_.resize(static_cast<std::size_t>(count + group_size()));
     const V inverse = hn::Set(d, 1 / width);
@@ -123,32 +125,66 @@ struct Rgba {
   alignas(16) float v[4] = {};
 };
 
+// A weighted mean, and the least and the greatest of what it is of: the filter has negative
+// weights, but pixels stay between their samples.
+struct Mean {
+  Rgba value, least, greatest;
+
+  Rgba bounded() const {
+    Rgba out;
+    for (int c = 0; c < 4; ++c)
+      out.v[c] = std::min(std::max(value.v[c], least.v[c]), greatest.v[c]);
+    return out;
+  }
+};
+
 // Any width, anywhere.
 inline Rgba mean_of_span(const Image& samples, const FilterSpan& x, const FilterSpan& y) {
-  Rgba sum;
+  Mean mean;
+  const auto samples_at = [&](int j) {
+    return samples.rgba.data() + 4 * (static_cast<std::size_t>(j) * samples.width + x.first);
+  };
 #if HWY_TARGET == HWY_SCALAR
+  const float* const any = samples_at(y.first);
+  for (int c = 0; c < 4; ++c) mean.least.v[c] = mean.greatest.v[c] = any[c];
   for (int j = y.first; j <= y.last; ++j) {
-    const float* from =
-        samples.rgba.data() + 4 * (static_cast<std::size_t>(j) * samples.width + x.first);
+    const float* from = samples_at(j);
     for (int i = x.first; i <= x.last; ++i, from += 4) {
       const float weight = x.weights[i - x.first] * y.weights[j - y.first];
-      for (int c = 0; c < 4; ++c) sum.v[c] += weight * from[c];
+      for (int c = 0; c < 4; ++c) {
+        mean.value.v[c] += weight * from[c];
+        mean.least.v[c] = std::min(mean.least.v[c], from[c]);
+        mean.greatest.v[c] = std::max(mean.greatest.v[c], from[c]);
+      }
     }
   }
 #else
   const hn::FixedTag<float, 4> four;
   auto total = hn::Zero(four);
+  auto least = hn::LoadU(four, samples_at(y.first));
+  auto greatest = least;
   for (int j = y.first; j <= y.last; ++j) {
-    const float* from =
-        samples.rgba.data() + 4 * (static_cast<std::size_t>(j) * samples.width + x.first);
+    const float* from = samples_at(j);
     auto row = hn::Zero(four);
-    for (int i = x.first; i <= x.last; ++i, from += 4)
-      row = hn::MulAdd(hn::LoadU(four, from), hn::Set(four, x.weights[i - x.first]), row);
+    for (int i = x.first; i <= x.last; ++i, from += 4) {
+      const auto sample = hn::LoadU(four, from);
+      row = hn::MulAdd(sample, hn::Set(four, x.weights[i - x.first]), row);
+      least = hn::Min(least, sample);
+      greatest = hn::Max(greatest, sample);
+    }
     total = hn::MulAdd(row, hn::Set(four, y.weights[j - y.first]), total);
   }
-  hn::Store(total, four, sum.v);
+  hn::Store(total, four, mean.value.v);
+  hn::Store(least, four, mean.least.v);
+  hn::Store(greatest, four, mean.greatest.v);
 #endif
-  return sum;
+  if (x.is_cut || y.is_cut) {  // nothing is there
+    for (int c = 0; c < 4; ++c) {
+      mean.least.v[c] = std::min(mean.least.v[c], 0.0F);
+      mean.greatest.v[c] = std::max(mean.greatest.v[c], 0.0F);
+    }
+  }
+  return mean.bounded();
 }
 
 // The four weights of samples floor(at) - 1 and following, of a filter of width 1.
@@ -167,16 +203,31 @@ HWY_INLINE Rgba mean_of_sixteen(const float* from, std::ptrdiff_t row, float x, 
   four_filter_weights(y, of_row);
   alignas(64) float weights[16];
   for (int i = 0; i < 16; ++i) weights[i] = own[i / 4];
-  alignas(64) float sums[16];
+  alignas(64) float sums[16], least[16], greatest[16];
   for (int i = 0; i < 16; i += group_size()) {
-    V sum = hn::Mul(hn::LoadU(d, from + i), hn::Set(d, of_row[0]));
-    for (int j = 1; j < 4; ++j)
-      sum = hn::MulAdd(hn::LoadU(d, from + j * row + i), hn::Set(d, of_row[j]), sum);
+    const V first = hn::LoadU(d, from + i);
+    V sum = hn::Mul(first, hn::Set(d, of_row[0]));
+    V lo = first;
+    V hi = first;
+    for (int j = 1; j < 4; ++j) {
+      const V sample = hn::LoadU(d, from + j * row + i);
+      sum = hn::MulAdd(sample, hn::Set(d, of_row[j]), sum);
+      lo = hn::Min(lo, sample);
+      hi = hn::Max(hi, sample);
+    }
     hn::Store(hn::Mul(sum, hn::Load(d, weights + i)), d, sums + i);
+    hn::Store(lo, d, least + i);
+    hn::Store(hi, d, greatest + i);
   }
-  Rgba mean;
-  for (int c = 0; c < 4; ++c) mean.v[c] = sums[c] + sums[c + 4] + sums[c + 8] + sums[c + 12];
-  return mean;
+  Mean mean;
+  for (int c = 0; c < 4; ++c) {
+    mean.value.v[c] = sums[c] + sums[c + 4] + sums[c + 8] + sums[c + 12];
+    mean.least.v[c] =
+        std::min(std::min(least[c], least[c + 4]), std::min(least[c + 8], least[c + 12]));
+    mean.greatest.v[c] = std::max(std::max(greatest[c], greatest[c + 4]),
+                                  std::max(greatest[c + 8], greatest[c + 12]));
+  }
+  return mean.bounded();
 }
 
 // True if one of the samples from (x0, y0) to (x1, y1) may hold something.
@@ -223,10 +274,7 @@ inline void warp_on_target(const WarpJob& job, const TileRect& strip, Image& pic
         color = mean_of_span(samples, span_x, span_y);
       }
       const std::size_t pixel = static_cast<std::size_t>(y) * picture.width + x;
-      for (std::size_t c = 0; c < 4; ++c) {
-        picture.rgba[4 * pixel + c] =
-            job.is_bounded ? std::clamp(color.v[c], 0.0F, 1.0F) : color.v[c];
-      }
+      std::copy_n(color.v, 4, picture.rgba.data() + 4 * pixel);
       const auto i = static_cast<int>(std::round(at.x));
       const auto j = static_cast<int>(std::round(at.y));
       if (i < 0 || j < 0 || i >= base.width || j >= base.height) continue;

@@ -36,7 +36,6 @@ std::vector<TileRect> strips_of(const RenderOptions& options);
 struct WarpJob {
   const view::BasePlane& base;
   const BasePicture& samples;
-  bool is_bounded;  // they are colours and opacities in [0, 1]
 };
 
 // Sets the pixels of `strip`.

@@ -219,8 +219,11 @@ Frame render(const LatticeField& field, const Camera& camera, const Look& look,
   of_samples.stop = hooks.stop;
   of_samples.progress = hooks.progress;
   Frame frame = render_samples(field, camera, look, of_base, of_samples, threads, trail, base);
-  frame.image = warped(*base, frame.image, options, look.mode != Mode::kXray);
-  if (hooks.tile_done) hooks.tile_done({0, 0, options.width, options.height, &frame.image});
+  frame.image = warped(*base, frame.image, options);
+  for (int y = 0; y < options.height; ++y) {
+    if (hooks.stop.stop_requested()) throw Error(ErrorCode::kCancelled, "rendering was cancelled");
+    if (hooks.tile_done) hooks.tile_done({0, y, options.width, y + 1, &frame.image});
+  }
   return frame;
 }
 

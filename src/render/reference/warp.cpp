@@ -39,8 +39,7 @@ PlaceInBase place_of(const view::BasePlane& base, int x, int y) {
 
 }  // namespace
 
-Image warped(const view::BasePlane& base, const Image& samples, const RenderOptions& options,
-             bool is_bounded) {
+Image warped(const view::BasePlane& base, const Image& samples, const RenderOptions& options) {
   Image picture;
   picture.width = options.width;
   picture.height = options.height;
@@ -51,22 +50,29 @@ Image warped(const view::BasePlane& base, const Image& samples, const RenderOpti
     for (int x = 0; x < options.width; ++x) {
       const auto [at, width] = place_of(base, x, y);
       std::array<double, 4> sum{};
+      std::array<double, 4> least, greatest;
+      least.fill(std::numeric_limits<double>::infinity());
+      greatest.fill(-std::numeric_limits<double>::infinity());
       double total = 0;
       const auto first = [&](int a) { return std::ceil(at[a] - 2 * width[a]); };
-      for (double j = first(1); j < at[1] + 2 * width[1]; ++j) {
-        for (double i = first(0); i < at[0] + 2 * width[0]; ++i) {
+      for (double j = first(1); j <= at[1] + 2 * width[1]; ++j) {
+        for (double i = first(0); i <= at[0] + 2 * width[0]; ++i) {
           const double w = weight((i - at[0]) / width[0]) * weight((j - at[1]) / width[1]);
           total += w;
-          if (i < 0 || j < 0 || i >= base.width || j >= base.height) continue;
-          const auto sample = static_cast<std::size_t>(j * base.width + i);
-          for (std::size_t c = 0; c < 4; ++c) sum[c] += w * samples.rgba[4 * sample + c];
+          const bool exists = i >= 0 && j >= 0 && i < base.width && j < base.height;
+          const auto sample = exists ? static_cast<std::size_t>(j * base.width + i) : 0;
+          for (std::size_t c = 0; c < 4; ++c) {
+            const double value = exists ? samples.rgba[4 * sample + c] : 0.0;
+            sum[c] += w * value;
+            least[c] = std::min(least[c], value);
+            greatest[c] = std::max(greatest[c], value);
+          }
         }
       }
       const auto pixel = static_cast<std::size_t>(y) * options.width + x;
       for (std::size_t c = 0; c < 4; ++c) {
-        const double value = sum[c] / total;
         picture.rgba[4 * pixel + c] =
-            static_cast<float>(is_bounded ? std::clamp(value, 0.0, 1.0) : value);
+            static_cast<float>(std::clamp(sum[c] / total, least[c], greatest[c]));
       }
       const double i = std::round(at[0]);
       const double j = std::round(at[1]);

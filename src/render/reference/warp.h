@@ -6,9 +6,7 @@
 
 namespace ovoid::reference {
 
-// The picture of a base plane's samples: docs/numerics.md, "Lattice sheets". `is_bounded`: pixels
-// are colours and opacities in [0, 1].
-Image warped(const view::BasePlane& base, const Image& samples, const RenderOptions& options,
-             bool is_bounded);
+// The picture of a base plane's samples: docs/numerics.md, "Lattice sheets".
+Image warped(const view::BasePlane& base, const Image& samples, const RenderOptions& options);
 
 }  // namespace ovoid::reference

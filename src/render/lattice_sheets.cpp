@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/lattice_sheets.h"
+
+#include <string>
+
+#include "ovoid/error.h"
+#include "view/frame_plan.h"
+
+namespace ovoid {
+namespace {
+
+// Why a frame cannot have them, whatever its view; empty if it can.
+std::string reason_against(const BackEnd& back_end, const FrameJob& job) {
+  const RenderOptions& options = job.options;
+  if (!back_end.has_lattice_sheets()) return "backend vulkan has image sheets";
+  if (job.field.lattice() == nullptr) return "the field is a set of kernels";
+  if (job.trail != nullptr) return "a trail is drawn on image sheets";
+  if (is_published(options.post_convolution))
+    return "the published ways of post-convolution are for image sheets";
+  if (options.evaluate == Evaluate::kScatter) return "kernels are scattered to image sheets";
+  if (options.gradient == GradientMethod::kCentral && job.look.mode == Mode::kComposite)
+    return "central differences are taken on image sheets";
+  return {};
+}
+
+// True if samples share their weights, which is what makes lattice sheets faster.
+bool samples_share_weights(const LatticeField& field, const RenderOptions& options) {
+  const LatticeKernel kernel = field.index_kernel();
+  return field.geometry().num_sublattices() == 1 && kernel.support_radius() == 2.0 &&
+         kernel.sigma >= 0.25 && kernel.sigma <= 2.0 &&
+         field.reconstruction() == Reconstruction::kNormalized && options.slab != Slab::kMean;
+}
+
+}  // namespace
+
+std::optional<LatticeSheets> lattice_sheets_for(const BackEnd& back_end, const FrameJob& job,
+                                                bool is_distance_free) {
+  const RenderOptions& options = job.options;
+  if (options.sheets == Sheets::kImage) return std::nullopt;
+  const bool must = options.sheets == Sheets::kLattice;
+  if (const std::string reason = reason_against(back_end, job); !reason.empty()) {
+    if (must) throw Error(ErrorCode::kUnsupported, "sheets: lattice: " + reason);
+    return std::nullopt;
+  }
+  const LatticeField& field = *job.field.lattice();
+  if (!must && !samples_share_weights(field, options)) return std::nullopt;
+  const double reach = options.slab == Slab::kMean
+                           ? options.sampling_distance / field.geometry().spacing().minCoeff()
+                           : 0.0;
+  std::optional<view::BasePlane> base =
+      view::base_plane(field, view::support_of(field, 1.0, reach), job.camera, options);
+  if (!base) {
+    if (must)
+      throw Error(ErrorCode::kUnsupported,
+                  "sheets: lattice: needs a camera in front of the whole volume whose rays are "
+                  "within 60 degrees of the normal of the lattice's planes, and not far larger a "
+                  "picture on these than the one that is seen: take auto or image");
+    return std::nullopt;
+  }
+  const bool is_wide = is_distance_free && view::is_refined(job.look, options) &&
+                       view::is_gentle(job.look, field.value_range());
+  const double distance =
+      options.sampling_distance * base->closeness * (is_wide ? view::kGentleDistance : 1.0);
+  return LatticeSheets{*base, distance};
+}
+
+}  // namespace ovoid

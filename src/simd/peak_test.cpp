@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "simd/peak.h"
+
+#include <gtest/gtest.h>
+
+namespace ovoid::simd {
+namespace {
+
+// Between what the slowest and the fastest of machines can do. Fails if lanes or time are
+// forgotten.
+TEST(Peak, IsThatOfAMachine) {
+  for (const std::string& name : SimdTarget::usable()) {
+    const double peak = multiply_add_peak(SimdTarget(name));
+    EXPECT_GT(peak, 1e6) << name;
+    EXPECT_LT(peak, 1e13) << name;
+  }
+}
+
+}  // namespace
+}  // namespace ovoid::simd

@@ -12,7 +12,7 @@ namespace {
 constexpr double kLeastCosine = 0.5;  // of a ray and the sheets' normal: 60 degrees
 
 // Samples around what shows, for the filter that makes pixels.
-constexpr double kMargin = 3.0;
+constexpr double kSamplesAround = 3.0;
 
 // A base plane of many more samples than pixels is a view that is better drawn otherwise.
 constexpr double kMostSamplesPerPixel = 16.0;
@@ -155,8 +155,8 @@ std::optional<BasePlane> base_plane(const LatticeField& field, const Bounds3& su
     const double spacing = axes.col(base.order[static_cast<std::size_t>(a)]).norm();
     const double of_lattice = kMostSpacings * spacing / (base.is_parallel ? 1.0 : farthest);
     step[a] = std::min(1 / (kBaseDensity * stretch[a]), of_lattice);
-    first[a] = window.min()[a] - kMargin * step[a];
-    const double samples = std::ceil((window.max()[a] - first[a]) / step[a] + kMargin) + 1;
+    first[a] = window.min()[a] - kSamplesAround * step[a];
+    const double samples = std::ceil((window.max()[a] - first[a]) / step[a] + kSamplesAround) + 1;
     if (!(samples <= 4.0 * RenderOptions::kMaxImageSide)) return std::nullopt;
     count[static_cast<std::size_t>(a)] = static_cast<int>(samples);
   }

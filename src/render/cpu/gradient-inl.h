@@ -71,11 +71,11 @@ inline void reconstruct_with_gradients(const LatticeFrame& frame, Workspace& wor
 // costs time, nothing else.
 inline RowBits guess_visible(const LatticeFrame& frame, const Workspace& work,
                              const RowBits& wanted) {
-  RowBits guess{};
+  RowBits guess;
   const bool is_worthwhile = frame.takes_gradients && !frame.is_preintegrated &&
                              !frame.takes_differences && work.block.region.uses_four_taps;
-  if (!is_worthwhile) return guess;
-  for (int y = 0; y < work.block.place.rows; ++y) guess[y] = wanted[y] & work.was_visible[y];
+  for (int y = 0; y < work.block.place.rows; ++y)
+    guess[y] = is_worthwhile ? wanted[y] & work.was_visible[y] : 0;
   return guess;
 }
 

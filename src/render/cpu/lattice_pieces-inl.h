@@ -57,7 +57,7 @@ inline void gradients_of_ends(const LatticeFrame& frame, Workspace& work, int s)
   const BlockPlace& place = work.block.place;
   for (const int end : {s - 1, s}) {
     const Sheet& sheet = work.ring[place.number_of(end)];
-    RowBits missing{};
+    RowBits missing;
     for (int y = 0; y < place.rows; ++y)
       missing[y] = work.shaded.visible[y] & sheet.defined[y] & ~sheet.has_gradient[y];
     gradients_of(frame, work, end, missing);

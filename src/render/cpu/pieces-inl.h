@@ -47,7 +47,7 @@ HWY_INLINE PieceEnds ends_of(const BlockPlace& place, const SheetRing& ring,
 // Of the pieces that end on sheet s, those that have an end.
 inline RowBits with_an_end(const BlockPlace& place, const SheetRing& ring, int s,
                            const RowBits& bits) {
-  RowBits out{};
+  RowBits out;
   const RowBits& front = ring[place.number_of(s - 1)].defined;
   const RowBits& back = ring[place.number_of(s)].defined;
   for (int y = 0; y < place.rows; ++y) {

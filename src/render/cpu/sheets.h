@@ -16,7 +16,8 @@ inline constexpr int kMaxMargin = 1;
 
 using RowWord = std::uint64_t;  // bit x for sample x
 inline constexpr int kMaxPlaneRows = 56;
-using RowBits = std::array<RowWord, kMaxPlaneRows>;
+using RowBits = std::array<RowWord, kMaxPlaneRows>;  // of the rows that a plane has; the others are
+                                                     // nobody's
 
 // How the samples of one sheet are kept: sample (x, y) at y * stride + x.
 struct PlaneShape {

@@ -59,7 +59,7 @@ inline RowBits wanted_now(const CpuFrame& frame, const Workspace& work, int s) {
 inline void finish_pieces_of_sheet(const LatticeFrame& frame, Workspace& work, int s,
                                    StageClock& clock) {
   const BlockPlace& place = work.block.place;
-  RowBits bits{};
+  RowBits bits;
   for (int y = 0; y < place.rows; ++y)
     bits[y] = work.block.bits.relevant[s][y] & open_samples(frame, place, *work.tile, y);
   finish_pieces(frame, work.in_hand(), s, bits, LatticePieces{frame, work.block}, clock,

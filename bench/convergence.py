@@ -71,7 +71,7 @@ class Subject:
     def draw(self, flags, turn=0.0, frames=1):
         """The picture, and the median frame in ms."""
         picture, profile = os.path.join(self.folder, "picture.npy"), os.path.join(self.folder, "profile.json")
-        subprocess.run([OVOID, "render", *self.path.split("+"), "--size", f"{self.size}x{self.size}", "--azimuth", str(30 + turn), "--elevation", "20", *self.look,
+        subprocess.run([OVOID, "render", *self.path.split("+"), "--sheets", "image", "--size", f"{self.size}x{self.size}", "--azimuth", str(30 + turn), "--elevation", "20", *self.look,
                         *flags, "--backend", "cpu", "--repeat", str(frames), f"--profile={profile}", "-o", picture], check=True, stderr=subprocess.DEVNULL)
         with open(profile, encoding="utf-8") as file:
             return colors_of(picture), json.load(file)["frame_ms"]["median"]

@@ -47,7 +47,7 @@ def relevant(source, target, threshold, *flags):
 
 def frame(volume, camera, flags, frames, folder):
     picture, profile = os.path.join(folder, "picture.npy"), os.path.join(folder, "profile.json")
-    ovoid("render", volume, "--camera", camera, "--size", f"{PIXELS}x{PIXELS}", "-o", picture, *flags, "--repeat", str(frames), f"--profile={profile}")
+    ovoid("render", volume, "--sheets", "image", "--camera", camera, "--size", f"{PIXELS}x{PIXELS}", "-o", picture, *flags, "--repeat", str(frames), f"--profile={profile}")
     with open(profile, encoding="utf-8") as file:
         measured = json.load(file)
     stages = measured["stages_ms"]  # scattered, gradients are gathered all the same

@@ -70,7 +70,7 @@ def main():
                 if is_scattered and magnification not in SCATTERED:
                     continue
                 picture = os.path.join(folder, f"{way}.npy")
-                subprocess.run([OVOID, "render", options.volume, "--camera", camera, "--size", f"{PIXELS}x{PIXELS}", *flags, "--repeat",
+                subprocess.run([OVOID, "render", options.volume, "--sheets", "image", "--camera", camera, "--size", f"{PIXELS}x{PIXELS}", *flags, "--repeat",
                                 str(1 if is_scattered else options.frames), f"--profile={profile}", "-o", picture], check=True, stderr=subprocess.DEVNULL)
                 with open(profile, encoding="utf-8") as file:
                     profiles[way] = json.load(file)

@@ -49,7 +49,7 @@ def waves(limit):
 
 
 def render(volume, camera, size, flags, output):
-    subprocess.run([OVOID, "render", volume, "--camera", camera, "--size", f"{size}x{size}", "-o", output, *flags], check=True,
+    subprocess.run([OVOID, "render", volume, "--sheets", "image", "--camera", camera, "--size", f"{size}x{size}", "-o", output, *flags], check=True,
                    stderr=subprocess.DEVNULL)
     return picture_of(output)
 

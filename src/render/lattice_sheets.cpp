@@ -9,6 +9,9 @@
 namespace ovoid {
 namespace {
 
+// Of a base plane that nobody insists on: each takes 20 bytes beside the picture's own.
+constexpr double kMostSamples = 1 << 26;
+
 // Why a frame cannot have them, whatever its view; empty if it can.
 std::string reason_against(const BackEnd& back_end, const FrameJob& job) {
   const RenderOptions& options = job.options;
@@ -57,6 +60,7 @@ std::optional<LatticeSheets> lattice_sheets_for(const BackEnd& back_end, const F
                   "picture on these than the one that is seen: take auto or image");
     return std::nullopt;
   }
+  if (!must && static_cast<double>(base->width) * base->height > kMostSamples) return std::nullopt;
   const bool is_wide = is_distance_free && view::is_refined(job.look, options) &&
                        view::is_gentle(job.look, field.value_range());
   const double distance =

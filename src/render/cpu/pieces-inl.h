@@ -63,11 +63,23 @@ struct EndValues {
   V at(V t) const { return hn::MulAdd(hn::Sub(back, front), t, front); }
 };
 
-HWY_INLINE EndValues end_values(const PieceEnds& ends, const float* front, const float* back) {
-  const V f = hn::LoadU(d, front);
-  const V b = hn::LoadU(d, back);
-  return {hn::IfThenElse(mask_of(ends.front), f, b), hn::IfThenElse(mask_of(ends.back), b, f)};
-}
+// One number after the other of a group's pieces at both ends.
+class GroupEnds {
+ public:
+  HWY_INLINE explicit GroupEnds(const PieceEnds& ends)
+      : front_(mask_of(ends.front)), back_(mask_of(ends.back)) {}
+
+  HWY_INLINE EndValues operator()(const float* front, const float* back) const {
+    const V f = hn::LoadU(d, front);
+    const V b = hn::LoadU(d, back);
+    return {hn::IfThenElse(front_, f, b), hn::IfThenElse(back_, b, f)};
+  }
+  const M& front() const { return front_; }
+  const M& back() const { return back_; }
+
+ private:
+  M front_, back_;
+};
 
 // Opacity and variation of a group's samples, which the sheet keeps for the piece behind it.
 // `lanes`: those that have a value.
@@ -99,7 +111,8 @@ inline void classify_pieces(const CpuFrame& frame, const BlockPlace& place, Shee
           const int at = back.at(column, y);
           const SampleGroup group{s, column, y, lanes};
           const PieceEnds ends = ends_of(place, ring, group);
-          const EndValues value = end_values(ends, front.values + at, back.values + at);
+          const GroupEnds both(ends);
+          const EndValues value = both(front.values + at, back.values + at);
           const M may_show =
               hn::And(hn::Ge(hn::Max(value.front, value.back), hn::Set(d, table.visible_lo)),
                       hn::Le(hn::Min(value.front, value.back), hn::Set(d, table.visible_hi)));
@@ -107,12 +120,10 @@ inline void classify_pieces(const CpuFrame& frame, const BlockPlace& place, Shee
           // An end that is not there is as the other.
           const VariationAt from = classify_ends(frame, front, group, ends.front & lanes);
           const VariationAt to = classify_ends(frame, back, group, ends.back & lanes);
-          const M has_from = mask_of(ends.front);
-          const M has_to = mask_of(ends.back);
-          const V change = hn::IfThenElseZero(hn::And(has_from, has_to),
+          const V change = hn::IfThenElseZero(hn::And(both.front(), both.back()),
                                               hn::Abs(hn::Sub(to.variation, from.variation)));
-          const V opacity = hn::Max(hn::IfThenElseZero(has_from, from.opacity),
-                                    hn::IfThenElseZero(has_to, to.opacity));
+          const V opacity = hn::Max(hn::IfThenElseZero(both.front(), from.opacity),
+                                    hn::IfThenElseZero(both.back(), to.opacity));
           const M shows = hn::Or(hn::Gt(opacity, hn::Zero(d)), hn::Gt(change, hn::Zero(d)));
           const std::uint32_t visible = bits_of(shows) & lanes;
           if (visible == 0) return;
@@ -208,9 +219,8 @@ inline void draw_pieces(const CpuFrame& frame, const TileInHand& tile, int s,
           const SampleGroup group{s, column, y, lanes};
           const int at = back.at(column, y);
           const PieceEnds ends = ends_of(place, tile.ring, group);
-          const auto both = [&](const float* f, const float* b) {
-            return end_values(ends, f + at, b + at);
-          };
+          const GroupEnds of_ends(ends);
+          const auto both = [&](const float* f, const float* b) { return of_ends(f + at, b + at); };
           const EndValues value = both(front.values, back.values);
           EndValues color_value{};
           if (frame.has_own_color) color_value = both(front.colors, back.colors);

@@ -100,7 +100,7 @@ struct FilterSpan {
     last = std::min(end, size - 1);
     is_cut = first > begin || last < end;
     const int count = end - begin + 1;
-    memory_.resize(static_cast<std::size_t>(count + group_size()));
+    memory_.resize(static_cast<std::size_t>(count) + static_cast<std::size_t>(group_size()));
     const V inverse = hn::Set(d, 1 / width);
     const V nearest = hn::Set(d, static_cast<float>(begin - at));
     V sum = hn::Zero(d);

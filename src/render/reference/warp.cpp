@@ -48,7 +48,9 @@ Image warped(const view::BasePlane& base, const Image& samples, const RenderOpti
   picture.depth.assign(pixels, std::numeric_limits<float>::infinity());
   for (int y = 0; y < options.height; ++y) {
     for (int x = 0; x < options.width; ++x) {
-      const auto [at, width] = place_of(base, x, y);
+      const PlaceInBase place = place_of(base, x, y);
+      const Eigen::Vector2d& at = place.at;
+      const Eigen::Vector2d& width = place.width;
       std::array<double, 4> sum{};
       std::array<double, 4> least, greatest;
       least.fill(std::numeric_limits<double>::infinity());

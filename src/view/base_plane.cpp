@@ -11,7 +11,8 @@ namespace {
 
 constexpr double kLeastCosine = 0.5;  // of a ray and the sheets' normal: 60 degrees
 
-// Samples around what shows, for the filter that makes pixels.
+// For the filter that makes pixels, so many samples around the field; and around the picture as many
+// pixels, if these are wider than samples.
 constexpr double kSamplesAround = 3.0;
 
 // A base plane of many more samples than pixels is a view that is better drawn otherwise.
@@ -155,8 +156,13 @@ std::optional<BasePlane> base_plane(const LatticeField& field, const Bounds3& su
     const double spacing = axes.col(base.order[static_cast<std::size_t>(a)]).norm();
     const double of_lattice = kMostSpacings * spacing / (base.is_parallel ? 1.0 : farthest);
     step[a] = std::min(1 / (kBaseDensity * stretch[a]), of_lattice);
-    first[a] = window.min()[a] - kSamplesAround * step[a];
-    const double samples = std::ceil((window.max()[a] - first[a]) / step[a] + kSamplesAround) + 1;
+    const double samples_around = kSamplesAround * step[a];
+    const double pixels_around = std::max(samples_around, kSamplesAround / stretch[a]);
+    first[a] = std::min(window.min()[a], std::max(shown.min()[a] - pixels_around,
+                                                  covered.min()[a] - samples_around));
+    const double last = std::max(window.max()[a], std::min(shown.max()[a] + pixels_around,
+                                                           covered.max()[a] + samples_around));
+    const double samples = std::ceil((last - first[a]) / step[a]) + 1;
     if (!(samples <= 4.0 * RenderOptions::kMaxImageSide)) return std::nullopt;
     count[static_cast<std::size_t>(a)] = static_cast<int>(samples);
   }

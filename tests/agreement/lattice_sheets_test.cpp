@@ -119,6 +119,11 @@ TEST_F(LatticeSheets, AgreeWithOtherOptions) {
       {"magnified", [](Scene& s) { s.camera.zoom(9); }},
       {"small", [](Scene& s) { s.options.width = 7, s.options.height = 5; }},
       {"one pixel", [](Scene& s) { s.options.width = s.options.height = 1; }},
+      {"few pixels of a part",
+       [](Scene& s) {
+         s.options.width = s.options.height = 4;
+         s.camera.zoom(2);
+       }},
   };
   for (const bool is_parallel : {true, false}) {
     for (const auto& [name, change] : changes) {

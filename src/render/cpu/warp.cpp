@@ -17,7 +17,7 @@ HWY_EXPORT(warp_on_target);
 namespace {
 
 constexpr int kStripRows = 16;
-constexpr double kReach = 2.0;  // of the filter, samples
+constexpr double kReach = 2.0;  // of the filter, samples or pixels
 
 }  // namespace
 
@@ -50,8 +50,9 @@ bool is_seen(const view::BasePlane& base, const TileRect& tile) {
       box.extend(base.picture_from_base(x, y));
     }
   }
-  return box.max()[0] >= 0 && box.max()[1] >= 0 && box.min()[0] <= base.picture_width - 1 &&
-         box.min()[1] <= base.picture_height - 1;
+  // Of pixels that are wider than samples the filter reaches as many pixels.
+  return box.max().minCoeff() >= -kReach && box.min()[0] <= base.picture_width - 1 + kReach &&
+         box.min()[1] <= base.picture_height - 1 + kReach;
 }
 
 std::vector<TileRect> strips_of(const RenderOptions& options) {

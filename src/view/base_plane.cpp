@@ -11,8 +11,8 @@ namespace {
 
 constexpr double kLeastCosine = 0.5;  // of a ray and the sheets' normal: 60 degrees
 
-// For the filter that makes pixels, so many samples around the field; and around the picture as many
-// pixels, if these are wider than samples.
+// For the filter that makes pixels, so many samples around the field; and around the picture as
+// many pixels, if these are wider than samples.
 constexpr double kSamplesAround = 3.0;
 
 // A base plane of many more samples than pixels is a view that is better drawn otherwise.

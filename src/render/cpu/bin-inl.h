@@ -71,8 +71,8 @@ struct BrickLookup {
 // Bits of the samples of one row that lie where the field can be defined / that also lie in a
 // relevant brick and have a path.
 struct RowMasks {
-  std::uint32_t inside = 0;
-  std::uint32_t relevant = 0;
+  RowWord inside = 0;
+  RowWord relevant = 0;
 };
 
 // Where the field can be defined, relative to the region's origin; nothing to test if the whole
@@ -102,10 +102,10 @@ inline bool cuts_paths(const CpuFrame& frame, const BlockPlace& place, int s) {
 }
 
 HWY_INLINE RowMasks bin_row(const CpuFrame& frame, const Block& block, int s, int row,
-                            const SampleLookup& lookup, std::uint32_t columns) {
+                            const SampleLookup& lookup, RowWord columns) {
   RowMasks masks;
   for (int column = 0; column < block.place.columns; column += group_size()) {
-    if ((columns >> column & group_bits()) == 0) continue;
+    if (lanes_at(columns, column) == 0) continue;
     const Position u = position_of(block.sheets[s], column, row);
     std::uint32_t inside = group_bits();
     if (!lookup.support.holds_block) {
@@ -116,10 +116,10 @@ HWY_INLINE RowMasks bin_row(const CpuFrame& frame, const Block& block, int s, in
     if (relevant != 0 && cuts_paths(frame, block.place, s)) {
       relevant &= bits_of(hn::Gt(path_fraction(frame, block.place, s, column, row), hn::Zero(d)));
     }
-    masks.inside |= inside << column;
-    masks.relevant |= relevant << column;
+    masks.inside |= RowWord{inside} << column;
+    masks.relevant |= RowWord{relevant} << column;
   }
-  const std::uint32_t row_mask = (1U << block.place.columns) - 1U;
+  const RowWord row_mask = first_bits(block.place.columns);
   masks.inside &= row_mask;
   masks.relevant &= row_mask;
   return masks;
@@ -141,7 +141,7 @@ inline bool bin_lattice_sheet(const LatticeFrame& frame, const Block& block, int
     const bool is_inside = lookup.support.holds_block || lookup.support.holds(1, at);
     const float own_layer = lookup.bricks.layer_of(1, at, frame.lattice_plan->order);
     if (is_inside && (is_cut || !(own_layer == layer))) {
-      masks = bin_row(frame, block, s, y, lookup, ~0U);
+      masks = bin_row(frame, block, s, y, lookup, ~RowWord{0});
       layer = own_layer;
     }
     inside[y] = is_inside ? masks.inside : 0;
@@ -257,7 +257,7 @@ inline void bound_region(const LatticeFrame& frame, Block& block,
 // Columns of a block that can hold relevant samples, by groups of four sheets and four rows: one
 // look-up for 4 x 4 x 4 samples in the map that includes neighbours. Only valid while no sample is
 // farther from its group's middle than a brick's edge.
-using CellColumns = std::array<std::array<std::uint32_t, kTileSize / 4>, (kMaxSheets + 3) / 4>;
+using CellColumns = std::array<std::array<RowWord, kTileSize / 4>, (kMaxSheets + 3) / 4>;
 
 inline bool cells_fit_bricks(const LatticeFrame& frame, const Block& block) {
   const auto edge = static_cast<float>(1 << frame.lattice_plan->relevance.brick_shift());
@@ -293,7 +293,7 @@ inline CellColumns bin_cells(const Block& block, const BrickLookup& neighbours) 
         cells |= bits_of(neighbours({middle(0), middle(1), middle(2)})) << first;
       }
       for (int cx = 0; cx < kTileSize / 4; ++cx) {
-        if ((cells >> cx & 1U) != 0) columns[cz][cy] |= 0xFU << (4 * cx);
+        if ((cells >> cx & 1U) != 0) columns[cz][cy] |= RowWord{0xF} << (4 * cx);
       }
     }
   }
@@ -317,12 +317,12 @@ inline Support support_of(const LatticeFrame& frame, const Region& region, const
 
 // Samples of a plane's row that are worth the work, as bits of the plane: those of pixels that
 // still take samples, or all.
-inline std::uint32_t open_samples(const CpuFrame& frame, const BlockPlace& place,
-                                  const TileState& tile, int row) {
+inline RowWord open_samples(const CpuFrame& frame, const BlockPlace& place, const TileState& tile,
+                            int row) {
   const int y = place.y0 + row - place.margin;
   if (y < place.y0 || y >= place.y1) return 0;
-  const std::uint32_t pixels = (1U << (place.x1 - place.x0)) - 1U;
-  const std::uint32_t open = frame.options->stop_opaque ? tile.open[y] >> place.x0 : ~0U;
+  const RowWord pixels = first_bits(place.x1 - place.x0);
+  const RowWord open = frame.options->stop_opaque ? tile.open[y] >> place.x0 : ~RowWord{0};
   return (open & pixels) << place.margin;
 }
 
@@ -381,7 +381,7 @@ inline bool bin_region(const LatticeFrame& frame, Block& block, const TileState&
   for (int s = 0; s < place.num_sheets; ++s) {
     const bool is_wanted = is_needed(frame, place, s);
     for (int y = 0; y < place.rows; ++y) {
-      const std::uint32_t columns = has_cells ? cells[s / 4][y / 4] : ~0U;
+      const RowWord columns = has_cells ? cells[s / 4][y / 4] : ~RowWord{0};
       const RowMasks masks = bin_row(frame, block, s, y, lookup, columns);
       inside[s][y] = masks.inside;
       block.bits.relevant[s][y] = is_wanted ? masks.relevant & open[y] : 0;

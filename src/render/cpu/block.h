@@ -19,6 +19,7 @@
 
 #include "data/out_of_memory.h"
 #include "render/cpu/frame.h"
+#include "render/cpu/sample_batch.h"
 #include "render/cpu/sheets.h"
 
 namespace ovoid::cpu {
@@ -56,21 +57,21 @@ struct alignas(64) TileState {
   // A group at a row's end reads and writes back what follows.
   static constexpr int kPixels = kTileSize * kTileSize + 16;
   float red[kPixels], green[kPixels], blue[kPixels], alpha[kPixels], depth[kPixels];
-  float best[kPixels];            // maximum: greatest value; xray and mean: sum of value * path
-  float path[kPixels];            // mean: sum of path
-  std::uint32_t seen[kTileSize];  // row bits: xray, maximum, mean: a sample was defined
-  std::uint32_t open[kTileSize];  // row bits: still takes samples
+  float best[kPixels];      // maximum: greatest value; xray and mean: sum of value * path
+  float path[kPixels];      // mean: sum of path
+  RowWord seen[kTileSize];  // xray, maximum, mean: a sample was defined
+  RowWord open[kTileSize];  // still takes samples
 
   void reset(int width, int height) {
     std::memset(this, 0, sizeof *this);
     std::fill(depth, depth + kPixels, std::numeric_limits<float>::infinity());
     std::fill(best, best + kPixels, -std::numeric_limits<float>::infinity());
-    for (int y = 0; y < height; ++y) open[y] = (1U << width) - 1U;
+    for (int y = 0; y < height; ++y) open[y] = first_bits(width);
   }
   bool any_open(int x0, int y0, int x1, int y1) const {
-    std::uint32_t any = 0;
+    RowWord any = 0;
     for (int y = y0; y < y1; ++y) any |= open[y];
-    return (any >> x0 & ((1U << (x1 - x0)) - 1U)) != 0;
+    return (any >> x0 & first_bits(x1 - x0)) != 0;
   }
 };
 
@@ -114,6 +115,7 @@ struct TileInHand {
   SheetRing& ring;
   TileState& pixels;
   ShadedSheet& shaded;
+  SampleBatch& batch;  // empty between sheets
   WorkerStats& stats;
 };
 

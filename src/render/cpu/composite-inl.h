@@ -67,7 +67,7 @@ inline void composite_sheet(const CpuFrame& frame, const BlockPlace& place, int 
   for (int y = 0; y < place.rows; ++y) {
     if (shaded.visible[y] == 0) continue;  // as in all rows of the margin, which the tile lacks
     // Nothing is added behind what is opaque, even if it was worked out.
-    std::uint32_t& open = tile.open[tile_row(place, y)];
+    RowWord& open = tile.open[tile_row(place, y)];
     for_each_group(shaded.visible[y] & open >> place.x0 << place.margin, place.margin,
                    place.columns - place.margin, [&](int column, std::uint32_t lanes) {
                      const int from = y * kTilePlane.stride + column;
@@ -80,7 +80,7 @@ inline void composite_sheet(const CpuFrame& frame, const BlockPlace& place, int 
                          hn::Set(d, place.sheets[s].depth), pixels);
                      store_pixels(pixels, tile, to);
                      const M opaque = hn::Ge(pixels.alpha, hn::Set(d, frame.opaque_at));
-                     open &= ~((bits_of(opaque) & lanes) << tile_column(place, column));
+                     open &= ~(RowWord{bits_of(opaque) & lanes} << tile_column(place, column));
                    });
   }
 }
@@ -93,8 +93,8 @@ inline void accumulate_sheet(const CpuFrame& frame, const BlockPlace& place, int
         bits[y], place.margin, place.columns - place.margin, [&](int column, std::uint32_t lanes) {
           const M mask = mask_of(lanes);
           const int to = tile_index(place, column, y);
-          std::uint32_t& seen_row = tile.seen[tile_row(place, y)];
-          const M seen = mask_of(seen_row >> tile_column(place, column) & group_bits());
+          RowWord& seen_row = tile.seen[tile_row(place, y)];
+          const M seen = mask_of(lanes_at(seen_row, tile_column(place, column)));
           const V value = hn::LoadU(d, values + y * kTilePlane.stride + column);
           const V depth = hn::Set(d, place.sheets[s].depth);
           const V best = hn::LoadU(d, tile.best + to);
@@ -111,7 +111,7 @@ inline void accumulate_sheet(const CpuFrame& frame, const BlockPlace& place, int
             store_masked(mask, hn::Add(length, hn::LoadU(d, tile.path + to)), tile.path + to);
             store_masked(hn::AndNot(seen, mask), depth, tile.depth + to);
           }
-          seen_row |= lanes << tile_column(place, column);
+          seen_row |= RowWord{lanes} << tile_column(place, column);
         });
   }
 }
@@ -119,12 +119,12 @@ inline void accumulate_sheet(const CpuFrame& frame, const BlockPlace& place, int
 // X-ray and mean: the sum of all sheets' values at once, all of them defined and their paths whole.
 inline void accumulate_sum(const CpuFrame& frame, const BlockPlace& place, const float* sums,
                            TileState& tile) {
-  const std::uint32_t all = (1U << place.columns) - 1U;
+  const RowWord all = first_bits(place.columns);
   for (int y = 0; y < place.rows; ++y) {
     for_each_group(all, 0, place.columns, [&](int column, std::uint32_t lanes) {
       const M mask = mask_of(lanes);
       const int to = tile_index(place, column, y);
-      const M seen = mask_of(tile.seen[y] >> column & group_bits());
+      const M seen = mask_of(lanes_at(tile.seen[y], column));
       const V length =
           hn::Mul(ray_length(frame, place, column, y), hn::Set(d, frame.camera.sampling_distance));
       const V sum = hn::IfThenElseZero(seen, hn::LoadU(d, tile.best + to));

@@ -66,7 +66,7 @@ inline void surface_sheet(const LatticeFrame& frame, Workspace& work, int s) {
   const Sheet& front = work.ring[place.number_of(s - 1)];
   const V iso = hn::Set(d, frame.look.constants.isovalue);
   for (int y = 0; y < place.rows; ++y) {
-    std::uint32_t& open = tile.open[tile_row(place, y)];
+    RowWord& open = tile.open[tile_row(place, y)];
     const RowWord both = here.defined[y] & front.defined[y] & open >> place.x0;
     for_each_group(both, 0, place.columns, [&](int column, std::uint32_t lanes) {
       const int at = here.at(column, y);
@@ -107,7 +107,7 @@ inline void surface_sheet(const LatticeFrame& frame, Workspace& work, int s) {
           hn::MulAdd(hn::Sub(t, hn::Set(d, 1.0F)), hn::Set(d, frame.camera.sampling_distance),
                      hn::Set(d, place.sheets[s].depth));
       store_masked(hn::And(mask, hn::Lt(in_front, hn::Set(d, 0.5F))), depth, tile.depth + pixel);
-      open &= ~(crossing << tile_column(place, column));
+      open &= ~(RowWord{crossing} << tile_column(place, column));
       work.stats.samples_shaded += std::popcount(crossing);
     });
   }

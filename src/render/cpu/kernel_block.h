@@ -80,6 +80,7 @@ struct KernelWorkspace {
   std::array<Subtile, kSubtiles * kSubtiles> subtiles;  // row by row
   BlockPlace place;                                     // of the subtile in hand
   ShadedSheet shaded;
+  SampleBatch batch{};
   WorkerStats stats;
 
   // Subtiles of which some pixel still takes samples, a bit each. Level 0 has no sums elsewhere.
@@ -96,7 +97,7 @@ struct KernelWorkspace {
   std::array<bool, view::kBlockDepth> is_all_covered{};
 
   TileInHand in_hand(Subtile& subtile) {
-    return {place, subtile.ring, subtile.pixels, shaded, stats};
+    return {place, subtile.ring, subtile.pixels, shaded, batch, stats};
   }
 };
 

@@ -36,7 +36,7 @@ inline void kernel_surface_sheet(const CpuFrame& frame, const TileInHand& tile, 
   const Sheet& front = tile.ring[place.number_of(s - 1)];
   const V iso = hn::Set(d, frame.look.constants.isovalue);
   for (int y = place.margin; y < place.rows - place.margin; ++y) {
-    std::uint32_t& open = pixels.open[tile_row(place, y)];
+    RowWord& open = pixels.open[tile_row(place, y)];
     const RowWord both = here.defined[y] & front.defined[y] & open << place.margin;
     for_each_group(
         both, place.margin, place.columns - place.margin, [&](int column, std::uint32_t lanes) {
@@ -80,7 +80,7 @@ inline void kernel_surface_sheet(const CpuFrame& frame, const TileInHand& tile, 
               hn::MulAdd(hn::Sub(t, hn::Set(d, 1.0F)), hn::Set(d, frame.camera.sampling_distance),
                          hn::Set(d, place.sheets[s].depth));
           store_masked(mask, depth, pixels.depth + pixel);
-          open &= ~(crossing << tile_column(place, column));
+          open &= ~(RowWord{crossing} << tile_column(place, column));
           tile.stats.samples_shaded += std::popcount(crossing);
         });
   }

@@ -54,12 +54,12 @@ inline void take_values(const KernelFrame& frame, KernelWorkspace& work, int sub
   const float* cover = work.has_cover
                            ? work.cover.data.get() + static_cast<std::size_t>(j) * size + corner
                            : nullptr;
-  const std::uint32_t all = (1U << columns) - 1U;
+  const RowWord all = first_bits(columns);
   for (int y = 0; y < rows; ++y) {
     const std::size_t row = static_cast<std::size_t>(y) * kValueStride;
     float* const values = sheet.values + sheet.at(0, y);
     float* const colors = sheet.colors + sheet.at(0, y);
-    std::uint32_t defined = 0;
+    RowWord defined = 0;
     for (int x = 0; x < columns; x += group_size()) {
       const std::size_t i = row + static_cast<std::size_t>(x);
       const V first = hn::LoadU(d, channels + i);
@@ -75,7 +75,7 @@ inline void take_values(const KernelFrame& frame, KernelWorkspace& work, int sub
         value = hn::Div(first, hn::IfThenElse(is_defined, weight, hn::Set(d, 1.0F)));
       }
       is_defined = hn::And(is_defined, hn::Eq(value, value));
-      defined |= bits_of(is_defined) << x;
+      defined |= RowWord{bits_of(is_defined)} << x;
       hn::StoreU(hn::IfThenElseZero(is_defined, value), d, values + x);
       if (frame.has_own_color) {
         const V part = hn::LoadU(d, channels + (frame.is_sum ? size : 2 * size) + i);
@@ -152,10 +152,9 @@ inline RowBits visible_candidates(const CpuFrame& frame, const TileInHand& tile,
   for (int y = 0; y < place.rows; ++y) {
     const int row = tile_row(place, y);
     const bool is_inside = row >= 0 && row < place.y1 - place.y0;
-    const std::uint32_t pixels =
-        is_inside ? (frame.options->stop_opaque ? tile.pixels.open[row]
-                                                : (1U << (place.x1 - place.x0)) - 1U)
-                  : 0U;
+    RowWord pixels = 0;
+    if (is_inside)
+      pixels = frame.options->stop_opaque ? tile.pixels.open[row] : first_bits(place.x1 - place.x0);
     bits[y] = defined[y] & pixels << place.margin;
   }
   return bits;
@@ -169,7 +168,7 @@ inline void drop_clipped(const CpuFrame& frame, const BlockPlace& place, int s, 
                    [&](int column, std::uint32_t lanes) {
                      const V path = path_fraction(frame, place, s, column, y);
                      const std::uint32_t gone = bits_of(hn::Le(path, hn::Zero(d))) & lanes;
-                     bits[y] &= ~(gone << column);
+                     bits[y] &= ~(RowWord{gone} << column);
                    });
   }
 }

@@ -16,7 +16,7 @@ namespace ovoid::cpu {
 // share the L1 cache.
 inline constexpr int kPlaneStride = kMaxPlaneRows;
 inline constexpr PlaneShape kNodePlane{kMaxPlaneRows, kPlaneStride};
-inline constexpr int kPatchTiles = 4;  // tiles along a side of a patch, which share nodes (nodes.h)
+inline constexpr int kPatchTiles = 2;  // tiles along a side of a patch, which share nodes (nodes.h)
 inline constexpr int kPatchSize = kPatchTiles * kTileSize;
 // Floats readable beyond a region's row, so that a vector of taps may overrun.
 inline constexpr int kTapPadding = 16;
@@ -80,7 +80,7 @@ struct SharedTaps {
 // So many samples of the lattice lie along a block's row or column on a lattice sheet, taps
 // included; and groups that begin at any of them.
 inline constexpr int kMostAcross = static_cast<int>((kTileSize - 1) * view::kMostSpacings) + 6;
-inline constexpr int kRowFloats = 48;
+inline constexpr int kRowFloats = 72;
 
 // A lattice sheet within a block: the taps of its columns, its rows and of itself, and the
 // lattice's samples on it, summed over slices, with their derivatives from sheet to sheet
@@ -101,6 +101,7 @@ struct Workspace {
   SheetRing ring;
   TileState* tile = nullptr;  // the one in hand
   ShadedSheet shaded{};
+  SampleBatch batch{};
   RowBits was_visible{};  // samples of the sheet that was shaded last: for a guess
   FloatBuffer sample_memory, presence_memory;  // the region's, unless it is shared
   FloatBuffer taps;                            // general gathering: weights of one sample
@@ -108,7 +109,7 @@ struct Workspace {
   FloatBuffer splats;                          // scatter: numerators and denominators of all sheets
   WorkerStats stats;
 
-  TileInHand in_hand() { return {block.place, ring, *tile, shaded, stats}; }
+  TileInHand in_hand() { return {block.place, ring, *tile, shaded, batch, stats}; }
 };
 
 }  // namespace ovoid::cpu

@@ -20,7 +20,9 @@ static_assert((kPatchSize - 1) / view::kLeastNodeStep + 1 + kFilterTaps + 2 * kM
               kPlaneStride);
 
 // From a patch's nodes to the pixels of one of its tiles, along one axis.
-using NodeBand = FilterBand<kTileSize, 20>;
+inline constexpr int kMostNodesOfTile =
+    static_cast<int>((kTileSize - 1) / view::kLeastNodeStep) + 1 + kFilterTaps;
+using NodeBand = FilterBand<kTileSize, kMostNodesOfTile>;
 NodeBand node_band(PostConvolution how, double node_step, int first_pixel, std::int64_t first_node);
 
 // Those of a patch, by the tiles' columns and rows.

@@ -237,8 +237,8 @@ inline bool take_pixels(const CpuFrame& frame, const LatticeWorkspace& work, std
   const LatticeWorkspace::TileBits& of_tile = work.bits[t];
   if (!of_tile.any_relevant) return false;
   const RowBits& relevant = of_tile.relevant[static_cast<std::size_t>(s)];
-  const std::uint32_t* open = work.tiles[t].open;
-  const std::uint32_t always = frame.options->stop_opaque ? 0U : ~0U;
+  const RowWord* open = work.tiles[t].open;
+  const RowWord always = frame.options->stop_opaque ? 0 : ~RowWord{0};
   RowWord any = 0;
   for (int y = 0; y < kTileSize; ++y) any |= bits[y] = relevant[y] & (open[y] | always);
   return any != 0;
@@ -391,7 +391,7 @@ inline void draw_patch_sum(const LatticeFrame& frame, LatticeWorkspace& work, co
     place_tile(patch, at, pixels);
     pixels.rays = &work.rays[at.number];
     RowBits bits{};
-    std::fill_n(bits.begin(), pixels.rows, (1U << pixels.columns) - 1U);
+    std::fill_n(bits.begin(), pixels.rows, first_bits(pixels.columns));
     post_convolve_nodes(work.node_sums, patch.bands->of_tile(at.x, at.y), bits, pixels.rows, sums);
     clock.lap(kReconstruct);
     accumulate_sum(frame, pixels, sums, work.tiles[at.number]);
@@ -413,7 +413,7 @@ inline bool are_paths_whole(const CpuFrame& frame, const Patch& patch) {
 inline bool bin_tile(const LatticeFrame& frame, const BlockPlace& tile, const BlockPlace& nodes,
                      LatticeWorkspace::TileBits& bits) {
   const view::LatticePlan& plan = *frame.lattice_plan;
-  const std::uint32_t columns = (1U << tile.x1) - 1U;
+  const RowWord columns = first_bits(tile.x1);
   bool any = false;
   for (int s = nodes.front_margin; s < nodes.num_sheets - nodes.back_margin; ++s) {
     Bounds3 box;

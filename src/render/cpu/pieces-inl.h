@@ -5,8 +5,7 @@
 // In:  values, gradients and defined bits of a sheet and of the one before it.
 // Out: visible bits (pieces that may show something); the tile's state.
 //
-// A group of pixels takes as many steps as the lane that needs most. All that a step works on stays
-// in registers: the ends of the piece, and the pixels' colour and opacity.
+// Samples of the pieces that may show are packed before they are drawn (sample_batch.h).
 #if defined(OVOID_RENDER_CPU_PIECES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef OVOID_RENDER_CPU_PIECES_INL_H_
 #undef OVOID_RENDER_CPU_PIECES_INL_H_
@@ -15,7 +14,7 @@
 #endif
 
 #include "render/cpu/composite-inl.h"
-#include "render/cpu/shade-inl.h"
+#include "render/cpu/sample_batch-inl.h"
 #include "view/look_variation.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -57,13 +56,14 @@ inline RowBits with_an_end(const BlockPlace& place, const SheetRing& ring, int s
   return out;
 }
 
-// One number of a group's pieces at both ends; an end that is not there has the other's.
+// One number of a group's pieces at both ends.
 struct EndValues {
   V front, back;
   V at(V t) const { return hn::MulAdd(hn::Sub(back, front), t, front); }
 };
 
-// One number after the other of a group's pieces at both ends.
+// One number after the other of a group's pieces at both ends; an end that is not there has the
+// other's.
 class GroupEnds {
  public:
   HWY_INLINE explicit GroupEnds(const PieceEnds& ends)
@@ -198,85 +198,117 @@ HWY_INLINE V steps_for(V need) {
   return steps;
 }
 
+// Packs the samples of the pieces that end at a group's samples, whose gradients are there.
+template <class PartOf>
+HWY_INLINE void add_to_batch(const CpuFrame& frame, const TileInHand& tile,
+                             const SampleGroup& group, const PartOf& part_of) {
+  const BlockPlace& place = tile.place;
+  const device::LookConstants& look = frame.look.constants;
+  SampleBatch& batch = tile.batch;
+  const Sheet& front = tile.ring[place.number_of(group.s - 1)];
+  const Sheet& back = tile.ring[place.number_of(group.s)];
+  const int at = back.at(group.column, group.row);
+  const PieceEnds ends = ends_of(place, tile.ring, group);
+  const GroupEnds of_ends(ends);
+  const auto both = [&](const float* f, const float* b) { return of_ends(f + at, b + at); };
+  const EndValues value = both(front.values, back.values);
+  PiecePart part{hn::Zero(d), hn::Set(d, 1.0F)};
+  if ((ends.front & ends.back & group.lanes) != group.lanes) part = part_of(group, ends);
+  if (frame.is_clipped) part = cut_part(frame, place, group, part);
+  V need = hn::Mul(hn::LoadU(d, tile.shaded.alpha + at), hn::Set(d, view::kStepsPerVariation));
+  EndGradients gradient{};
+  if (frame.takes_gradients) {
+    gradient = {both(front.gradient[0], back.gradient[0]),
+                both(front.gradient[1], back.gradient[1]),
+                both(front.gradient[2], back.gradient[2])};
+    need = hn::Add(need, gradient.turn(look.flat_gradient_inverse));
+  }
+  const V steps = steps_for(need);
+  const V step = hn::Div(hn::Max(hn::Sub(part.to, part.from), hn::Zero(d)), steps);
+  const V path = hn::Mul(hn::Mul(step, hn::Set(d, look.path_in_units)),
+                         ray_length(frame, place, group.column, group.row));
+  const V sheet_distance = hn::Set(d, frame.camera.sampling_distance);
+  const V front_depth = hn::Sub(hn::Set(d, place.sheets[group.s].depth), sheet_distance);
+  M active = hn::And(mask_of(group.lanes), hn::Gt(step, hn::Zero(d)));
+  for (V m = hn::Set(d, 0.5F);; m = hn::Add(m, hn::Set(d, 1.0F))) {
+    active = hn::And(active, hn::Lt(m, steps));
+    const std::uint32_t lanes = bits_of(active);
+    if (lanes == 0) return;
+    const int first = batch.num_samples;
+    const auto pack = [&](V numbers, SampleBatch::Floats& floats) {
+      hn::StoreU(hn::Compress(numbers, active), d, &floats[first]);
+    };
+    const V t = hn::MulAdd(m, step, part.from);
+    pack(value.at(t), batch.value);
+    pack(path, batch.path);
+    pack(hn::MulAdd(t, sheet_distance, front_depth), batch.depth);
+    if (frame.takes_gradients) {
+      pack(gradient.x.at(t), batch.gradient[0]);
+      pack(gradient.y.at(t), batch.gradient[1]);
+      pack(gradient.z.at(t), batch.gradient[2]);
+    }
+    if (frame.has_own_color) pack(both(front.colors, back.colors).at(t), batch.color_value);
+    if (!frame.is_parallel) {
+      const WorldVector eye = direction_to_eye(frame, place, group.column, group.row);
+      pack(eye.x, batch.eye[0]);
+      pack(eye.y, batch.eye[1]);
+      pack(eye.z, batch.eye[2]);
+    }
+    batch.steps[batch.num_steps++] = {group.column, group.row, lanes, first};
+    batch.num_samples += std::popcount(lanes);
+  }
+}
+
+// Samples of one step join the pixels.
+HWY_INLINE void composite_step(const CpuFrame& frame, const TileInHand& tile,
+                               const SampleBatch::Step& step) {
+  const SampleBatch& batch = tile.batch;
+  const Expansion expand(step.lanes);
+  const auto unpack = [&](const SampleBatch::Floats& floats) {
+    return expand(hn::LoadU(d, &floats[step.first]));
+  };
+  const int at = tile_index(tile.place, step.column, step.row);
+  GroupPixels pixels = load_pixels(tile.pixels, at);
+  // Nothing is added behind what is opaque, be it by an earlier step.
+  const V opaque_at = hn::Set(d, frame.opaque_at);
+  const V opacity = unpack(batch.opacity);
+  const M is_visible = hn::And(hn::And(mask_of(step.lanes), hn::Lt(pixels.alpha, opaque_at)),
+                               hn::Gt(opacity, hn::Zero(d)));
+  const std::uint32_t visible = bits_of(is_visible);
+  if (visible == 0) return;
+  tile.stats.samples_shaded += std::popcount(visible);
+  add_to_pixels({unpack(batch.red), unpack(batch.green), unpack(batch.blue)},
+                hn::IfThenElseZero(is_visible, opacity), unpack(batch.depth), pixels);
+  store_pixels(pixels, tile.pixels, at);
+  const M opaque = hn::And(is_visible, hn::Ge(pixels.alpha, opaque_at));
+  tile.pixels.open[tile_row(tile.place, step.row)] &=
+      ~(RowWord{bits_of(opaque)} << tile_column(tile.place, step.column));
+}
+
+// Draws the samples of the batch, and empties it.
+inline void flush_batch(const CpuFrame& frame, const TileInHand& tile) {
+  SampleBatch& batch = tile.batch;
+  shade_batch(frame, batch);
+  for (int i = 0; i < batch.num_steps; ++i) composite_step(frame, tile, batch.steps[i]);
+  batch.num_samples = batch.num_steps = 0;
+}
+
 // Classifies, lights and composites the pieces that end on sheet s and may show something, whose
 // ends' gradients are there. `part_of`: what there is of pieces that have one end.
 template <class PartOf>
 inline void draw_pieces(const CpuFrame& frame, const TileInHand& tile, int s,
                         const PartOf& part_of) {
   const BlockPlace& place = tile.place;
-  const Sheet& front = tile.ring[place.number_of(s - 1)];
-  const Sheet& back = tile.ring[place.number_of(s)];
-  const device::LookConstants& look = frame.look.constants;
-  const V one = hn::Set(d, 1.0F);
-  const V sheet_distance = hn::Set(d, frame.camera.sampling_distance);
-  const V front_depth = hn::Sub(hn::Set(d, place.sheets[s].depth), sheet_distance);
   for (int y = 0; y < place.rows; ++y) {
     if (tile.shaded.visible[y] == 0) continue;  // as in all rows of the margin
-    std::uint32_t& open = tile.pixels.open[tile_row(place, y)];
-    const RowWord bits = tile.shaded.visible[y] & RowWord{open >> place.x0} << place.margin;
-    for_each_group(
-        bits, place.margin, place.columns - place.margin, [&](int column, std::uint32_t lanes) {
-          const SampleGroup group{s, column, y, lanes};
-          const int at = back.at(column, y);
-          const PieceEnds ends = ends_of(place, tile.ring, group);
-          const GroupEnds of_ends(ends);
-          const auto both = [&](const float* f, const float* b) { return of_ends(f + at, b + at); };
-          const EndValues value = both(front.values, back.values);
-          EndValues color_value{};
-          if (frame.has_own_color) color_value = both(front.colors, back.colors);
-          PiecePart part{hn::Zero(d), one};
-          if ((ends.front & ends.back & lanes) != lanes) part = part_of(group, ends);
-          if (frame.is_clipped) part = cut_part(frame, place, group, part);
-          V need =
-              hn::Mul(hn::LoadU(d, tile.shaded.alpha + at), hn::Set(d, view::kStepsPerVariation));
-          EndGradients gradient{};
-          if (frame.takes_gradients) {
-            gradient = {both(front.gradient[0], back.gradient[0]),
-                        both(front.gradient[1], back.gradient[1]),
-                        both(front.gradient[2], back.gradient[2])};
-            need = hn::Add(need, gradient.turn(look.flat_gradient_inverse));
-          }
-          const V steps = steps_for(need);
-          const V step = hn::Div(hn::Max(hn::Sub(part.to, part.from), hn::Zero(d)), steps);
-          const V path = hn::Mul(hn::Mul(step, hn::Set(d, look.path_in_units)),
-                                 ray_length(frame, place, column, y));
-          const WorldVector eye = direction_to_eye(frame, place, column, y);
-          const int to = tile_index(place, column, y);
-          GroupPixels pixels = load_pixels(tile.pixels, to);
-          M active = hn::And(mask_of(lanes), hn::Gt(step, hn::Zero(d)));
-          for (V m = hn::Zero(d);; m = hn::Add(m, one)) {
-            active = hn::And(active, hn::Lt(m, steps));
-            if (bits_of(active) == 0) break;
-            const V t = hn::MulAdd(hn::Add(m, hn::Set(d, 0.5F)), step, part.from);
-            Classified seen = classify(frame.look.table, value.at(t));
-            const WorldVector slope = frame.takes_gradients ? gradient.at(t) : WorldVector{};
-            if (frame.fades_by_gradient) {
-              const V length = hn::Sqrt(dot_product(slope, slope));
-              seen.opacity = hn::Mul(seen.opacity, classify(frame.look.fading, length).opacity);
-            }
-            const M is_visible = hn::And(active, hn::Gt(seen.opacity, hn::Zero(d)));
-            const std::uint32_t visible = bits_of(is_visible);
-            if (visible == 0) continue;
-            tile.stats.samples_shaded += std::popcount(visible);
-            if (frame.has_own_color) {
-              const Classified color = classify(frame.look.color, color_value.at(t));
-              seen = {color.red, color.green, color.blue, seen.opacity};
-            }
-            if (frame.is_lit) {
-              const Lighting light = light_sample(look, slope, eye);
-              seen = {lit_color(seen.red, light), lit_color(seen.green, light),
-                      lit_color(seen.blue, light), seen.opacity};
-            }
-            add_to_pixels({seen.red, seen.green, seen.blue},
-                          hn::IfThenElseZero(is_visible, correct_opacity(seen.opacity, path)),
-                          hn::MulAdd(t, sheet_distance, front_depth), pixels);
-            active = hn::AndNot(hn::Ge(pixels.alpha, hn::Set(d, frame.opaque_at)), active);
-          }
-          store_pixels(pixels, tile.pixels, to);
-          const M opaque = hn::Ge(pixels.alpha, hn::Set(d, frame.opaque_at));
-          open &= ~((bits_of(opaque) & lanes) << tile_column(place, column));
-        });
+    const RowWord open = tile.pixels.open[tile_row(place, y)];
+    for_each_group(tile.shaded.visible[y] & open >> place.x0 << place.margin, place.margin,
+                   place.columns - place.margin, [&](int column, std::uint32_t lanes) {
+                     if (!tile.batch.has_room()) flush_batch(frame, tile);
+                     add_to_batch(frame, tile, {s, column, y, lanes}, part_of);
+                   });
   }
+  flush_batch(frame, tile);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -276,7 +276,7 @@ inline void classify_sheet(const CpuFrame& frame, const BlockPlace& place, const
           hn::StoreU(color.red, d, shaded.red + at);
           hn::StoreU(color.green, d, shaded.green + at);
           hn::StoreU(color.blue, d, shaded.blue + at);
-          shaded.visible[y] |= visible << column;
+          shaded.visible[y] |= RowWord{visible} << column;
         });
   }
 }
@@ -321,7 +321,7 @@ inline void correct_sheet(const CpuFrame& frame, const BlockPlace& place, int s,
                      if (has_own_path)
                        length = hn::Mul(length, path_length(frame, place, s, column, y));
                      const std::uint32_t gone = bits_of(hn::Le(a, hn::Zero(d))) & lanes;
-                     shaded.visible[y] &= ~(gone << column);
+                     shaded.visible[y] &= ~(RowWord{gone} << column);
                      hn::StoreU(correct_opacity(a, length), d, shaded.alpha + at);
                    });
   }

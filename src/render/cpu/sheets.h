@@ -10,11 +10,16 @@
 
 namespace ovoid::cpu {
 
-inline constexpr int kTileSize = 16;  // pixels: the largest SIMD group is 16 lanes, and a cube of
-                                      // 16^3 samples reads few kernels twice
+inline constexpr int kTileSize = 32;  // pixels: two of the largest SIMD groups, which have 16
+                                      // lanes; larger tiles read fewer kernels twice, but not from
+                                      // the L1 cache
 inline constexpr int kMaxMargin = 1;
 
 using RowWord = std::uint64_t;  // bit x for sample x
+
+// The bits of samples 0 to count - 1; count < 64.
+constexpr RowWord first_bits(int count) noexcept { return (RowWord{1} << count) - 1; }
+
 inline constexpr int kMaxPlaneRows = 56;
 using RowBits = std::array<RowWord, kMaxPlaneRows>;  // of the rows that a plane has; the others are
                                                      // nobody's
@@ -32,7 +37,7 @@ struct PlaneShape {
 };
 
 // The pixels of a tile and the margin around them.
-inline constexpr PlaneShape kTilePlane{kTileSize + 2 * kMaxMargin, 24};
+inline constexpr PlaneShape kTilePlane{kTileSize + 2 * kMaxMargin, 40};
 
 // What is known of the samples of one sheet.
 struct Sheet {

@@ -45,7 +45,7 @@ inline RowBits wanted_now(const CpuFrame& frame, const Workspace& work, int s) {
   const TileState& tile = *work.tile;
   RowBits bits;
   for (int y = 0; y < place.rows; ++y) {
-    std::uint32_t near = open_samples(frame, place, tile, y);
+    RowWord near = open_samples(frame, place, tile, y);
     if (place.margin > 0) {
       near |= near << 1 | near >> 1;
       near |= open_samples(frame, place, tile, y - 1) | open_samples(frame, place, tile, y + 1);

@@ -232,8 +232,8 @@ HWY_INLINE Rgba mean_of_sixteen(const float* from, std::ptrdiff_t row, float x, 
 
 // True if one of the samples from (x0, y0) to (x1, y1) may hold something.
 inline bool holds_something(const BasePicture& samples, int x0, int y0, int x1, int y1) {
-  for (int y = y0;; y = std::min(y + kTileSize, y1)) {
-    for (int x = x0;; x = std::min(x + kTileSize, x1)) {
+  for (int y = y0;; y = std::min(y + kSpotSize, y1)) {
+    for (int x = x0;; x = std::min(x + kSpotSize, x1)) {
       if (samples.holds_something(x, y)) return true;
       if (x == x1) break;
     }

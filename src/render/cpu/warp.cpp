@@ -23,11 +23,11 @@ constexpr double kReach = 2.0;  // of the filter, samples or pixels
 
 BasePicture::BasePicture(Image picture, Runner& runner)
     : image(std::move(picture)),
-      tiles_across(static_cast<std::size_t>((image.width + kTileSize - 1) / kTileSize)),
-      tiles(tiles_across * static_cast<std::size_t>((image.height + kTileSize - 1) / kTileSize)) {
-  runner.run((image.height + kTileSize - 1) / kTileSize, [&](int tile_row, int) {
-    const int last = std::min((tile_row + 1) * kTileSize, image.height);
-    for (int y = tile_row * kTileSize; y < last; ++y) {
+      tiles_across(static_cast<std::size_t>((image.width + kSpotSize - 1) / kSpotSize)),
+      tiles(tiles_across * static_cast<std::size_t>((image.height + kSpotSize - 1) / kSpotSize)) {
+  runner.run((image.height + kSpotSize - 1) / kSpotSize, [&](int tile_row, int) {
+    const int last = std::min((tile_row + 1) * kSpotSize, image.height);
+    for (int y = tile_row * kSpotSize; y < last; ++y) {
       for (int x = 0; x < image.width; ++x) {
         const std::size_t sample = static_cast<std::size_t>(y) * image.width + x;
         const float* const rgba = image.rgba.data() + 4 * sample;
@@ -35,8 +35,8 @@ BasePicture::BasePicture(Image picture, Runner& runner)
                               std::isinf(image.depth[sample]);
         if (is_empty) continue;
         tiles[static_cast<std::size_t>(tile_row) * tiles_across +
-              static_cast<std::size_t>(x / kTileSize)] = 1;
-        x += kTileSize - x % kTileSize - 1;  // this row says no more of the tile
+              static_cast<std::size_t>(x / kSpotSize)] = 1;
+        x += kSpotSize - x % kSpotSize - 1;  // this row says no more of the tile
       }
     }
   });

@@ -13,13 +13,16 @@
 
 namespace ovoid::cpu {
 
-// The base plane's picture, and which of its tiles hold anything.
+// Samples along a side of what the warp skips where the base plane is empty.
+inline constexpr int kSpotSize = 16;
+
+// The base plane's picture, and which of its squares of kSpotSize samples hold anything.
 struct BasePicture {
   BasePicture(Image picture, Runner& runner);
 
   bool holds_something(int x, int y) const noexcept {
-    return tiles[static_cast<std::size_t>(y / kTileSize) * tiles_across +
-                 static_cast<std::size_t>(x / kTileSize)] != 0;
+    return tiles[static_cast<std::size_t>(y / kSpotSize) * tiles_across +
+                 static_cast<std::size_t>(x / kSpotSize)] != 0;
   }
 
   Image image;

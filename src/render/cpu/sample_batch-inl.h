@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// Classifies and lights a batch of samples.
+//
+// In:  values, gradients and paths of the samples.
+// Out: their colours and opacities.
+#if defined(OVOID_RENDER_CPU_SAMPLE_BATCH_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef OVOID_RENDER_CPU_SAMPLE_BATCH_INL_H_
+#undef OVOID_RENDER_CPU_SAMPLE_BATCH_INL_H_
+#else
+#define OVOID_RENDER_CPU_SAMPLE_BATCH_INL_H_
+#endif
+
+#include "render/cpu/sample_batch.h"
+#include "render/cpu/shade-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace ovoid::cpu {
+namespace HWY_NAMESPACE {
+
+// One loop for each stage rather than one over all of them: groups have nothing to do with each
+// other, and of short stages the processor works on several at once.
+template <class Body>
+HWY_INLINE void for_each_batch_group(const SampleBatch& batch, const Body& body) {
+  for (int i = 0; i < batch.num_samples; i += group_size()) body(i);
+}
+
+inline void classify_batch(const CpuFrame& frame, SampleBatch& batch) {
+  for_each_batch_group(batch, [&](int i) {
+    const Classified seen = classify(frame.look.table, hn::Load(d, &batch.value[i]));
+    hn::Store(seen.opacity, d, &batch.opacity[i]);
+    hn::Store(seen.red, d, &batch.red[i]);
+    hn::Store(seen.green, d, &batch.green[i]);
+    hn::Store(seen.blue, d, &batch.blue[i]);
+  });
+}
+
+// By another attribute.
+inline void color_batch(const CpuFrame& frame, SampleBatch& batch) {
+  for_each_batch_group(batch, [&](int i) {
+    const Classified color = classify(frame.look.color, hn::Load(d, &batch.color_value[i]));
+    hn::Store(color.red, d, &batch.red[i]);
+    hn::Store(color.green, d, &batch.green[i]);
+    hn::Store(color.blue, d, &batch.blue[i]);
+  });
+}
+
+HWY_INLINE WorldVector load_vector(const std::array<SampleBatch::Floats, 3>& vectors, int i) {
+  return {hn::Load(d, &vectors[0][i]), hn::Load(d, &vectors[1][i]), hn::Load(d, &vectors[2][i])};
+}
+
+inline void fade_batch(const CpuFrame& frame, SampleBatch& batch) {
+  for_each_batch_group(batch, [&](int i) {
+    const WorldVector gradient = load_vector(batch.gradient, i);
+    const V length = hn::Sqrt(dot_product(gradient, gradient));
+    const V share = classify(frame.look.fading, length).opacity;
+    hn::Store(hn::Mul(hn::Load(d, &batch.opacity[i]), share), d, &batch.opacity[i]);
+  });
+}
+
+inline void light_batch(const CpuFrame& frame, SampleBatch& batch) {
+  const WorldVector axis{hn::Set(d, -frame.camera.axis[0]), hn::Set(d, -frame.camera.axis[1]),
+                         hn::Set(d, -frame.camera.axis[2])};
+  for_each_batch_group(batch, [&](int i) {
+    const WorldVector eye = frame.is_parallel ? axis : load_vector(batch.eye, i);
+    const Lighting light = light_sample(frame.look.constants, load_vector(batch.gradient, i), eye);
+    for (float* color : {&batch.red[i], &batch.green[i], &batch.blue[i]})
+      hn::Store(lit_color(hn::Load(d, color), light), d, color);
+  });
+}
+
+inline void correct_batch(SampleBatch& batch) {
+  for_each_batch_group(batch, [&](int i) {
+    const V opacity = hn::Load(d, &batch.opacity[i]);
+    hn::Store(correct_opacity(opacity, hn::Load(d, &batch.path[i])), d, &batch.opacity[i]);
+  });
+}
+
+inline void shade_batch(const CpuFrame& frame, SampleBatch& batch) {
+  classify_batch(frame, batch);
+  if (frame.has_own_color) color_batch(frame, batch);
+  if (frame.fades_by_gradient) fade_batch(frame, batch);
+  if (frame.is_lit) light_batch(frame, batch);
+  correct_batch(batch);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace ovoid::cpu
+HWY_AFTER_NAMESPACE();
+
+#endif

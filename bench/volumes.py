@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The volumes of the scenes as 8-bit VTI files, which Ovoid and its peers both read, and cameras on them."""
+"""The volumes of the scenes as VTI files, which Ovoid and its peers both read, and cameras on them."""
 import gzip
 import json
 import math
@@ -58,7 +58,7 @@ def prepare(name, recipe, ovoid, folder, data_folder):
             return None
         write_vti(path, *read_nifti(source))
     else:
-        subprocess.run([ovoid, "make", *recipe["make"], "--type", "uint8", "-o", path], check=True)
+        subprocess.run([ovoid, "make", *recipe["make"], "--type", recipe.get("type", "uint8"), "-o", path], check=True)
     return path
 
 

@@ -8,7 +8,7 @@
 namespace ovoid::viewer {
 namespace {
 
-constexpr int kCoarsestPixels = 8;
+constexpr int kCoarsestPixels = 4;
 constexpr double kTolerance = 4.0 / 3.0;
 
 int log2_of(int pixels) {

@@ -146,6 +146,10 @@ std::vector<std::pair<std::string, Scene>> scenes() {
     result.emplace_back(volume.name + ", slab means", slabs);
     slabs.options.sampling_distance = 4 * volume.field.default_sampling_distance();
     result.emplace_back(volume.name + ", long slabs", slabs);
+    Scene covered{volume.field, askew_camera(volume.field, true, 6), uniform_look(0.9),
+                  picture(60, 50)};
+    covered.options.sampling_distance = 0.1 * volume.field.default_sampling_distance();
+    result.emplace_back(volume.name + ", behind what is opaque", covered);
     for (const Vec3& direction : {Vec3(0.2, 0.1, 1), Vec3(0.1, -1, 0.2), Vec3(1, 0.2, 0.1)}) {
       Scene on_lattice = central;
       on_lattice.camera.position = on_lattice.camera.focal_point + 100 * direction;

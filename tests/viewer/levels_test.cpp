@@ -18,9 +18,9 @@ LevelChooser chooser_of(int coarsest_field) {
 
 TEST(Levels, TheFinestComesFirstAndNoneIsMissing) {
   const LevelChooser chooser = chooser_of(2);
-  EXPECT_EQ(chooser.levels().size(), 12U);  // pixels 1, 2, 4, 8 x fields 0, 1, 2
+  EXPECT_EQ(chooser.levels().size(), 9U);  // pixels 1, 2, 4 x fields 0, 1, 2
   EXPECT_TRUE(chooser.levels().front().is_full());
-  EXPECT_EQ(chooser.levels().back(), (Level{8, 2}));
+  EXPECT_EQ(chooser.levels().back(), (Level{4, 2}));
   // A picture's blur is that of its pixels and that of its kernels, as lengths add that are
   // independent: hypot(2, 2) < hypot(1, 4).
   const auto place_of = [&](const Level& level) {
@@ -28,7 +28,7 @@ TEST(Levels, TheFinestComesFirstAndNoneIsMissing) {
   };
   EXPECT_LT(place_of({2, 0}), place_of({1, 1}));
   EXPECT_LT(place_of({1, 1}), place_of({4, 1}));
-  EXPECT_LT(place_of({1, 2}), place_of({8, 2}));
+  EXPECT_LT(place_of({1, 2}), place_of({4, 2}));
 }
 
 TEST(Levels, WhatWasNeverDrawnIsToldFromWhatWas) {
@@ -73,7 +73,7 @@ TEST(Levels, TheFinestWithinTheBudgetIsChosen) {
     }
   }
   // If none is quick enough, the quickest.
-  EXPECT_EQ(chooser.choose(0.001, Level{1, 0}), (Level{8, 2}));
+  EXPECT_EQ(chooser.choose(0.001, Level{1, 0}), (Level{4, 2}));
 }
 
 // A third too dear, or a third to spare, before anything changes.
@@ -90,8 +90,8 @@ TEST(Levels, ALevelIsKeptWhileItIsNearTheBudget) {
 TEST(Levels, ALevelDoesNotFlip) {
   for (double budget = 5; budget < 200; budget *= 1.05) {
     LevelChooser chooser = chooser_of(1);
-    Level level{8, 1};
-    chooser.measured(level, {0, 1});
+    Level level{4, 1};
+    chooser.measured(level, {0, 4});
     int changes = 0;
     for (int i = 0; i < 40; ++i) {
       const Level next = chooser.choose(budget, level);
@@ -120,7 +120,7 @@ TEST(Levels, RefinementEndsInTheFullLevelByStepsWorthShowing) {
     }
   }
   EXPECT_EQ(chooser.refinement({1, 0}).size(), 1U);
-  EXPECT_GE(chooser.refinement({8, 2}).size(), 2U);
+  EXPECT_GE(chooser.refinement({4, 2}).size(), 2U);
 }
 
 }  // namespace

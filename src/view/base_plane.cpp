@@ -152,10 +152,12 @@ std::optional<BasePlane> base_plane(const LatticeField& field, const Bounds3& su
   Eigen::Vector2d step;
   Eigen::Vector2d first;
   std::array<int, 2> count{};
+  base.samples_per_spacing = std::numeric_limits<double>::infinity();
   for (int a = 0; a < 2; ++a) {
     const double spacing = axes.col(base.order[static_cast<std::size_t>(a)]).norm();
-    const double of_lattice = kMostSpacings * spacing / (base.is_parallel ? 1.0 : farthest);
-    step[a] = std::min(1 / (kBaseDensity * stretch[a]), of_lattice);
+    const double least = spacing / (base.is_parallel ? 1.0 : farthest);  // on the rearmost sheet
+    step[a] = std::min(1 / (kBaseDensity * stretch[a]), kMostSpacings * least);
+    base.samples_per_spacing = std::min(base.samples_per_spacing, least / step[a]);
     const double samples_around = kSamplesAround * step[a];
     const double pixels_around = std::max(samples_around, kSamplesAround / stretch[a]);
     first[a] = std::min(window.min()[a], std::max(shown.min()[a] - pixels_around,

@@ -53,6 +53,7 @@ struct BasePlane {
   int picture_width = 1, picture_height = 1;  // pixels
   bool is_parallel = true;
   Vec3 eye, axis, corner, per_x, per_y;
+  double samples_per_spacing = 1;  // of the lattice, at least: along either axis, on any sheet
   // The sampling distance is so much less that samples of the ray through the window's middle are
   // no farther from each other than between sheets that are parallel to the picture: 1 in parallel
   // projection.

@@ -55,6 +55,21 @@ bool is_gentle(const Look& look, const ValueRange& range) {
   return true;
 }
 
+double steepness_of(const Look& look, const ValueRange& range) {
+  if (look.mode == Mode::kIsosurface) return kSurfaceSteepness;
+  double steepness = kNodeSteepness;
+  if (look.mode != Mode::kComposite || !(range.lo < range.hi)) return steepness;
+  const auto& points = look.transfer_function.opacities;
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    const double rise = std::abs(points[i].opacity - points[i - 1].opacity);
+    // Sharpness 1 is a step.
+    const double width = (points[i].x - points[i - 1].x) * (1 - points[i - 1].sharpness);
+    const double span = static_cast<double>(range.hi) - static_cast<double>(range.lo);
+    if (rise > 0) steepness = std::max(steepness, std::min(rise * span / width, kMostSteepness));
+  }
+  return steepness;
+}
+
 namespace {
 
 double effective_unit_distance(const Field& field, const Look& look) {
@@ -129,23 +144,6 @@ int relevance_grow(const ViewLattice& lattice, const LatticeField& field,
   const double step = has_pieces ? greatest_step(lattice) : 0.0;
   const double reach = step + slab_reach(lattice, options);
   return static_cast<int>(std::ceil(reach / field.source().brick_edge()));
-}
-
-// Greatest change of the opacity over the field's range, at least kNodeSteepness. An isosurface is
-// a step, but what is found by nodes is then refined on the field.
-double steepness_of(const Look& look, const ValueRange& range) {
-  if (look.mode == Mode::kIsosurface) return kSurfaceSteepness;
-  double steepness = kNodeSteepness;
-  if (look.mode != Mode::kComposite || !(range.lo < range.hi)) return steepness;
-  const auto& points = look.transfer_function.opacities;
-  for (std::size_t i = 1; i < points.size(); ++i) {
-    const double rise = std::abs(points[i].opacity - points[i - 1].opacity);
-    // Sharpness 1 is a step.
-    const double width = (points[i].x - points[i - 1].x) * (1 - points[i - 1].sharpness);
-    const double span = static_cast<double>(range.hi) - static_cast<double>(range.lo);
-    if (rise > 0) steepness = std::max(steepness, std::min(rise * span / width, kMostSteepness));
-  }
-  return steepness;
 }
 
 // Wider kernels reach farther, where pixels are wider still; the second time that is next to

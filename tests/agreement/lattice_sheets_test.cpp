@@ -116,7 +116,11 @@ TEST_F(LatticeSheets, AgreeWithOtherOptions) {
        }},
       {"four sheets a spacing",
        [](Scene& s) { s.options.sampling_distance = 0.25 * s.field.default_sampling_distance(); }},
-      {"magnified", [](Scene& s) { s.camera.zoom(9); }},
+      {"magnified",
+       [](Scene& s) {
+         s.camera.zoom(9);
+         s.options.post_convolution = PostConvolution::kOff;
+       }},
       {"small", [](Scene& s) { s.options.width = 7, s.options.height = 5; }},
       {"one pixel", [](Scene& s) { s.options.width = s.options.height = 1; }},
       {"few pixels of a part",
@@ -286,6 +290,45 @@ TEST_F(LatticeSheets, NothingPopsWhereTheMainAxisChanges) {
   const double turn = compare(before, drawn_at(44.5)).psnr_db;
   std::printf("[turn      ] %.1f dB, where the axis changes %.1f dB\n", turn, step);
   EXPECT_GT(step, turn);
+}
+
+// A magnified base plane is drawn from few samples, where these make a smooth picture: near enough
+// to that of all samples, and far fewer. Fails if what lies between is filled wrongly, or what is
+// sharp is filled at all.
+TEST_F(LatticeSheets, MagnifiedPicturesAreThoseOfAllSamples) {
+  const std::vector<std::vector<OpacityPoint>> looks = {
+      {{0.2, 0}, {1, 0.2}}, {{0.55, 0}, {0.6, 0.9}}, {{0.4, 0}, {0.5, 0.3}, {0.6, 0}}};
+  for (const bool is_parallel : {true, false}) {
+    for (const double zoom : {4.0, 9.0, 20.0}) {
+      for (const std::vector<OpacityPoint>& opacities : looks) {
+        Scene scene = on_lattice(opaque_waves(is_parallel, Vec3(0.48, -0.31, 0.82)));
+        scene.look.transfer_function.opacities = opacities;
+        scene.camera.zoom(zoom);
+        scene.options.width = 300;
+        scene.options.height = 260;
+        const Frame few = draw(scene);
+        scene.options.post_convolution = PostConvolution::kOff;
+        const Frame all = draw(scene);
+        const ImageDifference difference = compare(few.image, all.image);
+        const double share = static_cast<double>(few.profile.samples_reconstructed) /
+                             static_cast<double>(all.profile.samples_reconstructed);
+        std::printf("[magnified ] %4.0f times%s: %.1f dB, %.2f of the samples\n", zoom,
+                    projection_of(is_parallel).c_str(), difference.psnr_db, share);
+        EXPECT_GE(difference.psnr_db, view::kNodeDecibels);
+        EXPECT_LT(share, 0.8);
+      }
+    }
+  }
+}
+
+// Lines of a steep look are thinner than samples apart: every sample is drawn.
+TEST_F(LatticeSheets, SteepLooksHaveAllSamples) {
+  Scene scene = on_lattice(opaque_waves(true, Vec3(0.48, -0.31, 0.82)));
+  scene.look.transfer_function.opacities = {{0.5, 0}, {0.505, 0.5}, {0.51, 0}};
+  scene.camera.zoom(9);
+  const Image few = draw(scene).image;
+  scene.options.post_convolution = PostConvolution::kOff;
+  EXPECT_EQ(largest_difference(draw(scene).image, few), 0);
 }
 
 void expect_refused(const Scene& scene, const std::string& reason) {

@@ -95,7 +95,7 @@ TEST_F(Annotation, ACropKeepsTheLook) {
   for (int x = 0; x < 20; ++x) {
     if (part.at(x, 15)[3] <= 0) continue;
     ++covered;
-    EXPECT_EQ(part.at(x, 15)[3], whole.at(x, 15)[3]) << x;
+    EXPECT_NEAR(part.at(x, 15)[3], whole.at(x, 15)[3], 1e-6) << x;  // samples are rounded elsewhere
   }
   EXPECT_GT(covered, 0U);
 }

@@ -39,19 +39,25 @@ struct BrickLookup {
     }
   }
 
-  // Number of the bricks, along a frame's axis, that a position there lies among.
-  float layer_of(int axis, float position, const view::AxisOrder& order) const {
-    const int a = order[static_cast<std::size_t>(axis)];
-    return std::floor(position * bricks_per_sample + origin_bricks[a]);
+  // Numbers of bricks along an axis of the map, as whole floats.
+  HWY_INLINE V brick_of(int a, V position) const {
+    const V b = hn::MulAdd(position, hn::Set(d, bricks_per_sample), hn::Set(d, origin_bricks[a]));
+    return hn::Min(hn::Max(hn::Floor(b), hn::Zero(d)), hn::Set(d, last[a]));
+  }
+  int brick_at(int a, float position) const {
+    const float b = position * bricks_per_sample + origin_bricks[a];
+    return static_cast<int>(std::clamp(b, 0.0F, last[a]));
+  }
+  bool is_relevant(const int (&brick)[3]) const {
+    const std::int32_t row = brick[2] * rows_per_layer + brick[1];
+    return (static_cast<std::uint32_t>(words[row * words_per_row + (brick[0] >> 5)]) >>
+                (brick[0] & 31) &
+            1U) != 0;
   }
 
   HWY_INLINE M operator()(const Position& u) const {
     const V place[3] = {u.x, u.y, u.z};
-    const auto brick = [&](int a) {
-      const V b =
-          hn::MulAdd(place[own[a]], hn::Set(d, bricks_per_sample), hn::Set(d, origin_bricks[a]));
-      return nearest_integer(hn::Min(hn::Max(hn::Floor(b), hn::Zero(d)), hn::Set(d, last[a])));
-    };
+    const auto brick = [&](int a) { return nearest_integer(brick_of(a, place[own[a]])); };
     const VI bx = brick(0);
     const VI row = hn::Add(hn::Mul(brick(2), hn::Set(di, rows_per_layer)), brick(1));
     const VI word = hn::Add(hn::Mul(row, hn::Set(di, words_per_row)), hn::ShiftRight<5>(bx));
@@ -84,9 +90,12 @@ struct Support {
 
   bool holds(int axis, float place) const { return first[axis] <= place && place <= last[axis]; }
 
+  HWY_INLINE M holds_along(int axis, V places) const {
+    return hn::And(hn::Ge(places, lo[axis]), hn::Le(places, hi[axis]));
+  }
+
   HWY_INLINE M operator()(const Position& u) const {
-    const auto within = [&](V p, int a) { return hn::And(hn::Ge(p, lo[a]), hn::Le(p, hi[a])); };
-    return hn::And(within(u.x, 0), hn::And(within(u.y, 1), within(u.z, 2)));
+    return hn::And(holds_along(0, u.x), hn::And(holds_along(1, u.y), holds_along(2, u.z)));
   }
 };
 
@@ -125,27 +134,134 @@ HWY_INLINE RowMasks bin_row(const CpuFrame& frame, const Block& block, int s, in
   return masks;
 }
 
+// The bricks that a lattice sheet's columns lie in, in the frame's order, and which columns each
+// has.
+struct BricksOfColumns {
+  static constexpr int kMost = static_cast<int>(kTileSize * view::kMostSpacings) / 4 + 3;
+
+  int first, count;
+  RowWord columns[kMost];
+};
+
+// Brick edges are powers of two from 4 on.
+inline BricksOfColumns bricks_of_columns(const SheetInLattice& sheet, const BrickLookup& bricks,
+                                         int axis) {
+  alignas(64) float brick[kTileSize];
+  for (int x = 0; x < kTileSize; x += group_size()) {
+    const V at = hn::MulAdd(hn::Iota(d, static_cast<float>(x)), hn::Set(d, sheet.per_x[0]),
+                            hn::Set(d, sheet.base[0]));
+    hn::Store(bricks.brick_of(axis, at), d, brick + x);
+  }
+  BricksOfColumns out{};
+  out.first = static_cast<int>(brick[0]);
+  out.count =
+      std::min(static_cast<int>(brick[kTileSize - 1]) - out.first + 1, BricksOfColumns::kMost);
+  for (int x = 0; x < kTileSize; x += group_size()) {
+    const V own = hn::Load(d, brick + x);
+    for (int i = 0; i < out.count; ++i) {
+      const M is_own = hn::Eq(own, hn::Set(d, static_cast<float>(out.first + i)));
+      out.columns[i] |= RowWord{bits_of(is_own)} << x;
+    }
+  }
+  return out;
+}
+
+// Which bricks of a layer are relevant, around a block of lattice sheets: sheet after sheet lies in
+// the same layer.
+class BrickLayer {
+ public:
+  // Of the layer, the bricks from columns.first on in the row; bit i is brick columns.first + i.
+  std::uint32_t row_of(const BrickLookup& bricks, const view::AxisOrder& order, int layer, int row,
+                       const BricksOfColumns& columns) {
+    if (layer != layer_) {
+      layer_ = layer;
+      known_.fill(false);
+      first_column_ = columns.first - kBefore;
+      first_row_ = row - kBefore;
+    }
+    // Sheets lie askew, behind each other a little to the side.
+    const int shift = columns.first - first_column_;
+    const int at = row - first_row_;
+    if (shift < 0 || shift + columns.count > kColumns || at < 0 || at >= kRows)
+      return bits_from(bricks, order, layer, row, columns.first, columns.count);
+    const auto own = static_cast<std::size_t>(at);
+    if (!known_[own]) {
+      rows_[own] = bits_from(bricks, order, layer, row, first_column_, kColumns);
+      known_[own] = true;
+    }
+    return rows_[own] >> shift;
+  }
+
+ private:
+  static constexpr int kBefore = 2;
+  static constexpr int kColumns = BricksOfColumns::kMost + 2 * kBefore;
+  static constexpr int kRows = kColumns;
+
+  static std::uint32_t bits_from(const BrickLookup& bricks, const view::AxisOrder& order, int layer,
+                                 int row, int first, int count) {
+    int place[3];
+    place[order[1]] = row;
+    place[order[2]] = layer;
+    std::uint32_t bits = 0;
+    for (int i = 0; i < count; ++i) {
+      place[order[0]] = std::clamp(first + i, 0, static_cast<int>(bricks.last[order[0]]));
+      bits |= static_cast<std::uint32_t>(bricks.is_relevant(place)) << i;
+    }
+    return bits;
+  }
+
+  int layer_ = -1;
+  int first_column_ = 0, first_row_ = 0;
+  std::array<std::uint32_t, kRows> rows_;
+  std::array<bool, kRows> known_;
+};
+
 // The samples of lattice sheet s, of which `open` are worth the work: a row lies in one row of
 // bricks, and so do most of those beside it. All kTileSize rows are set. Returns whether any sample
 // is relevant.
 inline bool bin_lattice_sheet(const LatticeFrame& frame, const Block& block, int s,
-                              const SampleLookup& lookup, const RowBits& open, RowBits& inside,
-                              RowBits& relevant) {
+                              const SampleLookup& lookup, const RowBits& open, BrickLayer& layer,
+                              RowBits& inside, RowBits& relevant) {
   const SheetInLattice& sheet = block.sheets[s];
+  const view::AxisOrder& order = frame.lattice_plan->order;
+  const BrickLookup& bricks = lookup.bricks;
   const bool is_cut = cuts_paths(frame, block.place, s);
+  const BricksOfColumns columns = bricks_of_columns(sheet, bricks, order[0]);
+  const int layer_number = bricks.brick_at(order[2], sheet.base[2]);
+  RowWord within = first_bits(block.place.columns);
+  if (!lookup.support.holds_block) {
+    if (!lookup.support.holds(2, sheet.base[2])) within = 0;
+    for (int x = 0; x < kTileSize; x += group_size()) {
+      const V at = hn::MulAdd(hn::Iota(d, static_cast<float>(x)), hn::Set(d, sheet.per_x[0]),
+                              hn::Set(d, sheet.base[0]));
+      const std::uint32_t outside = ~bits_of(lookup.support.holds_along(0, at)) & group_bits();
+      within &= ~(RowWord{outside} << x);
+    }
+  }
   RowWord any = 0;
-  RowMasks masks;
-  float layer = std::numeric_limits<float>::quiet_NaN();
+  RowWord found = 0;
+  int own_row = -1;
   for (int y = 0; y < block.place.rows; ++y) {
     const float at = sheet.base[1] + static_cast<float>(y) * sheet.per_y[1];
     const bool is_inside = lookup.support.holds_block || lookup.support.holds(1, at);
-    const float own_layer = lookup.bricks.layer_of(1, at, frame.lattice_plan->order);
-    if (is_inside && (is_cut || !(own_layer == layer))) {
-      masks = bin_row(frame, block, s, y, lookup, ~RowWord{0});
-      layer = own_layer;
+    inside[y] = is_inside ? within : 0;
+    const RowWord wanted = inside[y] & open[y];
+    relevant[y] = 0;
+    if (wanted == 0) continue;
+    if (is_cut) {  // every sample has a path of its own
+      relevant[y] = bin_row(frame, block, s, y, lookup, ~RowWord{0}).relevant & wanted;
+      any |= relevant[y];
+      continue;
     }
-    inside[y] = is_inside ? masks.inside : 0;
-    relevant[y] = is_inside ? masks.relevant & open[y] : 0;
+    const int row = bricks.brick_at(order[1], at);
+    if (row != own_row) {
+      own_row = row;
+      found = 0;
+      std::uint32_t bits = layer.row_of(bricks, order, layer_number, row, columns);
+      bits &= (1U << columns.count) - 1;
+      for (; bits != 0; bits &= bits - 1) found |= columns.columns[std::countr_zero(bits)];
+    }
+    relevant[y] = found & wanted;
     any |= relevant[y];
   }
   for (int y = block.place.rows; y < kTileSize; ++y) inside[y] = relevant[y] = 0;
@@ -361,10 +477,11 @@ inline bool bin_region(const LatticeFrame& frame, Block& block, const TileState&
   for (int y = 0; y < place.rows; ++y) open[y] = open_samples(frame, place, tile, y);
   if (frame.is_on_lattice) {
     const RowBits none{};
+    BrickLayer layer;
     bool is_any = false;
     for (int s = 0; s < place.num_sheets; ++s) {
       is_any |= bin_lattice_sheet(frame, block, s, lookup, is_needed(frame, place, s) ? open : none,
-                                  inside[s], block.bits.relevant[s]);
+                                  layer, inside[s], block.bits.relevant[s]);
     }
     if (!is_any) return false;
     find_active(frame, inside, std::integral_constant<int, kTileSize>(), block);

@@ -30,6 +30,10 @@ void set_frame(CpuFrame& frame, const Look& look, const RenderOptions& options,
     tables.cells.resize(device::kTableCells + 1);
     for (std::size_t i = 0; i < tables.cells.size(); ++i)
       tables.cells[i] = {variation[i], variation[i + 1], opacity[4 * i], opacity[4 * i + 4]};
+    if (tables.table.steps == nullptr) {
+      tables.color_segments = color_segments(tables.table.entries);
+      tables.variation_segments = variation_segments(tables.table.entries, variation);
+    }
   }
   if (frame.is_preintegrated) tables.integrals = &tables.memory[tables.constants.integrals_at].x;
 }

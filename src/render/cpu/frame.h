@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "ovoid/renderer.h"
+#include "render/cpu/look_segments.h"
 #include "render/shared/look_values.h"
 #include "render/shared/view_values.h"
 
@@ -30,6 +31,9 @@ struct FrameLook {
   // If is_refined, by cell: how much the look varies up to its begin and its end, and the opacities
   // there. [kTableCells + 1]
   std::vector<device::vec4> cells;
+  // If is_refined and the look has no steps, and is simple enough.
+  ColorSegments color_segments;
+  VariationSegments variation_segments;
 };
 
 // What every frame has, whatever its field is.

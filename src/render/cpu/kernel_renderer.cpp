@@ -22,7 +22,8 @@ void draw_tile(const simd::SimdTarget& target, const KernelFrame& frame, const L
     const int y = rect.y0 + sub / kSubtiles * kTileSize;
     if (x >= rect.x1 || y >= rect.y1) continue;
     finish_tile(frame, look, work.subtiles[static_cast<std::size_t>(sub)].pixels,
-                {x, y, std::min(x + kTileSize, rect.x1), std::min(y + kTileSize, rect.y1)}, image);
+                {x, y, std::min(x + kTileSize, rect.x1), std::min(y + kTileSize, rect.y1)}, nullptr,
+                image);
   }
 }
 
@@ -76,7 +77,7 @@ Frame render_kernel_field(const FrameJob& job, const Machine& machine) {
   out.profile.simd_target = machine.target.name();
   out.profile.threads = runner.num_workers();
   out.profile.kernels_total = field.num_kernels();
-  out.image = empty_image(options);
+  out.image = empty_image(options.width, options.height);
 
   const view::KernelPlan plan(field, job.camera, job.look, options);
   const double plan_ms = ms_since(start);

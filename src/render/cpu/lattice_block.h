@@ -48,7 +48,8 @@ struct Region {
   std::ptrdiff_t sublattice_stride;  // floats from a sublattice's samples to the next one's
   bool is_interior;                  // every tap of every active sample exists
   bool has_missing;
-  bool uses_four_taps;    // stored as pairs of slices (load-inl.h)
+  bool uses_four_taps;    // every sample reads four taps an axis
+  bool is_paired;         // stored as pairs of slices (load-inl.h)
   const float* samples;   // 0 where missing
   const float* presence;  // 1 where a kernel exists, else 0; only if has_missing
 
@@ -78,9 +79,17 @@ struct SharedTaps {
 };
 
 // So many samples of the lattice lie along a block's row or column on a lattice sheet, taps
-// included; and groups that begin at any of them.
+// included; in whole groups; and two groups that begin at any tap.
 inline constexpr int kMostAcross = static_cast<int>((kTileSize - 1) * view::kMostSpacings) + 6;
-inline constexpr int kRowFloats = 72;
+inline constexpr int kRowStride = (kMostAcross + 15) / 16 * 16;
+inline constexpr int kRowFloats = kRowStride + 32;
+
+// A row of a sheet, one number for each sample along the lattice.
+struct RowOfLattice {
+  alignas(64) float value[kRowFloats];
+  alignas(64) float slope_y[kRowFloats];
+  alignas(64) float slope_z[kRowFloats];
+};
 
 // A lattice sheet within a block: the taps of its columns, its rows and of itself, and the
 // lattice's samples on it, summed over slices, with their derivatives from sheet to sheet
@@ -90,8 +99,11 @@ struct RowsOfSheet {
   int columns = 0;                 // of the lattice that they read
   std::int64_t multiply_adds = 0;  // that the slices took
   SharedTaps x, y, z;
-  alignas(64) float value[kMostAcross][kRowFloats];
-  alignas(64) float slope[kMostAcross][kRowFloats];
+  // [samples across][row_stride]: rows lie close together, so that a sheet fits the L1 cache.
+  int row_stride = kRowStride;
+  alignas(64) float value[kMostAcross * kRowStride];
+  alignas(64) float slope[kMostAcross * kRowStride];
+  RowOfLattice rows[kTileSize];
 };
 
 struct Workspace {

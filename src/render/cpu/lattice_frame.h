@@ -14,6 +14,7 @@ struct LatticeFrame : CpuFrame, LatticeTraits {
   bool samples_at_nodes = false;  // of some sheets: tiles come in patches (nodes.h)
   bool is_on_lattice = false;     // sheets are parallel to the lattice's planes
   bool has_rows = false;          // of samples that share weights, on lattice sheets (rows-inl.h)
+  bool has_only_rows = false;     // blocks that have rows read the lattice in no other way
   const LatticeFrame* trail = nullptr;  // drawn behind this frame sheet by sheet; null: none
 };
 

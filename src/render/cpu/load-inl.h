@@ -178,7 +178,7 @@ void load_part(const Region& region, const BrickView& view, const LatticePart& p
 template <typename T>
 void load_part_as(const Region& region, const BrickView& view, const LatticePart& part,
                   const LoadTarget& target) {
-  if (region.uses_four_taps) {
+  if (region.is_paired) {
     load_part_pairs<T>(region, view, part, target);
   } else {
     load_part<T>(region, view, part, target);
@@ -198,7 +198,7 @@ void load_part_across(const Region& region, const BrickView& view, const Lattice
   };
   const int count = static_cast<int>(hi[0] - lo[0]);
   const std::ptrdiff_t first_slice = to_region(lo[0], 2);
-  const std::ptrdiff_t floats = region.uses_four_taps ? 2 : 1;
+  const std::ptrdiff_t floats = region.is_paired ? 2 : 1;
   const std::ptrdiff_t slice = floats * region.slice_stride;
   alignas(64) float row[kMaxRowAcross + kTapPadding];
   alignas(64) float presence[kMaxRowAcross + kTapPadding];
@@ -213,7 +213,7 @@ void load_part_across(const Region& region, const BrickView& view, const Lattice
         load_row(from + first, some, target.map, row,
                  target.presence == nullptr ? nullptr : presence);
         float* out = target.samples + to + first * slice;
-        if (region.uses_four_taps) {
+        if (region.is_paired) {
           if (first_slice + first > 0) out[1 - slice] = row[0];
           row[some] = 0;  // of the slice behind, whose turn comes
           for (int i = 0; i < some; ++i) std::memcpy(out + i * slice, row + i, 2 * sizeof(float));
@@ -369,9 +369,10 @@ inline void load_region(const LatticeFrame& frame, Workspace& work, bool is_scat
       part_in_lattice(region, frame.lattice.sublattices[0], frame.lattice_plan->order);
   region.has_missing = region_misses(frame.field->source(), lo, hi);
   region.uses_four_taps = !is_scattered && can_use_four_taps(frame, work.block);
-  region.row_stride = region.size[0] + (region.uses_four_taps ? 0 : kTapPadding);
+  region.is_paired = region.uses_four_taps && !frame.has_only_rows;
+  region.row_stride = region.size[0] + (region.is_paired ? 0 : kTapPadding);
   region.slice_stride = region.row_stride * region.size[1];
-  const std::size_t floats_per_sample = region.uses_four_taps ? 2 : 1;
+  const std::size_t floats_per_sample = region.is_paired ? 2 : 1;
   const std::size_t own_count =
       floats_per_sample * (region.slice_stride * region.size[2] + kTapPadding);
   const std::size_t count = own_count * static_cast<std::size_t>(frame.lattice.num_sublattices);
@@ -390,7 +391,7 @@ inline void load_region(const LatticeFrame& frame, Workspace& work, bool is_scat
     const LoadTarget target{samples + s * region.sublattice_stride,
                             presence == nullptr ? nullptr : presence + s * region.sublattice_stride,
                             {frame.lattice.value_scale, frame.lattice.value_offset}};
-    if (region.is_interior && !region.uses_four_taps) {
+    if (region.is_interior && !region.is_paired) {
       clear_padding(region, target.samples);
       if (target.presence != nullptr) clear_padding(region, target.presence);
     }

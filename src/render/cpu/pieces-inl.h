@@ -5,7 +5,7 @@
 // In:  values, gradients and defined bits of a sheet and of the one before it.
 // Out: visible bits (pieces that may show something); the tile's state.
 //
-// Samples of the pieces that may show are packed before they are drawn (sample_batch.h).
+// Samples of the pieces that may show are gathered before they are drawn (sample_batch.h).
 #if defined(OVOID_RENDER_CPU_PIECES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef OVOID_RENDER_CPU_PIECES_INL_H_
 #undef OVOID_RENDER_CPU_PIECES_INL_H_
@@ -88,7 +88,8 @@ HWY_INLINE VariationAt classify_ends(const CpuFrame& frame, Sheet& sheet, const 
   const int at = sheet.at(group.column, group.row);
   if ((lanes_at(sheet.is_classified[group.row], group.column) & lanes) == lanes)
     return {hn::LoadU(d, sheet.opacity + at), hn::LoadU(d, sheet.variation + at)};
-  const VariationAt found = variation_at(frame.look, hn::LoadU(d, sheet.values + at));
+  const V value = hn::LoadU(d, sheet.values + at);
+  const VariationAt found = variation_of(frame.look, value);
   // A group at a row's end writes on into what others have there.
   const M mask = mask_of(lanes);
   hn::BlendedStore(found.opacity, mask, d, sheet.opacity + at);
@@ -171,8 +172,9 @@ struct EndGradients {
   EndValues x, y, z;
   WorldVector at(V t) const { return {x.at(t), y.at(t), z.at(t)}; }
 
-  // The distance between the ends of both normals, which are shorter where the field is flat.
-  V turn(float flat_gradient_inverse) const {
+  // The squared distance between the ends of both normals, which are shorter where the field is
+  // flat.
+  HWY_INLINE V turn_squared(float flat_gradient_inverse) const {
     const auto factor = [&](V a, V b, V c) {
       const V squared = hn::MulAdd(a, a, hn::MulAdd(b, b, hn::Mul(c, c)));
       return hn::Min(reciprocal_sqrt(hn::Max(squared, hn::Set(d, 1e-36F))),
@@ -184,7 +186,7 @@ struct EndGradients {
       return hn::NegMulAdd(g.front, front, hn::Mul(g.back, back));
     };
     const V dx = change(x), dy = change(y), dz = change(z);
-    return hn::Sqrt(hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz))));
+    return hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)));
   }
 };
 
@@ -198,99 +200,280 @@ HWY_INLINE V steps_for(V need) {
   return steps;
 }
 
-// Packs the samples of the pieces that end at a group's samples, whose gradients are there.
-template <class PartOf>
-HWY_INLINE void add_to_batch(const CpuFrame& frame, const TileInHand& tile,
-                             const SampleGroup& group, const PartOf& part_of) {
-  const BlockPlace& place = tile.place;
-  const device::LookConstants& look = frame.look.constants;
-  SampleBatch& batch = tile.batch;
-  const Sheet& front = tile.ring[place.number_of(group.s - 1)];
-  const Sheet& back = tile.ring[place.number_of(group.s)];
-  const int at = back.at(group.column, group.row);
-  const PieceEnds ends = ends_of(place, tile.ring, group);
-  const GroupEnds of_ends(ends);
-  const auto both = [&](const float* f, const float* b) { return of_ends(f + at, b + at); };
-  const EndValues value = both(front.values, back.values);
-  PiecePart part{hn::Zero(d), hn::Set(d, 1.0F)};
-  if ((ends.front & ends.back & group.lanes) != group.lanes) part = part_of(group, ends);
-  if (frame.is_clipped) part = cut_part(frame, place, group, part);
-  V need = hn::Mul(hn::LoadU(d, tile.shaded.alpha + at), hn::Set(d, view::kStepsPerVariation));
-  EndGradients gradient{};
-  if (frame.takes_gradients) {
-    gradient = {both(front.gradient[0], back.gradient[0]),
-                both(front.gradient[1], back.gradient[1]),
-                both(front.gradient[2], back.gradient[2])};
-    need = hn::Add(need, gradient.turn(look.flat_gradient_inverse));
+// Pieces of a group, by what is known at their ends.
+struct PieceGroup {
+  SampleGroup at;  // its lanes: pieces that may show something
+  PieceEnds ends;
+  EndValues value, color;
+  EndGradients gradient;
+  V change;        // of the look, in steps
+  V turn_squared;  // of the normal
+
+  // Pieces that take more than one step.
+  HWY_INLINE std::uint32_t take_more_steps() const {
+    // need = change + turn > 1
+    const V rest = hn::Sub(hn::Set(d, 1.0F), change);
+    const M is_one = hn::And(hn::Ge(rest, hn::Zero(d)), hn::Le(turn_squared, hn::Mul(rest, rest)));
+    return ~bits_of(is_one) & at.lanes;
   }
-  const V steps = steps_for(need);
-  const V step = hn::Div(hn::Max(hn::Sub(part.to, part.from), hn::Zero(d)), steps);
-  const V path = hn::Mul(hn::Mul(step, hn::Set(d, look.path_in_units)),
-                         ray_length(frame, place, group.column, group.row));
-  const V sheet_distance = hn::Set(d, frame.camera.sampling_distance);
-  const V front_depth = hn::Sub(hn::Set(d, place.sheets[group.s].depth), sheet_distance);
-  M active = hn::And(mask_of(group.lanes), hn::Gt(step, hn::Zero(d)));
-  for (V m = hn::Set(d, 0.5F);; m = hn::Add(m, hn::Set(d, 1.0F))) {
-    active = hn::And(active, hn::Lt(m, steps));
-    const std::uint32_t lanes = bits_of(active);
-    if (lanes == 0) return;
+  HWY_INLINE V need() const { return hn::Add(change, hn::Sqrt(turn_squared)); }
+};
+
+// How a group's pieces are cut into steps.
+struct PieceSteps {
+  V from, step;  // shares of the piece: where what is drawn begins, and of each step
+  V count;
+  V path;  // of a step, unit distances of the look
+};
+
+// One over 1, 2, 4, 8 or 16.
+HWY_INLINE V inverse_of_power(V power_of_two) {
+  constexpr std::int32_t kTwiceOne = 2 * 0x3F800000;  // the bits of 1
+  return hn::BitCast(d, hn::Sub(hn::Set(di, kTwiceOne), hn::BitCast(di, power_of_two)));
+}
+
+// Drops the pieces of which nothing is left. `count`: of steps.
+template <class PartOf>
+HWY_INLINE PieceSteps steps_of(const CpuFrame& frame, const BlockPlace& place, PieceGroup& group,
+                               V count, const PartOf& part_of) {
+  PieceSteps steps;
+  steps.count = count;
+  steps.from = hn::Zero(d);
+  steps.step = inverse_of_power(count);
+  const bool is_whole = (group.ends.front & group.ends.back & group.at.lanes) == group.at.lanes;
+  if (!is_whole || frame.is_clipped) {
+    PiecePart part{hn::Zero(d), hn::Set(d, 1.0F)};
+    if (!is_whole) part = part_of(group.at, group.ends);
+    if (frame.is_clipped) part = cut_part(frame, place, group.at, part);
+    const V length = hn::Sub(part.to, part.from);
+    group.at.lanes &= bits_of(hn::Gt(length, hn::Zero(d)));
+    steps.from = part.from;
+    steps.step = hn::Mul(length, steps.step);
+  }
+  steps.path = hn::Mul(steps.step, hn::Set(d, frame.look.constants.path_in_units));
+  if (!frame.is_parallel) {
+    steps.path = hn::Mul(steps.path, ray_length(frame, place, group.at.column, group.at.row));
+  }
+  return steps;
+}
+
+// What a group's pieces take in either way, in processor cycles: measured, and only to choose by.
+inline constexpr int kCyclesOfStep = 90;
+inline constexpr int kCyclesOfPiece = 30;
+inline constexpr int kCyclesOfSample = 10;
+
+// The most steps that a group's pieces have, or 0 if the lanes of their samples are better steps
+// than pixels.
+HWY_INLINE int steps_of_pixels(V count, std::uint32_t lanes, std::uint32_t with_more) {
+  const int pieces = std::popcount(lanes);
+  int samples = pieces + std::popcount(with_more);
+  int most = with_more == 0 ? 1 : 2;
+  for (; most > 1 && most < view::kMostSteps; most *= 2) {
+    const V least = hn::Set(d, static_cast<float>(most));
+    const int more = std::popcount(bits_of(hn::Gt(count, least)) & lanes);
+    if (more == 0) break;
+    samples += most * more;
+  }
+  return most * kCyclesOfStep < pieces * kCyclesOfPiece + samples * kCyclesOfSample ? most : 0;
+}
+
+// Runs `body(numbers at both ends, where they go)` for each number that samples have.
+template <class Body>
+HWY_INLINE void for_each_number(const CpuFrame& frame, const PieceGroup& group, SampleBatch& batch,
+                                const Body& body) {
+  body(group.value, batch.value);
+  if (frame.has_own_color) body(group.color, batch.color_value);
+  if (!frame.takes_gradients) return;
+  body(group.gradient.x, batch.gradient[0]);
+  body(group.gradient.y, batch.gradient[1]);
+  body(group.gradient.z, batch.gradient[2]);
+}
+
+// Depths of a group's pieces at their ends.
+HWY_INLINE EndValues depths_of(const CpuFrame& frame, const BlockPlace& place, int s) {
+  const V back = hn::Set(d, place.sheets[s].depth);
+  return {hn::Sub(back, hn::Set(d, frame.camera.sampling_distance)), back};
+}
+
+// Lanes are pixels.
+HWY_INLINE void add_steps(const CpuFrame& frame, const TileInHand& tile, const PieceGroup& group,
+                          const PieceSteps& steps, int most) {
+  SampleBatch& batch = tile.batch;
+  const int pixel = tile_index(tile.place, group.at.column, group.at.row);
+  const EndValues depth = depths_of(frame, tile.place, group.at.s);
+  for (int i = 0; i < most; ++i) {
     const int first = batch.num_samples;
-    const auto pack = [&](V numbers, SampleBatch::Floats& floats) {
-      hn::StoreU(hn::Compress(numbers, active), d, &floats[first]);
-    };
-    const V t = hn::MulAdd(m, step, part.from);
-    pack(value.at(t), batch.value);
-    pack(path, batch.path);
-    pack(hn::MulAdd(t, sheet_distance, front_depth), batch.depth);
-    if (frame.takes_gradients) {
-      pack(gradient.x.at(t), batch.gradient[0]);
-      pack(gradient.y.at(t), batch.gradient[1]);
-      pack(gradient.z.at(t), batch.gradient[2]);
-    }
-    if (frame.has_own_color) pack(both(front.colors, back.colors).at(t), batch.color_value);
+    const V m = hn::Set(d, static_cast<float>(i) + 0.5F);
+    const V t = hn::MulAdd(m, steps.step, steps.from);
+    for_each_number(frame, group, batch, [&](const EndValues& ends, SampleBatch::Floats& to) {
+      hn::StoreU(ends.at(t), d, &to[first]);
+    });
+    hn::StoreU(steps.path, d, &batch.path[first]);
+    hn::StoreU(depth.at(t), d, &batch.depth[first]);
     if (!frame.is_parallel) {
-      const WorldVector eye = direction_to_eye(frame, place, group.column, group.row);
-      pack(eye.x, batch.eye[0]);
-      pack(eye.y, batch.eye[1]);
-      pack(eye.z, batch.eye[2]);
+      const WorldVector eye = direction_to_eye(frame, tile.place, group.at.column, group.at.row);
+      hn::StoreU(eye.x, d, &batch.eye[0][first]);
+      hn::StoreU(eye.y, d, &batch.eye[1][first]);
+      hn::StoreU(eye.z, d, &batch.eye[2][first]);
     }
-    batch.steps[batch.num_steps++] = {group.column, group.row, lanes, first};
-    batch.num_samples += std::popcount(lanes);
+    const std::uint32_t lanes = bits_of(hn::Lt(m, steps.count)) & group.at.lanes;
+    batch.runs[batch.num_runs++] = {pixel, first, 0, lanes};
+    batch.num_samples += group_size();
   }
 }
 
-// Samples of one step join the pixels.
-HWY_INLINE void composite_step(const CpuFrame& frame, const TileInHand& tile,
-                               const SampleBatch::Step& step) {
-  const SampleBatch& batch = tile.batch;
-  const Expansion expand(step.lanes);
-  const auto unpack = [&](const SampleBatch::Floats& floats) {
-    return expand(hn::LoadU(d, &floats[step.first]));
+// Lanes are the steps of a piece.
+inline void add_pieces_alone(const CpuFrame& frame, const TileInHand& tile, const PieceGroup& group,
+                             const PieceSteps& steps) {
+  SampleBatch& batch = tile.batch;
+  const int pixel = tile_index(tile.place, group.at.column, group.at.row);
+  constexpr int kLanes = SampleBatch::kGroup;
+  alignas(64) float count[kLanes];
+  alignas(64) float path[kLanes];
+  hn::Store(steps.count, d, count);
+  hn::Store(steps.path, d, path);
+  const int first = batch.num_samples;
+  const V number = hn::Iota(d, 0.0F);
+  // Runs `body(lane, count, where its samples begin)` for each piece.
+  const auto for_each_piece = [&](const auto& body) {
+    int next = first;
+    for (std::uint32_t left = group.at.lanes; left != 0; left &= left - 1) {
+      const int lane = std::countr_zero(left);
+      const auto samples = static_cast<int>(count[lane]);
+      body(lane, samples, next);
+      next += samples;
+    }
+    return next;
   };
-  const int at = tile_index(tile.place, step.column, step.row);
-  GroupPixels pixels = load_pixels(tile.pixels, at);
+  batch.num_samples = for_each_piece([&](int lane, int samples, int to) {
+    batch.runs[batch.num_runs++] = {pixel + lane, to, samples, 1U << lane};
+    for (int i = 0; i < samples; i += group_size())
+      hn::StoreU(hn::Set(d, path[lane]), d, &batch.path[to + i]);
+  });
+  const V t = hn::MulAdd(steps.step, hn::Set(d, 0.5F), steps.from);
+  const auto add_line = [&](const EndValues& ends, SampleBatch::Floats& to) {
+    alignas(64) float begin[kLanes];
+    alignas(64) float rise[kLanes];
+    hn::Store(ends.at(t), d, begin);
+    hn::Store(hn::Mul(hn::Sub(ends.back, ends.front), steps.step), d, rise);
+    for_each_piece([&](int lane, int samples, int at) {
+      for (int i = 0; i < samples; i += group_size()) {
+        const V m = hn::Add(number, hn::Set(d, static_cast<float>(i)));
+        hn::StoreU(hn::MulAdd(m, hn::Set(d, rise[lane]), hn::Set(d, begin[lane])), d, &to[at + i]);
+      }
+    });
+  };
+  for_each_number(frame, group, batch, add_line);
+  add_line(depths_of(frame, tile.place, group.at.s), batch.depth);
+  if (frame.is_parallel) return;
+  for (int a = 0; a < 3; ++a) {
+    for_each_piece([&](int lane, int samples, int to) {
+      for (int i = 0; i < samples; i += group_size())
+        hn::StoreU(hn::Set(d, tile.place.rays->eye[a][pixel + lane]), d, &batch.eye[a][to + i]);
+    });
+  }
+}
+
+// A step of a group's pieces joins the pixels.
+HWY_INLINE void composite_step(const CpuFrame& frame, const TileInHand& tile,
+                               const SampleBatch::Run& run) {
+  const SampleBatch& batch = tile.batch;
+  const auto load = [&](const SampleBatch::Floats& floats) {
+    return hn::LoadU(d, &floats[run.first]);
+  };
+  GroupPixels pixels = load_pixels(tile.pixels, run.pixel);
   // Nothing is added behind what is opaque, be it by an earlier step.
   const V opaque_at = hn::Set(d, frame.opaque_at);
-  const V opacity = unpack(batch.opacity);
-  const M is_visible = hn::And(hn::And(mask_of(step.lanes), hn::Lt(pixels.alpha, opaque_at)),
+  const V opacity = load(batch.opacity);
+  const M is_visible = hn::And(hn::And(mask_of(run.lanes), hn::Lt(pixels.alpha, opaque_at)),
                                hn::Gt(opacity, hn::Zero(d)));
-  const std::uint32_t visible = bits_of(is_visible);
-  if (visible == 0) return;
-  tile.stats.samples_shaded += std::popcount(visible);
-  add_to_pixels({unpack(batch.red), unpack(batch.green), unpack(batch.blue)},
-                hn::IfThenElseZero(is_visible, opacity), unpack(batch.depth), pixels);
-  store_pixels(pixels, tile.pixels, at);
+  tile.stats.samples_shaded += std::popcount(bits_of(is_visible));
+  add_to_pixels({load(batch.red), load(batch.green), load(batch.blue)},
+                hn::IfThenElseZero(is_visible, opacity), load(batch.depth), pixels);
+  store_pixels(pixels, tile.pixels, run.pixel);
   const M opaque = hn::And(is_visible, hn::Ge(pixels.alpha, opaque_at));
-  tile.pixels.open[tile_row(tile.place, step.row)] &=
-      ~(RowWord{bits_of(opaque)} << tile_column(tile.place, step.column));
+  tile.pixels.open[run.pixel / kTileSize] &= ~(RowWord{bits_of(opaque)} << (run.pixel % kTileSize));
+}
+
+// The samples of a piece join its pixel.
+inline void composite_piece(const CpuFrame& frame, const TileInHand& tile,
+                            const SampleBatch::Run& run) {
+  const SampleBatch& batch = tile.batch;
+  TileState& pixels = tile.pixels;
+  const int at = run.pixel;
+  float alpha = pixels.alpha[at];
+  if (alpha >= frame.opaque_at) return;
+  float red = pixels.red[at];
+  float green = pixels.green[at];
+  float blue = pixels.blue[at];
+  const int end = run.first + run.count;
+  for (int i = run.first; i < end && alpha < frame.opaque_at; ++i) {
+    const float before = alpha;
+    const float share = (1 - before) * std::max(batch.opacity[i], 0.0F);
+    tile.stats.samples_shaded += share > 0 ? 1 : 0;
+    red += share * batch.red[i];
+    green += share * batch.green[i];
+    blue += share * batch.blue[i];
+    alpha = before + share;
+    if (before < 0.5F && alpha >= 0.5F) pixels.depth[at] = batch.depth[i];
+  }
+  pixels.red[at] = red;
+  pixels.green[at] = green;
+  pixels.blue[at] = blue;
+  pixels.alpha[at] = alpha;
+  if (alpha >= frame.opaque_at) pixels.open[at / kTileSize] &= ~(RowWord{1} << (at % kTileSize));
 }
 
 // Draws the samples of the batch, and empties it.
 inline void flush_batch(const CpuFrame& frame, const TileInHand& tile) {
   SampleBatch& batch = tile.batch;
   shade_batch(frame, batch);
-  for (int i = 0; i < batch.num_steps; ++i) composite_step(frame, tile, batch.steps[i]);
-  batch.num_samples = batch.num_steps = 0;
+  for (int i = 0; i < batch.num_runs; ++i) {
+    const SampleBatch::Run& run = batch.runs[i];
+    run.count == 0 ? composite_step(frame, tile, run) : composite_piece(frame, tile, run);
+  }
+  batch.num_samples = batch.num_runs = 0;
+}
+
+// Samples of a group's pieces join the batch.
+template <class PartOf>
+HWY_INLINE void add_pieces(const CpuFrame& frame, const TileInHand& tile, PieceGroup& group,
+                           const PartOf& part_of) {
+  if (!tile.batch.has_room()) flush_batch(frame, tile);
+  const std::uint32_t with_more = group.take_more_steps();
+  const V count = with_more == 0 ? hn::Set(d, 1.0F) : steps_for(group.need());
+  const PieceSteps steps = steps_of(frame, tile.place, group, count, part_of);
+  if (group.at.lanes == 0) return;
+  if (const int most = steps_of_pixels(count, group.at.lanes, with_more); most > 0) {
+    add_steps(frame, tile, group, steps, most);
+  } else {
+    add_pieces_alone(frame, tile, group, steps);
+  }
+}
+
+// The pieces that end at a group's samples, whose gradients are there, if they are taken.
+HWY_INLINE PieceGroup pieces_of(const CpuFrame& frame, const TileInHand& tile,
+                                const SampleGroup& at) {
+  const Sheet& front = tile.ring[tile.place.number_of(at.s - 1)];
+  const Sheet& back = tile.ring[tile.place.number_of(at.s)];
+  const int place = back.at(at.column, at.row);
+  PieceGroup group;  // what is not asked for stays as it is
+  group.at = at;
+  group.ends = ends_of(tile.place, tile.ring, at);
+  const GroupEnds of_ends(group.ends);
+  const auto both = [&](const float* f, const float* b) { return of_ends(f + place, b + place); };
+  group.value = both(front.values, back.values);
+  if (frame.has_own_color) group.color = both(front.colors, back.colors);
+  group.change =
+      hn::Mul(hn::LoadU(d, tile.shaded.alpha + place), hn::Set(d, view::kStepsPerVariation));
+  group.turn_squared = hn::Zero(d);
+  if (frame.takes_gradients) {
+    group.gradient = {both(front.gradient[0], back.gradient[0]),
+                      both(front.gradient[1], back.gradient[1]),
+                      both(front.gradient[2], back.gradient[2])};
+    group.turn_squared = group.gradient.turn_squared(frame.look.constants.flat_gradient_inverse);
+  }
+  return group;
 }
 
 // Classifies, lights and composites the pieces that end on sheet s and may show something, whose
@@ -304,8 +487,8 @@ inline void draw_pieces(const CpuFrame& frame, const TileInHand& tile, int s,
     const RowWord open = tile.pixels.open[tile_row(place, y)];
     for_each_group(tile.shaded.visible[y] & open >> place.x0 << place.margin, place.margin,
                    place.columns - place.margin, [&](int column, std::uint32_t lanes) {
-                     if (!tile.batch.has_room()) flush_batch(frame, tile);
-                     add_to_batch(frame, tile, {s, column, y, lanes}, part_of);
+                     PieceGroup group = pieces_of(frame, tile, {s, column, y, lanes});
+                     add_pieces(frame, tile, group, part_of);
                    });
   }
   flush_batch(frame, tile);

@@ -9,7 +9,7 @@
 //
 // With the gradient each pass has as many more as derivatives it adds: 8, 12 and 16 in all.
 //
-// In:  a block of lattice sheets whose region is stored as pairs of slices (load-inl.h).
+// In:  a block of lattice sheets whose samples read four taps an axis.
 // Out: values, and where asked gradients, of the samples named, and which of them are defined.
 #if defined(OVOID_RENDER_CPU_ROWS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef OVOID_RENDER_CPU_ROWS_INL_H_
@@ -68,21 +68,15 @@ inline void set_taps(const LatticeFrame& frame, const Block& block, int s, RowsO
   block.region.is_interior ? set(std::false_type()) : set(std::true_type());
 }
 
-// A row of a sheet, one number for each sample along the lattice.
-struct RowOfLattice {
-  alignas(64) float value[kRowFloats];
-  alignas(64) float slope_y[kRowFloats];
-  alignas(64) float slope_z[kRowFloats];
-};
-
 // Four taps of a group of samples.
 struct FourTaps {
   V tap[4];
 };
 
-// Of a row: `first` holds tap 0 of the group's samples, ascending. Taps of a group of four lie
-// among two groups of the lattice's samples, and so do those of wider ones.
-static_assert(3 * view::kMostSpacings + 4 <= 8);
+// Of a row: `first` holds tap 0 of the group's samples, ascending. Tap k of a group lies among the
+// lattice's samples from tap k of its first sample on: one group of them where samples are no
+// farther apart than a spacing, else two.
+static_assert(view::kMostSpacings <= 2);
 #if HWY_TARGET == HWY_SCALAR
 struct TapPicker {
   TapPicker() = default;
@@ -95,28 +89,22 @@ struct TapPicker {
 };
 #else
 struct TapPicker {
-  using Indices = decltype(hn::IndicesFromVec(d, hn::Zero(di)));
-
-  HWY_INLINE static Indices indices(VI v) {
-    return hn::IndicesFromVec(d, hn::And(v, hn::Set(di, group_size() - 1)));
-  }
   TapPicker() = default;
   HWY_INLINE explicit TapPicker(const std::int32_t* first)
       : base(first[0]),
         lane(hn::Sub(hn::Load(di, first), hn::Set(di, first[0]))),
-        fits_one(first[group_size() - 1] - first[0] + 3 < group_size()),
-        index{indices(lane), indices(hn::Add(lane, hn::Set(di, 1))),
-              indices(hn::Add(lane, hn::Set(di, 2))), indices(hn::Add(lane, hn::Set(di, 3)))} {}
+        fits_one(first[group_size() - 1] - first[0] < group_size()) {}
 
   HWY_INLINE FourTaps operator()(const float* row) const {
-    const V near = hn::LoadU(d, row + base);
+    row += base;
+    const auto index = hn::IndicesFromVec(d, hn::And(lane, hn::Set(di, group_size() - 1)));
     FourTaps taps;
-    for (int k = 0; k < 4; ++k) taps.tap[k] = hn::TableLookupLanes(near, index[k]);
+    for (int k = 0; k < 4; ++k) taps.tap[k] = hn::TableLookupLanes(hn::LoadU(d, row + k), index);
     if (fits_one) return taps;
-    const V far = hn::LoadU(d, row + base + group_size());
+    const M is_near = hn::RebindMask(d, hn::Lt(lane, hn::Set(di, group_size())));
     for (int k = 0; k < 4; ++k) {
-      const M is_near = hn::RebindMask(d, hn::Lt(lane, hn::Set(di, group_size() - k)));
-      taps.tap[k] = hn::IfThenElse(is_near, taps.tap[k], hn::TableLookupLanes(far, index[k]));
+      const V far = hn::TableLookupLanes(hn::LoadU(d, row + k + group_size()), index);
+      taps.tap[k] = hn::IfThenElse(is_near, taps.tap[k], far);
     }
     return taps;
   }
@@ -124,7 +112,6 @@ struct TapPicker {
   int base;
   VI lane;
   bool fits_one;
-  Indices index[4];
 };
 #endif
 
@@ -150,6 +137,53 @@ inline SampleBounds bounds_of(const RowBits& bits, int rows) {
   return bounds;
 }
 
+// Four taps of a group of the lattice's samples, one of each slice.
+template <bool kIsPaired>
+HWY_INLINE FourTaps slice_taps(const float* from, std::ptrdiff_t slice) {
+#if HWY_TARGET != HWY_SCALAR
+  if constexpr (kIsPaired) {
+    FourTaps taps;
+    hn::LoadInterleaved2(d, from, taps.tap[0], taps.tap[1]);
+    hn::LoadInterleaved2(d, from + 2 * slice, taps.tap[2], taps.tap[3]);
+    return taps;
+  }
+#else
+  if constexpr (kIsPaired) {
+    return {{hn::Load(d, from), hn::Load(d, from + 1), hn::Load(d, from + 2 * slice),
+             hn::Load(d, from + 2 * slice + 1)}};
+  }
+#endif
+  return {{hn::LoadU(d, from), hn::LoadU(d, from + slice), hn::LoadU(d, from + 2 * slice),
+           hn::LoadU(d, from + 3 * slice)}};
+}
+
+HWY_INLINE V weighted_sum(const FourTaps& taps, const V (&w)[4]) {
+  return hn::MulAdd(
+      taps.tap[0], w[0],
+      hn::MulAdd(taps.tap[1], w[1], hn::MulAdd(taps.tap[2], w[2], hn::Mul(taps.tap[3], w[3]))));
+}
+
+// The slices of `rows` rows of sheet.columns samples, `from` the first of them.
+template <bool kIsPaired>
+inline void sum_slices_from(const float* from, const Region& region, int rows, bool has_slopes,
+                            RowsOfSheet& sheet) {
+  constexpr std::ptrdiff_t kFloats = kIsPaired ? 2 : 1;
+  const std::ptrdiff_t slice = kFloats * region.slice_stride;
+  V w[4], s[4];
+  for (int k = 0; k < 4; ++k) {
+    w[k] = hn::Set(d, sheet.z.weight[k][0]);
+    s[k] = hn::Set(d, sheet.z.slope[k][0]);
+  }
+  for (int y = 0; y < rows; ++y, from += kFloats * region.row_stride) {
+    for (int x = 0; x < sheet.columns; x += group_size()) {
+      const FourTaps taps = slice_taps<kIsPaired>(from + kFloats * x, slice);
+      const int to = y * sheet.row_stride + x;
+      hn::StoreU(weighted_sum(taps, w), d, sheet.value + to);
+      if (has_slopes) hn::StoreU(weighted_sum(taps, s), d, sheet.slope + to);
+    }
+  }
+}
+
 // Pass "slices", of the part of the lattice that the samples within the sheet's bounds read.
 inline void sum_slices(const LatticeFrame& frame, const Region& region, RowsOfSheet& sheet) {
   const SampleBounds& bounds = sheet.bounds;
@@ -157,91 +191,69 @@ inline void sum_slices(const LatticeFrame& frame, const Region& region, RowsOfSh
   const int columns = sheet.x.first[bounds.x1 - 1] + 4 - first_column;
   const int first_row = sheet.y.first[bounds.y0];
   const int rows = sheet.y.first[bounds.y1 - 1] + 4 - first_row;
-  const std::ptrdiff_t row = 2 * static_cast<std::ptrdiff_t>(region.row_stride);
-  const std::ptrdiff_t two_slices = 4 * static_cast<std::ptrdiff_t>(region.slice_stride);
-  const float* from = region.samples +
-                      2 * static_cast<std::ptrdiff_t>(sheet.z.first[0]) * region.slice_stride +
-                      row * first_row + 2 * first_column;
-  V w[4], s[4];
-  for (int k = 0; k < 4; ++k) {
-    w[k] = hn::Set(d, sheet.z.weight[k][0]);
-    s[k] = hn::Set(d, sheet.z.slope[k][0]);
-  }
-  for (int y = 0; y < rows; ++y, from += row) {
-    for (int x = 0; x < columns; x += group_size()) {
-      V a0, a1, a2, a3;
-#if HWY_TARGET == HWY_SCALAR
-      a0 = hn::Load(d, from + 2 * x);
-      a1 = hn::Load(d, from + 2 * x + 1);
-      a2 = hn::Load(d, from + two_slices + 2 * x);
-      a3 = hn::Load(d, from + two_slices + 2 * x + 1);
-#else
-      hn::LoadInterleaved2(d, from + 2 * x, a0, a1);
-      hn::LoadInterleaved2(d, from + two_slices + 2 * x, a2, a3);
-#endif
-      const auto sum = [&](const V(&c)[4]) {
-        return hn::MulAdd(a0, c[0], hn::MulAdd(a1, c[1], hn::MulAdd(a2, c[2], hn::Mul(a3, c[3]))));
-      };
-      hn::StoreU(sum(w), d, sheet.value[y] + x);
-      if (frame.takes_gradients) hn::StoreU(sum(s), d, sheet.slope[y] + x);
-    }
-  }
-  sheet.multiply_adds = std::int64_t{4} * (frame.takes_gradients ? 2 : 1) * rows * columns;
   // Counted from the first; columns beside those within bounds read the ends.
   sheet.columns = columns;
   for (int x = 0; x < kTileSize; ++x)
     sheet.x.first[x] = std::clamp(sheet.x.first[x] - first_column, 0, columns - 4);
   for (int y = bounds.y0; y < bounds.y1; ++y) sheet.y.first[y] -= first_row;
+  sheet.row_stride = (columns + group_size() - 1) / group_size() * group_size();
+  const std::ptrdiff_t floats = region.is_paired ? 2 : 1;
+  const float* const from =
+      region.samples +
+      floats * (static_cast<std::ptrdiff_t>(sheet.z.first[0]) * region.slice_stride +
+                static_cast<std::ptrdiff_t>(region.row_stride) * first_row + first_column);
+  region.is_paired ? sum_slices_from<true>(from, region, rows, frame.takes_gradients, sheet)
+                   : sum_slices_from<false>(from, region, rows, frame.takes_gradients, sheet);
+  sheet.multiply_adds = std::int64_t{4} * (frame.takes_gradients ? 2 : 1) * rows * columns;
 }
 
-// Pass "rows", of sample row y.
-template <bool kGradient>
-HWY_INLINE void sum_rows(const RowsOfSheet& sheet, int y, RowOfLattice& out) {
-  const int first = sheet.y.first[y];
-  V w[4], s[4];
-  for (int k = 0; k < 4; ++k) {
-    w[k] = hn::Set(d, sheet.y.weight[k][y]);
-    if constexpr (kGradient) s[k] = hn::Set(d, sheet.y.slope[k][y]);
-  }
+// Pass "rows", of sample row y: `floats` of a sheet, weighted along y.
+HWY_INLINE void sum_row(const RowsOfSheet& sheet, const float* floats,
+                        const float (&weights)[4][kTileSize], int y, float* out) {
+  V w[4];
+  for (int k = 0; k < 4; ++k) w[k] = hn::Set(d, weights[k][y]);
+  const std::ptrdiff_t stride = sheet.row_stride;
+  floats += sheet.y.first[y] * stride;
   for (int x = 0; x < sheet.columns; x += group_size()) {
-    const auto sum = [&](const float(&rows)[kMostAcross][kRowFloats], const V(&c)[4]) {
-      const auto at = [&](int k) { return hn::LoadU(d, rows[first + k] + x); };
-      return hn::MulAdd(at(0), c[0],
-                        hn::MulAdd(at(1), c[1], hn::MulAdd(at(2), c[2], hn::Mul(at(3), c[3]))));
-    };
-    hn::StoreU(sum(sheet.value, w), d, out.value + x);
-    if constexpr (kGradient) {
-      hn::StoreU(sum(sheet.value, s), d, out.slope_y + x);
-      hn::StoreU(sum(sheet.slope, w), d, out.slope_z + x);
-    }
+    const auto at = [&](int k) { return hn::LoadU(d, floats + k * stride + x); };
+    hn::StoreU(weighted_sum({{at(0), at(1), at(2), at(3)}}, w), d, out + x);
   }
 }
 
-// Pass "columns", of the samples of row y named by `lanes`, which are marked in `out`.
-template <bool kGradient>
-HWY_INLINE void sum_columns(const LatticeFrame& frame, const RowsOfSheet& sheet,
-                            const RowOfLattice& row, const TapPicker& pick,
-                            const SampleGroup& group, Sheet& out) {
-  const int x = group.column;
-  const int y = group.row;
-  const int at = out.at(x, y);
-  // Neighbours may have their values already.
-  const M mask = mask_of(group.lanes);
-  const FourTaps values = pick(row.value);
-  hn::BlendedStore(sum_of_taps(values, sheet.x.weight, x), mask, d, out.values + at);
-  const V share_yz = hn::Set(d, sheet.y.share[y] * sheet.z.share[0]);
-  const M is_whole =
-      hn::Ge(hn::Mul(hn::Load(d, sheet.x.share + x), share_yz), hn::Set(d, device::kLeastShare));
-  out.defined[y] |= RowWord{bits_of(is_whole) & group.lanes} << x;
-  if constexpr (kGradient) {
-    const WorldVector slope = to_world(frame, sum_of_taps(values, sheet.x.slope, x),
-                                       sum_of_taps(pick(row.slope_y), sheet.x.weight, x),
-                                       sum_of_taps(pick(row.slope_z), sheet.x.weight, x));
-    hn::BlendedStore(slope.x, mask, d, out.gradient[0] + at);
-    hn::BlendedStore(slope.y, mask, d, out.gradient[1] + at);
-    hn::BlendedStore(slope.z, mask, d, out.gradient[2] + at);
-    out.has_gradient[y] |= RowWord{group.lanes} << x;
+// Of all rows of a sheet that are named by `bits`. Row after row, before any column is summed: its
+// taps straddle what has just been stored, which the processor would have to wait for.
+inline void sum_row_values(RowsOfSheet& sheet, const RowBits& bits) {
+  for (int y = sheet.bounds.y0; y < sheet.bounds.y1; ++y) {
+    if (bits[y] != 0) sum_row(sheet, sheet.value, sheet.y.weight, y, sheet.rows[y].value);
   }
+}
+
+inline void sum_row_slopes(RowsOfSheet& sheet, const RowBits& bits) {
+  for (int y = sheet.bounds.y0; y < sheet.bounds.y1; ++y) {
+    if (bits[y] == 0) continue;
+    sum_row(sheet, sheet.value, sheet.y.slope, y, sheet.rows[y].slope_y);
+    sum_row(sheet, sheet.slope, sheet.y.weight, y, sheet.rows[y].slope_z);
+  }
+}
+
+// Pass "columns", of the group of samples from x on.
+HWY_INLINE V sum_columns(const RowsOfSheet& sheet, const RowOfLattice& row, const TapPicker& pick,
+                         int x) {
+  return sum_of_taps(pick(row.value), sheet.x.weight, x);
+}
+
+// Their gradients.
+HWY_INLINE WorldVector sum_column_slopes(const LatticeFrame& frame, const RowsOfSheet& sheet,
+                                         const RowOfLattice& row, const TapPicker& pick, int x) {
+  return to_world(frame, sum_of_taps(pick(row.value), sheet.x.slope, x),
+                  sum_of_taps(pick(row.slope_y), sheet.x.weight, x),
+                  sum_of_taps(pick(row.slope_z), sheet.x.weight, x));
+}
+
+// The samples of a group of which enough kernels exist.
+HWY_INLINE M has_enough_kernels(const RowsOfSheet& sheet, int x, int y) {
+  const V share_yz = hn::Set(d, sheet.y.share[y] * sheet.z.share[0]);
+  return hn::Ge(hn::Mul(hn::Load(d, sheet.x.share + x), share_yz), hn::Set(d, device::kLeastShare));
 }
 
 // True if the block's samples can be worked out like this.
@@ -249,58 +261,77 @@ inline bool has_rows(const LatticeFrame& frame, const Block& block) {
   return frame.has_rows && block.region.uses_four_taps;
 }
 
-// Samples of a sheet whose slices are summed.
-inline void add_rows(const LatticeFrame& frame, Workspace& work, int s, const RowBits& wanted,
-                     const RowBits& with_gradient) {
-  const std::int64_t number = work.block.place.number_of(s);
-  const RowsOfSheet& rows = work.rows[static_cast<std::size_t>(number & 1)];
-  const SampleBounds& bounds = rows.bounds;
-  if (bounds.is_empty()) return;
-  Sheet& sheet = work.ring[number];
-  TapPicker pickers[kTileSize];
-  const int first_group = bounds.x0 / group_size();
-  for (int g = first_group; g * group_size() < bounds.x1; ++g)
-    pickers[g] = TapPicker(rows.x.first + g * group_size());
-  RowOfLattice row;
-  constexpr int kTaps = 4;
-  for (int y = bounds.y0; y < bounds.y1; ++y) {
-    if (wanted[y] == 0) continue;
-    work.stats.multiply_adds += kTaps * (with_gradient[y] != 0 ? 3 : 1) * rows.columns;
-    with_gradient[y] != 0 ? sum_rows<true>(rows, y, row) : sum_rows<false>(rows, y, row);
-    for (int g = first_group; g * group_size() < bounds.x1; ++g) {
-      const int x = g * group_size();
-      const SampleGroup group{s, x, y, lanes_at(wanted[y], x)};
-      if (group.lanes == 0) continue;
-      if (lanes_at(with_gradient[y], x) != 0) {
-        sum_columns<true>(frame, rows, row, pickers[g], group, sheet);
-        work.stats.gradients += std::popcount(group.lanes);
-        work.stats.multiply_adds += 4 * kTaps * std::popcount(group.lanes);
-      } else {
-        work.stats.multiply_adds += kTaps * std::popcount(group.lanes);
-        sum_columns<false>(frame, rows, row, pickers[g], group, sheet);
-      }
-    }
+// The taps of all groups of a sheet's columns.
+class SheetPickers {
+ public:
+  explicit SheetPickers(const RowsOfSheet& sheet) {
+    for (int x = 0; x < sheet.bounds.x1; x += group_size())
+      pickers_[x / group_size()] = TapPicker(sheet.x.first + x);
   }
-}
+  const TapPicker& at(int x) const { return pickers_[x / group_size()]; }
 
-// The samples named by `wanted` of sheet s of the block; with gradients in groups that have one
-// named by `guess`, too.
+ private:
+  TapPicker pickers_[kTileSize];
+};
+
+// The samples named by `wanted` of sheet s of the block.
 inline void reconstruct_rows(const LatticeFrame& frame, Workspace& work, int s,
-                             const RowBits& wanted, const RowBits& guess) {
+                             const RowBits& wanted) {
   const Block& block = work.block;
-  RowsOfSheet& rows = work.rows[static_cast<std::size_t>(block.place.number_of(s) & 1)];
+  const std::int64_t number = block.place.number_of(s);
+  RowsOfSheet& rows = work.rows[static_cast<std::size_t>(number & 1)];
   rows.bounds = bounds_of(wanted, block.place.rows);
   if (rows.bounds.is_empty()) return;
   set_taps(frame, block, s, rows);
   sum_slices(frame, block.region, rows);
-  work.stats.multiply_adds += rows.multiply_adds;
-  add_rows(frame, work, s, wanted, guess);
+  sum_row_values(rows, wanted);
+  std::int64_t num_rows = 0;
+  std::int64_t num_groups = 0;
+  Sheet& sheet = work.ring[number];
+  const SheetPickers pickers(rows);
+  for (int y = rows.bounds.y0; y < rows.bounds.y1; ++y) {
+    if (wanted[y] == 0) continue;
+    ++num_rows;
+    for_each_group(wanted[y], 0, kTileSize, [&](int x, std::uint32_t lanes) {
+      ++num_groups;
+      hn::StoreU(sum_columns(rows, rows.rows[y], pickers.at(x), x), d,
+                 sheet.values + sheet.at(x, y));
+      if (!block.region.is_interior) lanes &= bits_of(has_enough_kernels(rows, x, y));
+      sheet.defined[y] |= RowWord{lanes} << x;
+    });
+  }
+  constexpr int kTaps = 4;
+  work.stats.multiply_adds +=
+      rows.multiply_adds + kTaps * (num_rows * rows.columns + num_groups * group_size());
 }
 
-// Gradients of samples named by `missing`, which have values.
+// Gradients of the groups that have one of the samples named by `missing`, which have values.
 inline void gradients_by_rows(const LatticeFrame& frame, Workspace& work, int s,
                               const RowBits& missing) {
-  add_rows(frame, work, s, missing, missing);
+  const BlockPlace& place = work.block.place;
+  const std::int64_t number = place.number_of(s);
+  RowsOfSheet& rows = work.rows[static_cast<std::size_t>(number & 1)];
+  sum_row_slopes(rows, missing);
+  std::int64_t num_rows = 0;
+  std::int64_t num_groups = 0;
+  Sheet& sheet = work.ring[number];
+  const SheetPickers pickers(rows);
+  for (int y = 0; y < place.rows; ++y) {
+    if (missing[y] == 0) continue;
+    ++num_rows;
+    for_each_group(missing[y], 0, kTileSize, [&](int x, std::uint32_t) {
+      ++num_groups;
+      const WorldVector slope = sum_column_slopes(frame, rows, rows.rows[y], pickers.at(x), x);
+      const int at = sheet.at(x, y);
+      hn::StoreU(slope.x, d, sheet.gradient[0] + at);
+      hn::StoreU(slope.y, d, sheet.gradient[1] + at);
+      hn::StoreU(slope.z, d, sheet.gradient[2] + at);
+      sheet.has_gradient[y] |= RowWord{group_bits()} << x;
+    });
+  }
+  constexpr int kTaps = 4;
+  work.stats.gradients += num_groups * group_size();
+  work.stats.multiply_adds += kTaps * (2 * num_rows * rows.columns + 3 * num_groups * group_size());
 }
 
 }  // namespace HWY_NAMESPACE

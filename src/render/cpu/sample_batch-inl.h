@@ -11,14 +11,12 @@
 #endif
 
 #include "render/cpu/sample_batch.h"
-#include "render/cpu/shade-inl.h"
+#include "render/cpu/segments-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace ovoid::cpu {
 namespace HWY_NAMESPACE {
 
-// One loop for each stage rather than one over all of them: groups have nothing to do with each
-// other, and of short stages the processor works on several at once.
 template <class Body>
 HWY_INLINE void for_each_batch_group(const SampleBatch& batch, const Body& body) {
   for (int i = 0; i < batch.num_samples; i += group_size()) body(i);
@@ -75,7 +73,37 @@ inline void correct_batch(SampleBatch& batch) {
   });
 }
 
+// The same at once, where the look is a few segments and nothing else decides.
+template <bool kIsLit>
+inline void shade_batch_in_segments(const CpuFrame& frame, SampleBatch& batch) {
+  const WorldVector axis{hn::Set(d, -frame.camera.axis[0]), hn::Set(d, -frame.camera.axis[1]),
+                         hn::Set(d, -frame.camera.axis[2])};
+  const FrameLook& look = frame.look;
+  for_each_batch_group(batch, [&](int i) {
+    Classified seen = classify_in_segments(look.color_segments, look.table.constants,
+                                           hn::Load(d, &batch.value[i]));
+    if constexpr (kIsLit) {
+      const WorldVector eye = frame.is_parallel ? axis : load_vector(batch.eye, i);
+      const Lighting light = light_sample(look.constants, load_vector(batch.gradient, i), eye);
+      seen.red = lit_color(seen.red, light);
+      seen.green = lit_color(seen.green, light);
+      seen.blue = lit_color(seen.blue, light);
+    }
+    hn::Store(seen.red, d, &batch.red[i]);
+    hn::Store(seen.green, d, &batch.green[i]);
+    hn::Store(seen.blue, d, &batch.blue[i]);
+    const V path = hn::Load(d, &batch.path[i]);
+    const V opacity = look.color_segments.has_logarithms ? opacity_of_logarithm(seen.opacity, path)
+                                                         : correct_opacity(seen.opacity, path);
+    hn::Store(opacity, d, &batch.opacity[i]);
+  });
+}
+
 inline void shade_batch(const CpuFrame& frame, SampleBatch& batch) {
+  if (are_usable(frame.look.color_segments) && !frame.has_own_color && !frame.fades_by_gradient) {
+    return frame.is_lit ? shade_batch_in_segments<true>(frame, batch)
+                        : shade_batch_in_segments<false>(frame, batch);
+  }
   classify_batch(frame, batch);
   if (frame.has_own_color) color_batch(frame, batch);
   if (frame.fades_by_gradient) fade_batch(frame, batch);

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Samples of refined pieces, packed: few of a group's pieces may show something, and they take
-// different numbers of steps. SIMD groups are full only if samples are taken together from all over
-// a sheet.
+// Samples of refined pieces, waiting to be shaded together: of a stage's many short loops the
+// processor works on several rounds at once, and SIMD groups are full only if samples are taken
+// together from all over a sheet.
+//
+// Where many of a group's pieces show, lanes are pixels: a step of all of them is a row of samples.
+// Where few do, lanes are the steps of one piece, which follow each other.
 #pragma once
 
 #include <array>
@@ -14,20 +17,23 @@ namespace ovoid::cpu {
 struct alignas(64) SampleBatch {
   static constexpr int kGroup = 16;                               // the most lanes of a SIMD group
   static constexpr int kMostOfGroup = kGroup * view::kMostSteps;  // that a group of pieces has
-  static constexpr int kSamples = 2 * kMostOfGroup;
+  static constexpr int kSamples = 2 * kMostOfGroup;               // so that they fit the L1 cache
+  // Worth being shaded: what is left over of the last SIMD group counts for little.
+  static constexpr int kMany = 64;
   // Groups are stored and read whole.
   using Floats = std::array<float, kSamples + kGroup>;
 
-  // One step of a group's pieces: the samples of `lanes`, from sample `first` on.
-  struct Step {
-    int column, row;
-    std::uint32_t lanes;
+  // Samples that join the pixels one after the other, from sample `first` on.
+  struct Run {
+    int pixel;  // of the tile: that of the piece, or of the group's first lane
     int first;
+    int count;            // of the piece; 0: a step of a group's pieces
+    std::uint32_t lanes;  // of the group
   };
 
   int num_samples = 0;
-  int num_steps = 0;
-  std::array<Step, kSamples> steps;
+  int num_runs = 0;
+  std::array<Run, kSamples> runs;
 
   // Of each sample: the field, and the attribute that gives the colour, if another one does; the
   // gradient, if the frame takes any; the direction to the eye, in perspective.

@@ -151,12 +151,17 @@ HWY_INLINE V shine_of(V cosine, float power) {
   return is_whole ? whole_power(cosine, static_cast<unsigned>(power)) : vector_power(cosine, power);
 }
 
+// 1 - 2^(log exponent), log <= 0.
+HWY_INLINE V opacity_of_logarithm(V log, V exponent) {
+  const V through = vector_exp2(d, hn::Max(hn::Mul(log, exponent), hn::Set(d, -126.0F)));
+  return hn::Sub(hn::Set(d, 1.0F), through);
+}
+
 // 1 - (1 - a)^exponent, the opacity of a path that is `exponent` sampling distances long.
 HWY_INLINE V correct_opacity(V a, V exponent) {
   const V log = vector_log2(hn::Max(hn::Sub(hn::Set(d, 1.0F), a), hn::Set(d, 1e-30F)));
-  const V through = vector_exp2(d, hn::Max(hn::Mul(log, exponent), hn::Set(d, -126.0F)));
   // An opaque sample stays opaque however short its path, if it has one.
-  return hn::IfThenElse(hn::Ge(a, hn::Set(d, 1.0F)), a, hn::Sub(hn::Set(d, 1.0F), through));
+  return hn::IfThenElse(hn::Ge(a, hn::Set(d, 1.0F)), a, opacity_of_logarithm(log, exponent));
 }
 
 // What a segment of straight values between `from` and `to` shows: the mean of what is integrated.
@@ -353,23 +358,23 @@ HWY_INLINE Lighting light_sample(const device::LookConstants& look, const WorldV
   const V squared = hn::Max(dot_product(gradient, gradient), hn::Set(d, 1e-36F));
   const V inverse = reciprocal_sqrt(squared);
   const V length = hn::Mul(squared, inverse);
-  const WorldVector normal{hn::Mul(gradient.x, inverse), hn::Mul(gradient.y, inverse),
-                           hn::Mul(gradient.z, inverse)};
+  const auto along = [&](const WorldVector& v) {
+    return hn::Mul(dot_product(gradient, v), inverse);
+  };
   const V flatness =
       hn::Min(hn::Mul(length, hn::Set(d, look.flat_gradient_inverse)), hn::Set(d, 1.0F));
-  const V to_eye = dot_product(normal, eye);
+  const V to_eye = along(eye);
   V diffuse = hn::Abs(to_eye);
   V specular = diffuse;
   if (look.has_headlight == 0) {
     const WorldVector light{hn::Set(d, look.light.x), hn::Set(d, look.light.y),
                             hn::Set(d, look.light.z)};
-    const V to_light = dot_product(normal, light);
+    const V to_light = along(light);
     diffuse = hn::Abs(to_light);
     const WorldVector half{hn::Add(light.x, eye.x), hn::Add(light.y, eye.y),
                            hn::Add(light.z, eye.z)};
     const V half_length = hn::Sqrt(dot_product(half, half));
-    const V cosine =
-        hn::Div(hn::Abs(dot_product(normal, half)), hn::Max(half_length, hn::Set(d, 1e-6F)));
+    const V cosine = hn::Div(hn::Abs(along(half)), hn::Max(half_length, hn::Set(d, 1e-6F)));
     specular = hn::IfThenElseZero(hn::Ge(hn::Mul(to_light, to_eye), hn::Zero(d)), cosine);
   }
   const V lit = hn::MulAdd(flatness, hn::Sub(diffuse, hn::Set(d, 1.0F)), hn::Set(d, 1.0F));
@@ -381,9 +386,9 @@ HWY_INLINE Lighting light_sample(const device::LookConstants& look, const WorldV
   return out;
 }
 
+// Neither colours nor strengths are negative.
 HWY_INLINE V lit_color(V color, const Lighting& light) {
-  const V c = hn::MulAdd(color, light.factor, light.highlight);
-  return hn::Min(hn::Max(c, hn::Zero(d)), hn::Set(d, 1.0F));
+  return hn::Min(hn::MulAdd(color, light.factor, light.highlight), hn::Set(d, 1.0F));
 }
 
 inline void light_sheet(const CpuFrame& frame, const BlockPlace& place, const Sheet& sheet,

@@ -37,7 +37,7 @@ struct PlaneShape {
 };
 
 // The pixels of a tile and the margin around them.
-inline constexpr PlaneShape kTilePlane{kTileSize + 2 * kMaxMargin, 40};
+inline constexpr PlaneShape kTilePlane{kTileSize + 2 * kMaxMargin, 48};
 
 // What is known of the samples of one sheet.
 struct Sheet {

@@ -60,8 +60,13 @@ inline void finish_pieces_of_sheet(const LatticeFrame& frame, Workspace& work, i
                                    StageClock& clock) {
   const BlockPlace& place = work.block.place;
   RowBits bits;
-  for (int y = 0; y < place.rows; ++y)
+  RowWord any = 0;
+  for (int y = 0; y < place.rows; ++y) {
     bits[y] = work.block.bits.relevant[s][y] & open_samples(frame, place, *work.tile, y);
+    any |= bits[y];
+  }
+  work.was_visible = {};
+  if (any == 0) return;
   finish_pieces(frame, work.in_hand(), s, bits, LatticePieces{frame, work.block}, clock,
                 [&] { gradients_of_ends(frame, work, s); });
   work.was_visible = work.shaded.visible;
@@ -90,13 +95,14 @@ inline int sheets_late(const CpuFrame& frame) { return frame.takes_differences ?
 inline void run_sheet(const LatticeFrame& frame, Workspace& work, int s, StageClock& clock) {
   const BlockPlace& place = work.block.place;
   RowBits wanted = wanted_now(frame, work, s);
-  work.stats.samples_reconstructed += count_bits(wanted, place.rows);
+  const std::int64_t num_wanted = count_bits(wanted, place.rows);
+  work.stats.samples_reconstructed += num_wanted;
   work.ring[place.number_of(s)].clear();
   if (should_scatter(frame)) {
     splat_sheet(frame, work, s, wanted);
     read_splat_sheet(frame, work, s, wanted);
   } else if (has_rows(frame, work.block)) {
-    reconstruct_rows(frame, work, s, wanted, guess_visible(frame, work, wanted));
+    reconstruct_rows(frame, work, s, wanted);
   } else {
     const RowBits guess = guess_visible(frame, work, wanted);
     reconstruct_with_gradients(frame, work, s, guess);
@@ -344,9 +350,10 @@ inline void draw_layer(const LatticeFrame& frame, LatticeWorkspace& work, const 
   draw_patch_layer(frame, work, patch, clock);
 }
 
-// Draws a patch, or one tile where the frame has no nodes, into work.tiles.
+// Draws a patch, or one tile where the frame has no nodes, into work.tiles; of the tile the samples
+// named by `wanted`, or all.
 inline void render_patch_on_target(const LatticeFrame& frame, LatticeWorkspace& work,
-                                   const TileRect& rect) {
+                                   const TileRect& rect, const RowWord* wanted) {
   view::ViewLattice::SheetRange sheets = frame.lattice_plan->sheets;
   if (frame.trail != nullptr) {
     const view::ViewLattice::SheetRange& of_trail = frame.trail->lattice_plan->sheets;
@@ -364,6 +371,7 @@ inline void render_patch_on_target(const LatticeFrame& frame, LatticeWorkspace& 
     set_up_rays(frame, rect.x0 + t % kPatchTiles * kTileSize, rect.y0 + t / kPatchTiles * kTileSize,
                 work.rays[static_cast<std::size_t>(t)]);
   }
+  for (int y = 0; y < kTileSize && wanted != nullptr; ++y) work.tiles[0].open[y] &= wanted[y];
   const std::int64_t last = sheets.last;
   for (std::int64_t sheet = sheets.first; sheet < last;) {
     if (frame.stop.stop_requested()) return;

@@ -15,8 +15,8 @@ namespace ovoid::cpu {
 HWY_EXPORT(render_patch_on_target);
 
 void render_patch(const simd::SimdTarget& target, const LatticeFrame& frame, LatticeWorkspace& work,
-                  const TileRect& rect) {
-  target.choose(HWY_DISPATCH_TABLE(render_patch_on_target))(frame, work, rect);
+                  const TileRect& rect, const RowWord* wanted) {
+  target.choose(HWY_DISPATCH_TABLE(render_patch_on_target))(frame, work, rect, wanted);
 }
 
 }  // namespace ovoid::cpu

@@ -4,9 +4,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <limits>
 
 #include "render/shared/finished_pixel.h"
+
+#if defined(__linux__)
+#include <sys/mman.h>
+#endif
 
 namespace ovoid::cpu {
 
@@ -14,13 +19,33 @@ double ms_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-Image empty_image(const RenderOptions& options) {
+namespace {
+
+// Memory for `count` numbers that have not been touched yet, in pages as large as the system has
+// them: pictures are large, and each page costs a trip to the system.
+void reserve_large_pages(std::vector<float>& numbers, std::size_t count) {
+  numbers.reserve(count);
+#if defined(__linux__)
+  constexpr std::uintptr_t kPage = 4096;
+  const auto begin = (reinterpret_cast<std::uintptr_t>(numbers.data()) + kPage - 1) / kPage * kPage;
+  const auto end =
+      (reinterpret_cast<std::uintptr_t>(numbers.data()) + count * sizeof(float)) / kPage * kPage;
+  // Where it is refused pages are as they are.
+  if (begin < end) madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
+#endif
+}
+
+}  // namespace
+
+Image empty_image(int width, int height) {
   Image image;
-  image.width = options.width;
-  image.height = options.height;
-  const std::size_t num_pixels = static_cast<std::size_t>(options.width) * options.height;
-  data::allocated(fmt::format("a picture of {} x {} pixels", options.width, options.height),
+  image.width = width;
+  image.height = height;
+  const std::size_t num_pixels = static_cast<std::size_t>(width) * height;
+  data::allocated(fmt::format("a picture of {} x {} pixels", width, height),
                   5 * sizeof(float) * num_pixels, [&] {
+                    reserve_large_pages(image.rgba, 4 * num_pixels);
+                    reserve_large_pages(image.depth, num_pixels);
                     image.rgba.assign(4 * num_pixels, 0.0F);
                     image.depth.assign(num_pixels, std::numeric_limits<float>::infinity());
                   });
@@ -38,9 +63,10 @@ std::vector<TileRect> tiles_of(int width, int height, int edge) {
 }
 
 void finish_tile(const CpuFrame& frame, const Look& look, const TileState& tile,
-                 const TileRect& rect, Image& image) {
+                 const TileRect& rect, const RowWord* wanted, Image& image) {
   for (int y = rect.y0; y < rect.y1; ++y) {
     for (int x = rect.x0; x < rect.x1; ++x) {
+      if (wanted != nullptr && (wanted[y - rect.y0] >> (x - rect.x0) & 1U) == 0) continue;
       const int i = (y - rect.y0) * kTileSize + (x - rect.x0);
       const std::size_t pixel = static_cast<std::size_t>(y) * image.width + x;
       float* rgba = image.rgba.data() + 4 * pixel;
@@ -58,6 +84,16 @@ void finish_tile(const CpuFrame& frame, const Look& look, const TileState& tile,
   }
 }
 
+void add_stage(FrameProfile& profile, const char* name, double ms) {
+  const auto named = std::find_if(profile.stages_ms.begin(), profile.stages_ms.end(),
+                                  [&](const auto& stage) { return stage.first == name; });
+  if (named == profile.stages_ms.end()) {
+    profile.stages_ms.emplace_back(name, ms);
+  } else {
+    named->second += ms;
+  }
+}
+
 void add_worker_stats(const WorkerStats& stats, double ticks_per_ms, FrameProfile& profile) {
   profile.samples_reconstructed += stats.samples_reconstructed;
   profile.samples_shaded += stats.samples_shaded;
@@ -70,17 +106,8 @@ void add_worker_stats(const WorkerStats& stats, double ticks_per_ms, FrameProfil
   profile.blocks_skipped_irrelevant += stats.skipped_irrelevant;
   profile.blocks_skipped_opaque += stats.skipped_opaque;
   if (ticks_per_ms <= 0) return;
-  for (int i = 0; i < kNumStages; ++i) {
-    const double ms = static_cast<double>(stats.ticks[i]) / ticks_per_ms;
-    const auto named =
-        std::find_if(profile.stages_ms.begin(), profile.stages_ms.end(),
-                     [&](const auto& stage) { return stage.first == kStageNames[i]; });
-    if (named == profile.stages_ms.end()) {
-      profile.stages_ms.emplace_back(kStageNames[i], ms);
-    } else {
-      named->second += ms;
-    }
-  }
+  for (std::size_t i = 0; i < kNumStages; ++i)
+    add_stage(profile, kStageNames[i], static_cast<double>(stats.ticks[i]) / ticks_per_ms);
 }
 
 }  // namespace ovoid::cpu

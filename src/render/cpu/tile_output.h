@@ -16,7 +16,7 @@ using Clock = std::chrono::steady_clock;
 double ms_since(Clock::time_point start);
 
 // A picture of the size asked for in which nothing is drawn yet. Throws Error(kOutOfMemory).
-Image empty_image(const RenderOptions& options);
+Image empty_image(int width, int height);
 
 // One for each worker. Throws Error(kOutOfMemory).
 template <typename Workspace>
@@ -32,9 +32,10 @@ std::vector<std::unique_ptr<Workspace>> make_workspaces(int num_workers) {
 // Rectangles of `edge` x `edge` pixels that cover the picture, row by row; the last ones smaller.
 std::vector<TileRect> tiles_of(int width, int height, int edge);
 
-// Stage "finish": a tile's state becomes pixels.
+// Stage "finish": a tile's state becomes pixels, of those named by `wanted`, row after row; null:
+// all.
 void finish_tile(const CpuFrame& frame, const Look& look, const TileState& tile,
-                 const TileRect& rect, Image& image);
+                 const TileRect& rect, const RowWord* wanted, Image& image);
 
 // Reports tiles one at a time, whatever the number of workers.
 class Watch {
@@ -59,6 +60,9 @@ class Watch {
   std::size_t done_ = 0;
   std::mutex mutex_;
 };
+
+// Adds time to a stage of a profile.
+void add_stage(FrameProfile& profile, const char* name, double ms);
 
 // Adds up what the workers counted; `ticks_per_ms` 0: without times.
 void add_worker_stats(const WorkerStats& stats, double ticks_per_ms, FrameProfile& profile);

@@ -2,8 +2,9 @@
 // Stage "warp" of one strip of the picture.
 //
 // In:  the base plane's samples, red, green, blue and opacity side by side.
-// Out: pixels. One that is no wider than a sample takes 4 x 4 of them: four samples of a row are
-// summed as one vector, whichever row they are of, and its four blocks are weighted at the end.
+// Out: pixels. One that is no wider than a sample takes 4 x 4 of them. Places and weights are those
+// of a group of pixels at once; then, pixel by pixel, four samples of a row are summed as one
+// vector, whichever row they are of, and its four blocks are weighted at the end.
 #if defined(OVOID_RENDER_CPU_WARP_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef OVOID_RENDER_CPU_WARP_INL_H_
 #undef OVOID_RENDER_CPU_WARP_INL_H_
@@ -187,48 +188,145 @@ inline Rgba mean_of_span(const Image& samples, const FilterSpan& x, const Filter
   return mean.bounded();
 }
 
-// The four weights of samples floor(at) - 1 and following, of a filter of width 1.
-HWY_INLINE void four_filter_weights(float fraction, float* weights) {
-  weights[0] = filter_weight(1 + fraction);
-  weights[1] = filter_weight(fraction);
-  weights[2] = filter_weight(1 - fraction);
-  weights[3] = filter_weight(2 - fraction);
+// Where a group of pixels of a row lie: in a box of whole samples, whose corner is (corner_x,
+// corner_y), and how far from the corner.
+struct PixelPlaces {
+  static constexpr int kPixels = 16;
+
+  int corner_x, corner_y;
+  alignas(64) float x[kPixels], y[kPixels];
+  bool are_narrow;  // than samples
+};
+
+// Pixels from x on.
+inline PixelPlaces places_of(const PlacesInBase& row, int x) {
+  PixelPlaces places;
+  PlaceInBase at[PixelPlaces::kPixels];
+  for (int i = 0; i < PixelPlaces::kPixels; ++i) at[i] = row[x + i];
+  double least_x = at[0].x;
+  double least_y = at[0].y;
+  places.are_narrow = true;
+  for (const PlaceInBase& place : at) {
+    least_x = std::min(least_x, place.x);
+    least_y = std::min(least_y, place.y);
+    places.are_narrow &= place.width_x == 1.0F && place.width_y == 1.0F;
+  }
+  // Far away is as good as any place out there.
+  constexpr double kFar = 1 << 20;
+  places.corner_x = static_cast<int>(std::floor(std::clamp(least_x, -kFar, kFar)));
+  places.corner_y = static_cast<int>(std::floor(std::clamp(least_y, -kFar, kFar)));
+  for (int i = 0; i < PixelPlaces::kPixels; ++i) {
+    places.x[i] = static_cast<float>(at[i].x - places.corner_x);
+    places.y[i] = static_cast<float>(at[i].y - places.corner_y);
+  }
+  return places;
 }
 
-// Of 4 x 4 samples from `from` on, all of which exist.
-HWY_INLINE Rgba mean_of_sixteen(const float* from, std::ptrdiff_t row, float x, float y) {
-  float own[4];
-  float of_row[4];
-  four_filter_weights(x, own);
-  four_filter_weights(y, of_row);
-  alignas(64) float weights[16];
-  for (int i = 0; i < 16; ++i) weights[i] = own[i / 4];
-  alignas(64) float sums[16], least[16], greatest[16];
-  for (int i = 0; i < 16; i += group_size()) {
-    const V first = hn::LoadU(d, from + i);
-    V sum = hn::Mul(first, hn::Set(d, of_row[0]));
-    V lo = first;
-    V hi = first;
-    for (int j = 1; j < 4; ++j) {
-      const V sample = hn::LoadU(d, from + j * row + i);
-      sum = hn::MulAdd(sample, hn::Set(d, of_row[j]), sum);
-      lo = hn::Min(lo, sample);
-      hi = hn::Max(hi, sample);
-    }
-    hn::Store(hn::Mul(sum, hn::Load(d, weights + i)), d, sums + i);
-    hn::Store(lo, d, least + i);
-    hn::Store(hi, d, greatest + i);
+// The samples around a group of pixels that are no wider than samples: 4 x 4 of each, from its
+// first on, and their weights.
+struct PixelTaps {
+  static constexpr int kPixels = PixelPlaces::kPixels;
+
+  alignas(64) std::int32_t first_x[kPixels], first_y[kPixels];  // from the corner
+  alignas(64) float weight_x[kPixels][4];
+  alignas(64) float weight_y[4][kPixels];
+};
+
+inline void set_taps_of_pixels(const PixelPlaces& places, PixelTaps& taps) {
+  const auto weigh = [](const float* from, std::int32_t* first, V(&w)[4]) {
+    const V at = hn::Load(d, from);
+    const V whole = hn::Floor(at);
+    const V fraction = hn::Sub(at, whole);
+    hn::Store(hn::Sub(nearest_integer(whole), hn::Set(di, 1)), di, first);
+    const V one = hn::Set(d, 1.0F);
+    w[0] = filter_weights(hn::Add(one, fraction));
+    w[1] = filter_weights(fraction);
+    w[2] = filter_weights(hn::Sub(one, fraction));
+    w[3] = filter_weights(hn::Sub(hn::Set(d, 2.0F), fraction));
+  };
+  for (int i = 0; i < PixelTaps::kPixels; i += group_size()) {
+    V w[4];
+    weigh(places.x + i, taps.first_x + i, w);
+#if HWY_TARGET == HWY_SCALAR
+    for (int k = 0; k < 4; ++k) hn::Store(w[k], d, &taps.weight_x[i][k]);
+#else
+    hn::StoreInterleaved4(w[0], w[1], w[2], w[3], d, &taps.weight_x[i][0]);
+#endif
+    weigh(places.y + i, taps.first_y + i, w);
+    for (int k = 0; k < 4; ++k) hn::Store(w[k], d, taps.weight_y[k] + i);
   }
-  Mean mean;
-  for (int c = 0; c < 4; ++c) {
-    mean.value.v[c] = sums[c] + sums[c + 4] + sums[c + 8] + sums[c + 12];
-    mean.least.v[c] =
-        std::min(std::min(least[c], least[c + 4]), std::min(least[c + 8], least[c + 12]));
-    mean.greatest.v[c] = std::max(std::max(greatest[c], greatest[c + 4]),
-                                  std::max(greatest[c + 8], greatest[c + 12]));
-  }
-  return mean.bounded();
 }
+
+#if HWY_TARGET == HWY_SCALAR
+// Of 4 x 4 samples from `from` on, all of which exist.
+inline void mean_of_sixteen(const float* from, std::ptrdiff_t row, const PixelTaps& taps, int i,
+                            float* out) {
+  Mean mean;
+  std::copy_n(from, 4, mean.least.v);
+  std::copy_n(from, 4, mean.greatest.v);
+  for (int b = 0; b < 4; ++b) {
+    for (int a = 0; a < 4; ++a) {
+      const float weight = taps.weight_x[i][a] * taps.weight_y[b][i];
+      for (int c = 0; c < 4; ++c) {
+        const float sample = from[b * row + 4 * a + c];
+        mean.value.v[c] += weight * sample;
+        mean.least.v[c] = std::min(mean.least.v[c], sample);
+        mean.greatest.v[c] = std::max(mean.greatest.v[c], sample);
+      }
+    }
+  }
+  std::copy_n(mean.bounded().v, 4, out);
+}
+#else
+using D4 = hn::FixedTag<float, 4>;
+using V4 = hn::Vec<D4>;
+inline constexpr D4 d4;
+
+// The blocks of four numbers of a vector, taken together.
+template <class Op>
+HWY_INLINE V4 fold_blocks(V v, const Op& op) {
+#if HWY_MAX_BYTES >= 64
+  const hn::FixedTag<float, 8> d8;
+  const auto half = op(hn::LowerHalf(d8, v), hn::UpperHalf(d8, v));
+  return op(hn::LowerHalf(d4, half), hn::UpperHalf(d4, half));
+#elif HWY_MAX_BYTES >= 32
+  return op(hn::LowerHalf(d4, v), hn::UpperHalf(d4, v));
+#else
+  (void)op;
+  return v;
+#endif
+}
+
+// Of 4 x 4 samples from `from` on, all of which exist, the mean of pixel i, between the least and
+// the greatest of them.
+HWY_INLINE void mean_of_sixteen(const float* from, std::ptrdiff_t row, const PixelTaps& taps, int i,
+                                float* out) {
+  const auto add = [](auto a, auto b) { return hn::Add(a, b); };
+  const auto lesser = [](auto a, auto b) { return hn::Min(a, b); };
+  const auto greater = [](auto a, auto b) { return hn::Max(a, b); };
+  const V of_columns = hn::LoadDup128(d, taps.weight_x[i]);
+  const VI sample_of_lane = hn::ShiftRight<2>(hn::Iota(di, 0));
+  V sum = hn::Zero(d);
+  V least = hn::LoadU(d, from);
+  V greatest = least;
+  for (int x = 0; x < 16; x += group_size()) {
+    V of_rows = hn::Zero(d);
+    for (int j = 0; j < 4; ++j) {
+      const V samples = hn::LoadU(d, from + j * row + x);
+      of_rows = hn::MulAdd(samples, hn::Set(d, taps.weight_y[j][i]), of_rows);
+      least = hn::Min(least, samples);
+      greatest = hn::Max(greatest, samples);
+    }
+    const VI sample = hn::Add(sample_of_lane, hn::Set(di, x / 4));
+    const V weights = hn::TableLookupLanes(of_columns, hn::IndicesFromVec(d, sample));
+    sum = hn::MulAdd(of_rows, weights, sum);
+  }
+  const V4 mean = fold_blocks(sum, add);
+  const V4 lo = fold_blocks(least, lesser);
+  const V4 hi = fold_blocks(greatest, greater);
+  hn::StoreU(hn::Min(hn::Max(mean, lo), hi), d4, out);
+}
+#endif
 
 // True if one of the samples from (x0, y0) to (x1, y1) may hold something.
 inline bool holds_something(const BasePicture& samples, int x0, int y0, int x1, int y1) {
@@ -241,45 +339,92 @@ inline bool holds_something(const BasePicture& samples, int x0, int y0, int x1, 
   }
 }
 
-inline void warp_on_target(const WarpJob& job, const TileRect& strip, Image& picture) {
-  const view::BasePlane& base = job.base;
+// A pixel anywhere, of any width.
+class AnyPixel {
+ public:
+  explicit AnyPixel(const WarpJob& job) : job_(job) {}
+
+  void set(const PlaceInBase& at, float* rgba) {
+    const view::BasePlane& base = job_.base;
+    const double reach_x = kFilterReach * static_cast<double>(at.width_x);
+    const double reach_y = kFilterReach * static_cast<double>(at.width_y);
+    if (!(at.x > -reach_x && at.y > -reach_y && at.x < base.width - 1 + reach_x &&
+          at.y < base.height - 1 + reach_y))
+      return;
+    x_.set(at.x, at.width_x, base.width);
+    y_.set(at.y, at.width_y, base.height);
+    if (x_.is_empty() || y_.is_empty() ||
+        !holds_something(job_.samples, x_.first, y_.first, x_.last, y_.last))
+      return;
+    const Rgba color = mean_of_span(job_.samples.image, x_, y_);
+    std::copy_n(color.v, 4, rgba);
+  }
+
+ private:
+  const WarpJob& job_;
+  FilterSpan x_, y_;
+};
+
+// What depth a pixel has: that of the nearest sample.
+inline float depth_at(const WarpJob& job, double x, double y) {
+  const auto i = static_cast<int>(std::floor(x + 0.5));
+  const auto j = static_cast<int>(std::floor(y + 0.5));
+  if (i < 0 || j < 0 || i >= job.base.width || j >= job.base.height)
+    return std::numeric_limits<float>::infinity();
+  const float z = job.samples.image.depth[static_cast<std::size_t>(j) * job.base.width + i];
+  return static_cast<float>(job.base.depth_of(i, j, z));
+}
+
+// A group's pixels, whose samples all exist. `first`: its first pixel.
+inline void warp_group(const WarpJob& job, const PixelPlaces& places, int count, std::size_t first,
+                       Image& picture) {
+  PixelTaps taps;
+  set_taps_of_pixels(places, taps);
   const Image& samples = job.samples.image;
   const std::ptrdiff_t row = 4 * static_cast<std::ptrdiff_t>(samples.width);
-  FilterSpan span_x;
-  FilterSpan span_y;
+  const float* const corner = samples.rgba.data() + places.corner_y * row +
+                              static_cast<std::ptrdiff_t>(4) * places.corner_x;
+  for (int i = 0; i < count; ++i) {
+    const std::size_t pixel = first + static_cast<std::size_t>(i);
+    mean_of_sixteen(
+        corner + taps.first_y[i] * row + static_cast<std::ptrdiff_t>(4) * taps.first_x[i], row,
+        taps, i, picture.rgba.data() + 4 * pixel);
+    picture.depth[pixel] = depth_at(job, places.corner_x + static_cast<double>(places.x[i]),
+                                    places.corner_y + static_cast<double>(places.y[i]));
+  }
+}
+
+inline void warp_on_target(const WarpJob& job, const TileRect& strip, Image& picture) {
+  const view::BasePlane& base = job.base;
+  AnyPixel any(job);
   for (int y = strip.y0; y < strip.y1; ++y) {
-    const PlacesInBase places(base, y);
-    for (int x = strip.x0; x < strip.x1; ++x) {
-      const PlaceInBase at = places[x];
-      const double reach_x = kFilterReach * static_cast<double>(at.width_x);
-      const double reach_y = kFilterReach * static_cast<double>(at.width_y);
-      if (!(at.x > -reach_x && at.y > -reach_y && at.x < base.width - 1 + reach_x &&
-            at.y < base.height - 1 + reach_y))
+    const PlacesInBase row(base, y);
+    for (int x = strip.x0; x < strip.x1; x += PixelPlaces::kPixels) {
+      const int count = std::min(PixelPlaces::kPixels, strip.x1 - x);
+      const std::size_t first = static_cast<std::size_t>(y) * picture.width + x;
+      const PixelPlaces places = places_of(row, x);
+      const float* const right = std::max_element(places.x, places.x + PixelPlaces::kPixels);
+      const float* const below = std::max_element(places.y, places.y + PixelPlaces::kPixels);
+      // Of all samples that narrow pixels take.
+      const auto end = [](int corner, float most) {
+        return static_cast<double>(corner) + std::floor(static_cast<double>(most)) + 2;
+      };
+      const bool exist = places.corner_x >= 1 && places.corner_y >= 1 &&
+                         end(places.corner_x, *right) < base.width &&
+                         end(places.corner_y, *below) < base.height;
+      if (exist && places.are_narrow) {
+        if (holds_something(job.samples, places.corner_x - 1, places.corner_y - 1,
+                            static_cast<int>(end(places.corner_x, *right)),
+                            static_cast<int>(end(places.corner_y, *below))))
+          warp_group(job, places, count, first, picture);
         continue;
-      const auto x0 = static_cast<int>(std::floor(at.x));
-      const auto y0 = static_cast<int>(std::floor(at.y));
-      const bool takes_sixteen = at.width_x == 1.0F && at.width_y == 1.0F && x0 >= 1 && y0 >= 1 &&
-                                 x0 + 2 < base.width && y0 + 2 < base.height;
-      Rgba color;
-      if (takes_sixteen) {
-        if (!holds_something(job.samples, x0 - 1, y0 - 1, x0 + 2, y0 + 2)) continue;
-        color = mean_of_sixteen(samples.rgba.data() + (y0 - 1) * row + 4 * (x0 - 1), row,
-                                static_cast<float>(at.x - x0), static_cast<float>(at.y - y0));
-      } else {
-        span_x.set(at.x, at.width_x, base.width);
-        span_y.set(at.y, at.width_y, base.height);
-        if (span_x.is_empty() || span_y.is_empty() ||
-            !holds_something(job.samples, span_x.first, span_y.first, span_x.last, span_y.last))
-          continue;
-        color = mean_of_span(samples, span_x, span_y);
       }
-      const std::size_t pixel = static_cast<std::size_t>(y) * picture.width + x;
-      std::copy_n(color.v, 4, picture.rgba.data() + 4 * pixel);
-      const auto i = static_cast<int>(std::round(at.x));
-      const auto j = static_cast<int>(std::round(at.y));
-      if (i < 0 || j < 0 || i >= base.width || j >= base.height) continue;
-      const float z = samples.depth[static_cast<std::size_t>(j) * base.width + i];
-      picture.depth[pixel] = static_cast<float>(base.depth_of(i, j, z));
+      for (int i = 0; i < count; ++i) {
+        const PlaceInBase at = row[x + i];
+        const std::size_t pixel = first + static_cast<std::size_t>(i);
+        any.set(at, picture.rgba.data() + 4 * pixel);
+        picture.depth[pixel] = depth_at(job, at.x, at.y);
+      }
     }
   }
 }

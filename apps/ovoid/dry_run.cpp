@@ -28,10 +28,16 @@ double num_pixels(const RenderOptions& options) {
 
 // Bytes per pixel: four colour floats and a depth while it is drawn; then the file's own form,
 // before it is compressed.
-double picture_bytes(const RenderOptions& options, const std::string& output) {
+double picture_bytes(const DryRun& run) {
   constexpr double kDrawn = 20;
-  const double written = has_ending(output, ".png") ? 4 : has_ending(output, ".exr") ? 20 : 0;
-  return (kDrawn + written) * num_pixels(options);
+  // A lattice's base plane is drawn beside it: of what the field covers, which is not known here,
+  // but is less than half of most pictures.
+  constexpr double kBasePlane = 8;
+  const bool may_have_base = run.field.lattice() != nullptr && run.options.sheets != Sheets::kImage;
+  const double written = has_ending(run.output, ".png")   ? 4
+                         : has_ending(run.output, ".exr") ? 20
+                                                          : 0;
+  return (kDrawn + std::max(written, may_have_base ? kBasePlane : 0)) * num_pixels(run.options);
 }
 
 // What a frame keeps of a kernel set: a splat for each kernel, and lists of those that each block
@@ -98,9 +104,9 @@ std::string predict(const DryRun& run, Session& session) {
       fmt::format("about {} ({}{}{}, {} thread{})", readable_time(num_samples * ms_per_sample),
                   profile.backend, profile.simd_target.empty() ? "" : ", ", profile.simd_target,
                   profile.threads, profile.threads == 1 ? "" : "s"));
-  const double peak = std::max(static_cast<double>(peak_memory_bytes()),
-                               resident + picture_bytes(run.options, run.output) +
-                                   splat_bytes(run, profile, timed, num_pixels(strip)));
+  const double peak =
+      std::max(static_cast<double>(peak_memory_bytes()),
+               resident + picture_bytes(run) + splat_bytes(run, profile, timed, num_pixels(strip)));
   row("greatest memory", fmt::format("about {}", readable_bytes(peak)));
   return out;
 }

@@ -57,7 +57,7 @@ bool is_gentle(const Look& look, const ValueRange& range) {
 
 double steepness_of(const Look& look, const ValueRange& range) {
   if (look.mode == Mode::kIsosurface) return kSurfaceSteepness;
-  double steepness = kNodeSteepness;
+  double steepness = 0;
   if (look.mode != Mode::kComposite || !(range.lo < range.hi)) return steepness;
   const auto& points = look.transfer_function.opacities;
   for (std::size_t i = 1; i < points.size(); ++i) {
@@ -241,7 +241,9 @@ LatticePlan::LatticePlan(const LatticeField& field, const Camera& camera, const 
           is_refined && pieces == PieceRelevance::kPieceEnds ? 0.5 * greatest_step(lattice) : 0.0),
       node_reach_((data::is_piecewise(field.kernel().kind) ? kNodeSigmasOfPieces : kNodeSigmas) *
                   field.index_kernel().sigma *
-                  std::pow(kNodeSteepness / steepness_of(look, field.value_range()), 0.25)),
+                  std::pow(kNodeSteepness /
+                               std::max(kNodeSteepness, steepness_of(look, field.value_range())),
+                           0.25)),
       widens_kernels_(base == nullptr),
       spacing_(in_order(field.geometry().spacing(), order)),
       unit_spacing_(field.geometry().unit_spacing()) {

@@ -33,8 +33,8 @@ inline constexpr double kGentleOpacity =
 inline constexpr double kGentleColor = 8.0;
 inline constexpr double kGentleDistance = 1.5;
 
-// Greatest change of the opacity over the field's range, at least kNodeSteepness. An isosurface is
-// a step, but what is found by nodes is then refined on the field.
+// Greatest change of the opacity over the field's range, were it as fast all along. An isosurface
+// is a step, but what is found by nodes is then refined on the field.
 double steepness_of(const Look& look, const ValueRange& range);
 
 // Everything about a frame, of whatever field, that can be said before a sample is reconstructed.

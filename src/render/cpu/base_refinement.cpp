@@ -19,6 +19,10 @@ constexpr double kFewestSamples = 32 * 32;
 
 // Looks that are steeper, in opacity over the field's range, draw lines too thin for samples apart.
 constexpr double kGreatestSteepness = 25;
+// Of looks that are steeper than this, most samples are drawn after all, unless there are so many
+// that those drawn first cost next to nothing.
+constexpr double kSteepness = 4;
+constexpr int kLeastApartIfSteep = 4;
 
 // How much colours and opacities may bend at the corners of what is interpolated: the difference
 // of a sample to the mean of its neighbours on either side. The cubic through four samples errs by
@@ -206,16 +210,17 @@ bool SampleMask::is_empty(int x, int y) const noexcept {
 
 int first_samples_apart(const view::BasePlane& base, const LatticeField& field, const Look& look,
                         const RenderOptions& options) {
+  const double steepness = view::steepness_of(look, field.value_range());
   // An x-ray's numbers are no colours.
   if (options.post_convolution != PostConvolution::kAuto || look.mode == Mode::kXray ||
-      view::steepness_of(look, field.value_range()) > kGreatestSteepness)
+      steepness > kGreatestSteepness)
     return 1;
   const double samples = static_cast<double>(base.width) * base.height;
   int n = 1;
   while (n < kMostApart && base.samples_per_spacing >= kLeastSamplesPerSpacing * 2 * n &&
          samples >= kFewestSamples * 4 * n * n)
     n *= 2;
-  return n;
+  return steepness > kSteepness && n < kLeastApartIfSteep ? 1 : n;
 }
 
 view::BasePlane every_nth_sample(const view::BasePlane& base, int n) {

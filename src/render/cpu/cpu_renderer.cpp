@@ -149,19 +149,20 @@ view::RelevanceMap draw_samples(const FrameJob& job, const Machine& machine, Sam
   return std::move(prepared.plan.relevance);
 }
 
+// Without a picture.
 Frame empty_frame(const FrameJob& job, const Machine& machine) {
   Frame frame;
   frame.profile.backend = "cpu";
   frame.profile.simd_target = machine.target.name();
   frame.profile.threads = machine.runner->num_workers();
   frame.profile.kernels_total = job.field.num_kernels();
-  frame.image = empty_image(job.options.width, job.options.height);
   return frame;
 }
 
 Frame render_image_sheets(const FrameJob& job, const Machine& machine) {
   const Clock::time_point start = Clock::now();
   Frame frame = empty_frame(job, machine);
+  frame.image = empty_image(job.options.width, job.options.height);
   draw_samples(job, machine, {}, frame.image, frame.profile);
   frame.profile.frame_ms = ms_since(start);
   return frame;
@@ -210,6 +211,7 @@ Frame render_lattice_sheets(const FrameJob& job, const Machine& machine) {
   Frame frame = empty_frame(job, machine);
   Runner& runner = *machine.runner;
   const BasePicture samples(draw_base_plane(job, machine, frame.profile), runner);
+  frame.image = empty_image(job.options.width, job.options.height);  // now: there were others
   const Clock::time_point warp_start = Clock::now();
   const WarpJob warp_job{*job.base, samples};
   const std::vector<TileRect> strips = strips_of(job.options);

@@ -67,17 +67,21 @@ struct EndValues {
 class GroupEnds {
  public:
   HWY_INLINE explicit GroupEnds(const PieceEnds& ends)
-      : front_(mask_of(ends.front)), back_(mask_of(ends.back)) {}
+      : are_whole_((ends.front & ends.back) == group_bits()),
+        front_(mask_of(ends.front)),
+        back_(mask_of(ends.back)) {}
 
   HWY_INLINE EndValues operator()(const float* front, const float* back) const {
     const V f = hn::LoadU(d, front);
     const V b = hn::LoadU(d, back);
+    if (are_whole_) return {f, b};
     return {hn::IfThenElse(front_, f, b), hn::IfThenElse(back_, b, f)};
   }
   const M& front() const { return front_; }
   const M& back() const { return back_; }
 
  private:
+  bool are_whole_;  // all ends are there
   M front_, back_;
 };
 
@@ -395,33 +399,97 @@ HWY_INLINE void composite_step(const CpuFrame& frame, const TileInHand& tile,
   tile.pixels.open[run.pixel / kTileSize] &= ~(RowWord{bits_of(opaque)} << (run.pixel % kTileSize));
 }
 
+// A pixel while a piece joins it.
+struct PixelSoFar {
+  float red, green, blue, alpha, depth;
+};
+
+// Samples of a piece, front to back, one after the other.
+inline int add_samples(const CpuFrame& frame, const SampleBatch& batch, int first, int end,
+                       PixelSoFar& pixel) {
+  int visible = 0;
+  for (int i = first; i < end && pixel.alpha < frame.opaque_at; ++i) {
+    const float before = pixel.alpha;
+    const float share = (1 - before) * std::max(batch.opacity[i], 0.0F);
+    visible += share > 0 ? 1 : 0;
+    pixel.red += share * batch.red[i];
+    pixel.green += share * batch.green[i];
+    pixel.blue += share * batch.blue[i];
+    pixel.alpha = before + share;
+    if (before < 0.5F && pixel.alpha >= 0.5F) pixel.depth = batch.depth[i];
+  }
+  return visible;
+}
+
+#if HWY_TARGET != HWY_SCALAR
+// Of each lane the product of those before it; of the first, 1.
+HWY_INLINE V products_before(V x) {
+  const VI lane = hn::Iota(di, 0);
+  const V one = hn::Set(d, 1.0F);
+  const auto from = [&](V v, int lanes) {
+    const VI index = hn::Max(hn::Sub(lane, hn::Set(di, lanes)), hn::Zero(di));
+    const M is_beyond = hn::RebindMask(d, hn::Lt(lane, hn::Set(di, lanes)));
+    return hn::IfThenElse(is_beyond, one, hn::TableLookupLanes(v, hn::IndicesFromVec(d, index)));
+  };
+  V product = from(x, 1);
+  for (int lanes = 1; lanes < group_size(); lanes *= 2)
+    product = hn::Mul(product, from(product, lanes));
+  return product;
+}
+
+// The same of as many as a group has, at once.
+HWY_INLINE int add_group_of_samples(const CpuFrame& frame, const SampleBatch& batch, int first,
+                                    int count, PixelSoFar& pixel) {
+  const auto load = [&](const SampleBatch::Floats& floats) { return hn::LoadU(d, &floats[first]); };
+  const M exists = hn::FirstN(d, static_cast<std::size_t>(count));
+  const V opacity = hn::IfThenElseZero(exists, hn::Max(load(batch.opacity), hn::Zero(d)));
+  const V one = hn::Set(d, 1.0F);
+  const V through = hn::Mul(products_before(hn::Sub(one, opacity)), hn::Set(d, 1 - pixel.alpha));
+  const M is_open = hn::Lt(hn::Sub(one, through), hn::Set(d, frame.opaque_at));
+  const V share = hn::IfThenElseZero(is_open, hn::Mul(through, opacity));
+  const auto sum_of = [&](V v) { return hn::GetLane(hn::SumOfLanes(d, v)); };
+  pixel.red += sum_of(hn::Mul(share, load(batch.red)));
+  pixel.green += sum_of(hn::Mul(share, load(batch.green)));
+  pixel.blue += sum_of(hn::Mul(share, load(batch.blue)));
+  if (pixel.alpha < 0.5F) {
+    const V behind = hn::Sub(one, hn::Sub(through, share));
+    const std::uint32_t reach = bits_of(hn::And(exists, hn::Ge(behind, hn::Set(d, 0.5F))));
+    if (reach != 0) pixel.depth = batch.depth[first + std::countr_zero(reach)];
+  }
+  pixel.alpha += sum_of(share);
+  return std::popcount(bits_of(hn::Gt(share, hn::Zero(d))));
+}
+#endif
+
+// Shorter runs are quicker one by one.
+inline constexpr int kLeastOfGroup = 8;
+
 // The samples of a piece join its pixel.
 inline void composite_piece(const CpuFrame& frame, const TileInHand& tile,
                             const SampleBatch::Run& run) {
-  const SampleBatch& batch = tile.batch;
   TileState& pixels = tile.pixels;
   const int at = run.pixel;
-  float alpha = pixels.alpha[at];
-  if (alpha >= frame.opaque_at) return;
-  float red = pixels.red[at];
-  float green = pixels.green[at];
-  float blue = pixels.blue[at];
+  PixelSoFar pixel{pixels.red[at], pixels.green[at], pixels.blue[at], pixels.alpha[at],
+                   pixels.depth[at]};
+  if (pixel.alpha >= frame.opaque_at) return;
   const int end = run.first + run.count;
-  for (int i = run.first; i < end && alpha < frame.opaque_at; ++i) {
-    const float before = alpha;
-    const float share = (1 - before) * std::max(batch.opacity[i], 0.0F);
-    tile.stats.samples_shaded += share > 0 ? 1 : 0;
-    red += share * batch.red[i];
-    green += share * batch.green[i];
-    blue += share * batch.blue[i];
-    alpha = before + share;
-    if (before < 0.5F && alpha >= 0.5F) pixels.depth[at] = batch.depth[i];
+  int next = run.first;
+#if HWY_TARGET != HWY_SCALAR
+  while (group_size() >= kLeastOfGroup && end - next >= kLeastOfGroup &&
+         pixel.alpha < frame.opaque_at) {
+    const int count = std::min(end - next, group_size());
+    tile.stats.samples_shaded += add_group_of_samples(frame, tile.batch, next, count, pixel);
+    next += count;
   }
-  pixels.red[at] = red;
-  pixels.green[at] = green;
-  pixels.blue[at] = blue;
-  pixels.alpha[at] = alpha;
-  if (alpha >= frame.opaque_at) pixels.open[at / kTileSize] &= ~(RowWord{1} << (at % kTileSize));
+#endif
+  tile.stats.samples_shaded += add_samples(frame, tile.batch, next, end, pixel);
+  pixels.red[at] = pixel.red;
+  pixels.green[at] = pixel.green;
+  pixels.blue[at] = pixel.blue;
+  pixels.alpha[at] = pixel.alpha;
+  pixels.depth[at] = pixel.depth;
+  if (pixel.alpha >= frame.opaque_at)
+    pixels.open[at / kTileSize] &= ~(RowWord{1} << (at % kTileSize));
 }
 
 // Draws the samples of the batch, and empties it.

@@ -1,10 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""How near pictures on lattice sheets and on image sheets are to finer ones: lattice_sheets.py [--size N] [--projection parallel|perspective] [FILE...]
+"""How near pictures on lattice sheets and on image sheets are to finer ones:
+lattice_sheets.py [--size N] [--projection parallel|perspective] [--magnified] [FILE...]
 
 Without files: bonsai, engine, headsq and MR of the folder of real data (run.py). Three looks: the default; opaque, from nothing to 0.9 within 5 % of
 the range; soft, to 0.06 over the whole range. Two views. Held against the mean of 4 x 4 rays per pixel whose sheets are an eighth as far from each
-other; dB of colours over black. `turn`: how much the picture on lattice sheets changes where its main axis does, and by a turn of half a degree."""
+other; dB of colours over black. `turn`: how much the picture on lattice sheets changes where its main axis does, and by a turn of half a degree.
+
+--magnified: instead, how near magnified pictures from few samples are to those of all samples, and how many were reconstructed."""
 import argparse
 import json
 import math
@@ -42,8 +45,12 @@ def decibels(a, b):
     return -10 * math.log10(squared + 1e-30)
 
 
-def looks_of(described):
-    low, high = described["arrays"][0]["range"]
+def described(path):
+    return json.loads(subprocess.run([OVOID, "info", path, "--json"], check=True, capture_output=True, text=True).stdout)
+
+
+def looks_of(description):
+    low, high = description["arrays"][0]["range"]
     step, span = low + PLACE * (high - low), high - low
     colors = [low, 0.1, 0.2, 0.9, high, 1, 0.9, 0.6]
 
@@ -66,19 +73,38 @@ class Subject:
         return colors_of(picture)
 
 
+def print_magnified(subjects):
+    """Of (name, look's name, subject): pictures as by default, and with every sample drawn."""
+    print("| file | look | zoom | few samples against all, dB | samples, few / all |\n|---|---|---:|---:|---:|")
+    for file, look, subject in subjects:
+        for zoom in (5, 10, 20):
+            pictures, samples = [], []
+            for how in ("auto", "off"):
+                profile = os.path.join(subject.folder, "profile.json")
+                pictures.append(subject.draw(VIEWS[0], "--zoom", str(zoom), "--sheets", "lattice", "--post-convolution", how, f"--profile={profile}"))
+                with open(profile, encoding="utf-8") as opened:
+                    samples.append(json.load(opened)["samples"]["reconstructed"])
+            print(f"| {file} | {look} | {zoom} | {min(decibels(*pictures), 99.9):.1f} | {samples[0] / samples[1]:.2f} |", flush=True)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--size", type=int, default=200)
     parser.add_argument("--projection", default="parallel")
+    parser.add_argument("--magnified", action="store_true")
     parser.add_argument("files", nargs="*")
     options = parser.parse_args()
     files = options.files or [os.path.join(data_folder(), file) for file in FILES]
+    if options.magnified:
+        with tempfile.TemporaryDirectory() as folder:
+            print_magnified((os.path.basename(path), name, Subject(path, look, options, folder)) for path in files
+                            for name, look in looks_of(described(path)).items())
+        return
     print("| file | look | view | image sheets, dB | lattice sheets, dB | main axis changes, dB | turn by half a degree, dB |\n|---|---|---|---:|---:|---:|---:|")
     with tempfile.TemporaryDirectory() as folder:
         for path in files:
-            described = json.loads(subprocess.run([OVOID, "info", path, "--json"], check=True, capture_output=True, text=True).stdout)
-            finest = 0.5 * min(described["spacing"]) / FINER
-            for name, look in looks_of(described).items():
+            finest = 0.5 * min(described(path)["spacing"]) / FINER
+            for name, look in looks_of(described(path)).items():
                 subject = Subject(path, look, options, folder)
                 before = subject.draw((44.999, 10), "--sheets", "lattice")
                 step = decibels(before, subject.draw((45.001, 10), "--sheets", "lattice"))

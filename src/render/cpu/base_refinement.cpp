@@ -27,7 +27,7 @@ constexpr int kLeastApartIfSteep = 4;
 // How much colours and opacities may bend at the corners of what is interpolated: the difference
 // of a sample to the mean of its neighbours on either side. The cubic through four samples errs by
 // a sixteenth of that at most, unless the picture has finer patterns than the samples.
-constexpr float kMostBend = 6.0F / 255;
+constexpr float kMostBend = 5.0F / 255;
 // Where they bend by more, but differ by no more than this, straight lines fill.
 constexpr float kMostDifference = 1.0F / 255;
 

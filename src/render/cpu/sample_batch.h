@@ -18,8 +18,6 @@ struct alignas(64) SampleBatch {
   static constexpr int kGroup = 16;                               // the most lanes of a SIMD group
   static constexpr int kMostOfGroup = kGroup * view::kMostSteps;  // that a group of pieces has
   static constexpr int kSamples = 2 * kMostOfGroup;               // so that they fit the L1 cache
-  // Worth being shaded: what is left over of the last SIMD group counts for little.
-  static constexpr int kMany = 64;
   // Groups are stored and read whole.
   using Floats = std::array<float, kSamples + kGroup>;
 

@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdint>
 #include <limits>
+#include <memory>
 
 #include "render/shared/finished_pixel.h"
 
@@ -26,12 +26,12 @@ namespace {
 void reserve_large_pages(std::vector<float>& numbers, std::size_t count) {
   numbers.reserve(count);
 #if defined(__linux__)
-  constexpr std::uintptr_t kPage = 4096;
-  const auto begin = (reinterpret_cast<std::uintptr_t>(numbers.data()) + kPage - 1) / kPage * kPage;
-  const auto end =
-      (reinterpret_cast<std::uintptr_t>(numbers.data()) + count * sizeof(float)) / kPage * kPage;
+  constexpr std::size_t kPage = 4096;
+  void* begin = numbers.data();
+  std::size_t bytes = count * sizeof(float);
+  if (std::align(kPage, kPage, begin, bytes) == nullptr) return;
   // Where it is refused pages are as they are.
-  if (begin < end) madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
+  madvise(begin, bytes / kPage * kPage, MADV_HUGEPAGE);
 #endif
 }
 

@@ -30,7 +30,6 @@ RESULTS = os.path.join(BENCH, "results")
 WORK = os.path.join(ROOT, "build", "bench")
 OVOID = os.path.join(ROOT, "build", "release", "bin", "ovoid")
 PEER = os.path.join(WORK, "bin", "vtk_peer")
-FMA_PEAK = os.path.join(WORK, "bin", "fma_peak")
 
 
 def output_of(command):
@@ -157,11 +156,11 @@ def main():
     with open(os.path.join(BENCH, "scenes.json"), encoding="ascii") as file:
         config = json.load(file)
     options = parse_arguments(config)
-    for program in (OVOID, PEER, FMA_PEAK, shutil.which("xvfb-run") or "xvfb-run"):
+    for program in (OVOID, PEER, shutil.which("xvfb-run") or "xvfb-run"):
         if not os.path.exists(program):
             sys.exit(f"{program} is missing: `make bench` builds and installs what is needed")
     os.makedirs(RESULTS, exist_ok=True)
-    record = {"machine": describe_machine(), "fma_peak": json.loads(output_of([FMA_PEAK])), "tables": {}}
+    record = {"machine": describe_machine(), "tables": {}}
     for name in options.table or config["tables"]:
         record["tables"][name] = run_table(name, config, options)
     text = tables.to_markdown(record, config)

@@ -28,7 +28,7 @@ def stage_ms(profile, *names):
     return sum(profile["stages_ms"].get(name, 0.0) for name in names)
 
 
-def fma_share(result, peak):
+def fma_share(result):
     """The multiply-adds that the reconstructed values and gradients need, over what the machine could do in the stages' time.
 
     A value is one multiply-add per kernel that reaches the sample, a gradient three more; the sums of weights, the loads and the
@@ -37,7 +37,7 @@ def fma_share(result, peak):
     profile = result["ovoid"]
     needed = profile["multiply_adds"]["done"]
     seconds = stage_ms(profile, "reconstruct", "gradient") / 1e3
-    return needed / seconds / peak if seconds else None
+    return needed / seconds / profile["multiply_adds"]["peak"] if seconds else None
 
 
 def ns_per_shaded(result):
@@ -73,7 +73,7 @@ def time_table(results, table):
     return grid(header, rows)
 
 
-def stage_table(results, table, peak):
+def stage_table(results, table):
     """One frame with stage timers on: milliseconds summed over threads, and what was done in them."""
     names = list(dict.fromkeys(name for result in results for name in result["ovoid"]["stages_ms"]))
     header = ["scene", *names, "Msamples", "shaded", "ns per shaded", "FMA share", "blocks drawn", "empty", "irrelevant", "opaque"]
@@ -81,7 +81,7 @@ def stage_table(results, table, peak):
     for result in results:
         profile = result["ovoid"]
         blocks = profile["blocks"]
-        share = fma_share(result, peak)
+        share = fma_share(result)
         rows.append([label({**result["row"], "pixels": result["pixels"]}, table),
                      *(number(profile["stages_ms"].get(name)) for name in names),
                      number(profile["samples"]["reconstructed"] / 1e6, 2), number(profile["samples"]["shaded"] / 1e6, 2),
@@ -92,8 +92,9 @@ def stage_table(results, table, peak):
 
 def to_markdown(record, config):
     machine = record["machine"]
-    peak = record["fma_peak"]["fma_per_second"]["1"]
-    targets = {result["ovoid"]["simd_target"] for results in record["tables"].values() for result in results}
+    drawn = [result["ovoid"] for results in record["tables"].values() for result in results]
+    peak = max((profile["multiply_adds"]["peak"] for profile in drawn), default=0)
+    targets = {profile["simd_target"] for profile in drawn}
     lines = [f"Commit {machine['commit']}, {machine['date']}; {machine['cpu']}, {machine['hardware_threads']} hardware threads, "
              f"SIMD target {', '.join(sorted(targets))}; {machine['compiler']}.",
              f"Peak of one thread: {peak / 1e9:.1f} G multiply-adds per second. Command: `{machine['command']}`."]
@@ -101,5 +102,5 @@ def to_markdown(record, config):
         table = config["tables"][name]
         if results:
             lines += ["", f"## {table['title']}", "", *time_table(results, table), "", "Stages, in ms summed over threads:", "",
-                      *stage_table(results, table, peak)]
+                      *stage_table(results, table)]
     return "\n".join(lines)

@@ -35,45 +35,49 @@ struct PlaceInBase {
   float width_x, width_y;
 };
 
-// Of a step of one sample that is `per_sample` / `scale` pixels long.
-inline float width_of_pixel(const Eigen::Vector2d& per_sample, double scale) {
-  const double wide = scale * scale / per_sample.squaredNorm();
+// Of a step of one sample that is as long as the root of `squared` / `scale`, pixels.
+inline float width_of_pixel(double squared, double scale) {
+  const double wide = scale * scale;
   // Rounding makes no pixel wider than a sample.
-  return wide < 1 + 1e-6 ? 1.0F : static_cast<float>(std::sqrt(wide));
+  return wide < (1 + 1e-6) * squared ? 1.0F : static_cast<float>(std::sqrt(wide / squared));
 }
 
-inline PlaceInBase place_in_base(const view::BasePlane& base, int x, int y) {
-  const Eigen::Vector2d at = base.base_from_picture(x, y);
-  const Mat3& map = base.picture_from_base.matrix;
-  const double scale = map(2, 0) * at[0] + map(2, 1) * at[1] + map(2, 2);
-  const auto width = [&](int a) {
-    return width_of_pixel({map(0, a) - x * map(2, a), map(1, a) - y * map(2, a)}, scale);
-  };
-  return {at[0], at[1], width(0), width(1)};
-}
-
-// The pixels of a row. In parallel projection the steps between them are all the same.
+// The pixels of a row.
 class PlacesInBase {
  public:
   PlacesInBase(const view::BasePlane& base, int y)
-      : base_(base), y_(y), first_(place_in_base(base, 0, y)) {
-    if (!base.is_parallel) return;
-    const Mat3& map = base.base_from_picture.matrix;
-    step_x_ = map(0, 0) / map(2, 2);
-    step_y_ = map(1, 0) / map(2, 2);
-  }
+      : base_(base),
+        y_(y),
+        column_(base.base_from_picture.matrix.col(0)),
+        origin_(base.base_from_picture.matrix.col(1) * y + base.base_from_picture.matrix.col(2)),
+        first_(at(0)) {}
 
+  // In parallel projection all pixels are as wide.
   PlaceInBase operator[](int x) const {
-    if (!base_.is_parallel) return place_in_base(base_, x, y_);
-    return {first_.x + x * step_x_, first_.y + x * step_y_, first_.width_x, first_.width_y};
+    if (!base_.is_parallel) return at(x);
+    const double scale = 1 / origin_[2];
+    return {(origin_[0] + x * column_[0]) * scale, (origin_[1] + x * column_[1]) * scale,
+            first_.width_x, first_.width_y};
   }
 
  private:
+  PlaceInBase at(int x) const {
+    // The maps are each other's inverse: what one scales a place by, the other undoes.
+    const double scale = 1 / (origin_[2] + x * column_[2]);
+    const Mat3& map = base_.picture_from_base.matrix;
+    const auto width = [&](int a) {
+      const double along = map(0, a) - x * map(2, a);
+      const double down = map(1, a) - y_ * map(2, a);
+      return width_of_pixel(along * along + down * down, scale);
+    };
+    return {(origin_[0] + x * column_[0]) * scale, (origin_[1] + x * column_[1]) * scale, width(0),
+            width(1)};
+  }
+
   const view::BasePlane& base_;
   const int y_;
+  const Vec3 column_, origin_;
   const PlaceInBase first_;
-  double step_x_ = 0;
-  double step_y_ = 0;
 };
 
 HWY_INLINE V filter_weights(V t) {

@@ -174,7 +174,6 @@ struct HalfPieces {
 // Gradients of a group's pieces at both ends.
 struct EndGradients {
   EndValues x, y, z;
-  WorldVector at(V t) const { return {x.at(t), y.at(t), z.at(t)}; }
 
   // The squared distance between the ends of both normals, which are shorter where the field is
   // flat.

@@ -53,30 +53,6 @@ HWY_INLINE std::uint32_t bits_of(M mask) {
   return bits;
 }
 
-// Undoes hn::Compress(): the next number for each lane of `lanes`.
-class Expansion {
- public:
-#if HWY_TARGET == HWY_SCALAR
-  explicit Expansion(std::uint32_t /*lanes*/) {}
-  HWY_INLINE V operator()(V packed) const { return packed; }
-#else
-  HWY_INLINE explicit Expansion(std::uint32_t lanes)
-      : from_(hn::IndicesFromVec(d, number_of_lanes_below(lanes))) {}
-  HWY_INLINE V operator()(V packed) const { return hn::TableLookupLanes(packed, from_); }
-
- private:
-  HWY_INLINE static VI number_of_lanes_below(std::uint32_t lanes) {
-    alignas(64) static constexpr std::int32_t kBelow[16] = {
-        0x0000, 0x0001, 0x0003, 0x0007, 0x000F, 0x001F, 0x003F, 0x007F,
-        0x00FF, 0x01FF, 0x03FF, 0x07FF, 0x0FFF, 0x1FFF, 0x3FFF, 0x7FFF};
-    const VI below = hn::And(hn::Set(di, static_cast<std::int32_t>(lanes)), hn::Load(di, kBelow));
-    return hn::BitCast(di, hn::PopulationCount(hn::BitCast(hn::RebindToUnsigned<DI>(), below)));
-  }
-
-  decltype(hn::IndicesFromVec(d, hn::Zero(di))) from_;
-#endif
-};
-
 // Adding this to a float of magnitude under 2^22 leaves its nearest whole number in the low bits:
 // rounding and conversion to an integer in one addition.
 inline constexpr float kRoundingMagic = 12582912.0F;  // 1.5 * 2^23

@@ -37,8 +37,9 @@ enum class Evaluate { kAuto, kGather, kScatter };
 // How sheets finer than the field are made (docs/numerics.md, "Post-convolution"): every sample
 // from the kernels (kOff), or from coarser samples that a filter brings to the pixels, of a lattice
 // from nodes some pixels apart, of a kernel set from levels whose samples are 2, 4, 8, ... pixels
-// wide. kAuto: as coarse as the picture bears it (50 dB). The others are the published ways, with a
-// node per spacing or sigmas of half a sample, for comparison: they blur.
+// wide. On lattice sheets kAuto draws few samples and fills in what is smooth between them. kAuto:
+// as coarse as the picture bears it (50 dB). The others are the published ways, with a node per
+// spacing or sigmas of half a sample, for comparison: they blur.
 enum class PostConvolution { kOff, kBilinear, kGaussian, kCubic, kAuto };
 constexpr bool is_published(PostConvolution how) {
   return how != PostConvolution::kOff && how != PostConvolution::kAuto;

@@ -31,6 +31,9 @@ constexpr float kMostBend = 5.0F / 255;
 // Where they bend by more, but differ by no more than this, straight lines fill.
 constexpr float kMostDifference = 1.0F / 255;
 
+// Between depths that differ by more sheets there is nothing.
+constexpr double kMostSheetsBetween = 4;
+
 constexpr std::size_t kChannels = 4;
 
 // Numbers of a row of samples, kChannels each.
@@ -46,8 +49,12 @@ float cubic_between(float a, float b, float c, float d) {
 // What lies between two rows of samples, and beside the upper one.
 class RowOfCells {
  public:
-  RowOfCells(const Image& few, Image& picture, SampleMask& mask)
-      : few_(few), picture_(picture), mask_(mask), across_(static_cast<std::size_t>(few.width)) {
+  RowOfCells(const Image& few, double sheet_distance, Image& picture, SampleMask& mask)
+      : few_(few),
+        most_depth_(static_cast<float>(kMostSheetsBetween * sheet_distance)),
+        picture_(picture),
+        mask_(mask),
+        across_(static_cast<std::size_t>(few.width)) {
     for (Row* row : {&below_, &right_, &middle_}) row->resize(kChannels * across_);
     for (Row& bend : bend_) bend.resize(across_);
   }
@@ -169,10 +176,11 @@ class RowOfCells {
                             (to_y == 0 ? upper : lower)[kChannels * to_x + c]);
       }
       const float far = depths[to_y][to_x];
-      const float between = 0.5F * (depths[0][left] + far);
+      const float near = depths[0][left];
+      const bool is_one = std::abs(far - near) <= most_depth_;  // not if either is infinite
       put(2 * x + dx, 2 * y_ + dy,
           cell == Cell::kStraight ? mean.data() : cubic.data() + kChannels * left,
-          std::isfinite(between) ? between : depths[0][left]);
+          is_one ? 0.5F * (near + far) : near);
     };
     place(1, 0, right_, right, 0);
     place(0, 1, below_, left, 1);
@@ -188,6 +196,7 @@ class RowOfCells {
   }
 
   const Image& few_;
+  const float most_depth_;
   Image& picture_;
   SampleMask& mask_;
   std::size_t across_;
@@ -239,11 +248,12 @@ view::BasePlane every_nth_sample(const view::BasePlane& base, int n) {
   return few;
 }
 
-SampleMask interpolate_smooth(const Image& few, Image& picture, Runner& runner) {
+SampleMask interpolate_smooth(const Image& few, double sheet_distance, Image& picture,
+                              Runner& runner) {
   SampleMask mask(picture.width, picture.height);
   constexpr int kRows = kTileSize / 2;  // tasks share no tile
   runner.run((few.height + kRows - 1) / kRows, [&](int task, int) {
-    RowOfCells cells(few, picture, mask);
+    RowOfCells cells(few, sheet_distance, picture, mask);
     for (int y = task * kRows; y < std::min((task + 1) * kRows, few.height); ++y) cells.fill(y);
   });
   return mask;

@@ -49,7 +49,9 @@ int first_samples_apart(const view::BasePlane& base, const LatticeField& field, 
 view::BasePlane every_nth_sample(const view::BasePlane& base, int n);
 
 // Fills in `picture`, of which `few` has every other sample of every other row, where that is
-// smooth, and returns which samples are left.
-SampleMask interpolate_smooth(const Image& few, Image& picture, Runner& runner);
+// smooth, and returns which samples are left. `sheet_distance`: depths that are many sheets apart
+// are of different things, and have nothing between them.
+SampleMask interpolate_smooth(const Image& few, double sheet_distance, Image& picture,
+                              Runner& runner);
 
 }  // namespace ovoid::cpu

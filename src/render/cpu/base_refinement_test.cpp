@@ -38,7 +38,8 @@ TEST(BaseRefinement, FillsWhatIsSmooth) {
   };
   const auto runner = make_runner(2);
   Image picture = empty_image(kWidth, kHeight);
-  const SampleMask mask = interpolate_smooth(every_other(kWidth, kHeight, shade), picture, *runner);
+  const SampleMask mask =
+      interpolate_smooth(every_other(kWidth, kHeight, shade), 1.0, picture, *runner);
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) {
       const std::size_t at = static_cast<std::size_t>(y) * kWidth + x;
@@ -57,7 +58,7 @@ TEST(BaseRefinement, LeavesWhatIsSharp) {
   const auto runner = make_runner(2);
   Image picture = empty_image(kWidth, kHeight);
   const SampleMask mask = interpolate_smooth(
-      every_other(kWidth, kHeight, [](int x, int) { return x < 40 ? 0.0F : 0.5F; }), picture,
+      every_other(kWidth, kHeight, [](int x, int) { return x < 40 ? 0.0F : 0.5F; }), 0.1, picture,
       *runner);
   for (int y = 0; y < kHeight; ++y) {
     EXPECT_TRUE(is_wanted(mask, 39, y));
@@ -66,6 +67,7 @@ TEST(BaseRefinement, LeavesWhatIsSharp) {
   EXPECT_FALSE(mask.is_empty(32, 0));
   EXPECT_TRUE(mask.is_empty(0, 0));
   EXPECT_EQ(picture.rgba[4 * 70], 0.5F);
+  EXPECT_EQ(picture.depth[71], 35);  // samples of ten sheets apart have nothing between them
   EXPECT_EQ(picture.rgba[4 * 20], 0.0F);
 }
 

@@ -190,7 +190,9 @@ Image draw_base_plane(const FrameJob& job, const Machine& machine, FrameProfile&
   for (;; n /= 2) {
     const view::BasePlane plane = every_nth_sample(*job.base, n);
     Image image = empty_image(plane.width, plane.height);
-    if (number > 0) wanted = interpolate_smooth(picture, image, *machine.runner);
+    if (number > 0) {
+      wanted = interpolate_smooth(picture, job.options.sampling_distance, image, *machine.runner);
+    }
     RenderOptions options = job.options;
     options.width = plane.width;
     options.height = plane.height;

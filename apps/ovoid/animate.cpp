@@ -175,6 +175,9 @@ struct Scenery {
   Described described;
   Look look;
   ValueRange values;
+  Camera start, camera;  // before it turns: as it comes, and as near as all frames are
+  DrawnSurface surface;  // of the moment that gave the look
+  std::shared_ptr<const Surface> moment_surface;  // keeps it
 };
 
 // The moment that `render` would take.
@@ -227,6 +230,16 @@ void fix_array(const Dataset& dataset, const Modelled& modelled, ModelFlags* mod
   model->array = modelled.array;
 }
 
+CameraSubject subject_of(const Scenery& scenery, const Field& field, const DrawingFlags& drawing) {
+  const RenderOptions& options = drawing.options;
+  return {field,
+          scenery.look,
+          scenery.described.box.world_bounds(),
+          scenery.described.space,
+          static_cast<double>(options.width) / options.height,
+          options.clip_planes};
+}
+
 Scenery make_scenery(const Series& series, const Chosen& chosen, const Flags& flags,
                      AnimateFlags* animate, Session& session) {
   DrawingFlags& drawing = animate->drawing;
@@ -266,6 +279,15 @@ Scenery make_scenery(const Series& series, const Chosen& chosen, const Flags& fl
     if (scenery.look.unit_distance == 0 && !scenery.look.transfer_function.unit_distance)
       scenery.look.unit_distance = default_unit_distance(field);
   }
+  scenery.surface = surface_to_draw(subject, drawing);
+  CameraSubject seen_subject = subject_of(scenery, field, drawing);
+  seen_subject.surface = scenery.surface.surface;
+  seen_subject.is_for_turning = true;
+  CameraFlags camera = drawing.camera;
+  if (seen.num_steps > 1) camera.fit = Fit::kBox;  // what shows of one may grow in the next
+  scenery.start = start_camera(camera, seen_subject);
+  scenery.camera = make_camera(camera, seen_subject);
+  scenery.moment_surface = std::move(subject.surface);
   return scenery;
 }
 
@@ -283,7 +305,7 @@ class Animator {
   void draw(const PlannedFrame& frame, Scenery& scenery, const std::string& path,
             const RenderHooks& hooks) {
     const Camera camera = camera_of(frame, scenery);
-    Image image = render(frame, camera, scenery.look, hooks);
+    Image image = render(frame, camera, scenery, hooks);
     if (is_empty(image)) ++num_empty_;
     if (scenery.look.mode == Mode::kXray && has_ending(path, ".png"))
       color_integrals(image, scenery.look.transfer_function);
@@ -296,7 +318,7 @@ class Animator {
   void measure_integrals(const PlannedFrame& frame, Scenery& scenery) {
     RenderHooks hooks;
     hooks.stop = session_.stop();
-    const Image image = render(frame, camera_of(frame, scenery), scenery.look, hooks);
+    const Image image = render(frame, camera_of(frame, scenery), scenery, hooks);
     spread_over_integrals(scenery.look.transfer_function, image, animate_.drawing.look, session_);
   }
 
@@ -306,27 +328,32 @@ class Animator {
   Camera camera_of(const PlannedFrame& frame, const Scenery& scenery) const {
     CameraFlags turned = animate_.drawing.camera;
     turned.azimuth += frame.turn;
-    const RenderOptions& options = animate_.drawing.options;
-    return make_camera(turned, scenery.described.box.world_bounds(), scenery.described.space,
-                       static_cast<double>(options.width) / options.height);
+    return turned_camera(turned, scenery.start, scenery.camera);
   }
 
-  Image render(const PlannedFrame& frame, const Camera& camera, const Look& look,
+  Image render(const PlannedFrame& frame, const Camera& camera, const Scenery& scenery,
                const RenderHooks& hooks) {
+    const Look& look = scenery.look;
     if (!time_ || *time_ != frame.time) {
       field_ = {};  // two of them need not be in memory
+      surface_.reset();
       trail_.reset();
       const DrawingFlags& drawing = animate_.drawing;
       const Quiet quiet(session_);
-      field_ = field_at(series_, frame.time, drawing, session_).field;
+      const Dataset dataset = data_at(series_, frame.time, drawing, session_);
+      const Modelled modelled = make_field(dataset, drawing.model, drawing.run.threads, session_);
+      field_ = modelled.field;
+      if (scenery.surface.surface != nullptr)
+        surface_ = surface_of(dataset, drawing, modelled, session_);
       if (drawing.trail.length)
         trail_ = make_trail(drawing.trail, series_, frame.time, drawing.model, drawing.run.threads,
                             look, values_, session_);
       time_ = frame.time;
     }
     const RenderOptions& options = animate_.drawing.options;
-    Frame drawn = draw_frame(renderer_, field_, camera, look, trail_ ? &*trail_ : nullptr,
-                             animate_.drawing, options, hooks);
+    const FrameSubject subject{field_, look, trail_ ? &*trail_ : nullptr,
+                               DrawnSurface{surface_.get(), scenery.surface.style}};
+    Frame drawn = draw_frame(renderer_, subject, camera, animate_.drawing, options, hooks);
     if (!drawn.profile.notice.empty()) session_.note(drawn.profile.notice);
     return std::move(drawn.image);
   }
@@ -337,6 +364,7 @@ class Animator {
   Renderer renderer_;
   const ValueRange values_;  // of all frames
   Field field_;
+  std::shared_ptr<const Surface> surface_;
   std::optional<Trail> trail_;
   std::optional<double> time_;  // of both
   std::int64_t num_empty_ = 0;
@@ -439,7 +467,6 @@ void run_animate(const Words& words, Session& session) {
   check_flags(flags, animate);
   const bool makes_film = is_film(animate.output);
   const std::string ffmpeg = makes_film ? find_ffmpeg(animate.output) : "";
-  if (makes_film && !animate.drawing.background) animate.drawing.background = {{0, 0, 0}};
 
   take_from_model(&animate.data, &animate.drawing.model);
   animate.drawing.time_filter = animate.data.time_filter;

@@ -4,10 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <tuple>
 
 #include "make_look.h"
 #include "ovoid/error.h"
+#include "ovoid/framing.h"
 #include "ovoid/io.h"
 #include "values.h"
 
@@ -35,6 +37,21 @@ std::vector<InputFile> files_to_read(const DataFlags& data, const DrawingFlags& 
   return inputs;
 }
 
+std::shared_ptr<const Surface> surface_of(const Dataset& dataset, const DrawingFlags& drawing,
+                                          const Modelled& modelled, Session& session) {
+  if (dataset.kind != DatasetKind::kMesh || drawing.surface.opacity == 0) return nullptr;
+  KernelModelOptions options = drawing.model.kernels;
+  options.array = modelled.array;
+  if (modelled.color_array != modelled.array) options.color_array = modelled.color_array;
+  options.component = drawing.model.component;
+  auto surface = make_surface(dataset, options, session.stop());
+  if (surface == nullptr && drawing.surface.opacity) {
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("--surface: '{}' has no cells whose faces are known", dataset.source));
+  }
+  return surface;
+}
+
 Subject make_subject(const Dataset& dataset, const Flags& flags, DrawingFlags* drawing,
                      Session& session) {
   check_kind_flags(flags, dataset);
@@ -52,6 +69,7 @@ Subject make_subject(const Dataset& dataset, const Flags& flags, DrawingFlags* d
   }
   subject.described = describe(dataset, subject.modelled, drawing->model.component);
   subject.unit = unit_of(dataset, subject.modelled, Role::kOpacity);
+  subject.surface = surface_of(dataset, *drawing, subject.modelled, session);
   return subject;
 }
 
@@ -87,9 +105,81 @@ void color_integrals(Image& image, const TransferFunction& tf) {
   }
 }
 
-Frame draw_frame(Renderer& renderer, const Field& field, const Camera& camera, const Look& look,
-                 const Trail* trail, const DrawingFlags& drawing, const RenderOptions& options,
+namespace {
+
+// What the middle nine tenths of some values span.
+double middle_span(std::vector<float>& values) {
+  if (values.empty()) return 0;
+  const auto quantile = [&](double q) {
+    const auto place =
+        values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));
+    std::nth_element(values.begin(), place, values.end());
+    return static_cast<double>(*place);
+  };
+  return quantile(0.95) - quantile(0.05);
+}
+
+// Shares of the values' range that are seen: from outside, and through all of the surface.
+double share_seen(const Surface& surface, const Field& field) {
+  constexpr int kSide = 64;
+  Look gray = ramp_look(field.color_range(), "gray");
+  gray.shade = false;
+  RenderOptions small;
+  small.width = small.height = kSide;
+  const Camera camera = first_camera(field, surface.bounds);
+  const Image image = render_surface(surface, camera, gray, {}, small, 1).image;
+  std::vector<float> values;
+  for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
+    if (image.rgba[i + 3] >= 1) values.push_back(image.rgba[i]);
+  }
+  return middle_span(values);
+}
+
+double share_in_all(const Surface& surface, const Field& field) {
+  std::vector<float> values;
+  for (const Surface::Triangle& triangle : surface.triangles) {
+    for (const float value : triangle.values) {
+      if (!std::isnan(value)) values.push_back(value);
+    }
+  }
+  const ValueRange range = field.color_range();
+  const double span = static_cast<double>(range.hi) - range.lo;
+  return span > 0 ? middle_span(values) / span : 1.0;
+}
+
+bool is_about_inside(const DrawingFlags& drawing) {
+  const LookFlags& look = drawing.look;
+  return look.mode != Mode::kComposite || !look.file.empty() || !look.preset.empty() ||
+         !look.opacities.empty() || !look.gradient_opacities.empty() || look.unit_distance ||
+         !drawing.options.clip_planes.empty() || drawing.crop.world || drawing.plane;
+}
+
+}  // namespace
+
+DrawnSurface surface_to_draw(const Subject& subject, const DrawingFlags& drawing) {
+  constexpr double kMuch = 0.25;
+  constexpr double kSeeThrough = 0.3;
+  const Surface* const surface = subject.surface.get();
+  const SurfaceFlags& asked = drawing.surface;
+  if (surface == nullptr || asked.opacity == 0) return {};
+  if (asked.opacity) return {surface, {*asked.opacity, asked.shows_edges}};
+  if (asked.shows_edges) return {surface, {1, true}};
+  if (is_about_inside(drawing)) return {};
+  const Field& field = subject.modelled.field;
+  const bool is_constant = !(field.color_range().lo < field.color_range().hi);
+  if (is_constant || share_seen(*surface, field) >= kMuch) return {surface, {1, false}};
+  if (share_in_all(*surface, field) >= kMuch) return {surface, {kSeeThrough, false}};
+  return {};
+}
+
+Frame draw_frame(Renderer& renderer, const FrameSubject& subject, const Camera& camera,
+                 const DrawingFlags& drawing, const RenderOptions& options,
                  const RenderHooks& hooks) {
+  const auto& [field, look, trail, drawn] = subject;
+  if (drawn.surface != nullptr) {
+    return render_surface(*drawn.surface, camera, look, drawn.style, options, drawing.run.threads,
+                          hooks);
+  }
   if (trail != nullptr) return renderer.render(field, camera, look, *trail, options, hooks);
   if (drawing.plane)
     return render_with_plane(renderer, field, camera, look, *drawing.plane, options, hooks);

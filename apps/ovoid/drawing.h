@@ -2,6 +2,7 @@
 // What `render` and `animate` share: the steps from a dataset to the file.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "check_files.h"
 #include "draw_marks.h"
 #include "make_field.h"
+#include "ovoid/render_surface.h"
 #include "ovoid/renderer.h"
 #include "settings.h"
 
@@ -20,9 +22,26 @@ std::vector<InputFile> files_to_read(const DataFlags& data, const DrawingFlags& 
 // Data made ready to be drawn.
 struct Subject {
   Modelled modelled;
-  Described described;  // all but the box
-  std::string unit;     // of what gives opacity
+  Described described;                     // all but the box
+  std::string unit;                        // of what gives opacity
+  std::shared_ptr<const Surface> surface;  // of a mesh that has one, and may be drawn; else null
 };
+
+// Of a mesh, with the values of what was modelled. Null if there is none, or none is wanted. Throws
+// Error where it was asked for and there is none.
+std::shared_ptr<const Surface> surface_of(const Dataset& dataset, const DrawingFlags& drawing,
+                                          const Modelled& modelled, Session& session);
+
+// A surface that is drawn in the field's place.
+struct DrawnSurface {
+  const Surface* surface = nullptr;  // null: the field is drawn
+  SurfaceStyle style{};
+};
+
+// The surface as the flags ask for it. Where they do not say, and say nothing that is about the
+// inside: opaque if its outside shows a quarter of the field's range or more; else see-through if
+// all of it does; else the field.
+DrawnSurface surface_to_draw(const Subject& subject, const DrawingFlags& drawing);
 
 // Refuses flags that are for other data, and makes the field: of labels that nobody said anything
 // about with narrow kernels, which `drawing` then has. The field keeps what it needs of `dataset`.
@@ -39,9 +58,17 @@ void spread_over_integrals(TransferFunction& tf, const Image& image, const LookF
 // Turns integrals into colours, which PNG wants.
 void color_integrals(Image& image, const TransferFunction& tf);
 
-// The frame that the flags ask for: with a trail (null: none), or with their value plane.
-Frame draw_frame(Renderer& renderer, const Field& field, const Camera& camera, const Look& look,
-                 const Trail* trail, const DrawingFlags& drawing, const RenderOptions& options,
+// What a frame shows.
+struct FrameSubject {
+  const Field& field;
+  const Look& look;
+  const Trail* trail = nullptr;  // null: none
+  DrawnSurface surface{};
+};
+
+// The frame that the flags ask for: with a trail, with their value plane, or of a surface.
+Frame draw_frame(Renderer& renderer, const FrameSubject& subject, const Camera& camera,
+                 const DrawingFlags& drawing, const RenderOptions& options,
                  const RenderHooks& hooks);
 
 bool is_empty(const Image& image);

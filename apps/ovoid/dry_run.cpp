@@ -26,18 +26,15 @@ double num_pixels(const RenderOptions& options) {
   return static_cast<double>(options.width) * options.height;
 }
 
-// Bytes per pixel: four colour floats and a depth while it is drawn; then the file's own form,
-// before it is compressed.
-double picture_bytes(const DryRun& run) {
+// Per pixel, and per sample of a base plane, four colour floats and a depth while it is drawn; then
+// the file's own form, before it is compressed, when the base plane is gone.
+double picture_bytes(const DryRun& run, double num_base_samples = 0) {
   constexpr double kDrawn = 20;
-  // A lattice's base plane is drawn beside it: of what the field covers, which is not known here,
-  // but is less than half of most pictures.
-  constexpr double kBasePlane = 8;
-  const bool may_have_base = run.field.lattice() != nullptr && run.options.sheets != Sheets::kImage;
   const double written = has_ending(run.output, ".png")   ? 4
                          : has_ending(run.output, ".exr") ? 20
                                                           : 0;
-  return (kDrawn + std::max(written, may_have_base ? kBasePlane : 0)) * num_pixels(run.options);
+  const double num = num_pixels(run.options);
+  return kDrawn * num + std::max(written * num, kDrawn * num_base_samples);
 }
 
 // What a frame keeps of a kernel set: a splat for each kernel, and lists of those that each block
@@ -64,9 +61,29 @@ std::string readable_time(double ms) {
   return fmt::format("{:.0f} min", ms / 60'000);
 }
 
+// A surface costs as much as its triangles and a few pixels: it is drawn, and forgotten.
+std::string predict_surface(const DryRun& run) {
+  const double resident = static_cast<double>(resident_memory_bytes());
+  const FrameProfile profile =
+      render_surface(*run.surface, run.camera, run.look, {}, run.options, run.setup.threads)
+          .profile;
+  const double peak =
+      std::max(static_cast<double>(peak_memory_bytes()), resident + picture_bytes(run));
+  return fmt::format(
+      "{:<26}{} x {} pixels{}{}\n{:<26}{} triangles\n{:<26}about {} (cpu, {} "
+      "thread{})\n{:<26}about "
+      "{}\n",
+      "picture", run.options.width, run.options.height, run.output.empty() ? "" : ", ",
+      one_line(run.output), "surface",
+      readable_count(static_cast<double>(run.surface->triangles.size())), "time of a frame",
+      readable_time(profile.frame_ms), profile.threads, profile.threads == 1 ? "" : "s",
+      "greatest memory", readable_bytes(peak));
+}
+
 }  // namespace
 
 std::string predict(const DryRun& run, Session& session) {
+  if (run.surface != nullptr) return predict_surface(run);
   const double resident = static_cast<double>(resident_memory_bytes());
   const RenderOptions small = resized(run.options, 4, 4);
   // A camera's picture keeps its scale when it gets narrower.
@@ -106,7 +123,8 @@ std::string predict(const DryRun& run, Session& session) {
                   profile.threads, profile.threads == 1 ? "" : "s"));
   const double peak =
       std::max(static_cast<double>(peak_memory_bytes()),
-               resident + picture_bytes(run) + splat_bytes(run, profile, timed, num_pixels(strip)));
+               resident + picture_bytes(run, ratio * static_cast<double>(profile.base_samples)) +
+                   splat_bytes(run, profile, timed, num_pixels(strip)));
   row("greatest memory", fmt::format("about {}", readable_bytes(peak)));
   return out;
 }

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "ovoid/render_surface.h"
 #include "ovoid/renderer.h"
 #include "session.h"
 
@@ -15,7 +16,8 @@ struct DryRun {
   const Look& look;
   RenderOptions options;
   RendererSetup setup;
-  std::string output;  // as given
+  std::string output;                // as given
+  const Surface* surface = nullptr;  // drawn instead; null: the field
 };
 
 // What the frame will cost in time and memory, as rows for people. How many samples it has is

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "ovoid/error.h"
+#include "ovoid/framing.h"
 #include "ovoid/io.h"
 #include "values.h"
 
@@ -22,29 +23,60 @@ void set_view_angle_in_sight(Camera& camera, double degrees) {
   camera.view_angle = degrees;
 }
 
+void turn(Camera& camera, const CameraFlags& flags) {
+  camera.azimuth(flags.azimuth);
+  camera.elevation(flags.elevation);
+  camera.roll(flags.roll);
+  camera.validate();
+}
+
 }  // namespace
 
 Camera camera_of_flag(const std::string& value) {
   return is_json(value) ? camera_from_text(value, "--camera") : read_camera(value);
 }
 
-Camera make_camera(const CameraFlags& flags, const Bounds3& bounds, Space space, double aspect) {
+Camera start_camera(const CameraFlags& flags, const CameraSubject& subject) {
   const bool is_from_file = !flags.file.empty();
-  Camera camera =
-      is_from_file ? camera_of_flag(flags.file) : default_camera(bounds, space, flags.view, aspect);
+  Camera camera = is_from_file ? camera_of_flag(flags.file)
+                  : flags.view.empty()
+                      ? first_camera(subject.field, subject.bounds, subject.space, subject.aspect)
+                      : default_camera(subject.bounds, subject.space, flags.view, subject.aspect);
   if (flags.parallel_projection) camera.parallel_projection = *flags.parallel_projection;
-  if (flags.view_angle && is_from_file) camera.view_angle = *flags.view_angle;
-  if (flags.view_angle && !is_from_file) set_view_angle_in_sight(camera, *flags.view_angle);
-  camera.azimuth(flags.azimuth);
-  camera.elevation(flags.elevation);
-  camera.roll(flags.roll);
-  camera.validate();
+  if (!flags.view_angle) return camera;
+  if (is_from_file || flags.fit == Fit::kVisible) {
+    camera.view_angle = *flags.view_angle;
+  } else {
+    set_view_angle_in_sight(camera, *flags.view_angle);
+  }
+  return camera;
+}
+
+Camera make_camera(const CameraFlags& flags, const CameraSubject& subject) {
+  Camera camera = start_camera(flags, subject);
+  turn(camera, flags);
+  if (flags.file.empty() && flags.fit == Fit::kVisible) {
+    const Framing framing{subject.aspect, Framing().fill, subject.is_for_turning,
+                          subject.clip_planes};
+    camera = subject.surface != nullptr ? framed(camera, *subject.surface, framing)
+                                        : framed(camera, subject.field, subject.look, framing);
+  }
   camera.zoom(flags.zoom);
   try {
     camera.validate();
   } catch (const Error& error) {
     throw Error(error.code(), fmt::format("--zoom {:g}: {}", flags.zoom, error.what()));
   }
+  return camera;
+}
+
+Camera turned_camera(const CameraFlags& flags, const Camera& start, const Camera& near) {
+  Camera from = start;
+  turn(from, flags);
+  Camera camera = near;
+  const double distance = (near.position - near.focal_point).norm();
+  camera.position = near.focal_point + distance * (from.position - from.focal_point).normalized();
+  camera.view_up = from.view_up;
   return camera;
 }
 

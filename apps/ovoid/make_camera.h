@@ -2,15 +2,37 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "ovoid/camera.h"
+#include "ovoid/field.h"
+#include "ovoid/look.h"
+#include "ovoid/render_options.h"
+#include "ovoid/surface.h"
 #include "settings.h"
 
 namespace ovoid::cli {
 
-// The default view of the bounds, or the file's camera, with the flags applied. `aspect` is width /
-// height. Throws Error.
-Camera make_camera(const CameraFlags& flags, const Bounds3& bounds, Space space, double aspect);
+// What a camera is made for.
+struct CameraSubject {
+  const Field& field;
+  const Look& look;
+  Bounds3 bounds;  // of what is left of the field
+  Space space = Space::kNone;
+  double aspect = 1;  // width / height of the picture
+  std::vector<ClipPlane> clip_planes;
+  bool is_for_turning = false;       // as in Framing
+  const Surface* surface = nullptr;  // what is drawn instead of the field; null: nothing
+};
+
+// The default view of the subject, or the file's camera, with the flags applied. Throws Error.
+Camera make_camera(const CameraFlags& flags, const CameraSubject& subject);
+
+// The camera before it is turned, fitted or zoomed.
+Camera start_camera(const CameraFlags& flags, const CameraSubject& subject);
+
+// As near to its focal point as `near` is, but turned from `start` as the flags say.
+Camera turned_camera(const CameraFlags& flags, const Camera& start, const Camera& near);
 
 // The camera that the value of --camera is: JSON itself, or a file's. Throws Error.
 Camera camera_of_flag(const std::string& value);

@@ -140,9 +140,11 @@ void take_flag_light(Look& look, const LookFlags& flags, Session& session) {
   material.diffuse = flags.diffuse.value_or(material.diffuse);
   material.specular = flags.specular.value_or(material.specular);
   material.specular_power = flags.specular_power.value_or(material.specular_power);
+  look.light = flags.light;
   look.light_direction = flags.light_direction;
+  look.flat_rise = flags.flat_rise.value_or(look.flat_rise);
   const bool has_light = flags.ambient || flags.diffuse || flags.specular || flags.specular_power ||
-                         flags.light_direction;
+                         flags.light != Light::kStudio || flags.light_direction || flags.flat_rise;
   if (has_light && !look.shade && is_lit(flags.mode)) {
     session.note(source_of_flag("--tf", flags.file) +
                  ": is not lit, so that light and material show nothing; --shade");

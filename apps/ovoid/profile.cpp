@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <initializer_list>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 namespace ovoid::cli {
 
@@ -46,6 +48,7 @@ Json counts_json(const FrameProfile& frame) {
                      {"shaded", frame.samples_shaded},
                      {"gradients", frame.gradients}};
   json["multiply_adds"] = {{"done", frame.multiply_adds}, {"peak", frame.multiply_add_peak}};
+  json["bytes_loaded"] = {{"done", frame.bytes_loaded}, {"peak", frame.bandwidth_peak}};
   json["blocks"] = {{"total", frame.blocks_total}, {"drawn", frame.blocks_drawn}};
   json["blocks"]["skipped"] = {{"empty", frame.blocks_skipped_empty},
                                {"irrelevant", frame.blocks_skipped_irrelevant},
@@ -79,15 +82,27 @@ std::string to_json(const RunProfile& profile) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
 }
 
-// Of the stages that do them.
-std::string multiply_adds_text(const FrameProfile& frame) {
+double ms_of(const FrameProfile& frame, std::initializer_list<std::string_view> stages) {
   double ms = 0;
   for (const auto& [stage, stage_ms] : frame.stages_ms) {
-    if (stage == "reconstruct" || stage == "gradient") ms += stage_ms;
+    if (std::find(stages.begin(), stages.end(), stage) != stages.end()) ms += stage_ms;
   }
+  return ms;
+}
+
+// Of the stages that do them.
+std::string multiply_adds_text(const FrameProfile& frame) {
+  const double ms = ms_of(frame, {"reconstruct", "gradient"});
   const double rate = ms > 0 ? frame.multiply_adds / ms * 1e3 : 0;
   return fmt::format("{:.3g}, {:.3g} per second in reconstruct and gradient, {:.0f} % of the peak",
                      frame.multiply_adds, rate, 100 * rate / frame.multiply_add_peak);
+}
+
+std::string bytes_loaded_text(const FrameProfile& frame) {
+  const double ms = ms_of(frame, {"load"});
+  const double rate = ms > 0 ? frame.bytes_loaded / ms * 1e3 : 0;
+  return fmt::format("{}, {} per second, {:.0f} % of memory's", readable_bytes(frame.bytes_loaded),
+                     readable_bytes(rate), 100 * rate / frame.bandwidth_peak);
 }
 
 std::string to_table(const RunProfile& profile) {
@@ -118,6 +133,8 @@ std::string to_table(const RunProfile& profile) {
                              frame.samples_reconstructed, frame.samples_shaded, frame.gradients));
   if (frame.multiply_adds > 0 && frame.multiply_add_peak > 0)
     row("multiply-adds", multiply_adds_text(frame));
+  if (frame.bytes_loaded > 0 && frame.bandwidth_peak > 0)
+    row("samples read", bytes_loaded_text(frame));
   if (frame.blocks_total > 0) {
     row("blocks", fmt::format("{} drawn of {}", frame.blocks_drawn, frame.blocks_total));
     row("  skipped", fmt::format("{} empty, {} irrelevant, {} opaque", frame.blocks_skipped_empty,

@@ -101,11 +101,12 @@ struct RenderScene {
   const Camera& camera;
   const Look& look;
   const Trail* trail;  // null: none
+  const DrawnSurface& surface;
   const DrawingFlags& drawing;
 
   Frame draw(Renderer& renderer, const Camera& from, const RenderOptions& options,
              const RenderHooks& hooks) const {
-    return draw_frame(renderer, field, from, look, trail, drawing, options, hooks);
+    return draw_frame(renderer, {field, look, trail, surface}, from, drawing, options, hooks);
   }
 };
 
@@ -230,16 +231,19 @@ void run_render(const Words& words, Session& session) {
   const double aspect = static_cast<double>(profile.width) / profile.height;
   Described& described = subject.described;
   described.box = apply_crop(drawing.crop, field, &drawing.options);
-  const Camera camera =
-      make_camera(drawing.camera, described.box.world_bounds(), described.space, aspect);
   Look look = make_look(drawing.look, field, subject.unit, session);
+  const DrawnSurface surface = surface_to_draw(subject, drawing);
+  const Camera camera =
+      make_camera(drawing.camera, {field, look, described.box.world_bounds(), described.space,
+                                   aspect, drawing.options.clip_planes, false, surface.surface});
   if (render.dry_run) {
-    const DryRun run{field, camera, look, drawing.options, drawing.run, render.output};
+    const DryRun run{field,       camera,        look,           drawing.options,
+                     drawing.run, render.output, surface.surface};
     write_out(predict(run, session));
     return;
   }
   const std::optional<Trail> trail = trail_of(render, subject, step, look, session);
-  const RenderScene scene{field, camera, look, trail ? &*trail : nullptr, drawing};
+  const RenderScene scene{field, camera, look, trail ? &*trail : nullptr, surface, drawing};
   Image image = draw(render, scene, &profile, session);
   // A picture without anything in it is seldom what was meant.
   if (is_empty(image))

@@ -133,6 +133,19 @@ Vec3 parse_direction(const std::string& text) {
   return direction;
 }
 
+std::pair<Light, std::optional<Vec3>> parse_light(const std::string& text) {
+  const std::string kStudio = "studio";
+  if (text == "headlight") return {Light::kSingle, std::nullopt};
+  if (text == kStudio) return {Light::kStudio, std::nullopt};
+  if (text.starts_with(kStudio + ":"))
+    return {Light::kStudio, parse_direction(text.substr(kStudio.size() + 1))};
+  try {
+    return {Light::kSingle, parse_direction(text)};
+  } catch (const BadValue& bad) {
+    throw BadValue(fmt::format("{}, studio or headlight", bad.what()));
+  }
+}
+
 Hyperplane parse_hyperplane(const std::string& text) {
   const std::vector<double> numbers = parse_numbers(text, 5);
   Hyperplane plane{{numbers[0], numbers[1], numbers[2], numbers[3]}, numbers[4]};
@@ -254,6 +267,12 @@ std::string text_of(const LatticeKernel& kernel) {
 }
 
 std::string text_of(const Vec3& v) { return fmt::format("{},{},{}", v.x(), v.y(), v.z()); }
+std::string text_of_light(Light light, const std::optional<Vec3>& direction) {
+  const std::string towards = direction ? text_of(*direction) : "";
+  if (light == Light::kSingle) return direction ? towards : "headlight";
+  return direction ? "studio:" + towards : "studio";
+}
+
 std::string text_of(const Rgb& rgb) { return fmt::format("{}", fmt::join(rgb, ",")); }
 std::string text_of(const Index3& dims) { return fmt::format("{}", fmt::join(dims, "x")); }
 std::string text_of(ScalarType type) { return name_of(type); }

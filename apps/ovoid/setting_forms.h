@@ -20,16 +20,18 @@ inline std::optional<std::string> if_so(bool is_so, const std::string& shown) {
   return is_so ? std::optional(shown) : std::nullopt;
 }
 
-LatticeKernel parse_kernel(const std::string& text);    // "bspline", "gaussian:SIGMA,CUTOFF"
-int parse_component(const std::string& text);           // "N" or "magnitude"
-Vec3 parse_spacing(const std::string& text);            // "A,B,C"
-Vec3 parse_direction(const std::string& text);          // "X,Y,Z"
-Hyperplane parse_hyperplane(const std::string& text);   // "A,B,C,D,E"
-ClipPlane parse_clip(const std::string& text);          // "NX,NY,NZ,D"
-ValuePlane parse_value_plane(const std::string& text);  // "NX,NY,NZ,D[,shown]"
-std::string parse_preset(const std::string& text);      // its name
-std::string parse_color_map(const std::string& text);   // its name, or a list, as it is
-std::vector<ColorPoint> parse_colors(const std::string& text);                // "V,R,G,B,..."
+LatticeKernel parse_kernel(const std::string& text);  // "bspline", "gaussian:SIGMA,CUTOFF"
+int parse_component(const std::string& text);         // "N" or "magnitude"
+Vec3 parse_spacing(const std::string& text);          // "A,B,C"
+Vec3 parse_direction(const std::string& text);        // "X,Y,Z"
+// "studio", "headlight", "X,Y,Z" or "studio:X,Y,Z".
+std::pair<Light, std::optional<Vec3>> parse_light(const std::string& text);
+Hyperplane parse_hyperplane(const std::string& text);           // "A,B,C,D,E"
+ClipPlane parse_clip(const std::string& text);                  // "NX,NY,NZ,D"
+ValuePlane parse_value_plane(const std::string& text);          // "NX,NY,NZ,D[,shown]"
+std::string parse_preset(const std::string& text);              // its name
+std::string parse_color_map(const std::string& text);           // its name, or a list, as it is
+std::vector<ColorPoint> parse_colors(const std::string& text);  // "V,R,G,B,..."
 std::vector<OpacityPoint> parse_opacities(const std::string& text);           // "V:A,V:A,..."
 std::vector<OpacityPoint> parse_gradient_opacities(const std::string& text);  // "G:A,G:A,..."
 // "W,L": the values from L - W/2 to L + W/2.
@@ -43,6 +45,7 @@ bool is_list_of_colors(const std::string& text);
 std::string text_of_component(int component);
 std::string text_of(const LatticeKernel& kernel);
 std::string text_of(const Vec3& v);
+std::string text_of_light(Light light, const std::optional<Vec3>& direction);
 std::string text_of(const Rgb& rgb);
 std::string text_of(const Index3& dims);
 std::string text_of(ScalarType type);

@@ -24,11 +24,10 @@ using Found = std::optional<std::string>;
 
 // --- names of values
 
-const Names<Mode> kModes = {{"composite", Mode::kComposite},
-                            {"xray", Mode::kXray},
-                            {"maximum", Mode::kMaximum},
-                            {"mean", Mode::kMean},
-                            {"isosurface", Mode::kIsosurface}};
+const Names<Mode> kModes = {{"composite", Mode::kComposite}, {"xray", Mode::kXray},
+                            {"maximum", Mode::kMaximum},     {"mip", Mode::kMaximum},
+                            {"mean", Mode::kMean},           {"isosurface", Mode::kIsosurface}};
+const Names<Fit> kFits = {{"visible", Fit::kVisible}, {"box", Fit::kBox}};
 const Names<bool> kProjections = {{"perspective", false}, {"parallel", true}};
 const Names<Slab> kSlabs = {{"auto", Slab::kAuto}, {"mid", Slab::kMid}, {"mean", Slab::kMean}};
 const Names<GradientMethod> kGradients = {{"auto", GradientMethod::kAuto},
@@ -55,11 +54,10 @@ const Names<Backend> kBackends = {{"auto", Backend::kAuto},
 const Names<SheetPrecision> kSheetPrecisions = {{"fp32", SheetPrecision::kSingle},
                                                 {"fp16", SheetPrecision::kHalf}};
 
-Names<std::string> view_names() {
+Names<std::string> named_views() {
+  static const std::vector<std::string> all = view_names();
   Names<std::string> names;
-  for (const char* const name : {"+x", "-x", "+y", "-y", "+z", "-z", "anterior", "posterior",
-                                 "left", "right", "superior", "inferior"})
-    names.emplace_back(name, name);
+  for (const std::string& name : all) names.emplace_back(name.c_str(), name);
   return names;
 }
 
@@ -74,7 +72,9 @@ Found is_without_opacity(const std::string& mode) {
   return if_so(mode == "xray" || mode == "isosurface", mode);
 }
 Found is_published_way(const std::string& way) { return if_so(way != "off" && way != "auto", way); }
-Found is_color(const std::string& background) { return if_so(background != "none", background); }
+Found is_color(const std::string& background) {
+  return if_so(background != "none" && background != "transparent", background);
+}
 Found is_float_picture(const std::string& output) {
   return if_so(has_ending(output, ".exr") || has_ending(output, ".npy"), output);
 }
@@ -153,9 +153,9 @@ const Table<LookFlags>& color_settings() {
       {"--symlog", number("W", kPositive), &L::linear_width,
        "along a logarithm on either side of zero, straight for values within W of it",
        not_with("log")},
-      {"--below-color", form("R,G,B", parse_rgb), &L::below_color,
-       "of values below the colours' first, each in [0, 1]"},
-      {"--above-color", form("R,G,B", parse_rgb), &L::above_color,
+      {"--below-color", form("COLOR", parse_rgb), &L::below_color,
+       "of values below the colours' first: a name, #rrggbb, or R,G,B, each in [0, 1]"},
+      {"--above-color", form("COLOR", parse_rgb), &L::above_color,
        "of values above the colours' last"},
       {"--unit-distance", number("D", kPositive), &L::unit_distance,
        "world length over which opacities are meant (default: the file's, or the default "
@@ -188,8 +188,25 @@ const Table<LookFlags>& light_settings() {
        material("highlights", usual.specular), lit, by_flag},
       {"--specular-power", number("K", kPositive), &L::specular_power,
        material("their sharpness", usual.specular_power), lit, by_flag},
-      {"--light", form("X,Y,Z", parse_direction), &L::light_direction,
-       "direction towards the light, world (default: a headlight)", lit, by_flag},
+      {"--light",
+       {"studio|headlight|[studio:]X,Y,Z",
+        [](L& look, const std::string& text) {
+          std::tie(look.light, look.light_direction) = parse_light(text);
+        },
+        [](const L& look) {
+          const bool is_usual = look.light == Light::kStudio && !look.light_direction;
+          return is_usual ? Json() : Json(text_of_light(look.light, look.light_direction));
+        }},
+       "a key light above left of the camera and a soft one from the eye (default), the eye's "
+       "alone, "
+       "one towards X,Y,Z (world), or that as the key",
+       lit,
+       by_flag},
+      {"--flat", number("SHARE", {.lo = 0, .hi = 1}), &L::flat_rise,
+       "a field that rises by less than this share of the colours' span over a spacing is lit "
+       "evenly: "
+       "its normals are noise (default: the look's)",
+       lit, by_flag},
   };
   return all;
 }
@@ -199,13 +216,18 @@ const Table<CameraFlags>& camera_settings() {
   static const Table<C> all = {
       {"--camera", word("FILE|JSON", Content::kCamera), &C::file,
        "a camera in VTK's words, or JSON itself"},
-      {"--view", choice(view_names(), "DIRECTION"), &C::view,
-       "from where: +x, -x, +y, -y, +z, -z, or for patient data anterior, posterior, left, right, "
-       "superior, inferior",
+      {"--view", choice(named_views(), "DIRECTION"), &C::view,
+       fmt::format("from where: {}; anterior to inferior are for patient data (default: patients "
+                   "from the front, flat data from above, others three-quarter)",
+                   fmt::join(view_names(), ", ")),
        not_with("camera", "contradicts --camera, which already says from where")},
       {"--azimuth", number("DEG"), &C::azimuth, "turn the camera around the view's up axis"},
       {"--elevation", number("DEG"), &C::elevation, "raise the camera"},
       {"--roll", number("DEG"), &C::roll, "turn the camera about its view axis"},
+      {"--fit", choice(kFits), &C::fit,
+       "how near: what shows fills the picture, or the whole box, transparent or not, is in sight "
+       "(default {})",
+       not_with("camera", "contradicts --camera, which already says from where")},
       {"--zoom", number("FACTOR", kPositive), &C::zoom, "above 1 comes nearer"},
       {"--projection", choice(kProjections), &C::parallel_projection, "(default perspective)"},
       {"--view-angle", number("DEG", {0, 180, true, true}), &C::view_angle,
@@ -256,6 +278,29 @@ const Table<AnnotationFlags>& mark_settings() {
   return all;
 }
 
+const Table<SurfaceFlags>& surface_settings() {
+  using S = SurfaceFlags;
+  const Rule mesh = for_data({DatasetKind::kMesh}, "meshes, which have cells that end");
+  const Rule mode = not_with("mode", "is for --mode composite", is_no_layer);
+  static const Table<S> all = {
+      {"--surface",
+       {"[=OPACITY]",
+        [](S& surface, const std::string& text) {
+          surface.opacity = text.empty() ? 1 : parse_number(text, {.lo = 0, .hi = 1});
+        },
+        [](const S& surface) {
+          if (!surface.opacity) return Json();
+          return *surface.opacity == 1 ? Json(true) : Json(fmt::format("{}", *surface.opacity));
+        }},
+       "meshes: draw where the cells end, in the field's colours, this opaque (1; 0: draw the "
+       "volume; default: 1, unless opacities, clip planes or a plane of values are given)",
+       mesh,
+       mode},
+      {"--edges", Toggle(), &S::shows_edges, "the edges of the surface's cells, too", mesh, mode},
+  };
+  return all;
+}
+
 const Table<TrailFlags>& trail_settings() {
   using T = TrailFlags;
   static const Table<T> all = {
@@ -298,9 +343,12 @@ const Table<DrawingFlags>& picture_settings() {
         }},
        fmt::format("pixels (default {}x{})", RenderOptions{}.width, RenderOptions{}.height)},
       {"--background",
-       {"R,G,B|none",
+       {"COLOR|none",
         [](D& drawing, const std::string& text) {
-          if (text == "none") return;
+          if (text == "none" || text == "transparent") {
+            drawing.background.reset();
+            return;
+          }
           try {
             drawing.background = parse_rgb(text);
           } catch (const BadValue& bad) {
@@ -308,9 +356,12 @@ const Table<DrawingFlags>& picture_settings() {
           }
         },
         [](const D& drawing) {
-          return drawing.background ? Json(text_of(*drawing.background)) : Json();
+          if (!drawing.background) return Json("none");
+          return *drawing.background == kBackground ? Json() : Json(text_of(*drawing.background));
         }},
-       "colour behind a PNG, each in [0, 1] (default none: transparent)",
+       fmt::format("colour behind a PNG: a name, #rrggbb, or R,G,B, each in [0, 1]; none: "
+                   "transparent (default {})",
+                   text_of(kBackground)),
        not_with("output", "'{1}' holds no background, only .png does", is_float_picture, is_color)},
   };
   return all;
@@ -417,6 +468,8 @@ void add_drawing_flags(Flags& flags, DrawingFlags* drawing) {
   flags.add(camera_settings(), &drawing->camera);
   flags.section("part of the data");
   flags.add(crop_settings(), &drawing->crop);
+  flags.section("surface");
+  flags.add(surface_settings(), &drawing->surface);
   flags.section("motion blur");
   flags.add(trail_settings(), &drawing->trail);
   add_kernel_flags(flags, &drawing->model);

@@ -91,8 +91,13 @@ struct LookFlags {
   std::optional<double> diffuse;
   std::optional<double> specular;
   std::optional<double> specular_power;
-  std::optional<Vec3> light_direction;
+  Light light = Light::kStudio;
+  std::optional<Vec3> light_direction;  // none: with the camera
+  std::optional<double> flat_rise;
 };
+
+// How near a camera that nobody placed comes.
+enum class Fit { kVisible, kBox };
 
 // Where the picture is taken from.
 struct CameraFlags {
@@ -101,6 +106,7 @@ struct CameraFlags {
   double azimuth = 0;  // degrees, as are the next two
   double elevation = 0;
   double roll = 0;
+  Fit fit = Fit::kVisible;
   double zoom = 1;
   std::optional<bool> parallel_projection;
   std::optional<double> view_angle;
@@ -136,13 +142,23 @@ struct TrailFlags {
   std::string file_name;  // which look of the file; empty: the first
 };
 
+// Behind a picture: dark, so that what is light and what is seen through stand out.
+inline constexpr Rgb kBackground{0.10, 0.11, 0.13};
+
+// The surface of a mesh.
+struct SurfaceFlags {
+  std::optional<double> opacity;  // 0: the volume instead; none: as the data are
+  bool shows_edges = false;
+};
+
 struct DrawingFlags {
-  std::optional<std::array<double, 3>> background;
+  std::optional<Rgb> background = kBackground;  // none: transparent
   ModelFlags model;
   LookFlags look;
   CameraFlags camera;
   CropFlags crop;
   AnnotationFlags annotation;
+  SurfaceFlags surface;
   RenderOptions options;
   TrailFlags trail;
   std::optional<ValuePlane> plane;
@@ -161,6 +177,7 @@ const Table<LookFlags>& light_settings();
 const Table<CameraFlags>& camera_settings();
 const Table<CropFlags>& crop_settings();
 const Table<AnnotationFlags>& mark_settings();
+const Table<SurfaceFlags>& surface_settings();
 const Table<TrailFlags>& trail_settings();
 const Table<DrawingFlags>& picture_settings();  // --size, --background
 const Table<RenderOptions>& number_settings();

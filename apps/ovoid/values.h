@@ -35,8 +35,8 @@ std::int64_t parse_integer(const std::string& text, std::int64_t lo, std::int64_
 std::uint64_t parse_seed(const std::string& text);
 
 std::vector<double> parse_numbers(const std::string& text, std::size_t count);  // "a,b,c", finite
-Rgb parse_rgb(const std::string& text);                          // "r,g,b", each in [0, 1]
-Vec3 parse_vec3(const std::string& text);                        // "x,y,z"
+Rgb parse_rgb(const std::string& text);    // "r,g,b", each in [0, 1], "#rrggbb", or a name
+Vec3 parse_vec3(const std::string& text);  // "x,y,z"
 std::pair<double, double> parse_range(const std::string& text);  // "LO,HI" with LO < HI
 std::pair<int, int> parse_size(const std::string& text,
                                int greatest);           // "WIDTHxHEIGHT", each 1 to greatest

@@ -78,8 +78,7 @@ bool App::take_plain_key(int key, bool is_shifted) {
   Camera& camera = document_.camera;
   const bool has_time = document_.has_time();
   if (key >= GLFW_KEY_1 && key <= GLFW_KEY_6) {
-    camera = axis_view(camera, document_.bounds(), document_.shown->subject.described.space,
-                       kViews[static_cast<std::size_t>(key - GLFW_KEY_1)], aspect());
+    document_.reset_camera(aspect(), kViews[static_cast<std::size_t>(key - GLFW_KEY_1)]);
   } else if (key == GLFW_KEY_R) {
     document_.reset_camera(aspect());
   } else if (key == GLFW_KEY_P) {

@@ -63,7 +63,10 @@ cli::LookFlags look_of(const Document& document) {
   flags.mode = look.mode;
   if (look.mode == Mode::kIsosurface) flags.isovalue = look.isovalue;
   const bool is_lit = look.mode == Mode::kComposite || look.mode == Mode::kIsosurface;
-  if (is_lit && look.shade) flags.light_direction = look.light_direction;
+  if (is_lit && look.shade) {
+    flags.light = look.light;
+    flags.light_direction = look.light_direction;
+  }
   // There it is that of the integrals.
   if (look.mode == Mode::kXray) flags.range = document.launch->drawing.look.range;
   return flags;
@@ -115,6 +118,13 @@ cli::FlagSet flags_of(const Document& document, Size size) {
   cli::tell(cli::crop_settings(), told_crop(view, document.launch->drawing.crop), &flags);
   drawing.plane = document.scenes({1, 1}).back()->plane;
   cli::tell(cli::plane_settings(), drawing, &flags);
+  drawing.surface = {};
+  if (document.shown->subject.surface != nullptr && view.look.mode == Mode::kComposite) {
+    const bool is_drawn = document.draws_surface(view);
+    drawing.surface.opacity = is_drawn ? view.surface.opacity : 0;
+    drawing.surface.shows_edges = is_drawn && view.surface.shows_edges;
+  }
+  cli::tell(cli::surface_settings(), drawing.surface, &flags);
   cli::AnnotationFlags marks = view.marks;
   if (!marks.any()) marks.length_unit.reset();
   cli::tell(cli::mark_settings(), marks, &flags);

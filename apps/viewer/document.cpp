@@ -44,13 +44,16 @@ void Document::take(const ShownReady& ready, double aspect) {
     if (flags.background) view.background = *flags.background;
     if (flags.crop.world) view.crop = flags.crop.world;
     view.plane = flags.plane;
+    const cli::DrawnSurface surface = cli::surface_to_draw(shown->subject, flags);
+    view.draws_surface = surface.surface != nullptr;
+    view.surface = surface.style;
     setup = flags.run;
     time.blur_length = flags.trail.length.value_or(0);
     time.blur_decay = flags.trail.decay;
     take_window_state(launch->window, *this);
     other.reset();
     compare = CompareMode::kOff;
-    camera = cli::make_camera(flags.camera, bounds(), shown->subject.described.space, aspect);
+    camera = cli::make_camera(flags.camera, camera_subject(aspect));
     past_.clear();
     future_.clear();
     settled_ = view;
@@ -73,10 +76,24 @@ Bounds3 Document::bounds() const {
   return left.isEmpty() ? all : left;
 }
 
-void Document::reset_camera(double aspect) {
+void Document::reset_camera(double aspect, const std::string& view_name) {
   const bool is_parallel = camera.parallel_projection;
-  camera = default_camera(bounds(), shown->subject.described.space, {}, aspect);
+  cli::CameraFlags flags;
+  flags.view = view_name;
+  camera = cli::make_camera(flags, camera_subject(aspect));
   camera.parallel_projection = is_parallel;
+}
+
+bool Document::draws_surface(const View& of) const {
+  return of.draws_surface && shown->subject.surface != nullptr &&
+         of.look.mode == Mode::kComposite && !of.plane && of.clip_planes.empty() && !of.crop;
+}
+
+cli::CameraSubject Document::camera_subject(double aspect) const {
+  return {shown->field(), view.look,
+          bounds(),       shown->subject.described.space,
+          aspect,         options_of(view, {1, 1}).clip_planes,
+          false,          draws_surface(view) ? shown->subject.surface.get() : nullptr};
 }
 
 const ArrayInfo* Document::array_info(const std::string& name) const {
@@ -115,6 +132,7 @@ std::shared_ptr<const Scene> Document::scene(const View& of, const RendererSetup
   const bool is_layered = of.look.mode == Mode::kComposite || of.look.mode == Mode::kIsosurface;
   made->has_trail = shown->trail != nullptr && time.blur_length > 0 && is_layered;
   if (is_layered && !made->has_trail) made->plane = of.plane;
+  if (draws_surface(of)) made->surface = of.surface;
   made->background = of.background;
   made->xray_range = launch->drawing.look.range;
   return made;

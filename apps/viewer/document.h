@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "loader.h"
+#include "make_camera.h"
 #include "size.h"
 #include "worker.h"
 
@@ -22,9 +23,11 @@ struct View {
   std::optional<Bounds3> crop;  // world; sides that are not cut are infinite
   std::vector<ClipPlane> clip_planes;
   std::optional<ValuePlane> plane;
+  bool draws_surface = false;  // of a mesh, where nothing cuts it open
+  SurfaceStyle surface;
   RenderOptions options;  // without size and clip planes
   cli::AnnotationFlags marks;
-  Rgb background{0.05, 0.055, 0.065};
+  Rgb background = cli::kBackground;
 };
 
 // One of two settings that are compared.
@@ -72,11 +75,15 @@ class Document {
   void take(const Opened& opened);
   void take(const ShownReady& ready, double aspect);
 
+  // Whether a view shows the surface of what is shown, and not its inside.
+  bool draws_surface(const View& of) const;
   // The part of the data that is left by the crop.
   Bounds3 bounds() const;
   Bounds3 data_bounds() const { return shown->field().world_bounds(); }
   double extent() const { return data_bounds().diagonal().norm(); }
-  void reset_camera(double aspect);
+  // What shows fills the picture, from where a first picture is taken, or from the view of that
+  // name (default_camera()); the projection stays as it is.
+  void reset_camera(double aspect, const std::string& view = {});
   const ArrayInfo* array_info(const std::string& name) const;
 
   // The request for a picture of `size` pixels.
@@ -104,6 +111,7 @@ class Document {
   std::uint64_t view_version() const noexcept { return view_version_; }
 
  private:
+  cli::CameraSubject camera_subject(double aspect) const;
   void count_up() noexcept {
     ++version_;
     ++view_version_;

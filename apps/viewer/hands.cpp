@@ -69,11 +69,4 @@ void toggle_projection(Camera& camera) {
   camera.parallel_projection = !camera.parallel_projection;
 }
 
-Camera axis_view(const Camera& camera, const Bounds3& bounds, Space space, const std::string& view,
-                 double aspect) {
-  Camera seen = default_camera(bounds, space, view, aspect);
-  seen.parallel_projection = camera.parallel_projection;
-  return seen;
-}
-
 }  // namespace ovoid::viewer

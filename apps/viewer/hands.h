@@ -26,8 +26,4 @@ void zoom_to(Camera& camera, double factor, const Vec2& cursor, const Vec2& size
 // Between the projections, the focal plane staying as large as it is.
 void toggle_projection(Camera& camera);
 
-// Sees the whole of `bounds` from `view` (default_camera()), the projection staying as it is.
-Camera axis_view(const Camera& camera, const Bounds3& bounds, Space space, const std::string& view,
-                 double aspect);
-
 }  // namespace ovoid::viewer

@@ -246,8 +246,11 @@ void Loader::Impl::read(const OpenTask& task, const std::stop_token& token) {
   const Field& field = next.shown->field();
   RenderOptions ignored = next.drawing.options;
   const Box box = cli::apply_crop(next.drawing.crop, field, &ignored);
-  cli::make_camera(next.drawing.camera, box.world_bounds(), next.shown->subject.described.space,
-                   1.0);
+  cli::CameraFlags camera = next.drawing.camera;
+  camera.fit = cli::Fit::kBox;
+  cli::make_camera(
+      camera,
+      {field, *ready.look, box.world_bounds(), next.shown->subject.described.space, 1.0, {}});
   data = std::move(next);  // what was there before stays if anything went wrong
   report(Opened{info, task.launch, task.is_reload});
   report(std::move(ready));

@@ -212,8 +212,14 @@ bool light_editor(Panel& panel) {
   is_changed |= widgets.slider("look.diffuse", "diffuse", &material.diffuse, 0, 1);
   is_changed |= widgets.slider("look.specular", "specular", &material.specular, 0, 1);
   is_changed |= widgets.slider("look.power", "specular power", &material.specular_power, 1, 100);
+  bool is_studio = look.light == Light::kStudio;
+  if (widgets.checkbox("look.studio", "key and fill light", &is_studio)) {
+    look.light = is_studio ? Light::kStudio : Light::kSingle;
+    is_changed = true;
+  }
+  is_changed |= widgets.slider("look.flat", "even light below a rise of", &look.flat_rise, 0, 0.2);
   bool is_headlight = !look.light_direction.has_value();
-  if (widgets.checkbox("look.headlight", "light from the eye", &is_headlight)) {
+  if (widgets.checkbox("look.headlight", "light moves with the camera", &is_headlight)) {
     look.light_direction.reset();
     const Camera& camera = panel.document.camera;
     if (!is_headlight)
@@ -289,6 +295,23 @@ void look_files(Panel& panel) {
   if (widgets.button("look.write", "write")) panel.wishes.write_look = panel.state.look_path;
 }
 
+// Of a mesh: its surface, or what is in it.
+bool surface_editor(Panel& panel) {
+  Document& document = panel.document;
+  Widgets& widgets = panel.widgets;
+  if (document.shown->subject.surface == nullptr) return false;
+  View& view = document.view;
+  bool is_changed = widgets.checkbox("look.surface", "surface", &view.draws_surface);
+  widgets.tip("Where the mesh ends, instead of what is in it. Crops and planes open it.");
+  if (view.draws_surface) {
+    is_changed |=
+        widgets.slider("look.surface-opacity", "of opacity", &view.surface.opacity, 0.05, 1);
+    is_changed |= widgets.checkbox("look.edges", "with edges", &view.surface.shows_edges);
+  }
+  ImGui::Separator();
+  return is_changed;
+}
+
 }  // namespace
 
 void look_panel(Panel& panel) {
@@ -300,6 +323,7 @@ void look_panel(Panel& panel) {
   if (widgets.button("look.redo", "redo", document.can_redo())) document.redo();
   bool is_changed = presets(panel);
   is_changed |= choose_mode(panel);
+  is_changed |= surface_editor(panel);
   is_changed |= opacity_editor(panel);
   Look& look = document.view.look;
   if (look.color_function) {  // opacity and colour each have values of their own

@@ -154,8 +154,7 @@ void view_buttons(Panel& panel) {
       static_cast<double>(panel.status.picture.width) / std::max(panel.status.picture.height, 1);
   for (const char* const view : kViews) {
     if (panel.widgets.button(fmt::format("space.view.{}", view), view)) {
-      document.camera = axis_view(document.camera, document.bounds(),
-                                  document.shown->subject.described.space, view, aspect);
+      document.reset_camera(aspect, view);
       document.touch_beside_view();
     }
     ImGui::SameLine();

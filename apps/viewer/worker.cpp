@@ -204,6 +204,10 @@ Picture Worker::Impl::draw(const std::shared_ptr<const Scene>& scene, const Leve
   hooks.stop = token;
   const Trail* const trail = scene->has_trail ? scene->shown->trail.get() : nullptr;
   Frame frame = [&] {
+    if (scene->surface) {
+      return render_surface(*scene->shown->subject.surface, scene->camera, coarse.look,
+                            *scene->surface, coarse.options, scene->setup.threads, hooks);
+    }
     if (trail != nullptr && level.field == 0)
       return renderer.render(*coarse.field, scene->camera, coarse.look, *trail, coarse.options,
                              hooks);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "ovoid/dataset.h"
 #include "ovoid/export.h"
@@ -33,11 +34,16 @@ struct Camera {
 
 // The whole box in sight for any aspect ratio >= `aspect` (width / height; below 1 the distance
 // grows): the camera looks along the direction named by `view`: "+x" "-x" "+y" "-y" "+z" "-z" (seen
-// from there), and for patient data "anterior" "posterior" "left" "right" "superior" "inferior".
-// Empty: from +z with y up, or for LPS and RAS data from anterior with superior up. Throws
+// from there); "front" "back" "left" "right" "top" "bottom", and "three-quarter" (30 degrees from
+// the front to the viewer's right, 20 up) or "three-quarter-side" (60), where data of a patient
+// face anterior, and left and right are the patient's; other data face -y with z up. "anterior"
+// "posterior" "superior" "inferior" are for patients alone. Empty: from +z with y up, or for LPS
+// and RAS data from anterior with superior up. (framing.h chooses, and comes nearer.) Throws
 // Error(kInvalidArgument) for an unknown name, a patient direction without a patient space, or an
 // empty box.
 Camera default_camera(const Bounds3& world_bounds, Space space = Space::kNone,
                       const std::string& view = {}, double aspect = 1.0);
+// All names of views.
+std::vector<std::string> view_names();
 
 }  // namespace ovoid

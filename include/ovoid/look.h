@@ -24,6 +24,12 @@ struct Material {
   double specular_power = 10.0;  // > 0
 };
 
+// What falls on the volume (docs/numerics.md, "Light"). Lights are white.
+enum class Light {
+  kSingle,  // one light, which reaches both sides of a surface alike
+  kStudio   // a key light, and a soft one from the eye: what turns away from the key is not black
+};
+
 // Everything about appearance: classification, light, mode.
 struct Look {
   TransferFunction transfer_function;
@@ -35,12 +41,16 @@ struct Look {
   double isovalue = 0.0;  // for kIsosurface
   bool shade = true;      // composite and isosurface only
   Material material;
-  std::optional<Vec3> light_direction;  // world, from the object towards the light; none: a
-                                        // headlight (along each ray to the eye)
+  Light light = Light::kSingle;
+  // World, from the object towards the light, or the studio's key light. None: a headlight (along
+  // each ray to the eye); of the studio: from above left of the camera, with which it moves.
+  std::optional<Vec3> light_direction;
+  // Where the field rises, over its smallest spacing, by less than this share of the transfer
+  // function's span, light fades to that of a flat region: there normals are noise. In [0, 1].
+  // (An isosurface, which is asked for, is lit from 1e-4 of the field's range on.)
+  double flat_rise = 1e-4;
   double unit_distance = 0.0;  // world length of the opacities; 0: the transfer function's own,
                                // else default_unit_distance()
-  // Range of values over which "flat" is judged (shading fades where |gradient| * spacing < 1e-4 of
-  // it): the transfer function's span.
 
   // Throws Error(kInvalidArgument) that names the member.
   void validate() const;

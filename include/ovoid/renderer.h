@@ -57,6 +57,7 @@ struct FrameProfile {
   std::int64_t kernels_loaded = 0;
   std::int64_t samples_reconstructed = 0;
   std::int64_t samples_shaded = 0;  // samples with a non-zero opacity
+  std::int64_t base_samples = 0;    // of the base plane that lattice sheets are drawn on; 0: none
   std::int64_t gradients = 0;       // samples whose gradient was taken
   // Of the cpu back end on lattices: what the values and gradients needed in the stages reconstruct
   // and gradient, and what one thread can do per second with simd_target where nothing is in its
@@ -64,6 +65,10 @@ struct FrameProfile {
   // the machine's limit.
   double multiply_adds = 0;
   double multiply_add_peak = 0;
+  // Of the same: what the stage load reads of samples as they are stored (one that several blocks
+  // share counts for each), and what one thread can read per second, in order, from memory.
+  double bytes_loaded = 0;
+  double bandwidth_peak = 0;
   std::int64_t bytes_uploaded = 0;  // to a device: what of field, look and camera it did not have
   std::int64_t blocks_total = 0;    // these four: of the cpu back end
   std::int64_t blocks_drawn = 0;

@@ -51,6 +51,12 @@ class SampleReader {
     });
   }
 
+  // Of the samples read last.
+  bool is_counted() const {
+    return view_.data != nullptr && view_.type != ScalarType::kFloat32 &&
+           view_.type != ScalarType::kFloat64;
+  }
+
  private:
   const BrickSource& source_;
   const Index3 dims_;
@@ -127,6 +133,7 @@ FieldSamples take_samples(const BrickSource& source) try {
                if (next == value) ++num_equal;
              });
   take_face_samples(reader, geometry.dims, samples.on_faces);
+  samples.is_counted = reader.is_counted();
   for (std::vector<float>* list : {&samples.values, &samples.on_faces})
     std::sort(list->begin(), list->end());
   samples.share_of_equals =

@@ -18,6 +18,7 @@ struct FieldSamples {
   std::vector<float> values;    // rising
   std::vector<float> on_faces;  // rising: the part of them that lies on the lattice's outer faces
   double share_of_equals = 0;   // of neighbours along x that exist: those with the same value
+  bool is_counted = false;      // stored as whole numbers, as scanners do
 };
 
 // At most about kWantedSamples of the lattice's and as many of its faces'. Cost: some ten

@@ -262,6 +262,7 @@ TEST(CoarseKernels, FromFarTheyLookTheSame) {
   model.is_density = true;
   const Field field = make_kernel_field(make_sample("galaxy", {.count = 20000}), model);
   Look look = default_look(field);
+  look.shade = true;
   look.unit_distance = default_unit_distance(field);
   Camera camera = default_camera(field.world_bounds());
   RenderOptions options;

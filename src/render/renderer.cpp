@@ -14,6 +14,7 @@
 #include "render/field_levels.h"
 #include "render/lattice_sheets.h"
 #include "render/reference/reference_renderer.h"
+#include "view/light.h"
 
 namespace ovoid {
 namespace {
@@ -201,6 +202,8 @@ Frame Renderer::Impl::draw(const Field& field, const Camera& camera, const Look&
   Look own_look = look;
   if (look.unit_distance == 0 && !look.transfer_function.unit_distance)
     own_look.unit_distance = default_unit_distance(field);
+  if (look.light == Light::kStudio && !look.light_direction)
+    own_look.light_direction = view::studio_key(camera);
   RenderOptions own_options = options;
   own_options.sampling_distance = sheet_distance(drawn, look, options);
   std::optional<view::TrailView> trail_view;

@@ -96,6 +96,7 @@ void add_profile(FrameProfile& sum, const FrameProfile& part) {
   sum.samples_shaded += part.samples_shaded;
   sum.gradients += part.gradients;
   sum.multiply_adds += part.multiply_adds;
+  sum.bytes_loaded += part.bytes_loaded;
   sum.bytes_uploaded += part.bytes_uploaded;
   sum.blocks_total += part.blocks_total;
   sum.blocks_drawn += part.blocks_drawn;
@@ -104,13 +105,9 @@ void add_profile(FrameProfile& sum, const FrameProfile& part) {
   sum.blocks_skipped_opaque += part.blocks_skipped_opaque;
 }
 
-// Colours by value, as nobody's opacity lets them through.
 view::LookTable colors_of(const Field& field, const Look& look) {
   const bool has_own = field.kernels() != nullptr && field.kernels()->has_own_color();
-  TransferFunction colors = has_own ? view::color_function_of(look) : look.transfer_function;
-  colors.opacities.clear();
-  colors.gradient_opacities.clear();
-  return view::LookTable(colors);
+  return view::colors_alone(has_own ? view::color_function_of(look) : look.transfer_function);
 }
 
 // The frame while its parts come in.

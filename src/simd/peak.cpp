@@ -3,6 +3,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "simd/peak.cpp"
+#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -43,6 +44,21 @@ inline double run_chains(long steps, float* out) {
   return kChains * static_cast<double>(steps) * static_cast<double>(hn::Lanes(d));
 }
 
+// The sum of `count` floats, a multiple of 64, in four chains: memory is what they wait for.
+inline float sum_of(const float* from, std::size_t count) {
+  namespace hn = hwy::HWY_NAMESPACE;
+  const hn::CappedTag<float, 16> d;
+  const std::size_t lanes = hn::Lanes(d);
+  auto a = hn::Zero(d), b = hn::Zero(d), c = hn::Zero(d), e = hn::Zero(d);
+  for (std::size_t i = 0; i < count; i += 4 * lanes) {
+    a = hn::Add(a, hn::LoadU(d, from + i));
+    b = hn::Add(b, hn::LoadU(d, from + i + lanes));
+    c = hn::Add(c, hn::LoadU(d, from + i + 2 * lanes));
+    e = hn::Add(e, hn::LoadU(d, from + i + 3 * lanes));
+  }
+  return hn::GetLane(hn::SumOfLanes(d, hn::Add(hn::Add(a, b), hn::Add(c, e))));
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace ovoid::simd
 HWY_AFTER_NAMESPACE();
@@ -51,10 +67,13 @@ HWY_AFTER_NAMESPACE();
 
 #include <algorithm>
 #include <chrono>
+#include <memory>
+#include <new>
 
 namespace ovoid::simd {
 
 HWY_EXPORT(run_chains);
+HWY_EXPORT(sum_of);
 
 double multiply_add_peak(const SimdTarget& target) {
   using Clock = std::chrono::steady_clock;
@@ -66,6 +85,26 @@ double multiply_add_peak(const SimdTarget& target) {
     const Clock::time_point start = Clock::now();
     const double done = run(kSteps, &result);
     best = std::max(best, done / std::chrono::duration<double>(Clock::now() - start).count());
+  }
+  return result > 0 ? best : 0;
+}
+
+double bandwidth_peak(const SimdTarget& target) {
+  using Clock = std::chrono::steady_clock;
+  constexpr std::size_t kFloats = std::size_t{1} << 20U;
+  constexpr std::size_t kLine = 64 / sizeof(float);
+  const std::unique_ptr<float[]> memory(new (std::nothrow) float[kFloats]);
+  if (memory == nullptr) return 0;
+  std::fill_n(memory.get(), kFloats, 1.0F);
+  const auto run = target.choose(HWY_DISPATCH_TABLE(sum_of));
+  float result = 0;
+  double best = 0;
+  for (int round = 0; round < 12; ++round) {
+    for (std::size_t i = 0; i < kFloats; i += kLine) hwy::FlushCacheline(memory.get() + i);
+    const Clock::time_point start = Clock::now();
+    result += run(memory.get(), kFloats);
+    const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+    best = std::max(best, static_cast<double>(kFloats * sizeof(float)) / seconds);
   }
   return result > 0 ? best : 0;
 }

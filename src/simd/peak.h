@@ -10,4 +10,8 @@ namespace ovoid::simd {
 // that times of stages are held against.
 double multiply_add_peak(const SimdTarget& target);
 
+// Bytes per second that one thread reads in order from memory: of 4 MiB that caches were told to
+// forget (where the machine can be told), measured in some milliseconds. 0 if there are none.
+double bandwidth_peak(const SimdTarget& target);
+
 }  // namespace ovoid::simd

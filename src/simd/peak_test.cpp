@@ -13,6 +13,9 @@ TEST(Peak, IsThatOfAMachine) {
     const double peak = multiply_add_peak(SimdTarget(name));
     EXPECT_GT(peak, 1e6) << name;
     EXPECT_LT(peak, 1e13) << name;
+    const double bandwidth = bandwidth_peak(SimdTarget(name));
+    EXPECT_GT(bandwidth, 1e7) << name;
+    EXPECT_LT(bandwidth, 1e13) << name;
   }
 }
 

@@ -2,12 +2,14 @@
 #include "ovoid/camera.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <array>
 #include <cmath>
 #include <numbers>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include "ovoid/error.h"
 
@@ -53,34 +55,65 @@ std::array<NamedView, 6> axis_views() {
           NamedView{"-x", -x, z}, NamedView{"+y", y, z},  NamedView{"-y", -y, z}};
 }
 
-std::array<NamedView, 6> patient_views(Space space) {
-  // LPS: +x left, +y posterior. RAS: +x right, +y anterior. Both: +z superior.
+// Directions as a person means them: out of the face towards the viewer, to the viewer's right, up.
+struct Facing {
+  Vec3 front, right, up;
+};
+
+// LPS: +x left, +y posterior. RAS: +x right, +y anterior. Both: +z superior. A patient's left is to
+// the right of who faces them. Data of no patient stand on the plane z = 0, and face -y.
+Facing facing(Space space) {
   const double sign = space == Space::kRas ? -1.0 : 1.0;
-  const Vec3 left = sign * Vec3::UnitX();
-  const Vec3 posterior = sign * Vec3::UnitY();
-  const Vec3 superior = Vec3::UnitZ();
-  return {
-      NamedView{"anterior", -posterior, superior}, NamedView{"posterior", posterior, superior},
-      NamedView{"left", left, superior},           NamedView{"right", -left, superior},
-      NamedView{"superior", superior, -posterior}, NamedView{"inferior", -superior, -posterior}};
+  return {-sign * Vec3::UnitY(), sign * Vec3::UnitX(), Vec3::UnitZ()};
 }
 
+// Turned by `azimuth` to the right and raised by 20 degrees.
+Vec3 slanted(const Facing& facing, double azimuth) {
+  const double turn = radians(azimuth);
+  const double rise = radians(20);
+  return std::cos(rise) * (std::cos(turn) * facing.front + std::sin(turn) * facing.right) +
+         std::sin(rise) * facing.up;
+}
+
+std::array<NamedView, 8> faced_views(Space space) {
+  const Facing f = facing(space);
+  const bool is_patient = space != Space::kNone;
+  // A patient's own left and right, and otherwise those of the picture.
+  const Vec3 left = is_patient ? f.right : Vec3(-f.right);
+  return {NamedView{"front", f.front, f.up},
+          NamedView{"back", -f.front, f.up},
+          NamedView{"left", left, f.up},
+          NamedView{"right", -left, f.up},
+          NamedView{"top", f.up, is_patient ? f.front : Vec3(-f.front)},
+          NamedView{"bottom", -f.up, is_patient ? f.front : Vec3(-f.front)},
+          NamedView{"three-quarter", slanted(f, 30), f.up},
+          NamedView{"three-quarter-side", slanted(f, 60), f.up}};
+}
+
+// Their names in anatomy, where there is a patient.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 4> kAnatomy = {
+    std::pair{"anterior", "front"}, std::pair{"posterior", "back"}, std::pair{"superior", "top"},
+    std::pair{"inferior", "bottom"}};
+
 NamedView named_view(const std::string& name, Space space) {
-  if (name.empty()) return space == Space::kNone ? axis_views()[0] : patient_views(space)[0];
+  if (name.empty()) return space == Space::kNone ? axis_views()[0] : faced_views(space)[0];
   for (const NamedView& view : axis_views()) {
     if (view.name == name) return view;
   }
-  for (const NamedView& view : patient_views(space)) {
-    if (view.name != name) continue;
+  std::string_view wanted = name;
+  for (const auto& [anatomical, plain] : kAnatomy) {
+    if (name != anatomical) continue;
     if (space == Space::kNone) {
       refuse(fmt::format(
-          "view = {}: the data has no patient space (LPS or RAS); use +x -x +y -y +z -z", name));
+          "view = {}: the data has no patient space (LPS or RAS); use {}, or +x -x +y -y +z -z",
+          name, plain));
     }
-    return view;
+    wanted = plain;
   }
-  refuse(fmt::format(
-      "view = {}: must be one of +x -x +y -y +z -z anterior posterior left right superior inferior",
-      name));
+  for (const NamedView& view : faced_views(space)) {
+    if (view.name == wanted) return view;
+  }
+  refuse(fmt::format("view = {}: must be one of {}", name, fmt::join(view_names(), " ")));
 }
 
 }  // namespace
@@ -127,6 +160,14 @@ void Camera::zoom(double factor) {
     refuse(fmt::format("zoom factor = {}: must be finite and > 0", factor));
   }
   (parallel_projection ? parallel_scale : view_angle) /= factor;
+}
+
+std::vector<std::string> view_names() {
+  std::vector<std::string> names;
+  for (const NamedView& view : axis_views()) names.emplace_back(view.name);
+  for (const NamedView& view : faced_views(Space::kNone)) names.emplace_back(view.name);
+  for (const auto& [anatomical, plain] : kAnatomy) names.emplace_back(anatomical);
+  return names;
 }
 
 Camera default_camera(const Bounds3& world_bounds, Space space, const std::string& view,

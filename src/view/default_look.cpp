@@ -38,12 +38,37 @@ Depths depths_of(const LatticeField& field) {
   const LatticeGeometry& lattice = field.geometry();
   const double per_spacing = lattice.density() * std::pow(lattice.unit_spacing(), 3);
   const double edge = std::cbrt(static_cast<double>(num_samples(lattice.dims)) / per_spacing);
-  return {std::max(2.0, 0.05 * edge), std::max(0.5, 0.006 * edge)};
+  return {std::max(1.5, 0.02 * edge), std::max(0.5, 0.004 * edge)};
 }
 
 void set_colors(Look& look, const char* map, double lo, double hi) {
   look.transfer_function = color_map(map);
   look.transfer_function.map_range(lo, hi);
+}
+
+// A key light and a fill, on light colours. Below a rise of `noise` (values) over a spacing normals
+// tell nothing.
+void set_light(Look& look, double noise = 0) {
+  constexpr double kLeastRise = 0.01;
+  constexpr double kMostRise = 0.06;
+  look.light = Light::kStudio;
+  look.material = {.ambient = 0.15, .diffuse = 0.85, .specular = 0.2, .specular_power = 25};
+  const double span = look.transfer_function.hi() - look.transfer_function.lo();
+  look.flat_rise = span > 0 ? std::clamp(noise / span, kLeastRise, kMostRise) : kLeastRise;
+}
+
+// Of what scanners see: clay that turns to ivory where it is dense. As bodies, wood and castings
+// are, and whatever else there is, it looks like a thing.
+void set_body_colors(Look& look, double lo, double hi) {
+  TransferFunction& tf = look.transfer_function;
+  tf.name = "clay to ivory";
+  tf.color_space = ColorSpace::kLab;
+  tf.colors = {{0.0, {0.72, 0.40, 0.28}},
+               {0.25, {0.85, 0.60, 0.44}},
+               {0.5, {0.93, 0.78, 0.61}},
+               {0.75, {0.97, 0.90, 0.79}},
+               {1.0, {1.0, 0.98, 0.95}}};
+  tf.map_range(lo, hi);
 }
 
 // Light colours all along, since light and shade need room below them: what surrounds is cool, what
@@ -52,12 +77,26 @@ void set_bright_colors(Look& look, double lo, double hi) {
   TransferFunction& tf = look.transfer_function;
   tf.name = "sky to rust";
   tf.color_space = ColorSpace::kLab;
-  tf.colors = {{0.0, {0.38, 0.64, 0.88}},
-               {0.3, {0.70, 0.88, 0.92}},
-               {0.55, {0.97, 0.89, 0.60}},
-               {0.8, {0.93, 0.60, 0.26}},
-               {1.0, {0.76, 0.28, 0.16}}};
+  tf.colors = {{0.0, {0.30, 0.55, 0.93}},
+               {0.3, {0.49, 0.84, 0.92}},
+               {0.55, {0.98, 0.93, 0.66}},
+               {0.8, {0.98, 0.62, 0.25}},
+               {1.0, {0.86, 0.24, 0.16}}};
   tf.map_range(lo, hi);
+}
+
+// Of clouds, which have no surface that light could show: they glow, from dusk to white.
+void set_glowing_colors(Look& look, double lo, double hi) {
+  TransferFunction& tf = look.transfer_function;
+  tf.name = "dusk to white";
+  tf.color_space = ColorSpace::kLab;
+  tf.colors = {{0.0, {0.25, 0.30, 0.70}},
+               {0.3, {0.60, 0.32, 0.75}},
+               {0.55, {0.95, 0.45, 0.50}},
+               {0.8, {1.0, 0.75, 0.40}},
+               {1.0, {1.0, 0.98, 0.85}}};
+  tf.map_range(lo, hi);
+  look.shade = false;
 }
 
 // --- labels
@@ -128,6 +167,7 @@ Look hounsfield_look(const LatticeField& field) {
   const Vec3 axes = field.geometry().world_from_index.linear().colwise().norm().transpose();
   const Vec3 sides = axes.cwiseProduct(field.geometry().index_bounds().sizes());
   tf.unit_distance = sides.maxCoeff() / 300.0;
+  set_light(look, 40);  // more than the noise of a usual dose
   return look;
 }
 
@@ -203,7 +243,13 @@ std::optional<Layers> layers_of(std::span<const float> distances, double spread)
   if (standing_out.size() < 4) return std::nullopt;
   const double end = quantile(standing_out, 0.998);
   if (!(end > start)) return std::nullopt;
-  return Layers{start, best_split(standing_out, start, end), end};
+  const double dense = best_split(standing_out, start, end);
+  // A surface lies half-way up to what it encloses; below a third there is only its blur.
+  const auto first_dense =
+      std::lower_bound(standing_out.begin(), standing_out.end(), static_cast<float>(dense));
+  const auto thin = standing_out.first(
+      std::max<std::size_t>(1, static_cast<std::size_t>(first_dense - standing_out.begin())));
+  return Layers{std::max(start, 0.35 * quantile(thin, 0.5)), dense, end};
 }
 
 void add_layers(std::vector<OpacityPoint>& points, double background, double sign,
@@ -222,6 +268,11 @@ void add_layers(std::vector<OpacityPoint>& points, double background, double sig
   at(std::min(layers.dense + slope, layers.end), solid);
 }
 
+bool is_about_zero(const Background& background, const Layers& up, const Layers& down) {
+  constexpr double kOff = 0.05;
+  return std::abs(background.value) < kOff * (up.end + down.end);
+}
+
 std::optional<Look> object_look(const LatticeField& field, const FieldSamples& samples,
                                 const Background& background) {
   std::vector<float> above;
@@ -236,6 +287,10 @@ std::optional<Look> object_look(const LatticeField& field, const FieldSamples& s
   // A side that reaches less than a tenth as far is noise or ringing.
   if (up && down && down->end < 0.1 * up->end) down.reset();
   if (up && down && up->end < 0.1 * down->end) up.reset();
+  // Two signs are about zero. Of a gray background what is brighter is meant, if it is much at all.
+  if (up && down && !is_about_zero(background, *up, *down)) {
+    (up->end < 0.3 * down->end ? up : down).reset();
+  }
   Look look;
   if (!up && !down) return std::nullopt;
   const Depths depths = depths_of(field);
@@ -243,9 +298,12 @@ std::optional<Look> object_look(const LatticeField& field, const FieldSamples& s
   const double hi = up ? background.value + up->end : background.value - down->start;
   if (up && down) {
     set_colors(look, "cool-to-warm", lo, hi);
+  } else if (samples.is_counted) {
+    set_body_colors(look, lo, hi);
   } else {
     set_bright_colors(look, lo, hi);
   }
+  set_light(look, 3 * background.spread);
   auto& points = look.transfer_function.opacities;
   if (down) add_layers(points, background.value, -1.0, *down, depths);
   std::reverse(points.begin(), points.end());
@@ -329,8 +387,8 @@ Look look_of_lattice(const LatticeField& field, std::string_view unit) {
   return look_of_values(field, samples);
 }
 
-// Edge, in sheets, of a cube as large as what the kernels fill: a thin wall has little of it.
-double filled_edge(const KernelField& field) {
+// Volume that the kernels fill, at most that of their box.
+double filled_volume(const KernelField& field) {
   const KernelSource& source = field.source();
   double volume = 0;
   for (std::int64_t b = 0; b < source.num_bricks(); ++b) {
@@ -339,8 +397,16 @@ double filled_edge(const KernelField& field) {
     const double greatest = brick.greatest_sigma;
     volume += 8 * std::sqrt(std::pow(least * greatest, 3)) * brick.count;
   }
-  volume = std::min(volume, field.world_bounds().volume());
-  return std::max(2.0, std::cbrt(volume) / field.default_sampling_distance());
+  return std::min(volume, field.world_bounds().volume());
+}
+
+bool fills_box(const KernelField& field) {
+  return filled_volume(field) > 0.9 * field.world_bounds().volume();
+}
+
+// Edge, in sheets, of a cube as large as what the kernels fill: a thin wall has little of it.
+double filled_edge(const KernelField& field) {
+  return std::max(2.0, std::cbrt(filled_volume(field)) / field.default_sampling_distance());
 }
 
 // Share of what particles fill that lies above a quantile of their densities: a particle of a mass
@@ -357,26 +423,61 @@ double share_above(std::span<const float> rising, double q) {
   return all > 0 ? above / all : 1.0;
 }
 
-// Kernels are where something is, so nothing is a background: from haze to solid along the values'
-// quantiles, over depths that go by how much of the field lies above. Densities fade out at their
-// low end, where they are mostly space.
+// Shares of the edge of what is filled at which half of the light is through, by the quantile of
+// the values there; 0: transparent.
+struct DepthAt {
+  double quantile, share_of_edge;
+};
+
+// Meshes of a shape of their own: from haze to solid.
+constexpr DepthAt kShapeDepths[] = {
+    {0.02, 0.5}, {0.3, 0.25}, {0.7, 0.1}, {0.95, 0.03}, {0.999, 0.012}};
+// What fills its box, as adaptive grids do: half of it is the background of the rest.
+constexpr DepthAt kBoxDepths[] = {{0.1, 0}, {0.5, 0.3}, {0.8, 0.08}, {0.95, 0.03}, {0.999, 0.012}};
+// Sums fade out at their low end, where they are mostly space.
+constexpr DepthAt kSumDepths[] = {{0.02, 0}, {0.3, 0.5}, {0.7, 0.12}, {0.95, 0.03}, {0.999, 0.012}};
+
+// Half by value, half by rank: where most values are alike, colours still tell them apart.
+void spread_by_rank(TransferFunction& tf, std::span<const float> rising, double q_lo, double q_hi) {
+  const double lo = tf.lo();
+  const double hi = tf.hi();
+  for (ColorPoint& point : tf.colors) {
+    const double share = (point.x - lo) / (hi - lo);
+    const double by_rank = quantile(rising, std::lerp(q_lo, q_hi, share));
+    point.x = std::clamp(0.5 * (point.x + by_rank), lo, hi);
+  }
+}
+
+// Kernels are where something is, so nothing but sums has a background. Depths go by how much of
+// the field lies above.
 Look look_of_quantiles(const KernelField& field, const FieldSamples& samples,
                        const FieldSamples& scaled) {
   const double edge = filled_edge(field);
   const bool is_sum = field.reconstruction() == Reconstruction::kSum;
+  const double q_lo = is_sum ? 0.1 : 0.002;
+  constexpr double kHighest = 0.998;
+  const double lo = quantile(scaled.values, q_lo);
+  const double hi = quantile(scaled.values, kHighest);
   Look look;
-  set_bright_colors(look, quantile(scaled.values, is_sum ? 0.1 : 0.002),
-                    quantile(scaled.values, 0.998));
-  const std::pair<double, double> depths[] = {
-      {0.02, 0.5}, {0.3, 0.25}, {0.7, 0.1}, {0.95, 0.03}, {0.999, 0.012}};
+  std::span<const DepthAt> depths = kShapeDepths;
+  if (is_sum) {
+    set_glowing_colors(look, lo, hi);
+    depths = kSumDepths;
+  } else if (fills_box(field)) {
+    set_glowing_colors(look, lo, hi);
+    depths = kBoxDepths;
+  } else {
+    set_bright_colors(look, lo, hi);
+  }
+  spread_by_rank(look.transfer_function, scaled.values, q_lo, kHighest);
   auto& points = look.transfer_function.opacities;
   for (const auto& [q, share_of_edge] : depths) {
     const double x = quantile(scaled.values, q);
     if (!points.empty() && x <= points.back().x) continue;
     const double there = is_sum ? edge * std::cbrt(share_above(samples.values, q)) : edge;
     // What few samples reach is solid within one or two.
-    double opacity = opacity_for_half_depth(std::max(0.5, share_of_edge * there));
-    if (is_sum && points.empty()) opacity = 0;
+    const double opacity =
+        share_of_edge > 0 ? opacity_for_half_depth(std::max(0.5, share_of_edge * there)) : 0.0;
     points.push_back({.x = x, .opacity = opacity});
   }
   return look;
@@ -411,8 +512,10 @@ bool holds_labels(const Field& field) {
 
 Look default_look(const Field& field, std::string_view unit) {
   data::require_field(field);
-  if (field.lattice() != nullptr) return look_of_lattice(*field.lattice(), unit);
-  return look_of_kernels(*field.kernels());
+  Look look = field.lattice() != nullptr ? look_of_lattice(*field.lattice(), unit)
+                                         : look_of_kernels(*field.kernels());
+  if (look.light != Light::kStudio) set_light(look);
+  return look;
 }
 
 }  // namespace ovoid

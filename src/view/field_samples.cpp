@@ -2,14 +2,37 @@
 #include "view/field_samples.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <new>
+#include <numeric>
 #include <optional>
+#include <vector>
 
+#include "data/kernel_shape.h"
 #include "data/out_of_memory.h"
 #include "data/some_kernels.h"
 
 namespace ovoid::view {
+
+namespace {
+
+// As many values, each as often as its weight says, the mean one once.
+std::vector<float> repeated(const std::vector<float>& values, const std::vector<float>& weights) {
+  const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
+  if (!(sum > 0) || !std::isfinite(sum)) return values;
+  const double per_weight = static_cast<double>(values.size()) / sum;
+  std::vector<float> out;
+  out.reserve(values.size());
+  double due = 0.5;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    due += weights[i] * per_weight;
+    for (; due >= 1; --due) out.push_back(values[i]);
+  }
+  return out.empty() ? values : out;
+}
+
+}  // namespace
 
 FieldSamples take_samples(const KernelField& field) try {
   constexpr std::int64_t kWantedSums = 4096;
@@ -18,14 +41,21 @@ FieldSamples take_samples(const KernelField& field) try {
   std::optional<KernelSampler> sampler;
   if (is_sum) sampler.emplace(field);
   FieldSamples samples;
+  std::vector<float> weights;
   data::for_some_kernels(
       source, is_sum ? kWantedSums : data::kWantedSamples,
       [&](const KernelBrick& brick, const KernelView& view, std::int32_t i) {
-        const Vec3 offset(view.center[0][i], view.center[1][i], view.center[2][i]);
-        samples.values.push_back(is_sum
-                                     ? static_cast<float>(sampler->at(brick.origin + offset).value)
-                                     : view.value[static_cast<std::size_t>(field.attribute())][i]);
+        if (is_sum) {
+          const Vec3 place = brick.origin + data::offset_of(view, i);
+          samples.values.push_back(static_cast<float>(sampler->at(place).value));
+          return;
+        }
+        samples.values.push_back(view.value[static_cast<std::size_t>(field.attribute())][i]);
+        const std::array<float, 6> shape = data::shape_numbers(view, source.shape(), i);
+        const double volume = data::factor_of(source.shape(), shape.data()).determinant();
+        weights.push_back(static_cast<float>(std::sqrt(std::abs(volume))));
       });
+  if (!is_sum) samples.values = repeated(samples.values, weights);
   std::sort(samples.values.begin(), samples.values.end());
   return samples;
 } catch (const std::bad_alloc&) {

@@ -125,12 +125,15 @@ double greatest_pitch(const ViewLattice& lattice, const Bounds3& index_box, bool
 
 // Of the drawn range, per smallest spacing (docs/numerics.md, "Light").
 double flat_gradient_of(const Field& field, const Look& look) {
-  constexpr double kFlat = 1e-4;
+  constexpr double kFlatSurface = 1e-4;
+  constexpr double kLeast = 1e-6;  // gradients keep their digits, light shows no difference
   const ValueRange range = field.value_range();
-  const double span = look.mode == Mode::kIsosurface
-                          ? static_cast<double>(range.hi) - static_cast<double>(range.lo)
-                          : look.transfer_function.hi() - look.transfer_function.lo();
-  return span > 0 ? kFlat * span / field.default_sampling_distance() : 0.0;
+  const double rise =
+      look.mode == Mode::kIsosurface
+          ? kFlatSurface * (static_cast<double>(range.hi) - static_cast<double>(range.lo))
+          : std::max(look.flat_rise, kLeast) *
+                (look.transfer_function.hi() - look.transfer_function.lo());
+  return rise > 0 ? rise / field.default_sampling_distance() : 0.0;
 }
 
 double gradient_unit_of(double flat_gradient) {

@@ -103,12 +103,13 @@ void Look::validate() const {
   if (!(material.specular_power > 0.0) || !std::isfinite(material.specular_power)) {
     refuse("specular_power", material.specular_power, "must be finite and > 0");
   }
+  if (!(flat_rise >= 0.0 && flat_rise <= 1.0)) refuse("flat_rise", flat_rise, "must be in [0, 1]");
   if (light_direction && !(light_direction->allFinite() && light_direction->norm() > 0.0 &&
                            std::isfinite(light_direction->norm()))) {
-    const Vec3& light = *light_direction;
+    const Vec3& towards = *light_direction;
     throw Error(ErrorCode::kInvalidArgument,
                 fmt::format("light_direction = ({}, {}, {}): must be finite and not zero",
-                            light.x(), light.y(), light.z()));
+                            towards.x(), towards.y(), towards.z()));
   }
   if (!(unit_distance >= 0.0) || !std::isfinite(unit_distance)) {
     refuse("unit_distance", unit_distance, "must be finite and >= 0");

@@ -267,6 +267,14 @@ TEST(Agreement, Light) {
           projection_name(is_parallel);
       scene.look.light_direction = Vec3(3, 1, -2);
       EXPECT_TRUE(backends_agree(scene, view + ", directional light"));
+      scene.look.light = Light::kStudio;
+      EXPECT_TRUE(backends_agree(scene, view + ", studio"));
+      scene.look.light_direction.reset();
+      scene.look.flat_rise = 0.2;
+      EXPECT_TRUE(backends_agree(scene, view + ", studio with the camera, flat where it is faint"));
+      scene.look.flat_rise = 1e-4;
+      scene.look.light = Light::kSingle;
+      scene.look.light_direction = Vec3(3, 1, -2);
       scene.look.material = {0.2, 0.4, 0.9, 60};
       EXPECT_TRUE(backends_agree(scene, view + ", highlight"));
       scene.look.light_direction.reset();

@@ -108,6 +108,7 @@ TEST_F(LatticeSheets, AgreeWithOtherOptions) {
       {"slab means", [](Scene& s) { s.options.slab = Slab::kMean; }},
       {"no light", [](Scene& s) { s.look.shade = false; }},
       {"a light", [](Scene& s) { s.look.light_direction = Vec3(0.3, 0.5, 1); }},
+      {"studio", [](Scene& s) { s.look.light = Light::kStudio; }},
       {"clipped",
        [](Scene& s) {
          const Vec3 center = s.field.world_bounds().center();

@@ -82,6 +82,41 @@ TEST(Light, DirectionalFromAnywhere) {
       0, 1e-6);
 }
 
+// The normal turned to the eye, three quarters of the key's light round the surface, and the fill.
+TEST(Light, StudioHasAKeyAndAFill) {
+  Look look = opaque_look();
+  look.light = Light::kStudio;
+  look.material = {0.15, 0.5, 0.4, 3.5};
+  const Vec3 to_eye(0, 0, -1);
+  const Vec3 seen = kNormal.dot(to_eye) < 0 ? Vec3(-kNormal) : kNormal;
+  for (const Vec3& light : {Vec3(0.3, 1, -2), Vec3(-1, 0.2, 0.1), Vec3(1, 1, 1), Vec3(0, 0, -7)}) {
+    look.light_direction = light;
+    const Vec3 l = light.normalized();
+    const double n_l = seen.dot(l);
+    const double n_h = seen.dot((l + to_eye).normalized());
+    const double diffuse =
+        0.65 * std::max(0.0, (n_l + 0.25) / 1.25) + 0.35 * 0.5 * (1 + seen.dot(to_eye));
+    const double specular = n_l > 0 ? 0.4 * std::pow(n_h, 3.5) : 0;
+    const Vec3 expected = Vec3(0.2, 0.5, 0.8) * (0.15 + 0.5 * diffuse) + Vec3::Constant(specular);
+    EXPECT_NEAR((shade_of(slanted_ramp(), look, front()) - expected).norm(), 0, 1e-6)
+        << light.transpose();
+  }
+}
+
+// Below it, light fades by how much the field rises.
+TEST(Light, FlatRiseIsTheLooks) {
+  Look look = opaque_look();
+  look.light_direction = Vec3(1, 0, -0.2);
+  const Vec3 lit = shade_of(slanted_ramp(), look, front());
+  const Vec3 flat = Vec3(0.2, 0.5, 0.8) * 0.8;
+  look.flat_rise = 1;  // 60 over a spacing: the ramp rises by its slope's length alone
+  const Vec3 faded = shade_of(slanted_ramp(), look, front());
+  const double q = (faded - flat).norm() / (lit - flat).norm();
+  EXPECT_GT(q, 0.01);
+  EXPECT_LT(q, 0.2);
+  EXPECT_NEAR((faded - flat).normalized().dot((lit - flat).normalized()), 1, 1e-6);
+}
+
 // Each ray has its own eye vector in perspective.
 TEST(Light, HeadlightInPerspective) {
   const Look look = opaque_look();

@@ -39,7 +39,8 @@ Words with(Words words, const Words& more) {
   return words;
 }
 
-const Words kLook = {"--size", "40x30", "--range", "0,255", "--background", "0,0,0"};
+const Words kLook = {"--size",       "40x30", "--range", "0,255",
+                     "--background", "0,0,0", "--fit",   "box"};
 
 Words animate(const std::string& input, const std::string& output, const Words& more = {}) {
   return with(with({"animate", input, "-o", output}, kLook), more);
@@ -105,7 +106,7 @@ TEST(Animate, ATurnBeginsWithThePictureAndDoesNotEndWithIt) {
 TEST(Animate, AStepAloneHasItsOwnLook) {
   const Folder folder;
   const std::string steps = write_steps(folder);
-  const Words size = {"--step", "1", "--size", "40x30"};
+  const Words size = {"--step", "1", "--size", "40x30", "--fit", "box"};
   done(with({"animate", steps, "-o", folder / "t%d.png", "--turn", "90", "--frames", "1"}, size));
   done(with({"render", steps, "-o", folder / "one.png"}, size));
   EXPECT_EQ(read_file(folder / "t0.png"), read_file(folder / "one.png"));

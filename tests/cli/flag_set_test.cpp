@@ -242,6 +242,12 @@ const std::vector<Words>& samples() {
       {"--no-shade"},
       {"--ambient", "1", "--diffuse", "1", "--specular", "1", "--specular-power", "1"},
       {"--light", "1,0,0"},
+      {"--light", "headlight", "--flat", "0.1"},
+      {"--light", "studio:1,0,0"},
+      {"--fit", "box"},
+      {"--surface=0.5", "--edges"},
+      {"--surface"},
+      {"--background", "none"},
       {"--camera", R"({"position": [0, 0, 4]})"},
       {"--view", "+x", "--azimuth", "1", "--elevation", "1", "--roll", "1", "--zoom", "2"},
       {"--projection", "parallel", "--view-angle", "20"},
@@ -299,6 +305,7 @@ FlagSet told(const cli::DataFlags& data, const cli::DrawingFlags& drawing) {
   cli::tell(cli::crop_settings(), drawing.crop, &set);
   cli::tell(cli::mark_settings(), drawing.annotation, &set);
   cli::tell(cli::trail_settings(), drawing.trail, &set);
+  cli::tell(cli::surface_settings(), drawing.surface, &set);
   cli::tell(cli::picture_settings(), drawing, &set);
   cli::tell(cli::number_settings(), drawing.options, &set);
   cli::tell(cli::switch_settings(), drawing.options, &set);

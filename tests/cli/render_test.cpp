@@ -84,9 +84,14 @@ TEST_F(Render, AnExistingOutputIsReplaced) {
 }
 
 TEST_F(Render, BackgroundMakesAPngOpaqueAndNoneDoesNot) {
-  const std::string transparent = png({});
-  EXPECT_EQ(png({"--background", "none"}), transparent);
-  EXPECT_NE(png({"--background", "1,1,1"}), transparent);
+  const std::string transparent = png({"--background", "none"});
+  EXPECT_EQ(png({"--background", "transparent"}), transparent);
+  EXPECT_NE(png({}), transparent);
+  const std::string white = png({"--background", "1,1,1"});
+  EXPECT_NE(white, transparent);
+  EXPECT_EQ(png({"--background", "white"}), white);
+  EXPECT_EQ(png({"--background", "#ffffff"}), white);
+  EXPECT_EQ(png({"--background", "#fff"}), white);
 }
 
 TEST_F(Render, TheReferenceBackEndAgrees) {
@@ -131,6 +136,10 @@ TEST_F(Render, EveryNumberFlagIsTaken) {
                                       {"--specular", "0.9"},
                                       {"--specular-power", "50"},
                                       {"--light", "1,1,0"},
+                                      {"--light", "headlight"},
+                                      {"--light", "studio:1,1,0"},
+                                      {"--flat", "0.5"},
+                                      {"--fit", "box"},
                                       {"--spacing", "1,1,2"}};
   for (const Words& change : changes) {
     EXPECT_NE(npy(change), plain) << joined(change);
@@ -148,7 +157,8 @@ TEST_F(Render, FlagsThatNameTheDefaultChangeNothing) {
                  "--post-convolution", "off", "--component", "0"})
                 .size(),
             npy({}).size());
-  EXPECT_EQ(npy({"--shade", "--mode", "composite", "--projection", "perspective", "--view", "+z"}),
+  EXPECT_EQ(npy({"--shade", "--mode", "composite", "--projection", "perspective", "--view",
+                 "three-quarter", "--fit", "visible", "--light", "studio"}),
             npy({}));
   EXPECT_EQ(npy({"--azimuth", "0", "--elevation=0", "--zoom", "+1"}), npy({}));
   EXPECT_EQ(npy({"--dims", "16x16x16", "--type", "uint8", "--spacing", "1,1,1"}), npy({}));
@@ -164,7 +174,7 @@ TEST_F(Render, TheViewFitsAtAnyViewAngle) {
   // The ball's support ends inside the volume, so a camera that keeps the volume in sight leaves
   // the picture's border empty.
   for (const char* const angle : {"2", "30", "100"}) {
-    const Picture picture = draw(folder_, {ball_, "--view-angle", angle});
+    const Picture picture = draw(folder_, {ball_, "--view-angle", angle, "--fit", "box"});
     EXPECT_GT(picture.num_covered(), 20U) << angle;
     for (int x = 0; x < picture.width; ++x) {
       EXPECT_EQ(picture.at(x, 0)[3], 0.0F) << angle;
@@ -417,14 +427,16 @@ TEST_F(Render, ProfileHoldsExactlyTheDocumentedMembers) {
     EXPECT_EQ(result.exit_code, 0) << result.err;
     EXPECT_EQ(result.err, "");
     const nlohmann::json json = nlohmann::json::parse(read_file(path));
-    EXPECT_EQ(keys_of(json),
-              (Words{"backend", "blocks", "bytes_uploaded", "command", "device", "frame_ms",
-                     "kernels", "load_ms", "model_ms", "multiply_adds", "peak_memory_bytes",
-                     "samples", "simd_target", "size", "stages_ms", "threads"}));
+    EXPECT_EQ(keys_of(json), (Words{"backend", "blocks", "bytes_loaded", "bytes_uploaded",
+                                    "command", "device", "frame_ms", "kernels", "load_ms",
+                                    "model_ms", "multiply_adds", "peak_memory_bytes", "samples",
+                                    "simd_target", "size", "stages_ms", "threads"}));
     EXPECT_EQ(keys_of(json["frame_ms"]), (Words{"max", "median", "min"}));
     EXPECT_EQ(keys_of(json["kernels"]), (Words{"drawn", "total"}));
     EXPECT_EQ(keys_of(json["samples"]), (Words{"gradients", "reconstructed", "shaded"}));
     EXPECT_EQ(keys_of(json["multiply_adds"]), (Words{"done", "peak"}));
+    EXPECT_EQ(keys_of(json["bytes_loaded"]), (Words{"done", "peak"}));
+    EXPECT_GE(json["bytes_loaded"]["done"], 16 * 16 * 16);
     EXPECT_EQ(keys_of(json["blocks"]), (Words{"drawn", "skipped", "total"}));
     EXPECT_EQ(keys_of(json["blocks"]["skipped"]), (Words{"empty", "irrelevant", "opaque"}));
     EXPECT_GE(json["stages_ms"].size(), 3U);

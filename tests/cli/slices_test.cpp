@@ -90,7 +90,7 @@ TEST(MotionBlur, LeavesATrail) {
   const std::string red = render({"--motion-blur", "2", "--trail-tf", look}, "d.png");
   EXPECT_NE(red, blurred);
   // An animation's frame of that time is that picture, given the same look.
-  const Words fixed{"--size", "40x30", "--range", "0,1", "--motion-blur", "2"};
+  const Words fixed{"--size", "40x30", "--range", "0,1", "--motion-blur", "2", "--fit", "box"};
   Words film{"animate", data, "-o", folder / "f_%02d.png", "--times", "4:4.5:0.5"};
   film.insert(film.end(), fixed.begin(), fixed.end());
   expect_success(film);

@@ -133,7 +133,8 @@ TEST(Usage, LooksAreSpelledRight) {
       {{"--window", "40"}, {"expected 2 numbers"}},
       {{"--symlog", "0"}, {"--symlog '0'", "> 0"}},
       {{"--below-color", "1,1,2"}, {"--below-color '1,1,2'", "in [0, 1]"}},
-      {{"--above-color", "red"}, {"--above-color 'red'", "3 numbers"}},
+      {{"--above-color", "reddish"}, {"--above-color 'reddish'", "#rrggbb"}},
+      {{"--above-color", "#12345"}, {"--above-color '#12345'", "#rrggbb"}},
   });
 }
 

@@ -95,6 +95,9 @@ constinit const TypeLayout OVOID_LAYOUTS[] = {
     OVOID_TYPE(OpacityPoint),
     OVOID_TYPE(TransferFunction),
     OVOID_TYPE(ValuePlane),
+    OVOID_TYPE(Framing),
+    OVOID_TYPE(Surface),
+    OVOID_TYPE(SurfaceStyle),
     OVOID_TYPE(Version),
     {nullptr, 0, 0},
 };

@@ -204,6 +204,10 @@ TEST_F(Documents, ResetTheCameraButNotItsProjection) {
   document_.reset_camera(kAspect);
   EXPECT_EQ(document_.camera.position, first.position);
   EXPECT_TRUE(document_.camera.parallel_projection);
+  document_.reset_camera(kAspect, "-x");
+  EXPECT_TRUE(document_.camera.parallel_projection);
+  const Vec3 from = (document_.camera.position - document_.camera.focal_point).normalized();
+  EXPECT_LT((from - Vec3(-1, 0, 0)).norm(), 1e-12);
 }
 
 TEST_F(Documents, ScenesAreOneOrTwo) {

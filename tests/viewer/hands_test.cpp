@@ -200,19 +200,5 @@ TEST_P(HandsOfBoth, TogglingTheProjectionKeepsTheSizeAtTheFocalPlane) {
   EXPECT_LT((pixel_in(camera, held) - Vec2(10, 200)).norm(), kRounding * kHeight);
 }
 
-TEST_P(HandsOfBoth, ViewsAlongAnAxisShowAllAndKeepTheProjection) {
-  const Bounds3 bounds(Vec3(-1, -2, -3), Vec3(4, 5, 6));
-  const Camera camera =
-      axis_view(some_camera(GetParam()), bounds, Space::kNone, "-x", kWidth / kHeight);
-  EXPECT_EQ(camera.parallel_projection, GetParam());
-  const Vec3 forward = Projection(camera, kWidth, kHeight).forward();
-  EXPECT_LT((forward - Vec3(1, 0, 0)).norm(), kRounding);
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec2 pixel = pixel_in(camera, bounds.corner(static_cast<Bounds3::CornerType>(corner)));
-    EXPECT_GE(pixel.minCoeff(), 0);
-    EXPECT_LE((pixel - kSize).maxCoeff(), 0);
-  }
-}
-
 }  // namespace
 }  // namespace ovoid::viewer

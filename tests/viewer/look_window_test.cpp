@@ -81,7 +81,7 @@ TEST_F(WindowHands, WhatIsUnderTheMouseIsWhatSampleSays) {
                             Words{"blobs", "blobs.ply", "--count", "200"}}) {
     const std::string path = make(made[0], made[1], {made.begin() + 2, made.end()});
     const Viewed viewed =
-        view({path, "--no-panel"},
+        view({path, "--no-panel", "--view", "+z", "--fit", "box"},
              "wait idle\nmove picture@0.5,0.45\nwait 3 frames\nprint picked\nmove 1,1\n"
              "wait 3 frames\nprint all\n");
     const auto picked = viewed.json("picked");
@@ -197,7 +197,7 @@ TEST_F(WindowLook, KeysInATextFieldAreNoShortcuts) {
 class WindowSpace : public OnScreen {};
 
 TEST_F(WindowSpace, CropByHandleAndSlider) {
-  const Viewed viewed = view({make_head()},
+  const Viewed viewed = view({make_head(), "--view", "+z", "--fit", "box"},
                              "pace 0\nwait full\npicture $/0.png\nclick tab.space\n"
                              "expect view.has_crop == false\nclick space.crop@0.05,0.5\n"
                              "wait full\nexpect view.has_crop == true\npicture $/1.png\n"
@@ -220,7 +220,7 @@ TEST_F(WindowSpace, CropByHandleAndSlider) {
 
 // However a handle is dragged, something is left.
 TEST_F(WindowSpace, ACropNeverCutsAllAway) {
-  const Viewed viewed = view({make_head()},
+  const Viewed viewed = view({make_head(), "--view", "+z", "--fit", "box"},
                              "pace 0\nwait full\nclick tab.space\nclick space.crop@0.05,0.5\n"
                              "drag left handle.crop.x1 -300,0\nwait full\n"
                              "click space.crop.x0@0.95,0.5\nwait full\nprint view.crop\n");
@@ -231,7 +231,7 @@ TEST_F(WindowSpace, ACropNeverCutsAllAway) {
 
 TEST_F(WindowSpace, ClipPlanesAndTheirHandles) {
   const Viewed viewed =
-      view({make_head()},
+      view({make_head(), "--view", "+z", "--fit", "box"},
            "pace 0\nwait full\npicture $/0.png\nclick tab.space\n"
            "click space.add-clip\nwait full\nexpect view.clips == 1\n"
            "print view.clip\npicture $/1.png\n"
@@ -282,7 +282,7 @@ TEST_F(WindowSpace, ValuePlane) {
 
 // Handles lie over what they belong to; where they are hidden, the mouse turns instead.
 TEST_F(WindowSpace, WithoutHandlesTheMouseTurns) {
-  const Viewed viewed = view({make_head()},
+  const Viewed viewed = view({make_head(), "--view", "+z", "--fit", "box"},
                              "pace 0\nwait full\nclick tab.space\nclick space.crop@0.05,0.5\n"
                              "print camera.position\nclick space.handles@0.05,0.5\nwait 3 frames\n"
                              "drag left picture -40,0\nwait full\nprint camera.position\n"

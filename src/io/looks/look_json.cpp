@@ -140,6 +140,11 @@ void take_scale(TransferFunction& tf, const JsonValue& preset) {
 // Our own keys.
 void take_light(Look& look, const JsonValue& preset) {
   if (preset.has("Shade")) look.shade = preset.member("Shade").boolean();
+  if (preset.has("FlatRise")) {
+    const JsonValue rise = preset.member("FlatRise");
+    if (!(rise.number() >= 0.0 && rise.number() <= 1.0)) rise.refuse("must be in [0, 1]");
+    look.flat_rise = rise.number();
+  }
   Material& material = look.material;
   for (const auto& [key, into] :
        {std::pair{"Ambient", &material.ambient}, std::pair{"Diffuse", &material.diffuse},
@@ -301,6 +306,7 @@ std::string to_text(const Look& look) {
   preset["Diffuse"] = look.material.diffuse;
   preset["Specular"] = look.material.specular;
   preset["SpecularPower"] = look.material.specular_power;
+  preset["FlatRise"] = look.flat_rise;
   return text_of(preset);
 }
 

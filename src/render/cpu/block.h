@@ -95,6 +95,7 @@ struct WorkerStats {
   std::int64_t samples_reconstructed = 0, samples_shaded = 0, gradients = 0;
   std::int64_t multiply_adds = 0;  // of values and gradients
   std::int64_t kernels_loaded = 0;
+  std::int64_t bytes_loaded = 0;  // of samples as they are stored
   std::int64_t blocks_total = 0, blocks_drawn = 0, skipped_empty = 0, skipped_irrelevant = 0,
                skipped_opaque = 0;
   std::array<std::uint64_t, kNumStages> ticks{};

@@ -141,6 +141,7 @@ view::RelevanceMap draw_samples(const FrameJob& job, const Machine& machine, Sam
   if (options.collect_profile) {
     add_stage(profile, "plan", plan_ms);
     profile.multiply_add_peak = machine.multiply_add_peak();
+    profile.bandwidth_peak = machine.bandwidth_peak();
   }
   for (const auto& work : workspaces) {
     for (const WorkerStats* stats : {&work->pixels.stats, &work->nodes.stats, &work->trail.stats})
@@ -187,6 +188,7 @@ Image draw_base_plane(const FrameJob& job, const Machine& machine, FrameProfile&
   Image picture;
   std::optional<SampleMask> wanted;
   std::optional<view::RelevanceMap> relevance;
+  profile.base_samples = std::int64_t{job.base->width} * job.base->height;
   for (;; n /= 2) {
     const view::BasePlane plane = every_nth_sample(*job.base, n);
     Image image = empty_image(plane.width, plane.height);

@@ -15,12 +15,17 @@ struct Machine {
   std::unique_ptr<Runner> runner = make_runner(0);
   simd::SimdTarget target{};
 
-  // Measured when it is first asked for.
+  // Measured when they are first asked for.
   double multiply_add_peak() const {
-    if (peak_ == 0) peak_ = simd::multiply_add_peak(target);
-    return peak_;
+    if (multiply_add_peak_ == 0) multiply_add_peak_ = simd::multiply_add_peak(target);
+    return multiply_add_peak_;
   }
-  mutable double peak_ = 0;
+  double bandwidth_peak() const {
+    if (bandwidth_peak_ == 0) bandwidth_peak_ = simd::bandwidth_peak(target);
+    return bandwidth_peak_;
+  }
+  mutable double multiply_add_peak_ = 0;
+  mutable double bandwidth_peak_ = 0;
 };
 
 // The cpu back end: tiles as tasks on a runner, SIMD within. Of a kernel field gradients are

@@ -333,13 +333,14 @@ inline BrickView sublattice_view(BrickView view, int s, int count) {
 }
 
 // A sublattice's samples. A view may show more than its brick: walks over the region in the steps
-// that the views allow.
-inline void load_sublattice(const LatticeFrame& frame, const Region& region, int s,
-                            const LoadTarget& target) {
+// that the views allow. Returns the bytes that were read.
+inline std::int64_t load_sublattice(const LatticeFrame& frame, const Region& region, int s,
+                                    const LoadTarget& target) {
   const BrickSource& source = frame.field->source();
   const view::AxisOrder& order = frame.lattice_plan->order;
   const auto [lo, hi] = part_in_lattice(region, frame.lattice.sublattices[s], order);
   const int edge = source.brick_edge();
+  std::int64_t bytes = 0;
   Index3 at = lo;
   while (at[2] < hi[2]) {
     std::int64_t next_z = hi[2];
@@ -354,12 +355,15 @@ inline void load_sublattice(const LatticeFrame& frame, const Region& region, int
         next_y = std::min(next_y, part_hi[1]);
         next_z = std::min(next_z, part_hi[2]);
         load_typed_part(region, view, {at, part_hi}, order, target);
+        bytes += (part_hi[0] - at[0]) * (part_hi[1] - at[1]) * (part_hi[2] - at[2]) *
+                 static_cast<std::int64_t>(size_of(view.type));
         at[0] = part_hi[0];
       }
       at[1] = next_y;
     }
     at[2] = next_z;
   }
+  return bytes;
 }
 
 // `is_scattered`: the region is for kernels that splat themselves, which read it plainly.
@@ -395,7 +399,7 @@ inline void load_region(const LatticeFrame& frame, Workspace& work, bool is_scat
       clear_padding(region, target.samples);
       if (target.presence != nullptr) clear_padding(region, target.presence);
     }
-    load_sublattice(frame, region, s, target);
+    work.stats.bytes_loaded += load_sublattice(frame, region, s, target);
   }
   work.stats.kernels_loaded += frame.lattice.num_sublattices * region.num_samples();
 }

@@ -353,6 +353,10 @@ struct Lighting {
   V factor, highlight;
 };
 
+// The key's share of the diffuse light, by its cosine.
+inline constexpr float kKeySlope = device::kKeyShare / (1.0F + device::kKeyWrap);
+inline constexpr float kKeyOffset = device::kKeyWrap * kKeySlope;
+
 HWY_INLINE Lighting light_sample(const device::LookConstants& look, const WorldVector& gradient,
                                  const WorldVector& eye) {
   const V squared = hn::Max(dot_product(gradient, gradient), hn::Set(d, 1e-36F));
@@ -366,16 +370,25 @@ HWY_INLINE Lighting light_sample(const device::LookConstants& look, const WorldV
   const V to_eye = along(eye);
   V diffuse = hn::Abs(to_eye);
   V specular = diffuse;
-  if (look.has_headlight == 0) {
+  if (look.light_kind != device::kHeadlight) {
     const WorldVector light{hn::Set(d, look.light.x), hn::Set(d, look.light.y),
                             hn::Set(d, look.light.z)};
-    const V to_light = along(light);
-    diffuse = hn::Abs(to_light);
-    const WorldVector half{hn::Add(light.x, eye.x), hn::Add(light.y, eye.y),
-                           hn::Add(light.z, eye.z)};
-    const V half_length = hn::Sqrt(dot_product(half, half));
-    const V cosine = hn::Div(hn::Abs(along(half)), hn::Max(half_length, hn::Set(d, 1e-6F)));
-    specular = hn::IfThenElseZero(hn::Ge(hn::Mul(to_light, to_eye), hn::Zero(d)), cosine);
+    V to_light = along(light);
+    // |l + e|^2 of two unit vectors.
+    const V half_squared = hn::MulAdd(hn::Set(d, 2.0F), dot_product(light, eye), hn::Set(d, 2.0F));
+    const V half_inverse = reciprocal_sqrt(hn::Max(half_squared, hn::Set(d, 1e-12F)));
+    const V cosine = hn::Mul(hn::Abs(hn::Add(to_light, to_eye)), half_inverse);
+    if (look.light_kind == device::kSingleLight) {
+      diffuse = hn::Abs(to_light);
+      specular = hn::IfThenElseZero(hn::Ge(hn::Mul(to_light, to_eye), hn::Zero(d)), cosine);
+    } else {
+      to_light = hn::Xor(to_light, hn::And(hn::SignBit(d), to_eye));  // of the side that is seen
+      const V key =
+          hn::Max(hn::MulAdd(to_light, hn::Set(d, kKeySlope), hn::Set(d, kKeyOffset)), hn::Zero(d));
+      const V fill = hn::Set(d, 0.5F * (1.0F - device::kKeyShare));
+      diffuse = hn::Add(key, hn::MulAdd(fill, diffuse, fill));
+      specular = hn::IfThenElseZero(hn::Gt(to_light, hn::Zero(d)), cosine);
+    }
   }
   const V lit = hn::MulAdd(flatness, hn::Sub(diffuse, hn::Set(d, 1.0F)), hn::Set(d, 1.0F));
   Lighting out{hn::MulAdd(hn::Set(d, look.diffuse), lit, hn::Set(d, look.ambient)), hn::Zero(d)};

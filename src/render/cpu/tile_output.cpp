@@ -99,6 +99,7 @@ void add_worker_stats(const WorkerStats& stats, double ticks_per_ms, FrameProfil
   profile.samples_shaded += stats.samples_shaded;
   profile.gradients += stats.gradients;
   profile.multiply_adds += static_cast<double>(stats.multiply_adds);
+  profile.bytes_loaded += static_cast<double>(stats.bytes_loaded);
   profile.kernels_loaded += stats.kernels_loaded;
   profile.blocks_total += stats.blocks_total;
   profile.blocks_drawn += stats.blocks_drawn;

@@ -19,12 +19,14 @@ double unit_distance_of(const Look& look, const Field& field) {
   return look.transfer_function.unit_distance.value_or(default_unit_distance(field));
 }
 
-double span_of(const Look& look, const Field& field) {
+// Of the drawn range, per smallest spacing.
+double flat_rise_of(const Look& look, const Field& field) {
   if (look.mode == Mode::kIsosurface) {
     const ValueRange range = field.value_range();
-    return range.is_empty() ? 0.0 : static_cast<double>(range.hi) - static_cast<double>(range.lo);
+    return range.is_empty() ? 0.0 : 1e-4 * (static_cast<double>(range.hi) - range.lo);
   }
-  return look.transfer_function.hi() - look.transfer_function.lo();
+  const TransferFunction& tf = look.transfer_function;
+  return std::max(look.flat_rise, 1e-6) * (tf.hi() - tf.lo());
 }
 
 // Opacity by the gradient's length, as a curve of its own.
@@ -53,7 +55,7 @@ PixelTracer::PixelTracer(const Field& field, const ViewRays& view, const Look& l
           view::look_variation(table_, view.sampling_distance() / unit_distance_of(look, field))),
       view_(view),
       shading_{unit_distance_of(look, field), field.default_sampling_distance(),
-               span_of(look, field)},
+               flat_rise_of(look, field)},
       trail_(trail) {}
 
 Pixel PixelTracer::trace(int x, int y, TraceCounts& counts) const {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include "view/light.h"
+
 namespace ovoid::reference {
 namespace {
 
@@ -36,9 +38,8 @@ Vec3 normal_of(const Vec3& gradient) {
 
 double flatness(const Vec3& gradient, const ShadingContext& context) {
   const double rise = gradient.norm() * context.least_spacing;
-  const double threshold = 1e-4 * context.span;
-  if (rise >= threshold) return rise > 0 ? 1 : 0;
-  return rise / threshold;
+  if (rise >= context.flat_rise) return rise > 0 ? 1 : 0;
+  return rise / context.flat_rise;
 }
 
 ClassifiedSample classified_piece(const TransferFunction& tf, double from, double to) {
@@ -69,24 +70,8 @@ double opacity_over(double opacity, double path, double unit_distance) {
 Rgb shaded(const Rgb& color, const Vec3& gradient, const Vec3& to_eye, const Look& look,
            const ShadingContext& context) {
   const Vec3 to_light = look.light_direction ? normal_of(*look.light_direction) : to_eye;
-  const Vec3 normal = normal_of(gradient);
-  const Vec3 half_way = normal_of(to_light + to_eye);
-  const double n_l = normal.dot(to_light);
-  const double n_e = normal.dot(to_eye);
-
-  const Material& material = look.material;
-  const double diffuse = std::abs(n_l);
-  const double specular =
-      n_l * n_e < 0 ? 0 : std::pow(std::abs(normal.dot(half_way)), material.specular_power);
-  const double q = flatness(gradient, context);
-
-  Rgb result;
-  for (std::size_t c = 0; c < 3; ++c) {
-    const double lit = color[c] * (material.ambient + material.diffuse * (1 - q + q * diffuse)) +
-                       q * material.specular * specular;
-    result[c] = std::clamp(lit, 0.0, 1.0);
-  }
-  return result;
+  const view::LightShares light = view::light_shares(look, normal_of(gradient), to_light, to_eye);
+  return view::lit_color(color, look.material, light, flatness(gradient, context));
 }
 
 }  // namespace ovoid::reference

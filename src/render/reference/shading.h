@@ -10,7 +10,7 @@ namespace ovoid::reference {
 struct ShadingContext {
   double unit_distance;  // world length of the opacities
   double least_spacing;  // h_min, world units
-  double span;           // of the values over which flatness is judged
+  double flat_rise;      // over h_min, in values, below which the field counts as flat
 };
 
 // q: 0 where the field is flat, 1 where its gradient tells a direction.

@@ -94,6 +94,12 @@ OVOID_CONSTANT uint kXray = 1u;
 OVOID_CONSTANT uint kMaximum = 2u;
 OVOID_CONSTANT uint kMean = 3u;
 OVOID_CONSTANT uint kIsosurface = 4u;
+// ovoid::Light and its direction. The studio's numbers are docs/numerics.md's.
+OVOID_CONSTANT uint kSingleLight = 0u;
+OVOID_CONSTANT uint kHeadlight = 1u;
+OVOID_CONSTANT uint kStudioLight = 2u;
+OVOID_CONSTANT float kKeyShare = 0.65f;  // of the diffuse light; the rest is the fill's
+OVOID_CONSTANT float kKeyWrap = 0.25f;   // how far the key reaches round a surface: a cosine
 OVOID_CONSTANT uint kTypeU8 = 0u;
 OVOID_CONSTANT uint kTypeI8 = 1u;
 OVOID_CONSTANT uint kTypeU16 = 2u;
@@ -137,7 +143,7 @@ struct LookConstants {
   float flat_gradient_inverse;
   float path_in_units;
   float isovalue;
-  uint has_headlight;
+  uint light_kind;
   uint variation_at;  // view::look_variation(), one number an entry; of refined pieces
   uint padding0;
   uint padding1;

@@ -149,7 +149,11 @@ device::LookConstants look_constants(const view::FramePlan& plan, const Look& lo
     out.variation_at = 4 * append(tables, view::look_variation(plan.look_table, path_in_units));
   const Rgb color = look.transfer_function.color_at(look.isovalue);
   out.isosurface_color = device_vector(Vec3(color[0], color[1], color[2]));
-  out.has_headlight = look.light_direction ? 0 : 1;
+  if (look.light == Light::kStudio) {
+    out.light_kind = device::kStudioLight;
+  } else {
+    out.light_kind = look.light_direction ? device::kSingleLight : device::kHeadlight;
+  }
   if (look.light_direction) out.light = device_vector(look.light_direction->normalized());
   out.ambient = static_cast<float>(look.material.ambient);
   out.diffuse = static_cast<float>(look.material.diffuse);

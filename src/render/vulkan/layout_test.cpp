@@ -90,7 +90,7 @@ constexpr Member kMembers[] = {
     OVOID_MEMBER(LookConstants, flat_gradient_inverse),
     OVOID_MEMBER(LookConstants, path_in_units),
     OVOID_MEMBER(LookConstants, isovalue),
-    OVOID_MEMBER(LookConstants, has_headlight),
+    OVOID_MEMBER(LookConstants, light_kind),
     OVOID_MEMBER(LookConstants, variation_at),
     OVOID_MEMBER(LookConstants, padding0),
     OVOID_MEMBER(LookConstants, padding1),

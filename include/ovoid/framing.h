@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where to look from, and how near, so that what a look shows of a field fills the picture.
+#pragma once
+
+#include <vector>
+
+#include "ovoid/camera.h"
+#include "ovoid/dataset.h"
+#include "ovoid/export.h"
+#include "ovoid/field.h"
+#include "ovoid/look.h"
+#include "ovoid/math.h"
+#include "ovoid/render_options.h"
+#include "ovoid/surface.h"
+
+namespace OVOID_API ovoid {
+
+// From where a first picture is taken; the whole of `bounds`, of what is left of the field, is in
+// sight. A patient faces the viewer ("anterior"): LPS and RAS data, but for lattices whose spacing
+// is 1, which is often said of what is no patient. What is flat, one side under a quarter of the
+// next, is seen face on, flat ground from above ("+z"). Everything else stands upright on z and is
+// seen from the front (of data of no patient: from -y), a little from the right and above
+// ("three-quarter"), or where that side is longer, more from the right ("three-quarter-side").
+// Throws as default_camera().
+Camera first_camera(const Field& field, const Bounds3& bounds, Space space = Space::kNone,
+                    double aspect = 1.0);
+
+struct Framing {
+  double aspect = 1.0;  // width / height of the picture
+  // Share of the picture that is filled, along the side where it is filled most; in (0, 1].
+  double fill = 0.9;
+  // Whatever way the camera is turned around its focal point afterwards, all stays in sight.
+  bool is_for_turning = false;
+  std::vector<ClipPlane> clip_planes;  // as in RenderOptions: what they cut away is not looked for
+};
+
+// The camera, moved but not turned, so that what the look shows of the field fills the picture.
+// What is as faint as a twentieth of the most opaque is passed over, and so are specks: the
+// outermost thousandth of what shows. The focal point is in the middle of what shows;
+// `parallel_scale` is set for both projections. If nothing shows, the camera as it is. The same on
+// all machines: found by adding up the opacity of about a million samples, no picture is drawn.
+// Cost: some ten milliseconds. Throws Error(kInvalidArgument) for an invalid camera or framing, and
+// what the field's source throws.
+Camera framed(Camera camera, const Field& field, const Look& look, const Framing& framing = {});
+
+// As framed() of a field, for all of the surface that is not cut away.
+Camera framed(Camera camera, const Surface& surface, const Framing& framing = {});
+
+}  // namespace ovoid

@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/surface_raster.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace ovoid {
+namespace {
+
+// Of the focal distance: what is nearer to the eye is cut.
+constexpr double kNear = 1e-3;
+// A square of side 1 / sqrt(5) turned by atan(1/2): no two places in a row or column.
+constexpr std::array<std::array<double, 2>, SurfaceRaster::kPlaces> kPlacesInPixel = {
+    {{0.375, 0.125}, {0.875, 0.375}, {0.625, 0.875}, {0.125, 0.625}}};
+constexpr float kFarthest = std::numeric_limits<float>::infinity();
+
+// Twice the signed area of (a, b, p); of the three sides of a triangle that holds p all have one
+// sign.
+template <class Corner>
+double side(const Corner& a, const Corner& b, double x, double y) {
+  return (b.x - a.x) * (y - a.y) - (b.y - a.y) * (x - a.x);
+}
+
+// A place exactly on a side belongs to one of the two triangles that share it.
+template <class Corner>
+bool takes_side(const Corner& a, const Corner& b) {
+  return a.y < b.y || (a.y == b.y && a.x > b.x);
+}
+
+}  // namespace
+
+struct TileWork {
+  struct Entry {
+    SurfaceFragment fragment;
+    std::uint16_t pixel;
+  };
+  std::vector<Entry> entries;
+  // Of opaque surfaces: the nearest depth at each place.
+  std::array<std::array<float, SurfaceRaster::kPlaces>, SurfaceRaster::kTile * SurfaceRaster::kTile>
+      nearest;
+};
+
+SurfaceRaster::SurfaceRaster(const Surface& surface, const Camera& camera,
+                             const RenderOptions& options)
+    : surface_(surface),
+      is_parallel_(camera.parallel_projection),
+      eye_(camera.position),
+      width_(options.width),
+      height_(options.height),
+      tiles_across_((options.width + kTile - 1) / kTile),
+      tiles_down_((options.height + kTile - 1) / kTile),
+      clip_planes_(options.clip_planes) {
+  const Vec3 towards = camera.focal_point - camera.position;
+  axis_ = towards.normalized();
+  right_ = axis_.cross(camera.view_up).normalized();
+  up_ = right_.cross(axis_);
+  near_ = kNear * towards.norm();
+  const double half_height =
+      is_parallel_ ? camera.parallel_scale : std::tan(camera.view_angle * (std::numbers::pi / 360));
+  scale_ = height_ / (2 * half_height);
+  for (std::uint32_t i = 0; i < surface.triangles.size(); ++i) add_triangle(i);
+
+  // A list of parts for each tile.
+  const auto for_tiles = [&](const Part& part, const auto& visit) {
+    const auto [x0, x1] = std::minmax({part.corners[0].x, part.corners[1].x, part.corners[2].x});
+    const auto [y0, y1] = std::minmax({part.corners[0].y, part.corners[1].y, part.corners[2].y});
+    const auto tile_at = [](double at, int count) {
+      return static_cast<int>(std::clamp(std::floor(at / kTile), 0.0, count - 1.0));
+    };
+    if (x1 < 0 || y1 < 0 || x0 > width_ || y0 > height_) return;
+    for (int y = tile_at(y0, tiles_down_); y <= tile_at(y1, tiles_down_); ++y) {
+      for (int x = tile_at(x0, tiles_across_); x <= tile_at(x1, tiles_across_); ++x)
+        visit(static_cast<std::size_t>(y * tiles_across_ + x));
+    }
+  };
+  first_of_tile_.assign(static_cast<std::size_t>(num_tiles()) + 1, 0);
+  for (const Part& part : parts_)
+    for_tiles(part, [&](std::size_t tile) { ++first_of_tile_[tile + 1]; });
+  for (std::size_t i = 1; i < first_of_tile_.size(); ++i)
+    first_of_tile_[i] += first_of_tile_[i - 1];
+  parts_of_tile_.resize(first_of_tile_.back());
+  std::vector<std::uint32_t> next(first_of_tile_.begin(), first_of_tile_.end() - 1);
+  for (std::size_t p = 0; p < parts_.size(); ++p) {
+    for_tiles(parts_[p], [&](std::size_t tile) {
+      parts_of_tile_[next[tile]++] = static_cast<std::uint32_t>(p);
+    });
+  }
+}
+
+SurfaceRaster::Corner SurfaceRaster::corner_of(const Vec3& view) const {
+  const double scale = is_parallel_ ? scale_ : scale_ / view.z();
+  return {0.5 * width_ + view.x() * scale, 0.5 * height_ - view.y() * scale,
+          is_parallel_ ? view.z() : 1 / view.z()};
+}
+
+void SurfaceRaster::add_part(const Part& part) {
+  const auto& [a, b, c] = part.corners;
+  if (side(a, b, c.x, c.y) != 0) parts_.push_back(part);
+}
+
+void SurfaceRaster::add_triangle(std::uint32_t number) {
+  const Surface::Triangle& triangle = surface_.triangles[number];
+  // Corners in the camera's axes, and what they are of the triangle's own.
+  struct Point {
+    Vec3 view;
+    Vec3 shares;
+  };
+  std::array<Point, 3> own;
+  int num_before = 0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    if (std::isnan(triangle.values[c])) return;
+    const Vec3 from_eye = surface_.places[triangle.corners[c]] - eye_;
+    own[c] = {{from_eye.dot(right_), from_eye.dot(up_), from_eye.dot(axis_)},
+              Vec3::Unit(static_cast<Eigen::Index>(c))};
+    if (own[c].view.z() > near_) ++num_before;
+  }
+  if (num_before == 0) return;
+  const auto part_of = [&](const Point& a, const Point& b, const Point& c, bool is_cut) {
+    Part part{number, is_cut, {corner_of(a.view), corner_of(b.view), corner_of(c.view)}, {}};
+    std::size_t i = 0;
+    for (const Point* point : {&a, &b, &c}) {
+      for (std::size_t s = 0; s < 3; ++s)
+        part.shares[i][s] = static_cast<float>(point->shares[static_cast<Eigen::Index>(s)]);
+      ++i;
+    }
+    return part;
+  };
+  if (num_before == 3) return add_part(part_of(own[0], own[1], own[2], false));
+  std::vector<Point> left;  // of the triangle, before the near plane
+  for (std::size_t c = 0; c < 3; ++c) {
+    const Point& from = own[c];
+    const Point& to = own[(c + 1) % 3];
+    if (from.view.z() > near_) left.push_back(from);
+    if ((from.view.z() > near_) == (to.view.z() > near_)) continue;
+    const double t = (near_ - from.view.z()) / (to.view.z() - from.view.z());
+    left.push_back(
+        {from.view + t * (to.view - from.view), from.shares + t * (to.shares - from.shares)});
+  }
+  for (std::size_t i = 1; i + 1 < left.size(); ++i)
+    add_part(part_of(left[0], left[i], left[i + 1], true));
+}
+
+void SurfaceRaster::rasterize(const Part& part, int tile, bool is_opaque, TileWork& work) const {
+  const int x_first = tile_x(tile);
+  const int y_first = tile_y(tile);
+  // Turned so that the inside is on the positive side of all three.
+  std::array<std::size_t, 3> turn{0, 1, 2};
+  const double area = side(part.corners[0], part.corners[1], part.corners[2].x, part.corners[2].y);
+  if (area < 0) std::swap(turn[1], turn[2]);
+  const std::array<Corner, 3> c{part.corners[turn[0]], part.corners[turn[1]],
+                                part.corners[turn[2]]};
+  const auto bound = [](double at, int first, int count) {
+    return static_cast<int>(
+        std::clamp(std::floor(at), static_cast<double>(first), static_cast<double>(first + count)));
+  };
+  const auto [left, right] = std::minmax({c[0].x, c[1].x, c[2].x});
+  const auto [top, bottom] = std::minmax({c[0].y, c[1].y, c[2].y});
+  const int x_end = std::min(bound(right, x_first, kTile) + 1, std::min(x_first + kTile, width_));
+  const int y_end = std::min(bound(bottom, y_first, kTile) + 1, std::min(y_first + kTile, height_));
+  const double inverse_area = 1 / std::abs(area);
+  std::array<double, 3> side_length;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Corner& to = c[(i + 1) % 3];
+    side_length[i] = std::max(std::hypot(to.x - c[i].x, to.y - c[i].y), 1e-12);
+  }
+  for (int y = bound(top, y_first, kTile); y < y_end; ++y) {
+    for (int x = bound(left, x_first, kTile); x < x_end; ++x) {
+      std::uint8_t covered = 0;
+      double mid_x = 0;
+      double mid_y = 0;
+      for (std::size_t p = 0; p < kPlaces; ++p) {
+        const double px = x + kPlacesInPixel[p][0];
+        const double py = y + kPlacesInPixel[p][1];
+        bool is_inside = true;
+        for (std::size_t i = 0; i < 3 && is_inside; ++i) {
+          const double s = side(c[i], c[(i + 1) % 3], px, py);
+          is_inside = s > 0 || (s == 0 && takes_side(c[i], c[(i + 1) % 3]));
+        }
+        if (!is_inside) continue;
+        covered = static_cast<std::uint8_t>(covered | 1U << p);
+        mid_x += px;
+        mid_y += py;
+      }
+      if (covered == 0) continue;
+      const int num_covered = std::popcount(covered);
+      mid_x /= num_covered;
+      mid_y /= num_covered;
+      // Shares in the picture, from the opposite sides; in space they go by 1 / depth.
+      std::array<double, 3> shares;
+      double z = 0;
+      for (std::size_t i = 0; i < 3; ++i) {
+        shares[i] = side(c[(i + 1) % 3], c[(i + 2) % 3], mid_x, mid_y) * inverse_area;
+        z += shares[i] * c[i].z;
+      }
+      const auto depth = static_cast<float>(is_parallel_ ? z : 1 / z);
+      TileWork::Entry entry{};
+      entry.pixel = static_cast<std::uint16_t>((y - y_first) * kTile + (x - x_first));
+      if (is_opaque) {
+        const auto& nearest = work.nearest[entry.pixel];
+        bool is_hidden = true;
+        for (std::size_t p = 0; p < kPlaces; ++p) {
+          if ((covered >> p & 1U) != 0 && depth < nearest[p]) is_hidden = false;
+        }
+        if (is_hidden) continue;
+      }
+      SurfaceFragment& fragment = entry.fragment;
+      fragment.triangle = part.triangle;
+      fragment.covered = covered;
+      fragment.depth = depth;
+      fragment.edge_distance.fill(kFarthest);
+      for (std::size_t i = 0; i < 3; ++i) {
+        const std::size_t own = turn[i];
+        const auto share = static_cast<float>(is_parallel_ ? shares[i] : shares[i] * c[i].z / z);
+        if (!part.is_cut) {
+          fragment.shares[own] = share;
+          const double distance = side(c[i], c[(i + 1) % 3], mid_x, mid_y) / side_length[i];
+          // The side from corner i to the next, turned, is that from the one with the lower number.
+          const std::size_t a = turn[i];
+          const std::size_t b = turn[(i + 1) % 3];
+          fragment.edge_distance[(a + 1) % 3 == b ? a : b] = static_cast<float>(distance);
+        } else {
+          for (std::size_t s = 0; s < 3; ++s) fragment.shares[s] += share * part.shares[own][s];
+        }
+      }
+      if (!clip_planes_.empty()) {
+        const Vec3 place = place_of(fragment);
+        const bool is_kept = std::all_of(
+            clip_planes_.begin(), clip_planes_.end(),
+            [&](const ClipPlane& plane) { return plane.normal.dot(place) >= plane.offset; });
+        if (!is_kept) continue;
+      }
+      if (is_opaque) {
+        auto& nearest = work.nearest[entry.pixel];
+        for (std::size_t p = 0; p < kPlaces; ++p) {
+          if ((covered >> p & 1U) != 0) nearest[p] = std::min(nearest[p], depth);
+        }
+      }
+      work.entries.push_back(entry);
+    }
+  }
+}
+
+SurfaceRaster::TileFragments SurfaceRaster::tile_fragments(int tile, bool is_opaque) const {
+  TileWork work;
+  for (auto& places : work.nearest) places.fill(kFarthest);
+  const auto at = static_cast<std::size_t>(tile);
+  for (std::uint32_t i = first_of_tile_[at]; i < first_of_tile_[at + 1]; ++i)
+    rasterize(parts_[parts_of_tile_[i]], tile, is_opaque, work);
+  std::sort(work.entries.begin(), work.entries.end(),
+            [](const TileWork::Entry& a, const TileWork::Entry& b) {
+              return std::tie(a.pixel, a.fragment.depth, a.fragment.triangle) <
+                     std::tie(b.pixel, b.fragment.depth, b.fragment.triangle);
+            });
+  TileFragments out;
+  out.fragments.reserve(work.entries.size());
+  for (const TileWork::Entry& entry : work.entries) {
+    out.fragments.push_back(entry.fragment);
+    ++out.first[static_cast<std::size_t>(entry.pixel) + 1];
+  }
+  for (std::size_t i = 1; i < out.first.size(); ++i) out.first[i] += out.first[i - 1];
+  return out;
+}
+
+Vec3 SurfaceRaster::place_of(const SurfaceFragment& fragment) const {
+  const Surface::Triangle& triangle = surface_.triangles[fragment.triangle];
+  Vec3 place = Vec3::Zero();
+  for (std::size_t c = 0; c < 3; ++c)
+    place += static_cast<double>(fragment.shares[c]) * surface_.places[triangle.corners[c]];
+  return place;
+}
+
+Vec3 SurfaceRaster::towards_eye(const Vec3& place) const {
+  return is_parallel_ ? Vec3(-axis_) : Vec3((eye_ - place).normalized());
+}
+
+}  // namespace ovoid

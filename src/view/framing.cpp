@@ -1,0 +1,322 @@
+// SPDX-License-Identifier: Apache-2.0
+// A silhouette first: opacity on a coarse raster across the view axis, as if seen from far away,
+// added up from regions that show (visible_points.h). What it leaves is fitted exactly, perspective
+// included: each side of the view's pyramid must lie outside of every region.
+#include "ovoid/framing.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "data/validate.h"
+#include "ovoid/error.h"
+#include "view/visible_points.h"
+
+namespace ovoid {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kFaintest = 0.05;        // of the most opaque
+constexpr double kFaintestRegion = 1e-3;  // the same, of a region by itself
+constexpr double kSpecks = 1e-3;          // of what shows, at each border
+constexpr double kFlatBox = 0.25;         // shortest side over the next
+constexpr int kRaster = 128;
+
+// A region that shows, along the camera's axes from the middle of the field: to the right, up, and
+// away from the eye.
+struct Region {
+  float right, up, away;
+  float half_width, half_height;
+  float absorption;
+};
+
+struct Frame2 {
+  double lo[2] = {kInfinity, kInfinity};
+  double hi[2] = {-kInfinity, -kInfinity};
+};
+
+// Rows are along `up`.
+class Silhouette {
+ public:
+  explicit Silhouette(const std::vector<Region>& regions) {
+    Frame2 box;
+    for (const Region& region : regions) {
+      box.lo[0] = std::min<double>(box.lo[0], region.right - region.half_width);
+      box.hi[0] = std::max<double>(box.hi[0], region.right + region.half_width);
+      box.lo[1] = std::min<double>(box.lo[1], region.up - region.half_height);
+      box.hi[1] = std::max<double>(box.hi[1], region.up + region.half_height);
+    }
+    lo_ = {box.lo[0], box.lo[1]};
+    cell_ = std::max(box.hi[0] - box.lo[0], box.hi[1] - box.lo[1]) / kRaster;
+    for (const Region& region : regions) {
+      add(region);
+      most_ = std::max(most_, optical_depth(region));
+    }
+    for (float& depth : cells_) depth = 1 - std::exp(-depth);  // opacity from here on
+    const float most = *std::max_element(cells_.begin(), cells_.end());
+    for (float& opacity : cells_) {
+      if (opacity < kFaintest * most) opacity = 0;
+    }
+    drop_specks();
+  }
+
+  // It may be seen, and not by what lies before or behind it alone.
+  bool shows(const Region& region) const {
+    const auto x = static_cast<int>((region.right - lo_[0]) / cell_);
+    const auto y = static_cast<int>((region.up - lo_[1]) / cell_);
+    const bool is_in_sight = x >= first_[0] && x <= last_[0] && y >= first_[1] && y <= last_[1];
+    if (optical_depth(region) < kFaintestRegion * most_) return false;
+    return is_in_sight && cells_[static_cast<std::size_t>(y * kRaster + x)] > 0;
+  }
+
+ private:
+  // Cells that a span covers, and how far each.
+  struct Span {
+    int first, last;
+    double lo, hi;  // in cells
+
+    double share(int cell) const {
+      return std::max(0.0, std::min(hi, cell + 1.0) - std::max(lo, static_cast<double>(cell)));
+    }
+  };
+  Span span(double middle, double half, std::size_t axis) const {
+    const double wide = std::max(half / cell_, 0.5);
+    const double at = (middle - lo_[axis]) / cell_;
+    const auto clamped = [](double cell) {
+      return std::clamp(static_cast<int>(std::floor(cell)), 0, kRaster - 1);
+    };
+    return {clamped(at - wide), clamped(at + wide), at - wide, at + wide};
+  }
+
+  static double optical_depth(const Region& region) {
+    return region.absorption / (4.0 * region.half_width * region.half_height);
+  }
+
+  void add(const Region& region) {
+    const Span x = span(region.right, region.half_width, 0);
+    const Span y = span(region.up, region.half_height, 1);
+    const double depth = region.absorption / ((x.hi - x.lo) * (y.hi - y.lo) * cell_ * cell_);
+    for (int row = y.first; row <= y.last; ++row) {
+      for (int column = x.first; column <= x.last; ++column) {
+        cells_[static_cast<std::size_t>(row * kRaster + column)] +=
+            static_cast<float>(depth * x.share(column) * y.share(row));
+      }
+    }
+  }
+
+  void drop_specks() {
+    std::array<std::vector<double>, 2> sums{std::vector<double>(kRaster),
+                                            std::vector<double>(kRaster)};
+    double total = 0;
+    for (int y = 0; y < kRaster; ++y) {
+      for (int x = 0; x < kRaster; ++x) {
+        const double opacity = cells_[static_cast<std::size_t>(y * kRaster + x)];
+        sums[0][static_cast<std::size_t>(x)] += opacity;
+        sums[1][static_cast<std::size_t>(y)] += opacity;
+        total += opacity;
+      }
+    }
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      const auto passed = [&](double seen) { return seen > kSpecks * total; };
+      double seen = 0;
+      for (int i = 0; i < kRaster && !passed(seen += sums[axis][static_cast<std::size_t>(i)]); ++i)
+        first_[axis] = i + 1;
+      seen = 0;
+      for (int i = kRaster - 1; i >= 0 && !passed(seen += sums[axis][static_cast<std::size_t>(i)]);
+           --i)
+        last_[axis] = i - 1;
+    }
+  }
+
+  std::array<double, 2> lo_{};
+  double cell_ = 1;
+  double most_ = 0;  // optical depth of any region
+  std::vector<float> cells_ = std::vector<float>(static_cast<std::size_t>(kRaster) * kRaster);
+  std::array<int, 2> first_{0, 0};
+  std::array<int, 2> last_{kRaster - 1, kRaster - 1};
+};
+
+struct CameraAxes {
+  Vec3 right, up, away;
+};
+
+CameraAxes axes_of(const Camera& camera) {
+  const Vec3 away = (camera.focal_point - camera.position).normalized();
+  const Vec3 right = away.cross(camera.view_up).normalized();
+  return {right, right.cross(away), away};
+}
+
+// Regions by the camera's axes, from `middle`.
+class RegionList {
+ public:
+  RegionList(const CameraAxes& axes, const Vec3& middle) : axes_(axes), middle_(middle) {}
+
+  void add(const view::VisiblePoint& point) {
+    const Vec3 from_middle = point.place - middle_;
+    const auto along = [&](const Vec3& axis) { return static_cast<float>(from_middle.dot(axis)); };
+    const auto reach = [&](const Vec3& axis) {
+      return static_cast<float>((point.extent.transpose() * axis).norm());
+    };
+    regions_.push_back({along(axes_.right), along(axes_.up), along(axes_.away), reach(axes_.right),
+                        reach(axes_.up), static_cast<float>(point.absorption)});
+  }
+  std::vector<Region> take() { return std::move(regions_); }
+
+ private:
+  const CameraAxes axes_;
+  const Vec3 middle_;
+  std::vector<Region> regions_;
+};
+
+// An interval of one coordinate.
+struct Extent {
+  double lo = kInfinity;
+  double hi = -kInfinity;
+  void take(double x, double half = 0) {
+    lo = std::min(lo, x - half);
+    hi = std::max(hi, x + half);
+  }
+  double middle() const { return 0.5 * (lo + hi); }
+  double half() const { return 0.5 * (hi - lo); }
+};
+
+// Everything that shows, as a box along the camera's axes.
+struct VisibleBox {
+  Extent right, up, away;
+  double radius = 0;  // of the ball around the box's middle that holds all
+};
+
+VisibleBox box_of(const std::vector<Region>& regions) {
+  VisibleBox box;
+  for (const Region& region : regions) {
+    box.right.take(region.right, region.half_width);
+    box.up.take(region.up, region.half_height);
+    box.away.take(region.away, 0.5F * (region.half_width + region.half_height));
+  }
+  const Vec3 middle(box.right.middle(), box.up.middle(), box.away.middle());
+  for (const Region& region : regions) {
+    const double reach = std::max(region.half_width, region.half_height);
+    box.radius =
+        std::max(box.radius, (Vec3(region.right, region.up, region.away) - middle).norm() + reach);
+  }
+  return box;
+}
+
+// Where the eye is, along the camera's axes: as near as two opposite sides of the pyramid, whose
+// slope is `tangent`, allow, and half-way between them. `sides`: greatest of +-x - tangent * away.
+struct Sides {
+  double high = -kInfinity;
+  double low = -kInfinity;
+
+  void take(double x, double half, double away, double tangent) {
+    high = std::max(high, x + half - tangent * away);
+    low = std::max(low, half - x - tangent * away);
+  }
+  double away(double tangent) const { return -(high + low) / (2 * tangent); }
+  double across() const { return 0.5 * (high - low); }
+};
+
+void validate(const Framing& framing) {
+  if (!(framing.aspect > 0.0) || !std::isfinite(framing.aspect)) {
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("framing aspect = {}: must be finite and > 0", framing.aspect));
+  }
+  if (!(framing.fill > 0.0 && framing.fill <= 1.0)) {
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("framing fill = {}: must be in (0, 1]", framing.fill));
+  }
+}
+
+// The camera moved to where it sees all regions, of which there are some, as `framing` says.
+Camera fitted(Camera camera, const std::vector<Region>& regions, const Framing& framing,
+              const CameraAxes& axes, const Vec3& middle) {
+  const VisibleBox box = box_of(regions);
+  const auto to_world = [&](double right, double up, double away) {
+    return Vec3(middle + right * axes.right + up * axes.up + away * axes.away);
+  };
+  const double half_angle = camera.view_angle * (std::numbers::pi / 360);
+  const double narrow = std::min(framing.aspect, 1.0);
+  if (framing.is_for_turning) {
+    const double tangent = std::tan(half_angle) * narrow;
+    const double radius = box.radius / framing.fill;
+    camera.focal_point = to_world(box.right.middle(), box.up.middle(), box.away.middle());
+    camera.position = camera.focal_point - radius / std::sin(std::atan(tangent)) * axes.away;
+    camera.parallel_scale = radius / narrow;
+    return camera;
+  }
+  const double vertical = framing.fill * std::tan(half_angle);
+  const double horizontal = vertical * framing.aspect;
+  Sides across;
+  Sides along;
+  for (const Region& region : regions) {
+    across.take(region.right, region.half_width, region.away, horizontal);
+    along.take(region.up, region.half_height, region.away, vertical);
+  }
+  const double eye = std::min(across.away(horizontal), along.away(vertical));
+  if (camera.parallel_projection) {
+    camera.focal_point = to_world(box.right.middle(), box.up.middle(), box.away.middle());
+  } else {
+    camera.focal_point = to_world(across.across(), along.across(), box.away.middle());
+  }
+  camera.position = camera.focal_point - (box.away.middle() - eye) * axes.away;
+  camera.parallel_scale = std::max(box.up.half(), box.right.half() / framing.aspect) / framing.fill;
+  return camera;
+}
+
+}  // namespace
+
+Camera first_camera(const Field& field, const Bounds3& bounds, Space space, double aspect) {
+  data::require_field(field);
+  const LatticeField* const lattice = field.lattice();
+  const bool has_spacing =
+      lattice == nullptr || lattice->geometry().spacing() != Vec3(Vec3::Constant(1.0));
+  if (space != Space::kNone && has_spacing)
+    return default_camera(bounds, space, "anterior", aspect);
+  const Vec3 sides = bounds.sizes();
+  Eigen::Index flat = 0;
+  const double least = sides.minCoeff(&flat);
+  const double next = std::min(sides[(flat + 1) % 3], sides[(flat + 2) % 3]);
+  std::string view = sides.x() >= sides.y() ? "three-quarter" : "three-quarter-side";
+  if (least < kFlatBox * next) view = flat == 0 ? "+x" : flat == 1 ? "-y" : "+z";
+  return default_camera(bounds, space, view, aspect);
+}
+
+Camera framed(Camera camera, const Field& field, const Look& look, const Framing& framing) {
+  data::require_field(field);
+  camera.validate();
+  validate(framing);
+  const CameraAxes axes = axes_of(camera);
+  const Vec3 middle = field.world_bounds().center();
+  RegionList list(axes, middle);
+  view::for_visible_points(field, look, framing.clip_planes,
+                           [&](const view::VisiblePoint& point) { list.add(point); });
+  std::vector<Region> regions = list.take();
+  if (regions.empty()) return camera;
+  const Silhouette silhouette(regions);
+  std::erase_if(regions, [&](const Region& region) { return !silhouette.shows(region); });
+  return regions.empty() ? camera : fitted(camera, regions, framing, axes, middle);
+}
+
+Camera framed(Camera camera, const Surface& surface, const Framing& framing) {
+  camera.validate();
+  validate(framing);
+  const CameraAxes axes = axes_of(camera);
+  const Vec3 middle = surface.bounds.center();
+  // A place has no size; a thousandth of the whole keeps a single one from being infinitely near.
+  const Mat3 speck = Mat3::Identity() * std::max(1e-3 * surface.bounds.diagonal().norm(), 1e-30);
+  RegionList list(axes, middle);
+  for (const Vec3& place : surface.places) {
+    if (view::is_kept(place, framing.clip_planes)) list.add({place, 1, speck});
+  }
+  const std::vector<Region> regions = list.take();
+  return regions.empty() ? camera : fitted(camera, regions, framing, axes, middle);
+}
+
+}  // namespace ovoid

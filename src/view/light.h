@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// docs/numerics.md, "Light", for one normal at a time, in double precision. The fast back ends have
+// the same in vectors and in GLSL.
+#pragma once
+
+#include "ovoid/camera.h"
+#include "ovoid/look.h"
+#include "ovoid/math.h"
+
+namespace ovoid::view {
+
+// Shares of a material's diffuse and specular light.
+struct LightShares {
+  double diffuse, specular;
+};
+
+// `normal`, `to_light` and `to_eye` have unit length; to_light is where the look's light, or the
+// studio's key light, stands.
+LightShares light_shares(const Look& look, const Vec3& normal, const Vec3& to_light,
+                         const Vec3& to_eye);
+
+// The colour under that light where normals tell a share `flatness` of what light does, in [0, 1].
+Rgb lit_color(const Rgb& color, const Material& material, const LightShares& light,
+              double flatness);
+
+// The studio's key light where nobody placed it: above left of the camera. World, not of unit
+// length.
+Vec3 studio_key(const Camera& camera);
+
+}  // namespace ovoid::view

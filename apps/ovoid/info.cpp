@@ -10,11 +10,13 @@
 #include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "array_facts.h"
 #include "command.h"
 #include "console.h"
 #include "environment.h"
+#include "histogram.h"
 #include "load.h"
 #include "make_field.h"
 #include "ovoid/devices.h"
@@ -116,7 +118,27 @@ void add_set_json(Json& json, const KernelField& field, const KernelModelReport&
     json["constant"] = {{"mean", report.constant_mean}, {"deviation", report.constant_deviation}};
 }
 
-Json field_json(const Modelled& modelled) {
+// Values under which these shares of the drawn values lie.
+constexpr std::array kShares = {0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99};
+constexpr std::size_t kBins = 64;
+
+void add_distribution(Json& json, const Field& field, const std::stop_token& stop) {
+  const Histogram seen = histogram_of(field, stop);
+  json["quantiles"] = Json::array();
+  json["histogram"] = nullptr;
+  if (seen.values.empty()) return;
+  for (const double share : kShares) json["quantiles"].push_back({share, seen.quantile(share)});
+  const auto lo = static_cast<double>(seen.values.front());
+  const auto hi = static_cast<double>(seen.values.back());
+  std::vector<std::int64_t> counts(kBins);
+  for (const float value : seen.values) {
+    const double place = hi > lo ? (static_cast<double>(value) - lo) / (hi - lo) * kBins : 0;
+    ++counts[static_cast<std::size_t>(std::min(place, kBins - 1.0))];
+  }
+  json["histogram"] = {{"lo", lo}, {"hi", hi}, {"counts", counts}};
+}
+
+Json field_json(const Modelled& modelled, const std::stop_token& stop) {
   const Field& field = modelled.field;
   const KernelField* const set = field.kernels();
   Json json;
@@ -124,6 +146,7 @@ Json field_json(const Modelled& modelled) {
   json["num_kernels"] = field.num_kernels();
   json["missing"] = set != nullptr ? modelled.kernels.num_missing : modelled.lattice.num_missing;
   json["range"] = json_of(field.value_range());
+  add_distribution(json, field, stop);
   if (set != nullptr) {
     add_set_json(json, *set, modelled.kernels);
   } else {
@@ -228,10 +251,10 @@ Json try_field(const Dataset& dataset, const ModelFlags& model, const Flags& fla
                                array.name, array.num_tuples));
       return nullptr;
     }
-    return field_json(make_field(dataset, model, 0, session));
+    return field_json(make_field(dataset, model, 0, session), session.stop());
   }
   try {
-    return field_json(make_field(dataset, model, 0, session));
+    return field_json(make_field(dataset, model, 0, session), session.stop());
   } catch (const Error& error) {
     // What a flag asks for must work; without one, the file is still worth telling about.
     if (error.code() != ErrorCode::kInvalidArgument || is_model_flag_given(flags)) throw;
@@ -387,6 +410,33 @@ void print_set(const Json& field) {
   }
 }
 
+// A letter for each bin, the blacker the more values, by their logarithm.
+std::string letters_of(const Json& counts) {
+  constexpr std::string_view kLetters = " .:-=+*#%@";
+  double greatest = 1;
+  for (const Json& count : counts) greatest = std::max(greatest, count.get<double>());
+  std::string letters;
+  for (const Json& count : counts) {
+    const double height = std::log1p(count.get<double>()) / std::log1p(greatest);
+    letters += kLetters[static_cast<std::size_t>(std::ceil(height * (kLetters.size() - 1)))];
+  }
+  return letters;
+}
+
+void print_distribution(const Json& field) {
+  if (field["histogram"].is_null()) return;
+  std::string values;
+  std::string shares;
+  for (const Json& pair : field["quantiles"]) {
+    const char* const comma = values.empty() ? "" : ", ";
+    values += fmt::format("{}{:.4g}", comma, pair[1].get<double>());
+    shares += fmt::format("{}{:g}", comma, 100 * pair[0].get<double>());
+  }
+  print_row("values", fmt::format("{} ({} %)", values, shares));
+  const Json& histogram = field["histogram"];
+  print_row("histogram", fmt::format("[{}]", letters_of(histogram["counts"])));
+}
+
 void print_text(const Json& json) {
   print_row("kind", json["kind"].get<std::string>());
   print_row("source", one_line(json["source"].get<std::string>()));
@@ -412,6 +462,7 @@ void print_text(const Json& json) {
   if (field.is_null()) return;
   print_row("drawn array", fmt::format("'{}', {}", one_line(field["array"].get<std::string>()),
                                        range_text(field["range"])));
+  print_distribution(field);
   print_row("kernels", number(field["num_kernels"]));
   if (field.contains("kernel"))
     print_row("kernel", field["kernel"].get<std::string>() +

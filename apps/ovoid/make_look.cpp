@@ -79,6 +79,32 @@ void make_opaque(TransferFunction& tf) {
   for (OpacityPoint& point : tf.opacities) point.opacity /= greatest;
 }
 
+// A preset in Hounsfield units, put where the data have them; a note says so where it had to move.
+void place_hounsfield_units(TransferFunction& tf, const LookFlags& flags, const Field& field,
+                            const std::string& unit, Session& session) {
+  constexpr double kAir = -1000;
+  constexpr double kBone = 1200;
+  const auto water = value_of_water(field, unit);
+  if (water == 0.0) return;
+  if (water) {
+    session.note(
+        fmt::format("--preset {}: the values look like a scanner's own numbers, {:g} above "
+                    "Hounsfield units; --range moves it",
+                    flags.preset, *water));
+    tf.map_range(tf.lo() + *water, tf.hi() + *water);
+    return;
+  }
+  const auto ends = air_and_bone(field);
+  if (!ends) return;
+  const auto [air, bone] = *ends;
+  session.note(
+      fmt::format("--preset {}: the values do not look like Hounsfield units: its air is "
+                  "put at {:g}, its dense bone at {:g}; --range or --shift moves it",
+                  flags.preset, air, bone));
+  const double scale = (bone - air) / (kBone - kAir);
+  tf.map_range(air + (tf.lo() - kAir) * scale, air + (tf.hi() - kAir) * scale);
+}
+
 // The look that the other flags change.
 Look base_look(const LookFlags& flags, const Field& field, const std::string& unit,
                Session& session) {
@@ -86,7 +112,11 @@ Look base_look(const LookFlags& flags, const Field& field, const std::string& un
   Look look = uses_default_look(flags) ? default_look(field, unit) : ramp_look(range);
   if (flags.mode == Mode::kMaximum || flags.mode == Mode::kMean)
     make_opaque(look.transfer_function);
-  if (!flags.preset.empty()) look = look_preset(flags.preset, range);
+  if (!flags.preset.empty()) {
+    look = look_preset(flags.preset, range);
+    if (flags.preset.starts_with("ct-") && !flags.range)
+      place_hounsfield_units(look.transfer_function, flags, field, unit, session);
+  }
   if (!flags.file.empty()) {
     Look file = look_of_flag("--tf", flags.file, flags.file_name);
     complete(file.transfer_function, look.transfer_function, flags, session);
@@ -118,6 +148,17 @@ void place(TransferFunction& tf, const LookFlags& flags, Session& session) {
   auto [lo, hi] = flags.range.value_or(std::pair(tf.lo(), tf.hi()));
   if (scale == ValueScale::kLog) std::tie(lo, hi) = logarithmic_range(lo, hi, session);
   tf.map_range(lo, hi, scale, linear_width);
+}
+
+void shift(TransferFunction& tf, double by) {
+  if (tf.scale == ValueScale::kLog && !(tf.lo() + by > 0)) {
+    throw Error(
+        ErrorCode::kInvalidArgument,
+        fmt::format("--shift {:g}: the look begins at {:g}, and on a logarithm it must stay "
+                    "above 0",
+                    by, tf.lo()));
+  }
+  tf.map_range(tf.lo() + by, tf.hi() + by);
 }
 
 // The colours of flags, by name over the look's span, or as a list: from 0 to 1 it is spread as a
@@ -158,6 +199,7 @@ Look look_of_one(const LookFlags& flags, const Field& field, const std::string& 
   TransferFunction& tf = look.transfer_function;
   place(tf, flags, session);
   take_flag_colors(tf, flags);
+  if (flags.shift != 0) shift(tf, flags.shift);
   if (!flags.opacities.empty()) {
     tf.opacities = flags.opacities;
     // The default look may have found a logarithm fitting, which these values have none of.

@@ -149,6 +149,8 @@ const Table<LookFlags>& color_settings() {
        "as --range L-W/2,L+W/2; colours gray, unless --colormap says others",
        not_with("range tf preset"),
        needs_values_above_0(window_not_above_0)},
+      {"--shift", number("V"), &L::shift,
+       "move the look's colours and opacities, but those of --opacity, by V towards higher values"},
       {"--log", Toggle(), &L::is_log, "colours and opacity run along the logarithm of the value"},
       {"--symlog", number("W", kPositive), &L::linear_width,
        "along a logarithm on either side of zero, straight for values within W of it",

@@ -77,6 +77,7 @@ struct LookFlags {
   std::vector<OpacityPoint> opacities;
   std::vector<OpacityPoint> gradient_opacities;
   std::optional<std::pair<double, double>> range;
+  double shift = 0;        // of colours and opacities along the values
   bool is_window = false;  // `range` was given as window and level
   bool is_log = false;
   std::optional<double> linear_width;  // of a symmetric logarithm; none: not asked for

@@ -117,7 +117,7 @@ struct NamedColor {
 };
 
 // Of CSS's, those that people name first.
-constexpr NamedColor kColors[] = {
+constexpr NamedColor kNamedColors[] = {
     {"black", 0x000000},   {"white", 0xffffff},  {"gray", 0x808080},   {"grey", 0x808080},
     {"silver", 0xc0c0c0},  {"red", 0xff0000},    {"green", 0x008000},  {"lime", 0x00ff00},
     {"blue", 0x0000ff},    {"navy", 0x000080},   {"yellow", 0xffff00}, {"orange", 0xffa500},
@@ -145,7 +145,7 @@ Rgb parse_hex_color(const std::string& text) {
 
 Rgb parse_rgb(const std::string& text) {
   if (text.starts_with('#')) return parse_hex_color(text);
-  for (const NamedColor& color : kColors) {
+  for (const NamedColor& color : kNamedColors) {
     if (text == color.name) return color_of(color.rgb);
   }
   const bool is_word = !text.empty() && std::isalpha(static_cast<unsigned char>(text[0])) != 0;

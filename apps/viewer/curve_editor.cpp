@@ -85,11 +85,11 @@ struct Canvas {
   double height_of_mouse() const { return (hi.y - inset - mouse.y) / (hi.y - lo.y - 2 * inset); }
 };
 
-void draw_histogram(ImDrawList& list, const Canvas& canvas, const Histogram& histogram,
+void draw_histogram(ImDrawList& list, const Canvas& canvas, const cli::Histogram& histogram,
                     const ValueAxis& axis, bool is_log) {
   const bool is_by_decades =
       axis.scale != ValueScale::kLinear && !histogram.logarithmic.counts.empty();
-  const Histogram::Bins& bins = is_by_decades ? histogram.logarithmic : histogram.linear;
+  const cli::Histogram::Bins& bins = is_by_decades ? histogram.logarithmic : histogram.linear;
   if (bins.greatest == 0) return;
   const auto height = [&](std::uint64_t count) {
     const auto all = static_cast<double>(bins.greatest);

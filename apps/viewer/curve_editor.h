@@ -29,11 +29,11 @@ struct CurveEditing {
 };
 
 struct CurveLook {
-  float height = 140;                    // of the canvas, before the interface's scale
-  const Histogram* histogram = nullptr;  // drawn behind; null: none
-  bool is_log_count = true;              // heights of its bars
-  bool is_magnified = false;             // low opacities get more room: height is the cube root
-  std::vector<double> marks{};           // values with a line: the isovalue
+  float height = 140;                         // of the canvas, before the interface's scale
+  const cli::Histogram* histogram = nullptr;  // drawn behind; null: none
+  bool is_log_count = true;                   // heights of its bars
+  bool is_magnified = false;    // low opacities get more room: height is the cube root
+  std::vector<double> marks{};  // values with a line: the isovalue
 };
 
 // Click on the line or into the empty canvas: a new point, which follows the mouse. Drag: moves it,

@@ -340,7 +340,7 @@ void Loader::Impl::work_out_extras(const std::stop_token& token) {
     }
     finest = &extras->coarser.back();
   }
-  extras->histogram = histogram_of(data->shown->field(), token);
+  extras->histogram = cli::histogram_of(data->shown->field(), token);
   extras->probe = std::make_shared<const FieldProbe>(data->shown->field());
   report(std::shared_ptr<const Extras>(std::move(extras)));
 }

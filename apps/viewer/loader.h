@@ -54,7 +54,7 @@ struct Shown {
 struct Extras {
   std::shared_ptr<const Shown> of;
   std::vector<Field> coarser;  // coarse_field(), once, twice, ...
-  Histogram histogram;
+  cli::Histogram histogram;
   std::shared_ptr<const FieldProbe> probe;  // values at places
 };
 

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "ovoid/export.h"
@@ -70,6 +71,16 @@ Look ramp_look(const ValueRange& range, const std::string& color_map_name = "vir
 // decides. A small change of the data is a small change of the look. Cost: some ten milliseconds;
 // for labels one pass. Throws what the field's source throws.
 Look default_look(const Field& field, std::string_view unit = {});
+
+// The value of water, if the field's values look like CT: 0 in Hounsfield units, 1024 in scanners'
+// raw numbers. None for everything else, kernel sets and CT in other scales (8 bits) among it.
+// `unit`, cost and errors as of default_look().
+std::optional<double> value_of_water(const Field& field, std::string_view unit = {});
+
+// Where CT in a scale of its own has air and dense bone, as far as samples tell: what most of the
+// outer faces share, and the value under which 99.9 % of all samples lie. None where the faces
+// share nothing. Cost and errors as of default_look().
+std::optional<std::pair<double, double>> air_and_bone(const Field& field);
 
 // True if the field's values look like labels: at most 64 different integers in [0, 65535], in
 // regions. Between two labels the field passes all values between them, so labels want kernels so

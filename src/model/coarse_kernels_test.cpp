@@ -255,14 +255,13 @@ TEST(CoarseKernels, ProgressAndStop) {
 }
 
 // The galaxy's density where a pixel is eight times the default sampling distance, against the
-// whole set's. Measured: 27.6 dB: kernels a pixel or so wide, merged, are sqrt(2) times as wide.
-// What lies 0.3 pixels beside has 24.8.
+// whole set's. Measured: 30.8 dB: kernels a pixel or so wide, merged, are sqrt(2) times as wide.
+// What lies 0.3 pixels beside has 27.6.
 TEST(CoarseKernels, FromFarTheyLookTheSame) {
   KernelModelOptions model;
   model.is_density = true;
   const Field field = make_kernel_field(make_sample("galaxy", {.count = 20000}), model);
   Look look = default_look(field);
-  look.shade = true;
   look.unit_distance = default_unit_distance(field);
   Camera camera = default_camera(field.world_bounds());
   RenderOptions options;
@@ -270,8 +269,9 @@ TEST(CoarseKernels, FromFarTheyLookTheSame) {
   Renderer renderer(Backend::kCpu);
   const Image full = renderer.render(field, camera, look, options).image;
   const Field coarse = coarse_field(field);
-  constexpr double kBound = 26.5;
-  EXPECT_GT(psnr(full, renderer.render(coarse, camera, look, options).image), kBound);
+  constexpr double kBound = 29;
+  const double found = psnr(full, renderer.render(coarse, camera, look, options).image);
+  EXPECT_GT(found, kBound);
   const Vec3 aside(0.3 * 8 * field.default_sampling_distance(), 0, 0);
   camera.position += aside;
   camera.focal_point += aside;

@@ -139,24 +139,34 @@ Look label_look(const std::vector<int>& labels, const FieldSamples& samples) {
 
 // --- CT in Hounsfield units
 
-// Air makes a peak at -1000, or padding lies far below it; nothing else in use has that.
-bool is_in_hounsfield_units(const FieldSamples& samples, std::string_view unit) {
-  if (unit == "HU" || unit == "hu" || unit == "Hounsfield") return true;
-  if (!unit.empty()) return false;
-  const auto share_between = [&](float lo, float hi) {
+constexpr double kRawWater = 1024;  // in scanners' own numbers
+
+// Air makes a peak at -1000, or padding lies far below it; nothing else in use has that. `water`:
+// where 0 Hounsfield units would be.
+bool has_peaks_of_ct(const FieldSamples& samples, double water) {
+  const auto share_between = [&](double lo, double hi) {
     const auto& v = samples.values;
-    const auto count =
-        std::upper_bound(v.begin(), v.end(), hi) - std::lower_bound(v.begin(), v.end(), lo);
+    const auto count = std::upper_bound(v.begin(), v.end(), static_cast<float>(hi + water)) -
+                       std::lower_bound(v.begin(), v.end(), static_cast<float>(lo + water));
     return static_cast<double>(count) / static_cast<double>(v.size());
   };
-  const double highest = quantile(samples.values, 0.9999);
-  return samples.values.front() >= -4096 && highest > 100 && highest < 5000 &&
+  const double highest = quantile(samples.values, 0.9999) - water;
+  return samples.values.front() - water >= -4096 && highest > 100 && highest < 5000 &&
          share_between(-1050, -900) > 0.1 && share_between(-200, 300) > 0.05 &&
          share_between(-890, -210) < share_between(-1050, -900);
 }
 
+std::optional<double> water_of(const FieldSamples& samples, std::string_view unit) {
+  if (unit == "HU" || unit == "hu" || unit == "Hounsfield") return 0.0;
+  if (!unit.empty()) return std::nullopt;
+  if (has_peaks_of_ct(samples, 0)) return 0.0;
+  const bool may_be_raw = samples.is_counted && samples.values.front() >= 0;
+  if (may_be_raw && has_peaks_of_ct(samples, kRawWater)) return kRawWater;
+  return std::nullopt;
+}
+
 // Opacities are meant over 1/300 of the field's edge, a millimetre or two of a body.
-Look hounsfield_look(const LatticeField& field) {
+Look hounsfield_look(const LatticeField& field, double water) {
   Look look;
   TransferFunction& tf = look.transfer_function;
   tf.name = "CT in Hounsfield units";
@@ -167,6 +177,7 @@ Look hounsfield_look(const LatticeField& field) {
   const Vec3 axes = field.geometry().world_from_index.linear().colwise().norm().transpose();
   const Vec3 sides = axes.cwiseProduct(field.geometry().index_bounds().sizes());
   tf.unit_distance = sides.maxCoeff() / 300.0;
+  tf.map_range(tf.lo() + water, tf.hi() + water);
   set_light(look, 40);  // more than the noise of a usual dose
   return look;
 }
@@ -383,7 +394,7 @@ Look look_of_lattice(const LatticeField& field, std::string_view unit) {
   if (says_nothing(samples)) return ramp_look(field.value_range());
   if (const std::vector<int> labels = data::labels_of(field.samples()); !labels.empty())
     return label_look(labels, samples);
-  if (is_in_hounsfield_units(samples, unit)) return hounsfield_look(field);
+  if (const auto water = water_of(samples, unit)) return hounsfield_look(field, *water);
   return look_of_values(field, samples);
 }
 
@@ -504,6 +515,24 @@ Look look_of_kernels(const KernelField& field) {
 }
 
 }  // namespace
+
+std::optional<double> value_of_water(const Field& field, std::string_view unit) {
+  data::require_field(field);
+  if (field.lattice() == nullptr) return std::nullopt;
+  const FieldSamples samples = data::take_samples(field.lattice()->samples());
+  return says_nothing(samples) ? std::nullopt : water_of(samples, unit);
+}
+
+std::optional<std::pair<double, double>> air_and_bone(const Field& field) {
+  data::require_field(field);
+  if (field.lattice() == nullptr) return std::nullopt;
+  const FieldSamples samples = data::take_samples(field.lattice()->samples());
+  if (says_nothing(samples)) return std::nullopt;
+  const auto background = background_of(samples);
+  const double bone = quantile(samples.values, 0.999);
+  if (!background || !(background->value < bone)) return std::nullopt;
+  return std::pair(background->value, bone);
+}
 
 bool holds_labels(const Field& field) {
   data::require_field(field);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "ovoid/look.h"
+#include "support/agreement.h"
 #include "support/volumes.h"
 #include "view/field_samples.h"
 
@@ -168,6 +169,35 @@ TEST(DefaultLook, HounsfieldUnitsShowBoneThroughFaintTissue) {
   }
   EXPECT_NE(default_look(head_in_hounsfield_units(), "K").transfer_function.name,
             "CT in Hounsfield units");
+}
+
+// As scanners store them: whole numbers, water at 1024.
+TEST(DefaultLook, RawCtIsHounsfieldUnitsMoved) {
+  EXPECT_EQ(value_of_water(head_in_hounsfield_units()), 0.0);
+  EXPECT_EQ(value_of_water(head_in_hounsfield_units(), "HU"), 0.0);
+  EXPECT_EQ(value_of_water(scan(2.0)), std::nullopt);
+  const Field raw = test::make_stored_field(
+      {kSide, kSide, kSide},
+      [](std::int64_t i, std::int64_t j, std::int64_t k) {
+        const double r = radius_at(i, j, k);
+        const double value = r < 14 ? 40.0 : r < 17 ? 900.0 : r < 20 ? 30.0 : -1000.0;
+        return (1024 + value + 5.0 * default_look_noise(i, j, k, 1)) / 65535;
+      },
+      {ScalarType::kUInt16, 0, 65535});
+  EXPECT_EQ(value_of_water(raw), 1024.0);
+  const Look moved = default_look(raw);
+  const Look plain = default_look(head_in_hounsfield_units());
+  for (const double value : {-1000.0, 40.0, 200.0, 900.0})
+    EXPECT_NEAR(opacity_at(moved, value + 1024), opacity_at(plain, value), 1e-6) << value;
+}
+
+// In 8 bits nothing says where water is; air and bone are seen.
+TEST(DefaultLook, AirAndBoneOfOtherScales) {
+  const auto ends = air_and_bone(scan(2.0));
+  ASSERT_TRUE(ends);
+  EXPECT_NEAR(ends->first, 10, 2);  // noise is in [-2, 2]
+  EXPECT_NEAR(ends->second, 201, 2);
+  EXPECT_EQ(air_and_bone(test::constant_field({8, 8, 8}, 3)), std::nullopt);
 }
 
 LatticeField labels(const std::vector<double>& values) {

@@ -22,7 +22,7 @@
 namespace ovoid {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 constexpr double kFaintest = 0.05;        // of the most opaque
 constexpr double kFaintestRegion = 1e-3;  // the same, of a region by itself
 constexpr double kSpecks = 1e-3;          // of what shows, at each border
@@ -38,8 +38,8 @@ struct Region {
 };
 
 struct Frame2 {
-  double lo[2] = {kInfinity, kInfinity};
-  double hi[2] = {-kInfinity, -kInfinity};
+  double lo[2] = {kUnbounded, kUnbounded};
+  double hi[2] = {-kUnbounded, -kUnbounded};
 };
 
 // Rows are along `up`.
@@ -177,8 +177,8 @@ class RegionList {
 
 // An interval of one coordinate.
 struct Extent {
-  double lo = kInfinity;
-  double hi = -kInfinity;
+  double lo = kUnbounded;
+  double hi = -kUnbounded;
   void take(double x, double half = 0) {
     lo = std::min(lo, x - half);
     hi = std::max(hi, x + half);
@@ -212,8 +212,8 @@ VisibleBox box_of(const std::vector<Region>& regions) {
 // Where the eye is, along the camera's axes: as near as two opposite sides of the pyramid, whose
 // slope is `tangent`, allow, and half-way between them. `sides`: greatest of +-x - tangent * away.
 struct Sides {
-  double high = -kInfinity;
-  double low = -kInfinity;
+  double high = -kUnbounded;
+  double low = -kUnbounded;
 
   void take(double x, double half, double away, double tangent) {
     high = std::max(high, x + half - tangent * away);

@@ -41,6 +41,15 @@ TEST(Info, TellsWhatIsInTheFile) {
   EXPECT_EQ(facts["field"]["default_sampling_distance"], 0.5);
   EXPECT_EQ(facts["field"]["default_unit_distance"], 0.5);
   EXPECT_GE(facts["field"]["memory_bytes"], 4096);
+  const auto& quantiles = facts["field"]["quantiles"];
+  ASSERT_EQ(quantiles.size(), 7U);
+  for (std::size_t i = 1; i < quantiles.size(); ++i) {
+    EXPECT_GT(quantiles[i][0], quantiles[i - 1][0]);
+    EXPECT_GE(quantiles[i][1], quantiles[i - 1][1]);
+  }
+  std::int64_t counted = 0;
+  for (const auto& count : facts["field"]["histogram"]["counts"]) counted += count.get<int>();
+  EXPECT_EQ(counted, 16 * 16 * 16);
 }
 
 // Fails if a direction is taken for another axis' or for its opposite.

@@ -245,6 +245,7 @@ const std::vector<Words>& samples() {
       {"--light", "headlight", "--flat", "0.1"},
       {"--light", "studio:1,0,0"},
       {"--fit", "box"},
+      {"--shift", "-3"},
       {"--surface=0.5", "--edges"},
       {"--surface"},
       {"--background", "none"},

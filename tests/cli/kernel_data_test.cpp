@@ -495,18 +495,36 @@ TEST_F(KernelData, MeshesAreDescribedDrawnAndConverted) {
   EXPECT_EQ(told["field"]["shape"], "ellipsoids");
   EXPECT_EQ(told["field"]["num_kernels"], told["points"]);
   EXPECT_NEAR(told["field"]["constant"]["mean"].get<double>(), 1, 0.1);
-  const auto base = draw(folder_, {fin, "--array", "density"}).rgba;
-  EXPECT_NE(draw(folder_, {fin, "--array", "density", "--neighborhood", "voronoi"}).rgba, base);
-  EXPECT_NE(draw(folder_, {fin, "--array", "density", "--color-array", "pressure"}).rgba, base);
+  // The volume; of itself a mesh shows its surface.
+  const Words volume = {"--array", "density", "--surface=0"};
+  const auto draw_mesh = [&](const std::string& file, const Words& more) {
+    Words words = {file};
+    words.insert(words.end(), volume.begin(), volume.end());
+    words.insert(words.end(), more.begin(), more.end());
+    return draw(folder_, words).rgba;
+  };
+  const auto base = draw_mesh(fin, {});
+  EXPECT_NE(draw_mesh(fin, {"--neighborhood", "voronoi"}), base);
+  EXPECT_NE(draw_mesh(fin, {"--color-array", "pressure"}), base);
+  const auto surface = draw(folder_, {fin, "--array", "density", "--surface"}).rgba;
+  EXPECT_NE(surface, base);
+  EXPECT_NE(draw(folder_, {fin, "--array", "density", "--surface=0.5"}).rgba, surface);
+  EXPECT_NE(draw(folder_, {fin, "--array", "density", "--edges"}).rgba, surface);
+  EXPECT_EQ(draw(folder_, {fin, "--array", "density"}).rgba, surface);
+  EXPECT_EQ(draw(folder_, {fin, "--array", "density", "--opacity", "0:0.1"}).rgba,
+            draw_mesh(fin, {"--opacity", "0:0.1"}));
   const std::string out = folder_ / "x.png";
   expect_failure({"render", fin, "-o", out, "--neighbors", "8"}, 1,
                  {"--neighbors: is for particles, '" + fin + "' is a mesh"});
+  expect_failure({"render", fin, "-o", out, "--surface", "--mode", "xray"}, 2,
+                 {"--surface: is for --mode composite"});
+  expect_failure({"render", fin, "-o", out, "--surface=2"}, 2, {"--surface"});
   expect_failure({"render", fin, "-o", out, "--prefilter"}, 1, {"--prefilter: is for lattices"});
   expect_failure({"render", fin, "-o", out, "--color-array", "none"}, 1,
                  {"none", "density", "pressure"});
 
   expect_success({"convert", fin, "-o", folder_ / "again.vtu"});
-  EXPECT_EQ(draw(folder_, {folder_ / "again.vtu", "--array", "density"}).rgba, base);
+  EXPECT_EQ(draw_mesh(folder_ / "again.vtu", {}), base);
   expect_success({"convert", fin, "-o", folder_ / "fin.ply", "--array", "density"});
   const json kernels = info({folder_ / "fin.ply"});
   EXPECT_EQ(kernels["kind"], "kernels");

@@ -120,6 +120,7 @@ TEST_F(Render, EveryNumberFlagIsTaken) {
                                       {"--colormap", "inferno"},
                                       {"--opacity", "0:0,255:1"},
                                       {"--range", "0,100"},
+                                      {"--shift", "30"},
                                       {"--unit-distance", "3"},
                                       {"--view", "+x"},
                                       {"--roll", "30"},

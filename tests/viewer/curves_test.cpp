@@ -15,6 +15,10 @@
 namespace ovoid::viewer {
 namespace {
 
+using cli::Histogram;
+using cli::histogram_of;
+using cli::kHistogramBins;
+
 std::uint64_t sum_of(const Histogram::Bins& bins) {
   return std::accumulate(bins.counts.begin(), bins.counts.end(), std::uint64_t{0});
 }

@@ -81,7 +81,7 @@ TEST_F(WindowHands, WhatIsUnderTheMouseIsWhatSampleSays) {
                             Words{"blobs", "blobs.ply", "--count", "200"}}) {
     const std::string path = make(made[0], made[1], {made.begin() + 2, made.end()});
     const Viewed viewed =
-        view({path, "--no-panel", "--view", "+z", "--fit", "box"},
+        view({path, "--no-panel", "--view", "+z", "--fit", "box", "--unit-distance", "0.001"},
              "wait idle\nmove picture@0.5,0.45\nwait 3 frames\nprint picked\nmove 1,1\n"
              "wait 3 frames\nprint all\n");
     const auto picked = viewed.json("picked");

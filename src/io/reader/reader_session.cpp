@@ -232,6 +232,8 @@ struct ReaderSession::Impl {
   void start(const ReadOptions& options);
   Dataset receive(const io::ReaderHost& host);
   void report_progress(const ReadOptions& options, double fraction);
+  // Throws Error(kCancelled) if the caller has stopped, and with that killed the process.
+  void require_running(const std::stop_token& stop);
   [[noreturn]] void report_end(const std::string& source, const char* what);
 };
 
@@ -246,6 +248,12 @@ void ReaderSession::Impl::start(const ReadOptions& options) {
   files = io::files_that_may_be_read(inputs, options);
   folders = io::real_data_folders(options);
   process = std::make_shared<io::ReaderProcess>(io::find_reader_program(options.reader_program));
+}
+
+void ReaderSession::Impl::require_running(const std::stop_token& stop) {
+  if (!stop.stop_requested()) return;
+  process.reset();
+  throw Error(ErrorCode::kCancelled, "reading: stopped by the caller");
 }
 
 void ReaderSession::Impl::report_end(const std::string& source, const char* what) {
@@ -287,10 +295,7 @@ Dataset ReaderSession::Impl::receive(const io::ReaderHost& host) {
                   fmt::format("{}: its reader is stuck: is the file damaged?", source));
     }
     auto message = process->link().receive();
-    if (options.stop.stop_requested()) {
-      process.reset();
-      throw Error(ErrorCode::kCancelled, "reading: stopped by the caller");
-    }
+    require_running(options.stop);
     if (!message) report_end(source, "stopped");
     switch (message->type) {
       case io::LinkMessage::kProgress:
@@ -337,8 +342,10 @@ Dataset ReaderSession::read(const std::string& format, const std::string& source
   } const leaves_none_killed{*impl_, options.stop};
   // The callback may run while this thread already gives the process up, and holds it so long.
   const std::stop_callback killer(options.stop, [process = impl_->process] { process->kill(); });
-  if (!impl_->process->link().send(io::LinkMessage::kRequest, io::to_message(request)))
+  if (!impl_->process->link().send(io::LinkMessage::kRequest, io::to_message(request))) {
+    impl_->require_running(options.stop);  // else it was killed, and could not take the request
     impl_->report_end(source, "did not start");
+  }
   return impl_->receive({source, paths.front(), options});
 }
 

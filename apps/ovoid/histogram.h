@@ -7,7 +7,7 @@
 
 #include "ovoid/field.h"
 
-namespace ovoid::viewer {
+namespace ovoid::cli {
 
 // How often the drawn values occur.
 struct Histogram {
@@ -18,7 +18,10 @@ struct Histogram {
     std::uint64_t greatest = 0;         // of the counts
   };
   Bins linear;
-  Bins logarithmic;  // of values > 0: six decades, if there are as many
+  Bins logarithmic;           // of values > 0: six decades, if there are as many
+  std::vector<float> values;  // rising: some of those that were counted, evenly taken
+
+  double quantile(double q) const;  // q in [0, 1]; NaN if there are no values
 };
 
 // Of a lattice's samples, and of the field at a kernel set's centres (a sum) or of its kernels'
@@ -29,4 +32,4 @@ Histogram histogram_of(const Field& field, const std::stop_token& stop = {});
 
 inline constexpr int kHistogramBins = 512;
 
-}  // namespace ovoid::viewer
+}  // namespace ovoid::cli

@@ -3,15 +3,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "ovoid/error.h"
 #include "ovoid/sampler.h"
 
-namespace ovoid::viewer {
+namespace ovoid::cli {
 namespace {
 
 constexpr std::int64_t kEnoughSamples = 4'000'000;
 constexpr std::int64_t kEnoughKernels = 20'000;  // where each is a sum over its neighbours
+constexpr std::int64_t kEnoughValues = 200'000;  // for quantiles
 
 Histogram::Bins bins_over(double lo, double hi, std::size_t number) {
   return {lo, hi > lo ? hi : lo + 1, std::vector<std::uint64_t>(number, 0), 0};
@@ -26,7 +28,9 @@ void add(Histogram::Bins& bins, double at) {
 class Counter {
  public:
   // `step`: between values where only multiples of it occur, else 0.
-  Counter(const ValueRange& range, double step) {
+  // `expected`: about how many values there will be.
+  Counter(const ValueRange& range, double step, std::int64_t expected)
+      : values_apart_(1 + expected / kEnoughValues) {
     const double span = static_cast<double>(range.hi) - range.lo;
     const double values = step > 0 ? std::round(span / step) + 1 : 0;
     if (values >= 2 && values <= kHistogramBins) {
@@ -43,6 +47,7 @@ class Counter {
   }
   void count(double value) {
     if (!std::isfinite(value)) return;
+    if (num_counted_++ % values_apart_ == 0) histogram_.values.push_back(static_cast<float>(value));
     add(histogram_.linear, value);
     Histogram::Bins& logarithmic = histogram_.logarithmic;
     if (value <= 0 || logarithmic.counts.empty()) return;
@@ -54,11 +59,14 @@ class Counter {
       if (bins->counts.empty()) continue;
       bins->greatest = *std::max_element(bins->counts.begin(), bins->counts.end());
     }
+    std::sort(histogram_.values.begin(), histogram_.values.end());
     return std::move(histogram_);
   }
 
  private:
   Histogram histogram_;
+  std::int64_t values_apart_;
+  std::int64_t num_counted_ = 0;
 };
 
 // Between the values of a lattice of whole numbers; 0 for others.
@@ -146,10 +154,19 @@ void count_kernels(const KernelField& field, Counter& counter, const std::stop_t
 
 }  // namespace
 
+double Histogram::quantile(double q) const {
+  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+  const double place = std::clamp(q, 0.0, 1.0) * static_cast<double>(values.size() - 1);
+  const auto below = static_cast<std::size_t>(place);
+  const std::size_t above = std::min(below + 1, values.size() - 1);
+  return std::lerp(static_cast<double>(values[below]), static_cast<double>(values[above]),
+                   place - static_cast<double>(below));
+}
+
 Histogram histogram_of(const Field& field, const std::stop_token& stop) {
   const ValueRange range = field.value_range();
   if (!(range.lo <= range.hi)) return {};
-  Counter counter(range, step_of(field));
+  Counter counter(range, step_of(field), std::min(field.num_kernels(), kEnoughSamples));
   if (field.lattice() != nullptr) {
     count_lattice(*field.lattice(), counter, stop);
   } else {
@@ -158,4 +175,4 @@ Histogram histogram_of(const Field& field, const std::stop_token& stop) {
   return counter.result();
 }
 
-}  // namespace ovoid::viewer
+}  // namespace ovoid::cli

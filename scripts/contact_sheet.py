@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Draws data with no flag but -o and puts the pictures on one sheet: contact_sheet.py OUT.png INPUT...
 
-Every picture is drawn at the program's own size, put on white and reduced four times. A word "--" begins a new row;
-files joined by "+" are one input."""
+Every picture is drawn at the program's own size, on its own background, and reduced four times. A word "--" begins a new row;
+files joined by "+" are one input; a .ppm file of that size stands for itself."""
 import array
 import ast
 import os
@@ -16,10 +16,11 @@ import zlib
 OVOID = os.path.join(os.path.dirname(__file__), "..", "build", "release", "bin", "ovoid")
 REDUCTION = 4
 GAP = 6  # pixels between pictures
+BACKGROUND = (0.10, 0.11, 0.13)
 
 
 def drawn(inputs, folder):
-    """Rows of bytes, RGB, of the reduced picture on white."""
+    """Rows of bytes, RGB, of the reduced picture on the program's background."""
     path = os.path.join(folder, "picture.npy")
     subprocess.run([OVOID, "render", *inputs, "-o", path], check=True)
     with open(path, "rb") as file:
@@ -36,8 +37,8 @@ def drawn(inputs, folder):
                 start = 4 * ((y + dy) * width + x)
                 for c in range(4):  # premultiplied, so sums are means
                     sums[c] += sum(values[start + c:start + 4 * REDUCTION:4])
-            background = 1 - sums[3] / REDUCTION ** 2
-            row += bytes(min(255, max(0, round(255 * (s / REDUCTION ** 2 + background)))) for s in sums[:3])
+            rest = 1 - sums[3] / REDUCTION ** 2
+            row += bytes(min(255, max(0, round(255 * (s / REDUCTION ** 2 + rest * back)))) for s, back in zip(sums, BACKGROUND))
         rows.append(bytes(row))
     return rows
 
@@ -56,6 +57,23 @@ def write_png(path, rows):
     with open(path, "wb") as file:
         file.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) +
                    chunk(b"IDAT", zlib.compress(b"".join(lines), 9)) + chunk(b"IEND", b""))
+
+
+def reduced(path):
+    """A picture in PPM of the same size, likewise reduced."""
+    with open(path, "rb") as file:
+        kind, size, _, data = file.read().split(b"\n", 3)
+    width, height = map(int, size.split())
+    assert kind == b"P6"
+    rows = []
+    for y in range(0, height - REDUCTION + 1, REDUCTION):
+        row = bytearray()
+        for x in range(0, width - REDUCTION + 1, REDUCTION):
+            for c in range(3):
+                starts = [3 * ((y + dy) * width + x) + c for dy in range(REDUCTION)]
+                row.append(sum(sum(data[start:start + 3 * REDUCTION:3]) for start in starts) // REDUCTION ** 2)
+        rows.append(bytes(row))
+    return rows
 
 
 def sheet(pictures):
@@ -80,7 +98,7 @@ def main(arguments):
             if word == "--":
                 pictures.append([])
                 continue
-            pictures[-1].append(drawn(word.split("+"), folder))
+            pictures[-1].append(reduced(word) if word.endswith(".ppm") else drawn(word.split("+"), folder))
     write_png(arguments[0], sheet(pictures))
 
 

@@ -47,6 +47,6 @@ picture() {  # NAME, then the words of `ovoid view`
 wanted=$*
 picture window head.nrrd
 picture space head.nrrd --preset ct-skin
-picture time tornado.h5 --mode isosurface --iso 128 --view -y --azimuth 30 --elevation 25 --zoom 1.3
+picture time tornado.h5 --mode isosurface --iso 128 --view -y --azimuth 30 --elevation 25
 picture fields fin.vtu --array pressure --view -x --azimuth 40 --elevation 30
 picture compare head.nrrd

@@ -189,7 +189,8 @@ void convert_in_time(const ConvertFlags& convert, Session& session) {
     Progress progress("resampling");
     SeriesResampleOptions options;
     options.lattice = resample_options(convert, progress, session);
-    options.component = convert.model.component;
+    const int asked = convert.model.component;
+    options.component = asked == kUsualComponent ? 0 : asked;
     return resample_series(series, series_of(*convert.lattice), options);
   }();
   write_steps(*steps, convert.output, relevant_of(convert), session);

@@ -132,7 +132,7 @@ const Table<ModelFlags>& array_settings() {
        kOfSets,
        not_with("mode", "has no effect with --mode xray, whose colours are integrals", is_xray)},
       {"--component", Form<int>{"N|magnitude", parse_component, text_of_component}, &M::component,
-       "of arrays with several (default 0)"},
+       "of arrays with several (default: the length of vectors of floating-point numbers, else 0)"},
   };
   return all;
 }

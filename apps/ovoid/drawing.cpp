@@ -43,7 +43,7 @@ std::shared_ptr<const Surface> surface_of(const Dataset& dataset, const DrawingF
   KernelModelOptions options = drawing.model.kernels;
   options.array = modelled.array;
   if (modelled.color_array != modelled.array) options.color_array = modelled.color_array;
-  options.component = drawing.model.component;
+  options.component = modelled.component;
   auto surface = make_surface(dataset, options, session.stop());
   if (surface == nullptr && drawing.surface.opacity) {
     throw Error(ErrorCode::kInvalidArgument,
@@ -67,7 +67,7 @@ Subject make_subject(const Dataset& dataset, const Flags& flags, DrawingFlags* d
     if (!flags.is_given("gradient")) drawing->options.gradient = GradientMethod::kCentral;
     subject.modelled = make_field(dataset, drawing->model, drawing->run.threads, session);
   }
-  subject.described = describe(dataset, subject.modelled, drawing->model.component);
+  subject.described = describe(dataset, subject.modelled, subject.modelled.component);
   subject.unit = unit_of(dataset, subject.modelled, Role::kOpacity);
   subject.surface = surface_of(dataset, *drawing, subject.modelled, session);
   return subject;
@@ -158,7 +158,7 @@ bool is_about_inside(const DrawingFlags& drawing) {
 
 DrawnSurface surface_to_draw(const Subject& subject, const DrawingFlags& drawing) {
   constexpr double kMuch = 0.25;
-  constexpr double kSeeThrough = 0.3;
+  constexpr double kSeeThrough = 0.4;
   const Surface* const surface = subject.surface.get();
   const SurfaceFlags& asked = drawing.surface;
   if (surface == nullptr || asked.opacity == 0) return {};

@@ -25,7 +25,8 @@ void check_format_flags(const DataFlags& data, const Dataset& dataset) {
 void take_from_model(DataFlags* data, ModelFlags* model) {
   data->array = array_to_read(*model);
   if (!data->slice.plane) return;
-  data->component = std::exchange(model->component, 0);
+  const int asked = std::exchange(model->component, kUsualComponent);
+  data->component = asked == kUsualComponent ? 0 : asked;
 }
 
 Series open_series(const DataFlags& data, const Session& session, bool prefetch) {

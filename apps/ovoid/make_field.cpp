@@ -23,14 +23,30 @@ void note_choice(const Dataset& dataset, const std::string& chosen, Session& ses
   if (count > 1) session.note(fmt::format("array '{}' of {}; choose with --array", chosen, names));
 }
 
+// Particles may be drawn without any array.
+int component_to_draw(const Dataset& dataset, const ModelFlags& model, Session& session) {
+  if (model.component != kUsualComponent) return model.component;
+  if (dataset.arrays.empty() || model.kernels.is_density) return 0;
+  const DataArray& array = dataset.array(model.array);
+  const int component = component_of(array, model.component);
+  if (component == LatticeModelOptions::kMagnitude) {
+    session.note(
+        fmt::format("array '{}' holds vectors: drawn by their length; --component N takes "
+                    "one of {} numbers",
+                    array.name, array.num_components));
+  }
+  return component;
+}
+
 Modelled make_kernels(const Dataset& dataset, const ModelFlags& model, int threads,
                       Session& session) {
   KernelModelOptions options = model.kernels;
   options.array = model.array;
-  options.component = model.component;
+  Modelled made;
+  made.component = component_to_draw(dataset, model, session);
+  options.component = made.component;
   options.reconstruction = model.reconstruction;
   options.threads = threads;
-  Modelled made;
   made.field = make_kernel_field(dataset, options, &made.kernels, session.stop());
   made.array = made.kernels.array;
   made.color_array = made.kernels.color_array;
@@ -40,6 +56,13 @@ Modelled make_kernels(const Dataset& dataset, const ModelFlags& model, int threa
 }
 
 }  // namespace
+
+int component_of(const DataArray& array, int component) {
+  if (component != kUsualComponent) return component;
+  const bool is_vector =
+      (array.num_components == 2 || array.num_components == 3) && is_floating(array.type);
+  return is_vector ? LatticeModelOptions::kMagnitude : 0;
+}
 
 std::string array_to_read(const ModelFlags& model) {
   const KernelModelOptions& set = model.kernels;
@@ -68,11 +91,12 @@ Modelled make_field(const Dataset& dataset, const ModelFlags& model, int threads
   if (dataset.kind != DatasetKind::kLattice) return make_kernels(dataset, model, threads, session);
   LatticeModelOptions options = model.lattice;
   options.array = model.array;
-  options.component = model.component;
+  Modelled made;
+  made.component = component_to_draw(dataset, model, session);
+  options.component = made.component;
   options.reconstruction = model.reconstruction.value_or(options.reconstruction);
   if (model.relevant_above) options.relevant = RelevantSamples{*model.relevant_above};
   options.threads = threads;
-  Modelled made;
   made.field = make_lattice_field(dataset, options, &made.lattice, session.stop());
   made.array = made.color_array = made.lattice.array;
   if (options.array.empty()) note_choice(dataset, made.array, session);

@@ -18,9 +18,13 @@ struct Modelled {
   Field field;
   std::string array;        // gives opacity and surfaces
   std::string color_array;  // gives colour
+  int component = 0;        // of the array: what was asked for, or the usual one
   LatticeModelReport lattice;
   KernelModelReport kernels;
 };
+
+// What a component means for an array: kUsualComponent becomes another.
+int component_of(const DataArray& array, int component);
 
 // The unit of the values that give opacity, or colour; empty if the file names none.
 enum class Role { kOpacity, kColor };

@@ -55,12 +55,15 @@ struct DataFlags {
   int component = 0;  // of hyperslices
 };
 
+// A component that nobody named: the norm of vectors, else the first.
+inline constexpr int kUsualComponent = -2;
+
 // Which array is drawn, and how it becomes a field: what all data, what lattices, and what
 // everything else takes. The members of the latter two that have the name of one before them are
 // not used.
 struct ModelFlags {
   std::string array;
-  int component = 0;  // LatticeModelOptions::kMagnitude: the norm
+  int component = kUsualComponent;  // LatticeModelOptions::kMagnitude: the norm
   std::optional<Reconstruction> reconstruction;
   std::optional<double> relevant_above;
   LatticeModelOptions lattice;

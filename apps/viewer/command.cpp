@@ -42,7 +42,10 @@ void take_array(const Document& document, cli::ModelFlags& model) {
   model.kernels.is_density = shown.is_density;
   model.array = shown.is_density ? "" : known(shown.array);
   model.kernels.color_array = shown.color_array == shown.array ? "" : known(shown.color_array);
-  model.component = shown.component;
+  // Said only where it is not what would be drawn anyway.
+  const ArrayInfo* const array = document.array_info(shown.array);
+  const int usual = array != nullptr ? array->usual_component : 0;
+  model.component = shown.component == usual ? cli::kUsualComponent : shown.component;
   if (document.label_kernel) model.lattice.kernel = *document.label_kernel;
 }
 

@@ -60,6 +60,7 @@ void array_table(Panel& panel) {
     if (radio(panel.widgets, "data.array." + array.name, array.name == choice.array)) {
       if (choice.color_array == choice.array || is_of_none) choice.color_array = array.name;
       choice.array = array.name;
+      choice.component = array.usual_component;
       choice.is_density = false;
     }
     if (has_colors) {

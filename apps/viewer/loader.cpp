@@ -121,8 +121,8 @@ std::shared_ptr<const DataInfo> info_of(const Dataset& dataset, const cli::DataF
   info->source = dataset.source;
   info->kind = dataset.kind;
   for (const DataArray& array : dataset.arrays) {
-    info->arrays.push_back(
-        {array.name, array.unit, array.num_components, array.is_cell_data, range_of(array)});
+    info->arrays.push_back({array.name, array.unit, array.num_components, array.is_cell_data,
+                            range_of(array), cli::component_of(array, cli::kUsualComponent)});
   }
   info->times = dataset.times;
   if (info->times.empty()) {
@@ -209,7 +209,7 @@ std::shared_ptr<Shown> shown_of(const Data& data, cli::DrawingFlags& drawing, do
   made->time = time;
   made->array = made->subject.modelled.array;
   made->color_array = made->subject.modelled.color_array;
-  made->component = drawing.model.component;
+  made->component = made->subject.modelled.component;
   made->is_density = drawing.model.kernels.is_density;
   return made;
 }

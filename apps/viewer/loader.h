@@ -22,7 +22,8 @@ struct ArrayInfo {
   std::string unit;
   int num_components = 1;
   bool is_cell_data = false;
-  ValueRange range;  // of the first component, or of the magnitude if there are several
+  ValueRange range;         // of the first component, or of the magnitude if there are several
+  int usual_component = 0;  // that is drawn if nobody names one
 };
 
 // What the input is, whatever of it is shown.

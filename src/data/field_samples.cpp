@@ -16,6 +16,8 @@ namespace {
 constexpr std::size_t kMostLabels = 64;
 // Neighbours that are equal: regions of labels have it, quantized fields do not.
 constexpr double kEqualsOfLabels = 0.8;
+constexpr double kJumpsOfLabels = 0.05;
+constexpr std::size_t kFewestLabels = 3;
 // In fewer samples nobody sees regions.
 constexpr std::size_t kFewestForLabels = 512;
 
@@ -122,6 +124,7 @@ FieldSamples take_samples(const BrickSource& source) try {
   FieldSamples samples;
   std::int64_t num_pairs = 0;
   std::int64_t num_equal = 0;
+  std::int64_t num_jumps = 0;
   visit_some({0, 0, 0}, geometry.dims, one_in(num_samples(geometry.dims)),
              [&](const Index3& index) {
                const float value = reader.at(index);
@@ -131,6 +134,7 @@ FieldSamples take_samples(const BrickSource& source) try {
                if (std::isnan(next)) return;
                ++num_pairs;
                if (next == value) ++num_equal;
+               if (std::abs(next - value) > 1.5F) ++num_jumps;
              });
   take_face_samples(reader, geometry.dims, samples.on_faces);
   samples.is_counted = reader.is_counted();
@@ -138,6 +142,9 @@ FieldSamples take_samples(const BrickSource& source) try {
     std::sort(list->begin(), list->end());
   samples.share_of_equals =
       num_pairs > 0 ? static_cast<double>(num_equal) / static_cast<double>(num_pairs) : 0.0;
+  samples.share_of_jumps = num_pairs > num_equal ? static_cast<double>(num_jumps) /
+                                                       static_cast<double>(num_pairs - num_equal)
+                                                 : 0.0;
   return samples;
 } catch (const std::bad_alloc&) {
   throw_out_of_memory("samples of the field", 2 * kWantedSamples * sizeof(float));
@@ -170,11 +177,11 @@ std::vector<int> few_integers(const BrickSource& source, std::size_t most) {
 
 std::vector<int> labels_of(const BrickSource& source) {
   std::vector<int> labels = few_integers(source, kMostLabels);
-  if (labels.empty()) return {};
+  if (labels.size() < kFewestLabels) return {};
   const FieldSamples samples = take_samples(source);
   const bool has_regions =
       samples.values.size() >= kFewestForLabels && samples.share_of_equals >= kEqualsOfLabels;
-  return has_regions ? labels : std::vector<int>{};
+  return has_regions && samples.share_of_jumps >= kJumpsOfLabels ? labels : std::vector<int>{};
 }
 
 }  // namespace ovoid::data

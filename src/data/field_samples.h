@@ -18,6 +18,7 @@ struct FieldSamples {
   std::vector<float> values;    // rising
   std::vector<float> on_faces;  // rising: the part of them that lies on the lattice's outer faces
   double share_of_equals = 0;   // of neighbours along x that exist: those with the same value
+  double share_of_jumps = 0;    // of the others: those that differ by more than 1
   bool is_counted = false;      // stored as whole numbers, as scanners do
 };
 
@@ -30,8 +31,10 @@ FieldSamples take_samples(const BrickSource& source);
 // there are more than `most`. Cost: one pass, which ends at the first sample that does not fit.
 std::vector<int> few_integers(const BrickSource& source, std::size_t most);
 
-// The different values of samples that look like labels: at most 64 integers as above, in regions:
-// of neighbours along x at least four of five are equal. Else empty. Cost: that of few_integers();
+// The different values of samples that look like labels: three to 64 integers as above, in regions:
+// of neighbours along x at least four of five are equal, and of the others some differ by more than
+// 1, as those of a rounded field do not. (Two are a mask, which has an inside and no order that
+// could mislead.) Else empty. Cost: that of few_integers();
 // for labels that of take_samples(), too.
 std::vector<int> labels_of(const BrickSource& source);
 

@@ -85,9 +85,26 @@ struct TakenSamples {
 struct Interpolation {
   LatticeKernel kernel;
   bool is_prefiltered;
+  bool keeps_outliers_apart = false;  // which a prefilter would spread over their axes
 };
 
-Interpolation interpolation_of(const LatticeModelOptions& options, const BrickSource& samples) {
+// A few values, or one, thousands of times as far out as all others reach.
+bool has_outliers(const BrickSource& samples, const ValueRange& range) {
+  constexpr double kFar = 1e4;
+  constexpr double kRest = 0.001;  // on either side
+  if (samples.acquire(0, 0, 0, 0.0).type != ScalarType::kFloat32) return false;
+  const std::vector<float> values = data::take_samples(samples).values;
+  if (values.empty()) return false;
+  const auto at = [&](double q) {
+    return static_cast<double>(
+        values[static_cast<std::size_t>(q * static_cast<double>(values.size() - 1))]);
+  };
+  const double rest = at(1 - kRest) - at(kRest);
+  return rest > 0 && static_cast<double>(range.hi) - range.lo > kFar * rest;
+}
+
+Interpolation interpolation_of(const LatticeModelOptions& options, const BrickSource& samples,
+                               const ValueRange& range) {
   const auto with = [&](LatticeKernel kernel) -> Interpolation {
     return {kernel, options.prefilter.value_or(kernel.kind == LatticeKernelKind::kBSpline)};
   };
@@ -96,6 +113,12 @@ Interpolation interpolation_of(const LatticeModelOptions& options, const BrickSo
   // A B-spline alone along two axes has less of its weight at its own sample than a field needs.
   const Index3& dims = samples.geometry().dims;
   if (std::find(dims.begin(), dims.end(), 1) != dims.end()) return with(kCatmullRomKernel);
+  if (!options.prefilter && samples.geometry().kind == LatticeKind::kCartesian &&
+      has_outliers(samples, range)) {
+    Interpolation local = with(kCatmullRomKernel);
+    local.keeps_outliers_apart = true;
+    return local;
+  }
   return with(kBSplineKernel);
 }
 
@@ -248,7 +271,8 @@ LatticeField make_lattice_field(const Dataset& dataset, const LatticeModelOption
     }
     const std::int64_t num_missing = lattice->num_missing();
     const ValueRange range = data::merged_range(*lattice);
-    const auto [kernel, is_prefiltered] = interpolation_of(options, *lattice);
+    const auto [kernel, is_prefiltered, keeps_outliers_apart] =
+        interpolation_of(options, *lattice, range);
     if (is_prefiltered) lattice = coefficients_of(taken, lattice, range, options, kernel);
     LatticeField field(lattice, kernel, options.reconstruction, range);
     if (report != nullptr) {
@@ -258,6 +282,12 @@ LatticeField make_lattice_field(const Dataset& dataset, const LatticeModelOption
                  lattice->resident_bytes(),
                  array.bytes.view.size(),
                  {}};
+      if (keeps_outliers_apart) {
+        report->notes.push_back(
+            fmt::format("array '{}': a few values lie thousands of times as far out as all others; "
+                        "kernel catmull-rom, lest they spread along their rows",
+                        array.name));
+      }
       if (report->num_missing > 0) {
         report->notes.push_back(note_on_missing(array, report->num_missing));
       }

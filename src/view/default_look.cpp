@@ -77,8 +77,8 @@ void set_bright_colors(Look& look, double lo, double hi) {
   TransferFunction& tf = look.transfer_function;
   tf.name = "sky to rust";
   tf.color_space = ColorSpace::kLab;
-  tf.colors = {{0.0, {0.30, 0.55, 0.93}},
-               {0.3, {0.49, 0.84, 0.92}},
+  tf.colors = {{0.0, {0.42, 0.66, 0.97}},
+               {0.3, {0.57, 0.88, 0.94}},
                {0.55, {0.98, 0.93, 0.66}},
                {0.8, {0.98, 0.62, 0.25}},
                {1.0, {0.86, 0.24, 0.16}}};
@@ -90,10 +90,10 @@ void set_glowing_colors(Look& look, double lo, double hi) {
   TransferFunction& tf = look.transfer_function;
   tf.name = "dusk to white";
   tf.color_space = ColorSpace::kLab;
-  tf.colors = {{0.0, {0.25, 0.30, 0.70}},
-               {0.3, {0.60, 0.32, 0.75}},
-               {0.55, {0.95, 0.45, 0.50}},
-               {0.8, {1.0, 0.75, 0.40}},
+  tf.colors = {{0.0, {0.38, 0.43, 0.86}},
+               {0.3, {0.70, 0.45, 0.87}},
+               {0.55, {0.98, 0.55, 0.58}},
+               {0.8, {1.0, 0.80, 0.48}},
                {1.0, {1.0, 0.98, 0.85}}};
   tf.map_range(lo, hi);
   look.shade = false;

@@ -51,11 +51,12 @@ fuzz: setup  ## fuzz the readers for SECONDS (60) each
 mutants: build  ## damage files a thousand times each, and let the program read them
 	@python3 tests/hostile/mutants.py build/release/bin/ovoid --count $(or $(COUNT),1000)
 
-bench: build  ## measure against the peers; the table goes to bench/results/
-	@scripts/setup.sh bench
-	@scripts/build.sh bench
-	@python3 bench/run.py $(BENCH)
-	@python3 bench/convergence.py
+bench: build  ## measure against the peers; the table goes to bench/results/ (BENCH=looks: first pictures, of DATA="...")
+	@if [ "$(BENCH)" = looks ]; then \
+	  python3 bench/looks.py $(DATA); \
+	else \
+	  scripts/setup.sh bench && scripts/build.sh bench && python3 bench/run.py $(BENCH) && python3 bench/convergence.py; \
+	fi
 
 experiments: setup  ## the tables and pictures of docs/numerics.md, measured again
 	@scripts/build.sh release ovoid_experiments

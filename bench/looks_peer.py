@@ -21,6 +21,7 @@ SIZE = (1024, 768)
 
 def cool_to_warm(lo, hi):
     colors = vtk.vtkColorTransferFunction()
+    colors.SetVectorModeToMagnitude()
     colors.SetColorSpaceToDiverging()
     colors.AddRGBPoint(lo, 0.231373, 0.298039, 0.752941)
     colors.AddRGBPoint(hi, 0.705882, 0.0156863, 0.14902)

@@ -62,9 +62,14 @@ def write_png(path, rows):
 def reduced(path):
     """A picture in PPM of the same size, likewise reduced."""
     with open(path, "rb") as file:
-        kind, size, _, data = file.read().split(b"\n", 3)
-    width, height = map(int, size.split())
-    assert kind == b"P6"
+        lines = [file.readline()]
+        while len(lines) < 3:
+            line = file.readline()
+            if not line.startswith(b"#"):
+                lines.append(line)
+        data = file.read()
+    assert lines[0] == b"P6\n"
+    width, height = map(int, lines[1].split())
     rows = []
     for y in range(0, height - REDUCTION + 1, REDUCTION):
         row = bytearray()

@@ -243,7 +243,8 @@ Look look_of_two(const LookFlags& flags, const Field& field, const std::string& 
     look.color_function = look_of_flag("--color-tf", flags.color_file, {}).transfer_function;
     return look;
   }
-  TransferFunction colors = ramp_look(field.color_range()).transfer_function;
+  TransferFunction colors =
+      look.color_function.value_or(ramp_look(field.color_range()).transfer_function);
   if (!flags.preset.empty())
     colors = look_preset(flags.preset, field.color_range()).transfer_function;
   if (!flags.file.empty()) {

@@ -510,7 +510,12 @@ Look look_of_kernel_values(const KernelField& field, const FieldSamples& samples
 // Where another attribute gives the colour, colours span its range.
 Look look_of_kernels(const KernelField& field) {
   Look look = look_of_kernel_values(field, view::take_samples(field));
-  if (field.has_own_color()) look.color_function = ramp_look(field.color_range()).transfer_function;
+  if (field.has_own_color()) {
+    Look colors = ramp_look(field.color_range());
+    TransferFunction& tf = colors.transfer_function;
+    set_bright_colors(colors, tf.lo(), tf.hi());
+    look.color_function = tf;
+  }
   return look;
 }
 

@@ -54,6 +54,7 @@ OUTSIDE = [
     ("GLFW, Dear ImGui and OpenGL", re.compile(r"^(GLFW/|GL/|imgui|backends/imgui)"), ("apps/viewer/",)),
     ("OpenEXR", re.compile(r"^(OpenEXR/)?(Imf|Imath|Iex)|^Imath/"), ("src/io/", "apps/", "tests/")),
     ("libpng", re.compile(r"^png\.h"), ("src/io/", "tests/")),
+    ("libjpeg", re.compile(r"^jpeglib\.h"), ("src/io/",)),
     ("Voro++", re.compile(r"^voro\+\+/"), ("src/model/",)),
     ("zlib and bzip2", re.compile(r"^(zlib|bzlib)\.h"), ("src/io/", "tests/")),
     ("nlohmann-json", re.compile(r"^nlohmann/"), ("src/io/", "apps/", "tests/", "bench/")),

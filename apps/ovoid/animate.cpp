@@ -60,7 +60,7 @@ const Table<AnimateFlags>& animate_output_settings() {
   static const Table<AnimateFlags> all = {
       {"-o,--output", word("OUT"), &AnimateFlags::output,
        "a film: .mp4, .webm or .gif, made by ffmpeg; or pictures with a number in their name: "
-       "frames_%04d.png, .exr or .npy"},
+       "frames_%04d.png, .jpg, .exr or .npy"},
   };
   return all;
 }
@@ -82,13 +82,6 @@ void add_flags(Flags& flags, AnimateFlags* animate) {
 
 // Where the frames of a film lie while it is made, and longer if that is interrupted.
 std::string folder_of_film(const std::string& film) { return film + ".frames"; }
-
-std::string picture_ending(const std::string& path) {
-  for (const char* const ending : {".png", ".exr", ".npy"}) {
-    if (has_ending(path, ending)) return ending;
-  }
-  return "";
-}
 
 // "turn/head.png" -> "turn/head_%04d.png"
 std::string with_number(const std::string& path) {
@@ -130,13 +123,14 @@ void check_output(const Flags& flags, const AnimateFlags& animate) {
   const FrameNames checked(output);
   if (picture_ending(output).empty()) {
     throw UsageError(
-        fmt::format("--output '{}': expected a name that ends in .png, .exr or .npy", output));
+        fmt::format("--output '{}': expected a name that ends in {}", output, kPictureEndings));
   }
 }
 
 void check_flags(const Flags& flags, const AnimateFlags& animate) {
   require_inputs(flags, animate.data);
   check_output(flags, animate);
+  check_background(flags, animate.drawing, animate.output);
   check_json_flags(animate.drawing);
   if (animate.data.slice.plane)
     throw UsageError("--hyperslice: is for render; convert writes it to a file, which turns");
@@ -307,7 +301,7 @@ class Animator {
     const Camera camera = camera_of(frame, scenery);
     Image image = render(frame, camera, scenery, hooks);
     if (is_empty(image)) ++num_empty_;
-    if (scenery.look.mode == Mode::kXray && has_ending(path, ".png"))
+    if (scenery.look.mode == Mode::kXray && is_for_eyes(path))
       color_integrals(image, scenery.look.transfer_function);
     session_.check_stop();
     write_picture(image, animate_.drawing, scenery.described, camera, scenery.look,
@@ -487,7 +481,7 @@ void run_animate(const Words& words, Session& session) {
     Scenery scenery = make_scenery(series, chosen, flags, &animate, session);
     Animator animator(series, animate, scenery.values, session);
     const bool is_xray = animate.drawing.look.mode == Mode::kXray;
-    if (is_xray && has_ending(names.path(0), ".png")) animator.measure_integrals(plan[0], scenery);
+    if (is_xray && is_for_eyes(names.path(0))) animator.measure_integrals(plan[0], scenery);
     draw_frames(plan, missing, scenery, names, record, settings, animator, session);
     if (animator.num_empty() > 0) {
       session.note(fmt::format("nothing shows in {} of {} frames: {}", animator.num_empty(),

@@ -11,6 +11,7 @@
 #include "ovoid/error.h"
 #include "ovoid/framing.h"
 #include "ovoid/io.h"
+#include "usage.h"
 #include "values.h"
 
 namespace ovoid::cli {
@@ -184,6 +185,26 @@ Frame draw_frame(Renderer& renderer, const FrameSubject& subject, const Camera& 
   if (drawing.plane)
     return render_with_plane(renderer, field, camera, look, *drawing.plane, options, hooks);
   return renderer.render(field, camera, look, options, hooks);
+}
+
+std::string picture_ending(const std::string& path) {
+  for (const char* const ending : {".png", ".jpg", ".jpeg", ".exr", ".npy"}) {
+    if (has_ending(path, ending)) return ending;
+  }
+  return "";
+}
+
+bool is_for_eyes(const std::string& path) {
+  const std::string ending = picture_ending(path);
+  return ending == ".png" || ending == ".jpg" || ending == ".jpeg";
+}
+
+void check_background(const Flags& flags, const DrawingFlags& drawing, const std::string& output) {
+  if (!flags.is_given("background") || drawing.background) return;
+  const std::string ending = picture_ending(output);
+  if (ending != ".jpg" && ending != ".jpeg") return;
+  throw UsageError(
+      fmt::format("--background none: '{}' is a JPEG, which cannot be transparent", output));
 }
 
 bool is_empty(const Image& image) {

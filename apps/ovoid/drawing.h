@@ -75,6 +75,14 @@ bool is_empty(const Image& image);
 // Why there may be nothing in it.
 std::string cause_of_emptiness(const Look& look, const ValueRange& range);
 
+// The ending of a picture's name; empty if it is none's.
+std::string picture_ending(const std::string& path);
+inline constexpr const char* kPictureEndings = ".png, .jpg, .exr or .npy";
+// Of pictures for people: with a background and marks, x-rays in colours.
+bool is_for_eyes(const std::string& path);
+// Throws UsageError where the picture can have no transparent background that was asked for.
+void check_background(const Flags& flags, const DrawingFlags& drawing, const std::string& output);
+
 struct PictureFile {
   std::string path;
   std::stop_token stop;  // of its writing

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "drawing.h"
 #include "profile.h"
 
 namespace ovoid::cli {
@@ -30,9 +31,7 @@ double num_pixels(const RenderOptions& options) {
 // the file's own form, before it is compressed, when the base plane is gone.
 double picture_bytes(const DryRun& run, double num_base_samples = 0) {
   constexpr double kDrawn = 20;
-  const double written = has_ending(run.output, ".png")   ? 4
-                         : has_ending(run.output, ".exr") ? 20
-                                                          : 0;
+  const double written = is_for_eyes(run.output) ? 4 : has_ending(run.output, ".exr") ? 20 : 0;
   const double num = num_pixels(run.options);
   return kDrawn * num + std::max(written * num, kDrawn * num_base_samples);
 }

@@ -52,7 +52,7 @@ const Table<RenderFlags>& state_settings() {
 const Table<RenderFlags>& output_settings() {
   static const Table<RenderFlags> all = {
       {"-o,--output", word("OUT", Content::kOfRun), &RenderFlags::output,
-       "the picture: .png, .exr or .npy"},
+       fmt::format("the picture: {}", kPictureEndings)},
   };
   return all;
 }
@@ -80,12 +80,12 @@ const Table<RenderFlags>& measure_settings() {
 void check_flags(const Flags& flags, const RenderFlags& render) {
   require_inputs(flags, render.data);
   if (render.output.empty() && !render.dry_run)
-    throw UsageError("--output: none given, expected -o OUT.png, .exr or .npy");
-  const bool is_png = render.output.empty() || has_ending(render.output, ".png");
-  if (!is_png && !has_ending(render.output, ".exr") && !has_ending(render.output, ".npy")) {
-    throw UsageError(fmt::format("--output '{}': expected a name that ends in .png, .exr or .npy",
-                                 render.output));
+    throw UsageError(fmt::format("--output: none given, expected -o OUT{}", kPictureEndings));
+  if (!render.output.empty() && picture_ending(render.output).empty()) {
+    throw UsageError(fmt::format("--output '{}': expected a name that ends in {}", render.output,
+                                 kPictureEndings));
   }
+  check_background(flags, render.drawing, render.output);
   check_json_flags(render.drawing);
   std::vector<OutputFile> outputs;
   if (!render.output.empty()) outputs.push_back({"--output", render.output, render.output});
@@ -248,7 +248,7 @@ void run_render(const Words& words, Session& session) {
   // A picture without anything in it is seldom what was meant.
   if (is_empty(image))
     session.note("nothing shows: " + cause_of_emptiness(look, field.value_range()));
-  if (look.mode == Mode::kXray && has_ending(render.output, ".png")) {
+  if (look.mode == Mode::kXray && is_for_eyes(render.output)) {
     spread_over_integrals(look.transfer_function, image, drawing.look, session);
     color_integrals(image, look.transfer_function);
   }

@@ -253,9 +253,9 @@ const Table<CropFlags>& crop_settings() {
 
 const Table<AnnotationFlags>& mark_settings() {
   using A = AnnotationFlags;
-  const Rule png = {not_with("output",
-                             "'{1}' holds the volume's own numbers, marks are drawn into .png only",
-                             is_float_picture)};
+  const Rule png = {not_with(
+      "output", "'{1}' holds the volume's own numbers, marks are drawn into .png and .jpg only",
+      is_float_picture)};
   static const Table<A> all = {
       {"--colorbar",
        {"[=TITLE]",
@@ -361,10 +361,11 @@ const Table<DrawingFlags>& picture_settings() {
           if (!drawing.background) return Json("none");
           return *drawing.background == kBackground ? Json() : Json(text_of(*drawing.background));
         }},
-       fmt::format("colour behind a PNG: a name, #rrggbb, or R,G,B, each in [0, 1]; none: "
+       fmt::format("colour behind a PNG or JPEG: a name, #rrggbb, or R,G,B, each in [0, 1]; none: "
                    "transparent (default {})",
                    text_of(kBackground)),
-       not_with("output", "'{1}' holds no background, only .png does", is_float_picture, is_color)},
+       not_with("output", "'{1}' holds no background, only .png and .jpg do", is_float_picture,
+                is_color)},
   };
   return all;
 }

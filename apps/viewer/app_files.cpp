@@ -199,14 +199,14 @@ void App::save_the_picture(const std::string& path) {
   const Scene& scene = *picture->scene;
   Image image = picture->image;
   Look look = scene.look;
-  const bool is_png = cli::has_ending(path, ".png");
-  if (look.mode == Mode::kXray && is_png) {
+  const bool is_for_eyes = cli::is_for_eyes(path);
+  if (look.mode == Mode::kXray && is_for_eyes) {
     look.transfer_function = spread_over_integrals(look.transfer_function, picture->xray_range);
     cli::color_integrals(image, look.transfer_function);
   }
   cli::DrawingFlags drawing;
   drawing.background = document_.view.background;
-  if (is_png) drawing.annotation = document_.view.marks;
+  if (is_for_eyes) drawing.annotation = document_.view.marks;
   cli::Described described = scene.shown->subject.described;
   RenderOptions ignored;
   described.box = cli::apply_crop(crop_of(document_), scene.shown->field(), &ignored);

@@ -105,9 +105,10 @@ void write_dataset(const Dataset& dataset, const std::string& path,
 // follow the name; empty if nothing is lost. Throws Error(kUnsupported).
 std::string lost_place(const Dataset& dataset, const std::string& path);
 
-// Writes a picture: .png (8 bit, straight alpha; x-ray pictures must be mapped first), .exr (float,
-// premultiplied, with depth channel Z), .npy (float32 [height, width, 4], premultiplied). Throws
-// Error(kFileWrite, kUnsupported, kInvalidArgument, kCancelled).
+// Writes a picture: .png (8 bit, straight alpha; x-ray pictures must be mapped first), .jpg or
+// .jpeg (8 bit, on the background, or else on black), .exr (float, premultiplied, with depth
+// channel Z), .npy (float32 [height, width, 4], premultiplied). Throws Error(kFileWrite,
+// kUnsupported, kInvalidArgument, kCancelled).
 void write_image(const Image& image, const std::string& path,
                  const std::optional<Rgb>& background = {}, const WriteOptions& options = {});
 

@@ -279,7 +279,7 @@ TEST(Animate, BadCommandLinesAreToldAtOnce) {
   };
   expect_usage(folder / "f.png", {}, {"f.png", "f_%04d.png"});
   expect_usage(folder / "f.jpg", {}, {"f.jpg"});
-  expect_usage(folder / "f_%d.jpg", {}, {"f_%d.jpg", ".png, .exr or .npy"});
+  expect_usage(folder / "f_%d.bmp", {}, {"f_%d.bmp", ".png, .jpg, .exr or .npy"});
   expect_usage(folder / "f_%d_%d.png", {}, {"exactly one number"});
   expect_usage(folder / "f_%s.png", {}, {"exactly one number"});
   expect_usage(folder / "f_%5d.png", {}, {"exactly one number"});

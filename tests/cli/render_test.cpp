@@ -94,6 +94,16 @@ TEST_F(Render, BackgroundMakesAPngOpaqueAndNoneDoesNot) {
   EXPECT_EQ(png({"--background", "#fff"}), white);
 }
 
+TEST_F(Render, JpegHasABackgroundAlways) {
+  const std::string path = folder_ / "x.jpg";
+  expect_success({"render", ball_, "-o", path, "--size", "40x30"});
+  const std::string dark = read_file(path);
+  expect_success({"render", ball_, "-o", path, "--size", "40x30", "--background", "white"});
+  EXPECT_NE(read_file(path), dark);
+  expect_failure({"render", ball_, "-o", folder_ / "y.jpg", "--background", "none"}, 2,
+                 {"--background none", "y.jpg"});
+}
+
 TEST_F(Render, TheReferenceBackEndAgrees) {
   // A loose bound, of 8-bit steps: the exact ones are held by the agreement tests; this one fails
   // if --backend draws something else.

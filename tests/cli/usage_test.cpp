@@ -165,8 +165,8 @@ TEST(Usage, OutputsAreCheckedBeforeAnythingIsRead) {
   const std::string ball = write_ball(folder);
   const std::string missing = folder / "missing.nrrd";
   expect_failure({"render", missing}, 2, {"--output", "none given"});
-  expect_failure({"render", missing, "-o", folder / "out.jpg"}, 2,
-                 {"out.jpg", ".png, .exr or .npy"});
+  expect_failure({"render", missing, "-o", folder / "out.bmp"}, 2,
+                 {"out.bmp", ".png, .jpg, .exr or .npy"});
   expect_failure({"render", missing, "-o", folder / "out"}, 2, {"/out'", ".png"});
   expect_failure({"render", "-o", folder / "out.png"}, 2, {"INPUT", "none given"});
   expect_failure({"render", missing, "-o", folder / "no/out.png"}, 1,

@@ -16,6 +16,10 @@ namespace ovoid::io {
 void write_png(std::span<const std::uint8_t> rgba8, int width, int height, const std::string& path,
                const std::stop_token& stop = {});
 
+// 8-bit RGB of high quality, colour as fine as brightness; alpha is passed over.
+void write_jpeg(std::span<const std::uint8_t> rgba8, int width, int height, const std::string& path,
+                const std::stop_token& stop = {});
+
 // 32-bit float channels R, G, B, A (premultiplied) and Z (depth), ZIP-compressed scan lines.
 void write_exr(const Image& image, const std::string& path, const std::stop_token& stop = {});
 

@@ -16,17 +16,18 @@
 namespace ovoid {
 namespace {
 
-enum class ImageFormat { kPng, kExr, kNpy };
+enum class ImageFormat { kPng, kJpeg, kExr, kNpy };
 
 ImageFormat image_format_of(const std::string& path) {
   const std::string ending = io::ending_of(path);
   if (ending == ".png") return ImageFormat::kPng;
+  if (ending == ".jpg" || ending == ".jpeg") return ImageFormat::kJpeg;
   if (ending == ".exr") return ImageFormat::kExr;
   if (ending == ".npy") return ImageFormat::kNpy;
   throw Error(
       ErrorCode::kUnsupported,
-      fmt::format("{}: the ending '{}' names no picture format: expected .png, .exr or .npy", path,
-                  ending));
+      fmt::format("{}: the ending '{}' names no picture format: expected .png, .jpg, .exr or .npy",
+                  path, ending));
 }
 
 void check_image(const Image& image) {
@@ -72,6 +73,9 @@ void write_image(const Image& image, const std::string& path, const std::optiona
     case ImageFormat::kPng:
       return io::write_png(to_rgba8(image, background), image.width, image.height, path,
                            options.stop);
+    case ImageFormat::kJpeg:
+      return io::write_jpeg(to_rgba8(image, background.value_or(Rgb{0, 0, 0})), image.width,
+                            image.height, path, options.stop);
     case ImageFormat::kExr:
       return io::write_exr(image, path, options.stop);
     case ImageFormat::kNpy:

@@ -44,6 +44,27 @@ TEST(WriteImage, PngReadsBackAsStraightAlpha) {
   EXPECT_NE(folder.read("a.png").find("sRGB"), std::string::npos);
 }
 
+// A header that says so, the size, and after decoding (its mean colour by size alone) a picture on
+// its background.
+TEST(WriteImage, JpegIsOneOnItsBackground) {
+  const TestFolder folder;
+  Image image;
+  image.width = 40;
+  image.height = 24;
+  image.rgba.assign(4UL * 40 * 24, 0.0F);
+  image.depth.assign(40UL * 24, 1.0F);
+  write_image(image, folder.file("a.jpg"), Rgb{1, 0.5, 0});
+  write_image(image, folder.file("b.jpeg"), Rgb{1, 0.5, 0});
+  write_image(image, folder.file("c.jpg"));
+  const std::string bytes = folder.read("a.jpg");
+  EXPECT_EQ(bytes.substr(0, 3), "\xff\xd8\xff");
+  EXPECT_EQ(bytes.substr(bytes.size() - 2), "\xff\xd9");
+  EXPECT_NE(bytes.find(std::string("\xff\xc0\x00\x11\x08\x00\x18\x00\x28\x03", 10)),
+            std::string::npos);  // 24 rows of 40, three components
+  EXPECT_EQ(folder.read("b.jpeg"), bytes);
+  EXPECT_NE(folder.read("c.jpg"), bytes);
+}
+
 TEST(WriteImage, ExrKeepsFloatsAndDepth) {
   const TestFolder folder;
   const Image image = small_image();
@@ -99,9 +120,9 @@ TEST(WriteImage, Errors) {
   const auto error = [&](const std::string& path) {
     return error_of([&] { write_image(image, path); });
   };
-  EXPECT_EQ(
-      error("a.jpg"),
-      "unsupported: a.jpg: the ending '.jpg' names no picture format: expected .png, .exr or .npy");
+  EXPECT_EQ(error("a.bmp"),
+            "unsupported: a.bmp: the ending '.bmp' names no picture format: expected .png, .jpg, "
+            ".exr or .npy");
   for (const char* name : {"no/a.png", "no/a.exr", "no/a.npy"})
     EXPECT_EQ(error(folder.file(name)).substr(0, 11), "file-write:") << name;
   EXPECT_EQ(error_of([&] { check_image_path(folder.file("no/a.png")); }).substr(0, 11),

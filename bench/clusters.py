@@ -19,7 +19,7 @@ import time
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
 OVOID = os.path.join(ROOT, "build", "release", "bin", "ovoid")
-SIZE = ["--size", "512x512"]
+SIZE = ["--size", "512x512", "--view", "+z", "--fit", "box"]
 
 
 def direction(rng):

@@ -31,6 +31,10 @@ FILES = ["bonsai/bonsai.nii.gz", "engine/engine.nii.gz", "fuel/fuel.nii.gz", "he
 PLACE = 0.35  # of the range: where opaque and thin looks lie
 WINDOW, STRIDE = 8, 4  # pixels, of SSIM
 
+# The whole box from +z, whatever shows, and the volume of meshes: what the table is about.
+SEEN = ["--view", "+z", "--fit", "box", "--light", "headlight"]
+MESHES = (".vtu", ".ex2", ".e", "ugrid.vtk", ".bin")
+
 
 def colors_of(path):
     """Premultiplied, so over black."""
@@ -67,11 +71,12 @@ class Subject:
 
     def __init__(self, path, look, size, folder):
         self.path, self.look, self.size, self.folder = path, look, size, folder
+        self.seen = [*SEEN, "--surface=0"] if path.endswith(MESHES) else SEEN
 
     def draw(self, flags, turn=0.0, frames=1):
         """The picture, and the median frame in ms."""
         picture, profile = os.path.join(self.folder, "picture.npy"), os.path.join(self.folder, "profile.json")
-        subprocess.run([OVOID, "render", *self.path.split("+"), "--sheets", "image", "--size", f"{self.size}x{self.size}", "--azimuth", str(30 + turn), "--elevation", "20", *self.look,
+        subprocess.run([OVOID, "render", *self.path.split("+"), "--sheets", "image", "--size", f"{self.size}x{self.size}", *self.seen, "--azimuth", str(30 + turn), "--elevation", "20", *self.look,
                         *flags, "--backend", "cpu", "--repeat", str(frames), f"--profile={profile}", "-o", picture], check=True, stderr=subprocess.DEVNULL)
         with open(profile, encoding="utf-8") as file:
             return colors_of(picture), json.load(file)["frame_ms"]["median"]

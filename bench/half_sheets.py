@@ -30,7 +30,7 @@ def main():
             pictures = []
             for precision in ("fp32", "fp16"):
                 pictures.append(os.path.join(folder, precision + ".npy"))
-                run(PROGRAM, "render", path, "-o", pictures[-1], "--size", "256x256", "--backend", "vulkan", "--post-convolution", "off",
+                run(PROGRAM, "render", path, "--view", "+z", "--fit", "box", "-o", pictures[-1], "--size", "256x256", "--backend", "vulkan", "--post-convolution", "off",
                     "--no-shade", "--sheet-precision", precision)
             print(f"| {name} | {run(sys.executable, COMPARE, *pictures).strip()} |", flush=True)
 

@@ -19,7 +19,7 @@ OVOID = os.path.join(ROOT, "build", "release", "bin", "ovoid")
 
 def picture_of(folder, path, slab, distance, unit):
     picture, profile = os.path.join(folder, "picture.npy"), os.path.join(folder, "profile.json")
-    subprocess.run([OVOID, "render", path, "--slab", slab, "--sampling-distance", str(distance), "--unit-distance", str(unit), "--size",
+    subprocess.run([OVOID, "render", path, "--view", "+z", "--fit", "box", "--slab", slab, "--sampling-distance", str(distance), "--unit-distance", str(unit), "--size",
                     "256x256", "--repeat", "3", f"--profile={profile}", "-o", picture], check=True, stderr=subprocess.DEVNULL)
     with open(picture, "rb") as file:
         data = file.read()

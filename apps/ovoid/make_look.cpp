@@ -79,32 +79,6 @@ void make_opaque(TransferFunction& tf) {
   for (OpacityPoint& point : tf.opacities) point.opacity /= greatest;
 }
 
-// A preset in Hounsfield units, put where the data have them; a note says so where it had to move.
-void place_hounsfield_units(TransferFunction& tf, const LookFlags& flags, const Field& field,
-                            const std::string& unit, Session& session) {
-  constexpr double kAir = -1000;
-  constexpr double kBone = 1200;
-  const auto water = value_of_water(field, unit);
-  if (water == 0.0) return;
-  if (water) {
-    session.note(
-        fmt::format("--preset {}: the values look like a scanner's own numbers, {:g} above "
-                    "Hounsfield units; --range moves it",
-                    flags.preset, *water));
-    tf.map_range(tf.lo() + *water, tf.hi() + *water);
-    return;
-  }
-  const auto ends = air_and_bone(field);
-  if (!ends) return;
-  const auto [air, bone] = *ends;
-  session.note(
-      fmt::format("--preset {}: the values do not look like Hounsfield units: its air is "
-                  "put at {:g}, its dense bone at {:g}; --range or --shift moves it",
-                  flags.preset, air, bone));
-  const double scale = (bone - air) / (kBone - kAir);
-  tf.map_range(air + (tf.lo() - kAir) * scale, air + (tf.hi() - kAir) * scale);
-}
-
 // The look that the other flags change.
 Look base_look(const LookFlags& flags, const Field& field, const std::string& unit,
                Session& session) {
@@ -114,8 +88,10 @@ Look base_look(const LookFlags& flags, const Field& field, const std::string& un
     make_opaque(look.transfer_function);
   if (!flags.preset.empty()) {
     look = look_preset(flags.preset, range);
-    if (flags.preset.starts_with("ct-") && !flags.range)
-      place_hounsfield_units(look.transfer_function, flags, field, unit, session);
+    const std::string note =
+        flags.range ? "" : place_hounsfield_units(look.transfer_function, field, unit);
+    if (!note.empty())
+      session.note(fmt::format("--preset {}: {}; --range or --shift moves it", flags.preset, note));
   }
   if (!flags.file.empty()) {
     Look file = look_of_flag("--tf", flags.file, flags.file_name);
@@ -284,6 +260,29 @@ std::pair<double, double> logarithmic_range(double lo, double hi, Session& sessi
   session.note(fmt::format("--log: colours span {:g} to {:g}, three decades; --range sets others",
                            hi * kDecades, hi));
   return {hi * kDecades, hi};
+}
+
+std::string place_hounsfield_units(TransferFunction& tf, const Field& field,
+                                   const std::string& unit) {
+  constexpr double kAir = -1000;
+  constexpr double kBone = 1200;
+  if (!tf.name.starts_with("ct-")) return "";
+  const auto water = value_of_water(field, unit);
+  if (water == 0.0) return "";
+  if (water) {
+    tf.map_range(tf.lo() + *water, tf.hi() + *water);
+    return fmt::format("the values look like a scanner's own numbers, {:g} above Hounsfield units",
+                       *water);
+  }
+  const auto ends = air_and_bone(field);
+  if (!ends) return "";
+  const auto [air, bone] = *ends;
+  const double scale = (bone - air) / (kBone - kAir);
+  tf.map_range(air + (tf.lo() - kAir) * scale, air + (tf.hi() - kAir) * scale);
+  return fmt::format(
+      "the values do not look like Hounsfield units: its air is put at {:g}, its "
+      "dense bone at {:g}",
+      air, bone);
 }
 
 Look look_of_flag(const char* flag, const std::string& value, const std::string& name) {

@@ -16,6 +16,11 @@ namespace ovoid::cli {
 Look make_look(const LookFlags& flags, const Field& field, const std::string& unit,
                Session& session);
 
+// Moves a preset that is in Hounsfield units to where the data have them, or have air and bone; the
+// others stay. Returns what it had to assume, in words; empty: nothing.
+std::string place_hounsfield_units(TransferFunction& tf, const Field& field,
+                                   const std::string& unit);
+
 // Whether default_look() makes the look, or a part of it.
 bool uses_default_look(const LookFlags& flags);
 

@@ -135,6 +135,7 @@ void App::read_look_file(const std::string& path) {
     look.transfer_function = read.transfer_function;
     look.shade = read.shade;
     look.material = read.material;
+    look.flat_rise = read.flat_rise;
     look.unit_distance = read.unit_distance;
     panel_state_.opacity = panel_state_.gradient = panel_state_.colors = {};
     document_.touch();

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "make_look.h"
 #include "ovoid/error.h"
 #include "panels.h"
 
@@ -276,11 +277,17 @@ bool presets(Panel& panel) {
   if (!panel.widgets.choice("look.preset", "preset", options, &chosen)) return false;
   const Field& field = document.shown->field();
   Look& look = document.view.look;
-  const auto colors = look.color_function;
-  look = chosen == 0
-             ? default_look(field, document.shown->subject.unit)
-             : look_preset(names[static_cast<std::size_t>(chosen - 1)], field.value_range());
-  look.color_function = colors;
+  const Look before = look;
+  const std::string& unit = document.shown->subject.unit;
+  if (chosen == 0) {
+    look = default_look(field, unit);
+  } else {
+    look = look_preset(names[static_cast<std::size_t>(chosen - 1)], field.value_range());
+    cli::place_hounsfield_units(look.transfer_function, field, unit);
+  }
+  look.color_function = before.color_function;
+  look.light = before.light;
+  look.light_direction = before.light_direction;
   panel.state.opacity = panel.state.gradient = panel.state.colors = {};
   return true;
 }

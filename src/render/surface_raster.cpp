@@ -6,6 +6,9 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <tuple>
+
+#include "view/visible_points.h"
 
 namespace ovoid {
 namespace {
@@ -225,13 +228,7 @@ void SurfaceRaster::rasterize(const Part& part, int tile, bool is_opaque, TileWo
           for (std::size_t s = 0; s < 3; ++s) fragment.shares[s] += share * part.shares[own][s];
         }
       }
-      if (!clip_planes_.empty()) {
-        const Vec3 place = place_of(fragment);
-        const bool is_kept = std::all_of(
-            clip_planes_.begin(), clip_planes_.end(),
-            [&](const ClipPlane& plane) { return plane.normal.dot(place) >= plane.offset; });
-        if (!is_kept) continue;
-      }
+      if (!clip_planes_.empty() && !view::is_kept(place_of(fragment), clip_planes_)) continue;
       if (is_opaque) {
         auto& nearest = work.nearest[entry.pixel];
         for (std::size_t p = 0; p < kPlaces; ++p) {

@@ -110,7 +110,8 @@ TEST(MeshSurface, ColorArraysGiveTheColour) {
   KernelModelOptions options;
   options.array = "v";
   options.color_array = "w";
-  for (const Surface::Triangle& triangle : make_surface(grid, options)->triangles)
+  const auto surface = make_surface(grid, options);
+  for (const Surface::Triangle& triangle : surface->triangles)
     for (const float value : triangle.values) EXPECT_EQ(value, 3.0F);
 }
 

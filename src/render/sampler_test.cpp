@@ -24,7 +24,10 @@ float value_at(const DataArray& array, std::int64_t index) {
 }
 
 TEST(FieldSampler, AConstantLatticeIsConstantWithWeightOne) {
-  const FieldSampler sampler(make_lattice_field(make_sample("constant", {.size = {8, 8, 8}})));
+  LatticeModelOptions model;
+  model.kernel = LatticeKernel{};
+  const FieldSampler sampler(
+      make_lattice_field(make_sample("constant", {.size = {8, 8, 8}}), model));
   const FieldSample at = sampler.at({0.1, 0.2, -0.3});
   EXPECT_TRUE(at.is_defined);
   EXPECT_NEAR(at.value, 1, 1e-12);

@@ -76,7 +76,8 @@ SurfaceRaster::SurfaceRaster(const Surface& surface, const Camera& camera,
     if (x1 < 0 || y1 < 0 || x0 > width_ || y0 > height_) return;
     for (int y = tile_at(y0, tiles_down_); y <= tile_at(y1, tiles_down_); ++y) {
       for (int x = tile_at(x0, tiles_across_); x <= tile_at(x1, tiles_across_); ++x)
-        visit(static_cast<std::size_t>(y * tiles_across_ + x));
+        visit(static_cast<std::size_t>(y) * static_cast<std::size_t>(tiles_across_) +
+              static_cast<std::size_t>(x));
     }
   };
   first_of_tile_.assign(static_cast<std::size_t>(num_tiles()) + 1, 0);

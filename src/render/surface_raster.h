@@ -42,7 +42,7 @@ class SurfaceRaster {
     std::vector<SurfaceFragment> fragments;
     std::array<std::uint32_t, kTile * kTile + 1> first{};  // of pixel y * kTile + x
     std::span<const SurfaceFragment> of_pixel(int x, int y) const {
-      const auto at = static_cast<std::size_t>(y * kTile + x);
+      const auto at = static_cast<std::size_t>(y) * kTile + static_cast<std::size_t>(x);
       return {fragments.data() + first[at], fragments.data() + first[at + 1]};
     }
   };

@@ -73,7 +73,7 @@ class Silhouette {
     const auto y = static_cast<int>((region.up - lo_[1]) / cell_);
     const bool is_in_sight = x >= first_[0] && x <= last_[0] && y >= first_[1] && y <= last_[1];
     if (optical_depth(region) < kFaintestRegion * most_) return false;
-    return is_in_sight && cells_[static_cast<std::size_t>(y * kRaster + x)] > 0;
+    return is_in_sight && cells_[cell_at(x, y)] > 0;
   }
 
  private:
@@ -95,6 +95,10 @@ class Silhouette {
     return {clamped(at - wide), clamped(at + wide), at - wide, at + wide};
   }
 
+  static std::size_t cell_at(int x, int y) {
+    return static_cast<std::size_t>(y) * kRaster + static_cast<std::size_t>(x);
+  }
+
   static double optical_depth(const Region& region) {
     return region.absorption / (4.0 * region.half_width * region.half_height);
   }
@@ -105,8 +109,7 @@ class Silhouette {
     const double depth = region.absorption / ((x.hi - x.lo) * (y.hi - y.lo) * cell_ * cell_);
     for (int row = y.first; row <= y.last; ++row) {
       for (int column = x.first; column <= x.last; ++column) {
-        cells_[static_cast<std::size_t>(row * kRaster + column)] +=
-            static_cast<float>(depth * x.share(column) * y.share(row));
+        cells_[cell_at(column, row)] += static_cast<float>(depth * x.share(column) * y.share(row));
       }
     }
   }
@@ -117,7 +120,7 @@ class Silhouette {
     double total = 0;
     for (int y = 0; y < kRaster; ++y) {
       for (int x = 0; x < kRaster; ++x) {
-        const double opacity = cells_[static_cast<std::size_t>(y * kRaster + x)];
+        const double opacity = cells_[cell_at(x, y)];
         sums[0][static_cast<std::size_t>(x)] += opacity;
         sums[1][static_cast<std::size_t>(y)] += opacity;
         total += opacity;
@@ -316,7 +319,8 @@ Camera framed(Camera camera, const Surface& surface, const Framing& framing) {
     if (view::is_kept(place, framing.clip_planes)) list.add({place, 1, speck});
   }
   const std::vector<Region> regions = list.take();
-  return regions.empty() ? camera : fitted(camera, regions, framing, axes, middle);
+  if (regions.empty()) return camera;
+  return fitted(std::move(camera), regions, framing, axes, middle);
 }
 
 }  // namespace ovoid

@@ -35,12 +35,12 @@ struct Framing {
 };
 
 // The camera, moved but not turned, so that what the look shows of the field fills the picture.
-// What is as faint as a twentieth of the most opaque is passed over, and so are specks: the
-// outermost thousandth of what shows. The focal point is in the middle of what shows;
+// What is as faint as a twentieth of the most opaque is passed over, and so are specks: a
+// thousandth of what shows, at each border. The focal point is in the middle of what shows;
 // `parallel_scale` is set for both projections. If nothing shows, the camera as it is. The same on
-// all machines: found by adding up the opacity of about a million samples, no picture is drawn.
-// Cost: some ten milliseconds. Throws Error(kInvalidArgument) for an invalid camera or framing, and
-// what the field's source throws.
+// all machines: found by adding up the opacity of some hundred thousand samples, no picture is
+// drawn. Cost: some ten milliseconds. Throws Error(kInvalidArgument) for an invalid camera or
+// framing, and what the field's source throws.
 Camera framed(Camera camera, const Field& field, const Look& look, const Framing& framing = {});
 
 // As framed() of a field, for all of the surface that is not cut away.

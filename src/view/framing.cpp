@@ -37,24 +37,30 @@ struct Region {
   float absorption;
 };
 
-struct Frame2 {
-  double lo[2] = {kUnbounded, kUnbounded};
-  double hi[2] = {-kUnbounded, -kUnbounded};
+// An interval of one coordinate.
+struct Extent {
+  double lo = kUnbounded;
+  double hi = -kUnbounded;
+  void take(double x, double half = 0) {
+    lo = std::min(lo, x - half);
+    hi = std::max(hi, x + half);
+  }
+  double middle() const { return 0.5 * (lo + hi); }
+  double half() const { return 0.5 * (hi - lo); }
 };
 
 // Rows are along `up`.
 class Silhouette {
  public:
   explicit Silhouette(const std::vector<Region>& regions) {
-    Frame2 box;
+    Extent across;
+    Extent along;
     for (const Region& region : regions) {
-      box.lo[0] = std::min<double>(box.lo[0], region.right - region.half_width);
-      box.hi[0] = std::max<double>(box.hi[0], region.right + region.half_width);
-      box.lo[1] = std::min<double>(box.lo[1], region.up - region.half_height);
-      box.hi[1] = std::max<double>(box.hi[1], region.up + region.half_height);
+      across.take(region.right, region.half_width);
+      along.take(region.up, region.half_height);
     }
-    lo_ = {box.lo[0], box.lo[1]};
-    cell_ = std::max(box.hi[0] - box.lo[0], box.hi[1] - box.lo[1]) / kRaster;
+    lo_ = {across.lo, along.lo};
+    cell_ = 2 * std::max(across.half(), along.half()) / kRaster;
     for (const Region& region : regions) {
       add(region);
       most_ = std::max(most_, optical_depth(region));
@@ -176,18 +182,6 @@ class RegionList {
   const CameraAxes axes_;
   const Vec3 middle_;
   std::vector<Region> regions_;
-};
-
-// An interval of one coordinate.
-struct Extent {
-  double lo = kUnbounded;
-  double hi = -kUnbounded;
-  void take(double x, double half = 0) {
-    lo = std::min(lo, x - half);
-    hi = std::max(hi, x + half);
-  }
-  double middle() const { return 0.5 * (lo + hi); }
-  double half() const { return 0.5 * (hi - lo); }
 };
 
 // Everything that shows, as a box along the camera's axes.

@@ -32,7 +32,8 @@ PLACE = 0.35  # of the range: where opaque and thin looks lie
 WINDOW, STRIDE = 8, 4  # pixels, of SSIM
 
 # The whole box from +z, whatever shows, and the volume of meshes: what the table is about.
-SEEN = ["--view", "+z", "--fit", "box", "--light", "headlight"]
+SEEN = ["--view", "+z", "--fit", "box", "--light", "headlight",
+        "--occlusion", "0"]
 MESHES = (".vtu", ".ex2", ".e", "ugrid.vtk", ".bin")
 
 

@@ -105,7 +105,7 @@ def mesh_table(folder, mesh, frames, skips_slowest):
     unit = str(field["default_unit_distance"])
     print(f"{described['cells']['count']} cells, {field['num_kernels']} kernels, {PIXELS} x {PIXELS}\n")
     print("| program | shaded | ready to draw after, ms | frame, ms (least) |\n|---|---|---|---|")
-    own = profile_of(folder, mesh, "--tf", look, "--light", "headlight", "--camera", camera, "--size", f"{PIXELS}x{PIXELS}", "--unit-distance", unit,
+    own = profile_of(folder, mesh, "--tf", look, "--light", "headlight", "--occlusion", "0", "--camera", camera, "--size", f"{PIXELS}x{PIXELS}", "--unit-distance", unit,
                      "--repeat", str(frames))
     print(f"| ovoid | yes | {own['load_ms'] + own['model_ms']:.0f} | {own['frame_ms']['median']:.0f} ({own['frame_ms']['min']:.0f}) |")
     peers = {}

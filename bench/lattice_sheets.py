@@ -64,7 +64,8 @@ def looks_of(description):
 class Subject:
     def __init__(self, path, look, options, folder):
         self.words = [OVOID, "render", path, *look, "--backend", "cpu", "--projection", options.projection, "--view", "+z", "--fit",
-                      "box", "--light", "headlight"]
+                      "box", "--light", "headlight",
+        "--occlusion", "0"]
         self.size, self.folder = options.size, folder
 
     def draw(self, view, *flags, times=1):

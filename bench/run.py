@@ -83,7 +83,7 @@ class Scene:
     def run_ovoid(self, frames):
         profile = os.path.join(WORK, "profile.json")
         as_peers = [] if self.row["refined"] else ["--sampling-distance", str(self.sampling_distance), "--classification", "sampled"]
-        subprocess.run([OVOID, "render", self.volume, "--tf", self.look, "--light", "headlight", "--camera", self.camera,
+        subprocess.run([OVOID, "render", self.volume, "--tf", self.look, "--light", "headlight", "--occlusion", "0", "--camera", self.camera,
                         "--size", f"{self.pixels}x{self.pixels}", *as_peers, "--unit-distance", str(self.sampling_distance), "--threads",
                         str(self.row["threads"]), *self.row["flags"], "--repeat", str(frames), f"--profile={profile}",
                         "-o", self.picture("ovoid", "npy")], check=True)

@@ -17,7 +17,9 @@ namespace {
 
 bool is_lit(Mode mode) { return mode == Mode::kComposite || mode == Mode::kIsosurface; }
 
-bool has_own_span(const LookFlags& flags) { return !flags.file.empty() || !flags.preset.empty(); }
+bool has_own_span(const LookFlags& flags) {
+  return !flags.file.empty() || (!flags.preset.empty() && flags.preset != kCinematicPreset);
+}
 
 ValueScale scale_of(const LookFlags& flags, const TransferFunction& tf) {
   if (flags.is_log) return ValueScale::kLog;
@@ -86,13 +88,17 @@ Look base_look(const LookFlags& flags, const Field& field, const std::string& un
   Look look = uses_default_look(flags) ? default_look(field, unit) : ramp_look(range);
   if (flags.mode == Mode::kMaximum || flags.mode == Mode::kMean)
     make_opaque(look.transfer_function);
-  if (!flags.preset.empty()) {
+  if (flags.preset == kCinematicPreset) {
+    add_cinematic_light(look);
+    look.transfer_function.name = flags.preset;
+  } else if (!flags.preset.empty()) {
     look = look_preset(flags.preset, range);
     const std::string note =
         flags.range ? "" : place_hounsfield_units(look.transfer_function, field, unit);
     if (!note.empty())
       session.note(fmt::format("--preset {}: {}; --range or --shift moves it", flags.preset, note));
   }
+  if (flags.preset != kCinematicPreset) look.occlusion = kUsualOcclusion;
   if (!flags.file.empty()) {
     Look file = look_of_flag("--tf", flags.file, flags.file_name);
     complete(file.transfer_function, look.transfer_function, flags, session);
@@ -160,10 +166,17 @@ void take_flag_light(Look& look, const LookFlags& flags, Session& session) {
   look.light = flags.light;
   look.light_direction = flags.light_direction;
   look.flat_rise = flags.flat_rise.value_or(look.flat_rise);
+  look.occlusion = flags.occlusion.value_or(look.occlusion);
+  if (flags.scattering_blending) look.shadows = *flags.scattering_blending / 2;
+  look.shadows = flags.shadows.value_or(look.shadows);
+  look.scatter = flags.scatter.value_or(look.scatter);
   const bool has_light = flags.ambient || flags.diffuse || flags.specular || flags.specular_power ||
-                         flags.light != Light::kStudio || flags.light_direction || flags.flat_rise;
+                         flags.light != Light::kStudio || flags.light_direction ||
+                         flags.flat_rise || flags.occlusion || flags.shadows ||
+                         flags.scattering_blending || flags.scatter;
   if (has_light && !look.shade && is_lit(flags.mode)) {
-    session.note(source_of_flag("--tf", flags.file) +
+    session.note((flags.file.empty() ? std::string("the default look of clouds")
+                                     : source_of_flag("--tf", flags.file)) +
                  ": is not lit, so that light and material show nothing; --shade");
   }
 }
@@ -221,7 +234,7 @@ Look look_of_two(const LookFlags& flags, const Field& field, const std::string& 
   }
   TransferFunction colors =
       look.color_function.value_or(ramp_look(field.color_range()).transfer_function);
-  if (!flags.preset.empty())
+  if (has_own_span(flags) && flags.file.empty())
     colors = look_preset(flags.preset, field.color_range()).transfer_function;
   if (!flags.file.empty()) {
     TransferFunction file = look_of_flag("--tf", flags.file, flags.file_name).transfer_function;

@@ -21,6 +21,9 @@ Look make_look(const LookFlags& flags, const Field& field, const std::string& un
 std::string place_hounsfield_units(TransferFunction& tf, const Field& field,
                                    const std::string& unit);
 
+// Of a look that says nothing of it: what is seen at once, and costs little (docs/performance.md).
+inline constexpr double kUsualOcclusion = 0.4;
+
 // Whether default_look() makes the look, or a part of it.
 bool uses_default_look(const LookFlags& flags);
 

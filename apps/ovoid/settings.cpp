@@ -101,6 +101,7 @@ Rule needs_values_above_0(Test test, std::vector<std::string> unless = {}) {
 }
 
 const Interval kNotNegative = {.lo = 0};
+const Interval kShare = {.lo = 0, .hi = 1};
 
 }  // namespace
 
@@ -204,11 +205,24 @@ const Table<LookFlags>& light_settings() {
        "one towards X,Y,Z (world), or that as the key",
        lit,
        by_flag},
-      {"--flat", number("SHARE", {.lo = 0, .hi = 1}), &L::flat_rise,
+      {"--flat", number("SHARE", kShare), &L::flat_rise,
        "a field that rises by less than this share of the colours' span over a spacing is lit "
        "evenly: "
        "its normals are noise (default: the look's)",
        lit, by_flag},
+      {"--occlusion", number("SHARE", kShare), &L::occlusion,
+       fmt::format("how dark it gets where much lies around (default {:g}, or the look's)",
+                   kUsualOcclusion),
+       lit, by_flag},
+      {"--shadows", number("SHARE", kShare), &L::shadows,
+       "how dark it gets behind what the key light, or one towards X,Y,Z, must pass (default 0, or "
+       "the look's)",
+       lit, by_flag},
+      {"--volumetric-scattering-blending", number("X", {.lo = 0, .hi = 2}), &L::scattering_blending,
+       "VTK's word for --shadows, from 0 to 2", lit, by_flag, not_with("shadows", kGiveOne)},
+      {"--scatter", number("SHARE", kShare), &L::scatter,
+       "how much light comes back into shadows from the sides (default 0, or the look's)", lit,
+       by_flag},
   };
   return all;
 }

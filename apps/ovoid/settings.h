@@ -98,6 +98,10 @@ struct LookFlags {
   Light light = Light::kStudio;
   std::optional<Vec3> light_direction;  // none: with the camera
   std::optional<double> flat_rise;
+  std::optional<double> occlusion;
+  std::optional<double> shadows;
+  std::optional<double> scattering_blending;  // VTK's, [0, 2], for shadows
+  std::optional<double> scatter;
 };
 
 // How near a camera that nobody placed comes.

@@ -136,6 +136,9 @@ void App::read_look_file(const std::string& path) {
     look.shade = read.shade;
     look.material = read.material;
     look.flat_rise = read.flat_rise;
+    look.occlusion = read.occlusion;
+    look.shadows = read.shadows;
+    look.scatter = read.scatter;
     look.unit_distance = read.unit_distance;
     panel_state_.opacity = panel_state_.gradient = panel_state_.colors = {};
     document_.touch();

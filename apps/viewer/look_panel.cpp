@@ -218,6 +218,10 @@ bool light_editor(Panel& panel) {
     look.light = is_studio ? Light::kStudio : Light::kSingle;
     is_changed = true;
   }
+  is_changed |= widgets.slider("look.occlusion", "occlusion", &look.occlusion, 0, 1);
+  is_changed |= widgets.slider("look.shadows", "shadows", &look.shadows, 0, 1);
+  if (look.shadows > 0)
+    is_changed |= widgets.slider("look.scatter", "scatter", &look.scatter, 0, 1);
   is_changed |= widgets.slider("look.flat", "even light below a rise of", &look.flat_rise, 0, 0.2);
   bool is_headlight = !look.light_direction.has_value();
   if (widgets.checkbox("look.headlight", "light moves with the camera", &is_headlight)) {
@@ -279,7 +283,9 @@ bool presets(Panel& panel) {
   Look& look = document.view.look;
   const Look before = look;
   const std::string& unit = document.shown->subject.unit;
-  if (chosen == 0) {
+  const bool is_cinematic =
+      chosen > 0 && names[static_cast<std::size_t>(chosen - 1)] == kCinematicPreset;
+  if (chosen == 0 || is_cinematic) {
     look = default_look(field, unit);
   } else {
     look = look_preset(names[static_cast<std::size_t>(chosen - 1)], field.value_range());
@@ -288,6 +294,10 @@ bool presets(Panel& panel) {
   look.color_function = before.color_function;
   look.light = before.light;
   look.light_direction = before.light_direction;
+  look.occlusion = before.occlusion;
+  look.shadows = before.shadows;
+  look.scatter = before.scatter;
+  if (is_cinematic) add_cinematic_light(look);
   panel.state.opacity = panel.state.gradient = panel.state.colors = {};
   return true;
 }

@@ -50,6 +50,14 @@ struct Look {
   // function's span, light fades to that of a flat region: there normals are noise. In [0, 1].
   // (An isosurface, which is asked for, is lit from 1e-4 of the field's range on.)
   double flat_rise = 1e-4;
+  // Shares, in [0, 1], of what a coarse volume of light tells (docs/numerics.md, "Light from a
+  // coarse volume"), composite and isosurface only. `occlusion`: ambient light, a headlight, and
+  // the studio's soft light are weaker where much lies around. `shadows`: so is the key light, or a
+  // single one with a direction, behind what lies on its way. `scatter`: of what shadows take away,
+  // this share of what comes round the corner is given back.
+  double occlusion = 0.0;
+  double shadows = 0.0;
+  double scatter = 0.0;
   double unit_distance = 0.0;  // world length of the opacities; 0: the transfer function's own,
                                // else default_unit_distance()
 
@@ -94,7 +102,15 @@ inline constexpr LatticeKernel kLabelKernel{.sigma = 0.15, .cutoff = 10.0};
 // with "mr-" are spread over `range`, the data's values. Transfer function, shading and material
 // are set, the unit distance is left to the field. Throws Error(kInvalidArgument) that lists the
 // names.
+// "cinematic" is ramp_look(range) under add_cinematic_light(); programs that have the field take
+// its default_look() for the colours and opacities.
 Look look_preset(const std::string& name, const ValueRange& range = {});
 std::vector<std::string> look_preset_names();
+inline constexpr const char* kCinematicPreset = "cinematic";
+
+// Lights a look as a photographer would: a studio with shadows, soft ones in what lies deep, and
+// light that comes back from the sides; a material that shines a little. Colours and opacities
+// stay.
+void add_cinematic_light(Look& look);
 
 }  // namespace ovoid

@@ -7,6 +7,7 @@
 
 #include "ovoid/renderer.h"
 #include "view/base_plane.h"
+#include "view/light_volume.h"
 #include "view/trail_view.h"
 
 namespace ovoid {
@@ -19,7 +20,8 @@ struct FrameJob {
   const view::TrailView* trail;  // null: none
   const RenderOptions& options;
   const RenderHooks& hooks;
-  const view::BasePlane* base = nullptr;  // of lattice sheets; null: image sheets
+  const view::LightVolume* light = nullptr;  // how much of it arrives where; null: all
+  const view::BasePlane* base = nullptr;     // of lattice sheets; null: image sheets
 };
 
 class BackEnd {

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <new>
 #include <optional>
 
@@ -13,6 +14,7 @@
 #include "render/cpu/cpu_renderer.h"
 #include "render/field_levels.h"
 #include "render/lattice_sheets.h"
+#include "render/light_volume.h"
 #include "render/reference/reference_renderer.h"
 #include "view/light.h"
 
@@ -77,6 +79,11 @@ view::TrailView view_of(const Trail& trail, const Look& look, const RenderOption
                         setup.device, setup.backend == Backend::kCpu ? "cpu" : "reference"));
 }
 
+using Clock = std::chrono::steady_clock;
+double milliseconds_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
 void add_notice(FrameProfile& profile, const std::string& notice) {
   if (!profile.notice.empty()) profile.notice += "; ";
   profile.notice += notice;
@@ -121,13 +128,13 @@ class ReferenceBackEnd final : public BackEnd {
   bool has_lattice_sheets() const noexcept override { return true; }
 
   Frame draw(const FrameJob& job) override {
-    const auto& [field, camera, look, trail, options, hooks, base] = job;
+    const auto& [field, camera, look, trail, options, hooks, light, base] = job;
     const int wanted = std::min(num_threads_, options.height);  // a thread has a row at least
     return with_note_on_threads(
         field.kernels() != nullptr
-            ? reference::render(*field.kernels(), camera, look, options, hooks, wanted)
-            : reference::render(*field.lattice(), camera, look, options, hooks, wanted, trail,
-                                base),
+            ? reference::render(*field.kernels(), camera, look, options, hooks, wanted, light)
+            : reference::render(*field.lattice(), camera, look, options, hooks, wanted, trail, base,
+                                light),
         wanted);
   }
 
@@ -140,12 +147,20 @@ class ReferenceBackEnd final : public BackEnd {
 struct __attribute__((visibility("hidden"))) Renderer::Impl {
   Frame draw(const Field& field, const Camera& camera, const Look& look, const Trail* trail,
              const RenderOptions& options, const RenderHooks& hooks);
+  // Null where the look has none, or where there is no memory for it; then with a notice.
+  struct LitBy {
+    const view::LightVolume* volume = nullptr;
+    std::string notice;
+  };
+  LitBy light_for(const Field& drawn, Look look, const RenderOptions& options,
+                  const RenderHooks& hooks);
   // `is_distance_free`: nobody asks for the sampling distance of the job.
   Frame draw_by_choice(const FrameJob& job, bool is_distance_free) const;
   static Frame draw_on(BackEnd& chosen, const FrameJob& job, bool is_distance_free);
 
   cpu::Machine machine;
   FieldLevels levels;
+  LightVolumes lights;
   std::unique_ptr<BackEnd> back_end;
   std::unique_ptr<BackEnd> fallback;  // of kAuto on a device, for what the device fails to draw
 };
@@ -211,9 +226,17 @@ Frame Renderer::Impl::draw(const Field& field, const Camera& camera, const Look&
     own_options.post_convolution = PostConvolution::kOff;
     trail_view = view_of(*trail, look, own_options);
   }
-  const FrameJob job{drawn,       camera, own_look, trail_view ? &*trail_view : nullptr,
-                     own_options, hooks};
+  const Clock::time_point light_start = Clock::now();
+  const LitBy lit_by = light_for(drawn, own_look, options, hooks);
+  const double light_ms = milliseconds_since(light_start);
+  const FrameJob job{drawn,       camera, own_look,     trail_view ? &*trail_view : nullptr,
+                     own_options, hooks,  lit_by.volume};
   Frame frame = draw_by_choice(job, options.sampling_distance == 0);
+  if (!lit_by.notice.empty()) add_notice(frame.profile, lit_by.notice);
+  if (lit_by.volume != nullptr) {
+    frame.profile.frame_ms += light_ms;
+    if (options.collect_profile) frame.profile.stages_ms.emplace_back("light volume", light_ms);
+  }
   note_on_precision(frame.profile, job);
   return frame;
 } catch (const std::bad_alloc&) {
@@ -223,13 +246,26 @@ Frame Renderer::Impl::draw(const Field& field, const Camera& camera, const Look&
                           options.height));
 }
 
+Renderer::Impl::LitBy Renderer::Impl::light_for(const Field& drawn, Look look,
+                                                const RenderOptions& options,
+                                                const RenderHooks& hooks) {
+  if (look.unit_distance == 0) look.unit_distance = *look.transfer_function.unit_distance;
+  try {
+    return {lights.at(drawn, look, options.clip_planes, machine.runner->num_wanted(), hooks.stop),
+            {}};
+  } catch (const std::bad_alloc&) {
+    lights = {};
+    return {nullptr, "light volume: no memory for it; drawn without occlusion and shadows"};
+  }
+}
+
 Frame Renderer::Impl::draw_on(BackEnd& chosen, const FrameJob& job, bool is_distance_free) {
   const std::optional<LatticeSheets> sheets = lattice_sheets_for(chosen, job, is_distance_free);
   if (!sheets) return chosen.draw(job);
   RenderOptions options = job.options;
   options.sampling_distance = sheets->sampling_distance;
   return chosen.draw(
-      {job.field, job.camera, job.look, job.trail, options, job.hooks, &sheets->base});
+      {job.field, job.camera, job.look, job.trail, options, job.hooks, job.light, &sheets->base});
 }
 
 Frame Renderer::Impl::draw_by_choice(const FrameJob& job, bool is_distance_free) const {

@@ -14,37 +14,50 @@ Vec3 half_way(const Vec3& to_light, const Vec3& to_eye) {
   return length > 0 ? Vec3(sum / length) : Vec3(Vec3::Zero());
 }
 
-LightShares single_light(const Vec3& normal, const Vec3& to_light, const Vec3& to_eye,
-                         double power) {
+// Of the studio's diffuse light; the rest is the soft light's.
+constexpr double kKeyShare = 0.65;
+
+LightShares single_light(const Vec3& normal, const Vec3& to_light, const Vec3& to_eye, double power,
+                         double arriving) {
   const double n_l = normal.dot(to_light);
   const double n_h = normal.dot(half_way(to_light, to_eye));
   const bool is_same_side = n_l * normal.dot(to_eye) >= 0;
-  return {std::abs(n_l), is_same_side ? std::pow(std::abs(n_h), power) : 0.0};
+  const double specular = is_same_side ? std::pow(std::abs(n_h), power) : 0.0;
+  return {arriving * std::abs(n_l), arriving * specular, 1, arriving};
 }
 
-LightShares studio_light(const Vec3& normal, const Vec3& to_key, const Vec3& to_eye, double power) {
-  constexpr double kKeyShare = 0.65;
+LightShares studio_light(const Vec3& normal, const Vec3& to_key, const Vec3& to_eye, double power,
+                         const ArrivingLight& arriving) {
   constexpr double kWrap = 0.25;
   const Vec3 side = normal.dot(to_eye) < 0 ? Vec3(-normal) : normal;
   const double n_l = side.dot(to_key);
   const double key = std::max(0.0, (n_l + kWrap) / (1 + kWrap));
   const double fill = 0.5 * (1 + side.dot(to_eye));
   const double n_h = std::max(0.0, side.dot(half_way(to_key, to_eye)));
-  return {kKeyShare * key + (1 - kKeyShare) * fill, n_l > 0 ? std::pow(n_h, power) : 0.0};
+  const double from_key = kKeyShare * arriving.key;
+  const double from_eye = (1 - kKeyShare) * arriving.around;
+  return {from_key * key + from_eye * fill, n_l > 0 ? arriving.key * std::pow(n_h, power) : 0.0, 1,
+          from_key + from_eye};
 }
 
 }  // namespace
 
 LightShares light_shares(const Look& look, const Vec3& normal, const Vec3& to_light,
-                         const Vec3& to_eye) {
-  const auto light = look.light == Light::kStudio ? studio_light : single_light;
-  return light(normal, to_light, to_eye, look.material.specular_power);
+                         const Vec3& to_eye, const ArrivingLight& arriving) {
+  const double power = look.material.specular_power;
+  // Nothing is in the way of a headlight that is not in the way of the eye.
+  const double of_single = look.light_direction ? arriving.key : arriving.around;
+  LightShares shares = look.light == Light::kStudio
+                           ? studio_light(normal, to_light, to_eye, power, arriving)
+                           : single_light(normal, to_light, to_eye, power, of_single);
+  shares.ambient = arriving.around;
+  return shares;
 }
 
 Rgb lit_color(const Rgb& color, const Material& material, const LightShares& light,
               double flatness) {
-  const double factor =
-      material.ambient + material.diffuse * (1 - flatness + flatness * light.diffuse);
+  const double factor = material.ambient * light.ambient +
+                        material.diffuse * ((1 - flatness) * light.flat + flatness * light.diffuse);
   Rgb lit;
   for (std::size_t c = 0; c < 3; ++c) {
     lit[c] =

@@ -6,18 +6,21 @@
 #include "ovoid/camera.h"
 #include "ovoid/look.h"
 #include "ovoid/math.h"
+#include "view/light_volume.h"
 
 namespace ovoid::view {
 
-// Shares of a material's diffuse and specular light.
+// Shares of a material's ambient, diffuse and specular light, and of its diffuse light where the
+// field is flat.
 struct LightShares {
   double diffuse, specular;
+  double ambient = 1, flat = 1;
 };
 
 // `normal`, `to_light` and `to_eye` have unit length; to_light is where the look's light, or the
-// studio's key light, stands.
+// studio's key light, stands. `arriving`: how much of the light gets as far as the place.
 LightShares light_shares(const Look& look, const Vec3& normal, const Vec3& to_light,
-                         const Vec3& to_eye);
+                         const Vec3& to_eye, const ArrivingLight& arriving = {});
 
 // The colour under that light where normals tell a share `flatness` of what light does, in [0, 1].
 Rgb lit_color(const Rgb& color, const Material& material, const LightShares& light,

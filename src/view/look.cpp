@@ -104,6 +104,9 @@ void Look::validate() const {
     refuse("specular_power", material.specular_power, "must be finite and > 0");
   }
   if (!(flat_rise >= 0.0 && flat_rise <= 1.0)) refuse("flat_rise", flat_rise, "must be in [0, 1]");
+  require_unit("occlusion", occlusion);
+  require_unit("shadows", shadows);
+  require_unit("scatter", scatter);
   if (light_direction && !(light_direction->allFinite() && light_direction->norm() > 0.0 &&
                            std::isfinite(light_direction->norm()))) {
     const Vec3& towards = *light_direction;

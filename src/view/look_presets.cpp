@@ -109,7 +109,10 @@ TransferFunction function_of(const Preset& preset, const ValueRange& range) {
 
 Look look_preset(const std::string& name, const ValueRange& range) {
   Look look;
-  if (name == kLabel) {
+  if (name == kCinematicPreset) {
+    look = ramp_look(range);
+    add_cinematic_light(look);
+  } else if (name == kLabel) {
     look.transfer_function = label_function();
     look.material = {.ambient = 0.25, .diffuse = 0.75, .specular = 0.1, .specular_power = 10};
   } else {
@@ -130,7 +133,17 @@ std::vector<std::string> look_preset_names() {
   std::vector<std::string> names;
   for (const Preset& preset : kPresets) names.emplace_back(preset.name);
   names.emplace_back(kLabel);
+  names.emplace_back(kCinematicPreset);
   return names;
+}
+
+void add_cinematic_light(Look& look) {
+  look.shade = true;
+  look.light = Light::kStudio;
+  look.material = {.ambient = 0.2, .diffuse = 0.85, .specular = 0.3, .specular_power = 30};
+  look.occlusion = 0.7;
+  look.shadows = 0.7;
+  look.scatter = 0.5;
 }
 
 }  // namespace ovoid

@@ -285,5 +285,37 @@ TEST(Agreement, Light) {
   }
 }
 
+// Fails if a back end reads the coarse volume of light elsewhere, or lights other parts with it.
+TEST(Agreement, LightFromACoarseVolume) {
+  for (const bool is_parallel : {true, false}) {
+    for (const Mode mode : {Mode::kComposite, Mode::kIsosurface}) {
+      Scene scene = small_scene(mode, is_parallel);
+      scene.options = picture(48, 40);
+      scene.look.occlusion = 1;
+      const std::string view =
+          std::string(mode == Mode::kComposite ? "composite, " : "isosurface, ") +
+          projection_name(is_parallel);
+      EXPECT_TRUE(backends_agree(scene, view + ", headlight with occlusion"));
+      scene.look.shadows = 0.8;
+      scene.look.scatter = 0.5;
+      scene.look.light = Light::kStudio;
+      EXPECT_TRUE(backends_agree(scene, view + ", studio with shadows"));
+      scene.options.clip_planes = {{Vec3(1, 0.4, 0.2), 4.0}};
+      EXPECT_TRUE(backends_agree(scene, view + ", studio with shadows, clipped", 0.01));
+      scene.options.clip_planes.clear();
+      scene.look.light = Light::kSingle;
+      scene.look.light_direction = Vec3(3, 1, -2);
+      EXPECT_TRUE(backends_agree(scene, view + ", directional light with shadows"));
+      for (const Classification classification :
+           {Classification::kSampled, Classification::kPreintegrated}) {
+        if (mode != Mode::kComposite) break;
+        scene.options.classification = classification;
+        EXPECT_TRUE(backends_agree(
+            scene, view + ", classification " + std::to_string(static_cast<int>(classification))));
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace ovoid::test

@@ -172,7 +172,7 @@ Frame draw_with(const Scene& scene, std::unique_ptr<cpu::Runner> runner) {
                             scene.camera, scene.options);
     EXPECT_TRUE(base);
   }
-  return cpu::render({scene.field, scene.camera, scene.look, nullptr, scene.options, hooks,
+  return cpu::render({scene.field, scene.camera, scene.look, nullptr, scene.options, hooks, nullptr,
                       base ? &*base : nullptr},
                      machine);
 }

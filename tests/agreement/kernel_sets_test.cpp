@@ -69,6 +69,28 @@ TEST(KernelSets, AgreeInEveryMode) {
   }
 }
 
+// Fails if sets read the coarse volume of light otherwise than lattices do.
+TEST(KernelSets, AgreeOnLightFromACoarseVolume) {
+  const KernelField field(jittered_ellipsoids(8).source(), Reconstruction::kNormalized);
+  for (const Mode mode : {Mode::kComposite, Mode::kIsosurface}) {
+    for (const bool is_parallel : {true, false}) {
+      Look look = semi_transparent_look(0, 1);
+      look.mode = mode;
+      look.isovalue = 0.62;
+      look.occlusion = 1;
+      look.shadows = 0.8;
+      look.scatter = 0.5;
+      look.material.specular = 0;  // which jumps where a normal passes the picture's plane
+      Scene scene{field, askew_camera(field, is_parallel, 1.3), look, direct_options(50, 70)};
+      const std::string view =
+          "mode " + std::to_string(static_cast<int>(mode)) + view_text(is_parallel);
+      EXPECT_TRUE(backends_agree(scene, view + ", headlight with occlusion", 0.05));
+      scene.look.light_direction = Vec3(3, 1, -2);
+      EXPECT_TRUE(backends_agree(scene, view + ", directional light with shadows", 0.05));
+    }
+  }
+}
+
 TEST(KernelSets, AgreeOnSumsMeansAndProfiles) {
   for (const KernelProfile profile : {KernelProfile::kGaussian, KernelProfile::kCubicSpline,
                                       KernelProfile::kWendlandC2, KernelProfile::kEpanechnikov}) {

@@ -305,7 +305,7 @@ TEST_F(RenderLook, AFileWithoutColoursGetsTheDefaultOnesAndANote) {
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_NE(result.err.find("note: " + points), std::string::npos) << result.err;
   EXPECT_EQ(read_npy(folder_ / "x.npy").rgba,
-            npy({"--range", "20,60", "--opacity", "20:0,60:0.9"}));
+            npy({"--range", "20,60", "--opacity", "20:0,60:0.9", "--occlusion", "0"}));
 }
 
 TEST_F(RenderLook, AFileOfASinglePointIsALook) {

@@ -132,7 +132,7 @@ std::string orbit_script(int times) {
 }
 
 TEST_F(WindowLife, MemoryStaysFlatOverThousandsOfFrames) {
-  expect_flat_memory(view({make_head(), "--size", "160x120", "--no-panel"}, orbit_script(30)));
+  expect_flat_memory(view({make_head(), "--size", "160x120", "--no-panel"}, orbit_script(20)));
 }
 
 // Ten thousand, with the panel: OVOID_TEST_LONG=1 viewer_tests --gtest_filter=*TenThousand*.

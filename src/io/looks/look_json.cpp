@@ -140,10 +140,13 @@ void take_scale(TransferFunction& tf, const JsonValue& preset) {
 // Our own keys.
 void take_light(Look& look, const JsonValue& preset) {
   if (preset.has("Shade")) look.shade = preset.member("Shade").boolean();
-  if (preset.has("FlatRise")) {
-    const JsonValue rise = preset.member("FlatRise");
-    if (!(rise.number() >= 0.0 && rise.number() <= 1.0)) rise.refuse("must be in [0, 1]");
-    look.flat_rise = rise.number();
+  for (const auto& [key, into] :
+       {std::pair{"FlatRise", &look.flat_rise}, std::pair{"Occlusion", &look.occlusion},
+        std::pair{"Shadows", &look.shadows}, std::pair{"Scatter", &look.scatter}}) {
+    if (!preset.has(key)) continue;
+    const JsonValue share = preset.member(key);
+    if (!(share.number() >= 0.0 && share.number() <= 1.0)) share.refuse("must be in [0, 1]");
+    *into = share.number();
   }
   Material& material = look.material;
   for (const auto& [key, into] :
@@ -307,6 +310,9 @@ std::string to_text(const Look& look) {
   preset["Specular"] = look.material.specular;
   preset["SpecularPower"] = look.material.specular_power;
   preset["FlatRise"] = look.flat_rise;
+  preset["Occlusion"] = look.occlusion;
+  preset["Shadows"] = look.shadows;
+  preset["Scatter"] = look.scatter;
   return text_of(preset);
 }
 

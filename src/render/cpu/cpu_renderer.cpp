@@ -59,15 +59,16 @@ void finish_patch(const CpuFrame& frame, const Look& look, const LatticeWorkspac
 // One field of a frame, ready to be drawn. Stays where it is: its parts point to each other.
 struct PreparedField {
   PreparedField(const LatticeField& field, const Camera& camera, const Look& look,
-                const RenderOptions& options, const view::BasePlane* base,
-                std::optional<view::RelevanceMap> relevance, Runner& runner)
+                const RenderOptions& options, const view::LightVolume* light,
+                const view::BasePlane* base, std::optional<view::RelevanceMap> relevance,
+                Runner& runner)
       : plan(field, camera, look, options, view::LatticePlan::PieceRelevance::kPieceEnds, base) {
     if (relevance) {
       plan.relevance = std::move(*relevance);
     } else {
       decide_relevance(plan, runner);
     }
-    set_frame(frame, look, options, plan);
+    set_frame(frame, look, options, plan, light);
     static_cast<LatticeTraits&>(frame) = lattice_traits(field, frame, options);
     frame.lattice = lattice_constants(field, plan, frame);
     frame.lattice_plan = &plan;
@@ -104,9 +105,9 @@ view::RelevanceMap draw_samples(const FrameJob& job, const Machine& machine, Sam
 
   std::optional<PreparedField> prepared_trail;
   if (const view::TrailView* trail = job.trail)
-    prepared_trail.emplace(*trail->field, job.camera, trail->look, trail->options, nullptr,
+    prepared_trail.emplace(*trail->field, job.camera, trail->look, trail->options, nullptr, nullptr,
                            std::nullopt, runner);
-  PreparedField prepared(field, job.camera, job.look, options, job.base,
+  PreparedField prepared(field, job.camera, job.look, options, job.light, job.base,
                          std::move(samples.relevance), runner);
   LatticeFrame& frame = prepared.frame;
   frame.stop = stop;
@@ -200,9 +201,9 @@ Image draw_base_plane(const FrameJob& job, const Machine& machine, FrameProfile&
     options.height = plane.height;
     const RenderHooks hooks =
         part_of(job.hooks, kShareOfBase * number / times, kShareOfBase * (number + 1) / times);
-    relevance =
-        draw_samples({job.field, job.camera, job.look, job.trail, options, hooks, &plane}, machine,
-                     {wanted ? &*wanted : nullptr, std::move(relevance)}, image, profile);
+    relevance = draw_samples(
+        {job.field, job.camera, job.look, job.trail, options, hooks, job.light, &plane}, machine,
+        {wanted ? &*wanted : nullptr, std::move(relevance)}, image, profile);
     picture = std::move(image);
     if (n == 1) return picture;
     ++number;

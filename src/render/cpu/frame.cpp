@@ -14,13 +14,18 @@ ClassificationTable table_in(const FrameTables& tables, const device::TableConst
 }  // namespace
 
 void set_frame(CpuFrame& frame, const Look& look, const RenderOptions& options,
-               const view::FramePlan& plan) {
+               const view::FramePlan& plan, const view::LightVolume* light) {
   static_cast<FrameTraits&>(frame) = frame_traits(plan, look, options);
   frame.plan = &plan;
   frame.options = &options;
   frame.camera = frame_camera(plan);
   FrameLook& tables = frame.look;
   tables.constants = look_constants(plan, look, frame.corrects_late, tables.memory);
+  if (light != nullptr && frame.is_lit) {
+    tables.constants.volume = light_constants(plan, *light);
+    frame.has_key_light = light->has_key;
+    frame.light = light->quads.data();
+  }
   tables.table = table_in(tables.memory, tables.constants.look);
   if (frame.fades_by_gradient) tables.fading = table_in(tables.memory, tables.constants.fading);
   if (frame.has_own_color) tables.color = table_in(tables.memory, tables.constants.color);

@@ -43,10 +43,12 @@ struct CpuFrame : FrameTraits {
   std::stop_token stop;
   FrameCamera camera;
   FrameLook look;
+  bool has_key_light = false;    // as the light volume says
+  const float* light = nullptr;  // view::LightVolume::quads; null: all light arrives
 };
 
-// `options` and `plan` must live as long as the frame is drawn.
+// `options`, `plan` and `light` must live as long as the frame is drawn.
 void set_frame(CpuFrame& frame, const Look& look, const RenderOptions& options,
-               const view::FramePlan& plan);
+               const view::FramePlan& plan, const view::LightVolume* light);
 
 }  // namespace ovoid::cpu

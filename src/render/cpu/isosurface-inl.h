@@ -88,7 +88,7 @@ inline void surface_sheet(const LatticeFrame& frame, Workspace& work, int s) {
       if (frame.is_lit) {
         const WorldVector g = exact_gradient(frame, work, {s, column, y, crossing},
                                              point_between(ends.from, ends.to, t));
-        light = light_sample(frame.look.constants, g, direction_to_eye(frame, place, column, y));
+        light = light_between(frame, place, {s, column, y, crossing}, t, g);
         work.stats.gradients += std::popcount(crossing);
       }
       const int pixel = tile_index(place, column, y);

@@ -96,7 +96,7 @@ Frame render_kernel_field(const FrameJob& job, const Machine& machine) {
   frame.binned = &binned;
   frame.is_visible = is_visible.data();
   if (frame.max_level > 0) frame.level_bands = level_bands(options.post_convolution);
-  set_frame(frame, job.look, options, plan);
+  set_frame(frame, job.look, options, plan, job.light);
   frame.takes_differences = frame.takes_gradients;
   frame.stop = stop;
 

@@ -66,8 +66,7 @@ inline void kernel_surface_sheet(const CpuFrame& frame, const TileInHand& tile, 
             const WorldVector g = mix_vectors(
                 central_difference_gradient(frame, place, tile.ring, {s - 1, column, y, crossing}),
                 central_difference_gradient(frame, place, tile.ring, {s, column, y, crossing}), t);
-            light =
-                light_sample(frame.look.constants, g, direction_to_eye(frame, place, column, y));
+            light = light_between(frame, place, {s, column, y, crossing}, t, g);
             tile.stats.gradients += std::popcount(crossing);
           }
           const int pixel = tile_index(place, column, y);

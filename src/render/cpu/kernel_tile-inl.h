@@ -85,7 +85,7 @@ inline void take_values(const KernelFrame& frame, KernelWorkspace& work, int sub
       }
     }
     sheet.defined[y] = defined & all;
-    sheet.has_gradient[y] = sheet.is_classified[y] = 0;
+    sheet.has_gradient[y] = sheet.is_classified[y] = sheet.has_light[y] = 0;
   }
 }
 

@@ -255,6 +255,7 @@ inline void take_values_from_nodes(LatticeWorkspace& work, const TileBands& band
   for (int row = 0; row < place.rows; ++row) pixels.defined[row] = bits[row] & wanted[row];
   clear_bits(pixels.has_gradient);
   clear_bits(pixels.is_classified);
+  clear_bits(pixels.has_light);
 }
 
 // Finishes one tile on sheet s, whose nodes have been reconstructed.

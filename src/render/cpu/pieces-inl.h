@@ -209,8 +209,9 @@ struct PieceGroup {
   PieceEnds ends;
   EndValues value, color;
   EndGradients gradient;
-  V change;        // of the look, in steps
-  V turn_squared;  // of the normal
+  EndValues around, key;  // how much light arrives
+  V change;               // of the look, in steps
+  V turn_squared;         // of the normal
 
   // Pieces that take more than one step.
   HWY_INLINE std::uint32_t take_more_steps() const {
@@ -290,6 +291,9 @@ HWY_INLINE void for_each_number(const CpuFrame& frame, const PieceGroup& group, 
   body(group.gradient.x, batch.gradient[0]);
   body(group.gradient.y, batch.gradient[1]);
   body(group.gradient.z, batch.gradient[2]);
+  if (frame.light == nullptr) return;
+  body(group.around, batch.around);
+  if (frame.has_key_light) body(group.key, batch.key);
 }
 
 // Depths of a group's pieces at their ends.
@@ -518,11 +522,28 @@ HWY_INLINE void add_pieces(const CpuFrame& frame, const TileInHand& tile, PieceG
   }
 }
 
+// How much light arrives at a group's samples, which the sheet keeps for the piece behind it.
+// `lanes`: those that have a gradient.
+HWY_INLINE void light_ends(const CpuFrame& frame, const BlockPlace& place, Sheet& sheet,
+                           const SampleGroup& group, std::uint32_t lanes) {
+  if ((lanes_at(sheet.has_light[group.row], group.column) & lanes) == lanes) return;
+  const int at = sheet.at(group.column, group.row);
+  const WorldVector gradient{hn::LoadU(d, sheet.gradient[0] + at),
+                             hn::LoadU(d, sheet.gradient[1] + at),
+                             hn::LoadU(d, sheet.gradient[2] + at)};
+  const ArrivingShares arriving = arriving_at_sample(
+      frame, place, group, gradient, direction_to_eye(frame, place, group.column, group.row));
+  const M mask = mask_of(lanes);
+  hn::BlendedStore(arriving.around, mask, d, sheet.around + at);
+  if (frame.has_key_light) hn::BlendedStore(arriving.key, mask, d, sheet.key + at);
+  sheet.has_light[group.row] |= RowWord{lanes} << group.column;
+}
+
 // The pieces that end at a group's samples, whose gradients are there, if they are taken.
 HWY_INLINE PieceGroup pieces_of(const CpuFrame& frame, const TileInHand& tile,
                                 const SampleGroup& at) {
-  const Sheet& front = tile.ring[tile.place.number_of(at.s - 1)];
-  const Sheet& back = tile.ring[tile.place.number_of(at.s)];
+  Sheet& front = tile.ring[tile.place.number_of(at.s - 1)];
+  Sheet& back = tile.ring[tile.place.number_of(at.s)];
   const int place = back.at(at.column, at.row);
   PieceGroup group;  // what is not asked for stays as it is
   group.at = at;
@@ -539,6 +560,13 @@ HWY_INLINE PieceGroup pieces_of(const CpuFrame& frame, const TileInHand& tile,
                       both(front.gradient[1], back.gradient[1]),
                       both(front.gradient[2], back.gradient[2])};
     group.turn_squared = group.gradient.turn_squared(frame.look.constants.flat_gradient_inverse);
+  }
+  if (frame.light != nullptr) {
+    light_ends(frame, tile.place, front, {at.s - 1, at.column, at.row, at.lanes},
+               group.ends.front & at.lanes);
+    light_ends(frame, tile.place, back, at, group.ends.back & at.lanes);
+    group.around = both(front.around, back.around);
+    if (frame.has_key_light) group.key = both(front.key, back.key);
   }
   return group;
 }

@@ -55,12 +55,23 @@ inline void fade_batch(const CpuFrame& frame, SampleBatch& batch) {
   });
 }
 
+// How a sample of the batch is lit.
+HWY_INLINE Lighting lighting_of(const CpuFrame& frame, const SampleBatch& batch, int i,
+                                const WorldVector& axis) {
+  const WorldVector eye = frame.is_parallel ? axis : load_vector(batch.eye, i);
+  const WorldVector gradient = load_vector(batch.gradient, i);
+  if (frame.light == nullptr) return light_sample(frame.look.constants, gradient, eye, nullptr);
+  const ArrivingShares arriving{hn::Load(d, &batch.around[i]), frame.has_key_light
+                                                                   ? hn::Load(d, &batch.key[i])
+                                                                   : hn::Set(d, 1.0F)};
+  return light_sample(frame.look.constants, gradient, eye, &arriving);
+}
+
 inline void light_batch(const CpuFrame& frame, SampleBatch& batch) {
   const WorldVector axis{hn::Set(d, -frame.camera.axis[0]), hn::Set(d, -frame.camera.axis[1]),
                          hn::Set(d, -frame.camera.axis[2])};
   for_each_batch_group(batch, [&](int i) {
-    const WorldVector eye = frame.is_parallel ? axis : load_vector(batch.eye, i);
-    const Lighting light = light_sample(frame.look.constants, load_vector(batch.gradient, i), eye);
+    const Lighting light = lighting_of(frame, batch, i, axis);
     for (float* color : {&batch.red[i], &batch.green[i], &batch.blue[i]})
       hn::Store(lit_color(hn::Load(d, color), light), d, color);
   });
@@ -83,8 +94,7 @@ inline void shade_batch_in_segments(const CpuFrame& frame, SampleBatch& batch) {
     Classified seen = classify_in_segments(look.color_segments, look.table.constants,
                                            hn::Load(d, &batch.value[i]));
     if constexpr (kIsLit) {
-      const WorldVector eye = frame.is_parallel ? axis : load_vector(batch.eye, i);
-      const Lighting light = light_sample(look.constants, load_vector(batch.gradient, i), eye);
+      const Lighting light = lighting_of(frame, batch, i, axis);
       seen.red = lit_color(seen.red, light);
       seen.green = lit_color(seen.green, light);
       seen.blue = lit_color(seen.blue, light);

@@ -37,6 +37,8 @@ struct alignas(64) SampleBatch {
   // gradient, if the frame takes any; the direction to the eye, in perspective.
   alignas(64) Floats value, color_value;
   alignas(64) std::array<Floats, 3> gradient, eye;
+  // How much of the light around, and of the key, arrives, if the frame has a light volume.
+  alignas(64) Floats around, key;
   // Its path, in unit distances of the look, and its depth.
   alignas(64) Floats path, depth;
   // What comes of it. The opacity is that of its path.

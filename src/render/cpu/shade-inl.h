@@ -12,52 +12,12 @@
 #endif
 
 #include "render/cpu/differences-inl.h"
+#include "render/cpu/entries-inl.h"
+#include "render/cpu/light-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace ovoid::cpu {
 namespace HWY_NAMESPACE {
-
-// Colour and opacity of a group's values.
-struct Classified {
-  V red, green, blue, opacity;
-};
-
-#if HWY_TARGET != HWY_SCALAR
-// Entries of the lanes k, k + 4, k + 8, ...: one 128-bit block each.
-HWY_INLINE V load_entries(const float* entries, const std::int32_t* index, int k) {
-  const hn::FixedTag<float, 4> four;
-  const auto block = [&](int lane) { return hn::Load(four, entries + 4 * index[lane]); };
-#if HWY_MAX_BYTES >= 64
-  const hn::FixedTag<float, 8> eight;
-  return hn::Combine(d, hn::Combine(eight, block(k + 12), block(k + 8)),
-                     hn::Combine(eight, block(k + 4), block(k)));
-#elif HWY_MAX_BYTES >= 32
-  return hn::Combine(d, block(k + 4), block(k));
-#else
-  return block(k);
-#endif
-}
-
-// The four channels of every lane's entry: a 4 x 4 transposition within blocks.
-HWY_INLINE Classified transpose_entries(const float* entries, const std::int32_t* index) {
-  const hn::RepartitionToWide<D> pairs;
-  const V n0 = load_entries(entries, index, 0), n1 = load_entries(entries, index, 1);
-  const V n2 = load_entries(entries, index, 2), n3 = load_entries(entries, index, 3);
-  const auto rg01 = hn::BitCast(pairs, hn::InterleaveLower(d, n0, n1));
-  const auto rg23 = hn::BitCast(pairs, hn::InterleaveLower(d, n2, n3));
-  const auto ba01 = hn::BitCast(pairs, hn::InterleaveUpper(d, n0, n1));
-  const auto ba23 = hn::BitCast(pairs, hn::InterleaveUpper(d, n2, n3));
-  return {hn::BitCast(d, hn::InterleaveLower(pairs, rg01, rg23)),
-          hn::BitCast(d, hn::InterleaveUpper(pairs, rg01, rg23)),
-          hn::BitCast(d, hn::InterleaveLower(pairs, ba01, ba23)),
-          hn::BitCast(d, hn::InterleaveUpper(pairs, ba01, ba23))};
-}
-#else
-HWY_INLINE Classified transpose_entries(const float* entries, const std::int32_t* index) {
-  const float* n = entries + 4 * index[0];
-  return {hn::Load(d, n), hn::Load(d, n + 1), hn::Load(d, n + 2), hn::Load(d, n + 3)};
-}
-#endif
 
 // LookAxis::place().
 HWY_INLINE V place_of(const device::TableConstants& axis, V value) {
@@ -344,10 +304,6 @@ HWY_INLINE WorldVector direction_to_eye(const CpuFrame& frame, const BlockPlace&
   return {along(0), along(1), along(2)};
 }
 
-HWY_INLINE V dot_product(const WorldVector& a, const WorldVector& b) {
-  return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z)));
-}
-
 // Factor on the colour, and what is added to it.
 struct Lighting {
   V factor, highlight;
@@ -357,8 +313,9 @@ struct Lighting {
 inline constexpr float kKeySlope = device::kKeyShare / (1.0F + device::kKeyWrap);
 inline constexpr float kKeyOffset = device::kKeyWrap * kKeySlope;
 
+// Everything is lit by what arrives: the light around, and the key or the only light there is.
 HWY_INLINE Lighting light_sample(const device::LookConstants& look, const WorldVector& gradient,
-                                 const WorldVector& eye) {
+                                 const WorldVector& eye, const ArrivingShares* arriving) {
   const V squared = hn::Max(dot_product(gradient, gradient), hn::Set(d, 1e-36F));
   const V inverse = reciprocal_sqrt(squared);
   const V length = hn::Mul(squared, inverse);
@@ -370,6 +327,13 @@ HWY_INLINE Lighting light_sample(const device::LookConstants& look, const WorldV
   const V to_eye = along(eye);
   V diffuse = hn::Abs(to_eye);
   V specular = diffuse;
+  // Of the diffuse light where the field is flat; what the highlight's light has left.
+  V flat = hn::Set(d, 1.0F);
+  V bright = flat;
+  if (arriving != nullptr) {
+    flat = bright = look.light_kind == device::kHeadlight ? arriving->around : arriving->key;
+    diffuse = hn::Mul(diffuse, bright);
+  }
   if (look.light_kind != device::kHeadlight) {
     const WorldVector light{hn::Set(d, look.light.x), hn::Set(d, look.light.y),
                             hn::Set(d, look.light.z)};
@@ -379,24 +343,42 @@ HWY_INLINE Lighting light_sample(const device::LookConstants& look, const WorldV
     const V half_inverse = reciprocal_sqrt(hn::Max(half_squared, hn::Set(d, 1e-12F)));
     const V cosine = hn::Mul(hn::Abs(hn::Add(to_light, to_eye)), half_inverse);
     if (look.light_kind == device::kSingleLight) {
-      diffuse = hn::Abs(to_light);
+      diffuse = hn::Mul(bright, hn::Abs(to_light));
       specular = hn::IfThenElseZero(hn::Ge(hn::Mul(to_light, to_eye), hn::Zero(d)), cosine);
     } else {
       to_light = hn::Xor(to_light, hn::And(hn::SignBit(d), to_eye));  // of the side that is seen
-      const V key =
+      V key =
           hn::Max(hn::MulAdd(to_light, hn::Set(d, kKeySlope), hn::Set(d, kKeyOffset)), hn::Zero(d));
-      const V fill = hn::Set(d, 0.5F * (1.0F - device::kKeyShare));
-      diffuse = hn::Add(key, hn::MulAdd(fill, diffuse, fill));
+      V fill = hn::Set(d, 0.5F * (1.0F - device::kKeyShare));
+      if (arriving != nullptr) {
+        key = hn::Mul(key, bright);
+        fill = hn::Mul(fill, arriving->around);
+        flat = hn::MulAdd(hn::Set(d, device::kKeyShare), bright, hn::Add(fill, fill));
+      }
+      diffuse = hn::Add(key, hn::MulAdd(fill, hn::Abs(to_eye), fill));
       specular = hn::IfThenElseZero(hn::Gt(to_light, hn::Zero(d)), cosine);
     }
   }
-  const V lit = hn::MulAdd(flatness, hn::Sub(diffuse, hn::Set(d, 1.0F)), hn::Set(d, 1.0F));
-  Lighting out{hn::MulAdd(hn::Set(d, look.diffuse), lit, hn::Set(d, look.ambient)), hn::Zero(d)};
+  const V lit = hn::MulAdd(flatness, hn::Sub(diffuse, flat), flat);
+  V ambient = hn::Set(d, look.ambient);
+  if (arriving != nullptr) ambient = hn::Mul(ambient, arriving->around);
+  Lighting out{hn::MulAdd(hn::Set(d, look.diffuse), lit, ambient), hn::Zero(d)};
   if (look.specular > 0) {
     const V shine = shine_of(hn::Min(specular, hn::Set(d, 1.0F)), look.specular_power);
     out.highlight = hn::Mul(hn::Mul(flatness, hn::Set(d, look.specular)), shine);
+    if (arriving != nullptr) out.highlight = hn::Mul(out.highlight, bright);
   }
   return out;
+}
+
+// A surface's, a share t of the way from sheet s - 1 to the group's.
+HWY_INLINE Lighting light_between(const CpuFrame& frame, const BlockPlace& place,
+                                  const SampleGroup& group, V t, const WorldVector& gradient) {
+  const WorldVector eye = direction_to_eye(frame, place, group.column, group.row);
+  if (frame.light == nullptr) return light_sample(frame.look.constants, gradient, eye, nullptr);
+  const V back = hn::Sub(t, hn::Set(d, 1.0F));
+  const ArrivingShares arriving = arriving_between(frame, place, group, back, gradient, eye);
+  return light_sample(frame.look.constants, gradient, eye, &arriving);
 }
 
 // Neither colours nor strengths are negative.
@@ -404,7 +386,7 @@ HWY_INLINE V lit_color(V color, const Lighting& light) {
   return hn::Min(hn::MulAdd(color, light.factor, light.highlight), hn::Set(d, 1.0F));
 }
 
-inline void light_sheet(const CpuFrame& frame, const BlockPlace& place, const Sheet& sheet,
+inline void light_sheet(const CpuFrame& frame, const BlockPlace& place, int s, const Sheet& sheet,
                         ShadedSheet& shaded) {
   for (int y = 0; y < place.rows; ++y) {
     for_each_group(shaded.visible[y], place.margin, place.columns - place.margin,
@@ -413,8 +395,13 @@ inline void light_sheet(const CpuFrame& frame, const BlockPlace& place, const Sh
                      const WorldVector g{hn::LoadU(d, sheet.gradient[0] + at),
                                          hn::LoadU(d, sheet.gradient[1] + at),
                                          hn::LoadU(d, sheet.gradient[2] + at)};
-                     const Lighting light = light_sample(frame.look.constants, g,
-                                                         direction_to_eye(frame, place, column, y));
+                     const WorldVector eye = direction_to_eye(frame, place, column, y);
+                     ArrivingShares arriving;
+                     if (frame.light != nullptr)
+                       arriving = arriving_at_sample(frame, place, {s, column, y, 0}, g, eye);
+                     const Lighting light =
+                         light_sample(frame.look.constants, g, eye,
+                                      frame.light != nullptr ? &arriving : nullptr);
                      for (float* color : {shaded.red + at, shaded.green + at, shaded.blue + at}) {
                        hn::StoreU(lit_color(hn::LoadU(d, color), light), d, color);
                      }

@@ -48,12 +48,15 @@ struct Sheet {
                                      // piece's stands at the sample that it ends at
   float* opacity = nullptr;  // by the look, and how much it varies up to the value; for pieces
   float* variation = nullptr;
+  float* around = nullptr;  // how much of the light around and of the key arrives; for pieces
+  float* key = nullptr;
   RowBits defined{};  // samples that have a value
   RowBits has_gradient{};
   RowBits is_classified{};  // that have an opacity and a variation
+  RowBits has_light{};      // that know how much light arrives
 
   int at(int column, int row) const noexcept { return row * stride + column; }
-  void clear() noexcept { defined = has_gradient = is_classified = {}; }
+  void clear() noexcept { defined = has_gradient = is_classified = has_light = {}; }
 };
 
 // The last sheets of a tile. They go by their numbers in the frame, whichever block brought them.

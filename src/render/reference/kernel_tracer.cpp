@@ -11,8 +11,11 @@
 namespace ovoid::reference {
 
 KernelTracer::KernelTracer(const KernelField& field, KernelPlanes planes, const ViewRays& view,
-                           const SheetRange& sheets, const Look& look, const RenderOptions& options)
-    : PixelTracer(field, view, look, options), planes_(std::move(planes)), sheets_(sheets) {}
+                           const SheetRange& sheets, const Look& look, const RenderOptions& options,
+                           const view::LightVolume* light)
+    : PixelTracer(field, view, look, options, nullptr, light),
+      planes_(std::move(planes)),
+      sheets_(sheets) {}
 
 SheetRange KernelTracer::sheets_of(const Ray& /*ray*/) const { return sheets_; }
 

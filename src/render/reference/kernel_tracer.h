@@ -11,7 +11,8 @@ class KernelTracer final : public PixelTracer {
  public:
   // `planes` hold the rows that are traced.
   KernelTracer(const KernelField& field, KernelPlanes planes, const ViewRays& view,
-               const SheetRange& sheets, const Look& look, const RenderOptions& options);
+               const SheetRange& sheets, const Look& look, const RenderOptions& options,
+               const view::LightVolume* light = nullptr);
 
  private:
   SheetRange sheets_of(const Ray& ray) const override;

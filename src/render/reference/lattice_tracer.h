@@ -16,7 +16,7 @@ class LatticeTracer final : public PixelTracer {
   // the tracer.
   LatticeTracer(const LatticeField& field, const FieldEvaluator& evaluator, const Camera& camera,
                 const Look& look, const RenderOptions& options, const PixelTracer* trail = nullptr,
-                const view::BasePlane* base = nullptr);
+                const view::BasePlane* base = nullptr, const view::LightVolume* light = nullptr);
 
  private:
   SheetRange sheets_of(const Ray& ray) const override;

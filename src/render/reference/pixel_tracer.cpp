@@ -43,7 +43,8 @@ Pixel premultiplied(const Rgb& color, double alpha, double depth) {
 }  // namespace
 
 PixelTracer::PixelTracer(const Field& field, const ViewRays& view, const Look& look,
-                         const RenderOptions& options, const PixelTracer* trail)
+                         const RenderOptions& options, const PixelTracer* trail,
+                         const view::LightVolume* light)
     : look_(look),
       has_own_color_(field.kernels() != nullptr && field.kernels()->has_own_color()),
       opaque_at_(options.opaque_at),
@@ -56,7 +57,8 @@ PixelTracer::PixelTracer(const Field& field, const ViewRays& view, const Look& l
       view_(view),
       shading_{unit_distance_of(look, field), field.default_sampling_distance(),
                flat_rise_of(look, field)},
-      trail_(trail) {}
+      trail_(trail),
+      light_(light) {}
 
 Pixel PixelTracer::trace(int x, int y, TraceCounts& counts) const {
   const Ray ray = view_.ray(x, y);
@@ -96,22 +98,30 @@ void PixelTracer::add_sample(const PixelRay& pixel, const std::optional<RaySampl
     ++counts.gradients;
     slope = start ? piece_gradient(pixel, *start, at) : gradient(pixel, at);
   }
-  add_seen(pixel, seen, slope, at.z, at.path, result);
+  add_seen(pixel, {seen, slope, light_at(pixel, at.z, slope), at.z, at.path}, result);
+}
+
+// How much light arrives at a sample with that gradient.
+view::ArrivingLight PixelTracer::light_at(const PixelRay& pixel, double z,
+                                          const Vec3& slope) const {
+  if (light_ == nullptr || !look_.shade) return {};
+  return arriving_light(*light_, pixel.ray.at(z), slope, -pixel.ray.direction.normalized(),
+                        shading_);
 }
 
 // What was classified is faded, lit and composited.
-void PixelTracer::add_seen(const PixelRay& pixel, ClassifiedSample seen, const Vec3& slope,
-                           double z, double path, Pixel& result) const {
-  if (!fading_.opacities.empty()) seen.opacity *= fading_.opacity_at(slope.norm());
+void PixelTracer::add_seen(const PixelRay& pixel, SeenSample seen, Pixel& result) const {
+  auto& [color, opacity] = seen.look;
+  if (!fading_.opacities.empty()) opacity *= fading_.opacity_at(seen.slope.norm());
   if (look_.shade) {
     const Vec3 to_eye = -pixel.ray.direction.normalized();
-    seen.color = shaded(seen.color, slope, to_eye, look_, shading_);
+    color = shaded(color, seen.slope, to_eye, look_, shading_, seen.arriving);
   }
   double& alpha = result.rgba[3];
-  const double a = opacity_over(seen.opacity, path, shading_.unit_distance);
-  for (std::size_t c = 0; c < 3; ++c) result.rgba[c] += (1 - alpha) * a * seen.color[c];
+  const double a = opacity_over(opacity, seen.path, shading_.unit_distance);
+  for (std::size_t c = 0; c < 3; ++c) result.rgba[c] += (1 - alpha) * a * color[c];
   alpha += (1 - alpha) * a;
-  if (alpha >= 0.5 && std::isinf(result.depth)) result.depth = z;
+  if (alpha >= 0.5 && std::isinf(result.depth)) result.depth = seen.z;
 }
 
 // What the trail has on a sheet.
@@ -189,6 +199,9 @@ void PixelTracer::add_piece(const PixelRay& pixel, const Piece& piece, Pixel& re
     front_slope = gradient(pixel, front);
     back_slope = gradient(pixel, back);
   }
+  // Light goes straight from end to end, as the gradient does.
+  const view::ArrivingLight front_light = light_at(pixel, front.z, front_slope);
+  const view::ArrivingLight back_light = light_at(pixel, back.z, back_slope);
   const int steps = num_steps(piece, front_slope, back_slope);
   const double length = (part.hi - part.lo) / steps;
   for (int m = 0; m < steps && result.rgba[3] < opaque_at_; ++m) {
@@ -199,8 +212,14 @@ void PixelTracer::add_piece(const PixelRay& pixel, const Piece& piece, Pixel& re
     if (opacity == 0) continue;
     ++counts.visible;
     const Rgb color = color_of(front.color_value + t * (back.color_value - front.color_value));
-    add_seen(pixel, {color, opacity}, front_slope + t * (back_slope - front_slope), z,
-             length * pixel.ray.direction.norm(), result);
+    add_seen(pixel,
+             {{color, opacity},
+              front_slope + t * (back_slope - front_slope),
+              {std::lerp(front_light.around, back_light.around, t),
+               std::lerp(front_light.key, back_light.key, t)},
+              z,
+              length * pixel.ray.direction.norm()},
+             result);
   }
 }
 
@@ -296,7 +315,8 @@ Pixel PixelTracer::isosurface(const PixelRay& pixel, TraceCounts& counts) const 
         Rgb color = color_of(has_own_color_ ? at.color_value : iso);
         if (look_.shade) {
           ++counts.gradients;
-          color = shaded(color, at.gradient, to_eye, look_, shading_);
+          color = shaded(color, at.gradient, to_eye, look_, shading_,
+                         light_at(pixel, at.z, at.gradient));
         }
         const double rest = 1 - result.rgba[3];
         for (std::size_t c = 0; c < 3; ++c) result.rgba[c] += rest * color[c];

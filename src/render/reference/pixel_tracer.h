@@ -66,9 +66,11 @@ class PixelTracer {
   };
 
   // Camera, look and options are valid. `least_spacing` and `range` are the field's.
-  // `trail`, if there is one, is asked sheet by sheet for what it has there.
+  // `trail`, if there is one, is asked sheet by sheet for what it has there. `light`: how much of
+  // it arrives; null: all.
   PixelTracer(const Field& field, const ViewRays& view, const Look& look,
-              const RenderOptions& options, const PixelTracer* trail = nullptr);
+              const RenderOptions& options, const PixelTracer* trail = nullptr,
+              const view::LightVolume* light = nullptr);
 
   // All sheets on which the ray may have a sample.
   virtual SheetRange sheets_of(const Ray& ray) const = 0;
@@ -103,8 +105,15 @@ class PixelTracer {
                   Pixel& result, TraceCounts& counts) const;
   void add_trail(const PixelRay& pixel, std::int64_t sheet, Pixel& result,
                  TraceCounts& counts) const;
-  void add_seen(const PixelRay& pixel, ClassifiedSample seen, const Vec3& slope, double z,
-                double path, Pixel& result) const;
+  // What was classified, and where it is composited.
+  struct SeenSample {
+    ClassifiedSample look;
+    Vec3 slope;
+    view::ArrivingLight arriving;
+    double z, path;
+  };
+  void add_seen(const PixelRay& pixel, SeenSample seen, Pixel& result) const;
+  view::ArrivingLight light_at(const PixelRay& pixel, double z, const Vec3& slope) const;
   bool may_show(const Piece& piece) const;
   int num_steps(const Piece& piece, const Vec3& front_slope, const Vec3& back_slope) const;
   void add_piece(const PixelRay& pixel, const Piece& piece, Pixel& result,
@@ -128,6 +137,7 @@ class PixelTracer {
   const ViewRays view_;
   ShadingContext shading_;
   const PixelTracer* const trail_;
+  const view::LightVolume* const light_;
 };
 
 }  // namespace ovoid::reference

@@ -165,7 +165,8 @@ namespace {
 // On image sheets, or the picture on a base plane, whose size `options` have.
 Frame render_samples(const LatticeField& field, const Camera& camera, const Look& look,
                      const RenderOptions& options, const RenderHooks& hooks, int threads,
-                     const view::TrailView* trail, const view::BasePlane* base) {
+                     const view::TrailView* trail, const view::BasePlane* base,
+                     const view::LightVolume* light) {
   data::require_field(field);
   camera.validate();
   look.validate();
@@ -185,8 +186,9 @@ Frame render_samples(const LatticeField& field, const Camera& camera, const Look
   const double copy_ms = milliseconds_since(start);
 
   const Clock::time_point trace_start = Clock::now();
-  const auto tracer = std::make_shared<const LatticeTracer>(
-      field, evaluator, camera, look, options, trail_tracer ? &*trail_tracer : nullptr, base);
+  const auto tracer =
+      std::make_shared<const LatticeTracer>(field, evaluator, camera, look, options,
+                                            trail_tracer ? &*trail_tracer : nullptr, base, light);
   const TraceCounts counts =
       RowPainter([&](int, int) -> std::shared_ptr<const PixelTracer> { return tracer; }, 1, hooks,
                  frame.image)
@@ -209,16 +211,18 @@ Frame render_samples(const LatticeField& field, const Camera& camera, const Look
 
 Frame render(const LatticeField& field, const Camera& camera, const Look& look,
              const RenderOptions& options, const RenderHooks& hooks, int threads,
-             const view::TrailView* trail, const view::BasePlane* base) {
+             const view::TrailView* trail, const view::BasePlane* base,
+             const view::LightVolume* light) {
   if (base == nullptr)
-    return render_samples(field, camera, look, options, hooks, threads, trail, nullptr);
+    return render_samples(field, camera, look, options, hooks, threads, trail, nullptr, light);
   RenderOptions of_base = options;
   of_base.width = base->width;
   of_base.height = base->height;
   RenderHooks of_samples;
   of_samples.stop = hooks.stop;
   of_samples.progress = hooks.progress;
-  Frame frame = render_samples(field, camera, look, of_base, of_samples, threads, trail, base);
+  Frame frame =
+      render_samples(field, camera, look, of_base, of_samples, threads, trail, base, light);
   frame.image = warped(*base, frame.image, options);
   for (int y = 0; y < options.height; ++y) {
     if (hooks.stop.stop_requested()) throw Error(ErrorCode::kCancelled, "rendering was cancelled");
@@ -228,7 +232,8 @@ Frame render(const LatticeField& field, const Camera& camera, const Look& look,
 }
 
 Frame render(const KernelField& field, const Camera& camera, const Look& look,
-             const RenderOptions& options, const RenderHooks& hooks, int threads) {
+             const RenderOptions& options, const RenderHooks& hooks, int threads,
+             const view::LightVolume* light) {
   camera.validate();
   look.validate();
   options.validate();
@@ -246,7 +251,7 @@ Frame render(const KernelField& field, const Camera& camera, const Look& look,
   const auto tracer = [&](int y0, int y1) {
     return std::make_shared<const KernelTracer>(
         field, KernelPlanes(field, kernels, view, sheets, {y0, y1, options.width}, way), view,
-        sheets, look, options);
+        sheets, look, options, light);
   };
   const TraceCounts counts = RowPainter(tracer, kRowsEach, hooks, frame.image).paint(threads);
   FrameProfile& profile = frame.profile;

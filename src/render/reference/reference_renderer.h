@@ -3,6 +3,7 @@
 
 #include "ovoid/renderer.h"
 #include "view/base_plane.h"
+#include "view/light_volume.h"
 #include "view/trail_view.h"
 
 namespace ovoid::reference {
@@ -16,14 +17,16 @@ namespace ovoid::reference {
 // and stop_opaque mean nothing here. Throws Error as Renderer::render() does. Cost: about half a
 // microsecond per sample of Slab::kMid and a hundred times that for Slab::kMean, 36 to 300 times as
 // much where there are nodes; 9 bytes per kernel. `trail`: none if null. `base`: of lattice sheets;
-// null: image sheets.
+// null: image sheets. `light`: how much of it arrives where; null: all of it everywhere.
 Frame render(const LatticeField& field, const Camera& camera, const Look& look,
              const RenderOptions& options = {}, const RenderHooks& hooks = {}, int threads = 0,
-             const view::TrailView* trail = nullptr, const view::BasePlane* base = nullptr);
+             const view::TrailView* trail = nullptr, const view::BasePlane* base = nullptr,
+             const view::LightVolume* light = nullptr);
 
 // The same of a kernel field; RenderOptions::evaluate means nothing here. Cost: some 20 ns per
 // kernel and sample that it reaches, and the kernels once per eight rows.
 Frame render(const KernelField& field, const Camera& camera, const Look& look,
-             const RenderOptions& options = {}, const RenderHooks& hooks = {}, int threads = 0);
+             const RenderOptions& options = {}, const RenderHooks& hooks = {}, int threads = 0,
+             const view::LightVolume* light = nullptr);
 
 }  // namespace ovoid::reference

@@ -68,10 +68,19 @@ double opacity_over(double opacity, double path, double unit_distance) {
 }
 
 Rgb shaded(const Rgb& color, const Vec3& gradient, const Vec3& to_eye, const Look& look,
-           const ShadingContext& context) {
+           const ShadingContext& context, const view::ArrivingLight& arriving) {
   const Vec3 to_light = look.light_direction ? normal_of(*look.light_direction) : to_eye;
-  const view::LightShares light = view::light_shares(look, normal_of(gradient), to_light, to_eye);
+  const view::LightShares light =
+      view::light_shares(look, normal_of(gradient), to_light, to_eye, arriving);
   return view::lit_color(color, look.material, light, flatness(gradient, context));
+}
+
+view::ArrivingLight arriving_light(const view::LightVolume& volume, const Vec3& position,
+                                   const Vec3& gradient, const Vec3& to_eye,
+                                   const ShadingContext& context) {
+  const Vec3 normal = normal_of(gradient);
+  const double shift = view::light_shift(normal.dot(to_eye), flatness(gradient, context));
+  return volume.at(position + volume.cell_edge * (shift * normal + (1 - std::abs(shift)) * to_eye));
 }
 
 }  // namespace ovoid::reference

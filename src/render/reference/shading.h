@@ -3,6 +3,7 @@
 
 #include "ovoid/look.h"
 #include "ovoid/math.h"
+#include "view/light_volume.h"
 
 namespace ovoid::reference {
 
@@ -34,6 +35,11 @@ double opacity_over(double opacity, double path, double unit_distance);
 // The colour C under the light. `gradient` in world units; `to_eye` points from the sample to the
 // eye, unit length.
 Rgb shaded(const Rgb& color, const Vec3& gradient, const Vec3& to_eye, const Look& look,
-           const ShadingContext& context);
+           const ShadingContext& context, const view::ArrivingLight& arriving = {});
+
+// The light that arrives at a sample at `position` with that gradient.
+view::ArrivingLight arriving_light(const view::LightVolume& volume, const Vec3& position,
+                                   const Vec3& gradient, const Vec3& to_eye,
+                                   const ShadingContext& context);
 
 }  // namespace ovoid::reference

@@ -72,6 +72,7 @@ OVOID_CONSTANT uint kTakesGradients = 32u;
 OVOID_CONSTANT uint kTakesDifferences = 64u;
 OVOID_CONSTANT uint kStopsOpaque = 128u;
 OVOID_CONSTANT uint kIsRefined = 256u;
+OVOID_CONSTANT uint kHasLightVolume = 512u;
 OVOID_CONSTANT uint kHasTrail = 1024u;
 OVOID_CONSTANT uint kHasOwnColor = 2048u;
 OVOID_CONSTANT uint kNodesKeepBound = 8192u;  // those near faces have no value
@@ -124,6 +125,19 @@ struct TableConstants {
   uint padding2;
 };
 
+// view::LightVolume as samples of a frame read it. Cell coordinates of pixel (x, y) on sheet s,
+// counted from the frame's first: start[0] + x start[1] + y start[2] + s (step[0] + x step[1] + y
+// step[2]).
+struct LightConstants {
+  vec4 start[3];
+  vec4 step[3];
+  vec4 shift[3];  // cells in a mean cell edge along the world's axes: rows of a matrix
+  ivec4 dims;     // w: where the cells begin, in numbers of the tables
+};
+OVOID_CONSTANT float kLightSteps = 4095.0f;  // view::packed_light()
+OVOID_CONSTANT float kLightRadix = 4096.0f;
+OVOID_CONSTANT float kLightSteepness = 4.0f;  // view::light_shift()
+
 struct LookConstants {
   TableConstants look;
   TableConstants color;   // of another attribute
@@ -132,6 +146,7 @@ struct LookConstants {
   vec4 integrals_behind;
   vec4 isosurface_color;
   vec4 light;  // world, unit length, towards it
+  LightConstants volume;
   float integral_per_value;
   float integral_lo;
   float integral_hi;
@@ -387,7 +402,8 @@ OVOID_CONSTANT uint kClosed = 2u;
 
 #ifdef __cplusplus
 static_assert(sizeof(TableConstants) == 48);
-static_assert(sizeof(LookConstants) == 3 * 48 + 4 * 16 + 64);
+static_assert(sizeof(LightConstants) == 160);
+static_assert(sizeof(LookConstants) == 3 * 48 + 4 * 16 + 160 + 64);
 static_assert(sizeof(LatticeConstants) % 16 == 0);
 static_assert(sizeof(ViewConstants) % 16 == 0);
 static_assert(sizeof(BoxConstants) == 96);  // push constants: 128 bytes are sure

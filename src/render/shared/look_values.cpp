@@ -166,4 +166,28 @@ device::LookConstants look_constants(const view::FramePlan& plan, const Look& lo
   return out;
 }
 
+device::LightConstants light_constants(const view::FramePlan& plan,
+                                       const view::LightVolume& light) {
+  device::LightConstants out{};
+  const view::SheetMap first = plan.lattice.world_map(plan.sheets.first);
+  const view::SheetMap direction = plan.lattice.ray_direction();
+  const Mat3 linear = light.cell_from_world.linear();
+  const Mat3 per_sheet = linear * plan.lattice.sampling_distance();
+  out.start[0] = device_vector(light.cell_from_world * first.origin);
+  out.start[1] = device_vector(linear * first.per_x);
+  out.start[2] = device_vector(linear * first.per_y);
+  out.step[0] = device_vector(per_sheet * direction.origin);
+  out.step[1] = device_vector(per_sheet * direction.per_x);
+  out.step[2] = device_vector(per_sheet * direction.per_y);
+  for (int a = 0; a < 3; ++a)
+    out.shift[a] = device_vector(Vec3(linear.row(a).transpose() * light.cell_edge));
+  out.dims = {static_cast<std::int32_t>(light.dims[0]), static_cast<std::int32_t>(light.dims[1]),
+              static_cast<std::int32_t>(light.dims[2]), 0};
+  return out;
+}
+
+std::int32_t append_light(const view::LightVolume& light, FrameTables& tables) {
+  return static_cast<std::int32_t>(4 * append(tables, light.packed));
+}
+
 }  // namespace ovoid

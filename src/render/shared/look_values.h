@@ -7,6 +7,7 @@
 #include "ovoid/look.h"
 #include "render/shared/device_layout.h"
 #include "view/frame_plan.h"
+#include "view/light_volume.h"
 
 namespace ovoid {
 
@@ -22,5 +23,11 @@ std::vector<float> classification_entries(const view::LookTable& table, double p
 // path of one sampling distance, unless the frame corrects late.
 device::LookConstants look_constants(const view::FramePlan& plan, const Look& look,
                                      bool corrects_late, FrameTables& tables);
+
+// Where samples of the frame lie in a light volume; `dims.w` is 0.
+device::LightConstants light_constants(const view::FramePlan& plan, const view::LightVolume& light);
+
+// The cells of a light volume behind the other tables; returns where they begin, in numbers.
+std::int32_t append_light(const view::LightVolume& light, FrameTables& tables);
 
 }  // namespace ovoid

@@ -82,10 +82,12 @@ Strip second_half(const Strip& strip) {
 }  // namespace
 
 struct KernelRenderer::Set {
-  Set(const KernelField& of, const Camera& camera, const Look& with, const RenderOptions& as)
+  Set(const KernelField& of, const Camera& camera, const Look& with, const RenderOptions& as,
+      const view::LightVolume* by)
       : field(of),
         look(with),
         options(as),
+        light(by),
         plan(of, camera, with, as),
         traits(kernel_traits(of, plan, with, as)),
         frame(kernel_constants(plan, traits, as.post_convolution)) {
@@ -97,6 +99,7 @@ struct KernelRenderer::Set {
   const KernelField& field;
   const Look& look;
   const RenderOptions& options;
+  const view::LightVolume* light;
   view::KernelPlan plan;
   KernelTraits traits;
   device::KernelFrame frame;
@@ -477,6 +480,11 @@ void KernelRenderer::set_constants(Set& set) {
                        (set.has_half_sheets ? device::kSetHalfSheets : 0),
                    number_of(set.traits.profile),
                    static_cast<std::uint32_t>(set.traits.num_channels)};
+  if (set.light != nullptr && traits.is_lit) {
+    frame.looks[0].volume = light_constants(set.plan, *set.light);
+    frame.looks[0].volume.dims.w = append_light(*set.light, tables);
+    set.constants[1] |= device::kHasLightVolume;
+  }
   reserve(tables_, bench_.device, tables.size() * sizeof(device::vec4), BufferUse::kDevice);
   bench_.commands.upload(tables_, 0, std::as_bytes(std::span(tables)));
 }
@@ -507,9 +515,9 @@ void KernelRenderer::set_needs(Set& set) {
 
 void KernelRenderer::render(const FrameJob& job, Image& image, FrameProfile& profile) {
   const KernelField& field = *job.field.kernels();
-  const auto& [any_field, camera, look, trail, options, hooks, base] = job;
+  const auto& [any_field, camera, look, trail, options, hooks, light, base] = job;
   Commands& commands = bench_.commands;
-  Set set(field, camera, look, options);
+  Set set(field, camera, look, options, light);
   if (!kernels_ || !kernels_->is_of(field)) {
     kernels_.reset();
     kernels_ = std::make_unique<DeviceKernels>(bench_.device, field, bench_.most_bytes);

@@ -82,6 +82,7 @@ struct LatticeRenderer::Job {
   };
 
   const RenderOptions& options;
+  const view::LightVolume* light;
   Drawn own;
   std::optional<Drawn> trail{};
   bool has_nodes = false;
@@ -195,6 +196,11 @@ void LatticeRenderer::set_constants(Job& job) {
       0};
   add(job.own, 0);
   if (job.trail) add(*job.trail, 1);
+  if (job.light != nullptr && job.own.frame_traits.is_lit) {
+    job.frame.looks[0].volume = light_constants(job.own.plan, *job.light);
+    job.frame.looks[0].volume.dims.w = append_light(*job.light, tables);
+    job.constants[1] |= device::kHasLightVolume;
+  }
 
   Commands& commands = bench_.commands;
   commands.submit_and_wait();  // of relevance, whose buffers stay
@@ -276,9 +282,9 @@ void LatticeRenderer::draw_box(const Job& job, std::size_t number, const Strip& 
 }
 
 void LatticeRenderer::render(const FrameJob& frame, Image& image, FrameProfile& profile) {
-  const auto& [any_field, camera, look, trail, options, hooks, base] = frame;
+  const auto& [any_field, camera, look, trail, options, hooks, light, base] = frame;
   const LatticeField& field = *any_field.lattice();
-  Job job{options, {field, camera, look, options, kept_}};
+  Job job{options, light, {field, camera, look, options, kept_}};
   job.has_nodes = job.own.traits.may_have_nodes;
   if (trail != nullptr) {
     job.trail.emplace(*trail->field, camera, trail->look, trail->options, kept_trail_);

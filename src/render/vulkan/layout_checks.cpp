@@ -11,6 +11,7 @@
 #include "render/shared/filters.h"
 #include "view/frame_plan.h"
 #include "view/kernel_plan.h"
+#include "view/light_volume.h"
 #include "view/look_table.h"
 #include "view/look_variation.h"
 
@@ -44,6 +45,9 @@ static_assert(kLeastSetWeight == static_cast<float>(KernelField::kLeastWeight));
 static_assert(kTapsBefore == 2);  // post_convolve.glsl
 static_assert(kMostSteps == view::kMostSteps);
 static_assert(kStepsPerVariation == view::kStepsPerVariation);
+static_assert(kLightSteps == view::kLightSteps);
+static_assert(kLightRadix == view::kLightRadix);
+static_assert(kLightSteepness == static_cast<float>(view::kLightSteepness));
 
 // Enumerators by their numbers.
 static_assert(kScaleLinear == static_cast<uint>(ValueScale::kLinear));

@@ -11,8 +11,9 @@ vec3 gradient_of_sample(vec2 at, float s, float value, bool has_before);
 vec3 own_color(vec2 at, float s);
 
 // What was classified is faded, lit and composited: opacity over a unit distance if the frame
-// corrects late, else over one sheet's. `length`: of the path, in sheets.
-void draw_seen(inout Pixel pixel, vec2 at, float s, float length, vec4 seen, vec3 gradient) {
+// corrects late, else over one sheet's. `length`: of the path, in sheets. `arriving`: of the light.
+void draw_seen(inout Pixel pixel, vec2 at, float s, float length, vec4 seen, vec3 gradient,
+               vec2 arriving) {
   LookConstants look = frame.looks[0];
   float opacity = seen.a;
   if (has_flag(kFades)) opacity *= classify(look.fading, sqrt(dot(gradient, gradient))).a;
@@ -22,7 +23,7 @@ void draw_seen(inout Pixel pixel, vec2 at, float s, float length, vec4 seen, vec
   } else if (!has_flag(kIsParallel) || has_flag(kIsClipped)) {
     opacity = correct_opacity(opacity, length);
   }
-  vec3 color = has_flag(kShades) ? lit(look, seen.rgb, gradient, to_eye(at)) : seen.rgb;
+  vec3 color = has_flag(kShades) ? lit(look, seen.rgb, gradient, to_eye(at), arriving) : seen.rgb;
   composite(pixel, color, opacity, depth_of_sheet(s));
 }
 
@@ -42,5 +43,7 @@ void draw_sample(inout Pixel pixel, vec2 at, float s, float path, float value, b
     ++num_samples.z;
     gradient = gradient_of_sample(at, s, value, has_before);
   }
-  draw_seen(pixel, at, s, path * ray_length(at), color, gradient);
+  vec2 arriving =
+      has_flag(kShades) ? arriving_light(look, at, s, gradient, to_eye(at)) : kAllLight;
+  draw_seen(pixel, at, s, path * ray_length(at), color, gradient, arriving);
 }

@@ -208,7 +208,9 @@ void draw_surface(inout Pixel pixel, vec2 at, float s, float value) {
   if (has_flag(kShades)) {
     ++num_samples.z;
     vec3 gradient = to_world(0, gather(0, between(from, way, t), s, step, true).gradient);
-    color = lit(look, look.isosurface_color.rgb, gradient, to_eye(at));
+    vec3 eye = to_eye(at);
+    color = lit(look, look.isosurface_color.rgb, gradient, eye,
+                arriving_light(look, at, sheet, gradient, eye));
   }
   composite_surface(pixel, color, depth_of_sheet(sheet));
 }

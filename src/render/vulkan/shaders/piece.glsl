@@ -74,6 +74,13 @@ void draw_piece(inout Pixel pixel, vec2 at, float s, Piece piece, vec2 has_field
     if (!piece.has_back) back = front;
     need += length(seen_normal(look, back) - seen_normal(look, front));
   }
+  vec2 front_light = kAllLight;
+  vec2 back_light = kAllLight;
+  if (has_flag(kHasLightVolume)) {
+    vec3 eye = to_eye(at);
+    front_light = arriving_light(look, at, piece.has_front ? s - 1.0 : s, front, eye);
+    back_light = arriving_light(look, at, piece.has_back ? s : s - 1.0, back, eye);
+  }
   int steps = steps_for(need);
   float share = (part.y - part.x) / float(steps);
   float path = share * ray_length(at);
@@ -85,6 +92,7 @@ void draw_piece(inout Pixel pixel, vec2 at, float s, Piece piece, vec2 has_field
     if (has_flag(kHasOwnColor))
       color.rgb =
           classify(look.color, fma(piece.back_color - piece.front_color, t, piece.front_color)).rgb;
-    draw_seen(pixel, at, s - 1.0 + t, path, color, mix(front, back, t));
+    draw_seen(pixel, at, s - 1.0 + t, path, color, mix(front, back, t),
+              mix(front_light, back_light, t));
   }
 }

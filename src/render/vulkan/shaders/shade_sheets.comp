@@ -140,7 +140,8 @@ void draw_surface(inout Pixel pixel, ivec2 at, int sheet, float value) {
     ++num_samples.z;
     vec3 gradient = mix(central_gradient(at, sheet - 1, before.value),
                         central_gradient(at, sheet, value), t);
-    color = lit(look, color, gradient, to_eye(place));
+    vec3 eye = to_eye(place);
+    color = lit(look, color, gradient, eye, arriving_light(look, place, s, gradient, eye));
   }
   composite_surface(pixel, clamp(color, 0.0, 1.0), depth_of_sheet(s));
 }

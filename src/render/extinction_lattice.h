@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a look makes of a field, seen from afar: how strongly each cell of a coarse lattice absorbs
+// light. docs/numerics.md, "Light from a coarse volume", is the definition.
+#pragma once
+
+#include <stop_token>
+#include <vector>
+
+#include "ovoid/field.h"
+#include "ovoid/look.h"
+#include "ovoid/render_options.h"
+
+namespace ovoid {
+
+struct ExtinctionLattice {
+  Index3 dims{};  // an empty cell lies around the field on all sides
+  Affine3 world_from_cell = Affine3::Identity();  // cell (i, j, k) has its middle at (i, j, k)
+  std::vector<float> extinction;                  // per world length, [dims[2]][dims[1]][dims[0]]
+
+  double cell_edge() const;  // world: the mean of a cell's three
+};
+
+// An opacity of 1 counts as this much extinction per unit distance: of its light 1.8 % go through.
+// A greater number would let single samples fill their cell.
+inline constexpr double kOpaqueExtinction = 4;
+
+// Cells along the longest side: a quarter of the samples, in these bounds, and never more than
+// there are samples.
+inline constexpr int kLeastLightCells = 64;
+inline constexpr int kMostLightCells = 128;
+
+// Extinction per world length of a value, of a look whose unit distance is set.
+double extinction_of(const Look& look, double value);
+
+// `unit_distance` of the look is set. Clip planes take away what they cut. A pass over the samples
+// that can show, or over all kernels. Throws Error(kCancelled), and what the field's source throws.
+ExtinctionLattice extinction_lattice(const Field& field, const Look& look,
+                                     const std::vector<ClipPlane>& clip_planes, int threads,
+                                     const std::stop_token& stop);
+
+}  // namespace ovoid

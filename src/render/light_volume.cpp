@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/light_volume.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/light_sweep.h"
+
+namespace ovoid {
+namespace {
+
+// Fields and looks whose light is kept: viewers go to and fro between a field and its coarse ones.
+constexpr std::size_t kMostLights = 4;
+
+void append_curve(std::vector<double>& key, const std::vector<OpacityPoint>& points) {
+  key.push_back(static_cast<double>(points.size()));
+  for (const OpacityPoint& point : points)
+    key.insert(key.end(), {point.x, point.opacity, point.midpoint, point.sharpness});
+}
+
+// All that an extinction lattice depends on. Colours are not among it.
+std::vector<double> key_of(const Field& field, const Look& look,
+                           const std::vector<ClipPlane>& clip_planes) {
+  const TransferFunction& tf = look.transfer_function;
+  std::vector<double> key{static_cast<double>(field.id()),
+                          static_cast<double>(field.version()),
+                          static_cast<double>(look.mode),
+                          look.isovalue,
+                          look.unit_distance,
+                          static_cast<double>(tf.scale),
+                          tf.linear_width};
+  if (look.mode != Mode::kIsosurface) append_curve(key, tf.opacities);
+  for (const ClipPlane& plane : clip_planes)
+    key.insert(key.end(), {plane.normal[0], plane.normal[1], plane.normal[2], plane.offset});
+  return key;
+}
+
+double diagonal_of(const ExtinctionLattice& lattice) {
+  const Vec3 cells(static_cast<double>(lattice.dims[0] - 2),
+                   static_cast<double>(lattice.dims[1] - 2),
+                   static_cast<double>(lattice.dims[2] - 2));
+  const Mat3 axes = lattice.world_from_cell.linear();
+  double longest = 0;  // of four diagonals
+  for (const double y : {-1.0, 1.0}) {
+    for (const double z : {-1.0, 1.0})
+      longest = std::max(longest, (axes * cells.cwiseProduct(Vec3(1, y, z))).norm());
+  }
+  return longest;
+}
+
+// Half of the sky is what an open surface sees: that counts as all of the light.
+std::vector<float> light_from_everywhere(const ExtinctionLattice& lattice, int threads,
+                                         const std::stop_token& stop) {
+  const double reach = kReachOfDiagonal * diagonal_of(lattice);
+  std::vector<float> light = mean_arriving_light(lattice, directions_of_sphere(kSphereDirections),
+                                                 {1, 1 / reach}, threads, stop);
+  for (float& share : light) share = std::min(1.0F, 2 * share);
+  return light;
+}
+
+void set_quads(view::LightVolume& volume) {
+  const auto stride = static_cast<std::size_t>(volume.dims[0]);
+  const std::size_t count = volume.packed.size();
+  volume.quads.resize(4 * count);
+  const auto cell = [&](std::size_t i) { return i < count ? volume.packed[i] : 0.0F; };
+  for (std::size_t i = 0; i < count; ++i) {
+    float* const quad = &volume.quads[4 * i];
+    quad[0] = cell(i);
+    quad[1] = cell(i + 1);
+    quad[2] = cell(i + stride);
+    quad[3] = cell(i + stride + 1);
+  }
+}
+
+bool has_key_light(const Look& look) { return look.shadows > 0 && look.light_direction; }
+
+}  // namespace
+
+bool has_light_volume(const Look& look) {
+  const bool is_lit =
+      look.shade && (look.mode == Mode::kComposite || look.mode == Mode::kIsosurface);
+  return is_lit && (look.occlusion > 0 || has_key_light(look));
+}
+
+LightVolumes::Kept& LightVolumes::kept_for(const Field& field, const Look& look,
+                                           const std::vector<ClipPlane>& clip_planes, int threads,
+                                           const std::stop_token& stop) {
+  Key key = key_of(field, look, clip_planes);
+  const auto found =
+      std::find_if(kept_.begin(), kept_.end(), [&](const Kept& kept) { return kept.key == key; });
+  if (found != kept_.end()) {
+    std::rotate(kept_.begin(), found, found + 1);
+    return kept_.front();
+  }
+  Kept fresh;
+  fresh.extinction = extinction_lattice(field, look, clip_planes, threads, stop);
+  fresh.key = std::move(key);
+  fresh.volume.dims = fresh.extinction.dims;
+  fresh.volume.cell_from_world = fresh.extinction.world_from_cell.inverse();
+  fresh.volume.cell_edge = fresh.extinction.cell_edge();
+  if (kept_.size() == kMostLights) kept_.pop_back();
+  kept_.insert(kept_.begin(), std::move(fresh));
+  return kept_.front();
+}
+
+const view::LightVolume* LightVolumes::at(const Field& field, const Look& look,
+                                          const std::vector<ClipPlane>& clip_planes, int threads,
+                                          const std::stop_token& stop) {
+  if (!has_light_volume(look)) return nullptr;
+  Kept& kept = kept_for(field, look, clip_planes, threads, stop);
+  if (look.occlusion > 0 && kept.around.empty())
+    kept.around = light_from_everywhere(kept.extinction, threads, stop);
+  const bool has_key = has_key_light(look);
+  const bool has_scatter = has_key && look.scatter > 0;
+  if (has_key) {
+    const Vec3 towards = look.light_direction->normalized();
+    Key key_light{towards[0], towards[1], towards[2], has_scatter ? 1.0 : 0.0};
+    if (kept.key_light != key_light) {
+      kept.key_light.clear();
+      kept.key_share = mean_arriving_light(kept.extinction, {towards}, {}, threads, stop);
+      if (has_scatter) {
+        kept.scattered = mean_arriving_light(
+            kept.extinction, directions_of_cone(towards, kScatterAngle, kConeDirections),
+            {kScatterExtinction, 0}, threads, stop);
+      }
+      kept.key_light = std::move(key_light);
+      kept.strengths.clear();
+    }
+  }
+  Key strengths{look.occlusion, has_key ? look.shadows : 0, has_scatter ? look.scatter : 0};
+  if (kept.strengths == strengths) return &kept.volume;
+  std::vector<float>& packed = kept.volume.packed;
+  packed.resize(kept.extinction.extinction.size());
+  for (std::size_t i = 0; i < packed.size(); ++i) {
+    view::ArrivingLight light;
+    if (look.occlusion > 0) light.around = 1 - look.occlusion * (1 - kept.around[i]);
+    if (has_key) {
+      const double lost =
+          (1 - kept.key_share[i]) * (1 - (has_scatter ? look.scatter * kept.scattered[i] : 0.0));
+      light.key = 1 - look.shadows * lost;
+    }
+    packed[i] = view::packed_light(light);
+  }
+  set_quads(kept.volume);
+  kept.volume.has_key = has_key;
+  kept.strengths = std::move(strengths);
+  return &kept.volume;
+}
+
+}  // namespace ovoid

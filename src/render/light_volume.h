@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// The light that a frame's samples are reached by: made from a field and a look, and kept as long
+// as neither changes. docs/numerics.md, "Light from a coarse volume", is the definition.
+#pragma once
+
+#include <cstdint>
+#include <stop_token>
+#include <vector>
+
+#include "ovoid/field.h"
+#include "ovoid/look.h"
+#include "ovoid/render_options.h"
+#include "render/extinction_lattice.h"
+#include "view/light_volume.h"
+
+namespace ovoid {
+
+// How far light from everywhere must go to be whole again, in diagonals of the field's box.
+inline constexpr double kReachOfDiagonal = 0.125;
+// Directions from which light comes from everywhere: with 64 a picture is as near to what endless
+// directions give as the coarse cells let it be (bench/light.py).
+inline constexpr int kSphereDirections = 64;
+// What scattering brings back comes from a cone around the key, through a part of the extinction.
+inline constexpr double kScatterAngle = 0.6;  // radians, from the cone's axis
+inline constexpr int kConeDirections = 8;
+inline constexpr double kScatterExtinction = 0.25;
+
+// True if light that arrives is a matter of the look: it is lit, and a share of it is taken.
+bool has_light_volume(const Look& look);
+
+class LightVolumes {
+ public:
+  // The light of a frame. `unit_distance` of the look is set, and its light's direction unless it
+  // is a headlight. Null where the look has none. Valid until the next call. Throws
+  // Error(kCancelled), and what the field's source throws.
+  const view::LightVolume* at(const Field& field, const Look& look,
+                              const std::vector<ClipPlane>& clip_planes, int threads,
+                              const std::stop_token& stop);
+
+ private:
+  // What an extinction is made of, as numbers that are compared.
+  using Key = std::vector<double>;
+  struct Kept {
+    Key key;
+    ExtinctionLattice extinction;
+    std::vector<float> around;  // shares of light from everywhere; empty: not asked for yet
+    Key key_light;              // what the two below are made of
+    std::vector<float> key_share, scattered;
+    Key strengths;  // what the volume is made of
+    view::LightVolume volume;
+  };
+  Kept& kept_for(const Field& field, const Look& look, const std::vector<ClipPlane>& clip_planes,
+                 int threads, const std::stop_token& stop);
+
+  std::vector<Kept> kept_;  // the last used first
+};
+
+}  // namespace ovoid

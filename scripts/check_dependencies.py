@@ -16,7 +16,7 @@ PUBLIC = {
     "error.h": "data", "export.h": "data", "version.h": "data", "math.h": "data", "lattice.h": "data", "kernels.h": "data", "kernel_field.h": "data", "field.h": "data", "surface.h": "data", "dataset.h": "data", "series.h": "data", "relevant.h": "data",
     "model.h": "model", "resample.h": "model", "slices.h": "model", "hyperslice.h": "model", "coarse.h": "model",
     "camera.h": "view", "transfer_function.h": "view", "look.h": "view", "image.h": "view",
-    "render_options.h": "view", "crop.h": "view", "framing.h": "view",
+    "render_options.h": "view", "depth_limits.h": "view", "crop.h": "view", "framing.h": "view",
     "annotate.h": "annotate",
     "io.h": "io",
     "lattice_file.h": "io",

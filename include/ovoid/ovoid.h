@@ -13,6 +13,7 @@
 #include "ovoid/coarse.h"
 #include "ovoid/crop.h"
 #include "ovoid/dataset.h"
+#include "ovoid/depth_limits.h"
 #include "ovoid/devices.h"
 #include "ovoid/error.h"
 #include "ovoid/field.h"

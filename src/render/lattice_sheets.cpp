@@ -18,6 +18,7 @@ std::string reason_against(const BackEnd& back_end, const FrameJob& job) {
   if (!back_end.has_lattice_sheets()) return "backend vulkan has image sheets";
   if (job.field.lattice() == nullptr) return "the field is a set of kernels";
   if (job.trail != nullptr) return "a trail is drawn on image sheets";
+  if (options.depth_limits != nullptr) return "depth limits are those of the picture's own pixels";
   if (is_published(options.post_convolution))
     return "the published ways of post-convolution are for image sheets";
   if (options.evaluate == Evaluate::kScatter) return "kernels are scattered to image sheets";

@@ -48,6 +48,8 @@ void require_trail(const Field& field, const Look& look, const Trail& trail,
     throw Error(ErrorCode::kUnsupported, "trail: is for the modes composite and isosurface");
   if (is_published(options.post_convolution))
     throw Error(ErrorCode::kUnsupported, "trail: is for post-convolution off and auto");
+  if (options.depth_limits != nullptr)
+    throw Error(ErrorCode::kUnsupported, "trail: is for pictures without depth limits");
   const LatticeGeometry& own = field.lattice()->geometry();
   if (trail.field.is_empty() || trail.field.geometry().kind != own.kind ||
       trail.field.geometry().dims != own.dims ||
@@ -82,6 +84,14 @@ view::TrailView view_of(const Trail& trail, const Look& look, const RenderOption
 using Clock = std::chrono::steady_clock;
 double milliseconds_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+// What depth limits are true of only a part of a pixel. An integral stays what it is.
+void apply_coverage(const DepthLimits& limits, Mode mode, Image& image) {
+  if (mode == Mode::kXray) return;
+  for (std::size_t i = 0; i < limits.coverage.size(); ++i) {
+    for (std::size_t c = 0; c < 4; ++c) image.rgba[4 * i + c] *= limits.coverage[i];
+  }
 }
 
 void add_notice(FrameProfile& profile, const std::string& notice) {
@@ -237,6 +247,8 @@ Frame Renderer::Impl::draw(const Field& field, const Camera& camera, const Look&
     frame.profile.frame_ms += light_ms;
     if (options.collect_profile) frame.profile.stages_ms.emplace_back("light volume", light_ms);
   }
+  if (options.depth_limits != nullptr)
+    apply_coverage(*options.depth_limits, look.mode, frame.image);
   note_on_precision(frame.profile, job);
   return frame;
 } catch (const std::bad_alloc&) {

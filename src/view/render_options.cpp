@@ -41,6 +41,11 @@ void RenderOptions::validate() const {
             fmt::format("clip_planes[{}].normal: must be finite and not zero", i));
     require(std::isfinite(plane.offset), fmt::format("clip_planes[{}].offset: must be finite", i));
   }
+  if (depth_limits == nullptr) return;
+  require(depth_limits->width == width && depth_limits->height == height,
+          fmt::format("depth_limits: of {} x {} pixels, the picture has {} x {}",
+                      depth_limits->width, depth_limits->height, width, height));
+  depth_limits->validate();
 }
 
 }  // namespace ovoid

@@ -11,12 +11,12 @@
 namespace ovoid::test {
 namespace {
 
-struct NamedSet {
+struct NamedKernelSet {
   std::string name;
   KernelNumbers numbers;
 };
 
-std::vector<NamedSet> test_sets() {
+std::vector<NamedKernelSet> kernel_test_sets() {
   KernelNumbers far_away = jittered_ellipsoids(7);
   for (double& x : far_away.centers) x += 5e5;
   KernelNumbers spline = jittered_balls(8);
@@ -38,7 +38,7 @@ std::string view_text(bool is_parallel) { return is_parallel ? ", parallel" : ",
 
 // Fails if a section, its rows, the widening, the skipping of blocks or the differences are off.
 TEST(KernelSets, AgreeOnEverySetAndLook) {
-  for (const NamedSet& set : test_sets()) {
+  for (const NamedKernelSet& set : kernel_test_sets()) {
     const KernelField field(set.numbers.source(), Reconstruction::kNormalized);
     for (const TestLook& look : test_looks(0, 1)) {
       for (const bool is_parallel : {true, false}) {
@@ -299,7 +299,7 @@ TEST(KernelSets, BallsSmallerThanSamplesMerge) {
 // Magnified until kernels go to the coarse levels: the tier of post-convolution. Fails if a level's
 // samples lie elsewhere, or the filter's phases are swapped.
 TEST(KernelSets, LevelsAgreeWithDirectSums) {
-  for (const NamedSet& set : test_sets()) {
+  for (const NamedKernelSet& set : kernel_test_sets()) {
     const KernelField field(set.numbers.source(), Reconstruction::kNormalized);
     std::vector<TestLook> looks = test_looks(0, 1);
     looks.push_back({"surface", with_mode(looks[3].look, Mode::kIsosurface)});
@@ -327,8 +327,8 @@ std::int64_t num_seen(const Image& image) {
 // sums would end at samples of coarse levels.
 TEST(KernelSets, SumsOnLevelsEndWhereTheirKernelsDo) {
   KernelNumbers blobs = balls_of_all_sizes(300, 0.02);
-  for (const NamedSet& set :
-       {NamedSet{"ellipsoids", jittered_ellipsoids(5)}, NamedSet{"balls of all sizes", blobs}}) {
+  for (const NamedKernelSet& set : {NamedKernelSet{"ellipsoids", jittered_ellipsoids(5)},
+                                    NamedKernelSet{"balls of all sizes", blobs}}) {
     const KernelField field(set.numbers.source(), Reconstruction::kSum);
     for (const Mode mode : {Mode::kXray, Mode::kMean, Mode::kMaximum, Mode::kComposite}) {
       for (const bool is_parallel : {true, false}) {

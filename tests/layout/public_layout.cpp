@@ -29,6 +29,8 @@ constinit const TypeLayout OVOID_LAYOUTS[] = {
     OVOID_TYPE(DatasetBlock),
     OVOID_TYPE(Cells),
     OVOID_TYPE(Dataset),
+    OVOID_TYPE(DepthLimits),
+    OVOID_TYPE(DepthLimits::Stop),
     OVOID_TYPE(DeviceInfo),
     OVOID_TYPE(VulkanSetup),
     OVOID_TYPE(DeviceList),

@@ -35,6 +35,7 @@ struct SheetPlace {
 };
 
 struct TileRays;
+struct TileLimits;
 
 // Where a block lies in the picture. Its sheets have numbers from 0; sheet s is sheet first_sheet +
 // s of the frame.
@@ -47,6 +48,7 @@ struct BlockPlace {
   int num_sheets;            // margin sheets included
   int front_margin, back_margin;
   const TileRays* rays;  // of the tile; unused in parallel projection
+  TileLimits* limits;    // of the tile; null: none
   SheetPlace sheets[kMaxSheets];
 
   std::int64_t number_of(int s) const noexcept { return first_sheet + s; }
@@ -79,6 +81,14 @@ struct alignas(64) TileState {
 struct alignas(64) TileRays {
   float length[TileState::kPixels];  // per unit of depth
   float eye[3][TileState::kPixels];  // direction to the eye, unit length
+};
+
+// Where a tile's pixels stand among the stops of the frame's depth limits; index as in TileState.
+struct alignas(64) TileLimits {
+  float enter[TileState::kPixels], leave[TileState::kPixels];  // depths of the span in hand
+  std::uint32_t span[TileState::kPixels];                      // the stop at which it begins
+  std::uint32_t shown[TileState::kPixels];  // the first stop that has not joined the pixel
+  std::uint32_t end[TileState::kPixels];    // behind the pixel's last stop
 };
 
 // Pixels of the picture, half open.

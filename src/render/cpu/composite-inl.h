@@ -62,6 +62,20 @@ HWY_INLINE void add_to_pixels(const GroupColor& seen, V alpha, V depth, GroupPix
   pixels.depth = hn::IfThenElse(reaches_half, depth, pixels.depth);
 }
 
+// An opaque surface joins the lanes of `mask`, behind what is in front of it.
+HWY_INLINE void add_surface(const GroupColor& lit, M mask, V depth, TileState& tile, int pixel) {
+  const V in_front = hn::LoadU(d, tile.alpha + pixel);
+  const V share = hn::Sub(hn::Set(d, 1.0F), in_front);
+  const auto add = [&](float* sum, V color) {
+    store_masked(mask, hn::MulAdd(share, color, hn::LoadU(d, sum + pixel)), sum + pixel);
+  };
+  add(tile.red, lit.red);
+  add(tile.green, lit.green);
+  add(tile.blue, lit.blue);
+  store_masked(mask, hn::Set(d, 1.0F), tile.alpha + pixel);
+  store_masked(hn::And(mask, hn::Lt(in_front, hn::Set(d, 0.5F))), depth, tile.depth + pixel);
+}
+
 inline void composite_sheet(const CpuFrame& frame, const BlockPlace& place, int s,
                             const ShadedSheet& shaded, TileState& tile) {
   for (int y = 0; y < place.rows; ++y) {

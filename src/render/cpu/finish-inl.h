@@ -9,6 +9,7 @@
 #endif
 
 #include "render/cpu/composite-inl.h"
+#include "render/cpu/limits-inl.h"
 #include "render/cpu/pieces-inl.h"
 #include "render/cpu/shade-inl.h"
 #include "render/cpu/ticks.h"
@@ -17,13 +18,15 @@ HWY_BEFORE_NAMESPACE();
 namespace ovoid::cpu {
 namespace HWY_NAMESPACE {
 
-// The samples of sheet s named by `bits`, whose values are there. Calls take_gradients() if any are
-// wanted of the samples that turn out visible. Returns whether any is.
+// The samples of sheet s named by `samples`, whose values are there. Calls take_gradients() if any
+// are wanted of the samples that turn out visible. Returns whether any is.
 template <class TakeGradients>
 inline bool finish_samples(const CpuFrame& frame, const TileInHand& tile, int s,
-                           const RowBits& bits, StageClock& clock,
+                           const RowBits& samples, StageClock& clock,
                            const TakeGradients& take_gradients) {
   const BlockPlace& place = tile.place;
+  const RowBits bits =
+      place.limits == nullptr ? samples : with_path_within(frame, place, s, samples, tile.pixels);
   const Sheet& sheet = tile.ring[place.number_of(s)];
   ShadedSheet& shaded = tile.shaded;
   if (frame.mode != Mode::kComposite) {
@@ -49,12 +52,13 @@ inline bool finish_samples(const CpuFrame& frame, const TileInHand& tile, int s,
   return true;
 }
 
-// The refined pieces that end on sheet s, of the pixels named by `bits`. Calls take_gradients() if
+// The refined pieces that end on sheet s, of the pixels named by `bits`, within the spans in hand.
+// Calls take_gradients() if
 // those of the ends of visible pieces are wanted. Returns whether any is visible.
 template <class PartOf, class TakeGradients>
-inline bool finish_pieces(const CpuFrame& frame, const TileInHand& tile, int s, const RowBits& bits,
-                          const PartOf& part_of, StageClock& clock,
-                          const TakeGradients& take_gradients) {
+inline bool finish_pieces_in_hand(const CpuFrame& frame, const TileInHand& tile, int s,
+                                  const RowBits& bits, const PartOf& part_of, StageClock& clock,
+                                  const TakeGradients& take_gradients) {
   classify_pieces(frame, tile.place, tile.ring, s, with_an_end(tile.place, tile.ring, s, bits),
                   tile.shaded);
   const bool is_visible = count_bits(tile.shaded.visible, tile.place.rows) > 0;
@@ -67,6 +71,31 @@ inline bool finish_pieces(const CpuFrame& frame, const TileInHand& tile, int s, 
   draw_pieces(frame, tile, s, part_of);
   clock.lap(kShade);
   return true;
+}
+
+// The same, whatever depth limits there are: one span of a piece after the other.
+template <class PartOf, class TakeGradients>
+inline bool finish_pieces(const CpuFrame& frame, const TileInHand& tile, int s, const RowBits& bits,
+                          const PartOf& part_of, StageClock& clock,
+                          const TakeGradients& take_gradients) {
+  const BlockPlace& place = tile.place;
+  if (place.limits == nullptr)
+    return finish_pieces_in_hand(frame, tile, s, bits, part_of, clock, take_gradients);
+  const float far = place.sheets[s].depth;
+  const float near = far - frame.camera.sampling_distance;
+  leave_spans(frame, place, bits, near, tile.pixels);
+  bool is_visible = false;
+  RowBits left = within_spans(frame, place, bits, near, far, tile.pixels);
+  while (count_bits(left, place.rows) > 0) {
+    if (finish_pieces_in_hand(frame, tile, s, left, part_of, clock, take_gradients))
+      is_visible = true;
+    for_each_pixel(place, RowBits(left), [&](int row, int column, int pixel) {
+      if (place.limits->leave[pixel] >= far) left[row] &= ~(RowWord{1} << column);
+    });
+    leave_spans(frame, place, left, far, tile.pixels);
+    left = within_spans(frame, place, left, near, far, tile.pixels);
+  }
+  return is_visible;
 }
 
 }  // namespace HWY_NAMESPACE

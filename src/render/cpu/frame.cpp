@@ -18,6 +18,8 @@ void set_frame(CpuFrame& frame, const Look& look, const RenderOptions& options,
   static_cast<FrameTraits&>(frame) = frame_traits(plan, look, options);
   frame.plan = &plan;
   frame.options = &options;
+  frame.limits = options.depth_limits.get();
+  frame.takes_colors_of_stops = frame.mode == Mode::kComposite || frame.mode == Mode::kIsosurface;
   frame.camera = frame_camera(plan);
   FrameLook& tables = frame.look;
   tables.constants = look_constants(plan, look, frame.corrects_late, tables.memory);

@@ -40,6 +40,8 @@ struct FrameLook {
 struct CpuFrame : FrameTraits {
   const view::FramePlan* plan = nullptr;
   const RenderOptions* options = nullptr;
+  const DepthLimits* limits = nullptr;  // null: none
+  bool takes_colors_of_stops = false;
   std::stop_token stop;
   FrameCamera camera;
   FrameLook look;

@@ -11,6 +11,7 @@
 
 #include "render/cpu/composite-inl.h"
 #include "render/cpu/gradient-inl.h"
+#include "render/cpu/limits-inl.h"
 #include "render/cpu/shade-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -80,6 +81,10 @@ inline void surface_sheet(const LatticeFrame& frame, Workspace& work, int s) {
       ends.to = position_of(block.sheets[s], column, y);
       const V t = refine(frame, work, {s, column, y, crossing}, ends);
       crossing &= kept_by_planes(frame, place, s, column, y, t);
+      const V depth =
+          hn::MulAdd(hn::Sub(t, hn::Set(d, 1.0F)), hn::Set(d, frame.camera.sampling_distance),
+                     hn::Set(d, place.sheets[s].depth));
+      crossing = within_spans(frame, place, {s, column, y, crossing}, depth, tile);
       if (crossing == 0) return;
       const V color[3] = {hn::Set(d, frame.look.constants.isosurface_color.x),
                           hn::Set(d, frame.look.constants.isosurface_color.y),
@@ -93,20 +98,9 @@ inline void surface_sheet(const LatticeFrame& frame, Workspace& work, int s) {
       }
       const int pixel = tile_index(place, column, y);
       const M mask = mask_of(crossing);
-      // What is in front is not all that shows.
-      const V in_front = hn::LoadU(d, tile.alpha + pixel);
-      const V share = hn::Sub(hn::Set(d, 1.0F), in_front);
-      const auto add = [&](float* sum, V lit) {
-        store_masked(mask, hn::MulAdd(share, lit, hn::LoadU(d, sum + pixel)), sum + pixel);
-      };
-      add(tile.red, lit_color(color[0], light));
-      add(tile.green, lit_color(color[1], light));
-      add(tile.blue, lit_color(color[2], light));
-      store_masked(mask, hn::Set(d, 1.0F), tile.alpha + pixel);
-      const V depth =
-          hn::MulAdd(hn::Sub(t, hn::Set(d, 1.0F)), hn::Set(d, frame.camera.sampling_distance),
-                     hn::Set(d, place.sheets[s].depth));
-      store_masked(hn::And(mask, hn::Lt(in_front, hn::Set(d, 0.5F))), depth, tile.depth + pixel);
+      add_surface(
+          {lit_color(color[0], light), lit_color(color[1], light), lit_color(color[2], light)},
+          mask, depth, tile, pixel);
       open &= ~(RowWord{crossing} << tile_column(place, column));
       work.stats.samples_shaded += std::popcount(crossing);
     });

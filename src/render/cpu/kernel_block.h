@@ -68,6 +68,7 @@ inline constexpr std::uint32_t kAllSubtiles = (1U << (kSubtiles * kSubtiles)) - 
 struct Subtile {
   TileState pixels;
   TileRays rays;
+  TileLimits limits;
   SheetRing ring{kTilePlane};
 };
 

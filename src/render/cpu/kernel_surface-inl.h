@@ -11,6 +11,7 @@
 #include "render/cpu/composite-inl.h"
 #include "render/cpu/differences-inl.h"
 #include "render/cpu/kernel_block.h"
+#include "render/cpu/limits-inl.h"
 #include "render/cpu/shade-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -26,7 +27,8 @@ HWY_INLINE WorldVector mix_vectors(const WorldVector& a, const WorldVector& b, V
 HWY_INLINE std::uint32_t with_path(const CpuFrame& frame, const BlockPlace& place, int s,
                                    int column, int row) {
   if (!frame.plan->is_clipped) return group_bits();
-  return bits_of(hn::Gt(path_fraction(frame, place, s, column, row), hn::Zero(d)));
+  const SlabCut slab = slab_of(frame, place, s, column, row);
+  return bits_of(hn::Gt(slab.to, slab.from));
 }
 
 inline void kernel_surface_sheet(const CpuFrame& frame, const TileInHand& tile, int s) {
@@ -52,6 +54,10 @@ inline void kernel_surface_sheet(const CpuFrame& frame, const TileInHand& tile, 
           crossing &= kept_by_planes(frame, place, s, column, y, t);
           crossing &=
               with_path(frame, place, s - 1, column, y) & with_path(frame, place, s, column, y);
+          const V depth =
+              hn::MulAdd(hn::Sub(t, hn::Set(d, 1.0F)), hn::Set(d, frame.camera.sampling_distance),
+                         hn::Set(d, place.sheets[s].depth));
+          crossing = within_spans(frame, place, {s, column, y, crossing}, depth, pixels);
           if (crossing == 0) return;
           Classified color{hn::Set(d, frame.look.constants.isosurface_color.x),
                            hn::Set(d, frame.look.constants.isosurface_color.y),
@@ -71,14 +77,9 @@ inline void kernel_surface_sheet(const CpuFrame& frame, const TileInHand& tile, 
           }
           const int pixel = tile_index(place, column, y);
           const M mask = mask_of(crossing);
-          store_masked(mask, lit_color(color.red, light), pixels.red + pixel);
-          store_masked(mask, lit_color(color.green, light), pixels.green + pixel);
-          store_masked(mask, lit_color(color.blue, light), pixels.blue + pixel);
-          store_masked(mask, hn::Set(d, 1.0F), pixels.alpha + pixel);
-          const V depth =
-              hn::MulAdd(hn::Sub(t, hn::Set(d, 1.0F)), hn::Set(d, frame.camera.sampling_distance),
-                         hn::Set(d, place.sheets[s].depth));
-          store_masked(mask, depth, pixels.depth + pixel);
+          add_surface({lit_color(color.red, light), lit_color(color.green, light),
+                       lit_color(color.blue, light)},
+                      mask, depth, pixels, pixel);
           open &= ~(RowWord{crossing} << tile_column(place, column));
           tile.stats.samples_shaded += std::popcount(crossing);
         });

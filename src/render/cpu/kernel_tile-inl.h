@@ -15,6 +15,7 @@
 #include "render/cpu/differences-inl.h"
 #include "render/cpu/finish-inl.h"
 #include "render/cpu/kernel_surface-inl.h"
+#include "render/cpu/limits-inl.h"
 #include "render/cpu/post_convolve-inl.h"
 #include "render/cpu/scatter_kernels-inl.h"
 #include "render/cpu/shade-inl.h"
@@ -206,7 +207,7 @@ inline void finish_subtile_pieces(const CpuFrame& frame, const TileInHand& tile,
   RowBits bits = visible_candidates(frame, tile, s);
   const RowBits front = visible_candidates(frame, tile, s - 1);
   for (int y = 0; y < tile.place.rows; ++y) bits[y] |= front[y];
-  finish_pieces(frame, tile, s, bits, HalfPieces(), clock,
+  finish_pieces(frame, tile, s, bits, KernelPieces{frame, tile.place}, clock,
                 [&] { difference_gradients_of_ends(frame, tile, s); });
 }
 
@@ -266,6 +267,7 @@ inline void take_sheets(const KernelFrame& frame, KernelWorkspace& work, const T
     place.tile_x = rect.x0 + sub % kSubtiles * kTileSize;
     place.tile_y = rect.y0 + sub / kSubtiles * kTileSize;
     place.rays = &subtile.rays;
+    place.limits = frame.limits == nullptr ? nullptr : &subtile.limits;
     place.x1 = std::min(rect.x1 - place.tile_x, kTileSize);
     place.y1 = std::min(rect.y1 - place.tile_y, kTileSize);
     if (place.x1 <= 0 || place.y1 <= 0) continue;
@@ -307,6 +309,8 @@ inline void set_up_tile(const KernelFrame& frame, KernelWorkspace& work, const T
     subtile.pixels.reset(width, width > 0 ? height : 0);
     set_up_rays(frame, rect.x0 + sub % kSubtiles * kTileSize, rect.y0 + sub / kSubtiles * kTileSize,
                 subtile.rays);
+    set_up_limits(frame, rect.x0 + sub % kSubtiles * kTileSize,
+                  rect.y0 + sub / kSubtiles * kTileSize, subtile.limits, subtile.pixels);
   }
 }
 
@@ -366,6 +370,13 @@ inline void render_kernel_tile_on_target(const KernelFrame& frame, KernelWorkspa
     const bool goes_on = last < num_sheets(frame) && is_relevant(layer + 1);
     draw_block(frame, work, rect, {first, last, !is_running, !goes_on}, clock);
     is_running = true;
+  }
+  for (int sub = 0; sub < kSubtiles * kSubtiles; ++sub) {
+    Subtile& subtile = work.subtiles[static_cast<std::size_t>(sub)];
+    show_last_stops(frame,
+                    std::clamp(rect.x1 - rect.x0 - sub % kSubtiles * kTileSize, 0, kTileSize),
+                    std::clamp(rect.y1 - rect.y0 - sub / kSubtiles * kTileSize, 0, kTileSize),
+                    subtile.limits, subtile.pixels);
   }
   clock.lap(kBin);
 }

@@ -51,6 +51,7 @@ struct LatticeWorkspace {
   Workspace trail{kTilePlane};                             // of LatticeFrame::trail
   std::array<TileState, kPatchTiles * kPatchTiles> tiles;  // row by row
   std::array<TileRays, kPatchTiles * kPatchTiles> rays;
+  std::array<TileLimits, kPatchTiles * kPatchTiles> limits;
   struct TileBits {
     // By the sheets of the nodes' block; what is active is known where pixels are binned.
     std::array<RowBits, kMaxSheets> relevant, active;

@@ -271,6 +271,7 @@ inline void finish_patch_tile(const LatticeFrame& frame, LatticeWorkspace& work,
   place_tile(patch, tile, place);
   own.tile = &work.tiles[tile.number];
   place.rays = &work.rays[tile.number];
+  place.limits = frame.limits == nullptr ? nullptr : &work.limits[tile.number];
   of_tile.any_visible = false;
   const auto wanted_on = [&](int sheet) -> const RowBits& {
     return patch.is_binned_by_tile ? bits : of_tile.active[static_cast<std::size_t>(sheet)];
@@ -400,10 +401,10 @@ inline void draw_patch_sum(const LatticeFrame& frame, LatticeWorkspace& work, co
   });
 }
 
-// True if neither a clip plane nor the near plane shortens a sample's path.
+// True if neither depth limits nor a clip plane nor the near plane shorten a sample's path.
 inline bool are_paths_whole(const CpuFrame& frame, const Patch& patch) {
   const view::ViewLattice& lattice = frame.plan->lattice;
-  return frame.plan->clip_planes.empty() &&
+  return frame.limits == nullptr && frame.plan->clip_planes.empty() &&
          lattice.depth(patch.first_sheet) - lattice.sampling_distance() > lattice.near_depth();
 }
 

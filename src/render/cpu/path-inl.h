@@ -46,9 +46,44 @@ HWY_INLINE SlabCut cut_of(V inside, V slope) {
           hn::IfThenElse(is_gone, hn::Neg(far), hn::IfThenElse(leaves, crossing, far))};
 }
 
-// Fraction of the slab, in [0, 1]. The slab is [-1/2, 1/2] sheets around the sample; every half
-// space cuts off an end.
-HWY_INLINE V path_fraction(const CpuFrame& frame, const BlockPlace& place, int s, int column,
+// Where a plane's sample lies in the tile's arrays.
+HWY_INLINE int tile_index(const BlockPlace& place, int column, int row) {
+  return (place.y0 + row - place.margin) * kTileSize + place.x0 + column - place.margin;
+}
+
+// What the spans of the depth limits, from those in hand on, leave of the slabs [from, to], in
+// sheets around a group's samples.
+inline V path_within_spans(const CpuFrame& frame, const BlockPlace& place, const SampleGroup& group,
+                           V from, V to) {
+  alignas(64) float begin[16];
+  alignas(64) float end[16];
+  alignas(64) float sum[16] = {};
+  hn::Store(from, d, begin);
+  hn::Store(to, d, end);
+  const float depth = place.sheets[group.s].depth;
+  const float per_depth = 1 / frame.camera.sampling_distance;
+  const TileLimits& limits = *place.limits;
+  for (int lane = 0; lane < group_size(); ++lane) {
+    const int column = group.column + lane;
+    const bool is_of_tile = group.row >= place.margin && group.row < place.rows - place.margin &&
+                            column >= place.margin && column < place.columns - place.margin;
+    if (!is_of_tile) continue;
+    const int pixel = tile_index(place, column, group.row);
+    for (std::uint32_t i = limits.span[pixel]; i < limits.end[pixel]; ++i) {
+      const DepthLimits::Stop* const stop = frame.limits->stops.data() + i;
+      if (!stop->is_field_behind) continue;
+      const bool is_last = i + 1 == limits.end[pixel];
+      const float enter = (stop[0].depth - depth) * per_depth;
+      const float leave = is_last ? end[lane] : (stop[1].depth - depth) * per_depth;
+      sum[lane] += std::max(std::min(end[lane], leave) - std::max(begin[lane], enter), 0.0F);
+    }
+  }
+  return hn::Load(d, sum);
+}
+
+// What the half spaces leave of the slab, [-1/2, 1/2] sheets around the sample; each cuts off an
+// end.
+HWY_INLINE SlabCut slab_of(const CpuFrame& frame, const BlockPlace& place, int s, int column,
                            int row) {
   const view::FramePlan& plan = *frame.plan;
   const std::int64_t sheet = place.number_of(s);
@@ -64,12 +99,16 @@ HWY_INLINE V path_fraction(const CpuFrame& frame, const BlockPlace& place, int s
     from = hn::Max(from, cut.from);
     to = hn::Min(to, cut.to);
   }
-  return hn::Max(hn::Sub(to, from), hn::Zero(d));
+  return {from, to};
 }
 
-// Where a plane's sample lies in the tile's arrays.
-HWY_INLINE int tile_index(const BlockPlace& place, int column, int row) {
-  return (place.y0 + row - place.margin) * kTileSize + place.x0 + column - place.margin;
+// Fraction of the slab, in [0, 1].
+HWY_INLINE V path_fraction(const CpuFrame& frame, const BlockPlace& place, int s, int column,
+                           int row) {
+  const SlabCut slab = slab_of(frame, place, s, column, row);
+  if (place.limits != nullptr)
+    return path_within_spans(frame, place, {s, column, row, group_bits()}, slab.from, slab.to);
+  return hn::Max(hn::Sub(slab.to, slab.from), hn::Zero(d));
 }
 
 // Length of the ray per unit of depth: 1 for parallel projection.

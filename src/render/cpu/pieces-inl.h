@@ -138,7 +138,19 @@ inline void classify_pieces(const CpuFrame& frame, const BlockPlace& place, Shee
   }
 }
 
-// What no plane cuts away, the near plane included.
+// The spans in hand of a group's pixels; there are depth limits.
+HWY_INLINE PiecePart span_of(const CpuFrame& frame, const BlockPlace& place,
+                             const SampleGroup& group) {
+  const int pixel = tile_index(place, group.column, group.row);
+  const V per_depth = hn::Set(d, 1 / frame.camera.sampling_distance);
+  const V front = hn::Set(d, place.sheets[group.s].depth - frame.camera.sampling_distance);
+  const auto share_at = [&](const float* depths) {
+    return hn::Mul(hn::Sub(hn::LoadU(d, depths + pixel), front), per_depth);
+  };
+  return {share_at(place.limits->enter), share_at(place.limits->leave)};
+}
+
+// What no plane cuts away, the near plane included, within the span in hand of depth limits.
 HWY_INLINE PiecePart cut_part(const CpuFrame& frame, const BlockPlace& place,
                               const SampleGroup& group, PiecePart part) {
   const view::FramePlan& plan = *frame.plan;
@@ -159,7 +171,9 @@ HWY_INLINE PiecePart cut_part(const CpuFrame& frame, const BlockPlace& place,
     part.from = hn::Max(part.from, hn::Add(cut.from, one));
     part.to = hn::Min(part.to, hn::Add(cut.to, one));
   }
-  return part;
+  if (place.limits == nullptr) return part;
+  const PiecePart span = span_of(frame, place, group);
+  return {hn::Max(part.from, span.from), hn::Min(part.to, span.to)};
 }
 
 // A piece that has one end is half a piece.
@@ -168,6 +182,23 @@ struct HalfPieces {
     const V half = hn::Set(d, 0.5F);
     return {hn::IfThenElse(mask_of(ends.front), hn::Zero(d), half),
             hn::IfThenElse(mask_of(ends.back), hn::Set(d, 1.0F), half)};
+  }
+};
+
+// The same of a kernel set, but that it reaches as far as a span of depth limits that begins or
+// ends on the side where it has no end.
+struct KernelPieces {
+  const CpuFrame& frame;
+  const BlockPlace& place;
+
+  HWY_INLINE PiecePart operator()(const SampleGroup& group, const PieceEnds& ends) const {
+    PiecePart part = HalfPieces()(group, ends);
+    if (place.limits == nullptr) return part;
+    const PiecePart span = span_of(frame, place, group);
+    const V zero = hn::Zero(d), one = hn::Set(d, 1.0F);
+    part.from = hn::IfThenElse(hn::Gt(span.from, zero), zero, part.from);
+    part.to = hn::IfThenElse(hn::Lt(span.to, one), one, part.to);
+    return part;
   }
 };
 

@@ -278,6 +278,7 @@ inline void enter_tile(const CpuFrame& frame, LatticeWorkspace& work, Workspace&
   place_tile(patch, tile, place);
   own.tile = &work.tiles[tile.number];
   place.rays = &work.rays[tile.number];
+  place.limits = frame.limits == nullptr ? nullptr : &work.limits[tile.number];
 }
 
 inline void draw_tiles_layer(const LatticeFrame& frame, LatticeWorkspace& work, const Patch& patch,
@@ -370,6 +371,9 @@ inline void render_patch_on_target(const LatticeFrame& frame, LatticeWorkspace& 
                                                   width > 0 ? std::clamp(height, 0, kTileSize) : 0);
     set_up_rays(frame, rect.x0 + t % kPatchTiles * kTileSize, rect.y0 + t / kPatchTiles * kTileSize,
                 work.rays[static_cast<std::size_t>(t)]);
+    set_up_limits(frame, rect.x0 + t % kPatchTiles * kTileSize,
+                  rect.y0 + t / kPatchTiles * kTileSize, work.limits[static_cast<std::size_t>(t)],
+                  work.tiles[static_cast<std::size_t>(t)]);
   }
   for (int y = 0; y < kTileSize && wanted != nullptr; ++y) work.tiles[0].open[y] &= wanted[y];
   const std::int64_t last = sheets.last;
@@ -379,6 +383,13 @@ inline void render_patch_on_target(const LatticeFrame& frame, LatticeWorkspace& 
         std::min(last, frame.samples_at_nodes ? view::next_layer(sheet) : sheet + kBlockSheets);
     draw_layer(frame, work, rect, sheet, past, clock);
     sheet = past;
+  }
+  for (int t = 0; t < num_tiles; ++t) {
+    const auto at = static_cast<std::size_t>(t);
+    show_last_stops(frame,
+                    std::clamp(rect.x1 - rect.x0 - t % kPatchTiles * kTileSize, 0, kTileSize),
+                    std::clamp(rect.y1 - rect.y0 - t / kPatchTiles * kTileSize, 0, kTileSize),
+                    work.limits[at], work.tiles[at]);
   }
   clock.lap(kBin);
 }

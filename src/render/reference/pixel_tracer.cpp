@@ -14,6 +14,8 @@
 namespace ovoid::reference {
 namespace {
 
+constexpr double kNowhere = std::numeric_limits<double>::infinity();  // a depth
+
 double unit_distance_of(const Look& look, const Field& field) {
   if (look.unit_distance > 0) return look.unit_distance;
   return look.transfer_function.unit_distance.value_or(default_unit_distance(field));
@@ -48,6 +50,8 @@ PixelTracer::PixelTracer(const Field& field, const ViewRays& view, const Look& l
     : look_(look),
       has_own_color_(field.kernels() != nullptr && field.kernels()->has_own_color()),
       opaque_at_(options.opaque_at),
+      limits_(options.depth_limits),
+      reaches_limits_(limits_ != nullptr && field.kernels() != nullptr),
       is_preintegrated_(options.classification == Classification::kPreintegrated),
       is_refined_(view::is_refined(look, options)),
       fading_(fading_of(look)),
@@ -61,8 +65,7 @@ PixelTracer::PixelTracer(const Field& field, const ViewRays& view, const Look& l
       light_(light) {}
 
 Pixel PixelTracer::trace(int x, int y, TraceCounts& counts) const {
-  const Ray ray = view_.ray(x, y);
-  const PixelRay pixel{x, y, ray, sheets_of_all(ray)};
+  const PixelRay pixel = pixel_ray(x, y);
   switch (look_.mode) {
     case Mode::kComposite:
       return is_refined_ ? refined(pixel, counts) : composite(pixel, counts);
@@ -76,6 +79,56 @@ Pixel PixelTracer::trace(int x, int y, TraceCounts& counts) const {
       return isosurface(pixel, counts);
   }
   return {};
+}
+
+PixelTracer::PixelRay PixelTracer::pixel_ray(int x, int y) const {
+  constexpr double kEndless = std::numeric_limits<double>::infinity();
+  const Ray ray = view_.ray(x, y);
+  PixelRay pixel{x, y, ray, sheets_of_all(ray), {}, {}};
+  if (limits_ == nullptr) {
+    pixel.spans = {{-kEndless, kEndless}};
+    return pixel;
+  }
+  pixel.stops = limits_->of_pixel(x, y);
+  for (std::size_t i = 0; i < pixel.stops.size(); ++i) {
+    const bool is_last = i + 1 == pixel.stops.size();
+    if (pixel.stops[i].is_field_behind)
+      pixel.spans.push_back({pixel.stops[i].depth, is_last ? kEndless : pixel.stops[i + 1].depth});
+  }
+  return pixel;
+}
+
+// A sample whose path is what the limits leave of it.
+std::optional<PixelTracer::RaySample> PixelTracer::within_limits(
+    const PixelRay& pixel, std::optional<RaySample> at) const {
+  if (!at || limits_ == nullptr) return at;
+  const double half = 0.5 * view_.sampling_distance();
+  at->path = 0;
+  for (const ZRange& span : pixel.spans) {
+    const ZRange part =
+        view_.kept(pixel.ray, {std::max(at->z - half, span.lo), std::min(at->z + half, span.hi)});
+    at->path += std::max(part.hi - part.lo, 0.0) * pixel.ray.direction.norm();
+  }
+  if (!(at->path > 0)) return std::nullopt;
+  return at;
+}
+
+bool PixelTracer::is_within(const PixelRay& pixel, double z) const {
+  return std::any_of(pixel.spans.begin(), pixel.spans.end(),
+                     [&](const ZRange& span) { return span.lo <= z && z < span.hi; });
+}
+
+// What is seen at the limits up to a depth joins the pixel.
+void PixelTracer::add_stops(const PixelRay& pixel, double up_to, Pixel& result) const {
+  for (; result.num_stops < pixel.stops.size(); ++result.num_stops) {
+    const DepthLimits::Stop& stop = pixel.stops[result.num_stops];
+    if (stop.depth > up_to) return;
+    double& alpha = result.rgba[3];
+    if (alpha >= opaque_at_) continue;
+    const double through = 1 - alpha;
+    for (std::size_t c = 0; c < 4; ++c) result.rgba[c] += through * stop.rgba[c];
+    if (alpha >= 0.5 && result.depth == kNowhere) result.depth = stop.depth;
+  }
 }
 
 SheetRange PixelTracer::sheets_of_all(const Ray& ray) const {
@@ -121,7 +174,7 @@ void PixelTracer::add_seen(const PixelRay& pixel, SeenSample seen, Pixel& result
   const double a = opacity_over(opacity, seen.path, shading_.unit_distance);
   for (std::size_t c = 0; c < 3; ++c) result.rgba[c] += (1 - alpha) * a * color[c];
   alpha += (1 - alpha) * a;
-  if (alpha >= 0.5 && std::isinf(result.depth)) result.depth = seen.z;
+  if (alpha >= 0.5 && result.depth == kNowhere) result.depth = seen.z;
 }
 
 // What the trail has on a sheet.
@@ -137,15 +190,18 @@ Pixel PixelTracer::composite(const PixelRay& pixel, TraceCounts& counts) const {
   std::optional<RaySample> before;
   for (std::int64_t k = pixel.sheets.first; k <= pixel.sheets.last; ++k) {
     if (result.rgba[3] >= opaque_at_) break;
-    const std::optional<RaySample> at = sample(pixel, k, counts);
+    const std::optional<RaySample> own = sample(pixel, k, counts);
+    const std::optional<RaySample> at = within_limits(pixel, own);
     if (at) {
+      add_stops(pixel, at->z, result);
       std::optional<RaySample> start;
       if (before && is_preintegrated_) start = front_end(pixel, *before, *at);
       add_sample(pixel, start, *at, result, counts);
     }
-    before = at;
+    before = own;
     add_trail(pixel, k, result, counts);
   }
+  add_stops(pixel, std::numeric_limits<double>::infinity(), result);
   return result;
 }
 
@@ -188,8 +244,24 @@ int PixelTracer::num_steps(const Piece& piece, const Vec3& front_slope,
 void PixelTracer::add_piece(const PixelRay& pixel, const Piece& piece, Pixel& result,
                             TraceCounts& counts) const {
   if (!may_show(piece)) return;
-  const ZRange part = view_.kept(pixel.ray, range_of(pixel, piece));
-  if (!(part.lo < part.hi)) return;
+  const ZRange range = range_of(pixel, piece);
+  for (const ZRange& span : pixel.spans) {
+    ZRange whole = range;
+    if (reaches_limits_) {
+      if (span.lo > view_.z_of(piece.sheet - 1)) whole.lo = view_.z_of(piece.sheet - 1);
+      if (span.hi < view_.z_of(piece.sheet)) whole.hi = view_.z_of(piece.sheet);
+    }
+    const ZRange part =
+        view_.kept(pixel.ray, {std::max(whole.lo, span.lo), std::min(whole.hi, span.hi)});
+    if (!(part.lo < part.hi)) continue;
+    add_stops(pixel, part.lo, result);
+    add_part(pixel, piece, part, result, counts);
+  }
+}
+
+void PixelTracer::add_part(const PixelRay& pixel, const Piece& piece, const ZRange& part,
+                           Pixel& result, TraceCounts& counts) const {
+  if (result.rgba[3] >= opaque_at_) return;
   const RaySample& front = piece.front ? *piece.front : *piece.back;
   const RaySample& back = piece.back ? *piece.back : *piece.front;
   Vec3 front_slope = Vec3::Zero();
@@ -233,6 +305,7 @@ Pixel PixelTracer::refined(const PixelRay& pixel, TraceCounts& counts) const {
     before = at;
     add_trail(pixel, k, result, counts);
   }
+  add_stops(pixel, std::numeric_limits<double>::infinity(), result);
   return result;
 }
 
@@ -258,7 +331,7 @@ Pixel PixelTracer::xray(const PixelRay& pixel, TraceCounts& counts) const {
   double depth = std::numeric_limits<double>::infinity();
   bool is_defined = false;
   for (std::int64_t k = pixel.sheets.first; k <= pixel.sheets.last; ++k) {
-    const std::optional<RaySample> at = sample(pixel, k, counts);
+    const std::optional<RaySample> at = within_limits(pixel, sample(pixel, k, counts));
     if (!at) continue;
     ++counts.visible;
     integral += at->value * at->path;
@@ -272,7 +345,7 @@ Pixel PixelTracer::xray(const PixelRay& pixel, TraceCounts& counts) const {
 Pixel PixelTracer::maximum(const PixelRay& pixel, TraceCounts& counts) const {
   std::optional<RaySample> greatest;
   for (std::int64_t k = pixel.sheets.first; k <= pixel.sheets.last; ++k) {
-    const std::optional<RaySample> at = sample(pixel, k, counts);
+    const std::optional<RaySample> at = within_limits(pixel, sample(pixel, k, counts));
     if (at && (!greatest || at->value > greatest->value)) greatest = at;
   }
   return greatest ? classified(greatest->value, greatest->z, counts) : Pixel{};
@@ -283,7 +356,7 @@ Pixel PixelTracer::mean(const PixelRay& pixel, TraceCounts& counts) const {
   double length = 0;
   double depth = std::numeric_limits<double>::infinity();
   for (std::int64_t k = pixel.sheets.first; k <= pixel.sheets.last; ++k) {
-    const std::optional<RaySample> at = sample(pixel, k, counts);
+    const std::optional<RaySample> at = within_limits(pixel, sample(pixel, k, counts));
     if (!at) continue;
     if (length == 0) depth = at->z;
     integral += at->value * at->path;
@@ -310,7 +383,9 @@ Pixel PixelTracer::isosurface(const PixelRay& pixel, TraceCounts& counts) const 
     if (near && far) near = front_end(pixel, *near, *far);
     if (near && far && (near->value < iso) != (far->value < iso)) {
       const Crossing at = crossing(pixel, *near, *far);
-      if (view_.is_kept(pixel.ray.at(at.z))) {
+      if (view_.is_kept(pixel.ray.at(at.z)) && is_within(pixel, at.z)) {
+        add_stops(pixel, at.z, result);
+        if (result.rgba[3] >= opaque_at_) break;
         ++counts.visible;
         Rgb color = color_of(has_own_color_ ? at.color_value : iso);
         if (look_.shade) {
@@ -321,13 +396,14 @@ Pixel PixelTracer::isosurface(const PixelRay& pixel, TraceCounts& counts) const 
         const double rest = 1 - result.rgba[3];
         for (std::size_t c = 0; c < 3; ++c) result.rgba[c] += rest * color[c];
         result.rgba[3] = 1;
-        if (std::isinf(result.depth)) result.depth = at.z;
+        if (result.depth == kNowhere) result.depth = at.z;
         return result;
       }
     }
     near = far;
     add_trail(pixel, k, result, counts);
   }
+  add_stops(pixel, std::numeric_limits<double>::infinity(), result);
   return result;
 }
 

@@ -4,9 +4,12 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
+#include "ovoid/depth_limits.h"
 #include "ovoid/field.h"
 #include "ovoid/look.h"
 #include "ovoid/renderer.h"
@@ -19,6 +22,7 @@ namespace ovoid::reference {
 struct Pixel {
   std::array<double, 4> rgba{};  // premultiplied
   double depth = std::numeric_limits<double>::infinity();
+  std::size_t num_stops = 0;  // of the depth limits, that have joined it
 };
 
 // What was done for some pixels.
@@ -44,6 +48,8 @@ class PixelTracer {
     int y;
     Ray ray;
     SheetRange sheets;
+    std::span<const DepthLimits::Stop> stops;
+    std::vector<ZRange> spans;  // where the field is drawn
   };
   struct RaySample {
     std::int64_t sheet;
@@ -100,7 +106,11 @@ class PixelTracer {
   ClassifiedSample classified_sample(const std::optional<RaySample>& before,
                                      const RaySample& at) const;
   Rgb color_of(double color_value) const;
+  PixelRay pixel_ray(int x, int y) const;
   SheetRange sheets_of_all(const Ray& ray) const;
+  std::optional<RaySample> within_limits(const PixelRay& pixel, std::optional<RaySample> at) const;
+  bool is_within(const PixelRay& pixel, double z) const;
+  void add_stops(const PixelRay& pixel, double up_to, Pixel& result) const;
   void add_sample(const PixelRay& pixel, const std::optional<RaySample>& start, const RaySample& at,
                   Pixel& result, TraceCounts& counts) const;
   void add_trail(const PixelRay& pixel, std::int64_t sheet, Pixel& result,
@@ -118,6 +128,8 @@ class PixelTracer {
   int num_steps(const Piece& piece, const Vec3& front_slope, const Vec3& back_slope) const;
   void add_piece(const PixelRay& pixel, const Piece& piece, Pixel& result,
                  TraceCounts& counts) const;
+  void add_part(const PixelRay& pixel, const Piece& piece, const ZRange& part, Pixel& result,
+                TraceCounts& counts) const;
   Pixel composite(const PixelRay& pixel, TraceCounts& counts) const;
   Pixel refined(const PixelRay& pixel, TraceCounts& counts) const;
   Pixel xray(const PixelRay& pixel, TraceCounts& counts) const;
@@ -129,6 +141,8 @@ class PixelTracer {
   const Look look_;
   const bool has_own_color_;
   const double opaque_at_;
+  const std::shared_ptr<const DepthLimits> limits_;  // null: none
+  const bool reaches_limits_;  // a piece with one end reaches to a limit on its other side
   const bool is_preintegrated_;
   const bool is_refined_;
   const TransferFunction fading_;  // opacity by the gradient's length; without points 1

@@ -29,7 +29,7 @@ FrameTraits frame_traits(const view::FramePlan& plan, const Look& look,
   traits.opaque_at = static_cast<float>(options.opaque_at);
   traits.mode = look.mode;
   traits.is_parallel = plan.lattice.is_parallel();
-  traits.is_clipped = plan.is_clipped;
+  traits.is_clipped = plan.is_clipped || options.depth_limits != nullptr;
   traits.is_lit = look.shade && (is_composite || is_surface);
   traits.has_own_color = plan.color_table.has_value();
   traits.is_preintegrated = is_composite && plan.is_preintegrated;

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ovoid/depth_limits.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "ovoid/error.h"
+
+namespace ovoid {
+namespace {
+
+void require_limit(bool holds, const std::string& message) {
+  if (!holds) throw Error(ErrorCode::kInvalidArgument, "depth_limits: " + message);
+}
+
+bool is_share(float value) { return value >= 0 && value <= 1; }
+
+}  // namespace
+
+void DepthLimits::validate() const {
+  const auto num_pixels =
+      static_cast<std::size_t>(std::max(width, 0)) * static_cast<std::size_t>(std::max(height, 0));
+  require_limit(first.size() == num_pixels + 1,
+                fmt::format("first has {} numbers, {} x {} pixels need {}", first.size(), width,
+                            height, num_pixels + 1));
+  require_limit(first.front() == 0 && first.back() == stops.size() &&
+                    std::is_sorted(first.begin(), first.end()),
+                fmt::format("first must rise from 0 to the number of stops, {}", stops.size()));
+  require_limit(coverage.empty() || coverage.size() == num_pixels,
+                fmt::format("coverage has {} numbers, {} x {} pixels need {}", coverage.size(),
+                            width, height, num_pixels));
+  for (std::size_t i = 0; i < coverage.size(); ++i)
+    require_limit(is_share(coverage[i]),
+                  fmt::format("coverage[{}] = {}: must be in [0, 1]", i, coverage[i]));
+  for (std::size_t pixel = 0; pixel < num_pixels; ++pixel) {
+    for (std::size_t i = first[pixel]; i < first[pixel + 1]; ++i) {
+      const Stop& stop = stops[i];
+      require_limit(
+          !std::isnan(stop.depth) && (i == first[pixel] || stops[i - 1].depth <= stop.depth),
+          fmt::format("stops[{}].depth = {}: a pixel's stops must go from front to back", i,
+                      stop.depth));
+      require_limit(std::all_of(stop.rgba.begin(), stop.rgba.end(), is_share),
+                    fmt::format("stops[{}].rgba: must be in [0, 1]", i));
+    }
+  }
+}
+
+}  // namespace ovoid

@@ -180,20 +180,28 @@ double App::aspect() const {
   return static_cast<double>(size.width) / std::max(size.height, 1);
 }
 
-Size App::picture_size() const {
+Size App::to_pixels(double width, double height) const {
   const Size window = window_.size();
-  const Size pixels = window_.framebuffer();
-  const double density = window.width > 0 ? static_cast<double>(pixels.width) / window.width : 1.0;
-  const auto to_pixels = [&](float length) {
+  const Size framebuffer = window_.framebuffer();
+  const double density =
+      window.width > 0 ? static_cast<double>(framebuffer.width) / window.width : 1.0;
+  const auto pixels_of = [&](double length) {
     return std::clamp(static_cast<int>(std::lround(length * density)), 1,
                       RenderOptions::kMaxImageSide);
   };
-  return {to_pixels(picture_extent_.x), to_pixels(picture_extent_.y)};
+  return {pixels_of(width), pixels_of(height)};
+}
+
+Size App::picture_size() const { return to_pixels(picture_extent_.x, picture_extent_.y); }
+
+Size App::drawn_size() const {
+  const Box2 all = picture_view_.placement(document_, picture_at_, picture_extent_).all;
+  return to_pixels(all.x1 - all.x0, all.y1 - all.y0);
 }
 
 void App::ask_for_picture(bool is_moving) {
   if (!document_.is_open()) return;
-  const Size size = picture_size();
+  const Size size = drawn_size();
   const std::uint64_t version = document_.version();
   const bool is_settled = asked_moving_ && !is_moving;
   if (version == asked_version_ && size == asked_size_ && !is_settled) return;

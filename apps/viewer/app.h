@@ -78,6 +78,8 @@ class App final : public ScriptHost {
   void take_pictures();
   double aspect() const;
   Size picture_size() const;
+  Size drawn_size() const;  // of what is asked for: without the colour bars beside it
+  Size to_pixels(double width, double height) const;
   // What is drawn.
   void draw_panel(Panel& panel, ImVec2 at, ImVec2 size);
   void draw_status(ImVec2 at, ImVec2 size);

@@ -121,6 +121,7 @@ nlohmann::ordered_json App::facts() const {
   json["can_undo"] = document_.can_undo();
   json["can_redo"] = document_.can_redo();
   json["compare"] = {{"mode", static_cast<int>(document_.compare)},
+                     {"divider", picture_view_.divider()},
                      {"psnr", std::isfinite(status_.psnr) ? status_.psnr : 1e9}};
   json["backend"] = status_.profile.backend;
   json["has_extras"] = document_.extras != nullptr;

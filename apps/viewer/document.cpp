@@ -10,6 +10,7 @@
 #include "make_camera.h"
 #include "ovoid/crop.h"
 #include "ovoid/error.h"
+#include "projection.h"
 
 namespace ovoid::viewer {
 namespace {
@@ -120,8 +121,7 @@ RenderOptions Document::options_of(const View& of, Size size) const {
   return options;
 }
 
-std::shared_ptr<const Scene> Document::scene(const View& of, const RendererSetup& on,
-                                             Size size) const {
+std::shared_ptr<Scene> Document::scene(const View& of, const RendererSetup& on, Size size) const {
   auto made = std::make_shared<Scene>();
   made->shown = shown;
   made->extras = extras;
@@ -139,10 +139,14 @@ std::shared_ptr<const Scene> Document::scene(const View& of, const RendererSetup
 }
 
 std::vector<std::shared_ptr<const Scene>> Document::scenes(Size size) const {
-  if (compare == CompareMode::kOff || !other) return {scene(view, setup, size)};
+  if (!compares()) return {scene(view, setup, size)};
   const bool is_split = compare == CompareMode::kSideBySide;
-  const Size half{is_split ? std::max(1, size.width / 2) : size.width, size.height};
-  return {scene(other->view, other->setup, half), scene(view, setup, half)};
+  const Size each{is_split ? std::max(1, size.width / 2) : size.width, size.height};
+  const auto a = scene(other->view, other->setup, each);
+  const auto b = scene(view, setup, each);
+  const double factor = static_cast<double>(size.width) / each.width;
+  if (is_split) a->camera = b->camera = of_height(camera, factor);
+  return {a, b};
 }
 
 void Document::remember() {

@@ -36,7 +36,8 @@ struct Setting {
   RendererSetup setup;
 };
 
-enum class CompareMode { kOff, kSideBySide, kDifference };
+// kDivided: in the same place, A on the left of a line that can be moved, B on its right.
+enum class CompareMode { kOff, kDivided, kSideBySide, kDifference };
 
 struct TimeState {
   double now = 0;
@@ -69,6 +70,7 @@ class Document {
 
   bool is_open() const noexcept { return shown != nullptr; }
   bool has_time() const noexcept { return info && info->times.size() > 1; }
+  bool compares() const noexcept { return other && compare != CompareMode::kOff; }
 
   // New data: keeps camera and look where `keeps_view` says so (a reload), else takes those that
   // flags or the data ask for. `aspect`: width over height of the picture.
@@ -86,7 +88,8 @@ class Document {
   void reset_camera(double aspect, const std::string& view = {});
   const ArrayInfo* array_info(const std::string& name) const;
 
-  // The request for a picture of `size` pixels.
+  // The request for what is shown in `size` pixels. Each of two pictures beside each other has half
+  // of them, and the whole width of the view in it.
   std::vector<std::shared_ptr<const Scene>> scenes(Size size) const;
   // The same options as a scene has, crop and clip planes included.
   RenderOptions options_of(const View& of, Size size) const;
@@ -109,6 +112,12 @@ class Document {
   // What has changed is no part of the view, and undo leaves it: camera, back end, comparison.
   void touch_beside_view() noexcept { ++version_; }
   std::uint64_t view_version() const noexcept { return view_version_; }
+  // The other view that is compared with has changed.
+  void touch_other() noexcept {
+    ++version_;
+    ++other_version_;
+  }
+  std::uint64_t other_version() const noexcept { return other_version_; }
 
  private:
   cli::CameraSubject camera_subject(double aspect) const;
@@ -116,7 +125,7 @@ class Document {
     ++version_;
     ++view_version_;
   }
-  std::shared_ptr<const Scene> scene(const View& of, const RendererSetup& on, Size size) const;
+  std::shared_ptr<Scene> scene(const View& of, const RendererSetup& on, Size size) const;
 
   std::vector<View> past_, future_;
   View settled_;  // the view when remember() was called last
@@ -125,6 +134,7 @@ class Document {
   bool is_reload_ = false;
   std::uint64_t version_ = 0;
   std::uint64_t view_version_ = 0;  // counts what is no change of the camera
+  std::uint64_t other_version_ = 0;
 };
 
 }  // namespace ovoid::viewer

@@ -27,6 +27,9 @@ struct GlFunctions {
   decltype(&glTexSubImage2D) tex_sub_image;
   decltype(&glPixelStorei) pixel_store;
   decltype(&glViewport) viewport;
+  decltype(&glEnable) enable;
+  decltype(&glDisable) disable;
+  decltype(&glScissor) scissor;
   decltype(&glClearColor) clear_color;
   decltype(&glClear) clear;
   decltype(&glReadPixels) read_pixels;
@@ -53,6 +56,9 @@ const GlFunctions& gl() {
     find(found.tex_sub_image, "glTexSubImage2D");
     find(found.pixel_store, "glPixelStorei");
     find(found.viewport, "glViewport");
+    find(found.enable, "glEnable");
+    find(found.disable, "glDisable");
+    find(found.scissor, "glScissor");
     find(found.clear_color, "glClearColor");
     find(found.clear, "glClear");
     find(found.read_pixels, "glReadPixels");
@@ -290,8 +296,8 @@ void Gui::begin(const std::vector<Event>& events, double seconds) {
   ImGui::NewFrame();
 }
 
-void Gui::show_behind(const Texture& picture, double x, double y, double width, double height) {
-  if (!picture.is_empty()) behind_.push_back({picture.name(), picture.size(), x, y, width, height});
+void Gui::show_behind(const Texture& picture, const Box2& place, float from_x) {
+  if (!picture.is_empty()) behind_.push_back({picture.name(), picture.size(), place, from_x});
 }
 
 void Gui::end() {
@@ -303,10 +309,14 @@ void Gui::end() {
   gl().clear(GL_COLOR_BUFFER_BIT);
   const ImVec2 density = ImGui::GetIO().DisplayFramebufferScale;
   for (const Behind& picture : behind_) {
-    const auto x0 = static_cast<int>(std::lround(picture.x * density.x));
-    const auto x1 = static_cast<int>(std::lround((picture.x + picture.width) * density.x));
-    const auto top = static_cast<int>(std::lround(picture.y * density.y));
-    const auto bottom = static_cast<int>(std::lround((picture.y + picture.height) * density.y));
+    const auto x0 = static_cast<int>(std::lround(picture.place.x0 * density.x));
+    const auto x1 = static_cast<int>(std::lround(picture.place.x1 * density.x));
+    const auto top = static_cast<int>(std::lround(picture.place.y0 * density.y));
+    const auto bottom = static_cast<int>(std::lround(picture.place.y1 * density.y));
+    const auto from = std::max(x0, static_cast<int>(std::lround(picture.from_x * density.x)));
+    if (from >= x1) continue;
+    gl().enable(GL_SCISSOR_TEST);
+    gl().scissor(from, pixels.height - bottom, x1 - from, bottom - top);
     gl().bind_framebuffer(GL_READ_FRAMEBUFFER, framebuffer_);
     gl().framebuffer_texture(GL_READ_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D,
                              picture.texture, 0);
@@ -315,6 +325,7 @@ void Gui::end() {
                           x1, pixels.height - top, GL_COLOR_BUFFER_BIT,
                           is_as_large ? GL_NEAREST : GL_LINEAR);
     gl().bind_framebuffer(GL_READ_FRAMEBUFFER, 0);
+    gl().disable(GL_SCISSOR_TEST);
   }
   behind_.clear();
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());

@@ -9,6 +9,7 @@
 
 #include "events.h"
 #include "ovoid/transfer_function.h"
+#include "widgets.h"
 #include "window.h"
 
 namespace ovoid::viewer {
@@ -50,9 +51,10 @@ class Gui {
   void end();  // draws; the frame is shown by Window::show_frame()
 
   // Shows an opaque picture behind everything else of this frame, in a rectangle of the window's
-  // units; its rows begin at the bottom. Copied, not drawn: drivers without a graphics processor
-  // would spend more on a drawn rectangle than on the interface.
-  void show_behind(const Texture& picture, double x, double y, double width, double height);
+  // units, as much of it as lies right of `from_x`; its rows begin at the bottom. Copied, not
+  // drawn: drivers without a graphics processor would spend more on a drawn rectangle than on the
+  // interface.
+  void show_behind(const Texture& picture, const Box2& place, float from_x = 0);
   void set_background(const Rgb& color) { background_ = color; }
 
   float scale() const noexcept { return scale_; }  // of all lengths of the interface
@@ -65,7 +67,8 @@ class Gui {
   struct Behind {
     unsigned texture;
     Size size;
-    double x, y, width, height;
+    Box2 place;
+    float from_x;
   };
 
   Window& window_;

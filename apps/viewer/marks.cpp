@@ -3,8 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
+
+#include "projection.h"
 
 namespace ovoid::viewer {
 namespace {
@@ -25,15 +26,6 @@ Image clear_image(int width, int height) {
   image.rgba.assign(pixels * 4, 0.0F);
   image.depth.assign(pixels, 0.0F);
   return image;
-}
-
-// A camera for a piece of a picture, `height` pixels high, in which the world is as large.
-Camera camera_of_piece(Camera camera, int height, int full_height) {
-  const double share = static_cast<double>(height) / full_height;
-  camera.parallel_scale *= share;
-  constexpr double kHalfDegree = std::numbers::pi / 360;
-  camera.view_angle = std::atan(std::tan(camera.view_angle * kHalfDegree) * share) / kHalfDegree;
-  return camera;
 }
 
 // The part of an image that is not clear.
@@ -69,6 +61,11 @@ Image cut(const Image& image, const Part& part) {
   return piece;
 }
 
+Size pixels_of(const Box2& box, float density) {
+  return {static_cast<int>((box.x1 - box.x0) * density),
+          static_cast<int>((box.y1 - box.y0) * density)};
+}
+
 // What a whole picture's marks have (MarkStyle::text_px).
 double text_height(int width, int height) {
   const double shorter = std::min(width, height);
@@ -77,67 +74,99 @@ double text_height(int width, int height) {
 
 }  // namespace
 
-void Marks::draw(const Document& document, const std::pair<double, double>& xray_range,
-                 ImDrawList& list, ImVec2 at, ImVec2 size, float density, float scale) {
-  const Size pixels{static_cast<int>(size.x * density), static_cast<int>(size.y * density)};
-  if (pixels.width < 32 || pixels.height < 32) return;
-  const bool is_resized = !(pixels == drawn_for_);
-  const bool has_moved = is_resized || document.version() != version_;
-  const bool has_changed =
-      is_resized || document.view_version() != view_version_ || xray_range != xray_range_;
-  version_ = document.version();
-  view_version_ = document.view_version();
-  xray_range_ = xray_range;
-  drawn_for_ = pixels;
+Marks::Mark Marks::drawn(const Document& document, const View& view, const XrayRange& xray_range,
+                         const Piece& piece) {
+  Image image = clear_image(std::min(piece.size.width, piece.of.width),
+                            std::min(piece.size.height, piece.of.height));
+  Look look = view.look;
+  if (look.mode == Mode::kXray)
+    look.transfer_function = spread_over_integrals(look.transfer_function, xray_range);
+  const Camera camera =
+      of_height(piece.camera, static_cast<double>(image.height) / piece.of.height);
+  cli::draw_annotations(image, piece.marks, document.shown->subject.described, camera, look,
+                        view.background);
+  const Part part = part_in_use(image);
+  const Image used = cut(image, part);
+  Mark mark;
+  mark.texture.upload(to_rgba8(used).data(), used.width, used.height);
+  mark.x = part.x0;
+  mark.y = part.y0;
+  mark.beside = image.width - part.x1;
+  mark.below = image.height - part.y1;
+  return mark;
+}
+
+void Marks::draw(const Document& document, const std::array<XrayRange, 2>& xray_ranges,
+                 ImDrawList& list, const Place& place) {
+  width_at_left_ = width_at_right_ = 0;
+  const float density = place.density;
+  const Size all = pixels_of(place.all, density);
+  const Size picture = pixels_of(place.picture, density);
+  if (std::min({all.width, all.height, picture.width, picture.height}) < 32) return;
+  const bool is_resized = !(all == drawn_for_.all && picture == drawn_for_.picture);
+  const bool has_moved = is_resized || document.version() != drawn_for_.version;
+  // The colour bars stand still.
+  const bool has_changed = is_resized || document.view_version() != drawn_for_.view_version ||
+                           document.other_version() != drawn_for_.other_version ||
+                           xray_ranges != drawn_for_.xray_ranges;
+  drawn_for_ = {document.version(),
+                document.view_version(),
+                document.other_version(),
+                xray_ranges,
+                all,
+                picture};
   const cli::AnnotationFlags& wanted = document.view.marks;
-  cli::AnnotationFlags piece;
-  piece.text_px = std::max(text_height(pixels.width, pixels.height), kLeastText * scale * density);
-  piece.length_unit = wanted.length_unit;
-  piece.title = wanted.title;
-  const int line = static_cast<int>(std::ceil(piece.text_px));
-  const auto show = [&](Mark& mark, int width, int height, bool is_right, bool is_low) {
-    // The colour bar stands still.
-    const bool is_due = is_right && !is_low ? has_changed : has_moved;
-    width = std::min(width, pixels.width);
-    height = std::min(height, pixels.height);
-    if (is_due || mark.texture.is_empty()) {
-      Image image = clear_image(width, height);
-      Look look = document.view.look;
-      if (look.mode == Mode::kXray)
-        look.transfer_function = spread_over_integrals(look.transfer_function, xray_range);
-      cli::draw_annotations(image, piece, document.shown->subject.described,
-                            camera_of_piece(document.camera, height, pixels.height), look,
-                            document.view.background);
-      const Part part = part_in_use(image);
-      const Image used = cut(image, part);
-      mark.texture.upload(to_rgba8(used).data(), used.width, used.height);
-      mark.x = part.x0;
-      mark.y = part.y0;
-    }
-    const int left = mark.x + (is_right ? pixels.width - width : 0);
-    const int top = mark.y + (is_low ? pixels.height - height : 0);
+  Piece piece;
+  piece.camera = document.camera;
+  piece.marks.text_px =
+      std::max(text_height(all.width, all.height), kLeastText * place.scale * density);
+  piece.marks.length_unit = wanted.length_unit;
+  piece.marks.title = wanted.title;
+  const int line = static_cast<int>(std::ceil(piece.marks.text_px));
+  const auto show = [&](const Mark& mark, float x, float y) {
     const Size extent = mark.texture.size();
-    const ImVec2 corner(at.x + static_cast<float>(left) / density,
-                        at.y + static_cast<float>(top) / density);
-    list.AddImage(mark.texture.id(), corner,
-                  {corner.x + static_cast<float>(extent.width) / density,
-                   corner.y + static_cast<float>(extent.height) / density});
+    list.AddImage(mark.texture.id(), {x, y},
+                  {x + static_cast<float>(extent.width) / density,
+                   y + static_cast<float>(extent.height) / density});
   };
+  const auto units = [&](int length) { return static_cast<float>(length) / density; };
   if (wanted.axes) {
-    piece.axes = true;
-    show(axes_, kAxesSide * line, kAxesSide * line, false, true);
-    piece.axes = false;
+    piece.marks.axes = true;
+    piece.size = {kAxesSide * line, kAxesSide * line};
+    piece.of = picture;
+    if (has_moved || axes_.texture.is_empty())
+      axes_ = drawn(document, document.view, xray_ranges[1], piece);
+    piece.marks.axes = false;
+    const int height = axes_.texture.size().height + axes_.below;
+    show(axes_, place.picture.x0 + units(axes_.x), place.all.y1 - units(height));
   }
   if (wanted.scale_bar) {
-    piece.scale_bar = true;
-    show(scale_bar_, pixels.width, kScaleBarHeight * line, true, true);
-    piece.scale_bar = false;
+    piece.marks.scale_bar = true;
+    piece.size = {picture.width, kScaleBarHeight * line};
+    piece.of = picture;
+    if (has_moved || scale_bar_.texture.is_empty())
+      scale_bar_ = drawn(document, document.view, xray_ranges[1], piece);
+    piece.marks.scale_bar = false;
+    const Size size = scale_bar_.texture.size();
+    show(scale_bar_, place.picture.x1 - units(size.width + scale_bar_.beside),
+         place.all.y1 - units(size.height + scale_bar_.below));
   }
-  const bool is_difference = document.other && document.compare == CompareMode::kDifference;
-  if (wanted.color_bar && !is_difference && pixels.width > kLeastWidthForBar * line) {
-    piece.color_bar = true;
-    show(color_bar_, kColorBarWidth * line, pixels.height, true, false);
-  }
+  const bool is_difference = document.compares() && document.compare == CompareMode::kDifference;
+  if (!wanted.color_bar || is_difference || all.width <= kLeastWidthForBar * line) return;
+  piece.marks.color_bar = true;
+  piece.size = {kColorBarWidth * line, all.height};
+  piece.of = all;
+  if (has_changed || color_bar_.texture.is_empty())
+    color_bar_ = drawn(document, document.view, xray_ranges[1], piece);
+  width_at_right_ = units(color_bar_.texture.size().width + 2 * color_bar_.beside);
+  show(color_bar_, place.all.x1 - units(color_bar_.texture.size().width + color_bar_.beside),
+       place.all.y0 + units(color_bar_.y));
+  if (!document.compares()) return;
+  if (has_changed || other_color_bar_.texture.is_empty())
+    other_color_bar_ = drawn(document, document.other->view, xray_ranges[0], piece);
+  width_at_left_ = units(other_color_bar_.texture.size().width + 2 * other_color_bar_.beside);
+  show(other_color_bar_, place.all.x0 + units(other_color_bar_.beside),
+       place.all.y0 + units(other_color_bar_.y));
 }
 
 }  // namespace ovoid::viewer

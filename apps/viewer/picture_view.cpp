@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -17,14 +18,26 @@ constexpr double kDragZoom = 1.008;     // per pixel
 constexpr double kWheelSettles = 0.18;  // seconds after its last notch
 constexpr float kHandleReach = 10;      // of a handle
 constexpr double kMostOfAClick = 4;     // how far the mouse may go
+constexpr float kDividerReach = 6;      // of the line between two pictures
+constexpr ImU32 kDividerInk = IM_COL32(235, 238, 242, 230);
+constexpr ImU32 kDividerShade = IM_COL32(10, 11, 13, 170);
 constexpr ImU32 kBoxColor = IM_COL32(200, 205, 215, 110);
 
 Vec2 vec(ImVec2 v) { return {v.x, v.y}; }
 
-// The size in which the camera's picture is shown: with two beside each other, of one of them.
-Vec2 size_of_picture(const Document& document, ImVec2 size) {
-  const bool is_split = document.compare == CompareMode::kSideBySide && document.other;
-  return {is_split ? size.x / 2 : size.x, size.y};
+constexpr float kMostOfBar = 0.25F;  // of the width, for a colour bar beside pictures
+constexpr double kMostOfDivider = 0.98;
+
+ImVec2 corner(const Box2& box) { return {box.x0, box.y0}; }
+
+Vec2 extent(const Box2& box) { return {box.x1 - box.x0, box.y1 - box.y0}; }
+
+bool is_split(const Document& document) {
+  return document.compares() && document.compare == CompareMode::kSideBySide;
+}
+
+bool is_divided(const Document& document) {
+  return document.compares() && document.compare == CompareMode::kDivided;
 }
 
 }  // namespace
@@ -62,27 +75,78 @@ const Picture* PictureView::full(std::uint64_t number) const noexcept {
   return &shown_->pictures.back();
 }
 
-void PictureView::show_pictures(const Document& document, Gui& gui, ImDrawList& list, ImVec2 at,
-                                ImVec2 size) const {
-  gui.set_background(document.view.background);
-  if (!shown_ || shown_->pictures.empty()) return;
-  if (shown_->pictures.size() == 1)
-    return gui.show_behind(textures_[0], at.x, at.y, size.x, size.y);
-  if (document.compare == CompareMode::kDifference && !shown_->difference.empty())
-    return gui.show_behind(difference_, at.x, at.y, size.x, size.y);
-  const float half = size.x / 2;
-  gui.show_behind(textures_[0], at.x, at.y, half, size.y);
-  gui.show_behind(textures_[1], at.x + half, at.y, half, size.y);
-  const float middle = at.x + half;
-  list.AddLine({middle, at.y}, {middle, at.y + size.y}, IM_COL32(255, 255, 255, 160));
-  list.AddText({middle - 20, at.y + 8}, IM_COL32(255, 255, 255, 220), "A");
-  list.AddText({middle + 10, at.y + 8}, IM_COL32(255, 255, 255, 220), "B, which the panel edits");
+Placement PictureView::placement(const Document& document, ImVec2 at, ImVec2 size) const {
+  Placement place;
+  place.all = {at.x, at.y, at.x + size.x, at.y + size.y};
+  if (document.compares()) {
+    place.all.x0 += std::min(static_cast<float>(marks_.width_at_left()), kMostOfBar * size.x);
+    place.all.x1 -= std::min(static_cast<float>(marks_.width_at_right()), kMostOfBar * size.x);
+  }
+  place.picture = place.all;
+  const float width = place.all.x1 - place.all.x0;
+  place.divider = place.all.x0 + static_cast<float>(divider_) * width;
+  if (is_split(document)) {
+    place.beside = width / 2;
+    place.picture.x1 -= place.beside;
+    const float beyond = size.y / 4;  // is shown above and below the view
+    place.picture.y0 += beyond;
+    place.picture.y1 -= beyond;
+  }
+  return place;
 }
 
-void PictureView::begin_drag(const Panel& panel, ImVec2 mouse, float reach) {
+void PictureView::show_pictures(const Document& document, Gui& gui, const Placement& place) const {
+  gui.set_background(document.view.background);
+  if (!shown_ || shown_->pictures.empty()) return;
+  const Box2& all = place.all;
+  if (shown_->pictures.size() == 1) return gui.show_behind(textures_[0], all);
+  if (document.compare == CompareMode::kDifference && !shown_->difference.empty())
+    return gui.show_behind(difference_, all);
+  if (is_split(document)) {
+    const float middle = all.x0 + place.beside;
+    gui.show_behind(textures_[0], {all.x0, all.y0, middle, all.y1});
+    gui.show_behind(textures_[1], {middle, all.y0, all.x1, all.y1});
+  } else {
+    gui.show_behind(textures_[0], all);
+    gui.show_behind(textures_[1], all, place.divider);
+  }
+}
+
+// The line between two pictures, and which is which.
+void PictureView::draw_divider(Panel& panel, ImDrawList& list, const Placement& place) const {
+  if (!is_split(panel.document) && !is_divided(panel.document)) return;
+  const float scale = panel.widgets.scale();
+  const float x = is_split(panel.document) ? place.all.x0 + place.beside : place.divider;
+  list.AddLine({x, place.all.y0}, {x, place.all.y1}, kDividerShade, 3);
+  list.AddLine({x, place.all.y0}, {x, place.all.y1}, kDividerInk);
+  if (is_divided(panel.document)) {
+    const float middle = (place.all.y0 + place.all.y1) / 2;
+    const float half = 4 * scale;
+    list.AddRectFilled({x - half, middle - 4 * half}, {x + half, middle + 4 * half}, kDividerInk,
+                       half);
+    panel.widgets.mark("compare.divider", {x - half, middle - half, x + half, middle + half});
+  }
+  // Below the notes in the corner, wherever the line is.
+  const float y = place.all.y0 + 34 * scale;
+  const float gap = 10 * scale;
+  const auto write = [&](const char* text, float left) {
+    const ImVec2 size = ImGui::CalcTextSize(text);
+    list.AddRectFilled({left - 4, y - 2}, {left + size.x + 4, y + size.y + 2}, kDividerShade, 3);
+    list.AddText({left, y}, kDividerInk, text);
+  };
+  write("A", x - gap - ImGui::CalcTextSize("A").x);
+  write("B", x + gap);
+}
+
+void PictureView::begin_drag(const Panel& panel, ImVec2 mouse, const Placement& place) {
   const ImGuiIO& io = ImGui::GetIO();
+  const float reach = kHandleReach * panel.widgets.scale();
   const bool is_left = ImGui::IsMouseDown(ImGuiMouseButton_Left);
-  if (is_left && panel.state.has_handles && handles_.press(mouse, reach)) {
+  const bool has_handles = panel.state.has_handles && !panel.document.compares();
+  if (is_left && is_divided(panel.document) &&
+      std::abs(mouse.x - place.divider) < kDividerReach * panel.widgets.scale()) {
+    drag_ = Drag::kDivider;
+  } else if (is_left && has_handles && handles_.press(mouse, reach)) {
     drag_ = Drag::kHandle;
   } else if (ImGui::IsMouseDown(ImGuiMouseButton_Right)) {
     drag_ = Drag::kZoom;
@@ -112,26 +176,32 @@ bool PictureView::continue_drag(Document& document, const Vec2& mouse, const Vec
       return true;
     case Drag::kHandle:
       return handles_.drag(document, Projection(camera, size.x(), size.y()), moved);
+    case Drag::kDivider:
     case Drag::kNone:
       break;
   }
   return false;
 }
 
-bool PictureView::act(Panel& panel, ImVec2 at, ImVec2 size) {
+bool PictureView::act(Panel& panel, const Placement& place) {
   Document& document = panel.document;
   const ImGuiIO& io = ImGui::GetIO();
-  const Vec2 picture = size_of_picture(document, size);
-  Vec2 mouse = vec(io.MousePos) - vec(at);
-  if (mouse.x() > picture.x()) mouse.x() -= picture.x();  // the second of two
+  const Vec2 picture = extent(place.picture);
+  Vec2 mouse = vec(io.MousePos) - vec(corner(place.picture));
+  if (place.beside > 0 && mouse.x() > picture.x()) mouse.x() -= place.beside;  // the second of two
   bool is_changed = false;
   bool is_second_click = false;  // of a double click; two quick drags are none
   if (ImGui::IsItemActivated()) {
     is_second_click = std::exchange(dragged_, 0) < kMostOfAClick &&
                       ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left);
-    begin_drag(panel, io.MousePos, kHandleReach * panel.widgets.scale());
+    begin_drag(panel, io.MousePos, place);
   }
   if (ImGui::IsItemActive()) {
+    if (drag_ == Drag::kDivider) {
+      const double width = extent(place.all).x();
+      divider_ =
+          std::clamp((io.MousePos.x - place.all.x0) / width, 1 - kMostOfDivider, kMostOfDivider);
+    }
     is_changed |= continue_drag(document, mouse, vec(io.MouseDelta), picture);
     dragged_ += vec(io.MouseDelta).norm();
   } else {
@@ -139,13 +209,17 @@ bool PictureView::act(Panel& panel, ImVec2 at, ImVec2 size) {
     handles_.release();
   }
   const bool is_hovered = ImGui::IsItemHovered();
+  const float from_divider = std::abs(io.MousePos.x - place.divider) / panel.widgets.scale();
+  if (drag_ == Drag::kDivider ||
+      (is_hovered && is_divided(document) && drag_ == Drag::kNone && from_divider < kDividerReach))
+    ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
   if (is_hovered && io.MouseWheel != 0) {
     zoom_to(document.camera, std::pow(kWheelZoom, io.MouseWheel), mouse, picture,
             document.extent());
     wheel_until_ = ImGui::GetTime() + kWheelSettles;
     is_changed = true;
   }
-  if (is_second_click && drag_ != Drag::kHandle && picked_) {
+  if (is_second_click && drag_ != Drag::kHandle && drag_ != Drag::kDivider && picked_) {
     const Vec3 shift = picked_->position - document.camera.focal_point;
     document.camera.focal_point += shift;
     document.camera.position += shift;
@@ -154,7 +228,7 @@ bool PictureView::act(Panel& panel, ImVec2 at, ImVec2 size) {
   if (is_changed && drag_ == Drag::kHandle) document.touch();
   if (is_changed && drag_ != Drag::kHandle) document.touch_beside_view();
   if (is_hovered && drag_ == Drag::kNone) {
-    pick(document, at, size);
+    pick(document, place);
   } else {
     picked_.reset();
   }
@@ -162,14 +236,23 @@ bool PictureView::act(Panel& panel, ImVec2 at, ImVec2 size) {
 }
 
 // From the depth of the full picture: where the opacity passes one half.
-void PictureView::pick(const Document& document, ImVec2 at, ImVec2 size) {
+void PictureView::pick(const Document& document, const Placement& place) {
   picked_.reset();
-  if (!shown_ || !shown_->is_final || shown_->pictures.size() != 1) return;
-  const Picture& picture = shown_->pictures.front();
+  const std::size_t expected = document.compares() ? 2 : 1;
+  if (!shown_ || !shown_->is_final || shown_->pictures.size() != expected) return;
+  Box2 box = place.all;
+  const float x_in_window = ImGui::GetIO().MousePos.x;
+  bool is_second = expected == 2;
+  if (is_divided(document)) is_second = x_in_window >= place.divider;
+  if (place.beside > 0) {
+    is_second = x_in_window >= box.x0 + place.beside;
+    (is_second ? box.x0 : box.x1) = box.x0 + place.beside;
+  }
+  const Picture& picture = shown_->pictures[is_second ? 1 : 0];
   const Image& image = picture.image;
-  const Vec2 mouse = vec(ImGui::GetIO().MousePos) - vec(at);
-  const int x = static_cast<int>(std::floor(mouse.x() / size.x * image.width));
-  const int y = static_cast<int>(std::floor(mouse.y() / size.y * image.height));
+  const Vec2 mouse = (vec(ImGui::GetIO().MousePos) - vec(corner(box))).cwiseQuotient(extent(box));
+  const int x = static_cast<int>(std::floor(mouse.x() * image.width));
+  const int y = static_cast<int>(std::floor(mouse.y() * image.height));
   if (x < 0 || y < 0 || x >= image.width || y >= image.height) return;
   const double depth =
       image.depth[static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
@@ -198,23 +281,34 @@ bool PictureView::draw(Panel& panel, Gui& gui, ImVec2 at, ImVec2 size, float den
                    ImGuiWindowFlags_NoNav);
   ImGui::PopStyleVar(2);
   ImDrawList& list = *ImGui::GetWindowDrawList();
-  show_pictures(document, gui, list, at, size);
+  const Placement place = placement(document, at, size);
+  show_pictures(document, gui, place);
   bool is_moving = false;
   if (document.is_open()) {
     ImGui::InvisibleButton("canvas", size,
                            ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight |
                                ImGuiButtonFlags_MouseButtonMiddle);
     panel.widgets.mark("picture");
-    is_moving = act(panel, at, size);
-    const Vec2 picture = size_of_picture(document, size);
+    is_moving = act(panel, place);
+    const Vec2 picture = extent(place.picture);
+    const ImVec2 upper_left = corner(place.picture);
     const Projection projection(document.camera, picture.x(), picture.y());
-    if (document.view.marks.bounding_box)
-      draw_box({Affine3::Identity(), document.bounds()}, projection, at, list, kBoxColor);
-    if (panel.state.has_handles && document.compare == CompareMode::kOff)
-      handles_.draw(document, projection, at, list, panel.widgets);
-    const auto xray_range = shown_ && !shown_->pictures.empty() ? shown_->pictures.back().xray_range
-                                                                : std::pair(1e-3, 1.0);
-    marks_.draw(document, xray_range, list, at, size, density, panel.widgets.scale());
+    if (document.view.marks.bounding_box) {
+      const Box box{Affine3::Identity(), document.bounds()};
+      draw_box(box, projection, upper_left, list, kBoxColor);
+      const ImVec2 of_second(upper_left.x + place.beside, upper_left.y);
+      if (place.beside > 0) draw_box(box, projection, of_second, list, kBoxColor);
+    }
+    draw_divider(panel, list, place);
+    if (panel.state.has_handles && !document.compares())
+      handles_.draw(document, projection, upper_left, list, panel.widgets);
+    std::array<Marks::XrayRange, 2> xray_ranges;
+    xray_ranges.fill({1e-3, 1.0});
+    if (shown_ && !shown_->pictures.empty()) {
+      xray_ranges = {shown_->pictures.front().xray_range, shown_->pictures.back().xray_range};
+    }
+    const Box2 all{at.x, at.y, at.x + size.x, at.y + size.y};
+    marks_.draw(document, xray_ranges, list, {all, place.picture, density, panel.widgets.scale()});
   }
   ImGui::End();
   return is_moving;

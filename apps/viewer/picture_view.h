@@ -22,6 +22,14 @@ struct Picked {
   bool is_defined = false;  // the field, there
 };
 
+// Where pictures are shown, in the window's units.
+struct Placement {
+  Box2 all;           // the pictures; colour bars of two that are compared stand beside them
+  Box2 picture;       // the whole of what the camera sees, of two beside each other in the left one
+  float beside = 0;   // how far right of it the second one is
+  float divider = 0;  // x of the line between two in the same place
+};
+
 class PictureView {
  public:
   void take(Pictures pictures);  // to be shown from now on
@@ -31,20 +39,23 @@ class PictureView {
   // pixels per unit. Returns whether a button is held or the wheel has just turned.
   bool draw(Panel& panel, Gui& gui, ImVec2 at, ImVec2 size, float density);
 
+  Placement placement(const Document& document, ImVec2 at, ImVec2 size) const;
+  double divider() const noexcept { return divider_; }
+
   const Pictures* shown() const noexcept { return shown_ ? &*shown_ : nullptr; }
   // The last full picture, if it is of the document as it is.
   const Picture* full(std::uint64_t number) const noexcept;
   const std::optional<Picked>& picked() const noexcept { return picked_; }
 
  private:
-  enum class Drag { kNone, kOrbit, kPan, kRoll, kZoom, kHandle };
+  enum class Drag { kNone, kOrbit, kPan, kRoll, kZoom, kHandle, kDivider };
 
-  void show_pictures(const Document& document, Gui& gui, ImDrawList& list, ImVec2 at,
-                     ImVec2 size) const;
-  bool act(Panel& panel, ImVec2 at, ImVec2 size);
-  void begin_drag(const Panel& panel, ImVec2 mouse, float reach);
+  void show_pictures(const Document& document, Gui& gui, const Placement& place) const;
+  void draw_divider(Panel& panel, ImDrawList& list, const Placement& place) const;
+  bool act(Panel& panel, const Placement& place);
+  void begin_drag(const Panel& panel, ImVec2 mouse, const Placement& place);
   bool continue_drag(Document& document, const Vec2& mouse, const Vec2& moved, const Vec2& size);
-  void pick(const Document& document, ImVec2 at, ImVec2 size);
+  void pick(const Document& document, const Placement& place);
 
   std::optional<Pictures> shown_;
   Texture textures_[2];
@@ -52,7 +63,8 @@ class PictureView {
   Marks marks_;
   Handles handles_;
   Drag drag_ = Drag::kNone;
-  double dragged_ = 0;  // how far, with the last button that was pressed
+  double divider_ = 0.5;  // where the line between two pictures is, of their width
+  double dragged_ = 0;    // how far, with the last button that was pressed
   std::optional<Picked> picked_;
   double wheel_until_ = 0;  // ImGui::GetTime() up to which a turn of the wheel counts as moving
 };

@@ -49,4 +49,11 @@ Vec3 Projection::ray_direction(const Vec2& pixel) const {
   return (world_at(pixel, focal_depth_) - position_).normalized();
 }
 
+Camera of_height(Camera camera, double factor) {
+  camera.parallel_scale *= factor;
+  constexpr double kHalfDegree = std::numbers::pi / 360;
+  camera.view_angle = std::atan(std::tan(camera.view_angle * kHalfDegree) * factor) / kHalfDegree;
+  return camera;
+}
+
 }  // namespace ovoid::viewer

@@ -39,4 +39,8 @@ class Projection {
   Vec2 middle_;
 };
 
+// A camera for a picture that is `factor` times as high, or a piece of one: the world is as large
+// in its pixels.
+Camera of_height(Camera camera, double factor);
+
 }  // namespace ovoid::viewer

@@ -93,11 +93,11 @@ TEST_F(WindowData, CompareSideBySideAndAsADifference) {
       view({make_head()},
            "pace 0\nwait idle\nclick tab.compare\nclick compare.keep\n"
            "click compare.mode\nclick \"compare.mode/A and B side by side\"\nwait idle\n"
-           "expect compare.mode == 1\nexpect compare.psnr == 1e9\nscreenshot $/0.png\n"
+           "expect compare.mode == 2\nexpect compare.psnr == 1e9\nscreenshot $/0.png\n"
            "wait 2 frames\nclick tab.look\ndrag left look.opacity.1 0,-40\nwait idle\n"
            "print compare.psnr\nscreenshot $/1.png\nwait 2 frames\nclick tab.compare\n"
            "click compare.mode\nclick compare.mode/difference\nwait idle\n"
-           "expect compare.mode == 2\nprint compare.psnr\nprint view.opacities\n"
+           "expect compare.mode == 3\nprint compare.psnr\nprint view.opacities\n"
            "screenshot $/2.png\nwait 2 frames\nclick compare.swap\nwait idle\n"
            "print compare.psnr\nprint view.opacities\nclick compare.mode\n"
            "click \"compare.mode/B alone\"\nwait idle\npicture $/3.png\n");
@@ -111,6 +111,23 @@ TEST_F(WindowData, CompareSideBySideAndAsADifference) {
   EXPECT_FALSE(file("0.png") == file("1.png"));
   EXPECT_FALSE(file("1.png") == file("2.png"));
   EXPECT_GT(file("3.png").size(), 500U);
+}
+
+// A and B lie in the same place, so the line uncovers one of them and moves neither; the camera
+// stays, and so does what the other places show.
+TEST_F(WindowData, TheLineBetweenTwoPicturesIsDragged) {
+  const Viewed viewed =
+      view({make_head()},
+           "pace 0\nwait idle\nclick tab.compare\nclick compare.keep\nwait idle\n"
+           "expect compare.mode == 1\nexpect compare.divider == 0.5\nprint camera\n"
+           "click tab.look\nclick look.map\nclick look.map/viridis\nwait idle\n"
+           "print version\ndrag left compare.divider 60,5\nprint compare.divider\n"
+           "print version\nprint camera\n"
+           "drag left compare.divider 4000,0\nprint compare.divider\n");
+  EXPECT_GT(viewed.number("compare.divider"), 0.6);
+  EXPECT_LT(viewed.number("compare.divider", 1), 1);
+  EXPECT_EQ(viewed.json("camera", 0), viewed.json("camera", 1));
+  EXPECT_EQ(viewed.number("version", 0), viewed.number("version", 1));
 }
 
 TEST_F(WindowData, BackEndsAgreeAndTheSamplingDistanceChangesThePicture) {

@@ -2,6 +2,7 @@
 // What is open and how it is shown, filled by the loader and without a window; and the command that
 // says the same.
 #include "document.h"
+#include "projection.h"
 
 #include <gtest/gtest.h>
 
@@ -222,10 +223,18 @@ TEST_F(Documents, ScenesAreOneOrTwo) {
   EXPECT_EQ(scenes[0]->setup.backend, Backend::kReference);
   EXPECT_EQ(scenes[0]->options.width, 32);
   EXPECT_EQ(scenes[1]->options.width, 32);
-  document_.compare = CompareMode::kDifference;
-  scenes = document_.scenes(kPicture);
-  EXPECT_EQ(scenes[0]->options.width, 64);
-  EXPECT_EQ(scenes[1]->options.height, 48);
+  // Half as wide, and the whole width of the view in it.
+  const Projection whole(document_.camera, 64, 48);
+  const Projection half(scenes[1]->camera, 32, 48);
+  const double depth = whole.focal_depth();
+  EXPECT_NEAR(half.pixel_size_at(depth) * 32, whole.pixel_size_at(depth) * 64, 1e-9 * depth);
+  for (const CompareMode mode : {CompareMode::kDivided, CompareMode::kDifference}) {
+    document_.compare = mode;
+    scenes = document_.scenes(kPicture);
+    EXPECT_EQ(scenes[0]->options.width, 64);
+    EXPECT_EQ(scenes[1]->options.height, 48);
+    EXPECT_EQ(scenes[0]->camera.view_angle, document_.camera.view_angle);
+  }
 }
 
 // A reload keeps what was set; other data do not.

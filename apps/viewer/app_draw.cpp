@@ -113,7 +113,7 @@ void App::draw_transport(Panel& panel, ImVec2 at, ImVec2 size) {
   if (widgets_.button("transport.play", time.is_playing ? "||" : ">"))
     time.is_playing = !time.is_playing;
   ImGui::SameLine();
-  const std::string format = "%.6g " + document_.info->time_unit + step_text(document_);
+  const std::string format = time_label(times, document_.info->time_unit, time.now).format();
   if (widgets_.slider("transport.time", "", &time.now, times.front(), times.back(), format.c_str()))
     panel.wishes.goes_to_time = true;
   ImGui::End();

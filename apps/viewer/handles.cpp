@@ -19,6 +19,9 @@ constexpr std::array<ImU32, 3> kAxisColors = {
 constexpr ImU32 kFillHeld = IM_COL32(255, 230, 160, 255);
 constexpr ImU32 kHandleInk = IM_COL32(0, 0, 0, 200);
 constexpr float kRadius = 5;
+constexpr float kHandleReach = 10;  // of a handle
+// A handle that turns a plane counts as this much farther away: less than a hand aims by.
+constexpr float kTie = 4;
 constexpr double kSquare = 0.3;  // half a side of a plane's square, in extents of the data
 constexpr double kArrow = 0.12;  // of its arrow
 
@@ -151,10 +154,9 @@ void Handles::draw(const Document& document, const Projection& projection, ImVec
               projection, at, list);
   }
   const float radius = kRadius * widgets.scale();
-  const ImVec2 mouse = ImGui::GetIO().MousePos;
+  const Handle* const next = under(ImGui::GetIO().MousePos, widgets.scale());
   for (const Handle& handle : handles_) {
-    const float distance = std::hypot(handle.place.x - mouse.x, handle.place.y - mouse.y);
-    const bool is_near = held_.empty() ? distance < 2 * radius : handle.name == held_;
+    const bool is_near = held_.empty() ? &handle == next : handle.name == held_;
     const bool is_crop = handle.kind == Handle::Kind::kCrop;
     const ImU32 color = is_crop ? kAxisColors[static_cast<std::size_t>(handle.index / 2)] : kFill;
     list.AddCircleFilled(handle.place, is_near ? 1.5F * radius : radius, color);
@@ -169,16 +171,24 @@ void Handles::draw(const Document& document, const Projection& projection, ImVec
   }
 }
 
-bool Handles::press(ImVec2 mouse, float reach) {
-  float least = reach * reach;
-  held_.clear();
+const Handles::Handle* Handles::under(ImVec2 mouse, float scale) const {
+  const Handle* nearest = nullptr;
+  float least = HUGE_VALF;
   for (const Handle& handle : handles_) {
-    const float dx = handle.place.x - mouse.x;
-    const float dy = handle.place.y - mouse.y;
-    if (dx * dx + dy * dy > least) continue;
-    least = dx * dx + dy * dy;
-    held_ = handle.name;
+    const float distance = std::hypot(handle.place.x - mouse.x, handle.place.y - mouse.y);
+    if (distance > kHandleReach * scale) continue;
+    const float counted =
+        handle.kind == Handle::Kind::kClipNormal ? distance + kTie * scale : distance;
+    if (counted > least) continue;
+    least = counted;
+    nearest = &handle;
   }
+  return nearest;
+}
+
+bool Handles::press(ImVec2 mouse, const Widgets& widgets) {
+  const Handle* const next = under(mouse, widgets.scale());
+  held_ = next != nullptr ? next->name : std::string();
   return is_held();
 }
 

@@ -20,8 +20,9 @@ class Handles {
   void draw(const Document& document, const Projection& projection, ImVec2 at, ImDrawList& list,
             Widgets& widgets);
 
-  // Takes hold of the one under the mouse; false if there is none.
-  bool press(ImVec2 mouse, float reach);
+  // Takes hold of the one under the mouse; false if there is none. Of a clip plane that faces the
+  // eye both lie at one place: then of the one that moves it.
+  bool press(ImVec2 mouse, const Widgets& widgets);
   // Moves the one that is held; true if the document changed.
   bool drag(Document& document, const Projection& projection, const Vec2& moved);
   void release() noexcept { held_.clear(); }
@@ -41,6 +42,9 @@ class Handles {
   void add_plane(const std::string& name, const Vec3& normal, double offset, bool has_normal,
                  int index, const Document& document, const Projection& projection, ImVec2 at,
                  ImDrawList& list);
+
+  // The one that a press at this place takes; null if none is near.
+  const Handle* under(ImVec2 mouse, float scale) const;
 
   std::vector<Handle> handles_;
   std::string held_;

@@ -67,6 +67,14 @@ void profile_panel(Panel& panel);
 
 // The transport of the time, also under the picture; whether it is to be gone to.
 bool step_time(Document& document, int steps);
-std::string step_text(const Document& document);  // " (step 2 of 4)"; empty between steps
+
+// What stands around the number of a time: its unit and, at a step, which one it is. Steps count
+// from 0, as for --step. Where times are but the steps' numbers, the number stands once: "2.5 s
+// (step 3 of 0 to 3)", "step 3 of 0 to 3", "2.5".
+struct TimeLabel {
+  std::string before, after;
+  std::string format() const;  // printf's, of the number
+};
+TimeLabel time_label(const std::vector<double>& times, const std::string& unit, double time);
 
 }  // namespace ovoid::viewer

@@ -16,7 +16,6 @@ namespace {
 constexpr double kWheelZoom = 1.12;     // per notch
 constexpr double kDragZoom = 1.008;     // per pixel
 constexpr double kWheelSettles = 0.18;  // seconds after its last notch
-constexpr float kHandleReach = 10;      // of a handle
 constexpr double kMostOfAClick = 4;     // how far the mouse may go
 constexpr float kDividerReach = 6;      // of the line between two pictures
 constexpr ImU32 kDividerInk = IM_COL32(235, 238, 242, 230);
@@ -140,13 +139,12 @@ void PictureView::draw_divider(Panel& panel, ImDrawList& list, const Placement& 
 
 void PictureView::begin_drag(const Panel& panel, ImVec2 mouse, const Placement& place) {
   const ImGuiIO& io = ImGui::GetIO();
-  const float reach = kHandleReach * panel.widgets.scale();
   const bool is_left = ImGui::IsMouseDown(ImGuiMouseButton_Left);
   const bool has_handles = panel.state.has_handles && !panel.document.compares();
   if (is_left && is_divided(panel.document) &&
       std::abs(mouse.x - place.divider) < kDividerReach * panel.widgets.scale()) {
     drag_ = Drag::kDivider;
-  } else if (is_left && has_handles && handles_.press(mouse, reach)) {
+  } else if (is_left && has_handles && handles_.press(mouse, panel.widgets)) {
     drag_ = Drag::kHandle;
   } else if (ImGui::IsMouseDown(ImGuiMouseButton_Right)) {
     drag_ = Drag::kZoom;

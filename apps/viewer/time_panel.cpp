@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <string>
+#include <vector>
 
 #include "panels.h"
 
@@ -20,11 +22,23 @@ bool step_time(Document& document, int steps) {
   return true;
 }
 
-std::string step_text(const Document& document) {
-  const std::vector<double>& times = document.info->times;
-  const auto at = std::find(times.begin(), times.end(), document.shown->time);
-  if (at == times.end()) return {};
-  return fmt::format(" (step {} of {})", at - times.begin(), times.size());
+std::string TimeLabel::format() const {
+  std::string format = before + "%.6g";
+  for (const char c : after) format.append(c == '%' ? 2 : 1, c);
+  return format;
+}
+
+TimeLabel time_label(const std::vector<double>& times, const std::string& unit, double time) {
+  TimeLabel label;
+  if (!unit.empty()) label.after = " " + unit;
+  const auto at = std::find(times.begin(), times.end(), time);
+  if (at == times.end()) return label;
+  bool are_numbers = unit.empty();
+  for (std::size_t i = 0; i < times.size(); ++i) are_numbers &= times[i] == static_cast<double>(i);
+  const std::size_t last = times.size() - 1;
+  if (are_numbers) return {"step ", fmt::format(" of 0 to {}", last)};
+  label.after += fmt::format(" (step {} of 0 to {})", at - times.begin(), last);
+  return label;
 }
 
 void time_panel(Panel& panel) {
@@ -78,7 +92,8 @@ void time_panel(Panel& panel) {
       is_moved |= widgets.slider("time.blur.decay", "decay", &time.blur_decay, 0, 10);
     }
   }
-  widgets.row("shown", fmt::format("{:g} {}{}", document.shown->time, unit, step_text(document)));
+  const TimeLabel shown = time_label(times, unit, document.shown->time);
+  widgets.row("shown", fmt::format("{}{:g}{}", shown.before, document.shown->time, shown.after));
   if (panel.status.resident_bytes == 0) {
     if (is_moved) panel.wishes.goes_to_time = true;
     return;

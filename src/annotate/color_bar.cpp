@@ -103,6 +103,7 @@ class RampDrawing {
  private:
   void lay_out();
   void make_labels();
+  std::string text_of(double value) const;
   double y_of(double value) const;
   double value_in_row(int y) const;
   bool shows_opacity() const { return greatest_opacity_ > 0; }
@@ -163,22 +164,23 @@ void RampDrawing::lay_out() {
   if (least < 1) greatest_opacity_ = greatest;
 }
 
+// To a five-hundredth of the range or less, which is less than a row of most bars. Over decades
+// each value has a scale of its own: a thousandth of itself.
+std::string RampDrawing::text_of(double value) const {
+  if (!(scale_.lo() < scale_.hi())) return annotate::number_text(value);
+  const double told =
+      scale_.is_linear() ? (scale_.hi() / 2 - scale_.lo() / 2) / 250 : std::abs(value) * 1e-3;
+  return annotate::number_text(value, annotate::round_below(std::max(told, 1e-307)));
+}
+
 // The range's ends, and between them the round values that leave room.
 void RampDrawing::make_labels() {
   const double lo = scale_.lo();
   const double hi = scale_.hi();
-  const double resolution =
-      scale_.is_linear() ? annotate::round_below(std::max((hi / 2 - lo / 2) / 250, 1e-307)) : 0;
   if (!(lo < hi)) {
-    labels_ = {{lo, annotate::number_text(lo)}};
+    labels_ = {{lo, text_of(lo)}};
     return;
   }
-  // Over decades each end has a scale of its own.
-  const auto text_of = [&](double value) {
-    const double own = std::max(std::abs(value) * 1e-3, 1e-307);
-    return annotate::number_text(value,
-                                 scale_.is_linear() ? resolution : annotate::round_below(own));
-  };
   Tick low{lo, text_of(lo)};
   Tick high{hi, text_of(hi)};
   if (low.label == high.label) {
@@ -271,7 +273,7 @@ void RampDrawing::draw_isovalue(Ink& ink) const {
   const std::array<Vec2, 3> triangle = {Vec2(tip, y), Vec2(tip - 1.5 * size, y - size),
                                         Vec2(tip - 1.5 * size, y + size)};
   ink.convex(triangle);
-  Lettering(annotate::number_text(look_.isovalue), m_.text)
+  Lettering(text_of(look_.isovalue), m_.text)
       .write_at(ink, {tip - 1.5 * size - kLabelGap * m_.text, y}, 1);
 }
 

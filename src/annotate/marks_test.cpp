@@ -136,6 +136,25 @@ TEST(ColorBar, AnIsovalueIsMarked) {
   EXPECT_EQ(left_of_ramp(500), 0);
 }
 
+// Fails if an isovalue has more digits than its place in the bar can be told apart by.
+TEST(ColorBar, AnIsovalueIsAsLongAsTheRangeNeeds) {
+  const auto left_end = [](double isovalue, ValueScale scale) {
+    Look look = unlit_look();
+    look.mode = Mode::kIsosurface;
+    look.isovalue = isovalue;
+    look.transfer_function.scale = scale;
+    Image image = blank();
+    const PixelBox ramp = draw_color_bar(image, look, ranged(1, 100), plain_style());
+    int x = 0;
+    while (x < ramp.x0 && covered(image, x, ramp.y0, x + 1, ramp.y1) == 0) ++x;
+    return ramp.x0 - x;
+  };
+  EXPECT_EQ(left_end(100 / 3.0, ValueScale::kLinear), left_end(33.3, ValueScale::kLinear));
+  EXPECT_LT(left_end(33, ValueScale::kLinear), left_end(33.3, ValueScale::kLinear));
+  EXPECT_EQ(left_end(100 / 3.0, ValueScale::kLog), left_end(33.33, ValueScale::kLog));
+  EXPECT_LT(left_end(33, ValueScale::kLog), left_end(33.33, ValueScale::kLog));
+}
+
 TEST(ColorBar, ColoursBeyondTheRangeArePointedEnds) {
   Look look = unlit_look();
   Image image = blank();
@@ -324,6 +343,34 @@ TEST(Axes, PatientDirectionsHaveTwoEnds) {
   EXPECT_NE(none, lps);
   EXPECT_NE(lps, ras);  // L and R change places
   EXPECT_GT(covered(lps, 0, 0, 38, kMarksHeight), covered(none, 0, 0, 38, kMarksHeight));
+}
+
+// From between -x and +y both arms lie one over the other, y before x. Fails if the letter x shows
+// beside or under the y.
+TEST(Axes, OfTwoLettersThatOverlapTheNearerStays) {
+  Camera camera = straight_camera(true);
+  camera.view_up = Vec3(0, 0, 1);
+  // Pixels of either colour where the letter of an arm of this length in the picture belongs.
+  const auto letter_at = [&](double length) {
+    Image image = blank();
+    draw_axes(image, camera, Space::kNone, plain_style());
+    const int middle = 38 - static_cast<int>(23 * length + 7.5);
+    std::array<int, 2> counts{};
+    for (int y = kMarksHeight - 38 - 6; y < kMarksHeight - 38 + 7; ++y) {
+      for (int x = middle - 4; x < middle + 5; ++x) {
+        const float* const pixel = pixel_of(image, x, y);
+        if (pixel[0] != pixel[1]) ++counts[pixel[0] > pixel[1] ? 0 : 1];
+      }
+    }
+    return counts;
+  };
+  camera.position = Vec3(-10, 10, 0);
+  EXPECT_EQ(letter_at(std::sqrt(0.5))[0], 0);
+  EXPECT_GT(letter_at(std::sqrt(0.5))[1], 8);
+  // A little to the side both have room.
+  camera.position = Vec3(-10, 3, 0);
+  EXPECT_GT(letter_at(3 / std::sqrt(109.0))[0], 4);
+  EXPECT_GT(letter_at(10 / std::sqrt(109.0))[1], 8);
 }
 
 // ---- scale bar

@@ -13,6 +13,7 @@
 #include "command.h"
 #include "ovoid/camera.h"
 #include "ovoid/error.h"
+#include "panels.h"
 
 namespace ovoid::viewer {
 namespace {
@@ -303,6 +304,20 @@ TEST_F(Documents, TheWindowsPartOfAState) {
     take_window_state(nlohmann::ordered_json::parse(damaged), document_);
   EXPECT_FALSE(document_.time.loops);
   EXPECT_EQ(document_.time.rate, 2.5);
+}
+
+// Fails if the last step does not read as the last, or if a step's number stands twice.
+TEST(TimeLabels, SayWhichStepItIs) {
+  const auto text_of = [](const std::vector<double>& times, const std::string& unit, double time) {
+    const TimeLabel label = time_label(times, unit, time);
+    return label.before + "#" + label.after;
+  };
+  EXPECT_EQ(text_of({0, 1, 2, 3}, "", 3), "step # of 0 to 3");
+  EXPECT_EQ(text_of({0, 1, 2, 3}, "", 0.5), "#");
+  EXPECT_EQ(text_of({0, 1, 2, 3}, "s", 3), "# s (step 3 of 0 to 3)");
+  EXPECT_EQ(text_of({0, 0.5, 2.5}, "", 0.5), "# (step 1 of 0 to 2)");
+  EXPECT_EQ(text_of({0, 0.5, 2.5}, "ms", 0.6), "# ms");
+  EXPECT_EQ(time_label({0, 50}, "%", 50).format(), "%.6g %% (step 1 of 0 to 1)");
 }
 
 }  // namespace

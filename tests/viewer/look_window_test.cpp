@@ -232,8 +232,10 @@ TEST_F(WindowSpace, ACropNeverCutsAllAway) {
 TEST_F(WindowSpace, ClipPlanesAndTheirHandles) {
   const Viewed viewed =
       view({make_head(), "--view", "+z", "--fit", "box"},
-           "pace 0\nwait full\npicture $/0.png\nclick tab.space\n"
-           "click space.add-clip\nwait full\nexpect view.clips == 1\n"
+           "pace 0\nwait full\nclick tab.space\nclick space.add-clip\n"
+           // Seen from the front both handles lie at one place.
+           "repeat 8\nkey shift+left\nend\nclick space.clip.0.remove\nwait full\n"
+           "picture $/0.png\nkey ctrl+z\nwait full\nexpect view.clips == 1\n"
            "print view.clip\npicture $/1.png\n"
            "drag left handle.clip.0.normal 25,10\nwait full\nprint view.clip\n"
            "picture $/2.png\ndrag left handle.clip.0.offset 30,10\nwait full\n"
@@ -249,6 +251,20 @@ TEST_F(WindowSpace, ClipPlanesAndTheirHandles) {
   EXPECT_FALSE(file("2.png") == file("1.png"));
   EXPECT_FALSE(file("3.png") == file("2.png"));
   EXPECT_TRUE(file("4.png") == file("0.png"));
+}
+
+// A new plane faces the eye, so that both of its handles lie at one place. Fails if dragging them
+// turns it, by whichever name.
+TEST_F(WindowSpace, AClipPlaneThatFacesTheEyeIsMoved) {
+  for (const char* const handle : {"handle.clip.0.offset", "handle.clip.0.normal"}) {
+    const Viewed viewed = view({make_head(), "--view", "+z", "--fit", "box"},
+                               "pace 0\nwait full\nclick tab.space\nclick space.add-clip\n"
+                               "wait full\nprint view.clip\ndrag left " +
+                                   std::string(handle) + " 5,20\nwait full\nprint view.clip\n");
+    const auto plane = [&](std::size_t time) { return viewed.json("view.clip", time)[0]; };
+    EXPECT_LT(distance(plane(1)["normal"], plane(0)["normal"]), 1e-12) << handle;
+    EXPECT_NE(plane(1)["offset"], plane(0)["offset"]) << handle;
+  }
 }
 
 TEST_F(WindowSpace, AsManyClipPlanesAsThereIsRoomFor) {

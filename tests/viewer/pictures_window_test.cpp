@@ -87,7 +87,8 @@ const Situation kSituations[] = {
     {"Clip",
      "head",
      {},
-     "click tab.space\nclick space.add-clip\ndrag left handle.clip.0.normal 15,20\n"},
+     "click tab.space\nclick space.add-clip\nrepeat 8\nkey shift+left\nend\n"
+     "drag left handle.clip.0.normal 15,20\n"},
     {"ClipAndCropOfTheFlags",
      "head",
      {"--clip", "1,1,0,4", "--crop", "4:44,0:40,:", "--no-panel"},

@@ -73,7 +73,7 @@ class Absorber {
     if (is_surface_) return (value >= iso_) == is_above_ ? solid_ : 0;
     const float place = table_.axis().place(value);
     constexpr auto kLast = static_cast<float>(view::LookTable::kCells);
-    return entries_[static_cast<std::size_t>(std::clamp(place, 0.0F, kLast) + 0.5F)];
+    return entries_[static_cast<std::size_t>(std::lround(std::clamp(place, 0.0F, kLast)))];
   }
 
  private:

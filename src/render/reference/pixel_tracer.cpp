@@ -163,8 +163,8 @@ view::ArrivingLight PixelTracer::light_at(const PixelRay& pixel, double z,
 }
 
 // What was classified is faded, lit and composited.
-void PixelTracer::add_seen(const PixelRay& pixel, SeenSample seen, Pixel& result) const {
-  auto& [color, opacity] = seen.look;
+void PixelTracer::add_seen(const PixelRay& pixel, const SeenSample& seen, Pixel& result) const {
+  auto [color, opacity] = seen.look;
   if (!fading_.opacities.empty()) opacity *= fading_.opacity_at(seen.slope.norm());
   if (look_.shade) {
     const Vec3 to_eye = -pixel.ray.direction.normalized();

@@ -122,7 +122,7 @@ class PixelTracer {
     view::ArrivingLight arriving;
     double z, path;
   };
-  void add_seen(const PixelRay& pixel, SeenSample seen, Pixel& result) const;
+  void add_seen(const PixelRay& pixel, const SeenSample& seen, Pixel& result) const;
   view::ArrivingLight light_at(const PixelRay& pixel, double z, const Vec3& slope) const;
   bool may_show(const Piece& piece) const;
   int num_steps(const Piece& piece, const Vec3& front_slope, const Vec3& back_slope) const;

@@ -23,11 +23,19 @@ double ExtinctionLattice::cell_edge() const {
   return world_from_cell.linear().colwise().norm().mean();
 }
 
-double extinction_of(const Look& look, double value) {
-  const double opacity = look.transfer_function.opacity_at(value);
+namespace {
+
+// Per length, of an opacity over the look's unit distance.
+double extinction_of_opacity(const Look& look, double opacity) {
   const double per_unit =
       opacity < 1 ? std::min(-std::log1p(-opacity), kOpaqueExtinction) : kOpaqueExtinction;
   return per_unit / look.unit_distance;
+}
+
+}  // namespace
+
+double extinction_of(const Look& look, double value) {
+  return extinction_of_opacity(look, look.transfer_function.opacity_at(value));
 }
 
 namespace {
@@ -54,10 +62,8 @@ class Absorber {
     }
     entries_.resize(view::LookTable::kEntries);
     for (int i = 0; i < view::LookTable::kEntries; ++i) {
-      const double opacity = table_.opacity()[i];
-      const double per_unit =
-          opacity < 1 ? std::min(-std::log1p(-opacity), kOpaqueExtinction) : kOpaqueExtinction;
-      entries_[static_cast<std::size_t>(i)] = static_cast<float>(per_unit / look.unit_distance);
+      entries_[static_cast<std::size_t>(i)] =
+          static_cast<float>(extinction_of_opacity(look, table_.opacity()[i]));
     }
   }
 

@@ -12,8 +12,12 @@
 namespace ovoid {
 namespace {
 
+[[noreturn]] void refuse_limits(const std::string& message) {
+  throw Error(ErrorCode::kInvalidArgument, "depth_limits: " + message);
+}
+
 void require_limit(bool holds, const std::string& message) {
-  if (!holds) throw Error(ErrorCode::kInvalidArgument, "depth_limits: " + message);
+  if (!holds) refuse_limits(message);
 }
 
 bool is_share(float value) { return value >= 0 && value <= 1; }
@@ -32,18 +36,20 @@ void DepthLimits::validate() const {
   require_limit(coverage.empty() || coverage.size() == num_pixels,
                 fmt::format("coverage has {} numbers, {} x {} pixels need {}", coverage.size(),
                             width, height, num_pixels));
-  for (std::size_t i = 0; i < coverage.size(); ++i)
-    require_limit(is_share(coverage[i]),
-                  fmt::format("coverage[{}] = {}: must be in [0, 1]", i, coverage[i]));
+  // Frames have millions of these: text is made of a wrong one alone.
+  for (std::size_t i = 0; i < coverage.size(); ++i) {
+    if (!is_share(coverage[i]))
+      refuse_limits(fmt::format("coverage[{}] = {}: must be in [0, 1]", i, coverage[i]));
+  }
   for (std::size_t pixel = 0; pixel < num_pixels; ++pixel) {
     for (std::size_t i = first[pixel]; i < first[pixel + 1]; ++i) {
       const Stop& stop = stops[i];
-      require_limit(
-          !std::isnan(stop.depth) && (i == first[pixel] || stops[i - 1].depth <= stop.depth),
-          fmt::format("stops[{}].depth = {}: a pixel's stops must go from front to back", i,
-                      stop.depth));
-      require_limit(std::all_of(stop.rgba.begin(), stop.rgba.end(), is_share),
-                    fmt::format("stops[{}].rgba: must be in [0, 1]", i));
+      const bool is_behind = i == first[pixel] || stops[i - 1].depth <= stop.depth;
+      if (std::isnan(stop.depth) || !is_behind)
+        refuse_limits(fmt::format(
+            "stops[{}].depth = {}: a pixel's stops must go from front to back", i, stop.depth));
+      if (!std::all_of(stop.rgba.begin(), stop.rgba.end(), is_share))
+        refuse_limits(fmt::format("stops[{}].rgba: must be in [0, 1]", i));
     }
   }
 }

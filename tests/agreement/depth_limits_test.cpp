@@ -157,5 +157,16 @@ TEST(DepthLimits, AreRefusedWhereTheyDoNotFit) {
   EXPECT_THROW(limits.validate(), Error);
 }
 
+// Lattice sheets have other pixels.
+TEST(DepthLimits, AreRefusedOnLatticeSheets) {
+  const TestVolume volume = test_volumes()[0];
+  Scene scene{volume.field, askew_camera(volume.field, true, 1.3),
+              semi_transparent_look(volume.lo, volume.hi), picture(20, 20)};
+  scene.options.depth_limits = random_limits(scene, 6, false);
+  EXPECT_NO_THROW(draw(scene, Backend::kCpu));
+  scene.options.sheets = Sheets::kLattice;
+  EXPECT_THROW(draw(scene, Backend::kCpu), Error);
+}
+
 }  // namespace
 }  // namespace ovoid::test

@@ -3,6 +3,8 @@
 // larger than its memory, and its ways to fail. Runs where OVOID_TEST_BACKEND names vulkan.
 #include <gtest/gtest.h>
 
+#include <memory>
+
 #include "ovoid/devices.h"
 #include "ovoid/error.h"
 #include "support/agreement.h"
@@ -289,6 +291,23 @@ TEST_F(OnDevice, ImpossibleWishesAreErrorsWithAWayOut) {
                 message),
             ErrorCode::kOutOfMemory);
   EXPECT_NE(message.find("backend cpu"), std::string::npos) << message;
+}
+
+// Fails if limits are passed over, or if a device of auto's choice keeps the cpu from drawing them.
+TEST_F(OnDevice, DepthLimitsAreLeftToTheCpu) {
+  Scene scene = lattice_scene(true);
+  auto limits = std::make_shared<DepthLimits>();
+  limits->width = scene.options.width;
+  limits->height = scene.options.height;
+  limits->first.assign(static_cast<std::size_t>(limits->width * limits->height) + 1, 0);
+  scene.options.depth_limits = limits;
+  std::string message;
+  EXPECT_EQ(code_of([&] { draw_with({.backend = Backend::kVulkan}, scene); }, message),
+            ErrorCode::kUnsupported);
+  EXPECT_NE(message.find("depth limits"), std::string::npos) << message;
+  const Frame frame = draw_with({.auto_takes_software = true}, scene);
+  EXPECT_EQ(frame.profile.backend, "cpu");
+  EXPECT_NE(frame.profile.notice.find("depth limits"), std::string::npos) << frame.profile.notice;
 }
 
 }  // namespace

@@ -161,19 +161,6 @@ inline RowBits visible_candidates(const CpuFrame& frame, const TileInHand& tile,
   return bits;
 }
 
-// Where the paths of a group's samples have a length.
-inline void drop_clipped(const CpuFrame& frame, const BlockPlace& place, int s, RowBits& bits) {
-  if (!frame.plan->is_clipped) return;
-  for (int y = 0; y < place.rows; ++y) {
-    for_each_group(bits[y], place.margin, place.columns - place.margin,
-                   [&](int column, std::uint32_t lanes) {
-                     const V path = path_fraction(frame, place, s, column, y);
-                     const std::uint32_t gone = bits_of(hn::Le(path, hn::Zero(d))) & lanes;
-                     bits[y] &= ~(RowWord{gone} << column);
-                   });
-  }
-}
-
 inline void difference_gradients(const CpuFrame& frame, const TileInHand& tile, int s,
                                  const RowBits& visible) {
   const BlockPlace& place = tile.place;
@@ -221,7 +208,8 @@ inline void finish_subtile_sheet(const CpuFrame& frame, const TileInHand& tile, 
   }
   if (frame.is_refined) return finish_subtile_pieces(frame, tile, s, clock);
   RowBits bits = visible_candidates(frame, tile, s);
-  drop_clipped(frame, tile.place, s, bits);
+  if (frame.plan->is_clipped && tile.place.limits == nullptr)
+    drop_without_path(frame, tile.place, s, bits);
   finish_samples(frame, tile, s, bits, clock,
                  [&] { difference_gradients(frame, tile, s, tile.shaded.visible); });
 }
@@ -371,13 +359,7 @@ inline void render_kernel_tile_on_target(const KernelFrame& frame, KernelWorkspa
     draw_block(frame, work, rect, {first, last, !is_running, !goes_on}, clock);
     is_running = true;
   }
-  for (int sub = 0; sub < kSubtiles * kSubtiles; ++sub) {
-    Subtile& subtile = work.subtiles[static_cast<std::size_t>(sub)];
-    show_last_stops(frame,
-                    std::clamp(rect.x1 - rect.x0 - sub % kSubtiles * kTileSize, 0, kTileSize),
-                    std::clamp(rect.y1 - rect.y0 - sub / kSubtiles * kTileSize, 0, kTileSize),
-                    subtile.limits, subtile.pixels);
-  }
+  for (Subtile& subtile : work.subtiles) show_last_stops(frame, subtile.limits, subtile.pixels);
   clock.lap(kBin);
 }
 

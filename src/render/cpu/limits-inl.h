@@ -12,7 +12,9 @@
 #define OVOID_RENDER_CPU_LIMITS_INL_H_
 #endif
 
+#include <algorithm>
 #include <bit>
+#include <limits>
 
 #include "render/cpu/composite-inl.h"
 
@@ -59,6 +61,9 @@ inline void enter_span(const CpuFrame& frame, std::uint32_t from, int pixel, Til
 inline void set_up_limits(const CpuFrame& frame, int tile_x, int tile_y, TileLimits& limits,
                           TileState& tile) {
   if (frame.limits == nullptr) return;
+  // Pixels that the picture lacks have no stops.
+  std::fill_n(limits.shown, TileState::kPixels, 0U);
+  std::fill_n(limits.end, TileState::kPixels, 0U);
   for (int y = 0; y < kTileSize; ++y) {
     for (RowWord open = tile.open[y]; open != 0; open &= open - 1) {
       const int x = std::countr_zero(open);
@@ -108,20 +113,26 @@ inline RowBits within_spans(const CpuFrame& frame, const BlockPlace& place, cons
   return within;
 }
 
+// Drops the samples whose paths have no length.
+inline void drop_without_path(const CpuFrame& frame, const BlockPlace& place, int s,
+                              RowBits& bits) {
+  for (int y = 0; y < place.rows; ++y) {
+    for_each_group(bits[y], place.margin, place.columns - place.margin,
+                   [&](int column, std::uint32_t lanes) {
+                     const V path = path_fraction(frame, place, s, column, y);
+                     const std::uint32_t gone = bits_of(hn::Le(path, hn::Zero(d))) & lanes;
+                     bits[y] &= ~(RowWord{gone} << column);
+                   });
+  }
+}
+
 // Of samples on sheet s, those with a path; what stands before them joins the pixels.
 inline RowBits with_path_within(const CpuFrame& frame, const BlockPlace& place, int s,
                                 const RowBits& bits, TileState& tile) {
   const float depth = place.sheets[s].depth;
   leave_spans(frame, place, bits, depth - 0.5F * frame.camera.sampling_distance, tile);
   RowBits with_path = bits;
-  for (int y = 0; y < place.rows; ++y) {
-    for_each_group(bits[y], place.margin, place.columns - place.margin,
-                   [&](int column, std::uint32_t lanes) {
-                     const V path = path_fraction(frame, place, s, column, y);
-                     const std::uint32_t gone = bits_of(hn::Le(path, hn::Zero(d))) & lanes;
-                     with_path[y] &= ~(RowWord{gone} << column);
-                   });
-  }
+  drop_without_path(frame, place, s, with_path);
   TileLimits& limits = *place.limits;
   for_each_pixel(place, with_path, [&](int, int, int pixel) {
     std::uint32_t end = limits.span[pixel];
@@ -152,15 +163,10 @@ inline std::uint32_t within_spans(const CpuFrame& frame, const BlockPlace& place
 }
 
 // What is left of the stops of a tile that is done.
-inline void show_last_stops(const CpuFrame& frame, int width, int height, TileLimits& limits,
-                            TileState& tile) {
+inline void show_last_stops(const CpuFrame& frame, TileLimits& limits, TileState& tile) {
   if (frame.limits == nullptr) return;
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      const int pixel = y * kTileSize + x;
-      show_stops(frame, limits.end[pixel], pixel, limits, tile);
-    }
-  }
+  for (int pixel = 0; pixel < kTileSize * kTileSize; ++pixel)
+    show_stops(frame, limits.end[pixel], pixel, limits, tile);
 }
 
 }  // namespace HWY_NAMESPACE

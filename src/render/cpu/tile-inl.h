@@ -384,13 +384,8 @@ inline void render_patch_on_target(const LatticeFrame& frame, LatticeWorkspace& 
     draw_layer(frame, work, rect, sheet, past, clock);
     sheet = past;
   }
-  for (int t = 0; t < num_tiles; ++t) {
-    const auto at = static_cast<std::size_t>(t);
-    show_last_stops(frame,
-                    std::clamp(rect.x1 - rect.x0 - t % kPatchTiles * kTileSize, 0, kTileSize),
-                    std::clamp(rect.y1 - rect.y0 - t / kPatchTiles * kTileSize, 0, kTileSize),
-                    work.limits[at], work.tiles[at]);
-  }
+  for (std::size_t t = 0; t < static_cast<std::size_t>(num_tiles); ++t)
+    show_last_stops(frame, work.limits[t], work.tiles[t]);
   clock.lap(kBin);
 }
 

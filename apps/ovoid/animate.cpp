@@ -170,8 +170,7 @@ struct Scenery {
   Look look;
   ValueRange values;
   Camera start, camera;  // before it turns: as it comes, and as near as all frames are
-  DrawnSurface surface;  // of the moment that gave the look
-  std::shared_ptr<const Surface> moment_surface;  // keeps it
+  SurfaceStyle walls{0, false};
 };
 
 // The moment that `render` would take.
@@ -273,15 +272,14 @@ Scenery make_scenery(const Series& series, const Chosen& chosen, const Flags& fl
     if (scenery.look.unit_distance == 0 && !scenery.look.transfer_function.unit_distance)
       scenery.look.unit_distance = default_unit_distance(field);
   }
-  scenery.surface = surface_to_draw(subject, drawing);
+  scenery.walls = surface_to_draw(subject, drawing);
   CameraSubject seen_subject = subject_of(scenery, field, drawing);
-  seen_subject.surface = scenery.surface.surface;
+  if (scenery.walls.opacity > 0) seen_subject.surface = subject.surface.get();
   seen_subject.is_for_turning = true;
   CameraFlags camera = drawing.camera;
   if (seen.num_steps > 1) camera.fit = Fit::kBox;  // what shows of one may grow in the next
   scenery.start = start_camera(camera, seen_subject);
   scenery.camera = make_camera(camera, seen_subject);
-  scenery.moment_surface = std::move(subject.surface);
   return scenery;
 }
 
@@ -337,17 +335,18 @@ class Animator {
       const Dataset dataset = data_at(series_, frame.time, drawing, session_);
       const Modelled modelled = make_field(dataset, drawing.model, drawing.run.threads, session_);
       field_ = modelled.field;
-      if (scenery.surface.surface != nullptr)
-        surface_ = surface_of(dataset, drawing, modelled, session_);
+      surface_ = surface_of(dataset, drawing, modelled, session_);
       if (drawing.trail.length)
         trail_ = make_trail(drawing.trail, series_, frame.time, drawing.model, drawing.run.threads,
                             look, values_, session_);
       time_ = frame.time;
     }
     const RenderOptions& options = animate_.drawing.options;
-    const FrameSubject subject{field_, look, trail_ ? &*trail_ : nullptr,
-                               DrawnSurface{surface_.get(), scenery.surface.style}};
-    Frame drawn = draw_frame(renderer_, subject, camera, animate_.drawing, options, hooks);
+    const std::optional<ValuePlane>& plane = animate_.drawing.plane;
+    const FrameSubject subject{
+        field_,         look,         trail_ ? &*trail_ : nullptr, plane ? &*plane : nullptr,
+        surface_.get(), scenery.walls};
+    Frame drawn = draw_frame(renderer_, subject, camera, options, hooks);
     if (!drawn.profile.notice.empty()) session_.note(drawn.profile.notice);
     return std::move(drawn.image);
   }

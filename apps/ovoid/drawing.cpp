@@ -40,13 +40,13 @@ std::vector<InputFile> files_to_read(const DataFlags& data, const DrawingFlags& 
 
 std::shared_ptr<const Surface> surface_of(const Dataset& dataset, const DrawingFlags& drawing,
                                           const Modelled& modelled, Session& session) {
-  if (dataset.kind != DatasetKind::kMesh || drawing.surface.opacity == 0) return nullptr;
+  if (dataset.kind != DatasetKind::kMesh && dataset.kind != DatasetKind::kBoxes) return nullptr;
   KernelModelOptions options = drawing.model.kernels;
   options.array = modelled.array;
   if (modelled.color_array != modelled.array) options.color_array = modelled.color_array;
   options.component = modelled.component;
   auto surface = make_surface(dataset, options, session.stop());
-  if (surface == nullptr && drawing.surface.opacity) {
+  if (surface == nullptr && drawing.surface.opacity.value_or(0) > 0) {
     throw Error(ErrorCode::kInvalidArgument,
                 fmt::format("--surface: '{}' has no cells whose faces are known", dataset.source));
   }
@@ -71,6 +71,7 @@ Subject make_subject(const Dataset& dataset, const Flags& flags, DrawingFlags* d
   subject.described = describe(dataset, subject.modelled, subject.modelled.component);
   subject.unit = unit_of(dataset, subject.modelled, Role::kOpacity);
   subject.surface = surface_of(dataset, *drawing, subject.modelled, session);
+  subject.has_walls = subject.surface != nullptr && dataset.kind == DatasetKind::kMesh;
   return subject;
 }
 
@@ -150,41 +151,53 @@ double share_in_all(const Surface& surface, const Field& field) {
 
 bool is_about_inside(const DrawingFlags& drawing) {
   const LookFlags& look = drawing.look;
-  return look.mode != Mode::kComposite || !look.file.empty() || !look.preset.empty() ||
+  const bool has_preset = !look.preset.empty() && look.preset != kCinematicPreset;  // light alone
+  return look.mode != Mode::kComposite || !look.file.empty() || has_preset ||
          !look.opacities.empty() || !look.gradient_opacities.empty() || look.unit_distance ||
-         !drawing.options.clip_planes.empty() || drawing.crop.world || drawing.plane;
+         drawing.plane;
+}
+
+// Whether there are solid cells, whatever is known of their faces.
+bool has_inside(const Surface& surface) {
+  return surface.leaves_out_cells || surface.encloses_mesh();
 }
 
 }  // namespace
 
-DrawnSurface surface_to_draw(const Subject& subject, const DrawingFlags& drawing) {
+SurfaceStyle surface_to_draw(const Subject& subject, const DrawingFlags& drawing) {
   constexpr double kMuch = 0.25;
-  constexpr double kSeeThrough = 0.4;
+  constexpr double kSeeThrough = 0.2;
+  const bool shows_edges = drawing.surface.shows_edges;
+  const SurfaceStyle none{0, shows_edges};
   const Surface* const surface = subject.surface.get();
-  const SurfaceFlags& asked = drawing.surface;
-  if (surface == nullptr || asked.opacity == 0) return {};
-  if (asked.opacity) return {surface, {*asked.opacity, asked.shows_edges}};
-  if (asked.shows_edges) return {surface, {1, true}};
-  if (is_about_inside(drawing)) return {};
+  if (!subject.has_walls) return none;
+  if (drawing.surface.opacity) return {*drawing.surface.opacity, shows_edges};
+  if (shows_edges) return {1, true};
+  if (is_about_inside(drawing)) return none;
   const Field& field = subject.modelled.field;
   const bool is_constant = !(field.color_range().lo < field.color_range().hi);
-  if (is_constant || share_seen(*surface, field) >= kMuch) return {surface, {1, false}};
-  if (share_in_all(*surface, field) >= kMuch) return {surface, {kSeeThrough, false}};
-  return {};
+  if (is_constant || !has_inside(*surface) || share_seen(*surface, field) >= kMuch)
+    return {1, false};
+  if (share_in_all(*surface, field) >= kMuch) return {kSeeThrough, false};
+  return none;
 }
 
 Frame draw_frame(Renderer& renderer, const FrameSubject& subject, const Camera& camera,
-                 const DrawingFlags& drawing, const RenderOptions& options,
-                 const RenderHooks& hooks) {
-  const auto& [field, look, trail, drawn] = subject;
-  if (drawn.surface != nullptr) {
-    return render_surface(*drawn.surface, camera, look, drawn.style, options, drawing.run.threads,
-                          hooks);
-  }
+                 const RenderOptions& options, const RenderHooks& hooks) {
+  const auto& [field, look, trail, plane, surface, walls] = subject;
   if (trail != nullptr) return renderer.render(field, camera, look, *trail, options, hooks);
-  if (drawing.plane)
-    return render_with_plane(renderer, field, camera, look, *drawing.plane, options, hooks);
-  return renderer.render(field, camera, look, options, hooks);
+  if (surface == nullptr) {
+    if (plane == nullptr) return renderer.render(field, camera, look, options, hooks);
+    return render_with_plane(renderer, field, camera, look, *plane, options, hooks);
+  }
+  if (plane == nullptr)
+    return render_mesh(renderer, field, *surface, camera, look, walls, options, hooks);
+  RenderOptions within = options;
+  if (surface->encloses_mesh()) {
+    within.depth_limits = std::make_shared<DepthLimits>(boundary_limits(
+        *surface, camera, look, {0, false}, options, renderer.threads(), hooks.stop));
+  }
+  return render_with_plane(renderer, field, camera, look, *plane, within, hooks);
 }
 
 std::string picture_ending(const std::string& path) {

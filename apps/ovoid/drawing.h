@@ -10,7 +10,7 @@
 #include "check_files.h"
 #include "draw_marks.h"
 #include "make_field.h"
-#include "ovoid/render_surface.h"
+#include "ovoid/render_mesh.h"
 #include "ovoid/renderer.h"
 #include "settings.h"
 
@@ -24,24 +24,20 @@ struct Subject {
   Modelled modelled;
   Described described;                     // all but the box
   std::string unit;                        // of what gives opacity
-  std::shared_ptr<const Surface> surface;  // of a mesh that has one, and may be drawn; else null
+  std::shared_ptr<const Surface> surface;  // of a mesh or boxes; null: there is none
+  bool has_walls = false;                  // the surface may be seen: a mesh's
 };
 
-// Of a mesh, with the values of what was modelled. Null if there is none, or none is wanted. Throws
-// Error where it was asked for and there is none.
+// Of a mesh or boxes, with the values of what was modelled. Null if there is none. Throws Error
+// where it was asked for and there is none.
 std::shared_ptr<const Surface> surface_of(const Dataset& dataset, const DrawingFlags& drawing,
                                           const Modelled& modelled, Session& session);
 
-// A surface that is drawn in the field's place.
-struct DrawnSurface {
-  const Surface* surface = nullptr;  // null: the field is drawn
-  SurfaceStyle style{};
-};
-
-// The surface as the flags ask for it. Where they do not say, and say nothing that is about the
-// inside: opaque if its outside shows a quarter of the field's range or more; else see-through if
-// all of it does; else the field.
-DrawnSurface surface_to_draw(const Subject& subject, const DrawingFlags& drawing);
+// What is seen of a mesh's surface, as render_mesh() takes it. Where the flags do not say, and say
+// nothing that is about the inside: opaque if its outside shows a quarter of the field's range or
+// more, or if there is nothing inside; else see-through if all of it does; else not at all. With
+// clip planes what is opaque stays so, and has lids. Of what is no mesh not at all.
+SurfaceStyle surface_to_draw(const Subject& subject, const DrawingFlags& drawing);
 
 // Refuses flags that are for other data, and makes the field: of labels that nobody said anything
 // about with narrow kernels, which `drawing` then has. The field keeps what it needs of `dataset`.
@@ -62,14 +58,22 @@ void color_integrals(Image& image, const TransferFunction& tf);
 struct FrameSubject {
   const Field& field;
   const Look& look;
-  const Trail* trail = nullptr;  // null: none
-  DrawnSurface surface{};
+  const Trail* trail = nullptr;       // null: none
+  const ValuePlane* plane = nullptr;  // null: none
+  const Surface* surface = nullptr;   // of the mesh whose field it is; null: none
+  SurfaceStyle walls{0, false};       // of the surface
+
+  // Lids of cuts aside.
+  bool shows_surface_alone() const {
+    return surface != nullptr && plane == nullptr && walls.opacity >= 1;
+  }
+  // What is to fill the picture: a surface that is seen; null: what shows of the field.
+  const Surface* framed_surface() const { return walls.opacity > 0 ? surface : nullptr; }
 };
 
-// The frame that the flags ask for: with a trail, with their value plane, or of a surface.
+// With a trail, with a value plane, within a surface.
 Frame draw_frame(Renderer& renderer, const FrameSubject& subject, const Camera& camera,
-                 const DrawingFlags& drawing, const RenderOptions& options,
-                 const RenderHooks& hooks);
+                 const RenderOptions& options, const RenderHooks& hooks);
 
 bool is_empty(const Image& image);
 // Why there may be nothing in it.

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 
-#include "drawing.h"
 #include "profile.h"
 
 namespace ovoid::cli {
@@ -42,7 +41,7 @@ double splat_bytes(const DryRun& run, const FrameProfile& profile, const FramePr
                    double strip_pixels) {
   constexpr double kSplat = 64;
   constexpr double kListed = 4;
-  if (run.field.kernels() == nullptr) return 0;
+  if (run.subject.field.kernels() == nullptr) return 0;
   return kSplat * static_cast<double>(profile.kernels_drawn) +
          kListed * static_cast<double>(strip.kernels_loaded) * num_pixels(run.options) /
              strip_pixels;
@@ -63,9 +62,9 @@ std::string readable_time(double ms) {
 // A surface costs as much as its triangles and a few pixels: it is drawn, and forgotten.
 std::string predict_surface(const DryRun& run) {
   const double resident = static_cast<double>(resident_memory_bytes());
-  const FrameProfile profile =
-      render_surface(*run.surface, run.camera, run.look, {}, run.options, run.setup.threads)
-          .profile;
+  const FrameProfile profile = render_surface(*run.subject.surface, run.camera, run.subject.look,
+                                              run.subject.walls, run.options, run.setup.threads)
+                                   .profile;
   const double peak =
       std::max(static_cast<double>(peak_memory_bytes()), resident + picture_bytes(run));
   return fmt::format(
@@ -74,7 +73,7 @@ std::string predict_surface(const DryRun& run) {
       "{}\n",
       "picture", run.options.width, run.options.height, run.output.empty() ? "" : ", ",
       one_line(run.output), "surface",
-      readable_count(static_cast<double>(run.surface->triangles.size())), "time of a frame",
+      readable_count(static_cast<double>(run.subject.surface->triangles.size())), "time of a frame",
       readable_time(profile.frame_ms), profile.threads, profile.threads == 1 ? "" : "s",
       "greatest memory", readable_bytes(peak));
 }
@@ -82,7 +81,7 @@ std::string predict_surface(const DryRun& run) {
 }  // namespace
 
 std::string predict(const DryRun& run, Session& session) {
-  if (run.surface != nullptr) return predict_surface(run);
+  if (run.subject.shows_surface_alone()) return predict_surface(run);
   const double resident = static_cast<double>(resident_memory_bytes());
   const RenderOptions small = resized(run.options, 4, 4);
   // A camera's picture keeps its scale when it gets narrower.
@@ -93,11 +92,10 @@ std::string predict(const DryRun& run, Session& session) {
   hooks.stop = session.stop();
   Progress progress("measuring");
   hooks.progress = progress.callback();
-  const FrameProfile profile =
-      renderer.render(run.field, run.camera, run.look, small, hooks).profile;
+  const FrameProfile profile = draw_frame(renderer, run.subject, run.camera, small, hooks).profile;
 
   hooks.progress = nullptr;
-  const FrameProfile timed = renderer.render(run.field, run.camera, run.look, strip, hooks).profile;
+  const FrameProfile timed = draw_frame(renderer, run.subject, run.camera, strip, hooks).profile;
   const double num_samples = ratio * static_cast<double>(profile.samples_reconstructed);
   const double ms_per_sample =
       timed.frame_ms / std::max(1.0, static_cast<double>(timed.samples_reconstructed));
@@ -111,8 +109,10 @@ std::string predict(const DryRun& run, Session& session) {
   row("kernels", fmt::format("{}, {} of them where something can show",
                              readable_count(static_cast<double>(profile.kernels_total)),
                              readable_count(static_cast<double>(profile.kernels_drawn))));
-  row("memory of the field", readable_bytes(static_cast<double>(run.field.resident_bytes())));
-  row("sampling distance", fmt::format("{:.6g}", sheet_distance(run.field, run.look, run.options)));
+  row("memory of the field",
+      readable_bytes(static_cast<double>(run.subject.field.resident_bytes())));
+  row("sampling distance",
+      fmt::format("{:.6g}", sheet_distance(run.subject.field, run.subject.look, run.options)));
   row("samples",
       fmt::format("about {} reconstructed, {} of them visible", readable_count(num_samples),
                   readable_count(ratio * static_cast<double>(profile.samples_shaded))));

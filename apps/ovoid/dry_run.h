@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "ovoid/render_surface.h"
+#include "drawing.h"
 #include "ovoid/renderer.h"
 #include "session.h"
 
@@ -11,13 +11,11 @@ namespace ovoid::cli {
 
 // The frame that would be drawn.
 struct DryRun {
-  const Field& field;
+  const FrameSubject& subject;
   const Camera& camera;
-  const Look& look;
   RenderOptions options;
   RendererSetup setup;
-  std::string output;                // as given
-  const Surface* surface = nullptr;  // drawn instead; null: the field
+  std::string output;  // as given
 };
 
 // What the frame will cost in time and memory, as rows for people. How many samples it has is

@@ -96,20 +96,6 @@ void check_flags(const Flags& flags, const RenderFlags& render) {
   check_files(inputs, outputs);
 }
 
-struct RenderScene {
-  const Field& field;
-  const Camera& camera;
-  const Look& look;
-  const Trail* trail;  // null: none
-  const DrawnSurface& surface;
-  const DrawingFlags& drawing;
-
-  Frame draw(Renderer& renderer, const Camera& from, const RenderOptions& options,
-             const RenderHooks& hooks) const {
-    return draw_frame(renderer, {field, look, trail, surface}, from, drawing, options, hooks);
-  }
-};
-
 // What --motion-blur asks for.
 std::optional<Trail> trail_of(const RenderFlags& render, const Subject& subject, std::int64_t step,
                               const Look& look, Session& session) {
@@ -125,8 +111,8 @@ std::optional<Trail> trail_of(const RenderFlags& render, const Subject& subject,
 }
 
 // One frame for the picture, and with --repeat N more for the clock.
-Image draw(const RenderFlags& render, const RenderScene& scene, RunProfile* profile,
-           Session& session) {
+Image draw(const RenderFlags& render, const FrameSubject& subject, const Camera& camera,
+           RunProfile* profile, Session& session) {
   Renderer renderer(render.drawing.run);
   RenderOptions options = render.drawing.options;
   RenderHooks hooks;
@@ -136,7 +122,7 @@ Image draw(const RenderFlags& render, const RenderScene& scene, RunProfile* prof
   Frame first = [&] {
     Progress progress("drawing");
     hooks.progress = progress.callback();
-    return scene.draw(renderer, scene.camera, options, hooks);
+    return draw_frame(renderer, subject, camera, options, hooks);
   }();
   hooks.progress = nullptr;
   if (!first.profile.notice.empty()) session.note(first.profile.notice);
@@ -147,14 +133,15 @@ Image draw(const RenderFlags& render, const RenderScene& scene, RunProfile* prof
   }
   Progress progress("timing");
   for (int i = 0; i < render.repeat; ++i) {
-    Camera turned = scene.camera;
+    Camera turned = camera;
     turned.azimuth(kTurnDegrees * i);
-    profile->frames_ms.push_back(scene.draw(renderer, turned, options, hooks).profile.frame_ms);
+    profile->frames_ms.push_back(
+        draw_frame(renderer, subject, turned, options, hooks).profile.frame_ms);
     progress.show((i + 1.0) / render.repeat);
   }
   if (render.profile) {
     options.collect_profile = true;
-    profile->frame = scene.draw(renderer, scene.camera, options, hooks).profile;
+    profile->frame = draw_frame(renderer, subject, camera, options, hooks).profile;
   }
   return std::move(first.image);
 }
@@ -232,19 +219,22 @@ void run_render(const Words& words, Session& session) {
   Described& described = subject.described;
   described.box = apply_crop(drawing.crop, field, &drawing.options);
   Look look = make_look(drawing.look, field, subject.unit, session);
-  const DrawnSurface surface = surface_to_draw(subject, drawing);
-  const Camera camera =
-      make_camera(drawing.camera, {field, look, described.box.world_bounds(), described.space,
-                                   aspect, drawing.options.clip_planes, false, surface.surface});
+  FrameSubject drawn{field,
+                     look,
+                     nullptr,
+                     drawing.plane ? &*drawing.plane : nullptr,
+                     subject.surface.get(),
+                     surface_to_draw(subject, drawing)};
+  const Camera camera = make_camera(
+      drawing.camera, {field, look, described.box.world_bounds(), described.space, aspect,
+                       drawing.options.clip_planes, false, drawn.framed_surface()});
   if (render.dry_run) {
-    const DryRun run{field,       camera,        look,           drawing.options,
-                     drawing.run, render.output, surface.surface};
-    write_out(predict(run, session));
+    write_out(predict({drawn, camera, drawing.options, drawing.run, render.output}, session));
     return;
   }
   const std::optional<Trail> trail = trail_of(render, subject, step, look, session);
-  const RenderScene scene{field, camera, look, trail ? &*trail : nullptr, surface, drawing};
-  Image image = draw(render, scene, &profile, session);
+  if (trail) drawn.trail = &*trail;
+  Image image = draw(render, drawn, camera, &profile, session);
   // A picture without anything in it is seldom what was meant.
   if (is_empty(image))
     session.note("nothing shows: " + cause_of_emptiness(look, field.value_range()));

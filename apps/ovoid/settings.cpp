@@ -308,8 +308,9 @@ const Table<SurfaceFlags>& surface_settings() {
           if (!surface.opacity) return Json();
           return *surface.opacity == 1 ? Json(true) : Json(fmt::format("{}", *surface.opacity));
         }},
-       "meshes: draw where the cells end, in the field's colours, this opaque (1; 0: draw the "
-       "volume; default: 1, unless opacities, clip planes or a plane of values are given)",
+       "meshes: show where the cells end, in the field's colours, this opaque (1; less: with the "
+       "volume inside; 0: the volume alone; default: what shows the field best, 0 where opacities "
+       "or a plane of values are given)",
        mesh,
        mode},
       {"--edges", Toggle(), &S::shows_edges, "the edges of the surface's cells, too", mesh, mode},

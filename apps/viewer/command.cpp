@@ -122,7 +122,7 @@ cli::FlagSet flags_of(const Document& document, Size size) {
   drawing.plane = document.scenes({1, 1}).back()->plane;
   cli::tell(cli::plane_settings(), drawing, &flags);
   drawing.surface = {};
-  if (document.shown->subject.surface != nullptr && view.look.mode == Mode::kComposite) {
+  if (document.shown->subject.has_walls && view.look.mode == Mode::kComposite) {
     const bool is_drawn = document.draws_surface(view);
     drawing.surface.opacity = is_drawn ? view.surface.opacity : 0;
     drawing.surface.shows_edges = is_drawn && view.surface.shows_edges;

@@ -45,9 +45,9 @@ void Document::take(const ShownReady& ready, double aspect) {
     if (flags.background) view.background = *flags.background;
     if (flags.crop.world) view.crop = flags.crop.world;
     view.plane = flags.plane;
-    const cli::DrawnSurface surface = cli::surface_to_draw(shown->subject, flags);
-    view.draws_surface = surface.surface != nullptr;
-    view.surface = surface.style;
+    view.surface = cli::surface_to_draw(shown->subject, flags);
+    view.draws_surface = view.surface.opacity > 0;
+    if (!view.draws_surface) view.surface.opacity = 1;  // what a click on it will show
     setup = flags.run;
     time.blur_length = flags.trail.length.value_or(0);
     time.blur_decay = flags.trail.decay;
@@ -86,8 +86,8 @@ void Document::reset_camera(double aspect, const std::string& view_name) {
 }
 
 bool Document::draws_surface(const View& of) const {
-  return of.draws_surface && shown->subject.surface != nullptr &&
-         of.look.mode == Mode::kComposite && !of.plane && of.clip_planes.empty() && !of.crop;
+  return of.draws_surface && shown->subject.has_walls && of.look.mode == Mode::kComposite &&
+         !of.plane;
 }
 
 cli::CameraSubject Document::camera_subject(double aspect) const {
@@ -132,7 +132,7 @@ std::shared_ptr<Scene> Document::scene(const View& of, const RendererSetup& on, 
   const bool is_layered = of.look.mode == Mode::kComposite || of.look.mode == Mode::kIsosurface;
   made->has_trail = shown->trail != nullptr && time.blur_length > 0 && is_layered;
   if (is_layered && !made->has_trail) made->plane = of.plane;
-  if (draws_surface(of)) made->surface = of.surface;
+  if (draws_surface(of)) made->walls = of.surface;
   made->background = of.background;
   made->xray_range = launch->drawing.look.range;
   return made;

@@ -23,7 +23,7 @@ struct View {
   std::optional<Bounds3> crop;  // world; sides that are not cut are infinite
   std::vector<ClipPlane> clip_planes;
   std::optional<ValuePlane> plane;
-  bool draws_surface = false;  // of a mesh, where nothing cuts it open
+  bool draws_surface = false;  // of a mesh
   SurfaceStyle surface;
   RenderOptions options;  // without size and clip planes
   cli::AnnotationFlags marks;
@@ -77,7 +77,7 @@ class Document {
   void take(const Opened& opened);
   void take(const ShownReady& ready, double aspect);
 
-  // Whether a view shows the surface of what is shown, and not its inside.
+  // Whether a view shows the surface of what is shown.
   bool draws_surface(const View& of) const;
   // The part of the data that is left by the crop.
   Bounds3 bounds() const;

@@ -312,14 +312,14 @@ void look_files(Panel& panel) {
   if (widgets.button("look.write", "write")) panel.wishes.write_look = panel.state.look_path;
 }
 
-// Of a mesh: its surface, or what is in it.
+// Of a mesh: its surface around what is in it.
 bool surface_editor(Panel& panel) {
   Document& document = panel.document;
   Widgets& widgets = panel.widgets;
-  if (document.shown->subject.surface == nullptr) return false;
+  if (!document.shown->subject.has_walls) return false;
   View& view = document.view;
   bool is_changed = widgets.checkbox("look.surface", "surface", &view.draws_surface);
-  widgets.tip("Where the mesh ends, instead of what is in it. Crops and planes open it.");
+  widgets.tip("Where the mesh ends; see-through, with what is in it. Cuts get lids.");
   if (view.draws_surface) {
     is_changed |=
         widgets.slider("look.surface-opacity", "of opacity", &view.surface.opacity, 0.05, 1);

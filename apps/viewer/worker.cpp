@@ -202,21 +202,12 @@ Picture Worker::Impl::draw(const std::shared_ptr<const Scene>& scene, const Leve
   Renderer& renderer = renderer_for(scene->setup);
   RenderHooks hooks;
   hooks.stop = token;
-  const Trail* const trail = scene->has_trail ? scene->shown->trail.get() : nullptr;
-  Frame frame = [&] {
-    if (scene->surface) {
-      return render_surface(*scene->shown->subject.surface, scene->camera, coarse.look,
-                            *scene->surface, coarse.options, scene->setup.threads, hooks);
-    }
-    if (trail != nullptr && level.field == 0)
-      return renderer.render(*coarse.field, scene->camera, coarse.look, *trail, coarse.options,
-                             hooks);
-    if (scene->plane) {
-      return render_with_plane(renderer, *coarse.field, scene->camera, coarse.look, *scene->plane,
-                               coarse.options, hooks);
-    }
-    return renderer.render(*coarse.field, scene->camera, coarse.look, coarse.options, hooks);
-  }();
+  const bool has_trail = scene->has_trail && level.field == 0;
+  Frame frame = cli::draw_frame(
+      renderer,
+      {*coarse.field, coarse.look, has_trail ? scene->shown->trail.get() : nullptr,
+       scene->plane ? &*scene->plane : nullptr, scene->shown->subject.surface.get(), scene->walls},
+      scene->camera, coarse.options, hooks);
   picture.image = std::move(frame.image);
   picture.profile = std::move(frame.profile);
   if (scene->look.mode == Mode::kXray) {

@@ -29,7 +29,7 @@ struct Scene {
   std::optional<ValuePlane> plane;
   RendererSetup setup;
   bool has_trail = false;
-  std::optional<SurfaceStyle> surface;  // drawn instead, of what is shown; none: the field
+  SurfaceStyle walls{0, false};  // of what is shown, if it has a surface
   Rgb background{0, 0, 0};
   std::optional<std::pair<double, double>> xray_range;  // none: the picture's own
 };

@@ -36,6 +36,9 @@ struct DepthLimits {
     return {stops.data() + first[at], stops.data() + first[at + 1]};
   }
 
+  // Whether a place on a pixel's ray lies in one of its spans.
+  bool shows_field_at(int x, int y, float depth) const;
+
   // Throws Error(kInvalidArgument) that names what is wrong. Cost: once over all stops.
   void validate() const;
 };

@@ -140,12 +140,12 @@ Field make_field(const Dataset& dataset, const FieldModelOptions& options = {},
 // the shortest to z. Throws what the source throws. Cost: an eigenvalue problem per ellipsoid.
 Dataset make_kernel_dataset(const KernelField& field);
 
-// The faces of a mesh's solid cells that no other cell shares, and its flat cells, with the values
-// that make_kernel_field() with the same options would give colour by: of nodes, or of the cell
-// behind each face. Nodes at one place are one node. Cells of type kOther have no faces that are
-// known. Null if the dataset is no mesh, or has no faces. Throws what make_kernel_field() throws of
-// the mesh and its arrays; Error(kCancelled) if stopped. Cost: a sort of all faces; peak memory
-// about 40 bytes per face of a cell.
+// The faces of a mesh's solid cells, or of boxes, that no other one shares, and its flat cells,
+// with the values that make_kernel_field() with the same options would give colour by: of nodes, or
+// of the cell behind each face. Nodes at one place are one node. Cells of type kOther have no faces
+// that are known. Null if the dataset is neither, or has no faces. Throws what make_kernel_field()
+// throws of the mesh and its arrays; Error(kCancelled) if stopped. Cost: a sort of all faces; peak
+// memory about 40 bytes per face of a cell.
 std::shared_ptr<const Surface> make_surface(const Dataset& dataset,
                                             const KernelModelOptions& options = {},
                                             std::stop_token stop = {});

@@ -29,6 +29,7 @@
 #include "ovoid/math.h"
 #include "ovoid/model.h"
 #include "ovoid/relevant.h"
+#include "ovoid/render_mesh.h"
 #include "ovoid/render_options.h"
 #include "ovoid/render_surface.h"
 #include "ovoid/renderer.h"

@@ -119,6 +119,8 @@ class Renderer {
   Renderer(Renderer&&) noexcept;
   Renderer& operator=(Renderer&&) noexcept;
 
+  int threads() const noexcept;  // of the host that it would use; the system may grant fewer
+
   // One picture. The same arguments give the same bytes, whatever the number of threads. Throws
   // Error: invalid camera, look or options; kCancelled; what the field's brick source throws. Cost:
   // in proportion to the visible, relevant samples.
@@ -134,6 +136,7 @@ class Renderer {
                const RenderOptions& options = {}, const RenderHooks& hooks = {});
 
  private:
+  friend struct SurfaceLight;  // of render_mesh()
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

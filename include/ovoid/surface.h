@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The surface of a mesh: where its cells end, and shells. make_surface() (model.h) makes it,
-// render_surface() draws it.
+// render_surface() draws it, boundary_limits() keeps a field within it.
 #pragma once
 
 #include <array>
@@ -23,10 +23,16 @@ struct Surface {
     std::array<Eigen::Vector3f, 3> normals;  // unit length
     std::array<float, 3> values{};           // of what gives colour; NaN: missing, not drawn
     std::uint8_t edges = 0;  // bit i: the side from corner i to the next is an edge of a face
+    // Solid cells end here: seen from outside, corners go counterclockwise. Else of a flat cell.
+    bool is_boundary = false;
   };
   std::vector<Vec3> places;  // world
   std::vector<Triangle> triangles;
   Bounds3 bounds;
+  bool leaves_out_cells = false;  // there are some whose faces are not known (kOther)
+
+  // Whether boundary triangles tell where the mesh is and where it is not.
+  bool encloses_mesh() const;
 };
 
 }  // namespace ovoid

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "data/parallel.h"
+#include "model/boxes.h"
 #include "model/ellipsoid_set.h"
 #include "model/mesh_cells.h"
 #include "model/mesh_ellipsoids.h"
@@ -137,31 +138,21 @@ KernelParts mesh_kernels(const ModelRun& run) {
 
 KernelParts box_kernels(const ModelRun& run) {
   const ChosenArrays chosen = choose_arrays(run);
-  const std::vector<double> centers = load_positions(run);
-  const std::int64_t count = run.dataset.num_positions();
-  DataArray named = run.dataset.box_sizes;
-  if (named.name.empty()) named.name = "box sizes";
-  const std::vector<double> edges = load_tuples(named, count, 3, "boxes");
+  const Boxes boxes = load_boxes(run);
+  const auto count = static_cast<std::int64_t>(boxes.count());
   const SiteValues values = load_values(run, chosen, count, "boxes");
   EllipsoidSites sites;
   sites.parts.attributes = values.attributes;
   run.report.num_sites = count;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
-    const Vec3 center(centers[3 * i], centers[3 * i + 1], centers[3 * i + 2]);
-    const Vec3 edge(edges[3 * i], edges[3 * i + 1], edges[3 * i + 2]);
-    for (int axis = 0; axis < 3; ++axis) {
-      if (!(edge[axis] > 0) || !std::isfinite(edge[axis]))
-        throw Error(ErrorCode::kInvalidArgument,
-                    fmt::format("{}[{}][{}] = {}: must be > 0", named.name, i, axis, edge[axis]));
-    }
-    if (!center.allFinite()) {
+  for (std::size_t i = 0; i < boxes.count(); ++i) {
+    if (!boxes.center(i).allFinite()) {
       ++run.report.num_misplaced;
     } else if (!values.is_finite(i)) {
       ++run.report.num_missing;
     } else {
-      append_site(sites.parts, center, values, i);
+      append_site(sites.parts, boxes.center(i), values, i);
       SiteKernel kernel;
-      kernel.factor = (edge / 2).asDiagonal();
+      kernel.factor = (boxes.edge(i) / 2).asDiagonal();
       kernel.weight = kLatticeWeight;
       sites.kernels.push_back(kernel);
     }

@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "data/out_of_memory.h"
+#include "model/boxes.h"
 #include "model/mesh_cells.h"
 #include "ovoid/error.h"
 #include "ovoid/model.h"
@@ -56,6 +57,26 @@ bool is_placed(const MeshNodes& nodes, const std::vector<std::uint32_t>& corners
                      [&](std::uint32_t node) { return nodes.is_placed(node); });
 }
 
+// Newell's: half of the sum of cross products, so that length is area, flat or not.
+Vec3 area_vector(const MeshNodes& nodes, const std::vector<std::uint32_t>& corners) {
+  Vec3 area = Vec3::Zero();
+  const Vec3 origin = nodes.at(corners[0]);
+  for (std::size_t i = 1; i + 1 < corners.size(); ++i)
+    area += (nodes.at(corners[i]) - origin).cross(nodes.at(corners[i + 1]) - origin);
+  return 0.5 * area;
+}
+
+// Turns a solid cell's face so that from outside its corners go counterclockwise. Cells may be
+// inside out: outside is away from the middle of the cell, whatever its table says.
+void turn_outwards(const MeshNodes& nodes, const MeshCells& cells, const Face& face,
+                   std::vector<std::uint32_t>& corners) {
+  Vec3 middle = Vec3::Zero();
+  for (const std::uint32_t corner : corners) middle += nodes.at(corner);
+  middle /= static_cast<double>(corners.size());
+  const Vec3 outwards = middle - model::moments_of(nodes, cells.nodes(face.cell)).mean;
+  if (area_vector(nodes, corners).dot(outwards) < 0) std::reverse(corners.begin(), corners.end());
+}
+
 void require_running(const std::stop_token& stop) {
   if (stop.stop_requested()) throw Error(ErrorCode::kCancelled, "making a surface was cancelled");
 }
@@ -98,15 +119,6 @@ void keep_outer(std::vector<Face>& faces) {
     begin = end;
   }
   faces.resize(kept);
-}
-
-// Newell's: half of the sum of cross products, so that length is area, flat or not.
-Vec3 area_vector(const MeshNodes& nodes, const std::vector<std::uint32_t>& corners) {
-  Vec3 area = Vec3::Zero();
-  const Vec3 origin = nodes.at(corners[0]);
-  for (std::size_t i = 1; i + 1 < corners.size(); ++i)
-    area += (nodes.at(corners[i]) - origin).cross(nodes.at(corners[i + 1]) - origin);
-  return 0.5 * area;
 }
 
 // The faces around each node, as a list of lists.
@@ -175,35 +187,43 @@ class Places {
 std::shared_ptr<const Surface> make_surface(const Dataset& dataset,
                                             const KernelModelOptions& options,
                                             std::stop_token stop) try {
-  if (dataset.kind != DatasetKind::kMesh) return nullptr;
+  const bool is_boxes = dataset.kind == DatasetKind::kBoxes;
+  if (dataset.kind != DatasetKind::kMesh && !is_boxes) return nullptr;
   KernelModelReport report;
   const model::ModelRun run{dataset, options, report, 1, stop};
   const model::ChosenArrays chosen = model::choose_arrays(run);
-  const MeshNodes nodes = model::load_nodes(run);
-  const MeshCells cells = model::load_cells(run);
+  const auto [nodes, cells] = is_boxes
+                                  ? model::mesh_of_boxes(model::load_boxes(run))
+                                  : model::Mesh{model::load_nodes(run), model::load_cells(run)};
   std::vector<Face> faces = faces_of(nodes, cells, stop);
   keep_outer(faces);
   if (faces.empty()) return nullptr;
+  const bool is_of_cells = is_boxes || chosen.is_cell_data;
   const std::int64_t num_sites =
-      chosen.is_cell_data ? static_cast<std::int64_t>(cells.count()) : dataset.num_positions();
+      is_of_cells ? static_cast<std::int64_t>(cells.count()) : dataset.num_positions();
   const model::SiteValues values =
-      model::load_values(run, chosen, num_sites, chosen.is_cell_data ? "cells" : "nodes");
+      model::load_values(run, chosen, num_sites, is_of_cells ? "cells" : "nodes");
   const std::vector<float>& column = values.columns.back();  // colour's, if that is another
 
   auto surface = std::make_shared<Surface>();
+  surface->leaves_out_cells =
+      std::find(cells.types.begin(), cells.types.end(), CellType::kOther) != cells.types.end();
   const FacesAround around(nodes, cells, faces);
   Places places(nodes);
   std::vector<std::uint32_t> corners;
   for (std::size_t f = 0; f < faces.size(); ++f) {
     if (f % 65536 == 0) require_running(stop);
     corners_of(nodes, cells, faces[f], corners);
+    const bool is_boundary = faces[f].number != kFlat;
+    if (is_boundary) turn_outwards(nodes, cells, faces[f], corners);
     for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
       Surface::Triangle triangle;
+      triangle.is_boundary = is_boundary;
       const std::array<std::uint32_t, 3> fan{corners[0], corners[i], corners[i + 1]};
       for (std::size_t c = 0; c < 3; ++c) {
         triangle.corners[c] = places.number_of(fan[c], *surface);
         triangle.normals[c] = around.normal_at(fan[c], f);
-        triangle.values[c] = column[chosen.is_cell_data ? faces[f].cell : fan[c]];
+        triangle.values[c] = column[is_of_cells ? faces[f].cell : fan[c]];
       }
       triangle.edges =
           static_cast<std::uint8_t>((i == 1 ? 1U : 0U) | 2U | (i + 2 == corners.size() ? 4U : 0U));

@@ -91,6 +91,53 @@ TEST(MeshSurface, NodesOfOnePlaceAreOne) {
   EXPECT_EQ(make_surface(mesh)->triangles.size(), 6U);
 }
 
+// Boxes of two sizes side by side: faces within a size are shared, those where sizes meet are not.
+TEST(MeshSurface, OfBoxesIsWhereTheyEndAndWhereSizesMeet) {
+  std::vector<Vec3> centers = {{0.5, 0.5, 0.5}};
+  std::vector<double> edges = {1, 1, 1};
+  for (int i = 0; i < 8; ++i) {
+    centers.emplace_back(1.25 + 0.5 * (i % 2), 0.25 + 0.5 * (i / 2 % 2), 0.25 + 0.5 * (i / 4));
+    edges.insert(edges.end(), {0.5, 0.5, 0.5});
+  }
+  for (Vec3& center : centers) center += Vec3::Constant(0.1);  // which no float has exactly
+  Dataset dataset = points_dataset(DatasetKind::kBoxes, centers);
+  dataset.box_sizes = array_of_numbers("", 3, edges);
+  const auto surface = make_surface(dataset);
+  ASSERT_NE(surface, nullptr);
+  EXPECT_EQ(surface->triangles.size(), 2U * (6 + 6 * 4));
+  EXPECT_NEAR(area_of(*surface), 12, 0.01);
+  EXPECT_TRUE(surface->encloses_mesh());
+  EXPECT_EQ(surface->triangles.front().values[0], static_cast<float>(centers[0].x()));
+}
+
+// Seen from outside corners go counterclockwise, whatever the cells' own order.
+TEST(MeshSurface, FacesAreTurnedOutwards) {
+  const std::vector<Vec3> points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  for (const std::uint32_t first : {1U, 2U}) {
+    const auto surface =
+        make_surface(mesh_dataset(points, {{CellType::kTetrahedron, {0, first, 3 - first, 3}}}));
+    ASSERT_EQ(surface->triangles.size(), 4U);
+    for (const Surface::Triangle& triangle : surface->triangles) {
+      const auto& [a, b, c] = triangle.corners;
+      const Vec3& at = surface->places[a];
+      const Vec3 normal = (surface->places[b] - at).cross(surface->places[c] - at);
+      EXPECT_GT(normal.dot(at - Vec3::Constant(0.25)), 0);
+      EXPECT_TRUE(triangle.is_boundary);
+    }
+  }
+}
+
+TEST(MeshSurface, KnowsWhetherItEnclosesTheMesh) {
+  const std::vector<Vec3> points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  const auto solid =
+      std::pair<CellType, std::vector<std::uint32_t>>{CellType::kTetrahedron, {0, 1, 2, 3}};
+  EXPECT_TRUE(make_surface(mesh_dataset(points, {solid}))->encloses_mesh());
+  EXPECT_FALSE(make_surface(mesh_dataset(points, {solid, {CellType::kOther, {0, 1, 2, 3}}}))
+                   ->encloses_mesh());
+  EXPECT_FALSE(
+      make_surface(mesh_dataset(points, {{CellType::kTriangle, {0, 1, 2}}}))->encloses_mesh());
+}
+
 TEST(MeshSurface, CellsGiveTheirOwnValues) {
   Dataset grid = grid_dataset({3, 2, 2}, [](const Vec3& at) { return at; });
   grid.arrays = {array_of_numbers("c", 1, std::vector<float>{7, 9})};

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "render/light_sweep.h"
+#include "render/solid_lattice.h"
 
 namespace ovoid {
 namespace {
@@ -20,16 +21,15 @@ void append_curve(std::vector<double>& key, const std::vector<OpacityPoint>& poi
 
 // All that an extinction lattice depends on. Colours are not among it.
 std::vector<double> key_of(const Field& field, const Look& look,
-                           const std::vector<ClipPlane>& clip_planes) {
+                           const std::vector<ClipPlane>& clip_planes, bool is_solid) {
   const TransferFunction& tf = look.transfer_function;
-  std::vector<double> key{static_cast<double>(field.id()),
-                          static_cast<double>(field.version()),
-                          static_cast<double>(look.mode),
-                          look.isovalue,
-                          look.unit_distance,
-                          static_cast<double>(tf.scale),
-                          tf.linear_width};
-  if (look.mode != Mode::kIsosurface) append_curve(key, tf.opacities);
+  std::vector<double> key{static_cast<double>(field.id()), static_cast<double>(field.version()),
+                          is_solid ? 1.0 : 0.0};
+  if (!is_solid) {
+    key.insert(key.end(), {static_cast<double>(look.mode), look.isovalue, look.unit_distance,
+                           static_cast<double>(tf.scale), tf.linear_width});
+    if (look.mode != Mode::kIsosurface) append_curve(key, tf.opacities);
+  }
   for (const ClipPlane& plane : clip_planes)
     key.insert(key.end(), {plane.normal[0], plane.normal[1], plane.normal[2], plane.offset});
   return key;
@@ -84,8 +84,8 @@ bool has_light_volume(const Look& look) {
 
 LightVolumes::Kept& LightVolumes::kept_for(const Field& field, const Look& look,
                                            const std::vector<ClipPlane>& clip_planes, int threads,
-                                           const std::stop_token& stop) {
-  Key key = key_of(field, look, clip_planes);
+                                           const std::stop_token& stop, const Surface* solid) {
+  Key key = key_of(field, look, clip_planes, solid != nullptr);
   const auto found =
       std::find_if(kept_.begin(), kept_.end(), [&](const Kept& kept) { return kept.key == key; });
   if (found != kept_.end()) {
@@ -93,7 +93,8 @@ LightVolumes::Kept& LightVolumes::kept_for(const Field& field, const Look& look,
     return kept_.front();
   }
   Kept fresh;
-  fresh.extinction = extinction_lattice(field, look, clip_planes, threads, stop);
+  fresh.extinction = solid != nullptr ? solid_lattice(*solid, clip_planes, threads, stop)
+                                      : extinction_lattice(field, look, clip_planes, threads, stop);
   fresh.key = std::move(key);
   fresh.volume.dims = fresh.extinction.dims;
   fresh.volume.cell_from_world = fresh.extinction.world_from_cell.inverse();
@@ -105,9 +106,9 @@ LightVolumes::Kept& LightVolumes::kept_for(const Field& field, const Look& look,
 
 const view::LightVolume* LightVolumes::at(const Field& field, const Look& look,
                                           const std::vector<ClipPlane>& clip_planes, int threads,
-                                          const std::stop_token& stop) {
+                                          const std::stop_token& stop, const Surface* solid) {
   if (!has_light_volume(look)) return nullptr;
-  Kept& kept = kept_for(field, look, clip_planes, threads, stop);
+  Kept& kept = kept_for(field, look, clip_planes, threads, stop, solid);
   if (look.occlusion > 0 && kept.around.empty())
     kept.around = light_from_everywhere(kept.extinction, threads, stop);
   const bool has_key = has_key_light(look);

@@ -10,6 +10,7 @@
 #include "ovoid/field.h"
 #include "ovoid/look.h"
 #include "ovoid/render_options.h"
+#include "ovoid/surface.h"
 #include "render/extinction_lattice.h"
 #include "view/light_volume.h"
 
@@ -31,11 +32,12 @@ bool has_light_volume(const Look& look);
 class LightVolumes {
  public:
   // The light of a frame. `unit_distance` of the look is set, and its light's direction unless it
-  // is a headlight. Null where the look has none. Valid until the next call. Throws
-  // Error(kCancelled), and what the field's source throws.
+  // is a headlight. `solid`: the surface of the field's mesh, which lets no light through, whatever
+  // the look makes of the field; null: the field. Null where the look has none. Valid until the
+  // next call. Throws Error(kCancelled), and what the field's source throws.
   const view::LightVolume* at(const Field& field, const Look& look,
                               const std::vector<ClipPlane>& clip_planes, int threads,
-                              const std::stop_token& stop);
+                              const std::stop_token& stop, const Surface* solid = nullptr);
 
  private:
   // What an extinction is made of, as numbers that are compared.
@@ -50,7 +52,7 @@ class LightVolumes {
     view::LightVolume volume;
   };
   Kept& kept_for(const Field& field, const Look& look, const std::vector<ClipPlane>& clip_planes,
-                 int threads, const std::stop_token& stop);
+                 int threads, const std::stop_token& stop, const Surface* solid);
 
   std::vector<Kept> kept_;  // the last used first
 };

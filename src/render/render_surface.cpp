@@ -13,37 +13,29 @@
 #include <limits>
 #include <mutex>
 #include <new>
-#include <optional>
 #include <span>
 
 #include "data/parallel.h"
 #include "ovoid/error.h"
+#include "render/paint_surface.h"
 #include "render/surface_raster.h"
-#include "view/color_attribute.h"
-#include "view/light.h"
+#include "render/surface_shader.h"
 
 namespace ovoid {
 namespace {
 
 constexpr int kPlaces = SurfaceRaster::kPlaces;
-constexpr double kEdgeWidth = 0.8;   // pixels, from the middle of a line to where it has faded
-constexpr double kEdgeShade = 0.35;  // of the colour, in the middle of a line
 
 class SurfacePainter {
  public:
   SurfacePainter(const Surface& surface, const Camera& camera, const Look& look,
-                 const SurfaceStyle& style, const RenderOptions& options)
-      : surface_(surface),
-        look_(look),
-        style_(style),
-        colors_(view::colors_alone(view::color_function_of(look))),
-        raster_(surface, camera, options),
-        opaque_at_(options.opaque_at) {
-    if (look.light_direction) {
-      key_ = look.light_direction->normalized();
-    } else if (look.light == Light::kStudio) {
-      key_ = view::studio_key(camera).normalized();
-    }
+                 const SurfaceStyle& style, const RenderOptions& options,
+                 const SurfaceSurroundings& around)
+      : raster_(surface, camera, options, SurfaceRaster::Faces::kDrawn),
+        shader_(surface, raster_, camera, look, style.shows_edges, around.light),
+        opacity_(style.opacity),
+        opaque_at_(options.opaque_at),
+        lids_(around.lids) {
     image_.width = options.width;
     image_.height = options.height;
     const auto count =
@@ -56,7 +48,7 @@ class SurfacePainter {
 
   // Returns how many fragments were shaded.
   std::int64_t paint_tile(int tile) {
-    const auto fragments = raster_.tile_fragments(tile, style_.opacity >= 1);
+    const auto fragments = raster_.tile_fragments(tile, opacity_ >= 1);
     const int x0 = raster_.tile_x(tile);
     const int y0 = raster_.tile_y(tile);
     std::int64_t num_shaded = 0;
@@ -70,73 +62,67 @@ class SurfacePainter {
   Image& image() noexcept { return image_; }
 
  private:
-  std::int64_t paint_pixel(int x, int y, std::span<const SurfaceFragment> fragments) {
-    if (fragments.empty()) return 0;
-    std::array<double, kPlaces> through;  // what light is left at each place
-    through.fill(1);
+  // A pixel while its layers join it, from front to back: each of its places by itself.
+  struct Pixel {
+    std::array<double, kPlaces> through;  // what light is left
     Rgb sum{0, 0, 0};
     double opacity = 0;
     float depth = std::numeric_limits<float>::infinity();
-    std::int64_t num_shaded = 0;
-    for (const SurfaceFragment& fragment : fragments) {
+
+    // How much of the pixel a layer of this opacity would take.
+    double take(std::uint8_t covered, double layer_opacity, double opaque_at) {
       double seen = 0;
-      for (int p = 0; p < kPlaces; ++p) {
-        auto& left = through[static_cast<std::size_t>(p)];
-        if ((fragment.covered >> p & 1U) == 0 || 1 - left >= opaque_at_) continue;
-        seen += left * style_.opacity / kPlaces;
-        left *= 1 - style_.opacity;
+      for (std::size_t p = 0; p < kPlaces; ++p) {
+        if ((covered >> p & 1U) == 0 || 1 - through[p] >= opaque_at) continue;
+        seen += through[p] * layer_opacity / kPlaces;
+        through[p] *= 1 - layer_opacity;
       }
-      if (seen == 0) continue;
-      const Rgb color = shade(fragment);
-      ++num_shaded;
+      return seen;
+    }
+    void add(const Rgb& color, double seen, float at) {
       for (std::size_t c = 0; c < 3; ++c) sum[c] += seen * color[c];
       opacity += seen;
-      if (opacity >= 0.5 && !(depth < std::numeric_limits<float>::infinity()))
-        depth = fragment.depth;
+      if (opacity >= 0.5 && !(depth < std::numeric_limits<float>::infinity())) depth = at;
     }
+  };
+
+  std::int64_t paint_pixel(int x, int y, std::span<const SurfaceFragment> fragments) {
     const std::size_t at = static_cast<std::size_t>(y) * static_cast<std::size_t>(image_.width) +
                            static_cast<std::size_t>(x);
-    for (std::size_t c = 0; c < 3; ++c) image_.rgba[4 * at + c] = static_cast<float>(sum[c]);
-    image_.rgba[4 * at + 3] = static_cast<float>(std::min(opacity, 1.0));
-    image_.depth[at] = depth;
+    bool awaits_lid = lids_ != nullptr && lids_->covered[at] != 0;
+    if (fragments.empty() && !awaits_lid) return 0;
+    Pixel pixel;
+    pixel.through.fill(1);
+    std::int64_t num_shaded = 0;
+    for (const SurfaceFragment& fragment : fragments) {
+      if (awaits_lid && lids_->depth[at] <= fragment.depth) {
+        add_lid(at, pixel);
+        awaits_lid = false;
+      }
+      const double seen = pixel.take(fragment.covered, opacity_, opaque_at_);
+      if (seen == 0) continue;
+      pixel.add(shader_.color_of(fragment), seen, fragment.depth);
+      ++num_shaded;
+    }
+    if (awaits_lid) add_lid(at, pixel);
+    for (std::size_t c = 0; c < 3; ++c) image_.rgba[4 * at + c] = static_cast<float>(pixel.sum[c]);
+    image_.rgba[4 * at + 3] = static_cast<float>(std::min(pixel.opacity, 1.0));
+    image_.depth[at] = pixel.depth;
     return num_shaded;
   }
 
-  Rgb shade(const SurfaceFragment& fragment) const {
-    const Surface::Triangle& triangle = surface_.triangles[fragment.triangle];
-    float value = 0;
-    Vec3 normal = Vec3::Zero();
-    for (std::size_t c = 0; c < 3; ++c) {
-      value += fragment.shares[c] * triangle.values[c];
-      normal += (fragment.shares[c] * triangle.normals[c]).cast<double>();
-    }
-    const view::LookTable::Sample own = colors_.at(value);
-    Rgb color{own.r, own.g, own.b};
-    if (style_.shows_edges) darken_edges(fragment, triangle, color);
-    if (!look_.shade) return color;
-    const Vec3 to_eye = raster_.towards_eye(raster_.place_of(fragment));
-    const view::LightShares light =
-        view::light_shares(look_, normal.normalized(), key_.value_or(to_eye), to_eye);
-    return view::lit_color(color, look_.material, light, 1);
+  void add_lid(std::size_t at, Pixel& pixel) const {
+    const float* const rgba = lids_->colors.rgba.data() + 4 * at;
+    if (!(rgba[3] > 0)) return;
+    const double seen = pixel.take(lids_->covered[at], rgba[3], opaque_at_);
+    pixel.add({rgba[0] / rgba[3], rgba[1] / rgba[3], rgba[2] / rgba[3]}, seen, lids_->depth[at]);
   }
 
-  static void darken_edges(const SurfaceFragment& fragment, const Surface::Triangle& triangle,
-                           Rgb& color) {
-    double factor = 1;
-    for (std::size_t i = 0; i < 3; ++i) {
-      if ((triangle.edges >> i & 1U) == 0 || fragment.edge_distance[i] >= kEdgeWidth) continue;
-      factor = std::min(factor, std::lerp(kEdgeShade, 1.0, fragment.edge_distance[i] / kEdgeWidth));
-    }
-    for (double& c : color) c *= factor;
-  }
-
-  const Surface& surface_;
-  const Look& look_;
-  const SurfaceStyle style_;
-  const view::LookTable colors_;
   const SurfaceRaster raster_;
+  const SurfaceShader shader_;
+  const double opacity_;  // of a layer
   const double opaque_at_;
-  std::optional<Vec3> key_;  // none: from the eye
+  const Lids* const lids_;  // or null
   Image image_;
 };
 
@@ -144,7 +130,13 @@ class SurfacePainter {
 
 Frame render_surface(const Surface& surface, const Camera& camera, const Look& look,
                      const SurfaceStyle& style, const RenderOptions& options, int threads,
-                     const RenderHooks& hooks) try {
+                     const RenderHooks& hooks) {
+  return paint_surface(surface, camera, look, style, options, threads, hooks, {});
+}
+
+Frame paint_surface(const Surface& surface, const Camera& camera, const Look& look,
+                    const SurfaceStyle& style, const RenderOptions& options, int threads,
+                    const RenderHooks& hooks, const SurfaceSurroundings& around) try {
   camera.validate();
   look.validate();
   options.validate();
@@ -153,7 +145,7 @@ Frame render_surface(const Surface& surface, const Camera& camera, const Look& l
                 fmt::format("surface opacity = {}: must be in (0, 1]", style.opacity));
   }
   const auto start = std::chrono::steady_clock::now();
-  SurfacePainter painter(surface, camera, look, style, options);
+  SurfacePainter painter(surface, camera, look, style, options, around);
   std::atomic<std::int64_t> num_shaded = 0;
   std::mutex telling;
   std::int64_t num_done = 0;

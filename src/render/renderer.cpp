@@ -16,6 +16,8 @@
 #include "render/lattice_sheets.h"
 #include "render/light_volume.h"
 #include "render/reference/reference_renderer.h"
+#include "render/surface_light.h"
+#include "view/coverage.h"
 #include "view/light.h"
 
 namespace ovoid {
@@ -84,14 +86,6 @@ view::TrailView view_of(const Trail& trail, const Look& look, const RenderOption
 using Clock = std::chrono::steady_clock;
 double milliseconds_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
-
-// What depth limits are true of only a part of a pixel. An integral stays what it is.
-void apply_coverage(const DepthLimits& limits, Mode mode, Image& image) {
-  if (mode == Mode::kXray) return;
-  for (std::size_t i = 0; i < limits.coverage.size(); ++i) {
-    for (std::size_t c = 0; c < 4; ++c) image.rgba[4 * i + c] *= limits.coverage[i];
-  }
 }
 
 void add_notice(FrameProfile& profile, const std::string& notice) {
@@ -163,7 +157,7 @@ struct __attribute__((visibility("hidden"))) Renderer::Impl {
     std::string notice;
   };
   LitBy light_for(const Field& drawn, Look look, const RenderOptions& options,
-                  const RenderHooks& hooks);
+                  const RenderHooks& hooks, const Surface* solid = nullptr);
   // `is_distance_free`: nobody asks for the sampling distance of the job.
   Frame draw_by_choice(const FrameJob& job, bool is_distance_free) const;
   static Frame draw_on(BackEnd& chosen, const FrameJob& job, bool is_distance_free);
@@ -201,6 +195,8 @@ Renderer::Renderer(const RendererSetup& setup) : impl_(std::make_unique<Impl>())
 Renderer::~Renderer() = default;
 Renderer::Renderer(Renderer&&) noexcept = default;
 Renderer& Renderer::operator=(Renderer&&) noexcept = default;
+
+int Renderer::threads() const noexcept { return impl_->machine.runner->num_wanted(); }
 
 Frame Renderer::render(const Field& field, const Camera& camera, const Look& look,
                        const RenderOptions& options, const RenderHooks& hooks) {
@@ -248,7 +244,7 @@ Frame Renderer::Impl::draw(const Field& field, const Camera& camera, const Look&
     if (options.collect_profile) frame.profile.stages_ms.emplace_back("light volume", light_ms);
   }
   if (options.depth_limits != nullptr)
-    apply_coverage(*options.depth_limits, look.mode, frame.image);
+    view::apply_coverage(*options.depth_limits, look.mode, frame.image);
   note_on_precision(frame.profile, job);
   return frame;
 } catch (const std::bad_alloc&) {
@@ -258,12 +254,24 @@ Frame Renderer::Impl::draw(const Field& field, const Camera& camera, const Look&
                           options.height));
 }
 
+SurfaceLight SurfaceLight::of(Renderer& renderer, const Field& field, const Surface& surface,
+                              const Camera& camera, const Look& look, const RenderOptions& options,
+                              const RenderHooks& hooks) {
+  Look lit = look;
+  lit.unit_distance = default_unit_distance(field);  // of no account, but to be set
+  if (look.light == Light::kStudio && !look.light_direction)
+    lit.light_direction = view::studio_key(camera);
+  const auto [volume, notice] = renderer.impl_->light_for(field, lit, options, hooks, &surface);
+  return {volume, notice};
+}
+
 Renderer::Impl::LitBy Renderer::Impl::light_for(const Field& drawn, Look look,
                                                 const RenderOptions& options,
-                                                const RenderHooks& hooks) {
+                                                const RenderHooks& hooks, const Surface* solid) {
   if (look.unit_distance == 0) look.unit_distance = *look.transfer_function.unit_distance;
   try {
-    return {lights.at(drawn, look, options.clip_planes, machine.runner->num_wanted(), hooks.stop),
+    return {lights.at(drawn, look, options.clip_planes, machine.runner->num_wanted(), hooks.stop,
+                      solid),
             {}};
   } catch (const std::bad_alloc&) {
     lights = {};

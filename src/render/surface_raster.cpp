@@ -47,7 +47,7 @@ struct TileWork {
 };
 
 SurfaceRaster::SurfaceRaster(const Surface& surface, const Camera& camera,
-                             const RenderOptions& options)
+                             const RenderOptions& options, Faces faces)
     : surface_(surface),
       is_parallel_(camera.parallel_projection),
       eye_(camera.position),
@@ -55,7 +55,8 @@ SurfaceRaster::SurfaceRaster(const Surface& surface, const Camera& camera,
       height_(options.height),
       tiles_across_((options.width + kTile - 1) / kTile),
       tiles_down_((options.height + kTile - 1) / kTile),
-      clip_planes_(options.clip_planes) {
+      faces_(faces) {
+  if (faces == Faces::kDrawn) clip_planes_ = options.clip_planes;
   const Vec3 towards = camera.focal_point - camera.position;
   axis_ = towards.normalized();
   right_ = axis_.cross(camera.view_up).normalized();
@@ -115,7 +116,7 @@ void SurfaceRaster::add_triangle(std::uint32_t number) {
   std::array<Point, 3> own;
   int num_before = 0;
   for (std::size_t c = 0; c < 3; ++c) {
-    if (std::isnan(triangle.values[c])) return;
+    if (faces_ == Faces::kDrawn && std::isnan(triangle.values[c])) return;
     const Vec3 from_eye = surface_.places[triangle.corners[c]] - eye_;
     own[c] = {{from_eye.dot(right_), from_eye.dot(up_), from_eye.dot(axis_)},
               Vec3::Unit(static_cast<Eigen::Index>(c))};
@@ -170,6 +171,20 @@ void SurfaceRaster::rasterize(const Part& part, int tile, bool is_opaque, TileWo
     const Corner& to = c[(i + 1) % 3];
     side_length[i] = std::max(std::hypot(to.x - c[i].x, to.y - c[i].y), 1e-12);
   }
+  // In the picture these go straight from corner to corner; in space shares go by 1 / depth.
+  const auto shares_at = [&](double x, double y) {
+    std::array<double, 3> shares;
+    for (std::size_t i = 0; i < 3; ++i)
+      shares[i] = side(c[(i + 1) % 3], c[(i + 2) % 3], x, y) * inverse_area;
+    return shares;
+  };
+  const auto z_at = [&](const std::array<double, 3>& shares) {
+    return shares[0] * c[0].z + shares[1] * c[1].z + shares[2] * c[2].z;
+  };
+  const auto is_kept = [&](int x, int y, std::size_t place, double z) {
+    const Ray ray = ray_through(x, y, static_cast<int>(place));
+    return view::is_kept(ray.origin + (is_parallel_ ? z : 1 / z) * ray.direction, clip_planes_);
+  };
   for (int y = bound(top, y_first, kTile); y < y_end; ++y) {
     for (int x = bound(left, x_first, kTile); x < x_end; ++x) {
       std::uint8_t covered = 0;
@@ -184,6 +199,7 @@ void SurfaceRaster::rasterize(const Part& part, int tile, bool is_opaque, TileWo
           is_inside = s > 0 || (s == 0 && takes_side(c[i], c[(i + 1) % 3]));
         }
         if (!is_inside) continue;
+        if (!clip_planes_.empty() && !is_kept(x, y, p, z_at(shares_at(px, py)))) continue;
         covered = static_cast<std::uint8_t>(covered | 1U << p);
         mid_x += px;
         mid_y += py;
@@ -192,13 +208,8 @@ void SurfaceRaster::rasterize(const Part& part, int tile, bool is_opaque, TileWo
       const int num_covered = std::popcount(covered);
       mid_x /= num_covered;
       mid_y /= num_covered;
-      // Shares in the picture, from the opposite sides; in space they go by 1 / depth.
-      std::array<double, 3> shares;
-      double z = 0;
-      for (std::size_t i = 0; i < 3; ++i) {
-        shares[i] = side(c[(i + 1) % 3], c[(i + 2) % 3], mid_x, mid_y) * inverse_area;
-        z += shares[i] * c[i].z;
-      }
+      const std::array<double, 3> shares = shares_at(mid_x, mid_y);
+      const double z = z_at(shares);
       const auto depth = static_cast<float>(is_parallel_ ? z : 1 / z);
       TileWork::Entry entry{};
       entry.pixel = static_cast<std::uint16_t>((y - y_first) * kTile + (x - x_first));
@@ -213,6 +224,8 @@ void SurfaceRaster::rasterize(const Part& part, int tile, bool is_opaque, TileWo
       SurfaceFragment& fragment = entry.fragment;
       fragment.triangle = part.triangle;
       fragment.covered = covered;
+      if (surface_.triangles[part.triangle].is_boundary)
+        fragment.enters = area < 0 ? 1 : -1;  // seen counterclockwise: y goes down in a picture
       fragment.depth = depth;
       fragment.edge_distance.fill(kFarthest);
       for (std::size_t i = 0; i < 3; ++i) {
@@ -229,7 +242,6 @@ void SurfaceRaster::rasterize(const Part& part, int tile, bool is_opaque, TileWo
           for (std::size_t s = 0; s < 3; ++s) fragment.shares[s] += share * part.shares[own][s];
         }
       }
-      if (!clip_planes_.empty() && !view::is_kept(place_of(fragment), clip_planes_)) continue;
       if (is_opaque) {
         auto& nearest = work.nearest[entry.pixel];
         for (std::size_t p = 0; p < kPlaces; ++p) {
@@ -260,6 +272,24 @@ SurfaceRaster::TileFragments SurfaceRaster::tile_fragments(int tile, bool is_opa
   }
   for (std::size_t i = 1; i < out.first.size(); ++i) out.first[i] += out.first[i - 1];
   return out;
+}
+
+SurfaceRaster::Ray SurfaceRaster::ray_through(int x, int y, int place) const {
+  const auto& [across, down] = kPlacesInPixel[static_cast<std::size_t>(place)];
+  const Vec3 aside =
+      ((x + across - 0.5 * width_) * right_ - (y + down - 0.5 * height_) * up_) / scale_;
+  return is_parallel_ ? Ray{eye_ + aside, axis_} : Ray{eye_, axis_ + aside};
+}
+
+float SurfaceRaster::depth_at(const SurfaceFragment& fragment, int x, int y, int place) const {
+  const auto& [a, b, c] = surface_.triangles[fragment.triangle].corners;
+  const Vec3& corner = surface_.places[a];
+  const Vec3 normal = (surface_.places[b] - corner).cross(surface_.places[c] - corner);
+  const Ray ray = ray_through(x, y, place);
+  const double depth = normal.dot(corner - ray.origin) / normal.dot(ray.direction);
+  // Of triangles seen edge-on rounding decides; the middle of what is covered does then.
+  const bool is_sound = std::isfinite(depth) && depth > near_;
+  return is_sound ? static_cast<float>(depth) : fragment.depth;
 }
 
 Vec3 SurfaceRaster::place_of(const SurfaceFragment& fragment) const {

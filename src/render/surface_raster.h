@@ -18,6 +18,7 @@ namespace ovoid {
 struct SurfaceFragment {
   std::uint32_t triangle = 0;
   std::uint8_t covered = 0;              // bit i: the pixel's place i lies in it
+  std::int8_t enters = 0;                // 1: a ray comes into the mesh here, -1: leaves it, or 0
   float depth = 0;                       // along the view axis, in the middle of what is covered
   std::array<float, 3> shares{};         // of the corners there; they add up to 1
   std::array<float, 3> edge_distance{};  // pixels, from the side that begins at each corner
@@ -28,13 +29,21 @@ class SurfaceRaster {
   static constexpr int kTile = 32;   // pixels along a tile's side
   static constexpr int kPlaces = 4;  // of a pixel that are looked at, on a turned square
 
+  enum class Faces {
+    kDrawn,  // those with values, where no clip plane cuts them away
+    kAll,
+  };
   // Sorts triangles into tiles. The camera is valid. What lies behind the eye is left out.
-  SurfaceRaster(const Surface& surface, const Camera& camera, const RenderOptions& options);
+  SurfaceRaster(const Surface& surface, const Camera& camera, const RenderOptions& options,
+                Faces faces);
 
   int num_tiles() const noexcept { return tiles_across_ * tiles_down_; }
   // First pixel of a tile.
   int tile_x(int tile) const noexcept { return tile % tiles_across_ * kTile; }
   int tile_y(int tile) const noexcept { return tile / tiles_across_ * kTile; }
+
+  int width() const noexcept { return width_; }
+  int height() const noexcept { return height_; }
 
   // Fragments of a tile's pixels, each pixel's from front to back. `is_opaque`: what is hidden by
   // something nearer at every place may be missing.
@@ -48,6 +57,14 @@ class SurfaceRaster {
   };
   TileFragments tile_fragments(int tile, bool is_opaque) const;
 
+  // origin + depth * direction lies at that depth along the view axis.
+  struct Ray {
+    Vec3 origin, direction;
+  };
+  // Through a pixel's place.
+  Ray ray_through(int x, int y, int place) const;
+  // Where the ray through a place that the fragment covers meets its triangle.
+  float depth_at(const SurfaceFragment& fragment, int x, int y, int place) const;
   Vec3 place_of(const SurfaceFragment& fragment) const;
   // Unit length, towards the eye.
   Vec3 towards_eye(const Vec3& place) const;
@@ -76,7 +93,8 @@ class SurfaceRaster {
   double scale_;  // pixels per tangent, or per world length
   double near_;
   int width_, height_, tiles_across_, tiles_down_;
-  std::vector<ClipPlane> clip_planes_;
+  Faces faces_;
+  std::vector<ClipPlane> clip_planes_;  // of drawn faces
   std::vector<Part> parts_;
   std::vector<std::uint32_t> first_of_tile_, parts_of_tile_;
 };

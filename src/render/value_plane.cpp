@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <utility>
 
 #include "data/parallel.h"
@@ -17,6 +18,7 @@
 #include "render/plane_values.h"
 #include "render/plane_view.h"
 #include "view/color_attribute.h"
+#include "view/coverage.h"
 #include "view/look_table.h"
 
 namespace ovoid {
@@ -114,7 +116,9 @@ view::LookTable colors_of(const Field& field, const Look& look) {
 class PlaneFrame {
  public:
   PlaneFrame(const PlaneView& view, const RenderOptions& options)
-      : view_(view), opaque_at_(static_cast<float>(options.opaque_at)) {
+      : view_(view),
+        limits_(options.depth_limits.get()),
+        opaque_at_(static_cast<float>(options.opaque_at)) {
     const auto count =
         static_cast<std::size_t>(options.width) * static_cast<std::size_t>(options.height);
     image_.width = options.width;
@@ -175,7 +179,8 @@ class PlaneFrame {
       takes_behind_[i] = is_before_plane(x, y) ? 0 : 1;
       return;
     }
-    const auto value = view_.is_kept(hit->at) ? values.at(*hit) : std::nullopt;
+    const bool is_shown = view_.is_kept(hit->at) && is_within_limits(x, y, *hit);
+    const auto value = is_shown ? values.at(*hit) : std::nullopt;
     if (!value) {
       takes_behind_[i] = view_.meets_box_beyond(view_.ray(x, y), hit->depth) ? 1 : 0;
       return;
@@ -195,7 +200,12 @@ class PlaneFrame {
     return !(view_.normal().dot(view_.ray(x, y).direction) > 0);
   }
 
+  bool is_within_limits(int x, int y, const PlaneHit& hit) const {
+    return limits_ == nullptr || limits_->shows_field_at(x, y, static_cast<float>(hit.depth));
+  }
+
   const PlaneView& view_;
+  const DepthLimits* limits_;  // null: none
   float opaque_at_;
   Image image_;
   std::vector<std::uint8_t> takes_behind_;  // of each pixel: the half behind can be seen in it
@@ -210,17 +220,26 @@ Frame render_with_plane(Renderer& renderer, const Field& field, const Camera& ca
   // The plane's values are of pixels; what lies on either side is, too.
   RenderOptions options = asked_options;
   if (options.sheets == Sheets::kAuto) options.sheets = Sheets::kImage;
+  if (options.depth_limits != nullptr && !options.depth_limits->coverage.empty()) {
+    // What is put together is of whole pixels.
+    auto whole = std::make_shared<DepthLimits>(*options.depth_limits);
+    whole->coverage.clear();
+    options.depth_limits = std::move(whole);
+  }
   const Clock::time_point start = Clock::now();
   const auto elapsed_ms = [&] {
     return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
   };
   const PlaneView view(field, camera, plane, options);
-  if (!view.is_met()) return renderer.render(field, camera, look, options, hooks);
+  if (!view.is_met()) return renderer.render(field, camera, look, asked_options, hooks);
   const bool is_shown = plane.front == PlaneFront::kShown;
   const RenderOptions behind = with_clip(options, view.behind());
   const std::vector<Vec3> footprint = view.footprint();
-  if (footprint.size() < 3)
-    return renderer.render(field, camera, look, is_shown ? options : behind, hooks);
+  if (footprint.size() < 3) {
+    return renderer.render(field, camera, look,
+                           is_shown ? asked_options : with_clip(asked_options, view.behind()),
+                           hooks);
+  }
 
   constexpr double kShareOfValues = 0.1;
   const double share = (1 - kShareOfValues) / (is_shown ? 2 : 1);
@@ -253,6 +272,8 @@ Frame render_with_plane(Renderer& renderer, const Field& field, const Camera& ca
   }
   require_running(hooks);
   out.image = frame.take();
+  if (asked_options.depth_limits != nullptr)
+    view::apply_coverage(*asked_options.depth_limits, look.mode, out.image);
   out.profile.frame_ms = elapsed_ms();
   if (hooks.tile_done) hooks.tile_done({0, 0, options.width, options.height, &out.image});
   return out;

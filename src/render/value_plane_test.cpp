@@ -188,6 +188,39 @@ TEST(ValuePlane, ClipPlanesCutThePlane) {
   EXPECT_GT(num_cut, 50);
 }
 
+// Where a pixel's limits do not reach the plane it is not seen; a pixel's coverage is that of all
+// that is seen in it.
+TEST(ValuePlane, DepthLimitsCutThePlane) {
+  PlaneScene scene = linear_scene();
+  const Image whole = draw(scene).image;
+  auto limits = std::make_shared<DepthLimits>();
+  limits->width = kWidth;
+  limits->height = kHeight;
+  limits->first.push_back(0);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const auto place = place_on_plane(scene, x, y);
+      const float depth = place ? static_cast<float>(place->depth) : 1.0F;
+      // Before the plane, around it, behind it.
+      const float begin = depth + static_cast<float>(x % 3 - 1) * 2 - 0.5F;
+      limits->stops.push_back({begin, true, {}});
+      limits->stops.push_back({begin + 1, false, {}});
+      limits->first.push_back(static_cast<std::uint32_t>(limits->stops.size()));
+      limits->coverage.push_back(y % 2 == 0 ? 1.0F : 0.25F);
+    }
+  }
+  scene.options.depth_limits = limits;
+  scene.look = without_opacity(scene.look);
+  const Image cut = draw(scene).image;
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const double share = x % 3 == 1 ? (y % 2 == 0 ? 1 : 0.25) : 0;
+      ASSERT_NEAR(pixel(cut, x, y).a(), share * pixel(whole, x, y).a(), 1e-6) << x << ", " << y;
+      ASSERT_NEAR(pixel(cut, x, y).r(), share * pixel(whole, x, y).r(), 1e-6);
+    }
+  }
+}
+
 // Fails if a plane that no ray meets changes anything, or half a volume is lost to it.
 TEST(ValuePlane, EdgeOnAndBehindTheEyeIsNoPlane) {
   PlaneScene scene = linear_scene(0.2);

@@ -35,6 +35,15 @@ inline ArrivingLight unpacked_light(float packed) {
   return {(packed - key * kLightRadix) / kLightSteps, key / kLightSteps};
 }
 
+// How far along the normal a place is moved before its light is read, in cell edges, so that a
+// surface does not hide its own light: one towards the side that is seen, less where the field is
+// flat, and less where the normal turns away from the eye, as that side is not certain there. The
+// rest of one cell edge goes towards the eye. `towards_eye`: cosine between normal and eye.
+inline constexpr double kLightSteepness = 4;
+inline double light_shift(double towards_eye, double flatness) {
+  return flatness * std::clamp(kLightSteepness * towards_eye, -1.0, 1.0);
+}
+
 struct LightVolume {
   Index3 dims{};  // at least 2 along each axis
   // To cell coordinates, in which the middle of cell (i, j, k) is at (i, j, k). Beyond the
@@ -75,15 +84,14 @@ struct LightVolume {
     }
     return sum;
   }
-};
 
-// How far along the normal a place is moved before its light is read, in cell edges, so that a
-// surface does not hide its own light: one towards the side that is seen, less where the field is
-// flat, and less where the normal turns away from the eye, as that side is not certain there. The
-// rest of one cell edge goes towards the eye. `towards_eye`: cosine between normal and eye.
-inline constexpr double kLightSteepness = 4;
-inline double light_shift(double towards_eye, double flatness) {
-  return flatness * std::clamp(kLightSteepness * towards_eye, -1.0, 1.0);
-}
+  // Of a place with a normal, seen from the direction `to_eye`, both of unit length; read so many
+  // cell edges away from it.
+  ArrivingLight arriving_at(const Vec3& world, const Vec3& normal, const Vec3& to_eye,
+                            double flatness, double edges = 1) const {
+    const double shift = light_shift(normal.dot(to_eye), flatness);
+    return at(world + edges * cell_edge * (shift * normal + (1 - std::abs(shift)) * to_eye));
+  }
+};
 
 }  // namespace ovoid::view

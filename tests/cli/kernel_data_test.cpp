@@ -483,6 +483,37 @@ TEST_F(KernelData, MakeWritesSetsOfTheirOwnSize) {
   expect_failure({"make", "fin", "-o", folder_ / "x.csv"}, 1, {"x.csv", "mesh"});
 }
 
+// An opaque volume covers what the surface covers; walls stand around it; cuts have lids.
+TEST_F(KernelData, MeshesEndAtTheirSurface) {
+  const std::string fin = folder_ / "fin.vtu";
+  expect_success({"make", "fin", "--count", "600", "-o", fin});
+  if (run({"info", fin}).err.find("no VTK") != std::string::npos)
+    GTEST_SKIP() << "this build reads no VTU";
+  const auto picture = [&](const Words& more) {
+    Words words = {fin, "--array", "density", "--fit", "box"};
+    words.insert(words.end(), more.begin(), more.end());
+    return draw(folder_, words).rgba;
+  };
+  const auto surface = picture({"--surface"});
+  const auto volume = picture({"--surface=0", "--opacity", "0:1"});
+  const auto cut = picture({"--clip", "1,0,0,0"});
+  const auto seen_through = picture({"--surface=0.3"});
+  ASSERT_EQ(surface.size(), volume.size());
+  double covered = 0;
+  double missing = 0;
+  double cut_partly = 0;
+  for (std::size_t i = 3; i < surface.size(); i += 4) {
+    covered += surface[i];
+    missing += std::abs(surface[i] - volume[i]);
+    if (cut[i] > 0.01F && cut[i] < 0.2F) ++cut_partly;
+    EXPECT_LE(seen_through[i], surface[i] + 1e-5F);
+  }
+  EXPECT_GT(covered, 100);
+  EXPECT_LT(missing, 0.02 * covered);  // rays that pass through an edge meet next to nothing
+  EXPECT_LT(cut_partly, 0.02 * covered);
+  EXPECT_NE(seen_through, picture({"--surface=0"}));
+}
+
 TEST_F(KernelData, MeshesAreDescribedDrawnAndConverted) {
   const std::string fin = folder_ / "fin.vtu";
   expect_success({"make", "fin", "--count", "600", "-o", fin});
@@ -530,11 +561,18 @@ TEST_F(KernelData, MeshesAreDescribedDrawnAndConverted) {
   EXPECT_EQ(kernels["kind"], "kernels");
   EXPECT_EQ(kernels["points"], told["points"]);
   EXPECT_EQ(kernels["arrays"][0]["name"], "density");
-  const Picture same = draw(folder_, {folder_ / "fin.ply", "--array", "density", "--reconstruction",
-                                      "normalized", "--cutoff", "3.5"});
+  // Inside of the mesh: kernels by themselves know nothing of its end.
+  const Words inside = {"--crop-world", "0.5:2.5,1.5:3,1.5:3.5", "--fit", "box"};
+  const auto with = [&](Words words) {
+    words.insert(words.end(), inside.begin(), inside.end());
+    return words;
+  };
+  const Picture same = draw(folder_, with({folder_ / "fin.ply", "--array", "density",
+                                           "--reconstruction", "normalized", "--cutoff", "3.5"}));
+  const auto expected = draw_mesh(fin, inside);
   double greatest = 0;
-  for (std::size_t i = 0; i < base.size(); ++i)
-    greatest = std::max(greatest, std::abs(double{same.rgba[i]} - base[i]));
+  for (std::size_t i = 0; i < expected.size(); ++i)
+    greatest = std::max(greatest, std::abs(double{same.rgba[i]} - expected[i]));
   EXPECT_LT(greatest, 0.05);  // axes and rotations are rounded to float32
   expect_success({"convert", fin, "-o", folder_ / "fin.nrrd", "--array", "density", "--size", "8"});
   EXPECT_GT(draw(folder_, {folder_ / "fin.nrrd"}).num_covered(), 20U);

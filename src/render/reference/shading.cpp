@@ -78,9 +78,7 @@ Rgb shaded(const Rgb& color, const Vec3& gradient, const Vec3& to_eye, const Loo
 view::ArrivingLight arriving_light(const view::LightVolume& volume, const Vec3& position,
                                    const Vec3& gradient, const Vec3& to_eye,
                                    const ShadingContext& context) {
-  const Vec3 normal = normal_of(gradient);
-  const double shift = view::light_shift(normal.dot(to_eye), flatness(gradient, context));
-  return volume.at(position + volume.cell_edge * (shift * normal + (1 - std::abs(shift)) * to_eye));
+  return volume.arriving_at(position, normal_of(gradient), to_eye, flatness(gradient, context));
 }
 
 }  // namespace ovoid::reference

@@ -86,8 +86,8 @@ struct RenderOptions {
   SheetPrecision sheet_precision = SheetPrecision::kSingle;
   std::vector<ClipPlane> clip_planes;  // at most kMaxClipPlanes
   // Where along each pixel's ray the field is drawn, and what is seen there beside it; of the
-  // picture's size. Null: everywhere, and nothing. On image sheets alone, without a trail, and not
-  // by the vulkan back end (of kAuto the cpu draws them, with a notice).
+  // picture's size. Null: everywhere, and nothing. On image sheets alone, and in pictures without a
+  // trail.
   std::shared_ptr<const DepthLimits> depth_limits;
   bool skip_irrelevant = true;  // off: every block is reconstructed (time changes, pixels do not)
   // Off: covered samples are still worked out (time changes, pixels do not).

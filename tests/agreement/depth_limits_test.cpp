@@ -2,54 +2,27 @@
 // Depth limits: the back ends against the reference, and against what must come out.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
 #include <limits>
 #include <memory>
-#include <random>
+#include <string>
 
 #include "ovoid/error.h"
 #include "support/agreement.h"
 #include "support/kernel_sets.h"
 #include "support/scenes.h"
+#include "support/tolerances.h"
 
 namespace ovoid::test {
 namespace {
 
-// Stops at random, about the focal distance; every ninth pixel has none.
-std::shared_ptr<const DepthLimits> random_limits(const Scene& scene, double reach,
-                                                 bool has_colors) {
-  std::mt19937 engine(23);  // NOLINT(bugprone-random-generator-seed): the same every time
-  std::uniform_real_distribution<float> share(0, 1);
-  const auto middle = static_cast<float>((scene.camera.focal_point - scene.camera.position).norm());
-  auto limits = std::make_shared<DepthLimits>();
-  limits->width = scene.options.width;
-  limits->height = scene.options.height;
-  limits->first.push_back(0);
-  const int num_pixels = limits->width * limits->height;
-  for (int pixel = 0; pixel < num_pixels; ++pixel) {
-    const int count = pixel % 9;
-    std::vector<float> depths;
-    for (int i = 0; i < count; ++i)
-      depths.push_back(middle + static_cast<float>(reach) * (2 * share(engine) - 1));
-    std::sort(depths.begin(), depths.end());
-    if (count > 0 && pixel % 2 == 0) depths[0] = -std::numeric_limits<float>::infinity();
-    for (int i = 0; i < count; ++i) {
-      DepthLimits::Stop stop{depths[static_cast<std::size_t>(i)], i % 3 != 1, {}};
-      if (has_colors && share(engine) < 0.5F) {
-        const float opacity = share(engine) < 0.2F ? 1.0F : 0.5F * share(engine);
-        stop.rgba = {opacity * share(engine), opacity * share(engine), opacity * share(engine),
-                     opacity};
-      }
-      limits->stops.push_back(stop);
-    }
-    limits->first.push_back(static_cast<std::uint32_t>(limits->stops.size()));
-    limits->coverage.push_back(pixel % 5 == 0 ? share(engine) : 1.0F);
-  }
-  return limits;
-}
+struct LimitedView {
+  double isovalue;
+  double fill;   // of the picture, as askew_camera()
+  double reach;  // of the limits about the focal point
+  ImageTolerance tolerance{};
+};
 
-void expect_agreement_in_every_mode(const Field& field, double isovalue, double reach,
+void expect_agreement_in_every_mode(const Field& field, const LimitedView& view,
                                     const RenderOptions& options) {
   for (const Mode mode :
        {Mode::kComposite, Mode::kXray, Mode::kMaximum, Mode::kMean, Mode::kIsosurface}) {
@@ -59,11 +32,11 @@ void expect_agreement_in_every_mode(const Field& field, double isovalue, double 
         if (mode != Mode::kComposite && how != Classification::kRefined) continue;
         Look look = semi_transparent_look(field.value_range().lo, field.value_range().hi);
         look.mode = mode;
-        look.isovalue = isovalue;
-        Scene scene{field, askew_camera(field, is_parallel, 1.3), look, options};
+        look.isovalue = view.isovalue;
+        Scene scene{field, askew_camera(field, is_parallel, view.fill), look, options};
         scene.options.classification = how;
-        scene.options.depth_limits = random_limits(scene, reach, true);
-        ImageTolerance tolerance;
+        scene.options.depth_limits = random_limits(scene, view.reach);
+        ImageTolerance tolerance = view.tolerance;
         if (mode == Mode::kXray)
           tolerance.peak = greatest_color(draw(scene, Backend::kReference).image);
         EXPECT_TRUE(backends_agree(scene,
@@ -81,37 +54,88 @@ TEST(DepthLimits, AgreeForKernelSets) {
   const KernelField field(jittered_ellipsoids(8).source(), Reconstruction::kNormalized);
   RenderOptions options = picture(50, 70, 0);
   options.post_convolution = PostConvolution::kOff;
-  expect_agreement_in_every_mode(field, 0.62, 4, options);
+  expect_agreement_in_every_mode(field, {.isovalue = 0.62, .fill = 1.3, .reach = 4}, options);
 }
 
-// The same of lattices, with samples from the kernels and from nodes.
+// The same of lattices, with samples from the kernels.
 TEST(DepthLimits, AgreeForLattices) {
   const TestVolume volume = test_volumes()[0];
-  for (const PostConvolution how : {PostConvolution::kOff, PostConvolution::kAuto}) {
-    RenderOptions options = picture(70, 50, 0);
-    options.post_convolution = how;
-    const ValueRange range = volume.field.value_range();
-    expect_agreement_in_every_mode(volume.field, 0.5 * (range.lo + range.hi), 6, options);
+  RenderOptions options = picture(70, 50, 0);
+  options.post_convolution = PostConvolution::kOff;
+  const double middle = 0.5 * (volume.lo + volume.hi);
+  expect_agreement_in_every_mode(volume.field, {.isovalue = middle, .fill = 1.3, .reach = 6},
+                                 options);
+}
+
+// The same with samples from nodes, in a view from within, to the tier of such pictures.
+TEST(DepthLimits, AgreeForMagnifiedLattices) {
+  const TestVolume volume = test_volumes()[0];
+  const double middle = 0.5 * (volume.lo + volume.hi);
+  const ImageTolerance tier{.min_psnr_db = kLevelsPsnrDb, .max_8bit = 255};
+  expect_agreement_in_every_mode(volume.field,
+                                 {.isovalue = middle, .fill = 8, .reach = 3, .tolerance = tier},
+                                 picture(50, 40, 0));
+}
+
+// Fails if planes and limits do not cut the same samples and pieces.
+TEST(DepthLimits, AgreeWithClipPlanes) {
+  const KernelField set(jittered_ellipsoids(8).source(), Reconstruction::kNormalized);
+  const TestVolume volume = test_volumes()[0];
+  for (const Field& field : {Field(set), Field(volume.field)}) {
+    Scene scene{field, askew_camera(field, false, 1.3),
+                semi_transparent_look(field.value_range().lo, field.value_range().hi),
+                picture(50, 40, 0)};
+    scene.options.post_convolution = PostConvolution::kOff;
+    const Vec3 normal(0.3, -0.2, 0.9);
+    scene.options.clip_planes = {{normal, normal.dot(field.world_bounds().center())}};
+    scene.options.depth_limits = random_limits(scene, 5);
+    for (const Classification how :
+         {Classification::kRefined, Classification::kSampled, Classification::kPreintegrated}) {
+      // The first sample behind a plane is a set's piece or not, limits or none.
+      if (how == Classification::kPreintegrated && field.kernels() != nullptr) continue;
+      scene.options.classification = how;
+      EXPECT_TRUE(backends_agree(scene, "way " + std::to_string(static_cast<int>(how))));
+    }
+    scene.look.mode = Mode::kIsosurface;
+    scene.look.isovalue = 0.5 * (field.value_range().lo + field.value_range().hi);
+    EXPECT_TRUE(backends_agree(scene, "isosurface"));
   }
+}
+
+// Fails if what there is of a piece with one end does not reach to a limit on its other side:
+// sheets are so far apart that half a piece is much.
+TEST(DepthLimits, PiecesOfSetsReachToThem) {
+  const KernelField field(jittered_ellipsoids(8).source(), Reconstruction::kNormalized);
+  Scene scene{field, askew_camera(field, false, 1.3), semi_transparent_look(0, 1),
+              picture(50, 70, 0)};
+  scene.options.post_convolution = PostConvolution::kOff;
+  scene.options.sampling_distance = 6 * field.default_sampling_distance();
+  scene.options.depth_limits = random_limits(scene, 5);
+  EXPECT_TRUE(backends_agree(scene, "half pieces", 0.05, {.min_psnr_db = 90}));
 }
 
 // A frame whose stops are before everything and let the field through is the frame without any.
 TEST(DepthLimits, ThatLimitNothingChangeNothing) {
-  const KernelField field(jittered_ellipsoids(8).source(), Reconstruction::kNormalized);
-  const Look look = semi_transparent_look(0, 1);
-  Scene scene{field, askew_camera(field, false, 1.3), look, picture(50, 70, 0)};
-  scene.options.post_convolution = PostConvolution::kOff;
-  const Image whole = draw(scene, Backend::kCpu).image;
-  auto limits = std::make_shared<DepthLimits>();
-  limits->width = 50;
-  limits->height = 70;
-  limits->first = {0};
-  for (std::uint32_t i = 1; i <= 50 * 70; ++i) {
-    limits->stops.push_back({-std::numeric_limits<float>::infinity(), true, {}});
-    limits->first.push_back(i);
+  const KernelField set(jittered_ellipsoids(8).source(), Reconstruction::kNormalized);
+  const TestVolume volume = test_volumes()[0];
+  for (const Field& field : {Field(set), Field(volume.field)}) {
+    Scene scene{field, askew_camera(field, false, 1.3),
+                semi_transparent_look(field.value_range().lo, field.value_range().hi),
+                picture(50, 70, 0)};
+    scene.options.post_convolution = PostConvolution::kOff;
+    scene.options.sheets = Sheets::kImage;
+    const Image whole = draw(scene).image;
+    auto limits = std::make_shared<DepthLimits>();
+    limits->width = 50;
+    limits->height = 70;
+    limits->first = {0};
+    for (std::uint32_t i = 1; i <= 50 * 70; ++i) {
+      limits->stops.push_back({-std::numeric_limits<float>::infinity(), true, {}});
+      limits->first.push_back(i);
+    }
+    scene.options.depth_limits = limits;
+    EXPECT_GE(psnr(draw(scene).image, whole), 100);
   }
-  scene.options.depth_limits = limits;
-  EXPECT_GE(psnr(draw(scene, Backend::kCpu).image, whole), 100);
 }
 
 // Fails if colours of stops are lost where no field is drawn, or hidden ones show.
@@ -129,7 +153,7 @@ TEST(DepthLimits, StopsJoinFrontToBack) {
     limits->first.push_back(3 * i);
   }
   scene.options.depth_limits = limits;
-  for (const Backend backend : {Backend::kCpu, Backend::kReference}) {
+  for (const Backend backend : {tested_backend(), Backend::kReference}) {
     const Image image = draw(scene, backend).image;
     for (std::size_t i = 0; i < image.depth.size(); ++i) {
       ASSERT_FLOAT_EQ(image.rgba[4 * i], 0.25F);
@@ -162,7 +186,7 @@ TEST(DepthLimits, AreRefusedOnLatticeSheets) {
   const TestVolume volume = test_volumes()[0];
   Scene scene{volume.field, askew_camera(volume.field, true, 1.3),
               semi_transparent_look(volume.lo, volume.hi), picture(20, 20)};
-  scene.options.depth_limits = random_limits(scene, 6, false);
+  scene.options.depth_limits = random_limits(scene, 6);
   EXPECT_NO_THROW(draw(scene, Backend::kCpu));
   scene.options.sheets = Sheets::kLattice;
   EXPECT_THROW(draw(scene, Backend::kCpu), Error);

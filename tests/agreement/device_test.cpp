@@ -3,6 +3,7 @@
 // larger than its memory, and its ways to fail. Runs where OVOID_TEST_BACKEND names vulkan.
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <memory>
 
 #include "ovoid/devices.h"
@@ -36,6 +37,10 @@ Scene lattice_scene(bool is_parallel) {
   return scene;
 }
 
+// Of memory: its 63360 samples of a byte are cut into some boxes, and into small ones.
+constexpr std::uint64_t kFewBoxes = std::uint64_t{48} << 10;
+constexpr std::uint64_t kManyBoxes = std::uint64_t{36} << 10;
+
 Scene kernel_scene() {
   Scene scene;
   scene.field = KernelField(jittered_ellipsoids(12).source(), Reconstruction::kNormalized);
@@ -65,14 +70,13 @@ ErrorCode code_of(const std::function<void()>& work, std::string& message) {
 TEST_F(OnDevice, LatticesLargerThanMemoryAreDrawnBoxByBox) {
   for (const bool is_parallel : {true, false}) {
     const Scene scene = lattice_scene(is_parallel);
-    const Image whole = draw(scene).image;
-    for (const std::uint64_t bytes : {std::uint64_t{64} << 10, std::uint64_t{160} << 10}) {
+    const Frame whole = draw_with({.backend = Backend::kVulkan}, scene);
+    for (const std::uint64_t bytes : {kFewBoxes, kManyBoxes}) {
       const Frame in_boxes =
           draw_with({.backend = Backend::kVulkan, .device_memory = bytes}, scene);
-      expect_same_bytes(in_boxes.image, whole, is_parallel ? "parallel" : "perspective");
+      expect_same_bytes(in_boxes.image, whole.image, is_parallel ? "parallel" : "perspective");
       // Boxes have samples in common.
-      EXPECT_GT(in_boxes.profile.bytes_uploaded,
-                static_cast<std::int64_t>(scene.field.num_kernels()));
+      EXPECT_GT(in_boxes.profile.bytes_uploaded, whole.profile.bytes_uploaded);
     }
   }
 }
@@ -89,10 +93,11 @@ TEST_F(OnDevice, WhatLiesBetweenSheetsIsWholeAcrossBoxes) {
     scene.look.isovalue = 120;
     if (way == 1) scene.options.classification = Classification::kPreintegrated;
     if (way == 2) scene.options.gradient = GradientMethod::kCentral;
-    const Image whole = draw(scene).image;
+    const Frame whole = draw_with({.backend = Backend::kVulkan}, scene);
     const Frame in_boxes =
-        draw_with({.backend = Backend::kVulkan, .device_memory = 64U << 10U}, scene);
-    expect_same_bytes(in_boxes.image, whole, "between sheets");
+        draw_with({.backend = Backend::kVulkan, .device_memory = kFewBoxes}, scene);
+    expect_same_bytes(in_boxes.image, whole.image, "between sheets");
+    EXPECT_GT(in_boxes.profile.bytes_uploaded, whole.profile.bytes_uploaded);
   }
 }
 
@@ -293,21 +298,124 @@ TEST_F(OnDevice, ImpossibleWishesAreErrorsWithAWayOut) {
   EXPECT_NE(message.find("backend cpu"), std::string::npos) << message;
 }
 
-// Fails if limits are passed over, or if a device of auto's choice keeps the cpu from drawing them.
-TEST_F(OnDevice, DepthLimitsAreLeftToTheCpu) {
+// Fails if a pixel forgets in the next box or dispatch which stops have joined it.
+TEST_F(OnDevice, DepthLimitsGoThroughBoxes) {
+  for (int way = 0; way < 4; ++way) {
+    Scene scene = lattice_scene(false);
+    scene.options.classification = way == 0   ? Classification::kRefined
+                                   : way == 1 ? Classification::kPreintegrated
+                                              : Classification::kSampled;
+    if (way == 2) scene.look.mode = Mode::kXray;
+    if (way == 3) scene.look.mode = Mode::kIsosurface;
+    scene.look.isovalue = 120;
+    scene.options.depth_limits = random_limits(scene, 15);
+    const Frame whole = draw_with({.backend = Backend::kVulkan}, scene);
+    const Frame in_boxes =
+        draw_with({.backend = Backend::kVulkan, .device_memory = kFewBoxes}, scene);
+    expect_same_bytes(in_boxes.image, whole.image, "limits in boxes");
+    EXPECT_GT(in_boxes.profile.bytes_uploaded, whole.profile.bytes_uploaded);
+  }
+}
+
+// The same of a set's layers, whose rows are drawn anew, fewer at a time, where they do not fit.
+TEST_F(OnDevice, DepthLimitsGoThroughPages) {
+  Scene scene = kernel_scene();
+  scene.field = KernelField(jittered_ellipsoids(24).source(), Reconstruction::kNormalized);
+  scene.options = picture(80, 160);
+  scene.options.post_convolution = PostConvolution::kOff;
+  scene.options.depth_limits = random_limits(scene, 15);
+  const Image whole = draw(scene).image;
+  const Frame in_pages =
+      draw_with({.backend = Backend::kVulkan, .device_memory = 720U << 10U}, scene);
+  expect_same_bytes(in_pages.image, whole, "limits in pages");
+}
+
+// Fails if rows that are drawn later take the limits of others.
+TEST_F(OnDevice, DepthLimitsAreThoseOfTheirRows) {
+  for (Scene scene : {lattice_scene(true), kernel_scene()}) {
+    scene.options.height = 300;
+    scene.options.depth_limits = random_limits(scene, 8);
+    const Image whole = draw(scene).image;
+    RenderHooks hooks;
+    int num_strips = 0;
+    hooks.progress = [&](double) { ++num_strips; };
+    Renderer renderer(RendererSetup{.backend = Backend::kVulkan});
+    const Frame watched =
+        renderer.render(scene.field, scene.camera, scene.look, scene.options, hooks);
+    expect_same_bytes(watched.image, whole, "limits in strips");
+    EXPECT_EQ(num_strips > 1, list_devices().devices[0].kind == DeviceKind::kSoftware);
+  }
+}
+
+// Fails if stops that a buffer of 128 MiB does not hold are cut off. All but the last stop of a
+// pixel let the field through, from the same place.
+TEST_F(OnDevice, MoreDepthLimitsThanABufferHoldsAreDrawnInBands) {
+  Scene scene = kernel_scene();
+  scene.options.width = 512;
+  scene.options.height = 256;
+  const auto limits_of = [&](std::uint32_t stops_per_pixel) {
+    auto limits = std::make_shared<DepthLimits>();
+    limits->width = scene.options.width;
+    limits->height = scene.options.height;
+    const auto num_pixels = static_cast<std::uint32_t>(limits->width * limits->height);
+    for (std::uint32_t pixel = 0; pixel <= num_pixels; ++pixel)
+      limits->first.push_back(pixel * stops_per_pixel);
+    limits->stops.assign(std::size_t{num_pixels} * stops_per_pixel,
+                         {-std::numeric_limits<float>::infinity(), true, {}});
+    const auto middle =
+        static_cast<float>((scene.camera.focal_point - scene.camera.position).norm());
+    for (std::uint32_t pixel = 1; pixel <= num_pixels; ++pixel)
+      limits->stops[limits->first[pixel] - 1] = {middle, false, {0, 0.5F, 0.5F, 1}};
+    return limits;
+  };
+  scene.options.depth_limits = limits_of(2);
+  const Image few = draw(scene).image;
+  scene.options.depth_limits = limits_of(48);
+  expect_same_bytes(draw(scene).image, few, "limits in bands");
+}
+
+// Fails if what a switch leaves out takes stops with it.
+TEST_F(OnDevice, SwitchesLeaveDepthLimitsAlone) {
+  for (Scene scene : {lattice_scene(false), kernel_scene()}) {
+    const double lo = scene.look.transfer_function.lo();
+    const double span = scene.look.transfer_function.hi() - lo;
+    scene.look.transfer_function.opacities = {{lo + 0.4 * span, 0}, {lo + 0.6 * span, 1}};
+    scene.options.depth_limits = random_limits(scene, 8);
+    const Frame plain = draw(scene);
+    for (bool RenderOptions::*const of :
+         {&RenderOptions::skip_irrelevant, &RenderOptions::stop_opaque}) {
+      scene.options.*of = false;
+      expect_same_bytes(draw(scene).image, plain.image, "switched off");
+      scene.options.*of = true;
+    }
+  }
+}
+
+// Fails if what auto takes a device for is left to the cpu.
+TEST_F(OnDevice, AutoDrawsDepthLimits) {
   Scene scene = lattice_scene(true);
-  auto limits = std::make_shared<DepthLimits>();
-  limits->width = scene.options.width;
-  limits->height = scene.options.height;
-  limits->first.assign(static_cast<std::size_t>(limits->width * limits->height) + 1, 0);
-  scene.options.depth_limits = limits;
-  std::string message;
-  EXPECT_EQ(code_of([&] { draw_with({.backend = Backend::kVulkan}, scene); }, message),
-            ErrorCode::kUnsupported);
-  EXPECT_NE(message.find("depth limits"), std::string::npos) << message;
+  scene.options.depth_limits = random_limits(scene, 15);
   const Frame frame = draw_with({.auto_takes_software = true}, scene);
-  EXPECT_EQ(frame.profile.backend, "cpu");
-  EXPECT_NE(frame.profile.notice.find("depth limits"), std::string::npos) << frame.profile.notice;
+  EXPECT_EQ(frame.profile.backend, "vulkan");
+  EXPECT_EQ(frame.profile.notice, "");
+}
+
+// Fails if a software driver's loops end early in a pixel of many stops, and nobody is told.
+TEST_F(OnDevice, SoftwareDriversRefuseTooManyStops) {
+  if (list_devices().devices[0].kind != DeviceKind::kSoftware) GTEST_SKIP() << "hardware";
+  for (Scene scene : {lattice_scene(true), kernel_scene()}) {
+    auto limits = std::make_shared<DepthLimits>();
+    limits->width = scene.options.width;
+    limits->height = scene.options.height;
+    limits->first.assign(static_cast<std::size_t>(limits->width * limits->height) + 1, 0);
+    limits->first.back() = 1000;
+    limits->stops.assign(1000, {0, true, {}});
+    scene.options.depth_limits = limits;
+    std::string message;
+    EXPECT_EQ(code_of([&] { draw_with({.backend = Backend::kVulkan}, scene); }, message),
+              ErrorCode::kUnsupported);
+    EXPECT_NE(message.find("limits"), std::string::npos) << message;
+  }
 }
 
 }  // namespace

@@ -7,8 +7,10 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <limits>
 #include <memory>
 #include <numbers>
+#include <random>
 
 #include "data/resident_lattice.h"
 #include "ovoid/devices.h"
@@ -194,6 +196,37 @@ Camera askew_camera(const Field& field, bool is_parallel, double fill) {
 const char* name_of(PostConvolution published) {
   if (published == PostConvolution::kBilinear) return "bilinear";
   return published == PostConvolution::kGaussian ? "gaussian" : "cubic";
+}
+
+std::shared_ptr<const DepthLimits> random_limits(const Scene& scene, double reach) {
+  std::mt19937 engine(23);  // NOLINT(bugprone-random-generator-seed): the same every time
+  std::uniform_real_distribution<float> share(0, 1);
+  const auto middle = static_cast<float>((scene.camera.focal_point - scene.camera.position).norm());
+  auto limits = std::make_shared<DepthLimits>();
+  limits->width = scene.options.width;
+  limits->height = scene.options.height;
+  limits->first.push_back(0);
+  const int num_pixels = limits->width * limits->height;
+  for (int pixel = 0; pixel < num_pixels; ++pixel) {
+    const int count = pixel % 9;
+    std::vector<float> depths;
+    for (int i = 0; i < count; ++i)
+      depths.push_back(middle + static_cast<float>(reach) * (2 * share(engine) - 1));
+    std::sort(depths.begin(), depths.end());
+    if (count > 0 && pixel % 2 == 0) depths[0] = -std::numeric_limits<float>::infinity();
+    for (int i = 0; i < count; ++i) {
+      DepthLimits::Stop stop{depths[static_cast<std::size_t>(i)], i % 3 != 1, {}};
+      if (share(engine) < 0.5F) {
+        const float opacity = share(engine) < 0.2F ? 1.0F : 0.5F * share(engine);
+        stop.rgba = {opacity * share(engine), opacity * share(engine), opacity * share(engine),
+                     opacity};
+      }
+      limits->stops.push_back(stop);
+    }
+    limits->first.push_back(static_cast<std::uint32_t>(limits->stops.size()));
+    limits->coverage.push_back(pixel % 5 == 0 ? share(engine) : 1.0F);
+  }
+  return limits;
 }
 
 Scene small_scene(Mode mode, bool is_parallel) {

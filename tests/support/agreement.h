@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -74,6 +75,11 @@ Camera askew_camera(const Field& field, bool is_parallel, double fill = 1.0);
 inline constexpr std::array kPublishedWays = {PostConvolution::kBilinear,
                                               PostConvolution::kGaussian, PostConvolution::kCubic};
 const char* name_of(PostConvolution published);
+
+// Limits for a scene's picture: stops at random, at most `reach` from the focal distance, half of
+// them with a colour; up to eight in a pixel, and none in every ninth. Some pixels are covered in
+// part.
+std::shared_ptr<const DepthLimits> random_limits(const Scene& scene, double reach);
 
 // 12 x 11 x 13 samples on oblique axes with all of it in a picture of 24 x 20: small enough for the
 // reference's slab means.

@@ -23,14 +23,6 @@ HWY_INLINE WorldVector mix_vectors(const WorldVector& a, const WorldVector& b, V
   return {mix(a.x, b.x), mix(a.y, b.y), mix(a.z, b.z)};
 }
 
-// The samples of a sheet that a ray can meet: those with a path.
-HWY_INLINE std::uint32_t with_path(const CpuFrame& frame, const BlockPlace& place, int s,
-                                   int column, int row) {
-  if (!frame.plan->is_clipped) return group_bits();
-  const SlabCut slab = slab_of(frame, place, s, column, row);
-  return bits_of(hn::Gt(slab.to, slab.from));
-}
-
 inline void kernel_surface_sheet(const CpuFrame& frame, const TileInHand& tile, int s) {
   const BlockPlace& place = tile.place;
   TileState& pixels = tile.pixels;
@@ -52,8 +44,8 @@ inline void kernel_surface_sheet(const CpuFrame& frame, const TileInHand& tile, 
           const V t = hn::Div(hn::Sub(iso, before),
                               hn::IfThenElse(hn::Eq(rise, hn::Zero(d)), hn::Set(d, 1.0F), rise));
           crossing &= kept_by_planes(frame, place, s, column, y, t);
-          crossing &=
-              with_path(frame, place, s - 1, column, y) & with_path(frame, place, s, column, y);
+          crossing &= with_path_by_planes(frame, place, s - 1, column, y) &
+                      with_path_by_planes(frame, place, s, column, y);
           const V depth =
               hn::MulAdd(hn::Sub(t, hn::Set(d, 1.0F)), hn::Set(d, frame.camera.sampling_distance),
                          hn::Set(d, place.sheets[s].depth));

@@ -102,6 +102,15 @@ HWY_INLINE SlabCut slab_of(const CpuFrame& frame, const BlockPlace& place, int s
   return {from, to};
 }
 
+// Lanes of a group whose samples half spaces leave a path: those that exist. What depth limits
+// leave of it is another matter, as a piece has a front end that may have none.
+HWY_INLINE std::uint32_t with_path_by_planes(const CpuFrame& frame, const BlockPlace& place, int s,
+                                             int column, int row) {
+  if (!frame.plan->is_clipped) return group_bits();
+  const SlabCut slab = slab_of(frame, place, s, column, row);
+  return bits_of(hn::Gt(slab.to, slab.from));
+}
+
 // Fraction of the slab, in [0, 1].
 HWY_INLINE V path_fraction(const CpuFrame& frame, const BlockPlace& place, int s, int column,
                            int row) {

@@ -75,6 +75,7 @@ OVOID_CONSTANT uint kIsRefined = 256u;
 OVOID_CONSTANT uint kHasLightVolume = 512u;
 OVOID_CONSTANT uint kHasTrail = 1024u;
 OVOID_CONSTANT uint kHasOwnColor = 2048u;
+OVOID_CONSTANT uint kHasLimits = 4096u;       // in depth, per pixel
 OVOID_CONSTANT uint kNodesKeepBound = 8192u;  // those near faces have no value
 OVOID_CONSTANT uint kSpreads = 16384u;        // bilinearly
 // Of post-convolution.
@@ -400,6 +401,27 @@ struct PixelState {
 OVOID_CONSTANT uint kSeen = 1u;
 OVOID_CONSTANT uint kClosed = 2u;
 
+// ---- Depth limits ----
+
+// A place on a pixel's ray: ovoid::DepthLimits::Stop.
+struct DepthStop {
+  float depth;
+  uint is_field_behind;
+  float rgba[4];  // premultiplied
+};
+
+// A pixel's stops, by their numbers: [first, end), of which those before `next` have joined it.
+struct PixelStops {
+  uint first;
+  uint end;
+  uint next;
+};
+
+// What is worked out for each pixel of a strip by itself.
+struct StripConstants {
+  uint num_pixels;
+};
+
 #ifdef __cplusplus
 static_assert(sizeof(TableConstants) == 48);
 static_assert(sizeof(LightConstants) == 160);
@@ -408,6 +430,8 @@ static_assert(sizeof(LatticeConstants) % 16 == 0);
 static_assert(sizeof(ViewConstants) % 16 == 0);
 static_assert(sizeof(BoxConstants) == 96);  // push constants: 128 bytes are sure
 static_assert(sizeof(PixelState) == 16);
+static_assert(sizeof(DepthStop) == 24);
+static_assert(sizeof(PixelStops) == 12);
 static_assert(sizeof(LevelConstants) == 32);
 static_assert(sizeof(KernelFrame) % 16 == 0);
 static_assert(sizeof(BrickConstants) == 32);

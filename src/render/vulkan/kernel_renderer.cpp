@@ -67,6 +67,15 @@ Reach reach_of(const KernelBrick& brick, const view::KernelPlan& plan, double cu
 
 int floor_divided(int a, int b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
 
+// Throws Error(kUnsupported) where a software driver would end the loops over stops early.
+void require_few_stops(const DepthLimits* limits, DeviceKind kind) {
+  if (limits == nullptr || kind != DeviceKind::kSoftware) return;
+  if (rounds_of_stops(*limits) >= kMostRounds)
+    throw Error(ErrorCode::kUnsupported,
+                "backend vulkan: software drivers cannot pass so many depth limits in one pixel: "
+                "expected fewer, or backend cpu");
+}
+
 // The rear half of a strip's rows, in whole tiles. Throws Error(kOutOfMemory) if it is one.
 Strip second_half(const Strip& strip) {
   if (strip.rows() <= kTileEdge)
@@ -413,7 +422,8 @@ void KernelRenderer::shade(Set& set, const Strip& strip, int first_sheet, int en
   bench_.commands.dispatch(
       Stage::kShade, set.constants,
       {&frame_, &tables_, &sheets_, &color_sheets_, &needed_blocks_, &open_,
-       &bench_.pixels.colors(), &bench_.pixels.depths(), &bench_.pixels.states(), &counts_},
+       &bench_.pixels.colors(), &bench_.pixels.depths(), &bench_.pixels.states(), &counts_,
+       &bench_.pixels.pixel_stops(), &bench_.pixels.stops()},
       push, groups_of(set.options, strip, device::kGroupEdge));
 }
 
@@ -516,6 +526,7 @@ void KernelRenderer::set_needs(Set& set) {
 void KernelRenderer::render(const FrameJob& job, Image& image, FrameProfile& profile) {
   const KernelField& field = *job.field.kernels();
   const auto& [any_field, camera, look, trail, options, hooks, light, base] = job;
+  require_few_stops(options.depth_limits.get(), bench_.device->info().kind);
   Commands& commands = bench_.commands;
   Set set(field, camera, look, options, light);
   if (!kernels_ || !kernels_->is_of(field)) {
@@ -539,7 +550,7 @@ void KernelRenderer::render(const FrameJob& job, Image& image, FrameProfile& pro
   while (!strips.empty()) {
     const Strip strip = strips.back();
     strips.pop_back();
-    bench_.pixels.clear(commands, options.width, strip);
+    bench_.pixels.clear(commands, options, strip);
     commands.submit_and_wait();
     if (!draw_strip(set, strip, hooks, profile)) {
       // Fewer kernels reach half as many rows.
@@ -547,6 +558,7 @@ void KernelRenderer::render(const FrameJob& job, Image& image, FrameProfile& pro
       strips.push_back({strip.first, strips.back().first});
       continue;
     }
+    bench_.pixels.record_last_stops(commands, frame_, set.constants);
     commands.mark("read back");
     commands.submit_and_wait();
     bench_.pixels.finish(commands, look, strip, image);

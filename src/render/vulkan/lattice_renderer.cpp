@@ -224,6 +224,11 @@ void LatticeRenderer::divide_sheets(Job& job) const {
                             job.frame.fields[number]);
   };
   const double rounds = rounds_of(job.own, 0) + (job.trail ? rounds_of(*job.trail, 1) : 0.0);
+  // A thread of nodes has four pixels.
+  const double stop_rounds =
+      is_software && job.options.depth_limits != nullptr
+          ? (job.has_nodes ? 4 : 1) * rounds_of_stops(*job.options.depth_limits)
+          : 0;
   const int num_sheets = job.frame.view.num_sheets;
   for (int first = 0; first < num_sheets;) {
     const std::int64_t sheet = plan.sheets.first + first;
@@ -238,11 +243,13 @@ void LatticeRenderer::divide_sheets(Job& job) const {
     if (node_step > 1 && job.options.spread == Spread::kBilinear)
       per_sheet +=
           4 * 7 * rounds_of_spread(job.frame.fields[0], node_step * plan.lattice.pitch(sheet));
-    const int most = is_software ? static_cast<int>(kMostRounds / per_sheet) : end - first;
+    const int most =
+        is_software ? static_cast<int>((kMostRounds - stop_rounds) / per_sheet) : end - first;
     if (most < 1)
       throw Error(ErrorCode::kUnsupported,
-                  "backend vulkan: software drivers cannot sum so many kernels for one sample: "
-                  "expected a larger picture, a nearer view, or backend cpu");
+                  "backend vulkan: software drivers cannot sum so many kernels for one sample, or "
+                  "pass so many depth limits: expected a larger picture, a nearer view, fewer "
+                  "limits, or backend cpu");
     end = std::min(end, first + most);
     job.parts.push_back({first, end, static_cast<float>(node_step)});
     first = end;
@@ -276,7 +283,8 @@ void LatticeRenderer::draw_box(const Job& job, std::size_t number, const Strip& 
         is_at_nodes ? Stage::kLatticeNodes : Stage::kLattice,
         is_at_nodes ? node_constants : job.constants,
         {&frame_, &tables_, &box.data, trail_samples, &job.own.kept.bricks, trail_bricks,
-         &bench_.pixels.colors(), &bench_.pixels.depths(), &bench_.pixels.states(), &counts_},
+         &bench_.pixels.colors(), &bench_.pixels.depths(), &bench_.pixels.states(), &counts_,
+         &bench_.pixels.pixel_stops(), &bench_.pixels.stops()},
         place, groups_of(job.options, strip, is_at_nodes ? device::kNodeTile : device::kGroupEdge));
   }
 }
@@ -306,7 +314,7 @@ void LatticeRenderer::render(const FrameJob& frame, Image& image, FrameProfile& 
       kept_.lattice->front_to_back(eye_of(camera, job.own.plan, field));
   for (const Strip& strip : bench_.pixels.strips(options, hooks, sizeof(device::vec4))) {
     const Groups groups = groups_of(options, strip, device::kGroupEdge);
-    bench_.pixels.clear(commands, options.width, strip);
+    bench_.pixels.clear(commands, options, strip);
     reserve(counts_, bench_.device, std::uint64_t{16} * groups.x * groups.y, BufferUse::kDevice);
     commands.fill(counts_, 0);
     for (const std::size_t number : order) {
@@ -314,6 +322,7 @@ void LatticeRenderer::render(const FrameJob& frame, Image& image, FrameProfile& 
         throw Error(ErrorCode::kCancelled, "rendering was cancelled");
       draw_box(job, number, strip);
     }
+    bench_.pixels.record_last_stops(commands, frame_, job.constants);
     commands.mark("read back");
     commands.submit_and_wait();
     bench_.pixels.finish(commands, look, strip, image);

@@ -231,6 +231,13 @@ constexpr Member kMembers[] = {
     OVOID_MEMBER(PixelState, path),
     OVOID_MEMBER(PixelState, before),
     OVOID_MEMBER(PixelState, flags),
+    OVOID_MEMBER(DepthStop, depth),
+    OVOID_MEMBER(DepthStop, is_field_behind),
+    OVOID_MEMBER(DepthStop, rgba),
+    OVOID_MEMBER(PixelStops, first),
+    OVOID_MEMBER(PixelStops, end),
+    OVOID_MEMBER(PixelStops, next),
+    OVOID_MEMBER(StripConstants, num_pixels),
 };
 
 #undef OVOID_MEMBER

@@ -1,18 +1,54 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "render/vulkan/pixels.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
+#include <cstddef>
 #include <limits>
 
 #include "data/parallel.h"
+#include "ovoid/error.h"
 #include "render/shared/device_layout.h"
 #include "render/shared/finished_pixel.h"
+#include "render/vulkan/workbench.h"
 
 namespace ovoid::vulkan {
 namespace {
 
 constexpr int kWatchedRows = 128;
+constexpr int kRowsOfTile = device::kGroupEdge;
+
+// last_stops.comp reads the view of any frame.
+static_assert(offsetof(device::LatticeFrame, view) == 0);
+static_assert(offsetof(device::KernelFrame, view) == 0);
+
+// Numbers of a strip's stops: [first, end).
+struct StopNumbers {
+  std::uint32_t first, end;
+  std::uint32_t count() const noexcept { return end - first; }
+};
+
+StopNumbers stops_of(const DepthLimits& limits, const Strip& strip) {
+  const auto width = static_cast<std::size_t>(limits.width);
+  return {limits.first[static_cast<std::size_t>(strip.first) * width],
+          limits.first[static_cast<std::size_t>(strip.end) * width]};
+}
+
+// The first rows of a strip, as whole tiles, that have so many stops at most.
+Strip with_few_stops(const DepthLimits& limits, Strip strip, std::uint64_t most) {
+  while (stops_of(limits, strip).count() > most) {
+    if (strip.rows() <= kRowsOfTile)
+      throw Error(ErrorCode::kOutOfMemory,
+                  fmt::format("depth limits: {} stops in rows {} to {}, the device's buffers hold "
+                              "{}: expected fewer, or backend cpu",
+                              stops_of(limits, strip).count(), strip.first, strip.end - 1, most));
+    const int tiles = (strip.rows() + kRowsOfTile - 1) / kRowsOfTile;
+    strip.end = strip.first + tiles / 2 * kRowsOfTile;
+  }
+  return strip;
+}
 
 template <class T>
 std::span<std::byte> bytes_of(T* at, std::size_t count) {
@@ -26,22 +62,70 @@ std::vector<Strip> Pixels::strips(const RenderOptions& options, const RenderHook
   const std::uint64_t per_row = static_cast<std::uint64_t>(options.width) * bytes_per_pixel;
   const std::uint64_t most =
       std::max<std::uint64_t>(device_->limits().maxStorageBufferRange / per_row, 1);
-  const auto edge = static_cast<int>(device::kGroupEdge);
   int rows = static_cast<int>(std::min<std::uint64_t>(most, options.height));
   // Graphics processors are done before anybody looks.
   const bool is_slow = device_->info().kind == DeviceKind::kSoftware;
   const bool is_watched = is_slow && (hooks.stop.stop_possible() || hooks.progress != nullptr ||
                                       hooks.tile_done != nullptr);
   if (is_watched) rows = std::min(rows, kWatchedRows);
-  if (rows > edge) rows -= rows % edge;
+  if (rows > kRowsOfTile) rows -= rows % kRowsOfTile;
+  const std::uint64_t most_stops =
+      device_->limits().maxStorageBufferRange / sizeof(device::DepthStop);
   std::vector<Strip> strips;
-  for (int first = 0; first < options.height; first += rows)
-    strips.push_back({first, std::min(first + rows, options.height)});
+  for (int first = 0; first < options.height; first = strips.back().end) {
+    const Strip strip{first, std::min(first + rows, options.height)};
+    strips.push_back(options.depth_limits == nullptr
+                         ? strip
+                         : with_few_stops(*options.depth_limits, strip, most_stops));
+  }
   return strips;
 }
 
-void Pixels::clear(Commands& commands, int width, const Strip& strip) {
-  const std::uint64_t count = static_cast<std::uint64_t>(width) * strip.rows();
+void Pixels::upload_limits(Commands& commands, const DepthLimits& limits, const Strip& strip) {
+  const StopNumbers numbers = stops_of(limits, strip);
+  std::vector<device::PixelStops> of_pixels(num_pixels_);
+  const std::uint32_t* const first =
+      limits.first.data() + static_cast<std::size_t>(strip.first) * limits.width;
+  for (std::size_t i = 0; i < of_pixels.size(); ++i)
+    of_pixels[i] = {first[i] - numbers.first, first[i + 1] - numbers.first,
+                    first[i] - numbers.first};
+  std::vector<device::DepthStop> stops(numbers.count());
+  constexpr std::int64_t kGrain = 1 << 16;
+  data::parallel_ranges(
+      {numbers.count(), kGrain, 0, {}}, [&](std::int64_t begin, std::int64_t end) {
+        for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+          const DepthLimits::Stop& stop = limits.stops[numbers.first + i];
+          stops[i].depth = stop.depth;
+          stops[i].is_field_behind = stop.is_field_behind ? 1 : 0;
+          std::copy(stop.rgba.begin(), stop.rgba.end(), std::begin(stops[i].rgba));
+        }
+      });
+  commands.submit_and_wait();  // what was recorded may read those of another strip
+  reserve(pixel_stops_, device_, of_pixels.size() * sizeof(device::PixelStops), BufferUse::kDevice);
+  reserve(stops_, device_, stops.size() * sizeof(device::DepthStop), BufferUse::kDevice);
+  commands.upload(pixel_stops_, 0, std::as_bytes(std::span(of_pixels)));
+  commands.upload(stops_, 0, std::as_bytes(std::span(stops)));
+}
+
+void Pixels::record_last_stops(Commands& commands, const Buffer& frame,
+                               const Constants& constants) {
+  const std::uint32_t flags = constants[1];
+  if ((flags & device::kHasLimits) == 0) return;
+  constexpr std::uint32_t kThreads = 64;  // of last_stops.comp
+  commands.mark("last stops");
+  commands.dispatch(Stage::kLastStops, {constants[0], flags},
+                    {&frame, &colors_, &depths_, &states_, &pixel_stops_, &stops_},
+                    device::StripConstants{num_pixels_},
+                    grid_of(groups_for(num_pixels_, kThreads)));
+}
+
+void Pixels::clear(Commands& commands, const RenderOptions& options, const Strip& strip) {
+  const std::uint64_t count = static_cast<std::uint64_t>(options.width) * strip.rows();
+  num_pixels_ = static_cast<std::uint32_t>(count);
+  if (options.depth_limits != nullptr) upload_limits(commands, *options.depth_limits, strip);
+  // Shaders are given them in any case.
+  reserve(pixel_stops_, device_, sizeof(device::PixelStops), BufferUse::kDevice);
+  reserve(stops_, device_, sizeof(device::DepthStop), BufferUse::kDevice);
   reserve(colors_, device_, count * sizeof(device::vec4), BufferUse::kDevice);
   reserve(depths_, device_, count * sizeof(float), BufferUse::kDevice);
   reserve(states_, device_, count * sizeof(device::PixelState), BufferUse::kDevice);

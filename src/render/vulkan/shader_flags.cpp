@@ -27,6 +27,7 @@ std::uint32_t frame_flags(const FrameTraits& traits, const RenderOptions& option
                   {traits.takes_gradients, device::kTakesGradients},
                   {traits.takes_differences, device::kTakesDifferences},
                   {traits.has_own_color, device::kHasOwnColor},
+                  {options.depth_limits != nullptr, device::kHasLimits},
                   {options.spread == Spread::kBilinear, device::kSpreads},
                   {traits.nodes_keep_bound, device::kNodesKeepBound},
                   {options.stop_opaque, device::kStopsOpaque}});

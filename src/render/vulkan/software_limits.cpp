@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "render/vulkan/software_limits.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 namespace ovoid::vulkan {
 
@@ -19,6 +21,16 @@ double rounds_of_sample(const LatticeLoops& loops, const device::LatticeConstant
       is_surface ? device::kSurfaceSteps + 3 : ends * (loops.takes_differences ? 8 : 2);
   const double steps = loops.is_refined ? device::kMostSteps : 0;
   return samples * per_point * lattice.num_slab_points * loops.num_sublattices + steps;
+}
+
+// A stop is passed, looked at for paths, and begins a part of a piece in so many steps. As pixels
+// that are drawn together pass their stops at different sheets, theirs add up.
+double rounds_of_stops(const DepthLimits& limits) {
+  constexpr double kPixelsTogether = 16;  // numbers in the widest registers
+  std::uint32_t most = 0;
+  for (std::size_t i = 1; i < limits.first.size(); ++i)
+    most = std::max(most, limits.first[i] - limits.first[i - 1]);
+  return kPixelsTogether * most * (device::kMostSteps + 3);
 }
 
 double rounds_of_spread(const device::LatticeConstants& lattice, double apart) {

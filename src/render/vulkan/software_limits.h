@@ -3,6 +3,7 @@
 // of it. How many rounds a sample takes, so that a list of commands stays below.
 #pragma once
 
+#include "ovoid/depth_limits.h"
 #include "ovoid/look.h"
 #include "render/shared/device_layout.h"
 
@@ -22,6 +23,9 @@ struct LatticeLoops {
 
 // Of all loops for one sample of a sheet, its gradient included.
 double rounds_of_sample(const LatticeLoops& loops, const device::LatticeConstants& lattice);
+
+// Of the stops that pixels pass, whatever there is between them.
+double rounds_of_stops(const DepthLimits& limits);
 
 // Where a node's share of samples is looked for, nodes being so far apart (world).
 double rounds_of_spread(const device::LatticeConstants& lattice, double apart);

@@ -44,11 +44,14 @@ constexpr std::uint32_t kReconstructWords[] = {
 constexpr std::uint32_t kShadeSheetsWords[] = {
 #include "shade_sheets.inc"
 };
+constexpr std::uint32_t kLastStopsWords[] = {
+#include "last_stops.inc"
+};
 
 constexpr std::array<Shader, kNumStages> kShaders = {{
     {"distance", kDistanceWords, 2, sizeof(device::DistanceConstants)},
-    {"lattice", kLatticeWords, 10, sizeof(device::BoxConstants)},
-    {"lattice_nodes", kLatticeNodesWords, 10, sizeof(device::BoxConstants)},
+    {"lattice", kLatticeWords, 12, sizeof(device::BoxConstants)},
+    {"lattice_nodes", kLatticeNodesWords, 12, sizeof(device::BoxConstants)},
     {"project", kProjectWords, 7, sizeof(device::KernelPush)},
     {"scan", kScanWords, 2, sizeof(device::KernelPush)},
     {"scan_add", kScanAddWords, 2, sizeof(device::KernelPush)},
@@ -57,7 +60,8 @@ constexpr std::array<Shader, kNumStages> kShaders = {{
     {"sort_scatter", kSortScatterWords, 3, sizeof(device::KernelPush)},
     {"list_ends", kListEndsWords, 2, sizeof(device::KernelPush)},
     {"reconstruct", kReconstructWords, 10, sizeof(device::KernelPush)},
-    {"shade_sheets", kShadeSheetsWords, 10, sizeof(device::KernelPush)},
+    {"shade_sheets", kShadeSheetsWords, 12, sizeof(device::KernelPush)},
+    {"last_stops", kLastStopsWords, 6, sizeof(device::StripConstants)},
 }};
 
 }  // namespace

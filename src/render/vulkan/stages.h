@@ -21,12 +21,13 @@ enum class Stage {
   kListEnds,      // where each list begins and ends
   kReconstruct,   // splats -> a level's sheets, with what coarser levels have
   kShade,         // sheets -> colour and opacity, composited
+  kLastStops,     // of depth limits: what stands behind all that was drawn
   kNumStages,
 };
 inline constexpr std::size_t kNumStages = static_cast<std::size_t>(Stage::kNumStages);
 
 // What every device must have for them.
-inline constexpr std::uint32_t kMaxBindings = 10;
+inline constexpr std::uint32_t kMaxBindings = 12;
 inline constexpr std::uint32_t kSharedBytes = 32768;
 inline constexpr std::uint32_t kMostInvocations = 256;
 inline constexpr std::uint32_t kPushBytes = 128;

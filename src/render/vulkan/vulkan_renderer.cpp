@@ -53,9 +53,6 @@ struct VulkanRenderer::Impl {
   // memory does not suffice while other fields lie there, it is tried once more without them; a
   // device that is lost is given up, and the next frame opens it anew.
   Frame draw(const FrameJob& job) {
-    if (job.options.depth_limits != nullptr)
-      throw Error(ErrorCode::kUnsupported,
-                  "depth limits: backend vulkan has none: take auto, cpu or reference");
     const bool is_fresh = !bench || !has_drawn;
     try {
       return try_to_draw(job);

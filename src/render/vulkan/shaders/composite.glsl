@@ -8,6 +8,9 @@ struct Pixel {
   float path;
   float before;      // value on the sheet before,
   int before_sheet;  // and which sheet that is; -1: none
+  uint first_stop;   // of depth limits, as PixelStops
+  uint end_stop;
+  uint next_stop;
   bool is_seen;
   bool is_closed;
 };
@@ -26,6 +29,14 @@ Pixel load_pixel(uint at) {
   pixel.before_sheet = int(state.flags >> 2) - 1;
   pixel.is_seen = (state.flags & kSeen) != 0u;
   pixel.is_closed = (state.flags & kClosed) != 0u;
+  pixel.first_stop = pixel.end_stop = pixel.next_stop = 0u;
+  if (has_flag(kHasLimits)) {
+    PixelStops of_pixel = pixel_stops[at];
+    pixel.first_stop = of_pixel.first;
+    pixel.end_stop = of_pixel.end;
+    pixel.next_stop = of_pixel.next;
+    if (of_pixel.first == of_pixel.end) pixel.is_closed = true;  // nothing is ever drawn here
+  }
   return pixel;
 }
 
@@ -35,6 +46,7 @@ void store_pixel(uint at, Pixel pixel) {
   states[at] = PixelState(pixel.best, pixel.path, pixel.before,
                           uint(pixel.before_sheet + 1) << 2 | (pixel.is_seen ? kSeen : 0u) |
                               (pixel.is_closed ? kClosed : 0u));
+  if (has_flag(kHasLimits)) pixel_stops[at].next = pixel.next_stop;
 }
 
 // A sample of that colour and opacity.

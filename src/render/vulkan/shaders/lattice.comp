@@ -14,6 +14,7 @@ layout(local_size_x = 8, local_size_y = 8) in;
 #include "shade.glsl"
 #include "gather.glsl"
 #include "composite.glsl"
+#include "limits.glsl"
 #include "finish.glsl"
 #include "piece.glsl"
 #include "lattice_pixel.glsl"
@@ -37,7 +38,7 @@ int known_sheet = -1;
 void take_piece(inout Pixel pixel, vec2 at, int sheet) {
   float s = float(sheet);
   vec2 kept = kept_part(at, s - 1.0, vec2(0.0, 1.0));
-  if (!(kept.x < kept.y)) return;
+  if (!(kept.x < kept.y) || !meets_span(pixel, s)) return;
   bool is_known = known_sheet == sheet - 1;
   bool has_sheet_before = sheet > 0 && sheets_to_skip(0, own_ray, s - 1.0) == 0;
   if (!is_known) {
@@ -82,8 +83,11 @@ void draw_pixel(uvec2 at) {
     if (has_flag(kIsRefined)) {
       if (skipped == 0) take_piece(pixel, center, int(s));
     } else if (path > 0.0 && skipped == 0) {
-      Gathered f = gather_own(place, s);
-      if (f.is_defined) take_value(pixel, center, s, path, f.value);
+      float drawn = path_within_spans(pixel, center, s, path);
+      if (drawn > 0.0 || has_flag(kIsPreintegrated)) {  // else it is no end of a piece either
+        Gathered f = gather_own(place, s);
+        if (f.is_defined) take_value(pixel, center, s, drawn, f.value);
+      }
     }
     if (has_flag(kHasTrail) && path > 0.0 && trail_skipped == 0 && is_in_support(1, place))
       take_trail(pixel, center, ray, place, s, path);

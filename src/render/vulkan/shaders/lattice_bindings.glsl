@@ -19,7 +19,13 @@ layout(std430, binding = 6) buffer ColorBuffer { vec4 colors[]; };
 layout(std430, binding = 7) buffer DepthBuffer { float depths[]; };
 layout(std430, binding = 8) buffer StateBuffer { PixelState states[]; };
 layout(std430, binding = 9) buffer CountBuffer { uvec4 counts[]; };  // one per work group
+layout(std430, binding = 10) buffer PixelStopsBuffer { PixelStops pixel_stops[]; };
+layout(std430, binding = 11) readonly buffer StopBuffer { DepthStop stops[]; };
 
 layout(push_constant) uniform BoxBlock { BoxConstants box; };
+
+// Pieces with one end stay half a piece where depth limits end them on the other side: lattices end
+// at their faces (part_with_field).
+const bool kPiecesReachLimits = false;
 
 bool has_flag(uint flag) { return (kFrameFlags & flag) != 0u; }

@@ -17,6 +17,7 @@ layout(constant_id = 6) const uint kFilter = 0u;
 #include "shade.glsl"
 #include "gather.glsl"
 #include "composite.glsl"
+#include "limits.glsl"
 #include "finish.glsl"
 #include "piece.glsl"
 #include "lattice_pixel.glsl"
@@ -188,7 +189,8 @@ void take_sample(inout Pixel pixel, vec2 at, float s, NodeSample front, NodeSamp
   has_own_gradient = back.is_from_nodes && has_gradients;
   own_gradient = back.gradient;
   if (!has_flag(kIsRefined)) {
-    take_value(pixel, at, s, path_fraction(at, s), back.value);
+    float path = path_within_spans(pixel, at, s, path_fraction(at, s));
+    take_value(pixel, at, s, path, back.value);
     return;
   }
   has_front_gradient = has_own_gradient && front.is_from_nodes;

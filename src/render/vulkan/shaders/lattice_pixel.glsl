@@ -202,7 +202,7 @@ void draw_surface(inout Pixel pixel, vec2 at, float s, float value) {
   vec3 way = vec3(own_place.cell - from.cell) + (own_place.fraction - from.fraction);
   float t = crossing_of(from, way, s, step, pixel.before, value);
   float sheet = s - 1.0 + t;
-  if (!is_kept_by_planes(at, sheet)) return;
+  if (!is_kept_by_planes(at, sheet) || !is_within_span(pixel, depth_of_sheet(sheet))) return;
   ++num_samples.y;
   vec3 color = clamp(look.isosurface_color.rgb, 0.0, 1.0);
   if (has_flag(kShades)) {
@@ -215,9 +215,11 @@ void draw_surface(inout Pixel pixel, vec2 at, float s, float value) {
   composite_surface(pixel, color, depth_of_sheet(sheet));
 }
 
-// Sheet s of the field has a value here.
+// Sheet s of the field has a value here. One without a path is only the end of a piece.
 void take_value(inout Pixel pixel, vec2 at, float s, float path, float value) {
-  if (kMode == kComposite) {
+  if (!(path > 0.0)) {
+    // Nothing is drawn.
+  } else if (kMode == kComposite) {
     bool is_piece = has_flag(kIsPreintegrated) && has_before(pixel, s);
     draw_sample(pixel, at, s, path, value, is_piece, pixel.before);
   } else if (kMode == kIsosurface) {

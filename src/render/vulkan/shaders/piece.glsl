@@ -45,20 +45,19 @@ int steps_for(float need) {
   return steps;
 }
 
-// The part of the piece before sheet s, 0 being the sheet before it, that `has_field` names and
-// nothing cuts away.
-void draw_piece(inout Pixel pixel, vec2 at, float s, Piece piece, vec2 has_field) {
+// What the ends of a piece say of all of it.
+struct PieceEnds {
+  vec3 front;  // gradients
+  vec3 back;
+  vec2 front_light;  // as arriving_light()
+  vec2 back_light;
+  int steps;
+};
+
+// `change`: of the look's variation on the way.
+PieceEnds ends_of(vec2 at, float s, Piece piece, float change) {
   LookConstants look = frame.looks[0];
-  if (pixel.is_closed || max(piece.front, piece.back) < look.look.visible_lo ||
-      min(piece.front, piece.back) > look.look.visible_hi)
-    return;
-  vec2 part = kept_part(at, s - 1.0, has_field);
-  if (!(part.x < part.y)) return;
-  // Where the look does not change on the way, it shows nothing if it does not at the end.
-  float change = abs(variation_to(look, piece.back) - variation_to(look, piece.front));
-  if (change == 0.0 && !(classify(look.look, piece.back).a > 0.0)) return;
-  vec3 front = vec3(0.0);
-  vec3 back = vec3(0.0);
+  PieceEnds ends = PieceEnds(vec3(0.0), vec3(0.0), kAllLight, kAllLight, 1);
   float need = kStepsPerVariation * change;
   if (has_flag(kTakesGradients)) {
     num_samples.z += 2u;
@@ -67,24 +66,28 @@ void draw_piece(inout Pixel pixel, vec2 at, float s, Piece piece, vec2 has_field
       bool is_front = end == 0;
       vec3 gradient = gradient_of_end(at, is_front ? s - 1.0 : s,
                                       is_front ? piece.front : piece.back, is_front);
-      if (is_front) front = gradient;
-      else back = gradient;
+      if (is_front) ends.front = gradient;
+      else ends.back = gradient;
     }
-    if (!piece.has_front) front = back;
-    if (!piece.has_back) back = front;
-    need += length(seen_normal(look, back) - seen_normal(look, front));
+    if (!piece.has_front) ends.front = ends.back;
+    if (!piece.has_back) ends.back = ends.front;
+    need += length(seen_normal(look, ends.back) - seen_normal(look, ends.front));
   }
-  vec2 front_light = kAllLight;
-  vec2 back_light = kAllLight;
   if (has_flag(kHasLightVolume)) {
     vec3 eye = to_eye(at);
-    front_light = arriving_light(look, at, piece.has_front ? s - 1.0 : s, front, eye);
-    back_light = arriving_light(look, at, piece.has_back ? s : s - 1.0, back, eye);
+    ends.front_light = arriving_light(look, at, piece.has_front ? s - 1.0 : s, ends.front, eye);
+    ends.back_light = arriving_light(look, at, piece.has_back ? s : s - 1.0, ends.back, eye);
   }
-  int steps = steps_for(need);
-  float share = (part.y - part.x) / float(steps);
+  ends.steps = steps_for(need);
+  return ends;
+}
+
+// A part of the piece before sheet s, 0 being the sheet before it, in steps.
+void draw_part(inout Pixel pixel, vec2 at, float s, Piece piece, PieceEnds ends, vec2 part) {
+  LookConstants look = frame.looks[0];
+  float share = (part.y - part.x) / float(ends.steps);
   float path = share * ray_length(at);
-  for (int m = 0; m < steps && !pixel.is_closed; ++m) {
+  for (int m = 0; m < ends.steps && !pixel.is_closed; ++m) {
     float t = fma(float(m) + 0.5, share, part.x);
     vec4 color = classify(look.look, fma(piece.back - piece.front, t, piece.front));
     if (!(color.a > 0.0)) continue;
@@ -92,7 +95,46 @@ void draw_piece(inout Pixel pixel, vec2 at, float s, Piece piece, vec2 has_field
     if (has_flag(kHasOwnColor))
       color.rgb =
           classify(look.color, fma(piece.back_color - piece.front_color, t, piece.front_color)).rgb;
-    draw_seen(pixel, at, s - 1.0 + t, path, color, mix(front, back, t),
-              mix(front_light, back_light, t));
+    draw_seen(pixel, at, s - 1.0 + t, path, color, mix(ends.front, ends.back, t),
+              mix(ends.front_light, ends.back_light, t));
   }
+}
+
+// What the span in hand leaves of the part that has a field. Where pieces reach depth limits, one
+// without an end has a field as far as a limit on that side.
+vec2 part_in_span(Pixel pixel, float s, vec2 has_field) {
+  if (!has_flag(kHasLimits)) return has_field;
+  if (!is_in_span(pixel)) return vec2(1.0, 0.0);
+  float front = depth_of_sheet(s - 1.0);
+  vec2 span = vec2(stops[pixel.next_stop - 1u].depth - front, next_depth(pixel) - front) /
+              frame.view.sampling_distance;
+  if (kPiecesReachLimits && span.x > 0.0) has_field.x = 0.0;
+  if (kPiecesReachLimits && span.y < 1.0) has_field.y = 1.0;
+  return vec2(max(has_field.x, span.x), min(has_field.y, span.y));
+}
+
+// What depth limits and planes leave of the part of a piece that `has_field` names.
+void draw_piece(inout Pixel pixel, vec2 at, float s, Piece piece, vec2 has_field) {
+  LookConstants look = frame.looks[0];
+  if (pixel.is_closed || max(piece.front, piece.back) < look.look.visible_lo ||
+      min(piece.front, piece.back) > look.look.visible_hi)
+    return;
+  // Where the look does not change on the way, it shows nothing if it does not at the end.
+  float change = abs(variation_to(look, piece.back) - variation_to(look, piece.front));
+  if (change == 0.0 && !(classify(look.look, piece.back).a > 0.0)) return;
+  if (!meets_span(pixel, s)) return;
+  PieceEnds ends;
+  bool has_ends = false;
+  bool has_more = false;  // spans
+  do {
+    vec2 part = kept_part(at, s - 1.0, part_in_span(pixel, s, has_field));
+    if (part.x < part.y) {
+      if (!has_ends) ends = ends_of(at, s, piece, change);
+      has_ends = true;
+      draw_part(pixel, at, s, piece, ends, part);
+    }
+    has_more =
+        has_flag(kHasLimits) && !pixel.is_closed && next_depth(pixel) < depth_of_sheet(s);
+    if (has_more) join_next_stop(pixel);
+  } while (has_more);
 }

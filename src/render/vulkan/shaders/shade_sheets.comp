@@ -16,11 +16,17 @@ layout(std430, binding = 6) buffer ColorBuffer { vec4 colors[]; };
 layout(std430, binding = 7) buffer DepthBuffer { float depths[]; };
 layout(std430, binding = 8) buffer StateBuffer { PixelState states[]; };
 layout(std430, binding = 9) buffer CountBuffer { uvec4 counts[]; };
+layout(std430, binding = 10) buffer PixelStopsBuffer { PixelStops pixel_stops[]; };
+layout(std430, binding = 11) readonly buffer StopBuffer { DepthStop stops[]; };
+
+// A mesh is whole up to its boundary.
+const bool kPiecesReachLimits = true;
 
 #include "view.glsl"
 #include "look.glsl"
 #include "shade.glsl"
 #include "composite.glsl"
+#include "limits.glsl"
 #include "finish.glsl"
 #include "piece.glsl"
 #include "sheet_bits.glsl"
@@ -130,6 +136,7 @@ void draw_surface(inout Pixel pixel, ivec2 at, int sheet, float value) {
   vec2 place = vec2(at);
   if (!is_kept_by_planes(place, s)) return;
   if (!(path_fraction(place, float(sheet - 1)) > 0.0)) return;
+  if (!is_within_span(pixel, depth_of_sheet(s))) return;
   ++num_samples.y;
   vec3 color = look.isosurface_color.rgb;
   if (has_flag(kHasOwnColor)) {
@@ -163,6 +170,7 @@ void draw_pixel(ivec2 at, inout Pixel pixel) {
     Sample own = sample_at(at, sheet);
     if (!own.is_defined) continue;
     float path = path_fraction(vec2(at), float(sheet));
+    if (path > 0.0) path = path_within_spans(pixel, vec2(at), float(sheet), path);
     if (!(path > 0.0)) continue;
     if (kMode == kComposite) {
       Sample before;

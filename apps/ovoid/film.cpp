@@ -20,6 +20,7 @@
 #include <thread>
 #include <vector>
 
+#include "frame_files.h"
 #include "ovoid/error.h"
 #include "ovoid/io.h"
 #include "values.h"
@@ -40,14 +41,6 @@ constexpr const char* kColors =
 Arguments encoding_of(const std::string& path) {
   const Arguments tags{"-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709"};
   Arguments all{"-vf", kColors};
-  if (has_ending(path, ".gif")) {
-    return {"-filter_complex",
-            "split[a][b];[a]palettegen[p];[b][p]paletteuse",
-            "-loop",
-            "0",
-            "-f",
-            "gif"};
-  }
   all.insert(all.end(), tags.begin(), tags.end());
   const Arguments rest =
       has_ending(path, ".webm")
@@ -132,11 +125,20 @@ int wait_for(pid_t child, const Session& session) {
   return status;
 }
 
+void make_gif(const Film& film, const Session& session) {
+  const FrameNames names(film.frames);
+  std::vector<std::string> pictures;
+  for (std::int64_t i = 0; i < film.num_frames; ++i) pictures.push_back(names.path(i));
+  write_gif(pictures, film.path, film.fps, {session.stop()});
+}
+
 }  // namespace
 
 bool is_film(const std::string& path) {
   return has_ending(path, ".mp4") || has_ending(path, ".webm") || has_ending(path, ".gif");
 }
+
+bool needs_ffmpeg(const std::string& film_path) { return !has_ending(film_path, ".gif"); }
 
 std::string find_ffmpeg(const std::string& film_path) {
   const char* const path = std::getenv("PATH");
@@ -148,12 +150,14 @@ std::string find_ffmpeg(const std::string& film_path) {
   }
   throw Error(
       ErrorCode::kUnsupported,
-      fmt::format("{}: films are made by the program ffmpeg, which is not on PATH: install it (apt "
-                  "install ffmpeg), or write pictures: -o frames_%04d.png",
-                  film_path));
+      fmt::format("{}: such films are made by the program ffmpeg, which is not on PATH: install it "
+                  "(apt install ffmpeg), or write a film that needs none: -o {}, or pictures: -o "
+                  "frames_%04d.png",
+                  film_path, fs::path(film_path).replace_extension(".gif").string()));
 }
 
 void make_film(const Film& film, const std::string& ffmpeg, const Session& session) {
+  if (!needs_ffmpeg(film.path)) return make_gif(film, session);
   // Both among the frames, where nobody else writes: ffmpeg takes any file of the name.
   const fs::path folder = fs::path(film.frames).parent_path();
   const std::string part = (folder / kFilmPart).string();

@@ -22,12 +22,20 @@ constexpr double kRest = 0.5;               // seconds a window sleeps in which 
 constexpr double kHeldStill = 0.25;         // seconds without a change after which pictures refine
 constexpr int kFramesPerEvent = 3;          // ImGui needs some to show what an event led to
 
+// A script does the same wherever it runs.
+std::string memory_path(const Launch& launch) {
+  if (launch.remember.empty()) return launch.script.empty() ? usual_memory_path() : "";
+  return launch.remember == "none" ? "" : launch.remember;
+}
+
 }  // namespace
 
 double now_s() { return std::chrono::duration<double>(Clock::now().time_since_epoch()).count(); }
 
 App::App(std::shared_ptr<const Launch> launch)
     : launch_(std::move(launch)),
+      memory_(memory_path(*launch_)),
+      theme_(launch_->theme.value_or(memory_.theme())),
       window_("Ovoid", {launch_->drawing.options.width +
                             (launch_->has_panel ? static_cast<int>(kPanelWidth) : 0),
                         launch_->drawing.options.height}),
@@ -114,8 +122,9 @@ void App::run(const std::stop_token& stop) {
 }
 
 void App::frame(const std::vector<Event>& events, double seconds) {
+  gui_.set_theme(theme_);
   gui_.begin(events, seconds);
-  widgets_.begin_frame(gui_.scale());
+  widgets_.begin_frame(gui_.scale(), colors_of(theme_));
   take_shortcuts(events);
   const ImVec2 all = ImGui::GetIO().DisplaySize;
   const Size pixels = window_.framebuffer();
@@ -129,6 +138,7 @@ void App::frame(const std::vector<Event>& events, double seconds) {
   status_.pictures_per_second = meter_.pictures_per_second();
   status_.interface_ms = meter_.interface_ms();
   status_.resident_bytes = loader_->resident_bytes();
+  status_.theme = theme_;
   Wishes wishes;
   Panel panel{document_, widgets_, panel_state_, wishes, status_};
   const bool is_held = picture_view_.draw(panel, gui_, picture_at_, picture_extent_, density);

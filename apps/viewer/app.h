@@ -14,6 +14,7 @@
 #include "document.h"
 #include "gui.h"
 #include "loader.h"
+#include "memory.h"
 #include "meter.h"
 #include "panels.h"
 #include "picture_view.h"
@@ -91,6 +92,8 @@ class App final : public ScriptHost {
   void save_the_picture(const std::string& path);
 
   std::shared_ptr<const Launch> launch_;
+  Memory memory_;
+  Theme theme_;
   Window window_;
   Gui gui_;
   Meter meter_;

@@ -183,6 +183,10 @@ void App::grant(Wishes wishes) {
       if (picture_view_.full(document_.version()) != nullptr)
         save_the_picture(*std::exchange(picture_wish_, std::nullopt));
     }
+    if (wishes.theme) {
+      theme_ = *wishes.theme;
+      memory_.set_theme(theme_);
+    }
     if (wishes.array) {
       progress_ = LoadProgress{"choosing kernels for " + wishes.array->array, 0};
       loader_->choose(*wishes.array);

@@ -97,6 +97,7 @@ nlohmann::ordered_json App::facts() const {
                                  {"clipboard", window_.clipboard()},
                                  {"help", shows_help_}};
   json["interface_scale"] = gui_.scale();
+  json["theme"] = cli::name_in(theme_names(), theme_);
   if (!document_.is_open()) return json;
   const Size size = picture_size();
   json["picture"] = {{"width", size.width}, {"height", size.height}};

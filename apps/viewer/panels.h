@@ -17,6 +17,7 @@ namespace ovoid::viewer {
 struct Wishes {
   std::optional<ArrayChoice> array;
   bool goes_to_time = false;  // the document's time has changed
+  std::optional<Theme> theme;
   bool copies_command = false;
   bool saves_picture = false;
   std::string open;                     // a file of data
@@ -48,6 +49,7 @@ struct Status {
   double psnr = 0;  // of a comparison
   std::size_t resident_bytes = 0;
   Size picture;
+  Theme theme = Theme::kDark;
 };
 
 struct Panel {

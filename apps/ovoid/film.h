@@ -30,7 +30,7 @@ std::string find_ffmpeg(const std::string& film_path);
 
 // Makes the film and puts it in its place; ffmpeg works in the folder of the frames. But for .gif
 // these are without transparency and of even size. Throws Error(kFileWrite) with ffmpeg's own last
-// words, kCancelled; of a .gif what write_gif() throws.
+// words, kUnsupported if it cannot be run, kCancelled; of a .gif what write_gif() throws.
 void make_film(const Film& film, const std::string& ffmpeg, const Session& session);
 
 }  // namespace ovoid::cli

@@ -27,6 +27,7 @@ constexpr std::array kHelp = {KeyHelp{"drag", "turn"},
                               KeyHelp{"r", "the first view again"},
                               KeyHelp{"p", "parallel or perspective"},
                               KeyHelp{"space, left, right", "play, step through time"},
+                              KeyHelp{"ctrl + o", "open a file"},
                               KeyHelp{"s", "save the picture"},
                               KeyHelp{"ctrl + c", "copy as command"},
                               KeyHelp{"ctrl + s", "save the state"},
@@ -146,15 +147,6 @@ void App::draw_status(ImVec2 at, ImVec2 size) {
                    wrap);
     y += ImGui::CalcTextSize(message.text.c_str(), nullptr, false, wrap).y + 8;
   }
-  if (document_.is_open() || progress_) return;
-  const float wrap = std::max(size.x * 0.8F, 60.0F);
-  const auto in_the_middle = [&](const std::string& text, ImU32 color, float below) {
-    const ImVec2 extent = ImGui::CalcTextSize(text.c_str(), nullptr, false, wrap);
-    widgets_.label(list, {at.x + (size.x - extent.x) / 2, at.y + size.y / 2 - extent.y + below},
-                   color, text, wrap);
-  };
-  if (!load_error_.empty()) in_the_middle(load_error_, colors.error, -line);
-  in_the_middle("Drop a file here, or name one in the panel (Tab).", colors.ink, line);
 }
 
 void App::draw_help() {

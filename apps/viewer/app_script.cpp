@@ -97,6 +97,10 @@ nlohmann::ordered_json App::facts() const {
                                  {"clipboard", window_.clipboard()},
                                  {"help", shows_help_}};
   json["interface_scale"] = gui_.scale();
+  json["is_browsing"] = dialog_.is_shown();
+  json["recent"] = nlohmann::ordered_json::array();
+  for (const RecentInput& input : memory_.recent())
+    json["recent"].push_back({{"title", input.title()}, {"is_there", input.is_there}});
   json["theme"] = cli::name_in(theme_names(), theme_);
   if (!document_.is_open()) return json;
   const Size size = picture_size();

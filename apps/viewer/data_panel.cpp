@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "panels.h"
+#include "start_page.h"
 
 namespace ovoid::viewer {
 namespace {
@@ -151,10 +151,13 @@ void data_panel(Panel& panel) {
   Document& document = panel.document;
   Widgets& widgets = panel.widgets;
   if (widgets.text("data.open.path", "a file to open, or drop one here", &panel.state.open_path,
-                   -60 * widgets.scale()))
+                   -124 * widgets.scale()))
     panel.wishes.open = panel.state.open_path;
   ImGui::SameLine();
   if (widgets.button("data.open", "open")) panel.wishes.open = panel.state.open_path;
+  ImGui::SameLine();
+  browse_button(panel, "data.browse", "browse");
+  recent_choice(panel);
   if (document.is_open()) about_data(panel);
   ImGui::Separator();
   choose_theme(panel);

@@ -23,8 +23,8 @@ const cli::Table<Launch>& window_settings() {
        "colours of the panel and of what is written over the picture (default: the one chosen last "
        "in the window, at first dark)"},
       {"--remember", word("FILE|none"), &Launch::remember,
-       "where the theme is kept from one run to the next (default: ovoid/window.json in "
-       "$XDG_STATE_HOME or ~/.local/state; with --script none)"},
+       "where the theme, and what was opened last, are kept from one run to the next (default: "
+       "ovoid/window.json in $XDG_STATE_HOME or ~/.local/state; with --script none)"},
       {"--watch", Toggle(), &Launch::watches, "read the files again when they change"},
       {"--script", word("FILE"), &Launch::script,
        "replay the input that FILE describes (docs/viewer.md)"},

@@ -9,6 +9,7 @@
 
 #include "curve_editor.h"
 #include "document.h"
+#include "memory.h"
 #include "widgets.h"
 
 namespace ovoid::viewer {
@@ -18,6 +19,9 @@ struct Wishes {
   std::optional<ArrayChoice> array;
   bool goes_to_time = false;  // the document's time has changed
   std::optional<Theme> theme;
+  std::optional<std::size_t> open_recent;  // its number in the list
+  bool forgets_recent = false;
+  bool browses = false;  // for a file to open
   bool copies_command = false;
   bool saves_picture = false;
   std::string open;                     // a file of data
@@ -50,6 +54,7 @@ struct Status {
   std::size_t resident_bytes = 0;
   Size picture;
   Theme theme = Theme::kDark;
+  bool is_browsing = false;
 };
 
 struct Panel {
@@ -58,6 +63,7 @@ struct Panel {
   PanelState& state;
   Wishes& wishes;
   const Status& status;
+  const Memory& memory;
 };
 
 void data_panel(Panel& panel);

@@ -40,12 +40,13 @@ constexpr ThemeColors kLightColors = {
 void color_dark(ImGuiStyle& style) {
   ImGui::StyleColorsDark(&style);
   ImVec4* const colors = style.Colors;
-  colors[ImGuiCol_TextDisabled] = ImVec4(0.60F, 0.60F, 0.60F, 1.0F);
+  colors[ImGuiCol_TextDisabled] = ImVec4(0.64F, 0.64F, 0.64F, 1.0F);
   colors[ImGuiCol_WindowBg] = ImVec4(0.11F, 0.12F, 0.14F, 1.0F);
   colors[ImGuiCol_PopupBg] = ImVec4(0.14F, 0.15F, 0.17F, 0.98F);
   for (const ImGuiCol hovered :
-       {ImGuiCol_ButtonHovered, ImGuiCol_TabHovered, ImGuiCol_HeaderHovered, ImGuiCol_HeaderActive})
+       {ImGuiCol_ButtonHovered, ImGuiCol_TabHovered, ImGuiCol_HeaderActive})
     colors[hovered] = ImVec4(0.20F, 0.45F, 0.78F, 1.0F);
+  colors[ImGuiCol_HeaderHovered] = ImVec4(0.26F, 0.59F, 0.98F, 0.18F);
   colors[ImGuiCol_ButtonActive] = ImVec4(0.06F, 0.40F, 0.75F, 1.0F);
 }
 
@@ -54,10 +55,11 @@ void color_light(ImGuiStyle& style) {
   ImGui::StyleColorsLight(&style);
   ImVec4* const colors = style.Colors;
   colors[ImGuiCol_Text] = ImVec4(0.09F, 0.10F, 0.12F, 1.0F);
-  colors[ImGuiCol_TextDisabled] = ImVec4(0.36F, 0.38F, 0.42F, 1.0F);
+  colors[ImGuiCol_TextDisabled] = ImVec4(0.33F, 0.35F, 0.39F, 1.0F);
   colors[ImGuiCol_WindowBg] = ImVec4(0.94F, 0.945F, 0.955F, 1.0F);
   colors[ImGuiCol_PopupBg] = ImVec4(0.985F, 0.985F, 0.99F, 0.98F);
   colors[ImGuiCol_FrameBg] = ImVec4(1.0F, 1.0F, 1.0F, 1.0F);
+  colors[ImGuiCol_HeaderHovered] = ImVec4(0.26F, 0.59F, 0.98F, 0.28F);
   colors[ImGuiCol_Border] = ImVec4(0.60F, 0.63F, 0.68F, 0.60F);
   colors[ImGuiCol_Separator] = ImVec4(0.62F, 0.65F, 0.70F, 0.60F);
   colors[ImGuiCol_TableHeaderBg] = ImVec4(0.84F, 0.86F, 0.89F, 1.0F);

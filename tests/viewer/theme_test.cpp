@@ -68,8 +68,13 @@ TEST_P(Themes, LettersOfThePanel) {
     EXPECT_GE(contrast(style.Colors[ImGuiCol_Text], on_window(ground)), kLetters)
         << ImGui::GetStyleColorName(ground);
   }
-  for (const ImGuiCol ground : {ImGuiCol_WindowBg, ImGuiCol_PopupBg})
-    EXPECT_GE(contrast(style.Colors[ImGuiCol_TextDisabled], on_window(ground)), kLetters);
+  // The line under the mouse has faint letters, too.
+  const ImVec4 faint = style.Colors[ImGuiCol_TextDisabled];
+  for (const ImGuiCol ground : {ImGuiCol_WindowBg, ImGuiCol_PopupBg}) {
+    const ImVec4 below = on_window(ground);
+    EXPECT_GE(contrast(faint, below), kLetters);
+    EXPECT_GE(contrast(faint, over(style.Colors[ImGuiCol_HeaderHovered], below)), kLetters);
+  }
   EXPECT_GE(contrast(style.Colors[ImGuiCol_CheckMark], on_window(ImGuiCol_FrameBg)), kShapes);
   // A number can be read through the slider's grab.
   EXPECT_GE(contrast(style.Colors[ImGuiCol_Text],

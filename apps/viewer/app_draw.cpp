@@ -50,7 +50,7 @@ void App::draw_panel(Panel& panel, ImVec2 at, ImVec2 size) {
                                                 {"space", space_panel, true},
                                                 {"time", time_panel, true},
                                                 {"compare", compare_panel, true},
-                                                {"profile", profile_panel, true}}};
+                                                {"quality", quality_panel, true}}};
   ImGui::SetNextWindowPos(at);
   ImGui::SetNextWindowSize(size);
   ImGui::Begin("panel", nullptr,

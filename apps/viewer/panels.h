@@ -71,7 +71,10 @@ void look_panel(Panel& panel);
 void space_panel(Panel& panel);
 void time_panel(Panel& panel);
 void compare_panel(Panel& panel);
-void profile_panel(Panel& panel);
+void quality_panel(Panel& panel);
+
+// "fast", "normal", "fine", "finest", or "by number" where the sampling distance is another one.
+std::string quality_name(const Document& document);
 
 // The transport of the time, also under the picture; whether it is to be gone to.
 bool step_time(Document& document, int steps);

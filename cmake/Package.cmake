@@ -14,6 +14,6 @@ set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CMAKE_LIBRARY_OUTPUT_DIRECTORY})  # libovoid is in no package yet
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "libvulkan1, libgl1")  # loaded by name, and done without
-set(CPACK_DEBIAN_PACKAGE_SUGGESTS "libeigen3-dev, ffmpeg")  # for programs with the library; for films
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "libeigen3-dev, ffmpeg, zenity | kdialog")  # for programs with the library; for films; the window's dialog for files
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 include(CPack)

@@ -55,6 +55,7 @@ OUTSIDE = [
     ("OpenEXR", re.compile(r"^(OpenEXR/)?(Imf|Imath|Iex)|^Imath/"), ("src/io/", "apps/", "tests/")),
     ("libpng", re.compile(r"^png\.h"), ("src/io/", "tests/")),
     ("libjpeg", re.compile(r"^jpeglib\.h"), ("src/io/",)),
+    ("giflib", re.compile(r"^gif_lib\.h"), ("src/io/", "tests/")),
     ("Voro++", re.compile(r"^voro\+\+/"), ("src/model/",)),
     ("zlib and bzip2", re.compile(r"^(zlib|bzlib)\.h"), ("src/io/", "tests/")),
     ("nlohmann-json", re.compile(r"^nlohmann/"), ("src/io/", "apps/", "tests/", "bench/")),

@@ -59,8 +59,8 @@ const Table<AnimateFlags>& film_settings() {
 const Table<AnimateFlags>& animate_output_settings() {
   static const Table<AnimateFlags> all = {
       {"-o,--output", word("OUT"), &AnimateFlags::output,
-       "a film: .mp4, .webm or .gif, made by ffmpeg; or pictures with a number in their name: "
-       "frames_%04d.png, .jpg, .exr or .npy"},
+       "a film: .gif, or .mp4 or .webm, which are made by ffmpeg; or pictures with a number in "
+       "their name: frames_%04d.png, .jpg, .exr or .npy"},
   };
   return all;
 }
@@ -102,13 +102,18 @@ void check_output(const Flags& flags, const AnimateFlags& animate) {
   if (output.empty())
     throw UsageError(
         "--output: none given, expected -o OUT.mp4, .webm or .gif, or frames_%04d.png");
+  if (has_ending(output, ".gif")) {
+    if (animate.fps >= kMinGifFps && animate.fps <= kMaxGifFps) return;
+    throw UsageError(fmt::format("--fps {}: expected {} to {} for '{}'", animate.fps, kMinGifFps,
+                                 kMaxGifFps, output));
+  }
   if (is_film(output)) {
     if (flags.is_given("background") && !animate.drawing.background) {
       throw UsageError(
-          fmt::format("--background none: '{}' is a film, which cannot be transparent", output));
+          fmt::format("--background none: '{}' cannot be transparent, a .gif can", output));
     }
     const RenderOptions& options = animate.drawing.options;
-    if (!has_ending(output, ".gif") && (options.width % 2 != 0 || options.height % 2 != 0)) {
+    if (options.width % 2 != 0 || options.height % 2 != 0) {
       throw UsageError(fmt::format("--size {}x{}: expected even numbers for '{}'", options.width,
                                    options.height, output));
     }
@@ -459,7 +464,8 @@ void run_animate(const Words& words, Session& session) {
   if (!flags.parse(words)) return;
   check_flags(flags, animate);
   const bool makes_film = is_film(animate.output);
-  const std::string ffmpeg = makes_film ? find_ffmpeg(animate.output) : "";
+  const std::string ffmpeg =
+      makes_film && needs_ffmpeg(animate.output) ? find_ffmpeg(animate.output) : "";
 
   take_from_model(&animate.data, &animate.drawing.model);
   animate.drawing.time_filter = animate.data.time_filter;

@@ -1,30 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "film.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <signal.h>
-#include <spawn.h>
-#include <sys/stat.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
-#include <cerrno>
 #include <chrono>
-#include <cstdio>
-#include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <system_error>
 #include <thread>
 #include <vector>
 
+#include "child_process.h"
+#include "frame_files.h"
 #include "ovoid/error.h"
 #include "ovoid/io.h"
 #include "values.h"
-
-extern char** environ;
 
 namespace ovoid::cli {
 namespace {
@@ -40,14 +32,6 @@ constexpr const char* kColors =
 Arguments encoding_of(const std::string& path) {
   const Arguments tags{"-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709"};
   Arguments all{"-vf", kColors};
-  if (has_ending(path, ".gif")) {
-    return {"-filter_complex",
-            "split[a][b];[a]palettegen[p];[b][p]paletteuse",
-            "-loop",
-            "0",
-            "-f",
-            "gif"};
-  }
   all.insert(all.end(), tags.begin(), tags.end());
   const Arguments rest =
       has_ending(path, ".webm")
@@ -81,42 +65,6 @@ std::string last_words(const std::string& path) {
   return last.empty() ? "it said nothing" : last.substr(0, 300);
 }
 
-// Starts it without a shell, with the signals that this program keeps to itself or ignores as
-// they usually are.
-pid_t start(const std::string& program, const Arguments& arguments, const std::string& log) {
-  std::vector<char*> words;
-  words.reserve(arguments.size() + 1);
-  for (const std::string& word : arguments)
-    words.push_back(const_cast<char*>(word.c_str()));  // NOLINT: posix_spawn takes no const
-  words.push_back(nullptr);
-  posix_spawnattr_t attributes;
-  posix_spawnattr_init(&attributes);
-  sigset_t none;
-  sigemptyset(&none);
-  posix_spawnattr_setsigmask(&attributes, &none);
-  sigset_t ignored;
-  sigemptyset(&ignored);
-  for (const int signal : {SIGPIPE, SIGXFSZ}) sigaddset(&ignored, signal);
-  posix_spawnattr_setsigdefault(&attributes, &ignored);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
-  posix_spawn_file_actions_t files;
-  posix_spawn_file_actions_init(&files);
-  posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-  posix_spawn_file_actions_addopen(&files, STDERR_FILENO, log.c_str(), O_WRONLY | O_CREAT | O_TRUNC,
-                                   0644);
-  pid_t child = -1;
-  const int error =
-      posix_spawn(&child, program.c_str(), &files, &attributes, words.data(), environ);
-  posix_spawn_file_actions_destroy(&files);
-  posix_spawnattr_destroy(&attributes);
-  if (error != 0) {
-    throw Error(ErrorCode::kFileWrite,
-                fmt::format("{}: cannot be run: {}", program, std::strerror(error)));
-  }
-  return child;
-}
-
 // Its exit status; ends it when the person wants to.
 int wait_for(pid_t child, const Session& session) {
   constexpr std::chrono::milliseconds kLook{20};
@@ -132,28 +80,33 @@ int wait_for(pid_t child, const Session& session) {
   return status;
 }
 
+void make_gif(const Film& film, const Session& session) {
+  const FrameNames names(film.frames);
+  std::vector<std::string> pictures;
+  for (std::int64_t i = 0; i < film.num_frames; ++i) pictures.push_back(names.path(i));
+  write_gif(pictures, film.path, film.fps, {session.stop()});
+}
+
 }  // namespace
 
 bool is_film(const std::string& path) {
   return has_ending(path, ".mp4") || has_ending(path, ".webm") || has_ending(path, ".gif");
 }
 
+bool needs_ffmpeg(const std::string& film_path) { return !has_ending(film_path, ".gif"); }
+
 std::string find_ffmpeg(const std::string& film_path) {
-  const char* const path = std::getenv("PATH");
-  for (const std::string& folder : split(path == nullptr ? "" : path, ':')) {
-    std::string candidate = (folder.empty() ? "." : folder) + "/ffmpeg";
-    std::error_code ignored;
-    if (fs::is_regular_file(candidate, ignored) && access(candidate.c_str(), X_OK) == 0)
-      return candidate;
-  }
+  if (std::string found = find_program("ffmpeg"); !found.empty()) return found;
   throw Error(
       ErrorCode::kUnsupported,
-      fmt::format("{}: films are made by the program ffmpeg, which is not on PATH: install it (apt "
-                  "install ffmpeg), or write pictures: -o frames_%04d.png",
-                  film_path));
+      fmt::format("{}: such films are made by the program ffmpeg, which is not on PATH: install it "
+                  "(apt install ffmpeg), or write a film that needs none: -o {}, or pictures: -o "
+                  "frames_%04d.png",
+                  film_path, fs::path(film_path).replace_extension(".gif").string()));
 }
 
 void make_film(const Film& film, const std::string& ffmpeg, const Session& session) {
+  if (!needs_ffmpeg(film.path)) return make_gif(film, session);
   // Both among the frames, where nobody else writes: ffmpeg takes any file of the name.
   const fs::path folder = fs::path(film.frames).parent_path();
   const std::string part = (folder / kFilmPart).string();
@@ -176,7 +129,7 @@ void make_film(const Film& film, const std::string& ffmpeg, const Session& sessi
   const Arguments encoding = encoding_of(film.path);
   arguments.insert(arguments.end(), encoding.begin(), encoding.end());
   arguments.push_back(file_argument(part));
-  const int status = wait_for(start(ffmpeg, arguments, log), session);
+  const int status = wait_for(start_program(ffmpeg, arguments, {.err = log}), session);
   std::error_code error;
   try {
     session.check_stop();

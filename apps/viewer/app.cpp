@@ -12,6 +12,7 @@
 
 #include "ovoid/error.h"
 #include "ovoid/io.h"
+#include "start_page.h"
 
 namespace ovoid::viewer {
 namespace {
@@ -19,8 +20,15 @@ namespace {
 constexpr double kFrame = 1.0 / 60;         // seconds between frames while anything happens
 constexpr double kLeastBetween = 1.0 / 70;  // seconds between frames while something moves
 constexpr double kRest = 0.5;               // seconds a window sleeps in which nothing does
+constexpr double kDialogEvery = 0.1;        // seconds after which it is asked whether it is done
 constexpr double kHeldStill = 0.25;         // seconds without a change after which pictures refine
 constexpr int kFramesPerEvent = 3;          // ImGui needs some to show what an event led to
+
+// A script does the same wherever it runs.
+std::string memory_path(const Launch& launch) {
+  if (launch.remember.empty()) return launch.script.empty() ? usual_memory_path() : "";
+  return launch.remember == "none" ? "" : launch.remember;
+}
 
 }  // namespace
 
@@ -28,6 +36,8 @@ double now_s() { return std::chrono::duration<double>(Clock::now().time_since_ep
 
 App::App(std::shared_ptr<const Launch> launch)
     : launch_(std::move(launch)),
+      memory_(memory_path(*launch_)),
+      theme_(launch_->theme.value_or(memory_.theme())),
       window_("Ovoid", {launch_->drawing.options.width +
                             (launch_->has_panel ? static_cast<int>(kPanelWidth) : 0),
                         launch_->drawing.options.height}),
@@ -60,7 +70,7 @@ App::~App() {
 double App::patience() const {
   if (frames_due_ > 0) return 0;
   if (is_moving_ || document_.time.is_playing || script_ || progress_) return kFrame;
-  double rest = kRest;
+  double rest = dialog_.is_shown() ? kDialogEvery : kRest;
   for (const Message& message : messages_) rest = std::min(rest, message.until - now_s());
   return std::max(rest, 0.0);
 }
@@ -95,6 +105,7 @@ void App::run(const std::stop_token& stop) {
     if (is_over_ && frames_due_ <= 1 && screenshot_wish_.empty()) is_open_ = false;
     take_load_reports();
     take_pictures();
+    take_dialog();
     watch();
     play();
     if (!messages_.empty() && messages_.front().until < begun) frames_due_ = 1;  // it goes
@@ -114,8 +125,9 @@ void App::run(const std::stop_token& stop) {
 }
 
 void App::frame(const std::vector<Event>& events, double seconds) {
+  gui_.set_theme(theme_);
   gui_.begin(events, seconds);
-  widgets_.begin_frame(gui_.scale());
+  widgets_.begin_frame(gui_.scale(), colors_of(theme_));
   take_shortcuts(events);
   const ImVec2 all = ImGui::GetIO().DisplaySize;
   const Size pixels = window_.framebuffer();
@@ -129,12 +141,16 @@ void App::frame(const std::vector<Event>& events, double seconds) {
   status_.pictures_per_second = meter_.pictures_per_second();
   status_.interface_ms = meter_.interface_ms();
   status_.resident_bytes = loader_->resident_bytes();
+  status_.theme = theme_;
   Wishes wishes;
-  Panel panel{document_, widgets_, panel_state_, wishes, status_};
+  status_.is_browsing = dialog_.is_shown();
+  Panel panel{document_, widgets_, panel_state_, wishes, status_, memory_};
   const bool is_held = picture_view_.draw(panel, gui_, picture_at_, picture_extent_, density);
   if (document_.has_time() && document_.is_open())
     draw_transport(panel, picture_at_, picture_extent_);
   draw_status(picture_at_, picture_extent_);
+  if (!document_.is_open() && !progress_)
+    start_page(panel, load_error_, picture_at_, picture_extent_);
   if (has_panel_) draw_panel(panel, {picture_extent_.x, 0}, {panel_width, all.y});
   if (shows_help_) draw_help();
   take_changes(is_held);

@@ -12,8 +12,10 @@
 #include <vector>
 
 #include "document.h"
+#include "file_dialog.h"
 #include "gui.h"
 #include "loader.h"
+#include "memory.h"
 #include "meter.h"
 #include "panels.h"
 #include "picture_view.h"
@@ -63,11 +65,14 @@ class App final : public ScriptHost {
   void take_shortcuts(const std::vector<Event>& events);
   bool take_key(const KeyChanged& key);
   bool take_plain_key(int key, bool is_shifted);
+  void take_dialog();
+  void browse();
   void take_drop(const std::vector<std::string>& paths);
   // Data.
   void take_load_reports();
   void grant(Wishes wishes);
   void open(const std::vector<std::string>& words);
+  void remember(const cli::DataFlags& data);
   void read_look_file(const std::string& path);
   void read_state_file(const std::string& path);
   void go_to_time();
@@ -91,6 +96,9 @@ class App final : public ScriptHost {
   void save_the_picture(const std::string& path);
 
   std::shared_ptr<const Launch> launch_;
+  Memory memory_;
+  FileDialog dialog_;
+  Theme theme_;
   Window window_;
   Gui gui_;
   Meter meter_;
@@ -111,6 +119,7 @@ class App final : public ScriptHost {
   bool has_chosen_tab_ = false;
   bool shows_help_ = false;
   bool is_moving_ = false;
+  bool has_told_of_memory_ = false;
   bool was_edited_ = false;  // since the view was remembered
   std::uint64_t last_version_ = 0, last_view_version_ = 0;
   std::uint64_t asked_version_ = 0;

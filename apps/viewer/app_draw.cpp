@@ -11,12 +11,6 @@
 namespace ovoid::viewer {
 namespace {
 
-constexpr ImU32 kInk = IM_COL32(235, 238, 242, 255);
-constexpr ImU32 kFaint = IM_COL32(170, 178, 190, 255);
-constexpr ImU32 kError = IM_COL32(255, 120, 100, 255);
-constexpr ImU32 kShade = IM_COL32(10, 11, 13, 190);
-constexpr ImU32 kBar = IM_COL32(90, 160, 255, 255);
-
 struct KeyHelp {
   const char* keys;
   const char* meaning;
@@ -33,6 +27,7 @@ constexpr std::array kHelp = {KeyHelp{"drag", "turn"},
                               KeyHelp{"r", "the first view again"},
                               KeyHelp{"p", "parallel or perspective"},
                               KeyHelp{"space, left, right", "play, step through time"},
+                              KeyHelp{"ctrl + o", "open a file"},
                               KeyHelp{"s", "save the picture"},
                               KeyHelp{"ctrl + c", "copy as command"},
                               KeyHelp{"ctrl + s", "save the state"},
@@ -41,12 +36,6 @@ constexpr std::array kHelp = {KeyHelp{"drag", "turn"},
                               KeyHelp{"f", "full screen"},
                               KeyHelp{"?, escape", "this help, and away with it"},
                               KeyHelp{"ctrl + q, ctrl + w", "close"}};
-
-void label(ImDrawList& list, ImVec2 at, ImU32 color, const std::string& text, float wrap = 0) {
-  const ImVec2 size = ImGui::CalcTextSize(text.c_str(), nullptr, false, wrap);
-  list.AddRectFilled({at.x - 4, at.y - 2}, {at.x + size.x + 4, at.y + size.y + 2}, kShade, 3);
-  list.AddText(nullptr, 0, at, color, text.c_str(), nullptr, wrap);
-}
 
 }  // namespace
 
@@ -61,7 +50,7 @@ void App::draw_panel(Panel& panel, ImVec2 at, ImVec2 size) {
                                                 {"space", space_panel, true},
                                                 {"time", time_panel, true},
                                                 {"compare", compare_panel, true},
-                                                {"profile", profile_panel, true}}};
+                                                {"quality", quality_panel, true}}};
   ImGui::SetNextWindowPos(at);
   ImGui::SetNextWindowSize(size);
   ImGui::Begin("panel", nullptr,
@@ -121,12 +110,13 @@ void App::draw_transport(Panel& panel, ImVec2 at, ImVec2 size) {
 
 void App::draw_status(ImVec2 at, ImVec2 size) {
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  const ThemeColors& colors = widgets_.colors();
   const float line = ImGui::GetTextLineHeightWithSpacing();
   const float left = at.x + 8;
   float y = at.y + 6;
   if (document_.is_open() && picture_view_.shown() != nullptr) {
     const Pictures& shown = *picture_view_.shown();
-    label(list, {left, y}, kFaint, describe(shown.level, shown.is_final));
+    widgets_.label(list, {left, y}, colors.faint, describe(shown.level, shown.is_final));
     y += line + 4;
   }
   if (const auto& picked = picture_view_.picked()) {
@@ -136,35 +126,27 @@ void App::draw_status(ImVec2 at, ImVec2 size) {
       text += " " + document_.shown->subject.described.length_unit;
     if (picked->is_defined)
       text += fmt::format(": {:.5g} {}", picked->value, document_.shown->subject.unit);
-    label(list, {left, y}, kInk, text);
+    widgets_.label(list, {left, y}, colors.ink, text);
     y += line + 4;
   }
   if (progress_) {
     const std::string text = progress_->what;
-    label(list, {left, y}, kInk, text);
+    widgets_.label(list, {left, y}, colors.ink, text);
     y += line + 4;
     const float width = std::min(260 * gui_.scale(), size.x - 20);
-    list.AddRectFilled({left, y}, {left + width, y + 6}, kShade, 3);
+    list.AddRectFilled({left, y}, {left + width, y + 6}, colors.ground, 3);
     const auto done = static_cast<float>(std::clamp(progress_->fraction, 0.0, 1.0));
-    list.AddRectFilled({left, y}, {left + width * done, y + 6}, kBar, 3);
+    list.AddRectFilled({left, y}, {left + width * done, y + 6}, colors.bar, 3);
     y += 14;
   }
   const double now = now_s();
   while (!messages_.empty() && messages_.front().until < now) messages_.pop_front();
   for (const Message& message : messages_) {
     const float wrap = std::max(size.x - 24, 60.0F);
-    label(list, {left, y}, message.is_error ? kError : kInk, message.text, wrap);
+    widgets_.label(list, {left, y}, message.is_error ? colors.error : colors.ink, message.text,
+                   wrap);
     y += ImGui::CalcTextSize(message.text.c_str(), nullptr, false, wrap).y + 8;
   }
-  if (document_.is_open() || progress_) return;
-  const float wrap = std::max(size.x * 0.8F, 60.0F);
-  const auto in_the_middle = [&](const std::string& text, ImU32 color, float below) {
-    const ImVec2 extent = ImGui::CalcTextSize(text.c_str(), nullptr, false, wrap);
-    label(list, {at.x + (size.x - extent.x) / 2, at.y + size.y / 2 - extent.y + below}, color, text,
-          wrap);
-  };
-  if (!load_error_.empty()) in_the_middle(load_error_, kError, -line);
-  in_the_middle("Drop a file here, or name one in the panel (Tab).", kInk, line);
 }
 
 void App::draw_help() {

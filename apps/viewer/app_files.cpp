@@ -74,6 +74,7 @@ void App::take_load_reports() {
       }
       load_error_.clear();
       window_.set_title(opened->info->title + " - Ovoid");
+      if (is_other) remember(opened->launch->data);
       watched_.clear();
       for (const std::string& input : opened->launch->data.inputs) {
         for (const std::string& file : files_read_for(input))
@@ -103,6 +104,31 @@ void App::take_load_reports() {
       last_message_ = failed->message;
     }
   }
+}
+
+// A place that cannot be written is no reason to be told so each time.
+void App::remember(const cli::DataFlags& data) {
+  try {
+    memory_.add_recent(recent_input(data));
+  } catch (const std::exception& error) {
+    if (!std::exchange(has_told_of_memory_, true)) tell(cli::one_line(error.what()), true);
+  }
+}
+
+void App::browse() {
+  std::error_code ignored;
+  std::filesystem::path folder = std::filesystem::current_path(ignored);
+  if (!memory_.recent().empty())
+    folder = std::filesystem::path(memory_.recent().front().inputs.front()).parent_path();
+  dialog_.show(folder.string());
+}
+
+void App::take_dialog() {
+  const auto answer = dialog_.take();
+  if (!answer) return;
+  frames_due_ = std::max(frames_due_, 2);
+  if (!answer->error.empty()) tell(answer->error, true);
+  take_drop(answer->paths);
 }
 
 void App::open(const std::vector<std::string>& words) {
@@ -182,6 +208,14 @@ void App::grant(Wishes wishes) {
       picture_wish_ = free_name(stem.empty() ? "picture" : stem, ".png");
       if (picture_view_.full(document_.version()) != nullptr)
         save_the_picture(*std::exchange(picture_wish_, std::nullopt));
+    }
+    if (wishes.browses) browse();
+    if (wishes.open_recent && *wishes.open_recent < memory_.recent().size())
+      open(memory_.recent()[*wishes.open_recent].words());
+    if (wishes.forgets_recent) memory_.forget_recent();
+    if (wishes.theme) {
+      theme_ = *wishes.theme;
+      memory_.set_theme(theme_);
     }
     if (wishes.array) {
       progress_ = LoadProgress{"choosing kernels for " + wishes.array->array, 0};

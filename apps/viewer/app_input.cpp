@@ -43,6 +43,9 @@ bool App::take_key(const KeyChanged& key) {
     case GLFW_KEY_C:
       wishes.copies_command = true;
       break;
+    case GLFW_KEY_O:
+      wishes.browses = true;
+      break;
     case GLFW_KEY_S:
       wishes.write_state = panel_state_.state_path;
       break;

@@ -56,6 +56,7 @@ nlohmann::ordered_json to_json(const View& view) {
                                  {"isovalue", view.look.isovalue},
                                  {"shade", view.look.shade},
                                  {"unit_distance", view.look.unit_distance},
+                                 {"sampling_distance", view.options.sampling_distance},
                                  {"clips", view.clip_planes.size()},
                                  {"has_crop", view.crop.has_value()},
                                  {"has_plane", view.plane.has_value()}};
@@ -97,6 +98,11 @@ nlohmann::ordered_json App::facts() const {
                                  {"clipboard", window_.clipboard()},
                                  {"help", shows_help_}};
   json["interface_scale"] = gui_.scale();
+  json["is_browsing"] = dialog_.is_shown();
+  json["recent"] = nlohmann::ordered_json::array();
+  for (const RecentInput& input : memory_.recent())
+    json["recent"].push_back({{"title", input.title()}, {"is_there", input.is_there}});
+  json["theme"] = cli::name_in(theme_names(), theme_);
   if (!document_.is_open()) return json;
   const Size size = picture_size();
   json["picture"] = {{"width", size.width}, {"height", size.height}};
@@ -107,6 +113,7 @@ nlohmann::ordered_json App::facts() const {
   json["color_array"] = document_.shown->color_array;
   json["component"] = document_.shown->component;
   json["kernels"] = document_.shown->field().num_kernels();
+  json["quality"] = quality_name(document_);
   json["view"] = to_json(document_.view);
   const Camera& camera = document_.camera;
   json["camera"] = {{"position", to_json(camera.position)},

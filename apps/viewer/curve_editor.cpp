@@ -11,12 +11,6 @@ namespace {
 
 constexpr float kHandle = 5;  // radius of a point
 constexpr float kReach = 9;   // how near the mouse must come
-constexpr ImU32 kCanvas = IM_COL32(20, 22, 26, 255);
-constexpr ImU32 kBars = IM_COL32(70, 82, 98, 255);
-constexpr ImU32 kCurve = IM_COL32(235, 235, 235, 255);
-constexpr ImU32 kPoint = IM_COL32(255, 255, 255, 255);
-constexpr ImU32 kSelected = IM_COL32(255, 170, 40, 255);
-constexpr ImU32 kMark = IM_COL32(120, 220, 255, 255);
 
 double scaled(double value, const ValueAxis& axis) {
   switch (axis.scale) {
@@ -85,8 +79,9 @@ struct Canvas {
   double height_of_mouse() const { return (hi.y - inset - mouse.y) / (hi.y - lo.y - 2 * inset); }
 };
 
-void draw_histogram(ImDrawList& list, const Canvas& canvas, const cli::Histogram& histogram,
-                    const ValueAxis& axis, bool is_log) {
+void draw_histogram(ImDrawList& list, const Canvas& canvas, const CurveLook& look,
+                    const ValueAxis& axis, ImU32 color) {
+  const cli::Histogram& histogram = *look.histogram;
   const bool is_by_decades =
       axis.scale != ValueScale::kLinear && !histogram.logarithmic.counts.empty();
   const cli::Histogram::Bins& bins = is_by_decades ? histogram.logarithmic : histogram.linear;
@@ -94,7 +89,7 @@ void draw_histogram(ImDrawList& list, const Canvas& canvas, const cli::Histogram
   const auto height = [&](std::uint64_t count) {
     const auto all = static_cast<double>(bins.greatest);
     const auto some = static_cast<double>(count);
-    return is_log ? std::log1p(some) / std::log1p(all) : some / all;
+    return look.is_log_count ? std::log1p(some) / std::log1p(all) : some / all;
   };
   const double width = (bins.hi - bins.lo) / static_cast<double>(bins.counts.size());
   // Bars meet: their ends are whole pixels.
@@ -107,12 +102,12 @@ void draw_histogram(ImDrawList& list, const Canvas& canvas, const cli::Histogram
     if (bins.counts[i] == 0) continue;
     const float x0 = end_of(i);
     const float x1 = std::max(end_of(i + 1), x0 + 1);
-    list.AddRectFilled({x0, canvas.y_of(0.97 * height(bins.counts[i]))}, {x1, canvas.hi.y}, kBars);
+    list.AddRectFilled({x0, canvas.y_of(0.97 * height(bins.counts[i]))}, {x1, canvas.hi.y}, color);
   }
 }
 
 void draw_curve(ImDrawList& list, const Canvas& canvas, const std::vector<OpacityPoint>& points,
-                const ValueAxis& axis, bool is_magnified) {
+                const ValueAxis& axis, bool is_magnified, ImU32 color) {
   TransferFunction curve;
   curve.opacities = points;
   curve.scale = axis.scale;
@@ -123,7 +118,7 @@ void draw_curve(ImDrawList& list, const Canvas& canvas, const std::vector<Opacit
     const double opacity = points.empty() ? 1 : curve.opacity_at(axis.value_at(place));
     line.emplace_back(x, canvas.y_of(height_of(opacity, is_magnified)));
   }
-  list.AddPolyline(line.data(), static_cast<int>(line.size()), kCurve, 0, 1.5F);
+  list.AddPolyline(line.data(), static_cast<int>(line.size()), color, 0, 1.5F);
 }
 
 int nearest_point(const Canvas& canvas, const std::vector<ImVec2>& places, float reach) {
@@ -190,14 +185,14 @@ double ValueAxis::value_at(double place) const {
 bool edit_opacities(Widgets& widgets, const std::string& name, std::vector<OpacityPoint>& points,
                     const ValueAxis& axis, const CurveLook& look, CurveEditing& editing) {
   const Canvas canvas(widgets, name, look.height);
+  const ThemeColors& colors = widgets.colors();
   ImDrawList& list = *ImGui::GetWindowDrawList();
-  list.AddRectFilled(canvas.lo, canvas.hi, kCanvas, 3);
+  list.AddRectFilled(canvas.lo, canvas.hi, colors.canvas, 3);
   list.PushClipRect(canvas.lo, canvas.hi, true);
-  if (look.histogram != nullptr)
-    draw_histogram(list, canvas, *look.histogram, axis, look.is_log_count);
+  if (look.histogram != nullptr) draw_histogram(list, canvas, look, axis, colors.histogram);
   for (const double value : look.marks) {
     const float x = canvas.x_of(axis.place_of(value));
-    list.AddLine({x, canvas.lo.y}, {x, canvas.hi.y}, kMark);
+    list.AddLine({x, canvas.lo.y}, {x, canvas.hi.y}, colors.mark);
   }
   bool is_changed = false;
   std::vector<ImVec2> places;
@@ -232,7 +227,7 @@ bool edit_opacities(Widgets& widgets, const std::string& name, std::vector<Opaci
   if (editing.selected >= 0 && editing.dragged < 0 && ImGui::IsWindowFocused() &&
       !ImGui::IsAnyItemActive() && is_delete_pressed())
     is_changed |= remove_point(points, editing.selected, 1, editing);
-  draw_curve(list, canvas, points, axis, look.is_magnified);
+  draw_curve(list, canvas, points, axis, look.is_magnified, colors.curve);
   list.PopClipRect();
   const float radius = kHandle * widgets.scale();
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -241,8 +236,8 @@ bool edit_opacities(Widgets& widgets, const std::string& name, std::vector<Opaci
     const ImVec2 at(canvas.x_of(place),
                     canvas.y_of(height_of(points[i].opacity, look.is_magnified)));
     const bool is_selected = static_cast<int>(i) == editing.selected;
-    list.AddCircleFilled(at, radius, is_selected ? kSelected : kPoint);
-    list.AddCircle(at, radius, IM_COL32(0, 0, 0, 255));
+    list.AddCircleFilled(at, radius, is_selected ? colors.selected : colors.point);
+    list.AddCircle(at, radius, colors.point_edge);
     widgets.mark(fmt::format("{}.{}", name, i), {at.x - 1, at.y - 1, at.x + 1, at.y + 1});
   }
   return is_changed;
@@ -298,7 +293,7 @@ bool edit_colors(Widgets& widgets, const std::string& name, TransferFunction& tf
     const float half = 5 * widgets.scale();
     const bool is_selected = static_cast<int>(i) == editing.selected;
     list.AddTriangleFilled({x, bottom}, {x - half, canvas.hi.y}, {x + half, canvas.hi.y},
-                           is_selected ? kSelected : kPoint);
+                           is_selected ? widgets.colors().selected : widgets.colors().point);
     widgets.mark(fmt::format("{}.{}", name, i),
                  {x - 1, canvas.hi.y - half, x + 1, canvas.hi.y - 1});
   }

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "panels.h"
+#include "start_page.h"
 
 namespace ovoid::viewer {
 namespace {
@@ -108,17 +108,9 @@ void files_of_state(Panel& panel) {
     panel.wishes.read_state = panel.state.state_path;
 }
 
-}  // namespace
-
-void data_panel(Panel& panel) {
+void about_data(Panel& panel) {
   Document& document = panel.document;
   Widgets& widgets = panel.widgets;
-  if (widgets.text("data.open.path", "a file to open, or drop one here", &panel.state.open_path,
-                   -60 * widgets.scale()))
-    panel.wishes.open = panel.state.open_path;
-  ImGui::SameLine();
-  if (widgets.button("data.open", "open")) panel.wishes.open = panel.state.open_path;
-  if (!document.is_open()) return;
   const Field& field = document.shown->field();
   widgets.row("file", document.info->title);
   widgets.row("kind", name_of(document.info->kind));
@@ -143,6 +135,32 @@ void data_panel(Panel& panel) {
   if (document.notes.empty()) return;
   ImGui::Separator();
   for (const std::string& note : document.notes) ImGui::TextWrapped("%s", note.c_str());
+}
+
+void choose_theme(Panel& panel) {
+  std::vector<const char*> options;
+  for (const auto& [name, theme] : theme_names()) options.push_back(name);
+  int chosen = static_cast<int>(panel.status.theme);
+  if (panel.widgets.choice("data.theme", "theme", options, &chosen))
+    panel.wishes.theme = static_cast<Theme>(chosen);
+}
+
+}  // namespace
+
+void data_panel(Panel& panel) {
+  Document& document = panel.document;
+  Widgets& widgets = panel.widgets;
+  if (widgets.text("data.open.path", "a file to open, or drop one here", &panel.state.open_path,
+                   -124 * widgets.scale()))
+    panel.wishes.open = panel.state.open_path;
+  ImGui::SameLine();
+  if (widgets.button("data.open", "open")) panel.wishes.open = panel.state.open_path;
+  ImGui::SameLine();
+  browse_button(panel, "data.browse", "browse");
+  recent_choice(panel);
+  if (document.is_open()) about_data(panel);
+  ImGui::Separator();
+  choose_theme(panel);
 }
 
 }  // namespace ovoid::viewer

@@ -72,25 +72,6 @@ const GlFunctions& gl() {
   return functions;
 }
 
-void set_style(float scale) {
-  ImGuiStyle style;
-  ImGui::StyleColorsDark(&style);
-  style.WindowRounding = 0;
-  style.FrameRounding = 3;
-  style.GrabRounding = 3;
-  style.PopupRounding = 3;
-  style.ScrollbarRounding = 3;
-  style.WindowBorderSize = 0;
-  style.FramePadding = ImVec2(6, 3);
-  style.ItemSpacing = ImVec2(6, 5);
-  style.ScaleAllSizes(scale);
-  ImVec4* const colors = style.Colors;
-  colors[ImGuiCol_WindowBg] = ImVec4(0.11F, 0.12F, 0.14F, 1.0F);
-  colors[ImGuiCol_PopupBg] = ImVec4(0.14F, 0.15F, 0.17F, 0.98F);
-  colors[ImGuiCol_SliderGrab].w = 0.55F;  // the number can be read through it
-  ImGui::GetStyle() = style;
-}
-
 // A font of the desktop if there is one of these, else ImGui's own, which has no Greek.
 void load_font(float pixels) {
   ImFontAtlas& atlas = *ImGui::GetIO().Fonts;
@@ -264,6 +245,12 @@ Gui::~Gui() {
   ImGui::DestroyContext();
 }
 
+void Gui::set_theme(Theme theme) {
+  if (theme == theme_) return;
+  theme_ = theme;
+  ImGui::GetStyle() = style_of(theme_, scale_);
+}
+
 void Gui::rescale() {
   const float scale = window_.interface_scale();
   if (scale == scale_) return;
@@ -274,7 +261,7 @@ void Gui::rescale() {
                             ? static_cast<float>(pixels.width) / static_cast<float>(window.width)
                             : 1.0F;
   constexpr float kTextHeight = 14;
-  set_style(scale);
+  ImGui::GetStyle() = style_of(theme_, scale);
   load_font(std::round(kTextHeight * scale * density));
   ImGui::GetIO().FontGlobalScale = 1 / density;
   ImGui_ImplOpenGL3_DestroyDeviceObjects();

@@ -9,6 +9,7 @@
 
 #include "events.h"
 #include "ovoid/transfer_function.h"
+#include "theme.h"
 #include "widgets.h"
 #include "window.h"
 
@@ -56,6 +57,7 @@ class Gui {
   // interface.
   void show_behind(const Texture& picture, const Box2& place, float from_x = 0);
   void set_background(const Rgb& color) { background_ = color; }
+  void set_theme(Theme theme);  // between two frames
 
   float scale() const noexcept { return scale_; }  // of all lengths of the interface
   // What was drawn last, 8-bit RGB, row 0 at the top.
@@ -73,6 +75,7 @@ class Gui {
 
   Window& window_;
   float scale_ = 0;
+  Theme theme_ = Theme::kDark;
   Rgb background_{0, 0, 0};
   std::vector<Behind> behind_;
   unsigned framebuffer_ = 0;  // from which pictures are copied

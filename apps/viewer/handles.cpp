@@ -11,7 +11,8 @@
 namespace ovoid::viewer {
 namespace {
 
-constexpr ImU32 kEdge = IM_COL32(255, 170, 40, 110);
+constexpr ImU32 kEdge = IM_COL32(255, 170, 40, 140);
+constexpr ImU32 kEdgeShade = IM_COL32(0, 0, 0, 60);
 constexpr ImU32 kFill = IM_COL32(255, 170, 40, 255);
 // As the axes' own (red, green, blue).
 constexpr std::array<ImU32, 3> kAxisColors = {
@@ -34,11 +35,14 @@ Vec3 foot(const Vec3& normal, double offset, const Vec3& from) {
   return from + normal * ((offset - normal.dot(from)) / normal.squaredNorm());
 }
 
+// With a dark edge, which makes it stand out from bright pictures.
 void draw_line(const Vec3& a, const Vec3& b, const Projection& projection, ImVec2 at,
                ImDrawList& list, ImU32 color) {
   const auto from = projection.pixel_of(a);
   const auto to = projection.pixel_of(b);
-  if (from && to) list.AddLine(to_window(*from, at), to_window(*to, at), color, 1.5F);
+  if (!from || !to) return;
+  list.AddLine(to_window(*from, at), to_window(*to, at), kEdgeShade, 3);
+  list.AddLine(to_window(*from, at), to_window(*to, at), color, 1.5F);
 }
 
 // By how much the mouse moved it along its direction, world units. Where that points at the eye,
@@ -163,8 +167,8 @@ void Handles::draw(const Document& document, const Projection& projection, ImVec
     list.AddCircle(handle.place, is_near ? 1.5F * radius : radius,
                    is_near ? kFillHeld : kHandleInk);
     if (is_near) {
-      list.AddText({handle.place.x + 2 * radius, handle.place.y - 2 * radius}, kFillHeld,
-                   handle.meaning());
+      widgets.label(list, {handle.place.x + 3 * radius, handle.place.y - 3 * radius},
+                    widgets.colors().ink, handle.meaning());
     }
     widgets.mark(handle.name,
                  {handle.place.x - 1, handle.place.y - 1, handle.place.x + 1, handle.place.y + 1});

@@ -19,6 +19,12 @@ const cli::Table<Launch>& window_settings() {
        "inputs and flags from a file that was saved; those that stand on the command line beat it"},
       {"--no-panel", Toggle{false}, &Launch::has_panel,
        "begin with the picture alone (Tab shows the panel)"},
+      {"--theme", cli::choice(theme_names()), &Launch::theme,
+       "colours of the panel and of what is written over the picture (default: the one chosen last "
+       "in the window, at first dark)"},
+      {"--remember", word("FILE|none"), &Launch::remember,
+       "where the theme, and what was opened last, are kept from one run to the next (default: "
+       "ovoid/window.json in $XDG_STATE_HOME or ~/.local/state; with --script none)"},
       {"--watch", Toggle(), &Launch::watches, "read the files again when they change"},
       {"--script", word("FILE"), &Launch::script,
        "replay the input that FILE describes (docs/viewer.md)"},

@@ -3,12 +3,14 @@
 
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "drawing.h"
 #include "load.h"
 #include "settings.h"
+#include "theme.h"
 
 namespace ovoid::viewer {
 
@@ -21,7 +23,9 @@ struct Launch {
   nlohmann::ordered_json window = nlohmann::ordered_json::object();  // what that keeps for us
   std::string script;                                                // input to replay
   std::string record;                                                // where input is written
-  std::string report;  // where the measured times are written at the end
+  std::string report;          // where the measured times are written at the end
+  std::optional<Theme> theme;  // none: the one that is remembered
+  std::string remember;        // where; "none": nowhere; empty: the usual file
   bool watches = false;
   bool has_panel = true;
   bool has_marks = true;

@@ -9,6 +9,7 @@
 
 #include "curve_editor.h"
 #include "document.h"
+#include "memory.h"
 #include "widgets.h"
 
 namespace ovoid::viewer {
@@ -17,6 +18,10 @@ namespace ovoid::viewer {
 struct Wishes {
   std::optional<ArrayChoice> array;
   bool goes_to_time = false;  // the document's time has changed
+  std::optional<Theme> theme;
+  std::optional<std::size_t> open_recent;  // its number in the list
+  bool forgets_recent = false;
+  bool browses = false;  // for a file to open
   bool copies_command = false;
   bool saves_picture = false;
   std::string open;                     // a file of data
@@ -48,6 +53,8 @@ struct Status {
   double psnr = 0;  // of a comparison
   std::size_t resident_bytes = 0;
   Size picture;
+  Theme theme = Theme::kDark;
+  bool is_browsing = false;
 };
 
 struct Panel {
@@ -56,6 +63,7 @@ struct Panel {
   PanelState& state;
   Wishes& wishes;
   const Status& status;
+  const Memory& memory;
 };
 
 void data_panel(Panel& panel);
@@ -63,7 +71,10 @@ void look_panel(Panel& panel);
 void space_panel(Panel& panel);
 void time_panel(Panel& panel);
 void compare_panel(Panel& panel);
-void profile_panel(Panel& panel);
+void quality_panel(Panel& panel);
+
+// "fast", "normal", "fine", "finest", or "by number" where the sampling distance is another one.
+std::string quality_name(const Document& document);
 
 // The transport of the time, also under the picture; whether it is to be gone to.
 bool step_time(Document& document, int steps);

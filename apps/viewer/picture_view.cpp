@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "hands.h"
+#include "ovoid/annotate.h"
 
 namespace ovoid::viewer {
 namespace {
@@ -20,7 +21,13 @@ constexpr double kMostOfAClick = 4;     // how far the mouse may go
 constexpr float kDividerReach = 6;      // of the line between two pictures
 constexpr ImU32 kDividerInk = IM_COL32(235, 238, 242, 230);
 constexpr ImU32 kDividerShade = IM_COL32(10, 11, 13, 170);
-constexpr ImU32 kBoxColor = IM_COL32(200, 205, 215, 110);
+
+// Of the bounding box, as faint as it may be: as marks are on this background.
+ImU32 box_color(const Rgb& background) {
+  const Rgb ink = mark_style_on(background).ink;
+  return ImGui::ColorConvertFloat4ToU32(
+      {static_cast<float>(ink[0]), static_cast<float>(ink[1]), static_cast<float>(ink[2]), 0.45F});
+}
 
 Vec2 vec(ImVec2 v) { return {v.x, v.y}; }
 
@@ -95,7 +102,6 @@ Placement PictureView::placement(const Document& document, ImVec2 at, ImVec2 siz
 }
 
 void PictureView::show_pictures(const Document& document, Gui& gui, const Placement& place) const {
-  gui.set_background(document.view.background);
   if (!shown_ || shown_->pictures.empty()) return;
   const Box2& all = place.all;
   if (shown_->pictures.size() == 1) return gui.show_behind(textures_[0], all);
@@ -121,20 +127,18 @@ void PictureView::draw_divider(Panel& panel, ImDrawList& list, const Placement& 
   if (is_divided(panel.document)) {
     const float middle = (place.all.y0 + place.all.y1) / 2;
     const float half = 4 * scale;
-    list.AddRectFilled({x - half, middle - 4 * half}, {x + half, middle + 4 * half}, kDividerInk,
-                       half);
+    const ImVec2 lo(x - half, middle - 4 * half);
+    const ImVec2 hi(x + half, middle + 4 * half);
+    list.AddRectFilled(lo, hi, kDividerInk, half);
+    list.AddRect(lo, hi, kDividerShade, half);
     panel.widgets.mark("compare.divider", {x - half, middle - half, x + half, middle + half});
   }
   // Below the notes in the corner, wherever the line is.
   const float y = place.all.y0 + 34 * scale;
   const float gap = 10 * scale;
-  const auto write = [&](const char* text, float left) {
-    const ImVec2 size = ImGui::CalcTextSize(text);
-    list.AddRectFilled({left - 4, y - 2}, {left + size.x + 4, y + size.y + 2}, kDividerShade, 3);
-    list.AddText({left, y}, kDividerInk, text);
-  };
-  write("A", x - gap - ImGui::CalcTextSize("A").x);
-  write("B", x + gap);
+  const ImU32 ink = panel.widgets.colors().ink;
+  panel.widgets.label(list, {x - gap - ImGui::CalcTextSize("A").x, y}, ink, "A");
+  panel.widgets.label(list, {x + gap, y}, ink, "B");
 }
 
 void PictureView::begin_drag(const Panel& panel, ImVec2 mouse, const Placement& place) {
@@ -280,6 +284,7 @@ bool PictureView::draw(Panel& panel, Gui& gui, ImVec2 at, ImVec2 size, float den
   ImGui::PopStyleVar(2);
   ImDrawList& list = *ImGui::GetWindowDrawList();
   const Placement place = placement(document, at, size);
+  gui.set_background(document.is_open() ? document.view.background : panel.widgets.colors().window);
   show_pictures(document, gui, place);
   bool is_moving = false;
   if (document.is_open()) {
@@ -293,9 +298,10 @@ bool PictureView::draw(Panel& panel, Gui& gui, ImVec2 at, ImVec2 size, float den
     const Projection projection(document.camera, picture.x(), picture.y());
     if (document.view.marks.bounding_box) {
       const Box box{Affine3::Identity(), document.bounds()};
-      draw_box(box, projection, upper_left, list, kBoxColor);
+      const ImU32 color = box_color(document.view.background);
+      draw_box(box, projection, upper_left, list, color);
       const ImVec2 of_second(upper_left.x + place.beside, upper_left.y);
-      if (place.beside > 0) draw_box(box, projection, of_second, list, kBoxColor);
+      if (place.beside > 0) draw_box(box, projection, of_second, list, color);
     }
     draw_divider(panel, list, place);
     if (panel.state.has_handles && !document.compares())

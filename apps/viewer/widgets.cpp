@@ -24,9 +24,10 @@ auto key_of_escape() {
 
 }  // namespace
 
-void Widgets::begin_frame(float scale) {
+void Widgets::begin_frame(float scale, const ThemeColors& colors) {
   last_ = std::exchange(now_, {});
   scale_ = scale;
+  colors_ = &colors;
 }
 
 void Widgets::mark(const std::string& name) {
@@ -202,6 +203,13 @@ void Widgets::row(const char* label, const std::string& value) {
   const float width = ImGui::CalcTextSize(value.c_str()).x;
   ImGui::SameLine(std::max(ImGui::GetContentRegionMax().x - width, 0.0F));
   ImGui::TextUnformatted(value.c_str());
+}
+
+void Widgets::label(ImDrawList& list, ImVec2 at, ImU32 color, const std::string& text, float wrap) {
+  const ImVec2 size = ImGui::CalcTextSize(text.c_str(), nullptr, false, wrap);
+  list.AddRectFilled({at.x - 4, at.y - 2}, {at.x + size.x + 4, at.y + size.y + 2}, colors_->ground,
+                     3);
+  list.AddText(nullptr, 0, at, color, text.c_str(), nullptr, wrap);
 }
 
 void Widgets::tip(const char* sentence) {

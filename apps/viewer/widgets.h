@@ -13,6 +13,7 @@
 
 #include "ovoid/math.h"
 #include "ovoid/transfer_function.h"
+#include "theme.h"
 
 namespace ovoid::viewer {
 
@@ -35,7 +36,7 @@ struct NumberField {
 // a value return whether they did.
 class Widgets {
  public:
-  void begin_frame(float scale);
+  void begin_frame(float scale, const ThemeColors& colors);
 
   // Names the last item, or a place that is no item of ImGui's.
   void mark(const std::string& name);
@@ -60,8 +61,11 @@ class Widgets {
   void row(const char* label, const std::string& value);  // text at both borders
   // A sentence about the item before, shown while the mouse rests on it.
   void tip(const char* sentence);
+  // Letters over a picture, on a ground of their own; `wrap`: the most that they are wide, 0: any.
+  void label(ImDrawList& list, ImVec2 at, ImU32 color, const std::string& text, float wrap = 0);
 
   float scale() const noexcept { return scale_; }
+  const ThemeColors& colors() const noexcept { return *colors_; }
   float width_of_label() const noexcept { return 134 * scale_; }
 
  private:
@@ -83,6 +87,7 @@ class Widgets {
   std::string typed_into_;
   std::array<double, 3> typed_{};
   float scale_ = 1;
+  const ThemeColors* colors_ = &colors_of(Theme::kDark);
 };
 
 }  // namespace ovoid::viewer

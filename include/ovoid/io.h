@@ -112,6 +112,22 @@ std::string lost_place(const Dataset& dataset, const std::string& path);
 void write_image(const Image& image, const std::string& path,
                  const std::optional<Rgb>& background = {}, const WriteOptions& options = {});
 
+// Speeds of GIF films. Delays are hundredths of a second in 16 bits, and viewers take less than two
+// of them for a tenth of a second.
+inline constexpr double kMinGifFps = 0.002;
+inline constexpr double kMaxGifFps = 50;
+
+// Writes a film without end, an animated GIF, of PNG pictures of one size, as a file is written
+// below. Each picture is read twice, one at a time: memory is that of one picture and of some 100
+// MiB. All frames share 256 colours, which are those that fit all of them best; pixels of others
+// are mixed of two in a pattern that stands still. Pixels of less than half opacity are
+// transparent, all others opaque. Times are rounded to hundredths of a second from the film's
+// start, so a frame's own is wrong by less than one, at 50, 25, 20, 12.5 or 10 fps by none. Throws
+// Error(kInvalidArgument) for no pictures, pictures of several sizes and a speed that is not in
+// kMinGifFps to kMaxGifFps; kFileFormat, kUnsupported, kFileWrite, kCancelled.
+void write_gif(const std::vector<std::string>& pictures, const std::string& path, double fps,
+               const WriteOptions& options = {});
+
 // Writes `bytes` as the whole content of `path`, as everything here is written: to a file of a
 // random name in the same folder, made anew, which is put on the disk and then renamed. An existing
 // file stays whole until the new one is; its owner, group, mode and access list are kept as far as

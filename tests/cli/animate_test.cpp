@@ -254,16 +254,45 @@ TEST(Animate, WithoutFfmpegNothingIsDrawn) {
   const std::string steps = write_steps(folder);
   const std::string before = std::getenv("PATH");
   setenv("PATH", folder.operator/("").c_str(), 1);
-  expect_failure(animate(steps, folder / "x.mp4"), 1, {"x.mp4", "ffmpeg", "frames_%04d.png"});
+  expect_failure(animate(steps, folder / "x.mp4"), 1,
+                 {"x.mp4", "ffmpeg", "x.gif", "frames_%04d.png"});
   setenv("PATH", before.c_str(), 1);
   EXPECT_EQ(folder.num_files(), 1U);
+}
+
+// Frames of odd width, with and without a background, and nothing of ffmpeg on PATH.
+TEST(Animate, AGifNeedsNoFfmpeg) {
+  const Folder folder;
+  const std::string steps = write_steps(folder);
+  const std::string before = std::getenv("PATH");
+  setenv("PATH", folder.operator/("").c_str(), 1);
+  const std::string film = folder / "x.gif";
+  const auto count = [&](const std::string& bytes) {
+    const std::string gif = read_file(film);
+    int number = 0;
+    for (std::size_t at = 0; (at = gif.find(bytes, at)) != std::string::npos; ++at) ++number;
+    return number;
+  };
+  using namespace std::string_literals;
+  const auto words = [&](const Words& more) {
+    return with({"animate", steps, "-o", film, "--size", "41x30", "--range", "0,255"}, more);
+  };
+  done(words({"--fps", "10"}));
+  EXPECT_EQ(read_file(film).substr(0, 10), "GIF89a\x29\x00\x1e\x00"s);
+  EXPECT_EQ(count("NETSCAPE2.0\x03\x01\x00\x00"s), 1);
+  EXPECT_EQ(count("\x21\xf9\x04\x04\x0a\x00"s), 3);  // kept until the next, a tenth of a second
+  EXPECT_FALSE(is_there(film + ".frames"));
+  done(words({"--fps", "12.5", "--background", "none"}));
+  EXPECT_EQ(count("\x21\xf9\x04\x09\x08\x00"s), 3);  // cleared, with a clear colour
+  setenv("PATH", before.c_str(), 1);
+  EXPECT_EQ(folder.num_files(), 2U);
 }
 
 TEST(Animate, RealFfmpegMakesAFilm) {
   if (std::system("ffmpeg -version >/dev/null 2>&1") != 0) GTEST_SKIP() << "no ffmpeg on PATH";
   const Folder folder;
   const std::string steps = write_steps(folder);
-  for (const char* const name : {"x.mp4", "x.gif"}) {
+  for (const char* const name : {"x.mp4", "x.webm"}) {
     done(animate(steps, folder / name));
     EXPECT_GT(std::filesystem::file_size(folder / name), 200U);
   }
@@ -298,7 +327,9 @@ TEST(Animate, BadCommandLinesAreToldAtOnce) {
   expect_failure({"animate", steps, "-o", folder / "x.mp4", "--size", "41x30"}, 2,
                  {"41x30", "even"});
   expect_failure({"animate", steps, "-o", folder / "x.mp4", "--background", "none"}, 2,
-                 {"--background none", "film"});
+                 {"--background none", "x.mp4", ".gif"});
+  for (const char* const fps : {"60", "0.001"})
+    expect_usage(folder / "x.gif", {"--fps", fps}, {fps, "0.002 to 50", "x.gif"});
   EXPECT_EQ(folder.num_files(), 1U);
 }
 

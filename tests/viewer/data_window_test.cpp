@@ -133,13 +133,36 @@ TEST_F(WindowData, TheLineBetweenTwoPicturesIsDragged) {
 TEST_F(WindowData, BackEndsAgreeAndTheSamplingDistanceChangesThePicture) {
   const Viewed viewed = view(
       {make("head", "small.nrrd", {"--size", "24"}), "--size", "340x160"},
-      "pace 0\nwait idle\nexpect backend == cpu\npicture $/0.png\nclick tab.profile\n"
-      "click profile.backend\nclick profile.backend/reference\nwait idle\n"
-      "expect backend == reference\nclick profile.backend\nclick profile.backend/cpu\nwait idle\n"
-      "expect backend == cpu\npicture $/1.png\ndrag left profile.sampling-distance 60,0\n"
+      "pace 0\nwait idle\nexpect backend == cpu\npicture $/0.png\nclick tab.quality\n"
+      "click quality.backend\nclick quality.backend/reference\nwait idle\n"
+      "expect backend == reference\nclick quality.backend\nclick quality.backend/cpu\nwait idle\n"
+      "expect backend == cpu\npicture $/1.png\ndrag left quality.sampling-distance 60,0\n"
       "wait idle\npicture $/2.png\n");
   EXPECT_TRUE(file("0.png") == file("1.png"));
   EXPECT_FALSE(file("1.png") == file("2.png"));
+}
+
+TEST_F(WindowData, QualityIsAWordOrANumber) {
+  const Viewed viewed =
+      view({make("head", "small.nrrd", {"--size", "24"}), "--size", "340x160"},
+           "pace 0\nwait idle\nexpect quality == normal\npicture $/0.png\nclick tab.quality\n"
+           "click quality\nclick quality/finest\nwait idle\nexpect quality == finest\n"
+           "picture $/1.png\nclick quality\nclick quality/normal\nwait idle\npicture $/2.png\n"
+           "click quality\nclick quality/fast\nwait idle\npicture $/3.png\n"
+           "wait 500 ms\n"  // a click on that place so soon would be the second of two
+           "drag left quality.sampling-distance 60,0\nwait idle\n"
+           "expect quality == \"by number\"\nkey ctrl+z\nwait idle\nexpect quality == fast\n"
+           "key ctrl+c\nprint clipboard\nprint view.sampling_distance\n");
+  EXPECT_FALSE(file("0.png") == file("1.png"));
+  EXPECT_FALSE(file("0.png") == file("3.png"));
+  EXPECT_TRUE(file("0.png") == file("2.png"));
+  // A command of such a picture begins with that quality, whatever the number looks like.
+  EXPECT_NE(
+      viewed.text("clipboard").find("--sampling-distance " + viewed.text("view.sampling_distance")),
+      std::string::npos)
+      << viewed.text("clipboard");
+  view({folder_ / "small.nrrd", "--sampling-distance", viewed.text("view.sampling_distance")},
+       "wait loaded\nexpect quality == fast\n");
 }
 
 // The file is written again while the window watches it.
@@ -267,7 +290,7 @@ TEST_F(WindowDrops, AnEmptyWindowOpensAFileByItsPanel) {
   make_head();
   view({},
        "pace 0\nwait 5 frames\nexpect is_open == false\nclick tab.look\nclick tab.space\n"
-       "click tab.time\nclick tab.compare\nclick tab.profile\nclick tab.data\n"
+       "click tab.time\nclick tab.compare\nclick tab.quality\nclick tab.data\n"
        "click data.open.path\nwait 2 frames\ntype $/head.nrrd\nkey enter\nwait 20 frames\n"
        "wait loaded\nwait idle\nexpect kernels == 110592\n");
 }

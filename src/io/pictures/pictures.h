@@ -7,6 +7,7 @@
 #include <span>
 #include <stop_token>
 #include <string>
+#include <vector>
 
 #include "ovoid/image.h"
 
@@ -26,5 +27,13 @@ void write_exr(const Image& image, const std::string& path, const std::stop_toke
 // float32 [height, width, 4], premultiplied.
 void write_picture_npy(const Image& image, const std::string& path,
                        const std::stop_token& stop = {});
+
+struct Rgba8Picture {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> rgba;  // [height, width, 4], straight alpha
+};
+
+// Any PNG, as 8 bits. Throws Error(kFileFormat), also where there is no such file.
+Rgba8Picture read_png(const std::string& path);
 
 }  // namespace ovoid::io

@@ -63,37 +63,39 @@ void set_body_colors(Look& look, double lo, double hi) {
   TransferFunction& tf = look.transfer_function;
   tf.name = "clay to ivory";
   tf.color_space = ColorSpace::kLab;
-  tf.colors = {{0.0, {0.72, 0.40, 0.28}},
-               {0.25, {0.85, 0.60, 0.44}},
+  tf.colors = {{0.0, {0.79, 0.48, 0.35}},
+               {0.25, {0.87, 0.63, 0.47}},
                {0.5, {0.93, 0.78, 0.61}},
                {0.75, {0.97, 0.90, 0.79}},
                {1.0, {1.0, 0.98, 0.95}}};
   tf.map_range(lo, hi);
 }
 
-// Light colours all along, since light and shade need room below them: what surrounds is cool, what
-// is dense is warm.
+// Light colours all along, since light and shade need room below them, at the warm end above all,
+// which is the most opaque: what surrounds is cool, what is dense is warm. A lit surface keeps
+// about six tenths of its colour on the mean, so none has a luminance below one half.
 void set_bright_colors(Look& look, double lo, double hi) {
   TransferFunction& tf = look.transfer_function;
-  tf.name = "sky to rust";
+  tf.name = "sky to coral";
   tf.color_space = ColorSpace::kLab;
-  tf.colors = {{0.0, {0.42, 0.66, 0.97}},
+  tf.colors = {{0.0, {0.45, 0.70, 1.0}},
                {0.3, {0.57, 0.88, 0.94}},
                {0.55, {0.98, 0.93, 0.66}},
-               {0.8, {0.98, 0.62, 0.25}},
-               {1.0, {0.86, 0.24, 0.16}}};
+               {0.8, {0.99, 0.66, 0.30}},
+               {1.0, {0.95, 0.40, 0.30}}};
   tf.map_range(lo, hi);
 }
 
-// Of clouds, which have no surface that light could show: they glow, from dusk to white.
+// Of clouds, which have no surface that light could show: they glow, from dusk to white. Half of a
+// cloud's picture is seen through, so that colours are as bright as they may be and still differ.
 void set_glowing_colors(Look& look, double lo, double hi) {
   TransferFunction& tf = look.transfer_function;
   tf.name = "dusk to white";
   tf.color_space = ColorSpace::kLab;
-  tf.colors = {{0.0, {0.38, 0.43, 0.86}},
-               {0.3, {0.70, 0.45, 0.87}},
-               {0.55, {0.98, 0.55, 0.58}},
-               {0.8, {1.0, 0.80, 0.48}},
+  tf.colors = {{0.0, {0.47, 0.56, 0.97}},
+               {0.3, {0.80, 0.56, 0.96}},
+               {0.55, {1.0, 0.62, 0.64}},
+               {0.8, {1.0, 0.84, 0.54}},
                {1.0, {1.0, 0.98, 0.85}}};
   tf.map_range(lo, hi);
   look.shade = false;
@@ -325,14 +327,16 @@ std::optional<Look> object_look(const LatticeField& field, const FieldSamples& s
 // --- what fills its box
 
 std::optional<Look> filled_look(const LatticeField& field, const FieldSamples& samples) {
-  const double lo = quantile(samples.values, 0.001);
+  // Half of the samples are the background of the rest, and need no colours. Where as many are
+  // equal, the least of the rest may be that value, too.
   const double hi = quantile(samples.values, 0.999);
+  const double median = quantile(samples.values, 0.5);
+  const double lo = median < hi ? median : quantile(samples.values, 0.001);
   if (!(lo < hi)) return std::nullopt;
   Look look;
   set_bright_colors(look, lo, hi);
   const Depths depths = depths_of(field);
   auto& points = look.transfer_function.opacities;
-  // Half of the samples are the background of the rest.
   const std::pair<double, double> by_quantile[] = {
       {0.5, 0.0},
       {0.8, opacity_for_half_depth(4 * depths.thin)},
@@ -446,7 +450,7 @@ constexpr DepthAt kShapeDepths[] = {
 // What fills its box, as adaptive grids do: half of it is the background of the rest.
 constexpr DepthAt kBoxDepths[] = {{0.1, 0}, {0.5, 0.3}, {0.8, 0.08}, {0.95, 0.03}, {0.999, 0.012}};
 // Sums fade out at their low end, where they are mostly space.
-constexpr DepthAt kSumDepths[] = {{0.02, 0}, {0.3, 0.5}, {0.7, 0.12}, {0.95, 0.03}, {0.999, 0.012}};
+constexpr DepthAt kSumDepths[] = {{0.02, 0}, {0.3, 0.35}, {0.7, 0.1}, {0.95, 0.03}, {0.999, 0.012}};
 
 // Half by value, half by rank: where most values are alike, colours still tell them apart.
 void spread_by_rank(TransferFunction& tf, std::span<const float> rising, double q_lo, double q_hi) {

@@ -6,7 +6,10 @@
 
 #include "ovoid/look.h"
 #include "support/agreement.h"
+#include "support/kernel_sets.h"
 #include "support/volumes.h"
+#include "view/ciede2000.h"
+#include "view/color_spaces.h"
 #include "view/field_samples.h"
 
 namespace ovoid {
@@ -126,6 +129,43 @@ TEST(DefaultLook, FieldsWithoutABackgroundShowTheirUpperHalf) {
   EXPECT_EQ(opacity_at(look, 3.0 * 10), 0.0);
   EXPECT_GT(opacity_at(look, 3.0 * 44), opacity_at(look, 3.0 * 30));
   EXPECT_GT(opacity_at(look, 3.0 * 30), 0.0);
+}
+
+// The colours of what is transparent would be of no use to anybody.
+TEST(DefaultLook, FieldsWithoutABackgroundSpendTheirColoursOnWhatShows) {
+  const Look look = default_look(test::make_field(
+      {kSide, kSide, kSide},
+      [](std::int64_t i, std::int64_t, std::int64_t) { return 3.0 * static_cast<double>(i); }));
+  const double median = 3.0 * (kSide - 1) / 2;
+  EXPECT_NEAR(look.transfer_function.colors.front().x, median, 3.0);
+  EXPECT_NEAR(look.transfer_function.opacities.front().x, median, 3.0);
+}
+
+// docs/looks.md, "The default look": bright, since light and background darken them, and apart.
+TEST(DefaultLook, ColoursAreBrightAndApart) {
+  const auto shape = [](std::int64_t i, std::int64_t j, std::int64_t k) {
+    const double r = radius_at(i, j, k);
+    return std::exp(-r * r / 100);
+  };
+  const Look looks[] = {
+      default_look(scan(2.0)),
+      default_look(
+          test::make_stored_field({kSide, kSide, kSide}, shape, {ScalarType::kUInt8, 0, 255})),
+      default_look(KernelField(test::jittered_balls(8).source(), Reconstruction::kSum))};
+  EXPECT_NE(looks[0].transfer_function.name, looks[1].transfer_function.name);
+  EXPECT_FALSE(looks[2].shade);
+  for (const Look& look : looks) {
+    const auto& colors = look.transfer_function.colors;
+    for (std::size_t i = 0; i < colors.size(); ++i) {
+      const Rgb& rgb = colors[i].rgb;
+      EXPECT_GE(0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2], 0.5)
+          << look.transfer_function.name << ", point " << i;
+      if (i < 2) continue;
+      const Rgb& other = colors[i - 2].rgb;
+      EXPECT_GE(view::ciede2000(view::lab_from_rgb(rgb), view::lab_from_rgb(other)), 15)
+          << look.transfer_function.name << ", points " << i - 2 << " and " << i;
+    }
+  }
 }
 
 // Densities over decades: clusters in a void that is not empty.

@@ -83,6 +83,39 @@ TEST(DefaultLook, IsStableUnderSmallChanges) {
   }
 }
 
+// Five deviations of the noise would hide the shell with it.
+TEST(DefaultLook, NoiseDoesNotHideWhatStandsOutOfIt) {
+  const Look look = default_look(scan(20.0));
+  EXPECT_EQ(opacity_at(look, 10), 0.0);
+  EXPECT_EQ(opacity_at(look, 30), 0.0);  // the noise reaches as far
+  EXPECT_GT(opacity_at(look, 80), 0.0);
+  EXPECT_GT(opacity_at(look, 200), opacity_at(look, 80));
+}
+
+// Light and steep curves would bring out nothing but the noise.
+TEST(DefaultLook, NoiseIsDrawnSoft) {
+  const auto noise = [](std::int64_t i, std::int64_t j, std::int64_t k) {
+    return (radius_at(i, j, k) < 15 ? 100.0 : 0.0) * (1.0 + default_look_noise(i, j, k, 1));
+  };
+  const auto object = [](std::int64_t i, std::int64_t j, std::int64_t k) {
+    const double r = radius_at(i, j, k);
+    return 100.0 / (1 + std::exp(r - 15)) + 100.0 / (1 + std::exp(r - 8));
+  };
+  const Look soft = default_look(test::make_field({kSide, kSide, kSide}, noise));
+  const Look crisp = default_look(test::make_field({kSide, kSide, kSide}, object));
+  EXPECT_GT(soft.flat_rise, 5 * crisp.flat_rise);
+  EXPECT_LT(opacity_at(soft, 190), 0.6 * opacity_at(crisp, 190));
+  EXPECT_GT(opacity_at(soft, 100), 0.0);
+}
+
+// Light on a ramp tells where the light is.
+TEST(DefaultLook, RampsHaveEvenLight) {
+  const auto ramp = [](std::int64_t i, std::int64_t j, std::int64_t) {
+    return static_cast<double>(3 * i + j);
+  };
+  EXPECT_EQ(default_look(test::make_field({kSide, kSide, kSide}, ramp)).flat_rise, 1.0);
+}
+
 // A detector's bright pixel must not turn all else into background.
 TEST(DefaultLook, SingleOddSamplesChangeLittle) {
   const Look plain = default_look(scan(2.0));

@@ -101,10 +101,10 @@ struct Materials {
 // Errors as of default_look(). Cost: some tens of milliseconds. [Kindlmann 1998]
 Materials materials_of(const Field& field);
 
-// True if the field's values look like labels: at most 64 different integers in [0, 65535], in
-// regions. Between two labels the field passes all values between them, so labels want kernels so
-// narrow that nobody sees them: kLabelKernel, and with it GradientMethod::kCentral. Cost and errors
-// as of default_look().
+// True if the field's values look like labels: at most 64 different integers in [0, 65535] in
+// regions, or more, up to 2^24, in flat regions with sharp ends. Between two labels the field
+// passes all values between them, so labels want kernels so narrow that nobody sees them:
+// kLabelKernel, and with it GradientMethod::kCentral. Cost and errors as of default_look().
 bool holds_labels(const Field& field);
 inline constexpr LatticeKernel kLabelKernel{.sigma = 0.15, .cutoff = 10.0};
 

@@ -2,6 +2,7 @@
 #include "data/field_samples.h"
 
 #include <algorithm>
+#include <array>
 #include <bitset>
 #include <cmath>
 #include <new>
@@ -12,7 +13,8 @@
 namespace ovoid::data {
 namespace {
 
-constexpr std::size_t kMostLabels = 64;
+constexpr std::size_t kFewLabels = 64;
+constexpr int kGreatestLabel = (1 << 24) - 1;  // float tells all whole numbers up to here apart
 // Neighbours that are equal: regions of labels have it, quantized fields do not.
 constexpr double kEqualsOfLabels = 0.8;
 constexpr double kJumpsOfLabels = 0.05;
@@ -101,8 +103,109 @@ std::vector<int> few_integers(const BrickSource& source, std::size_t most) {
   return found;
 }
 
+namespace {
+
+bool is_label(float value) {
+  return value >= 0 && value <= kGreatestLabel && value == std::floor(value);
+}
+
+// Four samples in a row, of which the middle two are a pair.
+using Row = std::array<float, 4>;
+
+// Rows from all over the lattice, those left out whose pair is not there; none if a sample is no
+// label.
+std::vector<Row> rows_of_labels(const BrickSource& source) {
+  constexpr std::int64_t kWantedRows = 1 << 16;
+  const Index3& dims = source.geometry().dims;
+  SampleReader reader(source);
+  std::vector<Row> rows;
+  bool are_labels = true;
+  const std::int64_t every = std::max<std::int64_t>(1, num_samples(dims) / kWantedRows);
+  visit_some({0, 0, 0}, dims, every, [&](const Index3& index) {
+    if (!are_labels) return;
+    Row row;
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      row[i] = reader.at({index[0] + static_cast<std::int64_t>(i) - 1, index[1], index[2]});
+      if (!std::isnan(row[i]) && !is_label(row[i])) are_labels = false;
+    }
+    if (!std::isnan(row[1]) && !std::isnan(row[2])) rows.push_back(row);
+  });
+  return are_labels ? rows : std::vector<Row>{};
+}
+
+// The value that most rows' pairs begin with.
+float most_common(const std::vector<Row>& rows) {
+  std::vector<float> values;
+  for (const Row& row : rows) values.push_back(row[1]);
+  std::sort(values.begin(), values.end());
+  float best = values.front();
+  std::ptrdiff_t most = 0;
+  for (auto i = values.begin(); i != values.end();) {
+    const auto end = std::upper_bound(i, values.end(), *i);
+    if (end - i > most) {
+      most = end - i;
+      best = *i;
+    }
+    i = end;
+  }
+  return best;
+}
+
+// Whether values are flat within regions and change between them from one sample to the next. A
+// scan in whole numbers is not flat within things, and takes several samples from one to the other.
+// What lies within the background tells nothing.
+bool has_sharp_regions(const BrickSource& source) {
+  constexpr double kFlat = 0.4;   // of pairs: regions three samples wide have it
+  constexpr double kSharp = 0.7;  // of steps: flat on one side at least
+  const std::vector<Row> rows = rows_of_labels(source);
+  if (rows.empty()) return false;
+  const float background = most_common(rows);
+  std::size_t num_pairs = 0;
+  std::size_t num_steps = 0;
+  std::size_t num_sharp = 0;
+  std::size_t num_jumps = 0;
+  for (const Row& row : rows) {
+    if (row[1] == background && row[2] == background) continue;
+    ++num_pairs;
+    if (row[1] == row[2]) continue;
+    ++num_steps;
+    if (row[0] == row[1] || row[2] == row[3]) ++num_sharp;
+    if (std::abs(row[2] - row[1]) > 1.5F) ++num_jumps;
+  }
+  const auto exceeds = [](std::size_t count, double share, std::size_t of) {
+    return static_cast<double>(count) >= share * static_cast<double>(of);
+  };
+  return num_pairs >= kFewestForLabels && num_steps > 0 &&
+         exceeds(num_pairs - num_steps, kFlat, num_pairs) &&
+         exceeds(num_sharp, kSharp, num_steps) && exceeds(num_jumps, kJumpsOfLabels, num_steps);
+}
+
+// The different values of all samples, rising; empty if one is no label.
+std::vector<int> all_labels(const BrickSource& source) {
+  SampleReader reader(source);
+  std::vector<bool> is_found(static_cast<std::size_t>(kGreatestLabel) + 1);
+  bool are_labels = true;
+  visit_some({0, 0, 0}, source.geometry().dims, 1, [&](const Index3& index) {
+    const float value = reader.at(index);
+    if (std::isnan(value)) return;
+    if (is_label(value)) {
+      is_found[static_cast<std::size_t>(value)] = true;
+    } else {
+      are_labels = false;
+    }
+  });
+  std::vector<int> labels;
+  for (int label = 0; are_labels && label <= kGreatestLabel; ++label) {
+    if (is_found[static_cast<std::size_t>(label)]) labels.push_back(label);
+  }
+  return labels;
+}
+
+}  // namespace
+
 std::vector<int> labels_of(const BrickSource& source) {
-  std::vector<int> labels = few_integers(source, kMostLabels);
+  std::vector<int> labels = few_integers(source, kFewLabels);
+  if (labels.empty()) return has_sharp_regions(source) ? all_labels(source) : labels;
   if (labels.size() < kFewestLabels) return {};
   const FieldSamples samples = take_samples(source);
   const bool has_regions =

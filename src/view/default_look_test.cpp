@@ -11,6 +11,7 @@
 #include "view/ciede2000.h"
 #include "view/color_spaces.h"
 #include "view/field_samples.h"
+#include "view/look_table.h"
 
 namespace ovoid {
 namespace {
@@ -289,7 +290,7 @@ TEST(DefaultLook, LabelsGetAColourEach) {
   EXPECT_EQ(opacity_at(look, 0), 0.0);
   std::vector<Rgb> colors;
   for (const double label : {2.0, 7.0, 40.0}) {
-    EXPECT_EQ(opacity_at(look, label), 1.0) << label;
+    EXPECT_GE(opacity_at(look, label), 0.95) << label;
     const Rgb color = look.transfer_function.color_at(label);
     // Flat around the label, so that rounding changes nothing.
     EXPECT_EQ(color, look.transfer_function.color_at(label + 0.4)) << label;
@@ -301,6 +302,78 @@ TEST(DefaultLook, LabelsGetAColourEach) {
     }
     colors.push_back(color);
   }
+}
+
+// The field passes through all values between two labels. What is passed must not show, or all
+// labels would have the colour of the first: three quarters of the values between are clear.
+TEST(DefaultLook, BetweenLabelsIsMostlyNothing) {
+  const Look look = default_look(labels({0, 7, 2, 40}));
+  int num_clear = 0;
+  for (int i = 0; i < 400; ++i) {
+    if (opacity_at(look, 0.1 * i + 0.05) == 0.0) ++num_clear;
+  }
+  EXPECT_GT(num_clear, 300);
+}
+
+// Blocks of labels, each its own, a number times `stride`.
+LatticeField many_labels(int stride) {
+  return test::make_field({80, 64, 48}, [=](std::int64_t i, std::int64_t j, std::int64_t k) {
+    const std::int64_t block = i / 4 + 20 * (j / 4 + 16 * (k / 4));
+    return k < 4 ? 0.0 : static_cast<double>(1 + block * stride);
+  });
+}
+
+// 3840 labels up to 65,000 and 20 million: neighbours differ, the background is clear, the cpu's
+// table tells them as exact evaluation does.
+TEST(DefaultLook, ManyLabelsGetColoursThatDiffer) {
+  const LatticeField field = many_labels(17);
+  EXPECT_TRUE(holds_labels(field));
+  const Look look = default_look(field);
+  look.validate();
+  const TransferFunction& tf = look.transfer_function;
+  EXPECT_LE(tf.colors.size(), 2 * 2002);
+  EXPECT_EQ(opacity_at(look, 0), 0.0);
+  const view::LookTable table(tf);
+  int num_pairs = 0;
+  int num_alike = 0;
+  for (int block = 400; block < 3800; ++block) {
+    const double label = 1 + block * 17.0;
+    EXPECT_EQ(opacity_at(look, label), 0.5);
+    EXPECT_NEAR(table.at(static_cast<float>(label)).r, tf.color_at(label)[0], 1e-6) << label;
+    for (const int step : {20, 320}) {  // beside and above
+      const Rgb one = view::lab_from_rgb(tf.color_at(label));
+      const Rgb other = view::lab_from_rgb(tf.color_at(label + step * 17.0));
+      ++num_pairs;
+      if (view::ciede2000(one, other) < 15) ++num_alike;
+    }
+  }
+  EXPECT_LT(num_alike, num_pairs / 6);
+  EXPECT_FALSE(holds_labels(many_labels(5300)));  // float tells them apart no longer
+}
+
+// A label keeps its colour where others are missing.
+TEST(DefaultLook, AManyLabelsColourIsItsOwn) {
+  const auto with_gap = [](std::int64_t gap) {
+    return test::make_field({80, 64, 16}, [=](std::int64_t i, std::int64_t j, std::int64_t k) {
+      const std::int64_t block = i / 8 + 10 * (j / 8 + 8 * (k / 8));
+      return block == gap ? 0.0 : static_cast<double>(block);
+    });
+  };
+  const TransferFunction all = default_look(with_gap(-1)).transfer_function;
+  const TransferFunction fewer = default_look(with_gap(20)).transfer_function;
+  for (const double label : {5.0, 40.0, 100.0, 159.0})
+    EXPECT_EQ(all.color_at(label), fewer.color_at(label)) << label;
+}
+
+// Whole numbers in plenty, but smooth: what scans are.
+TEST(DefaultLook, ScansInWholeNumbersAreNoLabels) {
+  const Field field =
+      test::make_stored_field({kSide, kSide, kSide},
+                              [](std::int64_t i, std::int64_t j, std::int64_t k) {
+                                return 1.0 / (1.0 + std::exp(0.5 * (radius_at(i, j, k) - 15)));
+                              },
+                              {ScalarType::kUInt16, 0, 4000});
+  EXPECT_FALSE(holds_labels(field));
 }
 
 TEST(DefaultLook, OtherIntegersAreNoLabels) {

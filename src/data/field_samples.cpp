@@ -135,8 +135,8 @@ std::vector<Row> rows_of_labels(const BrickSource& source) {
 
 // The value that most rows' pairs begin with.
 float most_common(const std::vector<Row>& rows) {
-  std::vector<float> values;
-  for (const Row& row : rows) values.push_back(row[1]);
+  std::vector<float> values(rows.size());
+  std::transform(rows.begin(), rows.end(), values.begin(), [](const Row& row) { return row[1]; });
   std::sort(values.begin(), values.end());
   float best = values.front();
   std::ptrdiff_t most = 0;

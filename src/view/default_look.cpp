@@ -20,6 +20,7 @@
 #include "view/joint_histogram.h"
 #include "view/label_look.h"
 #include "view/look_colors.h"
+#include "view/vessels.h"
 
 namespace ovoid {
 namespace {
@@ -228,6 +229,23 @@ double nearest_material(const Materials& materials, const Background& background
   return nearest;
 }
 
+// Vessels through what lies around them: half of the light comes through half of that.
+Look vessel_look(const LatticeField& field, const Background& background,
+                 const view::Vessels& vessels, double noise) {
+  Look look;
+  view::set_vessel_colors(look, vessels.tissue, vessels.wall, vessels.bright);
+  set_light(look, 3 * noise);
+  const Depths depths = depths_of(field, 0);
+  const double haze = opacity_for_half_depth(25 * depths.thin);
+  const auto between = [](double lo, double hi) { return std::lerp(lo, hi, 0.5); };
+  look.transfer_function.opacities = {{.x = between(background.value, vessels.tissue)},
+                                      {.x = vessels.tissue, .opacity = haze},
+                                      {.x = between(vessels.tissue, vessels.wall), .opacity = haze},
+                                      {.x = between(vessels.wall, vessels.bright),
+                                       .opacity = opacity_for_half_depth(depths.solid)}};
+  return look;
+}
+
 std::optional<Look> object_look(const LatticeField& field, const FieldSamples& samples,
                                 const Background& background, const Slopes& slopes) {
   std::vector<float> above;
@@ -307,8 +325,12 @@ std::optional<Look> filled_look(const LatticeField& field, const FieldSamples& s
 
 std::optional<Look> layered_look(const LatticeField& field, const FieldSamples& samples,
                                  const Slopes& slopes) {
-  if (const auto background = background_of(samples))
+  if (const auto background = background_of(samples)) {
+    if (const auto vessels = view::find_vessels(field.samples(), slopes.materials,
+                                                background->value, samples.values))
+      return vessel_look(field, *background, *vessels, slopes.materials.noise);
     return object_look(field, samples, *background, slopes);
+  }
   return filled_look(field, samples, slopes);
 }
 

@@ -274,6 +274,30 @@ TEST(DefaultLook, AirAndBoneOfOtherScales) {
   EXPECT_EQ(air_and_bone(test::constant_field({8, 8, 8}, 3)), std::nullopt);
 }
 
+// Tissue with a bright tube in it, or with bright fat around it.
+LatticeField bright_in_tissue(bool is_inside, double bright) {
+  return test::make_field(
+      {kSide, kSide, kSide}, [=](std::int64_t i, std::int64_t j, std::int64_t k) {
+        const double r = radius_at(i, j, k);
+        const double to_tube = std::hypot(static_cast<double>(i) - 27, static_cast<double>(j) - 22);
+        const bool is_bright = is_inside ? to_tube < 2 && r < 14 : r > 18.5 && r < 20;
+        const double value = is_bright ? bright : r < 20 ? 300.0 : 20.0;
+        return value + 12.0 * default_look_noise(i, j, k, 1);
+      });
+}
+
+TEST(DefaultLook, VesselsShowThroughTissue) {
+  const Look look = default_look(bright_in_tissue(true, 900));
+  EXPECT_EQ(look.transfer_function.name, "vessels");
+  EXPECT_EQ(opacity_at(look, 20), 0.0);
+  EXPECT_GT(opacity_at(look, 300), 0.0);
+  EXPECT_LT(opacity_at(look, 300), 0.05);
+  EXPECT_GT(opacity_at(look, 880), 0.5);
+  // Beside the background it is skin, and a little brighter than tissue anything.
+  EXPECT_NE(default_look(bright_in_tissue(false, 900)).transfer_function.name, "vessels");
+  EXPECT_NE(default_look(bright_in_tissue(true, 420)).transfer_function.name, "vessels");
+}
+
 LatticeField labels(const std::vector<double>& values) {
   return test::make_field({kSide, kSide, kSide},
                           [&](std::int64_t i, std::int64_t j, std::int64_t k) {

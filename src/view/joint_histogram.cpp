@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The histogram has kBins bins of values, each with how many samples lie in it, and how much those
 // rise on the mean that lie on something ordered. Materials are its peaks, boundaries the steepest
-// bins between two peaks. Thresholds are chosen on two balls in each other with noise of 0, 2, 6
-// and 13 % of the range, and on speckle; tests and docs/looks.md judge on others.
+// bins between two peaks. docs/looks.md, "Materials and noise", says on which data thresholds were
+// chosen, and on which they were judged.
 #include "view/joint_histogram.h"
 
 #include <algorithm>

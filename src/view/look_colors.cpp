@@ -43,6 +43,14 @@ void set_glowing_colors(Look& look, double lo, double hi) {
   look.shade = false;
 }
 
+void set_vessel_colors(Look& look, double tissue, double wall, double bright) {
+  TransferFunction& tf = look.transfer_function;
+  tf.name = "vessels";
+  tf.color_space = ColorSpace::kLab;
+  tf.colors = {
+      {tissue, {0.84, 0.66, 0.56}}, {wall, {0.95, 0.42, 0.34}}, {bright, {1.0, 0.87, 0.70}}};
+}
+
 void set_two_sided_colors(Look& look, double lo, double hi) {
   look.transfer_function = color_map("cool-to-warm");
   look.transfer_function.map_range(lo, hi);

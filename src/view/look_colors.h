@@ -19,6 +19,9 @@ void set_bright_colors(Look& look, double lo, double hi);
 // cloud's picture is seen through, so that colours are as bright as they may be and still differ.
 void set_glowing_colors(Look& look, double lo, double hi);
 
+// Vessels, from coral to cream, in pale tissue.
+void set_vessel_colors(Look& look, double tissue, double wall, double bright);
+
 // Of two sides of zero: cool below, warm above.
 void set_two_sided_colors(Look& look, double lo, double hi);
 

@@ -138,6 +138,13 @@ void add_distribution(Json& json, const Field& field, const std::stop_token& sto
   json["histogram"] = {{"lo", lo}, {"hi", hi}, {"counts", counts}};
 }
 
+Json json_of(const Materials& materials) {
+  return {{"values", materials.values},
+          {"boundaries", materials.boundaries},
+          {"noise", materials.noise},
+          {"noisiness", materials.noisiness}};
+}
+
 Json field_json(const Modelled& modelled, const std::stop_token& stop) {
   const Field& field = modelled.field;
   const KernelField* const set = field.kernels();
@@ -152,6 +159,7 @@ Json field_json(const Modelled& modelled, const std::stop_token& stop) {
   } else {
     json["kernel"] = text_of(field.lattice()->kernel());
     json["prefiltered"] = modelled.lattice.is_prefiltered;
+    json["materials"] = json_of(materials_of(field));
   }
   json["default_sampling_distance"] = field.default_sampling_distance();
   json["default_unit_distance"] = default_unit_distance(field);
@@ -437,6 +445,21 @@ void print_distribution(const Json& field) {
   print_row("histogram", fmt::format("[{}]", letters_of(histogram["counts"])));
 }
 
+void print_materials(const Json& materials) {
+  const auto listed = [](const Json& values) {
+    std::string out;
+    for (const Json& value : values)
+      out += fmt::format("{}{:.4g}", out.empty() ? "" : ", ", value.get<double>());
+    return out;
+  };
+  if (!materials["values"].empty()) print_row("materials at", listed(materials["values"]));
+  if (!materials["boundaries"].empty()) print_row("boundaries at", listed(materials["boundaries"]));
+  if (materials["noise"] != 0.0)
+    print_row("noise",
+              fmt::format("rises {:.4g} from sample to sample, noisiness {:.2g}",
+                          materials["noise"].get<double>(), materials["noisiness"].get<double>()));
+}
+
 void print_text(const Json& json) {
   print_row("kind", json["kind"].get<std::string>());
   print_row("source", one_line(json["source"].get<std::string>()));
@@ -463,6 +486,7 @@ void print_text(const Json& json) {
   print_row("drawn array", fmt::format("'{}', {}", one_line(field["array"].get<std::string>()),
                                        range_text(field["range"])));
   print_distribution(field);
+  if (field.contains("materials")) print_materials(field["materials"]);
   print_row("kernels", number(field["num_kernels"]));
   if (field.contains("kernel"))
     print_row("kernel", field["kernel"].get<std::string>() +

@@ -81,11 +81,24 @@ void make_opaque(TransferFunction& tf) {
   for (OpacityPoint& point : tf.opacities) point.opacity /= greatest;
 }
 
+// A look can only see through noise; a wider kernel takes it away.
+void note_noise(const Look& look, const Field& field, Session& session) {
+  constexpr double kMuch = 0.5;
+  constexpr double kCrisp = 0.06;  // default_look() takes more from light for noise alone
+  const LatticeField* const lattice = field.lattice();
+  if (look.flat_rise <= kCrisp || lattice == nullptr ||
+      lattice->kernel().kind == LatticeKernelKind::kGaussian)
+    return;
+  if (materials_of(field).noisiness > kMuch)
+    session.note("the values are noisy: drawn soft (--kernel gaussian:1.5 smooths them)");
+}
+
 // The look that the other flags change.
 Look base_look(const LookFlags& flags, const Field& field, const std::string& unit,
                Session& session) {
   const ValueRange range = field.value_range();
   Look look = uses_default_look(flags) ? default_look(field, unit) : ramp_look(range);
+  if (uses_default_look(flags)) note_noise(look, field, session);
   if (flags.mode == Mode::kMaximum || flags.mode == Mode::kMean)
     make_opaque(look.transfer_function);
   if (flags.preset == kCinematicPreset) {

@@ -2,97 +2,25 @@
 #include "data/field_samples.h"
 
 #include <algorithm>
+#include <array>
 #include <bitset>
 #include <cmath>
-#include <limits>
 #include <new>
 
 #include "data/out_of_memory.h"
-#include "data/scalar_visit.h"
+#include "data/sample_reader.h"
 
 namespace ovoid::data {
 namespace {
 
-constexpr std::size_t kMostLabels = 64;
+constexpr std::size_t kFewLabels = 64;
+constexpr int kGreatestLabel = (1 << 24) - 1;  // float tells all whole numbers up to here apart
 // Neighbours that are equal: regions of labels have it, quantized fields do not.
 constexpr double kEqualsOfLabels = 0.8;
 constexpr double kJumpsOfLabels = 0.05;
 constexpr std::size_t kFewestLabels = 3;
 // In fewer samples nobody sees regions.
 constexpr std::size_t kFewestForLabels = 512;
-
-// Reads single samples, and keeps the brick that it read last.
-class SampleReader {
- public:
-  explicit SampleReader(const BrickSource& source)
-      : source_(source),
-        dims_(source.geometry().dims),
-        edge_(source.brick_edge()),
-        scale_(source.value_scale()),
-        offset_(source.value_offset()) {}
-
-  // NaN if it is missing or lies outside.
-  float at(const Index3& index) {
-    for (std::size_t a = 0; a < 3; ++a) {
-      if (index[a] < 0 || index[a] >= dims_[a]) return std::numeric_limits<float>::quiet_NaN();
-    }
-    for (std::size_t a = 0; a < 3; ++a) {
-      if (index[a] >= view_.lo[a] && index[a] < view_.hi[a]) continue;
-      view_ = source_.acquire(index[0] / edge_, index[1] / edge_,
-                              index[2] / (edge_ * source_.geometry().num_sublattices()), 0.0);
-      break;
-    }
-    const std::int64_t position = (index[0] - view_.lo[0]) +
-                                  (index[1] - view_.lo[1]) * view_.stride_y +
-                                  (index[2] - view_.lo[2]) * view_.stride_z;
-    return visit_scalar(view_.type, [&]<class T>(std::type_identity<T>) {
-      const auto stored =
-          static_cast<double>(load_scalar<T>(static_cast<const std::byte*>(view_.data), position));
-      const auto value = static_cast<float>(stored * scale_ + offset_);
-      return std::isfinite(value) ? value : std::numeric_limits<float>::quiet_NaN();
-    });
-  }
-
-  // Of the samples read last.
-  bool is_counted() const {
-    return view_.data != nullptr && view_.type != ScalarType::kFloat32 &&
-           view_.type != ScalarType::kFloat64;
-  }
-
- private:
-  const BrickSource& source_;
-  const Index3 dims_;
-  const std::int64_t edge_;
-  const double scale_;
-  const double offset_;
-  BrickView view_;  // of nothing: lo == hi
-};
-
-// Numbers that look random and are the same everywhere (a finalizer of splitmix64's kind).
-std::uint64_t scrambled(std::uint64_t x) {
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9U;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebU;
-  return x ^ (x >> 31);
-}
-
-// Calls visit(index) for about one in `every` places of the box [lo, hi), in order.
-template <class Visit>
-void visit_some(const Index3& lo, const Index3& hi, std::int64_t every, const Visit& visit) {
-  // What a row's end leaves over is carried into the next, behind a scrambled start: no pattern in
-  // the data can meet one in the places.
-  const std::int64_t width = hi[0] - lo[0];
-  Index3 index{};
-  for (index[2] = lo[2]; index[2] < hi[2]; ++index[2]) {
-    for (index[1] = lo[1]; index[1] < hi[1]; ++index[1]) {
-      const auto row = static_cast<std::uint64_t>(index[2] * 0x1000003 + index[1]);
-      auto x = static_cast<std::int64_t>(scrambled(row) % static_cast<std::uint64_t>(every));
-      for (; x < width; x += every) {
-        index[0] = lo[0] + x;
-        visit(index);
-      }
-    }
-  }
-}
 
 std::int64_t one_in(std::int64_t count) {
   return std::max<std::int64_t>(1, (count + kWantedSamples - 1) / kWantedSamples);
@@ -175,8 +103,109 @@ std::vector<int> few_integers(const BrickSource& source, std::size_t most) {
   return found;
 }
 
+namespace {
+
+bool is_label(float value) {
+  return value >= 0 && value <= kGreatestLabel && value == std::floor(value);
+}
+
+// Four samples in a row, of which the middle two are a pair.
+using Row = std::array<float, 4>;
+
+// Rows from all over the lattice, those left out whose pair is not there; none if a sample is no
+// label.
+std::vector<Row> rows_of_labels(const BrickSource& source) {
+  constexpr std::int64_t kWantedRows = 1 << 16;
+  const Index3& dims = source.geometry().dims;
+  SampleReader reader(source);
+  std::vector<Row> rows;
+  bool are_labels = true;
+  const std::int64_t every = std::max<std::int64_t>(1, num_samples(dims) / kWantedRows);
+  visit_some({0, 0, 0}, dims, every, [&](const Index3& index) {
+    if (!are_labels) return;
+    Row row;
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      row[i] = reader.at({index[0] + static_cast<std::int64_t>(i) - 1, index[1], index[2]});
+      if (!std::isnan(row[i]) && !is_label(row[i])) are_labels = false;
+    }
+    if (!std::isnan(row[1]) && !std::isnan(row[2])) rows.push_back(row);
+  });
+  return are_labels ? rows : std::vector<Row>{};
+}
+
+// The value that most rows' pairs begin with.
+float most_common(const std::vector<Row>& rows) {
+  std::vector<float> values(rows.size());
+  std::transform(rows.begin(), rows.end(), values.begin(), [](const Row& row) { return row[1]; });
+  std::sort(values.begin(), values.end());
+  float best = values.front();
+  std::ptrdiff_t most = 0;
+  for (auto i = values.begin(); i != values.end();) {
+    const auto end = std::upper_bound(i, values.end(), *i);
+    if (end - i > most) {
+      most = end - i;
+      best = *i;
+    }
+    i = end;
+  }
+  return best;
+}
+
+// Whether values are flat within regions and change between them from one sample to the next. A
+// scan in whole numbers is not flat within things, and takes several samples from one to the other.
+// What lies within the background tells nothing.
+bool has_sharp_regions(const BrickSource& source) {
+  constexpr double kFlat = 0.4;   // of pairs: regions three samples wide have it
+  constexpr double kSharp = 0.7;  // of steps: flat on one side at least
+  const std::vector<Row> rows = rows_of_labels(source);
+  if (rows.empty()) return false;
+  const float background = most_common(rows);
+  std::size_t num_pairs = 0;
+  std::size_t num_steps = 0;
+  std::size_t num_sharp = 0;
+  std::size_t num_jumps = 0;
+  for (const Row& row : rows) {
+    if (row[1] == background && row[2] == background) continue;
+    ++num_pairs;
+    if (row[1] == row[2]) continue;
+    ++num_steps;
+    if (row[0] == row[1] || row[2] == row[3]) ++num_sharp;
+    if (std::abs(row[2] - row[1]) > 1.5F) ++num_jumps;
+  }
+  const auto exceeds = [](std::size_t count, double share, std::size_t of) {
+    return static_cast<double>(count) >= share * static_cast<double>(of);
+  };
+  return num_pairs >= kFewestForLabels && num_steps > 0 &&
+         exceeds(num_pairs - num_steps, kFlat, num_pairs) &&
+         exceeds(num_sharp, kSharp, num_steps) && exceeds(num_jumps, kJumpsOfLabels, num_steps);
+}
+
+// The different values of all samples, rising; empty if one is no label.
+std::vector<int> all_labels(const BrickSource& source) {
+  SampleReader reader(source);
+  std::vector<bool> is_found(static_cast<std::size_t>(kGreatestLabel) + 1);
+  bool are_labels = true;
+  visit_some({0, 0, 0}, source.geometry().dims, 1, [&](const Index3& index) {
+    const float value = reader.at(index);
+    if (std::isnan(value)) return;
+    if (is_label(value)) {
+      is_found[static_cast<std::size_t>(value)] = true;
+    } else {
+      are_labels = false;
+    }
+  });
+  std::vector<int> labels;
+  for (int label = 0; are_labels && label <= kGreatestLabel; ++label) {
+    if (is_found[static_cast<std::size_t>(label)]) labels.push_back(label);
+  }
+  return labels;
+}
+
+}  // namespace
+
 std::vector<int> labels_of(const BrickSource& source) {
-  std::vector<int> labels = few_integers(source, kMostLabels);
+  std::vector<int> labels = few_integers(source, kFewLabels);
+  if (labels.empty()) return has_sharp_regions(source) ? all_labels(source) : labels;
   if (labels.size() < kFewestLabels) return {};
   const FieldSamples samples = take_samples(source);
   const bool has_regions =

@@ -34,8 +34,10 @@ std::vector<int> few_integers(const BrickSource& source, std::size_t most);
 // The different values of samples that look like labels: three to 64 integers as above, in regions:
 // of neighbours along x at least four of five are equal, and of the others some differ by more than
 // 1, as those of a rounded field do not. (Two are a mask, which has an inside and no order that
-// could mislead.) Else empty. Cost: that of few_integers();
-// for labels that of take_samples(), too.
+// could mislead.) Or more integers, up to 2^24, if outside the background two of five neighbours
+// are equal, and the others change at once from one flat stretch to the next, as scans do not. Else
+// empty. Cost: that of few_integers(); for a few labels that of take_samples(), too, for many two
+// passes.
 std::vector<int> labels_of(const BrickSource& source);
 
 }  // namespace ovoid::data

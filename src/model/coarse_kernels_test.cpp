@@ -255,8 +255,8 @@ TEST(CoarseKernels, ProgressAndStop) {
 }
 
 // The galaxy's density where a pixel is eight times the default sampling distance, against the
-// whole set's. Measured: 30.8 dB: kernels a pixel or so wide, merged, are sqrt(2) times as wide.
-// What lies 0.3 pixels beside has 27.6.
+// whole set's. Measured: 27.5 dB: kernels a pixel or so wide, merged, are sqrt(2) times as wide.
+// What lies 0.3 pixels beside has 24.7. (The brighter the look, the less of both.)
 TEST(CoarseKernels, FromFarTheyLookTheSame) {
   KernelModelOptions model;
   model.is_density = true;
@@ -269,7 +269,7 @@ TEST(CoarseKernels, FromFarTheyLookTheSame) {
   Renderer renderer(Backend::kCpu);
   const Image full = renderer.render(field, camera, look, options).image;
   const Field coarse = coarse_field(field);
-  constexpr double kBound = 29;
+  constexpr double kBound = 26;
   const double found = psnr(full, renderer.render(coarse, camera, look, options).image);
   EXPECT_GT(found, kBound);
   const Vec3 aside(0.3 * 8 * field.default_sampling_distance(), 0, 0);

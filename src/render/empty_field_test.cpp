@@ -55,6 +55,7 @@ TEST(EmptyField, IsRefusedByName) {
     expect_refused("default_look", [&] { default_look(field); });
     expect_refused("default_unit_distance", [&] { default_unit_distance(field); });
     expect_refused("holds_labels", [&] { holds_labels(field); });
+    expect_refused("materials_of", [&] { materials_of(field); });
   }
   expect_refused("KernelSampler", [] { KernelSampler{KernelField()}; });
   expect_refused("make_kernel_dataset", [] { make_kernel_dataset(KernelField()); });

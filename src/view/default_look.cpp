@@ -8,20 +8,30 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
+#include <limits>
 #include <optional>
 #include <span>
 #include <utility>
 
+#include "data/rise_samples.h"
 #include "data/validate.h"
 #include "ovoid/look.h"
 #include "view/field_samples.h"
+#include "view/joint_histogram.h"
+#include "view/label_look.h"
+#include "view/look_colors.h"
+#include "view/vessels.h"
 
 namespace ovoid {
 namespace {
 
 using view::FieldSamples;
 using view::quantile;
+using view::set_body_colors;
+using view::set_bright_colors;
+using view::set_glowing_colors;
+using view::set_light;
+using view::set_two_sided_colors;
 
 // Least quotient of the greatest and the median value that asks for a logarithmic scale.
 constexpr double kLogQuotient = 1000;
@@ -34,107 +44,26 @@ double opacity_for_half_depth(double depth) { return 1.0 - std::pow(0.5, 1.0 / d
 struct Depths {
   double thin, solid;
 };
-Depths depths_of(const LatticeField& field) {
+
+// What slopes tell of the samples; nothing where curves run along a logarithm.
+struct Slopes {
+  Materials materials;
+  bool is_ramp = false;
+};
+
+Slopes slopes_of(const LatticeField& field) {
+  constexpr double kAllOneWay = 0.9;
+  const std::vector<data::RiseSample> rises = data::take_rises(field.samples());
+  return {view::find_materials(rises), view::one_sidedness(rises) > kAllOneWay};
+}
+
+// Noise is seen through: over a longer way more of it is averaged.
+Depths depths_of(const LatticeField& field, double softness) {
   const LatticeGeometry& lattice = field.geometry();
   const double per_spacing = lattice.density() * std::pow(lattice.unit_spacing(), 3);
   const double edge = std::cbrt(static_cast<double>(num_samples(lattice.dims)) / per_spacing);
-  return {std::max(1.5, 0.02 * edge), std::max(0.5, 0.004 * edge)};
-}
-
-void set_colors(Look& look, const char* map, double lo, double hi) {
-  look.transfer_function = color_map(map);
-  look.transfer_function.map_range(lo, hi);
-}
-
-// A key light and a fill, on light colours. Below a rise of `noise` (values) over a spacing normals
-// tell nothing.
-void set_light(Look& look, double noise = 0) {
-  constexpr double kLeastRise = 0.01;
-  constexpr double kMostRise = 0.06;
-  look.light = Light::kStudio;
-  look.material = {.ambient = 0.15, .diffuse = 0.85, .specular = 0.2, .specular_power = 25};
-  const double span = look.transfer_function.hi() - look.transfer_function.lo();
-  look.flat_rise = span > 0 ? std::clamp(noise / span, kLeastRise, kMostRise) : kLeastRise;
-}
-
-// Of what scanners see: clay that turns to ivory where it is dense. As bodies, wood and castings
-// are, and whatever else there is, it looks like a thing.
-void set_body_colors(Look& look, double lo, double hi) {
-  TransferFunction& tf = look.transfer_function;
-  tf.name = "clay to ivory";
-  tf.color_space = ColorSpace::kLab;
-  tf.colors = {{0.0, {0.72, 0.40, 0.28}},
-               {0.25, {0.85, 0.60, 0.44}},
-               {0.5, {0.93, 0.78, 0.61}},
-               {0.75, {0.97, 0.90, 0.79}},
-               {1.0, {1.0, 0.98, 0.95}}};
-  tf.map_range(lo, hi);
-}
-
-// Light colours all along, since light and shade need room below them: what surrounds is cool, what
-// is dense is warm.
-void set_bright_colors(Look& look, double lo, double hi) {
-  TransferFunction& tf = look.transfer_function;
-  tf.name = "sky to rust";
-  tf.color_space = ColorSpace::kLab;
-  tf.colors = {{0.0, {0.42, 0.66, 0.97}},
-               {0.3, {0.57, 0.88, 0.94}},
-               {0.55, {0.98, 0.93, 0.66}},
-               {0.8, {0.98, 0.62, 0.25}},
-               {1.0, {0.86, 0.24, 0.16}}};
-  tf.map_range(lo, hi);
-}
-
-// Of clouds, which have no surface that light could show: they glow, from dusk to white.
-void set_glowing_colors(Look& look, double lo, double hi) {
-  TransferFunction& tf = look.transfer_function;
-  tf.name = "dusk to white";
-  tf.color_space = ColorSpace::kLab;
-  tf.colors = {{0.0, {0.38, 0.43, 0.86}},
-               {0.3, {0.70, 0.45, 0.87}},
-               {0.55, {0.98, 0.55, 0.58}},
-               {0.8, {1.0, 0.80, 0.48}},
-               {1.0, {1.0, 0.98, 0.85}}};
-  tf.map_range(lo, hi);
-  look.shade = false;
-}
-
-// --- labels
-
-// Hues by the golden angle, so that any number of labels get colours that differ.
-Rgb label_color(std::size_t i) {
-  const double hue = std::fmod(0.02 + static_cast<double>(i) * (std::numbers::phi - 1.0), 1.0);
-  const double saturation = i % 2 == 0 ? 0.62 : 0.45;
-  const double brightness = i % 3 == 2 ? 0.75 : 0.95;
-  Rgb rgb;
-  for (std::size_t c = 0; c < 3; ++c) {
-    const double k = std::fmod(hue * 6.0 + std::array{5.0, 3.0, 1.0}[c], 6.0);
-    rgb[c] = brightness * (1.0 - saturation * std::clamp(std::min(k, 4.0 - k), 0.0, 1.0));
-  }
-  return rgb;
-}
-
-// Each label holds from half-way to its neighbours; the background, 0 or what the faces show, is
-// transparent.
-Look label_look(const std::vector<int>& labels, const FieldSamples& samples) {
-  const int background =
-      labels.front() == 0 ? 0 : static_cast<int>(quantile(samples.on_faces, 0.5));
-  Look look;
-  TransferFunction& tf = look.transfer_function;
-  tf.name = "labels";
-  tf.color_space = ColorSpace::kRgb;
-  std::size_t num_shown = 0;
-  for (std::size_t i = 0; i < labels.size(); ++i) {
-    const bool is_shown = labels[i] != background || labels.size() == 1;
-    const double lo = i == 0 ? labels[i] - 0.5 : 0.5 * (labels[i - 1] + labels[i]);
-    const double hi = i + 1 == labels.size() ? labels[i] + 0.5 : 0.5 * (labels[i] + labels[i + 1]);
-    const Rgb color = is_shown ? label_color(num_shown++) : Rgb{0.5, 0.5, 0.5};
-    tf.colors.insert(tf.colors.end(), {{lo, color}, {hi, color}});
-    const double opacity = is_shown ? 1.0 : 0.0;
-    tf.opacities.push_back({.x = lo, .opacity = opacity});
-    tf.opacities.push_back({.x = hi, .opacity = opacity});
-  }
-  return look;
+  return {std::max(1.5, std::lerp(0.02, 0.06, softness) * edge),
+          std::max(0.5, std::lerp(0.004, 0.03, softness) * edge)};
 }
 
 // --- CT in Hounsfield units
@@ -244,10 +173,12 @@ struct Layers {
 };
 
 // Of distances from the background, rising; empty if nothing stands out.
-std::optional<Layers> layers_of(std::span<const float> distances, double spread) {
+// `nearest`: the distance of the material next to the background, infinite if none was found.
+std::optional<Layers> layers_of(std::span<const float> distances, double spread, double nearest) {
   if (distances.empty() || !(distances.back() > 0)) return std::nullopt;
   const double far = quantile(distances, 0.9999);
-  const double start = std::max({5.0 * spread, 0.04 * far});
+  // Noise stays below this; but what it half hides is not given up for its sake.
+  const double start = std::max(std::min(5.0 * spread, 0.75 * nearest), 0.04 * far);
   const auto first =
       std::upper_bound(distances.begin(), distances.end(), static_cast<float>(start));
   const auto standing_out = distances.subspan(static_cast<std::size_t>(first - distances.begin()));
@@ -264,17 +195,17 @@ std::optional<Layers> layers_of(std::span<const float> distances, double spread)
 }
 
 void add_layers(std::vector<OpacityPoint>& points, double background, double sign,
-                const Layers& layers, const Depths& depths) {
+                const Layers& layers, const Depths& depths, double softness) {
   const double thin = opacity_for_half_depth(depths.thin);
   const double solid = opacity_for_half_depth(depths.solid);
-  const double slope = 0.15 * (layers.end - layers.start);
+  const double slope = std::lerp(0.15, 0.4, softness) * (layers.end - layers.start);
   const auto at = [&](double distance, double opacity) {
     points.push_back({.x = background + sign * distance, .opacity = opacity});
   };
   const double thin_end =
       std::max(layers.dense - slope, layers.start + 0.5 * (layers.dense - layers.start));
   at(layers.start, 0.0);
-  at(layers.start + 0.5 * (thin_end - layers.start), thin);
+  at(layers.start + std::lerp(0.5, 1.0, softness) * (thin_end - layers.start), thin);
   at(thin_end, thin);
   at(std::min(layers.dense + slope, layers.end), solid);
 }
@@ -284,8 +215,39 @@ bool is_about_zero(const Background& background, const Layers& up, const Layers&
   return std::abs(background.value) < kOff * (up.end + down.end);
 }
 
+// How far the nearest material lies from the background, on the side of `sign`. The background
+// itself may be one of them, a little off where noise was cut at zero.
+double nearest_material(const Materials& materials, const Background& background, double sign) {
+  const auto distance = [&](double value) { return sign * (value - background.value); };
+  const auto itself = std::min_element(
+      materials.values.begin(), materials.values.end(),
+      [&](double a, double b) { return std::abs(distance(a)) < std::abs(distance(b)); });
+  double nearest = std::numeric_limits<double>::infinity();
+  for (auto i = materials.values.begin(); i != materials.values.end(); ++i) {
+    if (i != itself && distance(*i) > 0) nearest = std::min(nearest, distance(*i));
+  }
+  return nearest;
+}
+
+// Vessels through what lies around them: half of the light comes through half of that.
+Look vessel_look(const LatticeField& field, const Background& background,
+                 const view::Vessels& vessels, double noise) {
+  Look look;
+  view::set_vessel_colors(look, vessels.tissue, vessels.wall, vessels.bright);
+  set_light(look, 3 * noise);
+  const Depths depths = depths_of(field, 0);
+  const double haze = opacity_for_half_depth(25 * depths.thin);
+  const auto between = [](double lo, double hi) { return std::lerp(lo, hi, 0.5); };
+  look.transfer_function.opacities = {{.x = between(background.value, vessels.tissue)},
+                                      {.x = vessels.tissue, .opacity = haze},
+                                      {.x = between(vessels.tissue, vessels.wall), .opacity = haze},
+                                      {.x = between(vessels.wall, vessels.bright),
+                                       .opacity = opacity_for_half_depth(depths.solid)}};
+  return look;
+}
+
 std::optional<Look> object_look(const LatticeField& field, const FieldSamples& samples,
-                                const Background& background) {
+                                const Background& background, const Slopes& slopes) {
   std::vector<float> above;
   std::vector<float> below;
   for (const float value : samples.values) {
@@ -293,8 +255,9 @@ std::optional<Look> object_look(const LatticeField& field, const FieldSamples& s
     (distance >= 0 ? above : below).push_back(std::abs(distance));
   }
   std::reverse(below.begin(), below.end());
-  auto up = layers_of(above, background.spread);
-  auto down = layers_of(below, background.spread);
+  auto up = layers_of(above, background.spread, nearest_material(slopes.materials, background, 1));
+  auto down =
+      layers_of(below, background.spread, nearest_material(slopes.materials, background, -1));
   // A side that reaches less than a tenth as far is noise or ringing.
   if (up && down && down->end < 0.1 * up->end) down.reset();
   if (up && down && up->end < 0.1 * down->end) up.reset();
@@ -304,35 +267,49 @@ std::optional<Look> object_look(const LatticeField& field, const FieldSamples& s
   }
   Look look;
   if (!up && !down) return std::nullopt;
-  const Depths depths = depths_of(field);
+  const Depths depths = depths_of(field, slopes.materials.noisiness);
   const double lo = down ? background.value - down->end : background.value + up->start;
   const double hi = up ? background.value + up->end : background.value - down->start;
   if (up && down) {
-    set_colors(look, "cool-to-warm", lo, hi);
+    set_two_sided_colors(look, lo, hi);
   } else if (samples.is_counted) {
     set_body_colors(look, lo, hi);
   } else {
     set_bright_colors(look, lo, hi);
   }
-  set_light(look, 3 * background.spread);
+  set_light(
+      look,
+      std::max(3 * background.spread, 2 * slopes.materials.noise * slopes.materials.noisiness),
+      slopes.materials.noisiness);
   auto& points = look.transfer_function.opacities;
-  if (down) add_layers(points, background.value, -1.0, *down, depths);
+  if (down) add_layers(points, background.value, -1.0, *down, depths, slopes.materials.noisiness);
   std::reverse(points.begin(), points.end());
-  if (up) add_layers(points, background.value, 1.0, *up, depths);
+  if (up) add_layers(points, background.value, 1.0, *up, depths, slopes.materials.noisiness);
   return look;
 }
 
 // --- what fills its box
 
-std::optional<Look> filled_look(const LatticeField& field, const FieldSamples& samples) {
-  const double lo = quantile(samples.values, 0.001);
+std::optional<Look> filled_look(const LatticeField& field, const FieldSamples& samples,
+                                const Slopes& slopes) {
+  // Half of the samples are the background of the rest, and need no colours. Where as many are
+  // equal, the least of the rest may be that value, too.
   const double hi = quantile(samples.values, 0.999);
+  const double median = quantile(samples.values, 0.5);
+  const double lo = median < hi ? median : quantile(samples.values, 0.001);
   if (!(lo < hi)) return std::nullopt;
   Look look;
   set_bright_colors(look, lo, hi);
-  const Depths depths = depths_of(field);
+  set_light(look, 2 * slopes.materials.noise * slopes.materials.noisiness,
+            slopes.materials.noisiness);
+  if (slopes.is_ramp) {
+    // It has no surface: light would darken it by where it comes from. Even light leaves a lit
+    // surface's mean.
+    set_light(look, hi - lo, 1);
+    look.material.diffuse = 0.6;
+  }
+  const Depths depths = depths_of(field, slopes.materials.noisiness);
   auto& points = look.transfer_function.opacities;
-  // Half of the samples are the background of the rest.
   const std::pair<double, double> by_quantile[] = {
       {0.5, 0.0},
       {0.8, opacity_for_half_depth(4 * depths.thin)},
@@ -346,10 +323,15 @@ std::optional<Look> filled_look(const LatticeField& field, const FieldSamples& s
   return look;
 }
 
-std::optional<Look> layered_look(const LatticeField& field, const FieldSamples& samples) {
-  if (const auto background = background_of(samples))
-    return object_look(field, samples, *background);
-  return filled_look(field, samples);
+std::optional<Look> layered_look(const LatticeField& field, const FieldSamples& samples,
+                                 const Slopes& slopes) {
+  if (const auto background = background_of(samples)) {
+    if (const auto vessels = view::find_vessels(field.samples(), slopes.materials,
+                                                background->value, samples.values))
+      return vessel_look(field, *background, *vessels, slopes.materials.noise);
+    return object_look(field, samples, *background, slopes);
+  }
+  return filled_look(field, samples, slopes);
 }
 
 // --- densities over decades
@@ -380,7 +362,8 @@ void raise_to_values(TransferFunction& tf) {
 // A look of samples that are neither labels nor scans.
 Look look_of_values(const LatticeField& field, const FieldSamples& samples) {
   const bool is_logarithmic = asks_for_a_logarithm(samples);
-  std::optional<Look> look = layered_look(field, is_logarithmic ? logarithms(samples) : samples);
+  std::optional<Look> look = is_logarithmic ? layered_look(field, logarithms(samples), {})
+                                            : layered_look(field, samples, slopes_of(field));
   if (look && is_logarithmic) raise_to_values(look->transfer_function);
   return look ? *look : ramp_look(field.value_range());
 }
@@ -393,7 +376,7 @@ Look look_of_lattice(const LatticeField& field, std::string_view unit) {
   const FieldSamples samples = data::take_samples(field.samples());
   if (says_nothing(samples)) return ramp_look(field.value_range());
   if (const std::vector<int> labels = data::labels_of(field.samples()); !labels.empty())
-    return label_look(labels, samples);
+    return view::label_look(labels, samples);
   if (const auto water = water_of(samples, unit)) return hounsfield_look(field, *water);
   return look_of_values(field, samples);
 }
@@ -446,7 +429,7 @@ constexpr DepthAt kShapeDepths[] = {
 // What fills its box, as adaptive grids do: half of it is the background of the rest.
 constexpr DepthAt kBoxDepths[] = {{0.1, 0}, {0.5, 0.3}, {0.8, 0.08}, {0.95, 0.03}, {0.999, 0.012}};
 // Sums fade out at their low end, where they are mostly space.
-constexpr DepthAt kSumDepths[] = {{0.02, 0}, {0.3, 0.5}, {0.7, 0.12}, {0.95, 0.03}, {0.999, 0.012}};
+constexpr DepthAt kSumDepths[] = {{0.02, 0}, {0.3, 0.35}, {0.7, 0.1}, {0.95, 0.03}, {0.999, 0.012}};
 
 // Half by value, half by rank: where most values are alike, colours still tell them apart.
 void spread_by_rank(TransferFunction& tf, std::span<const float> rising, double q_lo, double q_hi) {
@@ -537,6 +520,12 @@ std::optional<std::pair<double, double>> air_and_bone(const Field& field) {
   const double bone = quantile(samples.values, 0.999);
   if (!background || !(background->value < bone)) return std::nullopt;
   return std::pair(background->value, bone);
+}
+
+Materials materials_of(const Field& field) {
+  data::require_field(field);
+  if (field.lattice() == nullptr) return {};
+  return view::find_materials(data::take_rises(field.lattice()->samples()));
 }
 
 bool holds_labels(const Field& field) {

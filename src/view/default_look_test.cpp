@@ -6,8 +6,12 @@
 
 #include "ovoid/look.h"
 #include "support/agreement.h"
+#include "support/kernel_sets.h"
 #include "support/volumes.h"
+#include "view/ciede2000.h"
+#include "view/color_spaces.h"
 #include "view/field_samples.h"
+#include "view/look_table.h"
 
 namespace ovoid {
 namespace {
@@ -80,6 +84,39 @@ TEST(DefaultLook, IsStableUnderSmallChanges) {
   }
 }
 
+// Five deviations of the noise would hide the shell with it.
+TEST(DefaultLook, NoiseDoesNotHideWhatStandsOutOfIt) {
+  const Look look = default_look(scan(20.0));
+  EXPECT_EQ(opacity_at(look, 10), 0.0);
+  EXPECT_EQ(opacity_at(look, 30), 0.0);  // the noise reaches as far
+  EXPECT_GT(opacity_at(look, 80), 0.0);
+  EXPECT_GT(opacity_at(look, 200), opacity_at(look, 80));
+}
+
+// Light and steep curves would bring out nothing but the noise.
+TEST(DefaultLook, NoiseIsDrawnSoft) {
+  const auto noise = [](std::int64_t i, std::int64_t j, std::int64_t k) {
+    return (radius_at(i, j, k) < 15 ? 100.0 : 0.0) * (1.0 + default_look_noise(i, j, k, 1));
+  };
+  const auto object = [](std::int64_t i, std::int64_t j, std::int64_t k) {
+    const double r = radius_at(i, j, k);
+    return 100.0 / (1 + std::exp(r - 15)) + 100.0 / (1 + std::exp(r - 8));
+  };
+  const Look soft = default_look(test::make_field({kSide, kSide, kSide}, noise));
+  const Look crisp = default_look(test::make_field({kSide, kSide, kSide}, object));
+  EXPECT_GT(soft.flat_rise, 5 * crisp.flat_rise);
+  EXPECT_LT(opacity_at(soft, 190), 0.6 * opacity_at(crisp, 190));
+  EXPECT_GT(opacity_at(soft, 100), 0.0);
+}
+
+// Light on a ramp tells where the light is.
+TEST(DefaultLook, RampsHaveEvenLight) {
+  const auto ramp = [](std::int64_t i, std::int64_t j, std::int64_t) {
+    return static_cast<double>(3 * i + j);
+  };
+  EXPECT_EQ(default_look(test::make_field({kSide, kSide, kSide}, ramp)).flat_rise, 1.0);
+}
+
 // A detector's bright pixel must not turn all else into background.
 TEST(DefaultLook, SingleOddSamplesChangeLittle) {
   const Look plain = default_look(scan(2.0));
@@ -126,6 +163,43 @@ TEST(DefaultLook, FieldsWithoutABackgroundShowTheirUpperHalf) {
   EXPECT_EQ(opacity_at(look, 3.0 * 10), 0.0);
   EXPECT_GT(opacity_at(look, 3.0 * 44), opacity_at(look, 3.0 * 30));
   EXPECT_GT(opacity_at(look, 3.0 * 30), 0.0);
+}
+
+// The colours of what is transparent would be of no use to anybody.
+TEST(DefaultLook, FieldsWithoutABackgroundSpendTheirColoursOnWhatShows) {
+  const Look look = default_look(test::make_field(
+      {kSide, kSide, kSide},
+      [](std::int64_t i, std::int64_t, std::int64_t) { return 3.0 * static_cast<double>(i); }));
+  const double median = 3.0 * (kSide - 1) / 2;
+  EXPECT_NEAR(look.transfer_function.colors.front().x, median, 3.0);
+  EXPECT_NEAR(look.transfer_function.opacities.front().x, median, 3.0);
+}
+
+// docs/looks.md, "The default look": bright, since light and background darken them, and apart.
+TEST(DefaultLook, ColoursAreBrightAndApart) {
+  const auto shape = [](std::int64_t i, std::int64_t j, std::int64_t k) {
+    const double r = radius_at(i, j, k);
+    return std::exp(-r * r / 100);
+  };
+  const Look looks[] = {
+      default_look(scan(2.0)),
+      default_look(
+          test::make_stored_field({kSide, kSide, kSide}, shape, {ScalarType::kUInt8, 0, 255})),
+      default_look(KernelField(test::jittered_balls(8).source(), Reconstruction::kSum))};
+  EXPECT_NE(looks[0].transfer_function.name, looks[1].transfer_function.name);
+  EXPECT_FALSE(looks[2].shade);
+  for (const Look& look : looks) {
+    const auto& colors = look.transfer_function.colors;
+    for (std::size_t i = 0; i < colors.size(); ++i) {
+      const Rgb& rgb = colors[i].rgb;
+      EXPECT_GE(0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2], 0.5)
+          << look.transfer_function.name << ", point " << i;
+      if (i < 2) continue;
+      const Rgb& other = colors[i - 2].rgb;
+      EXPECT_GE(view::ciede2000(view::lab_from_rgb(rgb), view::lab_from_rgb(other)), 15)
+          << look.transfer_function.name << ", points " << i - 2 << " and " << i;
+    }
+  }
 }
 
 // Densities over decades: clusters in a void that is not empty.
@@ -200,6 +274,30 @@ TEST(DefaultLook, AirAndBoneOfOtherScales) {
   EXPECT_EQ(air_and_bone(test::constant_field({8, 8, 8}, 3)), std::nullopt);
 }
 
+// Tissue with a bright tube in it, or with bright fat around it.
+LatticeField bright_in_tissue(bool is_inside, double bright) {
+  return test::make_field(
+      {kSide, kSide, kSide}, [=](std::int64_t i, std::int64_t j, std::int64_t k) {
+        const double r = radius_at(i, j, k);
+        const double to_tube = std::hypot(static_cast<double>(i) - 27, static_cast<double>(j) - 22);
+        const bool is_bright = is_inside ? to_tube < 2 && r < 14 : r > 18.5 && r < 20;
+        const double value = is_bright ? bright : r < 20 ? 300.0 : 20.0;
+        return value + 12.0 * default_look_noise(i, j, k, 1);
+      });
+}
+
+TEST(DefaultLook, VesselsShowThroughTissue) {
+  const Look look = default_look(bright_in_tissue(true, 900));
+  EXPECT_EQ(look.transfer_function.name, "vessels");
+  EXPECT_EQ(opacity_at(look, 20), 0.0);
+  EXPECT_GT(opacity_at(look, 300), 0.0);
+  EXPECT_LT(opacity_at(look, 300), 0.05);
+  EXPECT_GT(opacity_at(look, 880), 0.5);
+  // Beside the background it is skin, and a little brighter than tissue anything.
+  EXPECT_NE(default_look(bright_in_tissue(false, 900)).transfer_function.name, "vessels");
+  EXPECT_NE(default_look(bright_in_tissue(true, 420)).transfer_function.name, "vessels");
+}
+
 LatticeField labels(const std::vector<double>& values) {
   return test::make_field({kSide, kSide, kSide},
                           [&](std::int64_t i, std::int64_t j, std::int64_t k) {
@@ -216,7 +314,7 @@ TEST(DefaultLook, LabelsGetAColourEach) {
   EXPECT_EQ(opacity_at(look, 0), 0.0);
   std::vector<Rgb> colors;
   for (const double label : {2.0, 7.0, 40.0}) {
-    EXPECT_EQ(opacity_at(look, label), 1.0) << label;
+    EXPECT_GE(opacity_at(look, label), 0.95) << label;
     const Rgb color = look.transfer_function.color_at(label);
     // Flat around the label, so that rounding changes nothing.
     EXPECT_EQ(color, look.transfer_function.color_at(label + 0.4)) << label;
@@ -228,6 +326,78 @@ TEST(DefaultLook, LabelsGetAColourEach) {
     }
     colors.push_back(color);
   }
+}
+
+// The field passes through all values between two labels. What is passed must not show, or all
+// labels would have the colour of the first: three quarters of the values between are clear.
+TEST(DefaultLook, BetweenLabelsIsMostlyNothing) {
+  const Look look = default_look(labels({0, 7, 2, 40}));
+  int num_clear = 0;
+  for (int i = 0; i < 400; ++i) {
+    if (opacity_at(look, 0.1 * i + 0.05) == 0.0) ++num_clear;
+  }
+  EXPECT_GT(num_clear, 300);
+}
+
+// Blocks of labels, each its own, a number times `stride`.
+LatticeField many_labels(int stride) {
+  return test::make_field({80, 64, 48}, [=](std::int64_t i, std::int64_t j, std::int64_t k) {
+    const std::int64_t block = i / 4 + 20 * (j / 4 + 16 * (k / 4));
+    return k < 4 ? 0.0 : static_cast<double>(1 + block * stride);
+  });
+}
+
+// 3840 labels up to 65,000 and 20 million: neighbours differ, the background is clear, the cpu's
+// table tells them as exact evaluation does.
+TEST(DefaultLook, ManyLabelsGetColoursThatDiffer) {
+  const LatticeField field = many_labels(17);
+  EXPECT_TRUE(holds_labels(field));
+  const Look look = default_look(field);
+  look.validate();
+  const TransferFunction& tf = look.transfer_function;
+  EXPECT_LE(tf.colors.size(), 2 * 2002);
+  EXPECT_EQ(opacity_at(look, 0), 0.0);
+  const view::LookTable table(tf);
+  int num_pairs = 0;
+  int num_alike = 0;
+  for (int block = 400; block < 3800; ++block) {
+    const double label = 1 + block * 17.0;
+    EXPECT_EQ(opacity_at(look, label), 0.5);
+    EXPECT_NEAR(table.at(static_cast<float>(label)).r, tf.color_at(label)[0], 1e-6) << label;
+    for (const int step : {20, 320}) {  // beside and above
+      const Rgb one = view::lab_from_rgb(tf.color_at(label));
+      const Rgb other = view::lab_from_rgb(tf.color_at(label + step * 17.0));
+      ++num_pairs;
+      if (view::ciede2000(one, other) < 15) ++num_alike;
+    }
+  }
+  EXPECT_LT(num_alike, num_pairs / 6);
+  EXPECT_FALSE(holds_labels(many_labels(5300)));  // float tells them apart no longer
+}
+
+// A label keeps its colour where others are missing.
+TEST(DefaultLook, AManyLabelsColourIsItsOwn) {
+  const auto with_gap = [](std::int64_t gap) {
+    return test::make_field({80, 64, 16}, [=](std::int64_t i, std::int64_t j, std::int64_t k) {
+      const std::int64_t block = i / 8 + 10 * (j / 8 + 8 * (k / 8));
+      return block == gap ? 0.0 : static_cast<double>(block);
+    });
+  };
+  const TransferFunction all = default_look(with_gap(-1)).transfer_function;
+  const TransferFunction fewer = default_look(with_gap(20)).transfer_function;
+  for (const double label : {5.0, 40.0, 100.0, 159.0})
+    EXPECT_EQ(all.color_at(label), fewer.color_at(label)) << label;
+}
+
+// Whole numbers in plenty, but smooth: what scans are.
+TEST(DefaultLook, ScansInWholeNumbersAreNoLabels) {
+  const Field field =
+      test::make_stored_field({kSide, kSide, kSide},
+                              [](std::int64_t i, std::int64_t j, std::int64_t k) {
+                                return 1.0 / (1.0 + std::exp(0.5 * (radius_at(i, j, k) - 15)));
+                              },
+                              {ScalarType::kUInt16, 0, 4000});
+  EXPECT_FALSE(holds_labels(field));
 }
 
 TEST(DefaultLook, OtherIntegersAreNoLabels) {

@@ -63,6 +63,7 @@ constinit const TypeLayout OVOID_LAYOUTS[] = {
     OVOID_TYPE(LatticeFileHeader),
     OVOID_TYPE(LatticeFileWriter),
     OVOID_TYPE(Material),
+    OVOID_TYPE(Materials),
     OVOID_TYPE(Look),
     OVOID_TYPE(LatticeModelOptions),
     OVOID_TYPE(LatticeModelReport),

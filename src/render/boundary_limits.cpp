@@ -47,19 +47,19 @@ Rays rays_of(std::span<const SurfaceFragment> fragments) {
   std::array<bool, kRays> is_shown{};
   MeshCount count(fragments);
   std::array<bool, kRays> was_inside{};
-  const auto look = [&](int p) {
+  const auto note_ray = [&](int p) {
     const auto at = static_cast<std::size_t>(p);
     const bool is_inside = count.is_inside(p);
     if (is_inside && !was_inside[at]) ++num_spans[at];
     was_inside[at] = is_inside;
     is_shown[at] = is_shown[at] || is_inside;
   };
-  for (int p = 0; p < kRays; ++p) look(p);
+  for (int p = 0; p < kRays; ++p) note_ray(p);
   for (const SurfaceFragment& fragment : fragments) {
     count.pass(fragment);
     for (int p = 0; p < kRays; ++p) {
       if ((fragment.covered >> p & 1U) == 0) continue;
-      look(p);
+      note_ray(p);
       if (fragment.enters == 0) is_shown[static_cast<std::size_t>(p)] = true;
     }
   }
@@ -128,7 +128,8 @@ class BoundaryPainter {
     if (is_inside) limits.push_back({-std::numeric_limits<float>::infinity(), true, {}});
     for (const auto& [depth, enters] : crossings) {
       count += enters;
-      if (std::exchange(is_inside, count > least) == is_inside) continue;
+      if (is_inside == (count > least)) continue;
+      is_inside = !is_inside;
       if (is_inside && !limits.empty() && is_one_place(limits.back().depth, depth)) {
         limits.pop_back();
       } else {

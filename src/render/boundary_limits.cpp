@@ -43,6 +43,12 @@ struct Rays {
 };
 
 Rays rays_of(std::span<const SurfaceFragment> fragments) {
+  // Most pixels have no outline in them: their rays are alike.
+  constexpr unsigned kAll = (1U << kRays) - 1;
+  const bool is_plain =
+      !fragments.empty() && std::all_of(fragments.begin(), fragments.end(),
+                                        [](const SurfaceFragment& f) { return f.covered == kAll; });
+  if (is_plain) return {kRays, 0};
   std::array<int, kRays> num_spans{};
   std::array<bool, kRays> is_shown{};
   MeshCount count(fragments);

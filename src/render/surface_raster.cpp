@@ -259,18 +259,22 @@ SurfaceRaster::TileFragments SurfaceRaster::tile_fragments(int tile, bool is_opa
   const auto at = static_cast<std::size_t>(tile);
   for (std::uint32_t i = first_of_tile_[at]; i < first_of_tile_[at + 1]; ++i)
     rasterize(parts_[parts_of_tile_[i]], tile, is_opaque, work);
-  std::sort(work.entries.begin(), work.entries.end(),
-            [](const TileWork::Entry& a, const TileWork::Entry& b) {
-              return std::tie(a.pixel, a.fragment.depth, a.fragment.triangle) <
-                     std::tie(b.pixel, b.fragment.depth, b.fragment.triangle);
-            });
+  // Dealt to their pixels, of which each has few.
   TileFragments out;
-  out.fragments.reserve(work.entries.size());
-  for (const TileWork::Entry& entry : work.entries) {
-    out.fragments.push_back(entry.fragment);
+  for (const TileWork::Entry& entry : work.entries)
     ++out.first[static_cast<std::size_t>(entry.pixel) + 1];
-  }
   for (std::size_t i = 1; i < out.first.size(); ++i) out.first[i] += out.first[i - 1];
+  out.fragments.resize(work.entries.size());
+  std::array<std::uint32_t, kTile * kTile> next;
+  std::copy_n(out.first.begin(), next.size(), next.begin());
+  for (const TileWork::Entry& entry : work.entries)
+    out.fragments[next[entry.pixel]++] = entry.fragment;
+  const auto is_before = [](const SurfaceFragment& a, const SurfaceFragment& b) {
+    return std::tie(a.depth, a.triangle) < std::tie(b.depth, b.triangle);
+  };
+  for (std::size_t pixel = 0; pixel < next.size(); ++pixel)
+    std::sort(out.fragments.begin() + out.first[pixel],
+              out.fragments.begin() + out.first[pixel + 1], is_before);
   return out;
 }
 

@@ -194,8 +194,11 @@ TEST(BoundaryLimits, OutlinesAreWithinHalfAPixel) {
       for (int x = 0; x < kPixels; ++x) {
         const double inside = depth_inside((x + 0.5 - 32) / 6.4, (32 - y - 0.5) / 6.4);
         const float coverage = limits.coverage[static_cast<std::size_t>(y * kPixels + x)];
-        if (inside > 0.5) EXPECT_GT(coverage, 0.5) << x << ' ' << y;
-        if (inside < -0.5) EXPECT_LT(coverage, 0.5) << x << ' ' << y;
+        if (inside > 0.5) {
+          EXPECT_GT(coverage, 0.5) << x << ' ' << y;
+        } else if (inside < -0.5) {
+          EXPECT_LT(coverage, 0.5) << x << ' ' << y;
+        }
       }
     }
   }

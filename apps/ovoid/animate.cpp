@@ -280,6 +280,7 @@ Scenery make_scenery(const Series& series, const Chosen& chosen, const Flags& fl
   scenery.walls = surface_to_draw(subject, drawing);
   CameraSubject seen_subject = subject_of(scenery, field, drawing);
   if (scenery.walls.opacity > 0) seen_subject.surface = subject.surface.get();
+  seen_subject.shows_all = drawing.points.size.has_value();
   seen_subject.is_for_turning = true;
   CameraFlags camera = drawing.camera;
   if (seen.num_steps > 1) camera.fit = Fit::kBox;  // what shows of one may grow in the next
@@ -348,9 +349,13 @@ class Animator {
     }
     const RenderOptions& options = animate_.drawing.options;
     const std::optional<ValuePlane>& plane = animate_.drawing.plane;
-    const FrameSubject subject{
-        field_,         look,         trail_ ? &*trail_ : nullptr, plane ? &*plane : nullptr,
-        surface_.get(), scenery.walls};
+    const FrameSubject subject{field_,
+                               look,
+                               trail_ ? &*trail_ : nullptr,
+                               plane ? &*plane : nullptr,
+                               surface_.get(),
+                               scenery.walls,
+                               points_to_draw(animate_.drawing.points)};
     Frame drawn = draw_frame(renderer_, subject, camera, options, hooks);
     if (!drawn.profile.notice.empty()) session_.note(drawn.profile.notice);
     return std::move(drawn.image);

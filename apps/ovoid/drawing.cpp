@@ -71,6 +71,8 @@ Subject make_subject(const Dataset& dataset, const Flags& flags, DrawingFlags* d
   subject.described = describe(dataset, subject.modelled, subject.modelled.component);
   subject.unit = unit_of(dataset, subject.modelled, Role::kOpacity);
   subject.surface = surface_of(dataset, *drawing, subject.modelled, session);
+  subject.has_points =
+      dataset.kind == DatasetKind::kParticles || dataset.kind == DatasetKind::kKernels;
   subject.has_walls = subject.surface != nullptr && dataset.kind == DatasetKind::kMesh;
   return subject;
 }
@@ -182,9 +184,18 @@ SurfaceStyle surface_to_draw(const Subject& subject, const DrawingFlags& drawing
   return none;
 }
 
+std::optional<PointStyle> points_to_draw(const PointFlags& points) {
+  if (!points.size) return std::nullopt;
+  return PointStyle{*points.size};
+}
+
 Frame draw_frame(Renderer& renderer, const FrameSubject& subject, const Camera& camera,
                  const RenderOptions& options, const RenderHooks& hooks) {
-  const auto& [field, look, trail, plane, surface, walls] = subject;
+  const auto& [field, look, trail, plane, surface, walls, points] = subject;
+  if (points && field.kernels() != nullptr) {
+    return render_points(*field.kernels(), camera, look, *points, options, renderer.threads(),
+                         hooks);
+  }
   if (trail != nullptr) return renderer.render(field, camera, look, *trail, options, hooks);
   if (surface == nullptr) {
     if (plane == nullptr) return renderer.render(field, camera, look, options, hooks);

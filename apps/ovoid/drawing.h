@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "draw_marks.h"
 #include "make_field.h"
 #include "ovoid/render_mesh.h"
+#include "ovoid/render_points.h"
 #include "ovoid/renderer.h"
 #include "settings.h"
 
@@ -26,6 +28,7 @@ struct Subject {
   std::string unit;                        // of what gives opacity
   std::shared_ptr<const Surface> surface;  // of a mesh or boxes; null: there is none
   bool has_walls = false;                  // the surface may be seen: a mesh's
+  bool has_points = false;                 // may be drawn as balls: particles and kernels
 };
 
 // Of a mesh or boxes, with the values of what was modelled. Null if there is none. Throws Error
@@ -62,6 +65,7 @@ struct FrameSubject {
   const ValuePlane* plane = nullptr;  // null: none
   const Surface* surface = nullptr;   // of the mesh whose field it is; null: none
   SurfaceStyle walls{0, false};       // of the surface
+  std::optional<PointStyle> points;   // the kernels, instead of the field; none: the field
 
   // Lids of cuts aside.
   bool shows_surface_alone() const {
@@ -71,7 +75,10 @@ struct FrameSubject {
   const Surface* framed_surface() const { return walls.opacity > 0 ? surface : nullptr; }
 };
 
-// With a trail, with a value plane, within a surface.
+// What the flags ask for instead of the field; none: the field. Of particles and kernels.
+std::optional<PointStyle> points_to_draw(const PointFlags& points);
+
+// With a trail, with a value plane, within a surface, or as points.
 Frame draw_frame(Renderer& renderer, const FrameSubject& subject, const Camera& camera,
                  const RenderOptions& options, const RenderHooks& hooks);
 

@@ -59,21 +59,24 @@ std::string readable_time(double ms) {
   return fmt::format("{:.0f} min", ms / 60'000);
 }
 
-// A surface costs as much as its triangles and a few pixels: it is drawn, and forgotten.
-std::string predict_surface(const DryRun& run) {
+// Surfaces and points cost as much as they have parts and a few pixels: they are drawn, and
+// forgotten.
+std::string predict_by_drawing(const DryRun& run) {
   const double resident = static_cast<double>(resident_memory_bytes());
-  const FrameProfile profile = render_surface(*run.subject.surface, run.camera, run.subject.look,
-                                              run.subject.walls, run.options, run.setup.threads)
-                                   .profile;
+  Renderer renderer(run.setup);
+  const FrameProfile profile =
+      draw_frame(renderer, run.subject, run.camera, run.options, {}).profile;
   const double peak =
       std::max(static_cast<double>(peak_memory_bytes()), resident + picture_bytes(run));
+  const std::string what =
+      run.subject.points
+          ? readable_count(static_cast<double>(run.subject.field.num_kernels())) + " points"
+          : readable_count(static_cast<double>(run.subject.surface->triangles.size())) +
+                " triangles";
   return fmt::format(
-      "{:<26}{} x {} pixels{}{}\n{:<26}{} triangles\n{:<26}about {} (cpu, {} "
-      "thread{})\n{:<26}about "
-      "{}\n",
+      "{:<26}{} x {} pixels{}{}\n{:<26}{}\n{:<26}about {} (cpu, {} thread{})\n{:<26}about {}\n",
       "picture", run.options.width, run.options.height, run.output.empty() ? "" : ", ",
-      one_line(run.output), "surface",
-      readable_count(static_cast<double>(run.subject.surface->triangles.size())), "time of a frame",
+      one_line(run.output), run.subject.points ? "points" : "surface", what, "time of a frame",
       readable_time(profile.frame_ms), profile.threads, profile.threads == 1 ? "" : "s",
       "greatest memory", readable_bytes(peak));
 }
@@ -81,7 +84,7 @@ std::string predict_surface(const DryRun& run) {
 }  // namespace
 
 std::string predict(const DryRun& run, Session& session) {
-  if (run.subject.shows_surface_alone()) return predict_surface(run);
+  if (run.subject.shows_surface_alone() || run.subject.points) return predict_by_drawing(run);
   const double resident = static_cast<double>(resident_memory_bytes());
   const RenderOptions small = resized(run.options, 4, 4);
   // A camera's picture keeps its scale when it gets narrower.

@@ -58,8 +58,13 @@ Camera make_camera(const CameraFlags& flags, const CameraSubject& subject) {
   if (flags.file.empty() && flags.fit == Fit::kVisible) {
     const Framing framing{subject.aspect, Framing().fill, subject.is_for_turning,
                           subject.clip_planes};
+    Look look = subject.look;
+    if (subject.shows_all) {
+      look.transfer_function.opacities.clear();
+      look.transfer_function.gradient_opacities.clear();
+    }
     camera = subject.surface != nullptr ? framed(camera, *subject.surface, framing)
-                                        : framed(camera, subject.field, subject.look, framing);
+                                        : framed(camera, subject.field, look, framing);
   }
   camera.zoom(flags.zoom);
   try {

@@ -23,6 +23,7 @@ struct CameraSubject {
   std::vector<ClipPlane> clip_planes;
   bool is_for_turning = false;       // as in Framing
   const Surface* surface = nullptr;  // what is drawn instead of the field; null: nothing
+  bool shows_all = false;            // every kernel is seen, whatever the look makes of its value
 };
 
 // The default view of the subject, or the file's camera, with the flags applied. Throws Error.

@@ -224,10 +224,12 @@ void run_render(const Words& words, Session& session) {
                      nullptr,
                      drawing.plane ? &*drawing.plane : nullptr,
                      subject.surface.get(),
-                     surface_to_draw(subject, drawing)};
-  const Camera camera = make_camera(
-      drawing.camera, {field, look, described.box.world_bounds(), described.space, aspect,
-                       drawing.options.clip_planes, false, drawn.framed_surface()});
+                     surface_to_draw(subject, drawing),
+                     points_to_draw(drawing.points)};
+  const Camera camera =
+      make_camera(drawing.camera, {field, look, described.box.world_bounds(), described.space,
+                                   aspect, drawing.options.clip_planes, false,
+                                   drawn.framed_surface(), drawn.points.has_value()});
   if (render.dry_run) {
     write_out(predict({drawn, camera, drawing.options, drawing.run, render.output}, session));
     return;

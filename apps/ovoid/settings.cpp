@@ -318,6 +318,26 @@ const Table<SurfaceFlags>& surface_settings() {
   return all;
 }
 
+const Table<PointFlags>& point_settings() {
+  using P = PointFlags;
+  static const Table<P> all = {
+      {"--points",
+       {"[=SIZE]",
+        [](P& points, const std::string& text) {
+          points.size = text.empty() ? 1 : parse_number(text, {.lo = 1e-3, .hi = 1e3});
+        },
+        [](const P& points) {
+          if (!points.size) return Json();
+          return *points.size == 1 ? Json(true) : Json(fmt::format("{}", *points.size));
+        }},
+       "particles and kernels: draw each as an opaque, lit ball, SIZE times as large as usual (1)",
+       for_data({DatasetKind::kParticles, DatasetKind::kKernels}, "particles and kernels"),
+       not_with("mode", "is for --mode composite", is_no_layer),
+       not_with("value-plane")},
+  };
+  return all;
+}
+
 const Table<TrailFlags>& trail_settings() {
   using T = TrailFlags;
   static const Table<T> all = {
@@ -488,6 +508,8 @@ void add_drawing_flags(Flags& flags, DrawingFlags* drawing) {
   flags.add(crop_settings(), &drawing->crop);
   flags.section("surface");
   flags.add(surface_settings(), &drawing->surface);
+  flags.section("points");
+  flags.add(point_settings(), &drawing->points);
   flags.section("motion blur");
   flags.add(trail_settings(), &drawing->trail);
   add_kernel_flags(flags, &drawing->model);

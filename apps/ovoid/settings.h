@@ -159,6 +159,11 @@ struct SurfaceFlags {
   bool shows_edges = false;
 };
 
+// Particles and kernels as balls.
+struct PointFlags {
+  std::optional<double> size;  // as PointStyle has it; none: the field is drawn
+};
+
 struct DrawingFlags {
   std::optional<Rgb> background = kBackground;  // none: transparent
   ModelFlags model;
@@ -167,6 +172,7 @@ struct DrawingFlags {
   CropFlags crop;
   AnnotationFlags annotation;
   SurfaceFlags surface;
+  PointFlags points;
   RenderOptions options;
   TrailFlags trail;
   std::optional<ValuePlane> plane;
@@ -186,6 +192,7 @@ const Table<CameraFlags>& camera_settings();
 const Table<CropFlags>& crop_settings();
 const Table<AnnotationFlags>& mark_settings();
 const Table<SurfaceFlags>& surface_settings();
+const Table<PointFlags>& point_settings();
 const Table<TrailFlags>& trail_settings();
 const Table<DrawingFlags>& picture_settings();  // --size, --background
 const Table<RenderOptions>& number_settings();

@@ -128,6 +128,9 @@ cli::FlagSet flags_of(const Document& document, Size size) {
     drawing.surface.shows_edges = is_drawn && view.surface.shows_edges;
   }
   cli::tell(cli::surface_settings(), drawing.surface, &flags);
+  drawing.points = {};
+  if (document.draws_points(view)) drawing.points.size = view.points.size;
+  cli::tell(cli::point_settings(), drawing.points, &flags);
   cli::AnnotationFlags marks = view.marks;
   if (!marks.any()) marks.length_unit.reset();
   cli::tell(cli::mark_settings(), marks, &flags);

@@ -48,6 +48,9 @@ void Document::take(const ShownReady& ready, double aspect) {
     view.surface = cli::surface_to_draw(shown->subject, flags);
     view.draws_surface = view.surface.opacity > 0;
     if (!view.draws_surface) view.surface.opacity = 1;  // what a click on it will show
+    const std::optional<PointStyle> points = cli::points_to_draw(flags.points);
+    view.draws_points = points.has_value();
+    if (points) view.points = *points;
     setup = flags.run;
     time.blur_length = flags.trail.length.value_or(0);
     time.blur_decay = flags.trail.decay;
@@ -90,11 +93,21 @@ bool Document::draws_surface(const View& of) const {
          !of.plane;
 }
 
+bool Document::draws_points(const View& of) const {
+  return of.draws_points && shown->subject.has_points && of.look.mode == Mode::kComposite &&
+         !of.plane;
+}
+
 cli::CameraSubject Document::camera_subject(double aspect) const {
-  return {shown->field(), view.look,
-          bounds(),       shown->subject.described.space,
-          aspect,         options_of(view, {1, 1}).clip_planes,
-          false,          draws_surface(view) ? shown->subject.surface.get() : nullptr};
+  return {shown->field(),
+          view.look,
+          bounds(),
+          shown->subject.described.space,
+          aspect,
+          options_of(view, {1, 1}).clip_planes,
+          false,
+          draws_surface(view) ? shown->subject.surface.get() : nullptr,
+          draws_points(view)};
 }
 
 const ArrayInfo* Document::array_info(const std::string& name) const {
@@ -133,6 +146,7 @@ std::shared_ptr<Scene> Document::scene(const View& of, const RendererSetup& on, 
   made->has_trail = shown->trail != nullptr && time.blur_length > 0 && is_layered;
   if (is_layered && !made->has_trail) made->plane = of.plane;
   if (draws_surface(of)) made->walls = of.surface;
+  if (draws_points(of)) made->points = of.points;
   made->background = of.background;
   made->xray_range = launch->drawing.look.range;
   return made;

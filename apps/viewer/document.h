@@ -25,6 +25,8 @@ struct View {
   std::optional<ValuePlane> plane;
   bool draws_surface = false;  // of a mesh
   SurfaceStyle surface;
+  bool draws_points = false;  // of particles and kernels: balls instead of the field
+  PointStyle points;
   RenderOptions options;  // without size and clip planes
   cli::AnnotationFlags marks;
   Rgb background = cli::kBackground;
@@ -77,8 +79,9 @@ class Document {
   void take(const Opened& opened);
   void take(const ShownReady& ready, double aspect);
 
-  // Whether a view shows the surface of what is shown.
+  // Whether a view shows the surface of what is shown, or its kernels as balls.
   bool draws_surface(const View& of) const;
+  bool draws_points(const View& of) const;
   // The part of the data that is left by the crop.
   Bounds3 bounds() const;
   Bounds3 data_bounds() const { return shown->field().world_bounds(); }

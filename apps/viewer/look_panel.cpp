@@ -329,6 +329,20 @@ bool surface_editor(Panel& panel) {
   return is_changed;
 }
 
+// Of particles and kernels: themselves instead of their field.
+bool points_editor(Panel& panel) {
+  Document& document = panel.document;
+  Widgets& widgets = panel.widgets;
+  if (!document.shown->subject.has_points) return false;
+  View& view = document.view;
+  bool is_changed = widgets.checkbox("look.points", "points", &view.draws_points);
+  widgets.tip("Each as an opaque ball in the colour of its own value.");
+  if (view.draws_points)
+    is_changed |= widgets.slider("look.point-size", "of size", &view.points.size, 0.1, 5);
+  ImGui::Separator();
+  return is_changed;
+}
+
 }  // namespace
 
 void look_panel(Panel& panel) {
@@ -341,6 +355,7 @@ void look_panel(Panel& panel) {
   bool is_changed = presets(panel);
   is_changed |= choose_mode(panel);
   is_changed |= surface_editor(panel);
+  is_changed |= points_editor(panel);
   is_changed |= opacity_editor(panel);
   Look& look = document.view.look;
   if (look.color_function) {  // opacity and colour each have values of their own

@@ -203,11 +203,12 @@ Picture Worker::Impl::draw(const std::shared_ptr<const Scene>& scene, const Leve
   RenderHooks hooks;
   hooks.stop = token;
   const bool has_trail = scene->has_trail && level.field == 0;
-  Frame frame = cli::draw_frame(
-      renderer,
-      {*coarse.field, coarse.look, has_trail ? scene->shown->trail.get() : nullptr,
-       scene->plane ? &*scene->plane : nullptr, scene->shown->subject.surface.get(), scene->walls},
-      scene->camera, coarse.options, hooks);
+  Frame frame =
+      cli::draw_frame(renderer,
+                      {*coarse.field, coarse.look, has_trail ? scene->shown->trail.get() : nullptr,
+                       scene->plane ? &*scene->plane : nullptr, scene->shown->subject.surface.get(),
+                       scene->walls, scene->points},
+                      scene->camera, coarse.options, hooks);
   picture.image = std::move(frame.image);
   picture.profile = std::move(frame.profile);
   if (scene->look.mode == Mode::kXray) {

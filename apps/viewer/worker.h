@@ -29,7 +29,8 @@ struct Scene {
   std::optional<ValuePlane> plane;
   RendererSetup setup;
   bool has_trail = false;
-  SurfaceStyle walls{0, false};  // of what is shown, if it has a surface
+  SurfaceStyle walls{0, false};      // of what is shown, if it has a surface
+  std::optional<PointStyle> points;  // drawn instead; none: the field
   Rgb background{0, 0, 0};
   std::optional<std::pair<double, double>> xray_range;  // none: the picture's own
 };

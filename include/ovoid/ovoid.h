@@ -31,6 +31,7 @@
 #include "ovoid/relevant.h"
 #include "ovoid/render_mesh.h"
 #include "ovoid/render_options.h"
+#include "ovoid/render_points.h"
 #include "ovoid/render_surface.h"
 #include "ovoid/renderer.h"
 #include "ovoid/resample.h"

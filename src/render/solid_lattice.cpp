@@ -84,10 +84,13 @@ ExtinctionLattice solid_lattice(const Surface& surface, const std::vector<ClipPl
   out.extinction.assign(stride * static_cast<std::size_t>(out.dims[2]), 0.0F);
   for (int y = 0; y < options.height; ++y) {
     for (int x = 0; x < options.width; ++x) {
-      const auto pixel = static_cast<std::size_t>(y * options.width + x);
+      const auto number_of = [&](int row, int column) {
+        return static_cast<std::size_t>(row) * static_cast<std::size_t>(options.width) +
+               static_cast<std::size_t>(column);
+      };
+      const std::size_t pixel = number_of(y, x);
       const auto stops = limits.of_pixel(x, y);
-      const auto column = static_cast<std::size_t>((options.height - 1 - y) * options.width +
-                                                   (options.width - 1 - x));
+      const std::size_t column = number_of(options.height - 1 - y, options.width - 1 - x);
       for (std::size_t i = 0; i < stops.size(); ++i) {
         if (!stops[i].is_field_behind) continue;
         const double end = i + 1 < stops.size() ? static_cast<double>(stops[i + 1].depth)

@@ -15,9 +15,6 @@ namespace {
 
 // Of the focal distance: what is nearer to the eye is cut.
 constexpr double kNear = 1e-3;
-// A square of side 1 / sqrt(5) turned by atan(1/2): no two places in a row or column.
-constexpr std::array<std::array<double, 2>, SurfaceRaster::kPlaces> kPlacesInPixel = {
-    {{0.375, 0.125}, {0.875, 0.375}, {0.625, 0.875}, {0.125, 0.625}}};
 constexpr float kFarthest = std::numeric_limits<float>::infinity();
 
 // Twice the signed area of (a, b, p); of the three sides of a triangle that holds p all have one

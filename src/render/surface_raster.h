@@ -27,7 +27,10 @@ struct SurfaceFragment {
 class SurfaceRaster {
  public:
   static constexpr int kTile = 32;   // pixels along a tile's side
-  static constexpr int kPlaces = 4;  // of a pixel that are looked at, on a turned square
+  static constexpr int kPlaces = 4;  // of a pixel that are looked at
+  // A square of side 1 / sqrt(5) turned by atan(1/2): no two places in a row or column.
+  static constexpr std::array<std::array<double, 2>, kPlaces> kPlacesInPixel = {
+      {{0.375, 0.125}, {0.875, 0.375}, {0.625, 0.875}, {0.125, 0.625}}};
 
   enum class Faces {
     kDrawn,  // those with values, where no clip plane cuts them away

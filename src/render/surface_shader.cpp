@@ -34,13 +34,8 @@ SurfaceShader::SurfaceShader(const Surface& surface, const SurfaceRaster& raster
       look_(look),
       shows_edges_(shows_edges),
       light_(light),
-      colors_(view::colors_alone(view::color_function_of(look))) {
-  if (look.light_direction) {
-    key_ = look.light_direction->normalized();
-  } else if (look.light == Light::kStudio) {
-    key_ = view::studio_key(camera).normalized();
-  }
-}
+      colors_(view::colors_alone(view::color_function_of(look))),
+      key_(view::direction_of_light(look, camera)) {}
 
 Rgb SurfaceShader::color_of(const SurfaceFragment& fragment) const {
   const Surface::Triangle& triangle = surface_.triangles[fragment.triangle];

@@ -29,7 +29,7 @@ class SurfaceShader {
   const bool shows_edges_;
   const view::LightVolume* const light_;
   const view::LookTable colors_;
-  std::optional<Vec3> key_;  // none: from the eye
+  const std::optional<Vec3> key_;  // none: from the eye
 };
 
 }  // namespace ovoid

@@ -72,4 +72,10 @@ Vec3 studio_key(const Camera& camera) {
   return -0.5 * right + 0.6 * to_eye.cross(right) + 0.8 * to_eye;
 }
 
+std::optional<Vec3> direction_of_light(const Look& look, const Camera& camera) {
+  if (look.light_direction) return look.light_direction->normalized();
+  if (look.light == Light::kStudio) return studio_key(camera).normalized();
+  return std::nullopt;
+}
+
 }  // namespace ovoid::view

@@ -3,6 +3,8 @@
 // the same in vectors and in GLSL.
 #pragma once
 
+#include <optional>
+
 #include "ovoid/camera.h"
 #include "ovoid/look.h"
 #include "ovoid/math.h"
@@ -25,6 +27,9 @@ LightShares light_shares(const Look& look, const Vec3& normal, const Vec3& to_li
 // The colour under that light where normals tell a share `flatness` of what light does, in [0, 1].
 Rgb lit_color(const Rgb& color, const Material& material, const LightShares& light,
               double flatness);
+
+// Where the look's light stands, unit length; none: at the eye.
+std::optional<Vec3> direction_of_light(const Look& look, const Camera& camera);
 
 // The studio's key light where nobody placed it: above left of the camera. World, not of unit
 // length.

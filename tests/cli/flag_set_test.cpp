@@ -250,6 +250,8 @@ const std::vector<Words>& samples() {
       {"--shift", "-3"},
       {"--surface=0.5", "--edges"},
       {"--surface"},
+      {"--points=2"},
+      {"--points"},
       {"--background", "none"},
       {"--camera", R"({"position": [0, 0, 4]})"},
       {"--view", "+x", "--azimuth", "1", "--elevation", "1", "--roll", "1", "--zoom", "2"},
@@ -309,6 +311,7 @@ FlagSet told(const cli::DataFlags& data, const cli::DrawingFlags& drawing) {
   cli::tell(cli::mark_settings(), drawing.annotation, &set);
   cli::tell(cli::trail_settings(), drawing.trail, &set);
   cli::tell(cli::surface_settings(), drawing.surface, &set);
+  cli::tell(cli::point_settings(), drawing.points, &set);
   cli::tell(cli::picture_settings(), drawing, &set);
   cli::tell(cli::number_settings(), drawing.options, &set);
   cli::tell(cli::switch_settings(), drawing.options, &set);

@@ -483,6 +483,29 @@ TEST_F(KernelData, MakeWritesSetsOfTheirOwnSize) {
   expect_failure({"make", "fin", "-o", folder_ / "x.csv"}, 1, {"x.csv", "mesh"});
 }
 
+// Balls are opaque, and smaller ones cover less; meshes have none.
+TEST_F(KernelData, ParticlesMayBeDrawnAsPoints) {
+  const std::string galaxy = folder_ / "galaxy.npz";
+  expect_success({"make", "galaxy", "--count", "300", "-o", galaxy});
+  const auto covered = [&](const std::string& points) {
+    const Picture picture = draw(folder_, {galaxy, points, "--fit", "box"});
+    double sum = 0;
+    for (std::size_t i = 3; i < picture.rgba.size(); i += 4) sum += picture.rgba[i];
+    return sum;
+  };
+  EXPECT_GT(covered("--points"), 5);
+  EXPECT_GT(covered("--points=100"), 1.5 * covered("--points"));
+  const std::string out = folder_ / "x.png";
+  expect_failure({"render", galaxy, "-o", out, "--points", "--mode", "xray"}, 2,
+                 {"--points: is for --mode composite"});
+  expect_failure({"render", galaxy, "-o", out, "--points=0"}, 2, {"--points"});
+  const Outcome told = run({"render", galaxy, "--points", "--dry-run"});
+  EXPECT_NE(told.out.find("300 points"), std::string::npos) << told.out << told.err;
+  expect_success({"make", "ball", "--size", "8", "-o", folder_ / "ball.nrrd"});
+  expect_failure({"render", folder_ / "ball.nrrd", "-o", out, "--points"}, 1,
+                 {"--points: is for particles and kernels"});
+}
+
 // An opaque volume covers what the surface covers; walls stand around it; cuts have lids.
 TEST_F(KernelData, MeshesEndAtTheirSurface) {
   const std::string fin = folder_ / "fin.vtu";

@@ -101,6 +101,7 @@ constinit const TypeLayout OVOID_LAYOUTS[] = {
     OVOID_TYPE(Framing),
     OVOID_TYPE(Surface),
     OVOID_TYPE(SurfaceStyle),
+    OVOID_TYPE(PointStyle),
     OVOID_TYPE(Version),
     {nullptr, 0, 0},
 };

@@ -301,6 +301,34 @@ Camera framed(Camera camera, const Field& field, const Look& look, const Framing
   return regions.empty() ? camera : fitted(camera, regions, framing, axes, middle);
 }
 
+namespace {
+
+// Where clip planes cut the sides of triangles, in what they keep.
+template <class Add>
+void add_cuts(const Surface& surface, const std::vector<ClipPlane>& planes, const Add& add) {
+  if (planes.empty()) return;
+  for (const Surface::Triangle& triangle : surface.triangles) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const Vec3& from = surface.places[triangle.corners[c]];
+      const Vec3 side = surface.places[triangle.corners[(c + 1) % 3]] - from;
+      double begin = 0;
+      double end = 1;
+      for (const ClipPlane& plane : planes) {
+        const double slope = plane.normal.dot(side);
+        const double missing = plane.offset - plane.normal.dot(from);
+        if (slope > 0) begin = std::max(begin, missing / slope);
+        if (slope < 0) end = std::min(end, missing / slope);
+        if (slope == 0 && missing > 0) end = -1;
+      }
+      if (begin > end) continue;
+      if (begin > 0) add(from + begin * side);
+      if (end < 1) add(from + end * side);
+    }
+  }
+}
+
+}  // namespace
+
 Camera framed(Camera camera, const Surface& surface, const Framing& framing) {
   camera.validate();
   validate(framing);
@@ -312,6 +340,7 @@ Camera framed(Camera camera, const Surface& surface, const Framing& framing) {
   for (const Vec3& place : surface.places) {
     if (view::is_kept(place, framing.clip_planes)) list.add({place, 1, speck});
   }
+  add_cuts(surface, framing.clip_planes, [&](const Vec3& place) { list.add({place, 1, speck}); });
   const std::vector<Region> regions = list.take();
   if (regions.empty()) return camera;
   return fitted(std::move(camera), regions, framing, axes, middle);

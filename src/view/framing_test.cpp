@@ -99,6 +99,21 @@ TEST(Framing, ClipPlanesLeaveTheirHalf) {
 }
 
 // Single samples far away, and what is nearly invisible, do not count.
+// What is left of a triangle is framed, though one of its corners alone is.
+TEST(Framing, CutSurfacesFillThePictureToo) {
+  Surface surface;
+  surface.places = {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}};
+  for (const Vec3& place : surface.places) surface.bounds.extend(place);
+  surface.triangles.push_back({.corners = {0, 1, 2}});
+  Camera start = default_camera(surface.bounds, Space::kNone, "+z", 1);
+  start.parallel_projection = true;
+  const Camera camera = framed(start, surface, {.clip_planes = {{Vec3(1, 0, 0), 1}}});
+  // x from 1 to 4, y from 0 to 3.
+  EXPECT_NEAR(camera.focal_point.x(), 2.5, 1e-3);
+  EXPECT_NEAR(camera.focal_point.y(), 1.5, 1e-3);
+  EXPECT_NEAR(half_height(camera), 1.5 / 0.9, 0.02);
+}
+
 TEST(Framing, SpecksAndHazeArePassedOver) {
   const Vec3 center(46, 50, 48);
   const auto field_with = [&](double speck, double haze) {

@@ -10,7 +10,6 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
-#include <mutex>
 #include <new>
 #include <numbers>
 #include <optional>
@@ -19,6 +18,7 @@
 #include "data/kernel_shape.h"
 #include "data/parallel.h"
 #include "ovoid/error.h"
+#include "render/picture_tiles.h"
 #include "render/surface_raster.h"
 #include "view/color_attribute.h"
 #include "view/light.h"
@@ -28,7 +28,7 @@
 namespace ovoid {
 namespace {
 
-constexpr int kBallTile = SurfaceRaster::kTile;
+constexpr int kBallTile = TileLists::kTile;
 constexpr double kLeastRadius = 0.6;  // pixels
 constexpr float kNoDepth = std::numeric_limits<float>::infinity();
 
@@ -37,10 +37,6 @@ struct Ball {
   Vec3 center;
   double radius = 0;
   float value = 0;
-};
-
-struct BallExtent {  // of a ball in the picture, pixels
-  double left, right, top, bottom;
 };
 
 // How a picture's pixels look at balls.
@@ -71,7 +67,7 @@ class BallView {
     return ball;
   }
 
-  BallExtent extent_of(const Ball& ball) const {
+  PictureExtent extent_of(const Ball& ball) const {
     const auto [near_x, far_x] = bounds(ball.center.x(), ball);
     const auto [near_y, far_y] = bounds(ball.center.y(), ball);
     return {0.5 * width_ + scale_ * near_x, 0.5 * width_ + scale_ * far_x,
@@ -212,10 +208,10 @@ class BallPainter {
         colors_(view::colors_alone(field.has_own_color() ? view::color_function_of(look)
                                                          : look.transfer_function)),
         balls_(balls_of(field, view_, style, options.clip_planes, stop)),
-        across_((options.width + kBallTile - 1) / kBallTile),
-        down_((options.height + kBallTile - 1) / kBallTile),
+        tiles_(options.width, options.height),
         key_(view::direction_of_light(look, camera)) {
-    sort_into_tiles();
+    tiles_.assign(static_cast<std::uint32_t>(balls_.size()),
+                  [&](std::uint32_t ball) { return view_.extent_of(balls_[ball]); });
     image_.width = options.width;
     image_.height = options.height;
     const auto count =
@@ -224,21 +220,19 @@ class BallPainter {
     image_.depth.assign(count, kNoDepth);
   }
 
-  int num_tiles() const noexcept { return across_ * down_; }
+  int num_tiles() const noexcept { return tiles_.num_tiles(); }
   std::int64_t num_balls() const noexcept { return static_cast<std::int64_t>(balls_.size()); }
   Image& image() noexcept { return image_; }
 
   void paint_tile(int tile) {
     Hits hits{};
-    const int x0 = tile % across_ * kBallTile;
-    const int y0 = tile / across_ * kBallTile;
+    const int x0 = tiles_.tile_x(tile);
+    const int y0 = tiles_.tile_y(tile);
     const int x_end = std::min(x0 + kBallTile, view_.width());
     const int y_end = std::min(y0 + kBallTile, view_.height());
-    const auto at = static_cast<std::size_t>(tile);
-    for (std::uint32_t i = first_of_tile_[at]; i < first_of_tile_[at + 1]; ++i) {
-      const std::uint32_t number = balls_of_tile_[i];
+    for (const std::uint32_t number : tiles_.of_tile(tile)) {
       const Ball& ball = balls_[number];
-      const BallExtent extent = view_.extent_of(ball);
+      const PictureExtent extent = view_.extent_of(ball);
       const int right = static_cast<int>(std::min<double>(std::ceil(extent.right), x_end));
       const int bottom = static_cast<int>(std::min<double>(std::ceil(extent.bottom), y_end));
       for (int y = std::max(y0, static_cast<int>(std::max(extent.top, 0.0))); y < bottom; ++y) {
@@ -265,33 +259,6 @@ class BallPainter {
   };
   using PixelHits = std::array<Hit, SurfaceRaster::kPlaces>;
   using Hits = std::array<PixelHits, static_cast<std::size_t>(kBallTile) * kBallTile>;
-
-  // A list of balls for each tile.
-  void sort_into_tiles() {
-    const auto for_tiles = [&](const Ball& ball, const auto& visit) {
-      const BallExtent extent = view_.extent_of(ball);
-      if (extent.right < 0 || extent.bottom < 0 || extent.left > view_.width() ||
-          extent.top > view_.height())
-        return;
-      const auto tile_at = [](double place, int count) {
-        return static_cast<int>(std::clamp(std::floor(place / kBallTile), 0.0, count - 1.0));
-      };
-      for (int y = tile_at(extent.top, down_); y <= tile_at(extent.bottom, down_); ++y) {
-        for (int x = tile_at(extent.left, across_); x <= tile_at(extent.right, across_); ++x)
-          visit(static_cast<std::size_t>(y) * static_cast<std::size_t>(across_) +
-                static_cast<std::size_t>(x));
-      }
-    };
-    first_of_tile_.assign(static_cast<std::size_t>(num_tiles()) + 1, 0);
-    for (const Ball& ball : balls_)
-      for_tiles(ball, [&](std::size_t tile) { ++first_of_tile_[tile + 1]; });
-    for (std::size_t i = 1; i < first_of_tile_.size(); ++i)
-      first_of_tile_[i] += first_of_tile_[i - 1];
-    balls_of_tile_.resize(first_of_tile_.back());
-    std::vector<std::uint32_t> next(first_of_tile_.begin(), first_of_tile_.end() - 1);
-    for (std::uint32_t b = 0; b < balls_.size(); ++b)
-      for_tiles(balls_[b], [&](std::size_t tile) { balls_of_tile_[next[tile]++] = b; });
-  }
 
   void paint_pixel(int x, int y, const PixelHits& hits) {
     Rgb sum{0, 0, 0};
@@ -328,9 +295,8 @@ class BallPainter {
   const Look& look_;
   const view::LookTable colors_;
   const std::vector<Ball> balls_;
-  const int across_, down_;
+  TileLists tiles_;
   const std::optional<Vec3> key_;  // none: from the eye
-  std::vector<std::uint32_t> first_of_tile_, balls_of_tile_;
   Image image_;
 };
 
@@ -349,17 +315,7 @@ Frame render_points(const KernelField& field, const Camera& camera, const Look& 
   }
   const auto start = std::chrono::steady_clock::now();
   BallPainter painter(field, camera, look, style, options, hooks.stop);
-  std::mutex telling;
-  std::int64_t num_done = 0;
-  data::parallel_ranges({painter.num_tiles(), 1, threads, hooks.stop},
-                        [&](std::int64_t begin, std::int64_t end) {
-                          for (auto tile = static_cast<int>(begin); tile < end; ++tile)
-                            painter.paint_tile(tile);
-                          if (!hooks.progress) return;
-                          const std::lock_guard lock(telling);
-                          num_done += end - begin;
-                          hooks.progress(static_cast<double>(num_done) / painter.num_tiles());
-                        });
+  paint_tiles(painter.num_tiles(), threads, hooks, [&](int tile) { painter.paint_tile(tile); });
   Frame frame;
   frame.image = std::move(painter.image());
   frame.profile.backend = "cpu";

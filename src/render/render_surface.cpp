@@ -11,13 +11,13 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
-#include <mutex>
 #include <new>
 #include <span>
 
 #include "data/parallel.h"
 #include "ovoid/error.h"
 #include "render/paint_surface.h"
+#include "render/picture_tiles.h"
 #include "render/surface_raster.h"
 #include "render/surface_shader.h"
 
@@ -147,17 +147,8 @@ Frame paint_surface(const Surface& surface, const Camera& camera, const Look& lo
   const auto start = std::chrono::steady_clock::now();
   SurfacePainter painter(surface, camera, look, style, options, around);
   std::atomic<std::int64_t> num_shaded = 0;
-  std::mutex telling;
-  std::int64_t num_done = 0;
-  data::parallel_ranges({painter.num_tiles(), 1, threads, hooks.stop},
-                        [&](std::int64_t begin, std::int64_t end) {
-                          for (auto tile = static_cast<int>(begin); tile < end; ++tile)
-                            num_shaded += painter.paint_tile(tile);
-                          if (!hooks.progress) return;
-                          const std::lock_guard lock(telling);
-                          num_done += end - begin;
-                          hooks.progress(static_cast<double>(num_done) / painter.num_tiles());
-                        });
+  paint_tiles(painter.num_tiles(), threads, hooks,
+              [&](int tile) { num_shaded += painter.paint_tile(tile); });
   Frame frame;
   frame.image = std::move(painter.image());
   frame.profile.backend = "cpu";

@@ -50,8 +50,7 @@ SurfaceRaster::SurfaceRaster(const Surface& surface, const Camera& camera,
       eye_(camera.position),
       width_(options.width),
       height_(options.height),
-      tiles_across_((options.width + kTile - 1) / kTile),
-      tiles_down_((options.height + kTile - 1) / kTile),
+      tiles_(options.width, options.height),
       faces_(faces) {
   if (faces == Faces::kDrawn) clip_planes_ = options.clip_planes;
   const Vec3 towards = camera.focal_point - camera.position;
@@ -64,32 +63,12 @@ SurfaceRaster::SurfaceRaster(const Surface& surface, const Camera& camera,
   scale_ = height_ / (2 * half_height);
   for (std::uint32_t i = 0; i < surface.triangles.size(); ++i) add_triangle(i);
 
-  // A list of parts for each tile.
-  const auto for_tiles = [&](const Part& part, const auto& visit) {
-    const auto [x0, x1] = std::minmax({part.corners[0].x, part.corners[1].x, part.corners[2].x});
-    const auto [y0, y1] = std::minmax({part.corners[0].y, part.corners[1].y, part.corners[2].y});
-    const auto tile_at = [](double at, int count) {
-      return static_cast<int>(std::clamp(std::floor(at / kTile), 0.0, count - 1.0));
-    };
-    if (x1 < 0 || y1 < 0 || x0 > width_ || y0 > height_) return;
-    for (int y = tile_at(y0, tiles_down_); y <= tile_at(y1, tiles_down_); ++y) {
-      for (int x = tile_at(x0, tiles_across_); x <= tile_at(x1, tiles_across_); ++x)
-        visit(static_cast<std::size_t>(y) * static_cast<std::size_t>(tiles_across_) +
-              static_cast<std::size_t>(x));
-    }
-  };
-  first_of_tile_.assign(static_cast<std::size_t>(num_tiles()) + 1, 0);
-  for (const Part& part : parts_)
-    for_tiles(part, [&](std::size_t tile) { ++first_of_tile_[tile + 1]; });
-  for (std::size_t i = 1; i < first_of_tile_.size(); ++i)
-    first_of_tile_[i] += first_of_tile_[i - 1];
-  parts_of_tile_.resize(first_of_tile_.back());
-  std::vector<std::uint32_t> next(first_of_tile_.begin(), first_of_tile_.end() - 1);
-  for (std::size_t p = 0; p < parts_.size(); ++p) {
-    for_tiles(parts_[p], [&](std::size_t tile) {
-      parts_of_tile_[next[tile]++] = static_cast<std::uint32_t>(p);
-    });
-  }
+  tiles_.assign(static_cast<std::uint32_t>(parts_.size()), [&](std::uint32_t part) {
+    const auto& [a, b, c] = parts_[part].corners;
+    const auto [left, right] = std::minmax({a.x, b.x, c.x});
+    const auto [top, bottom] = std::minmax({a.y, b.y, c.y});
+    return PictureExtent{left, right, top, bottom};
+  });
 }
 
 SurfaceRaster::Corner SurfaceRaster::corner_of(const Vec3& view) const {
@@ -253,9 +232,8 @@ void SurfaceRaster::rasterize(const Part& part, int tile, bool is_opaque, TileWo
 SurfaceRaster::TileFragments SurfaceRaster::tile_fragments(int tile, bool is_opaque) const {
   TileWork work;
   for (auto& places : work.nearest) places.fill(kFarthest);
-  const auto at = static_cast<std::size_t>(tile);
-  for (std::uint32_t i = first_of_tile_[at]; i < first_of_tile_[at + 1]; ++i)
-    rasterize(parts_[parts_of_tile_[i]], tile, is_opaque, work);
+  for (const std::uint32_t part : tiles_.of_tile(tile))
+    rasterize(parts_[part], tile, is_opaque, work);
   // Dealt to their pixels, of which each has few.
   TileFragments out;
   for (const TileWork::Entry& entry : work.entries)

@@ -11,6 +11,7 @@
 #include "ovoid/camera.h"
 #include "ovoid/render_options.h"
 #include "ovoid/surface.h"
+#include "render/picture_tiles.h"
 
 namespace ovoid {
 
@@ -26,7 +27,7 @@ struct SurfaceFragment {
 
 class SurfaceRaster {
  public:
-  static constexpr int kTile = 32;   // pixels along a tile's side
+  static constexpr int kTile = TileLists::kTile;
   static constexpr int kPlaces = 4;  // of a pixel that are looked at
   // A square of side 1 / sqrt(5) turned by atan(1/2): no two places in a row or column.
   static constexpr std::array<std::array<double, 2>, kPlaces> kPlacesInPixel = {
@@ -40,10 +41,10 @@ class SurfaceRaster {
   SurfaceRaster(const Surface& surface, const Camera& camera, const RenderOptions& options,
                 Faces faces);
 
-  int num_tiles() const noexcept { return tiles_across_ * tiles_down_; }
+  int num_tiles() const noexcept { return tiles_.num_tiles(); }
   // First pixel of a tile.
-  int tile_x(int tile) const noexcept { return tile % tiles_across_ * kTile; }
-  int tile_y(int tile) const noexcept { return tile / tiles_across_ * kTile; }
+  int tile_x(int tile) const noexcept { return tiles_.tile_x(tile); }
+  int tile_y(int tile) const noexcept { return tiles_.tile_y(tile); }
 
   int width() const noexcept { return width_; }
   int height() const noexcept { return height_; }
@@ -95,11 +96,11 @@ class SurfaceRaster {
   Vec3 eye_, right_, up_, axis_;
   double scale_;  // pixels per tangent, or per world length
   double near_;
-  int width_, height_, tiles_across_, tiles_down_;
+  int width_, height_;
+  TileLists tiles_;
   Faces faces_;
   std::vector<ClipPlane> clip_planes_;  // of drawn faces
   std::vector<Part> parts_;
-  std::vector<std::uint32_t> first_of_tile_, parts_of_tile_;
 };
 
 }  // namespace ovoid

@@ -161,6 +161,14 @@ double greatest_widening_of(const FramePlan& plan, const LatticeField& field, do
   return widening;
 }
 
+// Whether the eye is on the side that a plane, whose normal has unit length, cuts away
+// (docs/numerics.md, "Cut faces").
+bool is_cut_seen(const ClipPlane& plane, const ViewLattice& lattice) {
+  constexpr double kEdgeOn = 1e-6;
+  if (lattice.is_parallel()) return plane.normal.dot(lattice.view_axis()) > kEdgeOn;
+  return plane.normal.dot(lattice.eye()) < plane.offset;
+}
+
 MayMatter may_matter_for(const Look& look, const LookTable& table) {
   if (look.mode == Mode::kComposite) {
     return [&table](float lo, float hi) { return table.any_opacity(lo, hi); };
@@ -204,6 +212,7 @@ FramePlan::FramePlan(const Field& field, const ViewLattice& view_lattice, const 
       flat_gradient(flat_gradient_of(field, look)),
       gradient_unit(gradient_unit_of(flat_gradient)),
       clip_planes(options.clip_planes),
+      least_spacing(field.default_sampling_distance()),
       is_clipped(!options.clip_planes.empty() || !lattice.is_parallel()) {
   if (options.skip_irrelevant) may_matter = may_matter_for(look, look_table);
   for (ClipPlane& plane : clip_planes) {
@@ -211,6 +220,11 @@ FramePlan::FramePlan(const Field& field, const ViewLattice& view_lattice, const 
     plane.normal /= length;
     plane.offset /= length;
   }
+  if (look.mode != Mode::kComposite || !look.shade) return;
+  const auto behind =
+      std::stable_partition(clip_planes.begin(), clip_planes.end(),
+                            [this](const ClipPlane& plane) { return is_cut_seen(plane, lattice); });
+  num_cut_faces = static_cast<std::size_t>(behind - clip_planes.begin());
 }
 
 void FramePlan::set_sheets(const Bounds3& index_box) {

@@ -57,9 +57,13 @@ struct FramePlan {
   // World: a power of two, in which back ends hold gradients, since values per length, and squares
   // of them, leave float32's range in some units that people use.
   double gradient_unit;
-  MayMatter may_matter;                // whether bounds can show; empty: everything may
-  std::vector<ClipPlane> clip_planes;  // normals of unit length
-  bool is_clipped;  // some samples' paths are shortened by planes or the near plane
+  MayMatter may_matter;  // whether bounds can show; empty: everything may
+  // Normals of unit length. The first num_cut_faces of them have cuts that are seen and at which
+  // light fades (docs/numerics.md, "Cut faces").
+  std::vector<ClipPlane> clip_planes;
+  std::size_t num_cut_faces = 0;
+  double least_spacing;  // h_min
+  bool is_clipped;       // some samples' paths are shortened by planes or the near plane
 
   ClipMap clip_distance(const ClipPlane& plane, std::int64_t sheet) const;
   ClipMap clip_slope(const ClipPlane& plane) const;

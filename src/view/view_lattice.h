@@ -55,6 +55,8 @@ class ViewLattice {
   // parallel to the picture.
   SheetMap ray_direction() const;
   const Vec3& view_axis() const noexcept { return world_frame_.axis; }
+  // World; of perspective projection.
+  const Vec3& eye() const noexcept { return world_frame_.eye; }
 
   // Sheets [first, last) whose plane can meet the box given in index space, the near plane
   // respected; first >= last if none.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The cpu back end against the reference, one feature after the other.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -102,6 +103,43 @@ TEST_P(EveryMode, ClipPlanes) {
     EXPECT_TRUE(backends_agree(scene, view + ", planes that leave nothing", 0));
     const Image nothing = draw(scene).image;
     for (const float component : nothing.rgba) ASSERT_EQ(component, 0.0F);
+  }
+}
+
+// Fails if light does not fade towards cuts that are seen, and to those alone, as it should: with
+// one of them, two that meet in an edge, one that is not seen.
+TEST(Agreement, CutFaces) {
+  for (const bool is_parallel : {true, false}) {
+    Scene scene = small_scene(Mode::kComposite, is_parallel);
+    scene.options = picture(56, 44);
+    scene.look.material = {0.1, 0.8, 0.4, 8};
+    const Vec3 center = scene.field.world_bounds().center();
+    const Vec3 axis = (scene.camera.focal_point - scene.camera.position).normalized();
+    const Vec3 side = axis.cross(Vec3(0.3, 1, 0.2)).normalized();
+    const auto plane = [&](const Vec3& normal, double beyond) {
+      return ClipPlane{1.7 * normal, 1.7 * (normal.dot(center) + beyond)};
+    };
+    const std::vector<ClipPlane> all = {plane(axis + 0.6 * side, -0.5), plane(axis - side, -1.3),
+                                        plane(-axis, -2.5)};
+    for (const int count : {1, 2, 3}) {
+      scene.options.clip_planes.assign(all.begin(), all.begin() + count);
+      for (const Classification classification :
+           {Classification::kSampled, Classification::kPreintegrated, Classification::kRefined}) {
+        scene.options.classification = classification;
+        const std::string what =
+            fmt::format("{} cuts, classification {}, {}", count, static_cast<int>(classification),
+                        projection_name(is_parallel));
+        scene.look.occlusion = scene.look.shadows = 0;
+        EXPECT_TRUE(backends_agree(scene, what, 0.02));
+        scene.look.occlusion = scene.look.shadows = 0.7;
+        EXPECT_TRUE(backends_agree(scene, what + ", light from a volume", 0.02));
+        if (classification == Classification::kSampled) {
+          Scene on_lattice = scene;
+          on_lattice.options.sheets = Sheets::kLattice;
+          EXPECT_TRUE(backends_agree(on_lattice, what + ", lattice sheets", 0.02));
+        }
+      }
+    }
   }
 }
 

@@ -151,6 +151,30 @@ TEST(KernelSets, AgreeOnOtherOptions) {
   }
 }
 
+// Fails if light of sets does not fade towards cuts as that of lattices does.
+TEST(KernelSets, AgreeOnCutFaces) {
+  const KernelField field(jittered_ellipsoids(7).source(), Reconstruction::kNormalized);
+  for (const bool is_parallel : {true, false}) {
+    Scene scene{field, askew_camera(field, is_parallel, 1.3), semi_transparent_look(0, 1),
+                direct_options(60, 50)};
+    const Vec3 axis = (scene.camera.focal_point - scene.camera.position).normalized();
+    const Vec3 center = field.world_bounds().center();
+    for (const Vec3& lean : {Vec3(0.4, 0.1, -0.2), Vec3(-0.5, 0.5, 0.3)}) {
+      const Vec3 normal = axis + lean;
+      scene.options.clip_planes.push_back({normal, normal.dot(center) - 0.05});
+      for (const Classification classification :
+           {Classification::kSampled, Classification::kRefined}) {
+        scene.options.classification = classification;
+        EXPECT_TRUE(backends_agree(scene,
+                                   "cut faces, classification " +
+                                       std::to_string(static_cast<int>(classification)) +
+                                       view_text(is_parallel),
+                                   0.02));
+      }
+    }
+  }
+}
+
 // Fails if colour is taken at the other attribute's value, or of the wrong function.
 TEST(KernelSets, ColorMayComeFromAnotherAttribute) {
   for (const Reconstruction sum : {Reconstruction::kNormalized, Reconstruction::kSum}) {

@@ -35,7 +35,7 @@ Vec3 shade_of(const LatticeField& field, const Look& look, const Camera& camera,
               GradientMethod gradient = GradientMethod::kExact) {
   RenderOptions options = picture(9, 9, 1);
   options.gradient = gradient;
-  options.clip_planes = {{{0, 0, 1}, 5.25}, {{0, 0, -1}, -10.75}};  // away from the faces
+  draw_from(97.25, options);  // away from the faces
   const Pixel at = center_pixel(render(field, camera, look, options).image);
   EXPECT_EQ(at.a(), 1);
   return {at.r(), at.g(), at.b()};
@@ -168,6 +168,67 @@ TEST(Light, FlatRegionsShowAmbientAndDiffuse) {
   EXPECT_NEAR((shade_of(faint, look, front()) - expected).norm(), 0, 1e-5);
 }
 
+// A block of noise, opaque, cut by an oblique plane: the cut shows each value's colour under the
+// light of a flat region. What q is left within a step of the cut changes a colour by no more than
+// q (diffuse + specular). Drawn from the same plane on by depth limits, the noise is lit.
+TEST(Light, CutFacesShowTheirValues) {
+  const LatticeField noise =
+      make_field({20, 20, 20}, [](std::int64_t i, std::int64_t j, std::int64_t k) {
+        return static_cast<double>((i * 7919 + j * 104729 + k * 1299709) % 97) / 97;
+      });
+  Look look;
+  look.transfer_function.colors = {{0, {0.4, 0.1, 0.2}}, {1, {0.6, 0.9, 0.7}}};
+  look.transfer_function.opacities = {{0, 1}, {1, 1}};
+  look.light_direction = Vec3(1, 0.7, -1.2);
+  const Vec3 center = Vec3::Constant(9.5);
+  const Vec3 direction(0.3, -0.2, 1);
+  const Vec3 across = Vec3(0.5, 0.3, 1).normalized();
+  constexpr double kStep = 0.05;
+  for (const bool is_parallel : {true, false}) {
+    const Camera camera = is_parallel ? parallel_camera(center, direction, 4)
+                                      : perspective_camera(center, direction, 4, 40);
+    for (const Classification classification :
+         {Classification::kSampled, Classification::kPreintegrated, Classification::kRefined}) {
+      const auto difference_to_flat = [&](const RenderOptions& options) {
+        const Image lit = render(noise, camera, look, options).image;
+        Look unlit = look;
+        unlit.shade = false;
+        const Image values = render(noise, camera, unlit, options).image;
+        double greatest = 0;
+        for (std::size_t n = 0; n < lit.rgba.size(); ++n) {
+          if (n % 4 == 3) {
+            EXPECT_EQ(lit.rgba[n], 1);
+            continue;
+          }
+          const double flat = (0.1 + 0.7) * static_cast<double>(values.rgba[n]);
+          greatest = std::max(greatest, std::abs(static_cast<double>(lit.rgba[n]) - flat));
+        }
+        return greatest;
+      };
+      RenderOptions options = picture(16, 16, kStep);
+      options.classification = classification;
+      options.clip_planes = {{2 * across, 2 * across.dot(center)}};
+      EXPECT_LT(difference_to_flat(options), kStep * (0.7 + 0.2) + 1e-6);
+      options.clip_planes.clear();
+      draw_from(is_parallel ? 100 : 40, options);
+      EXPECT_GT(difference_to_flat(options), 0.2);
+    }
+  }
+}
+
+// A plane whose cut is on the far side changes no light: the same picture as without it, of a field
+// that is opaque before it.
+TEST(Light, CutsThatAreNotSeenChangeNothing) {
+  const Look look = opaque_look();
+  for (const bool is_parallel : {true, false}) {
+    const Camera camera = is_parallel ? front() : perspective_camera({8.5, 8, 8}, {0, 0, 1}, 3, 20);
+    RenderOptions options = picture(9, 9, 0.25);
+    const Image whole = render(slanted_ramp(), camera, look, options).image;
+    options.clip_planes = {{{0.1, 0, -1}, -0.3}};  // less than a spacing behind what is seen
+    EXPECT_EQ(render(slanted_ramp(), camera, look, options).image.rgba, whole.rgba);
+  }
+}
+
 // Central differences over neighbouring samples find the same direction for a ramp across all axes
 // when they span whole periods: one pixel is then a spacing. Fails for a wrong sign of y (rows go
 // down) or a forgotten pitch.
@@ -188,7 +249,7 @@ TEST(Light, CentralDifferencesSeeTheSameRamp) {
   const bool is_same_side = n.dot(l) * -n.z() >= 0;
   RenderOptions options = picture(5, 5, 1);
   options.gradient = GradientMethod::kCentral;
-  options.clip_planes = {{{0, 0, 1}, 5.25}};  // away from the face, where differences are one-sided
+  draw_from(97.25, options);  // away from the face, where differences are one-sided
   const Pixel at = center_pixel(render(ramp, camera, look, options).image);
   const Vec3 expected = blinn_phong(look.material, n.dot(l), n.dot(h), is_same_side);
   EXPECT_NEAR((Vec3(at.r(), at.g(), at.b()) - expected).norm(), 0, 1e-6);
@@ -213,7 +274,7 @@ TEST(Light, CentralDifferencesConverge) {
                                       : perspective_camera(middle, {0.2, 0.3, 1}, 0.2, 15);
     for (const Slab slab : {Slab::kMid, Slab::kMean}) {
       RenderOptions options = picture(7, 5, 0.06, slab);
-      options.clip_planes = {{{0, 0, 1}, middle.z()}};
+      draw_from(is_parallel ? 100 : 15, options);
       options.gradient = GradientMethod::kExact;
       const Image exact = render(field, camera, look, options).image;
       options.gradient = GradientMethod::kCentral;

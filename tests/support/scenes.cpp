@@ -2,7 +2,10 @@
 #include "support/scenes.h"
 
 #include <cmath>
+#include <cstdint>
+#include <memory>
 #include <numbers>
+#include <utility>
 
 namespace ovoid::test {
 
@@ -56,6 +59,16 @@ RenderOptions picture(int width, int height, double sampling_distance, Slab slab
   options.slab = slab;
   options.sheets = Sheets::kImage;
   return options;
+}
+
+void draw_from(double depth, RenderOptions& options) {
+  auto limits = std::make_shared<DepthLimits>();
+  limits->width = options.width;
+  limits->height = options.height;
+  const auto count = static_cast<std::uint32_t>(options.width * options.height);
+  limits->stops.resize(count, {static_cast<float>(depth), true, {}});
+  for (std::uint32_t i = 0; i <= count; ++i) limits->first.push_back(i);
+  options.depth_limits = std::move(limits);
 }
 
 Pixel pixel(const Image& image, int x, int y) {

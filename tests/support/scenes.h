@@ -29,6 +29,9 @@ Look with_mode(Look look, Mode mode);
 // On image sheets, whose samples are those of the pixels' own rays.
 RenderOptions picture(int width, int height, double sampling_distance = 0, Slab slab = Slab::kMid);
 
+// Draws the field behind a distance from the camera plane alone, and cuts no face open there.
+void draw_from(double depth, RenderOptions& options);
+
 // The four components of a pixel.
 struct Pixel {
   std::array<float, 4> rgba;

@@ -21,6 +21,15 @@ HWY_INLINE V dot_product(const WorldVector& a, const WorldVector& b) {
   return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z)));
 }
 
+// q of docs/numerics.md. `length`: the gradient's. `clearance`: from cut faces, of any size; null:
+// there are none.
+HWY_INLINE V flatness_of(const device::LookConstants& look, V length, const V* clearance) {
+  const V one = hn::Set(d, 1.0F);
+  const V flatness = hn::Min(hn::Mul(length, hn::Set(d, look.flat_gradient_inverse)), one);
+  if (clearance == nullptr) return flatness;
+  return hn::Mul(flatness, hn::Min(hn::Max(*clearance, hn::Zero(d)), one));
+}
+
 // In [0, 1].
 struct ArrivingShares {
   V around, key;
@@ -78,11 +87,10 @@ HWY_INLINE ArrivingShares read_light(const float* quads, const device::ivec4& di
 
 // What view::light_shift() says, in cells.
 HWY_INLINE WorldVector light_shift(const device::LookConstants& look, const WorldVector& gradient,
-                                   const WorldVector& eye) {
+                                   const WorldVector& eye, const V* clearance) {
   const V squared = hn::Max(dot_product(gradient, gradient), hn::Set(d, 1e-36F));
   const V inverse = reciprocal_sqrt(squared);
-  const V flatness = hn::Min(
-      hn::Mul(hn::Mul(squared, inverse), hn::Set(d, look.flat_gradient_inverse)), hn::Set(d, 1.0F));
+  const V flatness = flatness_of(look, hn::Mul(squared, inverse), clearance);
   const V one = hn::Set(d, 1.0F);
   const V towards_eye = hn::Mul(dot_product(gradient, eye), inverse);
   const V facing = hn::Min(
@@ -123,9 +131,10 @@ HWY_INLINE WorldVector light_place(const CpuFrame& frame, const BlockPlace& plac
 // What arrives at a group's samples, or between sheets; their lanes do not matter.
 HWY_INLINE ArrivingShares arriving_between(const CpuFrame& frame, const BlockPlace& place,
                                            const SampleGroup& group, V back,
-                                           const WorldVector& gradient, const WorldVector& eye) {
+                                           const WorldVector& gradient, const WorldVector& eye,
+                                           const V* clearance) {
   const WorldVector at = light_place(frame, place, group, back);
-  const WorldVector shift = light_shift(frame.look.constants, gradient, eye);
+  const WorldVector shift = light_shift(frame.look.constants, gradient, eye, clearance);
   return read_light(frame.light, frame.look.constants.volume.dims,
                     {hn::Add(at.x, shift.x), hn::Add(at.y, shift.y), hn::Add(at.z, shift.z)},
                     frame.has_key_light);
@@ -133,8 +142,8 @@ HWY_INLINE ArrivingShares arriving_between(const CpuFrame& frame, const BlockPla
 
 HWY_INLINE ArrivingShares arriving_at_sample(const CpuFrame& frame, const BlockPlace& place,
                                              const SampleGroup& group, const WorldVector& gradient,
-                                             const WorldVector& eye) {
-  return arriving_between(frame, place, group, hn::Zero(d), gradient, eye);
+                                             const WorldVector& eye, const V* clearance) {
+  return arriving_between(frame, place, group, hn::Zero(d), gradient, eye, clearance);
 }
 
 }  // namespace HWY_NAMESPACE

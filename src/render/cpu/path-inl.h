@@ -120,6 +120,21 @@ HWY_INLINE V path_fraction(const CpuFrame& frame, const BlockPlace& place, int s
   return hn::Max(hn::Sub(slab.to, slab.from), hn::Zero(d));
 }
 
+// How far a group's samples lie behind the nearest cut face, smallest spacings; negative before it.
+// Light fades at cuts.
+HWY_INLINE V clearance_of(const CpuFrame& frame, const BlockPlace& place,
+                          const SampleGroup& group) {
+  const view::FramePlan& plan = *frame.plan;
+  const V x = pixel_x(place, group.column);
+  const float y = pixel_y(place, group.row);
+  V least = hn::Set(d, 1e30F);
+  for (std::size_t i = 0; i < plan.num_cut_faces; ++i) {
+    const view::ClipMap map = plan.clip_distance(plan.clip_planes[i], place.number_of(group.s));
+    least = hn::Min(least, evaluate2d(map, x, y));
+  }
+  return hn::Mul(least, hn::Set(d, static_cast<float>(1 / plan.least_spacing)));
+}
+
 // Length of the ray per unit of depth: 1 for parallel projection.
 HWY_INLINE V ray_length(const CpuFrame& frame, const BlockPlace& place, int column, int row) {
   if (frame.is_parallel) return hn::Set(d, 1.0F);

@@ -168,6 +168,7 @@ struct PieceGroup {
   EndValues value, color;
   EndGradients gradient;
   EndValues around, key;  // how much light arrives
+  EndValues clearance;    // from cut faces
   V change;               // of the look, in steps
   V turn_squared;         // of the normal
 
@@ -249,6 +250,7 @@ HWY_INLINE void for_each_number(const CpuFrame& frame, const PieceGroup& group, 
   body(group.gradient.x, batch.gradient[0]);
   body(group.gradient.y, batch.gradient[1]);
   body(group.gradient.z, batch.gradient[2]);
+  if (frame.fades_at_cuts) body(group.clearance, batch.clearance);
   if (frame.light == nullptr) return;
   body(group.around, batch.around);
   if (frame.has_key_light) body(group.key, batch.key);
@@ -489,8 +491,11 @@ HWY_INLINE void light_ends(const CpuFrame& frame, const BlockPlace& place, Sheet
   const WorldVector gradient{hn::LoadU(d, sheet.gradient[0] + at),
                              hn::LoadU(d, sheet.gradient[1] + at),
                              hn::LoadU(d, sheet.gradient[2] + at)};
+  V distance;
+  if (frame.fades_at_cuts) distance = clearance_of(frame, place, group);
   const ArrivingShares arriving = arriving_at_sample(
-      frame, place, group, gradient, direction_to_eye(frame, place, group.column, group.row));
+      frame, place, group, gradient, direction_to_eye(frame, place, group.column, group.row),
+      frame.fades_at_cuts ? &distance : nullptr);
   const M mask = mask_of(lanes);
   hn::BlendedStore(arriving.around, mask, d, sheet.around + at);
   if (frame.has_key_light) hn::BlendedStore(arriving.key, mask, d, sheet.key + at);
@@ -518,6 +523,10 @@ HWY_INLINE PieceGroup pieces_of(const CpuFrame& frame, const TileInHand& tile,
                       both(front.gradient[1], back.gradient[1]),
                       both(front.gradient[2], back.gradient[2])};
     group.turn_squared = group.gradient.turn_squared(frame.look.constants.flat_gradient_inverse);
+  }
+  if (frame.fades_at_cuts) {
+    group.clearance = {clearance_of(frame, tile.place, {at.s - 1, at.column, at.row, at.lanes}),
+                       clearance_of(frame, tile.place, at)};
   }
   if (frame.light != nullptr) {
     light_ends(frame, tile.place, front, {at.s - 1, at.column, at.row, at.lanes},

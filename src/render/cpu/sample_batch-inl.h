@@ -60,11 +60,15 @@ HWY_INLINE Lighting lighting_of(const CpuFrame& frame, const SampleBatch& batch,
                                 const WorldVector& axis) {
   const WorldVector eye = frame.is_parallel ? axis : load_vector(batch.eye, i);
   const WorldVector gradient = load_vector(batch.gradient, i);
-  if (frame.light == nullptr) return light_sample(frame.look.constants, gradient, eye, nullptr);
+  V distance;
+  if (frame.fades_at_cuts) distance = hn::Load(d, &batch.clearance[i]);
+  const V* const clearance = frame.fades_at_cuts ? &distance : nullptr;
+  if (frame.light == nullptr)
+    return light_sample(frame.look.constants, gradient, eye, nullptr, clearance);
   const ArrivingShares arriving{hn::Load(d, &batch.around[i]), frame.has_key_light
                                                                    ? hn::Load(d, &batch.key[i])
                                                                    : hn::Set(d, 1.0F)};
-  return light_sample(frame.look.constants, gradient, eye, &arriving);
+  return light_sample(frame.look.constants, gradient, eye, &arriving, clearance);
 }
 
 inline void light_batch(const CpuFrame& frame, SampleBatch& batch) {

@@ -39,6 +39,7 @@ struct alignas(64) SampleBatch {
   alignas(64) std::array<Floats, 3> gradient, eye;
   // How much of the light around, and of the key, arrives, if the frame has a light volume.
   alignas(64) Floats around, key;
+  alignas(64) Floats clearance;  // from cut faces, if light fades there
   // Its path, in unit distances of the look, and its depth.
   alignas(64) Floats path, depth;
   // What comes of it. The opacity is that of its path.

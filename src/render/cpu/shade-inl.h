@@ -314,16 +314,17 @@ inline constexpr float kKeySlope = device::kKeyShare / (1.0F + device::kKeyWrap)
 inline constexpr float kKeyOffset = device::kKeyWrap * kKeySlope;
 
 // Everything is lit by what arrives: the light around, and the key or the only light there is.
+// `clearance`: as flatness_of() has it.
 HWY_INLINE Lighting light_sample(const device::LookConstants& look, const WorldVector& gradient,
-                                 const WorldVector& eye, const ArrivingShares* arriving) {
+                                 const WorldVector& eye, const ArrivingShares* arriving,
+                                 const V* clearance) {
   const V squared = hn::Max(dot_product(gradient, gradient), hn::Set(d, 1e-36F));
   const V inverse = reciprocal_sqrt(squared);
   const V length = hn::Mul(squared, inverse);
   const auto along = [&](const WorldVector& v) {
     return hn::Mul(dot_product(gradient, v), inverse);
   };
-  const V flatness =
-      hn::Min(hn::Mul(length, hn::Set(d, look.flat_gradient_inverse)), hn::Set(d, 1.0F));
+  const V flatness = flatness_of(look, length, clearance);
   const V to_eye = along(eye);
   V diffuse = hn::Abs(to_eye);
   V specular = diffuse;
@@ -375,10 +376,12 @@ HWY_INLINE Lighting light_sample(const device::LookConstants& look, const WorldV
 HWY_INLINE Lighting light_between(const CpuFrame& frame, const BlockPlace& place,
                                   const SampleGroup& group, V t, const WorldVector& gradient) {
   const WorldVector eye = direction_to_eye(frame, place, group.column, group.row);
-  if (frame.light == nullptr) return light_sample(frame.look.constants, gradient, eye, nullptr);
+  if (frame.light == nullptr)
+    return light_sample(frame.look.constants, gradient, eye, nullptr, nullptr);
   const V back = hn::Sub(t, hn::Set(d, 1.0F));
-  const ArrivingShares arriving = arriving_between(frame, place, group, back, gradient, eye);
-  return light_sample(frame.look.constants, gradient, eye, &arriving);
+  const ArrivingShares arriving =
+      arriving_between(frame, place, group, back, gradient, eye, nullptr);
+  return light_sample(frame.look.constants, gradient, eye, &arriving, nullptr);
 }
 
 // Neither colours nor strengths are negative.
@@ -396,12 +399,16 @@ inline void light_sheet(const CpuFrame& frame, const BlockPlace& place, int s, c
                                          hn::LoadU(d, sheet.gradient[1] + at),
                                          hn::LoadU(d, sheet.gradient[2] + at)};
                      const WorldVector eye = direction_to_eye(frame, place, column, y);
+                     const SampleGroup group{s, column, y, 0};
+                     V distance;
+                     if (frame.fades_at_cuts) distance = clearance_of(frame, place, group);
+                     const V* const clearance = frame.fades_at_cuts ? &distance : nullptr;
                      ArrivingShares arriving;
                      if (frame.light != nullptr)
-                       arriving = arriving_at_sample(frame, place, {s, column, y, 0}, g, eye);
+                       arriving = arriving_at_sample(frame, place, group, g, eye, clearance);
                      const Lighting light =
                          light_sample(frame.look.constants, g, eye,
-                                      frame.light != nullptr ? &arriving : nullptr);
+                                      frame.light != nullptr ? &arriving : nullptr, clearance);
                      for (float* color : {shaded.red + at, shaded.green + at, shaded.blue + at}) {
                        hn::StoreU(lit_color(hn::LoadU(d, color), light), d, color);
                      }

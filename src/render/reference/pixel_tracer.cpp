@@ -151,14 +151,27 @@ void PixelTracer::add_sample(const PixelRay& pixel, const std::optional<RaySampl
     ++counts.gradients;
     slope = start ? piece_gradient(pixel, *start, at) : gradient(pixel, at);
   }
-  add_seen(pixel, {seen, slope, light_at(pixel, at.z, slope), at.z, at.path}, result);
+  add_seen(pixel,
+           {seen, slope, clearance_at(pixel, at.z), light_at(pixel, at.z, slope), at.z, at.path},
+           result);
+}
+
+// From cut faces, in smallest spacings.
+double PixelTracer::clearance_at(const PixelRay& pixel, double z) const {
+  if (look_.mode != Mode::kComposite) return 1;
+  const std::optional<double> distance = view_.clearance(pixel.ray.at(z));
+  return distance ? *distance / shading_.least_spacing : 1;
+}
+
+LitPlace PixelTracer::lit_place(const PixelRay& pixel, const Vec3& slope, double clearance) const {
+  return {slope, -pixel.ray.direction.normalized(), clearance};
 }
 
 // How much light arrives at a sample with that gradient.
 view::ArrivingLight PixelTracer::light_at(const PixelRay& pixel, double z,
                                           const Vec3& slope) const {
   if (light_ == nullptr || !look_.shade) return {};
-  return arriving_light(*light_, pixel.ray.at(z), slope, -pixel.ray.direction.normalized(),
+  return arriving_light(*light_, pixel.ray.at(z), lit_place(pixel, slope, clearance_at(pixel, z)),
                         shading_);
 }
 
@@ -167,8 +180,8 @@ void PixelTracer::add_seen(const PixelRay& pixel, const SeenSample& seen, Pixel&
   auto [color, opacity] = seen.look;
   if (!fading_.opacities.empty()) opacity *= fading_.opacity_at(seen.slope.norm());
   if (look_.shade) {
-    const Vec3 to_eye = -pixel.ray.direction.normalized();
-    color = shaded(color, seen.slope, to_eye, look_, shading_, seen.arriving);
+    color =
+        shaded(color, lit_place(pixel, seen.slope, seen.clearance), look_, shading_, seen.arriving);
   }
   double& alpha = result.rgba[3];
   const double a = opacity_over(opacity, seen.path, shading_.unit_distance);
@@ -274,6 +287,8 @@ void PixelTracer::add_part(const PixelRay& pixel, const Piece& piece, const ZRan
   // Light goes straight from end to end, as the gradient does.
   const view::ArrivingLight front_light = light_at(pixel, front.z, front_slope);
   const view::ArrivingLight back_light = light_at(pixel, back.z, back_slope);
+  const double front_clearance = clearance_at(pixel, view_.z_of(piece.sheet - 1));
+  const double back_clearance = clearance_at(pixel, view_.z_of(piece.sheet));
   const int steps = num_steps(piece, front_slope, back_slope);
   const double length = (part.hi - part.lo) / steps;
   for (int m = 0; m < steps && result.rgba[3] < opaque_at_; ++m) {
@@ -287,6 +302,7 @@ void PixelTracer::add_part(const PixelRay& pixel, const Piece& piece, const ZRan
     add_seen(pixel,
              {{color, opacity},
               front_slope + t * (back_slope - front_slope),
+              std::lerp(front_clearance, back_clearance, t),
               {std::lerp(front_light.around, back_light.around, t),
                std::lerp(front_light.key, back_light.key, t)},
               z,
@@ -373,7 +389,6 @@ Pixel PixelTracer::classified(double value, double depth, TraceCounts& counts) c
 }
 
 Pixel PixelTracer::isosurface(const PixelRay& pixel, TraceCounts& counts) const {
-  const Vec3 to_eye = -pixel.ray.direction.normalized();
   const double iso = look_.isovalue;
   Pixel result;  // what is in front of the surface
   std::optional<RaySample> near;
@@ -390,8 +405,8 @@ Pixel PixelTracer::isosurface(const PixelRay& pixel, TraceCounts& counts) const 
         Rgb color = color_of(has_own_color_ ? at.color_value : iso);
         if (look_.shade) {
           ++counts.gradients;
-          color = shaded(color, at.gradient, to_eye, look_, shading_,
-                         light_at(pixel, at.z, at.gradient));
+          color = shaded(color, lit_place(pixel, at.gradient, clearance_at(pixel, at.z)), look_,
+                         shading_, light_at(pixel, at.z, at.gradient));
         }
         const double rest = 1 - result.rgba[3];
         for (std::size_t c = 0; c < 3; ++c) result.rgba[c] += rest * color[c];

@@ -119,10 +119,13 @@ class PixelTracer {
   struct SeenSample {
     ClassifiedSample look;
     Vec3 slope;
+    double clearance;
     view::ArrivingLight arriving;
     double z, path;
   };
   void add_seen(const PixelRay& pixel, const SeenSample& seen, Pixel& result) const;
+  double clearance_at(const PixelRay& pixel, double z) const;
+  LitPlace lit_place(const PixelRay& pixel, const Vec3& slope, double clearance) const;
   view::ArrivingLight light_at(const PixelRay& pixel, double z, const Vec3& slope) const;
   bool may_show(const Piece& piece) const;
   int num_steps(const Piece& piece, const Vec3& front_slope, const Vec3& back_slope) const;

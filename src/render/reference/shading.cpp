@@ -29,6 +29,10 @@ std::vector<double> corners_between(const TransferFunction& tf, double from, dou
   return corners;
 }
 
+double flatness_at(const LitPlace& place, const ShadingContext& context) {
+  return flatness(place.gradient, context) * std::clamp(place.clearance, 0.0, 1.0);
+}
+
 }  // namespace
 
 Vec3 normal_of(const Vec3& gradient) {
@@ -67,18 +71,18 @@ double opacity_over(double opacity, double path, double unit_distance) {
   return 1 - std::pow(1 - opacity, path / unit_distance);
 }
 
-Rgb shaded(const Rgb& color, const Vec3& gradient, const Vec3& to_eye, const Look& look,
-           const ShadingContext& context, const view::ArrivingLight& arriving) {
-  const Vec3 to_light = look.light_direction ? normal_of(*look.light_direction) : to_eye;
+Rgb shaded(const Rgb& color, const LitPlace& place, const Look& look, const ShadingContext& context,
+           const view::ArrivingLight& arriving) {
+  const Vec3 to_light = look.light_direction ? normal_of(*look.light_direction) : place.to_eye;
   const view::LightShares light =
-      view::light_shares(look, normal_of(gradient), to_light, to_eye, arriving);
-  return view::lit_color(color, look.material, light, flatness(gradient, context));
+      view::light_shares(look, normal_of(place.gradient), to_light, place.to_eye, arriving);
+  return view::lit_color(color, look.material, light, flatness_at(place, context));
 }
 
 view::ArrivingLight arriving_light(const view::LightVolume& volume, const Vec3& position,
-                                   const Vec3& gradient, const Vec3& to_eye,
-                                   const ShadingContext& context) {
-  return volume.arriving_at(position, normal_of(gradient), to_eye, flatness(gradient, context));
+                                   const LitPlace& place, const ShadingContext& context) {
+  return volume.arriving_at(position, normal_of(place.gradient), place.to_eye,
+                            flatness_at(place, context));
 }
 
 }  // namespace ovoid::reference

@@ -14,7 +14,7 @@ struct ShadingContext {
   double flat_rise;      // over h_min, in values, below which the field counts as flat
 };
 
-// q: 0 where the field is flat, 1 where its gradient tells a direction.
+// q: 0 where the field is flat, 1 where its gradient tells a direction; without cut faces.
 double flatness(const Vec3& gradient, const ShadingContext& context);
 
 struct ClassifiedSample {
@@ -32,14 +32,19 @@ Vec3 normal_of(const Vec3& gradient);
 // The opacity of a path through material of opacity `opacity` per unit distance.
 double opacity_over(double opacity, double path, double unit_distance);
 
-// The colour C under the light. `gradient` in world units; `to_eye` points from the sample to the
-// eye, unit length.
-Rgb shaded(const Rgb& color, const Vec3& gradient, const Vec3& to_eye, const Look& look,
-           const ShadingContext& context, const view::ArrivingLight& arriving = {});
+// What a sample's light depends on.
+struct LitPlace {
+  Vec3 gradient;         // world units
+  Vec3 to_eye;           // from the sample, unit length
+  double clearance = 1;  // from cut faces, smallest spacings, of any size and sign
+};
 
-// The light that arrives at a sample at `position` with that gradient.
+// The colour C under the light.
+Rgb shaded(const Rgb& color, const LitPlace& place, const Look& look, const ShadingContext& context,
+           const view::ArrivingLight& arriving = {});
+
+// The light that arrives at a sample at `position`.
 view::ArrivingLight arriving_light(const view::LightVolume& volume, const Vec3& position,
-                                   const Vec3& gradient, const Vec3& to_eye,
-                                   const ShadingContext& context);
+                                   const LitPlace& place, const ShadingContext& context);
 
 }  // namespace ovoid::reference

@@ -17,6 +17,9 @@ namespace {
 // int64.
 constexpr double kMaxSheets = 1e9;
 
+// Cosine between normal and view axis from which a plane's cut is seen in parallel projection.
+constexpr double kEdgeOn = 1e-6;
+
 // An interval of z along a ray; empty if lo > hi.
 struct Interval {
   double lo = -std::numeric_limits<double>::infinity();
@@ -48,7 +51,15 @@ ViewRays::ViewRays(const Camera& camera, const RenderOptions& options, double de
       width_(options.width),
       height_(options.height),
       ds_(options.sampling_distance > 0 ? options.sampling_distance : default_distance),
-      z_focal_((camera.focal_point - camera.position).norm()) {}
+      z_focal_((camera.focal_point - camera.position).norm()) {
+  for (const ClipPlane& plane : clip_planes_) {
+    const double length = plane.normal.norm();
+    const ClipPlane unit{plane.normal / length, plane.offset / length};
+    const bool is_seen = is_perspective_ ? unit.normal.dot(position_) < unit.offset
+                                         : unit.normal.dot(forward_) > kEdgeOn;
+    if (is_seen) cut_faces_.push_back(unit);
+  }
+}
 
 ViewRays::ViewRays(const LatticeField& field, const Camera& camera, const RenderOptions& options,
                    const view::BasePlane* base)
@@ -118,6 +129,15 @@ bool ViewRays::is_kept(const Vec3& position) const {
   return std::all_of(clip_planes_.begin(), clip_planes_.end(), [&](const ClipPlane& plane) {
     return plane.normal.dot(position) >= plane.offset;
   });
+}
+
+std::optional<double> ViewRays::clearance(const Vec3& position) const {
+  std::optional<double> least;
+  for (const ClipPlane& plane : cut_faces_) {
+    const double distance = plane.normal.dot(position) - plane.offset;
+    if (!least || distance < *least) least = distance;
+  }
+  return least;
 }
 
 SheetRange ViewRays::sheets_within(const Ray& ray, const Bounds3& box) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "ovoid/camera.h"
@@ -95,6 +96,8 @@ class ViewRays {
 
   // True if no clip plane cuts the world position away.
   bool is_kept(const Vec3& position) const;
+  // The least distance behind the clip planes whose cuts are seen; none: there are none.
+  std::optional<double> clearance(const Vec3& position) const;
 
   // A range that holds all sheets whose slab meets `box` (index space) along the ray.
   // Throws Error(kInvalidArgument) if the sampling distance makes them too many to count.
@@ -113,6 +116,7 @@ class ViewRays {
   Vec3 spacing_ = Vec3::Ones();
   Vec3 widest_ = Vec3::Ones();  // dims / (4 sigma), at least 1
   std::vector<ClipPlane> clip_planes_;
+  std::vector<ClipPlane> cut_faces_;  // those whose cuts are seen, normals of unit length
   Vec3 position_;
   Vec3 forward_;  // n
   Vec3 right_;    // r

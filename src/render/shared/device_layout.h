@@ -78,6 +78,7 @@ OVOID_CONSTANT uint kHasOwnColor = 2048u;
 OVOID_CONSTANT uint kHasLimits = 4096u;       // in depth, per pixel
 OVOID_CONSTANT uint kNodesKeepBound = 8192u;  // those near faces have no value
 OVOID_CONSTANT uint kSpreads = 16384u;        // bilinearly
+OVOID_CONSTANT uint kFadesAtCuts = 32768u;    // light, towards cut faces
 // Of post-convolution.
 OVOID_CONSTANT int kNodeTile = 32;   // pixels along the side of the tile that shares nodes
 OVOID_CONSTANT int kMostNodes = 30;  // along it, with those around: at 1.45 pixels each 28
@@ -242,9 +243,9 @@ struct ViewConstants {
   float gradient_pitch;  // what differences of pixels and sheets are divided by for gradients in
   float gradient_pitch_per_sheet;  // FramePlan::gradient_unit
   float gradient_step;
+  uint num_cut_faces;          // the first clips; light fades towards them
+  float clearance_per_length;  // 1 / h_min
   float padding0;
-  float padding1;
-  float padding2;
 };
 
 struct LatticeFrame {

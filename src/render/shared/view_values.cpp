@@ -40,6 +40,7 @@ FrameTraits frame_traits(const view::FramePlan& plan, const Look& look,
   traits.takes_differences =
       traits.takes_gradients &&
       (options.gradient == GradientMethod::kCentral || options.spread == Spread::kBilinear);
+  traits.fades_at_cuts = plan.num_cut_faces > 0;
   traits.nodes_keep_bound = options.post_convolution == PostConvolution::kAuto;
   traits.corrects_late = traits.is_preintegrated || traits.is_refined || traits.fades_by_gradient;
   return traits;
@@ -92,6 +93,8 @@ device::ViewConstants view_constants(const view::FramePlan& plan, const RenderOp
   out.height = static_cast<std::uint32_t>(options.height);
   out.num_sheets = static_cast<std::int32_t>(std::max<std::int64_t>(plan.sheets.last - first, 0));
   out.num_clips = static_cast<std::uint32_t>(plan.clip_planes.size());
+  out.num_cut_faces = static_cast<std::uint32_t>(plan.num_cut_faces);
+  out.clearance_per_length = static_cast<float>(1 / plan.least_spacing);
   out.sampling_distance = camera.sampling_distance;
   out.first_depth = static_cast<float>(lattice.depth(first));
   out.near_cut = lattice.is_parallel()

@@ -22,6 +22,7 @@ struct FrameTraits {
   bool fades_by_gradient = false;  // the opacity depends on the gradient's length
   bool takes_gradients = true;     // for light or for fading
   bool takes_differences = false;  // the gradients are central differences
+  bool fades_at_cuts = false;      // light fades towards cut faces
   bool nodes_keep_bound = false;   // nodes near a lattice's faces have no value
   float opaque_at = 1;             // a pixel is closed once its opacity has reached this
   bool corrects_late = false;      // opacities are corrected for their path after the gradient

@@ -30,6 +30,7 @@ std::uint32_t frame_flags(const FrameTraits& traits, const RenderOptions& option
                   {options.depth_limits != nullptr, device::kHasLimits},
                   {options.spread == Spread::kBilinear, device::kSpreads},
                   {traits.nodes_keep_bound, device::kNodesKeepBound},
+                  {traits.fades_at_cuts, device::kFadesAtCuts},
                   {options.stop_opaque, device::kStopsOpaque}});
 }
 

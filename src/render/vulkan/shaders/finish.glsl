@@ -12,8 +12,9 @@ vec3 own_color(vec2 at, float s);
 
 // What was classified is faded, lit and composited: opacity over a unit distance if the frame
 // corrects late, else over one sheet's. `length`: of the path, in sheets. `arriving`: of the light.
+// `clearance`: from cut faces.
 void draw_seen(inout Pixel pixel, vec2 at, float s, float length, vec4 seen, vec3 gradient,
-               vec2 arriving) {
+               vec2 arriving, float clearance) {
   LookConstants look = frame.looks[0];
   float opacity = seen.a;
   if (has_flag(kFades)) opacity *= classify(look.fading, sqrt(dot(gradient, gradient))).a;
@@ -23,7 +24,9 @@ void draw_seen(inout Pixel pixel, vec2 at, float s, float length, vec4 seen, vec
   } else if (!has_flag(kIsParallel) || has_flag(kIsClipped)) {
     opacity = correct_opacity(opacity, length);
   }
-  vec3 color = has_flag(kShades) ? lit(look, seen.rgb, gradient, to_eye(at), arriving) : seen.rgb;
+  vec3 color = has_flag(kShades)
+                   ? lit(look, seen.rgb, gradient, to_eye(at), arriving, clearance)
+                   : seen.rgb;
   composite(pixel, color, opacity, depth_of_sheet(s));
 }
 
@@ -45,5 +48,5 @@ void draw_sample(inout Pixel pixel, vec2 at, float s, float path, float value, b
   }
   vec2 arriving =
       has_flag(kShades) ? arriving_light(look, at, s, gradient, to_eye(at)) : kAllLight;
-  draw_seen(pixel, at, s, path * ray_length(at), color, gradient, arriving);
+  draw_seen(pixel, at, s, path * ray_length(at), color, gradient, arriving, clearance_at(at, s));
 }

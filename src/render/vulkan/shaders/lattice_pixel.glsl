@@ -210,7 +210,7 @@ void draw_surface(inout Pixel pixel, vec2 at, float s, float value) {
     vec3 gradient = to_world(0, gather(0, between(from, way, t), s, step, true).gradient);
     vec3 eye = to_eye(at);
     color = lit(look, look.isosurface_color.rgb, gradient, eye,
-                arriving_light(look, at, sheet, gradient, eye));
+                arriving_light(look, at, sheet, gradient, eye), 1.0);
   }
   composite_surface(pixel, color, depth_of_sheet(sheet));
 }

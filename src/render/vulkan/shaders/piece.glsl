@@ -51,13 +51,14 @@ struct PieceEnds {
   vec3 back;
   vec2 front_light;  // as arriving_light()
   vec2 back_light;
+  vec2 clearance;  // from cut faces, at either end
   int steps;
 };
 
 // `change`: of the look's variation on the way.
 PieceEnds ends_of(vec2 at, float s, Piece piece, float change) {
   LookConstants look = frame.looks[0];
-  PieceEnds ends = PieceEnds(vec3(0.0), vec3(0.0), kAllLight, kAllLight, 1);
+  PieceEnds ends = PieceEnds(vec3(0.0), vec3(0.0), kAllLight, kAllLight, vec2(1.0), 1);
   float need = kStepsPerVariation * change;
   if (has_flag(kTakesGradients)) {
     num_samples.z += 2u;
@@ -78,6 +79,8 @@ PieceEnds ends_of(vec2 at, float s, Piece piece, float change) {
     ends.front_light = arriving_light(look, at, piece.has_front ? s - 1.0 : s, ends.front, eye);
     ends.back_light = arriving_light(look, at, piece.has_back ? s : s - 1.0, ends.back, eye);
   }
+  if (has_flag(kFadesAtCuts))
+    ends.clearance = vec2(clearance_at(at, s - 1.0), clearance_at(at, s));
   ends.steps = steps_for(need);
   return ends;
 }
@@ -96,7 +99,8 @@ void draw_part(inout Pixel pixel, vec2 at, float s, Piece piece, PieceEnds ends,
       color.rgb =
           classify(look.color, fma(piece.back_color - piece.front_color, t, piece.front_color)).rgb;
     draw_seen(pixel, at, s - 1.0 + t, path, color, mix(ends.front, ends.back, t),
-              mix(ends.front_light, ends.back_light, t));
+              mix(ends.front_light, ends.back_light, t),
+              mix(ends.clearance.x, ends.clearance.y, t));
   }
 }
 

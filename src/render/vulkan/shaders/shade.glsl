@@ -27,6 +27,12 @@ vec2 read_light(LookConstants look, vec3 place) {
   return steps * (1.0 / kLightSteps);
 }
 
+// q of docs/numerics.md. `length`: the gradient's. `clearance`: from cut faces, of any size.
+float flatness_of(LookConstants look, float length, float clearance) {
+  float flatness = min(length * look.flat_gradient_inverse, 1.0);
+  return has_flag(kFadesAtCuts) ? flatness * clamp(clearance, 0.0, 1.0) : flatness;
+}
+
 // At pixel `at` of sheet s, or between sheets; see view::light_shift().
 vec2 arriving_light(LookConstants look, vec2 at, float s, vec3 gradient, vec3 eye) {
   if (!has_flag(kHasLightVolume)) return kAllLight;
@@ -36,7 +42,7 @@ vec2 arriving_light(LookConstants look, vec2 at, float s, vec3 gradient, vec3 ey
       light.start[0].xyz + at.x * light.start[1].xyz + at.y * light.start[2].xyz + s * step;
   float squared = max(dot(gradient, gradient), 1e-36);
   float inverse = inversesqrt(squared);
-  float flatness = min(squared * inverse * look.flat_gradient_inverse, 1.0);
+  float flatness = flatness_of(look, squared * inverse, clearance_at(at, s));
   float share =
       flatness * clamp(kLightSteepness * dot(gradient, eye) * inverse, -1.0, 1.0);
   vec3 way = share * inverse * gradient + (1.0 - abs(share)) * eye;
@@ -44,12 +50,12 @@ vec2 arriving_light(LookConstants look, vec2 at, float s, vec3 gradient, vec3 ey
                                        dot(light.shift[2].xyz, way)));
 }
 
-// `arriving`: shares of the light around and of the key.
-vec3 lit(LookConstants look, vec3 color, vec3 gradient, vec3 eye, vec2 arriving) {
+// `arriving`: shares of the light around and of the key. `clearance`: as flatness_of() has it.
+vec3 lit(LookConstants look, vec3 color, vec3 gradient, vec3 eye, vec2 arriving, float clearance) {
   float squared = max(dot(gradient, gradient), 1e-36);
   float inverse = inversesqrt(squared);
   vec3 normal = gradient * inverse;
-  float flatness = min(squared * inverse * look.flat_gradient_inverse, 1.0);
+  float flatness = flatness_of(look, squared * inverse, clearance);
   float towards_eye = dot(normal, eye);
   float diffuse = abs(towards_eye);
   float specular = diffuse;

@@ -148,7 +148,7 @@ void draw_surface(inout Pixel pixel, ivec2 at, int sheet, float value) {
     vec3 gradient = mix(central_gradient(at, sheet - 1, before.value),
                         central_gradient(at, sheet, value), t);
     vec3 eye = to_eye(place);
-    color = lit(look, color, gradient, eye, arriving_light(look, place, s, gradient, eye));
+    color = lit(look, color, gradient, eye, arriving_light(look, place, s, gradient, eye), 1.0);
   }
   composite_surface(pixel, clamp(color, 0.0, 1.0), depth_of_sheet(s));
 }

@@ -98,6 +98,18 @@ bool is_kept_by_planes(vec2 pixel, float s) {
   return true;
 }
 
+// How far the place s lies behind the nearest cut face, smallest spacings; negative before it. Only
+// where light fades at cuts.
+float clearance_at(vec2 pixel, float s) {
+  if (!has_flag(kFadesAtCuts)) return 1.0;
+  float least = 1e30;
+  for (uint i = 0u; i < frame.view.num_cut_faces; ++i) {
+    float slope = at_pixel(frame.view.clips[i].per_sheet, pixel);
+    least = min(least, fma(s, slope, at_pixel(frame.view.clips[i].at_first, pixel)));
+  }
+  return least * frame.view.clearance_per_length;
+}
+
 // The reciprocal basis of (pixel right, pixel down, next sheet): pixels are square and orthogonal
 // to the view axis, the step to the next sheet leans by the ray's slopes. `differences` are of
 // samples `apart` pixels from each other.

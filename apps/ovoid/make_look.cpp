@@ -178,6 +178,7 @@ void take_flag_light(Look& look, const LookFlags& flags, Session& session) {
   material.specular_power = flags.specular_power.value_or(material.specular_power);
   look.light = flags.light;
   look.light_direction = flags.light_direction;
+  if (flags.names_lights) look.further_lights = flags.further_lights;
   look.flat_rise = flags.flat_rise.value_or(look.flat_rise);
   look.occlusion = flags.occlusion.value_or(look.occlusion);
   if (flags.scattering_blending) look.shadows = *flags.scattering_blending / 2;
@@ -185,8 +186,8 @@ void take_flag_light(Look& look, const LookFlags& flags, Session& session) {
   look.scatter = flags.scatter.value_or(look.scatter);
   const bool has_light = flags.ambient || flags.diffuse || flags.specular || flags.specular_power ||
                          flags.light != Light::kStudio || flags.light_direction ||
-                         flags.flat_rise || flags.occlusion || flags.shadows ||
-                         flags.scattering_blending || flags.scatter;
+                         !flags.further_lights.empty() || flags.flat_rise || flags.occlusion ||
+                         flags.shadows || flags.scattering_blending || flags.scatter;
   if (has_light && !look.shade && is_lit(flags.mode)) {
     session.note((flags.file.empty() ? std::string("the default look of clouds")
                                      : source_of_flag("--tf", flags.file)) +

@@ -146,6 +146,20 @@ std::pair<Light, std::optional<Vec3>> parse_light(const std::string& text) {
   }
 }
 
+FurtherLight parse_further_light(const std::string& text) {
+  const std::size_t at = text.find('@');
+  FurtherLight light;
+  try {
+    light.direction = parse_direction(text.substr(0, at));
+    if (at != std::string::npos)
+      light.intensity = parse_number(text.substr(at + 1), {.lo = 0, .hi = 10});
+  } catch (const BadValue& bad) {
+    throw BadValue(
+        fmt::format("{}; lights after the first are X,Y,Z or X,Y,Z@INTENSITY", bad.what()));
+  }
+  return light;
+}
+
 Hyperplane parse_hyperplane(const std::string& text) {
   const std::vector<double> numbers = parse_numbers(text, 5);
   Hyperplane plane{{numbers[0], numbers[1], numbers[2], numbers[3]}, numbers[4]};
@@ -271,6 +285,11 @@ std::string text_of_light(Light light, const std::optional<Vec3>& direction) {
   const std::string towards = direction ? text_of(*direction) : "";
   if (light == Light::kSingle) return direction ? towards : "headlight";
   return direction ? "studio:" + towards : "studio";
+}
+
+std::string text_of(const FurtherLight& light) {
+  if (light.intensity == 1) return text_of(light.direction);
+  return fmt::format("{}@{}", text_of(light.direction), light.intensity);
 }
 
 std::string text_of(const Rgb& rgb) { return fmt::format("{}", fmt::join(rgb, ",")); }

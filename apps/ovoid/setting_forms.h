@@ -26,6 +26,7 @@ Vec3 parse_spacing(const std::string& text);          // "A,B,C"
 Vec3 parse_direction(const std::string& text);        // "X,Y,Z"
 // "studio", "headlight", "X,Y,Z" or "studio:X,Y,Z".
 std::pair<Light, std::optional<Vec3>> parse_light(const std::string& text);
+FurtherLight parse_further_light(const std::string& text);      // "X,Y,Z[@INTENSITY]"
 Hyperplane parse_hyperplane(const std::string& text);           // "A,B,C,D,E"
 ClipPlane parse_clip(const std::string& text);                  // "NX,NY,NZ,D"
 ValuePlane parse_value_plane(const std::string& text);          // "NX,NY,NZ,D[,shown]"
@@ -46,6 +47,7 @@ std::string text_of_component(int component);
 std::string text_of(const LatticeKernel& kernel);
 std::string text_of(const Vec3& v);
 std::string text_of_light(Light light, const std::optional<Vec3>& direction);
+std::string text_of(const FurtherLight& light);
 std::string text_of(const Rgb& rgb);
 std::string text_of(const Index3& dims);
 std::string text_of(ScalarType type);

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <tuple>
+#include <utility>
 
 #include "make_camera.h"
 #include "make_look.h"
@@ -98,6 +99,19 @@ Rule needs_values_above_0(Test test, std::vector<std::string> unless = {}) {
   Rule rule = not_with("log", "begins at {2}, expected values > 0 with --log", nullptr, test);
   rule.unless = std::move(unless);
   return rule;
+}
+
+// The first is the look's own, those after it stand beside it.
+void take_light(const std::string& text, LookFlags& look) {
+  if (!std::exchange(look.names_lights, true)) {
+    std::tie(look.light, look.light_direction) = parse_light(text);
+    return;
+  }
+  if (look.further_lights.size() == Look::kMaxFurtherLights) {
+    throw BadValue(
+        fmt::format("expected at most {} lights after the first", Look::kMaxFurtherLights));
+  }
+  look.further_lights.push_back(parse_further_light(text));
 }
 
 const Interval kNotNegative = {.lo = 0};
@@ -193,16 +207,20 @@ const Table<LookFlags>& light_settings() {
        material("their sharpness", usual.specular_power), lit, by_flag},
       {"--light",
        {"studio|headlight|[studio:]X,Y,Z",
-        [](L& look, const std::string& text) {
-          std::tie(look.light, look.light_direction) = parse_light(text);
-        },
+        [](L& look, const std::string& text) { take_light(text, look); },
         [](const L& look) {
+          Json lights;
           const bool is_usual = look.light == Light::kStudio && !look.light_direction;
-          return is_usual ? Json() : Json(text_of_light(look.light, look.light_direction));
-        }},
-       "a key light above left of the camera and a soft one from the eye (default), the eye's "
-       "alone, "
-       "one towards X,Y,Z (world), or that as the key",
+          if (is_usual && look.further_lights.empty()) return lights;
+          lights.push_back(text_of_light(look.light, look.light_direction));
+          for (const FurtherLight& light : look.further_lights) lights.push_back(text_of(light));
+          return lights;
+        },
+        Content::kText, true},
+       fmt::format("a key light above left of the camera and a soft one from the eye (default), "
+                   "the eye's alone, one towards X,Y,Z (world), or that as the key. Given again: "
+                   "X,Y,Z[@I], a further light of intensity I (1), up to {} of them",
+                   Look::kMaxFurtherLights),
        lit,
        by_flag},
       {"--flat", number("SHARE", kShare), &L::flat_rise,

@@ -97,6 +97,8 @@ struct LookFlags {
   std::optional<double> specular_power;
   Light light = Light::kStudio;
   std::optional<Vec3> light_direction;  // none: with the camera
+  bool names_lights = false;            // else the look's further ones
+  std::vector<FurtherLight> further_lights;
   std::optional<double> flat_rise;
   std::optional<double> occlusion;
   std::optional<double> shadows;

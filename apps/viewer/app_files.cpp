@@ -161,6 +161,7 @@ void App::read_look_file(const std::string& path) {
     look.transfer_function = read.transfer_function;
     look.shade = read.shade;
     look.material = read.material;
+    look.further_lights = read.further_lights;
     look.flat_rise = read.flat_rise;
     look.occlusion = read.occlusion;
     look.shadows = read.shadows;

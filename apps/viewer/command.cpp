@@ -69,6 +69,7 @@ cli::LookFlags look_of(const Document& document) {
   if (is_lit && look.shade) {
     flags.light = look.light;
     flags.light_direction = look.light_direction;
+    flags.further_lights = look.further_lights;
   }
   // There it is that of the integrals.
   if (look.mode == Mode::kXray) flags.range = document.launch->drawing.look.range;

@@ -294,6 +294,7 @@ bool presets(Panel& panel) {
   look.color_function = before.color_function;
   look.light = before.light;
   look.light_direction = before.light_direction;
+  look.further_lights = before.further_lights;
   look.occlusion = before.occlusion;
   look.shadows = before.shadows;
   look.scatter = before.scatter;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -31,6 +32,12 @@ enum class Light {
   kStudio   // a key light, and a soft one from the eye: what turns away from the key is not black
 };
 
+// A light beside the look's own (docs/numerics.md, "Further lights"). White.
+struct FurtherLight {
+  Vec3 direction = Vec3::UnitZ();  // world, from the object towards the light, of any length
+  double intensity = 1.0;          // share of a single light's, in [0, 10]
+};
+
 // Everything about appearance: classification, light, mode.
 struct Look {
   TransferFunction transfer_function;
@@ -46,6 +53,10 @@ struct Look {
   // World, from the object towards the light, or the studio's key light. None: a headlight (along
   // each ray to the eye); of the studio: from above left of the camera, with which it moves.
   std::optional<Vec3> light_direction;
+  // Lights beside that one. They reach both sides of a surface alike, cast no shadows, and are
+  // weakened by occlusion as the soft light is.
+  static constexpr std::size_t kMaxFurtherLights = 4;
+  std::vector<FurtherLight> further_lights;
   // Where the field rises, over its smallest spacing, by less than this share of the transfer
   // function's span, light fades to that of a flat region: there normals are noise. In [0, 1].
   // (An isosurface, which is asked for, is lit from 1e-4 of the field's range on.)

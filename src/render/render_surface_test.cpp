@@ -157,6 +157,29 @@ TEST(RenderSurface, IsLitAsVolumesAre) {
   }
 }
 
+// To what a surface shows under its own light, further ones add.
+TEST(RenderSurface, TakesFurtherLights) {
+  Look look = gray();
+  look.shade = true;
+  look.material = {0.1, 0.3, 0.2, 4};
+  const Camera camera = parallel_camera({0, 0, 0}, {0, 0, -1}, 8, 20);
+  Surface surface = square();
+  for (auto& triangle : surface.triangles) {
+    triangle.normals.fill(Eigen::Vector3f(0, 0, 1));
+    triangle.values.fill(0);
+  }
+  const auto shown = [&] {
+    return pixel(render_surface(surface, camera, look, {}, options_of()).image, 32, 32).r();
+  };
+  double expected = 0.5 * (0.1 + 0.3) + 0.2;
+  EXPECT_NEAR(shown(), expected, 1e-4);
+  look.further_lights = {{Vec3(2, 4, 4), 0.5}, {Vec3(0, 3, -4), 0.25}};
+  const double n_h = (Vec3(1, 2, 2) / 3 + Vec3(0, 0, 1)).normalized().z();
+  expected += 0.5 * (0.5 * 0.3 * 2 / 3 + 0.2 * std::pow(n_h, 4));
+  expected += 0.25 * (0.5 * 0.3 * 0.8);  // from behind, without a highlight
+  EXPECT_NEAR(shown(), expected, 1e-4);
+}
+
 TEST(RenderSurface, ClipPlanesCutIt) {
   RenderOptions options = options_of();
   options.clip_planes = {{Vec3(1, 0, 0), 1}};

@@ -40,6 +40,18 @@ LightShares studio_light(const Vec3& normal, const Vec3& to_key, const Vec3& to_
           from_key + from_eye};
 }
 
+// In the mean over all normals a light reaches them by half.
+constexpr double kMeanCosine = 0.5;
+
+void add_further_light(const FurtherLight& light, const Vec3& normal, const Vec3& to_eye,
+                       double power, double around, LightShares& shares) {
+  const LightShares own =
+      single_light(normal, light.direction.normalized(), to_eye, power, light.intensity * around);
+  shares.diffuse += own.diffuse;
+  shares.specular += own.specular;
+  shares.flat += kMeanCosine * own.flat;
+}
+
 }  // namespace
 
 LightShares light_shares(const Look& look, const Vec3& normal, const Vec3& to_light,
@@ -51,6 +63,8 @@ LightShares light_shares(const Look& look, const Vec3& normal, const Vec3& to_li
                            ? studio_light(normal, to_light, to_eye, power, arriving)
                            : single_light(normal, to_light, to_eye, power, of_single);
   shares.ambient = arriving.around;
+  for (const FurtherLight& light : look.further_lights)
+    add_further_light(light, normal, to_eye, power, arriving.around, shares);
   return shares;
 }
 

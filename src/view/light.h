@@ -19,8 +19,8 @@ struct LightShares {
   double ambient = 1, flat = 1;
 };
 
-// `normal`, `to_light` and `to_eye` have unit length; to_light is where the look's light, or the
-// studio's key light, stands. `arriving`: how much of the light gets as far as the place.
+// `normal`, `to_light` and `to_eye` have unit length; to_light is where the look's own light, or
+// the studio's key light, stands. `arriving`: how much of the light gets as far as the place.
 LightShares light_shares(const Look& look, const Vec3& normal, const Vec3& to_light,
                          const Vec3& to_eye, const ArrivingLight& arriving = {});
 

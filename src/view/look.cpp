@@ -91,6 +91,28 @@ void validate(const TransferFunction& tf) {
   }
 }
 
+void validate_lights(const std::vector<FurtherLight>& lights) {
+  constexpr double kGreatestIntensity = 10;
+  if (lights.size() > Look::kMaxFurtherLights) {
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("further_lights: {} given, at most {} are possible", lights.size(),
+                            Look::kMaxFurtherLights));
+  }
+  for (std::size_t i = 0; i < lights.size(); ++i) {
+    const Vec3& towards = lights[i].direction;
+    if (!(towards.allFinite() && towards.norm() > 0.0 && std::isfinite(towards.norm()))) {
+      throw Error(ErrorCode::kInvalidArgument,
+                  fmt::format("further_lights[{}].direction = ({}, {}, {}): must be finite and not "
+                              "zero",
+                              i, towards.x(), towards.y(), towards.z()));
+    }
+    const double intensity = lights[i].intensity;
+    if (!(intensity >= 0.0 && intensity <= kGreatestIntensity)) {
+      refuse(fmt::format("further_lights[{}].intensity", i), intensity, "must be in [0, 10]");
+    }
+  }
+}
+
 }  // namespace
 
 void Look::validate() const {
@@ -114,6 +136,7 @@ void Look::validate() const {
                 fmt::format("light_direction = ({}, {}, {}): must be finite and not zero",
                             towards.x(), towards.y(), towards.z()));
   }
+  validate_lights(further_lights);
   if (!(unit_distance >= 0.0) || !std::isfinite(unit_distance)) {
     refuse("unit_distance", unit_distance, "must be finite and >= 0");
   }

@@ -86,6 +86,23 @@ TEST(Look, ValidateNamesTheMember) {
       {"specular_power = 0", [](Look& l) { l.material.specular_power = 0; }},
       {"light_direction = (0, 0, 0)", [](Look& l) { l.light_direction = Vec3(0, 0, 0); }},
       {"light_direction", [](Look& l) { l.light_direction = Vec3(0, kNan, 1); }},
+      {"further_lights: 5 given, at most 4", [](Look& l) { l.further_lights.resize(5); }},
+      {"further_lights[1].direction = (0, 0, 0)",
+       [](Look& l) {
+         l.further_lights = {{}, {Vec3::Zero(), 1}};
+       }},
+      {"further_lights[0].direction",
+       [](Look& l) {
+         l.further_lights = {{Vec3(1, kInfinity, 0), 1}};
+       }},
+      {"further_lights[0].intensity = -1",
+       [](Look& l) {
+         l.further_lights = {{Vec3(1, 0, 0), -1}};
+       }},
+      {"further_lights[0].intensity = nan",
+       [](Look& l) {
+         l.further_lights = {{Vec3(1, 0, 0), kNan}};
+       }},
       {"unit_distance = -1", [](Look& l) { l.unit_distance = -1; }},
   };
   for (const Row& row : rows) {

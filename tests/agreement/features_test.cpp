@@ -323,6 +323,39 @@ TEST(Agreement, Light) {
   }
 }
 
+// Fails if a further light is lost, or weakened by what it should not be.
+TEST(Agreement, FurtherLights) {
+  for (const bool is_parallel : {true, false}) {
+    for (const Mode mode : {Mode::kComposite, Mode::kIsosurface}) {
+      Scene scene = small_scene(mode, is_parallel);
+      scene.options = picture(48, 40);
+      scene.look.material = {0.1, 0.4, 0.3, 7.5};
+      const std::string view =
+          std::string(mode == Mode::kComposite ? "composite, " : "isosurface, ") +
+          projection_name(is_parallel);
+      const Image without = draw(scene).image;
+      scene.look.further_lights = {{Vec3(3, 1, -2), 0.7}, {Vec3(-1, 2, 0.5), 0.4}};
+      EXPECT_TRUE(backends_agree(scene, view + ", headlight and two"));
+      EXPECT_LT(compare(draw(scene).image, without).psnr_db, 40);
+      scene.look.light = Light::kStudio;
+      scene.look.further_lights.resize(Look::kMaxFurtherLights, {Vec3(-2, -1, -1), 0.2});
+      scene.look.flat_rise = 0.2;
+      EXPECT_TRUE(backends_agree(scene, view + ", studio and four, flat where it is faint"));
+      scene.look.flat_rise = 1e-4;
+      scene.look.occlusion = 1;
+      scene.look.shadows = 0.7;
+      EXPECT_TRUE(backends_agree(scene, view + ", studio and four, with occlusion and shadows"));
+      scene.look.light = Light::kSingle;
+      scene.look.light_direction = Vec3(1, -1, -1);
+      scene.look.material.specular = 0;
+      EXPECT_TRUE(backends_agree(scene, view + ", a direction and four, without highlights"));
+      if (mode != Mode::kComposite) continue;
+      scene.options.classification = Classification::kSampled;
+      EXPECT_TRUE(backends_agree(scene, view + ", a direction and four, sampled"));
+    }
+  }
+}
+
 // Fails if a back end reads the coarse volume of light elsewhere, or lights other parts with it.
 TEST(Agreement, LightFromACoarseVolume) {
   for (const bool is_parallel : {true, false}) {

@@ -151,6 +151,21 @@ TEST(KernelSets, AgreeOnOtherOptions) {
   }
 }
 
+// Fails if further lights are lost on sets.
+TEST(KernelSets, AgreeOnFurtherLights) {
+  const KernelField field(jittered_ellipsoids(8).source(), Reconstruction::kNormalized);
+  for (const Mode mode : {Mode::kComposite, Mode::kIsosurface}) {
+    Look look = semi_transparent_look(0, 1);
+    look.mode = mode;
+    look.isovalue = 0.62;
+    look.material = {0.1, 0.4, 0, 1};  // highlights jump where a normal passes the picture's plane
+    look.further_lights = {{Vec3(3, 1, -2), 0.7}, {Vec3(-1, 2, 0.5), 0.4}};
+    const Scene scene{field, askew_camera(field, false, 1.3), look, direct_options(50, 70)};
+    EXPECT_TRUE(backends_agree(
+        scene, "further lights, mode " + std::to_string(static_cast<int>(mode)), 0.05));
+  }
+}
+
 // Fails if light of sets does not fade towards cuts as that of lattices does.
 TEST(KernelSets, AgreeOnCutFaces) {
   const KernelField field(jittered_ellipsoids(7).source(), Reconstruction::kNormalized);

@@ -109,6 +109,10 @@ TEST_F(LatticeSheets, AgreeWithOtherOptions) {
       {"no light", [](Scene& s) { s.look.shade = false; }},
       {"a light", [](Scene& s) { s.look.light_direction = Vec3(0.3, 0.5, 1); }},
       {"studio", [](Scene& s) { s.look.light = Light::kStudio; }},
+      {"further lights",
+       [](Scene& s) {
+         s.look.further_lights = {{Vec3(3, 1, -2), 0.7}, {Vec3(-1, 2, 0.5), 0.4}};
+       }},
       {"clipped",
        [](Scene& s) {
          const Vec3 center = s.field.world_bounds().center();

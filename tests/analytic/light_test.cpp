@@ -103,6 +103,36 @@ TEST(Light, StudioHasAKeyAndAFill) {
   }
 }
 
+// Each adds to what the look's own light shows, from either side; where the field is flat, by half.
+TEST(Light, FurtherLightsAdd) {
+  Look look = opaque_look();
+  look.material = {0.1, 0.3, 0.2, 3.5};
+  const Vec3 color(0.2, 0.5, 0.8);
+  const Vec3 to_eye(0, 0, -1);
+  const LatticeField flat_field = constant_field({16, 16, 16}, 5);
+  for (const Light kind : {Light::kSingle, Light::kStudio}) {
+    look.light = kind;
+    look.light_direction = Vec3(0.3, 1, -2);
+    look.further_lights.clear();
+    const Vec3 own = shade_of(slanted_ramp(), look, front());
+    const Vec3 own_flat = shade_of(flat_field, look, front());
+    look.further_lights = {{Vec3(-2, 0.4, 0.2), 0.8}, {Vec3(0, 0, -3), 0.3}};
+    Vec3 expected = own;
+    for (const FurtherLight& light : look.further_lights) {
+      const Vec3 l = light.direction.normalized();
+      const Vec3 h = (l + to_eye).normalized();
+      const bool is_same_side = kNormal.dot(l) * kNormal.dot(to_eye) >= 0;
+      const double shine = is_same_side ? std::pow(std::abs(kNormal.dot(h)), 3.5) : 0;
+      expected +=
+          light.intensity * (color * 0.3 * std::abs(kNormal.dot(l)) + Vec3::Constant(0.2 * shine));
+    }
+    EXPECT_LT(expected.maxCoeff(), 1);  // nothing is clamped
+    EXPECT_NEAR((shade_of(slanted_ramp(), look, front()) - expected).norm(), 0, 1e-6);
+    const Vec3 expected_flat = own_flat + color * 0.3 * 0.5 * (0.8 + 0.3);
+    EXPECT_NEAR((shade_of(flat_field, look, front()) - expected_flat).norm(), 0, 1e-6);
+  }
+}
+
 // Below it, light fades by how much the field rises.
 TEST(Light, FlatRiseIsTheLooks) {
   Look look = opaque_look();

@@ -244,6 +244,7 @@ const std::vector<Words>& samples() {
       {"--light", "1,0,0"},
       {"--light", "headlight", "--flat", "0.1"},
       {"--light", "studio:1,0,0"},
+      {"--light", "studio", "--light", "1,0,0@0.5", "--light", "0,1,0"},
       {"--occlusion", "0.5", "--shadows", "0.5", "--scatter", "0.5"},
       {"--volumetric-scattering-blending", "1"},
       {"--fit", "box"},

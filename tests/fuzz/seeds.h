@@ -332,7 +332,7 @@ inline std::vector<std::string> look_seeds() {
       R"({"Name":"d","ColorSpace":"Step","RGBPoints":[0,0,0,0,1,1,1,1],"Points":[]})",
       R"({"Name":"e","ColorSpace":"Lab/CIEDE2000","UseLogScale":1,"RGBPoints":[1,1,0,0,1000,0,0,1],"UseBelowRangeColor":1,"BelowRangeColor":[0,0,0]})",
       R"({"Name":"f","IndexedColors":[1,0,0,0,1,0],"Annotations":["0","a","7","b"],"Points":[0,0,0.5,0]})",
-      R"({"Points":[-5,0,0.5,0,5,1,0.5,0],"SymlogLinearWidth":0.1,"GradientOpacityPoints":[0,0,0.5,0,9,1,0.5,0],"Shade":false,"Ambient":0.3})",
+      R"({"Points":[-5,0,0.5,0,5,1,0.5,0],"SymlogLinearWidth":0.1,"GradientOpacityPoints":[0,0,0.5,0,9,1,0.5,0],"Shade":false,"Ambient":0.3,"Lights":[{"Direction":[1,0,-2],"Intensity":0.4},{"Direction":[0,1,0]}]})",
       R"({"@schema":"s","volumeProperties":[{"components":[{"shade":true,"lighting":{"ambient":0.2,"specularPower":5},)"
       R"("rgbTransferFunction":{"points":[{"x":0,"color":[0,0,0],"midpoint":0.3,"sharpness":0.5},{"x":9,"color":[1,1,1]}]},)"
       R"("scalarOpacity":{"points":[{"x":0,"y":0},{"x":9,"y":1}]},"gradientOpacity":{"points":[{"x":0,"y":0}]},"scalarOpacityUnitDistance":1}]}]})",

@@ -64,6 +64,7 @@ constinit const TypeLayout OVOID_LAYOUTS[] = {
     OVOID_TYPE(LatticeFileWriter),
     OVOID_TYPE(Material),
     OVOID_TYPE(Materials),
+    OVOID_TYPE(FurtherLight),
     OVOID_TYPE(Look),
     OVOID_TYPE(LatticeModelOptions),
     OVOID_TYPE(LatticeModelReport),

@@ -56,6 +56,8 @@ std::vector<std::uint64_t> bits_of(const Look& look) {
   const Material& material = look.material;
   bits.add(look.shade ? 1.0 : 0.0).add(material.ambient).add(material.diffuse);
   bits.add(material.specular).add(material.specular_power);
+  for (const FurtherLight& light : look.further_lights)
+    bits.add(light.direction).add(light.intensity);
   return bits.all;
 }
 
@@ -110,6 +112,11 @@ Look random_look(Random& random) {
   tf.sort();
   look.shade = random() % 2 == 0;
   look.material = {unit(random), positive(random), 3 * unit(random), positive(random)};
+  look.further_lights.resize(random() % 5);
+  for (FurtherLight& light : look.further_lights) {
+    light.direction = Vec3(unit(random) + 0.1, -unit(random), 1e9 * unit(random));
+    light.intensity = 10 * unit(random);
+  }
   return look;
 }
 

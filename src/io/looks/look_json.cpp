@@ -2,6 +2,7 @@
 // ParaView's JSON colour presets; the format as read and written here is in docs/looks.md.
 #include <fmt/format.h>
 
+#include <cmath>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -137,6 +138,29 @@ void take_scale(TransferFunction& tf, const JsonValue& preset) {
   }
 }
 
+std::vector<FurtherLight> lights_from(const JsonValue& list) {
+  constexpr double kGreatestIntensity = 10;
+  if (!list.json().is_array()) list.refuse("must be an array of lights");
+  if (list.size() > Look::kMaxFurtherLights)
+    list.refuse(fmt::format("must have at most {} lights", Look::kMaxFurtherLights));
+  std::vector<FurtherLight> lights(list.size());
+  for (std::size_t i = 0; i < lights.size(); ++i) {
+    const JsonValue light = list.element(i).object();
+    const JsonValue direction = light.member("Direction").array_of(3);
+    for (std::size_t a = 0; a < 3; ++a)
+      lights[i].direction[static_cast<int>(a)] = direction.element(a).number();
+    const double length = lights[i].direction.norm();
+    if (!(length > 0.0 && std::isfinite(length)))
+      direction.refuse("must be a direction other than 0, 0, 0");
+    if (!light.has("Intensity")) continue;
+    const JsonValue intensity = light.member("Intensity");
+    lights[i].intensity = intensity.number();
+    if (!(lights[i].intensity >= 0.0 && lights[i].intensity <= kGreatestIntensity))
+      intensity.refuse("must be in [0, 10]");
+  }
+  return lights;
+}
+
 // Our own keys.
 void take_light(Look& look, const JsonValue& preset) {
   if (preset.has("Shade")) look.shade = preset.member("Shade").boolean();
@@ -148,6 +172,7 @@ void take_light(Look& look, const JsonValue& preset) {
     if (!(share.number() >= 0.0 && share.number() <= 1.0)) share.refuse("must be in [0, 1]");
     *into = share.number();
   }
+  if (preset.has("Lights")) look.further_lights = lights_from(preset.member("Lights"));
   Material& material = look.material;
   for (const auto& [key, into] :
        {std::pair{"Ambient", &material.ambient}, std::pair{"Diffuse", &material.diffuse},
@@ -313,6 +338,13 @@ std::string to_text(const Look& look) {
   preset["Occlusion"] = look.occlusion;
   preset["Shadows"] = look.shadows;
   preset["Scatter"] = look.scatter;
+  for (const FurtherLight& light : look.further_lights) {
+    const Vec3& towards = light.direction;
+    OrderedJson entry;
+    entry["Direction"] = {towards.x(), towards.y(), towards.z()};
+    entry["Intensity"] = light.intensity;
+    preset["Lights"].push_back(std::move(entry));
+  }
   return text_of(preset);
 }
 

@@ -189,6 +189,15 @@ TEST(TransferFunctionFile, ErrorsNameFileKeyAndIndex) {
       {R"({"Points": [], "ScalarOpacityUnitDistance": 0})", kFormat,
        "ScalarOpacityUnitDistance = 0: must be > 0"},
       {R"({"Points": [], "ColorSpace": "HSV", "HSVWrap": "yes"})", kFormat, "HSVWrap = \"yes\""},
+      {R"({"Points": [], "Lights": {"Direction": [0, 0, 1]}})", kFormat, "must be an array"},
+      {R"({"Points": [], "Lights": [1]})", kFormat, "Lights[0] = 1: must be an object"},
+      {R"({"Points": [], "Lights": [{"Intensity": 1}]})", kFormat, "has no member Direction"},
+      {R"({"Points": [], "Lights": [{"Direction": [0, 0, 0]}]})", kFormat,
+       "Lights[0].Direction = [0,0,0]: must be a direction"},
+      {R"({"Points": [], "Lights": [{"Direction": [0, 1]}]})", kFormat, "must have 3 elements"},
+      {R"({"Points": [], "Lights": [{"Direction": [0, 0, 1], "Intensity": -1}]})", kFormat,
+       "Lights[0].Intensity = -1: must be in [0, 10]"},
+      {R"({"Points": [], "Lights": [{}, {}, {}, {}, {}]})", kFormat, "must have at most 4 lights"},
   };
   const TestFolder folder;
   for (const Row& row : rows) {

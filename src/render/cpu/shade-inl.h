@@ -313,6 +313,42 @@ struct Lighting {
 inline constexpr float kKeySlope = device::kKeyShare / (1.0F + device::kKeyWrap);
 inline constexpr float kKeyOffset = device::kKeyWrap * kKeySlope;
 
+// The cosine between the normal and the direction half-way between two of unit length, of which
+// `to_light` and `to_eye` are the cosines.
+HWY_INLINE V half_way_cosine(const WorldVector& light, const WorldVector& eye, V to_light,
+                             V to_eye) {
+  // |l + e|^2 of two unit vectors.
+  const V half_squared = hn::MulAdd(hn::Set(d, 2.0F), dot_product(light, eye), hn::Set(d, 2.0F));
+  const V half_inverse = reciprocal_sqrt(hn::Max(half_squared, hn::Set(d, 1e-12F)));
+  return hn::Mul(hn::Abs(hn::Add(to_light, to_eye)), half_inverse);
+}
+
+// Sums of what further lights add, before flatness and material.
+struct FurtherShares {
+  V diffuse, flat, shine;
+};
+
+// `along`: the cosine between the normal and a direction.
+template <class Along>
+HWY_INLINE FurtherShares further_lights(const device::LookConstants& look, const WorldVector& eye,
+                                        V to_eye, const Along& along) {
+  FurtherShares sum{hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+  for (std::uint32_t i = 0; i < look.num_further_lights; ++i) {
+    const device::vec4& from = look.further_lights[i];
+    const V intensity = hn::Set(d, from.w);
+    const WorldVector light{hn::Set(d, from.x), hn::Set(d, from.y), hn::Set(d, from.z)};
+    const V to_light = along(light);
+    sum.diffuse = hn::MulAdd(intensity, hn::Abs(to_light), sum.diffuse);
+    sum.flat = hn::MulAdd(intensity, hn::Set(d, device::kMeanCosine), sum.flat);
+    if (!(look.specular > 0)) continue;
+    const V cosine = hn::Min(half_way_cosine(light, eye, to_light, to_eye), hn::Set(d, 1.0F));
+    const M is_same_side = hn::Ge(hn::Mul(to_light, to_eye), hn::Zero(d));
+    const V shine = hn::IfThenElseZero(is_same_side, shine_of(cosine, look.specular_power));
+    sum.shine = hn::MulAdd(intensity, shine, sum.shine);
+  }
+  return sum;
+}
+
 // Everything is lit by what arrives: the light around, and the key or the only light there is.
 // `clearance`: as flatness_of() has it.
 HWY_INLINE Lighting light_sample(const device::LookConstants& look, const WorldVector& gradient,
@@ -339,10 +375,7 @@ HWY_INLINE Lighting light_sample(const device::LookConstants& look, const WorldV
     const WorldVector light{hn::Set(d, look.light.x), hn::Set(d, look.light.y),
                             hn::Set(d, look.light.z)};
     V to_light = along(light);
-    // |l + e|^2 of two unit vectors.
-    const V half_squared = hn::MulAdd(hn::Set(d, 2.0F), dot_product(light, eye), hn::Set(d, 2.0F));
-    const V half_inverse = reciprocal_sqrt(hn::Max(half_squared, hn::Set(d, 1e-12F)));
-    const V cosine = hn::Mul(hn::Abs(hn::Add(to_light, to_eye)), half_inverse);
+    const V cosine = half_way_cosine(light, eye, to_light, to_eye);
     if (look.light_kind == device::kSingleLight) {
       diffuse = hn::Mul(bright, hn::Abs(to_light));
       specular = hn::IfThenElseZero(hn::Ge(hn::Mul(to_light, to_eye), hn::Zero(d)), cosine);
@@ -360,6 +393,14 @@ HWY_INLINE Lighting light_sample(const device::LookConstants& look, const WorldV
       specular = hn::IfThenElseZero(hn::Gt(to_light, hn::Zero(d)), cosine);
     }
   }
+  FurtherShares further;
+  if (look.num_further_lights > 0) {
+    further = further_lights(look, eye, to_eye, along);
+    const V around = arriving != nullptr ? arriving->around : hn::Set(d, 1.0F);
+    diffuse = hn::MulAdd(around, further.diffuse, diffuse);
+    flat = hn::MulAdd(around, further.flat, flat);
+    further.shine = hn::Mul(around, further.shine);
+  }
   const V lit = hn::MulAdd(flatness, hn::Sub(diffuse, flat), flat);
   V ambient = hn::Set(d, look.ambient);
   if (arriving != nullptr) ambient = hn::Mul(ambient, arriving->around);
@@ -368,6 +409,10 @@ HWY_INLINE Lighting light_sample(const device::LookConstants& look, const WorldV
     const V shine = shine_of(hn::Min(specular, hn::Set(d, 1.0F)), look.specular_power);
     out.highlight = hn::Mul(hn::Mul(flatness, hn::Set(d, look.specular)), shine);
     if (arriving != nullptr) out.highlight = hn::Mul(out.highlight, bright);
+    if (look.num_further_lights > 0) {
+      out.highlight =
+          hn::MulAdd(hn::Mul(flatness, hn::Set(d, look.specular)), further.shine, out.highlight);
+    }
   }
   return out;
 }

@@ -101,8 +101,10 @@ OVOID_CONSTANT uint kIsosurface = 4u;
 OVOID_CONSTANT uint kSingleLight = 0u;
 OVOID_CONSTANT uint kHeadlight = 1u;
 OVOID_CONSTANT uint kStudioLight = 2u;
-OVOID_CONSTANT float kKeyShare = 0.65f;  // of the diffuse light; the rest is the fill's
-OVOID_CONSTANT float kKeyWrap = 0.25f;   // how far the key reaches round a surface: a cosine
+OVOID_CONSTANT float kKeyShare = 0.65f;      // of the diffuse light; the rest is the fill's
+OVOID_CONSTANT uint kMaxFurtherLights = 4u;  // Look::kMaxFurtherLights
+OVOID_CONSTANT float kMeanCosine = 0.5f;     // of further lights, where the field is flat
+OVOID_CONSTANT float kKeyWrap = 0.25f;       // how far the key reaches round a surface: a cosine
 OVOID_CONSTANT uint kTypeU8 = 0u;
 OVOID_CONSTANT uint kTypeI8 = 1u;
 OVOID_CONSTANT uint kTypeU16 = 2u;
@@ -162,9 +164,10 @@ struct LookConstants {
   float isovalue;
   uint light_kind;
   uint variation_at;  // view::look_variation(), one number an entry; of refined pieces
+  uint num_further_lights;
   uint padding0;
   uint padding1;
-  uint padding2;
+  vec4 further_lights[kMaxFurtherLights];  // unit length, towards each; w: its intensity
 };
 
 // Samples at whole numbers of index space, shifted.
@@ -426,7 +429,7 @@ struct StripConstants {
 #ifdef __cplusplus
 static_assert(sizeof(TableConstants) == 48);
 static_assert(sizeof(LightConstants) == 160);
-static_assert(sizeof(LookConstants) == 3 * 48 + 4 * 16 + 160 + 64);
+static_assert(sizeof(LookConstants) == 3 * 48 + 4 * 16 + 160 + 64 + 16 * kMaxFurtherLights);
 static_assert(sizeof(LatticeConstants) % 16 == 0);
 static_assert(sizeof(ViewConstants) % 16 == 0);
 static_assert(sizeof(BoxConstants) == 96);  // push constants: 128 bytes are sure

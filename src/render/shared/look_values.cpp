@@ -155,6 +155,12 @@ device::LookConstants look_constants(const view::FramePlan& plan, const Look& lo
     out.light_kind = look.light_direction ? device::kSingleLight : device::kHeadlight;
   }
   if (look.light_direction) out.light = device_vector(look.light_direction->normalized());
+  static_assert(device::kMaxFurtherLights == Look::kMaxFurtherLights);
+  out.num_further_lights = static_cast<std::uint32_t>(look.further_lights.size());
+  for (std::size_t i = 0; i < look.further_lights.size(); ++i) {
+    out.further_lights[i] = device_vector(look.further_lights[i].direction.normalized());
+    out.further_lights[i].w = static_cast<float>(look.further_lights[i].intensity);
+  }
   out.ambient = static_cast<float>(look.material.ambient);
   out.diffuse = static_cast<float>(look.material.diffuse);
   out.specular = static_cast<float>(look.material.specular);

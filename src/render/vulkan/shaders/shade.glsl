@@ -50,6 +50,10 @@ vec2 arriving_light(LookConstants look, vec2 at, float s, vec3 gradient, vec3 ey
                                        dot(light.shift[2].xyz, way)));
 }
 
+float shine_of(LookConstants look, float cosine) {
+  return exp2(max(log2(max(min(cosine, 1.0), 1e-30)) * look.specular_power, -126.0));
+}
+
 // `arriving`: shares of the light around and of the key. `clearance`: as flatness_of() has it.
 vec3 lit(LookConstants look, vec3 color, vec3 gradient, vec3 eye, vec2 arriving, float clearance) {
   float squared = max(dot(gradient, gradient), 1e-36);
@@ -81,12 +85,21 @@ vec3 lit(LookConstants look, vec3 color, vec3 gradient, vec3 eye, vec2 arriving,
   } else {
     diffuse *= bright;
   }
+  float highlight = 0.0;
+  if (look.specular > 0.0) highlight = bright * flatness * look.specular * shine_of(look, specular);
+  for (uint i = 0u; i < look.num_further_lights; ++i) {
+    vec4 from = frame.looks[0].further_lights[i];  // of the copy it would need an array in memory
+    vec3 light = from.xyz;
+    float share = from.w * arriving.x;
+    float towards_light = dot(normal, light);
+    diffuse = fma(share, abs(towards_light), diffuse);
+    flat_light = fma(share, kMeanCosine, flat_light);
+    if (!(look.specular > 0.0) || towards_light * towards_eye < 0.0) continue;
+    vec3 middle = light + eye;
+    float cosine = abs(dot(normal, middle)) / max(length(middle), 1e-6);
+    highlight = fma(share * flatness * look.specular, shine_of(look, cosine), highlight);
+  }
   float factor = look.ambient * arriving.x +
                  look.diffuse * fma(flatness, diffuse - flat_light, flat_light);
-  float highlight = 0.0;
-  if (look.specular > 0.0) {
-    float shine = exp2(max(log2(max(min(specular, 1.0), 1e-30)) * look.specular_power, -126.0));
-    highlight = bright * flatness * look.specular * shine;
-  }
   return clamp(fma(color, vec3(factor), vec3(highlight)), 0.0, 1.0);
 }

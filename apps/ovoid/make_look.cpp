@@ -184,11 +184,15 @@ void take_flag_light(Look& look, const LookFlags& flags, Session& session) {
   if (flags.scattering_blending) look.shadows = *flags.scattering_blending / 2;
   look.shadows = flags.shadows.value_or(look.shadows);
   look.scatter = flags.scatter.value_or(look.scatter);
+  // What is not lit has the colours as they are, unless somebody asks for less.
+  if (!look.shade && (flags.file.empty() || flags.no_shade)) {
+    look.occlusion = flags.occlusion.value_or(0);
+    if (!flags.shadows && !flags.scattering_blending) look.shadows = 0;
+  }
   const bool has_light = flags.ambient || flags.diffuse || flags.specular || flags.specular_power ||
                          flags.light != Light::kStudio || flags.light_direction ||
-                         !flags.further_lights.empty() || flags.flat_rise || flags.occlusion ||
-                         flags.shadows || flags.scattering_blending || flags.scatter;
-  if (has_light && !look.shade && is_lit(flags.mode)) {
+                         !flags.further_lights.empty() || flags.flat_rise;
+  if (has_light && !look.shade && look.shadows == 0 && is_lit(flags.mode)) {
     session.note((flags.file.empty() ? std::string("the default look of clouds")
                                      : source_of_flag("--tf", flags.file)) +
                  ": is not lit, so that light and material show nothing; --shade");

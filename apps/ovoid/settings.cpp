@@ -190,6 +190,8 @@ const Table<LookFlags>& light_settings() {
   };
   const Rule lit = not_with("mode", "has no effect with --mode {1}, which is not lit", is_unlit);
   const Rule by_flag = not_with("no-shade", "has no effect with {0}");
+  Rule unless_shadows = by_flag;
+  unless_shadows.unless = {"shadows", "volumetric-scattering-blending"};
   static const Table<L> all = {
       {"--mode", choice(kModes), &L::mode, "(default {})",
        needs("iso", "needs --iso V", nullptr, is_surface)},
@@ -222,25 +224,25 @@ const Table<LookFlags>& light_settings() {
                    "X,Y,Z[@I], a further light of intensity I (1), up to {} of them",
                    Look::kMaxFurtherLights),
        lit,
-       by_flag},
+       unless_shadows},
       {"--flat", number("SHARE", kShare), &L::flat_rise,
        "a field that rises by less than this share of the colours' span over a spacing is lit "
        "evenly: "
        "its normals are noise (default: the look's)",
        lit, by_flag},
       {"--occlusion", number("SHARE", kShare), &L::occlusion,
-       fmt::format("how dark it gets where much lies around (default {:g}, or the look's)",
+       fmt::format("how dark it gets where much lies around (default {:g}, or the look's; 0 where "
+                   "nothing is lit)",
                    kUsualOcclusion),
-       lit, by_flag},
+       lit},
       {"--shadows", number("SHARE", kShare), &L::shadows,
        "how dark it gets behind what the key light, or one towards X,Y,Z, must pass (default 0, or "
        "the look's)",
-       lit, by_flag},
+       lit},
       {"--volumetric-scattering-blending", number("X", {.lo = 0, .hi = 2}), &L::scattering_blending,
-       "VTK's word for --shadows, from 0 to 2", lit, by_flag, not_with("shadows", kGiveOne)},
+       "VTK's word for --shadows, from 0 to 2", lit, not_with("shadows", kGiveOne)},
       {"--scatter", number("SHARE", kShare), &L::scatter,
-       "how much light comes back into shadows from the sides (default 0, or the look's)", lit,
-       by_flag},
+       "how much light comes back into shadows from the sides (default 0, or the look's)", lit},
   };
   return all;
 }

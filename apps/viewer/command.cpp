@@ -66,7 +66,7 @@ cli::LookFlags look_of(const Document& document) {
   flags.mode = look.mode;
   if (look.mode == Mode::kIsosurface) flags.isovalue = look.isovalue;
   const bool is_lit = look.mode == Mode::kComposite || look.mode == Mode::kIsosurface;
-  if (is_lit && look.shade) {
+  if (is_lit && (look.shade || look.shadows > 0)) {
     flags.light = look.light;
     flags.light_direction = look.light_direction;
     flags.further_lights = look.further_lights;

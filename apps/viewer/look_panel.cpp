@@ -203,11 +203,20 @@ bool range_editor(Panel& panel, const std::string& name, TransferFunction& tf) {
   return true;
 }
 
+// How much of the light arrives, whether it lights or dims.
+bool arriving_light_editor(Widgets& widgets, Look& look) {
+  bool is_changed = widgets.slider("look.occlusion", "occlusion", &look.occlusion, 0, 1);
+  is_changed |= widgets.slider("look.shadows", "shadows", &look.shadows, 0, 1);
+  if (look.shadows > 0)
+    is_changed |= widgets.slider("look.scatter", "scatter", &look.scatter, 0, 1);
+  return is_changed;
+}
+
 bool light_editor(Panel& panel) {
   Look& look = panel.document.view.look;
   Widgets& widgets = panel.widgets;
   bool is_changed = widgets.checkbox("look.shade", "light", &look.shade);
-  if (!look.shade) return is_changed;
+  if (!look.shade) return arriving_light_editor(widgets, look) || is_changed;
   Material& material = look.material;
   is_changed |= widgets.slider("look.ambient", "ambient", &material.ambient, 0, 1);
   is_changed |= widgets.slider("look.diffuse", "diffuse", &material.diffuse, 0, 1);
@@ -218,10 +227,7 @@ bool light_editor(Panel& panel) {
     look.light = is_studio ? Light::kStudio : Light::kSingle;
     is_changed = true;
   }
-  is_changed |= widgets.slider("look.occlusion", "occlusion", &look.occlusion, 0, 1);
-  is_changed |= widgets.slider("look.shadows", "shadows", &look.shadows, 0, 1);
-  if (look.shadows > 0)
-    is_changed |= widgets.slider("look.scatter", "scatter", &look.scatter, 0, 1);
+  is_changed |= arriving_light_editor(widgets, look);
   is_changed |= widgets.slider("look.flat", "even light below a rise of", &look.flat_rise, 0, 0.2);
   bool is_headlight = !look.light_direction.has_value();
   if (widgets.checkbox("look.headlight", "light moves with the camera", &is_headlight)) {

@@ -65,7 +65,9 @@ struct Look {
   // coarse volume"), composite and isosurface only. `occlusion`: ambient light, a headlight, and
   // the studio's soft light are weaker where much lies around. `shadows`: so is the key light, or a
   // single one with a direction, behind what lies on its way. `scatter`: of what shadows take away,
-  // this share of what comes round the corner is given back.
+  // this share of what comes round the corner is given back. Of looks that are not lit (`shade`)
+  // both darken the colours, shadows those that lie behind what the studio's key light, or a single
+  // one with a direction, would have to pass.
   double occlusion = 0.0;
   double shadows = 0.0;
   double scatter = 0.0;

@@ -16,6 +16,7 @@
 #include "ovoid/error.h"
 #include "ovoid/render_mesh.h"
 #include "render/mesh_crossings.h"
+#include "render/paint_surface.h"
 #include "render/pixel_stops.h"
 #include "render/surface_raster.h"
 #include "render/surface_shader.h"
@@ -87,12 +88,13 @@ Rays rays_of(std::span<const SurfaceFragment> fragments) {
 class BoundaryPainter {
  public:
   BoundaryPainter(const Surface& surface, const Camera& camera, const Look& look,
-                  const SurfaceStyle& walls, const RenderOptions& options)
+                  const SurfaceStyle& walls, const RenderOptions& options,
+                  const view::LightVolume* light)
       : surface_(surface),
         clip_planes_(options.clip_planes),
         opacity_(walls.opacity),
         raster_(surface, camera, options, SurfaceRaster::Faces::kAll),
-        shader_(surface, raster_, camera, look, walls.shows_edges, nullptr) {}
+        shader_(surface, raster_, camera, look, walls.shows_edges, light) {}
 
   const SurfaceRaster& raster() const noexcept { return raster_; }
 
@@ -231,7 +233,14 @@ class BoundaryPainter {
 
 DepthLimits boundary_limits(const Surface& surface, const Camera& camera, const Look& look,
                             const SurfaceStyle& walls, const RenderOptions& options, int threads,
-                            std::stop_token stop) try {
+                            std::stop_token stop) {
+  return boundary_limits_in_light(surface, camera, look, walls, options, threads, stop, nullptr);
+}
+
+DepthLimits boundary_limits_in_light(const Surface& surface, const Camera& camera, const Look& look,
+                                     const SurfaceStyle& walls, const RenderOptions& options,
+                                     int threads, const std::stop_token& stop,
+                                     const view::LightVolume* light) try {
   camera.validate();
   look.validate();
   options.validate();
@@ -239,7 +248,7 @@ DepthLimits boundary_limits(const Surface& surface, const Camera& camera, const 
     throw Error(ErrorCode::kInvalidArgument,
                 fmt::format("walls.opacity = {}: must be in [0, 1]", walls.opacity));
   }
-  const BoundaryPainter painter(surface, camera, look, walls, options);
+  const BoundaryPainter painter(surface, camera, look, walls, options, light);
   return limits_of_tiles(painter.raster(), threads, stop,
                          [&](int x, int y, std::span<const SurfaceFragment> fragments,
                              auto& stops) { return painter.add_pixel(x, y, fragments, stops); });

@@ -87,6 +87,7 @@ Look opaque_colors(const Look& look, double thickness) {
   opaque.transfer_function.gradient_opacities.clear();
   opaque.unit_distance = thickness;
   opaque.shade = false;
+  opaque.occlusion = opaque.shadows = 0;
   return opaque;
 }
 

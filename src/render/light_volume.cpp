@@ -77,9 +77,8 @@ bool has_key_light(const Look& look) { return look.shadows > 0 && look.light_dir
 }  // namespace
 
 bool has_light_volume(const Look& look) {
-  const bool is_lit =
-      look.shade && (look.mode == Mode::kComposite || look.mode == Mode::kIsosurface);
-  return is_lit && (look.occlusion > 0 || has_key_light(look));
+  const bool takes_light = look.mode == Mode::kComposite || look.mode == Mode::kIsosurface;
+  return takes_light && (look.occlusion > 0 || has_key_light(look));
 }
 
 LightVolumes::Kept& LightVolumes::kept_for(const Field& field, const Look& look,

@@ -26,7 +26,7 @@ inline constexpr double kScatterAngle = 0.6;  // radians, from the cone's axis
 inline constexpr int kConeDirections = 8;
 inline constexpr double kScatterExtinction = 0.25;
 
-// True if light that arrives is a matter of the look: it is lit, and a share of it is taken.
+// True if light that arrives is a matter of the look: a share of it is taken.
 bool has_light_volume(const Look& look);
 
 class LightVolumes {

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <cstdint>
+#include <stop_token>
 #include <vector>
 
+#include "ovoid/depth_limits.h"
 #include "ovoid/render_surface.h"
 #include "view/light_volume.h"
 
@@ -26,5 +28,11 @@ struct SurfaceSurroundings {
 Frame paint_surface(const Surface& surface, const Camera& camera, const Look& look,
                     const SurfaceStyle& style, const RenderOptions& options, int threads,
                     const RenderHooks& hooks, const SurfaceSurroundings& around);
+
+// boundary_limits(), with walls under the light that arrives; null: all of it.
+DepthLimits boundary_limits_in_light(const Surface& surface, const Camera& camera, const Look& look,
+                                     const SurfaceStyle& walls, const RenderOptions& options,
+                                     int threads, const std::stop_token& stop,
+                                     const view::LightVolume* light);
 
 }  // namespace ovoid

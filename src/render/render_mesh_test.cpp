@@ -8,6 +8,7 @@
 
 #include "model/test_datasets.h"
 #include "ovoid/error.h"
+#include "render/paint_surface.h"
 #include "render/solid_lattice.h"
 #include "support/scenes.h"
 
@@ -432,6 +433,64 @@ TEST(RenderMesh, OpaqueSurfacesTakeOcclusion) {
   EXPECT_GT(brightness(occluded, -3.75), 1.2 * brightness(occluded, -4.75));
   for (const double x : {2.0, 3.0, 4.0, 5.0})
     EXPECT_NEAR(brightness(occluded, x), brightness(open, x), 1e-3);
+}
+
+// See-through walls are lit by what arrives; what they hide stays.
+TEST(RenderMesh, SeeThroughWallsTakeOcclusion) {
+  const Dataset mesh = box_mesh({-3, -3, -3}, {3, 3, 3});
+  const auto surface = make_surface(mesh);
+  Look look = test::gray_look(-1e6, 1e6);
+  look.shade = true;
+  look.material = {1, 0, 0, 1};
+  view::LightVolume half;
+  half.dims = {2, 2, 2};
+  half.packed.assign(8, view::packed_light({0.5, 1}));
+  const Camera camera = parallel_camera({0, 0, 0}, Vec3(-1, 0.3, -0.4), 6, 30);
+  const DepthLimits open = boundary_limits(*surface, camera, look, {0.5}, small_options());
+  const DepthLimits dim =
+      boundary_limits_in_light(*surface, camera, look, {0.5}, small_options(), 1, {}, &half);
+  ASSERT_EQ(open.stops.size(), dim.stops.size());
+  int num_walls = 0;
+  for (std::size_t i = 0; i < open.stops.size(); ++i) {
+    EXPECT_EQ(dim.stops[i].rgba[3], open.stops[i].rgba[3]);
+    EXPECT_NEAR(dim.stops[i].rgba[0], open.stops[i].rgba[0] / 2, 1e-3);
+    num_walls += open.stops[i].rgba[0] > 0.1F ? 1 : 0;
+  }
+  EXPECT_GT(num_walls, 100);
+}
+
+// What arrives is what the field within lets through.
+TEST(RenderMesh, SeeThroughWallsAreDarkBeneathARoof) {
+  const Dataset mesh = mesh_of(
+      {{{-6, -4, 0}, {6, 4, 1}, 8}, {{-6, -4, 1}, {-5, 4, 4}, 6}, {{-6, -4, 3}, {0, 4, 4}, 6}});
+  const auto surface = make_surface(mesh);
+  const KernelField field = make_kernel_field(mesh);
+  Look look = test::gray_look(-1e6, 1e6);  // opaque within
+  look.shade = true;
+  look.light = Light::kStudio;
+  look.material = {0.5, 0.5, 0, 1};
+  const Camera camera = parallel_camera({0, 0, 1}, Vec3(-1, 0, -0.4), 6, 30);
+  const auto draw_with = [&](double occlusion) {
+    look.occlusion = occlusion;
+    Renderer renderer(Backend::kCpu, 1);
+    return render_mesh(renderer, field, *surface, camera, look, {0.9}, small_options()).image;
+  };
+  const Image open = draw_with(0);
+  const Image occluded = draw_with(1);
+  const Vec3 up = (camera.focal_point - camera.position)
+                      .cross(camera.view_up)
+                      .normalized()
+                      .cross(camera.focal_point - camera.position)
+                      .normalized();
+  const Vec3 right = (camera.focal_point - camera.position).cross(camera.view_up).normalized();
+  const auto share = [&](double x) {
+    const Vec3 place = Vec3(x, 0.1, 1) - camera.focal_point;
+    const int column = static_cast<int>(kPixels * (0.5 + place.dot(right) / 12));
+    const int row = static_cast<int>(kPixels * (0.5 - place.dot(up) / 12));
+    return pixel(occluded, column, row).r() / pixel(open, column, row).r();
+  };
+  EXPECT_LT(share(-4.5), 0.75);
+  EXPECT_GT(share(4.0), 0.9);
 }
 
 // Where nothing is known of a boundary the field is drawn as ever.

@@ -84,6 +84,16 @@ view::TrailView view_of(const Trail& trail, const Look& look, const RenderOption
 }
 
 using Clock = std::chrono::steady_clock;
+
+// A look with what a frame takes for granted where it says nothing.
+Look completed(Look look, const Field& field, const Camera& camera) {
+  if (look.unit_distance == 0 && !look.transfer_function.unit_distance)
+    look.unit_distance = default_unit_distance(field);
+  if (look.light == Light::kStudio && !look.light_direction)
+    look.light_direction = view::studio_key(camera);
+  return look;
+}
+
 double milliseconds_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
@@ -220,11 +230,7 @@ Frame Renderer::Impl::draw(const Field& field, const Camera& camera, const Look&
   if (field.kernels() != nullptr) require_central_differences(options);
   const int level = trail == nullptr ? coarsest_level(field, camera, options) : 0;
   const Field& drawn = levels.at(field, level, machine.runner->num_wanted(), hooks.stop);
-  Look own_look = look;
-  if (look.unit_distance == 0 && !look.transfer_function.unit_distance)
-    own_look.unit_distance = default_unit_distance(field);
-  if (look.light == Light::kStudio && !look.light_direction)
-    own_look.light_direction = view::studio_key(camera);
+  const Look own_look = completed(look, field, camera);
   RenderOptions own_options = options;
   own_options.sampling_distance = sheet_distance(drawn, look, options);
   std::optional<view::TrailView> trail_view;
@@ -254,14 +260,11 @@ Frame Renderer::Impl::draw(const Field& field, const Camera& camera, const Look&
                           options.height));
 }
 
-SurfaceLight SurfaceLight::of(Renderer& renderer, const Field& field, const Surface& surface,
+SurfaceLight SurfaceLight::of(Renderer& renderer, const Field& field, const Surface* solid,
                               const Camera& camera, const Look& look, const RenderOptions& options,
                               const RenderHooks& hooks) {
-  Look lit = look;
-  lit.unit_distance = default_unit_distance(field);  // of no account, but to be set
-  if (look.light == Light::kStudio && !look.light_direction)
-    lit.light_direction = view::studio_key(camera);
-  const auto [volume, notice] = renderer.impl_->light_for(field, lit, options, hooks, &surface);
+  const auto [volume, notice] =
+      renderer.impl_->light_for(field, completed(look, field, camera), options, hooks, solid);
   return {volume, notice};
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The light that reaches the opaque surface of a mesh, as the renderer makes and keeps it.
+// The light that reaches the surface of a mesh, as the renderer makes and keeps it.
 #pragma once
 
 #include "ovoid/renderer.h"
@@ -8,13 +8,14 @@
 namespace ovoid {
 
 struct SurfaceLight {
-  // The volume, of a mesh that nothing passes through. Null: the look has none, or there is no
-  // memory for it, which the notice then says. Valid until the renderer is used again. Throws
-  // Error(kCancelled), and what the field's source throws.
+  // The volume, of a mesh that nothing passes through, or of the field alone. Null: the look has
+  // none, or there is no memory for it, which the notice then says. Valid until the renderer is
+  // used again. Throws Error(kCancelled), and what the field's source throws.
   const view::LightVolume* volume = nullptr;
   std::string notice;
 
-  static SurfaceLight of(Renderer& renderer, const Field& field, const Surface& surface,
+  // `solid`: the surface that nothing passes through; null: the field.
+  static SurfaceLight of(Renderer& renderer, const Field& field, const Surface* solid,
                          const Camera& camera, const Look& look, const RenderOptions& options,
                          const RenderHooks& hooks);
 };

@@ -48,13 +48,17 @@ Rgb SurfaceShader::color_of(const SurfaceFragment& fragment) const {
   const view::LookTable::Sample own = colors_.at(value);
   Rgb color{own.r, own.g, own.b};
   if (shows_edges_) darken_edges(fragment, triangle, color);
-  if (!look_.shade) return color;
+  if (!look_.shade && light_ == nullptr) return color;
   normal.normalize();
   const Vec3 place = raster_.place_of(fragment);
   const Vec3 to_eye = raster_.towards_eye(place);
   const view::ArrivingLight arriving =
       light_ != nullptr ? light_->arriving_at(place, normal, to_eye, 1, kEdgesAway)
                         : view::ArrivingLight{};
+  if (!look_.shade) {
+    for (double& c : color) c *= view::unlit_share(arriving);
+    return color;
+  }
   const view::LightShares light =
       view::light_shares(look_, normal, key_.value_or(to_eye), to_eye, arriving);
   return view::lit_color(color, look_.material, light, 1);

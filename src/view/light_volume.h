@@ -18,6 +18,9 @@ struct ArrivingLight {
   double around = 1, key = 1;
 };
 
+// What is left of a colour that is not lit.
+inline double unlit_share(const ArrivingLight& light) { return light.around * light.key; }
+
 // Both shares in one float, a whole number of 24 bits, so that a shader and a SIMD register read
 // both at once: key * kLightSteps, rounded, times kLightRadix, plus around * kLightSteps, rounded.
 inline constexpr float kLightSteps = 4095;

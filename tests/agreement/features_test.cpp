@@ -356,6 +356,42 @@ TEST(Agreement, FurtherLights) {
   }
 }
 
+// Fails if what arrives does not dim the colours of a look that is not lit, or reads it by a
+// normal.
+TEST(Agreement, UnlitLooksAreDimmed) {
+  for (const bool is_parallel : {true, false}) {
+    for (const Mode mode : {Mode::kComposite, Mode::kIsosurface}) {
+      Scene scene = small_scene(mode, is_parallel);
+      scene.options = picture(48, 40);
+      scene.look.shade = false;
+      const std::string view =
+          std::string(mode == Mode::kComposite ? "composite, " : "isosurface, ") +
+          projection_name(is_parallel);
+      const Image without = draw(scene).image;
+      scene.look.occlusion = 1;
+      EXPECT_TRUE(backends_agree(scene, view + ", unlit with occlusion"));
+      EXPECT_LT(compare(draw(scene).image, without).psnr_db, 55);
+      scene.look.light_direction = Vec3(3, 1, -2);
+      scene.look.shadows = 0.8;
+      scene.look.scatter = 0.5;
+      EXPECT_TRUE(backends_agree(scene, view + ", unlit with occlusion and shadows"));
+      if (mode != Mode::kComposite) continue;
+      for (const Classification classification :
+           {Classification::kSampled, Classification::kPreintegrated}) {
+        scene.options.classification = classification;
+        EXPECT_TRUE(backends_agree(scene, fmt::format("{}, unlit, classification {}", view,
+                                                      static_cast<int>(classification))));
+      }
+      scene.options.classification = Classification::kRefined;
+      scene.look.transfer_function.gradient_opacities = {{0, 0.2}, {3, 1}};
+      EXPECT_TRUE(backends_agree(scene, view + ", unlit, faded by the gradient"));
+      scene.look.transfer_function.gradient_opacities.clear();
+      scene.options.sheets = Sheets::kLattice;
+      EXPECT_TRUE(backends_agree(scene, view + ", unlit, lattice sheets"));
+    }
+  }
+}
+
 // Fails if a back end reads the coarse volume of light elsewhere, or lights other parts with it.
 TEST(Agreement, LightFromACoarseVolume) {
   for (const bool is_parallel : {true, false}) {

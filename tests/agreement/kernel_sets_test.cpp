@@ -151,6 +151,23 @@ TEST(KernelSets, AgreeOnOtherOptions) {
   }
 }
 
+// Fails if sets without light are dimmed otherwise than lattices.
+TEST(KernelSets, AgreeOnUnlitLooksThatAreDimmed) {
+  const KernelField field(jittered_ellipsoids(8).source(), Reconstruction::kNormalized);
+  for (const Mode mode : {Mode::kComposite, Mode::kIsosurface}) {
+    Look look = semi_transparent_look(0, 1);
+    look.mode = mode;
+    look.isovalue = 0.62;
+    look.shade = false;
+    look.occlusion = 0.9;
+    look.shadows = 0.6;
+    look.light_direction = Vec3(3, 1, -2);
+    const Scene scene{field, askew_camera(field, false, 1.3), look, direct_options(50, 70)};
+    EXPECT_TRUE(
+        backends_agree(scene, "unlit, mode " + std::to_string(static_cast<int>(mode)), 0.05));
+  }
+}
+
 // Fails if further lights are lost on sets.
 TEST(KernelSets, AgreeOnFurtherLights) {
   const KernelField field(jittered_ellipsoids(8).source(), Reconstruction::kNormalized);

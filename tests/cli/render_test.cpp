@@ -142,6 +142,8 @@ TEST_F(Render, EveryNumberFlagIsTaken) {
                                       {"--mode", "xray"},
                                       {"--mode", "isosurface", "--iso", "100"},
                                       {"--no-shade"},
+                                      {"--no-shade", "--occlusion", "0.9"},
+                                      {"--no-shade", "--shadows", "0.9"},
                                       {"--ambient", "0.9"},
                                       {"--diffuse", "0.1"},
                                       {"--specular", "0.9"},
@@ -171,6 +173,8 @@ TEST_F(Render, FlagsThatNameTheDefaultChangeNothing) {
   EXPECT_EQ(npy({"--shade", "--mode", "composite", "--projection", "perspective", "--view",
                  "three-quarter", "--fit", "visible", "--light", "studio"}),
             npy({}));
+  EXPECT_EQ(npy({"--no-shade", "--occlusion", "0"}), npy({"--no-shade"}));
+  EXPECT_NE(npy({"--no-shade", "--occlusion", "0.9"}), npy({"--no-shade"}));
   EXPECT_EQ(npy({"--azimuth", "0", "--elevation=0", "--zoom", "+1"}), npy({}));
   EXPECT_EQ(npy({"--dims", "16x16x16", "--type", "uint8", "--spacing", "1,1,1"}), npy({}));
 }

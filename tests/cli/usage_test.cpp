@@ -102,6 +102,8 @@ TEST(Usage, ContradictionsAreErrors) {
       {{"--mode", "isosurface"}, {"--mode isosurface: needs --iso"}},
       {{"--no-shade", "--ambient", "0.5"}, {"--ambient: has no effect with --no-shade"}},
       {{"--no-shade", "--light", "1,0,0"}, {"--light: has no effect with --no-shade"}},
+      {{"--no-shade", "--occlusion", "0.4", "--light", "1,0,0"},
+       {"--light: has no effect with --no-shade"}},
       {{"--mode", "xray", "--shade"}, {"--shade: has no effect with --mode xray"}},
       {{"--mode", "maximum", "--diffuse", "1"}, {"--diffuse: has no effect with --mode maximum"}},
       {{"--mode", "xray", "--opacity", "0:1"}, {"--opacity: has no effect with --mode xray"}},

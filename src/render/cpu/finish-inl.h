@@ -45,7 +45,7 @@ inline bool finish_samples(const CpuFrame& frame, const TileInHand& tile, int s,
     clock.lap(kGradient);
   }
   if (frame.corrects_late) correct_sheet(frame, place, s, sheet, shaded);
-  if (frame.is_lit) light_sheet(frame, place, s, sheet, shaded);
+  if (frame.takes_light()) light_sheet(frame, place, s, sheet, shaded);
   clock.lap(kShade);
   composite_sheet(frame, place, s, shaded, tile.pixels);
   clock.lap(kComposite);

@@ -23,7 +23,7 @@ void set_frame(CpuFrame& frame, const Look& look, const RenderOptions& options,
   frame.camera = frame_camera(plan);
   FrameLook& tables = frame.look;
   tables.constants = look_constants(plan, look, frame.corrects_late, tables.memory);
-  if (light != nullptr && frame.is_lit) {
+  if (light != nullptr) {
     tables.constants.volume = light_constants(plan, *light);
     frame.has_key_light = light->has_key;
     frame.light = light->quads.data();

@@ -47,6 +47,9 @@ struct CpuFrame : FrameTraits {
   FrameLook look;
   bool has_key_light = false;    // as the light volume says
   const float* light = nullptr;  // view::LightVolume::quads; null: all light arrives
+
+  // Whether light changes colours: those that are not lit by what arrives alone.
+  bool takes_light() const noexcept { return is_lit || light != nullptr; }
 };
 
 // `options`, `plan` and `light` must live as long as the frame is drawn.

@@ -95,6 +95,8 @@ inline void surface_sheet(const LatticeFrame& frame, Workspace& work, int s) {
                                              point_between(ends.from, ends.to, t));
         light = light_between(frame, place, {s, column, y, crossing}, t, g);
         work.stats.gradients += std::popcount(crossing);
+      } else if (frame.light != nullptr) {
+        light = light_between(frame, place, {s, column, y, crossing}, t, no_gradient());
       }
       const int pixel = tile_index(place, column, y);
       const M mask = mask_of(crossing);

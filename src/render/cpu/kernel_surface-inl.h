@@ -66,6 +66,8 @@ inline void kernel_surface_sheet(const CpuFrame& frame, const TileInHand& tile, 
                 central_difference_gradient(frame, place, tile.ring, {s, column, y, crossing}), t);
             light = light_between(frame, place, {s, column, y, crossing}, t, g);
             tile.stats.gradients += std::popcount(crossing);
+          } else if (frame.light != nullptr) {
+            light = light_between(frame, place, {s, column, y, crossing}, t, no_gradient());
           }
           const int pixel = tile_index(place, column, y);
           const M mask = mask_of(crossing);

@@ -128,6 +128,9 @@ HWY_INLINE WorldVector light_place(const CpuFrame& frame, const BlockPlace& plac
           along([](const device::vec4& v) { return v.z; })};
 }
 
+// Of what is not lit, and so has no normals.
+HWY_INLINE WorldVector no_gradient() { return {hn::Zero(d), hn::Zero(d), hn::Zero(d)}; }
+
 // What arrives at a group's samples, or between sheets; their lanes do not matter.
 HWY_INLINE ArrivingShares arriving_between(const CpuFrame& frame, const BlockPlace& place,
                                            const SampleGroup& group, V back,

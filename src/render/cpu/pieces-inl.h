@@ -246,10 +246,11 @@ HWY_INLINE void for_each_number(const CpuFrame& frame, const PieceGroup& group, 
                                 const Body& body) {
   body(group.value, batch.value);
   if (frame.has_own_color) body(group.color, batch.color_value);
-  if (!frame.takes_gradients) return;
-  body(group.gradient.x, batch.gradient[0]);
-  body(group.gradient.y, batch.gradient[1]);
-  body(group.gradient.z, batch.gradient[2]);
+  if (frame.takes_gradients) {
+    body(group.gradient.x, batch.gradient[0]);
+    body(group.gradient.y, batch.gradient[1]);
+    body(group.gradient.z, batch.gradient[2]);
+  }
   if (frame.fades_at_cuts) body(group.clearance, batch.clearance);
   if (frame.light == nullptr) return;
   body(group.around, batch.around);
@@ -483,14 +484,16 @@ HWY_INLINE void add_pieces(const CpuFrame& frame, const TileInHand& tile, PieceG
 }
 
 // How much light arrives at a group's samples, which the sheet keeps for the piece behind it.
-// `lanes`: those that have a gradient.
+// `lanes`: those that are ends.
 HWY_INLINE void light_ends(const CpuFrame& frame, const BlockPlace& place, Sheet& sheet,
                            const SampleGroup& group, std::uint32_t lanes) {
   if ((lanes_at(sheet.has_light[group.row], group.column) & lanes) == lanes) return;
   const int at = sheet.at(group.column, group.row);
-  const WorldVector gradient{hn::LoadU(d, sheet.gradient[0] + at),
-                             hn::LoadU(d, sheet.gradient[1] + at),
-                             hn::LoadU(d, sheet.gradient[2] + at)};
+  WorldVector gradient = no_gradient();
+  if (frame.is_lit) {
+    gradient = {hn::LoadU(d, sheet.gradient[0] + at), hn::LoadU(d, sheet.gradient[1] + at),
+                hn::LoadU(d, sheet.gradient[2] + at)};
+  }
   V distance;
   if (frame.fades_at_cuts) distance = clearance_of(frame, place, group);
   const ArrivingShares arriving = arriving_at_sample(

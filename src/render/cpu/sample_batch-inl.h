@@ -55,9 +55,13 @@ inline void fade_batch(const CpuFrame& frame, SampleBatch& batch) {
   });
 }
 
-// How a sample of the batch is lit.
+// How a sample of the batch is lit, or dimmed. The frame takes light.
 HWY_INLINE Lighting lighting_of(const CpuFrame& frame, const SampleBatch& batch, int i,
                                 const WorldVector& axis) {
+  ArrivingShares arriving{hn::Set(d, 1.0F), hn::Set(d, 1.0F)};
+  if (frame.light != nullptr) arriving.around = hn::Load(d, &batch.around[i]);
+  if (frame.has_key_light) arriving.key = hn::Load(d, &batch.key[i]);
+  if (!frame.is_lit) return dim_sample(arriving);
   const WorldVector eye = frame.is_parallel ? axis : load_vector(batch.eye, i);
   const WorldVector gradient = load_vector(batch.gradient, i);
   V distance;
@@ -65,9 +69,6 @@ HWY_INLINE Lighting lighting_of(const CpuFrame& frame, const SampleBatch& batch,
   const V* const clearance = frame.fades_at_cuts ? &distance : nullptr;
   if (frame.light == nullptr)
     return light_sample(frame.look.constants, gradient, eye, nullptr, clearance);
-  const ArrivingShares arriving{hn::Load(d, &batch.around[i]), frame.has_key_light
-                                                                   ? hn::Load(d, &batch.key[i])
-                                                                   : hn::Set(d, 1.0F)};
   return light_sample(frame.look.constants, gradient, eye, &arriving, clearance);
 }
 
@@ -89,7 +90,7 @@ inline void correct_batch(SampleBatch& batch) {
 }
 
 // The same at once, where the look is a few segments and nothing else decides.
-template <bool kIsLit>
+template <bool kTakesLight>
 inline void shade_batch_in_segments(const CpuFrame& frame, SampleBatch& batch) {
   const WorldVector axis{hn::Set(d, -frame.camera.axis[0]), hn::Set(d, -frame.camera.axis[1]),
                          hn::Set(d, -frame.camera.axis[2])};
@@ -97,7 +98,7 @@ inline void shade_batch_in_segments(const CpuFrame& frame, SampleBatch& batch) {
   for_each_batch_group(batch, [&](int i) {
     Classified seen = classify_in_segments(look.color_segments, look.table.constants,
                                            hn::Load(d, &batch.value[i]));
-    if constexpr (kIsLit) {
+    if constexpr (kTakesLight) {
       const Lighting light = lighting_of(frame, batch, i, axis);
       seen.red = lit_color(seen.red, light);
       seen.green = lit_color(seen.green, light);
@@ -115,13 +116,13 @@ inline void shade_batch_in_segments(const CpuFrame& frame, SampleBatch& batch) {
 
 inline void shade_batch(const CpuFrame& frame, SampleBatch& batch) {
   if (are_usable(frame.look.color_segments) && !frame.has_own_color && !frame.fades_by_gradient) {
-    return frame.is_lit ? shade_batch_in_segments<true>(frame, batch)
-                        : shade_batch_in_segments<false>(frame, batch);
+    return frame.takes_light() ? shade_batch_in_segments<true>(frame, batch)
+                               : shade_batch_in_segments<false>(frame, batch);
   }
   classify_batch(frame, batch);
   if (frame.has_own_color) color_batch(frame, batch);
   if (frame.fades_by_gradient) fade_batch(frame, batch);
-  if (frame.is_lit) light_batch(frame, batch);
+  if (frame.takes_light()) light_batch(frame, batch);
   correct_batch(batch);
 }
 

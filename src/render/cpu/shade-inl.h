@@ -417,7 +417,12 @@ HWY_INLINE Lighting light_sample(const device::LookConstants& look, const WorldV
   return out;
 }
 
-// A surface's, a share t of the way from sheet s - 1 to the group's.
+// What arrives is what is left of a colour that is not lit.
+HWY_INLINE Lighting dim_sample(const ArrivingShares& arriving) {
+  return {hn::Mul(arriving.around, arriving.key), hn::Zero(d)};
+}
+
+// A surface's, a share t of the way from sheet s - 1 to the group's. The frame takes light.
 HWY_INLINE Lighting light_between(const CpuFrame& frame, const BlockPlace& place,
                                   const SampleGroup& group, V t, const WorldVector& gradient) {
   const WorldVector eye = direction_to_eye(frame, place, group.column, group.row);
@@ -426,6 +431,7 @@ HWY_INLINE Lighting light_between(const CpuFrame& frame, const BlockPlace& place
   const V back = hn::Sub(t, hn::Set(d, 1.0F));
   const ArrivingShares arriving =
       arriving_between(frame, place, group, back, gradient, eye, nullptr);
+  if (!frame.is_lit) return dim_sample(arriving);
   return light_sample(frame.look.constants, gradient, eye, &arriving, nullptr);
 }
 
@@ -437,27 +443,31 @@ HWY_INLINE V lit_color(V color, const Lighting& light) {
 inline void light_sheet(const CpuFrame& frame, const BlockPlace& place, int s, const Sheet& sheet,
                         ShadedSheet& shaded) {
   for (int y = 0; y < place.rows; ++y) {
-    for_each_group(shaded.visible[y], place.margin, place.columns - place.margin,
-                   [&](int column, std::uint32_t) {
-                     const int at = y * kTilePlane.stride + column;
-                     const WorldVector g{hn::LoadU(d, sheet.gradient[0] + at),
-                                         hn::LoadU(d, sheet.gradient[1] + at),
-                                         hn::LoadU(d, sheet.gradient[2] + at)};
-                     const WorldVector eye = direction_to_eye(frame, place, column, y);
-                     const SampleGroup group{s, column, y, 0};
-                     V distance;
-                     if (frame.fades_at_cuts) distance = clearance_of(frame, place, group);
-                     const V* const clearance = frame.fades_at_cuts ? &distance : nullptr;
-                     ArrivingShares arriving;
-                     if (frame.light != nullptr)
-                       arriving = arriving_at_sample(frame, place, group, g, eye, clearance);
-                     const Lighting light =
-                         light_sample(frame.look.constants, g, eye,
-                                      frame.light != nullptr ? &arriving : nullptr, clearance);
-                     for (float* color : {shaded.red + at, shaded.green + at, shaded.blue + at}) {
-                       hn::StoreU(lit_color(hn::LoadU(d, color), light), d, color);
-                     }
-                   });
+    for_each_group(
+        shaded.visible[y], place.margin, place.columns - place.margin,
+        [&](int column, std::uint32_t) {
+          const int at = y * kTilePlane.stride + column;
+          WorldVector g = no_gradient();
+          if (frame.is_lit) {
+            g = {hn::LoadU(d, sheet.gradient[0] + at), hn::LoadU(d, sheet.gradient[1] + at),
+                 hn::LoadU(d, sheet.gradient[2] + at)};
+          }
+          const WorldVector eye = direction_to_eye(frame, place, column, y);
+          const SampleGroup group{s, column, y, 0};
+          V distance;
+          if (frame.fades_at_cuts) distance = clearance_of(frame, place, group);
+          const V* const clearance = frame.fades_at_cuts ? &distance : nullptr;
+          ArrivingShares arriving;
+          if (frame.light != nullptr)
+            arriving = arriving_at_sample(frame, place, group, g, eye, clearance);
+          const Lighting light =
+              frame.is_lit ? light_sample(frame.look.constants, g, eye,
+                                          frame.light != nullptr ? &arriving : nullptr, clearance)
+                           : dim_sample(arriving);
+          for (float* color : {shaded.red + at, shaded.green + at, shaded.blue + at}) {
+            hn::StoreU(lit_color(hn::LoadU(d, color), light), d, color);
+          }
+        });
   }
 }
 

@@ -167,22 +167,29 @@ LitPlace PixelTracer::lit_place(const PixelRay& pixel, const Vec3& slope, double
   return {slope, -pixel.ray.direction.normalized(), clearance};
 }
 
-// How much light arrives at a sample with that gradient.
+// How much light arrives at a sample with that gradient, which an unlit look does not use.
 view::ArrivingLight PixelTracer::light_at(const PixelRay& pixel, double z,
                                           const Vec3& slope) const {
-  if (light_ == nullptr || !look_.shade) return {};
-  return arriving_light(*light_, pixel.ray.at(z), lit_place(pixel, slope, clearance_at(pixel, z)),
-                        shading_);
+  if (light_ == nullptr) return {};
+  const Vec3 used_slope = look_.shade ? slope : Vec3(Vec3::Zero());
+  return arriving_light(*light_, pixel.ray.at(z),
+                        lit_place(pixel, used_slope, clearance_at(pixel, z)), shading_);
+}
+
+// A colour under the light, or what is left of it where the look is not lit.
+Rgb PixelTracer::seen_color(const Rgb& color, const LitPlace& place,
+                            const view::ArrivingLight& arriving) const {
+  if (look_.shade) return shaded(color, place, look_, shading_, arriving);
+  Rgb dimmed = color;
+  for (double& c : dimmed) c *= view::unlit_share(arriving);
+  return dimmed;
 }
 
 // What was classified is faded, lit and composited.
 void PixelTracer::add_seen(const PixelRay& pixel, const SeenSample& seen, Pixel& result) const {
   auto [color, opacity] = seen.look;
   if (!fading_.opacities.empty()) opacity *= fading_.opacity_at(seen.slope.norm());
-  if (look_.shade) {
-    color =
-        shaded(color, lit_place(pixel, seen.slope, seen.clearance), look_, shading_, seen.arriving);
-  }
+  color = seen_color(color, lit_place(pixel, seen.slope, seen.clearance), seen.arriving);
   double& alpha = result.rgba[3];
   const double a = opacity_over(opacity, seen.path, shading_.unit_distance);
   for (std::size_t c = 0; c < 3; ++c) result.rgba[c] += (1 - alpha) * a * color[c];
@@ -403,11 +410,9 @@ Pixel PixelTracer::isosurface(const PixelRay& pixel, TraceCounts& counts) const 
         if (result.rgba[3] >= opaque_at_) break;
         ++counts.visible;
         Rgb color = color_of(has_own_color_ ? at.color_value : iso);
-        if (look_.shade) {
-          ++counts.gradients;
-          color = shaded(color, lit_place(pixel, at.gradient, clearance_at(pixel, at.z)), look_,
-                         shading_, light_at(pixel, at.z, at.gradient));
-        }
+        if (look_.shade) ++counts.gradients;
+        color = seen_color(color, lit_place(pixel, at.gradient, clearance_at(pixel, at.z)),
+                           light_at(pixel, at.z, at.gradient));
         const double rest = 1 - result.rgba[3];
         for (std::size_t c = 0; c < 3; ++c) result.rgba[c] += rest * color[c];
         result.rgba[3] = 1;

@@ -127,6 +127,8 @@ class PixelTracer {
   double clearance_at(const PixelRay& pixel, double z) const;
   LitPlace lit_place(const PixelRay& pixel, const Vec3& slope, double clearance) const;
   view::ArrivingLight light_at(const PixelRay& pixel, double z, const Vec3& slope) const;
+  Rgb seen_color(const Rgb& color, const LitPlace& place,
+                 const view::ArrivingLight& arriving) const;
   bool may_show(const Piece& piece) const;
   int num_steps(const Piece& piece, const Vec3& front_slope, const Vec3& back_slope) const;
   void add_piece(const PixelRay& pixel, const Piece& piece, Pixel& result,

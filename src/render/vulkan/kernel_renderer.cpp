@@ -490,7 +490,7 @@ void KernelRenderer::set_constants(Set& set) {
                        (set.has_half_sheets ? device::kSetHalfSheets : 0),
                    number_of(set.traits.profile),
                    static_cast<std::uint32_t>(set.traits.num_channels)};
-  if (set.light != nullptr && traits.is_lit) {
+  if (set.light != nullptr) {
     frame.looks[0].volume = light_constants(set.plan, *set.light);
     frame.looks[0].volume.dims.w = append_light(*set.light, tables);
     set.constants[1] |= device::kHasLightVolume;

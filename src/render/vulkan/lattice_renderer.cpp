@@ -196,7 +196,7 @@ void LatticeRenderer::set_constants(Job& job) {
       0};
   add(job.own, 0);
   if (job.trail) add(*job.trail, 1);
-  if (job.light != nullptr && job.own.frame_traits.is_lit) {
+  if (job.light != nullptr) {
     job.frame.looks[0].volume = light_constants(job.own.plan, *job.light);
     job.frame.looks[0].volume.dims.w = append_light(*job.light, tables);
     job.constants[1] |= device::kHasLightVolume;

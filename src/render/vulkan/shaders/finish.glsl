@@ -26,7 +26,7 @@ void draw_seen(inout Pixel pixel, vec2 at, float s, float length, vec4 seen, vec
   }
   vec3 color = has_flag(kShades)
                    ? lit(look, seen.rgb, gradient, to_eye(at), arriving, clearance)
-                   : seen.rgb;
+                   : dimmed(seen.rgb, arriving);
   composite(pixel, color, opacity, depth_of_sheet(s));
 }
 
@@ -46,7 +46,7 @@ void draw_sample(inout Pixel pixel, vec2 at, float s, float path, float value, b
     ++num_samples.z;
     gradient = gradient_of_sample(at, s, value, has_before);
   }
-  vec2 arriving =
-      has_flag(kShades) ? arriving_light(look, at, s, gradient, to_eye(at)) : kAllLight;
+  vec3 slope = has_flag(kShades) ? gradient : vec3(0.0);  // what is not lit has no normal
+  vec2 arriving = arriving_light(look, at, s, slope, to_eye(at));
   draw_seen(pixel, at, s, path * ray_length(at), color, gradient, arriving, clearance_at(at, s));
 }

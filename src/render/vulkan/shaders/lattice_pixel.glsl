@@ -211,6 +211,8 @@ void draw_surface(inout Pixel pixel, vec2 at, float s, float value) {
     vec3 eye = to_eye(at);
     color = lit(look, look.isosurface_color.rgb, gradient, eye,
                 arriving_light(look, at, sheet, gradient, eye), 1.0);
+  } else {
+    color = dimmed(color, arriving_light(look, at, sheet, vec3(0.0), to_eye(at)));
   }
   composite_surface(pixel, color, depth_of_sheet(sheet));
 }

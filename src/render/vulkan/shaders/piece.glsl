@@ -76,8 +76,10 @@ PieceEnds ends_of(vec2 at, float s, Piece piece, float change) {
   }
   if (has_flag(kHasLightVolume)) {
     vec3 eye = to_eye(at);
-    ends.front_light = arriving_light(look, at, piece.has_front ? s - 1.0 : s, ends.front, eye);
-    ends.back_light = arriving_light(look, at, piece.has_back ? s : s - 1.0, ends.back, eye);
+    vec3 front = has_flag(kShades) ? ends.front : vec3(0.0);  // what is not lit has no normal
+    vec3 back = has_flag(kShades) ? ends.back : vec3(0.0);
+    ends.front_light = arriving_light(look, at, piece.has_front ? s - 1.0 : s, front, eye);
+    ends.back_light = arriving_light(look, at, piece.has_back ? s : s - 1.0, back, eye);
   }
   if (has_flag(kFadesAtCuts))
     ends.clearance = vec2(clearance_at(at, s - 1.0), clearance_at(at, s));

@@ -50,6 +50,11 @@ vec2 arriving_light(LookConstants look, vec2 at, float s, vec3 gradient, vec3 ey
                                        dot(light.shift[2].xyz, way)));
 }
 
+// What is left of a colour that is not lit.
+vec3 dimmed(vec3 color, vec2 arriving) {
+  return has_flag(kHasLightVolume) ? color * (arriving.x * arriving.y) : color;
+}
+
 float shine_of(LookConstants look, float cosine) {
   return exp2(max(log2(max(min(cosine, 1.0), 1e-30)) * look.specular_power, -126.0));
 }

@@ -149,6 +149,8 @@ void draw_surface(inout Pixel pixel, ivec2 at, int sheet, float value) {
                         central_gradient(at, sheet, value), t);
     vec3 eye = to_eye(place);
     color = lit(look, color, gradient, eye, arriving_light(look, place, s, gradient, eye), 1.0);
+  } else {
+    color = dimmed(color, arriving_light(look, place, s, vec3(0.0), to_eye(place)));
   }
   composite_surface(pixel, clamp(color, 0.0, 1.0), depth_of_sheet(s));
 }

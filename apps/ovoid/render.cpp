@@ -31,7 +31,8 @@ constexpr int kMaxRepeat = 100'000;
 
 struct RenderFlags {
   std::string output;
-  std::string state;  // where some of the others come from; empty: the command line alone
+  std::string look_output;  // empty: not asked for
+  std::string state;        // where some of the others come from; empty: the command line alone
   DataFlags data;
   DrawingFlags drawing;
   int repeat = 0;  // 0: one frame, the one that is written
@@ -53,6 +54,9 @@ const Table<RenderFlags>& output_settings() {
   static const Table<RenderFlags> all = {
       {"-o,--output", word("OUT", Content::kOfRun), &RenderFlags::output,
        fmt::format("the picture: {}", kPictureEndings)},
+      {"--save-look", word("FILE.json", Content::kOfRun), &RenderFlags::look_output,
+       "the look that the picture has, to be changed and given to --tf",
+       not_with("dry-run", "nothing is written")},
   };
   return all;
 }
@@ -89,6 +93,8 @@ void check_flags(const Flags& flags, const RenderFlags& render) {
   check_json_flags(render.drawing);
   std::vector<OutputFile> outputs;
   if (!render.output.empty()) outputs.push_back({"--output", render.output, render.output});
+  if (!render.look_output.empty())
+    outputs.push_back({"--save-look", render.look_output, render.look_output});
   if (!render.profile_file.empty())
     outputs.push_back({"--profile", render.profile_file, render.profile_file});
   std::vector<InputFile> inputs = files_to_read(render.data, render.drawing);
@@ -219,6 +225,7 @@ void run_render(const Words& words, Session& session) {
   Described& described = subject.described;
   described.box = apply_crop(drawing.crop, field, &drawing.options);
   Look look = make_look(drawing.look, field, subject.unit, session);
+  const Look saved_look = look;  // an x-ray's is spread anew below
   FrameSubject drawn{field,
                      look,
                      nullptr,
@@ -246,6 +253,7 @@ void run_render(const Words& words, Session& session) {
   }
   session.check_stop();
   write_picture(image, drawing, described, camera, look, {render.output, session.stop()});
+  if (!render.look_output.empty()) write_look(saved_look, render.look_output);
   tell_times(render, profile, session);
 }
 

@@ -106,6 +106,7 @@ void App::run(const std::stop_token& stop) {
     take_load_reports();
     take_pictures();
     take_dialog();
+    if (memory_.update()) frames_due_ = std::max(frames_due_, 2);
     watch();
     play();
     if (!messages_.empty() && messages_.front().until < begun) frames_due_ = 1;  // it goes

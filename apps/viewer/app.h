@@ -66,7 +66,7 @@ class App final : public ScriptHost {
   bool take_key(const KeyChanged& key);
   bool take_plain_key(int key, bool is_shifted);
   void take_dialog();
-  void browse();
+  void browse(Browsing what);
   void take_drop(const std::vector<std::string>& paths);
   // Data.
   void take_load_reports();
@@ -98,6 +98,7 @@ class App final : public ScriptHost {
   std::shared_ptr<const Launch> launch_;
   Memory memory_;
   FileDialog dialog_;
+  Browsing browsing_ = Browsing::kNothing;  // what the dialog that is shown was asked for
   Theme theme_;
   Window window_;
   Gui gui_;

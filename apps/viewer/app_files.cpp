@@ -115,12 +115,22 @@ void App::remember(const cli::DataFlags& data) {
   }
 }
 
-void App::browse() {
+void App::browse(Browsing what) {
+  if (dialog_.is_shown()) return;
+  // Where the file lay that was named last.
+  std::string last;
+  if (what == Browsing::kLook) last = panel_state_.look_path;
+  if (what == Browsing::kState) last = panel_state_.state_path;
+  if (std::filesystem::path(last).parent_path().empty() && !memory_.recent().empty())
+    last = memory_.recent().front().inputs.front();
   std::error_code ignored;
   std::filesystem::path folder = std::filesystem::current_path(ignored);
-  if (!memory_.recent().empty())
-    folder = std::filesystem::path(memory_.recent().front().inputs.front()).parent_path();
-  dialog_.show(folder.string());
+  if (!last.empty()) folder /= std::filesystem::path(last).parent_path();
+  const char* const title = what == Browsing::kLook    ? "Open a look - Ovoid"
+                            : what == Browsing::kState ? "Restore a state - Ovoid"
+                                                       : "Open - Ovoid";
+  dialog_.show({title, folder.string(), what == Browsing::kInput});
+  browsing_ = what;
 }
 
 void App::take_dialog() {
@@ -128,7 +138,17 @@ void App::take_dialog() {
   if (!answer) return;
   frames_due_ = std::max(frames_due_, 2);
   if (!answer->error.empty()) tell(answer->error, true);
-  take_drop(answer->paths);
+  if (answer->paths.empty()) return;
+  const std::string& path = answer->paths.front();
+  if (browsing_ == Browsing::kLook) {
+    panel_state_.look_path = path;
+    read_look_file(path);
+  } else if (browsing_ == Browsing::kState) {
+    panel_state_.state_path = path;
+    read_state_file(path);
+  } else {
+    take_drop(answer->paths);
+  }
 }
 
 void App::open(const std::vector<std::string>& words) {
@@ -210,7 +230,7 @@ void App::grant(Wishes wishes) {
       if (picture_view_.full(document_.version()) != nullptr)
         save_the_picture(*std::exchange(picture_wish_, std::nullopt));
     }
-    if (wishes.browses) browse();
+    if (wishes.browses != Browsing::kNothing) browse(wishes.browses);
     if (wishes.open_recent && *wishes.open_recent < memory_.recent().size())
       open(memory_.recent()[*wishes.open_recent].words());
     if (wishes.forgets_recent) memory_.forget_recent();

@@ -44,7 +44,7 @@ bool App::take_key(const KeyChanged& key) {
       wishes.copies_command = true;
       break;
     case GLFW_KEY_O:
-      wishes.browses = true;
+      wishes.browses = Browsing::kInput;
       break;
     case GLFW_KEY_S:
       wishes.write_state = panel_state_.state_path;

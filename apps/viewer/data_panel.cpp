@@ -97,7 +97,7 @@ void array_table(Panel& panel) {
 
 void files_of_state(Panel& panel) {
   Widgets& widgets = panel.widgets;
-  widgets.text("data.state.path", "state file", &panel.state.state_path, -110 * widgets.scale());
+  widgets.text("data.state.path", "state file", &panel.state.state_path, -172 * widgets.scale());
   widgets.tip(
       "Everything that is set, as one file; 'ovoid render --state FILE' draws the same "
       "picture.");
@@ -106,6 +106,8 @@ void files_of_state(Panel& panel) {
   ImGui::SameLine();
   if (widgets.button("data.state.restore", "restore"))
     panel.wishes.read_state = panel.state.state_path;
+  ImGui::SameLine();
+  browse_button(panel, "data.state.browse", "browse", Browsing::kState);
 }
 
 void about_data(Panel& panel) {
@@ -156,7 +158,7 @@ void data_panel(Panel& panel) {
   ImGui::SameLine();
   if (widgets.button("data.open", "open")) panel.wishes.open = panel.state.open_path;
   ImGui::SameLine();
-  browse_button(panel, "data.browse", "browse");
+  browse_button(panel, "data.browse", "browse", Browsing::kInput);
   recent_choice(panel);
   if (document.is_open()) about_data(panel);
   ImGui::Separator();

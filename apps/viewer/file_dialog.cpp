@@ -12,6 +12,7 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <initializer_list>
 #include <string_view>
 #include <utility>
 
@@ -21,20 +22,21 @@
 namespace ovoid::viewer {
 namespace {
 
-constexpr const char* kTitle = "Open - Ovoid";
-
 // The words of the dialog that prints one path a line.
-std::vector<std::string> words_of(const std::string& name, const std::string& folder) {
+std::vector<std::string> words_of(const std::string& name, const FileDialog::Question& question) {
+  std::vector<std::string> words = {name, "--title", question.title};
+  const auto add = [&](std::initializer_list<const char*> more) {
+    words.insert(words.end(), more.begin(), more.end());
+  };
   if (name == "kdialog") {
-    return {name,  "--title", kTitle, "--multiple", "--separate-output", "--getopenfilename",
-            folder};
+    if (question.takes_several) add({"--multiple", "--separate-output"});
+    add({"--getopenfilename", question.folder.c_str()});
+    return words;
   }
-  return {name,
-          "--file-selection",
-          "--multiple",
-          "--separator=\n",
-          std::string("--title=") + kTitle,
-          "--filename=" + folder + "/"};
+  add({"--file-selection"});
+  if (question.takes_several) add({"--multiple", "--separator=\n"});
+  words.push_back("--filename=" + question.folder + "/");
+  return words;
 }
 
 // KDE's own where KDE runs.
@@ -55,7 +57,7 @@ FileDialog::~FileDialog() {
   close();
 }
 
-void FileDialog::show(const std::string& folder) {
+void FileDialog::show(const Question& question) {
   if (is_shown()) return;
   for (const char* const name : programs()) {
     const std::string program = cli::find_program(name);
@@ -68,7 +70,7 @@ void FileDialog::show(const std::string& folder) {
     output_ = ends[0];
     fcntl(output_, F_SETFL, O_NONBLOCK);
     try {
-      child_ = cli::start_program(program, words_of(name, folder), {.out = ends[1]});
+      child_ = cli::start_program(program, words_of(name, question), {.out = ends[1]});
     } catch (...) {
       ::close(ends[1]);
       close();
@@ -80,7 +82,7 @@ void FileDialog::show(const std::string& folder) {
   }
   throw Error(ErrorCode::kUnsupported,
               "there is no dialog for files, neither zenity nor kdialog is installed: drop a file "
-              "here, or name one in the data tab's field");
+              "here, or name one in the panel's field");
 }
 
 void FileDialog::read() {

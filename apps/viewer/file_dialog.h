@@ -18,9 +18,14 @@ class FileDialog {
   FileDialog(const FileDialog&) = delete;
   FileDialog& operator=(const FileDialog&) = delete;
 
-  // Shows the dialog, at first in that folder; nothing happens while one is shown. Throws
-  // Error(kUnsupported), with the way out, where there is no such program.
-  void show(const std::string& folder);
+  struct Question {
+    std::string title;
+    std::string folder;         // at first
+    bool takes_several = true;  // files
+  };
+  // Shows the dialog; nothing happens while one is shown. Throws Error(kUnsupported), with the way
+  // out, where there is no such program.
+  void show(const Question& question);
   bool is_shown() const noexcept { return child_ > 0; }
 
   struct Answer {

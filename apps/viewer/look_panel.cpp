@@ -9,6 +9,7 @@
 #include "make_look.h"
 #include "ovoid/error.h"
 #include "panels.h"
+#include "start_page.h"
 
 namespace ovoid::viewer {
 namespace {
@@ -311,12 +312,14 @@ bool presets(Panel& panel) {
 
 void look_files(Panel& panel) {
   Widgets& widgets = panel.widgets;
-  widgets.text("look.path", "look file", &panel.state.look_path, -104 * widgets.scale());
+  widgets.text("look.path", "look file", &panel.state.look_path, -164 * widgets.scale());
   widgets.tip("ParaView's JSON. Read: also looks of 3D Slicer and Inviwo. Or drop a file here.");
   ImGui::SameLine();
   if (widgets.button("look.read", "read")) panel.wishes.read_look = panel.state.look_path;
   ImGui::SameLine();
   if (widgets.button("look.write", "write")) panel.wishes.write_look = panel.state.look_path;
+  ImGui::SameLine();
+  browse_button(panel, "look.browse", "browse", Browsing::kLook);
 }
 
 // Of a mesh: its surface around what is in it.

@@ -45,12 +45,6 @@ std::string absolute(const std::string& path) {
   return error ? path : whole.lexically_normal().string();
 }
 
-bool are_there(const std::vector<std::string>& paths) {
-  std::error_code ignored;
-  return std::all_of(paths.begin(), paths.end(),
-                     [&](const std::string& path) { return fs::exists(path, ignored); });
-}
-
 // Throws what is no entry.
 RecentInput recent_from(const Json& json) {
   RecentInput input;
@@ -62,7 +56,6 @@ RecentInput recent_from(const Json& json) {
   if (input.inputs.empty() || !is_absolute)
     throw Error(ErrorCode::kFileFormat, "inputs: must be absolute paths");
   if (json.contains("flags")) input.flags = cli::FlagSet::from_json(json["flags"]);
-  input.is_there = are_there(input.inputs);
   return input;
 }
 
@@ -114,7 +107,26 @@ std::string usual_memory_path() {
   return home.empty() ? "" : home + "/.local/state" + kName;
 }
 
-Memory::Memory(std::string path) : path_(std::move(path)) { read(); }
+bool is_file_there(const std::string& path) {
+  std::error_code ignored;
+  return fs::exists(path, ignored);
+}
+
+Memory::Memory(std::string path, FileFinder::Question is_there)
+    : path_(std::move(path)), finder_(std::move(is_there)) {
+  read();
+}
+
+bool Memory::update() {
+  if (!finder_.take_news()) return false;
+  mark_those_there();
+  return true;
+}
+
+void Memory::mark_those_there() {
+  for (RecentInput& input : recent_)
+    input.is_there = finder_.are_there(input.inputs).value_or(true);
+}
 
 void Memory::read() {
   if (path_.empty()) return;
@@ -134,6 +146,8 @@ void Memory::read() {
     } catch (const std::exception&) {  // no entry, or of a version with other flags
     }
   }
+  mark_those_there();
+  for (const RecentInput& input : recent_) finder_.look_for(input.inputs);
 }
 
 void Memory::set_theme(Theme theme) {

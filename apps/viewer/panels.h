@@ -14,6 +14,9 @@
 
 namespace ovoid::viewer {
 
+// What the desktop's dialog is asked for.
+enum class Browsing { kNothing, kInput, kLook, kState };
+
 // What a person asked for with a button or a key, to be done after the frame.
 struct Wishes {
   std::optional<ArrayChoice> array;
@@ -21,7 +24,7 @@ struct Wishes {
   std::optional<Theme> theme;
   std::optional<std::size_t> open_recent;  // its number in the list
   bool forgets_recent = false;
-  bool browses = false;  // for a file to open
+  Browsing browses = Browsing::kNothing;
   bool copies_command = false;
   bool saves_picture = false;
   std::string open;                     // a file of data

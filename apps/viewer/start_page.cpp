@@ -47,9 +47,11 @@ void recent_rows(Panel& panel, const std::string& name) {
 
 }  // namespace
 
-void browse_button(Panel& panel, const std::string& name, const char* label) {
-  if (panel.widgets.button(name, label, !panel.status.is_browsing)) panel.wishes.browses = true;
-  panel.widgets.tip("The desktop's own dialog, if zenity or kdialog is installed (Ctrl+O).");
+void browse_button(Panel& panel, const std::string& name, const char* label, Browsing what) {
+  if (panel.widgets.button(name, label, !panel.status.is_browsing)) panel.wishes.browses = what;
+  panel.widgets.tip(what == Browsing::kInput
+                        ? "The desktop's own dialog, if zenity or kdialog is installed (Ctrl+O)."
+                        : "The desktop's own dialog, if zenity or kdialog is installed.");
 }
 
 void recent_choice(Panel& panel) {
@@ -83,7 +85,7 @@ void start_page(Panel& panel, const std::string& error, ImVec2 at, ImVec2 size) 
     ImGui::Separator();
   }
   ImGui::TextWrapped("Drop a file here, or name one in the panel (Tab).");
-  browse_button(panel, "start.browse", "browse for a file");
+  browse_button(panel, "start.browse", "browse for a file", Browsing::kInput);
   if (!panel.memory.recent().empty()) {
     ImGui::Separator();
     ImGui::TextDisabled("Opened last:");

@@ -6,7 +6,7 @@
 
 namespace ovoid::viewer {
 
-void browse_button(Panel& panel, const std::string& name, const char* label);
+void browse_button(Panel& panel, const std::string& name, const char* label, Browsing what);
 
 // A list that opens, of what was opened last; nothing where there is none.
 void recent_choice(Panel& panel);

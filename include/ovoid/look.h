@@ -122,10 +122,10 @@ bool holds_labels(const Field& field);
 inline constexpr LatticeKernel kLabelKernel{.sigma = 0.15, .cutoff = 10.0};
 
 // A look made for one kind of data, by name (docs/looks.md, "Presets"): those that begin with "ct-"
-// are in Hounsfield units, absolute; "label" has a colour for each whole number; those that begin
-// with "mr-" are spread over `range`, the data's values. Transfer function, shading and material
-// are set, the unit distance is left to the field. Throws Error(kInvalidArgument) that lists the
-// names.
+// are in Hounsfield units, absolute; "label" has colours for whole numbers, up to 256 or the end of
+// `range`, the data's values; those that begin with "mr-" are spread over it. Transfer function,
+// shading and material are set, the unit distance is left to the field. Throws
+// Error(kInvalidArgument) that lists the names.
 // "cinematic" is ramp_look(range) under add_cinematic_light(); programs that have the field take
 // its default_look() for the colours and opacities.
 Look look_preset(const std::string& name, const ValueRange& range = {});

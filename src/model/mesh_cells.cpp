@@ -143,11 +143,9 @@ double volume_of(const MeshNodes& nodes, const MeshCells& cells, std::size_t cel
 
 }  // namespace
 
-MeshNodes load_nodes(const ModelRun& run) { return nodes_at(load_positions(run)); }
-
-MeshNodes nodes_at(std::vector<double> positions) {
+MeshNodes load_nodes(const ModelRun& run) {
   MeshNodes nodes;
-  nodes.positions = std::move(positions);
+  nodes.positions = load_positions(run);
   const std::size_t mask = std::bit_ceil(2 * nodes.count()) - 1;
   constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> table(mask + 1, kNone);

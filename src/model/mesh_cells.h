@@ -29,8 +29,6 @@ struct MeshNodes {
 };
 
 MeshNodes load_nodes(const ModelRun& run);
-// The same of places, [n, 3].
-MeshNodes nodes_at(std::vector<double> positions);
 
 // Cells as lists of nodes; the cells of a structured grid are written out.
 struct MeshCells {
@@ -46,11 +44,6 @@ struct MeshCells {
     const auto begin = static_cast<std::size_t>(offsets[cell]);
     return connectivity.subspan(begin, static_cast<std::size_t>(offsets[cell + 1]) - begin);
   }
-};
-
-struct Mesh {
-  MeshNodes nodes;
-  MeshCells cells;  // with spans into themselves: to be moved, not copied
 };
 
 // Throws Error(kInvalidArgument) that names the cell: no cells, lengths that do not agree, nodes

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The boundary of a mesh: faces of solid cells that no other cell shares, and flat cells.
+// The boundary of a mesh: faces of solid cells that no other cell shares, and flat cells; of boxes,
+// what is left of their faces where no other box goes on (model/boxes.h).
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -182,6 +183,109 @@ class Places {
   std::vector<std::uint32_t> number_of_;
 };
 
+struct FaceBuilder {
+  const std::vector<float>& column;  // values of what gives colour
+  bool is_of_cells;                  // a value per cell, else per node
+  std::stop_token stop;
+};
+
+void add_faces(const MeshNodes& nodes, const MeshCells& cells, const std::vector<Face>& faces,
+               const FaceBuilder& builder, Surface& surface) {
+  const FacesAround around(nodes, cells, faces);
+  Places places(nodes);
+  std::vector<std::uint32_t> corners;
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    if (f % 65536 == 0) require_running(builder.stop);
+    corners_of(nodes, cells, faces[f], corners);
+    const bool is_boundary = faces[f].number != kFlat;
+    if (is_boundary) turn_outwards(nodes, cells, faces[f], corners);
+    for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
+      Surface::Triangle triangle;
+      triangle.is_boundary = is_boundary;
+      const std::array<std::uint32_t, 3> fan{corners[0], corners[i], corners[i + 1]};
+      for (std::size_t c = 0; c < 3; ++c) {
+        triangle.corners[c] = places.number_of(fan[c], surface);
+        triangle.normals[c] = around.normal_at(fan[c], f);
+        triangle.values[c] = builder.column[builder.is_of_cells ? faces[f].cell : fan[c]];
+      }
+      triangle.edges =
+          static_cast<std::uint8_t>((i == 1 ? 1U : 0U) | 2U | (i + 2 == corners.size() ? 4U : 0U));
+      surface.triangles.push_back(triangle);
+    }
+  }
+}
+
+// The corners of a rectangle, from outside counterclockwise, and the bit of BoxFace::own_sides that
+// each side, from a corner to the next, has.
+struct BoxCorner {
+  bool is_hi_first, is_hi_second;
+  unsigned side;
+};
+constexpr std::array<BoxCorner, 4> kUpperCorners = {
+    {{false, false, 2}, {true, false, 1}, {true, true, 3}, {false, true, 0}}};
+constexpr std::array<BoxCorner, 4> kLowerCorners = {
+    {{false, false, 0}, {false, true, 3}, {true, true, 1}, {true, false, 2}}};
+
+void add_box_faces(const std::vector<model::BoxFace>& faces, const std::vector<float>& column,
+                   Surface& surface) {
+  for (const model::BoxFace& face : faces) {
+    const auto first = static_cast<std::uint32_t>(surface.places.size());
+    const auto& corners = face.is_upper ? kUpperCorners : kLowerCorners;
+    std::array<bool, 4> is_edge{};
+    for (std::size_t c = 0; c < 4; ++c) {
+      Vec3 place;
+      place[face.axis] = face.place;
+      place[(face.axis + 1) % 3] = (corners[c].is_hi_first ? face.hi : face.lo)[0];
+      place[(face.axis + 2) % 3] = (corners[c].is_hi_second ? face.hi : face.lo)[1];
+      surface.places.push_back(place);
+      surface.bounds.extend(place);
+      is_edge[c] = (face.own_sides >> corners[c].side & 1U) != 0;
+    }
+    Surface::Triangle triangle;
+    triangle.is_boundary = true;
+    triangle.normals.fill((face.is_upper ? 1.0F : -1.0F) * Eigen::Vector3f::Unit(face.axis));
+    triangle.values.fill(column[face.box]);
+    triangle.corners = {first, first + 1, first + 2};
+    triangle.edges = static_cast<std::uint8_t>((is_edge[0] ? 1U : 0U) | (is_edge[1] ? 2U : 0U));
+    surface.triangles.push_back(triangle);
+    triangle.corners = {first, first + 2, first + 3};
+    triangle.edges = static_cast<std::uint8_t>((is_edge[2] ? 2U : 0U) | (is_edge[3] ? 4U : 0U));
+    surface.triangles.push_back(triangle);
+  }
+}
+
+std::shared_ptr<const Surface> surface_of_boxes(const model::ModelRun& run,
+                                                const model::ChosenArrays& chosen) {
+  const model::Boxes boxes = model::load_boxes(run);
+  const std::vector<model::BoxFace> faces = model::outer_faces(boxes, run.stop);
+  if (faces.empty()) return nullptr;
+  const model::SiteValues values =
+      model::load_values(run, chosen, static_cast<std::int64_t>(boxes.count()), "cells");
+  auto surface = std::make_shared<Surface>();
+  add_box_faces(faces, values.columns.back(), *surface);
+  return surface;
+}
+
+std::shared_ptr<const Surface> surface_of_mesh(const model::ModelRun& run,
+                                               const model::ChosenArrays& chosen) {
+  const MeshNodes nodes = model::load_nodes(run);
+  const MeshCells cells = model::load_cells(run);
+  std::vector<Face> faces = faces_of(nodes, cells, run.stop);
+  keep_outer(faces);
+  if (faces.empty()) return nullptr;
+  const bool is_of_cells = chosen.is_cell_data;
+  const std::int64_t num_sites =
+      is_of_cells ? static_cast<std::int64_t>(cells.count()) : run.dataset.num_positions();
+  const model::SiteValues values =
+      model::load_values(run, chosen, num_sites, is_of_cells ? "cells" : "nodes");
+  auto surface = std::make_shared<Surface>();
+  surface->leaves_out_cells =
+      std::find(cells.types.begin(), cells.types.end(), CellType::kOther) != cells.types.end();
+  // Colour's, if that is another.
+  add_faces(nodes, cells, faces, {values.columns.back(), is_of_cells, run.stop}, *surface);
+  return surface;
+}
+
 }  // namespace
 
 std::shared_ptr<const Surface> make_surface(const Dataset& dataset,
@@ -191,46 +295,8 @@ std::shared_ptr<const Surface> make_surface(const Dataset& dataset,
   if (dataset.kind != DatasetKind::kMesh && !is_boxes) return nullptr;
   KernelModelReport report;
   const model::ModelRun run{dataset, options, report, 1, stop};
-  const model::ChosenArrays chosen = model::choose_arrays(run);
-  const auto [nodes, cells] = is_boxes
-                                  ? model::mesh_of_boxes(model::load_boxes(run))
-                                  : model::Mesh{model::load_nodes(run), model::load_cells(run)};
-  std::vector<Face> faces = faces_of(nodes, cells, stop);
-  keep_outer(faces);
-  if (faces.empty()) return nullptr;
-  const bool is_of_cells = is_boxes || chosen.is_cell_data;
-  const std::int64_t num_sites =
-      is_of_cells ? static_cast<std::int64_t>(cells.count()) : dataset.num_positions();
-  const model::SiteValues values =
-      model::load_values(run, chosen, num_sites, is_of_cells ? "cells" : "nodes");
-  const std::vector<float>& column = values.columns.back();  // colour's, if that is another
-
-  auto surface = std::make_shared<Surface>();
-  surface->leaves_out_cells =
-      std::find(cells.types.begin(), cells.types.end(), CellType::kOther) != cells.types.end();
-  const FacesAround around(nodes, cells, faces);
-  Places places(nodes);
-  std::vector<std::uint32_t> corners;
-  for (std::size_t f = 0; f < faces.size(); ++f) {
-    if (f % 65536 == 0) require_running(stop);
-    corners_of(nodes, cells, faces[f], corners);
-    const bool is_boundary = faces[f].number != kFlat;
-    if (is_boundary) turn_outwards(nodes, cells, faces[f], corners);
-    for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
-      Surface::Triangle triangle;
-      triangle.is_boundary = is_boundary;
-      const std::array<std::uint32_t, 3> fan{corners[0], corners[i], corners[i + 1]};
-      for (std::size_t c = 0; c < 3; ++c) {
-        triangle.corners[c] = places.number_of(fan[c], *surface);
-        triangle.normals[c] = around.normal_at(fan[c], f);
-        triangle.values[c] = column[is_of_cells ? faces[f].cell : fan[c]];
-      }
-      triangle.edges =
-          static_cast<std::uint8_t>((i == 1 ? 1U : 0U) | 2U | (i + 2 == corners.size() ? 4U : 0U));
-      surface->triangles.push_back(triangle);
-    }
-  }
-  return surface;
+  const auto chosen = model::choose_arrays(run);
+  return is_boxes ? surface_of_boxes(run, chosen) : surface_of_mesh(run, chosen);
 } catch (const std::bad_alloc&) {
   data::throw_out_of_memory("the surface of a mesh", 0);
 }

@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <array>
+#include <bit>
 #include <cmath>
+#include <map>
+#include <random>
+#include <tuple>
 
 #include "model/test_datasets.h"
 #include "ovoid/surface.h"
@@ -91,23 +96,133 @@ TEST(MeshSurface, NodesOfOnePlaceAreOne) {
   EXPECT_EQ(make_surface(mesh)->triangles.size(), 6U);
 }
 
-// Boxes of two sizes side by side: faces within a size are shared, those where sizes meet are not.
-TEST(MeshSurface, OfBoxesIsWhereTheyEndAndWhereSizesMeet) {
+Dataset boxes_of(const std::vector<Vec3>& centers, const std::vector<double>& edges) {
+  Dataset dataset = points_dataset(DatasetKind::kBoxes, centers);
+  std::vector<double> sizes;
+  for (const double edge : edges) sizes.insert(sizes.end(), 3, edge);
+  dataset.box_sizes = array_of_numbers("", 3, sizes);
+  return dataset;
+}
+
+// Of every triangle: its plane's axis, whether it looks up, and the area; summed.
+std::map<std::tuple<int, double, bool>, double> areas_by_plane(const Surface& surface) {
+  std::map<std::tuple<int, double, bool>, double> areas;
+  for (const Surface::Triangle& triangle : surface.triangles) {
+    const auto& [a, b, c] = triangle.corners;
+    const Vec3& at = surface.places[a];
+    const Vec3 area = 0.5 * (surface.places[b] - at).cross(surface.places[c] - at);
+    Eigen::Index axis = 0;
+    area.cwiseAbs().maxCoeff(&axis);
+    EXPECT_NEAR(area.norm(), std::abs(area[axis]), 1e-12);
+    EXPECT_EQ(triangle.normals[0], area.normalized().cast<float>());
+    areas[{static_cast<int>(axis), at[axis], area[axis] > 0}] += area.norm();
+  }
+  return areas;
+}
+
+// Boxes of two sizes side by side end where no other goes on: of the large one's face towards the
+// eight small ones nothing is left. Fails if inner faces stay or outer ones go.
+TEST(MeshSurface, OfBoxesIsWhereAllOfThemEnd) {
   std::vector<Vec3> centers = {{0.5, 0.5, 0.5}};
-  std::vector<double> edges = {1, 1, 1};
+  std::vector<double> edges = {1};
   for (int i = 0; i < 8; ++i) {
     centers.emplace_back(1.25 + 0.5 * (i % 2), 0.25 + 0.5 * (i / 2 % 2), 0.25 + 0.5 * (i / 4));
-    edges.insert(edges.end(), {0.5, 0.5, 0.5});
+    edges.push_back(0.5);
   }
   for (Vec3& center : centers) center += Vec3::Constant(0.1);  // which no float has exactly
-  Dataset dataset = points_dataset(DatasetKind::kBoxes, centers);
-  dataset.box_sizes = array_of_numbers("", 3, edges);
-  const auto surface = make_surface(dataset);
+  const auto surface = make_surface(boxes_of(centers, edges));
   ASSERT_NE(surface, nullptr);
-  EXPECT_EQ(surface->triangles.size(), 2U * (6 + 6 * 4));
-  EXPECT_NEAR(area_of(*surface), 12, 0.01);
+  EXPECT_EQ(surface->triangles.size(), 2U * (5 + 5 * 4));
+  EXPECT_EQ(num_edges(*surface), 4 * (5 + 5 * 4));
+  EXPECT_NEAR(area_of(*surface), 10, 0.01);
   EXPECT_TRUE(surface->encloses_mesh());
   EXPECT_EQ(surface->triangles.front().values[0], static_cast<float>(centers[0].x()));
+  EXPECT_NEAR(surface->bounds.max().x(), 2.1, 1e-3);
+}
+
+// A small box stands out from the middle of a large one's face: around it the face goes on, in
+// pieces whose edges are the face's own alone.
+TEST(MeshSurface, OfBoxesIsCutWhereASmallerOneStandsOnIt) {
+  const auto surface = make_surface(boxes_of({{0, 0, 0}, {0.25, 0.125, 2.5}}, {4, 1}));
+  ASSERT_NE(surface, nullptr);
+  auto areas = areas_by_plane(*surface);
+  EXPECT_NEAR((areas[{2, 2.0, true}]), 16 - 1, 1e-9);
+  EXPECT_EQ(areas.count({2, 2.0, false}), 0U);
+  EXPECT_NEAR((areas[{2, 3.0, true}]), 1, 1e-9);
+  EXPECT_NEAR(area_of(*surface), 6 * 16 + 4, 1e-9);
+  // Five faces of each box are whole; of the sixth, pieces have the four sides and no others.
+  double length = 0;
+  for (const Surface::Triangle& triangle : surface->triangles) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      if ((triangle.edges >> i & 1U) == 0) continue;
+      length +=
+          (surface->places[triangle.corners[(i + 1) % 3]] - surface->places[triangle.corners[i]])
+              .norm();
+    }
+  }
+  EXPECT_NEAR(length, 6 * 4 * 4 + 5 * 4, 1e-9);
+}
+
+// Boxes of three sizes at random places on a grid, some of them within others or twice the same:
+// at any place of any plane as many faces look up less those that look down as before.
+TEST(MeshSurface, OfBoxesAtRandomCancelsPairsAlone) {
+  constexpr int kSide = 12;
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    std::mt19937 random(seed);
+    std::vector<Vec3> centers;
+    std::vector<double> edges;
+    // [axis][plane][place along the next][place along the one after]: faces up less those down.
+    std::array<std::array<std::array<std::array<int, kSide>, kSide>, kSide + 1>, 3> expected{};
+    auto left = expected;
+    const auto count = [&](auto& faces, std::size_t axis, std::array<int, 3> at,
+                           std::array<int, 2> size, int by) {
+      for (int u = 0; u < size[0]; ++u) {
+        for (int v = 0; v < size[1]; ++v)
+          faces[axis][static_cast<std::size_t>(at[0])][static_cast<std::size_t>(at[1] + u)]
+               [static_cast<std::size_t>(at[2] + v)] += by;
+      }
+    };
+    for (int i = 0; i < 60; ++i) {
+      const int edge = 1 << (random() % 3);
+      std::array<int, 3> at{};
+      for (int& a : at) a = edge * static_cast<int>(random() % static_cast<unsigned>(kSide / edge));
+      centers.emplace_back(at[0] + 0.5 * edge, at[1] + 0.5 * edge, at[2] + 0.5 * edge);
+      edges.push_back(edge);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const int u = at[(axis + 1) % 3];
+        const int v = at[(axis + 2) % 3];
+        count(expected, axis, {at[axis], u, v}, {edge, edge}, -1);
+        count(expected, axis, {at[axis] + edge, u, v}, {edge, edge}, 1);
+      }
+    }
+    const auto surface = make_surface(boxes_of(centers, edges));
+    ASSERT_NE(surface, nullptr);
+    std::size_t num_opposed = 0;
+    for (std::size_t t = 0; t < surface->triangles.size(); t += 2) {  // two are a rectangle
+      const auto& [a, b, c] = surface->triangles[t].corners;
+      const Vec3 lo = surface->places[a].cwiseMin(surface->places[c]);
+      const Vec3 size = surface->places[a].cwiseMax(surface->places[c]) - lo;
+      const Eigen::Vector3f& normal = surface->triangles[t].normals[0];
+      Eigen::Index axis = 0;
+      normal.cwiseAbs().maxCoeff(&axis);
+      const auto along = [&](const Vec3& v, Eigen::Index k) {
+        return static_cast<int>(std::lround(v[(axis + k) % 3]));
+      };
+      count(left, static_cast<std::size_t>(axis), {along(lo, 0), along(lo, 1), along(lo, 2)},
+            {along(size, 1), along(size, 2)}, normal[axis] > 0 ? 1 : -1);
+    }
+    EXPECT_EQ(left, expected) << "seed " << seed;
+    // And nowhere do two that look at each other stay.
+    auto absolute = left;
+    for (auto& a : absolute) {
+      for (auto& b : a) {
+        for (auto& c : b) {
+          for (int& d : c) num_opposed += static_cast<std::size_t>(std::abs(d));
+        }
+      }
+    }
+    EXPECT_NEAR(area_of(*surface), static_cast<double>(num_opposed), 1e-6) << "seed " << seed;
+  }
 }
 
 // Seen from outside corners go counterclockwise, whatever the cells' own order.

@@ -66,6 +66,12 @@ Depths depths_of(const LatticeField& field, double softness) {
           std::max(0.5, std::lerp(0.004, 0.03, softness) * edge)};
 }
 
+// Scanners count; what they see looks like a thing, whether its background is in sight or cropped.
+void set_map(Look& look, const FieldSamples& samples, double lo, double hi,
+             std::span<const double> materials) {
+  (samples.is_counted ? set_body_colors : set_bright_colors)(look, lo, hi, materials);
+}
+
 // --- CT in Hounsfield units
 
 constexpr double kRawWater = 1024;  // in scanners' own numbers
@@ -272,10 +278,8 @@ std::optional<Look> object_look(const LatticeField& field, const FieldSamples& s
   const double hi = up ? background.value + up->end : background.value - down->start;
   if (up && down) {
     set_two_sided_colors(look, lo, hi);
-  } else if (samples.is_counted) {
-    set_body_colors(look, lo, hi);
   } else {
-    set_bright_colors(look, lo, hi);
+    set_map(look, samples, lo, hi, slopes.materials.values);
   }
   set_light(
       look,
@@ -299,7 +303,7 @@ std::optional<Look> filled_look(const LatticeField& field, const FieldSamples& s
   const double lo = median < hi ? median : quantile(samples.values, 0.001);
   if (!(lo < hi)) return std::nullopt;
   Look look;
-  set_bright_colors(look, lo, hi);
+  set_map(look, samples, lo, hi, {});  // peaks of waves are no materials
   set_light(look, 2 * slopes.materials.noise * slopes.materials.noisiness,
             slopes.materials.noisiness);
   if (slopes.is_ramp) {

@@ -182,7 +182,7 @@ TEST(DefaultLook, ColoursAreBrightAndApart) {
     return std::exp(-r * r / 100);
   };
   const Look looks[] = {
-      default_look(scan(2.0)),
+      default_look(test::make_field({kSide, kSide, kSide}, shape)),
       default_look(
           test::make_stored_field({kSide, kSide, kSide}, shape, {ScalarType::kUInt8, 0, 255})),
       default_look(KernelField(test::jittered_balls(8).source(), Reconstruction::kSum))};
@@ -200,6 +200,46 @@ TEST(DefaultLook, ColoursAreBrightAndApart) {
           << look.transfer_function.name << ", points " << i - 2 << " and " << i;
     }
   }
+}
+
+// Shells of materials whose values are near each other: as far apart as main structures are to be,
+// whichever map they are drawn with, and in the map's order. Fails where colours go by value alone:
+// there neighbours are 4 to 9 apart.
+TEST(DefaultLook, ColoursTellMaterialsApart) {
+  const std::vector<std::vector<double>> volumes = {
+      {5, 180, 215}, {5, 60, 90, 210}, {3, 150, 190, 230}, {20, 200, 250}};
+  for (const auto& values : volumes) {
+    const auto shells = [&](std::int64_t i, std::int64_t j, std::int64_t k) {
+      const double r = radius_at(i, j, k) + 0.3 * default_look_noise(i, j, k, 1);
+      const auto inside = static_cast<std::size_t>(std::max(0.0, (23 - r) / 6) + (r < 23 ? 1 : 0));
+      return (values[std::min(inside, values.size() - 1)] + default_look_noise(i, j, k, 2)) / 255;
+    };
+    const Look counted = default_look(
+        test::make_stored_field({kSide, kSide, kSide}, shells, {ScalarType::kUInt8, 0, 255}));
+    const Look measured = default_look(test::make_field({kSide, kSide, kSide}, shells));
+    EXPECT_NE(counted.transfer_function.name, measured.transfer_function.name);
+    for (const auto& [look, unit] : {std::pair(counted, 1.0), std::pair(measured, 1.0 / 255)}) {
+      const TransferFunction& tf = look.transfer_function;
+      for (std::size_t m = 2; m < values.size(); ++m) {
+        const double apart = view::ciede2000(view::lab_from_rgb(tf.color_at(values[m - 1] * unit)),
+                                             view::lab_from_rgb(tf.color_at(values[m] * unit)));
+        EXPECT_GE(apart, 15) << tf.name << " " << values[m - 1] << " and " << values[m];
+      }
+      for (std::size_t i = 1; i < tf.colors.size(); ++i)
+        EXPECT_LE(tf.colors[i - 1].x, tf.colors[i].x) << tf.name;
+    }
+  }
+}
+
+// Of a part that its background is no longer in sight of, scanners' data look like things, too.
+TEST(DefaultLook, ACropOfAScanHasTheScansColours) {
+  const auto inside = [](std::int64_t i, std::int64_t j, std::int64_t k) {
+    return 0.5 + 0.2 * std::sin(0.2 * static_cast<double>(i)) *
+                     std::cos(0.15 * static_cast<double>(j + 2 * k));
+  };
+  const Look look = default_look(
+      test::make_stored_field({kSide, kSide, kSide}, inside, {ScalarType::kUInt8, 0, 255}));
+  EXPECT_EQ(look.transfer_function.name, "clay to ivory");
 }
 
 // Densities over decades: clusters in a void that is not empty.

@@ -16,17 +16,11 @@ namespace {
 // whichever others there are.
 constexpr std::size_t kFew = 64;
 
-// The cpu's table (LookTable) has twice as many cells, so that each band of colour has one to
-// itself.
-constexpr int kMostBands = 2000;
-
 // From one label to another the field passes all values between, within a tenth of a spacing with
-// kLabelKernel. Of each band the part about its labels shows, so that the passage is mostly clear;
-// where the table has too few cells for that, what shows is less than opaque over such a way.
+// kLabelKernel. Of each band the part about its labels shows, so that the passage is mostly clear.
 constexpr std::size_t kMostWithGaps = 256;
 constexpr double kShown = 0.2;  // of the way from a band's labels to its ends
 constexpr double kOpacity = 0.99;
-constexpr double kOpacityWithoutGaps = 0.5;
 
 // Hues by the golden angle, so that any number of labels get colours that differ.
 Rgb golden_color(std::uint64_t i, double saturation, double brightness) {
@@ -55,9 +49,9 @@ struct Band {
   int first, last;
 };
 
-// One for each label, or where they reach further than kMostBands, of as many numbers each.
+// One for each label, or where they reach further than kMostLabelBands, of as many numbers each.
 std::vector<Band> bands_of(std::span<const int> labels, int background) {
-  const double width = static_cast<double>(labels.back() - labels.front()) / kMostBands;
+  const double width = static_cast<double>(labels.back() - labels.front()) / kMostLabelBands;
   std::vector<Band> bands;
   for (const int label : labels) {
     const bool joins = !bands.empty() && label - bands.back().first < width &&
@@ -77,7 +71,7 @@ int background_of(std::span<const int> labels, const FieldSamples& samples) {
   if (labels.front() == 0) return 0;
   const int on_faces = static_cast<int>(quantile(samples.on_faces, 0.5));
   const bool is_at_end = on_faces == labels.front() || on_faces == labels.back();
-  return is_at_end || labels.back() - labels.front() <= kMostBands ? on_faces : -1;
+  return is_at_end || labels.back() - labels.front() <= kMostLabelBands ? on_faces : -1;
 }
 
 }  // namespace
@@ -90,7 +84,7 @@ Look label_look(const std::vector<int>& labels, const FieldSamples& samples) {
   tf.name = "labels";
   tf.color_space = ColorSpace::kRgb;
   const bool has_gaps = bands.size() <= kMostWithGaps;
-  const double opacity = has_gaps ? kOpacity : kOpacityWithoutGaps;
+  const double opacity = has_gaps ? kOpacity : kLabelOpacityWithoutGaps;
   std::size_t num_shown = 0;
   for (std::size_t i = 0; i < bands.size(); ++i) {
     const auto [first, last] = bands[i];

@@ -12,6 +12,7 @@
 
 #include "ovoid/error.h"
 #include "ovoid/look.h"
+#include "view/label_look.h"
 
 namespace ovoid {
 namespace {
@@ -74,19 +75,30 @@ constexpr Preset kPresets[] = {
 // clang-format on
 
 constexpr std::string_view kLabel = "label";
-constexpr int kNumLabels = 256;
+constexpr int kNumLabels = 256;       // colours of the map glasbey
+constexpr int kMostLabels = 1 << 24;  // that a float tells apart
+constexpr double kLabelOpacity = 0.9;
 
-// Label k has colour k - 1 of the map glasbey, and background, 0, shows nothing.
-TransferFunction label_function() {
+// Label k has colour k - 1 of the map glasbey, which begins again behind its last; background, 0,
+// shows nothing. There are at least kNumLabels, and as many as the data have; of more than
+// kMostLabelBands as many numbers share a colour as it takes.
+TransferFunction label_function(const ValueRange& range) {
+  const double greatest = range.is_empty() ? 0.0 : std::ceil(static_cast<double>(range.hi));
+  const int num_labels = static_cast<int>(std::clamp<double>(greatest, kNumLabels, kMostLabels));
+  const int width = (num_labels + view::kMostLabelBands - 1) / view::kMostLabelBands;
+  const int num_bands = (num_labels + width - 1) / width;
   const TransferFunction glasbey = color_map("glasbey");
-  std::vector<double> values{0.0};
+  // Half-way from the background to the middle of the first band lies 0.5.
+  std::vector<double> values{0.5 * (1 - width)};
   std::vector<Rgb> colors{{0, 0, 0}};
-  for (int label = 1; label <= kNumLabels; ++label) {
-    values.push_back(label);
-    colors.push_back(glasbey.color_at((label - 0.5) / kNumLabels));
+  for (int band = 0; band < num_bands; ++band) {
+    values.push_back(1 + width * band + 0.5 * (width - 1));
+    colors.push_back(glasbey.color_at((band % kNumLabels + 0.5) / kNumLabels));
   }
   TransferFunction tf = categorical(values, colors);
-  tf.opacities = {{0.0, 0.0}, {0.5, 0.0}, {0.5, 0.9}, {kNumLabels, 0.9}};
+  const double opacity = num_labels > kNumLabels ? view::kLabelOpacityWithoutGaps : kLabelOpacity;
+  const double last = static_cast<double>(num_bands) * width;
+  tf.opacities = {{0.0, 0.0}, {0.5, 0.0}, {0.5, opacity}, {last, opacity}};
   return tf;
 }
 
@@ -113,7 +125,7 @@ Look look_preset(const std::string& name, const ValueRange& range) {
     look = ramp_look(range);
     add_cinematic_light(look);
   } else if (name == kLabel) {
-    look.transfer_function = label_function();
+    look.transfer_function = label_function(range);
     look.material = {.ambient = 0.25, .diffuse = 0.75, .specular = 0.1, .specular_power = 10};
   } else {
     const auto* preset = std::find_if(std::begin(kPresets), std::end(kPresets),

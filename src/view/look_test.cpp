@@ -175,11 +175,11 @@ TEST(LookPreset, EveryNameIsAValidLook) {
 TEST(LookPreset, CtIsAbsoluteAndMrIsRelative) {
   for (const std::string& name : look_preset_names()) {
     const TransferFunction near = look_preset(name, {0.0F, 1.0F}).transfer_function;
-    const TransferFunction far = look_preset(name, {100.0F, 300.0F}).transfer_function;
+    const TransferFunction far = look_preset(name, {100.0F, 200.0F}).transfer_function;
     if (name.starts_with("mr-") || name == kCinematicPreset) {
       EXPECT_EQ(far.lo(), 100.0) << name;
-      EXPECT_EQ(far.hi(), 300.0) << name;
-      EXPECT_NEAR(far.opacity_at(200), near.opacity_at(0.5), 1e-12) << name;
+      EXPECT_EQ(far.hi(), 200.0) << name;
+      EXPECT_NEAR(far.opacity_at(150), near.opacity_at(0.5), 1e-12) << name;
     } else {
       EXPECT_EQ(far.lo(), near.lo()) << name;
       EXPECT_EQ(far.hi(), near.hi()) << name;
@@ -200,6 +200,32 @@ TEST(LookPreset, LabelsAreDistinctAndBackgroundShowsNothing) {
     EXPECT_EQ(tf.color_at(label - 0.4), tf.color_at(label + 0.4));
   }
   EXPECT_EQ(colors.size(), 256U);
+}
+
+// Beyond 256 labels colours begin again, beyond 2000 numbers share them, all show as far as the
+// data go, and 0 stays clear of it.
+TEST(LookPreset, LabelsReachAsFarAsTheData) {
+  const TransferFunction few = look_preset("label").transfer_function;
+  const TransferFunction some = look_preset("label", {0.0F, 1900.0F}).transfer_function;
+  for (const int label : {1, 2, 255, 256, 257, 1900}) {
+    EXPECT_EQ(some.color_at(label), few.color_at((label - 1) % 256 + 1)) << label;
+    EXPECT_EQ(some.opacity_at(label), 0.5) << label;
+  }
+  for (const double greatest : {2001.0, 65535.0, 16777216.0, 3e9}) {
+    const Look look = look_preset("label", {0.0F, static_cast<float>(greatest)});
+    look.validate();
+    const TransferFunction& tf = look.transfer_function;
+    EXPECT_LE(tf.colors.size(), 2U * 2001U);
+    EXPECT_EQ(tf.opacity_at(0.4), 0.0);
+    EXPECT_EQ(tf.opacity_at(1), 0.5);
+    EXPECT_EQ(tf.opacity_at(greatest), 0.5);
+    EXPECT_EQ(tf.color_at(1), few.color_at(1));
+    EXPECT_EQ(tf.color_at(0.6), few.color_at(1));
+    // Each five hundredth of the way has another colour than the next.
+    const double most = std::min(greatest, 16777216.0);
+    for (int i = 1; i < 500; ++i)
+      EXPECT_NE(tf.color_at(most * i / 500), tf.color_at(most * (i + 1) / 500)) << i;
+  }
 }
 
 }  // namespace

@@ -422,6 +422,29 @@ TEST_F(RenderLook, XrayPngIsColouredAndFloatsAreIntegrals) {
   EXPECT_EQ(picture.at(20, 15)[3], 1.0F);
 }
 
+// What is saved draws the same picture, of the default look and of one that flags have changed.
+// Fails if a part of the look is left out, or another one is written.
+TEST_F(Render, ASavedLookDrawsTheSamePicture) {
+  const std::string look = folder_ / "look.json";
+  for (const Words& flags : {Words{}, Words{"--colormap", "inferno", "--specular", "0.7"},
+                             Words{"--preset", "cinematic", "--shift", "3"}}) {
+    Words words = {"render",      ball_, "-o",     folder_ / "a.npy",
+                   "--save-look", look,  "--size", "60x40"};
+    words.insert(words.end(), flags.begin(), flags.end());
+    const Outcome saved = run(words);
+    ASSERT_EQ(saved.exit_code, 0) << saved.err;
+    const Outcome drawn =
+        run({"render", ball_, "-o", folder_ / "b.npy", "--tf", look, "--size", "60x40"});
+    ASSERT_EQ(drawn.exit_code, 0) << drawn.err;
+    EXPECT_TRUE(read_file(folder_ / "a.npy") == read_file(folder_ / "b.npy")) << joined(flags);
+  }
+  // It is an output like others.
+  const std::string picture = folder_ / "c.png";
+  EXPECT_EQ(run({"render", ball_, "-o", picture, "--save-look", picture}).exit_code, 2);
+  EXPECT_EQ(run({"render", ball_, "-o", picture, "--tf", look, "--save-look", look}).exit_code, 2);
+  EXPECT_EQ(run({"render", ball_, "--dry-run", "--save-look", look}).exit_code, 2);
+}
+
 // Profiles
 // -------------------------------------------------------------------------------------------------
 

@@ -91,7 +91,7 @@ TEST_F(WindowMemory, WhatWasOpenedLastOpensAgain) {
   // What is gone stays in the list, for a disk may come back, and cannot be chosen.
   std::filesystem::rename(ball, folder_ / "elsewhere.nrrd");
   view(remembering({}),
-       "expect recent.0.is_there == false\nclick start.recent.0\nwait 5 frames\n"
+       "wait 500 ms\nexpect recent.0.is_there == false\nclick start.recent.0\nwait 5 frames\n"
        "expect is_open == false\nexpect error == \"\"\n");
   // A drop of what cannot be read is nothing that was opened.
   write_file(folder_ / "no.nrrd", "no data");
@@ -180,6 +180,27 @@ TEST_F(WindowDialog, SeveralFilesAreOneInputAndNoneIsNone) {
   view({}, "click data.browse\nwait 500 ms\nexpect is_open == false\nexpect message == \"\"\n");
   answer("zenity", "exit 3\n");
   view({}, "click data.browse\nwait 500 ms\nexpect message contains \"zenity, the dialog\"\n");
+}
+
+// Each button has its own question: a look is put on what is open, whatever its name, a state is
+// restored, and both of them are one file.
+TEST_F(WindowDialog, LooksAndStatesAreChosenToo) {
+  const std::string head = make_head();
+  const std::string rows = folder_ / "some.rows";
+  write_file(rows, "100 0 #ff0000\n200 0.5 #00ff00\n400 1 #0000ff\n");
+  answer("zenity", "echo '" + rows + "'\n");
+  view({head},
+       "wait full\nclick tab.look\nclick look.browse\nwait 500 ms\nwait full\n"
+       "expect view.points == 3\nexpect array == head\n");
+  EXPECT_NE(file("words").find("--title|Open a look - Ovoid|"), std::string::npos) << file("words");
+  EXPECT_EQ(file("words").find("--multiple"), std::string::npos) << file("words");
+  const std::string state = folder_ / "a-state.json";
+  view({head}, "wait full\nkey p\nwait full\nstate $/a-state.json\n");
+  answer("zenity", "echo '" + state + "'\n");
+  view({head},
+       "wait full\nexpect camera.parallel == false\nclick tab.data\nclick data.state.browse\n"
+       "wait 500 ms\nwait full\nexpect camera.parallel == true\n");
+  EXPECT_NE(file("words").find("Restore a state"), std::string::npos) << file("words");
 }
 
 TEST_F(WindowDialog, KdesOwnWhereKdeRuns) {

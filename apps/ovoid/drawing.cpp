@@ -253,6 +253,10 @@ std::string cause_of_emptiness(const Look& look, const ValueRange& range) {
 void write_picture(Image& image, const DrawingFlags& drawing, const Described& described,
                    const Camera& camera, const Look& look, const PictureFile& file) {
   draw_annotations(image, drawing.annotation, described, camera, look, drawing.background);
+  // Of the other modes a depth is no surface's.
+  const bool has_surface = look.mode == Mode::kComposite || look.mode == Mode::kIsosurface;
+  if (has_surface && picture_ending(file.path) == ".exr")
+    image.normals = depth_normals(image.depth, image.width, image.height, camera);
   write_image(image, file.path, drawing.background, {file.stop});
 }
 

@@ -26,11 +26,12 @@ double num_pixels(const RenderOptions& options) {
   return static_cast<double>(options.width) * options.height;
 }
 
-// Per pixel, and per sample of a base plane, four colour floats and a depth while it is drawn; then
-// the file's own form, before it is compressed, when the base plane is gone.
+// Per pixel, and per sample of a base plane, four colour floats and two depths while it is drawn;
+// then the file's own form, before it is compressed, and what is worked out for it, when the base
+// plane is gone: of .exr nine channels, three of them normals.
 double picture_bytes(const DryRun& run, double num_base_samples = 0) {
-  constexpr double kDrawn = 20;
-  const double written = is_for_eyes(run.output) ? 4 : has_ending(run.output, ".exr") ? 20 : 0;
+  constexpr double kDrawn = 24;
+  const double written = is_for_eyes(run.output) ? 4 : has_ending(run.output, ".exr") ? 48 : 0;
   const double num = num_pixels(run.options);
   return kDrawn * num + std::max(written * num, kDrawn * num_base_samples);
 }

@@ -84,7 +84,8 @@ void make_gif(const Film& film, const Session& session) {
   const FrameNames names(film.frames);
   std::vector<std::string> pictures;
   for (std::int64_t i = 0; i < film.num_frames; ++i) pictures.push_back(names.path(i));
-  write_gif(pictures, film.path, film.fps, {session.stop()});
+  Progress progress("writing the film");
+  write_gif(pictures, film.path, film.fps, {session.stop(), progress.callback()});
 }
 
 }  // namespace

@@ -176,6 +176,7 @@ void App::write_screenshot() {
   const std::size_t pixels = rgb.size() / 3;
   image.rgba.resize(pixels * 4);
   image.depth.assign(pixels, 0.0F);
+  image.front_depth = image.depth;
   for (std::size_t i = 0; i < pixels; ++i) {
     for (std::size_t c = 0; c < 3; ++c)
       image.rgba[i * 4 + c] = static_cast<float>(rgb[i * 3 + c]) / 255.0F;

@@ -25,6 +25,7 @@ Image clear_image(int width, int height) {
   const auto pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   image.rgba.assign(pixels * 4, 0.0F);
   image.depth.assign(pixels, 0.0F);
+  image.front_depth = image.depth;
   return image;
 }
 

@@ -237,7 +237,8 @@ bool PictureView::act(Panel& panel, const Placement& place) {
   return drag_ != Drag::kNone || ImGui::GetTime() < wheel_until_;
 }
 
-// From the depth of the full picture: where the opacity passes one half.
+// From the depths of the full picture: where the opacity passes one half, or, of what stays clearer
+// than that, where it is first seen.
 void PictureView::pick(const Document& document, const Placement& place) {
   picked_.reset();
   const std::size_t expected = document.compares() ? 2 : 1;
@@ -256,9 +257,10 @@ void PictureView::pick(const Document& document, const Placement& place) {
   const int x = static_cast<int>(std::floor(mouse.x() * image.width));
   const int y = static_cast<int>(std::floor(mouse.y() * image.height));
   if (x < 0 || y < 0 || x >= image.width || y >= image.height) return;
-  const double depth =
-      image.depth[static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
-                  static_cast<std::size_t>(x)];
+  const std::size_t pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
+                            static_cast<std::size_t>(x);
+  double depth = image.depth[pixel];
+  if (!std::isfinite(depth)) depth = image.front_depth[pixel];
   if (!std::isfinite(depth)) return;
   const Projection projection(picture.scene->camera, image.width, image.height);
   Picked picked{projection.world_at(Vec2(x + 0.5, y + 0.5), depth)};

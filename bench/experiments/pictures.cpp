@@ -29,6 +29,7 @@ Image blank(int width, int height) {
   const auto pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   image.rgba.assign(4 * pixels, 0.0F);
   image.depth.assign(pixels, std::numeric_limits<float>::infinity());
+  image.front_depth = image.depth;
   return image;
 }
 

@@ -87,6 +87,9 @@ std::shared_ptr<const StepSource> open_steps(const std::vector<std::string>& pat
 
 struct WriteOptions {
   std::stop_token stop;  // triggered: Error(kCancelled), and an existing file stays as it was
+  // Told how much is done, rising to 1, by the calling thread. write_gif() alone does so: others
+  // are done too soon.
+  std::function<void(double fraction)> progress{};
 };
 
 // The endings of names under which write_dataset() writes data of this kind: ".nrrd", ".nii.gz".
@@ -106,9 +109,10 @@ void write_dataset(const Dataset& dataset, const std::string& path,
 std::string lost_place(const Dataset& dataset, const std::string& path);
 
 // Writes a picture: .png (8 bit, straight alpha; x-ray pictures must be mapped first), .jpg or
-// .jpeg (8 bit, on the background, or else on black), .exr (float, premultiplied, with depth
-// channel Z), .npy (float32 [height, width, 4], premultiplied). Throws Error(kFileWrite,
-// kUnsupported, kInvalidArgument, kCancelled).
+// .jpeg (8 bit, on the background, or else on black), .exr (float: R, G, B, A premultiplied, Z the
+// front depth, half_opacity.Z the depth, and N.X, N.Y, N.Z if there are normals), .npy (float32
+// [height, width, 4], premultiplied). Throws Error(kFileWrite, kUnsupported, kInvalidArgument,
+// kCancelled).
 void write_image(const Image& image, const std::string& path,
                  const std::optional<Rgb>& background = {}, const WriteOptions& options = {});
 

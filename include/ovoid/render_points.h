@@ -24,7 +24,8 @@ struct PointStyle {
 // sums the field's value is estimated from the kernel alone). Lit by the look's light and material,
 // whether it lights the field or not. Outlines are smooth: four places of a pixel are looked at.
 // Balls are at least 1.2 pixels wide, so that none is lost. Clip planes take whole balls, by their
-// centres; so does the eye, of balls that reach it. Depth is where half of the pixel is covered. Of
+// centres; so does the eye, of balls that reach it. Depth is where half of the pixel is covered,
+// the front depth where any of it is. Of
 // the options size and clip planes count; the look's opacities and mode do not. `threads` 0: one
 // per hardware thread. The same bytes for any number. Throws Error: kInvalidArgument, kCancelled,
 // kOutOfMemory, what the source throws. Cost: in proportion to the kernels, and the pixels that

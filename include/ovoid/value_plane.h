@@ -31,7 +31,7 @@ struct ValuePlane {
 // attribute of their own, of its color_function, at the field's value there. Where a pixel's rays
 // meet the plane, depth is the plane's unless the volume in front reaches opacity 1/2. Where the
 // field is not defined on the plane and it takes both halves to reach 1/2, depth is that of the
-// half behind, or, if that does not reach it by itself, the plane's.
+// half behind, or, if that does not reach it by itself, the plane's. The front depth likewise.
 //
 // Modes kComposite and kIsosurface. The same arguments give the same bytes, whatever the number of
 // threads. hooks.tile_done is called once, with the whole picture; progress goes on through all

@@ -87,6 +87,7 @@ TEST(WriteStop, StopsEveryWriterOfPictures) {
   image.height = 30;
   image.rgba.assign(4 * 40 * 30, 0.5F);
   image.depth.assign(40 * 30, 1.0F);
+  image.front_depth = image.depth;
   std::stop_source source;
   source.request_stop();
   for (const char* const name : {"a.png", "a.exr", "a.npy"}) {

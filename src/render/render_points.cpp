@@ -218,6 +218,7 @@ class BallPainter {
         static_cast<std::size_t>(options.width) * static_cast<std::size_t>(options.height);
     image_.rgba.assign(4 * count, 0.0F);
     image_.depth.assign(count, kNoDepth);
+    image_.front_depth.assign(count, kNoDepth);
   }
 
   int num_tiles() const noexcept { return tiles_.num_tiles(); }
@@ -277,8 +278,9 @@ class BallPainter {
     for (std::size_t c = 0; c < 3; ++c) image_.rgba[4 * at + c] = static_cast<float>(sum[c]);
     image_.rgba[4 * at + 3] = static_cast<float>(covered) / SurfaceRaster::kPlaces;
     constexpr int kHalf = SurfaceRaster::kPlaces / 2;
-    if (covered < kHalf) return;
     std::sort(depths.begin(), depths.begin() + covered);
+    image_.front_depth[at] = static_cast<float>(depths[0]);  // one place in four is seen
+    if (covered < kHalf) return;
     image_.depth[at] = static_cast<float>(depths[kHalf - 1]);
   }
 

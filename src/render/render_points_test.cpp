@@ -87,6 +87,10 @@ TEST(RenderPoints, ABallIsWhereItsKernelIsAndAsLarge) {
     EXPECT_NEAR(covered_by(image), area, (is_parallel ? 0.01 : 0.04) * area);
     EXPECT_EQ(pixel(image, 2, 2).a(), 0);
     EXPECT_EQ(test::depth(image, 2, 2), std::numeric_limits<double>::infinity());
+    for (std::size_t i = 0; i < image.front_depth.size(); ++i) {
+      ASSERT_EQ(image.front_depth[i]<1e9F, image.rgba[4 * i + 3]> 0) << i;
+      ASSERT_LE(image.front_depth[i], image.depth[i]) << i;
+    }
   }
 }
 

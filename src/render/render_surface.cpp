@@ -25,6 +25,7 @@ namespace ovoid {
 namespace {
 
 constexpr int kPlaces = SurfaceRaster::kPlaces;
+constexpr float kNoLayer = std::numeric_limits<float>::infinity();
 
 class SurfacePainter {
  public:
@@ -41,7 +42,8 @@ class SurfacePainter {
     const auto count =
         static_cast<std::size_t>(options.width) * static_cast<std::size_t>(options.height);
     image_.rgba.assign(4 * count, 0.0F);
-    image_.depth.assign(count, std::numeric_limits<float>::infinity());
+    image_.depth.assign(count, kNoLayer);
+    image_.front_depth.assign(count, kNoLayer);
   }
 
   int num_tiles() const noexcept { return raster_.num_tiles(); }
@@ -67,7 +69,8 @@ class SurfacePainter {
     std::array<double, kPlaces> through;  // what light is left
     Rgb sum{0, 0, 0};
     double opacity = 0;
-    float depth = std::numeric_limits<float>::infinity();
+    float depth = kNoLayer;
+    float front_depth = kNoLayer;
 
     // How much of the pixel a layer of this opacity would take.
     double take(std::uint8_t covered, double layer_opacity, double opaque_at) {
@@ -82,7 +85,8 @@ class SurfacePainter {
     void add(const Rgb& color, double seen, float at) {
       for (std::size_t c = 0; c < 3; ++c) sum[c] += seen * color[c];
       opacity += seen;
-      if (opacity >= 0.5 && !(depth < std::numeric_limits<float>::infinity())) depth = at;
+      if (opacity >= 0.5 && !(depth < kNoLayer)) depth = at;
+      if (opacity >= double{kLeastVisibleOpacity} && !(front_depth < kNoLayer)) front_depth = at;
     }
   };
 
@@ -108,6 +112,7 @@ class SurfacePainter {
     for (std::size_t c = 0; c < 3; ++c) image_.rgba[4 * at + c] = static_cast<float>(pixel.sum[c]);
     image_.rgba[4 * at + 3] = static_cast<float>(std::min(pixel.opacity, 1.0));
     image_.depth[at] = pixel.depth;
+    image_.front_depth[at] = pixel.front_depth;
     return num_shaded;
   }
 

@@ -75,6 +75,9 @@ TEST(RenderSurface, ShowsValuesAndDepthsExactly) {
     }
     EXPECT_EQ(pixel(image, 2, 2).a(), 0);
     EXPECT_EQ(test::depth(image, 2, 2), std::numeric_limits<double>::infinity());
+    // All that is seen has a front, also of what an outline leaves a quarter of.
+    for (std::size_t i = 0; i < image.front_depth.size(); ++i)
+      ASSERT_EQ(image.front_depth[i]<1e9F, image.rgba[4 * i + 3]> 0) << i;
   }
 }
 
@@ -129,6 +132,7 @@ TEST(RenderSurface, LayersAreSeenFrontToBack) {
   EXPECT_NEAR(at.r(), a * (0.75 + rest * 0.5 + rest * rest * 0.35), 1e-5);
   EXPECT_NEAR(at.a(), 1 - rest * rest * rest, 1e-6);
   EXPECT_NEAR(test::depth(image, 32, 32), 20, 1e-5);  // where opacity reaches a half
+  EXPECT_NEAR(test::center_front_depth(image), 15, 1e-5);
   const Image opaque = render_surface(surface, camera, gray(), {}, options_of()).image;
   EXPECT_NEAR(pixel(opaque, 32, 32).r(), 0.75, 1e-5);
 }

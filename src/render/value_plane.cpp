@@ -11,6 +11,7 @@
 #include <limits>
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include "data/parallel.h"
 #include "data/validate.h"
@@ -125,6 +126,7 @@ class PlaneFrame {
     image_.height = options.height;
     image_.rgba.assign(4 * count, 0.0F);
     image_.depth.assign(count, kNowhere);
+    image_.front_depth.assign(count, kNowhere);
     takes_behind_.assign(count, 0);
   }
 
@@ -153,22 +155,32 @@ class PlaneFrame {
       if (to[3] == 0.0F) {
         std::copy_n(from, 4, to);
         image_.depth[i] = behind.depth[i];
+        image_.front_depth[i] = behind.front_depth[i];
         continue;
       }
       const float rest = 1.0F - to[3];
       for (int c = 0; c < 4; ++c) to[c] += rest * from[c];
-      if (image_.depth[i] < kNowhere || to[3] < 0.5F) continue;
-      image_.depth[i] = behind.depth[i];
-      if (behind.depth[i] < kNowhere) continue;
-      const int width = image_.width;
-      const auto hit = view_.hit(static_cast<int>(i) % width, static_cast<int>(i) / width);
-      if (hit) image_.depth[i] = static_cast<float>(hit->depth);
+      if (to[3] >= 0.5F) add_depth_behind(i, behind.depth, image_.depth);
+      if (to[3] >= kLeastVisibleOpacity)
+        add_depth_behind(i, behind.front_depth, image_.front_depth);
     }
   }
 
   Image take() { return std::move(image_); }
 
  private:
+  // Where the half in front does not reach an opacity and both do: the half behind by itself, or,
+  // if it takes both, in between.
+  void add_depth_behind(std::size_t i, const std::vector<float>& behind,
+                        std::vector<float>& depths) const {
+    if (depths[i] < kNowhere) return;
+    depths[i] = behind[i];
+    if (behind[i] < kNowhere) return;
+    const int width = image_.width;
+    const auto hit = view_.hit(static_cast<int>(i) % width, static_cast<int>(i) / width);
+    if (hit) depths[i] = static_cast<float>(hit->depth);
+  }
+
   void add_plane_at(int x, int y, const PlaneValues& values, const view::LookTable& colors) {
     const std::size_t i = static_cast<std::size_t>(y) * static_cast<std::size_t>(image_.width) +
                           static_cast<std::size_t>(x);
@@ -191,7 +203,10 @@ class PlaneFrame {
     rgba[1] += rest * color.g;
     rgba[2] += rest * color.b;
     rgba[3] = 1.0F;
-    if (!(image_.depth[i] < kNowhere)) image_.depth[i] = static_cast<float>(hit->depth);
+    for (std::vector<float>* depths : {&image_.depth, &image_.front_depth}) {
+      float& depth = (*depths)[i];
+      if (!(depth < kNowhere)) depth = static_cast<float>(hit->depth);
+    }
   }
 
   // All of the ray that is drawn lies on the eye's side; else the near plane hides where it leaves

@@ -55,6 +55,7 @@ TEST(ValuePlane, RemovedFrontIsTheClippedFrameOffThePlane) {
       for (std::size_t i = 0; i < image.depth.size(); ++i) {
         const Image& expected = alone.rgba[4 * i + 3] > 0 ? alone : behind;
         ASSERT_EQ(image.depth[i], expected.depth[i]) << i;
+        ASSERT_EQ(image.front_depth[i], expected.front_depth[i]) << i;
         for (std::size_t c = 4 * i; c < 4 * i + 4; ++c)
           ASSERT_EQ(image.rgba[c], expected.rgba[c]) << i;
       }
@@ -96,6 +97,13 @@ TEST(ValuePlane, ShownFrontIsBeforeThePlane) {
         ASSERT_TRUE(image.depth[i] == of_depth.depth[i] ||
                     image.depth[i] == of_depth.depth[i] + cut)
             << i;
+        if (front.front_depth[i] < kInfinityF) {
+          ASSERT_EQ(image.front_depth[i], front.front_depth[i]) << i;
+        } else if (is_on) {
+          ASSERT_EQ(image.front_depth[i], alone.depth[i]) << i;
+        } else {
+          ASSERT_EQ(image.front_depth[i] < kInfinityF, whole.front_depth[i] < kInfinityF) << i;
+        }
       }
       EXPECT_EQ(num_hidden > 100, opacity == 1.0);
     }
@@ -154,6 +162,7 @@ TEST(ValuePlane, HolesAreSeenThrough) {
   const double front = center_pixel(draw_volume(scene, 1)).a();
   ASSERT_LT(front, 0.5);
   ASSERT_LT(behind, 0.5);
+  EXPECT_EQ(center_front_depth(draw(scene).image), center_front_depth(draw_volume(scene, 1)));
   const double depth = center_depth(draw(scene).image);
   if (center_pixel(draw(scene).image).a() >= 0.5) {
     EXPECT_NEAR(depth, place_on_plane(scene, kWidth / 2, kHeight / 2)->depth, 1e-4);

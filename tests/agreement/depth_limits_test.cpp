@@ -147,7 +147,7 @@ TEST(DepthLimits, StopsJoinFrontToBack) {
   limits->width = limits->height = 40;
   limits->first = {0};
   for (std::uint32_t i = 1; i <= 40 * 40; ++i) {
-    limits->stops.push_back({1, false, {0.25F, 0, 0, 0.5F}});
+    limits->stops.push_back({1, false, {0.25F, 0, 0, 0.25F}});
     limits->stops.push_back({2, false, {0, 1, 0, 1}});
     limits->stops.push_back({3, false, {1, 1, 1, 1}});
     limits->first.push_back(3 * i);
@@ -157,10 +157,11 @@ TEST(DepthLimits, StopsJoinFrontToBack) {
     const Image image = draw(scene, backend).image;
     for (std::size_t i = 0; i < image.depth.size(); ++i) {
       ASSERT_FLOAT_EQ(image.rgba[4 * i], 0.25F);
-      ASSERT_FLOAT_EQ(image.rgba[4 * i + 1], 0.5F);
+      ASSERT_FLOAT_EQ(image.rgba[4 * i + 1], 0.75F);
       ASSERT_FLOAT_EQ(image.rgba[4 * i + 2], 0);
       ASSERT_FLOAT_EQ(image.rgba[4 * i + 3], 1);
-      ASSERT_FLOAT_EQ(image.depth[i], 1);
+      ASSERT_FLOAT_EQ(image.depth[i], 2);
+      ASSERT_FLOAT_EQ(image.front_depth[i], 1);
     }
   }
 }

@@ -52,7 +52,7 @@ Scene kernel_scene() {
 
 void expect_same_bytes(const Image& a, const Image& b, const char* what) {
   EXPECT_TRUE(a.rgba == b.rgba) << what << ": other colours";
-  EXPECT_TRUE(a.depth == b.depth) << what << ": other depths";
+  EXPECT_TRUE(a.depth == b.depth && a.front_depth == b.front_depth) << what << ": other depths";
 }
 
 ErrorCode code_of(const std::function<void()>& work, std::string& message) {

@@ -84,6 +84,7 @@ Image mean_of_finer(Scene scene) {
   mean.height = height;
   mean.rgba.assign(std::size_t{4} * width * height, 0.0F);
   mean.depth.assign(std::size_t{1} * width * height, 0.0F);
+  mean.front_depth = mean.depth;
   for (std::size_t p = 0; p < fine.rgba.size(); ++p) {
     const std::size_t x = p / 4 % fine.width / kTimes, y = p / 4 / fine.width / kTimes;
     mean.rgba[4 * (y * width + x) + p % 4] += fine.rgba[p] / (kTimes * kTimes);

@@ -73,6 +73,7 @@ TEST_P(Hooks, TilesCoverThePictureOnce) {
   copied.height = scene.options.height;
   copied.rgba.assign(4 * times.size(), -1.0F);
   copied.depth.assign(times.size(), -1.0F);
+  copied.front_depth = copied.depth;
   std::vector<double> fractions;
   std::atomic<int> inside{0};
   RenderHooks hooks;
@@ -86,6 +87,7 @@ TEST_P(Hooks, TilesCoverThePictureOnce) {
         ++times[p];
         for (std::size_t c = 0; c < 4; ++c) copied.rgba[4 * p + c] = tile.image->rgba[4 * p + c];
         copied.depth[p] = tile.image->depth[p];
+        copied.front_depth[p] = tile.image->front_depth[p];
       }
     }
     --inside;

@@ -179,7 +179,8 @@ Frame draw_with(const Scene& scene, std::unique_ptr<cpu::Runner> runner) {
 
 // Bits, so that -0 and NaN count too.
 ::testing::AssertionResult same_bits(const Image& a, const Image& b) {
-  if (a.rgba.size() != b.rgba.size() || a.depth.size() != b.depth.size()) {
+  if (a.rgba.size() != b.rgba.size() || a.depth.size() != b.depth.size() ||
+      a.front_depth.size() != b.front_depth.size()) {
     return ::testing::AssertionFailure() << "pictures of two sizes";
   }
   const auto count_others = [](const std::vector<float>& x, const std::vector<float>& y) {
@@ -190,7 +191,8 @@ Frame draw_with(const Scene& scene, std::unique_ptr<cpu::Runner> runner) {
     return others;
   };
   const std::size_t colors = count_others(a.rgba, b.rgba);
-  const std::size_t depths = count_others(a.depth, b.depth);
+  const std::size_t depths =
+      count_others(a.depth, b.depth) + count_others(a.front_depth, b.front_depth);
   if (colors == 0 && depths == 0) return ::testing::AssertionSuccess();
   return ::testing::AssertionFailure()
          << colors << " components and " << depths << " depths have other bits";

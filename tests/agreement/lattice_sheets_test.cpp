@@ -228,6 +228,7 @@ Image averaged(const Image& fine) {
   image.height = fine.height / 4;
   image.rgba.assign(4 * static_cast<std::size_t>(image.width) * image.height, 0.0F);
   image.depth.assign(static_cast<std::size_t>(image.width) * image.height, 0.0F);
+  image.front_depth = image.depth;
   for (int y = 0; y < fine.height; ++y) {
     for (int x = 0; x < fine.width; ++x) {
       const auto from = 4 * (static_cast<std::size_t>(y) * fine.width + x);

@@ -339,7 +339,7 @@ TEST(Refined, SkippingChangesNoByte) {
     scene.options.skip_irrelevant = false;
     scene.options.stop_opaque = false;
     const Image whole = draw(scene).image;
-    EXPECT_TRUE(whole.rgba == skipped.rgba && whole.depth == skipped.depth) << number;
+    EXPECT_TRUE(whole == skipped) << number;
   }
 }
 
@@ -367,8 +367,7 @@ TEST(RefinedOnDevice, PiecesAreWholeAcrossBoxesAndPages) {
     }
     const Image whole = draw(scene).image;
     const Image in_boxes = draw_within(scene, 64U << 10U);
-    EXPECT_TRUE(in_boxes.rgba == whole.rgba && in_boxes.depth == whole.depth)
-        << way << ": " << compare(in_boxes, whole).to_string();
+    EXPECT_TRUE(in_boxes == whole) << way << ": " << compare(in_boxes, whole).to_string();
   }
   Scene set;
   set.field = KernelField(jittered_ellipsoids(24).source(), Reconstruction::kNormalized);

@@ -54,6 +54,7 @@ void expect_same(const Field& field, const Field& in_units, const Units& unit,
       scene.options.post_convolution = PostConvolution::kOff;
       Image expected = draw(scene, Backend::kReference).image;
       for (float& depth : expected.depth) depth *= static_cast<float>(unit.length);
+      for (float& depth : expected.front_depth) depth *= static_cast<float>(unit.length);
       Scene other{in_units, askew_camera(in_units, is_parallel, 1.2), scaled(look.look, unit),
                   scene.options};
       const std::string what = name + ", " + unit.name + ", " + look.name;

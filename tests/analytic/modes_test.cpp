@@ -45,6 +45,7 @@ TEST(Maximum, OfEqualAndNegativeSamples) {
                           .image;
   EXPECT_NEAR(center_pixel(image).r(), 0.5, kFloatRelative);
   EXPECT_NEAR(center_depth(image), 96.5, 100 * kFloatRelative);
+  EXPECT_EQ(center_front_depth(image), center_depth(image));
   EXPECT_EQ(pixel(image, 0, 16).a(), 0);
   EXPECT_TRUE(std::isinf(depth(image, 0, 16)));
 }
@@ -65,6 +66,12 @@ TEST(Mean, OfARampIsWeightedByPath) {
   EXPECT_NEAR(center_pixel(image).r(), 0.75 * mean / 10, kFloatRelative);
   EXPECT_NEAR(center_pixel(image).a(), 0.75, kFloatRelative);
   EXPECT_NEAR(center_depth(image), 96 + 2.5, 100 * kFloatRelative);
+  EXPECT_EQ(center_front_depth(image), center_depth(image));
+  // What 8 bits cannot show has a place and is not seen.
+  const Look faint = with_mode(gray_look(0, 10, 0.003), Mode::kMean);
+  const Image unseen = render(ramp, camera, faint, options).image;
+  EXPECT_NEAR(center_depth(unseen), 96 + 2.5, 100 * kFloatRelative);
+  EXPECT_TRUE(std::isinf(center_front_depth(unseen)));
 }
 
 // The field is undefined across a hole: those slabs count neither in the sum nor in the length.

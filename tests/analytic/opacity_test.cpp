@@ -210,6 +210,32 @@ TEST(Opacity, StopsWhereItIsOpaque) {
   EXPECT_TRUE(std::isinf(center_depth(faint)));
 }
 
+// Fails if the front depth is that of another opacity than 1/255, of another sample than the one
+// that reaches it, or of a haze that never does.
+TEST(Opacity, IsSeenFromWhereItShows) {
+  const LatticeField deep = constant_field({8, 8, 64}, 0.5);
+  const Camera camera = parallel_camera({3.5, 3.5, 31.5}, {0, 0, 1}, 4);
+  constexpr double kFirst = 100 - 31.5;
+  for (const double opacity : {0.00393, 0.0015, 0.0001, 0.00005}) {
+    // Samples that it takes; refined, the first is the half from the face to the first sheet.
+    const double whole = std::log(1 - 1.0 / 255) / std::log(1 - opacity);
+    for (const bool is_refined : {false, true}) {
+      RenderOptions options = picture(1, 1, 1);
+      options.classification = is_refined ? Classification::kRefined : Classification::kSampled;
+      const Image image = render(deep, camera, uniform_look(opacity), options, {}, 1).image;
+      if (whole > 64) {
+        EXPECT_TRUE(std::isinf(center_front_depth(image))) << opacity;
+        continue;
+      }
+      const double before = is_refined ? std::ceil(whole - 0.5) - 0.5 : std::ceil(whole) - 1;
+      EXPECT_NEAR(center_front_depth(image), kFirst + before, 100 * kFloatRelative) << opacity;
+      EXPECT_TRUE(std::isinf(center_depth(image))) << opacity;
+    }
+  }
+  const Image clear = render(deep, camera, uniform_look(0.5), picture(1, 1, 1), {}, 1).image;
+  EXPECT_NEAR(center_front_depth(clear), kFirst - 0.25, 100 * kFloatRelative);
+}
+
 // Fails if a pixel goes on beyond the opacity that is asked for, or stops before it.
 TEST(Opacity, StopsWhereItIsToldTo) {
   const LatticeField deep = constant_field({8, 8, 64}, 0.5);

@@ -20,6 +20,7 @@ Image half_covered() {
   image.height = 2;
   image.rgba.assign(40, 0.0F);
   image.depth.assign(10, std::numeric_limits<float>::infinity());
+  image.front_depth = image.depth;
   for (std::size_t p = 0; p < 5; ++p) {
     for (std::size_t c = 0; c < 3; ++c) image.rgba[4 * p + c] = 0.5F;
     image.rgba[4 * p + 3] = 1.0F;

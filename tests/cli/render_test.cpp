@@ -53,7 +53,15 @@ TEST_F(Render, NpyHasTheSizeAndHoldsTheBall) {
 TEST_F(Render, ExrIsWritten) {
   const std::string path = folder_ / "x.exr";
   expect_success({"render", ball_, "-o", path, "--size", "40x30"});
-  EXPECT_EQ(read_file(path).compare(0, 4, "\x76\x2f\x31\x01"), 0);  // OpenEXR's magic number
+  const std::string bytes = read_file(path);
+  EXPECT_EQ(bytes.compare(0, 4, "\x76\x2f\x31\x01"), 0);  // OpenEXR's magic number
+  const auto has = [](const std::string& file, const char* channel) {
+    return file.find(std::string(1, '\0') + channel + '\0') != std::string::npos;
+  };
+  for (const char* const channel : {"N.X", "N.Y", "N.Z", "Z", "half_opacity.Z"})
+    EXPECT_TRUE(has(bytes, channel)) << channel;
+  expect_success({"render", ball_, "-o", path, "--size", "40x30", "--mode", "xray"});
+  EXPECT_FALSE(has(read_file(path), "N.X"));  // of no surface
 }
 
 TEST_F(Render, EndingsMayBeUpperCase) {

@@ -80,12 +80,24 @@ std::int64_t num_pixels(const Image& image) {
 
 // Pixels whose depth is not the reference's: in one picture only, or farther apart than a
 // thousandth of what is between two sheets.
-std::int64_t num_other_depths(const Image& actual, const Image& expected, double sheet_distance) {
+std::int64_t num_other_depths(const std::vector<float>& actual, const std::vector<float>& expected,
+                              double sheet_distance) {
   std::int64_t count = 0;
-  for (std::size_t p = 0; p < actual.depth.size(); ++p) {
-    const auto a = static_cast<double>(actual.depth[p]);
-    const auto b = static_cast<double>(expected.depth[p]);
+  for (std::size_t p = 0; p < actual.size(); ++p) {
+    const auto a = static_cast<double>(actual[p]);
+    const auto b = static_cast<double>(expected[p]);
     if (a != b && !(std::abs(a - b) <= 1e-3 * sheet_distance)) ++count;
+  }
+  return count;
+}
+
+// Pixels that are seen and have no front depth, or the other way round; all have the sizes of one
+// picture.
+std::int64_t num_unseen_fronts(const Image& image) {
+  std::int64_t count = 0;
+  for (std::size_t p = 0; p < image.front_depth.size(); ++p) {
+    const bool is_seen = image.rgba[4 * p + 3] >= kLeastVisibleOpacity;
+    if (is_seen != (image.front_depth[p] < std::numeric_limits<float>::infinity())) ++count;
   }
   return count;
 }
@@ -273,8 +285,10 @@ Frame draw(const Scene& scene, Backend backend) {
   if (view::is_refined(scene.look, scene.options))
     tolerance.beyond_per_mille = kRefinedBeyondPerMille;
   const ImageDifference difference = compare(image, reference, tolerance.peak);
-  const std::int64_t other_depths =
-      num_other_depths(image, reference, sheet_distance(scene.field, scene.look, scene.options));
+  const double apart = sheet_distance(scene.field, scene.look, scene.options);
+  const std::int64_t other_depths = num_other_depths(image.depth, reference.depth, apart);
+  const std::int64_t other_fronts =
+      num_other_depths(image.front_depth, reference.front_depth, apart);
   std::printf("[agreement ] %-52s %6.1f dB, %d / 255, %4d covered, %d other depths\n", name.c_str(),
               difference.psnr_db, difference.max_8bit, static_cast<int>(difference.num_covered),
               static_cast<int>(other_depths));
@@ -284,6 +298,13 @@ Frame draw(const Scene& scene, Backend backend) {
   }
   if (static_cast<double>(other_depths) > kAgreementOtherDepths * pixels) {
     return ::testing::AssertionFailure() << name << ": " << other_depths << " other depths";
+  }
+  if (static_cast<double>(other_fronts) > kAgreementOtherFronts * pixels) {
+    return ::testing::AssertionFailure() << name << ": " << other_fronts << " other front depths";
+  }
+  for (const Image* picture : {&image, &reference}) {
+    if (const std::int64_t count = num_unseen_fronts(*picture); count > 0)
+      return ::testing::AssertionFailure() << name << ": " << count << " fronts of what is unseen";
   }
   std::string file_name = name;
   for (char& c : file_name) {

@@ -88,4 +88,10 @@ double depth(const Image& image, int x, int y) {
 
 double center_depth(const Image& image) { return depth(image, image.width / 2, image.height / 2); }
 
+double center_front_depth(const Image& image) {
+  return static_cast<double>(
+      image
+          .front_depth[static_cast<std::size_t>(image.height / 2 * image.width + image.width / 2)]);
+}
+
 }  // namespace ovoid::test

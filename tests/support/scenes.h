@@ -44,5 +44,6 @@ Pixel pixel(const Image& image, int x, int y);
 Pixel center_pixel(const Image& image);
 double depth(const Image& image, int x, int y);
 double center_depth(const Image& image);
+double center_front_depth(const Image& image);
 
 }  // namespace ovoid::test

@@ -30,6 +30,11 @@ inline constexpr double kRefinedBeyondPerMille = 2.5;
 // the rounding of a sample, either sheet is right.
 inline constexpr double kAgreementOtherDepths = 0.005;
 
+// The same of front depths. Where a look begins gently, many small steps lead to 1/255; which of
+// them reaches it, and whether a piece there has one step or two, is decided by rounding more
+// often.
+inline constexpr double kAgreementOtherFronts = 0.01;
+
 // Where a field ends, a sample at the end itself exists or not by its rounding, and with it its
 // whole opacity, here at most 0.7 * 0.15 * 255 = 27 steps of 8 bits. Of a field that is all end
 // (one sample's ball of 0.09 spacings) a few hundred pixels are seen; one in them is 10 dB less.

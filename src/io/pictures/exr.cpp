@@ -58,7 +58,12 @@ void write_exr(const Image& image, const std::string& path, const std::stop_toke
     };
     for (std::size_t i = 0; i < 4; ++i)
       add(std::string(1, "RGBA"[i]).c_str(), image.rgba.data() + i, 4);
-    add("Z", image.depth.data(), 1);
+    add("Z", image.front_depth.data(), 1);
+    add("half_opacity.Z", image.depth.data(), 1);
+    if (!image.normals.empty()) {
+      for (std::size_t a = 0; a < 3; ++a)
+        add((std::string("N.") + "XYZ"[a]).c_str(), image.normals.data() + a, 3);
+    }
     Imf::OutputFile file(stream, header, 0);
     file.setFrameBuffer(frame);
     // As many rows as are packed at once, between two looks at the token.

@@ -152,6 +152,15 @@ int delay_of(std::size_t frame, double fps) {
   return static_cast<int>(end_of(frame + 1) - end_of(frame));
 }
 
+// How much of the film is done when so many pictures have been looked at, and so many written. To
+// write one, to which it is read again, takes about twice as long as to look at it.
+double share_done(std::size_t looked_at, std::size_t written, std::size_t num_pictures) {
+  constexpr double kShareOfLooks = 1.0 / 3;
+  return (kShareOfLooks * static_cast<double>(looked_at) +
+          (1 - kShareOfLooks) * static_cast<double>(written)) /
+         static_cast<double>(num_pictures);
+}
+
 void put_frame(GifOutput& gif, const io::Rgba8Picture& picture, int delay_cs, int clear_index,
                io::PaletteMatcher& matcher, const std::stop_token& stop) {
   gif.begin_frame(picture.width, picture.height, delay_cs, clear_index);
@@ -176,6 +185,11 @@ void write_gif(const std::vector<std::string>& pictures, const std::string& path
     throw Error(ErrorCode::kInvalidArgument, "pictures: is empty: expected at least one");
   check_speed(fps);
   io::check_writable(path);
+  std::size_t num_looked_at = 0;
+  std::size_t num_written = 0;
+  const auto tell = [&] {
+    if (options.progress) options.progress(share_done(num_looked_at, num_written, pictures.size()));
+  };
   io::Rgba8Picture first;
   std::vector<io::Rgb8> palette;
   int clear_index = NO_TRANSPARENT_COLOR;
@@ -186,6 +200,8 @@ void write_gif(const std::vector<std::string>& pictures, const std::string& path
       io::Rgba8Picture picture = read_frame(name, first);
       counts.add(picture.rgba);
       if (first.rgba.empty()) first = std::move(picture);
+      ++num_looked_at;
+      tell();
     }
     constexpr std::size_t kMostColors = 256;
     palette = counts.palette(kMostColors - (counts.has_clear() ? 1 : 0), options.stop);
@@ -198,6 +214,8 @@ void write_gif(const std::vector<std::string>& pictures, const std::string& path
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     put_frame(gif, read_frame(pictures[i], first), delay_of(i, fps), clear_index, matcher,
               options.stop);
+    ++num_written;
+    tell();
   }
   gif.commit();
 } catch (const std::bad_alloc&) {

@@ -257,6 +257,36 @@ TEST(Gif, Errors) {
   EXPECT_EQ(folder.count(), 4);
 }
 
+// Fails if the second reading of the pictures is not told of, or the token not looked at between
+// them.
+TEST(Gif, TellsHowFarItIsAndStops) {
+  const TestFolder folder;
+  const std::string name = folder.file("a.png");
+  write_png(std::vector<std::uint8_t>(16, 255), 2, 2, name);
+  const std::vector<std::string> names(4, name);
+  std::vector<double> told;
+  WriteOptions options;
+  options.progress = [&](double fraction) { told.push_back(fraction); };
+  write_gif(names, folder.file("a.gif"), 10, options);
+  ASSERT_EQ(told.size(), 8U);
+  EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
+  EXPECT_GT(told.front(), 0);
+  EXPECT_DOUBLE_EQ(told.back(), 1);
+  for (const std::size_t last : {2U, 6U}) {
+    std::stop_source source;
+    options.stop = source.get_token();
+    told.clear();
+    options.progress = [&](double fraction) {
+      told.push_back(fraction);
+      if (told.size() == last) source.request_stop();
+    };
+    EXPECT_EQ(error_of([&] { write_gif(names, folder.file("b.gif"), 10, options); }).substr(0, 10),
+              "cancelled:");
+    EXPECT_EQ(told.size(), last);
+  }
+  EXPECT_EQ(folder.count(), 2);
+}
+
 // A device that takes nothing.
 TEST(Gif, AFullDiskIsTold) {
   const TestFolder folder;

@@ -12,6 +12,7 @@ namespace ovoid::io {
 namespace {
 
 constexpr std::size_t kAllColors = std::size_t{1} << 24;
+constexpr std::size_t kColorsEach = std::size_t{1} << 20;  // between two looks at a stop token
 
 struct CountedColor {
   Rgb8 color;
@@ -61,11 +62,13 @@ struct Part {
   int at = 0;
 };
 
-Part part_of(std::span<CountedColor> colors) {
+Part part_of(std::span<CountedColor> colors, const std::stop_token& stop) {
   Part part;
   part.colors = colors;
   std::array<std::array<ColorSum, 256>, 3> by_value{};
-  for (const CountedColor& entry : colors) {
+  for (std::size_t i = 0; i < colors.size(); ++i) {
+    if (i % kColorsEach == 0) check_stop(stop);
+    const CountedColor& entry = colors[i];
     part.all.add(entry.color, entry.count);
     for (std::size_t axis = 0; axis < 3; ++axis)
       by_value[axis][entry.color[axis]].add(entry.color, entry.count);
@@ -137,13 +140,14 @@ void ColorCounts::add(std::span<const std::uint8_t> rgba8) {
 std::vector<Rgb8> ColorCounts::palette(std::size_t most, const std::stop_token& stop) const {
   std::vector<CountedColor> colors;
   for (std::size_t i = 0; i < kAllColors; ++i) {
+    if (i % kColorsEach == 0) check_stop(stop);
     if (counts_[i] == 0) continue;
     colors.push_back({{static_cast<std::uint8_t>(i >> 16U), static_cast<std::uint8_t>(i >> 8U),
                        static_cast<std::uint8_t>(i)},
                       counts_[i]});
   }
   if (colors.empty()) return {Rgb8{}};
-  std::vector<Part> parts{part_of(colors)};
+  std::vector<Part> parts{part_of(colors, stop)};
   while (parts.size() < most) {
     check_stop(stop);
     const auto worst = std::max_element(
@@ -156,8 +160,8 @@ std::vector<Rgb8> ColorCounts::palette(std::size_t most, const std::stop_token& 
                          return entry.color[axis] <= at;
                        });
     const auto num_lower = static_cast<std::size_t>(middle - whole.begin());
-    *worst = part_of(whole.first(num_lower));
-    parts.push_back(part_of(whole.subspan(num_lower)));
+    *worst = part_of(whole.first(num_lower), stop);
+    parts.push_back(part_of(whole.subspan(num_lower), stop));
   }
   std::vector<Rgb8> palette;
   palette.reserve(parts.size());

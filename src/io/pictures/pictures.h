@@ -21,7 +21,9 @@ void write_png(std::span<const std::uint8_t> rgba8, int width, int height, const
 void write_jpeg(std::span<const std::uint8_t> rgba8, int width, int height, const std::string& path,
                 const std::stop_token& stop = {});
 
-// 32-bit float channels R, G, B, A (premultiplied) and Z (depth), ZIP-compressed scan lines.
+// 32-bit float channels R, G, B, A (premultiplied), Z (front depth), half_opacity.Z (depth) and, of
+// pictures that have normals, N.X, N.Y, N.Z; ZIP-compressed scan lines. The names are those of
+// [OpenEXR 2024], where Z is the front of what a pixel shows and layers stand before a dot.
 void write_exr(const Image& image, const std::string& path, const std::stop_token& stop = {});
 
 // float32 [height, width, 4], premultiplied.

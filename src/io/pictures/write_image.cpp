@@ -38,11 +38,18 @@ void check_image(const Image& image) {
   }
   const std::size_t num_pixels =
       static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
-  if (image.rgba.size() != 4 * num_pixels || image.depth.size() != num_pixels) {
+  if (image.rgba.size() != 4 * num_pixels || image.depth.size() != num_pixels ||
+      image.front_depth.size() != num_pixels) {
     throw Error(ErrorCode::kInvalidArgument,
-                fmt::format("image: {}x{} has {} colour and {} depth values: expected {} and {}",
+                fmt::format("image: {}x{} has {} colour, {} depth and {} front depth values: "
+                            "expected {}, {} and {}",
                             image.width, image.height, image.rgba.size(), image.depth.size(),
-                            4 * num_pixels, num_pixels));
+                            image.front_depth.size(), 4 * num_pixels, num_pixels, num_pixels));
+  }
+  if (!image.normals.empty() && image.normals.size() != 3 * num_pixels) {
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("image: {}x{} has {} values of normals: expected {}, or none",
+                            image.width, image.height, image.normals.size(), 3 * num_pixels));
   }
 }
 

@@ -26,6 +26,7 @@ Image small_image() {
   image.rgba = {1,     0,     0,     1,    0, 0.5F, 0, 0.5F, 0, 0, 0, 0,
                 0.25F, 0.25F, 0.25F, 0.5F, 0, 0,    1, 1,    1, 1, 1, 1};
   image.depth = {1, 2, std::numeric_limits<float>::infinity(), 4.5F, 5, 6};
+  image.front_depth = {0.5F, 1.5F, std::numeric_limits<float>::infinity(), 4, 4.5F, 6};
   return image;
 }
 
@@ -53,6 +54,7 @@ TEST(WriteImage, JpegIsOneOnItsBackground) {
   image.height = 24;
   image.rgba.assign(4UL * 40 * 24, 0.0F);
   image.depth.assign(40UL * 24, 1.0F);
+  image.front_depth = image.depth;
   write_image(image, folder.file("a.jpg"), Rgb{1, 0.5, 0});
   write_image(image, folder.file("b.jpeg"), Rgb{1, 0.5, 0});
   write_image(image, folder.file("c.jpg"));
@@ -65,25 +67,39 @@ TEST(WriteImage, JpegIsOneOnItsBackground) {
   EXPECT_NE(folder.read("c.jpg"), bytes);
 }
 
-TEST(WriteImage, ExrKeepsFloatsAndDepth) {
+// Fails if a channel has another name, numbers or order.
+TEST(WriteImage, ExrKeepsFloatsDepthsAndNormals) {
   const TestFolder folder;
-  const Image image = small_image();
+  Image image = small_image();
+  image.normals = {1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, -1, 0.6F, -0.8F, 0.0F, 0, 1, 0};
   write_image(image, folder.file("a.exr"));
   Imf::InputFile file(folder.file("a.exr").c_str());
   Image back = image;
   back.rgba.assign(24, -1);
   back.depth.assign(6, -1);
+  back.front_depth.assign(6, -1);
+  back.normals.assign(18, -1);
   Imf::FrameBuffer frame;
   for (std::size_t i = 0; i < 4; ++i) {
     ASSERT_NE(file.header().channels().findChannel(std::string(1, "RGBA"[i])), nullptr);
     frame.insert(std::string(1, "RGBA"[i]),
                  Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(back.rgba.data() + i), 16, 48));
   }
-  frame.insert("Z", Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(back.depth.data()), 4, 12));
+  const auto add = [&](const std::string& name, float* first, std::size_t stride) {
+    ASSERT_NE(file.header().channels().findChannel(name), nullptr) << name;
+    frame.insert(name,
+                 Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(first), 4 * stride, 12 * stride));
+  };
+  add("Z", back.front_depth.data(), 1);
+  add("half_opacity.Z", back.depth.data(), 1);
+  for (std::size_t a = 0; a < 3; ++a) add(std::string("N.") + "XYZ"[a], back.normals.data() + a, 3);
   file.setFrameBuffer(frame);
   file.readPixels(0, 1);
   EXPECT_EQ(back, image);
   EXPECT_EQ(file.header().channels()["R"].type, Imf::FLOAT);
+  write_image(small_image(), folder.file("b.exr"));
+  const Imf::InputFile without(folder.file("b.exr").c_str());
+  EXPECT_EQ(without.header().channels().findChannel("N.X"), nullptr);
 }
 
 TEST(WriteImage, NpyIsHeightWidthFour) {
@@ -131,7 +147,12 @@ TEST(WriteImage, Errors) {
   check_image_path(folder.file("a.png"));
   image.depth.pop_back();
   EXPECT_EQ(error(folder.file("a.png")),
-            "invalid-argument: image: 3x2 has 24 colour and 5 depth values: expected 24 and 6");
+            "invalid-argument: image: 3x2 has 24 colour, 5 depth and 6 front depth values: "
+            "expected 24, 6 and 6");
+  image = small_image();
+  image.normals.assign(6, 0.0F);
+  EXPECT_EQ(error(folder.file("a.exr")),
+            "invalid-argument: image: 3x2 has 6 values of normals: expected 18, or none");
   image = {};
   EXPECT_EQ(error(folder.file("a.png")),
             "invalid-argument: image: is 0x0: expected at least one pixel");

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 #include "view/frame_plan.h"
 
@@ -40,6 +41,8 @@ constexpr std::size_t kChannels = 4;
 using Row = std::vector<float>;
 
 enum class Cell : std::uint8_t { kEmpty, kStraight, kCubic, kDrawn };
+
+constexpr float kNowhere = std::numeric_limits<float>::infinity();
 
 // Halfway between the middle two of four samples.
 float cubic_between(float a, float b, float c, float d) {
@@ -162,10 +165,9 @@ class RowOfCells {
     const std::size_t right = std::min(left + 1, across_ - 1);
     const float* const upper = row(y_);
     const float* const lower = row(y_ + 1);
-    const float* const depth = few_.depth.data();
-    const float* const depths[2] = {depth + across_ * row_number(y_),
-                                    depth + across_ * row_number(y_ + 1)};
-    put(2 * x, 2 * y_, upper + kChannels * left, depths[0][left]);
+    const std::size_t starts[2] = {across_ * row_number(y_), across_ * row_number(y_ + 1)};
+    put(2 * x, 2 * y_, upper + kChannels * left, few_.depth[starts[0] + left],
+        few_.front_depth[starts[0] + left]);
     const auto place = [&](int dx, int dy, const Row& cubic, std::size_t to_x, std::size_t to_y) {
       if (2 * x + dx >= picture_.width || 2 * y_ + dy >= picture_.height) return;
       if (cell == Cell::kDrawn) return mask_.add(2 * x + dx, 2 * y_ + dy);
@@ -175,24 +177,33 @@ class RowOfCells {
           mean[c] = 0.5F * (upper[kChannels * left + c] +
                             (to_y == 0 ? upper : lower)[kChannels * to_x + c]);
       }
-      const float far = depths[to_y][to_x];
-      const float near = depths[0][left];
-      const bool is_one = std::abs(far - near) <= most_depth_;  // not if either is infinite
-      put(2 * x + dx, 2 * y_ + dy,
-          cell == Cell::kStraight ? mean.data() : cubic.data() + kChannels * left,
-          is_one ? 0.5F * (near + far) : near);
+      const float* const rgba =
+          cell == Cell::kStraight ? mean.data() : cubic.data() + kChannels * left;
+      const std::size_t from = starts[0] + left;
+      const std::size_t to = starts[to_y] + to_x;
+      float front = between(few_.front_depth[from], few_.front_depth[to]);
+      if (front == kNowhere) front = few_.front_depth[to];
+      if (!(rgba[3] >= kLeastVisibleOpacity)) front = kNowhere;
+      put(2 * x + dx, 2 * y_ + dy, rgba, between(few_.depth[from], few_.depth[to]), front);
     };
     place(1, 0, right_, right, 0);
     place(0, 1, below_, left, 1);
     place(1, 1, middle_, right, 1);
   }
 
-  void put(int x, int y, const float* rgba, float depth) {
+  // The mean of two depths, or, where they are of different things, the first.
+  float between(float near, float far) const {
+    const bool is_one = std::abs(far - near) <= most_depth_;  // not if either is infinite
+    return is_one ? 0.5F * (near + far) : near;
+  }
+
+  void put(int x, int y, const float* rgba, float depth, float front_depth) {
     if (x >= picture_.width || y >= picture_.height) return;
     const std::size_t to = static_cast<std::size_t>(y) * static_cast<std::size_t>(picture_.width) +
                            static_cast<std::size_t>(x);
     std::copy_n(rgba, kChannels, picture_.rgba.data() + kChannels * to);
     picture_.depth[to] = depth;
+    picture_.front_depth[to] = front_depth;
   }
 
   const Image& few_;

@@ -59,14 +59,16 @@ struct alignas(64) TileState {
   // A group at a row's end reads and writes back what follows.
   static constexpr int kPixels = kTileSize * kTileSize + 16;
   float red[kPixels], green[kPixels], blue[kPixels], alpha[kPixels], depth[kPixels];
-  float best[kPixels];      // maximum: greatest value; xray and mean: sum of value * path
-  float path[kPixels];      // mean: sum of path
-  RowWord seen[kTileSize];  // xray, maximum, mean: a sample was defined
-  RowWord open[kTileSize];  // still takes samples
+  float front_depth[kPixels];  // of what is composited; others have it when they are finished
+  float best[kPixels];         // maximum: greatest value; xray and mean: sum of value * path
+  float path[kPixels];         // mean: sum of path
+  RowWord seen[kTileSize];     // xray, maximum, mean: a sample was defined
+  RowWord open[kTileSize];     // still takes samples
 
   void reset(int width, int height) {
     std::memset(this, 0, sizeof *this);
     std::fill(depth, depth + kPixels, std::numeric_limits<float>::infinity());
+    std::fill(front_depth, front_depth + kPixels, std::numeric_limits<float>::infinity());
     std::fill(best, best + kPixels, -std::numeric_limits<float>::infinity());
     for (int y = 0; y < height; ++y) open[y] = first_bits(width);
   }

@@ -49,8 +49,17 @@ struct GroupColor {
   V red, green, blue;
 };
 
+// A group's pixels had the opacities `before`, and what has just joined them at a depth brings them
+// to `after`. Most have been seen long before, or are not seen yet.
+HWY_INLINE void note_front_depth(V before, V after, V depth, float* front_depth) {
+  const V least = hn::Set(d, kLeastVisibleOpacity);
+  const M is_reached = hn::And(hn::Lt(before, least), hn::Ge(after, least));
+  if (!hn::AllFalse(d, is_reached)) store_masked(is_reached, depth, front_depth);
+}
+
 // What a pixel has in front of it hides its share.
-HWY_INLINE void add_to_pixels(const GroupColor& seen, V alpha, V depth, GroupPixels& pixels) {
+HWY_INLINE void add_to_pixels(const GroupColor& seen, V alpha, V depth, GroupPixels& pixels,
+                              float* front_depth) {
   const V half = hn::Set(d, 0.5F);
   const V before = pixels.alpha;
   const V share = hn::Mul(hn::Sub(hn::Set(d, 1.0F), before), alpha);
@@ -60,6 +69,7 @@ HWY_INLINE void add_to_pixels(const GroupColor& seen, V alpha, V depth, GroupPix
   pixels.blue = hn::MulAdd(share, seen.blue, pixels.blue);
   const M reaches_half = hn::And(hn::Lt(before, half), hn::Ge(pixels.alpha, half));
   pixels.depth = hn::IfThenElse(reaches_half, depth, pixels.depth);
+  note_front_depth(before, pixels.alpha, depth, front_depth);
 }
 
 // An opaque surface joins the lanes of `mask`, behind what is in front of it.
@@ -73,7 +83,11 @@ HWY_INLINE void add_surface(const GroupColor& lit, M mask, V depth, TileState& t
   add(tile.green, lit.green);
   add(tile.blue, lit.blue);
   store_masked(mask, hn::Set(d, 1.0F), tile.alpha + pixel);
-  store_masked(hn::And(mask, hn::Lt(in_front, hn::Set(d, 0.5F))), depth, tile.depth + pixel);
+  const auto note_depth = [&](float opacity, float* depths) {
+    store_masked(hn::And(mask, hn::Lt(in_front, hn::Set(d, opacity))), depth, depths + pixel);
+  };
+  note_depth(0.5F, tile.depth);
+  note_depth(kLeastVisibleOpacity, tile.front_depth);
 }
 
 inline void composite_sheet(const CpuFrame& frame, const BlockPlace& place, int s,
@@ -91,7 +105,7 @@ inline void composite_sheet(const CpuFrame& frame, const BlockPlace& place, int 
                          {hn::LoadU(d, shaded.red + from), hn::LoadU(d, shaded.green + from),
                           hn::LoadU(d, shaded.blue + from)},
                          hn::IfThenElseZero(mask_of(lanes), hn::LoadU(d, shaded.alpha + from)),
-                         hn::Set(d, place.sheets[s].depth), pixels);
+                         hn::Set(d, place.sheets[s].depth), pixels, tile.front_depth + to);
                      store_pixels(pixels, tile, to);
                      const M opaque = hn::Ge(pixels.alpha, hn::Set(d, frame.opaque_at));
                      open &= ~(RowWord{bits_of(opaque) & lanes} << tile_column(place, column));

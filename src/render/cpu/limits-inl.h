@@ -37,7 +37,11 @@ inline void show_stops(const CpuFrame& frame, std::uint32_t end, int pixel, Tile
     tile.green[pixel] += (1 - before) * stop.rgba[1];
     tile.blue[pixel] += (1 - before) * stop.rgba[2];
     tile.alpha[pixel] = before + (1 - before) * stop.rgba[3];
-    if (before < 0.5F && tile.alpha[pixel] >= 0.5F) tile.depth[pixel] = stop.depth;
+    const auto note_depth = [&](float opacity, float* depths) {
+      if (before < opacity && tile.alpha[pixel] >= opacity) depths[pixel] = stop.depth;
+    };
+    note_depth(0.5F, tile.depth);
+    note_depth(kLeastVisibleOpacity, tile.front_depth);
     if (tile.alpha[pixel] >= frame.opaque_at) close_pixel(tile, pixel);
   }
 }

@@ -357,7 +357,8 @@ HWY_INLINE void composite_step(const CpuFrame& frame, const TileInHand& tile,
                                hn::Gt(opacity, hn::Zero(d)));
   tile.stats.samples_shaded += std::popcount(bits_of(is_visible));
   add_to_pixels({load(batch.red), load(batch.green), load(batch.blue)},
-                hn::IfThenElseZero(is_visible, opacity), load(batch.depth), pixels);
+                hn::IfThenElseZero(is_visible, opacity), load(batch.depth), pixels,
+                tile.pixels.front_depth + run.pixel);
   store_pixels(pixels, tile.pixels, run.pixel);
   const M opaque = hn::And(is_visible, hn::Ge(pixels.alpha, opaque_at));
   tile.pixels.open[run.pixel / kTileSize] &= ~(RowWord{bits_of(opaque)} << (run.pixel % kTileSize));
@@ -365,7 +366,7 @@ HWY_INLINE void composite_step(const CpuFrame& frame, const TileInHand& tile,
 
 // A pixel while a piece joins it.
 struct PixelSoFar {
-  float red, green, blue, alpha, depth;
+  float red, green, blue, alpha, depth, front_depth;
 };
 
 // Samples of a piece, front to back, one after the other.
@@ -381,6 +382,8 @@ inline int add_samples(const CpuFrame& frame, const SampleBatch& batch, int firs
     pixel.blue += share * batch.blue[i];
     pixel.alpha = before + share;
     if (before < 0.5F && pixel.alpha >= 0.5F) pixel.depth = batch.depth[i];
+    if (before < kLeastVisibleOpacity && pixel.alpha >= kLeastVisibleOpacity)
+      pixel.front_depth = batch.depth[i];
   }
   return visible;
 }
@@ -417,8 +420,12 @@ HWY_INLINE int add_group_of_samples(const CpuFrame& frame, const SampleBatch& ba
   pixel.blue += sum_of(hn::Mul(share, load(batch.blue)));
   if (pixel.alpha < 0.5F) {
     const V behind = hn::Sub(one, hn::Sub(through, share));
-    const std::uint32_t reach = bits_of(hn::And(exists, hn::Ge(behind, hn::Set(d, 0.5F))));
-    if (reach != 0) pixel.depth = batch.depth[first + std::countr_zero(reach)];
+    const auto note_depth = [&](float opacity, float& depth) {
+      const std::uint32_t reach = bits_of(hn::And(exists, hn::Ge(behind, hn::Set(d, opacity))));
+      if (reach != 0) depth = batch.depth[first + std::countr_zero(reach)];
+    };
+    note_depth(0.5F, pixel.depth);
+    if (pixel.alpha < kLeastVisibleOpacity) note_depth(kLeastVisibleOpacity, pixel.front_depth);
   }
   pixel.alpha += sum_of(share);
   return std::popcount(bits_of(hn::Gt(share, hn::Zero(d))));
@@ -433,8 +440,8 @@ inline void composite_piece(const CpuFrame& frame, const TileInHand& tile,
                             const SampleBatch::Run& run) {
   TileState& pixels = tile.pixels;
   const int at = run.pixel;
-  PixelSoFar pixel{pixels.red[at], pixels.green[at], pixels.blue[at], pixels.alpha[at],
-                   pixels.depth[at]};
+  PixelSoFar pixel{pixels.red[at],   pixels.green[at], pixels.blue[at],
+                   pixels.alpha[at], pixels.depth[at], pixels.front_depth[at]};
   if (pixel.alpha >= frame.opaque_at) return;
   const int end = run.first + run.count;
   int next = run.first;
@@ -452,6 +459,7 @@ inline void composite_piece(const CpuFrame& frame, const TileInHand& tile,
   pixels.blue[at] = pixel.blue;
   pixels.alpha[at] = pixel.alpha;
   pixels.depth[at] = pixel.depth;
+  pixels.front_depth[at] = pixel.front_depth;
   if (pixel.alpha >= frame.opaque_at)
     pixels.open[at / kTileSize] &= ~(RowWord{1} << (at % kTileSize));
 }

@@ -43,11 +43,13 @@ Image empty_image(int width, int height) {
   image.height = height;
   const std::size_t num_pixels = static_cast<std::size_t>(width) * height;
   data::allocated(fmt::format("a picture of {} x {} pixels", width, height),
-                  5 * sizeof(float) * num_pixels, [&] {
+                  6 * sizeof(float) * num_pixels, [&] {
                     reserve_large_pages(image.rgba, 4 * num_pixels);
-                    reserve_large_pages(image.depth, num_pixels);
                     image.rgba.assign(4 * num_pixels, 0.0F);
-                    image.depth.assign(num_pixels, std::numeric_limits<float>::infinity());
+                    for (std::vector<float>* depths : {&image.depth, &image.front_depth}) {
+                      reserve_large_pages(*depths, num_pixels);
+                      depths->assign(num_pixels, std::numeric_limits<float>::infinity());
+                    }
                   });
   return image;
 }
@@ -76,10 +78,12 @@ void finish_tile(const CpuFrame& frame, const Look& look, const TileState& tile,
         rgba[1] = tile.green[i];
         rgba[2] = tile.blue[i];
         rgba[3] = tile.alpha[i];
+        image.front_depth[pixel] = tile.front_depth[i];
         continue;
       }
       if ((tile.seen[y - rect.y0] >> (x - rect.x0) & 1U) == 0) continue;
       show_value(look, tile.best[i], tile.path[i], rgba);
+      image.front_depth[pixel] = front_depth_of_value(rgba, tile.depth[i]);
     }
   }
 }

@@ -369,14 +369,47 @@ class AnyPixel {
   FilterSpan x_, y_;
 };
 
-// What depth a pixel has: that of the nearest sample.
-inline float depth_at(const WarpJob& job, double x, double y) {
-  const auto i = static_cast<int>(std::floor(x + 0.5));
-  const auto j = static_cast<int>(std::floor(y + 0.5));
-  if (i < 0 || j < 0 || i >= job.base.width || j >= job.base.height)
-    return std::numeric_limits<float>::infinity();
-  const float z = job.samples.image.depth[static_cast<std::size_t>(j) * job.base.width + i];
+inline constexpr float kNoPlace = std::numeric_limits<float>::infinity();  // a depth
+
+// The depth of a sample's place, of those that samples have.
+HWY_INLINE float depth_of_sample(const WarpJob& job, int i, int j,
+                                 const std::vector<float>& depths) {
+  const float z = depths[static_cast<std::size_t>(j) * job.base.width + i];
   return static_cast<float>(job.base.depth_of(i, j, z));
+}
+
+// The least front depth of the samples that a pixel takes.
+inline float least_front_depth(const WarpJob& job, const PlaceInBase& at) {
+  const auto span_of = [](double middle, float width, int size) {
+    const double reach = kFilterReach * static_cast<double>(width);
+    return std::pair(static_cast<int>(std::max(std::ceil(middle - reach), 0.0)),
+                     static_cast<int>(std::min(std::floor(middle + reach), size - 1.0)));
+  };
+  const auto [x0, x1] = span_of(at.x, at.width_x, job.base.width);
+  const auto [y0, y1] = span_of(at.y, at.width_y, job.base.height);
+  float least = kNoPlace;
+  for (int j = y0; j <= y1; ++j) {
+    for (int i = x0; i <= x1; ++i)
+      least = std::min(least, depth_of_sample(job, i, j, job.samples.image.front_depth));
+  }
+  return least;
+}
+
+// The depths of a pixel whose colour is there: those of the nearest sample. Where it is seen and
+// that one is not, others of its samples are.
+HWY_INLINE void set_depths(const WarpJob& job, const PlaceInBase& at, std::size_t pixel,
+                           Image& picture) {
+  const auto i = static_cast<int>(std::floor(at.x + 0.5));
+  const auto j = static_cast<int>(std::floor(at.y + 0.5));
+  const bool exists = i >= 0 && j >= 0 && i < job.base.width && j < job.base.height;
+  const Image& samples = job.samples.image;
+  picture.depth[pixel] = exists ? depth_of_sample(job, i, j, samples.depth) : kNoPlace;
+  float front = kNoPlace;
+  if (picture.rgba[4 * pixel + 3] >= kLeastVisibleOpacity) {
+    if (exists) front = depth_of_sample(job, i, j, samples.front_depth);
+    if (front == kNoPlace) front = least_front_depth(job, at);
+  }
+  picture.front_depth[pixel] = front;
 }
 
 // A group's pixels, whose samples all exist. `first`: its first pixel.
@@ -393,8 +426,10 @@ inline void warp_group(const WarpJob& job, const PixelPlaces& places, int count,
     mean_of_sixteen(
         corner + taps.first_y[i] * row + static_cast<std::ptrdiff_t>(4) * taps.first_x[i], row,
         taps, i, picture.rgba.data() + 4 * pixel);
-    picture.depth[pixel] = depth_at(job, places.corner_x + static_cast<double>(places.x[i]),
-                                    places.corner_y + static_cast<double>(places.y[i]));
+    set_depths(job,
+               {places.corner_x + static_cast<double>(places.x[i]),
+                places.corner_y + static_cast<double>(places.y[i]), 1.0F, 1.0F},
+               pixel, picture);
   }
 }
 
@@ -427,7 +462,7 @@ inline void warp_on_target(const WarpJob& job, const TileRect& strip, Image& pic
         const PlaceInBase at = row[x + i];
         const std::size_t pixel = first + static_cast<std::size_t>(i);
         any.set(at, picture.rgba.data() + 4 * pixel);
-        picture.depth[pixel] = depth_at(job, at.x, at.y);
+        set_depths(job, at, pixel, picture);
       }
     }
   }

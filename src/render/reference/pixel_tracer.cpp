@@ -38,8 +38,19 @@ TransferFunction fading_of(const Look& look) {
   return fading;
 }
 
+// What stands for a pixel at one place alone.
 Pixel premultiplied(const Rgb& color, double alpha, double depth) {
-  return {{alpha * color[0], alpha * color[1], alpha * color[2], alpha}, depth};
+  return {{alpha * color[0], alpha * color[1], alpha * color[2], alpha},
+          depth,
+          alpha >= double{kLeastVisibleOpacity} ? depth : kNowhere};
+}
+
+// What has just joined a pixel at a depth may be what brings its opacity so far.
+void note_depth(double depth, Pixel& pixel) {
+  const double alpha = pixel.rgba[3];
+  if (alpha >= 0.5 && pixel.depth == kNowhere) pixel.depth = depth;
+  if (alpha >= double{kLeastVisibleOpacity} && pixel.front_depth == kNowhere)
+    pixel.front_depth = depth;
 }
 
 }  // namespace
@@ -127,7 +138,7 @@ void PixelTracer::add_stops(const PixelRay& pixel, double up_to, Pixel& result) 
     if (alpha >= opaque_at_) continue;
     const double through = 1 - alpha;
     for (std::size_t c = 0; c < 4; ++c) result.rgba[c] += through * stop.rgba[c];
-    if (alpha >= 0.5 && result.depth == kNowhere) result.depth = stop.depth;
+    note_depth(stop.depth, result);
   }
 }
 
@@ -194,7 +205,7 @@ void PixelTracer::add_seen(const PixelRay& pixel, const SeenSample& seen, Pixel&
   const double a = opacity_over(opacity, seen.path, shading_.unit_distance);
   for (std::size_t c = 0; c < 3; ++c) result.rgba[c] += (1 - alpha) * a * color[c];
   alpha += (1 - alpha) * a;
-  if (alpha >= 0.5 && result.depth == kNowhere) result.depth = seen.z;
+  note_depth(seen.z, result);
 }
 
 // What the trail has on a sheet.
@@ -362,7 +373,7 @@ Pixel PixelTracer::xray(const PixelRay& pixel, TraceCounts& counts) const {
     is_defined = true;
   }
   if (!is_defined) return {};
-  return {{integral, integral, integral, 1}, depth};
+  return {{integral, integral, integral, 1}, depth, depth};
 }
 
 Pixel PixelTracer::maximum(const PixelRay& pixel, TraceCounts& counts) const {
@@ -416,7 +427,7 @@ Pixel PixelTracer::isosurface(const PixelRay& pixel, TraceCounts& counts) const 
         const double rest = 1 - result.rgba[3];
         for (std::size_t c = 0; c < 3; ++c) result.rgba[c] += rest * color[c];
         result.rgba[3] = 1;
-        if (result.depth == kNowhere) result.depth = at.z;
+        note_depth(at.z, result);
         return result;
       }
     }

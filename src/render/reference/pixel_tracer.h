@@ -22,6 +22,7 @@ namespace ovoid::reference {
 struct Pixel {
   std::array<double, 4> rgba{};  // premultiplied
   double depth = std::numeric_limits<double>::infinity();
+  double front_depth = std::numeric_limits<double>::infinity();
   std::size_t num_stops = 0;  // of the depth limits, that have joined it
 };
 

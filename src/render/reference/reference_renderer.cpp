@@ -45,6 +45,7 @@ Image empty_image(const RenderOptions& options) {
   try {
     image.rgba.assign(4 * pixels, 0.0F);
     image.depth.assign(pixels, std::numeric_limits<float>::infinity());
+    image.front_depth = image.depth;
   } catch (const std::bad_alloc&) {
     throw Error(ErrorCode::kOutOfMemory, "width x height = " + std::to_string(options.width) +
                                              " x " + std::to_string(options.height) +
@@ -120,6 +121,7 @@ class RowPainter {
         image_.rgba[4 * position + c] = static_cast<float>(pixel.rgba[c]);
       }
       image_.depth[position] = static_cast<float>(pixel.depth);
+      image_.front_depth[position] = static_cast<float>(pixel.front_depth);
     }
     return true;
   }

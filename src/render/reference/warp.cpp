@@ -6,9 +6,12 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <vector>
 
 namespace ovoid::reference {
 namespace {
+
+constexpr float kNoPlace = std::numeric_limits<float>::infinity();
 
 // [Mitchell 1988], B = C = 1/3.
 double weight(double t) {
@@ -37,6 +40,11 @@ PlaceInBase place_of(const view::BasePlane& base, int x, int y) {
   return place;
 }
 
+float depth_of(const view::BasePlane& base, double i, double j, const std::vector<float>& depths) {
+  return static_cast<float>(
+      base.depth_of(i, j, depths[static_cast<std::size_t>(j * base.width + i)]));
+}
+
 }  // namespace
 
 Image warped(const view::BasePlane& base, const Image& samples, const RenderOptions& options) {
@@ -45,7 +53,8 @@ Image warped(const view::BasePlane& base, const Image& samples, const RenderOpti
   picture.height = options.height;
   const auto pixels = static_cast<std::size_t>(options.width) * options.height;
   picture.rgba.assign(4 * pixels, 0.0F);
-  picture.depth.assign(pixels, std::numeric_limits<float>::infinity());
+  picture.depth.assign(pixels, kNoPlace);
+  picture.front_depth.assign(pixels, kNoPlace);
   for (int y = 0; y < options.height; ++y) {
     for (int x = 0; x < options.width; ++x) {
       const PlaceInBase place = place_of(base, x, y);
@@ -56,6 +65,7 @@ Image warped(const view::BasePlane& base, const Image& samples, const RenderOpti
       least.fill(std::numeric_limits<double>::infinity());
       greatest.fill(-std::numeric_limits<double>::infinity());
       double total = 0;
+      float nearest = kNoPlace;  // of the places that samples show
       const auto first = [&](int a) { return std::ceil(at[a] - 2 * width[a]); };
       for (double j = first(1); j <= at[1] + 2 * width[1]; ++j) {
         for (double i = first(0); i <= at[0] + 2 * width[0]; ++i) {
@@ -69,6 +79,7 @@ Image warped(const view::BasePlane& base, const Image& samples, const RenderOpti
             least[c] = std::min(least[c], value);
             greatest[c] = std::max(greatest[c], value);
           }
+          if (exists) nearest = std::min(nearest, depth_of(base, i, j, samples.front_depth));
         }
       }
       const auto pixel = static_cast<std::size_t>(y) * options.width + x;
@@ -78,9 +89,11 @@ Image warped(const view::BasePlane& base, const Image& samples, const RenderOpti
       }
       const double i = std::round(at[0]);
       const double j = std::round(at[1]);
-      if (i < 0 || j < 0 || i >= base.width || j >= base.height) continue;
-      picture.depth[pixel] = static_cast<float>(
-          base.depth_of(i, j, samples.depth[static_cast<std::size_t>(j * base.width + i)]));
+      const bool exists = i >= 0 && j >= 0 && i < base.width && j < base.height;
+      if (exists) picture.depth[pixel] = depth_of(base, i, j, samples.depth);
+      if (!(picture.rgba[4 * pixel + 3] >= kLeastVisibleOpacity)) continue;
+      if (exists) picture.front_depth[pixel] = depth_of(base, i, j, samples.front_depth);
+      if (picture.front_depth[pixel] == kNoPlace) picture.front_depth[pixel] = nearest;
     }
   }
   return picture;

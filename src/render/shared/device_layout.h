@@ -48,6 +48,7 @@ OVOID_CONSTANT int kSurfaceSteps = 8;  // bisections, to 1/256 of a sheet's dist
 // Refined pieces: view/look_variation.h.
 OVOID_CONSTANT int kMostSteps = 16;
 OVOID_CONSTANT float kStepsPerVariation = 10.0f;
+OVOID_CONSTANT float kLeastVisibleOpacity = 0.003921568627451f;  // ovoid::kLeastVisibleOpacity
 OVOID_CONSTANT float kClosePieces = 2.0f;  // cells: the middle stands for a shorter piece
 OVOID_CONSTANT int kFarBricks = 63;        // the greatest distance that is kept
 OVOID_CONSTANT uint kDistanceBits = 63u;   // of a brick's byte

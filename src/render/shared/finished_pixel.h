@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <limits>
+
+#include "ovoid/image.h"
 #include "ovoid/look.h"
 
 namespace ovoid {
@@ -18,6 +21,11 @@ inline void show_value(const Look& look, float best, float path, float* rgba) {
   const double opacity = look.transfer_function.opacity_at(value);
   for (std::size_t c = 0; c < 3; ++c) rgba[c] = static_cast<float>(color[c] * opacity);
   rgba[3] = static_cast<float>(opacity);
+}
+
+// Its front depth: that of what it shows, if that is seen.
+inline float front_depth_of_value(const float* rgba, float depth) {
+  return rgba[3] >= kLeastVisibleOpacity ? depth : std::numeric_limits<float>::infinity();
 }
 
 }  // namespace ovoid

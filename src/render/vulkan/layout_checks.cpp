@@ -3,6 +3,7 @@
 // on one side alone would let the host write past an array that a shader reads, or the two back
 // ends draw different pictures, so it does not compile. What the cpu back end copies is held where
 // it stands there.
+#include "ovoid/image.h"
 #include "ovoid/kernel_field.h"
 #include "ovoid/lattice.h"
 #include "ovoid/look.h"
@@ -41,6 +42,7 @@ static_assert(kFarBricks <= static_cast<int>(kDistanceBits));
 static_assert((kDistanceBits & kMissingBit) == 0);
 
 // Numbers of the definition.
+static_assert(kLeastVisibleOpacity == ovoid::kLeastVisibleOpacity);
 static_assert(kLeastSetWeight == static_cast<float>(KernelField::kLeastWeight));
 static_assert(kTapsBefore == 2);  // post_convolve.glsl
 static_assert(kMostSteps == view::kMostSteps);

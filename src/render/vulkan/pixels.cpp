@@ -50,6 +50,11 @@ Strip with_few_stops(const DepthLimits& limits, Strip strip, std::uint64_t most)
   return strip;
 }
 
+// Of a pixel, as composite.glsl has them.
+struct Depths {
+  float half, front;
+};
+
 template <class T>
 std::span<std::byte> bytes_of(T* at, std::size_t count) {
   return std::as_writable_bytes(std::span<T>(at, count));
@@ -127,7 +132,7 @@ void Pixels::clear(Commands& commands, const RenderOptions& options, const Strip
   reserve(pixel_stops_, device_, sizeof(device::PixelStops), BufferUse::kDevice);
   reserve(stops_, device_, sizeof(device::DepthStop), BufferUse::kDevice);
   reserve(colors_, device_, count * sizeof(device::vec4), BufferUse::kDevice);
-  reserve(depths_, device_, count * sizeof(float), BufferUse::kDevice);
+  reserve(depths_, device_, count * sizeof(Depths), BufferUse::kDevice);
   reserve(states_, device_, count * sizeof(device::PixelState), BufferUse::kDevice);
   commands.fill(colors_, 0);
   commands.fill(depths_, std::bit_cast<std::uint32_t>(std::numeric_limits<float>::infinity()));
@@ -137,19 +142,29 @@ void Pixels::clear(Commands& commands, const RenderOptions& options, const Strip
 void Pixels::finish(Commands& commands, const Look& look, const Strip& strip, Image& image) {
   const std::size_t first = static_cast<std::size_t>(strip.first) * image.width;
   const std::size_t count = static_cast<std::size_t>(strip.rows()) * image.width;
-  commands.read_back(depths_, 0, bytes_of(image.depth.data() + first, count));
+  constexpr std::int64_t kGrain = 4096;
+  std::vector<Depths> depths(count);
+  commands.read_back(depths_, 0, bytes_of(depths.data(), count));
+  data::parallel_ranges(
+      {static_cast<std::int64_t>(count), kGrain, 0, {}}, [&](std::int64_t begin, std::int64_t end) {
+        for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+          image.depth[first + i] = depths[i].half;
+          image.front_depth[first + i] = depths[i].front;
+        }
+      });
   if (look.mode == Mode::kComposite || look.mode == Mode::kIsosurface) {
     commands.read_back(colors_, 0, bytes_of(image.rgba.data() + 4 * first, 4 * count));
     return;
   }
   std::vector<device::PixelState> states(count);
   commands.read_back(states_, 0, bytes_of(states.data(), count));
-  constexpr std::int64_t kGrain = 4096;
   data::parallel_ranges(
       {static_cast<std::int64_t>(count), kGrain, 0, {}}, [&](std::int64_t begin, std::int64_t end) {
         for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
           if ((states[i].flags & device::kSeen) == 0) continue;
-          show_value(look, states[i].best, states[i].path, image.rgba.data() + 4 * (first + i));
+          float* const rgba = image.rgba.data() + 4 * (first + i);
+          show_value(look, states[i].best, states[i].path, rgba);
+          image.front_depth[first + i] = front_depth_of_value(rgba, depths[i].half);
         }
       });
 }

@@ -86,6 +86,7 @@ struct VulkanRenderer::Impl {
     const std::size_t num_pixels = static_cast<std::size_t>(options.width) * options.height;
     out.image.rgba.assign(4 * num_pixels, 0.0F);
     out.image.depth.assign(num_pixels, std::numeric_limits<float>::infinity());
+    out.image.front_depth = out.image.depth;
     out.profile.backend = "vulkan";
     out.profile.device = bench->device->info().name;
     out.profile.kernels_total = job.field.num_kernels();

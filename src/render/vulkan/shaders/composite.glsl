@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stage "composite": samples join their pixel front to back; one that has become opaque is closed.
 
+const vec2 kDepthOpacities = vec2(0.5, kLeastVisibleOpacity);
+
 struct Pixel {
   vec4 color;  // premultiplied
-  float depth;
+  vec2 depths;  // where opacity reaches 1/2, and kLeastVisibleOpacity
   float best;
   float path;
   float before;      // value on the sheet before,
@@ -22,7 +24,7 @@ Pixel load_pixel(uint at) {
   PixelState state = states[at];
   Pixel pixel;
   pixel.color = colors[at];
-  pixel.depth = depths[at];
+  pixel.depths = depths[at];
   pixel.best = state.best;
   pixel.path = state.path;
   pixel.before = state.before;
@@ -42,11 +44,19 @@ Pixel load_pixel(uint at) {
 
 void store_pixel(uint at, Pixel pixel) {
   colors[at] = pixel.color;
-  depths[at] = pixel.depth;
+  depths[at] = pixel.depths;
   states[at] = PixelState(pixel.best, pixel.path, pixel.before,
                           uint(pixel.before_sheet + 1) << 2 | (pixel.is_seen ? kSeen : 0u) |
                               (pixel.is_closed ? kClosed : 0u));
   if (has_flag(kHasLimits)) pixel_stops[at].next = pixel.next_stop;
+}
+
+// What joins a pixel at a depth takes its opacity on from `before`.
+void note_depth(inout Pixel pixel, float before, float depth) {
+  bvec2 is_reached = greaterThanEqual(vec2(pixel.color.a), kDepthOpacities);
+  bvec2 is_new = lessThan(vec2(before), kDepthOpacities);
+  if (is_reached.x && is_new.x) pixel.depths.x = depth;
+  if (is_reached.y && is_new.y) pixel.depths.y = depth;
 }
 
 // A sample of that colour and opacity.
@@ -57,7 +67,7 @@ void composite(inout Pixel pixel, vec3 color, float opacity, float depth) {
   float after = before + share;
   pixel.color.rgb = fma(vec3(share), color, pixel.color.rgb);
   pixel.color.a = after;
-  if (before < 0.5 && after >= 0.5) pixel.depth = depth;
+  note_depth(pixel, before, depth);
   if (after >= frame.view.opaque_at) pixel.is_closed = true;
 }
 
@@ -67,21 +77,22 @@ void composite_surface(inout Pixel pixel, vec3 color, float depth) {
   float in_front = pixel.color.a;
   pixel.color.rgb = fma(vec3(1.0 - in_front), color, pixel.color.rgb);
   pixel.color.a = 1.0;
-  if (in_front < 0.5) pixel.depth = depth;
+  note_depth(pixel, in_front, depth);
   pixel.is_closed = true;
 }
 
-// X-ray, maximum and mean: every defined sample counts.
+// X-ray, maximum and mean: every defined sample counts. Whether what they show is seen is known
+// when all of it is there (Pixels::finish).
 void accumulate(inout Pixel pixel, float value, float path, float depth) {
   if (kMode == kMaximum) {
     if (!pixel.is_seen || value > pixel.best) {
       pixel.best = value;
-      pixel.depth = depth;
+      pixel.depths.x = depth;
     }
   } else {
     pixel.best = fma(value, path, pixel.best);
     pixel.path += path;
-    if (!pixel.is_seen) pixel.depth = depth;
+    if (!pixel.is_seen) pixel.depths.x = depth;
   }
   pixel.is_seen = true;
 }

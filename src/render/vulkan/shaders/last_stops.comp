@@ -16,7 +16,7 @@ struct AnyFrame {
 
 layout(std430, binding = 0) readonly buffer FrameBuffer { AnyFrame frame; };
 layout(std430, binding = 1) buffer ColorBuffer { vec4 colors[]; };
-layout(std430, binding = 2) buffer DepthBuffer { float depths[]; };
+layout(std430, binding = 2) buffer DepthBuffer { vec2 depths[]; };
 layout(std430, binding = 3) buffer StateBuffer { PixelState states[]; };
 layout(std430, binding = 4) buffer PixelStopsBuffer { PixelStops pixel_stops[]; };
 layout(std430, binding = 5) readonly buffer StopBuffer { DepthStop stops[]; };

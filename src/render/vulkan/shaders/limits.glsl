@@ -25,7 +25,7 @@ void join_next_stop(inout Pixel pixel) {
   vec4 seen = vec4(stop.rgba[0], stop.rgba[1], stop.rgba[2], stop.rgba[3]);
   float before = pixel.color.a;
   pixel.color = fma(vec4(1.0 - before), seen, pixel.color);
-  if (before < 0.5 && pixel.color.a >= 0.5) pixel.depth = stop.depth;
+  note_depth(pixel, before, stop.depth);
   if (pixel.color.a >= frame.view.opaque_at) pixel.is_closed = true;
 }
 

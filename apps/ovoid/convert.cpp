@@ -95,19 +95,9 @@ Dataset to_grid(const ConvertFlags& convert, const Dataset& dataset, Session& se
   return grid;
 }
 
-// A file holds kernels, and not how they are summed.
-void note_on_sum(const ConvertFlags& convert, Reconstruction reconstruction, double cutoff,
-                 Session& session) {
-  const char* const name = reconstruction == Reconstruction::kNormalized ? "normalized" : "sum";
-  session.note(fmt::format("{}: is the same field with --reconstruction {} --cutoff {:g}",
-                           convert.output, name, cutoff));
-}
-
 Dataset to_kernels(const ConvertFlags& convert, const Dataset& dataset, Session& session) {
   const Modelled modelled = make_field(dataset, convert.model, convert.threads, session);
-  const KernelField& field = *modelled.field.kernels();
-  note_on_sum(convert, field.reconstruction(), field.source().cutoff(), session);
-  return make_kernel_dataset(field);
+  return make_kernel_dataset(*modelled.field.kernels());
 }
 
 bool keeps_relevant(const ConvertFlags& convert) {
@@ -218,8 +208,6 @@ Dataset converted(const ConvertFlags& convert, const Flags& flags, const Dataset
                 fmt::format("{}: holds a grid, '{}' is none; --size N resamples it to one",
                             convert.output, dataset.source));
   }
-  if (dataset.reconstruction)
-    note_on_sum(convert, *dataset.reconstruction, KernelColumns{}.cutoff, session);
   Dataset same = dataset;
   const std::string& array = convert.model.array;
   if (!array.empty()) same.arrays = {dataset.array(array)};

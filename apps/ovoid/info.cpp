@@ -101,8 +101,7 @@ void add_set_json(Json& json, const KernelField& field, const KernelModelReport&
   const KernelSource& source = field.source();
   json["color_array"] = report.color_array;
   json["color_range"] = json_of(field.color_range());
-  json["reconstruction"] =
-      field.reconstruction() == Reconstruction::kNormalized ? "normalized" : "sum";
+  json["reconstruction"] = name_of(field.reconstruction());
   json["shape"] = source.shape() == KernelShape::kBalls ? "balls" : "ellipsoids";
   json["profile"] = name_of(source.profile());
   json["cutoff"] = source.cutoff();

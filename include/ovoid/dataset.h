@@ -180,8 +180,9 @@ struct Dataset {
   Cells cells;                          // kMesh only
   DataArray box_sizes;                  // kBoxes only: [n, 3] float64, world units
   std::optional<Bounds3> periodic_box;  // kParticles: opposite faces are the same place
-  std::optional<Reconstruction> reconstruction;  // kKernels: how they are meant to be summed, where
-                                                 // that is known; no file says
+  // kKernels: how they are meant to be summed and cut off, in sigmas, where that is known.
+  std::optional<Reconstruction> reconstruction;
+  std::optional<double> cutoff;
   Space space = Space::kNone;
   std::vector<DataArray> arrays;
   std::vector<DatasetBlock> blocks;        // all volumes of the input; empty if it is one

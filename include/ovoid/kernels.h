@@ -60,4 +60,6 @@ enum class Reconstruction {
   kSum,         // sum w v phi, with w = cell volume / integral of phi; fades to zero outside
 };
 
+const char* name_of(Reconstruction reconstruction) noexcept;  // "normalized", "sum"
+
 }  // namespace ovoid

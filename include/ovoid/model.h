@@ -136,9 +136,14 @@ Field make_field(const Dataset& dataset, const FieldModelOptions& options = {},
                  std::stop_token stop = {});
 
 // The kernels of a field as a dataset of kind kKernels, for files: positions, "scale", "rotation",
-// "weight" and the attributes, all but the positions float32. Rotations turn the longest axis to x,
-// the shortest to z. Throws what the source throws. Cost: an eigenvalue problem per ellipsoid.
+// "weight" and the attributes, all float32; positions are float64 if float32 would move a kernel by
+// more than KernelBrick::kMaxOffsetError. Rotations turn the longest axis to x, the shortest to z.
+// Throws what the source throws. Cost: an eigenvalue problem per ellipsoid.
 Dataset make_kernel_dataset(const KernelField& field);
+
+// Bytes, at most, of a file (.ply) of so many kernels like the field's, as make_kernel_dataset()
+// gives them to write_dataset().
+std::int64_t kernel_file_bytes(const KernelField& field, std::int64_t num_kernels);
 
 // The faces of a mesh's solid cells, or of boxes, that no other one shares, and its flat cells,
 // with the values that make_kernel_field() with the same options would give colour by: of nodes, or

@@ -18,6 +18,10 @@ const char* name_of(LatticeKernelKind kind) noexcept {
   return "";
 }
 
+const char* name_of(Reconstruction reconstruction) noexcept {
+  return reconstruction == Reconstruction::kNormalized ? "normalized" : "sum";
+}
+
 namespace data {
 
 bool is_piecewise(LatticeKernelKind kind) noexcept { return kind != LatticeKernelKind::kGaussian; }

@@ -98,7 +98,7 @@ KernelParts stored_kernels(const ModelRun& run) {
   }
   KernelParts parts;
   parts.shape = KernelShape::kEllipsoids;
-  parts.cutoff = run.options.cutoff.value_or(kStoredCutoff);
+  parts.cutoff = run.options.cutoff.value_or(run.dataset.cutoff.value_or(kStoredCutoff));
   parts.reconstruction = run.options.reconstruction.value_or(
       run.dataset.reconstruction.value_or(Reconstruction::kSum));
   parts.attributes = values.attributes;
@@ -137,6 +137,19 @@ struct KernelTable {
   std::vector<float> scales, rotations, weights;
   std::vector<std::vector<float>> values;
 };
+
+// Whether places in single precision are off by no more than bricks' are (KernelBrick).
+bool are_singles_enough(const KernelSource& source) {
+  constexpr double kRounding = std::numeric_limits<float>::epsilon() / 2;
+  for (std::int64_t b = 0; b < source.num_bricks(); ++b) {
+    const KernelBrick& brick = source.brick(b);
+    const double farthest = std::max(brick.support.min().cwiseAbs().maxCoeff(),
+                                     brick.support.max().cwiseAbs().maxCoeff());
+    const double most = KernelBrick::kMaxOffsetError * static_cast<double>(brick.least_sigma);
+    if (!(kRounding * farthest <= most)) return false;
+  }
+  return true;
+}
 
 // Sigmas, falling, and the rotation from their axes to the world.
 void append_axes(const Mat3& factor, KernelTable& table) {
@@ -184,7 +197,14 @@ Dataset make_kernel_dataset(const KernelField& field) {
   dataset.source = "kernels";
   dataset.format = "kernels";
   dataset.kind = DatasetKind::kKernels;
-  dataset.positions = model::array_of_numbers("positions", 3, std::move(table.positions));
+  dataset.reconstruction = field.reconstruction();
+  dataset.cutoff = source.cutoff();
+  if (model::are_singles_enough(source)) {
+    dataset.positions = model::array_of_numbers(
+        "positions", 3, std::vector<float>(table.positions.begin(), table.positions.end()));
+  } else {
+    dataset.positions = model::array_of_numbers("positions", 3, std::move(table.positions));
+  }
   dataset.arrays.push_back(model::array_of_numbers("scale", 3, std::move(table.scales)));
   dataset.arrays.push_back(model::array_of_numbers("rotation", 4, std::move(table.rotations)));
   dataset.arrays.push_back(model::array_of_numbers("weight", 1, std::move(table.weights)));
@@ -194,6 +214,22 @@ Dataset make_kernel_dataset(const KernelField& field) {
     dataset.arrays.back().unit = source.attributes()[a].unit;
   }
   return dataset;
+}
+
+std::int64_t kernel_file_bytes(const KernelField& field, std::int64_t num_kernels) {
+  data::require_field(field);
+  // Header: the format's words, and a line for each column.
+  constexpr std::int64_t kHeaderBytes = 512, kLineBytes = 32;
+  constexpr std::int64_t kShapeAndWeight = 8 * sizeof(float);
+  const std::size_t place =
+      model::are_singles_enough(field.source()) ? sizeof(float) : sizeof(double);
+  std::int64_t header = kHeaderBytes,
+               record = kShapeAndWeight + 3 * static_cast<std::int64_t>(place);
+  for (const KernelAttribute& attribute : field.source().attributes()) {
+    header += kLineBytes + static_cast<std::int64_t>(attribute.name.size());
+    record += static_cast<std::int64_t>(sizeof(float));
+  }
+  return header + num_kernels * record;
 }
 
 }  // namespace ovoid

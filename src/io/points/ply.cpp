@@ -364,6 +364,10 @@ Dataset read_ply(const ByteSource& source, const ReadOptions& options) {
   dataset.format = "PLY";
   dataset.kind = holds_kernels(element) ? DatasetKind::kKernels : DatasetKind::kParticles;
   const bool is_kernels = dataset.kind == DatasetKind::kKernels;
+  if (is_kernels) {
+    dataset.reconstruction = header.reconstruction;
+    dataset.cutoff = header.cutoff;
+  }
   std::vector<std::string> left_out;
   const PlyOrder order = order_properties(element, is_kernels, left_out);
   if (!left_out.empty()) {

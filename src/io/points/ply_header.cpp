@@ -9,9 +9,11 @@
 #include <utility>
 
 #include "io/core/header_lines.h"
+#include "io/core/numbers.h"
 #include "io/core/samples.h"
 #include "io/core/text_scanner.h"
 #include "ovoid/error.h"
+#include "ovoid/kernel_field.h"
 
 namespace ovoid::io {
 namespace {
@@ -54,7 +56,11 @@ class PlyHeaderParser {
     while (true) {
       if (!lines_.next(line)) fail("the header has no 'end_header'");
       const std::vector<std::string_view> parts = words(line);
-      if (parts.empty() || parts[0] == "comment" || parts[0] == "obj_info") continue;
+      if (parts.empty() || parts[0] == "obj_info") continue;
+      if (parts[0] == "comment") {
+        parse_comment(parts);
+        continue;
+      }
       if (parts[0] == "end_header") break;
       if (parts[0] == "format" && parts.size() >= 2) {
         parse_format(parts[1]);
@@ -77,6 +83,25 @@ class PlyHeaderParser {
   [[noreturn]] void fail(const std::string& what, ErrorCode code = ErrorCode::kFileFormat) const {
     throw Error(code,
                 fmt::format("{}: PLY header, line {}: {}", source_.name(), lines_.number(), what));
+  }
+
+  // Comments are anybody's; those that begin with our name are ours.
+  void parse_comment(const std::vector<std::string_view>& parts) {
+    if (parts.size() != 4 || parts[1] != "ovoid") return;
+    if (parts[2] == "reconstruction") {
+      for (const Reconstruction how : {Reconstruction::kNormalized, Reconstruction::kSum}) {
+        if (parts[3] == name_of(how)) header_.reconstruction = how;
+      }
+      if (!header_.reconstruction)
+        fail(
+            fmt::format("reconstruction '{}': expected normalized or sum", parts[3].substr(0, 40)));
+    } else if (parts[2] == "cutoff") {
+      header_.cutoff = parse_real(parts[3]);
+      if (!header_.cutoff ||
+          !(*header_.cutoff >= 1 && *header_.cutoff <= KernelColumns::kMaxCutoff))
+        fail(fmt::format("cutoff '{}': expected 1 to {:g}", parts[3].substr(0, 40),
+                         KernelColumns::kMaxCutoff));
+    }
   }
 
   void parse_format(std::string_view name) {

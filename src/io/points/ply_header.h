@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "io/core/byte_source.h"
+#include "ovoid/kernels.h"
 #include "ovoid/lattice.h"
 
 namespace ovoid::io {
@@ -34,6 +36,9 @@ struct PlyElement {
 struct PlyHeader {
   enum class Format { kAscii, kLittleEndian, kBigEndian } format = Format::kAscii;
   std::vector<PlyElement> elements;
+  // Of stored kernels, from comments "ovoid reconstruction NAME" and "ovoid cutoff SIGMAS".
+  std::optional<Reconstruction> reconstruction;
+  std::optional<double> cutoff;
   std::int64_t data_offset = 0;
   std::int64_t num_lines = 0;  // of the header
 };

@@ -167,6 +167,28 @@ TEST(Ply, KernelsInDoublesRoundTrip) {
   for (std::size_t i = 0; i < read.size(); ++i) EXPECT_NEAR(read[i] / sigmas[i], 1, 1e-14) << i;
 }
 
+// How kernels are summed stands in comments, which other readers pass over.
+TEST(Ply, KernelsSayHowTheyAreSummed) {
+  const TestFolder folder;
+  Dataset dataset = kernels(ScalarType::kFloat32);
+  write_dataset(dataset, folder.file("a.ply"));
+  EXPECT_EQ(read_dataset({folder.file("a.ply")}).reconstruction, std::nullopt);
+  dataset.reconstruction = Reconstruction::kNormalized;
+  dataset.cutoff = 3.5;
+  write_dataset(dataset, folder.file("a.ply"));
+  const Dataset again = read_dataset({folder.file("a.ply")});
+  EXPECT_EQ(again.reconstruction, Reconstruction::kNormalized);
+  EXPECT_EQ(again.cutoff, 3.5);
+  const std::string points = "element vertex 1\n" + kXyz;
+  EXPECT_EQ(read_bytes(head("ascii", "comment ovoid cutoff 2\n" + points) + "1 2 3\n").cutoff,
+            std::nullopt);  // particles are no kernels
+  EXPECT_EQ(ply_error(head("ascii", "comment ovoid cutoff 99\n" + points) + "1 2 3\n"),
+            "file-format: a.ply: PLY header, line 4: cutoff '99': expected 1 to 16");
+  EXPECT_EQ(ply_error(head("ascii", "comment ovoid reconstruction mean\n" + points) + "1 2 3\n"),
+            "file-format: a.ply: PLY header, line 4: reconstruction 'mean': expected normalized or "
+            "sum");
+}
+
 TEST(Ply, WhatCannotBeWritten) {
   const TestFolder folder;
   Dataset dataset = kernels(ScalarType::kFloat32);

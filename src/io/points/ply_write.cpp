@@ -122,9 +122,11 @@ void put_column(const PlyOutput& output, std::int64_t first, std::int64_t count,
 }
 
 std::string ply_header_text(const Dataset& dataset, const std::vector<PlyOutput>& outputs) {
-  std::string header = fmt::format(
-      "ply\nformat binary_little_endian 1.0\ncomment written by ovoid\nelement vertex {}\n",
-      dataset.num_positions());
+  std::string header = "ply\nformat binary_little_endian 1.0\ncomment written by ovoid\n";
+  if (dataset.reconstruction)
+    header += fmt::format("comment ovoid reconstruction {}\n", name_of(*dataset.reconstruction));
+  if (dataset.cutoff) header += fmt::format("comment ovoid cutoff {}\n", *dataset.cutoff);
+  header += fmt::format("element vertex {}\n", dataset.num_positions());
   for (const PlyOutput& output : outputs)
     header += fmt::format("property {} {}\n", ply_type_name(output.type()), output.name);
   return header + "end_header\n";

@@ -153,6 +153,8 @@ Json FlagSet::to_json() const {
 void FlagSet::set(const std::string& name, Json value) {
   const FlagForm& form = form_of(name);
   value = opened(form, std::move(value));
+  // One alone may stand without its list, as a flag's value did before it could be given twice.
+  if (form.kind == FlagKind::kRepeatable && is_text(value)) value = Json::array({std::move(value)});
   check_value(form, value);
   const auto found = std::find_if(flags_.begin(), flags_.end(),
                                   [&](const Flag& flag) { return flag.name == name; });

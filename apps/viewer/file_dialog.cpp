@@ -70,7 +70,7 @@ void FileDialog::show(const Question& question) {
     output_ = ends[0];
     fcntl(output_, F_SETFL, O_NONBLOCK);
     try {
-      child_ = cli::start_program(program, words_of(name, question), {.out = ends[1]});
+      child_ = cli::start_program(program, words_of(name, question), {.out = ends[1], .err = {}});
     } catch (...) {
       ::close(ends[1]);
       close();

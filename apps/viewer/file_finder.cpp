@@ -34,7 +34,7 @@ void FileFinder::look_for(const Paths& paths) {
         are_there = std::all_of(paths.begin(), paths.end(), state->is_there);
       } catch (const std::exception&) {  // as good as not there
       }
-      const std::lock_guard lock(state->mutex);
+      const std::lock_guard writing(state->mutex);
       state->asked.erase(paths);
       state->answers[paths] = are_there;
       state->has_news = true;

@@ -263,7 +263,8 @@ class BallPainter {
 
   void paint_pixel(int x, int y, const PixelHits& hits) {
     Rgb sum{0, 0, 0};
-    std::array<double, SurfaceRaster::kPlaces> depths{};
+    std::array<double, SurfaceRaster::kPlaces> depths;  // what covers nothing is last
+    depths.fill(static_cast<double>(kNoDepth));
     int covered = 0;
     for (std::size_t p = 0; p < hits.size(); ++p) {
       if (hits[p].depth == kNoDepth) continue;
@@ -278,7 +279,7 @@ class BallPainter {
     for (std::size_t c = 0; c < 3; ++c) image_.rgba[4 * at + c] = static_cast<float>(sum[c]);
     image_.rgba[4 * at + 3] = static_cast<float>(covered) / SurfaceRaster::kPlaces;
     constexpr int kHalf = SurfaceRaster::kPlaces / 2;
-    std::sort(depths.begin(), depths.begin() + covered);
+    std::sort(depths.begin(), depths.end());
     image_.front_depth[at] = static_cast<float>(depths[0]);  // one place in four is seen
     if (covered < kHalf) return;
     image_.depth[at] = static_cast<float>(depths[kHalf - 1]);

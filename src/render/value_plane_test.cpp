@@ -89,7 +89,8 @@ TEST(ValuePlane, ShownFrontIsBeforeThePlane) {
           // cuts, the paths add up but for the rounding of floats.
           const double expected =
               !is_on ? whole.rgba[c] : front.rgba[c] + (is_hidden ? 0.0 : rest * alone.rgba[c]);
-          ASSERT_NEAR(image.rgba[c], expected, 2e-6) << i;
+          // Within a spacing behind the plane light is that of a cut face, beside it, too.
+          ASSERT_NEAR(image.rgba[c], expected, is_on ? 2e-6 : 0.02) << i;
         }
         const Image& of_depth = front.depth[i] < kInfinityF ? front : is_on ? alone : whole;
         // Where a sheet is cut, the half behind may reach 1/2 by itself on the next one.

@@ -25,10 +25,10 @@ bool is_share(float value) { return value >= 0 && value <= 1; }
 }  // namespace
 
 bool DepthLimits::shows_field_at(int x, int y, float depth) const {
-  const auto stops = of_pixel(x, y);
-  const auto behind = std::upper_bound(stops.begin(), stops.end(), depth,
+  const auto here = of_pixel(x, y);
+  const auto behind = std::upper_bound(here.begin(), here.end(), depth,
                                        [](float at, const Stop& stop) { return at < stop.depth; });
-  return behind != stops.begin() && std::prev(behind)->is_field_behind;
+  return behind != here.begin() && std::prev(behind)->is_field_behind;
 }
 
 void DepthLimits::validate() const {

@@ -15,6 +15,7 @@ from sources import project_files, read_text
 PUBLIC = {
     "error.h": "data", "export.h": "data", "version.h": "data", "math.h": "data", "lattice.h": "data", "kernels.h": "data", "kernel_field.h": "data", "field.h": "data", "surface.h": "data", "dataset.h": "data", "series.h": "data", "relevant.h": "data",
     "model.h": "model", "resample.h": "model", "slices.h": "model", "hyperslice.h": "model", "coarse.h": "model",
+    "fit.h": "fit",
     "camera.h": "view", "transfer_function.h": "view", "look.h": "view", "image.h": "view",
     "render_options.h": "view", "depth_limits.h": "view", "crop.h": "view", "framing.h": "view",
     "annotate.h": "annotate",
@@ -30,6 +31,7 @@ ALLOWED = {
     "data": set(),
     "simd": {"data"},
     "model": {"data", "simd"},
+    "fit": {"data", "model"},
     "view": {"data"},
     "annotate": {"data", "view"},
     "io": {"data", "view:public"},
@@ -40,7 +42,7 @@ ALLOWED = {
     "render/vulkan": {"data", "view", "render", "render/shared"},
     "render/without_vulkan": {"data", "view", "render"},
     "render/shared": {"data", "view", "render"},
-    "everything": {"data", "model", "view", "annotate", "io", "render"},
+    "everything": {"data", "model", "fit", "view", "annotate", "io", "render"},
 }
 
 # Third-party headers and the places that may see them, by prefix of the path.

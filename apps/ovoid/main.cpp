@@ -32,13 +32,14 @@ struct Command {
   void (*run)(const Words& words, Session& session);  // null: run_view(), before there is a session
 };
 
-constexpr std::array<Command, 8> kCommands = {{
+constexpr std::array<Command, 9> kCommands = {{
     {kView, "INPUT...", "look around in data, in a window", nullptr},
     {"render", "INPUT... -o OUT.png", "draw data to a picture", run_render},
     {"animate", "INPUT... -o OUT.mp4", "draw a film or numbered pictures", run_animate},
     {"info", "INPUT...", "what is in a file, and how it would be drawn", run_info},
     {"make", "NAME -o OUT", "sample data by formula", run_make},
     {"convert", "INPUT... -o OUT", "between formats, to a grid or kernels", run_convert},
+    {"fit", "INPUT... -o OUT.ply", "fewer kernels for a field, with a stated error", run_fit},
     {"sample", "INPUT... --points P -o OUT", "the field and its gradient at points", run_sample},
     {"bench", "[SCENE...]", "time the stages on standard scenes", run_bench},
 }};

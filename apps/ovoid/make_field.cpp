@@ -40,13 +40,9 @@ int component_to_draw(const Dataset& dataset, const ModelFlags& model, Session& 
 
 Modelled make_kernels(const Dataset& dataset, const ModelFlags& model, int threads,
                       Session& session) {
-  KernelModelOptions options = model.kernels;
-  options.array = model.array;
+  const KernelModelOptions options = kernel_options(dataset, model, threads, session);
   Modelled made;
-  made.component = component_to_draw(dataset, model, session);
-  options.component = made.component;
-  options.reconstruction = model.reconstruction;
-  options.threads = threads;
+  made.component = options.component;
   made.field = make_kernel_field(dataset, options, &made.kernels, session.stop());
   made.array = made.kernels.array;
   made.color_array = made.kernels.color_array;
@@ -56,6 +52,16 @@ Modelled make_kernels(const Dataset& dataset, const ModelFlags& model, int threa
 }
 
 }  // namespace
+
+KernelModelOptions kernel_options(const Dataset& dataset, const ModelFlags& model, int threads,
+                                  Session& session) {
+  KernelModelOptions options = model.kernels;
+  options.array = model.array;
+  options.component = component_to_draw(dataset, model, session);
+  options.reconstruction = model.reconstruction;
+  options.threads = threads;
+  return options;
+}
 
 int component_of(const DataArray& array, int component) {
   if (component != kUsualComponent) return component;

@@ -32,6 +32,10 @@ std::string unit_of(const Dataset& dataset, const Modelled& modelled, Role role)
 
 const DataArray* find_array(const Dataset& dataset, const std::string& name);  // null: none
 
+// What flags say of the kernels of data that are no lattice; tells how vectors are taken.
+KernelModelOptions kernel_options(const Dataset& dataset, const ModelFlags& model, int threads,
+                                  Session& session);
+
 // Chooses kernels; tells which array was chosen where there are several, and the model's notes.
 Modelled make_field(const Dataset& dataset, const ModelFlags& model, int threads, Session& session);
 

@@ -17,6 +17,7 @@
 #include "ovoid/devices.h"
 #include "ovoid/error.h"
 #include "ovoid/field.h"
+#include "ovoid/fit.h"
 #include "ovoid/framing.h"
 #include "ovoid/hyperslice.h"
 #include "ovoid/image.h"

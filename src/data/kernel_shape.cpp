@@ -24,4 +24,18 @@ Vec3 semi_axes(KernelShape shape, const float* numbers) {
   return greatest * axes;
 }
 
+double profile_variance(KernelProfile profile, double cutoff) {
+  if (profile == KernelProfile::kGaussian) return 1.0;
+  // By the midpoint rule, which errs by the step squared.
+  constexpr int kSteps = 4096;
+  double mass = 0, moment = 0;
+  for (int i = 0; i < kSteps; ++i) {
+    const double m = cutoff * (i + 0.5) / kSteps;
+    const double shell = m * m * profile_value(profile, m, cutoff);
+    mass += shell;
+    moment += m * m * shell;
+  }
+  return moment / (3 * mass);
+}
+
 }  // namespace ovoid::data

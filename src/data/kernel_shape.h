@@ -34,4 +34,8 @@ inline Vec3 offset_of(const KernelView& view, std::int32_t i) noexcept {
 // The semi-axes (sigmas) of a shape: the square roots of the covariance's eigenvalues, rising.
 Vec3 semi_axes(KernelShape shape, const float* numbers);
 
+// The variance of a kernel of unit covariance along an axis, of which its profile says how much is
+// far out: <m^2> / 3. 1 for the Gaussian, whatever its cut-off takes.
+double profile_variance(KernelProfile profile, double cutoff);
+
 }  // namespace ovoid::data

@@ -29,22 +29,6 @@ const double kGreatestGap = std::sqrt(8 * std::log(2 / KernelField::kLeastWeight
 // three times as wide. Of eight at the corners of a cube, two sigmas apart, it is 1.
 constexpr double kGreatestSpread = 3 * 3 - 1;
 
-// The variance of a kernel of unit covariance along an axis, of which its profile says how much is
-// far out: <m^2> / 3. 1 for the Gaussian, whatever its cut-off takes.
-double profile_variance(KernelProfile profile, double cutoff) {
-  if (profile == KernelProfile::kGaussian) return 1.0;
-  // By the midpoint rule, which errs by the step squared.
-  constexpr int kSteps = 4096;
-  double mass = 0, moment = 0;
-  for (int i = 0; i < kSteps; ++i) {
-    const double m = cutoff * (i + 0.5) / kSteps;
-    const double shell = m * m * profile_value(profile, m, cutoff);
-    mass += shell;
-    moment += m * m * shell;
-  }
-  return moment / (3 * mass);
-}
-
 struct Member {
   Vec3 offset;        // from the brick's origin
   Mat3 factor;        // of the covariance
@@ -296,7 +280,7 @@ KernelField coarse_kernels(const KernelField& field, const CoarseOptions& option
   const std::int64_t num_bricks = source.num_bricks();
   std::vector<Columns> parts(
       static_cast<std::size_t>((num_bricks + kBricksPerTask - 1) / kBricksPerTask));
-  const double variance = profile_variance(source.profile(), source.cutoff());
+  const double variance = data::profile_variance(source.profile(), source.cutoff());
   CoarseProgress progress(options, num_bricks);
   data::parallel_ranges({num_bricks, kBricksPerTask, options.threads, options.stop},
                         [&](std::int64_t begin, std::int64_t end) {

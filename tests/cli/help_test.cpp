@@ -9,7 +9,7 @@ namespace ovoid::cli_tests {
 namespace {
 
 const char* const kCommands[] = {
-    "render", "animate", "info", "make", "convert", "sample", "bench",
+    "render", "animate", "info", "make", "convert", "fit", "sample", "bench",
 #ifdef OVOID_VIEWER
     "view",  // a program of its own, which lies beside this one
 #endif

@@ -1,0 +1,522 @@
+// SPDX-License-Identifier: Apache-2.0
+// From a dataset to fewer kernels. Rounds: the source's kernels lie in clusters, each of which
+// makes a kernel; the kernels' values are fitted; clusters are halved where the error is greatest;
+// and so on until the goal is reached. What a round costs is in proportion to the places.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <new>
+#include <span>
+#include <utility>
+
+#include "data/kernel_shape.h"
+#include "data/parallel.h"
+#include "fit/clusters.h"
+#include "fit/fit_places.h"
+#include "fit/source_kernels.h"
+#include "ovoid/error.h"
+#include "ovoid/fit.h"
+
+namespace ovoid {
+namespace {
+
+using fit::Clusters;
+using fit::FitPlaces;
+using fit::MergedKernels;
+using fit::MergeRule;
+using fit::Places;
+using fit::SourceKernels;
+
+// What the first round has: as many, but at least that share of what is wanted.
+constexpr std::int64_t kFirstKernels = 32, kFirstShare = 16;
+// A round has so many times the kernels of the one before. Of a greater factor, kernels come where
+// they are not needed: on the disk's temperature, 2 is 6 dB worse, and 1.15 no better.
+constexpr double kGrowth = 1.3;
+// Places looked at for each kernel while clusters change.
+constexpr std::size_t kPlacesPerCluster = 32, kLeastPlaces = 4096;
+// Of conjugate gradients: while clusters change, and of what is kept.
+constexpr int kIterations = 8, kLastIterations = 25;
+// Kernels of a sum keep the moments of what they stand for.
+constexpr double kSpreadOfSums = 1;
+// A place whose error exceeds a bound counts that many times more after each fit, and so many times
+// more at most. So many fits in a row are tried that bring hardly any kernels.
+constexpr double kRise = 1.5, kMostRise = 30;
+constexpr int kMostIdle = 8;
+constexpr double kHardlyAny = 0.02;
+constexpr std::size_t kTestPlaces = 100'000;
+constexpr std::size_t kMostPlacesPerKernel = 4;
+// Of the operator, for a place: 8 bytes for each of the kernels that reach it.
+constexpr std::size_t kBytesPerPlace = 400;
+// Steps between the last miss and the first hit of a PSNR.
+constexpr int kMostHalvings = 4;
+// dB by which a PSNR may be more than was asked for before fewer kernels are tried.
+constexpr double kCloseEnough = 0.25;
+
+// Kernels with their values, and what that leaves at the places.
+struct Fitted {
+  MergedKernels kernels;
+  std::vector<std::vector<double>> values;  // of each attribute
+  std::vector<double> energies;             // of each kernel: how much it is to blame
+  std::vector<double> residuals;            // of the first attribute, at the places looked at
+  FitStep step;
+};
+
+struct Errors {
+  double psnr = 0, greatest = 0;
+};
+
+[[noreturn]] void refuse_fit(const std::string& message) {
+  throw Error(ErrorCode::kInvalidArgument, message);
+}
+
+double psnr_of(double range, double mean_square) {
+  return mean_square > 0 ? 20 * std::log10(range / std::sqrt(mean_square))
+                         : std::numeric_limits<double>::infinity();
+}
+
+void check_goal(const FitOptions& options) {
+  const int goals =
+      static_cast<int>(options.psnr.has_value()) + static_cast<int>(options.tolerance.has_value()) +
+      static_cast<int>(options.relative_tolerance.has_value()) +
+      static_cast<int>(options.kernels.has_value()) + static_cast<int>(options.bytes.has_value());
+  if (goals != 1)
+    refuse_fit(
+        fmt::format("psnr, tolerance, relative_tolerance, kernels, bytes: {} given, "
+                    "expected one",
+                    goals));
+  if (options.psnr && !std::isfinite(*options.psnr))
+    refuse_fit(fmt::format("psnr = {}: must be finite", *options.psnr));
+  if (options.tolerance && !(*options.tolerance > 0 && std::isfinite(*options.tolerance)))
+    refuse_fit(fmt::format("tolerance = {}: must be > 0", *options.tolerance));
+  if (options.relative_tolerance &&
+      !(*options.relative_tolerance > 0 && *options.relative_tolerance <= 1))
+    refuse_fit(
+        fmt::format("relative_tolerance = {}: must be in (0, 1]", *options.relative_tolerance));
+  if (options.kernels && *options.kernels < 1)
+    refuse_fit(fmt::format("kernels = {}: must be 1 or more", *options.kernels));
+}
+
+class Fitter {
+ public:
+  Fitter(const Dataset& dataset, const FitOptions& options, FitReport& report)
+      : dataset_(dataset), options_(options), report_(report) {
+    check_goal(options);
+    threads_ = data::resolve_threads(options.threads);
+    KernelModelOptions model = options.model;
+    model.threads = threads_;
+    KernelModelReport model_report;
+    field_ = make_kernel_field(dataset, model, &model_report, options.stop);
+    model.array = model_report.array;
+    report_.array = model_report.array;
+    report_.notes = model_report.notes;
+    source_ = fit::load_source_kernels(field_, threads_, options.stop);
+    const ValueRange range = field_.value_range();
+    report_.range = static_cast<double>(range.hi) - static_cast<double>(range.lo);
+    report_.source_kernels = static_cast<std::int64_t>(source_.count());
+    places_ =
+        fit::make_places(dataset, field_, source_,
+                         {model, options.seed, most_places(), kTestPlaces, threads_, options.stop});
+    report_.places = static_cast<std::int64_t>(places_.seen.count());
+    report_.test_places = static_cast<std::int64_t>(places_.unseen.count());
+    rule_.shape = options.shape;
+    if (source_.reconstruction == Reconstruction::kSum) rule_.spread = kSpreadOfSums;
+    tell(0.1);
+  }
+
+  KernelField run() {
+    Clusters clusters(source_, threads_);
+    const Fitted fitted = reach_goal(clusters);
+    KernelField field = field_of(fitted);
+    report_errors(field);
+    tell(1);
+    return field;
+  }
+
+ private:
+  std::size_t most_places() const {
+    std::size_t most = kMostPlacesPerKernel * source_.count();
+    if (options_.memory_limit == 0) return most;
+    most = std::min(most, options_.memory_limit / kBytesPerPlace);
+    if (most < source_.count()) {
+      throw Error(ErrorCode::kOutOfMemory,
+                  fmt::format("a fit of {} kernels takes {} MiB or more, more than the limit of {}",
+                              source_.count(), (source_.count() * kBytesPerPlace >> 20) + 1,
+                              options_.memory_limit >> 20));
+    }
+    return most;
+  }
+
+  std::int64_t all() const { return static_cast<std::int64_t>(source_.count()); }
+
+  std::int64_t wanted_count() const {
+    if (options_.kernels) return std::min(*options_.kernels, all());
+    const std::int64_t one = kernel_file_bytes(field_, 1);
+    if (*options_.bytes < one)
+      refuse_fit(fmt::format("bytes = {}: a file with one kernel has {}", *options_.bytes, one));
+    const std::int64_t each = kernel_file_bytes(field_, 2) - one;
+    return std::min((*options_.bytes - one) / each + 1, all());
+  }
+
+  Fitted reach_goal(Clusters& clusters) {
+    if (options_.psnr) return reach_psnr(clusters, *options_.psnr);
+    if (options_.tolerance) return reach_tolerance(clusters, *options_.tolerance);
+    if (options_.relative_tolerance)
+      return reach_tolerance(clusters, *options_.relative_tolerance * report_.range);
+    return reach_count(clusters, wanted_count());
+  }
+
+  void tell(double fraction) {
+    told_ = std::max(told_, fraction);
+    if (options_.progress) options_.progress(told_);
+  }
+
+  // Clusters of about equal counts, as many as that.
+  void start(Clusters& clusters, std::int64_t count) const {
+    while (static_cast<std::int64_t>(clusters.list.size()) < count) {
+      std::vector<double> sizes(clusters.list.size());
+      for (std::size_t c = 0; c < sizes.size(); ++c) sizes[c] = clusters.list[c].count();
+      if (halve_greatest(clusters, sizes, count) == 0) break;
+    }
+  }
+
+  // Halves the clusters with the greatest energies, none without, until there are `count`, or twice
+  // as many as before. Returns how many it halved.
+  std::size_t halve_greatest(Clusters& clusters, const std::vector<double>& energies,
+                             std::int64_t count) const {
+    std::vector<std::uint32_t> which;
+    for (std::uint32_t c = 0; c < clusters.list.size(); ++c) {
+      if (clusters.list[c].count() > 1 && energies[c] > 0) which.push_back(c);
+    }
+    const auto more = static_cast<std::size_t>(
+        std::max<std::int64_t>(0, count - static_cast<std::int64_t>(clusters.list.size())));
+    const std::size_t most = std::min(which.size(), more);
+    std::partial_sort(which.begin(), which.begin() + static_cast<std::ptrdiff_t>(most), which.end(),
+                      [&](std::uint32_t a, std::uint32_t b) {
+                        return energies[a] != energies[b] ? energies[a] > energies[b] : a < b;
+                      });
+    which.resize(most);
+    std::sort(which.begin(), which.end());
+    clusters.halve(which, options_.stop);
+    return most;
+  }
+
+  // How carefully a round is done.
+  struct Care {
+    int iterations = kIterations;
+    std::size_t places = 0;
+  };
+  static constexpr Care kAllPlaces{kLastIterations, std::numeric_limits<std::size_t>::max()};
+
+  static Care care_of_round(const Clusters& clusters) {
+    return {kIterations, std::max(kLeastPlaces, kPlacesPerCluster * clusters.list.size())};
+  }
+
+  // Fits the values of the clusters' kernels. `blame` turns a residual in units of the range into
+  // energy.
+  template <class Blame>
+  Fitted fit(Clusters& clusters, const Care& care, const Blame& blame) {
+    Fitted fitted;
+    fitted.kernels = clusters.merged(rule_, options_.stop);
+    const std::size_t count = std::min(places_.seen.count(), care.places);
+    const std::span<const double> at = std::span(places_.seen.at).first(3 * count);
+    const std::span<const double> shares = std::span(places_.seen.shares).first(count);
+    const KernelOperator kernels(fitted.kernels.columns(source_.cutoff), source_.reconstruction, at,
+                                 threads_, options_.stop);
+    const std::vector<double> masses = masses_of(fitted.kernels);
+    std::vector<double> energies(count);
+    for (std::size_t a = 0; a < places_.seen.targets.size(); ++a) {
+      const std::span<const double> targets = std::span(places_.seen.targets[a]).first(count);
+      std::vector<double> values = fitted.kernels.means[a];
+      // What a sum's colour is depends on its values: it stays the mean.
+      const bool is_fitted = a == 0 || source_.reconstruction == Reconstruction::kNormalized;
+      if (is_fitted) {
+        for (std::size_t c = 0; c < values.size(); ++c) values[c] += clusters.list[c].excess[a];
+        fit_values(
+            kernels,
+            {.targets = targets, .shares = shares, .keeps = masses, .iterations = care.iterations},
+            values, options_.stop);
+        for (std::size_t c = 0; c < values.size(); ++c)
+          clusters.list[c].excess[a] = values[c] - fitted.kernels.means[a][c];
+        add_residuals(kernels, a, values, blame, energies, fitted);
+      }
+      fitted.values.push_back(std::move(values));
+    }
+    fitted.energies = kernels.splat(energies);
+    fitted.step.kernels = static_cast<std::int64_t>(clusters.list.size());
+    report_.steps.push_back(fitted.step);
+    return fitted;
+  }
+
+  // Of a sum, what the kernels' values are multiplied by in its integral.
+  std::vector<double> masses_of(const MergedKernels& kernels) const {
+    std::vector<double> masses;
+    if (source_.reconstruction != Reconstruction::kSum) return masses;
+    for (std::size_t i = 0; i < kernels.weights.size(); ++i) {
+      const float* const l = kernels.shapes.data() + 6 * i;
+      masses.push_back(static_cast<double>(kernels.weights[i]) * static_cast<double>(l[0]) *
+                       static_cast<double>(l[2]) * static_cast<double>(l[5]));
+    }
+    return masses;
+  }
+
+  template <class Blame>
+  void add_residuals(const KernelOperator& kernels, std::size_t attribute,
+                     const std::vector<double>& values, const Blame& blame,
+                     std::vector<double>& energies, Fitted& fitted) const {
+    const Places& places = places_.seen;
+    const std::vector<double> field = kernels.gather(values);
+    const ValueRange of = attribute == 0 ? field_.value_range() : field_.color_range();
+    const double range = std::max(static_cast<double>(of.hi) - static_cast<double>(of.lo),
+                                  std::numeric_limits<double>::min());
+    double square = 0, share = 0, greatest = 0;
+    if (attribute == 0) fitted.residuals.resize(field.size());
+    for (std::size_t k = 0; k < field.size(); ++k) {
+      const double residual = kernels.is_defined(k) ? places.targets[attribute][k] - field[k] : 0;
+      const double relative = residual / range;
+      energies[k] += blame(relative, places.shares[k]);
+      square += places.shares[k] * residual * residual;
+      share += places.shares[k];
+      greatest = std::max(greatest, std::abs(residual));
+      if (attribute == 0) fitted.residuals[k] = residual;
+    }
+    if (attribute != 0) return;
+    fitted.step.psnr = psnr_of(report_.range, square / share);
+    fitted.step.greatest_error = greatest;
+  }
+
+  static double energy(double residual, double share) { return share * residual * residual; }
+
+  Fitted reach_count(Clusters& clusters, std::int64_t count) {
+    start(clusters, std::min(count, std::max(kFirstKernels, count / kFirstShare)));
+    while (static_cast<std::int64_t>(clusters.list.size()) < count) {
+      const Fitted fitted = fit(clusters, care_of_round(clusters), energy);
+      if (halve_greatest(clusters, fitted.energies, next_count(clusters, count)) == 0)
+        start(clusters, count);  // no error is left: the rest is as good anywhere
+      tell(0.1 + 0.8 * static_cast<double>(clusters.list.size()) / static_cast<double>(count));
+    }
+    return fit(clusters, kAllPlaces, energy);
+  }
+
+  static std::int64_t next_count(const Clusters& clusters, std::int64_t most) {
+    const auto now = static_cast<double>(clusters.list.size());
+    return std::min(most, static_cast<std::int64_t>(std::ceil(now * kGrowth)));
+  }
+
+  void tell_growth(const Clusters& clusters) {
+    const double grown = std::log(static_cast<double>(clusters.list.size()) / kFirstKernels);
+    const double in_all = std::log(static_cast<double>(all()) / kFirstKernels);
+    tell(0.1 + 0.8 * std::clamp(grown / std::max(in_all, 1.0), 0.0, 1.0));
+  }
+
+  Fitted reach_psnr(Clusters& clusters, double psnr) {
+    start(clusters, std::min(all(), kFirstKernels));
+    Clusters before = clusters;
+    Fitted missed;
+    while (true) {
+      Fitted fitted = fit(clusters, care_of_round(clusters), energy);
+      if (fitted.step.psnr >= psnr) fitted = fit(clusters, kAllPlaces, energy);
+      if (fitted.step.psnr >= psnr) return fewest(before, missed, std::move(fitted), psnr);
+      before = clusters;
+      missed = std::move(fitted);
+      if (halve_greatest(clusters, missed.energies, next_count(clusters, all())) == 0) {
+        refuse_fit(fmt::format("psnr = {:g}: all {} kernels reach {:.1f} dB", psnr, all(),
+                               missed.step.psnr));
+      }
+      tell_growth(clusters);
+    }
+  }
+
+  // Between a miss and a hit, PSNR over the logarithm of the number of kernels is about a line.
+  Fitted fewest(const Clusters& before, const Fitted& missed, Fitted hit, double psnr) {
+    FitStep low = missed.step, high = hit.step;
+    for (int i = 0; i < kMostHalvings && high.psnr > psnr + kCloseEnough; ++i) {
+      const double part =
+          std::clamp((psnr + 0.3 * kCloseEnough - low.psnr) / (high.psnr - low.psnr), 0.1, 0.9);
+      const auto count = static_cast<std::int64_t>(
+          std::lround(std::exp(std::lerp(std::log(static_cast<double>(low.kernels)),
+                                         std::log(static_cast<double>(high.kernels)), part))));
+      if (count <= low.kernels || count >= high.kernels) break;
+      Clusters clusters = before;
+      halve_greatest(clusters, missed.energies, count);
+      Fitted between = fit(clusters, kAllPlaces, energy);
+      if (between.step.psnr >= psnr) {
+        high = between.step;
+        hit = std::move(between);
+      } else {
+        low = between.step;
+      }
+    }
+    return hit;
+  }
+
+  Fitted reach_tolerance(Clusters& clusters, double tolerance) {
+    start(clusters, std::min(all(), kFirstKernels));
+    double inner = tolerance;  // of the places that the fit sees
+    double least = std::numeric_limits<double>::infinity();
+    // All places count alike, and those beyond the bound more each time: sums of squares alone
+    // would leave single large errors.
+    even_ = 1 / static_cast<double>(places_.seen.count());
+    std::fill(places_.seen.shares.begin(), places_.seen.shares.end(), even_);
+    for (int idle = 0; idle <= kMostIdle;) {
+      // Energy is what is over the bound, or nearly.
+      const double bound = 0.8 * inner;
+      const auto excess = [&](double residual, double /*share*/) {
+        const double over = std::max(0.0, std::abs(residual) * report_.range - bound);
+        return over * over / (report_.range * report_.range);
+      };
+      Fitted fitted = fit(clusters, care_of_round(clusters), excess);
+      if (fitted.step.greatest_error <= tolerance) fitted = fit(clusters, kAllPlaces, excess);
+      if (fitted.step.greatest_error <= tolerance) {
+        const double unseen = greatest_unseen(fitted);
+        if (unseen <= tolerance) return fitted;
+        least = std::min(least, unseen);
+        inner = std::min(inner, std::max(0.5 * inner, inner * 0.95 * tolerance / unseen));
+      }
+      raise_shares(fitted, bound);
+      const std::size_t before = clusters.list.size();
+      halve_greatest(clusters, fitted.energies, next_count(clusters, all()));
+      const auto more = static_cast<double>(clusters.list.size() - before);
+      idle = more > kHardlyAny * static_cast<double>(before) ? 0 : idle + 1;
+      tell_growth(clusters);
+    }
+    const Fitted last = fit(clusters, kAllPlaces, energy);
+    least = std::min(least, std::max(last.step.greatest_error, greatest_unseen(last)));
+    refuse_fit(
+        fmt::format("tolerance = {:g}: {} of {} kernels leave a greatest error of {:g}, and "
+                    "more would not help",
+                    tolerance, clusters.list.size(), all(), least));
+  }
+
+  void raise_shares(const Fitted& fitted, double bound) {
+    for (std::size_t k = 0; k < fitted.residuals.size(); ++k) {
+      if (std::abs(fitted.residuals[k]) > bound)
+        places_.seen.shares[k] = std::min(places_.seen.shares[k] * kRise, kMostRise * even_);
+    }
+  }
+
+  double greatest_unseen(const Fitted& fitted) const {
+    const Places& places = places_.unseen;
+    const KernelOperator kernels(fitted.kernels.columns(source_.cutoff), source_.reconstruction,
+                                 places.at, threads_, options_.stop);
+    const std::vector<double> field = kernels.gather(fitted.values[0]);
+    double greatest = 0;
+    for (std::size_t k = 0; k < field.size(); ++k) {
+      if (kernels.is_defined(k))
+        greatest = std::max(greatest, std::abs(field[k] - places.targets[0][k]));
+    }
+    return greatest;
+  }
+
+  KernelField field_of(const Fitted& fitted) const {
+    KernelColumns columns = fitted.kernels.columns(source_.cutoff);
+    std::vector<std::vector<float>> values;
+    for (const std::vector<double>& column : fitted.values)
+      values.emplace_back(column.begin(), column.end());
+    for (const std::vector<float>& column : values) columns.values.emplace_back(column);
+    columns.attributes = source_.attributes;
+    return {make_kernel_source(columns, threads_), source_.reconstruction, 0,
+            values.size() > 1 ? 1 : -1};
+  }
+
+  struct Sampled {
+    std::vector<KernelSample> samples;
+    bool is_sum = false;
+    bool is_defined(std::size_t i) const { return is_sum || samples[i].is_defined; }
+  };
+
+  Sampled sampled(const KernelField& field, const std::vector<double>& at) const {
+    const KernelSampler sampler(field);
+    Sampled result{std::vector<KernelSample>(at.size() / 3),
+                   field.reconstruction() == Reconstruction::kSum};
+    data::parallel_ranges(
+        {static_cast<std::int64_t>(result.samples.size()), 256, threads_, options_.stop},
+        [&](std::int64_t begin, std::int64_t end) {
+          for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
+            result.samples[i] = sampler.at(Vec3(at.data() + 3 * i));
+        });
+    return result;
+  }
+
+  void report_errors(const KernelField& field) {
+    report_.kernels = field.num_kernels();
+    report_.bytes = kernel_file_bytes(field, report_.kernels);
+    const Places& places = places_.unseen;
+    const Sampled ours = sampled(field, places.at), theirs = sampled(field_, places.at);
+    double square = 0, count = 0, square_nonempty = 0, nonempty = 0, square_source = 0;
+    const double empty = static_cast<double>(field_.value_range().lo) + 1e-3 * report_.range;
+    report_.greatest_error = report_.steps.back().greatest_error;
+    for (std::size_t k = 0; k < places.count(); ++k) {
+      const double target = places.targets[0][k];
+      if (!theirs.is_defined(k)) continue;
+      if (!ours.is_defined(k)) {
+        report_.wrongly_empty += 1;
+        continue;
+      }
+      const double error = ours.samples[k].value - target;
+      const double of_source = theirs.samples[k].value - target;
+      report_.greatest_error = std::max(report_.greatest_error, std::abs(error));
+      square += error * error;
+      square_source += of_source * of_source;
+      count += 1;
+      if (target <= empty) continue;
+      square_nonempty += error * error;
+      nonempty += 1;
+    }
+    report_.wrongly_empty /= std::max(1.0, count + report_.wrongly_empty);
+    report_.psnr = psnr_of(report_.range, square / std::max(1.0, count));
+    report_.psnr_of_nonempty = psnr_of(report_.range, square_nonempty / std::max(1.0, nonempty));
+    report_.source_psnr = psnr_of(report_.range, square_source / std::max(1.0, count));
+    report_full(field);
+  }
+
+  // At the nodes of a lattice over the bounding box.
+  void report_full(const KernelField& field) {
+    if (field.reconstruction() == Reconstruction::kSum) return;
+    constexpr int kSide = 32;
+    const Bounds3 bounds = field_.world_bounds();
+    std::vector<double> at;
+    for (int k = 0; k < kSide; ++k) {
+      for (int j = 0; j < kSide; ++j) {
+        for (int i = 0; i < kSide; ++i) {
+          const Vec3 share = (Vec3(i, j, k) + Vec3::Constant(0.5)) / kSide;
+          const Vec3 place = bounds.min() + share.cwiseProduct(bounds.sizes());
+          at.insert(at.end(), {place[0], place[1], place[2]});
+        }
+      }
+    }
+    const Sampled ours = sampled(field, at), theirs = sampled(field_, at);
+    for (std::size_t i = 0; i < ours.samples.size(); ++i) {
+      if (ours.samples[i].is_defined && !theirs.samples[i].is_defined) report_.wrongly_full += 1;
+    }
+    report_.wrongly_full /= static_cast<double>(ours.samples.size());
+  }
+
+  const Dataset& dataset_;
+  const FitOptions& options_;
+  FitReport& report_;
+  int threads_ = 1;
+  double told_ = 0;
+  double even_ = 0;  // share of a place among equals
+  MergeRule rule_;
+  KernelField field_;
+  SourceKernels source_;
+  FitPlaces places_;
+};
+
+}  // namespace
+
+KernelField fit_kernels(const Dataset& dataset, const FitOptions& options, FitReport* report) {
+  FitReport own;
+  FitReport& filled = report != nullptr ? *report : own;
+  filled = {};
+  try {
+    return Fitter(dataset, options, filled).run();
+  } catch (const std::bad_alloc&) {
+    throw Error(ErrorCode::kOutOfMemory,
+                fmt::format("'{}': no memory to fit kernels", dataset.source));
+  }
+}
+
+}  // namespace ovoid

@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "model/noise.h"
+#include "model/test_datasets.h"
+#include "ovoid/error.h"
+#include "ovoid/fit.h"
+
+namespace ovoid {
+namespace {
+
+using Formula = std::function<double(const Vec3&)>;
+
+double bump(const Vec3& p) { return std::exp(-0.5 * (p - Vec3(4, 5, 6)).squaredNorm() / 4); }
+double line(const Vec3& p) { return 3 + 0.5 * p[0] - p[1] + 0.25 * p[2]; }
+
+// A grid of hexahedra whose nodes are moved at random, with the formula's values at the nodes.
+Dataset jittered_grid(const Index3& dims, const Formula& value, double most = 0.2) {
+  model::Random random(11);
+  Dataset dataset = model::grid_dataset(dims, [&](const Vec3& p) {
+    return Vec3(p + Vec3(random.uniform(-most, most), random.uniform(-most, most),
+                         random.uniform(-most, most)));
+  });
+  std::vector<float> values;
+  const auto* const at = reinterpret_cast<const double*>(dataset.positions.bytes.view.data());
+  for (std::int64_t i = 0; i < dataset.num_positions(); ++i)
+    values.push_back(static_cast<float>(value(Vec3(at + 3 * i))));
+  dataset.arrays = {model::array_of_numbers("v", 1, std::move(values))};
+  return dataset;
+}
+
+FitOptions with_kernels(std::int64_t count) {
+  FitOptions options;
+  options.kernels = count;
+  return options;
+}
+
+// Of a fifteenth of the kernels a smooth field keeps 38 dB, and what is reported is what a sampler
+// finds.
+TEST(FitKernels, FewKernelsAreNearlyAsGoodAsAll) {
+  const Dataset mesh = jittered_grid({14, 14, 14}, bump);
+  FitReport report;
+  const KernelField field = fit_kernels(mesh, with_kernels(14 * 14 * 14 / 15), &report);
+  EXPECT_EQ(field.num_kernels(), 14 * 14 * 14 / 15);
+  EXPECT_EQ(report.kernels, field.num_kernels());
+  EXPECT_EQ(report.source_kernels, 14 * 14 * 14);
+  EXPECT_GT(report.psnr, report.source_psnr - 6);
+  EXPECT_GT(report.psnr, 38);
+  EXPECT_LT(report.wrongly_empty, 1e-3);
+  const KernelSampler sampler(field);
+  model::Random random(2);
+  double square = 0;
+  constexpr int kPlaces = 4000;
+  for (int i = 0; i < kPlaces; ++i) {
+    Vec3 place;
+    for (int a = 0; a < 3; ++a) place[a] = random.uniform(0.5, 12.5);
+    const double error = sampler.at(place).value - bump(place);
+    square += error * error;
+  }
+  const double psnr = 20 * std::log10(report.range / std::sqrt(square / kPlaces));
+  EXPECT_NEAR(psnr, report.psnr, 2.5);  // evenly over another box, and against the formula itself
+}
+
+// More kernels, less error: the curve has no bumps worth the name.
+TEST(FitKernels, MoreKernelsErrLess) {
+  const Dataset mesh = jittered_grid({12, 12, 12}, bump);
+  double last = 0;
+  for (const std::int64_t count : {16, 64, 256, 1024}) {
+    FitReport report;
+    fit_kernels(mesh, with_kernels(count), &report);
+    EXPECT_GT(report.psnr, last + 1) << count;
+    last = report.psnr;
+  }
+}
+
+TEST(FitKernels, PsnrIsReachedWithFewKernels) {
+  const Dataset mesh = jittered_grid({12, 12, 12}, bump);
+  FitOptions options;
+  options.psnr = 35;
+  FitReport report;
+  const KernelField field = fit_kernels(mesh, options, &report);
+  EXPECT_GE(report.steps.back().psnr, 33);
+  EXPECT_GT(report.psnr, 34);
+  EXPECT_LT(report.psnr, 38);
+  EXPECT_LT(field.num_kernels(), 12 * 12 * 12 / 4);
+}
+
+// The bound holds at places that nobody told it.
+TEST(FitKernels, ToleranceHoldsEverywhere) {
+  const Dataset mesh = jittered_grid({12, 12, 12}, bump);
+  FitOptions options;
+  options.tolerance = 0.05;
+  FitReport report;
+  const KernelField field = fit_kernels(mesh, options, &report);
+  EXPECT_LE(report.greatest_error, 0.05);
+  EXPECT_LT(field.num_kernels(), 12 * 12 * 12 / 2);
+  const KernelSampler sampler(field);
+  const auto* const at = reinterpret_cast<const double*>(mesh.positions.bytes.view.data());
+  for (std::int64_t i = 0; i < mesh.num_positions(); ++i) {
+    const Vec3 node(at + 3 * i);
+    const KernelSample sample = sampler.at(node);
+    if (!sample.is_defined) continue;
+    EXPECT_NEAR(sample.value, bump(node), 0.0501);
+  }
+  FitOptions share;
+  share.relative_tolerance = 0.05 / report.range;
+  EXPECT_EQ(fit_kernels(mesh, share).num_kernels(), field.num_kernels());
+}
+
+// A straight line needs few kernels, whatever the places of the nodes.
+TEST(FitKernels, StraightLinesNeedFew) {
+  const Dataset mesh = jittered_grid({14, 14, 14}, line, 0.3);
+  FitReport report;
+  fit_kernels(mesh, with_kernels(100), &report);
+  EXPECT_GT(report.psnr, 38);
+}
+
+TEST(FitKernels, BallsAreBalls) {
+  const Dataset mesh = jittered_grid({10, 10, 10}, bump);
+  FitOptions options = with_kernels(60);
+  options.shape = KernelShape::kBalls;
+  const KernelField field = fit_kernels(mesh, options);
+  for (const model::OneKernel& kernel : model::kernels_of(field)) {
+    const double sigma = kernel.factor(0, 0);
+    EXPECT_LT((kernel.factor - Mat3(Mat3::Identity() * sigma)).cwiseAbs().maxCoeff(), 1e-6 * sigma);
+  }
+}
+
+// Particles with an attribute, and a density, whose integral must stay.
+TEST(FitKernels, ParticlesAndDensities) {
+  model::Random random(4);
+  std::vector<Vec3> points;
+  std::vector<float> values, masses;
+  for (int i = 0; i < 4000; ++i) {
+    points.emplace_back(random.uniform(0, 10), random.uniform(0, 10), random.uniform(0, 10));
+    values.push_back(static_cast<float>(bump(points.back())));
+    masses.push_back(static_cast<float>(0.2 + bump(points.back())));
+  }
+  Dataset particles = model::points_dataset(DatasetKind::kParticles, points, values);
+  FitReport report;
+  fit_kernels(particles, with_kernels(400), &report);
+  EXPECT_GT(report.psnr, 36);
+  particles.arrays.push_back(model::array_of_numbers("mass", 1, masses));
+  FitOptions options = with_kernels(400);
+  options.model.is_density = true;
+  const KernelField density = fit_kernels(particles, options, &report);
+  EXPECT_EQ(density.reconstruction(), Reconstruction::kSum);
+  EXPECT_GT(report.psnr, 25);
+  double mass = 0, whole = 0;
+  for (const float one : masses) whole += static_cast<double>(one);
+  const double integral = profile_integral(KernelProfile::kGaussian, density.source().cutoff());
+  for (const model::OneKernel& kernel : model::kernels_of(density))
+    mass += kernel.weight * static_cast<double>(kernel.values[0]) * integral *
+            kernel.factor.diagonal().prod();
+  EXPECT_NEAR(mass, whole, 0.002 * whole);
+}
+
+TEST(FitKernels, ThreadsLeaveNoTrace) {
+  const Dataset mesh = jittered_grid({10, 10, 10}, bump);
+  const auto kernels = [&](int threads) {
+    FitOptions options = with_kernels(90);
+    options.threads = threads;
+    return make_kernel_dataset(fit_kernels(mesh, options));
+  };
+  const Dataset of_one = kernels(1);
+  for (const int threads : {2, 3}) {
+    const Dataset same = kernels(threads);
+    for (std::size_t a = 0; a < of_one.arrays.size(); ++a) {
+      EXPECT_TRUE(std::ranges::equal(same.arrays[a].bytes.view, of_one.arrays[a].bytes.view))
+          << of_one.arrays[a].name;
+    }
+  }
+}
+
+// Units of any size give the same picture.
+TEST(FitKernels, UnitsLeaveNoTrace) {
+  const auto psnr = [](double unit) {
+    Dataset mesh = jittered_grid({8, 8, 8}, bump);
+    std::vector<double> places;
+    const auto* const at = reinterpret_cast<const double*>(mesh.positions.bytes.view.data());
+    for (std::int64_t i = 0; i < 3 * mesh.num_positions(); ++i) places.push_back(unit * at[i]);
+    mesh.positions = model::array_of_numbers("positions", 3, std::move(places));
+    FitReport report;
+    fit_kernels(mesh, with_kernels(64), &report);
+    return report.psnr;
+  };
+  const double in_one = psnr(1);
+  EXPECT_NEAR(psnr(0x1p70), in_one, 1e-3);
+  EXPECT_NEAR(psnr(0x1p-30), in_one, 1e-3);
+}
+
+TEST(FitKernels, OddDataAreFitted) {
+  // Constant values: nothing to err about.
+  FitReport report;
+  fit_kernels(jittered_grid({5, 5, 5}, [](const Vec3&) { return 7.0; }), with_kernels(10), &report);
+  EXPECT_EQ(report.kernels, 10);
+  EXPECT_LT(report.greatest_error, 1e-5);
+  // One kernel; two particles at one place; more kernels than there are.
+  Dataset one = model::points_dataset(DatasetKind::kParticles, {Vec3(1, 2, 3)});
+  EXPECT_EQ(fit_kernels(one, with_kernels(5)).num_kernels(), 1);
+  Dataset twice = model::points_dataset(DatasetKind::kParticles, {Vec3(1, 2, 3), Vec3(1, 2, 3)});
+  EXPECT_LE(fit_kernels(twice, with_kernels(5)).num_kernels(), 2);
+  // On a line, and in a plane.
+  std::vector<Vec3> row, plane;
+  for (int i = 0; i < 40; ++i) row.emplace_back(i, 0, 0);
+  for (int i = 0; i < 100; ++i) plane.emplace_back(i % 10, i / 10, 0);
+  EXPECT_EQ(fit_kernels(model::points_dataset(DatasetKind::kParticles, row), with_kernels(7))
+                .num_kernels(),
+            7);
+  EXPECT_EQ(fit_kernels(model::points_dataset(DatasetKind::kParticles, plane), with_kernels(9))
+                .num_kernels(),
+            9);
+  // A value that is missing makes no kernel.
+  std::vector<float> values(40, 1.0F);
+  values[3] = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_LE(fit_kernels(model::points_dataset(DatasetKind::kParticles, row, values),
+                        with_kernels(39), &report)
+                .num_kernels(),
+            39);
+  EXPECT_EQ(report.source_kernels, 39);
+}
+
+void expect_refusal(const Dataset& dataset, const FitOptions& options, const std::string& words) {
+  try {
+    fit_kernels(dataset, options);
+    FAIL() << "expected: " << words;
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();
+  }
+}
+
+TEST(FitKernels, RefusesGoalsThatCannotBe) {
+  const Dataset mesh = jittered_grid({6, 6, 6}, bump);
+  expect_refusal(mesh, {}, "0 given, expected one");
+  FitOptions options = with_kernels(10);
+  options.psnr = 30;
+  expect_refusal(mesh, options, "2 given, expected one");
+  expect_refusal(mesh, with_kernels(0), "kernels = 0");
+  options = {};
+  options.psnr = 200;
+  expect_refusal(mesh, options, "all 216 kernels reach");
+  options.psnr = std::nan("");
+  expect_refusal(mesh, options, "psnr = nan");
+  options = {};
+  options.tolerance = 1e-9;
+  expect_refusal(mesh, options, "leave a greatest error of");
+  options.tolerance = 0;
+  expect_refusal(mesh, options, "tolerance = 0: must be > 0");
+  options = {};
+  options.bytes = 100;
+  expect_refusal(mesh, options, "bytes = 100: a file with one kernel has");
+  options = with_kernels(10);
+  options.memory_limit = 1000;
+  expect_refusal(mesh, options, "more than the limit");
+}
+
+TEST(FitKernels, StopsWhenItIsTold) {
+  const Dataset mesh = jittered_grid({10, 10, 10}, bump);
+  std::stop_source stop;
+  FitOptions options = with_kernels(90);
+  options.stop = stop.get_token();
+  double last = 0;
+  options.progress = [&](double fraction) {
+    EXPECT_GE(fraction, last);
+    last = fraction;
+    if (fraction > 0.2) stop.request_stop();
+  };
+  try {
+    fit_kernels(mesh, options);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kCancelled);
+  }
+}
+
+}  // namespace
+}  // namespace ovoid

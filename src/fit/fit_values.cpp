@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+// Conjugate gradients on the normal equations of ValueProblem. The unknown is how far values leave
+// their start, so that the ridge is a multiple of the diagonal.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "ovoid/error.h"
+#include "ovoid/fit.h"
+
+namespace ovoid {
+namespace {
+
+void require_problem(const KernelOperator& kernels, const ValueProblem& problem,
+                     const std::vector<double>& values) {
+  const auto require = [](const char* name, std::size_t length, std::size_t expected) {
+    if (length != expected)
+      throw Error(ErrorCode::kInvalidArgument,
+                  fmt::format("{}: has {} numbers, expected {}", name, length, expected));
+  };
+  require("targets", problem.targets.size(), kernels.num_places());
+  require("shares", problem.shares.size(), kernels.num_places());
+  require("values", values.size(), kernels.num_kernels());
+  if (!problem.keeps.empty()) require("keeps", problem.keeps.size(), kernels.num_kernels());
+  if (!(problem.ridge > 0) || !std::isfinite(problem.ridge))
+    throw Error(ErrorCode::kInvalidArgument, fmt::format("ridge = {}: must be > 0", problem.ridge));
+  if (problem.iterations < 0)
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("iterations = {}: must be 0 or more", problem.iterations));
+}
+
+double dot(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
+  return sum;
+}
+
+// The transpose of the operator, on residuals weighted by the places' shares.
+std::vector<double> weighted_splat(const KernelOperator& kernels, const ValueProblem& problem,
+                                   std::vector<double> residuals) {
+  for (std::size_t k = 0; k < residuals.size(); ++k) residuals[k] *= problem.shares[k];
+  return kernels.splat(residuals);
+}
+
+// Takes of a direction, in the metric of the preconditioner, what would change the sum that is
+// kept: conjugate gradients then run among the values that have it.
+class Kept {
+ public:
+  template <class OverDiagonal>
+  Kept(std::span<const double> keeps, const OverDiagonal& over_diagonal) : keeps_(keeps) {
+    for (std::size_t i = 0; i < keeps.size(); ++i) {
+      scaled_.push_back(over_diagonal(i, keeps[i]));
+      square_ += keeps[i] * scaled_[i];
+    }
+  }
+  void hold(std::vector<double>& direction) const {
+    if (!(square_ > 0)) return;
+    double change = 0;
+    for (std::size_t i = 0; i < direction.size(); ++i) change += keeps_[i] * direction[i];
+    for (std::size_t i = 0; i < direction.size(); ++i)
+      direction[i] -= change / square_ * scaled_[i];
+  }
+
+ private:
+  std::span<const double> keeps_;
+  std::vector<double> scaled_;
+  double square_ = 0;
+};
+
+}  // namespace
+
+ValueSolution fit_values(const KernelOperator& kernels, const ValueProblem& problem,
+                         std::vector<double>& values, const std::stop_token& stop) {
+  require_problem(kernels, problem, values);
+  const std::size_t count = values.size();
+  const std::vector<double> diagonal = kernels.splat_squares(problem.shares);
+  std::vector<double> misfit = kernels.gather(values);
+  for (std::size_t k = 0; k < misfit.size(); ++k)
+    misfit[k] = kernels.is_defined(k) ? problem.targets[k] - misfit[k] : 0;
+  std::vector<double> residual = weighted_splat(kernels, problem, std::move(misfit));
+  std::vector<double> direction(count), scaled(count);
+  // Kernels that no place knows of stay as they are.
+  const auto over_diagonal = [&](std::size_t i, double number) {
+    return diagonal[i] > 0 ? number / ((1 + problem.ridge) * diagonal[i]) : 0;
+  };
+  const Kept kept(problem.keeps, over_diagonal);
+  const auto precondition = [&] {
+    for (std::size_t i = 0; i < count; ++i) scaled[i] = over_diagonal(i, residual[i]);
+    kept.hold(scaled);
+  };
+  precondition();
+  double square = dot(residual, scaled);
+  const double start = square;
+  ValueSolution solution;
+  solution.residual_norms.push_back(1);
+  for (double growth = 0; solution.iterations < problem.iterations; ++solution.iterations) {
+    if (!(square > problem.tolerance * problem.tolerance * start)) break;
+    if (stop.stop_requested()) throw Error(ErrorCode::kCancelled, "the fit was stopped");
+    for (std::size_t i = 0; i < count; ++i) direction[i] = scaled[i] + growth * direction[i];
+    std::vector<double> product = weighted_splat(kernels, problem, kernels.gather(direction));
+    for (std::size_t i = 0; i < count; ++i)
+      product[i] += problem.ridge * diagonal[i] * direction[i];
+    const double step = square / dot(direction, product);
+    for (std::size_t i = 0; i < count; ++i) {
+      values[i] += step * direction[i];
+      residual[i] -= step * product[i];
+    }
+    precondition();
+    const double next = dot(residual, scaled);
+    growth = next / square;
+    square = next;
+    solution.residual_norms.push_back(std::sqrt(square / start));
+  }
+  return solution;
+}
+
+}  // namespace ovoid

@@ -6,13 +6,16 @@
   tally.py add NAME P F S         adds counts to the tally
   tally.py ran PREFIX FILE        exits 1 unless a test of that prefix in a ctest JUnit file has run
   tally.py failures               prints how many failures the tally holds
-  tally.py sum                    prints the tally's closing line; exits 1 if anything failed or nothing passed
+  tally.py sum                    prints what failed, again, and the tally's closing line; exits 1 if anything failed or nothing passed
 
-The tally is the file named by OVOID_TALLY; without that variable nothing is kept.
+The tally is the file named by OVOID_TALLY; without that variable nothing is kept. What failed tests said last is kept beside it.
 """
 import os
 import sys
 import xml.etree.ElementTree as ElementTree
+
+
+LAST_LINES = 40  # of a failed test's output
 
 
 def closing_line(passed, failed, skipped):
@@ -24,6 +27,26 @@ def add(name, passed, failed, skipped):
     if path:
         with open(path, "a", encoding="ascii") as tally:
             tally.write(f"{name} {passed} {failed} {skipped}\n")
+
+
+def keep_failures(name, path):
+    """The failed tests of a JUnit file, and the end of what they printed: logs are long, and often cut at their beginning."""
+    tally = os.environ.get("OVOID_TALLY")
+    if not tally:
+        return
+    with open(tally + ".failed", "a", encoding="utf-8") as kept:
+        for case in ElementTree.parse(path).getroot().iter("testcase"):
+            if case.get("status") != "fail":
+                continue
+            said = (case.findtext("system-out") or "").strip().splitlines()[-LAST_LINES:]
+            kept.write("\n".join([f"--- {name}: {case.get('name')} failed; its last lines:", *said, ""]))
+
+
+def print_failures():
+    path = os.environ["OVOID_TALLY"] + ".failed"
+    if os.path.exists(path):
+        with open(path, encoding="utf-8") as kept:
+            print(kept.read(), end="")
 
 
 def total():
@@ -48,6 +71,7 @@ def main(arguments):
     if command == "junit":
         counts = count_junit(arguments[2])
         add(arguments[1], *counts)
+        keep_failures(arguments[1], arguments[2])
         print(f"{arguments[1]}: {closing_line(*counts)}")
     elif command == "add":
         add(arguments[1], *(int(value) for value in arguments[2:5]))
@@ -60,6 +84,7 @@ def main(arguments):
         print(total()[1])
     elif command == "sum":
         counts = total()
+        print_failures()
         print(closing_line(*counts))
         return 1 if counts[1] or not counts[0] else 0
     else:

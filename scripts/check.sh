@@ -26,6 +26,7 @@ for name in "${names[@]}"; do
     ((++passed))
   else
     printf 'FAILED %s\n%s\n' "$name" "$output"
+    [[ -z ${OVOID_TALLY:-} ]] || printf -- '--- check %s failed:\n%s\n' "$name" "$(tail -n 40 <<<"$output")" >>"$OVOID_TALLY.failed"
     ((++failed))
   fi
 done

@@ -127,13 +127,13 @@ class PlaneFrame {
     image_.rgba.assign(4 * count, 0.0F);
     image_.depth.assign(count, kNowhere);
     image_.front_depth.assign(count, kNowhere);
-    takes_behind_.assign(count, 0);
+    takes_rest_.assign(count, 0);
   }
 
   void set_front(Image front) { image_ = std::move(front); }
 
-  // The plane joins what is in front of it, and where it does not, it is noted whether the half
-  // behind can be seen.
+  // The plane joins what is in front of it, and where it does not, it is noted whether more than
+  // that can be seen.
   void add_plane(const PlaneValues& values, const view::LookTable& colors,
                  const data::ParallelPlan& rows) {
     data::parallel_ranges(rows, [&](std::int64_t begin, std::int64_t end) {
@@ -143,44 +143,24 @@ class PlaneFrame {
     });
   }
 
-  bool takes_behind() const {
-    return std::any_of(takes_behind_.begin(), takes_behind_.end(), [](auto t) { return t != 0; });
+  bool takes_rest() const {
+    return std::any_of(takes_rest_.begin(), takes_rest_.end(), [](auto t) { return t != 0; });
   }
 
-  void add_behind(const Image& behind) {
-    for (std::size_t i = 0; i < takes_behind_.size(); ++i) {
-      if (takes_behind_[i] == 0) continue;
-      float* to = image_.rgba.data() + 4 * i;
-      const float* from = behind.rgba.data() + 4 * i;
-      if (to[3] == 0.0F) {
-        std::copy_n(from, 4, to);
-        image_.depth[i] = behind.depth[i];
-        image_.front_depth[i] = behind.front_depth[i];
-        continue;
-      }
-      const float rest = 1.0F - to[3];
-      for (int c = 0; c < 4; ++c) to[c] += rest * from[c];
-      if (to[3] >= 0.5F) add_depth_behind(i, behind.depth, image_.depth);
-      if (to[3] >= kLeastVisibleOpacity)
-        add_depth_behind(i, behind.front_depth, image_.front_depth);
+  // What is seen beside the plane: the half behind, or, where the half in front is shown, the
+  // whole.
+  void add_rest(const Image& rest) {
+    for (std::size_t i = 0; i < takes_rest_.size(); ++i) {
+      if (takes_rest_[i] == 0) continue;
+      std::copy_n(rest.rgba.data() + 4 * i, 4, image_.rgba.data() + 4 * i);
+      image_.depth[i] = rest.depth[i];
+      image_.front_depth[i] = rest.front_depth[i];
     }
   }
 
   Image take() { return std::move(image_); }
 
  private:
-  // Where the half in front does not reach an opacity and both do: the half behind by itself, or,
-  // if it takes both, in between.
-  void add_depth_behind(std::size_t i, const std::vector<float>& behind,
-                        std::vector<float>& depths) const {
-    if (depths[i] < kNowhere) return;
-    depths[i] = behind[i];
-    if (behind[i] < kNowhere) return;
-    const int width = image_.width;
-    const auto hit = view_.hit(static_cast<int>(i) % width, static_cast<int>(i) / width);
-    if (hit) depths[i] = static_cast<float>(hit->depth);
-  }
-
   void add_plane_at(int x, int y, const PlaneValues& values, const view::LookTable& colors) {
     const std::size_t i = static_cast<std::size_t>(y) * static_cast<std::size_t>(image_.width) +
                           static_cast<std::size_t>(x);
@@ -188,13 +168,13 @@ class PlaneFrame {
     if (rgba[3] >= opaque_at_) return;
     const auto hit = view_.hit(x, y);
     if (!hit) {
-      takes_behind_[i] = is_before_plane(x, y) ? 0 : 1;
+      takes_rest_[i] = is_before_plane(x, y) ? 0 : 1;
       return;
     }
     const bool is_shown = view_.is_kept(hit->at) && is_within_limits(x, y, *hit);
     const auto value = is_shown ? values.at(*hit) : std::nullopt;
     if (!value) {
-      takes_behind_[i] = view_.meets_box_beyond(view_.ray(x, y), hit->depth) ? 1 : 0;
+      takes_rest_[i] = view_.meets_box_beyond(view_.ray(x, y), hit->depth) ? 1 : 0;
       return;
     }
     const view::LookTable::Sample color = colors.at(*value);
@@ -223,7 +203,7 @@ class PlaneFrame {
   const DepthLimits* limits_;  // null: none
   float opaque_at_;
   Image image_;
-  std::vector<std::uint8_t> takes_behind_;  // of each pixel: the half behind can be seen in it
+  std::vector<std::uint8_t> takes_rest_;  // of each pixel: no plane hides what is behind in it
 };
 
 }  // namespace
@@ -276,12 +256,12 @@ Frame render_with_plane(Renderer& renderer, const Field& field, const Camera& ca
   const int threads = out.profile.backend == "vulkan" ? 0 : out.profile.threads;
   frame.add_plane(values, colors_of(field, look), {options.height, 8, threads, hooks.stop});
   if (options.collect_profile) add_stage(out.profile, "plane", elapsed_ms() - parts_ms);
-  if (frame.takes_behind()) {
+  if (frame.takes_rest()) {
     require_running(hooks);
-    const Frame rest =
-        renderer.render(field, camera, look, behind, hooks_of_part(hooks, done, 1 - done));
+    const Frame rest = renderer.render(field, camera, look, is_shown ? options : behind,
+                                       hooks_of_part(hooks, done, 1 - done));
     add_profile(out.profile, rest.profile);
-    frame.add_behind(rest.image);
+    frame.add_rest(rest.image);
   } else if (hooks.progress) {
     hooks.progress(1.0);
   }

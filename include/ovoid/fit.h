@@ -25,7 +25,8 @@ namespace OVOID_API ovoid {
 // h_i = w_i phi_i(x_k), of a normalized field divided by their sum. Ellipsoids of Gaussian profile.
 // A normalized field that is not defined at a place (a sum of weights under
 // KernelField::kLeastWeight) has an empty row there. The rows are kept, 8 bytes for each kernel
-// that reaches a place, since finding them costs twenty times a product. Immutable; any number of
+// that reaches a place, since every product needs them
+// again. Immutable; any number of
 // threads may ask at once. The results are the same bytes for any number of threads.
 class KernelOperator {
  public:
@@ -138,7 +139,8 @@ struct FitReport {
 // reconstruction, cut-off and attributes of make_kernel_field(), and does not depend on the number
 // of threads. Throws Error: what make_kernel_field() throws; kInvalidArgument for no goal or
 // several, a goal that cannot be reached (with what can), bytes for less than a kernel, a lattice;
-// kCancelled; kOutOfMemory. Cost: about ten microseconds per node or particle.
+// kCancelled; kOutOfMemory. Cost: about a hundred
+// microseconds of one thread per node or particle.
 KernelField fit_kernels(const Dataset& dataset, const FitOptions& options,
                         FitReport* report = nullptr);
 

@@ -101,7 +101,7 @@ void check_goal(const FitOptions& options) {
 class Fitter {
  public:
   Fitter(const Dataset& dataset, const FitOptions& options, FitReport& report)
-      : dataset_(dataset), options_(options), report_(report) {
+      : options_(options), report_(report) {
     check_goal(options);
     threads_ = data::resolve_threads(options.threads);
     KernelModelOptions model = options.model;
@@ -493,7 +493,6 @@ class Fitter {
     report_.wrongly_full /= static_cast<double>(ours.samples.size());
   }
 
-  const Dataset& dataset_;
   const FitOptions& options_;
   FitReport& report_;
   int threads_ = 1;

@@ -25,9 +25,8 @@ namespace OVOID_API ovoid {
 // h_i = w_i phi_i(x_k), of a normalized field divided by their sum. Ellipsoids of Gaussian profile.
 // A normalized field that is not defined at a place (a sum of weights under
 // KernelField::kLeastWeight) has an empty row there. The rows are kept, 8 bytes for each kernel
-// that reaches a place, since every product needs them
-// again. Immutable; any number of
-// threads may ask at once. The results are the same bytes for any number of threads.
+// that reaches a place, since every product needs them again. Immutable; any number of threads may
+// ask at once. The results are the same bytes for any number of threads.
 class KernelOperator {
  public:
   // `kernels`: values and attributes do not count. `places` [num_places, 3], world units, finite.

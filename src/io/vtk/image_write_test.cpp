@@ -135,7 +135,7 @@ TEST_P(ImageWrite, PlacesComeBackToTheBit) {
   Dataset dataset;
   dataset.lattice.dims = {2, 3, 1};
   dataset.arrays = {array_of("a", ScalarType::kUInt8, 6)};
-  for (int i = 1; i < 200; ++i) {
+  for (const int i : {1, 3, 7, 10, 49, 98, 127, 199}) {  // each starts a process that reads it back
     Affine3& place = dataset.lattice.world_from_index;
     place.setIdentity();
     place.translation() = Vec3(-1.0 / i, 1e6 / i, 0.1 * i);

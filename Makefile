@@ -53,7 +53,7 @@ mutants: build  ## damage files a thousand times each, and let the program read 
 
 bench: build  ## measure against the peers; the table goes to bench/results/ (BENCH=looks: first pictures, BENCH=fit: fewer kernels, of DATA="...")
 	@if [ "$(BENCH)" = looks ] || [ "$(BENCH)" = fit ]; then \
-	  python3 bench/$(BENCH).py $(DATA); \
+	  scripts/setup.sh bench && python3 bench/$(BENCH).py $(DATA); \
 	else \
 	  scripts/setup.sh bench && scripts/build.sh bench && python3 bench/run.py $(BENCH) && python3 bench/convergence.py; \
 	fi

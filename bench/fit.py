@@ -2,25 +2,38 @@
 # SPDX-License-Identifier: Apache-2.0
 """What fewer kernels come to: fit.py [INPUT[@ARRAY]...]
 
-Fits each input (files joined by "+" are one; without any, what `ovoid make` has that is no lattice) with a quarter, a tenth, a thirtieth
-and a hundredth of its kernels, and prints the errors that `ovoid fit` tells, beside those of all kernels as they were. Errors of meshes with values at their nodes are
-against interpolation in the cells; of everything else, against the field of all kernels."""
+Fits each input (files joined by "+" are one; without any, what `ovoid make` has) and prints what `ovoid fit` tells. Meshes, particles and
+kernels with a quarter, a tenth, a thirtieth and a hundredth of their kernels, beside the errors of all of them as they were: of meshes
+with values at their nodes against interpolation in the cells, of everything else against the field of all kernels. Lattices at several
+PSNRs, beside the bytes of zfp's file (Debian: zfp) with the least error that is not below it."""
 import argparse
+import array
 import json
+import math
 import os
+import re
+import shutil
 import subprocess
 import tempfile
 
 from magnification import OVOID
 
 SHARES = (4, 10, 30, 100)
-MADE = ("fin.vtu", "galaxy.npz", "blobs.ply")
+PSNRS = (35, 38, 41, 44, 47)
+MADE = ("fin.vtu", "galaxy.npz", "blobs.ply", "head.nii", "vessels.nii")
+HEADS = {
+    False: ("data", "array", "kernels", "of all", "PSNR, dB", "all, as they were", "greatest error", "wrongly empty", "wrongly full", "time"),
+    True: ("data", "samples", "PSNR, dB", "kernels", "bytes", "per kernel", "greatest error", "time", "zfp's bytes", "its PSNR"),
+}
 
 
-def fitted(inputs, flags, count, folder):
+def run(*words):
+    return subprocess.run([OVOID, *words], check=True, capture_output=True, text=True).stdout
+
+
+def fitted(inputs, flags, goal, ending, folder):
     report = os.path.join(folder, "report.json")
-    subprocess.run([OVOID, "fit", *inputs, "-o", os.path.join(folder, "fitted.ply"), "--kernels", str(count), "--report", report, *flags],
-                   check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    run("fit", *inputs, "-o", os.path.join(folder, "fitted" + ending), *goal, "--report", report, *flags)
     with open(report, encoding="utf-8") as file:
         return json.load(file)
 
@@ -28,29 +41,79 @@ def fitted(inputs, flags, count, folder):
 def made(folder):
     for name in MADE:
         path = os.path.join(folder, name)
-        subprocess.run([OVOID, "make", name.split(".")[0], "-o", path], check=True, stderr=subprocess.DEVNULL)
+        run("make", name.split(".")[0], "-o", path)
         yield path
+
+
+def kernels_of_sets(name, inputs, flags, folder):
+    all_kernels = fitted(inputs, flags, ("--kernels", "1"), ".ply", folder)["source_kernels"]
+    for share in SHARES:
+        report = fitted(inputs, flags, ("--kernels", str(max(1, all_kernels // share))), ".ply", folder)
+        before = report["source_psnr_db"]
+        yield (name, report["array"], report["kernels"], f"1/{share}", f"{report['psnr_db']:.1f}",
+               "-" if before is None or before > 200 else f"{before:.1f}", f"{100 * report['greatest_error'] / report['range']:.1f} %",
+               f"{100 * report['wrongly_empty']:.2f} %", f"{100 * report['wrongly_full']:.1f} %", f"{report['seconds']:.1f} s")
+
+
+def zfp(raw, dims, psnr, value_range):
+    """Bytes and PSNR of zfp's file of floats whose PSNR is at least that: its tolerances are powers of two."""
+    if shutil.which("zfp") is None:
+        return "-", "-"
+    tolerance = value_range
+    while True:
+        told = subprocess.run(["zfp", "-s", "-f", "-3", *map(str, dims), "-a", str(tolerance), "-i", raw, "-z", os.devnull],
+                              check=True, capture_output=True, text=True).stderr
+        rmse = float(re.search(r"rmse=([^ ]+)", told).group(1))
+        size = int(re.search(r"zfp=([0-9]+)", told).group(1))
+        # zfp's own PSNR is against half the range.
+        reached = 20 * math.log10(value_range / rmse) if rmse > 0 else float("inf")
+        if reached >= psnr:
+            return size, f"{reached:.1f}"
+        tolerance /= 2
+
+
+def levels_of_lattices(name, inputs, flags, folder):
+    raw = os.path.join(folder, "floats.npy")
+    run("convert", *inputs, "-o", raw, *flags)
+    with open(raw, "rb") as file:
+        head = file.read(10)
+        header = file.read(int.from_bytes(head[8:10], "little")).decode("latin-1")
+    shape = [int(n) for n in re.search(r"'shape': \(([^)]*)\)", header).group(1).split(",") if n.strip()]
+    floats = os.path.join(folder, "floats.raw")
+    write_floats(raw, len(head) + len(header), re.search(r"'descr': '([^']*)'", header).group(1), floats)
+    for psnr in PSNRS:
+        report = fitted(inputs, flags, ("--psnr", str(psnr)), ".h5", folder)
+        size, reached = zfp(floats, shape[::-1], psnr, report["range"])
+        yield (name, report["source_kernels"], f"{report['psnr_db']:.1f}", report["kernels"], report["bytes"],
+               f"{report['bytes'] / max(1, report['kernels']):.2f}", f"{100 * report['greatest_error'] / report['range']:.1f} %",
+               f"{report['seconds']:.1f} s", size, reached)
+
+
+def write_floats(path, begin, descr, to):
+    codes = {"|u1": "B", "|i1": "b", "<u2": "H", "<i2": "h", "<u4": "I", "<i4": "i", "<f4": "f", "<f8": "d"}
+    with open(path, "rb") as file, open(to, "wb") as out:
+        file.seek(begin)
+        while chunk := file.read(1 << 24):
+            array.array("f", array.array(codes[descr], chunk)).tofile(out)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("inputs", nargs="*")
     options = parser.parse_args()
+    printed = None
     with tempfile.TemporaryDirectory() as folder:
-        print("| data | array | kernels | of all | PSNR, dB | all, as they were | greatest error | wrongly empty | wrongly full | time |")
-        print("|---|---|---|---|---|---|---|---|---|---|")
         for word in options.inputs or made(folder):
-            files, _, array = word.partition("@")
+            files, _, array_name = word.partition("@")
             inputs = files.split("+")
-            flags = ["--array", array] if array else []
-            all_kernels = fitted(inputs, flags, 1, folder)["source_kernels"]
-            for share in SHARES:
-                report = fitted(inputs, flags, max(1, all_kernels // share), folder)
-                before = report["source_psnr_db"]
-                print(f"| {os.path.basename(inputs[0].rstrip('/'))} | {report['array']} | {report['kernels']} | 1/{share} | "
-                      f"{report['psnr_db']:.1f} | {'-' if before is None or before > 200 else f'{before:.1f}'} | "
-                      f"{100 * report['greatest_error'] / report['range']:.1f} % | {100 * report['wrongly_empty']:.2f} % | "
-                      f"{100 * report['wrongly_full']:.1f} % | {report['seconds']:.1f} s |", flush=True)
+            flags = ["--array", array_name] if array_name else []
+            is_lattice = json.loads(run("info", "--json", *inputs))["kind"] == "lattice"
+            if printed != is_lattice:
+                print("\n| " + " | ".join(HEADS[is_lattice]) + " |\n" + "|---" * len(HEADS[is_lattice]) + "|")
+                printed = is_lattice
+            rows = levels_of_lattices if is_lattice else kernels_of_sets
+            for row in rows(os.path.basename(inputs[0].rstrip("/")), inputs, flags, folder):
+                print("| " + " | ".join(map(str, row)) + " |", flush=True)
 
 
 if __name__ == "__main__":

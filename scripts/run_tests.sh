@@ -7,9 +7,10 @@ cd "$(dirname "$0")/.."
 preset=$1
 shift
 junit=$PWD/build/$preset/junit.xml
-rm -f "$junit"
+shards=$PWD/build/$preset/shards  # what test programs say that run many tests in a process
+rm -rf "$junit" "$shards"
 status=0
 ctest --preset "$preset" --parallel "${JOBS:-$(nproc)}" --no-tests=error \
   --output-junit "$junit" "$@" || status=$?
-python3 scripts/tally.py junit "$preset" "$junit"
+python3 scripts/tally.py junit "$preset" "$junit" "$shards"
 exit "$status"

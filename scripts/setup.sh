@@ -20,8 +20,8 @@ declare -A groups=(
     libglfw3-dev libimgui-dev libgl-dev xvfb xauth libgl1-mesa-dri fonts-dejavu-core"
   [check]="clang-format clang-tidy"
   [fuzz]="clang"
-  # The GPU peer draws with Mesa's software driver on a virtual screen.
-  [bench]="xvfb xauth libgl1-mesa-dri"
+  # The GPU peer draws with Mesa's software driver on a virtual screen; zfp's bytes stand beside those of fitted scans.
+  [bench]="xvfb xauth libgl1-mesa-dri zfp"
 )
 
 if ! command -v dpkg-query >/dev/null; then

@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Counts what passed, failed and was skipped, over several runs of tests and checks.
 
-  tally.py junit NAME FILE        counts a ctest JUnit file, prints one line, adds it to the tally
+  tally.py junit NAME FILE FOLDER counts a ctest JUnit file, with the tests that GoogleTest's files in FOLDER tell of, prints one
+                                  line, adds it to the tally
   tally.py add NAME P F S         adds counts to the tally
   tally.py ran PREFIX FILE        exits 1 unless a test of that prefix in a ctest JUnit file has run
   tally.py failures               prints how many failures the tally holds
@@ -58,18 +59,27 @@ def total():
     return counts
 
 
-def count_junit(path):
-    suite = ElementTree.parse(path).getroot()
-    tests = int(suite.get("tests", 0))
-    failed = int(suite.get("failures", 0))
-    skipped = int(suite.get("skipped", 0)) + int(suite.get("disabled", 0))
-    return tests - failed - skipped, failed, skipped
+def count_junit(path, shards):
+    """Passed, failed and skipped. A shard, which is a process with many tests, counts as its tests, and once more if it ended badly."""
+    counts = [0, 0, 0]
+    for case in ElementTree.parse(path).getroot().iter("testcase"):
+        status = case.get("status")
+        shard = os.path.join(shards, case.get("name") + ".xml")
+        if os.path.exists(shard):
+            for test in ElementTree.parse(shard).getroot().iter("testcase"):
+                failed = test.find("failure") is not None
+                counts[1 if failed else 2 if test.get("result") == "skipped" else 0] += 1
+        elif status != "fail":
+            counts[0 if status == "run" else 2] += 1
+        if status == "fail" and not (os.path.exists(shard) and counts[1]):
+            counts[1] += 1
+    return counts
 
 
 def main(arguments):
     command = arguments[0] if arguments else ""
     if command == "junit":
-        counts = count_junit(arguments[2])
+        counts = count_junit(arguments[2], arguments[3])
         add(arguments[1], *counts)
         keep_failures(arguments[1], arguments[2])
         print(f"{arguments[1]}: {closing_line(*counts)}")

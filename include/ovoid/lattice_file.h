@@ -13,6 +13,7 @@
 #include "ovoid/export.h"
 #include "ovoid/io.h"
 #include "ovoid/lattice.h"
+#include "ovoid/lattice_levels.h"
 #include "ovoid/relevant.h"
 
 namespace OVOID_API ovoid {
@@ -48,6 +49,9 @@ struct LatticeFileHeader {
                               // empty: not known
   std::string time_unit;      // empty: not known
   std::optional<RelevantSamples> relevant;  // keep these alone, as runs: arrays of one component
+  // Of samples as levels of kernels, by write_levels(): a Cartesian lattice, not staggered, arrays
+  // of one component that are float32 and not scaled.
+  bool has_levels = false;
 };
 
 // The header of a file of `dataset` alone: its lattice, arrays and, of the times, that of its step.
@@ -55,6 +59,10 @@ struct LatticeFileHeader {
 // dataset that is no lattice, kInvalidArgument for one without arrays or with arrays of both
 // samples and cells.
 LatticeFileHeader lattice_file_header(const Dataset& dataset);
+
+// The bytes of a lattice file of one array and step with such levels: never less than the file has,
+// and a few KiB more at most. Cost: that of packing them.
+std::int64_t lattice_levels_bytes(const LatticeLevels& levels);
 
 // Writes a lattice file (.h5, docs/formats.md, "Ovoid's HDF5 lattices") step after step; of the
 // samples nothing is kept. It goes to a partial file beside `path`, which finish() renames over it;
@@ -82,6 +90,8 @@ class LatticeFileWriter {
   // arrays or bytes, kFileWrite (then the writer is of no further use). Cost: compression, about a
   // second for 50 MiB.
   void write_step(std::span<const Bytes> samples);
+  // The same with levels of kernels, of the header's dims, for every array.
+  void write_levels(std::span<const LatticeLevels> levels);
   // The same with the arrays of a dataset, which must be the header's: name, type, components and
   // number of samples. Its geometry and its time are not looked at.
   void write_step(const Dataset& step);

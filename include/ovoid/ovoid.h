@@ -26,6 +26,7 @@
 #include "ovoid/kernels.h"
 #include "ovoid/lattice.h"
 #include "ovoid/lattice_file.h"
+#include "ovoid/lattice_levels.h"
 #include "ovoid/look.h"
 #include "ovoid/math.h"
 #include "ovoid/model.h"

@@ -14,6 +14,7 @@
 #include "data/kernel_shape.h"
 #include "data/parallel.h"
 #include "fit/clusters.h"
+#include "fit/fit_goal.h"
 #include "fit/fit_places.h"
 #include "fit/source_kernels.h"
 #include "ovoid/error.h"
@@ -27,6 +28,8 @@ using fit::FitPlaces;
 using fit::MergedKernels;
 using fit::MergeRule;
 using fit::Places;
+using fit::psnr_of;
+using fit::refuse_fit;
 using fit::SourceKernels;
 
 // What the first round has: as many, but at least that share of what is wanted.
@@ -67,42 +70,11 @@ struct Errors {
   double psnr = 0, greatest = 0;
 };
 
-[[noreturn]] void refuse_fit(const std::string& message) {
-  throw Error(ErrorCode::kInvalidArgument, message);
-}
-
-double psnr_of(double range, double mean_square) {
-  return mean_square > 0 ? 20 * std::log10(range / std::sqrt(mean_square))
-                         : std::numeric_limits<double>::infinity();
-}
-
-void check_goal(const FitOptions& options) {
-  const int goals =
-      static_cast<int>(options.psnr.has_value()) + static_cast<int>(options.tolerance.has_value()) +
-      static_cast<int>(options.relative_tolerance.has_value()) +
-      static_cast<int>(options.kernels.has_value()) + static_cast<int>(options.bytes.has_value());
-  if (goals != 1)
-    refuse_fit(
-        fmt::format("psnr, tolerance, relative_tolerance, kernels, bytes: {} given, "
-                    "expected one",
-                    goals));
-  if (options.psnr && !std::isfinite(*options.psnr))
-    refuse_fit(fmt::format("psnr = {}: must be finite", *options.psnr));
-  if (options.tolerance && !(*options.tolerance > 0 && std::isfinite(*options.tolerance)))
-    refuse_fit(fmt::format("tolerance = {}: must be > 0", *options.tolerance));
-  if (options.relative_tolerance &&
-      !(*options.relative_tolerance > 0 && *options.relative_tolerance <= 1))
-    refuse_fit(
-        fmt::format("relative_tolerance = {}: must be in (0, 1]", *options.relative_tolerance));
-  if (options.kernels && *options.kernels < 1)
-    refuse_fit(fmt::format("kernels = {}: must be 1 or more", *options.kernels));
-}
-
 class Fitter {
  public:
   Fitter(const Dataset& dataset, const FitOptions& options, FitReport& report)
       : options_(options), report_(report) {
-    check_goal(options);
+    fit::check_goal(options);
     threads_ = data::resolve_threads(options.threads);
     KernelModelOptions model = options.model;
     model.threads = threads_;

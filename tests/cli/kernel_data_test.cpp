@@ -608,46 +608,6 @@ TEST_F(KernelData, MeshesAreDescribedDrawnAndConverted) {
 }
 
 // Few kernels draw what the mesh's draw, without a flag: the file says how they are summed.
-TEST_F(KernelData, FitWritesFewKernels) {
-  const std::string mesh = fin(), few = folder_ / "few.ply", report = folder_ / "report.json";
-  if (run({"info", mesh}).err.find("no VTK") != std::string::npos)
-    GTEST_SKIP() << "this build reads no VTU";
-  const Outcome told = run({"fit", mesh, "-o", few, "--kernels", "300", "--report", report});
-  ASSERT_EQ(told.exit_code, 0) << told.err;
-  for (const char* const word :
-       {"kernels         300, of ", "PSNR", "greatest error", "wrongly full"})
-    EXPECT_NE(told.out.find(word), std::string::npos) << told.out;
-  const json json = json::parse(read_file(report));
-  EXPECT_EQ(json["kernels"], 300);
-  EXPECT_GT(json["psnr_db"], 28);
-  EXPECT_GE(json["bytes"].get<double>(), read_file(few).size());
-  EXPECT_EQ(json["steps"].back()["kernels"], 300);
-  const auto field = info({few})["field"];
-  EXPECT_EQ(field["num_kernels"], 300);
-  EXPECT_EQ(field["reconstruction"], "normalized");
-  EXPECT_EQ(field["cutoff"], 3.5);
-  EXPECT_GT(draw(folder_, {few}).num_covered(), 100U);
-  expect_success({"fit", mesh, "-o", few, "--bytes", "20K", "--shape", "ball"});
-  EXPECT_LE(read_file(few).size(), 20U * 1024);
-  EXPECT_GT(read_file(few).size(), 18U * 1024);
-}
-
-TEST_F(KernelData, FitRefusesWhatCannotBe) {
-  const std::string mesh = fin(), few = folder_ / "few.ply", ball = write_ball(folder_);
-  if (run({"info", mesh}).err.find("no VTK") != std::string::npos)
-    GTEST_SKIP() << "this build reads no VTU";
-  expect_failure({"fit", mesh, "-o", few}, 2, {"no goal given"});
-  expect_failure({"fit", mesh, "--kernels", "3"}, 2, {"--output: none given"});
-  expect_failure({"fit", mesh, "-o", folder_ / "few.vtu", "--kernels", "3"}, 2, {".ply"});
-  expect_failure({"fit", mesh, "-o", few, "--kernels", "3", "--psnr", "30"}, 2, {"--kernels"});
-  expect_failure({"fit", mesh, "-o", few, "--tolerance", "0%"}, 2, {"--tolerance"});
-  expect_failure({"fit", mesh, "-o", few, "--psnr", "300"}, 1, {"psnr = 300", "reach"});
-  expect_failure({"fit", mesh, "-o", few, "--bytes", "10"}, 1, {"bytes = 10"});
-  expect_failure({"fit", ball, "-o", few, "--kernels", "3"}, 1, {"fit: is for meshes"});
-  expect_failure({"fit", mesh, "-o", mesh + ".ply", "--report", mesh, "--kernels", "3"}, 2,
-                 {"is an input"});
-  EXPECT_FALSE(std::filesystem::exists(few));
-}
 
 }  // namespace
 }  // namespace ovoid::cli_tests

@@ -511,6 +511,10 @@ inline std::vector<std::string> hdf5_lattice_seeds() {
   const std::filesystem::path path =
       std::filesystem::temp_directory_path() / ("ovoid_seed_" + std::to_string(::getpid()) + ".h5");
   const std::string bytes = samples(2 * 4 * 3 * 2 * 2);
+  const auto keep = [&] {
+    std::ifstream stream(path, std::ios::binary);
+    seeds.emplace_back(std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>());
+  };
   const auto add = [&](LatticeKind kind, SeriesKind series, std::vector<double> times,
                        bool is_runs = false) {
     LatticeFileHeader header;
@@ -528,8 +532,7 @@ inline std::vector<std::string> hdf5_lattice_seeds() {
     for (std::size_t step = 0; step < std::max<std::size_t>(header.times.size(), 1); ++step)
       writer.write_step(std::vector<Bytes>(header.arrays.size(), all));
     writer.finish();
-    std::ifstream stream(path, std::ios::binary);
-    seeds.emplace_back(std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>());
+    keep();
   };
   try {
     add(LatticeKind::kCartesian, SeriesKind::kSteps, {});
@@ -537,6 +540,15 @@ inline std::vector<std::string> hdf5_lattice_seeds() {
     add(LatticeKind::kCartesian, SeriesKind::kSteps, {0, 1, 5});
     add(LatticeKind::kCartesian, SeriesKind::kStaggered, {0, 1});
     add(LatticeKind::kCartesian, SeriesKind::kStaggered, {0, 1}, true);
+    LatticeFileHeader header;
+    header.lattice = {{4, 3, 2}, Affine3::Identity(), LatticeKind::kCartesian};
+    header.arrays = {{}};
+    header.has_levels = true;
+    LatticeFileWriter writer(path.string(), header);
+    LatticeLevels levels{{4, 3, 2}, 1, 0, 9, 0.5, {{{1, 5, 22}, {7, -2, 900}}, {{0, 1}, {3, 4}}}};
+    writer.write_levels({&levels, 1});
+    writer.finish();
+    keep();
   } catch (const Error& error) {
     if (error.code() != ErrorCode::kUnsupported) throw;
   }

@@ -61,6 +61,8 @@ constinit const TypeLayout OVOID_LAYOUTS[] = {
     OVOID_TYPE(LatticeFileArray),
     OVOID_TYPE(LatticeFileCounts),
     OVOID_TYPE(LatticeFileHeader),
+    OVOID_TYPE(LatticeLevel),
+    OVOID_TYPE(LatticeLevels),
     OVOID_TYPE(LatticeFileWriter),
     OVOID_TYPE(Material),
     OVOID_TYPE(Materials),

@@ -7,7 +7,10 @@
 
 #ifdef OVOID_IO_HDF5
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstring>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -26,6 +29,7 @@
 #include "io/foreign/hdf5_file.h"
 #include "io/foreign/hdf5_storage.h"
 #include "io/hdf5/hdf5_lattice_format.h"
+#include "ovoid/lattice_levels.h"
 #endif
 
 namespace ovoid::io {
@@ -40,7 +44,7 @@ constexpr std::int64_t kMostComponents = std::int64_t{1} << 20;
 struct ArrayInFile {
   Hdf5Handle group;
   std::string place;  // "array0"
-  bool is_runs = false;
+  enum class Encoding { kDense, kRuns, kLevels } encoding = Encoding::kDense;
   DataArray description;  // without type and samples
 };
 
@@ -63,19 +67,24 @@ class LatticeReader {
     read_header();
     read_times();
     open_arrays();
-    const bool has_runs = std::any_of(arrays_.begin(), arrays_.end(),
-                                      [](const ArrayInFile& array) { return array.is_runs; });
-    dataset_.format = has_runs ? "HDF5 lattice, runs" : "HDF5 lattice, dense";
+    dataset_.format = fmt::format("HDF5 lattice, {}", word_of(arrays_.front().encoding));
     const bool is_search = !options_.step && dataset_.num_steps > 1;
     if (options_.step) check_step(name_, *options_.step, dataset_.num_steps);
     if (!is_search || !find_step()) read_step(options_.step.value_or(0));
     const bool is_shifted = dataset_.series == SeriesKind::kStaggered && dataset_.step % 2 != 0;
     if (is_shifted) dataset_.lattice.world_from_index.translate(Vec3::Constant(0.5));
-    dataset_.notes.insert(dataset_.notes.end(), run_notes_.begin(), run_notes_.end());
+    dataset_.notes.insert(dataset_.notes.end(), storage_notes_.begin(), storage_notes_.end());
     return std::move(dataset_);
   }
 
  private:
+  using Encoding = ArrayInFile::Encoding;
+  static constexpr std::array<std::pair<Encoding, const char*>, 3> kEncodings{
+      {{Encoding::kDense, "dense"}, {Encoding::kRuns, "runs"}, {Encoding::kLevels, "levels"}}};
+  static const char* word_of(Encoding encoding) {
+    return kEncodings[static_cast<std::size_t>(encoding)].second;
+  }
+
   [[noreturn]] void fail(const std::string& what, ErrorCode code = ErrorCode::kFileFormat) const {
     throw Error(code, fmt::format("{}: {}", name_, what));
   }
@@ -206,7 +215,7 @@ class LatticeReader {
   std::optional<DataArray> left_in_file(hid_t dataset, const Hdf5Extent& extent,
                                         const ArrayInFile& array) const {
     const bool is_chosen = options_.step || dataset_.num_steps == 1;
-    if (!is_chosen || array.is_runs || array.description.num_components != 1 ||
+    if (!is_chosen || array.encoding != Encoding::kDense || array.description.num_components != 1 ||
         !stays_in_file(extent.type.type, extent.num_bytes(), options_))
       return std::nullopt;
     const std::optional<StoredPlace> place = place_of_hdf5_storage(file_.get(), dataset, extent);
@@ -257,7 +266,7 @@ class LatticeReader {
     std::string names;
     for (std::int64_t i = 0; i < num_arrays; ++i) {
       const std::string place = fmt::format("array{}", i);
-      ArrayInFile stored{open(root_.get(), place, place, H5O_TYPE_GROUP), place, false, {}};
+      ArrayInFile stored{open(root_.get(), place, place, H5O_TYPE_GROUP), place, {}, {}};
       const hid_t group = stored.group.get();
       DataArray& array = stored.description;
       array.name = text(group, place, "name");
@@ -271,15 +280,21 @@ class LatticeReader {
         fail(fmt::format("{}: attribute 'value_scale': must not be 0", place));
       array.num_tuples = num_samples(dataset_.lattice.dims);
       const std::string encoding = text(group, place, "encoding");
-      if (encoding != "dense" && encoding != "runs") {
-        fail(
-            fmt::format("{}: attribute 'encoding': '{}': expected dense or runs", place, encoding));
+      const auto* const known =
+          std::find_if(kEncodings.begin(), kEncodings.end(),
+                       [&](const auto& candidate) { return encoding == candidate.second; });
+      if (known == kEncodings.end()) {
+        fail(fmt::format("{}: attribute 'encoding': '{}': expected dense, runs or levels", place,
+                         encoding));
       }
-      stored.is_runs = encoding == "runs";
-      if (stored.is_runs && array.num_components != 1) {
-        fail(fmt::format("{}: has {} components: runs hold arrays of one", place,
-                         array.num_components));
+      stored.encoding = known->first;
+      if (stored.encoding != Encoding::kDense && array.num_components != 1) {
+        fail(fmt::format("{}: has {} components: {} hold arrays of one", place,
+                         array.num_components, encoding));
       }
+      const bool is_cartesian = dataset_.lattice.kind == LatticeKind::kCartesian;
+      if (stored.encoding == Encoding::kLevels && !is_cartesian)
+        fail(fmt::format("{}: levels of a lattice that is not cartesian", place));
       arrays_.push_back(std::move(stored));
     }
     if (!arrays_.empty()) return;
@@ -301,7 +316,7 @@ class LatticeReader {
   void read_step(std::int64_t step) {
     dataset_.step = step;
     dataset_.arrays.clear();
-    run_notes_.clear();
+    storage_notes_.clear();
     struct Part {
       Hdf5Handle object;
       std::string place;
@@ -313,8 +328,8 @@ class LatticeReader {
       const std::string name = fmt::format("step{}", step);
       Part part{{}, fmt::format("{}/{}", array.place, name), {}};
       part.object = open(array.group.get(), name, part.place,
-                         array.is_runs ? H5O_TYPE_GROUP : H5O_TYPE_DATASET);
-      if (!array.is_runs) {
+                         array.encoding == Encoding::kDense ? H5O_TYPE_DATASET : H5O_TYPE_GROUP);
+      if (array.encoding == Encoding::kDense) {
         part.extent = extent_of(part.object.get(), part.place);
         check_shape(part.extent, array.description.num_components);
         num_bytes += part.extent.num_bytes();
@@ -329,13 +344,25 @@ class LatticeReader {
         dataset_.arrays.push_back(std::move(*left));
         continue;
       }
-      dataset_.arrays.push_back(arrays_[i].is_runs
-                                    ? dense_of_runs(object, parts[i].place, description, progress)
-                                    : samples(object, parts[i].extent, description, progress));
+      dataset_.arrays.push_back(read_samples(object, parts[i].place, parts[i].extent,
+                                             arrays_[i].encoding, description, progress));
     }
   }
 
-  // One of the datasets of runs, if it has that shape.
+  DataArray read_samples(hid_t object, const std::string& place, const Hdf5Extent& extent,
+                         Encoding encoding, const DataArray& description, ReadProgress& progress) {
+    switch (encoding) {
+      case Encoding::kDense:
+        break;
+      case Encoding::kRuns:
+        return dense_of_runs(object, place, description, progress);
+      case Encoding::kLevels:
+        return dense_of_levels(object, place, description, progress);
+    }
+    return samples(object, extent, description, progress);
+  }
+
+  // One of the datasets of runs or levels, if it has that shape.
   DataArray list(hid_t group, const std::string& group_place, const char* name,
                  const std::vector<std::int64_t>& dims, ReadProgress& progress,
                  std::int64_t& stored_bytes) const {
@@ -421,12 +448,99 @@ class LatticeReader {
     std::byte* to = nullptr;
     DataArray array = new_array(std::move(description), to);
     runs.decode({0, 0, 0}, runs.box().dims, to);
-    run_notes_.push_back(fmt::format(
+    storage_notes_.push_back(fmt::format(
         "{}: '{}' is stored as runs: {} of {} samples ({:.1f} %) in {} runs, {} bytes in the "
         "file; the others are {:g}",
         name_, array.name, runs.num_relevant(), array.num_tuples,
         100.0 * static_cast<double>(runs.num_relevant()) / static_cast<double>(array.num_tuples),
         runs.num_runs(), stored_bytes, runs.background() * array.value_scale + array.value_offset));
+    return array;
+  }
+
+  // Whole numbers of a list, within [least, greatest].
+  std::vector<std::int64_t> whole_numbers(const DataArray& array, std::int64_t least,
+                                          std::int64_t greatest) const {
+    return data::visit_scalar(array.type, [&]<class T>(std::type_identity<T>) {
+      std::vector<std::int64_t> numbers;
+      numbers.reserve(static_cast<std::size_t>(array.num_tuples));
+      for (std::int64_t i = 0; i < array.num_tuples; ++i) {
+        const auto number = static_cast<double>(data::load_scalar<T>(array.bytes.view.data(), i));
+        if (!(number >= static_cast<double>(least) && number <= static_cast<double>(greatest)))
+          fail(fmt::format("'{}'[{}] = {}: expected {} to {}", array.name, i, number, least,
+                           greatest));
+        numbers.push_back(static_cast<std::int64_t>(number));
+      }
+      return numbers;
+    });
+  }
+
+  LatticeLevel read_level(hid_t group, const std::string& place, int index, std::int64_t count,
+                          std::int64_t num_nodes, ReadProgress& progress,
+                          std::int64_t& stored_bytes) const {
+    LatticeLevel level;
+    if (count == 0) return level;
+    const auto numbers = [&](const char* name, std::int64_t least, std::int64_t greatest) {
+      return whole_numbers(list(group, place, fmt::format("{}{}", name, index).c_str(), {count},
+                                progress, stored_bytes),
+                           least, greatest);
+    };
+    std::int64_t node = -1;
+    for (const std::int64_t gap : numbers("gaps", 0, num_nodes - 1)) {
+      node += gap + 1;
+      if (node >= num_nodes)
+        fail(fmt::format("'{}/gaps{}': go beyond the level's {} nodes", place, index, num_nodes));
+      level.nodes.push_back(static_cast<std::uint32_t>(node));
+    }
+    constexpr std::int64_t kMost = std::numeric_limits<std::int32_t>::max();
+    for (const std::int64_t weight : numbers("weights", -kMost, kMost))
+      level.weights.push_back(static_cast<std::int32_t>(weight));
+    return level;
+  }
+
+  LatticeLevels read_levels(hid_t group, const std::string& place, ReadProgress& progress,
+                            std::int64_t& stored_bytes) const {
+    const auto number = [&](const char* name) { return numbers(group, place, name, 1)[0]; };
+    LatticeLevels levels;
+    levels.dims = dataset_.lattice.dims;
+    levels.offset = number("offset");
+    levels.least = number("least");
+    levels.greatest = number("greatest");
+    levels.step = number("step");
+    if (num_samples(levels.dims) > std::int64_t{std::numeric_limits<std::uint32_t>::max()})
+      fail(fmt::format("{}: levels hold at most 2^32 samples", place), ErrorCode::kUnsupported);
+    const std::int64_t num_levels =
+        whole_number(number("num_levels"), place, "num_levels", LatticeLevels::kMostLevels, 0);
+    if (num_levels == 0) return levels;
+    const std::vector<double> counts =
+        numbers(group, place, "num_kernels", static_cast<std::size_t>(num_levels));
+    for (int l = 0; l < static_cast<int>(num_levels); ++l) {
+      const std::int64_t num_nodes = num_samples(levels.nodes(l));
+      const std::int64_t count =
+          whole_number(counts[static_cast<std::size_t>(l)], place, "num_kernels", num_nodes, 0);
+      levels.levels.push_back(
+          read_level(group, place, l, count, num_nodes, progress, stored_bytes));
+    }
+    return levels;
+  }
+
+  DataArray dense_of_levels(hid_t group, const std::string& place, DataArray description,
+                            ReadProgress& progress) {
+    check_expansion(place, {ScalarType::kFloat32, dataset_.lattice.dims});
+    std::int64_t stored_bytes = 0;
+    const LatticeLevels levels = read_levels(group, place, progress, stored_bytes);
+    std::vector<float> values;
+    try {
+      values = samples_of(levels);
+    } catch (const Error& error) {
+      fail(fmt::format("'{}': {}", place, error.what()));
+    }
+    description.type = ScalarType::kFloat32;
+    std::byte* to = nullptr;
+    DataArray array = new_array(std::move(description), to);
+    std::memcpy(to, values.data(), values.size() * sizeof(float));
+    storage_notes_.push_back(
+        fmt::format("{}: '{}' is stored as levels: {} kernels for {} samples, {} bytes in the file",
+                    name_, array.name, levels.num_kernels(), array.num_tuples, stored_bytes));
     return array;
   }
 
@@ -446,7 +560,7 @@ class LatticeReader {
   Hdf5Silence silence_;
   Hdf5Handle file_, root_;
   std::vector<ArrayInFile> arrays_;
-  std::vector<std::string> run_notes_;  // of the step that was read last
+  std::vector<std::string> storage_notes_;  // of the step that was read last
   Dataset dataset_;
 };
 

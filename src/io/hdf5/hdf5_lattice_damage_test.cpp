@@ -52,6 +52,16 @@ class Changed {
     H5Tset_cset(type.get(), H5T_CSET_UTF8);
     return put(object, name, type.get(), space.get(), value.data());
   }
+  // The first number of a dataset of one axis or two.
+  Changed& first_number(const std::string& dataset, int value) {
+    const Hdf5Handle list(H5Dopen2(id(), dataset.c_str(), H5P_DEFAULT), H5Dclose);
+    const Hdf5Handle space(H5Dget_space(list.get()), H5Sclose);
+    const hsize_t at[] = {0, 0};
+    H5Sselect_elements(space.get(), H5S_SELECT_SET, 1, at);
+    const Hdf5Handle one(H5Screate(H5S_SCALAR), H5Sclose);
+    H5Dwrite(list.get(), H5T_NATIVE_INT, one.get(), space.get(), H5P_DEFAULT, &value);
+    return *this;
+  }
   Changed& remove(const std::string& object, const char* name) {
     without(object, name);
     return *this;
@@ -149,7 +159,8 @@ TEST_F(BadLatticeFile, AttributesOutOfRange) {
   };
   EXPECT_THAT(text("/", "lattice", "hexagonal"), HasSubstr("'hexagonal': expected cartesian"));
   EXPECT_THAT(text("/", "space", "lps"), HasSubstr("'lps': expected none, LPS or RAS"));
-  EXPECT_THAT(text("/array0", "encoding", "zip"), HasSubstr("'zip': expected dense or runs"));
+  EXPECT_THAT(text("/array0", "encoding", "zip"),
+              HasSubstr("'zip': expected dense, runs or levels"));
 }
 
 TEST_F(BadLatticeFile, TimesThatAreNone) {
@@ -214,20 +225,58 @@ TEST_F(BadLatticeFile, RunsThatDoNotFit) {
               fmt::format("file-format: F: dataset 'array0/step0/{}' is missing", name));
   }
   const auto first = [this](const char* name, std::uint16_t value) {
-    return after([&](Changed& c) {
-      const std::string path = fmt::format("/array0/step0/{}", name);
-      const Hdf5Handle list(H5Dopen2(c.id(), path.c_str(), H5P_DEFAULT), H5Dclose);
-      const Hdf5Handle space(H5Dget_space(list.get()), H5Sclose);
-      const hsize_t at[] = {0, 0};
-      H5Sselect_elements(space.get(), H5S_SELECT_SET, 1, at);
-      const Hdf5Handle one(H5Screate(H5S_SCALAR), H5Sclose);
-      H5Dwrite(list.get(), H5T_NATIVE_UINT16, one.get(), space.get(), H5P_DEFAULT, &value);
-    });
+    return after([&](Changed& c) { c.first_number(fmt::format("/array0/step0/{}", name), value); });
   };
   EXPECT_THAT(first("starts", 5), HasSubstr("'array0/step0': run 0 has "));
   EXPECT_THAT(first("lengths", 0), HasSubstr("'array0/step0': run 0 has 0 samples"));
   EXPECT_THAT(first("row_runs", 60000), HasSubstr("'array0/step0': row 0 has 60000 runs"));
   // A few bytes that stand for a great many samples.
+  EXPECT_THAT(after([](Changed& c) {
+                c.numbers("/", "dims", {2e9, 3, 2});
+              }),
+              HasSubstr("expected at most 65536 for a byte"));
+}
+
+TEST_F(BadLatticeFile, LevelsThatDoNotFit) {
+  const Dataset dataset = lattice_dataset({4, 3, 2});
+  LatticeFileHeader header = lattice_file_header(dataset);
+  header.has_levels = true;
+  {
+    LatticeFileWriter writer(path_, header);
+    const LatticeLevels levels{{4, 3, 2}, 1,   0,
+                               9,         0.5, {{{1, 5, 22}, {7, -2, 900}}, {{0, 1}, {3, 4}}}};
+    writer.write_levels({&levels, 1});
+    writer.finish();
+  }
+  good_ = folder_.read("a.h5");
+  EXPECT_EQ(after([](Changed&) {}), "");
+  const auto number = [this](const char* name, const std::vector<double>& values) {
+    return after([&](Changed& c) { c.numbers("/array0/step0", name, values); });
+  };
+  EXPECT_THAT(number("num_levels", {17}), HasSubstr("'num_levels': 17: expected a whole number"));
+  EXPECT_THAT(number("num_levels", {1}), HasSubstr("'num_kernels': expected 1 number"));
+  EXPECT_THAT(number("num_kernels", {3, 5}), HasSubstr("'num_kernels': 5: expected a whole number "
+                                                       "from 0 to 4"));
+  EXPECT_THAT(number("num_kernels", {2, 2}), HasSubstr("'array0/step0/gaps0' has shape [3]"));
+  EXPECT_THAT(number("step", {0}), HasSubstr("'array0/step0': "));
+  EXPECT_THAT(number("least", {10}), HasSubstr("least, greatest = 10, 9: must rise"));
+  EXPECT_THAT(number("offset", {std::numeric_limits<double>::infinity()}),
+              HasSubstr("'offset': inf: must be finite"));
+  for (const char* name : {"num_levels", "num_kernels", "offset", "least", "greatest", "step"})
+    EXPECT_THAT(after([&](Changed& c) { c.remove("/array0/step0", name); }), HasSubstr(name));
+  for (const char* name : {"gaps0", "weights1"}) {
+    EXPECT_EQ(after([&](Changed& c) {
+                H5Ldelete(c.id(), fmt::format("/array0/step0/{}", name).c_str(), H5P_DEFAULT);
+              }),
+              fmt::format("file-format: F: dataset 'array0/step0/{}' is missing", name));
+  }
+  const auto gap = [&](const char* name, int value) {
+    return after([&](Changed& c) { c.first_number(fmt::format("/array0/step0/{}", name), value); });
+  };
+  EXPECT_THAT(gap("gaps0", 3), HasSubstr("'array0/step0/gaps0': go beyond the level's 24 nodes"));
+  EXPECT_THAT(gap("gaps0", 99), HasSubstr("'array0/step0/gaps0'[0] = 99: expected 0 to 23"));
+  EXPECT_THAT(after([](Changed& c) { c.text("/", "lattice", "body-centred"); }),
+              HasSubstr("levels of a lattice that is not cartesian"));
   EXPECT_THAT(after([](Changed& c) {
                 c.numbers("/", "dims", {2e9, 3, 2});
               }),

@@ -17,6 +17,9 @@ inline constexpr std::int64_t kHdf5LatticeVersion = 1;
 // No text that is read or written is longer, bytes.
 inline constexpr std::size_t kMaxHdf5Text = 4096;
 
+// So much of a step is packed, and has to be unpacked, at once: a few layers.
+inline constexpr std::int64_t kChunkBytes = std::int64_t{1} << 20;
+
 // The four words of the attribute `lattice`.
 struct Hdf5LatticeWord {
   const char* word;

@@ -406,6 +406,93 @@ TEST(LatticeFile, RunsThatCannotBe) {
               HasSubstr("relevant.background = inf"));
 }
 
+LatticeLevels some_levels(const Index3& dims) {
+  LatticeLevels levels;
+  levels.dims = dims;
+  levels.offset = -3;
+  levels.least = -10;
+  levels.greatest = 900;
+  levels.step = 0.25;
+  levels.levels.resize(4);
+  for (std::uint32_t i = 0; i < 5000; ++i) {
+    levels.levels[0].nodes.push_back(7 * i + i * i % 5);
+    levels.levels[0].weights.push_back(static_cast<std::int32_t>(i * i % 251) - 125);
+  }
+  levels.levels[1] = {{0, 300, 3999}, {-40000, 1, 90000}};  // gaps and weights of more bytes
+  levels.levels[3] = {{70}, {3}};
+  return levels;
+}
+
+LatticeFileHeader header_of_levels(const Dataset& dataset) {
+  LatticeFileHeader header = lattice_file_header(dataset);
+  header.has_levels = true;
+  return header;
+}
+
+// What is read is what the levels stand for; and the file is no larger than was said, and hardly
+// smaller.
+TEST(LatticeFile, LevelsAreReadAsTheirSamples) {
+  const TestFolder folder;
+  const std::string path = folder.file("a.h5");
+  const Dataset dataset = lattice_dataset({41, 40, 39});
+  const LatticeLevels levels = some_levels(dataset.lattice.dims);
+  LatticeFileWriter writer(path, header_of_levels(dataset));
+  writer.write_levels({&levels, 1});
+  writer.finish();
+  EXPECT_EQ(writer.counts().num_relevant, 5004);
+  const auto bytes = static_cast<std::int64_t>(folder.read("a.h5").size());
+  EXPECT_LE(bytes, lattice_levels_bytes(levels));
+  EXPECT_GT(bytes, lattice_levels_bytes(levels) - 8192);
+  const Dataset back = read_dataset({path});
+  EXPECT_EQ(back.format, "HDF5 lattice, levels");
+  EXPECT_EQ(back.space, Space::kLps);
+  EXPECT_EQ(values_of<float>(back.array()), samples_of(levels));
+  ASSERT_FALSE(back.notes.empty());
+  EXPECT_NE(back.notes.back().find("'density' is stored as levels: 5004 kernels for 63960 samples"),
+            std::string::npos)
+      << back.notes.back();
+}
+
+TEST(LatticeFile, LevelsOfNothingAreTheirOffset) {
+  const TestFolder folder;
+  const std::string path = folder.file("a.h5");
+  const Dataset dataset = lattice_dataset({4, 3, 2});
+  LatticeLevels levels;
+  levels.dims = dataset.lattice.dims;
+  levels.least = levels.greatest = levels.offset = 2.5;
+  LatticeFileWriter writer(path, header_of_levels(dataset));
+  writer.write_levels({&levels, 1});
+  writer.finish();
+  EXPECT_LE(static_cast<std::int64_t>(folder.read("a.h5").size()), lattice_levels_bytes(levels));
+  EXPECT_EQ(values_of<float>(read_dataset({path}).array()), std::vector<float>(24, 2.5F));
+}
+
+TEST(LatticeFile, LevelsAreNotForEveryLattice) {
+  const TestFolder folder;
+  const auto expect_refusal = [&](const LatticeFileHeader& header, const std::string& words) {
+    const std::string error = error_of([&] { LatticeFileWriter(folder.file("a.h5"), header); });
+    EXPECT_NE(error.find(words), std::string::npos) << error;
+  };
+  const Dataset dataset = lattice_dataset({4, 3, 2});
+  LatticeFileHeader header = header_of_levels(dataset);
+  header.lattice.kind = LatticeKind::kBodyCentred;
+  expect_refusal(header, "lattice: must be cartesian");
+  header = header_of_levels(dataset);
+  header.arrays[0].type = ScalarType::kUInt8;
+  expect_refusal(header, "levels hold float32 of one component");
+  header = header_of_levels(dataset);
+  header.relevant = RelevantSamples{1.0};
+  expect_refusal(header, "not both");
+  LatticeFileWriter writer(folder.file("b.h5"), header_of_levels(dataset));
+  EXPECT_NE(error_of([&] { writer.write_step(dataset); }).find("levels are written"),
+            std::string::npos);
+  const LatticeLevels other = some_levels({5, 3, 2});
+  EXPECT_NE(error_of([&] {
+              writer.write_levels({&other, 1});
+            }).find("expected 4 x 3 x 2"),
+            std::string::npos);
+}
+
 }  // namespace
 }  // namespace ovoid::io
 #endif

@@ -22,9 +22,6 @@ namespace ovoid::io {
 #ifdef OVOID_IO_HDF5
 namespace {
 
-// Deflate at the level where, after shuffling, more effort buys next to nothing.
-constexpr unsigned kDeflateLevel = 4;
-
 // Every function of the library that is called here, without its H5.
 // clang-format off
 #define OVOID_HDF5_FUNCTIONS(DO)                                                                   \

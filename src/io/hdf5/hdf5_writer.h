@@ -14,6 +14,9 @@
 
 namespace ovoid::io {
 
+// Deflate at the level where, after shuffling, more effort buys next to nothing.
+inline constexpr int kDeflateLevel = 4;
+
 // A file, a group in it, or a dataset, as long as it stands open; to be closed before the object
 // that it was made in. Every call that returns bool returns false if the library could not do it.
 // Calls wait for one another, in whatever threads, as the library may have been built without a

@@ -17,6 +17,7 @@
 #include "io/core/samples.h"
 #include "io/hdf5/hdf5_lattice_format.h"
 #include "io/hdf5/hdf5_writer.h"
+#include "io/hdf5/stored_level.h"
 #include "ovoid/error.h"
 
 namespace ovoid {
@@ -57,8 +58,7 @@ LatticeFileHeader lattice_file_header(const Dataset& dataset) {
 
 namespace {
 
-// So much of a step is packed, and has to be unpacked, at once: a few layers.
-constexpr std::int64_t kChunkBytes = std::int64_t{1} << 20;
+using io::kChunkBytes;
 // The library packs chunks of less than 4 GiB.
 constexpr std::int64_t kMaxRowBytes = std::int64_t{1} << 30;
 
@@ -77,6 +77,19 @@ void check_relevant(const LatticeFileHeader& header) {
     if (array.num_components != 1)
       fail(fmt::format("array '{}': has {} components: runs hold arrays of one", array.name,
                        array.num_components));
+  }
+}
+
+void check_leveled(const LatticeFileHeader& header) {
+  if (header.relevant) fail("relevant: samples are stored as runs or as levels, not both");
+  if (header.lattice.kind != LatticeKind::kCartesian || header.series == SeriesKind::kStaggered)
+    fail("lattice: must be cartesian, levels hold no other");
+  for (const LatticeFileArray& array : header.arrays) {
+    if (array.type != ScalarType::kFloat32 || array.num_components != 1 || array.value_scale != 1 ||
+        array.value_offset != 0) {
+      fail(fmt::format("array '{}': is {} x {}: levels hold float32 of one component, not scaled",
+                       array.name, name_of(array.type), array.num_components));
+    }
   }
 }
 
@@ -109,6 +122,7 @@ void check_header(const LatticeFileHeader& header) {
   }
   check_text("time_unit", header.time_unit);
   if (header.relevant) check_relevant(header);
+  if (header.has_levels) check_leveled(header);
   for (std::size_t i = 0; i < header.times.size(); ++i) {
     if (!std::isfinite(header.times[i]))
       fail(fmt::format("times[{}] = {}: must be finite", i, header.times[i]));
@@ -142,8 +156,26 @@ class LatticeFileWriter::Impl {
   std::int64_t num_steps() const noexcept { return num_steps_; }
   const LatticeFileCounts& counts() const noexcept { return counts_; }
 
+  void write_levels(std::span<const LatticeLevels> levels) {
+    if (!file_.is_open()) fail("write_levels: the file is finished");
+    if (!header_.has_levels) fail("write_levels: the header says nothing of levels");
+    if (levels.size() != header_.arrays.size())
+      fail(fmt::format("levels: {} arrays: expected {}", levels.size(), header_.arrays.size()));
+    for (std::size_t i = 0; i < levels.size(); ++i) {
+      if (levels[i].dims != header_.lattice.dims)
+        fail(fmt::format("levels[{}]: of {} samples: expected {}", i,
+                         fmt::join(levels[i].dims, " x "), fmt::join(header_.lattice.dims, " x ")));
+      counts_.num_samples += num_samples(header_.lattice.dims);
+      counts_.dense_bytes += num_bytes(header_.arrays[i]);
+      counts_.num_relevant += levels[i].num_kernels();
+      write_levels(groups_[i], levels[i]);
+    }
+    ++num_steps_;
+  }
+
   void write_step(std::span<const Bytes> samples) {
     if (!file_.is_open()) fail("write_step: the file is finished");
+    if (header_.has_levels) fail("write_step: the header says that levels are written");
     if (samples.size() != header_.arrays.size())
       fail(fmt::format("samples: {} arrays: expected {}", samples.size(), header_.arrays.size()));
     for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -228,7 +260,9 @@ class LatticeFileWriter::Impl {
               group.add_number("components", std::int64_t{array.num_components}) &&
               group.add_number("value_scale", array.value_scale) &&
               group.add_number("value_offset", array.value_offset) &&
-              group.add_text("encoding", header_.relevant ? "runs" : "dense"));
+              group.add_text("encoding", header_.relevant     ? "runs"
+                                         : header_.has_levels ? "levels"
+                                                              : "dense"));
     }
   }
 
@@ -315,6 +349,31 @@ class LatticeFileWriter::Impl {
                runs.values().data());
   }
 
+  void write_levels(const io::Hdf5Object& array_group, const LatticeLevels& levels) const {
+    const io::Hdf5Object step = array_group.make_group(fmt::format("step{}", num_steps_));
+    std::vector<std::int64_t> counts;
+    for (const LatticeLevel& level : levels.levels)
+      counts.push_back(static_cast<std::int64_t>(level.nodes.size()));
+    require(step.is_open() && step.add_number("offset", levels.offset) &&
+            step.add_number("least", levels.least) &&
+            step.add_number("greatest", levels.greatest) && step.add_number("step", levels.step) &&
+            step.add_number("num_levels", static_cast<std::int64_t>(counts.size())));
+    if (!counts.empty()) {
+      require(step.add_numbers("num_kernels", ScalarType::kInt64, counts.data(),
+                               {static_cast<std::uint64_t>(counts.size())}));
+    }
+    for (std::size_t l = 0; l < levels.levels.size(); ++l) {
+      const io::StoredLevel stored(levels.levels[l]);
+      write_list(step, fmt::format("gaps{}", l).c_str(), stored.gap_type, counts_of(stored),
+                 stored.gaps.data());
+      write_list(step, fmt::format("weights{}", l).c_str(), stored.weight_type, counts_of(stored),
+                 stored.weights.data());
+    }
+  }
+  static std::size_t counts_of(const io::StoredLevel& stored) {
+    return stored.gaps.size() / size_of(stored.gap_type);
+  }
+
   void write_times() const {
     const std::uint64_t count = header_.times.size();
     io::Hdf5Object times = file_.make_dataset("times", ScalarType::kFloat64, {count},
@@ -347,6 +406,10 @@ std::int64_t LatticeFileWriter::num_steps() const noexcept { return impl_->num_s
 const LatticeFileCounts& LatticeFileWriter::counts() const noexcept { return impl_->counts(); }
 
 void LatticeFileWriter::write_step(std::span<const Bytes> samples) { impl_->write_step(samples); }
+
+void LatticeFileWriter::write_levels(std::span<const LatticeLevels> levels) {
+  impl_->write_levels(levels);
+}
 
 void LatticeFileWriter::write_step(const Dataset& step) {
   const std::vector<LatticeFileArray>& arrays = header().arrays;

@@ -188,7 +188,10 @@ void fit_levels(const Dataset& dataset, const FitOptions& options, const std::st
   Dataset fitted = dataset;
   fitted.arrays = {dataset.array(report.array)};
   LatticeFileHeader header = lattice_file_header(fitted);
-  header.arrays = {{.name = report.array, .unit = fitted.arrays[0].unit}};
+  if (levels.whole)
+    header.arrays[0].num_components = 1;
+  else
+    header.arrays = {{.name = report.array, .unit = fitted.arrays[0].unit}};
   header.has_levels = true;
   LatticeFileWriter writer(output, header, {options.stop});
   writer.write_levels({&levels, 1});

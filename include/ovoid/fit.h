@@ -146,12 +146,13 @@ KernelField fit_kernels(const Dataset& dataset, const FitOptions& options,
                         FitReport* report = nullptr);
 
 // Kernels on levels for the samples of a Cartesian lattice: LatticeFileWriter::write_levels() keeps
-// them, and what it writes is read as a lattice. PSNR and a bound on the greatest error hold sample
-// by sample of what will be read. Of kernels and bytes at most as many as half the samples' number
-// are used. A lattice of one value has none. Throws Error: what make_lattice_field() throws;
-// kInvalidArgument for no goal or several, one that cannot be reached, missing samples, a body-
-// centred lattice; kCancelled; kOutOfMemory. Cost: about a microsecond of one thread per sample,
-// and 48 bytes.
+// them, and what it writes is read as a lattice. Integers of 1 or 2 bytes are fitted as they are
+// stored, and stay whole; everything else as values (a header's array is then float32). PSNR and a
+// bound on the greatest error hold sample by sample of what will be read. Of kernels and bytes at
+// most as many as half the samples' number are used. A lattice of one value has none. Throws Error:
+// what make_lattice_field() throws; kInvalidArgument for no goal or several, one that cannot be
+// reached, missing samples, a body- centred lattice; kCancelled; kOutOfMemory. Cost: about a
+// microsecond of one thread per sample, and 48 bytes.
 LatticeLevels fit_lattice(const Dataset& dataset, const FitOptions& options,
                           FitReport* report = nullptr);
 

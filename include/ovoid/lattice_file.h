@@ -50,7 +50,7 @@ struct LatticeFileHeader {
   std::string time_unit;      // empty: not known
   std::optional<RelevantSamples> relevant;  // keep these alone, as runs: arrays of one component
   // Of samples as levels of kernels, by write_levels(): a Cartesian lattice, not staggered, arrays
-  // of one component that are float32 and not scaled.
+  // of one component that are float32 or, where LatticeLevels::whole, integers of 1 or 2 bytes.
   bool has_levels = false;
 };
 
@@ -90,7 +90,8 @@ class LatticeFileWriter {
   // arrays or bytes, kFileWrite (then the writer is of no further use). Cost: compression, about a
   // second for 50 MiB.
   void write_step(std::span<const Bytes> samples);
-  // The same with levels of kernels, of the header's dims, for every array.
+  // The same with levels of kernels, of the header's dims, for every array. They stand for stored
+  // numbers, of which the header's scale and offset make values.
   void write_levels(std::span<const LatticeLevels> levels);
   // The same with the arrays of a dataset, which must be the header's: name, type, components and
   // number of samples. Its geometry and its time are not looked at.

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <stop_token>
 #include <vector>
 
@@ -20,8 +21,9 @@ struct LatticeLevel {
 };
 
 // sample(x) = offset + sum over levels l and nodes p of weight step_of(l) B((x - p) / 2^l), then
-// clamped to [least, greatest]. B is the product of a profile along each axis: the Gaussian of
-// sigma kSigma less its tangent over the square of the distance at the end of its support, kReach.
+// rounded to a whole number, if samples are `whole`, and clamped to [least, greatest]. B is the
+// product of a profile along each axis: the Gaussian of sigma kSigma less its tangent over the
+// square of the distance at the end of its support, kReach.
 struct LatticeLevels {
   static constexpr double kSigma = 0.6, kReach = 1.98;  // blocks
   static constexpr int kMostLevels = 16;
@@ -29,6 +31,7 @@ struct LatticeLevels {
   Index3 dims{0, 0, 0};  // of the samples
   double offset = 0;     // of what has no kernels: the background
   double least = 0, greatest = 0;
+  bool whole = false;                // samples are those of a scanner
   double step = 1;                   // > 0: what a weight of 1 is worth on level 0
   std::vector<LatticeLevel> levels;  // [0] is the finest; at most kMostLevels
 
@@ -40,9 +43,10 @@ struct LatticeLevels {
 };
 
 // The samples, [dims[2]][dims[1]][dims[0]]; the same bytes for any number of threads. Throws Error:
-// kInvalidArgument that names the member that is not as said above, kCancelled. Cost: some ten
-// operations per sample, and 27 to 64 per kernel.
+// kInvalidArgument that names the member that is not as said above, kCancelled. `progress` is told
+// fractions in [0, 1], not decreasing. Cost: some thirty operations per sample.
 std::vector<float> samples_of(const LatticeLevels& levels, int threads = 0,
-                              const std::stop_token& stop = {});
+                              const std::stop_token& stop = {},
+                              const std::function<void(double fraction)>& progress = {});
 
 }  // namespace ovoid

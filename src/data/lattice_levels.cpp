@@ -68,30 +68,32 @@ std::int64_t LatticeLevels::num_kernels() const noexcept {
   return count;
 }
 
-std::vector<float> samples_of(const LatticeLevels& levels, int threads,
-                              const std::stop_token& stop) {
+std::vector<float> samples_of(const LatticeLevels& levels, int threads, const std::stop_token& stop,
+                              const std::function<void(double fraction)>& progress) {
   check(levels);
   const data::LevelBasis basis(levels.dims, static_cast<int>(levels.levels.size()));
   std::vector<float> samples(basis.num_samples(), static_cast<float>(levels.offset));
-  // Level by level, the coarsest first, so that few weights are held that are not kernels.
-  for (int l = basis.num_levels() - 1; l >= 0; --l) {
+  const int num_levels = basis.num_levels();
+  for (int l = num_levels - 1; l >= 0; --l) {
+    if (progress) progress(static_cast<double>(num_levels - l) / (num_levels + 1));
     const LatticeLevel& level = levels.levels[static_cast<std::size_t>(l)];
     if (level.nodes.empty()) continue;
-    std::vector<float> weights(basis.offset(l + 1));
+    std::vector<float> weights(static_cast<std::size_t>(num_samples(basis.nodes(l))));
     const double step = levels.step_of(l);
     for (std::size_t i = 0; i < level.nodes.size(); ++i)
-      weights[basis.offset(l) + level.nodes[i]] =
-          static_cast<float>(step * static_cast<double>(level.weights[i]));
-    basis.expand(weights, l, l + 1, 1, samples, {threads, stop});
+      weights[level.nodes[i]] = static_cast<float>(step * static_cast<double>(level.weights[i]));
+    basis.expand_level(weights, l, 1, samples, {threads, stop});
   }
   const auto least = static_cast<float>(levels.least);
   const auto greatest = static_cast<float>(levels.greatest);
-  data::parallel_ranges({static_cast<std::int64_t>(samples.size()), 1 << 20, threads, stop},
-                        [&](std::int64_t begin, std::int64_t end) {
-                          for (auto i = static_cast<std::size_t>(begin);
-                               i < static_cast<std::size_t>(end); ++i)
-                            samples[i] = std::clamp(samples[i], least, greatest);
-                        });
+  data::parallel_ranges(
+      {static_cast<std::int64_t>(samples.size()), 1 << 20, threads, stop},
+      [&](std::int64_t begin, std::int64_t end) {
+        for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+          const float sample = levels.whole ? std::nearbyint(samples[i]) : samples[i];
+          samples[i] = std::clamp(sample, least, greatest);
+        }
+      });
   return samples;
 }
 

@@ -144,14 +144,22 @@ std::size_t LevelBasis::num_samples() const noexcept {
 
 void LevelBasis::expand(std::span<const float> weights, int first, int last, float factor,
                         std::span<float> samples, const LevelWork& work) const {
+  parallel_ranges(
+      {dims_[2], kPlanes, work.threads, work.stop}, [&](std::int64_t begin, std::int64_t end) {
+        for (int level = first; level < last; ++level)
+          expand_planes(weights.subspan(offset(level)), level, begin, end, factor, samples);
+      });
+}
+
+void LevelBasis::expand_level(std::span<const float> weights, int level, float factor,
+                              std::span<float> samples, const LevelWork& work) const {
   parallel_ranges({dims_[2], kPlanes, work.threads, work.stop},
                   [&](std::int64_t begin, std::int64_t end) {
-                    for (int level = first; level < last; ++level)
-                      expand_planes(weights, level, begin, end, factor, samples);
+                    expand_planes(weights, level, begin, end, factor, samples);
                   });
 }
 
-void LevelBasis::expand_planes(std::span<const float> weights, int level, std::int64_t begin,
+void LevelBasis::expand_planes(std::span<const float> of_level, int level, std::int64_t begin,
                                std::int64_t end, float factor, std::span<float> samples) const {
   const LevelAxis &x = axis(level, 0), &y = axis(level, 1), &z = axis(level, 2);
   const std::int64_t plane_size = dims_[0] * dims_[1];
@@ -169,7 +177,7 @@ void LevelBasis::expand_planes(std::span<const float> weights, int level, std::i
     plane_nodes[slot] = node;
     is_plane[slot] = false;
     const float* const from =
-        weights.data() + offset(level) + static_cast<std::size_t>(node * x.num_nodes * y.num_nodes);
+        of_level.data() + static_cast<std::size_t>(node * x.num_nodes * y.num_nodes);
     for (std::int64_t j = 0; j < y.num_nodes; ++j) {
       const float* const row = from + j * x.num_nodes;
       is_row[static_cast<std::size_t>(j)] = static_cast<char>(!is_zero(row, x.num_nodes));

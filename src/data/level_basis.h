@@ -55,12 +55,15 @@ class LevelBasis {
   // samples += factor * the kernels of levels first to last - 1.
   void expand(std::span<const float> weights, int first, int last, float factor,
               std::span<float> samples, const LevelWork& work) const;
+  // The same of one level, whose weights alone are given.
+  void expand_level(std::span<const float> weights, int level, float factor,
+                    std::span<float> samples, const LevelWork& work) const;
   // weights of those levels = the kernels' products with the samples.
   void reduce(std::span<const float> samples, int first, int last, std::span<float> weights,
               const LevelWork& work) const;
 
  private:
-  void expand_planes(std::span<const float> weights, int level, std::int64_t begin,
+  void expand_planes(std::span<const float> of_level, int level, std::int64_t begin,
                      std::int64_t end, float factor, std::span<float> samples) const;
   void reduce_plane(std::span<const float> samples, int level, std::int64_t node,
                     std::span<float> weights) const;

@@ -97,7 +97,9 @@ TEST(LevelAxis, ProductsAndNormsAreSumsOverTheSamples) {
           expected += kernel_at(x, i, level) * kernel_at(x, i - j, level);
         EXPECT_NEAR(products[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)], expected,
                     1e-6);
-        if (j == 0) EXPECT_NEAR(norms[static_cast<std::size_t>(i)], expected, 1e-6);
+        if (j == 0) {
+          EXPECT_NEAR(norms[static_cast<std::size_t>(i)], expected, 1e-6);
+        }
       }
     }
   }

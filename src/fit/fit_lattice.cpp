@@ -55,6 +55,7 @@ struct Samples {
   Index3 dims{};
   std::vector<float> values;
   double least = 0, greatest = 0, background = 0;
+  bool whole = false;
 };
 
 // The value that most samples are near.
@@ -78,9 +79,9 @@ double background_of(const std::vector<float>& values, double least, double grea
   return most->sum / static_cast<double>(most->count);
 }
 
-Samples read_samples(const LatticeField& field, int threads, const std::stop_token& stop) {
+void read_samples(const LatticeField& field, Samples& samples, int threads,
+                  const std::stop_token& stop) {
   const BrickSource& source = field.samples();
-  Samples samples;
   samples.dims = source.geometry().dims;
   const auto [nx, ny, nz] = samples.dims;
   samples.values.resize(static_cast<std::size_t>(num_samples(samples.dims)));
@@ -103,7 +104,6 @@ Samples read_samples(const LatticeField& field, int threads, const std::stop_tok
   samples.least = static_cast<double>(*lo);
   samples.greatest = static_cast<double>(*hi);
   samples.background = background_of(samples.values, samples.least, samples.greatest);
-  return samples;
 }
 
 // Numbers of kernels between one that is too few and one that is too many.
@@ -135,14 +135,20 @@ class LatticeFitter {
     fit::check_goal(options);
     check_lattice(dataset);
     LatticeModelOptions model;
-    model.array = options.model.array;
     model.component = options.model.component;
     model.prefilter = false;
     model.threads = work_.threads;
-    LatticeModelReport found;
-    const LatticeField field = make_lattice_field(dataset, model, &found, options.stop);
-    samples_ = read_samples(field, work_.threads, options.stop);
-    report_.array = found.array;
+    Dataset stored = dataset;
+    stored.arrays = {dataset.array(options.model.array)};
+    DataArray& array = stored.arrays[0];
+    report_.array = array.name;
+    samples_.whole = !is_floating(array.type) && size_of(array.type) <= 2 && model.component >= 0;
+    if (samples_.whole) {  // fitted as they are stored
+      value_scale_ = std::abs(std::exchange(array.value_scale, 1.0));
+      array.value_offset = 0;
+    }
+    read_samples(make_lattice_field(stored, model, nullptr, options.stop), samples_, work_.threads,
+                 options.stop);
     report_.range = samples_.greatest - samples_.least;
     report_.source_kernels = report_.places = report_.test_places = num_samples(samples_.dims);
     report_.source_psnr = std::numeric_limits<double>::infinity();
@@ -152,6 +158,10 @@ class LatticeFitter {
   LatticeLevels run() {
     LatticeLevels levels = report_.range > 0 ? reach_goal() : empty();
     report_errors(levels);
+    // So far in stored numbers.
+    report_.range *= value_scale_;
+    report_.greatest_error *= value_scale_;
+    for (FitStep& step : report_.steps) step.greatest_error *= value_scale_;
     tell(1);
     return levels;
   }
@@ -191,6 +201,7 @@ class LatticeFitter {
     levels.offset = samples_.background;
     levels.least = samples_.least;
     levels.greatest = samples_.greatest;
+    levels.whole = samples_.whole;
     return levels;
   }
 
@@ -200,7 +211,7 @@ class LatticeFitter {
       above[i] = static_cast<float>(static_cast<double>(samples_.values[i]) - samples_.background);
     LevelFitter fitter(samples_.dims, std::move(above), work_);
     if (options_.psnr) return reach_psnr(fitter, *options_.psnr);
-    if (options_.tolerance) return reach_tolerance(fitter, *options_.tolerance);
+    if (options_.tolerance) return reach_tolerance(fitter, *options_.tolerance / value_scale_);
     if (options_.relative_tolerance)
       return reach_tolerance(fitter, *options_.relative_tolerance * report_.range);
     if (options_.kernels) return reach_count(fitter, *options_.kernels);
@@ -343,11 +354,11 @@ class LatticeFitter {
     return levels;
   }
 
-  [[noreturn]] static void refuse_tolerance(double tolerance) {
+  [[noreturn]] void refuse_tolerance(double tolerance) const {
     refuse_fit(
         fmt::format("tolerance = {:g}: takes more than half as many kernels as samples, "
                     "which would be more than the lattice itself",
-                    tolerance));
+                    tolerance * value_scale_));
   }
 
   // Kernels at the samples whose error is greater than all their neighbours' and than the bound.
@@ -489,6 +500,7 @@ class LatticeFitter {
   FitReport& report_;
   data::LevelWork work_;
   Samples samples_;
+  double value_scale_ = 1;  // of the numbers that are fitted
   double told_ = 0;
 };
 

@@ -232,7 +232,7 @@ TEST(FitLattice, OddLatticesAreFitted) {
     });
     EXPECT_GE(errors_of(thin, fit_lattice(thin, lattice_psnr(30))).psnr, 30);
   }
-  // Scaled numbers of a scanner, far from 0, are fitted as what they stand for.
+  // A scanner's numbers are fitted as they are stored, and stay whole.
   std::vector<std::int16_t> stored;
   for (const float value : values_of<float>(scan().array()))
     stored.push_back(static_cast<std::int16_t>(std::lround(value)));
@@ -240,9 +240,22 @@ TEST(FitLattice, OddLatticesAreFitted) {
   scaled.arrays = {io::make_array("hu", ScalarType::kInt16, stored)};
   scaled.arrays[0].value_scale = 10;
   scaled.arrays[0].value_offset = -1000;
-  const LatticeLevels levels = fit_lattice(scaled, lattice_psnr(35));
-  EXPECT_NEAR(levels.least, -1050, 1);
-  EXPECT_GT(levels.greatest, 0);
+  FitReport of_scaled;
+  const LatticeLevels levels = fit_lattice(scaled, lattice_psnr(35), &of_scaled);
+  EXPECT_TRUE(levels.whole);
+  EXPECT_EQ(levels.least, *std::min_element(stored.begin(), stored.end()));
+  EXPECT_NEAR(of_scaled.range, 10 * (levels.greatest - levels.least), 1e-9);
+  double greatest = 0;
+  const std::vector<float> back = samples_of(levels);
+  for (std::size_t i = 0; i < back.size(); ++i) {
+    EXPECT_EQ(back[i], std::round(back[i]));
+    greatest = std::max(greatest, 10 * std::abs(static_cast<double>(back[i]) - stored[i]));
+  }
+  EXPECT_NEAR(of_scaled.greatest_error, greatest, 1e-9);
+  // A bound is one of values.
+  const std::vector<float> within = samples_of(fit_lattice(scaled, lattice_tolerance(60)));
+  for (std::size_t i = 0; i < within.size(); ++i)
+    EXPECT_LE(std::abs(static_cast<double>(within[i]) - stored[i]), 6);
 }
 
 TEST(FitLattice, RefusesWhatCannotBe) {

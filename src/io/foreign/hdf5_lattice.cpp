@@ -20,6 +20,7 @@
 
 #include "data/relevant_runs.h"
 #include "data/scalar_visit.h"
+#include "data/stored_number.h"
 #include "data/varies.h"
 #include "io/core/point_arrays.h"
 #include "io/core/sample_parts.h"
@@ -497,14 +498,15 @@ class LatticeReader {
     return level;
   }
 
-  LatticeLevels read_levels(hid_t group, const std::string& place, ReadProgress& progress,
-                            std::int64_t& stored_bytes) const {
+  LatticeLevels read_levels(hid_t group, const std::string& place, ScalarType type,
+                            ReadProgress& progress, std::int64_t& stored_bytes) const {
     const auto number = [&](const char* name) { return numbers(group, place, name, 1)[0]; };
     LatticeLevels levels;
     levels.dims = dataset_.lattice.dims;
     levels.offset = number("offset");
     levels.least = number("least");
     levels.greatest = number("greatest");
+    levels.whole = !is_floating(type);
     levels.step = number("step");
     if (num_samples(levels.dims) > std::int64_t{std::numeric_limits<std::uint32_t>::max()})
       fail(fmt::format("{}: levels hold at most 2^32 samples", place), ErrorCode::kUnsupported);
@@ -525,19 +527,29 @@ class LatticeReader {
 
   DataArray dense_of_levels(hid_t group, const std::string& place, DataArray description,
                             ReadProgress& progress) {
+    const auto least = hdf5_number(group, "least");
+    if (!least || !levels_hold(least->type)) {
+      fail(fmt::format("{}: attribute 'least': expected a number, float32 or of 1 or 2 bytes",
+                       place));
+    }
     check_expansion(place, {ScalarType::kFloat32, dataset_.lattice.dims});
     std::int64_t stored_bytes = 0;
-    const LatticeLevels levels = read_levels(group, place, progress, stored_bytes);
+    const LatticeLevels levels = read_levels(group, place, least->type, progress, stored_bytes);
     std::vector<float> values;
     try {
-      values = samples_of(levels);
+      values = samples_of(levels, 0, {}, options_.progress);
     } catch (const Error& error) {
       fail(fmt::format("'{}': {}", place, error.what()));
     }
-    description.type = ScalarType::kFloat32;
+    description.type = least->type;
     std::byte* to = nullptr;
     DataArray array = new_array(std::move(description), to);
-    std::memcpy(to, values.data(), values.size() * sizeof(float));
+    data::visit_scalar(array.type, [&]<class T>(std::type_identity<T>) {
+      for (std::size_t i = 0; i < values.size(); ++i) {
+        const T value = data::stored_number<T>(static_cast<double>(values[i]));
+        std::memcpy(to + i * sizeof(T), &value, sizeof(T));
+      }
+    });
     storage_notes_.push_back(
         fmt::format("{}: '{}' is stored as levels: {} kernels for {} samples, {} bytes in the file",
                     name_, array.name, levels.num_kernels(), array.num_tuples, stored_bytes));

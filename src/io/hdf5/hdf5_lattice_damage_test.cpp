@@ -243,8 +243,8 @@ TEST_F(BadLatticeFile, LevelsThatDoNotFit) {
   header.has_levels = true;
   {
     LatticeFileWriter writer(path_, header);
-    const LatticeLevels levels{{4, 3, 2}, 1,   0,
-                               9,         0.5, {{{1, 5, 22}, {7, -2, 900}}, {{0, 1}, {3, 4}}}};
+    const LatticeLevels levels{
+        {4, 3, 2}, 1, 0, 9, false, 0.5, {{{1, 5, 22}, {7, -2, 900}}, {{0, 1}, {3, 4}}}};
     writer.write_levels({&levels, 1});
     writer.finish();
   }
@@ -259,7 +259,8 @@ TEST_F(BadLatticeFile, LevelsThatDoNotFit) {
                                                        "from 0 to 4"));
   EXPECT_THAT(number("num_kernels", {2, 2}), HasSubstr("'array0/step0/gaps0' has shape [3]"));
   EXPECT_THAT(number("step", {0}), HasSubstr("'array0/step0': "));
-  EXPECT_THAT(number("least", {10}), HasSubstr("least, greatest = 10, 9: must rise"));
+  EXPECT_THAT(number("least", {0}), HasSubstr("'least': expected a number, float32 or of 1 or 2"));
+  EXPECT_THAT(number("greatest", {-1}), HasSubstr("least, greatest = 0, -1: must rise"));
   EXPECT_THAT(number("offset", {std::numeric_limits<double>::infinity()}),
               HasSubstr("'offset': inf: must be finite"));
   for (const char* name : {"num_levels", "num_kernels", "offset", "least", "greatest", "step"})

@@ -34,6 +34,11 @@ inline constexpr std::array<Hdf5LatticeWord, 4> kHdf5LatticeWords{{
     {"d4star", LatticeKind::kCartesian, SeriesKind::kStaggered, true},
 }};
 
+// Samples that levels of kernels may stand for: those whose numbers a float holds.
+inline bool levels_hold(ScalarType type) {
+  return type == ScalarType::kFloat32 || (!is_floating(type) && size_of(type) <= 2);
+}
+
 // Steps of staggered times may differ by so much of their mean distance: times of 32-bit floats do.
 inline constexpr double kMaxTimeDeviation = 1e-3;
 

@@ -453,6 +453,33 @@ TEST(LatticeFile, LevelsAreReadAsTheirSamples) {
       << back.notes.back();
 }
 
+TEST(LatticeFile, LevelsOfWholeNumbersKeepTypeAndScale) {
+  const TestFolder folder;
+  const std::string path = folder.file("a.h5");
+  Dataset dataset = lattice_dataset({41, 40, 39});
+  LatticeLevels levels = some_levels(dataset.lattice.dims);
+  levels.whole = true;
+  dataset.arrays = {array_of("hu", ScalarType::kInt16, num_samples(dataset.lattice.dims))};
+  dataset.arrays[0].value_scale = 2;
+  dataset.arrays[0].value_offset = -1000;
+  LatticeFileWriter writer(path, header_of_levels(dataset));
+  writer.write_levels({&levels, 1});
+  writer.finish();
+  const Dataset back = read_dataset({path});
+  EXPECT_EQ(back.array().type, ScalarType::kInt16);
+  EXPECT_EQ(back.array().value_scale, 2);
+  EXPECT_EQ(back.array().value_offset, -1000);
+  const std::vector<float> samples = samples_of(levels);
+  EXPECT_EQ(values_of<std::int16_t>(back.array()),
+            std::vector<std::int16_t>(samples.begin(), samples.end()));
+  levels.whole = false;
+  LatticeFileWriter other(folder.file("b.h5"), header_of_levels(dataset));
+  EXPECT_NE(error_of([&] {
+              other.write_levels({&levels, 1});
+            }).find("whole = false"),
+            std::string::npos);
+}
+
 TEST(LatticeFile, LevelsOfNothingAreTheirOffset) {
   const TestFolder folder;
   const std::string path = folder.file("a.h5");
@@ -478,8 +505,8 @@ TEST(LatticeFile, LevelsAreNotForEveryLattice) {
   header.lattice.kind = LatticeKind::kBodyCentred;
   expect_refusal(header, "lattice: must be cartesian");
   header = header_of_levels(dataset);
-  header.arrays[0].type = ScalarType::kUInt8;
-  expect_refusal(header, "levels hold float32 of one component");
+  header.arrays[0].type = ScalarType::kInt32;
+  expect_refusal(header, "levels hold float32 and integers of 1 or 2 bytes");
   header = header_of_levels(dataset);
   header.relevant = RelevantSamples{1.0};
   expect_refusal(header, "not both");

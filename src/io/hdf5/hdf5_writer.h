@@ -74,9 +74,9 @@ class Hdf5Object {
   Kind kind_ = Kind::kFile;
 };
 
-// Throws Error(kUnsupported) unless files can be made: the build has HDF5, and the library is
-// found.
-void require_hdf5();
+// Throws Error: kUnsupported unless files can be made (the build has HDF5, and the library is
+// found), kOutOfMemory unless there is room for it and for packing a chunk of so many bytes.
+void require_hdf5(std::size_t chunk_bytes);
 
 // The file at `path`, with nothing in it, in place of what is there; not open if that cannot be.
 // Throws Error(kUnsupported) as require_hdf5() does.

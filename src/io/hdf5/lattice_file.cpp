@@ -12,6 +12,8 @@
 #include <utility>
 
 #include "data/encode_relevant.h"
+#include "data/scalar_visit.h"
+#include "data/stored_number.h"
 #include "io/cell_lattice.h"
 #include "io/core/atomic_file.h"
 #include "io/core/samples.h"
@@ -85,10 +87,11 @@ void check_leveled(const LatticeFileHeader& header) {
   if (header.lattice.kind != LatticeKind::kCartesian || header.series == SeriesKind::kStaggered)
     fail("lattice: must be cartesian, levels hold no other");
   for (const LatticeFileArray& array : header.arrays) {
-    if (array.type != ScalarType::kFloat32 || array.num_components != 1 || array.value_scale != 1 ||
-        array.value_offset != 0) {
-      fail(fmt::format("array '{}': is {} x {}: levels hold float32 of one component, not scaled",
-                       array.name, name_of(array.type), array.num_components));
+    if (!io::levels_hold(array.type) || array.num_components != 1) {
+      fail(
+          fmt::format("array '{}': is {} x {}: levels hold float32 and integers of 1 or 2 bytes, "
+                      "of one component",
+                      array.name, name_of(array.type), array.num_components));
     }
   }
 }
@@ -165,10 +168,14 @@ class LatticeFileWriter::Impl {
       if (levels[i].dims != header_.lattice.dims)
         fail(fmt::format("levels[{}]: of {} samples: expected {}", i,
                          fmt::join(levels[i].dims, " x "), fmt::join(header_.lattice.dims, " x ")));
+      const ScalarType type = header_.arrays[i].type;
+      if (levels[i].whole == is_floating(type))
+        fail(fmt::format("levels[{}]: whole = {}: the array is {}", i, levels[i].whole,
+                         name_of(type)));
       counts_.num_samples += num_samples(header_.lattice.dims);
       counts_.dense_bytes += num_bytes(header_.arrays[i]);
       counts_.num_relevant += levels[i].num_kernels();
-      write_levels(groups_[i], levels[i]);
+      write_levels(groups_[i], type, levels[i]);
     }
     ++num_steps_;
   }
@@ -349,14 +356,16 @@ class LatticeFileWriter::Impl {
                runs.values().data());
   }
 
-  void write_levels(const io::Hdf5Object& array_group, const LatticeLevels& levels) const {
+  void write_levels(const io::Hdf5Object& array_group, ScalarType type,
+                    const LatticeLevels& levels) const {
     const io::Hdf5Object step = array_group.make_group(fmt::format("step{}", num_steps_));
     std::vector<std::int64_t> counts;
     for (const LatticeLevel& level : levels.levels)
       counts.push_back(static_cast<std::int64_t>(level.nodes.size()));
     require(step.is_open() && step.add_number("offset", levels.offset) &&
-            step.add_number("least", levels.least) &&
-            step.add_number("greatest", levels.greatest) && step.add_number("step", levels.step) &&
+            add_number_as(step, "least", type, levels.least) &&
+            add_number_as(step, "greatest", type, levels.greatest) &&
+            step.add_number("step", levels.step) &&
             step.add_number("num_levels", static_cast<std::int64_t>(counts.size())));
     if (!counts.empty()) {
       require(step.add_numbers("num_kernels", ScalarType::kInt64, counts.data(),
@@ -369,6 +378,13 @@ class LatticeFileWriter::Impl {
       write_list(step, fmt::format("weights{}", l).c_str(), stored.weight_type, counts_of(stored),
                  stored.weights.data());
     }
+  }
+  static bool add_number_as(const io::Hdf5Object& object, const char* name, ScalarType type,
+                            double value) {
+    return data::visit_scalar(type, [&]<class T>(std::type_identity<T>) {
+      const T number = data::stored_number<T>(value);
+      return object.add_numbers(name, type, &number);
+    });
   }
   static std::size_t counts_of(const io::StoredLevel& stored) {
     return stored.gaps.size() / size_of(stored.gap_type);

@@ -44,6 +44,8 @@ constexpr int kSocketInChild = 3;
 // which are those of text.
 constexpr double kBaseSeconds = 2;
 constexpr double kBytesPerSecond = 2e6;
+// And so much more by the time it says that it is done: a few kernels stand for many samples.
+constexpr double kSecondsOfProgress = 300;
 
 // Addresses that VTK and all below it, and the reader's own threads, take before a file is read.
 constexpr std::int64_t kLibraries = std::int64_t{1} << 30;
@@ -146,18 +148,24 @@ class ReaderProcess {
     return reason_;
   }
 
-  // Lets it use so many seconds more of a processor, then the system ends it; and so many bytes
-  // beside its libraries, then it gets no more.
-  void allow(double seconds, std::int64_t num_bytes) const noexcept {
-    const double limit = std::min(used_seconds() + seconds, 1e9) + 1;
-    const rlimit time{static_cast<rlim_t>(limit), static_cast<rlim_t>(limit) + 1};
-    ::prlimit(pid_, RLIMIT_CPU, &time, nullptr);
+  // Lets it use so many seconds more of a processor, then the system ends it, or who waits for it
+  // does; and so many bytes beside its libraries, then it gets no more.
+  void allow(double seconds, std::int64_t num_bytes) noexcept {
+    told_ = 0;
+    set_limit(used_seconds() + seconds);
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // these take terabytes
     const auto size = static_cast<rlim_t>(num_bytes + kLibraries);
     const rlimit memory{size, size};
     ::prlimit(pid_, RLIMIT_AS, &memory, nullptr);
 #endif
   }
+
+  // It has told of progress, 0 to 1, and gets time for more.
+  void extend(double fraction) noexcept {
+    if (!(fraction > told_ && fraction <= 1)) return;
+    set_limit(limit_ + kSecondsOfProgress * (fraction - std::exchange(told_, fraction)));
+  }
+  bool is_out_of_time() const noexcept { return used_seconds() > limit_ + 1; }
 
   double used_seconds() const noexcept {
     clockid_t clock{};
@@ -176,6 +184,15 @@ class ReaderProcess {
   }
 
  private:
+  // The hard limit stays: only a privileged user could raise it again.
+  void set_limit(double seconds) noexcept {
+    limit_ = std::min(seconds, 1e9);
+    rlimit time{};
+    if (::prlimit(pid_, RLIMIT_CPU, nullptr, &time) != 0) return;
+    time.rlim_cur = std::min(static_cast<rlim_t>(limit_ + 1), time.rlim_max);
+    ::prlimit(pid_, RLIMIT_CPU, &time, nullptr);
+  }
+
   // Closing 0, 1 and 2 in the child must not close the socket.
   static UniqueFd above_standard(UniqueFd fd) {
     if (fd.get() > kSocketInChild) return fd;
@@ -197,6 +214,8 @@ class ReaderProcess {
   std::optional<ReaderLink> link_;
   pid_t pid_ = -1;
   UniqueFd handle_;
+  double limit_ = 0;  // seconds of a processor in all
+  double told_ = 0;   // progress of this request
   bool is_reaped_ = false;
   std::optional<int> reason_;
 };
@@ -285,6 +304,12 @@ Dataset ReaderSession::Impl::receive(const io::ReaderHost& host) {
   double used = 0;
   auto last_work = io::Clock::now();
   for (;;) {
+    if (process->is_out_of_time()) {  // and has not let the system end it
+      process.reset();
+      throw Error(ErrorCode::kFileFormat,
+                  fmt::format("{}: its reader stopped{}: is the file damaged?", source,
+                              io::reason_text(SIGXCPU)));
+    }
     if (!process->link().wait(500)) {
       const double now_used = process->used_seconds();
       if (now_used > used || !process->is_asleep()) last_work = io::Clock::now();
@@ -299,9 +324,11 @@ Dataset ReaderSession::Impl::receive(const io::ReaderHost& host) {
     if (!message) report_end(source, "stopped");
     switch (message->type) {
       case io::LinkMessage::kProgress:
-        if (double fraction = 0; options.progress && message->bytes.size() == sizeof(double)) {
+        if (double fraction = 0; message->bytes.size() == sizeof(double)) {
           std::memcpy(&fraction, message->bytes.data(), sizeof(double));
-          if (fraction >= 0 && fraction <= 1) report_progress(options, fraction);
+          process->extend(fraction);
+          if (options.progress && fraction >= 0 && fraction <= 1)
+            report_progress(options, fraction);
         }
         break;
       case io::LinkMessage::kDataset:

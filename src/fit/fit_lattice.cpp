@@ -83,14 +83,14 @@ void read_samples(const LatticeField& field, Samples& samples, int threads,
                   const std::stop_token& stop) {
   const BrickSource& source = field.samples();
   samples.dims = source.geometry().dims;
-  const auto [nx, ny, nz] = samples.dims;
-  samples.values.resize(static_cast<std::size_t>(num_samples(samples.dims)));
-  data::parallel_ranges({nz, 4, threads, stop}, [&](std::int64_t begin, std::int64_t end) {
+  const Index3& dims = samples.dims;
+  samples.values.resize(static_cast<std::size_t>(num_samples(dims)));
+  data::parallel_ranges({dims[2], 4, threads, stop}, [&](std::int64_t begin, std::int64_t end) {
     data::SampleReader reader(source);
-    auto* to = samples.values.data() + begin * nx * ny;
+    auto* to = samples.values.data() + begin * dims[0] * dims[1];
     for (std::int64_t z = begin; z < end; ++z) {
-      for (std::int64_t y = 0; y < ny; ++y) {
-        for (std::int64_t x = 0; x < nx; ++x) *to++ = reader.at({x, y, z});
+      for (std::int64_t y = 0; y < dims[1]; ++y) {
+        for (std::int64_t x = 0; x < dims[0]; ++x) *to++ = reader.at({x, y, z});
       }
     }
   });

@@ -35,13 +35,14 @@ format: setup  ## clang-format all sources in place
 
 sanitize: asan tsan scalar  ## the tests under sanitizers, and with the scalar SIMD target alone
 
-asan: setup
-	@scripts/build.sh $@
+# Without the tests that run one thread, or run the program, which has no vector code of its own; under ThreadSanitizer without pictures
+# that are compared, which take half a minute each there.
+asan scalar: setup
+	@scripts/build.sh $@ unit_tests agreement_tests
 	@scripts/run_tests.sh $@
 
-# Without the tests that run one thread, or run the program, which has no vector code of its own.
-tsan scalar: setup
-	@scripts/build.sh $@ unit_tests agreement_tests
+tsan: setup
+	@scripts/build.sh $@ unit_tests
 	@scripts/run_tests.sh $@
 
 fuzz: setup  ## fuzz the readers for SECONDS (60) each

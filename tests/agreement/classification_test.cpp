@@ -64,6 +64,19 @@ TEST(Preintegrated, AgreesWithOtherOptions) {
   }
 }
 
+// Fails if pieces that begin at the near plane have a front end before it.
+TEST(Preintegrated, AgreesFromWithin) {
+  for (const TestVolume& volume : test_volumes()) {
+    if (volume.name == "one sample") continue;  // shows nothing
+    Scene scene{volume.field, askew_camera(volume.field, false, 1.4),
+                semi_transparent_look(volume.lo, volume.hi), picture(40, 34)};
+    scene.camera.position += 0.85 * (scene.camera.focal_point - scene.camera.position);
+    scene.camera.view_angle = 80;
+    scene.options.classification = Classification::kPreintegrated;
+    EXPECT_TRUE(backends_agree(scene, volume.name, 0.05));
+  }
+}
+
 // Fails if the factor is taken from another gradient, or after the correction for the path.
 TEST(GradientOpacity, AgreesOnEveryVolumeAndLook) {
   for (const TestVolume& volume : test_volumes()) {

@@ -91,8 +91,6 @@ TEST(DepthLimits, AgreeWithClipPlanes) {
     scene.options.depth_limits = random_limits(scene, 5);
     for (const Classification how :
          {Classification::kRefined, Classification::kSampled, Classification::kPreintegrated}) {
-      // The first sample behind a plane is a set's piece or not, limits or none.
-      if (how == Classification::kPreintegrated && field.kernels() != nullptr) continue;
       scene.options.classification = how;
       EXPECT_TRUE(backends_agree(scene, "way " + std::to_string(static_cast<int>(how))));
     }

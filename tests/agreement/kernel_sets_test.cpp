@@ -134,8 +134,15 @@ TEST(KernelSets, AgreeOnOtherOptions) {
     Scene scene = plain;
     scene.options.classification = Classification::kPreintegrated;
     EXPECT_TRUE(backends_agree(scene, "pre-integrated" + view_text(is_parallel)));
+    const std::vector<ClipPlane> clip_planes = {{{-1, 0.6, 0.5}, -0.1}, {{0.2, 1, 0}, 0.3}};
+    scene.options.clip_planes = clip_planes;
+    EXPECT_TRUE(backends_agree(scene, "pre-integrated, clipped" + view_text(is_parallel), 0.02));
+    const Vec3 ahead = scene.camera.focal_point - scene.camera.position;
+    scene.options.clip_planes = {{ahead, ahead.dot(scene.camera.focal_point + 0.013 * ahead)}};
+    scene.look.transfer_function.opacities = {{0.45, 0}, {0.5, 1}, {0.55, 0}};
+    EXPECT_TRUE(backends_agree(scene, "pre-integrated, cut open" + view_text(is_parallel), 0.02));
     scene = plain;
-    scene.options.clip_planes = {{{-1, 0.6, 0.5}, -0.1}, {{0.2, 1, 0}, 0.3}};
+    scene.options.clip_planes = clip_planes;
     EXPECT_TRUE(backends_agree(scene, "clipped" + view_text(is_parallel), 0.02));
     scene.look.mode = Mode::kIsosurface;
     scene.look.isovalue = 0.5;
@@ -243,8 +250,11 @@ TEST(KernelSets, AgreeFromWithin) {
   camera.position = Vec3(0.5, 0.45, 0.6);
   camera.focal_point = Vec3(0.1, 0.3, 0.2);
   camera.view_angle = 80;
-  const Scene scene{field, camera, semi_transparent_look(0, 1), direct_options(70, 50)};
+  Scene scene{field, camera, semi_transparent_look(0, 1), direct_options(70, 50)};
   EXPECT_TRUE(backends_agree(scene, "from within", 0.5));
+  scene.look.transfer_function.opacities = {{0.45, 0}, {0.5, 1}, {0.55, 0}};
+  scene.options.classification = Classification::kPreintegrated;
+  EXPECT_TRUE(backends_agree(scene, "pre-integrated, from within", 0.5));
 }
 
 // Skipping and stopping change time, not pixels.

@@ -102,11 +102,15 @@ HWY_INLINE SlabCut slab_of(const CpuFrame& frame, const BlockPlace& place, int s
   return {from, to};
 }
 
+// False for sheets before the near plane, where differences have values, samples and pieces none.
+inline bool exists(const BlockPlace& place, int s) { return place.sheets[s].near_cut < 0; }
+
 // Lanes of a group whose samples half spaces leave a path: those that exist. What depth limits
 // leave of it is another matter, as a piece has a front end that may have none.
 HWY_INLINE std::uint32_t with_path_by_planes(const CpuFrame& frame, const BlockPlace& place, int s,
                                              int column, int row) {
   if (!frame.plan->is_clipped) return group_bits();
+  if (!exists(place, s)) return 0;
   const SlabCut slab = slab_of(frame, place, s, column, row);
   return bits_of(hn::Gt(slab.to, slab.from));
 }

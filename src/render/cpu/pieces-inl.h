@@ -22,9 +22,6 @@ HWY_BEFORE_NAMESPACE();
 namespace ovoid::cpu {
 namespace HWY_NAMESPACE {
 
-// False for sheets before the near plane, where differences have values and pieces none.
-inline bool exists(const BlockPlace& place, int s) { return place.sheets[s].near_cut < 0; }
-
 HWY_INLINE PieceEnds ends_of(const BlockPlace& place, const SheetRing& ring,
                              const SampleGroup& group) {
   const auto lanes_of = [&](int s) {

@@ -223,8 +223,11 @@ inline void classify_sheet(const CpuFrame& frame, const BlockPlace& place, const
           const V value = hn::LoadU(d, sheet.values + at);
           V before = value;
           if (frame.is_preintegrated) {
-            const M has_before = mask_of(lanes_at(sheet_before.defined[y], column));
-            before = hn::IfThenElse(has_before, hn::LoadU(d, sheet_before.values + at), value);
+            std::uint32_t with_before = lanes_at(sheet_before.defined[y], column) & lanes;
+            if (with_before != 0)
+              with_before &= with_path_by_planes(frame, place, s - 1, column, y);
+            before =
+                hn::IfThenElse(mask_of(with_before), hn::LoadU(d, sheet_before.values + at), value);
           }
           const M may_show = hn::And(
               hn::Ge(hn::Max(value, before), hn::Set(d, frame.look.constants.look.visible_lo)),

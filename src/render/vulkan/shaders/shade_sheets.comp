@@ -178,7 +178,8 @@ void draw_pixel(ivec2 at, inout Pixel pixel) {
       Sample before;
       before.is_defined = false;
       before.value = 0.0;
-      if (has_flag(kIsPreintegrated)) before = sample_at(at, sheet - 1);
+      if (has_flag(kIsPreintegrated) && path_fraction(vec2(at), float(sheet - 1)) > 0.0)
+        before = sample_at(at, sheet - 1);
       draw_sample(pixel, vec2(at), float(sheet), path, own.value, before.is_defined, before.value);
     } else if (kMode == kIsosurface) {
       draw_surface(pixel, at, sheet, own.value);

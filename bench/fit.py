@@ -20,7 +20,7 @@ from magnification import OVOID
 
 SHARES = (4, 10, 30, 100)
 PSNRS = (35, 38, 41, 44, 47)
-MADE = ("fin.vtu", "galaxy.npz", "blobs.ply", "head.nii", "vessels.nii")
+MADE = ("fin.vtu", "galaxy.npz", "blobs.ply", "head.nii", "jet.nii")
 HEADS = {
     False: ("data", "array", "kernels", "of all", "PSNR, dB", "all, as they were", "greatest error", "wrongly empty", "wrongly full", "time"),
     True: ("data", "samples", "PSNR, dB", "kernels", "bytes", "per kernel", "greatest error", "time", "zfp's bytes", "its PSNR"),
@@ -38,8 +38,8 @@ def fitted(inputs, flags, goal, ending, folder):
         return json.load(file)
 
 
-def made(folder):
-    for name in MADE:
+def made(names, folder):
+    for name in names:
         path = os.path.join(folder, name)
         run("make", name.split(".")[0], "-o", path)
         yield path
@@ -72,7 +72,8 @@ def zfp(raw, dims, psnr, value_range):
         tolerance /= 2
 
 
-def levels_of_lattices(name, inputs, flags, folder):
+def floats_of(inputs, flags, folder):
+    """A raw file of a lattice's samples as floats, and how many there are along each axis."""
     raw = os.path.join(folder, "floats.npy")
     run("convert", *inputs, "-o", raw, *flags)
     with open(raw, "rb") as file:
@@ -81,9 +82,14 @@ def levels_of_lattices(name, inputs, flags, folder):
     shape = [int(n) for n in re.search(r"'shape': \(([^)]*)\)", header).group(1).split(",") if n.strip()]
     floats = os.path.join(folder, "floats.raw")
     write_floats(raw, len(head) + len(header), re.search(r"'descr': '([^']*)'", header).group(1), floats)
+    return floats, shape[::-1]
+
+
+def levels_of_lattices(name, inputs, flags, folder):
+    floats, dims = floats_of(inputs, flags, folder)
     for psnr in PSNRS:
         report = fitted(inputs, flags, ("--psnr", str(psnr)), ".h5", folder)
-        size, reached = zfp(floats, shape[::-1], psnr, report["range"])
+        size, reached = zfp(floats, dims, psnr, report["range"])
         yield (name, report["source_kernels"], f"{report['psnr_db']:.1f}", report["kernels"], report["bytes"],
                f"{report['bytes'] / max(1, report['kernels']):.2f}", f"{100 * report['greatest_error'] / report['range']:.1f} %",
                f"{report['seconds']:.1f} s", size, reached)
@@ -103,7 +109,7 @@ def main():
     options = parser.parse_args()
     printed = None
     with tempfile.TemporaryDirectory() as folder:
-        for word in options.inputs or made(folder):
+        for word in options.inputs or made(MADE, folder):
             files, _, array_name = word.partition("@")
             inputs = files.split("+")
             flags = ["--array", array_name] if array_name else []

@@ -13,9 +13,9 @@ from sources import project_files, read_text
 
 # Which part stands behind each public header. A new header needs a line here.
 PUBLIC = {
-    "error.h": "data", "export.h": "data", "version.h": "data", "math.h": "data", "lattice.h": "data", "lattice_levels.h": "data", "kernels.h": "data", "kernel_field.h": "data", "field.h": "data", "surface.h": "data", "dataset.h": "data", "series.h": "data", "relevant.h": "data",
+    "error.h": "data", "export.h": "data", "version.h": "data", "math.h": "data", "lattice.h": "data", "lattice_levels.h": "data", "lattice_boxes.h": "data", "kernels.h": "data", "kernel_field.h": "data", "field.h": "data", "surface.h": "data", "dataset.h": "data", "series.h": "data", "relevant.h": "data",
     "model.h": "model", "resample.h": "model", "slices.h": "model", "hyperslice.h": "model", "coarse.h": "model",
-    "fit.h": "fit",
+    "fit.h": "fit", "simplify.h": "fit",
     "camera.h": "view", "transfer_function.h": "view", "look.h": "view", "image.h": "view",
     "render_options.h": "view", "depth_limits.h": "view", "crop.h": "view", "framing.h": "view",
     "annotate.h": "annotate",

@@ -16,6 +16,7 @@ void run_info(const Words& words, Session& session);
 void run_make(const Words& words, Session& session);
 void run_convert(const Words& words, Session& session);
 void run_fit(const Words& words, Session& session);
+void run_simplify(const Words& words, Session& session);
 void run_sample(const Words& words, Session& session);
 void run_bench(const Words& words, Session& session);
 

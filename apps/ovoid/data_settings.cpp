@@ -241,7 +241,9 @@ void check_kind_flags(const Flags& flags, const Dataset& dataset) {
     for (const Rule& rule : form.rules) {
       const bool fits =
           rule.kind != Rule::Kind::kForData ||
-          std::find(rule.kinds.begin(), rule.kinds.end(), dataset.kind) != rule.kinds.end();
+          std::find(rule.kinds.begin(), rule.kinds.end(), dataset.kind) != rule.kinds.end() ||
+          std::any_of(rule.unless.begin(), rule.unless.end(),
+                      [&](const std::string& other) { return flags.is_given(other); });
       if (!fits && flags.is_given(form.name)) refuse_kind("--" + form.name, rule.message, dataset);
     }
   }

@@ -5,12 +5,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <tuple>
 
+#include "load.h"
 #include "make_look.h"
 #include "ovoid/error.h"
 #include "ovoid/framing.h"
 #include "ovoid/io.h"
+#include "ovoid/sampler.h"
 #include "usage.h"
 #include "values.h"
 
@@ -35,11 +38,48 @@ std::vector<InputFile> files_to_read(const DataFlags& data, const DrawingFlags& 
   add(drawing.look.color_file, "the colours of --color-tf");
   add(drawing.trail.file, "the look of --trail-tf");
   add(drawing.camera.file, "the camera of --camera");
+  add(drawing.surface.within, "the mesh of --within");
   return inputs;
 }
 
+namespace {
+
+// The surface of --within, whose values are the field's.
+std::shared_ptr<const Surface> surface_within(const std::string& path, const Field& field,
+                                              Session& session) {
+  DataFlags data;
+  data.inputs = {path};
+  const Dataset mesh = [&] {
+    const Quiet quiet(session);
+    return load(data, session);
+  }();
+  if (mesh.kind != DatasetKind::kMesh && mesh.kind != DatasetKind::kBoxes)
+    refuse_kind("--within", "meshes", mesh);
+  const auto own = make_surface(mesh, {}, session.stop());
+  if (own == nullptr || !own->encloses_mesh()) {
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("--within: '{}' has no solid cells to be within", mesh.source));
+  }
+  auto surface = std::make_shared<Surface>(*own);
+  const FieldSampler sampler(field);
+  std::vector<float> values;
+  for (const Vec3& place : surface->places) {
+    const FieldSample sample = sampler.at(place);
+    values.push_back(sample.is_defined ? static_cast<float>(sample.color_value)
+                                       : std::numeric_limits<float>::quiet_NaN());
+  }
+  for (Surface::Triangle& triangle : surface->triangles) {
+    for (std::size_t i = 0; i < 3; ++i) triangle.values[i] = values[triangle.corners[i]];
+  }
+  return surface;
+}
+
+}  // namespace
+
 std::shared_ptr<const Surface> surface_of(const Dataset& dataset, const DrawingFlags& drawing,
                                           const Modelled& modelled, Session& session) {
+  if (!drawing.surface.within.empty())
+    return surface_within(drawing.surface.within, modelled.field, session);
   if (dataset.kind != DatasetKind::kMesh && dataset.kind != DatasetKind::kBoxes) return nullptr;
   KernelModelOptions options = drawing.model.kernels;
   options.array = modelled.array;
@@ -73,7 +113,8 @@ Subject make_subject(const Dataset& dataset, const Flags& flags, DrawingFlags* d
   subject.surface = surface_of(dataset, *drawing, subject.modelled, session);
   subject.has_points =
       dataset.kind == DatasetKind::kParticles || dataset.kind == DatasetKind::kKernels;
-  subject.has_walls = subject.surface != nullptr && dataset.kind == DatasetKind::kMesh;
+  subject.has_walls = subject.surface != nullptr &&
+                      (dataset.kind == DatasetKind::kMesh || !drawing->surface.within.empty());
   return subject;
 }
 

@@ -26,13 +26,13 @@ struct Subject {
   Modelled modelled;
   Described described;                     // all but the box
   std::string unit;                        // of what gives opacity
-  std::shared_ptr<const Surface> surface;  // of a mesh or boxes; null: there is none
-  bool has_walls = false;                  // the surface may be seen: a mesh's
+  std::shared_ptr<const Surface> surface;  // of a mesh or boxes, or --within; null: there is none
+  bool has_walls = false;                  // the surface may be seen: a mesh's, that of --within
   bool has_points = false;                 // may be drawn as balls: particles and kernels
 };
 
-// Of a mesh or boxes, with the values of what was modelled. Null if there is none. Throws Error
-// where it was asked for and there is none.
+// Of a mesh or boxes, or of the mesh of --within, with the values of what was modelled. Null if
+// there is none. Throws Error where it was asked for and there is none.
 std::shared_ptr<const Surface> surface_of(const Dataset& dataset, const DrawingFlags& drawing,
                                           const Modelled& modelled, Session& session);
 

@@ -25,12 +25,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// --tolerance: a number of the values' unit, or a share of their range.
-struct Tolerance {
-  double number = 0;
-  bool is_share = false;
-};
-
 struct FitFlags {
   DataFlags data;
   ModelFlags model;
@@ -42,12 +36,6 @@ struct FitFlags {
   std::uint64_t seed = 1;
   int threads = 0;
 };
-
-Tolerance parse_tolerance(const std::string& text) {
-  if (!text.ends_with('%')) return {parse_number(text, kPositive), false};
-  const Interval percent = {.lo = 0, .hi = 100, .lo_open = true};
-  return {parse_number(text.substr(0, text.size() - 1), percent) / 100, true};
-}
 
 const Table<FitFlags>& fit_settings() {
   using F = FitFlags;
@@ -185,14 +173,8 @@ void fit_set(const Dataset& dataset, const FitOptions& options, const std::strin
 void fit_levels(const Dataset& dataset, const FitOptions& options, const std::string& output,
                 FitReport& report) {
   const LatticeLevels levels = fit_lattice(dataset, options, &report);
-  Dataset fitted = dataset;
-  fitted.arrays = {dataset.array(report.array)};
-  LatticeFileHeader header = lattice_file_header(fitted);
-  if (levels.whole)
-    header.arrays[0].num_components = 1;
-  else
-    header.arrays = {{.name = report.array, .unit = fitted.arrays[0].unit}};
-  header.has_levels = true;
+  const LatticeFileHeader header =
+      lattice_file_header(dataset, report.array, LatticeContent::kLevels, levels.whole);
   LatticeFileWriter writer(output, header, {options.stop});
   writer.write_levels({&levels, 1});
   writer.finish();

@@ -32,7 +32,7 @@ struct Command {
   void (*run)(const Words& words, Session& session);  // null: run_view(), before there is a session
 };
 
-constexpr std::array<Command, 9> kCommands = {{
+constexpr std::array<Command, 10> kCommands = {{
     {kView, "INPUT...", "look around in data, in a window", nullptr},
     {"render", "INPUT... -o OUT.png", "draw data to a picture", run_render},
     {"animate", "INPUT... -o OUT.mp4", "draw a film or numbered pictures", run_animate},
@@ -40,6 +40,7 @@ constexpr std::array<Command, 9> kCommands = {{
     {"make", "NAME -o OUT", "sample data by formula", run_make},
     {"convert", "INPUT... -o OUT", "between formats, to a grid or kernels", run_convert},
     {"fit", "INPUT... -o OUT.ply", "fewer kernels for a field, with a stated error", run_fit},
+    {"simplify", "INPUT... -o OUT.h5", "runs and boxes for a scan's samples", run_simplify},
     {"sample", "INPUT... --points P -o OUT", "the field and its gradient at points", run_sample},
     {"bench", "[SCENE...]", "time the stages on standard scenes", run_bench},
 }};

@@ -79,7 +79,16 @@ std::array<std::array<std::string, 2>, 3> parse_parts(const std::string& text) {
   return parts;
 }
 
+Tolerance tolerance_of(const std::string& text, bool may_be_zero) {
+  if (!text.ends_with('%')) return {parse_number(text, {.lo = 0, .lo_open = !may_be_zero}), false};
+  const Interval percent = {.lo = 0, .hi = 100, .lo_open = !may_be_zero};
+  return {parse_number(text.substr(0, text.size() - 1), percent) / 100, true};
+}
+
 }  // namespace
+
+Tolerance parse_tolerance(const std::string& text) { return tolerance_of(text, false); }
+Tolerance parse_tolerance_or_zero(const std::string& text) { return tolerance_of(text, true); }
 
 LatticeKernel parse_kernel(const std::string& text) {
   using K = LatticeKernel;

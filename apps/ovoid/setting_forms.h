@@ -20,6 +20,14 @@ inline std::optional<std::string> if_so(bool is_so, const std::string& shown) {
   return is_so ? std::optional(shown) : std::nullopt;
 }
 
+// A number of the values' unit, or, with % behind it, a share of their range.
+struct Tolerance {
+  double number = 0;
+  bool is_share = false;
+};
+Tolerance parse_tolerance(const std::string& text);          // "VALUE[%]", not 0
+Tolerance parse_tolerance_or_zero(const std::string& text);  // "VALUE[%]"
+
 LatticeKernel parse_kernel(const std::string& text);  // "bspline", "gaussian:SIGMA,CUTOFF"
 int parse_component(const std::string& text);         // "N" or "magnitude"
 Vec3 parse_spacing(const std::string& text);          // "A,B,C"

@@ -316,7 +316,11 @@ const Table<AnnotationFlags>& mark_settings() {
 
 const Table<SurfaceFlags>& surface_settings() {
   using S = SurfaceFlags;
-  const Rule mesh = for_data({DatasetKind::kMesh}, "meshes, which have cells that end");
+  Rule mesh = for_data({DatasetKind::kMesh}, "meshes, which have cells that end, and --within");
+  mesh.unless = {"within"};
+  const Rule no_mesh =
+      for_data({DatasetKind::kLattice, DatasetKind::kParticles, DatasetKind::kKernels},
+               "lattices, particles and kernels, which have no cells that end");
   const Rule mode = not_with("mode", "is for --mode composite", is_no_layer);
   static const Table<S> all = {
       {"--surface",
@@ -334,6 +338,10 @@ const Table<SurfaceFlags>& surface_settings() {
        mesh,
        mode},
       {"--edges", Toggle(), &S::shows_edges, "the edges of the surface's cells, too", mesh, mode},
+      {"--within", word("MESH"), &S::within,
+       "draw a field within the surface of this mesh, such as the one that its kernels were fitted "
+       "to, as the mesh's own is drawn",
+       no_mesh, not_with("points motion-blur")},
   };
   return all;
 }

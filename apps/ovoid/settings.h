@@ -159,6 +159,7 @@ inline constexpr Rgb kBackground{0.10, 0.11, 0.13};
 struct SurfaceFlags {
   std::optional<double> opacity;  // 0: the volume instead; none: as the data are
   bool shows_edges = false;
+  std::string within;  // a mesh's file, whose surface is that of data without cells; empty: none
 };
 
 // Particles and kernels as balls.

@@ -122,7 +122,7 @@ cli::FlagSet flags_of(const Document& document, Size size) {
   cli::tell(cli::crop_settings(), told_crop(view, document.launch->drawing.crop), &flags);
   drawing.plane = document.scenes({1, 1}).back()->plane;
   cli::tell(cli::plane_settings(), drawing, &flags);
-  drawing.surface = {};
+  drawing.surface = {.within = document.launch->drawing.surface.within};
   if (document.shown->subject.has_walls && view.look.mode == Mode::kComposite) {
     const bool is_drawn = document.draws_surface(view);
     drawing.surface.opacity = is_drawn ? view.surface.opacity : 0;

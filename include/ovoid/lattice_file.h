@@ -13,6 +13,7 @@
 #include "ovoid/export.h"
 #include "ovoid/io.h"
 #include "ovoid/lattice.h"
+#include "ovoid/lattice_boxes.h"
 #include "ovoid/lattice_levels.h"
 #include "ovoid/relevant.h"
 
@@ -37,6 +38,10 @@ struct LatticeFileCounts {
   std::int64_t run_bytes = 0;    // of the runs and their samples, as they are in memory
 };
 
+// What stands for the samples of a step: themselves, or runs of them, by write_step(); what
+// LatticeLevels or LatticeBoxes say, by write_levels() or write_boxes().
+enum class LatticeContent { kSamples, kLevels, kBoxes };
+
 // What a lattice file says beside its samples.
 struct LatticeFileHeader {
   // Of every step; kStaggered: Cartesian, of the even ones, while the odd ones have as many samples
@@ -49,9 +54,9 @@ struct LatticeFileHeader {
                               // empty: not known
   std::string time_unit;      // empty: not known
   std::optional<RelevantSamples> relevant;  // keep these alone, as runs: arrays of one component
-  // Of samples as levels of kernels, by write_levels(): a Cartesian lattice, not staggered, arrays
-  // of one component that are float32 or, where LatticeLevels::whole, integers of 1 or 2 bytes.
-  bool has_levels = false;
+  // Levels and boxes: a Cartesian lattice, not staggered, arrays of one component that are float32
+  // or, where LatticeLevels::whole, LatticeBoxes::whole, integers of 1 or 2 bytes.
+  LatticeContent content = LatticeContent::kSamples;
 };
 
 // The header of a file of `dataset` alone: its lattice, arrays and, of the times, that of its step.
@@ -59,6 +64,11 @@ struct LatticeFileHeader {
 // dataset that is no lattice, kInvalidArgument for one without arrays or with arrays of both
 // samples and cells.
 LatticeFileHeader lattice_file_header(const Dataset& dataset);
+
+// The header of a file of levels or boxes for one array of a Cartesian lattice. `whole` as they
+// say: samples keep the array's type and scale, else they are float32 values.
+LatticeFileHeader lattice_file_header(const Dataset& dataset, const std::string& array,
+                                      LatticeContent content, bool whole);
 
 // The bytes of a lattice file of one array and step with such levels: never less than the file has,
 // and a few KiB more at most. Cost: that of packing them.
@@ -90,9 +100,10 @@ class LatticeFileWriter {
   // arrays or bytes, kFileWrite (then the writer is of no further use). Cost: compression, about a
   // second for 50 MiB.
   void write_step(std::span<const Bytes> samples);
-  // The same with levels of kernels, of the header's dims, for every array. They stand for stored
-  // numbers, of which the header's scale and offset make values.
+  // The same with levels of kernels, or boxes, of the header's dims, for every array. They stand
+  // for stored numbers, of which the header's scale and offset make values.
   void write_levels(std::span<const LatticeLevels> levels);
+  void write_boxes(std::span<const LatticeBoxes> boxes);
   // The same with the arrays of a dataset, which must be the header's: name, type, components and
   // number of samples. Its geometry and its time are not looked at.
   void write_step(const Dataset& step);

@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "data/parallel.h"
-#include "data/sample_reader.h"
 #include "fit/fit_goal.h"
+#include "fit/lattice_samples.h"
 #include "fit/level_fitter.h"
 #include "ovoid/error.h"
 #include "ovoid/fit.h"
@@ -50,62 +50,6 @@ constexpr std::size_t kBytesPerSample = 48;
 // More kernels than that share of the samples would not make a file smaller.
 constexpr double kMostKernels = 0.5;
 
-// What there is of a lattice's samples beyond themselves.
-struct Samples {
-  Index3 dims{};
-  std::vector<float> values;
-  double least = 0, greatest = 0, background = 0;
-  bool whole = false;
-};
-
-// The value that most samples are near.
-double background_of(const std::vector<float>& values, double least, double greatest) {
-  if (!(greatest > least)) return least;
-  constexpr int kBins = 4096;
-  struct Bin {
-    std::int64_t count = 0;
-    double sum = 0;
-  };
-  std::vector<Bin> bins(kBins);
-  const double scale = kBins / (greatest - least);
-  for (const float value : values) {
-    const double at = (static_cast<double>(value) - least) * scale;
-    Bin& bin = bins[static_cast<std::size_t>(std::min(at, kBins - 1.0))];
-    ++bin.count;
-    bin.sum += static_cast<double>(value);
-  }
-  const auto most = std::max_element(bins.begin(), bins.end(),
-                                     [](const Bin& a, const Bin& b) { return a.count < b.count; });
-  return most->sum / static_cast<double>(most->count);
-}
-
-void read_samples(const LatticeField& field, Samples& samples, int threads,
-                  const std::stop_token& stop) {
-  const BrickSource& source = field.samples();
-  samples.dims = source.geometry().dims;
-  const Index3& dims = samples.dims;
-  samples.values.resize(static_cast<std::size_t>(num_samples(dims)));
-  data::parallel_ranges({dims[2], 4, threads, stop}, [&](std::int64_t begin, std::int64_t end) {
-    data::SampleReader reader(source);
-    auto* to = samples.values.data() + begin * dims[0] * dims[1];
-    for (std::int64_t z = begin; z < end; ++z) {
-      for (std::int64_t y = 0; y < dims[1]; ++y) {
-        for (std::int64_t x = 0; x < dims[0]; ++x) *to++ = reader.at({x, y, z});
-      }
-    }
-  });
-  const auto missing =
-      std::count_if(samples.values.begin(), samples.values.end(), [](float v) { return v != v; });
-  if (missing > 0) {
-    refuse_fit(
-        fmt::format("{} samples are missing (NaN): levels hold lattices without holes", missing));
-  }
-  const auto [lo, hi] = std::minmax_element(samples.values.begin(), samples.values.end());
-  samples.least = static_cast<double>(*lo);
-  samples.greatest = static_cast<double>(*hi);
-  samples.background = background_of(samples.values, samples.least, samples.greatest);
-}
-
 // Numbers of kernels between one that is too few and one that is too many.
 class Bracket {
  public:
@@ -133,22 +77,16 @@ class LatticeFitter {
         report_(report),
         work_{data::resolve_threads(options.threads), options.stop} {
     fit::check_goal(options);
-    check_lattice(dataset);
-    LatticeModelOptions model;
-    model.component = options.model.component;
-    model.prefilter = false;
-    model.threads = work_.threads;
-    Dataset stored = dataset;
-    stored.arrays = {dataset.array(options.model.array)};
-    DataArray& array = stored.arrays[0];
-    report_.array = array.name;
-    samples_.whole = !is_floating(array.type) && size_of(array.type) <= 2 && model.component >= 0;
-    if (samples_.whole) {  // fitted as they are stored
-      value_scale_ = std::abs(std::exchange(array.value_scale, 1.0));
-      array.value_offset = 0;
+    check_memory(dataset);
+    samples_ = fit::read_lattice_samples(
+        dataset, {options.model.array, options.model.component, work_.threads, options.stop},
+        "levels");
+    if (samples_.num_missing > 0) {
+      refuse_fit(fmt::format("{} samples are missing (NaN): levels hold lattices without holes",
+                             samples_.num_missing));
     }
-    read_samples(make_lattice_field(stored, model, nullptr, options.stop), samples_, work_.threads,
-                 options.stop);
+    value_scale_ = std::abs(samples_.scale);
+    report_.array = samples_.array;
     report_.range = samples_.greatest - samples_.least;
     report_.source_kernels = report_.places = report_.test_places = num_samples(samples_.dims);
     report_.source_psnr = std::numeric_limits<double>::infinity();
@@ -167,14 +105,8 @@ class LatticeFitter {
   }
 
  private:
-  void check_lattice(const Dataset& dataset) const {
-    if (dataset.kind != DatasetKind::kLattice)
-      refuse_fit(fmt::format("'{}' is no lattice", dataset.source));
-    if (dataset.lattice.kind != LatticeKind::kCartesian)
-      refuse_fit("levels hold Cartesian lattices, this one is body-centred");
+  void check_memory(const Dataset& dataset) const {
     const auto count = static_cast<double>(num_samples(dataset.lattice.dims));
-    if (count > static_cast<double>(std::numeric_limits<std::uint32_t>::max()))
-      refuse_fit(fmt::format("{:.0f} samples: levels hold at most 2^32", count));
     const double bytes = count * static_cast<double>(kBytesPerSample);
     if (options_.memory_limit > 0 && bytes > static_cast<double>(options_.memory_limit)) {
       throw Error(ErrorCode::kOutOfMemory,
@@ -499,7 +431,7 @@ class LatticeFitter {
   const FitOptions& options_;
   FitReport& report_;
   data::LevelWork work_;
-  Samples samples_;
+  fit::LatticeSamples samples_;
   double value_scale_ = 1;  // of the numbers that are fitted
   double told_ = 0;
 };

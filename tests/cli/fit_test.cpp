@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // `ovoid fit` on the command line. Fails if a goal does not reach the fit, if what is written is
 // not read as the data are, or if what cannot be leaves a file.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -46,6 +48,53 @@ TEST_F(Fit, MeshesBecomeFewKernels) {
   expect_success({"fit", mesh, "-o", few, "--bytes", "20K", "--shape", "ball"});
   EXPECT_LE(read_file(few).size(), 20U * 1024);
   EXPECT_GT(read_file(few).size(), 18U * 1024);
+}
+
+// Fails if fitted kernels are drawn beyond the mesh, or end before it, or if its walls have other
+// colours than the fit.
+TEST_F(Fit, KernelsAreDrawnWithinTheMesh) {
+  const std::string mesh = fin(), few = folder_ / "few.ply";
+  if (run({"info", mesh}).err.find("no VTK") != std::string::npos)
+    GTEST_SKIP() << "this build reads no VTU";
+  expect_success({"fit", mesh, "-o", few, "--kernels", "300"});
+  const json facts = facts_of(mesh), range = facts["field"]["range"];
+  const auto middle = [&](std::size_t axis) {
+    return 0.5 * (facts["bounds"][0][axis].get<double>() + facts["bounds"][1][axis].get<double>());
+  };
+  const json camera = {{"position", {middle(0) + 2, middle(1) + 3, middle(2) + 20}},
+                       {"focal_point", {middle(0), middle(1), middle(2)}},
+                       {"view_up", {0, 1, 0}},
+                       {"parallel_projection", true},
+                       {"parallel_scale", 7}};
+  const Words view = {
+      "--size",     "60x40",
+      "--camera",   camera.dump(),
+      "--colormap", "viridis",
+      "--range",    fmt::format("{},{}", range[0].get<double>(), range[1].get<double>())};
+  const auto picture = [&](Words words) {
+    words.insert(words.end(), view.begin(), view.end());
+    return draw(folder_, words);
+  };
+  const auto num_only_in = [](const Picture& one, const Picture& other) {
+    std::size_t count = 0;
+    for (std::size_t i = 3; i < one.rgba.size(); i += 4)
+      count += one.rgba[i] > 0 && other.rgba[i] == 0 ? 1U : 0U;
+    return count;
+  };
+  const Picture walls = picture({mesh, "--surface"});
+  EXPECT_GT(num_only_in(picture({few}), walls), 50U);
+  EXPECT_EQ(num_only_in(picture({few, "--within", mesh, "--surface=0"}), walls), 0U);
+  const Picture within = picture({few, "--within", mesh, "--surface"});
+  EXPECT_EQ(num_only_in(within, walls) + num_only_in(walls, within), 0U);
+  double error = 0;
+  for (std::size_t i = 0; i < walls.rgba.size(); ++i)
+    error += std::abs(static_cast<double>(walls.rgba[i] - within.rgba[i]));
+  EXPECT_LT(error / static_cast<double>(walls.rgba.size()), 0.02);
+  expect_failure({"render", mesh, "--within", mesh, "-o", folder_ / "a.png"}, 1,
+                 {"--within: is for lattices, particles and kernels"});
+  expect_failure({"render", few, "--within", few, "-o", folder_ / "a.png"}, 1,
+                 {"--within: is for meshes"});
+  expect_failure({"render", few, "--surface", "-o", folder_ / "a.png"}, 1, {"--within"});
 }
 
 TEST_F(Fit, RefusesWhatCannotBe) {

@@ -256,6 +256,7 @@ const std::vector<Words>& samples() {
       {"--shift", "-3"},
       {"--surface=0.5", "--edges"},
       {"--surface"},
+      {"--within", "mesh.vtu"},
       {"--points=2"},
       {"--points"},
       {"--background", "none"},

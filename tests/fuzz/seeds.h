@@ -543,12 +543,19 @@ inline std::vector<std::string> hdf5_lattice_seeds() {
     LatticeFileHeader header;
     header.lattice = {{4, 3, 2}, Affine3::Identity(), LatticeKind::kCartesian};
     header.arrays = {{}};
-    header.has_levels = true;
+    header.content = LatticeContent::kLevels;
     LatticeFileWriter writer(path.string(), header);
     LatticeLevels levels{
         {4, 3, 2}, 1, 0, 9, false, 0.5, {{{1, 5, 22}, {7, -2, 900}}, {{0, 1}, {3, 4}}}};
     writer.write_levels({&levels, 1});
     writer.finish();
+    keep();
+    header.content = LatticeContent::kBoxes;
+    LatticeFileWriter other(path.string(), header);
+    LatticeBoxes boxes{
+        {4, 3, 2}, 0, 9, 1, false, 0.5, {{1, {2, 2, 2}, 7, {1, -2, 900}}, {3, {3, 1, 1}, 3, {}}}};
+    other.write_boxes({&boxes, 1});
+    other.finish();
     keep();
   } catch (const Error& error) {
     if (error.code() != ErrorCode::kUnsupported) throw;

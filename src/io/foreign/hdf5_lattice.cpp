@@ -30,6 +30,8 @@
 #include "io/foreign/hdf5_file.h"
 #include "io/foreign/hdf5_storage.h"
 #include "io/hdf5/hdf5_lattice_format.h"
+#include "io/hdf5/stored_boxes.h"
+#include "ovoid/lattice_boxes.h"
 #include "ovoid/lattice_levels.h"
 #endif
 
@@ -45,7 +47,7 @@ constexpr std::int64_t kMostComponents = std::int64_t{1} << 20;
 struct ArrayInFile {
   Hdf5Handle group;
   std::string place;  // "array0"
-  enum class Encoding { kDense, kRuns, kLevels } encoding = Encoding::kDense;
+  enum class Encoding { kDense, kRuns, kLevels, kBoxes } encoding = Encoding::kDense;
   DataArray description;  // without type and samples
 };
 
@@ -80,8 +82,11 @@ class LatticeReader {
 
  private:
   using Encoding = ArrayInFile::Encoding;
-  static constexpr std::array<std::pair<Encoding, const char*>, 3> kEncodings{
-      {{Encoding::kDense, "dense"}, {Encoding::kRuns, "runs"}, {Encoding::kLevels, "levels"}}};
+  static constexpr std::array<std::pair<Encoding, const char*>, 4> kEncodings{
+      {{Encoding::kDense, "dense"},
+       {Encoding::kRuns, "runs"},
+       {Encoding::kLevels, "levels"},
+       {Encoding::kBoxes, "boxes"}}};
   static const char* word_of(Encoding encoding) {
     return kEncodings[static_cast<std::size_t>(encoding)].second;
   }
@@ -285,8 +290,8 @@ class LatticeReader {
           std::find_if(kEncodings.begin(), kEncodings.end(),
                        [&](const auto& candidate) { return encoding == candidate.second; });
       if (known == kEncodings.end()) {
-        fail(fmt::format("{}: attribute 'encoding': '{}': expected dense, runs or levels", place,
-                         encoding));
+        fail(fmt::format("{}: attribute 'encoding': '{}': expected dense, runs, levels or boxes",
+                         place, encoding));
       }
       stored.encoding = known->first;
       if (stored.encoding != Encoding::kDense && array.num_components != 1) {
@@ -294,8 +299,9 @@ class LatticeReader {
                          array.num_components, encoding));
       }
       const bool is_cartesian = dataset_.lattice.kind == LatticeKind::kCartesian;
-      if (stored.encoding == Encoding::kLevels && !is_cartesian)
-        fail(fmt::format("{}: levels of a lattice that is not cartesian", place));
+      if ((stored.encoding == Encoding::kLevels || stored.encoding == Encoding::kBoxes) &&
+          !is_cartesian)
+        fail(fmt::format("{}: {} of a lattice that is not cartesian", place, encoding));
       arrays_.push_back(std::move(stored));
     }
     if (!arrays_.empty()) return;
@@ -359,6 +365,8 @@ class LatticeReader {
         return dense_of_runs(object, place, description, progress);
       case Encoding::kLevels:
         return dense_of_levels(object, place, description, progress);
+      case Encoding::kBoxes:
+        return dense_of_boxes(object, place, description, progress);
     }
     return samples(object, extent, description, progress);
   }
@@ -527,32 +535,97 @@ class LatticeReader {
 
   DataArray dense_of_levels(hid_t group, const std::string& place, DataArray description,
                             ReadProgress& progress) {
+    const ScalarType type = type_of_content(group, place);
+    std::int64_t stored_bytes = 0;
+    const LatticeLevels levels = read_levels(group, place, type, progress, stored_bytes);
+    DataArray array = dense(place, std::move(description), type,
+                            [&] { return samples_of(levels, 0, {}, options_.progress); });
+    storage_notes_.push_back(
+        fmt::format("{}: '{}' is stored as levels: {} kernels for {} samples, {} bytes in the file",
+                    name_, array.name, levels.num_kernels(), array.num_tuples, stored_bytes));
+    return array;
+  }
+
+  DataArray dense_of_boxes(hid_t group, const std::string& place, DataArray description,
+                           ReadProgress& progress) {
+    const ScalarType type = type_of_content(group, place);
+    std::int64_t stored_bytes = 0;
+    const LatticeBoxes boxes = read_boxes(group, place, type, progress, stored_bytes);
+    DataArray array = dense(place, std::move(description), type,
+                            [&] { return samples_of(boxes, {}, options_.progress); });
+    storage_notes_.push_back(
+        fmt::format("{}: '{}' is stored as boxes: {} for {} samples, {} bytes in the file", name_,
+                    array.name, boxes.boxes.size(), array.num_tuples, stored_bytes));
+    return array;
+  }
+
+  LatticeBoxes read_boxes(hid_t group, const std::string& place, ScalarType type,
+                          ReadProgress& progress, std::int64_t& stored_bytes) const {
+    const auto number = [&](const char* name) { return numbers(group, place, name, 1)[0]; };
+    LatticeBoxes all;
+    all.dims = dataset_.lattice.dims;
+    all.least = number("least");
+    all.greatest = number("greatest");
+    all.background = number("background");
+    all.whole = !is_floating(type);
+    all.step = number("step");
+    const std::int64_t count =
+        whole_number(number("num_boxes"), place, "num_boxes", num_samples(all.dims), 0);
+    if (count == 0) return all;
+    const auto read = [&](std::size_t name, std::int64_t least, std::int64_t greatest,
+                          const auto& put) {
+      const std::vector<std::int64_t> numbers_read = whole_numbers(
+          list(group, place, StoredBoxes::kNames[name], {count}, progress, stored_bytes), least,
+          greatest);
+      all.boxes.resize(numbers_read.size());
+      for (std::size_t i = 0; i < all.boxes.size(); ++i) put(all.boxes[i], numbers_read[i]);
+    };
+    constexpr std::int64_t kLeast = std::numeric_limits<std::int32_t>::min();
+    constexpr std::int64_t kMost = std::numeric_limits<std::int32_t>::max();
+    read(0, 0, num_samples(all.dims), [](LatticeBox& box, std::int64_t gap) { box.gap = gap; });
+    read(4, kLeast, kMost,
+         [](LatticeBox& box, std::int64_t first) { box.first = static_cast<std::int32_t>(first); });
+    for (std::size_t a = 0; a < 3; ++a) {
+      read(1 + a, 1, kMaxAxisSize, [a](LatticeBox& box, std::int64_t size) {
+        box.size[a] = static_cast<std::int32_t>(size);
+      });
+      read(5 + a, kLeast, kMost, [a](LatticeBox& box, std::int64_t rise) {
+        box.rise[a] = static_cast<std::int32_t>(rise);
+      });
+    }
+    return all;
+  }
+
+  // The samples' type, of levels or boxes.
+  ScalarType type_of_content(hid_t group, const std::string& place) const {
     const auto least = hdf5_number(group, "least");
-    if (!least || !levels_hold(least->type)) {
+    if (!least || !are_simple_samples(least->type)) {
       fail(fmt::format("{}: attribute 'least': expected a number, float32 or of 1 or 2 bytes",
                        place));
     }
     check_expansion(place, {ScalarType::kFloat32, dataset_.lattice.dims});
-    std::int64_t stored_bytes = 0;
-    const LatticeLevels levels = read_levels(group, place, least->type, progress, stored_bytes);
+    return least->type;
+  }
+
+  // An array of that type of what make_samples() returns.
+  template <class MakeSamples>
+  DataArray dense(const std::string& place, DataArray description, ScalarType type,
+                  const MakeSamples& make_samples) const {
     std::vector<float> values;
     try {
-      values = samples_of(levels, 0, {}, options_.progress);
+      values = make_samples();
     } catch (const Error& error) {
       fail(fmt::format("'{}': {}", place, error.what()));
     }
-    description.type = least->type;
+    description.type = type;
     std::byte* to = nullptr;
     DataArray array = new_array(std::move(description), to);
-    data::visit_scalar(array.type, [&]<class T>(std::type_identity<T>) {
+    data::visit_scalar(type, [&]<class T>(std::type_identity<T>) {
       for (std::size_t i = 0; i < values.size(); ++i) {
         const T value = data::stored_number<T>(static_cast<double>(values[i]));
         std::memcpy(to + i * sizeof(T), &value, sizeof(T));
       }
     });
-    storage_notes_.push_back(
-        fmt::format("{}: '{}' is stored as levels: {} kernels for {} samples, {} bytes in the file",
-                    name_, array.name, levels.num_kernels(), array.num_tuples, stored_bytes));
     return array;
   }
 

@@ -18,6 +18,7 @@
 #include "io/core/test_folder.h"
 #include "io/foreign/hdf5_attributes.h"
 #include "io/foreign/hdf5_handle.h"
+#include "io/hdf5/stored_boxes.h"
 #include "io/hdf5/test_lattice_files.h"
 #include "io/reader/reader_session.h"
 
@@ -160,7 +161,7 @@ TEST_F(BadLatticeFile, AttributesOutOfRange) {
   EXPECT_THAT(text("/", "lattice", "hexagonal"), HasSubstr("'hexagonal': expected cartesian"));
   EXPECT_THAT(text("/", "space", "lps"), HasSubstr("'lps': expected none, LPS or RAS"));
   EXPECT_THAT(text("/array0", "encoding", "zip"),
-              HasSubstr("'zip': expected dense, runs or levels"));
+              HasSubstr("'zip': expected dense, runs, levels or boxes"));
 }
 
 TEST_F(BadLatticeFile, TimesThatAreNone) {
@@ -240,7 +241,7 @@ TEST_F(BadLatticeFile, RunsThatDoNotFit) {
 TEST_F(BadLatticeFile, LevelsThatDoNotFit) {
   const Dataset dataset = lattice_dataset({4, 3, 2});
   LatticeFileHeader header = lattice_file_header(dataset);
-  header.has_levels = true;
+  header.content = LatticeContent::kLevels;
   {
     LatticeFileWriter writer(path_, header);
     const LatticeLevels levels{
@@ -282,6 +283,47 @@ TEST_F(BadLatticeFile, LevelsThatDoNotFit) {
                 c.numbers("/", "dims", {2e9, 3, 2});
               }),
               HasSubstr("expected at most 65536 for a byte"));
+}
+
+TEST_F(BadLatticeFile, BoxesThatDoNotFit) {
+  LatticeFileHeader header = lattice_file_header(lattice_dataset({4, 3, 2}));
+  header.content = LatticeContent::kBoxes;
+  {
+    LatticeFileWriter writer(path_, header);
+    LatticeBoxes boxes;
+    boxes.dims = {4, 3, 2};
+    boxes.greatest = 9;
+    boxes.boxes = {{.gap = 1, .size = {2, 2, 2}, .first = 7, .rise = {1, -2, 900}},
+                   {.gap = 3, .size = {3, 1, 1}, .first = 3, .rise = {0, 0, 0}}};
+    writer.write_boxes({&boxes, 1});
+    writer.finish();
+  }
+  good_ = folder_.read("a.h5");
+  EXPECT_EQ(after([](Changed&) {}), "");
+  const auto number = [this](const char* name, double value) {
+    return after([&](Changed& c) { c.numbers("/array0/step0", name, {value}); });
+  };
+  EXPECT_THAT(number("num_boxes", 25), HasSubstr("'num_boxes': 25: expected a whole number"));
+  EXPECT_THAT(number("num_boxes", 1), HasSubstr("'array0/step0/gaps' has shape [2]"));
+  EXPECT_THAT(number("step", 0), HasSubstr("'array0/step0': step = 0"));
+  EXPECT_THAT(number("least", 0), HasSubstr("'least': expected a number, float32 or of 1 or 2"));
+  EXPECT_THAT(number("greatest", -1), HasSubstr("least, greatest = 0, -1: must rise"));
+  for (const char* name : {"num_boxes", "background", "least", "greatest", "step"})
+    EXPECT_THAT(after([&](Changed& c) { c.remove("/array0/step0", name); }), HasSubstr(name));
+  for (const char* name : StoredBoxes::kNames) {
+    EXPECT_EQ(after([&](Changed& c) {
+                H5Ldelete(c.id(), fmt::format("/array0/step0/{}", name).c_str(), H5P_DEFAULT);
+              }),
+              fmt::format("file-format: F: dataset 'array0/step0/{}' is missing", name));
+  }
+  const auto first = [&](const char* name, int value) {
+    return after([&](Changed& c) { c.first_number(fmt::format("/array0/step0/{}", name), value); });
+  };
+  EXPECT_THAT(first("gaps", 3), HasSubstr("boxes[0]: its size along x is 2: expected 1 to 1"));
+  EXPECT_THAT(first("gaps", 99), HasSubstr("'array0/step0/gaps'[0] = 99: expected 0 to 24"));
+  EXPECT_THAT(first("sizes_y", 0), HasSubstr("'array0/step0/sizes_y'[0] = 0: expected 1 to"));
+  EXPECT_THAT(after([](Changed& c) { c.text("/", "lattice", "body-centred"); }),
+              HasSubstr("boxes of a lattice that is not cartesian"));
 }
 
 TEST_F(BadLatticeFile, CutShort) {

@@ -34,8 +34,8 @@ inline constexpr std::array<Hdf5LatticeWord, 4> kHdf5LatticeWords{{
     {"d4star", LatticeKind::kCartesian, SeriesKind::kStaggered, true},
 }};
 
-// Samples that levels of kernels may stand for: those whose numbers a float holds.
-inline bool levels_hold(ScalarType type) {
+// Samples that levels and boxes may stand for: those whose numbers a float holds.
+inline bool are_simple_samples(ScalarType type) {
   return type == ScalarType::kFloat32 || (!is_floating(type) && size_of(type) <= 2);
 }
 

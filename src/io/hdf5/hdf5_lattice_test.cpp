@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <functional>
 #include <limits>
 #include <optional>
@@ -425,7 +426,7 @@ LatticeLevels some_levels(const Index3& dims) {
 
 LatticeFileHeader header_of_levels(const Dataset& dataset) {
   LatticeFileHeader header = lattice_file_header(dataset);
-  header.has_levels = true;
+  header.content = LatticeContent::kLevels;
   return header;
 }
 
@@ -509,7 +510,7 @@ TEST(LatticeFile, LevelsAreNotForEveryLattice) {
   expect_refusal(header, "levels hold float32 and integers of 1 or 2 bytes");
   header = header_of_levels(dataset);
   header.relevant = RelevantSamples{1.0};
-  expect_refusal(header, "not both");
+  expect_refusal(header, "runs or as levels");
   LatticeFileWriter writer(folder.file("b.h5"), header_of_levels(dataset));
   EXPECT_NE(error_of([&] { writer.write_step(dataset); }).find("levels are written"),
             std::string::npos);
@@ -518,6 +519,49 @@ TEST(LatticeFile, LevelsAreNotForEveryLattice) {
               writer.write_levels({&other, 1});
             }).find("expected 4 x 3 x 2"),
             std::string::npos);
+}
+
+LatticeBoxes some_boxes(const Index3& dims) {
+  LatticeBoxes all;
+  all.dims = dims;
+  all.least = -10;
+  all.greatest = 900;
+  all.background = 3;
+  all.step = 0.25;
+  for (std::int32_t i = 0; i < 300; ++i) {
+    all.boxes.push_back({.gap = 2 + i % 3,
+                         .size = {i < 5 ? 2 : 1, 1, 1 + i % 7},
+                         .first = i * i % 3000 - 100,
+                         .rise = {i % 11 - 5, 0, 40000 - 500 * (i % 150)}});
+  }
+  all.boxes[7].first = LatticeBox::kMissing;
+  return all;
+}
+
+// Fails if a number of a box is cut, or put in another's place.
+TEST(LatticeFile, BoxesAreReadAsTheirSamples) {
+  const TestFolder folder;
+  const std::string path = folder.file("a.h5");
+  const Dataset dataset = lattice_dataset({41, 40, 39});
+  LatticeFileHeader header =
+      lattice_file_header(dataset, "density", LatticeContent::kBoxes, /*whole=*/false);
+  EXPECT_EQ(header.arrays[0].type, ScalarType::kFloat32);
+  const LatticeBoxes boxes = some_boxes(dataset.lattice.dims);
+  LatticeFileWriter writer(path, header);
+  EXPECT_NE(error_of([&] { writer.write_step(dataset); }).find("boxes are written"),
+            std::string::npos);
+  writer.write_boxes({&boxes, 1});
+  writer.finish();
+  EXPECT_EQ(writer.counts().num_relevant, 300);
+  const Dataset back = read_dataset({path});
+  EXPECT_EQ(back.format, "HDF5 lattice, boxes");
+  const std::vector<float> read = values_of<float>(back.array()), samples = samples_of(boxes);
+  ASSERT_EQ(read.size(), samples.size());
+  EXPECT_EQ(std::memcmp(read.data(), samples.data(), read.size() * sizeof(float)), 0);
+  ASSERT_FALSE(back.notes.empty());
+  EXPECT_NE(back.notes.back().find("'density' is stored as boxes: 300 for 63960 samples"),
+            std::string::npos)
+      << back.notes.back();
 }
 
 }  // namespace

@@ -19,6 +19,7 @@
 #include "io/core/samples.h"
 #include "io/hdf5/hdf5_lattice_format.h"
 #include "io/hdf5/hdf5_writer.h"
+#include "io/hdf5/stored_boxes.h"
 #include "io/hdf5/stored_level.h"
 #include "ovoid/error.h"
 
@@ -58,6 +59,18 @@ LatticeFileHeader lattice_file_header(const Dataset& dataset) {
   return header;
 }
 
+LatticeFileHeader lattice_file_header(const Dataset& dataset, const std::string& array,
+                                      LatticeContent content, bool whole) {
+  Dataset one = dataset;
+  one.arrays = {dataset.array(array)};
+  LatticeFileHeader header = lattice_file_header(one);
+  header.content = content;
+  LatticeFileArray& stored = header.arrays[0];
+  stored.num_components = 1;
+  if (!whole) stored = {.name = stored.name, .unit = stored.unit};
+  return header;
+}
+
 namespace {
 
 using io::kChunkBytes;
@@ -82,16 +95,24 @@ void check_relevant(const LatticeFileHeader& header) {
   }
 }
 
-void check_leveled(const LatticeFileHeader& header) {
-  if (header.relevant) fail("relevant: samples are stored as runs or as levels, not both");
+const char* word_of(LatticeContent content) {
+  return content == LatticeContent::kLevels  ? "levels"
+         : content == LatticeContent::kBoxes ? "boxes"
+                                             : "samples";
+}
+
+// Of levels and boxes.
+void check_content(const LatticeFileHeader& header) {
+  const char* const word = word_of(header.content);
+  if (header.relevant) fail(fmt::format("relevant: samples are stored as runs or as {}", word));
   if (header.lattice.kind != LatticeKind::kCartesian || header.series == SeriesKind::kStaggered)
-    fail("lattice: must be cartesian, levels hold no other");
+    fail(fmt::format("lattice: must be cartesian, {} hold no other", word));
   for (const LatticeFileArray& array : header.arrays) {
-    if (!io::levels_hold(array.type) || array.num_components != 1) {
+    if (!io::are_simple_samples(array.type) || array.num_components != 1) {
       fail(
-          fmt::format("array '{}': is {} x {}: levels hold float32 and integers of 1 or 2 bytes, "
-                      "of one component",
-                      array.name, name_of(array.type), array.num_components));
+          fmt::format("array '{}': is {} x {}: {} hold float32 and integers of 1 or 2 bytes, of "
+                      "one component",
+                      array.name, name_of(array.type), array.num_components, word));
     }
   }
 }
@@ -125,7 +146,7 @@ void check_header(const LatticeFileHeader& header) {
   }
   check_text("time_unit", header.time_unit);
   if (header.relevant) check_relevant(header);
-  if (header.has_levels) check_leveled(header);
+  if (header.content != LatticeContent::kSamples) check_content(header);
   for (std::size_t i = 0; i < header.times.size(); ++i) {
     if (!std::isfinite(header.times[i]))
       fail(fmt::format("times[{}] = {}: must be finite", i, header.times[i]));
@@ -160,29 +181,21 @@ class LatticeFileWriter::Impl {
   const LatticeFileCounts& counts() const noexcept { return counts_; }
 
   void write_levels(std::span<const LatticeLevels> levels) {
-    if (!file_.is_open()) fail("write_levels: the file is finished");
-    if (!header_.has_levels) fail("write_levels: the header says nothing of levels");
-    if (levels.size() != header_.arrays.size())
-      fail(fmt::format("levels: {} arrays: expected {}", levels.size(), header_.arrays.size()));
-    for (std::size_t i = 0; i < levels.size(); ++i) {
-      if (levels[i].dims != header_.lattice.dims)
-        fail(fmt::format("levels[{}]: of {} samples: expected {}", i,
-                         fmt::join(levels[i].dims, " x "), fmt::join(header_.lattice.dims, " x ")));
-      const ScalarType type = header_.arrays[i].type;
-      if (levels[i].whole == is_floating(type))
-        fail(fmt::format("levels[{}]: whole = {}: the array is {}", i, levels[i].whole,
-                         name_of(type)));
-      counts_.num_samples += num_samples(header_.lattice.dims);
-      counts_.dense_bytes += num_bytes(header_.arrays[i]);
-      counts_.num_relevant += levels[i].num_kernels();
-      write_levels(groups_[i], type, levels[i]);
-    }
-    ++num_steps_;
+    write_content(LatticeContent::kLevels, levels,
+                  [](const LatticeLevels& all) { return all.num_kernels(); });
+  }
+
+  void write_boxes(std::span<const LatticeBoxes> boxes) {
+    write_content(LatticeContent::kBoxes, boxes, [](const LatticeBoxes& all) {
+      return static_cast<std::int64_t>(all.boxes.size());
+    });
   }
 
   void write_step(std::span<const Bytes> samples) {
     if (!file_.is_open()) fail("write_step: the file is finished");
-    if (header_.has_levels) fail("write_step: the header says that levels are written");
+    if (header_.content != LatticeContent::kSamples)
+      fail(
+          fmt::format("write_step: the header says that {} are written", word_of(header_.content)));
     if (samples.size() != header_.arrays.size())
       fail(fmt::format("samples: {} arrays: expected {}", samples.size(), header_.arrays.size()));
     for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -267,10 +280,40 @@ class LatticeFileWriter::Impl {
               group.add_number("components", std::int64_t{array.num_components}) &&
               group.add_number("value_scale", array.value_scale) &&
               group.add_number("value_offset", array.value_offset) &&
-              group.add_text("encoding", header_.relevant     ? "runs"
-                                         : header_.has_levels ? "levels"
-                                                              : "dense"));
+              group.add_text("encoding", encoding()));
     }
+  }
+
+  const char* encoding() const {
+    if (header_.content != LatticeContent::kSamples) return word_of(header_.content);
+    return header_.relevant ? "runs" : "dense";
+  }
+
+  // What stands for a step of every array.
+  template <class Content, class Count>
+  void write_content(LatticeContent content, std::span<const Content> arrays, const Count& count) {
+    const char* const word = word_of(content);
+    if (!file_.is_open()) fail(fmt::format("write_{}: the file is finished", word));
+    if (header_.content != content)
+      fail(fmt::format("write_{}: the header says nothing of {}", word, word));
+    if (arrays.size() != header_.arrays.size())
+      fail(fmt::format("{}: {} arrays: expected {}", word, arrays.size(), header_.arrays.size()));
+    for (std::size_t i = 0; i < arrays.size(); ++i) {
+      if (arrays[i].dims != header_.lattice.dims)
+        fail(fmt::format("{}[{}]: of {} samples: expected {}", word, i,
+                         fmt::join(arrays[i].dims, " x "), fmt::join(header_.lattice.dims, " x ")));
+      const ScalarType type = header_.arrays[i].type;
+      if (arrays[i].whole == is_floating(type))
+        fail(fmt::format("{}[{}]: whole = {}: the array is {}", word, i, arrays[i].whole,
+                         name_of(type)));
+      counts_.num_samples += num_samples(header_.lattice.dims);
+      counts_.dense_bytes += num_bytes(header_.arrays[i]);
+      counts_.num_relevant += count(arrays[i]);
+      const io::Hdf5Object step = groups_[i].make_group(fmt::format("step{}", num_steps_));
+      require(step.is_open());
+      put(step, type, arrays[i]);
+    }
+    ++num_steps_;
   }
 
   using Sizes = std::vector<std::uint64_t>;
@@ -356,13 +399,11 @@ class LatticeFileWriter::Impl {
                runs.values().data());
   }
 
-  void write_levels(const io::Hdf5Object& array_group, ScalarType type,
-                    const LatticeLevels& levels) const {
-    const io::Hdf5Object step = array_group.make_group(fmt::format("step{}", num_steps_));
+  void put(const io::Hdf5Object& step, ScalarType type, const LatticeLevels& levels) const {
     std::vector<std::int64_t> counts;
     for (const LatticeLevel& level : levels.levels)
       counts.push_back(static_cast<std::int64_t>(level.nodes.size()));
-    require(step.is_open() && step.add_number("offset", levels.offset) &&
+    require(step.add_number("offset", levels.offset) &&
             add_number_as(step, "least", type, levels.least) &&
             add_number_as(step, "greatest", type, levels.greatest) &&
             step.add_number("step", levels.step) &&
@@ -373,11 +414,25 @@ class LatticeFileWriter::Impl {
     }
     for (std::size_t l = 0; l < levels.levels.size(); ++l) {
       const io::StoredLevel stored(levels.levels[l]);
-      write_list(step, fmt::format("gaps{}", l).c_str(), stored.gap_type, counts_of(stored),
-                 stored.gaps.data());
-      write_list(step, fmt::format("weights{}", l).c_str(), stored.weight_type, counts_of(stored),
-                 stored.weights.data());
+      write_list(step, fmt::format("gaps{}", l), stored.gaps);
+      write_list(step, fmt::format("weights{}", l), stored.weights);
     }
+  }
+
+  void put(const io::Hdf5Object& step, ScalarType type, const LatticeBoxes& boxes) const {
+    require(add_number_as(step, "least", type, boxes.least) &&
+            add_number_as(step, "greatest", type, boxes.greatest) &&
+            add_number_as(step, "background", type, boxes.background) &&
+            step.add_number("step", boxes.step) &&
+            step.add_number("num_boxes", static_cast<std::int64_t>(boxes.boxes.size())));
+    const io::StoredBoxes stored(boxes);
+    for (std::size_t i = 0; i < stored.lists.size(); ++i)
+      write_list(step, io::StoredBoxes::kNames[i], stored.lists[i]);
+  }
+
+  void write_list(const io::Hdf5Object& group, const std::string& name,
+                  const io::ShortNumbers& numbers) const {
+    write_list(group, name.c_str(), numbers.type, numbers.count(), numbers.bytes.data());
   }
   static bool add_number_as(const io::Hdf5Object& object, const char* name, ScalarType type,
                             double value) {
@@ -385,9 +440,6 @@ class LatticeFileWriter::Impl {
       const T number = data::stored_number<T>(value);
       return object.add_numbers(name, type, &number);
     });
-  }
-  static std::size_t counts_of(const io::StoredLevel& stored) {
-    return stored.gaps.size() / size_of(stored.gap_type);
   }
 
   void write_times() const {
@@ -425,6 +477,10 @@ void LatticeFileWriter::write_step(std::span<const Bytes> samples) { impl_->writ
 
 void LatticeFileWriter::write_levels(std::span<const LatticeLevels> levels) {
   impl_->write_levels(levels);
+}
+
+void LatticeFileWriter::write_boxes(std::span<const LatticeBoxes> boxes) {
+  impl_->write_boxes(boxes);
 }
 
 void LatticeFileWriter::write_step(const Dataset& step) {

@@ -2,20 +2,16 @@
 // One level of LatticeLevels as a lattice file holds it: docs/formats.md, "Levels".
 #pragma once
 
-#include <cstddef>
-#include <vector>
-
+#include "io/hdf5/short_numbers.h"
 #include "ovoid/lattice_levels.h"
 
 namespace ovoid::io {
 
-// Gaps are nodes without a kernel between one kernel and the next. In the shortest type that holds
-// all, native byte order.
+// Gaps are nodes without a kernel between one kernel and the next.
 struct StoredLevel {
   explicit StoredLevel(const LatticeLevel& level);
 
-  ScalarType gap_type = ScalarType::kUInt8, weight_type = ScalarType::kInt8;
-  std::vector<std::byte> gaps, weights;
+  ShortNumbers gaps, weights;
 };
 
 }  // namespace ovoid::io

@@ -40,6 +40,7 @@
 #include "ovoid/sampler.h"
 #include "ovoid/series.h"
 #include "ovoid/slices.h"
+#include "ovoid/solid.h"
 #include "ovoid/surface.h"
 #include "ovoid/transfer_function.h"
 #include "ovoid/value_plane.h"

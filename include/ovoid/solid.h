@@ -81,7 +81,7 @@ struct SubdivisionOptions {
 // thread per new vertex.
 SolidMesh subdivide_solid(const SolidMesh& control, const SubdivisionOptions& options = {});
 
-// Bytes, about, that a level of a control mesh takes together with its kernels.
+// Bytes, about, that a level (>= 0) of a control mesh takes together with its kernels.
 std::size_t bytes_of_level(const SolidMesh& control, int levels) noexcept;
 
 // The kernels that stand for the basis function of a vertex.

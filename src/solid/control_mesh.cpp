@@ -63,8 +63,7 @@ void check_vertices(const SolidMesh& mesh) {
   }
 }
 
-void check_faces(const SolidMesh& mesh) {
-  const HexTopology topology = make_topology(mesh.num_vertices(), mesh.cells);
+void check_faces(const HexTopology& topology) {
   for (std::size_t f = 0; f < topology.faces.size(); ++f) {
     const auto cells = topology.cells_of_face.of(f);
     if (cells.size() > 2)
@@ -191,16 +190,18 @@ SolidMesh control_mesh_of(const model::ModelRun& run) {
 
 }  // namespace
 
-void check_solid_topology(const SolidMesh& mesh) {
+HexTopology checked_topology(const SolidMesh& mesh) {
   check_numbers(mesh);
   check_vertices(mesh);
-  check_faces(mesh);
+  HexTopology topology = make_topology(mesh.num_vertices(), mesh.cells);
+  check_faces(topology);
+  return topology;
 }
 
 }  // namespace solid
 
 void check_solid_mesh(const SolidMesh& mesh) {
-  solid::check_solid_topology(mesh);
+  solid::checked_topology(mesh);
   solid::check_turns(mesh);
 }
 
@@ -224,7 +225,7 @@ SolidMesh make_control_mesh(const Dataset& mesh, const ControlMeshOptions& optio
 }
 
 Dataset make_solid_dataset(const SolidMesh& mesh) {
-  solid::check_solid_topology(mesh);
+  solid::checked_topology(mesh);
   Dataset dataset;
   dataset.source = "solid";
   dataset.format = "solid";

@@ -19,8 +19,4 @@ inline Mat3 corner_frame(const SolidMesh& mesh, std::size_t cell, int corner) no
   return frame;
 }
 
-// check_solid_mesh() but for the turn of the corners, which may go astray where cells of a level
-// are very uneven.
-void check_solid_topology(const SolidMesh& mesh);
-
 }  // namespace ovoid::solid

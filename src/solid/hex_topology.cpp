@@ -1,8 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "solid/hex_topology.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <compare>
+#include <limits>
 #include <numeric>
+
+#include "ovoid/error.h"
 
 namespace ovoid::solid {
 
@@ -27,10 +33,24 @@ std::vector<std::uint32_t> number_keys(std::vector<Key>& keys) {
   return numbers;
 }
 
-template <std::size_t N>
-std::array<std::uint32_t, N> sorted(std::array<std::uint32_t, N> vertices) {
+// What is the same for two cells that share an edge, or a face: its vertices, rising.
+using EdgeKey = std::uint64_t;
+struct FaceKey {
+  EdgeKey first = 0, last = 0;
+  auto operator<=>(const FaceKey&) const = default;
+};
+
+EdgeKey key_of(std::uint32_t lesser, std::uint32_t greater) {
+  return std::uint64_t{lesser} << 32 | greater;
+}
+
+EdgeKey key_of_edge(std::uint32_t a, std::uint32_t b) {
+  return key_of(std::min(a, b), std::max(a, b));
+}
+
+FaceKey key_of_face(std::array<std::uint32_t, 4> vertices) {
   std::sort(vertices.begin(), vertices.end());
-  return vertices;
+  return {key_of(vertices[0], vertices[1]), key_of(vertices[2], vertices[3])};
 }
 
 std::array<std::uint32_t, 4> vertices_of_face(const CellVertices& cell, int face) {
@@ -41,24 +61,28 @@ std::array<std::uint32_t, 4> vertices_of_face(const CellVertices& cell, int face
 }
 
 void number_edges(std::span<const CellVertices> cells, HexTopology& topology) {
+  std::vector<EdgeKey> keys;
+  keys.reserve(kCellEdges * cells.size());
   for (const CellVertices& cell : cells) {
     for (int e = 0; e < kCellEdges; ++e) {
-      const int corner = first_corner_of_edge(e);
-      topology.edges.push_back(
-          sorted(std::array{cell[static_cast<std::size_t>(corner)],
-                            cell[static_cast<std::size_t>(corner | 1 << e / 4)]}));
+      const auto corner = static_cast<std::size_t>(first_corner_of_edge(e));
+      keys.push_back(key_of_edge(cell[corner], cell[corner | std::size_t{1} << e / 4]));
     }
   }
-  const std::vector<std::uint32_t> numbers = number_keys(topology.edges);
+  const std::vector<std::uint32_t> numbers = number_keys(keys);
+  for (const EdgeKey key : keys)
+    topology.edges.push_back(
+        {static_cast<std::uint32_t>(key >> 32), static_cast<std::uint32_t>(key)});
   topology.cell_edges.resize(cells.size());
   for (std::size_t slot = 0; slot < numbers.size(); ++slot)
     topology.cell_edges[slot / kCellEdges][slot % kCellEdges] = numbers[slot];
 }
 
 void number_faces(std::span<const CellVertices> cells, HexTopology& topology) {
-  std::vector<std::array<std::uint32_t, 4>> keys;
+  std::vector<FaceKey> keys;
+  keys.reserve(kCellFaces * cells.size());
   for (const CellVertices& cell : cells) {
-    for (int f = 0; f < kCellFaces; ++f) keys.push_back(sorted(vertices_of_face(cell, f)));
+    for (int f = 0; f < kCellFaces; ++f) keys.push_back(key_of_face(vertices_of_face(cell, f)));
   }
   const std::vector<std::uint32_t> numbers = number_keys(keys);
   topology.faces.resize(keys.size());
@@ -103,6 +127,11 @@ Incidence::Incidence(std::size_t count, std::span<const std::array<std::uint32_t
 }
 
 HexTopology make_topology(std::size_t num_vertices, std::span<const CellVertices> cells) {
+  // Edges are first numbered cell by cell.
+  constexpr std::size_t kMostCells = std::numeric_limits<std::uint32_t>::max() / kCellEdges;
+  if (cells.size() > kMostCells)
+    throw Error(ErrorCode::kOutOfMemory,
+                fmt::format("cells: {}, must be {} at most", cells.size(), kMostCells));
   HexTopology topology;
   number_edges(cells, topology);
   number_faces(cells, topology);

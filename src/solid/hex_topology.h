@@ -61,7 +61,12 @@ struct HexTopology {
   Incidence cells_of_vertex, cells_of_edge, cells_of_face;
 };
 
-// Vertices of the cells are under `num_vertices`, and no two of a cell are the same.
+// Vertices of the cells are under `num_vertices`, and no two of a cell are the same. Throws
+// Error(kOutOfMemory) for more than a twelfth of 2^32 cells.
 HexTopology make_topology(std::size_t num_vertices, std::span<const CellVertices> cells);
+
+// The same of a mesh about which nothing is known. Throws what check_solid_mesh() throws but for
+// the turn of the corners, which may go astray where cells of a level are very uneven.
+HexTopology checked_topology(const SolidMesh& mesh);
 
 }  // namespace ovoid::solid

@@ -64,7 +64,7 @@ VertexFrame frame_of_vertex(const SolidMesh& level, const HexTopology& topology,
 constexpr std::int64_t kFrameGrain = 1024;
 
 std::vector<VertexFrame> frames_of(const SolidMesh& level, const SolidFieldOptions& options) {
-  const HexTopology topology = make_topology(level.num_vertices(), level.cells);
+  const HexTopology topology = checked_topology(level);
   std::vector<VertexFrame> frames(level.num_vertices());
   data::parallel_ranges(
       {static_cast<std::int64_t>(frames.size()), kFrameGrain, options.threads, options.stop},
@@ -122,7 +122,6 @@ std::span<const BasisGaussian> gaussians_of(SolidBasis basis) noexcept {
 }
 
 KernelField make_solid_field(const SolidMesh& level, const SolidFieldOptions& options) {
-  solid::check_solid_topology(level);
   const std::vector<solid::VertexFrame> frames = solid::frames_of(level, options);
   std::vector<double> centers, values;
   std::vector<float> shapes, weights;

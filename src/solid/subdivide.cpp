@@ -6,6 +6,7 @@
 // b (link.h). Work is divided by vertices, edges, faces and cells, each of which writes its own.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <new>
@@ -113,10 +114,9 @@ class Step {
       case 7:
         return numbered(first_cell_, cell);
       default: {
-        const int axis = (7 ^ halved) / 2;
-        return numbered(
-            first_face_,
-            topology_.cell_faces[cell][static_cast<std::size_t>(axis * 2 + (far >> axis & 1))]);
+        const auto axis = static_cast<std::size_t>((7 ^ halved) / 2);
+        const auto side = static_cast<std::size_t>(far) >> axis & 1U;
+        return numbered(first_face_, topology_.cell_faces[cell][axis * 2 + side]);
       }
     }
   }
@@ -249,8 +249,12 @@ void check_options(const SolidMesh& control, const SubdivisionOptions& options) 
 std::size_t bytes_of_level(const SolidMesh& control, int levels) noexcept {
   // For each cell, which has a vertex nearly: what hexahedra and their vertices take, the topology
   // of the level before and, most of all, some 40 entries in the rows of a KernelOperator.
-  constexpr std::size_t kBytesPerCell = 640;
-  return (control.cells.size() << 3 * levels) * kBytesPerCell;
+  // Measured: 773 for 450,560 cells, the program itself and the file's columns included.
+  constexpr double kBytesPerCell = 800;
+  const double bytes =
+      std::ldexp(static_cast<double>(control.cells.size()), 3 * levels) * kBytesPerCell;
+  constexpr auto kMost = static_cast<double>(std::numeric_limits<std::size_t>::max() / 2);
+  return static_cast<std::size_t>(std::min(bytes, kMost));
 }
 
 SolidMesh subdivide_solid(const SolidMesh& control, const SubdivisionOptions& options) {

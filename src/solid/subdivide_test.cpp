@@ -75,6 +75,32 @@ TEST(Subdivision, KeepsLinearDensities) {
     EXPECT_NEAR(level.densities[v], density(level.position(v)), 1e-11);
 }
 
+// Cells around a corner that is missing, four around a vertex, two that share an edge or a vertex
+// alone, one alone. Fails if a rule for what is rare has weights that do not add up to 1, or lets a
+// line go on to nothing.
+TEST(Subdivision, KeepsLinearDensitiesOfOddMeshes) {
+  const auto density = [](const Vec3& p) { return p[0] - 2 * p[1] + 3 * p[2] + 1; };
+  const SolidMesh grid = grid_solid(3, density);
+  const std::vector<std::vector<std::size_t>> choices = {
+      {0, 1, 2, 4, 5, 6}, {0, 1, 2, 3, 4, 5, 6}, {0, 3}, {0, 7}, {0, 1, 2}, {0}};
+  std::vector<SolidMesh> meshes = {four_cells_solid(density)};
+  for (const std::vector<std::size_t>& cells : choices) meshes.push_back(part_of(grid, cells));
+  for (const SolidMesh& mesh : meshes) {
+    SCOPED_TRACE(mesh.cells.size());
+    const SolidMesh level = subdivide_solid(mesh, {.levels = 2});
+    for (std::size_t v = 0; v < level.num_vertices(); ++v)
+      ASSERT_NEAR(level.densities[v], density(level.position(v)), 1e-11);
+    EXPECT_NO_THROW(make_solid_field(level));
+  }
+  // A cube stays a cube.
+  const SolidMesh cube = subdivide_solid(meshes.back());
+  EXPECT_EQ(cube.num_vertices(), 27U);
+  for (std::size_t v = 0; v < 27; ++v) {
+    const Vec3 at = 2 * cube.position(v);
+    EXPECT_LT((at - at.array().round().matrix()).norm(), 1e-12);
+  }
+}
+
 // Fails if one way through the mesh is preferred to its mirror image.
 TEST(Subdivision, OfTheMirrorImageIsTheMirrorImage) {
   const SolidMesh star = make_sample_control_mesh();

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <functional>
 #include <numbers>
+#include <vector>
 
 #include "ovoid/solid.h"
 
@@ -58,6 +59,59 @@ inline SolidMesh ring_solid(int around, const std::function<double(const Vec3&)>
         cell[c] = static_cast<std::uint32_t>(corners[c % 4] + layer * layers[c / 4]);
       mesh.cells.push_back(cell);
     }
+  }
+  return mesh;
+}
+
+// Some of a mesh's cells, with the vertices that they need.
+inline SolidMesh part_of(const SolidMesh& mesh, const std::vector<std::size_t>& cells) {
+  SolidMesh part;
+  std::vector<std::uint32_t> numbers(mesh.num_vertices(), ~0U);
+  for (const std::size_t c : cells) {
+    std::array<std::uint32_t, 8> cell = mesh.cells[c];
+    for (std::uint32_t& vertex : cell) {
+      std::uint32_t& number = numbers[vertex];
+      if (number == ~0U) {
+        number = static_cast<std::uint32_t>(part.num_vertices());
+        add_vertex(part, mesh.position(vertex), mesh.densities[vertex]);
+      }
+      vertex = number;
+    }
+    part.cells.push_back(cell);
+  }
+  return part;
+}
+
+// A tetrahedron cut into four hexahedra, one at each corner: around its middle all edges have three
+// cells.
+inline SolidMesh four_cells_solid(const std::function<double(const Vec3&)>& density) {
+  SolidMesh mesh;
+  const std::array<Vec3, 4> corners = {Vec3(1, 1, 1), Vec3(-1, -1, 1), Vec3(-1, 1, -1),
+                                       Vec3(1, -1, -1)};
+  // The mean of the corners whose bits are set, numbered by these bits.
+  std::array<std::uint32_t, 16> vertex_of{};
+  for (std::uint32_t bits = 1; bits < 16; ++bits) {
+    Vec3 mean = Vec3::Zero();
+    int count = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      if ((bits >> i & 1) == 0) continue;
+      mean += corners[i];
+      ++count;
+    }
+    mean /= count;
+    vertex_of[bits] = bits - 1;
+    add_vertex(mesh, mean, density(mean));
+  }
+  // Even orders of the corners, so that all cells turn the same way.
+  for (const std::array<int, 4>& order : {std::array{0, 1, 2, 3}, std::array{1, 0, 3, 2},
+                                          std::array{2, 3, 0, 1}, std::array{3, 2, 1, 0}}) {
+    std::array<std::uint32_t, 8> cell{};
+    for (unsigned c = 0; c < 8; ++c) {
+      std::uint32_t bits = 1U << order[0];
+      for (unsigned axis = 0; axis < 3; ++axis) bits |= (c >> axis & 1U) << order[axis + 1];
+      cell[c] = vertex_of[bits];
+    }
+    mesh.cells.push_back(cell);
   }
   return mesh;
 }

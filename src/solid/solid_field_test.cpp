@@ -204,7 +204,7 @@ TEST(SolidField, DrawsTheTriCubicOfARegularMesh) {
     if (i % 4 == 3 && a.rgba[i] > 0.1F) ++num_covered;
   }
   EXPECT_GT(num_covered, a.rgba.size() / 4 / 10);
-  EXPECT_GT(-10 * std::log10(error / static_cast<double>(a.rgba.size())), 30);
+  EXPECT_GT(-10 * std::log10(error / static_cast<double>(a.rgba.size())), 40);
 }
 
 // Fails if what cannot be drawn is, or if a level whose cells are turned is refused.

@@ -253,7 +253,7 @@ std::size_t bytes_of_level(const SolidMesh& control, int levels) noexcept {
   constexpr double kBytesPerCell = 800;
   const double bytes =
       std::ldexp(static_cast<double>(control.cells.size()), 3 * levels) * kBytesPerCell;
-  constexpr auto kMost = static_cast<double>(std::numeric_limits<std::size_t>::max() / 2);
+  constexpr double kMost = 9e18;  // is under 2^63
   return static_cast<std::size_t>(std::min(bytes, kMost));
 }
 

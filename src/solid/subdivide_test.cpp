@@ -145,8 +145,8 @@ double kink_at_middle(const SolidMesh& level) {
   return (slopes - ways * gradient).norm() / (ways * gradient).norm();
 }
 
-// Around edges of three, five and six cells. Fails if a rule there leaves a jump or a kink: a mean
-// of what lies opposite, or the parabola of a boundary, leave the kink what it is.
+// Around edges of three, five and six cells. Fails if a rule there leaves a jump or a kink: with
+// the mean of what lies opposite, or one harmonic less, the kink falls by a quarter a level.
 TEST(Subdivision, ExtraordinaryEdgesAreSmooth) {
   for (const int around : {3, 5, 6}) {
     SCOPED_TRACE(around);

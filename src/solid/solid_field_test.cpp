@@ -80,7 +80,7 @@ TEST(SolidBasis, GaussiansComeAsNearAsTheMethodSays) {
 
 // Of one vertex of density 1 in a regular mesh, the field against the basis. Fails if values do not
 // interpolate, or with another falloff than the documented one.
-TEST(SolidBasis, InterpolatingValuesComeWithinATenth) {
+TEST(SolidBasis, InterpolatingValuesComeWithinElevenPercent) {
   const Vec3 middle(4, 4, 4);
   const SolidMesh mesh = grid_solid(9, [&](const Vec3& p) { return p == middle ? 1.0 : 0.0; });
   const KernelSampler sampler(make_solid_field(mesh));

@@ -52,8 +52,8 @@ fuzz: setup  ## fuzz the readers for SECONDS (60) each
 mutants: build  ## damage files a thousand times each, and let the program read them
 	@python3 tests/hostile/mutants.py build/release/bin/ovoid --count $(or $(COUNT),1000)
 
-bench: build  ## measure against the peers; the table goes to bench/results/ (BENCH=looks: first pictures, BENCH=fit: fewer kernels, BENCH=simplify: runs and boxes, of DATA="...")
-	@if [ "$(BENCH)" = looks ] || [ "$(BENCH)" = fit ] || [ "$(BENCH)" = simplify ]; then \
+bench: build  ## measure against the peers; the table goes to bench/results/ (of DATA="...": BENCH=looks first pictures, BENCH=fit fewer kernels, BENCH=simplify runs and boxes; BENCH=solids)
+	@if [ -n "$(filter looks fit simplify solids,$(BENCH))" ]; then \
 	  scripts/setup.sh bench && python3 bench/$(BENCH).py $(DATA); \
 	else \
 	  scripts/setup.sh bench && scripts/build.sh bench && python3 bench/run.py $(BENCH) && python3 bench/convergence.py; \
@@ -65,7 +65,7 @@ experiments: setup  ## the tables and pictures of docs/numerics.md, measured aga
 	@build/release/bin/ovoid_experiments docs/images
 
 pictures: build  ## draw the pictures of the guide and the other pages again, by their own commands and scripts
-	@scripts/run_docs.py build/release/bin/ovoid docs/guide.md docs/annotations.md docs/time.md
+	@scripts/run_docs.py build/release/bin/ovoid docs/guide.md docs/annotations.md docs/time.md docs/solids.md
 	@scripts/viewer_pictures.sh
 
 install: build  ## install program, library and headers under PREFIX (/usr/local)

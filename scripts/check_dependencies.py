@@ -16,6 +16,7 @@ PUBLIC = {
     "error.h": "data", "export.h": "data", "version.h": "data", "math.h": "data", "lattice.h": "data", "lattice_levels.h": "data", "lattice_boxes.h": "data", "kernels.h": "data", "kernel_field.h": "data", "field.h": "data", "surface.h": "data", "dataset.h": "data", "series.h": "data", "relevant.h": "data",
     "model.h": "model", "resample.h": "model", "slices.h": "model", "hyperslice.h": "model", "coarse.h": "model",
     "fit.h": "fit", "simplify.h": "fit",
+    "solid.h": "solid",
     "camera.h": "view", "transfer_function.h": "view", "look.h": "view", "image.h": "view",
     "render_options.h": "view", "depth_limits.h": "view", "crop.h": "view", "framing.h": "view",
     "annotate.h": "annotate",
@@ -32,6 +33,7 @@ ALLOWED = {
     "simd": {"data"},
     "model": {"data", "simd"},
     "fit": {"data", "model", "io:public"},  # how many bytes a file will have
+    "solid": {"data", "model", "fit"},
     "view": {"data"},
     "annotate": {"data", "view"},
     "io": {"data", "view:public"},
@@ -42,7 +44,7 @@ ALLOWED = {
     "render/vulkan": {"data", "view", "render", "render/shared"},
     "render/without_vulkan": {"data", "view", "render"},
     "render/shared": {"data", "view", "render"},
-    "everything": {"data", "model", "fit", "view", "annotate", "io", "render"},
+    "everything": {"data", "model", "fit", "solid", "view", "annotate", "io", "render"},
 }
 
 # Third-party headers and the places that may see them, by prefix of the path.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// ovoid make: sample data by formula.
+// ovoid make: sample data by formula, and subdivision solids.
 
 #include <fmt/format.h>
 
@@ -9,6 +9,7 @@
 #include "command.h"
 #include "flags.h"
 #include "lattice_flags.h"
+#include "make_solid.h"
 #include "ovoid/error.h"
 #include "ovoid/io.h"
 #include "ovoid/model.h"
@@ -41,6 +42,7 @@ struct MakeFlags {
   MakeOptions options;
   TargetLattice lattice = TargetLattice::kCartesian;
   std::int64_t steps = 1;
+  SolidFlags solid;
 };
 
 // What it refuses is on the command line.
@@ -88,17 +90,41 @@ const Table<MakeFlags>& make_settings() {
   return all;
 }
 
+std::vector<std::string> known_names() {
+  std::vector<std::string> names = sample_names();
+  names.emplace_back(kSolidName);
+  return names;
+}
+
+// Each name has flags of its own.
+void check_name_flags(const Flags& flags, const std::string& name) {
+  if (name != kSolidName) {
+    const std::string flag = flags.first_given(solid_settings());
+    if (!flag.empty()) throw UsageError(fmt::format("{}: is for '{}' alone", flag, kSolidName));
+    return;
+  }
+  for (const Setting<MakeFlags>& setting : make_settings()) {
+    const std::string& flag = setting.flag.name;
+    if (flag != "output" && flags.is_given(flag))
+      throw UsageError(fmt::format("--{}: has no effect on '{}', see below --control", flag, name));
+  }
+}
+
 }  // namespace
 
 void run_make(const Words& words, Session& session) {
   MakeFlags make;
-  Flags flags("make", "NAME -o OUT [FLAG...]",
-              "Writes a volume, mesh, particles or kernels made by formula.");
+  Flags flags(
+      "make", "NAME -o OUT [FLAG...]",
+      "Writes a volume, mesh, particles or kernels made by formula, or a subdivision solid.");
   flags.section("");
   flags.positionals("NAME", "what to make, see below", &make.names);
   flags.add(make_settings(), &make);
+  flags.section(kSolidName);
+  flags.add(solid_settings(), &make.solid);
   flags.section("names");
   for (const std::string& name : sample_names()) flags.explain(name, describe_sample(name));
+  flags.explain(kSolidName, kSolidText);
   if (!flags.parse(words)) return;
 
   const std::string& output = make.output;
@@ -107,13 +133,16 @@ void run_make(const Words& words, Session& session) {
   if (names.size() != 1)
     throw UsageError(
         fmt::format("NAME: {} given, expected one (see ovoid make --help)", names.size()));
-  const std::vector<std::string> known = sample_names();
+  const std::vector<std::string> known = known_names();
   if (std::find(known.begin(), known.end(), names[0]) == known.end()) {
     throw UsageError(fmt::format("NAME '{}': expected one of {}{}", names[0],
                                  fmt::join(known, ", "), did_you_mean(names[0], known)));
   }
   if (output.empty()) throw UsageError("--output: none given, expected -o OUT");
-  check_files({}, volume_outputs("--output", output));
+  check_name_flags(flags, names[0]);
+  std::vector<std::string> inputs;
+  if (!make.solid.control.empty()) inputs.push_back(make.solid.control);
+  check_files(volume_inputs(inputs), volume_outputs("--output", output));
   check_volume_output("--output", output);
   if (make.lattice == TargetLattice::kBodyCentred) options.lattice = LatticeKind::kBodyCentred;
   check_lattice(make);
@@ -124,7 +153,9 @@ void run_make(const Words& words, Session& session) {
                 {}, session);
     return;
   }
-  const Dataset dataset = made([&] { return make_sample(names[0], options); });
+  const Dataset dataset = names[0] == kSolidName
+                              ? make_solid(make.solid, output, session)
+                              : made([&] { return make_sample(names[0], options); });
   session.check_stop();
   write_dataset(dataset, output, {session.stop()});
 }

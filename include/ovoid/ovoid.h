@@ -42,6 +42,7 @@
 #include "ovoid/series.h"
 #include "ovoid/simplify.h"
 #include "ovoid/slices.h"
+#include "ovoid/solid.h"
 #include "ovoid/surface.h"
 #include "ovoid/transfer_function.h"
 #include "ovoid/value_plane.h"

@@ -148,6 +148,8 @@ TEST(Make, EveryNameInTheHelpWorks) {
     if (is_mesh || name == "galaxy" || name == "blobs") {
       expect_success(
           {"make", name, "-o", folder / (name + (is_mesh ? ".vtu" : ".ply")), "--count", "100"});
+    } else if (name == "solid") {
+      expect_success({"make", name, "-o", folder / (name + ".ply"), "--levels", "0"});
     } else {
       expect_success({"make", name, "-o", folder / (name + ".nrrd"), "--size", "8"});
     }

@@ -1,18 +1,20 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""What runs and boxes come to: simplify.py [LATTICE...]
+"""What runs and boxes come to: simplify.py [LATTICE...] [--plot FILE.svg]
 
 For each input (files joined by "+" are one; without any, what `ovoid make` has), each kind of primitive and each tolerance: the gain, which is
 relevant samples per primitive; the file's bytes, and those of zfp's of the same bound (Debian: zfp); PSNR of the samples, and of the
-picture with the look that the input has by itself, 512 x 512, to the input's; and the input's frame time over the simplified one's."""
+picture with the look that the input has by itself, 512 x 512, to the input's; and the input's frame time over the simplified one's.
+The plot is of gain over tolerance: boxes solid, ramps dashed."""
+import argparse
 import json
 import os
 import re
 import shutil
 import subprocess
-import sys
 import tempfile
 
+import plots
 from fit import floats_of, made, run
 from magnification import OVOID, difference, picture_of
 
@@ -61,16 +63,34 @@ def simplified(inputs, folder):
                    f"{before / frame:.2f}", f"{report['seconds']:.1f} s")
 
 
-def main(inputs):
+def plot(rows, path):
+    colors = ("#0b5fa5", "#c0392b", "#2e8b57", "#8e44ad", "#d68910")
+    names = list(dict.fromkeys(row[0] for row in rows))
+    lines = []
+    for number, name in enumerate(names):
+        for primitives, is_dashed in (("box", False), ("ramp", True)):
+            points = [(float(row[2][:-2]), float(row[4])) for row in rows if row[:2] == (name, primitives) and row[2] != "0 %"]
+            lines.append(("" if is_dashed else name.split(".")[0], colors[number % len(colors)], is_dashed, points))
+    plots.log_plot(path, lines, "relevant samples per primitive, over the tolerance in % of the range",
+                   [(0.5, "0.5"), (1, "1"), (2, "2"), (5, "5")], [(2, "2"), (4, "4"), (8, "8"), (16, "16"), (32, "32")])
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("inputs", nargs="*")
+    parser.add_argument("--plot")
+    options = parser.parse_args()
+    rows = []
     print("| " + " | ".join(HEAD) + " |\n" + "|---" * len(HEAD) + "|")
     with tempfile.TemporaryDirectory() as folder:
-        for word in inputs or made(("head.nii", "jet.nii"), folder):
+        for word in options.inputs or made(("head.nii", "jet.nii"), folder):
             name = os.path.basename(word.split("+")[0].rstrip("/"))
             for row in simplified(word.split("+"), folder):
-                print("| " + " | ".join(map(str, (name, *row))) + " |", flush=True)
+                rows.append((name, *row))
+                print("| " + " | ".join(map(str, rows[-1])) + " |", flush=True)
+    if options.plot:
+        plot(rows, options.plot)
 
 
 if __name__ == "__main__":
-    if not os.path.exists(OVOID):
-        sys.exit(f"{OVOID}: build it first (make build)")
-    main(sys.argv[1:])
+    main()

@@ -4,7 +4,8 @@
 
 Fits each input (files joined by "+" are one; without any, what `ovoid make` has) and prints what `ovoid fit` tells. Meshes, particles and
 kernels with a quarter, a tenth, a thirtieth and a hundredth of their kernels, beside the errors of all of them as they were: of meshes
-with values at their nodes against interpolation in the cells, of everything else against the field of all kernels. Lattices at several
+with values at their nodes against interpolation in the cells, of everything else against the field of all kernels; and how many times as
+fast as those of all kernels the stage "reconstruct" and the frame are (1024 x 768, the look that the input has, meshes within their surface). Lattices at several
 PSNRs, beside the bytes of zfp's file (Debian: zfp) with the least error that is not below it."""
 import argparse
 import array
@@ -22,7 +23,8 @@ SHARES = (4, 10, 30, 100)
 PSNRS = (35, 38, 41, 44, 47)
 MADE = ("fin.vtu", "galaxy.npz", "blobs.ply", "head.nii", "jet.nii")
 HEADS = {
-    False: ("data", "array", "kernels", "of all", "PSNR, dB", "all, as they were", "greatest error", "wrongly empty", "wrongly full", "time"),
+    False: ("data", "array", "kernels", "of all", "PSNR, dB", "all, as they were", "greatest error", "wrongly empty", "wrongly full", "time",
+            "reconstruct", "frame"),
     True: ("data", "samples", "PSNR, dB", "kernels", "bytes", "per kernel", "greatest error", "time", "zfp's bytes", "its PSNR"),
 }
 
@@ -45,14 +47,36 @@ def made(names, folder):
         yield path
 
 
-def kernels_of_sets(name, inputs, flags, folder):
+def stages(words, look, folder):
+    """Milliseconds of the least of some frames' reconstruct stage and of the least frame."""
+    profile = os.path.join(folder, "profile.json")
+    times = []
+    for _ in range(3):
+        run("render", *words, "-o", os.path.join(folder, "picture.png"), "--tf", look, "--fit", "box", "--repeat", "3", f"--profile={profile}")
+        with open(profile, encoding="utf-8") as file:
+            told = json.load(file)
+        times.append((told["stages_ms"].get("reconstruct", 0), told["frame_ms"]["min"]))
+    return [min(column) for column in zip(*times)]
+
+
+def speed_up(inputs, flags, kind, look, folder):
+    is_mesh = kind == "mesh" and len(inputs) == 1
+    ours = stages([os.path.join(folder, "fitted.ply"), *(["--within", inputs[0], "--surface=0"] if is_mesh else [])], look, folder)
+    theirs = stages([*inputs, *flags, *(["--surface=0"] if is_mesh else [])], look, folder)
+    return [f"{before / max(after, 0.01):.1f}" for before, after in zip(theirs, ours)]
+
+
+def kernels_of_sets(name, inputs, flags, kind, folder):
+    look = os.path.join(folder, "look.json")
+    run("render", *inputs, *flags, "-o", os.path.join(folder, "first.png"), "--size", "64x64", "--save-look", look)
     all_kernels = fitted(inputs, flags, ("--kernels", "1"), ".ply", folder)["source_kernels"]
     for share in SHARES:
         report = fitted(inputs, flags, ("--kernels", str(max(1, all_kernels // share))), ".ply", folder)
         before = report["source_psnr_db"]
         yield (name, report["array"], report["kernels"], f"1/{share}", f"{report['psnr_db']:.1f}",
                "-" if before is None or before > 200 else f"{before:.1f}", f"{100 * report['greatest_error'] / report['range']:.1f} %",
-               f"{100 * report['wrongly_empty']:.2f} %", f"{100 * report['wrongly_full']:.1f} %", f"{report['seconds']:.1f} s")
+               f"{100 * report['wrongly_empty']:.2f} %", f"{100 * report['wrongly_full']:.1f} %", f"{report['seconds']:.1f} s",
+               *speed_up(inputs, flags, kind, look, folder))
 
 
 def zfp(raw, dims, psnr, value_range):
@@ -85,7 +109,7 @@ def floats_of(inputs, flags, folder):
     return floats, shape[::-1]
 
 
-def levels_of_lattices(name, inputs, flags, folder):
+def levels_of_lattices(name, inputs, flags, _, folder):
     floats, dims = floats_of(inputs, flags, folder)
     for psnr in PSNRS:
         report = fitted(inputs, flags, ("--psnr", str(psnr)), ".h5", folder)
@@ -113,12 +137,13 @@ def main():
             files, _, array_name = word.partition("@")
             inputs = files.split("+")
             flags = ["--array", array_name] if array_name else []
-            is_lattice = json.loads(run("info", "--json", *inputs))["kind"] == "lattice"
+            kind = json.loads(run("info", "--json", *inputs))["kind"]
+            is_lattice = kind == "lattice"
             if printed != is_lattice:
                 print("\n| " + " | ".join(HEADS[is_lattice]) + " |\n" + "|---" * len(HEADS[is_lattice]) + "|")
                 printed = is_lattice
             rows = levels_of_lattices if is_lattice else kernels_of_sets
-            for row in rows(os.path.basename(inputs[0].rstrip("/")), inputs, flags, folder):
+            for row in rows(os.path.basename(inputs[0].rstrip("/")), inputs, flags, kind, folder):
                 print("| " + " | ".join(map(str, row)) + " |", flush=True)
 
 

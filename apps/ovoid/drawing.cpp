@@ -6,7 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <span>
 #include <tuple>
+#include <vector>
 
 #include "load.h"
 #include "make_look.h"
@@ -44,17 +47,30 @@ std::vector<InputFile> files_to_read(const DataFlags& data, const DrawingFlags& 
 
 namespace {
 
+// What a mesh needs to have a surface, where its own arrays do not count.
+DataArray nothing_at_nodes(const Dataset& mesh) {
+  const auto zeros =
+      std::make_shared<const std::vector<float>>(static_cast<std::size_t>(mesh.num_positions()));
+  DataArray array;
+  array.name = "nothing";
+  array.type = ScalarType::kFloat32;
+  array.num_tuples = mesh.num_positions();
+  array.bytes = {zeros, std::as_bytes(std::span(*zeros))};
+  return array;
+}
+
 // The surface of --within, whose values are the field's.
 std::shared_ptr<const Surface> surface_within(const std::string& path, const Field& field,
                                               Session& session) {
   DataFlags data;
   data.inputs = {path};
-  const Dataset mesh = [&] {
+  Dataset mesh = [&] {
     const Quiet quiet(session);
     return load(data, session);
   }();
   if (mesh.kind != DatasetKind::kMesh && mesh.kind != DatasetKind::kBoxes)
     refuse_kind("--within", "meshes", mesh);
+  if (mesh.kind == DatasetKind::kMesh) mesh.arrays = {nothing_at_nodes(mesh)};
   const auto own = make_surface(mesh, {}, session.stop());
   if (own == nullptr || !own->encloses_mesh()) {
     throw Error(ErrorCode::kInvalidArgument,
@@ -64,6 +80,7 @@ std::shared_ptr<const Surface> surface_within(const std::string& path, const Fie
   const FieldSampler sampler(field);
   std::vector<float> values;
   for (const Vec3& place : surface->places) {
+    if (session.stop().stop_requested()) throw Error(ErrorCode::kCancelled, "cancelled");
     const FieldSample sample = sampler.at(place);
     values.push_back(sample.is_defined ? static_cast<float>(sample.color_value)
                                        : std::numeric_limits<float>::quiet_NaN());

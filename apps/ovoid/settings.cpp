@@ -316,7 +316,7 @@ const Table<AnnotationFlags>& mark_settings() {
 
 const Table<SurfaceFlags>& surface_settings() {
   using S = SurfaceFlags;
-  Rule mesh = for_data({DatasetKind::kMesh}, "meshes, which have cells that end, and --within");
+  Rule mesh = for_data({DatasetKind::kMesh}, "meshes, which have cells that end, or with --within");
   mesh.unless = {"within"};
   const Rule no_mesh =
       for_data({DatasetKind::kLattice, DatasetKind::kParticles, DatasetKind::kKernels},

@@ -47,7 +47,8 @@ const Table<SimplifyFlags>& simplify_settings() {
       {"-o,--output", word("OUT"), &F::output, "the file, .h5"},
       {"--tolerance", Form<Tolerance>{"VALUE[%]", parse_tolerance_or_zero}, &F::tolerance,
        "what no sample errs by more than; with %, of the values' range (default 1%); 0 keeps "
-       "integers of 1 or 2 bytes as they are, and others to 3e-8 of the range"},
+       "integers of 1 or 2 bytes as they are; all else is taken as float32, and kept to 3e-8 of "
+       "the range"},
       {"--rms", number("SHARE", {.lo = 0, .hi = 1, .lo_open = true}), &F::rms,
        "what the samples of a primitive err by at most in the root mean square, as a share of "
        "--tolerance (default {})"},
@@ -55,10 +56,11 @@ const Table<SimplifyFlags>& simplify_settings() {
        "runs along x of one value, runs along x that rise evenly, or boxes that rise evenly along "
        "each axis (default {})"},
       {"--search", choice(searches), &F::search,
-       "of runs: each as long as it can be, from left to right, or the fewest there are (slower) "
-       "(default {})"},
+       "of runs: each as long as it can be, from left to right, or the fewest that least squares "
+       "accept (slower) (default {})"},
       {"--relevant-above", number("V"), &F::relevant_above,
-       "samples up to this value need not be kept, and become the least value"},
+       "samples up to this value need not be kept, and become the least value; no error that is "
+       "told is theirs"},
       {"--report", word("FILE"), &F::report, "what is printed, as JSON"},
       {"--threads", integer("N", 0, 1024), &F::threads, "(default {}: one per hardware thread)"},
   };

@@ -28,6 +28,8 @@ struct LatticeBox {
   std::array<std::int32_t, 3> size{1, 1, 1};  // >= 1
   std::int32_t first = 0;                     // kMissing: none of its samples has a value
   std::array<std::int32_t, 3> rise{0, 0, 0};
+
+  bool operator==(const LatticeBox&) const = default;
 };
 
 // sample = least + step * (what its box says), rounded to a whole number if samples are `whole`,
@@ -35,16 +37,17 @@ struct LatticeBox {
 // come in the order of their first samples, x fastest; of the samples in between, those count to
 // the gap that lie in no box before.
 struct LatticeBoxes {
-  Index3 dims{0, 0, 0};
-  double least = 0, greatest = 0;
+  Index3 dims{0, 0, 0};            // fewer than 2^32 samples
+  double least = 0, greatest = 0;  // like the background floats
   double background = 0;
   bool whole = false;  // samples are those of a scanner
   double step = 1;     // > 0
   std::vector<LatticeBox> boxes;
 };
 
-// The samples, [dims[2]][dims[1]][dims[0]]; missing ones are NaN. Throws Error: kInvalidArgument
-// that names the member or box that is not as said above, kCancelled. `progress` is told fractions
+// The samples, [dims[2]][dims[1]][dims[0]]; missing ones, of which `whole` samples have none, are
+// NaN. Throws Error: kInvalidArgument that names the member or box that is not as said above,
+// kOutOfMemory, kCancelled. `progress` is told fractions
 // in [0, 1], not decreasing. Cost: some nanoseconds per sample.
 std::vector<float> samples_of(const LatticeBoxes& boxes, const std::stop_token& stop = {},
                               const std::function<void(double fraction)>& progress = {});

@@ -32,7 +32,7 @@ struct LatticeFileArray {
 // What was written so far, of all steps and arrays together.
 struct LatticeFileCounts {
   std::int64_t num_samples = 0;
-  std::int64_t num_relevant = 0;  // that were kept: all, unless runs are stored
+  std::int64_t num_relevant = 0;  // that were kept: all, of runs some; or kernels, or boxes
   std::int64_t num_runs = 0;
   std::int64_t dense_bytes = 0;  // of all samples, as they are in memory
   std::int64_t run_bytes = 0;    // of the runs and their samples, as they are in memory
@@ -101,7 +101,8 @@ class LatticeFileWriter {
   // second for 50 MiB.
   void write_step(std::span<const Bytes> samples);
   // The same with levels of kernels, or boxes, of the header's dims, for every array. They stand
-  // for stored numbers, of which the header's scale and offset make values.
+  // for stored numbers, of which the header's scale and offset make values, and are checked as
+  // samples_of() checks them, at its cost.
   void write_levels(std::span<const LatticeLevels> levels);
   void write_boxes(std::span<const LatticeBoxes> boxes);
   // The same with the arrays of a dataset, which must be the header's: name, type, components and

@@ -21,15 +21,15 @@ namespace OVOID_API ovoid {
 enum class Primitives { kConstants, kRamps, kBoxes };
 
 // How runs along x are found: from left to right, each as long as it can be, or so that there are
-// as few as can be (dynamic programming; of kConstants and kRamps).
+// the fewest of those that least squares accept (dynamic programming; of kConstants and kRamps).
 enum class RunSearch { kGreedy, kFewest };
 
 // At most one of the tolerances.
 struct SimplifyOptions {
   std::string array;  // empty: the dataset's only or first one that varies
   int component = 0;
-  // >= 0, of every sample. Of samples that are no integers of 1 or 2 bytes it is at least
-  // kLeastTolerance of the range; of those that are, 0 is lossless.
+  // >= 0, of every sample. Of integers of 1 or 2 bytes 0 is lossless; of all others, which are
+  // taken as floats, it is at least kLeastTolerance of the range.
   std::optional<double> tolerance;           // values
   std::optional<double> relative_tolerance;  // a share of the range; neither: 1 %
   // Of each primitive by itself: the most that the root of the mean of its samples' squared errors
@@ -50,7 +50,8 @@ struct SimplifyOptions {
 struct SimplifyReport {
   std::string array;
   std::int64_t samples = 0;
-  std::int64_t relevant = 0;    // samples that the background does not stand for
+  // Samples that the background does not stand for. Boxes may hold others, too.
+  std::int64_t relevant = 0;
   std::int64_t primitives = 0;  // boxes or runs
   double range = 0;             // greatest less least of the values
   double tolerance = 0;         // that was held, values
@@ -64,8 +65,9 @@ struct SimplifyReport {
 // Integers of 1 or 2 bytes are taken as they are stored, and stay whole; everything else as values
 // (a header's array is then float32). Missing samples stay missing. Throws Error: what
 // make_lattice_field() throws; kInvalidArgument for options out of range, a body-centred lattice,
-// 2^32 samples and more; kCancelled; kOutOfMemory. Cost: some 100 ns of one thread per sample
-// (kFewest: up to some microseconds), and 10 bytes.
+// 2^32 samples and more; kCancelled; kOutOfMemory. Cost: some 100 ns of one thread per sample,
+// or, where runs are long, a nanosecond for each sample of its run (kFewest: for the square of
+// them); and 10 bytes per sample, 40 per box.
 LatticeBoxes simplify_lattice(const Dataset& dataset, const SimplifyOptions& options,
                               SimplifyReport* report = nullptr);
 

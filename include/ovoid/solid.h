@@ -37,8 +37,8 @@ struct SolidMesh {
 
 // Throws Error(kInvalidArgument) that names vertex or cell: lengths that do not agree, no cells,
 // numbers that are not finite, cells whose vertices do not exist or are the same, vertices of no
-// cell, a face of three cells, and a corner whose edges do not turn the way those of the mesh do on
-// the whole (a cell inside out, or flat).
+// cell, a face of three cells or with other edges in one than in the other, and a corner whose
+// edges do not turn the way those of the mesh do on the whole (a cell inside out, or flat).
 void check_solid_mesh(const SolidMesh& mesh);
 
 // What of a dataset becomes densities.
@@ -47,10 +47,11 @@ struct ControlMeshOptions {
   int component = 0;    // of its tuples; LatticeModelOptions::kMagnitude: the norm
 };
 
-// The hexahedra of a mesh file as a control mesh. Nodes at one place are one vertex, nodes of no
-// cell are left out. Throws Error(kInvalidArgument) that names cell, node or array: a dataset that
-// is no mesh, cells that are no hexahedra of 8 nodes, values per cell, missing values, and what
-// check_solid_mesh() throws.
+// The hexahedra of a mesh file as a control mesh. Nodes at one place are one vertex, with the
+// density of the first; nodes of no cell are left out, and vertices are counted without them.
+// Throws Error(kInvalidArgument) that names cell, node or array: a dataset that is no mesh, cells
+// that are no hexahedra of 8 nodes, values per cell, missing values, and what check_solid_mesh()
+// throws.
 SolidMesh make_control_mesh(const Dataset& mesh, const ControlMeshOptions& options = {});
 
 // The control mesh of `ovoid make solid`: a star of five arms, two cells thick, that curls. An edge

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <new>
 #include <string>
 
 #include "data/box_values.h"
@@ -18,14 +19,20 @@ namespace {
 }
 
 void check(const LatticeBoxes& all) {
+  double count = 1;
   for (std::size_t a = 0; a < 3; ++a) {
     if (all.dims[a] < 1) refuse_boxes(fmt::format("dims[{}] = {}: must be >= 1", a, all.dims[a]));
+    count *= static_cast<double>(all.dims[a]);
   }
-  if (!std::isfinite(all.background))
-    refuse_boxes(fmt::format("background = {}: must be finite", all.background));
+  if (count > static_cast<double>(std::numeric_limits<std::uint32_t>::max()))
+    refuse_boxes(fmt::format("dims: {} samples: expected fewer than 2^32", count));
+  for (const double number : {all.background, all.least, all.greatest}) {
+    if (!(std::abs(number) <= static_cast<double>(std::numeric_limits<float>::max())))
+      refuse_boxes(fmt::format("background, least, greatest: {}: must be a float", number));
+  }
   if (!(all.step > 0 && std::isfinite(all.step)))
     refuse_boxes(fmt::format("step = {}: must be > 0", all.step));
-  if (!(all.least <= all.greatest && std::isfinite(all.least) && std::isfinite(all.greatest)))
+  if (!(all.least <= all.greatest))
     refuse_boxes(fmt::format("least, greatest = {}, {}: must rise", all.least, all.greatest));
 }
 
@@ -47,6 +54,8 @@ class BoxFiller {
         refuse(number, fmt::format("its size along {} is {}: expected 1 to {}", "xyz"[a],
                                    box.size[a], all_.dims[a] - begin[a]));
     }
+    if (all_.whole && box.first == LatticeBox::kMissing)
+      refuse(number, "its samples are missing, which whole numbers are not");
     const data::BoxValues values(box);
     for (std::int64_t k = 0; k < box.size[2]; ++k) {
       for (std::int64_t j = 0; j < box.size[1]; ++j) fill_row(number, values, begin, j, k);
@@ -93,22 +102,33 @@ class BoxFiller {
   std::size_t next_ = 0;  // no box begins before it
 };
 
-}  // namespace
-
-std::vector<float> samples_of(const LatticeBoxes& boxes, const std::stop_token& stop,
-                              const std::function<void(double fraction)>& progress) {
-  check(boxes);
+std::vector<float> filled(const LatticeBoxes& boxes, const std::stop_token& stop,
+                          const std::function<void(double fraction)>& progress) {
   constexpr std::size_t kBatch = 1 << 14;
   BoxFiller filler(boxes);
   for (std::size_t number = 0; number < boxes.boxes.size(); ++number) {
     if (number % kBatch == 0) {
-      if (stop.stop_requested()) throw Error(ErrorCode::kCancelled, "stopped");
+      if (stop.stop_requested())
+        throw Error(ErrorCode::kCancelled, "expanding boxes was cancelled");
       if (progress) progress(static_cast<double>(number) / static_cast<double>(boxes.boxes.size()));
     }
     filler.fill(number);
   }
   if (progress) progress(1);
   return filler.take();
+}
+
+}  // namespace
+
+std::vector<float> samples_of(const LatticeBoxes& boxes, const std::stop_token& stop,
+                              const std::function<void(double fraction)>& progress) {
+  check(boxes);
+  try {
+    return filled(boxes, stop, progress);
+  } catch (const std::bad_alloc&) {
+    throw Error(ErrorCode::kOutOfMemory,
+                fmt::format("no memory for {} samples of boxes", num_samples(boxes.dims)));
+  }
 }
 
 }  // namespace ovoid

@@ -56,15 +56,15 @@ TEST(LatticeBoxes, StandForTheirSamples) {
 
 TEST(LatticeBoxes, AreRoundedAndClampedAndMayBeMissing) {
   LatticeBoxes all = two_boxes();
-  all.whole = true;
-  all.step = 1;
-  all.greatest = 51;
   all.boxes[0].first = LatticeBox::kMissing;
-  all.boxes[1].rise = {0, 3, 100};
+  all.greatest = 39;
   const std::vector<float> samples = samples_of(all);
   EXPECT_TRUE(std::isnan(samples[1]));
   EXPECT_TRUE(std::isnan(samples[8]));
-  EXPECT_EQ(samples[9], 51);  // 90 of at most 51
+  EXPECT_EQ(samples[9], 39);  // 40 of at most 39
+  all.whole = true;
+  all.step = 1;
+  all.boxes[0].first = 7;
   all.greatest = 900;
   all.boxes[1].rise = {0, 3, 0};
   const std::vector<float> whole = samples_of(all);
@@ -87,6 +87,17 @@ TEST(LatticeBoxes, RefuseWhatIsNotAsSaid) {
   };
   EXPECT_THAT(refusal([](LatticeBoxes& all) { all.dims[1] = 0; }), HasSubstr("dims[1] = 0"));
   EXPECT_THAT(refusal([](LatticeBoxes& all) { all.step = 0; }), HasSubstr("step = 0"));
+  EXPECT_THAT(refusal([](LatticeBoxes& all) {
+                all.dims = {std::int64_t{1} << 40, std::int64_t{1} << 40, 1};
+              }),
+              HasSubstr("expected fewer than 2^32"));
+  EXPECT_THAT(refusal([](LatticeBoxes& all) { all.greatest = 1e200; }),
+              HasSubstr("1e+200: must be a float"));
+  EXPECT_THAT(refusal([](LatticeBoxes& all) {
+                all.whole = true;
+                all.boxes[1].first = LatticeBox::kMissing;
+              }),
+              HasSubstr("boxes[1]: its samples are missing"));
   EXPECT_THAT(refusal([](LatticeBoxes& all) { all.least = 100; }), HasSubstr("least, greatest"));
   EXPECT_THAT(refusal([](LatticeBoxes& all) { all.background = NAN; }), HasSubstr("background"));
   EXPECT_THAT(refusal([](LatticeBoxes& all) { all.boxes[1].size[2] = 4; }),

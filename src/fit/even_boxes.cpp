@@ -4,6 +4,7 @@
 // the sums of what it grew by.
 #include "fit/even_boxes.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -64,25 +65,39 @@ std::optional<LatticeBox> box_of(const Size& size, const BoxSums& sums, bool has
 class BoxFinder {
  public:
   BoxFinder(const LatticeSamples& samples, const LatticeBoxes& all, const BoxRules& rules,
-            std::int64_t end, std::span<SampleState> states)
+            std::int64_t end, std::span<SampleState> states, const std::stop_token& stop)
       : values_(samples.values),
         dims_(samples.dims),
         end_{samples.dims[0], samples.dims[1], end},
         least_(all.least),
         per_value_(1 / all.step),
-        most_steps_((rules.tolerance + (all.whole ? 0.5 : 0.25 * rules.tolerance)) / all.step),
+        most_steps_((rules.tolerance + rounding_of(all)) / all.step),
         sample_(all),
         rules_(rules),
-        states_(states) {}
+        states_(states),
+        stop_(stop) {}
 
   // Along row (y, z).
   void find_in_row(std::int64_t y, std::int64_t z) {
+    check_stop();
     rules_.search == RunSearch::kFewest ? find_fewest(y, z) : find_greedily(y, z);
   }
 
   BoxesOfLayers take() { return std::move(found_); }
 
  private:
+  void check_stop() const {
+    if (stop_.stop_requested())
+      throw Error(ErrorCode::kCancelled, "looking for boxes was cancelled");
+  }
+
+  // What is read is at most so far from what a box's numbers say: half a whole number, or half of
+  // a float's last digit.
+  static double rounding_of(const LatticeBoxes& all) {
+    const double magnitude = std::max(std::abs(all.least), std::abs(all.greatest));
+    return all.whole ? 0.5 : magnitude * std::ldexp(1.0, -24);
+  }
+
   std::size_t at(std::int64_t x, std::int64_t y, std::int64_t z) const {
     return static_cast<std::size_t>((z * dims_[1] + y) * dims_[0] + x);
   }
@@ -260,6 +275,7 @@ class BoxFinder {
     BoxSums sums = grown.sums;
     double squares_of_values = sums.value * sums.value;
     for (std::int64_t x = begin[0] + 1; x < end_[0]; ++x) {
+      check_stop();
       const auto length = static_cast<std::int32_t>(x - begin[0]);
       const Size size{length + 1, 1, 1};
       if (!add_slab(begin, {length, 0, 0}, size, is_missing, sums)) return;
@@ -299,6 +315,7 @@ class BoxFinder {
   data::SampleOfBox sample_;
   const BoxRules& rules_;
   std::span<SampleState> states_;
+  const std::stop_token& stop_;
   BoxesOfLayers found_;
 };
 
@@ -307,12 +324,9 @@ class BoxFinder {
 BoxesOfLayers find_even_boxes(const LatticeSamples& samples, const LatticeBoxes& all,
                               const BoxRules& rules, std::int64_t begin, std::int64_t end,
                               std::span<SampleState> states, const std::stop_token& stop) {
-  BoxFinder finder(samples, all, rules, end, states);
+  BoxFinder finder(samples, all, rules, end, states, stop);
   for (std::int64_t z = begin; z < end; ++z) {
-    for (std::int64_t y = 0; y < samples.dims[1]; ++y) {
-      if (stop.stop_requested()) throw Error(ErrorCode::kCancelled, "simplifying was cancelled");
-      finder.find_in_row(y, z);
-    }
+    for (std::int64_t y = 0; y < samples.dims[1]; ++y) finder.find_in_row(y, z);
   }
   return finder.take();
 }

@@ -22,7 +22,7 @@ void check_lattice(const Dataset& dataset, const std::string& what) {
     refuse_fit(fmt::format("{} hold Cartesian lattices, this one is body-centred", what));
   const std::int64_t count = num_samples(dataset.lattice.dims);
   if (count > std::int64_t{std::numeric_limits<std::uint32_t>::max()})
-    refuse_fit(fmt::format("{} samples: {} hold at most 2^32", count, what));
+    refuse_fit(fmt::format("{} samples: {} hold fewer than 2^32", count, what));
 }
 
 double background_of(const LatticeSamples& samples) {

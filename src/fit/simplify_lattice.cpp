@@ -32,6 +32,7 @@ constexpr double kStepOfError = 0.25;
 // Boxes end at every so many layers, so that threads share the work and results do not depend on
 // how many there are.
 constexpr std::int64_t kLayers = 32;
+constexpr double kShareOfSearch = 0.9;  // of the time; the rest is that of the errors
 
 void check_options(const SimplifyOptions& options) {
   if (options.tolerance && options.relative_tolerance)
@@ -82,9 +83,7 @@ class LatticeSimplifier {
                            : options_.relative_tolerance.value_or(kDefaultTolerance) * range();
     rules_.rms = options_.rms_share * rules_.tolerance;
     if (samples_.whole) return;
-    const double magnitude = std::max(std::abs(samples_.least), std::abs(samples_.greatest));
-    const double least = std::max(SimplifyOptions::kLeastTolerance * range(),
-                                  magnitude * std::ldexp(1.0, -23));  // a float's own
+    const double least = SimplifyOptions::kLeastTolerance * range();
     rules_.tolerance = std::max(rules_.tolerance, least);
     rules_.rms = std::max(rules_.rms, least);
   }
@@ -132,23 +131,27 @@ class LatticeSimplifier {
     std::vector<BoxesOfLayers> parts(static_cast<std::size_t>((layers + kLayers - 1) / kLayers));
     std::mutex mutex;
     std::size_t num_done = 0;
-    data::parallel_ranges(
-        {static_cast<std::int64_t>(parts.size()), 1, threads_, options_.stop},
-        [&](std::int64_t part, std::int64_t) {
-          const std::int64_t begin = part * kLayers;
-          parts[static_cast<std::size_t>(part)] =
-              fit::find_even_boxes(samples_, boxes_, rules_, begin,
-                                   std::min(begin + kLayers, layers), states_, options_.stop);
-          const std::lock_guard lock(mutex);
-          ++num_done;
-          if (options_.progress)
-            options_.progress(static_cast<double>(num_done) / static_cast<double>(parts.size()));
-        });
+    data::parallel_ranges({static_cast<std::int64_t>(parts.size()), 1, threads_, options_.stop},
+                          [&](std::int64_t part, std::int64_t) {
+                            const std::int64_t begin = part * kLayers;
+                            parts[static_cast<std::size_t>(part)] = fit::find_even_boxes(
+                                samples_, boxes_, rules_, begin, std::min(begin + kLayers, layers),
+                                states_, options_.stop);
+                            const std::lock_guard lock(mutex);
+                            ++num_done;
+                            if (options_.progress)
+                              options_.progress(kShareOfSearch * static_cast<double>(num_done) /
+                                                static_cast<double>(parts.size()));
+                          });
+    std::size_t count = 0;
+    for (const BoxesOfLayers& part : parts) count += part.boxes.size();
+    boxes_.boxes.reserve(count);
     std::int64_t gap = 0;
     for (BoxesOfLayers& part : parts) {
       if (!part.boxes.empty()) part.boxes.front().gap += std::exchange(gap, 0);
       gap += part.gap_behind;
       boxes_.boxes.insert(boxes_.boxes.end(), part.boxes.begin(), part.boxes.end());
+      part = {};
     }
   }
 
@@ -169,6 +172,7 @@ class LatticeSimplifier {
     report_.tolerance = scale * rules_.tolerance;
     report_.greatest_error = scale * greatest;
     report_.psnr = psnr_of(range(), square / std::max(1.0, count));
+    if (options_.progress) options_.progress(1);
   }
 
   const SimplifyOptions& options_;

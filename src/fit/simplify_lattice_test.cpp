@@ -70,6 +70,22 @@ double greatest_error(const Dataset& dataset, const LatticeBoxes& boxes) {
   return greatest;
 }
 
+// Floats far from 0: fails if the tolerance grows with how large they are, or a box's numbers are
+// rounded as floats.
+TEST(Simplify, AnOffsetCostsNoAccuracy) {
+  const Dataset dataset = scan_of({40, 21, 9}, ScalarType::kFloat32,
+                                  [](const Place& p) { return 1e6 + wave(p) / 200; });
+  for (const double share : {0.0, 0.01, 0.2}) {
+    SimplifyOptions options;
+    options.relative_tolerance = share;
+    SimplifyReport report;
+    const LatticeBoxes boxes = simplify_lattice(dataset, options, &report);
+    const double most = std::max(share, SimplifyOptions::kLeastTolerance) * report.range;
+    EXPECT_DOUBLE_EQ(report.tolerance, most);
+    EXPECT_LE(greatest_error(dataset, boxes), most);
+  }
+}
+
 // Three plates of one value each, which go through all layers, in nothing.
 double plates(const Place& p) {
   if (p[1] < 2 || p[1] > 6) return 0;
@@ -118,7 +134,8 @@ TEST(Simplify, TheToleranceHoldsAtEverySample) {
            {Primitives::kConstants, Primitives::kRamps, Primitives::kBoxes}) {
         SimplifyReport report;
         const LatticeBoxes boxes = simplify_lattice(dataset, with(tolerance, primitives), &report);
-        const double least = type == ScalarType::kFloat32 ? 2e-5 : 0;  // a float's own
+        const double least =
+            type == ScalarType::kFloat32 ? SimplifyOptions::kLeastTolerance * report.range : 0;
         EXPECT_LE(greatest_error(dataset, boxes), std::max(tolerance, least));
         EXPECT_FLOAT_EQ(static_cast<float>(report.greatest_error),
                         static_cast<float>(greatest_error(dataset, boxes)));
@@ -225,15 +242,15 @@ TEST(Simplify, WhatIsNotRelevantBecomesTheLeastValue) {
 // Fails if threads see each other's boxes, or the order of layers is theirs.
 TEST(Simplify, IsTheSameForAnyNumberOfThreads) {
   const Dataset dataset = scan_of({20, 15, 70}, ScalarType::kUInt8, wave);
-  std::vector<float> before;
+  std::vector<LatticeBox> before;
   for (const int threads : {1, 2, 5}) {
     SimplifyOptions options = with(3);
     options.threads = threads;
     std::vector<double> told;
     options.progress = [&](double fraction) { told.push_back(fraction); };
-    const std::vector<float> read = samples_of(simplify_lattice(dataset, options));
-    EXPECT_TRUE(before.empty() || read == before);
-    before = read;
+    const std::vector<LatticeBox> boxes = simplify_lattice(dataset, options).boxes;
+    EXPECT_TRUE(before.empty() || boxes == before);
+    before = boxes;
     EXPECT_EQ(told.back(), 1);
     EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
   }

@@ -2,6 +2,8 @@
 // What is a mesh of hexahedra, from and to datasets.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -63,12 +65,25 @@ void check_vertices(const SolidMesh& mesh) {
   }
 }
 
+std::array<std::uint32_t, 4> as_set(std::array<std::uint32_t, 4> edges) {
+  std::sort(edges.begin(), edges.end());
+  return edges;
+}
+
 void check_faces(const HexTopology& topology) {
   for (std::size_t f = 0; f < topology.faces.size(); ++f) {
     const auto cells = topology.cells_of_face.of(f);
     if (cells.size() > 2)
       refuse_solid(fmt::format("cells[{}], [{}] and [{}]: have one face; expected two at most",
                                cells[0], cells[1], cells[2]));
+  }
+  for (std::size_t c = 0; c < topology.cell_faces.size(); ++c) {
+    for (int local = 0; local < kCellFaces; ++local) {
+      const std::uint32_t face = topology.cell_faces[c][static_cast<std::size_t>(local)];
+      if (as_set(edges_of_face(topology, c, local)) == as_set(topology.face_edges[face])) continue;
+      refuse_solid(fmt::format("cells[{}] and [{}]: share four vertices, but not the edges between",
+                               topology.cells_of_face.of(face)[0], c));
+    }
   }
 }
 

@@ -66,6 +66,22 @@ TEST(ControlMesh, TakesGridsVoxelsAndNodesThatStandTwice) {
   EXPECT_EQ(make_control_mesh(voxels).cells, expected.cells);
 }
 
+// Fails if faces are told by their vertices alone: two cells share the four corners of a
+// tetrahedron, and go around them in different ways.
+TEST(ControlMesh, FacesOfDifferentEdgesAreRefused) {
+  SolidMesh mesh;
+  mesh.positions = {9, -1, 1,  11, -1, -1, 9,  1,  -1, 11, 1, 1,  -1, 9,  1,  -1, 11, -1,
+                    1, 9,  -1, 1,  11, 1,  -1, -1, 1,  -1, 1, -1, 1,  -1, -1, 1,  1,  1};
+  mesh.densities.assign(12, 1.0);
+  mesh.cells = {{11, 10, 8, 9, 7, 6, 4, 5}, {8, 10, 11, 9, 0, 1, 3, 2}};
+  try {
+    check_solid_mesh(mesh);
+    ADD_FAILURE() << "accepted";
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(), "cells[0] and [1]: share four vertices, but not the edges between");
+  }
+}
+
 // Fails if a message does not name the file and what is wrong in it.
 TEST(ControlMesh, RefusesWhatIsNone) {
   const auto expect = [](const char* word, const auto& change,

@@ -78,6 +78,23 @@ void number_edges(std::span<const CellVertices> cells, HexTopology& topology) {
     topology.cell_edges[slot / kCellEdges][slot % kCellEdges] = numbers[slot];
 }
 
+}  // namespace
+
+std::array<std::uint32_t, 4> edges_of_face(const HexTopology& topology, std::size_t cell,
+                                           int face) {
+  std::array<std::uint32_t, 4> edges{};
+  const auto corners = corners_of_face(face);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const int turned = corners[i] ^ corners[(i + 1) % 4];  // the one bit in which they differ
+    const int axis = turned == 1 ? 0 : turned == 2 ? 1 : 2;
+    edges[i] =
+        topology.cell_edges[cell][static_cast<std::size_t>(edge_at_corner(axis, corners[i]))];
+  }
+  return edges;
+}
+
+namespace {
+
 void number_faces(std::span<const CellVertices> cells, HexTopology& topology) {
   std::vector<FaceKey> keys;
   keys.reserve(kCellFaces * cells.size());
@@ -94,13 +111,7 @@ void number_faces(std::span<const CellVertices> cells, HexTopology& topology) {
     const std::uint32_t face = numbers[slot];
     topology.cell_faces[cell][slot % kCellFaces] = face;
     topology.faces[face] = vertices_of_face(cells[cell], local);
-    const auto corners = corners_of_face(local);
-    for (std::size_t i = 0; i < 4; ++i) {
-      const int turned = corners[i] ^ corners[(i + 1) % 4];  // the one bit in which they differ
-      const int axis = turned == 1 ? 0 : turned == 2 ? 1 : 2;
-      topology.face_edges[face][i] =
-          topology.cell_edges[cell][static_cast<std::size_t>(edge_at_corner(axis, corners[i]))];
-    }
+    topology.face_edges[face] = edges_of_face(topology, cell, local);
   }
 }
 

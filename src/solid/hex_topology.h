@@ -61,6 +61,9 @@ struct HexTopology {
   Incidence cells_of_vertex, cells_of_edge, cells_of_face;
 };
 
+// Edge i joins corners i and i + 1 of corners_of_face().
+std::array<std::uint32_t, 4> edges_of_face(const HexTopology& topology, std::size_t cell, int face);
+
 // Vertices of the cells are under `num_vertices`, and no two of a cell are the same. Throws
 // Error(kOutOfMemory) for more than a twelfth of 2^32 cells.
 HexTopology make_topology(std::size_t num_vertices, std::span<const CellVertices> cells);

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 
 #include "data/parallel.h"
 #include "model/ellipsoid_shape.h"
@@ -121,7 +122,10 @@ std::span<const BasisGaussian> gaussians_of(SolidBasis basis) noexcept {
   return solid::kInterpolatingGaussian;
 }
 
-KernelField make_solid_field(const SolidMesh& level, const SolidFieldOptions& options) {
+namespace solid {
+namespace {
+
+KernelField field_of(const SolidMesh& level, const SolidFieldOptions& options) {
   const std::vector<solid::VertexFrame> frames = solid::frames_of(level, options);
   std::vector<double> centers, values;
   std::vector<float> shapes, weights;
@@ -147,6 +151,18 @@ KernelField make_solid_field(const SolidMesh& level, const SolidFieldOptions& op
   columns.values.emplace_back(stored);
   columns.attributes.push_back({level.name, level.unit, {}});
   return {make_kernel_source(columns, options.threads), Reconstruction::kSum};
+}
+
+}  // namespace
+}  // namespace solid
+
+KernelField make_solid_field(const SolidMesh& level, const SolidFieldOptions& options) {
+  try {
+    return solid::field_of(level, options);
+  } catch (const std::bad_alloc&) {
+    throw Error(ErrorCode::kOutOfMemory,
+                fmt::format("no memory for the kernels of {} vertices", level.num_vertices()));
+  }
 }
 
 }  // namespace ovoid

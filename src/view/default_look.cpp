@@ -494,9 +494,21 @@ Look look_of_kernel_values(const KernelField& field, const FieldSamples& samples
   return look;
 }
 
+// Sums of kernels of both signs swing a little about 0 where there is nothing. Without the values
+// that are no greater than the least one is below 0.
+FieldSamples without_swing(const KernelField& field, FieldSamples samples) {
+  constexpr float kMostOfGreatest = 0.2F;
+  if (field.reconstruction() != Reconstruction::kSum || samples.values.empty()) return samples;
+  const float swing = -samples.values.front();
+  if (!(swing > 0) || swing > kMostOfGreatest * samples.values.back()) return samples;
+  const auto end = std::upper_bound(samples.values.begin(), samples.values.end(), swing);
+  samples.values.erase(samples.values.begin(), end);
+  return samples;
+}
+
 // Where another attribute gives the colour, colours span its range.
 Look look_of_kernels(const KernelField& field) {
-  Look look = look_of_kernel_values(field, view::take_samples(field));
+  Look look = look_of_kernel_values(field, without_swing(field, view::take_samples(field)));
   if (field.has_own_color()) {
     Look colors = ramp_look(field.color_range());
     TransferFunction& tf = colors.transfer_function;

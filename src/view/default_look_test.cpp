@@ -156,6 +156,22 @@ TEST(DefaultLook, SignedFieldsShowBothSides) {
   EXPECT_GT(warm[0], warm[2]);
 }
 
+// Fails if what a sum of kernels of both signs leaves where there is nothing is shown as a haze.
+TEST(DefaultLook, SumsThatSwingAboutNothingShowNoHalo) {
+  test::KernelNumbers numbers = test::jittered_balls(10);
+  std::vector<float>& values = numbers.values[0];
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (values[i] < 0.5F) values[i] = i % 2 == 0 ? 0.1F : -0.1F;
+  }
+  const KernelField field(numbers.source(), Reconstruction::kSum);
+  const double swing = -static_cast<double>(field.value_range().lo);
+  ASSERT_GT(swing, 0.01);
+  const TransferFunction& tf = default_look(field).transfer_function;
+  for (const double share : {-1.0, -0.5, 0.0, 0.5, 0.9})
+    EXPECT_EQ(tf.opacity_at(share * swing), 0) << share;
+  EXPECT_GT(tf.opacity_at(0.7), 0.05);
+}
+
 TEST(DefaultLook, FieldsWithoutABackgroundShowTheirUpperHalf) {
   const Look look = default_look(test::make_field(
       {kSide, kSide, kSide},

@@ -538,8 +538,9 @@ class LatticeReader {
     const ScalarType type = type_of_content(group, place);
     std::int64_t stored_bytes = 0;
     const LatticeLevels levels = read_levels(group, place, type, progress, stored_bytes);
-    DataArray array = dense(place, std::move(description), type,
-                            [&] { return samples_of(levels, 0, {}, options_.progress); });
+    DataArray array = dense(place, std::move(description), type, [&] {
+      return samples_of(levels, 0, options_.stop, options_.progress);
+    });
     storage_notes_.push_back(
         fmt::format("{}: '{}' is stored as levels: {} kernels for {} samples, {} bytes in the file",
                     name_, array.name, levels.num_kernels(), array.num_tuples, stored_bytes));
@@ -552,7 +553,7 @@ class LatticeReader {
     std::int64_t stored_bytes = 0;
     const LatticeBoxes boxes = read_boxes(group, place, type, progress, stored_bytes);
     DataArray array = dense(place, std::move(description), type,
-                            [&] { return samples_of(boxes, {}, options_.progress); });
+                            [&] { return samples_of(boxes, options_.stop, options_.progress); });
     storage_notes_.push_back(
         fmt::format("{}: '{}' is stored as boxes: {} for {} samples, {} bytes in the file", name_,
                     array.name, boxes.boxes.size(), array.num_tuples, stored_bytes));
@@ -615,6 +616,7 @@ class LatticeReader {
     try {
       values = make_samples();
     } catch (const Error& error) {
+      if (error.code() != ErrorCode::kInvalidArgument) throw;
       fail(fmt::format("'{}': {}", place, error.what()));
     }
     description.type = type;

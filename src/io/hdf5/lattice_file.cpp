@@ -289,6 +289,9 @@ class LatticeFileWriter::Impl {
     return header_.relevant ? "runs" : "dense";
   }
 
+  void check(const LatticeLevels& levels) const { samples_of(levels, 0, stop_); }
+  void check(const LatticeBoxes& boxes) const { samples_of(boxes, stop_); }
+
   // What stands for a step of every array.
   template <class Content, class Count>
   void write_content(LatticeContent content, std::span<const Content> arrays, const Count& count) {
@@ -306,12 +309,13 @@ class LatticeFileWriter::Impl {
       if (arrays[i].whole == is_floating(type))
         fail(fmt::format("{}[{}]: whole = {}: the array is {}", word, i, arrays[i].whole,
                          name_of(type)));
-      counts_.num_samples += num_samples(header_.lattice.dims);
-      counts_.dense_bytes += num_bytes(header_.arrays[i]);
-      counts_.num_relevant += count(arrays[i]);
+      check(arrays[i]);  // which checks them: what is written can be read
       const io::Hdf5Object step = groups_[i].make_group(fmt::format("step{}", num_steps_));
       require(step.is_open());
       put(step, type, arrays[i]);
+      counts_.num_samples += num_samples(header_.lattice.dims);
+      counts_.dense_bytes += num_bytes(header_.arrays[i]);
+      counts_.num_relevant += count(arrays[i]);
     }
     ++num_steps_;
   }

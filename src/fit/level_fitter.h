@@ -42,6 +42,7 @@ class LevelFitter {
 
  private:
   using Weights = std::vector<float>;
+  class ThroughSamples;
 
   void fit_few(const std::vector<std::uint32_t>& nodes, int iterations);
   void fit_many(int iterations);

@@ -20,8 +20,6 @@ constexpr std::int64_t kGrain = 1 << 18;
 // Levels are added until one has so few nodes along its longest axis.
 constexpr std::int64_t kFewNodes = 12;
 constexpr int kMostLevels = 10;
-// Entries of the normal equations' matrix, 8 bytes each, beyond which it is not kept.
-constexpr std::size_t kMostPairs = std::size_t{1} << 27;
 // Of the residual of the normal equations, over what it was: where steps end.
 constexpr double kLeastEnergy = 1e-10;
 
@@ -80,9 +78,10 @@ void LevelFitter::for_each(std::size_t count, const Body& body) const {
 }
 
 LevelFitter::LevelFitter(const Index3& dims, std::vector<float> samples,
-                         const data::LevelWork& work)
+                         const data::LevelWork& work, std::size_t most_pairs)
     : basis_(dims, levels_for(dims)),
       work_(work),
+      most_pairs_(most_pairs),
       pairs_(basis_),
       samples_(std::move(samples)),
       residual_(samples_),
@@ -270,7 +269,7 @@ std::vector<std::uint32_t> LevelFitter::kernels() const {
 
 void LevelFitter::fit(int iterations) {
   const std::vector<std::uint32_t> nodes = kernels();
-  if (pairs_.assemble(nodes, kMostPairs, work_))
+  if (pairs_.assemble(nodes, most_pairs_, work_))
     fit_few(nodes, iterations);
   else
     fit_many(iterations);

@@ -64,15 +64,15 @@ Sites centers_near(const Sites& sites, int side, Centers centers) {
     for (double& x : moved.at) x += random.uniform(-0.5, 0.5);
     return moved;
   }
-  const auto site = [side](int i, int j, int k) {
-    return static_cast<std::size_t>(i + side * (j + side * k));
-  };
-  for (int k = 0; k + 1 < side; k += 2) {
-    for (int j = 0; j + 1 < side; j += 2) {
-      for (int i = 0; i + 1 < side; i += 2) {
+  const auto count = static_cast<std::size_t>(side);
+  for (std::size_t k = 0; k + 1 < count; k += 2) {
+    for (std::size_t j = 0; j + 1 < count; j += 2) {
+      for (std::size_t i = 0; i + 1 < count; i += 2) {
         Vec3 sum = Vec3::Zero();
-        for (int corner = 0; corner < 8; ++corner)
-          sum += place_of(sites.at, site(i + corner % 2, j + corner / 2 % 2, k + corner / 4));
+        for (std::size_t corner = 0; corner < 8; ++corner) {
+          const std::size_t x = i + corner % 2, y = j + corner / 2 % 2, z = k + corner / 4;
+          sum += place_of(sites.at, x + count * (y + count * z));
+        }
         for (const double x : Vec3(sum / 8)) moved.at.push_back(x);
       }
     }

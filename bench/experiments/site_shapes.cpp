@@ -68,7 +68,7 @@ bool is_scaled(SiteShape shape) {
 
 // The factor of a cell's covariance; whether least squares had one of its own.
 Mat3 factor_of_cell(const VoronoiCell& cell, SiteShape shape, bool& is_own) {
-  const Mat3 pca = model::shape_of_covariance(model::spread_of(cell)).factor;
+  Mat3 pca = model::shape_of_covariance(model::spread_of(cell)).factor;
   if (shape == SiteShape::kPca || shape == SiteShape::kScaledPca) return pca;
   // A little is needed to solve it at all where bisectors are few.
   const double ridge = shape == SiteShape::kLeastSquares ? 1e-12 : kRidge;

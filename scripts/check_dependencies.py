@@ -60,7 +60,7 @@ OUTSIDE = [
     ("libpng", re.compile(r"^png\.h"), ("src/io/", "tests/")),
     ("libjpeg", re.compile(r"^jpeglib\.h"), ("src/io/",)),
     ("giflib", re.compile(r"^gif_lib\.h"), ("src/io/", "tests/")),
-    ("Voro++", re.compile(r"^voro\+\+/"), ("src/model/",)),
+    ("Voro++", re.compile(r"^voro\+\+/"), ("src/model/", "bench/")),
     ("zlib and bzip2", re.compile(r"^(zlib|bzlib)\.h"), ("src/io/", "tests/")),
     ("nlohmann-json", re.compile(r"^nlohmann/"), ("src/io/", "apps/", "tests/", "bench/")),
     ("CLI11", re.compile(r"^CLI/"), ("bench/",)),

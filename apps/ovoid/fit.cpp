@@ -32,6 +32,7 @@ struct FitFlags {
   std::optional<double> psnr;
   std::optional<Tolerance> tolerance;
   std::optional<std::int64_t> kernels, bytes;
+  bool smooth = false;
   KernelShape shape = KernelShape::kEllipsoids;
   std::uint64_t seed = 1;
   int threads = 0;
@@ -42,6 +43,8 @@ const Table<FitFlags>& fit_settings() {
   const Rule sets = for_data(
       {DatasetKind::kMesh, DatasetKind::kBoxes, DatasetKind::kParticles, DatasetKind::kKernels},
       "meshes, particles and kernels");
+  const Rule of_lattice = for_data(
+      {DatasetKind::kLattice}, "lattices, whose samples tell their noise; give a --psnr instead");
   static const Names<KernelShape> shapes = {{"ellipsoid", KernelShape::kEllipsoids},
                                             {"ball", KernelShape::kBalls}};
   static const Table<F> all = {
@@ -55,6 +58,9 @@ const Table<FitFlags>& fit_settings() {
       {"--bytes", bytes<std::int64_t>("BYTES"), &F::bytes,
        "as many as fit in a file of that size, such as 500K",
        not_with("psnr tolerance kernels", kGiveOne)},
+      {"--smooth", Toggle{}, &F::smooth,
+       "of a lattice as few as leave its own noise as the error: a clean copy",
+       not_with("psnr tolerance kernels bytes", kGiveOne), of_lattice},
       {"--shape", choice(shapes), &F::shape, "(default {})", sets},
       {"--seed", integer<std::uint64_t>("N", 0, std::int64_t{1} << 40), &F::seed,
        "of the places where the error is looked at (default {})", sets},
@@ -72,6 +78,7 @@ FitOptions options_of(const FitFlags& fit, const Dataset& dataset, Session& sess
         fit.tolerance->number;
   options.kernels = fit.kernels;
   options.bytes = fit.bytes;
+  options.smooth = fit.smooth;
   options.shape = fit.shape;
   options.seed = fit.seed;
   options.model = kernel_options(dataset, fit.model, fit.threads, session);
@@ -98,6 +105,9 @@ void print_report(const FitReport& report, bool is_lattice, double seconds) {
           "{:.2f} dB ({:.2f} of values above the least{})", report.psnr, report.psnr_of_nonempty,
           is_lattice ? "" : fmt::format("; all kernels, not fitted: {:.2f}", report.source_psnr)));
   const double range = report.range > 0 ? report.range : 1;
+  if (report.noise > 0)
+    row("noise",
+        fmt::format("{:.4g} ({} of the range)", report.noise, percent(report.noise / range)));
   row("greatest error", fmt::format("{:.4g} ({} of the range)", report.greatest_error,
                                     percent(report.greatest_error / range)));
   if (!is_lattice) {
@@ -120,6 +130,7 @@ std::string json_of(const FitReport& report, double seconds) {
   json["psnr_db"] = decibels(report.psnr);
   json["psnr_of_nonempty_db"] = decibels(report.psnr_of_nonempty);
   json["source_psnr_db"] = decibels(report.source_psnr);
+  if (report.noise > 0) json["noise"] = report.noise;
   json["greatest_error"] = report.greatest_error;
   json["wrongly_empty"] = report.wrongly_empty;
   json["wrongly_full"] = report.wrongly_full;
@@ -141,8 +152,8 @@ void check_flags(const Flags& flags, const FitFlags& fit) {
     throw UsageError(fmt::format(
         "--output '{}': expected a name that ends in .ply, or, of a lattice, in .h5", fit.output));
   }
-  if (!fit.psnr && !fit.tolerance && !fit.kernels && !fit.bytes)
-    throw UsageError("no goal given: expected --psnr, --tolerance, --kernels or --bytes");
+  if (!fit.psnr && !fit.tolerance && !fit.kernels && !fit.bytes && !fit.smooth)
+    throw UsageError("no goal given: expected --psnr, --tolerance, --kernels, --bytes or --smooth");
   std::vector<OutputFile> outputs = volume_outputs("--output", fit.output);
   if (!fit.report.empty()) outputs.push_back({"--report", fit.report, fit.report});
   check_files(volume_inputs(fit.data.inputs), outputs);
@@ -187,13 +198,16 @@ void run_fit(const Words& words, Session& session) {
   FitFlags fit;
   Flags flags("fit", "INPUT... -o OUT [GOAL] [FLAG...]",
               "Fewer kernels for the field of a scan, a mesh, an adaptive grid, particles or "
-              "kernels, as good as --psnr, --tolerance, --kernels or --bytes says, and what error "
-              "is left. Every command takes the result as it takes the data.");
+              "kernels, as good as --psnr, --tolerance, --kernels, --bytes or --smooth says, and "
+              "what error is left. Every command takes the result as it takes the data.");
   flags.section("");
   flags.add(fit_settings(), &fit);
   add_input_flags(flags, &fit.data);
   add_array_flags(flags, &fit.model);
   add_kernel_flags(flags, &fit.model);
+  flags.footer(
+      "--memory-limit, where it is given, also bounds what a fit works with beside the data: fewer "
+      "places are looked at, and a fit that takes more than that is refused.");
   if (!flags.parse(words)) return;
   check_flags(flags, fit);
   check_volume_output("--output", fit.output);
@@ -209,6 +223,7 @@ void run_fit(const Words& words, Session& session) {
     Progress progress("fitting");
     FitOptions options = options_of(fit, dataset, session);
     options.progress = progress.callback();
+    if (flags.is_given("memory-limit")) options.memory_limit = fit.data.memory_limit;
     (is_lattice ? fit_levels : fit_set)(dataset, options, fit.output, report);
   }
   session.notes(report.notes);

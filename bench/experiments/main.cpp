@@ -20,6 +20,8 @@
 #include "experiments/pictures.h"
 #include "experiments/popping.h"
 #include "experiments/removed_samples.h"
+#include "experiments/site_fits.h"
+#include "experiments/site_shapes.h"
 #include "ovoid/io.h"
 
 namespace ovoid::experiments {
@@ -248,13 +250,76 @@ void removed(const std::string&) {
   }
 }
 
+void unity_of_sites() {
+  fmt::print(
+      "| sites | shapes | ellipsoids | axis ratio, median | 95 % | greatest | sum of f = 1, mean | "
+      "deviation | after 3 passes | deviation | after 10 | deviation |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+  for (const Sites& sites : {jittered_sites(20, 0.4, 1), c_grid_sites()}) {
+    for (const SiteShape shape : kSiteShapes) {
+      const SiteKernels kernels = kernels_of_sites(sites, shape);
+      const std::vector<double>& ratios = kernels.ratios;
+      fmt::print("| {} | {} | {:.1f} % | {:.1f} | {:.1f} | {:.0f} |", sites.name, name_of(shape),
+                 100 * kernels.ellipsoid_share, ratios[ratios.size() / 2],
+                 ratios[ratios.size() * 19 / 20], ratios.back());
+      for (const int passes : {0, 3, 10}) {
+        const Unity unity = measure_unity(sites, with_passes(kernels, passes));
+        fmt::print(" {:.3f} | {:.1f} % |", unity.mean, 100 * unity.deviation);
+      }
+      fmt::print("\n");
+    }
+  }
+}
+
+void errors_of_sites(const std::vector<TestField>& fields) {
+  fmt::print(
+      "\n| field | sites | shapes | raw sum | normalized (Shepard) | fitted sum | fitted, "
+      "normalized |\n|---|---|---|---|---|---|---|\n");
+  for (const TestField& field : fields) {
+    for (const SiteShape shape :
+         {SiteShape::kPca, SiteShape::kRidge, SiteShape::kScaledPca, SiteShape::kScaledRidge}) {
+      const SiteErrors errors = measure_site_errors(field, shape);
+      fmt::print("| {} | {}^3 | {} | {:.2f} % | {:.2f} % | {:.2f} % | {:.2f} % |\n", field.name,
+                 field.side, name_of(shape), 100 * errors.raw, 100 * errors.normalized,
+                 100 * errors.fitted_sum, 100 * errors.fitted);
+    }
+  }
+}
+
+void convergence_of_sites(const std::vector<TestField>& fields) {
+  constexpr int kSteps = 24, kShown[] = {0, 1, 2, 4, 8, 16, 24};
+  fmt::print("\n| field | centres | first values |");
+  for (const int step : kShown) fmt::print(" {} |", step);
+  fmt::print(" steps to 0.1 dB |\n|---|---|---|---|---|---|---|---|---|---|---|\n");
+  for (const TestField& field : fields) {
+    for (const Centers centers : {Centers::kMoved, Centers::kMerged}) {
+      for (const FirstValues first :
+           {FirstValues::kMean, FirstValues::kNormalized, FirstValues::kSibson}) {
+        const Convergence found = measure_convergence(field, centers, first, kSteps);
+        fmt::print("| {} | {} | {} |", field.name, name_of(centers), name_of(first));
+        for (const int step : kShown)
+          fmt::print(" {:.2f} % |", 100 * found.errors[static_cast<std::size_t>(step)]);
+        fmt::print(" {} |\n", found.steps);
+      }
+    }
+  }
+}
+
+void sites(const std::string&) {
+  const std::vector<TestField> fields = {franke_field(20), marschner_lobb_field(40)};
+  unity_of_sites();
+  errors_of_sites(fields);
+  convergence_of_sites(fields);
+}
+
 struct Experiment {
   const char* name;
   void (*run)(const std::string& folder);
 };
 constexpr Experiment kExperiments[] = {
-    {"kernels", &kernels}, {"cost", &kernel_cost}, {"pictures", &pictures}, {"grid", &grid},
-    {"removed", &removed}, {"popping", &popping},  {"edges", &edges},       {"between", &between}};
+    {"kernels", &kernels}, {"cost", &kernel_cost}, {"pictures", &pictures},
+    {"grid", &grid},       {"removed", &removed},  {"popping", &popping},
+    {"edges", &edges},     {"between", &between},  {"sites", &sites}};
 
 int run(const std::vector<std::string>& arguments) {
   const auto is_known = [](const std::string& name) {

@@ -87,13 +87,16 @@ struct ValueSolution {
 ValueSolution fit_values(const KernelOperator& kernels, const ValueProblem& problem,
                          std::vector<double>& values, const std::stop_token& stop = {});
 
-// Exactly one of the first five is the goal.
+// Exactly one of the first six is the goal.
 struct FitOptions {
   std::optional<double> psnr;                // dB, of FitStep::psnr
   std::optional<double> tolerance;           // values: FitReport::greatest_error is at most this
   std::optional<double> relative_tolerance;  // the same as a share of FitReport::range
   std::optional<std::int64_t> kernels;       // as many, or all there are
   std::optional<std::int64_t> bytes;         // of the file (.ply, .h5), at most
+  // Of lattices alone: the PSNR at which the rms error is FitReport::noise, so that what is taken
+  // away is as much as the noise that is there.
+  bool smooth = false;
 
   // Of kernel sets alone:
   KernelShape shape = KernelShape::kEllipsoids;
@@ -126,6 +129,7 @@ struct FitReport {
   std::int64_t places = 0;       // that the fit saw
   std::int64_t test_places = 0;  // that it did not
   double range = 0;              // greatest less least of the values
+  double noise = 0;              // of FitOptions::smooth: rms of the data's noise; values
   double psnr = 0;               // 20 log10(range / rms error), dB
   double psnr_of_nonempty = 0;   // the same of places whose value is not the data's least
   double greatest_error = 0;     // values
@@ -139,9 +143,9 @@ struct FitReport {
 // Kernels for the field of a mesh, boxes, particles or stored kernels. The result keeps
 // reconstruction, cut-off and attributes of make_kernel_field(), and does not depend on the number
 // of threads. Throws Error: what make_kernel_field() throws; kInvalidArgument for no goal or
-// several, a goal that cannot be reached (with what can), bytes for less than a kernel, a lattice;
-// kCancelled; kOutOfMemory. Cost: about a hundred
-// microseconds of one thread per node or particle.
+// several, a goal that cannot be reached (with what can), `smooth`, bytes for less than a kernel, a
+// lattice; kCancelled; kOutOfMemory. Cost: about a hundred microseconds of one thread per node or
+// particle.
 KernelField fit_kernels(const Dataset& dataset, const FitOptions& options,
                         FitReport* report = nullptr);
 
@@ -151,8 +155,8 @@ KernelField fit_kernels(const Dataset& dataset, const FitOptions& options,
 // bound on the greatest error hold sample by sample of what will be read. Of kernels and bytes at
 // most as many as half the samples' number are used. A lattice of one value has none. Throws Error:
 // what make_lattice_field() throws; kInvalidArgument for no goal or several, one that cannot be
-// reached, missing samples, a body- centred lattice; kCancelled; kOutOfMemory. Cost: about a
-// microsecond of one thread per sample, and 48 bytes.
+// reached, `smooth` without noise that can be told, missing samples, a body-centred lattice;
+// kCancelled; kOutOfMemory. Cost: about a microsecond of one thread per sample, and 48 bytes.
 LatticeLevels fit_lattice(const Dataset& dataset, const FitOptions& options,
                           FitReport* report = nullptr);
 

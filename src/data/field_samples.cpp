@@ -213,4 +213,12 @@ std::vector<int> labels_of(const BrickSource& source) {
   return has_regions && samples.share_of_jumps >= kJumpsOfLabels ? labels : std::vector<int>{};
 }
 
+double quantile(std::span<const float> sorted, double q) {
+  const double place = std::clamp(q, 0.0, 1.0) * static_cast<double>(sorted.size() - 1);
+  const auto below = static_cast<std::size_t>(place);
+  const std::size_t above = std::min(below + 1, sorted.size() - 1);
+  return std::lerp(static_cast<double>(sorted[below]), static_cast<double>(sorted[above]),
+                   place - static_cast<double>(below));
+}
+
 }  // namespace ovoid::data

@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "ovoid/field.h"
@@ -39,5 +40,8 @@ std::vector<int> few_integers(const BrickSource& source, std::size_t most);
 // empty. Cost: that of few_integers(); for a few labels that of take_samples(), too, for many two
 // passes.
 std::vector<int> labels_of(const BrickSource& source);
+
+// The value below which a share `q` in [0, 1] of the rising values lies. `sorted` is not empty.
+double quantile(std::span<const float> sorted, double q);
 
 }  // namespace ovoid::data

@@ -18,13 +18,14 @@ double psnr_of(double range, double mean_square) {
 }
 
 void check_goal(const FitOptions& options) {
-  const int goals =
-      static_cast<int>(options.psnr.has_value()) + static_cast<int>(options.tolerance.has_value()) +
-      static_cast<int>(options.relative_tolerance.has_value()) +
-      static_cast<int>(options.kernels.has_value()) + static_cast<int>(options.bytes.has_value());
+  const int goals = static_cast<int>(options.psnr.has_value()) +
+                    static_cast<int>(options.tolerance.has_value()) +
+                    static_cast<int>(options.relative_tolerance.has_value()) +
+                    static_cast<int>(options.kernels.has_value()) +
+                    static_cast<int>(options.bytes.has_value()) + static_cast<int>(options.smooth);
   if (goals != 1)
     refuse_fit(
-        fmt::format("psnr, tolerance, relative_tolerance, kernels, bytes: {} given, "
+        fmt::format("psnr, tolerance, relative_tolerance, kernels, bytes, smooth: {} given, "
                     "expected one",
                     goals));
   if (options.psnr && !std::isfinite(*options.psnr))

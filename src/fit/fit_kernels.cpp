@@ -75,6 +75,8 @@ class Fitter {
   Fitter(const Dataset& dataset, const FitOptions& options, FitReport& report)
       : options_(options), report_(report) {
     fit::check_goal(options);
+    if (options.smooth)
+      refuse_fit("smooth: only a lattice tells its noise; expected a psnr or another goal");
     threads_ = data::resolve_threads(options.threads);
     KernelModelOptions model = options.model;
     model.threads = threads_;

@@ -244,6 +244,9 @@ TEST(FitKernels, RefusesGoalsThatCannotBe) {
   expect_refusal(mesh, options, "2 given, expected one");
   expect_refusal(mesh, with_kernels(0), "kernels = 0");
   options = {};
+  options.smooth = true;
+  expect_refusal(mesh, options, "smooth: only a lattice tells its noise");
+  options = {};
   options.psnr = 200;
   expect_refusal(mesh, options, "all 216 kernels reach");
   options.psnr = std::nan("");

@@ -12,6 +12,7 @@
 
 #include "data/parallel.h"
 #include "fit/fit_goal.h"
+#include "fit/lattice_noise.h"
 #include "fit/lattice_samples.h"
 #include "fit/level_fitter.h"
 #include "ovoid/error.h"
@@ -37,7 +38,7 @@ constexpr double kSlope = 4;
 constexpr double kShareOfRounding = 0.02;
 // A PSNR may be that much more than was asked for, dB.
 constexpr double kSurplus = 0.1;
-constexpr int kMostTries = 6;
+constexpr int kMostTries = 8;
 // What first thresholds are guessed from, as a share of the range.
 constexpr double kFirstThreshold = 0.1;
 // A bound on the greatest error: where the first kernels are as good as a rms error of that share
@@ -47,6 +48,9 @@ constexpr double kRmsOfBound = 0.3, kNearBound = 0.8, kStepOfBound = 0.25;
 constexpr int kMostRounds = 24, kMostPasses = 200;
 // Bytes of memory per sample, of LevelFitter and what is beside it.
 constexpr std::size_t kBytesPerSample = 48;
+// Noise below half a step of whole numbers, or below that share of the range, is no noise to speak
+// of: rounding makes 0.29 steps.
+constexpr double kLeastNoiseOfWhole = 0.5, kLeastNoise = 1e-5;
 // More kernels than that share of the samples would not make a file smaller.
 constexpr double kMostKernels = 0.5;
 
@@ -88,6 +92,9 @@ class LatticeFitter {
     value_scale_ = std::abs(samples_.scale);
     report_.array = samples_.array;
     report_.range = samples_.greatest - samples_.least;
+    if (options.smooth)
+      report_.noise =
+          fit::noise_of_lattice(samples_.field->samples(), samples_.values, least_noise());
     report_.source_kernels = report_.places = report_.test_places = num_samples(samples_.dims);
     report_.source_psnr = std::numeric_limits<double>::infinity();
     tell(0.05);
@@ -98,6 +105,7 @@ class LatticeFitter {
     report_errors(levels);
     // So far in stored numbers.
     report_.range *= value_scale_;
+    report_.noise *= value_scale_;
     report_.greatest_error *= value_scale_;
     for (FitStep& step : report_.steps) step.greatest_error *= value_scale_;
     tell(1);
@@ -109,9 +117,11 @@ class LatticeFitter {
     const auto count = static_cast<double>(num_samples(dataset.lattice.dims));
     const double bytes = count * static_cast<double>(kBytesPerSample);
     if (options_.memory_limit > 0 && bytes > static_cast<double>(options_.memory_limit)) {
-      throw Error(ErrorCode::kOutOfMemory,
-                  fmt::format("a fit of {:.0f} samples takes {:.0f} MiB, more than the limit of {}",
-                              count, bytes / (1 << 20), options_.memory_limit >> 20));
+      throw Error(
+          ErrorCode::kOutOfMemory,
+          fmt::format("a fit of {:.0f} samples takes {:.0f} MiB, more than the limit of {:.3g}",
+                      count, bytes / (1 << 20),
+                      static_cast<double>(options_.memory_limit) / (1 << 20)));
     }
   }
 
@@ -137,11 +147,33 @@ class LatticeFitter {
     return levels;
   }
 
+  // What the limit leaves for the matrix of kernels that share samples. Its rows are vectors that
+  // grow: twice their entries.
+  std::size_t most_pairs() const {
+    if (options_.memory_limit == 0) return LevelFitter::kMostPairs;
+    const std::size_t left = options_.memory_limit - samples_.values.size() * kBytesPerSample;
+    return std::min(LevelFitter::kMostPairs, left / (2 * LevelFitter::kBytesPerPair));
+  }
+
+  // Less comes of rounding.
+  double least_noise() const {
+    return samples_.whole ? kLeastNoiseOfWhole : kLeastNoise * report_.range;
+  }
+
+  double psnr_of_noise() const {
+    if (report_.noise > 0) return psnr_of(report_.range, report_.noise * report_.noise);
+    refuse_fit(
+        fmt::format("smooth: '{}' has no noise that can be told from what it shows; expected a "
+                    "psnr or another goal",
+                    report_.array));
+  }
+
   LatticeLevels reach_goal() {
     std::vector<float> above(samples_.values.size());
     for (std::size_t i = 0; i < above.size(); ++i)
       above[i] = static_cast<float>(static_cast<double>(samples_.values[i]) - samples_.background);
-    LevelFitter fitter(samples_.dims, std::move(above), work_);
+    LevelFitter fitter(samples_.dims, std::move(above), work_, most_pairs());
+    if (options_.smooth) return reach_psnr(fitter, psnr_of_noise() - kSurplus);
     if (options_.psnr) return reach_psnr(fitter, *options_.psnr);
     if (options_.tolerance) return reach_tolerance(fitter, *options_.tolerance / value_scale_);
     if (options_.relative_tolerance)
@@ -216,14 +248,16 @@ class LatticeFitter {
     // What is read is a little worse than what was fitted, since weights are rounded, or a little
     // better, since samples are clamped.
     double gained = 10 * std::log10(1 - kShareOfRounding);
+    double slope = kSlope;
     const auto next_count = [&](double to_come) {
       const double aim = psnr + kSurplus / 2 - gained - to_come;
-      const double miss = std::clamp(aim - psnr_now(fitter), -6.0, 6.0);
-      return times(fitter.num_kernels(), std::exp2(miss / kSlope));
+      const double doublings = (aim - psnr_now(fitter)) / slope;
+      return times(fitter.num_kernels(), std::exp2(std::clamp(doublings, -1.5, 1.5)));
     };
     for (const double gain : kGains) exchange(fitter, next_count(gain));
     LatticeLevels best;
     Bracket counts;
+    FitStep before = report_.steps.back();
     for (int i = 0; i < kMostTries; ++i) {
       LatticeLevels levels = rounded(fitter, step_for(fitter));
       const double reached = error_of(levels).psnr;
@@ -235,12 +269,22 @@ class LatticeFitter {
       if (is_hit && reached < psnr + kSurplus) break;
       if (!is_hit && fitter.num_kernels() >= most_kernels()) break;
       set_count(fitter, std::min(most_kernels(), counts.next(next_count(0))));
+      slope = slope_between(before, report_.steps.back());
+      before = report_.steps.back();
     }
     if (best.levels.empty()) {
       refuse_fit(fmt::format("psnr = {:g}: half as many kernels as samples reach {:.1f} dB", psnr,
                              psnr_now(fitter)));
     }
     return best;
+  }
+
+  // dB for twice the kernels. Near the noise of the data it is small: more kernels hardly help.
+  static double slope_between(const FitStep& a, const FitStep& b) {
+    const double doublings =
+        std::log2(static_cast<double>(b.kernels) / static_cast<double>(a.kernels));
+    if (std::abs(doublings) < 0.01) return kSlope;
+    return std::clamp((b.psnr - a.psnr) / doublings, kSlope / 16, 2 * kSlope);
   }
 
   LatticeLevels reach_bytes(LevelFitter& fitter, std::int64_t bytes) {

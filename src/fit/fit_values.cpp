@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <utility>
 
+#include "fit/conjugate_gradients.h"
 #include "ovoid/error.h"
 #include "ovoid/fit.h"
 
@@ -27,12 +29,6 @@ void require_problem(const KernelOperator& kernels, const ValueProblem& problem,
   if (problem.iterations < 0)
     throw Error(ErrorCode::kInvalidArgument,
                 fmt::format("iterations = {}: must be 0 or more", problem.iterations));
-}
-
-double dot(const std::vector<double>& a, const std::vector<double>& b) {
-  double sum = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
-  return sum;
 }
 
 // The transpose of the operator, on residuals weighted by the places' shares.
@@ -72,45 +68,32 @@ class Kept {
 ValueSolution fit_values(const KernelOperator& kernels, const ValueProblem& problem,
                          std::vector<double>& values, const std::stop_token& stop) {
   require_problem(kernels, problem, values);
-  const std::size_t count = values.size();
   const std::vector<double> diagonal = kernels.splat_squares(problem.shares);
   std::vector<double> misfit = kernels.gather(values);
   for (std::size_t k = 0; k < misfit.size(); ++k)
     misfit[k] = kernels.is_defined(k) ? problem.targets[k] - misfit[k] : 0;
-  std::vector<double> residual = weighted_splat(kernels, problem, std::move(misfit));
-  std::vector<double> direction(count), scaled(count);
   // Kernels that no place knows of stay as they are.
   const auto over_diagonal = [&](std::size_t i, double number) {
     return diagonal[i] > 0 ? number / ((1 + problem.ridge) * diagonal[i]) : 0;
   };
   const Kept kept(problem.keeps, over_diagonal);
-  const auto precondition = [&] {
-    for (std::size_t i = 0; i < count; ++i) scaled[i] = over_diagonal(i, residual[i]);
+  const auto precondition = [&](const std::vector<double>& residual, std::vector<double>& scaled) {
+    for (std::size_t i = 0; i < residual.size(); ++i) scaled[i] = over_diagonal(i, residual[i]);
     kept.hold(scaled);
   };
-  precondition();
-  double square = dot(residual, scaled);
-  const double start = square;
+  const auto multiply = [&](const std::vector<double>& direction, std::vector<double>& product) {
+    if (stop.stop_requested()) throw Error(ErrorCode::kCancelled, "the fit was stopped");
+    product = weighted_splat(kernels, problem, kernels.gather(direction));
+    for (std::size_t i = 0; i < product.size(); ++i)
+      product[i] += problem.ridge * diagonal[i] * direction[i];
+  };
+  fit::PlainSystem system(values, weighted_splat(kernels, problem, std::move(misfit)), multiply,
+                          precondition);
   ValueSolution solution;
   solution.residual_norms.push_back(1);
-  for (double growth = 0; solution.iterations < problem.iterations; ++solution.iterations) {
-    if (!(square > problem.tolerance * problem.tolerance * start)) break;
-    if (stop.stop_requested()) throw Error(ErrorCode::kCancelled, "the fit was stopped");
-    for (std::size_t i = 0; i < count; ++i) direction[i] = scaled[i] + growth * direction[i];
-    std::vector<double> product = weighted_splat(kernels, problem, kernels.gather(direction));
-    for (std::size_t i = 0; i < count; ++i)
-      product[i] += problem.ridge * diagonal[i] * direction[i];
-    const double step = square / dot(direction, product);
-    for (std::size_t i = 0; i < count; ++i) {
-      values[i] += step * direction[i];
-      residual[i] -= step * product[i];
-    }
-    precondition();
-    const double next = dot(residual, scaled);
-    growth = next / square;
-    square = next;
-    solution.residual_norms.push_back(std::sqrt(square / start));
-  }
+  solution.iterations = fit::conjugate_gradients(
+      system, problem.iterations, problem.tolerance * problem.tolerance,
+      [&](double energy) { solution.residual_norms.push_back(std::sqrt(energy)); });
   return solution;
 }
 

@@ -100,7 +100,8 @@ LatticeSamples read_lattice_samples(const Dataset& dataset, const SampleChoice& 
     samples.scale = std::exchange(array.value_scale, 1.0);
     samples.offset = std::exchange(array.value_offset, 0.0);
   }
-  read_values(make_lattice_field(stored, model, nullptr, choice.stop), choice, samples);
+  samples.field = make_lattice_field(stored, model, nullptr, choice.stop);
+  read_values(*samples.field, choice, samples);
   find_range(samples);
   return samples;
 }

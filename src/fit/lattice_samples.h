@@ -3,11 +3,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
 
 #include "ovoid/dataset.h"
+#include "ovoid/field.h"
 
 namespace ovoid::fit {
 
@@ -20,7 +22,8 @@ struct LatticeSamples {
   double least = 0, greatest = 0;  // of those that are not
   double background = 0;           // the value that most of them are near
   bool whole = false;
-  double scale = 1, offset = 0;  // value = number * scale + offset
+  std::optional<LatticeField> field;  // of them; is there
+  double scale = 1, offset = 0;       // value = number * scale + offset
 };
 
 struct SampleChoice {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "data/parallel.h"
+#include "fit/conjugate_gradients.h"
 
 namespace ovoid::fit {
 namespace {
@@ -19,8 +20,6 @@ constexpr std::int64_t kGrain = 1 << 18;
 // Levels are added until one has so few nodes along its longest axis.
 constexpr std::int64_t kFewNodes = 12;
 constexpr int kMostLevels = 10;
-// Entries of the normal equations' matrix, 8 bytes each, beyond which it is not kept.
-constexpr std::size_t kMostPairs = std::size_t{1} << 27;
 // Of the residual of the normal equations, over what it was: where steps end.
 constexpr double kLeastEnergy = 1e-10;
 
@@ -79,9 +78,10 @@ void LevelFitter::for_each(std::size_t count, const Body& body) const {
 }
 
 LevelFitter::LevelFitter(const Index3& dims, std::vector<float> samples,
-                         const data::LevelWork& work)
+                         const data::LevelWork& work, std::size_t most_pairs)
     : basis_(dims, levels_for(dims)),
       work_(work),
+      most_pairs_(most_pairs),
       pairs_(basis_),
       samples_(std::move(samples)),
       residual_(samples_),
@@ -269,7 +269,7 @@ std::vector<std::uint32_t> LevelFitter::kernels() const {
 
 void LevelFitter::fit(int iterations) {
   const std::vector<std::uint32_t> nodes = kernels();
-  if (pairs_.assemble(nodes, kMostPairs, work_))
+  if (pairs_.assemble(nodes, most_pairs_, work_))
     fit_few(nodes, iterations);
   else
     fit_many(iterations);
@@ -278,79 +278,76 @@ void LevelFitter::fit(int iterations) {
 // Preconditioned by the diagonal, which is the kernels' squared norms; so below.
 void LevelFitter::fit_few(const std::vector<std::uint32_t>& nodes, int iterations) {
   const std::size_t count = nodes.size();
-  std::vector<double> values(count), left(count), direction(count), product(count);
+  std::vector<double> values(count), left(count);
   for (std::size_t i = 0; i < count; ++i) values[i] = static_cast<double>(weights_[nodes[i]]);
-  pairs_.multiply(values, product, work_);
-  const auto preconditioned = [&](std::size_t i) {
-    const auto inverse = static_cast<double>(inverse_norms_[nodes[i]]);
-    return left[i] * inverse * inverse;
+  const auto multiply = [&](const std::vector<double>& of, std::vector<double>& product) {
+    pairs_.multiply(of, product, work_);
   };
-  const auto energy = [&] {
-    double sum = 0;
-    for (std::size_t i = 0; i < count; ++i) sum += left[i] * preconditioned(i);
-    return sum;
-  };
-  for (std::size_t i = 0; i < count; ++i) {
-    left[i] = static_cast<double>(targets_[nodes[i]]) - product[i];
-    direction[i] = preconditioned(i);
-  }
-  double before = energy();
-  const double least = kLeastEnergy * before;
-  for (int n = 0; n < iterations && before > least; ++n) {
-    pairs_.multiply(direction, product, work_);
-    double square = 0;
-    for (std::size_t i = 0; i < count; ++i) square += direction[i] * product[i];
-    if (!(square > 0)) break;
-    const double step = before / square;
+  const auto precondition = [&](const std::vector<double>& residual, std::vector<double>& scaled) {
     for (std::size_t i = 0; i < count; ++i) {
-      values[i] += step * direction[i];
-      left[i] -= step * product[i];
+      const auto inverse = static_cast<double>(inverse_norms_[nodes[i]]);
+      scaled[i] = residual[i] * inverse * inverse;
     }
-    const double now = energy();
-    for (std::size_t i = 0; i < count; ++i)
-      direction[i] = preconditioned(i) + now / before * direction[i];
-    before = now;
-  }
+  };
+  multiply(values, left);
+  for (std::size_t i = 0; i < count; ++i)
+    left[i] = static_cast<double>(targets_[nodes[i]]) - left[i];
+  PlainSystem system(values, std::move(left), multiply, precondition);
+  conjugate_gradients(system, iterations, kLeastEnergy, [](double) {});
   for (std::size_t i = 0; i < count; ++i) weights_[nodes[i]] = static_cast<float>(values[i]);
   is_residual_ = are_products_ = false;
 }
 
-// Through the samples.
+// The same system through the samples, whose residual is carried along: then a product with the
+// matrix is what a direction makes of the samples.
+class LevelFitter::ThroughSamples {
+ public:
+  explicit ThroughSamples(LevelFitter& fitter)
+      : of_(fitter), direction_(fitter.products_.size()), change_(fitter.residual_.size()) {}
+
+  double energy() const {
+    return of_.sum(direction_.size(), [&](std::size_t node) {
+      return static_cast<double>(of_.products_[node]) * static_cast<double>(preconditioned(node));
+    });
+  }
+  void turn(double growth) {
+    const auto ratio = static_cast<float>(growth);
+    of_.for_each(direction_.size(), [&](std::size_t node) {
+      direction_[node] = preconditioned(node) + ratio * direction_[node];
+    });
+  }
+  double look() {
+    std::fill(change_.begin(), change_.end(), 0.0F);
+    of_.basis_.expand(direction_, 0, of_.basis_.num_levels(), 1, change_, of_.work_);
+    return of_.sum(change_.size(), [&](std::size_t k) {
+      return static_cast<double>(change_[k]) * static_cast<double>(change_[k]);
+    });
+  }
+  void step(double length) {
+    const auto step = static_cast<float>(length);
+    of_.for_each(direction_.size(),
+                 [&](std::size_t node) { of_.weights_[node] += step * direction_[node]; });
+    of_.for_each(change_.size(), [&](std::size_t k) { of_.residual_[k] -= step * change_[k]; });
+    of_.basis_.reduce(of_.residual_, 0, of_.basis_.num_levels(), of_.products_, of_.work_);
+  }
+
+ private:
+  float preconditioned(std::size_t node) const {
+    return of_.is_kernel_[node] != 0
+               ? of_.products_[node] * of_.inverse_norms_[node] * of_.inverse_norms_[node]
+               : 0.0F;
+  }
+
+  LevelFitter& of_;
+  Weights direction_;
+  std::vector<float> change_;
+};
+
 void LevelFitter::fit_many(int iterations) {
-  const int levels = basis_.num_levels();
   is_residual_ = are_products_ = false;
   refresh_products();
-  const auto preconditioned = [&](std::size_t node) {
-    return is_kernel_[node] != 0 ? products_[node] * inverse_norms_[node] * inverse_norms_[node]
-                                 : 0.0F;
-  };
-  const auto energy = [&] {
-    return sum(products_.size(), [&](std::size_t node) {
-      return static_cast<double>(products_[node]) * static_cast<double>(preconditioned(node));
-    });
-  };
-  Weights direction(products_.size());
-  for_each(direction.size(), [&](std::size_t i) { direction[i] = preconditioned(i); });
-  double before = energy();
-  const double least = kLeastEnergy * before;
-  std::vector<float> change(residual_.size());
-  for (int i = 0; i < iterations && before > least; ++i) {
-    std::fill(change.begin(), change.end(), 0.0F);
-    basis_.expand(direction, 0, levels, 1, change, work_);
-    const double square = sum(change.size(), [&](std::size_t k) {
-      return static_cast<double>(change[k]) * static_cast<double>(change[k]);
-    });
-    if (!(square > 0)) break;
-    const auto step = static_cast<float>(before / square);
-    for_each(weights_.size(), [&](std::size_t k) { weights_[k] += step * direction[k]; });
-    for_each(residual_.size(), [&](std::size_t k) { residual_[k] -= step * change[k]; });
-    basis_.reduce(residual_, 0, levels, products_, work_);
-    const double now = energy();
-    const auto ratio = static_cast<float>(now / before);
-    for_each(direction.size(),
-             [&](std::size_t k) { direction[k] = preconditioned(k) + ratio * direction[k]; });
-    before = now;
-  }
+  ThroughSamples system(*this);
+  conjugate_gradients(system, iterations, kLeastEnergy, [](double) {});
 }
 
 }  // namespace ovoid::fit

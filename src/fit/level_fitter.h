@@ -17,7 +17,12 @@ namespace ovoid::fit {
 // passes over the samples; results do not depend on the number of threads.
 class LevelFitter {
  public:
-  LevelFitter(const Index3& dims, std::vector<float> samples, const data::LevelWork& work);
+  // Of the normal equations' matrix: entries beyond which it is not kept, by default, and bytes of
+  // one.
+  static constexpr std::size_t kMostPairs = std::size_t{1} << 27, kBytesPerPair = 8;
+
+  LevelFitter(const Index3& dims, std::vector<float> samples, const data::LevelWork& work,
+              std::size_t most_pairs = kMostPairs);
 
   const data::LevelBasis& basis() const noexcept { return basis_; }
   std::int64_t num_kernels() const noexcept { return num_kernels_; }
@@ -42,6 +47,7 @@ class LevelFitter {
 
  private:
   using Weights = std::vector<float>;
+  class ThroughSamples;
 
   void fit_few(const std::vector<std::uint32_t>& nodes, int iterations);
   void fit_many(int iterations);
@@ -57,6 +63,7 @@ class LevelFitter {
 
   data::LevelBasis basis_;
   data::LevelWork work_;
+  std::size_t most_pairs_;
   LevelPairs pairs_;
   std::vector<float> samples_, residual_;
   Weights targets_;  // the samples' products with every kernel

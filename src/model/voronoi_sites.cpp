@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 #include <voro++/voro++.hh>
 
 #include "ovoid/error.h"
@@ -56,35 +57,49 @@ std::vector<bool> find_firsts(const UnitSites& unit) {
   return is_first;
 }
 
-SiteKernel kernel_of_cell(const UnitSites& unit, std::uint32_t site,
-                          voro::voronoicell_neighbor& cell) {
+VoronoiCell cell_of(const UnitSites& unit, std::uint32_t site, voro::voronoicell_neighbor& own) {
   std::vector<int> neighbors;
   std::vector<double> areas;
-  cell.neighbors(neighbors);
-  cell.face_areas(areas);
-  Mat3 spread = Mat3::Zero();
-  double weight = 0;
+  own.neighbors(neighbors);
+  own.face_areas(areas);
+  VoronoiCell cell;
   for (std::size_t f = 0; f < neighbors.size(); ++f) {
-    if (neighbors[f] < 0) continue;  // a wall
+    if (neighbors[f] < 0) {
+      cell.is_open = true;
+      continue;
+    }
     const Vec3 foot = (unit.at[static_cast<std::size_t>(neighbors[f])] - unit.at[site]) / 2;
-    const double share = areas[f] * foot.norm();
-    spread += share * foot * foot.transpose();
-    weight += share;
+    cell.feet.emplace_back(unit.edge * foot);
+    cell.shares.push_back(areas[f] * foot.norm());
   }
-  if (!(weight > 0)) {
+  cell.volume = own.volume() * std::pow(unit.edge, 3);
+  return cell;
+}
+
+SiteKernel kernel_of_cell(const VoronoiCell& cell) {
+  if (!(std::accumulate(cell.shares.begin(), cell.shares.end(), 0.0) > 0)) {
     SiteKernel alone;
     alone.is_alone = true;
     return alone;
   }
-  SiteKernel kernel = kernel_of_volume(shape_of_covariance(3 / weight * spread), cell.volume());
-  kernel.factor *= unit.edge;
-  return kernel;
+  return kernel_of_volume(shape_of_covariance(spread_of(cell)), cell.volume);
 }
 
 }  // namespace
 
-std::vector<SiteKernel> voronoi_kernels(std::span<const double> sites,
-                                        const std::stop_token& stop) {
+Mat3 spread_of(const VoronoiCell& cell) {
+  Mat3 spread = Mat3::Zero();
+  double sum = 0;
+  for (std::size_t f = 0; f < cell.feet.size(); ++f) {
+    spread += cell.shares[f] * cell.feet[f] * cell.feet[f].transpose();
+    sum += cell.shares[f];
+  }
+  return 3 / sum * spread;
+}
+
+void visit_voronoi_cells(std::span<const double> sites,
+                         const std::function<void(std::uint32_t site, const VoronoiCell&)>& visit,
+                         const std::stop_token& stop) {
   const UnitSites unit = to_unit(sites);
   const std::vector<bool> is_first = find_firsts(unit);
   const double blocks = std::max(1.0, static_cast<double>(unit.at.size()) / kSitesPerBlock);
@@ -99,19 +114,27 @@ std::vector<SiteKernel> voronoi_kernels(std::span<const double> sites,
     const Vec3& at = unit.at[i];
     if (is_first[i]) box.put(static_cast<int>(i), at[0], at[1], at[2]);
   }
-  SiteKernel alone;
-  alone.is_alone = true;
-  std::vector<SiteKernel> kernels(unit.at.size(), alone);
   voro::c_loop_all loop(box);
   voro::voronoicell_neighbor cell;
   std::int64_t count = 0;
-  if (!loop.start()) return kernels;
+  if (!loop.start()) return;
   do {
     if (++count % kStopEvery == 0 && stop.stop_requested())
       throw Error(ErrorCode::kCancelled, "cancelled");
     const auto site = static_cast<std::uint32_t>(loop.pid());
-    if (box.compute_cell(cell, loop)) kernels[site] = kernel_of_cell(unit, site, cell);
+    if (box.compute_cell(cell, loop)) visit(site, cell_of(unit, site, cell));
   } while (loop.inc());
+}
+
+std::vector<SiteKernel> voronoi_kernels(std::span<const double> sites,
+                                        const std::stop_token& stop) {
+  SiteKernel alone;
+  alone.is_alone = true;
+  std::vector<SiteKernel> kernels(sites.size() / 3, alone);
+  visit_voronoi_cells(
+      sites,
+      [&](std::uint32_t site, const VoronoiCell& cell) { kernels[site] = kernel_of_cell(cell); },
+      stop);
   return kernels;
 }
 

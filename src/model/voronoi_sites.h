@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
+#include <functional>
 #include <span>
 #include <stop_token>
 #include <vector>
@@ -8,6 +10,24 @@
 #include "model/ellipsoid_shape.h"
 
 namespace ovoid::model {
+
+// A site's Voronoi cell in a box a little larger than that of all sites, world units.
+struct VoronoiCell {
+  std::vector<Vec3> feet;      // from the site halfway to each with which it shares a face
+  std::vector<double> shares;  // of each: face area times foot length, in any one unit
+  double volume = 0;
+  bool is_open = false;  // the box cuts it
+};
+
+// Calls visit(site, cell) for each of the sites [n, 3] (finite) that has a cell of its own: of
+// those at one place the first. Cost and errors as of voronoi_kernels().
+void visit_voronoi_cells(std::span<const double> sites,
+                         const std::function<void(std::uint32_t site, const VoronoiCell&)>& visit,
+                         const std::stop_token& stop);
+
+// 3 / sum s * sum s d d^T over the feet d with their shares s: the covariance of the kernel that
+// belongs to the cell, for a lattice's cell (T / 2)^2.
+Mat3 spread_of(const VoronoiCell& cell);
 
 // Kernels of scattered sites [n, 3] (finite) by their Voronoi cells in a box a little larger than
 // theirs [Hong 2009]: bisectors d of the faces that a cell shares with others, weighted by

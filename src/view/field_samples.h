@@ -10,13 +10,11 @@
 namespace ovoid::view {
 
 using data::FieldSamples;
+using data::quantile;
 
 // Of a lattice: data::take_samples() of its samples. Of a kernel set: the kernels' own values, the
 // more often the larger they are (by the root of the volume: between what space shows and what the
 // data are about); where kernels are summed, the field at the centres of some thousands. No faces.
 FieldSamples take_samples(const KernelField& field);
-
-// The value below which a share `q` in [0, 1] of the rising values lies. `sorted` is not empty.
-double quantile(std::span<const float> sorted, double q);
 
 }  // namespace ovoid::view

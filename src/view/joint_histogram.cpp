@@ -9,45 +9,20 @@
 #include <array>
 #include <cmath>
 
+#include "data/slope_noise.h"
 #include "view/field_samples.h"
 
 namespace ovoid::view {
 namespace {
 
+using data::mean_agreement;
 using data::RiseSample;
 
 constexpr std::size_t kFewest = 512;  // samples, to find anything in
 
 // --- order and noise
 
-std::vector<RiseSample> those_that_rise(std::span<const RiseSample> samples) {
-  std::vector<RiseSample> rising;
-  for (const RiseSample& sample : samples) {
-    if (sample.gradient.squaredNorm() > 0) rising.push_back(sample);
-  }
-  std::sort(rising.begin(), rising.end(), [](const RiseSample& a, const RiseSample& b) {
-    return a.gradient.squaredNorm() < b.gradient.squaredNorm();
-  });
-  return rising;
-}
-
-double mean_agreement(std::span<const RiseSample> samples) {
-  double sum = 0;
-  for (const RiseSample& sample : samples) sum += sample.agreement;
-  return sum / static_cast<double>(samples.size());
-}
-
 constexpr std::size_t kParts = 10;
-
-// Waves of a few samples' length: wide slopes go against narrow ones, which takes order, too.
-bool are_waves(std::span<const RiseSample> by_rise) {
-  constexpr double kAgainst = -0.05;
-  const std::size_t part = by_rise.size() / kParts;
-  for (std::size_t i = 0; i < kParts; ++i) {
-    if (mean_agreement(by_rise.subspan(i * part, part)) < kAgainst) return true;
-  }
-  return false;
-}
 
 // On a surface the narrow slope goes where the wide one does; noise, even if it is smoothed, has
 // nothing to agree on. The steepest samples are surfaces if there are any.
@@ -56,17 +31,6 @@ double order_of(std::span<const RiseSample> by_rise) {
   return std::clamp(std::max(mean_agreement(by_rise.last(part)),
                              mean_agreement(by_rise.last(std::max<std::size_t>(64, part / 10)))),
                     0.0, 1.0);
-}
-
-// The median slope where slopes disagree, if they do so at more than a few places.
-double noise_of(std::span<const RiseSample> by_rise, std::size_t num_samples) {
-  constexpr double kDisagree = 0.5;
-  std::vector<float> rises;
-  for (const RiseSample& sample : by_rise) {
-    if (sample.agreement < kDisagree) rises.push_back(sample.gradient.norm());
-  }
-  if (static_cast<double>(rises.size()) < 0.05 * static_cast<double>(num_samples)) return 0;
-  return quantile(rises, 0.5);  // they come in order
 }
 
 // What has little order at its steepest places is noisy, from 0.7 on, which scans have, to 0.45,
@@ -170,9 +134,9 @@ double boundary_between(const Bins& bins, int lo, int hi) {
 Materials find_materials(std::span<const RiseSample> samples) {
   Materials found;
   if (samples.size() < kFewest) return found;
-  const std::vector<RiseSample> rising = those_that_rise(samples);
-  if (rising.size() >= kFewest && !are_waves(rising)) {
-    found.noise = noise_of(rising, samples.size());
+  const std::vector<RiseSample> rising = data::those_that_rise(samples);
+  if (data::can_tell_noise(rising)) {
+    found.noise = data::slope_of_noise(rising, samples.size());
     found.noisiness = noisiness_of(order_of(rising), found.noise, samples);
   }
   std::vector<float> values;

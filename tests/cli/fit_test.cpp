@@ -108,6 +108,9 @@ TEST_F(Fit, RefusesWhatCannotBe) {
   expect_failure({"fit", mesh, "-o", few, "--tolerance", "0%"}, 2, {"--tolerance"});
   expect_failure({"fit", mesh, "-o", few, "--psnr", "300"}, 1, {"psnr = 300", "reach"});
   expect_failure({"fit", mesh, "-o", few, "--bytes", "10"}, 1, {"bytes = 10"});
+  expect_failure({"fit", mesh, "-o", few, "--smooth"}, 1, {"--smooth: is for lattices", "--psnr"});
+  expect_failure({"fit", mesh, "-o", few, "--kernels", "3", "--memory-limit", "64K"}, 3,
+                 {"more than the limit"});
   expect_failure({"fit", ball, "-o", few, "--kernels", "3"}, 2, {"is a lattice", ".h5"});
   expect_failure({"fit", mesh, "-o", folder_ / "few.h5", "--kernels", "3"}, 2, {"is no lattice"});
   expect_failure({"fit", mesh, "-o", mesh + ".ply", "--report", mesh, "--kernels", "3"}, 2,
@@ -138,6 +141,11 @@ TEST_F(Fit, LatticesBecomeLevels) {
   expect_success({"fit", head, "-o", few, "--bytes", "12K"});
   EXPECT_LE(read_file(few).size(), 12U * 1024);
   expect_success({"fit", head, "-o", few, "--tolerance", "5%"});
+  expect_failure({"fit", write_ball(folder_), "-o", few, "--smooth"}, 1,
+                 {"no noise that can be told"});
+  expect_failure({"fit", head, "-o", few, "--smooth", "--psnr", "38"}, 2, {"give one of them"});
+  expect_failure({"fit", head, "-o", few, "--psnr", "38", "--memory-limit", "4M"}, 3,
+                 {"more than the limit"});
   expect_failure({"fit", head, "-o", few, "--psnr", "38", "--shape", "ball"}, 1,
                  {"--shape: is for meshes, particles and kernels"});
   expect_failure({"fit", head, "-o", few, "--psnr", "38", "--kernel", "gaussian"}, 2,

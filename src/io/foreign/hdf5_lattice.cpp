@@ -573,26 +573,12 @@ class LatticeReader {
     const std::int64_t count =
         whole_number(number("num_boxes"), place, "num_boxes", num_samples(all.dims), 0);
     if (count == 0) return all;
-    const auto read = [&](std::size_t name, std::int64_t least, std::int64_t greatest,
-                          const auto& put) {
-      const std::vector<std::int64_t> numbers_read = whole_numbers(
-          list(group, place, StoredBoxes::kNames[name], {count}, progress, stored_bytes), least,
-          greatest);
+    for (const BoxNumber& kind : kBoxNumbers) {
+      const std::vector<std::int64_t> numbers_read =
+          whole_numbers(list(group, place, kind.name, {count}, progress, stored_bytes), kind.least,
+                        kind.greatest.value_or(num_samples(all.dims)));
       all.boxes.resize(numbers_read.size());
-      for (std::size_t i = 0; i < all.boxes.size(); ++i) put(all.boxes[i], numbers_read[i]);
-    };
-    constexpr std::int64_t kLeast = std::numeric_limits<std::int32_t>::min();
-    constexpr std::int64_t kMost = std::numeric_limits<std::int32_t>::max();
-    read(0, 0, num_samples(all.dims), [](LatticeBox& box, std::int64_t gap) { box.gap = gap; });
-    read(4, kLeast, kMost,
-         [](LatticeBox& box, std::int64_t first) { box.first = static_cast<std::int32_t>(first); });
-    for (std::size_t a = 0; a < 3; ++a) {
-      read(1 + a, 1, kMaxAxisSize, [a](LatticeBox& box, std::int64_t size) {
-        box.size[a] = static_cast<std::int32_t>(size);
-      });
-      read(5 + a, kLeast, kMost, [a](LatticeBox& box, std::int64_t rise) {
-        box.rise[a] = static_cast<std::int32_t>(rise);
-      });
+      for (std::size_t i = 0; i < all.boxes.size(); ++i) kind.put(all.boxes[i], numbers_read[i]);
     }
     return all;
   }

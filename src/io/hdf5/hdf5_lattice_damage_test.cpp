@@ -310,7 +310,8 @@ TEST_F(BadLatticeFile, BoxesThatDoNotFit) {
   EXPECT_THAT(number("greatest", -1), HasSubstr("least, greatest = 0, -1: must rise"));
   for (const char* name : {"num_boxes", "background", "least", "greatest", "step"})
     EXPECT_THAT(after([&](Changed& c) { c.remove("/array0/step0", name); }), HasSubstr(name));
-  for (const char* name : StoredBoxes::kNames) {
+  for (const BoxNumber& number_of_box : kBoxNumbers) {
+    const char* const name = number_of_box.name;
     EXPECT_EQ(after([&](Changed& c) {
                 H5Ldelete(c.id(), fmt::format("/array0/step0/{}", name).c_str(), H5P_DEFAULT);
               }),

@@ -429,9 +429,8 @@ class LatticeFileWriter::Impl {
             add_number_as(step, "background", type, boxes.background) &&
             step.add_number("step", boxes.step) &&
             step.add_number("num_boxes", static_cast<std::int64_t>(boxes.boxes.size())));
-    const io::StoredBoxes stored(boxes);
-    for (std::size_t i = 0; i < stored.lists.size(); ++i)
-      write_list(step, io::StoredBoxes::kNames[i], stored.lists[i]);
+    for (const io::BoxNumber& number : io::kBoxNumbers)
+      write_list(step, number.name, io::list_of(boxes, number));
   }
 
   void write_list(const io::Hdf5Object& group, const std::string& name,

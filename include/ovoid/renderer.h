@@ -31,8 +31,8 @@ struct TileDone {
 };
 
 // Ways to watch and to stop a frame. Callbacks come from worker threads, one at a time. An
-// exception that one throws ends the frame: render() throws it on when the tiles under way, which
-// may still report, are done. The renderer can draw again.
+// exception that one throws ends the frame: none is called again, and render() throws it on when
+// the tiles under way are done. The renderer can draw again.
 struct RenderHooks {
   std::stop_token stop;  // triggered: render throws Error(kCancelled) within a block's time
   std::function<void(double fraction)> progress;  // in [0, 1], not decreasing

@@ -125,7 +125,7 @@ view::RelevanceMap draw_samples(const FrameJob& job, const Machine& machine, Sam
            (samples.mask != nullptr && samples.mask->is_empty(tile.x0, tile.y0));
   });
   const auto workspaces = make_workspaces<LatticeWorkspace>(runner.num_workers());
-  Watch watch(job.hooks, tiles.size());
+  Teller teller(job.hooks, std::ssize(tiles));
   runner.run(static_cast<int>(tiles.size()), [&](int task, int worker) {
     if (stop.stop_requested()) return;
     LatticeWorkspace& work = *workspaces[static_cast<std::size_t>(worker)];
@@ -134,7 +134,7 @@ view::RelevanceMap draw_samples(const FrameJob& job, const Machine& machine, Sam
         samples.mask == nullptr ? nullptr : samples.mask->of_tile(rect.x0, rect.y0);
     render_patch(machine.target, frame, work, rect, wanted);
     finish_patch(frame, job.look, work, rect, wanted, image);
-    watch.tile_done(rect, image);
+    teller.done(told_of(rect, image));
   });
   if (stop.stop_requested()) throw_cancelled();
 
@@ -220,13 +220,13 @@ Frame render_lattice_sheets(const FrameJob& job, const Machine& machine) {
   const Clock::time_point warp_start = Clock::now();
   const WarpJob warp_job{*job.base, samples};
   const std::vector<TileRect> strips = strips_of(job.options);
-  Watch watch(job.hooks, strips.size(), kShareOfBase);
+  Teller teller(job.hooks, std::ssize(strips), kShareOfBase);
   const std::stop_token& stop = job.hooks.stop;
   runner.run(static_cast<int>(strips.size()), [&](int task, int) {
     if (stop.stop_requested()) return;
     const TileRect& strip = strips[static_cast<std::size_t>(task)];
     warp(machine.target, warp_job, strip, frame.image);
-    watch.tile_done(strip, frame.image);
+    teller.done(told_of(strip, frame.image));
   });
   if (stop.stop_requested()) throw_cancelled();
   frame.profile.frame_ms = ms_since(start);

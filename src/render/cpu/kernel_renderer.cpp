@@ -102,13 +102,13 @@ Frame render_kernel_field(const FrameJob& job, const Machine& machine) {
 
   const std::vector<TileRect> tiles = tiles_of(options.width, options.height, view::kBlockEdge);
   const auto workspaces = make_workspaces<KernelWorkspace>(runner.num_workers());
-  Watch watch(job.hooks, tiles.size());
+  Teller teller(job.hooks, std::ssize(tiles));
   runner.run(static_cast<int>(tiles.size()), [&](int task, int worker) {
     if (stop.stop_requested()) return;
     const TileRect& rect = tiles[static_cast<std::size_t>(task)];
     draw_tile(machine.target, frame, job.look, *workspaces[static_cast<std::size_t>(worker)], rect,
               out.image);
-    watch.tile_done(rect, out.image);
+    teller.done(told_of(rect, out.image));
   });
   if (stop.stop_requested()) throw Error(ErrorCode::kCancelled, "rendering was cancelled");
 

@@ -4,11 +4,11 @@
 
 #include <chrono>
 #include <memory>
-#include <mutex>
 #include <vector>
 
 #include "data/out_of_memory.h"
 #include "render/cpu/block.h"
+#include "render/teller.h"
 
 namespace ovoid::cpu {
 
@@ -29,6 +29,10 @@ std::vector<std::unique_ptr<Workspace>> make_workspaces(int num_workers) {
   });
 }
 
+inline TileDone told_of(const TileRect& rect, const Image& image) {
+  return {rect.x0, rect.y0, rect.x1, rect.y1, &image};
+}
+
 // Rectangles of `edge` x `edge` pixels that cover the picture, row by row; the last ones smaller.
 std::vector<TileRect> tiles_of(int width, int height, int edge);
 
@@ -36,30 +40,6 @@ std::vector<TileRect> tiles_of(int width, int height, int edge);
 // all.
 void finish_tile(const CpuFrame& frame, const Look& look, const TileState& tile,
                  const TileRect& rect, const RowWord* wanted, Image& image);
-
-// Reports tiles one at a time, whatever the number of workers.
-class Watch {
- public:
-  // `first`: of the progress, what is done before.
-  Watch(const RenderHooks& hooks, std::size_t num_tiles, double first = 0.0)
-      : hooks_(hooks), num_tiles_(num_tiles), first_(first) {}
-  void tile_done(const TileRect& rect, const Image& image) {
-    if (!hooks_.progress && !hooks_.tile_done) return;
-    const std::lock_guard lock(mutex_);
-    ++done_;
-    if (hooks_.tile_done) hooks_.tile_done({rect.x0, rect.y0, rect.x1, rect.y1, &image});
-    if (hooks_.progress)
-      hooks_.progress(first_ +
-                      (1 - first_) * static_cast<double>(done_) / static_cast<double>(num_tiles_));
-  }
-
- private:
-  const RenderHooks& hooks_;
-  std::size_t num_tiles_;
-  double first_;
-  std::size_t done_ = 0;
-  std::mutex mutex_;
-};
 
 // Adds time to a stage of a profile.
 void add_stage(FrameProfile& profile, const char* name, double ms);

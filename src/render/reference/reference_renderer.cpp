@@ -26,6 +26,7 @@
 #include "render/reference/kernel_tracer.h"
 #include "render/reference/lattice_tracer.h"
 #include "render/reference/warp.h"
+#include "render/teller.h"
 
 namespace ovoid::reference {
 namespace {
@@ -61,7 +62,11 @@ using TracerOfRows = std::function<std::shared_ptr<const PixelTracer>(int y0, in
 class RowPainter {
  public:
   RowPainter(TracerOfRows tracer, int rows_each, const RenderHooks& hooks, Image& image)
-      : tracer_(std::move(tracer)), rows_each_(rows_each), hooks_(hooks), image_(image) {}
+      : tracer_(std::move(tracer)),
+        rows_each_(rows_each),
+        hooks_(hooks),
+        image_(image),
+        teller_(hooks, image.height) {}
 
   // With as many threads as the system grants; `threads` is then that many. Throws
   // Error(kCancelled), and what a hook throws.
@@ -95,7 +100,8 @@ class RowPainter {
         const std::shared_ptr<const PixelTracer> tracer = tracer_(y0, y1);
         for (int y = y0; y < y1; ++y) {
           if (!paint_row(*tracer, y, counts)) return;
-          report(y);
+          ++num_done_;
+          teller_.done({0, y, image_.width, y + 1, &image_});
         }
       }
       const std::lock_guard lock(mutex_);
@@ -126,21 +132,15 @@ class RowPainter {
     return true;
   }
 
-  void report(int y) {
-    const std::lock_guard lock(mutex_);
-    ++num_done_;
-    if (hooks_.tile_done) hooks_.tile_done({0, y, image_.width, y + 1, &image_});
-    if (hooks_.progress) hooks_.progress(static_cast<double>(num_done_) / image_.height);
-  }
-
   TracerOfRows tracer_;
   int rows_each_;
   const RenderHooks& hooks_;
   Image& image_;
   std::atomic<int> next_row_ = 0;
   std::atomic<bool> has_failed_ = false;
-  std::mutex mutex_;  // guards the rest, and the hooks
-  int num_done_ = 0;
+  std::atomic<int> num_done_ = 0;  // rows
+  Teller teller_;
+  std::mutex mutex_;  // guards the rest
   TraceCounts counts_;
   std::exception_ptr failure_;
 };

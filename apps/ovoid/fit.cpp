@@ -34,6 +34,7 @@ struct FitFlags {
   std::optional<std::int64_t> kernels, bytes;
   bool smooth = false;
   KernelShape shape = KernelShape::kEllipsoids;
+  int refinements = FitOptions{}.refinements;
   std::uint64_t seed = 1;
   int threads = 0;
 };
@@ -62,6 +63,8 @@ const Table<FitFlags>& fit_settings() {
        "of a lattice as few as leave its own noise as the error: a clean copy",
        not_with("psnr tolerance kernels bytes", kGiveOne), of_lattice},
       {"--shape", choice(shapes), &F::shape, "(default {})", sets},
+      {"--refine", integer("N", 0, 100), &F::refinements,
+       "steps that move and shape kernels at the end, at most (default {})", sets},
       {"--seed", integer<std::uint64_t>("N", 0, std::int64_t{1} << 40), &F::seed,
        "of the places where the error is looked at (default {})", sets},
       {"--report", word("FILE"), &F::report, "what is printed, and the way there, as JSON"},
@@ -80,6 +83,7 @@ FitOptions options_of(const FitFlags& fit, const Dataset& dataset, Session& sess
   options.bytes = fit.bytes;
   options.smooth = fit.smooth;
   options.shape = fit.shape;
+  options.refinements = fit.refinements;
   options.seed = fit.seed;
   options.model = kernel_options(dataset, fit.model, fit.threads, session);
   options.threads = fit.threads;

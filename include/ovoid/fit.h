@@ -46,6 +46,16 @@ class KernelOperator {
   std::span<const float> weights() const noexcept;
   bool is_defined(std::size_t place) const noexcept;  // whether its row has entries
 
+  // A place's row: the kernels that reach it, and its entries.
+  struct Row {
+    std::size_t place = 0;
+    std::span<const std::uint32_t> kernels;
+    std::span<const float> entries;
+  };
+  // By number in [0, num_places()), in the order of memory: neighbours in space follow each other.
+  // Spans live as long as the operator.
+  Row row(std::size_t number) const noexcept;
+
   // Gather: the field at the places, [num_places], of values [num_kernels]; 0 where it is not
   // defined. Throws Error(kInvalidArgument) for wrong lengths.
   std::vector<double> gather(std::span<const double> values) const;
@@ -100,6 +110,9 @@ struct FitOptions {
 
   // Of kernel sets alone:
   KernelShape shape = KernelShape::kEllipsoids;
+  // Steps by which centres, shapes and weights are refined at the end, at most. 0: kernels stay the
+  // moments of those they stand for.
+  int refinements = 4;
   std::uint64_t seed = 1;  // of the places between nodes or particles
   // How the data become the kernels that are merged; of a lattice `array` and `component` alone.
   KernelModelOptions model{};
@@ -135,8 +148,9 @@ struct FitReport {
   double greatest_error = 0;     // values
   double wrongly_empty = 0;      // share of the domain where the field is defined and ours is not
   double wrongly_full = 0;       // of its bounding box, the other way round
-  double source_psnr = 0;      // of all the kernels that were merged, as they were; a lattice: inf
-  std::vector<FitStep> steps;  // the errors of the places that the fit saw
+  double source_psnr = 0;  // of all the kernels that were merged, as they were; a lattice: inf
+  // The errors of the places that the fit saw; of the last ones, those of places that it did not.
+  std::vector<FitStep> steps;
   std::vector<std::string> notes;
 };
 
@@ -144,8 +158,8 @@ struct FitReport {
 // reconstruction, cut-off and attributes of make_kernel_field(), and does not depend on the number
 // of threads. Throws Error: what make_kernel_field() throws; kInvalidArgument for no goal or
 // several, a goal that cannot be reached (with what can), `smooth`, bytes for less than a kernel, a
-// lattice; kCancelled; kOutOfMemory. Cost: about a hundred microseconds of one thread per node or
-// particle.
+// lattice; kCancelled; kOutOfMemory. Cost: about fifty microseconds of one thread per node or
+// particle, and for each of `refinements` half a millisecond per kernel.
 KernelField fit_kernels(const Dataset& dataset, const FitOptions& options,
                         FitReport* report = nullptr);
 

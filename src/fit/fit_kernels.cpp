@@ -16,6 +16,7 @@
 #include "fit/clusters.h"
 #include "fit/fit_goal.h"
 #include "fit/fit_places.h"
+#include "fit/refine_kernels.h"
 #include "fit/source_kernels.h"
 #include "ovoid/error.h"
 #include "ovoid/fit.h"
@@ -33,7 +34,7 @@ using fit::refuse_fit;
 using fit::SourceKernels;
 
 // What the first round has: as many, but at least that share of what is wanted.
-constexpr std::int64_t kFirstKernels = 32, kFirstShare = 16;
+constexpr std::int64_t kFirstKernels = 8, kFirstShare = 16;
 // A round has so many times the kernels of the one before. Of a greater factor, kernels come where
 // they are not needed: on the disk's temperature, 2 is 6 dB worse, and 1.15 no better.
 constexpr double kGrowth = 1.3;
@@ -49,13 +50,20 @@ constexpr double kRise = 1.5, kMostRise = 30;
 constexpr int kMostIdle = 8;
 constexpr double kHardlyAny = 0.02;
 constexpr std::size_t kTestPlaces = 100'000;
-constexpr std::size_t kMostPlacesPerKernel = 4;
+// Places that are seen, for each of the source's kernels, and at least.
+constexpr std::size_t kMostPlacesPerKernel = 3, kLeastSeen = 1 << 17;
+// Places that are looked at for each kernel while they are refined, and in all; kernels of which
+// each would have fewer than the least, or that are as good as floats, stay as they are.
+constexpr double kPlacesPerKernel = 48, kLeastPerKernel = 20, kMostRefinedPlaces = 1 << 22;
+constexpr double kMostRefinedPsnr = 140;
 // Of the operator, for a place: 8 bytes for each of the kernels that reach it.
 constexpr std::size_t kBytesPerPlace = 400;
 // Steps between the last miss and the first hit of a PSNR.
 constexpr int kMostHalvings = 4;
 // dB by which a PSNR may be more than was asked for before fewer kernels are tried.
 constexpr double kCloseEnough = 0.25;
+// dB that refining kernels may bring: at first, and at least, whatever it brought before.
+constexpr double kFirstGain = 15, kLeastGain = 3;
 
 // Kernels with their values, and what that leaves at the places.
 struct Fitted {
@@ -64,10 +72,6 @@ struct Fitted {
   std::vector<double> energies;             // of each kernel: how much it is to blame
   std::vector<double> residuals;            // of the first attribute, at the places looked at
   FitStep step;
-};
-
-struct Errors {
-  double psnr = 0, greatest = 0;
 };
 
 class Fitter {
@@ -89,9 +93,10 @@ class Fitter {
     const ValueRange range = field_.value_range();
     report_.range = static_cast<double>(range.hi) - static_cast<double>(range.lo);
     report_.source_kernels = static_cast<std::int64_t>(source_.count());
-    places_ =
-        fit::make_places(dataset, field_, source_,
-                         {model, options.seed, most_places(), kTestPlaces, threads_, options.stop});
+    place_maker_ = fit::make_place_maker(
+        dataset, field_, source_,
+        {model, options.seed, most_places(), kTestPlaces, threads_, options.stop});
+    places_ = place_maker_->make();
     report_.places = static_cast<std::int64_t>(places_.seen.count());
     report_.test_places = static_cast<std::int64_t>(places_.unseen.count());
     rule_.shape = options.shape;
@@ -102,6 +107,7 @@ class Fitter {
   KernelField run() {
     Clusters clusters(source_, threads_);
     const Fitted fitted = reach_goal(clusters);
+    report_.greatest_error = errors_at(places_.seen, fitted).greatest;
     KernelField field = field_of(fitted);
     report_errors(field);
     tell(1);
@@ -110,7 +116,7 @@ class Fitter {
 
  private:
   std::size_t most_places() const {
-    std::size_t most = kMostPlacesPerKernel * source_.count();
+    std::size_t most = std::max(kLeastSeen, kMostPlacesPerKernel * source_.count());
     if (options_.memory_limit == 0) return most;
     most = std::min(most, options_.memory_limit / kBytesPerPlace);
     if (most < source_.count()) {
@@ -145,6 +151,9 @@ class Fitter {
     told_ = std::max(told_, fraction);
     if (options_.progress) options_.progress(told_);
   }
+
+  // Nearer to the end by a share of what is left.
+  void tell_step() { tell(told_ + 0.1 * (0.95 - told_)); }
 
   // Clusters of about equal counts, as many as that.
   void start(Clusters& clusters, std::int64_t count) const {
@@ -193,6 +202,88 @@ class Fitter {
   Fitted fit(Clusters& clusters, const Care& care, const Blame& blame) {
     Fitted fitted;
     fitted.kernels = clusters.merged(rule_, options_.stop);
+    fitted.values = fitted.kernels.means;
+    for (std::size_t a = 0; a < num_fitted(); ++a) {
+      for (std::size_t c = 0; c < clusters.list.size(); ++c)
+        fitted.values[a][c] += clusters.list[c].excess[a];
+    }
+    fit_to_places(fitted, care, blame);
+    for (std::size_t a = 0; a < num_fitted(); ++a) {
+      for (std::size_t c = 0; c < clusters.list.size(); ++c)
+        clusters.list[c].excess[a] = fitted.values[a][c] - fitted.kernels.means[a][c];
+    }
+    return fitted;
+  }
+
+  // As well as can be. The step's errors are those of places that no fit saw.
+  Fitted fit_last(Clusters& clusters) {
+    Fitted fitted = fit_closely(clusters);
+    const ErrorsAt errors = errors_at(places_.unseen, fitted);
+    fitted.step.psnr = psnr_of(report_.range, errors.mean_square);
+    fitted.step.greatest_error = errors.greatest;
+    report_.steps.back() = fitted.step;
+    return fitted;
+  }
+
+  Fitted fit_closely(Clusters& clusters) {
+    const auto count = static_cast<double>(clusters.list.size());
+    const double per_kernel = std::min(kPlacesPerKernel, most_refined_places() / count);
+    if (options_.refinements == 0 || per_kernel < kLeastPerKernel)
+      return fit(clusters, kAllPlaces, energy);
+    Fitted fitted = fit(clusters, care_of_round(clusters), energy);
+    if (fitted.step.psnr > kMostRefinedPsnr) return fitted;
+    std::vector<double> ranges;
+    for (std::size_t a = 0; a < num_fitted(); ++a) ranges.push_back(range_of(a));
+    const Places places =
+        place_maker_->make_evenly(fitted.kernels.columns(source_.cutoff), per_kernel);
+    fit::refine_kernels({places, ranges, source_.reconstruction, source_.cutoff, rule_.shape,
+                         options_.refinements, threads_, options_.stop, [&] { tell_step(); }},
+                        fitted.kernels, fitted.values);
+    return fitted;
+  }
+
+  struct ErrorsAt {
+    double mean_square = 0, greatest = 0;
+  };
+
+  // Of the first attribute, where the fitted field is defined.
+  ErrorsAt errors_at(const Places& places, const Fitted& fitted) const {
+    const KernelOperator kernels(fitted.kernels.columns(source_.cutoff), source_.reconstruction,
+                                 places.at, threads_, options_.stop);
+    const std::vector<double> field = kernels.gather(fitted.values[0]);
+    ErrorsAt errors;
+    double share = 0;
+    for (std::size_t k = 0; k < field.size(); ++k) {
+      if (!kernels.is_defined(k)) continue;
+      const double error = std::abs(field[k] - places.targets[0][k]);
+      errors.mean_square += places.shares[k] * error * error;
+      errors.greatest = std::max(errors.greatest, error);
+      share += places.shares[k];
+    }
+    errors.mean_square /= std::max(share, 1e-300);
+    return errors;
+  }
+
+  // Rows are there twice while a step is tried.
+  double most_refined_places() const {
+    if (options_.memory_limit == 0) return kMostRefinedPlaces;
+    return std::min(kMostRefinedPlaces,
+                    static_cast<double>(options_.memory_limit / (2 * kBytesPerPlace)));
+  }
+
+  // Of the attributes. What a sum's colour is depends on its values: it stays the mean.
+  std::size_t num_fitted() const {
+    return source_.reconstruction == Reconstruction::kSum ? 1 : source_.values.size();
+  }
+
+  double range_of(std::size_t attribute) const {
+    const ValueRange of = attribute == 0 ? field_.value_range() : field_.color_range();
+    return std::max(static_cast<double>(of.hi) - static_cast<double>(of.lo),
+                    std::numeric_limits<double>::min());
+  }
+
+  template <class Blame>
+  void fit_to_places(Fitted& fitted, const Care& care, const Blame& blame) {
     const std::size_t count = std::min(places_.seen.count(), care.places);
     const std::span<const double> at = std::span(places_.seen.at).first(3 * count);
     const std::span<const double> shares = std::span(places_.seen.shares).first(count);
@@ -200,27 +291,17 @@ class Fitter {
                                  threads_, options_.stop);
     const std::vector<double> masses = masses_of(fitted.kernels);
     std::vector<double> energies(count);
-    for (std::size_t a = 0; a < places_.seen.targets.size(); ++a) {
+    for (std::size_t a = 0; a < num_fitted(); ++a) {
       const std::span<const double> targets = std::span(places_.seen.targets[a]).first(count);
-      std::vector<double> values = fitted.kernels.means[a];
-      // What a sum's colour is depends on its values: it stays the mean.
-      const bool is_fitted = a == 0 || source_.reconstruction == Reconstruction::kNormalized;
-      if (is_fitted) {
-        for (std::size_t c = 0; c < values.size(); ++c) values[c] += clusters.list[c].excess[a];
-        fit_values(
-            kernels,
-            {.targets = targets, .shares = shares, .keeps = masses, .iterations = care.iterations},
-            values, options_.stop);
-        for (std::size_t c = 0; c < values.size(); ++c)
-          clusters.list[c].excess[a] = values[c] - fitted.kernels.means[a][c];
-        add_residuals(kernels, a, values, blame, energies, fitted);
-      }
-      fitted.values.push_back(std::move(values));
+      fit_values(
+          kernels,
+          {.targets = targets, .shares = shares, .keeps = masses, .iterations = care.iterations},
+          fitted.values[a], options_.stop);
+      add_residuals(kernels, a, blame, energies, fitted);
     }
     fitted.energies = kernels.splat(energies);
-    fitted.step.kernels = static_cast<std::int64_t>(clusters.list.size());
+    fitted.step.kernels = static_cast<std::int64_t>(fitted.kernels.weights.size());
     report_.steps.push_back(fitted.step);
-    return fitted;
   }
 
   // Of a sum, what the kernels' values are multiplied by in its integral.
@@ -236,14 +317,11 @@ class Fitter {
   }
 
   template <class Blame>
-  void add_residuals(const KernelOperator& kernels, std::size_t attribute,
-                     const std::vector<double>& values, const Blame& blame,
+  void add_residuals(const KernelOperator& kernels, std::size_t attribute, const Blame& blame,
                      std::vector<double>& energies, Fitted& fitted) const {
     const Places& places = places_.seen;
-    const std::vector<double> field = kernels.gather(values);
-    const ValueRange of = attribute == 0 ? field_.value_range() : field_.color_range();
-    const double range = std::max(static_cast<double>(of.hi) - static_cast<double>(of.lo),
-                                  std::numeric_limits<double>::min());
+    const std::vector<double> field = kernels.gather(fitted.values[attribute]);
+    const double range = range_of(attribute);
     double square = 0, share = 0, greatest = 0;
     if (attribute == 0) fitted.residuals.resize(field.size());
     for (std::size_t k = 0; k < field.size(); ++k) {
@@ -268,9 +346,9 @@ class Fitter {
       const Fitted fitted = fit(clusters, care_of_round(clusters), energy);
       if (halve_greatest(clusters, fitted.energies, next_count(clusters, count)) == 0)
         start(clusters, count);  // no error is left: the rest is as good anywhere
-      tell(0.1 + 0.8 * static_cast<double>(clusters.list.size()) / static_cast<double>(count));
+      tell(0.1 + 0.5 * static_cast<double>(clusters.list.size()) / static_cast<double>(count));
     }
-    return fit(clusters, kAllPlaces, energy);
+    return fit_last(clusters);
   }
 
   static std::int64_t next_count(const Clusters& clusters, std::int64_t most) {
@@ -288,10 +366,19 @@ class Fitter {
     start(clusters, std::min(all(), kFirstKernels));
     Clusters before = clusters;
     Fitted missed;
+    double gain = options_.refinements > 0 ? kFirstGain : 0;
     while (true) {
       Fitted fitted = fit(clusters, care_of_round(clusters), energy);
-      if (fitted.step.psnr >= psnr) fitted = fit(clusters, kAllPlaces, energy);
-      if (fitted.step.psnr >= psnr) return fewest(before, missed, std::move(fitted), psnr);
+      const bool is_last = static_cast<std::int64_t>(clusters.list.size()) == all();
+      if (fitted.step.psnr + gain >= psnr || is_last) {
+        const Fitted last = fit_last(clusters);
+        if (last.step.psnr >= psnr) return fewest(before, missed, last, psnr);
+        if (options_.refinements > 0)
+          gain = std::max(kLeastGain, last.step.psnr - fitted.step.psnr);
+        fitted.step.psnr = last.step.psnr;
+      } else {
+        fitted.step.psnr += gain;
+      }
       before = clusters;
       missed = std::move(fitted);
       if (halve_greatest(clusters, missed.energies, next_count(clusters, all())) == 0) {
@@ -314,7 +401,7 @@ class Fitter {
       if (count <= low.kernels || count >= high.kernels) break;
       Clusters clusters = before;
       halve_greatest(clusters, missed.energies, count);
-      Fitted between = fit(clusters, kAllPlaces, energy);
+      Fitted between = fit_last(clusters);
       if (between.step.psnr >= psnr) {
         high = between.step;
         hit = std::move(between);
@@ -343,7 +430,7 @@ class Fitter {
       Fitted fitted = fit(clusters, care_of_round(clusters), excess);
       if (fitted.step.greatest_error <= tolerance) fitted = fit(clusters, kAllPlaces, excess);
       if (fitted.step.greatest_error <= tolerance) {
-        const double unseen = greatest_unseen(fitted);
+        const double unseen = errors_at(places_.unseen, fitted).greatest;
         if (unseen <= tolerance) return fitted;
         least = std::min(least, unseen);
         inner = std::min(inner, std::max(0.5 * inner, inner * 0.95 * tolerance / unseen));
@@ -356,7 +443,8 @@ class Fitter {
       tell_growth(clusters);
     }
     const Fitted last = fit(clusters, kAllPlaces, energy);
-    least = std::min(least, std::max(last.step.greatest_error, greatest_unseen(last)));
+    least = std::min(least,
+                     std::max(last.step.greatest_error, errors_at(places_.unseen, last).greatest));
     refuse_fit(
         fmt::format("tolerance = {:g}: {} of {} kernels leave a greatest error of {:g}, and "
                     "more would not help",
@@ -368,19 +456,6 @@ class Fitter {
       if (std::abs(fitted.residuals[k]) > bound)
         places_.seen.shares[k] = std::min(places_.seen.shares[k] * kRise, kMostRise * even_);
     }
-  }
-
-  double greatest_unseen(const Fitted& fitted) const {
-    const Places& places = places_.unseen;
-    const KernelOperator kernels(fitted.kernels.columns(source_.cutoff), source_.reconstruction,
-                                 places.at, threads_, options_.stop);
-    const std::vector<double> field = kernels.gather(fitted.values[0]);
-    double greatest = 0;
-    for (std::size_t k = 0; k < field.size(); ++k) {
-      if (kernels.is_defined(k))
-        greatest = std::max(greatest, std::abs(field[k] - places.targets[0][k]));
-    }
-    return greatest;
   }
 
   KernelField field_of(const Fitted& fitted) const {
@@ -420,7 +495,6 @@ class Fitter {
     const Sampled ours = sampled(field, places.at), theirs = sampled(field_, places.at);
     double square = 0, count = 0, square_nonempty = 0, nonempty = 0, square_source = 0;
     const double empty = static_cast<double>(field_.value_range().lo) + 1e-3 * report_.range;
-    report_.greatest_error = report_.steps.back().greatest_error;
     for (std::size_t k = 0; k < places.count(); ++k) {
       const double target = places.targets[0][k];
       if (!theirs.is_defined(k)) continue;
@@ -475,6 +549,7 @@ class Fitter {
   MergeRule rule_;
   KernelField field_;
   SourceKernels source_;
+  std::unique_ptr<fit::PlaceMaker> place_maker_;
   FitPlaces places_;
 };
 

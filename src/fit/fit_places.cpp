@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <utility>
 
 #include "data/parallel.h"
 #include "model/mesh_cells.h"
 #include "model/noise.h"
+#include "ovoid/fit.h"
 
 namespace ovoid::fit {
 namespace {
@@ -18,9 +20,9 @@ constexpr std::int64_t kPlaceGrain = 1024;
 // Random places near a kernel are within so many sigmas: neighbours' centres are about two away. Of
 // a sum every second one is further off, where it fades and a wider kernel would not.
 constexpr double kNearSigmas = 1.5, kFarSigmas = 6;
-// Beside the nodes so many places in cells are seen for each node, if there are as many cells; of
-// each cell two at most.
-constexpr double kPlacesPerNode = 2;
+constexpr std::uint32_t kNoKernel = std::numeric_limits<std::uint32_t>::max();
+// Make other random numbers of the same seed.
+constexpr std::uint64_t kUnseenSeed = 0x5DEECE66D, kEvenSeed = 0xB5297A4D;
 
 using CornerShares = std::array<double, 8>;
 
@@ -114,20 +116,19 @@ class MeshValues {
       if (!(volume > 0) || num_corners(cells_.types[c]) == 0 || !has_values(c)) continue;
       solid_.push_back(static_cast<std::uint32_t>(c));
       volumes_.push_back(volume);
-      up_to_.push_back((up_to_.empty() ? 0 : up_to_.back()) + volume);
     }
   }
 
   std::size_t count() const noexcept { return solid_.size(); }
   double volume(std::size_t i) const noexcept { return volumes_[i]; }
-  double whole_volume() const noexcept { return up_to_.back(); }
 
-  std::size_t random_cell(model::Random& random) const {
-    const double at = random.uniform(0, whole_volume());
-    const auto found = std::upper_bound(up_to_.begin(), up_to_.end(), at);
-    return std::min(static_cast<std::size_t>(found - up_to_.begin()), solid_.size() - 1);
+  Vec3 middle(std::size_t i) const {
+    const auto nodes = cells_.nodes(solid_[i]);
+    const std::size_t corners = num_corners(cells_.types[solid_[i]]);
+    Vec3 sum = Vec3::Zero();
+    for (std::size_t n = 0; n < corners; ++n) sum += nodes_.at(nodes[n]);
+    return sum / static_cast<double>(corners);
   }
-
   void append_middle(std::size_t i, double share, Places& places) const {
     CornerShares shares{};
     const std::size_t corners = num_corners(cells_.types[solid_[i]]);
@@ -165,7 +166,7 @@ class MeshValues {
   model::MeshCells cells_;
   model::SiteValues values_;
   std::vector<std::uint32_t> solid_;
-  std::vector<double> volumes_, up_to_;
+  std::vector<double> volumes_;
 };
 
 void append_centers(const SourceKernels& kernels, double share, Places& places) {
@@ -175,30 +176,16 @@ void append_centers(const SourceKernels& kernels, double share, Places& places) 
     places.targets[a].assign(kernels.values[a].begin(), kernels.values[a].end());
 }
 
-FitPlaces places_of_mesh(const Dataset& dataset, const SourceKernels& kernels,
-                         const PlaceOptions& options) {
-  FitPlaces places;
-  places.seen.targets.resize(kernels.values.size());
-  places.unseen.targets.resize(kernels.values.size());
-  const MeshValues mesh(dataset, options);
-  model::Random random(options.seed);
-  const std::size_t of_nodes = kernels.count();
-  append_centers(kernels, 0.5, places.seen);
-  if (mesh.count() == 0) return places;
-  const auto wanted = std::min(static_cast<double>(options.most) - static_cast<double>(of_nodes),
-                               kPlacesPerNode * static_cast<double>(of_nodes));
-  const double per_cell = std::clamp(wanted / static_cast<double>(mesh.count()), 0.01, 2.0);
-  double due = 0;
-  for (std::size_t i = 0; i < mesh.count(); ++i) {
-    due += per_cell;
-    const double share = 0.5 * mesh.volume(i) / per_cell;
-    if (due >= 1) mesh.append_middle(i, share, places.seen);
-    if (due >= 2) mesh.append_random(i, share, random, places.seen);
-    due -= std::floor(due);
+// The kernel that each place is mostly of; one that is not there where none reaches.
+std::vector<std::uint32_t> greatest_at(const KernelOperator& kernels) {
+  std::vector<std::uint32_t> greatest(kernels.num_places(), kNoKernel);
+  for (std::size_t r = 0; r < kernels.num_places(); ++r) {
+    const KernelOperator::Row row = kernels.row(r);
+    const auto most = std::max_element(row.entries.begin(), row.entries.end());
+    if (most != row.entries.end())
+      greatest[row.place] = row.kernels[static_cast<std::size_t>(most - row.entries.begin())];
   }
-  for (std::size_t t = 0; t < options.test; ++t)
-    mesh.append_random(mesh.random_cell(random), mesh.whole_volume(), random, places.unseen);
-  return places;
+  return greatest;
 }
 
 Vec3 random_near(const SourceKernels& kernels, std::size_t i, model::Random& random) {
@@ -235,73 +222,169 @@ void sample_field(const KernelField& field, const PlaceOptions& options, Places&
   places.shares.resize(kept);
 }
 
-FitPlaces places_of_field(const KernelField& field, const SourceKernels& kernels,
-                          const PlaceOptions& options) {
-  FitPlaces places;
-  places.seen.targets.resize(kernels.values.size());
-  places.unseen.targets.resize(kernels.values.size());
-  model::Random random(options.seed);
-  const auto append = [&](const Vec3& at, double share, Places& to) {
-    to.at.insert(to.at.end(), {at[0], at[1], at[2]});
-    to.shares.push_back(share);
-  };
-  const std::size_t every =
-      std::max<std::size_t>(1, 2 * kernels.count() / std::max<std::size_t>(options.most, 1));
-  std::vector<double> up_to;
-  double whole = 0;
-  for (std::size_t i = 0; i < kernels.count(); ++i) {
-    up_to.push_back(whole += kernels.volumes[i]);
-    if (i % every != 0) continue;
-    const double share = 0.5 * kernels.volumes[i] * static_cast<double>(every);
-    append(kernels.center(i), share, places.seen);
-    append(random_near(kernels, i, random), share, places.seen);
-  }
-  for (std::size_t t = 0; t < options.test; ++t) {
-    const auto found = std::upper_bound(up_to.begin(), up_to.end(), random.uniform(0, whole));
-    const std::size_t i =
-        std::min(static_cast<std::size_t>(found - up_to.begin()), up_to.size() - 1);
-    append(random_near(kernels, i, random), whole, places.unseen);
-  }
-  sample_field(field, options, places.seen);
-  sample_field(field, options, places.unseen);
-  return places;
-}
+// Cells, in which values are interpolated.
+class PlacesInMesh final : public PlaceMaker {
+ public:
+  PlacesInMesh(const Dataset& dataset, const SourceKernels& kernels, const PlaceOptions& options)
+      : PlaceMaker(kernels, options), mesh_(dataset, options) {}
 
-// In random order, so that the first of them are as even as all.
-void shuffle(std::uint64_t seed, Places& places) {
-  std::vector<std::uint32_t> order(places.count());
+ private:
+  std::size_t num_sites() const override { return mesh_.count(); }
+  double volume(std::size_t site) const override { return mesh_.volume(site); }
+  Vec3 middle(std::size_t site) const override { return mesh_.middle(site); }
+  void append_random(std::size_t site, double share, model::Random& random,
+                     Places& places) const override {
+    mesh_.append_random(site, share, random, places);
+  }
+
+  Places seen() const override {
+    Places places = empty();
+    model::Random random(options_.seed);
+    append_centers(kernels_, 0.5, places);
+    if (mesh_.count() == 0) return places;
+    const auto wanted = static_cast<double>(options_.most) - static_cast<double>(kernels_.count());
+    const double per_cell = std::max(wanted / static_cast<double>(mesh_.count()), 0.01);
+    double due = 0;
+    for (std::size_t i = 0; i < mesh_.count(); ++i) {
+      due += per_cell;
+      const double share = 0.5 * mesh_.volume(i) / per_cell;
+      for (bool is_first = true; due >= 1; --due, is_first = false) {
+        if (is_first)
+          mesh_.append_middle(i, share, places);
+        else
+          mesh_.append_random(i, share, random, places);
+      }
+    }
+    return places;
+  }
+
+  MeshValues mesh_;
+};
+
+// Kernels, near which their field is sampled.
+class PlacesNearKernels final : public PlaceMaker {
+ public:
+  PlacesNearKernels(const KernelField& field, const SourceKernels& kernels,
+                    const PlaceOptions& options)
+      : PlaceMaker(kernels, options), field_(field) {}
+
+ private:
+  std::size_t num_sites() const override { return kernels_.count(); }
+  double volume(std::size_t site) const override { return kernels_.volumes[site]; }
+  Vec3 middle(std::size_t site) const override { return kernels_.center(site); }
+  void append_random(std::size_t site, double share, model::Random& random,
+                     Places& places) const override {
+    append(random_near(kernels_, site, random), share, places);
+  }
+  void fill(Places& places) const override { sample_field(field_, options_, places); }
+
+  static void append(const Vec3& at, double share, Places& places) {
+    places.at.insert(places.at.end(), {at[0], at[1], at[2]});
+    places.shares.push_back(share);
+  }
+
+  Places seen() const override {
+    Places places = empty();
+    model::Random random(options_.seed);
+    const std::size_t count = kernels_.count();
+    const std::size_t every =
+        std::max<std::size_t>(1, 2 * count / std::max<std::size_t>(options_.most, 1));
+    const std::size_t near = std::max<std::size_t>(2, options_.most / count) - 1;
+    for (std::size_t i = 0; i < count; i += every) {
+      const double share = 0.5 * kernels_.volumes[i] * static_cast<double>(every);
+      append(kernels_.center(i), share, places);
+      for (std::size_t n = 0; n < near; ++n)
+        append(random_near(kernels_, i, random), share / static_cast<double>(near), places);
+    }
+    fill(places);
+    return places;
+  }
+
+  const KernelField& field_;
+};
+
+// In random order, so that the first of them are as even as all; shares of the whole, so that what
+// a place counts has no unit.
+Places finished(std::uint64_t seed, const Places& from) {
+  std::vector<std::uint32_t> order(from.count());
   std::iota(order.begin(), order.end(), 0U);
   model::Random random(seed);
   for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random.next() % i]);
-  Places from = std::move(places);
-  places = {};
+  double whole = 0;
+  for (const double share : from.shares) whole += share;
+  Places places;
   places.targets.resize(from.targets.size());
   for (const std::uint32_t i : order) {
     const double* const at = from.at.data() + std::size_t{3} * i;
     places.at.insert(places.at.end(), at, at + 3);
-    places.shares.push_back(from.shares[i]);
+    places.shares.push_back(from.shares[i] / whole);
     for (std::size_t a = 0; a < from.targets.size(); ++a)
       places.targets[a].push_back(from.targets[a][i]);
   }
+  return places;
 }
 
 }  // namespace
 
-FitPlaces make_places(const Dataset& dataset, const KernelField& field,
-                      const SourceKernels& kernels, const PlaceOptions& options) {
+Places PlaceMaker::empty() const {
+  Places places;
+  places.targets.resize(kernels_.values.size());
+  return places;
+}
+
+FitPlaces PlaceMaker::make() const {
+  Places unseen = empty();
+  std::vector<double> up_to(num_sites());
+  double whole = 0;
+  for (std::size_t i = 0; i < up_to.size(); ++i) up_to[i] = whole += volume(i);
+  model::Random random(options_.seed ^ kUnseenSeed);
+  for (std::size_t t = 0; t < options_.test && !up_to.empty(); ++t) {
+    const auto found = std::upper_bound(up_to.begin(), up_to.end(), random.uniform(0, whole));
+    append_random(std::min(static_cast<std::size_t>(found - up_to.begin()), up_to.size() - 1), 1,
+                  random, unseen);
+  }
+  fill(unseen);
+  return {finished(options_.seed, seen()), finished(options_.seed, unseen)};
+}
+
+Places PlaceMaker::make_evenly(const KernelColumns& kernels, double per_kernel) const {
+  const std::size_t num_kernels = kernels.weights.size();
+  // Sites that are looked at, and which kernel each belongs to.
+  const double wanted = per_kernel * static_cast<double>(num_kernels);
+  const std::size_t every =
+      std::max<std::size_t>(1, static_cast<std::size_t>(static_cast<double>(num_sites()) / wanted));
+  std::vector<double> middles;
+  for (std::size_t i = 0; i < num_sites(); i += every) {
+    const Vec3 at = middle(i);
+    middles.insert(middles.end(), {at[0], at[1], at[2]});
+  }
+  const std::vector<std::uint32_t> owners = greatest_at(
+      KernelOperator(kernels, kernels_.reconstruction, middles, options_.threads, options_.stop));
+  std::vector<double> owned(num_kernels);
+  for (const std::uint32_t owner : owners) {
+    if (owner != kNoKernel) owned[owner] += 1;
+  }
+  Places places = empty();
+  model::Random random(options_.seed ^ kEvenSeed);
+  for (std::size_t s = 0; s < owners.size(); ++s) {
+    if (owners[s] == kNoKernel) continue;
+    const double number = per_kernel / owned[owners[s]];
+    const double share = volume(s * every) / number;
+    for (auto due = std::floor(number + random.uniform(0, 1)); due >= 1; --due)
+      append_random(s * every, share, random, places);
+  }
+  fill(places);
+  return finished(options_.seed, places);
+}
+
+std::unique_ptr<PlaceMaker> make_place_maker(const Dataset& dataset, const KernelField& field,
+                                             const SourceKernels& kernels,
+                                             const PlaceOptions& options) {
   const bool has_nodes = dataset.kind == DatasetKind::kMesh &&
                          !dataset.array(options.model.array).is_cell_data &&
                          kernels.reconstruction == Reconstruction::kNormalized;
-  FitPlaces places = has_nodes ? places_of_mesh(dataset, kernels, options)
-                               : places_of_field(field, kernels, options);
-  for (Places* of : {&places.seen, &places.unseen}) {
-    // Shares of the whole, so that what a place counts has no unit.
-    double sum = 0;
-    for (const double share : of->shares) sum += share;
-    for (double& share : of->shares) share /= sum;
-  }
-  shuffle(options.seed, places.seen);
-  return places;
+  if (has_nodes) return std::make_unique<PlacesInMesh>(dataset, kernels, options);
+  return std::make_unique<PlacesNearKernels>(field, kernels, options);
 }
 
 }  // namespace ovoid::fit

@@ -3,10 +3,13 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <stop_token>
+#include <utility>
 #include <vector>
 
 #include "fit/source_kernels.h"
+#include "model/noise.h"
 #include "ovoid/dataset.h"
 #include "ovoid/model.h"
 
@@ -21,7 +24,7 @@ struct Places {
 };
 
 struct PlaceOptions {
-  const KernelModelOptions& model;
+  KernelModelOptions model;
   std::uint64_t seed = 1;
   std::size_t most = 0;  // places to fit to, about
   std::size_t test = 0;  // places to test at
@@ -35,10 +38,44 @@ struct FitPlaces {
   Places unseen;  // at random, evenly over the volume
 };
 
-// Of a mesh with values at its nodes: nodes and middles of cells, and random places in cells, where
-// the values are interpolated. Of everything else: the kernels' centres and a random place near
-// each, where the field is the source's.
-FitPlaces make_places(const Dataset& dataset, const KernelField& field,
-                      const SourceKernels& kernels, const PlaceOptions& options);
+// Makes places of sites, which fill the volume: of a mesh with values at its nodes its cells, in
+// which the values are interpolated; of everything else the kernels, near which the field is the
+// source's.
+class PlaceMaker {
+ public:
+  virtual ~PlaceMaker() = default;
+
+  // Seen are the kernels' centres, of a mesh the middles of cells, and random places in or near the
+  // sites.
+  FitPlaces make() const;
+
+  // About so many random places for each of some kernels, near where it is the greatest; in random
+  // order. Throws Error(kCancelled).
+  Places make_evenly(const KernelColumns& kernels, double per_kernel) const;
+
+ protected:
+  // `kernels` is borrowed.
+  PlaceMaker(const SourceKernels& kernels, PlaceOptions options)
+      : kernels_(kernels), options_(std::move(options)) {}
+  Places empty() const;
+
+  const SourceKernels& kernels_;
+  const PlaceOptions options_;
+
+ private:
+  virtual std::size_t num_sites() const = 0;
+  virtual double volume(std::size_t site) const = 0;
+  virtual Vec3 middle(std::size_t site) const = 0;
+  virtual void append_random(std::size_t site, double share, model::Random& random,
+                             Places& places) const = 0;
+  // Targets, where appending left them out.
+  virtual void fill(Places& /*places*/) const {}
+  virtual Places seen() const = 0;
+};
+
+// Everything but the options is borrowed.
+std::unique_ptr<PlaceMaker> make_place_maker(const Dataset& dataset, const KernelField& field,
+                                             const SourceKernels& kernels,
+                                             const PlaceOptions& options);
 
 }  // namespace ovoid::fit

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "fit/conjugate_gradients.h"
+#include "fit/kept_sum.h"
 #include "ovoid/error.h"
 #include "ovoid/fit.h"
 
@@ -38,31 +39,6 @@ std::vector<double> weighted_splat(const KernelOperator& kernels, const ValuePro
   return kernels.splat(residuals);
 }
 
-// Takes of a direction, in the metric of the preconditioner, what would change the sum that is
-// kept: conjugate gradients then run among the values that have it.
-class Kept {
- public:
-  template <class OverDiagonal>
-  Kept(std::span<const double> keeps, const OverDiagonal& over_diagonal) : keeps_(keeps) {
-    for (std::size_t i = 0; i < keeps.size(); ++i) {
-      scaled_.push_back(over_diagonal(i, keeps[i]));
-      square_ += keeps[i] * scaled_[i];
-    }
-  }
-  void hold(std::vector<double>& direction) const {
-    if (!(square_ > 0)) return;
-    double change = 0;
-    for (std::size_t i = 0; i < direction.size(); ++i) change += keeps_[i] * direction[i];
-    for (std::size_t i = 0; i < direction.size(); ++i)
-      direction[i] -= change / square_ * scaled_[i];
-  }
-
- private:
-  std::span<const double> keeps_;
-  std::vector<double> scaled_;
-  double square_ = 0;
-};
-
 }  // namespace
 
 ValueSolution fit_values(const KernelOperator& kernels, const ValueProblem& problem,
@@ -76,7 +52,7 @@ ValueSolution fit_values(const KernelOperator& kernels, const ValueProblem& prob
   const auto over_diagonal = [&](std::size_t i, double number) {
     return diagonal[i] > 0 ? number / ((1 + problem.ridge) * diagonal[i]) : 0;
   };
-  const Kept kept(problem.keeps, over_diagonal);
+  const fit::KeptSum kept(problem.keeps, over_diagonal);
   const auto precondition = [&](const std::vector<double>& residual, std::vector<double>& scaled) {
     for (std::size_t i = 0; i < residual.size(); ++i) scaled[i] = over_diagonal(i, residual[i]);
     kept.hold(scaled);

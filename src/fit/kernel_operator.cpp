@@ -244,6 +244,14 @@ bool KernelOperator::is_defined(std::size_t place) const noexcept {
   return impl_->is_defined[place];
 }
 
+KernelOperator::Row KernelOperator::row(std::size_t number) const noexcept {
+  const Chunk& chunk = impl_->chunks[number / kChunkPlaces];
+  const std::size_t begin = chunk.starts[number % kChunkPlaces];
+  const std::size_t size = chunk.starts[number % kChunkPlaces + 1] - begin;
+  return {impl_->order[number], std::span(chunk.kernels).subspan(begin, size),
+          std::span(chunk.entries).subspan(begin, size)};
+}
+
 std::size_t KernelOperator::resident_bytes() const noexcept {
   std::size_t bytes = impl_->order.size() * (sizeof(std::uint32_t) + sizeof(float));
   for (const Chunk& chunk : impl_->chunks) {

@@ -56,6 +56,7 @@ App::App(std::shared_ptr<const Launch> launch)
   }
   worker_ = std::make_unique<Worker>();
   loader_ = std::make_unique<Loader>();
+  fitter_ = std::make_unique<Fitter>();
   document_.launch = launch_;
   if (!launch_->data.inputs.empty()) loader_->open(launch_);
 }
@@ -63,8 +64,10 @@ App::App(std::shared_ptr<const Launch> launch)
 App::~App() {
   window_.hide();  // what takes time now takes it out of sight
   loader_->stop();
+  fitter_->stop();
   worker_.reset();
   loader_.reset();
+  fitter_.reset();
 }
 
 double App::patience() const {
@@ -105,6 +108,7 @@ void App::run(const std::stop_token& stop) {
     if (is_over_ && frames_due_ <= 1 && screenshot_wish_.empty()) is_open_ = false;
     take_load_reports();
     take_pictures();
+    take_fit();
     take_dialog();
     if (memory_.update()) frames_due_ = std::max(frames_due_, 2);
     watch();
@@ -225,6 +229,7 @@ void App::ask_for_picture(bool is_moving) {
   Request request;
   request.number = version;
   request.scenes = document_.scenes(size);
+  request.own = document_.own_scene();
   request.is_moving = is_moving;
   worker_->ask(std::move(request));
   asked_version_ = version;
@@ -241,7 +246,7 @@ void App::take_pictures() {
     failed_version_ = pictures->number;
     return;
   }
-  status_.profile = pictures->pictures.back().profile;
+  status_.profile = pictures->pictures[pictures->own].profile;
   status_.level = pictures->level;
   status_.picture_ms = pictures->ms;
   status_.is_final = pictures->is_final;

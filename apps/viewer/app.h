@@ -13,6 +13,7 @@
 
 #include "document.h"
 #include "file_dialog.h"
+#include "fitter.h"
 #include "gui.h"
 #include "loader.h"
 #include "memory.h"
@@ -73,6 +74,9 @@ class App final : public ScriptHost {
   void grant(Wishes wishes);
   void open(const std::vector<std::string>& words);
   void remember(const cli::DataFlags& data);
+  void grant_fit(const Wishes& wishes);
+  void take_fit();
+  void save_fit();
   void read_look_file(const std::string& path);
   void read_state_file(const std::string& path);
   void go_to_time();
@@ -92,6 +96,7 @@ class App final : public ScriptHost {
   void draw_help();
   void write_screenshot();
   nlohmann::ordered_json facts() const;  // what scripts may ask for
+  nlohmann::ordered_json facts_of_fit() const;
   void tell(const std::string& text, bool is_error = false);
   void save_the_picture(const std::string& path);
 
@@ -146,6 +151,7 @@ class App final : public ScriptHost {
   // The last to be made and the first to go: they post to the window.
   std::unique_ptr<Worker> worker_;
   std::unique_ptr<Loader> loader_;
+  std::unique_ptr<Fitter> fitter_;
 };
 
 }  // namespace ovoid::viewer

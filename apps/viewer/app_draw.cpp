@@ -45,12 +45,13 @@ void App::draw_panel(Panel& panel, ImVec2 at, ImVec2 size) {
     void (*draw)(Panel&);
     bool needs_data;
   };
-  static constexpr std::array<Tab, 6> kTabs = {{{"data", data_panel, false},
+  static constexpr std::array<Tab, 7> kTabs = {{{"data", data_panel, false},
                                                 {"look", look_panel, true},
                                                 {"space", space_panel, true},
                                                 {"time", time_panel, true},
                                                 {"compare", compare_panel, true},
-                                                {"quality", quality_panel, true}}};
+                                                {"quality", quality_panel, true},
+                                                {"fit", fit_panel, true}}};
   ImGui::SetNextWindowPos(at);
   ImGui::SetNextWindowSize(size);
   ImGui::Begin("panel", nullptr,

@@ -68,6 +68,7 @@ void App::take_load_reports() {
     if (auto* opened = std::get_if<Opened>(&report)) {
       const bool is_other = !opened->is_reload;
       document_.take(*opened);
+      fitter_->cancel();  // of what was there before
       if (is_other) {
         picture_view_.forget();
         panel_state_ = {};
@@ -219,6 +220,7 @@ void App::grant(Wishes wishes) {
       save_state(wishes.write_state);
       tell("state written to " + wishes.write_state);
     }
+    grant_fit(wishes);
     if (wishes.copies_command && document_.is_open()) {
       window_.set_clipboard(command_of(document_, picture_size()));
       tell("the command is in the clipboard");

@@ -86,7 +86,7 @@ bool App::has_come_to(const std::string& state) const {
   const bool is_full =
       picture_view_.full(document_.version()) != nullptr || failed_version_ == document_.version();
   if (state == "full") return is_full;
-  return is_full && !loader_->is_busy() && worker_->is_idle();
+  return is_full && !loader_->is_busy() && worker_->is_idle() && !status_.fit.is_running;
 }
 
 nlohmann::ordered_json App::facts() const {
@@ -130,6 +130,7 @@ nlohmann::ordered_json App::facts() const {
   json["compare"] = {{"mode", static_cast<int>(document_.compare)},
                      {"divider", picture_view_.divider()},
                      {"psnr", std::isfinite(status_.psnr) ? status_.psnr : 1e9}};
+  json["fit"] = facts_of_fit();
   json["backend"] = status_.profile.backend;
   json["has_extras"] = document_.extras != nullptr;
   if (const auto& picked = picture_view_.picked()) {
@@ -137,6 +138,22 @@ nlohmann::ordered_json App::facts() const {
                       {"value", picked->value},
                       {"is_defined", picked->is_defined}};
   }
+  return json;
+}
+
+nlohmann::ordered_json App::facts_of_fit() const {
+  nlohmann::ordered_json json = {{"is_running", status_.fit.is_running},
+                                 {"fraction", status_.fit.fraction},
+                                 {"error", panel_state_.fit.error},
+                                 {"has_result", document_.fit != nullptr},
+                                 {"is_of_shown", document_.has_fit_of_shown()},
+                                 {"is_compared", document_.compares_fit()}};
+  if (document_.fit == nullptr) return json;
+  const FitReport& report = document_.fit->report;
+  json["kernels"] = report.kernels;
+  json["bytes"] = report.bytes;
+  json["psnr"] = std::isfinite(report.psnr) ? report.psnr : 1e9;
+  json["greatest_error"] = report.greatest_error;
   return json;
 }
 

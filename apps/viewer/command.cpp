@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "make_fit.h"
 #include "ovoid/io.h"
 #include "session.h"
 #include "settings.h"
@@ -32,21 +33,6 @@ void take_time(const Document& document, cli::DataFlags& data, cli::TrailFlags& 
     trail.length = document.time.blur_length;
     trail.decay = document.time.blur_decay;
   }
-}
-
-void take_array(const Document& document, cli::ModelFlags& model) {
-  const Shown& shown = *document.shown;
-  const auto known = [&](const std::string& name) {
-    return document.array_info(name) != nullptr ? name : "";
-  };
-  model.kernels.is_density = shown.is_density;
-  model.array = shown.is_density ? "" : known(shown.array);
-  model.kernels.color_array = shown.color_array == shown.array ? "" : known(shown.color_array);
-  // Said only where it is not what would be drawn anyway.
-  const ArrayInfo* const array = document.array_info(shown.array);
-  const int usual = array != nullptr ? array->usual_component : 0;
-  model.component = shown.component == usual ? cli::kUsualComponent : shown.component;
-  if (document.label_kernel) model.lattice.kernel = *document.label_kernel;
 }
 
 cli::LookFlags look_of(const Document& document) {
@@ -85,6 +71,23 @@ cli::CropFlags told_crop(const View& view, const cli::CropFlags& opened) {
 
 }  // namespace
 
+cli::ModelFlags model_of(const Document& document) {
+  cli::ModelFlags model = document.launch->drawing.model;
+  const Shown& shown = *document.shown;
+  const auto known = [&](const std::string& name) {
+    return document.array_info(name) != nullptr ? name : "";
+  };
+  model.kernels.is_density = shown.is_density;
+  model.array = shown.is_density ? "" : known(shown.array);
+  model.kernels.color_array = shown.color_array == shown.array ? "" : known(shown.color_array);
+  // Said only where it is not what would be drawn anyway.
+  const ArrayInfo* const array = document.array_info(shown.array);
+  const int usual = array != nullptr ? array->usual_component : 0;
+  model.component = shown.component == usual ? cli::kUsualComponent : shown.component;
+  if (document.label_kernel) model.lattice.kernel = *document.label_kernel;
+  return model;
+}
+
 cli::CropFlags crop_of(const Document& document) {
   cli::CropFlags crop = document.launch->drawing.crop;
   crop.world = document.view.crop;
@@ -109,7 +112,7 @@ cli::FlagSet flags_of(const Document& document, Size size) {
     cli::tell(cli::data_settings(), data, &flags, {"time", "step"});
     cli::tell(cli::trail_settings(), drawing.trail, &flags, {"motion-blur"});
   }
-  take_array(document, drawing.model);
+  drawing.model = model_of(document);
   cli::tell(cli::array_settings(), drawing.model, &flags);
   cli::tell(cli::particle_settings(), drawing.model, &flags, {"quantity"});
   if (document.label_kernel) cli::tell(cli::kernel_settings(), drawing.model, &flags, {"kernel"});
@@ -149,6 +152,29 @@ std::string command_of(const Document& document, Size size) {
   for (const std::string& word : flags_of(document, size).words()) words.push_back(word);
   words.insert(words.end(), {"-o", "picture.png"});
   return cli::quoted(words);
+}
+
+cli::Words fit_words(const Document& document, const cli::Words& goal, const std::string& output) {
+  cli::FitFlags ignored;
+  const cli::Flags fit = cli::make_fit_flags(&ignored);
+  // A fit of a lattice is of its samples, whatever the kernels they are drawn with.
+  const auto is_left_out = [&](const std::string& name) {
+    const cli::Table<cli::ModelFlags>& kernels = cli::kernel_settings();
+    return document.info->kind == DatasetKind::kLattice &&
+           std::any_of(kernels.begin(), kernels.end(),
+                       [&](const auto& setting) { return setting.flag.name == name; });
+  };
+  const cli::FlagSet all = flags_of(document, {1, 1});
+  cli::FlagSet kept;
+  for (const cli::FlagSet::Flag& flag : all.flags()) {
+    if (cli::find_form(fit.forms(), flag.name) != nullptr && !is_left_out(flag.name))
+      kept.set(flag.name, flag.value);
+  }
+  cli::Words words = document.launch->data.inputs;
+  for (const std::string& word : kept.words()) words.push_back(word);
+  words.insert(words.end(), goal.begin(), goal.end());
+  words.insert(words.end(), {"-o", output});
+  return words;
 }
 
 Json window_state(const Document& document) {

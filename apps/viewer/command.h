@@ -17,6 +17,12 @@ cli::FlagSet flags_of(const Document& document, Size size);
 // A line for a shell, with the flags and -o picture.png.
 std::string command_of(const Document& document, Size size);
 
+// The words behind `ovoid fit` that make a fit of what is shown; `goal` is a flag with its value.
+cli::Words fit_words(const Document& document, const cli::Words& goal, const std::string& output);
+
+// The model flags of what is shown.
+cli::ModelFlags model_of(const Document& document);
+
 // What a state keeps beside them: how time runs.
 nlohmann::ordered_json window_state(const Document& document);
 // Takes what is there and makes sense, and leaves the rest as it is.

@@ -25,6 +25,7 @@ void Document::take(const Opened& opened) {
   is_reload_ = opened.is_reload && is_open();
   launch = opened.launch;
   extras.reset();
+  fit.reset();
   time.is_playing = false;
 }
 
@@ -152,12 +153,26 @@ std::shared_ptr<Scene> Document::scene(const View& of, const RendererSetup& on, 
   return made;
 }
 
+// The view's scene, but for what is drawn.
+std::shared_ptr<Scene> Document::scene_of_fit(Size size) const {
+  auto made = scene(view, setup, size);
+  made->shown = fit_has_surface && fit->within ? fit->within : fit->shown;
+  made->extras = fit->extras;
+  made->has_trail = false;
+  if (!made->shown->subject.has_walls) made->walls = {0, false};
+  // Opacities mean what they mean in the data's picture.
+  if (made->look.unit_distance == 0 && !made->look.transfer_function.unit_distance)
+    made->look.unit_distance = default_unit_distance(shown->field());
+  return made;
+}
+
 std::vector<std::shared_ptr<const Scene>> Document::scenes(Size size) const {
   if (!compares()) return {scene(view, setup, size)};
   const bool is_split = compare == CompareMode::kSideBySide;
   const Size each{is_split ? std::max(1, size.width / 2) : size.width, size.height};
-  const auto a = scene(other->view, other->setup, each);
-  const auto b = scene(view, setup, each);
+  const auto own = scene(view, setup, each);
+  const auto a = compares_fit() ? own : scene(other->view, other->setup, each);
+  const auto b = compares_fit() ? scene_of_fit(each) : own;
   const double factor = static_cast<double>(size.width) / each.width;
   if (is_split) a->camera = b->camera = of_height(camera, factor);
   return {a, b};

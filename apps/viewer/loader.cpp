@@ -137,6 +137,34 @@ std::shared_ptr<const DataInfo> info_of(const Dataset& dataset, const cli::DataF
 
 }  // namespace
 
+ArrayChoice choice_of(const Shown& shown) {
+  return {shown.array, shown.color_array, shown.component, shown.is_density};
+}
+
+std::shared_ptr<const Extras> make_extras(const std::shared_ptr<const Shown>& shown, int threads,
+                                          const std::stop_token& stop) {
+  auto extras = std::make_shared<Extras>();
+  extras->of = shown;
+  const Field* finest = &shown->field();
+  CoarseOptions options;
+  options.threads = threads;
+  options.stop = stop;
+  extras->coarser.reserve(kCoarserFields);  // `finest` points into it
+  while (static_cast<int>(extras->coarser.size()) < kCoarserFields &&
+         finest->num_kernels() >= kLeastWorthCoarsening) {
+    try {
+      extras->coarser.push_back(coarse_field(*finest, options));
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::kUnsupported) throw;
+      break;  // pixels alone become coarser
+    }
+    finest = &extras->coarser.back();
+  }
+  extras->histogram = cli::histogram_of(shown->field(), stop);
+  extras->probe = std::make_shared<const FieldProbe>(shown->field());
+  return extras;
+}
+
 struct Loader::Impl {
   mutable std::mutex mutex;
   std::condition_variable wanted;
@@ -206,6 +234,7 @@ std::shared_ptr<Shown> shown_of(const Data& data, cli::DrawingFlags& drawing, do
                                 cli::Session& session) {
   auto made = std::make_shared<Shown>();
   made->subject = cli::make_subject(*data.dataset, *data.launch->flags, &drawing, session);
+  made->dataset = data.dataset;
   made->time = time;
   made->array = made->subject.modelled.array;
   made->color_array = made->subject.modelled.color_array;
@@ -322,27 +351,7 @@ void Loader::Impl::go_to(const TimeTask& task, const std::stop_token& token) {
 }
 
 void Loader::Impl::work_out_extras(const std::stop_token& token) {
-  if (!data) return;
-  auto extras = std::make_shared<Extras>();
-  extras->of = data->shown;
-  const Field* finest = &data->shown->field();
-  CoarseOptions options;
-  options.threads = data->drawing.run.threads;
-  options.stop = token;
-  extras->coarser.reserve(kCoarserFields);  // `finest` points into it
-  while (static_cast<int>(extras->coarser.size()) < kCoarserFields &&
-         finest->num_kernels() >= kLeastWorthCoarsening) {
-    try {
-      extras->coarser.push_back(coarse_field(*finest, options));
-    } catch (const Error& error) {
-      if (error.code() != ErrorCode::kUnsupported) throw;
-      break;  // pixels alone become coarser
-    }
-    finest = &extras->coarser.back();
-  }
-  extras->histogram = cli::histogram_of(data->shown->field(), token);
-  extras->probe = std::make_shared<const FieldProbe>(data->shown->field());
-  report(std::shared_ptr<const Extras>(std::move(extras)));
+  if (data) report(make_extras(data->shown, data->drawing.run.threads, token));
 }
 
 void Loader::Impl::run() {

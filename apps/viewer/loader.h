@@ -41,6 +41,7 @@ struct DataInfo {
 // What is drawn: one array of the data at one time. Immutable.
 struct Shown {
   cli::Subject subject;
+  std::shared_ptr<const Dataset> dataset;  // that it was made of
   double time = 0;
   std::string array;        // gives opacity
   std::string color_array;  // gives colour; of lattices the same
@@ -58,6 +59,10 @@ struct Extras {
   cli::Histogram histogram;
   std::shared_ptr<const FieldProbe> probe;  // values at places
 };
+
+// Throws Error(kCancelled).
+std::shared_ptr<const Extras> make_extras(const std::shared_ptr<const Shown>& shown, int threads,
+                                          const std::stop_token& stop);
 
 // Reports of the loader.
 struct LoadProgress {
@@ -94,6 +99,8 @@ struct ArrayChoice {
   bool is_density = false;  // particles: their mass or number per volume; `array` is empty
   bool operator==(const ArrayChoice&) const = default;
 };
+
+ArrayChoice choice_of(const Shown& shown);
 
 struct TimeChoice {
   double time = 0;

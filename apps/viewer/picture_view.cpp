@@ -78,7 +78,7 @@ const Picture* PictureView::full(std::uint64_t number) const noexcept {
   if (!shown_ || shown_->number != number || !shown_->level.is_full() || !shown_->is_final ||
       shown_->pictures.empty())
     return nullptr;
-  return &shown_->pictures.back();
+  return &shown_->pictures[shown_->own];
 }
 
 Placement PictureView::placement(const Document& document, ImVec2 at, ImVec2 size) const {
@@ -137,8 +137,10 @@ void PictureView::draw_divider(Panel& panel, ImDrawList& list, const Placement& 
   const float y = place.all.y0 + 34 * scale;
   const float gap = 10 * scale;
   const ImU32 ink = panel.widgets.colors().ink;
-  panel.widgets.label(list, {x - gap - ImGui::CalcTextSize("A").x, y}, ink, "A");
-  panel.widgets.label(list, {x + gap, y}, ink, "B");
+  const bool has_fit = panel.document.compares_fit();
+  const char* const left = has_fit ? "data" : "A";
+  panel.widgets.label(list, {x - gap - ImGui::CalcTextSize(left).x, y}, ink, left);
+  panel.widgets.label(list, {x + gap, y}, ink, has_fit ? "fit" : "B");
 }
 
 void PictureView::begin_drag(const Panel& panel, ImVec2 mouse, const Placement& place) {
@@ -264,8 +266,10 @@ void PictureView::pick(const Document& document, const Placement& place) {
   if (!std::isfinite(depth)) return;
   const Projection projection(picture.scene->camera, image.width, image.height);
   Picked picked{projection.world_at(Vec2(x + 0.5, y + 0.5), depth)};
-  if (document.extras && document.extras->probe) {
-    const FieldSample sample = document.extras->probe->at(picked.position);
+  const auto& extras =
+      document.compares_fit() && is_second ? document.fit->extras : document.extras;
+  if (extras && extras->probe) {
+    const FieldSample sample = extras->probe->at(picked.position);
     picked.is_defined = sample.is_defined;
     picked.value = sample.value;
   }
@@ -311,7 +315,9 @@ bool PictureView::draw(Panel& panel, Gui& gui, ImVec2 at, ImVec2 size, float den
     std::array<Marks::XrayRange, 2> xray_ranges;
     xray_ranges.fill({1e-3, 1.0});
     if (shown_ && !shown_->pictures.empty()) {
-      xray_ranges = {shown_->pictures.front().xray_range, shown_->pictures.back().xray_range};
+      const std::vector<Picture>& two = shown_->pictures;
+      const std::size_t own = std::min(shown_->own, two.size() - 1);
+      xray_ranges = {two[two.size() - 1 - own].xray_range, two[own].xray_range};
     }
     const Box2 all{at.x, at.y, at.x + size.x, at.y + size.y};
     marks_.draw(document, xray_ranges, list, {all, place.picture, density, panel.widgets.scale()});

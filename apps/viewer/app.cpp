@@ -164,6 +164,7 @@ void App::frame(const std::vector<Event>& events, double seconds) {
   if (document_.is_open() && !ImGui::IsAnyMouseDown() && !waits_for_time_ &&
       !document_.time.is_playing)
     document_.time.now = document_.shown->time;
+  ask_for_solid();
   ask_for_picture(is_moving_);
   if (is_visible)
     gui_.end();
@@ -224,6 +225,8 @@ void App::ask_for_picture(bool is_moving) {
   if (!document_.is_open()) return;
   const Size size = drawn_size();
   const std::uint64_t version = document_.version();
+  // A vertex was moved, and its solid is not there yet: the picture would be the last one again.
+  if (picture_view_.holds_vertex() && is_moving && asked_shown_ == document_.shown) return;
   const bool is_settled = asked_moving_ && !is_moving;
   if (version == asked_version_ && size == asked_size_ && !is_settled) return;
   Request request;
@@ -235,6 +238,7 @@ void App::ask_for_picture(bool is_moving) {
   asked_version_ = version;
   asked_size_ = size;
   asked_moving_ = is_moving;
+  asked_shown_ = document_.shown;
 }
 
 void App::take_pictures() {
@@ -257,7 +261,7 @@ void App::take_pictures() {
   if (pictures->number >= time_version_) waits_for_time_ = false;
   for (const double ms : worker_->take_cancel_times()) meter_.cancelled(ms);
   picture_view_.take(std::move(*pictures));
-  if (picture_wish_ && picture_view_.full(document_.version()) != nullptr) {
+  if (picture_wish_ && picture_view_.full(document_) != nullptr) {
     try {
       save_the_picture(*std::exchange(picture_wish_, std::nullopt));
     } catch (const Error& error) {

@@ -74,6 +74,8 @@ class App final : public ScriptHost {
   void grant(Wishes wishes);
   void open(const std::vector<std::string>& words);
   void remember(const cli::DataFlags& data);
+  void grant_solid(const Wishes& wishes);
+  void ask_for_solid();
   void grant_fit(const Wishes& wishes);
   void take_fit();
   void save_fit();
@@ -97,6 +99,7 @@ class App final : public ScriptHost {
   void write_screenshot();
   nlohmann::ordered_json facts() const;  // what scripts may ask for
   nlohmann::ordered_json facts_of_fit() const;
+  nlohmann::ordered_json facts_of_solid() const;
   void tell(const std::string& text, bool is_error = false);
   void save_the_picture(const std::string& path);
 
@@ -131,8 +134,10 @@ class App final : public ScriptHost {
   std::uint64_t asked_version_ = 0;
   bool asked_moving_ = false;
   Size asked_size_;
-  int frames_due_ = 3;                                // to be drawn before the window may rest
-  double changed_at_ = 0;                             // seconds; when the version counted up last
+  std::shared_ptr<const Shown> asked_shown_;
+  std::optional<SolidChoice> asked_solid_;  // on its way, or there as it is while it moves
+  int frames_due_ = 3;                      // to be drawn before the window may rest
+  double changed_at_ = 0;                   // seconds; when the version counted up last
   std::uint64_t failed_version_ = ~std::uint64_t{0};  // of which there is no picture
   std::string told_notice_, last_message_;
   std::string screenshot_wish_;

@@ -15,27 +15,28 @@ struct KeyHelp {
   const char* keys;
   const char* meaning;
 };
-constexpr std::array kHelp = {KeyHelp{"drag", "turn"},
-                              KeyHelp{"shift + drag, middle drag", "move"},
-                              KeyHelp{"wheel, two fingers", "zoom to the mouse"},
-                              KeyHelp{"right drag", "zoom"},
-                              KeyHelp{"ctrl + drag", "roll"},
-                              KeyHelp{"double click", "turn about this place"},
-                              KeyHelp{"yellow and coloured dots", "drag: ends of the crop, planes"},
-                              KeyHelp{"shift + arrows, [ ]", "turn and roll in steps"},
-                              KeyHelp{"1 ... 6", "from +x, -x, +y, -y, +z, -z"},
-                              KeyHelp{"r", "the first view again"},
-                              KeyHelp{"p", "parallel or perspective"},
-                              KeyHelp{"space, left, right", "play, step through time"},
-                              KeyHelp{"ctrl + o", "open a file"},
-                              KeyHelp{"s", "save the picture"},
-                              KeyHelp{"ctrl + c", "copy as command"},
-                              KeyHelp{"ctrl + s", "save the state"},
-                              KeyHelp{"ctrl + z, ctrl + y", "undo, redo (also ctrl + shift + z)"},
-                              KeyHelp{"tab", "panel"},
-                              KeyHelp{"f", "full screen"},
-                              KeyHelp{"?, escape", "this help, and away with it"},
-                              KeyHelp{"ctrl + q, ctrl + w", "close"}};
+constexpr std::array kHelp = {
+    KeyHelp{"drag", "turn"},
+    KeyHelp{"shift + drag, middle drag", "move"},
+    KeyHelp{"wheel, two fingers", "zoom to the mouse"},
+    KeyHelp{"right drag", "zoom"},
+    KeyHelp{"ctrl + drag", "roll"},
+    KeyHelp{"double click", "turn about this place"},
+    KeyHelp{"yellow and coloured dots", "drag: crop, planes, vertices of a solid"},
+    KeyHelp{"shift + arrows, [ ]", "turn and roll in steps"},
+    KeyHelp{"1 ... 6", "from +x, -x, +y, -y, +z, -z"},
+    KeyHelp{"r", "the first view again"},
+    KeyHelp{"p", "parallel or perspective"},
+    KeyHelp{"space, left, right", "play, step through time"},
+    KeyHelp{"ctrl + o", "open a file"},
+    KeyHelp{"s", "save the picture"},
+    KeyHelp{"ctrl + c", "copy as command"},
+    KeyHelp{"ctrl + s", "save the state"},
+    KeyHelp{"ctrl + z, ctrl + y", "undo, redo (also ctrl + shift + z)"},
+    KeyHelp{"tab", "panel"},
+    KeyHelp{"f", "full screen"},
+    KeyHelp{"?, escape", "this help, and away with it"},
+    KeyHelp{"ctrl + q, ctrl + w", "close"}};
 
 }  // namespace
 
@@ -45,13 +46,15 @@ void App::draw_panel(Panel& panel, ImVec2 at, ImVec2 size) {
     void (*draw)(Panel&);
     bool needs_data;
   };
-  static constexpr std::array<Tab, 7> kTabs = {{{"data", data_panel, false},
+  static constexpr std::array<Tab, 8> kTabs = {{{"data", data_panel, false},
                                                 {"look", look_panel, true},
                                                 {"space", space_panel, true},
                                                 {"time", time_panel, true},
+                                                {"solid", solid_panel, true},
                                                 {"compare", compare_panel, true},
                                                 {"quality", quality_panel, true},
                                                 {"fit", fit_panel, true}}};
+  const bool is_control_mesh = document_.is_open() && document_.info->is_control_mesh;
   ImGui::SetNextWindowPos(at);
   ImGui::SetNextWindowSize(size);
   ImGui::Begin("panel", nullptr,
@@ -65,6 +68,8 @@ void App::draw_panel(Panel& panel, ImVec2 at, ImVec2 size) {
   ImGui::PopStyleVar();
   if (has_tabs) {
     for (const Tab& tab : kTabs) {
+      // A control mesh has no steps in time; all other data are no solid.
+      if (tab.draw == (is_control_mesh ? time_panel : solid_panel)) continue;
       // The first that is seen is the one that is used most.
       const bool is_first = !has_chosen_tab_ && document_.is_open() && tab.draw == look_panel;
       if (is_first) has_chosen_tab_ = true;

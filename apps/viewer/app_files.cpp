@@ -200,6 +200,10 @@ void App::read_state_file(const std::string& path) { open({"--state", path}); }
 
 void App::save_state(const std::string& path) {
   if (!document_.is_open()) return;
+  if (document_.view.solid) {
+    throw Error(ErrorCode::kUnsupported,
+                "a state holds no solid: save its control mesh or its kernels, and open that");
+  }
   cli::State state;
   state.inputs = document_.launch->data.inputs;
   state.flags = flags_of(document_, picture_size());
@@ -221,15 +225,16 @@ void App::grant(Wishes wishes) {
       tell("state written to " + wishes.write_state);
     }
     grant_fit(wishes);
+    grant_solid(wishes);
     if (wishes.copies_command && document_.is_open()) {
       window_.set_clipboard(command_of(document_, picture_size()));
-      tell("the command is in the clipboard");
+      tell(has_command(document_) ? "the command is in the clipboard" : kNoCommand);
     }
     if (wishes.saves_picture && document_.is_open()) {
       const std::string stem =
           std::filesystem::path(document_.launch->data.inputs.front()).stem().stem().string();
       picture_wish_ = free_name(stem.empty() ? "picture" : stem, ".png");
-      if (picture_view_.full(document_.version()) != nullptr)
+      if (picture_view_.full(document_) != nullptr)
         save_the_picture(*std::exchange(picture_wish_, std::nullopt));
     }
     if (wishes.browses != Browsing::kNothing) browse(wishes.browses);
@@ -255,7 +260,7 @@ void App::grant(Wishes wishes) {
 
 // As `ovoid render` would write it. Throws Error(kFileWrite).
 void App::save_the_picture(const std::string& path) {
-  const Picture* const picture = picture_view_.full(document_.version());
+  const Picture* const picture = picture_view_.full(document_);
   if (picture == nullptr) return;
   const Scene& scene = *picture->scene;
   Image image = picture->image;

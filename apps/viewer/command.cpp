@@ -69,6 +69,29 @@ cli::CropFlags told_crop(const View& view, const cli::CropFlags& opened) {
   return {{}, is_cut ? view.crop : std::nullopt};
 }
 
+template <class S>
+void erase_all(const cli::Table<S>& table, cli::FlagSet& flags) {
+  for (const cli::Setting<S>& setting : table) flags.erase(setting.flag.name);
+}
+
+// A solid's kernels are not the data that were opened, and what is for those is not for it.
+void drop_data_flags(cli::FlagSet& flags) {
+  erase_all(cli::data_settings(), flags);
+  erase_all(cli::raw_settings(), flags);
+  erase_all(cli::array_settings(), flags);
+  erase_all(cli::kernel_settings(), flags);
+  erase_all(cli::particle_settings(), flags);
+  erase_all(cli::relevant_settings(), flags);
+  erase_all(cli::surface_settings(), flags);
+}
+
+std::string solid_command(const Document& document) {
+  const SolidShape& solid = *document.view.solid;
+  return cli::quoted({"ovoid", "make", "solid", "--control", document.control_file()->path,
+                      "--array", solid.control->name, "--levels", fmt::format("{}", solid.levels),
+                      "--basis", name_of(solid.basis), "-o", "solid.ply"});
+}
+
 }  // namespace
 
 cli::ModelFlags model_of(const Document& document) {
@@ -97,6 +120,7 @@ cli::CropFlags crop_of(const Document& document) {
 cli::FlagSet flags_of(const Document& document, Size size) {
   const View& view = document.view;
   cli::FlagSet flags = cli::FlagSet::of(document.launch->flags->given());
+  if (document.view.solid) drop_data_flags(flags);
   cli::DrawingFlags drawing = document.launch->drawing;
   drawing.options = view.options;
   drawing.options.width = size.width;
@@ -112,7 +136,7 @@ cli::FlagSet flags_of(const Document& document, Size size) {
     cli::tell(cli::data_settings(), data, &flags, {"time", "step"});
     cli::tell(cli::trail_settings(), drawing.trail, &flags, {"motion-blur"});
   }
-  drawing.model = model_of(document);
+  drawing.model = document.view.solid ? cli::ModelFlags() : model_of(document);
   cli::tell(cli::array_settings(), drawing.model, &flags);
   cli::tell(cli::particle_settings(), drawing.model, &flags, {"quantity"});
   if (document.label_kernel) cli::tell(cli::kernel_settings(), drawing.model, &flags, {"kernel"});
@@ -125,7 +149,8 @@ cli::FlagSet flags_of(const Document& document, Size size) {
   cli::tell(cli::crop_settings(), told_crop(view, document.launch->drawing.crop), &flags);
   drawing.plane = document.scenes({1, 1}).back()->plane;
   cli::tell(cli::plane_settings(), drawing, &flags);
-  drawing.surface = {.within = document.launch->drawing.surface.within};
+  drawing.surface = {};
+  if (!document.view.solid) drawing.surface.within = document.launch->drawing.surface.within;
   if (document.shown->subject.has_walls && view.look.mode == Mode::kComposite) {
     const bool is_drawn = document.draws_surface(view);
     drawing.surface.opacity = is_drawn ? view.surface.opacity : 0;
@@ -146,12 +171,20 @@ cli::FlagSet flags_of(const Document& document, Size size) {
   return flags;
 }
 
+bool has_command(const Document& document) {
+  return !document.view.solid || document.control_file() != nullptr;
+}
+
 std::string command_of(const Document& document, Size size) {
+  if (!has_command(document)) return fmt::format("# {}", kNoCommand);
   std::vector<std::string> words = {"ovoid", "render"};
-  for (const std::string& input : document.launch->data.inputs) words.push_back(input);
+  const cli::Words inputs =
+      document.view.solid ? cli::Words{"solid.ply"} : document.launch->data.inputs;
+  words.insert(words.end(), inputs.begin(), inputs.end());
   for (const std::string& word : flags_of(document, size).words()) words.push_back(word);
   words.insert(words.end(), {"-o", "picture.png"});
-  return cli::quoted(words);
+  const std::string first = document.view.solid ? solid_command(document) + " && " : "";
+  return first + cli::quoted(words);
 }
 
 cli::Words fit_words(const Document& document, const cli::Words& goal, const std::string& output) {

@@ -17,6 +17,13 @@ namespace {
 
 constexpr std::size_t kMostSteps = 200;  // of undo
 
+// Whether the file alone says what was read of it, which is all that `ovoid make solid` takes.
+bool is_read_as_control(const Launch& launch) {
+  return launch.data.inputs.size() == 1 &&
+         launch.flags->first_given(cli::data_settings()).empty() &&
+         launch.flags->first_given(cli::raw_settings()).empty();
+}
+
 }  // namespace
 
 void Document::take(const Opened& opened) {
@@ -26,6 +33,7 @@ void Document::take(const Opened& opened) {
   launch = opened.launch;
   extras.reset();
   fit.reset();
+  control_files.clear();
   time.is_playing = false;
 }
 
@@ -67,10 +75,13 @@ void Document::take(const ShownReady& ready, double aspect) {
     const Mode mode = view.look.mode;
     view.look = *ready.look;
     if (mode != Mode::kIsosurface) view.look.mode = mode;
+    view.solid = shown->solid;
     is_edited_ = true;
     remember();
   }
   if (ready.look) view.options.gradient = ready.gradient;
+  if (ready.look && shown->solid && is_read_as_control(*launch))
+    control_files.push_back({shown->solid->control, launch->data.inputs.front()});
   count_up();
 }
 
@@ -176,6 +187,28 @@ std::vector<std::shared_ptr<const Scene>> Document::scenes(Size size) const {
   const double factor = static_cast<double>(size.width) / each.width;
   if (is_split) a->camera = b->camera = of_height(camera, factor);
   return {a, b};
+}
+
+const ControlFile* Document::control_file() const {
+  if (!view.solid) return nullptr;
+  const auto found =
+      std::find_if(control_files.rbegin(), control_files.rend(),
+                   [&](const ControlFile& file) { return file.mesh == view.solid->control; });
+  return found == control_files.rend() ? nullptr : &*found;
+}
+
+std::string Document::set_vertex(std::size_t vertex, const Vec3& place, double density) {
+  if (!view.solid || vertex >= view.solid->control->num_vertices()) return {};
+  auto moved = std::make_shared<SolidMesh>(*view.solid->control);
+  std::copy_n(place.data(), 3, moved->positions.data() + 3 * vertex);
+  moved->densities[vertex] = density;
+  try {
+    check_solid_mesh(*moved);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  view.solid->control = std::move(moved);
+  return {};
 }
 
 void Document::remember() {

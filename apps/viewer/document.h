@@ -31,6 +31,7 @@ struct View {
   RenderOptions options;  // without size and clip planes
   cli::AnnotationFlags marks;
   Rgb background = cli::kBackground;
+  std::optional<SolidShape> solid;  // is shown instead of the mesh, as soon as it is made
 };
 
 // One of two settings that are compared.
@@ -56,6 +57,12 @@ struct TimeState {
   double blur_decay = 0;
 };
 
+// A control mesh that a file holds.
+struct ControlFile {
+  std::shared_ptr<const SolidMesh> mesh;
+  std::string path;
+};
+
 class Document {
  public:
   // --- data, as the loader reports them
@@ -64,6 +71,7 @@ class Document {
   std::shared_ptr<const Shown> shown;
   std::shared_ptr<const Extras> extras;
   std::vector<std::string> notes;             // what reading and modelling had to say
+  std::vector<ControlFile> control_files;     // the one that was opened, and what was saved
   std::optional<LatticeKernel> label_kernel;  // narrow, where the data look like labels
 
   // --- how they are shown
@@ -84,6 +92,11 @@ class Document {
            (compare_with == CompareWith::kFit ? has_fit_of_shown() : other.has_value());
   }
   bool compares_fit() const { return compares() && compare_with == CompareWith::kFit; }
+  // The file that holds the solid's control mesh; null: none does.
+  const ControlFile* control_file() const;
+  // A vertex of the solid elsewhere, or with another density. Where that cannot be it stays, and
+  // what is returned says why; else that is empty.
+  std::string set_vertex(std::size_t vertex, const Vec3& place, double density);
   bool has_fit_of_shown() const { return fit && is_open() && fit->is_of(*shown); }
 
   // New data: keeps camera and look where `keeps_view` says so (a reload), else takes those that

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <utility>
 
@@ -97,7 +98,11 @@ void figures_of_fit(const Panel& panel) {
     ImGui::SameLine(panel.widgets.width_of_label());
     ImGui::TextWrapped("%s", text.c_str());
   }
-  for (const std::string& note : fit.notes) ImGui::TextWrapped("%s", note.c_str());
+  const std::vector<std::string>& known = panel.document.notes;
+  for (const std::string& note : fit.notes) {
+    if (std::find(known.begin(), known.end(), note) == known.end())
+      ImGui::TextWrapped("%s", note.c_str());
+  }
 }
 
 void pictures_of_fit(Panel& panel) {
@@ -134,6 +139,10 @@ void file_of_fit(Panel& panel) {
 }  // namespace
 
 void fit_panel(Panel& panel) {
+  if (panel.document.view.solid) {
+    ImGui::TextWrapped("Of a solid: save its kernels, and open them.");
+    return;
+  }
   if (panel.state.fit.path.empty()) panel.state.fit.path = usual_fit_path(panel.document);
   ImGui::TextWrapped("Fewer kernels for the same field, with an error that is told.");
   choose_fit_goal(panel);

@@ -4,12 +4,10 @@
 #include <fmt/format.h>
 
 #include <condition_variable>
-#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <mutex>
 #include <new>
-#include <random>
 #include <thread>
 #include <utility>
 
@@ -17,6 +15,7 @@
 #include "ovoid/error.h"
 #include "ovoid/io.h"
 #include "priority.h"
+#include "private_folder.h"
 #include "usage.h"
 #include "window.h"
 
@@ -25,30 +24,6 @@ namespace {
 
 // Of a fit the greater part; the rest reads its file and makes it ready to be drawn.
 constexpr double kShareOfFit = 0.95;
-
-// A folder that nobody else sees, gone with the object.
-class PrivateFolder {
- public:
-  PrivateFolder() {
-    std::random_device random;
-    path_ = std::filesystem::temp_directory_path() /
-            fmt::format("ovoid-{:08x}{:08x}", random(), random());
-    if (!std::filesystem::create_directory(path_))
-      throw Error(ErrorCode::kFileWrite, fmt::format("'{}' exists", path_.string()));
-    std::filesystem::permissions(path_, std::filesystem::perms::owner_all);
-  }
-  ~PrivateFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  PrivateFolder(const PrivateFolder&) = delete;
-  PrivateFolder& operator=(const PrivateFolder&) = delete;
-
-  std::string file(const std::string& name) const { return (path_ / name).string(); }
-
- private:
-  std::filesystem::path path_;
-};
 
 std::string content_of(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
@@ -71,14 +46,7 @@ std::shared_ptr<const Shown> shown_of_fit(const FitTask& task, const std::string
   } else if (cli::find_array(*dataset, task.of->color_array) != nullptr) {
     drawing.model.kernels.color_array = task.of->color_array;
   }
-  auto made = std::make_shared<Shown>();
-  made->subject = cli::make_subject(*dataset, *launch->flags, &drawing, session);
-  made->dataset = std::move(dataset);
-  made->time = task.of->time;
-  made->array = made->subject.modelled.array;
-  made->color_array = made->subject.modelled.color_array;
-  made->component = made->subject.modelled.component;
-  return made;
+  return make_shown(std::move(dataset), *launch->flags, drawing, task.of->time, session);
 }
 
 // The same, ending at the surface of what it is a fit of; null if that has none.

@@ -29,6 +29,8 @@ struct Wishes {
   bool cancels_fit = false;
   bool copies_fit = false;  // its command
   bool saves_fit = false;
+  std::optional<bool> shows_solid;
+  bool saves_control = false, saves_kernels = false;  // of the solid
   bool copies_command = false;
   bool saves_picture = false;
   std::string open;                     // a file of data
@@ -62,6 +64,12 @@ struct PanelState {
   std::vector<OpacityPoint> layered;  // opacities before a mode in which one sample makes the pixel
   bool has_handles = true;            // of crop and clip planes, in the picture
   FitState fit;
+  // Of a solid.
+  bool has_vertices = true;    // in the picture
+  int vertex = -1;             // the chosen one; -1: none
+  std::string vertex_refusal;  // why it was not moved on
+  std::string control_path = "control.vtu";
+  std::string kernels_path = "solid.ply";
 };
 
 // What the program tells of the picture that is shown.
@@ -96,6 +104,7 @@ void time_panel(Panel& panel);
 void compare_panel(Panel& panel);
 void quality_panel(Panel& panel);
 void fit_panel(Panel& panel);
+void solid_panel(Panel& panel);
 
 // Which of two pictures is shown, and how: a list of four by the name, none of them with `with`
 // where something else is compared; then what can be done, and how far apart the pictures are.

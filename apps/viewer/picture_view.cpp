@@ -74,11 +74,12 @@ void PictureView::forget() {
   picked_.reset();
 }
 
-const Picture* PictureView::full(std::uint64_t number) const noexcept {
-  if (!shown_ || shown_->number != number || !shown_->level.is_full() || !shown_->is_final ||
-      shown_->pictures.empty())
+const Picture* PictureView::full(const Document& document) const {
+  if (!shown_ || shown_->number != document.version() || !shown_->level.is_full() ||
+      !shown_->is_final || shown_->pictures.empty())
     return nullptr;
-  return &shown_->pictures[shown_->own];
+  const Picture& own = shown_->pictures[shown_->own];
+  return own.scene->shown->is_of(document.view.solid) ? &own : nullptr;
 }
 
 Placement PictureView::placement(const Document& document, ImVec2 at, ImVec2 size) const {
@@ -143,15 +144,16 @@ void PictureView::draw_divider(Panel& panel, ImDrawList& list, const Placement& 
   panel.widgets.label(list, {x + gap, y}, ink, has_fit ? "fit" : "B");
 }
 
-void PictureView::begin_drag(const Panel& panel, ImVec2 mouse, const Placement& place) {
+void PictureView::begin_drag(Panel& panel, ImVec2 mouse, const Placement& place) {
   const ImGuiIO& io = ImGui::GetIO();
   const bool is_left = ImGui::IsMouseDown(ImGuiMouseButton_Left);
-  const bool has_handles = panel.state.has_handles && !panel.document.compares();
+  const bool has_handles = !panel.document.compares();
   if (is_left && is_divided(panel.document) &&
       std::abs(mouse.x - place.divider) < kDividerReach * panel.widgets.scale()) {
     drag_ = Drag::kDivider;
   } else if (is_left && has_handles && handles_.press(mouse, panel.widgets)) {
     drag_ = Drag::kHandle;
+    panel.state.vertex = handles_.held_vertex().value_or(panel.state.vertex);
   } else if (ImGui::IsMouseDown(ImGuiMouseButton_Right)) {
     drag_ = Drag::kZoom;
   } else if (!is_left || io.KeyShift) {
@@ -207,6 +209,7 @@ bool PictureView::act(Panel& panel, const Placement& place) {
           std::clamp((io.MousePos.x - place.all.x0) / width, 1 - kMostOfDivider, kMostOfDivider);
     }
     is_changed |= continue_drag(document, mouse, vec(io.MouseDelta), picture);
+    if (drag_ == Drag::kHandle) panel.state.vertex_refusal = handles_.refusal();
     dragged_ += vec(io.MouseDelta).norm();
   } else {
     drag_ = Drag::kNone;
@@ -310,8 +313,11 @@ bool PictureView::draw(Panel& panel, Gui& gui, ImVec2 at, ImVec2 size, float den
       if (place.beside > 0) draw_box(box, projection, of_second, list, color);
     }
     draw_divider(panel, list, place);
-    if (panel.state.has_handles && !document.compares())
-      handles_.draw(document, projection, upper_left, list, panel.widgets);
+    if (!document.compares()) {
+      const PanelState& state = panel.state;
+      handles_.draw(document, {state.has_handles, state.has_vertices, state.vertex}, projection,
+                    upper_left, list, panel.widgets);
+    }
     std::array<Marks::XrayRange, 2> xray_ranges;
     xray_ranges.fill({1e-3, 1.0});
     if (shown_ && !shown_->pictures.empty()) {

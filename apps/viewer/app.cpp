@@ -231,7 +231,7 @@ void App::ask_for_picture(bool is_moving) {
   if (version == asked_version_ && size == asked_size_ && !is_settled) return;
   Request request;
   request.number = version;
-  request.scenes = document_.scenes(size);
+  request.scenes = document_.scenes(size, picture_size().width);
   request.own = document_.own_scene();
   request.is_moving = is_moving;
   worker_->ask(std::move(request));

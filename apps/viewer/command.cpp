@@ -147,7 +147,7 @@ cli::FlagSet flags_of(const Document& document, Size size) {
   camera.file = to_text(document.camera);
   cli::tell(cli::camera_settings(), camera, &flags);
   cli::tell(cli::crop_settings(), told_crop(view, document.launch->drawing.crop), &flags);
-  drawing.plane = document.scenes({1, 1}).back()->plane;
+  drawing.plane = document.scenes({1, 1})[document.own_scene()]->plane;
   cli::tell(cli::plane_settings(), drawing, &flags);
   drawing.surface = {};
   if (!document.view.solid) drawing.surface.within = document.launch->drawing.surface.within;

@@ -43,6 +43,7 @@ void compare_panel(Panel& panel) {
   if (widgets.button("compare.swap", "swap A and B", document.other.has_value())) {
     std::swap(document.other->view, document.view);
     std::swap(document.other->setup, document.setup);
+    std::swap(document.other->view.solid, document.view.solid);  // both are of what is shown
     document.touch();
     document.touch_other();
   }

@@ -115,7 +115,7 @@ void about_data(Panel& panel) {
   Widgets& widgets = panel.widgets;
   const Field& field = document.shown->field();
   widgets.row("file", document.info->title);
-  widgets.row("kind", name_of(document.info->kind));
+  widgets.row("kind", document.shown->solid ? "solid" : name_of(document.info->kind));
   widgets.row("kernels", fmt::format("{}", field.num_kernels()));
   widgets.row("memory",
               fmt::format("{:.1f} MiB", static_cast<double>(field.resident_bytes()) / 1048576));

@@ -177,14 +177,14 @@ std::shared_ptr<Scene> Document::scene_of_fit(Size size) const {
   return made;
 }
 
-std::vector<std::shared_ptr<const Scene>> Document::scenes(Size size) const {
+std::vector<std::shared_ptr<const Scene>> Document::scenes(Size size, int alone) const {
   if (!compares()) return {scene(view, setup, size)};
   const bool is_split = compare == CompareMode::kSideBySide;
   const Size each{is_split ? std::max(1, size.width / 2) : size.width, size.height};
   const auto own = scene(view, setup, each);
   const auto a = compares_fit() ? own : scene(other->view, other->setup, each);
   const auto b = compares_fit() ? scene_of_fit(each) : own;
-  const double factor = static_cast<double>(size.width) / each.width;
+  const double factor = static_cast<double>(alone > 0 ? alone : size.width) / each.width;
   if (is_split) a->camera = b->camera = of_height(camera, factor);
   return {a, b};
 }

@@ -117,8 +117,9 @@ class Document {
   const ArrayInfo* array_info(const std::string& name) const;
 
   // The request for what is shown in `size` pixels. Each of two pictures beside each other has half
-  // of them, and the whole width of the view in it.
-  std::vector<std::shared_ptr<const Scene>> scenes(Size size) const;
+  // of them, and in it the whole width of the view, which alone is `alone` pixels wide (0: as
+  // wide).
+  std::vector<std::shared_ptr<const Scene>> scenes(Size size, int alone = 0) const;
   // Which of them is the view's; what it is compared with is the other one.
   std::size_t own_scene() const { return compares() && !compares_fit() ? 1 : 0; }
   // The same options as a scene has, crop and clip planes included.

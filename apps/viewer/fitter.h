@@ -36,7 +36,9 @@ struct Fitted {
   std::shared_ptr<const Shown> within;  // the surface of what it is of; null: that has none
   std::shared_ptr<const Extras> extras;
 
-  bool is_of(const Shown& other) const { return choice == choice_of(other) && time == other.time; }
+  bool is_of(const Shown& other) const {
+    return !other.solid && choice == choice_of(other) && time == other.time;
+  }
 };
 
 struct FitProgress {

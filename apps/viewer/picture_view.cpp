@@ -95,7 +95,7 @@ Placement PictureView::placement(const Document& document, ImVec2 at, ImVec2 siz
   if (is_split(document)) {
     place.beside = width / 2;
     place.picture.x1 -= place.beside;
-    const float beyond = size.y / 4;  // is shown above and below the view
+    const float beyond = size.y * (1 - place.beside / size.x) / 2;  // above and below the view
     place.picture.y0 += beyond;
     place.picture.y1 -= beyond;
   }

@@ -52,7 +52,10 @@ TEST_F(WindowFit, OfAMeshIsTheFileOfTheCommand) {
            "click fit.start\nwait idle\nexpect fit.error == \"\"\nexpect fit.kernels < 1000\n"
            "screenshot $/within.png\nclick fit.surface@0.05,0.5\nwait idle\n"
            "screenshot $/alone.png\nwait 2 frames\n" +
-               save_as("$/fit.ply") + "click fit.copy\nprint clipboard\n");
+               save_as("$/fit.ply") +
+               "click fit.copy\nprint clipboard\nprint fit.kernels\nclick fit.open\nwait idle\n"
+               "print kernels\nexpect fit.has_result == false\n");
+  EXPECT_EQ(viewed.text("kernels"), viewed.text("fit.kernels"));
   const std::string saved = file("fit.ply");
   ASSERT_GT(saved.size(), 500U);
   std::filesystem::remove(folder_ / "fit.ply");

@@ -78,7 +78,7 @@ class App final : public ScriptHost {
   void ask_for_solid();
   void grant_fit(const Wishes& wishes);
   void take_fit();
-  void save_fit();
+  void save_fit(const std::string& path);
   void read_look_file(const std::string& path);
   void read_state_file(const std::string& path);
   void go_to_time();

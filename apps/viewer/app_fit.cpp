@@ -14,17 +14,20 @@ namespace ovoid::viewer {
 
 void App::grant_fit(const Wishes& wishes) {
   if (wishes.cancels_fit) fitter_->cancel();
-  if (wishes.fit && document_.is_open()) {
+  if (!document_.is_open()) return;
+  const std::string& named = panel_state_.fit.path;
+  const std::string path = named.empty() ? usual_fit_path(document_) : named;
+  if (wishes.fit) {
     panel_state_.fit.error.clear();
-    fitter_->start({document_.shown, fit_words(document_, *wishes.fit, panel_state_.fit.path),
-                    model_of(document_), document_.setup});
+    fitter_->start({document_.shown, fit_words(document_, *wishes.fit, path), model_of(document_),
+                    document_.setup});
   }
   if (document_.fit == nullptr) return;
-  if (wishes.saves_fit) save_fit();
+  if (wishes.saves_fit) save_fit(path);
   if (wishes.copies_fit) {
     cli::Words words = {"ovoid", "fit"};
     words.insert(words.end(), document_.fit->words.begin(), document_.fit->words.end());
-    words.back() = panel_state_.fit.path;  // of the output
+    words.back() = path;  // of the output
     window_.set_clipboard(cli::quoted(words));
     tell("the command is in the clipboard");
   }
@@ -48,14 +51,13 @@ void App::take_fit() {
 }
 
 // As `ovoid fit` would write it. Throws Error and cli::UsageError.
-void App::save_fit() {
-  FitState& fit = panel_state_.fit;
-  cli::check_fit_ending(fit.path, *document_.shown->dataset);
+void App::save_fit(const std::string& path) {
+  cli::check_fit_ending(path, *document_.shown->dataset);
   cli::check_files(cli::volume_inputs(document_.launch->data.inputs),
-                   cli::volume_outputs("--output", fit.path));
-  write_file(fit.path, document_.fit->bytes);
-  fit.saved = fit.path;
-  tell("fit written to " + std::filesystem::absolute(fit.path).string());
+                   cli::volume_outputs("--output", path));
+  write_file(path, document_.fit->bytes);
+  panel_state_.fit.saved = path;
+  tell("fit written to " + std::filesystem::absolute(path).string());
 }
 
 }  // namespace ovoid::viewer

@@ -31,8 +31,7 @@ void App::grant_solid(const Wishes& wishes) {
   if (wishes.saves_control) {
     const std::string& path = panel_state_.control_path;
     check(path, ".vtu");
-    write_dataset(make_solid_dataset(*document_.view.solid->control), path);
-    document_.control_files.push_back({document_.view.solid->control, path});
+    document_.save_control(path);
     tell("control mesh written to " + std::filesystem::absolute(path).string());
   }
   if (wishes.saves_kernels) {

@@ -2,6 +2,7 @@
 #include "document.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <limits>
 #include <utility>
 
@@ -10,6 +11,7 @@
 #include "make_camera.h"
 #include "ovoid/crop.h"
 #include "ovoid/error.h"
+#include "ovoid/io.h"
 #include "projection.h"
 
 namespace ovoid::viewer {
@@ -197,11 +199,27 @@ const ControlFile* Document::control_file() const {
   return found == control_files.rend() ? nullptr : &*found;
 }
 
+void Document::save_control(const std::string& path) {
+  auto stored = std::make_shared<SolidMesh>(*view.solid->control);
+  for (double& density : stored->densities) density = static_cast<float>(density);
+  write_dataset(make_solid_dataset(*stored), path);
+  const auto place = [](const std::string& name) {
+    return std::filesystem::absolute(name).lexically_normal();
+  };
+  std::erase_if(control_files,
+                [&](const ControlFile& file) { return place(file.path) == place(path); });
+  if (stored->densities != view.solid->control->densities) {
+    view.solid->control = std::move(stored);
+    touch();
+  }
+  control_files.push_back({view.solid->control, path});
+}
+
 std::string Document::set_vertex(std::size_t vertex, const Vec3& place, double density) {
   if (!view.solid || vertex >= view.solid->control->num_vertices()) return {};
   auto moved = std::make_shared<SolidMesh>(*view.solid->control);
   std::copy_n(place.data(), 3, moved->positions.data() + 3 * vertex);
-  moved->densities[vertex] = density;
+  moved->densities[vertex] = static_cast<float>(density);  // as a file has it
   try {
     check_solid_mesh(*moved);
   } catch (const Error& error) {

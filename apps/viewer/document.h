@@ -94,6 +94,9 @@ class Document {
   bool compares_fit() const { return compares() && compare_with == CompareWith::kFit; }
   // The file that holds the solid's control mesh; null: none does.
   const ControlFile* control_file() const;
+  // Writes the control mesh, which from then on is what the file holds: densities are rounded to
+  // float32. Throws Error.
+  void save_control(const std::string& path);
   // A vertex of the solid elsewhere, or with another density. Where that cannot be it stays, and
   // what is returned says why; else that is empty.
   std::string set_vertex(std::size_t vertex, const Vec3& place, double density);

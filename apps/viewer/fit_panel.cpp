@@ -12,18 +12,6 @@ namespace {
 
 constexpr double kMostOfCount = 1e12;
 
-std::string fit_ending(const Document& document) {
-  return document.info->kind == DatasetKind::kLattice ? ".h5" : ".ply";
-}
-
-// NAME-fit.h5, of NAME.nii.gz.
-std::string usual_fit_path(const Document& document) {
-  std::filesystem::path stem =
-      std::filesystem::path(document.launch->data.inputs.front()).filename();
-  while (stem.has_extension() && stem.has_stem() && stem != stem.stem()) stem = stem.stem();
-  return (stem.empty() ? "data" : stem.string()) + "-fit" + fit_ending(document);
-}
-
 // The flag that says the goal, with its value.
 cli::Words goal_words(const FitState& fit) {
   switch (fit.goal) {
@@ -124,7 +112,8 @@ void pictures_of_fit(Panel& panel) {
 void file_of_fit(Panel& panel) {
   FitState& fit = panel.state.fit;
   Widgets& widgets = panel.widgets;
-  bool saves = widgets.text("fit.path", "a file", &fit.path, -58 * widgets.scale());
+  const std::string usual = usual_fit_path(panel.document);
+  bool saves = widgets.text("fit.path", usual.c_str(), &fit.path, -58 * widgets.scale());
   ImGui::SameLine();
   saves |= widgets.button("fit.save", "save");
   if (saves) panel.wishes.saves_fit = true;
@@ -138,12 +127,19 @@ void file_of_fit(Panel& panel) {
 
 }  // namespace
 
+std::string usual_fit_path(const Document& document) {
+  const std::string name =
+      std::filesystem::path(document.launch->data.inputs.front()).filename().string();
+  const std::string stem = name.substr(0, name.find('.', 1));
+  const bool is_lattice = document.info->kind == DatasetKind::kLattice;
+  return (stem.empty() ? "data" : stem) + (is_lattice ? "-fit.h5" : "-fit.ply");
+}
+
 void fit_panel(Panel& panel) {
   if (panel.document.view.solid) {
     ImGui::TextWrapped("Of a solid: save its kernels, and open them.");
     return;
   }
-  if (panel.state.fit.path.empty()) panel.state.fit.path = usual_fit_path(panel.document);
   ImGui::TextWrapped("Fewer kernels for the same field, with an error that is told.");
   choose_fit_goal(panel);
   run_of_fit(panel);

@@ -47,7 +47,7 @@ struct FitState {
   double tolerance = 1;   // % of the range
   double kernels = 5000;  // whole
   double kib = 500;       // whole
-  std::string path;       // where it is saved; empty: by the name of the data
+  std::string path;       // where it is saved; empty: usual_fit_path()
   std::string error;      // why there is none
   std::string saved;      // where the last one was
 };
@@ -105,6 +105,9 @@ void compare_panel(Panel& panel);
 void quality_panel(Panel& panel);
 void fit_panel(Panel& panel);
 void solid_panel(Panel& panel);
+
+// NAME-fit.ply, or of a lattice NAME-fit.h5, by the name of the data.
+std::string usual_fit_path(const Document& document);
 
 // Which of two pictures is shown, and how: a list of four by the name, none of them with `with`
 // where something else is compared; then what can be done, and how far apart the pictures are.

@@ -78,6 +78,25 @@ TEST_F(WindowSolid, NumbersOfAVertex) {
   EXPECT_TRUE(file("before.png") == file("back.png"));
 }
 
+// The command of a mesh names a file that holds it: not one that another mesh was written to since,
+// nor one whose densities are rounded.
+TEST_F(WindowSolid, TheCommandNamesAFileThatHoldsTheMesh) {
+  const auto type_density = [](const std::string& density) {
+    return "wait 500 ms\nclick solid.density double\nkey ctrl+a\ntype " + density +
+           "\nkey enter\nwait idle\n";
+  };
+  const std::string save = "click solid.control.save\nwait idle\nexpect solid.is_saved == true\n";
+  const Viewed viewed =
+      view({make_control()}, std::string(kShow) +
+                                 "click handle.vertex.255\nwait 2 frames\n"
+                                 "click solid.control.path\nkey ctrl+a\ntype $/saved.vtu\n" +
+                                 type_density("0.3") + save + type_density("0.7") + save +
+                                 "picture $/solid.png\nkey ctrl+c\nprint clipboard\n"
+                                 "move picture@0.1,0.9\nkey ctrl+z\nwait idle\n"
+                                 "print solid.density\nexpect solid.is_saved == false\n");
+  expect_command_draws(viewed.text("clipboard"), "solid.png");
+}
+
 // A cell inside out is no solid.
 TEST_F(WindowSolid, AVertexStaysWhereACellWouldTurnInsideOut) {
   const Viewed viewed =

@@ -12,13 +12,13 @@ namespace {
 
 constexpr double kMostOfCount = 1e12;
 
-// The flag that says the goal, with its value.
+// The flag that says the goal, with its value; a number that was dragged is rounded.
 cli::Words goal_words(const FitState& fit) {
   switch (fit.goal) {
     case FitGoal::kPsnr:
-      return {"--psnr", fmt::format("{}", fit.psnr)};
+      return {"--psnr", fmt::format("{:.6g}", fit.psnr)};
     case FitGoal::kTolerance:
-      return {"--tolerance", fmt::format("{}%", fit.tolerance)};
+      return {"--tolerance", fmt::format("{:.6g}%", fit.tolerance)};
     case FitGoal::kKernels:
       return {"--kernels", fmt::format("{:.0f}", fit.kernels)};
     case FitGoal::kBytes:

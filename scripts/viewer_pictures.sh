@@ -34,6 +34,7 @@ cd "$folder"
 ln -s "$docs" docs
 "$bin/ovoid" make head -o head.nrrd --size 192
 "$bin/ovoid" make fin -o fin.vtu
+"$bin/ovoid" make solid -o star.vtu --levels 0
 "$bin/ovoid" make tornado --size 64 --steps 24 --lattice cc4 --type uint8 -o tornado.h5
 
 picture() {  # NAME, then the words of `ovoid view`
@@ -50,3 +51,5 @@ picture space head.nrrd --preset ct-skin
 picture time tornado.h5 --mode isosurface --iso 128 --view -y --azimuth 30 --elevation 25
 picture fields fin.vtu --array pressure --view -x --azimuth 40 --elevation 30
 picture compare head.nrrd
+picture fit fin.vtu --array density --view -x --azimuth 130 --elevation 30
+picture solid star.vtu --view top --elevation -50 --azimuth 12

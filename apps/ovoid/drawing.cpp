@@ -76,22 +76,27 @@ std::shared_ptr<const Surface> surface_within(const std::string& path, const Fie
     throw Error(ErrorCode::kInvalidArgument,
                 fmt::format("--within: '{}' has no solid cells to be within", mesh.source));
   }
-  auto surface = std::make_shared<Surface>(*own);
+  return surface_with_values(*own, field, session);
+}
+
+}  // namespace
+
+std::shared_ptr<const Surface> surface_with_values(const Surface& surface, const Field& field,
+                                                   const Session& session) {
+  auto made = std::make_shared<Surface>(surface);
   const FieldSampler sampler(field);
   std::vector<float> values;
-  for (const Vec3& place : surface->places) {
+  for (const Vec3& place : made->places) {
     if (session.stop().stop_requested()) throw Error(ErrorCode::kCancelled, "cancelled");
     const FieldSample sample = sampler.at(place);
     values.push_back(sample.is_defined ? static_cast<float>(sample.color_value)
                                        : std::numeric_limits<float>::quiet_NaN());
   }
-  for (Surface::Triangle& triangle : surface->triangles) {
+  for (Surface::Triangle& triangle : made->triangles) {
     for (std::size_t i = 0; i < 3; ++i) triangle.values[i] = values[triangle.corners[i]];
   }
-  return surface;
+  return made;
 }
-
-}  // namespace
 
 std::shared_ptr<const Surface> surface_of(const Dataset& dataset, const DrawingFlags& drawing,
                                           const Modelled& modelled, Session& session) {

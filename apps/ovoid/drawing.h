@@ -36,6 +36,10 @@ struct Subject {
 std::shared_ptr<const Surface> surface_of(const Dataset& dataset, const DrawingFlags& drawing,
                                           const Modelled& modelled, Session& session);
 
+// The same surface with the values of another field at its places.
+std::shared_ptr<const Surface> surface_with_values(const Surface& surface, const Field& field,
+                                                   const Session& session);
+
 // What is seen of a mesh's surface, as render_mesh() takes it. Where the flags do not say, and say
 // nothing that is about the inside: opaque if its outside shows a quarter of the field's range or
 // more, or if there is nothing inside; else see-through if all of it does; else not at all. With

@@ -56,6 +56,7 @@ App::App(std::shared_ptr<const Launch> launch)
   }
   worker_ = std::make_unique<Worker>();
   loader_ = std::make_unique<Loader>();
+  fitter_ = std::make_unique<Fitter>();
   document_.launch = launch_;
   if (!launch_->data.inputs.empty()) loader_->open(launch_);
 }
@@ -63,8 +64,10 @@ App::App(std::shared_ptr<const Launch> launch)
 App::~App() {
   window_.hide();  // what takes time now takes it out of sight
   loader_->stop();
+  fitter_->stop();
   worker_.reset();
   loader_.reset();
+  fitter_.reset();
 }
 
 double App::patience() const {
@@ -105,6 +108,7 @@ void App::run(const std::stop_token& stop) {
     if (is_over_ && frames_due_ <= 1 && screenshot_wish_.empty()) is_open_ = false;
     take_load_reports();
     take_pictures();
+    take_fit();
     take_dialog();
     if (memory_.update()) frames_due_ = std::max(frames_due_, 2);
     watch();
@@ -160,6 +164,7 @@ void App::frame(const std::vector<Event>& events, double seconds) {
   if (document_.is_open() && !ImGui::IsAnyMouseDown() && !waits_for_time_ &&
       !document_.time.is_playing)
     document_.time.now = document_.shown->time;
+  ask_for_solid();
   ask_for_picture(is_moving_);
   if (is_visible)
     gui_.end();
@@ -220,16 +225,20 @@ void App::ask_for_picture(bool is_moving) {
   if (!document_.is_open()) return;
   const Size size = drawn_size();
   const std::uint64_t version = document_.version();
+  // A vertex was moved, and its solid is not there yet: the picture would be the last one again.
+  if (picture_view_.holds_vertex() && is_moving && asked_shown_ == document_.shown) return;
   const bool is_settled = asked_moving_ && !is_moving;
   if (version == asked_version_ && size == asked_size_ && !is_settled) return;
   Request request;
   request.number = version;
-  request.scenes = document_.scenes(size);
+  request.scenes = document_.scenes(size, picture_size().width);
+  request.own = document_.own_scene();
   request.is_moving = is_moving;
   worker_->ask(std::move(request));
   asked_version_ = version;
   asked_size_ = size;
   asked_moving_ = is_moving;
+  asked_shown_ = document_.shown;
 }
 
 void App::take_pictures() {
@@ -241,7 +250,7 @@ void App::take_pictures() {
     failed_version_ = pictures->number;
     return;
   }
-  status_.profile = pictures->pictures.back().profile;
+  status_.profile = pictures->pictures[pictures->own].profile;
   status_.level = pictures->level;
   status_.picture_ms = pictures->ms;
   status_.is_final = pictures->is_final;
@@ -252,7 +261,7 @@ void App::take_pictures() {
   if (pictures->number >= time_version_) waits_for_time_ = false;
   for (const double ms : worker_->take_cancel_times()) meter_.cancelled(ms);
   picture_view_.take(std::move(*pictures));
-  if (picture_wish_ && picture_view_.full(document_.version()) != nullptr) {
+  if (picture_wish_ && picture_view_.full(document_) != nullptr) {
     try {
       save_the_picture(*std::exchange(picture_wish_, std::nullopt));
     } catch (const Error& error) {

@@ -13,6 +13,7 @@
 
 #include "document.h"
 #include "file_dialog.h"
+#include "fitter.h"
 #include "gui.h"
 #include "loader.h"
 #include "memory.h"
@@ -73,6 +74,11 @@ class App final : public ScriptHost {
   void grant(Wishes wishes);
   void open(const std::vector<std::string>& words);
   void remember(const cli::DataFlags& data);
+  void grant_solid(const Wishes& wishes);
+  void ask_for_solid();
+  void grant_fit(const Wishes& wishes);
+  void take_fit();
+  void save_fit(const std::string& path);
   void read_look_file(const std::string& path);
   void read_state_file(const std::string& path);
   void go_to_time();
@@ -92,6 +98,8 @@ class App final : public ScriptHost {
   void draw_help();
   void write_screenshot();
   nlohmann::ordered_json facts() const;  // what scripts may ask for
+  nlohmann::ordered_json facts_of_fit() const;
+  nlohmann::ordered_json facts_of_solid() const;
   void tell(const std::string& text, bool is_error = false);
   void save_the_picture(const std::string& path);
 
@@ -126,8 +134,10 @@ class App final : public ScriptHost {
   std::uint64_t asked_version_ = 0;
   bool asked_moving_ = false;
   Size asked_size_;
-  int frames_due_ = 3;                                // to be drawn before the window may rest
-  double changed_at_ = 0;                             // seconds; when the version counted up last
+  std::shared_ptr<const Shown> asked_shown_;
+  std::optional<SolidChoice> asked_solid_;  // on its way, or there as it is while it moves
+  int frames_due_ = 3;                      // to be drawn before the window may rest
+  double changed_at_ = 0;                   // seconds; when the version counted up last
   std::uint64_t failed_version_ = ~std::uint64_t{0};  // of which there is no picture
   std::string told_notice_, last_message_;
   std::string screenshot_wish_;
@@ -146,6 +156,7 @@ class App final : public ScriptHost {
   // The last to be made and the first to go: they post to the window.
   std::unique_ptr<Worker> worker_;
   std::unique_ptr<Loader> loader_;
+  std::unique_ptr<Fitter> fitter_;
 };
 
 }  // namespace ovoid::viewer

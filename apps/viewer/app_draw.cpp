@@ -21,7 +21,7 @@ constexpr std::array kHelp = {KeyHelp{"drag", "turn"},
                               KeyHelp{"right drag", "zoom"},
                               KeyHelp{"ctrl + drag", "roll"},
                               KeyHelp{"double click", "turn about this place"},
-                              KeyHelp{"yellow and coloured dots", "drag: ends of the crop, planes"},
+                              KeyHelp{"yellow and coloured dots", "drag: crop, planes, vertices"},
                               KeyHelp{"shift + arrows, [ ]", "turn and roll in steps"},
                               KeyHelp{"1 ... 6", "from +x, -x, +y, -y, +z, -z"},
                               KeyHelp{"r", "the first view again"},
@@ -45,12 +45,15 @@ void App::draw_panel(Panel& panel, ImVec2 at, ImVec2 size) {
     void (*draw)(Panel&);
     bool needs_data;
   };
-  static constexpr std::array<Tab, 6> kTabs = {{{"data", data_panel, false},
+  static constexpr std::array<Tab, 8> kTabs = {{{"data", data_panel, false},
                                                 {"look", look_panel, true},
                                                 {"space", space_panel, true},
                                                 {"time", time_panel, true},
+                                                {"solid", solid_panel, true},
                                                 {"compare", compare_panel, true},
-                                                {"quality", quality_panel, true}}};
+                                                {"quality", quality_panel, true},
+                                                {"fit", fit_panel, true}}};
+  const bool is_control_mesh = document_.is_open() && document_.info->is_control_mesh;
   ImGui::SetNextWindowPos(at);
   ImGui::SetNextWindowSize(size);
   ImGui::Begin("panel", nullptr,
@@ -64,6 +67,8 @@ void App::draw_panel(Panel& panel, ImVec2 at, ImVec2 size) {
   ImGui::PopStyleVar();
   if (has_tabs) {
     for (const Tab& tab : kTabs) {
+      // A control mesh has no steps in time; all other data are no solid.
+      if (tab.draw == (is_control_mesh ? time_panel : solid_panel)) continue;
       // The first that is seen is the one that is used most.
       const bool is_first = !has_chosen_tab_ && document_.is_open() && tab.draw == look_panel;
       if (is_first) has_chosen_tab_ = true;

@@ -68,6 +68,7 @@ void App::take_load_reports() {
     if (auto* opened = std::get_if<Opened>(&report)) {
       const bool is_other = !opened->is_reload;
       document_.take(*opened);
+      fitter_->cancel();  // of what was there before
       if (is_other) {
         picture_view_.forget();
         panel_state_ = {};
@@ -199,6 +200,10 @@ void App::read_state_file(const std::string& path) { open({"--state", path}); }
 
 void App::save_state(const std::string& path) {
   if (!document_.is_open()) return;
+  if (document_.view.solid) {
+    throw Error(ErrorCode::kUnsupported,
+                "a state holds no solid: save its control mesh or its kernels, and open that");
+  }
   cli::State state;
   state.inputs = document_.launch->data.inputs;
   state.flags = flags_of(document_, picture_size());
@@ -219,15 +224,17 @@ void App::grant(Wishes wishes) {
       save_state(wishes.write_state);
       tell("state written to " + wishes.write_state);
     }
+    grant_fit(wishes);
+    grant_solid(wishes);
     if (wishes.copies_command && document_.is_open()) {
       window_.set_clipboard(command_of(document_, picture_size()));
-      tell("the command is in the clipboard");
+      tell(has_command(document_) ? "the command is in the clipboard" : kNoCommand);
     }
     if (wishes.saves_picture && document_.is_open()) {
       const std::string stem =
           std::filesystem::path(document_.launch->data.inputs.front()).stem().stem().string();
       picture_wish_ = free_name(stem.empty() ? "picture" : stem, ".png");
-      if (picture_view_.full(document_.version()) != nullptr)
+      if (picture_view_.full(document_) != nullptr)
         save_the_picture(*std::exchange(picture_wish_, std::nullopt));
     }
     if (wishes.browses != Browsing::kNothing) browse(wishes.browses);
@@ -253,7 +260,7 @@ void App::grant(Wishes wishes) {
 
 // As `ovoid render` would write it. Throws Error(kFileWrite).
 void App::save_the_picture(const std::string& path) {
-  const Picture* const picture = picture_view_.full(document_.version());
+  const Picture* const picture = picture_view_.full(document_);
   if (picture == nullptr) return;
   const Scene& scene = *picture->scene;
   Image image = picture->image;

@@ -83,10 +83,12 @@ bool App::has_come_to(const std::string& state) const {
   if (state == "loaded") return is_loaded;
   if (has_failed && !document_.is_open()) return true;
   if (!document_.is_open() || is_moving_ || waits_for_time_ || progress_) return false;
+  // A solid that cannot be made is not waited for.
+  if (!document_.shown->is_of(document_.view.solid) && loader_->is_busy()) return false;
   const bool is_full =
-      picture_view_.full(document_.version()) != nullptr || failed_version_ == document_.version();
+      picture_view_.full(document_) != nullptr || failed_version_ == document_.version();
   if (state == "full") return is_full;
-  return is_full && !loader_->is_busy() && worker_->is_idle();
+  return is_full && !loader_->is_busy() && worker_->is_idle() && !status_.fit.is_running;
 }
 
 nlohmann::ordered_json App::facts() const {
@@ -130,6 +132,8 @@ nlohmann::ordered_json App::facts() const {
   json["compare"] = {{"mode", static_cast<int>(document_.compare)},
                      {"divider", picture_view_.divider()},
                      {"psnr", std::isfinite(status_.psnr) ? status_.psnr : 1e9}};
+  json["fit"] = facts_of_fit();
+  if (document_.view.solid) json["solid"] = facts_of_solid();
   json["backend"] = status_.profile.backend;
   json["has_extras"] = document_.extras != nullptr;
   if (const auto& picked = picture_view_.picked()) {
@@ -137,6 +141,37 @@ nlohmann::ordered_json App::facts() const {
                       {"value", picked->value},
                       {"is_defined", picked->is_defined}};
   }
+  return json;
+}
+
+nlohmann::ordered_json App::facts_of_fit() const {
+  nlohmann::ordered_json json = {{"is_running", status_.fit.is_running},
+                                 {"fraction", status_.fit.fraction},
+                                 {"error", panel_state_.fit.error},
+                                 {"has_result", document_.fit != nullptr},
+                                 {"is_of_shown", document_.has_fit_of_shown()},
+                                 {"is_compared", document_.compares_fit()}};
+  if (document_.fit == nullptr) return json;
+  const FitReport& report = document_.fit->report;
+  json["kernels"] = report.kernels;
+  json["bytes"] = report.bytes;
+  json["psnr"] = std::isfinite(report.psnr) ? report.psnr : 1e9;
+  json["greatest_error"] = report.greatest_error;
+  return json;
+}
+
+nlohmann::ordered_json App::facts_of_solid() const {
+  const SolidShape& solid = *document_.view.solid;
+  const int vertex = panel_state_.vertex;
+  nlohmann::ordered_json json = {{"levels", solid.levels},
+                                 {"basis", name_of(solid.basis)},
+                                 {"vertices", solid.control->num_vertices()},
+                                 {"vertex", vertex},
+                                 {"is_saved", document_.control_file() != nullptr},
+                                 {"refusal", panel_state_.vertex_refusal}};
+  if (vertex < 0) return json;
+  json["place"] = to_json(solid.control->position(static_cast<std::size_t>(vertex)));
+  json["density"] = solid.control->densities[static_cast<std::size_t>(vertex)];
   return json;
 }
 
@@ -186,7 +221,7 @@ void App::write_screenshot() {
 }
 
 void App::save_picture(const std::string& path) {
-  if (picture_view_.full(document_.version()) == nullptr)
+  if (picture_view_.full(document_) == nullptr)
     throw Error(ErrorCode::kInvalidArgument, "picture: the full one is not there yet (wait full)");
   save_the_picture(path);
 }

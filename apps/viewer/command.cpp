@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "make_fit.h"
 #include "ovoid/io.h"
 #include "session.h"
 #include "settings.h"
@@ -32,21 +33,6 @@ void take_time(const Document& document, cli::DataFlags& data, cli::TrailFlags& 
     trail.length = document.time.blur_length;
     trail.decay = document.time.blur_decay;
   }
-}
-
-void take_array(const Document& document, cli::ModelFlags& model) {
-  const Shown& shown = *document.shown;
-  const auto known = [&](const std::string& name) {
-    return document.array_info(name) != nullptr ? name : "";
-  };
-  model.kernels.is_density = shown.is_density;
-  model.array = shown.is_density ? "" : known(shown.array);
-  model.kernels.color_array = shown.color_array == shown.array ? "" : known(shown.color_array);
-  // Said only where it is not what would be drawn anyway.
-  const ArrayInfo* const array = document.array_info(shown.array);
-  const int usual = array != nullptr ? array->usual_component : 0;
-  model.component = shown.component == usual ? cli::kUsualComponent : shown.component;
-  if (document.label_kernel) model.lattice.kernel = *document.label_kernel;
 }
 
 cli::LookFlags look_of(const Document& document) {
@@ -83,7 +69,47 @@ cli::CropFlags told_crop(const View& view, const cli::CropFlags& opened) {
   return {{}, is_cut ? view.crop : std::nullopt};
 }
 
+template <class S>
+void erase_all(const cli::Table<S>& table, cli::FlagSet& flags) {
+  for (const cli::Setting<S>& setting : table) flags.erase(setting.flag.name);
+}
+
+// A solid's kernels are not the data that were opened, and what is for those is not for it.
+void drop_data_flags(cli::FlagSet& flags) {
+  erase_all(cli::data_settings(), flags);
+  erase_all(cli::raw_settings(), flags);
+  erase_all(cli::array_settings(), flags);
+  erase_all(cli::kernel_settings(), flags);
+  erase_all(cli::particle_settings(), flags);
+  erase_all(cli::relevant_settings(), flags);
+  erase_all(cli::surface_settings(), flags);
+}
+
+std::string solid_command(const Document& document) {
+  const SolidShape& solid = *document.view.solid;
+  return cli::quoted({"ovoid", "make", "solid", "--control", document.control_file()->path,
+                      "--array", solid.control->name, "--levels", fmt::format("{}", solid.levels),
+                      "--basis", name_of(solid.basis), "-o", "solid.ply"});
+}
+
 }  // namespace
+
+cli::ModelFlags model_of(const Document& document) {
+  cli::ModelFlags model = document.launch->drawing.model;
+  const Shown& shown = *document.shown;
+  const auto known = [&](const std::string& name) {
+    return document.array_info(name) != nullptr ? name : "";
+  };
+  model.kernels.is_density = shown.is_density;
+  model.array = shown.is_density ? "" : known(shown.array);
+  model.kernels.color_array = shown.color_array == shown.array ? "" : known(shown.color_array);
+  // Said only where it is not what would be drawn anyway.
+  const ArrayInfo* const array = document.array_info(shown.array);
+  const int usual = array != nullptr ? array->usual_component : 0;
+  model.component = shown.component == usual ? cli::kUsualComponent : shown.component;
+  if (document.label_kernel) model.lattice.kernel = *document.label_kernel;
+  return model;
+}
 
 cli::CropFlags crop_of(const Document& document) {
   cli::CropFlags crop = document.launch->drawing.crop;
@@ -94,6 +120,7 @@ cli::CropFlags crop_of(const Document& document) {
 cli::FlagSet flags_of(const Document& document, Size size) {
   const View& view = document.view;
   cli::FlagSet flags = cli::FlagSet::of(document.launch->flags->given());
+  if (document.view.solid) drop_data_flags(flags);
   cli::DrawingFlags drawing = document.launch->drawing;
   drawing.options = view.options;
   drawing.options.width = size.width;
@@ -109,7 +136,7 @@ cli::FlagSet flags_of(const Document& document, Size size) {
     cli::tell(cli::data_settings(), data, &flags, {"time", "step"});
     cli::tell(cli::trail_settings(), drawing.trail, &flags, {"motion-blur"});
   }
-  take_array(document, drawing.model);
+  drawing.model = document.view.solid ? cli::ModelFlags() : model_of(document);
   cli::tell(cli::array_settings(), drawing.model, &flags);
   cli::tell(cli::particle_settings(), drawing.model, &flags, {"quantity"});
   if (document.label_kernel) cli::tell(cli::kernel_settings(), drawing.model, &flags, {"kernel"});
@@ -120,9 +147,10 @@ cli::FlagSet flags_of(const Document& document, Size size) {
   camera.file = to_text(document.camera);
   cli::tell(cli::camera_settings(), camera, &flags);
   cli::tell(cli::crop_settings(), told_crop(view, document.launch->drawing.crop), &flags);
-  drawing.plane = document.scenes({1, 1}).back()->plane;
+  drawing.plane = document.scenes({1, 1})[document.own_scene()]->plane;
   cli::tell(cli::plane_settings(), drawing, &flags);
-  drawing.surface = {.within = document.launch->drawing.surface.within};
+  drawing.surface = {};
+  if (!document.view.solid) drawing.surface.within = document.launch->drawing.surface.within;
   if (document.shown->subject.has_walls && view.look.mode == Mode::kComposite) {
     const bool is_drawn = document.draws_surface(view);
     drawing.surface.opacity = is_drawn ? view.surface.opacity : 0;
@@ -143,12 +171,43 @@ cli::FlagSet flags_of(const Document& document, Size size) {
   return flags;
 }
 
+bool has_command(const Document& document) {
+  return !document.view.solid || document.control_file() != nullptr;
+}
+
 std::string command_of(const Document& document, Size size) {
+  if (!has_command(document)) return fmt::format("# {}", kNoCommand);
   std::vector<std::string> words = {"ovoid", "render"};
-  for (const std::string& input : document.launch->data.inputs) words.push_back(input);
+  const cli::Words inputs =
+      document.view.solid ? cli::Words{"solid.ply"} : document.launch->data.inputs;
+  words.insert(words.end(), inputs.begin(), inputs.end());
   for (const std::string& word : flags_of(document, size).words()) words.push_back(word);
   words.insert(words.end(), {"-o", "picture.png"});
-  return cli::quoted(words);
+  const std::string first = document.view.solid ? solid_command(document) + " && " : "";
+  return first + cli::quoted(words);
+}
+
+cli::Words fit_words(const Document& document, const cli::Words& goal, const std::string& output) {
+  cli::FitFlags ignored;
+  const cli::Flags fit = cli::make_fit_flags(&ignored);
+  // A fit of a lattice is of its samples, whatever the kernels they are drawn with.
+  const auto is_left_out = [&](const std::string& name) {
+    const cli::Table<cli::ModelFlags>& kernels = cli::kernel_settings();
+    return document.info->kind == DatasetKind::kLattice &&
+           std::any_of(kernels.begin(), kernels.end(),
+                       [&](const auto& setting) { return setting.flag.name == name; });
+  };
+  const cli::FlagSet all = flags_of(document, {1, 1});
+  cli::FlagSet kept;
+  for (const cli::FlagSet::Flag& flag : all.flags()) {
+    if (cli::find_form(fit.forms(), flag.name) != nullptr && !is_left_out(flag.name))
+      kept.set(flag.name, flag.value);
+  }
+  cli::Words words = document.launch->data.inputs;
+  for (const std::string& word : kept.words()) words.push_back(word);
+  words.insert(words.end(), goal.begin(), goal.end());
+  words.insert(words.end(), {"-o", output});
+  return words;
 }
 
 Json window_state(const Document& document) {

@@ -14,8 +14,18 @@ namespace ovoid::viewer {
 // those that it was opened with, but for what has been changed since.
 cli::FlagSet flags_of(const Document& document, Size size);
 
-// A line for a shell, with the flags and -o picture.png.
+// A line for a shell, with the flags and -o picture.png; of a solid it makes that first. Of a
+// control mesh that no file holds a comment that says so.
 std::string command_of(const Document& document, Size size);
+bool has_command(const Document& document);
+inline constexpr const char* kNoCommand =
+    "the control mesh was changed and is not saved: save it (tab solid), then copy the command";
+
+// The words behind `ovoid fit` that make a fit of what is shown; `goal` is a flag with its value.
+cli::Words fit_words(const Document& document, const cli::Words& goal, const std::string& output);
+
+// The model flags of what is shown.
+cli::ModelFlags model_of(const Document& document);
 
 // What a state keeps beside them: how time runs.
 nlohmann::ordered_json window_state(const Document& document);

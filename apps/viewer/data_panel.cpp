@@ -41,7 +41,7 @@ void array_table(Panel& panel) {
   Document& document = panel.document;
   const Shown& shown = *document.shown;
   const bool has_colors = document.info->kind != DatasetKind::kLattice;
-  ArrayChoice choice{shown.array, shown.color_array, shown.component, shown.is_density};
+  ArrayChoice choice = choice_of(shown);
   // Particles without a density of their own are drawn by their number per volume at first.
   const bool is_of_none = document.array_info(shown.array) == nullptr;
   if (is_of_none) choice.is_density = true;
@@ -115,7 +115,7 @@ void about_data(Panel& panel) {
   Widgets& widgets = panel.widgets;
   const Field& field = document.shown->field();
   widgets.row("file", document.info->title);
-  widgets.row("kind", name_of(document.info->kind));
+  widgets.row("kind", document.shown->solid ? "solid" : name_of(document.info->kind));
   widgets.row("kernels", fmt::format("{}", field.num_kernels()));
   widgets.row("memory",
               fmt::format("{:.1f} MiB", static_cast<double>(field.resident_bytes()) / 1048576));

@@ -2,6 +2,7 @@
 #include "document.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <limits>
 #include <utility>
 
@@ -10,12 +11,20 @@
 #include "make_camera.h"
 #include "ovoid/crop.h"
 #include "ovoid/error.h"
+#include "ovoid/io.h"
 #include "projection.h"
 
 namespace ovoid::viewer {
 namespace {
 
 constexpr std::size_t kMostSteps = 200;  // of undo
+
+// Whether the file alone says what was read of it, which is all that `ovoid make solid` takes.
+bool is_read_as_control(const Launch& launch) {
+  return launch.data.inputs.size() == 1 &&
+         launch.flags->first_given(cli::data_settings()).empty() &&
+         launch.flags->first_given(cli::raw_settings()).empty();
+}
 
 }  // namespace
 
@@ -25,6 +34,8 @@ void Document::take(const Opened& opened) {
   is_reload_ = opened.is_reload && is_open();
   launch = opened.launch;
   extras.reset();
+  fit.reset();
+  control_files.clear();
   time.is_playing = false;
 }
 
@@ -66,10 +77,13 @@ void Document::take(const ShownReady& ready, double aspect) {
     const Mode mode = view.look.mode;
     view.look = *ready.look;
     if (mode != Mode::kIsosurface) view.look.mode = mode;
+    view.solid = shown->solid;
     is_edited_ = true;
     remember();
   }
   if (ready.look) view.options.gradient = ready.gradient;
+  if (ready.look && shown->solid && is_read_as_control(*launch))
+    control_files.push_back({shown->solid->control, launch->data.inputs.front()});
   count_up();
 }
 
@@ -152,15 +166,67 @@ std::shared_ptr<Scene> Document::scene(const View& of, const RendererSetup& on, 
   return made;
 }
 
-std::vector<std::shared_ptr<const Scene>> Document::scenes(Size size) const {
+// The view's scene, but for what is drawn.
+std::shared_ptr<Scene> Document::scene_of_fit(Size size) const {
+  auto made = scene(view, setup, size);
+  made->shown = fit_has_surface && fit->within ? fit->within : fit->shown;
+  made->extras = fit->extras;
+  made->has_trail = false;
+  if (!made->shown->subject.has_walls) made->walls = {0, false};
+  // Opacities mean what they mean in the data's picture.
+  if (made->look.unit_distance == 0 && !made->look.transfer_function.unit_distance)
+    made->look.unit_distance = default_unit_distance(shown->field());
+  return made;
+}
+
+std::vector<std::shared_ptr<const Scene>> Document::scenes(Size size, int alone) const {
   if (!compares()) return {scene(view, setup, size)};
   const bool is_split = compare == CompareMode::kSideBySide;
   const Size each{is_split ? std::max(1, size.width / 2) : size.width, size.height};
-  const auto a = scene(other->view, other->setup, each);
-  const auto b = scene(view, setup, each);
-  const double factor = static_cast<double>(size.width) / each.width;
+  const auto own = scene(view, setup, each);
+  const auto a = compares_fit() ? own : scene(other->view, other->setup, each);
+  const auto b = compares_fit() ? scene_of_fit(each) : own;
+  const double factor = static_cast<double>(alone > 0 ? alone : size.width) / each.width;
   if (is_split) a->camera = b->camera = of_height(camera, factor);
   return {a, b};
+}
+
+const ControlFile* Document::control_file() const {
+  if (!view.solid) return nullptr;
+  const auto found =
+      std::find_if(control_files.rbegin(), control_files.rend(),
+                   [&](const ControlFile& file) { return file.mesh == view.solid->control; });
+  return found == control_files.rend() ? nullptr : &*found;
+}
+
+void Document::save_control(const std::string& path) {
+  auto stored = std::make_shared<SolidMesh>(*view.solid->control);
+  for (double& density : stored->densities) density = static_cast<float>(density);
+  write_dataset(make_solid_dataset(*stored), path);
+  const auto place = [](const std::string& name) {
+    return std::filesystem::absolute(name).lexically_normal();
+  };
+  std::erase_if(control_files,
+                [&](const ControlFile& file) { return place(file.path) == place(path); });
+  if (stored->densities != view.solid->control->densities) {
+    view.solid->control = std::move(stored);
+    touch();
+  }
+  control_files.push_back({view.solid->control, path});
+}
+
+std::string Document::set_vertex(std::size_t vertex, const Vec3& place, double density) {
+  if (!view.solid || vertex >= view.solid->control->num_vertices()) return {};
+  auto moved = std::make_shared<SolidMesh>(*view.solid->control);
+  std::copy_n(place.data(), 3, moved->positions.data() + 3 * vertex);
+  moved->densities[vertex] = static_cast<float>(density);  // as a file has it
+  try {
+    check_solid_mesh(*moved);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  view.solid->control = std::move(moved);
+  return {};
 }
 
 void Document::remember() {

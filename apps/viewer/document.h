@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "fitter.h"
 #include "loader.h"
 #include "make_camera.h"
 #include "size.h"
@@ -30,6 +31,7 @@ struct View {
   RenderOptions options;  // without size and clip planes
   cli::AnnotationFlags marks;
   Rgb background = cli::kBackground;
+  std::optional<SolidShape> solid;  // is shown instead of the mesh, as soon as it is made
 };
 
 // One of two settings that are compared.
@@ -38,8 +40,11 @@ struct Setting {
   RendererSetup setup;
 };
 
-// kDivided: in the same place, A on the left of a line that can be moved, B on its right.
+// kDivided: in the same place, one on the left of a line that can be moved, one on its right.
 enum class CompareMode { kOff, kDivided, kSideBySide, kDifference };
+// What the view is compared with: another one, which stands on the left (A, the view is B), or the
+// same view of the fit, which stands on the right.
+enum class CompareWith { kOther, kFit };
 
 struct TimeState {
   double now = 0;
@@ -52,6 +57,12 @@ struct TimeState {
   double blur_decay = 0;
 };
 
+// A control mesh that a file holds.
+struct ControlFile {
+  std::shared_ptr<const SolidMesh> mesh;
+  std::string path;
+};
+
 class Document {
  public:
   // --- data, as the loader reports them
@@ -60,6 +71,7 @@ class Document {
   std::shared_ptr<const Shown> shown;
   std::shared_ptr<const Extras> extras;
   std::vector<std::string> notes;             // what reading and modelling had to say
+  std::vector<ControlFile> control_files;     // the one that was opened, and what was saved
   std::optional<LatticeKernel> label_kernel;  // narrow, where the data look like labels
 
   // --- how they are shown
@@ -68,11 +80,27 @@ class Document {
   RendererSetup setup;
   TimeState time;
   CompareMode compare = CompareMode::kOff;
-  std::optional<Setting> other;  // what the view is compared with
+  CompareWith compare_with = CompareWith::kOther;
+  std::optional<Setting> other;
+  std::shared_ptr<const Fitted> fit;  // the last that was made; null: none
+  bool fit_has_surface = true;        // ends at the surface of what it is of
 
   bool is_open() const noexcept { return shown != nullptr; }
   bool has_time() const noexcept { return info && info->times.size() > 1; }
-  bool compares() const noexcept { return other && compare != CompareMode::kOff; }
+  bool compares() const {
+    return compare != CompareMode::kOff &&
+           (compare_with == CompareWith::kFit ? has_fit_of_shown() : other.has_value());
+  }
+  bool compares_fit() const { return compares() && compare_with == CompareWith::kFit; }
+  // The file that holds the solid's control mesh; null: none does.
+  const ControlFile* control_file() const;
+  // Writes the control mesh, which from then on is what the file holds: densities are rounded to
+  // float32. Throws Error.
+  void save_control(const std::string& path);
+  // A vertex of the solid elsewhere, or with another density. Where that cannot be it stays, and
+  // what is returned says why; else that is empty.
+  std::string set_vertex(std::size_t vertex, const Vec3& place, double density);
+  bool has_fit_of_shown() const { return fit && is_open() && fit->is_of(*shown); }
 
   // New data: keeps camera and look where `keeps_view` says so (a reload), else takes those that
   // flags or the data ask for. `aspect`: width over height of the picture.
@@ -92,8 +120,11 @@ class Document {
   const ArrayInfo* array_info(const std::string& name) const;
 
   // The request for what is shown in `size` pixels. Each of two pictures beside each other has half
-  // of them, and the whole width of the view in it.
-  std::vector<std::shared_ptr<const Scene>> scenes(Size size) const;
+  // of them, and in it the whole width of the view, which alone is `alone` pixels wide (0: as
+  // wide).
+  std::vector<std::shared_ptr<const Scene>> scenes(Size size, int alone = 0) const;
+  // Which of them is the view's; what it is compared with is the other one.
+  std::size_t own_scene() const { return compares() && !compares_fit() ? 1 : 0; }
   // The same options as a scene has, crop and clip planes included.
   RenderOptions options_of(const View& of, Size size) const;
 
@@ -115,7 +146,7 @@ class Document {
   // What has changed is no part of the view, and undo leaves it: camera, back end, comparison.
   void touch_beside_view() noexcept { ++version_; }
   std::uint64_t view_version() const noexcept { return view_version_; }
-  // The other view that is compared with has changed.
+  // What is compared with has changed, or which it is.
   void touch_other() noexcept {
     ++version_;
     ++other_version_;
@@ -129,6 +160,7 @@ class Document {
     ++view_version_;
   }
   std::shared_ptr<Scene> scene(const View& of, const RendererSetup& on, Size size) const;
+  std::shared_ptr<Scene> scene_of_fit(Size size) const;
 
   std::vector<View> past_, future_;
   View settled_;  // the view when remember() was called last

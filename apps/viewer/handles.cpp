@@ -7,12 +7,14 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <vector>
 
 namespace ovoid::viewer {
 namespace {
 
 constexpr ImU32 kEdge = IM_COL32(255, 170, 40, 140);
 constexpr ImU32 kEdgeShade = IM_COL32(0, 0, 0, 60);
+constexpr ImU32 kSolidEdge = IM_COL32(255, 170, 40, 70);  // faint, as there are many
 constexpr ImU32 kFill = IM_COL32(255, 170, 40, 255);
 // As the axes' own (red, green, blue).
 constexpr std::array<ImU32, 3> kAxisColors = {
@@ -59,6 +61,21 @@ double moved_along(const Vec3& anchor, const Vec3& direction, double length,
   return moved.dot(picture) / picture.squaredNorm();
 }
 
+// Each edge of the cells once.
+std::vector<std::pair<std::uint32_t, std::uint32_t>> edges_of(const SolidMesh& mesh) {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
+  for (const auto& cell : mesh.cells) {
+    for (std::size_t corner = 0; corner < cell.size(); ++corner) {
+      for (const std::size_t step : {1U, 2U, 4U}) {
+        if ((corner & step) == 0) edges.push_back(std::minmax({cell[corner], cell[corner | step]}));
+      }
+    }
+  }
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  return edges;
+}
+
 }  // namespace
 
 void draw_box(const Box& box, const Projection& projection, ImVec2 at, ImDrawList& list,
@@ -89,8 +106,10 @@ const char* Handles::Handle::meaning() const {
       return "turn the clip plane";
     case Kind::kPlaneOffset:
       return "move the value plane";
+    case Kind::kVertex:
+      break;
   }
-  return "";
+  return "move the vertex";
 }
 
 void Handles::add(Handle handle, const Projection& projection, ImVec2 at) {
@@ -126,9 +145,8 @@ void Handles::add_plane(const std::string& name, const Vec3& normal, double offs
     add({name + ".normal", {}, Handle::Kind::kClipNormal, index, tip, unit}, projection, at);
 }
 
-void Handles::draw(const Document& document, const Projection& projection, ImVec2 at,
-                   ImDrawList& list, Widgets& widgets) {
-  handles_.clear();
+void Handles::add_cuts(const Document& document, const Projection& projection, ImVec2 at,
+                       ImDrawList& list) {
   const View& view = document.view;
   if (view.crop) {
     const Bounds3 left = document.bounds();
@@ -157,18 +175,55 @@ void Handles::draw(const Document& document, const Projection& projection, ImVec
     add_plane("handle.plane", view.plane->normal, view.plane->offset, false, 0, document,
               projection, at, list);
   }
+}
+
+void Handles::add_vertices(const SolidMesh& control, const Projection& projection, ImVec2 at,
+                           ImDrawList& list) {
+  if (control.num_vertices() > kMostVertices) return;
+  if (edges_of_ != control.cells) {
+    edges_of_ = control.cells;
+    edges_ = edges_of(control);
+  }
+  for (const auto& [a, b] : edges_) {
+    const auto from = projection.pixel_of(control.position(a));
+    const auto to = projection.pixel_of(control.position(b));
+    if (from && to) list.AddLine(to_window(*from, at), to_window(*to, at), kSolidEdge);
+  }
+  for (std::size_t vertex = 0; vertex < control.num_vertices(); ++vertex) {
+    add({fmt::format("handle.vertex.{}", vertex),
+         {},
+         Handle::Kind::kVertex,
+         static_cast<int>(vertex),
+         control.position(vertex),
+         Vec3::Zero()},
+        projection, at);
+  }
+}
+
+void Handles::draw(const Document& document, const WantedHandles& wanted,
+                   const Projection& projection, ImVec2 at, ImDrawList& list, Widgets& widgets) {
+  handles_.clear();
+  const std::optional<SolidShape>& solid = document.view.solid;
+  if (wanted.of_solid && solid) add_vertices(*solid->control, projection, at, list);
+  if (wanted.of_cuts) add_cuts(document, projection, at, list);
   const float radius = kRadius * widgets.scale();
   const Handle* const next = under(ImGui::GetIO().MousePos, widgets.scale());
   for (const Handle& handle : handles_) {
     const bool is_near = held_.empty() ? &handle == next : handle.name == held_;
-    const bool is_crop = handle.kind == Handle::Kind::kCrop;
-    const ImU32 color = is_crop ? kAxisColors[static_cast<std::size_t>(handle.index / 2)] : kFill;
-    list.AddCircleFilled(handle.place, is_near ? 1.5F * radius : radius, color);
-    list.AddCircle(handle.place, is_near ? 1.5F * radius : radius,
-                   is_near ? kFillHeld : kHandleInk);
+    const bool is_vertex = handle.kind == Handle::Kind::kVertex;
+    const bool is_chosen = is_vertex && handle.index == wanted.chosen_vertex;
+    ImU32 color = is_chosen ? kFillHeld : kFill;
+    if (handle.kind == Handle::Kind::kCrop)
+      color = kAxisColors[static_cast<std::size_t>(handle.index / 2)];
+    // Vertices are many.
+    const float usual = is_vertex && !is_chosen ? 0.6F * radius : radius;
+    list.AddCircleFilled(handle.place, is_near ? 1.5F * usual : usual, color);
+    list.AddCircle(handle.place, is_near ? 1.5F * usual : usual, is_near ? kFillHeld : kHandleInk);
     if (is_near) {
+      const std::string meaning =
+          is_vertex ? fmt::format("vertex {}", handle.index) : handle.meaning();
       widgets.label(list, {handle.place.x + 3 * radius, handle.place.y - 3 * radius},
-                    widgets.colors().ink, handle.meaning());
+                    widgets.colors().ink, meaning);
     }
     widgets.mark(handle.name,
                  {handle.place.x - 1, handle.place.y - 1, handle.place.x + 1, handle.place.y + 1});
@@ -190,9 +245,30 @@ const Handles::Handle* Handles::under(ImVec2 mouse, float scale) const {
   return nearest;
 }
 
+std::optional<int> Handles::held_vertex() const {
+  for (const Handle& handle : handles_) {
+    if (handle.name == held_ && handle.kind == Handle::Kind::kVertex) return handle.index;
+  }
+  return std::nullopt;
+}
+
+// In the plane through the vertex that is parallel to the picture.
+bool Handles::drag_vertex(Document& document, const Handle& handle, const Projection& projection,
+                          const Vec2& moved) {
+  const auto vertex = static_cast<std::size_t>(handle.index);
+  if (!document.view.solid || vertex >= document.view.solid->control->num_vertices()) return false;
+  if (!pulled_) pulled_ = handle.anchor;
+  const double size = projection.pixel_size_at(projection.depth_of(*pulled_));
+  *pulled_ += (projection.right() * moved.x() - projection.up() * moved.y()) * size;
+  refusal_ = document.set_vertex(vertex, *pulled_, document.view.solid->control->densities[vertex]);
+  return refusal_.empty();
+}
+
 bool Handles::press(ImVec2 mouse, const Widgets& widgets) {
   const Handle* const next = under(mouse, widgets.scale());
   held_ = next != nullptr ? next->name : std::string();
+  pulled_.reset();
+  refusal_.clear();
   return is_held();
 }
 
@@ -200,6 +276,7 @@ bool Handles::drag(Document& document, const Projection& projection, const Vec2&
   const auto held = std::find_if(handles_.begin(), handles_.end(),
                                  [&](const Handle& handle) { return handle.name == held_; });
   if (held == handles_.end() || moved.norm() == 0) return false;
+  if (held->kind == Handle::Kind::kVertex) return drag_vertex(document, *held, projection, moved);
   const double extent = document.extent();
   const double along = moved_along(held->anchor, held->direction, extent * 0.01, projection, moved);
   View& view = document.view;

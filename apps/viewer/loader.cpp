@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <condition_variable>
 #include <filesystem>
 #include <mutex>
@@ -20,12 +21,14 @@
 #include "ovoid/io.h"
 #include "ovoid/slices.h"
 #include "priority.h"
+#include "private_folder.h"
 #include "window.h"
 
 namespace ovoid::viewer {
 namespace {
 
 constexpr int kCoarserFields = 2;
+constexpr double kSolidBudgetMs = 60;  // of a solid that moves; pictures are drawn meanwhile
 // Fewer kernels than this cost nothing worth saving.
 constexpr std::int64_t kLeastWorthCoarsening = 20'000;
 
@@ -115,6 +118,17 @@ ValueRange range_of(const DataArray& array) {
   return range;
 }
 
+bool is_control_mesh(const Dataset& dataset) {
+  const auto is_hexahedron = [](CellType type) {
+    return type == CellType::kHexahedron || type == CellType::kVoxel;
+  };
+  const std::span<const CellType> types = dataset.cells.types;
+  return dataset.kind == DatasetKind::kMesh && (dataset.cells.is_structured() || !types.empty()) &&
+         std::all_of(types.begin(), types.end(), is_hexahedron) &&
+         std::any_of(dataset.arrays.begin(), dataset.arrays.end(),
+                     [](const DataArray& array) { return !array.is_cell_data; });
+}
+
 std::shared_ptr<const DataInfo> info_of(const Dataset& dataset, const cli::DataFlags& data) {
   auto info = std::make_shared<DataInfo>();
   info->title = title_of(data);
@@ -132,10 +146,52 @@ std::shared_ptr<const DataInfo> info_of(const Dataset& dataset, const cli::DataF
   info->time_unit = dataset.time_unit;
   info->is_staggered = dataset.series == SeriesKind::kStaggered;
   info->step = dataset.step;
+  info->is_control_mesh = is_control_mesh(dataset) && info->times.size() == 1;
   return info;
 }
 
 }  // namespace
+
+ArrayChoice choice_of(const Shown& shown) {
+  return {shown.array, shown.color_array, shown.component, shown.is_density};
+}
+
+std::shared_ptr<Shown> make_shown(std::shared_ptr<const Dataset> dataset, const cli::Flags& flags,
+                                  cli::DrawingFlags& drawing, double time, cli::Session& session) {
+  auto made = std::make_shared<Shown>();
+  made->subject = cli::make_subject(*dataset, flags, &drawing, session);
+  made->dataset = std::move(dataset);
+  made->time = time;
+  made->array = made->subject.modelled.array;
+  made->color_array = made->subject.modelled.color_array;
+  made->component = made->subject.modelled.component;
+  made->is_density = drawing.model.kernels.is_density;
+  return made;
+}
+
+std::shared_ptr<const Extras> make_extras(const std::shared_ptr<const Shown>& shown, int threads,
+                                          const std::stop_token& stop) {
+  auto extras = std::make_shared<Extras>();
+  extras->of = shown;
+  const Field* finest = &shown->field();
+  CoarseOptions options;
+  options.threads = threads;
+  options.stop = stop;
+  extras->coarser.reserve(kCoarserFields);  // `finest` points into it
+  while (static_cast<int>(extras->coarser.size()) < kCoarserFields &&
+         finest->num_kernels() >= kLeastWorthCoarsening) {
+    try {
+      extras->coarser.push_back(coarse_field(*finest, options));
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::kUnsupported) throw;
+      break;  // pixels alone become coarser
+    }
+    finest = &extras->coarser.back();
+  }
+  extras->histogram = cli::histogram_of(shown->field(), stop);
+  extras->probe = std::make_shared<const FieldProbe>(shown->field());
+  return extras;
+}
 
 struct Loader::Impl {
   mutable std::mutex mutex;
@@ -144,6 +200,7 @@ struct Loader::Impl {
   std::optional<OpenTask> next_open;
   std::optional<ArrayChoice> next_choice;
   std::optional<TimeTask> next_time;
+  std::optional<SolidChoice> next_solid;
   bool wants_extras = false;
   bool is_over = false;
   bool is_working = false;
@@ -152,7 +209,12 @@ struct Loader::Impl {
   std::vector<LoadReport> reports;
   std::size_t resident_bytes = 0;
 
-  std::optional<Data> data;  // the thread's own; none before anything was read
+  // The thread's own.
+  std::optional<Data> data;  // none before anything was read
+  struct {
+    int levels = 0;
+    double ms = 0;
+  } solid_cost;  // of the last one with all its levels
   std::thread thread;
 
   void report(LoadReport report) {
@@ -178,6 +240,8 @@ struct Loader::Impl {
   void read(const OpenTask& task, const std::stop_token& token);
   void choose(const ArrayChoice& choice, const std::stop_token& token);
   void go_to(const TimeTask& task, const std::stop_token& token);
+  int levels_to_leave_out(int levels) const;
+  void show_solid(const SolidChoice& task, const std::stop_token& token);
   void work_out_extras(const std::stop_token& token);
 };
 
@@ -201,16 +265,41 @@ void read_dataset_of(Data& data, cli::Session& session, const ReadOptions& optio
   data.dataset = std::move(read);
 }
 
-// The field of the dataset, drawn as `drawing` says, which gets what labels need.
+// The field of the dataset, drawn as `drawing` says.
 std::shared_ptr<Shown> shown_of(const Data& data, cli::DrawingFlags& drawing, double time,
                                 cli::Session& session) {
-  auto made = std::make_shared<Shown>();
-  made->subject = cli::make_subject(*data.dataset, *data.launch->flags, &drawing, session);
-  made->time = time;
-  made->array = made->subject.modelled.array;
-  made->color_array = made->subject.modelled.color_array;
-  made->component = made->subject.modelled.component;
-  made->is_density = drawing.model.kernels.is_density;
+  return make_shown(data.dataset, *data.launch->flags, drawing, time, session);
+}
+
+std::shared_ptr<const Dataset> read_back(const Dataset& kernels) {
+  const PrivateFolder folder;
+  const std::string path = folder.file("solid.ply");
+  write_dataset(kernels, path);
+  return std::make_shared<const Dataset>(read_dataset({path}));
+}
+
+// The solid's kernels, as `ovoid render` draws the file of `ovoid make solid`; while it moves with
+// so many levels less, and as they are before a file rounds them.
+std::shared_ptr<Shown> shown_of_solid(const SolidShape& shape, std::optional<int> left_out,
+                                      const RendererSetup& setup, double time,
+                                      cli::Session& session) {
+  const SolidMesh level =
+      subdivide_solid(*shape.control, {.levels = shape.levels - left_out.value_or(0),
+                                       .memory_limit = cli::SolidFlags().memory_limit,
+                                       .threads = setup.threads,
+                                       .stop = session.stop()});
+  const KernelField kernels = make_solid_field(
+      level, {.basis = shape.basis, .threads = setup.threads, .stop = session.stop()});
+  const std::shared_ptr<Launch> plain = parse_launch({cli::kSolidName});
+  cli::DrawingFlags drawing = plain->drawing;
+  drawing.run = setup;
+  const auto dataset = std::make_shared<const Dataset>(make_kernel_dataset(kernels));
+  // A file rounds.
+  const auto stored = left_out ? dataset : read_back(*dataset);
+  auto made = make_shown(stored, *plain->flags, drawing, time, session);
+  made->dataset = dataset;
+  made->solid = shape;
+  made->is_rough = left_out.has_value();
   return made;
 }
 
@@ -321,35 +410,54 @@ void Loader::Impl::go_to(const TimeTask& task, const std::stop_token& token) {
   wants_extras = task.wants_extras;
 }
 
-void Loader::Impl::work_out_extras(const std::stop_token& token) {
-  if (!data) return;
-  auto extras = std::make_shared<Extras>();
-  extras->of = data->shown;
-  const Field* finest = &data->shown->field();
-  CoarseOptions options;
-  options.threads = data->drawing.run.threads;
-  options.stop = token;
-  extras->coarser.reserve(kCoarserFields);  // `finest` points into it
-  while (static_cast<int>(extras->coarser.size()) < kCoarserFields &&
-         finest->num_kernels() >= kLeastWorthCoarsening) {
-    try {
-      extras->coarser.push_back(coarse_field(*finest, options));
-    } catch (const Error& error) {
-      if (error.code() != ErrorCode::kUnsupported) throw;
-      break;  // pixels alone become coarser
+// Of a solid that is to follow the mouse: a level costs eight times the one before.
+int Loader::Impl::levels_to_leave_out(int levels) const {
+  double ms = solid_cost.ms * std::pow(8.0, levels - solid_cost.levels);
+  int left_out = 0;
+  for (; left_out < levels && ms > kSolidBudgetMs; ++left_out) ms /= 8;
+  return left_out;
+}
+
+void Loader::Impl::show_solid(const SolidChoice& task, const std::stop_token& token) {
+  if (!data || !data->shown) return;
+  cli::Session own = session(token);
+  const double time = data->shown->time;
+  ShownReady ready;
+  if (task.wants_look) report(LoadProgress{"choosing kernels", 0});
+  if (!task.shape && task.wants_look) {
+    ready = first_of_array(*data, time, own);
+  } else if (!task.shape) {
+    cli::DrawingFlags drawing = data->drawing;
+    ready.shown = data->shown = shown_of(*data, drawing, time, own);
+  } else {
+    const cli::Quiet quiet(own);
+    SolidShape shape = *task.shape;
+    if (shape.control == nullptr) {
+      shape.control = std::make_shared<const SolidMesh>(
+          make_control_mesh(*data->dataset, {.array = data->shown->array}));
     }
-    finest = &extras->coarser.back();
+    const cli::Stopwatch watch;
+    std::optional<int> left_out;
+    if (task.is_moving) left_out = levels_to_leave_out(shape.levels);
+    auto made = shown_of_solid(shape, left_out, data->drawing.run, time, own);
+    if (left_out.value_or(0) == 0) solid_cost = {shape.levels, watch.ms()};
+    if (task.wants_look) ready.look = cli::make_look({}, made->field(), made->subject.unit, own);
+    ready.shown = data->shown = std::move(made);
   }
-  extras->histogram = cli::histogram_of(data->shown->field(), token);
-  extras->probe = std::make_shared<const FieldProbe>(data->shown->field());
-  report(std::shared_ptr<const Extras>(std::move(extras)));
+  report(std::move(ready));
+  const std::lock_guard lock(mutex);
+  wants_extras = !task.is_moving;
+}
+
+void Loader::Impl::work_out_extras(const std::stop_token& token) {
+  if (data) report(make_extras(data->shown, data->drawing.run.threads, token));
 }
 
 void Loader::Impl::run() {
   lower_priority();
   std::unique_lock lock(mutex);
   while (!is_over) {
-    if (!next_open && !next_choice && !next_time && !wants_extras) {
+    if (!next_open && !next_choice && !next_time && !next_solid && !wants_extras) {
       is_working = false;
       wanted.wait(lock);
       continue;
@@ -358,7 +466,9 @@ void Loader::Impl::run() {
     const auto opening = std::exchange(next_open, std::nullopt);
     const auto chosen = opening ? std::nullopt : std::exchange(next_choice, std::nullopt);
     const auto gone = opening || chosen ? std::nullopt : std::exchange(next_time, std::nullopt);
-    if (!opening && !chosen && !gone) wants_extras = false;
+    const auto solid =
+        opening || chosen || gone ? std::nullopt : std::exchange(next_solid, std::nullopt);
+    if (!opening && !chosen && !gone && !solid) wants_extras = false;
     stop = {};
     stop_extra = {};
     const std::stop_token token = stop.get_token();
@@ -372,6 +482,8 @@ void Loader::Impl::run() {
         choose(*chosen, token);
       } else if (gone) {
         go_to(*gone, token);
+      } else if (solid) {
+        show_solid(*solid, token);
       } else {
         work_out_extras(extra_token);
       }
@@ -409,6 +521,7 @@ void Loader::open(std::shared_ptr<const Launch> launch, bool is_reload) {
   impl_->next_open = OpenTask{std::move(launch), is_reload};
   impl_->next_choice.reset();
   impl_->next_time.reset();
+  impl_->next_solid.reset();
   impl_->wants_extras = false;
   impl_->stop.request_stop();
   impl_->stop_extra.request_stop();
@@ -418,6 +531,7 @@ void Loader::open(std::shared_ptr<const Launch> launch, bool is_reload) {
 void Loader::choose(const ArrayChoice& choice) {
   const std::lock_guard lock(impl_->mutex);
   impl_->next_choice = choice;
+  impl_->next_solid.reset();
   impl_->stop_extra.request_stop();
   impl_->wanted.notify_all();
 }
@@ -425,6 +539,13 @@ void Loader::choose(const ArrayChoice& choice) {
 void Loader::go_to(const TimeChoice& choice, const Look& look, bool wants_extras) {
   const std::lock_guard lock(impl_->mutex);
   impl_->next_time = TimeTask{choice, look, wants_extras};
+  impl_->stop_extra.request_stop();
+  impl_->wanted.notify_all();
+}
+
+void Loader::show_solid(const SolidChoice& choice) {
+  const std::lock_guard lock(impl_->mutex);
+  impl_->next_solid = choice;
   impl_->stop_extra.request_stop();
   impl_->wanted.notify_all();
 }
@@ -437,7 +558,7 @@ std::vector<LoadReport> Loader::take_reports() {
 bool Loader::is_busy() const {
   const std::lock_guard lock(impl_->mutex);
   return impl_->is_working || impl_->next_open || impl_->next_choice || impl_->next_time ||
-         impl_->wants_extras || !impl_->reports.empty();
+         impl_->next_solid || impl_->wants_extras || !impl_->reports.empty();
 }
 
 std::size_t Loader::resident_bytes() const {

@@ -11,6 +11,7 @@
 
 #include "histogram.h"
 #include "launch.h"
+#include "make_solid.h"
 #include "ovoid/dataset.h"
 #include "ovoid/look.h"
 #include "ovoid/sampler.h"
@@ -35,20 +36,33 @@ struct DataInfo {
   std::vector<double> times;  // one per step; the steps' numbers where the input names none
   std::string time_unit;
   bool is_staggered = false;
-  std::int64_t step = 0;  // the one that was read first
+  std::int64_t step = 0;         // the one that was read first
+  bool is_control_mesh = false;  // hexahedra with values per node, at one time
+};
+
+// A control mesh's solid, instead of the mesh (docs/solids.md).
+struct SolidShape {
+  std::shared_ptr<const SolidMesh> control;
+  int levels = cli::SolidFlags().levels;
+  SolidBasis basis = cli::SolidFlags().basis;
+  bool operator==(const SolidShape&) const = default;
 };
 
 // What is drawn: one array of the data at one time. Immutable.
 struct Shown {
   cli::Subject subject;
+  std::shared_ptr<const Dataset> dataset;  // that it was made of
   double time = 0;
   std::string array;        // gives opacity
   std::string color_array;  // gives colour; of lattices the same
   int component = 0;
   bool is_density = false;             // of particles: mass, or number, per volume
   std::shared_ptr<const Trail> trail;  // what was there before; null: none
+  std::optional<SolidShape> solid;     // whose kernels these are; none: of the data themselves
+  bool is_rough = false;               // a solid as it is while it moves
 
   const Field& field() const noexcept { return subject.modelled.field; }
+  bool is_of(const std::optional<SolidShape>& wanted) const { return solid == wanted && !is_rough; }
 };
 
 // What is worked out of it for the interface, later than the first picture.
@@ -58,6 +72,14 @@ struct Extras {
   cli::Histogram histogram;
   std::shared_ptr<const FieldProbe> probe;  // values at places
 };
+
+// Of `dataset`, drawn as `drawing` says, which gets what labels need. Throws Error.
+std::shared_ptr<Shown> make_shown(std::shared_ptr<const Dataset> dataset, const cli::Flags& flags,
+                                  cli::DrawingFlags& drawing, double time, cli::Session& session);
+
+// Throws Error(kCancelled).
+std::shared_ptr<const Extras> make_extras(const std::shared_ptr<const Shown>& shown, int threads,
+                                          const std::stop_token& stop);
 
 // Reports of the loader.
 struct LoadProgress {
@@ -95,12 +117,21 @@ struct ArrayChoice {
   bool operator==(const ArrayChoice&) const = default;
 };
 
+ArrayChoice choice_of(const Shown& shown);
+
 struct TimeChoice {
   double time = 0;
   bool is_interpolated = true;
   double blur_length = 0;  // of --motion-blur; 0: none
   double blur_decay = 0;
   bool operator==(const TimeChoice&) const = default;
+};
+
+struct SolidChoice {
+  std::optional<SolidShape> shape;  // without a control mesh: of what is shown; none: the mesh
+  bool wants_look = false;          // a new one
+  bool is_moving = false;           // more will follow soon: fewer levels and no extras will do
+  bool operator==(const SolidChoice&) const = default;
 };
 
 // All members may be called from one thread, the interface's. Of several choices of the same kind
@@ -116,6 +147,7 @@ class Loader {
   void choose(const ArrayChoice& choice);
   // `look`: the picture's, which a trail's is made from.
   void go_to(const TimeChoice& choice, const Look& look, bool wants_extras);
+  void show_solid(const SolidChoice& choice);
   void stop();  // asks what is done to end; nothing follows
 
   std::vector<LoadReport> take_reports();

@@ -25,11 +25,31 @@ struct Wishes {
   std::optional<std::size_t> open_recent;  // its number in the list
   bool forgets_recent = false;
   Browsing browses = Browsing::kNothing;
+  std::optional<cli::Words> fit;  // is begun, with this goal
+  bool cancels_fit = false;
+  bool copies_fit = false;  // its command
+  bool saves_fit = false;
+  std::optional<bool> shows_solid;
+  bool saves_control = false, saves_kernels = false;  // of the solid
   bool copies_command = false;
   bool saves_picture = false;
   std::string open;                     // a file of data
   std::string read_look, write_look;    // paths
   std::string read_state, write_state;  // paths
+};
+
+// The goals of a fit, in the order of their list.
+enum class FitGoal { kPsnr, kTolerance, kKernels, kBytes, kSmooth };
+
+struct FitState {
+  FitGoal goal = FitGoal::kPsnr;
+  double psnr = 45;       // dB
+  double tolerance = 1;   // % of the range
+  double kernels = 5000;  // whole
+  double kib = 500;       // whole
+  std::string path;       // where it is saved; empty: usual_fit_path()
+  std::string error;      // why there is none
+  std::string saved;      // where the last one was
 };
 
 // What the interface remembers that is no property of the picture.
@@ -43,6 +63,13 @@ struct PanelState {
   int color_map = -1;
   std::vector<OpacityPoint> layered;  // opacities before a mode in which one sample makes the pixel
   bool has_handles = true;            // of crop and clip planes, in the picture
+  FitState fit;
+  // Of a solid.
+  bool has_vertices = true;    // in the picture
+  int vertex = -1;             // the chosen one; -1: none
+  std::string vertex_refusal;  // why it was not moved on
+  std::string control_path = "control.vtu";
+  std::string kernels_path = "solid.ply";
 };
 
 // What the program tells of the picture that is shown.
@@ -58,6 +85,7 @@ struct Status {
   Size picture;
   Theme theme = Theme::kDark;
   bool is_browsing = false;
+  FitProgress fit;
 };
 
 struct Panel {
@@ -75,6 +103,16 @@ void space_panel(Panel& panel);
 void time_panel(Panel& panel);
 void compare_panel(Panel& panel);
 void quality_panel(Panel& panel);
+void fit_panel(Panel& panel);
+void solid_panel(Panel& panel);
+
+// NAME-fit.ply, or of a lattice NAME-fit.h5, by the name of the data.
+std::string usual_fit_path(const Document& document);
+
+// Which of two pictures is shown, and how: a list of four by the name, none of them with `with`
+// where something else is compared; then what can be done, and how far apart the pictures are.
+void compare_choice(Panel& panel, const std::string& name, CompareWith with,
+                    const std::vector<const char*>& options);
 
 // "fast", "normal", "fine", "finest", or "by number" where the sampling distance is another one.
 std::string quality_name(const Document& document);

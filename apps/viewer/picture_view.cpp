@@ -74,11 +74,12 @@ void PictureView::forget() {
   picked_.reset();
 }
 
-const Picture* PictureView::full(std::uint64_t number) const noexcept {
-  if (!shown_ || shown_->number != number || !shown_->level.is_full() || !shown_->is_final ||
-      shown_->pictures.empty())
+const Picture* PictureView::full(const Document& document) const {
+  if (!shown_ || shown_->number != document.version() || !shown_->level.is_full() ||
+      !shown_->is_final || shown_->pictures.empty())
     return nullptr;
-  return &shown_->pictures.back();
+  const Picture& own = shown_->pictures[shown_->own];
+  return own.scene->shown->is_of(document.view.solid) ? &own : nullptr;
 }
 
 Placement PictureView::placement(const Document& document, ImVec2 at, ImVec2 size) const {
@@ -94,7 +95,7 @@ Placement PictureView::placement(const Document& document, ImVec2 at, ImVec2 siz
   if (is_split(document)) {
     place.beside = width / 2;
     place.picture.x1 -= place.beside;
-    const float beyond = size.y / 4;  // is shown above and below the view
+    const float beyond = size.y * (1 - place.beside / size.x) / 2;  // above and below the view
     place.picture.y0 += beyond;
     place.picture.y1 -= beyond;
   }
@@ -137,19 +138,22 @@ void PictureView::draw_divider(Panel& panel, ImDrawList& list, const Placement& 
   const float y = place.all.y0 + 34 * scale;
   const float gap = 10 * scale;
   const ImU32 ink = panel.widgets.colors().ink;
-  panel.widgets.label(list, {x - gap - ImGui::CalcTextSize("A").x, y}, ink, "A");
-  panel.widgets.label(list, {x + gap, y}, ink, "B");
+  const bool has_fit = panel.document.compares_fit();
+  const char* const left = has_fit ? "data" : "A";
+  panel.widgets.label(list, {x - gap - ImGui::CalcTextSize(left).x, y}, ink, left);
+  panel.widgets.label(list, {x + gap, y}, ink, has_fit ? "fit" : "B");
 }
 
-void PictureView::begin_drag(const Panel& panel, ImVec2 mouse, const Placement& place) {
+void PictureView::begin_drag(Panel& panel, ImVec2 mouse, const Placement& place) {
   const ImGuiIO& io = ImGui::GetIO();
   const bool is_left = ImGui::IsMouseDown(ImGuiMouseButton_Left);
-  const bool has_handles = panel.state.has_handles && !panel.document.compares();
+  const bool has_handles = !panel.document.compares();
   if (is_left && is_divided(panel.document) &&
       std::abs(mouse.x - place.divider) < kDividerReach * panel.widgets.scale()) {
     drag_ = Drag::kDivider;
   } else if (is_left && has_handles && handles_.press(mouse, panel.widgets)) {
     drag_ = Drag::kHandle;
+    panel.state.vertex = handles_.held_vertex().value_or(panel.state.vertex);
   } else if (ImGui::IsMouseDown(ImGuiMouseButton_Right)) {
     drag_ = Drag::kZoom;
   } else if (!is_left || io.KeyShift) {
@@ -205,6 +209,7 @@ bool PictureView::act(Panel& panel, const Placement& place) {
           std::clamp((io.MousePos.x - place.all.x0) / width, 1 - kMostOfDivider, kMostOfDivider);
     }
     is_changed |= continue_drag(document, mouse, vec(io.MouseDelta), picture);
+    if (drag_ == Drag::kHandle) panel.state.vertex_refusal = handles_.refusal();
     dragged_ += vec(io.MouseDelta).norm();
   } else {
     drag_ = Drag::kNone;
@@ -264,8 +269,10 @@ void PictureView::pick(const Document& document, const Placement& place) {
   if (!std::isfinite(depth)) return;
   const Projection projection(picture.scene->camera, image.width, image.height);
   Picked picked{projection.world_at(Vec2(x + 0.5, y + 0.5), depth)};
-  if (document.extras && document.extras->probe) {
-    const FieldSample sample = document.extras->probe->at(picked.position);
+  const auto& extras =
+      document.compares_fit() && is_second ? document.fit->extras : document.extras;
+  if (extras && extras->probe) {
+    const FieldSample sample = extras->probe->at(picked.position);
     picked.is_defined = sample.is_defined;
     picked.value = sample.value;
   }
@@ -306,12 +313,17 @@ bool PictureView::draw(Panel& panel, Gui& gui, ImVec2 at, ImVec2 size, float den
       if (place.beside > 0) draw_box(box, projection, of_second, list, color);
     }
     draw_divider(panel, list, place);
-    if (panel.state.has_handles && !document.compares())
-      handles_.draw(document, projection, upper_left, list, panel.widgets);
+    if (!document.compares()) {
+      const PanelState& state = panel.state;
+      handles_.draw(document, {state.has_handles, state.has_vertices, state.vertex}, projection,
+                    upper_left, list, panel.widgets);
+    }
     std::array<Marks::XrayRange, 2> xray_ranges;
     xray_ranges.fill({1e-3, 1.0});
     if (shown_ && !shown_->pictures.empty()) {
-      xray_ranges = {shown_->pictures.front().xray_range, shown_->pictures.back().xray_range};
+      const std::vector<Picture>& two = shown_->pictures;
+      const std::size_t own = std::min(shown_->own, two.size() - 1);
+      xray_ranges = {two[two.size() - 1 - own].xray_range, two[own].xray_range};
     }
     const Box2 all{at.x, at.y, at.x + size.x, at.y + size.y};
     marks_.draw(document, xray_ranges, list, {all, place.picture, density, panel.widgets.scale()});

@@ -41,10 +41,11 @@ class PictureView {
 
   Placement placement(const Document& document, ImVec2 at, ImVec2 size) const;
   double divider() const noexcept { return divider_; }
+  bool holds_vertex() const { return drag_ == Drag::kHandle && handles_.held_vertex(); }
 
   const Pictures* shown() const noexcept { return shown_ ? &*shown_ : nullptr; }
   // The last full picture, if it is of the document as it is.
-  const Picture* full(std::uint64_t number) const noexcept;
+  const Picture* full(const Document& document) const;
   const std::optional<Picked>& picked() const noexcept { return picked_; }
 
  private:
@@ -53,7 +54,7 @@ class PictureView {
   void show_pictures(const Document& document, Gui& gui, const Placement& place) const;
   void draw_divider(Panel& panel, ImDrawList& list, const Placement& place) const;
   bool act(Panel& panel, const Placement& place);
-  void begin_drag(const Panel& panel, ImVec2 mouse, const Placement& place);
+  void begin_drag(Panel& panel, ImVec2 mouse, const Placement& place);
   bool continue_drag(Document& document, const Vec2& mouse, const Vec2& moved, const Vec2& size);
   void pick(const Document& document, const Placement& place);
 

@@ -9,11 +9,10 @@
 
 namespace ovoid::viewer {
 
-void lower_priority() noexcept {
+void lower_priority([[maybe_unused]] int nicer) noexcept {
 #ifdef __linux__
-  constexpr int kNicer = 6;  // a quarter of the time, where another thread wants the same processor
   const auto thread = static_cast<id_t>(syscall(SYS_gettid));  // Linux nices threads, not processes
-  setpriority(PRIO_PROCESS, thread, getpriority(PRIO_PROCESS, thread) + kNicer);
+  setpriority(PRIO_PROCESS, thread, getpriority(PRIO_PROCESS, thread) + nicer);
 #endif
 }
 

@@ -55,9 +55,12 @@ Coarse at_level(const Scene& scene, const Level& level) {
   coarse.options.width = coarsened(scene.options.width, level.pixels);
   coarse.options.height = coarsened(scene.options.height, level.pixels);
   coarse.options.collect_profile = true;
-  if (level.field == 0) return coarse;
-  coarse.field = &scene.extras->coarser[static_cast<std::size_t>(level.field - 1)];
-  coarse.options.sampling_distance *= std::exp2(level.field);
+  // Of two scenes the second may have less to coarsen than the first.
+  const int field =
+      scene.extras ? std::min(level.field, static_cast<int>(scene.extras->coarser.size())) : 0;
+  if (field == 0) return coarse;
+  coarse.field = &scene.extras->coarser[static_cast<std::size_t>(field - 1)];
+  coarse.options.sampling_distance *= std::exp2(field);
   // Opacities mean what they mean at the full picture.
   if (coarse.look.unit_distance == 0 && !coarse.look.transfer_function.unit_distance)
     coarse.look.unit_distance = default_unit_distance(full);
@@ -228,6 +231,7 @@ Picture Worker::Impl::draw(const std::shared_ptr<const Scene>& scene, const Leve
 bool Worker::Impl::draw_all(const Request& request, const Level& level, bool is_final) {
   Pictures done;
   done.number = request.number;
+  done.own = request.own;
   done.level = level;
   done.is_final = is_final;
   std::stop_token token;

@@ -38,6 +38,7 @@ struct Scene {
 struct Request {
   std::uint64_t number = 0;                          // rising
   std::vector<std::shared_ptr<const Scene>> scenes;  // one, or two to be compared
+  std::size_t own = 0;                               // which of two is the document's
   bool is_moving = false;  // more requests will follow soon: a coarse picture will do
 };
 
@@ -54,8 +55,9 @@ struct Pictures {
   Level level;
   bool is_final = false;  // nothing finer follows
   std::vector<Picture> pictures;
-  std::string error;  // why there is none
-  double ms = 0;      // of all its pictures
+  std::size_t own = 0;  // as the request has it
+  std::string error;    // why there is none
+  double ms = 0;        // of all its pictures
   // Of two full pictures.
   double psnr = 0;
   std::vector<std::uint8_t> difference;  // their distance, kDifferenceGain-fold, as Picture::bgra

@@ -229,6 +229,10 @@ TEST_F(Documents, ScenesAreOneOrTwo) {
   const Projection half(scenes[1]->camera, 32, 48);
   const double depth = whole.focal_depth();
   EXPECT_NEAR(half.pixel_size_at(depth) * 32, whole.pixel_size_at(depth) * 64, 1e-9 * depth);
+  // Of a view that alone is wider.
+  const Projection wider(document_.camera, 96, 48);
+  const Projection narrow(document_.scenes(kPicture, 96)[1]->camera, 32, 48);
+  EXPECT_NEAR(narrow.pixel_size_at(depth) * 32, wider.pixel_size_at(depth) * 96, 1e-9 * depth);
   for (const CompareMode mode : {CompareMode::kDivided, CompareMode::kDifference}) {
     document_.compare = mode;
     scenes = document_.scenes(kPicture);

@@ -75,6 +75,9 @@ View view_of(vtkRenderer* renderer) {
       matrix_of(camera->GetProjectionTransformMatrix(renderer->GetTiledAspectRatio(), -1, 1));
   if (std::abs(clip_from_eye(0, 1)) > kRounding || std::abs(clip_from_eye(1, 0)) > kRounding)
     refuse("its projection shears: expected one that does not");
+  const int beside = view.camera.parallel_projection ? 2 : 3;  // of offsets the column that stays 0
+  if (std::abs(clip_from_eye(0, beside)) > kRounding || std::abs(clip_from_eye(1, beside)) > kRounding)
+    refuse("its projection shears: expected one that does not");
   const double pixel_x = 2 / (clip_from_eye(0, 0) * view.viewport_width);
   const double pixel_y = 2 / (clip_from_eye(1, 1) * view.viewport_height);
   if (!(std::abs(pixel_x - pixel_y) <= 1e-6 * std::abs(pixel_y)))
@@ -91,8 +94,7 @@ View view_of(vtkRenderer* renderer) {
     view.camera.parallel_scale = half_height;
   else
     view.camera.view_angle = 2 * std::atan(half_height) * kDegrees;
-  view.depths = {is_parallel, is_parallel ? -clip_from_eye(2, 2) : clip_from_eye(2, 2),
-                 clip_from_eye(2, 3)};
+  view.depths = {is_parallel, clip_from_eye(2, 2), clip_from_eye(2, 3)};
   return view;
 }
 

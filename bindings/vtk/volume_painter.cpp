@@ -96,6 +96,17 @@ std::vector<double> shape_of(vtkDataSet* data) {
   return shape;
 }
 
+// How much of the array the field's samples lie in; 0: they are copies.
+std::int64_t shared_bytes_of(const Field& field, const DataArray& array) {
+  const LatticeField* const lattice = field.lattice();
+  if (lattice == nullptr) return 0;
+  const BrickView samples = lattice->samples().acquire(0, 0, 0, 0);
+  const auto* const first = static_cast<const std::byte*>(samples.data);
+  const auto bytes = array.bytes.view;
+  const bool is_within = first >= bytes.data() && first < bytes.data() + bytes.size();
+  return is_within ? static_cast<std::int64_t>(bytes.size()) : 0;
+}
+
 RendererSetup setup_for(int backend, int num_threads) {
   constexpr Backend kBackends[] = {Backend::kAuto, Backend::kCpu, Backend::kVulkan};
   RendererSetup setup;
@@ -121,6 +132,7 @@ void VolumePainter::make_field(vtkDataSet* data, const DrawnValues& drawn,
     throw Error(ErrorCode::kInvalidArgument,
                 fmt::format("array '{}': no value is a finite number", array.name));
   }
+  shared_bytes_ = shared_bytes_of(made_, array);
   surface_ = dataset.kind == DatasetKind::kMesh ? make_surface(dataset, options.kernels) : nullptr;
   if (surface_ != nullptr && !surface_->encloses_mesh()) surface_ = nullptr;
 }
@@ -259,7 +271,7 @@ void VolumePainter::draw(vtkRenderer* renderer, vtkVolume* volume, vtkDataSet* d
 
 std::int64_t VolumePainter::field_bytes() const {
   if (made_.is_empty()) return 0;
-  return static_cast<std::int64_t>(made_.resident_bytes());
+  return static_cast<std::int64_t>(made_.resident_bytes()) - shared_bytes_;
 }
 
 void draw_or_tell(const std::function<void()>& draw, const std::function<void(const char*)>& tell) {

@@ -60,6 +60,8 @@ class VolumePainter {
   double image_distance() const { return image_distance_; }
   // A count of VTK's clock: when the field was made; 0: never.
   std::uint64_t field_time() const { return field_time_; }
+  // Whether the field's samples lie in the array's own memory.
+  bool shares_memory() const { return shared_bytes_ > 0; }
   // Of the field, without the samples that it shares.
   std::int64_t field_bytes() const;
   const View& view() const { return view_; }
@@ -94,6 +96,7 @@ class VolumePainter {
   Affine3 world_from_made_ = Affine3::Identity();
   std::shared_ptr<const Surface> surface_;  // of a mesh; or null
   std::uint64_t field_time_ = 0;
+  std::int64_t shared_bytes_ = 0;
   std::optional<Renderer> renderer_;
   int renderer_backend_ = 0;
   int renderer_threads_ = 0;

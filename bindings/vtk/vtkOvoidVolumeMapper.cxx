@@ -49,6 +49,7 @@ double vtkOvoidVolumeMapper::GetRenderTime() { return this->Painter->times().all
 double vtkOvoidVolumeMapper::GetFrameTime() { return this->Painter->times().renderer; }
 double vtkOvoidVolumeMapper::GetDisplayTime() { return this->Painter->times().screen; }
 vtkMTimeType vtkOvoidVolumeMapper::GetFieldTime() { return this->Painter->field_time(); }
+bool vtkOvoidVolumeMapper::GetSharesMemory() { return this->Painter->shares_memory(); }
 vtkTypeInt64 vtkOvoidVolumeMapper::GetFieldMemory() { return this->Painter->field_bytes(); }
 
 void vtkOvoidVolumeMapper::GetColorImage(vtkImageData* image) {

@@ -106,7 +106,14 @@ class VTKOVOID_EXPORT vtkOvoidVolumeMapper : public vtkVolumeMapper {
   vtkMTimeType GetFieldTime();
 
   /**
-   * The bytes that the field holds beside the samples that it shares with the array.
+   * Whether the field's samples are the array's own memory. Not of arrays of other types and layouts
+   * than the above, of several components, and where points are blanked.
+   */
+  bool GetSharesMemory();
+
+  /**
+   * The bytes that the field holds, beside samples that it shares: coefficients of the kernels,
+   * ranges of values.
    */
   vtkTypeInt64 GetFieldMemory();
 

@@ -4,46 +4,13 @@
 import unittest
 
 import numpy as np
-from scene import (BACKGROUND, FOG, HEIGHT, SHELL, WIDTH, Scene, bumps, image_of, over, picture_of, property_of, rendered)
+from mapper_case import EXACT, SIDE, TRANSLUCENT, MapperCase
+from scene import BACKGROUND, COLORS, FOG, HEIGHT, WIDTH, Scene, bumps, image_of, over, picture_of, property_of, rendered
 from vtkmodules.util.numpy_support import numpy_to_vtk
 from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction, vtkPlane, vtkRectilinearGrid
+from vtkmodules.vtkCommonMath import vtkMatrix4x4
 from vtkmodules.vtkFiltersSources import vtkPlaneSource
 from vtkmodules.vtkRenderingCore import vtkColorTransferFunction, vtkLight, vtkVolumeProperty
-
-SIDE = 25
-# Bytes, of both pictures in 8 bits.
-EXACT = 1.0
-TRANSLUCENT = 2.0
-
-
-class MapperCase(unittest.TestCase):
-    def setUp(self):
-        self.values = bumps(SIDE)
-        self.image, self.array = image_of(self.values)
-
-    def assert_like(self, drawn, expected, bound):
-        difference = np.abs(drawn - expected)
-        place = np.unravel_index(difference.argmax(), difference.shape)
-        self.assertLessEqual(difference.max(), bound, f"at row, column, channel {place}: {drawn[place]} and {expected[place]}")
-
-    def assert_shows(self, picture):
-        """Something is there, and not everywhere."""
-        shown = np.abs(picture - 255 * np.array(BACKGROUND)).max(axis=2) > 20
-        self.assertGreater(shown.mean(), 0.02)
-        self.assertLess(shown.mean(), 0.98)
-
-    def assert_like_program(self, scene, *flags, data=None, bound=EXACT, **named):
-        drawn = scene.draw()
-        self.assertEqual(scene.errors, [])
-        self.assert_shows(drawn)
-        self.assert_like(drawn, over(rendered(data or self.image, scene, *flags, **named), BACKGROUND), bound)
-
-    def assert_error(self, scene, *words):
-        background = np.broadcast_to(255 * np.array(BACKGROUND), (HEIGHT, WIDTH, 3))
-        self.assert_like(scene.draw(), background, EXACT)
-        self.assertEqual(len(scene.errors), 1, scene.errors)
-        for word in words:
-            self.assertIn(word, scene.errors[0])
 
 
 class Pictures(MapperCase):
@@ -153,7 +120,7 @@ class BlendModes(MapperCase):
         drawn = scene.draw()
         self.assert_shows(drawn)
         negated, _ = image_of(-self.values)
-        mirrored = Scene(negated, property_of(colors=[(-x, *rgb) for x, *rgb in reversed(scene_colors())],
+        mirrored = Scene(negated, property_of(colors=[(-x, *rgb) for x, *rgb in reversed(COLORS)],
                                               opacities=[(-1.0, 0), (0, 1)], shade=False))
         mirrored.mapper.SetBlendModeToMaximumIntensity()
         self.assert_like(drawn, mirrored.draw(), EXACT)
@@ -176,11 +143,6 @@ class BlendModes(MapperCase):
             self.assert_error(scene, "blend mode", blend.lower())
 
 
-def scene_colors():
-    from scene import COLORS
-    return COLORS
-
-
 class Cuts(MapperCase):
     def test_cropping_to_a_box(self):
         scene = Scene(self.image, property_of(opacities=FOG))
@@ -194,15 +156,15 @@ class Cuts(MapperCase):
         scene = Scene(self.image, property_of(opacities=FOG, shade=False))
         whole = over(rendered(self.image, scene, "--sheets", "image"), BACKGROUND)
         scene.mapper.CroppingOn()
-        scene.mapper.SetCroppingRegionPlanes(8, 16, 8, 16, 8, 16)
+        scene.mapper.SetCroppingRegionPlanes(6, 12, 6, 12, 6, 12)
         scene.mapper.SetCroppingRegionFlags(0x7FFFFFF)
         self.assert_like(scene.draw(), whole, TRANSLUCENT)
         scene.mapper.SetCroppingRegionFlags(1 << 26)  # beyond all upper planes
         corner = scene.draw()
         self.assert_shows(corner)
-        clips = ("--clip", "1,0,0,16", "--clip", "0,1,0,16", "--clip", "0,0,1,16")
+        clips = ("--clip", "1,0,0,12", "--clip", "0,1,0,12", "--clip", "0,0,1,12")
         self.assert_like(corner, over(rendered(self.image, scene, "--sheets", "image", *clips), BACKGROUND), TRANSLUCENT)
-        scene.mapper.SetCroppingRegionPlanes(8, 16, 8, 16, 8, 16)
+        scene.mapper.SetCroppingRegionPlanes(6, 12, 6, 12, 6, 12)
         scene.mapper.SetCroppingRegionFlagsToFence()
         fence = scene.draw()
         scene.mapper.SetCroppingRegionFlagsToInvertedFence()
@@ -285,7 +247,6 @@ class Views(MapperCase):
 
     def test_shear(self):
         """An oblique lattice is drawn: the sheared volume seen along z is the plain one, its layers moved."""
-        from vtkmodules.vtkCommonMath import vtkMatrix4x4
         matrix = vtkMatrix4x4()
         matrix.SetElement(0, 2, 0.5)
         scene = Scene(self.image, property_of(opacities=[(0, 1), (0.5, 1), (0.6, 0)], shade=False), position=(18, 12, 90),
@@ -492,6 +453,5 @@ class Errors(MapperCase):
         self.assertEqual(len(scene.errors), 1)
 
 
-assert SHELL
 if __name__ == "__main__":
     unittest.main(verbosity=2)

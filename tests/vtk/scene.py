@@ -9,8 +9,6 @@ import numpy as np
 import vtkmodules.vtkRenderingOpenGL2  # noqa: F401  the render windows
 import vtkmodules.vtkRenderingVolumeOpenGL2  # noqa: F401  VTK's own mappers
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
-from vtkmodules.util.vtkConstants import VTK_UNSIGNED_CHAR
-from vtkmodules.vtkCommonCore import vtkObject
 from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
 from vtkmodules.vtkIOXML import vtkXMLImageDataWriter, vtkXMLPolyDataWriter, vtkXMLRectilinearGridWriter, vtkXMLUnstructuredGridWriter
 from vtkmodules.vtkRenderingCore import (vtkActor, vtkColorTransferFunction, vtkPolyDataMapper, vtkRenderer, vtkRenderWindow, vtkVolume,
@@ -165,7 +163,8 @@ def rendered(data, scene, *flags, has_unit=True):
             "parallel_scale": camera.GetParallelScale()}
     words = ["--tf", look_json(prop), "--camera", json.dumps(view), "--size", f"{WIDTH}x{HEIGHT}"]
     if prop.GetShade():
-        words += ["--shade", "--light", "headlight", "--ambient", str(prop.GetAmbient()), "--diffuse", str(prop.GetDiffuse()),
+        lights = [] if "--light" in flags else ["--light", "headlight"]
+        words += ["--shade", *lights, "--ambient", str(prop.GetAmbient()), "--diffuse", str(prop.GetDiffuse()),
                   "--specular", str(prop.GetSpecular()), "--specular-power", str(prop.GetSpecularPower())]
     elif "--mode" not in flags:
         words += ["--no-shade"]
@@ -178,7 +177,3 @@ def rendered(data, scene, *flags, has_unit=True):
         if done.returncode != 0:
             raise RuntimeError(f"{' '.join(command)}: {done.stderr}")
         return np.load(out)
-
-
-__all__ = [name for name in dir() if not name.startswith("_")]
-assert VTK_UNSIGNED_CHAR and vtkObject

@@ -118,27 +118,32 @@ DepthLimits region_limits(const Cropping& cropping, const Affine3& world_from_da
   return limits;
 }
 
-DepthLimits limits_before(std::span<const float> depths, const View& view) {
-  DepthLimits limits = empty_limits(view);
-  limits.stops.reserve(2 * static_cast<std::size_t>(view.width) *
-                       static_cast<std::size_t>(view.height));
+void limits_before(std::span<const float> depths, const View& view, DepthLimits* limits) {
+  limits->width = view.width;
+  limits->height = view.height;
+  const auto num_pixels =
+      static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height);
+  limits->first.resize(num_pixels + 1);
+  limits->stops.resize(2 * num_pixels);  // at most
+  std::uint32_t* first = limits->first.data();
+  DepthLimits::Stop* const begin = limits->stops.data();
+  DepthLimits::Stop* stop = begin;
   for (int y = 0; y < view.height; ++y) {
     const int row = view.viewport_row(view.height - 1 - y);
+    const float* const of_row =
+        depths.data() + static_cast<std::ptrdiff_t>(row) * view.viewport_width;
     for (int x = 0; x < view.width; ++x) {
+      *first++ = static_cast<std::uint32_t>(stop - begin);
       const int column = view.viewport_column(x);
       const bool is_seen = row >= 0 && row < view.viewport_height && column >= 0 &&
                            column < view.viewport_width;
-      if (is_seen) {
-        const float depth = depths[static_cast<std::size_t>(row) *
-                                       static_cast<std::size_t>(view.viewport_width) +
-                                   static_cast<std::size_t>(column)];
-        limits.stops.push_back({-kNowhere, true, {}});
-        if (depth < kNowhere) limits.stops.push_back({depth, false, {}});
-      }
-      end_pixel(limits);
+      if (!is_seen) continue;
+      *stop++ = {-kNowhere, true, {}};
+      if (of_row[column] < kNowhere) *stop++ = {of_row[column], false, {}};
     }
   }
-  return limits;
+  *first = static_cast<std::uint32_t>(stop - begin);
+  limits->stops.resize(static_cast<std::size_t>(stop - begin));
 }
 
 DepthLimits intersection(const DepthLimits& a, const DepthLimits& b) {

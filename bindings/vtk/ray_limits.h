@@ -31,8 +31,9 @@ DepthLimits region_limits(const Cropping& cropping, const Affine3& world_from_da
                           const View& view);
 
 // The field before the depths of the viewport's pixels, row 0 at the bottom (view.viewport_width x
-// viewport_height, distances along the view axis, infinite where nothing is).
-DepthLimits limits_before(std::span<const float> depths, const View& view);
+// viewport_height, distances along the view axis, infinite where nothing is). Into `limits`, whose
+// memory is used again.
+void limits_before(std::span<const float> depths, const View& view, DepthLimits* limits);
 
 // Spans and stops of both: the field where both draw it. Of the same size.
 DepthLimits intersection(const DepthLimits& a, const DepthLimits& b);

@@ -61,22 +61,21 @@ struct Screen::Gl {
 Screen::Screen() : gl_(std::make_unique<Gl>()) {}
 Screen::~Screen() = default;
 
-std::vector<float> Screen::depths(vtkRenderer* renderer, const View& view, double farthest) {
-  std::vector<float> depths(static_cast<std::size_t>(view.viewport_width) *
-                            static_cast<std::size_t>(view.viewport_height));
+std::span<const float> Screen::depths(vtkRenderer* renderer, const View& view, double farthest) {
+  depths_.resize(static_cast<std::size_t>(view.viewport_width) *
+                 static_cast<std::size_t>(view.viewport_height));
   const int status = window_of(renderer)->GetZbufferData(
       view.window_left, view.window_bottom, view.window_left + view.viewport_width - 1,
-      view.window_bottom + view.viewport_height - 1, depths.data());
+      view.window_bottom + view.viewport_height - 1, depths_.data());
   if (status != VTK_OK)
     throw Error(ErrorCode::kUnsupported, "the render window tells no depths of its pixels");
   bool covers_any = false;
-  for (float& depth : depths) {
+  for (float& depth : depths_) {
     depth = depth < 1 ? static_cast<float>(view.depths.depth_of(depth))
                       : std::numeric_limits<float>::infinity();
     covers_any = covers_any || depth < farthest;
   }
-  if (!covers_any) depths.clear();
-  return depths;
+  return covers_any ? std::span<const float>(depths_) : std::span<const float>();
 }
 
 void Screen::show(vtkRenderer* renderer, const View& view, const Image& image) {

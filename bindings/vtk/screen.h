@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "ovoid/image.h"
@@ -22,8 +23,8 @@ class Screen {
 
   // How far from the camera plane, along the view axis, each pixel of the viewport is covered, row
   // 0 at the bottom; infinite where it is not. Empty if nothing covers any before `farthest`.
-  // Throws Error(kUnsupported) if the window tells no depths.
-  std::vector<float> depths(vtkRenderer* renderer, const View& view, double farthest);
+  // Until the next call. Throws Error(kUnsupported) if the window tells no depths.
+  std::span<const float> depths(vtkRenderer* renderer, const View& view, double farthest);
 
   // Blends the picture, which is premultiplied, over the viewport: its floats as they are, pixel on
   // pixel, or between the pixels of a coarser one. Writes no depth. Throws Error(kUnsupported) for
@@ -35,6 +36,7 @@ class Screen {
  private:
   struct Gl;
   std::unique_ptr<Gl> gl_;
+  std::vector<float> depths_;
 };
 
 }  // namespace ovoid::mappers

@@ -202,29 +202,40 @@ RenderOptions VolumePainter::options_for(const MapperSettings& settings,
 void VolumePainter::add_limits(vtkRenderer* renderer, const MapperSettings& settings,
                                const Affine3& world_from_data, const Look& look,
                                RenderOptions* options) {
-  std::optional<DepthLimits> limits;
+  std::shared_ptr<const DepthLimits> limits;
   const auto narrow = [&](DepthLimits other) {
-    limits = limits ? intersection(*limits, other) : std::move(other);
+    limits = std::make_shared<const DepthLimits>(limits ? intersection(*limits, other)
+                                                        : std::move(other));
   };
   const Watch reading;
+  const std::span<const float> depths = screen_.depths(renderer, view_, farthest_depth());
+  times_.screen += reading.seconds();
+  if (!depths.empty()) {
+    if (scene_limits_ == nullptr) scene_limits_ = std::make_shared<DepthLimits>();
+    limits_before(depths, view_, scene_limits_.get());
+    limits = scene_limits_;
+  }
+  if (settings.cropping && !is_one_box(*settings.cropping))
+    narrow(region_limits(*settings.cropping, world_from_data, view_));
+  if (surface_ != nullptr) {
+    const Watch drawing;
+    DepthLimits boundary = boundary_limits(*surface_, view_.camera, look, {0, false}, *options,
+                                           renderer_for(settings).threads());
+    times_.renderer += drawing.seconds();
+    narrow(std::move(boundary));
+  }
+  options->depth_limits = std::move(limits);
+}
+
+// Where the field ends, as seen.
+double VolumePainter::farthest_depth() const {
   const Vec3 ahead = (view_.camera.focal_point - view_.camera.position).normalized();
   double farthest = 0;
   for (int corner = 0; corner < 8; ++corner) {
     const Vec3 place = field_.world_bounds().corner(static_cast<Bounds3::CornerType>(corner));
     farthest = std::max(farthest, ahead.dot(place - view_.camera.position));
   }
-  const std::vector<float> depths = screen_.depths(renderer, view_, farthest);
-  times_.screen += reading.seconds();
-  if (!depths.empty()) narrow(limits_before(depths, view_));
-  if (settings.cropping && !is_one_box(*settings.cropping))
-    narrow(region_limits(*settings.cropping, world_from_data, view_));
-  if (surface_ != nullptr) {
-    const Watch drawing;
-    narrow(boundary_limits(*surface_, view_.camera, look, {0, false}, *options,
-                           renderer_for(settings).threads()));
-    times_.renderer += drawing.seconds();
-  }
-  if (limits) options->depth_limits = std::make_shared<const DepthLimits>(std::move(*limits));
+  return farthest;
 }
 
 // As many pixels as the time that the window grants allows, by that of the last frame.

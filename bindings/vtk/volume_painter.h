@@ -88,6 +88,7 @@ class VolumePainter {
   RenderOptions options_for(const MapperSettings& settings, const Affine3& world_from_data) const;
   void add_limits(vtkRenderer* renderer, const MapperSettings& settings,
                   const Affine3& world_from_data, const Look& look, RenderOptions* options);
+  double farthest_depth() const;
   double image_distance_for(vtkVolume* volume, double greatest) const;
 
   std::optional<FieldKey> key_;
@@ -101,6 +102,7 @@ class VolumePainter {
   int renderer_backend_ = 0;
   int renderer_threads_ = 0;
   Screen screen_;
+  std::shared_ptr<DepthLimits> scene_limits_;  // of the last frame; their memory is the next one's
   View view_;
   Image image_;
   FrameTimes times_;

@@ -92,19 +92,14 @@ def scene(mapper, data, shade, has_plane=False):
     return renderer, window
 
 
-def timed(renderer, window, frames, note=lambda: None):
-    """Seconds of each frame, the camera turned by a hundredth of a degree, after one to warm up."""
+def one_frame(renderer, window):
+    """Seconds, the camera turned by a hundredth of a degree."""
+    renderer.GetActiveCamera().Azimuth(0.01)
+    renderer.ResetCameraClippingRange()
+    began = time.perf_counter()
     window.Render()
-    seconds = []
-    for _ in range(frames):
-        renderer.GetActiveCamera().Azimuth(0.01)
-        renderer.ResetCameraClippingRange()
-        began = time.perf_counter()
-        window.Render()
-        window.WaitForCompletion()
-        seconds.append(time.perf_counter() - began)
-        note()
-    return seconds
+    window.WaitForCompletion()
+    return time.perf_counter() - began
 
 
 def overhead_row(name, mapper, data, frames, has_plane=False):
@@ -112,9 +107,10 @@ def overhead_row(name, mapper, data, frames, has_plane=False):
     mapper.AutoAdjustSampleDistancesOff()
     parts = []
 
-    def note():
+    window.Render()  # makes the field
+    for _ in range(frames):
+        one_frame(renderer, window)
         parts.append((mapper.GetRenderTime(), mapper.GetFrameTime(), mapper.GetDisplayTime()))
-    timed(renderer, window, frames, note)
     whole, frame, screen = (1e3 * statistics.median(column) for column in zip(*parts))
     share = statistics.median((all_ - frame_ - screen_) / all_ for all_, frame_, screen_ in parts)
     return f"| {name} | {whole:.1f} | {frame:.1f} | {screen:.1f} | {100 * share:.1f} % |"
@@ -135,7 +131,7 @@ def compared(mesh, frames):
         seconds[name] = []
     for _ in range(frames):
         for name, (renderer, window) in scenes.items():
-            seconds[name] += timed(renderer, window, 1)
+            seconds[name].append(one_frame(renderer, window))
     return first, seconds
 
 

@@ -73,6 +73,11 @@ CellShape shape_of(int vtk_type) {
   throw Error(ErrorCode::kInvalidArgument, fmt::format("{}: {}", points->GetClassName(), what));
 }
 
+void require_values(vtkPointSet* points, const DrawnValues& drawn) {
+  if (drawn.array == nullptr)
+    fail(points, "no scalars are active: expected some, or SelectScalarArray");
+}
+
 DataArray positions_of(vtkPointSet* points, const Affine3& world_from_data) {
   vtkDataArray* const data = points->GetPoints()->GetData();
   const bool is_floating_data = data->GetDataType() == VTK_FLOAT || data->GetDataType() == VTK_DOUBLE;
@@ -193,6 +198,7 @@ Dataset point_set_dataset(vtkPointSet* points, const DrawnValues& drawn,
     dataset.kind = DatasetKind::kMesh;
     for (std::size_t axis = 0; axis < 3; ++axis)
       dataset.cells.dims[axis] = grid->GetDimensions()[axis];
+    require_values(points, drawn);
     dataset.arrays = {shared_array(drawn.array, drawn.is_cell_data)};
     return dataset;
   }
@@ -202,11 +208,13 @@ Dataset point_set_dataset(vtkPointSet* points, const DrawnValues& drawn,
                                                      : std::vector<vtkIdType>();
   dataset.kind = DatasetKind::kMesh;
   if (!kept.empty()) dataset.cells = cells_of(grid, kept);
-  dataset.arrays = {values_of(drawn, kept)};
   const auto types = dataset.cells.types.view();
-  if (std::all_of(types.begin(), types.end(),
-                  [](CellType type) { return type == CellType::kVertex; }))
-    make_particles(points, drawn, dataset);
+  const bool are_particles = std::all_of(types.begin(), types.end(), [](CellType type) {
+    return type == CellType::kVertex;
+  });
+  if (!are_particles) require_values(points, drawn);
+  if (drawn.array != nullptr) dataset.arrays = {values_of(drawn, kept)};
+  if (are_particles) make_particles(points, drawn, dataset);
   return dataset;
 }
 

@@ -13,7 +13,7 @@ namespace ovoid::mappers {
 // encloses anything (points, vertices, lines and polygons of vtkPolyData), particles. Hidden and
 // duplicate cells are left out. `world_from_data` moves the points; the identity shares them.
 // Values are shared, but those of cells where some are left out. Throws Error: kInvalidArgument for
-// an empty set and cells that contradict themselves.
+// an empty set, cells that contradict themselves, and a mesh without an array.
 Dataset point_set_dataset(vtkPointSet* points, const DrawnValues& drawn,
                           const Affine3& world_from_data);
 

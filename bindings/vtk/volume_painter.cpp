@@ -97,12 +97,12 @@ std::vector<double> shape_of(vtkDataSet* data) {
 }
 
 // How much of the array the field's samples lie in; 0: they are copies.
-std::int64_t shared_bytes_of(const Field& field, const DataArray& array) {
+std::int64_t shared_bytes_of(const Field& field, const Dataset& dataset) {
   const LatticeField* const lattice = field.lattice();
   if (lattice == nullptr) return 0;
   const BrickView samples = lattice->samples().acquire(0, 0, 0, 0);
   const auto* const first = static_cast<const std::byte*>(samples.data);
-  const auto bytes = array.bytes.view;
+  const auto bytes = dataset.arrays.front().bytes.view;
   const bool is_within = first >= bytes.data() && first < bytes.data() + bytes.size();
   return is_within ? static_cast<std::int64_t>(bytes.size()) : 0;
 }
@@ -122,17 +122,20 @@ void VolumePainter::make_field(vtkDataSet* data, const DrawnValues& drawn,
   auto* const points = vtkPointSet::SafeDownCast(data);
   Dataset dataset = points != nullptr ? point_set_dataset(points, drawn, world_from_data)
                                       : grid_dataset(data, drawn, world_from_data);
-  DataArray& array = dataset.arrays.front();
-  if (is_negated) array.value_scale = -1;
   FieldModelOptions options;
-  options.lattice.array = options.kernels.array = array.name;
-  options.lattice.component = options.kernels.component = drawn.component;
+  options.kernels.is_density = dataset.arrays.empty();  // particles without values
+  if (!dataset.arrays.empty()) {
+    DataArray& array = dataset.arrays.front();
+    if (is_negated) array.value_scale = -1;
+    options.lattice.array = options.kernels.array = array.name;
+    options.lattice.component = options.kernels.component = drawn.component;
+  }
   made_ = ovoid::make_field(dataset, options);
   if (made_.value_range().is_empty()) {
     throw Error(ErrorCode::kInvalidArgument,
-                fmt::format("array '{}': no value is a finite number", array.name));
+                fmt::format("array '{}': no value is a finite number", options.lattice.array));
   }
-  shared_bytes_ = shared_bytes_of(made_, array);
+  shared_bytes_ = shared_bytes_of(made_, dataset);
   surface_ = dataset.kind == DatasetKind::kMesh ? make_surface(dataset, options.kernels) : nullptr;
   if (surface_ != nullptr && !surface_->encloses_mesh()) surface_ = nullptr;
 }
@@ -146,13 +149,15 @@ void VolumePainter::place_field(const Affine3& world_from_data) {
 
 void VolumePainter::update_field(vtkDataSet* data, const DrawnValues& drawn,
                                  const Affine3& world_from_data, bool is_negated) {
-  const bool is_plain = drawn.array->HasStandardMemoryLayout();
-  FieldKey key{drawn.array,
-               is_plain ? drawn.array->GetVoidPointer(0) : nullptr,
-               drawn.array->GetMTime(),
-               drawn.component,
-               is_negated,
-               shape_of(data)};
+  FieldKey key;
+  key.array = drawn.array;
+  if (drawn.array != nullptr) {
+    if (drawn.array->HasStandardMemoryLayout()) key.values = drawn.array->GetVoidPointer(0);
+    key.array_time = drawn.array->GetMTime();
+  }
+  key.component = drawn.component;
+  key.is_negated = is_negated;
+  key.shape = shape_of(data);
   const bool stays = world_from_made_.isApprox(world_from_data, 0.0);
   if (key_ == key && (stays || made_.lattice() != nullptr)) {
     if (!stays) place_field(world_from_data);

@@ -50,6 +50,17 @@ class VTKOVOID_EXPORT vtkOvoidVolumeMapper : public vtkVolumeMapper {
 
   ///@{
   /**
+   * Of programs that were written for vtkSmartVolumeMapper, which chooses among VTK's renderers: they
+   * change nothing here.
+   */
+  void SetRequestedRenderMode(int) {}
+  void SetRequestedRenderModeToDefault() {}
+  void SetRequestedRenderModeToRayCast() {}
+  void SetRequestedRenderModeToGPU() {}
+  ///@}
+
+  ///@{
+  /**
    * Where pictures are made: on a hardware Vulkan device where there is one, else the processor
    * (AUTO, the default); or on one of the two.
    */

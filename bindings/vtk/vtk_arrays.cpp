@@ -7,6 +7,7 @@
 #include <vtkDataArray.h>
 #include <vtkDataSet.h>
 #include <vtkPointData.h>
+#include <vtkPointSet.h>
 #include <vtkSmartPointer.h>
 #include <vtkVolumeProperty.h>
 
@@ -157,6 +158,9 @@ DrawnValues drawn_values(vtkDataSet* data, const ArrayChoice& choice, vtkVolumeP
   DrawnValues drawn;
   drawn.array = vtkAbstractMapper::GetScalars(data, choice.scalar_mode, choice.access_mode,
                                               choice.array_id, choice.array_name, flag);
+  const bool may_lack_values =
+      choice.scalar_mode == VTK_SCALAR_MODE_DEFAULT && vtkPointSet::SafeDownCast(data) != nullptr;
+  if (drawn.array == nullptr && may_lack_values) return drawn;
   if (drawn.array == nullptr) throw_no_array(data, choice);
   // 2: of field data, which is points' or cells' by the mode.
   drawn.is_cell_data =

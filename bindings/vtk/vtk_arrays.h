@@ -31,15 +31,16 @@ struct ArrayChoice {
 };
 
 struct DrawnValues {
-  vtkDataArray* array = nullptr;
+  vtkDataArray* array = nullptr;  // null: none is active, and the places alone are drawn
   bool is_cell_data = false;
   int component = 0;       // of the tuples; LatticeModelOptions::kMagnitude: their length
   int property_index = 0;  // of the component whose functions of a vtkVolumeProperty count
 };
 
-// Throws Error: kInvalidArgument that names the arrays where none is active or the chosen one is
-// not there, or a component that the tuples do not have; kUnsupported for several components at
-// once.
+// No array for vtkPointSets whose mapper asks for the usual scalars and that have none: particles
+// may be drawn without. Throws Error: kInvalidArgument that names the arrays where none is active or
+// the chosen one is not there, or a component that the tuples do not have; kUnsupported for several
+// components at once.
 DrawnValues drawn_values(vtkDataSet* data, const ArrayChoice& choice, vtkVolumeProperty* property);
 
 }  // namespace ovoid::mappers

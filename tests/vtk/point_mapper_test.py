@@ -124,6 +124,14 @@ class Pictures(MeshCase):
         of_cells.GetPointData().SetScalars(numpy_to_vtk(np.linspace(0, 1.9, of_cells.GetNumberOfPoints()), deep=1))
         self.assert_shows(self.scene(of_cells).draw())
 
+    def test_particles_without_values(self):
+        """Their density, as the program draws it."""
+        points = vtkPoints()
+        points.SetData(numpy_to_vtk(np.random.default_rng(7).normal(12, 4, (1500, 3)), deep=1))
+        cloud = vtkPolyData()
+        cloud.SetPoints(points)
+        self.assert_drawn(cloud, prop=property_of(opacities=[(0.2, 0), (0.8, 0.5)]))
+
     def test_maximum(self):
         scene = self.scene(tetrahedra(), property_of(opacities=[(0.5, 0), (1.9, 1)], shade=False))
         scene.mapper.SetBlendModeToMaximumIntensity()
@@ -212,6 +220,9 @@ class Errors(MeshCase):
         self.assertEqual(len(scene.errors), 1)
 
     def test_missing_array(self):
+        grid = tetrahedra()
+        grid.GetPointData().SetActiveScalars(None)
+        self.assert_error(self.scene(grid), "no scalars")
         scene = self.scene(tetrahedra())
         scene.mapper.SetScalarModeToUseCellFieldData()
         scene.mapper.SelectScalarArray("pressure")

@@ -138,10 +138,10 @@ DataArray without_blanks(const DrawnValues& drawn, vtkUnsignedCharArray* flags,
   std::vector<float> values(static_cast<std::size_t>(drawn.array->GetNumberOfValues()));
   for (std::size_t i = 0; i < values.size(); ++i) {
     const auto tuple = static_cast<vtkIdType>(i) / count;
-    values[i] = (flags->GetValue(tuple) & hidden) != 0
-                    ? std::numeric_limits<float>::quiet_NaN()
-                    : static_cast<float>(
-                          drawn.array->GetComponent(tuple, static_cast<int>(i) % count));
+    values[i] =
+        (flags->GetValue(tuple) & hidden) != 0
+            ? std::numeric_limits<float>::quiet_NaN()
+            : static_cast<float>(drawn.array->GetComponent(tuple, static_cast<int>(i) % count));
   }
   const char* const name = drawn.array->GetName();
   DataArray array =
@@ -165,7 +165,8 @@ Dataset grid_dataset(vtkDataSet* grid, const DrawnValues& drawn, const Affine3& 
   Dataset dataset;
   dataset.source = grid->GetClassName();
   dataset.format = "VTK";
-  const auto lattice = image != nullptr ? std::optional(lattice_of(image)) : lattice_of(rectilinear);
+  const auto lattice =
+      image != nullptr ? std::optional(lattice_of(image)) : lattice_of(rectilinear);
   if (lattice)
     dataset.lattice = *lattice;
   else

@@ -22,7 +22,8 @@ class PlacedLattice final : public BrickSource {
   int brick_edge() const noexcept override { return source_.brick_edge(); }
   double value_scale() const noexcept override { return source_.value_scale(); }
   double value_offset() const noexcept override { return source_.value_offset(); }
-  ValueRange brick_range(std::int64_t bx, std::int64_t by, std::int64_t bz) const noexcept override {
+  ValueRange brick_range(std::int64_t bx, std::int64_t by,
+                         std::int64_t bz) const noexcept override {
     return source_.brick_range(bx, by, bz);
   }
   double range_reach() const noexcept override { return source_.range_reach(); }

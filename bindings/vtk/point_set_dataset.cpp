@@ -80,7 +80,8 @@ void require_values(vtkPointSet* points, const DrawnValues& drawn) {
 
 DataArray positions_of(vtkPointSet* points, const Affine3& world_from_data) {
   vtkDataArray* const data = points->GetPoints()->GetData();
-  const bool is_floating_data = data->GetDataType() == VTK_FLOAT || data->GetDataType() == VTK_DOUBLE;
+  const bool is_floating_data =
+      data->GetDataType() == VTK_FLOAT || data->GetDataType() == VTK_DOUBLE;
   if (is_floating_data && world_from_data.isApprox(Affine3::Identity(), 0.0)) {
     DataArray shared = shared_array(data, false);
     shared.name = "positions";
@@ -138,8 +139,8 @@ Cells cells_of(vtkUnstructuredGrid* grid, const std::vector<vtkIdType>& kept) {
     const int vtk_type = grid->GetCellType(c);
     const CellShape shape = shape_of(vtk_type);
     if (count < shape.least_nodes)
-      fail(grid, fmt::format("cell {} has {} points: its type needs {}", c, count,
-                             shape.least_nodes));
+      fail(grid,
+           fmt::format("cell {} has {} points: its type needs {}", c, count, shape.least_nodes));
     for (vtkIdType i = 0; i < count; ++i) {
       if (ids[i] < 0 || ids[i] >= num_nodes)
         fail(grid, fmt::format("cell {} has the point {}: there are {}", c, ids[i], num_nodes));
@@ -164,8 +165,8 @@ DataArray values_of(const DrawnValues& drawn, const std::vector<vtkIdType>& kept
   vtkNew<vtkIdList> ids;
   ids->SetNumberOfIds(static_cast<vtkIdType>(kept.size()));
   std::copy(kept.begin(), kept.end(), ids->GetPointer(0));
-  const auto values =
-      vtkSmartPointer<vtkDataArray>::Take(vtkDataArray::CreateDataArray(drawn.array->GetDataType()));
+  const auto values = vtkSmartPointer<vtkDataArray>::Take(
+      vtkDataArray::CreateDataArray(drawn.array->GetDataType()));
   values->SetName(drawn.array->GetName());
   values->SetNumberOfComponents(drawn.array->GetNumberOfComponents());
   values->SetNumberOfTuples(ids->GetNumberOfIds());
@@ -203,15 +204,14 @@ Dataset point_set_dataset(vtkPointSet* points, const DrawnValues& drawn,
     return dataset;
   }
   auto* const grid = vtkUnstructuredGrid::SafeDownCast(points);
-  const std::vector<vtkIdType> kept =
-      grid != nullptr && grid->GetCells() != nullptr ? cells_to_draw(grid)
-                                                     : std::vector<vtkIdType>();
+  const std::vector<vtkIdType> kept = grid != nullptr && grid->GetCells() != nullptr
+                                          ? cells_to_draw(grid)
+                                          : std::vector<vtkIdType>();
   dataset.kind = DatasetKind::kMesh;
   if (!kept.empty()) dataset.cells = cells_of(grid, kept);
   const auto types = dataset.cells.types.view();
-  const bool are_particles = std::all_of(types.begin(), types.end(), [](CellType type) {
-    return type == CellType::kVertex;
-  });
+  const bool are_particles = std::all_of(types.begin(), types.end(),
+                                         [](CellType type) { return type == CellType::kVertex; });
   if (!are_particles) require_values(points, drawn);
   if (drawn.array != nullptr) dataset.arrays = {values_of(drawn, kept)};
   if (are_particles) make_particles(points, drawn, dataset);

@@ -136,9 +136,8 @@ std::vector<Lamp> lamps_of(vtkRenderer* renderer, const Vec3& center) {
     lamps.push_back(lamp);
   }
   // The first is the look's own.
-  std::stable_sort(lamps.begin(), lamps.end(), [](const Lamp& a, const Lamp& b) {
-    return a.is_headlight && !b.is_headlight;
-  });
+  std::stable_sort(lamps.begin(), lamps.end(),
+                   [](const Lamp& a, const Lamp& b) { return a.is_headlight && !b.is_headlight; });
   return lamps;
 }
 
@@ -180,8 +179,8 @@ void take_lights(vtkRenderer* renderer, const Vec3& center, Look* look) {
     return;
   }
   if (lamps.size() > Look::kMaxFurtherLights + 1) {
-    throw Error(ErrorCode::kUnsupported, fmt::format("{} lights: at most {} are drawn", lamps.size(),
-                                                     Look::kMaxFurtherLights + 1));
+    throw Error(ErrorCode::kUnsupported, fmt::format("{} lights: at most {} are drawn",
+                                                     lamps.size(), Look::kMaxFurtherLights + 1));
   }
   const Lamp& own = lamps.front();
   if (!own.is_headlight) look->light_direction = own.direction;

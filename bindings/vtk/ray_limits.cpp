@@ -14,8 +14,8 @@ DepthLimits empty_limits(const View& view) {
   DepthLimits limits;
   limits.width = view.width;
   limits.height = view.height;
-  limits.first.reserve(static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height) +
-                       1);
+  limits.first.reserve(
+      static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height) + 1);
   limits.first.push_back(0);
   return limits;
 }
@@ -40,8 +40,8 @@ class Rays {
 
   // Row 0 at the top.
   void at(int x, int y, Vec3* origin, Vec3* direction) const {
-    const Vec3 aside = pixel_ * ((x + 0.5 - 0.5 * view_.width) * right_ +
-                                 (0.5 * view_.height - y - 0.5) * up_);
+    const Vec3 aside =
+        pixel_ * ((x + 0.5 - 0.5 * view_.width) * right_ + (0.5 * view_.height - y - 0.5) * up_);
     *origin = view_.camera.position;
     *direction = ahead_;
     (view_.camera.parallel_projection ? *origin : *direction) += aside;
@@ -57,7 +57,9 @@ bool draws(const Cropping& cropping, const Vec3& place) {
   int region = 0;
   for (int axis = 0, step = 1; axis < 3; ++axis, step *= 3) {
     const auto at = static_cast<std::size_t>(2 * axis);
-    region += step * (place[axis] < cropping.planes[at] ? 0 : place[axis] < cropping.planes[at + 1] ? 1 : 2);
+    region += step * (place[axis] < cropping.planes[at]       ? 0
+                      : place[axis] < cropping.planes[at + 1] ? 1
+                                                              : 2);
   }
   return (cropping.regions >> region & 1U) != 0;
 }
@@ -110,7 +112,8 @@ DepthLimits region_limits(const Cropping& cropping, const Affine3& world_from_da
         const bool is_next = draws(cropping, from + middle * way);
         if (is_next == is_drawn) continue;
         is_drawn = is_next;
-        limits.stops.push_back({i == 0 ? -kNowhere : static_cast<float>(depths[i - 1]), is_drawn, {}});
+        limits.stops.push_back(
+            {i == 0 ? -kNowhere : static_cast<float>(depths[i - 1]), is_drawn, {}});
       }
       end_pixel(limits);
     }
@@ -135,8 +138,8 @@ void limits_before(std::span<const float> depths, const View& view, DepthLimits*
     for (int x = 0; x < view.width; ++x) {
       *first++ = static_cast<std::uint32_t>(stop - begin);
       const int column = view.viewport_column(x);
-      const bool is_seen = row >= 0 && row < view.viewport_height && column >= 0 &&
-                           column < view.viewport_width;
+      const bool is_seen =
+          row >= 0 && row < view.viewport_height && column >= 0 && column < view.viewport_width;
       if (!is_seen) continue;
       *stop++ = {-kNowhere, true, {}};
       if (of_row[column] < kNowhere) *stop++ = {of_row[column], false, {}};

@@ -46,9 +46,8 @@ std::optional<ColorSpace> color_space_of(vtkColorTransferFunction* function) {
 }
 
 bool goes_straight(const std::vector<ColorNode>& nodes) {
-  return std::all_of(nodes.begin(), nodes.end(), [](const ColorNode& node) {
-    return node[4] == kMiddle && node[5] == 0;
-  });
+  return std::all_of(nodes.begin(), nodes.end(),
+                     [](const ColorNode& node) { return node[4] == kMiddle && node[5] == 0; });
 }
 
 // Whether VTK's way from node to node is the library's, too.

@@ -76,15 +76,18 @@ View view_of(vtkRenderer* renderer) {
   if (std::abs(clip_from_eye(0, 1)) > kRounding || std::abs(clip_from_eye(1, 0)) > kRounding)
     refuse("its projection shears: expected one that does not");
   const int beside = view.camera.parallel_projection ? 2 : 3;  // of offsets the column that stays 0
-  if (std::abs(clip_from_eye(0, beside)) > kRounding || std::abs(clip_from_eye(1, beside)) > kRounding)
+  if (std::abs(clip_from_eye(0, beside)) > kRounding ||
+      std::abs(clip_from_eye(1, beside)) > kRounding)
     refuse("its projection shears: expected one that does not");
   const double pixel_x = 2 / (clip_from_eye(0, 0) * view.viewport_width);
   const double pixel_y = 2 / (clip_from_eye(1, 1) * view.viewport_height);
   if (!(std::abs(pixel_x - pixel_y) <= 1e-6 * std::abs(pixel_y)))
     refuse(fmt::format("pixels {:g} wide and {:g} high: expected squares", pixel_x, pixel_y));
   const bool is_parallel = view.camera.parallel_projection;
-  const Side across = widened(view.viewport_width, is_parallel ? clip_from_eye(0, 3) : -clip_from_eye(0, 2));
-  const Side up = widened(view.viewport_height, is_parallel ? clip_from_eye(1, 3) : -clip_from_eye(1, 2));
+  const Side across =
+      widened(view.viewport_width, is_parallel ? clip_from_eye(0, 3) : -clip_from_eye(0, 2));
+  const Side up =
+      widened(view.viewport_height, is_parallel ? clip_from_eye(1, 3) : -clip_from_eye(1, 2));
   view.width = across.pixels;
   view.left = across.before;
   view.height = up.pixels;

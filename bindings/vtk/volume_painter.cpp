@@ -85,7 +85,8 @@ std::vector<double> shape_of(vtkDataSet* data) {
       add_time(axis);
     return shape;
   }
-  if (auto* const points = vtkPointSet::SafeDownCast(data); points != nullptr && points->GetPoints()) {
+  if (auto* const points = vtkPointSet::SafeDownCast(data);
+      points != nullptr && points->GetPoints()) {
     add_time(points->GetPoints());
     add_time(points->GetPoints()->GetData());
   }
@@ -94,6 +95,14 @@ std::vector<double> shape_of(vtkDataSet* data) {
     add_time(grid->GetCellTypesArray());
   }
   return shape;
+}
+
+// vtkOvoidVolumeMapper::KernelType, in its order.
+void take_kernel(int kernel, LatticeModelOptions* options) {
+  constexpr LatticeKernel kKernels[] = {{}, kBSplineKernel, kCatmullRomKernel, {}, kBSplineKernel};
+  if (kernel == 0) return;
+  options->kernel = kKernels[kernel];
+  if (options->kernel->kind == LatticeKernelKind::kBSpline) options->prefilter = kernel == 1;
 }
 
 // How much of the array the field's samples lie in; 0: they are copies.
@@ -118,7 +127,7 @@ RendererSetup setup_for(int backend, int num_threads) {
 }  // namespace
 
 void VolumePainter::make_field(vtkDataSet* data, const DrawnValues& drawn,
-                               const Affine3& world_from_data, bool is_negated) {
+                               const Affine3& world_from_data, const FieldKey& key) {
   auto* const points = vtkPointSet::SafeDownCast(data);
   Dataset dataset = points != nullptr ? point_set_dataset(points, drawn, world_from_data)
                                       : grid_dataset(data, drawn, world_from_data);
@@ -126,10 +135,11 @@ void VolumePainter::make_field(vtkDataSet* data, const DrawnValues& drawn,
   options.kernels.is_density = dataset.arrays.empty();  // particles without values
   if (!dataset.arrays.empty()) {
     DataArray& array = dataset.arrays.front();
-    if (is_negated) array.value_scale = -1;
+    if (key.is_negated) array.value_scale = -1;
     options.lattice.array = options.kernels.array = array.name;
     options.lattice.component = options.kernels.component = drawn.component;
   }
+  take_kernel(key.kernel, &options.lattice);
   made_ = ovoid::make_field(dataset, options);
   if (made_.value_range().is_empty()) {
     throw Error(ErrorCode::kInvalidArgument,
@@ -148,7 +158,7 @@ void VolumePainter::place_field(const Affine3& world_from_data) {
 }
 
 void VolumePainter::update_field(vtkDataSet* data, const DrawnValues& drawn,
-                                 const Affine3& world_from_data, bool is_negated) {
+                                 const Affine3& world_from_data, const MapperSettings& settings) {
   FieldKey key;
   key.array = drawn.array;
   if (drawn.array != nullptr) {
@@ -156,7 +166,8 @@ void VolumePainter::update_field(vtkDataSet* data, const DrawnValues& drawn,
     key.array_time = drawn.array->GetMTime();
   }
   key.component = drawn.component;
-  key.is_negated = is_negated;
+  key.kernel = settings.kernel;
+  key.is_negated = settings.blend_mode == vtkVolumeMapper::MINIMUM_INTENSITY_BLEND;
   key.shape = shape_of(data);
   const bool stays = world_from_made_.isApprox(world_from_data, 0.0);
   if (key_ == key && (stays || made_.lattice() != nullptr)) {
@@ -165,7 +176,7 @@ void VolumePainter::update_field(vtkDataSet* data, const DrawnValues& drawn,
   }
   key_.reset();
   made_ = field_ = Field();
-  make_field(data, drawn, world_from_data, is_negated);
+  make_field(data, drawn, world_from_data, key);
   place_field(world_from_data);
   key_ = std::move(key);
   vtkTimeStamp now;
@@ -268,8 +279,7 @@ void VolumePainter::draw(vtkRenderer* renderer, vtkVolume* volume, vtkDataSet* d
   vtkVolumeProperty* const property = volume->GetProperty();
   const DrawnValues drawn = drawn_values(data, settings.arrays, property);
   const Affine3 world_from_data = matrix_of(volume);
-  update_field(data, drawn, world_from_data,
-               settings.blend_mode == vtkVolumeMapper::MINIMUM_INTENSITY_BLEND);
+  update_field(data, drawn, world_from_data, settings);
   Look look = look_of_property(property, drawn.property_index, settings.blend_mode, field_);
   take_lights(renderer, field_.world_bounds().center(), &look);
   image_distance_ = distance;

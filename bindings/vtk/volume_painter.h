@@ -9,12 +9,12 @@
 #include <optional>
 #include <vector>
 
-#include "ray_limits.h"
 #include "ovoid/dataset.h"
 #include "ovoid/field.h"
 #include "ovoid/image.h"
 #include "ovoid/renderer.h"
 #include "ovoid/surface.h"
+#include "ray_limits.h"
 #include "screen.h"
 #include "view.h"
 #include "vtk_arrays.h"
@@ -31,6 +31,7 @@ namespace ovoid::mappers {
 // What a mapper says beside its volume, in VTK's words.
 struct MapperSettings {
   ArrayChoice arrays;
+  int kernel = 0;  // of lattices, vtkOvoidVolumeMapper::KernelType
   int blend_mode = 0;
   int backend = 0;
   int num_threads = 0;
@@ -74,15 +75,16 @@ class VolumePainter {
     const void* values = nullptr;
     std::uint64_t array_time = 0;
     int component = 0;
-    bool is_negated = false;
+    int kernel = 0;
+    bool is_negated = false;    // for the least values, which are the greatest of the negated
     std::vector<double> shape;  // geometry, or the times of what says it
     bool operator==(const FieldKey&) const = default;
   };
 
   void update_field(vtkDataSet* data, const DrawnValues& drawn, const Affine3& world_from_data,
-                    bool is_negated);
+                    const MapperSettings& settings);
   void make_field(vtkDataSet* data, const DrawnValues& drawn, const Affine3& world_from_data,
-                  bool is_negated);
+                  const FieldKey& key);
   void place_field(const Affine3& world_from_data);
   Renderer& renderer_for(const MapperSettings& settings);
   RenderOptions options_for(const MapperSettings& settings, const Affine3& world_from_data) const;

@@ -30,7 +30,8 @@ void vtkOvoidUnstructuredGridVolumeMapper::SetInputData(vtkDataSet* points) {
   this->SetInputDataInternal(0, points);
 }
 
-int vtkOvoidUnstructuredGridVolumeMapper::FillInputPortInformation(int, vtkInformation* information) {
+int vtkOvoidUnstructuredGridVolumeMapper::FillInputPortInformation(int,
+                                                                   vtkInformation* information) {
   information->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkPointSet");
   return 1;
 }
@@ -58,12 +59,22 @@ void vtkOvoidUnstructuredGridVolumeMapper::ReleaseGraphicsResources(vtkWindow* w
   this->Painter->release(window);
 }
 
-double vtkOvoidUnstructuredGridVolumeMapper::GetImageSampleDistance() { return this->Painter->image_distance(); }
+double vtkOvoidUnstructuredGridVolumeMapper::GetImageSampleDistance() {
+  return this->Painter->image_distance();
+}
 double vtkOvoidUnstructuredGridVolumeMapper::GetRenderTime() { return this->Painter->times().all; }
-double vtkOvoidUnstructuredGridVolumeMapper::GetFrameTime() { return this->Painter->times().renderer; }
-double vtkOvoidUnstructuredGridVolumeMapper::GetDisplayTime() { return this->Painter->times().screen; }
-vtkMTimeType vtkOvoidUnstructuredGridVolumeMapper::GetFieldTime() { return this->Painter->field_time(); }
-vtkTypeInt64 vtkOvoidUnstructuredGridVolumeMapper::GetFieldMemory() { return this->Painter->field_bytes(); }
+double vtkOvoidUnstructuredGridVolumeMapper::GetFrameTime() {
+  return this->Painter->times().renderer;
+}
+double vtkOvoidUnstructuredGridVolumeMapper::GetDisplayTime() {
+  return this->Painter->times().screen;
+}
+vtkMTimeType vtkOvoidUnstructuredGridVolumeMapper::GetFieldTime() {
+  return this->Painter->field_time();
+}
+vtkTypeInt64 vtkOvoidUnstructuredGridVolumeMapper::GetFieldMemory() {
+  return this->Painter->field_bytes();
+}
 
 void vtkOvoidUnstructuredGridVolumeMapper::GetColorImage(vtkImageData* image) {
   ovoid::mappers::copy_colors(*this->Painter, image);

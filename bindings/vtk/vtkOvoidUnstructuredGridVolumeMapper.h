@@ -15,8 +15,7 @@
  * changed. Opaque props of the same renderer hide the volume and are hidden by it. The picture is
  * made on the processor (or a Vulkan device) and drawn over the viewport; it writes no depth.
  */
-#ifndef vtkOvoidUnstructuredGridVolumeMapper_h
-#define vtkOvoidUnstructuredGridVolumeMapper_h
+#pragma once
 
 #include <memory>
 
@@ -32,11 +31,14 @@ class VolumePainter;
 }
 }  // namespace ovoid
 
-class VTKOVOID_EXPORT vtkOvoidUnstructuredGridVolumeMapper : public vtkUnstructuredGridVolumeMapper {
+class VTKOVOID_EXPORT vtkOvoidUnstructuredGridVolumeMapper
+    : public vtkUnstructuredGridVolumeMapper {
  public:
   static vtkOvoidUnstructuredGridVolumeMapper* New();
+  // clang-format off
   vtkTypeMacro(vtkOvoidUnstructuredGridVolumeMapper, vtkUnstructuredGridVolumeMapper)
-  void PrintSelf(ostream& os, vtkIndent indent) override;
+      // clang-format on
+      void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
   /**
@@ -156,5 +158,3 @@ class VTKOVOID_EXPORT vtkOvoidUnstructuredGridVolumeMapper : public vtkUnstructu
 
   std::unique_ptr<ovoid::mappers::VolumePainter> Painter;
 };
-
-#endif

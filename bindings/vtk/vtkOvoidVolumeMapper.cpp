@@ -20,6 +20,7 @@ void vtkOvoidVolumeMapper::Render(vtkRenderer* ren, vtkVolume* vol) {
   ovoid::mappers::MapperSettings settings;
   settings.arrays = {this->ScalarMode, this->ArrayAccessMode, this->ArrayId,
                      this->ArrayName,  this->VectorMode,      this->VectorComponent};
+  settings.kernel = this->Kernel;
   settings.blend_mode = this->BlendMode;
   settings.backend = this->Backend;
   settings.num_threads = this->NumberOfThreads;
@@ -64,6 +65,7 @@ void vtkOvoidVolumeMapper::PrintSelf(ostream& os, vtkIndent indent) {
   this->Superclass::PrintSelf(os, indent);
   os << indent << "VectorMode: " << this->VectorMode << "\n"
      << indent << "VectorComponent: " << this->VectorComponent << "\n"
+     << indent << "Kernel: " << this->Kernel << "\n"
      << indent << "Backend: " << this->Backend << "\n"
      << indent << "NumberOfThreads: " << this->NumberOfThreads << "\n"
      << indent << "SampleDistance: " << this->SampleDistance << "\n"

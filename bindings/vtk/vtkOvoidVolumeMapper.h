@@ -13,8 +13,7 @@
  * the volume and are hidden by it. The picture is made on the processor (or a Vulkan device) and
  * drawn over the viewport; it writes no depth.
  */
-#ifndef vtkOvoidVolumeMapper_h
-#define vtkOvoidVolumeMapper_h
+#pragma once
 
 #include <memory>
 
@@ -32,8 +31,10 @@ class VolumePainter;
 class VTKOVOID_EXPORT vtkOvoidVolumeMapper : public vtkVolumeMapper {
  public:
   static vtkOvoidVolumeMapper* New();
+  // clang-format off
   vtkTypeMacro(vtkOvoidVolumeMapper, vtkVolumeMapper)
-  void PrintSelf(ostream& os, vtkIndent indent) override;
+      // clang-format on
+      void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
   /**
@@ -50,8 +51,26 @@ class VTKOVOID_EXPORT vtkOvoidVolumeMapper : public vtkVolumeMapper {
 
   ///@{
   /**
-   * Of programs that were written for vtkSmartVolumeMapper, which chooses among VTK's renderers: they
-   * change nothing here.
+   * What stands at every sample. AUTO, the default: as the program chooses, the cubic B-spline
+   * through the samples' values, but for labels. GAUSSIAN and BSPLINE_SMOOTHING never overshoot
+   * where values jump, and blur a little. The property's interpolation type is not read.
+   * docs/kernels.md.
+   */
+  enum KernelType {
+    AUTO_KERNEL = 0,
+    BSPLINE = 1,
+    CATMULL_ROM = 2,
+    GAUSSIAN = 3,
+    BSPLINE_SMOOTHING = 4
+  };
+  vtkSetClampMacro(Kernel, int, AUTO_KERNEL, BSPLINE_SMOOTHING);
+  vtkGetMacro(Kernel, int);
+  ///@}
+
+  ///@{
+  /**
+   * Of programs that were written for vtkSmartVolumeMapper, which chooses among VTK's renderers:
+   * they change nothing here.
    */
   void SetRequestedRenderMode(int) {}
   void SetRequestedRenderModeToDefault() {}
@@ -117,8 +136,8 @@ class VTKOVOID_EXPORT vtkOvoidVolumeMapper : public vtkVolumeMapper {
   vtkMTimeType GetFieldTime();
 
   /**
-   * Whether the field's samples are the array's own memory. Not of arrays of other types and layouts
-   * than the above, of several components, and where points are blanked.
+   * Whether the field's samples are the array's own memory. Not of arrays of other types and
+   * layouts than the above, of several components, and where points are blanked.
    */
   bool GetSharesMemory();
 
@@ -150,6 +169,7 @@ class VTKOVOID_EXPORT vtkOvoidVolumeMapper : public vtkVolumeMapper {
 
   int VectorMode = DISABLED;
   int VectorComponent = 0;
+  int Kernel = AUTO_KERNEL;
   int Backend = AUTO;
   int NumberOfThreads = 0;
   double SampleDistance = 0;
@@ -162,5 +182,3 @@ class VTKOVOID_EXPORT vtkOvoidVolumeMapper : public vtkVolumeMapper {
 
   std::unique_ptr<ovoid::mappers::VolumePainter> Painter;
 };
-
-#endif

@@ -51,8 +51,8 @@ std::string name_of_array(vtkDataArray* array) {
                          choice.scalar_mode == VTK_SCALAR_MODE_USE_CELL_FIELD_DATA;
   std::string what = "no scalars are active: expected some, or SelectScalarArray";
   if (is_chosen && choice.access_mode == VTK_GET_ARRAY_BY_NAME) {
-    what = fmt::format("array '{}': not there",
-                       choice.array_name != nullptr ? choice.array_name : "");
+    what =
+        fmt::format("array '{}': not there", choice.array_name != nullptr ? choice.array_name : "");
   } else if (is_chosen) {
     what = fmt::format("array {}: not there", choice.array_id);
   }

@@ -38,9 +38,9 @@ struct DrawnValues {
 };
 
 // No array for vtkPointSets whose mapper asks for the usual scalars and that have none: particles
-// may be drawn without. Throws Error: kInvalidArgument that names the arrays where none is active or
-// the chosen one is not there, or a component that the tuples do not have; kUnsupported for several
-// components at once.
+// may be drawn without. Throws Error: kInvalidArgument that names the arrays where none is active
+// or the chosen one is not there, or a component that the tuples do not have; kUnsupported for
+// several components at once.
 DrawnValues drawn_values(vtkDataSet* data, const ArrayChoice& choice, vtkVolumeProperty* property);
 
 }  // namespace ovoid::mappers

@@ -105,6 +105,15 @@ class Pictures(MapperCase):
         self.assert_like_program(Scene(grid, property_of()), data=grid)
 
 
+class Kernels(MapperCase):
+    def test_each(self):
+        for kernel, flags in (("BSPLINE", ["bspline", "--prefilter"]), ("CATMULL_ROM", ["catmull-rom"]), ("GAUSSIAN", ["gaussian"]),
+                              ("BSPLINE_SMOOTHING", ["bspline", "--no-prefilter"])):
+            scene = Scene(self.image, property_of())
+            scene.mapper.SetKernel(getattr(scene.mapper, kernel))
+            self.assert_like_program(scene, "--kernel", *flags)
+
+
 class BlendModes(MapperCase):
     def assert_mode(self, scene, mode, *flags):
         self.assert_like_program(scene, "--mode", mode, *flags, has_unit=False, bound=TRANSLUCENT)

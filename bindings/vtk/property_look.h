@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// vtkVolumeProperty, blend mode and lights as a look.
+// vtkVolumeProperty, blend mode and lights as a look. What they mean: [VTK 2021].
 #pragma once
 
 #include "ovoid/field.h"

@@ -52,7 +52,7 @@ class VTKOVOID_EXPORT vtkOvoidVolumeMapper : public vtkVolumeMapper {
   ///@{
   /**
    * What stands at every sample. AUTO, the default: as the program chooses, the cubic B-spline
-   * through the samples' values, but for labels. GAUSSIAN and BSPLINE_SMOOTHING never overshoot
+   * through the samples' values, but for labels. GAUSSIAN and SMOOTHING_BSPLINE never overshoot
    * where values jump, and blur a little. The property's interpolation type is not read.
    * docs/kernels.md.
    */
@@ -61,10 +61,15 @@ class VTKOVOID_EXPORT vtkOvoidVolumeMapper : public vtkVolumeMapper {
     BSPLINE = 1,
     CATMULL_ROM = 2,
     GAUSSIAN = 3,
-    BSPLINE_SMOOTHING = 4
+    SMOOTHING_BSPLINE = 4
   };
-  vtkSetClampMacro(Kernel, int, AUTO_KERNEL, BSPLINE_SMOOTHING);
+  vtkSetClampMacro(Kernel, int, AUTO_KERNEL, SMOOTHING_BSPLINE);
   vtkGetMacro(Kernel, int);
+  void SetKernelToAuto() { this->SetKernel(AUTO_KERNEL); }
+  void SetKernelToBSpline() { this->SetKernel(BSPLINE); }
+  void SetKernelToCatmullRom() { this->SetKernel(CATMULL_ROM); }
+  void SetKernelToGaussian() { this->SetKernel(GAUSSIAN); }
+  void SetKernelToSmoothingBSpline() { this->SetKernel(SMOOTHING_BSPLINE); }
   ///@}
 
   ///@{

@@ -107,10 +107,10 @@ class Pictures(MapperCase):
 
 class Kernels(MapperCase):
     def test_each(self):
-        for kernel, flags in (("BSPLINE", ["bspline", "--prefilter"]), ("CATMULL_ROM", ["catmull-rom"]), ("GAUSSIAN", ["gaussian"]),
-                              ("BSPLINE_SMOOTHING", ["bspline", "--no-prefilter"])):
+        for kernel, flags in (("BSpline", ["bspline", "--prefilter"]), ("CatmullRom", ["catmull-rom"]), ("Gaussian", ["gaussian"]),
+                              ("SmoothingBSpline", ["bspline", "--no-prefilter"])):
             scene = Scene(self.image, property_of())
-            scene.mapper.SetKernel(getattr(scene.mapper, kernel))
+            getattr(scene.mapper, f"SetKernelTo{kernel}")()
             self.assert_like_program(scene, "--kernel", *flags)
 
 

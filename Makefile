@@ -56,7 +56,7 @@ bench: build  ## measure against the peers; the table goes to bench/results/ (of
 	@if [ -n "$(filter looks fit simplify solids,$(BENCH))" ]; then \
 	  scripts/setup.sh bench && python3 bench/$(BENCH).py $(DATA); \
 	elif [ "$(BENCH)" = mappers ]; then \
-	  scripts/build.sh release ovoid_program vtkOvoidPython && bench/vtk_mappers.sh $(DATA); \
+	  scripts/build.sh release ovoid_program ovoid_mappers && bench/vtk_mappers.sh $(DATA); \
 	elif [ "$(BENCH)" = sites ]; then \
 	  scripts/build.sh release ovoid_experiments && build/release/bin/ovoid_experiments build sites; \
 	else \
@@ -73,6 +73,7 @@ pictures: build  ## draw the pictures of the guide and the other pages again, by
 	@scripts/viewer_pictures.sh
 
 install: build  ## install program, library and headers under PREFIX (/usr/local)
+	@scripts/build.sh release ovoid_mappers
 	@cmake --install build/release --prefix "$(PREFIX)"
 
 package: build  ## a .deb of program, window, library and headers: build/package/ovoid_*.deb

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Runs vtk_mappers.py with what `scripts/build.sh release vtkOvoidPython` has built, on a virtual screen with Mesa's software driver:
+# Runs vtk_mappers.py with what `scripts/build.sh release ovoid_mappers` has built, on a virtual screen with Mesa's software driver:
 # vtk_mappers.sh [--frames N] [GRID...], grids in any format that `ovoid convert` makes VTI files of.
 set -euo pipefail
 cd "$(dirname "$0")/.."

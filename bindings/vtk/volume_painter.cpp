@@ -257,8 +257,8 @@ double VolumePainter::farthest_depth() const {
 // As many pixels as the time that the window grants allows, by that of the last frame.
 double VolumePainter::image_distance_for(vtkVolume* volume, double greatest) const {
   const double granted = volume->GetAllocatedRenderTime();
-  if (!(greatest > 1) || !(granted > 0) || !(times_.all > 0)) return 1;
-  const double whole = times_.all * image_distance_ * image_distance_;
+  if (!(greatest > 1) || !(granted > 0) || !(frame_seconds_ > 0)) return 1;
+  const double whole = frame_seconds_ * image_distance_ * image_distance_;
   // A little beyond is borne: few pixels less are seen at once.
   constexpr double kBorne = 1.2;
   return whole <= kBorne * granted ? 1 : std::min(std::sqrt(whole / granted), greatest);
@@ -266,6 +266,7 @@ double VolumePainter::image_distance_for(vtkVolume* volume, double greatest) con
 
 void VolumePainter::draw(vtkRenderer* renderer, vtkVolume* volume, vtkDataSet* data,
                          const MapperSettings& settings) {
+  if (renderer->GetSelector() != nullptr) return;  // which wants numbers of props for colours
   const Watch all;
   const double distance = image_distance_for(volume, settings.greatest_image_distance);
   times_ = {};
@@ -280,6 +281,7 @@ void VolumePainter::draw(vtkRenderer* renderer, vtkVolume* volume, vtkDataSet* d
   const DrawnValues drawn = drawn_values(data, settings.arrays, property);
   const Affine3 world_from_data = matrix_of(volume);
   update_field(data, drawn, world_from_data, settings);
+  const Watch drawing;
   Look look = look_of_property(property, drawn.property_index, settings.blend_mode, field_);
   take_lights(renderer, field_.world_bounds().center(), &look);
   image_distance_ = distance;
@@ -289,9 +291,11 @@ void VolumePainter::draw(vtkRenderer* renderer, vtkVolume* volume, vtkDataSet* d
   Frame frame = renderer_for(settings).render(field_, view_.camera, look, options);
   times_.renderer += 1e-3 * frame.profile.frame_ms;
   image_ = std::move(frame.image);
+  image_view_ = view_;
   const Watch showing;
   screen_.show(renderer, view_, image_);
   times_.screen += showing.seconds();
+  frame_seconds_ = drawing.seconds();
   times_.all = all.seconds();
 }
 
@@ -315,7 +319,7 @@ namespace {
 // Rows from the bottom, of the part of the picture that the viewport shows.
 void copy_viewport(const VolumePainter& painter, const std::vector<float>& values, int count,
                    vtkImageData* image) {
-  const View& view = painter.view();
+  const View& view = painter.image_view();
   const bool is_coarse = view.coarseness_x > 1 || view.coarseness_y > 1;
   const int width = is_coarse ? view.width : view.viewport_width;
   const int height = is_coarse ? view.height : view.viewport_height;

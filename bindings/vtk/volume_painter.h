@@ -65,8 +65,9 @@ class VolumePainter {
   bool shares_memory() const { return shared_bytes_ > 0; }
   // Of the field, without the samples that it shares.
   std::int64_t field_bytes() const;
-  const View& view() const { return view_; }
-  const Image& image() const { return image_; }  // of the last frame
+  // Of the last frame that was drawn.
+  const View& image_view() const { return image_view_; }
+  const Image& image() const { return image_; }
 
  private:
   // What a field is made of; another key, another field.
@@ -105,9 +106,11 @@ class VolumePainter {
   int renderer_threads_ = 0;
   Screen screen_;
   std::shared_ptr<DepthLimits> scene_limits_;  // of the last frame; their memory is the next one's
-  View view_;
+  View view_;                                  // of the frame that is under way
+  View image_view_;
   Image image_;
   FrameTimes times_;
+  double frame_seconds_ = 0;  // of the last frame, without making its field; 0: none
   double image_distance_ = 1;
 };
 

@@ -49,7 +49,7 @@ ALLOWED = {
 
 # Third-party headers and the places that may see them, by prefix of the path.
 OUTSIDE = [
-    ("VTK", re.compile(r"^vtk\w*\.h"), ("src/io/foreign/", "bindings/vtk/", "bench/")),
+    ("VTK", re.compile(r"^vtk\w*\.h"), ("src/io/foreign/", "bindings/", "bench/")),
     ("GDCM", re.compile(r"^gdcm\w*\.h"), ("src/io/foreign/", "src/io/dicom/test_dicom")),
     ("Linux's sandboxes", re.compile(r"^(linux/landlock|seccomp)\.h"), ("apps/reader/",)),
     ("HDF5", re.compile(r"^hdf5\.h"), ("src/io/",)),

@@ -17,6 +17,28 @@ class Pictures(MapperCase):
     def test_perspective(self):
         self.assert_like_program(Scene(self.image, property_of()))
 
+    def test_floats(self):
+        """Before OpenGL the picture is the program's, and its depth lies on the ray."""
+        scene = Scene(self.image, property_of())
+        scene.draw()
+        self.assertLess(np.abs(scene.floats() - rendered(self.image, scene)).max(), 1e-6)
+        depths = vtkImageData()
+        scene.mapper.GetDepthImage(depths)
+        nearest = depths.GetScalarRange()[0]
+        self.assertGreater(nearest, 50)  # the eye is some 80 before the middle of a volume of 24
+        self.assertLess(nearest, 90)
+
+    def test_two_windows(self):
+        """What belongs to one window is not used in another, nor after its window is gone."""
+        scene, other = Scene(self.image, property_of()), Scene(self.image, property_of())
+        expected = scene.draw()
+        other.volume.SetMapper(scene.mapper)
+        self.assert_like(other.draw(), expected, 0)
+        self.assert_like(scene.draw(), expected, 0)
+        scene.renderer.RemoveVolume(scene.volume)
+        scene.window.Finalize()
+        self.assert_like(other.draw(), expected, 0)
+
     def test_parallel(self):
         scene = Scene(self.image, property_of())
         scene.camera.SetParallelProjection(1)
@@ -421,6 +443,9 @@ class Functions(MapperCase):
 class Errors(MapperCase):
     def test_no_input(self):
         self.assert_error(Scene(vtkImageData(), property_of()), "empty")
+        depths = vtkImageData()
+        Scene(self.image, property_of()).mapper.GetDepthImage(depths)  # before the first frame
+        self.assertEqual(depths.GetNumberOfPoints(), 0)
 
     def test_no_finite_value(self):
         image, _ = image_of(np.full((4, 4, 4), np.nan, np.float32))

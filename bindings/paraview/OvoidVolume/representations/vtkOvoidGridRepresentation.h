@@ -8,10 +8,11 @@
  */
 #pragma once
 
-#include "OvoidRepresentationsModule.h"
 #include "vtkImageVolumeRepresentation.h"
+#include "vtkOvoidRepresentationsModule.h"
 
-class OVOIDREPRESENTATIONS_EXPORT vtkOvoidGridRepresentation : public vtkImageVolumeRepresentation {
+class VTKOVOIDREPRESENTATIONS_EXPORT vtkOvoidGridRepresentation
+    : public vtkImageVolumeRepresentation {
  public:
   static vtkOvoidGridRepresentation* New();
   // clang-format off

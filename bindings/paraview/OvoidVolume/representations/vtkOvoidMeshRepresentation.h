@@ -8,10 +8,10 @@
  */
 #pragma once
 
-#include "OvoidRepresentationsModule.h"
+#include "vtkOvoidRepresentationsModule.h"
 #include "vtkUnstructuredGridVolumeRepresentation.h"
 
-class OVOIDREPRESENTATIONS_EXPORT vtkOvoidMeshRepresentation
+class VTKOVOIDREPRESENTATIONS_EXPORT vtkOvoidMeshRepresentation
     : public vtkUnstructuredGridVolumeRepresentation {
  public:
   static vtkOvoidMeshRepresentation* New();

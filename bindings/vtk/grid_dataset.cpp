@@ -46,7 +46,8 @@ LatticeGeometry lattice_of(vtkImageData* image) {
   return lattice;
 }
 
-std::vector<double> coordinates(vtkRectilinearGrid* grid, int axis) {
+// Of one axis, and the relative rounding of each.
+std::vector<double> coordinates(vtkRectilinearGrid* grid, int axis, double* rounding) {
   vtkDataArray* const arrays[] = {grid->GetXCoordinates(), grid->GetYCoordinates(),
                                   grid->GetZCoordinates()};
   const vtkIdType count = grid->GetDimensions()[axis];
@@ -57,15 +58,17 @@ std::vector<double> coordinates(vtkRectilinearGrid* grid, int axis) {
   std::vector<double> values(static_cast<std::size_t>(count));
   for (vtkIdType i = 0; i < count; ++i)
     values[static_cast<std::size_t>(i)] = arrays[axis]->GetComponent(i, 0);
+  *rounding = arrays[axis]->GetDataType() == VTK_FLOAT ? 0x1p-23 : 0x1p-52;
   return values;
 }
 
 // The step that all coordinates keep; 0 for a single one.
-std::optional<double> common_step(const std::vector<double>& values) {
+std::optional<double> common_step(const std::vector<double>& values, double rounding) {
   if (values.size() == 1) return 0;
   const double step = (values.back() - values.front()) / static_cast<double>(values.size() - 1);
   const double greatest = std::max(std::abs(values.front()), std::abs(values.back()));
-  const double tolerance = kMaxUnevenness * std::abs(step) + 0x1.8p-23 * greatest;
+  // Half a unit in the last place of each of the three coordinates that are compared.
+  const double tolerance = kMaxUnevenness * std::abs(step) + 1.5 * rounding * greatest;
   for (std::size_t i = 1; i < values.size(); ++i) {
     const double expected = values.front() + step * static_cast<double>(i);
     if (!(std::abs(values[i] - expected) <= tolerance)) return std::nullopt;
@@ -78,8 +81,9 @@ std::optional<LatticeGeometry> lattice_of(vtkRectilinearGrid* grid) {
   Vec3 steps, origin;
   double smallest = 0;  // of the axes that have a step
   for (int axis = 0; axis < 3; ++axis) {
-    const std::vector<double> values = coordinates(grid, axis);
-    const std::optional<double> step = common_step(values);
+    double rounding = 0;
+    const std::vector<double> values = coordinates(grid, axis, &rounding);
+    const std::optional<double> step = common_step(values, rounding);
     if (!step) return std::nullopt;
     lattice.dims[static_cast<std::size_t>(axis)] = static_cast<std::int64_t>(values.size());
     origin[axis] = values.front();

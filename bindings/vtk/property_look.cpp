@@ -76,6 +76,7 @@ std::vector<OpacityPoint> gradient_points(vtkPiecewiseFunction* function, const 
     // Between the last node within and the end the function stays as it is: in small steps.
     std::erase_if(points, [&](const OpacityPoint& point) { return point.x >= end; });
     const double from = points.empty() ? 0 : points.back().x;
+    if (!points.empty()) points.back() = {from, points.back().opacity};
     for (int i = points.empty() ? 0 : 1; i <= kSubdivisions; ++i) {
       const double x = from + (end - from) * i / kSubdivisions;
       points.push_back({x, function->GetValue(x)});

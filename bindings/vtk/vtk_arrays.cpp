@@ -64,7 +64,6 @@ std::string name_of_array(vtkDataArray* array) {
 // The one component that the property gives weight, if they are independent.
 int weighted_component(vtkDataArray* array, vtkVolumeProperty* property) {
   const int count = array->GetNumberOfComponents();
-  if (count == 1) return 0;
   const std::string name = name_of_array(array);
   if (property->GetIndependentComponents() == 0) {
     throw Error(ErrorCode::kUnsupported,
@@ -175,6 +174,7 @@ DrawnValues drawn_values(vtkDataSet* data, const ArrayChoice& choice, vtkVolumeP
                             drawn.is_cell_data ? "cell" : "point"));
   }
   const int count = drawn.array->GetNumberOfComponents();
+  if (count == 1) return drawn;  // a number's sign is no direction
   if (choice.vector_mode == 0) {
     drawn.component = LatticeModelOptions::kMagnitude;
   } else if (choice.vector_mode == 1) {

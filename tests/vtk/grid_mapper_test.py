@@ -5,7 +5,7 @@ import unittest
 
 import numpy as np
 from mapper_case import EXACT, SIDE, TRANSLUCENT, MapperCase
-from scene import BACKGROUND, COLORS, FOG, HEIGHT, WIDTH, Scene, bumps, image_of, over, picture_of, property_of, rendered
+from scene import BACKGROUND, COLORS, FOG, HEIGHT, SHELL, WIDTH, Scene, bumps, image_of, over, picture_of, property_of, rendered
 from vtkmodules.util.numpy_support import numpy_to_vtk
 from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction, vtkPlane, vtkRectilinearGrid
 from vtkmodules.vtkCommonMath import vtkMatrix4x4
@@ -389,6 +389,16 @@ class Components(MapperCase):
         scaled = property_of(scale=np.sqrt(5))
         scene.volume.SetProperty(scaled)
         self.assert_like(scene.draw(), expected, TRANSLUCENT)
+
+    def test_magnitude_of_one(self):
+        """Is the number itself, not its absolute value."""
+        image, _ = image_of(-self.values)
+        prop = property_of(colors=[(-x, *rgb) for x, *rgb in reversed(COLORS)], opacities=[(-x, y) for x, y in reversed(SHELL)])
+        scene = Scene(image, prop)
+        expected = scene.draw()
+        self.assert_shows(expected)
+        scene.mapper.SetVectorMode(scene.mapper.MAGNITUDE)
+        self.assert_like(scene.draw(), expected, 0)
 
     def test_several_at_once(self):
         self.assert_error(Scene(self.several, property_of()), "values", "3 independent components")

@@ -25,6 +25,7 @@ namespace {
 Mode mode_of(int blend_mode) {
   switch (blend_mode) {
     case vtkVolumeMapper::COMPOSITE_BLEND:
+    case vtkVolumeMapper::ADDITIVE_BLEND:  // of light that nothing weakens
       return Mode::kComposite;
     case vtkVolumeMapper::MAXIMUM_INTENSITY_BLEND:
     case vtkVolumeMapper::MINIMUM_INTENSITY_BLEND:  // the maximum of the negated values
@@ -33,13 +34,36 @@ Mode mode_of(int blend_mode) {
       return Mode::kMean;
     case vtkVolumeMapper::ISOSURFACE_BLEND:
       return Mode::kIsosurface;
-    case vtkVolumeMapper::ADDITIVE_BLEND:
-      throw Error(ErrorCode::kUnsupported, "blend mode additive: is not drawn");
     case vtkVolumeMapper::SLICE_BLEND:
       throw Error(ErrorCode::kUnsupported, "blend mode slice: is not drawn");
     default:
       throw Error(ErrorCode::kInvalidArgument, fmt::format("blend mode {}: unknown", blend_mode));
   }
+}
+
+// What is added at a value is its share of the range times its opacity, a. An opacity of
+// 1 - exp(-a) makes the sum, over the unit distance, the frame's optical depth.
+void make_additive(vtkPiecewiseFunction* function, const ValueRange& range, Look* look) {
+  const double span = static_cast<double>(range.hi) - range.lo;
+  std::vector<double> ends{range.lo, range.hi};
+  for (const OpacityPoint& point : opacity_points(function)) {
+    if (range.lo < point.x && point.x < range.hi) ends.push_back(point.x);
+  }
+  std::sort(ends.begin(), ends.end());
+  std::vector<OpacityPoint>& points = look->transfer_function.opacities;
+  points.clear();
+  const auto add = [&](double value) {
+    const double share = span > 0 ? (value - range.lo) / span : 1;
+    const double opacity = std::clamp(function->GetValue(value), 0.0, 1.0);
+    points.push_back({value, -std::expm1(-share * opacity)});
+  };
+  for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
+    const double step = (ends[i + 1] - ends[i]) / kSubdivisions;
+    for (int k = 0; k < kSubdivisions; ++k) add(ends[i] + step * k);
+  }
+  add(range.hi);
+  look->transfer_function.gradient_opacities.clear();
+  look->shade = false;
 }
 
 double isovalue_of(vtkVolumeProperty* property) {
@@ -168,7 +192,16 @@ Look look_of_property(vtkVolumeProperty* property, int index, int blend_mode, co
   look.material.diffuse = property->GetDiffuse(index);
   look.material.specular = property->GetSpecular(index);
   look.material.specular_power = property->GetSpecularPower(index);
+  if (blend_mode == vtkVolumeMapper::ADDITIVE_BLEND)
+    make_additive(property->GetScalarOpacity(index), field.value_range(), &look);
   return look;
+}
+
+void show_sums(Image* image) {
+  for (std::size_t i = 0; i < image->rgba.size(); i += 4) {
+    const float sum = std::min(1.0F, -std::log1p(-std::min(image->rgba[i + 3], 0.999F)));
+    std::fill_n(image->rgba.begin() + static_cast<std::ptrdiff_t>(i), 4, sum);
+  }
 }
 
 void take_lights(vtkRenderer* renderer, const Vec3& center, Look* look) {

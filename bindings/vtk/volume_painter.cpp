@@ -290,6 +290,7 @@ void VolumePainter::draw(vtkRenderer* renderer, vtkVolume* volume, vtkDataSet* d
   add_limits(renderer, settings, world_from_data, look, &options);
   Frame frame = renderer_for(settings).render(field_, view_.camera, look, options);
   times_.renderer += 1e-3 * frame.profile.frame_ms;
+  if (settings.blend_mode == vtkVolumeMapper::ADDITIVE_BLEND) show_sums(&frame.image);
   image_ = std::move(frame.image);
   image_view_ = view_;
   const Watch showing;

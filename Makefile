@@ -52,9 +52,11 @@ fuzz: setup  ## fuzz the readers for SECONDS (60) each
 mutants: build  ## damage files a thousand times each, and let the program read them
 	@python3 tests/hostile/mutants.py build/release/bin/ovoid --count $(or $(COUNT),1000)
 
-bench: build  ## measure against the peers; the table goes to bench/results/ (of DATA="...": BENCH=looks first pictures, BENCH=fit fewer kernels, BENCH=simplify runs and boxes; BENCH=solids, BENCH=sites)
+bench: build  ## measure against the peers; the table goes to bench/results/ (of DATA="...": BENCH=looks first pictures, BENCH=fit fewer kernels, BENCH=simplify runs and boxes, BENCH=mappers in VTK; BENCH=solids, BENCH=sites)
 	@if [ -n "$(filter looks fit simplify solids,$(BENCH))" ]; then \
 	  scripts/setup.sh bench && python3 bench/$(BENCH).py $(DATA); \
+	elif [ "$(BENCH)" = mappers ]; then \
+	  scripts/build.sh release ovoid_program ovoid_mappers && bench/vtk_mappers.sh $(DATA); \
 	elif [ "$(BENCH)" = sites ]; then \
 	  scripts/build.sh release ovoid_experiments && build/release/bin/ovoid_experiments build sites; \
 	else \
@@ -71,6 +73,7 @@ pictures: build  ## draw the pictures of the guide and the other pages again, by
 	@scripts/viewer_pictures.sh
 
 install: build  ## install program, library and headers under PREFIX (/usr/local)
+	@scripts/build.sh release ovoid_mappers
 	@cmake --install build/release --prefix "$(PREFIX)"
 
 package: build  ## a .deb of program, window, library and headers: build/package/ovoid_*.deb

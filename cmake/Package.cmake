@@ -16,4 +16,6 @@ set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CMAKE_LIBRARY_OUTPUT_DIRECTORY
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "libvulkan1, libgl1")  # loaded by name, and done without
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS "libeigen3-dev, ffmpeg, zenity | kdialog")  # for programs with the library; for films; the window's dialog for files
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
+# The mappers for VTK (component vtk) would make the package depend on VTK's Python: they are installed by hand.
+set(CPACK_INSTALL_CMAKE_PROJECTS "${CMAKE_BINARY_DIR};ovoid;Unspecified;/")
 include(CPack)

@@ -49,7 +49,7 @@ ALLOWED = {
 
 # Third-party headers and the places that may see them, by prefix of the path.
 OUTSIDE = [
-    ("VTK", re.compile(r"^vtk\w*\.h"), ("src/io/foreign/", "bench/")),
+    ("VTK", re.compile(r"^vtk\w*\.h"), ("src/io/foreign/", "bindings/", "bench/")),
     ("GDCM", re.compile(r"^gdcm\w*\.h"), ("src/io/foreign/", "src/io/dicom/test_dicom")),
     ("Linux's sandboxes", re.compile(r"^(linux/landlock|seccomp)\.h"), ("apps/reader/",)),
     ("HDF5", re.compile(r"^hdf5\.h"), ("src/io/",)),
@@ -65,7 +65,7 @@ OUTSIDE = [
     ("nlohmann-json", re.compile(r"^nlohmann/"), ("src/io/", "apps/", "tests/", "bench/")),
     ("CLI11", re.compile(r"^CLI/"), ("bench/",)),
     ("GoogleTest", re.compile(r"^g(test|mock)/"), ("tests/",)),
-    ("fmt", re.compile(r"^fmt/"), ("src/", "apps/", "tests/", "bench/")),
+    ("fmt", re.compile(r"^fmt/"), ("src/", "apps/", "bindings/", "tests/", "bench/")),
     ("Eigen", re.compile(r"^Eigen/"), ("",)),
     ("Eigen's Fourier transform", re.compile(r"^unsupported/Eigen/FFT$"), ("src/model/",)),
     ("Eigen's Levenberg-Marquardt, which tests compare with", re.compile(r"^unsupported/Eigen/(NonLinearOptimization|NumericalDiff)$"), ("src/fit/",)),
@@ -106,6 +106,8 @@ def resolve(path, included):
 def check_own(path, target):
     part, wanted = part_of(path), part_of(target)
     is_public = target.startswith("include/")
+    if path.startswith("bindings/") and not is_public and os.path.dirname(path) != os.path.dirname(target):
+        return f"a binding sees the public headers and its own alone ({target})"
     if path.startswith("include/") and not is_public:
         return "a public header includes a private one"
     if part is None or IS_TEST.search(path) or part == wanted:

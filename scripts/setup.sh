@@ -10,6 +10,7 @@ declare -A groups=(
   # make and g++ are what the newcomer brings; named so that a container without them gets them.
   # The .deb's dependencies are found by dpkg-dev's dpkg-shlibdeps and file.
   # The window is tested on a virtual screen (xvfb) with Mesa's software driver (libgl1-mesa-dri).
+  # The mappers for VTK are wrapped by python3-vtk9's tools, and tested from Python.
   [build]="make g++ cmake ninja-build ccache pkg-config git python3
     libeigen3-dev libfmt-dev nlohmann-json3-dev libcli11-dev
     libpng-dev libjpeg-dev libgif-dev zlib1g-dev libbz2-dev libopenexr-dev
@@ -17,6 +18,7 @@ declare -A groups=(
     voro++-dev libhwy-dev libvtk9-dev libgdcm-dev libhdf5-dev libseccomp-dev libgtest-dev libgmock-dev
     libvulkan1 mesa-vulkan-drivers vulkan-validationlayers
     dpkg-dev file
+    python3-vtk9 python3-numpy
     libglfw3-dev libimgui-dev libgl-dev xvfb xauth libgl1-mesa-dri fonts-dejavu-core"
   [check]="clang-format clang-tidy"
   [fuzz]="clang"

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Installs the build tree into a fresh folder, then configures, builds and runs the examples against it and nothing else.
 # Fails if a header, a dependency of the package file or the program is missing from what gets installed.
-#   cmake -DSOURCE=... -DBUILD=... -DWORK=... [-DWIDE=-mavx] [-DVTK=ON] -P install_test.cmake
+#   cmake -DSOURCE=... -DBUILD=... -DWORK=... [-DWIDE=-mavx] [-DVTK=ON] [-DMAPPERS=FOLDER -DMAPPERS_PYTHON=...] -P install_test.cmake
 
 file(REMOVE_RECURSE ${WORK})
 set(prefix ${WORK}/prefix)
@@ -17,7 +17,7 @@ endfunction()
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})
 
 file(GLOB_RECURSE public RELATIVE ${SOURCE}/include ${SOURCE}/include/*)
-file(GLOB_RECURSE installed RELATIVE ${prefix}/include ${prefix}/include/*)
+file(GLOB_RECURSE installed RELATIVE ${prefix}/include ${prefix}/include/ovoid/*)
 if(NOT "${public}" STREQUAL "${installed}")
   message(FATAL_ERROR "installed headers differ from include/:\n${installed}\n${public}")
 endif()
@@ -66,6 +66,12 @@ run(${WORK}/build/07_mesh/mesh ${WORK}/mesh.png)
 expect_picture(${WORK}/mesh.png)
 run(${WORK}/build/08_particles/particles ${WORK}/particles.png)
 expect_picture(${WORK}/particles.png)
+
+# The mappers for VTK find the installed library from where they lie.
+if(MAPPERS)
+  set(ENV{PYTHONPATH} ${prefix}/${MAPPERS})
+  run(${MAPPERS_PYTHON} -c "from ovoid_vtk.vtkOvoid import vtkOvoidVolumeMapper; print(vtkOvoidVolumeMapper())")
+endif()
 
 # A program built for wider registers than the library draws the same bytes: both see one layout of everything public.
 if(WIDE)

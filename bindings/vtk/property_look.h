@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// vtkVolumeProperty, blend mode and lights as a look. What they mean: [VTK 2021].
+#pragma once
+
+#include "ovoid/field.h"
+#include "ovoid/image.h"
+#include "ovoid/look.h"
+#include "ovoid/math.h"
+
+class vtkColorTransferFunction;
+class vtkPiecewiseFunction;
+class vtkRenderer;
+class vtkVolumeProperty;
+
+namespace ovoid::mappers {
+
+// The points of VTK's functions of colour and opacity. Where VTK goes between two nodes as the
+// library does not (a midpoint or sharpness of colours, logarithmic scales, Lab/CIEDE2000, discrete
+// steps), kSubdivisions of VTK's own values stand between them.
+inline constexpr int kSubdivisions = 32;
+void take_colors(vtkColorTransferFunction* function, TransferFunction* tf);
+void take_grays(vtkPiecewiseFunction* function, TransferFunction* tf);
+std::vector<OpacityPoint> opacity_points(vtkPiecewiseFunction* function);
+
+// What a vtkVolumeProperty says of component `index`, drawn in `blend_mode` (vtkVolumeMapper's).
+// `field` sets the length over which VTK takes gradients: the mean of its three spacings. Of
+// MINIMUM_INTENSITY_BLEND the field must hold the negated values, and so do the look's points. Of
+// ADDITIVE_BLEND the look's opacities stand for what is added: show_sums() makes the picture of
+// theirs. Throws Error(kUnsupported) for blend modes and transfer functions that are not drawn,
+// kInvalidArgument for an isosurface without a value.
+Look look_of_property(vtkVolumeProperty* property, int index, int blend_mode, const Field& field);
+
+// Opacities of a frame as the sums that they stand for: gray, at most 1, as opaque as bright.
+void show_sums(Image* image);
+
+// The renderer's lights that are on, by their directions at `center` (world) and intensities;
+// colours by their luminance. Throws Error(kUnsupported) for more than five.
+void take_lights(vtkRenderer* renderer, const Vec3& center, Look* look);
+
+}  // namespace ovoid::mappers

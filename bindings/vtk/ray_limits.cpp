@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ray_limits.h"
+
+#include <cmath>
+#include <limits>
+
+namespace ovoid::mappers {
+namespace {
+
+constexpr float kNowhere = std::numeric_limits<float>::infinity();
+constexpr unsigned kMiddleRegion = 1U << 13;
+
+DepthLimits empty_limits(const View& view) {
+  DepthLimits limits;
+  limits.width = view.width;
+  limits.height = view.height;
+  limits.first.reserve(
+      static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height) + 1);
+  limits.first.push_back(0);
+  return limits;
+}
+
+void end_pixel(DepthLimits& limits) {
+  limits.first.push_back(static_cast<std::uint32_t>(limits.stops.size()));
+}
+
+// Rays through the pixels' centres, by distance along the view axis.
+class Rays {
+ public:
+  explicit Rays(const View& view) : view_(view) {
+    const Camera& camera = view.camera;
+    ahead_ = (camera.focal_point - camera.position).normalized();
+    right_ = ahead_.cross(camera.view_up).normalized();
+    up_ = right_.cross(ahead_);
+    constexpr double kRadians = 3.14159265358979323846 / 180;
+    const double half = camera.parallel_projection ? camera.parallel_scale
+                                                   : std::tan(0.5 * kRadians * camera.view_angle);
+    pixel_ = 2 * half / view.height;
+  }
+
+  // Row 0 at the top.
+  void at(int x, int y, Vec3* origin, Vec3* direction) const {
+    const Vec3 aside =
+        pixel_ * ((x + 0.5 - 0.5 * view_.width) * right_ + (0.5 * view_.height - y - 0.5) * up_);
+    *origin = view_.camera.position;
+    *direction = ahead_;
+    (view_.camera.parallel_projection ? *origin : *direction) += aside;
+  }
+
+ private:
+  const View& view_;
+  Vec3 ahead_, right_, up_;
+  double pixel_ = 0;
+};
+
+bool draws(const Cropping& cropping, const Vec3& place) {
+  int region = 0;
+  for (int axis = 0, step = 1; axis < 3; ++axis, step *= 3) {
+    const auto at = static_cast<std::size_t>(2 * axis);
+    region += step * (place[axis] < cropping.planes[at]       ? 0
+                      : place[axis] < cropping.planes[at + 1] ? 1
+                                                              : 2);
+  }
+  return (cropping.regions >> region & 1U) != 0;
+}
+
+}  // namespace
+
+bool is_one_box(const Cropping& cropping) { return cropping.regions == kMiddleRegion; }
+
+std::vector<ClipPlane> planes_of_box(const Cropping& cropping, const Affine3& world_from_data) {
+  // Normals go by the transposed inverse.
+  const Mat3 normals = world_from_data.linear().inverse().transpose();
+  std::vector<ClipPlane> planes;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int side = 0; side < 2; ++side) {
+      const double at = cropping.planes[static_cast<std::size_t>(2 * axis + side)];
+      const Vec3 normal = (side == 0 ? 1.0 : -1.0) * normals.col(axis);
+      planes.push_back({normal, normal.dot(world_from_data * (at * Vec3::Unit(axis)))});
+    }
+  }
+  return planes;
+}
+
+DepthLimits region_limits(const Cropping& cropping, const Affine3& world_from_data,
+                          const View& view) {
+  DepthLimits limits = empty_limits(view);
+  const Rays rays(view);
+  const Affine3 data_from_world = world_from_data.inverse();
+  std::array<double, 6> depths{};  // where the ray crosses planes, rising
+  for (int y = 0; y < view.height; ++y) {
+    for (int x = 0; x < view.width; ++x) {
+      Vec3 origin, direction;
+      rays.at(x, y, &origin, &direction);
+      const Vec3 from = data_from_world * origin;
+      const Vec3 way = data_from_world.linear() * direction;
+      std::size_t count = 0;
+      for (std::size_t i = 0; i < 6; ++i) {
+        const auto axis = static_cast<Eigen::Index>(i / 2);
+        const double depth = (cropping.planes[i] - from[axis]) / way[axis];
+        if (!std::isfinite(depth)) continue;
+        std::size_t place = count++;
+        for (; place > 0 && depths[place - 1] > depth; --place) depths[place] = depths[place - 1];
+        depths[place] = depth;
+      }
+      bool is_drawn = false;
+      for (std::size_t i = 0; i <= count; ++i) {  // the stretch before depth i
+        const double middle = count == 0   ? 0
+                              : i == 0     ? depths[0] - 1
+                              : i == count ? depths[i - 1] + 1
+                                           : 0.5 * (depths[i - 1] + depths[i]);
+        const bool is_next = draws(cropping, from + middle * way);
+        if (is_next == is_drawn) continue;
+        is_drawn = is_next;
+        limits.stops.push_back(
+            {i == 0 ? -kNowhere : static_cast<float>(depths[i - 1]), is_drawn, {}});
+      }
+      end_pixel(limits);
+    }
+  }
+  return limits;
+}
+
+void limits_before(std::span<const float> depths, const View& view, DepthLimits* limits) {
+  limits->width = view.width;
+  limits->height = view.height;
+  const auto num_pixels =
+      static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height);
+  limits->first.resize(num_pixels + 1);
+  limits->stops.resize(2 * num_pixels);  // at most
+  std::uint32_t* first = limits->first.data();
+  DepthLimits::Stop* const begin = limits->stops.data();
+  DepthLimits::Stop* stop = begin;
+  for (int y = 0; y < view.height; ++y) {
+    const int row = view.viewport_row(view.height - 1 - y);
+    const float* const of_row =
+        depths.data() + static_cast<std::ptrdiff_t>(row) * view.viewport_width;
+    for (int x = 0; x < view.width; ++x) {
+      *first++ = static_cast<std::uint32_t>(stop - begin);
+      const int column = view.viewport_column(x);
+      const bool is_seen =
+          row >= 0 && row < view.viewport_height && column >= 0 && column < view.viewport_width;
+      if (!is_seen) continue;
+      *stop++ = {-kNowhere, true, {}};
+      if (of_row[column] < kNowhere) *stop++ = {of_row[column], false, {}};
+    }
+  }
+  *first = static_cast<std::uint32_t>(stop - begin);
+  limits->stops.resize(static_cast<std::size_t>(stop - begin));
+}
+
+DepthLimits intersection(const DepthLimits& a, const DepthLimits& b) {
+  DepthLimits both;
+  both.width = a.width;
+  both.height = a.height;
+  both.coverage = !a.coverage.empty() ? a.coverage : b.coverage;
+  both.first.reserve(a.first.size());
+  both.first.push_back(0);
+  for (int y = 0; y < a.height; ++y) {
+    for (int x = 0; x < a.width; ++x) {
+      const auto of_a = a.of_pixel(x, y), of_b = b.of_pixel(x, y);
+      bool is_in_a = false, is_in_b = false, is_drawn = false;
+      for (std::size_t i = 0, k = 0; i < of_a.size() || k < of_b.size();) {
+        const bool is_next_a =
+            k == of_b.size() || (i < of_a.size() && of_a[i].depth <= of_b[k].depth);
+        const DepthLimits::Stop& stop = is_next_a ? of_a[i++] : of_b[k++];
+        (is_next_a ? is_in_a : is_in_b) = stop.is_field_behind;
+        const bool is_next = is_in_a && is_in_b;
+        if (is_next == is_drawn) continue;
+        is_drawn = is_next;
+        both.stops.push_back({stop.depth, is_drawn, {}});
+      }
+      end_pixel(both);
+    }
+  }
+  return both;
+}
+
+}  // namespace ovoid::mappers

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where on each pixel's ray a volume is drawn: before what OpenGL has drawn, and in the regions
+// that cropping leaves.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "ovoid/depth_limits.h"
+#include "ovoid/math.h"
+#include "ovoid/render_options.h"
+#include "view.h"
+
+namespace ovoid::mappers {
+
+// Cropping of vtkVolumeMapper: two planes across each axis of the data cut them into 27 regions;
+// bit x + 3 y + 9 z of `regions` says whether one of them is drawn.
+struct Cropping {
+  std::array<double, 6> planes{};  // x, x, y, y, z, z, data's coordinates
+  unsigned regions = 0;
+};
+
+// The middle region alone, which clip planes leave.
+bool is_one_box(const Cropping& cropping);
+std::vector<ClipPlane> planes_of_box(const Cropping& cropping, const Affine3& world_from_data);
+
+// Any regions.
+DepthLimits region_limits(const Cropping& cropping, const Affine3& world_from_data,
+                          const View& view);
+
+// The field before the depths of the viewport's pixels, row 0 at the bottom (view.viewport_width x
+// viewport_height, distances along the view axis, infinite where nothing is). Into `limits`, whose
+// memory is used again.
+void limits_before(std::span<const float> depths, const View& view, DepthLimits* limits);
+
+// Spans and stops of both: the field where both draw it. Of the same size.
+DepthLimits intersection(const DepthLimits& a, const DepthLimits& b);
+
+}  // namespace ovoid::mappers

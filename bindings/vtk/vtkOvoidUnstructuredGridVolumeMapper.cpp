@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vtkOvoidUnstructuredGridVolumeMapper.h"
+
+#include <vtkDataObject.h>
+#include <vtkImageData.h>
+#include <vtkInformation.h>
+#include <vtkObjectFactory.h>
+#include <vtkPointSet.h>
+#include <vtkRenderer.h>
+#include <vtkUnstructuredGridBase.h>
+#include <vtkVolume.h>
+
+#include "volume_painter.h"
+
+vtkStandardNewMacro(vtkOvoidUnstructuredGridVolumeMapper);
+
+vtkOvoidUnstructuredGridVolumeMapper::vtkOvoidUnstructuredGridVolumeMapper()
+    : Painter(std::make_unique<ovoid::mappers::VolumePainter>()) {}
+vtkOvoidUnstructuredGridVolumeMapper::~vtkOvoidUnstructuredGridVolumeMapper() = default;
+
+void vtkOvoidUnstructuredGridVolumeMapper::SetInputData(vtkUnstructuredGridBase* grid) {
+  this->SetInputDataInternal(0, grid);
+}
+
+void vtkOvoidUnstructuredGridVolumeMapper::SetInputData(vtkDataSet* points) {
+  if (points != nullptr && vtkPointSet::SafeDownCast(points) == nullptr) {
+    vtkErrorMacro(<< "a " << points->GetClassName() << " is not drawn: expected a vtkPointSet");
+    return;
+  }
+  this->SetInputDataInternal(0, points);
+}
+
+int vtkOvoidUnstructuredGridVolumeMapper::FillInputPortInformation(int,
+                                                                   vtkInformation* information) {
+  information->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkPointSet");
+  return 1;
+}
+
+void vtkOvoidUnstructuredGridVolumeMapper::Render(vtkRenderer* ren, vtkVolume* vol) {
+  ovoid::mappers::MapperSettings settings;
+  settings.arrays = {this->ScalarMode, this->ArrayAccessMode, this->ArrayId,
+                     this->ArrayName,  this->VectorMode,      this->VectorComponent};
+  settings.blend_mode = this->BlendMode;
+  settings.backend = this->Backend;
+  settings.num_threads = this->NumberOfThreads;
+  settings.sample_distance = this->SampleDistance;
+  settings.greatest_image_distance =
+      this->AutoAdjustSampleDistances != 0 ? this->MaximumImageSampleDistance : 1.0;
+  settings.clipping_planes = this->GetClippingPlanes();
+  ovoid::mappers::draw_or_tell(
+      [&] {
+        if (this->GetNumberOfInputConnections(0) > 0) this->GetInputAlgorithm()->Update();
+        this->Painter->draw(ren, vol, this->GetDataSetInput(), settings);
+      },
+      [&](const char* what) { vtkErrorMacro(<< what); });
+}
+
+void vtkOvoidUnstructuredGridVolumeMapper::ReleaseGraphicsResources(vtkWindow* window) {
+  this->Painter->release(window);
+}
+
+double vtkOvoidUnstructuredGridVolumeMapper::GetImageSampleDistance() {
+  return this->Painter->image_distance();
+}
+double vtkOvoidUnstructuredGridVolumeMapper::GetRenderTime() { return this->Painter->times().all; }
+double vtkOvoidUnstructuredGridVolumeMapper::GetFrameTime() {
+  return this->Painter->times().renderer;
+}
+double vtkOvoidUnstructuredGridVolumeMapper::GetDisplayTime() {
+  return this->Painter->times().screen;
+}
+vtkMTimeType vtkOvoidUnstructuredGridVolumeMapper::GetFieldTime() {
+  return this->Painter->field_time();
+}
+vtkTypeInt64 vtkOvoidUnstructuredGridVolumeMapper::GetFieldMemory() {
+  return this->Painter->field_bytes();
+}
+
+void vtkOvoidUnstructuredGridVolumeMapper::GetColorImage(vtkImageData* image) {
+  ovoid::mappers::copy_colors(*this->Painter, image);
+}
+
+void vtkOvoidUnstructuredGridVolumeMapper::GetDepthImage(vtkImageData* image) {
+  ovoid::mappers::copy_depths(*this->Painter, image);
+}
+
+void vtkOvoidUnstructuredGridVolumeMapper::PrintSelf(ostream& os, vtkIndent indent) {
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "VectorMode: " << this->VectorMode << "\n"
+     << indent << "VectorComponent: " << this->VectorComponent << "\n"
+     << indent << "Backend: " << this->Backend << "\n"
+     << indent << "NumberOfThreads: " << this->NumberOfThreads << "\n"
+     << indent << "SampleDistance: " << this->SampleDistance << "\n"
+     << indent << "AutoAdjustSampleDistances: " << this->AutoAdjustSampleDistances << "\n"
+     << indent << "MaximumImageSampleDistance: " << this->MaximumImageSampleDistance << "\n";
+}

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vtkOvoidVolumeMapper.h"
+
+#include <vtkImageData.h>
+#include <vtkObjectFactory.h>
+#include <vtkRenderer.h>
+#include <vtkVolume.h>
+
+#include <algorithm>
+
+#include "volume_painter.h"
+
+vtkStandardNewMacro(vtkOvoidVolumeMapper);
+
+vtkOvoidVolumeMapper::vtkOvoidVolumeMapper()
+    : Painter(std::make_unique<ovoid::mappers::VolumePainter>()) {}
+vtkOvoidVolumeMapper::~vtkOvoidVolumeMapper() = default;
+
+void vtkOvoidVolumeMapper::Render(vtkRenderer* ren, vtkVolume* vol) {
+  ovoid::mappers::MapperSettings settings;
+  settings.arrays = {this->ScalarMode, this->ArrayAccessMode, this->ArrayId,
+                     this->ArrayName,  this->VectorMode,      this->VectorComponent};
+  settings.kernel = this->Kernel;
+  settings.blend_mode = this->BlendMode;
+  settings.backend = this->Backend;
+  settings.num_threads = this->NumberOfThreads;
+  settings.sample_distance = this->SampleDistance;
+  settings.greatest_image_distance =
+      this->AutoAdjustSampleDistances != 0 ? this->MaximumImageSampleDistance : 1.0;
+  settings.clipping_planes = this->GetClippingPlanes();
+  if (this->Cropping != 0) {
+    auto& cropping = settings.cropping.emplace();
+    std::copy_n(this->CroppingRegionPlanes, 6, cropping.planes.begin());
+    cropping.regions = static_cast<unsigned>(this->CroppingRegionFlags);
+  }
+  ovoid::mappers::draw_or_tell(
+      [&] {
+        if (this->GetNumberOfInputConnections(0) > 0) this->GetInputAlgorithm()->Update();
+        this->Painter->draw(ren, vol, this->GetDataSetInput(), settings);
+      },
+      [&](const char* what) { vtkErrorMacro(<< what); });
+}
+
+void vtkOvoidVolumeMapper::ReleaseGraphicsResources(vtkWindow* window) {
+  this->Painter->release(window);
+}
+
+double vtkOvoidVolumeMapper::GetImageSampleDistance() { return this->Painter->image_distance(); }
+double vtkOvoidVolumeMapper::GetRenderTime() { return this->Painter->times().all; }
+double vtkOvoidVolumeMapper::GetFrameTime() { return this->Painter->times().renderer; }
+double vtkOvoidVolumeMapper::GetDisplayTime() { return this->Painter->times().screen; }
+vtkMTimeType vtkOvoidVolumeMapper::GetFieldTime() { return this->Painter->field_time(); }
+bool vtkOvoidVolumeMapper::GetSharesMemory() { return this->Painter->shares_memory(); }
+vtkTypeInt64 vtkOvoidVolumeMapper::GetFieldMemory() { return this->Painter->field_bytes(); }
+
+void vtkOvoidVolumeMapper::GetColorImage(vtkImageData* image) {
+  ovoid::mappers::copy_colors(*this->Painter, image);
+}
+
+void vtkOvoidVolumeMapper::GetDepthImage(vtkImageData* image) {
+  ovoid::mappers::copy_depths(*this->Painter, image);
+}
+
+void vtkOvoidVolumeMapper::PrintSelf(ostream& os, vtkIndent indent) {
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "VectorMode: " << this->VectorMode << "\n"
+     << indent << "VectorComponent: " << this->VectorComponent << "\n"
+     << indent << "Kernel: " << this->Kernel << "\n"
+     << indent << "Backend: " << this->Backend << "\n"
+     << indent << "NumberOfThreads: " << this->NumberOfThreads << "\n"
+     << indent << "SampleDistance: " << this->SampleDistance << "\n"
+     << indent << "AutoAdjustSampleDistances: " << this->AutoAdjustSampleDistances << "\n"
+     << indent << "MaximumImageSampleDistance: " << this->MaximumImageSampleDistance << "\n";
+}

@@ -1,0 +1,23 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Builds the plugin for ParaView 5.11 and draws with it, without installing ParaView: Debian's packages (whose python3-paraview conflicts
+# with python3-vtk9) are downloaded by apt and unpacked in build/paraview/root. With a folder that ParaView is installed under, that one is
+# taken: paraview.sh [PREFIX]. Leaves the plugin in build/paraview/build/lib/OvoidVolume.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+folder=$PWD/build/paraview
+root=${1:-$folder/root/usr}
+libraries=$root/lib/$(gcc -print-multiarch)
+
+if [[ $# == 0 && ! -d $root ]]; then
+  mkdir -p "$folder/packages"
+  (cd "$folder/packages" && apt-get download paraview paraview-dev python3-paraview)
+  for package in "$folder"/packages/*.deb; do dpkg -x "$package" "$folder/root"; done
+fi
+scripts/build.sh release ovoid_program ovoid_reader ovoid_viewer ovoid_mappers
+cmake --install build/release --prefix "$folder/ovoid" >"$folder/install.log"
+cmake -S bindings/paraview -B "$folder/build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DPython3_EXECUTABLE=/usr/bin/python3 \
+  -DCMAKE_PREFIX_PATH="$folder/ovoid;$root" --log-level=WARNING
+cmake --build "$folder/build"
+env LD_LIBRARY_PATH="$libraries" PYTHONPATH="$root/lib/python3/dist-packages" LIBGL_ALWAYS_SOFTWARE=1 \
+  xvfb-run --auto-servernum "$root"/bin/pvpython tests/paraview/plugin_test.py "$folder/build/lib/OvoidVolume/OvoidVolume.so"

@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What tests of the mappers compare, and within which bounds."""
+import unittest
+
+import numpy as np
+from scene import BACKGROUND, HEIGHT, WIDTH, bumps, image_of, over, rendered
+
+SIDE = 25
+# Bytes, of both pictures in 8 bits: rounding; blending in 8 bits rounds what is behind once more.
+EXACT = 1.0
+TRANSLUCENT = 2.0
+
+
+class MapperCase(unittest.TestCase):
+    def setUp(self):
+        self.values = bumps(SIDE)
+        self.image, self.array = image_of(self.values)
+
+    def assert_like(self, drawn, expected, bound):
+        difference = np.abs(drawn - expected)
+        place = np.unravel_index(difference.argmax(), difference.shape)
+        self.assertLessEqual(difference.max(), bound, f"at row, column, channel {place}: {drawn[place]} and {expected[place]}")
+
+    def assert_shows(self, picture):
+        """Something is there, and not everywhere."""
+        shown = np.abs(picture - 255 * np.array(BACKGROUND)).max(axis=2) > 20
+        self.assertGreater(shown.mean(), 0.02)
+        self.assertLess(shown.mean(), 0.98)
+
+    def assert_like_program(self, scene, *flags, data=None, bound=EXACT, **named):
+        drawn = scene.draw()
+        self.assertEqual(scene.errors, [])
+        self.assert_shows(drawn)
+        self.assert_like(drawn, over(rendered(self.image if data is None else data, scene, *flags, **named), BACKGROUND), bound)
+
+    def assert_error(self, scene, *words):
+        background = np.broadcast_to(255 * np.array(BACKGROUND), (HEIGHT, WIDTH, 3))
+        self.assert_like(scene.draw(), background, EXACT)
+        self.assertEqual(len(scene.errors), 1, scene.errors)
+        for word in words:
+            self.assertIn(word, scene.errors[0])

@@ -12,7 +12,9 @@ libraries=$root/lib/$(gcc -print-multiarch)
 if [[ $# == 0 && ! -d $root ]]; then
   mkdir -p "$folder/packages"
   (cd "$folder/packages" && apt-get download paraview paraview-dev python3-paraview)
-  for package in "$folder"/packages/*.deb; do dpkg -x "$package" "$folder/root"; done
+  rm -rf "$folder/root.part"
+  for package in "$folder"/packages/*.deb; do dpkg -x "$package" "$folder/root.part"; done
+  mv "$folder/root.part" "$folder/root"
 fi
 scripts/build.sh release ovoid_program ovoid_reader ovoid_viewer ovoid_mappers
 cmake --install build/release --prefix "$folder/ovoid" >"$folder/install.log"

@@ -68,6 +68,7 @@ void App::take_load_reports() {
     if (auto* opened = std::get_if<Opened>(&report)) {
       const bool is_other = !opened->is_reload;
       document_.take(*opened);
+      asked_solid_.reset();
       fitter_->cancel();  // of what was there before
       if (is_other) {
         picture_view_.forget();
@@ -100,6 +101,10 @@ void App::take_load_reports() {
       waits_for_time_ = false;
       document_.time.is_playing = false;
       if (failed->was_opening) load_error_ = failed->message;
+      if (failed->was_solid) {
+        document_.give_up_solid();
+        asked_solid_.reset();
+      }
       // With nothing open it stands in the middle.
       if (document_.is_open()) tell(failed->message, true);
       last_message_ = failed->message;

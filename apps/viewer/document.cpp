@@ -39,11 +39,27 @@ void Document::take(const Opened& opened) {
   time.is_playing = false;
 }
 
+void Document::forget_solids() {
+  for (std::vector<View>* views : {&past_, &future_}) {
+    for (View& of : *views) of.solid.reset();
+  }
+  view.solid.reset();
+  settled_.solid.reset();
+  if (other) other->view.solid.reset();
+}
+
+void Document::give_up_solid() {
+  if (shown && shown->is_of(view.solid)) return;
+  view.solid = shown && !shown->is_rough ? shown->solid : std::nullopt;
+  count_up();
+}
+
 void Document::take(const ShownReady& ready, double aspect) {
   const bool is_first = std::exchange(awaits_first_, false);
   shown = ready.shown;
   if (extras && extras->of != shown) extras.reset();
   if (is_first) time.now = shown->time;
+  if (is_first && is_reload_) forget_solids();
   if (ready.kernel || ready.look) label_kernel = ready.kernel;
   if (is_first && !is_reload_) {
     const cli::DrawingFlags& flags = launch->drawing;

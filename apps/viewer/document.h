@@ -132,6 +132,10 @@ class Document {
   // To be called when an edit is complete: remembers the view that was there before. Without an
   // edit (touch()) since the last one nothing happens, so that what undo does is none itself.
   void remember();
+  // Of a solid that cannot be made: what is shown is wanted again, or the mesh where that is a
+  // solid as it was while it moved.
+  void give_up_solid();
+
   bool can_undo() const noexcept { return !past_.empty(); }
   bool can_redo() const noexcept { return !future_.empty(); }
   void undo();
@@ -159,6 +163,7 @@ class Document {
     ++version_;
     ++view_version_;
   }
+  void forget_solids();  // of a mesh that was read again: they are of the one before
   std::shared_ptr<Scene> scene(const View& of, const RendererSetup& on, Size size) const;
   std::shared_ptr<Scene> scene_of_fit(Size size) const;
 

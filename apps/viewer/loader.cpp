@@ -271,10 +271,10 @@ std::shared_ptr<Shown> shown_of(const Data& data, cli::DrawingFlags& drawing, do
   return make_shown(data.dataset, *data.launch->flags, drawing, time, session);
 }
 
-std::shared_ptr<const Dataset> read_back(const Dataset& kernels) {
+std::shared_ptr<const Dataset> read_back(const Dataset& kernels, const std::stop_token& stop) {
   const PrivateFolder folder;
   const std::string path = folder.file("solid.ply");
-  write_dataset(kernels, path);
+  write_dataset(kernels, path, {stop});
   return std::make_shared<const Dataset>(read_dataset({path}));
 }
 
@@ -295,7 +295,7 @@ std::shared_ptr<Shown> shown_of_solid(const SolidShape& shape, std::optional<int
   drawing.run = setup;
   const auto dataset = std::make_shared<const Dataset>(make_kernel_dataset(kernels));
   // A file rounds.
-  const auto stored = left_out ? dataset : read_back(*dataset);
+  const auto stored = left_out ? dataset : read_back(*dataset, session.stop());
   auto made = make_shown(stored, *plain->flags, drawing, time, session);
   made->dataset = dataset;
   made->solid = shape;
@@ -494,7 +494,7 @@ void Loader::Impl::run() {
     } catch (const std::exception& error) {
       message = cli::one_line(fmt::format("unexpected: {}", error.what()));
     }
-    if (!message.empty()) report(LoadFailed{message, opening.has_value()});
+    if (!message.empty()) report(LoadFailed{message, opening.has_value(), solid.has_value()});
     lock.lock();
   }
 }

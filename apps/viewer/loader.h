@@ -104,7 +104,7 @@ struct Noted {
 };
 struct LoadFailed {
   std::string message;
-  bool was_opening = false;
+  bool was_opening = false, was_solid = false;
 };
 using LoadReport = std::variant<LoadProgress, Opened, ShownReady, std::shared_ptr<const Extras>,
                                 Noted, LoadFailed>;

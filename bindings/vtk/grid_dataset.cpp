@@ -129,7 +129,8 @@ vtkUnsignedCharArray* blanks(vtkDataSet* grid, bool is_cell_data, unsigned char*
   if (is_cell_data) *hidden = vtkDataSetAttributes::HIDDENCELL;
   vtkUnsignedCharArray* const flags =
       is_cell_data ? grid->GetCellGhostArray() : grid->GetPointGhostArray();
-  if (flags == nullptr) return nullptr;
+  const vtkIdType expected = is_cell_data ? grid->GetNumberOfCells() : grid->GetNumberOfPoints();
+  if (flags == nullptr || flags->GetNumberOfTuples() != expected) return nullptr;
   for (vtkIdType i = 0; i < flags->GetNumberOfTuples(); ++i) {
     if ((flags->GetValue(i) & *hidden) != 0) return flags;
   }
@@ -142,10 +143,10 @@ DataArray without_blanks(const DrawnValues& drawn, vtkUnsignedCharArray* flags,
   std::vector<float> values(static_cast<std::size_t>(drawn.array->GetNumberOfValues()));
   for (std::size_t i = 0; i < values.size(); ++i) {
     const auto tuple = static_cast<vtkIdType>(i) / count;
-    values[i] =
-        (flags->GetValue(tuple) & hidden) != 0
-            ? std::numeric_limits<float>::quiet_NaN()
-            : static_cast<float>(drawn.array->GetComponent(tuple, static_cast<int>(i) % count));
+    values[i] = (flags->GetValue(tuple) & hidden) != 0
+                    ? std::numeric_limits<float>::quiet_NaN()
+                    : static_cast<float>(drawn.array->GetComponent(
+                          tuple, static_cast<int>(i % static_cast<std::size_t>(count))));
   }
   const char* const name = drawn.array->GetName();
   DataArray array =

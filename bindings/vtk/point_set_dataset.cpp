@@ -102,13 +102,20 @@ DataArray positions_of(vtkPointSet* points, const Affine3& world_from_data) {
   return positions;
 }
 
+// The flags, if there is one for each.
+vtkUnsignedCharArray* of_length(vtkIdType expected, vtkUnsignedCharArray* flags) {
+  return flags != nullptr && flags->GetNumberOfTuples() == expected ? flags : nullptr;
+}
+
 // Which cells belong here: not those that VTK hides, or that another piece has, too.
 std::vector<vtkIdType> cells_to_draw(vtkUnstructuredGrid* grid) {
   constexpr unsigned kLeftOut = vtkDataSetAttributes::DUPLICATECELL |
                                 vtkDataSetAttributes::REFINEDCELL |
                                 vtkDataSetAttributes::HIDDENCELL;
-  vtkUnsignedCharArray* const cells = grid->GetCellGhostArray();
-  vtkUnsignedCharArray* const nodes = grid->GetPointGhostArray();
+  const vtkIdType num_nodes = grid->GetNumberOfPoints();
+  vtkUnsignedCharArray* const cells =
+      of_length(grid->GetNumberOfCells(), grid->GetCellGhostArray());
+  vtkUnsignedCharArray* const nodes = of_length(num_nodes, grid->GetPointGhostArray());
   std::vector<vtkIdType> kept;
   kept.reserve(static_cast<std::size_t>(grid->GetNumberOfCells()));
   for (vtkIdType c = 0; c < grid->GetNumberOfCells(); ++c) {
@@ -117,7 +124,8 @@ std::vector<vtkIdType> cells_to_draw(vtkUnstructuredGrid* grid) {
     const vtkIdType* ids = nullptr;
     grid->GetCells()->GetCellAtId(c, count, ids);
     const bool has_hidden = nodes != nullptr && std::any_of(ids, ids + count, [&](vtkIdType id) {
-                              return (nodes->GetValue(id) & vtkDataSetAttributes::HIDDENPOINT) != 0;
+                              return id >= 0 && id < num_nodes &&
+                                     (nodes->GetValue(id) & vtkDataSetAttributes::HIDDENPOINT) != 0;
                             });
     if (count > 0 && !has_hidden) kept.push_back(c);
   }
@@ -196,6 +204,8 @@ Dataset point_set_dataset(vtkPointSet* points, const DrawnValues& drawn,
   dataset.format = "VTK";
   dataset.positions = positions_of(points, world_from_data);
   if (auto* const grid = vtkStructuredGrid::SafeDownCast(points)) {
+    if (grid->HasAnyBlankCells() || grid->HasAnyBlankPoints())
+      fail(points, "has blanked points or cells; make it a vtkUnstructuredGrid (vtkAppendFilter)");
     dataset.kind = DatasetKind::kMesh;
     for (std::size_t axis = 0; axis < 3; ++axis)
       dataset.cells.dims[axis] = grid->GetDimensions()[axis];
@@ -204,6 +214,8 @@ Dataset point_set_dataset(vtkPointSet* points, const DrawnValues& drawn,
     return dataset;
   }
   auto* const grid = vtkUnstructuredGrid::SafeDownCast(points);
+  if (grid == nullptr && points->GetNumberOfCells() > 0 && !points->IsA("vtkPolyData"))
+    fail(points, "is not drawn; expected vtkUnstructuredGrid, vtkStructuredGrid or vtkPolyData");
   const std::vector<vtkIdType> kept = grid != nullptr && grid->GetCells() != nullptr
                                           ? cells_to_draw(grid)
                                           : std::vector<vtkIdType>();

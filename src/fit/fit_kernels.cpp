@@ -54,7 +54,7 @@ constexpr std::size_t kTestPlaces = 100'000;
 constexpr std::size_t kMostPlacesPerKernel = 3, kLeastSeen = 1 << 17;
 // Places that are looked at for each kernel while they are refined, and in all; kernels of which
 // each would have fewer than the least, or that are as good as floats, stay as they are.
-constexpr double kPlacesPerKernel = 48, kLeastPerKernel = 20, kMostRefinedPlaces = 1 << 22;
+constexpr double kPlacesPerKernel = 48, kLeastPerKernel = 20, kMostRefinedPlaces = 1 << 21;
 constexpr double kMostRefinedPsnr = 140;
 // Of the operator, for a place: 8 bytes for each of the kernels that reach it.
 constexpr std::size_t kBytesPerPlace = 400;
@@ -260,7 +260,9 @@ class Fitter {
       errors.greatest = std::max(errors.greatest, error);
       share += places.shares[k];
     }
-    errors.mean_square /= std::max(share, 1e-300);
+    // Nothing to judge by is no success.
+    errors.mean_square =
+        share > 0 ? errors.mean_square / share : std::numeric_limits<double>::infinity();
     return errors;
   }
 
@@ -278,8 +280,10 @@ class Fitter {
 
   double range_of(std::size_t attribute) const {
     const ValueRange of = attribute == 0 ? field_.value_range() : field_.color_range();
-    return std::max(static_cast<double>(of.hi) - static_cast<double>(of.lo),
-                    std::numeric_limits<double>::min());
+    const double low = static_cast<double>(of.lo), high = static_cast<double>(of.hi);
+    if (high > low) return high - low;
+    // Of a constant: what it is rounded by counts next to nothing.
+    return std::max({std::abs(low), std::abs(high), 1e-30});
   }
 
   template <class Blame>

@@ -278,6 +278,32 @@ TEST(FitKernels, RefinementIsWorthIt) {
   EXPECT_LE(with.wrongly_empty, without.wrongly_empty + 1e-3);
 }
 
+// Fails if a colour that is the same everywhere, in units of its range, drowns the values' errors.
+TEST(FitKernels, ConstantColoursLeaveNoTrace) {
+  Dataset mesh = jittered_grid({8, 8, 8}, bump);
+  FitOptions options = with_kernels(40);
+  options.model.array = "v";
+  FitReport without, with;
+  fit_kernels(mesh, options, &without);
+  mesh.arrays.push_back(model::array_of_numbers("c", 1, std::vector<float>(8 * 8 * 8, 5.F)));
+  options.model.color_array = "c";
+  const KernelField field = fit_kernels(mesh, options, &with);
+  EXPECT_NEAR(with.psnr, without.psnr, 1);
+  EXPECT_NEAR(KernelSampler(field).at(Vec3(4, 4, 4)).color_value, 5, 1e-3);
+}
+
+// Surfaces have no cell to interpolate in: places near their kernels judge.
+TEST(FitKernels, MeshesWithoutSolidCellsAreJudged) {
+  Dataset mesh = jittered_grid({16, 16, 1}, bump);
+  FitOptions options;
+  options.psnr = 40;
+  FitReport report;
+  fit_kernels(mesh, options, &report);
+  EXPECT_GT(report.test_places, 1000);
+  EXPECT_TRUE(std::isfinite(report.psnr));
+  EXPECT_GT(report.psnr, 39);
+}
+
 TEST(FitKernels, StopsWhenItIsTold) {
   const Dataset mesh = jittered_grid({10, 10, 10}, bump);
   std::stop_source stop;

@@ -228,6 +228,9 @@ class PlacesInMesh final : public PlaceMaker {
   PlacesInMesh(const Dataset& dataset, const SourceKernels& kernels, const PlaceOptions& options)
       : PlaceMaker(kernels, options), mesh_(dataset, options) {}
 
+  // Whether there are any that values can be interpolated in.
+  bool has_cells() const { return mesh_.count() > 0; }
+
  private:
   std::size_t num_sites() const override { return mesh_.count(); }
   double volume(std::size_t site) const override { return mesh_.volume(site); }
@@ -241,7 +244,6 @@ class PlacesInMesh final : public PlaceMaker {
     Places places = empty();
     model::Random random(options_.seed);
     append_centers(kernels_, 0.5, places);
-    if (mesh_.count() == 0) return places;
     const auto wanted = static_cast<double>(options_.most) - static_cast<double>(kernels_.count());
     const double per_cell = std::max(wanted / static_cast<double>(mesh_.count()), 0.01);
     double due = 0;
@@ -383,7 +385,10 @@ std::unique_ptr<PlaceMaker> make_place_maker(const Dataset& dataset, const Kerne
   const bool has_nodes = dataset.kind == DatasetKind::kMesh &&
                          !dataset.array(options.model.array).is_cell_data &&
                          kernels.reconstruction == Reconstruction::kNormalized;
-  if (has_nodes) return std::make_unique<PlacesInMesh>(dataset, kernels, options);
+  if (has_nodes) {
+    auto in_mesh = std::make_unique<PlacesInMesh>(dataset, kernels, options);
+    if (in_mesh->has_cells()) return in_mesh;
+  }
   return std::make_unique<PlacesNearKernels>(field, kernels, options);
 }
 

@@ -56,6 +56,7 @@ class Refiner {
   }
 
   void run(MergedKernels& kernels, std::vector<std::vector<double>>& values) const {
+    if (problem_.places.count() < kPlacesPerTest) return;
     State state{std::move(kernels), std::move(values)};
     Seen now = look(state);
     for (int step = 0; step < problem_.steps; ++step) {

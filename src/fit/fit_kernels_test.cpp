@@ -292,6 +292,17 @@ TEST(FitKernels, ConstantColoursLeaveNoTrace) {
   EXPECT_NEAR(KernelSampler(field).at(Vec3(4, 4, 4)).color_value, 5, 1e-3);
 }
 
+// Of many cells some are looked at, here every twentieth, which are not those of one plane.
+TEST(FitKernels, PlacesOfLargeGridsAreEverywhere) {
+  const Dataset mesh = jittered_grid({21, 21, 21}, bump);
+  FitOptions options = with_kernels(8);
+  FitReport with, without;
+  fit_kernels(mesh, options, &with);
+  options.refinements = 0;
+  fit_kernels(mesh, options, &without);
+  EXPECT_GT(with.psnr, without.psnr + 3);
+}
+
 // Surfaces have no cell to interpolate in: places near their kernels judge.
 TEST(FitKernels, MeshesWithoutSolidCellsAreJudged) {
   Dataset mesh = jittered_grid({16, 16, 1}, bump);

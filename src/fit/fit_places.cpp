@@ -355,9 +355,14 @@ Places PlaceMaker::make_evenly(const KernelColumns& kernels, double per_kernel) 
   const double wanted = per_kernel * static_cast<double>(num_kernels);
   const std::size_t every =
       std::max<std::size_t>(1, static_cast<std::size_t>(static_cast<double>(num_sites()) / wanted));
+  // At random: the sites of a grid, at even steps, would lie in a few planes.
+  model::Random random(options_.seed ^ kEvenSeed);
+  std::vector<std::size_t> sites;
   std::vector<double> middles;
-  for (std::size_t i = 0; i < num_sites(); i += every) {
-    const Vec3 at = middle(i);
+  for (std::size_t first = 0; first < num_sites(); first += every) {
+    const std::size_t count = std::min(every, num_sites() - first);
+    sites.push_back(first + random.next() % count);
+    const Vec3 at = middle(sites.back());
     middles.insert(middles.end(), {at[0], at[1], at[2]});
   }
   const std::vector<std::uint32_t> owners = greatest_at(
@@ -367,13 +372,12 @@ Places PlaceMaker::make_evenly(const KernelColumns& kernels, double per_kernel) 
     if (owner != kNoKernel) owned[owner] += 1;
   }
   Places places = empty();
-  model::Random random(options_.seed ^ kEvenSeed);
   for (std::size_t s = 0; s < owners.size(); ++s) {
     if (owners[s] == kNoKernel) continue;
     const double number = per_kernel / owned[owners[s]];
-    const double share = volume(s * every) / number;
+    const double share = volume(sites[s]) / number;
     for (auto due = std::floor(number + random.uniform(0, 1)); due >= 1; --due)
-      append_random(s * every, share, random, places);
+      append_random(sites[s], share, random, places);
   }
   fill(places);
   return finished(options_.seed, places);

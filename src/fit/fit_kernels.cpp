@@ -270,7 +270,7 @@ class Fitter {
   double most_refined_places() const {
     if (options_.memory_limit == 0) return kMostRefinedPlaces;
     return std::min(kMostRefinedPlaces,
-                    static_cast<double>(options_.memory_limit / (2 * kBytesPerPlace)));
+                    static_cast<double>(options_.memory_limit) / (2.0 * kBytesPerPlace));
   }
 
   // Of the attributes. What a sum's colour is depends on its values: it stays the mean.

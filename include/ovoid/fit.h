@@ -158,8 +158,8 @@ struct FitReport {
 // reconstruction, cut-off and attributes of make_kernel_field(), and does not depend on the number
 // of threads. Throws Error: what make_kernel_field() throws; kInvalidArgument for no goal or
 // several, a goal that cannot be reached (with what can), `smooth`, bytes for less than a kernel, a
-// lattice; kCancelled; kOutOfMemory. Cost: about fifty microseconds of one thread per node or
-// particle, and for each of `refinements` half a millisecond per kernel.
+// lattice; kCancelled; kOutOfMemory. Cost: about seventy microseconds of one thread per node or
+// particle, and for each of `refinements` a millisecond per kernel.
 KernelField fit_kernels(const Dataset& dataset, const FitOptions& options,
                         FitReport* report = nullptr);
 

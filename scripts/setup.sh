@@ -14,11 +14,12 @@ declare -A groups=(
   [build]="make g++ cmake ninja-build ccache pkg-config git python3
     libeigen3-dev libfmt-dev nlohmann-json3-dev libcli11-dev
     libpng-dev libjpeg-dev libgif-dev zlib1g-dev libbz2-dev libopenexr-dev
-    libvulkan-dev libvulkan-volk-dev glslang-tools
+    libvulkan-dev libvulkan-volk-dev glslang-tools spirv-tools
     voro++-dev libhwy-dev libvtk9-dev libgdcm-dev libhdf5-dev libseccomp-dev libgtest-dev libgmock-dev
     libvulkan1 mesa-vulkan-drivers vulkan-validationlayers
     dpkg-dev file
     python3-vtk9 python3-numpy
+    libopenmpi-dev openmpi-bin
     libglfw3-dev libimgui-dev libgl-dev xvfb xauth libgl1-mesa-dri fonts-dejavu-core"
   [check]="clang-format clang-tidy"
   [fuzz]="clang"

@@ -11,6 +11,7 @@ namespace ovoid::cli {
 // One subcommand, one file. Each takes the words after its name, and throws UsageError or
 // ovoid::Error.
 void run_render(const Words& words, Session& session);
+void run_composite(const Words& words, Session& session);
 void run_animate(const Words& words, Session& session);
 void run_info(const Words& words, Session& session);
 void run_make(const Words& words, Session& session);
@@ -23,6 +24,14 @@ void run_bench(const Words& words, Session& session);
 // Becomes the viewer, the program ovoid-viewer that lies beside this one, and hands it the words.
 // Throws Error(kUnsupported) if it is not there.
 [[noreturn]] void run_view(const Words& words);
+
+// How many processes mpirun, mpiexec or srun has started, this among them; 0: none of these has
+// started this, or OVOID_MPI is 0.
+int processes_by_mpi();
+
+// Becomes ovoid-mpi, which lies beside this program, and hands it the words. Throws UsageError for
+// other commands than render, Error(kUnsupported) if it is not there.
+[[noreturn]] void run_with_mpi(const Words& words);
 
 // How the flags of render are given.
 const std::vector<FlagForm>& render_flags();

@@ -60,25 +60,33 @@ int complain(std::string_view message, int exit_code) noexcept {
   return exit_code;
 }
 
-int complain_of_exception() noexcept {
+Failure failure_of_exception() {
   try {
     throw;
   } catch (const UsageError& error) {
-    return complain(error.what(), kExitUsage);
+    return {error.what(), kExitUsage};
   } catch (const Error& error) {
-    if (error.code() == ErrorCode::kCancelled)
-      return complain(error.what(), Interrupt::exit_code());
+    if (error.code() == ErrorCode::kCancelled) return {error.what(), Interrupt::exit_code()};
     const bool is_memory = error.code() == ErrorCode::kOutOfMemory;
-    return complain(error.what(), is_memory ? kExitOutOfMemory : kExitFailed);
+    return {error.what(), is_memory ? kExitOutOfMemory : kExitFailed};
   } catch (const std::bad_alloc&) {
-    return complain("out of memory", kExitOutOfMemory);
+    return {"out of memory", kExitOutOfMemory};
   } catch (const std::system_error& error) {
     if (error.code() != std::errc::resource_unavailable_try_again)
-      return complain(std::string("unexpected: ") + error.what(), kExitFailed);
-    return complain("a thread cannot be made: the system grants no more (ulimit -u, ulimit -v)",
-                    kExitFailed);
+      return {std::string("unexpected: ") + error.what(), kExitFailed};
+    return {"a thread cannot be made: the system grants no more (ulimit -u, ulimit -v)",
+            kExitFailed};
   } catch (const std::exception& error) {
-    return complain(std::string("unexpected: ") + error.what(), kExitFailed);
+    return {std::string("unexpected: ") + error.what(), kExitFailed};
+  }
+}
+
+int complain_of_exception() noexcept {
+  try {
+    const Failure failure = failure_of_exception();
+    return complain(failure.message, failure.exit_code);
+  } catch (const std::bad_alloc&) {
+    return complain("out of memory", kExitOutOfMemory);
   }
 }
 

@@ -30,7 +30,14 @@ void tell(std::string_view text) noexcept;
 // The line of a failure; returns `exit_code`.
 int complain(std::string_view message, int exit_code) noexcept;
 
-// What the exception that is being handled comes to: its line on standard error, and its exit code.
+// What the exception that is being handled comes to.
+struct Failure {
+  std::string message;
+  int exit_code;
+};
+Failure failure_of_exception();
+
+// Its line on standard error; returns its exit code.
 int complain_of_exception() noexcept;
 
 // Text as one printable line: control characters, which file names may hold, become '?'.

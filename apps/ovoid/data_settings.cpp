@@ -92,7 +92,8 @@ const Table<DataFlags>& data_settings() {
        at(&D::slice, &SliceFlags::spacing), "its T, in that of the data (default {})", of_slice,
        of_lattice},
       {"--memory-limit", bytes("BYTES"), &D::memory_limit,
-       "of the steps in memory, as 4G or 512M; one is in any case (default 1G)"},
+       "of the steps in memory, as 4G or 512M; one is in any case (default 1G); and of a lattice's "
+       "samples, which stay in their file if they take more (default: most of what there is)"},
       {"--positions", word("PATH"), &D::positions,
        "HDF5: the particles' positions, such as /PartType1/Coordinates (default: found)"},
       {"--value", word("PATH"), &D::values,

@@ -20,7 +20,8 @@ constexpr std::array kSignals = {SIGINT, SIGTERM, SIGHUP};
 constexpr int kOurs = SIGUSR1;  // to end the waiter
 
 std::atomic<int> signal_that_came{0};
-static_assert(std::atomic<int>::is_always_lock_free);
+std::atomic<bool> is_silent{false};
+static_assert(std::atomic<int>::is_always_lock_free && std::atomic<bool>::is_always_lock_free);
 
 // Async-signal-safe.
 [[noreturn]] void end_at_once() noexcept {
@@ -28,6 +29,7 @@ static_assert(std::atomic<int>::is_always_lock_free);
   constexpr std::string_view kClear = "\r\x1b[K";  // the line of the progress
   constexpr std::string_view kLine = "ovoid: error: interrupted\n";
   ssize_t ignored = 0;
+  if (is_silent) _exit(Interrupt::exit_code());
   if (isatty(STDERR_FILENO) == 1) ignored = ::write(STDERR_FILENO, kClear.data(), kClear.size());
   ignored = ::write(STDERR_FILENO, kLine.data(), kLine.size());
   static_cast<void>(ignored);
@@ -47,6 +49,8 @@ void set_handler(int signal, void (*handler)(int)) {
 }
 
 }  // namespace
+
+void Interrupt::be_silent() noexcept { is_silent = true; }
 
 int Interrupt::exit_code() noexcept {
   constexpr int kBase = 128;

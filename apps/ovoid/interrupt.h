@@ -25,6 +25,9 @@ class Interrupt {
 
   std::stop_token token() const { return source_.get_token(); }
 
+  // From now on no line says that the program was ended.
+  static void be_silent() noexcept;
+
   // 128 + the signal that came, as shells report it; kExitInterrupted if none did.
   static int exit_code() noexcept;
 

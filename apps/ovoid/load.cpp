@@ -31,7 +31,7 @@ void take_from_model(DataFlags* data, ModelFlags* model) {
 
 Series open_series(const DataFlags& data, const Session& session, bool prefetch) {
   return Series(open_steps(data.inputs, read_options(data, session)),
-                {.memory_limit = data.memory_limit, .prefetch = prefetch});
+                {.memory_limit = data.memory_limit.value_or(kMemoryOfSteps), .prefetch = prefetch});
 }
 
 ReadOptions read_options(const DataFlags& data, const Session& session) {
@@ -41,6 +41,7 @@ ReadOptions read_options(const DataFlags& data, const Session& session) {
   options.block = data.block;
   options.step = data.step;
   options.may_stay_in_file = data.may_stay_in_file;
+  options.memory_limit = static_cast<std::int64_t>(data.memory_limit.value_or(0));
   options.stop = session.stop();
   options.hdf5.positions = data.positions;
   options.hdf5.values = data.values;

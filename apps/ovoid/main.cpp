@@ -32,9 +32,10 @@ struct Command {
   void (*run)(const Words& words, Session& session);  // null: run_view(), before there is a session
 };
 
-constexpr std::array<Command, 10> kCommands = {{
+constexpr std::array<Command, 11> kCommands = {{
     {kView, "INPUT...", "look around in data, in a window", nullptr},
     {"render", "INPUT... -o OUT.png", "draw data to a picture", run_render},
+    {"composite", "PART... -o OUT.png", "parts of a picture to the picture", run_composite},
     {"animate", "INPUT... -o OUT.mp4", "draw a film or numbered pictures", run_animate},
     {"info", "INPUT...", "what is in a file, and how it would be drawn", run_info},
     {"make", "NAME -o OUT", "sample data by formula", run_make},
@@ -72,8 +73,12 @@ bool is_command(const std::string& word) {
                      [&](const Command& command) { return word == command.name; });
 }
 
-// The viewer takes signals its own way, so it is started before a session blocks any.
-void start_view_if_asked(const Words& words) {
+// The viewer takes signals its own way, so it is started before a session blocks any; and so does
+// MPI.
+void start_other_if_asked(const Words& words) {
+  const bool is_render = !words.empty() && words.front() == "render";
+  if (const int processes = processes_by_mpi(); processes > 1 || (processes == 1 && is_render))
+    run_with_mpi(words);
   if (words.empty()) return;
   const std::string& first = words.front();
   if (first == kView) run_view({words.begin() + 1, words.end()});
@@ -110,7 +115,7 @@ int run_guarded(int argc, char** argv) {
   try {
     const Words words(argv, argv + argc);
     const Words after_name(words.begin() + 1, words.end());
-    start_view_if_asked(after_name);
+    start_other_if_asked(after_name);
     Session session(words);
     run(after_name, session);
     flush_out();

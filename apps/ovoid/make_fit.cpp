@@ -137,7 +137,7 @@ FitReport make_fit(const Dataset& dataset, const Flags& flags, const FitFlags& f
     throw UsageError(fmt::format("{}: has no effect on the fit of a lattice", flag));
   FitOptions options = options_of(fit, dataset, session);
   options.progress = progress;
-  if (flags.is_given("memory-limit")) options.memory_limit = fit.data.memory_limit;
+  if (fit.data.memory_limit) options.memory_limit = *fit.data.memory_limit;
   FitReport report;
   (is_lattice ? fit_levels : fit_set)(dataset, options, fit.output, report);
   session.notes(report.notes);

@@ -19,8 +19,10 @@
 #include "make_look.h"
 #include "make_trail.h"
 #include "ovoid/io.h"
+#include "picture_part.h"
 #include "profile.h"
 #include "state_words.h"
+#include "team.h"
 #include "usage.h"
 #include "values.h"
 
@@ -35,7 +37,8 @@ struct RenderFlags {
   std::string state;        // where some of the others come from; empty: the command line alone
   DataFlags data;
   DrawingFlags drawing;
-  int repeat = 0;  // 0: one frame, the one that is written
+  std::optional<PartChoice> part;  // none: the whole
+  int repeat = 0;                  // 0: one frame, the one that is written
   bool dry_run = false;
   bool profile = false;
   std::string profile_file;  // empty: a table on standard error
@@ -50,6 +53,10 @@ const Table<RenderFlags>& state_settings() {
   return all;
 }
 
+std::optional<std::string> is_lattice(const std::string& sheets) {
+  return sheets == "lattice" ? std::optional(sheets) : std::nullopt;
+}
+
 const Table<RenderFlags>& output_settings() {
   static const Table<RenderFlags> all = {
       {"-o,--output", word("OUT", Content::kOfRun), &RenderFlags::output,
@@ -57,6 +64,17 @@ const Table<RenderFlags>& output_settings() {
       {"--save-look", word("FILE.json", Content::kOfRun), &RenderFlags::look_output,
        "the look that the picture has, to be changed and given to --tf",
        not_with("dry-run", "nothing is written")},
+      {"--part",
+       {"K/N",
+        [](RenderFlags& render, const std::string& text) { render.part = parse_part(text); },
+        {},
+        Content::kOfRun},
+       "draw part K of N of the picture, to a deep OpenEXR file; ovoid composite puts all N "
+       "together",
+       not_with("value-plane motion-blur colorbar axes bounding-box scale-bar",
+                "{0} needs a whole picture"),
+       not_with("repeat dry-run profile", "{0} is for whole pictures"),
+       not_with("sheets", "is on image sheets alone", is_lattice)},
   };
   return all;
 }
@@ -88,6 +106,10 @@ void check_flags(const Flags& flags, const RenderFlags& render) {
   if (!render.output.empty() && picture_ending(render.output).empty()) {
     throw UsageError(fmt::format("--output '{}': expected a name that ends in {}", render.output,
                                  kPictureEndings));
+  }
+  if (render.part && picture_ending(render.output) != ".exr") {
+    throw UsageError(fmt::format(
+        "--part: '{}' cannot hold a part of a picture, expected -o NAME.exr", render.output));
   }
   check_background(flags, render.drawing, render.output);
   check_json_flags(render.drawing);
@@ -152,6 +174,77 @@ Image draw(const RenderFlags& render, const FrameSubject& subject, const Camera&
   return std::move(first.image);
 }
 
+// The one part of the picture that was asked for, as a file.
+void write_part(const RenderFlags& render, const FrameSubject& subject, const Camera& camera,
+                Session& session) {
+  Renderer renderer(render.drawing.run);
+  Progress progress("drawing");
+  RenderHooks hooks;
+  hooks.stop = session.stop();
+  hooks.progress = progress.callback();
+  const PicturePart part = draw_part(renderer, subject, camera, render.drawing.options,
+                                     render.part->number, render.part->count, hooks);
+  write_picture_part(part, render.output, {session.stop()});
+}
+
+struct Stages {
+  const RunProfile& profile;
+  double draw_ms;
+  const Team::Picture* picture;  // null: of another process
+};
+
+// What each stage took, the quickest and the slowest process.
+void tell_stages(Team& team, const Stages& stages, Session& session) {
+  std::string line = fmt::format("processes: {}", team.count());
+  const auto add = [&](const char* name, double ms) {
+    const auto [least, greatest] = team.spread(ms);
+    line += fmt::format("; {} {:.0f} to {:.0f} ms", name, least, greatest);
+  };
+  add("load", stages.profile.load_ms);
+  add("model", stages.profile.model_ms);
+  add("draw", stages.draw_ms);
+  const auto [least, greatest] = team.spread(static_cast<double>(peak_memory_bytes()) / (1 << 20));
+  if (stages.picture == nullptr) return;
+  session.note(
+      fmt::format("{}; exchange {:.1f} ms, {} bytes; composite {:.1f} ms; peak {:.0f} to "
+                  "{:.0f} MiB",
+                  line, stages.picture->exchange_ms, stages.picture->bytes,
+                  stages.picture->composite_ms, least, greatest));
+}
+
+// With other processes; none of what they have drawn but at the first.
+std::optional<Image> draw_in_team(Team& team, const RenderFlags& render,
+                                  const FrameSubject& subject, const Camera& camera,
+                                  const RunProfile& profile, Session& session) {
+  team.agree(picture_lines(subject, camera, render.drawing.options));
+  RendererSetup run = render.drawing.run;
+  if (run.threads == 0) run.threads = team.threads();
+  Renderer renderer(run);
+  RenderHooks hooks;
+  hooks.stop = session.stop();
+  const Stopwatch drawing;
+  const PicturePart part = draw_part(renderer, subject, camera, render.drawing.options,
+                                     team.number() + 1, team.count(), hooks);
+  const double draw_ms = drawing.ms();
+  team.meet();
+  std::optional<Team::Picture> picture = team.put_together(part.seen, subject.look);
+  if (render.profile) tell_stages(team, {profile, draw_ms, picture ? &*picture : nullptr}, session);
+  if (!picture) return std::nullopt;
+  return std::move(picture->image);
+}
+
+// What can be drawn together.
+void check_for_team(const Flags& flags, const RenderFlags& render) {
+  if (render.part)
+    throw UsageError("--part: several processes were started, each of which has a part already");
+  for (const char* const name : {"value-plane", "motion-blur", "repeat", "dry-run", "save-look"}) {
+    if (flags.is_given(name))
+      throw UsageError(fmt::format("--{}: is for one process, and several were started", name));
+  }
+  if (render.drawing.options.sheets == Sheets::kLattice)
+    throw UsageError("--sheets lattice: several processes draw on image sheets alone");
+}
+
 void tell_times(const RenderFlags& render, const RunProfile& profile, Session& session) {
   if (render.profile && render.profile_file.empty()) tell(to_table(profile));
   if (!render.profile_file.empty()) write_file(render.profile_file, to_json(profile));
@@ -203,6 +296,7 @@ void run_render(const Words& words, Session& session) {
   Declared flags(&render);
   if (!flags.parse(with_state(words, flags.forms()))) return;
   check_flags(flags, render);
+  if (session.team() != nullptr) check_for_team(flags, render);
 
   DrawingFlags& drawing = render.drawing;
   RunProfile profile;
@@ -241,9 +335,22 @@ void run_render(const Words& words, Session& session) {
     write_out(predict({drawn, camera, drawing.options, drawing.run, render.output}, session));
     return;
   }
-  const std::optional<Trail> trail = trail_of(render, subject, step, look, session);
-  if (trail) drawn.trail = &*trail;
-  Image image = draw(render, drawn, camera, &profile, session);
+  if (render.part) {
+    write_part(render, drawn, camera, session);
+    if (!render.look_output.empty()) write_look(saved_look, render.look_output);
+    return;
+  }
+  Image image;
+  if (Team* const team = session.team()) {
+    std::optional<Image> all = draw_in_team(*team, render, drawn, camera, profile, session);
+    if (!all) return;
+    image = std::move(*all);
+  } else {
+    const std::optional<Trail> trail = trail_of(render, subject, step, look, session);
+    if (trail) drawn.trail = &*trail;
+    image = draw(render, drawn, camera, &profile, session);
+    drawn.trail = nullptr;
+  }
   // A picture without anything in it is seldom what was meant.
   if (is_empty(image))
     session.note("nothing shows: " + cause_of_emptiness(look, field.value_range()));
@@ -254,7 +361,7 @@ void run_render(const Words& words, Session& session) {
   session.check_stop();
   write_picture(image, drawing, described, camera, look, {render.output, session.stop()});
   if (!render.look_output.empty()) write_look(saved_look, render.look_output);
-  tell_times(render, profile, session);
+  if (session.team() == nullptr) tell_times(render, profile, session);
 }
 
 }  // namespace ovoid::cli

@@ -11,6 +11,7 @@
 
 #include "console.h"
 #include "ovoid/error.h"
+#include "team.h"
 
 namespace ovoid::cli {
 namespace {
@@ -68,6 +69,11 @@ void Session::notes(const std::vector<std::string>& texts) {
 
 void Session::check_stop() const {
   if (stop().stop_requested()) throw Error(ErrorCode::kCancelled, "interrupted");
+}
+
+void Session::join(Team& team) noexcept {
+  team_ = &team;
+  if (team.number() != 0) Interrupt::be_silent();
 }
 
 std::string quoted(const std::vector<std::string>& words) {

@@ -13,6 +13,8 @@
 
 namespace ovoid::cli {
 
+class Team;
+
 // Milliseconds since it was made.
 class Stopwatch {
  public:
@@ -74,6 +76,10 @@ class Session {
 
   const std::string& command_line() const noexcept { return command_line_; }
 
+  // One of several processes that draw a picture together; null: alone.
+  void join(Team& team) noexcept;
+  Team* team() const noexcept { return team_; }
+
  private:
   std::string command_line_;
   std::vector<std::string> told_;
@@ -81,6 +87,7 @@ class Session {
   std::optional<Interrupt> interrupt_;
   Tell tell_;
   std::stop_token stop_;
+  Team* team_ = nullptr;
 
   friend class Quiet;
 };

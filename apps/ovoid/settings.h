@@ -37,6 +37,8 @@ struct SliceFlags {
 };
 
 // Which data: files, and what headerless ones cannot say.
+inline constexpr std::size_t kMemoryOfSteps = std::size_t{1} << 30;
+
 struct DataFlags {
   std::vector<std::string> inputs;
   RawOptions raw;
@@ -45,9 +47,10 @@ struct DataFlags {
   std::optional<double> time;
   TimeFilter time_filter = TimeFilter::kTwoSteps;
   SliceFlags slice;
-  std::size_t memory_limit = std::size_t{1} << 30;  // bytes of steps
-  std::string positions;                            // HDF5: the path of the positions
-  std::vector<std::string> values;                  // HDF5: paths of arrays
+  // Bytes of steps (none: kMemoryOfSteps), and of a lattice's samples (none: what there is).
+  std::optional<std::size_t> memory_limit;
+  std::string positions;             // HDF5: the path of the positions
+  std::vector<std::string> values;   // HDF5: paths of arrays
   std::vector<std::string> folders;  // where files that the input names may lie, beside its own
   bool may_stay_in_file =
       false;          // of commands that draw, and make nothing of the samples themselves

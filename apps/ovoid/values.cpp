@@ -14,6 +14,7 @@
 #include <system_error>
 
 #include "ovoid/io.h"
+#include "ovoid/space_part.h"
 
 namespace ovoid::cli {
 namespace {
@@ -181,6 +182,17 @@ std::pair<int, int> parse_size(const std::string& text, int greatest) {
     throw BadValue(fmt::format("expected WIDTHxHEIGHT, each 1 to {}", greatest));
   }
   return {sides[0], sides[1]};
+}
+
+PartChoice parse_part(const std::string& text) {
+  const std::vector<std::string> parts = split(text, '/');
+  if (parts.size() == 2) {
+    const std::optional<int> number = whole<int>(parts[0]);
+    const std::optional<int> count = whole<int>(parts[1]);
+    if (number && count && 1 <= *number && *number <= *count && *count <= kMostParts)
+      return {*number, *count};
+  }
+  throw BadValue(fmt::format("expected K/N: part K of N, 1 <= K <= N <= {}", kMostParts));
 }
 
 Index3 parse_dims(const std::string& text) {

@@ -38,6 +38,12 @@ std::vector<double> parse_numbers(const std::string& text, std::size_t count);  
 Rgb parse_rgb(const std::string& text);    // "r,g,b", each in [0, 1], "#rrggbb", or a name
 Vec3 parse_vec3(const std::string& text);  // "x,y,z"
 std::pair<double, double> parse_range(const std::string& text);  // "LO,HI" with LO < HI
+// "K/N": part K of N, from 1.
+struct PartChoice {
+  int number = 1, count = 1;
+};
+PartChoice parse_part(const std::string& text);
+
 std::pair<int, int> parse_size(const std::string& text,
                                int greatest);           // "WIDTHxHEIGHT", each 1 to greatest
 Index3 parse_dims(const std::string& text);             // "XxYxZ", each >= 1

@@ -18,6 +18,8 @@ struct DepthLimits {
   struct Stop {
     float depth = 0;  // from the camera plane along the view axis, world; -inf: before everything
     bool is_field_behind = false;  // the field is drawn from here to the next stop, or without end
+    // The field does not end here, somebody else draws on: on a sheet, where a part of space does.
+    bool is_seam = false;
     // What is seen here, in front of what is behind; premultiplied, in [0, 1].
     std::array<float, 4> rgba{};
   };

@@ -11,6 +11,7 @@
 
 #include "ovoid/camera.h"
 #include "ovoid/dataset.h"
+#include "ovoid/deep_image.h"
 #include "ovoid/export.h"
 #include "ovoid/image.h"
 #include "ovoid/look.h"
@@ -48,6 +49,8 @@ struct ReadOptions {
   // unpacked to a temporary file (in TMPDIR); of one component, uint8, int8, uint16, int16 or
   // float32, and of the step that is asked for. DataArray::stored has them then.
   bool may_stay_in_file = false;
+  // Bytes that such a field may take in memory; 0: most of what there is.
+  std::int64_t memory_limit = 0;
   Hdf5Options hdf5;
   // Files that the input names (pieces, data files, external storage) may also lie below these
   // folders; without any, in the input's own folder alone, and HDF5 files take nothing from others.
@@ -115,6 +118,25 @@ std::string lost_place(const Dataset& dataset, const std::string& path);
 // kCancelled).
 void write_image(const Image& image, const std::string& path,
                  const std::optional<Rgb>& background = {}, const WriteOptions& options = {});
+
+// What one of several that share a picture has drawn, as a file (`ovoid render --part`).
+struct PicturePart {
+  DeepImage seen;
+  int number = 1, count = 1;  // part `number` of `count`, from 1
+  // What the parts of one picture have in common, in lines "NAME VALUE": parts with other lines are
+  // of other pictures.
+  std::string picture;
+  Look look;  // gives values their colours, where the mode keeps values
+};
+
+// Write and read a part: deep OpenEXR (.exr), each pixel's runs from front to back. Channels R, G,
+// B, A (premultiplied), Z (front depth), half_opacity.Z (depth), coverage, and the whole numbers
+// sheet.first and sheet.last. Compositing programs that know deep pictures can show it. Throw
+// Error: kFileWrite, kFileNotFound, kFileFormat (names file and what is wrong), kOutOfMemory,
+// kCancelled.
+void write_picture_part(const PicturePart& part, const std::string& path,
+                        const WriteOptions& options = {});
+PicturePart read_picture_part(const std::string& path, std::stop_token stop = {});
 
 // Speeds of GIF films. Delays are hundredths of a second in 16 bits, and viewers take less than two
 // of them for a tenth of a second.

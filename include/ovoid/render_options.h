@@ -7,6 +7,7 @@
 #include "ovoid/depth_limits.h"
 #include "ovoid/export.h"
 #include "ovoid/math.h"
+#include "ovoid/space_part.h"
 
 namespace OVOID_API ovoid {
 
@@ -89,6 +90,9 @@ struct RenderOptions {
   // picture's size. Null: everywhere, and nothing. On image sheets alone, and in pictures without a
   // trail.
   std::shared_ptr<const DepthLimits> depth_limits;
+  // Draws what this part of space has of the picture, into Frame::seen; null: the whole. On image
+  // sheets alone, and in pictures without a trail or value plane.
+  std::shared_ptr<const SpacePart> part;
   bool skip_irrelevant = true;  // off: every block is reconstructed (time changes, pixels do not)
   // Off: covered samples are still worked out (time changes, pixels do not).
   bool stop_opaque = true;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "ovoid/camera.h"
+#include "ovoid/deep_image.h"
 #include "ovoid/devices.h"
 #include "ovoid/export.h"
 #include "ovoid/field.h"
@@ -81,6 +82,9 @@ struct FrameProfile {
 struct Frame {
   Image image;
   FrameProfile profile;
+  // Of a part of space (RenderOptions::part): runs of sheets, to be put together with those of the
+  // other parts. Then `image` shows these runs alone.
+  std::optional<DeepImage> seen;
 };
 
 // What was in a field some time ago ("motion blur"), drawn with it sheet by sheet: behind what the

@@ -160,7 +160,7 @@ class BoundaryPainter {
       for (const SurfaceFragment& fragment : wall.fragments) {
         if ((fragment.covered >> rays.chosen & 1U) != 0) depth = depth_of(fragment);
       }
-      walls.push_back({depth, false, rgba});
+      walls.push_back({depth, false, false, rgba});
     }
     std::sort(walls.begin(), walls.end(),
               [](const auto& a, const auto& b) { return a.depth < b.depth; });

@@ -29,8 +29,11 @@ Frame render_opaque(Renderer& renderer, const Field& field, const Surface& surfa
                     const RenderOptions& options, const RenderHooks& hooks) {
   FrameProfile lids_profile;
   std::optional<Lids> lids;
-  if (!options.clip_planes.empty() && surface.encloses_mesh())
-    lids = make_lids(renderer, field, surface, camera, look, options, hooks, &lids_profile);
+  if (!options.clip_planes.empty() && surface.encloses_mesh()) {
+    RenderOptions whole = options;
+    whole.part = nullptr;
+    lids = make_lids(renderer, field, surface, camera, look, whole, hooks, &lids_profile);
+  }
   SurfaceLight light;
   const SurfaceClock::time_point start = SurfaceClock::now();
   if (surface.encloses_mesh())

@@ -23,6 +23,7 @@
 #include "view/color_attribute.h"
 #include "view/light.h"
 #include "view/look_table.h"
+#include "view/space_part.h"
 #include "view/visible_points.h"
 
 namespace ovoid {
@@ -329,6 +330,8 @@ Frame render_points(const KernelField& field, const Camera& camera, const Look& 
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   if (options.collect_profile) frame.profile.stages_ms = {{"points", frame.profile.frame_ms}};
   if (hooks.tile_done) hooks.tile_done({0, 0, options.width, options.height, &frame.image});
+  if (options.part != nullptr)
+    frame.seen = view::runs_of_surfaces(frame.image, *options.part, camera);
   return frame;
 } catch (const std::bad_alloc&) {
   throw Error(ErrorCode::kOutOfMemory,

@@ -20,6 +20,7 @@
 #include "render/picture_tiles.h"
 #include "render/surface_raster.h"
 #include "render/surface_shader.h"
+#include "view/space_part.h"
 
 namespace ovoid {
 namespace {
@@ -163,6 +164,8 @@ Frame paint_surface(const Surface& surface, const Camera& camera, const Look& lo
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   if (options.collect_profile) frame.profile.stages_ms = {{"surface", frame.profile.frame_ms}};
   if (hooks.tile_done) hooks.tile_done({0, 0, options.width, options.height, &frame.image});
+  if (options.part != nullptr)
+    frame.seen = view::runs_of_surfaces(frame.image, *options.part, camera);
   return frame;
 } catch (const std::bad_alloc&) {
   throw Error(ErrorCode::kOutOfMemory,

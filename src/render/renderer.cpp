@@ -19,6 +19,7 @@
 #include "render/surface_light.h"
 #include "view/coverage.h"
 #include "view/light.h"
+#include "view/space_part.h"
 
 namespace ovoid {
 namespace {
@@ -52,6 +53,8 @@ void require_trail(const Field& field, const Look& look, const Trail& trail,
     throw Error(ErrorCode::kUnsupported, "trail: is for post-convolution off and auto");
   if (options.depth_limits != nullptr)
     throw Error(ErrorCode::kUnsupported, "trail: is for pictures without depth limits");
+  if (options.part != nullptr)
+    throw Error(ErrorCode::kUnsupported, "trail: is for whole pictures, not for parts");
   const LatticeGeometry& own = field.lattice()->geometry();
   if (trail.field.is_empty() || trail.field.geometry().kind != own.kind ||
       trail.field.geometry().dims != own.dims ||
@@ -238,6 +241,14 @@ Frame Renderer::Impl::draw(const Field& field, const Camera& camera, const Look&
     own_options.post_convolution = PostConvolution::kOff;
     trail_view = view_of(*trail, look, own_options);
   }
+  PartSheets sheets;
+  if (options.part != nullptr) {
+    const view::ViewLattice lattice(camera, options.width, options.height,
+                                    own_options.sampling_distance, LatticeGeometry{});
+    sheets = view::sheets_of_part(*options.part, lattice);
+    own_options.depth_limits = std::make_shared<DepthLimits>(
+        view::limits_of_part(sheets, lattice, options.depth_limits.get()));
+  }
   const Clock::time_point light_start = Clock::now();
   const LitBy lit_by = light_for(drawn, own_look, options, hooks);
   const double light_ms = milliseconds_since(light_start);
@@ -249,8 +260,13 @@ Frame Renderer::Impl::draw(const Field& field, const Camera& camera, const Look&
     frame.profile.frame_ms += light_ms;
     if (options.collect_profile) frame.profile.stages_ms.emplace_back("light volume", light_ms);
   }
-  if (options.depth_limits != nullptr)
-    view::apply_coverage(*options.depth_limits, look.mode, frame.image);
+  std::span<const float> coverage;
+  if (options.depth_limits != nullptr) coverage = options.depth_limits->coverage;
+  if (options.part != nullptr) {
+    frame.seen = view::runs_of_part(frame.image, look.mode, sheets, coverage);
+  } else {
+    view::apply_coverage(coverage, look.mode, frame.image);
+  }
   note_on_precision(frame.profile, job);
   return frame;
 } catch (const std::bad_alloc&) {

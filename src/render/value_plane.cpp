@@ -52,6 +52,8 @@ void require_valid(const Field& field, const Camera& camera, const Look& look,
                 "value plane: is for the modes composite and isosurface; the maximum, mean or "
                 "integral of the half before an opaque plane says nothing");
   }
+  if (options.part != nullptr)
+    throw Error(ErrorCode::kUnsupported, "value plane: is for whole pictures, not for parts");
 }
 
 RenderOptions with_clip(const RenderOptions& options, const ClipPlane& plane) {
@@ -268,7 +270,7 @@ Frame render_with_plane(Renderer& renderer, const Field& field, const Camera& ca
   require_running(hooks);
   out.image = frame.take();
   if (asked_options.depth_limits != nullptr)
-    view::apply_coverage(*asked_options.depth_limits, look.mode, out.image);
+    view::apply_coverage(asked_options.depth_limits->coverage, look.mode, out.image);
   out.profile.frame_ms = elapsed_ms();
   if (hooks.tile_done) hooks.tile_done({0, 0, options.width, options.height, &out.image});
   return out;

@@ -1,12 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <limits>
 
 #include "ovoid/image.h"
 #include "ovoid/look.h"
 
 namespace ovoid {
+
+// The modes whose pixels hold a value of the field until all of the ray has been seen.
+inline bool shows_values(Mode mode) {
+  return mode == Mode::kXray || mode == Mode::kMaximum || mode == Mode::kMean;
+}
+
+// What such a pixel keeps where only a part of the ray has been seen (DeepImage::Run), as `best`
+// and `path` of show_value().
+inline void keep_value(float best, float path, float* rgba) {
+  rgba[0] = best;
+  rgba[1] = path;
+  rgba[2] = 0.0F;
+  rgba[3] = 1.0F;
+}
 
 // What an x-ray, maximum or mean picture shows of a pixel that some sample was defined in: rgba,
 // premultiplied. `best`: the greatest value, or the sum of value times path; `path`: their sum.

@@ -9,6 +9,7 @@
 
 #include "data/kernel_weight.h"
 #include "ovoid/error.h"
+#include "view/space_part.h"
 
 namespace ovoid {
 
@@ -219,6 +220,11 @@ FramePlan::FramePlan(const Field& field, const ViewLattice& view_lattice, const 
     const double length = plane.normal.norm();
     plane.normal /= length;
     plane.offset /= length;
+  }
+  drawn_within = clip_planes;
+  if (options.part != nullptr) {
+    const std::vector<ClipPlane> around = planes_around(*options.part, lattice);
+    drawn_within.insert(drawn_within.end(), around.begin(), around.end());
   }
   if (look.mode != Mode::kComposite || !look.shade) return;
   const auto behind =

@@ -62,6 +62,9 @@ struct FramePlan {
   // light fades (docs/numerics.md, "Cut faces").
   std::vector<ClipPlane> clip_planes;
   std::size_t num_cut_faces = 0;
+  // Half spaces, of unit length, outside of which nothing is drawn: the clip planes', and those
+  // around the part of space that is.
+  std::vector<ClipPlane> drawn_within;
   double least_spacing;  // h_min
   bool is_clipped;       // some samples' paths are shortened by planes or the near plane
 

@@ -207,7 +207,7 @@ bool KernelPlan::is_clipped_away(int x, int y, int layer) const {
   const std::int64_t first = sheets.first + static_cast<std::int64_t>(layer) * kBlockDepth;
   const std::int64_t last = std::min(first + kBlockDepth, sheets.last) - 1;
   const double reach = ((is_refined ? 1.0 : 0.5) + kSlack) * lattice.sampling_distance();
-  return std::any_of(clip_planes.begin(), clip_planes.end(), [&](const ClipPlane& plane) {
+  return std::any_of(drawn_within.begin(), drawn_within.end(), [&](const ClipPlane& plane) {
     const ClipMap slope = clip_slope(plane);
     for (const std::int64_t sheet : {first, last}) {
       const ClipMap distance = clip_distance(plane, sheet);
@@ -225,7 +225,7 @@ bool KernelPlan::is_clipped_away(int x, int y, int layer) const {
 }
 
 void KernelPlan::drop_clipped() {
-  if (clip_planes.empty()) return;
+  if (drawn_within.empty()) return;
   for (int s = 0; s < num_blocks[2]; ++s) {
     for (int y = 0; y < num_blocks[1]; ++y) {
       for (int x = 0; x < num_blocks[0]; ++x) {

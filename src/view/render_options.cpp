@@ -41,6 +41,12 @@ void RenderOptions::validate() const {
             fmt::format("clip_planes[{}].normal: must be finite and not zero", i));
     require(std::isfinite(plane.offset), fmt::format("clip_planes[{}].offset: must be finite", i));
   }
+  if (part != nullptr) {
+    for (const SpacePart::Side& side : part->sides) {
+      require(side.normal.allFinite() && side.normal.norm() > 0 && std::isfinite(side.offset),
+              "part: the planes of its sides must be finite, their normals not zero");
+    }
+  }
   if (depth_limits == nullptr) return;
   require(depth_limits->width == width && depth_limits->height == height,
           fmt::format("depth_limits: of {} x {} pixels, the picture has {} x {}",

@@ -145,9 +145,9 @@ TEST(DepthLimits, StopsJoinFrontToBack) {
   limits->width = limits->height = 40;
   limits->first = {0};
   for (std::uint32_t i = 1; i <= 40 * 40; ++i) {
-    limits->stops.push_back({1, false, {0.25F, 0, 0, 0.25F}});
-    limits->stops.push_back({2, false, {0, 1, 0, 1}});
-    limits->stops.push_back({3, false, {1, 1, 1, 1}});
+    limits->stops.push_back({1, false, false, {0.25F, 0, 0, 0.25F}});
+    limits->stops.push_back({2, false, false, {0, 1, 0, 1}});
+    limits->stops.push_back({3, false, false, {1, 1, 1, 1}});
     limits->first.push_back(3 * i);
   }
   scene.options.depth_limits = limits;

@@ -365,7 +365,7 @@ TEST_F(OnDevice, MoreDepthLimitsThanABufferHoldsAreDrawnInBands) {
     const auto middle =
         static_cast<float>((scene.camera.focal_point - scene.camera.position).norm());
     for (std::uint32_t pixel = 1; pixel <= num_pixels; ++pixel)
-      limits->stops[limits->first[pixel] - 1] = {middle, false, {0, 0.5F, 0.5F, 1}};
+      limits->stops[limits->first[pixel] - 1] = {middle, false, false, {0, 0.5F, 0.5F, 1}};
     return limits;
   };
   scene.options.depth_limits = limits_of(2);

@@ -27,6 +27,19 @@ std::int64_t bytes_of_field(ScalarType type, std::int64_t num_bytes) {
 constexpr std::int64_t kLeastPages = std::int64_t{8} << 20;
 constexpr std::int64_t kMostPages = std::int64_t{4} << 30;
 
+std::int64_t bytes_for_pages(const ReadOptions& options) {
+  std::int64_t bytes = available_memory() / 4;
+  if (options.memory_limit > 0) bytes = std::min(bytes, options.memory_limit);
+  return std::clamp(bytes, kLeastPages, kMostPages);
+}
+
+// That a field may take before its samples stay in their file.
+double most_bytes(const ReadOptions& options) {
+  const double most = kMostOfMemory * static_cast<double>(available_memory());
+  return options.memory_limit > 0 ? std::min(most, static_cast<double>(options.memory_limit))
+                                  : most;
+}
+
 bool can_be_shown(ScalarType type) {
   return type == ScalarType::kUInt8 || type == ScalarType::kInt8 || type == ScalarType::kUInt16 ||
          type == ScalarType::kInt16 || type == ScalarType::kFloat32;
@@ -73,14 +86,15 @@ void check_place(const ByteSource& source, const StoredPlace& place) {
 class SamplesInFile final : public StoredSamples {
  public:
   // `offset`: of the samples in the source.
-  SamplesInFile(std::unique_ptr<ByteSource> source, std::int64_t offset, const StoredPlace& place)
+  SamplesInFile(std::unique_ptr<ByteSource> source, std::int64_t offset, const StoredPlace& place,
+                std::int64_t memory_for_pages)
       : source_(std::move(source)),
         offset_(offset),
         num_bytes_(place.num_bytes),
         sample_size_(size_of(place.type)),
         is_swapped_(sample_size_ > 1 &&
                     place.is_big_endian != (std::endian::native == std::endian::big)),
-        memory_for_pages_(std::clamp(available_memory() / 4, kLeastPages, kMostPages)) {}
+        memory_for_pages_(memory_for_pages) {}
 
   std::int64_t num_bytes() const noexcept override { return num_bytes_; }
   std::int64_t memory_for_pages() const noexcept override { return memory_for_pages_; }
@@ -116,8 +130,7 @@ class SamplesTold final : public StoredSamples {
 
 bool stays_in_file(ScalarType type, std::int64_t num_bytes, const ReadOptions& options) {
   return options.may_stay_in_file && can_be_shown(type) &&
-         static_cast<double>(bytes_of_field(type, num_bytes)) >
-             kMostOfMemory * static_cast<double>(available_memory());
+         static_cast<double>(bytes_of_field(type, num_bytes)) > most_bytes(options);
 }
 
 std::shared_ptr<const StoredSamples> samples_in_file(const ByteSource& source,
@@ -125,9 +138,11 @@ std::shared_ptr<const StoredSamples> samples_in_file(const ByteSource& source,
                                                      const ReadOptions& options) {
   check_place(source, place);
   if (!place.chunked)
-    return std::make_shared<SamplesInFile>(open_file(source.name()), place.offset, place);
+    return std::make_shared<SamplesInFile>(open_file(source.name()), place.offset, place,
+                                           bytes_for_pages(options));
   return std::make_shared<SamplesInFile>(
-      unpack_chunks(source, *place.chunked, size_of(place.type), options), 0, place);
+      unpack_chunks(source, *place.chunked, size_of(place.type), options), 0, place,
+      bytes_for_pages(options));
 }
 
 std::shared_ptr<const StoredSamples> samples_told(const StoredPlace& place) {

@@ -2,49 +2,22 @@
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
-#include <ImfIO.h>
 #include <ImfOutputFile.h>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdint>
 #include <new>
 #include <string>
 
 #include "io/core/atomic_file.h"
+#include "io/pictures/exr_stream.h"
 #include "io/pictures/pictures.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {
-namespace {
-
-// Collects the file in memory: OpenEXR goes back to fill in its line table, and a whole picture is
-// small.
-class MemoryStream final : public Imf::OStream {
- public:
-  explicit MemoryStream(const std::string& path) : Imf::OStream(path.c_str()) {}
-
-  void write(const char data[], int count) override {
-    const auto size = static_cast<std::size_t>(count);
-    if (position_ + size > bytes_.size()) bytes_.resize(position_ + size);
-    bytes_.replace(position_, size, data, size);
-    position_ += size;
-  }
-  std::uint64_t tellp() override { return position_; }
-  void seekp(std::uint64_t position) override { position_ = position; }
-
-  const std::string& bytes() const { return bytes_; }
-
- private:
-  std::string bytes_;
-  std::size_t position_ = 0;
-};
-
-}  // namespace
-
 void write_exr(const Image& image, const std::string& path, const std::stop_token& stop) {
   check_writable(path);
-  MemoryStream stream(path);
+  ExrStream stream(path);
   try {
     Imf::Header header(image.width, image.height);
     header.compression() = Imf::ZIP_COMPRESSION;

@@ -53,10 +53,10 @@ inline Bounds3 box_of(const CpuFrame& frame, const BlockPlace& place, const Part
   return box;
 }
 
-// True if every sample's slab lies outside one of the half spaces.
+// True if every sample's slab lies outside one of the half spaces that are drawn.
 inline bool is_clipped_away(const CpuFrame& frame, const BlockPlace& place, const Part& part) {
   const view::FramePlan& plan = *frame.plan;
-  for (const ClipPlane& plane : plan.clip_planes) {
+  for (const ClipPlane& plane : plan.drawn_within) {
     double nearest = -1;
     for (const std::int64_t sheet : {part.first_sheet - place.front_margin, part.last_sheet - 1}) {
       const view::ClipMap distance = plan.clip_distance(plane, sheet);

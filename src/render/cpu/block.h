@@ -88,7 +88,9 @@ struct alignas(64) TileRays {
 // Where a tile's pixels stand among the stops of the frame's depth limits; index as in TileState.
 struct alignas(64) TileLimits {
   float enter[TileState::kPixels], leave[TileState::kPixels];  // depths of the span in hand
-  std::uint32_t span[TileState::kPixels];                      // the stop at which it begins
+  // The same where the field itself ends there; beyond all depths at a seam.
+  float begins[TileState::kPixels], ends[TileState::kPixels];
+  std::uint32_t span[TileState::kPixels];   // the stop at which it begins
   std::uint32_t shown[TileState::kPixels];  // the first stop that has not joined the pixel
   std::uint32_t end[TileState::kPixels];    // behind the pixel's last stop
 };

@@ -56,6 +56,8 @@ inline void enter_span(const CpuFrame& frame, std::uint32_t from, int pixel, Til
   constexpr float kEndless = std::numeric_limits<float>::infinity();
   limits.enter[pixel] = from < end ? stops[from].depth : kEndless;
   limits.leave[pixel] = from + 1 < end ? stops[from + 1].depth : kEndless;
+  limits.begins[pixel] = from < end && stops[from].is_seam ? -kEndless : limits.enter[pixel];
+  limits.ends[pixel] = from + 1 < end && stops[from + 1].is_seam ? kEndless : limits.leave[pixel];
   if (from < end) return;
   show_stops(frame, end, pixel, limits, tile);
   close_pixel(tile, pixel);

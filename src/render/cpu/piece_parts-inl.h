@@ -25,16 +25,16 @@ struct PieceEnds {
   std::uint32_t front, back;
 };
 
-// The spans in hand of a group's pixels; there are depth limits.
-HWY_INLINE PiecePart span_of(const CpuFrame& frame, const BlockPlace& place,
-                             const SampleGroup& group) {
+// From one depth to another, of a group's pixels, as shares of their pieces.
+HWY_INLINE PiecePart part_between(const CpuFrame& frame, const BlockPlace& place,
+                                  const SampleGroup& group, const float* from, const float* to) {
   const int pixel = tile_index(place, group.column, group.row);
   const V per_depth = hn::Set(d, 1 / frame.camera.sampling_distance);
   const V front = hn::Set(d, place.sheets[group.s].depth - frame.camera.sampling_distance);
   const auto share_at = [&](const float* depths) {
     return hn::Mul(hn::Sub(hn::LoadU(d, depths + pixel), front), per_depth);
   };
-  return {share_at(place.limits->enter), share_at(place.limits->leave)};
+  return {share_at(from), share_at(to)};
 }
 
 // What no plane cuts away, the near plane included, within the span in hand of depth limits.
@@ -59,7 +59,8 @@ HWY_INLINE PiecePart cut_part(const CpuFrame& frame, const BlockPlace& place,
     part.to = hn::Min(part.to, hn::Add(cut.to, one));
   }
   if (place.limits == nullptr) return part;
-  const PiecePart span = span_of(frame, place, group);
+  const PiecePart span =
+      part_between(frame, place, group, place.limits->enter, place.limits->leave);
   return {hn::Max(part.from, span.from), hn::Min(part.to, span.to)};
 }
 
@@ -73,7 +74,7 @@ struct HalfPieces {
 };
 
 // The same of a kernel set, but that it reaches as far as a span of depth limits that begins or
-// ends on the side where it has no end.
+// ends on the side where it has no end, unless at a seam.
 struct KernelPieces {
   const CpuFrame& frame;
   const BlockPlace& place;
@@ -81,7 +82,8 @@ struct KernelPieces {
   HWY_INLINE PiecePart operator()(const SampleGroup& group, const PieceEnds& ends) const {
     PiecePart part = HalfPieces()(group, ends);
     if (place.limits == nullptr) return part;
-    const PiecePart span = span_of(frame, place, group);
+    const PiecePart span =
+        part_between(frame, place, group, place.limits->begins, place.limits->ends);
     const V zero = hn::Zero(d), one = hn::Set(d, 1.0F);
     part.from = hn::IfThenElse(hn::Gt(span.from, zero), zero, part.from);
     part.to = hn::IfThenElse(hn::Lt(span.to, one), one, part.to);

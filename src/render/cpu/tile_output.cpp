@@ -7,7 +7,7 @@
 #include <limits>
 #include <memory>
 
-#include "render/shared/finished_pixel.h"
+#include "view/finished_pixel.h"
 
 #if defined(__linux__)
 #include <sys/mman.h>
@@ -82,7 +82,11 @@ void finish_tile(const CpuFrame& frame, const Look& look, const TileState& tile,
         continue;
       }
       if ((tile.seen[y - rect.y0] >> (x - rect.x0) & 1U) == 0) continue;
-      show_value(look, tile.best[i], tile.path[i], rgba);
+      if (frame.options->part != nullptr) {
+        keep_value(tile.best[i], tile.path[i], rgba);
+      } else {
+        show_value(look, tile.best[i], tile.path[i], rgba);
+      }
       image.front_depth[pixel] = front_depth_of_value(rgba, tile.depth[i]);
     }
   }

@@ -61,6 +61,7 @@ PixelTracer::PixelTracer(const Field& field, const ViewRays& view, const Look& l
     : look_(look),
       has_own_color_(field.kernels() != nullptr && field.kernels()->has_own_color()),
       opaque_at_(options.opaque_at),
+      keeps_values_(options.part != nullptr),
       limits_(options.depth_limits),
       reaches_limits_(limits_ != nullptr && field.kernels() != nullptr),
       is_preintegrated_(options.classification == Classification::kPreintegrated),
@@ -97,14 +98,16 @@ PixelTracer::PixelRay PixelTracer::pixel_ray(int x, int y) const {
   const Ray ray = view_.ray(x, y);
   PixelRay pixel{x, y, ray, sheets_of_all(ray), {}, {}};
   if (limits_ == nullptr) {
-    pixel.spans = {{-kEndless, kEndless}};
+    pixel.spans = {{{-kEndless, kEndless}}};
     return pixel;
   }
   pixel.stops = limits_->of_pixel(x, y);
   for (std::size_t i = 0; i < pixel.stops.size(); ++i) {
     const bool is_last = i + 1 == pixel.stops.size();
     if (pixel.stops[i].is_field_behind)
-      pixel.spans.push_back({pixel.stops[i].depth, is_last ? kEndless : pixel.stops[i + 1].depth});
+      pixel.spans.push_back({{pixel.stops[i].depth, is_last ? kEndless : pixel.stops[i + 1].depth},
+                             pixel.stops[i].is_seam,
+                             !is_last && pixel.stops[i + 1].is_seam});
   }
   return pixel;
 }
@@ -115,7 +118,7 @@ std::optional<PixelTracer::RaySample> PixelTracer::within_limits(
   if (!at || limits_ == nullptr) return at;
   const double half = 0.5 * view_.sampling_distance();
   at->path = 0;
-  for (const ZRange& span : pixel.spans) {
+  for (const Span& span : pixel.spans) {
     const ZRange part =
         view_.kept(pixel.ray, {std::max(at->z - half, span.lo), std::min(at->z + half, span.hi)});
     at->path += std::max(part.hi - part.lo, 0.0) * pixel.ray.direction.norm();
@@ -126,7 +129,7 @@ std::optional<PixelTracer::RaySample> PixelTracer::within_limits(
 
 bool PixelTracer::is_within(const PixelRay& pixel, double z) const {
   return std::any_of(pixel.spans.begin(), pixel.spans.end(),
-                     [&](const ZRange& span) { return span.lo <= z && z < span.hi; });
+                     [&](const Span& span) { return span.lo <= z && z < span.hi; });
 }
 
 // What is seen at the limits up to a depth joins the pixel.
@@ -276,11 +279,13 @@ void PixelTracer::add_piece(const PixelRay& pixel, const Piece& piece, Pixel& re
                             TraceCounts& counts) const {
   if (!may_show(piece)) return;
   const ZRange range = range_of(pixel, piece);
-  for (const ZRange& span : pixel.spans) {
+  for (const Span& span : pixel.spans) {
     ZRange whole = range;
     if (reaches_limits_) {
-      if (span.lo > view_.z_of(piece.sheet - 1)) whole.lo = view_.z_of(piece.sheet - 1);
-      if (span.hi < view_.z_of(piece.sheet)) whole.hi = view_.z_of(piece.sheet);
+      if (!span.begins_at_seam && span.lo > view_.z_of(piece.sheet - 1))
+        whole.lo = view_.z_of(piece.sheet - 1);
+      if (!span.ends_at_seam && span.hi < view_.z_of(piece.sheet))
+        whole.hi = view_.z_of(piece.sheet);
     }
     const ZRange part =
         view_.kept(pixel.ray, {std::max(whole.lo, span.lo), std::min(whole.hi, span.hi)});
@@ -373,6 +378,7 @@ Pixel PixelTracer::xray(const PixelRay& pixel, TraceCounts& counts) const {
     is_defined = true;
   }
   if (!is_defined) return {};
+  if (keeps_values_) return kept(integral, 0, depth);
   return {{integral, integral, integral, 1}, depth, depth};
 }
 
@@ -382,7 +388,9 @@ Pixel PixelTracer::maximum(const PixelRay& pixel, TraceCounts& counts) const {
     const std::optional<RaySample> at = within_limits(pixel, sample(pixel, k, counts));
     if (at && (!greatest || at->value > greatest->value)) greatest = at;
   }
-  return greatest ? classified(greatest->value, greatest->z, counts) : Pixel{};
+  if (!greatest) return {};
+  if (keeps_values_) return kept(greatest->value, 0, greatest->z);
+  return classified(greatest->value, greatest->z, counts);
 }
 
 Pixel PixelTracer::mean(const PixelRay& pixel, TraceCounts& counts) const {
@@ -396,7 +404,14 @@ Pixel PixelTracer::mean(const PixelRay& pixel, TraceCounts& counts) const {
     integral += at->value * at->path;
     length += at->path;
   }
-  return length > 0 ? classified(integral / length, depth, counts) : Pixel{};
+  if (!(length > 0)) return {};
+  return keeps_values_ ? kept(integral, length, depth)
+                       : classified(integral / length, depth, counts);
+}
+
+// keep_value().
+Pixel PixelTracer::kept(double best, double path, double depth) {
+  return {{best, path, 0, 1}, depth, depth};
 }
 
 // A pixel that one value stands for; the opacity is not corrected by a distance.

@@ -43,6 +43,10 @@ class PixelTracer {
   Pixel trace(int x, int y, TraceCounts& counts) const;
 
  protected:
+  // Where the field is drawn, and whether somebody else draws on at its ends.
+  struct Span : ZRange {
+    bool begins_at_seam = false, ends_at_seam = false;
+  };
   // What a mode sees of a ray: the ray itself, and its samples by sheet.
   struct PixelRay {
     int x;
@@ -50,7 +54,7 @@ class PixelTracer {
     Ray ray;
     SheetRange sheets;
     std::span<const DepthLimits::Stop> stops;
-    std::vector<ZRange> spans;  // where the field is drawn
+    std::vector<Span> spans;
   };
   struct RaySample {
     std::int64_t sheet;
@@ -143,10 +147,12 @@ class PixelTracer {
   Pixel mean(const PixelRay& pixel, TraceCounts& counts) const;
   Pixel isosurface(const PixelRay& pixel, TraceCounts& counts) const;
   Pixel classified(double value, double depth, TraceCounts& counts) const;
+  static Pixel kept(double best, double path, double depth);
 
   const Look look_;
   const bool has_own_color_;
   const double opaque_at_;
+  const bool keeps_values_;                          // a part of a picture
   const std::shared_ptr<const DepthLimits> limits_;  // null: none
   const bool reaches_limits_;  // a piece with one end reaches to a limit on its other side
   const bool is_preintegrated_;

@@ -411,9 +411,11 @@ OVOID_CONSTANT uint kClosed = 2u;
 // A place on a pixel's ray: ovoid::DepthLimits::Stop.
 struct DepthStop {
   float depth;
-  uint is_field_behind;
+  uint flags;     // kFieldBehind, kSeam
   float rgba[4];  // premultiplied
 };
+OVOID_CONSTANT uint kFieldBehind = 1u;
+OVOID_CONSTANT uint kSeam = 2u;
 
 // A pixel's stops, by their numbers: [first, end), of which those before `next` have joined it.
 struct PixelStops {

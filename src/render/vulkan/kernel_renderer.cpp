@@ -561,7 +561,7 @@ void KernelRenderer::render(const FrameJob& job, Image& image, FrameProfile& pro
     bench_.pixels.record_last_stops(commands, frame_, set.constants);
     commands.mark("read back");
     commands.submit_and_wait();
-    bench_.pixels.finish(commands, look, strip, image);
+    bench_.pixels.finish(commands, look, options.part != nullptr, strip, image);
     add_counts(commands, counts_,
                static_cast<std::size_t>(set.frame.levels[0].tiles.x) * set.frame.levels[0].tiles.y,
                profile);

@@ -325,7 +325,7 @@ void LatticeRenderer::render(const FrameJob& frame, Image& image, FrameProfile& 
     bench_.pixels.record_last_stops(commands, frame_, job.constants);
     commands.mark("read back");
     commands.submit_and_wait();
-    bench_.pixels.finish(commands, look, strip, image);
+    bench_.pixels.finish(commands, look, options.part != nullptr, strip, image);
     add_counts(commands, counts_, std::size_t{groups.x} * groups.y, profile);
     tell_of(strip, hooks, image);
   }

@@ -233,7 +233,7 @@ constexpr Member kMembers[] = {
     OVOID_MEMBER(PixelState, before),
     OVOID_MEMBER(PixelState, flags),
     OVOID_MEMBER(DepthStop, depth),
-    OVOID_MEMBER(DepthStop, is_field_behind),
+    OVOID_MEMBER(DepthStop, flags),
     OVOID_MEMBER(DepthStop, rgba),
     OVOID_MEMBER(PixelStops, first),
     OVOID_MEMBER(PixelStops, end),

@@ -11,8 +11,8 @@
 #include "data/parallel.h"
 #include "ovoid/error.h"
 #include "render/shared/device_layout.h"
-#include "render/shared/finished_pixel.h"
 #include "render/vulkan/workbench.h"
+#include "view/finished_pixel.h"
 
 namespace ovoid::vulkan {
 namespace {
@@ -101,7 +101,8 @@ void Pixels::upload_limits(Commands& commands, const DepthLimits& limits, const 
         for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
           const DepthLimits::Stop& stop = limits.stops[numbers.first + i];
           stops[i].depth = stop.depth;
-          stops[i].is_field_behind = stop.is_field_behind ? 1 : 0;
+          stops[i].flags = (stop.is_field_behind ? device::kFieldBehind : 0) |
+                           (stop.is_seam ? device::kSeam : 0);
           std::copy(stop.rgba.begin(), stop.rgba.end(), std::begin(stops[i].rgba));
         }
       });
@@ -139,7 +140,8 @@ void Pixels::clear(Commands& commands, const RenderOptions& options, const Strip
   commands.fill(states_, 0);
 }
 
-void Pixels::finish(Commands& commands, const Look& look, const Strip& strip, Image& image) {
+void Pixels::finish(Commands& commands, const Look& look, bool keeps_values, const Strip& strip,
+                    Image& image) {
   const std::size_t first = static_cast<std::size_t>(strip.first) * image.width;
   const std::size_t count = static_cast<std::size_t>(strip.rows()) * image.width;
   constexpr std::int64_t kGrain = 4096;
@@ -163,7 +165,11 @@ void Pixels::finish(Commands& commands, const Look& look, const Strip& strip, Im
         for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
           if ((states[i].flags & device::kSeen) == 0) continue;
           float* const rgba = image.rgba.data() + 4 * (first + i);
-          show_value(look, states[i].best, states[i].path, rgba);
+          if (keeps_values) {
+            keep_value(states[i].best, states[i].path, rgba);
+          } else {
+            show_value(look, states[i].best, states[i].path, rgba);
+          }
           image.front_depth[first + i] = front_depth_of_value(rgba, depths[i].half);
         }
       });

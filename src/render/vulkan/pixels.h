@@ -33,7 +33,9 @@ class Pixels {
   // Recorded, not submitted.
   void record_last_stops(Commands& commands, const Buffer& frame, const Constants& constants);
   // A finished strip becomes pixels of the picture.
-  void finish(Commands& commands, const Look& look, const Strip& strip, Image& image);
+  // `keeps_values`: of modes that show values, which a part of a picture holds as they are.
+  void finish(Commands& commands, const Look& look, bool keeps_values, const Strip& strip,
+              Image& image);
 
   const Buffer& colors() const noexcept { return colors_; }
   const Buffer& depths() const noexcept { return depths_; }

@@ -8,13 +8,21 @@
 
 const float kEndlessDepth = 3.4e38;  // where a span ends that no stop ends
 
+bool is_field_behind(DepthStop stop) { return (stop.flags & kFieldBehind) != 0u; }
+
 // Whether the field is drawn in front of the next stop.
 bool is_in_span(Pixel pixel) {
-  return pixel.next_stop > pixel.first_stop && stops[pixel.next_stop - 1u].is_field_behind != 0u;
+  return pixel.next_stop > pixel.first_stop && is_field_behind(stops[pixel.next_stop - 1u]);
 }
 
 float next_depth(Pixel pixel) {
   return pixel.next_stop < pixel.end_stop ? stops[pixel.next_stop].depth : kEndlessDepth;
+}
+
+// Whether the span in hand begins, or ends, where somebody else draws on.
+bool begins_at_seam(Pixel pixel) { return (stops[pixel.next_stop - 1u].flags & kSeam) != 0u; }
+bool ends_at_seam(Pixel pixel) {
+  return pixel.next_stop < pixel.end_stop && (stops[pixel.next_stop].flags & kSeam) != 0u;
 }
 
 // The next stop, which there is, joins the pixel.
@@ -71,7 +79,7 @@ float path_within_spans(inout Pixel pixel, vec2 at, float s, float path) {
     if (is_drawn) path += max(min(leave, slab.y) - enter, 0.0);
     if (is_last) break;
     enter = max(leave, slab.x);
-    is_drawn = stops[i].is_field_behind != 0u;
+    is_drawn = is_field_behind(stops[i]);
   }
   if (path > 0.0) join_stops(pixel, depth);
   return path;

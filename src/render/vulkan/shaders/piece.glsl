@@ -107,15 +107,15 @@ void draw_part(inout Pixel pixel, vec2 at, float s, Piece piece, PieceEnds ends,
 }
 
 // What the span in hand leaves of the part that has a field. Where pieces reach depth limits, one
-// without an end has a field as far as a limit on that side.
+// without an end has a field as far as a limit on that side, unless at a seam.
 vec2 part_in_span(Pixel pixel, float s, vec2 has_field) {
   if (!has_flag(kHasLimits)) return has_field;
   if (!is_in_span(pixel)) return vec2(1.0, 0.0);
   float front = depth_of_sheet(s - 1.0);
   vec2 span = vec2(stops[pixel.next_stop - 1u].depth - front, next_depth(pixel) - front) /
               frame.view.sampling_distance;
-  if (kPiecesReachLimits && span.x > 0.0) has_field.x = 0.0;
-  if (kPiecesReachLimits && span.y < 1.0) has_field.y = 1.0;
+  if (kPiecesReachLimits && span.x > 0.0 && !begins_at_seam(pixel)) has_field.x = 0.0;
+  if (kPiecesReachLimits && span.y < 1.0 && !ends_at_seam(pixel)) has_field.y = 1.0;
   return vec2(max(has_field.x, span.x), min(has_field.y, span.y));
 }
 

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <string>
+
+#include "team.h"
+
+namespace ovoid::cli {
+
+// The processes of MPI_COMM_WORLD. MPI is there, and called by one thread.
+class MpiTeam final : public Team {
+ public:
+  // `patience`: how long one waits for the others.
+  explicit MpiTeam(std::chrono::duration<double> patience);
+
+  int number() const override { return number_; }
+  int count() const override { return count_; }
+  int threads() const override { return threads_; }
+
+  void meet(const std::string& problem, int exit_code) override;
+  void agree(const std::string& lines) override;
+  Spread spread(double value) override;
+  std::optional<Picture> put_together(const DeepImage& seen, const Look& look) override;
+
+ private:
+  std::string text_of(int process, const std::string& own) const;
+  [[noreturn]] void give_up() const;
+
+  int number_ = 0, count_ = 1, threads_ = 1;
+  std::chrono::duration<double> patience_;
+};
+
+}  // namespace ovoid::cli

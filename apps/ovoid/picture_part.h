@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// What several processes that draw one picture must agree about, and how one of them draws its
+// part.
+#pragma once
+
+#include <string>
+
+#include "drawing.h"
+#include "ovoid/io.h"
+
+namespace ovoid::cli {
+
+// All that a picture depends on, in lines "NAME VALUE": processes with the same lines draw parts of
+// one picture.
+std::string picture_lines(const FrameSubject& subject, const Camera& camera,
+                          const RenderOptions& options);
+
+// The name of the first line in which two such texts differ: "camera"; empty if they do not.
+std::string differing_line(const std::string& a, const std::string& b);
+
+// Part `number` of `count`, from 1. Throws Error.
+PicturePart draw_part(Renderer& renderer, const FrameSubject& subject, const Camera& camera,
+                      RenderOptions options, int number, int count, const RenderHooks& hooks);
+
+// The picture of all parts, with the colours of integrals where it is for eyes.
+Image picture_of(const DeepImage& seen, Look look, const LookFlags& flags, bool is_for_eyes,
+                 Session& session);
+
+}  // namespace ovoid::cli

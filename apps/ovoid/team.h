@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// Processes that draw one picture together. Each runs the same command; what is declared here all
+// of them do, at the same places and in the same order.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include "ovoid/deep_image.h"
+#include "ovoid/image.h"
+#include "ovoid/look.h"
+
+namespace ovoid::cli {
+
+// What went wrong for one of them, thrown in all. The first process tells it.
+class TeamError : public std::runtime_error {
+ public:
+  TeamError(const std::string& message, int exit_code)
+      : std::runtime_error(message), exit_code_(exit_code) {}
+  int exit_code() const noexcept { return exit_code_; }
+
+ private:
+  int exit_code_;
+};
+
+class Team {
+ public:
+  virtual ~Team() = default;
+
+  virtual int number() const = 0;  // of this process, from 0
+  virtual int count() const = 0;
+  virtual int threads() const = 0;  // that this process may take of its machine's
+
+  // Waits for all. Throws TeamError in all if something went wrong for one (its line and exit code,
+  // which is not 0), or if somebody does not come in time.
+  virtual void meet(const std::string& problem = {}, int exit_code = 0) = 0;
+  // Throws TeamError in all, naming the first line that differs, unless all have the same lines.
+  virtual void agree(const std::string& lines) = 0;
+
+  struct Spread {
+    double least, greatest;
+  };
+  virtual Spread spread(double value) = 0;
+
+  struct Picture {
+    Image image;
+    double exchange_ms = 0, composite_ms = 0;
+    std::int64_t bytes = 0;  // of runs and pixels, sent from one process to another
+  };
+  // Of what all have seen, at the first process; elsewhere none.
+  virtual std::optional<Picture> put_together(const DeepImage& seen, const Look& look) = 0;
+};
+
+}  // namespace ovoid::cli

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <string>
+
+#include "io/core/test_folder.h"
+#include "ovoid/error.h"
+#include "ovoid/io.h"
+#include "ovoid/space_part.h"
+
+namespace ovoid::io {
+namespace {
+
+// 3 x 2 pixels: one with two runs, one with one, four with none.
+PicturePart small_part() {
+  constexpr float kNowhere = std::numeric_limits<float>::infinity();
+  PicturePart part;
+  part.number = 2;
+  part.count = 7;
+  part.picture = "size 3x2\ncamera {}\n";
+  part.look.transfer_function.colors = {{0, {0, 0, 0}}, {1, {1, 0.5, 0.25}}};
+  part.look.transfer_function.opacities = {{0, 0}, {1, 1}};
+  part.seen.width = 3;
+  part.seen.height = 2;
+  part.seen.mode = Mode::kMean;
+  part.seen.first = {0, 0, 2, 2, 3, 3, 3};
+  part.seen.runs = {{-20, -3, {0.1F, 0.2F, 0.3F, 0.4F}, kNowhere, 2.5F, 1},
+                    {-3, 40, {0.5F, 0.25F, 0, 1}, 7, 6, 1},
+                    {kFirstSheet, kLastSheet, {1, 2, 0, 1}, 1, 1, 0.5F}};
+  return part;
+}
+
+TEST(PictureParts, AreReadAsTheyWereWritten) {
+  const TestFolder folder;
+  const PicturePart part = small_part();
+  write_picture_part(part, folder.file("a.exr"));
+  const PicturePart back = read_picture_part(folder.file("a.exr"));
+  EXPECT_EQ(back.seen, part.seen);
+  EXPECT_EQ(back.number, 2);
+  EXPECT_EQ(back.count, 7);
+  EXPECT_EQ(back.picture, part.picture);
+  EXPECT_EQ(to_text(back.look), to_text(part.look));
+}
+
+TEST(PictureParts, AreToldFromPictures) {
+  const TestFolder folder;
+  Image image;
+  image.width = image.height = 1;
+  image.rgba = {0, 0, 0, 0};
+  image.depth = image.front_depth = {1};
+  write_image(image, folder.file("flat.exr"));
+  folder.write("text.exr", "no picture");
+  for (const char* const name : {"flat.exr", "text.exr"}) {
+    try {
+      read_picture_part(folder.file(name));
+      ADD_FAILURE() << name;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kFileFormat) << name;
+      EXPECT_NE(std::string(error.what()).find(name), std::string::npos) << error.what();
+    }
+  }
+  EXPECT_THROW(read_picture_part(folder.file("none.exr")), Error);
+}
+
+// Whatever is damaged: an error, or a part that is valid.
+TEST(PictureParts, MayBeDamaged) {
+  const TestFolder folder;
+  write_picture_part(small_part(), folder.file("a.exr"));
+  const std::string whole = folder.read("a.exr");
+  int refused = 0;
+  const auto read = [&](const std::string& bytes) {
+    folder.write("b.exr", bytes);
+    try {
+      read_picture_part(folder.file("b.exr")).seen.validate();
+    } catch (const Error&) {
+      ++refused;
+    }
+  };
+  for (std::size_t size = 0; size < whole.size(); size += 7) read(whole.substr(0, size));
+  EXPECT_GE(refused, static_cast<int>(whole.size() / 8));
+  for (std::size_t at = 0; at < whole.size(); at += 3) {
+    for (const char value : {'\x00', '\x7f', '\xff'}) {
+      std::string damaged = whole;
+      damaged[at] = value;
+      read(damaged);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace ovoid::io

@@ -1,0 +1,189 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One picture by several processes, against one process's: render_test.py MPIEXEC OVOID [NUMBER...]. Also what happens
+when something goes wrong for one of them. Ends with 77 (skipped) where processes cannot be started here."""
+import os
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+
+MPIEXEC, OVOID = sys.argv[1:3]
+NUMBERS = [int(n) for n in sys.argv[3:]] or [1, 2, 3, 4, 7]
+SMALL = ["--size", "96x72", "--backend", "cpu"]
+failures = []
+
+
+def expect(holds, what):
+    if not holds:
+        failures.append(what)
+        print("FAILED:", what)
+
+
+def environment(**more):
+    # Open MPI refuses root, and more processes than processors, unless it is told otherwise.
+    return dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
+                OMPI_MCA_rmaps_base_oversubscribe="1", OMPI_MCA_hwloc_base_binding_policy="none",
+                OMPI_MCA_mpi_yield_when_idle="1", **more)
+
+
+def run(words, processes=0, **more):
+    launcher = [MPIEXEC, "-n", str(processes)] if processes else []
+    return subprocess.run(launcher + words, env=environment(**more), capture_output=True, text=True, timeout=120)
+
+
+def render(words, out, processes=0, **more):
+    done = run([OVOID, "render", *words, *SMALL, "-o", out], processes, **more)
+    expect(done.returncode == 0, f"{words} by {processes}: {done.stderr}")
+    return done
+
+
+def numbers(path):
+    """The float32 values of a .npy file."""
+    with open(path, "rb") as file:
+        data = file.read()
+    header = struct.unpack_from("<H", data, 8)[0]
+    values = data[10 + header:]
+    return struct.unpack(f"<{len(values) // 4}f", values)
+
+
+def expect_same(a, b, what):
+    first, second = numbers(a), numbers(b)
+    expect(len(first) == len(second), what + ": of another size")
+    expect(max(first[3::4]) > 0, what + ": shows nothing")
+    greatest = max(abs(x - y) for x, y in zip(first, second))
+    expect(greatest <= 1 / 255, f"{what}: differs by {255 * greatest:.2f}/255")
+    print(f"{what}: {255 * greatest:.4f}/255")
+
+
+def make_data(folder):
+    """Each kind of data: a lattice, a mesh, particles, stored kernels."""
+    data = {}
+    for name, kind, more in (("head", "head.nrrd", ["--size", "40"]), ("fin", "fin.vtu", ["--count", "1500"]),
+                             ("galaxy", "galaxy.npz", ["--count", "3000"])):
+        path = os.path.join(folder, kind)
+        made = run([OVOID, "make", name, *more, "-o", path])
+        if made.returncode == 0:
+            data[name] = path
+        else:
+            print("not drawn:", name, made.stderr)
+    kernels = os.path.join(folder, "kernels.ply")
+    if "fin" in data and run([OVOID, "convert", data["fin"], "-o", kernels]).returncode == 0:
+        data["kernels"] = kernels
+    return data
+
+
+def pictures(folder, data):
+    looks = {"head": [[], ["--mode", "mip"], ["--mode", "mean"], ["--iso", "120", "--mode", "isosurface"]],
+             "fin": [[], ["--surface=0.3"], ["--surface"]], "galaxy": [[], ["--points"]], "kernels": [[]]}
+    whole, together = os.path.join(folder, "whole.npy"), os.path.join(folder, "together.npy")
+    for name, path in data.items():
+        for i, look in enumerate(looks[name]):
+            render([path, *look, "--sheets", "image"], whole)
+            for processes in NUMBERS if i == 0 else NUMBERS[-1:]:
+                render([path, *look], together, processes)
+                expect_same(whole, together, f"{name} {' '.join(look)} by {processes}")
+
+
+def parts(folder, path):
+    """Without MPI: parts as files."""
+    files = [os.path.join(folder, f"part-{k}.exr") for k in (1, 2, 3)]
+    for k, file in enumerate(files):
+        render([path, "--part", f"{k + 1}/3"], file)
+    whole, together = os.path.join(folder, "w.npy"), os.path.join(folder, "t.npy")
+    render([path, "--sheets", "image"], whole)
+    expect(run([OVOID, "composite", *files, "-o", together]).returncode == 0, "parts cannot be put together")
+    expect_same(whole, together, "parts as files")
+    lacking = run([OVOID, "composite", *files[:2], "-o", together])
+    expect(lacking.returncode == 1 and "of 3 parts these are not given: 3" in lacking.stderr, lacking.stderr)
+    other = os.path.join(folder, "other.exr")
+    render([path, "--part", "3/3", "--azimuth", "10"], other)
+    strange = run([OVOID, "composite", *files[:2], other, "-o", together])
+    expect(strange.returncode == 1 and "another picture" in strange.stderr and "'camera'" in strange.stderr,
+           strange.stderr)
+
+
+def our_lines(text):
+    return [line for line in text.splitlines() if line.startswith("ovoid: error:")]
+
+
+def faults(folder, path, mesh):
+    out = os.path.join(folder, "fault.npy")
+    # A file that one of them does not have: a launcher script takes it away from the second process.
+    script = os.path.join(folder, "one-lacks-it.sh")
+    with open(script, "w") as file:
+        file.write('#!/bin/sh\n[ "$OMPI_COMM_WORLD_RANK$PMI_RANK" = 1 ] && set -- "$1" "$2" /nowhere.nrrd '
+                   '"$4" "$5" "$6" "$7"\nexec "$@"\n')
+    os.chmod(script, 0o755)
+    done = run([script, OVOID, "render", path, "-o", out, "--size", "32x32"], 3)
+    lines = our_lines(done.stderr)
+    expect(done.returncode != 0 and len(lines) == 1 and "process 1 of 3" in lines[0] and "/nowhere.nrrd" in lines[0],
+           f"a missing file: {done.stderr}")
+    expect(not os.path.exists(out), "a missing file: a picture all the same")
+    # Others data than the rest.
+    other = os.path.join(folder, "other.nrrd")
+    run([OVOID, "make", "head", "--size", "20", "-o", other])
+    with open(script, "w") as file:
+        file.write(f'#!/bin/sh\n[ "$OMPI_COMM_WORLD_RANK$PMI_RANK" = 2 ] && set -- "$1" "$2" {other} '
+                   '"$4" "$5" "$6" "$7"\nexec "$@"\n')
+    done = run([script, OVOID, "render", path, "-o", out, "--size", "32x32"], 3)
+    lines = our_lines(done.stderr)
+    expect(done.returncode != 0 and len(lines) == 1 and "another picture" in lines[0] and "'data'" in lines[0],
+           f"other data: {done.stderr}")
+    expect(not os.path.exists(out), "other data: a picture all the same")
+    # All of them wrong in the same way: one line.
+    done = run([OVOID, "render", "/nowhere.nrrd", "-o", out], 3)
+    expect(done.returncode != 0 and len(our_lines(done.stderr)) == 1, f"missing everywhere: {done.stderr}")
+    done = run([OVOID, "render", path, "-o", out, "--repeat", "3"], 2)
+    expect(done.returncode != 0 and len(our_lines(done.stderr)) == 1, f"usage: {done.stderr}")
+    # One that dies.
+    with open(script, "w") as file:
+        file.write('#!/bin/sh\n[ "$OMPI_COMM_WORLD_RANK$PMI_RANK" = 1 ] && kill -9 $$\nexec "$@"\n')
+    start = time.monotonic()
+    done = run([script, OVOID, "render", path, "-o", out], 3)
+    expect(done.returncode != 0 and time.monotonic() - start < 60, f"killed: {done.stderr}")
+    # One that never comes: what reads its mesh for it sleeps.
+    sleeper = os.path.join(folder, "sleeper.sh")
+    with open(sleeper, "w") as file:
+        file.write("#!/bin/sh\nexec sleep 100\n")
+    os.chmod(sleeper, 0o755)
+    with open(script, "w") as file:
+        file.write(f'#!/bin/sh\n[ "$OMPI_COMM_WORLD_RANK$PMI_RANK" = 1 ] && export OVOID_READER={sleeper}\nexec "$@"\n')
+    start = time.monotonic()
+    done = run([script, OVOID, "render", mesh, "-o", out], 3, OVOID_MPI_WAIT="3")
+    lines = our_lines(done.stderr)
+    expect(done.returncode != 0 and time.monotonic() - start < 60, f"asleep: {done.stderr}")
+    expect(len(lines) == 1 and "has waited 3 s" in lines[0], f"asleep: {done.stderr}")
+    expect(not os.path.exists(out), "one that does not come: a picture all the same")
+
+
+def memory(folder):
+    """A lattice larger than what any of the processes may take, with samples in the file."""
+    path = os.path.join(folder, "large.nrrd")
+    run([OVOID, "make", "head", "--size", "160", "-o", path])
+    alone, together = os.path.join(folder, "alone.npy"), os.path.join(folder, "limited.npy")
+    limit = ["--memory-limit", "2M"]
+    render([path, *limit, "--sheets", "image"], alone)
+    render([path, *limit], together, 3)
+    expect_same(alone, together, "a lattice larger than the limit")
+
+
+def main():
+    if run(["true"], 2).returncode != 0:
+        print("skipped:", run(["true"], 2).stderr)
+        return 77
+    folder = tempfile.mkdtemp()
+    try:
+        data = make_data(folder)
+        pictures(folder, data)
+        parts(folder, data["head"])
+        faults(folder, data["head"], data["fin"])
+        memory(folder)
+    finally:
+        shutil.rmtree(folder)
+    print(f"{len(failures)} failures")
+    return 1 if failures else 0
+
+
+sys.exit(main())

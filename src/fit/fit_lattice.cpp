@@ -172,7 +172,9 @@ class LatticeFitter {
     std::vector<float> above(samples_.values.size());
     for (std::size_t i = 0; i < above.size(); ++i)
       above[i] = static_cast<float>(static_cast<double>(samples_.values[i]) - samples_.background);
-    LevelFitter fitter(samples_.dims, std::move(above), work_, most_pairs());
+    const LevelFitter::Limits limits{static_cast<float>(samples_.least - samples_.background),
+                                     static_cast<float>(samples_.greatest - samples_.background)};
+    LevelFitter fitter(samples_.dims, std::move(above), limits, work_, most_pairs());
     if (options_.smooth) return reach_psnr(fitter, psnr_of_noise() - kSurplus);
     if (options_.psnr) return reach_psnr(fitter, *options_.psnr);
     if (options_.tolerance) return reach_tolerance(fitter, *options_.tolerance / value_scale_);

@@ -119,7 +119,7 @@ TEST(LevelPairs, AreTheProductsThroughTheSamples) {
 TEST(LevelFitter, AgreesWithADirectSolution) {
   const Index3 dims{12, 9, 7};
   const std::vector<float> samples = odd_numbers(static_cast<std::size_t>(num_samples(dims)));
-  LevelFitter fitter(dims, samples, {2});
+  LevelFitter fitter(dims, samples, {}, {2});
   fitter.start(0.8);
   ASSERT_GT(fitter.num_kernels(), 20);
   ASSERT_LT(fitter.num_kernels(), 600);
@@ -152,7 +152,7 @@ TEST(LevelFitter, AgreesWithADirectSolution) {
 TEST(LevelFitter, WithoutTheMatrixIsTheSame) {
   const Index3 dims{12, 9, 7};
   const std::vector<float> samples = odd_numbers(static_cast<std::size_t>(num_samples(dims)));
-  LevelFitter with(dims, samples, {2}), without(dims, samples, {2}, 10);
+  LevelFitter with(dims, samples, {}, {2}), without(dims, samples, {}, {2}, 10);
   for (LevelFitter* const fitter : {&with, &without}) {
     fitter->start(0.8);
     fitter->fit(40);
@@ -161,11 +161,41 @@ TEST(LevelFitter, WithoutTheMatrixIsTheSame) {
   EXPECT_NEAR(with.mean_square(), without.mean_square(), 1e-4 * with.mean_square());
 }
 
+// Where samples are the least there is, kernels may go below it. Fails if that counts as an error,
+// if it does not where a sample is greater, or if a fit makes the sum of squares greater.
+TEST(LevelFitter, WhatIsClampedIsNoError) {
+  const Index3 dims{32, 12, 12};
+  std::vector<float> samples;
+  for (std::int64_t i = 0; i < num_samples(dims); ++i)
+    samples.push_back(std::max(0.0F, std::sin(0.6F * static_cast<float>(i % dims[0]))));
+  LevelFitter free(dims, samples, {}, {2}), clamped(dims, samples, {0, 1}, {2}),
+      without_matrix(dims, samples, {0, 1}, {2}, 10);
+  for (LevelFitter* const fitter : {&free, &clamped, &without_matrix}) {
+    fitter->start(0.2);
+    fitter->prune(400);
+    double before = fitter->mean_square();
+    for (int round = 0; round < 10; ++round) {
+      fitter->fit(10);
+      EXPECT_LE(fitter->mean_square(), before * (1 + 1e-6));
+      before = fitter->mean_square();
+    }
+  }
+  EXPECT_LT(clamped.mean_square(), 0.7 * free.mean_square());
+  EXPECT_NEAR(without_matrix.mean_square(), clamped.mean_square(), 0.01 * clamped.mean_square());
+  std::vector<float> sums(samples.size());
+  clamped.basis().expand(clamped.weights(), 0, clamped.basis().num_levels(), 1, sums, {1});
+  EXPECT_LT(*std::min_element(sums.begin(), sums.end()), -0.01F);
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    const float lowest = samples[i] == 0 ? 0 : -1;
+    ASSERT_NEAR(clamped.residual()[i], samples[i] - std::max(lowest, sums[i]), 1e-5);
+  }
+}
+
 TEST(LevelFitter, GrowsByTheBestAndPrunesTheLeast) {
   const Index3 dims{20, 20, 20};
   std::vector<float> samples(8000);
   samples[20 * 20 * 10 + 20 * 10 + 10] = 9;  // one sample alone
-  LevelFitter fitter(dims, samples, {2});
+  LevelFitter fitter(dims, samples, {}, {2});
   fitter.grow(1);
   EXPECT_EQ(fitter.num_kernels(), 1);
   EXPECT_TRUE(fitter.is_kernel(20 * 20 * 10 + 20 * 10 + 10));

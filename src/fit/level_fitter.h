@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <stop_token>
 #include <vector>
@@ -17,18 +18,24 @@ namespace ovoid::fit {
 // passes over the samples; results do not depend on the number of threads.
 class LevelFitter {
  public:
+  // What sums of kernels are clamped to where they are read: beyond the least a sample that is the
+  // least has no error, and so for the greatest.
+  struct Limits {
+    float least = -std::numeric_limits<float>::infinity();
+    float greatest = std::numeric_limits<float>::infinity();
+  };
   // Of the normal equations' matrix: entries beyond which it is not kept, by default, and bytes of
   // one.
   static constexpr std::size_t kMostPairs = std::size_t{1} << 27, kBytesPerPair = 8;
 
-  LevelFitter(const Index3& dims, std::vector<float> samples, const data::LevelWork& work,
-              std::size_t most_pairs = kMostPairs);
+  LevelFitter(const Index3& dims, std::vector<float> samples, const Limits& limits,
+              const data::LevelWork& work, std::size_t most_pairs = kMostPairs);
 
   const data::LevelBasis& basis() const noexcept { return basis_; }
   std::int64_t num_kernels() const noexcept { return num_kernels_; }
   std::span<const float> weights() const noexcept { return weights_; }
   bool is_kernel(std::size_t node) const noexcept { return is_kernel_[node] != 0; }
-  // Samples less kernels.
+  // Samples less the kernels' sums, and 0 where a sum is beyond the limit that its sample is.
   std::span<const float> residual();
   double mean_square();  // of the residual
 
@@ -42,7 +49,8 @@ class LevelFitter {
   void add_kernel(std::size_t sample);
   // Takes away those that hold least until there are `count`.
   void prune(std::int64_t count);
-  // So many steps of conjugate gradients.
+  // So many steps of conjugate gradients. What was beyond a limit before them aims at where it was,
+  // which never makes the sum of squares greater.
   void fit(int iterations);
 
  private:
@@ -63,10 +71,10 @@ class LevelFitter {
 
   data::LevelBasis basis_;
   data::LevelWork work_;
+  Limits limits_;
   std::size_t most_pairs_;
   LevelPairs pairs_;
   std::vector<float> samples_, residual_;
-  Weights targets_;  // the samples' products with every kernel
   Weights weights_, inverse_norms_;
   Weights products_;  // of the residual with every kernel
   // Whether they are those of the weights.

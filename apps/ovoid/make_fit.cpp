@@ -147,9 +147,9 @@ ReportRows rows_of(const FitReport& report, DatasetKind kind, double seconds) {
   const auto row = [&](const char* name, const std::string& text) {
     rows.emplace_back(name, text);
   };
-  row("kernels", fmt::format("{}, {} {}{}", report.kernels, is_lattice ? "for samples:" : "of",
-                             report.source_kernels,
-                             one_for_text(report.source_kernels, report.kernels)));
+  row("kernels",
+      fmt::format("{}, {} {}{}", report.kernels, is_lattice ? "for samples:" : "of",
+                  report.source_kernels, one_for_text(report.source_kernels, report.kernels)));
   row("bytes", bytes_text(report.bytes));
   row("PSNR",
       fmt::format(

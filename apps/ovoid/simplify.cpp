@@ -104,9 +104,9 @@ struct Simplified {
 
 ReportRows rows_of(const Simplified& done) {
   const SimplifyReport& report = done.report;
-  return {{"primitives", fmt::format("{}, for {} relevant samples of {}{}", report.primitives,
-                                     report.relevant, report.samples,
-                                     one_for_text(report.relevant, report.primitives))},
+  return {{"primitives",
+           fmt::format("{}, for {} relevant samples of {}{}", report.primitives, report.relevant,
+                       report.samples, one_for_text(report.relevant, report.primitives))},
           {"bytes", bytes_text(done.bytes)},
           {"PSNR", fmt::format("{:.2f} dB", report.psnr)},
           {"greatest error", error_text(report.greatest_error, report.range)},

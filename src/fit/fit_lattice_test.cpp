@@ -392,14 +392,50 @@ TEST(FitLattice, RefusesWhatCannotBe) {
   options = lattice_kernels(10);
   options.memory_limit = 1000;
   expect_refusal(scan(), options, "more than the limit");
-  const Dataset holes = lattice_of(
-      {5, 5, 5}, [](double x, double y, double) { return x == 2 && y == 3 ? std::nan("") : x; });
-  expect_refusal(holes, lattice_kernels(3), "5 samples are missing");
   Dataset other = scan();
   other.lattice.kind = LatticeKind::kBodyCentred;
-  expect_refusal(other, lattice_kernels(3), "body-centred");
+  expect_refusal(other, lattice_kernels(3), "body-centred: expected the Cartesian lattice");
   expect_refusal(model::grid_dataset({3, 3, 3}, [](const Vec3& p) { return p; }),
                  lattice_kernels(3), "is no lattice");
+}
+
+// Missing samples stay missing, the first and the last, too; those that are there are held to the
+// goal, and holes cost hardly a kernel.
+TEST(FitLattice, HolesStayHoles) {
+  const auto is_hole = [](double x, double y, double z) {
+    return std::hypot(x - 8, y - 8, z - 8) < 5 || x + y + z == 0 || x + y + z == 72;
+  };
+  const Dataset holes = lattice_of({30, 25, 20}, [&](double x, double y, double z) {
+    return is_hole(x, y, z) ? std::nan("") : scene(x, y, z);
+  });
+  const std::vector<float> samples = values_of<float>(holes.array());
+  FitReport whole, report;
+  fit_lattice(scan(), lattice_psnr(40), &whole);
+  const LatticeLevels levels = fit_lattice(holes, lattice_psnr(40), &report);
+  EXPECT_LT(report.kernels, whole.kernels * 105 / 100);
+  FitOptions bound;
+  bound.relative_tolerance = 0.02;
+  FitReport report_of_bound;
+  const LatticeLevels bounded = fit_lattice(holes, bound, &report_of_bound);
+  for (const LatticeLevels* const fitted : {&levels, &bounded}) {
+    const std::vector<float> read = samples_of(*fitted);
+    double square = 0, count = 0, greatest = 0;
+    for (std::size_t i = 0; i < read.size(); ++i) {
+      ASSERT_EQ(std::isnan(read[i]), std::isnan(samples[i])) << i;
+      if (std::isnan(read[i])) continue;
+      const double error = static_cast<double>(read[i] - samples[i]);
+      square += error * error;
+      greatest = std::max(greatest, std::abs(error));
+      ++count;
+    }
+    if (fitted == &levels) {
+      const double psnr = 20 * std::log10(report.range / std::sqrt(square / count));
+      EXPECT_GE(psnr, 40);
+      EXPECT_NEAR(report.psnr, psnr, 1e-3);
+    } else {
+      EXPECT_LE(greatest, 0.02 * report.range * (1 + 1e-6));
+    }
+  }
 }
 
 // Never more than asked for, by what the file will have at most; and not much less.

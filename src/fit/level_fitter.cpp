@@ -90,6 +90,7 @@ LevelFitter::LevelFitter(const Index3& dims, std::vector<float> samples, const L
       inverse_norms_(basis_.num_weights()),
       products_(basis_.num_weights()),
       is_kernel_(basis_.num_weights()) {
+  num_there_ = sum(samples_.size(), [&](std::size_t i) { return std::isnan(samples_[i]) ? 0 : 1; });
   for (int level = 0; level < basis_.num_levels(); ++level) {
     std::array<std::vector<double>, 3> norms;
     for (int a = 0; a < 3; ++a)
@@ -110,9 +111,9 @@ void LevelFitter::refresh_residual() {
   basis_.expand(weights_, 0, basis_.num_levels(), 1, residual_, work_);
   for_each(residual_.size(), [&](std::size_t i) {
     const float sample = samples_[i], sum = residual_[i];
-    const bool is_beyond = (sample <= limits_.least && sum < sample) ||
-                           (sample >= limits_.greatest && sum > sample);
-    residual_[i] = is_beyond ? 0 : sample - sum;
+    const bool is_beyond =
+        (sample <= limits_.least && sum < sample) || (sample >= limits_.greatest && sum > sample);
+    residual_[i] = is_beyond || std::isnan(sample) ? 0 : sample - sum;
   });
 }
 
@@ -133,7 +134,7 @@ double LevelFitter::mean_square() {
     const auto r = static_cast<double>(residual_[i]);
     return r * r;
   });
-  return square / static_cast<double>(residual_.size());
+  return square / std::max(1.0, num_there_);
 }
 
 // Solves with Cholesky's factor along one axis, all lines of it.
@@ -179,8 +180,15 @@ void LevelFitter::prefilter(int level, std::span<float> weights) const {
   for (int a = 0; a < 3; ++a) solve_along(level, a, weights);
 }
 
+void LevelFitter::clear_holes() {
+  for_each(residual_.size(), [&](std::size_t i) {
+    if (std::isnan(samples_[i])) residual_[i] = 0;
+  });
+}
+
 void LevelFitter::start(double threshold) {
   residual_ = samples_;
+  clear_holes();
   num_kernels_ = 0;
   for (int level = basis_.num_levels() - 1; level >= 0; --level) {
     basis_.reduce(residual_, level, level + 1, products_, work_);
@@ -196,6 +204,7 @@ void LevelFitter::start(double threshold) {
       return keeps ? 1.0 : 0.0;
     }));
     basis_.expand(weights_, level, level + 1, -1, residual_, work_);
+    clear_holes();  // which are filled by what coarser levels make of them
   }
   is_residual_ = are_products_ = false;
 }

@@ -28,6 +28,7 @@ class LevelFitter {
   // one.
   static constexpr std::size_t kMostPairs = std::size_t{1} << 27, kBytesPerPair = 8;
 
+  // `samples`: NaN where they are missing.
   LevelFitter(const Index3& dims, std::vector<float> samples, const Limits& limits,
               const data::LevelWork& work, std::size_t most_pairs = kMostPairs);
 
@@ -35,9 +36,10 @@ class LevelFitter {
   std::int64_t num_kernels() const noexcept { return num_kernels_; }
   std::span<const float> weights() const noexcept { return weights_; }
   bool is_kernel(std::size_t node) const noexcept { return is_kernel_[node] != 0; }
-  // Samples less the kernels' sums, and 0 where a sum is beyond the limit that its sample is.
+  // Samples less the kernels' sums; 0 where a sum is beyond the limit that its sample is, and where
+  // a sample is missing.
   std::span<const float> residual();
-  double mean_square();  // of the residual
+  double mean_square();  // of the residual, of samples that are there
 
   // From the coarsest level on: what is left of the samples, prefiltered for the level, and of that
   // the kernels that hold more than `threshold` of it (root of the sum of squares over samples).
@@ -63,6 +65,7 @@ class LevelFitter {
   void refresh_residual();
   void refresh_products();
   void prefilter(int level, std::span<float> weights) const;
+  void clear_holes();
   void solve_along(int level, int a, std::span<float> weights) const;
   template <class Term>
   double sum(std::size_t count, const Term& term) const;
@@ -75,6 +78,7 @@ class LevelFitter {
   std::size_t most_pairs_;
   LevelPairs pairs_;
   std::vector<float> samples_, residual_;
+  double num_there_ = 0;  // samples that are not missing
   Weights weights_, inverse_norms_;
   Weights products_;  // of the residual with every kernel
   // Whether they are those of the weights.

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // ovoid fit: fewer kernels for a field, with a stated error.
-#include <fmt/format.h>
-
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "check_files.h"
@@ -10,14 +7,12 @@
 #include "load.h"
 #include "make_fit.h"
 #include "ovoid/io.h"
+#include "report_rows.h"
 
 namespace ovoid::cli {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-// JSON has no infinity: null, where there is no error.
-Json decibels(double value) { return std::isfinite(value) ? Json(value) : Json(); }
 
 std::string json_of(const FitReport& report, double seconds) {
   Json json;
@@ -26,9 +21,9 @@ std::string json_of(const FitReport& report, double seconds) {
   json["source_kernels"] = report.source_kernels;
   json["bytes"] = report.bytes;
   json["range"] = report.range;
-  json["psnr_db"] = decibels(report.psnr);
-  json["psnr_of_nonempty_db"] = decibels(report.psnr_of_nonempty);
-  json["source_psnr_db"] = decibels(report.source_psnr);
+  json["psnr_db"] = decibels_json(report.psnr);
+  json["psnr_of_nonempty_db"] = decibels_json(report.psnr_of_nonempty);
+  json["source_psnr_db"] = decibels_json(report.source_psnr);
   if (report.noise > 0) json["noise"] = report.noise;
   json["greatest_error"] = report.greatest_error;
   json["wrongly_empty"] = report.wrongly_empty;
@@ -38,7 +33,7 @@ std::string json_of(const FitReport& report, double seconds) {
   json["steps"] = Json::array();
   for (const FitStep& step : report.steps)
     json["steps"].push_back({{"kernels", step.kernels},
-                             {"psnr_db", decibels(step.psnr)},
+                             {"psnr_db", decibels_json(step.psnr)},
                              {"greatest_error", step.greatest_error}});
   json["seconds"] = seconds;
   return json.dump(2) + "\n";
@@ -69,8 +64,7 @@ void run_fit(const Words& words, Session& session) {
   }();
   const double seconds = watch.ms() / 1000;
   if (!fit.report.empty()) write_file(fit.report, json_of(report, seconds));
-  for (const auto& [name, text] : rows_of(report, dataset.kind, seconds))
-    print_out("{:16}{}\n", name, text);
+  print_rows(rows_of(report, dataset.kind, seconds));
 }
 
 }  // namespace ovoid::cli

@@ -9,7 +9,6 @@
 #include "ovoid/error.h"
 #include "ovoid/io.h"
 #include "ovoid/lattice_file.h"
-#include "profile.h"
 #include "usage.h"
 
 namespace ovoid::cli {
@@ -84,8 +83,6 @@ void fit_levels(const Dataset& dataset, const FitOptions& options, const std::st
   report.bytes = static_cast<std::int64_t>(std::filesystem::file_size(output));
 }
 
-std::string share_of_range(double share) { return fmt::format("{:.2g} %", 100 * share); }
-
 }  // namespace
 
 Flags make_fit_flags(FitFlags* into) {
@@ -150,29 +147,21 @@ ReportRows rows_of(const FitReport& report, DatasetKind kind, double seconds) {
   const auto row = [&](const char* name, const std::string& text) {
     rows.emplace_back(name, text);
   };
-  const std::string share =
-      report.kernels == 0 ? ""
-                          : fmt::format(": 1 / {:.3g}", static_cast<double>(report.source_kernels) /
-                                                            static_cast<double>(report.kernels));
-  row("kernels", fmt::format("{}, {} {}{}", report.kernels, is_lattice ? "for samples:" : "of",
-                             report.source_kernels, share));
-  row("bytes",
-      fmt::format("{} ({})", report.bytes, readable_bytes(static_cast<double>(report.bytes))));
+  row("kernels",
+      fmt::format("{}, {} {}{}", report.kernels, is_lattice ? "for samples:" : "of",
+                  report.source_kernels, one_for_text(report.source_kernels, report.kernels)));
+  row("bytes", bytes_text(report.bytes));
   row("PSNR",
       fmt::format(
           "{:.2f} dB ({:.2f} of values above the least{})", report.psnr, report.psnr_of_nonempty,
           is_lattice ? "" : fmt::format("; all kernels, not fitted: {:.2f}", report.source_psnr)));
-  const double range = report.range > 0 ? report.range : 1;
-  if (report.noise > 0)
-    row("noise", fmt::format("{:.4g} ({} of the range)", report.noise,
-                             share_of_range(report.noise / range)));
-  row("greatest error", fmt::format("{:.4g} ({} of the range)", report.greatest_error,
-                                    share_of_range(report.greatest_error / range)));
+  if (report.noise > 0) row("noise", error_text(report.noise, report.range));
+  row("greatest error", error_text(report.greatest_error, report.range));
   if (!is_lattice) {
-    row("wrongly empty", share_of_range(report.wrongly_empty));
-    row("wrongly full", share_of_range(report.wrongly_full));
+    row("wrongly empty", share_text(report.wrongly_empty));
+    row("wrongly full", share_text(report.wrongly_full));
   }
-  row("time", fmt::format("{:.2f} s", seconds));
+  row("time", seconds_text(seconds));
   return rows;
 }
 

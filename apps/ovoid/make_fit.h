@@ -6,10 +6,9 @@
 #include <functional>
 #include <optional>
 #include <string>
-#include <utility>
-#include <vector>
 
 #include "ovoid/fit.h"
+#include "report_rows.h"
 #include "setting_forms.h"
 #include "settings.h"
 
@@ -44,8 +43,7 @@ void check_fit_ending(const std::string& output, const Dataset& dataset);
 FitReport make_fit(const Dataset& dataset, const Flags& flags, const FitFlags& fit,
                    Session& session, const std::function<void(double)>& progress);
 
-// What is told of it: names and texts.
-using ReportRows = std::vector<std::pair<std::string, std::string>>;
+// What is told of it.
 ReportRows rows_of(const FitReport& report, DatasetKind kind, double seconds);
 
 }  // namespace ovoid::cli

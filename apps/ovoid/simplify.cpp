@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -14,7 +13,7 @@
 #include "make_field.h"
 #include "ovoid/io.h"
 #include "ovoid/lattice_file.h"
-#include "profile.h"
+#include "report_rows.h"
 #include "setting_forms.h"
 #include "usage.h"
 #include "values.h"
@@ -103,24 +102,15 @@ struct Simplified {
   double seconds = 0;
 };
 
-void print_report(const Simplified& done) {
+ReportRows rows_of(const Simplified& done) {
   const SimplifyReport& report = done.report;
-  const auto row = [](const char* name, const std::string& text) {
-    print_out("{:16}{}\n", name, text);
-  };
-  const std::string share =
-      report.primitives == 0
-          ? ""
-          : fmt::format(": 1 / {:.3g}", static_cast<double>(report.relevant) /
-                                            static_cast<double>(report.primitives));
-  row("primitives", fmt::format("{}, for {} relevant samples of {}{}", report.primitives,
-                                report.relevant, report.samples, share));
-  row("bytes", fmt::format("{} ({})", done.bytes, readable_bytes(static_cast<double>(done.bytes))));
-  row("PSNR", fmt::format("{:.2f} dB", report.psnr));
-  const double range = report.range > 0 ? report.range : 1;
-  row("greatest error", fmt::format("{:.4g} ({:.2g} % of the range)", report.greatest_error,
-                                    100 * report.greatest_error / range));
-  row("time", fmt::format("{:.2f} s", done.seconds));
+  return {{"primitives",
+           fmt::format("{}, for {} relevant samples of {}{}", report.primitives, report.relevant,
+                       report.samples, one_for_text(report.relevant, report.primitives))},
+          {"bytes", bytes_text(done.bytes)},
+          {"PSNR", fmt::format("{:.2f} dB", report.psnr)},
+          {"greatest error", error_text(report.greatest_error, report.range)},
+          {"time", seconds_text(done.seconds)}};
 }
 
 std::string json_of(const Simplified& done) {
@@ -134,7 +124,7 @@ std::string json_of(const Simplified& done) {
   json["range"] = report.range;
   json["tolerance"] = report.tolerance;
   json["greatest_error"] = report.greatest_error;
-  json["psnr_db"] = std::isfinite(report.psnr) ? SimplifyJson(report.psnr) : SimplifyJson();
+  json["psnr_db"] = decibels_json(report.psnr);
   json["seconds"] = done.seconds;
   return json.dump(2) + "\n";
 }
@@ -177,7 +167,7 @@ void run_simplify(const Words& words, Session& session) {
   done.bytes = static_cast<std::int64_t>(std::filesystem::file_size(simplify.output));
   done.seconds = watch.ms() / 1000;
   if (!simplify.report.empty()) write_file(simplify.report, json_of(done));
-  print_report(done);
+  print_rows(rows_of(done));
 }
 
 }  // namespace ovoid::cli

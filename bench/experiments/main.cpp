@@ -9,8 +9,10 @@
 #include <exception>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "experiments/adam_baseline.h"
 #include "experiments/between_sheets.h"
 #include "experiments/crisp_edges.h"
 #include "experiments/fields.h"
@@ -211,6 +213,16 @@ void between(const std::string& folder) {
   write_figure(side_by_side(images), folder + "/between-sheets.png");
 }
 
+std::vector<std::string> split_at_colons(std::string text) {
+  std::vector<std::string> parts;
+  while (!text.empty()) {
+    const auto end = std::min(text.find(':'), text.size());
+    parts.push_back(text.substr(0, end));
+    text.erase(0, end + 1);
+  }
+  return parts;
+}
+
 // The files that OVOID_EXPERIMENT_FILES names, with colons between; none: formulas.
 std::vector<Dataset> removed_data() {
   const char* files = std::getenv("OVOID_EXPERIMENT_FILES");
@@ -218,12 +230,7 @@ std::vector<Dataset> removed_data() {
     return {make_sample("head", {.size = {128, 128, 128}}),
             make_sample("tornado", {.size = {96, 96, 96}})};
   std::vector<Dataset> data;
-  std::string left = files;
-  while (!left.empty()) {
-    const auto end = std::min(left.find(':'), left.size());
-    data.push_back(read_dataset({left.substr(0, end)}));
-    left.erase(0, end + 1);
-  }
+  for (const std::string& name : split_at_colons(files)) data.push_back(read_dataset({name}));
   return data;
 }
 
@@ -312,14 +319,35 @@ void sites(const std::string&) {
   convergence_of_sites(fields);
 }
 
+// A mesh by formula, and the files that OVOID_EXPERIMENT_FILES names, which are one dataset here.
+void adam(const std::string&) {
+  std::vector<std::pair<std::string, Dataset>> data = {{"fin", make_sample("fin")}};
+  if (const char* files = std::getenv("OVOID_EXPERIMENT_FILES")) {
+    const std::vector<std::string> names = split_at_colons(files);
+    data.emplace_back(names.back().substr(names.back().rfind('/') + 1), read_dataset(names));
+  }
+  fmt::print("| data | kernels | way | steps | time, s | PSNR, dB |\n|---|---|---|---|---|---|\n");
+  for (const auto& [name, dataset] : data) {
+    const RefineComparison found = compare_refinement(dataset, {});
+    fmt::print("| {} | {} | clusters | 0 | 0 | {:.1f} |\n", name, found.kernels, found.start);
+    for (const RefineCurve& curve : found.curves) {
+      for (const RefineCurve::Point& point : curve.points) {
+        fmt::print("| {} | {} | {} | {} | {:.1f} | {:.1f} |\n", name, found.kernels, curve.way,
+                   point.steps, point.seconds, point.psnr);
+      }
+    }
+    std::fflush(stdout);
+  }
+}
+
 struct Experiment {
   const char* name;
   void (*run)(const std::string& folder);
 };
 constexpr Experiment kExperiments[] = {
-    {"kernels", &kernels}, {"cost", &kernel_cost}, {"pictures", &pictures},
-    {"grid", &grid},       {"removed", &removed},  {"popping", &popping},
-    {"edges", &edges},     {"between", &between},  {"sites", &sites}};
+    {"kernels", &kernels}, {"cost", &kernel_cost}, {"pictures", &pictures}, {"grid", &grid},
+    {"removed", &removed}, {"popping", &popping},  {"edges", &edges},       {"between", &between},
+    {"sites", &sites},     {"adam", &adam}};
 
 int run(const std::vector<std::string>& arguments) {
   const auto is_known = [](const std::string& name) {

@@ -21,9 +21,9 @@ struct LatticeLevel {
 };
 
 // sample(x) = offset + sum over levels l and nodes p of weight step_of(l) B((x - p) / 2^l), then
-// rounded to a whole number, if samples are `whole`, and clamped to [least, greatest]. B is the
-// product of a profile along each axis: the Gaussian of sigma kSigma less its tangent over the
-// square of the distance at the end of its support, kReach.
+// rounded to a whole number, if samples are `whole`, and clamped to [least, greatest]; NaN, where
+// it is missing. B is the product of a profile along each axis: the Gaussian of sigma kSigma less
+// its tangent over the square of the distance at the end of its support, kReach.
 struct LatticeLevels {
   static constexpr double kSigma = 0.6, kReach = 1.98;  // blocks
   static constexpr int kMostLevels = 16;
@@ -34,6 +34,9 @@ struct LatticeLevels {
   bool whole = false;                // samples are those of a scanner
   double step = 1;                   // > 0: what a weight of 1 is worth on level 0
   std::vector<LatticeLevel> levels;  // [0] is the finest; at most kMostLevels
+  // From the first sample on, in turn: how many are there, and how many behind them are missing.
+  // Only the first number may be 0. Empty where none is missing, as of those of a scanner.
+  std::vector<std::uint32_t> holes;
 
   // Nodes along x, y, z.
   Index3 nodes(int level) const noexcept;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include "data/level_basis.h"
@@ -34,6 +35,21 @@ void check_level(const LatticeLevels& all, int index) {
   }
 }
 
+void check_holes(const LatticeLevels& all) {
+  if (all.holes.empty()) return;
+  if (all.whole) refuse_levels("holes: expected none of whole samples, which have no NaN");
+  if (all.holes.size() % 2 != 0)
+    refuse_levels(fmt::format("holes: {} numbers, expected pairs", all.holes.size()));
+  const std::int64_t count = num_samples(all.dims);
+  std::int64_t sum = 0;
+  for (std::size_t i = 0; i < all.holes.size(); ++i) {
+    sum += all.holes[i];
+    if ((i > 0 && all.holes[i] == 0) || sum > count)
+      refuse_levels(fmt::format("holes[{}] = {}: must be > 0, and within {} samples", i,
+                                all.holes[i], count));
+  }
+}
+
 void check(const LatticeLevels& all) {
   for (std::size_t a = 0; a < 3; ++a) {
     if (all.dims[a] < 1) refuse_levels(fmt::format("dims[{}] = {}: must be >= 1", a, all.dims[a]));
@@ -48,6 +64,7 @@ void check(const LatticeLevels& all) {
     refuse_levels(fmt::format("levels: there are {}: expected at most {}", all.levels.size(),
                               LatticeLevels::kMostLevels));
   for (int level = 0; level < static_cast<int>(all.levels.size()); ++level) check_level(all, level);
+  check_holes(all);
 }
 
 }  // namespace
@@ -94,6 +111,11 @@ std::vector<float> samples_of(const LatticeLevels& levels, int threads, const st
           samples[i] = std::clamp(sample, least, greatest);
         }
       });
+  auto at = samples.begin();
+  for (std::size_t i = 0; i < levels.holes.size(); i += 2) {
+    at += levels.holes[i];
+    at = std::fill_n(at, levels.holes[i + 1], std::numeric_limits<float>::quiet_NaN());
+  }
   return samples;
 }
 

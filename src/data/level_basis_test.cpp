@@ -158,6 +158,15 @@ TEST(LatticeLevels, RefuseWhatCannotBe) {
     }
   };
   expect_refusal([](LatticeLevels& l) { l.dims[1] = 0; }, "dims[1] = 0");
+  expect_refusal([](LatticeLevels& l) { l.holes = {1, 2, 3}; }, "holes: 3 numbers");
+  expect_refusal([](LatticeLevels& l) { l.holes = {1, 2, 0, 3}; }, "holes[2] = 0: must be > 0");
+  expect_refusal([](LatticeLevels& l) { l.holes = {1, 500000}; }, "holes[1] = 500000");
+  expect_refusal(
+      [](LatticeLevels& l) {
+        l.holes = {1, 2};
+        l.whole = true;
+      },
+      "expected none of whole samples");
   expect_refusal([](LatticeLevels& l) { l.step = 0; }, "step = 0");
   expect_refusal([](LatticeLevels& l) { l.offset = std::nan(""); }, "offset = nan");
   expect_refusal([](LatticeLevels& l) { l.least = 7; }, "least, greatest = 7, 6");

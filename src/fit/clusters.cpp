@@ -173,6 +173,12 @@ KernelColumns MergedKernels::columns(double cutoff) const {
   return columns;
 }
 
+double MergedKernels::mass(std::size_t i) const noexcept {
+  const float* const l = shapes.data() + 6 * i;
+  return static_cast<double>(weights[i]) * static_cast<double>(l[0]) * static_cast<double>(l[2]) *
+         static_cast<double>(l[5]);
+}
+
 Clusters::Clusters(const SourceKernels& source, int threads)
     : source_(&source), threads_(threads), order_(source.count()) {
   std::iota(order_.begin(), order_.end(), 0U);

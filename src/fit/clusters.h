@@ -38,6 +38,8 @@ struct MergedKernels {
   std::vector<std::vector<double>> means;  // of each attribute [n]: of what the cluster stands for
 
   KernelColumns columns(double cutoff) const;
+  // Weight times det L: what a kernel's value is multiplied by in the integral of a sum.
+  double mass(std::size_t i) const noexcept;
 };
 
 class Clusters {

@@ -149,4 +149,23 @@ std::vector<double> FieldSlope::splat_squares(std::span<const double> numbers) c
   return splat_powers(numbers, [](double slope) { return slope * slope; });
 }
 
+void move_kernel(MergedKernels& kernels, std::size_t i, const double* moves, double length) {
+  float* const l = kernels.shapes.data() + 6 * i;
+  Mat3 factor, growth;
+  factor << l[0], 0, 0, l[1], l[2], 0, l[3], l[4], l[5];
+  const double* const b = moves + 3;
+  growth << std::exp(length * b[0]), 0, 0,        //
+      length * b[1], std::exp(length * b[2]), 0,  //
+      length * b[3], length * b[4], std::exp(length * b[5]);
+  const Vec3 shift = length * factor * Vec3(moves[0], moves[1], moves[2]);
+  for (int a = 0; a < 3; ++a) kernels.centers[3 * i + static_cast<std::size_t>(a)] += shift[a];
+  const Mat3 grown = factor * growth;
+  int number = 0;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column <= row; ++column)
+      l[number++] = static_cast<float>(grown(row, column));
+  }
+  kernels.weights[i] *= static_cast<float>(std::exp(length * moves[FieldSlope::kWeight]));
+}
+
 }  // namespace ovoid::fit

@@ -73,4 +73,8 @@ class FieldSlope {
   std::vector<double> field_;
 };
 
+// Moves a kernel by `length` times the numbers [kMoves] that FieldSlope defines; its sigmas and its
+// weight by their exponentials, so that they stay above 0.
+void move_kernel(MergedKernels& kernels, std::size_t i, const double* moves, double length);
+
 }  // namespace ovoid::fit

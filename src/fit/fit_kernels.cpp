@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <new>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -215,9 +216,10 @@ class Fitter {
     return fitted;
   }
 
-  // As well as can be. The step's errors are those of places that no fit saw.
-  Fitted fit_last(Clusters& clusters) {
-    Fitted fitted = fit_closely(clusters);
+  // As well as can be. The step's errors are those of places that no fit saw. `round`: what these
+  // clusters came to in a round, if that is known.
+  Fitted fit_last(Clusters& clusters, std::optional<Fitted> round = {}) {
+    Fitted fitted = fit_closely(clusters, std::move(round));
     const ErrorsAt errors = errors_at(places_.unseen, fitted);
     fitted.step.psnr = psnr_of(report_.range, errors.mean_square);
     fitted.step.greatest_error = errors.greatest;
@@ -225,12 +227,13 @@ class Fitter {
     return fitted;
   }
 
-  Fitted fit_closely(Clusters& clusters) {
+  Fitted fit_closely(Clusters& clusters, std::optional<Fitted> round) {
     const auto count = static_cast<double>(clusters.list.size());
     const double per_kernel = std::min(kPlacesPerKernel, most_refined_places() / count);
     if (options_.refinements == 0 || per_kernel < kLeastPerKernel)
       return fit(clusters, kAllPlaces, energy);
-    Fitted fitted = fit(clusters, care_of_round(clusters), energy);
+    if (!round) round = fit(clusters, care_of_round(clusters), energy);
+    Fitted fitted = std::move(*round);
     if (fitted.step.psnr > kMostRefinedPsnr) return fitted;
     std::vector<double> ranges;
     for (std::size_t a = 0; a < num_fitted(); ++a) ranges.push_back(range_of(a));
@@ -312,11 +315,7 @@ class Fitter {
   std::vector<double> masses_of(const MergedKernels& kernels) const {
     std::vector<double> masses;
     if (source_.reconstruction != Reconstruction::kSum) return masses;
-    for (std::size_t i = 0; i < kernels.weights.size(); ++i) {
-      const float* const l = kernels.shapes.data() + 6 * i;
-      masses.push_back(static_cast<double>(kernels.weights[i]) * static_cast<double>(l[0]) *
-                       static_cast<double>(l[2]) * static_cast<double>(l[5]));
-    }
+    for (std::size_t i = 0; i < kernels.weights.size(); ++i) masses.push_back(kernels.mass(i));
     return masses;
   }
 
@@ -375,7 +374,7 @@ class Fitter {
       Fitted fitted = fit(clusters, care_of_round(clusters), energy);
       const bool is_last = static_cast<std::int64_t>(clusters.list.size()) == all();
       if (fitted.step.psnr + gain >= psnr || is_last) {
-        const Fitted last = fit_last(clusters);
+        const Fitted last = fit_last(clusters, fitted);
         if (last.step.psnr >= psnr) return fewest(before, missed, last, psnr);
         if (options_.refinements > 0)
           gain = std::max(kLeastGain, last.step.psnr - fitted.step.psnr);

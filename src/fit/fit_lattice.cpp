@@ -85,10 +85,6 @@ class LatticeFitter {
     samples_ = fit::read_lattice_samples(
         dataset, {options.model.array, options.model.component, work_.threads, options.stop},
         "levels");
-    if (samples_.num_missing > 0) {
-      refuse_fit(fmt::format("{} samples are missing (NaN): levels hold lattices without holes",
-                             samples_.num_missing));
-    }
     value_scale_ = std::abs(samples_.scale);
     report_.array = samples_.array;
     report_.range = samples_.greatest - samples_.least;
@@ -132,7 +128,10 @@ class LatticeFitter {
   // Nearer to the end by a share of what is left.
   void tell_step() { tell(told_ + 0.1 * (0.95 - told_)); }
 
-  double total() const { return static_cast<double>(samples_.values.size()); }
+  // Samples that are there.
+  double total() const {
+    return static_cast<double>(samples_.values.size()) - static_cast<double>(samples_.num_missing);
+  }
   std::int64_t most_kernels() const {
     return std::max<std::int64_t>(1, static_cast<std::int64_t>(kMostKernels * total()));
   }
@@ -144,7 +143,25 @@ class LatticeFitter {
     levels.least = samples_.least;
     levels.greatest = samples_.greatest;
     levels.whole = samples_.whole;
+    levels.holes = holes();
     return levels;
+  }
+
+  // As LatticeLevels has them.
+  std::vector<std::uint32_t> holes() const {
+    std::vector<std::uint32_t> lengths;
+    if (samples_.num_missing == 0) return lengths;
+    bool is_hole = false;
+    std::uint32_t length = 0;
+    for (const float value : samples_.values) {
+      if (std::isnan(value) != is_hole) {
+        lengths.push_back(std::exchange(length, 0));
+        is_hole = !is_hole;
+      }
+      ++length;
+    }
+    if (is_hole) lengths.push_back(length);
+    return lengths;
   }
 
   // What the limit leaves for the matrix of kernels that share samples. Its rows are vectors that
@@ -172,7 +189,9 @@ class LatticeFitter {
     std::vector<float> above(samples_.values.size());
     for (std::size_t i = 0; i < above.size(); ++i)
       above[i] = static_cast<float>(static_cast<double>(samples_.values[i]) - samples_.background);
-    LevelFitter fitter(samples_.dims, std::move(above), work_, most_pairs());
+    const LevelFitter::Limits limits{static_cast<float>(samples_.least - samples_.background),
+                                     static_cast<float>(samples_.greatest - samples_.background)};
+    LevelFitter fitter(samples_.dims, std::move(above), limits, work_, most_pairs());
     if (options_.smooth) return reach_psnr(fitter, psnr_of_noise() - kSurplus);
     if (options_.psnr) return reach_psnr(fitter, *options_.psnr);
     if (options_.tolerance) return reach_tolerance(fitter, *options_.tolerance / value_scale_);
@@ -432,10 +451,13 @@ class LatticeFitter {
     return levels;
   }
 
-  // Samples less what is read back.
+  // Samples less what is read back; 0 where they are missing.
   std::vector<float> errors_of(const LatticeLevels& levels) const {
     std::vector<float> errors = samples_of(levels, work_.threads, options_.stop);
-    for (std::size_t i = 0; i < errors.size(); ++i) errors[i] = samples_.values[i] - errors[i];
+    for (std::size_t i = 0; i < errors.size(); ++i) {
+      const float error = samples_.values[i] - errors[i];
+      errors[i] = std::isnan(error) ? 0 : error;
+    }
     return errors;
   }
 
@@ -455,7 +477,7 @@ class LatticeFitter {
     for (std::size_t i = 0; i < errors.size(); ++i) {
       const double error = static_cast<double>(errors[i]) * static_cast<double>(errors[i]);
       square += error;
-      if (static_cast<double>(samples_.values[i]) <= empty) continue;
+      if (!(static_cast<double>(samples_.values[i]) > empty)) continue;
       square_nonempty += error;
       nonempty += 1;
     }

@@ -119,7 +119,7 @@ TEST(LevelPairs, AreTheProductsThroughTheSamples) {
 TEST(LevelFitter, AgreesWithADirectSolution) {
   const Index3 dims{12, 9, 7};
   const std::vector<float> samples = odd_numbers(static_cast<std::size_t>(num_samples(dims)));
-  LevelFitter fitter(dims, samples, {2});
+  LevelFitter fitter(dims, samples, {}, {2});
   fitter.start(0.8);
   ASSERT_GT(fitter.num_kernels(), 20);
   ASSERT_LT(fitter.num_kernels(), 600);
@@ -152,7 +152,7 @@ TEST(LevelFitter, AgreesWithADirectSolution) {
 TEST(LevelFitter, WithoutTheMatrixIsTheSame) {
   const Index3 dims{12, 9, 7};
   const std::vector<float> samples = odd_numbers(static_cast<std::size_t>(num_samples(dims)));
-  LevelFitter with(dims, samples, {2}), without(dims, samples, {2}, 10);
+  LevelFitter with(dims, samples, {}, {2}), without(dims, samples, {}, {2}, 10);
   for (LevelFitter* const fitter : {&with, &without}) {
     fitter->start(0.8);
     fitter->fit(40);
@@ -161,11 +161,41 @@ TEST(LevelFitter, WithoutTheMatrixIsTheSame) {
   EXPECT_NEAR(with.mean_square(), without.mean_square(), 1e-4 * with.mean_square());
 }
 
+// Where samples are the least there is, kernels may go below it. Fails if that counts as an error,
+// if it does not where a sample is greater, or if a fit makes the sum of squares greater.
+TEST(LevelFitter, WhatIsClampedIsNoError) {
+  const Index3 dims{32, 12, 12};
+  std::vector<float> samples;
+  for (std::int64_t i = 0; i < num_samples(dims); ++i)
+    samples.push_back(std::max(0.0F, std::sin(0.6F * static_cast<float>(i % dims[0]))));
+  LevelFitter free(dims, samples, {}, {2}), clamped(dims, samples, {0, 1}, {2}),
+      without_matrix(dims, samples, {0, 1}, {2}, 10);
+  for (LevelFitter* const fitter : {&free, &clamped, &without_matrix}) {
+    fitter->start(0.2);
+    fitter->prune(400);
+    double before = fitter->mean_square();
+    for (int round = 0; round < 10; ++round) {
+      fitter->fit(10);
+      EXPECT_LE(fitter->mean_square(), before * (1 + 1e-6));
+      before = fitter->mean_square();
+    }
+  }
+  EXPECT_LT(clamped.mean_square(), 0.7 * free.mean_square());
+  EXPECT_NEAR(without_matrix.mean_square(), clamped.mean_square(), 0.01 * clamped.mean_square());
+  std::vector<float> sums(samples.size());
+  clamped.basis().expand(clamped.weights(), 0, clamped.basis().num_levels(), 1, sums, {1});
+  EXPECT_LT(*std::min_element(sums.begin(), sums.end()), -0.01F);
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    const float lowest = samples[i] == 0 ? 0 : -1;
+    ASSERT_NEAR(clamped.residual()[i], samples[i] - std::max(lowest, sums[i]), 1e-5);
+  }
+}
+
 TEST(LevelFitter, GrowsByTheBestAndPrunesTheLeast) {
   const Index3 dims{20, 20, 20};
   std::vector<float> samples(8000);
   samples[20 * 20 * 10 + 20 * 10 + 10] = 9;  // one sample alone
-  LevelFitter fitter(dims, samples, {2});
+  LevelFitter fitter(dims, samples, {}, {2});
   fitter.grow(1);
   EXPECT_EQ(fitter.num_kernels(), 1);
   EXPECT_TRUE(fitter.is_kernel(20 * 20 * 10 + 20 * 10 + 10));
@@ -362,14 +392,50 @@ TEST(FitLattice, RefusesWhatCannotBe) {
   options = lattice_kernels(10);
   options.memory_limit = 1000;
   expect_refusal(scan(), options, "more than the limit");
-  const Dataset holes = lattice_of(
-      {5, 5, 5}, [](double x, double y, double) { return x == 2 && y == 3 ? std::nan("") : x; });
-  expect_refusal(holes, lattice_kernels(3), "5 samples are missing");
   Dataset other = scan();
   other.lattice.kind = LatticeKind::kBodyCentred;
-  expect_refusal(other, lattice_kernels(3), "body-centred");
+  expect_refusal(other, lattice_kernels(3), "body-centred: expected the Cartesian lattice");
   expect_refusal(model::grid_dataset({3, 3, 3}, [](const Vec3& p) { return p; }),
                  lattice_kernels(3), "is no lattice");
+}
+
+// Missing samples stay missing, the first and the last, too; those that are there are held to the
+// goal, and holes cost hardly a kernel.
+TEST(FitLattice, HolesStayHoles) {
+  const auto is_hole = [](double x, double y, double z) {
+    return std::hypot(x - 8, y - 8, z - 8) < 5 || x + y + z == 0 || x + y + z == 72;
+  };
+  const Dataset holes = lattice_of({30, 25, 20}, [&](double x, double y, double z) {
+    return is_hole(x, y, z) ? std::nan("") : scene(x, y, z);
+  });
+  const std::vector<float> samples = values_of<float>(holes.array());
+  FitReport whole, report;
+  fit_lattice(scan(), lattice_psnr(40), &whole);
+  const LatticeLevels levels = fit_lattice(holes, lattice_psnr(40), &report);
+  EXPECT_LT(report.kernels, whole.kernels * 105 / 100);
+  FitOptions bound;
+  bound.relative_tolerance = 0.02;
+  FitReport report_of_bound;
+  const LatticeLevels bounded = fit_lattice(holes, bound, &report_of_bound);
+  for (const LatticeLevels* const fitted : {&levels, &bounded}) {
+    const std::vector<float> read = samples_of(*fitted);
+    double square = 0, count = 0, greatest = 0;
+    for (std::size_t i = 0; i < read.size(); ++i) {
+      ASSERT_EQ(std::isnan(read[i]), std::isnan(samples[i])) << i;
+      if (std::isnan(read[i])) continue;
+      const double error = static_cast<double>(read[i] - samples[i]);
+      square += error * error;
+      greatest = std::max(greatest, std::abs(error));
+      ++count;
+    }
+    if (fitted == &levels) {
+      const double psnr = 20 * std::log10(report.range / std::sqrt(square / count));
+      EXPECT_GE(psnr, 40);
+      EXPECT_NEAR(report.psnr, psnr, 1e-3);
+    } else {
+      EXPECT_LE(greatest, 0.02 * report.range * (1 + 1e-6));
+    }
+  }
 }
 
 // Never more than asked for, by what the file will have at most; and not much less.

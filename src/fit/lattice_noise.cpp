@@ -53,7 +53,7 @@ class Differences {
     const std::int64_t every = (all + kWanted - 1) / kWanted;
     std::vector<double> sizes;  // where a difference is not 0
     double count = 0;
-    for (std::int64_t n = 0; n < all; n += every, ++count) {
+    for (std::int64_t n = 0; n < all; n += every) {
       const std::int64_t at = n % inner[0] + margin_[0] +
                               dims_[0] * (n / inner[0] % inner[1] + margin_[1] +
                                           dims_[1] * (n / inner[0] / inner[1] + margin_[2]));
@@ -61,6 +61,8 @@ class Differences {
       for (std::size_t i = 0; i < offsets_.size(); ++i)
         sum +=
             weights_[i] * static_cast<double>(samples[static_cast<std::size_t>(at + offsets_[i])]);
+      if (std::isnan(sum)) continue;  // a sample is missing
+      ++count;
       if (sum != 0) sizes.push_back(std::abs(sum));
     }
     if (sizes.empty()) return 0;
@@ -114,12 +116,14 @@ class Cubes {
     std::vector<float> squares;
     double count = 0;
     Eigen::VectorXd values(quadratics_.rows());
-    for (std::int64_t n = 0; n < all; n += every, ++count) {
+    for (std::int64_t n = 0; n < all; n += every) {
       const std::int64_t at = n % firsts[0] + dims_[0] * (n / firsts[0] % firsts[1] +
                                                           dims_[1] * (n / firsts[0] / firsts[1]));
       for (Eigen::Index i = 0; i < values.size(); ++i)
         values[i] = static_cast<double>(
             samples[static_cast<std::size_t>(at + offsets_[static_cast<std::size_t>(i)])]);
+      if (values.hasNaN()) continue;
+      ++count;
       values.array() -= values.mean();
       if (values.isZero(0)) continue;
       const double left = values.squaredNorm() - (quadratics_.transpose() * values).squaredNorm();

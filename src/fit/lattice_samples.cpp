@@ -19,7 +19,10 @@ void check_lattice(const Dataset& dataset, const std::string& what) {
   if (dataset.kind != DatasetKind::kLattice)
     refuse_fit(fmt::format("'{}' is no lattice", dataset.source));
   if (dataset.lattice.kind != LatticeKind::kCartesian)
-    refuse_fit(fmt::format("{} hold Cartesian lattices, this one is body-centred", what));
+    refuse_fit(
+        fmt::format("{} hold Cartesian lattices, this one is body-centred: expected the "
+                    "Cartesian lattice that it was made of",
+                    what));
   const std::int64_t count = num_samples(dataset.lattice.dims);
   if (count > std::int64_t{std::numeric_limits<std::uint32_t>::max()})
     refuse_fit(fmt::format("{} samples: {} hold fewer than 2^32", count, what));

@@ -77,19 +77,20 @@ void LevelFitter::for_each(std::size_t count, const Body& body) const {
                         });
 }
 
-LevelFitter::LevelFitter(const Index3& dims, std::vector<float> samples,
+LevelFitter::LevelFitter(const Index3& dims, std::vector<float> samples, const Limits& limits,
                          const data::LevelWork& work, std::size_t most_pairs)
     : basis_(dims, levels_for(dims)),
       work_(work),
+      limits_(limits),
       most_pairs_(most_pairs),
       pairs_(basis_),
       samples_(std::move(samples)),
       residual_(samples_),
-      targets_(basis_.num_weights()),
       weights_(basis_.num_weights()),
       inverse_norms_(basis_.num_weights()),
       products_(basis_.num_weights()),
       is_kernel_(basis_.num_weights()) {
+  num_there_ = sum(samples_.size(), [&](std::size_t i) { return std::isnan(samples_[i]) ? 0 : 1; });
   for (int level = 0; level < basis_.num_levels(); ++level) {
     std::array<std::vector<double>, 3> norms;
     for (int a = 0; a < 3; ++a)
@@ -102,13 +103,18 @@ LevelFitter::LevelFitter(const Index3& dims, std::vector<float> samples,
       }
     }
   }
-  basis_.reduce(samples_, 0, basis_.num_levels(), targets_, work_);
 }
 
 void LevelFitter::refresh_residual() {
   if (std::exchange(is_residual_, true)) return;
-  residual_ = samples_;
-  basis_.expand(weights_, 0, basis_.num_levels(), -1, residual_, work_);
+  std::fill(residual_.begin(), residual_.end(), 0.0F);
+  basis_.expand(weights_, 0, basis_.num_levels(), 1, residual_, work_);
+  for_each(residual_.size(), [&](std::size_t i) {
+    const float sample = samples_[i], sum = residual_[i];
+    const bool is_beyond =
+        (sample <= limits_.least && sum < sample) || (sample >= limits_.greatest && sum > sample);
+    residual_[i] = is_beyond || std::isnan(sample) ? 0 : sample - sum;
+  });
 }
 
 void LevelFitter::refresh_products() {
@@ -128,7 +134,7 @@ double LevelFitter::mean_square() {
     const auto r = static_cast<double>(residual_[i]);
     return r * r;
   });
-  return square / static_cast<double>(residual_.size());
+  return square / std::max(1.0, num_there_);
 }
 
 // Solves with Cholesky's factor along one axis, all lines of it.
@@ -174,8 +180,15 @@ void LevelFitter::prefilter(int level, std::span<float> weights) const {
   for (int a = 0; a < 3; ++a) solve_along(level, a, weights);
 }
 
+void LevelFitter::clear_holes() {
+  for_each(residual_.size(), [&](std::size_t i) {
+    if (std::isnan(samples_[i])) residual_[i] = 0;
+  });
+}
+
 void LevelFitter::start(double threshold) {
   residual_ = samples_;
+  clear_holes();
   num_kernels_ = 0;
   for (int level = basis_.num_levels() - 1; level >= 0; --level) {
     basis_.reduce(residual_, level, level + 1, products_, work_);
@@ -191,9 +204,9 @@ void LevelFitter::start(double threshold) {
       return keeps ? 1.0 : 0.0;
     }));
     basis_.expand(weights_, level, level + 1, -1, residual_, work_);
+    clear_holes();  // which are filled by what coarser levels make of them
   }
-  is_residual_ = true;
-  are_products_ = false;
+  is_residual_ = are_products_ = false;
 }
 
 void LevelFitter::grow(std::int64_t count) {
@@ -277,9 +290,13 @@ void LevelFitter::fit(int iterations) {
 
 // Preconditioned by the diagonal, which is the kernels' squared norms; so below.
 void LevelFitter::fit_few(const std::vector<std::uint32_t>& nodes, int iterations) {
+  refresh_products();
   const std::size_t count = nodes.size();
   std::vector<double> values(count), left(count);
-  for (std::size_t i = 0; i < count; ++i) values[i] = static_cast<double>(weights_[nodes[i]]);
+  for (std::size_t i = 0; i < count; ++i) {
+    values[i] = static_cast<double>(weights_[nodes[i]]);
+    left[i] = static_cast<double>(products_[nodes[i]]);
+  }
   const auto multiply = [&](const std::vector<double>& of, std::vector<double>& product) {
     pairs_.multiply(of, product, work_);
   };
@@ -289,9 +306,6 @@ void LevelFitter::fit_few(const std::vector<std::uint32_t>& nodes, int iteration
       scaled[i] = residual[i] * inverse * inverse;
     }
   };
-  multiply(values, left);
-  for (std::size_t i = 0; i < count; ++i)
-    left[i] = static_cast<double>(targets_[nodes[i]]) - left[i];
   PlainSystem system(values, std::move(left), multiply, precondition);
   conjugate_gradients(system, iterations, kLeastEnergy, [](double) {});
   for (std::size_t i = 0; i < count; ++i) weights_[nodes[i]] = static_cast<float>(values[i]);
@@ -344,10 +358,10 @@ class LevelFitter::ThroughSamples {
 };
 
 void LevelFitter::fit_many(int iterations) {
-  is_residual_ = are_products_ = false;
   refresh_products();
   ThroughSamples system(*this);
   conjugate_gradients(system, iterations, kLeastEnergy, [](double) {});
+  is_residual_ = are_products_ = false;
 }
 
 }  // namespace ovoid::fit

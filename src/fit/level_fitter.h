@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <stop_token>
 #include <vector>
@@ -17,20 +18,28 @@ namespace ovoid::fit {
 // passes over the samples; results do not depend on the number of threads.
 class LevelFitter {
  public:
+  // What sums of kernels are clamped to where they are read: beyond the least a sample that is the
+  // least has no error, and so for the greatest.
+  struct Limits {
+    float least = -std::numeric_limits<float>::infinity();
+    float greatest = std::numeric_limits<float>::infinity();
+  };
   // Of the normal equations' matrix: entries beyond which it is not kept, by default, and bytes of
   // one.
   static constexpr std::size_t kMostPairs = std::size_t{1} << 27, kBytesPerPair = 8;
 
-  LevelFitter(const Index3& dims, std::vector<float> samples, const data::LevelWork& work,
-              std::size_t most_pairs = kMostPairs);
+  // `samples`: NaN where they are missing.
+  LevelFitter(const Index3& dims, std::vector<float> samples, const Limits& limits,
+              const data::LevelWork& work, std::size_t most_pairs = kMostPairs);
 
   const data::LevelBasis& basis() const noexcept { return basis_; }
   std::int64_t num_kernels() const noexcept { return num_kernels_; }
   std::span<const float> weights() const noexcept { return weights_; }
   bool is_kernel(std::size_t node) const noexcept { return is_kernel_[node] != 0; }
-  // Samples less kernels.
+  // Samples less the kernels' sums; 0 where a sum is beyond the limit that its sample is, and where
+  // a sample is missing.
   std::span<const float> residual();
-  double mean_square();  // of the residual
+  double mean_square();  // of the residual, of samples that are there
 
   // From the coarsest level on: what is left of the samples, prefiltered for the level, and of that
   // the kernels that hold more than `threshold` of it (root of the sum of squares over samples).
@@ -42,7 +51,8 @@ class LevelFitter {
   void add_kernel(std::size_t sample);
   // Takes away those that hold least until there are `count`.
   void prune(std::int64_t count);
-  // So many steps of conjugate gradients.
+  // So many steps of conjugate gradients. What was beyond a limit before them aims at where it was,
+  // which never makes the sum of squares greater.
   void fit(int iterations);
 
  private:
@@ -55,6 +65,7 @@ class LevelFitter {
   void refresh_residual();
   void refresh_products();
   void prefilter(int level, std::span<float> weights) const;
+  void clear_holes();
   void solve_along(int level, int a, std::span<float> weights) const;
   template <class Term>
   double sum(std::size_t count, const Term& term) const;
@@ -63,10 +74,11 @@ class LevelFitter {
 
   data::LevelBasis basis_;
   data::LevelWork work_;
+  Limits limits_;
   std::size_t most_pairs_;
   LevelPairs pairs_;
   std::vector<float> samples_, residual_;
-  Weights targets_;  // the samples' products with every kernel
+  double num_there_ = 0;  // samples that are not missing
   Weights weights_, inverse_norms_;
   Weights products_;  // of the residual with every kernel
   // Whether they are those of the weights.

@@ -161,8 +161,7 @@ class Refiner {
     const std::size_t each = numbers_per_kernel();
     std::vector<double> integrals(state.kernels.weights.size() * each);
     for (std::size_t i = 0; i < state.kernels.weights.size(); ++i) {
-      integrals[i * each + FieldSlope::kMoves] =
-          static_cast<double>(state.kernels.weights[i]) * det_of(state.kernels, i);
+      integrals[i * each + FieldSlope::kMoves] = state.kernels.mass(i);
     }
     return integrals;
   }
@@ -184,11 +183,6 @@ class Refiner {
     }
   }
 
-  static double det_of(const MergedKernels& kernels, std::size_t i) {
-    const float* const l = kernels.shapes.data() + 6 * i;
-    return static_cast<double>(l[0]) * static_cast<double>(l[2]) * static_cast<double>(l[5]);
-  }
-
   State moved(const State& state, const std::vector<double>& change, double length) const {
     const std::size_t each = numbers_per_kernel();
     State next = state;
@@ -201,30 +195,10 @@ class Refiner {
       for (std::size_t a = 0; a < num_attributes_; ++a) {
         double& value = next.values[a][i];
         value += length * numbers[FieldSlope::kMoves + a] * problem_.ranges[a];
-        if (is_sum()) value *= det_of(state.kernels, i) / det_of(next.kernels, i);
+        if (is_sum()) value *= state.kernels.mass(i) / next.kernels.mass(i);
       }
     }
     return next;
-  }
-
-  static void move_kernel(MergedKernels& kernels, std::size_t i, const double* moves,
-                          double length) {
-    float* const l = kernels.shapes.data() + 6 * i;
-    Mat3 factor, growth;
-    factor << l[0], 0, 0, l[1], l[2], 0, l[3], l[4], l[5];
-    const double* const b = moves + 3;
-    growth << std::exp(length * b[0]), 0, 0,        //
-        length * b[1], std::exp(length * b[2]), 0,  //
-        length * b[3], length * b[4], std::exp(length * b[5]);
-    const Vec3 shift = length * factor * Vec3(moves[0], moves[1], moves[2]);
-    for (int a = 0; a < 3; ++a) kernels.centers[3 * i + static_cast<std::size_t>(a)] += shift[a];
-    const Mat3 grown = factor * growth;
-    int number = 0;
-    for (int row = 0; row < 3; ++row) {
-      for (int column = 0; column <= row; ++column)
-        l[number++] = static_cast<float>(grown(row, column));
-    }
-    kernels.weights[i] *= static_cast<float>(std::exp(length * moves[FieldSlope::kWeight]));
   }
 
   const RefineProblem& problem_;

@@ -546,7 +546,8 @@ inline std::vector<std::string> hdf5_lattice_seeds() {
     header.content = LatticeContent::kLevels;
     LatticeFileWriter writer(path.string(), header);
     LatticeLevels levels{
-        {4, 3, 2}, 1, 0, 9, false, 0.5, {{{1, 5, 22}, {7, -2, 900}}, {{0, 1}, {3, 4}}}};
+        {4, 3, 2},   1, 0, 9, false, 0.5, {{{1, 5, 22}, {7, -2, 900}}, {{0, 1}, {3, 4}}},
+        {2, 3, 4, 1}};
     writer.write_levels({&levels, 1});
     writer.finish();
     keep();

@@ -506,6 +506,18 @@ class LatticeReader {
     return level;
   }
 
+  // None where the attribute is not there.
+  std::vector<std::uint32_t> read_holes(hid_t group, const std::string& place,
+                                        ReadProgress& progress, std::int64_t& stored_bytes) const {
+    if (!has_hdf5_attribute(group, "num_holes")) return {};
+    const std::int64_t count = num_samples(dataset_.lattice.dims);
+    const std::int64_t num_holes = whole_number(numbers(group, place, "num_holes", 1)[0], place,
+                                                "num_holes", (count + 1) / 2, 1);
+    const std::vector<std::int64_t> lengths = whole_numbers(
+        list(group, place, "holes", {2 * num_holes}, progress, stored_bytes), 0, count);
+    return {lengths.begin(), lengths.end()};
+  }
+
   LatticeLevels read_levels(hid_t group, const std::string& place, ScalarType type,
                             ReadProgress& progress, std::int64_t& stored_bytes) const {
     const auto number = [&](const char* name) { return numbers(group, place, name, 1)[0]; };
@@ -518,6 +530,7 @@ class LatticeReader {
     levels.step = number("step");
     if (num_samples(levels.dims) > std::int64_t{std::numeric_limits<std::uint32_t>::max()})
       fail(fmt::format("{}: levels hold at most 2^32 samples", place), ErrorCode::kUnsupported);
+    levels.holes = read_holes(group, place, progress, stored_bytes);
     const std::int64_t num_levels =
         whole_number(number("num_levels"), place, "num_levels", LatticeLevels::kMostLevels, 0);
     if (num_levels == 0) return levels;

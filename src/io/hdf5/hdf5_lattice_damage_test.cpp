@@ -245,7 +245,8 @@ TEST_F(BadLatticeFile, LevelsThatDoNotFit) {
   {
     LatticeFileWriter writer(path_, header);
     const LatticeLevels levels{
-        {4, 3, 2}, 1, 0, 9, false, 0.5, {{{1, 5, 22}, {7, -2, 900}}, {{0, 1}, {3, 4}}}};
+        {4, 3, 2},   1, 0, 9, false, 0.5, {{{1, 5, 22}, {7, -2, 900}}, {{0, 1}, {3, 4}}},
+        {2, 3, 4, 1}};
     writer.write_levels({&levels, 1});
     writer.finish();
   }
@@ -259,6 +260,8 @@ TEST_F(BadLatticeFile, LevelsThatDoNotFit) {
   EXPECT_THAT(number("num_kernels", {3, 5}), HasSubstr("'num_kernels': 5: expected a whole number "
                                                        "from 0 to 4"));
   EXPECT_THAT(number("num_kernels", {2, 2}), HasSubstr("'array0/step0/gaps0' has shape [3]"));
+  EXPECT_THAT(number("num_holes", {13}), HasSubstr("'num_holes': 13: expected a whole number"));
+  EXPECT_THAT(number("num_holes", {1}), HasSubstr("'array0/step0/holes' has shape [4]"));
   EXPECT_THAT(number("step", {0}), HasSubstr("'array0/step0': "));
   EXPECT_THAT(number("least", {0}), HasSubstr("'least': expected a number, float32 or of 1 or 2"));
   EXPECT_THAT(number("greatest", {-1}), HasSubstr("least, greatest = 0, -1: must rise"));
@@ -266,7 +269,7 @@ TEST_F(BadLatticeFile, LevelsThatDoNotFit) {
               HasSubstr("'offset': inf: must be finite"));
   for (const char* name : {"num_levels", "num_kernels", "offset", "least", "greatest", "step"})
     EXPECT_THAT(after([&](Changed& c) { c.remove("/array0/step0", name); }), HasSubstr(name));
-  for (const char* name : {"gaps0", "weights1"}) {
+  for (const char* name : {"gaps0", "weights1", "holes"}) {
     EXPECT_EQ(after([&](Changed& c) {
                 H5Ldelete(c.id(), fmt::format("/array0/step0/{}", name).c_str(), H5P_DEFAULT);
               }),
@@ -276,6 +279,8 @@ TEST_F(BadLatticeFile, LevelsThatDoNotFit) {
     return after([&](Changed& c) { c.first_number(fmt::format("/array0/step0/{}", name), value); });
   };
   EXPECT_THAT(gap("gaps0", 3), HasSubstr("'array0/step0/gaps0': go beyond the level's 24 nodes"));
+  EXPECT_THAT(gap("holes", 25), HasSubstr("'array0/step0/holes'[0] = 25: expected 0 to 24"));
+  EXPECT_THAT(gap("holes", 24), HasSubstr("holes[1] = 3: must be > 0, and within 24 samples"));
   EXPECT_THAT(gap("gaps0", 99), HasSubstr("'array0/step0/gaps0'[0] = 99: expected 0 to 23"));
   EXPECT_THAT(after([](Changed& c) { c.text("/", "lattice", "body-centred"); }),
               HasSubstr("levels of a lattice that is not cartesian"));

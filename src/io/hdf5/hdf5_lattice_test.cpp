@@ -454,6 +454,28 @@ TEST(LatticeFile, LevelsAreReadAsTheirSamples) {
       << back.notes.back();
 }
 
+// Samples that are missing, the first and the last among them, stay so.
+TEST(LatticeFile, LevelsKeepHoles) {
+  const TestFolder folder;
+  const std::string path = folder.file("a.h5");
+  const Dataset dataset = lattice_dataset({41, 40, 39});
+  LatticeLevels levels = some_levels(dataset.lattice.dims);
+  levels.holes = {0, 3, 63949, 6, 1, 1};
+  LatticeFileWriter writer(path, header_of_levels(dataset));
+  writer.write_levels({&levels, 1});
+  writer.finish();
+  EXPECT_LE(static_cast<std::int64_t>(folder.read("a.h5").size()), lattice_levels_bytes(levels));
+  const std::vector<float> read = values_of<float>(read_dataset({path}).array());
+  levels.holes.clear();
+  const std::vector<float> whole = samples_of(levels);
+  for (std::size_t i = 0; i < read.size(); ++i) {
+    const bool is_hole = i < 3 || (i >= 63952 && i < 63958) || i == 63959;
+    ASSERT_EQ(std::isnan(read[i]), is_hole) << i;
+    if (is_hole) continue;
+    ASSERT_EQ(read[i], whole[i]) << i;
+  }
+}
+
 TEST(LatticeFile, LevelsOfWholeNumbersKeepTypeAndScale) {
   const TestFolder folder;
   const std::string path = folder.file("a.h5");

@@ -421,6 +421,9 @@ class LatticeFileWriter::Impl {
       write_list(step, fmt::format("gaps{}", l), stored.gaps);
       write_list(step, fmt::format("weights{}", l), stored.weights);
     }
+    if (levels.holes.empty()) return;
+    require(step.add_number("num_holes", static_cast<std::int64_t>(levels.holes.size() / 2)));
+    write_list(step, "holes", io::stored_holes(levels));
   }
 
   void put(const io::Hdf5Object& step, ScalarType type, const LatticeBoxes& boxes) const {

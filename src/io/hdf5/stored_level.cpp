@@ -19,6 +19,10 @@ StoredLevel::StoredLevel(const LatticeLevel& level)
   gaps = ShortNumbers(between);
 }
 
+ShortNumbers stored_holes(const LatticeLevels& levels) {
+  return ShortNumbers({levels.holes.begin(), levels.holes.end()});
+}
+
 }  // namespace io
 
 std::int64_t lattice_levels_bytes(const LatticeLevels& levels) {
@@ -29,6 +33,7 @@ std::int64_t lattice_levels_bytes(const LatticeLevels& levels) {
     const io::StoredLevel stored(level);
     sum += io::packed_bytes(stored.gaps) + io::packed_bytes(stored.weights);
   }
+  if (!levels.holes.empty()) sum += io::packed_bytes(io::stored_holes(levels));
   return sum;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One level of LatticeLevels as a lattice file holds it: docs/formats.md, "Levels".
+// LatticeLevels as a lattice file holds them, level by level: docs/formats.md, "Levels".
 #pragma once
 
 #include "io/hdf5/short_numbers.h"
@@ -13,5 +13,7 @@ struct StoredLevel {
 
   ShortNumbers gaps, weights;
 };
+
+ShortNumbers stored_holes(const LatticeLevels& levels);
 
 }  // namespace ovoid::io

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ray_limits.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -114,6 +115,41 @@ DepthLimits region_limits(const Cropping& cropping, const Affine3& world_from_da
         is_drawn = is_next;
         limits.stops.push_back(
             {i == 0 ? -kNowhere : static_cast<float>(depths[i - 1]), is_drawn, {}});
+      }
+      end_pixel(limits);
+    }
+  }
+  return limits;
+}
+
+std::optional<Bounds3> owned_box(const double bounds[6]) {
+  if (std::none_of(bounds, bounds + 6, [](double side) { return std::isfinite(side); })) return {};
+  return Bounds3(Vec3(bounds[0], bounds[2], bounds[4]), Vec3(bounds[1], bounds[3], bounds[5]));
+}
+
+DepthLimits box_limits(const Bounds3& world, const View& view) {
+  DepthLimits limits = empty_limits(view);
+  const Rays rays(view);
+  for (int y = 0; y < view.height; ++y) {
+    for (int x = 0; x < view.width; ++x) {
+      Vec3 origin, direction;
+      rays.at(x, y, &origin, &direction);
+      double enter = -std::numeric_limits<double>::infinity();
+      double leave = -enter;
+      for (Eigen::Index axis = 0; axis < 3; ++axis) {
+        const double slope = direction[axis];
+        if (slope == 0) {
+          if (origin[axis] < world.min()[axis] || origin[axis] >= world.max()[axis]) leave = enter;
+          continue;
+        }
+        const double to_min = (world.min()[axis] - origin[axis]) / slope;
+        const double to_max = (world.max()[axis] - origin[axis]) / slope;
+        enter = std::max(enter, std::min(to_min, to_max));
+        leave = std::min(leave, std::max(to_min, to_max));
+      }
+      if (enter < leave) {
+        limits.stops.push_back({static_cast<float>(enter), true, {}});
+        if (leave < kNowhere) limits.stops.push_back({static_cast<float>(leave), false, {}});
       }
       end_pixel(limits);
     }

@@ -39,6 +39,8 @@ struct MapperSettings {
   double greatest_image_distance = 1;
   vtkPlaneCollection* clipping_planes = nullptr;  // or null
   std::optional<Cropping> cropping;
+  std::optional<Bounds3> owned;  // world; what lies outside is drawn elsewhere
+  bool has_image_sheets = false;
 };
 
 // Seconds of a frame; `screen` is OpenGL's share.
@@ -54,6 +56,13 @@ class VolumePainter {
   // Error, and what the library throws; the painter can be used again.
   void draw(vtkRenderer* renderer, vtkVolume* volume, vtkDataSet* data,
             const MapperSettings& settings);
+
+  // The field alone, where it is due; draw() then finds it made. Throws as draw().
+  void prepare(vtkVolume* volume, vtkDataSet* data, const MapperSettings& settings);
+  // The distance of sheets that the field which was made last asks for, world units.
+  double field_distance(vtkVolume* volume, const MapperSettings& settings) const;
+  // vtkOvoidVolumeMapper::KernelType of that field, never AUTO_KERNEL.
+  int field_kernel() const;
 
   void release(vtkWindow* window) { screen_.release(window); }
 
@@ -91,10 +100,12 @@ class VolumePainter {
   RenderOptions options_for(const MapperSettings& settings, const Affine3& world_from_data) const;
   void add_limits(vtkRenderer* renderer, const MapperSettings& settings,
                   const Affine3& world_from_data, const Look& look, RenderOptions* options);
+  bool is_minified() const;
   double farthest_depth() const;
   double image_distance_for(vtkVolume* volume, double greatest) const;
 
   std::optional<FieldKey> key_;
+  DrawnValues drawn_;  // of the last data
   Field made_;   // where the data have it
   Field field_;  // in the world
   Affine3 world_from_made_ = Affine3::Identity();

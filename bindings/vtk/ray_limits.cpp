@@ -127,6 +127,16 @@ std::optional<Bounds3> owned_box(const double bounds[6]) {
   return Bounds3(Vec3(bounds[0], bounds[2], bounds[4]), Vec3(bounds[1], bounds[3], bounds[5]));
 }
 
+void widen(double bounds[6]) {
+  constexpr double kShare = 0.125;
+  const Vec3 lo(bounds[0], bounds[2], bounds[4]), hi(bounds[1], bounds[3], bounds[5]);
+  const double beyond = kShare * (hi - lo).norm();
+  for (int axis = 0; axis < 3; ++axis) {
+    bounds[2 * axis] -= beyond;
+    bounds[2 * axis + 1] += beyond;
+  }
+}
+
 DepthLimits box_limits(const Bounds3& world, const View& view) {
   DepthLimits limits = empty_limits(view);
   const Rays rays(view);

@@ -68,6 +68,13 @@ void vtkOvoidUnstructuredGridVolumeMapper::Render(vtkRenderer* ren, vtkVolume* v
   });
 }
 
+double* vtkOvoidUnstructuredGridVolumeMapper::GetBounds() {
+  double* const bounds = this->Superclass::GetBounds();
+  if (bounds != nullptr && ovoid::mappers::owned_box(this->OwnedBounds))
+    ovoid::mappers::widen(bounds);
+  return bounds;
+}
+
 bool vtkOvoidUnstructuredGridVolumeMapper::UpdateField(vtkVolume* vol) {
   this->FieldSampleDistance = 0;
   this->WithSettings([&](const ovoid::mappers::MapperSettings& settings) {

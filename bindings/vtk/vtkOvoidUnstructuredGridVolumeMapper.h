@@ -119,6 +119,15 @@ class VTKOVOID_EXPORT vtkOvoidUnstructuredGridVolumeMapper
 
   ///@{
   /**
+   * The input's; with owned bounds wider, since kernels reach beyond their data, and compositors cut
+   * pictures where bounds end.
+   */
+  double* GetBounds() override;
+  using Superclass::GetBounds;
+  ///@}
+
+  ///@{
+  /**
    * Makes the field of the input, as a frame would, for a volume with this mapper; nothing is drawn.
    * GetFieldSampleDistance() is then the distance of sheets that frames take where SampleDistance
    * is 0. False, and an error, if there is none to be made.

@@ -54,6 +54,13 @@ void vtkOvoidVolumeMapper::Render(vtkRenderer* ren, vtkVolume* vol) {
   });
 }
 
+double* vtkOvoidVolumeMapper::GetBounds() {
+  double* const bounds = this->Superclass::GetBounds();
+  if (bounds != nullptr && ovoid::mappers::owned_box(this->OwnedBounds))
+    ovoid::mappers::widen(bounds);
+  return bounds;
+}
+
 bool vtkOvoidVolumeMapper::UpdateField(vtkVolume* vol) {
   this->FieldSampleDistance = 0;
   this->WithSettings([&](const ovoid::mappers::MapperSettings& settings) {

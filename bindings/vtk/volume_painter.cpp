@@ -296,6 +296,11 @@ double VolumePainter::field_distance(vtkVolume* volume, const MapperSettings& se
   return sheet_distance(field_, look, {});
 }
 
+KernelSums VolumePainter::field_sums(const MapperSettings& settings) const {
+  const KernelField* const kernels = field_.kernels();
+  return kernels != nullptr ? kernel_sums(*kernels, settings.owned) : KernelSums{};
+}
+
 int VolumePainter::field_kernel() const {
   const LatticeField* const lattice = made_.lattice();
   if (lattice == nullptr || lattice->kernel().kind == LatticeKernelKind::kGaussian) return 3;

@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "kernel_sums.h"
 #include "ovoid/dataset.h"
 #include "ovoid/field.h"
 #include "ovoid/image.h"
@@ -63,6 +64,8 @@ class VolumePainter {
   double field_distance(vtkVolume* volume, const MapperSettings& settings) const;
   // vtkOvoidVolumeMapper::KernelType of that field, never AUTO_KERNEL.
   int field_kernel() const;
+  // Of a field of kernels, those whose centres are owned; of a lattice zeros.
+  KernelSums field_sums(const MapperSettings& settings) const;
 
   void release(vtkWindow* window) { screen_.release(window); }
 

@@ -10,6 +10,7 @@
 #include <vtkUnstructuredGridBase.h>
 #include <vtkVolume.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "volume_painter.h"
@@ -76,12 +77,20 @@ double* vtkOvoidUnstructuredGridVolumeMapper::GetBounds() {
 }
 
 bool vtkOvoidUnstructuredGridVolumeMapper::UpdateField(vtkVolume* vol) {
-  this->FieldSampleDistance = 0;
+  bool is_made = false;
   this->WithSettings([&](const ovoid::mappers::MapperSettings& settings) {
     this->Painter->prepare(vol, this->GetDataSetInput(), settings);
-    this->FieldSampleDistance = this->Painter->field_distance(vol, settings);
+    const ovoid::mappers::KernelSums sums = this->Painter->field_sums(settings);
+    std::copy(sums.begin(), sums.end(), this->FieldSums);
+    is_made = true;
   });
-  return this->FieldSampleDistance > 0;
+  return is_made;
+}
+
+double vtkOvoidUnstructuredGridVolumeMapper::SampleDistanceOf(const double sums[5]) {
+  ovoid::mappers::KernelSums all;
+  std::copy_n(sums, all.size(), all.begin());
+  return ovoid::mappers::sheet_distance_of(all);
 }
 
 void vtkOvoidUnstructuredGridVolumeMapper::SetOwnedBoundsToAll() {

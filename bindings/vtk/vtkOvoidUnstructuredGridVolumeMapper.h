@@ -129,11 +129,13 @@ class VTKOVOID_EXPORT vtkOvoidUnstructuredGridVolumeMapper
   ///@{
   /**
    * Makes the field of the input, as a frame would, for a volume with this mapper; nothing is drawn.
-   * GetFieldSampleDistance() is then the distance of sheets that frames take where SampleDistance
-   * is 0. False, and an error, if there is none to be made.
+   * GetFieldSums() are then sums over the kernels whose centres lie within the owned bounds; those of
+   * boxes that fill space add up to those of the whole, of which SampleDistanceOf() makes a distance
+   * of sheets that suits all boxes. False, and an error, if there is no field to be made.
    */
   bool UpdateField(vtkVolume* vol);
-  vtkGetMacro(FieldSampleDistance, double);
+  vtkGetVectorMacro(FieldSums, double, 5);
+  static double SampleDistanceOf(const double sums[5]);
   ///@}
 
   ///@{
@@ -186,7 +188,7 @@ class VTKOVOID_EXPORT vtkOvoidUnstructuredGridVolumeMapper
   vtkTypeBool AutoAdjustSampleDistances = 1;
   double MaximumImageSampleDistance = 10;
   double OwnedBounds[6];
-  double FieldSampleDistance = 0;
+  double FieldSums[5] = {0, 0, 0, 0, 0};
 
  private:
   void WithSettings(const std::function<void(const ovoid::mappers::MapperSettings&)>& use);

@@ -118,6 +118,13 @@ std::vector<double> owned_bounds(const std::vector<vtkBoundingBox>& boxes) {
   return bounds;
 }
 
+std::vector<double> sums_of_ranks(const std::vector<double>& numbers) {
+  std::vector<double> sums = numbers;
+  controller()->AllReduce(numbers.data(), sums.data(), static_cast<vtkIdType>(numbers.size()),
+                          vtkCommunicator::SUM_OP);
+  return sums;
+}
+
 double least_of_ranks(double number) { return reduced(number, vtkCommunicator::MIN_OP); }
 double greatest_of_ranks(double number) { return reduced(number, vtkCommunicator::MAX_OP); }
 

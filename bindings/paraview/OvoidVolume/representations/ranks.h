@@ -29,6 +29,9 @@ std::vector<double> owned_bounds(const std::vector<vtkBoundingBox>& boxes);
 double least_of_ranks(double number);
 double greatest_of_ranks(double number);
 
+// Each number, summed over all ranks.
+std::vector<double> sums_of_ranks(const std::vector<double>& numbers);
+
 // This rank's cells and those of the others that its kernels and their shapes depend on. `own` are
 // the cells that ParaView gave to this rank.
 vtkSmartPointer<vtkUnstructuredGrid> with_neighbours(vtkUnstructuredGrid* own,

@@ -17,7 +17,7 @@
 #include <vtkVolumeProperty.h>
 #include <vtkVolumeRepresentationPreprocessor.h>
 
-#include <limits>
+#include <algorithm>
 #include <vector>
 
 #include "cells_of_any.h"
@@ -96,42 +96,49 @@ int vtkOvoidMeshRepresentation::ProcessViewRequest(vtkInformationRequestKey* req
   return 1;
 }
 
-// The mapper has the cells that ParaView gave to this rank, and is told what boxes need to join.
+// This rank's cells, or none, with those around them that its box needs.
+void vtkOvoidMeshRepresentation::UpdateJoined(vtkDataObject* own_cells,
+                                              const std::vector<vtkBoundingBox>& boxes) {
+  vtkNew<vtkUnstructuredGrid> none;
+  auto* own = vtkUnstructuredGrid::SafeDownCast(own_cells);
+  if (own == nullptr) own = none;
+  const bool is_due = this->Joined == nullptr || own->GetMTime() > this->JoinedTime;
+  if (!(ovoid::paraview::greatest_of_ranks(is_due ? 1 : 0) > 0)) return;
+  this->Joined = ovoid::paraview::with_neighbours(own, boxes);
+  vtkTimeStamp now;
+  now.Modified();
+  this->JoinedTime = now.GetMTime();
+}
+
+// The mapper has the cells that ParaView gave to this rank, and is told what boxes need to join. A
+// single rank has the sheets that several would have.
 void vtkOvoidMeshRepresentation::JoinRanks() {
   this->Mapper->SetSampleDistance(this->SampleDistance);
   this->Mapper->SetOwnedBoundsToAll();
+  auto* cells = vtkUnstructuredGrid::SafeDownCast(this->Mapper->GetInputDataObject(0, 0));
   const std::vector<vtkBoundingBox> boxes = ovoid::paraview::boxes_of_ranks(this->GetView());
   if (boxes.empty()) {
     this->Joined = nullptr;
-    this->JoinedTime = 0;
-    return;
-  }
-  vtkNew<vtkUnstructuredGrid> none;
-  auto* own = vtkUnstructuredGrid::SafeDownCast(this->Mapper->GetInputDataObject(0, 0));
-  if (own == nullptr) own = none;
-  const bool is_due = this->Joined == nullptr || own->GetMTime() > this->JoinedTime;
-  if (ovoid::paraview::greatest_of_ranks(is_due ? 1 : 0) > 0) {
-    this->Joined = ovoid::paraview::with_neighbours(own, boxes);
-    vtkTimeStamp now;
-    now.Modified();
-    this->JoinedTime = now.GetMTime();
-  }
-  const bool has_cells = this->Joined->GetNumberOfCells() > 0;
-  double distance = std::numeric_limits<double>::infinity();
-  if (has_cells) {
-    this->Mapper->SetInputDataObject(0, this->Joined);
+  } else {
+    this->UpdateJoined(cells, boxes);
+    cells = this->Joined;
+    this->Mapper->SetInputDataObject(0, cells);
     this->Mapper->SetOwnedBounds(ovoid::paraview::owned_bounds(boxes).data());
     this->Mapper->SetAutoAdjustSampleDistances(0);
+  }
+  std::vector<double> sums(5);
+  if (cells == nullptr || cells->GetNumberOfCells() == 0) {
+    this->Actor->SetMapper(nullptr);
+  } else if (this->SampleDistance == 0 && this->Actor->GetMapper() != nullptr) {
     vtkNew<vtkVolume> volume;
     volume->SetProperty(this->Property);
     volume->SetUserMatrix(this->Actor->GetMatrix());
-    if (this->Mapper->UpdateField(volume)) distance = this->Mapper->GetFieldSampleDistance();
-  } else {
-    this->Actor->SetMapper(nullptr);
+    if (this->Mapper->UpdateField(volume))
+      std::copy_n(this->Mapper->GetFieldSums(), sums.size(), sums.begin());
   }
-  distance = ovoid::paraview::least_of_ranks(distance);
-  if (this->SampleDistance == 0 && distance < std::numeric_limits<double>::infinity())
-    this->Mapper->SetSampleDistance(distance);
+  if (!boxes.empty()) sums = ovoid::paraview::sums_of_ranks(sums);
+  if (this->SampleDistance == 0)
+    this->Mapper->SetSampleDistance(vtkOvoidUnstructuredGridVolumeMapper::SampleDistanceOf(sums.data()));
 }
 
 // What ParaView tells its own mappers by their classes.

@@ -12,10 +12,13 @@
 
 #include <vtkSmartPointer.h>
 
+#include <vector>
+
 #include "vtkOvoidRepresentationsModule.h"
 #include "vtkUnstructuredGridVolumeRepresentation.h"
 
 class vtkOvoidUnstructuredGridVolumeMapper;
+class vtkBoundingBox;
 class vtkUnstructuredGrid;
 
 class VTKOVOIDREPRESENTATIONS_EXPORT vtkOvoidMeshRepresentation
@@ -68,6 +71,7 @@ class VTKOVOIDREPRESENTATIONS_EXPORT vtkOvoidMeshRepresentation
   vtkOvoidMeshRepresentation(const vtkOvoidMeshRepresentation&) = delete;
   void operator=(const vtkOvoidMeshRepresentation&) = delete;
 
+  void UpdateJoined(vtkDataObject* own_cells, const std::vector<vtkBoundingBox>& boxes);
   void JoinRanks();
 
   vtkSmartPointer<vtkOvoidUnstructuredGridVolumeMapper> Mapper;

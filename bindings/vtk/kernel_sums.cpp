@@ -9,7 +9,7 @@ namespace ovoid::mappers {
 namespace {
 
 struct Sigmas {
-  double size = 0;   // the geometric mean
+  double size = 0;  // the geometric mean
   double least = 0;
 };
 
@@ -43,8 +43,10 @@ KernelSums kernel_sums(const KernelField& field, const std::optional<Bounds3>& o
     const KernelView view = source.acquire(b, 0);
     for (std::int32_t i = 0; i < view.count; ++i) {
       const Vec3 offset(view.center[0][i], view.center[1][i], view.center[2][i]);
-      if (!holds(owned, brick.origin + offset)) continue;
       const Sigmas sigmas = sigmas_of(source.shape(), view, i);
+      // Centres are rounded, not to the same place in every part: those on a side lie beyond.
+      const double rounding = KernelBrick::kMaxOffsetError * sigmas.least;
+      if (!holds(owned, brick.origin + offset + Vec3::Constant(rounding))) continue;
       const double area = sigmas.size * sigmas.size * sigmas.size / sigmas.least;
       const double least = std::log(sigmas.least);
       sums[0] += 1;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cells_of_any.h"
 
-#include <vtkAMRUtilities.h>
+
 #include <vtkAppendFilter.h>
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
@@ -10,7 +10,9 @@
 #include <vtkDataSetAttributes.h>
 #include <vtkIdTypeArray.h>
 #include <vtkNew.h>
+#include <vtkMultiProcessController.h>
 #include <vtkOverlappingAMR.h>
+#include <vtkParallelAMRUtilities.h>
 #include <vtkPointData.h>
 #include <vtkPointSet.h>
 #include <vtkPolyData.h>
@@ -99,7 +101,7 @@ vtkSmartPointer<vtkUnstructuredGrid> cells_of_any(vtkDataObject* data) {
     if (auto* const adaptive = vtkOverlappingAMR::SafeDownCast(data)) {
       vtkNew<vtkOverlappingAMR> blanked;  // flags of its own
       blanked->ShallowCopy(adaptive);
-      vtkAMRUtilities::BlankCells(blanked);
+      vtkParallelAMRUtilities::BlankCells(blanked, vtkMultiProcessController::GetGlobalController());
       parts = blanked.Get();
     }
     const auto leaves = vtkSmartPointer<vtkCompositeDataIterator>::Take(parts->NewIterator());

@@ -11,7 +11,7 @@ from paraview import servermanager, simple
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOImage import vtkPNGReader
 
-SIZE = 240
+SIZE = 200
 # Of 255. A rank's picture is rounded to 8 bits, and so is each step of the compositor, which rounds down: 1 for each of up to three.
 BOUND = 3
 # Pixels that may differ by more. Of points: where the field ends at a box's side, a piece with one end reaches to that side.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far apart the sheets of a kernel field should be, from sums that parts of the field add up to:
-// whoever draws a field in parts has one distance, whatever the parts.
+// How far apart the sheets of a kernel field should be, from sums that parts of the field add up
+// to: whoever draws a field in parts has one distance, whatever the parts.
 #pragma once
 
 #include <array>

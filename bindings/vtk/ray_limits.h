@@ -34,7 +34,8 @@ DepthLimits region_limits(const Cropping& cropping, const Affine3& world_from_da
 // the box beyond it.
 // None for bounds (x, x, y, y, z, z) without an end.
 std::optional<Bounds3> owned_box(const double bounds[6]);
-// Of bounds as VTK has them, by what kernels may reach beyond their data: an eighth of the diagonal.
+// Of bounds as VTK has them, by what kernels may reach beyond their data: an eighth of the
+// diagonal.
 void widen(double bounds[6]);
 DepthLimits box_limits(const Bounds3& world, const View& view);
 

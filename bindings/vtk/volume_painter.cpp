@@ -291,8 +291,8 @@ void VolumePainter::prepare(vtkVolume* volume, vtkDataSet* data, const MapperSet
 }
 
 double VolumePainter::field_distance(vtkVolume* volume, const MapperSettings& settings) const {
-  const Look look = look_of_property(volume->GetProperty(), drawn_.property_index,
-                                     settings.blend_mode, field_);
+  const Look look =
+      look_of_property(volume->GetProperty(), drawn_.property_index, settings.blend_mode, field_);
   return sheet_distance(field_, look, {});
 }
 
@@ -319,8 +319,8 @@ void VolumePainter::draw(vtkRenderer* renderer, vtkVolume* volume, vtkDataSet* d
   prepare(volume, data, settings);
   const Affine3 world_from_data = matrix_of(volume);
   const Watch drawing;
-  Look look = look_of_property(volume->GetProperty(), drawn_.property_index, settings.blend_mode,
-                               field_);
+  Look look =
+      look_of_property(volume->GetProperty(), drawn_.property_index, settings.blend_mode, field_);
   take_lights(renderer, field_.world_bounds().center(), &look);
   image_distance_ = distance;
   view_ = coarser(view_, distance);

@@ -109,8 +109,8 @@ class VolumePainter {
 
   std::optional<FieldKey> key_;
   DrawnValues drawn_;  // of the last data
-  Field made_;   // where the data have it
-  Field field_;  // in the world
+  Field made_;         // where the data have it
+  Field field_;        // in the world
   Affine3 world_from_made_ = Affine3::Identity();
   std::shared_ptr<const Surface> surface_;  // of a mesh; or null
   std::uint64_t field_time_ = 0;

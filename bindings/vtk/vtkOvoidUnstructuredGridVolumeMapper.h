@@ -30,7 +30,7 @@ namespace ovoid {
 namespace mappers {  // two steps: VTK's wrapper reads no other way
 class VolumePainter;
 struct MapperSettings;
-}
+}  // namespace mappers
 }  // namespace ovoid
 
 class VTKOVOID_EXPORT vtkOvoidUnstructuredGridVolumeMapper
@@ -106,11 +106,11 @@ class VTKOVOID_EXPORT vtkOvoidUnstructuredGridVolumeMapper
 
   ///@{
   /**
-   * The box of the world (x, x, y, y, z, z; infinite sides are none) within which this mapper draws,
-   * while others draw what lies beyond: of the same data, or of other pieces. Unlike clipping, it
-   * leaves no face: values and light at its sides are those of the data on both, which the input
-   * must therefore hold a few cells beyond. With one SampleDistance, boxes drawn from the farthest
-   * to the nearest join to the picture of the whole. The default is everywhere.
+   * The box of the world (x, x, y, y, z, z; infinite sides are none) within which this mapper
+   * draws, while others draw what lies beyond: of the same data, or of other pieces. Unlike
+   * clipping, it leaves no face: values and light at its sides are those of the data on both, which
+   * the input must therefore hold a few cells beyond. With one SampleDistance, boxes drawn from the
+   * farthest to the nearest join to the picture of the whole. The default is everywhere.
    */
   vtkSetVector6Macro(OwnedBounds, double);
   vtkGetVector6Macro(OwnedBounds, double);
@@ -119,8 +119,8 @@ class VTKOVOID_EXPORT vtkOvoidUnstructuredGridVolumeMapper
 
   ///@{
   /**
-   * The input's; with owned bounds wider, since kernels reach beyond their data, and compositors cut
-   * pictures where bounds end.
+   * The input's; with owned bounds wider, since kernels reach beyond their data, and compositors
+   * cut pictures where bounds end.
    */
   double* GetBounds() override;
   using Superclass::GetBounds;
@@ -128,10 +128,11 @@ class VTKOVOID_EXPORT vtkOvoidUnstructuredGridVolumeMapper
 
   ///@{
   /**
-   * Makes the field of the input, as a frame would, for a volume with this mapper; nothing is drawn.
-   * GetFieldSums() are then sums over the kernels whose centres lie within the owned bounds; those of
-   * boxes that fill space add up to those of the whole, of which SampleDistanceOf() makes a distance
-   * of sheets that suits all boxes. False, and an error, if there is no field to be made.
+   * Makes the field of the input, as a frame would, for a volume with this mapper; nothing is
+   * drawn. GetFieldSums() are then sums over the kernels whose centres lie within the owned bounds;
+   * those of boxes that fill space add up to those of the whole, of which SampleDistanceOf() makes
+   * a distance of sheets that suits all boxes. False, and an error, if there is no field to be
+   * made.
    */
   bool UpdateField(vtkVolume* vol);
   vtkGetVectorMacro(FieldSums, double, 5);

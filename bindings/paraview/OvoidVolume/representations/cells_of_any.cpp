@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cells_of_any.h"
 
-
 #include <vtkAppendFilter.h>
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
@@ -9,8 +8,8 @@
 #include <vtkCompositeDataIterator.h>
 #include <vtkDataSetAttributes.h>
 #include <vtkIdTypeArray.h>
-#include <vtkNew.h>
 #include <vtkMultiProcessController.h>
+#include <vtkNew.h>
 #include <vtkOverlappingAMR.h>
 #include <vtkParallelAMRUtilities.h>
 #include <vtkPointData.h>
@@ -101,7 +100,8 @@ vtkSmartPointer<vtkUnstructuredGrid> cells_of_any(vtkDataObject* data) {
     if (auto* const adaptive = vtkOverlappingAMR::SafeDownCast(data)) {
       vtkNew<vtkOverlappingAMR> blanked;  // flags of its own
       blanked->ShallowCopy(adaptive);
-      vtkParallelAMRUtilities::BlankCells(blanked, vtkMultiProcessController::GetGlobalController());
+      vtkParallelAMRUtilities::BlankCells(blanked,
+                                          vtkMultiProcessController::GetGlobalController());
       parts = blanked.Get();
     }
     const auto leaves = vtkSmartPointer<vtkCompositeDataIterator>::Take(parts->NewIterator());

@@ -32,9 +32,7 @@ constexpr double kCellsBeyond = 6;
 constexpr int kNeighbours = 32;
 constexpr double kReachesBeyond = 2.2;
 
-vtkMultiProcessController* controller() {
-  return vtkMultiProcessController::GetGlobalController();
-}
+vtkMultiProcessController* controller() { return vtkMultiProcessController::GetGlobalController(); }
 
 double reduced(double number, int operation) {
   if (!has_several_ranks()) return number;

@@ -138,7 +138,8 @@ void vtkOvoidMeshRepresentation::JoinRanks() {
   }
   if (!boxes.empty()) sums = ovoid::paraview::sums_of_ranks(sums);
   if (this->SampleDistance == 0)
-    this->Mapper->SetSampleDistance(vtkOvoidUnstructuredGridVolumeMapper::SampleDistanceOf(sums.data()));
+    this->Mapper->SetSampleDistance(
+        vtkOvoidUnstructuredGridVolumeMapper::SampleDistanceOf(sums.data()));
 }
 
 // What ParaView tells its own mappers by their classes.

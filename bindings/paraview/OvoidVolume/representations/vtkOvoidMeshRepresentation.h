@@ -4,9 +4,9 @@
  * @brief   meshes, adaptive grids and points as volumes that Ovoid draws
  *
  * ParaView's own representation of unstructured volumes with another mapper: of cells of any kind,
- * which are not cut into tetrahedra, and lit. Takes structured and adaptive grids (vtkUniformGridAMR)
- * and the points of vtkPolyData, too. With several ranks each draws the box that ParaView gives it,
- * with the cells of its neighbours around it, so that boxes join.
+ * which are not cut into tetrahedra, and lit. Takes structured and adaptive grids
+ * (vtkUniformGridAMR) and the points of vtkPolyData, too. With several ranks each draws the box
+ * that ParaView gives it, with the cells of its neighbours around it, so that boxes join.
  */
 #pragma once
 

@@ -296,9 +296,18 @@ double VolumePainter::field_distance(vtkVolume* volume, const MapperSettings& se
   return sheet_distance(field_, look, {});
 }
 
-KernelSums VolumePainter::field_sums(const MapperSettings& settings) const {
+const KernelSums& VolumePainter::field_sums(const MapperSettings& settings) {
+  const auto is_same = [](const Bounds3& a, const Bounds3& b) {
+    return a.min() == b.min() && a.max() == b.max();
+  };
+  const bool has_same_box = settings.owned.has_value() == sums_box_.has_value() &&
+                            (!sums_box_ || is_same(*settings.owned, *sums_box_));
+  if (sums_time_ == field_time_ && has_same_box) return sums_;
   const KernelField* const kernels = field_.kernels();
-  return kernels != nullptr ? kernel_sums(*kernels, settings.owned) : KernelSums{};
+  sums_ = kernels != nullptr ? kernel_sums(*kernels, settings.owned) : KernelSums{};
+  sums_time_ = field_time_;
+  sums_box_ = settings.owned;
+  return sums_;
 }
 
 int VolumePainter::field_kernel() const {

@@ -65,7 +65,8 @@ class VolumePainter {
   // vtkOvoidVolumeMapper::KernelType of that field, never AUTO_KERNEL.
   int field_kernel() const;
   // Of a field of kernels, those whose centres are owned; of a lattice zeros.
-  KernelSums field_sums(const MapperSettings& settings) const;
+  // Made once for each field and box.
+  const KernelSums& field_sums(const MapperSettings& settings);
 
   void release(vtkWindow* window) { screen_.release(window); }
 
@@ -115,6 +116,9 @@ class VolumePainter {
   std::shared_ptr<const Surface> surface_;  // of a mesh; or null
   std::uint64_t field_time_ = 0;
   std::int64_t shared_bytes_ = 0;
+  KernelSums sums_{};
+  std::uint64_t sums_time_ = 0;  // of the field that they are of
+  std::optional<Bounds3> sums_box_;
   std::optional<Renderer> renderer_;
   int renderer_backend_ = 0;
   int renderer_threads_ = 0;

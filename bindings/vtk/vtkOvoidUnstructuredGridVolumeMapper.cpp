@@ -80,7 +80,7 @@ bool vtkOvoidUnstructuredGridVolumeMapper::UpdateField(vtkVolume* vol) {
   bool is_made = false;
   this->WithSettings([&](const ovoid::mappers::MapperSettings& settings) {
     this->Painter->prepare(vol, this->GetDataSetInput(), settings);
-    const ovoid::mappers::KernelSums sums = this->Painter->field_sums(settings);
+    const ovoid::mappers::KernelSums& sums = this->Painter->field_sums(settings);
     std::copy(sums.begin(), sums.end(), this->FieldSums);
     is_made = true;
   });

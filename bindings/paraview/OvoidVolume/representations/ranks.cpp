@@ -5,6 +5,7 @@
 #include <vtkCellData.h>
 #include <vtkCommunicator.h>
 #include <vtkIdList.h>
+#include <vtkMatrix4x4.h>
 #include <vtkMultiProcessController.h>
 #include <vtkNew.h>
 #include <vtkPVRenderView.h>
@@ -18,6 +19,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace ovoid::paraview {
 namespace {
@@ -100,7 +102,8 @@ std::vector<vtkBoundingBox> boxes_of_ranks(vtkView* view) {
   return manager->GetCuts();
 }
 
-std::vector<double> owned_bounds(const std::vector<vtkBoundingBox>& boxes) {
+std::vector<double> owned_bounds(const std::vector<vtkBoundingBox>& boxes,
+                                 vtkMatrix4x4* world_from_data) {
   vtkBoundingBox all;
   for (const vtkBoundingBox& box : boxes) all.AddBox(box);
   std::vector<double> bounds(6);
@@ -112,6 +115,13 @@ std::vector<double> owned_bounds(const std::vector<vtkBoundingBox>& boxes) {
   for (std::size_t side = 0; side < 6; ++side) {
     if (std::abs(bounds[side] - ends[side]) > rounding) continue;
     bounds[side] = side % 2 == 0 ? -kEndless : kEndless;
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto lo = static_cast<std::size_t>(2 * axis);
+    const double scale = world_from_data->GetElement(axis, axis);
+    for (const std::size_t side : {lo, lo + 1})
+      bounds[side] = scale * bounds[side] + world_from_data->GetElement(axis, 3);
+    if (scale < 0) std::swap(bounds[lo], bounds[lo + 1]);
   }
   return bounds;
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 class vtkBoundingBox;
+class vtkMatrix4x4;
 class vtkView;
 class vtkUnstructuredGrid;
 
@@ -22,8 +23,10 @@ bool has_several_ranks();
 std::vector<vtkBoundingBox> boxes_of_ranks(vtkView* view);
 
 // This rank's box, for vtkOvoidVolumeMapper::SetOwnedBounds(). Sides at the end of the scene are
-// infinite, since kernels reach beyond what they are made of.
-std::vector<double> owned_bounds(const std::vector<vtkBoundingBox>& boxes);
+// infinite, since kernels reach beyond what they are made of. `world_from_data` moves and stretches
+// the boxes with the volume; what else it does is left out.
+std::vector<double> owned_bounds(const std::vector<vtkBoundingBox>& boxes,
+                                 vtkMatrix4x4* world_from_data);
 
 // The least and the greatest of all ranks' numbers.
 double least_of_ranks(double number);

@@ -131,7 +131,7 @@ void vtkOvoidGridRepresentation::JoinRanks() {
   int kernel = vtkOvoidVolumeMapper::AUTO_KERNEL;
   auto* const samples = vtkDataSet::SafeDownCast(mapper->GetInputDataObject(0, 0));
   if (samples != nullptr && samples->GetNumberOfPoints() > 0) {
-    mapper->SetOwnedBounds(ovoid::paraview::owned_bounds(boxes).data());
+    mapper->SetOwnedBounds(ovoid::paraview::owned_bounds(boxes, this->Actor->GetMatrix()).data());
     vtkNew<vtkVolume> volume;
     volume->SetProperty(this->Property);
     volume->SetUserMatrix(this->Actor->GetMatrix());

@@ -123,7 +123,8 @@ void vtkOvoidMeshRepresentation::JoinRanks() {
     this->UpdateJoined(cells, boxes);
     cells = this->Joined;
     this->Mapper->SetInputDataObject(0, cells);
-    this->Mapper->SetOwnedBounds(ovoid::paraview::owned_bounds(boxes).data());
+    this->Mapper->SetOwnedBounds(
+        ovoid::paraview::owned_bounds(boxes, this->Actor->GetMatrix()).data());
     this->Mapper->SetAutoAdjustSampleDistances(0);
   }
   std::vector<double> sums(5);

@@ -1,13 +1,12 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Builds the plugin for ParaView 5.11 and draws with it, without installing ParaView: Debian's packages (whose python3-paraview conflicts
+# Builds the plugin for ParaView 5.11 and tests it, on one process and on four, without installing ParaView: Debian's packages (whose python3-paraview conflicts
 # with python3-vtk9) are downloaded by apt and unpacked in build/paraview/root. With a folder that ParaView is installed under, that one is
 # taken: paraview.sh [PREFIX]. Leaves the plugin in build/paraview/build/lib/OvoidVolume.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 folder=$PWD/build/paraview
 root=${1:-$folder/root/usr}
-libraries=$root/lib/$(gcc -print-multiarch)
 
 if [[ $# == 0 && ! -d $root ]]; then
   mkdir -p "$folder/packages"
@@ -21,5 +20,6 @@ cmake --install build/release --prefix "$folder/ovoid" >"$folder/install.log"
 cmake -S bindings/paraview -B "$folder/build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DPython3_EXECUTABLE=/usr/bin/python3 \
   -DCMAKE_PREFIX_PATH="$folder/ovoid;$root" --log-level=WARNING
 cmake --build "$folder/build"
-env LD_LIBRARY_PATH="$libraries" PYTHONPATH="$root/lib/python3/dist-packages" LIBGL_ALWAYS_SOFTWARE=1 \
-  xvfb-run --auto-servernum "$root"/bin/pvpython tests/paraview/plugin_test.py "$folder/build/lib/OvoidVolume/OvoidVolume.so"
+echo "$root" >"$folder/prefix"  # where the tests find ParaView: these, and those of ctest from now on
+tests/paraview/run.sh plugin
+tests/paraview/run.sh ranks

@@ -78,6 +78,17 @@ void require_values(vtkPointSet* points, const DrawnValues& drawn) {
     fail(points, "no scalars are active: expected some, or SelectScalarArray");
 }
 
+DataArray triples(const char* name, std::vector<double> values) {
+  DataArray array;
+  const auto owner = std::make_shared<const std::vector<double>>(std::move(values));
+  array.name = name;
+  array.type = ScalarType::kFloat64;
+  array.num_components = 3;
+  array.num_tuples = static_cast<std::int64_t>(owner->size()) / 3;
+  array.bytes = {owner, std::as_bytes(std::span(*owner))};
+  return array;
+}
+
 DataArray positions_of(vtkPointSet* points, const Affine3& world_from_data) {
   vtkDataArray* const data = points->GetPoints()->GetData();
   const bool is_floating_data =
@@ -87,19 +98,13 @@ DataArray positions_of(vtkPointSet* points, const Affine3& world_from_data) {
     shared.name = "positions";
     return shared;
   }
-  auto moved = std::make_shared<std::vector<double>>();
-  moved->reserve(static_cast<std::size_t>(data->GetNumberOfValues()));
+  std::vector<double> moved;
+  moved.reserve(static_cast<std::size_t>(data->GetNumberOfValues()));
   for (vtkIdType i = 0; i < data->GetNumberOfTuples(); ++i) {
     const Vec3 place = world_from_data * Vec3(data->GetTuple3(i));
-    moved->insert(moved->end(), place.begin(), place.end());
+    moved.insert(moved.end(), place.begin(), place.end());
   }
-  DataArray positions;
-  positions.name = "positions";
-  positions.type = ScalarType::kFloat64;
-  positions.num_components = 3;
-  positions.num_tuples = data->GetNumberOfTuples();
-  positions.bytes = {moved, std::as_bytes(std::span(*moved))};
-  return positions;
+  return triples("positions", std::move(moved));
 }
 
 // The flags, if there is one for each.
@@ -182,6 +187,43 @@ DataArray values_of(const DrawnValues& drawn, const std::vector<vtkIdType>& kept
   return shared_array(values, true);
 }
 
+// Voxels with values of their own are the boxes of an adaptive grid, which meet where their sizes
+// differ, too. None of turned ones.
+std::vector<double> box_edges(vtkUnstructuredGrid* grid, const std::vector<vtkIdType>& kept,
+                              const Affine3& world_from_data) {
+  std::vector<double> edges;
+  if (!world_from_data.linear().isDiagonal()) return edges;
+  for (const vtkIdType c : kept) {
+    if (grid->GetCellType(c) != VTK_VOXEL) return {};
+    vtkIdType count = 0;
+    const vtkIdType* ids = nullptr;
+    grid->GetCells()->GetCellAtId(c, count, ids);
+    const Vec3 first(grid->GetPoint(ids[0])), last(grid->GetPoint(ids[7]));
+    const Vec3 edge = (world_from_data.linear() * (last - first)).cwiseAbs();
+    edges.insert(edges.end(), edge.begin(), edge.end());
+  }
+  return edges;
+}
+
+void make_boxes(vtkUnstructuredGrid* grid, const std::vector<vtkIdType>& kept,
+                const Affine3& world_from_data, std::vector<double> edges, Dataset& dataset) {
+  std::vector<double> centers;
+  centers.reserve(edges.size());
+  for (const vtkIdType c : kept) {
+    vtkIdType count = 0;
+    const vtkIdType* ids = nullptr;
+    grid->GetCells()->GetCellAtId(c, count, ids);
+    const Vec3 first(grid->GetPoint(ids[0])), last(grid->GetPoint(ids[7]));
+    const Vec3 center = world_from_data * Vec3(0.5 * (first + last));
+    centers.insert(centers.end(), center.begin(), center.end());
+  }
+  dataset.kind = DatasetKind::kBoxes;
+  dataset.cells = {};
+  dataset.positions = triples("positions", std::move(centers));
+  dataset.box_sizes = triples("sizes", std::move(edges));
+  dataset.arrays.front().is_cell_data = false;  // one for each box
+}
+
 // Points without cells around them.
 void make_particles(vtkPointSet* points, const DrawnValues& drawn, Dataset& dataset) {
   if (drawn.is_cell_data)
@@ -226,7 +268,12 @@ Dataset point_set_dataset(vtkPointSet* points, const DrawnValues& drawn,
                                          [](CellType type) { return type == CellType::kVertex; });
   if (!are_particles) require_values(points, drawn);
   if (drawn.array != nullptr) dataset.arrays = {values_of(drawn, kept)};
-  if (are_particles) make_particles(points, drawn, dataset);
+  if (are_particles) {
+    make_particles(points, drawn, dataset);
+  } else if (drawn.is_cell_data) {
+    std::vector<double> edges = box_edges(grid, kept, world_from_data);
+    if (!edges.empty()) make_boxes(grid, kept, world_from_data, std::move(edges), dataset);
+  }
   return dataset;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ray_limits.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -121,6 +122,51 @@ DepthLimits region_limits(const Cropping& cropping, const Affine3& world_from_da
   return limits;
 }
 
+std::optional<Bounds3> owned_box(const double bounds[6]) {
+  if (std::none_of(bounds, bounds + 6, [](double side) { return std::isfinite(side); })) return {};
+  return Bounds3(Vec3(bounds[0], bounds[2], bounds[4]), Vec3(bounds[1], bounds[3], bounds[5]));
+}
+
+void widen(double bounds[6]) {
+  constexpr double kShare = 0.125;
+  const Vec3 lo(bounds[0], bounds[2], bounds[4]), hi(bounds[1], bounds[3], bounds[5]);
+  const double beyond = kShare * (hi - lo).norm();
+  for (int axis = 0; axis < 3; ++axis) {
+    bounds[2 * axis] -= beyond;
+    bounds[2 * axis + 1] += beyond;
+  }
+}
+
+DepthLimits box_limits(const Bounds3& world, const View& view) {
+  DepthLimits limits = empty_limits(view);
+  const Rays rays(view);
+  for (int y = 0; y < view.height; ++y) {
+    for (int x = 0; x < view.width; ++x) {
+      Vec3 origin, direction;
+      rays.at(x, y, &origin, &direction);
+      double enter = -std::numeric_limits<double>::infinity();
+      double leave = -enter;
+      for (Eigen::Index axis = 0; axis < 3; ++axis) {
+        const double slope = direction[axis];
+        if (slope == 0) {
+          if (origin[axis] < world.min()[axis] || origin[axis] >= world.max()[axis]) leave = enter;
+          continue;
+        }
+        const double to_min = (world.min()[axis] - origin[axis]) / slope;
+        const double to_max = (world.max()[axis] - origin[axis]) / slope;
+        enter = std::max(enter, std::min(to_min, to_max));
+        leave = std::min(leave, std::max(to_min, to_max));
+      }
+      if (enter < leave) {
+        limits.stops.push_back({static_cast<float>(enter), true, true, {}});
+        if (leave < kNowhere) limits.stops.push_back({static_cast<float>(leave), false, true, {}});
+      }
+      end_pixel(limits);
+    }
+  }
+  return limits;
+}
+
 void limits_before(std::span<const float> depths, const View& view, DepthLimits* limits) {
   limits->width = view.width;
   limits->height = view.height;
@@ -168,7 +214,7 @@ DepthLimits intersection(const DepthLimits& a, const DepthLimits& b) {
         const bool is_next = is_in_a && is_in_b;
         if (is_next == is_drawn) continue;
         is_drawn = is_next;
-        both.stops.push_back({stop.depth, is_drawn, {}});
+        both.stops.push_back({stop.depth, is_drawn, stop.is_seam, {}});
       }
       end_pixel(both);
     }

@@ -30,6 +30,15 @@ std::vector<ClipPlane> planes_of_box(const Cropping& cropping, const Affine3& wo
 DepthLimits region_limits(const Cropping& cropping, const Affine3& world_from_data,
                           const View& view);
 
+// Within a box of the world, whose sides may be infinite. A ray's places on a side are the same for
+// the box beyond it.
+// None for bounds (x, x, y, y, z, z) without an end.
+std::optional<Bounds3> owned_box(const double bounds[6]);
+// Of bounds as VTK has them, by what kernels may reach beyond their data: an eighth of the
+// diagonal.
+void widen(double bounds[6]);
+DepthLimits box_limits(const Bounds3& world, const View& view);
+
 // The field before the depths of the viewport's pixels, row 0 at the bottom (view.viewport_width x
 // viewport_height, distances along the view axis, infinite where nothing is). Into `limits`, whose
 // memory is used again.

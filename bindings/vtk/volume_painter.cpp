@@ -146,7 +146,9 @@ void VolumePainter::make_field(vtkDataSet* data, const DrawnValues& drawn,
                 fmt::format("array '{}': no value is a finite number", options.lattice.array));
   }
   shared_bytes_ = shared_bytes_of(made_, dataset);
-  surface_ = dataset.kind == DatasetKind::kMesh ? make_surface(dataset, options.kernels) : nullptr;
+  const bool has_surface =
+      dataset.kind == DatasetKind::kMesh || dataset.kind == DatasetKind::kBoxes;
+  surface_ = has_surface ? make_surface(dataset, options.kernels) : nullptr;
   if (surface_ != nullptr && !surface_->encloses_mesh()) surface_ = nullptr;
 }
 
@@ -201,6 +203,9 @@ RenderOptions VolumePainter::options_for(const MapperSettings& settings,
   options.width = view_.width;
   options.height = view_.height;
   options.sampling_distance = settings.sample_distance;
+  if (settings.has_image_sheets) options.sheets = Sheets::kImage;
+  // A coarser field would be made of this part of the data alone, and not match that of the next.
+  if (settings.owned && is_minified()) options.post_convolution = PostConvolution::kOff;
   if (settings.cropping && is_one_box(*settings.cropping))
     options.clip_planes = planes_of_box(*settings.cropping, world_from_data);
   if (settings.clipping_planes != nullptr) {
@@ -233,6 +238,7 @@ void VolumePainter::add_limits(vtkRenderer* renderer, const MapperSettings& sett
   }
   if (settings.cropping && !is_one_box(*settings.cropping))
     narrow(region_limits(*settings.cropping, world_from_data, view_));
+  if (settings.owned) narrow(box_limits(*settings.owned, view_));
   if (surface_ != nullptr) {
     const Watch drawing;
     DepthLimits boundary = boundary_limits(*surface_, view_.camera, look, {0, false}, *options,
@@ -241,6 +247,16 @@ void VolumePainter::add_limits(vtkRenderer* renderer, const MapperSettings& sett
     narrow(std::move(boundary));
   }
   options->depth_limits = std::move(limits);
+}
+
+// Whether some pixel is wider than the samples of a lattice are apart.
+bool VolumePainter::is_minified() const {
+  const Camera& camera = view_.camera;
+  constexpr double kRadians = 3.14159265358979323846 / 180;
+  const double half = camera.parallel_projection
+                          ? camera.parallel_scale
+                          : farthest_depth() * std::tan(0.5 * kRadians * camera.view_angle);
+  return 2 * half / view_.height > field_.default_sampling_distance();
 }
 
 // Where the field ends, as seen.
@@ -264,6 +280,43 @@ double VolumePainter::image_distance_for(vtkVolume* volume, double greatest) con
   return whole <= kBorne * granted ? 1 : std::min(std::sqrt(whole / granted), greatest);
 }
 
+void VolumePainter::prepare(vtkVolume* volume, vtkDataSet* data, const MapperSettings& settings) {
+  if (data == nullptr) throw Error(ErrorCode::kInvalidArgument, "no input: expected a data set");
+  if (data->GetNumberOfPoints() < 1) {
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("the input, a {}, is empty", data->GetClassName()));
+  }
+  drawn_ = drawn_values(data, settings.arrays, volume->GetProperty());
+  update_field(data, drawn_, matrix_of(volume), settings);
+}
+
+double VolumePainter::field_distance(vtkVolume* volume, const MapperSettings& settings) const {
+  const Look look =
+      look_of_property(volume->GetProperty(), drawn_.property_index, settings.blend_mode, field_);
+  return sheet_distance(field_, look, {});
+}
+
+const KernelSums& VolumePainter::field_sums(const MapperSettings& settings) {
+  const auto is_same = [](const Bounds3& a, const Bounds3& b) {
+    return a.min() == b.min() && a.max() == b.max();
+  };
+  const bool has_same_box = settings.owned.has_value() == sums_box_.has_value() &&
+                            (!sums_box_ || is_same(*settings.owned, *sums_box_));
+  if (sums_time_ == field_time_ && has_same_box) return sums_;
+  const KernelField* const kernels = field_.kernels();
+  sums_ = kernels != nullptr ? kernel_sums(*kernels, settings.owned) : KernelSums{};
+  sums_time_ = field_time_;
+  sums_box_ = settings.owned;
+  return sums_;
+}
+
+int VolumePainter::field_kernel() const {
+  const LatticeField* const lattice = made_.lattice();
+  if (lattice == nullptr || lattice->kernel().kind == LatticeKernelKind::kGaussian) return 3;
+  if (lattice->kernel().kind == LatticeKernelKind::kCatmullRom) return 2;
+  return lattice->source().samples() != nullptr ? 1 : 4;  // whether it is prefiltered
+}
+
 void VolumePainter::draw(vtkRenderer* renderer, vtkVolume* volume, vtkDataSet* data,
                          const MapperSettings& settings) {
   if (renderer->GetSelector() != nullptr) return;  // which wants numbers of props for colours
@@ -272,17 +325,11 @@ void VolumePainter::draw(vtkRenderer* renderer, vtkVolume* volume, vtkDataSet* d
   times_ = {};
   view_ = view_of(renderer);
   if (view_.width < 1 || view_.height < 1) return;
-  if (data == nullptr) throw Error(ErrorCode::kInvalidArgument, "no input: expected a data set");
-  if (data->GetNumberOfPoints() < 1) {
-    throw Error(ErrorCode::kInvalidArgument,
-                fmt::format("the input, a {}, is empty", data->GetClassName()));
-  }
-  vtkVolumeProperty* const property = volume->GetProperty();
-  const DrawnValues drawn = drawn_values(data, settings.arrays, property);
+  prepare(volume, data, settings);
   const Affine3 world_from_data = matrix_of(volume);
-  update_field(data, drawn, world_from_data, settings);
   const Watch drawing;
-  Look look = look_of_property(property, drawn.property_index, settings.blend_mode, field_);
+  Look look =
+      look_of_property(volume->GetProperty(), drawn_.property_index, settings.blend_mode, field_);
   take_lights(renderer, field_.world_bounds().center(), &look);
   image_distance_ = distance;
   view_ = coarser(view_, distance);

@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "kernel_sums.h"
 #include "ovoid/dataset.h"
 #include "ovoid/field.h"
 #include "ovoid/image.h"
@@ -39,6 +40,8 @@ struct MapperSettings {
   double greatest_image_distance = 1;
   vtkPlaneCollection* clipping_planes = nullptr;  // or null
   std::optional<Cropping> cropping;
+  std::optional<Bounds3> owned;  // world; what lies outside is drawn elsewhere
+  bool has_image_sheets = false;
 };
 
 // Seconds of a frame; `screen` is OpenGL's share.
@@ -54,6 +57,16 @@ class VolumePainter {
   // Error, and what the library throws; the painter can be used again.
   void draw(vtkRenderer* renderer, vtkVolume* volume, vtkDataSet* data,
             const MapperSettings& settings);
+
+  // The field alone, where it is due; draw() then finds it made. Throws as draw().
+  void prepare(vtkVolume* volume, vtkDataSet* data, const MapperSettings& settings);
+  // The distance of sheets that the field which was made last asks for, world units.
+  double field_distance(vtkVolume* volume, const MapperSettings& settings) const;
+  // vtkOvoidVolumeMapper::KernelType of that field, never AUTO_KERNEL.
+  int field_kernel() const;
+  // Of a field of kernels, those whose centres are owned; of a lattice zeros.
+  // Made once for each field and box.
+  const KernelSums& field_sums(const MapperSettings& settings);
 
   void release(vtkWindow* window) { screen_.release(window); }
 
@@ -91,16 +104,21 @@ class VolumePainter {
   RenderOptions options_for(const MapperSettings& settings, const Affine3& world_from_data) const;
   void add_limits(vtkRenderer* renderer, const MapperSettings& settings,
                   const Affine3& world_from_data, const Look& look, RenderOptions* options);
+  bool is_minified() const;
   double farthest_depth() const;
   double image_distance_for(vtkVolume* volume, double greatest) const;
 
   std::optional<FieldKey> key_;
-  Field made_;   // where the data have it
-  Field field_;  // in the world
+  DrawnValues drawn_;  // of the last data
+  Field made_;         // where the data have it
+  Field field_;        // in the world
   Affine3 world_from_made_ = Affine3::Identity();
   std::shared_ptr<const Surface> surface_;  // of a mesh; or null
   std::uint64_t field_time_ = 0;
   std::int64_t shared_bytes_ = 0;
+  KernelSums sums_{};
+  std::uint64_t sums_time_ = 0;  // of the field that they are of
+  std::optional<Bounds3> sums_box_;
   std::optional<Renderer> renderer_;
   int renderer_backend_ = 0;
   int renderer_threads_ = 0;

@@ -10,12 +10,17 @@
 #include <vtkUnstructuredGridBase.h>
 #include <vtkVolume.h>
 
+#include <algorithm>
+#include <limits>
+
 #include "volume_painter.h"
 
 vtkStandardNewMacro(vtkOvoidUnstructuredGridVolumeMapper);
 
 vtkOvoidUnstructuredGridVolumeMapper::vtkOvoidUnstructuredGridVolumeMapper()
-    : Painter(std::make_unique<ovoid::mappers::VolumePainter>()) {}
+    : Painter(std::make_unique<ovoid::mappers::VolumePainter>()) {
+  this->SetOwnedBoundsToAll();
+}
 vtkOvoidUnstructuredGridVolumeMapper::~vtkOvoidUnstructuredGridVolumeMapper() = default;
 
 void vtkOvoidUnstructuredGridVolumeMapper::SetInputData(vtkUnstructuredGridBase* grid) {
@@ -36,7 +41,9 @@ int vtkOvoidUnstructuredGridVolumeMapper::FillInputPortInformation(int,
   return 1;
 }
 
-void vtkOvoidUnstructuredGridVolumeMapper::Render(vtkRenderer* ren, vtkVolume* vol) {
+// What both a frame and its field need; an error is told.
+void vtkOvoidUnstructuredGridVolumeMapper::WithSettings(
+    const std::function<void(const ovoid::mappers::MapperSettings&)>& use) {
   ovoid::mappers::MapperSettings settings;
   settings.arrays = {this->ScalarMode, this->ArrayAccessMode, this->ArrayId,
                      this->ArrayName,  this->VectorMode,      this->VectorComponent};
@@ -47,12 +54,48 @@ void vtkOvoidUnstructuredGridVolumeMapper::Render(vtkRenderer* ren, vtkVolume* v
   settings.greatest_image_distance =
       this->AutoAdjustSampleDistances != 0 ? this->MaximumImageSampleDistance : 1.0;
   settings.clipping_planes = this->GetClippingPlanes();
+  settings.owned = ovoid::mappers::owned_box(this->OwnedBounds);
   ovoid::mappers::draw_or_tell(
       [&] {
         if (this->GetNumberOfInputConnections(0) > 0) this->GetInputAlgorithm()->Update();
-        this->Painter->draw(ren, vol, this->GetDataSetInput(), settings);
+        use(settings);
       },
       [&](const char* what) { vtkErrorMacro(<< what); });
+}
+
+void vtkOvoidUnstructuredGridVolumeMapper::Render(vtkRenderer* ren, vtkVolume* vol) {
+  this->WithSettings([&](const ovoid::mappers::MapperSettings& settings) {
+    this->Painter->draw(ren, vol, this->GetDataSetInput(), settings);
+  });
+}
+
+double* vtkOvoidUnstructuredGridVolumeMapper::GetBounds() {
+  double* const bounds = this->Superclass::GetBounds();
+  if (bounds != nullptr && ovoid::mappers::owned_box(this->OwnedBounds))
+    ovoid::mappers::widen(bounds);
+  return bounds;
+}
+
+bool vtkOvoidUnstructuredGridVolumeMapper::UpdateField(vtkVolume* vol) {
+  bool is_made = false;
+  this->WithSettings([&](const ovoid::mappers::MapperSettings& settings) {
+    this->Painter->prepare(vol, this->GetDataSetInput(), settings);
+    const ovoid::mappers::KernelSums& sums = this->Painter->field_sums(settings);
+    std::copy(sums.begin(), sums.end(), this->FieldSums);
+    is_made = true;
+  });
+  return is_made;
+}
+
+double vtkOvoidUnstructuredGridVolumeMapper::SampleDistanceOf(const double sums[5]) {
+  ovoid::mappers::KernelSums all;
+  std::copy_n(sums, all.size(), all.begin());
+  return ovoid::mappers::sheet_distance_of(all);
+}
+
+void vtkOvoidUnstructuredGridVolumeMapper::SetOwnedBoundsToAll() {
+  constexpr double kEndless = std::numeric_limits<double>::infinity();
+  this->SetOwnedBounds(-kEndless, kEndless, -kEndless, kEndless, -kEndless, kEndless);
 }
 
 void vtkOvoidUnstructuredGridVolumeMapper::ReleaseGraphicsResources(vtkWindow* window) {
@@ -92,5 +135,8 @@ void vtkOvoidUnstructuredGridVolumeMapper::PrintSelf(ostream& os, vtkIndent inde
      << indent << "NumberOfThreads: " << this->NumberOfThreads << "\n"
      << indent << "SampleDistance: " << this->SampleDistance << "\n"
      << indent << "AutoAdjustSampleDistances: " << this->AutoAdjustSampleDistances << "\n"
-     << indent << "MaximumImageSampleDistance: " << this->MaximumImageSampleDistance << "\n";
+     << indent << "MaximumImageSampleDistance: " << this->MaximumImageSampleDistance << "\n"
+     << indent << "OwnedBounds: " << this->OwnedBounds[0] << " to " << this->OwnedBounds[1] << ", "
+     << this->OwnedBounds[2] << " to " << this->OwnedBounds[3] << ", " << this->OwnedBounds[4]
+     << " to " << this->OwnedBounds[5] << "\n";
 }

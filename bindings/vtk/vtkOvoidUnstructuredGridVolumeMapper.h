@@ -17,6 +17,7 @@
  */
 #pragma once
 
+#include <functional>
 #include <memory>
 
 #include "vtkOvoidModule.h"
@@ -28,7 +29,8 @@ class vtkUnstructuredGridBase;
 namespace ovoid {
 namespace mappers {  // two steps: VTK's wrapper reads no other way
 class VolumePainter;
-}
+struct MapperSettings;
+}  // namespace mappers
 }  // namespace ovoid
 
 class VTKOVOID_EXPORT vtkOvoidUnstructuredGridVolumeMapper
@@ -104,6 +106,41 @@ class VTKOVOID_EXPORT vtkOvoidUnstructuredGridVolumeMapper
 
   ///@{
   /**
+   * The box of the world (x, x, y, y, z, z; infinite sides are none) within which this mapper
+   * draws, while others draw what lies beyond: of the same data, or of other pieces. Unlike
+   * clipping, it leaves no face: values and light at its sides are those of the data on both, which
+   * the input must therefore hold a few cells beyond. With one SampleDistance, boxes drawn from the
+   * farthest to the nearest join to the picture of the whole. The default is everywhere.
+   */
+  vtkSetVector6Macro(OwnedBounds, double);
+  vtkGetVector6Macro(OwnedBounds, double);
+  void SetOwnedBoundsToAll();
+  ///@}
+
+  ///@{
+  /**
+   * The input's; with owned bounds wider, since kernels reach beyond their data, and compositors
+   * cut pictures where bounds end.
+   */
+  double* GetBounds() override;
+  using Superclass::GetBounds;
+  ///@}
+
+  ///@{
+  /**
+   * Makes the field of the input, as a frame would, for a volume with this mapper; nothing is
+   * drawn. GetFieldSums() are then sums over the kernels whose centres lie within the owned bounds;
+   * those of boxes that fill space add up to those of the whole, of which SampleDistanceOf() makes
+   * a distance of sheets that suits all boxes. False, and an error, if there is no field to be
+   * made.
+   */
+  bool UpdateField(vtkVolume* vol);
+  vtkGetVectorMacro(FieldSums, double, 5);
+  static double SampleDistanceOf(const double sums[5]);
+  ///@}
+
+  ///@{
+  /**
    * Seconds of the last frame: of Render() as a whole, of Ovoid's renderer in it, and of the
    * exchange with OpenGL (reading depth, drawing the picture). 0 before the first.
    */
@@ -151,8 +188,12 @@ class VTKOVOID_EXPORT vtkOvoidUnstructuredGridVolumeMapper
   double SampleDistance = 0;
   vtkTypeBool AutoAdjustSampleDistances = 1;
   double MaximumImageSampleDistance = 10;
+  double OwnedBounds[6];
+  double FieldSums[5] = {0, 0, 0, 0, 0};
 
  private:
+  void WithSettings(const std::function<void(const ovoid::mappers::MapperSettings&)>& use);
+
   vtkOvoidUnstructuredGridVolumeMapper(const vtkOvoidUnstructuredGridVolumeMapper&) = delete;
   void operator=(const vtkOvoidUnstructuredGridVolumeMapper&) = delete;
 

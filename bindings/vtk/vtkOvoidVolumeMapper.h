@@ -15,6 +15,7 @@
  */
 #pragma once
 
+#include <functional>
 #include <memory>
 
 #include "vtkOvoidModule.h"
@@ -25,7 +26,8 @@ class vtkImageData;
 namespace ovoid {
 namespace mappers {  // two steps: VTK's wrapper reads no other way
 class VolumePainter;
-}
+struct MapperSettings;
+}  // namespace mappers
 }  // namespace ovoid
 
 class VTKOVOID_EXPORT vtkOvoidVolumeMapper : public vtkVolumeMapper {
@@ -126,6 +128,53 @@ class VTKOVOID_EXPORT vtkOvoidVolumeMapper : public vtkVolumeMapper {
 
   ///@{
   /**
+   * Sheets parallel to the picture, always: pictures of parts of a volume then join to the picture
+   * of the whole. Off, the default: sheets parallel to a grid's planes where that is faster.
+   */
+  vtkSetClampMacro(ImageSheets, vtkTypeBool, 0, 1);
+  vtkGetMacro(ImageSheets, vtkTypeBool);
+  vtkBooleanMacro(ImageSheets, vtkTypeBool);
+  ///@}
+
+  ///@{
+  /**
+   * The box of the world (x, x, y, y, z, z; infinite sides are none) within which this mapper
+   * draws, while others draw what lies beyond: of the same data, or of other pieces. Unlike
+   * clipping, it leaves no face: values and light at its sides are those of the data on both, which
+   * the input must therefore hold a few cells beyond. With one SampleDistance, boxes drawn from the
+   * farthest to the nearest join to the picture of the whole. The default is everywhere.
+   */
+  vtkSetVector6Macro(OwnedBounds, double);
+  vtkGetVector6Macro(OwnedBounds, double);
+  void SetOwnedBoundsToAll();
+  ///@}
+
+  ///@{
+  /**
+   * The input's; with owned bounds wider, since kernels reach beyond their data, and compositors
+   * cut pictures where bounds end.
+   */
+  double* GetBounds() override;
+  using Superclass::GetBounds;
+  ///@}
+
+  ///@{
+  /**
+   * Makes the field of the input, as a frame would, for a volume with this mapper; nothing is
+   * drawn. GetFieldSampleDistance() is then the distance of sheets that frames take where
+   * SampleDistance is 0. False, and an error, if there is none to be made.
+   */
+  bool UpdateField(vtkVolume* vol);
+  vtkGetMacro(FieldSampleDistance, double);
+  ///@}
+
+  /**
+   * Which kernel stands at the samples of the field that was made last; never AUTO_KERNEL.
+   */
+  int GetFieldKernel();
+
+  ///@{
+  /**
    * Seconds of the last frame: of Render() as a whole, of Ovoid's renderer in it, and of the
    * exchange with OpenGL (reading depth, drawing the picture). 0 before the first.
    */
@@ -180,8 +229,13 @@ class VTKOVOID_EXPORT vtkOvoidVolumeMapper : public vtkVolumeMapper {
   double SampleDistance = 0;
   vtkTypeBool AutoAdjustSampleDistances = 1;
   double MaximumImageSampleDistance = 10;
+  vtkTypeBool ImageSheets = 0;
+  double OwnedBounds[6];
+  double FieldSampleDistance = 0;
 
  private:
+  void WithSettings(const std::function<void(const ovoid::mappers::MapperSettings&)>& use);
+
   vtkOvoidVolumeMapper(const vtkOvoidVolumeMapper&) = delete;
   void operator=(const vtkOvoidVolumeMapper&) = delete;
 

@@ -469,6 +469,14 @@ class Functions(MapperCase):
         self.assert_like(drawn, Scene(self.image, prop).draw(), 3.0)
 
 
+class Parts(MapperCase):
+    def test_parts_join(self):
+        """At a sample, and between two."""
+        scene = Scene(self.image, property_of(opacities=FOG))
+        scene.mapper.ImageSheetsOn()
+        self.assert_parts_join(scene, (7.4, 12))
+
+
 class Errors(MapperCase):
     def test_no_input(self):
         self.assert_error(Scene(vtkImageData(), property_of()), "empty")

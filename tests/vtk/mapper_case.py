@@ -33,6 +33,20 @@ class MapperCase(unittest.TestCase):
         self.assert_shows(drawn)
         self.assert_like(drawn, over(rendered(self.image if data is None else data, scene, *flags, **named), BACKGROUND), bound)
 
+    def assert_parts_join(self, scene, sides):
+        """Boxes that meet where one axis is `sides`, blended from the farthest to the nearest, are the whole."""
+        scene.draw()
+        whole, endless = scene.floats(), float("inf")
+        picture = np.zeros_like(whole)
+        for lo, hi in zip((-endless, *sides), (*sides, endless)):  # the camera looks along -z
+            scene.mapper.SetOwnedBounds(-endless, endless, -endless, endless, lo, hi)
+            scene.draw()
+            part = scene.floats()
+            self.assertGreater(part[..., 3].max(), 0.1)
+            picture = part + (1 - part[..., 3:]) * picture
+        self.assertEqual(scene.errors, [])
+        self.assert_like(255 * picture, 255 * whole, EXACT)
+
     def assert_error(self, scene, *words):
         background = np.broadcast_to(255 * np.array(BACKGROUND), (HEIGHT, WIDTH, 3))
         self.assert_like(scene.draw(), background, EXACT)

@@ -187,6 +187,25 @@ class Changes(MeshCase):
         self.assertEqual(scene.errors, [])
 
 
+class Parts(MeshCase):
+    def test_parts_join(self):
+        self.assert_parts_join(self.scene(tetrahedra(), property_of(opacities=FOG)), (7.4, 12))
+
+    def test_parts_sum_up(self):
+        """The distance of sheets is that of the whole, whatever the parts are."""
+        scene = self.scene(tetrahedra())
+        self.assertTrue(scene.mapper.UpdateField(scene.volume))
+        whole, sums, endless = scene.mapper.GetFieldSums(), np.zeros(5), float("inf")
+        for lo, hi in ((-endless, 12), (12, endless)):
+            scene.mapper.SetOwnedBounds(lo, hi, -endless, endless, -endless, endless)
+            scene.mapper.UpdateField(scene.volume)
+            sums += scene.mapper.GetFieldSums()
+        np.testing.assert_allclose(sums, whole, rtol=1e-9)
+        distance = scene.mapper.SampleDistanceOf(sums)
+        self.assertGreater(distance, 0.2)
+        self.assertLess(distance, 2)
+
+
 class Errors(MeshCase):
     def test_wrong_kind(self):
         mapper = vtkOvoidUnstructuredGridVolumeMapper()

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // ovoid-mpi: what `mpirun -n N ovoid render` becomes, so that drawing alone needs no MPI.
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <mpi.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <optional>
@@ -14,6 +14,7 @@
 #include "command.h"
 #include "console.h"
 #include "mpi_team.h"
+#include "ovoid/error.h"
 #include "session.h"
 #include "setting_forms.h"
 #include "usage.h"
@@ -57,21 +58,48 @@ int run_in_team(const Words& words, Team& team, Session& session) {
   return kExitFailed;
 }
 
+// A launcher of another MPI than this program's starts processes that each see themselves alone.
+void require_own_launcher(const Team& team) {
+  const char* const text = std::getenv(kProcessesOfLauncher);
+  if (text == nullptr || std::atoi(text) == team.count()) return;
+  char version[MPI_MAX_LIBRARY_VERSION_STRING] = "";
+  int length = 0;
+  MPI_Get_library_version(version, &length);
+  throw Error(ErrorCode::kUnsupported,
+              fmt::format("render: {} processes were started, but the MPI that ovoid-mpi was built "
+                          "with sees {}: use the launcher of {}",
+                          text, team.count(), std::string(version).substr(0, 40)));
+}
+
+void silence_standard_output() {
+  const int nothing = open("/dev/null", O_WRONLY);
+  if (nothing < 0) return;
+  dup2(nothing, STDOUT_FILENO);
+  close(nothing);
+}
+
 int run(int argc, char** argv) {
   hold_standard_files();
-  const Words words(argv, argv + argc);
-  // Before MPI starts threads of its own, which would take Ctrl-C otherwise.
-  Session session(words);
-  MPI_Init(&argc, &argv);
   int exit_code = kExitFailed;
   try {
-    MpiTeam team{std::chrono::duration<double>(patience_of_environment())};
-    exit_code = run_in_team({words.begin() + 1, words.end()}, team, session);
-    flush_out();
+    const Words words(argv, argv + argc);
+    // Before MPI starts threads of its own, which would take Ctrl-C otherwise.
+    Session session(words);
+    int granted = MPI_THREAD_SINGLE;
+    MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &granted);
+    try {
+      MpiTeam team{MpiTeam::Duration(patience_of_environment())};
+      if (team.number() != 0) silence_standard_output();
+      require_own_launcher(team);
+      exit_code = run_in_team({words.begin() + 1, words.end()}, team, session);
+      flush_out();
+    } catch (...) {
+      exit_code = speaks_for_all() ? complain_of_exception() : failure_of_exception().exit_code;
+    }
+    MPI_Finalize();
   } catch (...) {
     exit_code = complain_of_exception();
   }
-  MPI_Finalize();
   std::fflush(stdout);
   _exit(exit_code);  // as the program itself ends
 }

@@ -6,7 +6,12 @@
 #include <sched.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <cstdlib>
 #include <numeric>
+#include <span>
 #include <thread>
 #include <vector>
 
@@ -20,20 +25,43 @@ namespace {
 
 using Run = DeepImage::Run;
 
-// How many processors this process may use, of those that others of the team on this machine use,
-// too.
-int threads_of_this_process() {
-  cpu_set_t set;
-  CPU_ZERO(&set);
-  const int own = sched_getaffinity(0, sizeof(set), &set) == 0 ? CPU_COUNT(&set) : 1;
-  const int all = std::max(static_cast<int>(std::thread::hardware_concurrency()), 1);
+constexpr double kDrawingPatience = 100;  // times as long as for what is read
+
+// Processes of the team on this machine, and how many threads each takes.
+struct Neighbors {
+  int count, threads;
+};
+
+// Processors that a process may use are often those of others, too, and then shared with them.
+Neighbors look_around() {
+  constexpr std::size_t kMostProcessors = 8192;
+  using Mask = std::array<std::uint8_t, kMostProcessors / 8>;
+  Mask own{};
+  if (sched_getaffinity(0, own.size(), reinterpret_cast<cpu_set_t*>(own.data())) != 0) own[0] = 1;
   MPI_Comm machine = MPI_COMM_NULL;
   MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
-  int beside = 1;
-  MPI_Comm_size(machine, &beside);
+  Neighbors found{1, 1};
+  MPI_Comm_size(machine, &found.count);
+  std::vector<Mask> all(static_cast<std::size_t>(found.count));
+  MPI_Allgather(own.data(), sizeof(Mask), MPI_BYTE, all.data(), sizeof(Mask), MPI_BYTE, machine);
   MPI_Comm_free(&machine);
-  // Who is bound to some has these to himself.
-  return std::max(own < all ? own : all / beside, 1);
+  int processors = 0;
+  for (const std::uint8_t bits : own) processors += std::popcount(bits);
+  const auto sharing = std::count_if(all.begin(), all.end(), [&](const Mask& mask) {
+    for (std::size_t i = 0; i < own.size(); ++i) {
+      if ((mask[i] & own[i]) != 0) return true;
+    }
+    return false;
+  });
+  found.threads = std::max(processors / static_cast<int>(std::max<std::ptrdiff_t>(sharing, 1)), 1);
+  return found;
+}
+
+// Nobody can be told any more but by ending the job.
+[[noreturn]] void end_job(const std::string& message) {
+  complain(message, kExitFailed);
+  MPI_Abort(MPI_COMM_WORLD, kExitFailed);
+  std::abort();
 }
 
 // Rows of the picture that each process puts together: [first, first of the next).
@@ -69,58 +97,63 @@ struct Shares {
   }
 };
 
+// A run on its way: most processes see little of the picture, so pixels without any are not sent.
+struct SentRun {
+  std::uint32_t pixel;  // of the rows of the process that it goes to
+  Run run;
+};
+
+// Runs of one process, by pixel, as a picture of so many rows.
+DeepImage picture_of_rows(std::span<const SentRun> sent, const DeepImage& like, int rows) {
+  DeepImage image;
+  image.width = like.width;
+  image.height = rows;
+  image.mode = like.mode;
+  image.first.assign(static_cast<std::size_t>(like.width) * static_cast<std::size_t>(rows) + 1, 0);
+  image.runs.reserve(sent.size());
+  for (const SentRun& one : sent) {
+    ++image.first[one.pixel + 1];
+    image.runs.push_back(one.run);
+  }
+  std::inclusive_scan(image.first.begin(), image.first.end(), image.first.begin());
+  return image;
+}
+
 // What everybody has seen of the rows that this process puts together.
 std::vector<DeepImage> exchanged(const DeepImage& seen, int process, int processes,
                                  std::int64_t* bytes) {
   const auto width = static_cast<std::size_t>(seen.width);
-  const auto pixel_of_row = [&](int row) { return static_cast<std::size_t>(row) * width; };
-  const int own_first = first_row(seen.height, process, processes);
-  const int own_rows = first_row(seen.height, process + 1, processes) - own_first;
-
-  // Of every pixel how many runs, then the runs.
-  std::vector<std::uint32_t> counts(pixel_of_row(seen.height));
-  for (std::size_t i = 0; i < counts.size(); ++i) counts[i] = seen.first[i + 1] - seen.first[i];
-  Shares pixels_out(processes), pixels_in(processes), runs_out(processes), runs_in(processes);
+  Shares out(processes), in(processes);
+  std::vector<SentRun> sent;
+  sent.reserve(seen.runs.size());
   for (int to = 0; to < processes; ++to) {
-    const auto at = static_cast<std::size_t>(to);
-    const std::size_t begin = pixel_of_row(first_row(seen.height, to, processes));
-    const std::size_t end = pixel_of_row(first_row(seen.height, to + 1, processes));
-    pixels_out.counts[at] = static_cast<int>(end - begin);
-    runs_out.counts[at] = static_cast<int>(seen.first[end] - seen.first[begin]);
-    pixels_in.counts[at] = static_cast<int>(pixel_of_row(own_rows));
+    const std::size_t begin =
+        static_cast<std::size_t>(first_row(seen.height, to, processes)) * width;
+    const std::size_t end =
+        static_cast<std::size_t>(first_row(seen.height, to + 1, processes)) * width;
+    for (std::size_t pixel = begin; pixel < end; ++pixel) {
+      for (std::uint32_t i = seen.first[pixel]; i < seen.first[pixel + 1]; ++i)
+        sent.push_back({static_cast<std::uint32_t>(pixel - begin), seen.runs[i]});
+    }
+    int& count = out.counts[static_cast<std::size_t>(to)];
+    count = static_cast<int>(seen.first[end] - seen.first[begin]);
     if (to != process)
-      *bytes +=
-          static_cast<std::int64_t>((end - begin) * sizeof(std::uint32_t)) +
-          static_cast<std::int64_t>(runs_out.counts[at]) * static_cast<std::int64_t>(sizeof(Run));
+      *bytes += static_cast<std::int64_t>(count) * static_cast<std::int64_t>(sizeof(SentRun));
   }
-  pixels_out.set_offsets();
-  std::vector<std::uint32_t> counts_in(static_cast<std::size_t>(pixels_in.set_offsets()));
-  MPI_Alltoallv(counts.data(), pixels_out.counts.data(), pixels_out.offsets.data(), MPI_UINT32_T,
-                counts_in.data(), pixels_in.counts.data(), pixels_in.offsets.data(), MPI_UINT32_T,
-                MPI_COMM_WORLD);
-  MPI_Alltoall(runs_out.counts.data(), 1, MPI_INT, runs_in.counts.data(), 1, MPI_INT,
-               MPI_COMM_WORLD);
-  runs_out.set_offsets();
-  std::vector<Run> runs(static_cast<std::size_t>(runs_in.set_offsets()));
-  const MpiType run(sizeof(Run), MPI_BYTE);
-  MPI_Alltoallv(seen.runs.data(), runs_out.counts.data(), runs_out.offsets.data(), run.get(),
-                runs.data(), runs_in.counts.data(), runs_in.offsets.data(), run.get(),
-                MPI_COMM_WORLD);
-
+  MPI_Alltoall(out.counts.data(), 1, MPI_INT, in.counts.data(), 1, MPI_INT, MPI_COMM_WORLD);
+  out.set_offsets();
+  std::vector<SentRun> received(static_cast<std::size_t>(in.set_offsets()));
+  const MpiType run(sizeof(SentRun), MPI_BYTE);
+  MPI_Alltoallv(sent.data(), out.counts.data(), out.offsets.data(), run.get(), received.data(),
+                in.counts.data(), in.offsets.data(), run.get(), MPI_COMM_WORLD);
+  const int own_rows =
+      first_row(seen.height, process + 1, processes) - first_row(seen.height, process, processes);
   std::vector<DeepImage> from_all;
-  for (int from = 0; own_rows > 0 && from < processes; ++from) {
-    const auto at = static_cast<std::size_t>(from);
-    DeepImage& image = from_all.emplace_back();
-    image.width = seen.width;
-    image.height = own_rows;
-    image.mode = seen.mode;
-    const auto own = std::span(counts_in).subspan(static_cast<std::size_t>(pixels_in.offsets[at]),
-                                                  static_cast<std::size_t>(pixels_in.counts[at]));
-    image.first.resize(own.size() + 1);
-    std::inclusive_scan(own.begin(), own.end(), image.first.begin() + 1);
-    const auto begin = runs.begin() + runs_in.offsets[at];
-    image.runs.assign(begin, begin + runs_in.counts[at]);
-  }
+  for (std::size_t from = 0; own_rows > 0 && from < in.counts.size(); ++from)
+    from_all.push_back(
+        picture_of_rows(std::span(received).subspan(static_cast<std::size_t>(in.offsets[from]),
+                                                    static_cast<std::size_t>(in.counts[from])),
+                        seen, own_rows));
   return from_all;
 }
 
@@ -142,35 +175,35 @@ void gather_rows(const std::vector<float>& own, int per_pixel, int width, int he
 
 }  // namespace
 
-MpiTeam::MpiTeam(std::chrono::duration<double> patience) : patience_(patience) {
+MpiTeam::MpiTeam(Duration patience) : patience_(patience) {
   MPI_Comm_rank(MPI_COMM_WORLD, &number_);
   MPI_Comm_size(MPI_COMM_WORLD, &count_);
-  threads_ = threads_of_this_process();
-}
-
-// Nobody can be told any more but by ending the job.
-void MpiTeam::give_up() const {
-  complain(fmt::format("process {} of {} has waited {:g} s for the others, and gives up "
-                       "(OVOID_MPI_WAIT sets how long)",
-                       number_, count_, patience_.count()),
-           kExitFailed);
-  MPI_Abort(MPI_COMM_WORLD, kExitFailed);
-  std::abort();
+  const Neighbors neighbors = look_around();
+  beside_ = neighbors.count;
+  threads_ = neighbors.threads;
 }
 
 void MpiTeam::meet(const std::string& problem, int exit_code) {
+  meet_within(kDrawingPatience * patience_, problem, exit_code);
+}
+
+void MpiTeam::meet_within(Duration longest, const std::string& problem, int exit_code) {
   std::vector<int> codes(static_cast<std::size_t>(count_));
   MPI_Request request = MPI_REQUEST_NULL;
   MPI_Iallgather(&exit_code, 1, MPI_INT, codes.data(), 1, MPI_INT, MPI_COMM_WORLD, &request);
-  // Of several that wait the first gives up for all.
   using Clock = std::chrono::steady_clock;
-  const std::chrono::duration<double> longest = patience_ + std::chrono::seconds(number_);
+  // Of several that wait the first gives up for all.
+  const Duration own_longest = longest + std::chrono::seconds(number_);
   const Clock::time_point start = Clock::now();
   auto pause = std::chrono::microseconds(20);
   for (int has_come = 0;;) {
     MPI_Test(&request, &has_come, MPI_STATUS_IGNORE);
     if (has_come != 0) break;
-    if (Clock::now() - start > longest) give_up();
+    if (Clock::now() - start > own_longest)
+      end_job(
+          fmt::format("process {} of {} has waited {:g} s for the others, and gives up "
+                      "(OVOID_MPI_WAIT sets how long)",
+                      number_, count_, longest.count()));
     std::this_thread::sleep_for(pause);
     pause = std::min(pause * 2, std::chrono::microseconds(2000));
   }
@@ -195,7 +228,7 @@ std::string MpiTeam::text_of(int process, const std::string& own) const {
 }
 
 void MpiTeam::agree(const std::string& lines) {
-  meet({}, 0);
+  meet_within(patience_, {}, 0);
   const std::string line = differing_line(lines, text_of(0, lines));
   if (line.empty()) return meet({}, 0);
   meet(fmt::format("draws another picture than process 0, '{}' differs: the same command and the "
@@ -212,20 +245,29 @@ Team::Spread MpiTeam::spread(double value) {
 }
 
 std::optional<Team::Picture> MpiTeam::put_together(const DeepImage& seen, const Look& look) {
+  try {
+    Picture picture = put_together_here(seen, look);
+    if (number_ != 0) return std::nullopt;
+    return picture;
+  } catch (const TeamError&) {
+    throw;
+  } catch (const std::exception& error) {
+    // The others wait for what will not come.
+    end_job(fmt::format("process {} of {}: while pictures are exchanged: {}", number_, count_,
+                        error.what()));
+  }
+}
+
+Team::Picture MpiTeam::put_together_here(const DeepImage& seen, const Look& look) {
   const Stopwatch exchanging;
   Picture picture;
   const std::vector<DeepImage> from_all = exchanged(seen, number_, count_, &picture.bytes);
   picture.exchange_ms = exchanging.ms();
   const Stopwatch compositing;
   Image own;
-  std::string problem;
-  try {
-    if (!from_all.empty()) own = composited(merged(from_all), look);
-  } catch (const std::exception& error) {
-    problem = error.what();
-  }
-  meet(problem, problem.empty() ? 0 : kExitFailed);
+  if (!from_all.empty()) own = composited(merged(from_all), look);
   picture.composite_ms = compositing.ms();
+  meet({}, 0);
   const Stopwatch gathering;
   picture.image.width = seen.width;
   picture.image.height = seen.height;
@@ -243,7 +285,6 @@ std::optional<Team::Picture> MpiTeam::put_together(const DeepImage& seen, const 
   picture.bytes = bytes;
   picture.exchange_ms = spread(picture.exchange_ms).greatest;
   picture.composite_ms = spread(picture.composite_ms).greatest;
-  if (number_ != 0) return std::nullopt;
   return picture;
 }
 

@@ -11,11 +11,14 @@ namespace ovoid::cli {
 // The processes of MPI_COMM_WORLD. MPI is there, and called by one thread.
 class MpiTeam final : public Team {
  public:
-  // `patience`: how long one waits for the others.
-  explicit MpiTeam(std::chrono::duration<double> patience);
+  using Duration = std::chrono::duration<double>;
+  // `patience`: how long one waits for the others to have read the data, and a hundred times as
+  // long for what they draw.
+  explicit MpiTeam(Duration patience);
 
   int number() const override { return number_; }
   int count() const override { return count_; }
+  int beside() const override { return beside_; }
   int threads() const override { return threads_; }
 
   void meet(const std::string& problem, int exit_code) override;
@@ -25,10 +28,11 @@ class MpiTeam final : public Team {
 
  private:
   std::string text_of(int process, const std::string& own) const;
-  [[noreturn]] void give_up() const;
+  void meet_within(Duration longest, const std::string& problem, int exit_code);
+  Picture put_together_here(const DeepImage& seen, const Look& look);
 
-  int number_ = 0, count_ = 1, threads_ = 1;
-  std::chrono::duration<double> patience_;
+  int number_ = 0, count_ = 1, beside_ = 1, threads_ = 1;
+  Duration patience_;
 };
 
 }  // namespace ovoid::cli

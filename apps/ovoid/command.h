@@ -29,6 +29,12 @@ void run_bench(const Words& words, Session& session);
 // started this, or OVOID_MPI is 0.
 int processes_by_mpi();
 
+// Whether this is the process that tells what is wrong with all of them.
+bool speaks_for_all();
+// In the environment of ovoid-mpi: how many processes the launcher has started, which its own MPI
+// must see, too.
+inline constexpr const char* kProcessesOfLauncher = "OVOID_MPI_PROCESSES";
+
 // Becomes ovoid-mpi, which lies beside this program, and hands it the words. Throws UsageError for
 // other commands than render, Error(kUnsupported) if it is not there.
 [[noreturn]] void run_with_mpi(const Words& words);

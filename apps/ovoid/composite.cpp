@@ -121,6 +121,9 @@ void run_composite(const Words& words, Session& session) {
   if (const std::string missing = missing_parts(path_of_number); !missing.empty())
     throw Error(ErrorCode::kInvalidArgument,
                 fmt::format("of {} parts these are not given: {}", first.count, missing));
+  const bool has_integrals = seen.front().mode == Mode::kXray && is_for_eyes(composite.output);
+  if (composite.drawing.look.range && !has_integrals)
+    throw UsageError("--range: is for x-ray pictures with colours, .png or .jpg");
   const Image image = picture_of(merged(seen), first.look, composite.drawing.look,
                                  is_for_eyes(composite.output), session);
   session.check_stop();

@@ -11,6 +11,7 @@
 #include "make_field.h"
 #include "ovoid/error.h"
 #include "ovoid/slices.h"
+#include "team.h"
 
 namespace ovoid::cli {
 void check_format_flags(const DataFlags& data, const Dataset& dataset) {
@@ -42,6 +43,7 @@ ReadOptions read_options(const DataFlags& data, const Session& session) {
   options.step = data.step;
   options.may_stay_in_file = data.may_stay_in_file;
   options.memory_limit = static_cast<std::int64_t>(data.memory_limit.value_or(0));
+  if (session.team() != nullptr) options.processes_beside = session.team()->beside();
   options.stop = session.stop();
   options.hdf5.positions = data.positions;
   options.hdf5.values = data.values;

@@ -121,7 +121,8 @@ int run_guarded(int argc, char** argv) {
     flush_out();
     return kExitDone;
   } catch (...) {
-    const int code = complain_of_exception();
+    const bool is_one_of_many = processes_by_mpi() > 1 && !speaks_for_all();
+    const int code = is_one_of_many ? failure_of_exception().exit_code : complain_of_exception();
     std::fflush(stdout);
     // Not return: HDF5 closes at the end once more what it could not close on a full disk, and
     // crashes.

@@ -4,9 +4,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <span>
 #include <sstream>
+#include <utility>
 
+#include "ovoid/kernel_field.h"
 #include "ovoid/space_part.h"
 
 namespace ovoid::cli {
@@ -19,6 +24,60 @@ std::string in_one_line(std::string text) {
 
 std::string words_of(const Vec3& v) { return fmt::format("{} {} {}", v[0], v[1], v[2]); }
 
+// FNV-1a over numbers, in the order in which they are added.
+class Digest {
+ public:
+  template <class T>
+  void add(const T& number) {
+    for (const std::byte byte : std::as_bytes(std::span(&number, 1)))
+      sum_ = (sum_ ^ std::to_integer<std::uint64_t>(byte)) * 1099511628211U;
+  }
+  void add(const ValueRange& range) {
+    add(range.lo);
+    add(range.hi);
+  }
+  void add(const Vec3& place) {
+    for (const double coordinate : {place[0], place[1], place[2]}) add(coordinate);
+  }
+  std::uint64_t value() const noexcept { return sum_; }
+
+ private:
+  std::uint64_t sum_ = 14695981039346656037U;
+};
+
+// Of what every process knows of its bricks: other values, or other places, have others.
+std::uint64_t digest_of(const Field& field) {
+  Digest digest;
+  if (const LatticeField* const lattice = field.lattice()) {
+    const BrickSource& source = lattice->source();
+    const LatticeGeometry& geometry = source.geometry();
+    for (const std::int64_t size : geometry.dims) digest.add(size);
+    const std::int64_t edge = source.brick_edge();
+    const auto num_bricks = [&](std::size_t axis) { return (geometry.dims[axis] - 1) / edge + 1; };
+    for (std::int64_t z = 0; z < num_bricks(2); ++z) {
+      for (std::int64_t y = 0; y < num_bricks(1); ++y) {
+        for (std::int64_t x = 0; x < num_bricks(0); ++x) digest.add(source.brick_range(x, y, z));
+      }
+    }
+  } else if (const KernelField* const set = field.kernels()) {
+    const KernelSource& source = set->source();
+    for (std::int64_t i = 0; i < source.num_bricks(); ++i) {
+      const KernelBrick& brick = source.brick(i);
+      digest.add(brick.count);
+      digest.add(Vec3(brick.support.min()));
+      digest.add(Vec3(brick.support.max()));
+      for (std::size_t a = 0; a < source.attributes().size(); ++a) digest.add(brick.ranges[a]);
+    }
+  }
+  return digest.value();
+}
+
+std::uint64_t digest_of(const Surface& surface) {
+  Digest digest;
+  for (const Vec3& place : surface.places) digest.add(place);
+  return digest.value();
+}
+
 std::string name_of_line(const std::string& line) { return line.substr(0, line.find(' ')); }
 
 }  // namespace
@@ -28,18 +87,20 @@ std::string picture_lines(const FrameSubject& subject, const Camera& camera,
   const Field& field = subject.field;
   const Bounds3 bounds = field.world_bounds();
   const ValueRange range = field.value_range();
-  std::string lines =
-      fmt::format("data {} kernels, values {} to {}, from {} to {}\n", field.num_kernels(),
-                  range.lo, range.hi, words_of(bounds.min()), words_of(bounds.max()));
+  std::string lines = fmt::format("data {} kernels, values {} to {}, from {} to {}, {:016x}\n",
+                                  field.num_kernels(), range.lo, range.hi, words_of(bounds.min()),
+                                  words_of(bounds.max()), digest_of(field));
   if (subject.surface != nullptr)
-    lines += fmt::format("surface {} triangles, walls {}\n", subject.surface->triangles.size(),
-                         subject.walls.opacity);
+    lines += fmt::format("surface {} triangles, {:016x}, walls {} {}\n",
+                         subject.surface->triangles.size(), digest_of(*subject.surface),
+                         subject.walls.opacity, subject.walls.shows_edges);
   if (subject.points) lines += fmt::format("points {}\n", subject.points->size);
   lines += fmt::format("size {}x{}\n", options.width, options.height);
   lines += fmt::format("sampling-distance {}\n", sheet_distance(field, subject.look, options));
-  lines += fmt::format("sampling {} {} {} {}\n", static_cast<int>(options.classification),
+  lines += fmt::format("sampling {} {} {} {} {} {}\n", static_cast<int>(options.classification),
                        static_cast<int>(options.slab), static_cast<int>(options.gradient),
-                       static_cast<int>(options.post_convolution));
+                       static_cast<int>(options.post_convolution), static_cast<int>(options.spread),
+                       options.opaque_at);
   for (const ClipPlane& plane : options.clip_planes)
     lines += fmt::format("clip {} {}\n", words_of(plane.normal), plane.offset);
   lines += "camera " + in_one_line(to_text(camera)) + "\n";
@@ -62,7 +123,9 @@ std::string differing_line(const std::string& a, const std::string& b) {
 }
 
 PicturePart draw_part(Renderer& renderer, const FrameSubject& subject, const Camera& camera,
-                      RenderOptions options, int number, int count, const RenderHooks& hooks) {
+                      RenderOptions options, const PartChoice& choice, const RenderHooks& hooks,
+                      Session& session) {
+  const auto [number, count] = choice;
   const std::vector<SpacePart> parts = split_space(subject.field, count);
   options.part = std::make_shared<SpacePart>(parts[static_cast<std::size_t>(number) - 1]);
   PicturePart part;
@@ -70,13 +133,16 @@ PicturePart draw_part(Renderer& renderer, const FrameSubject& subject, const Cam
   part.count = count;
   part.picture = picture_lines(subject, camera, options);
   part.look = subject.look;
-  part.seen = *draw_frame(renderer, subject, camera, options, hooks).seen;
+  Frame frame = draw_frame(renderer, subject, camera, options, hooks);
+  if (!frame.profile.notice.empty()) session.note(frame.profile.notice);
+  part.seen = std::move(frame.seen.value());
   return part;
 }
 
 Image picture_of(const DeepImage& seen, Look look, const LookFlags& flags, bool is_for_eyes,
                  Session& session) {
   Image image = composited(seen, look);
+  if (is_empty(image)) session.note("nothing shows in any part");
   if (seen.mode == Mode::kXray && is_for_eyes) {
     spread_over_integrals(look.transfer_function, image, flags, session);
     color_integrals(image, look.transfer_function);

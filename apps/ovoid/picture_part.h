@@ -7,6 +7,7 @@
 
 #include "drawing.h"
 #include "ovoid/io.h"
+#include "values.h"
 
 namespace ovoid::cli {
 
@@ -18,9 +19,10 @@ std::string picture_lines(const FrameSubject& subject, const Camera& camera,
 // The name of the first line in which two such texts differ: "camera"; empty if they do not.
 std::string differing_line(const std::string& a, const std::string& b);
 
-// Part `number` of `count`, from 1. Throws Error.
+// Tells what the frame has to say. Throws Error.
 PicturePart draw_part(Renderer& renderer, const FrameSubject& subject, const Camera& camera,
-                      RenderOptions options, int number, int count, const RenderHooks& hooks);
+                      RenderOptions options, const PartChoice& choice, const RenderHooks& hooks,
+                      Session& session);
 
 // The picture of all parts, with the colours of integrals where it is for eyes.
 Image picture_of(const DeepImage& seen, Look look, const LookFlags& flags, bool is_for_eyes,

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <utility>
@@ -73,7 +74,7 @@ const Table<RenderFlags>& output_settings() {
        "together",
        not_with("value-plane motion-blur colorbar axes bounding-box scale-bar",
                 "{0} needs a whole picture"),
-       not_with("repeat dry-run profile", "{0} is for whole pictures"),
+       not_with("repeat dry-run profile opaque-at", "{0} is for whole pictures"),
        not_with("sheets", "is on image sheets alone", is_lattice)},
   };
   return all;
@@ -182,41 +183,59 @@ void write_part(const RenderFlags& render, const FrameSubject& subject, const Ca
   RenderHooks hooks;
   hooks.stop = session.stop();
   hooks.progress = progress.callback();
-  const PicturePart part = draw_part(renderer, subject, camera, render.drawing.options,
-                                     render.part->number, render.part->count, hooks);
+  const PicturePart part =
+      draw_part(renderer, subject, camera, render.drawing.options, *render.part, hooks, session);
   write_picture_part(part, render.output, {session.stop()});
 }
 
-struct Stages {
-  const RunProfile& profile;
-  double draw_ms;
-  const Team::Picture* picture;  // null: of another process
-};
+// Of the quickest and of the slowest process.
+using NamedSpread = std::pair<std::string, Team::Spread>;
 
-// What each stage took, the quickest and the slowest process.
-void tell_stages(Team& team, const Stages& stages, Session& session) {
-  std::string line = fmt::format("processes: {}", team.count());
-  const auto add = [&](const char* name, double ms) {
-    const auto [least, greatest] = team.spread(ms);
-    line += fmt::format("; {} {:.0f} to {:.0f} ms", name, least, greatest);
+std::string line_of(int processes, const std::vector<NamedSpread>& spreads,
+                    const Team::Picture& picture) {
+  std::string line = fmt::format("processes: {}", processes);
+  for (const auto& [name, spread] : spreads)
+    line += fmt::format("; {} {:.0f} to {:.0f}", name, spread.least, spread.greatest);
+  return line + fmt::format("; exchange_ms {:.1f}; composite_ms {:.1f}; bytes_sent {}",
+                            picture.exchange_ms, picture.composite_ms, picture.bytes);
+}
+
+std::string json_of(int processes, const std::vector<NamedSpread>& spreads,
+                    const Team::Picture& picture) {
+  nlohmann::ordered_json json{{"processes", processes}};
+  for (const auto& [name, spread] : spreads)
+    json[name] = {{"least", spread.least}, {"greatest", spread.greatest}};
+  json["exchange_ms"] = picture.exchange_ms;
+  json["composite_ms"] = picture.composite_ms;
+  json["bytes_sent"] = picture.bytes;
+  return json.dump(2) + "\n";
+}
+
+// What each stage took; all processes come here, and the first tells.
+void tell_stages(Team& team, const RenderFlags& render, const RunProfile& profile, double draw_ms,
+                 const std::optional<Team::Picture>& picture) {
+  std::vector<NamedSpread> spreads;
+  const auto add = [&](const char* name, double value) {
+    spreads.emplace_back(name, team.spread(value));
   };
-  add("load", stages.profile.load_ms);
-  add("model", stages.profile.model_ms);
-  add("draw", stages.draw_ms);
-  const auto [least, greatest] = team.spread(static_cast<double>(peak_memory_bytes()) / (1 << 20));
-  if (stages.picture == nullptr) return;
-  session.note(
-      fmt::format("{}; exchange {:.1f} ms, {} bytes; composite {:.1f} ms; peak {:.0f} to "
-                  "{:.0f} MiB",
-                  line, stages.picture->exchange_ms, stages.picture->bytes,
-                  stages.picture->composite_ms, least, greatest));
+  add("load_ms", profile.load_ms);
+  add("model_ms", profile.model_ms);
+  add("draw_ms", draw_ms);
+  add("peak_mib", static_cast<double>(peak_memory_bytes()) / (1 << 20));
+  if (!picture) return;
+  if (render.profile_file.empty()) {
+    tell(line_of(team.count(), spreads, *picture) + "\n");
+  } else {
+    write_file(render.profile_file, json_of(team.count(), spreads, *picture));
+  }
 }
 
 // With other processes; none of what they have drawn but at the first.
 std::optional<Image> draw_in_team(Team& team, const RenderFlags& render,
                                   const FrameSubject& subject, const Camera& camera,
                                   const RunProfile& profile, Session& session) {
-  team.agree(picture_lines(subject, camera, render.drawing.options));
+  team.agree(picture_lines(subject, camera, render.drawing.options) +
+             fmt::format("profile {}\n", render.profile));
   RendererSetup run = render.drawing.run;
   if (run.threads == 0) run.threads = team.threads();
   Renderer renderer(run);
@@ -224,11 +243,11 @@ std::optional<Image> draw_in_team(Team& team, const RenderFlags& render,
   hooks.stop = session.stop();
   const Stopwatch drawing;
   const PicturePart part = draw_part(renderer, subject, camera, render.drawing.options,
-                                     team.number() + 1, team.count(), hooks);
+                                     {team.number() + 1, team.count()}, hooks, session);
   const double draw_ms = drawing.ms();
   team.meet();
   std::optional<Team::Picture> picture = team.put_together(part.seen, subject.look);
-  if (render.profile) tell_stages(team, {profile, draw_ms, picture ? &*picture : nullptr}, session);
+  if (render.profile) tell_stages(team, render, profile, draw_ms, picture);
   if (!picture) return std::nullopt;
   return std::move(picture->image);
 }
@@ -236,10 +255,12 @@ std::optional<Image> draw_in_team(Team& team, const RenderFlags& render,
 // What can be drawn together.
 void check_for_team(const Flags& flags, const RenderFlags& render) {
   if (render.part)
-    throw UsageError("--part: several processes were started, each of which has a part already");
-  for (const char* const name : {"value-plane", "motion-blur", "repeat", "dry-run", "save-look"}) {
+    throw UsageError("--part: was started by MPI, where each process has a part already");
+  for (const char* const name :
+       {"value-plane", "motion-blur", "repeat", "dry-run", "save-look", "opaque-at"}) {
     if (flags.is_given(name))
-      throw UsageError(fmt::format("--{}: is for one process, and several were started", name));
+      throw UsageError(
+          fmt::format("--{}: is not for pictures by several processes, as MPI starts them", name));
   }
   if (render.drawing.options.sheets == Sheets::kLattice)
     throw UsageError("--sheets lattice: several processes draw on image sheets alone");

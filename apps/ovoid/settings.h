@@ -36,9 +36,9 @@ struct SliceFlags {
   double spacing = 1.0;
 };
 
-// Which data: files, and what headerless ones cannot say.
 inline constexpr std::size_t kMemoryOfSteps = std::size_t{1} << 30;
 
+// Which data: files, and what headerless ones cannot say.
 struct DataFlags {
   std::vector<std::string> inputs;
   RawOptions raw;

@@ -31,12 +31,15 @@ class Team {
 
   virtual int number() const = 0;  // of this process, from 0
   virtual int count() const = 0;
+  virtual int beside() const = 0;   // processes of the team on this machine, this among them
   virtual int threads() const = 0;  // that this process may take of its machine's
 
-  // Waits for all. Throws TeamError in all if something went wrong for one (its line and exit code,
-  // which is not 0), or if somebody does not come in time.
+  // Waits for all, and long, as one may draw more than another. Throws TeamError in all if
+  // something went wrong for one (its line and exit code, which is not 0); ends the job if somebody
+  // never comes.
   virtual void meet(const std::string& problem = {}, int exit_code = 0) = 0;
   // Throws TeamError in all, naming the first line that differs, unless all have the same lines.
+  // Whoever has read and modelled the data waits less long for the others.
   virtual void agree(const std::string& lines) = 0;
 
   struct Spread {

@@ -31,18 +31,27 @@ int processes_by_mpi() {
   return std::max({number_in("OMPI_COMM_WORLD_SIZE"), number_in("PMI_SIZE"), of_slurm, 0});
 }
 
+bool speaks_for_all() {
+  for (const char* const name : {"OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK"}) {
+    if (!environment(name).empty()) return number_in(name) == 0;
+  }
+  return true;
+}
+
 void run_with_mpi(const Words& words) {
   if (words.empty() || words.front() != "render")
     throw UsageError(
-        "started as several processes: that is for ovoid render alone (OVOID_MPI=0 lets each of "
-        "them work for itself)");
+        "started by MPI as several processes, which is for ovoid render alone (OVOID_MPI=0 lets "
+        "each of them work for itself)");
   const auto [program, is_there] = program_beside("ovoid-mpi");
   if (!is_there) {
-    throw Error(ErrorCode::kUnsupported,
-                fmt::format("render: this installation is without MPI, there is no {}; without it: "
-                            "ovoid render --part K/N, then ovoid composite",
-                            program));
+    throw Error(
+        ErrorCode::kUnsupported,
+        fmt::format("render: was started by MPI, and this installation is without it, there "
+                    "is no {}; without it: ovoid render --part K/N, then ovoid composite",
+                    program));
   }
+  setenv(kProcessesOfLauncher, std::to_string(processes_by_mpi()).c_str(), 1);
   become(program, {words.begin() + 1, words.end()}, "render");
 }
 

@@ -49,8 +49,10 @@ struct ReadOptions {
   // unpacked to a temporary file (in TMPDIR); of one component, uint8, int8, uint16, int16 or
   // float32, and of the step that is asked for. DataArray::stored has them then.
   bool may_stay_in_file = false;
-  // Bytes that such a field may take in memory; 0: most of what there is.
+  // Bytes that such a field may take in memory; 0: most of what there is, divided by the processes
+  // of this machine that read beside each other.
   std::int64_t memory_limit = 0;
+  int processes_beside = 1;
   Hdf5Options hdf5;
   // Files that the input names (pieces, data files, external storage) may also lie below these
   // folders; without any, in the input's own folder alone, and HDF5 files take nothing from others.

@@ -83,7 +83,7 @@ struct Frame {
   Image image;
   FrameProfile profile;
   // Of a part of space (RenderOptions::part): runs of sheets, to be put together with those of the
-  // other parts. Then `image` shows these runs alone.
+  // other parts. Then `image` has the pixels of these runs alone, colours or values as they have.
   std::optional<DeepImage> seen;
 };
 

@@ -42,6 +42,10 @@ void RenderOptions::validate() const {
     require(std::isfinite(plane.offset), fmt::format("clip_planes[{}].offset: must be finite", i));
   }
   if (part != nullptr) {
+    require(opaque_at >= kOpaque,
+            fmt::format("opaque_at = {}: must be at least {} where a part of space is drawn, which "
+                        "does not know how opaque it is in front of it",
+                        opaque_at, kOpaque));
     for (const SpacePart::Side& side : part->sides) {
       require(side.normal.allFinite() && side.normal.norm() > 0 && std::isfinite(side.offset),
               "part: the planes of its sides must be finite, their normals not zero");

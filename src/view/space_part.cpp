@@ -171,7 +171,7 @@ DeepImage runs_of_part(const Image& image, Mode mode, const PartSheets& sheets,
 }
 
 DeepImage runs_of_surfaces(const Image& image, const SpacePart& part, const Camera& camera) {
-  // They have no sheets of their own, and take those that are a pixel apart.
+  // They have no sheets of their own: any will do, if all take the same.
   const ViewLattice pixels(camera, image.width, image.height, 1.0, LatticeGeometry{});
   const double pitch = pixels.pitch(0);
   const ViewLattice lattice(camera, image.width, image.height, pitch, LatticeGeometry{});

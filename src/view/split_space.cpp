@@ -43,7 +43,7 @@ class LatticeSplitter {
     Index3 middle_hi = hi;
     Index3 middle_lo = lo;
     middle_hi[axis] = middle_lo[axis] = static_cast<std::int64_t>(std::floor(at));
-    // Between two samples, where there are two.
+    // Half a sample before number `at`: between two samples, where it is a whole number.
     const auto row = static_cast<Eigen::Index>(axis);
     const Vec3 normal = index_from_world_.linear().row(row).transpose();
     const double offset = at - 0.5 - index_from_world_.translation()[row];

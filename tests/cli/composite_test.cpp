@@ -54,7 +54,8 @@ TEST_F(Composite, WhatDoesNotBelongTogetherIsRefused) {
                  {second_, "another picture", "'camera'"});
   expect_success(part("2/3", second_));
   expect_failure({"composite", first_, second_, "-o", picture_}, 1, {"one of 3 parts"});
-  expect_failure({"composite", first_, head_, "-o", picture_}, 1, {head_, "cannot be read"});
+  expect_failure({"composite", first_, head_, "-o", picture_}, 1,
+                 {head_, "not a part of a picture"});
   expect_failure({"composite", first_, second_, "-o", first_}, 2, {"--output"});
   expect_failure({"composite", "-o", picture_}, 2, {"no parts given"});
   EXPECT_FALSE(std::filesystem::exists(picture_));

@@ -11,16 +11,9 @@ namespace {
 
 using nlohmann::json;
 
-json info(const std::string& path, Words more = {}) {
-  more.insert(more.begin(), {"info", path, "--json"});
-  const Outcome result = run(more);
-  EXPECT_EQ(result.exit_code, 0) << result.err;
-  return json::parse(result.out, nullptr, false);
-}
-
 TEST(Info, TellsWhatIsInTheFile) {
   const Folder folder;
-  const json facts = info(write_ball(folder), {"--spacing", "1,2,0.5"});
+  const json facts = facts_of(write_ball(folder), {"--spacing", "1,2,0.5"});
   EXPECT_EQ(facts["kind"], "lattice");
   EXPECT_EQ(facts["dims"], (json{16, 16, 16}));
   EXPECT_EQ(facts["spacing"], (json{1.0, 2.0, 0.5}));
@@ -59,7 +52,7 @@ TEST(Info, TellsWhereTheAxesPointInThePatient) {
     const std::string path = folder / "x.nrrd";
     write_file(path, "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nencoding: raw\nspace: " +
                          space + "\nspace directions: " + directions + "\n\n01234567");
-    return info(path)["orientation"];
+    return facts_of(path)["orientation"];
   };
   EXPECT_EQ(orientation("LPS", "(1,0,0) (0,1,0) (0,0,1)"), "LPS");
   EXPECT_EQ(orientation("RAS", "(1,0,0) (0,1,0) (0,0,1)"), "RAS");
@@ -76,7 +69,7 @@ TEST(Info, CountsMissingSamples) {
   values[5] = -7.5F;
   const std::string path = folder / "x_3x3x3_float32.raw";
   write_file(path, {reinterpret_cast<const char*>(values.data()), 4 * values.size()});
-  const json facts = info(path);
+  const json facts = facts_of(path);
   EXPECT_EQ(facts["arrays"][0]["missing"], 2);
   EXPECT_EQ(facts["arrays"][0]["range"], (json{-7.5, 2.0}));
   EXPECT_EQ(facts["field"]["missing"], 2);
@@ -87,7 +80,7 @@ TEST(Info, DescribesAVolumeOfHoles) {
   const std::vector<float> values(8, std::nanf(""));
   const std::string path = folder / "x_2x2x2_float32.raw";
   write_file(path, {reinterpret_cast<const char*>(values.data()), 4 * values.size()});
-  const json facts = info(path);
+  const json facts = facts_of(path);
   EXPECT_EQ(facts["dims"], (json{2, 2, 2}));
   EXPECT_EQ(facts["arrays"][0]["missing"], 8);
   EXPECT_TRUE(facts["field"].is_null());
@@ -126,11 +119,11 @@ TEST(Make, WritesWhatWasAskedFor) {
   const Folder folder;
   const std::string path = folder / "ml.nrrd";
   expect_success({"make", "marschner-lobb", "-o", path, "--size", "9x8x7", "--type", "uint8"});
-  const json facts = info(path);
+  const json facts = facts_of(path);
   EXPECT_EQ(facts["dims"], (json{9, 8, 7}));
   EXPECT_EQ(facts["arrays"][0]["type"], "uint8");
   expect_success({"make", "marschner-lobb", "-o", folder / "cube.npy", "--size", "6"});
-  EXPECT_EQ(info(folder / "cube.npy")["dims"], (json{6, 6, 6}));
+  EXPECT_EQ(facts_of(folder / "cube.npy")["dims"], (json{6, 6, 6}));
   expect_success({"make", "marschner-lobb", "-o", folder / "again.nrrd", "--size", "9x8x7",
                   "--type", "uint8"});
   EXPECT_EQ(read_file(path), read_file(folder / "again.nrrd"));
@@ -187,7 +180,7 @@ TEST(Convert, KeepsSamplesAndGeometry) {
   const std::string ball = write_ball(folder);
   const std::string a = folder / "a.nrrd";
   expect_success({"convert", ball, "-o", a, "--spacing", "1,2,3"});
-  const json facts = info(a);
+  const json facts = facts_of(a);
   EXPECT_EQ(facts["spacing"], (json{1.0, 2.0, 3.0}));
   const std::string b = folder / "b.nhdr";
   expect_success({"convert", a, "-o", b});
@@ -213,14 +206,14 @@ TEST(Convert, ScaledValuesOfNifti) {
   const std::string packed = folder / "b.nii.gz";
   expect_success({"convert", nii, "-o", packed});
   for (const std::string& path : {nii, packed}) {
-    const json facts = info(path);
+    const json facts = facts_of(path);
     EXPECT_EQ(facts["format"], "NIfTI-1");
     EXPECT_EQ(facts["arrays"][0]["type"], "uint8");
     EXPECT_EQ(facts["arrays"][0]["range"], (json{-1.0, 2.5}));
     EXPECT_EQ(facts["arrays"][0]["value_scale"], 0.5);
   }
   expect_success({"convert", packed, "-o", folder / "c.nrrd"});
-  const json facts = info(folder / "c.nrrd");
+  const json facts = facts_of(folder / "c.nrrd");
   EXPECT_EQ(facts["arrays"][0]["type"], "float32");
   EXPECT_EQ(facts["arrays"][0]["range"], (json{-1.0, 2.5}));
   // Turned or moved without a patient space: it gets one, and that is told.
@@ -279,7 +272,7 @@ TEST(Convert, LatticeFilesDenseAndAsRuns) {
   const Outcome first = run({"convert", ball, "-o", dense});
   if (first.err.find("no HDF5") != std::string::npos) GTEST_SKIP() << first.err;
   EXPECT_EQ(first.exit_code, 0) << first.err;
-  const json facts = info(dense);
+  const json facts = facts_of(dense);
   EXPECT_EQ(facts["format"], "HDF5 lattice, dense");
   EXPECT_EQ(facts["lattice"], "cartesian");
   EXPECT_EQ(facts["series"], "steps");
@@ -313,7 +306,7 @@ TEST(Convert, TakesTheTypesThatNamesTake) {
   write_file(folder / "x.raw", ball_bytes());
   expect_success({"convert", folder / "x.raw", "--dims", "16x16x16", "--type", "uchar", "-o",
                   folder / "y.nrrd"});
-  EXPECT_EQ(info(folder / "y.nrrd")["arrays"][0]["type"], "uint8");
+  EXPECT_EQ(facts_of(folder / "y.nrrd")["arrays"][0]["type"], "uint8");
 }
 
 TEST(Convert, RewritesLooks) {

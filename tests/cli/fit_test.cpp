@@ -40,7 +40,7 @@ TEST_F(Fit, MeshesBecomeFewKernels) {
   EXPECT_GT(json["psnr_db"], 28);
   EXPECT_GE(json["bytes"].get<double>(), read_file(few).size());
   EXPECT_EQ(json["steps"].back()["kernels"], 300);
-  const auto field = info({few})["field"];
+  const auto field = facts_of(few)["field"];
   EXPECT_EQ(field["num_kernels"], 300);
   EXPECT_EQ(field["reconstruction"], "normalized");
   EXPECT_EQ(field["cutoff"], 3.5);

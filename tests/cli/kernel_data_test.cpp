@@ -70,14 +70,6 @@ std::vector<std::vector<double>> read_rows(const std::string& path, std::string*
   return rows;
 }
 
-json info(Words words) {
-  words.insert(words.begin(), "info");
-  words.emplace_back("--json");
-  const Outcome told = run(words);
-  EXPECT_EQ(told.exit_code, 0) << told.err;
-  return told.exit_code == 0 ? json::parse(told.out) : json{};
-}
-
 TEST_F(KernelData, ParticlesAndStoredKernelsAreDrawnWithoutFlags) {
   for (const std::string& path : {particles(), blobs()}) {
     EXPECT_GT(draw(folder_, {path}).num_covered(), 100U) << path;
@@ -116,7 +108,7 @@ TEST_F(KernelData, EveryFlagOfTheModelChangesThePicture) {
   const auto mass_of = [&](const Words& more) {
     Words words = density;
     words.insert(words.end(), more.begin(), more.end());
-    return info(words)["field"]["range"][1].get<double>();
+    return facts_of(words[0], {words.begin() + 1, words.end()})["field"]["range"][1].get<double>();
   };
   EXPECT_NEAR(mass_of({"--mass", "3"}), 3 * mass_of({}), 1e-4 * mass_of({}) + 1e-6);
   EXPECT_GT(mass_of({"--mass-array", "v"}), mass_of({}));
@@ -201,7 +193,7 @@ TEST_F(KernelData, NotesSayWhatWasChosenAndCounted) {
 }
 
 TEST_F(KernelData, InfoTellsAllOfParticles) {
-  const json told = info({particles(), "--color-array", "charge"});
+  const json told = facts_of(particles(), {"--color-array", "charge"});
   EXPECT_EQ(told["kind"], "particles");
   EXPECT_EQ(told["format"], "CSV");
   EXPECT_EQ(told["points"], 512);
@@ -320,7 +312,7 @@ TEST_F(KernelData, OpacitiesFromZeroBeatALogarithmThatNobodyAskedFor) {
 
 TEST_F(KernelData, DensitiesAreColouredByTheOthersMean) {
   const std::string path = rows("two.csv", "x,y,z,m,v\n0,0,0,1,10\n1,0,0,3,20\n");
-  const json field = info({path, "--quantity", "density", "--color-array", "v"})["field"];
+  const json field = facts_of(path, {"--quantity", "density", "--color-array", "v"})["field"];
   EXPECT_EQ(field["color_range"], json({10, 20}));
   const std::string points = rows("middle.csv", "x,y,z\n0.5,0,0\n");
   expect_success({"sample", path, "--points", points, "-o", folder_ / "s.csv", "--quantity",
@@ -447,8 +439,8 @@ TEST_F(KernelData, ConvertKeepsParticlesAndKernels) {
   const std::string path = particles();
   for (const char* const name : {"p.npz", "p.ply", "p.csv"}) {
     expect_success({"convert", path, "-o", folder_ / name});
-    EXPECT_EQ(info({folder_ / name})["points"], 512) << name;
-    EXPECT_EQ(info({folder_ / name})["kind"], "particles") << name;
+    EXPECT_EQ(facts_of(folder_ / name)["points"], 512) << name;
+    EXPECT_EQ(facts_of(folder_ / name)["kind"], "particles") << name;
     EXPECT_EQ(draw(folder_, {folder_ / name, "--array", "temperature"}).rgba,
               draw(folder_, {path, "--array", "temperature"}).rgba)
         << name;
@@ -457,7 +449,7 @@ TEST_F(KernelData, ConvertKeepsParticlesAndKernels) {
   expect_success({"convert", ply, "-o", folder_ / "again.ply"});
   EXPECT_EQ(draw(folder_, {folder_ / "again.ply"}).rgba, draw(folder_, {ply}).rgba);
   expect_success({"convert", path, "-o", folder_ / "balls.ply", "--kernels"});
-  EXPECT_EQ(info({folder_ / "balls.ply"})["kind"], "kernels");
+  EXPECT_EQ(facts_of(folder_ / "balls.ply")["kind"], "kernels");
 }
 
 TEST_F(KernelData, ConvertRefusesWhatHasNoEffect) {
@@ -480,7 +472,7 @@ TEST_F(KernelData, ConvertRefusesWhatHasNoEffect) {
 
 TEST_F(KernelData, MakeWritesSetsOfTheirOwnSize) {
   expect_success({"make", "galaxy", "--count", "300", "-o", folder_ / "g.npz"});
-  EXPECT_EQ(info({folder_ / "g.npz"})["points"], 300);
+  EXPECT_EQ(facts_of(folder_ / "g.npz")["points"], 300);
   expect_success({"make", "fin", "--count", "500", "-o", folder_ / "fin.vtu"});
   EXPECT_NE(read_file(folder_ / "fin.vtu").find("UnstructuredGrid"), std::string::npos);
   expect_failure({"make", "galaxy", "--size", "8", "-o", folder_ / "x.csv"}, 2, {"--size"});
@@ -548,7 +540,7 @@ TEST_F(KernelData, MeshesAreDescribedDrawnAndConverted) {
   expect_success({"make", "fin", "--count", "600", "-o", fin});
   if (run({"info", fin}).err.find("no VTK") != std::string::npos)
     GTEST_SKIP() << "this build reads no VTU";
-  const json told = info({fin});
+  const json told = facts_of(fin);
   EXPECT_EQ(told["kind"], "mesh");
   EXPECT_EQ(told["cells"]["count"], told["cells"]["types"]["tetrahedron"]);
   EXPECT_TRUE(told["cells"]["dims"].is_null());
@@ -586,7 +578,7 @@ TEST_F(KernelData, MeshesAreDescribedDrawnAndConverted) {
   expect_success({"convert", fin, "-o", folder_ / "again.vtu"});
   EXPECT_EQ(draw_mesh(folder_ / "again.vtu", {}), base);
   expect_success({"convert", fin, "-o", folder_ / "fin.ply", "--array", "density"});
-  const json kernels = info({folder_ / "fin.ply"});
+  const json kernels = facts_of(folder_ / "fin.ply");
   EXPECT_EQ(kernels["kind"], "kernels");
   EXPECT_EQ(kernels["points"], told["points"]);
   EXPECT_EQ(kernels["arrays"][0]["name"], "density");

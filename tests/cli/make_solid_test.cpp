@@ -43,17 +43,17 @@ constexpr const char* kValues = "0 0 0 0 1 1 1 1 0 0 0 0";
 TEST_F(MakeSolid, KernelsAreDrawn) {
   const std::string solid = folder_ / "solid.ply";
   expect_success({"make", "solid", "-o", solid});
-  const auto field = info({solid})["field"];
+  const auto field = facts_of(solid)["field"];
   EXPECT_EQ(field["num_kernels"], 1405);
   EXPECT_EQ(field["reconstruction"], "sum");
   EXPECT_EQ(field["array"], "density");
   EXPECT_GT(draw(folder_, {solid}).num_covered(), 100U);
   expect_success({"make", "solid", "-o", solid, "--levels", "0", "--basis", "two"});
-  EXPECT_EQ(info({solid})["field"]["num_kernels"], 2 * 258);
+  EXPECT_EQ(facts_of(solid)["field"]["num_kernels"], 2 * 258);
   // As published: what is even comes out a third too dense.
   const auto greatest = [&](const char* basis) {
     expect_success({"make", "solid", "-o", solid, "--basis", basis});
-    return info({solid})["field"]["range"][1].get<double>();
+    return facts_of(solid)["field"]["range"][1].get<double>();
   };
   EXPECT_GT(greatest("one"), 1.1 * greatest("interpolating"));
 }
@@ -70,16 +70,16 @@ TEST_F(MakeSolid, MeshesAreWrittenAndRead) {
   const std::string star = folder_ / "star.vtu", level = folder_ / "level.vtu",
                     solid = folder_ / "solid.ply";
   expect_success({"make", "solid", "--control", star, "--levels", "2", "-o", level});
-  EXPECT_EQ(info({level})["cells"]["count"], 64 * 110);
+  EXPECT_EQ(facts_of(level)["cells"]["count"], 64 * 110);
   expect_success({"make", "solid", "--control", star, "-o", solid});
-  EXPECT_EQ(info({solid})["field"]["num_kernels"], 1405);
+  EXPECT_EQ(facts_of(solid)["field"]["num_kernels"], 1405);
 }
 
 TEST_F(MakeSolid, TakesAMeshOfHexahedra) {
   if (!reads_vtu()) GTEST_SKIP() << "this build reads no VTK";
   const std::string row = row_of_cells(kTwoCells, kValues), solid = folder_ / "solid.ply";
   expect_success({"make", "solid", "--control", row, "--array", "rho", "-o", solid});
-  EXPECT_EQ(info({solid})["field"]["array"], "rho");
+  EXPECT_EQ(facts_of(solid)["field"]["array"], "rho");
   expect_failure({"make", "solid", "--control", row, "--array", "none", "-o", folder_ / "x.ply"}, 1,
                  {"row.vtk", "none", "rho"});
 }

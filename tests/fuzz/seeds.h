@@ -324,6 +324,33 @@ inline std::vector<std::string> vtk_header_seeds() {
   };
 }
 
+// Parts of pictures, as they are written: one with runs, one without.
+inline std::vector<std::string> picture_part_seeds() {
+  std::vector<std::string> seeds;
+  for (const bool has_runs : {true, false}) {
+    PicturePart part;
+    part.picture = "size 3x2\n";
+    part.count = 2;
+    part.look.transfer_function.colors = {{0, {0, 0, 0}}, {1, {1, 1, 1}}};
+    part.seen.width = 3;
+    part.seen.height = 2;
+    part.seen.first.assign(7, 0);
+    if (has_runs) {
+      part.seen.first = {0, 0, 2, 2, 3, 3, 3};
+      part.seen.runs = {{-20, -3, {0.1F, 0.2F, 0.3F, 0.4F}, 3, 2.5F, 1},
+                        {-3, 40, {0.5F, 0.25F, 0, 1}, 7, 6, 1},
+                        {1, 2, {1, 1, 0, 1}, 1, 1, 0.5F}};
+    }
+    const std::filesystem::path path = std::filesystem::temp_directory_path() /
+                                       ("ovoid_seed_" + std::to_string(::getpid()) + ".exr");
+    write_picture_part(part, path.string());
+    std::ifstream stream(path, std::ios::binary);
+    seeds.emplace_back(std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>());
+    std::filesystem::remove(path);
+  }
+  return seeds;
+}
+
 inline std::vector<std::string> look_seeds() {
   return {
       R"([{"Name":"a","ColorSpace":"Diverging","RGBPoints":[0,0.1,0.2,0.3,0.5,1,1,1,1,0.7,0,0],"Points":[0,0,0.5,0,1,1,0.2,0.8],)"

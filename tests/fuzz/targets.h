@@ -217,6 +217,20 @@ class MemoryFile {
   int descriptor_;
 };
 
+// A part of a picture, whose runs are read by OpenEXR.
+inline void picture_part(Input input) {
+  const MemoryFile file(input);
+  try {
+    const PicturePart part = read_picture_part(file.path());
+    part.seen.validate();
+    part.look.validate();
+    require(1 <= part.number && part.number <= part.count, "a part of no picture");
+  } catch (const Error& error) {
+    require(std::string(error.what()).find('\n') == std::string::npos,
+            "a message of several lines");
+  }
+}
+
 inline void look(Input input) {
   const MemoryFile file(input);
   try {

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """One picture by several processes, against one process's: render_test.py MPIEXEC OVOID [NUMBER...]. Also what happens
 when something goes wrong for one of them. Ends with 77 (skipped) where processes cannot be started here."""
+import json
 import os
 import shutil
 import struct
@@ -86,6 +87,15 @@ def pictures(folder, data):
                 expect_same(whole, together, f"{name} {' '.join(look)} by {processes}")
 
 
+def profile(folder, path):
+    out = os.path.join(folder, "profile.json")
+    render([path, f"--profile={out}"], os.path.join(folder, "p.npy"), 2)
+    with open(out) as file:
+        told = json.load(file)
+    expect(told["processes"] == 2 and told["draw_ms"]["greatest"] >= told["draw_ms"]["least"] > 0, str(told))
+    expect(told["bytes_sent"] > 0 and told["peak_mib"]["least"] > 1, str(told))
+
+
 def parts(folder, path):
     """Without MPI: parts as files."""
     files = [os.path.join(folder, f"part-{k}.exr") for k in (1, 2, 3)]
@@ -121,9 +131,13 @@ def faults(folder, path, mesh):
     expect(done.returncode != 0 and len(lines) == 1 and "process 1 of 3" in lines[0] and "/nowhere.nrrd" in lines[0],
            f"a missing file: {done.stderr}")
     expect(not os.path.exists(out), "a missing file: a picture all the same")
-    # Others data than the rest.
+    # Other data than the rest, of the same size and range.
     other = os.path.join(folder, "other.nrrd")
-    run([OVOID, "make", "head", "--size", "20", "-o", other])
+    with open(path, "rb") as file:
+        header, samples = file.read().split(b"\n\n", 1)
+    with open(other, "wb") as file:
+        values = [samples[i:i + 4] for i in range(0, len(samples), 4)]
+        file.write(header + b"\n\n" + b"".join(reversed(values)))
     with open(script, "w") as file:
         file.write(f'#!/bin/sh\n[ "$OMPI_COMM_WORLD_RANK$PMI_RANK" = 2 ] && set -- "$1" "$2" {other} '
                    '"$4" "$5" "$6" "$7"\nexec "$@"\n')
@@ -135,6 +149,17 @@ def faults(folder, path, mesh):
     # All of them wrong in the same way: one line.
     done = run([OVOID, "render", "/nowhere.nrrd", "-o", out], 3)
     expect(done.returncode != 0 and len(our_lines(done.stderr)) == 1, f"missing everywhere: {done.stderr}")
+    done = run([OVOID, "info", path], 2)
+    expect(done.returncode != 0 and len(our_lines(done.stderr)) == 1, f"another command: {done.stderr}")
+    # A launcher whose MPI is not the program's own: each process sees itself alone.
+    done = run([OVOID, "render", path, "-o", out], PMI_SIZE="3", PMI_RANK="0")
+    expect(done.returncode != 0 and "3 processes were started" in done.stderr, f"another MPI: {done.stderr}")
+    expect(not os.path.exists(out), "another MPI: a picture all the same")
+    # Flags that only some were given.
+    with open(script, "w") as file:
+        file.write('#!/bin/sh\n[ "$OMPI_COMM_WORLD_RANK$PMI_RANK" = 1 ] && set -- "$@" --profile\nexec "$@"\n')
+    done = run([script, OVOID, "render", path, "-o", out], 2)
+    expect(done.returncode != 0 and "'profile' differs" in done.stderr, f"other flags: {done.stderr}")
     done = run([OVOID, "render", path, "-o", out, "--repeat", "3"], 2)
     expect(done.returncode != 0 and len(our_lines(done.stderr)) == 1, f"usage: {done.stderr}")
     # One that dies.
@@ -177,6 +202,7 @@ def main():
     try:
         data = make_data(folder)
         pictures(folder, data)
+        profile(folder, data["head"])
         parts(folder, data["head"])
         faults(folder, data["head"], data["fin"])
         memory(folder)

@@ -27,15 +27,19 @@ std::int64_t bytes_of_field(ScalarType type, std::int64_t num_bytes) {
 constexpr std::int64_t kLeastPages = std::int64_t{8} << 20;
 constexpr std::int64_t kMostPages = std::int64_t{4} << 30;
 
+std::int64_t own_memory(const ReadOptions& options) {
+  return available_memory() / std::max(options.processes_beside, 1);
+}
+
 std::int64_t bytes_for_pages(const ReadOptions& options) {
-  std::int64_t bytes = available_memory() / 4;
+  std::int64_t bytes = own_memory(options) / 4;
   if (options.memory_limit > 0) bytes = std::min(bytes, options.memory_limit);
   return std::clamp(bytes, kLeastPages, kMostPages);
 }
 
 // That a field may take before its samples stay in their file.
 double most_bytes(const ReadOptions& options) {
-  const double most = kMostOfMemory * static_cast<double>(available_memory());
+  const double most = kMostOfMemory * static_cast<double>(own_memory(options));
   return options.memory_limit > 0 ? std::min(most, static_cast<double>(options.memory_limit))
                                   : most;
 }

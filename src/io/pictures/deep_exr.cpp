@@ -9,6 +9,7 @@
 #include <ImfIntAttribute.h>
 #include <ImfPartType.h>
 #include <ImfStringAttribute.h>
+#include <ImfTestFile.h>
 #include <fmt/format.h>
 
 #include <array>
@@ -17,6 +18,7 @@
 #include <vector>
 
 #include "io/core/atomic_file.h"
+#include "io/core/memory.h"
 #include "io/pictures/exr_stream.h"
 #include "ovoid/error.h"
 #include "ovoid/io.h"
@@ -126,16 +128,30 @@ void require_channels(const Imf::Header& header, const std::string& path) {
   }
 }
 
+// OpenEXR's own message for a flat picture says little.
+void require_deep(io::ExrSource& source, const std::string& path) {
+  bool is_tiled = false;
+  bool is_deep = false;
+  bool is_in_parts = false;
+  const bool is_exr = Imf::isOpenExrFile(source, is_tiled, is_deep, is_in_parts);
+  source.clear();
+  source.seekg(0);
+  if (!is_exr || !is_deep || is_tiled || is_in_parts)
+    refuse_part(path, fmt::format("is {}, not a part of a picture: expected what ovoid render "
+                                  "--part writes",
+                                  is_exr ? "a picture" : "no OpenEXR file"));
+}
+
 PicturePart part_of_header(const Imf::Header& header, const std::string& path) {
-  if (!header.hasType() || header.type() != Imf::DEEPSCANLINE)
-    refuse_part(path, "is a picture, not a part of one: expected what ovoid render --part writes");
   require_channels(header, path);
   const Imath::Box2i window = header.dataWindow();
   const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
   const std::int64_t height = std::int64_t{window.max.y} - window.min.y + 1;
   constexpr int kMost = RenderOptions::kMaxImageSide;
-  if (window.min.x != 0 || window.min.y != 0 || width < 1 || height < 1 || width > kMost ||
-      height > kMost)
+  if (window.min.x != 0 || window.min.y != 0)
+    refuse_part(
+        path, fmt::format("its pixels begin at {}, {}: must at 0, 0", window.min.x, window.min.y));
+  if (width < 1 || height < 1 || width > kMost || height > kMost)
     refuse_part(path,
                 fmt::format("{} x {} pixels: must be 1 to {} each way", width, height, kMost));
   PicturePart part;
@@ -158,10 +174,11 @@ PicturePart part_of_header(const Imf::Header& header, const std::string& path) {
 
 // All rows' counts first, so that their sum is known before memory is asked for.
 void read_counts(Imf::DeepScanLineInputFile& file, RowPointers& row, DeepImage& seen,
-                 const std::string& path) {
+                 const std::string& path, const std::stop_token& stop) {
   const auto width = static_cast<std::size_t>(seen.width);
   std::uint64_t sum = 0;
   for (int y = 0; y < seen.height; ++y) {
+    io::check_stop(stop);
     file.readPixelSampleCounts(y, y);
     for (std::size_t x = 0; x < width; ++x) {
       if (row.count(x) > kMostParts)
@@ -181,12 +198,13 @@ void read_runs(Imf::DeepScanLineInputFile& file, std::uint64_t file_bytes, const
   seen.first.push_back(0);
   RowPointers row(width);
   file.setFrameBuffer(row.frame_buffer());
-  read_counts(file, row, seen, path);
+  read_counts(file, row, seen, path, stop);
   // What is packed well may be a thousand times as large, hardly more.
   const std::uint64_t bytes = std::uint64_t{seen.first.back()} * sizeof(Run);
   if (bytes / 2000 > file_bytes)
     refuse_part(path, fmt::format("claims {} runs, which a file of its size cannot hold",
                                   seen.first.back()));
+  io::require_memory(path + ": its runs", static_cast<std::int64_t>(bytes));
   seen.runs.resize(seen.first.back());
   for (int y = 0; y < seen.height; ++y) {
     io::check_stop(stop);
@@ -238,6 +256,7 @@ void write_picture_part(const PicturePart& part, const std::string& path,
 
 PicturePart read_picture_part(const std::string& path, std::stop_token stop) try {
   io::ExrSource source(path);
+  require_deep(source, path);
   Imf::DeepScanLineInputFile file(source, 0);
   PicturePart part = part_of_header(file.header(), path);
   read_runs(file, source.size(), path, part.seen, stop);

@@ -270,8 +270,9 @@ TEST(DeviceLayout, StagesHaveTheirBindings) {
   for (std::size_t s = 0; s < kNumStages; ++s) {
     const Shader& shader = shader_of(static_cast<Stage>(s));
     const Reflection found = reflect(shader.code);
-    EXPECT_EQ(found.bindings.size(), shader.num_bindings) << shader.name;
     ASSERT_FALSE(found.bindings.empty()) << shader.name;
+    // What a stage shares with others and does not read is gone where shaders are optimised.
+    EXPECT_LE(found.bindings.size(), shader.num_bindings) << shader.name;
     EXPECT_EQ(*found.bindings.rbegin() + 1, shader.num_bindings) << shader.name;
     EXPECT_LE(shader.num_bindings, kMaxBindings) << shader.name;
     EXPECT_LE(shader.push_bytes, kPushBytes) << shader.name;

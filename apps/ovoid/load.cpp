@@ -42,7 +42,6 @@ ReadOptions read_options(const DataFlags& data, const Session& session) {
   options.block = data.block;
   options.step = data.step;
   options.may_stay_in_file = data.may_stay_in_file;
-  options.memory_limit = static_cast<std::int64_t>(data.memory_limit.value_or(0));
   if (session.team() != nullptr) options.processes_beside = session.team()->beside();
   options.stop = session.stop();
   options.hdf5.positions = data.positions;
@@ -105,6 +104,8 @@ Dataset load(const DataFlags& data, Session& session) {
   Progress progress("reading");
   ReadOptions options = read_options(data, session);
   options.progress = progress.callback();
+  // Between steps all of their samples are needed.
+  if (!data.time) options.memory_limit = static_cast<std::int64_t>(data.memory_limit.value_or(0));
   Dataset dataset = read_dataset(data.inputs, options);
   const bool is_half = dataset.series == SeriesKind::kStaggered && !data.step;
   if (data.time || is_half) {

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <utility>
@@ -24,6 +23,7 @@
 #include "profile.h"
 #include "state_words.h"
 #include "team.h"
+#include "team_profile.h"
 #include "usage.h"
 #include "values.h"
 
@@ -188,48 +188,6 @@ void write_part(const RenderFlags& render, const FrameSubject& subject, const Ca
   write_picture_part(part, render.output, {session.stop()});
 }
 
-// Of the quickest and of the slowest process.
-using NamedSpread = std::pair<std::string, Team::Spread>;
-
-std::string line_of(int processes, const std::vector<NamedSpread>& spreads,
-                    const Team::Picture& picture) {
-  std::string line = fmt::format("processes: {}", processes);
-  for (const auto& [name, spread] : spreads)
-    line += fmt::format("; {} {:.0f} to {:.0f}", name, spread.least, spread.greatest);
-  return line + fmt::format("; exchange_ms {:.1f}; composite_ms {:.1f}; bytes_sent {}",
-                            picture.exchange_ms, picture.composite_ms, picture.bytes);
-}
-
-std::string json_of(int processes, const std::vector<NamedSpread>& spreads,
-                    const Team::Picture& picture) {
-  nlohmann::ordered_json json{{"processes", processes}};
-  for (const auto& [name, spread] : spreads)
-    json[name] = {{"least", spread.least}, {"greatest", spread.greatest}};
-  json["exchange_ms"] = picture.exchange_ms;
-  json["composite_ms"] = picture.composite_ms;
-  json["bytes_sent"] = picture.bytes;
-  return json.dump(2) + "\n";
-}
-
-// What each stage took; all processes come here, and the first tells.
-void tell_stages(Team& team, const RenderFlags& render, const RunProfile& profile, double draw_ms,
-                 const std::optional<Team::Picture>& picture) {
-  std::vector<NamedSpread> spreads;
-  const auto add = [&](const char* name, double value) {
-    spreads.emplace_back(name, team.spread(value));
-  };
-  add("load_ms", profile.load_ms);
-  add("model_ms", profile.model_ms);
-  add("draw_ms", draw_ms);
-  add("peak_mib", static_cast<double>(peak_memory_bytes()) / (1 << 20));
-  if (!picture) return;
-  if (render.profile_file.empty()) {
-    tell(line_of(team.count(), spreads, *picture) + "\n");
-  } else {
-    write_file(render.profile_file, json_of(team.count(), spreads, *picture));
-  }
-}
-
 // With other processes; none of what they have drawn but at the first.
 std::optional<Image> draw_in_team(Team& team, const RenderFlags& render,
                                   const FrameSubject& subject, const Camera& camera,
@@ -247,7 +205,8 @@ std::optional<Image> draw_in_team(Team& team, const RenderFlags& render,
   const double draw_ms = drawing.ms();
   team.meet();
   std::optional<Team::Picture> picture = team.put_together(part.seen, subject.look);
-  if (render.profile) tell_stages(team, render, profile, draw_ms, picture);
+  if (render.profile)
+    tell_stages(team, {profile.load_ms, profile.model_ms, draw_ms}, picture, render.profile_file);
   if (!picture) return std::nullopt;
   return std::move(picture->image);
 }

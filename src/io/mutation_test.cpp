@@ -143,7 +143,7 @@ TEST(Mutation, Dicom) { run(fuzz::dicom_seeds(), fuzz::dicom); }
 TEST(Mutation, VtkHeader) { run(fuzz::vtk_header_seeds(), fuzz::vtk_header); }
 TEST(Mutation, Plot3d) { run(fuzz::plot3d_seeds(), fuzz::plot3d); }
 TEST(Mutation, NetcdfHeader) { run(fuzz::netcdf_header_seeds(), fuzz::netcdf_header, 4000); }
-TEST(Mutation, PictureParts) { run(fuzz::picture_part_seeds(), fuzz::picture_part, 1000); }
+TEST(Mutation, PictureParts) { run(fuzz::picture_part_seeds(), fuzz::picture_part, 400); }
 TEST(Mutation, Look) { run(fuzz::look_seeds(), fuzz::look, 4000); }
 TEST(Mutation, Camera) { run(fuzz::camera_seeds(), fuzz::camera); }
 TEST(Mutation, PointText) { run(fuzz::point_text_seeds(), fuzz::point_text, 4000); }

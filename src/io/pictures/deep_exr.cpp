@@ -138,7 +138,7 @@ std::string in_one_line(std::string text) {
 
 PicturePart part_of_header(const Imf::Header& header, const std::string& path) {
   require_channels(header, path);
-  const Imath::Box2i window = header.dataWindow();
+  const Imath::Box2i& window = header.dataWindow();
   PicturePart part;
   part.number = number_attribute(header, "ovoid.part", path);
   part.count = number_attribute(header, "ovoid.parts", path);

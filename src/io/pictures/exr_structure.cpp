@@ -16,7 +16,7 @@ namespace ovoid::io {
 namespace {
 
 constexpr std::int64_t kMostAttribute = std::int64_t{1} << 24;
-constexpr std::size_t kMostName = 255;
+constexpr std::size_t kMostName = 31;  // without the flag for longer ones, which is refused
 constexpr int kMostAttributes = 256;
 // What is packed well may be a thousand times as large, hardly more.
 constexpr std::int64_t kMostPacking = 2000;
@@ -68,6 +68,26 @@ class Walk {
   std::int64_t at_;
 };
 
+// The bytes of a list of channels, which OpenEXR reads to its own end.
+std::int64_t bytes_of_channels(const ByteSource& source, std::int64_t at) {
+  constexpr std::int64_t kNumbers = 16;  // of a channel, after its name
+  Walk list(source, at);
+  while (!list.name().empty()) list.text(kNumbers);
+  return list.at() - at;
+}
+
+// Whether OpenEXR reads as many bytes of an attribute as it claims to have; those of other types
+// than a part has might be read otherwise.
+bool is_sized(const ByteSource& source, const std::string& type, std::int64_t at,
+              std::int64_t size) {
+  static const std::map<std::string, std::int64_t, std::less<>> kSizes = {
+      {"int", 4}, {"float", 4}, {"box2i", 16}, {"v2f", 8}, {"compression", 1}, {"lineOrder", 1}};
+  if (type == "string") return size >= 0;
+  if (type == "chlist") return size == bytes_of_channels(source, at);
+  const auto known = kSizes.find(type);
+  return known != kSizes.end() && known->second == size;
+}
+
 // The lines of the picture.
 std::int64_t lines_of(const ByteSource& source, const std::string& window) {
   std::int32_t box[4];
@@ -104,23 +124,26 @@ std::int64_t unpacked_bytes(const ByteSource& source, std::int64_t offset) {
 
 void require_deep_structure(const ByteSource& source) {
   constexpr std::int32_t kMagic = 20000630;
-  constexpr std::uint32_t kVersion = 2, kTiled = 0x200, kLongNames = 0x400, kDeep = 0x800;
+  constexpr std::uint32_t kVersion = 2, kTiled = 0x200, kDeep = 0x800;
   Walk header(source, 0);
   if (source.size() < 8 || header.number<std::int32_t>() != kMagic)
     refuse_structure(source,
                      "is no OpenEXR file, not a part of a picture: expected what ovoid render "
                      "--part writes");
   const auto version = header.number<std::uint32_t>();
-  if ((version & ~kLongNames) != (kVersion | kDeep))
+  if (version != (kVersion | kDeep))
     refuse_structure(source, fmt::format("is a {}picture, not a part of a picture: expected what "
                                          "ovoid render --part writes",
                                          (version & kTiled) != 0 ? "tiled " : ""));
   std::map<std::string, std::string, std::less<>> attributes;
   for (std::string name = header.name(); !name.empty(); name = header.name()) {
-    header.name();  // of its type
+    const std::string type = header.name();
     const std::int64_t size = header.number<std::int32_t>();
-    if (size > kMostAttribute || attributes.size() == kMostAttributes)
-      refuse_structure(source, fmt::format("attribute '{}' is too large, or one too many", name));
+    if (size > kMostAttribute || attributes.size() == kMostAttributes ||
+        !is_sized(source, type, header.at(), size))
+      refuse_structure(source, fmt::format("attribute '{}' of type '{}' and {} bytes: is none that "
+                                           "a part of a picture has",
+                                           name, type, size));
     attributes[name] = header.text(size);
   }
   const std::int64_t lines = lines_of(source, attributes["dataWindow"]);

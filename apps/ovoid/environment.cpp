@@ -4,14 +4,11 @@
 #include <cstdlib>
 
 namespace ovoid::cli {
-namespace {
 
 std::string value_of(const char* variable) {
   const char* const text = std::getenv(variable);
   return text == nullptr ? "" : text;
 }
-
-}  // namespace
 
 RendererSetup setup_of_environment() {
   RendererSetup setup;

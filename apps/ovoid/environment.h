@@ -8,6 +8,9 @@
 
 namespace ovoid::cli {
 
+// Of a variable of the environment; empty if it is not set.
+std::string value_of(const char* variable);
+
 // OVOID_TARGET, OVOID_AUTO_DEVICE, OVOID_VULKAN_LOADER and OVOID_VULKAN_VALIDATION.
 RendererSetup setup_of_environment();
 

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -11,16 +10,12 @@
 #include <sstream>
 #include <utility>
 
+#include "console.h"
 #include "ovoid/kernel_field.h"
 #include "ovoid/space_part.h"
 
 namespace ovoid::cli {
 namespace {
-
-std::string in_one_line(std::string text) {
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  return text;
-}
 
 std::string words_of(const Vec3& v) { return fmt::format("{} {} {}", v[0], v[1], v[2]); }
 
@@ -103,8 +98,8 @@ std::string picture_lines(const FrameSubject& subject, const Camera& camera,
                        options.opaque_at);
   for (const ClipPlane& plane : options.clip_planes)
     lines += fmt::format("clip {} {}\n", words_of(plane.normal), plane.offset);
-  lines += "camera " + in_one_line(to_text(camera)) + "\n";
-  lines += "look " + in_one_line(to_text(subject.look)) + "\n";
+  lines += "camera " + one_line(to_text(camera)) + "\n";
+  lines += "look " + one_line(to_text(subject.look)) + "\n";
   return lines;
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "command.h"
+#include "environment.h"
 #include "other_program.h"
 #include "ovoid/error.h"
 #include "usage.h"
@@ -15,25 +16,20 @@
 namespace ovoid::cli {
 namespace {
 
-std::string environment(const char* name) {
-  const char* const value = std::getenv(name);
-  return value == nullptr ? "" : value;
-}
-
-int number_in(const char* name) { return std::atoi(environment(name).c_str()); }
+int number_in(const char* name) { return std::atoi(value_of(name).c_str()); }
 
 }  // namespace
 
 // Open MPI, MPICH and its kin, Slurm's PMIx: each tells how many there are.
 int processes_by_mpi() {
-  if (environment("OVOID_MPI") == "0") return 0;
-  const int of_slurm = environment("PMIX_RANK").empty() ? 0 : number_in("SLURM_NTASKS");
+  if (value_of("OVOID_MPI") == "0") return 0;
+  const int of_slurm = value_of("PMIX_RANK").empty() ? 0 : number_in("SLURM_NTASKS");
   return std::max({number_in("OMPI_COMM_WORLD_SIZE"), number_in("PMI_SIZE"), of_slurm, 0});
 }
 
 bool speaks_for_all() {
   for (const char* const name : {"OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK"}) {
-    if (!environment(name).empty()) return number_in(name) == 0;
+    if (!value_of(name).empty()) return number_in(name) == 0;
   }
   return true;
 }

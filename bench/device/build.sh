@@ -28,7 +28,7 @@ folder=$(mktemp -d)
 "$program" make blobs --count 3000 -o "$folder/blobs.ply"
 for data in head.nrrd blobs.ply; do
   for backend in reference vulkan; do
-    "$program" render "$folder/$data" -o "$folder/$data-$backend.npy" --size 240x180 --post-convolution off --backend "$backend"
+    "$program" render "$folder/$data" -o "$folder/$data-$backend.npy" --size 240x180 --post-convolution off --sheets image --backend "$backend"
   done
   python3 bench/device/compare.py "$folder/$data-reference.npy" "$folder/$data-vulkan.npy" 60
 done

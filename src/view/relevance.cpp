@@ -108,8 +108,8 @@ void RelevanceMap::fill_everything() {
 }
 
 void RelevanceMap::finish() {
-  if (dilation_ > 0) dilate(dilation_);
-  find_neighbours();
+  for (int i = 0; i < dilation_; ++i) words_ = grown(words_);
+  neighbour_words_ = grown(words_);
   for (std::int64_t bz = 0; bz < num_bricks_[2]; ++bz) {
     for (std::int64_t by = 0; by < num_bricks_[1]; ++by) {
       for (std::int64_t bx = 0; bx < num_bricks_[0]; bx += 4) {
@@ -123,60 +123,36 @@ void RelevanceMap::finish() {
   }
 }
 
-// Separable dilation by a cube, one axis after the other.
-void RelevanceMap::dilate(int bricks) {
-  for (int axis = 0; axis < 3; ++axis) {
-    const std::vector<std::uint32_t> before = words_;
-    const auto was = [&](Index3 b) {
-      return (before[static_cast<std::size_t>((b[2] * num_bricks_[1] + b[1]) * words_per_row_ +
-                                              (b[0] >> 5))] >>
-              (b[0] & 31)) &
-             1U;
-    };
-    Index3 b{};
-    for (b[2] = 0; b[2] < num_bricks_[2]; ++b[2]) {
-      for (b[1] = 0; b[1] < num_bricks_[1]; ++b[1]) {
-        for (b[0] = 0; b[0] < num_bricks_[0]; ++b[0]) {
-          if (!was(b)) continue;
-          const auto first = std::max<std::int64_t>(0, b[axis] - bricks);
-          const auto last = std::min<std::int64_t>(num_bricks_[axis] - 1, b[axis] + bricks);
-          Index3 n = b;
-          for (n[axis] = first; n[axis] <= last; ++n[axis]) {
-            words_[static_cast<std::size_t>((n[2] * num_bricks_[1] + n[1]) * words_per_row_ +
-                                            (n[0] >> 5))] |= 1U << (n[0] & 31);
-          }
-        }
-      }
-    }
-  }
-}
-
-// Dilation by one brick, whole words at a time.
-void RelevanceMap::find_neighbours() {
+// The marked bricks and the 26 around each, one axis after the other.
+std::vector<std::uint32_t> RelevanceMap::grown(const std::vector<std::uint32_t>& words) const {
   const std::int64_t rows = num_bricks_[1] * num_bricks_[2];
-  std::vector<std::uint32_t> along_x(words_.size());
+  const auto past = static_cast<unsigned>(num_bricks_[0] % 32);  // of the last word's bits
+  const std::uint32_t last_bits = past == 0 ? ~0U : (1U << past) - 1;
+  std::vector<std::uint32_t> along_x(words.size());
   for (std::int64_t row = 0; row < rows; ++row) {
-    const std::uint32_t* in = words_.data() + row * words_per_row_;
+    const std::uint32_t* in = words.data() + row * words_per_row_;
     std::uint32_t* out = along_x.data() + row * words_per_row_;
     for (int w = 0; w < words_per_row_; ++w) {
       out[w] = in[w] | in[w] << 1 | in[w] >> 1;
       if (w > 0) out[w] |= in[w - 1] >> 31;
       if (w + 1 < words_per_row_) out[w] |= in[w + 1] << 31;
     }
+    out[words_per_row_ - 1] &= last_bits;
   }
-  const auto spread = [&](const std::vector<std::uint32_t>& in, std::vector<std::uint32_t>& out,
-                          std::int64_t stride, std::int64_t count) {
+  // `stride` words from one of `count` to the next.
+  const auto spread = [&](const std::vector<std::uint32_t>& in, std::int64_t stride,
+                          std::int64_t count) {
+    std::vector<std::uint32_t> out(in.size());
     for (std::size_t i = 0; i < in.size(); ++i) {
       const std::int64_t at = static_cast<std::int64_t>(i) / stride % count;
       out[i] = in[i];
       if (at > 0) out[i] |= in[i - static_cast<std::size_t>(stride)];
       if (at + 1 < count) out[i] |= in[i + static_cast<std::size_t>(stride)];
     }
+    return out;
   };
-  std::vector<std::uint32_t> along_xy(words_.size());
-  spread(along_x, along_xy, words_per_row_, num_bricks_[1]);
-  neighbour_words_.resize(words_.size());
-  spread(along_xy, neighbour_words_, words_per_row_ * num_bricks_[1], num_bricks_[2]);
+  return spread(spread(along_x, words_per_row_, num_bricks_[1]), words_per_row_ * num_bricks_[1],
+                num_bricks_[2]);
 }
 
 bool RelevanceMap::any_in(const Vec3& lo, const Vec3& hi) const noexcept {

@@ -55,8 +55,7 @@ class RelevanceMap {
             (bx & 31)) &
            1U;
   }
-  void dilate(int bricks);
-  void find_neighbours();
+  std::vector<std::uint32_t> grown(const std::vector<std::uint32_t>& words) const;
 
   const LatticeField* field_;
   int shift_ = 0;

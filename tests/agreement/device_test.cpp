@@ -5,6 +5,7 @@
 
 #include <limits>
 #include <memory>
+#include <string>
 
 #include "ovoid/devices.h"
 #include "ovoid/error.h"
@@ -96,7 +97,8 @@ TEST_F(OnDevice, WhatLiesBetweenSheetsIsWholeAcrossBoxes) {
     const Frame whole = draw_with({.backend = Backend::kVulkan}, scene);
     const Frame in_boxes =
         draw_with({.backend = Backend::kVulkan, .device_memory = kFewBoxes}, scene);
-    expect_same_bytes(in_boxes.image, whole.image, "between sheets");
+    const std::string what = "between sheets, way " + std::to_string(way);
+    expect_same_bytes(in_boxes.image, whole.image, what.c_str());
     EXPECT_GT(in_boxes.profile.bytes_uploaded, whole.profile.bytes_uploaded);
   }
 }
@@ -338,7 +340,7 @@ TEST_F(OnDevice, DepthLimitsAreThoseOfTheirRows) {
     const Image whole = draw(scene).image;
     RenderHooks hooks;
     int num_strips = 0;
-    hooks.progress = [&](double) { ++num_strips; };
+    hooks.tile_done = [&](const auto&) { ++num_strips; };
     Renderer renderer(RendererSetup{.backend = Backend::kVulkan});
     const Frame watched =
         renderer.render(scene.field, scene.camera, scene.look, scene.options, hooks);

@@ -313,7 +313,9 @@ TEST(KernelSets, SkippingFaintSumsChangesNoByte) {
       }
     }
   }
-  EXPECT_GT(num_skipping, 8) << "hardly anything was skipped";
+  if (tested_backend() == Backend::kCpu) {  // which counts blocks
+    EXPECT_GT(num_skipping, 8) << "hardly anything was skipped";
+  }
 }
 
 // Clears pixels that show something in one picture alone; returns how many.
@@ -352,7 +354,9 @@ TEST(KernelSets, BallsSmallerThanSamplesMerge) {
       Frame merged = draw(scene);
       scene.options.post_convolution = PostConvolution::kOff;
       Frame direct = draw(scene);
-      EXPECT_LT(merged.profile.kernels_loaded, 0.7 * direct.profile.kernels_loaded) << look.name;
+      if (tested_backend() == Backend::kCpu) {  // the others share no splats
+        EXPECT_LT(merged.profile.kernels_loaded, 0.7 * direct.profile.kernels_loaded) << look.name;
+      }
       EXPECT_LE(clear_seen_by_one(merged.image, direct.image), 3);
       const ImageDifference difference = compare(merged.image, direct.image);
       EXPECT_GT(difference.num_covered, 300);
@@ -365,6 +369,7 @@ TEST(KernelSets, BallsSmallerThanSamplesMerge) {
 // Magnified until kernels go to the coarse levels: the tier of post-convolution. Fails if a level's
 // samples lie elsewhere, or the filter's phases are swapped.
 TEST(KernelSets, LevelsAgreeWithDirectSums) {
+  if (is_on_graphics_processor()) GTEST_SKIP() << "which sums all kernels directly";
   for (const NamedKernelSet& set : kernel_test_sets()) {
     const KernelField field(set.numbers.source(), Reconstruction::kNormalized);
     std::vector<TestLook> looks = test_looks(0, 1);
@@ -392,6 +397,7 @@ std::int64_t num_seen(const Image& image) {
 // Fails if what filters carry beyond the cut of a kernel counts as a part of a sum: pictures of
 // sums would end at samples of coarse levels.
 TEST(KernelSets, SumsOnLevelsEndWhereTheirKernelsDo) {
+  if (is_on_graphics_processor()) GTEST_SKIP() << "which sums all kernels directly";
   KernelNumbers blobs = balls_of_all_sizes(300, 0.02);
   for (const NamedKernelSet& set : {NamedKernelSet{"ellipsoids", jittered_ellipsoids(5)},
                                     NamedKernelSet{"balls of all sizes", blobs}}) {

@@ -93,8 +93,10 @@ TEST(PostConvolution, AgreesOnWhatIsNoSingleSample) {
     std::printf("[agreement ] %-50s %s\n", what, difference.to_string().c_str());
     EXPECT_GE(difference.psnr_db, view::kNodeDecibels) << what;
     EXPECT_GT(difference.num_covered, 300) << what;
-    EXPECT_NE(fast.profile.samples_reconstructed, exact.profile.samples_reconstructed)
-        << what << ": no sheet came from nodes";
+    if (!is_on_graphics_processor()) {
+      EXPECT_NE(fast.profile.samples_reconstructed, exact.profile.samples_reconstructed)
+          << what << ": no sheet came from nodes";
+    }
   };
   for (const bool is_parallel : {true, false}) {
     const Scene plain = magnified(field, semi_transparent_look(0, 1), is_parallel, 8, 90, 70);

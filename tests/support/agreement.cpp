@@ -11,6 +11,7 @@
 #include <memory>
 #include <numbers>
 #include <random>
+#include <vector>
 
 #include "data/resident_lattice.h"
 #include "ovoid/devices.h"
@@ -258,6 +259,13 @@ Scene small_scene(Mode mode, bool is_parallel) {
 Backend tested_backend() {
   const char* name = std::getenv("OVOID_TEST_BACKEND");
   return name != nullptr && std::string(name) == "vulkan" ? Backend::kVulkan : Backend::kCpu;
+}
+
+bool is_on_graphics_processor() {
+  if (tested_backend() != Backend::kVulkan) return false;
+  const std::vector<DeviceInfo> devices = list_devices().devices;
+  return std::any_of(devices.begin(), devices.end(),
+                     [](const DeviceInfo& device) { return device.is_hardware(); });
 }
 
 bool is_left_out(int first, int second) {

@@ -88,6 +88,8 @@ Scene small_scene(Mode mode, bool is_parallel);
 // The back end that is held to the reference: cpu, or what the environment's OVOID_TEST_BACKEND
 // names. So all of these tests are run for every back end.
 Backend tested_backend();
+// Whether it draws on a graphics processor, where kAuto takes no nodes and no levels.
+bool is_on_graphics_processor();
 
 // Mesa's software driver compiles shaders for every scene, which takes seconds. Of two choices, say
 // look and projection by number, vulkan draws every second pair: each choice with some of the

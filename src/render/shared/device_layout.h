@@ -63,6 +63,7 @@ OVOID_CONSTANT uint kCorrects = 8u;      // gradients, so that ramps have a cons
 OVOID_CONSTANT uint kMayMiss = 16u;      // some sample is missing
 OVOID_CONSTANT uint kIsDouble = 32u;     // two sublattices
 OVOID_CONSTANT uint kIsPiecewise = 64u;  // the kernel is made of polynomials
+OVOID_CONSTANT uint kIsNarrow = 128u;    // of kHasFourTaps: on these sheets no kernel is widened
 // Of a frame:
 OVOID_CONSTANT uint kIsParallel = 1u;
 OVOID_CONSTANT uint kIsClipped = 2u;
@@ -76,10 +77,11 @@ OVOID_CONSTANT uint kIsRefined = 256u;
 OVOID_CONSTANT uint kHasLightVolume = 512u;
 OVOID_CONSTANT uint kHasTrail = 1024u;
 OVOID_CONSTANT uint kHasOwnColor = 2048u;
-OVOID_CONSTANT uint kHasLimits = 4096u;       // in depth, per pixel
-OVOID_CONSTANT uint kNodesKeepBound = 8192u;  // those near faces have no value
-OVOID_CONSTANT uint kSpreads = 16384u;        // bilinearly
-OVOID_CONSTANT uint kFadesAtCuts = 32768u;    // light, towards cut faces
+OVOID_CONSTANT uint kHasLimits = 4096u;          // in depth, per pixel
+OVOID_CONSTANT uint kNodesKeepBound = 8192u;     // those near faces have no value
+OVOID_CONSTANT uint kSpreads = 16384u;           // bilinearly
+OVOID_CONSTANT uint kFadesAtCuts = 32768u;       // light, towards cut faces
+OVOID_CONSTANT uint kGathersGradients = 65536u;  // with every value, whether or not it is seen
 // Of post-convolution.
 OVOID_CONSTANT int kNodeTile = 32;   // pixels along the side of the tile that shares nodes
 OVOID_CONSTANT int kMostNodes = 30;  // along it, with those around: at 1.45 pixels each 28

@@ -23,8 +23,8 @@ VkBufferUsageFlags usage_of(BufferUse use) {
     case BufferUse::kDevice:
       break;
   }
-  return VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
-         VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+  return VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT |
+         VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
 }
 
 }  // namespace

@@ -67,8 +67,9 @@ void Commands::begin() {
 void Commands::barrier() {
   auto barrier = structure<VkMemoryBarrier>(VK_STRUCTURE_TYPE_MEMORY_BARRIER);
   barrier.srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT;
-  barrier.dstAccessMask = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT |
-                          VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_TRANSFER_WRITE_BIT;
+  barrier.dstAccessMask = VK_ACCESS_UNIFORM_READ_BIT | VK_ACCESS_SHADER_READ_BIT |
+                          VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_READ_BIT |
+                          VK_ACCESS_TRANSFER_WRITE_BIT;
   constexpr VkPipelineStageFlags kStages =
       VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT;
   device_->vk().vkCmdPipelineBarrier(buffer_, kStages, kStages, 0, 1, &barrier, 0, nullptr, 0,
@@ -86,11 +87,13 @@ VkDescriptorSet Commands::new_set(const Pipeline& pipeline) {
     info.descriptorPool = set_pools_[current_pool_];
     if (vk.vkAllocateDescriptorSets(device_->handle(), &info, &set) == VK_SUCCESS) return set;
   }
-  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, kSetsPerPool * kMaxBindings};
+  const std::array sizes{
+      VkDescriptorPoolSize{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, kSetsPerPool * kMaxBindings},
+      VkDescriptorPoolSize{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, kSetsPerPool}};
   auto pool = structure<VkDescriptorPoolCreateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO);
   pool.maxSets = kSetsPerPool;
-  pool.poolSizeCount = 1;
-  pool.pPoolSizes = &size;
+  pool.poolSizeCount = static_cast<std::uint32_t>(sizes.size());
+  pool.pPoolSizes = sizes.data();
   check(vk.vkCreateDescriptorPool(device_->handle(), &pool, nullptr, &info.descriptorPool),
         "a descriptor pool");
   set_pools_.push_back(info.descriptorPool);
@@ -110,12 +113,20 @@ void Commands::dispatch_bytes(const Shader& shader, const Constants& constants,
   std::array<VkDescriptorBufferInfo, kMaxBindings> infos{};
   std::uint32_t count = 0;
   for (const Buffer* buffer : buffers) infos[count++] = {buffer->handle(), 0, VK_WHOLE_SIZE};
-  auto write = structure<VkWriteDescriptorSet>(VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET);
-  write.dstSet = set;
-  write.descriptorCount = count;
-  write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
-  write.pBufferInfo = infos.data();
-  vk.vkUpdateDescriptorSets(device_->handle(), 1, &write, 0, nullptr);
+  const std::uint32_t num_frames = pipeline.has_frame ? 1 : 0;
+  std::array<VkWriteDescriptorSet, 2> writes{};  // the frame, the others
+  for (VkWriteDescriptorSet& write : writes) {
+    write = structure<VkWriteDescriptorSet>(VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET);
+    write.dstSet = set;
+  }
+  writes[0].descriptorCount = 1;
+  writes[0].descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
+  writes[0].pBufferInfo = infos.data();
+  writes[1].dstBinding = num_frames;
+  writes[1].descriptorCount = count - num_frames;
+  writes[1].descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+  writes[1].pBufferInfo = infos.data() + num_frames;
+  vk.vkUpdateDescriptorSets(device_->handle(), 1 + num_frames, &writes[1 - num_frames], 0, nullptr);
   vk.vkCmdBindPipeline(buffer_, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.pipeline);
   vk.vkCmdBindDescriptorSets(buffer_, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.layout, 0, 1, &set,
                              0, nullptr);
@@ -201,10 +212,15 @@ void Commands::collect_times() {
   for (std::size_t i = 0; i < marks_.size(); ++i) {
     const double ms = static_cast<double>(ticks[i + 1] - ticks[i]) *
                       static_cast<double>(device_->limits().timestampPeriod) * 1e-6;
-    if (!stages_ms.contains(marks_[i])) stage_order.push_back(marks_[i]);
-    stages_ms[marks_[i]] += ms;
+    add_time(marks_[i].c_str(), ms);
   }
   marks_.clear();
+}
+
+void Commands::add_time(const char* name, double ms) {
+  if (!times) return;
+  if (!stages_ms.contains(name)) stage_order.emplace_back(name);
+  stages_ms[name] += ms;
 }
 
 void Commands::upload(const Buffer& to, std::uint64_t offset, std::span<const std::byte> bytes) {
@@ -226,17 +242,21 @@ void Commands::upload(const Buffer& to, std::uint64_t offset, std::span<const st
   }
 }
 
+std::span<const std::byte> Commands::fetch(const Buffer& from, std::uint64_t offset,
+                                           std::uint64_t bytes) {
+  // A graphics processor's memory may be shared, and yet not in the processor's cache.
+  if (from.mapped() != nullptr && device_->info().kind == DeviceKind::kSoftware)
+    return {from.mapped() + offset, bytes};
+  reserve(readback_, device_, bytes, BufferUse::kReadBack);
+  copy(from, offset, readback_, 0, bytes);
+  submit_and_wait();
+  return {readback_.mapped(), bytes};
+}
+
 void Commands::read_back(const Buffer& from, std::uint64_t offset, std::span<std::byte> bytes) {
   if (bytes.empty()) return;
-  // A graphics processor's memory may be shared, and yet not in the processor's cache.
-  if (from.mapped() != nullptr && device_->info().kind == DeviceKind::kSoftware) {
-    std::memcpy(bytes.data(), from.mapped() + offset, bytes.size());
-    return;
-  }
-  reserve(readback_, device_, bytes.size(), BufferUse::kReadBack);
-  copy(from, offset, readback_, 0, bytes.size());
-  submit_and_wait();
-  std::memcpy(bytes.data(), readback_.mapped(), bytes.size());
+  const std::span<const std::byte> found = fetch(from, offset, bytes.size());
+  std::memcpy(bytes.data(), found.data(), bytes.size());
 }
 
 }  // namespace ovoid::vulkan

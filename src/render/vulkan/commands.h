@@ -52,6 +52,11 @@ class Commands {
   void upload(const Buffer& to, std::uint64_t offset, std::span<const std::byte> bytes);
   // Whatever is wanted of a buffer, after a submit.
   void read_back(const Buffer& from, std::uint64_t offset, std::span<std::byte> bytes);
+  // The same where it lies, until the next upload or read.
+  std::span<const std::byte> fetch(const Buffer& from, std::uint64_t offset, std::uint64_t bytes);
+
+  // Adds the processor's own time under a name, if marks do anything.
+  void add_time(const char* name, double ms);
 
   std::uint64_t uploaded_bytes = 0;         // since it was cleared
   bool times = false;                       // whether marks do anything

@@ -93,6 +93,11 @@ Device::Device(std::shared_ptr<Instance> instance, int index)
   constexpr const char* kPortability = "VK_KHR_portability_subset";
   if (device_has(physical_, kPortability)) extensions.push_back(kPortability);
   auto info = structure<VkDeviceCreateInfo>(VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO);
+  // Uniform buffers with the layout of storage buffers, which Vulkan 1.2 asks of every device.
+  auto features = structure<VkPhysicalDeviceVulkan12Features>(
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES);
+  features.uniformBufferStandardLayout = VK_TRUE;
+  info.pNext = &features;
   info.queueCreateInfoCount = 1;
   info.pQueueCreateInfos = &queue;
   info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
@@ -140,9 +145,11 @@ const Pipeline& Device::pipeline(const Shader& shader, const Constants& constant
 Pipeline Device::make_pipeline(const Shader& shader, const Constants& constants) const {
   Pipeline made;
   made.num_bindings = shader.num_bindings;
+  made.has_frame = shader.has_frame;
   std::vector<VkDescriptorSetLayoutBinding> bindings(shader.num_bindings);
   for (std::uint32_t b = 0; b < shader.num_bindings; ++b)
     bindings[b] = {b, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr};
+  if (shader.has_frame) bindings[0].descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
   auto set = structure<VkDescriptorSetLayoutCreateInfo>(
       VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO);
   set.bindingCount = shader.num_bindings;

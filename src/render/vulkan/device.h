@@ -19,6 +19,7 @@ struct Pipeline {
   VkPipelineLayout layout = VK_NULL_HANDLE;
   VkPipeline pipeline = VK_NULL_HANDLE;
   std::uint32_t num_bindings = 0;
+  bool has_frame = false;  // Shader::has_frame
 };
 
 // Values of the specialisation constants 0, 1, ...

@@ -9,6 +9,7 @@
 #include <limits>
 #include <numeric>
 #include <string>
+#include <utility>
 
 #include "ovoid/error.h"
 #include "render/shared/look_values.h"
@@ -32,6 +33,15 @@ struct Reach {
     return first_layer < end && end_layer > first && first_row < strip.end && end_row > strip.first;
   }
 };
+
+// Sums on coarse levels take longer than they save where arithmetic is cheap: on a data-centre
+// device direct sums were three times as fast (docs/performance.md, "Graphics processors").
+KernelTraits traits_on(const Device& device, const KernelField& field, const view::KernelPlan& plan,
+                       const Look& look, RenderOptions options) {
+  if (device.info().is_hardware() && options.post_convolution == PostConvolution::kAuto)
+    options.post_convolution = PostConvolution::kOff;
+  return kernel_traits(field, plan, look, options);
+}
 
 // Filters bring a kernel from the coarsest samples, 64 pixels wide, to pixels three of them
 // farther.
@@ -91,14 +101,14 @@ Strip second_half(const Strip& strip) {
 }  // namespace
 
 struct KernelRenderer::Set {
-  Set(const KernelField& of, const Camera& camera, const Look& with, const RenderOptions& as,
-      const view::LightVolume* by)
+  Set(const Device& device, const KernelField& of, const Camera& camera, const Look& with,
+      const RenderOptions& as, const view::LightVolume* by)
       : field(of),
         look(with),
         options(as),
         light(by),
         plan(of, camera, with, as),
-        traits(kernel_traits(of, plan, with, as)),
+        traits(traits_on(device, of, plan, with, as)),
         frame(kernel_constants(plan, traits, as.post_convolution)) {
     if (options.sheet_precision == SheetPrecision::kSingle) return;
     why_no_half_sheets = why_not_half_sheets(field, plan, look);
@@ -528,7 +538,8 @@ void KernelRenderer::render(const FrameJob& job, Image& image, FrameProfile& pro
   const auto& [any_field, camera, look, trail, options, hooks, light, base] = job;
   require_few_stops(options.depth_limits.get(), bench_.device->info().kind);
   Commands& commands = bench_.commands;
-  Set set(field, camera, look, options, light);
+  std::optional<HostStage> planning(std::in_place, commands, "plan");
+  Set set(*bench_.device, field, camera, look, options, light);
   if (!kernels_ || !kernels_->is_of(field)) {
     kernels_.reset();
     kernels_ = std::make_unique<DeviceKernels>(bench_.device, field, bench_.most_bytes);
@@ -539,6 +550,7 @@ void KernelRenderer::render(const FrameJob& job, Image& image, FrameProfile& pro
                                  set.why_no_half_sheets);
   set_constants(set);
   set_needs(set);
+  planning.reset();
   for (const std::int64_t brick : set.plan.bricks)
     profile.kernels_drawn += field.source().brick(brick).count;
   // A ring of two layers of sheets at least, and as much again for coarser levels, must fit.
@@ -559,7 +571,6 @@ void KernelRenderer::render(const FrameJob& job, Image& image, FrameProfile& pro
       continue;
     }
     bench_.pixels.record_last_stops(commands, frame_, set.constants);
-    commands.mark("read back");
     commands.submit_and_wait();
     bench_.pixels.finish(commands, look, options.part != nullptr, strip, image);
     add_counts(commands, counts_,

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "data/parallel.h"
 #include "ovoid/error.h"
@@ -48,8 +49,9 @@ int reach_of(const LatticeField& field, const view::LatticePlan& plan, bool has_
   return static_cast<int>(std::ceil(std::max(kernel, 2.0) + steps + pixel + nodes)) + 1;
 }
 
-// Pixels per node from which kAuto takes nodes: a tile's, with those around it, are half as many as
-// its pixels, whose taps of nodes are a fifth of those of samples.
+// Pixels per node from which kAuto takes nodes on software drivers: a tile's, with those around it,
+// are half as many as its pixels, whose taps of nodes are a fifth of those of samples. On graphics
+// processors every pixel for itself was twice as fast (docs/performance.md, "Graphics processors").
 constexpr double kWorthwhileNodeStep = 2.0;
 
 }  // namespace
@@ -75,10 +77,11 @@ struct LatticeRenderer::Drawn {
 
 // One frame.
 struct LatticeRenderer::Job {
-  // Sheets [first, end) that one dispatch draws, and pixels between their nodes; 1: none.
+  // Sheets [first, end) that one dispatch draws.
   struct Part {
     int first, end;
-    float node_step;
+    float node_step;  // pixels between their nodes; 1: none
+    bool is_narrow;   // no kernel is widened on them
   };
 
   const RenderOptions& options;
@@ -176,6 +179,14 @@ void LatticeRenderer::upload(Job& job) {
   decide_relevance(*job.trail, job.options);
 }
 
+// On graphics processors memory is what takes time: a gradient asks for the samples that its value
+// has asked for.
+bool LatticeRenderer::gathers_gradients(const Job& job) const {
+  const FrameTraits& traits = job.own.frame_traits;
+  return bench_.device->info().is_hardware() && job.own.look.mode == Mode::kComposite &&
+         traits.takes_gradients && !traits.takes_differences && !traits.is_preintegrated;
+}
+
 void LatticeRenderer::set_constants(Job& job) {
   FrameTables tables;
   const auto add = [&](const Drawn& drawn, std::size_t number) {
@@ -194,6 +205,7 @@ void LatticeRenderer::set_constants(Job& job) {
       0,
       0,
       0};
+  if (gathers_gradients(job)) job.constants[1] |= device::kGathersGradients;
   add(job.own, 0);
   if (job.trail) add(*job.trail, 1);
   if (job.light != nullptr) {
@@ -211,8 +223,8 @@ void LatticeRenderer::set_constants(Job& job) {
   commands.upload(tables_, 0, std::as_bytes(std::span(tables)));
 }
 
-// A part is of one layer, whose nodes have one node_step, and on software drivers as short as those
-// need it.
+// A part is of one layer, whose nodes have one node_step, or of several without nodes, and on
+// software drivers as short as those need it.
 void LatticeRenderer::divide_sheets(Job& job) const {
   const view::LatticePlan& plan = job.own.plan;
   const bool is_software = bench_.device->info().kind == DeviceKind::kSoftware;
@@ -233,11 +245,23 @@ void LatticeRenderer::divide_sheets(Job& job) const {
   for (int first = 0; first < num_sheets;) {
     const std::int64_t sheet = plan.sheets.first + first;
     double node_step = job.has_nodes ? plan.node_step(job.options.post_convolution, sheet) : 1.0;
-    if (is_auto && node_step < kWorthwhileNodeStep) node_step = 1.0;
+    if (is_auto && (!is_software || node_step < kWorthwhileNodeStep)) node_step = 1.0;
     int end = num_sheets;
-    if (job.has_nodes)
+    if (job.has_nodes || (!is_software && plan.greatest_widening > 1))
       end = static_cast<int>(
           std::min<std::int64_t>(end, view::next_layer(sheet) - plan.sheets.first));
+    // Of the shader for narrow kernels alone there is less, so that more of its threads run at
+    // once.
+    const std::int64_t last_sheet = plan.sheets.first + end;
+    const bool is_narrow =
+        is_software ? plan.greatest_widening == 1 : plan.widening(last_sheet).maxCoeff() == 1;
+    // Without nodes, layers are as good together; a graphics processor waits at their ends.
+    if (!is_software && node_step == 1.0 && !job.parts.empty() &&
+        job.parts.back().node_step == 1.0F && job.parts.back().is_narrow == is_narrow) {
+      job.parts.back().end = end;
+      first = end;
+      continue;
+    }
     // Of nodes a thread has up to four, and four pixels that may have to stand for themselves.
     double per_sheet = node_step > 1 ? 8 * rounds + 2500 : rounds + 20;
     if (node_step > 1 && job.options.spread == Spread::kBilinear)
@@ -251,7 +275,7 @@ void LatticeRenderer::divide_sheets(Job& job) const {
                   "pass so many depth limits: expected a larger picture, a nearer view, fewer "
                   "limits, or backend cpu");
     end = std::min(end, first + most);
-    job.parts.push_back({first, end, static_cast<float>(node_step)});
+    job.parts.push_back({first, end, static_cast<float>(node_step), is_narrow});
     first = end;
   }
 }
@@ -271,17 +295,18 @@ void LatticeRenderer::draw_box(const Job& job, std::size_t number, const Strip& 
   place.first_row = static_cast<std::uint32_t>(strip.first);
   place.end_row = static_cast<std::uint32_t>(strip.end);
   place.tile_y = place.first_row;
-  Constants node_constants = job.constants;
-  node_constants.push_back(number_of(job.options.post_convolution));
   commands.mark("draw");
   for (const Job::Part& part : job.parts) {
     place.first_sheet = part.first;
     place.end_sheet = part.end;
     place.node_step = part.node_step;
     const bool is_at_nodes = part.node_step > 1;
+    Constants constants = job.constants;
+    if (part.is_narrow && (constants[3] & device::kHasFourTaps) != 0)
+      constants[3] |= device::kIsNarrow;
+    if (is_at_nodes) constants.push_back(number_of(job.options.post_convolution));
     commands.dispatch(
-        is_at_nodes ? Stage::kLatticeNodes : Stage::kLattice,
-        is_at_nodes ? node_constants : job.constants,
+        is_at_nodes ? Stage::kLatticeNodes : Stage::kLattice, constants,
         {&frame_, &tables_, &box.data, trail_samples, &job.own.kept.bricks, trail_bricks,
          &bench_.pixels.colors(), &bench_.pixels.depths(), &bench_.pixels.states(), &counts_,
          &bench_.pixels.pixel_stops(), &bench_.pixels.stops()},
@@ -292,6 +317,7 @@ void LatticeRenderer::draw_box(const Job& job, std::size_t number, const Strip& 
 void LatticeRenderer::render(const FrameJob& frame, Image& image, FrameProfile& profile) {
   const auto& [any_field, camera, look, trail, options, hooks, light, base] = frame;
   const LatticeField& field = *any_field.lattice();
+  std::optional<HostStage> planning(std::in_place, bench_.commands, "plan");
   Job job{options, light, {field, camera, look, options, kept_}};
   job.has_nodes = job.own.traits.may_have_nodes;
   if (trail != nullptr) {
@@ -305,6 +331,7 @@ void LatticeRenderer::render(const FrameJob& frame, Image& image, FrameProfile& 
   upload(job);
   set_constants(job);
   divide_sheets(job);
+  planning.reset();
   const int edge = field.source().brick_edge();
   profile.kernels_drawn =
       std::min(field.num_kernels(), job.own.plan.relevance.num_relevant() * edge * edge * edge *
@@ -323,7 +350,6 @@ void LatticeRenderer::render(const FrameJob& frame, Image& image, FrameProfile& 
       draw_box(job, number, strip);
     }
     bench_.pixels.record_last_stops(commands, frame_, job.constants);
-    commands.mark("read back");
     commands.submit_and_wait();
     bench_.pixels.finish(commands, look, options.part != nullptr, strip, image);
     add_counts(commands, counts_, std::size_t{groups.x} * groups.y, profile);

@@ -35,6 +35,7 @@ class LatticeRenderer {
   void keep(Drawn& drawn, const BoxCut& cut, bool must_equal);
   void decide_relevance(Drawn& drawn, const RenderOptions& options);
   void upload(Job& job);
+  bool gathers_gradients(const Job& job) const;
   void set_constants(Job& job);
   void divide_sheets(Job& job) const;
   void draw_box(const Job& job, std::size_t number, const Strip& strip);

@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstddef>
+#include <cstring>
 #include <limits>
 
 #include "data/parallel.h"
@@ -55,9 +57,21 @@ struct Depths {
   float half, front;
 };
 
-template <class T>
-std::span<std::byte> bytes_of(T* at, std::size_t count) {
-  return std::as_writable_bytes(std::span<T>(at, count));
+// Of a strip's `count` pixels, what the buffer has of each, handed to do_with(pixel, of_pixel) by
+// several threads.
+template <class T, class DoWith>
+void for_each_pixel(Commands& commands, const Buffer& from, std::size_t count,
+                    const DoWith& do_with) {
+  const std::byte* const found = commands.fetch(from, 0, count * sizeof(T)).data();
+  constexpr std::int64_t kGrain = 1 << 14;
+  data::parallel_ranges(
+      {static_cast<std::int64_t>(count), kGrain, 0, {}}, [&](std::int64_t begin, std::int64_t end) {
+        for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+          T of_pixel;
+          std::memcpy(&of_pixel, found + i * sizeof(T), sizeof(T));
+          do_with(i, of_pixel);
+        }
+      });
 }
 
 }  // namespace
@@ -73,7 +87,7 @@ std::vector<Strip> Pixels::strips(const RenderOptions& options, const RenderHook
   const bool is_watched = is_slow && (hooks.stop.stop_possible() || hooks.progress != nullptr ||
                                       hooks.tile_done != nullptr);
   if (is_watched) rows = std::min(rows, kWatchedRows);
-  if (rows > kRowsOfTile) rows -= rows % kRowsOfTile;
+  if (rows < options.height && rows > kRowsOfTile) rows -= rows % kRowsOfTile;
   const std::uint64_t most_stops =
       device_->limits().maxStorageBufferRange / sizeof(device::DepthStop);
   std::vector<Strip> strips;
@@ -142,36 +156,30 @@ void Pixels::clear(Commands& commands, const RenderOptions& options, const Strip
 
 void Pixels::finish(Commands& commands, const Look& look, bool keeps_values, const Strip& strip,
                     Image& image) {
+  const HostStage stage(commands, "read back");
   const std::size_t first = static_cast<std::size_t>(strip.first) * image.width;
   const std::size_t count = static_cast<std::size_t>(strip.rows()) * image.width;
-  constexpr std::int64_t kGrain = 4096;
-  std::vector<Depths> depths(count);
-  commands.read_back(depths_, 0, bytes_of(depths.data(), count));
-  data::parallel_ranges(
-      {static_cast<std::int64_t>(count), kGrain, 0, {}}, [&](std::int64_t begin, std::int64_t end) {
-        for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
-          image.depth[first + i] = depths[i].half;
-          image.front_depth[first + i] = depths[i].front;
-        }
-      });
+  for_each_pixel<Depths>(commands, depths_, count, [&](std::size_t i, const Depths& depths) {
+    image.depth[first + i] = depths.half;
+    image.front_depth[first + i] = depths.front;
+  });
   if (look.mode == Mode::kComposite || look.mode == Mode::kIsosurface) {
-    commands.read_back(colors_, 0, bytes_of(image.rgba.data() + 4 * first, 4 * count));
+    using Rgba = std::array<float, 4>;
+    for_each_pixel<Rgba>(commands, colors_, count, [&](std::size_t i, const Rgba& rgba) {
+      std::copy(rgba.begin(), rgba.end(), image.rgba.data() + 4 * (first + i));
+    });
     return;
   }
-  std::vector<device::PixelState> states(count);
-  commands.read_back(states_, 0, bytes_of(states.data(), count));
-  data::parallel_ranges(
-      {static_cast<std::int64_t>(count), kGrain, 0, {}}, [&](std::int64_t begin, std::int64_t end) {
-        for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
-          if ((states[i].flags & device::kSeen) == 0) continue;
-          float* const rgba = image.rgba.data() + 4 * (first + i);
-          if (keeps_values) {
-            keep_value(states[i].best, states[i].path, rgba);
-          } else {
-            show_value(look, states[i].best, states[i].path, rgba);
-          }
-          image.front_depth[first + i] = front_depth_of_value(rgba, depths[i].half);
+  for_each_pixel<device::PixelState>(
+      commands, states_, count, [&](std::size_t i, const device::PixelState& state) {
+        if ((state.flags & device::kSeen) == 0) return;
+        float* const rgba = image.rgba.data() + 4 * (first + i);
+        if (keeps_values) {
+          keep_value(state.best, state.path, rgba);
+        } else {
+          show_value(look, state.best, state.path, rgba);
         }
+        image.front_depth[first + i] = front_depth_of_value(rgba, image.depth[first + i]);
       });
 }
 

@@ -50,18 +50,18 @@ constexpr std::uint32_t kLastStopsWords[] = {
 
 constexpr std::array<Shader, kNumStages> kShaders = {{
     {"distance", kDistanceWords, 2, sizeof(device::DistanceConstants)},
-    {"lattice", kLatticeWords, 12, sizeof(device::BoxConstants)},
-    {"lattice_nodes", kLatticeNodesWords, 12, sizeof(device::BoxConstants)},
-    {"project", kProjectWords, 7, sizeof(device::KernelPush)},
+    {"lattice", kLatticeWords, 12, sizeof(device::BoxConstants), true},
+    {"lattice_nodes", kLatticeNodesWords, 12, sizeof(device::BoxConstants), true},
+    {"project", kProjectWords, 7, sizeof(device::KernelPush), true},
     {"scan", kScanWords, 2, sizeof(device::KernelPush)},
     {"scan_add", kScanAddWords, 2, sizeof(device::KernelPush)},
-    {"list", kListWords, 5, sizeof(device::KernelPush)},
+    {"list", kListWords, 5, sizeof(device::KernelPush), true},
     {"sort_count", kSortCountWords, 2, sizeof(device::KernelPush)},
     {"sort_scatter", kSortScatterWords, 3, sizeof(device::KernelPush)},
     {"list_ends", kListEndsWords, 2, sizeof(device::KernelPush)},
-    {"reconstruct", kReconstructWords, 10, sizeof(device::KernelPush)},
-    {"shade_sheets", kShadeSheetsWords, 12, sizeof(device::KernelPush)},
-    {"last_stops", kLastStopsWords, 6, sizeof(device::StripConstants)},
+    {"reconstruct", kReconstructWords, 10, sizeof(device::KernelPush), true},
+    {"shade_sheets", kShadeSheetsWords, 12, sizeof(device::KernelPush), true},
+    {"last_stops", kLastStopsWords, 6, sizeof(device::StripConstants), true},
 }};
 
 }  // namespace

@@ -35,8 +35,11 @@ inline constexpr std::uint32_t kPushBytes = 128;
 struct Shader {
   const char* name;  // of the file, and in profiles
   std::span<const std::uint32_t> code;
-  std::uint32_t num_bindings;  // storage buffers at 0, 1, ... of set 0
+  std::uint32_t num_bindings;  // buffers at 0, 1, ... of set 0
   std::uint32_t push_bytes;
+  // Binding 0 is the frame's constants, a uniform buffer: processors read those fastest. The others
+  // are storage buffers.
+  bool has_frame = false;
 };
 
 const Shader& shader_of(Stage stage);

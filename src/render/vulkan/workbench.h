@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <memory>
 
@@ -36,6 +37,23 @@ inline Groups groups_of(const RenderOptions& options, const Strip& strip, std::u
   return {groups_for(static_cast<std::uint64_t>(options.width), edge),
           groups_for(static_cast<std::uint64_t>(strip.rows()), edge), 1};
 }
+
+// While it lives, the processor's time goes under a stage's name.
+class HostStage {
+ public:
+  HostStage(Commands& commands, const char* name) : commands_(commands), name_(name) {}
+  ~HostStage() {
+    const auto taken = std::chrono::steady_clock::now() - start_;
+    commands_.add_time(name_, std::chrono::duration<double, std::milli>(taken).count());
+  }
+  HostStage(const HostStage&) = delete;
+  HostStage& operator=(const HostStage&) = delete;
+
+ private:
+  Commands& commands_;
+  const char* name_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
 
 // A strip is finished.
 void tell_of(const Strip& strip, const RenderHooks& hooks, const Image& image);

@@ -26,6 +26,10 @@ uint flags_of(int field) { return field == 0 ? kFieldFlags0 : kFieldFlags1; }
 bool field_has(int field, uint flag) { return (flags_of(field) & flag) != 0u; }
 
 uint word_at(int field, uint at) { return field == 0 ? words0[at] : words1[at]; }
+uvec2 two_words_at(int field, uint at) { return field == 0 ? words0_by_two[at] : words1_by_two[at]; }
+uvec4 four_words_at(int field, uint at) {
+  return field == 0 ? words0_by_four[at] : words1_by_four[at];
+}
 
 // Words for four samples of a row.
 uint words_per_four(int field) {
@@ -33,13 +37,19 @@ uint words_per_four(int field) {
   return type == kTypeF32 ? 4u : type == kTypeU16 || type == kTypeI16 ? 2u : 1u;
 }
 
+// Of row (y, z) of the first sublattice: the fours of samples before that of x = 0 of the stored
+// box. A sum of a part by y and one by z.
+uint fours_to_row(int y, int z) {
+  uvec2 at = uvec2(y - box.stored_lo.y, z - box.stored_lo.z);
+  uint cubes_per_row = uint(box.stored_bricks.x) * 16u;
+  return ((at.y >> 2) * uint(box.stored_bricks.y) * cubes_per_row + (at.y & 3u) * 4u) +
+         ((at.x >> 2) * cubes_per_row + (at.x & 3u));
+}
+
 // Of row (y, z) of a sublattice: the word of sample x = 0 of the stored box.
 uint row_at(int field, int sublattice, int y, int z) {
-  uint four = words_per_four(field);
-  uvec2 at = uvec2(y - box.stored_lo.y, z - box.stored_lo.z);
-  uint cube = ((at.y >> 2) * uint(box.stored_bricks.y) + (at.x >> 2)) * uint(box.stored_bricks.x);
-  return (uint(sublattice) * uint(box.stored_bricks.w) + cube * 16u +
-          ((at.y & 3u) * 4u + (at.x & 3u))) * four;
+  return (uint(sublattice) * uint(box.stored_bricks.w) + fours_to_row(y, z)) *
+         words_per_four(field);
 }
 
 float number_of(uint type, uint bits) {
@@ -62,46 +72,48 @@ float sample_at(int field, uint row, int x) {
   return number_of(type, word_at(field, cube) >> (within * 8u));
 }
 
-// Samples x to x + 3 of a row, all of which exist.
-vec4 four_samples(int field, uint row, int x) {
-  uint at = uint(x - box.stored_lo.x);
+// A small whole number, as the exponent of 2^23 makes it one: faster than a conversion.
+float number_of_bits(uint bits) { return uintBitsToFloat(bits | 0x4B000000u) - 8388608.0; }
+
+vec4 numbers_of_bytes(uint type, uint word) {
+  if (type == kTypeI8) word ^= 0x80808080u;
+  vec4 numbers = vec4(number_of_bits(word & 255u), number_of_bits(word >> 8 & 255u),
+                      number_of_bits(word >> 16 & 255u), number_of_bits(word >> 24));
+  return type == kTypeI8 ? numbers - 128.0 : numbers;
+}
+
+vec4 numbers_of_halves(uint type, uvec2 words) {
+  if (type == kTypeI16) words ^= 0x80008000u;
+  vec4 numbers = vec4(number_of_bits(words.x & 65535u), number_of_bits(words.x >> 16),
+                      number_of_bits(words.y & 65535u), number_of_bits(words.y >> 16));
+  return type == kTypeI16 ? numbers - 32768.0 : numbers;
+}
+
+// Four samples of a row, those from the `within`-th on of the cube that begins at `cube`, the rest
+// of the one at `next`; counted in fours.
+vec4 four_samples(int field, uint cube, uint next, uint within) {
   uint type = type_of(field);
   uint four = words_per_four(field);
-  uint cube = row + (at >> 2) * 16u * four;
-  uint next = (at >> 2) + 1u < uint(box.stored_bricks.x) ? cube + 16u * four : cube;
-  uint within = at & 3u;
   if (four == 1u) {
     uint word = word_at(field, cube);
-    if (within != 0u) {
-      uint shift = within * 8u;
-      word = word >> shift | word_at(field, next) << (32u - shift);
-    }
-    if (type == kTypeU8) {
-      return vec4(float(word & 255u), float(word >> 8 & 255u), float(word >> 16 & 255u),
-                  float(word >> 24));
-    }
-    int bits = int(word);
-    return vec4(float(bitfieldExtract(bits, 0, 8)), float(bitfieldExtract(bits, 8, 8)),
-                float(bitfieldExtract(bits, 16, 8)), float(bitfieldExtract(bits, 24, 8)));
+    uint shift = within * 8u;
+    if (within != 0u) word = word >> shift | word_at(field, next) << (32u - shift);
+    return numbers_of_bytes(type, word);
   }
   if (four == 2u) {
-    uint first = within >> 1;
-    uint a = word_at(field, cube + first);
-    uint b = word_at(field, first == 0u ? cube + 1u : next);
-    if ((within & 1u) != 0u) {
-      uint c = word_at(field, first == 0u ? next : next + 1u);
-      a = a >> 16 | b << 16;
-      b = b >> 16 | c << 16;
-    }
-    return vec4(number_of(type, a), number_of(type, a >> 16), number_of(type, b),
-                number_of(type, b >> 16));
+    uvec2 a = two_words_at(field, cube);
+    uvec2 b = two_words_at(field, next);
+    uvec3 words = within < 2u ? uvec3(a, b.x) : uvec3(a.y, b);
+    if ((within & 1u) != 0u) words.xy = words.xy >> 16 | words.yz << 16;
+    return numbers_of_halves(type, words.xy);
   }
-  vec4 values;
-  for (uint k = 0u; k < 4u; ++k) {
-    uint place = within + k;
-    values[k] = uintBitsToFloat(word_at(field, place < 4u ? cube + place : next + place - 4u));
+  vec4 a = uintBitsToFloat(four_words_at(field, cube));
+  vec4 b = uintBitsToFloat(four_words_at(field, next));
+  if ((within & 2u) != 0u) {
+    a = vec4(a.zw, b.xy);
+    b = b.zwzw;
   }
-  return values;
+  return (within & 1u) != 0u ? vec4(a.yzw, b.x) : a;
 }
 
 bool is_missing(float number) { return (floatBitsToUint(number) & 0x7F800000u) == 0x7F800000u; }
@@ -199,16 +211,22 @@ Gathered gather_four(int field, Place place, bool wants_gradient) {
   if (!result.is_defined) return result;
   ivec3 first = place.cell - 1;
   bool is_inside = all(greaterThanEqual(first, ivec3(0))) && all(lessThan(first + 3, dims));
+  uvec3 at = uvec3(first - box.stored_lo.xyz);
+  uint cube = at.x >> 2;  // the last has no next one, and needs none
+  uint next = min(cube + 1u, uint(box.stored_bricks.x) - 1u) * 16u;
+  cube *= 16u;
   vec4 sum = vec4(0.0), sum_y = vec4(0.0), sum_z = vec4(0.0);
   for (int k = 0; k < 4; ++k) {
     int tap_z = clamp(first.z + k, 0, dims.z - 1);
     vec4 slice = vec4(0.0), slice_y = vec4(0.0);
     for (int j = 0; j < 4; ++j) {
-      uint row = row_at(field, 0, clamp(first.y + j, 0, dims.y - 1), tap_z);
+      int tap_y = clamp(first.y + j, 0, dims.y - 1);
       vec4 taps;
       if (is_inside) {
-        taps = four_samples(field, row, first.x);
+        uint row = fours_to_row(tap_y, tap_z);
+        taps = four_samples(field, row + cube, row + next, at.x & 3u);
       } else {
+        uint row = row_at(field, 0, tap_y, tap_z);
         for (int i = 0; i < 4; ++i)
           taps[i] = sample_at(field, row, clamp(first.x + i, 0, dims.x - 1));
       }
@@ -496,6 +514,8 @@ vec3 widening_on(int field, float s) {
 
 // The field at a place near sheet s, where its slab is `step` long.
 Gathered gather(int field, Place place, float s, vec3 step, bool wants_gradient) {
+  if (field_has(field, kIsNarrow) && !field_has(field, kMayMiss))
+    return gather_four(field, place, wants_gradient);
   bool may_miss = field_has(field, kMayMiss) &&
                   (brick_byte(field, vec3(place.cell)) & kMissingBit) != 0u;
   vec3 widening = widening_on(field, s);

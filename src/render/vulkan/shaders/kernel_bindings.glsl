@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the shaders of kernel sets have in common.
+#extension GL_EXT_scalar_block_layout : require
 #include "render/shared/device_layout.h"
 
 layout(constant_id = 0) const uint kMode = 0u;
@@ -8,7 +9,7 @@ layout(constant_id = 2) const uint kSetFlags = 0u;
 layout(constant_id = 3) const uint kProfile = 0u;
 layout(constant_id = 4) const uint kChannels = 2u;
 
-layout(std430, binding = 0) readonly buffer FrameBuffer { KernelFrame frame; };
+layout(std430, binding = 0) uniform FrameBlock { KernelFrame frame; };
 layout(push_constant) uniform PushBlock { KernelPush push; };
 
 bool has_flag(uint flag) { return (kFrameFlags & flag) != 0u; }

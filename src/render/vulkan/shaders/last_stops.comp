@@ -3,6 +3,7 @@
 // Stage "composite", of depth limits: the stops of a pixel that stand behind all that was drawn in
 // it join it. A thread for a pixel.
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
 #include "render/shared/device_layout.h"
 
 layout(local_size_x = 64) in;
@@ -14,7 +15,7 @@ struct AnyFrame {
   ViewConstants view;
 };
 
-layout(std430, binding = 0) readonly buffer FrameBuffer { AnyFrame frame; };
+layout(std430, binding = 0) uniform FrameBlock { AnyFrame frame; };
 layout(std430, binding = 1) buffer ColorBuffer { vec4 colors[]; };
 layout(std430, binding = 2) buffer DepthBuffer { vec2 depths[]; };
 layout(std430, binding = 3) buffer StateBuffer { PixelState states[]; };

@@ -29,7 +29,12 @@ Gathered gather_own(Place place, float s) {
   f.is_defined = false;
   if (!is_in_support(0, place)) return f;
   ++num_samples.x;
-  return gather(0, place, s, own_ray.step.hi, false);
+  f = gather(0, place, s, own_ray.step.hi, has_flag(kGathersGradients));
+  if (has_flag(kGathersGradients) && f.is_defined) {
+    own_gradient = to_world(0, f.gradient);
+    has_own_gradient = true;
+  }
+  return f;
 }
 
 // The piece that ends on a sheet. Where a part of the frame or a box begins, its front end is
@@ -46,11 +51,13 @@ void take_piece(inout Pixel pixel, vec2 at, int sheet) {
     has_own_gradient = false;
   }
   for (int k = is_known || !has_sheet_before ? sheet : sheet - 1; k <= sheet; ++k) {
-    Gathered f = gather_own(place_on(own_ray, float(k)), float(k));
     if (k == sheet) {
       front_gradient = own_gradient;
       has_front_gradient = has_own_gradient;
-      has_own_gradient = false;
+    }
+    has_own_gradient = false;
+    Gathered f = gather_own(place_on(own_ray, float(k)), float(k));
+    if (k == sheet) {
       take_end(pixel, at, s, f.is_defined, f.value);
     } else if (f.is_defined) {
       pixel.before = f.value;

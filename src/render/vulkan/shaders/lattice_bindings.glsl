@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the shaders of lattices are given.
+#extension GL_EXT_scalar_block_layout : require
 #include "render/shared/device_layout.h"
 
 layout(constant_id = 0) const uint kMode = 0u;
@@ -9,10 +10,15 @@ layout(constant_id = 3) const uint kFieldFlags0 = 0u;
 layout(constant_id = 4) const uint kType1 = 0u;
 layout(constant_id = 5) const uint kFieldFlags1 = 0u;
 
-layout(std430, binding = 0) readonly buffer FrameBuffer { LatticeFrame frame; };
+layout(std430, binding = 0) uniform FrameBlock { LatticeFrame frame; };
 layout(std430, binding = 1) readonly buffer TableBuffer { vec4 tables[]; };
 layout(std430, binding = 2) readonly buffer Samples0Buffer { uint words0[]; };
 layout(std430, binding = 3) readonly buffer Samples1Buffer { uint words1[]; };
+// The same, for reads of several words at once.
+layout(std430, binding = 2) readonly buffer Samples0ByTwo { uvec2 words0_by_two[]; };
+layout(std430, binding = 3) readonly buffer Samples1ByTwo { uvec2 words1_by_two[]; };
+layout(std430, binding = 2) readonly buffer Samples0ByFour { uvec4 words0_by_four[]; };
+layout(std430, binding = 3) readonly buffer Samples1ByFour { uvec4 words1_by_four[]; };
 layout(std430, binding = 4) readonly buffer Bricks0Buffer { uint bricks0[]; };
 layout(std430, binding = 5) readonly buffer Bricks1Buffer { uint bricks1[]; };
 layout(std430, binding = 6) buffer ColorBuffer { vec4 colors[]; };

@@ -3,12 +3,12 @@
 // Stages "reconstruct" and "post-convolve" of kernel sets: a tile of kGroupEdge^2 samples of a
 // level, the sheets of a layer, a thread for a sample.
 //
-// The tile's splats are taken from their lists sixty-four at a time. Each thread cuts one with the
-// four sheets; those that meet the tile are packed in shared memory, and every thread adds them to
-// its four sums, in their order. On coarse levels the sums stay in memory for the next finer one;
-// on the finest they become field values in a ring of sheets. What the filter carries beyond the
-// kernels of coarse levels is no part of a sum: where one is defined, their splats are asked once
-// more, until all samples of the tile are known to be reached.
+// The tile's splats are taken from their lists as many at a time as there are threads. Each thread
+// cuts one with the four sheets; those that meet the tile are named in shared memory, and every
+// thread adds them to its sums, in their order. On coarse levels the sums stay in memory for the
+// next finer one; on the finest they become field values in a ring of sheets. What the filter
+// carries beyond the kernels of coarse levels is no part of a sum: where one is defined, their
+// splats are asked once more, until all samples of the tile are known to be reached.
 #extension GL_GOOGLE_include_directive : require
 #include "kernel_bindings.glsl"
 
@@ -29,8 +29,18 @@ layout(std430, binding = 9) buffer CountBuffer { uvec4 counts[]; };
 #include "post_convolve.glsl"
 #include "sheet_bits.glsl"
 
-shared Section staged[kGroupSize][kBlockDepth];
-shared vec3 staged_values[kGroupSize];
+// On an H100, work groups of 32 threads with two samples each lost splats now and then.
+const uint kThreads = kGroupSize;
+
+// A level's list and how many splats the lists before it have, of those that are gone through.
+shared uint list_first[kNumLevels];
+shared uint list_before[kNumLevels + 1];
+// A splat's cuts lie where its thread has put them, in two vectors each, which threads read all at
+// once; `staged_order` names those that meet the tile.
+shared vec4 staged_ellipses[kBlockDepth][kThreads];  // center, shape.xy
+shared vec4 staged_rests[kBlockDepth][kThreads];     // shape.z, room, scale
+shared vec3 staged_values[kThreads];
+shared uint staged_order[kThreads];
 shared uint staged_bits[2];
 shared uint is_any_uncovered;
 
@@ -72,13 +82,13 @@ bool is_open(ivec2 tile, ivec2 tiles) {
 bool is_wanted(int j) { return push.only_sheet < 0 || push.only_sheet == j; }
 
 // Cuts one splat of a level with the layer's sheets, at one point of their slabs, in samples of the
-// level in hand. True if it meets the tile.
-bool stage(DeviceSplat splat, int of_level, int first_sheet, int point, vec2 corner,
-           out Section sections[kBlockDepth]) {
+// level in hand, and stages the cuts. True if they meet the tile.
+bool stage(DeviceSplat splat, int of_level, int first_sheet, int point, vec2 corner) {
   bool meets = false;
   float unit = float(1 << push.level);
   bool takes_points = set_has(kSetTakesMeans) && kProfile != kProfileGaussian;
   bool takes_means = set_has(kSetTakesMeans) && kProfile == kProfileGaussian;
+  vec2 offset = (vec2(frame.center_x, frame.center_y) - 0.5 * (unit - 1.0)) / unit - corner;
   for (int j = 0; j < kBlockDepth; ++j) {
     float middle = float(first_sheet + j);
     float s = middle;
@@ -89,93 +99,37 @@ bool stage(DeviceSplat splat, int of_level, int first_sheet, int point, vec2 cor
     }
     float depth = depth_at(s);
     float scale = scale_at(depth);
-    sections[j].room = -1.0;
-    if (!is_wanted(j)) continue;
     float t = s - splat.center.z;
-    if (abs(t) - (takes_means ? 0.5 : 0.0) >= splat.slide.z) continue;
-    if (set_has(kHasLevels) &&
-        level_for(splat.slide.w, scale_at(depth_at(middle))) != of_level)
-      continue;
-    float factor = scale / unit;
-    vec2 offset = (vec2(frame.center_x, frame.center_y) - 0.5 * (unit - 1.0)) / unit - corner;
-    if (takes_means) {
-      float per_depth =
-          set_has(kSetIsParallel) ? 0.0 : frame.sampling_distance / depth;
-      sections[j] = mean_section(splat, t, factor, offset, per_depth);
-    } else {
-      sections[j] = middle_section(splat, t, factor, offset);
-      sections[j].amplitude *= point_weight;
+    Section section = kNoSection;
+    bool is_cut = is_wanted(j) && abs(t) - (takes_means ? 0.5 : 0.0) < splat.slide.z &&
+                  (!set_has(kHasLevels) ||
+                   level_for(splat.slide.w, scale_at(depth_at(middle))) == of_level);
+    if (is_cut) {
+      float factor = scale / unit;
+      if (takes_means) {
+        float per_depth = set_has(kSetIsParallel) ? 0.0 : frame.sampling_distance / depth;
+        section = mean_section(splat, t, factor, offset, per_depth);
+      } else {
+        section = middle_section(splat, t, factor, offset);
+        section.scale *= point_weight;
+      }
+      // The box around the cut.
+      vec3 shape = section.shape;
+      float det = max(shape.x * shape.z - 0.25 * shape.y * shape.y, 1e-30);
+      vec2 reach = sqrt(max(section.room, 0.0) * shape.zx / det) * 1.001 + 0.01;
+      bool is_near =
+          section.room > 0.0 &&
+          (set_has(kIsFragmentCentric) ||
+           (all(lessThanEqual(section.center - reach, vec2(float(kGroupEdge - 1u)))) &&
+            all(greaterThanEqual(section.center + reach, vec2(0.0)))));
+      if (!is_near) section = kNoSection;
+      meets = meets || is_near;
     }
-    if (!(sections[j].room > 0.0)) continue;
-    // The box around the cut.
-    vec3 shape = sections[j].shape;
-    float det = max(shape.x * shape.z - shape.y * shape.y, 1e-30);
-    vec2 reach = sqrt(sections[j].room * shape.zx / det) * 1.001 + 0.01;
-    bool is_near = set_has(kIsFragmentCentric) ||
-                   (all(lessThanEqual(sections[j].center - reach, vec2(float(kGroupEdge - 1u)))) &&
-                    all(greaterThanEqual(sections[j].center + reach, vec2(0.0))));
-    if (!is_near) sections[j].room = -1.0;
-    meets = meets || is_near;
+    staged_ellipses[j][gl_LocalInvocationIndex] = vec4(section.center, section.shape.xy);
+    staged_rests[j][gl_LocalInvocationIndex] =
+        vec4(section.shape.z, section.room, section.scale, 0.0);
   }
   return meets;
-}
-
-vec3 sums[kBlockDepth];
-uint covered_sheets = 0u;  // a bit for each: some kernel reaches the sample there
-const uint kAllCovered = (1u << uint(kBlockDepth)) - 1u;
-
-// Adds a list's splats to the sums, or, those of a coarser level, notes whom they reach.
-void add_list(uint list, int of_level, int first_sheet, int point, vec2 corner, vec2 sample_at) {
-  uint first = ends[2u * list];
-  uint past = ends[2u * list + 1u];
-  uint self = gl_LocalInvocationIndex;
-  bool only_covers = set_has(kSetFindsCover) && of_level != push.level;
-  for (uint batch = first; batch < past; batch += kGroupSize) {
-    if (self < 2u) staged_bits[self] = 0u;
-    if (self == 2u) is_any_uncovered = 0u;
-    barrier();
-    if (only_covers) {
-      if (covered_sheets != kAllCovered) atomicOr(is_any_uncovered, 1u);
-      barrier();
-      if (is_any_uncovered == 0u) return;
-    }
-    bool meets = false;
-    DeviceSplat splat;
-    Section sections[kBlockDepth];
-    if (batch + self < past) {
-      splat = splats[pairs[batch + self].y];
-      meets = stage(splat, of_level, first_sheet, point, corner, sections);
-    }
-    if (meets) atomicOr(staged_bits[self >> 5], 1u << (self & 31u));
-    barrier();
-    uint low = staged_bits[0];
-    uint high = staged_bits[1];
-    if (meets) {
-      uint below = (1u << (self & 31u)) - 1u;
-      uint slot = self < 32u ? bitCount(low & below) : bitCount(low) + bitCount(high & below);
-      for (int j = 0; j < kBlockDepth; ++j) staged[slot][j] = sections[j];
-      staged_values[slot] = coefficients_of(splat);
-    }
-    barrier();
-    uint count = bitCount(low) + bitCount(high);
-    for (uint i = 0u; i < count; ++i) {
-      vec3 values = staged_values[i];
-      for (int j = 0; j < kBlockDepth; ++j) {
-        Section section = staged[i][j];
-        vec2 d = sample_at - section.center;
-        float q = fma(d.x * d.x, section.shape.x,
-                      d.y * fma(d.x, 2.0 * section.shape.y, d.y * section.shape.z));
-        if (q > section.room) continue;
-        if (only_covers) {
-          if (values.x != 0.0) covered_sheets |= 1u << uint(j);
-          continue;
-        }
-        float phi = section_at(section, q);
-        sums[j] = fma(values, vec3(phi), sums[j]);
-      }
-    }
-    barrier();
-  }
 }
 
 uint list_of(int level, ivec2 tile, int layer) {
@@ -184,18 +138,96 @@ uint list_of(int level, ivec2 tile, int layer) {
          uint(tile.y * constants.tiles.x + tile.x);
 }
 
+vec3 sums[kBlockDepth];
+uint covered_sheets = 0u;  // a bit for each: some kernel reaches the sample there
+const uint kAllCovered = (1u << uint(kBlockDepth)) - 1u;
+
+// Adds the splats of a tile's lists on levels [from, to] to the sums, list after list, or, if
+// `only_covers`, notes whom they reach. `tile` is one of the level in hand, counted from the
+// picture's.
+void add_lists(int from, int to, bool only_covers, ivec2 tile, int layer, int point,
+               vec2 sample_at) {
+  uint self = gl_LocalInvocationIndex;
+  uint num_lists = uint(max(to - from + 1, 0));
+  // All lists at once: most have few splats or none.
+  if (self == 0u) list_before[0] = 0u;
+  if (self < num_lists) {
+    int level = from + int(self);
+    int up = level - push.level;
+    ivec2 of = ivec2(tile.x >> up, tile.y >> up) - frame.levels[level].tiles.zw;
+    uint list = list_of(level, of, layer);
+    list_first[self] = ends[2u * list];
+    list_before[self + 1u] = ends[2u * list + 1u] - ends[2u * list];
+  }
+  barrier();
+  if (self == 0u) {
+    for (uint n = 1u; n <= num_lists; ++n) list_before[n] += list_before[n - 1u];
+  }
+  barrier();
+  uint past = list_before[num_lists];
+  uint list = 0u;  // of the thread's splat
+  for (uint batch = 0u; batch < past; batch += kThreads) {
+    if (self < 2u) staged_bits[self] = 0u;
+    if (self == 2u) is_any_uncovered = 0u;
+    barrier();
+    if (only_covers) {
+      if (covered_sheets != kAllCovered) atomicOr(is_any_uncovered, 1u);
+      barrier();
+      if (is_any_uncovered == 0u) break;
+    }
+    bool meets = false;
+    uint number = batch + self;
+    if (number < past) {
+      while (number >= list_before[list + 1u]) ++list;
+      DeviceSplat splat = splats[pairs[list_first[list] + (number - list_before[list])].y];
+      int of_level = only_covers ? from + int(list) : push.level;
+      meets = stage(splat, of_level, layer * kBlockDepth, point, vec2(tile) * float(kGroupEdge));
+      staged_values[self] = coefficients_of(splat);
+    }
+    uint bit = 1u << (self & 31u);
+    if (meets) atomicOr(staged_bits[self >> 5], bit);
+    barrier();
+    uint low = staged_bits[0];
+    uint high = staged_bits[1];
+    if (meets) {
+      uint before = self < 32u ? bitCount(low & (bit - 1u))
+                               : bitCount(low) + bitCount(high & (bit - 1u));
+      staged_order[before] = self;
+    }
+    barrier();
+    uint count = bitCount(low) + bitCount(high);
+    for (uint i = 0u; i < count; ++i) {
+      uint place = staged_order[i];
+      vec3 values = staged_values[place];
+      for (int j = 0; j < kBlockDepth; ++j) {
+        vec4 ellipse = staged_ellipses[j][place];
+        vec4 rest = staged_rests[j][place];
+        Section section =
+            Section(ellipse.xy, vec3(ellipse.zw, rest.x), rest.y, rest.z);
+        float room = room_at(section, sample_at);
+        if (!(room >= 0.0)) continue;
+        if (only_covers) {
+          if (values.x != 0.0) covered_sheets |= 1u << uint(j);
+          continue;
+        }
+        float phi = section_at(section, room);
+        sums[j].x = fma(values.x, phi, sums[j].x);
+        if (kChannels > 1u) sums[j].y = fma(values.y, phi, sums[j].y);
+        if (kChannels > 2u) sums[j].z = fma(values.z, phi, sums[j].z);
+      }
+    }
+    barrier();
+  }
+  barrier();  // the next lists take the same places
+}
+
 // Sums of coarser levels are still to come: where are they a part of the field?
-void find_cover(ivec2 tile, int layer, int first_sheet, int num_points, vec2 corner,
-                vec2 sample_at) {
+void find_cover(ivec2 tile, int layer, int num_points, vec2 sample_at) {
   for (int j = 0; j < kBlockDepth; ++j) {
     if (sums[j].x != 0.0 || !is_wanted(j)) covered_sheets |= 1u << uint(j);
   }
-  for (int point = 0; point < num_points; ++point) {
-    for (int coarse = 1; coarse <= push.coarsest; ++coarse) {
-      ivec2 of = ivec2(tile.x >> coarse, tile.y >> coarse) - frame.levels[coarse].tiles.zw;
-      add_list(list_of(coarse, of, layer), coarse, first_sheet, point, corner, sample_at);
-    }
-  }
+  for (int point = 0; point < num_points; ++point)
+    add_lists(1, push.coarsest, true, tile, layer, point, sample_at);
 }
 
 // A finished sheet's value at a sample of the finest level.
@@ -205,17 +237,19 @@ void store_value(int sheet, uint at, uint plane_size, float value, float color) 
   if (!set_has(kSetHalfSheets)) sheets[ring * plane_size + at] = floatBitsToUint(value);
 }
 
-void finish_samples(uint at, uint plane_size, int first_sheet) {
+void finish_sample(uint at, uint plane_size, int first_sheet) {
   uint bits[kBlockDepth];
   for (int j = 0; j < kBlockDepth; ++j) {
     if (!is_wanted(j)) continue;
-    float whole = set_has(kSetIsSum) ? sums[j].x : sums[j].y;
+    vec3 sum = sums[j];
+    float whole = set_has(kSetIsSum) ? sum.x : sum.y;
     bool is_defined = set_has(kSetIsSum) ? whole != 0.0 : whole >= kLeastSetWeight;
-    if (set_has(kSetFindsCover)) is_defined = is_defined && (covered_sheets >> uint(j) & 1u) != 0u;
-    float part = set_has(kSetIsSum) ? sums[j].y : sums[j].z;
+    if (set_has(kSetFindsCover))
+      is_defined = is_defined && (covered_sheets >> uint(j) & 1u) != 0u;
+    float part = set_has(kSetIsSum) ? sum.y : sum.z;
     float value = !is_defined ? uintBitsToFloat(0x7FC00000u)
-                  : set_has(kSetIsSum) ? sums[j].x
-                                       : sums[j].x / whole;
+                  : set_has(kSetIsSum) ? sum.x
+                                       : sum.x / whole;
     store_value(first_sheet + j, at, plane_size, value, is_defined ? part / whole : 0.0);
     bits[j] = sheet_bits(value, is_defined, set_has(kSetIsSum), frame.sheet_scale,
                          frame.sheet_offset);
@@ -241,22 +275,11 @@ void main() {
   for (int j = 0; j < kBlockDepth; ++j) sums[j] = vec3(0.0);
   bool takes_points = set_has(kSetTakesMeans) && kProfile != kProfileGaussian;
   int num_points = takes_points ? kProfilePoints : 1;
-  for (int point = 0; point < num_points; ++point) {
-    if (set_has(kHasLevels)) {
-      add_list(list_of(push.level, tile, layer), push.level, first_sheet, point, vec2(corner),
-               vec2(within));
-    } else {
-      // The lists of all the larger tiles that this one lies in.
-      for (int coarse = 0; coarse <= push.coarsest; ++coarse) {
-        ivec2 of = ivec2(absolute.x >> coarse, absolute.y >> coarse) -
-                   frame.levels[coarse].tiles.zw;
-        add_list(list_of(coarse, of, layer), push.level, first_sheet, point, vec2(corner),
-                 vec2(within));
-      }
-    }
-  }
-  if (set_has(kSetFindsCover) && is_finest)
-    find_cover(absolute, layer, first_sheet, num_points, vec2(corner), vec2(within));
+  // Without levels, the lists of all the larger tiles that this one lies in.
+  int last = set_has(kHasLevels) ? push.level : push.coarsest;
+  for (int point = 0; point < num_points; ++point)
+    add_lists(push.level, last, false, absolute, layer, point, vec2(within));
+  if (set_has(kSetFindsCover) && is_finest) find_cover(absolute, layer, num_points, vec2(within));
   ivec2 size = level.tiles.xy * int(kGroupEdge);
   ivec2 place = tile * int(kGroupEdge) + within;
   uint at = uint(place.y * size.x + place.x);
@@ -270,9 +293,10 @@ void main() {
     }
   }
   if (is_finest) {
-    finish_samples(at, plane_size, first_sheet);
+    finish_sample(at, plane_size, first_sheet);
     if (gl_LocalInvocationIndex == 0u)
-      atomicAdd(counts[tile.y * level.tiles.x + tile.x].x, kGroupSize * (push.only_sheet < 0 ? uint(kBlockDepth) : 1u));
+      atomicAdd(counts[tile.y * level.tiles.x + tile.x].x,
+                kGroupSize * (push.only_sheet < 0 ? uint(kBlockDepth) : 1u));
     return;
   }
   for (int j = 0; j < kBlockDepth; ++j) {

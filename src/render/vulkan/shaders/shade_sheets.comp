@@ -45,12 +45,27 @@ uint place_in_plane(ivec2 pixel) {
   return uint(at.y * frame.levels[0].tiles.x) * kGroupEdge + uint(at.x);
 }
 
+// The sheet in hand, and its place in the ring. Only sheets near it are asked for.
+int own_sheet;
+int own_ring;
+
+uint ring_of(int sheet) {
+  int ring = own_ring + (sheet - own_sheet);
+  if (ring < 0) ring += frame.ring_sheets;
+  return uint(ring >= frame.ring_sheets ? ring - frame.ring_sheets : ring);
+}
+
+void take_sheet(int sheet) {
+  own_sheet = sheet;
+  own_ring = sheet % frame.ring_sheets;
+}
+
 Sample sample_at(ivec2 pixel, int sheet) {
   Sample found;
   found.value = 0.0;
   found.is_defined = false;
   if (sheet < 0 || sheet >= frame.num_sheets) return found;
-  uint ring = uint(sheet % frame.ring_sheets);
+  uint ring = ring_of(sheet);
   uint at = place_in_plane(pixel);
   if (set_has(kSetHalfSheets)) {
     uint word = sheets[(ring >> 1) * plane_size() + at];
@@ -66,7 +81,7 @@ Sample sample_at(ivec2 pixel, int sheet) {
 }
 
 float color_value_at(ivec2 pixel, int sheet) {
-  return color_sheets[uint(sheet % frame.ring_sheets) * plane_size() + place_in_plane(pixel)];
+  return color_sheets[ring_of(sheet) * plane_size() + place_in_plane(pixel)];
 }
 
 vec3 central_gradient(ivec2 pixel, int sheet, float value) {
@@ -105,10 +120,17 @@ vec3 own_color(vec2 at, float s) {
   return classify(frame.looks[0].color, color_value_at(ivec2(at), int(s))).rgb;
 }
 
+// What a pixel has on a sheet, the front of the next one's piece.
+Sample kept_sample;
+int kept_sample_sheet = -1;
+
 // The refined piece that ends on a sheet.
 void take_piece(inout Pixel pixel, ivec2 at, int sheet) {
-  Sample front = sample_at(at, sheet - 1);
+  Sample front = kept_sample;
+  if (kept_sample_sheet != sheet - 1) front = sample_at(at, sheet - 1);
   Sample back = sample_at(at, sheet);
+  kept_sample = back;
+  kept_sample_sheet = sheet;
   if (!front.is_defined && !back.is_defined) return;
   Piece piece;
   piece.has_front = front.is_defined;
@@ -165,6 +187,7 @@ void draw_pixel(ivec2 at, inout Pixel pixel) {
       sheet = (layer + 1) * kBlockDepth - 1;
       continue;
     }
+    take_sheet(sheet);
     if (has_flag(kIsRefined)) {
       take_piece(pixel, at, sheet);
       continue;

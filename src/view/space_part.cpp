@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "data/large_pages.h"
 #include "ovoid/error.h"
 #include "ovoid/render_options.h"
 
@@ -87,6 +88,15 @@ void add_stops(std::span<const DepthLimits::Stop> within, bool is_limited, float
   if (is_drawn && std::isfinite(to)) stops.push_back({to, false, true, {}});
 }
 
+// The most stops that pixels have: two seams each, and those that there are otherwise.
+std::size_t most_stops(const PartSheets& sheets, const DepthLimits* within) {
+  std::size_t count = within == nullptr ? 0 : within->stops.size();
+  for (std::size_t pixel = 0; pixel < num_pixels(sheets); ++pixel) {
+    if (sheets.first[pixel] < sheets.last[pixel]) count += sheets.last[pixel] < kLastSheet ? 2 : 1;
+  }
+  return count;
+}
+
 }  // namespace
 
 PartSheets sheets_of_part(const SpacePart& part, const ViewLattice& lattice) {
@@ -118,6 +128,7 @@ DepthLimits limits_of_part(const PartSheets& sheets, const ViewLattice& lattice,
   limits.width = sheets.width;
   limits.height = sheets.height;
   limits.first.assign(num_pixels(sheets) + 1, 0);
+  data::reserve_large_pages(limits.stops, most_stops(sheets, within));
   for (std::size_t pixel = 0; pixel < num_pixels(sheets); ++pixel) {
     if (sheets.first[pixel] < sheets.last[pixel]) {
       std::span<const DepthLimits::Stop> stops;
@@ -156,6 +167,10 @@ DeepImage runs_of_part(const Image& image, Mode mode, const PartSheets& sheets,
   seen.height = image.height;
   seen.mode = mode;
   seen.first.assign(num_pixels(sheets) + 1, 0);
+  std::size_t num_runs = 0;
+  for (std::size_t pixel = 0; pixel < num_pixels(sheets); ++pixel)
+    num_runs += image.rgba[4 * pixel + 3] > 0 ? 1 : 0;
+  data::reserve_large_pages(seen.runs, num_runs);
   for (std::size_t pixel = 0; pixel < num_pixels(sheets); ++pixel) {
     const float* const rgba = &image.rgba[4 * pixel];
     if (rgba[3] > 0)

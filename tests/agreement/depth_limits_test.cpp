@@ -136,6 +136,71 @@ TEST(DepthLimits, ThatLimitNothingChangeNothing) {
   }
 }
 
+// Spans that begin just before a sheet, on it or just behind, of the next sheet in the next pixel,
+// and end after a part of a piece, a piece, a block or never. Stops on sheets are seams, without a
+// colour: which of the two comes first is nobody's to say.
+std::shared_ptr<const DepthLimits> limits_at_every_sheet(const Scene& scene) {
+  constexpr int kSheets = 40;  // more than two blocks of a lattice, ten of a kernel set
+  const double middle = (scene.camera.focal_point - scene.camera.position).norm();
+  const double sheet = scene.options.sampling_distance;
+  auto limits = std::make_shared<DepthLimits>();
+  limits->width = scene.options.width;
+  limits->height = scene.options.height;
+  limits->first.push_back(0);
+  for (int y = 0; y < limits->height; ++y) {
+    for (int x = 0; x < limits->width; ++x) {
+      const int side = y % 3 - 1;
+      const auto add_stop = [&](double place, bool is_field_behind) {
+        DepthLimits::Stop stop{static_cast<float>(middle + place * sheet), is_field_behind};
+        stop.is_seam = side == 0;
+        if (!stop.is_seam) stop.rgba = {0.1F, 0, 0.05F, 0.1F};
+        limits->stops.push_back(stop);
+      };
+      // In sheets from the focal depth, which lies halfway between two.
+      const double begin = x % kSheets - kSheets / 2 + 0.5 + 0.01 * side;
+      add_stop(begin, true);
+      if (y % 5 < 4) {
+        const double lengths[] = {0.3, 1, 4, 16};
+        const double end = begin + lengths[y % 5];
+        add_stop(end, false);
+        add_stop(end + 18, true);
+      }
+      limits->first.push_back(static_cast<std::uint32_t>(limits->stops.size()));
+    }
+  }
+  return limits;
+}
+
+// Fails if a block of samples is left out that a span reaches, or a group of pixels is drawn as if
+// no stop were in it.
+TEST(DepthLimits, AgreeWhereverStopsLieInBlocks) {
+  const KernelField set(jittered_ellipsoids(8).source(), Reconstruction::kNormalized);
+  const TestVolume volume = test_volumes()[0];
+  for (const Field& field : {Field(set), Field(volume.field)}) {
+    for (const Mode mode : kModes) {
+      for (const Classification how : {Classification::kRefined, Classification::kSampled}) {
+        if (mode != Mode::kComposite && how != Classification::kRefined) continue;
+        const ValueRange range = field.value_range();
+        Scene scene{field, askew_camera(field, false, 1.3),
+                    semi_transparent_look(range.lo, range.hi), picture(70, 50, 0)};
+        scene.look.mode = mode;
+        scene.look.isovalue = 0.5 * (range.lo + range.hi);
+        scene.options.classification = how;
+        scene.options.post_convolution = PostConvolution::kOff;
+        scene.options.sampling_distance = 0.5 * field.default_sampling_distance();
+        scene.options.depth_limits = limits_at_every_sheet(scene);
+        ImageTolerance tolerance;
+        if (mode == Mode::kXray)
+          tolerance.peak = greatest_color(draw(scene, Backend::kReference).image);
+        EXPECT_TRUE(backends_agree(scene,
+                                   "mode " + std::to_string(static_cast<int>(mode)) + ", way " +
+                                       std::to_string(static_cast<int>(how)),
+                                   0.05, tolerance));
+      }
+    }
+  }
+}
+
 // Fails if colours of stops are lost where no field is drawn, or hidden ones show.
 TEST(DepthLimits, StopsJoinFrontToBack) {
   const KernelField field(jittered_ellipsoids(4).source(), Reconstruction::kNormalized);

@@ -14,6 +14,7 @@
 #endif
 
 #include "render/cpu/block-inl.h"
+#include "render/cpu/limits-inl.h"
 #include "render/cpu/path-inl.h"
 #include "render/cpu/simd-inl.h"
 
@@ -441,6 +442,16 @@ inline RowWord open_samples(const CpuFrame& frame, const BlockPlace& place, cons
   return (open & pixels) << place.margin;
 }
 
+// Samples of a block that are worth the work on any of its sheets.
+inline RowBits wanted_of_block(const CpuFrame& frame, const BlockPlace& place, TileState& tile) {
+  RowBits wanted{};
+  for (int y = 0; y < place.rows; ++y) wanted[y] = open_samples(frame, place, tile, y);
+  if (place.limits == nullptr) return wanted;
+  const float sheet = frame.camera.sampling_distance;
+  return reached_by_spans(frame, place, wanted, place.sheets[0].depth - sheet,
+                          place.sheets[place.num_sheets - 1].depth + sheet, tile);
+}
+
 // True if samples of sheet s are classified in this block, or looked at as front ends: the front
 // sheet, though the block before has classified it.
 inline bool is_needed(const CpuFrame& frame, const BlockPlace& place, int s) {
@@ -462,25 +473,25 @@ inline void find_active(const LatticeFrame& frame, const RowBits* inside, Rows r
   }
 }
 
-// `box` holds all samples of the block, in index space. Returns whether any sample is relevant;
-// active bits and region are only valid if one is.
-inline bool bin_region(const LatticeFrame& frame, Block& block, const TileState& tile,
+// `box` holds all samples of the block, in index space. Returns whether any sample is relevant, of
+// those that are wanted; active bits and region are only valid if one is.
+inline bool bin_region(const LatticeFrame& frame, Block& block, const RowBits& wanted,
                        const Bounds3& box) {
+  if (count_bits(wanted, block.place.rows) == 0) return false;
   RowBits inside[kMaxSheets];
   const BlockPlace& place = block.place;
   const view::RelevanceMap& map = frame.lattice_plan->relevance;
   const view::AxisOrder& order = frame.lattice_plan->order;
   const SampleLookup lookup{BrickLookup(map, map.words(), block.region.origin, order),
                             support_of(frame, block.region, box)};
-  RowBits open;
-  for (int y = 0; y < place.rows; ++y) open[y] = open_samples(frame, place, tile, y);
   if (frame.is_on_lattice) {
     const RowBits none{};
     BrickLayer layer;
     bool is_any = false;
     for (int s = 0; s < place.num_sheets; ++s) {
-      is_any |= bin_lattice_sheet(frame, block, s, lookup, is_needed(frame, place, s) ? open : none,
-                                  layer, inside[s], block.bits.relevant[s]);
+      is_any |=
+          bin_lattice_sheet(frame, block, s, lookup, is_needed(frame, place, s) ? wanted : none,
+                            layer, inside[s], block.bits.relevant[s]);
     }
     if (!is_any) return false;
     find_active(frame, inside, std::integral_constant<int, kTileSize>(), block);
@@ -500,7 +511,7 @@ inline bool bin_region(const LatticeFrame& frame, Block& block, const TileState&
       const RowWord columns = has_cells ? cells[s / 4][y / 4] : ~RowWord{0};
       const RowMasks masks = bin_row(frame, block, s, y, lookup, columns);
       inside[s][y] = masks.inside;
-      block.bits.relevant[s][y] = is_wanted ? masks.relevant & open[y] : 0;
+      block.bits.relevant[s][y] = is_wanted ? masks.relevant & wanted[y] : 0;
       any |= block.bits.relevant[s][y];
     }
   }

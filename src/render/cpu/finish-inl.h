@@ -89,15 +89,7 @@ inline bool finish_pieces(const CpuFrame& frame, const TileInHand& tile, int s, 
   while (count_bits(left, place.rows) > 0) {
     if (finish_pieces_in_hand(frame, tile, s, left, part_of, clock, take_gradients))
       is_visible = true;
-    // To the next span and no farther: a short one may end in this piece, too.
-    TileLimits& limits = *place.limits;
-    for_each_pixel(place, RowBits(left), [&](int row, int column, int pixel) {
-      if (limits.leave[pixel] < far) {
-        enter_span(frame, limits.span[pixel] + 1, pixel, limits, tile.pixels);
-      } else {
-        left[row] &= ~(RowWord{1} << column);
-      }
-    });
+    left = at_next_spans(frame, place, left, far, tile.pixels);
     left = within_spans(frame, place, left, near, far, tile.pixels);
   }
   return is_visible;

@@ -84,7 +84,8 @@ struct KernelWorkspace {
   SampleBatch batch{};
   WorkerStats stats;
 
-  // Subtiles of which some pixel still takes samples, a bit each. Level 0 has no sums elsewhere.
+  // Subtiles of which some pixel takes samples of the block in hand, a bit each. Level 0 has no
+  // sums elsewhere.
   std::uint32_t open_subtiles = kAllSubtiles;
 
   // [sheet of the block][channel][row][column], one buffer per level

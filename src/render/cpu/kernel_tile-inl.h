@@ -242,6 +242,22 @@ inline void take_sheets_of_subtile(const KernelFrame& frame, KernelWorkspace& wo
   }
 }
 
+// Moves the place in hand to a subtile. False if the picture ends before it.
+inline bool place_subtile(const KernelFrame& frame, KernelWorkspace& work, const TileRect& rect,
+                          int sub) {
+  BlockPlace& place = work.place;
+  Subtile& subtile = work.subtiles[static_cast<std::size_t>(sub)];
+  place.tile_x = rect.x0 + sub % kSubtiles * kTileSize;
+  place.tile_y = rect.y0 + sub / kSubtiles * kTileSize;
+  place.rays = &subtile.rays;
+  place.limits = frame.limits == nullptr ? nullptr : &subtile.limits;
+  place.x1 = std::min(rect.x1 - place.tile_x, kTileSize);
+  place.y1 = std::min(rect.y1 - place.tile_y, kTileSize);
+  place.columns = place.x1 + 2 * place.margin;
+  place.rows = place.y1 + 2 * place.margin;
+  return place.x1 > 0 && place.y1 > 0;
+}
+
 // On all subtiles. The channels of those sheets that the frame has are there.
 inline void take_sheets(const KernelFrame& frame, KernelWorkspace& work, const TileRect& rect,
                         const IncomingSheets& sheets, StageClock& clock) {
@@ -251,18 +267,15 @@ inline void take_sheets(const KernelFrame& frame, KernelWorkspace& work, const T
   for (int s = 0; s < place.num_sheets; ++s)
     place.sheets[s] = place_of_sheet(*frame.plan, place.number_of(s));
   for (int sub = 0; sub < kSubtiles * kSubtiles; ++sub) {
+    if (!place_subtile(frame, work, rect, sub)) continue;
     Subtile& subtile = work.subtiles[static_cast<std::size_t>(sub)];
-    place.tile_x = rect.x0 + sub % kSubtiles * kTileSize;
-    place.tile_y = rect.y0 + sub / kSubtiles * kTileSize;
-    place.rays = &subtile.rays;
-    place.limits = frame.limits == nullptr ? nullptr : &subtile.limits;
-    place.x1 = std::min(rect.x1 - place.tile_x, kTileSize);
-    place.y1 = std::min(rect.y1 - place.tile_y, kTileSize);
-    if (place.x1 <= 0 || place.y1 <= 0) continue;
-    place.columns = place.x1 + 2 * place.margin;
-    place.rows = place.y1 + 2 * place.margin;
     if (frame.options->stop_opaque && !subtile.pixels.any_open(0, 0, place.x1, place.y1)) continue;
-    take_sheets_of_subtile(frame, work, sub, sheets, clock);
+    if ((work.open_subtiles >> sub & 1U) != 0) {
+      take_sheets_of_subtile(frame, work, sub, sheets, clock);
+    } else {
+      for (int s = place.front_margin; s < place.num_sheets; ++s)
+        subtile.ring[place.number_of(s)].clear();
+    }
   }
 }
 
@@ -281,6 +294,29 @@ inline std::uint32_t open_subtiles_of(const KernelWorkspace& work) {
     bits |= std::uint32_t{is_open} << sub;
   }
   return bits;
+}
+
+// Subtiles of which some pixel has a span that reaches into sheets [first, last) of the frame, or
+// into those around them that are finished with them, a bit each.
+inline std::uint32_t reached_subtiles(const KernelFrame& frame, KernelWorkspace& work,
+                                      const TileRect& rect, int first, int last) {
+  // A sheet is finished late, with the piece and the neighbour before it.
+  constexpr int kAround = 3;
+  const auto depth = [&](int sheet) {
+    return static_cast<float>(frame.plan->lattice.depth(frame.kernel_plan->sheets.first + sheet));
+  };
+  std::uint32_t reached = 0;
+  for (int sub = 0; sub < kSubtiles * kSubtiles; ++sub) {
+    if (!place_subtile(frame, work, rect, sub)) continue;
+    const BlockPlace& place = work.place;
+    RowBits all{};
+    std::fill_n(all.begin() + place.margin, place.y1, first_bits(place.x1) << place.margin);
+    const RowBits bits =
+        reached_by_spans(frame, place, all, depth(first - kAround), depth(last + kAround),
+                         work.subtiles[static_cast<std::size_t>(sub)].pixels);
+    reached |= std::uint32_t{count_bits(bits, place.rows) > 0} << sub;
+  }
+  return reached;
 }
 
 inline void set_up_tile(const KernelFrame& frame, KernelWorkspace& work, const TileRect& rect) {
@@ -330,7 +366,6 @@ inline void render_kernel_tile_on_target(const KernelFrame& frame, KernelWorkspa
   WorkerStats& stats = work.stats;
   StageClock clock(stats.ticks, frame.options->collect_profile);
   set_up_tile(frame, work, rect);
-  work.open_subtiles = kAllSubtiles;
   const int tile_x = rect.x0 / view::kBlockEdge;
   const int tile_y = rect.y0 / view::kBlockEdge;
   const auto is_relevant = [&](int layer) {
@@ -341,20 +376,22 @@ inline void render_kernel_tile_on_target(const KernelFrame& frame, KernelWorkspa
   for (int layer = 0; layer < plan.num_blocks[2]; ++layer) {
     ++stats.blocks_total;
     if (frame.stop.stop_requested()) return;
-    if (frame.options->stop_opaque) work.open_subtiles = open_subtiles_of(work);
+    work.open_subtiles = frame.options->stop_opaque ? open_subtiles_of(work) : kAllSubtiles;
     if (work.open_subtiles == 0) {
       ++stats.skipped_opaque;
       continue;
     }
-    if (!is_relevant(layer)) {
+    const int first = layer * view::kBlockDepth;
+    const int last = std::min(first + view::kBlockDepth, num_sheets(frame));
+    if (frame.limits != nullptr)
+      work.open_subtiles &= reached_subtiles(frame, work, rect, first, last);
+    if (!is_relevant(layer) || work.open_subtiles == 0) {
       const auto block = static_cast<std::size_t>(plan.block_index(tile_x, tile_y, layer));
       ++(frame.binned->of_block(block).empty() ? stats.skipped_empty : stats.skipped_irrelevant);
       is_running = false;
       continue;
     }
     ++stats.blocks_drawn;
-    const int first = layer * view::kBlockDepth;
-    const int last = std::min(first + view::kBlockDepth, num_sheets(frame));
     const bool goes_on = last < num_sheets(frame) && is_relevant(layer + 1);
     draw_block(frame, work, rect, {first, last, !is_running, !goes_on}, clock);
     is_running = true;

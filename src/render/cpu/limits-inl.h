@@ -3,8 +3,9 @@
 // (docs/numerics.md, "Depth limits").
 //
 // A pixel is at one span of its ray at a time. What stands before the span joins the pixel when
-// something of the span does; a pixel that has no further span takes what is left, and closes. All
-// of it is scalar: a pixel has a few stops, and hundreds of samples.
+// something of the span does; a pixel that has no further span takes what is left, and closes. A
+// pixel has a few stops and hundreds of samples: groups of pixels are asked together whether any of
+// them comes to a stop, and only those that do are looked at one by one.
 #if defined(OVOID_RENDER_CPU_LIMITS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef OVOID_RENDER_CPU_LIMITS_INL_H_
 #undef OVOID_RENDER_CPU_LIMITS_INL_H_
@@ -84,39 +85,98 @@ inline void set_up_limits(const CpuFrame& frame, int tile_x, int tile_y, TileLim
   }
 }
 
-// Runs `body(pixel)` for each sample of a plane, be it open or not, whose pixel is the tile's.
-template <class Body>
-HWY_INLINE void for_each_pixel(const BlockPlace& place, const RowBits& bits, const Body& body) {
+// Runs `body(row, column, pixel)` for those samples of a plane, be they open or not, for whose
+// pixels `is_due(first pixel of a group)` says so.
+template <class IsDue, class Body>
+HWY_INLINE void for_each_pixel_where(const BlockPlace& place, const RowBits& bits,
+                                     const IsDue& is_due, const Body& body) {
   for (int y = place.margin; y < place.rows - place.margin; ++y) {
-    for (RowWord left = bits[y]; left != 0; left &= left - 1) {
-      const int column = std::countr_zero(left);
-      body(y, column, tile_index(place, column, y));
-    }
+    for_each_group(
+        bits[y], place.margin, place.columns - place.margin, [&](int column, std::uint32_t lanes) {
+          const int pixel = tile_index(place, column, y);
+          for (std::uint32_t due = bits_of(is_due(pixel)) & lanes; due != 0; due &= due - 1) {
+            const int lane = std::countr_zero(due);
+            body(y, column + lane, pixel + lane);
+          }
+        });
   }
+}
+
+// Pixels of a group whose spans in hand end at `depth` or before it.
+HWY_INLINE M end_by(const TileLimits& limits, int pixel, float depth) {
+  return hn::Le(hn::LoadU(d, limits.leave + pixel), hn::Set(d, depth));
+}
+
+// Pixels of a group whose spans in hand begin with stops that have not joined them.
+HWY_INLINE M begin_unseen(const TileLimits& limits, int pixel) {
+  const hn::RebindToUnsigned<D> du;
+  const auto is_seen =
+      hn::Gt(hn::LoadU(du, limits.shown + pixel), hn::LoadU(du, limits.span + pixel));
+  return hn::Not(hn::RebindMask(d, is_seen));
 }
 
 // Leaves the spans that end at `depth` or before it, of the pixels of a plane's samples.
 inline void leave_spans(const CpuFrame& frame, const BlockPlace& place, const RowBits& bits,
                         float depth, TileState& tile) {
   TileLimits& limits = *place.limits;
-  for_each_pixel(place, bits, [&](int, int, int pixel) {
-    while (limits.leave[pixel] <= depth)
-      enter_span(frame, limits.span[pixel] + 1, pixel, limits, tile);
-  });
+  for_each_pixel_where(
+      place, bits, [&](int pixel) { return end_by(limits, pixel, depth); },
+      [&](int, int, int pixel) {
+        while (limits.leave[pixel] <= depth)
+          enter_span(frame, limits.span[pixel] + 1, pixel, limits, tile);
+      });
 }
 
-// Of samples, those whose span reaches into the depths from `near` to `far`; what stands before
-// these spans joins the pixels.
+// Of samples, those whose span in hand reaches into the depths from `near` to `far`.
+inline RowBits reached_in_hand(const BlockPlace& place, const RowBits& bits, float near,
+                               float far) {
+  const TileLimits& limits = *place.limits;
+  RowBits reached{};
+  for (int y = place.margin; y < place.rows - place.margin; ++y) {
+    for_each_group(
+        bits[y], place.margin, place.columns - place.margin, [&](int column, std::uint32_t lanes) {
+          const int pixel = tile_index(place, column, y);
+          const M begins = hn::Lt(hn::LoadU(d, limits.enter + pixel), hn::Set(d, far));
+          const std::uint32_t reach = bits_of(hn::AndNot(end_by(limits, pixel, near), begins));
+          reached[y] |= RowWord{reach & lanes} << column;
+        });
+  }
+  return reached;
+}
+
+// Of samples, those whose span reaches into the depths from `near` to `far`, once spans that end
+// before are left.
+inline RowBits reached_by_spans(const CpuFrame& frame, const BlockPlace& place, const RowBits& bits,
+                                float near, float far, TileState& tile) {
+  leave_spans(frame, place, bits, near, tile);
+  return reached_in_hand(place, bits, near, far);
+}
+
+// The same of spans in hand; what stands before these spans joins the pixels.
 inline RowBits within_spans(const CpuFrame& frame, const BlockPlace& place, const RowBits& bits,
                             float near, float far, TileState& tile) {
   TileLimits& limits = *place.limits;
-  RowBits within{};
-  for_each_pixel(place, bits, [&](int row, int column, int pixel) {
-    if (!(limits.enter[pixel] < far && limits.leave[pixel] > near)) return;
-    show_stops(frame, limits.span[pixel] + 1, pixel, limits, tile);
-    within[row] |= RowWord{1} << column;
-  });
+  const RowBits within = reached_in_hand(place, bits, near, far);
+  for_each_pixel_where(
+      place, within, [&](int pixel) { return begin_unseen(limits, pixel); },
+      [&](int, int, int pixel) { show_stops(frame, limits.span[pixel] + 1, pixel, limits, tile); });
   return within;
+}
+
+// Of samples, those whose span ends before `far`, which are at their next one then and no farther:
+// a short one may end there, too.
+inline RowBits at_next_spans(const CpuFrame& frame, const BlockPlace& place, const RowBits& bits,
+                             float far, TileState& tile) {
+  TileLimits& limits = *place.limits;
+  RowBits next{};
+  for_each_pixel_where(
+      place, bits,
+      [&](int pixel) { return hn::Lt(hn::LoadU(d, limits.leave + pixel), hn::Set(d, far)); },
+      [&](int row, int column, int pixel) {
+        enter_span(frame, limits.span[pixel] + 1, pixel, limits, tile);
+        next[row] |= RowWord{1} << column;
+      });
+  return next;
 }
 
 // Drops the samples whose paths have no length.
@@ -140,11 +200,14 @@ inline RowBits with_path_within(const CpuFrame& frame, const BlockPlace& place, 
   RowBits with_path = bits;
   drop_without_path(frame, place, s, with_path);
   TileLimits& limits = *place.limits;
-  for_each_pixel(place, with_path, [&](int, int, int pixel) {
-    std::uint32_t end = limits.span[pixel];
-    while (end < limits.end[pixel] && frame.limits->stops[end].depth <= depth) ++end;
-    show_stops(frame, end, pixel, limits, tile);
-  });
+  for_each_pixel_where(
+      place, with_path,
+      [&](int pixel) { return hn::Or(begin_unseen(limits, pixel), end_by(limits, pixel, depth)); },
+      [&](int, int, int pixel) {
+        std::uint32_t end = limits.span[pixel];
+        while (end < limits.end[pixel] && frame.limits->stops[end].depth <= depth) ++end;
+        show_stops(frame, end, pixel, limits, tile);
+      });
   return with_path;
 }
 

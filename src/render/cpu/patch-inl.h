@@ -436,7 +436,7 @@ inline bool bin_tile(const LatticeFrame& frame, const BlockPlace& tile, const Bl
 
 // Decides for each pixel. Samples that planes cut away are not relevant.
 inline bool bin_pixels(const LatticeFrame& frame, const Patch& patch, const BlockPlace& nodes,
-                       Block& block, const TileState& tile, LatticeWorkspace::TileBits& bits) {
+                       Block& block, TileState& tile, LatticeWorkspace::TileBits& bits) {
   BlockPlace& place = block.place;
   place.margin = 0;
   place.front_margin = nodes.front_margin;
@@ -448,7 +448,7 @@ inline bool bin_pixels(const LatticeFrame& frame, const Patch& patch, const Bloc
       is_clipped_away(frame, place, part))
     return false;
   set_up_block(frame, block, part, box);
-  if (bin_region(frame, block, tile, box) == 0) return false;
+  if (!bin_region(frame, block, wanted_of_block(frame, place, tile), box)) return false;
   for (int s = 0; s < place.num_sheets; ++s) {
     RowBits& rows = bits.relevant[static_cast<std::size_t>(s)];
     rows = {};
@@ -469,7 +469,8 @@ inline bool bin_patch(const LatticeFrame& frame, LatticeWorkspace& work, const P
     bits.any_relevant = false;
     bits.any_visible = false;
     place_tile(patch, at, block.place);
-    const TileState& tile = work.tiles[at.number];
+    block.place.limits = frame.limits == nullptr ? nullptr : &work.limits[at.number];
+    TileState& tile = work.tiles[at.number];
     if (frame.options->stop_opaque && !tile.any_open(0, 0, place.x1, place.y1)) return;
     bits.any_relevant = patch.is_binned_by_tile
                             ? bin_tile(frame, place, nodes, bits)

@@ -52,9 +52,9 @@ HWY_INLINE int tile_index(const BlockPlace& place, int column, int row) {
 }
 
 // What the spans of the depth limits, from those in hand on, leave of the slabs [from, to], in
-// sheets around a group's samples.
-inline V path_within_spans(const CpuFrame& frame, const BlockPlace& place, const SampleGroup& group,
-                           V from, V to) {
+// sheets around a group's samples: lane by lane.
+inline V path_within_all_spans(const CpuFrame& frame, const BlockPlace& place,
+                               const SampleGroup& group, V from, V to) {
   alignas(64) float begin[16];
   alignas(64) float end[16];
   alignas(64) float sum[16] = {};
@@ -79,6 +79,22 @@ inline V path_within_spans(const CpuFrame& frame, const BlockPlace& place, const
     }
   }
   return hn::Load(d, sum);
+}
+
+// The same; of a group none of whose spans in hand ends within the slabs, in which no other then
+// lies, at once.
+HWY_INLINE V path_within_spans(const CpuFrame& frame, const BlockPlace& place,
+                               const SampleGroup& group, V from, V to) {
+  const int pixel = tile_index(place, group.column, group.row);
+  const auto sheets_to = [&](const float* depths) {
+    return hn::Mul(hn::Sub(hn::LoadU(d, depths + pixel), hn::Set(d, place.sheets[group.s].depth)),
+                   hn::Set(d, 1 / frame.camera.sampling_distance));
+  };
+  const M ends = hn::Lt(sheets_to(place.limits->leave), to);
+  if ((bits_of(ends) & group.lanes) != 0)
+    return path_within_all_spans(frame, place, group, from, to);
+  const V length = hn::Sub(to, hn::Max(from, sheets_to(place.limits->enter)));
+  return hn::Max(length, hn::Zero(d));
 }
 
 // What the half spaces leave of the slab, [-1/2, 1/2] sheets around the sample; each cuts off an

@@ -162,7 +162,8 @@ inline PartState prepare_part(const LatticeFrame& frame, Workspace& work, const 
   Block& block = work.block;
   const Bounds3 box = box_of(frame, block.place, part, block.place.margin);
   set_up_block(frame, block, part, box);
-  const bool is_relevant = bin_region(frame, block, *work.tile, box);
+  const RowBits wanted = wanted_of_block(frame, block.place, *work.tile);
+  const bool is_relevant = bin_region(frame, block, wanted, box);
   clock.lap(kBin);
   if (!is_relevant) return PartState::kNothing;
   if (block.region.num_samples() > kMaxRegionSamples && longest_axis(block, part) >= 0)

@@ -5,37 +5,15 @@
 
 #include <algorithm>
 #include <limits>
-#include <memory>
 
+#include "data/large_pages.h"
 #include "view/finished_pixel.h"
-
-#if defined(__linux__)
-#include <sys/mman.h>
-#endif
 
 namespace ovoid::cpu {
 
 double ms_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
-
-namespace {
-
-// Memory for `count` numbers that have not been touched yet, in pages as large as the system has
-// them: pictures are large, and each page costs a trip to the system.
-void reserve_large_pages(std::vector<float>& numbers, std::size_t count) {
-  numbers.reserve(count);
-#if defined(__linux__)
-  constexpr std::size_t kPage = 4096;
-  void* begin = numbers.data();
-  std::size_t bytes = count * sizeof(float);
-  if (std::align(kPage, kPage, begin, bytes) == nullptr) return;
-  // Where it is refused pages are as they are.
-  madvise(begin, bytes / kPage * kPage, MADV_HUGEPAGE);
-#endif
-}
-
-}  // namespace
 
 Image empty_image(int width, int height) {
   Image image;
@@ -44,10 +22,10 @@ Image empty_image(int width, int height) {
   const std::size_t num_pixels = static_cast<std::size_t>(width) * height;
   data::allocated(fmt::format("a picture of {} x {} pixels", width, height),
                   6 * sizeof(float) * num_pixels, [&] {
-                    reserve_large_pages(image.rgba, 4 * num_pixels);
+                    data::reserve_large_pages(image.rgba, 4 * num_pixels);
                     image.rgba.assign(4 * num_pixels, 0.0F);
                     for (std::vector<float>* depths : {&image.depth, &image.front_depth}) {
-                      reserve_large_pages(*depths, num_pixels);
+                      data::reserve_large_pages(*depths, num_pixels);
                       depths->assign(num_pixels, std::numeric_limits<float>::infinity());
                     }
                   });

@@ -86,7 +86,7 @@ def _text(value, form):
 def _words_of(name, value):
     flag, kind, form, _ = table()[name]
     if kind == _TOGGLE:
-        if not isinstance(value, bool) and value not in (0, 1):
+        if not (isinstance(value, int) and value in (0, 1) or type(value).__name__ == "bool_"):  # numpy's
             raise InvalidArgument(f"{name} = {value!r}: expected True or False")
         if value:
             return [f"--{flag}"]
@@ -153,7 +153,7 @@ def canonical(given, span=None):
         if key == "cpos":
             choose(name, *_camera(value))
         elif key == "blending":
-            if value not in _BLENDINGS:
+            if not isinstance(value, str) or value not in _BLENDINGS:
                 raise InvalidArgument(f"blending = {value!r}: expected one of {', '.join(_BLENDINGS)}")
             choose(name, "mode", _BLENDINGS[value])
         elif key in table():

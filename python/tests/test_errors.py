@@ -55,6 +55,8 @@ def test_placement(placement, words):
     ({"cpos": "up"}, "cpos = 'up': expected one of"),
     ({"cpos": [(1, 2), 3]}, "expected three points"),
     ({"blending": "minimum"}, "blending"),
+    ({"blending": [1, 2]}, "blending"),
+    ({"log": np.zeros(3)}, "expected True or False"),
     ({"step": 2}, "--step: is for files"),
     ({"motion_blur": 2}, "--motion-blur: is for files in time"),
     ({"mass": 2}, "--mass: is for particles"),

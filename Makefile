@@ -73,7 +73,7 @@ pictures: build  ## draw the pictures of the guide and the other pages again, by
 	@scripts/viewer_pictures.sh
 
 install: build  ## install program, library and headers under PREFIX (/usr/local)
-	@scripts/build.sh release ovoid_mappers
+	@scripts/build.sh release ovoid_mappers ovoid_package
 	@cmake --install build/release --prefix "$(PREFIX)"
 
 package: build  ## a .deb of program, window, library and headers: build/package/ovoid_*.deb

@@ -56,6 +56,7 @@ OUTSIDE = [
     ("Highway", re.compile(r"^hwy/"), ("src/render/cpu/", "src/simd/", "src/model/nearest_squares.cpp", "bench/")),
     ("Vulkan", re.compile(r"^(volk\.h|vulkan/)"), ("src/render/vulkan/",)),
     ("GLFW, Dear ImGui and OpenGL", re.compile(r"^(GLFW/|GL/|imgui|backends/imgui)"), ("apps/viewer/",)),
+    ("pybind11", re.compile(r"^pybind11/"), ("python/",)),
     ("MPI", re.compile(r"^mpi\.h"), ("apps/mpi/",)),
     ("OpenEXR", re.compile(r"^(OpenEXR/)?(Imf|Imath|Iex)|^Imath/"), ("src/io/", "apps/", "tests/")),
     ("libpng", re.compile(r"^png\.h"), ("src/io/", "tests/")),
@@ -63,10 +64,10 @@ OUTSIDE = [
     ("giflib", re.compile(r"^gif_lib\.h"), ("src/io/", "tests/")),
     ("Voro++", re.compile(r"^voro\+\+/"), ("src/model/", "bench/")),
     ("zlib and bzip2", re.compile(r"^(zlib|bzlib)\.h"), ("src/io/", "tests/")),
-    ("nlohmann-json", re.compile(r"^nlohmann/"), ("src/io/", "apps/", "tests/", "bench/")),
+    ("nlohmann-json", re.compile(r"^nlohmann/"), ("src/io/", "apps/", "python/", "tests/", "bench/")),
     ("CLI11", re.compile(r"^CLI/"), ("bench/",)),
     ("GoogleTest", re.compile(r"^g(test|mock)/"), ("tests/",)),
-    ("fmt", re.compile(r"^fmt/"), ("src/", "apps/", "bindings/", "tests/", "bench/")),
+    ("fmt", re.compile(r"^fmt/"), ("src/", "apps/", "bindings/", "python/", "tests/", "bench/")),
     ("Eigen", re.compile(r"^Eigen/"), ("",)),
     ("Eigen's Fourier transform", re.compile(r"^unsupported/Eigen/FFT$"), ("src/model/",)),
     ("Eigen's Levenberg-Marquardt, which tests compare with", re.compile(r"^unsupported/Eigen/(NonLinearOptimization|NumericalDiff)$"), ("src/fit/",)),
@@ -74,7 +75,7 @@ OUTSIDE = [
 # A C++20 standard header has no dot and no slash; the rest are POSIX ones that the program needs.
 STANDARD = re.compile(r"^[a-z0-9_]+$")
 POSIX = re.compile(r"^(sys/|unistd\.h|fcntl\.h|signal\.h|stdio\.h|stdlib\.h|dlfcn\.h|setjmp\.h|spawn\.h|poll\.h|sched\.h|malloc\.h|link\.h|immintrin\.h|x86intrin\.h)")
-PROGRAMS = ("src/", "apps/", "tests/", "bench/")
+PROGRAMS = ("src/", "apps/", "python/", "tests/", "bench/")
 # A unit test beside its source, or what several of them share.
 IS_TEST = re.compile(r"(_test\.cpp|/test_\w+\.h)$")
 INCLUDE = re.compile(r'^\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>|(\w+))')

@@ -33,7 +33,7 @@ def read_units():
     subprocess.run(["cmake", "--build", FOLDER, "--target", "ovoid_shaders"], cwd=ROOT, check=True, capture_output=True)
     with open(os.path.join(FOLDER, "compile_commands.json"), encoding="utf-8") as file:
         entries = json.load(file)
-    own = set(project_files("src/*.cpp", "apps/*.cpp", "bindings/*.cpp", "bench/*.cpp"))
+    own = set(project_files("src/*.cpp", "apps/*.cpp", "bindings/*.cpp", "python/*.cpp", "bench/*.cpp"))
     units = {}
     for entry in entries:
         path = os.path.join(entry["directory"], entry["file"])

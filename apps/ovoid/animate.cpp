@@ -135,7 +135,7 @@ void check_output(const Flags& flags, const AnimateFlags& animate) {
 void check_flags(const Flags& flags, const AnimateFlags& animate) {
   require_inputs(flags, animate.data);
   check_output(flags, animate);
-  check_background(flags, animate.drawing, animate.output);
+  check_background(animate.drawing, animate.output);
   check_json_flags(animate.drawing);
   if (animate.data.slice.plane)
     throw UsageError("--hyperslice: is for render; convert writes it to a file, which turns");

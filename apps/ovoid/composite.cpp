@@ -49,7 +49,7 @@ const Table<CompositeFlags>& composite_settings() {
   return all;
 }
 
-void check_flags(const Flags& flags, const CompositeFlags& composite) {
+void check_flags(const CompositeFlags& composite) {
   if (composite.parts.empty())
     throw UsageError(
         "no parts given, expected what ovoid render --part wrote (see ovoid composite "
@@ -60,7 +60,7 @@ void check_flags(const Flags& flags, const CompositeFlags& composite) {
     throw UsageError(fmt::format("--output '{}': expected a name that ends in {}", composite.output,
                                  kPictureEndings));
   }
-  check_background(flags, composite.drawing, composite.output);
+  check_background(composite.drawing, composite.output);
   std::vector<InputFile> inputs;
   for (const std::string& part : composite.parts) inputs.push_back({part, "a part"});
   check_files(inputs, {{"--output", composite.output, composite.output}});
@@ -102,7 +102,7 @@ void run_composite(const Words& words, Session& session) {
   flags.positionals("PART...", "deep OpenEXR files of one picture's parts", &composite.parts);
   flags.add(composite_settings(), &composite);
   if (!flags.parse(words)) return;
-  check_flags(flags, composite);
+  check_flags(composite);
 
   std::vector<DeepImage> seen;
   std::vector<std::string> path_of_number;

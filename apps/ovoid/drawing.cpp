@@ -286,8 +286,8 @@ bool is_for_eyes(const std::string& path) {
   return ending == ".png" || ending == ".jpg" || ending == ".jpeg";
 }
 
-void check_background(const Flags& flags, const DrawingFlags& drawing, const std::string& output) {
-  if (!flags.is_given("background") || drawing.background) return;
+void check_background(const DrawingFlags& drawing, const std::string& output) {
+  if (drawing.background) return;
   const std::string ending = picture_ending(output);
   if (ending != ".jpg" && ending != ".jpeg") return;
   throw UsageError(

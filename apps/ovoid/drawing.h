@@ -96,7 +96,7 @@ inline constexpr const char* kPictureEndings = ".png, .jpg, .exr or .npy";
 // Of pictures for people: with a background and marks, x-rays in colours.
 bool is_for_eyes(const std::string& path);
 // Throws UsageError where the picture can have no transparent background that was asked for.
-void check_background(const Flags& flags, const DrawingFlags& drawing, const std::string& output);
+void check_background(const DrawingFlags& drawing, const std::string& output);
 
 struct PictureFile {
   std::string path;

@@ -17,6 +17,7 @@
 #include "console.h"
 #include "environment.h"
 #include "histogram.h"
+#include "info.h"
 #include "load.h"
 #include "make_field.h"
 #include "ovoid/devices.h"
@@ -268,35 +269,6 @@ Json try_field(const Dataset& dataset, const ModelFlags& model, const Flags& fla
     session.note(fmt::format("{}: nothing can be drawn", error.what()));
     return nullptr;
   }
-}
-
-Json gather(const DataFlags& data, const ModelFlags& model, const Flags& flags, Session& session) {
-  const Dataset dataset = load(data, session);
-  check_kind_flags(flags, dataset);
-  Json json;
-  json["kind"] = name_of(dataset.kind);
-  json["source"] = dataset.source;
-  json["format"] = dataset.format;
-  json["space"] = name_of(dataset.space);
-  if (dataset.kind == DatasetKind::kLattice) {
-    json["orientation"] = orientation_json(dataset.lattice, dataset.space);
-    json.update(lattice_json(dataset.lattice));
-  } else {
-    json.update(places_json(dataset));
-  }
-  json["blocks"] = Json::array();
-  for (const DatasetBlock& block : dataset.blocks)
-    json["blocks"].push_back({{"name", block.name}, {"description", block.description}});
-  json["block"] = dataset.block;
-  json["steps"] = dataset.num_steps;
-  json["step"] = dataset.step;
-  json["series"] = name_of(dataset.series);
-  json["times"] = dataset.times;
-  json["time_unit"] = dataset.time_unit;
-  json["arrays"] = Json::array();
-  for (const DataArray& array : dataset.arrays) json["arrays"].push_back(json_of(array));
-  json["field"] = try_field(dataset, model, flags, session);
-  return json;
 }
 
 // A number for people: nine digits tell any two float32 values apart.
@@ -570,6 +542,35 @@ const Table<InfoFlags>& info_settings() {
 
 }  // namespace
 
+Json info_json(const Dataset& dataset, const ModelFlags& model, const Flags& flags,
+               Session& session) {
+  check_kind_flags(flags, dataset);
+  Json json;
+  json["kind"] = name_of(dataset.kind);
+  json["source"] = dataset.source;
+  json["format"] = dataset.format;
+  json["space"] = name_of(dataset.space);
+  if (dataset.kind == DatasetKind::kLattice) {
+    json["orientation"] = orientation_json(dataset.lattice, dataset.space);
+    json.update(lattice_json(dataset.lattice));
+  } else {
+    json.update(places_json(dataset));
+  }
+  json["blocks"] = Json::array();
+  for (const DatasetBlock& block : dataset.blocks)
+    json["blocks"].push_back({{"name", block.name}, {"description", block.description}});
+  json["block"] = dataset.block;
+  json["steps"] = dataset.num_steps;
+  json["step"] = dataset.step;
+  json["series"] = name_of(dataset.series);
+  json["times"] = dataset.times;
+  json["time_unit"] = dataset.time_unit;
+  json["arrays"] = Json::array();
+  for (const DataArray& array : dataset.arrays) json["arrays"].push_back(json_of(array));
+  json["field"] = try_field(dataset, model, flags, session);
+  return json;
+}
+
 void run_info(const Words& words, Session& session) {
   DataFlags data;
   ModelFlags model;
@@ -590,7 +591,7 @@ void run_info(const Words& words, Session& session) {
   require_inputs(flags, data);
   take_from_model(&data, &model);
   data.may_stay_in_file = true;
-  const Json json = gather(data, model, flags, session);
+  const Json json = info_json(load(data, session), model, flags, session);
   return info.is_json ? print_json(json) : print_text(json);
 }
 

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "make_field.h"
+#include "load.h"
 #include "make_look.h"
 #include "ovoid/error.h"
 #include "ovoid/slices.h"
@@ -61,6 +61,19 @@ Trail make_trail(const TrailFlags& flags, const Series& series, double time,
   const Quiet quiet(session);
   const Modelled modelled = make_field(dataset, model, threads, session);
   return {*modelled.field.lattice(), function_of(flags, look, values, session)};
+}
+
+std::optional<Trail> trail_of(const DataFlags& data, const DrawingFlags& drawing,
+                              const Modelled& modelled, std::int64_t step, const Look& look,
+                              Session& session) {
+  if (!drawing.trail.length) return std::nullopt;
+  Progress progress("blurring");
+  const Series series = open_series(data, session);
+  const double time = data.time.value_or(series.times()[static_cast<std::size_t>(step)]);
+  ModelFlags model = drawing.model;
+  model.array = modelled.array;
+  return make_trail(drawing.trail, series, time, model, drawing.run.threads, look,
+                    modelled.field.value_range(), session);
 }
 
 }  // namespace ovoid::cli

@@ -2,6 +2,10 @@
 // --motion-blur: what was there some time ago, behind what is.
 #pragma once
 
+#include <cstdint>
+#include <optional>
+
+#include "make_field.h"
 #include "ovoid/renderer.h"
 #include "ovoid/series.h"
 #include "session.h"
@@ -14,5 +18,10 @@ namespace ovoid::cli {
 Trail make_trail(const TrailFlags& flags, const Series& series, double time,
                  const ModelFlags& model, int threads, const Look& look, const ValueRange& values,
                  Session& session);
+
+// What --motion-blur asks for of what was modelled of a step; none: it is not given. Throws Error.
+std::optional<Trail> trail_of(const DataFlags& data, const DrawingFlags& drawing,
+                              const Modelled& modelled, std::int64_t step, const Look& look,
+                              Session& session);
 
 }  // namespace ovoid::cli

@@ -8,19 +8,17 @@
 #include <utility>
 #include <vector>
 
-#include "apply_crop.h"
 #include "check_files.h"
 #include "command.h"
 #include "console.h"
 #include "drawing.h"
 #include "dry_run.h"
 #include "load.h"
-#include "make_camera.h"
-#include "make_look.h"
 #include "make_trail.h"
 #include "ovoid/io.h"
 #include "picture_part.h"
 #include "profile.h"
+#include "shot.h"
 #include "state_words.h"
 #include "team.h"
 #include "team_profile.h"
@@ -112,7 +110,7 @@ void check_flags(const Flags& flags, const RenderFlags& render) {
     throw UsageError(fmt::format(
         "--part: '{}' cannot hold a part of a picture, expected -o NAME.exr", render.output));
   }
-  check_background(flags, render.drawing, render.output);
+  check_background(render.drawing, render.output);
   check_json_flags(render.drawing);
   std::vector<OutputFile> outputs;
   if (!render.output.empty()) outputs.push_back({"--output", render.output, render.output});
@@ -123,20 +121,6 @@ void check_flags(const Flags& flags, const RenderFlags& render) {
   std::vector<InputFile> inputs = files_to_read(render.data, render.drawing);
   if (!render.state.empty()) inputs.push_back({render.state, "the state of --state"});
   check_files(inputs, outputs);
-}
-
-// What --motion-blur asks for.
-std::optional<Trail> trail_of(const RenderFlags& render, const Subject& subject, std::int64_t step,
-                              const Look& look, Session& session) {
-  const DrawingFlags& drawing = render.drawing;
-  if (!drawing.trail.length) return std::nullopt;
-  Progress progress("blurring");
-  const Series series = open_series(render.data, session);
-  const double time = render.data.time.value_or(series.times()[static_cast<std::size_t>(step)]);
-  ModelFlags model = drawing.model;
-  model.array = subject.modelled.array;
-  return make_trail(drawing.trail, series, time, model, drawing.run.threads, look,
-                    subject.modelled.field.value_range(), session);
 }
 
 // One frame for the picture, and with --repeat N more for the clock.
@@ -295,22 +279,10 @@ void run_render(const Words& words, Session& session) {
   const std::int64_t step = dataset.step;
   dataset = {};  // the field keeps what it borrows; the rest is memory that the frame can use
 
-  const double aspect = static_cast<double>(profile.width) / profile.height;
-  Described& described = subject.described;
-  described.box = apply_crop(drawing.crop, field, &drawing.options);
-  Look look = make_look(drawing.look, field, subject.unit, session);
-  const Look saved_look = look;  // an x-ray's is spread anew below
-  FrameSubject drawn{field,
-                     look,
-                     nullptr,
-                     drawing.plane ? &*drawing.plane : nullptr,
-                     subject.surface.get(),
-                     surface_to_draw(subject, drawing),
-                     points_to_draw(drawing.points)};
-  const Camera camera =
-      make_camera(drawing.camera, {field, look, described.box.world_bounds(), described.space,
-                                   aspect, drawing.options.clip_planes, false,
-                                   drawn.framed_surface(), drawn.points.has_value()});
+  Shot shot = make_shot(subject, &drawing, session);
+  const Look saved_look = shot.look;  // an x-ray's is spread anew below
+  FrameSubject drawn = frame_subject(subject, shot, drawing);
+  const Camera& camera = shot.camera;
   if (render.dry_run) {
     write_out(predict({drawn, camera, drawing.options, drawing.run, render.output}, session));
     return;
@@ -326,20 +298,16 @@ void run_render(const Words& words, Session& session) {
     if (!all) return;
     image = std::move(*all);
   } else {
-    const std::optional<Trail> trail = trail_of(render, subject, step, look, session);
+    const std::optional<Trail> trail =
+        trail_of(render.data, drawing, subject.modelled, step, shot.look, session);
     if (trail) drawn.trail = &*trail;
     image = draw(render, drawn, camera, &profile, session);
     drawn.trail = nullptr;
   }
-  // A picture without anything in it is seldom what was meant.
-  if (is_empty(image))
-    session.note("nothing shows: " + cause_of_emptiness(look, field.value_range()));
-  if (look.mode == Mode::kXray && is_for_eyes(render.output)) {
-    spread_over_integrals(look.transfer_function, image, drawing.look, session);
-    color_integrals(image, look.transfer_function);
-  }
+  note_if_empty(image, shot, field.value_range(), session);
+  if (is_for_eyes(render.output)) color_for_eyes(image, shot.look, drawing.look, session);
   session.check_stop();
-  write_picture(image, drawing, described, camera, look, {render.output, session.stop()});
+  write_picture(image, drawing, shot.described, camera, shot.look, {render.output, session.stop()});
   if (!render.look_output.empty()) write_look(saved_look, render.look_output);
   if (session.team() == nullptr) tell_times(render, profile, session);
 }

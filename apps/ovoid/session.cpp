@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cctype>
 #include <cstring>
 #include <utility>
@@ -19,10 +20,14 @@ namespace {
 constexpr int kNotThisPercent = 101;  // the line is shown again, whatever it says
 constexpr double kQuietMs = 500;      // shorter work needs no progress line
 
+std::atomic<bool> is_silent{false};
+
 }  // namespace
 
 Progress::Progress(std::string what)
-    : what_(std::move(what)), is_terminal_(isatty(STDERR_FILENO) == 1) {}
+    : what_(std::move(what)), is_terminal_(!is_silent && isatty(STDERR_FILENO) == 1) {}
+
+void Progress::be_silent() noexcept { is_silent = true; }
 
 Progress::~Progress() {
   if (shown_percent_ < 0) return;

@@ -37,6 +37,9 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
+  // From now on no line is shown: of programs that are not ours.
+  static void be_silent() noexcept;
+
   // `fraction` in [0, 1]; one thread at a time.
   void show(double fraction);
   // From now on.

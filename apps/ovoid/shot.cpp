@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "shot.h"
+
+#include "apply_crop.h"
+#include "make_camera.h"
+#include "make_look.h"
+
+namespace ovoid::cli {
+
+Shot make_shot(const Subject& subject, DrawingFlags* drawing, Session& session) {
+  const Field& field = subject.modelled.field;
+  Shot shot;
+  shot.described = subject.described;
+  shot.described.box = apply_crop(drawing->crop, field, &drawing->options);
+  shot.look = make_look(drawing->look, field, subject.unit, session);
+  shot.walls = surface_to_draw(subject, *drawing);
+  shot.points = points_to_draw(drawing->points);
+  const FrameSubject drawn = frame_subject(subject, shot, *drawing);
+  const RenderOptions& options = drawing->options;
+  const double aspect = static_cast<double>(options.width) / options.height;
+  shot.camera =
+      make_camera(drawing->camera, {field, shot.look, shot.described.box.world_bounds(),
+                                    shot.described.space, aspect, options.clip_planes, false,
+                                    drawn.framed_surface(), shot.points.has_value()});
+  return shot;
+}
+
+FrameSubject frame_subject(const Subject& subject, const Shot& shot, const DrawingFlags& drawing) {
+  return {subject.modelled.field, shot.look,  nullptr,    drawing.plane ? &*drawing.plane : nullptr,
+          subject.surface.get(),  shot.walls, shot.points};
+}
+
+void note_if_empty(const Image& image, const Shot& shot, const ValueRange& values,
+                   Session& session) {
+  if (is_empty(image)) session.note("nothing shows: " + cause_of_emptiness(shot.look, values));
+}
+
+void color_for_eyes(Image& image, Look& look, const LookFlags& flags, Session& session) {
+  if (look.mode != Mode::kXray) return;
+  spread_over_integrals(look.transfer_function, image, flags, session);
+  color_integrals(image, look.transfer_function);
+}
+
+}  // namespace ovoid::cli

@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scene.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "flag_set.h"
+#include "load.h"
+#include "make_look.h"
+#include "make_trail.h"
+#include "ovoid/error.h"
+#include "usage.h"
+
+namespace ovoid::python {
+namespace {
+
+using cli::DataFlags;
+using cli::DrawingFlags;
+using cli::Flags;
+using cli::Session;
+using cli::Words;
+
+template <class S>
+bool has_row(const cli::Table<S>& table, const std::string& name) {
+  return std::any_of(table.begin(), table.end(),
+                     [&](const cli::Setting<S>& setting) { return setting.flag.name == name; });
+}
+
+// Whether what was modelled stays the same, whatever the flag says.
+bool is_about_view(const std::string& name) {
+  return has_row(cli::picture_settings(), name) || has_row(cli::mark_settings(), name) ||
+         has_row(cli::color_settings(), name) || has_row(cli::light_settings(), name) ||
+         has_row(cli::camera_settings(), name) || has_row(cli::crop_settings(), name) ||
+         has_row(cli::point_settings(), name) || has_row(cli::trail_settings(), name) ||
+         has_row(cli::number_settings(), name) || has_row(cli::plane_settings(), name) ||
+         has_row(cli::switch_settings(), name);
+}
+
+std::string text_of(const cli::GivenFlag& flag) {
+  std::string text = flag.name;
+  for (const std::string& value : flag.values) text += '=' + value;
+  return text + '\n';
+}
+
+// The flags that modelling looks at: others may change, and the field stays.
+std::string model_key_of(const Flags& flags, const DrawingFlags& drawing) {
+  std::string key;
+  for (const cli::GivenFlag& flag : flags.given()) {
+    if (!is_about_view(flag.name)) key += text_of(flag);
+  }
+  return key +
+         fmt::format("labels {} {}", cli::may_be_labels(drawing.look), flags.is_given("gradient"));
+}
+
+void refuse_file_flags(const Flags& flags) {
+  const std::string of_files =
+      flags.first_given(cli::data_settings()) + flags.first_given(cli::raw_settings());
+  if (of_files.empty()) return;
+  throw cli::UsageError(of_files + ": is for files, these data are in memory");
+}
+
+Words with_inputs(Words words, const std::vector<std::string>& inputs) {
+  words.emplace_back("--");
+  words.insert(words.end(), inputs.begin(), inputs.end());
+  return words;
+}
+
+Session session_of(Work& work) {
+  return {[&work](const std::string& note) { work.notes.push_back(note); }, work.stop};
+}
+
+}  // namespace
+
+DrawFlags::DrawFlags(DataFlags* data, DrawingFlags* drawing)
+    : Flags("render", "DATA", "Draws data to a picture.") {
+  cli::add_input_flags(*this, data);
+  add(cli::picture_settings(), drawing);
+  cli::add_drawing_flags(*this, drawing);
+  add(cli::switch_settings(), &drawing->options);
+}
+
+struct Scene::Request {
+  DataFlags data;
+  DrawingFlags drawing;
+  DrawFlags flags{&data, &drawing};
+};
+
+Scene::Scene(std::shared_ptr<const Dataset> dataset, std::vector<std::string> inputs)
+    : dataset_(std::move(dataset)), inputs_(std::move(inputs)) {}
+
+Scene::~Scene() {
+  // The renderer's threads are not in a process that was forked: nothing could end them.
+  if (renderer_ != nullptr && process_ != getpid()) (void)renderer_.release();
+}
+
+void Scene::model(Request& request, Session& session) {
+  DrawingFlags& drawing = request.drawing;
+  const cli::Stopwatch loading;
+  std::shared_ptr<const Dataset> dataset = dataset_;
+  if (dataset == nullptr) {
+    request.data.may_stay_in_file = true;
+    dataset = std::make_shared<const Dataset>(cli::load(request.data, session));
+  }
+  load_ms_ = loading.ms();
+  const cli::Stopwatch modelling;
+  const GradientMethod gradient = drawing.options.gradient;
+  subject_ = cli::make_subject(*dataset, request.flags, &drawing, session);
+  model_ms_ = modelling.ms();
+  gradient_of_labels_.reset();
+  if (drawing.options.gradient != gradient) gradient_of_labels_ = drawing.options.gradient;
+  outline_ = {};
+  outline_.source = dataset->source;
+  outline_.kind = dataset->kind;
+  outline_.step = dataset->step;
+}
+
+Renderer& Scene::renderer(const Flags& flags, const RendererSetup& setup) {
+  std::string key;
+  for (const cli::GivenFlag& flag : flags.given()) {
+    if (has_row(cli::run_settings(), flag.name)) key += text_of(flag);
+  }
+  const int process = getpid();
+  if (renderer_ != nullptr && process_ != process) (void)renderer_.release();  // as in ~Scene()
+  if (renderer_ == nullptr || renderer_key_ != key) {
+    renderer_.reset();
+    renderer_ = std::make_unique<Renderer>(setup);
+    renderer_key_ = key;
+    process_ = process;
+  }
+  return *renderer_;
+}
+
+std::shared_ptr<Picture> Scene::draw(const Words& words, bool with_stages, Work& work) {
+  const std::lock_guard lock(mutex_);
+  Session session = session_of(work);
+  Request request;
+  DrawingFlags& drawing = request.drawing;
+  request.flags.parse(with_inputs(words, inputs_));
+  if (dataset_ != nullptr) {
+    refuse_file_flags(request.flags);
+  } else {
+    cli::require_inputs(request.flags, request.data);
+  }
+  cli::check_json_flags(drawing);
+  cli::take_from_model(&request.data, &drawing.model);
+
+  const std::string key = model_key_of(request.flags, drawing);
+  if (!subject_ || key != model_key_) {
+    subject_.reset();
+    model(request, session);
+    model_key_ = key;
+    model_notes_ = work.notes;
+  } else {
+    cli::check_kind_flags(request.flags, outline_);
+    if (gradient_of_labels_) drawing.options.gradient = *gradient_of_labels_;
+    load_ms_ = model_ms_ = 0;
+    session.notes(model_notes_);
+  }
+
+  auto picture = std::make_shared<Picture>();
+  const Field& field = subject_->modelled.field;
+  picture->shot = cli::make_shot(*subject_, &drawing, session);
+  cli::Shot& shot = picture->shot;
+  cli::FrameSubject drawn = cli::frame_subject(*subject_, shot, drawing);
+  const std::optional<Trail> trail = inputs_.empty()
+                                         ? std::nullopt
+                                         : cli::trail_of(request.data, drawing, subject_->modelled,
+                                                         outline_.step, shot.look, session);
+  if (drawing.trail.length && !trail) {
+    throw cli::UsageError("--motion-blur: is for files in time, these data are one step");
+  }
+  if (trail) drawn.trail = &*trail;
+
+  RenderOptions options = drawing.options;
+  options.collect_profile = with_stages;
+  RenderHooks hooks;
+  hooks.stop = work.stop;
+  hooks.progress = [&work](double fraction) { work.fraction = fraction; };
+  Frame frame =
+      cli::draw_frame(renderer(request.flags, drawing.run), drawn, shot.camera, options, hooks);
+  session.check_stop();
+  if (!frame.profile.notice.empty()) session.note(frame.profile.notice);
+  cli::note_if_empty(frame.image, shot, field.value_range(), session);
+
+  picture->image = std::move(frame.image);
+  if (shot.look.mode == Mode::kXray || drawing.annotation.any()) {
+    Image seen = picture->image;
+    Look look = shot.look;  // the picture's own keeps its range
+    cli::color_for_eyes(seen, look, drawing.look, session);
+    cli::draw_annotations(seen, drawing.annotation, shot.described, shot.camera, look,
+                          drawing.background);
+    picture->for_eyes = std::move(seen);
+  }
+  picture->profile = {
+      load_ms_,       model_ms_, {frame.profile.frame_ms}, frame.profile, options.width,
+      options.height, ""};
+  picture->flags = cli::FlagSet::of(request.flags.given());
+  picture->inputs = inputs_;
+  picture->notes = work.notes;
+  picture->drawing = std::move(drawing);
+  return picture;
+}
+
+void save_picture(const Picture& picture, const std::string& path, std::stop_token stop) {
+  if (cli::picture_ending(path).empty()) {
+    throw cli::UsageError(
+        fmt::format("'{}': expected a name that ends in {}", path, cli::kPictureEndings));
+  }
+  cli::check_background(picture.drawing, path);
+  DrawingFlags drawing = picture.drawing;
+  drawing.annotation = {};  // they are in the picture already
+  Image image = cli::is_for_eyes(path) ? picture.seen() : picture.image;
+  cli::write_picture(image, drawing, picture.shot.described, picture.shot.camera, picture.shot.look,
+                     {path, std::move(stop)});
+}
+
+std::shared_ptr<const Dataset> read_files(const std::vector<std::string>& inputs,
+                                          const Words& words, Work& work) {
+  Session session = session_of(work);
+  DataFlags data;
+  Flags flags("read", "PATH", "Reads data.");
+  cli::add_input_flags(flags, &data);
+  flags.parse(with_inputs(words, inputs));
+  cli::require_inputs(flags, data);
+  return std::make_shared<const Dataset>(cli::load(data, session));
+}
+
+}  // namespace ovoid::python

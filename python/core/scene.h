@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// Data that are modelled once and drawn many times, by the flags of `ovoid render`.
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "drawing.h"
+#include "profile.h"
+#include "shot.h"
+#include "waiting.h"
+
+namespace ovoid::python {
+
+// The flags that drawing takes, with the forms of all: those of `ovoid render` that are not about
+// the run of a program.
+class DrawFlags : public cli::Flags {
+ public:
+  DrawFlags(cli::DataFlags* data, cli::DrawingFlags* drawing);
+};
+
+// A frame, and what its files need to know.
+struct Picture {
+  Image image;                    // the field's own
+  std::optional<Image> for_eyes;  // with marks, and x-rays in colours; none: the same
+  cli::DrawingFlags drawing;
+  cli::Described described;
+  cli::Shot shot;
+  cli::RunProfile profile;
+  cli::FlagSet flags;
+  std::vector<std::string> inputs;  // files; empty: data in memory
+  std::vector<std::string> notes;
+
+  const Image& seen() const { return for_eyes ? *for_eyes : image; }
+};
+
+// Draws one frame at a time; a second thread waits.
+class Scene {
+ public:
+  // Exactly one of the two is there: what is in memory, or names of files.
+  Scene(std::shared_ptr<const Dataset> dataset, std::vector<std::string> inputs);
+  ~Scene();
+  Scene(const Scene&) = delete;
+  Scene& operator=(const Scene&) = delete;
+
+  // By flags as on a command line. Throws Error and UsageError.
+  std::shared_ptr<Picture> draw(const cli::Words& words, bool with_stages, Work& work);
+
+ private:
+  struct Request;
+  void model(Request& request, cli::Session& session);
+  Renderer& renderer(const cli::Flags& flags, const RendererSetup& setup);
+
+  std::shared_ptr<const Dataset> dataset_;
+  std::vector<std::string> inputs_;
+  std::mutex mutex_;
+  // What was modelled, by which flags, and what that said.
+  std::optional<cli::Subject> subject_;
+  std::string model_key_;
+  Dataset outline_;  // without its arrays
+  std::optional<GradientMethod> gradient_of_labels_;
+  std::vector<std::string> model_notes_;
+  double load_ms_ = 0, model_ms_ = 0;  // of this frame
+  std::unique_ptr<Renderer> renderer_;
+  std::string renderer_key_;
+  int process_ = 0;  // that the renderer's threads are in
+};
+
+// Writes what `ovoid render -o PATH` would write.
+void save_picture(const Picture& picture, const std::string& path, std::stop_token stop);
+
+// Reads files as `ovoid render` does, with all their arrays.
+std::shared_ptr<const Dataset> read_files(const std::vector<std::string>& inputs,
+                                          const cli::Words& words, Work& work);
+
+}  // namespace ovoid::python

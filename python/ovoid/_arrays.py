@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Arrays of any kind as what the library takes: C order, the machine's byte order, its types; with NaN where values are masked."""
+import numpy as np
+
+from ._errors import InvalidArgument
+
+_TYPES = {"u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f4", "f8"}
+
+
+def _library_type(dtype, name):
+    """The library's type that holds all values of another."""
+    if dtype.kind == "b":
+        return np.dtype("u1")
+    if dtype.kind == "f" and dtype.itemsize == 2:
+        return np.dtype("f4")
+    if dtype.kind == "f" and dtype.itemsize > 8:
+        return np.dtype("f8")
+    if f"{dtype.kind}{dtype.itemsize}" in _TYPES:
+        return dtype.newbyteorder("=")
+    raise InvalidArgument(f"{name}: holds {dtype}, expected numbers: integers or floats")
+
+
+def numbers_of(data, name="data"):
+    """An array as the library takes it; the memory of `data` itself wherever that is so already.
+
+    Masked values become NaN, of types that have none in the float that holds the others.
+    """
+    if not hasattr(data, "dtype") or not hasattr(data, "shape"):
+        try:
+            data = np.asanyarray(data)
+        except ValueError as error:
+            raise InvalidArgument(f"{name}: {error}") from None
+    elif not isinstance(data, np.ndarray):
+        data = np.asanyarray(data) if hasattr(data, "__array__") else np.asarray(data[...])
+    target = _library_type(data.dtype, name)
+    if isinstance(data, np.ma.MaskedArray):
+        mask = np.ma.getmaskarray(data)
+        if mask.any():
+            is_exact = target.itemsize <= (4 if target.kind == "f" else 2)
+            filled = np.array(data.data, dtype="f4" if is_exact else "f8", order="C")
+            filled[mask] = np.nan
+            return filled
+        data = data.data
+    return np.asarray(np.asarray(data), dtype=target, order="C")
+
+
+def _vector(value, name, expected):
+    try:
+        vector = np.array(value, dtype=float)
+    except (TypeError, ValueError):
+        vector = np.empty(0)
+    if vector.shape != (3,) or not np.isfinite(vector).all():
+        raise InvalidArgument(f"{name} = {value!r}: expected {expected}")
+    return vector
+
+
+def _direction(value):
+    try:
+        matrix = np.array(value, dtype=float).reshape(3, 3)
+    except (TypeError, ValueError):
+        matrix = np.zeros((3, 3))
+    if not np.isfinite(matrix).all() or abs(np.linalg.det(matrix)) < 1e-12:
+        raise InvalidArgument(f"direction = {value!r}: expected 3 x 3 numbers, whose columns are the axes x, y, z, no two along a line")
+    return matrix
+
+
+def placement(spacing, origin, direction):
+    """world_from_index by rows, [3, 4]: from VTK's three words, each (x, y, z)."""
+    spacing = np.ones(3) if spacing is None else _vector(spacing, "spacing", "three numbers > 0, along x, y, z")
+    if not (spacing > 0).all():
+        raise InvalidArgument(f"spacing = {tuple(spacing.tolist())}: expected three numbers > 0, along x, y, z")
+    origin = np.zeros(3) if origin is None else _vector(origin, "origin", "the place x, y, z of the first sample")
+    matrix = np.eye(3) if direction is None else _direction(direction)
+    return np.column_stack([matrix * spacing, origin])
+
+
+def dims_of(shape, name):
+    """Samples along x, y, z of the shape (y, x), (z, y, x) or (z, y, x, component)."""
+    if 0 in shape:
+        raise InvalidArgument(f"{name}: has the shape {tuple(shape)}, expected at least one value")
+    if len(shape) == 2:
+        return shape[1], shape[0], 1
+    if len(shape) in (3, 4):
+        return shape[2], shape[1], shape[0]
+    raise InvalidArgument(f"{name}: has the shape {tuple(shape)}, expected (z, y, x), (z, y, x, component) or (y, x)")
+
+
+def is_xarray(data):
+    """Whether it has named axes with coordinates, as xarray.DataArray does."""
+    return all(hasattr(data, name) for name in ("dims", "coords", "data", "attrs"))
+
+
+def _evenly(coordinates, axis):
+    """The first of some coordinates, and their distance."""
+    places = np.asarray(coordinates)
+    if places.dtype.kind not in "iuf" or places.ndim != 1:
+        raise InvalidArgument(f"coordinate '{axis}': holds {places.dtype}, expected numbers along one axis")
+    places = places.astype(float)
+    if len(places) == 1:
+        return places[0], 1.0
+    step = (places[-1] - places[0]) / (len(places) - 1)
+    even = places[0] + step * np.arange(len(places))
+    if not step or not np.allclose(places, even, rtol=0, atol=1e-3 * abs(step)):
+        raise InvalidArgument(f"coordinate '{axis}': is not evenly spaced; resample the data first, as by .interp()")
+    return places[0], step
+
+
+def xarray_place(data):
+    """world_from_index of what xarray's coordinates say; an axis without any has spacing 1 from 0. A coordinate that falls makes an
+    axis that points the other way."""
+    matrix = np.zeros((3, 4))
+    matrix[:, :3] = np.eye(3)
+    for column, axis in enumerate(reversed(data.dims[:3])):
+        if axis in data.coords:
+            matrix[column, 3], matrix[column, column] = _evenly(data.coords[axis].values, axis)
+    return matrix

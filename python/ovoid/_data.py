@@ -1,0 +1,192 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is drawn: files, arrays and particles as the library's data sets."""
+import json
+import os
+
+from . import _core, _settings
+from ._errors import InvalidArgument
+
+
+class Data:
+    """A lattice, mesh or set of points with its arrays, as `read` and `particles` give it.
+
+    Its arrays share the memory of what it was made of; they are not to be changed while it is drawn.
+    """
+
+    def __init__(self, core, defaults=None):
+        self._core = core
+        self._defaults = defaults or {}
+
+    @property
+    def kind(self):
+        """str: "lattice", "mesh", "boxes", "particles" or "kernels"."""
+        return self._core.kind
+
+    @property
+    def source(self):
+        """str: the file, or what stands for one in messages."""
+        return self._core.source
+
+    @property
+    def matrix(self):
+        """list of list of float: of a lattice, the world from index positions (i, j, k), [3, 4]; world units."""
+        return self._core.matrix
+
+    @property
+    def notes(self):
+        """list of str: what the reader assumed or found odd."""
+        return self._core.notes
+
+    @property
+    def positions(self):
+        """numpy.ndarray: of all but lattices, the places of nodes or points, (n, 3); world units."""
+        return self._core.positions()
+
+    @property
+    def arrays(self):
+        """dict of str to numpy.ndarray: all arrays, read only; those of lattices (z, y, x) or (z, y, x, component)."""
+        found = {}
+        for i, name in enumerate(self._core.array_names):
+            values = self._core.array(i)
+            if values is not None and self.kind == "lattice":
+                values = values.reshape(*reversed(self._core.dims), *values.shape[1:])
+            found[name] = values
+        return found
+
+    def __repr__(self):
+        return f"<ovoid.Data {self.kind} '{self.source}': {', '.join(self._core.array_names) or 'no arrays'}>"
+
+
+def is_path(data):
+    """Whether it is a name of a file, or several."""
+    if isinstance(data, (str, os.PathLike)):
+        return True
+    return isinstance(data, (list, tuple)) and bool(data) and all(isinstance(one, (str, os.PathLike)) for one in data)
+
+
+def paths_of(data):
+    """Names of files as text."""
+    names = [data] if isinstance(data, (str, os.PathLike)) else data
+    return [os.fspath(name) for name in names]
+
+
+def data_of(data, spacing=None, origin=None, direction=None):
+    """What is in memory as Data. `spacing`, `origin`, `direction`: of arrays, as `render` takes them."""
+    is_placed = not (spacing is None and origin is None and direction is None)
+    if isinstance(data, Data):
+        if is_placed:
+            raise InvalidArgument("spacing, origin, direction: are for arrays, these data say themselves where they are")
+        return data
+    from . import _arrays
+
+    name, unit = "values", ""
+    if _arrays.is_xarray(data):
+        if is_placed:
+            raise InvalidArgument("spacing, origin, direction: are for arrays without coordinates of their own")
+        matrix, name, unit = _arrays.xarray_place(data), str(data.name or name), str(data.attrs.get("units", ""))
+        data = data.data
+    else:
+        matrix = _arrays.placement(spacing, origin, direction)
+    names = getattr(getattr(data, "dtype", None), "names", None)
+    arrays = []
+    for part, values in [(part, data[part]) for part in names] if names else [(name, data)]:
+        values = _arrays.numbers_of(values, part if names else "data")
+        dims = _arrays.dims_of(values.shape, "data")
+        arrays.append((part, values, unit))
+    return Data(_core.lattice("array", dims, matrix.tolist(), arrays))
+
+
+def particles(xyz, values=None, h=None, mass=None):
+    """Points with values as data for `render`.
+
+    Parameters
+    ----------
+    xyz : array_like, (n, 3)
+        Places x, y, z; world units. Floats in C order are not copied.
+    values : array_like, (n,) or (n, components), or dict of str to array_like, optional
+        What is drawn. Without it, the density of the particles is.
+    h : array_like, (n,), optional
+        Smoothing lengths, world units: a particle reaches twice as far. Without it they come from each particle's neighbours.
+    mass : array_like, (n,), optional
+        Masses, for densities; without it each particle has the mass 1.
+
+    Returns
+    -------
+    Data
+
+    Examples
+    --------
+    >>> import numpy, ovoid
+    >>> cloud = ovoid.particles(numpy.random.default_rng(1).normal(size=(500, 3)))
+    >>> ovoid.render(cloud, size=(64, 48)).numpy().shape
+    (48, 64, 4)
+    """
+    from . import _arrays
+
+    xyz = _arrays.numbers_of(xyz, "xyz")
+    if xyz.ndim != 2 or xyz.shape[1:] != (3,) or not len(xyz):
+        raise InvalidArgument(f"xyz: has the shape {xyz.shape}, expected (n, 3)")
+    if xyz.dtype.kind != "f":
+        xyz = xyz.astype("f8")
+    named = dict(values) if isinstance(values, dict) else {} if values is None else {"values": values}
+    for name, array in (("h", h), ("mass", mass)):
+        if array is not None:
+            named[name] = array
+    arrays = []
+    for name, array in named.items():
+        array = _arrays.numbers_of(array, name)
+        if array.ndim not in (1, 2) or len(array) != len(xyz) or 0 in array.shape:
+            raise InvalidArgument(f"{name}: has the shape {array.shape}, expected one or more for each of {len(xyz)} particles")
+        arrays.append((name, array, ""))
+    return Data(_core.particles("particles", xyz, arrays), {"quantity": "density"} if values is None else None)
+
+
+def read(path, **settings):
+    """Reads files of any format that the library knows.
+
+    Parameters
+    ----------
+    path : str or path, or list of them
+        A file or a folder of DICOM files; several are the slices or time steps of one data set.
+    **settings
+        What ``ovoid render`` takes of data: `step`, `time`, `block`, `dims`, `type`, `spacing` of raw files, ...
+
+    Returns
+    -------
+    Data
+    """
+    core, _ = _core.read(paths_of(path), _settings.words(_settings.canonical(settings)))
+    return Data(core)
+
+
+def write(path, data, **placement):
+    """Writes data to a file; the ending of its name says the format.
+
+    Parameters
+    ----------
+    path : str or path
+        ``.nrrd``, ``.nii.gz``, ``.mha``, ``.npy``, ``.vtu``, ``.ply``, ...: what ``ovoid convert`` writes for this kind of data.
+    data : Data or array_like
+        What `render` takes, but paths.
+    **placement
+        `spacing`, `origin`, `direction` of an array.
+    """
+    data_of(data, **placement)._core.write(os.fspath(path))
+
+
+def info(data, **placement):
+    """What is in data, and how it would be drawn: the members of ``ovoid info --json``.
+
+    Parameters
+    ----------
+    data : Data, array_like, str or path
+        What `render` takes.
+    **placement
+        `spacing`, `origin`, `direction` of an array.
+
+    Returns
+    -------
+    dict
+    """
+    found = read(data, **placement) if is_path(data) else data_of(data, **placement)
+    return json.loads(found._core.info())

@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Finished pictures."""
+import json
+import os
+
+from . import _core
+
+
+class Picture:
+    """A finished picture.
+
+    numpy takes it as an array of 8 bits, notebooks show it, `save` writes it.
+    """
+
+    def __init__(self, core):
+        self._core = core
+        self._pixels = None
+
+    @property
+    def width(self):
+        """int: pixels."""
+        return self._core.width
+
+    @property
+    def height(self):
+        """int: pixels."""
+        return self._core.height
+
+    def numpy(self):
+        """The pixels of the PNG.
+
+        Returns
+        -------
+        numpy.ndarray of uint8, (height, width, 4)
+            Red, green, blue and straight opacity, row 0 at the top, on the background.
+        """
+        if self._pixels is None:
+            self._pixels = self._core.rgba8()
+        return self._pixels
+
+    @property
+    def __array_interface__(self):
+        return self.numpy().__array_interface__
+
+    @property
+    def rgba(self):
+        """numpy.ndarray of float32, (height, width, 4): premultiplied, without background and marks; of x-rays the integrals."""
+        return self._core.rgba()
+
+    @property
+    def depth(self):
+        """numpy.ndarray of float32, (height, width): from the camera's plane to where opacity reaches 1/2, world units; inf: nowhere."""
+        return self._core.depth()
+
+    @property
+    def profile(self):
+        """dict: where the time went, as ``ovoid render --profile=FILE.json`` writes it; `stages_ms` with ``profile=True`` alone."""
+        found = json.loads(self._core.profile)
+        found["command"] = self.command
+        return found
+
+    @property
+    def notes(self):
+        """list of str: what the program would have told."""
+        return self._core.notes
+
+    @property
+    def camera(self):
+        """dict: the camera of the picture, which the setting `camera` takes."""
+        return json.loads(self._core.camera)
+
+    @property
+    def state(self):
+        """dict: inputs and flags, as in a state file of ``ovoid render --state``."""
+        return {"ovoid_state": 1, "program": _core.version, "inputs": self._core.inputs, "flags": json.loads(self._core.flags)}
+
+    @property
+    def command(self):
+        """str: the command that draws the same bytes; of data in memory with the name ``data.nrrd`` for a file that `write` makes."""
+        return _core.quoted(["ovoid", "render", *(self._core.inputs or ["data.nrrd"]), *self._core.words, "-o", "picture.png"])
+
+    def save(self, path):
+        """Writes the picture.
+
+        Parameters
+        ----------
+        path : str or path
+            ``.png``, ``.jpg``, ``.exr`` (floats, depths, normals) or ``.npy`` (float32, premultiplied).
+        """
+        self._core.save(os.fspath(path))
+
+    def _repr_png_(self):
+        import tempfile
+
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "picture.png")
+            self.save(path)
+            with open(path, "rb") as file:
+                return file.read()
+
+    def _repr_mimebundle_(self, include=None, exclude=None):
+        makers = {"text/plain": self.__repr__, "image/png": self._repr_png_}
+        wanted = [kind for kind in makers if (include is None or kind in include) and (exclude is None or kind not in exclude)]
+        return {kind: makers[kind]() for kind in wanted}
+
+    def __repr__(self):
+        return f"<ovoid.Picture {self.width} x {self.height}>"

@@ -1,0 +1,225 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Drawing: once, or data that are kept between frames."""
+import contextlib
+import logging
+import os
+
+from . import _core, _settings
+from ._data import data_of, is_path, paths_of
+from ._errors import InvalidArgument
+from ._picture import Picture
+
+_log = logging.getLogger("ovoid")
+
+
+@contextlib.contextmanager
+def _bar(wants_progress):
+    """What is told the fraction that is done: a bar of tqdm's, where it is installed."""
+    tqdm = None
+    if wants_progress:
+        with contextlib.suppress(ImportError):
+            from tqdm import tqdm
+    if tqdm is None:
+        yield None
+        return
+    with tqdm(total=100, desc="drawing", unit="%", bar_format="{desc} {bar} {n:.0f} %") as bar:
+        yield lambda fraction: bar.update(100 * fraction - bar.n)
+
+
+class Scene:
+    """Data that are read and modelled once, and drawn many times.
+
+    Parameters
+    ----------
+    data, spacing, origin, direction
+        As `render` takes them. Arrays are not to be changed while the scene lives.
+    **settings
+        Settings of all its pictures.
+
+    Examples
+    --------
+    >>> import numpy, ovoid
+    >>> scene = ovoid.Scene(numpy.arange(27.0).reshape(3, 3, 3), size=(64, 48))
+    >>> front, side = scene.render(view="front"), scene.render(view="right")
+    >>> side.profile["model_ms"]
+    0.0
+    """
+
+    def __init__(self, data, *, spacing=None, origin=None, direction=None, **settings):
+        self._defaults = {}
+        if is_path(data):
+            if origin is not None or direction is not None:
+                raise InvalidArgument("origin, direction: are for arrays, files say themselves where they are")
+            if spacing is not None:
+                settings["spacing"] = spacing  # of raw files, which the program refuses of others
+            self._data = None
+            self._core = _core.Scene(None, paths_of(data))
+        else:
+            self._data = data_of(data, spacing, origin, direction)
+            self._core = _core.Scene(self._data._core, [])
+            self._defaults = self._data._defaults
+        self._spans = {}
+        self.settings = settings
+        self._words(settings)  # names that there are not are found now
+
+    def _range(self, array):
+        """The range of the values called `array`; None where they are not one array of numbers in memory."""
+        if self._data is None:
+            return None
+        arrays = self._data.arrays
+        values = arrays.get(array) if array else next(iter(arrays.values())) if len(arrays) == 1 else None
+        if values is None or values.ndim != (3 if self._data.kind == "lattice" else 1):
+            return None
+        if array not in self._spans:
+            finite = values[abs(values) < float("inf")] if values.dtype.kind == "f" else values
+            self._spans[array] = (finite.min(), finite.max()) if finite.size else None
+        return self._spans[array]
+
+    def _words(self, settings):
+        chosen = _settings.canonical(settings, self._range)
+        for name, value in self._defaults.items():
+            if name not in chosen and "array" not in chosen:
+                chosen[name] = value
+        return _settings.words(chosen)
+
+    def render(self, *, progress=False, profile=False, **settings):
+        """Draws a frame by the scene's settings and those given here, which win.
+
+        Returns
+        -------
+        Picture
+        """
+        words = self._words({**self.settings, **settings})
+        with _bar(progress) as on_progress:
+            core = self._core.draw(words, bool(profile), on_progress)
+        for note in core.notes:
+            _log.info("%s", note)
+        return Picture(core)
+
+    def view(self, **settings):
+        """A `View` of the scene with settings of its own."""
+        return View(self, settings)
+
+
+class View:
+    """How a scene is looked at: settings that are kept from picture to picture.
+
+    Attributes
+    ----------
+    settings : dict
+        What `update` has set.
+    """
+
+    def __init__(self, scene, settings):
+        self.scene = scene
+        self.settings = {}
+        self.update(**settings)
+
+    def update(self, **settings):
+        """Sets settings; None takes one away. Returns the view."""
+        merged = {**self.settings, **settings}
+        merged = {name: value for name, value in merged.items() if value is not None}
+        self.scene._words({**self.scene.settings, **merged})
+        self.settings = merged
+        return self
+
+    def render(self, **settings):
+        """The picture, with settings for it alone."""
+        return self.scene.render(**{**self.settings, **settings})
+
+    def frames(self, **series):
+        """Pictures one after the other, for settings that change.
+
+        Parameters
+        ----------
+        **series : iterable
+            For each setting its values, one for each picture; as many of each.
+
+        Yields
+        ------
+        Picture
+
+        Examples
+        --------
+        >>> import numpy, ovoid
+        >>> view = ovoid.Scene(numpy.arange(27.0).reshape(3, 3, 3)).view(size=(32, 24))
+        >>> [picture.width for picture in view.frames(azimuth=range(0, 360, 120))]
+        [32, 32, 32]
+        """
+        values = [list(each) for each in series.values()]
+        if len({len(each) for each in values}) != 1:
+            raise InvalidArgument("frames: expected settings with as many values each")
+        for chosen in zip(*values):
+            yield self.render(**dict(zip(series, chosen)))
+
+    def _repr_png_(self):
+        return self.render()._repr_png_()
+
+
+def render(data, *, spacing=None, origin=None, direction=None, progress=False, profile=False, **settings):
+    """Draws data to a picture.
+
+    Parameters
+    ----------
+    data : array_like, str, path, Data or xarray.DataArray
+        An array (z, y, x), (z, y, x, component) or (y, x), in any order of memory; masked values and NaN are missing. What has
+        ``__array__``, or ``shape``, ``dtype`` and ``__getitem__``, is taken as an array. A path is read by the library.
+    spacing : (x, y, z), optional
+        Distance of an array's samples along its axes, world units. 1 without it.
+    origin : (x, y, z), optional
+        The place of the first sample, world units.
+    direction : (3, 3) array_like, optional
+        Its columns are the directions of the axes x, y, z, as VTK and ITK have them.
+    progress : bool
+        Shows a bar while it draws, by tqdm if that is installed.
+    profile : bool
+        Measures the stages, for `Picture.profile`.
+    **settings
+        The flags of ``ovoid render`` with underscores (`settings` tells them all), or PyVista's words for them: `cmap`, `clim`,
+        `opacity`, `background`, `window_size`, `cpos`, ...
+
+    Returns
+    -------
+    Picture
+
+    Raises
+    ------
+    Error
+        In the program's words; `InvalidArgument` is also a ValueError, `NotFound` a FileNotFoundError, ...
+
+    Examples
+    --------
+    >>> import numpy, ovoid
+    >>> z, y, x = numpy.mgrid[-1:1:32j, -1:1:32j, -1:1:32j]
+    >>> ovoid.render(numpy.exp(-4 * (x**2 + y**2 + z**2)), size=(64, 48))
+    <ovoid.Picture 64 x 48>
+    """
+    scene = Scene(data, spacing=spacing, origin=origin, direction=direction, **settings)
+    return scene.render(progress=progress, profile=profile)
+
+
+def animate(pictures, path, fps=25):
+    """Makes a film of pictures.
+
+    Parameters
+    ----------
+    pictures : iterable of Picture
+        Of one size, such as `View.frames` yields; each is written before the next is asked for.
+    path : str or path
+        ``.gif``, or ``.mp4`` or ``.webm``, which ffmpeg makes.
+    fps : float
+        Pictures a second.
+    """
+    import tempfile
+
+    path = os.path.abspath(os.fspath(path))
+    with tempfile.TemporaryDirectory() as folder:
+        pattern = os.path.join(folder, "frame_%06d.png")
+        count = 0
+        for count, picture in enumerate(pictures, 1):
+            picture.save(pattern % (count - 1))
+        if not count:
+            raise InvalidArgument("animate: no pictures")
+        if not path.endswith((".gif", ".mp4", ".webm")):
+            raise InvalidArgument(f"'{path}': expected a film: .gif, .mp4 or .webm")
+        _core.make_film(pattern, count, path, float(fps))

@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Settings as keywords: the program's flags with underscores, PyVista's words for some of them, and values of Python as the text
+that a flag takes. Which flags there are, and what form their values have, is the program's own table."""
+import functools
+import json
+import numbers
+import os
+import re
+
+from . import _core
+from ._errors import InvalidArgument, UnknownSetting
+
+_TOGGLE, _VALUE, _REPEATABLE, _OPTIONAL = range(4)
+
+# PyVista's and VTK's words that mean the same.
+_ALIASES = {
+    "transfer_function": "tf",
+    "cmap": "colormap",
+    "clim": "range",
+    "window_size": "size",
+    "scalars": "array",
+    "opacity_unit_distance": "unit_distance",
+    "log_scale": "log",
+    "show_scalar_bar": "colorbar",
+}
+_BLENDINGS = {"composite": "composite", "maximum": "maximum", "average": "mean"}
+# PyVista's planes that are seen from where one of the program's views is, with the same axis up.
+_CPOS = {"xy": "+z", "xz": "-y", "yz": "+x"}
+
+
+@functools.lru_cache(maxsize=None)
+def table():
+    """Name with underscores -> (flag, kind, form, text), in the order of the program's help."""
+    return {name.replace("-", "_"): (name, kind, form, text) for name, kind, form, text in _core.settings()}
+
+
+def settings():
+    """All settings of `render` and what they mean.
+
+    Returns
+    -------
+    dict of str to str
+        The sentence of the program's help for each name, with the form of the value in front.
+
+    Examples
+    --------
+    >>> import ovoid
+    >>> ovoid.settings()["zoom"]
+    'FACTOR: above 1 comes nearer'
+    """
+    return {name: f"{form}: {text}" if form else text for name, (_, _, form, text) in table().items()}
+
+
+def _is_sequence(value):
+    return not isinstance(value, (str, bytes, dict, os.PathLike)) and hasattr(value, "__iter__")
+
+
+def _scalar(value):
+    if value is None:
+        return ""
+    if hasattr(value, "item") and getattr(value, "ndim", None) == 0:
+        value = value.item()
+    if isinstance(value, numbers.Integral) and not isinstance(value, bool):
+        return str(int(value))
+    if isinstance(value, numbers.Real) and not isinstance(value, bool):
+        return repr(float(value))
+    return os.fspath(value) if isinstance(value, os.PathLike) else str(value)
+
+
+def _text(value, form):
+    """A value as the text that the program takes: tuples with the separators of the form."""
+    if isinstance(value, dict):
+        return json.dumps(value)
+    if not _is_sequence(value):
+        return _scalar(value)
+    outer = "x" if re.search("[A-Z]x[A-Z]", form) else ","
+    inner = ":" if ":" in form else ","
+    parts = []
+    for part in value:
+        if isinstance(part, slice):
+            part = (part.start, part.stop)
+        parts.append(inner.join(_scalar(number) for number in part) if _is_sequence(part) else "" if part is None else _scalar(part))
+    return outer.join(parts)
+
+
+def _words_of(name, value):
+    flag, kind, form, _ = table()[name]
+    if kind == _TOGGLE:
+        if not (isinstance(value, int) and value in (0, 1) or type(value).__name__ == "bool_"):  # numpy's
+            raise InvalidArgument(f"{name} = {value!r}: expected True or False")
+        if value:
+            return [f"--{flag}"]
+        return [f"--no-{flag}"] if f"no_{name}" in table() else []
+    if kind == _OPTIONAL:
+        if isinstance(value, bool):
+            return [f"--{flag}"] if value else []
+        return [f"--{flag}={_text(value, form)}"]
+    if kind == _REPEATABLE and _is_sequence(value):
+        values = list(value)
+        if any(isinstance(one, (str, os.PathLike)) or _is_sequence(one) for one in values):
+            return [word for one in values for word in (f"--{flag}", _text(one, form))]
+    return [f"--{flag}", _text(value, form)]
+
+
+def _camera(cpos):
+    """PyVista's camera position as the flag that says the same."""
+    if isinstance(cpos, str):
+        if cpos not in _CPOS:
+            raise InvalidArgument(f"cpos = {cpos!r}: expected one of {', '.join(_CPOS)}, or (position, focal point, view up)")
+        return "view", _CPOS[cpos]
+    try:
+        position, focal_point, view_up = ([float(number) for number in point] for point in cpos)
+    except (TypeError, ValueError):
+        raise InvalidArgument(f"cpos = {cpos!r}: expected three points: position, focal point, view up") from None
+    return "camera", {"position": position, "focal_point": focal_point, "view_up": view_up}
+
+
+def _opacities(opacity, span):
+    """PyVista's opacities, named or evenly spaced over `span`, two values or what returns them, as pairs of value and opacity."""
+    if isinstance(opacity, str) and opacity in ("linear", "linear_r"):
+        opacity = [0, 1] if opacity == "linear" else [1, 0]
+    if not _is_sequence(opacity):
+        return opacity
+    opacity = list(opacity)
+    if not opacity or any(_is_sequence(point) or isinstance(point, str) for point in opacity):
+        return opacity
+    ends = span() if callable(span) else span
+    if not _is_sequence(ends):
+        raise InvalidArgument("opacity: numbers without values are spread over clim, two numbers that are not given; expected (value, opacity) pairs")
+    lo, hi = (float(end) for end in ends)
+    step = (hi - lo) / max(1, len(opacity) - 1)
+    return [(lo + i * step, float(number)) for i, number in enumerate(opacity)]
+
+
+def _unknown(name):
+    known = [*table(), *_ALIASES, "cpos", "blending", "spacing", "origin", "direction"]
+    return UnknownSetting(f"{name}: unknown setting{_core.did_you_mean(name, known)}")
+
+
+def canonical(given, span=None):
+    """Settings by the program's names alone. `span` tells the range of an array's values, where it is known."""
+    chosen = {}
+
+    def choose(name, key, value):
+        if key in chosen:
+            raise InvalidArgument(f"{name}: says the same as another setting; give one of them")
+        chosen[key] = value
+
+    for name, value in given.items():
+        if value is None:
+            continue
+        key = _ALIASES.get(name, name)
+        if key == "cpos":
+            choose(name, *_camera(value))
+        elif key == "blending":
+            if not isinstance(value, str) or value not in _BLENDINGS:
+                raise InvalidArgument(f"blending = {value!r}: expected one of {', '.join(_BLENDINGS)}")
+            choose(name, "mode", _BLENDINGS[value])
+        elif key in table():
+            choose(name, key, value)
+        elif f"no_{key}" in table() and isinstance(value, bool):
+            if not value:
+                choose(name, f"no_{key}", True)
+        else:
+            raise _unknown(name)
+    if "opacity" in chosen:
+        ends = chosen["range"] if "range" in chosen else (lambda: span(chosen.get("array")) if span else None)
+        chosen["opacity"] = _opacities(chosen["opacity"], ends)
+    return chosen
+
+
+def words(chosen):
+    """Canonical settings as words of a command line."""
+    return [word for name, value in chosen.items() for word in _words_of(name, value)]

@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What cannot be drawn is refused in words."""
+import subprocess
+
+import numpy as np
+import ovoid
+import pytest
+from conftest import PROGRAM, SMALL, bumps
+
+
+@pytest.mark.parametrize("data, words", [
+    (np.zeros((0, 3, 3)), r"shape \(0, 3, 3\), expected at least one value"),
+    (np.zeros(7), r"shape \(7,\), expected \(z, y, x\)"),
+    (np.zeros((2, 2, 2, 2, 2)), r"shape \(2, 2, 2, 2, 2\), expected"),
+    (np.array(3.0), r"shape \(\), expected"),
+    (np.array([[[None, {}]]]), "holds object, expected numbers"),
+    (np.zeros((2, 2, 2), complex), "holds complex128, expected numbers"),
+    (np.zeros((2, 2, 2), "M8[s]"), "expected numbers"),
+    (np.full((3, 3, 3), "a"), "expected numbers"),
+    ([[[1, 2], [3]]], "inhomogeneous|sequence|object"),
+    (np.full((3, 3, 3), np.nan), "none of its 27 samples is finite"),
+    (object(), "holds object, expected numbers"),
+    (None, "holds object, expected numbers"),
+])
+def test_arrays(data, words):
+    with pytest.raises(ovoid.InvalidArgument, match=words) as caught:
+        ovoid.render(data, **SMALL)
+    assert isinstance(caught.value, ValueError) and caught.value.code == "invalid-argument"
+
+
+@pytest.mark.parametrize("placement, words", [
+    ({"spacing": (-1, 1, 1)}, "expected three numbers > 0"),
+    ({"spacing": (1, 1)}, "expected three numbers > 0"),
+    ({"spacing": "wide"}, "expected three numbers > 0"),
+    ({"origin": (np.nan, 0, 0)}, "origin"),
+    ({"direction": np.zeros((3, 3))}, "columns are the axes"),
+    ({"direction": [1, 2]}, "columns are the axes"),
+])
+def test_placement(placement, words):
+    with pytest.raises(ovoid.InvalidArgument, match=words):
+        ovoid.render(bumps(), **SMALL, **placement)
+
+
+@pytest.mark.parametrize("settings, words", [
+    ({"colormp": "magma"}, "colormp: unknown setting; did you mean colormap?"),
+    ({"windowsize": (3, 3)}, "did you mean window_size?"),
+    ({"output": "x.png"}, "output: unknown setting"),
+    ({"cmap": "magmma"}, "did you mean magma?"),
+    ({"size": (0, 5)}, "--size '0x5'"),
+    ({"size": 5}, "--size '5'"),
+    ({"zoom": "near"}, "--zoom 'near': expected a number"),
+    ({"iso": 3}, "--iso: needs --mode isosurface"),
+    ({"axes": "yes"}, "axes = 'yes': expected True or False"),
+    ({"cmap": "magma", "colormap": "gray"}, "give one of them"),
+    ({"cpos": "up"}, "cpos = 'up': expected one of"),
+    ({"cpos": [(1, 2), 3]}, "expected three points"),
+    ({"blending": "minimum"}, "blending"),
+    ({"blending": [1, 2]}, "blending"),
+    ({"log": np.zeros(3)}, "expected True or False"),
+    ({"step": 2}, "--step: is for files"),
+    ({"motion_blur": 2}, "--motion-blur: is for files in time"),
+    ({"mass": 2}, "--mass: is for particles"),
+    ({"component": 5}, "component"),
+    ({"camera": {"position": [1, 2]}}, "must have 3 elements"),
+])
+def test_settings(settings, words):
+    with pytest.raises(ovoid.InvalidArgument, match=words.replace("?", r"\?")):
+        ovoid.render(bumps(), **{**SMALL, **settings})
+
+
+def test_names_that_there_are_not_are_type_errors():
+    with pytest.raises(TypeError):
+        ovoid.render(bumps(), colour="red")
+
+
+def test_the_words_are_the_programs(tmp_path):
+    for flags, settings in ((["--size", "0x0"], {"size": "0x0"}), (["--zoom", "-1"], {"zoom": -1}), (["--tf", "gone.json"], {"tf": "gone.json"})):
+        path = tmp_path / "a.nrrd"
+        ovoid.write(path, bumps())
+        told = subprocess.run([PROGRAM, "render", str(path), *flags, "-o", str(tmp_path / "a.png")], capture_output=True, text=True, check=False)
+        with pytest.raises(ovoid.Error) as caught:
+            ovoid.render(path, **settings)
+        assert told.returncode != 0 and str(caught.value) in told.stderr
+
+
+def test_files(tmp_path):
+    with pytest.raises(FileNotFoundError) as caught:
+        ovoid.render(tmp_path / "gone.nrrd")
+    assert caught.value.code == "file-not-found" and isinstance(caught.value, ovoid.Error)
+    broken = tmp_path / "broken.nrrd"
+    broken.write_text("NRRD0004\ntype: float\ndimension: 3\nsizes: 9 9 9\nencoding: raw\n\nabc")
+    with pytest.raises(ovoid.FileFormat, match="broken.nrrd"):
+        ovoid.read(broken)
+    with pytest.raises(ovoid.InvalidArgument, match="are for arrays"):
+        ovoid.render(broken, origin=(0, 0, 0))
+    with pytest.raises(OSError):
+        ovoid.write(tmp_path / "no" / "folder.nrrd", bumps())
+    with pytest.raises(ovoid.Unsupported):
+        ovoid.write(tmp_path / "a.xyzzy", bumps())
+    picture = ovoid.render(bumps(), background="none", **SMALL)
+    with pytest.raises(ovoid.InvalidArgument, match="cannot be transparent"):
+        picture.save(tmp_path / "a.jpg")
+    with pytest.raises(ovoid.InvalidArgument, match="expected a name that ends in"):
+        picture.save(tmp_path / "a.bmp")
+    with pytest.raises(OSError):
+        picture.save(tmp_path / "no" / "a.png")
+
+
+@pytest.mark.parametrize("arguments, words", [
+    ((np.zeros((5, 2)),), r"xyz: has the shape \(5, 2\)"),
+    ((np.zeros((0, 3)),), r"xyz: has the shape \(0, 3\)"),
+    ((np.zeros((5, 3)), np.zeros(4)), "values: has the shape"),
+    ((np.zeros((5, 3)), None, np.zeros((5, 2, 2))), "h: has the shape"),
+])
+def test_particles(arguments, words):
+    with pytest.raises(ovoid.InvalidArgument, match=words):
+        ovoid.particles(*arguments)

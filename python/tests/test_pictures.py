@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Pictures are the program's, to the byte, and come out in every form that Python's programs take."""
+import io
+import shlex
+import subprocess
+
+import numpy as np
+import ovoid
+import pytest
+from conftest import PROGRAM, SMALL, bumps, drawn_by_program, png
+
+FLAGS = ("--size", "96x72")
+
+
+def test_of_files(tmp_path, array):
+    path = tmp_path / "bumps.nrrd"
+    ovoid.write(path, array, spacing=(1, 2, 3), origin=(-5, 0, 7))
+    expected = drawn_by_program(path, *FLAGS)
+    assert png(ovoid.render(path, **SMALL)) == expected
+    assert png(ovoid.render(str(path), **SMALL)) == expected
+    assert png(ovoid.render(ovoid.read(path), **SMALL)) == expected
+    assert png(ovoid.render(array, spacing=(1, 2, 3), origin=(-5, 0, 7), **SMALL)) == expected
+
+
+@pytest.mark.parametrize("flags, settings", [
+    (("--colormap", "magma", "--range", "20,180", "--opacity", "20:0,180:1"), {"cmap": "magma", "clim": (20, 180), "opacity": "linear"}),
+    (("--opacity", "0:0,50:0.25,200:1"), {"opacity": [(0, 0), (50, 0.25), (200, 1)]}),
+    (("--background", "1,1,1", "--no-shade"), {"background": (1, 1, 1), "shade": False}),
+    (("--mode", "maximum", "--view", "+x"), {"blending": "maximum", "cpos": "yz"}),
+    (("--mode", "xray", "--colorbar=Sum"), {"mode": "xray", "colorbar": "Sum"}),
+    (("--clip", "1,0,0,9", "--clip", "0,1,0,4.5"), {"clip": [(1, 0, 0, 9), (0, 1, 0, 4.5)]}),
+    (("--crop", "2:20,:,3:"), {"crop": [(2, 20), slice(None), (3, None)]}),
+    (("--azimuth", "30", "--colorbar", "--axes"), {"azimuth": np.float32(30), "show_scalar_bar": True, "axes": True}),
+    (("--mode", "isosurface", "--iso", "90", "--light", "1,1,0"), {"mode": "isosurface", "iso": 90, "light": (1, 1, 0)}),
+])
+def test_settings_mean_the_flags(tmp_path, array, flags, settings):
+    path = tmp_path / "bumps.nrrd"
+    ovoid.write(path, array)
+    expected = drawn_by_program(path, *FLAGS, *flags)
+    assert png(ovoid.render(array, **SMALL, **settings)) == expected
+    assert expected != drawn_by_program(path, *FLAGS)  # else the flags would not be tested
+
+
+def test_opacities_spread_over_the_values(tmp_path, array):
+    lo, hi = int(array.min()), int(array.max())
+    expected = ovoid.render(array, opacity=[(lo, 0), ((lo + hi) / 2, 0.1), (hi, 0.8)], **SMALL).numpy()
+    assert (ovoid.render(array, opacity=[0, 0.1, 0.8], **SMALL).numpy() == expected).all()
+    within = ovoid.render(array, opacity=np.array([0, 0.8]), clim=np.array([20, 90]), **SMALL).numpy()
+    assert (within == ovoid.render(array, opacity=[(20, 0), (90, 0.8)], clim=(20, 90), **SMALL).numpy()).all()
+    path = tmp_path / "a.nrrd"
+    ovoid.write(path, array)
+    with pytest.raises(ovoid.InvalidArgument, match="spread over clim"):
+        ovoid.render(path, opacity=[0, 1])
+
+
+def test_camera_of_three_points(array):
+    first = ovoid.render(array, **SMALL)
+    camera = first.camera
+    again = ovoid.render(array, cpos=(camera["position"], camera["focal_point"], camera["view_up"]), **SMALL)
+    assert (again.numpy() == first.numpy()).all()
+    assert (ovoid.render(array, camera=camera, **SMALL).numpy() == first.numpy()).all()
+
+
+def test_particles_of_files(tmp_path):
+    xyz = np.random.default_rng(3).normal(size=(400, 3))
+    cloud = ovoid.particles(xyz, {"speed": np.linspace(0, 1, 400)}, h=np.full(400, 0.3))
+    path = tmp_path / "cloud.npz"
+    ovoid.write(path, cloud)
+    assert png(ovoid.render(cloud, array="speed", **SMALL)) == drawn_by_program(path, *FLAGS, "--array", "speed")
+
+
+def test_command_and_state(tmp_path, array):
+    path = tmp_path / "my bumps.nrrd"
+    ovoid.write(path, array)
+    picture = ovoid.render(path, cmap="magma", clim=(10, 150), **SMALL)
+    words = shlex.split(picture.command)
+    assert words[:3] == ["ovoid", "render", str(path)]
+    output = tmp_path / "again.png"
+    subprocess.run([PROGRAM, *words[1:-1], str(output)], check=True, capture_output=True)
+    assert output.read_bytes() == png(picture)
+    assert picture.state["flags"] == {"size": "96x72", "colormap": "magma", "range": "10,150"} or \
+        picture.state["flags"] == {"colormap": "magma", "range": "10,150", "size": "96x72"}
+
+
+def test_saved_as_the_program_saves(tmp_path, array):
+    path = tmp_path / "bumps.nrrd"
+    ovoid.write(path, array)
+    picture = ovoid.render(path, **SMALL)
+    for ending in (".png", ".jpg", ".exr", ".npy"):
+        subprocess.run([PROGRAM, "render", str(path), *FLAGS, "-o", str(tmp_path / ("program" + ending))], check=True, capture_output=True)
+        picture.save(tmp_path / ("python" + ending))
+        assert (tmp_path / ("python" + ending)).read_bytes() == (tmp_path / ("program" + ending)).read_bytes()
+    assert (np.load(tmp_path / "python.npy") == picture.rgba).all()
+
+
+def test_forms(array):
+    picture = ovoid.render(array, **SMALL)
+    pixels = np.asarray(picture)
+    assert pixels.shape == (72, 96, 4) and pixels.dtype == np.uint8
+    assert (pixels == picture.numpy()).all() and pixels.std() > 10
+    image = pytest.importorskip("PIL.Image")
+    assert (np.asarray(image.open(io.BytesIO(png(picture))).convert("RGBA")) == pixels).all()
+    assert set(picture._repr_mimebundle_()) == {"text/plain", "image/png"}
+    assert picture._repr_mimebundle_(include={"image/png"})["image/png"] == png(picture)
+
+
+def test_depth_lies_on_the_data(array):
+    picture = ovoid.render(array, mode="isosurface", iso=90, **SMALL)
+    finite = np.isfinite(picture.depth)
+    assert picture.depth.shape == (72, 96) and 0 < finite.sum() < finite.size
+    distance = np.linalg.norm(np.subtract(picture.camera["position"], picture.camera["focal_point"]))
+    assert (abs(picture.depth[finite] - distance) < 30).all()
+    assert (picture.rgba[..., 3][finite] > 0).all()
+
+
+def test_profile(array):
+    profile = ovoid.render(array, profile=True, **SMALL).profile
+    assert profile["frame_ms"]["median"] > 0 and profile["stages_ms"] and profile["size"] == [96, 72]
+    assert not ovoid.render(array, **SMALL).profile["stages_ms"]
+
+
+def test_views_model_once(array):
+    scene = ovoid.Scene(bumps(), **SMALL)
+    first = scene.render()
+    assert first.profile["model_ms"] > 0
+    turned = scene.render(azimuth=40, cmap="magma")
+    assert turned.profile["model_ms"] == 0
+    assert (turned.numpy() == ovoid.render(array, azimuth=40, cmap="magma", **SMALL).numpy()).all()
+    smoothed = scene.render(kernel="gaussian")  # another field
+    assert smoothed.profile["model_ms"] > 0
+    assert (smoothed.numpy() == ovoid.render(array, kernel="gaussian", **SMALL).numpy()).all()
+    assert (scene.render().numpy() == first.numpy()).all()
+
+
+def test_labels_stay_labels():
+    labels = np.zeros((16, 16, 16), "u1")
+    labels[4:9, 4:12, 4:12], labels[9:12, 4:12, 4:12] = 1, 2
+    scene = ovoid.Scene(labels, **SMALL)
+    first = scene.render()
+    assert any("look like labels" in note for note in first.notes)
+    again = scene.render()
+    assert again.profile["model_ms"] == 0 and again.notes == first.notes
+    assert (again.numpy() == first.numpy()).all()
+
+
+def test_view_keeps_settings(array):
+    view = ovoid.Scene(array, **SMALL).view(azimuth=30)
+    expected = ovoid.render(array, azimuth=30, zoom=2, **SMALL).numpy()
+    assert (view.update(zoom=2).render().numpy() == expected).all()
+    frames = list(view.frames(azimuth=[0, 30], elevation=[5, 0]))
+    assert (frames[1].numpy() == expected).all() and (frames[0].numpy() != expected).any()
+    view.update(azimuth=None, zoom=None)
+    assert (view.render().numpy() == ovoid.render(array, **SMALL).numpy()).all()
+    with pytest.raises(ovoid.InvalidArgument, match="as many values"):
+        list(view.frames(azimuth=[0, 30], elevation=[5]))
+
+
+def test_films(tmp_path, array):
+    view = ovoid.Scene(array, **SMALL).view()
+    ovoid.animate(view.frames(azimuth=[0, 90, 180]), tmp_path / "turn.gif", fps=10)
+    image = pytest.importorskip("PIL.Image")
+    with image.open(tmp_path / "turn.gif") as film:
+        assert film.n_frames == 3 and film.size == (96, 72)
+    with pytest.raises(ovoid.InvalidArgument, match="no pictures"):
+        ovoid.animate([], tmp_path / "none.gif")
+    with pytest.raises(ovoid.InvalidArgument, match="expected a film"):
+        ovoid.animate([ovoid.render(array, **SMALL)], tmp_path / "film.avi")
+
+
+def test_notebooks_show_it():
+    pytest.importorskip("ipykernel")
+    formats, preprocessors = pytest.importorskip("nbformat"), pytest.importorskip("nbconvert.preprocessors")
+    cell = formats.v4.new_code_cell("import numpy, ovoid\novoid.render(numpy.random.rand(8, 8, 8), size=(64, 48))")
+    book = formats.v4.new_notebook(cells=[cell])
+    preprocessors.ExecutePreprocessor(timeout=60, kernel_name="python3").preprocess(book, {})
+    shown = book.cells[0].outputs[0].data
+    assert shown["text/plain"] == "<ovoid.Picture 64 x 48>"
+    assert shown["image/png"].startswith("iVBORw0KGgo")  # PNG's first bytes in base 64

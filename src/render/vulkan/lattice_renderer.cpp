@@ -245,7 +245,7 @@ void LatticeRenderer::divide_sheets(Job& job) const {
   for (int first = 0; first < num_sheets;) {
     const std::int64_t sheet = plan.sheets.first + first;
     double node_step = job.has_nodes ? plan.node_step(job.options.post_convolution, sheet) : 1.0;
-    if (is_auto && (!is_software || node_step < kWorthwhileNodeStep)) node_step = 1.0;
+    if (is_auto && node_step < kWorthwhileNodeStep) node_step = 1.0;
     int end = num_sheets;
     if (job.has_nodes || (!is_software && plan.greatest_widening > 1))
       end = static_cast<int>(
@@ -319,7 +319,9 @@ void LatticeRenderer::render(const FrameJob& frame, Image& image, FrameProfile& 
   const LatticeField& field = *any_field.lattice();
   std::optional<HostStage> planning(std::in_place, bench_.commands, "plan");
   Job job{options, light, {field, camera, look, options, kept_}};
-  job.has_nodes = job.own.traits.may_have_nodes;
+  const bool takes_every_pixel =
+      bench_.device->info().is_hardware() && options.post_convolution == PostConvolution::kAuto;
+  job.has_nodes = job.own.traits.may_have_nodes && !takes_every_pixel;
   if (trail != nullptr) {
     job.trail.emplace(*trail->field, camera, trail->look, trail->options, kept_trail_);
     // Both count sheets from the same one, and have gradients in one unit.

@@ -69,6 +69,11 @@ struct ReadOptions {
   std::shared_ptr<ReaderSession> session;
 };
 
+// Whether memory, as far as the options grant it, does not hold a field of such samples of a
+// lattice with one component, and they can stay in their file: what read_dataset() does then, if it
+// may. For callers that hold samples elsewhere.
+bool would_stay_in_file(ScalarType type, std::int64_t num_bytes, const ReadOptions& options);
+
 // Reads a volume, a mesh, adaptive grids, particles or stored kernels of the formats that
 // docs/formats.md lists, some of which need a build with VTK or HDF5. The format is told from
 // content, then from the name. A path may be a folder of DICOM files. Several paths are the slices

@@ -76,23 +76,49 @@ DataArray data_array(const NamedArray& named, std::int64_t num_tuples) {
   return array;
 }
 
+std::shared_ptr<Dataset> empty_lattice(const std::string& source, const Index3& dims,
+                                       const std::array<std::array<double, 4>, 3>& matrix) {
+  auto dataset = std::make_shared<Dataset>();
+  dataset->source = source;
+  dataset->format = "array";
+  dataset->lattice = geometry_of(dims, matrix);
+  return dataset;
+}
+
 }  // namespace
+
+LatticeGeometry geometry_of(const Index3& dims,
+                            const std::array<std::array<double, 4>, 3>& matrix) {
+  LatticeGeometry geometry;
+  geometry.dims = dims;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 4; ++column) {
+      geometry.world_from_index.matrix()(row, column) =
+          matrix[static_cast<std::size_t>(row)][static_cast<std::size_t>(column)];
+    }
+  }
+  return geometry;
+}
 
 std::shared_ptr<const Dataset> make_lattice(const std::string& source, const Index3& dims,
                                             const std::array<std::array<double, 4>, 3>& matrix,
                                             const std::vector<NamedArray>& arrays) {
-  auto dataset = std::make_shared<Dataset>();
-  dataset->source = source;
-  dataset->format = "array";
-  dataset->lattice.dims = dims;
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 4; ++column) {
-      dataset->lattice.world_from_index.matrix()(row, column) =
-          matrix[static_cast<std::size_t>(row)][static_cast<std::size_t>(column)];
-    }
-  }
+  auto dataset = empty_lattice(source, dims, matrix);
   for (const NamedArray& named : arrays)
     dataset->arrays.push_back(data_array(named, num_samples(dims)));
+  return dataset;
+}
+
+std::shared_ptr<const Dataset> make_lattice_of(const Dataset& read, const std::string& source,
+                                               const Index3& dims,
+                                               const std::array<std::array<double, 4>, 3>& matrix,
+                                               const std::string& name, const std::string& unit) {
+  if (read.arrays.size() != 1 || read.arrays[0].num_tuples != num_samples(dims))
+    refuse(fmt::format("array '{}': holds other samples than were expected", name));
+  auto dataset = empty_lattice(source, dims, matrix);
+  dataset->arrays = read.arrays;
+  dataset->arrays[0].name = name;
+  dataset->arrays[0].unit = unit;
   return dataset;
 }
 

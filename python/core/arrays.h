@@ -23,11 +23,21 @@ struct NamedArray {
   bool is_cell_data = false;
 };
 
-// `matrix`: world_from_index by rows, its last column the first sample's place. Throws
+// `matrix`: world_from_index by rows, its last column the first sample's place.
+LatticeGeometry geometry_of(const Index3& dims, const std::array<std::array<double, 4>, 3>& matrix);
+
+// Throws
 // Error(kInvalidArgument) for another number of values than samples, other types and orders.
 std::shared_ptr<const Dataset> make_lattice(const std::string& source, const Index3& dims,
                                             const std::array<std::array<double, 4>, 3>& matrix,
                                             const std::vector<NamedArray>& arrays);
+
+// The same of samples that were left in a file: the only array of `read`, by another name. Throws
+// Error(kInvalidArgument) for another number of samples.
+std::shared_ptr<const Dataset> make_lattice_of(const Dataset& read, const std::string& source,
+                                               const Index3& dims,
+                                               const std::array<std::array<double, 4>, 3>& matrix,
+                                               const std::string& name, const std::string& unit);
 
 // `positions`: [n, 3] float32 or float64.
 std::shared_ptr<const Dataset> make_particles(const std::string& source,

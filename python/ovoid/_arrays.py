@@ -44,14 +44,26 @@ def numbers_of(data, name="data"):
     return np.asarray(np.asarray(data), dtype=target, order="C")
 
 
-def _vector(value, name, expected):
+def vector(value, name, expected):
+    """Three finite numbers."""
     try:
-        vector = np.array(value, dtype=float)
+        numbers = np.array(value, dtype=float)
     except (TypeError, ValueError):
-        vector = np.empty(0)
-    if vector.shape != (3,) or not np.isfinite(vector).all():
+        numbers = np.empty(0)
+    if numbers.shape != (3,) or not np.isfinite(numbers).all():
         raise InvalidArgument(f"{name} = {value!r}: expected {expected}")
-    return vector
+    return numbers
+
+
+def number(value, name):
+    """A finite number."""
+    try:
+        found = float(value)
+    except (TypeError, ValueError):
+        found = np.nan
+    if not np.isfinite(found):
+        raise InvalidArgument(f"{name} = {value!r}: expected a finite number")
+    return found
 
 
 def _direction(value):
@@ -66,10 +78,10 @@ def _direction(value):
 
 def placement(spacing, origin, direction):
     """world_from_index by rows, [3, 4]: from VTK's three words, each (x, y, z)."""
-    spacing = np.ones(3) if spacing is None else _vector(spacing, "spacing", "three numbers > 0, along x, y, z")
+    spacing = np.ones(3) if spacing is None else vector(spacing, "spacing", "three numbers > 0, along x, y, z")
     if not (spacing > 0).all():
         raise InvalidArgument(f"spacing = {tuple(spacing.tolist())}: expected three numbers > 0, along x, y, z")
-    origin = np.zeros(3) if origin is None else _vector(origin, "origin", "the place x, y, z of the first sample")
+    origin = np.zeros(3) if origin is None else vector(origin, "origin", "the place x, y, z of the first sample")
     matrix = np.eye(3) if direction is None else _direction(direction)
     return np.column_stack([matrix * spacing, origin])
 

@@ -13,9 +13,10 @@ class Data:
     Its arrays share the memory of what it was made of; they are not to be changed while it is drawn.
     """
 
-    def __init__(self, core, defaults=None):
+    def __init__(self, core, defaults=None, report=None):
         self._core = core
         self._defaults = defaults or {}
+        self._report = report
 
     @property
     def kind(self):
@@ -36,6 +37,11 @@ class Data:
     def notes(self):
         """list of str: what the reader assumed or found odd."""
         return self._core.notes
+
+    @property
+    def report(self):
+        """dict or None: of what `fit` and `simplify` make, what came of it."""
+        return self._report
 
     @property
     def positions(self):
@@ -70,8 +76,9 @@ def paths_of(data):
     return [os.fspath(name) for name in names]
 
 
-def data_of(data, spacing=None, origin=None, direction=None):
-    """What is in memory as Data. `spacing`, `origin`, `direction`: of arrays, as `render` takes them."""
+def data_of(data, spacing=None, origin=None, direction=None, memory_limit=None):
+    """What is in memory as Data. `spacing`, `origin`, `direction`: of arrays, as `render` takes them. `memory_limit`: bytes that an
+    array may take which is elsewhere, as in a file."""
     is_placed = not (spacing is None and origin is None and direction is None)
     if isinstance(data, Data):
         if is_placed:
@@ -87,6 +94,11 @@ def data_of(data, spacing=None, origin=None, direction=None):
         data = data.data
     else:
         matrix = _arrays.placement(spacing, origin, direction)
+    limit = _settings.words(_settings.canonical({"memory_limit": memory_limit}))
+    from . import _large
+
+    if _large.stays_away(data, limit):
+        return Data(_large.lattice_of(data, _arrays.dims_of(data.shape, "data"), matrix.tolist(), name, unit, limit))
     names = getattr(getattr(data, "dtype", None), "names", None)
     arrays = []
     for part, values in [(part, data[part]) for part in names] if names else [(name, data)]:
@@ -155,7 +167,7 @@ def read(path, **settings):
     -------
     Data
     """
-    core, _ = _core.read(paths_of(path), _settings.words(_settings.canonical(settings)))
+    core, _ = _core.read(paths_of(path), _settings.words(_settings.canonical(settings)), False, None)
     return Data(core)
 
 

@@ -9,7 +9,7 @@ from . import _core
 class Picture:
     """A finished picture.
 
-    numpy takes it as an array of 8 bits, notebooks show it, `save` writes it.
+    numpy, and what takes DLPack, take it as an array of 8 bits; notebooks show it, `save` writes it.
     """
 
     def __init__(self, core):
@@ -42,6 +42,12 @@ class Picture:
     def __array_interface__(self):
         return self.numpy().__array_interface__
 
+    def __dlpack__(self, stream=None):
+        return self.numpy().__dlpack__()
+
+    def __dlpack_device__(self):
+        return self.numpy().__dlpack_device__()
+
     @property
     def rgba(self):
         """numpy.ndarray of float32, (height, width, 4): premultiplied, without background and marks; of x-rays the integrals."""
@@ -71,7 +77,7 @@ class Picture:
 
     @property
     def state(self):
-        """dict: inputs and flags, as in a state file of ``ovoid render --state``."""
+        """dict: inputs and flags, as in a state file of ``ovoid render --state``; the setting `state` takes it."""
         return {"ovoid_state": 1, "program": _core.version, "inputs": self._core.inputs, "flags": json.loads(self._core.flags)}
 
     @property

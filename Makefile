@@ -73,10 +73,11 @@ pictures: build  ## draw the pictures of the guide and the other pages again, by
 	@scripts/viewer_pictures.sh
 
 install: build  ## install program, library and headers under PREFIX (/usr/local)
-	@scripts/build.sh release ovoid_mappers ovoid_package
+	@scripts/build.sh release ovoid_mappers ovoid_team ovoid_package
 	@cmake --install build/release --prefix "$(PREFIX)"
 
-package: build  ## a .deb of program, window, library and headers: build/package/ovoid_*.deb
+package: build  ## a .deb of program, window, library and headers, and one of the Python package: build/package/*.deb
+	@scripts/build.sh release ovoid_team ovoid_package
 	@cpack --config build/release/CPackConfig.cmake -B "$(CURDIR)/build/package" >/dev/null
 	@ls build/package/*.deb
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Everything a person or CI does here, by one word each. `make help` lists the words.
 .DEFAULT_GOAL := help
-.PHONY: help run test build setup check format sanitize asan tsan scalar fuzz mutants bench experiments pictures install package clean
+.PHONY: help run test build setup check format sanitize asan tsan scalar fuzz mutants bench experiments pictures install package wheel clean
 
 JOBS ?= $(shell nproc)
 SECONDS ?= 60
@@ -80,6 +80,10 @@ package: build  ## a .deb of program, window, library and headers, and one of th
 	@scripts/build.sh release ovoid_team ovoid_package
 	@cpack --config build/release/CPackConfig.cmake -B "$(CURDIR)/build/package" >/dev/null
 	@ls build/package/*.deb
+
+wheel: setup  ## a wheel of the Python package, with the libraries it needs: build/package/ovoid-*.whl
+	@scripts/build.sh release ovoid_package
+	@/usr/bin/python3 python/wheel/check.py "$$(/usr/bin/python3 python/wheel/back_end.py --portable --build-dir build/release build/package)"
 
 clean:  ## remove everything that was built
 	rm -rf build

@@ -61,8 +61,8 @@ struct ReadOptions {
   // on.
   std::function<void(double fraction)> progress;
   std::stop_token stop;
-  // Path of ovoid-read, which reads with other people's libraries. Empty: looked for beside the
-  // library, in libexec/ovoid of its prefix, and where it was to be installed.
+  // Path of ovoid-read, which reads with other people's libraries. Empty: beside the library, in
+  // libexec/ovoid of its prefix, where it was to be installed, or in /usr/libexec/ovoid.
   std::string reader_program;
   // The process that ovoid-read runs in, kept from one read to the next;
   // open_steps() makes one. None: each read starts and ends its own.

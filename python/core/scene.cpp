@@ -103,6 +103,8 @@ void Scene::model(Request& request, Session& session) {
   if (dataset == nullptr) {
     request.data.may_stay_in_file = true;
     dataset = std::make_shared<const Dataset>(cli::load(request.data, session));
+  } else {
+    session.notes(dataset->notes);
   }
   load_ms_ = loading.ms();
   const cli::Stopwatch modelling;

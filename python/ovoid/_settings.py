@@ -133,7 +133,7 @@ def _opacities(opacity, span):
 
 
 def _unknown(name):
-    known = [*table(), *_ALIASES, "cpos", "blending", "spacing", "origin", "direction"]
+    known = [*table(), *_ALIASES, "cpos", "blending", "spacing", "origin", "direction", "affine", "space"]
     return UnknownSetting(f"{name}: unknown setting{_core.did_you_mean(name, known)}")
 
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Threads, Ctrl-C, forks, memory over many pictures, what an import costs, and the examples of the documentation."""
 import doctest
+import importlib
 import os
 import re
 import resource
@@ -168,9 +169,9 @@ def test_every_setting_is_told():
     assert set(told) == flags - of_runs
 
 
-@pytest.mark.parametrize("module", ["_scene", "_data", "_settings"])
+@pytest.mark.parametrize("module", ["_scene", "_data", "_meshes", "_settings"])
 def test_examples_of_docstrings(module):
-    found = doctest.testmod(getattr(ovoid, module))
+    found = doctest.testmod(importlib.import_module(f"ovoid.{module}"))
     assert found.attempted > 0 and found.failed == 0
 
 

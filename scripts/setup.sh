@@ -11,7 +11,8 @@ declare -A groups=(
   # The .deb's dependencies are found by dpkg-dev's dpkg-shlibdeps and file.
   # The window is tested on a virtual screen (xvfb) with Mesa's software driver (libgl1-mesa-dri).
   # The mappers for VTK are wrapped by python3-vtk9's tools, and tested from Python.
-  # The Python package is tested by pytest, its stubs by mypy; xarray, dask, h5py, zarr and Pillow where they happen to be.
+  # The Python package is tested by pytest, its stubs by mypy; xarray, dask, h5py, zarr, Pillow,
+  # meshio, pandas, nibabel and yt where they happen to be.
   # Its wheel is made with patchelf, and tested in a virtual environment (python3-venv).
   [build]="make g++ cmake ninja-build ccache pkg-config git python3
     libeigen3-dev libfmt-dev nlohmann-json3-dev libcli11-dev

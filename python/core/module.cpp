@@ -29,7 +29,9 @@ namespace {
 
 namespace py = pybind11;
 using Json = nlohmann::ordered_json;
-using Arrays = std::vector<std::tuple<std::string, py::array, std::string>>;
+// Name, values, unit and, where they are not False, 1 and 0, is_cell_data, value_scale,
+// value_offset.
+using Arrays = std::vector<py::tuple>;
 using SharedDataset = std::shared_ptr<const Dataset>;
 
 // Names in files may hold any bytes; JSON is UTF-8.
@@ -39,7 +41,13 @@ std::string text_of(const Json& json) {
 
 std::vector<NamedArray> named(const Arrays& arrays) {
   std::vector<NamedArray> all;
-  for (const auto& [name, values, unit] : arrays) all.push_back({name, values, unit});
+  for (const py::tuple& array : arrays) {
+    NamedArray& one = all.emplace_back(NamedArray{
+        array[0].cast<std::string>(), array[1].cast<py::array>(), array[2].cast<std::string>()});
+    if (array.size() > 3) one.is_cell_data = array[3].cast<bool>();
+    if (array.size() > 4) one.value_scale = array[4].cast<double>();
+    if (array.size() > 5) one.value_offset = array[5].cast<double>();
+  }
   return all;
 }
 
@@ -165,6 +173,19 @@ void add_data(py::module_& module) {
       .def("positions", [](const Data& d) { return to_numpy(d.dataset->positions); })
       .def("array", [](const Data& d, std::size_t i) { return to_numpy(d.dataset->arrays.at(i)); })
       .def("array_unit", [](const Data& d, std::size_t i) { return d.dataset->arrays.at(i).unit; })
+      .def("is_cell_data",
+           [](const Data& d, std::size_t i) { return d.dataset->arrays.at(i).is_cell_data; })
+      .def("value_scale",
+           [](const Data& d, std::size_t i) {
+             const DataArray& array = d.dataset->arrays.at(i);
+             return std::pair(array.value_scale, array.value_offset);
+           })
+      .def("connectivity", [](const Data& d) { return node_numbers(d.dataset); })
+      .def("with_facts",
+           [](const Data& d, const std::string& format, const std::string& space,
+              const std::vector<std::string>& notes) {
+             return Data{with_facts(*d.dataset, {format, space, notes})};
+           })
       .def("info", info_of)
       .def("named",
            [](const Data& d, const std::string& source) {
@@ -190,6 +211,11 @@ void add_data(py::module_& module) {
              [](const std::string& source, const py::array& positions, const Arrays& arrays) {
                return Data{make_particles(source, positions, named(arrays))};
              });
+  module.def("mesh", [](const std::string& source, const py::array& positions,
+                        const py::array& types, const py::array& offsets,
+                        const py::array& connectivity, const Index3& dims, const Arrays& arrays) {
+    return Data{make_mesh(source, positions, {types, offsets, connectivity, dims}, named(arrays))};
+  });
   module.def("read", [](const std::vector<std::string>& inputs, const cli::Words& words,
                         bool may_stay, const py::object& on_progress) {
     return data_after([&](Work& work) { return read_files(inputs, words, may_stay, work); },

@@ -85,6 +85,7 @@ void Scene::model(Request& request, Session& session) {
   const cli::Stopwatch loading;
   request.data.may_stay_in_file = true;
   const std::shared_ptr<const Dataset> dataset = load(source_, request.data, session);
+  if (source_.dataset != nullptr) session.notes(dataset->notes);
   load_ms_ = loading.ms();
   const cli::Stopwatch modelling;
   const GradientMethod gradient = drawing.options.gradient;

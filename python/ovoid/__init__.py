@@ -7,6 +7,7 @@ import importlib
 
 _MODULES = {
     "_data": ("Data", "info", "particles", "read", "write"),
+    "_meshes": ("mesh",),
     "_errors": ("Cancelled", "DeviceLost", "Error", "FileFormat", "FileWrite", "InvalidArgument", "NotFound", "OutOfMemory",
                 "UnknownSetting", "Unsupported"),
     "_functions": ("Samples", "Slice", "fit", "histogram", "resample", "sample", "simplify", "slice"),

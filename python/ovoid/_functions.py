@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from . import _arrays, _core, _settings
-from ._data import Data, data_of, is_path, paths_of
+from ._data import PLACEMENT, Data, data_of, is_path, paths_of
 from ._errors import InvalidArgument
 from ._progress import bar
 from ._scene import Scene
@@ -22,18 +22,22 @@ def _log_notes(notes):
         _log.info("%s", note)
 
 
-def _source(data, placement, settings):
-    """Data in memory, or None with names of files."""
+def _source(data, settings, command):
+    """Data in memory, or None with names of files; and the settings of a command, with what the data have by default."""
     if is_path(data):
-        if any(value is not None for value in placement.values()):
-            raise InvalidArgument("spacing, origin, direction: are for arrays, files say themselves where they are")
-        return None, paths_of(data)
-    return data_of(data, **placement, memory_limit=settings.get("memory_limit"))._core, []
+        given = [name for name in PLACEMENT[1:] if settings.get(name) is not None]
+        if given:
+            raise InvalidArgument(f"{given[0]}: is for arrays, files say themselves where they are")
+        return None, paths_of(data), settings
+    placement = {name: settings[name] for name in PLACEMENT if name in settings}
+    found = data_of(data, **placement, memory_limit=settings.get("memory_limit"))
+    known = {} if "array" in settings else {name: value for name, value in found._defaults.items() if name in _settings.table(command)}
+    return found._core, [], {**known, **{name: value for name, value in settings.items() if name not in PLACEMENT}}
 
 
-def _written(command, endings, data, path, placement, progress, settings):
+def _written(command, endings, data, path, progress, settings):
     """Data that a command writes, read again, with its report; to a temporary file without a path."""
-    core, inputs = _source(data, placement, settings)
+    core, inputs, settings = _source(data, settings, command)
     for name in ("output", "report"):
         if name in settings:
             raise InvalidArgument(f"{name}: is no setting here; the path is the second argument, and the report the result's")
@@ -47,7 +51,7 @@ def _written(command, endings, data, path, placement, progress, settings):
     return Data(read.named(command) if path is None else read, report=json.loads(report))
 
 
-def fit(data, path=None, *, spacing=None, origin=None, direction=None, progress=False, **settings):
+def fit(data, path=None, *, progress=False, **settings):
     """Fewer kernels for the field of a scan, a mesh or particles, with a stated error.
 
     Parameters
@@ -57,13 +61,11 @@ def fit(data, path=None, *, spacing=None, origin=None, direction=None, progress=
     path : str or path, optional
         Where the kernels are kept: ``.ply``, of a lattice ``.h5``. Without it they are in memory alone; of a lattice as the samples
         that the file would be read as.
-    spacing, origin, direction
-        Of an array, as `render` takes them.
     progress : bool
         Shows a bar.
     **settings
-        One goal: `psnr`, `tolerance` (``"1%"`` is a share of the range), `kernels`, `bytes` or `smooth=True`; and what else
-        ``ovoid fit`` takes: ``ovoid.settings("fit")``.
+        One goal: `psnr`, `tolerance` (``"1%"`` is a share of the range), `kernels`, `bytes` or `smooth=True`; what else
+        ``ovoid fit`` takes: ``ovoid.settings("fit")``; `spacing`, `origin`, ... of an array, as `render` takes them.
 
     Returns
     -------
@@ -84,29 +86,28 @@ def fit(data, path=None, *, spacing=None, origin=None, direction=None, progress=
             core, _ = _core.read(paths_of(data), [], True, None)
         return ".h5" if core.kind == "lattice" else ".ply"
 
-    return _written("fit", ending, data, path, {"spacing": spacing, "origin": origin, "direction": direction}, progress, settings)
+    return _written("fit", ending, data, path, progress, settings)
 
 
-def simplify(data, path=None, *, spacing=None, origin=None, direction=None, progress=False, **settings):
+def simplify(data, path=None, *, progress=False, **settings):
     """Boxes and runs of a lattice's samples that one primitive stands for, with a bound on every sample's error.
 
     Parameters
     ----------
-    data, path, spacing, origin, direction, progress
+    data, path, progress
         As of `fit`; the file is ``.h5``.
     **settings
-        `tolerance` (``"1%"`` without it), `primitive`, ...: ``ovoid.settings("simplify")``.
+        `tolerance` (``"1%"`` without it), `primitive`, ...: ``ovoid.settings("simplify")``; `spacing`, `origin`, ... of an array.
 
     Returns
     -------
     Data
         The samples as the file is read, with `Data.report`: primitives, bytes, PSNR, the greatest error.
     """
-    placement = {"spacing": spacing, "origin": origin, "direction": direction}
-    return _written("simplify", lambda *_: ".h5", data, path, placement, progress, settings)
+    return _written("simplify", lambda *_: ".h5", data, path, progress, settings)
 
 
-def resample(data, size=None, *, spacing=None, origin=None, direction=None, **settings):
+def resample(data, size=None, **settings):
     """A field as a grid, on another lattice, or as the kernels that are drawn.
 
     Parameters
@@ -115,11 +116,9 @@ def resample(data, size=None, *, spacing=None, origin=None, direction=None, **se
         What `render` takes.
     size : int or (x, y, z), optional
         Samples of a grid over the bounds; one number: of cubes, so many along the longest side.
-    spacing, origin, direction
-        Of an array, as `render` takes them.
     **settings
         Instead of `size`: `lattice` ("cc" or "bcc", with `lattice_spacing`), or `kernels=True` of meshes and particles; and
-        `kernel`, `array`, ...: ``ovoid.settings("convert")``.
+        `kernel`, `array`, ...: ``ovoid.settings("convert")``; `spacing`, `origin`, ... of an array.
 
     Returns
     -------
@@ -135,13 +134,11 @@ def resample(data, size=None, *, spacing=None, origin=None, direction=None, **se
     """
     if "output" in settings:
         raise InvalidArgument("output: is no setting here; ovoid.write keeps the result")
-    core, inputs = _source(data, {"spacing": spacing, "origin": origin, "direction": direction}, settings)
+    core, inputs, settings = _source(data, settings, "convert")
     if size is not None:
         settings["size"] = size
     if not {"size", "lattice", "kernels"} & set(settings):
         raise InvalidArgument("resample: nothing asked for; expected size=, lattice= or kernels=True")
-    if isinstance(data, Data):
-        settings = {**({} if "array" in settings else data._defaults), **settings}
     made, notes = _core.convert(core, inputs, _settings.words_for("convert", settings))
     _log_notes(notes)
     return Data(made)
@@ -196,7 +193,7 @@ def sample(data, points, **settings):
     points : array_like, (..., 3)
         Places x, y, z; world units.
     **settings
-        `spacing`, `origin`, `direction` of an array; what chooses array and kernels, as `render` takes it.
+        `spacing`, `origin`, ... of an array; what chooses array and kernels, as `render` takes it.
 
     Returns
     -------
@@ -302,7 +299,7 @@ def slice(data, normal="z", at=None, *, size=512, **settings):
     size : int
         Values along the longer side.
     **settings
-        `spacing`, `origin`, `direction` of an array; what chooses array and kernels, as `render` takes it.
+        `spacing`, `origin`, ... of an array; what chooses array and kernels, as `render` takes it.
 
     Returns
     -------
@@ -329,7 +326,7 @@ def histogram(data, *, log=False, **settings):
     log : bool
         Bins between logarithms, of the values > 0.
     **settings
-        `spacing`, `origin`, `direction` of an array; what chooses array and kernels, as `render` takes it.
+        `spacing`, `origin`, ... of an array; what chooses array and kernels, as `render` takes it.
 
     Returns
     -------

@@ -17,7 +17,7 @@ class Scene:
 
     Parameters
     ----------
-    data, spacing, origin, direction, state
+    data, spacing, origin, direction, affine, space, state
         As `render` takes them. Arrays are not to be changed while the scene lives.
     **settings
         Settings of all its pictures.
@@ -31,7 +31,7 @@ class Scene:
     0.0
     """
 
-    def __init__(self, data=None, *, spacing=None, origin=None, direction=None, state=None, **settings):
+    def __init__(self, data=None, *, spacing=None, origin=None, direction=None, affine=None, space=None, state=None, **settings):
         self._defaults = {}
         inputs, settings = _state.merged(state, settings)
         if data is None:
@@ -39,14 +39,14 @@ class Scene:
                 raise InvalidArgument("data: none given, and no state that names files")
             data = inputs
         if is_path(data):
-            if origin is not None or direction is not None:
-                raise InvalidArgument("origin, direction: are for arrays, files say themselves where they are")
+            if not (origin is None and direction is None and affine is None and space is None):
+                raise InvalidArgument("origin, direction, affine, space: are for arrays, files say themselves where they are")
             if spacing is not None:
                 settings["spacing"] = spacing  # of raw files, which the program refuses of others
             self._data = None
             self._core = _core.Scene(None, paths_of(data))
         else:
-            self._data = data_of(data, spacing, origin, direction, settings.get("memory_limit"))
+            self._data = data_of(data, spacing, origin, direction, affine, space, settings.get("memory_limit"))
             self._core = _core.Scene(self._data._core, [])
             self._defaults = self._data._defaults
         self._spans = {}
@@ -58,12 +58,15 @@ class Scene:
         if self._data is None:
             return None
         arrays = self._data.arrays
+        array = array or self._defaults.get("array")
         values = arrays.get(array) if array else next(iter(arrays.values())) if len(arrays) == 1 else None
         if values is None or values.ndim != (3 if self._data.kind == "lattice" else 1):
             return None
         if array not in self._spans:
             finite = values[abs(values) < float("inf")] if values.dtype.kind == "f" else values
-            self._spans[array] = (finite.min(), finite.max()) if finite.size else None
+            ends = (finite.min(), finite.max()) if finite.size else None
+            scale, offset = self._data._core.value_scale(self._data._core.array_names.index(array) if array else 0)
+            self._spans[array] = ends if ends is None or (scale, offset) == (1, 0) else sorted(end * scale + offset for end in ends)
         return self._spans[array]
 
     def _words(self, settings):
@@ -165,20 +168,26 @@ class View:
         return self.render()._repr_png_()
 
 
-def render(data=None, *, spacing=None, origin=None, direction=None, state=None, progress=False, profile=False, **settings):
+def render(data=None, *, spacing=None, origin=None, direction=None, affine=None, space=None, state=None, progress=False, profile=False, **settings):
     """Draws data to a picture.
 
     Parameters
     ----------
-    data : array_like, str, path, Data or xarray.DataArray, optional
+    data : array_like, str, path, Data or an object of another package, optional
         An array (z, y, x), (z, y, x, component) or (y, x), in any order of memory; masked values and NaN are missing. What has
-        ``__array__``, or ``shape``, ``dtype`` and ``__getitem__``, is taken as an array. A path is read by the library.
+        ``__array__`` or ``__dlpack__``, or ``shape``, ``dtype`` and ``__getitem__``, is taken as an array. A path is read by the
+        library. Of other packages: arrays of xarray; meshes of meshio; images, grids, meshes and points of VTK and PyVista;
+        DataFrames and yt's data, as `particles` takes them; yt's covering grids; images of nibabel and SimpleITK.
     spacing : (x, y, z), optional
         Distance of an array's samples along its axes, world units. 1 without it.
     origin : (x, y, z), optional
         The place of the first sample, world units.
     direction : (3, 3) array_like, optional
         Its columns are the directions of the axes x, y, z, as VTK and ITK have them.
+    affine : (4, 4) array_like, optional
+        Instead of the three: world from (i, j, k, 1), i along the axis x, as nibabel has it.
+    space : str, optional
+        "LPS" or "RAS": the world is a patient's, which views are named by.
     state : dict, str or path, optional
         What to begin with: `Picture.state`, what `view` gave back, or a state file, whose inputs are drawn without `data`. Settings
         that are given beat it.
@@ -206,7 +215,7 @@ def render(data=None, *, spacing=None, origin=None, direction=None, state=None, 
     >>> ovoid.render(numpy.exp(-4 * (x**2 + y**2 + z**2)), size=(64, 48))
     <ovoid.Picture 64 x 48>
     """
-    scene = Scene(data, spacing=spacing, origin=origin, direction=direction, state=state, **settings)
+    scene = Scene(data, spacing=spacing, origin=origin, direction=direction, affine=affine, space=space, state=state, **settings)
     return scene.render(progress=progress, profile=profile)
 
 

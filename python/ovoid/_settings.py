@@ -138,7 +138,7 @@ def _opacities(opacity, span):
 
 
 def _unknown(name, command):
-    of_render = [*_ALIASES, "cpos", "blending", "spacing", "origin", "direction"]
+    of_render = [*_ALIASES, "cpos", "blending", "spacing", "origin", "direction", "affine", "space", "state"]
     known = [*table(command), *(of_render if command == "render" else [])]
     return UnknownSetting(f"{name}: unknown setting{_core.did_you_mean(name, known)}")
 

@@ -69,7 +69,7 @@ experiments: setup  ## the tables and pictures of docs/numerics.md, measured aga
 	@build/release/bin/ovoid_experiments docs/images
 
 pictures: build  ## draw the pictures of the guide and the other pages again, by their own commands and scripts
-	@scripts/run_docs.py build/release/bin/ovoid docs/guide.md docs/annotations.md docs/time.md docs/solids.md
+	@scripts/run_docs.py build/release/bin/ovoid docs/guide.md docs/annotations.md docs/time.md docs/solids.md docs/geometry.md
 	@scripts/viewer_pictures.sh
 
 install: build  ## install program, library and headers under PREFIX (/usr/local)

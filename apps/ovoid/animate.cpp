@@ -176,6 +176,7 @@ struct Scenery {
   ValueRange values;
   Camera start, camera;  // before it turns: as it comes, and as near as all frames are
   SurfaceStyle walls{0, false};
+  ovoid::Scenery beside;
 };
 
 // The moment that `render` would take.
@@ -278,6 +279,7 @@ Scenery make_scenery(const Series& series, const Chosen& chosen, const Flags& fl
       scenery.look.unit_distance = default_unit_distance(field);
   }
   scenery.walls = surface_to_draw(subject, drawing);
+  scenery.beside = subject.scenery;
   CameraSubject seen_subject = subject_of(scenery, field, drawing);
   if (scenery.walls.opacity > 0) seen_subject.surface = subject.surface.get();
   seen_subject.shows_all = drawing.points.size.has_value();
@@ -355,7 +357,8 @@ class Animator {
                                plane ? &*plane : nullptr,
                                surface_.get(),
                                scenery.walls,
-                               points_to_draw(animate_.drawing.points)};
+                               points_to_draw(animate_.drawing.points),
+                               &scenery.beside};
     Frame drawn = draw_frame(renderer_, subject, camera, options, hooks);
     if (!drawn.profile.notice.empty()) session_.note(drawn.profile.notice);
     return std::move(drawn.image);

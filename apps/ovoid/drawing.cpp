@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "load.h"
+#include "make_geometry.h"
 #include "make_look.h"
 #include "ovoid/error.h"
 #include "ovoid/framing.h"
@@ -42,22 +43,11 @@ std::vector<InputFile> files_to_read(const DataFlags& data, const DrawingFlags& 
   add(drawing.trail.file, "the look of --trail-tf");
   add(drawing.camera.file, "the camera of --camera");
   add(drawing.surface.within, "the mesh of --within");
+  for (const std::string& file : drawing.geometry.files) add(file, "a surface of --add");
   return inputs;
 }
 
 namespace {
-
-// What a mesh needs to have a surface, where its own arrays do not count.
-DataArray nothing_at_nodes(const Dataset& mesh) {
-  const auto zeros =
-      std::make_shared<const std::vector<float>>(static_cast<std::size_t>(mesh.num_positions()));
-  DataArray array;
-  array.name = "nothing";
-  array.type = ScalarType::kFloat32;
-  array.num_tuples = mesh.num_positions();
-  array.bytes = {zeros, std::as_bytes(std::span(*zeros))};
-  return array;
-}
 
 // The surface of --within, whose values are the field's.
 std::shared_ptr<const Surface> surface_within(const std::string& path, const Field& field,
@@ -137,6 +127,7 @@ Subject make_subject(const Dataset& dataset, const Flags& flags, DrawingFlags* d
       dataset.kind == DatasetKind::kParticles || dataset.kind == DatasetKind::kKernels;
   subject.has_walls = subject.surface != nullptr &&
                       (dataset.kind == DatasetKind::kMesh || !drawing->surface.within.empty());
+  subject.scenery = make_scenery(drawing->geometry, subject.modelled.field, session);
   return subject;
 }
 
@@ -252,14 +243,33 @@ std::optional<PointStyle> points_to_draw(const PointFlags& points) {
   return PointStyle{*points.size};
 }
 
+namespace {
+
+// A mesh's field within its surface, among the surfaces of --add.
+Frame draw_with_scenery(Renderer& renderer, const FrameSubject& subject, const Camera& camera,
+                        const RenderOptions& options, const RenderHooks& hooks) {
+  RenderOptions within = options;
+  const Surface* const surface = subject.surface;
+  if (surface != nullptr && (surface->encloses_mesh() || subject.walls.opacity > 0)) {
+    within.depth_limits = std::make_shared<DepthLimits>(boundary_limits(
+        *surface, camera, subject.look, subject.walls, options, renderer.threads(), hooks.stop));
+  }
+  return render_with_scenery(renderer, subject.field, camera, subject.look, *subject.scenery,
+                             within, hooks);
+}
+
+}  // namespace
+
 Frame draw_frame(Renderer& renderer, const FrameSubject& subject, const Camera& camera,
                  const RenderOptions& options, const RenderHooks& hooks) {
-  const auto& [field, look, trail, plane, surface, walls, points] = subject;
+  const auto& [field, look, trail, plane, surface, walls, points, scenery] = subject;
   if (points && field.kernels() != nullptr) {
     return render_points(*field.kernels(), camera, look, *points, options, renderer.threads(),
                          hooks);
   }
   if (trail != nullptr) return renderer.render(field, camera, look, *trail, options, hooks);
+  if (scenery != nullptr && !scenery->empty() && plane == nullptr)
+    return draw_with_scenery(renderer, subject, camera, options, hooks);
   if (surface == nullptr) {
     if (plane == nullptr) return renderer.render(field, camera, look, options, hooks);
     return render_with_plane(renderer, field, camera, look, *plane, options, hooks);

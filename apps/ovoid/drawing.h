@@ -11,6 +11,7 @@
 #include "check_files.h"
 #include "draw_marks.h"
 #include "make_field.h"
+#include "ovoid/geometry.h"
 #include "ovoid/render_mesh.h"
 #include "ovoid/render_points.h"
 #include "ovoid/renderer.h"
@@ -29,6 +30,7 @@ struct Subject {
   std::shared_ptr<const Surface> surface;  // of a mesh or boxes, or --within; null: there is none
   bool has_walls = false;                  // the surface may be seen: a mesh's, that of --within
   bool has_points = false;                 // may be drawn as balls: particles and kernels
+  Scenery scenery;                         // of --add and --slice
 };
 
 // Of a mesh or boxes, or of the mesh of --within, with the values of what was modelled. Null if
@@ -70,6 +72,7 @@ struct FrameSubject {
   const Surface* surface = nullptr;   // of the mesh whose field it is; null: none
   SurfaceStyle walls{0, false};       // of the surface
   std::optional<PointStyle> points;   // the kernels, instead of the field; none: the field
+  const Scenery* scenery = nullptr;   // beside the field, not with plane, trail, points; null: none
 
   // Lids of cuts aside.
   bool shows_surface_alone() const {

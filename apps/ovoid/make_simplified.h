@@ -11,6 +11,7 @@
 
 #include "ovoid/simplify.h"
 #include "report_rows.h"
+#include "session.h"
 #include "setting_forms.h"
 #include "settings.h"
 

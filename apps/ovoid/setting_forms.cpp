@@ -193,6 +193,26 @@ ValuePlane parse_value_plane(const std::string& text) {
   return {normal, offset, is_shown ? PlaneFront::kShown : PlaneFront::kRemoved};
 }
 
+SlicePlane parse_slice_plane(const std::string& text) {
+  static const Names<int> axes = {{"x", 0},        {"y", 1},       {"z", 2},
+                                  {"sagittal", 0}, {"coronal", 1}, {"axial", 2}};
+  if (text.find(',') != std::string::npos) {
+    const auto [normal, offset] = parse_clip(text);
+    return {normal, offset};
+  }
+  const std::size_t equals = text.find('=');
+  SlicePlane plane;
+  try {
+    plane.normal = Vec3::Unit(parse_name(text.substr(0, equals), axes));
+  } catch (const BadValue&) {
+    throw BadValue(
+        "expected x, y, z, sagittal, coronal or axial, with =PLACE or through the middle, "
+        "or NX,NY,NZ,D");
+  }
+  if (equals != std::string::npos) plane.offset = parse_number(text.substr(equals + 1));
+  return plane;
+}
+
 std::string parse_preset(const std::string& text) {
   const std::vector<std::string> names = look_preset_names();
   if (std::find(names.begin(), names.end(), text) == names.end()) {
@@ -311,6 +331,11 @@ std::string text_of(const Hyperplane& plane) {
 
 std::string text_of(const ClipPlane& plane) {
   return fmt::format("{},{}", text_of(plane.normal), plane.offset);
+}
+
+std::string text_of(const SlicePlane& plane) {
+  if (plane.offset) return text_of(ClipPlane{plane.normal, *plane.offset});
+  return plane.normal.x() > 0 ? "x" : plane.normal.y() > 0 ? "y" : "z";
 }
 
 std::string text_of(const ValuePlane& plane) {

@@ -39,6 +39,7 @@ Hyperplane parse_hyperplane(const std::string& text);           // "A,B,C,D,E"
 ClipPlane parse_clip(const std::string& text);                  // "NX,NY,NZ,D"
 ValuePlane parse_value_plane(const std::string& text);          // "NX,NY,NZ,D[,shown]"
 std::string parse_preset(const std::string& text);              // its name
+SlicePlane parse_slice_plane(const std::string& text);          // "z", "axial=3" or "nx,ny,nz,d"
 std::string parse_color_map(const std::string& text);           // its name, or a list, as it is
 std::vector<ColorPoint> parse_colors(const std::string& text);  // "V,R,G,B,..."
 std::vector<OpacityPoint> parse_opacities(const std::string& text);           // "V:A,V:A,..."
@@ -62,6 +63,7 @@ std::string text_of(ScalarType type);
 std::string text_of(const Hyperplane& plane);
 std::string text_of(const ClipPlane& plane);
 std::string text_of(const ValuePlane& plane);
+std::string text_of(const SlicePlane& plane);
 std::string text_of(const std::vector<OpacityPoint>& points);
 std::string text_of(const std::pair<double, double>& range);
 std::string text_of(const std::array<CropFlags::Range, 3>& samples);

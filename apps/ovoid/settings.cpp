@@ -314,6 +314,53 @@ const Table<AnnotationFlags>& mark_settings() {
   return all;
 }
 
+const Table<GeometryFlags>& geometry_settings() {
+  using G = GeometryFlags;
+  const Rule beside = needs("add", "has no effect without --add");
+  const Rule of_slices = needs("slice", "has no effect without --slice");
+  static const Table<G> all = {
+      {"--add", word("FILE"), &G::files,
+       "a surface in the scene: .stl, .ply, .obj, .glb, .vtp or a mesh's outside, in the data's "
+       "world (repeatable)",
+       not_with("mode", "is for --mode composite and isosurface", is_unlit),
+       not_with("value-plane motion-blur points part")},
+      {"--add-color", Form<Rgb>{"COLOR", parse_rgb, [](const Rgb& c) { return text_of(c); }},
+       &G::colors,
+       "of the first surface, the second, ...; the last counts for the rest (repeatable)", beside},
+      {"--add-opacity", number("A", {.lo = 0, .hi = 1, .lo_open = true}), &G::opacities,
+       "of each of its layers, likewise (repeatable; default 1)", beside},
+      {"--add-edges", Toggle(), &G::shows_edges, "the edges of their faces, too", beside},
+      {"--slice", form("PLANE", parse_slice_plane), &G::slices,
+       "a plane of values in the scene: x, y, z, sagittal, coronal or axial, through the middle or "
+       "with =PLACE, or NX,NY,NZ,D, world (repeatable)",
+       not_with("mode", "is for --mode composite and isosurface", is_unlit),
+       not_with("value-plane motion-blur points part")},
+      {"--slice-map",
+       Form<std::string>{"NAME",
+                         [](const std::string& text) {
+                           if (is_list_of_colors(text))
+                             throw BadValue("expected the name of a colour map");
+                           return parse_color_map(text);
+                         },
+                         same},
+       &G::slice_map, "colours of slices, as --colormap has them (default {})", of_slices},
+      {"--slice-range",
+       {"LO,HI", [](G& flags, const std::string& text) { flags.slice_range = parse_range(text); },
+        [](const G& flags) {
+          return flags.slice_range ? Json(text_of(*flags.slice_range)) : Json();
+        }},
+       "the values that they span (default: 99 % of the data's)",
+       of_slices},
+      {"--slice-empty", Toggle(), &G::shows_empty,
+       "slices of scans: show also where nothing is (values near the least, if a fifth of all are "
+       "so low)",
+       of_slices},
+      {"--slice-opacity", number("A", {.lo = 0, .hi = 1, .lo_open = true}), &G::slice_opacity,
+       "(default {})", of_slices},
+  };
+  return all;
+}
+
 const Table<SurfaceFlags>& surface_settings() {
   using S = SurfaceFlags;
   Rule mesh = for_data({DatasetKind::kMesh}, "meshes, which have cells that end, or with --within");
@@ -538,6 +585,8 @@ void add_drawing_flags(Flags& flags, DrawingFlags* drawing) {
   flags.add(surface_settings(), &drawing->surface);
   flags.section("points");
   flags.add(point_settings(), &drawing->points);
+  flags.section("geometry");
+  flags.add(geometry_settings(), &drawing->geometry);
   flags.section("motion blur");
   flags.add(trail_settings(), &drawing->trail);
   add_kernel_flags(flags, &drawing->model);

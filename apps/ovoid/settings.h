@@ -165,6 +165,25 @@ struct SurfaceFlags {
   std::string within;  // a mesh's file, whose surface is that of data without cells; empty: none
 };
 
+// A plane of --slice.
+struct SlicePlane {
+  Vec3 normal{0, 0, 1};
+  std::optional<double> offset;  // world; none: through the middle
+};
+
+// What stands beside the field.
+struct GeometryFlags {
+  std::vector<std::string> files;
+  std::vector<Rgb> colors;        // of the first, the second ...; the last one counts for the rest
+  std::vector<double> opacities;  // likewise
+  bool shows_edges = false;
+  std::vector<SlicePlane> slices;
+  std::string slice_map = "gray";
+  std::optional<std::pair<double, double>> slice_range;  // none: of nearly all values
+  double slice_opacity = 1;
+  bool shows_empty = false;
+};
+
 // Particles and kernels as balls.
 struct PointFlags {
   std::optional<double> size;  // as PointStyle has it; none: the field is drawn
@@ -179,6 +198,7 @@ struct DrawingFlags {
   AnnotationFlags annotation;
   SurfaceFlags surface;
   PointFlags points;
+  GeometryFlags geometry;
   RenderOptions options;
   TrailFlags trail;
   std::optional<ValuePlane> plane;
@@ -199,6 +219,7 @@ const Table<CropFlags>& crop_settings();
 const Table<AnnotationFlags>& mark_settings();
 const Table<SurfaceFlags>& surface_settings();
 const Table<PointFlags>& point_settings();
+const Table<GeometryFlags>& geometry_settings();
 const Table<TrailFlags>& trail_settings();
 const Table<DrawingFlags>& picture_settings();  // --size, --background
 const Table<RenderOptions>& number_settings();

@@ -26,8 +26,9 @@ Shot make_shot(const Subject& subject, DrawingFlags* drawing, Session& session) 
 }
 
 FrameSubject frame_subject(const Subject& subject, const Shot& shot, const DrawingFlags& drawing) {
-  return {subject.modelled.field, shot.look,  nullptr,    drawing.plane ? &*drawing.plane : nullptr,
-          subject.surface.get(),  shot.walls, shot.points};
+  return {
+      subject.modelled.field, shot.look,  nullptr,     drawing.plane ? &*drawing.plane : nullptr,
+      subject.surface.get(),  shot.walls, shot.points, &subject.scenery};
 }
 
 void note_if_empty(const Image& image, const Shot& shot, const ValueRange& values,

@@ -210,7 +210,7 @@ Picture Worker::Impl::draw(const std::shared_ptr<const Scene>& scene, const Leve
       cli::draw_frame(renderer,
                       {*coarse.field, coarse.look, has_trail ? scene->shown->trail.get() : nullptr,
                        scene->plane ? &*scene->plane : nullptr, scene->shown->subject.surface.get(),
-                       scene->walls, scene->points},
+                       scene->walls, scene->points, &scene->shown->subject.scenery},
                       scene->camera, coarse.options, hooks);
   picture.image = std::move(frame.image);
   picture.profile = std::move(frame.profile);

@@ -53,6 +53,10 @@ struct ReadOptions {
   // of this machine that read beside each other.
   std::int64_t memory_limit = 0;
   int processes_beside = 1;
+  // Of what holds both points and faces (PLY, VTK's polygonal data): the faces, as a mesh of flat
+  // cells, which is drawn beside a field (geometry.h). Without an array of its own it gets one of
+  // zeros.
+  bool faces = false;
   Hdf5Options hdf5;
   // Files that the input names (pieces, data files, external storage) may also lie below these
   // folders; without any, in the input's own folder alone, and HDF5 files take nothing from others.

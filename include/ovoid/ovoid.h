@@ -20,6 +20,7 @@
 #include "ovoid/field.h"
 #include "ovoid/fit.h"
 #include "ovoid/framing.h"
+#include "ovoid/geometry.h"
 #include "ovoid/hyperslice.h"
 #include "ovoid/image.h"
 #include "ovoid/io.h"

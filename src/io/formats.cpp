@@ -199,6 +199,11 @@ std::vector<Format> grids() {
        .is_file = is_enzo,
        .library = "VTK",
        .companions = enzo_companions},
+      {.name = "STL", .endings = {".stl"}, .is_file = is_stl, .library = "VTK", .kinds = {kMesh}},
+      {.name = "OBJ", .endings = {".obj"}, .is_file = is_obj, .library = "VTK", .kinds = {kMesh}},
+      {.name = "glTF", .endings = {".glb"}, .is_file = is_gltf, .library = "VTK", .kinds = {kMesh}},
+      // Of a PLY file whose faces are asked for (ReadOptions::faces).
+      {.name = kPlyFaces, .endings = {}, .library = "VTK", .kinds = {kMesh}},
       {.name = "PLOT3D", .endings = {}, .kinds = {kMesh}}};
 }
 

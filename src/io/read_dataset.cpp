@@ -25,6 +25,8 @@ namespace {
 Dataset read_any(const io::ByteSource& source, const ReadOptions& options, const io::Opener& open) {
   const io::Format* const format = io::format_of(source, options.raw);
   if (format == nullptr) io::refuse_unknown(source);
+  if (options.faces && format->name == std::string_view("PLY"))
+    return io::read_as(io::format_called(io::kPlyFaces), source, options, open);
   return io::read_as(*format, source, options, open);
 }
 

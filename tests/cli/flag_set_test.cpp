@@ -257,6 +257,10 @@ const std::vector<Words>& samples() {
       {"--surface=0.5", "--edges"},
       {"--surface"},
       {"--within", "mesh.vtu"},
+      {"--add", "a.stl", "--add", "b.ply", "--add-color", "1,0,0", "--add-opacity", "0.5",
+       "--add-edges"},
+      {"--slice", "z", "--slice", "1,0,0,3", "--slice-map", "viridis", "--slice-range", "0,1",
+       "--slice-opacity", "0.5", "--slice-empty"},
       {"--points=2"},
       {"--points"},
       {"--background", "none"},
@@ -320,6 +324,7 @@ FlagSet told(const cli::DataFlags& data, const cli::DrawingFlags& drawing) {
   cli::tell(cli::trail_settings(), drawing.trail, &set);
   cli::tell(cli::surface_settings(), drawing.surface, &set);
   cli::tell(cli::point_settings(), drawing.points, &set);
+  cli::tell(cli::geometry_settings(), drawing.geometry, &set);
   cli::tell(cli::picture_settings(), drawing, &set);
   cli::tell(cli::number_settings(), drawing.options, &set);
   cli::tell(cli::switch_settings(), drawing.options, &set);

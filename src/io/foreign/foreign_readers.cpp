@@ -14,6 +14,7 @@
 #include "io/foreign/mesh_readers.h"
 #include "io/foreign/netcdf_header.h"
 #include "io/foreign/vtk_sets.h"
+#include "io/foreign/vtk_surface.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {
@@ -48,6 +49,10 @@ const std::vector<ForeignReader>& foreign_readers() {
       {"Exodus", check_exodus_or_hdf5, read_exodus},
       {"EnSight", nullptr, read_ensight},
       {"Enzo", check_enzo, read_enzo},
+      {"STL", check_stl, read_stl},
+      {"OBJ", nullptr, read_obj},
+      {"glTF", nullptr, read_gltf},
+      {"PLY: surfaces", nullptr, read_ply_faces},
 #endif
 #ifdef OVOID_IO_HDF5
       {"HDF5", nullptr, read_hdf5},

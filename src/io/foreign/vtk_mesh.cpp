@@ -157,7 +157,9 @@ class CellReader {
         fail(fmt::format("offsets[{}] = {}: expected {} to {}", c, end,
                          std::max<std::int64_t>(begin, 0), num_ids));
       }
-      const int own_type = types != nullptr ? types->GetValue(c) : type;
+      int own_type = types != nullptr ? types->GetValue(c) : type;
+      if (types == nullptr && own_type == VTK_POLYGON && end - begin == 3) own_type = VTK_TRIANGLE;
+      if (types == nullptr && own_type == VTK_POLYGON && end - begin == 4) own_type = VTK_QUAD;
       cells_.offsets.push_back(first + end);
       cells_.types.push_back(cell_type_of(own_type));
       if (own_type == VTK_PIXEL && end - begin == 4) {

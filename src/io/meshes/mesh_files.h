@@ -16,7 +16,10 @@ inline const std::vector<std::string_view> kExodusEndings{".e",    ".ex2",   ".e
 bool is_exodus(const ByteSource& source, std::string_view start);   // netCDF, or HDF5 called so
 bool is_vtk_hdf(const ByteSource& source, std::string_view start);  // HDF5 with a group VTKHDF
 bool is_enzo(const ByteSource& source,
-             std::string_view start);  // NAME.hierarchy, or NAME beside it
+             std::string_view start);                           // NAME.hierarchy, or NAME beside it
+bool is_stl(const ByteSource& source, std::string_view start);  // by name
+bool is_obj(const ByteSource& source, std::string_view start);  // by name
+bool is_gltf(const ByteSource& source, std::string_view start);     // binary, its first bytes
 bool is_ensight(const ByteSource& source, std::string_view start);  // by name
 
 }  // namespace ovoid::io

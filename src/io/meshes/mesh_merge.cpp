@@ -345,6 +345,17 @@ void check_parts(Dataset& dataset, std::vector<MeshPart>& parts) {
   }
 }
 
+// What stands for the values of a mesh that has none.
+DataArray zeros_at_nodes(const Dataset& dataset) {
+  DataArray array;
+  array.name = "nothing";
+  array.num_tuples = dataset.num_positions();
+  const auto zeros =
+      std::make_shared<const std::vector<float>>(static_cast<std::size_t>(array.num_tuples));
+  array.bytes = {zeros, std::as_bytes(std::span(*zeros))};
+  return array;
+}
+
 void leave_wanted_array(Dataset& dataset, const std::string& wanted) {
   if (wanted.empty()) return;
   DataArray array = dataset.array(wanted);
@@ -372,8 +383,8 @@ Dataset mesh_of_parts(Dataset dataset, std::vector<MeshPart> parts, const ReadOp
                                           dataset.source, merger.num_merged()));
     }
   }
-  const bool are_points =
-      whole.is_surface || (!whole.cells.is_structured() &&
+  const bool are_points = (whole.is_surface && !options.faces) ||
+                          (!whole.cells.is_structured() &&
                            std::all_of(whole.cells.types.begin(), whole.cells.types.end(),
                                        [](CellType type) { return type == CellType::kVertex; }));
   dataset.kind = are_points ? DatasetKind::kParticles : DatasetKind::kMesh;
@@ -382,6 +393,7 @@ Dataset mesh_of_parts(Dataset dataset, std::vector<MeshPart> parts, const ReadOp
   dataset.positions.name = "positions";
   dataset.cells = std::move(whole.cells);
   dataset.arrays = std::move(whole.arrays);
+  if (options.faces && dataset.arrays.empty()) dataset.arrays = {zeros_at_nodes(dataset)};
   if (dataset.kind == DatasetKind::kMesh && dataset.arrays.empty()) {
     throw Error(ErrorCode::kFileFormat,
                 fmt::format("{}: has no array of numbers at its points or cells", dataset.source));

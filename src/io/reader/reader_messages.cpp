@@ -378,6 +378,7 @@ std::vector<std::uint8_t> to_message(const ReaderRequest& request) {
                            {"positions", options.hdf5.positions},
                            {"values", options.hdf5.values},
                            {"may_stay_in_file", options.may_stay_in_file},
+                           {"faces", options.faces},
                            {"memory", request.memory},
                            {"files", request.files},
                            {"folders", request.folders}});
@@ -402,6 +403,7 @@ ReaderRequest request_from_message(const std::vector<std::uint8_t>& message) {
     request.options.hdf5.positions = json.at("positions");
     request.options.hdf5.values = json.at("values").get<std::vector<std::string>>();
     request.options.may_stay_in_file = json.at("may_stay_in_file");
+    request.options.faces = json.at("faces");
     request.memory = count_of(json.at("memory"));
     request.files = json.at("files").get<std::vector<std::string>>();
     request.folders = json.at("folders").get<std::vector<std::string>>();

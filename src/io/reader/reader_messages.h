@@ -15,7 +15,7 @@
 namespace ovoid::io {
 
 // A reader that speaks another version refuses every request.
-inline constexpr int kReaderProtocol = 3;
+inline constexpr int kReaderProtocol = 4;
 
 // Reads one dataset, or one step of it.
 struct ReaderRequest {

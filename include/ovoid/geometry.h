@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// What stands in a scene beside its field: surfaces, such as implants, electrodes and hulls, and
+// slices through it. docs/geometry.md, and docs/numerics.md, "Geometry".
+#pragma once
+
+#include <memory>
+#include <span>
+#include <stop_token>
+#include <vector>
+
+#include "ovoid/depth_limits.h"
+#include "ovoid/export.h"
+#include "ovoid/field.h"
+#include "ovoid/look.h"
+#include "ovoid/renderer.h"
+#include "ovoid/surface.h"
+#include "ovoid/transfer_function.h"
+
+namespace OVOID_API ovoid {
+
+// A surface in one colour, lit as the look lights the field.
+struct Geometry {
+  std::shared_ptr<const Surface> surface;  // not null; of its values only NaN counts: not drawn
+  Rgb color{0.9, 0.9, 0.9};                // each in [0, 1]
+  double opacity = 1;                      // of each layer, in (0, 1]
+  bool shows_edges = false;                // of the faces, as dark lines
+
+  // Throws Error(kInvalidArgument) that names what is wrong.
+  void validate() const;
+};
+
+// A plane through the field that shows its values, without light.
+struct FieldSlice {
+  Vec3 normal{0, 0, 1};     // any length > 0
+  double offset = 0;        // of the places x with dot(normal, x) == offset; world
+  TransferFunction colors;  // of the values, or of what gives colour; without opacities opaque
+  double opacity = 1;       // factor, in (0, 1]; where the field is not defined nothing is
+
+  // Throws Error(kInvalidArgument) that names what is wrong.
+  void validate() const;
+};
+
+// What is seen beside a field.
+struct Scenery {
+  std::vector<Geometry> geometry;
+  std::vector<FieldSlice> slices;
+
+  bool empty() const noexcept { return geometry.empty() && slices.empty(); }
+};
+
+// `options.depth_limits`, or else a field without limits, with the surfaces among its stops: what
+// is behind an opaque one is hidden, what is before it, field or surface, is seen before it.
+// Outlines are smooth: a pixel of which a part is covered shows that part of the colour. Clip
+// planes cut the field, not the surfaces. Throws
+// Error: kInvalidArgument, kCancelled, kOutOfMemory. Cost: in proportion to the triangles,
+// and the pixels that they cover; 28 bytes for every pixel.
+DepthLimits limits_with(std::span<const Geometry> geometry, const Camera& camera, const Look& look,
+                        const RenderOptions& options, int threads = 0, std::stop_token stop = {});
+
+// A picture of the field with surfaces and slices in it: Renderer::render() with such limits, the
+// surfaces under the light that the field lets through where the look has a light volume; slices
+// where `options.depth_limits` show the field, and cut by no clip plane. By the back ends that take
+// limits (RenderOptions::depth_limits). Throws what they throw, and Error(kUnsupported) for modes
+// other than composite and isosurface. Cost: the frame's, that of limits_with(), and for each slice
+// that of a value plane (value_plane.h).
+Frame render_with_scenery(Renderer& renderer, const Field& field, const Camera& camera,
+                          const Look& look, const Scenery& scenery,
+                          const RenderOptions& options = {}, const RenderHooks& hooks = {});
+
+}  // namespace ovoid

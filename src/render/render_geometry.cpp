@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: surfaces, and the limits of a field. Out: limits with the surfaces' layers among their stops.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <new>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "data/parallel.h"
+#include "data/validate.h"
+#include "ovoid/error.h"
+#include "ovoid/geometry.h"
+#include "render/paint_surface.h"
+#include "render/plane_values.h"
+#include "render/plane_view.h"
+#include "render/surface_light.h"
+#include "view/look_table.h"
+
+namespace ovoid {
+namespace {
+
+// Behind a layer of this opacity nothing of the same surface is seen.
+constexpr float kHides = 1 - 1.0F / 512;
+
+// One colour for all values.
+Look look_of(const Geometry& geometry, const Look& look) {
+  Look own = look;
+  own.transfer_function = {};
+  own.transfer_function.colors = {{0, geometry.color}};
+  own.color_function.reset();
+  return own;
+}
+
+// The stops of a pixel: those of the field, and the layers of all surfaces, by depth.
+class SceneStops {
+ public:
+  void begin(std::span<const DepthLimits::Stop> field) {
+    layers_.clear();
+    field_ = field;
+  }
+
+  // The layers of a surface that covers so much of the pixel. What its own opaque layer hides is
+  // left out before they are thinned, or an outline would show the far side behind the near one.
+  void add(std::span<const DepthLimits::Stop> layers, float coverage) {
+    for (DepthLimits::Stop layer : layers) {
+      if (layer.rgba[3] == 0) continue;  // bounds a solid, and is not seen
+      const bool hides = layer.rgba[3] >= kHides;
+      for (float& c : layer.rgba) c *= coverage;
+      layers_.push_back(layer);
+      if (hides) break;
+    }
+  }
+
+  bool has_layers() const noexcept { return !layers_.empty(); }
+
+  void write_to(std::vector<DepthLimits::Stop>& stops) {
+    std::stable_sort(layers_.begin(), layers_.end(),
+                     [](const auto& a, const auto& b) { return a.depth < b.depth; });
+    bool is_field_behind = false;
+    auto layer = layers_.begin();
+    for (const DepthLimits::Stop& stop : field_) {
+      for (; layer != layers_.end() && layer->depth < stop.depth; ++layer)
+        stops.push_back(layer_with(*layer, is_field_behind));
+      is_field_behind = stop.is_field_behind;
+      stops.push_back(stop);
+    }
+    for (; layer != layers_.end(); ++layer) stops.push_back(layer_with(*layer, is_field_behind));
+  }
+
+ private:
+  static DepthLimits::Stop layer_with(DepthLimits::Stop layer, bool is_field_behind) {
+    layer.is_field_behind = is_field_behind;
+    return layer;
+  }
+
+  std::span<const DepthLimits::Stop> field_;
+  std::vector<DepthLimits::Stop> layers_;
+};
+
+constexpr DepthLimits::Stop kEverywhere{-std::numeric_limits<float>::infinity(), true, false, {}};
+
+// One row of pixels with all its stops.
+struct LimitsRow {
+  std::vector<DepthLimits::Stop> stops;
+  std::vector<std::uint32_t> counts;
+};
+
+DepthLimits merged_limits(const DepthLimits* field, const std::vector<DepthLimits>& surfaces,
+                          int width, int height, int threads, const std::stop_token& stop) {
+  std::vector<LimitsRow> rows(static_cast<std::size_t>(height));
+  const bool has_coverage = field != nullptr && !field->coverage.empty();
+  DepthLimits all;
+  all.width = width;
+  all.height = height;
+  if (has_coverage) all.coverage = field->coverage;
+  data::ParallelPlan plan;
+  plan.count = height;
+  plan.grain = 16;
+  plan.threads = threads;
+  plan.stop = stop;
+  data::parallel_ranges(plan, [&](std::int64_t begin, std::int64_t end) {
+    SceneStops pixel;
+    for (auto y = static_cast<int>(begin); y < end; ++y) {
+      LimitsRow& row = rows[static_cast<std::size_t>(y)];
+      for (int x = 0; x < width; ++x) {
+        pixel.begin(field != nullptr ? field->of_pixel(x, y) : std::span(&kEverywhere, 1));
+        const std::size_t at = static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+                               static_cast<std::size_t>(x);
+        for (const DepthLimits& surface : surfaces)
+          pixel.add(surface.of_pixel(x, y), surface.coverage[at]);
+        // The outline of what the field is within is hard where a surface is behind it.
+        if (has_coverage && pixel.has_layers()) all.coverage[at] = 1;
+        const std::size_t before = row.stops.size();
+        pixel.write_to(row.stops);
+        row.counts.push_back(static_cast<std::uint32_t>(row.stops.size() - before));
+      }
+    }
+  });
+  all.first.push_back(0);
+  for (const LimitsRow& row : rows) {
+    for (const std::uint32_t count : row.counts) all.first.push_back(all.first.back() + count);
+  }
+  all.stops.reserve(all.first.back());
+  for (LimitsRow& row : rows) {
+    all.stops.insert(all.stops.end(), row.stops.begin(), row.stops.end());
+    row = {};
+  }
+  return all;
+}
+
+// What surfaces and slices are drawn with: the field's clip planes and limits are not theirs.
+RenderOptions without_cuts(const RenderOptions& options) {
+  RenderOptions whole = options;
+  whole.clip_planes.clear();
+  whole.depth_limits = nullptr;
+  return whole;
+}
+
+DepthLimits layers_of(const Geometry& geometry, const Camera& camera, const Look& look,
+                      const RenderOptions& options, int threads, const std::stop_token& stop,
+                      const view::LightVolume* light) {
+  geometry.validate();
+  return boundary_limits_in_light(*geometry.surface, camera, look_of(geometry, look),
+                                  {geometry.opacity, geometry.shows_edges}, without_cuts(options),
+                                  threads, stop, light);
+}
+
+// The plane is in every pixel whose ray meets it where the field has a value.
+DepthLimits layers_of(const FieldSlice& slice, Renderer& renderer, const Field& field,
+                      const Camera& camera, const Look& look, const RenderOptions& options,
+                      const RenderHooks& hooks) {
+  const RenderOptions whole = without_cuts(options);
+  const auto width = static_cast<std::size_t>(options.width);
+  const auto num_pixels = width * static_cast<std::size_t>(options.height);
+  DepthLimits layers;
+  layers.width = options.width;
+  layers.height = options.height;
+  layers.first.assign(num_pixels + 1, 0);
+  layers.coverage.assign(num_pixels, 1.0F);
+  const PlaneView view(field, camera, {slice.normal, slice.offset, PlaneFront::kShown}, whole);
+  if (!view.is_met()) return layers;
+  const std::vector<Vec3> footprint = view.footprint();
+  if (footprint.size() < 3) return layers;
+  RenderHooks stopping;
+  stopping.stop = hooks.stop;
+  const PlaneValues values(renderer, field, look, view, footprint, whole, stopping);
+  const view::LookTable colors = view::colors_alone(slice.colors);
+  const DepthLimits* const limits = options.depth_limits.get();  // a mesh ends at its surface
+  const bool is_opaque = slice.colors.opacities.empty();
+  for (int y = 0; y < options.height; ++y) {
+    for (int x = 0; x < options.width; ++x) {
+      const auto hit = view.hit(x, y);
+      const bool is_within = hit && (limits == nullptr ||
+                                     limits->shows_field_at(x, y, static_cast<float>(hit->depth)));
+      if (const auto value = is_within ? values.at(*hit) : std::nullopt) {
+        const view::LookTable::Sample c = colors.at(*value);
+        const auto opacity =
+            static_cast<float>(slice.opacity * (is_opaque ? 1 : slice.colors.opacity_at(*value)));
+        layers.stops.push_back({static_cast<float>(hit->depth),
+                                false,
+                                false,
+                                {opacity * c.r, opacity * c.g, opacity * c.b, opacity}});
+      }
+      const std::size_t at = static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x);
+      layers.first[at + 1] = static_cast<std::uint32_t>(layers.stops.size());
+    }
+  }
+  return layers;
+}
+
+DepthLimits merged_limits(const std::vector<DepthLimits>& layers, const RenderOptions& options,
+                          int threads, const std::stop_token& stop) {
+  return merged_limits(options.depth_limits.get(), layers, options.width, options.height, threads,
+                       stop);
+}
+
+[[noreturn]] void tell_of_memory(const RenderOptions& options) {
+  throw Error(ErrorCode::kOutOfMemory,
+              fmt::format("surfaces and slices in {} x {} pixels: no memory", options.width,
+                          options.height));
+}
+
+void require_valid_frame(const Camera& camera, const Look& look, const RenderOptions& options) {
+  camera.validate();
+  look.validate();
+  options.validate();
+}
+
+}  // namespace
+
+void Geometry::validate() const {
+  if (surface == nullptr) throw Error(ErrorCode::kInvalidArgument, "geometry: has no surface");
+  for (const double c : color) {
+    if (!(c >= 0 && c <= 1))
+      throw Error(ErrorCode::kInvalidArgument,
+                  fmt::format("geometry.color: {} must be in [0, 1]", c));
+  }
+  if (!(opacity > 0 && opacity <= 1))
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("geometry.opacity = {}: must be in (0, 1]", opacity));
+}
+
+void FieldSlice::validate() const {
+  if (!normal.allFinite() || !(normal.norm() > 0) || !std::isfinite(normal.norm()))
+    throw Error(ErrorCode::kInvalidArgument, "slice.normal: must be finite and not zero");
+  if (!std::isfinite(offset))
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("slice.offset = {}: must be finite", offset));
+  if (!(opacity > 0 && opacity <= 1))
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("slice.opacity = {}: must be in (0, 1]", opacity));
+}
+
+DepthLimits limits_with(std::span<const Geometry> geometry, const Camera& camera, const Look& look,
+                        const RenderOptions& options, int threads, std::stop_token stop) try {
+  require_valid_frame(camera, look, options);
+  std::vector<DepthLimits> layers;
+  for (const Geometry& one : geometry)
+    layers.push_back(layers_of(one, camera, look, options, threads, stop, nullptr));
+  return merged_limits(layers, options, threads, stop);
+} catch (const std::bad_alloc&) {
+  tell_of_memory(options);
+}
+
+Frame render_with_scenery(Renderer& renderer, const Field& field, const Camera& camera,
+                          const Look& look, const Scenery& scenery, const RenderOptions& options,
+                          const RenderHooks& hooks) try {
+  if (scenery.empty()) return renderer.render(field, camera, look, options, hooks);
+  data::require_field(field);
+  require_valid_frame(camera, look, options);
+  for (const FieldSlice& slice : scenery.slices) slice.validate();
+  if (look.mode != Mode::kComposite && look.mode != Mode::kIsosurface) {
+    throw Error(ErrorCode::kUnsupported,
+                "surfaces and slices: are for the modes composite and isosurface; the greatest, "
+                "mean or integrated value knows no colours beside its own");
+  }
+  using Clock = std::chrono::steady_clock;
+  const auto start = Clock::now();
+  const int threads = renderer.threads();
+  std::vector<DepthLimits> layers;
+  for (const FieldSlice& slice : scenery.slices)
+    layers.push_back(layers_of(slice, renderer, field, camera, look, options, hooks));
+  // Valid until the renderer draws.
+  const SurfaceLight light =
+      scenery.geometry.empty()
+          ? SurfaceLight{}
+          : SurfaceLight::of(renderer, field, nullptr, camera, look, options, hooks);
+  for (const Geometry& one : scenery.geometry)
+    layers.push_back(layers_of(one, camera, look, options, threads, hooks.stop, light.volume));
+  RenderOptions among = options;
+  among.depth_limits =
+      std::make_shared<DepthLimits>(merged_limits(layers, options, threads, hooks.stop));
+  const double ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+  Frame frame = renderer.render(field, camera, look, among, hooks);
+  frame.profile.frame_ms += ms;
+  if (options.collect_profile) frame.profile.stages_ms.emplace_back("scenery", ms);
+  return frame;
+} catch (const std::bad_alloc&) {
+  tell_of_memory(options);
+}
+
+}  // namespace ovoid

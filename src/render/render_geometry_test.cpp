@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "model/test_datasets.h"
+#include "ovoid/error.h"
+#include "ovoid/geometry.h"
+#include "ovoid/model.h"
+#include "ovoid/render_mesh.h"
+#include "support/compare.h"
+#include "support/scenes.h"
+
+namespace ovoid {
+namespace {
+
+using test::parallel_camera;
+using test::pixel;
+
+constexpr int kSceneSide = 64;
+constexpr Rgb kSceneRed{0.8, 0.2, 0.1};
+
+// From -z, 20 away from the origin, 8 up and down: four pixels per unit.
+Camera towards_z() { return parallel_camera({0, 0, 0}, {0, 0, 1}, 8, 20); }
+
+RenderOptions of_scene() {
+  RenderOptions options;
+  options.width = options.height = kSceneSide;
+  return options;
+}
+
+Look without_light(double opacity = 0.1) {
+  Look look = test::uniform_look(opacity, {0, 0, 1});
+  look.shade = false;
+  look.unit_distance = 1;
+  return look;
+}
+
+// The value 1 in cells that fill [-4, 4]^3.
+LatticeField cube_field() {
+  Dataset dataset;
+  dataset.lattice.dims = {8, 8, 8};
+  dataset.lattice.world_from_index = Affine3(Eigen::Translation3d(-3.5, -3.5, -3.5));
+  dataset.arrays = {model::array_of_numbers("v", 1, std::vector<float>(512, 1.0F))};
+  return make_lattice_field(dataset);
+}
+
+// A rectangle of two triangles across the view.
+std::shared_ptr<const Surface> sheet_at(double z, double half = 20) {
+  return make_surface(
+      model::mesh_dataset({{-half, -half, z}, {half, -half, z}, {half, half, z}, {-half, half, z}},
+                          {{CellType::kTriangle, {0, 1, 2}}, {CellType::kTriangle, {0, 2, 3}}}));
+}
+
+// A closed box of triangles.
+std::shared_ptr<const Surface> box_surface(const Vec3& lo, const Vec3& hi) {
+  std::vector<Vec3> points;
+  for (int i = 0; i < 8; ++i)
+    points.emplace_back((i & 1) != 0 ? hi.x() : lo.x(), (i & 2) != 0 ? hi.y() : lo.y(),
+                        (i & 4) != 0 ? hi.z() : lo.z());
+  std::vector<std::pair<CellType, std::vector<std::uint32_t>>> cells;
+  const std::uint32_t sides[6][4] = {{0, 1, 3, 2}, {4, 6, 7, 5}, {0, 4, 5, 1},
+                                     {2, 3, 7, 6}, {0, 2, 6, 4}, {1, 5, 7, 3}};
+  for (const auto& s : sides) {
+    cells.emplace_back(CellType::kTriangle, std::vector{s[0], s[1], s[2]});
+    cells.emplace_back(CellType::kTriangle, std::vector{s[0], s[2], s[3]});
+  }
+  return make_surface(model::mesh_dataset(points, cells));
+}
+
+Frame drawn_with(const Field& field, const Look& look, std::vector<Geometry> geometry,
+                 const RenderOptions& options = of_scene(), Backend backend = Backend::kCpu,
+                 int threads = 1) {
+  Renderer renderer(backend, threads);
+  return render_with_scenery(renderer, field, towards_z(), look, {std::move(geometry), {}},
+                             options);
+}
+
+// Light that comes through so much of the field is (1 - 0.1)^length.
+TEST(Geometry, AnOpaqueSurfaceIsSeenThroughWhatIsBeforeIt) {
+  for (const double z : {-2.0, 0.3, 3.0}) {
+    const Frame frame = drawn_with(cube_field(), without_light(), {{sheet_at(z), kSceneRed}});
+    const double through = std::pow(0.9, z + 4);
+    const auto middle = pixel(frame.image, 32, 32);
+    EXPECT_NEAR(middle.r(), through * 0.8, 2e-3) << z;
+    EXPECT_NEAR(middle.b(), through * 0.1 + (1 - through), 2e-3) << z;
+    EXPECT_NEAR(middle.a(), 1, 1e-4);
+    EXPECT_NEAR(test::depth(frame.image, 32, 32), 20 + z, 0.6) << z;
+  }
+}
+
+TEST(Geometry, StandsWhereThereIsNoField) {
+  for (const double z : {-15.0, -4.5, 30.0}) {
+    const Frame frame = drawn_with(cube_field(), without_light(), {{sheet_at(z, 30), kSceneRed}});
+    const double before = z < 0 ? 1 : std::pow(0.9, 8);
+    EXPECT_NEAR(pixel(frame.image, 32, 32).r(), before * 0.8, 2e-3) << z;
+    EXPECT_NEAR(pixel(frame.image, 2, 60).r(), 0.8, 1e-5) << z;  // beside the cube
+    EXPECT_NEAR(test::depth(frame.image, 2, 60), 20 + z, 1e-3) << z;
+  }
+}
+
+TEST(Geometry, LayersAreSeenThroughEachOther) {
+  const Geometry near{sheet_at(-6), kSceneRed, 0.5};
+  const Geometry far{sheet_at(6), {0, 1, 0}, 0.25};
+  // The order in which they are given is of no account.
+  for (const bool near_first : {true, false}) {
+    const Frame frame = drawn_with(cube_field(), without_light(),
+                                   near_first ? std::vector{near, far} : std::vector{far, near});
+    const double through = 0.5 * std::pow(0.9, 8);
+    EXPECT_NEAR(pixel(frame.image, 32, 32).r(), 0.5 * 0.8, 1e-5);
+    EXPECT_NEAR(pixel(frame.image, 32, 32).g(), 0.5 * 0.2 + through * 0.25, 2e-3);
+    EXPECT_NEAR(pixel(frame.image, 32, 32).a(), 1 - through * 0.75, 2e-3);
+  }
+}
+
+// 4.3 x 2.9 units, 16 pixels each; and no dark or thick outline: all that is seen has its colour.
+TEST(Geometry, OutlinesAreAsLargeAsTheSurface) {
+  const auto box = box_surface({-2.05, -1.1, 1}, {2.25, 1.8, 3});
+  LatticeField nothing = cube_field();
+  const Frame frame = drawn_with(nothing, without_light(0), {{box, kSceneRed}});
+  double area = 0;
+  for (int y = 0; y < kSceneSide; ++y) {
+    for (int x = 0; x < kSceneSide; ++x) {
+      const auto at = pixel(frame.image, x, y);
+      area += at.a();
+      ASSERT_NEAR(at.r(), 0.8 * at.a(), 1e-5);
+    }
+  }
+  EXPECT_NEAR(area / 16, 4.3 * 2.9, 0.02 * 4.3 * 2.9);
+}
+
+TEST(Geometry, ClipPlanesCutTheFieldAlone) {
+  RenderOptions options = of_scene();
+  options.clip_planes = {{{1, 0, 0}, 0}};
+  const Frame frame =
+      drawn_with(cube_field(), without_light(), {{sheet_at(0), kSceneRed}}, options);
+  EXPECT_NEAR(pixel(frame.image, 22, 32).r(), 0.8, 1e-5);
+  EXPECT_NEAR(pixel(frame.image, 42, 32).r(), 0.8 * std::pow(0.9, 4), 2e-3);
+}
+
+TEST(Geometry, LimitsOfAFieldStay) {
+  const auto mesh = box_surface({-3, -3, -3}, {3, 3, 3});
+  RenderOptions options = of_scene();
+  auto limits = std::make_shared<DepthLimits>();
+  limits->width = limits->height = kSceneSide;
+  limits->first.push_back(0);
+  for (int i = 0; i < kSceneSide * kSceneSide; ++i) {
+    if (i % kSceneSide < kSceneSide / 2) {
+      limits->stops.push_back({18, true, false, {}});
+      limits->stops.push_back({21, false, false, {0, 0.5F, 0, 0.5F}});
+    }
+    limits->first.push_back(static_cast<std::uint32_t>(limits->stops.size()));
+  }
+  options.depth_limits = limits;
+  const DepthLimits all = limits_with(std::vector{Geometry{sheet_at(0), kSceneRed}}, towards_z(),
+                                      without_light(), options, 1);
+  all.validate();
+  const auto stops = all.of_pixel(20, 32);
+  ASSERT_EQ(stops.size(), 3U);
+  EXPECT_EQ(stops[1].depth, 20);
+  EXPECT_TRUE(stops[1].is_field_behind);
+  EXPECT_FALSE(stops[2].is_field_behind);
+  EXPECT_EQ(stops[2].rgba[1], 0.5F);
+  ASSERT_EQ(all.of_pixel(40, 32).size(), 1U);
+  EXPECT_FALSE(all.of_pixel(40, 32)[0].is_field_behind);
+}
+
+TEST(Geometry, BackEndsAgreeWhateverTheThreads) {
+  Look look = test::gray_look(-1, 2, 0.05);
+  look.shade = true;
+  const std::vector<Geometry> geometry{{box_surface({-5, -1, -1}, {5, 1, 1}), kSceneRed},
+                                       {sheet_at(2), {0, 1, 0}, 0.3, true}};
+  for (const Mode mode : {Mode::kComposite, Mode::kIsosurface}) {
+    look.mode = mode;
+    look.isovalue = 0.5;
+    const Image cpu = drawn_with(cube_field(), look, geometry).image;
+    const Image reference =
+        drawn_with(cube_field(), look, geometry, of_scene(), Backend::kReference).image;
+    EXPECT_GT(test::compare(cpu, reference).psnr_db, 56) << static_cast<int>(mode);
+    EXPECT_EQ(drawn_with(cube_field(), look, geometry, of_scene(), Backend::kCpu, 3).image.rgba,
+              cpu.rgba);
+  }
+}
+
+// The field takes light from what stands within it.
+TEST(Geometry, LightArrivesThroughTheField) {
+  Look look = without_light(0.3);
+  look.shade = true;
+  look.light = Light::kStudio;
+  look.material = {0.5, 0.5, 0, 1};
+  const auto brightness = [&](double occlusion) {
+    look.occlusion = occlusion;
+    return pixel(drawn_with(cube_field(), look, {{sheet_at(-3.2), {1, 0, 0}}}).image, 32, 32).r();
+  };
+  EXPECT_LT(brightness(1), 0.9 * brightness(0));
+}
+
+// A ramp along x, and gray from -4 to 4: the slice shows x, where the cube is.
+TEST(FieldSlices, ShowTheFieldAtTheirDepth) {
+  Dataset dataset;
+  dataset.lattice.dims = {8, 8, 8};
+  dataset.lattice.world_from_index = Affine3(Eigen::Translation3d(-3.5, -3.5, -3.5));
+  std::vector<float> values;
+  for (int i = 0; i < 512; ++i) values.push_back(static_cast<float>(i % 8) - 3.5F);
+  dataset.arrays = {model::array_of_numbers("v", 1, values)};
+  const LatticeField field = make_lattice_field(dataset, {.kernel = kCatmullRomKernel});
+  FieldSlice slice{{0, 0, 2}, 2, test::gray_look(-4, 4).transfer_function};  // z = 1
+  Renderer renderer(Backend::kCpu, 1);
+  const auto picture = [&](double opacity, double z = 1) {
+    slice.opacity = opacity;
+    slice.offset = 2 * z;
+    return render_with_scenery(renderer, field, towards_z(), without_light(0), {{}, {slice}},
+                               of_scene())
+        .image;
+  };
+  const Image opaque = picture(1);
+  for (const int x : {24, 30, 36, 40}) {
+    // Pixels are a quarter wide; from -z with y up, x goes to the left.
+    const double world = -((x + 0.5) / 4 - 8);
+    EXPECT_NEAR(pixel(opaque, x, 32).r(), (world + 4) / 8, 0.02) << x;
+    EXPECT_NEAR(test::depth(opaque, x, 32), 21, 1e-3);
+  }
+  EXPECT_EQ(pixel(opaque, 4, 4).a(), 0);  // beside the cube
+  EXPECT_NEAR(pixel(picture(0.25), 30, 32).a(), 0.25, 1e-5);
+  EXPECT_EQ(pixel(picture(1, 6), 30, 32).a(), 0);    // behind it
+  EXPECT_EQ(pixel(picture(1, -30), 30, 32).a(), 0);  // behind the eye
+}
+
+TEST(FieldSlices, CrossEachOtherAndSurfaces) {
+  const TransferFunction white = test::uniform_look(1).transfer_function;
+  Scenery scenery;
+  scenery.slices = {{{0, 0, 1}, 1, white, 0.5}, {{0, 0, 1}, -1, white, 0.5}};
+  scenery.geometry = {{sheet_at(0), {0, 0, 0}}};
+  Renderer renderer(Backend::kCpu, 1);
+  const Image image = render_with_scenery(renderer, cube_field(), towards_z(), without_light(0),
+                                          scenery, of_scene())
+                          .image;
+  EXPECT_NEAR(pixel(image, 32, 32).r(), 0.5, 1e-5);  // the far one is behind black
+  EXPECT_NEAR(pixel(image, 32, 32).a(), 1, 1e-5);
+}
+
+TEST(Geometry, RefusesAndStops) {
+  const auto refused = [](const char* words, const Geometry& geometry,
+                          Look look = without_light()) {
+    try {
+      drawn_with(cube_field(), look, {geometry});
+      FAIL() << words;
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();
+    }
+  };
+  refused("has no surface", {});
+  refused("opacity = 0", {sheet_at(0), kSceneRed, 0});
+  refused("color", {sheet_at(0), {0, 2, 0}});
+  refused("color", {sheet_at(0), {0, std::nan(""), 0}});
+  FieldSlice bad;
+  bad.normal = Vec3::Zero();
+  EXPECT_THROW(bad.validate(), Error);
+  bad = {{0, 0, 1}, std::nan("")};
+  EXPECT_THROW(bad.validate(), Error);
+  bad = {};
+  bad.opacity = 1.5;
+  EXPECT_THROW(bad.validate(), Error);
+  for (const Mode mode : {Mode::kMaximum, Mode::kMean, Mode::kXray})
+    refused("modes composite and isosurface", {sheet_at(0), kSceneRed},
+            test::with_mode(without_light(), mode));
+  std::stop_source stop;
+  stop.request_stop();
+  RenderHooks hooks;
+  hooks.stop = stop.get_token();
+  Renderer renderer(Backend::kCpu, 1);
+  try {
+    render_with_scenery(renderer, cube_field(), towards_z(), without_light(),
+                        {{{sheet_at(0), kSceneRed}}, {}}, of_scene(), hooks);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kCancelled);
+  }
+}
+
+}  // namespace
+}  // namespace ovoid

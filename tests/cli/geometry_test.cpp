@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+// --add: surfaces in the scene, from files of all kinds. Fails if a format's faces are not those of
+// the others, if colours go to other surfaces than was said, or if what is no surface is drawn.
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include "program.h"
+
+namespace ovoid::cli_tests {
+namespace {
+
+// A pyramid whose base looks at -y, where `ovoid render` looks from; and its top.
+constexpr float kCorners[5][3] = {
+    {-20, -30, -20}, {20, -30, -20}, {20, -30, 20}, {-20, -30, 20}, {0, 30, 0}};
+constexpr int kFaces[6][3] = {{0, 1, 2}, {0, 2, 3}, {0, 4, 1}, {1, 4, 2}, {2, 4, 3}, {3, 4, 0}};
+
+class GeometryFiles : public testing::Test {
+ protected:
+  void SetUp() override {
+    expect_success({"make", "ball", "--size", "32", "-o", ball_});
+    write_obj();
+    if (run({"info", obj_}).err.find("VTK") != std::string::npos)
+      GTEST_SKIP() << "this build has no VTK";
+  }
+
+  static float at(int corner, int axis) { return kCorners[corner][axis] / 40; }
+
+  void write_obj() {
+    std::ofstream out(obj_);
+    for (int c = 0; c < 5; ++c)
+      out << "v " << at(c, 0) << ' ' << at(c, 1) << ' ' << at(c, 2) << '\n';
+    out << "f 1 2 3 4\n";  // a quadrilateral: the others have triangles
+    for (int f = 2; f < 6; ++f)
+      out << "f " << kFaces[f][0] + 1 << ' ' << kFaces[f][1] + 1 << ' ' << kFaces[f][2] + 1 << '\n';
+  }
+
+  std::string ply() {
+    const std::string path = folder_ / "pyramid.ply";
+    std::ofstream out(path);
+    out << "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty "
+           "float z\nelement face 6\nproperty list uchar int vertex_indices\nend_header\n";
+    for (int c = 0; c < 5; ++c) out << at(c, 0) << ' ' << at(c, 1) << ' ' << at(c, 2) << '\n';
+    for (const auto& face : kFaces)
+      out << "3 " << face[0] << ' ' << face[1] << ' ' << face[2] << '\n';
+    return path;
+  }
+
+  std::string stl(std::size_t bytes = 84 + 6 * 50) {
+    std::string file(84, '\0');
+    file[80] = 6;
+    for (const auto& face : kFaces) {
+      float numbers[12] = {};
+      for (int c = 0; c < 3; ++c)
+        for (int a = 0; a < 3; ++a) numbers[3 + 3 * c + a] = at(face[c], a);
+      file.append(reinterpret_cast<const char*>(numbers), sizeof(numbers)).append(2, '\0');
+    }
+    const std::string path = folder_ / "pyramid.stl";
+    std::ofstream(path, std::ios::binary) << file.substr(0, bytes);
+    return path;
+  }
+
+  std::string vtp() {
+    const std::string path = folder_ / "pyramid.vtp";
+    std::ofstream out(path);
+    out << R"(<VTKFile type="PolyData" version="0.1"><PolyData><Piece NumberOfPoints="5" )"
+        << R"(NumberOfPolys="6"><Points><DataArray type="Float32" NumberOfComponents="3" )"
+        << R"(format="ascii">)";
+    for (int c = 0; c < 5; ++c) out << at(c, 0) << ' ' << at(c, 1) << ' ' << at(c, 2) << ' ';
+    out << R"(</DataArray></Points><Polys><DataArray type="Int32" Name="connectivity" )"
+        << R"(format="ascii">)";
+    for (const auto& face : kFaces) out << face[0] << ' ' << face[1] << ' ' << face[2] << ' ';
+    out << R"(</DataArray><DataArray type="Int32" Name="offsets" format="ascii">)"
+        << R"(3 6 9 12 15 18</DataArray></Polys></Piece></PolyData></VTKFile>)";
+    return path;
+  }
+
+  Picture drawn(const Words& more) {
+    Words words{ball_, "--size", "64x64", "--projection", "parallel"};
+    words.insert(words.end(), more.begin(), more.end());
+    return draw(folder_, words);
+  }
+
+  Folder folder_;
+  std::string ball_ = folder_ / "ball.nrrd", obj_ = folder_ / "pyramid.obj";
+};
+
+TEST_F(GeometryFiles, AllFormatsShowTheSameFaces) {
+  const Picture expected = drawn({"--add", obj_});
+  EXPECT_NE(expected.rgba, drawn({}).rgba);
+  EXPECT_EQ(drawn({"--add", ply()}).rgba, expected.rgba);
+  EXPECT_EQ(drawn({"--add", stl()}).rgba, expected.rgba);
+  EXPECT_EQ(drawn({"--add", vtp()}).rgba, expected.rgba);
+}
+
+TEST_F(GeometryFiles, ColoursGoToTheirSurfaces) {
+  const auto middle = [&](const Words& more) {
+    Words words{"--no-shade", "--occlusion", "0", "--add", obj_};
+    words.insert(words.end(), more.begin(), more.end());
+    const Picture picture = drawn(words);
+    const std::size_t at = 4 * (32 * 64 + 32);
+    return std::vector<int>(picture.rgba.begin() + static_cast<std::ptrdiff_t>(at),
+                            picture.rgba.begin() + static_cast<std::ptrdiff_t>(at) + 3);
+  };
+  EXPECT_EQ(middle({"--add-color", "1,0,0"}), (std::vector{255, 0, 0}));
+  EXPECT_EQ(middle({"--add-color", "1,0,0", "--add", stl(), "--add-color", "0,1,0"}),
+            (std::vector{255, 0, 0}));  // of two in one place the first is before the second
+  const std::vector<int> through = middle({"--add-color", "1,0,0", "--add-opacity", "0.25"});
+  EXPECT_LT(through[0], 255);
+}
+
+TEST_F(GeometryFiles, SurfacesAreFilesOfTheirOwn) {
+  const Outcome info = run({"info", stl()});
+  EXPECT_NE(info.out.find("6 triangle"), std::string::npos) << info.out << info.err;
+  EXPECT_NE(run({"info", ply()}).out.find("particles"), std::string::npos);  // its points, as ever
+}
+
+TEST_F(GeometryFiles, WhatIsNoSurface) {
+  const std::string out = folder_ / "out.png";
+  const auto refused = [&](const Words& more, int code, const Words& said) {
+    Words words{"render", ball_, "--size", "32x32", "-o", out};
+    words.insert(words.end(), more.begin(), more.end());
+    expect_failure(words, code, said);
+    EXPECT_FALSE(std::filesystem::exists(out));
+  };
+  expect_success({"make", "galaxy", "--count", "50", "-o", folder_ / "points.csv"});
+  refused({"--add", ball_}, 1, {"--add", "holds a lattice"});
+  refused({"--add", folder_ / "points.csv"}, 1, {"holds points"});
+  refused({"--add", folder_ / "missing.stl"}, 1, {"missing.stl"});
+  refused({"--add", stl(200)}, 1, {"pyramid.stl", "no STL file"});
+  std::ofstream(obj_) << "v 0 0 0\nv 1 0 0\nf 1 2 77\n";
+  refused({"--add", obj_}, 1, {"pyramid.obj"});
+  std::ofstream(obj_) << "v 0 0 0\n";
+  refused({"--add", obj_}, 1, {"pyramid.obj"});
+  refused({"--add", stl(), "--mode", "maximum"}, 2, {"--add", "composite and isosurface"});
+  refused({"--add", stl(), "--value-plane", "1,0,0,0"}, 2, {"contradicts --value-plane"});
+  refused({"--add-color", "1,0,0"}, 2, {"without --add"});
+  refused({"--add", stl(), "--add-opacity", "0"}, 2, {"--add-opacity"});
+}
+
+}  // namespace
+}  // namespace ovoid::cli_tests

@@ -9,6 +9,7 @@ _MODULES = {
     "_data": ("Data", "info", "particles", "read", "write"),
     "_errors": ("Cancelled", "DeviceLost", "Error", "FileFormat", "FileWrite", "InvalidArgument", "NotFound", "OutOfMemory",
                 "UnknownSetting", "Unsupported"),
+    "_interact": ("Interactive", "interact"),
     "_picture": ("Picture",),
     "_scene": ("Scene", "View", "animate", "render"),
     "_settings": ("settings",),

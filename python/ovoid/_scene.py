@@ -89,9 +89,11 @@ class Scene:
         -------
         Picture
         """
-        words = self._words({**self.settings, **settings})
         with _bar(progress) as on_progress:
-            core = self._core.draw(words, bool(profile), on_progress)
+            return self._draw({**self.settings, **settings}, bool(profile), on_progress)
+
+    def _draw(self, settings, profile, on_progress, coarseness=0):
+        core = self._core.draw(self._words(settings), profile, on_progress, coarseness)
         for note in core.notes:
             _log.info("%s", note)
         return Picture(core)

@@ -194,14 +194,3 @@ def test_films(tmp_path, array):
         ovoid.animate([], tmp_path / "none.gif")
     with pytest.raises(ovoid.InvalidArgument, match="expected a film"):
         ovoid.animate([ovoid.render(array, **SMALL)], tmp_path / "film.avi")
-
-
-def test_notebooks_show_it():
-    pytest.importorskip("ipykernel")
-    formats, preprocessors = pytest.importorskip("nbformat"), pytest.importorskip("nbconvert.preprocessors")
-    cell = formats.v4.new_code_cell("import numpy, ovoid\novoid.render(numpy.random.rand(8, 8, 8), size=(64, 48))")
-    book = formats.v4.new_notebook(cells=[cell])
-    preprocessors.ExecutePreprocessor(timeout=60, kernel_name="python3").preprocess(book, {})
-    shown = book.cells[0].outputs[0].data
-    assert shown["text/plain"] == "<ovoid.Picture 64 x 48>"
-    assert shown["image/png"].startswith("iVBORw0KGgo")  # PNG's first bytes in base 64

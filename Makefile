@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Everything a person or CI does here, by one word each. `make help` lists the words.
 .DEFAULT_GOAL := help
-.PHONY: help run test build setup check format sanitize asan tsan scalar fuzz mutants bench experiments pictures install package clean
+.PHONY: help run test build setup check format sanitize asan tsan scalar fuzz mutants bench experiments pictures install package wheel clean
 
 JOBS ?= $(shell nproc)
 SECONDS ?= 60
@@ -73,12 +73,17 @@ pictures: build  ## draw the pictures of the guide and the other pages again, by
 	@scripts/viewer_pictures.sh
 
 install: build  ## install program, library and headers under PREFIX (/usr/local)
-	@scripts/build.sh release ovoid_mappers ovoid_package
+	@scripts/build.sh release ovoid_mappers ovoid_team ovoid_package
 	@cmake --install build/release --prefix "$(PREFIX)"
 
-package: build  ## a .deb of program, window, library and headers: build/package/ovoid_*.deb
+package: build  ## a .deb of program, window, library and headers, and one of the Python package: build/package/*.deb
+	@scripts/build.sh release ovoid_team ovoid_package
 	@cpack --config build/release/CPackConfig.cmake -B "$(CURDIR)/build/package" >/dev/null
 	@ls build/package/*.deb
+
+wheel: setup  ## a wheel of the Python package, with the libraries it needs: build/package/ovoid-*.whl
+	@scripts/build.sh release ovoid_package
+	@/usr/bin/python3 python/wheel/check.py "$$(/usr/bin/python3 python/wheel/back_end.py --portable --build-dir build/release build/package)"
 
 clean:  ## remove everything that was built
 	rm -rf build

@@ -23,6 +23,11 @@ def read_list(path):
     return [(line[0], line[1].strip()) for line in lines if len(line) == 2]
 
 
+def licence_of(package, licences):
+    """What a list says of a package; None if it says nothing."""
+    return next((text for pattern, text in licences if fnmatch.fnmatch(package, pattern)), None)
+
+
 def loaded_libraries(program):
     listing = subprocess.run(["ldd", program], check=True, capture_output=True, text=True).stdout
     missing = re.findall(r"^\s*(\S+) => not found", listing, re.MULTILINE)
@@ -53,7 +58,7 @@ def main(*arguments):
         else:
             packages.setdefault(package, []).append(os.path.basename(library))
     for package, libraries in sorted(packages.items()):
-        licence = next((text for pattern, text in licences if fnmatch.fnmatch(package, pattern)), None)
+        licence = licence_of(package, licences)
         if licence is None:
             findings.append(f"{package} ({', '.join(libraries)}): not in {list_path}; "
                             f"read /usr/share/doc/{package}/copyright and add it")

@@ -12,6 +12,9 @@
 #include "usage.h"
 
 namespace ovoid::cli {
+
+using Json = nlohmann::ordered_json;
+
 namespace {
 
 const Table<FitFlags>& fit_settings() {
@@ -101,8 +104,7 @@ Flags make_fit_flags(FitFlags* into) {
   return flags;
 }
 
-void check_fit_flags(const Flags& flags, const FitFlags& fit) {
-  require_inputs(flags, fit.data);
+void check_fit_flags(const FitFlags& fit) {
   if (fit.output.empty()) throw UsageError("--output: none given, expected -o OUT.ply or OUT.h5");
   if (!has_ending(fit.output, ".ply") && !has_ending(fit.output, ".h5")) {
     throw UsageError(fmt::format(
@@ -163,6 +165,31 @@ ReportRows rows_of(const FitReport& report, DatasetKind kind, double seconds) {
   }
   row("time", seconds_text(seconds));
   return rows;
+}
+
+Json json_of(const FitReport& report, double seconds) {
+  Json json;
+  json["array"] = report.array;
+  json["kernels"] = report.kernels;
+  json["source_kernels"] = report.source_kernels;
+  json["bytes"] = report.bytes;
+  json["range"] = report.range;
+  json["psnr_db"] = decibels_json(report.psnr);
+  json["psnr_of_nonempty_db"] = decibels_json(report.psnr_of_nonempty);
+  json["source_psnr_db"] = decibels_json(report.source_psnr);
+  if (report.noise > 0) json["noise"] = report.noise;
+  json["greatest_error"] = report.greatest_error;
+  json["wrongly_empty"] = report.wrongly_empty;
+  json["wrongly_full"] = report.wrongly_full;
+  json["places"] = report.places;
+  json["test_places"] = report.test_places;
+  json["steps"] = Json::array();
+  for (const FitStep& step : report.steps)
+    json["steps"].push_back({{"kernels", step.kernels},
+                             {"psnr_db", decibels_json(step.psnr)},
+                             {"greatest_error", step.greatest_error}});
+  json["seconds"] = seconds;
+  return json;
 }
 
 }  // namespace ovoid::cli

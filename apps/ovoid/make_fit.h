@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 
@@ -31,9 +32,8 @@ struct FitFlags {
 // The flags of `ovoid fit`, which set `into`.
 Flags make_fit_flags(FitFlags* into);
 
-// Throws UsageError without inputs, output or goal, and for an output of another ending than fits
-// have.
-void check_fit_flags(const Flags& flags, const FitFlags& fit);
+// Throws UsageError without output or goal, and for an output of another ending than fits have.
+void check_fit_flags(const FitFlags& fit);
 
 // Throws UsageError if the ending of the output is not that of what such data become.
 void check_fit_ending(const std::string& output, const Dataset& dataset);
@@ -45,5 +45,8 @@ FitReport make_fit(const Dataset& dataset, const Flags& flags, const FitFlags& f
 
 // What is told of it.
 ReportRows rows_of(const FitReport& report, DatasetKind kind, double seconds);
+
+// The members of --report.
+nlohmann::ordered_json json_of(const FitReport& report, double seconds);
 
 }  // namespace ovoid::cli

@@ -122,6 +122,7 @@ void App::run(const std::stop_token& stop) {
     meter_.first_frame();
   }
   if (recorder_) recorder_->write();
+  if (!launch_->save_state.empty()) save_state(launch_->save_state);
   if (!launch_->report.empty()) {
     nlohmann::ordered_json report = meter_.report();
     report["memory_mib"] = value_of("memory_mib");

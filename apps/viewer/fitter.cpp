@@ -73,7 +73,7 @@ std::shared_ptr<const Fitted> fitted_by(const FitTask& task, const std::stop_tok
   cli::FitFlags flags_of_fit;
   cli::Flags flags = cli::make_fit_flags(&flags_of_fit);
   flags.parse(task.words);
-  cli::check_fit_flags(flags, flags_of_fit);
+  cli::check_fit_flags(flags_of_fit);
   const PrivateFolder folder;
   const std::string path = folder.file(kind == DatasetKind::kLattice ? "fit.h5" : "fit.ply");
   flags_of_fit.output = path;

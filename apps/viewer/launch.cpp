@@ -29,6 +29,8 @@ const cli::Table<Launch>& window_settings() {
       {"--script", word("FILE"), &Launch::script,
        "replay the input that FILE describes (docs/viewer.md)"},
       {"--record", word("FILE"), &Launch::record, "write the input to FILE, for --script"},
+      {"--save-state", word("FILE.json"), &Launch::save_state,
+       "write what is shown to FILE.json when the window is closed, for --state"},
       {"--report", word("FILE"), &Launch::report, "write measured times to FILE (JSON) at the end"},
   };
   return all;

@@ -23,6 +23,7 @@ struct Launch {
   nlohmann::ordered_json window = nlohmann::ordered_json::object();  // what that keeps for us
   std::string script;                                                // input to replay
   std::string record;                                                // where input is written
+  std::string save_state;      // where the state is written at the end
   std::string report;          // where the measured times are written at the end
   std::optional<Theme> theme;  // none: the one that is remembered
   std::string remember;        // where; "none": nowhere; empty: the usual file

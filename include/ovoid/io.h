@@ -61,13 +61,18 @@ struct ReadOptions {
   // on.
   std::function<void(double fraction)> progress;
   std::stop_token stop;
-  // Path of ovoid-read, which reads with other people's libraries. Empty: looked for beside the
-  // library, in libexec/ovoid of its prefix, and where it was to be installed.
+  // Path of ovoid-read, which reads with other people's libraries. Empty: beside the library, in
+  // libexec/ovoid of its prefix, where it was to be installed, or in /usr/libexec/ovoid.
   std::string reader_program;
   // The process that ovoid-read runs in, kept from one read to the next;
   // open_steps() makes one. None: each read starts and ends its own.
   std::shared_ptr<ReaderSession> session;
 };
+
+// Whether memory, as far as the options grant it, does not hold a field of such samples of a
+// lattice with one component, and they can stay in their file: what read_dataset() does then, if it
+// may. For callers that hold samples elsewhere.
+bool would_stay_in_file(ScalarType type, std::int64_t num_bytes, const ReadOptions& options);
 
 // Reads a volume, a mesh, adaptive grids, particles or stored kernels of the formats that
 // docs/formats.md lists, some of which need a build with VTK or HDF5. The format is told from

@@ -4,6 +4,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -12,12 +13,15 @@
 #include <vector>
 
 #include "arrays.h"
+#include "data.h"
 #include "errors.h"
 #include "film.h"
+#include "functions.h"
 #include "info.h"
 #include "ovoid/io.h"
 #include "ovoid/look.h"
 #include "scene.h"
+#include "state_file.h"
 #include "suggest.h"
 #include "waiting.h"
 
@@ -26,7 +30,9 @@ namespace {
 
 namespace py = pybind11;
 using Json = nlohmann::ordered_json;
-using Arrays = std::vector<std::tuple<std::string, py::array, std::string>>;
+// Name, values, unit and, where they are not False, 1 and 0, is_cell_data, value_scale,
+// value_offset.
+using Arrays = std::vector<py::tuple>;
 using SharedDataset = std::shared_ptr<const Dataset>;
 
 // Names in files may hold any bytes; JSON is UTF-8.
@@ -36,14 +42,15 @@ std::string text_of(const Json& json) {
 
 std::vector<NamedArray> named(const Arrays& arrays) {
   std::vector<NamedArray> all;
-  for (const auto& [name, values, unit] : arrays) all.push_back({name, values, unit});
+  for (const py::tuple& array : arrays) {
+    NamedArray& one = all.emplace_back(NamedArray{
+        array[0].cast<std::string>(), array[1].cast<py::array>(), array[2].cast<std::string>()});
+    if (array.size() > 3) one.is_cell_data = array[3].cast<bool>();
+    if (array.size() > 4) one.value_scale = array[4].cast<double>();
+    if (array.size() > 5) one.value_offset = array[5].cast<double>();
+  }
   return all;
 }
-
-// A dataset that Python holds.
-struct Data {
-  SharedDataset dataset;
-};
 
 std::vector<std::string> array_names(const Data& data) {
   std::vector<std::string> names;
@@ -75,14 +82,58 @@ std::string info_of(const Data& data) {
   return text;
 }
 
-std::vector<std::tuple<std::string, int, std::string, std::string>> settings() {
-  cli::DataFlags data;
-  cli::DrawingFlags drawing;
+std::vector<std::tuple<std::string, int, std::string, std::string>> settings(
+    const std::string& command) {
   std::vector<std::tuple<std::string, int, std::string, std::string>> all;
-  const DrawFlags flags(&data, &drawing);
-  for (const cli::FlagForm& form : flags.forms())
+  for (const cli::FlagForm& form : forms_of(command))
     all.emplace_back(form.name, static_cast<int>(form.kind), form.form, form.text);
   return all;
+}
+
+Data data_of(Dataset&& dataset) { return {std::make_shared<const Dataset>(std::move(dataset))}; }
+
+// Long work on a dataset that gives another one, with the notes.
+using WorkOnData = std::function<Dataset(Work&)>;
+std::pair<Data, std::vector<std::string>> data_after(const WorkOnData& make,
+                                                     const py::object& on_progress) {
+  Dataset made;
+  auto notes = wait_for([&](Work& work) { made = make(work); }, on_progress);
+  return {data_of(std::move(made)), std::move(notes)};
+}
+
+Source source_of(const Data* data, std::vector<std::string> inputs) {
+  return {data == nullptr ? nullptr : data->dataset, std::move(inputs)};
+}
+
+// Writes a file and tells a report, with the notes.
+using Report = std::string (*)(const Source&, const cli::Words&, Work&);
+template <Report kMake>
+std::pair<std::string, std::vector<std::string>> report_of(const Data* data,
+                                                           std::vector<std::string> inputs,
+                                                           const cli::Words& words,
+                                                           const py::object& on_progress) {
+  const Source source = source_of(data, std::move(inputs));
+  std::string report;
+  auto notes = wait_for([&](Work& work) { report = kMake(source, words, work); }, on_progress);
+  return {std::move(report), std::move(notes)};
+}
+
+// Whether memory does not hold a field of an array's values: as read_dataset() decides of files.
+bool would_stay_in_file(const std::string& type, std::int64_t num_values, const cli::Words& words) {
+  cli::DataFlags data;
+  cli::Flags flags("read", "DATA", "Reads data.");
+  cli::add_input_flags(flags, &data);
+  flags.parse(words);
+  ReadOptions options;
+  options.memory_limit = static_cast<std::int64_t>(data.memory_limit.value_or(0));
+  for (const ScalarType one : {ScalarType::kUInt8, ScalarType::kInt8, ScalarType::kUInt16,
+                               ScalarType::kInt16, ScalarType::kFloat32}) {
+    if (type == name_of(one)) {
+      const auto size = static_cast<std::int64_t>(size_of(one));
+      return ovoid::would_stay_in_file(one, num_values * size, options);
+    }
+  }
+  return false;
 }
 
 py::array eight_bits(const Picture& picture) {
@@ -104,7 +155,7 @@ std::shared_ptr<Scene> make_scene(const Data* data, std::vector<std::string> inp
     const py::gil_scoped_release unlocked;
     delete scene;
   };
-  return {new Scene(data == nullptr ? nullptr : data->dataset, std::move(inputs)), end};
+  return {new Scene(source_of(data, std::move(inputs))), end};
 }
 
 void add_data(py::module_& module) {
@@ -123,7 +174,26 @@ void add_data(py::module_& module) {
       .def("positions", [](const Data& d) { return to_numpy(d.dataset->positions); })
       .def("array", [](const Data& d, std::size_t i) { return to_numpy(d.dataset->arrays.at(i)); })
       .def("array_unit", [](const Data& d, std::size_t i) { return d.dataset->arrays.at(i).unit; })
+      .def("is_cell_data",
+           [](const Data& d, std::size_t i) { return d.dataset->arrays.at(i).is_cell_data; })
+      .def("value_scale",
+           [](const Data& d, std::size_t i) {
+             const DataArray& array = d.dataset->arrays.at(i);
+             return std::pair(array.value_scale, array.value_offset);
+           })
+      .def("connectivity", [](const Data& d) { return node_numbers(d.dataset); })
+      .def("with_facts",
+           [](const Data& d, const std::string& format, const std::string& space,
+              const std::vector<std::string>& notes) {
+             return Data{with_facts(*d.dataset, {format, space, notes})};
+           })
       .def("info", info_of)
+      .def("named",
+           [](const Data& d, const std::string& source) {
+             Dataset copy = *d.dataset;
+             copy.source = source;
+             return data_of(std::move(copy));
+           })
       .def("write", [](const Data& data, const std::string& path) {
         wait_for([&](Work& work) { write_dataset(*data.dataset, path, {.stop = work.stop}); });
       });
@@ -132,15 +202,33 @@ void add_data(py::module_& module) {
                 const std::array<std::array<double, 4>, 3>& matrix, const Arrays& arrays) {
                return Data{make_lattice(source, dims, matrix, named(arrays))};
              });
+  module.def("lattice_of", [](const Data& read, const std::string& source, const Index3& dims,
+                              const std::array<std::array<double, 4>, 3>& matrix,
+                              const std::string& name, const std::string& unit) {
+    return Data{make_lattice_of(*read.dataset, source, dims, matrix, name, unit)};
+  });
+  module.def("would_stay_in_file", would_stay_in_file);
   module.def("particles",
              [](const std::string& source, const py::array& positions, const Arrays& arrays) {
                return Data{make_particles(source, positions, named(arrays))};
              });
-  module.def("read", [](const std::vector<std::string>& inputs, const cli::Words& words) {
-    SharedDataset dataset;
-    auto notes = wait_for([&](Work& work) { dataset = read_files(inputs, words, work); });
-    return std::pair(Data{std::move(dataset)}, std::move(notes));
+  module.def("mesh", [](const std::string& source, const py::array& positions,
+                        const py::array& types, const py::array& offsets,
+                        const py::array& connectivity, const Index3& dims, const Arrays& arrays) {
+    return Data{make_mesh(source, positions, {types, offsets, connectivity, dims}, named(arrays))};
   });
+  module.def("read", [](const std::vector<std::string>& inputs, const cli::Words& words,
+                        bool may_stay, const py::object& on_progress) {
+    return data_after([&](Work& work) { return read_files(inputs, words, may_stay, work); },
+                      on_progress);
+  });
+  module.def(
+      "convert", [](const Data* data, std::vector<std::string> inputs, const cli::Words& words) {
+        const Source source = source_of(data, std::move(inputs));
+        return data_after([&](Work& work) { return convert(source, words, work); }, py::none());
+      });
+  module.def("fit", report_of<fit>);
+  module.def("simplify", report_of<simplify>);
 }
 
 void add_picture(py::module_& module) {
@@ -186,6 +274,24 @@ void add_picture(py::module_& module) {
       });
 }
 
+py::tuple histogram(Scene& scene, const cli::Words& words, bool is_logarithmic) {
+  cli::Histogram found;
+  wait_for([&](Work& work) { found = scene.histogram(words, work); });
+  const cli::Histogram::Bins& bins = is_logarithmic ? found.logarithmic : found.linear;
+  return py::make_tuple(
+      py::array_t<std::uint64_t>(static_cast<py::ssize_t>(bins.counts.size()), bins.counts.data()),
+      bins.lo, bins.hi);
+}
+
+using Place = std::array<double, 3>;
+Place place_of(const Vec3& at) { return {at.x(), at.y(), at.z()}; }
+
+std::pair<Place, Place> bounds(Scene& scene, const cli::Words& words) {
+  Bounds3 box;
+  wait_for([&](Work& work) { box = scene.bounds(words, work); });
+  return {place_of(box.min()), place_of(box.max())};
+}
+
 void add_scene(py::module_& module) {
   py::class_<Scene, std::shared_ptr<Scene>>(module, "Scene")
       .def(py::init(&make_scene))
@@ -202,7 +308,23 @@ void add_scene(py::module_& module) {
             return picture;
           },
           py::arg("words"), py::arg("with_stages"), py::arg("on_progress"),
-          py::arg("coarseness") = 0);
+          py::arg("coarseness") = 0)
+      .def("bounds", bounds)
+      .def("histogram", histogram)
+      .def("sample",
+           [](Scene& scene, const cli::Words& words, const Data& points,
+              const py::object& on_progress) {
+             return data_after(
+                 [&](Work& work) { return scene.sample(words, *points.dataset, work); },
+                 on_progress);
+           })
+      .def("resample",
+           [](Scene& scene, const cli::Words& words, const Index3& dims,
+              const std::array<std::array<double, 4>, 3>& matrix, const py::object& on_progress) {
+             const LatticeGeometry lattice = geometry_of(dims, matrix);
+             return data_after([&](Work& work) { return scene.resample(words, lattice, work); },
+                               on_progress);
+           });
 }
 
 }  // namespace
@@ -216,6 +338,10 @@ PYBIND11_MODULE(_core, module) {
   module.attr("version") = OVOID_VERSION;
   module.def("settings", settings);
   module.def("color_map_names", color_map_names);
+  module.def("read_state", [](const std::string& path) {
+    const cli::State state = cli::read_state(path);
+    return std::pair(state.inputs, text_of(state.flags.to_json()));
+  });
   module.def("did_you_mean", cli::did_you_mean);
   module.def("quoted", cli::quoted);
   module.def("make_film", [](const std::string& frames, std::int64_t num_frames,

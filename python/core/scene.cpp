@@ -18,6 +18,8 @@
 #include "ovoid/encode.h"
 #include "ovoid/error.h"
 #include "ovoid/look.h"
+#include "ovoid/sampler.h"
+#include "take_samples.h"
 #include "usage.h"
 
 namespace ovoid::python {
@@ -65,19 +67,6 @@ std::string model_key_of(const Flags& flags, const DrawingFlags& drawing) {
          fmt::format("labels {} {}", cli::may_be_labels(drawing.look), flags.is_given("gradient"));
 }
 
-void refuse_file_flags(const Flags& flags) {
-  const std::string of_files =
-      flags.first_given(cli::data_settings()) + flags.first_given(cli::raw_settings());
-  if (of_files.empty()) return;
-  throw cli::UsageError(of_files + ": is for files, these data are in memory");
-}
-
-Words with_inputs(Words words, const std::vector<std::string>& inputs) {
-  words.emplace_back("--");
-  words.insert(words.end(), inputs.begin(), inputs.end());
-  return words;
-}
-
 // From where the flags turn and zoom the camera to where it is. Turning keeps no axis that could be
 // turned about again.
 Camera unturned_camera(const cli::Subject& subject, const cli::Shot& shot,
@@ -99,10 +88,6 @@ Camera unturned_camera(const cli::Subject& subject, const cli::Shot& shot,
   return camera;
 }
 
-Session session_of(Work& work) {
-  return {[&work](const std::string& note) { work.notes.push_back(note); }, work.stop};
-}
-
 }  // namespace
 
 DrawFlags::DrawFlags(DataFlags* data, DrawingFlags* drawing)
@@ -119,8 +104,7 @@ struct Scene::Request {
   DrawFlags flags{&data, &drawing};
 };
 
-Scene::Scene(std::shared_ptr<const Dataset> dataset, std::vector<std::string> inputs)
-    : dataset_(std::move(dataset)), inputs_(std::move(inputs)) {}
+Scene::Scene(Source source) : source_(std::move(source)) {}
 
 Scene::~Scene() {
   // The renderer's threads are not in a process that was forked: nothing could end them.
@@ -130,11 +114,9 @@ Scene::~Scene() {
 void Scene::model(Request& request, Session& session) {
   DrawingFlags& drawing = request.drawing;
   const cli::Stopwatch loading;
-  std::shared_ptr<const Dataset> dataset = dataset_;
-  if (dataset == nullptr) {
-    request.data.may_stay_in_file = true;
-    dataset = std::make_shared<const Dataset>(cli::load(request.data, session));
-  }
+  request.data.may_stay_in_file = true;
+  const std::shared_ptr<const Dataset> dataset = load(source_, request.data, session);
+  if (source_.dataset != nullptr) session.notes(dataset->notes);
   load_ms_ = loading.ms();
   const cli::Stopwatch modelling;
   const GradientMethod gradient = drawing.options.gradient;
@@ -183,17 +165,10 @@ int Scene::coarsen(int coarseness, Work& work) {
   return static_cast<int>(std::min(wanted, coarser_.size()));
 }
 
-std::shared_ptr<Picture> Scene::draw(const Words& words, Manner manner, Work& work) {
-  const std::lock_guard lock(mutex_);
-  Session session = session_of(work);
-  Request request;
+// Parses the words and models, unless what was modelled last is the same.
+void Scene::take(Request& request, const Words& words, Session& session, Work& work) {
   DrawingFlags& drawing = request.drawing;
-  request.flags.parse(with_inputs(words, inputs_));
-  if (dataset_ != nullptr) {
-    refuse_file_flags(request.flags);
-  } else {
-    cli::require_inputs(request.flags, request.data);
-  }
+  parse(source_, words, request.flags, request.data);
   cli::check_json_flags(drawing);
   cli::take_from_model(&request.data, &drawing.model);
 
@@ -210,13 +185,54 @@ std::shared_ptr<Picture> Scene::draw(const Words& words, Manner manner, Work& wo
     load_ms_ = model_ms_ = 0;
     session.notes(model_notes_);
   }
+}
+
+const Field& Scene::field(const Words& words, Session& session, Work& work) {
+  Request request;
+  take(request, words, session, work);
+  return subject_->modelled.field;
+}
+
+Bounds3 Scene::bounds(const Words& words, Work& work) {
+  const std::lock_guard lock(mutex_);
+  Session session = session_of(work);
+  return field(words, session, work).world_bounds();
+}
+
+cli::Histogram Scene::histogram(const Words& words, Work& work) {
+  const std::lock_guard lock(mutex_);
+  Session session = session_of(work);
+  return cli::histogram_of(field(words, session, work), work.stop);
+}
+
+Dataset Scene::sample(const Words& words, const Dataset& points, Work& work) {
+  const std::lock_guard lock(mutex_);
+  Session session = session_of(work);
+  return cli::take_samples(points, field(words, session, work), session, progress_of(work));
+}
+
+Dataset Scene::resample(const Words& words, const LatticeGeometry& lattice, Work& work) {
+  const std::lock_guard lock(mutex_);
+  Session session = session_of(work);
+  ResampleOptions options;
+  options.progress = progress_of(work);
+  options.stop = work.stop;
+  return ovoid::resample(field(words, session, work), lattice, options);
+}
+
+std::shared_ptr<Picture> Scene::draw(const Words& words, Manner manner, Work& work) {
+  const std::lock_guard lock(mutex_);
+  Session session = session_of(work);
+  Request request;
+  DrawingFlags& drawing = request.drawing;
+  take(request, words, session, work);
 
   auto picture = std::make_shared<Picture>();
   const Field& field = subject_->modelled.field;
   picture->shot = cli::make_shot(*subject_, &drawing, session);
   cli::Shot& shot = picture->shot;
   cli::FrameSubject drawn = cli::frame_subject(*subject_, shot, drawing);
-  const std::optional<Trail> trail = inputs_.empty()
+  const std::optional<Trail> trail = source_.inputs.empty()
                                          ? std::nullopt
                                          : cli::trail_of(request.data, drawing, subject_->modelled,
                                                          outline_.step, shot.look, session);
@@ -229,7 +245,7 @@ std::shared_ptr<Picture> Scene::draw(const Words& words, Manner manner, Work& wo
   options.collect_profile = manner.with_stages;
   RenderHooks hooks;
   hooks.stop = work.stop;
-  hooks.progress = [&work](double fraction) { work.fraction = fraction; };
+  hooks.progress = progress_of(work);
   picture->unit_distance =
       shot.look.unit_distance > 0
           ? shot.look.unit_distance
@@ -269,7 +285,7 @@ std::shared_ptr<Picture> Scene::draw(const Words& words, Manner manner, Work& wo
       load_ms_,       model_ms_, {frame.profile.frame_ms}, frame.profile, options.width,
       options.height, ""};
   picture->flags = cli::FlagSet::of(request.flags.given());
-  picture->inputs = inputs_;
+  picture->inputs = source_.inputs;
   picture->notes = work.notes;
   picture->drawing = std::move(drawing);
   return picture;
@@ -297,15 +313,15 @@ std::string encode_picture(const Picture& picture, const std::string& ending, in
   return encode_jpeg(picture.seen(), background.value_or(Rgb{0, 0, 0}), quality);
 }
 
-std::shared_ptr<const Dataset> read_files(const std::vector<std::string>& inputs,
-                                          const Words& words, Work& work) {
+Dataset read_files(const std::vector<std::string>& inputs, const Words& words, bool may_stay,
+                   Work& work) {
   Session session = session_of(work);
   DataFlags data;
   Flags flags("read", "PATH", "Reads data.");
   cli::add_input_flags(flags, &data);
-  flags.parse(with_inputs(words, inputs));
-  cli::require_inputs(flags, data);
-  return std::make_shared<const Dataset>(cli::load(data, session));
+  parse({nullptr, inputs}, words, flags, data);
+  data.may_stay_in_file = may_stay;
+  return cli::load(data, session);
 }
 
 }  // namespace ovoid::python

@@ -10,8 +10,10 @@
 #include <vector>
 
 #include "drawing.h"
+#include "histogram.h"
 #include "profile.h"
 #include "shot.h"
+#include "source.h"
 #include "waiting.h"
 
 namespace ovoid::python {
@@ -43,11 +45,10 @@ struct Picture {
   const Image& seen() const { return for_eyes ? *for_eyes : image; }
 };
 
-// Draws one frame at a time; a second thread waits.
+// Does one thing at a time; a second thread waits.
 class Scene {
  public:
-  // Exactly one of the two is there: what is in memory, or names of files.
-  Scene(std::shared_ptr<const Dataset> dataset, std::vector<std::string> inputs);
+  explicit Scene(Source source);
   ~Scene();
   Scene(const Scene&) = delete;
   Scene& operator=(const Scene&) = delete;
@@ -63,15 +64,23 @@ class Scene {
   // By flags as on a command line. Throws Error and UsageError.
   std::shared_ptr<Picture> draw(const cli::Words& words, Manner manner, Work& work);
 
+  // Of the field that such a picture shows; world units.
+  Bounds3 bounds(const cli::Words& words, Work& work);
+  cli::Histogram histogram(const cli::Words& words, Work& work);
+  // As cli::take_samples() and resample() do.
+  Dataset sample(const cli::Words& words, const Dataset& points, Work& work);
+  Dataset resample(const cli::Words& words, const LatticeGeometry& lattice, Work& work);
+
  private:
   struct Request;
+  void take(Request& request, const cli::Words& words, cli::Session& session, Work& work);
   void model(Request& request, cli::Session& session);
   // Makes coarser fields as far as that is worth it. Returns how often it was done.
   int coarsen(int coarseness, Work& work);
+  const Field& field(const cli::Words& words, cli::Session& session, Work& work);
   Renderer& renderer(const cli::Flags& flags, const RendererSetup& setup);
 
-  std::shared_ptr<const Dataset> dataset_;
-  std::vector<std::string> inputs_;
+  Source source_;
   std::mutex mutex_;
   // What was modelled, by which flags, and what that said.
   std::optional<cli::Subject> subject_;
@@ -92,8 +101,9 @@ void save_picture(const Picture& picture, const std::string& path, std::stop_tok
 // The bytes of the file that would be written: ".png", ".jpg" or ".jpeg", a JPEG by `quality`.
 std::string encode_picture(const Picture& picture, const std::string& ending, int quality);
 
-// Reads files as `ovoid render` does, with all their arrays.
-std::shared_ptr<const Dataset> read_files(const std::vector<std::string>& inputs,
-                                          const cli::Words& words, Work& work);
+// Reads files as `ovoid render` does, with all their arrays. `may_stay`: samples that memory does
+// not hold are left in them.
+Dataset read_files(const std::vector<std::string>& inputs, const cli::Words& words, bool may_stay,
+                   Work& work);
 
 }  // namespace ovoid::python

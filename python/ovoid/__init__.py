@@ -7,12 +7,15 @@ import importlib
 
 _MODULES = {
     "_data": ("Data", "info", "particles", "read", "write"),
+    "_meshes": ("mesh",),
     "_errors": ("Cancelled", "DeviceLost", "Error", "FileFormat", "FileWrite", "InvalidArgument", "NotFound", "OutOfMemory",
                 "UnknownSetting", "Unsupported"),
+    "_functions": ("Samples", "Slice", "fit", "histogram", "resample", "sample", "simplify", "slice"),
     "_interact": ("Interactive", "interact"),
     "_picture": ("Picture",),
     "_scene": ("Scene", "View", "animate", "render"),
     "_settings": ("settings",),
+    "_view": ("view",),
 }
 _MODULE_OF = {name: module for module, names in _MODULES.items() for name in names}
 

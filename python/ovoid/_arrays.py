@@ -20,38 +20,86 @@ def _library_type(dtype, name):
     raise InvalidArgument(f"{name}: holds {dtype}, expected numbers: integers or floats")
 
 
+def floats_for(dtype):
+    """The float that holds all values of a type, NaN beside them."""
+    return np.dtype("f4" if dtype.itemsize <= (4 if dtype.kind == "f" else 2) else "f8")
+
+
+def unit_of(values):
+    """What units say that come with values, as unyt's and pint's do."""
+    unit = str(getattr(values, "units", ""))
+    return "" if unit == "dimensionless" else unit
+
+
+def in_unit(values, other):
+    """Values in the unit of others, as plain numbers."""
+    return np.asarray(values.to(other.units) if hasattr(values, "to") and hasattr(other, "units") else values)
+
+
+# DLPack's numbers of what numpy can see into, and its names of others.
+_HOSTS = (1, 3, 11, 13)
+_DEVICES = {2: "CUDA", 4: "OpenCL", 7: "Vulkan", 8: "Metal", 10: "ROCm", 14: "oneAPI"}
+
+
+def _on_host(data, name):
+    """What has DLPack's methods as an array of numpy, without a copy."""
+    kind, number = data.__dlpack_device__() if hasattr(data, "__dlpack_device__") else (1, 0)
+    if int(kind) not in _HOSTS:
+        device = f"{_DEVICES.get(int(kind), f'device {int(kind)}')}:{number}"
+        raise InvalidArgument(f"{name}: lies in the memory of {device}; copy it to the host's first, as by .cpu() or .get()")
+    if hasattr(data, "__array__"):
+        return data
+    try:
+        return np.from_dlpack(data)
+    except (BufferError, RuntimeError, TypeError, ValueError) as error:
+        raise InvalidArgument(f"{name}: cannot be taken by DLPack: {error}") from None
+
+
 def numbers_of(data, name="data"):
     """An array as the library takes it; the memory of `data` itself wherever that is so already.
 
     Masked values become NaN, of types that have none in the float that holds the others.
     """
-    if not hasattr(data, "dtype") or not hasattr(data, "shape"):
+    if hasattr(data, "__dlpack__") and not isinstance(data, np.ndarray):
+        data = _on_host(data, name)
+    if not hasattr(data, "dtype") or not hasattr(data, "shape") or (hasattr(data, "__array__") and not isinstance(data, np.ndarray)):
         try:
             data = np.asanyarray(data)
-        except ValueError as error:
+        except (RuntimeError, TypeError, ValueError) as error:
             raise InvalidArgument(f"{name}: {error}") from None
     elif not isinstance(data, np.ndarray):
-        data = np.asanyarray(data) if hasattr(data, "__array__") else np.asarray(data[...])
+        data = np.asarray(data[...])
     target = _library_type(data.dtype, name)
     if isinstance(data, np.ma.MaskedArray):
         mask = np.ma.getmaskarray(data)
         if mask.any():
-            is_exact = target.itemsize <= (4 if target.kind == "f" else 2)
-            filled = np.array(data.data, dtype="f4" if is_exact else "f8", order="C")
+            filled = np.array(data.data, dtype=floats_for(target), order="C")
             filled[mask] = np.nan
             return filled
         data = data.data
     return np.asarray(np.asarray(data), dtype=target, order="C")
 
 
-def _vector(value, name, expected):
+def vector(value, name, expected):
+    """Three finite numbers."""
     try:
-        vector = np.array(value, dtype=float)
+        numbers = np.array(value, dtype=float)
     except (TypeError, ValueError):
-        vector = np.empty(0)
-    if vector.shape != (3,) or not np.isfinite(vector).all():
+        numbers = np.empty(0)
+    if numbers.shape != (3,) or not np.isfinite(numbers).all():
         raise InvalidArgument(f"{name} = {value!r}: expected {expected}")
-    return vector
+    return numbers
+
+
+def number(value, name):
+    """A finite number."""
+    try:
+        found = float(value)
+    except (TypeError, ValueError):
+        found = np.nan
+    if not np.isfinite(found):
+        raise InvalidArgument(f"{name} = {value!r}: expected a finite number")
+    return found
 
 
 def _direction(value):
@@ -64,12 +112,29 @@ def _direction(value):
     return matrix
 
 
-def placement(spacing, origin, direction):
-    """world_from_index by rows, [3, 4]: from VTK's three words, each (x, y, z)."""
-    spacing = np.ones(3) if spacing is None else _vector(spacing, "spacing", "three numbers > 0, along x, y, z")
+def _affine(value):
+    """The first three rows of a matrix (4, 4), world from (i, j, k, 1), or these alone."""
+    try:
+        matrix = np.array(value, dtype=float)
+    except (TypeError, ValueError):
+        matrix = np.empty(0)
+    is_affine = matrix.shape == (3, 4) or (matrix.shape == (4, 4) and (matrix[3] == (0, 0, 0, 1)).all())
+    if not is_affine or not np.isfinite(matrix).all() or not abs(np.linalg.det(matrix[:3, :3])) > 0:
+        raise InvalidArgument(f"affine = {value!r}: expected 4 x 4 numbers, world from (i, j, k, 1): the columns are the steps along "
+                              "x, y, z, no two along a line, and the first sample's place; the last row is 0, 0, 0, 1")
+    return matrix[:3]
+
+
+def placement(spacing, origin, direction, affine=None):
+    """world_from_index by rows, [3, 4]: from VTK's three words, each (x, y, z), or from a matrix of all."""
+    if affine is not None:
+        if not (spacing is None and origin is None and direction is None):
+            raise InvalidArgument("affine: says what spacing, origin and direction say; give one of them")
+        return _affine(affine)
+    spacing = np.ones(3) if spacing is None else vector(spacing, "spacing", "three numbers > 0, along x, y, z")
     if not (spacing > 0).all():
         raise InvalidArgument(f"spacing = {tuple(spacing.tolist())}: expected three numbers > 0, along x, y, z")
-    origin = np.zeros(3) if origin is None else _vector(origin, "origin", "the place x, y, z of the first sample")
+    origin = np.zeros(3) if origin is None else vector(origin, "origin", "the place x, y, z of the first sample")
     matrix = np.eye(3) if direction is None else _direction(direction)
     return np.column_stack([matrix * spacing, origin])
 

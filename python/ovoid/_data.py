@@ -13,9 +13,10 @@ class Data:
     Its arrays share the memory of what it was made of; they are not to be changed while it is drawn.
     """
 
-    def __init__(self, core, defaults=None):
+    def __init__(self, core, defaults=None, report=None):
         self._core = core
         self._defaults = defaults or {}
+        self._report = report
 
     @property
     def kind(self):
@@ -33,9 +34,19 @@ class Data:
         return self._core.matrix
 
     @property
+    def space(self):
+        """str: the patient's coordinate system that the world is: "LPS", "RAS" or "none"."""
+        return self._core.space
+
+    @property
     def notes(self):
         """list of str: what the reader assumed or found odd."""
         return self._core.notes
+
+    @property
+    def report(self):
+        """dict or None: of what `fit` and `simplify` make, what came of it."""
+        return self._report
 
     @property
     def positions(self):
@@ -49,8 +60,9 @@ class Data:
         for i, name in enumerate(self._core.array_names):
             values = self._core.array(i)
             if values is not None and self.kind == "lattice":
-                values = values.reshape(*reversed(self._core.dims), *values.shape[1:])
-            found[name] = values
+                dims = [max(n - 1, 1) for n in self._core.dims] if self._core.is_cell_data(i) else self._core.dims
+                values = values.reshape(*reversed(dims), *values.shape[1:])
+            found.setdefault(name, values)
         return found
 
     def __repr__(self):
@@ -70,30 +82,43 @@ def paths_of(data):
     return [os.fspath(name) for name in names]
 
 
-def data_of(data, spacing=None, origin=None, direction=None):
-    """What is in memory as Data. `spacing`, `origin`, `direction`: of arrays, as `render` takes them."""
-    is_placed = not (spacing is None and origin is None and direction is None)
-    if isinstance(data, Data):
-        if is_placed:
-            raise InvalidArgument("spacing, origin, direction: are for arrays, these data say themselves where they are")
-        return data
-    from . import _arrays
+# Where an array is, as `render` takes it.
+PLACEMENT = ("spacing", "origin", "direction", "affine", "space")
 
+
+def data_of(data, spacing=None, origin=None, direction=None, affine=None, space=None, memory_limit=None):
+    """What is in memory as Data. The others: of arrays, as `render` takes them; `memory_limit`: bytes that one may take which is
+    elsewhere, as in a file."""
+    is_placed = not (spacing is None and origin is None and direction is None and affine is None)
+    from . import _arrays, _objects
+
+    found = data if isinstance(data, Data) else _objects.data_of_object(data)
+    if found is not None:
+        if is_placed or space is not None:
+            raise InvalidArgument("spacing, origin, direction, affine, space: are for arrays, these data say themselves where they are")
+        return found
     name, unit = "values", ""
     if _arrays.is_xarray(data):
         if is_placed:
-            raise InvalidArgument("spacing, origin, direction: are for arrays without coordinates of their own")
+            raise InvalidArgument("spacing, origin, direction, affine: are for arrays without coordinates of their own")
         matrix, name, unit = _arrays.xarray_place(data), str(data.name or name), str(data.attrs.get("units", ""))
         data = data.data
     else:
-        matrix = _arrays.placement(spacing, origin, direction)
+        matrix = _arrays.placement(spacing, origin, direction, affine)
+    limit = _settings.words(_settings.canonical({"memory_limit": memory_limit}))
+    from . import _large
+
+    if _large.stays_away(data, limit):
+        core = _large.lattice_of(data, _arrays.dims_of(data.shape, "data"), matrix.tolist(), name, unit, limit)
+        return Data(core if space is None else core.with_facts("", str(space), []))
     names = getattr(getattr(data, "dtype", None), "names", None)
     arrays = []
     for part, values in [(part, data[part]) for part in names] if names else [(name, data)]:
         values = _arrays.numbers_of(values, part if names else "data")
         dims = _arrays.dims_of(values.shape, "data")
         arrays.append((part, values, unit))
-    return Data(_core.lattice("array", dims, matrix.tolist(), arrays))
+    core = _core.lattice("array", dims, matrix.tolist(), arrays)
+    return Data(core if space is None else core.with_facts("", str(space), []))
 
 
 def particles(xyz, values=None, h=None, mass=None):
@@ -102,9 +127,10 @@ def particles(xyz, values=None, h=None, mass=None):
     Parameters
     ----------
     xyz : array_like, (n, 3)
-        Places x, y, z; world units. Floats in C order are not copied.
+        Places x, y, z; world units. Floats in C order are not copied. Or a table with columns x, y, z (a DataFrame), of which h, mass
+        and all other columns of numbers are taken; or data of yt's, of which mass and smoothing length are.
     values : array_like, (n,) or (n, components), or dict of str to array_like, optional
-        What is drawn. Without it, the density of the particles is.
+        What is drawn. Without it, the density of the particles is. Of tables and of yt's data: names of columns or fields.
     h : array_like, (n,), optional
         Smoothing lengths, world units: a particle reaches twice as far. Without it they come from each particle's neighbours.
     mass : array_like, (n,), optional
@@ -121,8 +147,12 @@ def particles(xyz, values=None, h=None, mass=None):
     >>> ovoid.render(cloud, size=(64, 48)).numpy().shape
     (48, 64, 4)
     """
-    from . import _arrays
+    from . import _arrays, _objects
 
+    columns, notes = _objects.columns_of(xyz, values), []
+    if columns is not None:
+        xyz, values, own_h, own_mass, notes = columns
+        h, mass = own_h if h is None else h, own_mass if mass is None else mass
     xyz = _arrays.numbers_of(xyz, "xyz")
     if xyz.ndim != 2 or xyz.shape[1:] != (3,) or not len(xyz):
         raise InvalidArgument(f"xyz: has the shape {xyz.shape}, expected (n, 3)")
@@ -134,11 +164,13 @@ def particles(xyz, values=None, h=None, mass=None):
             named[name] = array
     arrays = []
     for name, array in named.items():
+        unit = _arrays.unit_of(array)
         array = _arrays.numbers_of(array, name)
         if array.ndim not in (1, 2) or len(array) != len(xyz) or 0 in array.shape:
             raise InvalidArgument(f"{name}: has the shape {array.shape}, expected one or more for each of {len(xyz)} particles")
-        arrays.append((name, array, ""))
-    return Data(_core.particles("particles", xyz, arrays), {"quantity": "density"} if values is None else None)
+        arrays.append((name, array, unit))
+    core = _core.particles("particles", xyz, arrays)
+    return Data(core.with_facts("", "none", notes) if notes else core, {"quantity": "density"} if values is None else None)
 
 
 def read(path, **settings):
@@ -155,7 +187,7 @@ def read(path, **settings):
     -------
     Data
     """
-    core, _ = _core.read(paths_of(path), _settings.words(_settings.canonical(settings)))
+    core, _ = _core.read(paths_of(path), _settings.words(_settings.canonical(settings)), False, None)
     return Data(core)
 
 
@@ -169,7 +201,7 @@ def write(path, data, **placement):
     data : Data or array_like
         What `render` takes, but paths.
     **placement
-        `spacing`, `origin`, `direction` of an array.
+        `spacing`, `origin`, `direction`, `affine`, `space` of an array.
     """
     data_of(data, **placement)._core.write(os.fspath(path))
 
@@ -182,7 +214,7 @@ def info(data, **placement):
     data : Data, array_like, str or path
         What `render` takes.
     **placement
-        `spacing`, `origin`, `direction` of an array.
+        `spacing`, `origin`, `direction`, `affine`, `space` of an array.
 
     Returns
     -------

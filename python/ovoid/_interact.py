@@ -12,7 +12,7 @@ import math
 import threading
 import time
 
-from . import _core, _settings
+from . import _core, _settings, _state
 from ._errors import Error, Unsupported
 from ._scene import Scene, View
 
@@ -183,7 +183,7 @@ class Interactive:
 
     def __init__(self, data, placement, settings):
         self._toolkit = _widgets()
-        self._scene = Scene(data, **placement)
+        self._scene = Scene(data, **placement, memory_limit=settings.get("memory_limit"))
         self._given = _own_names(settings)
         first = View(self._scene, self._given).render()
         self._size = MovingSize(first.width, first.height, _pixel_of(first) / first._core.sampling_distance)
@@ -396,7 +396,7 @@ def _pixel_of(picture):
     return 2 * distance * math.tan(math.radians(camera["view_angle"] / 2)) / picture.height
 
 
-def interact(data, *, spacing=None, origin=None, direction=None, **settings):
+def interact(data=None, *, spacing=None, origin=None, direction=None, affine=None, space=None, state=None, **settings):
     """A picture with sliders, for notebooks.
 
     It turns as JPEGs, whose size is what ten pictures a second allow, and becomes a PNG when nothing moves. Its first picture is the
@@ -404,7 +404,7 @@ def interact(data, *, spacing=None, origin=None, direction=None, **settings):
 
     Parameters
     ----------
-    data, spacing, origin, direction
+    data, spacing, origin, direction, affine, space, state
         As `render` takes them.
     **settings
         As `render` takes them.
@@ -420,4 +420,6 @@ def interact(data, *, spacing=None, origin=None, direction=None, **settings):
     Error
         As `render`.
     """
-    return Interactive(data, {"spacing": spacing, "origin": origin, "direction": direction}, settings)
+    inputs, settings = _state.merged(state, settings)
+    placement = {"spacing": spacing, "origin": origin, "direction": direction, "affine": affine, "space": space}
+    return Interactive(inputs if data is None and inputs else data, placement, settings)

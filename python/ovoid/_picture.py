@@ -11,7 +11,7 @@ from ._errors import InvalidArgument
 class Picture:
     """A finished picture.
 
-    numpy takes it as an array of 8 bits, notebooks show it, `save` writes it.
+    numpy, and what takes DLPack, take it as an array of 8 bits; notebooks show it, `save` writes it.
     """
 
     def __init__(self, core):
@@ -43,6 +43,12 @@ class Picture:
     @property
     def __array_interface__(self):
         return self.numpy().__array_interface__
+
+    def __dlpack__(self, stream=None):
+        return self.numpy().__dlpack__()
+
+    def __dlpack_device__(self):
+        return self.numpy().__dlpack_device__()
 
     @property
     def rgba(self):
@@ -78,7 +84,7 @@ class Picture:
 
     @property
     def state(self):
-        """dict: inputs and flags, as in a state file of ``ovoid render --state``."""
+        """dict: inputs and flags, as in a state file of ``ovoid render --state``; the setting `state` takes it."""
         return {"ovoid_state": 1, "program": _core.version, "inputs": self._core.inputs, "flags": json.loads(self._core.flags)}
 
     @property

@@ -1,29 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Drawing: once, or data that are kept between frames."""
-import contextlib
 import logging
 import os
 
-from . import _core, _settings
+from . import _core, _settings, _state
 from ._data import data_of, is_path, paths_of
 from ._errors import InvalidArgument
 from ._picture import Picture
+from ._progress import bar
 
 _log = logging.getLogger("ovoid")
-
-
-@contextlib.contextmanager
-def _bar(wants_progress):
-    """What is told the fraction that is done: a bar of tqdm's, where it is installed."""
-    tqdm = None
-    if wants_progress:
-        with contextlib.suppress(ImportError):
-            from tqdm import tqdm
-    if tqdm is None:
-        yield None
-        return
-    with tqdm(total=100, desc="drawing", unit="%", bar_format="{desc} {bar} {n:.0f} %") as bar:
-        yield lambda fraction: bar.update(100 * fraction - bar.n)
 
 
 class Scene:
@@ -31,7 +17,7 @@ class Scene:
 
     Parameters
     ----------
-    data, spacing, origin, direction
+    data, spacing, origin, direction, affine, space, state
         As `render` takes them. Arrays are not to be changed while the scene lives.
     **settings
         Settings of all its pictures.
@@ -45,17 +31,22 @@ class Scene:
     0.0
     """
 
-    def __init__(self, data, *, spacing=None, origin=None, direction=None, **settings):
+    def __init__(self, data=None, *, spacing=None, origin=None, direction=None, affine=None, space=None, state=None, **settings):
         self._defaults = {}
+        inputs, settings = _state.merged(state, settings)
+        if data is None:
+            if not inputs:
+                raise InvalidArgument("data: none given, and no state that names files")
+            data = inputs
         if is_path(data):
-            if origin is not None or direction is not None:
-                raise InvalidArgument("origin, direction: are for arrays, files say themselves where they are")
+            if not (origin is None and direction is None and affine is None and space is None):
+                raise InvalidArgument("origin, direction, affine, space: are for arrays, files say themselves where they are")
             if spacing is not None:
                 settings["spacing"] = spacing  # of raw files, which the program refuses of others
             self._data = None
             self._core = _core.Scene(None, paths_of(data))
         else:
-            self._data = data_of(data, spacing, origin, direction)
+            self._data = data_of(data, spacing, origin, direction, affine, space, settings.get("memory_limit"))
             self._core = _core.Scene(self._data._core, [])
             self._defaults = self._data._defaults
         self._spans = {}
@@ -67,12 +58,15 @@ class Scene:
         if self._data is None:
             return None
         arrays = self._data.arrays
+        array = array or self._defaults.get("array")
         values = arrays.get(array) if array else next(iter(arrays.values())) if len(arrays) == 1 else None
         if values is None or values.ndim != (3 if self._data.kind == "lattice" else 1):
             return None
         if array not in self._spans:
             finite = values[abs(values) < float("inf")] if values.dtype.kind == "f" else values
-            self._spans[array] = (finite.min(), finite.max()) if finite.size else None
+            ends = (finite.min(), finite.max()) if finite.size else None
+            scale, offset = self._data._core.value_scale(self._data._core.array_names.index(array) if array else 0)
+            self._spans[array] = ends if ends is None or (scale, offset) == (1, 0) else sorted(end * scale + offset for end in ends)
         return self._spans[array]
 
     def _words(self, settings):
@@ -89,7 +83,7 @@ class Scene:
         -------
         Picture
         """
-        with _bar(progress) as on_progress:
+        with bar(progress) as on_progress:
             return self._draw({**self.settings, **settings}, bool(profile), on_progress)
 
     def _draw(self, settings, profile, on_progress, coarseness=0):
@@ -101,6 +95,24 @@ class Scene:
     def view(self, **settings):
         """A `View` of the scene with settings of its own."""
         return View(self, settings)
+
+    def sample(self, points):
+        """The field at places, as `ovoid.sample` gives it."""
+        from . import _functions
+
+        return _functions.samples_of(self._core, points, self._words(self.settings))
+
+    def slice(self, normal="z", at=None, *, size=512):
+        """The field on a plane, as `ovoid.slice` gives it."""
+        from . import _functions
+
+        return _functions.slice_of(self._core, self._words(self.settings), normal, at, size)
+
+    def histogram(self, *, log=False):
+        """How often values occur, as `ovoid.histogram` tells it."""
+        from . import _functions
+
+        return _functions.histogram_of(self._core, self._words(self.settings), log)
 
 
 class View:
@@ -158,20 +170,29 @@ class View:
         return self.render()._repr_png_()
 
 
-def render(data, *, spacing=None, origin=None, direction=None, progress=False, profile=False, **settings):
+def render(data=None, *, spacing=None, origin=None, direction=None, affine=None, space=None, state=None, progress=False, profile=False, **settings):
     """Draws data to a picture.
 
     Parameters
     ----------
-    data : array_like, str, path, Data or xarray.DataArray
+    data : array_like, str, path, Data or an object of another package, optional
         An array (z, y, x), (z, y, x, component) or (y, x), in any order of memory; masked values and NaN are missing. What has
-        ``__array__``, or ``shape``, ``dtype`` and ``__getitem__``, is taken as an array. A path is read by the library.
+        ``__array__`` or ``__dlpack__``, or ``shape``, ``dtype`` and ``__getitem__``, is taken as an array. A path is read by the
+        library. Of other packages: arrays of xarray; meshes of meshio; images, grids, meshes and points of VTK and PyVista;
+        DataFrames and yt's data, as `particles` takes them; yt's covering grids; images of nibabel and SimpleITK.
     spacing : (x, y, z), optional
         Distance of an array's samples along its axes, world units. 1 without it.
     origin : (x, y, z), optional
         The place of the first sample, world units.
     direction : (3, 3) array_like, optional
         Its columns are the directions of the axes x, y, z, as VTK and ITK have them.
+    affine : (4, 4) array_like, optional
+        Instead of the three: world from (i, j, k, 1), i along the axis x, as nibabel has it.
+    space : str, optional
+        "LPS" or "RAS": the world is a patient's, which views are named by.
+    state : dict, str or path, optional
+        What to begin with: `Picture.state`, what `view` gave back, or a state file, whose inputs are drawn without `data`. Settings
+        that are given beat it.
     progress : bool
         Shows a bar while it draws, by tqdm if that is installed.
     profile : bool
@@ -196,7 +217,7 @@ def render(data, *, spacing=None, origin=None, direction=None, progress=False, p
     >>> ovoid.render(numpy.exp(-4 * (x**2 + y**2 + z**2)), size=(64, 48))
     <ovoid.Picture 64 x 48>
     """
-    scene = Scene(data, spacing=spacing, origin=origin, direction=direction, **settings)
+    scene = Scene(data, spacing=spacing, origin=origin, direction=direction, affine=affine, space=space, state=state, **settings)
     return scene.render(progress=progress, profile=profile)
 
 

@@ -29,13 +29,18 @@ _CPOS = {"xy": "+z", "xz": "-y", "yz": "+x"}
 
 
 @functools.lru_cache(maxsize=None)
-def table():
-    """Name with underscores -> (flag, kind, form, text), in the order of the program's help."""
-    return {name.replace("-", "_"): (name, kind, form, text) for name, kind, form, text in _core.settings()}
+def table(command="render"):
+    """Name with underscores -> (flag, kind, form, text), in the order of the program's help for a command."""
+    return {name.replace("-", "_"): (name, kind, form, text) for name, kind, form, text in _core.settings(command)}
 
 
-def settings():
-    """All settings of `render` and what they mean.
+def settings(command="render"):
+    """All settings of `render`, or of another command, and what they mean.
+
+    Parameters
+    ----------
+    command : str
+        "render", "fit", "simplify", or "convert", whose settings `resample` takes.
 
     Returns
     -------
@@ -48,7 +53,7 @@ def settings():
     >>> ovoid.settings()["zoom"]
     'FACTOR: above 1 comes nearer'
     """
-    return {name: f"{form}: {text}" if form else text for name, (_, _, form, text) in table().items()}
+    return {name: f"{form}: {text}" if form else text for name, (_, _, form, text) in table(command).items()}
 
 
 def _is_sequence(value):
@@ -83,14 +88,14 @@ def _text(value, form):
     return outer.join(parts)
 
 
-def _words_of(name, value):
-    flag, kind, form, _ = table()[name]
+def _words_of(name, value, command):
+    flag, kind, form, _ = table(command)[name]
     if kind == _TOGGLE:
         if not (isinstance(value, int) and value in (0, 1) or type(value).__name__ == "bool_"):  # numpy's
             raise InvalidArgument(f"{name} = {value!r}: expected True or False")
         if value:
             return [f"--{flag}"]
-        return [f"--no-{flag}"] if f"no_{name}" in table() else []
+        return [f"--no-{flag}"] if f"no_{name}" in table(command) else []
     if kind == _OPTIONAL:
         if isinstance(value, bool):
             return [f"--{flag}"] if value else []
@@ -132,12 +137,13 @@ def _opacities(opacity, span):
     return [(lo + i * step, float(number)) for i, number in enumerate(opacity)]
 
 
-def _unknown(name):
-    known = [*table(), *_ALIASES, "cpos", "blending", "spacing", "origin", "direction"]
+def _unknown(name, command):
+    of_render = [*_ALIASES, "cpos", "blending", "spacing", "origin", "direction", "affine", "space", "state"]
+    known = [*table(command), *(of_render if command == "render" else [])]
     return UnknownSetting(f"{name}: unknown setting{_core.did_you_mean(name, known)}")
 
 
-def canonical(given, span=None):
+def canonical(given, span=None, command="render"):
     """Settings by the program's names alone. `span` tells the range of an array's values, where it is known."""
     chosen = {}
 
@@ -150,25 +156,32 @@ def canonical(given, span=None):
         if value is None:
             continue
         key = _ALIASES.get(name, name)
-        if key == "cpos":
+        if command != "render" and key not in table(command):
+            key = name
+        if key in table(command):
+            choose(name, key, value)
+        elif key == "cpos" and command == "render":
             choose(name, *_camera(value))
-        elif key == "blending":
+        elif key == "blending" and command == "render":
             if not isinstance(value, str) or value not in _BLENDINGS:
                 raise InvalidArgument(f"blending = {value!r}: expected one of {', '.join(_BLENDINGS)}")
             choose(name, "mode", _BLENDINGS[value])
-        elif key in table():
-            choose(name, key, value)
-        elif f"no_{key}" in table() and isinstance(value, bool):
+        elif f"no_{key}" in table(command) and isinstance(value, bool):
             if not value:
                 choose(name, f"no_{key}", True)
         else:
-            raise _unknown(name)
+            raise _unknown(name, command)
     if "opacity" in chosen:
         ends = chosen["range"] if "range" in chosen else (lambda: span(chosen.get("array")) if span else None)
         chosen["opacity"] = _opacities(chosen["opacity"], ends)
     return chosen
 
 
-def words(chosen):
+def words(chosen, command="render"):
     """Canonical settings as words of a command line."""
-    return [word for name, value in chosen.items() for word in _words_of(name, value)]
+    return [word for name, value in chosen.items() for word in _words_of(name, value, command)]
+
+
+def words_for(command, given):
+    """Settings of a command as words of its command line."""
+    return words(canonical(given, command=command), command)

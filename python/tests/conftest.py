@@ -5,10 +5,12 @@ import subprocess
 
 import numpy as np
 import ovoid
+import ovoid._data
 import pytest
 
 PROGRAM = os.environ["OVOID_PROGRAM"]
 SMALL = {"size": (96, 72)}
+FLAGS = ("--size", "96x72")  # the same
 
 
 def bumps(dims=(20, 24, 28), dtype="u1"):
@@ -28,6 +30,27 @@ def drawn_by_program(path, *flags):
 
 def png(picture):
     return picture._repr_png_()
+
+
+def data_of(data, **placement):
+    return ovoid._data.data_of(data, **placement)
+
+
+def pixels(data, **settings):
+    return ovoid.render(data, **SMALL, **settings).numpy()
+
+
+def heat_at(places):
+    """No symmetry, so that a point in the wrong place shows."""
+    return np.exp(-8 * ((places - [0.3, 0.5, 0.6]) ** 2).sum(-1)) + 0.6 * np.exp(-20 * ((places - [0.8, 0.7, 0.2]) ** 2).sum(-1))
+
+
+def block(n=6):
+    """Nodes of a bent cube, hexahedra between them by their nodes, and values of nodes."""
+    z, y, x = np.meshgrid(*[np.linspace(0, 1, n)] * 3, indexing="ij")
+    points = np.column_stack([(x + 0.2 * y * y).ravel(), y.ravel(), (z * (1 + x)).ravel()])
+    first = np.arange(n**3).reshape(n, n, n)[:-1, :-1, :-1].reshape(-1, 1)
+    return points, first + [0, 1, n + 1, n, n * n, n * n + 1, n * n + n + 1, n * n + n], heat_at(points)
 
 
 @pytest.fixture

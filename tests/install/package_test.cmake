@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-# Makes the .deb, installs it into an empty root, and draws with the program that lies there: samples by the library alone, and a
-# mesh that its ovoid-read reads. Fails if a file or a dependency is missing, or if anything of the build tree is used.
-#   cmake -DBUILD=... -DWORK=... -P package_test.cmake
+# Makes the .debs, installs them into an empty root, and draws with the program that lies there: samples by the library alone, and a
+# mesh that its ovoid-read reads; and, of the Python package, with PYTHON. Fails if a file or a dependency is missing, or if anything of
+# the build tree is used.
+#   cmake -DBUILD=... -DWORK=... [-DPYTHON=...] -P package_test.cmake
 
 file(REMOVE_RECURSE ${WORK})
 set(root ${WORK}/root)
@@ -16,7 +17,7 @@ function(run)
 endfunction()
 
 run(${CMAKE_CPACK_COMMAND} --config ${BUILD}/CPackConfig.cmake -B ${WORK}/made)
-file(GLOB package ${WORK}/made/*.deb)
+file(GLOB package ${WORK}/made/ovoid_*.deb)
 run(dpkg-deb --extract ${package} ${root})
 
 # What it links, and what the library loads by name.
@@ -54,3 +55,30 @@ foreach(sample marschner-lobb.nrrd fin.vtu)
     message(FATAL_ERROR "${name}.png is no PNG: it starts with ${signature}")
   endif()
 endforeach()
+
+if(PYTHON)
+  file(GLOB package ${WORK}/made/python3-ovoid_*.deb)
+  run(dpkg-deb --field ${package} Depends)
+  foreach(needed "ovoid \\(= [0-9.]+\\)" "python3 \\(>= 3\\.[0-9]+~\\)" "python3 \\(<< 3\\.[0-9]+\\)" "python3-numpy" "libc6")
+    if(NOT output MATCHES "${needed}")
+      message(FATAL_ERROR "the Python package does not depend on ${needed}:\n${output}")
+    endif()
+  endforeach()
+  run(dpkg-deb --extract ${package} ${root})
+  set(package ${root}/usr/lib/python3/dist-packages)
+  file(GLOB module ${package}/ovoid/_core.*.so)
+  run(ldd ${module})
+  if(output MATCHES "not found" OR NOT output MATCHES "${root}/usr/[^ ]*libovoid")
+    message(FATAL_ERROR "${module} does not find the package's own library:\n${output}")
+  endif()
+  if(NOT EXISTS ${root}/usr/share/doc/python3-ovoid/copyright)
+    message(FATAL_ERROR "usr/share/doc/python3-ovoid/copyright is not in the package")
+  endif()
+  run(${CMAKE_COMMAND} -E env --unset=OVOID_READER --unset=LD_LIBRARY_PATH PYTHONPATH=${package} PYTHONDONTWRITEBYTECODE=1
+    ${PYTHON} -c "import ovoid\novoid.render('${WORK}/fin.vtu', size=(128, 96)).save('${WORK}/python.png')")
+  file(SHA256 ${WORK}/fin.png program)
+  file(SHA256 ${WORK}/python.png python)
+  if(NOT program STREQUAL python)
+    message(FATAL_ERROR "the Python package draws another picture than the program")
+  endif()
+endif()

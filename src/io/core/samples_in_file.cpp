@@ -133,8 +133,7 @@ class SamplesTold final : public StoredSamples {
 }  // namespace
 
 bool stays_in_file(ScalarType type, std::int64_t num_bytes, const ReadOptions& options) {
-  return options.may_stay_in_file && can_be_shown(type) &&
-         static_cast<double>(bytes_of_field(type, num_bytes)) > most_bytes(options);
+  return options.may_stay_in_file && would_stay_in_file(type, num_bytes, options);
 }
 
 std::shared_ptr<const StoredSamples> samples_in_file(const ByteSource& source,
@@ -158,3 +157,12 @@ const StoredPlace& stored_place(const StoredSamples& samples) {
 }
 
 }  // namespace ovoid::io
+
+namespace ovoid {
+
+bool would_stay_in_file(ScalarType type, std::int64_t num_bytes, const ReadOptions& options) {
+  return io::can_be_shown(type) &&
+         static_cast<double>(io::bytes_of_field(type, num_bytes)) > io::most_bytes(options);
+}
+
+}  // namespace ovoid

@@ -53,7 +53,9 @@ struct Library {
     require_room(std::size_t{40} << 20);
     handle_ = ::dlopen(OVOID_HDF5_LIBRARY, RTLD_NOW | RTLD_LOCAL);
     if (handle_ == nullptr)
-      throw Error(ErrorCode::kUnsupported, fmt::format("cannot write HDF5: {}", ::dlerror()));
+      throw Error(
+          ErrorCode::kUnsupported,
+          fmt::format("cannot write HDF5: {}: install HDF5's library of this name", ::dlerror()));
 #define OVOID_FIND(name) find("H5" #name, name);
     OVOID_HDF5_FUNCTIONS(OVOID_FIND)
 #undef OVOID_FIND

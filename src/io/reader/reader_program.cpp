@@ -18,6 +18,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kName = "ovoid-read";
+// Where the .deb puts it: a Python wheel, which lies anywhere, finds it there.
+constexpr const char* kSystemFolder = "/usr/libexec/ovoid";
 
 // The program, or the shared library, that this function is in.
 fs::path own_module() {
@@ -34,7 +36,7 @@ fs::path own_module() {
 
 }  // namespace
 
-std::string find_reader_program(const std::string& named) {
+std::string find_reader_program(const std::string& source, const std::string& named) {
   if (!named.empty()) {
     if (::access(named.c_str(), X_OK) == 0) return named;
     throw Error(ErrorCode::kUnsupported,
@@ -42,18 +44,21 @@ std::string find_reader_program(const std::string& named) {
                             named, kName));
   }
   const fs::path folder = own_module().parent_path();
-  const std::vector<fs::path> places{folder / kName, folder / "../libexec/ovoid" / kName,
-                                     folder / "../../libexec/ovoid" / kName,
-                                     fs::path(OVOID_READER_FOLDER) / kName};
+  const std::vector<fs::path> places{
+      folder / kName, folder / "../libexec/ovoid" / kName, folder / "../../libexec/ovoid" / kName,
+      fs::path(OVOID_READER_FOLDER) / kName, fs::path(kSystemFolder) / kName};
   for (const fs::path& place : places) {
     std::error_code ignored;
     if (::access(place.c_str(), X_OK) == 0) return fs::canonical(place, ignored).string();
   }
+  std::string folders = OVOID_READER_FOLDER;
+  if (folders != kSystemFolder) folders += fmt::format(" or {}", kSystemFolder);
   throw Error(ErrorCode::kUnsupported,
-              fmt::format("{}: the program that reads VTK's files, HDF5 and compressed DICOM is "
-                          "neither beside {} nor in {}: install it, or name it (the program: by "
-                          "OVOID_READER; the library: by ReadOptions::reader_program)",
-                          kName, folder.string(), OVOID_READER_FOLDER));
+              fmt::format("{}: this format is read by the program {}, which is neither beside {} "
+                          "nor in {}: install the package ovoid of this version (Python "
+                          "wheels leave the program out), or name it by OVOID_READER (the library: "
+                          "by ReadOptions::reader_program)",
+                          source, kName, folder.string(), folders));
 }
 
 }  // namespace ovoid::io

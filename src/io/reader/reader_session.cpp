@@ -248,7 +248,7 @@ struct ReaderSession::Impl {
   std::vector<std::string> files;  // what the process may open
   std::vector<std::string> folders;
 
-  void start(const ReadOptions& options);
+  void start(const std::string& source, const ReadOptions& options);
   Dataset receive(const io::ReaderHost& host);
   void report_progress(const ReadOptions& options, double fraction);
   // Throws Error(kCancelled) if the caller has stopped, and with that killed the process.
@@ -262,11 +262,12 @@ ReaderSession::ReaderSession(std::vector<std::string> inputs) : impl_(std::make_
 
 ReaderSession::~ReaderSession() = default;
 
-void ReaderSession::Impl::start(const ReadOptions& options) {
+void ReaderSession::Impl::start(const std::string& source, const ReadOptions& options) {
   if (process) return;
   files = io::files_that_may_be_read(inputs, options);
   folders = io::real_data_folders(options);
-  process = std::make_shared<io::ReaderProcess>(io::find_reader_program(options.reader_program));
+  process =
+      std::make_shared<io::ReaderProcess>(io::find_reader_program(source, options.reader_program));
 }
 
 void ReaderSession::Impl::require_running(const std::stop_token& stop) {
@@ -346,7 +347,7 @@ Dataset ReaderSession::read(const std::string& format, const std::string& source
   const std::lock_guard lock(impl_->mutex);
   if (options.stop.stop_requested())
     throw Error(ErrorCode::kCancelled, "reading: stopped by the caller");
-  impl_->start(options);
+  impl_->start(source, options);
   io::ReaderRequest request;
   request.format = format;
   request.source = source;

@@ -74,7 +74,7 @@ def _scalar(value):
 
 def _text(value, form):
     """A value as the text that the program takes: tuples with the separators of the form."""
-    if isinstance(value, dict):
+    if isinstance(value, dict) or (isinstance(value, (list, tuple)) and any(isinstance(one, dict) for one in value)):  # a look is a list
         return json.dumps(value)
     if not _is_sequence(value):
         return _scalar(value)

@@ -55,7 +55,7 @@ class Scene:
 
     def _range(self, array):
         """The range of the values called `array`; None where they are not one array of numbers in memory."""
-        if self._data is None:
+        if self._data is None or not isinstance(array, (str, type(None))):
             return None
         arrays = self._data.arrays
         array = array or self._defaults.get("array")
@@ -235,6 +235,10 @@ def animate(pictures, path, fps=25):
     """
     import tempfile
 
+    try:
+        fps = float(fps)
+    except (TypeError, ValueError, OverflowError):
+        raise InvalidArgument(f"fps = {fps!r}: expected a number") from None
     path = os.path.abspath(os.fspath(path))
     with tempfile.TemporaryDirectory() as folder:
         pattern = os.path.join(folder, "frame_%06d.png")
@@ -245,4 +249,4 @@ def animate(pictures, path, fps=25):
             raise InvalidArgument("animate: no pictures")
         if not path.endswith((".gif", ".mp4", ".webm")):
             raise InvalidArgument(f"'{path}': expected a film: .gif, .mp4 or .webm")
-        _core.make_film(pattern, count, path, float(fps))
+        _core.make_film(pattern, count, path, fps)

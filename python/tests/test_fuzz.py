@@ -60,14 +60,31 @@ def form_values(name):
 
 
 NAMES = sorted(set(ovoid.settings()) - OUTSIDE | {"cmap", "clim", "cpos", "blending", "opacity", "scalars", "shade", "nonsense"})
-SOME = ["mode", "iso", "azimuth", "elevation", "roll", "zoom", "cmap", "clim", "opacity", "unit_distance", "crop", "clip", "kernel", "view", "projection",
-        "log", "preset", "sampling_distance", "colorbar", "axes", "points", "quantity", "slab", "sheets", "classification", "gradient", "occlusion", "shadows"]
+
+pairs = st.tuples(st.floats(-1, 5), st.floats(0, 1)).map(lambda pair: (pair[0], pair[0] + pair[1] + 0.01))
+GOOD = {  # values that are taken, so that they meet each other
+    "mode": st.sampled_from(["composite", "maximum", "mean", "xray"]), "azimuth": st.floats(-400, 400), "elevation": st.floats(-100, 100),
+    "roll": st.floats(-180, 180), "zoom": st.floats(1e-3, 1e3), "cmap": st.sampled_from(["magma", "viridis_r", "tab10"]), "clim": pairs, "crop_world": st.just(":0.5,:,:"),
+    "opacity": st.lists(st.tuples(st.integers(0, 9), st.floats(0, 1)), min_size=1, max_size=3).map(lambda points: sorted(dict(points).items())),
+    "unit_distance": st.floats(1e-6, 1e6), "clip": st.tuples(*[st.integers(-3, 3)] * 3, st.floats(-9, 9)).filter(lambda plane: any(plane[:3])),
+    "kernel": st.sampled_from(["bspline", "gaussian", "gaussian:1.5", "catmull-rom"]), "view": st.sampled_from(["+x", "-y", "front"]),
+    "projection": st.sampled_from(["parallel", "perspective"]), "sampling_distance": st.floats(0.05, 50), "colorbar": st.booleans(), "axes": st.booleans(),
+    "background": st.sampled_from(["white", "none", "0.1,0.2,0.3"]), "occlusion": st.floats(0, 1), "shadows": st.floats(0, 1), "log": st.booleans(),
+    "shade": st.booleans(), "sheets": st.sampled_from(["image", "lattice", "auto"]), "classification": st.sampled_from(["sampled", "pre-integrated", "refined"]),
+    "slab": st.sampled_from(["mid", "mean"]), "gradient": st.sampled_from(["exact", "central", "corrected"]), "view_angle": st.floats(1, 170),
+    "post_convolution": st.sampled_from(["off", "cubic", "bilinear"]), "bounding_box": st.booleans(), "fit": st.sampled_from(["box", "visible"]), "points": st.booleans(),
+}
 
 
 @st.composite
 def settings(draw, most=4):
-    names = draw(st.lists(st.one_of(st.sampled_from(NAMES), st.sampled_from(SOME)), max_size=most, unique=True))
-    return {name: draw(form_values(name)) for name in names}
+    """Some that are taken and, half of the time, one of any kind."""
+    names = draw(st.lists(st.sampled_from(sorted(GOOD)), max_size=most, unique=True))
+    chosen = {name: draw(GOOD[name]) for name in names}
+    if draw(st.booleans()):
+        odd = draw(st.sampled_from(NAMES))
+        chosen[odd] = draw(form_values(odd))
+    return chosen
 
 
 dtypes = st.sampled_from(["u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f2", "f4", "f8", "g", "?", ">u2", ">f4", ">f8", "c8", "O", "U3", "M8[s]", "V4",
@@ -75,10 +92,10 @@ dtypes = st.sampled_from(["u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f2", 
 
 
 @st.composite
-def arrays(draw):
+def arrays(draw, shapes=None):
     """Of any type, shape, order and stride, with values that are usual and values that are none."""
     dtype = np.dtype(draw(dtypes))
-    shape = tuple(draw(st.lists(st.integers(0, 7), max_size=5)) if draw(st.integers(0, 4)) == 0 else draw(st.lists(st.integers(1, 7), min_size=2, max_size=4)))
+    shape = draw(shapes) if shapes is not None else tuple(draw(st.lists(st.integers(0, 7), max_size=5)) if draw(st.integers(0, 4)) == 0 else draw(st.lists(st.integers(1, 7), min_size=2, max_size=4)))
     raw = draw(st.randoms(use_true_random=False)).randbytes(int(np.prod(shape)) * dtype.itemsize)
     if dtype.kind == "O":
         array = np.full(shape, None)
@@ -103,6 +120,7 @@ def arrays(draw):
     return array
 
 
+of_six = st.one_of(arrays(st.sampled_from([(6,), (6, 2)])), arrays())
 vectors = st.one_of(st.none(), st.tuples(*[st.floats(0.1, 9)] * 3), st.tuples(*[st.floats()] * 3), values)
 matrices = st.one_of(st.none(), st.just(np.eye(3)[::-1]), st.lists(st.tuples(*[st.floats(-1, 1)] * 3), min_size=3, max_size=3), values)
 
@@ -139,7 +157,8 @@ def test_scenes(changes):
     assert (scene.render().numpy() == before).all()
 
 
-@fuzzed(0.5, xyz=arrays(), attributes=st.one_of(st.none(), arrays(), st.dictionaries(words, arrays(), max_size=2)), h=st.one_of(st.none(), arrays()), given=settings(2))
+@fuzzed(0.5, xyz=st.one_of(arrays(st.just((6, 3))), arrays()), attributes=st.one_of(st.none(), of_six, st.dictionaries(words, of_six, max_size=2)),
+        h=st.one_of(st.none(), of_six), given=settings(2))
 def test_particles(xyz, attributes, h, given):
     cloud = tried(ovoid.particles, xyz, attributes, h)
     if cloud is not None:

@@ -290,3 +290,52 @@ print("end", time.time())
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False, timeout=50)
     took = time.time() - float(done.stdout.split()[1])
     assert done.returncode == 0 and done.stderr == "" and took < 5
+
+
+def test_in_a_kernel():
+    """As a browser does it: the slider's model is sent a value, and pictures come back, small ones first and in the end a PNG, while
+    the kernel is free for cells."""
+    pytest.importorskip("ipywidgets")
+    pytest.importorskip("ipykernel")
+    manager = pytest.importorskip("jupyter_client.manager")
+    with manager.run_kernel(kernel_name="python3", stderr=subprocess.DEVNULL) as client:
+
+        def told(message_id=None, until=lambda message: False):
+            """Messages of the kernel up to the one that is looked for, or to the end of the answer to a message."""
+            found = []
+            while True:
+                message = client.get_iopub_msg(timeout=SETTLED_S)
+                found.append(message)
+                is_end = message["msg_type"] == "status" and message["content"]["execution_state"] == "idle"
+                if until(message) or is_end and message["parent_header"].get("msg_id") == message_id:
+                    return found
+
+        def pictures(messages):
+            states = [message["content"]["data"].get("state", {}) for message in messages if message["msg_type"] == "comm_msg"]
+            return [state for state in states if "_b64value" in state or "value" in state or "format" in state]
+
+        code = """
+import numpy, ovoid
+z, y, x = numpy.mgrid[-1:1:32j, -1:1:32j, -1:1:32j]
+widget = ovoid.interact(numpy.exp(-3 * (x**2 + y**2 + z**2)), size=(640, 480))
+display({"text/plain": " ".join([widget.controls["azimuth"].model_id, widget._image.model_id])}, raw=True)
+widget
+"""
+        answer = told(client.execute(code))
+        slider, image = next(message["content"]["data"]["text/plain"] for message in answer if message["msg_type"] == "display_data").split()
+        shown = next(message["content"]["data"] for message in answer if message["msg_type"] == "execute_result")
+        assert "image/png" in shown and "application/vnd.jupyter.widget-view+json" in shown
+        for azimuth in (10.0, 20.0, 30.0):  # in the words of protocols 1 and 2
+            data = {"method": "backbone", "sync_data": {"value": azimuth}, "state": {"value": azimuth}, "buffer_paths": []}
+            if ovoid._interact._widgets().version_info[0] >= 7:
+                data["method"] = "update"
+            client.shell_channel.send(client.session.msg("comm_msg", {"comm_id": slider, "data": data}))
+
+        def is_png(message):
+            return message["msg_type"] == "comm_msg" and message["content"]["comm_id"] == image \
+                and message["content"]["data"].get("state", {}).get("format") == "png"
+
+        came = told(until=is_png)
+        assert any(state.get("format") == "jpeg" for state in pictures(came))
+        answer = told(client.execute("print(widget.settings['azimuth'], widget._frames[-1][:3])"))
+        assert next(message["content"]["text"] for message in answer if message["msg_type"] == "stream") == "30.0 (True, 640, 480)\n"

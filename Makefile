@@ -52,11 +52,14 @@ fuzz: setup  ## fuzz the readers for SECONDS (60) each
 mutants: build  ## damage files a thousand times each, and let the program read them
 	@python3 tests/hostile/mutants.py build/release/bin/ovoid --count $(or $(COUNT),1000)
 
-bench: build  ## measure against the peers; the table goes to bench/results/ (of DATA="...": BENCH=looks first pictures, BENCH=fit fewer kernels, BENCH=simplify runs and boxes, BENCH=mappers in VTK, BENCH=processes by several; BENCH=solids, BENCH=sites)
+bench: build  ## measure against the peers; the table goes to bench/results/ (of DATA="...": BENCH=looks first pictures, BENCH=fit fewer kernels, BENCH=simplify runs and boxes, BENCH=mappers in VTK, BENCH=processes by several, BENCH=python from Python; BENCH=solids, BENCH=sites)
 	@if [ -n "$(filter looks fit simplify solids processes,$(BENCH))" ]; then \
 	  scripts/setup.sh bench && python3 bench/$(BENCH).py $(DATA); \
 	elif [ "$(BENCH)" = mappers ]; then \
 	  scripts/build.sh release ovoid_program ovoid_mappers && bench/vtk_mappers.sh $(DATA); \
+	elif [ "$(BENCH)" = python ]; then \
+	  scripts/setup.sh bench && scripts/build.sh release ovoid_program ovoid_package && \
+	  LIBGL_ALWAYS_SOFTWARE=1 PYTHONPATH="$(CURDIR)/build/release/python" xvfb-run --auto-servernum /usr/bin/python3 bench/python.py $(DATA); \
 	elif [ "$(BENCH)" = sites ]; then \
 	  scripts/build.sh release ovoid_experiments && build/release/bin/ovoid_experiments build sites; \
 	else \

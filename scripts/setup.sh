@@ -11,7 +11,8 @@ declare -A groups=(
   # The .deb's dependencies are found by dpkg-dev's dpkg-shlibdeps and file.
   # The window is tested on a virtual screen (xvfb) with Mesa's software driver (libgl1-mesa-dri).
   # The mappers for VTK are wrapped by python3-vtk9's tools, and tested from Python.
-  # The Python package is tested by pytest, its stubs by mypy; xarray, dask, h5py, zarr, Pillow,
+  # The Python package is tested by pytest, its stubs by mypy, its arguments by hypothesis, the
+  # notebooks by nbconvert; xarray, dask, h5py, zarr, Pillow,
   # meshio, pandas, nibabel and yt where they happen to be.
   # Its wheel is made with patchelf, and tested in a virtual environment (python3-venv).
   [build]="make g++ cmake ninja-build ccache pkg-config git python3
@@ -23,6 +24,7 @@ declare -A groups=(
     dpkg-dev file
     python3-vtk9 python3-numpy
     pybind11-dev python3-dev python3-pytest mypy patchelf python3-venv
+    python3-hypothesis python3-nbconvert python3-ipykernel python3-ipywidgets
     libopenmpi-dev openmpi-bin
     libglfw3-dev libimgui-dev libgl-dev xvfb xauth libgl1-mesa-dri fonts-dejavu-core"
   [check]="clang-format clang-tidy"

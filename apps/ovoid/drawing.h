@@ -11,6 +11,7 @@
 #include "check_files.h"
 #include "draw_marks.h"
 #include "make_field.h"
+#include "make_look.h"
 #include "ovoid/geometry.h"
 #include "ovoid/render_mesh.h"
 #include "ovoid/render_points.h"
@@ -25,8 +26,9 @@ std::vector<InputFile> files_to_read(const DataFlags& data, const DrawingFlags& 
 // Data made ready to be drawn.
 struct Subject {
   Modelled modelled;
-  Described described;                     // all but the box
-  std::string unit;                        // of what gives opacity
+  Described described;  // all but the box
+  std::string unit;     // of what gives opacity
+  UsualLook usual_look;
   std::shared_ptr<const Surface> surface;  // of a mesh or boxes, or --within; null: there is none
   bool has_walls = false;                  // the surface may be seen: a mesh's, that of --within
   bool has_points = false;                 // may be drawn as balls: particles and kernels

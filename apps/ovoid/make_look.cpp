@@ -82,23 +82,23 @@ void make_opaque(TransferFunction& tf) {
 }
 
 // A look can only see through noise; a wider kernel takes it away.
-void note_noise(const Look& look, const Field& field, Session& session) {
+bool is_noisy(const Look& look, const Field& field) {
   constexpr double kMuch = 0.5;
   constexpr double kCrisp = 0.06;  // default_look() takes more from light for noise alone
   const LatticeField* const lattice = field.lattice();
   if (look.flat_rise <= kCrisp || lattice == nullptr ||
       lattice->kernel().kind == LatticeKernelKind::kGaussian)
-    return;
-  if (materials_of(field).noisiness > kMuch)
-    session.note("the values are noisy: drawn soft (--kernel gaussian:1.5 smooths them)");
+    return false;
+  return materials_of(field).noisiness > kMuch;
 }
 
 // The look that the other flags change.
 Look base_look(const LookFlags& flags, const Field& field, const std::string& unit,
-               Session& session) {
+               Session& session, const UsualLook& usual) {
   const ValueRange range = field.value_range();
-  Look look = uses_default_look(flags) ? default_look(field, unit) : ramp_look(range);
-  if (uses_default_look(flags)) note_noise(look, field, session);
+  Look look = uses_default_look(flags) ? usual.of(field, unit).look : ramp_look(range);
+  if (uses_default_look(flags) && usual.of(field, unit).is_noisy)
+    session.note("the values are noisy: drawn soft (--kernel gaussian:1.5 smooths them)");
   if (flags.mode == Mode::kMaximum || flags.mode == Mode::kMean)
     make_opaque(look.transfer_function);
   if (flags.preset == kCinematicPreset) {
@@ -201,8 +201,8 @@ void take_flag_light(Look& look, const LookFlags& flags, Session& session) {
 
 // The look where one array gives all.
 Look look_of_one(const LookFlags& flags, const Field& field, const std::string& unit,
-                 Session& session) {
-  Look look = base_look(flags, field, unit, session);
+                 Session& session, const UsualLook& usual) {
+  Look look = base_look(flags, field, unit, session, usual);
   TransferFunction& tf = look.transfer_function;
   place(tf, flags, session);
   take_flag_colors(tf, flags);
@@ -243,9 +243,9 @@ LookFlags without_colors(LookFlags flags) {
 // The look where colour comes from an array of its own: every flag about colour, and --range and
 // the scales with them, is about that array's values, all the rest about the other's.
 Look look_of_two(const LookFlags& flags, const Field& field, const std::string& unit,
-                 Session& session) {
+                 Session& session, const UsualLook& usual) {
   const bool has_file = !flags.color_file.empty();
-  Look look = look_of_one(has_file ? flags : without_colors(flags), field, unit, session);
+  Look look = look_of_one(has_file ? flags : without_colors(flags), field, unit, session, usual);
   if (has_file) {
     look.color_function = look_of_flag("--color-tf", flags.color_file, {}).transfer_function;
     return look;
@@ -326,16 +326,25 @@ std::string source_of_flag(const char* flag, const std::string& value) {
 
 bool uses_opacity(Mode mode) { return mode != Mode::kXray && mode != Mode::kIsosurface; }
 
+const UsualLook::Found& UsualLook::of(const Field& field, const std::string& unit) const {
+  if (!found_) {
+    Look look = default_look(field, unit);
+    const bool noisy = is_noisy(look, field);
+    found_ = Found{std::move(look), noisy};
+  }
+  return *found_;
+}
+
 Look make_look(const LookFlags& flags, const Field& field, const std::string& unit,
-               Session& session) {
+               Session& session, const UsualLook& usual) {
   const KernelField* const set = field.kernels();
   const bool has_own_color = set != nullptr && set->has_own_color();
   if (!has_own_color && !flags.color_file.empty()) {
     throw Error(ErrorCode::kInvalidArgument,
                 "--color-tf: no array of its own gives colour (--color-array)");
   }
-  if (has_own_color) return look_of_two(flags, field, unit, session);
-  return look_of_one(flags, field, unit, session);
+  if (has_own_color) return look_of_two(flags, field, unit, session, usual);
+  return look_of_one(flags, field, unit, session, usual);
 }
 
 }  // namespace ovoid::cli

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -11,10 +12,24 @@
 
 namespace ovoid::cli {
 
+// The default look of a field, made when it is first asked for: that reads all samples, and a scene
+// that is drawn again and again needs it for every frame. Not thread-safe.
+class UsualLook {
+ public:
+  struct Found {
+    Look look;
+    bool is_noisy = false;  // so much that a wider kernel is worth advising
+  };
+  const Found& of(const Field& field, const std::string& unit) const;
+
+ private:
+  mutable std::optional<Found> found_;
+};
+
 // The look for a field, whose array has `unit`, by the order of precedence in docs/command-line.md.
-// Throws Error.
+// `usual`: the field's. Throws Error.
 Look make_look(const LookFlags& flags, const Field& field, const std::string& unit,
-               Session& session);
+               Session& session, const UsualLook& usual = {});
 
 // Moves a preset that is in Hounsfield units to where the data have them, or have air and bone; the
 // others stay. Returns what it had to assume, in words; empty: nothing.

@@ -12,7 +12,7 @@ Shot make_shot(const Subject& subject, DrawingFlags* drawing, Session& session) 
   Shot shot;
   shot.described = subject.described;
   shot.described.box = apply_crop(drawing->crop, field, &drawing->options);
-  shot.look = make_look(drawing->look, field, subject.unit, session);
+  shot.look = make_look(drawing->look, field, subject.unit, session, subject.usual_look);
   shot.walls = surface_to_draw(subject, *drawing);
   shot.points = points_to_draw(drawing->points);
   const FrameSubject drawn = frame_subject(subject, shot, *drawing);

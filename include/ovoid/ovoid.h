@@ -16,6 +16,7 @@
 #include "ovoid/deep_image.h"
 #include "ovoid/depth_limits.h"
 #include "ovoid/devices.h"
+#include "ovoid/encode.h"
 #include "ovoid/error.h"
 #include "ovoid/field.h"
 #include "ovoid/fit.h"

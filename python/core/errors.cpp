@@ -5,6 +5,7 @@
 
 #include <exception>
 #include <new>
+#include <stdexcept>
 #include <string>
 
 #include "ovoid/error.h"
@@ -35,6 +36,8 @@ void translate_errors() {
     } catch (const cli::BadValue& error) {
       raise(ErrorCode::kInvalidArgument, error.what());
     } catch (const std::bad_alloc&) {
+      raise(ErrorCode::kOutOfMemory, "out of memory");
+    } catch (const std::length_error&) {  // more than an address space holds
       raise(ErrorCode::kOutOfMemory, "out of memory");
     }
   });

@@ -19,6 +19,7 @@
 #include "functions.h"
 #include "info.h"
 #include "ovoid/io.h"
+#include "ovoid/look.h"
 #include "scene.h"
 #include "state_file.h"
 #include "suggest.h"
@@ -241,6 +242,24 @@ void add_picture(py::module_& module) {
       .def_property_readonly("flags", [](const Picture& p) { return text_of(p.flags.to_json()); })
       .def_property_readonly("profile", [](const Picture& p) { return cli::to_json(p.profile); })
       .def_property_readonly("camera", [](const Picture& p) { return to_text(p.shot.camera); })
+      .def_property_readonly("unturned", [](const Picture& p) { return to_text(p.unturned); })
+      .def_property_readonly("look", [](const Picture& p) { return to_text(p.shot.look); })
+      .def_property_readonly("values",
+                             [](const Picture& p) {
+                               return std::pair(p.values.lo,
+                                                p.values.hi);  // of nothing the first is greater
+                             })
+      .def_property_readonly("sampling_distance",
+                             [](const Picture& p) { return p.sampling_distance; })
+      .def_property_readonly("unit_distance", [](const Picture& p) { return p.unit_distance; })
+      .def_property_readonly("num_steps", [](const Picture& p) { return p.num_steps; })
+      .def_property_readonly("step", [](const Picture& p) { return p.step; })
+      .def("encode",
+           [](const Picture& picture, const std::string& ending, int quality) {
+             std::string bytes;
+             wait_for([&](Work&) { bytes = encode_picture(picture, ending, quality); });
+             return py::bytes(bytes);
+           })
       .def("rgba8", eight_bits)
       .def("rgba",
            [](const Shared& p) {
@@ -276,14 +295,20 @@ std::pair<Place, Place> bounds(Scene& scene, const cli::Words& words) {
 void add_scene(py::module_& module) {
   py::class_<Scene, std::shared_ptr<Scene>>(module, "Scene")
       .def(py::init(&make_scene))
-      .def("draw",
-           [](Scene& scene, const cli::Words& words, bool with_stages,
-              const py::object& on_progress) {
-             std::shared_ptr<Picture> picture;
-             wait_for([&](Work& work) { picture = scene.draw(words, with_stages, work); },
-                      on_progress);
-             return picture;
-           })
+      .def(
+          "draw",
+          [](Scene& scene, const cli::Words& words, bool with_stages, const py::object& on_progress,
+             int coarseness) {
+            std::shared_ptr<Picture> picture;
+            wait_for(
+                [&](Work& work) {
+                  picture = scene.draw(words, {with_stages, coarseness}, work);
+                },
+                on_progress);
+            return picture;
+          },
+          py::arg("words"), py::arg("with_stages"), py::arg("on_progress"),
+          py::arg("coarseness") = 0)
       .def("bounds", bounds)
       .def("histogram", histogram)
       .def("sample",
@@ -312,6 +337,7 @@ PYBIND11_MODULE(_core, module) {
   add_scene(module);
   module.attr("version") = OVOID_VERSION;
   module.def("settings", settings);
+  module.def("color_map_names", color_map_names);
   module.def("read_state", [](const std::string& path) {
     const cli::State state = cli::read_state(path);
     return std::pair(state.inputs, text_of(state.flags.to_json()));

@@ -5,13 +5,19 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <utility>
 
 #include "flag_set.h"
 #include "load.h"
+#include "make_camera.h"
 #include "make_look.h"
 #include "make_trail.h"
+#include "ovoid/coarse.h"
+#include "ovoid/encode.h"
 #include "ovoid/error.h"
+#include "ovoid/look.h"
 #include "ovoid/sampler.h"
 #include "take_samples.h"
 #include "usage.h"
@@ -41,6 +47,10 @@ bool is_about_view(const std::string& name) {
          has_row(cli::switch_settings(), name);
 }
 
+// All of them together take a seventh of the field's memory.
+constexpr int kMostCoarse = 6;
+constexpr std::int64_t kLeastWorthCoarsening = 4096;
+
 std::string text_of(const cli::GivenFlag& flag) {
   std::string text = flag.name;
   for (const std::string& value : flag.values) text += '=' + value;
@@ -55,6 +65,27 @@ std::string model_key_of(const Flags& flags, const DrawingFlags& drawing) {
   }
   return key +
          fmt::format("labels {} {}", cli::may_be_labels(drawing.look), flags.is_given("gradient"));
+}
+
+// From where the flags turn and zoom the camera to where it is. Turning keeps no axis that could be
+// turned about again.
+Camera unturned_camera(const cli::Subject& subject, const cli::Shot& shot,
+                       const DrawingFlags& drawing) {
+  const double aspect = static_cast<double>(drawing.options.width) / drawing.options.height;
+  const Camera start =
+      cli::start_camera(drawing.camera, {.field = subject.modelled.field,
+                                         .look = shot.look,
+                                         .bounds = shot.described.box.world_bounds(),
+                                         .space = shot.described.space,
+                                         .aspect = aspect,
+                                         .clip_planes = {}});
+  Camera camera = shot.camera;
+  const double distance = (camera.position - camera.focal_point).norm();
+  camera.position =
+      camera.focal_point + distance * (start.position - start.focal_point).normalized();
+  camera.view_up = start.view_up;
+  camera.zoom(1 / drawing.camera.zoom);
+  return camera;
 }
 
 }  // namespace
@@ -97,6 +128,7 @@ void Scene::model(Request& request, Session& session) {
   outline_.source = dataset->source;
   outline_.kind = dataset->kind;
   outline_.step = dataset->step;
+  outline_.num_steps = dataset->num_steps;
 }
 
 Renderer& Scene::renderer(const Flags& flags, const RendererSetup& setup) {
@@ -115,6 +147,24 @@ Renderer& Scene::renderer(const Flags& flags, const RendererSetup& setup) {
   return *renderer_;
 }
 
+int Scene::coarsen(int coarseness, Work& work) {
+  const cli::Stopwatch modelling;
+  const auto wanted = static_cast<std::size_t>(std::clamp(coarseness, 0, kMostCoarse));
+  coarser_.reserve(kMostCoarse);
+  while (coarser_.size() < wanted) {
+    const Field& finest = coarser_.empty() ? subject_->modelled.field : coarser_.back();
+    if (finest.num_kernels() < kLeastWorthCoarsening) break;
+    try {
+      coarser_.push_back(coarse_field(finest, {.stop = work.stop}));
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::kUnsupported) throw;
+      break;  // pixels alone become coarser
+    }
+    model_ms_ = modelling.ms();
+  }
+  return static_cast<int>(std::min(wanted, coarser_.size()));
+}
+
 // Parses the words and models, unless what was modelled last is the same.
 void Scene::take(Request& request, const Words& words, Session& session, Work& work) {
   DrawingFlags& drawing = request.drawing;
@@ -124,6 +174,7 @@ void Scene::take(Request& request, const Words& words, Session& session, Work& w
 
   const std::string key = model_key_of(request.flags, drawing);
   if (!subject_ || key != model_key_) {
+    coarser_.clear();
     subject_.reset();
     model(request, session);
     model_key_ = key;
@@ -169,7 +220,7 @@ Dataset Scene::resample(const Words& words, const LatticeGeometry& lattice, Work
   return ovoid::resample(field(words, session, work), lattice, options);
 }
 
-std::shared_ptr<Picture> Scene::draw(const Words& words, bool with_stages, Work& work) {
+std::shared_ptr<Picture> Scene::draw(const Words& words, Manner manner, Work& work) {
   const std::lock_guard lock(mutex_);
   Session session = session_of(work);
   Request request;
@@ -191,16 +242,36 @@ std::shared_ptr<Picture> Scene::draw(const Words& words, bool with_stages, Work&
   if (trail) drawn.trail = &*trail;
 
   RenderOptions options = drawing.options;
-  options.collect_profile = with_stages;
+  options.collect_profile = manner.with_stages;
   RenderHooks hooks;
   hooks.stop = work.stop;
   hooks.progress = progress_of(work);
-  Frame frame =
-      cli::draw_frame(renderer(request.flags, drawing.run), drawn, shot.camera, options, hooks);
+  picture->unit_distance =
+      shot.look.unit_distance > 0
+          ? shot.look.unit_distance
+          : shot.look.transfer_function.unit_distance.value_or(default_unit_distance(field));
+  const bool is_field_alone =
+      !trail && drawn.plane == nullptr && drawn.surface == nullptr && !drawn.points;
+  const int coarseness = is_field_alone ? coarsen(manner.coarseness, work) : 0;
+  // Opacities of a coarse field mean what they mean at the full one.
+  Look quick_look = shot.look;
+  if (coarseness > 0) quick_look.unit_distance = picture->unit_distance;
+  options.sampling_distance *= std::exp2(coarseness);
+  const cli::FrameSubject quick{
+      .field = coarseness > 0 ? coarser_[static_cast<std::size_t>(coarseness) - 1] : field,
+      .look = quick_look,
+      .points = {}};
+  Frame frame = cli::draw_frame(renderer(request.flags, drawing.run),
+                                coarseness > 0 ? quick : drawn, shot.camera, options, hooks);
   session.check_stop();
   if (!frame.profile.notice.empty()) session.note(frame.profile.notice);
   cli::note_if_empty(frame.image, shot, field.value_range(), session);
 
+  picture->unturned = unturned_camera(*subject_, shot, drawing);
+  picture->values = field.value_range();
+  picture->sampling_distance = field.default_sampling_distance();
+  picture->num_steps = outline_.num_steps;
+  picture->step = outline_.step;
   picture->image = std::move(frame.image);
   if (shot.look.mode == Mode::kXray || drawing.annotation.any()) {
     Image seen = picture->image;
@@ -231,6 +302,15 @@ void save_picture(const Picture& picture, const std::string& path, std::stop_tok
   Image image = cli::is_for_eyes(path) ? picture.seen() : picture.image;
   cli::write_picture(image, drawing, picture.shot.described, picture.shot.camera, picture.shot.look,
                      {path, std::move(stop)});
+}
+
+std::string encode_picture(const Picture& picture, const std::string& ending, int quality) {
+  const std::optional<Rgb>& background = picture.drawing.background;
+  if (ending == ".png") return encode_png(picture.seen(), background);
+  if (ending != ".jpg" && ending != ".jpeg")
+    throw cli::UsageError(fmt::format("'{}': expected .png or .jpg", ending));
+  cli::check_background(picture.drawing, ending);
+  return encode_jpeg(picture.seen(), background.value_or(Rgb{0, 0, 0}), quality);
 }
 
 Dataset read_files(const std::vector<std::string>& inputs, const Words& words, bool may_stay,

@@ -2,6 +2,7 @@
 // Data that are modelled once and drawn many times, by the flags of `ovoid render`.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -35,6 +36,11 @@ struct Picture {
   cli::FlagSet flags;
   std::vector<std::string> inputs;  // files; empty: data in memory
   std::vector<std::string> notes;
+  Camera unturned;    // the shot's before it was turned and zoomed, looking at the same place
+  ValueRange values;  // of the field
+  double sampling_distance = 0;  // that it has by itself, world units
+  double unit_distance = 0;      // of the look, world units
+  std::int64_t num_steps = 1, step = 0;
 
   const Image& seen() const { return for_eyes ? *for_eyes : image; }
 };
@@ -47,8 +53,16 @@ class Scene {
   Scene(const Scene&) = delete;
   Scene& operator=(const Scene&) = delete;
 
+  // How a frame is drawn, beside its flags.
+  struct Manner {
+    bool with_stages = false;  // measured
+    // How often the field was made coarser (ovoid/coarse.h) that is drawn in its place, for quick
+    // pictures; of what has surfaces, planes, trails or points of its own, never.
+    int coarseness = 0;
+  };
+
   // By flags as on a command line. Throws Error and UsageError.
-  std::shared_ptr<Picture> draw(const cli::Words& words, bool with_stages, Work& work);
+  std::shared_ptr<Picture> draw(const cli::Words& words, Manner manner, Work& work);
 
   // Of the field that such a picture shows; world units.
   Bounds3 bounds(const cli::Words& words, Work& work);
@@ -61,6 +75,8 @@ class Scene {
   struct Request;
   void take(Request& request, const cli::Words& words, cli::Session& session, Work& work);
   void model(Request& request, cli::Session& session);
+  // Makes coarser fields as far as that is worth it. Returns how often it was done.
+  int coarsen(int coarseness, Work& work);
   const Field& field(const cli::Words& words, cli::Session& session, Work& work);
   Renderer& renderer(const cli::Flags& flags, const RendererSetup& setup);
 
@@ -68,6 +84,7 @@ class Scene {
   std::mutex mutex_;
   // What was modelled, by which flags, and what that said.
   std::optional<cli::Subject> subject_;
+  std::vector<Field> coarser_;  // made of its field when they are first drawn
   std::string model_key_;
   Dataset outline_;  // without its arrays
   std::optional<GradientMethod> gradient_of_labels_;
@@ -80,6 +97,9 @@ class Scene {
 
 // Writes what `ovoid render -o PATH` would write.
 void save_picture(const Picture& picture, const std::string& path, std::stop_token stop);
+
+// The bytes of the file that would be written: ".png", ".jpg" or ".jpeg", a JPEG by `quality`.
+std::string encode_picture(const Picture& picture, const std::string& ending, int quality);
 
 // Reads files as `ovoid render` does, with all their arrays. `may_stay`: samples that memory does
 // not hold are left in them.

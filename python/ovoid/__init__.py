@@ -11,6 +11,7 @@ _MODULES = {
     "_errors": ("Cancelled", "DeviceLost", "Error", "FileFormat", "FileWrite", "InvalidArgument", "NotFound", "OutOfMemory",
                 "UnknownSetting", "Unsupported"),
     "_functions": ("Samples", "Slice", "fit", "histogram", "resample", "sample", "simplify", "slice"),
+    "_interact": ("Interactive", "interact"),
     "_picture": ("Picture",),
     "_scene": ("Scene", "View", "animate", "render"),
     "_settings": ("settings",),

@@ -73,7 +73,8 @@ def numbers_of(data, name="data"):
     if isinstance(data, np.ma.MaskedArray):
         mask = np.ma.getmaskarray(data)
         if mask.any():
-            filled = np.array(data.data, dtype=floats_for(target), order="C")
+            with np.errstate(all="ignore"):  # what does not fit is infinite, and missing too
+                filled = np.array(data.data, dtype=floats_for(target), order="C")
             filled[mask] = np.nan
             return filled
         data = data.data
@@ -84,7 +85,7 @@ def vector(value, name, expected):
     """Three finite numbers."""
     try:
         numbers = np.array(value, dtype=float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         numbers = np.empty(0)
     if numbers.shape != (3,) or not np.isfinite(numbers).all():
         raise InvalidArgument(f"{name} = {value!r}: expected {expected}")
@@ -95,7 +96,7 @@ def number(value, name):
     """A finite number."""
     try:
         found = float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         found = np.nan
     if not np.isfinite(found):
         raise InvalidArgument(f"{name} = {value!r}: expected a finite number")
@@ -105,7 +106,7 @@ def number(value, name):
 def _direction(value):
     try:
         matrix = np.array(value, dtype=float).reshape(3, 3)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         matrix = np.zeros((3, 3))
     if not np.isfinite(matrix).all() or abs(np.linalg.det(matrix)) < 1e-12:
         raise InvalidArgument(f"direction = {value!r}: expected 3 x 3 numbers, whose columns are the axes x, y, z, no two along a line")
@@ -116,7 +117,7 @@ def _affine(value):
     """The first three rows of a matrix (4, 4), world from (i, j, k, 1), or these alone."""
     try:
         matrix = np.array(value, dtype=float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         matrix = np.empty(0)
     is_affine = matrix.shape == (3, 4) or (matrix.shape == (4, 4) and (matrix[3] == (0, 0, 0, 1)).all())
     if not is_affine or not np.isfinite(matrix).all() or not abs(np.linalg.det(matrix[:3, :3])) > 0:

@@ -4,7 +4,7 @@ import json
 import os
 
 from . import _core, _settings
-from ._errors import InvalidArgument
+from ._errors import InvalidArgument, UnknownSetting
 
 
 class Data:
@@ -78,12 +78,20 @@ def is_path(data):
 
 def paths_of(data):
     """Names of files as text."""
+    if not is_path(data):
+        raise InvalidArgument(f"path = {data!r}: expected the name of a file, or a list of names")
     names = [data] if isinstance(data, (str, os.PathLike)) else data
-    return [os.fspath(name) for name in names]
+    return [os.fsdecode(name) for name in names]
 
 
 # Where an array is, as `render` takes it.
 PLACEMENT = ("spacing", "origin", "direction", "affine", "space")
+
+
+def _check_placement(placement):
+    for name in placement:
+        if name not in PLACEMENT:
+            raise UnknownSetting(f"{name}: unknown setting{_core.did_you_mean(name, PLACEMENT)}")
 
 
 def data_of(data, spacing=None, origin=None, direction=None, affine=None, space=None, memory_limit=None):
@@ -203,7 +211,9 @@ def write(path, data, **placement):
     **placement
         `spacing`, `origin`, `direction`, `affine`, `space` of an array.
     """
-    data_of(data, **placement)._core.write(os.fspath(path))
+    (name,) = paths_of([path])
+    _check_placement(placement)
+    data_of(data, **placement)._core.write(name)
 
 
 def info(data, **placement):
@@ -220,5 +230,7 @@ def info(data, **placement):
     -------
     dict
     """
+    if not is_path(data):
+        _check_placement(placement)
     found = read(data, **placement) if is_path(data) else data_of(data, **placement)
     return json.loads(found._core.info())

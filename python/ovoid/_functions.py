@@ -4,7 +4,7 @@ import json
 import logging
 import os
 import tempfile
-from typing import NamedTuple
+import typing
 
 import numpy as np
 
@@ -144,7 +144,7 @@ def resample(data, size=None, **settings):
     return Data(made)
 
 
-class Samples(NamedTuple):
+class Samples(typing.NamedTuple):
     """A field at places.
 
     Attributes

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Finished pictures."""
 import json
+import operator
 import os
 
 from . import _core
+from ._errors import InvalidArgument
 
 
 class Picture:
@@ -76,6 +78,11 @@ class Picture:
         return json.loads(self._core.camera)
 
     @property
+    def look(self):
+        """dict: the look of the picture, which the setting `tf` takes: ParaView's JSON with values that are absolute."""
+        return json.loads(self._core.look)[0]
+
+    @property
     def state(self):
         """dict: inputs and flags, as in a state file of ``ovoid render --state``; the setting `state` takes it."""
         return {"ovoid_state": 1, "program": _core.version, "inputs": self._core.inputs, "flags": json.loads(self._core.flags)}
@@ -95,14 +102,30 @@ class Picture:
         """
         self._core.save(os.fspath(path))
 
-    def _repr_png_(self):
-        import tempfile
+    def encode(self, ending=".png", quality=92):
+        """The bytes of the file that `save` writes, without a file.
 
-        with tempfile.TemporaryDirectory() as folder:
-            path = os.path.join(folder, "picture.png")
-            self.save(path)
-            with open(path, "rb") as file:
-                return file.read()
+        Parameters
+        ----------
+        ending : str
+            ``.png``, or ``.jpg``.
+        quality : int
+            Of a JPEG, 1 to 100.
+
+        Returns
+        -------
+        bytes
+        """
+        try:
+            quality_number = operator.index(quality)
+        except TypeError:
+            quality_number = 0
+        if not 1 <= quality_number <= 100:
+            raise InvalidArgument(f"quality = {quality!r}: expected a whole number from 1 to 100")
+        return self._core.encode(str(ending), quality_number)
+
+    def _repr_png_(self):
+        return self.encode()
 
     def _repr_mimebundle_(self, include=None, exclude=None):
         makers = {"text/plain": self.__repr__, "image/png": self._repr_png_}

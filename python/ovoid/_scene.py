@@ -55,7 +55,7 @@ class Scene:
 
     def _range(self, array):
         """The range of the values called `array`; None where they are not one array of numbers in memory."""
-        if self._data is None:
+        if self._data is None or not isinstance(array, (str, type(None))):
             return None
         arrays = self._data.arrays
         array = array or self._defaults.get("array")
@@ -83,9 +83,11 @@ class Scene:
         -------
         Picture
         """
-        words = self._words({**self.settings, **settings})
         with bar(progress) as on_progress:
-            core = self._core.draw(words, bool(profile), on_progress)
+            return self._draw({**self.settings, **settings}, bool(profile), on_progress)
+
+    def _draw(self, settings, profile, on_progress, coarseness=0):
+        core = self._core.draw(self._words(settings), profile, on_progress, coarseness)
         for note in core.notes:
             _log.info("%s", note)
         return Picture(core)
@@ -233,6 +235,10 @@ def animate(pictures, path, fps=25):
     """
     import tempfile
 
+    try:
+        fps = float(fps)
+    except (TypeError, ValueError, OverflowError):
+        raise InvalidArgument(f"fps = {fps!r}: expected a number") from None
     path = os.path.abspath(os.fspath(path))
     with tempfile.TemporaryDirectory() as folder:
         pattern = os.path.join(folder, "frame_%06d.png")
@@ -243,4 +249,4 @@ def animate(pictures, path, fps=25):
             raise InvalidArgument("animate: no pictures")
         if not path.endswith((".gif", ".mp4", ".webm")):
             raise InvalidArgument(f"'{path}': expected a film: .gif, .mp4 or .webm")
-        _core.make_film(pattern, count, path, float(fps))
+        _core.make_film(pattern, count, path, fps)

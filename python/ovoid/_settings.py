@@ -72,10 +72,18 @@ def _scalar(value):
     return os.fspath(value) if isinstance(value, os.PathLike) else str(value)
 
 
+def _json(value):
+    """A look or a camera, with numbers of numpy's as such."""
+    try:
+        return json.dumps(value, default=lambda one: one.tolist() if hasattr(one, "tolist") else json.dumps(one))
+    except (TypeError, ValueError, RecursionError) as error:
+        raise InvalidArgument(f"{value!r}: cannot be written as JSON: {error}") from None
+
+
 def _text(value, form):
     """A value as the text that the program takes: tuples with the separators of the form."""
     if isinstance(value, dict) or (isinstance(value, (list, tuple)) and any(isinstance(one, dict) for one in value)):  # a look is a list
-        return json.dumps(value)
+        return _json(value)
     if not _is_sequence(value):
         return _scalar(value)
     outer = "x" if re.search("[A-Z]x[A-Z]", form) else ","
@@ -115,7 +123,7 @@ def _camera(cpos):
         return "view", _CPOS[cpos]
     try:
         position, focal_point, view_up = ([float(number) for number in point] for point in cpos)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InvalidArgument(f"cpos = {cpos!r}: expected three points: position, focal point, view up") from None
     return "camera", {"position": position, "focal_point": focal_point, "view_up": view_up}
 
@@ -132,9 +140,12 @@ def _opacities(opacity, span):
     ends = span() if callable(span) else span
     if not _is_sequence(ends):
         raise InvalidArgument("opacity: numbers without values are spread over clim, two numbers that are not given; expected (value, opacity) pairs")
-    lo, hi = (float(end) for end in ends)
-    step = (hi - lo) / max(1, len(opacity) - 1)
-    return [(lo + i * step, float(number)) for i, number in enumerate(opacity)]
+    try:
+        lo, hi = (float(end) for end in ends)
+        step = (hi - lo) / max(1, len(opacity) - 1)
+        return [(lo + i * step, float(number)) for i, number in enumerate(opacity)]
+    except (TypeError, ValueError, OverflowError):
+        raise InvalidArgument(f"opacity = {opacity!r}, over {ends!r}: expected numbers from 0 to 1 over two values") from None
 
 
 def _unknown(name, command):

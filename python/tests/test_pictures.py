@@ -93,6 +93,35 @@ def test_saved_as_the_program_saves(tmp_path, array):
     assert (np.load(tmp_path / "python.npy") == picture.rgba).all()
 
 
+def test_bytes_are_those_of_files(tmp_path, array):
+    picture = ovoid.render(array, colorbar=True, **SMALL)
+    for ending in (".png", ".jpg"):
+        picture.save(tmp_path / ("a" + ending))
+        assert picture.encode(ending) == (tmp_path / ("a" + ending)).read_bytes()
+    assert len(picture.encode(".jpg", quality=20)) < len(picture.encode(".jpg"))
+    for arguments, words in (((".exr",), "expected .png or .jpg"), ((".jpg", 0), "quality = 0"), ((".jpg", "good"), "quality = 'good'")):
+        with pytest.raises(ovoid.InvalidArgument, match=words):
+            picture.encode(*arguments)
+    with pytest.raises(ovoid.InvalidArgument, match="cannot be transparent"):
+        ovoid.render(array, background="none", **SMALL).encode(".jpg")
+
+
+def test_the_look_comes_back(array):
+    picture = ovoid.render(array, cmap="magma", clim=(20, 180), **SMALL)
+    assert picture.look["RGBPoints"][0] == 20 and picture.look["RGBPoints"][-4] == 180
+    again = ovoid.render(array, tf=picture.look, **SMALL)
+    assert (again.numpy() == picture.numpy()).all() and again.look == picture.look
+
+
+def test_frames_of_a_scene_find_the_look_once():
+    """What the default look is made of is read once: half a second of the samples of a large scan, for every frame otherwise."""
+    scene = ovoid.Scene(bumps(), **SMALL)
+    looks = [scene.render(azimuth=azimuth, **more).look for azimuth in (0, 30) for more in ({}, {"kernel": "gaussian"}, {"mode": "maximum"})]
+    assert looks[:3] == looks[3:] and looks[0] != looks[2]
+    assert looks == [ovoid.render(bumps(), azimuth=azimuth, **more, **SMALL).look
+                     for azimuth in (0, 30) for more in ({}, {"kernel": "gaussian"}, {"mode": "maximum"})]
+
+
 def test_forms(array):
     picture = ovoid.render(array, **SMALL)
     pixels = np.asarray(picture)
@@ -165,14 +194,3 @@ def test_films(tmp_path, array):
         ovoid.animate([], tmp_path / "none.gif")
     with pytest.raises(ovoid.InvalidArgument, match="expected a film"):
         ovoid.animate([ovoid.render(array, **SMALL)], tmp_path / "film.avi")
-
-
-def test_notebooks_show_it():
-    pytest.importorskip("ipykernel")
-    formats, preprocessors = pytest.importorskip("nbformat"), pytest.importorskip("nbconvert.preprocessors")
-    cell = formats.v4.new_code_cell("import numpy, ovoid\novoid.render(numpy.random.rand(8, 8, 8), size=(64, 48))")
-    book = formats.v4.new_notebook(cells=[cell])
-    preprocessors.ExecutePreprocessor(timeout=60, kernel_name="python3").preprocess(book, {})
-    shown = book.cells[0].outputs[0].data
-    assert shown["text/plain"] == "<ovoid.Picture 64 x 48>"
-    assert shown["image/png"].startswith("iVBORw0KGgo")  # PNG's first bytes in base 64

@@ -135,7 +135,7 @@ TEST(ValidateGeometry, AcceptsWhatCanBeDrawn) {
   LatticeGeometry voxel;
   voxel.dims = {1, 1, 1};
   EXPECT_NO_THROW(data::validate_geometry(voxel));
-  voxel.world_from_index.linear() *= 1e-200;  // tiny, but as good as any
+  voxel.world_from_index.linear() *= 1e-90;  // tiny, but as good as any
   EXPECT_NO_THROW(data::validate_geometry(voxel));
 }
 
@@ -154,6 +154,10 @@ TEST(ValidateGeometry, NamesWhatIsWrong) {
       names(with([](auto& g) { g.world_from_index.matrix()(2, 2) = kInfinity; }), "finite"));
   EXPECT_TRUE(
       names(with([](auto& g) { g.world_from_index.linear().col(2).setZero(); }), "spacing[2] = 0"));
+  EXPECT_TRUE(
+      names(with([](auto& g) { g.world_from_index.linear().col(0) *= 1e-300; }), "spacing[0]"));
+  EXPECT_TRUE(names(with([](auto& g) { g.world_from_index.linear().col(2) *= 1e14; }),
+                    "differ by a factor"));
   EXPECT_TRUE(names(with([](auto& g) {
                       g.world_from_index.linear().col(1) = 3 * g.world_from_index.linear().col(0);
                     }),

@@ -41,6 +41,11 @@ void validate_kernel(const LatticeKernel& kernel) {
   }
 }
 
+// Products of three spacings, and of their inverses, do not overflow; and of the places of samples
+// along one axis those along another one are still told apart.
+constexpr double kLeastSpacing = 1e-100;
+constexpr double kMostSpacingRatio = 1e12;
+
 void validate_geometry(const LatticeGeometry& geometry) {
   std::int64_t samples = 1;
   for (int axis = 0; axis < 3; ++axis) {
@@ -59,12 +64,22 @@ void validate_geometry(const LatticeGeometry& geometry) {
     fail("lattice world_from_index: must be finite (spacing, origin or directions are not)");
   }
   Mat3 axes = geometry.world_from_index.linear();
+  Vec3 lengths;
   for (int axis = 0; axis < 3; ++axis) {
     const double length = axes.col(axis).stableNorm();
     if (!(length > 0) || !std::isfinite(length)) {
       fail(fmt::format("lattice spacing[{}] = {}: must be > 0 and finite", axis, length));
     }
+    if (!(length >= kLeastSpacing && length <= 1 / kLeastSpacing)) {
+      fail(fmt::format("lattice spacing[{}] = {}: must be {} to {}", axis, length, kLeastSpacing,
+                       1 / kLeastSpacing));
+    }
     axes.col(axis) /= length;
+    lengths[axis] = length;
+  }
+  if (!(lengths.maxCoeff() <= kMostSpacingRatio * lengths.minCoeff())) {
+    fail(fmt::format("lattice spacing = {}, {}, {}: must differ by a factor of at most {}",
+                     lengths[0], lengths[1], lengths[2], kMostSpacingRatio));
   }
   if (!(std::abs(axes.determinant()) >= kMinRelativeVolume)) {
     fail(fmt::format("lattice axis directions: must not lie in one plane (relative volume {})",

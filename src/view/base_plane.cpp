@@ -18,6 +18,8 @@ constexpr double kSamplesAround = 3.0;
 // A base plane of many more samples than pixels is a view that is better drawn otherwise.
 constexpr double kMostSamplesPerPixel = 16.0;
 constexpr double kFewSamples = 1 << 16;
+// Nor one that is smaller than a pixel: the filter that makes it would be far wider than the plane.
+constexpr double kMostSamplesAlongPixel = 4.0 * RenderOptions::kMaxImageSide;
 
 struct ViewAxes {
   Vec3 eye, right, up, axis;
@@ -158,6 +160,7 @@ std::optional<BasePlane> base_plane(const LatticeField& field, const Bounds3& su
     const double least = spacing / (base.is_parallel ? 1.0 : farthest);  // on the rearmost sheet
     step[a] = std::min(1 / (kBaseDensity * stretch[a]), kMostSpacings * least);
     base.samples_per_spacing = std::min(base.samples_per_spacing, least / step[a]);
+    if (!(1 / (stretch[a] * step[a]) <= kMostSamplesAlongPixel)) return std::nullopt;
     const double samples_around = kSamplesAround * step[a];
     const double pixels_around = std::max(samples_around, kSamplesAround / stretch[a]);
     first[a] = std::min(window.min()[a], std::max(shown.min()[a] - pixels_around,

@@ -55,6 +55,18 @@ Vec3 seen_at(const Camera& c, const RenderOptions& options, const Eigen::Vector2
   return c.position + depth * n + scale * (across * r + along * q);
 }
 
+// A grid whose spacings differ by so much that all its samples along an axis lie within a pixel:
+// the warp's filter for that pixel would have as many weights as the pixel is wide.
+TEST(BasePlane, IsNotOneThatAPixelCovers) {
+  for (const double longest : {1e3, 1e8}) {
+    test::FieldSetup setup;
+    setup.world_from_index.linear().diagonal() = Vec3(1, longest, 1);
+    const LatticeField field = test::constant_field({2, 5, 5}, 1, setup);
+    const Camera camera = camera_across(field, 2, 1.0, true);
+    EXPECT_EQ(base_of(field, camera, test::picture(9, 7)).has_value(), longest < 1e6) << longest;
+  }
+}
+
 class BasePlaneOf : public ::testing::TestWithParam<bool> {};
 
 // Fails if a sample's pixel, its depth, or its place in the lattice is another one's.

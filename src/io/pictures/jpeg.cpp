@@ -11,6 +11,7 @@
 
 #include "io/core/atomic_file.h"
 #include "io/pictures/pictures.h"
+#include "ovoid/encode.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {
@@ -33,27 +34,31 @@ struct JpegState {
 
 void on_jpeg_message(j_common_ptr) {}
 
+struct Pixels {
+  const std::uint8_t* rgba8;
+  int width, height;
+};
+
 // Everything between setjmp and a longjmp: no object with a destructor lives here. `rgb` is a row's
 // memory.
-bool compress(jpeg_compress_struct* jpeg, JpegState* state, const std::uint8_t* rgba8,
-              std::uint8_t* rgb, int width, int height) {
+bool compress(jpeg_compress_struct* jpeg, JpegState* state, Pixels pixels, int quality,
+              std::uint8_t* rgb) {
   if (setjmp(state->jump) != 0) return false;
-  constexpr int kQuality = 92;
   jpeg_create_compress(jpeg);
   jpeg_mem_dest(jpeg, &state->bytes, &state->num_bytes);
-  jpeg->image_width = static_cast<JDIMENSION>(width);
-  jpeg->image_height = static_cast<JDIMENSION>(height);
+  jpeg->image_width = static_cast<JDIMENSION>(pixels.width);
+  jpeg->image_height = static_cast<JDIMENSION>(pixels.height);
   jpeg->input_components = 3;
   jpeg->in_color_space = JCS_RGB;
   jpeg_set_defaults(jpeg);
-  jpeg_set_quality(jpeg, kQuality, TRUE);
+  jpeg_set_quality(jpeg, quality, TRUE);
   // Colour as fine as brightness: thin coloured lines keep their colour.
   jpeg->comp_info[0].h_samp_factor = jpeg->comp_info[0].v_samp_factor = 1;
   jpeg->optimize_coding = TRUE;
   jpeg_start_compress(jpeg, TRUE);
-  for (int row = 0; row < height; ++row) {
-    for (int x = 0; x < width; ++x, rgba8 += 4) {
-      for (int c = 0; c < 3; ++c) rgb[3 * x + c] = rgba8[c];
+  for (int row = 0; row < pixels.height; ++row) {
+    for (int x = 0; x < pixels.width; ++x, pixels.rgba8 += 4) {
+      for (int c = 0; c < 3; ++c) rgb[3 * x + c] = pixels.rgba8[c];
     }
     JSAMPROW rows[] = {rgb};
     jpeg_write_scanlines(jpeg, rows, 1);
@@ -64,16 +69,15 @@ bool compress(jpeg_compress_struct* jpeg, JpegState* state, const std::uint8_t* 
 
 }  // namespace
 
-void write_jpeg(std::span<const std::uint8_t> rgba8, int width, int height, const std::string& path,
-                const std::stop_token& stop) {
-  AtomicFile file(path, stop);
+std::string jpeg_bytes(std::span<const std::uint8_t> rgba8, int width, int height, int quality,
+                       const std::string& name) {
   JpegState state;
   jpeg_compress_struct jpeg{};
   jpeg.err = jpeg_std_error(&state.errors);
   state.errors.error_exit = on_jpeg_error;
   state.errors.output_message = on_jpeg_message;
   std::vector<std::uint8_t> row(3 * static_cast<std::size_t>(width));
-  const bool done = compress(&jpeg, &state, rgba8.data(), row.data(), width, height);
+  const bool done = compress(&jpeg, &state, {rgba8.data(), width, height}, quality, row.data());
   jpeg_destroy_compress(&jpeg);
   struct Frees {
     unsigned char* bytes;
@@ -81,9 +85,15 @@ void write_jpeg(std::span<const std::uint8_t> rgba8, int width, int height, cons
   } const frees{state.bytes};
   if (!done) {
     throw Error(ErrorCode::kFileWrite,
-                fmt::format("{}: cannot be written: libjpeg: {}", path, state.message));
+                fmt::format("{}: cannot be written: libjpeg: {}", name, state.message));
   }
-  file.write(state.bytes, state.num_bytes);
+  return {reinterpret_cast<const char*>(state.bytes), state.num_bytes};
+}
+
+void write_jpeg(std::span<const std::uint8_t> rgba8, int width, int height, const std::string& path,
+                const std::stop_token& stop) {
+  AtomicFile file(path, stop);
+  file.write(jpeg_bytes(rgba8, width, height, kUsualJpegQuality, path));
   file.commit();
 }
 

@@ -21,6 +21,12 @@ void write_png(std::span<const std::uint8_t> rgba8, int width, int height, const
 void write_jpeg(std::span<const std::uint8_t> rgba8, int width, int height, const std::string& path,
                 const std::stop_token& stop = {});
 
+// What these two write, in memory; `name` stands in messages. Quality is in [1, 100].
+std::string png_bytes(std::span<const std::uint8_t> rgba8, int width, int height,
+                      const std::string& name);
+std::string jpeg_bytes(std::span<const std::uint8_t> rgba8, int width, int height, int quality,
+                       const std::string& name);
+
 // 32-bit float channels R, G, B, A (premultiplied), Z (front depth), half_opacity.Z (depth) and, of
 // pictures that have normals, N.X, N.Y, N.Z; ZIP-compressed scan lines. The names are those of
 // [OpenEXR 2024], where Z is the front of what a pixel shows and layers stand before a dot.

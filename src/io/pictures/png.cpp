@@ -5,6 +5,7 @@
 #include <csetjmp>
 #include <cstdlib>
 #include <exception>
+#include <functional>
 #include <string>
 
 #include "data/out_of_memory.h"
@@ -15,10 +16,12 @@
 namespace ovoid::io {
 namespace {
 
+using Take = std::function<void(const void* bytes, std::size_t size)>;
+
 // What libpng's callbacks need. Neither C++ exceptions nor messages may cross libpng: they are kept
 // here and it jumps out.
 struct PngState {
-  AtomicFile* file = nullptr;
+  const Take* take = nullptr;
   std::exception_ptr write_error;
   std::string message;
   std::size_t refused_bytes = 0;  // of memory
@@ -43,7 +46,7 @@ void on_warning(png_structp, png_const_charp) {}
 void on_write(png_structp png, png_bytep data, png_size_t size) {
   auto* state = static_cast<PngState*>(png_get_io_ptr(png));
   try {
-    state->file->write(data, size);
+    (*state->take)(data, size);
     return;
   } catch (...) {
     state->write_error = std::current_exception();
@@ -68,12 +71,10 @@ bool encode(png_structp png, png_infop info, PngState* state, const std::uint8_t
   return true;
 }
 
-}  // namespace
-
-void write_png(std::span<const std::uint8_t> rgba8, int width, int height, const std::string& path,
-               const std::stop_token& stop) {
-  AtomicFile file(path, stop);
-  PngState state{&file, nullptr, {}};
+// `name` stands in messages.
+void put_png(std::span<const std::uint8_t> rgba8, int width, int height, const std::string& name,
+             const Take& take) {
+  PngState state{&take, nullptr, {}};
   png_structp png = png_create_write_struct_2(PNG_LIBPNG_VER_STRING, &state, on_error, on_warning,
                                               &state, on_allocate, on_free);
   png_infop info = png != nullptr ? png_create_info_struct(png) : nullptr;
@@ -81,10 +82,28 @@ void write_png(std::span<const std::uint8_t> rgba8, int width, int height, const
   if (png != nullptr) png_destroy_write_struct(&png, info != nullptr ? &info : nullptr);
   if (state.write_error) std::rethrow_exception(state.write_error);
   if (!done && state.refused_bytes > 0)
-    data::throw_out_of_memory(path + ": libpng", state.refused_bytes);
+    data::throw_out_of_memory(name + ": libpng", state.refused_bytes);
   if (!done)
     throw Error(ErrorCode::kFileWrite,
-                fmt::format("{}: cannot be written: libpng: {}", path, state.message));
+                fmt::format("{}: cannot be written: libpng: {}", name, state.message));
+}
+
+}  // namespace
+
+std::string png_bytes(std::span<const std::uint8_t> rgba8, int width, int height,
+                      const std::string& name) {
+  std::string bytes;
+  put_png(rgba8, width, height, name, [&bytes](const void* more, std::size_t size) {
+    bytes.append(static_cast<const char*>(more), size);
+  });
+  return bytes;
+}
+
+void write_png(std::span<const std::uint8_t> rgba8, int width, int height, const std::string& path,
+               const std::stop_token& stop) {
+  AtomicFile file(path, stop);
+  put_png(rgba8, width, height, path,
+          [&file](const void* bytes, std::size_t size) { file.write(bytes, size); });
   file.commit();
 }
 

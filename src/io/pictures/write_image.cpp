@@ -10,6 +10,7 @@
 #include "io/core/signatures.h"
 #include "io/images/npy.h"
 #include "io/pictures/pictures.h"
+#include "ovoid/encode.h"
 #include "ovoid/error.h"
 #include "ovoid/io.h"
 
@@ -90,6 +91,24 @@ void write_image(const Image& image, const std::string& path, const std::optiona
   }
 } catch (const std::bad_alloc&) {
   throw Error(ErrorCode::kOutOfMemory, path + ": no memory to write it");
+}
+
+std::string encode_png(const Image& image, const std::optional<Rgb>& background) try {
+  check_image(image);
+  return io::png_bytes(to_rgba8(image, background), image.width, image.height, "picture");
+} catch (const std::bad_alloc&) {
+  throw Error(ErrorCode::kOutOfMemory, "picture: no memory to pack it");
+}
+
+std::string encode_jpeg(const Image& image, const Rgb& background, int quality) try {
+  check_image(image);
+  if (quality < 1 || quality > 100) {
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("quality = {}: expected a number from 1 to 100", quality));
+  }
+  return io::jpeg_bytes(to_rgba8(image, background), image.width, image.height, quality, "picture");
+} catch (const std::bad_alloc&) {
+  throw Error(ErrorCode::kOutOfMemory, "picture: no memory to pack it");
 }
 
 }  // namespace ovoid

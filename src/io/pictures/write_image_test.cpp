@@ -14,6 +14,8 @@
 #include "io/core/test_folder.h"
 #include "io/images/npy.h"
 #include "io/images/test_volumes.h"
+#include "ovoid/encode.h"
+#include "ovoid/error.h"
 #include "ovoid/io.h"
 
 namespace ovoid::io {
@@ -65,6 +67,39 @@ TEST(WriteImage, JpegIsOneOnItsBackground) {
             std::string::npos);  // 24 rows of 40, three components
   EXPECT_EQ(folder.read("b.jpeg"), bytes);
   EXPECT_NE(folder.read("c.jpg"), bytes);
+}
+
+// Fails if one of the two has bytes of its own.
+TEST(EncodeImage, GivesTheBytesOfTheFile) {
+  const TestFolder folder;
+  const Rgb orange{1, 0.5, 0};
+  const Image image = small_image();
+  write_image(image, folder.file("a.png"));
+  write_image(image, folder.file("b.png"), orange);
+  write_image(image, folder.file("a.jpg"), orange);
+  EXPECT_EQ(encode_png(image), folder.read("a.png"));
+  EXPECT_EQ(encode_png(image, orange), folder.read("b.png"));
+  EXPECT_EQ(encode_jpeg(image, orange), folder.read("a.jpg"));
+  EXPECT_NE(encode_jpeg(image, orange, 20), folder.read("a.jpg"));
+  for (const int quality : {0, 101}) EXPECT_THROW(encode_jpeg(image, orange, quality), Error);
+  EXPECT_THROW(encode_png(Image{}), Error);
+}
+
+// A JPEG's sides have 16 bits; libjpeg refuses longer ones, and its words come through.
+TEST(EncodeImage, TellsWhatAFormatCannotHold) {
+  Image wide;
+  wide.width = 70000;
+  wide.height = 1;
+  wide.rgba.assign(4UL * 70000, 0.5F);
+  wide.depth.assign(70000, 1.0F);
+  wide.front_depth = wide.depth;
+  try {
+    encode_jpeg(wide, Rgb{0, 0, 0});
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kFileWrite);
+    EXPECT_NE(std::string(error.what()).find("65500"), std::string::npos) << error.what();
+  }
 }
 
 // Fails if a channel has another name, numbers or order.

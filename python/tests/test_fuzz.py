@@ -1,0 +1,212 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Arguments of any kind draw a picture, or raise ovoid.Error: never another exception, never a crash.
+
+OVOID_FUZZ=N tries N examples of each test, at random, instead of the few of the suite, which are always the same ones. OVOID_FUZZ_LOG=FILE keeps the newest call."""
+import os
+import tempfile
+
+import numpy as np
+import ovoid
+import ovoid._settings
+import pytest
+
+os.environ.setdefault("HYPOTHESIS_STORAGE_DIRECTORY", os.path.join(tempfile.gettempdir(), "ovoid-hypothesis"))  # else where the tests run
+hypothesis = pytest.importorskip("hypothesis")
+st = pytest.importorskip("hypothesis.strategies")
+
+COUNT = int(os.environ.get("OVOID_FUZZ", "0"))
+LOG = os.environ.get("OVOID_FUZZ_LOG")
+TINY = {"size": (9, 7), "threads": 1}
+# Of the settings that name what lies outside of the process, or ask it for more than a test has.
+OUTSIDE = {"data_folder", "memory_limit", "device", "device_memory", "backend", "tile", "threads", "size", "progress"}
+
+
+def fuzzed(share, **arguments):
+    """Runs a test on a share of the examples."""
+    settings = hypothesis.settings(max_examples=max(1, int((COUNT or 100) * share)), deadline=None, derandomize=not COUNT, database=None,
+                                   suppress_health_check=list(hypothesis.HealthCheck))
+    return lambda test: settings(hypothesis.given(**arguments)(test))
+
+
+def tried(call, *arguments, **settings):
+    """What a call returns, or None where it refuses, with words."""
+    if LOG:  # where a crash or a hang leaves no other trace
+        with open(LOG, "w", encoding="utf-8", errors="replace") as file:
+            file.write(f"{call.__qualname__} {arguments!r} {settings!r}")
+    try:
+        return call(*arguments, **settings)
+    except ovoid.Error as error:
+        assert str(error).strip() and error.code
+        return None
+
+
+numbers = st.one_of(st.integers(-3, 300), st.floats(allow_nan=True, allow_infinity=True, width=64), st.integers(-2**70, 2**70))
+words = st.one_of(st.sampled_from(["", "magma", "xray", "isosurface", "+x", "auto", "off", "all", "none", "1,2", "1:2", ":", ",", "{}", "[]", "true", "gaussian:1"]),
+                  st.text(max_size=8))
+values = st.recursive(st.one_of(st.none(), st.booleans(), numbers, words, st.binary(max_size=4), st.slices(9)),
+                      lambda inner: st.one_of(st.lists(inner, max_size=5), st.tuples(inner, inner), st.tuples(inner, inner, inner),
+                                              st.dictionaries(st.one_of(words, st.sampled_from(["position", "focal_point", "view_up", "Points", "RGBPoints"])),
+                                                              inner, max_size=4)), max_leaves=8)
+# Where most of the forms that flags have are hit, so that more than refusals are tried.
+likely = st.one_of(values, st.floats(0, 1), st.integers(0, 20), st.tuples(st.floats(-9, 9), st.floats(-9, 9)),
+                   st.lists(st.tuples(st.floats(0, 200), st.floats(0, 1)), min_size=1, max_size=4), st.tuples(*[st.floats(-30, 30)] * 4))
+
+
+def form_values(name):
+    """Values for a setting, the words of its form among them."""
+    form = ovoid._settings.table()[name][2] if name in ovoid._settings.table() else ""
+    given = [word for word in form.split("|") if word.islower()]
+    return st.one_of(likely, st.sampled_from(given)) if given else likely
+
+
+NAMES = sorted(set(ovoid.settings()) - OUTSIDE | {"cmap", "clim", "cpos", "blending", "opacity", "scalars", "shade", "nonsense"})
+
+pairs = st.tuples(st.floats(-1, 5), st.floats(0, 1)).map(lambda pair: (pair[0], pair[0] + pair[1] + 0.01))
+GOOD = {  # values that are taken, so that they meet each other
+    "mode": st.sampled_from(["composite", "maximum", "mean", "xray"]), "azimuth": st.floats(-400, 400), "elevation": st.floats(-100, 100),
+    "roll": st.floats(-180, 180), "zoom": st.floats(1e-3, 1e3), "cmap": st.sampled_from(["magma", "viridis_r", "tab10"]), "clim": pairs, "crop_world": st.just(":0.5,:,:"),
+    "opacity": st.lists(st.tuples(st.integers(0, 9), st.floats(0, 1)), min_size=1, max_size=3).map(lambda points: sorted(dict(points).items())),
+    "unit_distance": st.floats(1e-6, 1e6), "clip": st.tuples(*[st.integers(-3, 3)] * 3, st.floats(-9, 9)).filter(lambda plane: any(plane[:3])),
+    "kernel": st.sampled_from(["bspline", "gaussian", "gaussian:1.5", "catmull-rom"]), "view": st.sampled_from(["+x", "-y", "front"]),
+    "projection": st.sampled_from(["parallel", "perspective"]), "sampling_distance": st.floats(0.05, 50), "colorbar": st.booleans(), "axes": st.booleans(),
+    "background": st.sampled_from(["white", "none", "0.1,0.2,0.3"]), "occlusion": st.floats(0, 1), "shadows": st.floats(0, 1), "log": st.booleans(),
+    "shade": st.booleans(), "sheets": st.sampled_from(["image", "lattice", "auto"]), "classification": st.sampled_from(["sampled", "pre-integrated", "refined"]),
+    "slab": st.sampled_from(["mid", "mean"]), "gradient": st.sampled_from(["exact", "central", "corrected"]), "view_angle": st.floats(1, 170),
+    "post_convolution": st.sampled_from(["off", "cubic", "bilinear"]), "bounding_box": st.booleans(), "fit": st.sampled_from(["box", "visible"]), "points": st.booleans(),
+}
+
+
+@st.composite
+def settings(draw, most=4):
+    """Some that are taken and, half of the time, one of any kind."""
+    names = draw(st.lists(st.sampled_from(sorted(GOOD)), max_size=most, unique=True))
+    chosen = {name: draw(GOOD[name]) for name in names}
+    if draw(st.booleans()):
+        odd = draw(st.sampled_from(NAMES))
+        chosen[odd] = draw(form_values(odd))
+    return chosen
+
+
+dtypes = st.sampled_from(["u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f2", "f4", "f8", "g", "?", ">u2", ">f4", ">f8", "c8", "O", "U3", "M8[s]", "V4",
+                          [("a", "f4"), ("b", ">i2")]])
+
+
+@st.composite
+def arrays(draw, shapes=None):
+    """Of any type, shape, order and stride, with values that are usual and values that are none."""
+    dtype = np.dtype(draw(dtypes))
+    shape = draw(shapes) if shapes is not None else tuple(draw(st.lists(st.integers(0, 7), max_size=5)) if draw(st.integers(0, 4)) == 0 else draw(st.lists(st.integers(1, 7), min_size=2, max_size=4)))
+    raw = draw(st.randoms(use_true_random=False)).randbytes(int(np.prod(shape)) * dtype.itemsize)
+    if dtype.kind == "O":
+        array = np.full(shape, None)
+    elif dtype.kind in "?UM" or draw(st.booleans()):  # bits of any kind; of bool and text some are not allowed
+        array = np.arange(int(np.prod(shape))).reshape(shape).astype(dtype) if dtype.kind != "V" else np.zeros(shape, dtype)
+    else:
+        array = np.frombuffer(raw, dtype).reshape(shape)
+    if array.dtype.kind == "f" and array.size and draw(st.booleans()):
+        array = array.copy()
+        array.reshape(-1)[draw(st.integers(0, array.size - 1))] = draw(st.sampled_from([np.nan, np.inf, -np.inf, 0.0]))
+    way = draw(st.integers(0, 5))
+    if way == 1:
+        array = np.asfortranarray(array)
+    elif way == 2 and array.ndim:
+        array = array[tuple(slice(None, None, draw(st.sampled_from([1, 2, -1, -2]))) for _ in array.shape)]
+    elif way == 3:
+        array = array.transpose(draw(st.permutations(range(array.ndim))))
+    elif way == 4 and array.ndim and array.dtype.kind not in "OV":
+        array = np.ma.masked_array(array, mask=np.arange(array.size).reshape(array.shape) % draw(st.integers(1, 4)) == 0)
+    elif way == 5 and array.ndim and array.size:
+        array = np.broadcast_to(array[:1], (draw(st.integers(1, 4)), *array.shape[1:]))
+    return array
+
+
+of_six = st.one_of(arrays(st.sampled_from([(6,), (6, 2)])), arrays())
+vectors = st.one_of(st.none(), st.tuples(*[st.floats(0.1, 9)] * 3), st.tuples(*[st.floats()] * 3), values)
+matrices = st.one_of(st.none(), st.just(np.eye(3)[::-1]), st.lists(st.tuples(*[st.floats(-1, 1)] * 3), min_size=3, max_size=3), values)
+
+
+def check(picture):
+    if picture is None:
+        return
+    pixels = picture.numpy()
+    assert pixels.shape == (7, 9, 4) and pixels.dtype == np.uint8
+    assert picture.encode()[:4] == b"\x89PNG" and picture.command and picture.state and picture.depth.shape == (7, 9)
+
+
+@fuzzed(1, array=arrays(), spacing=vectors, origin=vectors, direction=matrices)
+def test_arrays(array, spacing, origin, direction):
+    check(tried(ovoid.render, array, spacing=spacing, origin=origin, direction=direction, **TINY))
+
+
+@fuzzed(2, given=settings(), kind=st.integers(0, 3))
+def test_settings(given, kind):
+    check(tried(ovoid.render, DATA[kind], **{**given, **TINY}))
+
+
+@fuzzed(0.5, changes=st.lists(settings(2), min_size=1, max_size=4))
+def test_scenes(changes):
+    """One scene and its view, through settings that come and go; what is refused changes nothing."""
+    scene = ovoid.Scene(DATA[0], **TINY)
+    before, view = scene.render().numpy(), scene.view()
+    for given in changes:
+        check(tried(view.render, **given))
+        kept = dict(view.settings)
+        if tried(view.update, **given) is None:
+            assert view.settings == kept
+        check(tried(view.render, **TINY))
+    assert (scene.render().numpy() == before).all()
+
+
+@fuzzed(0.5, xyz=st.one_of(arrays(st.just((6, 3))), arrays()), attributes=st.one_of(st.none(), of_six, st.dictionaries(words, of_six, max_size=2)),
+        h=st.one_of(st.none(), of_six), given=settings(2))
+def test_particles(xyz, attributes, h, given):
+    cloud = tried(ovoid.particles, xyz, attributes, h)
+    if cloud is not None:
+        check(tried(ovoid.render, cloud, **{**given, **TINY}))
+
+
+@fuzzed(0.5, n=st.integers(1, 40), seed=st.integers(0, 999), scale=st.sampled_from([0, 1e-300, 1e-30, 1, 1e30, 1e300]),
+        h=st.one_of(st.none(), st.floats()), odd=st.sampled_from([0, np.nan, np.inf]), given=settings(2))
+def test_particles_of_any_size(n, seed, scale, h, odd, given):
+    """Places that lie on each other, apart by all that a float holds, or nowhere."""
+    xyz = np.random.default_rng(seed).normal(size=(n, 3)) * scale
+    xyz[0, 0] += odd
+    cloud = tried(ovoid.particles, xyz, np.arange(float(n)), None if h is None else np.full(n, h))
+    if cloud is not None:
+        check(tried(ovoid.render, cloud, **{**given, **TINY}))
+
+
+@fuzzed(0.5, array=arrays(), ending=st.sampled_from([".nrrd", ".nii", ".nii.gz", ".mha", ".npy", ".vti", ".h5", ".raw", ".vtu", ".ply", "", ".xyz"]),
+        placement=st.fixed_dictionaries({}, optional={"spacing": vectors, "origin": vectors, "direction": matrices}))
+def test_files(array, ending, placement):
+    """What is written is read, and told of, or refused."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "a" + ending)
+        tried(ovoid.write, path, array, **placement)
+        facts = tried(ovoid.info, array, **placement)
+        assert facts is None or facts["arrays"]
+        data = tried(ovoid.read, path)
+        if data is not None:
+            assert data.arrays is not None and repr(data) and data.kind and data.positions is not None
+            check(tried(ovoid.render, path, **TINY))
+
+
+@fuzzed(0.5, path=st.one_of(values, st.lists(words, max_size=3)), given=settings(2))
+def test_anything(path, given):
+    """Where data belong there is something else."""
+    for call in (ovoid.render, ovoid.read, ovoid.info, ovoid.Scene):
+        tried(call, path, **given)
+    picture = ovoid.render(DATA[0], **TINY)
+    tried(picture.encode, path, path)
+    tried(picture.encode, ".jpg", path)
+
+
+def some_data():
+    z, y, x = np.mgrid[-1:1:7j, -1:1:8j, -1:1:9j]
+    field = np.exp(-2 * (x**2 + y**2 + z**2))
+    labels = (4 * field).astype("u1")
+    rng = np.random.default_rng(1)
+    return [field, labels, np.stack([x, y, z], axis=-1), ovoid.particles(rng.normal(size=(30, 3)), rng.random(30))]
+
+
+DATA = some_data()

@@ -19,7 +19,7 @@ namespace ovoid::cli {
 namespace {
 
 // Of surfaces that are given none, in turn: bone, steel, copper, moss.
-constexpr Rgb kColors[] = {
+constexpr Rgb kGeometryColors[] = {
     {0.9, 0.87, 0.78}, {0.55, 0.66, 0.78}, {0.8, 0.5, 0.32}, {0.5, 0.64, 0.4}};
 
 std::shared_ptr<const Surface> surface_of_file(const std::string& path, Session& session) {
@@ -73,7 +73,7 @@ Scenery make_scenery(const GeometryFlags& flags, const Field& field, Session& se
   Scenery all;
   for (std::size_t i = 0; i < flags.files.size(); ++i) {
     all.geometry.push_back({surface_of_file(flags.files[i], session),
-                            nth(flags.colors, i, kColors[i % std::size(kColors)]),
+                            nth(flags.colors, i, kGeometryColors[i % std::size(kGeometryColors)]),
                             nth(flags.opacities, i, 1.0), flags.shows_edges});
   }
   if (flags.slices.empty()) return all;

@@ -194,3 +194,18 @@ def test_films(tmp_path, array):
         ovoid.animate([], tmp_path / "none.gif")
     with pytest.raises(ovoid.InvalidArgument, match="expected a film"):
         ovoid.animate([ovoid.render(array, **SMALL)], tmp_path / "film.avi")
+
+
+def test_surfaces_and_slices_in_the_scene(tmp_path, array):
+    """A list is a flag that is repeated; colours are tuples or names."""
+    for name, z in (("near", 20), ("far", 2)):
+        (tmp_path / f"{name}.obj").write_text(f"v 0 0 {z}\nv 28 0 {z}\nv 28 24 {z}\nv 0 24 {z}\nf 1 2 3 4\n")
+    files = [tmp_path / "near.obj", tmp_path / "far.obj"]
+    try:
+        picture = ovoid.render(array, add=files, add_color=[(1, 0, 0), "blue"], view="+z", shade=False, opacity=[(0, 0), (200, 0)], **SMALL)
+    except ovoid.Unsupported as error:
+        pytest.skip(str(error))
+    red, green, blue, _ = picture.rgba[36, 48]
+    assert red > 0.99 and green < 0.01 and blue < 0.01
+    sliced = ovoid.render(array, slice="axial", slice_map="gray", slice_empty=True, view="+z", opacity=[(0, 0), (200, 0)], **SMALL)
+    assert sliced.rgba[36, 48, 3] == 1 and np.ptp(sliced.rgba[36, 48, :3]) < 1e-3

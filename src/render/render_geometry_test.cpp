@@ -182,17 +182,31 @@ TEST(Geometry, BackEndsAgreeWhateverTheThreads) {
   }
 }
 
-// The field takes light from what stands within it.
-TEST(Geometry, LightArrivesThroughTheField) {
-  Look look = without_light(0.3);
+// A dense cube in the middle of nothing shadows the sheet behind it, away from the light.
+TEST(Geometry, TheFieldShadowsIt) {
+  Dataset dataset;
+  dataset.lattice.dims = {16, 16, 16};
+  dataset.lattice.world_from_index = Affine3(Eigen::Translation3d(-7.5, -7.5, -7.5));
+  std::vector<float> values;
+  for (int i = 0; i < 16 * 16 * 16; ++i) {
+    const auto is_middle = [](int n) { return 5 <= n && n <= 10; };
+    values.push_back(is_middle(i % 16) && is_middle(i / 16 % 16) && is_middle(i / 256) ? 1.0F : 0);
+  }
+  dataset.arrays = {model::array_of_numbers("v", 1, values)};
+  const LatticeField field = make_lattice_field(dataset);
+  Look look = without_light();
+  look.transfer_function.opacities = {{0.3, 0}, {1, 0.9}};
   look.shade = true;
-  look.light = Light::kStudio;
-  look.material = {0.5, 0.5, 0, 1};
-  const auto brightness = [&](double occlusion) {
-    look.occlusion = occlusion;
-    return pixel(drawn_with(cube_field(), look, {{sheet_at(-3.2), {1, 0, 0}}}).image, 32, 32).r();
+  look.light = Light::kSingle;
+  look.light_direction = Vec3(1, 0, -0.7);  // from the right, and from the eye's side
+  look.material = {0.1, 0.9, 0, 1};
+  const auto brightness = [&](double shadows, int x) {
+    look.shadows = shadows;
+    return pixel(drawn_with(field, look, {{sheet_at(5), {1, 0, 0}}}).image, x, 32).r();
   };
-  EXPECT_LT(brightness(1), 0.9 * brightness(0));
+  const int left = 4 * (8 - 5), right = 4 * (8 + 5);
+  EXPECT_LT(brightness(1, left), 0.7 * brightness(0, left));
+  EXPECT_NEAR(brightness(1, right), brightness(0, right), 0.02);
 }
 
 // A ramp along x, and gray from -4 to 4: the slice shows x, where the cube is.
@@ -215,8 +229,7 @@ TEST(FieldSlices, ShowTheFieldAtTheirDepth) {
   };
   const Image opaque = picture(1);
   for (const int x : {24, 30, 36, 40}) {
-    // Pixels are a quarter wide; from -z with y up, x goes to the left.
-    const double world = -((x + 0.5) / 4 - 8);
+    const double world = (x + 0.5) / 4 - 8;  // pixels are a quarter wide
     EXPECT_NEAR(pixel(opaque, x, 32).r(), (world + 4) / 8, 0.02) << x;
     EXPECT_NEAR(test::depth(opaque, x, 32), 21, 1e-3);
   }

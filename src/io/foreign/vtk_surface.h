@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files of surfaces, which fill no volume and stand in a scene beside a field. All by VTK's readers.
+// Files of surfaces, which fill no volume and stand in a scene beside a field. All by VTK's
+// readers.
 #pragma once
 
 #include "io/core/byte_source.h"

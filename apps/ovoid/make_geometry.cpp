@@ -32,7 +32,7 @@ std::shared_ptr<const Surface> surface_of_file(const std::string& path, Session&
   if (mesh.kind != DatasetKind::kMesh && mesh.kind != DatasetKind::kBoxes) {
     throw Error(
         ErrorCode::kInvalidArgument,
-        fmt::format("--add: '{}' holds {}, expected a surface: .stl, .ply, .obj, .glb, .vtp "
+        fmt::format("--add: '{}' holds {}, expected a surface: .stl, .obj, .ply, .vtp "
                     "or a mesh",
                     path, mesh.kind == DatasetKind::kLattice ? "a lattice" : "points"));
   }

@@ -320,7 +320,7 @@ const Table<GeometryFlags>& geometry_settings() {
   const Rule of_slices = needs("slice", "has no effect without --slice");
   static const Table<G> all = {
       {"--add", word("FILE"), &G::files,
-       "a surface in the scene: .stl, .ply, .obj, .glb, .vtp or a mesh's outside, in the data's "
+       "a surface in the scene: .stl, .obj, .ply, .vtp or a mesh's outside, in the data's "
        "world (repeatable)",
        not_with("mode", "is for --mode composite and isosurface", is_unlit),
        not_with("value-plane motion-blur points part")},

@@ -23,6 +23,7 @@
 #include "io/images/slc.h"
 #include "io/meshes/mesh_files.h"
 #include "io/meshes/plot3d.h"
+#include "io/meshes/surfaces.h"
 #include "io/points/lammps_dump.h"
 #include "io/points/npy_points.h"
 #include "io/points/ply.h"
@@ -199,9 +200,16 @@ std::vector<Format> grids() {
        .is_file = is_enzo,
        .library = "VTK",
        .companions = enzo_companions},
-      {.name = "STL", .endings = {".stl"}, .is_file = is_stl, .library = "VTK", .kinds = {kMesh}},
-      {.name = "OBJ", .endings = {".obj"}, .is_file = is_obj, .library = "VTK", .kinds = {kMesh}},
-      {.name = "glTF", .endings = {".glb"}, .is_file = is_gltf, .library = "VTK", .kinds = {kMesh}},
+      {.name = "STL",
+       .endings = {".stl"},
+       .is_file = is_stl,
+       .read = read_one<read_stl>,
+       .kinds = {kMesh}},
+      {.name = "OBJ",
+       .endings = {".obj"},
+       .is_file = is_obj,
+       .read = read_one<read_obj>,
+       .kinds = {kMesh}},
       // Of a PLY file whose faces are asked for (ReadOptions::faces).
       {.name = kPlyFaces, .endings = {}, .library = "VTK", .kinds = {kMesh}},
       {.name = "PLOT3D", .endings = {}, .kinds = {kMesh}}};

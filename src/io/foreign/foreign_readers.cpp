@@ -49,9 +49,6 @@ const std::vector<ForeignReader>& foreign_readers() {
       {"Exodus", check_exodus_or_hdf5, read_exodus},
       {"EnSight", nullptr, read_ensight},
       {"Enzo", check_enzo, read_enzo},
-      {"STL", check_stl, read_stl},
-      {"OBJ", nullptr, read_obj},
-      {"glTF", nullptr, read_gltf},
       {"PLY: surfaces", nullptr, read_ply_faces},
 #endif
 #ifdef OVOID_IO_HDF5

@@ -38,8 +38,6 @@ bool is_obj(const ByteSource& source, std::string_view) {
   return ending_of(source.name()) == ".obj";
 }
 
-bool is_gltf(const ByteSource&, std::string_view start) { return start.starts_with("glTF"); }
-
 bool is_ensight(const ByteSource& source, std::string_view) {
   const std::string ending = ending_of(source.name());
   return ending == ".case" || ending == ".encas";

@@ -19,7 +19,6 @@ bool is_enzo(const ByteSource& source,
              std::string_view start);                           // NAME.hierarchy, or NAME beside it
 bool is_stl(const ByteSource& source, std::string_view start);  // by name
 bool is_obj(const ByteSource& source, std::string_view start);  // by name
-bool is_gltf(const ByteSource& source, std::string_view start);     // binary, its first bytes
 bool is_ensight(const ByteSource& source, std::string_view start);  // by name
 
 }  // namespace ovoid::io

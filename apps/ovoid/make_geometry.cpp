@@ -30,11 +30,10 @@ std::shared_ptr<const Surface> surface_of_file(const std::string& path, Session&
   Dataset mesh = read_dataset({path}, options);
   session.notes(mesh.notes);
   if (mesh.kind != DatasetKind::kMesh && mesh.kind != DatasetKind::kBoxes) {
-    throw Error(
-        ErrorCode::kInvalidArgument,
-        fmt::format("--add: '{}' holds {}, expected a surface: .stl, .obj, .ply, .vtp "
-                    "or a mesh",
-                    path, mesh.kind == DatasetKind::kLattice ? "a lattice" : "points"));
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("--add: '{}' holds {}, expected a surface: .stl, .obj, .ply, .vtp "
+                            "or a mesh",
+                            path, mesh.kind == DatasetKind::kLattice ? "a lattice" : "points"));
   }
   if (mesh.kind == DatasetKind::kMesh) mesh.arrays = {nothing_at_nodes(mesh)};
   auto surface = make_surface(mesh, {}, session.stop());

@@ -7,8 +7,8 @@
 
 namespace ovoid::io {
 
-// The faces of a PLY file as a mesh of triangles, whatever ReadOptions::faces says, by VTK's reader.
-// Throws Error.
+// The faces of a PLY file as a mesh of triangles, whatever ReadOptions::faces says, by VTK's
+// reader. Throws Error.
 Dataset read_ply_faces(const ByteSource& source, const ReadOptions& options);
 
 }  // namespace ovoid::io

@@ -10,6 +10,7 @@
 
 #include "drawing.h"
 #include "histogram.h"
+#include "picking.h"
 #include "profile.h"
 #include "shot.h"
 #include "source.h"
@@ -35,6 +36,8 @@ struct Picture {
   cli::FlagSet flags;
   std::vector<std::string> inputs;  // files; empty: data in memory
   std::vector<std::string> notes;
+  Field field;  // that is shown, with its data
+  cli::PickWords pick_words;
 
   const Image& seen() const { return for_eyes ? *for_eyes : image; }
 };
@@ -77,6 +80,10 @@ class Scene {
   std::string renderer_key_;
   int process_ = 0;  // that the renderer's threads are in
 };
+
+// What `ovoid render --pick X,Y --pick-report FILE` writes of one pixel, and the units. Throws
+// Error.
+std::string picked(const Picture& picture, int x, int y);
 
 // Writes what `ovoid render -o PATH` would write.
 void save_picture(const Picture& picture, const std::string& path, std::stop_token stop);

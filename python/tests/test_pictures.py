@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pictures are the program's, to the byte, and come out in every form that Python's programs take."""
 import io
+import json
 import shlex
 import subprocess
 
@@ -176,3 +177,32 @@ def test_notebooks_show_it():
     shown = book.cells[0].outputs[0].data
     assert shown["text/plain"] == "<ovoid.Picture 64 x 48>"
     assert shown["image/png"].startswith("iVBORw0KGgo")  # PNG's first bytes in base 64
+
+
+def test_pick_tells_what_the_program_tells(tmp_path, array):
+    path = tmp_path / "bumps.nrrd"
+    ovoid.write(path, array)
+    picture = ovoid.render(array, **SMALL)
+    report = tmp_path / "picks.json"
+    subprocess.run([PROGRAM, "render", path, *FLAGS, "--pick", "48,36", "--pick", "0,0", "--pick-report", report], check=True)
+    told = json.loads(report.read_text())
+    for pick in told["picks"]:
+        found = picture.pick(*pick["pixel"])
+        assert (found.pop("unit"), found.pop("length_unit")) == (told["unit"], told["length_unit"])
+        assert found == pick
+    assert [pick["shows"] for pick in told["picks"]] == [True, False]
+    # What is drawn later changes nothing.
+    hit = told["picks"][0]
+    x, y, z = hit["position"]
+    assert picture.depth[36, 48] == pytest.approx(hit["depth"]) or picture.rgba[36, 48, 3] < 0.5
+    assert ovoid.sample(array, [(x, y, z)]).value[0] == pytest.approx(hit["value"], rel=1e-5)
+    assert picture.pick(np.int64(48), np.uint8(36))["position"] == hit["position"]
+
+
+def test_pick_refuses_other_pixels(array):
+    picture = ovoid.render(array, **SMALL)
+    for x, y in ((96, 0), (0, 72), (-1, 0)):
+        with pytest.raises(ovoid.InvalidArgument, match="outside of the picture, expected 0,0 to 95,71"):
+            picture.pick(x, y)
+    with pytest.raises(TypeError):
+        picture.pick(1.5, 2)

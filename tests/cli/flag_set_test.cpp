@@ -297,7 +297,8 @@ TEST(FlagSets, SamplesHoldEveryFlag) {
     EXPECT_NO_THROW(cli::check_render_flags(set.words())) << joined(sample);
   }
   for (const FlagForm& form : cli::render_flags()) {
-    const std::set<std::string> of_line = {"output", "part", "profile", "save-look", "state"};
+    const std::set<std::string> of_line = {"output",  "part",      "pick", "pick-report",
+                                           "profile", "save-look", "state"};
     const bool is_of_line = of_line.contains(form.name);
     EXPECT_EQ(held.contains(form.name), !is_of_line) << form.name;
   }

@@ -101,6 +101,8 @@ Look base_look(const LookFlags& flags, const Field& field, const std::string& un
   if (uses_default_look(flags)) note_noise(look, field, session);
   if (flags.mode == Mode::kMaximum || flags.mode == Mode::kMean)
     make_opaque(look.transfer_function);
+  // Of a ramp the least values would be the ones that do not show.
+  if (flags.mode == Mode::kMinimum) look.transfer_function.opacities.clear();
   if (flags.preset == kCinematicPreset) {
     add_cinematic_light(look);
     look.transfer_function.name = flags.preset;

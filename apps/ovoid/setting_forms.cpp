@@ -9,6 +9,7 @@
 #include <cstring>
 #include <limits>
 
+#include "ovoid/crop.h"
 #include "ovoid/error.h"
 #include "session.h"
 #include "suggest.h"
@@ -183,6 +184,16 @@ ClipPlane parse_clip(const std::string& text) {
   if (plane.normal.norm() == 0)
     throw BadValue("expected NX,NY,NZ,D with a normal other than 0,0,0");
   return plane;
+}
+
+std::array<ClipPlane, 2> parse_thick_slice(const std::string& text) {
+  const std::vector<double> numbers = parse_numbers(text, 5);
+  const ClipPlane middle{{numbers[0], numbers[1], numbers[2]}, numbers[3]};
+  if (middle.normal.norm() == 0)
+    throw BadValue("expected NX,NY,NZ,D,T with a normal other than 0,0,0");
+  if (!(numbers[4] > 0))
+    throw BadValue("expected NX,NY,NZ,D,T with a thickness T > 0 (--value-plane shows a plane)");
+  return slice_planes(middle, numbers[4]);
 }
 
 ValuePlane parse_value_plane(const std::string& text) {

@@ -34,9 +34,11 @@ Vec3 parse_spacing(const std::string& text);          // "A,B,C"
 Vec3 parse_direction(const std::string& text);        // "X,Y,Z"
 // "studio", "headlight", "X,Y,Z" or "studio:X,Y,Z".
 std::pair<Light, std::optional<Vec3>> parse_light(const std::string& text);
-FurtherLight parse_further_light(const std::string& text);      // "X,Y,Z[@INTENSITY]"
-Hyperplane parse_hyperplane(const std::string& text);           // "A,B,C,D,E"
-ClipPlane parse_clip(const std::string& text);                  // "NX,NY,NZ,D"
+FurtherLight parse_further_light(const std::string& text);           // "X,Y,Z[@INTENSITY]"
+Hyperplane parse_hyperplane(const std::string& text);                // "A,B,C,D,E"
+ClipPlane parse_clip(const std::string& text);                       // "NX,NY,NZ,D"
+// "NX,NY,NZ,D,T", as the two planes that leave it.
+std::array<ClipPlane, 2> parse_thick_slice(const std::string& text);
 ValuePlane parse_value_plane(const std::string& text);          // "NX,NY,NZ,D[,shown]"
 std::string parse_preset(const std::string& text);              // its name
 std::string parse_color_map(const std::string& text);           // its name, or a list, as it is

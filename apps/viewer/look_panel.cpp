@@ -14,8 +14,8 @@
 namespace ovoid::viewer {
 namespace {
 
-constexpr std::array<Mode, 5> kModes = {Mode::kComposite, Mode::kXray, Mode::kMaximum, Mode::kMean,
-                                        Mode::kIsosurface};
+constexpr std::array<Mode, 6> kModes = {Mode::kComposite, Mode::kXray, Mode::kMaximum,
+                                        Mode::kMinimum,   Mode::kMean, Mode::kIsosurface};
 
 TransferFunction& colors_of(Look& look) {
   return look.color_function ? *look.color_function : look.transfer_function;
@@ -58,7 +58,9 @@ bool edit_point(Panel& panel, const std::string& name, std::vector<OpacityPoint>
 }
 
 // Modes in which one sample makes the pixel: its opacity is no matter of thickness.
-bool is_of_one_sample(Mode mode) { return mode == Mode::kMaximum || mode == Mode::kMean; }
+bool is_of_one_sample(Mode mode) {
+  return mode == Mode::kMaximum || mode == Mode::kMinimum || mode == Mode::kMean;
+}
 
 // Between them and the others: what was faint in layers becomes visible, and faint again.
 void swap_opacities(Panel& panel, bool was_one, bool is_one) {
@@ -79,7 +81,8 @@ bool choose_mode(Panel& panel) {
   Look& look = panel.document.view.look;
   int mode = static_cast<int>(std::find(kModes.begin(), kModes.end(), look.mode) - kModes.begin());
   const bool is_changed = panel.widgets.choice(
-      "look.mode", "mode", {"composite", "x-ray", "maximum", "mean", "isosurface"}, &mode);
+      "look.mode", "mode", {"composite", "x-ray", "maximum", "minimum", "mean", "isosurface"},
+      &mode);
   if (is_changed) {
     const Mode before = std::exchange(look.mode, kModes[static_cast<std::size_t>(mode)]);
     swap_opacities(panel, is_of_one_sample(before), is_of_one_sample(look.mode));

@@ -16,7 +16,7 @@
 namespace OVOID_API ovoid {
 
 // How the samples of a ray become a pixel (docs/numerics.md, "Modes").
-enum class Mode { kComposite, kXray, kMaximum, kMean, kIsosurface };
+enum class Mode { kComposite, kXray, kMaximum, kMean, kIsosurface, kMinimum };
 
 // Blinn-Phong in VTK's words; two-sided. The light is white.
 struct Material {

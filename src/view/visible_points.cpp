@@ -44,6 +44,7 @@ class Extinction {
       case Mode::kXray:
         return value > least_shown_ ? kSolid : 0.0;
       case Mode::kMaximum:
+      case Mode::kMinimum:
       case Mode::kMean:
         return table_.at(value).opacity > 0.02F ? kSolid : 0.0;
       case Mode::kComposite:

@@ -3,7 +3,7 @@
 // become opaque is closed.
 //
 // In:  visible samples with opacity and colour (composite), or defined samples (x-ray, maximum,
-// mean). Out: the tile's state.
+// minimum, mean). Out: the tile's state.
 #if defined(OVOID_RENDER_CPU_COMPOSITE_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef OVOID_RENDER_CPU_COMPOSITE_INL_H_
 #undef OVOID_RENDER_CPU_COMPOSITE_INL_H_
@@ -113,33 +113,59 @@ inline void composite_sheet(const CpuFrame& frame, const BlockPlace& place, int 
   }
 }
 
-// X-ray, maximum and mean: every defined sample counts.
+// What a group's samples, or what is left of its pieces, say of their pixels.
+struct GroupOfValues {
+  V value, depth;
+};
+
+// Maximum and minimum. `at`: the group's lanes are those that say something.
+HWY_INLINE void note_extreme(const CpuFrame& frame, const BlockPlace& place, const SampleGroup& at,
+                             const GroupOfValues& found, TileState& tile) {
+  const M mask = mask_of(at.lanes);
+  const int to = tile_index(place, at.column, at.row);
+  RowWord& seen_row = tile.seen[tile_row(place, at.row)];
+  const M seen = mask_of(lanes_at(seen_row, tile_column(place, at.column)));
+  const V best = hn::LoadU(d, tile.best + to);
+  const M better =
+      frame.mode == Mode::kMaximum ? hn::Gt(found.value, best) : hn::Lt(found.value, best);
+  const M is_new = hn::And(mask, hn::Or(better, hn::Not(seen)));
+  store_masked(is_new, found.value, tile.best + to);
+  store_masked(is_new, found.depth, tile.depth + to);
+  seen_row |= RowWord{at.lanes} << tile_column(place, at.column);
+}
+
+// X-ray and mean. `length`: of the path, world units.
+HWY_INLINE void add_to_sum(const BlockPlace& place, const SampleGroup& at,
+                           const GroupOfValues& found, V length, TileState& tile) {
+  const M mask = mask_of(at.lanes);
+  const int to = tile_index(place, at.column, at.row);
+  RowWord& seen_row = tile.seen[tile_row(place, at.row)];
+  const M seen = mask_of(lanes_at(seen_row, tile_column(place, at.column)));
+  const V sum = hn::IfThenElseZero(seen, hn::LoadU(d, tile.best + to));
+  store_masked(mask, hn::MulAdd(found.value, length, sum), tile.best + to);
+  store_masked(mask, hn::Add(length, hn::LoadU(d, tile.path + to)), tile.path + to);
+  store_masked(hn::AndNot(seen, mask), found.depth, tile.depth + to);
+  seen_row |= RowWord{at.lanes} << tile_column(place, at.column);
+}
+
+inline bool shows_an_extreme(const CpuFrame& frame) {
+  return frame.mode == Mode::kMaximum || frame.mode == Mode::kMinimum;
+}
+
+// X-ray, maximum, minimum and mean: every defined sample counts.
 inline void accumulate_sheet(const CpuFrame& frame, const BlockPlace& place, int s,
                              const float* values, const RowBits& bits, TileState& tile) {
   for (int y = 0; y < place.rows; ++y) {
     for_each_group(
         bits[y], place.margin, place.columns - place.margin, [&](int column, std::uint32_t lanes) {
-          const M mask = mask_of(lanes);
-          const int to = tile_index(place, column, y);
-          RowWord& seen_row = tile.seen[tile_row(place, y)];
-          const M seen = mask_of(lanes_at(seen_row, tile_column(place, column)));
-          const V value = hn::LoadU(d, values + y * kTilePlane.stride + column);
-          const V depth = hn::Set(d, place.sheets[s].depth);
-          const V best = hn::LoadU(d, tile.best + to);
-          if (frame.mode == Mode::kMaximum) {
-            const M better = hn::And(mask, hn::Gt(value, best));
-            store_masked(better, value, tile.best + to);
-            store_masked(better, depth, tile.depth + to);
-          } else {
-            const V length = hn::Mul(hn::Mul(path_fraction(frame, place, s, column, y),
-                                             ray_length(frame, place, column, y)),
-                                     hn::Set(d, frame.camera.sampling_distance));
-            const V sum = hn::IfThenElseZero(seen, best);
-            store_masked(mask, hn::MulAdd(value, length, sum), tile.best + to);
-            store_masked(mask, hn::Add(length, hn::LoadU(d, tile.path + to)), tile.path + to);
-            store_masked(hn::AndNot(seen, mask), depth, tile.depth + to);
-          }
-          seen_row |= RowWord{lanes} << tile_column(place, column);
+          const SampleGroup at{s, column, y, lanes};
+          const GroupOfValues found{hn::LoadU(d, values + y * kTilePlane.stride + column),
+                                    hn::Set(d, place.sheets[s].depth)};
+          if (shows_an_extreme(frame)) return note_extreme(frame, place, at, found, tile);
+          const V length = hn::Mul(hn::Mul(path_fraction(frame, place, s, column, y),
+                                           ray_length(frame, place, column, y)),
+                                   hn::Set(d, frame.camera.sampling_distance));
+          add_to_sum(place, at, found, length, tile);
         });
   }
 }

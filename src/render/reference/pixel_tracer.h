@@ -143,10 +143,18 @@ class PixelTracer {
   Pixel composite(const PixelRay& pixel, TraceCounts& counts) const;
   Pixel refined(const PixelRay& pixel, TraceCounts& counts) const;
   Pixel xray(const PixelRay& pixel, TraceCounts& counts) const;
-  Pixel maximum(const PixelRay& pixel, TraceCounts& counts) const;
+  // Maximum or minimum.
+  Pixel extreme(const PixelRay& pixel, TraceCounts& counts) const;
   Pixel mean(const PixelRay& pixel, TraceCounts& counts) const;
   Pixel isosurface(const PixelRay& pixel, TraceCounts& counts) const;
   Pixel classified(double value, double depth, TraceCounts& counts) const;
+  // What one sample, or a part of a piece, says of a pixel that shows a value.
+  struct SeenValue {
+    double value, z, path;
+  };
+  std::vector<SeenValue> values_along(const PixelRay& pixel, TraceCounts& counts) const;
+  void add_values(const PixelRay& pixel, const Piece& piece, std::vector<SeenValue>& seen) const;
+  std::vector<ZRange> parts_left(const PixelRay& pixel, const Piece& piece) const;
   static Pixel kept(double best, double path, double depth);
 
   const Look look_;

@@ -178,6 +178,26 @@ Hyperplane parse_hyperplane(const std::string& text) {
   return plane;
 }
 
+std::vector<Isosurface> parse_isosurfaces(const std::string& text) {
+  std::vector<Isosurface> surfaces;
+  for (const std::string& part : split(text, ',')) {
+    const std::vector<std::string> pieces = split(part, ':');
+    if (pieces.size() > 3) throw BadValue("expected V, V:COLOR or V:COLOR:OPACITY, with commas");
+    Isosurface surface;
+    surface.value = parse_number(pieces[0]);
+    if (pieces.size() > 1 && !pieces[1].empty()) surface.color = parse_rgb(pieces[1]);
+    if (pieces.size() > 2) surface.opacity = parse_number(pieces[2], {.lo = 0, .hi = 1});
+    for (const Isosurface& other : surfaces) {
+      if (other.value == surface.value)
+        throw BadValue(fmt::format("expected each value once, not {:g} again", surface.value));
+    }
+    surfaces.push_back(surface);
+  }
+  if (surfaces.size() > Look::kMaxIsosurfaces)
+    throw BadValue(fmt::format("expected at most {} surfaces", Look::kMaxIsosurfaces));
+  return surfaces;
+}
+
 ClipPlane parse_clip(const std::string& text) {
   const std::vector<double> numbers = parse_numbers(text, 4);
   ClipPlane plane{{numbers[0], numbers[1], numbers[2]}, numbers[3]};
@@ -313,6 +333,20 @@ std::string text_of(const FurtherLight& light) {
 }
 
 std::string text_of(const Rgb& rgb) { return fmt::format("{}", fmt::join(rgb, ",")); }
+std::string text_of(const std::vector<Isosurface>& surfaces) {
+  std::string text;
+  for (const Isosurface& surface : surfaces) {
+    text += fmt::format("{}{}", text.empty() ? "" : ",", surface.value);
+    if (surface.color || surface.opacity != 1) text += ':';
+    if (surface.color) {
+      text += '#';
+      for (const double c : *surface.color)
+        text += fmt::format("{:02x}", static_cast<int>(std::lround(255 * c)));
+    }
+    if (surface.opacity != 1) text += fmt::format(":{}", surface.opacity);
+  }
+  return text;
+}
 std::string text_of(const Index3& dims) { return fmt::format("{}", fmt::join(dims, "x")); }
 std::string text_of(ScalarType type) { return name_of(type); }
 

@@ -34,6 +34,7 @@ Vec3 parse_spacing(const std::string& text);          // "A,B,C"
 Vec3 parse_direction(const std::string& text);        // "X,Y,Z"
 // "studio", "headlight", "X,Y,Z" or "studio:X,Y,Z".
 std::pair<Light, std::optional<Vec3>> parse_light(const std::string& text);
+std::vector<Isosurface> parse_isosurfaces(const std::string& text);  // "V[:COLOR[:A]],..."
 FurtherLight parse_further_light(const std::string& text);           // "X,Y,Z[@INTENSITY]"
 Hyperplane parse_hyperplane(const std::string& text);                // "A,B,C,D,E"
 ClipPlane parse_clip(const std::string& text);                       // "NX,NY,NZ,D"
@@ -57,6 +58,7 @@ std::string text_of_component(int component);
 std::string text_of(const LatticeKernel& kernel);
 std::string text_of(const Vec3& v);
 std::string text_of_light(Light light, const std::optional<Vec3>& direction);
+std::string text_of(const std::vector<Isosurface>& surfaces);
 std::string text_of(const FurtherLight& light);
 std::string text_of(const Rgb& rgb);
 std::string text_of(const Index3& dims);

@@ -196,7 +196,9 @@ const Table<LookFlags>& light_settings() {
   static const Table<L> all = {
       {"--mode", choice(kModes), &L::mode, "(default {})",
        needs("iso", "needs --iso V", nullptr, is_surface)},
-      {"--iso", number("V"), &L::isovalue, "the value of the isosurface",
+      {"--iso", form("V[:COLOR[:A]],...", parse_isosurfaces), &L::isosurfaces,
+       "the value of the isosurface; or several, with colours (a name or #rrggbb; empty: the "
+       "look's) and opacities A of their own (1)",
        needs("mode", "needs --mode isosurface", is_surface)},
       {"--shade", Toggle(), &L::shade, "light the volume (default, unless the look says no)", lit},
       {"--no-shade", Toggle(), &L::no_shade, "colours as they are", not_with("shade")},

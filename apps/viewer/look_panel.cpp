@@ -91,6 +91,12 @@ bool choose_mode(Panel& panel) {
       look.isovalue = (static_cast<double>(range.lo) + range.hi) / 2;
   }
   if (look.mode != Mode::kIsosurface) return is_changed;
+  if (!look.isosurfaces.empty()) {
+    ImGui::TextDisabled("%d surfaces, as opened", static_cast<int>(look.isosurfaces.size()));
+    if (!panel.widgets.button("look.one_surface", "one instead")) return is_changed;
+    look.isosurfaces.clear();
+    return true;
+  }
   const ValueRange range = panel.document.shown->field().value_range();
   return panel.widgets.slider("look.isovalue", "isovalue", &look.isovalue, range.lo, range.hi) ||
          is_changed;
@@ -103,7 +109,11 @@ bool opacity_editor(Panel& panel) {
   if (document.extras) look.histogram = &document.extras->histogram;
   look.is_log_count = panel.state.is_log_count;
   look.is_magnified = panel.state.is_magnified;
-  if (document.view.look.mode == Mode::kIsosurface) look.marks = {document.view.look.isovalue};
+  const Look& shown = document.view.look;
+  if (shown.mode == Mode::kIsosurface && shown.isosurfaces.empty()) look.marks = {shown.isovalue};
+  if (shown.mode == Mode::kIsosurface) {
+    for (const Isosurface& surface : shown.isosurfaces) look.marks.push_back(surface.value);
+  }
   const ValueAxis axis = axis_of(tf, document.shown->field().value_range());
   bool is_changed =
       edit_opacities(panel.widgets, "look.opacity", tf.opacities, axis, look, panel.state.opacity);

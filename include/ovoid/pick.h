@@ -44,12 +44,13 @@ struct Pick {
 
 // The place that a pixel of a finished picture stands for (docs/numerics.md, "Picking"), and the
 // field there. Modes composite and isosurface: where the opacity reaches 1/2; where it never does,
-// the place that adds most to it. Maximum: where the greatest value was met. X-ray and mean: the
-// place that adds most to the sum, which is that of the value farthest from 0. A place that is
-// searched for is found to a sheet; where the search finds nothing, as in a see-through surface, it
-// is the nearest place that is seen. `image`: as render() and its kin give it, without marks,
-// x-rays with their integrals. Throws Error(kInvalidArgument) for a pixel outside of it, and what
-// the field's source throws. Cost: one value, or a value for each sheet of one ray.
+// the place that adds most to it, of isosurfaces the nearest that is seen. Maximum and minimum:
+// where that value was met. X-ray and mean: the place that adds most to the sum, which is that of
+// the value farthest from 0. A place that is searched for is found to a sheet; where the search
+// finds nothing, as in a see-through surface, it is the nearest place that is seen. `image`: as
+// render() and its kin give it, without marks, x-rays with their integrals. Throws
+// Error(kInvalidArgument) for a pixel outside of it, and what the field's source throws. Cost: one
+// value, or a value for each sheet of one ray.
 Pick pick(const Image& image, int x, int y, const PickScene& scene);
 
 }  // namespace ovoid

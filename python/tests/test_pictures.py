@@ -29,6 +29,7 @@ def test_of_files(tmp_path, array):
     (("--background", "1,1,1", "--no-shade"), {"background": (1, 1, 1), "shade": False}),
     (("--mode", "maximum", "--view", "+x"), {"blending": "maximum", "cpos": "yz"}),
     (("--mode", "minimum", "--thick-slice", "0,0,1,6.25,3"), {"blending": "minimum", "thick_slice": (0, 0, 1, 6.25, 3)}),
+    (("--mode", "isosurface", "--iso", "60:red:0.3,90"), {"mode": "isosurface", "iso": [(60, "red", 0.3), 90]}),
     (("--mode", "xray", "--colorbar=Sum"), {"mode": "xray", "colorbar": "Sum"}),
     (("--clip", "1,0,0,9", "--clip", "0,1,0,4.5"), {"clip": [(1, 0, 0, 9), (0, 1, 0, 4.5)]}),
     (("--crop", "2:20,:,3:"), {"crop": [(2, 20), slice(None), (3, None)]}),

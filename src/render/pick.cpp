@@ -123,6 +123,7 @@ double depth_of(const Image& image, std::size_t pixel, const PickScene& scene,
   const auto depth = static_cast<double>(image.depth[pixel]);
   if (has_own_depth(scene.look.mode) && std::isfinite(depth)) return depth;
   const auto front = static_cast<double>(image.front_depth[pixel]);
+  if (scene.look.mode == Mode::kIsosurface) return front;
   const int x = static_cast<int>(pixel % static_cast<std::size_t>(image.width));
   const int y = static_cast<int>(pixel / static_cast<std::size_t>(image.width));
   return greatest_share(scene, view, x, y, front).value_or(front);

@@ -129,6 +129,18 @@ TEST(Pick, FindsTheGreatestShareOfWhatIsSeenThrough) {
   EXPECT_NEAR(scene.at(16, 16).place->position.x(), 17, 1);
 }
 
+TEST(Pick, FindsTheNearestOfFaintSurfaces) {
+  PickedScene scene{ramp_along_x(), parallel_camera({12, 4, 4}, {1, 0, 0}, 3), gray_look(0, 24)};
+  scene.look.mode = Mode::kIsosurface;
+  scene.look.isosurfaces = {{8, {}, 0.2}, {14, {}, 0.3}};
+  const Pick found = scene.at(16, 16);
+  ASSERT_TRUE(found.place);
+  EXPECT_NEAR(found.opacity, 1 - 0.8 * 0.7, 1e-6);
+  EXPECT_NEAR(found.place->position.x(), 8, 0.05);
+  scene.look.isosurfaces[1].opacity = 1;  // brings it over a half
+  EXPECT_NEAR(scene.at(16, 16).place->position.x(), 14, 0.05);
+}
+
 TEST(Pick, FindsTheGreatestAndTheMeansGreatestShare) {
   PickedScene scene{make_field({25, 9, 9},
                                [](std::int64_t i, std::int64_t, std::int64_t) {

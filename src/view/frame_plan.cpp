@@ -10,6 +10,7 @@
 #include "data/kernel_weight.h"
 #include "ovoid/error.h"
 #include "view/finished_pixel.h"
+#include "view/isosurfaces.h"
 #include "view/space_part.h"
 
 namespace ovoid {
@@ -185,8 +186,12 @@ MayMatter may_matter_for(const Look& look, const LookTable& table) {
     return [&table](float lo, float hi) { return table.any_opacity(lo, hi); };
   }
   if (look.mode == Mode::kIsosurface) {
-    return [iso = static_cast<float>(look.isovalue)](float lo, float hi) {
-      return lo <= iso && iso <= hi;
+    std::vector<float> values;
+    for (const Isosurface& surface : surfaces_of(look))
+      values.push_back(static_cast<float>(surface.value));
+    return [values](float lo, float hi) {
+      return std::any_of(values.begin(), values.end(),
+                         [&](float value) { return lo <= value && value <= hi; });
     };
   }
   return [](float, float) { return true; };

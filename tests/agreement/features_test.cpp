@@ -130,6 +130,22 @@ TEST(Agreement, ModesThatShowValuesOfThickSlices) {
   }
 }
 
+// Surfaces that are seen through, one in a colour of its own. The vulkan back end leaves several to
+// the cpu.
+TEST(Agreement, ThreeIsosurfaces) {
+  if (tested_backend() == Backend::kVulkan) GTEST_SKIP() << "drawn by the cpu";
+  for (const bool is_parallel : {true, false}) {
+    Scene scene = small_scene(Mode::kIsosurface, is_parallel);
+    const double middle = scene.look.isovalue;
+    scene.look.isosurfaces = {
+        {middle, {}, 0.4}, {1.3 * middle, Rgb{0.9, 0.2, 0.1}, 0.5}, {0.7 * middle, {}, 1.0}};
+    expect_agreement_however_evaluated(scene, "three surfaces, " + projection_name(is_parallel));
+    const Vec3 slanted(-1.0, 0.6, 0.5);
+    scene.options.clip_planes = {{slanted, slanted.dot(scene.field.world_bounds().center()) - 0.7}};
+    EXPECT_TRUE(backends_agree(scene, "cut, " + projection_name(is_parallel)));
+  }
+}
+
 // Fails if light does not fade towards cuts that are seen, and to those alone, as it should: with
 // one of them, two that meet in an edge, one that is not seen.
 TEST(Agreement, CutFaces) {

@@ -81,6 +81,19 @@ TEST(KernelSets, AgreeInEveryMode) {
   }
 }
 
+// The vulkan back end leaves several surfaces to the cpu.
+TEST(KernelSets, TellThreeIsosurfacesApart) {
+  if (tested_backend() == Backend::kVulkan) GTEST_SKIP() << "drawn by the cpu";
+  const KernelField field(jittered_ellipsoids(8).source(), Reconstruction::kNormalized, 0, 1);
+  for (const bool is_parallel : {true, false}) {
+    Look look = semi_transparent_look(0, 1);
+    look.mode = Mode::kIsosurface;
+    look.isosurfaces = {{0.62, {}, 0.5}, {0.7, Rgb{0.1, 0.2, 0.9}, 1.0}, {0.5, {}, 0.3}};
+    const Scene scene{field, askew_camera(field, is_parallel, 1.3), look, direct_options(50, 70)};
+    EXPECT_TRUE(backends_agree(scene, "three surfaces" + view_text(is_parallel)));
+  }
+}
+
 // Fails if sets read the coarse volume of light otherwise than lattices do.
 TEST(KernelSets, AgreeOnLightFromACoarseVolume) {
   const KernelField field(jittered_ellipsoids(8).source(), Reconstruction::kNormalized);

@@ -244,6 +244,7 @@ const std::vector<Words>& samples() {
       {"--mode", "minimum"},
       {"--mode", "mean"},
       {"--mode", "isosurface", "--iso", "3"},
+      {"--mode", "isosurface", "--iso", "3::0.25,4.5:#ff8000"},
       {"--shade"},
       {"--no-shade"},
       {"--ambient", "1", "--diffuse", "1", "--specular", "1", "--specular-power", "1"},

@@ -72,6 +72,7 @@ constinit const TypeLayout OVOID_LAYOUTS[] = {
     OVOID_TYPE(Material),
     OVOID_TYPE(Materials),
     OVOID_TYPE(FurtherLight),
+    OVOID_TYPE(Isosurface),
     OVOID_TYPE(Look),
     OVOID_TYPE(LatticeModelOptions),
     OVOID_TYPE(LatticeModelReport),

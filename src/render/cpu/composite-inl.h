@@ -72,22 +72,50 @@ HWY_INLINE void add_to_pixels(const GroupColor& seen, V alpha, V depth, GroupPix
   note_front_depth(before, pixels.alpha, depth, front_depth);
 }
 
-// An opaque surface joins the lanes of `mask`, behind what is in front of it.
-HWY_INLINE void add_surface(const GroupColor& lit, M mask, V depth, TileState& tile, int pixel) {
+// A surface joins the lanes of `mask`, behind what is in front of it. Returns those that it closes.
+HWY_INLINE std::uint32_t add_surface(const CpuFrame& frame, const GroupColor& lit, float opacity,
+                                     M mask, V depth, TileState& tile, int pixel) {
   const V in_front = hn::LoadU(d, tile.alpha + pixel);
-  const V share = hn::Sub(hn::Set(d, 1.0F), in_front);
+  V share = hn::Sub(hn::Set(d, 1.0F), in_front);
+  V after = hn::Set(d, 1.0F);
+  if (opacity < 1) {
+    share = hn::Mul(share, hn::Set(d, opacity));
+    after = hn::Add(in_front, share);
+  }
   const auto add = [&](float* sum, V color) {
     store_masked(mask, hn::MulAdd(share, color, hn::LoadU(d, sum + pixel)), sum + pixel);
   };
   add(tile.red, lit.red);
   add(tile.green, lit.green);
   add(tile.blue, lit.blue);
-  store_masked(mask, hn::Set(d, 1.0F), tile.alpha + pixel);
-  const auto note_depth = [&](float opacity, float* depths) {
-    store_masked(hn::And(mask, hn::Lt(in_front, hn::Set(d, opacity))), depth, depths + pixel);
+  store_masked(mask, after, tile.alpha + pixel);
+  const auto note_depth = [&](float bound, float* depths) {
+    const V least = hn::Set(d, bound);
+    const M is_reached = hn::And(hn::Lt(in_front, least), hn::Ge(after, least));
+    store_masked(hn::And(mask, is_reached), depth, depths + pixel);
   };
   note_depth(0.5F, tile.depth);
   note_depth(kLeastVisibleOpacity, tile.front_depth);
+  return bits_of(hn::And(mask, hn::Ge(after, hn::Set(d, frame.opaque_at))));
+}
+
+// Runs `draw(surface, lanes)` for the surfaces that a group's lanes meet between two values, each
+// lane's in the order in which it meets them where the value goes straight.
+template <class Draw>
+HWY_INLINE void for_each_surface(const CpuFrame& frame, V before, V after, std::uint32_t lanes,
+                                 const Draw& draw) {
+  const std::vector<FrameSurface>& surfaces = frame.look.surfaces;
+  const auto draw_crossed = [&](const FrameSurface& surface, std::uint32_t of) {
+    const V iso = hn::Set(d, surface.value);
+    const std::uint32_t crossed = bits_of(hn::Xor(hn::Lt(before, iso), hn::Lt(after, iso))) & of;
+    if (crossed != 0) draw(surface, crossed);
+  };
+  if (surfaces.size() == 1) return draw_crossed(surfaces.front(), lanes);
+  const std::uint32_t rising = bits_of(hn::Lt(before, after)) & lanes;
+  for (std::size_t i = 0; i < surfaces.size(); ++i) {
+    if (rising != 0) draw_crossed(surfaces[i], rising);
+    if (rising != lanes) draw_crossed(surfaces[surfaces.size() - 1 - i], lanes & ~rising);
+  }
 }
 
 inline void composite_sheet(const CpuFrame& frame, const BlockPlace& place, int s,

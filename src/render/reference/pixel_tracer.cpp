@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "view/frame_plan.h"
+#include "view/isosurfaces.h"
 #include "view/look_variation.h"
 
 namespace ovoid::reference {
@@ -59,6 +60,7 @@ PixelTracer::PixelTracer(const Field& field, const ViewRays& view, const Look& l
                          const RenderOptions& options, const PixelTracer* trail,
                          const view::LightVolume* light)
     : look_(look),
+      surfaces_(view::surfaces_of(look)),
       has_own_color_(field.kernels() != nullptr && field.kernels()->has_own_color()),
       opaque_at_(options.opaque_at),
       keeps_values_(options.part != nullptr),
@@ -463,30 +465,44 @@ Pixel PixelTracer::classified(double value, double depth, TraceCounts& counts) c
   return premultiplied(look_.transfer_function.color_at(value), opacity, depth);
 }
 
+void PixelTracer::add_surface(const PixelRay& pixel, const Isosurface& surface, const Crossing& at,
+                              Pixel& result, TraceCounts& counts) const {
+  ++counts.visible;
+  Rgb color =
+      surface.color ? *surface.color : color_of(has_own_color_ ? at.color_value : surface.value);
+  if (look_.shade) ++counts.gradients;
+  color = seen_color(color, lit_place(pixel, at.gradient, clearance_at(pixel, at.z)),
+                     light_at(pixel, at.z, at.gradient));
+  const double share = (1 - result.rgba[3]) * surface.opacity;
+  for (std::size_t c = 0; c < 3; ++c) result.rgba[c] += share * color[c];
+  result.rgba[3] = surface.opacity < 1 ? result.rgba[3] + share : 1;
+  note_depth(at.z, result);
+}
+
+// In the order in which the ray meets them where the value goes straight.
+void PixelTracer::add_surfaces_between(const PixelRay& pixel, const RaySample& near,
+                                       const RaySample& far, Pixel& result,
+                                       TraceCounts& counts) const {
+  const bool rises = near.value < far.value;
+  for (std::size_t i = 0; i < surfaces_.size() && result.rgba[3] < opaque_at_; ++i) {
+    const Isosurface& surface = surfaces_[rises ? i : surfaces_.size() - 1 - i];
+    if ((near.value < surface.value) == (far.value < surface.value)) continue;
+    const Crossing at = crossing(pixel, near, far, surface.value);
+    if (!view_.is_kept(pixel.ray.at(at.z)) || !is_within(pixel, at.z)) continue;
+    add_stops(pixel, at.z, result);
+    if (result.rgba[3] < opaque_at_) add_surface(pixel, surface, at, result, counts);
+  }
+}
+
 Pixel PixelTracer::isosurface(const PixelRay& pixel, TraceCounts& counts) const {
-  const double iso = look_.isovalue;
-  Pixel result;  // what is in front of the surface
+  Pixel result;
   std::optional<RaySample> near;
   for (std::int64_t k = pixel.sheets.first; k <= pixel.sheets.last; ++k) {
     if (result.rgba[3] >= opaque_at_) break;
     const std::optional<RaySample> far = sample(pixel, k, counts);
-    if (near && far) near = front_end(pixel, *near, *far);
-    if (near && far && (near->value < iso) != (far->value < iso)) {
-      const Crossing at = crossing(pixel, *near, *far);
-      if (view_.is_kept(pixel.ray.at(at.z)) && is_within(pixel, at.z)) {
-        add_stops(pixel, at.z, result);
-        if (result.rgba[3] >= opaque_at_) break;
-        ++counts.visible;
-        Rgb color = color_of(has_own_color_ ? at.color_value : iso);
-        if (look_.shade) ++counts.gradients;
-        color = seen_color(color, lit_place(pixel, at.gradient, clearance_at(pixel, at.z)),
-                           light_at(pixel, at.z, at.gradient));
-        const double rest = 1 - result.rgba[3];
-        for (std::size_t c = 0; c < 3; ++c) result.rgba[c] += rest * color[c];
-        result.rgba[3] = 1;
-        note_depth(at.z, result);
-        return result;
-      }
+    if (near && far) {
+      near = front_end(pixel, *near, *far);
+      add_surfaces_between(pixel, *near, *far, result, counts);
     }
     near = far;
     add_trail(pixel, k, result, counts);

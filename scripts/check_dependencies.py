@@ -22,7 +22,7 @@ PUBLIC = {
     "annotate.h": "annotate",
     "io.h": "io", "encode.h": "io",
     "lattice_file.h": "io",
-    "renderer.h": "render", "sampler.h": "render", "devices.h": "render", "value_plane.h": "render", "render_surface.h": "render", "render_mesh.h": "render", "geometry.h": "render", "render_points.h": "render",
+    "renderer.h": "render", "sampler.h": "render", "pick.h": "render", "devices.h": "render", "value_plane.h": "render", "render_surface.h": "render", "render_mesh.h": "render", "geometry.h": "render", "render_points.h": "render",
     "ovoid.h": "everything",
 }
 

@@ -315,7 +315,14 @@ std::string cause_of_emptiness(const Look& look, const ValueRange& range) {
   std::string cause =
       "is all of the data clipped away or out of sight, or too thin for its sheets "
       "(--sampling-distance)?";
-  if (look.mode == Mode::kIsosurface && !(range.lo <= look.isovalue && look.isovalue <= range.hi)) {
+  const auto is_among = [&](double value) { return range.lo <= value && value <= range.hi; };
+  const auto& surfaces = look.isosurfaces;
+  const bool has_any =
+      surfaces.empty()
+          ? is_among(look.isovalue)
+          : std::any_of(surfaces.begin(), surfaces.end(),
+                        [&](const Isosurface& surface) { return is_among(surface.value); });
+  if (look.mode == Mode::kIsosurface && !has_any) {
     cause = fmt::format("--iso {:g} is not among them", look.isovalue);
   } else if (uses_opacity(look.mode) && !shows_any(look.transfer_function, range)) {
     cause = "the look gives them no opacity (--range, --opacity, --tf)";

@@ -101,6 +101,8 @@ Look base_look(const LookFlags& flags, const Field& field, const std::string& un
     session.note("the values are noisy: drawn soft (--kernel gaussian:1.5 smooths them)");
   if (flags.mode == Mode::kMaximum || flags.mode == Mode::kMean)
     make_opaque(look.transfer_function);
+  // Of a ramp the least values would be the ones that do not show.
+  if (flags.mode == Mode::kMinimum) look.transfer_function.opacities.clear();
   if (flags.preset == kCinematicPreset) {
     add_cinematic_light(look);
     look.transfer_function.name = flags.preset;
@@ -224,7 +226,12 @@ Look look_of_one(const LookFlags& flags, const Field& field, const std::string& 
   if (flags.above_color) tf.above_color = flags.above_color;
   take_flag_light(look, flags, session);
   look.mode = flags.mode;
-  look.isovalue = flags.isovalue.value_or(0);
+  // One that is like any other needs no list.
+  const std::vector<Isosurface>& surfaces = flags.isosurfaces;
+  look.isovalue = surfaces.empty() ? 0 : surfaces.front().value;
+  const bool is_plain =
+      surfaces.size() < 2 && (surfaces.empty() || (!surfaces[0].color && surfaces[0].opacity == 1));
+  look.isosurfaces = is_plain ? std::vector<Isosurface>() : surfaces;
   if (flags.unit_distance) look.unit_distance = *flags.unit_distance;
   return look;
 }

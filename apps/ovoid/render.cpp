@@ -16,6 +16,7 @@
 #include "load.h"
 #include "make_trail.h"
 #include "ovoid/io.h"
+#include "picking.h"
 #include "picture_part.h"
 #include "profile.h"
 #include "shot.h"
@@ -37,7 +38,9 @@ struct RenderFlags {
   DataFlags data;
   DrawingFlags drawing;
   std::optional<PartChoice> part;  // none: the whole
-  int repeat = 0;                  // 0: one frame, the one that is written
+  std::vector<PickedPixel> picks;
+  std::string pick_file;  // empty: the picks on standard output
+  int repeat = 0;         // 0: one frame, the one that is written
   bool dry_run = false;
   bool profile = false;
   std::string profile_file;  // empty: a table on standard error
@@ -78,6 +81,25 @@ const Table<RenderFlags>& output_settings() {
   return all;
 }
 
+const Table<RenderFlags>& pick_settings() {
+  using R = RenderFlags;
+  static const Table<R> all = {
+      {"--pick",
+       {"X,Y",
+        [](R& render, const std::string& text) { render.picks.push_back(parse_pixel(text)); },
+        {},
+        Content::kOfRun,
+        true},
+       "tell what this pixel shows, row 0 at the top: where in the world, value, gradient, label, "
+       "depth (repeatable); needs no -o",
+       not_with("part dry-run", "needs a whole picture, which {0} does not draw")},
+      {"--pick-report", word("FILE.json", Content::kOfRun), &R::pick_file,
+       "tell it there, as JSON, instead of on standard output",
+       needs("pick", "has no effect without --pick X,Y")},
+  };
+  return all;
+}
+
 const Table<RenderFlags>& measure_settings() {
   using R = RenderFlags;
   static const Table<R> all = {
@@ -100,7 +122,7 @@ const Table<RenderFlags>& measure_settings() {
 
 void check_flags(const Flags& flags, const RenderFlags& render) {
   require_inputs(flags, render.data);
-  if (render.output.empty() && !render.dry_run)
+  if (render.output.empty() && !render.dry_run && render.picks.empty())
     throw UsageError(fmt::format("--output: none given, expected -o OUT{}", kPictureEndings));
   if (!render.output.empty() && picture_ending(render.output).empty()) {
     throw UsageError(fmt::format("--output '{}': expected a name that ends in {}", render.output,
@@ -110,6 +132,7 @@ void check_flags(const Flags& flags, const RenderFlags& render) {
     throw UsageError(fmt::format(
         "--part: '{}' cannot hold a part of a picture, expected -o NAME.exr", render.output));
   }
+  check_pixels(render.picks, render.drawing.options);
   check_background(render.drawing, render.output);
   check_json_flags(render.drawing);
   std::vector<OutputFile> outputs;
@@ -118,6 +141,8 @@ void check_flags(const Flags& flags, const RenderFlags& render) {
     outputs.push_back({"--save-look", render.look_output, render.look_output});
   if (!render.profile_file.empty())
     outputs.push_back({"--profile", render.profile_file, render.profile_file});
+  if (!render.pick_file.empty())
+    outputs.push_back({"--pick-report", render.pick_file, render.pick_file});
   std::vector<InputFile> inputs = files_to_read(render.data, render.drawing);
   if (!render.state.empty()) inputs.push_back({render.state, "the state of --state"});
   check_files(inputs, outputs);
@@ -200,13 +225,27 @@ void check_for_team(const Flags& flags, const RenderFlags& render) {
   if (render.part)
     throw UsageError("--part: was started by MPI, where each process has a part already");
   for (const char* const name : {"value-plane", "motion-blur", "add", "slice", "repeat", "dry-run",
-                                 "save-look", "opaque-at"}) {
+                                 "save-look", "opaque-at", "pick"}) {
     if (flags.is_given(name))
       throw UsageError(
           fmt::format("--{}: is not for pictures by several processes, as MPI starts them", name));
   }
   if (render.drawing.options.sheets == Sheets::kLattice)
     throw UsageError("--sheets lattice: several processes draw on image sheets alone");
+}
+
+void tell_picks(const RenderFlags& render, const Subject& subject, const Shot& shot,
+                const Image& image, Session& session) {
+  if (render.picks.empty()) return;
+  const Picker picker(subject.modelled.field, shot, render.drawing.options);
+  const PickWords words = pick_words(subject, shot, render.drawing.annotation);
+  std::vector<Pick> picks;
+  for (const auto& [x, y] : render.picks) picks.push_back(picker.at(image, x, y));
+  if (!render.pick_file.empty()) {
+    write_file(render.pick_file, picks_json(picker, picks, words, session.command_line()));
+    return;
+  }
+  for (const Pick& pick : picks) write_out(pick_text(picker, pick, words));
 }
 
 void tell_times(const RenderFlags& render, const RunProfile& profile, Session& session) {
@@ -230,6 +269,7 @@ class Declared : public Flags {
     add_input_flags(*this, &render->data);
     section("picture");
     add(output_settings(), render);
+    add(pick_settings(), render);
     add(picture_settings(), &render->drawing);
     add_drawing_flags(*this, &render->drawing);
     add(measure_settings(), render);
@@ -305,9 +345,13 @@ void run_render(const Words& words, Session& session) {
     drawn.trail = nullptr;
   }
   note_if_empty(image, shot, field.value_range(), session);
+  tell_picks(render, subject, shot, image, session);
   if (is_for_eyes(render.output)) color_for_eyes(image, shot.look, drawing.look, session);
   session.check_stop();
-  write_picture(image, drawing, shot.described, camera, shot.look, {render.output, session.stop()});
+  if (!render.output.empty()) {
+    write_picture(image, drawing, shot.described, camera, shot.look,
+                  {render.output, session.stop()});
+  }
   if (!render.look_output.empty()) write_look(saved_look, render.look_output);
   if (session.team() == nullptr) tell_times(render, profile, session);
 }

@@ -9,6 +9,7 @@
 #include <cstring>
 #include <limits>
 
+#include "ovoid/crop.h"
 #include "ovoid/error.h"
 #include "session.h"
 #include "suggest.h"
@@ -177,12 +178,42 @@ Hyperplane parse_hyperplane(const std::string& text) {
   return plane;
 }
 
+std::vector<Isosurface> parse_isosurfaces(const std::string& text) {
+  std::vector<Isosurface> surfaces;
+  for (const std::string& part : split(text, ',')) {
+    const std::vector<std::string> pieces = split(part, ':');
+    if (pieces.size() > 3) throw BadValue("expected V, V:COLOR or V:COLOR:OPACITY, with commas");
+    Isosurface surface;
+    surface.value = parse_number(pieces[0]);
+    if (pieces.size() > 1 && !pieces[1].empty()) surface.color = parse_rgb(pieces[1]);
+    if (pieces.size() > 2) surface.opacity = parse_number(pieces[2], {.lo = 0, .hi = 1});
+    for (const Isosurface& other : surfaces) {
+      if (other.value == surface.value)
+        throw BadValue(fmt::format("expected each value once, not {:g} again", surface.value));
+    }
+    surfaces.push_back(surface);
+  }
+  if (surfaces.size() > Look::kMaxIsosurfaces)
+    throw BadValue(fmt::format("expected at most {} surfaces", Look::kMaxIsosurfaces));
+  return surfaces;
+}
+
 ClipPlane parse_clip(const std::string& text) {
   const std::vector<double> numbers = parse_numbers(text, 4);
   ClipPlane plane{{numbers[0], numbers[1], numbers[2]}, numbers[3]};
   if (plane.normal.norm() == 0)
     throw BadValue("expected NX,NY,NZ,D with a normal other than 0,0,0");
   return plane;
+}
+
+std::array<ClipPlane, 2> parse_thick_slice(const std::string& text) {
+  const std::vector<double> numbers = parse_numbers(text, 5);
+  const ClipPlane middle{{numbers[0], numbers[1], numbers[2]}, numbers[3]};
+  if (middle.normal.norm() == 0)
+    throw BadValue("expected NX,NY,NZ,D,T with a normal other than 0,0,0");
+  if (!(numbers[4] > 0))
+    throw BadValue("expected NX,NY,NZ,D,T with a thickness T > 0 (--value-plane shows a plane)");
+  return slice_planes(middle, numbers[4]);
 }
 
 ValuePlane parse_value_plane(const std::string& text) {
@@ -322,6 +353,20 @@ std::string text_of(const FurtherLight& light) {
 }
 
 std::string text_of(const Rgb& rgb) { return fmt::format("{}", fmt::join(rgb, ",")); }
+std::string text_of(const std::vector<Isosurface>& surfaces) {
+  std::string text;
+  for (const Isosurface& surface : surfaces) {
+    text += fmt::format("{}{}", text.empty() ? "" : ",", surface.value);
+    if (surface.color || surface.opacity != 1) text += ':';
+    if (surface.color) {
+      text += '#';
+      for (const double c : *surface.color)
+        text += fmt::format("{:02x}", static_cast<int>(std::lround(255 * c)));
+    }
+    if (surface.opacity != 1) text += fmt::format(":{}", surface.opacity);
+  }
+  return text;
+}
 std::string text_of(const Index3& dims) { return fmt::format("{}", fmt::join(dims, "x")); }
 std::string text_of(ScalarType type) { return name_of(type); }
 

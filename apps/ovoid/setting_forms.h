@@ -34,9 +34,12 @@ Vec3 parse_spacing(const std::string& text);          // "A,B,C"
 Vec3 parse_direction(const std::string& text);        // "X,Y,Z"
 // "studio", "headlight", "X,Y,Z" or "studio:X,Y,Z".
 std::pair<Light, std::optional<Vec3>> parse_light(const std::string& text);
-FurtherLight parse_further_light(const std::string& text);      // "X,Y,Z[@INTENSITY]"
-Hyperplane parse_hyperplane(const std::string& text);           // "A,B,C,D,E"
-ClipPlane parse_clip(const std::string& text);                  // "NX,NY,NZ,D"
+std::vector<Isosurface> parse_isosurfaces(const std::string& text);  // "V[:COLOR[:A]],..."
+FurtherLight parse_further_light(const std::string& text);           // "X,Y,Z[@INTENSITY]"
+Hyperplane parse_hyperplane(const std::string& text);                // "A,B,C,D,E"
+ClipPlane parse_clip(const std::string& text);                       // "NX,NY,NZ,D"
+// "NX,NY,NZ,D,T", as the two planes that leave it.
+std::array<ClipPlane, 2> parse_thick_slice(const std::string& text);
 ValuePlane parse_value_plane(const std::string& text);          // "NX,NY,NZ,D[,shown]"
 std::string parse_preset(const std::string& text);              // its name
 SlicePlane parse_slice_plane(const std::string& text);          // "z", "axial=3" or "nx,ny,nz,d"
@@ -56,6 +59,7 @@ std::string text_of_component(int component);
 std::string text_of(const LatticeKernel& kernel);
 std::string text_of(const Vec3& v);
 std::string text_of_light(Light light, const std::optional<Vec3>& direction);
+std::string text_of(const std::vector<Isosurface>& surfaces);
 std::string text_of(const FurtherLight& light);
 std::string text_of(const Rgb& rgb);
 std::string text_of(const Index3& dims);

@@ -27,6 +27,7 @@ using Found = std::optional<std::string>;
 
 const Names<Mode> kModes = {{"composite", Mode::kComposite}, {"xray", Mode::kXray},
                             {"maximum", Mode::kMaximum},     {"mip", Mode::kMaximum},
+                            {"minimum", Mode::kMinimum},     {"minip", Mode::kMinimum},
                             {"mean", Mode::kMean},           {"isosurface", Mode::kIsosurface}};
 const Names<Fit> kFits = {{"visible", Fit::kVisible}, {"box", Fit::kBox}};
 const Names<bool> kProjections = {{"perspective", false}, {"parallel", true}};
@@ -195,7 +196,9 @@ const Table<LookFlags>& light_settings() {
   static const Table<L> all = {
       {"--mode", choice(kModes), &L::mode, "(default {})",
        needs("iso", "needs --iso V", nullptr, is_surface)},
-      {"--iso", number("V"), &L::isovalue, "the value of the isosurface",
+      {"--iso", form("V[:COLOR[:A]],...", parse_isosurfaces), &L::isosurfaces,
+       "the value of the isosurface; or several, with colours (a name or #rrggbb; empty: the "
+       "look's) and opacities A of their own (1)",
        needs("mode", "needs --mode isosurface", is_surface)},
       {"--shade", Toggle(), &L::shade, "light the volume (default, unless the look says no)", lit},
       {"--no-shade", Toggle(), &L::no_shade, "colours as they are", not_with("shade")},
@@ -526,6 +529,20 @@ const Table<RenderOptions>& number_settings() {
         },
         Content::kText, true},
        "keep points with n.x >= D, world (repeatable)"},
+      {"--thick-slice",
+       {"NX,NY,NZ,D,T",
+        [](R& options, const std::string& text) {
+          if (options.clip_planes.size() + 2 > R::kMaxClipPlanes) {
+            throw BadValue(fmt::format("expected at most {} clip planes, of which it is two",
+                                       R::kMaxClipPlanes));
+          }
+          for (const ClipPlane& plane : parse_thick_slice(text))
+            options.clip_planes.push_back(plane);
+        },
+        [](const R&) { return Json(); }},  // told as --clip
+       "keep points within T / 2 of the plane n.x = D, world: with --mode maximum, minimum, mean "
+       "or "
+       "xray what a slab of thickness T holds"},
   };
   return all;
 }

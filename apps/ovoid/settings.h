@@ -91,8 +91,8 @@ struct LookFlags {
   std::optional<Rgb> above_color;
   std::optional<double> unit_distance;
   Mode mode = Mode::kComposite;
-  std::optional<double> isovalue;
-  bool shade = false;  // asked for
+  std::vector<Isosurface> isosurfaces;  // none: the mode is another
+  bool shade = false;                   // asked for
   bool no_shade = false;
   std::optional<double> ambient;
   std::optional<double> diffuse;

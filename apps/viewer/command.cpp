@@ -50,7 +50,10 @@ cli::LookFlags look_of(const Document& document) {
     flags.color_file = to_text(colors);
   }
   flags.mode = look.mode;
-  if (look.mode == Mode::kIsosurface) flags.isovalue = look.isovalue;
+  if (look.mode == Mode::kIsosurface) {
+    flags.isosurfaces = look.isosurfaces;
+    if (flags.isosurfaces.empty()) flags.isosurfaces = {{look.isovalue}};
+  }
   const bool is_lit = look.mode == Mode::kComposite || look.mode == Mode::kIsosurface;
   if (is_lit && (look.shade || look.shadows > 0)) {
     flags.light = look.light;

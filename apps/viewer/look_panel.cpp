@@ -14,8 +14,8 @@
 namespace ovoid::viewer {
 namespace {
 
-constexpr std::array<Mode, 5> kModes = {Mode::kComposite, Mode::kXray, Mode::kMaximum, Mode::kMean,
-                                        Mode::kIsosurface};
+constexpr std::array<Mode, 6> kModes = {Mode::kComposite, Mode::kXray, Mode::kMaximum,
+                                        Mode::kMinimum,   Mode::kMean, Mode::kIsosurface};
 
 TransferFunction& colors_of(Look& look) {
   return look.color_function ? *look.color_function : look.transfer_function;
@@ -58,7 +58,9 @@ bool edit_point(Panel& panel, const std::string& name, std::vector<OpacityPoint>
 }
 
 // Modes in which one sample makes the pixel: its opacity is no matter of thickness.
-bool is_of_one_sample(Mode mode) { return mode == Mode::kMaximum || mode == Mode::kMean; }
+bool is_of_one_sample(Mode mode) {
+  return mode == Mode::kMaximum || mode == Mode::kMinimum || mode == Mode::kMean;
+}
 
 // Between them and the others: what was faint in layers becomes visible, and faint again.
 void swap_opacities(Panel& panel, bool was_one, bool is_one) {
@@ -79,7 +81,8 @@ bool choose_mode(Panel& panel) {
   Look& look = panel.document.view.look;
   int mode = static_cast<int>(std::find(kModes.begin(), kModes.end(), look.mode) - kModes.begin());
   const bool is_changed = panel.widgets.choice(
-      "look.mode", "mode", {"composite", "x-ray", "maximum", "mean", "isosurface"}, &mode);
+      "look.mode", "mode", {"composite", "x-ray", "maximum", "minimum", "mean", "isosurface"},
+      &mode);
   if (is_changed) {
     const Mode before = std::exchange(look.mode, kModes[static_cast<std::size_t>(mode)]);
     swap_opacities(panel, is_of_one_sample(before), is_of_one_sample(look.mode));
@@ -88,6 +91,12 @@ bool choose_mode(Panel& panel) {
       look.isovalue = (static_cast<double>(range.lo) + range.hi) / 2;
   }
   if (look.mode != Mode::kIsosurface) return is_changed;
+  if (!look.isosurfaces.empty()) {
+    ImGui::TextDisabled("%d surfaces, as opened", static_cast<int>(look.isosurfaces.size()));
+    if (!panel.widgets.button("look.one_surface", "one instead")) return is_changed;
+    look.isosurfaces.clear();
+    return true;
+  }
   const ValueRange range = panel.document.shown->field().value_range();
   return panel.widgets.slider("look.isovalue", "isovalue", &look.isovalue, range.lo, range.hi) ||
          is_changed;
@@ -100,7 +109,11 @@ bool opacity_editor(Panel& panel) {
   if (document.extras) look.histogram = &document.extras->histogram;
   look.is_log_count = panel.state.is_log_count;
   look.is_magnified = panel.state.is_magnified;
-  if (document.view.look.mode == Mode::kIsosurface) look.marks = {document.view.look.isovalue};
+  const Look& shown = document.view.look;
+  if (shown.mode == Mode::kIsosurface && shown.isosurfaces.empty()) look.marks = {shown.isovalue};
+  if (shown.mode == Mode::kIsosurface) {
+    for (const Isosurface& surface : shown.isosurfaces) look.marks.push_back(surface.value);
+  }
   const ValueAxis axis = axis_of(tf, document.shown->field().value_range());
   bool is_changed =
       edit_opacities(panel.widgets, "look.opacity", tf.opacities, axis, look, panel.state.opacity);

@@ -10,6 +10,7 @@
 
 #include "hands.h"
 #include "ovoid/annotate.h"
+#include "ovoid/pick.h"
 
 namespace ovoid::viewer {
 namespace {
@@ -242,8 +243,28 @@ bool PictureView::act(Panel& panel, const Placement& place) {
   return drag_ != Drag::kNone || ImGui::GetTime() < wheel_until_;
 }
 
-// From the depths of the full picture: where the opacity passes one half, or, of what stays clearer
-// than that, where it is first seen.
+// What the pixel of a full picture stands for, which shows something. Until there is a probe, a
+// place by the picture's depths alone.
+Picked PictureView::picked_in(const Picture& picture, int x, int y, const FieldProbe* probe) {
+  const Image& image = picture.image;
+  const Scene& scene = *picture.scene;
+  if (probe == nullptr) {
+    const std::size_t pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
+                              static_cast<std::size_t>(x);
+    double depth = image.depth[pixel];
+    if (!std::isfinite(depth)) depth = image.front_depth[pixel];
+    const Projection projection(scene.camera, image.width, image.height);
+    return {projection.world_at(Vec2(x + 0.5, y + 0.5), depth)};
+  }
+  const PickKey key{shown_->number, x, y, &picture, probe};
+  if (key == pick_key_) return last_picked_;
+  pick_key_ = key;
+  const Pick found = ovoid::pick(
+      image, x, y, {scene.shown->field(), *probe, scene.camera, scene.look, scene.options});
+  last_picked_ = {found.place->position, found.place->sample.value, found.place->sample.is_defined};
+  return last_picked_;
+}
+
 void PictureView::pick(const Document& document, const Placement& place) {
   picked_.reset();
   const std::size_t expected = document.compares() ? 2 : 1;
@@ -264,19 +285,10 @@ void PictureView::pick(const Document& document, const Placement& place) {
   if (x < 0 || y < 0 || x >= image.width || y >= image.height) return;
   const std::size_t pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
                             static_cast<std::size_t>(x);
-  double depth = image.depth[pixel];
-  if (!std::isfinite(depth)) depth = image.front_depth[pixel];
-  if (!std::isfinite(depth)) return;
-  const Projection projection(picture.scene->camera, image.width, image.height);
-  Picked picked{projection.world_at(Vec2(x + 0.5, y + 0.5), depth)};
+  if (!std::isfinite(image.front_depth[pixel])) return;
   const auto& extras =
       document.compares_fit() && is_second ? document.fit->extras : document.extras;
-  if (extras && extras->probe) {
-    const FieldSample sample = extras->probe->at(picked.position);
-    picked.is_defined = sample.is_defined;
-    picked.value = sample.value;
-  }
-  picked_ = picked;
+  picked_ = picked_in(picture, x, y, extras ? extras->probe.get() : nullptr);
 }
 
 bool PictureView::draw(Panel& panel, Gui& gui, ImVec2 at, ImVec2 size, float density) {

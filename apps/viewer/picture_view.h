@@ -57,6 +57,16 @@ class PictureView {
   void begin_drag(Panel& panel, ImVec2 mouse, const Placement& place);
   bool continue_drag(Document& document, const Vec2& mouse, const Vec2& moved, const Vec2& size);
   void pick(const Document& document, const Placement& place);
+  Picked picked_in(const Picture& picture, int x, int y, const FieldProbe* probe);
+
+  // What was picked last: while the mouse rests nothing is searched for again.
+  struct PickKey {
+    std::uint64_t number = 0;
+    int x = -1, y = -1;
+    const Picture* picture = nullptr;
+    const FieldProbe* probe = nullptr;
+    bool operator==(const PickKey&) const = default;
+  };
 
   std::optional<Pictures> shown_;
   Texture textures_[2];
@@ -67,6 +77,8 @@ class PictureView {
   double divider_ = 0.5;  // where the line between two pictures is, of their width
   double dragged_ = 0;    // how far, with the last button that was pressed
   std::optional<Picked> picked_;
+  PickKey pick_key_;
+  Picked last_picked_;
   double wheel_until_ = 0;  // ImGui::GetTime() up to which a turn of the wheel counts as moving
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "ovoid/export.h"
@@ -40,5 +41,12 @@ Box crop_box(const LatticeGeometry& geometry, const Bounds3& world);
 
 // The same for what is no lattice: the world box within `bounds`, the data's. Throws as above.
 Box crop_box(const Bounds3& bounds, const Bounds3& world);
+
+// A thick slice: the places within half of `thickness` (world, > 0) of a plane, as the two clip
+// planes that leave them. `middle`: the plane dot(middle.normal, x) == middle.offset. In the modes
+// xray, maximum, minimum and mean what is shown ends at these planes, wherever sheets lie
+// (docs/numerics.md, "Cut values"). Throws Error(kInvalidArgument), naming the argument, for a
+// normal without a length, numbers that are not finite, and a thickness that is not > 0.
+std::array<ClipPlane, 2> slice_planes(const ClipPlane& middle, double thickness);
 
 }  // namespace ovoid

@@ -16,7 +16,7 @@
 namespace OVOID_API ovoid {
 
 // How the samples of a ray become a pixel (docs/numerics.md, "Modes").
-enum class Mode { kComposite, kXray, kMaximum, kMean, kIsosurface };
+enum class Mode { kComposite, kXray, kMaximum, kMean, kIsosurface, kMinimum };
 
 // Blinn-Phong in VTK's words; two-sided. The light is white.
 struct Material {
@@ -38,6 +38,13 @@ struct FurtherLight {
   double intensity = 1.0;          // share of a single light's, in [0, 10]
 };
 
+// One of several surfaces of mode kIsosurface.
+struct Isosurface {
+  double value = 0.0;
+  std::optional<Rgb> color{};  // none: the look's own at that value, or at the colour's attribute
+  double opacity = 1.0;        // of one crossing, in [0, 1]
+};
+
 // Everything about appearance: classification, light, mode.
 struct Look {
   TransferFunction transfer_function;
@@ -47,7 +54,12 @@ struct Look {
   std::optional<TransferFunction> color_function;
   Mode mode = Mode::kComposite;
   double isovalue = 0.0;  // for kIsosurface
-  bool shade = true;      // composite and isosurface only
+  // For kIsosurface: these surfaces instead of the one at `isovalue`, in any order, no two at the
+  // same value; those that are seen through show what lies behind (docs/numerics.md, "Modes").
+  // Empty: that one. Not by the vulkan back end, nor with a trail.
+  std::vector<Isosurface> isosurfaces;
+  static constexpr std::size_t kMaxIsosurfaces = 16;
+  bool shade = true;  // composite and isosurface only
   Material material;
   Light light = Light::kSingle;
   // World, from the object towards the light, or the studio's key light. None: a headlight (along

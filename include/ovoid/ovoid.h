@@ -34,6 +34,7 @@
 #include "ovoid/look.h"
 #include "ovoid/math.h"
 #include "ovoid/model.h"
+#include "ovoid/pick.h"
 #include "ovoid/relevant.h"
 #include "ovoid/render_mesh.h"
 #include "ovoid/render_options.h"

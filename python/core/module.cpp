@@ -269,6 +269,12 @@ void add_picture(py::module_& module) {
            [](const Shared& p) {
              return float_view(p->image.depth, {p->image.height, p->image.width}, p);
            })
+      .def("pick",
+           [](const Shared& picture, int x, int y) {
+             std::string found;
+             wait_for([&](Work&) { found = picked(*picture, x, y); });
+             return found;
+           })
       .def("save", [](const Shared& picture, const std::string& path) {
         wait_for([&](Work& work) { save_picture(*picture, path, work.stop); });
       });

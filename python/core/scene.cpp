@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "flag_set.h"
@@ -287,8 +288,19 @@ std::shared_ptr<Picture> Scene::draw(const Words& words, Manner manner, Work& wo
   picture->flags = cli::FlagSet::of(request.flags.given());
   picture->inputs = source_.inputs;
   picture->notes = work.notes;
+  picture->field = field;
+  picture->pick_words = cli::pick_words(*subject_, shot, drawing.annotation);
   picture->drawing = std::move(drawing);
   return picture;
+}
+
+std::string picked(const Picture& picture, int x, int y) {
+  const cli::Picker picker(picture.field, picture.shot, picture.drawing.options);
+  const cli::PickWords& words = picture.pick_words;
+  nlohmann::ordered_json json = cli::pick_json(picker, picker.at(picture.image, x, y), words);
+  json["unit"] = words.unit;
+  json["length_unit"] = words.length_unit;
+  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
 void save_picture(const Picture& picture, const std::string& path, std::stop_token stop) {

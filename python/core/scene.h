@@ -11,6 +11,7 @@
 
 #include "drawing.h"
 #include "histogram.h"
+#include "picking.h"
 #include "profile.h"
 #include "shot.h"
 #include "source.h"
@@ -41,6 +42,8 @@ struct Picture {
   double sampling_distance = 0;  // that it has by itself, world units
   double unit_distance = 0;      // of the look, world units
   std::int64_t num_steps = 1, step = 0;
+  Field field;  // that is shown, with its data
+  cli::PickWords pick_words;
 
   const Image& seen() const { return for_eyes ? *for_eyes : image; }
 };
@@ -94,6 +97,10 @@ class Scene {
   std::string renderer_key_;
   int process_ = 0;  // that the renderer's threads are in
 };
+
+// What `ovoid render --pick X,Y --pick-report FILE` writes of one pixel, and the units. Throws
+// Error.
+std::string picked(const Picture& picture, int x, int y);
 
 // Writes what `ovoid render -o PATH` would write.
 void save_picture(const Picture& picture, const std::string& path, std::stop_token stop);

@@ -92,6 +92,39 @@ class Picture:
         """str: the command that draws the same bytes; of data in memory with the name ``data.nrrd`` for a file that `write` makes."""
         return _core.quoted(["ovoid", "render", *(self._core.inputs or ["data.nrrd"]), *self._core.words, "-o", "picture.png"])
 
+    def pick(self, x, y):
+        """What the picture shows at a pixel, whatever is drawn afterwards: the picture keeps the data that it shows.
+
+        Parameters
+        ----------
+        x, y : int
+            The pixel: column, and row with row 0 at the top.
+
+        Returns
+        -------
+        dict
+            `pixel` [x, y]; `shows`, False where its opacity is less than 1/255, and then no place follows; `opacity`. The place is
+            where the opacity reaches 1/2, or what adds most to the pixel: `position` [x, y, z], world units; `depth` from the
+            camera's plane, world units; `index` [i, j, k] of arrays and other lattices, samples at whole numbers; the field's
+            `value` and `gradient` [x, y, z] there, value per world unit, None where it is not defined; `color_value` of an array of
+            its own; `label` {`value`, `name`} of labels; `integral` of x-rays, value times length. `unit` of the value and
+            `length_unit`, empty where the data say none.
+
+        Raises
+        ------
+        InvalidArgument
+            A pixel outside of the picture.
+
+        Examples
+        --------
+        >>> import numpy, ovoid
+        >>> z, y, x = numpy.mgrid[-1:1:32j, -1:1:32j, -1:1:32j]
+        >>> picture = ovoid.render(1 - numpy.sqrt(x**2 + y**2 + z**2), size=(64, 48), mode="isosurface", iso=0.5)
+        >>> round(picture.pick(32, 24)["value"], 3), picture.pick(0, 0)["shows"]
+        (0.5, False)
+        """
+        return json.loads(self._core.pick(operator.index(x), operator.index(y)))
+
     def save(self, path):
         """Writes the picture.
 

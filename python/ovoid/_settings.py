@@ -23,7 +23,7 @@ _ALIASES = {
     "log_scale": "log",
     "show_scalar_bar": "colorbar",
 }
-_BLENDINGS = {"composite": "composite", "maximum": "maximum", "average": "mean"}
+_BLENDINGS = {"composite": "composite", "maximum": "maximum", "minimum": "minimum", "average": "mean"}
 # PyVista's planes that are seen from where one of the program's views is, with the same axis up.
 _CPOS = {"xy": "+z", "xz": "-y", "yz": "+x"}
 

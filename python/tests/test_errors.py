@@ -54,7 +54,7 @@ def test_placement(placement, words):
     ({"cmap": "magma", "colormap": "gray"}, "give one of them"),
     ({"cpos": "up"}, "cpos = 'up': expected one of"),
     ({"cpos": [(1, 2), 3]}, "expected three points"),
-    ({"blending": "minimum"}, "blending"),
+    ({"blending": "median"}, "blending"),
     ({"blending": [1, 2]}, "blending"),
     ({"log": np.zeros(3)}, "expected True or False"),
     ({"step": 2}, "--step: is for files"),

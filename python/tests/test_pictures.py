@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pictures are the program's, to the byte, and come out in every form that Python's programs take."""
 import io
+import json
 import shlex
 import subprocess
 
@@ -27,6 +28,8 @@ def test_of_files(tmp_path, array):
     (("--opacity", "0:0,50:0.25,200:1"), {"opacity": [(0, 0), (50, 0.25), (200, 1)]}),
     (("--background", "1,1,1", "--no-shade"), {"background": (1, 1, 1), "shade": False}),
     (("--mode", "maximum", "--view", "+x"), {"blending": "maximum", "cpos": "yz"}),
+    (("--mode", "minimum", "--thick-slice", "0,0,1,6.25,3"), {"blending": "minimum", "thick_slice": (0, 0, 1, 6.25, 3)}),
+    (("--mode", "isosurface", "--iso", "60:red:0.3,90"), {"mode": "isosurface", "iso": [(60, "red", 0.3), 90]}),
     (("--mode", "xray", "--colorbar=Sum"), {"mode": "xray", "colorbar": "Sum"}),
     (("--clip", "1,0,0,9", "--clip", "0,1,0,4.5"), {"clip": [(1, 0, 0, 9), (0, 1, 0, 4.5)]}),
     (("--crop", "2:20,:,3:"), {"crop": [(2, 20), slice(None), (3, None)]}),
@@ -209,3 +212,32 @@ def test_surfaces_and_slices_in_the_scene(tmp_path, array):
     assert red > 0.99 and green < 0.01 and blue < 0.01
     sliced = ovoid.render(array, slice="axial", slice_map="gray", slice_empty=True, view="+z", opacity=[(0, 0), (200, 0)], **SMALL)
     assert sliced.rgba[36, 48, 3] == 1 and np.ptp(sliced.rgba[36, 48, :3]) < 1e-3
+
+
+def test_pick_tells_what_the_program_tells(tmp_path, array):
+    path = tmp_path / "bumps.nrrd"
+    ovoid.write(path, array)
+    picture = ovoid.render(array, **SMALL)
+    report = tmp_path / "picks.json"
+    subprocess.run([PROGRAM, "render", path, *FLAGS, "--pick", "48,36", "--pick", "0,0", "--pick-report", report], check=True)
+    told = json.loads(report.read_text())
+    for pick in told["picks"]:
+        found = picture.pick(*pick["pixel"])
+        assert (found.pop("unit"), found.pop("length_unit")) == (told["unit"], told["length_unit"])
+        assert found == pick
+    assert [pick["shows"] for pick in told["picks"]] == [True, False]
+    # What is drawn later changes nothing.
+    hit = told["picks"][0]
+    x, y, z = hit["position"]
+    assert picture.depth[36, 48] == pytest.approx(hit["depth"]) or picture.rgba[36, 48, 3] < 0.5
+    assert ovoid.sample(array, [(x, y, z)]).value[0] == pytest.approx(hit["value"], rel=1e-5)
+    assert picture.pick(np.int64(48), np.uint8(36))["position"] == hit["position"]
+
+
+def test_pick_refuses_other_pixels(array):
+    picture = ovoid.render(array, **SMALL)
+    for x, y in ((96, 0), (0, 72), (-1, 0)):
+        with pytest.raises(ovoid.InvalidArgument, match="outside of the picture, expected 0,0 to 95,71"):
+            picture.pick(x, y)
+    with pytest.raises(TypeError):
+        picture.pick(1.5, 2)

@@ -165,7 +165,7 @@ def test_every_setting_is_told():
     told = ovoid.settings()
     help_text = subprocess.run([os.environ["OVOID_PROGRAM"], "render", "--list-flags"], capture_output=True, text=True, check=True).stdout
     flags = {line.split("\t")[0].split(",")[-1][2:].replace("-", "_") for line in help_text.splitlines()}
-    of_runs = {"help", "output", "save_look", "part", "state", "repeat", "profile", "dry_run"}
+    of_runs = {"help", "output", "save_look", "part", "pick", "pick_report", "state", "repeat", "profile", "dry_run"}
     assert set(told) == flags - of_runs
 
 

@@ -10,6 +10,7 @@
 #include "annotate/ticks.h"
 #include "ovoid/annotate.h"
 #include "ovoid/error.h"
+#include "view/isosurfaces.h"
 
 namespace ovoid {
 namespace {
@@ -114,7 +115,7 @@ class RampDrawing {
   void fill_end(int first_row, int step, const Rgb& color);
   void draw_curve(Ink& ink) const;
   void draw_labels(Ink& ink) const;
-  void draw_isovalue(Ink& ink) const;
+  void draw_isovalue(Ink& ink, double isovalue) const;
   void draw_title(Ink& ink) const;
 
   Image& image_;
@@ -264,16 +265,15 @@ void RampDrawing::draw_labels(Ink& ink) const {
   }
 }
 
-void RampDrawing::draw_isovalue(Ink& ink) const {
-  if (look_.mode != Mode::kIsosurface) return;
-  if (!(look_.isovalue >= scale_.lo() && look_.isovalue <= scale_.hi())) return;
-  const double y = y_of(look_.isovalue);
+void RampDrawing::draw_isovalue(Ink& ink, double isovalue) const {
+  if (!(isovalue >= scale_.lo() && isovalue <= scale_.hi())) return;
+  const double y = y_of(isovalue);
   const double tip = ramp_.x0 - 1.5 * m_.pen;
   const double size = 0.45 * m_.text;
   const std::array<Vec2, 3> triangle = {Vec2(tip, y), Vec2(tip - 1.5 * size, y - size),
                                         Vec2(tip - 1.5 * size, y + size)};
   ink.convex(triangle);
-  Lettering(text_of(look_.isovalue), m_.text)
+  Lettering(text_of(isovalue), m_.text)
       .write_at(ink, {tip - 1.5 * size - kLabelGap * m_.text, y}, 1);
 }
 
@@ -298,7 +298,12 @@ PixelBox RampDrawing::draw() {
   Ink ink(image_.width, image_.height, m_.halo);
   outline(ink, ramp_, m_.pen);
   draw_labels(ink);
-  draw_isovalue(ink);
+  if (look_.mode == Mode::kIsosurface) {
+    // Those with a colour of their own are none of the bar's.
+    for (const Isosurface& surface : view::surfaces_of(look_)) {
+      if (!surface.color) draw_isovalue(ink, surface.value);
+    }
+  }
   draw_title(ink);
   if (shows_opacity()) draw_curve(ink);
   // Colours last: the ink stands beside the ramp, but its halo would not stop there.

@@ -18,6 +18,7 @@
 #include "render/reference/reference_renderer.h"
 #include "render/surface_light.h"
 #include "view/coverage.h"
+#include "view/isosurfaces.h"
 #include "view/light.h"
 #include "view/space_part.h"
 
@@ -49,6 +50,8 @@ void require_trail(const Field& field, const Look& look, const Trail& trail,
     throw Error(ErrorCode::kUnsupported, "trail: is for lattices, the field is a set of kernels");
   if (look.mode != Mode::kComposite && look.mode != Mode::kIsosurface)
     throw Error(ErrorCode::kUnsupported, "trail: is for the modes composite and isosurface");
+  if (look.mode == Mode::kIsosurface && !look.isosurfaces.empty())
+    throw Error(ErrorCode::kUnsupported, "trail: is for one isosurface, not for several");
   if (is_published(options.post_convolution))
     throw Error(ErrorCode::kUnsupported, "trail: is for post-convolution off and auto");
   if (options.depth_limits != nullptr)
@@ -94,6 +97,7 @@ Look completed(Look look, const Field& field, const Camera& camera) {
     look.unit_distance = default_unit_distance(field);
   if (look.light == Light::kStudio && !look.light_direction)
     look.light_direction = view::studio_key(camera);
+  look.isovalue = view::solid_isovalue(look);  // what light is worked out for
   return look;
 }
 

@@ -93,6 +93,19 @@ std::vector<ClipPlane> crop_planes(const Bounds3& world) {
   return planes;
 }
 
+std::array<ClipPlane, 2> slice_planes(const ClipPlane& middle, double thickness) {
+  const double length = middle.normal.norm();
+  if (!middle.normal.allFinite() || !std::isfinite(length) || !(length > 0))
+    refuse_crop("slice normal: must be finite and have a length");
+  if (!std::isfinite(middle.offset)) refuse_crop("slice offset: must be finite");
+  if (!std::isfinite(thickness) || !(thickness > 0))
+    refuse_crop(fmt::format("slice thickness = {}: must be > 0 and finite", thickness));
+  const Vec3 normal = middle.normal / length;
+  const double offset = middle.offset / length;
+  return {ClipPlane{normal, offset - 0.5 * thickness},
+          ClipPlane{-normal, -offset - 0.5 * thickness}};
+}
+
 Box crop_box(const LatticeGeometry& geometry, const Index3& lo, const Index3& hi) {
   require_within(geometry, lo, hi);
   return {geometry.world_from_index, geometry.index_bounds(lo, hi)};

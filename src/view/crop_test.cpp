@@ -149,5 +149,33 @@ TEST(Crop, TheFieldIsTheSameAsUncropped) {
   EXPECT_GT(part.rgba[4U * (20U * 40U + 21U) + 3U], 0.1F);
 }
 
+// Fails if the normal's length or the offset's sign is lost.
+TEST(Crop, ThickSlicesLieAroundTheirPlane) {
+  const auto planes = slice_planes({{0, 0, -2}, -6}, 1);  // z = 3
+  const auto is_left = [&](double z) {
+    return std::all_of(planes.begin(), planes.end(), [&](const ClipPlane& plane) {
+      return plane.normal.dot(Vec3(7, -9, z)) >= plane.offset;
+    });
+  };
+  EXPECT_TRUE(is_left(2.51) && is_left(3) && is_left(3.49));
+  EXPECT_FALSE(is_left(2.49) || is_left(3.51));
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  const auto refusal = [](const ClipPlane& middle, double thickness) -> std::string {
+    try {
+      slice_planes(middle, thickness);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kInvalidArgument);
+      return error.what();
+    }
+    return "";
+  };
+  const ClipPlane middle{{0, 0, 1}, 0};
+  for (const double thickness : {0.0, -1.0, kNan, kCropInfinity})
+    EXPECT_NE(refusal(middle, thickness).find("slice thickness = "), std::string::npos);
+  for (const Vec3& normal : {Vec3(0, 0, 0), Vec3(kNan, 0, 0), Vec3(kCropInfinity, 0, 0)})
+    EXPECT_NE(refusal({normal, 0}, 1).find("slice normal: "), std::string::npos);
+  EXPECT_NE(refusal({{1, 0, 0}, kNan}, 1).find("slice offset: "), std::string::npos);
+}
+
 }  // namespace
 }  // namespace ovoid

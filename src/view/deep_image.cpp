@@ -54,12 +54,16 @@ FinishedPixel composited_pixel(std::span<const DeepImage::Run> runs) {
 
 FinishedPixel value_pixel(std::span<const DeepImage::Run> runs, const Look& look) {
   FinishedPixel pixel;
-  float best = look.mode == Mode::kMaximum ? -kNowhere : 0.0F;
+  const bool is_least = look.mode == Mode::kMinimum;
+  const bool is_extreme = is_least || look.mode == Mode::kMaximum;
+  float best = !is_extreme ? 0.0F : is_least ? kNowhere : -kNowhere;
   float path = 0;
   for (const DeepImage::Run& run : runs) {
-    if (look.mode == Mode::kMaximum) {
-      if (run.rgba[0] > best) pixel.depth = run.depth;
-      best = std::max(best, run.rgba[0]);
+    if (is_extreme) {
+      const bool is_better = is_least ? run.rgba[0] < best : run.rgba[0] > best;
+      if (!is_better) continue;
+      pixel.depth = run.depth;
+      best = run.rgba[0];
     } else {
       if (pixel.depth == kNowhere) pixel.depth = run.depth;
       best += run.rgba[0];

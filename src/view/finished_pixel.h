@@ -11,7 +11,8 @@ namespace ovoid {
 
 // The modes whose pixels hold a value of the field until all of the ray has been seen.
 inline bool shows_values(Mode mode) {
-  return mode == Mode::kXray || mode == Mode::kMaximum || mode == Mode::kMean;
+  return mode == Mode::kXray || mode == Mode::kMaximum || mode == Mode::kMinimum ||
+         mode == Mode::kMean;
 }
 
 // What such a pixel keeps where only a part of the ray has been seen (DeepImage::Run), as `best`
@@ -23,8 +24,9 @@ inline void keep_value(float best, float path, float* rgba) {
   rgba[3] = 1.0F;
 }
 
-// What an x-ray, maximum or mean picture shows of a pixel that some sample was defined in: rgba,
-// premultiplied. `best`: the greatest value, or the sum of value times path; `path`: their sum.
+// What an x-ray, maximum, minimum or mean picture shows of a pixel that some sample was defined in:
+// rgba, premultiplied. `best`: the greatest or least value, or the sum of value times path; `path`:
+// their sum.
 inline void show_value(const Look& look, float best, float path, float* rgba) {
   if (look.mode == Mode::kXray) {
     rgba[0] = rgba[1] = rgba[2] = best;

@@ -9,6 +9,8 @@
 
 #include "data/kernel_weight.h"
 #include "ovoid/error.h"
+#include "view/finished_pixel.h"
+#include "view/isosurfaces.h"
 #include "view/space_part.h"
 
 namespace ovoid {
@@ -26,6 +28,15 @@ namespace view {
 bool is_refined(const Look& look, const RenderOptions& options) {
   return options.classification == Classification::kRefined && look.mode == Mode::kComposite &&
          !is_published(options.post_convolution) && options.spread == Spread::kGaussian;
+}
+
+bool draws_pieces(const Field& field, const Look& look, const RenderOptions& options) {
+  if (!shows_values(look.mode)) return is_refined(look, options);
+  const bool is_of_means =
+      options.slab == Slab::kMean ||
+      (options.slab == Slab::kAuto && look.mode == Mode::kXray && field.kernels() != nullptr);
+  return !options.clip_planes.empty() && !is_of_means && !is_published(options.post_convolution) &&
+         options.spread == Spread::kGaussian;
 }
 
 bool is_gentle(const Look& look, const ValueRange& range) {
@@ -175,8 +186,12 @@ MayMatter may_matter_for(const Look& look, const LookTable& table) {
     return [&table](float lo, float hi) { return table.any_opacity(lo, hi); };
   }
   if (look.mode == Mode::kIsosurface) {
-    return [iso = static_cast<float>(look.isovalue)](float lo, float hi) {
-      return lo <= iso && iso <= hi;
+    std::vector<float> values;
+    for (const Isosurface& surface : surfaces_of(look))
+      values.push_back(static_cast<float>(surface.value));
+    return [values](float lo, float hi) {
+      return std::any_of(values.begin(), values.end(),
+                         [&](float value) { return lo <= value && value <= hi; });
     };
   }
   return [](float, float) { return true; };
@@ -208,7 +223,7 @@ FramePlan::FramePlan(const Field& field, const ViewLattice& view_lattice, const 
       is_faded(!look.transfer_function.gradient_opacities.empty()),
       is_preintegrated(look.mode == Mode::kComposite &&
                        options.classification == Classification::kPreintegrated),
-      is_refined(view::is_refined(look, options)),
+      is_refined(view::draws_pieces(field, look, options)),
       unit_distance(effective_unit_distance(field, look)),
       flat_gradient(flat_gradient_of(field, look)),
       gradient_unit(gradient_unit_of(flat_gradient)),

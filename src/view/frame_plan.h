@@ -24,6 +24,10 @@ struct ClipMap {
 // published ways of post-convolution classify samples, as published.
 bool is_refined(const Look& look, const RenderOptions& options);
 
+// True if what lies between two sheets is drawn, and not the samples on them: refined pieces, and,
+// in the modes that show values, what clip planes cut (docs/numerics.md, "Cut values").
+bool draws_pieces(const Field& field, const Look& look, const RenderOptions& options);
+
 // True of a look whose opacity and colours change by so little over the field's range that lattice
 // sheets may be kGentleDistance times as far from each other, where nothing else is asked for
 // (docs/numerics.md, "Lattice sheets").
@@ -51,7 +55,7 @@ struct FramePlan {
   std::optional<LookTable> color_table;  // colours of the attribute that gives them, if one does
   bool is_faded;                         // the opacity depends on the gradient's length, too
   bool is_preintegrated;                 // pieces between sheets are classified as one
-  bool is_refined;                       // or in steps
+  bool is_refined;                       // draws_pieces(): in steps, or by their values
   double unit_distance;
   double flat_gradient;  // world; where the gradient is shorter, a region counts as flat
   // World: a power of two, in which back ends hold gradients, since values per length, and squares

@@ -32,6 +32,23 @@ void require_strength(const char* member, double value) {
   if (!(value >= 0.0) || !std::isfinite(value)) refuse(member, value, "must be finite and >= 0");
 }
 
+void require_isosurfaces(const std::vector<Isosurface>& surfaces) {
+  if (surfaces.size() > Look::kMaxIsosurfaces) {
+    throw Error(ErrorCode::kInvalidArgument, fmt::format("isosurfaces: {}, must be at most {}",
+                                                         surfaces.size(), Look::kMaxIsosurfaces));
+  }
+  for (std::size_t i = 0; i < surfaces.size(); ++i) {
+    const std::string member = fmt::format("isosurfaces[{}]", i);
+    require_finite(member + ".value", surfaces[i].value);
+    require_unit(member + ".opacity", surfaces[i].opacity);
+    if (surfaces[i].color) require_color(member + ".color", *surfaces[i].color);
+    for (std::size_t j = 0; j < i; ++j) {
+      if (surfaces[j].value == surfaces[i].value)
+        refuse(member + ".value", surfaces[i].value, "must differ from the others'");
+    }
+  }
+}
+
 template <class Points>
 void require_sorted(const char* member, const Points& points) {
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -119,6 +136,7 @@ void Look::validate() const {
   ovoid::validate(transfer_function);
   if (color_function) ovoid::validate(*color_function);
   require_finite("isovalue", isovalue);
+  require_isosurfaces(isosurfaces);
   require_strength("ambient", material.ambient);
   require_strength("diffuse", material.diffuse);
   require_strength("specular", material.specular);

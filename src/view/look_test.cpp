@@ -42,6 +42,20 @@ TEST(Look, ValidateNamesTheMember) {
        [](Look& l) { l.transfer_function.opacities[0].midpoint = -0.5; }},
       {"opacities[0].sharpness = 3",
        [](Look& l) { l.transfer_function.opacities[0].sharpness = 3; }},
+      {"isosurfaces[1].value = 3: must differ",
+       [](Look& l) {
+         l.isosurfaces = {{3}, {3}};
+       }},
+      {"isosurfaces[0].value = nan", [](Look& l) { l.isosurfaces = {{kNan}}; }},
+      {"isosurfaces[0].opacity = 1.5",
+       [](Look& l) {
+         l.isosurfaces = {{1, {}, 1.5}};
+       }},
+      {"isosurfaces[0].color[2]",
+       [](Look& l) {
+         l.isosurfaces = {{1, Rgb{0, 0, -1}}};
+       }},
+      {"isosurfaces: 17, must be at most 16", [](Look& l) { l.isosurfaces.resize(17); }},
       {"nan_color[1]", [](Look& l) { l.transfer_function.nan_color[1] = -1; }},
       {"below_color[2] = 1.25",
        [](Look& l) {

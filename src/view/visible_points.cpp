@@ -8,6 +8,7 @@
 #include "data/kernel_shape.h"
 #include "data/scalar_visit.h"
 #include "data/some_kernels.h"
+#include "view/isosurfaces.h"
 #include "view/look_table.h"
 
 namespace ovoid::view {
@@ -21,7 +22,7 @@ class Extinction {
  public:
   Extinction(const Field& field, const Look& look)
       : mode_(look.mode),
-        isovalue_(static_cast<float>(look.isovalue)),
+        isovalue_(static_cast<float>(surfaces_of(look).front().value)),
         table_(look.transfer_function) {
     const ValueRange range = field.value_range();
     least_shown_ = range.lo + 0.02F * (range.hi - range.lo);
@@ -44,6 +45,7 @@ class Extinction {
       case Mode::kXray:
         return value > least_shown_ ? kSolid : 0.0;
       case Mode::kMaximum:
+      case Mode::kMinimum:
       case Mode::kMean:
         return table_.at(value).opacity > 0.02F ? kSolid : 0.0;
       case Mode::kComposite:
@@ -54,7 +56,7 @@ class Extinction {
   }
 
   Mode mode_;
-  float isovalue_;
+  float isovalue_;  // the least
   LookTable table_;
   float least_shown_ = 0;
   double per_unit_ = 1;

@@ -24,8 +24,8 @@ struct LimitedView {
 
 void expect_agreement_in_every_mode(const Field& field, const LimitedView& view,
                                     const RenderOptions& options) {
-  for (const Mode mode :
-       {Mode::kComposite, Mode::kXray, Mode::kMaximum, Mode::kMean, Mode::kIsosurface}) {
+  for (const Mode mode : {Mode::kComposite, Mode::kXray, Mode::kMaximum, Mode::kMinimum,
+                          Mode::kMean, Mode::kIsosurface}) {
     for (const bool is_parallel : {true, false}) {
       for (const Classification how :
            {Classification::kRefined, Classification::kSampled, Classification::kPreintegrated}) {

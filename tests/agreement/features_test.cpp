@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "data/resident_lattice.h"
+#include "ovoid/crop.h"
 #include "ovoid/model.h"
 #include "support/agreement.h"
 #include "support/scenes.h"
@@ -47,6 +48,8 @@ TEST_P(EveryMode, SlabsReconstructionsEvaluations) {
   for (const bool is_parallel : {true, false}) {
     for (const Reconstruction reconstruction :
          {Reconstruction::kNormalized, Reconstruction::kSum}) {
+      // The least of a sum is next to nothing on many sheets: rounding decides on which.
+      if (mode() == Mode::kMinimum && reconstruction == Reconstruction::kSum) continue;
       for (const Slab slab : {Slab::kMid, Slab::kMean}) {
         for (const LatticeKernel& kernel : kOneSize) {
           Scene scene = small_scene(mode(), is_parallel);
@@ -103,6 +106,43 @@ TEST_P(EveryMode, ClipPlanes) {
     EXPECT_TRUE(backends_agree(scene, view + ", planes that leave nothing", 0));
     const Image nothing = draw(scene).image;
     for (const float component : nothing.rgba) ASSERT_EQ(component, 0.0F);
+  }
+}
+
+// Slices thinner and thicker than a sheet, between sheets anyhow; holes and faces within. Fails if
+// a back end shows the samples on sheets instead of what lies between the planes.
+TEST(Agreement, ModesThatShowValuesOfThickSlices) {
+  const Vec3 normal(0.4, -0.5, 0.7);
+  for (const Mode mode : {Mode::kXray, Mode::kMaximum, Mode::kMinimum, Mode::kMean}) {
+    for (const bool is_parallel : {true, false}) {
+      Scene scene = small_scene(mode, is_parallel);
+      const double offset = normal.dot(scene.field.world_bounds().center());
+      const double sheet = scene.field.default_sampling_distance();
+      for (const double thickness : {0.3, 4.7}) {
+        if (is_left_out(static_cast<int>(mode), thickness < 1 ? 0 : 1)) continue;
+        const auto planes = slice_planes({normal, offset + 0.17 * sheet}, thickness * sheet);
+        scene.options.clip_planes.assign(planes.begin(), planes.end());
+        expect_agreement_however_evaluated(
+            scene, fmt::format("{}, {}, {} sheets thick", kModeNames[static_cast<int>(mode)],
+                               projection_name(is_parallel), thickness));
+      }
+    }
+  }
+}
+
+// Surfaces that are seen through, one in a colour of its own. The vulkan back end leaves several to
+// the cpu.
+TEST(Agreement, ThreeIsosurfaces) {
+  if (tested_backend() == Backend::kVulkan) GTEST_SKIP() << "drawn by the cpu";
+  for (const bool is_parallel : {true, false}) {
+    Scene scene = small_scene(Mode::kIsosurface, is_parallel);
+    const double middle = scene.look.isovalue;
+    scene.look.isosurfaces = {
+        {middle, {}, 0.4}, {1.3 * middle, Rgb{0.9, 0.2, 0.1}, 0.5}, {0.7 * middle, {}, 1.0}};
+    expect_agreement_however_evaluated(scene, "three surfaces, " + projection_name(is_parallel));
+    const Vec3 slanted(-1.0, 0.6, 0.5);
+    scene.options.clip_planes = {{slanted, slanted.dot(scene.field.world_bounds().center()) - 0.7}};
+    EXPECT_TRUE(backends_agree(scene, "cut, " + projection_name(is_parallel)));
   }
 }
 
@@ -183,7 +223,7 @@ TEST_P(EveryMode, Minification) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Modes, EveryMode, ::testing::Range(0, 5),
+INSTANTIATE_TEST_SUITE_P(Modes, EveryMode, ::testing::Range(0, 6),
                          [](const auto& test) { return kModeNames[test.param]; });
 
 // Fails if the far from default paths (other tap counts, wide supports) differ from the definition.

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "ovoid/crop.h"
 #include "support/agreement.h"
 #include "support/kernel_sets.h"
 #include "support/scenes.h"
@@ -53,7 +54,8 @@ TEST(KernelSets, AgreeOnEverySetAndLook) {
 
 TEST(KernelSets, AgreeInEveryMode) {
   const KernelField field(jittered_ellipsoids(8).source(), Reconstruction::kNormalized);
-  for (const Mode mode : {Mode::kXray, Mode::kMaximum, Mode::kMean, Mode::kIsosurface}) {
+  for (const Mode mode :
+       {Mode::kXray, Mode::kMaximum, Mode::kMinimum, Mode::kMean, Mode::kIsosurface}) {
     for (const bool is_parallel : {true, false}) {
       Look look = semi_transparent_look(0, 1);
       look.mode = mode;
@@ -65,7 +67,30 @@ TEST(KernelSets, AgreeInEveryMode) {
       EXPECT_TRUE(backends_agree(
           scene, "mode " + std::to_string(static_cast<int>(mode)) + view_text(is_parallel), 0.05,
           tolerance));
+      if (mode == Mode::kIsosurface) continue;
+      // A thick slice, which sheets do not end at.
+      const auto planes = slice_planes({{0.4, -0.5, 0.7}, 0.31}, 0.13);
+      scene.options.clip_planes.assign(planes.begin(), planes.end());
+      if (mode == Mode::kXray)
+        tolerance.peak = greatest_color(draw(scene, Backend::kReference).image);
+      EXPECT_TRUE(backends_agree(
+          scene,
+          "thick slice, mode " + std::to_string(static_cast<int>(mode)) + view_text(is_parallel),
+          0.05, tolerance));
     }
+  }
+}
+
+// The vulkan back end leaves several surfaces to the cpu.
+TEST(KernelSets, TellThreeIsosurfacesApart) {
+  if (tested_backend() == Backend::kVulkan) GTEST_SKIP() << "drawn by the cpu";
+  const KernelField field(jittered_ellipsoids(8).source(), Reconstruction::kNormalized, 0, 1);
+  for (const bool is_parallel : {true, false}) {
+    Look look = semi_transparent_look(0, 1);
+    look.mode = Mode::kIsosurface;
+    look.isosurfaces = {{0.62, {}, 0.5}, {0.7, Rgb{0.1, 0.2, 0.9}, 1.0}, {0.5, {}, 0.3}};
+    const Scene scene{field, askew_camera(field, is_parallel, 1.3), look, direct_options(50, 70)};
+    EXPECT_TRUE(backends_agree(scene, "three surfaces" + view_text(is_parallel)));
   }
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "ovoid/renderer.h"
 #include "render/reference/field_evaluator.h"
 #include "render/reference/reference_renderer.h"
 #include "support/scenes.h"
@@ -149,6 +150,50 @@ TEST(Isosurface, NothingWhereTheFieldIsUndefined) {
           render(make_field({8, 8, 16}, torn), camera, surface_look(7.5), picture(3, 3)).image)
           .a(),
       0);
+}
+
+// Outer surfaces that are seen through show inner ones, each in its own colour, in the order of the
+// ray, whichever way the value goes; on both back ends. Fails if a surface's opacity, colour or
+// order is another's, or if the depth is that of what is hardly seen.
+TEST(Isosurface, SeveralAreSeenThroughEachOther) {
+  const LatticeField ramp = make_field({8, 8, 16}, along_z);
+  Look look = surface_look(0);
+  look.isosurfaces = {{9.6, Rgb{0, 0, 1}, 1}, {4.3, Rgb{1, 0, 0}, 0.25}, {4.7, Rgb{0, 1, 0}, 0.4}};
+  Renderer cpu(Backend::kCpu, 1);
+  for (const double sign : {1.0, -1.0}) {
+    const Camera camera = parallel_camera({3.5, 3.5, 7.5}, {0, 0, sign}, 1);
+    for (const Image& image : {render(ramp, camera, look, picture(3, 3, 1)).image,
+                               cpu.render(ramp, camera, look, picture(3, 3, 1)).image}) {
+      const Pixel at = center_pixel(image);
+      if (sign > 0) {
+        EXPECT_NEAR(at.r(), 0.25, kFloatRelative);
+        EXPECT_NEAR(at.g(), 0.75 * 0.4, kFloatRelative);
+        EXPECT_NEAR(at.b(), 0.75 * 0.6, kFloatRelative);
+        // 0.25 and 0.55: the second brings it over a half.
+        EXPECT_NEAR(center_depth(image), 92.5 + ramp_crossing(4.7), 1e-3);
+        EXPECT_NEAR(center_front_depth(image), 92.5 + ramp_crossing(4.3), 1e-3);
+      } else {
+        EXPECT_NEAR(at.b(), 1, kFloatRelative);
+        EXPECT_NEAR(at.r() + at.g(), 0, kFloatRelative);
+        EXPECT_NEAR(center_depth(image), 107.5 - ramp_crossing(9.6), 1e-3);
+      }
+      EXPECT_EQ(at.a(), 1);
+    }
+  }
+  // Between two sheets the lesser first where the value rises, the greater first where it falls.
+  look.isosurfaces.erase(look.isosurfaces.begin());
+  const Camera backwards = parallel_camera({3.5, 3.5, 7.5}, {0, 0, -1}, 1);
+  for (const Image& image : {render(ramp, backwards, look, picture(3, 3, 1)).image,
+                             cpu.render(ramp, backwards, look, picture(3, 3, 1)).image}) {
+    EXPECT_NEAR(center_pixel(image).g(), 0.4, kFloatRelative);
+    EXPECT_NEAR(center_pixel(image).r(), 0.6 * 0.25, kFloatRelative);
+    EXPECT_NEAR(center_pixel(image).a(), 1 - 0.6 * 0.75, kFloatRelative);
+    EXPECT_NEAR(center_depth(image), 107.5 - ramp_crossing(4.3), 1e-3);
+  }
+  // Without a colour of its own a surface has the look's.
+  look.isosurfaces = {{8.0, {}, 0.5}};
+  look.transfer_function.colors = {{0, {0, 0, 0}}, {16, {1, 1, 1}}};
+  EXPECT_NEAR(center_pixel(cpu.render(ramp, backwards, look, picture(3, 3)).image).r(), 0.25, 1e-6);
 }
 
 // Lit like everything else: colour of the isovalue, headlight, the surface's slant.

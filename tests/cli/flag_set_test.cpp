@@ -241,8 +241,10 @@ const std::vector<Words>& samples() {
       {"--mode", "composite"},
       {"--mode", "xray"},
       {"--mode", "maximum"},
+      {"--mode", "minimum"},
       {"--mode", "mean"},
       {"--mode", "isosurface", "--iso", "3"},
+      {"--mode", "isosurface", "--iso", "3::0.25,4.5:#ff8000"},
       {"--shade"},
       {"--no-shade"},
       {"--ambient", "1", "--diffuse", "1", "--specular", "1", "--specular-power", "1"},
@@ -284,6 +286,7 @@ const std::vector<Words>& samples() {
       {"--evaluate", "gather", "--sheets", "lattice", "--sheet-precision", "fp16"},
       {"--post-convolution", "cubic", "--spread", "bilinear"},
       {"--clip", "1,0,0,0", "--clip", "0,1,0,0"},
+      {"--thick-slice", "0,0,1,3,2"},
       {"--value-plane", "1,0,0,0,shown"},
       {"--color-array", "c", "--color-tf", "a.json"},
       {"--backend", "cpu", "--threads", "1", "--device", "0", "--device-memory", "1G"},
@@ -301,7 +304,8 @@ TEST(FlagSets, SamplesHoldEveryFlag) {
     EXPECT_NO_THROW(cli::check_render_flags(set.words())) << joined(sample);
   }
   for (const FlagForm& form : cli::render_flags()) {
-    const std::set<std::string> of_line = {"output", "part", "profile", "save-look", "state"};
+    const std::set<std::string> of_line = {"output",  "part",      "pick", "pick-report",
+                                           "profile", "save-look", "state"};
     const bool is_of_line = of_line.contains(form.name);
     EXPECT_EQ(held.contains(form.name), !is_of_line) << form.name;
   }
@@ -358,7 +362,9 @@ TEST(FlagSets, WhatIsParsedIsTold) {
     for (const FlagSet::Flag& flag : given.flags()) {
       const bool is_default = flag.value == "composite" || flag.value == "edges" ||
                               flag.value == "gaussian" || flag.value == "1G";
-      EXPECT_TRUE(is_default || once.find(flag.name) != nullptr) << flag.name;
+      // A thick slice is told as its two planes.
+      const std::string name = flag.name == "thick-slice" ? "clip" : flag.name;
+      EXPECT_TRUE(is_default || once.find(name) != nullptr) << flag.name;
     }
   }
 }

@@ -55,9 +55,10 @@ struct TestLook {
 std::vector<TestLook> test_looks(double lo, double hi);
 Look semi_transparent_look(double lo, double hi);
 
-inline constexpr Mode kModes[] = {Mode::kComposite, Mode::kXray, Mode::kMaximum, Mode::kMean,
-                                  Mode::kIsosurface};
-inline constexpr const char* kModeNames[] = {"composite", "xray", "maximum", "mean", "isosurface"};
+inline constexpr Mode kModes[] = {Mode::kComposite, Mode::kXray,       Mode::kMaximum,
+                                  Mode::kMean,      Mode::kIsosurface, Mode::kMinimum};
+inline constexpr const char* kModeNames[] = {"composite", "xray",       "maximum",
+                                             "mean",      "isosurface", "minimum"};
 
 struct Scene {
   Field field;

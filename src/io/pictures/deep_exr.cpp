@@ -50,7 +50,8 @@ constexpr std::array<RunChannel, 9> kChannels = {{
 }};
 static_assert(sizeof(float) == 4 && sizeof(Run::first) == 4);
 
-constexpr std::array kModeWords = {"composite", "x-ray", "maximum", "mean", "isosurface"};
+constexpr std::array kModeWords = {"composite", "x-ray",      "maximum",
+                                   "mean",      "isosurface", "minimum"};
 constexpr Mode kModesInOrder[] = {Mode::kComposite, Mode::kXray, Mode::kMaximum, Mode::kMean,
                                   Mode::kIsosurface};
 

@@ -123,8 +123,10 @@ HWY_INLINE RowMasks bin_row(const CpuFrame& frame, const Block& block, int s, in
       if (inside == 0) continue;
     }
     std::uint32_t relevant = bits_of(lookup.bricks(u)) & inside;
-    if (relevant != 0 && cuts_paths(frame, block.place, s))
-      relevant &= with_path_by_planes(frame, block.place, s, column, row);
+    if (relevant != 0 && cuts_paths(frame, block.place, s)) {
+      relevant &= frame.is_refined ? with_pieces_by_planes(frame, block.place, s, column, row)
+                                   : with_path_by_planes(frame, block.place, s, column, row);
+    }
     masks.inside |= RowWord{inside} << column;
     masks.relevant |= RowWord{relevant} << column;
   }

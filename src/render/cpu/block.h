@@ -60,9 +60,9 @@ struct alignas(64) TileState {
   static constexpr int kPixels = kTileSize * kTileSize + 16;
   float red[kPixels], green[kPixels], blue[kPixels], alpha[kPixels], depth[kPixels];
   float front_depth[kPixels];  // of what is composited; others have it when they are finished
-  float best[kPixels];         // maximum: greatest value; xray and mean: sum of value * path
+  float best[kPixels];         // maximum, minimum: that value; xray and mean: sum of value * path
   float path[kPixels];         // mean: sum of path
-  RowWord seen[kTileSize];     // xray, maximum, mean: a sample was defined
+  RowWord seen[kTileSize];     // xray, maximum, minimum, mean: a sample was defined
   RowWord open[kTileSize];     // still takes samples
 
   void reset(int width, int height) {

@@ -3,7 +3,7 @@
 // become opaque is closed.
 //
 // In:  visible samples with opacity and colour (composite), or defined samples (x-ray, maximum,
-// mean). Out: the tile's state.
+// minimum, mean). Out: the tile's state.
 #if defined(OVOID_RENDER_CPU_COMPOSITE_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef OVOID_RENDER_CPU_COMPOSITE_INL_H_
 #undef OVOID_RENDER_CPU_COMPOSITE_INL_H_
@@ -72,22 +72,50 @@ HWY_INLINE void add_to_pixels(const GroupColor& seen, V alpha, V depth, GroupPix
   note_front_depth(before, pixels.alpha, depth, front_depth);
 }
 
-// An opaque surface joins the lanes of `mask`, behind what is in front of it.
-HWY_INLINE void add_surface(const GroupColor& lit, M mask, V depth, TileState& tile, int pixel) {
+// A surface joins the lanes of `mask`, behind what is in front of it. Returns those that it closes.
+HWY_INLINE std::uint32_t add_surface(const CpuFrame& frame, const GroupColor& lit, float opacity,
+                                     M mask, V depth, TileState& tile, int pixel) {
   const V in_front = hn::LoadU(d, tile.alpha + pixel);
-  const V share = hn::Sub(hn::Set(d, 1.0F), in_front);
+  V share = hn::Sub(hn::Set(d, 1.0F), in_front);
+  V after = hn::Set(d, 1.0F);
+  if (opacity < 1) {
+    share = hn::Mul(share, hn::Set(d, opacity));
+    after = hn::Add(in_front, share);
+  }
   const auto add = [&](float* sum, V color) {
     store_masked(mask, hn::MulAdd(share, color, hn::LoadU(d, sum + pixel)), sum + pixel);
   };
   add(tile.red, lit.red);
   add(tile.green, lit.green);
   add(tile.blue, lit.blue);
-  store_masked(mask, hn::Set(d, 1.0F), tile.alpha + pixel);
-  const auto note_depth = [&](float opacity, float* depths) {
-    store_masked(hn::And(mask, hn::Lt(in_front, hn::Set(d, opacity))), depth, depths + pixel);
+  store_masked(mask, after, tile.alpha + pixel);
+  const auto note_depth = [&](float bound, float* depths) {
+    const V least = hn::Set(d, bound);
+    const M is_reached = hn::And(hn::Lt(in_front, least), hn::Ge(after, least));
+    store_masked(hn::And(mask, is_reached), depth, depths + pixel);
   };
   note_depth(0.5F, tile.depth);
   note_depth(kLeastVisibleOpacity, tile.front_depth);
+  return bits_of(hn::And(mask, hn::Ge(after, hn::Set(d, frame.opaque_at))));
+}
+
+// Runs `draw(surface, lanes)` for the surfaces that a group's lanes meet between two values, each
+// lane's in the order in which it meets them where the value goes straight.
+template <class Draw>
+HWY_INLINE void for_each_surface(const CpuFrame& frame, V before, V after, std::uint32_t lanes,
+                                 const Draw& draw) {
+  const std::vector<FrameSurface>& surfaces = frame.look.surfaces;
+  const auto draw_crossed = [&](const FrameSurface& surface, std::uint32_t of) {
+    const V iso = hn::Set(d, surface.value);
+    const std::uint32_t crossed = bits_of(hn::Xor(hn::Lt(before, iso), hn::Lt(after, iso))) & of;
+    if (crossed != 0) draw(surface, crossed);
+  };
+  if (surfaces.size() == 1) return draw_crossed(surfaces.front(), lanes);
+  const std::uint32_t rising = bits_of(hn::Lt(before, after)) & lanes;
+  for (std::size_t i = 0; i < surfaces.size(); ++i) {
+    if (rising != 0) draw_crossed(surfaces[i], rising);
+    if (rising != lanes) draw_crossed(surfaces[surfaces.size() - 1 - i], lanes & ~rising);
+  }
 }
 
 inline void composite_sheet(const CpuFrame& frame, const BlockPlace& place, int s,
@@ -113,33 +141,59 @@ inline void composite_sheet(const CpuFrame& frame, const BlockPlace& place, int 
   }
 }
 
-// X-ray, maximum and mean: every defined sample counts.
+// What a group's samples, or what is left of its pieces, say of their pixels.
+struct GroupOfValues {
+  V value, depth;
+};
+
+// Maximum and minimum. `at`: the group's lanes are those that say something.
+HWY_INLINE void note_extreme(const CpuFrame& frame, const BlockPlace& place, const SampleGroup& at,
+                             const GroupOfValues& found, TileState& tile) {
+  const M mask = mask_of(at.lanes);
+  const int to = tile_index(place, at.column, at.row);
+  RowWord& seen_row = tile.seen[tile_row(place, at.row)];
+  const M seen = mask_of(lanes_at(seen_row, tile_column(place, at.column)));
+  const V best = hn::LoadU(d, tile.best + to);
+  const M better =
+      frame.mode == Mode::kMaximum ? hn::Gt(found.value, best) : hn::Lt(found.value, best);
+  const M is_new = hn::And(mask, hn::Or(better, hn::Not(seen)));
+  store_masked(is_new, found.value, tile.best + to);
+  store_masked(is_new, found.depth, tile.depth + to);
+  seen_row |= RowWord{at.lanes} << tile_column(place, at.column);
+}
+
+// X-ray and mean. `length`: of the path, world units.
+HWY_INLINE void add_to_sum(const BlockPlace& place, const SampleGroup& at,
+                           const GroupOfValues& found, V length, TileState& tile) {
+  const M mask = mask_of(at.lanes);
+  const int to = tile_index(place, at.column, at.row);
+  RowWord& seen_row = tile.seen[tile_row(place, at.row)];
+  const M seen = mask_of(lanes_at(seen_row, tile_column(place, at.column)));
+  const V sum = hn::IfThenElseZero(seen, hn::LoadU(d, tile.best + to));
+  store_masked(mask, hn::MulAdd(found.value, length, sum), tile.best + to);
+  store_masked(mask, hn::Add(length, hn::LoadU(d, tile.path + to)), tile.path + to);
+  store_masked(hn::AndNot(seen, mask), found.depth, tile.depth + to);
+  seen_row |= RowWord{at.lanes} << tile_column(place, at.column);
+}
+
+inline bool shows_an_extreme(const CpuFrame& frame) {
+  return frame.mode == Mode::kMaximum || frame.mode == Mode::kMinimum;
+}
+
+// X-ray, maximum, minimum and mean: every defined sample counts.
 inline void accumulate_sheet(const CpuFrame& frame, const BlockPlace& place, int s,
                              const float* values, const RowBits& bits, TileState& tile) {
   for (int y = 0; y < place.rows; ++y) {
     for_each_group(
         bits[y], place.margin, place.columns - place.margin, [&](int column, std::uint32_t lanes) {
-          const M mask = mask_of(lanes);
-          const int to = tile_index(place, column, y);
-          RowWord& seen_row = tile.seen[tile_row(place, y)];
-          const M seen = mask_of(lanes_at(seen_row, tile_column(place, column)));
-          const V value = hn::LoadU(d, values + y * kTilePlane.stride + column);
-          const V depth = hn::Set(d, place.sheets[s].depth);
-          const V best = hn::LoadU(d, tile.best + to);
-          if (frame.mode == Mode::kMaximum) {
-            const M better = hn::And(mask, hn::Gt(value, best));
-            store_masked(better, value, tile.best + to);
-            store_masked(better, depth, tile.depth + to);
-          } else {
-            const V length = hn::Mul(hn::Mul(path_fraction(frame, place, s, column, y),
-                                             ray_length(frame, place, column, y)),
-                                     hn::Set(d, frame.camera.sampling_distance));
-            const V sum = hn::IfThenElseZero(seen, best);
-            store_masked(mask, hn::MulAdd(value, length, sum), tile.best + to);
-            store_masked(mask, hn::Add(length, hn::LoadU(d, tile.path + to)), tile.path + to);
-            store_masked(hn::AndNot(seen, mask), depth, tile.depth + to);
-          }
-          seen_row |= RowWord{lanes} << tile_column(place, column);
+          const SampleGroup at{s, column, y, lanes};
+          const GroupOfValues found{hn::LoadU(d, values + y * kTilePlane.stride + column),
+                                    hn::Set(d, place.sheets[s].depth)};
+          if (shows_an_extreme(frame)) return note_extreme(frame, place, at, found, tile);
+          const V length = hn::Mul(hn::Mul(path_fraction(frame, place, s, column, y),
+                                           ray_length(frame, place, column, y)),
+                                   hn::Set(d, frame.camera.sampling_distance));
+          add_to_sum(place, at, found, length, tile);
         });
   }
 }

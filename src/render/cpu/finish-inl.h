@@ -59,8 +59,13 @@ template <class PartOf, class TakeGradients>
 inline bool finish_pieces_in_hand(const CpuFrame& frame, const TileInHand& tile, int s,
                                   const RowBits& bits, const PartOf& part_of, StageClock& clock,
                                   const TakeGradients& take_gradients) {
-  classify_pieces(frame, tile.place, tile.ring, s, with_an_end(tile.place, tile.ring, s, bits),
-                  tile.shaded);
+  const RowBits pieces = with_an_end(tile.place, tile.ring, s, bits);
+  if (frame.mode != Mode::kComposite) {
+    accumulate_pieces(frame, tile, s, pieces, part_of);
+    clock.lap(kComposite);
+    return false;
+  }
+  classify_pieces(frame, tile.place, tile.ring, s, pieces, tile.shaded);
   const bool is_visible = count_bits(tile.shaded.visible, tile.place.rows) > 0;
   clock.lap(kShade);
   if (!is_visible) return false;

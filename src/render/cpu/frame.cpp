@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "render/cpu/frame.h"
 
+#include "view/isosurfaces.h"
+
 namespace ovoid::cpu {
 namespace {
 
@@ -9,6 +11,19 @@ ClassificationTable table_in(const FrameTables& tables, const device::TableConst
   ClassificationTable table{constants, numbers + std::size_t{4} * constants.entries_at, nullptr};
   if (constants.steps_at != device::kNoTable) table.steps = numbers + constants.steps_at;
   return table;
+}
+
+std::vector<FrameSurface> frame_surfaces(const Look& look) {
+  std::vector<FrameSurface> surfaces;
+  for (const Isosurface& surface : view::surfaces_of(look)) {
+    const Rgb color = surface.color.value_or(look.transfer_function.color_at(surface.value));
+    surfaces.push_back(
+        {static_cast<float>(surface.value),
+         static_cast<float>(surface.opacity),
+         {static_cast<float>(color[0]), static_cast<float>(color[1]), static_cast<float>(color[2])},
+         surface.color.has_value()});
+  }
+  return surfaces;
 }
 
 }  // namespace
@@ -23,6 +38,7 @@ void set_frame(CpuFrame& frame, const Look& look, const RenderOptions& options,
   frame.camera = frame_camera(plan);
   FrameLook& tables = frame.look;
   tables.constants = look_constants(plan, look, frame.corrects_late, tables.memory);
+  if (frame.mode == Mode::kIsosurface) tables.surfaces = frame_surfaces(look);
   if (light != nullptr) {
     tables.constants.volume = light_constants(plan, *light);
     frame.has_key_light = light->has_key;

@@ -20,6 +20,14 @@ struct ClassificationTable {
   const float* steps = nullptr;    // [kTableCells + 1]; null if no cell has one
 };
 
+// One of the look's surfaces.
+struct FrameSurface {
+  float value;
+  float opacity;
+  float color[3];
+  bool has_color;  // its own, whatever attribute gives the others theirs
+};
+
 // The look. Stays where it is: the tables point into its memory.
 struct FrameLook {
   device::LookConstants constants{};
@@ -28,6 +36,7 @@ struct FrameLook {
   ClassificationTable color;         // colours by another attribute, if has_own_color
   const float* integrals = nullptr;  // [kTableCells + 2][8], if is_preintegrated
   FrameTables memory;
+  std::vector<FrameSurface> surfaces;  // of mode isosurface, by rising value
   // If is_refined, by cell: how much the look varies up to its begin and its end, and the opacities
   // there. [kTableCells + 1]
   std::vector<device::vec4> cells;

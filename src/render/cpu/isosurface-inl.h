@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Isosurface mode: finds where a ray first crosses the isovalue between two sheets, refines the
-// place on the field and shades it. It stands for "shade" and "composite" in this mode. A group's
+// Isosurface mode: finds where a ray crosses the isovalues between two sheets, refines the places
+// on the field and shades them. It stands for "shade" and "composite" in this mode. A group's
 // crossings are refined together.
 #if defined(OVOID_RENDER_CPU_ISOSURFACE_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef OVOID_RENDER_CPU_ISOSURFACE_INL_H_
@@ -27,10 +27,9 @@ struct SurfaceEnds {
 
 // Where between the ends (0 to 1) the field takes the isovalue.
 HWY_INLINE V refine(const LatticeFrame& frame, Workspace& work, const SampleGroup& group,
-                    const SurfaceEnds& ends) {
+                    const SurfaceEnds& ends, V iso) {
   V before = ends.before;
   V after = ends.after;
-  const V iso = hn::Set(d, frame.look.constants.isovalue);
   const M rises = hn::Lt(before, iso);
   V near = hn::Zero(d);
   V far = hn::Set(d, 1.0F);
@@ -58,6 +57,33 @@ HWY_INLINE V refine(const LatticeFrame& frame, Workspace& work, const SampleGrou
   return hn::MulAdd(hn::Sub(far, near), hn::IfThenElseZero(far_is_defined, clamped), near);
 }
 
+// A surface that the group's lanes cross joins their pixels. Returns the lanes that it closes.
+inline std::uint32_t draw_crossing(const LatticeFrame& frame, Workspace& work,
+                                   const FrameSurface& surface, SampleGroup group,
+                                   const SurfaceEnds& ends) {
+  const BlockPlace& place = work.block.place;
+  const auto& [s, column, row, crossing] = group;
+  const V t = refine(frame, work, group, ends, hn::Set(d, surface.value));
+  group.lanes &= kept_by_planes(frame, place, s, column, row, t);
+  const V depth =
+      hn::MulAdd(hn::Sub(t, hn::Set(d, 1.0F)), hn::Set(d, frame.camera.sampling_distance),
+                 hn::Set(d, place.sheets[s].depth));
+  group.lanes = within_spans(frame, place, group, depth, *work.tile);
+  if (group.lanes == 0) return 0;
+  Lighting light{hn::Set(d, 1.0F), hn::Zero(d)};
+  if (frame.is_lit) {
+    const WorldVector g = exact_gradient(frame, work, group, point_between(ends.from, ends.to, t));
+    light = light_between(frame, place, group, t, g);
+    work.stats.gradients += std::popcount(group.lanes);
+  } else if (frame.light != nullptr) {
+    light = light_between(frame, place, group, t, no_gradient());
+  }
+  work.stats.samples_shaded += std::popcount(group.lanes);
+  const auto lit = [&](int c) { return lit_color(hn::Set(d, surface.color[c]), light); };
+  return add_surface(frame, {lit(0), lit(1), lit(2)}, surface.opacity, mask_of(group.lanes), depth,
+                     *work.tile, tile_index(place, column, row));
+}
+
 // Crossings between sheet s - 1 and sheet s of the block.
 inline void surface_sheet(const LatticeFrame& frame, Workspace& work, int s) {
   const Block& block = work.block;
@@ -65,7 +91,6 @@ inline void surface_sheet(const LatticeFrame& frame, Workspace& work, int s) {
   TileState& tile = *work.tile;
   const Sheet& here = work.ring[place.number_of(s)];
   const Sheet& front = work.ring[place.number_of(s - 1)];
-  const V iso = hn::Set(d, frame.look.constants.isovalue);
   for (int y = 0; y < place.rows; ++y) {
     RowWord& open = tile.open[tile_row(place, y)];
     const RowWord both = here.defined[y] & front.defined[y] & open >> place.x0;
@@ -74,37 +99,21 @@ inline void surface_sheet(const LatticeFrame& frame, Workspace& work, int s) {
       SurfaceEnds ends;
       ends.before = hn::LoadU(d, front.values + at);
       ends.after = hn::LoadU(d, here.values + at);
-      std::uint32_t crossing =
-          bits_of(hn::Xor(hn::Lt(ends.before, iso), hn::Lt(ends.after, iso))) & lanes;
-      if (crossing == 0) return;
-      ends.from = position_of(block.sheets[s - 1], column, y);
-      ends.to = position_of(block.sheets[s], column, y);
-      const V t = refine(frame, work, {s, column, y, crossing}, ends);
-      crossing &= kept_by_planes(frame, place, s, column, y, t);
-      const V depth =
-          hn::MulAdd(hn::Sub(t, hn::Set(d, 1.0F)), hn::Set(d, frame.camera.sampling_distance),
-                     hn::Set(d, place.sheets[s].depth));
-      crossing = within_spans(frame, place, {s, column, y, crossing}, depth, tile);
-      if (crossing == 0) return;
-      const V color[3] = {hn::Set(d, frame.look.constants.isosurface_color.x),
-                          hn::Set(d, frame.look.constants.isosurface_color.y),
-                          hn::Set(d, frame.look.constants.isosurface_color.z)};
-      Lighting light{hn::Set(d, 1.0F), hn::Zero(d)};
-      if (frame.is_lit) {
-        const WorldVector g = exact_gradient(frame, work, {s, column, y, crossing},
-                                             point_between(ends.from, ends.to, t));
-        light = light_between(frame, place, {s, column, y, crossing}, t, g);
-        work.stats.gradients += std::popcount(crossing);
-      } else if (frame.light != nullptr) {
-        light = light_between(frame, place, {s, column, y, crossing}, t, no_gradient());
-      }
-      const int pixel = tile_index(place, column, y);
-      const M mask = mask_of(crossing);
-      add_surface(
-          {lit_color(color[0], light), lit_color(color[1], light), lit_color(color[2], light)},
-          mask, depth, tile, pixel);
-      open &= ~(RowWord{crossing} << tile_column(place, column));
-      work.stats.samples_shaded += std::popcount(crossing);
+      bool has_places = false;
+      std::uint32_t closed = 0;
+      for_each_surface(
+          frame, ends.before, ends.after, lanes,
+          [&](const FrameSurface& surface, std::uint32_t crossing) {
+            crossing &= ~closed;
+            if (crossing == 0) return;
+            if (!has_places) {
+              ends.from = position_of(block.sheets[s - 1], column, y);
+              ends.to = position_of(block.sheets[s], column, y);
+              has_places = true;
+            }
+            closed |= draw_crossing(frame, work, surface, {s, column, y, crossing}, ends);
+          });
+      open &= ~(RowWord{closed} << tile_column(place, column));
     });
   }
 }

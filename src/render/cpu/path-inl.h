@@ -97,14 +97,13 @@ HWY_INLINE V path_within_spans(const CpuFrame& frame, const BlockPlace& place,
   return hn::Max(length, hn::Zero(d));
 }
 
-// What the half spaces leave of the slab, [-1/2, 1/2] sheets around the sample; each cuts off an
-// end.
-HWY_INLINE SlabCut slab_of(const CpuFrame& frame, const BlockPlace& place, int s, int column,
-                           int row) {
+// What the half spaces leave of `around`, in sheets around the sample; each cuts off an end.
+HWY_INLINE SlabCut kept_around(const CpuFrame& frame, const BlockPlace& place, int s, int column,
+                               int row, const SlabCut& around) {
   const view::FramePlan& plan = *frame.plan;
   const std::int64_t sheet = place.number_of(s);
-  V from = hn::Set(d, place.sheets[s].near_cut);
-  V to = hn::Set(d, 0.5F);
+  V from = around.from;
+  V to = around.to;
   const V x = pixel_x(place, column);
   const float y = pixel_y(place, row);
   for (const ClipPlane& plane : plan.clip_planes) {
@@ -118,6 +117,13 @@ HWY_INLINE SlabCut slab_of(const CpuFrame& frame, const BlockPlace& place, int s
   return {from, to};
 }
 
+// The same of the slab, [-1/2, 1/2].
+HWY_INLINE SlabCut slab_of(const CpuFrame& frame, const BlockPlace& place, int s, int column,
+                           int row) {
+  return kept_around(frame, place, s, column, row,
+                     {hn::Set(d, place.sheets[s].near_cut), hn::Set(d, 0.5F)});
+}
+
 // False for sheets before the near plane, where differences have values, samples and pieces none.
 inline bool exists(const BlockPlace& place, int s) { return place.sheets[s].near_cut < 0; }
 
@@ -129,6 +135,19 @@ HWY_INLINE std::uint32_t with_path_by_planes(const CpuFrame& frame, const BlockP
   if (!exists(place, s)) return 0;
   const SlabCut slab = slab_of(frame, place, s, column, row);
   return bits_of(hn::Gt(slab.to, slab.from));
+}
+
+// The same of samples with a piece on either side of which half spaces leave something: it may be
+// the half next to an end where the field is not defined.
+HWY_INLINE std::uint32_t with_pieces_by_planes(const CpuFrame& frame, const BlockPlace& place,
+                                               int s, int column, int row) {
+  if (!frame.plan->is_clipped) return group_bits();
+  if (!exists(place, s)) return 0;
+  const float near_cut = place.sheets[s].near_cut;
+  const SlabCut kept =
+      kept_around(frame, place, s, column, row,
+                  {hn::Set(d, near_cut > -0.5F ? near_cut : -1.0F), hn::Set(d, 1.0F)});
+  return bits_of(hn::Gt(kept.to, kept.from));
 }
 
 // Fraction of the slab, in [0, 1].

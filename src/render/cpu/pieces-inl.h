@@ -90,6 +90,54 @@ HWY_INLINE VariationAt classify_ends(const CpuFrame& frame, Sheet& sheet, const 
   return found;
 }
 
+// Depths of a group's pieces at their ends.
+HWY_INLINE EndValues depths_of(const CpuFrame& frame, const BlockPlace& place, int s) {
+  const V back = hn::Set(d, place.sheets[s].depth);
+  return {hn::Sub(back, hn::Set(d, frame.camera.sampling_distance)), back};
+}
+
+// X-ray, maximum, minimum and mean of what planes and depth limits leave of the pieces named by
+// `bits` (docs/numerics.md, "Cut values").
+template <class PartOf>
+inline void accumulate_pieces(const CpuFrame& frame, const TileInHand& tile, int s,
+                              const RowBits& bits, const PartOf& part_of) {
+  const BlockPlace& place = tile.place;
+  const Sheet& front = tile.ring[place.number_of(s - 1)];
+  const Sheet& back = tile.ring[place.number_of(s)];
+  for (int y = 0; y < place.rows; ++y) {
+    for_each_group(
+        bits[y], place.margin, place.columns - place.margin, [&](int column, std::uint32_t lanes) {
+          SampleGroup group{s, column, y, lanes};
+          const PieceEnds ends = ends_of(place, tile.ring, group);
+          PiecePart part{hn::Zero(d), hn::Set(d, 1.0F)};
+          if ((ends.front & ends.back & lanes) != lanes) part = part_of(group, ends);
+          part = cut_part(frame, place, group, part);
+          group.lanes &= bits_of(hn::Lt(part.from, part.to));
+          if (group.lanes == 0) return;
+          const int at = back.at(column, y);
+          const EndValues value = GroupEnds(ends)(front.values + at, back.values + at);
+          const EndValues depth = depths_of(frame, place, s);
+          const V first = value.at(part.from);
+          const V last = value.at(part.to);
+          if (shows_an_extreme(frame)) {
+            const M is_last =
+                frame.mode == Mode::kMaximum ? hn::Gt(last, first) : hn::Lt(last, first);
+            note_extreme(frame, place, group,
+                         {hn::IfThenElse(is_last, last, first),
+                          depth.at(hn::IfThenElse(is_last, part.to, part.from))},
+                         tile.pixels);
+            return;
+          }
+          const V sheets = hn::Sub(part.to, part.from);
+          const V length = hn::Mul(hn::Mul(sheets, ray_length(frame, place, column, y)),
+                                   hn::Set(d, frame.camera.sampling_distance));
+          add_to_sum(place, group,
+                     {hn::Mul(hn::Set(d, 0.5F), hn::Add(first, last)), depth.at(part.from)}, length,
+                     tile.pixels);
+        });
+  }
+}
+
 // Finds the pieces named by `bits` on which a value between the ends has any opacity, and how much
 // the look changes along them, which is kept in shaded.alpha.
 inline void classify_pieces(const CpuFrame& frame, const BlockPlace& place, SheetRing& ring, int s,
@@ -252,12 +300,6 @@ HWY_INLINE void for_each_number(const CpuFrame& frame, const PieceGroup& group, 
   if (frame.light == nullptr) return;
   body(group.around, batch.around);
   if (frame.has_key_light) body(group.key, batch.key);
-}
-
-// Depths of a group's pieces at their ends.
-HWY_INLINE EndValues depths_of(const CpuFrame& frame, const BlockPlace& place, int s) {
-  const V back = hn::Set(d, place.sheets[s].depth);
-  return {hn::Sub(back, hn::Set(d, frame.camera.sampling_distance)), back};
 }
 
 // Lanes are pixels.

@@ -52,8 +52,8 @@ Vec3 KernelTracer::piece_gradient(const PixelRay& pixel, const RaySample& /*from
 
 // On the straight line between the two samples.
 PixelTracer::Crossing KernelTracer::crossing(const PixelRay& pixel, const RaySample& near,
-                                             const RaySample& far) const {
-  const double t = (look().isovalue - near.value) / (far.value - near.value);
+                                             const RaySample& far, double isovalue) const {
+  const double t = (isovalue - near.value) / (far.value - near.value);
   Crossing at{near.z + t * (far.z - near.z), std::lerp(near.color_value, far.color_value, t),
               Vec3::Zero()};
   if (look().shade) at.gradient = (1 - t) * gradient(pixel, near) + t * gradient(pixel, far);

@@ -21,8 +21,8 @@ class KernelTracer final : public PixelTracer {
   Vec3 gradient(const PixelRay& pixel, const RaySample& sample) const override;
   Vec3 piece_gradient(const PixelRay& pixel, const RaySample& from,
                       const RaySample& to) const override;
-  Crossing crossing(const PixelRay& pixel, const RaySample& near,
-                    const RaySample& far) const override;
+  Crossing crossing(const PixelRay& pixel, const RaySample& near, const RaySample& far,
+                    double isovalue) const override;
 
   const KernelPlanes planes_;
   const SheetRange sheets_;

@@ -228,8 +228,8 @@ Vec3 LatticeTracer::central_gradient(const Place& place) const {
 }
 
 PixelTracer::Crossing LatticeTracer::crossing(const PixelRay& pixel, const RaySample& near,
-                                              const RaySample& far) const {
-  Crossing at{refined_crossing(pixel, near, far), look().isovalue, Vec3::Zero()};
+                                              const RaySample& far, double isovalue) const {
+  Crossing at{refined_crossing(pixel, near, far, isovalue), isovalue, Vec3::Zero()};
   if (!look().shade) return at;
   const Vec3 widening = view().widening(far.sheet);
   const FieldSample there = field_on_ray(pixel.ray, at.z, widening);
@@ -240,9 +240,8 @@ PixelTracer::Crossing LatticeTracer::crossing(const PixelRay& pixel, const RaySa
 // Where between two neighbouring sheets the field on the ray meets the isovalue: docs/numerics.md,
 // "Modes".
 double LatticeTracer::refined_crossing(const PixelRay& pixel, const RaySample& near,
-                                       const RaySample& far) const {
+                                       const RaySample& far, double isovalue) const {
   constexpr int kNumBisections = 8;
-  const double iso = look().isovalue;
   const Vec3 widening = view().widening(far.sheet);
   double z_near = near.z;
   double z_far = far.z;
@@ -252,7 +251,7 @@ double LatticeTracer::refined_crossing(const PixelRay& pixel, const RaySample& n
   for (int step = 0; step < kNumBisections; ++step) {
     const double z_middle = 0.5 * (z_near + z_far);
     const FieldSample middle = field_on_ray(pixel.ray, z_middle, widening);
-    if (middle.is_defined && (middle.value < iso) == (near.value < iso)) {
+    if (middle.is_defined && (middle.value < isovalue) == (near.value < isovalue)) {
       z_near = z_middle;
       f_near = middle.value;
     } else {
@@ -262,7 +261,7 @@ double LatticeTracer::refined_crossing(const PixelRay& pixel, const RaySample& n
     }
   }
   if (!far_is_defined) return z_near;
-  return z_near + (iso - f_near) / (f_far - f_near) * (z_far - z_near);
+  return z_near + (isovalue - f_near) / (f_far - f_near) * (z_far - z_near);
 }
 
 }  // namespace ovoid::reference

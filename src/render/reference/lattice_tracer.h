@@ -28,8 +28,8 @@ class LatticeTracer final : public PixelTracer {
   RaySample front_end(const PixelRay& pixel, const RaySample& before,
                       const RaySample& at) const override;
   ZRange range_of(const PixelRay& pixel, const Piece& piece) const override;
-  Crossing crossing(const PixelRay& pixel, const RaySample& near,
-                    const RaySample& far) const override;
+  Crossing crossing(const PixelRay& pixel, const RaySample& near, const RaySample& far,
+                    double isovalue) const override;
 
   // A pixel or a node on a sheet, and how many pixels its neighbours are away: 1 of pixels, more of
   // nodes.
@@ -62,7 +62,8 @@ class LatticeTracer final : public PixelTracer {
   FieldSample field_on_ray(const Ray& ray, double z, const Vec3& widening) const;
   Vec3 own_gradient(const Vec3& exact, const Vec3& position, const Vec3& widening) const;
   Vec3 central_gradient(const Place& place) const;
-  double refined_crossing(const PixelRay& pixel, const RaySample& near, const RaySample& far) const;
+  double refined_crossing(const PixelRay& pixel, const RaySample& near, const RaySample& far,
+                          double isovalue) const;
 
   const FieldEvaluator& evaluator_;
   const Slab slab_;

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "view/frame_plan.h"
+#include "view/isosurfaces.h"
 #include "view/look_variation.h"
 
 namespace ovoid::reference {
@@ -59,13 +60,14 @@ PixelTracer::PixelTracer(const Field& field, const ViewRays& view, const Look& l
                          const RenderOptions& options, const PixelTracer* trail,
                          const view::LightVolume* light)
     : look_(look),
+      surfaces_(view::surfaces_of(look)),
       has_own_color_(field.kernels() != nullptr && field.kernels()->has_own_color()),
       opaque_at_(options.opaque_at),
       keeps_values_(options.part != nullptr),
       limits_(options.depth_limits),
       reaches_limits_(limits_ != nullptr && field.kernels() != nullptr),
       is_preintegrated_(options.classification == Classification::kPreintegrated),
-      is_refined_(view::is_refined(look, options)),
+      is_refined_(view::draws_pieces(field, look, options)),
       fading_(fading_of(look)),
       table_(look.transfer_function),
       variation_(
@@ -84,7 +86,8 @@ Pixel PixelTracer::trace(int x, int y, TraceCounts& counts) const {
     case Mode::kXray:
       return xray(pixel, counts);
     case Mode::kMaximum:
-      return maximum(pixel, counts);
+    case Mode::kMinimum:
+      return extreme(pixel, counts);
     case Mode::kMean:
       return mean(pixel, counts);
     case Mode::kIsosurface:
@@ -274,11 +277,10 @@ int PixelTracer::num_steps(const Piece& piece, const Vec3& front_slope,
   return view::steps_for(view::kStepsPerVariation * change + (uses_gradients() ? turn : 0.0));
 }
 
-// The piece in steps: docs/numerics.md, "Classification", refined.
-void PixelTracer::add_piece(const PixelRay& pixel, const Piece& piece, Pixel& result,
-                            TraceCounts& counts) const {
-  if (!may_show(piece)) return;
+// What spans, planes and the field's end leave of a piece, front to back.
+std::vector<ZRange> PixelTracer::parts_left(const PixelRay& pixel, const Piece& piece) const {
   const ZRange range = range_of(pixel, piece);
+  std::vector<ZRange> parts;
   for (const Span& span : pixel.spans) {
     ZRange whole = range;
     if (reaches_limits_) {
@@ -289,7 +291,16 @@ void PixelTracer::add_piece(const PixelRay& pixel, const Piece& piece, Pixel& re
     }
     const ZRange part =
         view_.kept(pixel.ray, {std::max(whole.lo, span.lo), std::min(whole.hi, span.hi)});
-    if (!(part.lo < part.hi)) continue;
+    if (part.lo < part.hi) parts.push_back(part);
+  }
+  return parts;
+}
+
+// The piece in steps: docs/numerics.md, "Classification", refined.
+void PixelTracer::add_piece(const PixelRay& pixel, const Piece& piece, Pixel& result,
+                            TraceCounts& counts) const {
+  if (!may_show(piece)) return;
+  for (const ZRange& part : parts_left(pixel, piece)) {
     add_stops(pixel, part.lo, result);
     add_part(pixel, piece, part, result, counts);
   }
@@ -365,46 +376,79 @@ Rgb PixelTracer::color_of(double color_value) const {
   return (is_apart ? *look_.color_function : look_.transfer_function).color_at(color_value);
 }
 
-Pixel PixelTracer::xray(const PixelRay& pixel, TraceCounts& counts) const {
-  double integral = 0;
-  double depth = std::numeric_limits<double>::infinity();
-  bool is_defined = false;
-  for (std::int64_t k = pixel.sheets.first; k <= pixel.sheets.last; ++k) {
-    const std::optional<RaySample> at = within_limits(pixel, sample(pixel, k, counts));
-    if (!at) continue;
-    ++counts.visible;
-    integral += at->value * at->path;
-    if (!is_defined) depth = at->z;
-    is_defined = true;
+// Of a part of a piece the end that is the greater or the less, or the middle.
+void PixelTracer::add_values(const PixelRay& pixel, const Piece& piece,
+                             std::vector<SeenValue>& seen) const {
+  const double front = (piece.front ? piece.front : piece.back)->value;
+  const double back = (piece.back ? piece.back : piece.front)->value;
+  const auto value_at = [&](double z) {
+    const double t = (z - view_.z_of(piece.sheet - 1)) / view_.sampling_distance();
+    return front + t * (back - front);
+  };
+  for (const ZRange& part : parts_left(pixel, piece)) {
+    const double path = (part.hi - part.lo) * pixel.ray.direction.norm();
+    const double first = value_at(part.lo);
+    const double last = value_at(part.hi);
+    if (look_.mode == Mode::kXray || look_.mode == Mode::kMean) {
+      seen.push_back({0.5 * (first + last), part.lo, path});
+    } else if (look_.mode == Mode::kMaximum ? last > first : last < first) {
+      seen.push_back({last, part.hi, path});
+    } else {
+      seen.push_back({first, part.lo, path});
+    }
   }
-  if (!is_defined) return {};
+}
+
+// Samples with a path, or where planes cut the pieces between them: docs/numerics.md, "Cut values".
+std::vector<PixelTracer::SeenValue> PixelTracer::values_along(const PixelRay& pixel,
+                                                              TraceCounts& counts) const {
+  std::vector<SeenValue> seen;
+  std::optional<RaySample> before;
+  const std::int64_t last = pixel.sheets.last + (is_refined_ ? 1 : 0);
+  for (std::int64_t k = pixel.sheets.first; k <= last; ++k) {
+    const std::optional<RaySample> own = sample(pixel, k, counts);
+    if (is_refined_) {
+      if (before || own) add_values(pixel, {k, before, own}, seen);
+      before = own;
+    } else if (const std::optional<RaySample> at = within_limits(pixel, own)) {
+      seen.push_back({at->value, at->z, at->path});
+    }
+  }
+  return seen;
+}
+
+Pixel PixelTracer::xray(const PixelRay& pixel, TraceCounts& counts) const {
+  const std::vector<SeenValue> seen = values_along(pixel, counts);
+  if (seen.empty()) return {};
+  double integral = 0;
+  for (const SeenValue& at : seen) integral += at.value * at.path;
+  counts.visible += static_cast<std::int64_t>(seen.size());
+  const double depth = seen.front().z;
   if (keeps_values_) return kept(integral, 0, depth);
   return {{integral, integral, integral, 1}, depth, depth};
 }
 
-Pixel PixelTracer::maximum(const PixelRay& pixel, TraceCounts& counts) const {
-  std::optional<RaySample> greatest;
-  for (std::int64_t k = pixel.sheets.first; k <= pixel.sheets.last; ++k) {
-    const std::optional<RaySample> at = within_limits(pixel, sample(pixel, k, counts));
-    if (at && (!greatest || at->value > greatest->value)) greatest = at;
-  }
-  if (!greatest) return {};
-  if (keeps_values_) return kept(greatest->value, 0, greatest->z);
-  return classified(greatest->value, greatest->z, counts);
+Pixel PixelTracer::extreme(const PixelRay& pixel, TraceCounts& counts) const {
+  const std::vector<SeenValue> seen = values_along(pixel, counts);
+  if (seen.empty()) return {};
+  const SeenValue best =
+      *std::min_element(seen.begin(), seen.end(), [&](const SeenValue& a, const SeenValue& b) {
+        return look_.mode == Mode::kMaximum ? a.value > b.value : a.value < b.value;
+      });
+  if (keeps_values_) return kept(best.value, 0, best.z);
+  return classified(best.value, best.z, counts);
 }
 
 Pixel PixelTracer::mean(const PixelRay& pixel, TraceCounts& counts) const {
+  const std::vector<SeenValue> seen = values_along(pixel, counts);
+  if (seen.empty()) return {};
   double integral = 0;
   double length = 0;
-  double depth = std::numeric_limits<double>::infinity();
-  for (std::int64_t k = pixel.sheets.first; k <= pixel.sheets.last; ++k) {
-    const std::optional<RaySample> at = within_limits(pixel, sample(pixel, k, counts));
-    if (!at) continue;
-    if (length == 0) depth = at->z;
-    integral += at->value * at->path;
-    length += at->path;
+  for (const SeenValue& at : seen) {
+    integral += at.value * at.path;
+    length += at.path;
   }
-  if (!(length > 0)) return {};
+  const double depth = seen.front().z;
   return keeps_values_ ? kept(integral, length, depth)
                        : classified(integral / length, depth, counts);
 }
@@ -421,30 +465,44 @@ Pixel PixelTracer::classified(double value, double depth, TraceCounts& counts) c
   return premultiplied(look_.transfer_function.color_at(value), opacity, depth);
 }
 
+void PixelTracer::add_surface(const PixelRay& pixel, const Isosurface& surface, const Crossing& at,
+                              Pixel& result, TraceCounts& counts) const {
+  ++counts.visible;
+  Rgb color =
+      surface.color ? *surface.color : color_of(has_own_color_ ? at.color_value : surface.value);
+  if (look_.shade) ++counts.gradients;
+  color = seen_color(color, lit_place(pixel, at.gradient, clearance_at(pixel, at.z)),
+                     light_at(pixel, at.z, at.gradient));
+  const double share = (1 - result.rgba[3]) * surface.opacity;
+  for (std::size_t c = 0; c < 3; ++c) result.rgba[c] += share * color[c];
+  result.rgba[3] = surface.opacity < 1 ? result.rgba[3] + share : 1;
+  note_depth(at.z, result);
+}
+
+// In the order in which the ray meets them where the value goes straight.
+void PixelTracer::add_surfaces_between(const PixelRay& pixel, const RaySample& near,
+                                       const RaySample& far, Pixel& result,
+                                       TraceCounts& counts) const {
+  const bool rises = near.value < far.value;
+  for (std::size_t i = 0; i < surfaces_.size() && result.rgba[3] < opaque_at_; ++i) {
+    const Isosurface& surface = surfaces_[rises ? i : surfaces_.size() - 1 - i];
+    if ((near.value < surface.value) == (far.value < surface.value)) continue;
+    const Crossing at = crossing(pixel, near, far, surface.value);
+    if (!view_.is_kept(pixel.ray.at(at.z)) || !is_within(pixel, at.z)) continue;
+    add_stops(pixel, at.z, result);
+    if (result.rgba[3] < opaque_at_) add_surface(pixel, surface, at, result, counts);
+  }
+}
+
 Pixel PixelTracer::isosurface(const PixelRay& pixel, TraceCounts& counts) const {
-  const double iso = look_.isovalue;
-  Pixel result;  // what is in front of the surface
+  Pixel result;
   std::optional<RaySample> near;
   for (std::int64_t k = pixel.sheets.first; k <= pixel.sheets.last; ++k) {
     if (result.rgba[3] >= opaque_at_) break;
     const std::optional<RaySample> far = sample(pixel, k, counts);
-    if (near && far) near = front_end(pixel, *near, *far);
-    if (near && far && (near->value < iso) != (far->value < iso)) {
-      const Crossing at = crossing(pixel, *near, *far);
-      if (view_.is_kept(pixel.ray.at(at.z)) && is_within(pixel, at.z)) {
-        add_stops(pixel, at.z, result);
-        if (result.rgba[3] >= opaque_at_) break;
-        ++counts.visible;
-        Rgb color = color_of(has_own_color_ ? at.color_value : iso);
-        if (look_.shade) ++counts.gradients;
-        color = seen_color(color, lit_place(pixel, at.gradient, clearance_at(pixel, at.z)),
-                           light_at(pixel, at.z, at.gradient));
-        const double rest = 1 - result.rgba[3];
-        for (std::size_t c = 0; c < 3; ++c) result.rgba[c] += rest * color[c];
-        result.rgba[3] = 1;
-        note_depth(at.z, result);
-        return result;
-      }
+    if (near && far) {
+      near = front_end(pixel, *near, *far);
+      add_surfaces_between(pixel, *near, *far, result, counts);
     }
     near = far;
     add_trail(pixel, k, result, counts);

@@ -98,8 +98,8 @@ class PixelTracer {
   // Where along the ray a piece has a field, before anything is cut away.
   virtual ZRange range_of(const PixelRay& pixel, const Piece& piece) const;
   // Where between two samples on either side the field takes the isovalue.
-  virtual Crossing crossing(const PixelRay& pixel, const RaySample& near,
-                            const RaySample& far) const = 0;
+  virtual Crossing crossing(const PixelRay& pixel, const RaySample& near, const RaySample& far,
+                            double isovalue) const = 0;
 
   const Look& look() const { return look_; }
   const ViewRays& view() const { return view_; }
@@ -143,13 +143,26 @@ class PixelTracer {
   Pixel composite(const PixelRay& pixel, TraceCounts& counts) const;
   Pixel refined(const PixelRay& pixel, TraceCounts& counts) const;
   Pixel xray(const PixelRay& pixel, TraceCounts& counts) const;
-  Pixel maximum(const PixelRay& pixel, TraceCounts& counts) const;
+  // Maximum or minimum.
+  Pixel extreme(const PixelRay& pixel, TraceCounts& counts) const;
   Pixel mean(const PixelRay& pixel, TraceCounts& counts) const;
   Pixel isosurface(const PixelRay& pixel, TraceCounts& counts) const;
+  void add_surface(const PixelRay& pixel, const Isosurface& surface, const Crossing& at,
+                   Pixel& result, TraceCounts& counts) const;
+  void add_surfaces_between(const PixelRay& pixel, const RaySample& near, const RaySample& far,
+                            Pixel& result, TraceCounts& counts) const;
   Pixel classified(double value, double depth, TraceCounts& counts) const;
+  // What one sample, or a part of a piece, says of a pixel that shows a value.
+  struct SeenValue {
+    double value, z, path;
+  };
+  std::vector<SeenValue> values_along(const PixelRay& pixel, TraceCounts& counts) const;
+  void add_values(const PixelRay& pixel, const Piece& piece, std::vector<SeenValue>& seen) const;
+  std::vector<ZRange> parts_left(const PixelRay& pixel, const Piece& piece) const;
   static Pixel kept(double best, double path, double depth);
 
   const Look look_;
+  const std::vector<Isosurface> surfaces_;  // by rising value
   const bool has_own_color_;
   const double opaque_at_;
   const bool keeps_values_;                          // a part of a picture

@@ -100,6 +100,7 @@ OVOID_CONSTANT uint kXray = 1u;
 OVOID_CONSTANT uint kMaximum = 2u;
 OVOID_CONSTANT uint kMean = 3u;
 OVOID_CONSTANT uint kIsosurface = 4u;
+OVOID_CONSTANT uint kMinimum = 5u;
 // ovoid::Light and its direction. The studio's numbers are docs/numerics.md's.
 OVOID_CONSTANT uint kSingleLight = 0u;
 OVOID_CONSTANT uint kHeadlight = 1u;

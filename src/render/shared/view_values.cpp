@@ -33,7 +33,7 @@ FrameTraits frame_traits(const view::FramePlan& plan, const Look& look,
   traits.is_lit = look.shade && (is_composite || is_surface);
   traits.has_own_color = plan.color_table.has_value();
   traits.is_preintegrated = is_composite && plan.is_preintegrated;
-  traits.is_refined = is_composite && plan.is_refined;
+  traits.is_refined = plan.is_refined;
   traits.has_pieces = traits.is_preintegrated || traits.is_refined || is_surface;
   traits.fades_by_gradient = is_composite && plan.is_faded;
   traits.takes_gradients = is_composite && (look.shade || traits.fades_by_gradient);

@@ -17,7 +17,7 @@ struct FrameTraits {
   bool is_lit = true;
   bool has_own_color = false;      // another attribute gives the colours
   bool is_preintegrated = false;   // pieces between sheets are classified as one
-  bool is_refined = false;         // or in steps
+  bool is_refined = false;         // or in steps; of the modes that show values, by their values
   bool has_pieces = false;         // what shows lies between a sheet and the one before it
   bool fades_by_gradient = false;  // the opacity depends on the gradient's length
   bool takes_gradients = true;     // for light or for fading

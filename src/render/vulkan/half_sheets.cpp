@@ -71,7 +71,7 @@ std::string why_not_half_sheets(const KernelField& field, const view::FramePlan&
   // Only composited opacities are over a path.
   const double path = is_composite ? plan.lattice.sampling_distance() / plan.unit_distance : 1.0;
   // A piece in twice as many steps may be other than by an error of its values.
-  if (plan.is_refined &&
+  if (is_composite && plan.is_refined &&
       view::look_variation(plan.look_table, path).back() > 1 / view::kStepsPerVariation)
     return "the values at its ends decide in how many steps a piece is classified";
   const bool is_steep = is_too_steep(plan.look_table, path, field);

@@ -59,6 +59,7 @@ static_assert(kXray == static_cast<uint>(Mode::kXray));
 static_assert(kMaximum == static_cast<uint>(Mode::kMaximum));
 static_assert(kMean == static_cast<uint>(Mode::kMean));
 static_assert(kIsosurface == static_cast<uint>(Mode::kIsosurface));
+static_assert(kMinimum == static_cast<uint>(Mode::kMinimum));
 static_assert(kFilterBilinear == static_cast<uint>(PostConvolution::kBilinear));
 static_assert(kFilterGaussian == static_cast<uint>(PostConvolution::kGaussian));
 static_assert(kFilterCubic == static_cast<uint>(PostConvolution::kCubic));

@@ -53,6 +53,8 @@ struct VulkanRenderer::Impl {
   // memory does not suffice while other fields lie there, it is tried once more without them; a
   // device that is lost is given up, and the next frame opens it anew.
   Frame draw(const FrameJob& job) {
+    if (job.look.mode == Mode::kIsosurface && !job.look.isosurfaces.empty())
+      throw Error(ErrorCode::kUnsupported, "isosurfaces: backend vulkan draws one, not several");
     const bool is_fresh = !bench || !has_drawn;
     try {
       return try_to_draw(job);

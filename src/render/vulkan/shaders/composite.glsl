@@ -81,11 +81,12 @@ void composite_surface(inout Pixel pixel, vec3 color, float depth) {
   pixel.is_closed = true;
 }
 
-// X-ray, maximum and mean: every defined sample counts. Whether what they show is seen is known
+// X-ray, maximum, minimum and mean: every defined sample counts. Whether what they show is seen is known
 // when all of it is there (Pixels::finish).
 void accumulate(inout Pixel pixel, float value, float path, float depth) {
-  if (kMode == kMaximum) {
-    if (!pixel.is_seen || value > pixel.best) {
+  if (kMode == kMaximum || kMode == kMinimum) {
+    bool is_better = kMode == kMaximum ? value > pixel.best : value < pixel.best;
+    if (!pixel.is_seen || is_better) {
       pixel.best = value;
       pixel.depths.x = depth;
     }

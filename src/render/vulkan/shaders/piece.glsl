@@ -119,15 +119,38 @@ vec2 part_in_span(Pixel pixel, float s, vec2 has_field) {
   return vec2(max(has_field.x, span.x), min(has_field.y, span.y));
 }
 
+// A part of the piece as its values alone show it: of a maximum or minimum the end that is one.
+void accumulate_part(inout Pixel pixel, vec2 at, float s, Piece piece, vec2 part) {
+  vec2 ends = fma(vec2(piece.back - piece.front), part, vec2(piece.front));
+  float place = part.x;
+  float value = 0.5 * (ends.x + ends.y);
+  if (kMode == kMaximum || kMode == kMinimum) {
+    bool is_behind = kMode == kMaximum ? ends.y > ends.x : ends.y < ends.x;
+    value = is_behind ? ends.y : ends.x;
+    if (is_behind) place = part.y;
+  }
+  accumulate(pixel, value, (part.y - part.x) * ray_length(at) * frame.view.sampling_distance,
+             depth_of_sheet(s - 1.0 + place));
+}
+
+// Whether a value between the ends has any opacity; `change`: of the look's variation on the way.
+bool may_show_piece(LookConstants look, Piece piece, out float change) {
+  change = 0.0;
+  if (max(piece.front, piece.back) < look.look.visible_lo ||
+      min(piece.front, piece.back) > look.look.visible_hi)
+    return false;
+  // Where the look does not change on the way, it shows nothing if it does not at the end.
+  change = abs(variation_to(look, piece.back) - variation_to(look, piece.front));
+  return change > 0.0 || classify(look.look, piece.back).a > 0.0;
+}
+
 // What depth limits and planes leave of the part of a piece that `has_field` names.
 void draw_piece(inout Pixel pixel, vec2 at, float s, Piece piece, vec2 has_field) {
   LookConstants look = frame.looks[0];
-  if (pixel.is_closed || max(piece.front, piece.back) < look.look.visible_lo ||
-      min(piece.front, piece.back) > look.look.visible_hi)
-    return;
-  // Where the look does not change on the way, it shows nothing if it does not at the end.
-  float change = abs(variation_to(look, piece.back) - variation_to(look, piece.front));
-  if (change == 0.0 && !(classify(look.look, piece.back).a > 0.0)) return;
+  bool is_composite = kMode == kComposite;
+  if (pixel.is_closed) return;
+  float change = 0.0;
+  if (is_composite && !may_show_piece(look, piece, change)) return;
   if (!meets_span(pixel, s)) return;
   PieceEnds ends;
   bool has_ends = false;
@@ -135,9 +158,10 @@ void draw_piece(inout Pixel pixel, vec2 at, float s, Piece piece, vec2 has_field
   do {
     vec2 part = kept_part(at, s - 1.0, part_in_span(pixel, s, has_field));
     if (part.x < part.y) {
-      if (!has_ends) ends = ends_of(at, s, piece, change);
+      if (is_composite && !has_ends) ends = ends_of(at, s, piece, change);
       has_ends = true;
-      draw_part(pixel, at, s, piece, ends, part);
+      if (is_composite) draw_part(pixel, at, s, piece, ends, part);
+      else accumulate_part(pixel, at, s, piece, part);
     }
     has_more =
         has_flag(kHasLimits) && !pixel.is_closed && next_depth(pixel) < depth_of_sheet(s);

@@ -23,6 +23,8 @@
 #include "io/dicom/test_dicom.h"
 #include "io/dicom/test_dicom_streams.h"
 #include "io/images/npy.h"
+#include "io/images/test_png.h"
+#include "io/pictures/pictures.h"
 #include "ovoid/error.h"
 #include "ovoid/lattice_file.h"
 
@@ -81,6 +83,29 @@ inline std::vector<std::string> nrrd_seeds() {
       base + "encoding: raw\nline skip: 2\nbyte skip: 5\ndata file: LIST 3\none.raw\nmissing.raw\n",
       base + "encoding: gz\ndata file: a.raw\n",
   };
+}
+
+inline std::vector<std::string> slice_seeds() {
+  using enum io::PngPixels;
+  std::vector<std::string> seeds{
+      io::png_file({7, 5}, samples(35)),
+      io::png_file({3, 5, 16}, samples(30)),
+      io::png_file({8, 4, 1}, samples(4)),
+      io::png_file({4, 2, 8, kRgb}, samples(24)),
+      io::png_file({4, 2, 16, kRgba}, samples(64)),
+      io::png_file({4, 2, 4, kPalette, samples(48)}, samples(4)),
+  };
+  const std::string path = (std::filesystem::temp_directory_path() /
+                            ("ovoid_seed_" + std::to_string(::getpid()) + ".jpg"))
+                               .string();
+  const std::string pixels = samples(4 * 17 * 9);
+  io::write_jpeg({reinterpret_cast<const std::uint8_t*>(pixels.data()), pixels.size()}, 17, 9,
+                 path);
+  std::ifstream stream(path, std::ios::binary);
+  seeds.emplace_back(std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>());
+  std::error_code ignored;
+  std::filesystem::remove(path, ignored);
+  return seeds;
 }
 
 // A binary header, number by number, in either byte order.

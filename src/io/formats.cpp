@@ -22,6 +22,8 @@
 #include "io/images/raw.h"
 #include "io/images/slc.h"
 #include "io/images/slice_pictures.h"
+#include "io/images/tiff.h"
+#include "io/images/tiff_file.h"
 #include "io/meshes/mesh_files.h"
 #include "io/meshes/plot3d.h"
 #include "io/points/lammps_dump.h"
@@ -152,6 +154,12 @@ std::vector<Format> images() {
                         .write = write_one<write_npy_of>,
                         .is_one_array = true,
                         .place = PlaceInFile::kNone}}},
+          {.name = "TIFF",
+           .endings = {".tif", ".tiff"},
+           .begins = looks_like_tiff,
+           .read = read_one<read_tiff>,
+           .says_spacing = false,
+           .kinds = {kLattice}},
           {.name = "folder of slices", .endings = {}, .says_spacing = false, .kinds = {kLattice}},
           {.name = kRaw,
            .endings = {".raw", ".raw.gz"},

@@ -24,6 +24,7 @@
 #include "io/dicom/test_dicom_streams.h"
 #include "io/images/npy.h"
 #include "io/images/test_png.h"
+#include "io/images/test_tiff.h"
 #include "io/pictures/pictures.h"
 #include "ovoid/error.h"
 #include "ovoid/lattice_file.h"
@@ -105,6 +106,46 @@ inline std::vector<std::string> slice_seeds() {
   seeds.emplace_back(std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>());
   std::error_code ignored;
   std::filesystem::remove(path, ignored);
+  return seeds;
+}
+
+inline std::vector<std::string> tiff_seeds() {
+  const std::vector<std::string> pages{samples(12), samples(13).substr(1)};
+  std::vector<std::string> seeds;
+  for (const int compression : {1, 5, 8, 32773}) {
+    io::TestTiff tiff;
+    tiff.compression = compression;
+    tiff.is_big_endian = compression == 5;
+    tiff.is_big_tiff = compression == 8;
+    seeds.push_back(io::tiff_file(tiff, pages));
+  }
+  io::TestTiff floats;
+  floats.bits = 32;
+  floats.format = floats.predictor = 3;
+  floats.compression = 8;
+  floats.width = 1;
+  seeds.push_back(io::tiff_file(floats, pages));
+  io::TestTiff wide;
+  wide.bits = 12;
+  wide.width = 2;
+  wide.height = 4;
+  seeds.push_back(io::tiff_file(wide, pages));
+  io::TestTiff imagej;
+  imagej.rows_per_strip = 3;
+  imagej.description = "ImageJ=1\nimages=2\nchannels=1\nslices=1\nframes=2\nunit=um\nspacing=2\n";
+  seeds.push_back(io::tiff_file(imagej, {pages[0] + pages[1]}));
+  io::TestTiff ome;
+  ome.description =
+      "<OME><Image><Pixels SizeZ=\"1\" SizeC=\"2\" SizeT=\"1\" DimensionOrder=\"XYCZT\" "
+      "PhysicalSizeX=\"2\" PhysicalSizeY=\"1\"><Channel Name=\"a\"/><TiffData IFD=\"0\" "
+      "FirstC=\"1\"/><TiffData IFD=\"1\"/></Pixels></Image></OME>";
+  seeds.push_back(io::tiff_file(ome, pages));
+  io::TestTiff tiles;
+  tiles.tile = 16;
+  tiles.width = 18;
+  io::TiffWriter writer(tiles);
+  writer.add_page({samples(256), samples(256)});
+  seeds.push_back(writer.bytes());
   return seeds;
 }
 

@@ -28,6 +28,7 @@
 #include "io/foreign/netcdf_header.h"
 #include "io/foreign/vtk_header.h"
 #include "io/images/slice_pictures.h"
+#include "io/images/tiff.h"
 #include "io/meshes/plot3d.h"
 #include "io/read_source.h"
 #include "io/reader/reader_session.h"
@@ -168,6 +169,10 @@ inline void slice(Input input) {
     require(std::string(error.what()).find('\n') == std::string::npos,
             "a message of several lines");
   }
+}
+
+inline void tiff(Input input) {
+  expect_dataset_or_error([&] { return io::read_tiff(*io::open_memory("fuzz.tif", input), {}); });
 }
 
 inline void point_text(Input input) {

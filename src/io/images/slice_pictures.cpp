@@ -6,6 +6,7 @@
 #include <array>
 
 #include "io/core/samples.h"
+#include "io/images/tiff.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {
@@ -13,11 +14,12 @@ namespace ovoid::io {
 std::optional<SliceReader> slice_reader(std::string_view format) noexcept {
   if (format == "PNG") return png_slices();
   if (format == "JPEG") return jpeg_slices();
+  if (format == "TIFF") return tiff_slices();
   return std::nullopt;
 }
 
 void check_slice_size(const ByteSource& source, const SliceShape& shape) {
-  constexpr std::int64_t kMostBytesOfOne = 1032;
+  constexpr std::int64_t kMostBytesOfOne = 8 * 2731;
   const std::array sizes{shape.width, shape.height};
   const std::int64_t num_bytes =
       checked_num_bytes(source.name() + ": size", sizes, shape.type, shape.num_components);

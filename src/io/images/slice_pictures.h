@@ -47,8 +47,8 @@ SliceReader jpeg_slices() noexcept;
 // By picture_format_of(); none for a format whose pictures are not read.
 std::optional<SliceReader> slice_reader(std::string_view format) noexcept;
 
-// Throws Error(kFileFormat) if a file of this size cannot hold what its header says: deflate and
-// Huffman's codes make no byte of less than 1/1032 of one.
+// Throws Error(kFileFormat) if a file of this size cannot hold what its header says: a byte of
+// TIFF's LZW stands for 2731 at most, of deflate's for fewer, and samples of one bit become eight.
 void check_slice_size(const ByteSource& source, const SliceShape& shape);
 
 }  // namespace ovoid::io

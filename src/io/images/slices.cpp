@@ -21,6 +21,7 @@
 #include "io/dicom/dicom.h"
 #include "io/images/slice_names.h"
 #include "io/images/slice_pictures.h"
+#include "io/images/tiff_file.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {
@@ -205,6 +206,15 @@ class SliceVolume {
   std::int64_t num_file_bytes_ = 0;
 };
 
+bool is_picture_file(const std::string& path) {
+  try {
+    const auto source = open_file(path);
+    return slice_reader(picture_format_of(source->text(0, kMagic))).has_value();
+  } catch (const Error&) {
+    return false;
+  }
+}
+
 Dataset read_slices(const std::string& source, SliceNames names, const ReadOptions& options) {
   Dataset dataset = SliceVolume(source, names.paths, options).read();
   dataset.notes.insert(dataset.notes.begin(), names.notes.begin(), names.notes.end());
@@ -214,12 +224,7 @@ Dataset read_slices(const std::string& source, SliceNames names, const ReadOptio
 }  // namespace
 
 bool is_slice_file(const std::string& path) {
-  try {
-    const auto source = open_file(path);
-    return slice_reader(picture_format_of(source->text(0, kMagic))).has_value();
-  } catch (const Error&) {
-    return false;
-  }
+  return is_picture_file(path) && !has_tiff_pages(*open_file(path));
 }
 
 std::vector<std::string> slice_files_in(const std::string& folder) {
@@ -229,7 +234,7 @@ std::vector<std::string> slice_files_in(const std::string& folder) {
        entry.increment(error)) {
     std::error_code ignored;
     if (entry->path().filename().string().starts_with(".")) continue;
-    if (!entry->is_regular_file(ignored) || !is_slice_file(entry->path().string())) continue;
+    if (!entry->is_regular_file(ignored) || !is_picture_file(entry->path().string())) continue;
     files.push_back(entry->path().string());
     if (files.size() > kMostSlices) {
       throw Error(ErrorCode::kUnsupported,

@@ -207,11 +207,12 @@ const Table<ModelFlags>& relevant_settings() {
 
 void add_input_flags(Flags& flags, DataFlags* data) {
   flags.section("data");
-  flags.positionals("INPUT",
-                    "a volume, mesh, particles or kernels in any format of docs/formats.md, or a "
-                    "folder of DICOM files; several are the time steps of one, the slices of a "
-                    "DICOM series, or the parts of a format that has some",
-                    &data->inputs);
+  flags.positionals(
+      "INPUT",
+      "a volume, mesh, particles or kernels in any format of docs/formats.md, or a "
+      "folder of DICOM files or slices; several are the time steps of one, the slices of a "
+      "DICOM series, or the parts of a format that has some",
+      &data->inputs);
   flags.add(data_settings(), data);
   flags.section("raw data, where the name is not like x_256x256x256_uint8.raw");
   flags.add(raw_settings(), data);

@@ -80,11 +80,12 @@ bool would_stay_in_file(ScalarType type, std::int64_t num_bytes, const ReadOptio
 
 // Reads a volume, a mesh, adaptive grids, particles or stored kernels of the formats that
 // docs/formats.md lists, some of which need a build with VTK or HDF5. The format is told from
-// content, then from the name. A path may be a folder of DICOM files. Several paths are the slices
-// of a DICOM series, a PLOT3D grid and its solutions, or else the time steps of one dataset, of
-// which one is read. Peak memory of a volume is at most 2.1 times the decoded size; sizes in
-// headers are checked against the file before anything is allocated. Throws Error: kFileNotFound,
-// kFileFormat (names file and field), kUnsupported, kInvalidArgument, kCancelled.
+// content, then from the name. A path may be a folder of DICOM files, or of pictures that are
+// slices. Several paths are the slices of a DICOM series or of a volume in pictures, a PLOT3D grid
+// and its solutions, or else the time steps of one dataset, of which one is read. Peak memory of a
+// volume is at most 2.1 times the decoded size; sizes in headers are checked against the file
+// before anything is allocated. Throws Error: kFileNotFound, kFileFormat (names file and field),
+// kUnsupported, kInvalidArgument, kCancelled.
 Dataset read_dataset(const std::vector<std::string>& paths, const ReadOptions& options = {});
 
 // The time steps of what read_dataset(paths) reads, one of which is read at a time; a single volume
@@ -178,7 +179,8 @@ void replace_file(const std::string& from, const std::string& to);
 
 // The files that read_dataset would read for `path`: it and those that it names (NRRD, MetaImage, a
 // pair of NIfTI, pieces and steps of VTK's sets, EnSight, Enzo), up to the first that is not there,
-// or the DICOM files of a folder. A file that cannot be read stands alone; reading it tells why.
+// or the DICOM files or pictures of a folder. A file that cannot be read stands alone; reading it
+// tells why.
 std::vector<std::string> files_read_for(const std::string& path);
 
 // The files that write_dataset would write for `path`: it and the samples of a .nhdr.

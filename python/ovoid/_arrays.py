@@ -140,12 +140,21 @@ def placement(spacing, origin, direction, affine=None):
     return np.column_stack([matrix * spacing, origin])
 
 
+# As the reader of NPY has them: vectors, colours, tensors. Any other last axis of four is one of samples.
+_COMPONENTS = (1, 2, 3, 4, 6, 9)
+
+
 def dims_of(shape, name):
     """Samples along x, y, z of the shape (y, x), (z, y, x) or (z, y, x, component)."""
     if 0 in shape:
         raise InvalidArgument(f"{name}: has the shape {tuple(shape)}, expected at least one value")
     if len(shape) == 2:
         return shape[1], shape[0], 1
+    if len(shape) == 4 and shape[3] not in _COMPONENTS:
+        raise InvalidArgument(
+            f"{name}: has the shape {tuple(shape)}, whose last axis is not that of 1 to 4, 6 or 9 components: "
+            "expected (z, y, x) of one time step or channel, such as array[0]"
+        )
     if len(shape) in (3, 4):
         return shape[2], shape[1], shape[0]
     raise InvalidArgument(f"{name}: has the shape {tuple(shape)}, expected (z, y, x), (z, y, x, component) or (y, x)")

@@ -12,6 +12,7 @@ from conftest import PROGRAM, SMALL, bumps
     (np.zeros((0, 3, 3)), r"shape \(0, 3, 3\), expected at least one value"),
     (np.zeros(7), r"shape \(7,\), expected \(z, y, x\)"),
     (np.zeros((2, 2, 2, 2, 2)), r"shape \(2, 2, 2, 2, 2\), expected"),
+    (np.zeros((2, 2, 2, 5)), r"shape \(2, 2, 2, 5\), whose last axis is not that of 1 to 4, 6 or 9 components"),
     (np.array(3.0), r"shape \(\), expected"),
     (np.array([[[None, {}]]]), "holds object, expected numbers"),
     (np.zeros((2, 2, 2), complex), "holds complex128, expected numbers"),

@@ -21,6 +21,9 @@
 #include "io/images/nrrd_header.h"
 #include "io/images/raw.h"
 #include "io/images/slc.h"
+#include "io/images/slice_pictures.h"
+#include "io/images/tiff.h"
+#include "io/images/tiff_file.h"
 #include "io/meshes/mesh_files.h"
 #include "io/meshes/plot3d.h"
 #include "io/meshes/surfaces.h"
@@ -152,6 +155,13 @@ std::vector<Format> images() {
                         .write = write_one<write_npy_of>,
                         .is_one_array = true,
                         .place = PlaceInFile::kNone}}},
+          {.name = "TIFF",
+           .endings = {".tif", ".tiff"},
+           .begins = looks_like_tiff,
+           .read = read_one<read_tiff>,
+           .says_spacing = false,
+           .kinds = {kLattice}},
+          {.name = "folder of slices", .endings = {}, .says_spacing = false, .kinds = {kLattice}},
           {.name = kRaw,
            .endings = {".raw", ".raw.gz"},
            .read = read_one<read_raw>,
@@ -281,8 +291,6 @@ std::string unread_kind_of(std::string_view start) {
   if (is_bzip2(start)) return "a bzip2 file of something other than text";
   if (start.find("<Xdmf") != std::string_view::npos)
     return "an XDMF file, for which distributions' VTK has no reader (write VTU or VTKHDF instead)";
-  if (const std::string picture = picture_format_of(start); !picture.empty())
-    return "a " + picture + " picture";
   if (start.starts_with("\x76\x2f\x31\x01")) return "an OpenEXR picture";
   return {};
 }
@@ -355,7 +363,18 @@ void refuse_unknown(const ByteSource& source) {
          "is an OpenFOAM case, which is not read: expected what foamToVTK makes of it");
   }
   if (source.size() == 0) fail(ErrorCode::kFileFormat, "is empty");
-  const std::string unread = unread_kind_of(source.text(0, kStart));
+  const std::string start = source.text(0, kStart);
+  if (const std::string picture = picture_format_of(start); !picture.empty()) {
+    fail(ErrorCode::kUnsupported,
+         slice_reader(picture)
+             ? fmt::format("is a {} picture: expected the folder of all slices of a volume, or all "
+                           "of their names",
+                           picture)
+             : fmt::format("is a {} picture, which is not read: expected slices of PNG, JPEG or "
+                           "TIFF",
+                           picture));
+  }
+  const std::string unread = unread_kind_of(start);
   if (!unread.empty()) {
     fail(ErrorCode::kUnsupported,
          fmt::format("is {}, which is not read: expected {}", unread, readable_formats()));

@@ -10,6 +10,7 @@
 
 #include "io/dicom/dicom.h"
 #include "io/formats.h"
+#include "io/images/slices.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {
@@ -119,6 +120,10 @@ std::vector<std::string> files_read_for(const std::string& path) {
   };
   try {
     if (io::is_folder(path)) {
+      if (io::is_slice_folder(path)) {
+        add(io::slice_files_in(path));
+        return files;
+      }
       add(io::dicom_files_in(path));
       std::erase_if(
           files, [&](const std::string& file) { return file != path && !io::is_dicom_file(file); });

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -11,6 +12,7 @@
 #include "io/dicom/dicom_elements.h"
 #include "io/formats.h"
 #include "io/images/raw.h"
+#include "io/images/slices.h"
 #include "io/input_files.h"
 #include "io/meshes/plot3d.h"
 #include "io/read_source.h"
@@ -116,6 +118,26 @@ Dataset read_dicom_parts(const std::vector<std::string>& paths, const ReadOption
   return io::read_dicom(source, files, options);
 }
 
+// A folder of slices, or several pictures; nothing if the paths are something else.
+std::optional<Dataset> read_slice_parts(const std::vector<std::string>& paths,
+                                        const ReadOptions& options) {
+  const bool is_named = !is_folder(paths[0]);
+  if (is_named ? paths.size() < 2 || !io::is_slice_file(paths[0]) : !io::is_slice_folder(paths[0]))
+    return std::nullopt;
+  if (!is_named && paths.size() > 1) {
+    throw Error(ErrorCode::kUnsupported,
+                fmt::format("{}: is a folder of slices, of which one is read: expected it alone",
+                            paths[0]));
+  }
+  io::refuse_raw_options(paths[0], io::format_called("folder of slices"), options.raw);
+  return finished(
+      [&] {
+        return is_named ? io::read_slice_files(paths, options)
+                        : io::read_slice_folder(paths[0], options);
+      },
+      options);
+}
+
 }  // namespace
 
 namespace io {
@@ -133,6 +155,7 @@ Dataset read_dataset(const std::vector<std::string>& paths, const ReadOptions& o
     own.session = std::make_shared<ReaderSession>(paths);
     return read_dataset(paths, own);
   }
+  if (auto slices = read_slice_parts(paths, options)) return std::move(*slices);
   if (is_folder(paths[0]) || (paths.size() > 1 && is_dicom(paths[0])))
     return finished([&] { return read_dicom_parts(paths, options); }, options);
   if (paths.size() == 2 && is_plot3d(paths[0], options.raw, io::Plot3dContent::kSolution) &&

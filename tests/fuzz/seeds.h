@@ -23,6 +23,9 @@
 #include "io/dicom/test_dicom.h"
 #include "io/dicom/test_dicom_streams.h"
 #include "io/images/npy.h"
+#include "io/images/test_png.h"
+#include "io/images/test_tiff.h"
+#include "io/pictures/pictures.h"
 #include "ovoid/error.h"
 #include "ovoid/lattice_file.h"
 
@@ -81,6 +84,69 @@ inline std::vector<std::string> nrrd_seeds() {
       base + "encoding: raw\nline skip: 2\nbyte skip: 5\ndata file: LIST 3\none.raw\nmissing.raw\n",
       base + "encoding: gz\ndata file: a.raw\n",
   };
+}
+
+inline std::vector<std::string> slice_seeds() {
+  using enum io::PngPixels;
+  std::vector<std::string> seeds{
+      io::png_file({7, 5}, samples(35)),
+      io::png_file({3, 5, 16}, samples(30)),
+      io::png_file({8, 4, 1}, samples(4)),
+      io::png_file({4, 2, 8, kRgb}, samples(24)),
+      io::png_file({4, 2, 16, kRgba}, samples(64)),
+      io::png_file({4, 2, 4, kPalette, samples(48)}, samples(4)),
+  };
+  const std::string path = (std::filesystem::temp_directory_path() /
+                            ("ovoid_seed_" + std::to_string(::getpid()) + ".jpg"))
+                               .string();
+  const std::string pixels = samples(4 * 17 * 9);
+  io::write_jpeg({reinterpret_cast<const std::uint8_t*>(pixels.data()), pixels.size()}, 17, 9,
+                 path);
+  std::ifstream stream(path, std::ios::binary);
+  seeds.emplace_back(std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>());
+  std::error_code ignored;
+  std::filesystem::remove(path, ignored);
+  return seeds;
+}
+
+inline std::vector<std::string> tiff_seeds() {
+  const std::vector<std::string> pages{samples(12), samples(13).substr(1)};
+  std::vector<std::string> seeds;
+  for (const int compression : {1, 5, 8, 32773}) {
+    io::TestTiff tiff;
+    tiff.compression = compression;
+    tiff.is_big_endian = compression == 5;
+    tiff.is_big_tiff = compression == 8;
+    seeds.push_back(io::tiff_file(tiff, pages));
+  }
+  io::TestTiff floats;
+  floats.bits = 32;
+  floats.format = floats.predictor = 3;
+  floats.compression = 8;
+  floats.width = 1;
+  seeds.push_back(io::tiff_file(floats, pages));
+  io::TestTiff wide;
+  wide.bits = 12;
+  wide.width = 2;
+  wide.height = 4;
+  seeds.push_back(io::tiff_file(wide, pages));
+  io::TestTiff imagej;
+  imagej.rows_per_strip = 3;
+  imagej.description = "ImageJ=1\nimages=2\nchannels=1\nslices=1\nframes=2\nunit=um\nspacing=2\n";
+  seeds.push_back(io::tiff_file(imagej, {pages[0] + pages[1]}));
+  io::TestTiff ome;
+  ome.description =
+      "<OME><Image><Pixels SizeZ=\"1\" SizeC=\"2\" SizeT=\"1\" DimensionOrder=\"XYCZT\" "
+      "PhysicalSizeX=\"2\" PhysicalSizeY=\"1\"><Channel Name=\"a\"/><TiffData IFD=\"0\" "
+      "FirstC=\"1\"/><TiffData IFD=\"1\"/></Pixels></Image></OME>";
+  seeds.push_back(io::tiff_file(ome, pages));
+  io::TestTiff tiles;
+  tiles.tile = 16;
+  tiles.width = 18;
+  io::TiffWriter writer(tiles);
+  writer.add_page({samples(256), samples(256)});
+  seeds.push_back(writer.bytes());
+  return seeds;
 }
 
 // A binary header, number by number, in either byte order.

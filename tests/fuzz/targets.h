@@ -22,10 +22,13 @@
 
 #include "data/relevant_runs.h"
 #include "io/core/byte_source.h"
+#include "io/core/signatures.h"
 #include "io/dicom/dicom_codec.h"
 #include "io/foreign/gdcm_codec.h"
 #include "io/foreign/netcdf_header.h"
 #include "io/foreign/vtk_header.h"
+#include "io/images/slice_pictures.h"
+#include "io/images/tiff.h"
 #include "io/meshes/plot3d.h"
 #include "io/read_source.h"
 #include "io/reader/reader_session.h"
@@ -142,6 +145,34 @@ inline void slc(Input input) {
 
 inline void npy(Input input) {
   expect_dataset_or_error([&] { return io::read_source(*io::open_memory("fuzz.npy", input), {}); });
+}
+
+// A picture as a slice, in the format that its first bytes say.
+inline void slice(Input input) {
+  const auto source = io::open_memory("fuzz", input);
+  const auto reader = io::slice_reader(io::picture_format_of(source->text(0, 16)));
+  if (!reader) return;
+  try {
+    const io::SliceShape shape = reader->shape(*source);
+    io::check_slice_size(*source, shape);
+    constexpr std::int64_t kMost = std::int64_t{64} << 20;  // a picture of 64 KiB may be larger
+    if (shape.num_bytes() > kMost) return;
+    DataArray array{"slice", shape.type, shape.num_components, shape.width * shape.height, "",
+                    false,   {}};
+    const auto values = std::make_shared<std::vector<std::uint64_t>>((shape.num_bytes() + 7) / 8);
+    const auto bytes = std::as_writable_bytes(std::span(*values))
+                           .first(static_cast<std::size_t>(shape.num_bytes()));
+    reader->read(*source, shape, bytes);
+    array.bytes = {values, bytes};
+    check_bytes(array, shape.width * shape.height);
+  } catch (const Error& error) {
+    require(std::string(error.what()).find('\n') == std::string::npos,
+            "a message of several lines");
+  }
+}
+
+inline void tiff(Input input) {
+  expect_dataset_or_error([&] { return io::read_tiff(*io::open_memory("fuzz.tif", input), {}); });
 }
 
 inline void point_text(Input input) {

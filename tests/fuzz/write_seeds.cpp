@@ -19,6 +19,8 @@ int main(int argc, char** argv) {
       {"nifti", ovoid::fuzz::nifti_seeds()},
       {"metaimage", ovoid::fuzz::metaimage_seeds()},
       {"slc", ovoid::fuzz::slc_seeds()},
+      {"slice", ovoid::fuzz::slice_seeds()},
+      {"tiff", ovoid::fuzz::tiff_seeds()},
       {"raw_name", ovoid::fuzz::raw_name_seeds()},
       {"dicom", ovoid::fuzz::dicom_seeds()},
       {"dicom_codec", ovoid::fuzz::dicom_codec_seeds()},

@@ -18,7 +18,11 @@
 namespace ovoid::io {
 namespace {
 
-constexpr std::int64_t kMaxComponents = 64;  // a longer last axis is far more likely space or time
+// Is the last axis that of components? Vectors, colours and tensors have so many; any other number
+// is far more likely one of samples along x.
+bool is_component_axis(std::int64_t size) noexcept {
+  return (1 <= size && size <= 4) || size == 6 || size == 9;
+}
 
 // Fortran order, first axis fastest, to C order, last axis fastest.
 Bytes reverse_axes(SampleBuffer& samples, const std::vector<std::int64_t>& shape,
@@ -56,8 +60,8 @@ Bytes reverse_axes(SampleBuffer& samples, const std::vector<std::int64_t>& shape
 
 // (time, z, y, x), or (time, z, y, x, component)?
 bool has_steps(const std::vector<std::int64_t>& shape) {
-  return (shape.size() == 4 && shape[3] > kMaxComponents) ||
-         (shape.size() == 5 && shape[4] <= kMaxComponents);
+  return (shape.size() == 4 && !is_component_axis(shape[3])) ||
+         (shape.size() == 5 && is_component_axis(shape[4]));
 }
 
 // One of the steps, which are read without the others.
@@ -95,8 +99,12 @@ Dataset read_npy_step(const ByteSource& source, const NpyHeader& header,
     part.offset = header.data_offset;
     return part;
   };
-  dataset.notes.push_back(fmt::format("{}: shape {} taken as (time, z, y, x{})", source.name(),
-                                      text, shape.size() == 5 ? ", component" : ""));
+  dataset.notes.push_back(
+      shape.size() == 5
+          ? fmt::format("{}: shape {} taken as (time, z, y, x, component)", source.name(), text)
+          : fmt::format("{}: shape {} taken as (time, z, y, x): {} is no number of components, "
+                        "which are 1 to 4, 6 or 9; of channels, too, --step takes one",
+                        source.name(), text, shape[3]));
   if (type.is_boolean)
     dataset.notes.push_back(fmt::format("{}: booleans become uint8", source.name()));
   StepSamples samples = read_step(parts, layout, options, dataset.notes);
@@ -111,11 +119,13 @@ Dataset read_npy_step(const ByteSource& source, const NpyHeader& header,
 Dataset describe(const ByteSource& source, const NpyHeader& header, const ReadOptions& options) {
   const auto& shape = header.shape;
   const std::string text = fmt::format("({})", fmt::join(shape, ", "));
-  if (shape.size() != 3 && !(shape.size() == 4 && shape[3] <= kMaxComponents)) {
-    throw Error(ErrorCode::kUnsupported,
-                fmt::format("{}: shape: {}: expected (z, y, x), or (z, y, x, component) with up to "
-                            "{} components, or (N, 3) or (N, 4) for more than {} points",
-                            source.name(), text, kMaxComponents, kMaxUnclearPoints));
+  if (shape.size() != 3 && shape.size() != 4) {
+    throw Error(
+        ErrorCode::kUnsupported,
+        fmt::format("{}: shape: {}: expected (z, y, x), (z, y, x, component) with 1 to 4, 6 "
+                    "or 9 components, (time, z, y, x) or (time, z, y, x, component), or "
+                    "(N, 3) or (N, 4) for more than {} points",
+                    source.name(), text, kMaxUnclearPoints));
   }
   Dataset dataset;
   dataset.source = source.name();

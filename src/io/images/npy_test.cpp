@@ -43,6 +43,37 @@ TEST(Npy, LastAxisOfFourHoldsComponents) {
   EXPECT_EQ(dataset.array().num_tuples, 24);
 }
 
+// What is no number of components was read as so many of them, up to 64.
+TEST(Npy, OtherLastAxesOfFourAreSamples) {
+  for (const int last : {5, 7, 8, 10, 64}) {
+    const std::string samples(static_cast<std::size_t>(2 * last), 'x');
+    const std::string file = npy("{'descr': '|u1', 'fortran_order': False, 'shape': (2, 1, 1, " +
+                                     std::to_string(last) + ")}",
+                                 samples);
+    const Dataset dataset = read(file);
+    EXPECT_EQ(dataset.num_steps, 2);
+    EXPECT_EQ(dataset.lattice.dims, (Index3{last, 1, 1}));
+    ASSERT_EQ(dataset.notes.size(), 1U);
+    EXPECT_EQ(dataset.notes[0],
+              "a.npy: shape (2, 1, 1, " + std::to_string(last) +
+                  ") taken as (time, z, y, x): " + std::to_string(last) +
+                  " is no number of components, which are 1 to 4, 6 or 9; of channels, too, --step "
+                  "takes one");
+  }
+  for (const int last : {1, 2, 3, 4, 6, 9}) {
+    const Dataset dataset =
+        read(npy("{'descr': '|u1', 'fortran_order': False, 'shape': (2, 1, 1, " +
+                     std::to_string(last) + ")}",
+                 std::string(static_cast<std::size_t>(2 * last), 'x')));
+    EXPECT_EQ(dataset.array().num_components, last);
+  }
+  EXPECT_EQ(
+      error_of([] {
+        read(npy("{'descr': '|u1', 'fortran_order': False, 'shape': (1, 1, 1, 1, 5)}", "abcde"));
+      }).substr(0, 46),
+      "unsupported: a.npy: shape: (1, 1, 1, 1, 5): ex");
+}
+
 TEST(Npy, FiveAxesAndLongOnesBeginWithTime) {
   std::string samples;
   for (const char step : {'a', 'b', 'c'}) samples += std::string(2 * 3 * 4 * 2, step);
@@ -116,8 +147,9 @@ TEST(Npy, ErrorsNameFieldAndValue) {
   EXPECT_EQ(message("{'descr': [('a', '<i4')], 'fortran_order': False, 'shape': (1,1,1)}", 4),
             "unsupported: a.npy: descr: is a record of several fields: expected one number type");
   EXPECT_EQ(message("{'descr': '<i4', 'fortran_order': False, 'shape': (7, 5)}", 140),
-            "unsupported: a.npy: shape: (7, 5): expected (z, y, x), or (z, y, x, component) with "
-            "up to 64 components, or (N, 3) or (N, 4) for more than 4 points");
+            "unsupported: a.npy: shape: (7, 5): expected (z, y, x), (z, y, x, component) with 1 to "
+            "4, 6 or 9 components, (time, z, y, x) or (time, z, y, x, component), or (N, 3) or (N, "
+            "4) for more than 4 points");
   EXPECT_EQ(message("{'descr': '<i4', 'fortran_order': False, 'shape': (0, 3, 4)}", 0),
             "file-format: a.npy: shape: 0x3x4 has an axis of 0 samples: expected 1 to 2147483647");
   EXPECT_EQ(message("{'descr': '<i4', 'fortran_order': Maybe, 'shape': (1, 1, 1)}", 4),

@@ -1,0 +1,366 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/images/tiff.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <set>
+#include <utility>
+
+#include "data/bookkeeping.h"
+#include "data/parallel.h"
+#include "io/core/memory.h"
+#include "io/core/sample_parts.h"
+#include "io/core/samples.h"
+#include "io/images/tiff_blocks.h"
+#include "io/images/tiff_description.h"
+#include "io/images/tiff_file.h"
+#include "ovoid/error.h"
+
+namespace ovoid::io {
+namespace {
+
+// The file's own lengths of a pixel, as it means lengths in the world by them: in centimetres.
+// Inches are those of printers and screens.
+std::optional<std::array<double, 2>> pixel_size_mm(const TiffFile& file) {
+  constexpr int kCentimetre = 3;
+  const auto& resolution = file.resolution();
+  if (!resolution || resolution->unit != kCentimetre) return std::nullopt;
+  return std::array{10 / resolution->x, 10 / resolution->y};
+}
+
+class TiffVolume {
+ public:
+  TiffVolume(const ByteSource& source, const ReadOptions& options)
+      : source_(source), options_(options), file_(source) {}
+
+  Dataset read() {
+    dataset_.source = source_.name();
+    dataset_.format = "TIFF";
+    choose_stack();
+    check_planes();
+    const TiffPage& page = file_.pages()[0];
+    dataset_.lattice.dims = {page.width, page.height, stack_.num_slices};
+    dataset_.num_steps = stack_.num_frames;
+    check_num_steps(source_.name() + ": frames", stack_.num_frames);
+    if (stack_.frame_interval) {
+      for (std::int64_t step = 0; step < stack_.num_frames; ++step)
+        dataset_.times.push_back(static_cast<double>(step) * *stack_.frame_interval);
+      dataset_.time_unit = stack_.time_unit;
+    }
+    place();
+    tell();
+    read_arrays();
+    return std::move(dataset_);
+  }
+
+ private:
+  void choose_stack() {
+    const auto num_pages = static_cast<std::int64_t>(file_.pages().size());
+    if (looks_like_ome(file_.description())) {
+      std::vector<TiffStack> stacks = ome_stacks(source_.name(), file_.description());
+      stack_ = std::move(stacks[choose_image(stacks)]);
+      return;
+    }
+    if (auto stack = imagej_stack(file_.description(), num_pages, file_.resolution())) {
+      stack_ = std::move(*stack);
+      if (num_pages == 1 && stack_.num_planes() > 1) run_ = file_.run(stack_.num_planes());
+      return;
+    }
+    stack_.num_slices = num_pages;
+    if (const auto size = pixel_size_mm(file_)) {
+      stack_.spacing = {(*size)[0], (*size)[1], std::nullopt};
+      stack_.length_unit = "mm";
+    }
+  }
+
+  std::size_t choose_image(const std::vector<TiffStack>& stacks) {
+    if (stacks.size() == 1) return 0;
+    std::set<std::string> names;
+    for (const TiffStack& stack : stacks) {
+      // Names that stand twice get a number.
+      std::string name = stack.name;
+      for (int i = 2; !names.insert(name).second; ++i) name = fmt::format("{} {}", stack.name, i);
+      dataset_.blocks.push_back(
+          {name, fmt::format("{} slices, {} channels, {} time steps", stack.num_slices,
+                             stack.num_channels, stack.num_frames)});
+    }
+    auto chosen =
+        static_cast<std::size_t>(std::max_element(stacks.begin(), stacks.end(),
+                                                  [](const TiffStack& a, const TiffStack& b) {
+                                                    return a.num_planes() < b.num_planes();
+                                                  }) -
+                                 stacks.begin());
+    if (!options_.block.empty()) {
+      const auto named =
+          std::find_if(dataset_.blocks.begin(), dataset_.blocks.end(),
+                       [&](const DatasetBlock& block) { return block.name == options_.block; });
+      if (named == dataset_.blocks.end()) {
+        std::string known;
+        for (const DatasetBlock& block : dataset_.blocks) known += fmt::format(" '{}'", block.name);
+        throw Error(ErrorCode::kInvalidArgument,
+                    fmt::format("{}: block '{}': no such image: expected one of{}", source_.name(),
+                                options_.block, known));
+      }
+      chosen = static_cast<std::size_t>(named - dataset_.blocks.begin());
+    } else {
+      dataset_.notes.push_back(fmt::format("{}: holds {} images, '{}' is read; choose with --block",
+                                           source_.name(), stacks.size(),
+                                           dataset_.blocks[chosen].name));
+    }
+    dataset_.block = dataset_.blocks[chosen].name;
+    return chosen;
+  }
+
+  // Pages of planes: by what the description says, or in their order. All must be there.
+  void check_planes() {
+    if (run_) return;
+    const auto num_pages = static_cast<std::int64_t>(file_.pages().size());
+    const std::int64_t last = stack_.first + stack_.num_planes();
+    const std::int64_t num_missing =
+        stack_.directories.empty()
+            ? std::max<std::int64_t>(0, last - num_pages)
+            : std::count(stack_.directories.begin(), stack_.directories.end(), -1);
+    if (num_missing > 0) {
+      throw Error(
+          ErrorCode::kFileFormat,
+          fmt::format("{}: has {} pages, its description names {} slices, {} channels and {} "
+                      "time steps: {} planes are missing",
+                      source_.name(), num_pages, stack_.num_slices, stack_.num_channels,
+                      stack_.num_frames, num_missing));
+    }
+  }
+
+  void place() {
+    Vec3 spacing(1, 1, 1);
+    const auto& told = stack_.spacing;
+    const auto note = [&](const std::string& what) {
+      dataset_.notes.push_back(fmt::format("{}: {}", source_.name(), what));
+    };
+    if (options_.raw.spacing) {
+      spacing = *options_.raw.spacing;
+    } else if (told[0] && told[1]) {
+      spacing = {*told[0], *told[1], told[2].value_or(*told[0])};
+      if (!told[2] && stack_.num_slices > 1) {
+        note(
+            fmt::format("the distance of slices is not said: taken to be that of pixels, {:g}; "
+                        "--spacing says another",
+                        spacing.z()));
+      }
+      if (!stack_.length_unit.empty() && stack_.length_unit != "mm")
+        note(fmt::format("lengths are in {}, as the file has them", stack_.length_unit));
+    }
+    dataset_.lattice.world_from_index.linear() = spacing.asDiagonal();
+    check_geometry(options_.raw.spacing ? "spacing" : source_.name() + ": size of pixels",
+                   dataset_.lattice.world_from_index);
+  }
+
+  void tell() {
+    const TiffPage& page = file_.pages()[0];
+    const auto note = [&](const std::string& what) {
+      dataset_.notes.push_back(fmt::format("{}: {}", source_.name(), what));
+    };
+    if (file_.num_left_out() > 0) {
+      note(fmt::format("{} pages in miniature or of lower resolution are left out",
+                       file_.num_left_out()));
+    }
+    if (page.is_white_zero) note("says that 0 is white: values are those that it stores");
+    if (page.num_components < page.num_samples) note("transparency is left out");
+    if (page.is_palette) note("has a palette: values are its numbers");
+  }
+
+  void read_arrays() {
+    if (options_.step) check_step(source_.name(), *options_.step, stack_.num_frames);
+    if (read_in_a_row()) return;
+    for (std::int64_t step = options_.step.value_or(0); step < stack_.num_frames; ++step) {
+      read_frame(step);
+      if (options_.step || data::is_worth_showing(dataset_, options_.array)) break;
+      if (step + 1 == stack_.num_frames && step > 0) read_frame(0);  // none varies
+    }
+    if (!options_.step && dataset_.step > 0)
+      dataset_.notes.push_back(chosen_step_note(source_.name(), dataset_.step, stack_.num_frames));
+  }
+
+  // Like raw data: what is read of these may stay in the file.
+  bool read_in_a_row() {
+    if (stack_.num_channels != 1 || stack_.first != 0 || !stack_.directories.empty()) return false;
+    const bool is_step_by_step = stack_.strides[0] == 1 || stack_.num_slices == 1;
+    if (!is_step_by_step && stack_.num_frames > 1) return false;
+    if (!run_) run_ = file_.run(stack_.num_planes());
+    if (!run_ || run_->num_pages != stack_.num_planes()) return false;
+    const TiffPage& page = file_.pages()[0];
+    StepLayout layout;
+    layout.num_steps = stack_.num_frames;
+    layout.type = page.type;
+    layout.num_components = page.num_components;
+    layout.is_big_endian = file_.is_big_endian();
+    const std::array sizes{page.width, page.height, stack_.num_slices, stack_.num_frames};
+    const std::int64_t num_bytes =
+        checked_num_bytes(source_.name() + ": size", sizes, page.type, page.num_components);
+    layout.num_bytes = num_bytes / stack_.num_frames;
+    SampleParts parts;
+    parts.each = {num_bytes, 0, page.type, source_.name(),
+                  layout_text(sizes, page.type, page.num_components)};
+    parts.open = [this](std::int64_t) {
+      SamplePart part;
+      part.source = &source_;
+      part.offset = run_->offset;
+      return part;
+    };
+    StepSamples samples = read_step(parts, layout, options_, dataset_.notes);
+    dataset_.step = samples.step;
+    dataset_.arrays.push_back({array_name(0), page.type, page.num_components,
+                               num_samples(dataset_.lattice.dims), "", false, samples.bytes});
+    dataset_.arrays.back().stored = std::move(samples.stored);
+    return true;
+  }
+
+  std::string array_name(std::int64_t channel) const {
+    const auto index = static_cast<std::size_t>(channel);
+    const std::string number =
+        stack_.num_channels == 1 ? "values" : fmt::format("channel {}", channel + 1);
+    if (stack_.channel_names.empty() || stack_.channel_names[index].empty()) return number;
+    const std::string& name = stack_.channel_names[index];
+    const auto same = std::count(stack_.channel_names.begin(), stack_.channel_names.end(), name);
+    return same > 1 ? fmt::format("{} ({})", name, number) : name;
+  }
+
+  void read_frame(std::int64_t frame) {
+    dataset_.arrays.clear();
+    dataset_.step = frame;
+    std::vector<std::int64_t> channels;
+    for (std::int64_t channel = 0; channel < stack_.num_channels; ++channel)
+      if (options_.array.empty() || options_.array == array_name(channel))
+        channels.push_back(channel);
+    if (channels.empty()) {
+      std::string known;
+      for (std::int64_t channel = 0; channel < stack_.num_channels; ++channel)
+        known += fmt::format(" '{}'", array_name(channel));
+      throw Error(ErrorCode::kInvalidArgument,
+                  fmt::format("{}: array '{}': no such channel: expected one of{}", source_.name(),
+                              options_.array, known));
+    }
+    const TiffPage& page = file_.pages()[0];
+    const std::array sizes{page.width, page.height, stack_.num_slices,
+                           static_cast<std::int64_t>(channels.size())};
+    const std::int64_t total =
+        checked_num_bytes(source_.name() + ": size", sizes, page.type, page.num_components);
+    check_file_holds(total);
+    require_memory(source_.name(), total);
+    ReadProgress progress(options_, total);
+    for (const std::int64_t channel : channels) {
+      DataArray array{array_name(channel),
+                      page.type,
+                      page.num_components,
+                      num_samples(dataset_.lattice.dims),
+                      "",
+                      false,
+                      {}};
+      array.bytes = planes(channel, frame, page.num_bytes(), progress);
+      dataset_.arrays.push_back(std::move(array));
+    }
+  }
+
+  // A header may claim more than all its bytes can stand for.
+  void check_file_holds(std::int64_t total) const {
+    const TiffPage& page = file_.pages()[0];
+    const std::int64_t spread = page.bits < 8 ? 8 / page.bits : page.bits < 16 ? 2 : 1;
+    if (total / spread / max_tiff_ratio(page.compression) <= source_.size()) return;
+    throw Error(ErrorCode::kFileFormat,
+                fmt::format("{}: has {} bytes, too few for {}", source_.name(), source_.size(),
+                            layout_text(std::array{page.width, page.height, stack_.num_slices},
+                                        page.type, page.num_components)));
+  }
+
+  Bytes planes(std::int64_t channel, std::int64_t frame, std::int64_t page_bytes,
+               ReadProgress& progress) const {
+    SampleBuffer buffer;
+    const std::int64_t num_bytes = page_bytes * stack_.num_slices;
+    const std::span<std::byte> out = buffer.extend(num_bytes, num_bytes);
+    // Unpacking takes longer than reading. Progress is told by this thread, after each batch.
+    constexpr std::int64_t kBatch = 64;
+    for (std::int64_t begin = 0; begin < stack_.num_slices; begin += kBatch) {
+      data::ParallelPlan plan{.count = std::min(kBatch, stack_.num_slices - begin)};
+      plan.threads = std::max(1, data::resolve_threads(0) / std::max(1, options_.processes_beside));
+      data::parallel_ranges(plan, [&](std::int64_t from, std::int64_t to) {
+        for (std::int64_t z = begin + from; z < begin + to; ++z) {
+          const auto place = out.subspan(static_cast<std::size_t>(z * page_bytes),
+                                         static_cast<std::size_t>(page_bytes));
+          read_plane(stack_.page(z, channel, frame), place);
+        }
+      });
+      progress.advance(plan.count * page_bytes);
+    }
+    return buffer.release();
+  }
+
+  void read_plane(std::int64_t number, std::span<std::byte> out) const {
+    if (run_ && file_.pages().size() == 1) {  // ImageJ's own: one directory for all
+      const std::int64_t at = run_->offset + number * static_cast<std::int64_t>(out.size());
+      if (at > source_.size() - static_cast<std::int64_t>(out.size())) {
+        throw Error(ErrorCode::kFileFormat,
+                    fmt::format("{}: ends within plane {}", source_.name(), number));
+      }
+      source_.read(at, out);
+      finish_tiff_rows(1, {out.size(), 0, 1, file_.pages()[0].bits, file_.is_big_endian()}, out);
+      return;
+    }
+    const std::size_t index = stack_.directories.empty() ? static_cast<std::size_t>(number)
+                                                         : file_.page_of_directory(number);
+    file_.read(file_.pages()[index], out);
+  }
+
+  const ByteSource& source_;
+  const ReadOptions& options_;
+  TiffFile file_;
+  TiffStack stack_;
+  std::optional<TiffRun> run_;
+  Dataset dataset_;
+};
+
+SliceShape shape_of_tiff(const ByteSource& source) {
+  const TiffFile file(source);
+  if (file.pages().size() > 1) {
+    throw Error(
+        ErrorCode::kUnsupported,
+        fmt::format("{}: has {} pages, a slice is one: name the files themselves, which are "
+                    "then time steps",
+                    source.name(), file.pages().size()));
+  }
+  const TiffPage& page = file.pages()[0];
+  if (page.num_components != 1 && page.num_components != 3) {
+    throw Error(
+        ErrorCode::kUnsupported,
+        fmt::format("{}: has {} samples in each pixel: expected grey, or red, green and blue",
+                    source.name(), page.num_components));
+  }
+  SliceShape shape{page.width, page.height, page.type, page.num_components};
+  shape.spacing = pixel_size_mm(file);
+  shape.length_unit = "mm";
+  if (const auto stack = imagej_stack(file.description(), 1, file.resolution());
+      stack && stack->spacing[0] && stack->spacing[1]) {
+    shape.spacing = std::array{*stack->spacing[0], *stack->spacing[1]};
+    shape.length_unit = stack->length_unit;
+  }
+  return shape;
+}
+
+void read_tiff_slice(const ByteSource& source, const SliceShape& shape, std::span<std::byte> out) {
+  const TiffFile file(source);
+  const TiffPage& page = file.pages()[0];
+  if (page.num_bytes() != static_cast<std::int64_t>(out.size()) || page.width != shape.width)
+    throw Error(ErrorCode::kFileFormat, fmt::format("{}: has changed", source.name()));
+  file.read(page, out);
+}
+
+}  // namespace
+
+Dataset read_tiff(const ByteSource& source, const ReadOptions& options) {
+  return TiffVolume(source, options).read();
+}
+
+SliceReader tiff_slices() noexcept { return {"TIFF", shape_of_tiff, read_tiff_slice}; }
+
+}  // namespace ovoid::io

@@ -50,6 +50,9 @@ constexpr std::int64_t kStart = 512;  // bytes that tell a format
 constexpr const char* kRaw = "raw";
 constexpr const char* kText = "CSV and other text";
 
+// Of the kinds of HDF5 files, the one that may take a spacing (foreign/hdf5_grid.cpp).
+constexpr std::string_view kHdf5Grid = "HDF5 grid";
+
 using ArrayWriter = void (*)(const Dataset&, const DataArray&, const std::string&,
                              const std::stop_token&);
 
@@ -230,6 +233,7 @@ std::vector<Format> points() {
            .endings = {".h5", ".hdf5"},
            .begins = is_hdf5,
            .library = "HDF5",
+           .says_spacing = false,  // grids of others say none
            .writers = {{.endings = {".h5"},
                         .kinds = {kLattice},
                         .write = write_lattice_file,
@@ -293,6 +297,14 @@ std::string unread_kind_of(std::string_view start) {
     return "an XDMF file, for which distributions' VTK has no reader (write VTU or VTKHDF instead)";
   if (start.starts_with("\x76\x2f\x31\x01")) return "an OpenEXR picture";
   return {};
+}
+
+[[noreturn]] void refuse_given(const std::string& source, std::string_view format,
+                               const char* given) {
+  throw Error(ErrorCode::kInvalidArgument,
+              fmt::format("{}: the format {} states its own layout: {} can be given for raw files "
+                          "only",
+                          source, format, given));
 }
 
 std::string readable_formats() {
@@ -401,11 +413,7 @@ void refuse_raw_options(const std::string& source, const Format& format, const R
                             : raw.big_endian                     ? "a byte order"
                             : raw.spacing && format.says_spacing ? "a spacing"
                                                                  : nullptr;
-  if (given == nullptr) return;
-  throw Error(ErrorCode::kInvalidArgument,
-              fmt::format("{}: the format {} states its own layout: {} can be given for raw files "
-                          "only",
-                          source, format.name, given));
+  if (given != nullptr) refuse_given(source, format.name, given);
 }
 
 Dataset read_as(const Format& format, const ByteSource& source, const ReadOptions& options,
@@ -417,7 +425,13 @@ Dataset read_as(const Format& format, const ByteSource& source, const ReadOption
                 fmt::format("{}: this build has no {} and cannot read {} files", source.name(),
                             format.library, format.name));
   }
-  return read_foreign(format.name, source.name(), {source.name()}, options);
+  Dataset dataset = read_foreign(format.name, source.name(), {source.name()}, options);
+  if (options.raw.spacing) {
+    if (dataset.format != kHdf5Grid) refuse_given(source.name(), format.name, "a spacing");
+    dataset.lattice.world_from_index.linear() = options.raw.spacing->asDiagonal();
+    check_geometry("spacing", dataset.lattice.world_from_index);
+  }
+  return dataset;
 }
 
 bool is_one_of(const std::vector<std::string_view>& endings, const std::string& ending) {

@@ -9,6 +9,7 @@
 #include "io/core/signatures.h"
 #include "io/dicom/dicom.h"
 #include "io/foreign/gdcm_codec.h"
+#include "io/foreign/hdf5_grid.h"
 #include "io/foreign/hdf5_lattice.h"
 #include "io/foreign/hdf5_points.h"
 #include "io/foreign/mesh_readers.h"
@@ -35,8 +36,11 @@ void check_exodus_or_hdf5(const ByteSource& source) {
 
 #ifdef OVOID_IO_HDF5
 Dataset read_hdf5(const ByteSource& source, const ReadOptions& options) {
-  return is_hdf5_lattice(source) ? read_hdf5_lattice(source, options)
-                                 : read_hdf5_points(source, options);
+  if (is_hdf5_lattice(source)) return read_hdf5_lattice(source, options);
+  const bool is_of_points = !options.hdf5.positions.empty() || !options.hdf5.values.empty();
+  if (!is_of_points && (!options.array.empty() || !has_hdf5_positions(source)))
+    if (auto grid = read_hdf5_grid(source, options)) return std::move(*grid);
+  return read_hdf5_points(source, options);
 }
 #endif
 

@@ -39,7 +39,8 @@ bool is_hard_link(hid_t group, const std::string& name) {
   return H5Lget_info(group, name.c_str(), &info, H5P_DEFAULT) >= 0 && info.type == H5L_TYPE_HARD;
 }
 
-Hdf5File::Hdf5File(const std::string& path) : name_(path), source_(open_file(path)) {
+Hdf5File::Hdf5File(const std::string& path, std::size_t max_rank)
+    : name_(path), max_rank_(static_cast<int>(max_rank)), source_(open_file(path)) {
   file_ = {H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose};
   if (!file_.is_open()) fail("the HDF5 library cannot open it: is the file truncated?");
   const Hdf5Handle root(H5Gopen2(file_.get(), "/", H5P_DEFAULT), H5Gclose);
@@ -80,7 +81,7 @@ void Hdf5File::describe(hid_t group, const std::string& path, const std::string&
   const Hdf5Handle space(H5Dget_space(dataset.get()), H5Sclose);
   const Hdf5Handle type(H5Dget_type(dataset.get()), H5Tclose);
   if (!space.is_open() || !type.is_open()) return;
-  auto dims = dims_of(space.get(), 2);
+  auto dims = dims_of(space.get(), max_rank_);
   if (!dims) return;
   if (dims->empty()) dims->push_back(1);  // a single number
   datasets_.push_back({fmt::format("{}/{}", path, name), path.empty() ? "/" : path, name,
@@ -102,6 +103,7 @@ DataArray Hdf5File::read(const Hdf5Dataset& described, bool is_transposed,
   const std::string where = fmt::format("{}: '{}'", name_, described.path);
   const Hdf5Handle dataset(H5Dopen2(file_.get(), described.path.c_str(), H5P_DEFAULT), H5Dclose);
   if (!dataset.is_open() || !described.type) fail(fmt::format("'{}' is broken", described.path));
+  if (described.dims.size() > 2) fail(fmt::format("'{}' is no table", described.path));
   checked_num_bytes(where, described.dims, described.type->type);
   const std::int64_t rows = described.dims[0];
   const std::int64_t columns = described.dims.size() > 1 ? described.dims[1] : 1;

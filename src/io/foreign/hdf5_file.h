@@ -35,10 +35,11 @@ struct Hdf5Dataset {
 
 class Hdf5File {
  public:
-  // Throws Error(kFileFormat) if the library cannot open it.
-  explicit Hdf5File(const std::string& path);
+  // Lists datasets of up to `max_rank` axes. Throws Error(kFileFormat) if the library cannot open
+  // it.
+  explicit Hdf5File(const std::string& path, std::size_t max_rank = 2);
 
-  // All datasets of one and two axes in the file, in the order of their paths. Throws
+  // All datasets of one to `max_rank` axes in the file, in the order of their paths. Throws
   // Error(kUnsupported) for a file of more than kMaxObjects or with groups more than kMaxDepth
   // deep.
   const std::vector<Hdf5Dataset>& datasets() const noexcept { return datasets_; }
@@ -47,8 +48,8 @@ class Hdf5File {
 
   bool exists(const std::string& path) const;
 
-  // The numbers of a dataset with rows as tuples; [k, n] with `is_transposed`. Throws Error:
-  // kFileFormat for one that is broken or does not fit the file, kUnsupported as
+  // The numbers of a dataset of one or two axes with rows as tuples; [k, n] with `is_transposed`.
+  // Throws Error: kFileFormat for one that is broken or does not fit the file, kUnsupported as
   // check_hdf5_storage() says, kCancelled.
   DataArray read(const Hdf5Dataset& described, bool is_transposed, ReadProgress& progress) const;
   // Bytes in the file, as far as that is known; for progress.
@@ -64,6 +65,7 @@ class Hdf5File {
   void describe(hid_t group, const std::string& path, const std::string& name);
 
   std::string name_;
+  int max_rank_;
   std::unique_ptr<ByteSource> source_;
   Hdf5Silence silence_;
   Hdf5Handle file_;

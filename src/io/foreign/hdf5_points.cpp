@@ -116,15 +116,15 @@ Hdf5Positions asked_positions(const Hdf5File& file, const std::string& source,
       ErrorCode::kFileFormat,
       candidates.empty()
           ? fmt::format("{}: no dataset [N, 3] is called Coordinates, positions, xyz or the "
-                        "like: expected its path with --positions",
+                        "like, and none has three axes (z, y, x): expected the path of positions "
+                        "with --positions",
                         source)
           : fmt::format("{}: several datasets may be the positions: {}: choose one with "
                         "--positions",
                         source, paths));
 }
 
-Hdf5Positions find_hdf5_positions(const Hdf5File& file, const std::string& source,
-                                  std::vector<std::string>& notes) {
+std::vector<Hdf5Positions> candidates_in(const Hdf5File& file) {
   std::vector<Hdf5Positions> candidates;
   for (const Hdf5Dataset& dataset : file.datasets()) {
     const auto found = is_position_name(dataset.name) ? positions_in(dataset) : std::nullopt;
@@ -132,6 +132,12 @@ Hdf5Positions find_hdf5_positions(const Hdf5File& file, const std::string& sourc
     if (found) candidates.push_back(*found);
     if (triple) candidates.push_back(*triple);
   }
+  return candidates;
+}
+
+Hdf5Positions find_hdf5_positions(const Hdf5File& file, const std::string& source,
+                                  std::vector<std::string>& notes) {
+  const std::vector<Hdf5Positions> candidates = candidates_in(file);
   if (candidates.size() == 1) return candidates[0];
   // Gadget's types: gas, then halo, then stars, then the rest.
   const auto rank = [](const Hdf5Positions& positions) {
@@ -342,6 +348,19 @@ class Hdf5Reader {
 };
 
 }  // namespace
+
+bool has_hdf5_positions(const ByteSource& source) {
+  const Hdf5File file(source.name(), 3);
+  const std::vector<Hdf5Positions> candidates = candidates_in(file);
+  // Three datasets x, y, z may as well be the axes of a cube.
+  const auto is_axes = [&](const Hdf5Positions& positions) {
+    const std::vector<std::int64_t> cube(3, positions.count);
+    return positions.datasets.size() == 3 &&
+           std::any_of(file.datasets().begin(), file.datasets().end(),
+                       [&](const Hdf5Dataset& dataset) { return dataset.dims == cube; });
+  };
+  return !std::all_of(candidates.begin(), candidates.end(), is_axes);
+}
 
 Dataset read_hdf5_points(const ByteSource& source, const ReadOptions& options) {
   const Hdf5File file(source.name());

@@ -7,6 +7,10 @@
 
 namespace ovoid::io {
 
+// Is something in the HDF5 file called like positions, and may be some? False in a build without
+// HDF5.
+bool has_hdf5_positions(const ByteSource& source);
+
 // Reads particles from the HDF5 file called source.name(): options.hdf5.positions, or what is
 // called like positions; options.hdf5.values, or what lies beside them and has as many rows
 // (docs/formats.md, "HDF5"). Positions are float32 or float64, arrays have the file's types. Peak

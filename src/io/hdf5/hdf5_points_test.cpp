@@ -201,6 +201,80 @@ TEST(Hdf5Points, ErrorsListWhatThereIs) {
   EXPECT_EQ(format_by_content(*source), &format_called("VTKHDF"));
 }
 
+// Arrays of three axes that other programs write.
+TEST(Hdf5Grid, ArraysAreVolumes) {
+  const TestFolder folder;
+  const std::string path = folder.file("a.h5");
+  Hdf5Maker(path)
+      .group("/g")
+      .floats("/g/raw", {2, 3, 4}, {1, 3, 4})
+      .floats("/g/flow", {2, 3, 4, 3})
+      .floats("/times", {5})
+      .attribute("/g/raw", "scale_factor", {2})
+      .attribute("/g/raw", "add_offset", {-1})
+      .attribute("/g/flow", "resolution", {40, 5, 4})
+      .attribute("/g/flow", "offset", {1, 2, 3});
+  Dataset dataset = read_dataset({path});
+  EXPECT_EQ(dataset.format, "HDF5 grid");
+  EXPECT_EQ(dataset.lattice.dims, (Index3{4, 3, 2}));
+  EXPECT_EQ(array_names(dataset), (std::vector<std::string>{"g/flow", "g/raw"}));
+  EXPECT_EQ(dataset.arrays[0].num_components, 3);
+  EXPECT_EQ(values_of<float>(dataset.arrays[1]), counting<float>(24));
+  EXPECT_EQ(dataset.arrays[1].value_scale, 2);
+  EXPECT_EQ(dataset.arrays[1].value_offset, -1);
+  EXPECT_EQ(dataset.lattice.world_from_index.linear().diagonal(), Vec3(4, 5, 40));
+  EXPECT_EQ(dataset.lattice.world_from_index.translation(), Vec3(3, 2, 1));
+  ASSERT_EQ(dataset.notes.size(), 1U);
+  ReadOptions options;
+  options.raw.spacing = Vec3(1, 2, 3);
+  for (const char* name : {"raw", "g/raw", "/g/raw"}) {
+    options.array = name;
+    dataset = read_dataset({path}, options);
+    EXPECT_EQ(array_names(dataset), std::vector<std::string>{name});
+    EXPECT_EQ(values_of<float>(dataset.array(name)), counting<float>(24));
+    EXPECT_EQ(dataset.lattice.world_from_index.linear().diagonal(), Vec3(1, 2, 3));
+  }
+}
+
+TEST(Hdf5Grid, AxesBesideTheArraySayThePlace) {
+  const TestFolder folder;
+  const std::string path = folder.file("a.nc");
+  Hdf5Maker(path).floats("/x", {3}).floats("/y", {3}).floats("/z", {3}).floats("/v", {3, 3, 3});
+  Dataset dataset = read_dataset({path});
+  EXPECT_EQ(dataset.kind, DatasetKind::kLattice);
+  EXPECT_EQ(dataset.lattice.world_from_index.translation(), Vec3(1, 1, 1));
+  EXPECT_EQ(dataset.lattice.world_from_index.linear().diagonal(), Vec3(1, 1, 1));
+  // Without the cube they are positions.
+  Hdf5Maker(path).floats("/x", {3}).floats("/y", {3}).floats("/z", {3}).floats("/v", {3, 3, 2});
+  EXPECT_EQ(read_dataset({path}).kind, DatasetKind::kParticles);
+}
+
+TEST(Hdf5Grid, OneIsChosen) {
+  const TestFolder folder;
+  const std::string path = folder.file("a.h5");
+  Hdf5Maker(path).floats("/a", {2, 3, 4}).floats("/b", {4, 3, 2}).floats("/c", {2, 3, 4, 5});
+  EXPECT_EQ(hdf5_error(path),
+            "invalid-argument: F: holds several grids: '/a' [2, 3, 4], '/b' [4, 3, 2]: choose one "
+            "with --array");
+  ReadOptions options;
+  options.array = "b";
+  EXPECT_EQ(read_dataset({path}, options).lattice.dims, (Index3{2, 3, 4}));
+  options.array = "c";
+  EXPECT_EQ(hdf5_error(path, options).substr(0, 53),
+            "file-format: F: no dataset [N, 3] is called Coordinat");
+  Hdf5Maker(path).claim("/a", {1000000, 1000000, 1000}, {});
+  EXPECT_EQ(hdf5_error(path).substr(0, 22), "unsupported: F: '/a': ");
+  Hdf5Maker(path).floats("/pos", {5, 3}).floats("/grid", {2, 3, 4});
+  EXPECT_EQ(read_dataset({path}).kind, DatasetKind::kParticles);
+  options.array = "grid";
+  EXPECT_EQ(read_dataset({path}, options).kind, DatasetKind::kLattice);
+  options.array.clear();
+  options.raw.spacing = Vec3(1, 1, 1);
+  EXPECT_EQ(hdf5_error(path, options),
+            "invalid-argument: F: the format HDF5 states its own layout: a spacing can be given "
+            "for raw files only");
+}
+
 TEST(Hdf5Points, ClaimsThatTheFileCannotHold) {
   const TestFolder folder;
   const std::string path = folder.file("a.h5");

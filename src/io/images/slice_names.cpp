@@ -83,6 +83,7 @@ std::string gaps_text(const std::vector<std::int64_t>& numbers) {
 std::vector<std::string> odd_numbers(const std::string& source,
                                      const std::vector<std::string>& paths) {
   std::vector<NameParts> parts;
+  parts.reserve(paths.size());
   for (const std::string& path : paths) parts.push_back(parts_of(path));
   for (const NameParts& part : parts)
     if (part.frame != parts[0].frame) return {};  // there is no number that all share

@@ -30,10 +30,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMostSlices = 100'000;
-constexpr std::int64_t kMagic = 16;  // bytes that tell a picture
+constexpr std::int64_t kPictureMagic = 16;  // bytes that tell a picture
 
 SliceReader reader_of(const ByteSource& source) {
-  const std::string format = picture_format_of(source.text(0, kMagic));
+  const std::string format = picture_format_of(source.text(0, kPictureMagic));
   if (const auto reader = slice_reader(format)) return *reader;
   throw Error(
       ErrorCode::kUnsupported,
@@ -209,7 +209,7 @@ class SliceVolume {
 bool is_picture_file(const std::string& path) {
   try {
     const auto source = open_file(path);
-    return slice_reader(picture_format_of(source->text(0, kMagic))).has_value();
+    return slice_reader(picture_format_of(source->text(0, kPictureMagic))).has_value();
   } catch (const Error&) {
     return false;
   }

@@ -219,7 +219,7 @@ class TiffVolume {
 
   std::string array_name(std::int64_t channel) const {
     const auto index = static_cast<std::size_t>(channel);
-    const std::string number =
+    std::string number =
         stack_.num_channels == 1 ? "values" : fmt::format("channel {}", channel + 1);
     if (stack_.channel_names.empty() || stack_.channel_names[index].empty()) return number;
     const std::string& name = stack_.channel_names[index];

@@ -107,7 +107,9 @@ std::string unpack_bits(std::span<const std::byte> packed, std::span<std::byte> 
   std::size_t in = 0, at = 0;
   while (at < out.size()) {
     if (in == packed.size()) return kTooFew;
-    const int head = static_cast<std::int8_t>(packed[in++]);
+    // A byte with sign.
+    const auto byte = static_cast<unsigned>(packed[in++]);
+    const int head = byte < 128 ? static_cast<int>(byte) : static_cast<int>(byte) - 256;
     if (head == -128) continue;
     const auto count = static_cast<std::size_t>(head < 0 ? 1 - head : 1 + head);
     const std::size_t used = std::min(count, out.size() - at);

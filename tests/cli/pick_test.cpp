@@ -9,7 +9,7 @@
 namespace ovoid::cli_tests {
 namespace {
 
-using Json = nlohmann::json;
+using Json = nlohmann::ordered_json;
 
 class Pick : public ::testing::Test {
  protected:

@@ -271,7 +271,7 @@ TEST(DatasetFiles, ReadErrors) {
   const std::string readable =
       "NRRD, NIfTI, MetaImage, SLC, NPY, TIFF, folder of slices, VTK XML, legacy VTK, VTKHDF, "
       "Exodus, "
-      "EnSight, Enzo, "
+      "EnSight, Enzo, STL, OBJ, "
       "PLOT3D, HDF5, CSV and other text, NPZ, PLY, LAMMPS dump, DICOM, or raw samples with "
       "dimensions and type";
   expect("missing.nrrd", "file-not-found", "no such file");

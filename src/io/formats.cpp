@@ -309,8 +309,10 @@ std::string unread_kind_of(std::string_view start) {
 
 std::string readable_formats() {
   std::string list;
-  for (const Format& format : formats())
-    if (format.name != std::string_view(kRaw)) list += fmt::format("{}, ", format.name);
+  for (const Format& format : formats()) {
+    if (format.name != std::string_view(kRaw) && format.name != std::string_view(kPlyFaces))
+      list += fmt::format("{}, ", format.name);
+  }
   return list + "or raw samples with dimensions and type";
 }
 

@@ -67,7 +67,7 @@ struct Format {
 const std::vector<Format>& formats();
 
 // The faces of PLY files, as read_dataset() takes them where they are asked for.
-inline constexpr const char* kPlyFaces = "PLY: surfaces";
+inline constexpr const char* kPlyFaces = "PLY surfaces";
 
 // The row of that name, which there must be.
 const Format& format_called(std::string_view name);

@@ -53,7 +53,7 @@ const std::vector<ForeignReader>& foreign_readers() {
       {"Exodus", check_exodus_or_hdf5, read_exodus},
       {"EnSight", nullptr, read_ensight},
       {"Enzo", check_enzo, read_enzo},
-      {"PLY: surfaces", nullptr, read_ply_faces},
+      {"PLY surfaces", nullptr, read_ply_faces},
 #endif
 #ifdef OVOID_IO_HDF5
       {"HDF5", nullptr, read_hdf5},

@@ -32,7 +32,7 @@ Dataset read_ply_faces(const ByteSource& source, const ReadOptions& options) {
     throw Error(ErrorCode::kFileFormat, fmt::format("{}: has no faces", source.name()));
   Dataset dataset;
   dataset.source = source.name();
-  dataset.format = "PLY: surfaces";
+  dataset.format = "PLY surfaces";
   dataset.notes = std::move(run.notes);
   std::vector<MeshPart> parts;
   parts.push_back(part_of(source.name(), faces, dataset.notes));

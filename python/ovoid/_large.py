@@ -6,8 +6,6 @@ read once, each of its chunks once, into a temporary file.
 """
 import mmap
 import os
-import shutil
-import tempfile
 
 import numpy as np
 
@@ -95,7 +93,8 @@ def _blocks(data):
 def _copy(data, target, file, on_progress):
     """Writes an array to a file, block by block."""
     total = int(np.prod(data.shape, dtype="i8"))
-    free = shutil.disk_usage(os.path.dirname(file)).free
+    disk = os.statvfs(os.path.dirname(file))
+    free = disk.f_bavail * disk.f_frsize
     if total * target.itemsize > free:
         raise OutOfMemory(f"data: memory does not hold their {total} values, and {os.path.dirname(os.path.dirname(file))} has {free} bytes "
                           f"for {total * target.itemsize}: set TMPDIR to a folder with more")
@@ -120,6 +119,8 @@ def _copy(data, target, file, on_progress):
 
 def lattice_of(data, dims, matrix, name, unit, words, on_progress=None):
     """Samples that stay in a file as a lattice of the library."""
+    import tempfile
+
     place = _place_in_map(data)
     with tempfile.TemporaryDirectory(prefix="ovoid-") as folder:
         if place:

@@ -129,9 +129,9 @@ def test_blocks_of_another_shape_are_refused(large):
 
 
 def test_too_little_disk_is_told_before(large, monkeypatch):
-    import shutil
+    import os
 
-    monkeypatch.setattr(shutil, "disk_usage", lambda folder: type("usage", (), {"free": 1000}))
+    monkeypatch.setattr(os, "statvfs", lambda folder: type("disk", (), {"f_bavail": 10, "f_frsize": 100}))
     with pytest.raises(ovoid.OutOfMemory, match="TMPDIR"):
         ovoid.render(Lazy(large), **LIMITED)
 

@@ -10,6 +10,7 @@
 
 #include "ovoid/fit.h"
 #include "report_rows.h"
+#include "session.h"
 #include "setting_forms.h"
 #include "settings.h"
 

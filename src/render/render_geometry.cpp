@@ -19,6 +19,7 @@
 #include "render/plane_values.h"
 #include "render/plane_view.h"
 #include "render/surface_light.h"
+#include "view/color_attribute.h"
 #include "view/look_table.h"
 
 namespace ovoid {

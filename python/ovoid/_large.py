@@ -90,7 +90,7 @@ def _blocks(data):
                 x0 = x1
 
 
-def _copy(data, target, file, on_progress):
+def _copy(data, target, file):
     """Writes an array to a file, block by block."""
     total = int(np.prod(data.shape, dtype="i8"))
     disk = os.statvfs(os.path.dirname(file))
@@ -99,7 +99,6 @@ def _copy(data, target, file, on_progress):
         raise OutOfMemory(f"data: memory does not hold their {total} values, and {os.path.dirname(os.path.dirname(file))} has {free} bytes "
                           f"for {total * target.itemsize}: set TMPDIR to a folder with more")
     kept = np.memmap(file, target, "w+", shape=data.shape)
-    done = 0
     for block in _blocks(data):
         values = np.asanyarray(data[block])
         if isinstance(values, np.ma.MaskedArray):
@@ -111,13 +110,10 @@ def _copy(data, target, file, on_progress):
             raise InvalidArgument(f"data: the block {block} has the shape {values.shape}, expected {expected}")
         kept[block] = values
         kept._mmap.madvise(mmap.MADV_DONTNEED)  # written, and no longer in memory
-        done += values.size
-        if on_progress is not None:
-            on_progress(done / total)
     kept.flush()
 
 
-def lattice_of(data, dims, matrix, name, unit, words, on_progress=None):
+def lattice_of(data, dims, matrix, name, unit, words):
     """Samples that stay in a file as a lattice of the library."""
     import tempfile
 
@@ -128,7 +124,7 @@ def lattice_of(data, dims, matrix, name, unit, words, on_progress=None):
             order = "big" if data.dtype.newbyteorder("=") != data.dtype else "little"
         else:
             target, file, skip, order = _type(data.dtype), os.path.join(folder, "array.raw"), 0, "little"
-            _copy(data, target, file, on_progress)
+            _copy(data, target, file)
         header = _header(folder, target, data.shape, order, file, skip)
         words = [*words, "--data-folder", os.path.dirname(os.path.abspath(file))]
         read, _ = _core.read([header], words, True, None)

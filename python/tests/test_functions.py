@@ -47,8 +47,6 @@ def test_kernels_are_fitted_to_particles(tmp_path):
 
 
 def test_progress_of_a_fit_is_told(array, monkeypatch):
-    from ovoid import _progress
-
     told = []
 
     class Bar:
@@ -69,7 +67,7 @@ def test_progress_of_a_fit_is_told(array, monkeypatch):
 
     monkeypatch.setitem(__import__("sys").modules, "tqdm", type("tqdm", (), {"tqdm": Bar}))
     ovoid.fit(bumps((32, 32, 32)), psnr=45, progress=True)
-    assert told[-1] == 100 and told == sorted(told) and _progress.bar is not None
+    assert told[-1] == 100 and told == sorted(told)
 
 
 def test_resampled_to_a_grid_as_the_program_does(tmp_path, array):

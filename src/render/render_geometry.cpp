@@ -91,37 +91,26 @@ struct LimitsRow {
   std::vector<std::uint32_t> counts;
 };
 
-DepthLimits merged_limits(const DepthLimits* field, const std::vector<DepthLimits>& surfaces,
-                          int width, int height, int threads, const std::stop_token& stop) {
-  std::vector<LimitsRow> rows(static_cast<std::size_t>(height));
-  const bool has_coverage = field != nullptr && !field->coverage.empty();
+// Limits of the picture, without coverage. `add_stops(x, y, stops)` appends a pixel's; called from
+// many threads at once.
+template <class AddStops>
+DepthLimits limits_by_rows(const RenderOptions& options, int threads, const std::stop_token& stop,
+                           const AddStops& add_stops) {
+  std::vector<LimitsRow> rows(static_cast<std::size_t>(options.height));
+  data::parallel_ranges(
+      {options.height, 16, threads, stop}, [&](std::int64_t begin, std::int64_t end) {
+        for (auto y = static_cast<int>(begin); y < end; ++y) {
+          LimitsRow& row = rows[static_cast<std::size_t>(y)];
+          for (int x = 0; x < options.width; ++x) {
+            const std::size_t before = row.stops.size();
+            add_stops(x, y, row.stops);
+            row.counts.push_back(static_cast<std::uint32_t>(row.stops.size() - before));
+          }
+        }
+      });
   DepthLimits all;
-  all.width = width;
-  all.height = height;
-  if (has_coverage) all.coverage = field->coverage;
-  data::ParallelPlan plan;
-  plan.count = height;
-  plan.grain = 16;
-  plan.threads = threads;
-  plan.stop = stop;
-  data::parallel_ranges(plan, [&](std::int64_t begin, std::int64_t end) {
-    SceneStops pixel;
-    for (auto y = static_cast<int>(begin); y < end; ++y) {
-      LimitsRow& row = rows[static_cast<std::size_t>(y)];
-      for (int x = 0; x < width; ++x) {
-        pixel.begin(field != nullptr ? field->of_pixel(x, y) : std::span(&kEverywhere, 1));
-        const std::size_t at = static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
-                               static_cast<std::size_t>(x);
-        for (const DepthLimits& surface : surfaces)
-          pixel.add(surface.of_pixel(x, y), surface.coverage[at]);
-        // The outline of what the field is within is hard where a surface is behind it.
-        if (has_coverage && pixel.has_layers()) all.coverage[at] = 1;
-        const std::size_t before = row.stops.size();
-        pixel.write_to(row.stops);
-        row.counts.push_back(static_cast<std::uint32_t>(row.stops.size() - before));
-      }
-    }
-  });
+  all.width = options.width;
+  all.height = options.height;
   all.first.push_back(0);
   for (const LimitsRow& row : rows) {
     for (const std::uint32_t count : row.counts) all.first.push_back(all.first.back() + count);
@@ -131,6 +120,26 @@ DepthLimits merged_limits(const DepthLimits* field, const std::vector<DepthLimit
     all.stops.insert(all.stops.end(), row.stops.begin(), row.stops.end());
     row = {};
   }
+  return all;
+}
+
+DepthLimits merged_limits(const std::vector<DepthLimits>& layers, const RenderOptions& options,
+                          int threads, const std::stop_token& stop) {
+  const DepthLimits* const field = options.depth_limits.get();
+  std::vector<float> coverage;
+  if (field != nullptr) coverage = field->coverage;
+  DepthLimits all = limits_by_rows(options, threads, stop, [&](int x, int y, auto& stops) {
+    thread_local SceneStops pixel;
+    pixel.begin(field != nullptr ? field->of_pixel(x, y) : std::span(&kEverywhere, 1));
+    const std::size_t at = static_cast<std::size_t>(y) * static_cast<std::size_t>(options.width) +
+                           static_cast<std::size_t>(x);
+    for (const DepthLimits& layer : layers)
+      pixel.add(layer.of_pixel(x, y), layer.coverage.empty() ? 1.0F : layer.coverage[at]);
+    // The outline of what the field is within is hard where a surface is behind it.
+    if (!coverage.empty() && pixel.has_layers()) coverage[at] = 1;
+    pixel.write_to(stops);
+  });
+  all.coverage = std::move(coverage);
   return all;
 }
 
@@ -156,48 +165,31 @@ DepthLimits layers_of(const FieldSlice& slice, Renderer& renderer, const Field& 
                       const Camera& camera, const Look& look, const RenderOptions& options,
                       const RenderHooks& hooks) {
   const RenderOptions whole = without_cuts(options);
-  const auto width = static_cast<std::size_t>(options.width);
-  const auto num_pixels = width * static_cast<std::size_t>(options.height);
-  DepthLimits layers;
-  layers.width = options.width;
-  layers.height = options.height;
-  layers.first.assign(num_pixels + 1, 0);
-  layers.coverage.assign(num_pixels, 1.0F);
   const PlaneView view(field, camera, {slice.normal, slice.offset, PlaneFront::kShown}, whole);
-  if (!view.is_met()) return layers;
-  const std::vector<Vec3> footprint = view.footprint();
-  if (footprint.size() < 3) return layers;
-  RenderHooks stopping;
-  stopping.stop = hooks.stop;
-  const PlaneValues values(renderer, field, look, view, footprint, whole, stopping);
-  const view::LookTable colors = view::colors_alone(slice.colors);
-  const DepthLimits* const limits = options.depth_limits.get();  // a mesh ends at its surface
-  const bool is_opaque = slice.colors.opacities.empty();
-  for (int y = 0; y < options.height; ++y) {
-    for (int x = 0; x < options.width; ++x) {
-      const auto hit = view.hit(x, y);
-      const bool is_within = hit && (limits == nullptr ||
-                                     limits->shows_field_at(x, y, static_cast<float>(hit->depth)));
-      if (const auto value = is_within ? values.at(*hit) : std::nullopt) {
-        const view::LookTable::Sample c = colors.at(*value);
-        const auto opacity =
-            static_cast<float>(slice.opacity * (is_opaque ? 1 : slice.colors.opacity_at(*value)));
-        layers.stops.push_back({static_cast<float>(hit->depth),
-                                false,
-                                false,
-                                {opacity * c.r, opacity * c.g, opacity * c.b, opacity}});
-      }
-      const std::size_t at = static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x);
-      layers.first[at + 1] = static_cast<std::uint32_t>(layers.stops.size());
-    }
+  const std::vector<Vec3> footprint = view.is_met() ? view.footprint() : std::vector<Vec3>();
+  std::optional<PlaneValues> values;
+  if (footprint.size() >= 3) {
+    RenderHooks stopping;
+    stopping.stop = hooks.stop;
+    values.emplace(renderer, field, look, view, footprint, whole, stopping);
   }
-  return layers;
-}
-
-DepthLimits merged_limits(const std::vector<DepthLimits>& layers, const RenderOptions& options,
-                          int threads, const std::stop_token& stop) {
-  return merged_limits(options.depth_limits.get(), layers, options.width, options.height, threads,
-                       stop);
+  const DepthLimits* const limits = options.depth_limits.get();  // a mesh ends at its surface
+  const view::LookTable colors = view::colors_alone(slice.colors);
+  const bool is_opaque = slice.colors.opacities.empty();
+  return limits_by_rows(options, renderer.threads(), hooks.stop, [&](int x, int y, auto& stops) {
+    const auto hit = values ? view.hit(x, y) : std::nullopt;
+    const bool is_within =
+        hit && (limits == nullptr || limits->shows_field_at(x, y, static_cast<float>(hit->depth)));
+    const auto value = is_within ? values->at(*hit) : std::nullopt;
+    if (!value) return;
+    const view::LookTable::Sample c = colors.at(*value);
+    const auto opacity =
+        static_cast<float>(slice.opacity * (is_opaque ? 1 : slice.colors.opacity_at(*value)));
+    stops.push_back({static_cast<float>(hit->depth),
+                     false,
+                     false,
+                     {opacity * c.r, opacity * c.g, opacity * c.b, opacity}});
+  });
 }
 
 [[noreturn]] void tell_of_memory(const RenderOptions& options) {

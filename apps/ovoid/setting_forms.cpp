@@ -88,6 +88,13 @@ Tolerance tolerance_of(const std::string& text, bool may_be_zero) {
 
 }  // namespace
 
+std::optional<std::string> is_unlit(const std::string& mode) {
+  return if_so(mode != "composite" && mode != "isosurface", mode);
+}
+std::optional<std::string> is_no_layer(const std::string& mode) {
+  return if_so(mode != "composite", mode);
+}
+
 Tolerance parse_tolerance(const std::string& text) { return tolerance_of(text, false); }
 Tolerance parse_tolerance_or_zero(const std::string& text) { return tolerance_of(text, true); }
 

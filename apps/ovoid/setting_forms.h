@@ -20,6 +20,10 @@ inline std::optional<std::string> if_so(bool is_so, const std::string& shown) {
   return is_so ? std::optional(shown) : std::nullopt;
 }
 
+// Tests of --mode: whether what it draws is not lit, and whether it is not made of layers.
+std::optional<std::string> is_unlit(const std::string& mode);
+std::optional<std::string> is_no_layer(const std::string& mode);
+
 // A number of the values' unit, or, with % behind it, a share of their range.
 struct Tolerance {
   double number = 0;

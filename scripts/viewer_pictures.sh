@@ -33,6 +33,13 @@ export OVOID_INTERFACE_SCALE=1
 cd "$folder"
 ln -s "$docs" docs
 "$bin/ovoid" make head -o head.nrrd --size 192
+# A rod into the head, of 24 sides.
+awk 'BEGIN {
+  for (i = 0; i < 24; i++) for (e = 0; e < 2; e++)
+    print "v", 0.6 - 0.5 * e + 0.04 * cos(i * 0.2618), -0.9 + 0.8 * e + 0.04 * sin(i * 0.2618), 0.85 - 0.5 * e
+  for (i = 0; i < 24; i++) { j = (i + 1) % 24; print "f", 2 * i + 1, 2 * j + 1, 2 * j + 2, 2 * i + 2 }
+  printf "f"; for (i = 0; i < 24; i++) printf " %d", 2 * i + 1; print ""
+}' >lead.obj
 "$bin/ovoid" make fin -o fin.vtu
 "$bin/ovoid" make solid -o star.vtu --levels 0
 "$bin/ovoid" make tornado --size 64 --steps 24 --lattice cc4 --type uint8 -o tornado.h5
@@ -48,6 +55,7 @@ picture() {  # NAME, then the words of `ovoid view`
 wanted=$*
 picture window head.nrrd
 picture space head.nrrd --preset ct-skin
+picture scene head.nrrd --opacity=-300:0,0:0.03,250:0.06,1000:0.15 --add lead.obj --add-color 1,0.75,0.1 --azimuth 55 --elevation 20
 picture time tornado.h5 --mode isosurface --iso 128 --view -y --azimuth 30 --elevation 25
 picture fields fin.vtu --array pressure --view -x --azimuth 40 --elevation 30
 picture compare head.nrrd

@@ -98,7 +98,7 @@ const Table<DataFlags>& data_settings() {
        "HDF5: the particles' positions, such as /PartType1/Coordinates (default: found)"},
       {"--value", word("PATH"), &D::values,
        "HDF5: an array of the particles (repeatable; default: those beside the positions)"},
-      {"--data-folder", word("DIR"), &D::folders,
+      {"--data-folder", word("DIR", Content::kFile), &D::folders,
        "files that the input names (pieces, samples, external storage of HDF5) may also lie "
        "below this folder (repeatable; default: below the input's own)"},
   };

@@ -111,7 +111,8 @@ const FlagForm* find_render_flag(const std::string& name) {
 
 bool names_file(const std::string& flag, const std::string& value) {
   const FlagForm* const form = find_render_flag(flag);
-  return form != nullptr && may_be_json(*form) && !is_json(value);
+  if (form == nullptr || value.empty()) return false;
+  return form->content == Content::kFile || (may_be_json(*form) && !is_json(value));
 }
 
 FlagSet FlagSet::of(const std::vector<GivenFlag>& given) {

@@ -55,7 +55,8 @@ class FlagSet {
 // The form of a flag of render, by its long name without dashes; null: there is none.
 const FlagForm* find_render_flag(const std::string& name);
 
-// Whether the string value of a flag is the name of a file that is read.
+// Whether the string value of a flag, or one of several, is the name of a file or folder that is
+// read.
 bool names_file(const std::string& flag, const std::string& value);
 
 }  // namespace ovoid::cli

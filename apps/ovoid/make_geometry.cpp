@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <span>
+#include <string_view>
 #include <tuple>
 #include <utility>
 
@@ -22,13 +24,45 @@ namespace {
 constexpr Rgb kGeometryColors[] = {
     {0.9, 0.87, 0.78}, {0.55, 0.66, 0.78}, {0.8, 0.5, 0.32}, {0.5, 0.64, 0.4}};
 
-std::shared_ptr<const Surface> surface_of_file(const std::string& path, Session& session) {
+// Of the array of what has none (ReadOptions::faces).
+constexpr std::string_view kNothing = "nothing";
+
+// The one of that number; of fewer the last.
+template <class T>
+T nth(const std::vector<T>& values, std::size_t n, const T& without) {
+  return values.empty() ? without : values[std::min(n, values.size() - 1)];
+}
+
+// Gray, or the map of --slice-map, over what nearly all values span. What scans have much of, at
+// the low end, is nothing to see: it is see-through.
+TransferFunction colors_of_slices(const GeometryFlags& flags, const Histogram& histogram,
+                                  const ValueRange& range) {
+  constexpr double kLow = 0.05, kMuch = 0.2;
+  auto [lo, hi] = usual_slice_range(histogram, range);
+  const double empty = lo + kLow * (hi - lo);
+  const double is_clear = empty + kLow * (hi - lo);
+  const bool has_empty = lo < hi && histogram.quantile(kMuch) < empty && !flags.shows_empty;
+  if (flags.slice_range) std::tie(lo, hi) = *flags.slice_range;
+  TransferFunction colors = color_map(flags.slice_map);
+  colors.map_range(lo, lo < hi ? hi : lo + 1);
+  if (has_empty) colors.opacities = {{empty, 0}, {is_clear, 1}};
+  return colors;
+}
+
+}  // namespace
+
+Dataset read_faces(const std::string& path, Session& session) {
   ReadOptions options;
   options.faces = true;
   options.stop = session.stop();
   options.reader_program = reader_of_environment();
   Dataset mesh = read_dataset({path}, options);
   session.notes(mesh.notes);
+  return mesh;
+}
+
+std::shared_ptr<const Surface> surface_of_faces(Dataset mesh, const std::string& path,
+                                                const Session& session) {
   if (mesh.kind != DatasetKind::kMesh && mesh.kind != DatasetKind::kBoxes) {
     throw Error(ErrorCode::kInvalidArgument,
                 fmt::format("--add: '{}' holds {}, expected a surface: .stl, .obj, .ply, .vtp "
@@ -42,48 +76,56 @@ std::shared_ptr<const Surface> surface_of_file(const std::string& path, Session&
   return surface;
 }
 
-// The one of that number; of fewer the last.
-template <class T>
-T nth(const std::vector<T>& values, std::size_t n, const T& without) {
-  return values.empty() ? without : values[std::min(n, values.size() - 1)];
+bool has_more_than_faces(const Dataset& mesh) {
+  // What programs write along with faces, under the names that VTK's readers and writers give it.
+  static constexpr std::array<std::string_view, 7> kOfFaces = {
+      kNothing, "Normals", "TCoords", "RGB", "RGBA", "Texture Coordinates", "TextureCoordinates"};
+  return mesh.kind != DatasetKind::kMesh ||
+         std::any_of(mesh.arrays.begin(), mesh.arrays.end(), [](const DataArray& array) {
+           return std::find(kOfFaces.begin(), kOfFaces.end(), array.name) == kOfFaces.end();
+         });
 }
 
-// Gray, or the map of --slice-map, over what nearly all values span. What scans have much of, at
-// the low end, is nothing to see: it is see-through.
-TransferFunction colors_of_slices(const GeometryFlags& flags, const Field& field,
-                                  Session& session) {
-  constexpr double kTail = 0.005, kLow = 0.05, kMuch = 0.2;
-  const Histogram histogram = histogram_of(field, session.stop());
-  double lo = histogram.quantile(kTail);
-  double hi = histogram.quantile(1 - kTail);
-  if (!(lo < hi)) std::tie(lo, hi) = std::pair(field.value_range().lo, field.value_range().hi);
-  const double empty = lo + kLow * (hi - lo);
-  const bool has_empty = lo < hi && histogram.quantile(kMuch) < empty && !flags.shows_empty;
-  if (flags.slice_range) std::tie(lo, hi) = *flags.slice_range;
-  TransferFunction colors = color_map(flags.slice_map);
-  colors.map_range(lo, lo < hi ? hi : lo + 1);
-  if (has_empty) colors.opacities = {{empty, 0}, {empty + kLow * (hi - lo), 1}};
-  return colors;
+Rgb usual_surface_color(std::size_t n) { return kGeometryColors[n % std::size(kGeometryColors)]; }
+
+Geometry styled_surface(const GeometryFlags& flags, std::size_t n,
+                        std::shared_ptr<const Surface> surface) {
+  return {std::move(surface), nth(flags.colors, n, usual_surface_color(n)),
+          nth(flags.opacities, n, 1.0), flags.shows_edges};
 }
 
-}  // namespace
+std::pair<double, double> usual_slice_range(const Histogram& histogram, const ValueRange& range) {
+  constexpr double kTail = 0.005;
+  const double lo = histogram.quantile(kTail);
+  const double hi = histogram.quantile(1 - kTail);
+  return lo < hi ? std::pair(lo, hi) : std::pair<double, double>(range.lo, range.hi);
+}
 
-Scenery make_scenery(const GeometryFlags& flags, const Field& field, Session& session) {
-  Scenery all;
-  for (std::size_t i = 0; i < flags.files.size(); ++i) {
-    all.geometry.push_back({surface_of_file(flags.files[i], session),
-                            nth(flags.colors, i, kGeometryColors[i % std::size(kGeometryColors)]),
-                            nth(flags.opacities, i, 1.0), flags.shows_edges});
-  }
-  if (flags.slices.empty()) return all;
-  const TransferFunction colors = colors_of_slices(flags, field, session);
+std::vector<FieldSlice> make_slices(const GeometryFlags& flags, const Field& field,
+                                    const Histogram& histogram) {
+  const TransferFunction colors = colors_of_slices(flags, histogram, field.value_range());
   const Bounds3 bounds = field.world_bounds();
+  std::vector<FieldSlice> slices;
   for (const SlicePlane& plane : flags.slices) {
     FieldSlice slice{plane.normal, plane.offset.value_or(bounds.center().dot(plane.normal)),
                      colors};
     slice.opacity = flags.slice_opacity;
-    all.slices.push_back(std::move(slice));
+    slices.push_back(std::move(slice));
   }
+  return slices;
+}
+
+Scenery make_scenery(const GeometryFlags& flags, const Field& field, Session& session) {
+  Scenery all;
+  for (std::size_t i = 0; i < flags.files.size(); ++i) {
+    Geometry geometry = styled_surface(flags, i, nullptr);
+    if (geometry.opacity == 0) continue;
+    const std::string& path = flags.files[i];
+    geometry.surface = surface_of_faces(read_faces(path, session), path, session);
+    all.geometry.push_back(std::move(geometry));
+  }
+  if (flags.slices.empty()) return all;
+  all.slices = make_slices(flags, field, histogram_of(field, session.stop()));
   return all;
 }
 
@@ -91,7 +133,7 @@ DataArray nothing_at_nodes(const Dataset& mesh) {
   const auto zeros =
       std::make_shared<const std::vector<float>>(static_cast<std::size_t>(mesh.num_positions()));
   DataArray array;
-  array.name = "nothing";
+  array.name = kNothing;
   array.type = ScalarType::kFloat32;
   array.num_tuples = mesh.num_positions();
   array.bytes = {zeros, std::as_bytes(std::span(*zeros))};

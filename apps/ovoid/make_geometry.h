@@ -1,6 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "histogram.h"
 #include "ovoid/dataset.h"
 #include "ovoid/field.h"
 #include "ovoid/geometry.h"
@@ -12,6 +18,27 @@ namespace ovoid::cli {
 // The surfaces of --add and the slices of --slice, in their colours. `field`: what slices show.
 // Throws Error for what is no surface.
 Scenery make_scenery(const GeometryFlags& flags, const Field& field, Session& session);
+
+// Its parts, for whoever keeps surfaces from one scene to the next. What a file says of faces, as a
+// mesh; a surface of that, for which `path` is its name. Both throw Error, which calls the file one
+// of --add.
+Dataset read_faces(const std::string& path, Session& session);
+std::shared_ptr<const Surface> surface_of_faces(Dataset mesh, const std::string& path,
+                                                const Session& session);
+// Whether there is something to be drawn but the faces: values of their own, or volume.
+bool has_more_than_faces(const Dataset& mesh);
+
+// The colour of the n-th surface where nobody named one: bone, steel, copper and moss, in turn.
+Rgb usual_surface_color(std::size_t n);
+// The n-th surface as the flags have it.
+Geometry styled_surface(const GeometryFlags& flags, std::size_t n,
+                        std::shared_ptr<const Surface> surface);
+
+// What slices' colours span where nobody says: nearly all values.
+std::pair<double, double> usual_slice_range(const Histogram& histogram, const ValueRange& range);
+// The slices of a field whose values occur so often.
+std::vector<FieldSlice> make_slices(const GeometryFlags& flags, const Field& field,
+                                    const Histogram& histogram);
 
 // What a mesh needs to have a surface, where its own arrays do not count.
 DataArray nothing_at_nodes(const Dataset& mesh);

@@ -19,7 +19,7 @@ const Table<GeometryFlags>& geometry_settings() {
   const Rule beside = needs("add", "has no effect without --add");
   const Rule of_slices = needs("slice", "has no effect without --slice");
   static const Table<G> all = {
-      {"--add", word("FILE"), &G::files,
+      {"--add", word("FILE", Content::kFile), &G::files,
        "a surface in the scene: .stl, .obj, .ply, .vtp or a mesh's outside, in the data's "
        "world (repeatable)",
        not_with("mode", "is for --mode composite and isosurface", is_unlit),
@@ -27,8 +27,8 @@ const Table<GeometryFlags>& geometry_settings() {
       {"--add-color", Form<Rgb>{"COLOR", parse_rgb, [](const Rgb& c) { return text_of(c); }},
        &G::colors,
        "of the first surface, the second, ...; the last counts for the rest (repeatable)", beside},
-      {"--add-opacity", number("A", {.lo = 0, .hi = 1, .lo_open = true}), &G::opacities,
-       "of each of its layers, likewise (repeatable; default 1)", beside},
+      {"--add-opacity", number("A", {.lo = 0, .hi = 1}), &G::opacities,
+       "of each of its layers, likewise (repeatable; default 1; 0: not drawn)", beside},
       {"--add-edges", Toggle(), &G::shows_edges, "the edges of their faces, too", beside},
       {"--slice", form("PLANE", parse_slice_plane), &G::slices,
        "a plane of values in the scene: x, y, z, sagittal, coronal or axial, through the middle or "
@@ -85,7 +85,7 @@ const Table<SurfaceFlags>& surface_settings() {
        mesh,
        mode},
       {"--edges", Toggle(), &S::shows_edges, "the edges of the surface's cells, too", mesh, mode},
-      {"--within", word("MESH"), &S::within,
+      {"--within", word("MESH", Content::kFile), &S::within,
        "draw a field within the surface of this mesh, such as the one that its kernels were fitted "
        "to, as the mesh's own is drawn",
        no_mesh, not_with("points motion-blur")},

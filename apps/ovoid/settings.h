@@ -175,7 +175,7 @@ struct SlicePlane {
 struct GeometryFlags {
   std::vector<std::string> files;
   std::vector<Rgb> colors;        // of the first, the second ...; the last one counts for the rest
-  std::vector<double> opacities;  // likewise
+  std::vector<double> opacities;  // likewise; 0: not drawn
   bool shows_edges = false;
   std::vector<SlicePlane> slices;
   std::string slice_map = "gray";

@@ -113,6 +113,17 @@ void check_members(const Json& json, const std::string& path) {
     refuse_state(path + ": window: must be an object");
 }
 
+// The value of a flag with other names in the place of those of files: its own, or each of several.
+template <typename Rename>
+Json with_names(const std::string& flag, Json value, const Rename& rename) {
+  if (value.is_array()) {
+    for (Json& element : value) element = with_names(flag, element, rename);
+  } else if (value.is_string() && names_file(flag, value.get<std::string>())) {
+    value = rename(value.get<std::string>());
+  }
+  return value;
+}
+
 // A relative name is meant from the folder; one that begins with a dash would be taken for a flag.
 std::string from_folder(const std::string& name, const fs::path& folder) {
   const std::string path = (folder / name).string();
@@ -139,12 +150,10 @@ FlagSet flags_from(const Json& json, const std::string& path) {
   if (!json.contains("flags")) return {};
   FlagSet flags = FlagSet::from_json(json["flags"], path + ": flags");
   const std::vector<FlagSet::Flag> all = flags.flags();
-  for (const auto& [name, value] : all) {
-    if (!value.is_string()) continue;
-    const auto text = value.get<std::string>();
-    if (!text.empty() && names_file(name, text))
-      flags.set(name, from_folder(text, fs::path(path).parent_path()));
-  }
+  const fs::path folder = fs::path(path).parent_path();
+  for (const auto& [name, value] : all)
+    flags.set(name,
+              with_names(name, value, [&](const auto& text) { return from_folder(text, folder); }));
   try {
     check_render_flags(flags.words());
   } catch (const UsageError& error) {
@@ -194,11 +203,8 @@ void write_state(const State& state, const std::string& path) {
   json["inputs"] = Json::array();
   for (const std::string& input : state.inputs) json["inputs"].push_back(to_folder(input, folder));
   Json flags = state.flags.to_json();
-  for (const auto& [name, value] : flags.items()) {
-    if (!value.is_string()) continue;
-    const auto text = value.get<std::string>();
-    if (!text.empty() && names_file(name, text)) value = to_folder(text, folder);
-  }
+  for (const auto& [name, value] : flags.items())
+    value = with_names(name, value, [&](const auto& text) { return to_folder(text, folder); });
   json["flags"] = std::move(flags);
   json["window"] = state.window.is_null() ? Json::object() : state.window;
   std::string text;

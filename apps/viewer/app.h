@@ -69,6 +69,7 @@ class App final : public ScriptHost {
   void take_dialog();
   void browse(Browsing what);
   void take_drop(const std::vector<std::string>& paths);
+  void open_files(const std::vector<std::string>& paths);
   // Data.
   void take_load_reports();
   void grant(Wishes wishes);
@@ -79,11 +80,16 @@ class App final : public ScriptHost {
   void grant_fit(const Wishes& wishes);
   void take_fit();
   void save_fit(const std::string& path);
+  bool take_dropped_surfaces(const std::vector<std::string>& paths);  // whether they are some
+  void read_surfaces(const std::vector<std::string>& paths, SurfaceUse use);
+  void take_surfaces(const SurfacesRead& read);
+  std::vector<std::string> surface_files() const;
   void read_look_file(const std::string& path);
   void read_state_file(const std::string& path);
   void go_to_time();
   void play();
   void watch();
+  void watch_files();  // those that are shown
   // Pictures.
   void ask_for_picture(bool is_moving);
   void take_pictures();
@@ -99,6 +105,7 @@ class App final : public ScriptHost {
   void write_screenshot();
   nlohmann::ordered_json facts() const;  // what scripts may ask for
   nlohmann::ordered_json facts_of_fit() const;
+  nlohmann::ordered_json facts_of_scene() const;
   nlohmann::ordered_json facts_of_solid() const;
   void tell(const std::string& text, bool is_error = false);
   void save_the_picture(const std::string& path);

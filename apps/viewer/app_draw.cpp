@@ -21,7 +21,7 @@ constexpr std::array kHelp = {KeyHelp{"drag", "turn"},
                               KeyHelp{"right drag", "zoom"},
                               KeyHelp{"ctrl + drag", "roll"},
                               KeyHelp{"double click", "turn about this place"},
-                              KeyHelp{"yellow and coloured dots", "drag: crop, planes, vertices"},
+                              KeyHelp{"yellow and coloured dots", "drag: crop, planes, slices, vertices"},
                               KeyHelp{"shift + arrows, [ ]", "turn and roll in steps"},
                               KeyHelp{"1 ... 6", "from +x, -x, +y, -y, +z, -z"},
                               KeyHelp{"r", "the first view again"},
@@ -45,9 +45,10 @@ void App::draw_panel(Panel& panel, ImVec2 at, ImVec2 size) {
     void (*draw)(Panel&);
     bool needs_data;
   };
-  static constexpr std::array<Tab, 8> kTabs = {{{"data", data_panel, false},
+  static constexpr std::array<Tab, 9> kTabs = {{{"data", data_panel, false},
                                                 {"look", look_panel, true},
                                                 {"space", space_panel, true},
+                                                {"scene", scene_panel, true},
                                                 {"time", time_panel, true},
                                                 {"solid", solid_panel, true},
                                                 {"compare", compare_panel, true},
@@ -62,9 +63,13 @@ void App::draw_panel(Panel& panel, ImVec2 at, ImVec2 size) {
   // All tabs have room in a panel of the usual width.
   const ImVec2 usual = ImGui::GetStyle().FramePadding;
   const ImVec2 narrow(usual.x / 2, usual.y);
-  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, narrow);
+  const auto push_narrow = [&] {
+    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, narrow);
+    ImGui::PushStyleVar(ImGuiStyleVar_ItemInnerSpacing, ImVec2(1, 0));  // between them
+  };
+  push_narrow();
   const bool has_tabs = ImGui::BeginTabBar("tabs", ImGuiTabBarFlags_FittingPolicyScroll);
-  ImGui::PopStyleVar();
+  ImGui::PopStyleVar(2);
   if (has_tabs) {
     for (const Tab& tab : kTabs) {
       // A control mesh has no steps in time; all other data are no solid.
@@ -72,10 +77,10 @@ void App::draw_panel(Panel& panel, ImVec2 at, ImVec2 size) {
       // The first that is seen is the one that is used most.
       const bool is_first = !has_chosen_tab_ && document_.is_open() && tab.draw == look_panel;
       if (is_first) has_chosen_tab_ = true;
-      ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, narrow);
+      push_narrow();
       const bool is_open = ImGui::BeginTabItem(
           tab.name, nullptr, is_first ? ImGuiTabItemFlags_SetSelected : ImGuiTabItemFlags_None);
-      ImGui::PopStyleVar();
+      ImGui::PopStyleVar(2);
       widgets_.mark(fmt::format("tab.{}", tab.name));
       if (!is_open) continue;
       if (!tab.needs_data || document_.is_open()) {

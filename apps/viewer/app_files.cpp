@@ -78,10 +78,8 @@ void App::take_load_reports() {
       window_.set_title(opened->info->title + " - Ovoid");
       if (is_other) remember(opened->launch->data);
       watched_.clear();
-      for (const std::string& input : opened->launch->data.inputs) {
-        for (const std::string& file : files_read_for(input))
-          watched_.emplace_back(file, time_of(file));
-      }
+      watch_files();
+      if (!is_other) read_surfaces(surface_files(), SurfaceUse::kRenew);
     }
     if (auto* ready = std::get_if<ShownReady>(&report)) {
       try {
@@ -89,6 +87,7 @@ void App::take_load_reports() {
       } catch (const Error& error) {  // a camera that cannot be
         tell(cli::one_line(error.what()), true);
       }
+      watch_files();
       time_version_ = document_.version();
       if (!was_edited_) last_view_version_ = document_.view_version();  // nobody's edit
       progress_.reset();
@@ -96,6 +95,7 @@ void App::take_load_reports() {
     if (auto* extras = std::get_if<std::shared_ptr<const Extras>>(&report)) {
       if ((*extras)->of == document_.shown) document_.extras = std::move(*extras);
     }
+    if (const auto* read = std::get_if<SurfacesRead>(&report)) take_surfaces(*read);
     if (auto* failed = std::get_if<LoadFailed>(&report)) {
       progress_.reset();
       waits_for_time_ = false;
@@ -127,15 +127,18 @@ void App::browse(Browsing what) {
   std::string last;
   if (what == Browsing::kLook) last = panel_state_.look_path;
   if (what == Browsing::kState) last = panel_state_.state_path;
+  if (what == Browsing::kSurface) last = panel_state_.surface_path;
   if (std::filesystem::path(last).parent_path().empty() && !memory_.recent().empty())
     last = memory_.recent().front().inputs.front();
   std::error_code ignored;
   std::filesystem::path folder = std::filesystem::current_path(ignored);
   if (!last.empty()) folder /= std::filesystem::path(last).parent_path();
-  const char* const title = what == Browsing::kLook    ? "Open a look - Ovoid"
-                            : what == Browsing::kState ? "Restore a state - Ovoid"
-                                                       : "Open - Ovoid";
-  dialog_.show({title, folder.string(), what == Browsing::kInput});
+  const char* const title = what == Browsing::kLook      ? "Open a look - Ovoid"
+                            : what == Browsing::kState   ? "Restore a state - Ovoid"
+                            : what == Browsing::kSurface ? "Add surfaces - Ovoid"
+                                                         : "Open - Ovoid";
+  const bool takes_several = what == Browsing::kInput || what == Browsing::kSurface;
+  dialog_.show({title, folder.string(), takes_several});
   browsing_ = what;
 }
 
@@ -152,8 +155,11 @@ void App::take_dialog() {
   } else if (browsing_ == Browsing::kState) {
     panel_state_.state_path = path;
     read_state_file(path);
+  } else if (browsing_ == Browsing::kSurface) {
+    panel_state_.surface_path = path;
+    read_surfaces(answer->paths, SurfaceUse::kAdd);
   } else {
-    take_drop(answer->paths);
+    open_files(answer->paths);
   }
 }
 
@@ -170,7 +176,10 @@ void App::open(const std::vector<std::string>& words) {
 }
 
 void App::take_drop(const std::vector<std::string>& paths) {
-  if (paths.empty()) return;
+  if (!paths.empty() && !take_dropped_surfaces(paths)) open_files(paths);
+}
+
+void App::open_files(const std::vector<std::string>& paths) {
   if (paths.size() == 1 && cli::has_ending(paths.front(), ".json")) {
     if (head_of(paths.front()).find("\"ovoid_state\"") != std::string::npos)
       return read_state_file(paths.front());
@@ -211,14 +220,15 @@ void App::save_state(const std::string& path) {
   }
   cli::State state;
   state.inputs = document_.launch->data.inputs;
-  state.flags = flags_of(document_, picture_size());
+  state.flags = flags_of(document_, picture_size(), FlagsFor::kState);
   state.window = window_state(document_);
   cli::write_state(state, path);
 }
 
 void App::grant(Wishes wishes) {
   try {
-    if (!wishes.open.empty()) take_drop({wishes.open});
+    if (!wishes.open.empty()) open_files({wishes.open});
+    if (!wishes.add_surface.empty()) read_surfaces({wishes.add_surface}, SurfaceUse::kAdd);
     if (!wishes.read_look.empty()) read_look_file(wishes.read_look);
     if (!wishes.write_look.empty()) {
       write_look(document_.view.look, wishes.write_look);
@@ -283,6 +293,19 @@ void App::save_the_picture(const std::string& path) {
   described.box = cli::apply_crop(crop_of(document_), scene.shown->field(), &ignored);
   cli::write_picture(image, drawing, described, scene.camera, look, {path, {}});
   tell("picture written to " + std::filesystem::absolute(path).string());
+}
+
+// What is watched already keeps the time at which it was read.
+void App::watch_files() {
+  const auto add = [&](const std::string& file) {
+    const bool is_there = std::any_of(watched_.begin(), watched_.end(),
+                                      [&](const auto& entry) { return entry.first == file; });
+    if (!is_there) watched_.emplace_back(file, time_of(file));
+  };
+  for (const std::string& input : document_.launch->data.inputs) {
+    for (const std::string& file : files_read_for(input)) add(file);
+  }
+  for (const std::string& file : surface_files()) add(file);
 }
 
 void App::watch() {

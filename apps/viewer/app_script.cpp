@@ -133,6 +133,7 @@ nlohmann::ordered_json App::facts() const {
                      {"divider", picture_view_.divider()},
                      {"psnr", std::isfinite(status_.psnr) ? status_.psnr : 1e9}};
   json["fit"] = facts_of_fit();
+  json["scene"] = facts_of_scene();
   if (document_.view.solid) json["solid"] = facts_of_solid();
   json["backend"] = status_.profile.backend;
   json["has_extras"] = document_.extras != nullptr;

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "make_fit.h"
+#include "make_geometry.h"
 #include "ovoid/io.h"
 #include "session.h"
 #include "settings.h"
@@ -15,6 +16,8 @@ namespace ovoid::viewer {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+constexpr const char* kOpacities = "surface_opacities";  // in the window's part of a state
 
 // The moment, where there are several.
 void take_time(const Document& document, cli::DataFlags& data, cli::TrailFlags& trail) {
@@ -72,6 +75,36 @@ cli::CropFlags told_crop(const View& view, const cli::CropFlags& opened) {
   return {{}, is_cut ? view.crop : std::nullopt};
 }
 
+// Of what is seen beside the field.
+cli::GeometryFlags geometry_of(const Document& document, FlagsFor use) {
+  const View& view = document.view;
+  if (!document.shows_scenery(view)) return {};
+  cli::GeometryFlags flags = document.launch->drawing.geometry;
+  flags.files.clear();
+  flags.colors.clear();
+  flags.opacities.clear();
+  bool has_own_colors = false;
+  bool is_see_through = false;
+  for (const AddedSurface& added : view.added) {
+    if (added.is_hidden && use == FlagsFor::kCommand) continue;
+    has_own_colors |= added.color != cli::usual_surface_color(flags.files.size());
+    is_see_through |= added.is_hidden || added.opacity != 1;
+    flags.files.push_back(added.file);
+    flags.colors.push_back(added.color);
+    flags.opacities.push_back(added.is_hidden ? 0 : added.opacity);
+  }
+  if (!has_own_colors) flags.colors.clear();
+  if (!is_see_through) flags.opacities.clear();
+  flags.shows_edges = view.added_edges && !flags.files.empty();
+  const cli::GeometryFlags slices = view.slices.slices.empty() ? cli::GeometryFlags() : view.slices;
+  flags.slices = slices.slices;
+  flags.slice_map = slices.slice_map;
+  flags.slice_range = slices.slice_range;
+  flags.slice_opacity = slices.slice_opacity;
+  flags.shows_empty = slices.shows_empty;
+  return flags;
+}
+
 template <class S>
 void erase_all(const cli::Table<S>& table, cli::FlagSet& flags) {
   for (const cli::Setting<S>& setting : table) flags.erase(setting.flag.name);
@@ -120,7 +153,7 @@ cli::CropFlags crop_of(const Document& document) {
   return crop;
 }
 
-cli::FlagSet flags_of(const Document& document, Size size) {
+cli::FlagSet flags_of(const Document& document, Size size, FlagsFor use) {
   const View& view = document.view;
   cli::FlagSet flags = cli::FlagSet::of(document.launch->flags->given());
   if (document.view.solid) drop_data_flags(flags);
@@ -163,6 +196,7 @@ cli::FlagSet flags_of(const Document& document, Size size) {
   drawing.points = {};
   if (document.draws_points(view)) drawing.points.size = view.points.size;
   cli::tell(cli::point_settings(), drawing.points, &flags);
+  cli::tell(cli::geometry_settings(), geometry_of(document, use), &flags);
   cli::AnnotationFlags marks = view.marks;
   if (!marks.any()) marks.length_unit.reset();
   cli::tell(cli::mark_settings(), marks, &flags);
@@ -215,11 +249,32 @@ cli::Words fit_words(const Document& document, const cli::Words& goal, const std
 
 Json window_state(const Document& document) {
   const TimeState& time = document.time;
-  return {{"loops", time.loops},
-          {"interpolated", time.is_interpolated},
-          {"fastest", time.is_fastest},
-          {"rate", time.rate}};
+  Json window = {{"loops", time.loops},
+                 {"interpolated", time.is_interpolated},
+                 {"fastest", time.is_fastest},
+                 {"rate", time.rate}};
+  const std::vector<AddedSurface>& added = document.view.added;
+  const auto is_hidden = [](const AddedSurface& surface) { return surface.is_hidden; };
+  if (std::any_of(added.begin(), added.end(), is_hidden)) {
+    for (const AddedSurface& surface : added) window[kOpacities].push_back(surface.opacity);
+  }
+  return window;
 }
+
+namespace {
+
+// Of those that are hidden: the others have theirs by a flag.
+void take_opacities(const Json& window, std::vector<AddedSurface>& added) {
+  if (!window.is_object() || !window.contains(kOpacities)) return;
+  const Json& opacities = window[kOpacities];
+  if (!opacities.is_array()) return;
+  for (std::size_t i = 0; i < std::min(added.size(), opacities.size()); ++i) {
+    const double opacity = opacities[i].is_number() ? opacities[i].get<double>() : 0;
+    if (added[i].is_hidden && opacity > 0 && opacity <= 1) added[i].opacity = opacity;
+  }
+}
+
+}  // namespace
 
 void take_window_state(const Json& window, Document& document) {
   const auto take = [&](const char* key, bool* into) {
@@ -230,6 +285,7 @@ void take_window_state(const Json& window, Document& document) {
   take("loops", &time.loops);
   take("interpolated", &time.is_interpolated);
   take("fastest", &time.is_fastest);
+  take_opacities(window, document.view.added);
   if (!window.is_object() || !window.contains("rate") || !window["rate"].is_number()) return;
   const double rate = window["rate"].get<double>();
   if (std::isfinite(rate) && rate > 0) time.rate = rate;

@@ -10,9 +10,12 @@
 
 namespace ovoid::viewer {
 
+// A state has hidden surfaces, too, for the window to show again.
+enum class FlagsFor { kCommand, kState };
+
 // The flags that draw the document's picture in that size, byte for byte on the same back end:
 // those that it was opened with, but for what has been changed since.
-cli::FlagSet flags_of(const Document& document, Size size);
+cli::FlagSet flags_of(const Document& document, Size size, FlagsFor use = FlagsFor::kCommand);
 
 // A line for a shell, with the flags and -o picture.png; of a solid it makes that first. Of a
 // control mesh that no file holds a comment that says so.
@@ -27,7 +30,7 @@ cli::Words fit_words(const Document& document, const cli::Words& goal, const std
 // The model flags of what is shown.
 cli::ModelFlags model_of(const Document& document);
 
-// What a state keeps beside them: how time runs.
+// What a state keeps beside them: how time runs, and how opaque hidden surfaces will be.
 nlohmann::ordered_json window_state(const Document& document);
 // Takes what is there and makes sense, and leaves the rest as it is.
 void take_window_state(const nlohmann::ordered_json& window, Document& document);

@@ -9,6 +9,7 @@
 #include "apply_crop.h"
 #include "command.h"
 #include "make_camera.h"
+#include "make_geometry.h"
 #include "ovoid/crop.h"
 #include "ovoid/error.h"
 #include "ovoid/io.h"
@@ -18,6 +19,9 @@ namespace ovoid::viewer {
 namespace {
 
 constexpr std::size_t kMostSteps = 200;  // of undo
+
+// Modes that put what they see behind each other, and others things among it.
+bool is_layered(Mode mode) { return mode == Mode::kComposite || mode == Mode::kIsosurface; }
 
 // Whether the file alone says what was read of it, which is all that `ovoid make solid` takes.
 bool is_read_as_control(const Launch& launch) {
@@ -33,6 +37,7 @@ void Document::take(const Opened& opened) {
   awaits_first_ = true;
   is_reload_ = opened.is_reload && is_open();
   launch = opened.launch;
+  opened_surfaces_ = opened.surfaces;
   extras.reset();
   fit.reset();
   control_files.clear();
@@ -78,6 +83,15 @@ void Document::take(const ShownReady& ready, double aspect) {
     const std::optional<PointStyle> points = cli::points_to_draw(flags.points);
     view.draws_points = points.has_value();
     if (points) view.points = *points;
+    for (std::size_t i = 0; i < opened_surfaces_.size(); ++i) {
+      const Geometry made = cli::styled_surface(flags.geometry, i, opened_surfaces_[i]);
+      const bool is_hidden = made.opacity == 0;
+      view.added.push_back({flags.geometry.files[i], made.surface, made.color,
+                            is_hidden ? 1 : made.opacity, is_hidden});
+    }
+    opened_surfaces_.clear();
+    view.added_edges = flags.geometry.shows_edges;
+    view.slices = flags.geometry;
     setup = flags.run;
     time.blur_length = flags.trail.length.value_or(0);
     time.blur_decay = flags.trail.decay;
@@ -128,6 +142,34 @@ bool Document::draws_points(const View& of) const {
          !of.plane;
 }
 
+bool Document::has_trail(const View& of) const {
+  return shown->trail != nullptr && time.blur_length > 0 && is_layered(of.look.mode);
+}
+
+bool Document::shows_scenery(const View& of) const {
+  return is_layered(of.look.mode) && !has_trail(of) && !of.plane && !draws_points(of);
+}
+
+void Document::add_surface(const std::string& file, std::shared_ptr<const Surface> surface) {
+  view.added.push_back({file, std::move(surface), cli::usual_surface_color(view.added.size())});
+  touch();
+}
+
+void Document::renew_surface(const std::string& file,
+                             const std::shared_ptr<const Surface>& surface) {
+  const auto renew = [&](View& of) {
+    for (AddedSurface& added : of.added) {
+      if (added.file == file) added.surface = surface;
+    }
+  };
+  for (std::vector<View>* views : {&past_, &future_})
+    std::for_each(views->begin(), views->end(), renew);
+  renew(settled_);
+  renew(view);
+  if (other) renew(other->view);
+  count_up();
+}
+
 cli::CameraSubject Document::camera_subject(double aspect) const {
   return {shown->field(),
           view.look,
@@ -172,9 +214,16 @@ std::shared_ptr<Scene> Document::scene(const View& of, const RendererSetup& on, 
   made->look = of.look;
   made->options = options_of(of, size);
   made->setup = on;
-  const bool is_layered = of.look.mode == Mode::kComposite || of.look.mode == Mode::kIsosurface;
-  made->has_trail = shown->trail != nullptr && time.blur_length > 0 && is_layered;
-  if (is_layered && !made->has_trail) made->plane = of.plane;
+  made->has_trail = has_trail(of);
+  if (is_layered(of.look.mode) && !made->has_trail) made->plane = of.plane;
+  made->has_scenery = shows_scenery(of);
+  if (made->has_scenery) {
+    for (const AddedSurface& added : of.added) {
+      if (!added.is_hidden)
+        made->added.push_back({added.surface, added.color, added.opacity, of.added_edges});
+    }
+    made->slices = of.slices;
+  }
   if (draws_surface(of)) made->walls = of.surface;
   if (draws_points(of)) made->points = of.points;
   made->background = of.background;

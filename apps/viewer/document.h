@@ -18,6 +18,15 @@
 
 namespace ovoid::viewer {
 
+// A surface beside the data.
+struct AddedSurface {
+  std::string file;
+  std::shared_ptr<const Surface> surface;
+  Rgb color{0.9, 0.9, 0.9};
+  double opacity = 1;
+  bool is_hidden = false;
+};
+
 // How the picture looks, but for the camera: what undo takes back.
 struct View {
   Look look;
@@ -31,6 +40,9 @@ struct View {
   RenderOptions options;  // without size and clip planes
   cli::AnnotationFlags marks;
   Rgb background = cli::kBackground;
+  std::vector<AddedSurface> added;
+  bool added_edges = false;         // of the faces of all of them
+  cli::GeometryFlags slices;        // of it what is about slices
   std::optional<SolidShape> solid;  // is shown instead of the mesh, as soon as it is made
 };
 
@@ -110,9 +122,19 @@ class Document {
   // Whether a view shows the surface of what is shown, or its kernels as balls.
   bool draws_surface(const View& of) const;
   bool draws_points(const View& of) const;
+  // Whether surfaces and slices of a view are seen, if it has any.
+  bool shows_scenery(const View& of) const;
+  // The surface of a file into the view, in the next usual colour.
+  void add_surface(const std::string& file, std::shared_ptr<const Surface> surface);
+  // The surface of a file that was read again in the place of the one before, wherever that is.
+  void renew_surface(const std::string& file, const std::shared_ptr<const Surface>& surface);
   // The part of the data that is left by the crop.
   Bounds3 bounds() const;
   Bounds3 data_bounds() const { return shown->field().world_bounds(); }
+  // Where a slice lies, in its own numbers; without one through the middle.
+  double offset_of(const cli::SlicePlane& slice) const {
+    return slice.offset.value_or(data_bounds().center().dot(slice.normal));
+  }
   double extent() const { return data_bounds().diagonal().norm(); }
   // What shows fills the picture, from where a first picture is taken, or from the view of that
   // name (default_camera()); the projection stays as it is.
@@ -164,11 +186,13 @@ class Document {
     ++view_version_;
   }
   void forget_solids();  // of a mesh that was read again: they are of the one before
+  bool has_trail(const View& of) const;
   std::shared_ptr<Scene> scene(const View& of, const RendererSetup& on, Size size) const;
   std::shared_ptr<Scene> scene_of_fit(Size size) const;
 
   std::vector<View> past_, future_;
   View settled_;  // the view when remember() was called last
+  std::vector<std::shared_ptr<const Surface>> opened_surfaces_;  // for the first view
   bool is_edited_ = false;
   bool awaits_first_ = false;
   bool is_reload_ = false;

@@ -106,6 +106,8 @@ const char* Handles::Handle::meaning() const {
       return "turn the clip plane";
     case Kind::kPlaneOffset:
       return "move the value plane";
+    case Kind::kSliceOffset:
+      return "move the slice";
     case Kind::kVertex:
       break;
   }
@@ -119,11 +121,11 @@ void Handles::add(Handle handle, const Projection& projection, ImVec2 at) {
   handles_.push_back(std::move(handle));
 }
 
-void Handles::add_plane(const std::string& name, const Vec3& normal, double offset, bool has_normal,
+void Handles::add_plane(const std::string& name, const ClipPlane& plane, Handle::Kind kind,
                         int index, const Document& document, const Projection& projection,
                         ImVec2 at, ImDrawList& list) {
-  const Vec3 unit = normal.normalized();
-  const Vec3 center = foot(normal, offset, document.bounds().center());
+  const Vec3 unit = plane.normal.normalized();
+  const Vec3 center = foot(plane.normal, plane.offset, document.bounds().center());
   const double extent = document.extent();
   const Vec3 u = unit.unitOrthogonal() * extent * kSquare;
   const Vec3 v = unit.cross(u);
@@ -133,15 +135,8 @@ void Handles::add_plane(const std::string& name, const Vec3& normal, double offs
     draw_line(corners[i], corners[(i + 1) % 4], projection, at, list, kEdge);
   const Vec3 tip = center + unit * extent * kArrow;
   draw_line(center, tip, projection, at, list, kEdge);
-  const bool is_clip = has_normal;
-  add({name + ".offset",
-       {},
-       is_clip ? Handle::Kind::kClipOffset : Handle::Kind::kPlaneOffset,
-       index,
-       center,
-       unit},
-      projection, at);
-  if (has_normal)
+  add({name + ".offset", {}, kind, index, center, unit}, projection, at);
+  if (kind == Handle::Kind::kClipOffset)
     add({name + ".normal", {}, Handle::Kind::kClipNormal, index, tip, unit}, projection, at);
 }
 
@@ -166,14 +161,19 @@ void Handles::add_cuts(const Document& document, const Projection& projection, I
     }
   }
   for (std::size_t i = 0; i < view.clip_planes.size(); ++i) {
-    add_plane(fmt::format("handle.clip.{}", i), view.clip_planes[i].normal,
-              view.clip_planes[i].offset, true, static_cast<int>(i), document, projection, at,
-              list);
+    add_plane(fmt::format("handle.clip.{}", i), view.clip_planes[i], Handle::Kind::kClipOffset,
+              static_cast<int>(i), document, projection, at, list);
   }
   const bool is_layered = view.look.mode == Mode::kComposite || view.look.mode == Mode::kIsosurface;
   if (view.plane && is_layered) {
-    add_plane("handle.plane", view.plane->normal, view.plane->offset, false, 0, document,
-              projection, at, list);
+    add_plane("handle.plane", {view.plane->normal, view.plane->offset}, Handle::Kind::kPlaneOffset,
+              0, document, projection, at, list);
+  }
+  if (!document.shows_scenery(view)) return;
+  for (std::size_t i = 0; i < view.slices.slices.size(); ++i) {
+    const cli::SlicePlane& slice = view.slices.slices[i];
+    add_plane(fmt::format("handle.slice.{}", i), {slice.normal, document.offset_of(slice)},
+              Handle::Kind::kSliceOffset, static_cast<int>(i), document, projection, at, list);
   }
 }
 
@@ -308,6 +308,9 @@ bool Handles::drag(Document& document, const Projection& projection, const Vec2&
     plane.offset = plane.normal.dot(center);
   } else if (held->kind == Handle::Kind::kPlaneOffset && view.plane) {
     view.plane->offset += along * view.plane->normal.norm();
+  } else if (held->kind == Handle::Kind::kSliceOffset && index < view.slices.slices.size()) {
+    cli::SlicePlane& slice = view.slices.slices[index];
+    slice.offset = document.offset_of(slice) + along * slice.normal.norm();
   } else {
     return false;
   }

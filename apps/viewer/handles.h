@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What can be taken hold of in the picture: the six ends of a crop, clip planes, the value plane
-// and the vertices of a solid's control mesh.
+// What can be taken hold of in the picture: the six ends of a crop, clip planes, the value plane,
+// slices and the vertices of a solid's control mesh.
 #pragma once
 
 #include <imgui.h>
@@ -20,7 +20,7 @@ namespace ovoid::viewer {
 
 // Which handles are wanted.
 struct WantedHandles {
-  bool of_cuts = true;     // crop and planes
+  bool of_cuts = true;     // crop, planes and slices
   bool of_solid = true;    // vertices
   int chosen_vertex = -1;  // stands out; -1: none
 };
@@ -32,7 +32,7 @@ class Handles {
 
   // Draws them, over a picture whose pixel (0, 0) is at `at`, in units; handles are named
   // "handle.crop.x0", "handle.clip.0.offset", "handle.clip.0.normal", "handle.plane.offset",
-  // "handle.vertex.0" ...
+  // "handle.slice.0.offset", "handle.vertex.0" ...
   void draw(const Document& document, const WantedHandles& wanted, const Projection& projection,
             ImVec2 at, ImDrawList& list, Widgets& widgets);
 
@@ -55,15 +55,16 @@ class Handles {
   struct Handle {
     std::string name;
     ImVec2 place;
-    enum class Kind { kCrop, kClipOffset, kClipNormal, kPlaneOffset, kVertex } kind;
+    enum class Kind { kCrop, kClipOffset, kClipNormal, kPlaneOffset, kSliceOffset, kVertex } kind;
     int index = 0;
     Vec3 anchor;     // world
     Vec3 direction;  // world, unit length: along it, it moves
     const char* meaning() const;
   };
   void add(Handle handle, const Projection& projection, ImVec2 at);
-  void add_plane(const std::string& name, const Vec3& normal, double offset, bool has_normal,
-                 int index, const Document& document, const Projection& projection, ImVec2 at,
+  // `kind`: of the handle that moves it.
+  void add_plane(const std::string& name, const ClipPlane& plane, Handle::Kind kind, int index,
+                 const Document& document, const Projection& projection, ImVec2 at,
                  ImDrawList& list);
 
   void add_cuts(const Document& document, const Projection& projection, ImVec2 at,

@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <cmath>
 #include <condition_variable>
+#include <deque>
 #include <filesystem>
 #include <mutex>
 #include <new>
+#include <string_view>
 #include <thread>
 #include <utility>
 
@@ -22,6 +24,7 @@
 #include "ovoid/slices.h"
 #include "priority.h"
 #include "private_folder.h"
+#include "surface_files.h"
 #include "window.h"
 
 namespace ovoid::viewer {
@@ -32,8 +35,10 @@ constexpr double kSolidBudgetMs = 60;  // of a solid that moves; pictures are dr
 // Fewer kernels than this cost nothing worth saving.
 constexpr std::int64_t kLeastWorthCoarsening = 20'000;
 
-// A note without the flag that it advises; what it is about can be seen and clicked.
+// A note without the flag that it is about or advises; what it is about can be seen and clicked.
 std::string in_a_window(const std::string& note) {
+  constexpr std::string_view kAdded = "--add: ";
+  if (note.starts_with(kAdded)) return note.substr(kAdded.size());
   for (const char* const advice : {"; choose with --", "; choose one with --"}) {
     const std::size_t at = note.find(advice);
     if (at != std::string::npos) return note.substr(0, at);
@@ -44,6 +49,10 @@ std::string in_a_window(const std::string& note) {
 struct OpenTask {
   std::shared_ptr<const Launch> launch;
   bool is_reload = false;
+};
+struct SurfaceTask {
+  std::vector<std::string> paths;
+  SurfaceUse use = SurfaceUse::kAdd;
 };
 struct TimeTask {
   TimeChoice choice;
@@ -159,6 +168,9 @@ ArrayChoice choice_of(const Shown& shown) {
 std::shared_ptr<Shown> make_shown(std::shared_ptr<const Dataset> dataset, const cli::Flags& flags,
                                   cli::DrawingFlags& drawing, double time, cli::Session& session) {
   auto made = std::make_shared<Shown>();
+  // These are the view's.
+  drawing.geometry.files.clear();
+  drawing.geometry.slices.clear();
   made->subject = cli::make_subject(*dataset, flags, &drawing, session);
   made->dataset = std::move(dataset);
   made->time = time;
@@ -199,6 +211,7 @@ struct Loader::Impl {
   // What waits; the thread takes them in this order.
   std::optional<OpenTask> next_open;
   std::optional<ArrayChoice> next_choice;
+  std::deque<SurfaceTask> next_surfaces;
   std::optional<TimeTask> next_time;
   std::optional<SolidChoice> next_solid;
   bool wants_extras = false;
@@ -211,6 +224,8 @@ struct Loader::Impl {
 
   // The thread's own.
   std::optional<Data> data;  // none before anything was read
+  SurfaceFiles surface_files;
+  std::shared_ptr<const Shown> extras_of;  // for which they were worked out last
   struct {
     int levels = 0;
     double ms = 0;
@@ -242,7 +257,12 @@ struct Loader::Impl {
   void go_to(const TimeTask& task, const std::stop_token& token);
   int levels_to_leave_out(int levels) const;
   void show_solid(const SolidChoice& task, const std::stop_token& token);
+  void read_surfaces(const SurfaceTask& task, const std::stop_token& token);
   void work_out_extras(const std::stop_token& token);
+  bool has_work() const {
+    return next_open || next_choice || !next_surfaces.empty() || next_time || next_solid ||
+           wants_extras;
+  }
 };
 
 namespace {
@@ -328,6 +348,11 @@ void Loader::Impl::read(const OpenTask& task, const std::stop_token& token) {
   options.progress = [&](double fraction) { report(LoadProgress{what, fraction}); };
   read_dataset_of(next, own, options);
   const auto info = info_of(*next.dataset, flags);
+  std::vector<std::shared_ptr<const Surface>> surfaces;
+  if (!task.is_reload) {
+    for (const std::string& file : next.drawing.geometry.files)
+      surfaces.push_back(surface_files.read(file, own));
+  }
   report(LoadProgress{"choosing kernels for " + title_of(flags), 1});
   const double time = flags.time.value_or(info->times[static_cast<std::size_t>(info->step)]);
   ShownReady ready = first_of_array(next, time, own);
@@ -341,7 +366,7 @@ void Loader::Impl::read(const OpenTask& task, const std::stop_token& token) {
       camera,
       {field, *ready.look, box.world_bounds(), next.shown->subject.described.space, 1.0, {}});
   data = std::move(next);  // what was there before stays if anything went wrong
-  report(Opened{info, task.launch, task.is_reload});
+  report(Opened{info, task.launch, task.is_reload, std::move(surfaces)});
   report(std::move(ready));
   const std::lock_guard lock(mutex);
   wants_extras = true;
@@ -449,15 +474,48 @@ void Loader::Impl::show_solid(const SolidChoice& task, const std::stop_token& to
   wants_extras = !task.is_moving;
 }
 
+void Loader::Impl::read_surfaces(const SurfaceTask& task, const std::stop_token& token) {
+  cli::Session own = session(token);
+  SurfacesRead read;
+  read.use = task.use;
+  const bool may_be_data = task.use == SurfaceUse::kDrop;
+  for (const std::string& path : task.paths) {
+    report(LoadProgress{"reading " + std::filesystem::path(path).filename().string(), 0});
+    try {
+      auto surface =
+          may_be_data ? surface_files.read_if_alone(path, own) : surface_files.read(path, own);
+      if (surface != nullptr) {
+        read.files.push_back({path, std::move(surface)});
+      } else {
+        read.data.push_back(path);
+      }
+    } catch (const Error& error) {
+      if (error.code() == ErrorCode::kCancelled) throw;
+      // What the others lack may be points.
+      const bool is_surface = cli::has_ending(path, ".stl") || cli::has_ending(path, ".obj");
+      if (may_be_data && !is_surface) {
+        read.data.push_back(path);
+      } else {
+        read.errors.push_back(in_a_window(cli::one_line(error.what())));
+      }
+    }
+  }
+  report(std::move(read));
+  const std::lock_guard lock(mutex);
+  if (data && extras_of != data->shown) wants_extras = true;  // they had to make room
+}
+
 void Loader::Impl::work_out_extras(const std::stop_token& token) {
-  if (data) report(make_extras(data->shown, data->drawing.run.threads, token));
+  if (!data) return;
+  report(make_extras(data->shown, data->drawing.run.threads, token));
+  extras_of = data->shown;
 }
 
 void Loader::Impl::run() {
   lower_priority();
   std::unique_lock lock(mutex);
   while (!is_over) {
-    if (!next_open && !next_choice && !next_time && !next_solid && !wants_extras) {
+    if (!has_work()) {
       is_working = false;
       wanted.wait(lock);
       continue;
@@ -465,10 +523,16 @@ void Loader::Impl::run() {
     is_working = true;
     const auto opening = std::exchange(next_open, std::nullopt);
     const auto chosen = opening ? std::nullopt : std::exchange(next_choice, std::nullopt);
-    const auto gone = opening || chosen ? std::nullopt : std::exchange(next_time, std::nullopt);
+    std::optional<SurfaceTask> surfaces;
+    if (!opening && !chosen && !next_surfaces.empty()) {
+      surfaces = std::move(next_surfaces.front());
+      next_surfaces.pop_front();
+    }
+    const bool is_first_served = opening || chosen || surfaces;
+    const auto gone = is_first_served ? std::nullopt : std::exchange(next_time, std::nullopt);
     const auto solid =
-        opening || chosen || gone ? std::nullopt : std::exchange(next_solid, std::nullopt);
-    if (!opening && !chosen && !gone && !solid) wants_extras = false;
+        is_first_served || gone ? std::nullopt : std::exchange(next_solid, std::nullopt);
+    if (!is_first_served && !gone && !solid) wants_extras = false;
     stop = {};
     stop_extra = {};
     const std::stop_token token = stop.get_token();
@@ -480,6 +544,8 @@ void Loader::Impl::run() {
         read(*opening, token);
       } else if (chosen) {
         choose(*chosen, token);
+      } else if (surfaces) {
+        read_surfaces(*surfaces, token);
       } else if (gone) {
         go_to(*gone, token);
       } else if (solid) {
@@ -520,6 +586,7 @@ void Loader::open(std::shared_ptr<const Launch> launch, bool is_reload) {
   const std::lock_guard lock(impl_->mutex);
   impl_->next_open = OpenTask{std::move(launch), is_reload};
   impl_->next_choice.reset();
+  impl_->next_surfaces.clear();
   impl_->next_time.reset();
   impl_->next_solid.reset();
   impl_->wants_extras = false;
@@ -550,6 +617,13 @@ void Loader::show_solid(const SolidChoice& choice) {
   impl_->wanted.notify_all();
 }
 
+void Loader::read_surfaces(const std::vector<std::string>& paths, SurfaceUse use) {
+  const std::lock_guard lock(impl_->mutex);
+  impl_->next_surfaces.push_back({paths, use});
+  impl_->stop_extra.request_stop();
+  impl_->wanted.notify_all();
+}
+
 std::vector<LoadReport> Loader::take_reports() {
   const std::lock_guard lock(impl_->mutex);
   return std::exchange(impl_->reports, {});
@@ -557,8 +631,7 @@ std::vector<LoadReport> Loader::take_reports() {
 
 bool Loader::is_busy() const {
   const std::lock_guard lock(impl_->mutex);
-  return impl_->is_working || impl_->next_open || impl_->next_choice || impl_->next_time ||
-         impl_->next_solid || impl_->wants_extras || !impl_->reports.empty();
+  return impl_->is_working || impl_->has_work() || !impl_->reports.empty();
 }
 
 std::size_t Loader::resident_bytes() const {

@@ -91,6 +91,7 @@ struct Opened {  // files were read; `shown` follows
   std::shared_ptr<const DataInfo> info;
   std::shared_ptr<const Launch> launch;
   bool is_reload = false;
+  std::vector<std::shared_ptr<const Surface>> surfaces;  // of --add, one by one; not of a reload
 };
 struct ShownReady {
   std::shared_ptr<const Shown> shown;
@@ -102,12 +103,25 @@ struct ShownReady {
 struct Noted {
   std::string text;
 };
+// kAdd: into the scene; kDrop: where they are surfaces and nothing more; kRenew: in the place of
+// those that were read before.
+enum class SurfaceUse { kAdd, kDrop, kRenew };
+struct SurfacesRead {
+  struct File {
+    std::string path;
+    std::shared_ptr<const Surface> surface;
+  };
+  SurfaceUse use = SurfaceUse::kAdd;
+  std::vector<File> files;
+  std::vector<std::string> data;    // of kDrop: are to be opened instead
+  std::vector<std::string> errors;  // of those that cannot be read, one each
+};
 struct LoadFailed {
   std::string message;
   bool was_opening = false, was_solid = false;
 };
 using LoadReport = std::variant<LoadProgress, Opened, ShownReady, std::shared_ptr<const Extras>,
-                                Noted, LoadFailed>;
+                                Noted, SurfacesRead, LoadFailed>;
 
 struct ArrayChoice {
   std::string array;
@@ -148,6 +162,8 @@ class Loader {
   // `look`: the picture's, which a trail's is made from.
   void go_to(const TimeChoice& choice, const Look& look, bool wants_extras);
   void show_solid(const SolidChoice& choice);
+  // Files of surfaces, each of which is served.
+  void read_surfaces(const std::vector<std::string>& paths, SurfaceUse use);
   void stop();  // asks what is done to end; nothing follows
 
   std::vector<LoadReport> take_reports();

@@ -142,36 +142,6 @@ void take_map(TransferFunction& tf, const std::string& name) {
   tf.above_color.reset();
 }
 
-// The built-in maps, each with a strip of its colours.
-bool choose_map(Panel& panel, TransferFunction& tf) {
-  static const std::vector<std::string> names = color_map_names();
-  static const std::vector<TransferFunction> maps = [] {
-    std::vector<TransferFunction> all;
-    all.reserve(names.size());
-    for (const std::string& name : names) all.push_back(color_map(name));
-    return all;
-  }();
-  Widgets& widgets = panel.widgets;
-  std::vector<const char*> options;
-  options.reserve(names.size());
-  for (const std::string& name : names) options.push_back(name.c_str());
-  const auto strip = [&](int number) {
-    const TransferFunction& map = maps[static_cast<std::size_t>(number)];
-    const ImVec2 hi = ImGui::GetItemRectMax();
-    const ImVec2 lo(hi.x - 90 * widgets.scale(), ImGui::GetItemRectMin().y + 2);
-    for (float x = lo.x; x < hi.x; x += 2) {
-      const Rgb c = map.color_at(static_cast<double>((x - lo.x) / (hi.x - lo.x)));
-      ImGui::GetWindowDrawList()->AddRectFilled(
-          {x, lo.y}, {x + 2, hi.y - 2},
-          ImGui::ColorConvertFloat4ToU32(
-              {static_cast<float>(c[0]), static_cast<float>(c[1]), static_cast<float>(c[2]), 1}));
-    }
-  };
-  if (!widgets.choice("look.map", "colours", options, &panel.state.color_map, strip)) return false;
-  take_map(tf, names[static_cast<std::size_t>(panel.state.color_map)]);
-  return true;
-}
-
 bool color_editor(Panel& panel) {
   Document& document = panel.document;
   Look& look = document.view.look;
@@ -182,7 +152,10 @@ bool color_editor(Panel& panel) {
     const ValueAxis axis = axis_of(tf, document.shown->field().color_range());
     is_changed |= edit_colors(widgets, "look.colors", tf, axis, panel.state.colors);
   }
-  is_changed |= choose_map(panel, tf);
+  if (choose_color_map(widgets, "look.map", "colours", &panel.state.color_map)) {
+    take_map(tf, panel.state.color_map);
+    is_changed = true;
+  }
   const int selected = panel.state.colors.selected;
   if (selected >= 0 && selected < static_cast<int>(tf.colors.size())) {
     ColorPoint& point = tf.colors[static_cast<std::size_t>(selected)];
@@ -367,6 +340,37 @@ bool points_editor(Panel& panel) {
 }
 
 }  // namespace
+
+bool choose_color_map(Widgets& widgets, const std::string& name, const char* label,
+                      std::string* map) {
+  static const std::vector<std::string> names = color_map_names();
+  static const std::vector<TransferFunction> maps = [] {
+    std::vector<TransferFunction> all;
+    all.reserve(names.size());
+    for (const std::string& each : names) all.push_back(color_map(each));
+    return all;
+  }();
+  std::vector<const char*> options;
+  options.reserve(names.size());
+  for (const std::string& each : names) options.push_back(each.c_str());
+  const auto strip = [&](int number) {
+    const TransferFunction& shown = maps[static_cast<std::size_t>(number)];
+    const ImVec2 hi = ImGui::GetItemRectMax();
+    const ImVec2 lo(hi.x - 90 * widgets.scale(), ImGui::GetItemRectMin().y + 2);
+    for (float x = lo.x; x < hi.x; x += 2) {
+      const Rgb c = shown.color_at(static_cast<double>((x - lo.x) / (hi.x - lo.x)));
+      ImGui::GetWindowDrawList()->AddRectFilled(
+          {x, lo.y}, {x + 2, hi.y - 2},
+          ImGui::ColorConvertFloat4ToU32(
+              {static_cast<float>(c[0]), static_cast<float>(c[1]), static_cast<float>(c[2]), 1}));
+    }
+  };
+  const auto found = std::find(names.begin(), names.end(), *map);
+  int chosen = found == names.end() ? -1 : static_cast<int>(found - names.begin());
+  if (!widgets.choice(name, label, options, &chosen, strip)) return false;
+  *map = names[static_cast<std::size_t>(chosen)];
+  return true;
+}
 
 void look_panel(Panel& panel) {
   Document& document = panel.document;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <condition_variable>
 #include <exception>
+#include <iterator>
 #include <map>
 #include <mutex>
 #include <new>
@@ -13,6 +14,8 @@
 #include <tuple>
 #include <utility>
 
+#include "histogram.h"
+#include "make_geometry.h"
 #include "ovoid/error.h"
 #include "priority.h"
 #include "projection.h"
@@ -164,7 +167,10 @@ struct Worker::Impl {
   std::shared_ptr<const Shown> measured_of;
   Level moving_level{4, 0};
   std::optional<std::pair<double, double>> last_xray_range;
+  std::shared_ptr<const Shown> counted_of;  // whose histogram that is
+  cli::Histogram histogram;
 
+  Scenery scenery_of(const Scene& scene, const std::stop_token& token);
   Renderer& renderer_for(const RendererSetup& chosen);
   void set_scales(const Scene& scene);
   Picture draw(const std::shared_ptr<const Scene>& scene, const Level& level,
@@ -197,6 +203,25 @@ void Worker::Impl::set_scales(const Scene& scene) {
                      coarsest);
 }
 
+// What slices' colours span depends on the values of all of the field, of which the loader may not
+// have counted how many there are.
+Scenery Worker::Impl::scenery_of(const Scene& scene, const std::stop_token& token) {
+  Scenery all = scene.shown->subject.scenery;
+  all.geometry.insert(all.geometry.end(), scene.added.begin(), scene.added.end());
+  if (scene.slices.slices.empty()) return all;
+  const Field& field = scene.shown->field();
+  const bool is_counted = scene.extras && scene.extras->of == scene.shown;
+  if (!is_counted && counted_of != scene.shown) {
+    counted_of.reset();
+    histogram = cli::histogram_of(field, token);
+    counted_of = scene.shown;
+  }
+  std::vector<FieldSlice> slices =
+      cli::make_slices(scene.slices, field, is_counted ? scene.extras->histogram : histogram);
+  std::move(slices.begin(), slices.end(), std::back_inserter(all.slices));
+  return all;
+}
+
 Picture Worker::Impl::draw(const std::shared_ptr<const Scene>& scene, const Level& level,
                            const std::stop_token& token) {
   Picture picture;
@@ -206,11 +231,13 @@ Picture Worker::Impl::draw(const std::shared_ptr<const Scene>& scene, const Leve
   RenderHooks hooks;
   hooks.stop = token;
   const bool has_trail = scene->has_trail && level.field == 0;
+  Scenery scenery;
+  if (scene->has_scenery) scenery = scenery_of(*scene, token);
   Frame frame =
       cli::draw_frame(renderer,
                       {*coarse.field, coarse.look, has_trail ? scene->shown->trail.get() : nullptr,
                        scene->plane ? &*scene->plane : nullptr, scene->shown->subject.surface.get(),
-                       scene->walls, scene->points, &scene->shown->subject.scenery},
+                       scene->walls, scene->points, &scenery},
                       scene->camera, coarse.options, hooks);
   picture.image = std::move(frame.image);
   picture.profile = std::move(frame.profile);

@@ -162,7 +162,18 @@ TEST_F(GeometryFiles, WhatIsNoSurface) {
   refused({"--slice", "0,0,0,1"}, 2, {"--slice '0,0,0,1'"});
   refused({"--slice-map", "viridis"}, 2, {"without --slice"});
   refused({"--slice", "z", "--slice-map", "viridi"}, 2, {"viridis"});
-  refused({"--add", stl(), "--add-opacity", "0"}, 2, {"--add-opacity"});
+  refused({"--add", stl(), "--add-opacity", "-0.1"}, 2, {"--add-opacity"});
+}
+
+// Fails if what is hidden is seen, or read, or takes the colour of the next.
+TEST_F(GeometryFiles, AnOpacityOfZeroHides) {
+  const Words hidden = {"--add", folder_ / "missing.stl", "--add-color",
+                        "1,0,0", "--add-opacity",         "0"};
+  EXPECT_EQ(drawn(hidden).rgba, drawn({}).rgba);
+  Words both = hidden;
+  const Words seen = {"--add", obj_, "--add-color", "0,1,0", "--add-opacity", "0.5"};
+  both.insert(both.end(), seen.begin(), seen.end());
+  EXPECT_EQ(drawn(both).rgba, drawn(seen).rgba);
 }
 
 }  // namespace

@@ -98,6 +98,10 @@ TEST(State, FilesAreMeantFromItsFolder) {
                   folder / "states/data/"};
   state.flags.set("tf", folder / "states/{a}.json");
   state.flags.set("camera", folder / "c.json");
+  state.flags.set("add", {folder / "states/data/lead.stl", folder / "bone.ply"});
+  state.flags.set("within", folder / "states/hull.vtu");
+  state.flags.set("data-folder", Json::array({folder / "states/data"}));
+  state.flags.set("array", "data");  // no file's name
   const std::string path = folder / "states/../states/s.json";
   cli::write_state(state, path);
   const Json json = Json::parse(read_file(path));
@@ -108,6 +112,10 @@ TEST(State, FilesAreMeantFromItsFolder) {
   EXPECT_EQ(json["inputs"][3], "data");
   EXPECT_EQ(json["flags"]["tf"], "./{a}.json");
   EXPECT_EQ(json["flags"]["camera"], canonical + "/c.json");
+  EXPECT_EQ(json["flags"]["add"], Json::array({"data/lead.stl", canonical + "/bone.ply"}));
+  EXPECT_EQ(json["flags"]["within"], "hull.vtu");
+  EXPECT_EQ(json["flags"]["data-folder"], Json::array({"data"}));
+  EXPECT_EQ(json["flags"]["array"], "data");
   EXPECT_EQ(json["ovoid_state"], 1);
   EXPECT_EQ(json["window"], Json::object());
   std::filesystem::rename(folder / "states", folder / "moved");
@@ -116,6 +124,10 @@ TEST(State, FilesAreMeantFromItsFolder) {
       std::filesystem::equivalent(moved.inputs[1], folder / "moved/data/x_16x16x16_uint8.raw"));
   EXPECT_TRUE(std::filesystem::equivalent(moved.inputs[2], folder / "moved"));
   EXPECT_EQ(moved.inputs[0], canonical + "/ball_16x16x16_uint8.raw");
+  const Json& added = *moved.flags.find("add");
+  EXPECT_EQ(added, Json::array({folder / "moved/data/lead.stl", canonical + "/bone.ply"}));
+  EXPECT_EQ(*moved.flags.find("within"), folder / "moved/hull.vtu");
+  EXPECT_EQ(*moved.flags.find("data-folder"), Json::array({folder / "moved/data"}));
 }
 
 TEST(State, TheWindowComesBack) {

@@ -34,6 +34,16 @@ std::string load(Loader& loader, Document& document) {
       if (auto* ready = std::get_if<ShownReady>(&report)) document.take(*ready, kAspect);
       if (auto* extras = std::get_if<std::shared_ptr<const Extras>>(&report))
         document.extras = *extras;
+      if (auto* read = std::get_if<SurfacesRead>(&report)) {
+        for (const auto& [path, surface] : read->files) {
+          if (read->use == SurfaceUse::kRenew) {
+            document.renew_surface(path, surface);
+          } else {
+            document.add_surface(path, surface);
+          }
+        }
+        for (const std::string& error : read->errors) failure = error;
+      }
       if (auto* failed = std::get_if<LoadFailed>(&report)) failure = failed->message;
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -258,6 +268,43 @@ TEST_F(Documents, AReloadKeepsTheView) {
   ASSERT_EQ(load(loader_, document_), "");
   EXPECT_NE(document_.view.background[0], 1);
   EXPECT_NE(document_.camera.position, camera.position);
+}
+
+// Fails if a surface is read again for another array or step, or again although its file is as it
+// was; or if a changed file is not.
+TEST_F(Documents, SurfacesAreReadOnce) {
+  const auto write = [&](const char* top) {
+    cli_tests::write_file(folder_ / "a.obj", std::string("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 ") +
+                                                 top + "\nf 1 2 3\nf 1 2 4\nf 2 3 4\nf 1 3 4\n");
+  };
+  write("1");
+  const std::string path = folder_ / "a.obj";
+  open({"--add", path, "--add-color", "1,0,0", "--slice", "z"});
+  ASSERT_EQ(document_.view.added.size(), 1U);
+  EXPECT_EQ(document_.view.added[0].color, (Rgb{1, 0, 0}));
+  const auto surface = document_.view.added[0].surface;
+  loader_.read_surfaces({path}, SurfaceUse::kAdd);
+  ASSERT_EQ(load(loader_, document_), "");
+  ASSERT_EQ(document_.view.added.size(), 2U);
+  EXPECT_EQ(document_.view.added[1].surface, surface);
+  EXPECT_EQ(told("add-color"), "[\"1,0,0\",\"0.55,0.66,0.78\"]");
+  document_.remember();
+  write("1.25");
+  loader_.read_surfaces({path}, SurfaceUse::kRenew);
+  ASSERT_EQ(load(loader_, document_), "");
+  const auto renewed = document_.view.added[0].surface;
+  EXPECT_NE(renewed, surface);
+  EXPECT_EQ(document_.view.added[1].surface, renewed);
+  document_.undo();  // what is taken back is the list, not the file
+  ASSERT_EQ(document_.view.added.size(), 1U);
+  EXPECT_EQ(document_.view.added[0].surface, renewed);
+  std::filesystem::remove(path);
+  const auto shown = document_.shown;
+  loader_.choose(choice_of(*shown));
+  ASSERT_EQ(load(loader_, document_), "");
+  EXPECT_NE(document_.shown, shown);
+  EXPECT_EQ(document_.view.added[0].surface, renewed);
+  EXPECT_EQ(told("slice"), "[\"z\"]");
 }
 
 // Numbers are told so that the same are read again, and other words so that a shell leaves them be.

@@ -155,7 +155,8 @@ class App final : public ScriptHost {
   bool waits_for_time_ = false;     // a step was asked for and is not shown yet
   std::uint64_t time_version_ = 0;  // the document's, since when it has that step
   // Watched files.
-  std::vector<std::pair<std::string, std::filesystem::file_time_type>> watched_;
+  using Watched = std::vector<std::pair<std::string, std::filesystem::file_time_type>>;
+  Watched watched_, watched_surfaces_;
   double watched_at_ = 0;
   std::optional<std::string> picture_wish_;  // saved when the full picture is there
   ImVec2 picture_at_{0, 0}, picture_extent_{1, 1};

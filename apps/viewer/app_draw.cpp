@@ -15,27 +15,28 @@ struct KeyHelp {
   const char* keys;
   const char* meaning;
 };
-constexpr std::array kHelp = {KeyHelp{"drag", "turn"},
-                              KeyHelp{"shift + drag, middle drag", "move"},
-                              KeyHelp{"wheel, two fingers", "zoom to the mouse"},
-                              KeyHelp{"right drag", "zoom"},
-                              KeyHelp{"ctrl + drag", "roll"},
-                              KeyHelp{"double click", "turn about this place"},
-                              KeyHelp{"yellow and coloured dots", "drag: crop, planes, slices, vertices"},
-                              KeyHelp{"shift + arrows, [ ]", "turn and roll in steps"},
-                              KeyHelp{"1 ... 6", "from +x, -x, +y, -y, +z, -z"},
-                              KeyHelp{"r", "the first view again"},
-                              KeyHelp{"p", "parallel or perspective"},
-                              KeyHelp{"space, left, right", "play, step through time"},
-                              KeyHelp{"ctrl + o", "open a file"},
-                              KeyHelp{"s", "save the picture"},
-                              KeyHelp{"ctrl + c", "copy as command"},
-                              KeyHelp{"ctrl + s", "save the state"},
-                              KeyHelp{"ctrl + z, ctrl + y", "undo, redo (also ctrl + shift + z)"},
-                              KeyHelp{"tab", "panel"},
-                              KeyHelp{"f", "full screen"},
-                              KeyHelp{"?, escape", "this help, and away with it"},
-                              KeyHelp{"ctrl + q, ctrl + w", "close"}};
+constexpr std::array kHelp = {
+    KeyHelp{"drag", "turn"},
+    KeyHelp{"shift + drag, middle drag", "move"},
+    KeyHelp{"wheel, two fingers", "zoom to the mouse"},
+    KeyHelp{"right drag", "zoom"},
+    KeyHelp{"ctrl + drag", "roll"},
+    KeyHelp{"double click", "turn about this place"},
+    KeyHelp{"yellow and coloured dots", "drag: crop, planes, slices, vertices"},
+    KeyHelp{"shift + arrows, [ ]", "turn and roll in steps"},
+    KeyHelp{"1 ... 6", "from +x, -x, +y, -y, +z, -z"},
+    KeyHelp{"r", "the first view again"},
+    KeyHelp{"p", "parallel or perspective"},
+    KeyHelp{"space, left, right", "play, step through time"},
+    KeyHelp{"ctrl + o", "open a file"},
+    KeyHelp{"s", "save the picture"},
+    KeyHelp{"ctrl + c", "copy as command"},
+    KeyHelp{"ctrl + s", "save the state"},
+    KeyHelp{"ctrl + z, ctrl + y", "undo, redo (also ctrl + shift + z)"},
+    KeyHelp{"tab", "panel"},
+    KeyHelp{"f", "full screen"},
+    KeyHelp{"?, escape", "this help, and away with it"},
+    KeyHelp{"ctrl + q, ctrl + w", "close"}};
 
 }  // namespace
 

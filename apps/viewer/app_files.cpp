@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <fstream>
+#include <iterator>
 #include <system_error>
 #include <utility>
 
@@ -78,6 +79,7 @@ void App::take_load_reports() {
       window_.set_title(opened->info->title + " - Ovoid");
       if (is_other) remember(opened->launch->data);
       watched_.clear();
+      if (is_other) watched_surfaces_.clear();
       watch_files();
       if (!is_other) read_surfaces(surface_files(), SurfaceUse::kRenew);
     }
@@ -297,15 +299,15 @@ void App::save_the_picture(const std::string& path) {
 
 // What is watched already keeps the time at which it was read.
 void App::watch_files() {
-  const auto add = [&](const std::string& file) {
-    const bool is_there = std::any_of(watched_.begin(), watched_.end(),
+  const auto add = [](Watched& watched, const std::string& file) {
+    const bool is_there = std::any_of(watched.begin(), watched.end(),
                                       [&](const auto& entry) { return entry.first == file; });
-    if (!is_there) watched_.emplace_back(file, time_of(file));
+    if (!is_there) watched.emplace_back(file, time_of(file));
   };
   for (const std::string& input : document_.launch->data.inputs) {
-    for (const std::string& file : files_read_for(input)) add(file);
+    for (const std::string& file : files_read_for(input)) add(watched_, file);
   }
-  for (const std::string& file : surface_files()) add(file);
+  for (const std::string& file : surface_files()) add(watched_surfaces_, file);
 }
 
 void App::watch() {
@@ -313,20 +315,39 @@ void App::watch() {
   const double now = now_s();
   if (now - watched_at_ < kWatchEvery) return;
   watched_at_ = now;
-  bool is_changed = false;
-  for (const auto& [path, time] : watched_) is_changed |= time_of(path) != time;
-  if (!is_changed || loader_->is_busy()) return;
+  constexpr std::filesystem::file_time_type kNowhere;
+  const auto is_changed = [](const auto& entry) { return time_of(entry.first) != entry.second; };
+  const bool is_data_changed = std::any_of(watched_.begin(), watched_.end(), is_changed);
+  // What was removed, or is not there, may come back.
+  const std::vector<std::string> shown = surface_files();
+  Watched surfaces;
+  std::copy_if(watched_surfaces_.begin(), watched_surfaces_.end(), std::back_inserter(surfaces),
+               [&](const auto& entry) {
+                 return std::find(shown.begin(), shown.end(), entry.first) != shown.end() &&
+                        is_changed(entry) && time_of(entry.first) != kNowhere;
+               });
+  if ((!is_data_changed && surfaces.empty()) || loader_->is_busy()) return;
   // Whoever writes it may not be done.
   const auto settled = std::filesystem::file_time_type::clock::now() -
                        std::chrono::duration_cast<std::filesystem::file_time_type::duration>(
                            std::chrono::duration<double>(kWatchSettles));
-  for (const auto& [path, time] : watched_) {
-    const auto written = time_of(path);
-    if (written == std::filesystem::file_time_type() || written > settled) return;
+  const auto is_settled = [&](const auto& entry) {
+    const auto written = time_of(entry.first);
+    return written != kNowhere && written <= settled;
+  };
+  if (!std::all_of(watched_.begin(), watched_.end(), is_settled) ||
+      !std::all_of(surfaces.begin(), surfaces.end(), is_settled))
+    return;
+  // Tried once, should it fail.
+  for (auto& [path, time] : watched_) time = time_of(path);
+  for (auto& [path, time] : watched_surfaces_) {
+    if (std::find(shown.begin(), shown.end(), path) != shown.end()) time = time_of(path);
   }
-  for (auto& [path, time] : watched_) time = time_of(path);  // tried once, should it fail
   tell("the file has changed: read again");
-  loader_->open(document_.launch, true);
+  if (is_data_changed) return loader_->open(document_.launch, true);  // and then the surfaces
+  std::vector<std::string> paths;
+  for (const auto& [path, time] : surfaces) paths.push_back(path);
+  read_surfaces(paths, SurfaceUse::kRenew);
 }
 
 }  // namespace ovoid::viewer

@@ -54,12 +54,18 @@ nlohmann::ordered_json to_json(const View& view) {
                                  {"range", {tf.lo(), tf.hi()}},
                                  {"mode", cli::name_of_mode(view.look.mode)},
                                  {"isovalue", view.look.isovalue},
+                                 {"isosurfaces", view.look.isosurfaces.size()},
                                  {"shade", view.look.shade},
                                  {"unit_distance", view.look.unit_distance},
                                  {"sampling_distance", view.options.sampling_distance},
                                  {"clips", view.clip_planes.size()},
                                  {"has_crop", view.crop.has_value()},
                                  {"has_plane", view.plane.has_value()}};
+  for (const Isosurface& surface : view.look.isosurfaces) {
+    json["isosurface"].push_back({{"value", surface.value},
+                                  {"opacity", surface.opacity},
+                                  {"has_color", surface.color.has_value()}});
+  }
   if (view.plane) json["plane"] = {{"offset", view.plane->offset}};
   if (view.crop)
     json["crop"] = {{"min", to_json(view.crop->min())}, {"max", to_json(view.crop->max())}};

@@ -77,6 +77,85 @@ void swap_opacities(Panel& panel, bool was_one, bool is_one) {
   for (OpacityPoint& point : points) point.opacity /= greatest;
 }
 
+bool has_isovalue(const Look& look, double value) {
+  return std::any_of(look.isosurfaces.begin(), look.isosurfaces.end(),
+                     [&](const Isosurface& surface) { return surface.value == value; });
+}
+
+// Where there is most room between those that are there, half seen through.
+void add_isosurface(Look& look, const ValueRange& range) {
+  if (look.isosurfaces.empty()) look.isosurfaces = {{look.isovalue}};
+  std::vector<double> values = {range.lo, range.hi};
+  for (const Isosurface& surface : look.isosurfaces) values.push_back(surface.value);
+  std::sort(values.begin(), values.end());
+  std::size_t widest = 1;
+  for (std::size_t i = 1; i < values.size(); ++i) {
+    if (values[i] - values[i - 1] > values[widest] - values[widest - 1]) widest = i;
+  }
+  const double value = (values[widest - 1] + values[widest]) / 2;
+  if (!has_isovalue(look, value)) look.isosurfaces.push_back({value, {}, 0.5});
+}
+
+// What --iso says: a colour as #rrggbb.
+double in_bytes(double part) { return std::round(255 * part) / 255; }
+
+bool edit_isosurface(Panel& panel, const std::string& name, Isosurface& surface) {
+  Look& look = panel.document.view.look;
+  Widgets& widgets = panel.widgets;
+  const ValueRange range = panel.document.shown->field().value_range();
+  bool is_changed = false;
+  double value = surface.value;
+  if (widgets.slider(name + ".value", "isovalue", &value, range.lo, range.hi) &&
+      !has_isovalue(look, value)) {
+    surface.value = value;
+    is_changed = true;
+  }
+  is_changed |= widgets.slider(name + ".opacity", "opacity", &surface.opacity, 0, 1);
+  bool has_color = surface.color.has_value();
+  if (widgets.checkbox(name + ".own", "a colour of its own", &has_color)) {
+    surface.color.reset();
+    if (has_color) surface.color = look.transfer_function.color_at(surface.value);
+    is_changed = true;
+  }
+  if (surface.color) is_changed |= widgets.color(name + ".color", "colour", &*surface.color);
+  if (surface.color && is_changed) {
+    for (double& part : *surface.color) part = in_bytes(part);
+  }
+  return is_changed;
+}
+
+bool edit_isosurfaces(Panel& panel) {
+  Look& look = panel.document.view.look;
+  Widgets& widgets = panel.widgets;
+  std::vector<Isosurface>& surfaces = look.isosurfaces;
+  const ValueRange range = panel.document.shown->field().value_range();
+  bool is_changed = false;
+  if (surfaces.empty())
+    is_changed = widgets.slider("look.isovalue", "isovalue", &look.isovalue, range.lo, range.hi);
+  for (std::size_t i = 0; i < surfaces.size(); ++i) {
+    const std::string name = fmt::format("look.iso.{}", i);
+    ImGui::TextDisabled("isosurface %d", static_cast<int>(i) + 1);
+    if (widgets.button_at_right(name + ".remove", "remove")) {
+      surfaces.erase(surfaces.begin() + static_cast<std::ptrdiff_t>(i));
+      is_changed = true;
+      break;
+    }
+    is_changed |= edit_isosurface(panel, name, surfaces[i]);
+  }
+  // One that is like any other needs no list.
+  if (surfaces.size() == 1 && !surfaces[0].color && surfaces[0].opacity == 1) {
+    look.isovalue = surfaces[0].value;
+    surfaces.clear();
+  }
+  if (widgets.button("look.iso.add", "add an isosurface",
+                     surfaces.size() < Look::kMaxIsosurfaces)) {
+    add_isosurface(look, range);
+    is_changed = true;
+  }
+  widgets.tip("Outer ones that are seen through show inner ones.");
+  return is_changed;
+}
+
 bool choose_mode(Panel& panel) {
   Look& look = panel.document.view.look;
   int mode = static_cast<int>(std::find(kModes.begin(), kModes.end(), look.mode) - kModes.begin());
@@ -91,15 +170,7 @@ bool choose_mode(Panel& panel) {
       look.isovalue = (static_cast<double>(range.lo) + range.hi) / 2;
   }
   if (look.mode != Mode::kIsosurface) return is_changed;
-  if (!look.isosurfaces.empty()) {
-    ImGui::TextDisabled("%d surfaces, as opened", static_cast<int>(look.isosurfaces.size()));
-    if (!panel.widgets.button("look.one_surface", "one instead")) return is_changed;
-    look.isosurfaces.clear();
-    return true;
-  }
-  const ValueRange range = panel.document.shown->field().value_range();
-  return panel.widgets.slider("look.isovalue", "isovalue", &look.isovalue, range.lo, range.hi) ||
-         is_changed;
+  return edit_isosurfaces(panel) || is_changed;
 }
 
 bool opacity_editor(Panel& panel) {

@@ -17,13 +17,6 @@ void remove_at(auto& list, std::size_t i) {
   list.erase(list.begin() + static_cast<std::ptrdiff_t>(i));
 }
 
-// A button at the right border of the row.
-bool button_at_right(Widgets& widgets, const std::string& name, const char* label) {
-  const float width = ImGui::CalcTextSize(label).x + 2 * ImGui::GetStyle().FramePadding.x;
-  ImGui::SameLine(ImGui::GetContentRegionMax().x - width);
-  return widgets.button(name, label);
-}
-
 void surface_files_editor(Panel& panel) {
   Widgets& widgets = panel.widgets;
   PanelState& state = panel.state;
@@ -56,7 +49,7 @@ bool surfaces_editor(Panel& panel) {
     }
     widgets.tip(
         fmt::format("{}\n{} triangles", added.file, added.surface->triangles.size()).c_str());
-    if (button_at_right(widgets, name + ".remove", "remove")) {
+    if (widgets.button_at_right(name + ".remove", "remove")) {
       remove_at(view.added, i);
       return true;
     }
@@ -184,7 +177,7 @@ bool slices_editor(Panel& panel) {
   for (std::size_t i = 0; i < look.slices.size(); ++i) {
     const std::string name = fmt::format("scene.slice.{}", i);
     ImGui::TextDisabled("slice %d", static_cast<int>(i) + 1);
-    if (button_at_right(widgets, name + ".remove", "remove")) {
+    if (widgets.button_at_right(name + ".remove", "remove")) {
       remove_at(look.slices, i);
       return true;
     }

@@ -4,8 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <optional>
+#include <vector>
 
 #include "hands.h"
+#include "ovoid/crop.h"
 #include "panels.h"
 
 namespace ovoid::viewer {
@@ -55,20 +58,83 @@ bool crop_editor(Panel& panel) {
   return is_changed;
 }
 
+// Two clip planes that leave what lies between them (--thick-slice): none if these do not.
+struct ThickSlice {
+  ClipPlane middle;
+  double thickness = 0;
+};
+std::optional<ThickSlice> thick_slice_of(const std::vector<ClipPlane>& planes, std::size_t first) {
+  if (first + 1 >= planes.size()) return std::nullopt;
+  const ClipPlane& a = planes[first];
+  const ClipPlane& b = planes[first + 1];
+  const double between = -b.offset - a.offset;
+  if (a.normal != -b.normal || !(between > 0)) return std::nullopt;
+  return ThickSlice{{a.normal, (a.offset - b.offset) / 2}, between / a.normal.norm()};
+}
+
+bool thick_slice_editor(Panel& panel, const std::string& name, ThickSlice slice,
+                        std::vector<ClipPlane>& planes, std::size_t first) {
+  const Document& document = panel.document;
+  Widgets& widgets = panel.widgets;
+  bool is_changed = false;
+  Vec3 normal = slice.middle.normal;
+  if (widgets.vector(name + ".normal", "normal", &normal, 0.01) && normal.norm() > 1e-6) {
+    slice.middle.normal = normal;
+    is_changed = true;
+  }
+  const double length = slice.middle.normal.norm();
+  const Bounds3 all = document.data_bounds();
+  const double middle = slice.middle.normal.dot(all.center());
+  const double reach = (all.sizes() / 2).dot(slice.middle.normal.cwiseAbs());
+  is_changed |= widgets.slider(name + ".offset", "place", &slice.middle.offset, middle - reach,
+                               middle + reach);
+  is_changed |= widgets.slider(name + ".thickness", "thickness", &slice.thickness,
+                               document.extent() * 1e-3, 2 * reach / length);
+  if (is_changed) {
+    const std::array<ClipPlane, 2> ends = slice_planes(slice.middle, slice.thickness);
+    std::copy(ends.begin(), ends.end(), planes.begin() + static_cast<std::ptrdiff_t>(first));
+  }
+  return is_changed;
+}
+
 bool clip_editor(Panel& panel) {
   Document& document = panel.document;
   std::vector<ClipPlane>& planes = document.view.clip_planes;
   Widgets& widgets = panel.widgets;
   bool is_changed = false;
   constexpr std::size_t kCropPlanes = 6;
-  const bool has_room = planes.size() < RenderOptions::kMaxClipPlanes - kCropPlanes - 1;
+  constexpr std::size_t kMost = RenderOptions::kMaxClipPlanes - kCropPlanes - 1;
+  const bool has_room = planes.size() < kMost;
+  const bool has_room_for_two = planes.size() + 1 < kMost;
   if (widgets.button("space.add-clip", "add a clip plane", has_room)) {
     // Across the middle, facing the eye, so that something is seen to happen.
     const Vec3 away = (document.camera.focal_point - document.camera.position).normalized();
     planes.push_back({away, away.dot(document.bounds().center())});
     is_changed = true;
   }
+  ImGui::SameLine();
+  if (widgets.button("space.add-slab", "add a thick slice", has_room_for_two)) {
+    const Vec3 away = (document.camera.focal_point - document.camera.position).normalized();
+    for (const ClipPlane& plane :
+         slice_planes({away, away.dot(document.bounds().center())}, document.extent() / 10))
+      planes.push_back(plane);
+    is_changed = true;
+  }
+  widgets.tip(
+      "What lies between two parallel planes: in the modes maximum, minimum, mean and x-ray its "
+      "values alone count.");
   for (std::size_t i = 0; i < planes.size(); ++i) {
+    if (const std::optional<ThickSlice> slice = thick_slice_of(planes, i)) {
+      const std::string name = fmt::format("space.slab.{}", i);
+      is_changed |= thick_slice_editor(panel, name, *slice, planes, i);
+      if (widgets.button(name + ".remove", "remove")) {
+        const auto first = planes.begin() + static_cast<std::ptrdiff_t>(i);
+        planes.erase(first, first + 2);
+        return true;
+      }
+      ++i;
+      continue;
+    }
     ClipPlane& plane = planes[i];
     const std::string name = fmt::format("space.clip.{}", i);
     Vec3 normal = plane.normal;

@@ -73,6 +73,12 @@ bool Widgets::button(const std::string& name, const char* label, bool is_enabled
   return is_pressed;
 }
 
+bool Widgets::button_at_right(const std::string& name, const char* label) {
+  const float width = ImGui::CalcTextSize(label).x + 2 * ImGui::GetStyle().FramePadding.x;
+  ImGui::SameLine(ImGui::GetContentRegionMax().x - width);
+  return button(name, label);
+}
+
 bool Widgets::checkbox(const std::string& name, const char* label, bool* value) {
   const bool is_changed = ImGui::Checkbox((label + hidden_label(name)).c_str(), value);
   mark(name);

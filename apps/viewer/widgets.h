@@ -47,6 +47,8 @@ class Widgets {
   bool scroll_to(const std::string& name);
 
   bool button(const std::string& name, const char* label, bool is_enabled = true);
+  // At the right border of the row of the item before.
+  bool button_at_right(const std::string& name, const char* label);
   bool checkbox(const std::string& name, const char* label, bool* value);
   bool number(const std::string& name, const char* label, double* value, const NumberField& = {});
   bool slider(const std::string& name, const char* label, double* value, double lo, double hi,

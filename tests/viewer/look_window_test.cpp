@@ -179,6 +179,25 @@ TEST_F(WindowLook, ColorMapModeIsovalueAndUndo) {
 }
 
 // A number is typed after a double click.
+// Fails if a list of isosurfaces does not begin with the one that was there, or does not end as
+// one.
+TEST_F(WindowLook, IsosurfacesAreAddedAndRemoved) {
+  const Viewed viewed =
+      view({make_head()},
+           "pace 0\nwait full\nclick look.mode\nclick look.mode/isosurface\nwait full\n"
+           "picture $/0.png\nprint view.isovalue\nexpect view.isosurfaces == 0\n"
+           "click look.iso.add\nwait full\nexpect view.isosurfaces == 2\n"
+           "print view.isosurface.0.value\nprint view.isosurface.1.value\npicture $/1.png\n"
+           "click look.iso.1.own@0.05,0.5\nwait full\nexpect view.isosurface.1.has_color == true\n"
+           "click look.iso.1.remove\nwait full\nexpect view.isosurfaces == 0\npicture $/2.png\n"
+           "key ctrl+z\nwait full\nexpect view.isosurfaces == 2\n"
+           "repeat 20\nclick look.iso.add\nend\nwait full\nexpect view.isosurfaces == 16\n");
+  EXPECT_EQ(viewed.text("view.isosurface.0.value"), viewed.text("view.isovalue"));
+  EXPECT_NE(viewed.text("view.isosurface.1.value"), viewed.text("view.isovalue"));
+  EXPECT_FALSE(file("0.png") == file("1.png"));
+  EXPECT_TRUE(file("0.png") == file("2.png"));
+}
+
 TEST_F(WindowLook, NumbersAreTyped) {
   view({make_head()},
        "pace 0\nwait full\nclick look.range.hi double\nwait 2 frames\n"
@@ -276,6 +295,31 @@ TEST_F(WindowSpace, AsManyClipPlanesAsThereIsRoomFor) {
                              "print view.clips\nprint message\n");
   EXPECT_GE(viewed.number("view.clips"), 1);
   EXPECT_EQ(viewed.text("message"), "");
+}
+
+// Fails if the two planes of a thick slice go their own ways.
+TEST_F(WindowSpace, AThickSliceIsTwoPlanes) {
+  const Viewed viewed =
+      view({make_head(), "--view", "+z", "--fit", "box"},
+           "pace 0\nwait full\npicture $/0.png\nclick tab.space\nclick space.add-slab\n"
+           "wait full\nexpect view.clips == 2\nprint view.clip\npicture $/1.png\n"
+           "click space.slab.0.offset@0.6,0.5\nwait full\nprint view.clip\npicture $/2.png\n"
+           "click space.slab.0.thickness@0.5,0.5\nwait full\nprint view.clip\n"
+           "key ctrl+z\nwait full\npicture $/3.png\n"
+           "click space.slab.0.remove\nwait full\nexpect view.clips == 0\npicture $/4.png\n");
+  const auto offset = [&](std::size_t time, std::size_t plane) {
+    return viewed.json("view.clip", time).at(plane).at("offset").get<double>();
+  };
+  const auto thickness = [&](std::size_t time) { return -offset(time, 0) - offset(time, 1); };
+  EXPECT_GT(thickness(0), 0);
+  EXPECT_NE(offset(1, 0), offset(0, 0));
+  EXPECT_NEAR(thickness(1), thickness(0), 1e-9);
+  EXPECT_GT(thickness(2), 1.5 * thickness(1));
+  EXPECT_NEAR(offset(2, 0) - offset(2, 1), offset(1, 0) - offset(1, 1), 1e-9);
+  EXPECT_FALSE(file("0.png") == file("1.png"));
+  EXPECT_FALSE(file("1.png") == file("2.png"));
+  EXPECT_TRUE(file("2.png") == file("3.png"));
+  EXPECT_TRUE(file("0.png") == file("4.png"));
 }
 
 TEST_F(WindowSpace, ValuePlane) {

@@ -15,10 +15,11 @@ from sources import project_files, read_text
 PUBLIC = {
     "error.h": "data", "export.h": "data", "version.h": "data", "math.h": "data", "lattice.h": "data", "lattice_levels.h": "data", "lattice_boxes.h": "data", "kernels.h": "data", "kernel_field.h": "data", "field.h": "data", "surface.h": "data", "dataset.h": "data", "series.h": "data", "relevant.h": "data",
     "model.h": "model", "resample.h": "model", "slices.h": "model", "hyperslice.h": "model", "coarse.h": "model",
+    "labels.h": "labels",
     "fit.h": "fit", "simplify.h": "fit",
     "solid.h": "solid",
     "camera.h": "view", "transfer_function.h": "view", "look.h": "view", "image.h": "view",
-    "render_options.h": "view", "depth_limits.h": "view", "space_part.h": "view", "deep_image.h": "view", "crop.h": "view", "framing.h": "view",
+    "render_options.h": "view", "depth_limits.h": "view", "space_part.h": "view", "deep_image.h": "view", "label_style.h": "view", "crop.h": "view", "framing.h": "view",
     "annotate.h": "annotate",
     "io.h": "io", "encode.h": "io",
     "lattice_file.h": "io",
@@ -34,17 +35,18 @@ ALLOWED = {
     "model": {"data", "simd"},
     "fit": {"data", "model", "io:public"},  # how many bytes a file will have
     "solid": {"data", "model", "fit"},
+    "labels": {"data", "simd", "view"},
     "view": {"data"},
     "annotate": {"data", "view"},
     "io": {"data", "view:public"},
     "io/foreign": {"data", "io", "view:public"},  # io itself, the library, sees none of it
-    "render": {"data", "model", "simd", "view", "render/reference", "render/cpu", "render/vulkan"},  # src/render itself: chooses the back end
+    "render": {"data", "model", "labels", "simd", "view", "render/reference", "render/cpu", "render/vulkan"},  # src/render itself: chooses the back end
     "render/reference": {"data", "view", "render"},
     "render/cpu": {"data", "view", "render", "render/shared", "simd"},
     "render/vulkan": {"data", "view", "render", "render/shared"},
     "render/without_vulkan": {"data", "view", "render"},
     "render/shared": {"data", "view", "render"},
-    "everything": {"data", "model", "fit", "solid", "view", "annotate", "io", "render"},
+    "everything": {"data", "model", "fit", "solid", "labels", "view", "annotate", "io", "render"},
 }
 
 # Third-party headers and the places that may see them, by prefix of the path.
@@ -53,7 +55,7 @@ OUTSIDE = [
     ("GDCM", re.compile(r"^gdcm\w*\.h"), ("src/io/foreign/", "src/io/dicom/test_dicom")),
     ("Linux's sandboxes", re.compile(r"^(linux/landlock|seccomp)\.h"), ("apps/reader/",)),
     ("HDF5", re.compile(r"^hdf5\.h"), ("src/io/",)),
-    ("Highway", re.compile(r"^hwy/"), ("src/render/cpu/", "src/simd/", "src/model/nearest_squares.cpp", "bench/")),
+    ("Highway", re.compile(r"^hwy/"), ("src/render/cpu/", "src/simd/", "src/labels/", "src/model/nearest_squares.cpp", "bench/")),
     ("Vulkan", re.compile(r"^(volk\.h|vulkan/)"), ("src/render/vulkan/",)),
     ("GLFW, Dear ImGui and OpenGL", re.compile(r"^(GLFW/|GL/|imgui|backends/imgui)"), ("apps/viewer/",)),
     ("pybind11", re.compile(r"^pybind11/"), ("python/",)),

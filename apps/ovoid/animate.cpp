@@ -20,6 +20,7 @@
 #include "frame_files.h"
 #include "load.h"
 #include "make_camera.h"
+#include "make_labels.h"
 #include "make_look.h"
 #include "make_trail.h"
 #include "ovoid/error.h"
@@ -340,7 +341,14 @@ class Animator {
       trail_.reset();
       const DrawingFlags& drawing = animate_.drawing;
       const Quiet quiet(session_);
-      const Dataset dataset = data_at(series_, frame.time, drawing, session_);
+      beside_ = scenery.beside;
+      const bool are_own_labels = beside_.labels.map != nullptr && drawing.labels.file.empty();
+      // Between two labels there is no third.
+      const double time =
+          are_own_labels
+              ? series_.times()[static_cast<std::size_t>(series_.nearest_step(frame.time))]
+              : frame.time;
+      const Dataset dataset = data_at(series_, time, drawing, session_);
       const Modelled modelled = make_field(dataset, drawing.model, drawing.run.threads, session_);
       field_ = modelled.field;
       surface_ = surface_of(dataset, drawing, modelled, session_);
@@ -348,6 +356,8 @@ class Animator {
         trail_ = make_trail(drawing.trail, series_, frame.time, drawing.model, drawing.run.threads,
                             look, values_, session_);
       time_ = frame.time;
+      if (are_own_labels && series_.num_steps() > 1)
+        beside_.labels = own_labels_of_step(field_, beside_.labels, drawing.run.threads, session_);
     }
     const RenderOptions& options = animate_.drawing.options;
     const std::optional<ValuePlane>& plane = animate_.drawing.plane;
@@ -358,7 +368,7 @@ class Animator {
                                surface_.get(),
                                scenery.walls,
                                points_to_draw(animate_.drawing.points),
-                               &scenery.beside};
+                               &beside_};
     Frame drawn = draw_frame(renderer_, subject, camera, options, hooks);
     if (!drawn.profile.notice.empty()) session_.note(drawn.profile.notice);
     return std::move(drawn.image);
@@ -372,7 +382,8 @@ class Animator {
   Field field_;
   std::shared_ptr<const Surface> surface_;
   std::optional<Trail> trail_;
-  std::optional<double> time_;  // of both
+  ovoid::Scenery beside_;
+  std::optional<double> time_;  // of all four
   std::int64_t num_empty_ = 0;
 };
 

@@ -13,6 +13,7 @@
 
 #include "load.h"
 #include "make_geometry.h"
+#include "make_labels.h"
 #include "make_look.h"
 #include "ovoid/error.h"
 #include "ovoid/framing.h"
@@ -44,6 +45,8 @@ std::vector<InputFile> files_to_read(const DataFlags& data, const DrawingFlags& 
   add(drawing.camera.file, "the camera of --camera");
   add(drawing.surface.within, "the mesh of --within");
   for (const std::string& file : drawing.geometry.files) add(file, "a surface of --add");
+  add(drawing.labels.file, "the label map of --labels");
+  add(drawing.labels.table, "the names of --label-table");
   return inputs;
 }
 
@@ -110,11 +113,12 @@ Subject make_subject(const Dataset& dataset, const Flags& flags, DrawingFlags* d
   check_kind_flags(flags, dataset);
   Subject subject;
   subject.modelled = make_field(dataset, drawing->model, drawing->run.threads, session);
-  if (!flags.is_given("kernel") && may_be_labels(drawing->look) &&
-      holds_labels(subject.modelled.field)) {
+  const bool is_of_labels = !flags.is_given("kernel") && may_be_labels(drawing->look) &&
+                            holds_labels(subject.modelled.field);
+  if (is_of_labels) {
     session.note(
-        "the values look like labels: drawn with narrow kernels and a colour for each "
-        "(--kernel, --tf, --colormap with --range for another look)");
+        "the values look like labels: drawn by their surfaces (--label-opacity, --label-table; "
+        "--kernel, --tf, --colormap with --range for another look)");
     drawing->model.lattice.kernel = kLabelKernel;
     // Within a sample a narrow kernel's field is flat; only its neighbours know where it ends.
     if (!flags.is_given("gradient")) drawing->options.gradient = GradientMethod::kCentral;
@@ -128,6 +132,10 @@ Subject make_subject(const Dataset& dataset, const Flags& flags, DrawingFlags* d
   subject.has_walls = subject.surface != nullptr &&
                       (dataset.kind == DatasetKind::kMesh || !drawing->surface.within.empty());
   subject.scenery = make_scenery(drawing->geometry, subject.modelled.field, session);
+  subject.scenery.labels =
+      is_of_labels && may_draw_own_labels(*drawing, session)
+          ? make_own_labels(subject.modelled.field, dataset.source, *drawing, session)
+          : make_labels_beside(*drawing, session);
   return subject;
 }
 

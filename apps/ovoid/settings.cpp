@@ -501,6 +501,8 @@ void add_drawing_flags(Flags& flags, DrawingFlags* drawing) {
   flags.add(point_settings(), &drawing->points);
   flags.section("geometry");
   flags.add(geometry_settings(), &drawing->geometry);
+  flags.section("labels");
+  flags.add(label_settings(), &drawing->labels);
   flags.section("motion blur");
   flags.add(trail_settings(), &drawing->trail);
   add_kernel_flags(flags, &drawing->model);

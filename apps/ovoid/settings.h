@@ -184,6 +184,19 @@ struct GeometryFlags {
   bool shows_empty = false;
 };
 
+// The surfaces of labels.
+struct LabelFlags {
+  // By number or name; "others": all that are not named.
+  struct Opacity {
+    std::string label;
+    double opacity = 1;
+  };
+  std::string file;   // empty: the data's own, if they are labels
+  std::string table;  // of names and colours; empty: the file's own, if it has one
+  std::vector<Opacity> opacities;
+  std::vector<std::string> inside, outside;  // where the field is drawn; empty: not said
+};
+
 // Particles and kernels as balls.
 struct PointFlags {
   std::optional<double> size;  // as PointStyle has it; none: the field is drawn
@@ -199,6 +212,7 @@ struct DrawingFlags {
   SurfaceFlags surface;
   PointFlags points;
   GeometryFlags geometry;
+  LabelFlags labels;
   RenderOptions options;
   TrailFlags trail;
   std::optional<ValuePlane> plane;
@@ -220,6 +234,7 @@ const Table<AnnotationFlags>& mark_settings();
 const Table<SurfaceFlags>& surface_settings();
 const Table<PointFlags>& point_settings();
 const Table<GeometryFlags>& geometry_settings();
+const Table<LabelFlags>& label_settings();
 const Table<TrailFlags>& trail_settings();
 const Table<DrawingFlags>& picture_settings();  // --size, --background
 const Table<RenderOptions>& number_settings();

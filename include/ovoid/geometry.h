@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What stands in a scene beside its field: surfaces, such as implants, electrodes and hulls, and
-// slices through it. docs/geometry.md, and docs/numerics.md, "Geometry".
+// What stands in a scene beside its field: surfaces, such as implants, electrodes and hulls, slices
+// through it, and the surfaces of labels. docs/geometry.md, and docs/numerics.md, "Geometry".
 #pragma once
 
 #include <memory>
@@ -11,6 +11,7 @@
 #include "ovoid/depth_limits.h"
 #include "ovoid/export.h"
 #include "ovoid/field.h"
+#include "ovoid/labels.h"
 #include "ovoid/look.h"
 #include "ovoid/renderer.h"
 #include "ovoid/surface.h"
@@ -44,8 +45,11 @@ struct FieldSlice {
 struct Scenery {
   std::vector<Geometry> geometry;
   std::vector<FieldSlice> slices;
+  LabelSurfaces labels;
 
-  bool empty() const noexcept { return geometry.empty() && slices.empty(); }
+  bool empty() const noexcept {
+    return geometry.empty() && slices.empty() && labels.map == nullptr;
+  }
 };
 
 // `options.depth_limits`, or else a field without limits, with the surfaces among its stops: what
@@ -57,12 +61,13 @@ struct Scenery {
 DepthLimits limits_with(std::span<const Geometry> geometry, const Camera& camera, const Look& look,
                         const RenderOptions& options, int threads = 0, std::stop_token stop = {});
 
-// A picture of the field with surfaces and slices in it: Renderer::render() with such limits, the
-// surfaces under the light that the field lets through where the look has a light volume; slices
-// where `options.depth_limits` show the field, and cut by no clip plane. By the back ends that take
+// A picture of the field with surfaces, slices and labels in it: Renderer::render() with such
+// limits, the surfaces under the light that the field lets through where the look has a light
+// volume; slices where `options.depth_limits` show the field, and cut by no clip plane; labels cut
+// by them as the field is. By the back ends that take
 // limits (RenderOptions::depth_limits). Throws what they throw, and Error(kUnsupported) for modes
-// other than composite and isosurface. Cost: the frame's, that of limits_with(), and for each slice
-// that of a value plane (value_plane.h).
+// other than composite and isosurface. Cost: the frame's, that of limits_with(), for each slice
+// that of a value plane (value_plane.h), and for labels about that of an isosurface of their size.
 Frame render_with_scenery(Renderer& renderer, const Field& field, const Camera& camera,
                           const Look& look, const Scenery& scenery,
                           const RenderOptions& options = {}, const RenderHooks& hooks = {});

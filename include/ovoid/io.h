@@ -14,6 +14,7 @@
 #include "ovoid/deep_image.h"
 #include "ovoid/export.h"
 #include "ovoid/image.h"
+#include "ovoid/label_style.h"
 #include "ovoid/look.h"
 #include "ovoid/transfer_function.h"
 
@@ -239,6 +240,13 @@ std::vector<OpacityPoint> opacities_from_list(const std::vector<double>& numbers
 // is missing or unreadable; kUnsupported for a folder, a device or a pipe; kFileFormat for more
 // than `max_bytes`.
 std::string read_text_file(const std::string& path, std::size_t max_bytes);
+
+// Names and colours of labels, its kind told from its content (docs/labels.md, "Names and
+// colours"): 3D Slicer's colour tables (.ctbl) and segmentations (.seg.nrrd, whose header is read
+// alone), ITK-SNAP's label descriptions, FreeSurfer's look-up tables, BIDS' dseg.tsv, and rows of a
+// number and a name. Of a label that is there twice the last counts. At most 16 MiB are read.
+// Throws Error: kFileNotFound; kFileFormat, naming file and line, and for a file without labels.
+std::vector<LabelEntry> read_label_table(const std::string& path);
 
 // Camera files (JSON, VTK's words; docs/conventions.md). Missing members keep VTK's defaults. What
 // was written is read to the bit. Throws Error.

@@ -27,6 +27,8 @@
 #include "ovoid/io.h"
 #include "ovoid/kernel_field.h"
 #include "ovoid/kernels.h"
+#include "ovoid/label_style.h"
+#include "ovoid/labels.h"
 #include "ovoid/lattice.h"
 #include "ovoid/lattice_boxes.h"
 #include "ovoid/lattice_file.h"

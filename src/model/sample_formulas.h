@@ -32,5 +32,8 @@ std::span<const SampleKind> sample_kinds() noexcept;
 // airways, in Hounsfield units, -1000 (air) to 1500 (teeth). Patient axes LPS: x to the left, y to
 // the back, z up. `seed` chooses the texture.
 Formula make_head(std::uint64_t seed, double time);
+// The same head's parts as labels: 1 skin and all that is under it, 2 skull and jaw, 3 spine, 4
+// teeth, 5 brain, 6 fluid, 7 eyes, 8 airways; 0 outside.
+Formula make_head_labels(std::uint64_t seed, double time);
 
 }  // namespace ovoid::model

@@ -205,7 +205,41 @@ double head_value(const Vec3& p, std::uint64_t seed) {
   return cover(kAir, value, surface, kOuterEdge);
 }
 
+// Which part a place is in.
+enum HeadLabel {
+  kNothing,
+  kOfSkin,
+  kOfSkull,
+  kOfSpine,
+  kOfTeeth,
+  kOfBrain,
+  kOfFluid,
+  kOfEyes,
+  kOfAirways
+};
+
+HeadLabel head_label(const Vec3& p, std::uint64_t seed) {
+  constexpr double kLeastSkin = 0.02;
+  const double surface = skin(p);
+  if (surface > 0) return kNothing;
+  if (airways(p) < 0) return kOfAirways;
+  if (ellipsoid(mirrored(p), {0.17, -0.36, -0.17}, {0.065, 0.10, 0.075}) < 0) return kOfAirways;
+  if (surface > -kLeastSkin) return kOfSkin;
+  if (teeth(p) < 0) return kOfTeeth;
+  double bone = 0;
+  const double column = spine(p, bone);
+  if (column < 0 && bone > 0.5) return kOfSpine;
+  if (jaw(p) < 0 || skull(p) < 0) return kOfSkull;
+  if (sphere(mirrored(p), {0.20, -0.50, 0.03}, 0.10) < 0) return kOfEyes;
+  if (ellipsoid(p, kCavityCentre, kCavityRadii) > 0) return kOfSkin;
+  return brain_value(p, seed) > 0.5 * (kBrain + kFluid) ? kOfBrain : kOfFluid;
+}
+
 }  // namespace
+
+Formula make_head_labels(std::uint64_t seed, double) {
+  return [seed](const Vec3& p) { return static_cast<double>(head_label(p, seed)); };
+}
 
 Formula make_head(std::uint64_t seed, double) {
   return [seed](const Vec3& p) { return head_value(p, seed); };

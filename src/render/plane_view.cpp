@@ -8,6 +8,7 @@
 
 #include "data/kernel_weight.h"
 #include "view/kernel_plan.h"
+#include "view/pixel_rays.h"
 
 namespace ovoid {
 namespace {
@@ -58,12 +59,8 @@ PlaneView::PlaneView(const Field& field, const Camera& camera, const ValuePlane&
       half_height_(camera.parallel_projection
                        ? camera.parallel_scale
                        : std::tan(camera.view_angle * std::numbers::pi / 360.0)),
-      origins_{eye_, Vec3::Zero(), Vec3::Zero()},
+      origins_(view::PixelRays(lattice_).origins()),
       directions_(lattice_.ray_direction()) {
-  if (lattice_.is_parallel()) {
-    origins_ = lattice_.world_map(0);
-    origins_.origin -= lattice_.depth(0) * lattice_.view_axis();
-  }
   set_box(field);
   decide_sides(plane);
 }

@@ -11,10 +11,11 @@
 #include <utility>
 #include <vector>
 
-#include "data/parallel.h"
 #include "data/validate.h"
 #include "ovoid/error.h"
 #include "ovoid/geometry.h"
+#include "render/label_limits.h"
+#include "render/limits_by_rows.h"
 #include "render/paint_surface.h"
 #include "render/plane_values.h"
 #include "render/plane_view.h"
@@ -85,60 +86,53 @@ class SceneStops {
 
 constexpr DepthLimits::Stop kEverywhere{-std::numeric_limits<float>::infinity(), true, false, {}};
 
-// One row of pixels with all its stops.
-struct LimitsRow {
-  std::vector<DepthLimits::Stop> stops;
-  std::vector<std::uint32_t> counts;
-};
-
-// Limits of the picture, without coverage. `add_stops(x, y, stops)` appends a pixel's; called from
-// many threads at once.
-template <class AddStops>
-DepthLimits limits_by_rows(const RenderOptions& options, int threads, const std::stop_token& stop,
-                           const AddStops& add_stops) {
-  std::vector<LimitsRow> rows(static_cast<std::size_t>(options.height));
-  data::parallel_ranges(
-      {options.height, 16, threads, stop}, [&](std::int64_t begin, std::int64_t end) {
-        for (auto y = static_cast<int>(begin); y < end; ++y) {
-          LimitsRow& row = rows[static_cast<std::size_t>(y)];
-          for (int x = 0; x < options.width; ++x) {
-            const std::size_t before = row.stops.size();
-            add_stops(x, y, row.stops);
-            row.counts.push_back(static_cast<std::uint32_t>(row.stops.size() - before));
-          }
-        }
-      });
-  DepthLimits all;
-  all.width = options.width;
-  all.height = options.height;
-  all.first.push_back(0);
-  for (const LimitsRow& row : rows) {
-    for (const std::uint32_t count : row.counts) all.first.push_back(all.first.back() + count);
+// A pixel's stops where the field is shown if both say so.
+void append_both(std::span<const DepthLimits::Stop> field,
+                 std::span<const DepthLimits::Stop> labels, std::vector<DepthLimits::Stop>& stops) {
+  bool in_field = false;
+  bool in_labels = false;
+  auto label = labels.begin();
+  const auto pass_label = [&] {
+    DepthLimits::Stop stop = *label++;
+    in_labels = stop.is_field_behind;
+    stop.is_field_behind = in_field && in_labels;
+    stops.push_back(stop);
+  };
+  for (DepthLimits::Stop stop : field) {
+    while (label != labels.end() && label->depth < stop.depth) pass_label();
+    in_field = stop.is_field_behind;
+    stop.is_field_behind = in_field && in_labels;
+    stops.push_back(stop);
   }
-  all.stops.reserve(all.first.back());
-  for (LimitsRow& row : rows) {
-    all.stops.insert(all.stops.end(), row.stops.begin(), row.stops.end());
-    row = {};
-  }
-  return all;
+  while (label != labels.end()) pass_label();
 }
 
-DepthLimits merged_limits(const std::vector<DepthLimits>& layers, const RenderOptions& options,
-                          int threads, const std::stop_token& stop) {
+// `labels`: null: none.
+DepthLimits merged_limits(const std::vector<DepthLimits>& layers, const DepthLimits* labels,
+                          const RenderOptions& options, int threads, const std::stop_token& stop) {
   const DepthLimits* const field = options.depth_limits.get();
   std::vector<float> coverage;
   if (field != nullptr) coverage = field->coverage;
-  DepthLimits all = limits_by_rows(options, threads, stop, [&](int x, int y, auto& stops) {
-    thread_local SceneStops pixel;
-    pixel.begin(field != nullptr ? field->of_pixel(x, y) : std::span(&kEverywhere, 1));
-    const std::size_t at = static_cast<std::size_t>(y) * static_cast<std::size_t>(options.width) +
-                           static_cast<std::size_t>(x);
-    for (const DepthLimits& layer : layers)
-      pixel.add(layer.of_pixel(x, y), layer.coverage.empty() ? 1.0F : layer.coverage[at]);
-    // The outline of what the field is within is hard where a surface is behind it.
-    if (!coverage.empty() && pixel.has_layers()) coverage[at] = 1;
-    pixel.write_to(stops);
-  });
+  DepthLimits all = limits_by_rows(
+      {options.width, options.height, threads, stop}, [&](int x, int y, auto& stops) {
+        thread_local SceneStops pixel;
+        std::span within = field != nullptr ? field->of_pixel(x, y) : std::span(&kEverywhere, 1);
+        if (labels != nullptr) {
+          thread_local std::vector<DepthLimits::Stop> both;
+          both.clear();
+          append_both(within, labels->of_pixel(x, y), both);
+          within = both;
+        }
+        pixel.begin(within);
+        const std::size_t at =
+            static_cast<std::size_t>(y) * static_cast<std::size_t>(options.width) +
+            static_cast<std::size_t>(x);
+        for (const DepthLimits& layer : layers)
+          pixel.add(layer.of_pixel(x, y), layer.coverage.empty() ? 1.0F : layer.coverage[at]);
+        // The outline of what the field is within is hard where a surface is behind it.
+        if (!coverage.empty() && pixel.has_layers()) coverage[at] = 1;
+        pixel.write_to(stops);
+      });
   all.coverage = std::move(coverage);
   return all;
 }
@@ -176,7 +170,8 @@ DepthLimits layers_of(const FieldSlice& slice, Renderer& renderer, const Field& 
   const DepthLimits* const limits = options.depth_limits.get();  // a mesh ends at its surface
   const view::LookTable colors = view::colors_alone(slice.colors);
   const bool is_opaque = slice.colors.opacities.empty();
-  return limits_by_rows(options, renderer.threads(), hooks.stop, [&](int x, int y, auto& stops) {
+  const LimitsPlan plan{options.width, options.height, renderer.threads(), hooks.stop};
+  return limits_by_rows(plan, [&](int x, int y, auto& stops) {
     const auto hit = values ? view.hit(x, y) : std::nullopt;
     const bool is_within =
         hit && (limits == nullptr || limits->shows_field_at(x, y, static_cast<float>(hit->depth)));
@@ -190,6 +185,15 @@ DepthLimits layers_of(const FieldSlice& slice, Renderer& renderer, const Field& 
                      false,
                      {opacity * c.r, opacity * c.g, opacity * c.b, opacity}});
   });
+}
+
+// Whether a label is seen, or hides the field.
+bool changes_picture(const LabelSurfaces& labels) {
+  if (labels.map == nullptr) return false;
+  return !labels.shows_field_elsewhere ||
+         std::any_of(labels.styles.begin(), labels.styles.end(), [](const LabelStyle& style) {
+           return style.opacity > 0 || !style.shows_field;
+         });
 }
 
 [[noreturn]] void tell_of_memory(const RenderOptions& options) {
@@ -235,7 +239,7 @@ DepthLimits limits_with(std::span<const Geometry> geometry, const Camera& camera
   std::vector<DepthLimits> layers;
   for (const Geometry& one : geometry)
     layers.push_back(layers_of(one, camera, look, options, threads, stop, nullptr));
-  return merged_limits(layers, options, threads, stop);
+  return merged_limits(layers, nullptr, options, threads, stop);
 } catch (const std::bad_alloc&) {
   tell_of_memory(options);
 }
@@ -243,14 +247,18 @@ DepthLimits limits_with(std::span<const Geometry> geometry, const Camera& camera
 Frame render_with_scenery(Renderer& renderer, const Field& field, const Camera& camera,
                           const Look& look, const Scenery& scenery, const RenderOptions& options,
                           const RenderHooks& hooks) try {
-  if (scenery.empty()) return renderer.render(field, camera, look, options, hooks);
+  const bool has_labels = changes_picture(scenery.labels);
+  if (scenery.geometry.empty() && scenery.slices.empty() && !has_labels)
+    return renderer.render(field, camera, look, options, hooks);
   data::require_field(field);
   require_valid_frame(camera, look, options);
   for (const FieldSlice& slice : scenery.slices) slice.validate();
+  scenery.labels.validate();
   if (look.mode != Mode::kComposite && look.mode != Mode::kIsosurface) {
-    throw Error(ErrorCode::kUnsupported,
-                "surfaces and slices: are for the modes composite and isosurface; the greatest, "
-                "mean or integrated value knows no colours beside its own");
+    throw Error(
+        ErrorCode::kUnsupported,
+        "surfaces, slices and labels: are for the modes composite and isosurface; the greatest, "
+        "mean or integrated value knows no colours beside its own");
   }
   using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();
@@ -260,14 +268,20 @@ Frame render_with_scenery(Renderer& renderer, const Field& field, const Camera& 
     layers.push_back(layers_of(slice, renderer, field, camera, look, options, hooks));
   // Valid until the renderer draws.
   const SurfaceLight light =
-      scenery.geometry.empty()
+      scenery.geometry.empty() && !has_labels
           ? SurfaceLight{}
           : SurfaceLight::of(renderer, field, nullptr, camera, look, options, hooks);
   for (const Geometry& one : scenery.geometry)
     layers.push_back(layers_of(one, camera, look, options, threads, hooks.stop, light.volume));
+  std::optional<DepthLimits> labels;
+  if (has_labels) {
+    labels = label_limits(scenery.labels, camera, look, options, threads, hooks.stop, light.volume);
+  }
+  const bool are_alone = labels && layers.empty() && options.depth_limits == nullptr;
   RenderOptions among = options;
-  among.depth_limits =
-      std::make_shared<DepthLimits>(merged_limits(layers, options, threads, hooks.stop));
+  among.depth_limits = std::make_shared<DepthLimits>(
+      are_alone ? std::move(*labels)
+                : merged_limits(layers, labels ? &*labels : nullptr, options, threads, hooks.stop));
   const double ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
   Frame frame = renderer.render(field, camera, look, among, hooks);
   frame.profile.frame_ms += ms;

@@ -12,10 +12,6 @@
 namespace ovoid::view {
 namespace {
 
-// More colours than these nobody tells apart by name: then each label's colour is its own,
-// whichever others there are.
-constexpr std::size_t kFew = 64;
-
 // From one label to another the field passes all values between, within a tenth of a spacing with
 // kLabelKernel. Of each band the part about its labels shows, so that the passage is mostly clear.
 constexpr std::size_t kMostWithGaps = 256;
@@ -31,17 +27,6 @@ Rgb golden_color(std::uint64_t i, double saturation, double brightness) {
     rgb[c] = brightness * (1.0 - saturation * std::clamp(std::min(k, 4.0 - k), 0.0, 1.0));
   }
   return rgb;
-}
-
-Rgb color_of_rank(std::size_t i) {
-  return golden_color(i, i % 2 == 0 ? 0.62 : 0.45, i % 3 == 2 ? 0.75 : 0.95);
-}
-
-// Of the label alone: a part of the data, or another step, has the same colours.
-Rgb color_of_label(int label) {
-  const std::uint64_t mixed = data::scrambled(static_cast<std::uint64_t>(label));
-  return golden_color(static_cast<std::uint64_t>(label), std::array{0.3, 0.5, 0.7}[mixed % 3],
-                      std::array{1.0, 0.82}[mixed / 3 % 2]);
 }
 
 // Labels that follow each other and share a colour.
@@ -76,6 +61,16 @@ int background_of(std::span<const int> labels, const FieldSamples& samples) {
 
 }  // namespace
 
+Rgb color_of_rank(std::size_t i) {
+  return golden_color(i, i % 2 == 0 ? 0.62 : 0.45, i % 3 == 2 ? 0.75 : 0.95);
+}
+
+Rgb color_of_label(int label) {
+  const std::uint64_t mixed = data::scrambled(static_cast<std::uint64_t>(label));
+  return golden_color(static_cast<std::uint64_t>(label), std::array{0.3, 0.5, 0.7}[mixed % 3],
+                      std::array{1.0, 0.82}[mixed / 3 % 2]);
+}
+
 Look label_look(const std::vector<int>& labels, const FieldSamples& samples) {
   const int background = background_of(labels, samples);
   const std::vector<Band> bands = bands_of(labels, background);
@@ -95,7 +90,8 @@ Look label_look(const std::vector<int>& labels, const FieldSamples& samples) {
       tf.opacities.insert(tf.opacities.end(), {{.x = lo}, {.x = hi}});
       continue;
     }
-    const Rgb color = labels.size() <= kFew ? color_of_rank(num_shown++) : color_of_label(first);
+    const Rgb color =
+        labels.size() <= kFewLabels ? color_of_rank(num_shown++) : color_of_label(first);
     tf.colors.insert(tf.colors.end(), {{lo, color}, {hi, color}});
     const double from = has_gaps ? std::lerp(first, lo, kShown) : lo;
     const double to = has_gaps ? std::lerp(last, hi, kShown) : hi;

@@ -2,6 +2,7 @@
 // The default look of labels.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "ovoid/look.h"
@@ -16,6 +17,12 @@ inline constexpr int kMostLabelBands = 2000;
 // Where the table has too few cells for clear gaps between bands, what shows is less than opaque
 // over the way from one label to another (label_look.cpp).
 inline constexpr double kLabelOpacityWithoutGaps = 0.5;
+
+// More colours than these nobody tells apart by name: then each label's colour is its own,
+// whichever others there are.
+inline constexpr std::size_t kFewLabels = 64;
+Rgb color_of_rank(std::size_t i);  // of the i-th label that is shown, of few
+Rgb color_of_label(int label);     // a part of the data, or another step, has the same
 
 // Each label holds from half-way to its neighbours; the background, 0 or what the faces show, is
 // transparent.

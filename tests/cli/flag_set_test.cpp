@@ -263,6 +263,9 @@ const std::vector<Words>& samples() {
        "--add-edges"},
       {"--slice", "z", "--slice", "1,0,0,3", "--slice-map", "viridis", "--slice-range", "0,1",
        "--slice-opacity", "0.5", "--slice-empty"},
+      {"--labels", "parts.nrrd", "--label-table", "parts.ctbl", "--label-opacity",
+       "3=0.4,others=0", "--inside-labels", "1,left lung"},
+      {"--labels", "parts.nrrd", "--outside-labels", "1,2"},
       {"--points=2"},
       {"--points"},
       {"--background", "none"},
@@ -329,6 +332,7 @@ FlagSet told(const cli::DataFlags& data, const cli::DrawingFlags& drawing) {
   cli::tell(cli::surface_settings(), drawing.surface, &set);
   cli::tell(cli::point_settings(), drawing.points, &set);
   cli::tell(cli::geometry_settings(), drawing.geometry, &set);
+  cli::tell(cli::label_settings(), drawing.labels, &set);
   cli::tell(cli::picture_settings(), drawing, &set);
   cli::tell(cli::number_settings(), drawing.options, &set);
   cli::tell(cli::switch_settings(), drawing.options, &set);

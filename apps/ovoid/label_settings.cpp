@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+// The table of how labels are drawn.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <string>
+#include <vector>
+
+#include "setting_forms.h"
+#include "settings.h"
+#include "values.h"
+
+namespace ovoid::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using LabelOpacities = std::vector<LabelFlags::Opacity>;
+using LabelNames = std::vector<std::string>;
+
+LabelOpacities parse_label_opacities(const std::string& text) {
+  LabelOpacities opacities;
+  for (const std::string& part : split(text, ',')) {
+    const std::size_t equals = part.rfind('=');
+    if (equals == std::string::npos || equals == 0)
+      throw BadValue("expected LABEL=A,..., such as 3=0.4,liver=1,others=0");
+    opacities.push_back(
+        {part.substr(0, equals), parse_number(part.substr(equals + 1), {.lo = 0, .hi = 1})});
+  }
+  return opacities;
+}
+
+std::string text_of_label_opacities(const LabelOpacities& opacities) {
+  std::string text;
+  for (const auto& [label, opacity] : opacities)
+    text += fmt::format("{}{}={}", text.empty() ? "" : ",", label, opacity);
+  return text;
+}
+
+LabelNames parse_label_names(const std::string& text) {
+  LabelNames names = split(text, ',');
+  for (const std::string& name : names)
+    if (name.empty()) throw BadValue("expected LABEL,..., numbers or names");
+  return names;
+}
+
+}  // namespace
+
+const Table<LabelFlags>& label_settings() {
+  using L = LabelFlags;
+  const Rule lit = not_with("mode", "is for --mode composite and isosurface", is_unlit);
+  const Rule alone = not_with("value-plane motion-blur points part");
+  const Rule of_file = needs("labels", "has no effect without --labels");
+  static const Table<L> all = {
+      {"--labels", word("FILE", Content::kFile), &L::file,
+       "the surfaces of a label map in the data's world, such as a segmentation of the scan", lit,
+       alone},
+      {"--label-table", word("FILE", Content::kFile), &L::table,
+       "names and colours of labels: .ctbl, .seg.nrrd, ITK-SNAP's or FreeSurfer's text, BIDS' "
+       "dseg.tsv (default: the label file's own, if it has one)",
+       lit},
+      {"--label-opacity",
+       {"LABEL=A,...",
+        [](L& flags, const std::string& text) { flags.opacities = parse_label_opacities(text); },
+        [](const L& flags) {
+          return flags.opacities.empty() ? Json() : Json(text_of_label_opacities(flags.opacities));
+        }},
+       "of the surfaces of labels, by number or name; \"others\" are those that are not named; 0: "
+       "not drawn (default 1)",
+       lit},
+      {"--inside-labels",
+       {"LABEL,...",
+        [](L& flags, const std::string& text) { flags.inside = parse_label_names(text); },
+        [](const L& flags) {
+          return flags.inside.empty() ? Json()
+                                      : Json(fmt::format("{}", fmt::join(flags.inside, ",")));
+        }},
+       "draw the data within these labels alone, whose surfaces are then not drawn",
+       of_file,
+       not_with("outside-labels", kGiveOne)},
+      {"--outside-labels",
+       {"LABEL,...",
+        [](L& flags, const std::string& text) { flags.outside = parse_label_names(text); },
+        [](const L& flags) {
+          return flags.outside.empty() ? Json()
+                                       : Json(fmt::format("{}", fmt::join(flags.outside, ",")));
+        }},
+       "draw no data within these labels",
+       of_file},
+  };
+  return all;
+}
+
+}  // namespace ovoid::cli

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "make_labels.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "load.h"
+#include "make_field.h"
+#include "make_look.h"
+#include "ovoid/error.h"
+#include "ovoid/io.h"
+#include "ovoid/model.h"
+#include "usage.h"
+#include "values.h"
+
+namespace ovoid::cli {
+namespace {
+
+constexpr const char* kOthers = "others";
+
+std::optional<int> number_of(const std::string& text) {
+  int number = 0;
+  const char* const end = text.data() + text.size();
+  const auto result = std::from_chars(text.data(), end, number);
+  if (result.ec != std::errc{} || result.ptr != end) return std::nullopt;
+  return number;
+}
+
+// ASCII letters alone.
+std::string lower(std::string text) {
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return text;
+}
+
+// Some of the names that there are, for a message.
+std::string some_labels(const std::vector<LabelStyle>& styles) {
+  constexpr std::size_t kMost = 12;
+  std::string text;
+  for (std::size_t i = 0; i < styles.size() && i < kMost; ++i) {
+    const LabelStyle& style = styles[i];
+    text += fmt::format("{}{}{}", i == 0 ? "" : ", ", style.label,
+                        style.name.empty() ? "" : fmt::format(" ({})", style.name));
+  }
+  return styles.size() > kMost ? text + ", ..." : text;
+}
+
+// The label that a flag means, by number or name, in capitals or not.
+LabelStyle& named_style(std::vector<LabelStyle>& styles, const std::string& name,
+                        const std::string& flag) {
+  const auto number = number_of(name);
+  const auto found = std::find_if(styles.begin(), styles.end(), [&](const LabelStyle& style) {
+    return number ? style.label == *number : lower(style.name) == lower(name);
+  });
+  if (found == styles.end()) {
+    throw Error(ErrorCode::kInvalidArgument, fmt::format("{} {}: there is no such label, but {}",
+                                                         flag, name, some_labels(styles)));
+  }
+  return *found;
+}
+
+void set_opacities(std::vector<LabelStyle>& styles, const LabelFlags& flags) {
+  std::set<int> named;
+  for (const auto& [name, opacity] : flags.opacities) {
+    if (name == kOthers) continue;
+    LabelStyle& style = named_style(styles, name, "--label-opacity");
+    style.opacity = opacity;
+    named.insert(style.label);
+  }
+  for (const auto& [name, opacity] : flags.opacities) {
+    if (name != kOthers) continue;
+    for (LabelStyle& style : styles)
+      if (!named.contains(style.label) && style.opacity > 0) style.opacity = opacity;
+  }
+}
+
+bool is_named_opaque(const LabelFlags& flags, const LabelStyle& style) {
+  return std::any_of(flags.opacities.begin(), flags.opacities.end(), [&](const auto& named) {
+    const auto number = number_of(named.label);
+    return number ? style.label == *number : lower(style.name) == lower(named.label);
+  });
+}
+
+// Where the field is drawn.
+void set_field(LabelSurfaces& surfaces, const LabelFlags& flags) {
+  if (!flags.inside.empty()) {
+    surfaces.shows_field_elsewhere = false;
+    for (LabelStyle& style : surfaces.styles) style.shows_field = false;
+    for (const std::string& name : flags.inside) {
+      LabelStyle& style = named_style(surfaces.styles, name, "--inside-labels");
+      style.shows_field = true;
+      if (!is_named_opaque(flags, style)) style.opacity = 0;
+    }
+  }
+  for (const std::string& name : flags.outside)
+    named_style(surfaces.styles, name, "--outside-labels").shows_field = false;
+}
+
+// What the flag's table says, or the label file's own.
+std::vector<LabelEntry> table_of(const LabelFlags& flags, const std::string& source) {
+  if (!flags.table.empty()) return read_label_table(flags.table);
+  constexpr const char* kSegmentation = ".seg.nrrd";
+  if (!has_ending(source, kSegmentation)) return {};
+  return read_label_table(source);
+}
+
+LabelSurfaces surfaces_of(const Field& field, const std::string& source,
+                          const DrawingFlags& drawing, const Session& session) {
+  LabelSurfaces surfaces;
+  surfaces.map = make_label_map(*field.lattice(), drawing.run.threads, session.stop());
+  surfaces.styles = label_styles(*surfaces.map, table_of(drawing.labels, source));
+  set_opacities(surfaces.styles, drawing.labels);
+  return surfaces;
+}
+
+}  // namespace
+
+bool may_draw_own_labels(const DrawingFlags& drawing, const Session& session) {
+  return may_be_labels(drawing.look) && drawing.labels.file.empty() && !drawing.plane &&
+         !drawing.trail.length && !drawing.options.part && session.team() == nullptr;
+}
+
+LabelSurfaces make_own_labels(const Field& field, const std::string& source,
+                              const DrawingFlags& drawing, Session& session) {
+  LabelSurfaces surfaces = surfaces_of(field, source, drawing, session);
+  surfaces.shows_field_elsewhere = false;
+  for (LabelStyle& style : surfaces.styles) style.shows_field = false;
+  return surfaces;
+}
+
+LabelSurfaces own_labels_of_step(const Field& field, const LabelSurfaces& before, int threads,
+                                 const Session& session) {
+  LabelSurfaces surfaces = before;
+  surfaces.map = make_label_map(*field.lattice(), threads, session.stop());
+  std::set<int> known;
+  for (const LabelStyle& style : before.styles) known.insert(style.label);
+  for (LabelStyle& style : label_styles(*surfaces.map)) {
+    if (known.contains(style.label)) continue;
+    style.shows_field = false;
+    surfaces.styles.push_back(std::move(style));
+  }
+  return surfaces;
+}
+
+LabelSurfaces make_labels_beside(const DrawingFlags& drawing, Session& session) {
+  if (drawing.labels.file.empty()) return {};
+  DataFlags data;
+  data.inputs = {drawing.labels.file};
+  const Dataset dataset = [&] {
+    const Quiet quiet(session);
+    return load(data, session);
+  }();
+  if (dataset.kind != DatasetKind::kLattice) refuse_kind("--labels", "lattices", dataset);
+  LatticeModelOptions options;
+  options.kernel = kLabelKernel;
+  options.threads = drawing.run.threads;
+  const Field field = make_lattice_field(dataset, options, nullptr, session.stop());
+  LabelSurfaces surfaces;
+  try {
+    surfaces = surfaces_of(field, dataset.source, drawing, session);
+  } catch (const Error& error) {
+    throw Error(error.code(), fmt::format("--labels '{}': {}", drawing.labels.file, error.what()));
+  }
+  set_field(surfaces, drawing.labels);
+  return surfaces;
+}
+
+}  // namespace ovoid::cli

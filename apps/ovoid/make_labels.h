@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "ovoid/dataset.h"
+#include "ovoid/field.h"
+#include "ovoid/geometry.h"
+#include "session.h"
+#include "settings.h"
+
+namespace ovoid::cli {
+
+// Whether labels that are the data themselves may be drawn by their surfaces: nobody asked for
+// another look, or for what has no surfaces in it.
+bool may_draw_own_labels(const DrawingFlags& drawing, const Session& session);
+
+// The surfaces of data that are labels; the field itself is then not drawn. `source`: the data's
+// file, which may have a table of names. Throws Error.
+LabelSurfaces make_own_labels(const Field& field, const std::string& source,
+                              const DrawingFlags& drawing, Session& session);
+
+// The same for another step of the data, in the styles of `before`. Labels that are new have their
+// own colours.
+LabelSurfaces own_labels_of_step(const Field& field, const LabelSurfaces& before, int threads,
+                                 const Session& session);
+
+// Of --labels, within the field; without it none. Throws Error, also for a file that holds no
+// labels and for a label that nobody knows.
+LabelSurfaces make_labels_beside(const DrawingFlags& drawing, Session& session);
+
+}  // namespace ovoid::cli

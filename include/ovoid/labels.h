@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// Label maps: volumes whose values are names, such as organs, materials or grains. What is drawn of
+// them are the smooth surfaces where one label gives way to another, found on every ray of every
+// frame, without a mesh. docs/labels.md, and docs/numerics.md, "Labels".
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <stop_token>
+#include <vector>
+
+#include "ovoid/export.h"
+#include "ovoid/field.h"
+#include "ovoid/label_style.h"
+#include "ovoid/lattice.h"
+#include "ovoid/math.h"
+
+namespace ovoid::labels {
+class LabelGrid;
+}
+
+namespace OVOID_API ovoid {
+
+// Which label holds where. Immutable; what smoothing makes of its parts is made when a ray first
+// meets them, and kept: all members may be called from many threads at once.
+class LabelMap {
+ public:
+  ~LabelMap();
+  LabelMap(const LabelMap&) = delete;
+  LabelMap& operator=(const LabelMap&) = delete;
+
+  const std::vector<int>& labels() const noexcept;       // all that occur, rising
+  const LatticeGeometry& geometry() const noexcept;      // of the samples
+  std::optional<int> label_at(const Vec3& world) const;  // that wins there; none: outside, missing
+  std::size_t resident_bytes() const noexcept;           // memory held now
+
+  const labels::LabelGrid& grid() const noexcept { return *grid_; }  // the library's own business
+
+ private:
+  friend std::shared_ptr<const LabelMap> make_label_map(const LatticeField&, int, std::stop_token);
+  explicit LabelMap(std::unique_ptr<const labels::LabelGrid> grid);
+
+  std::unique_ptr<const labels::LabelGrid> grid_;
+};
+
+// A map of the field's samples, which are whole numbers of at most 24 bits; the kernels of the
+// field do not matter. Missing samples are no label's. Memory: one byte for each sample, two of
+// more than 255 labels, and where two labels meet 2 to 10 KiB for each 8 x 8 x 8 samples. Throws
+// Error: kInvalidArgument for a value that is no label, naming it, and for more than 65,000
+// different ones; kUnsupported for body-centred lattices; kOutOfMemory, kCancelled, and what the
+// field's source throws. Cost: once over all samples.
+std::shared_ptr<const LabelMap> make_label_map(const LatticeField& field, int threads = 0,
+                                               std::stop_token stop = {});
+
+// How all labels of a map are drawn: as a table says, or else opaque and in a colour by the number.
+// The background, 0 or else what most corners of the map are, is not drawn. What the table says of
+// labels that the map does not have is passed over.
+std::vector<LabelStyle> label_styles(const LabelMap& map,
+                                     const std::vector<LabelEntry>& table = {});
+
+// The surfaces of a label map in a scene (Scenery).
+struct LabelSurfaces {
+  std::shared_ptr<const LabelMap> map;  // null: none
+  std::vector<LabelStyle> styles;       // of each label once; others are not drawn
+  bool shows_field_elsewhere = true;    // whether the field is drawn in other labels and outside
+
+  // Throws Error(kInvalidArgument) that names what is wrong.
+  void validate() const;
+};
+
+}  // namespace ovoid

@@ -1,0 +1,607 @@
+// SPDX-License-Identifier: Apache-2.0
+// One ray through a label map (docs/numerics.md, "Labels").
+//
+// In:  a ray in index space, and which labels are one body.
+// Out: the changes of the body that wins along it.
+//
+// The ray goes from brick to brick, and in a brick from cell to cell. A brick with one label, and a
+// cell in which one body alone can win, are passed without a score. In the other cells scores are
+// taken every kStep along the ray, and where what wins has changed, the place is narrowed down.
+// A score is 4 x 4 x 4 taps, four bytes of a row at a time.
+#if defined(OVOID_LABELS_LABEL_RAYS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef OVOID_LABELS_LABEL_RAYS_INL_H_
+#undef OVOID_LABELS_LABEL_RAYS_INL_H_
+#else
+#define OVOID_LABELS_LABEL_RAYS_INL_H_
+#endif
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "labels/label_rays.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace ovoid::labels {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+// Between two scores along a ray at least, samples: less than what the thinnest structure is wide,
+// one that smoothing left and one that was kept against it.
+inline constexpr double kStep = 0.4;
+inline constexpr double kStepInKept = 0.35;
+// How fast a body's lead over another changes at most, per sample, where nothing was kept: twice
+// the smoothing kernel's greatest line integral across, which at the axes is 0.88.
+inline constexpr double kSteepest = 0.95;
+// Fewer bricks of one label are passed one by one.
+inline constexpr int kWorthLeap = 3;
+// How well a surface's place is known, samples.
+inline constexpr double kExact = 0.004;
+inline constexpr float kExactLead = 0.004F * kScoreSteps;
+inline constexpr int kMostNarrowings = 12;
+
+#if HWY_TARGET == HWY_SCALAR
+struct Four {
+  std::array<float, 4> v{};
+
+  static Four of(const float* p) { return {{p[0], p[1], p[2], p[3]}}; }
+  void add_bytes(const std::uint8_t* bytes, float weight) {
+    for (std::size_t i = 0; i < 4; ++i) v[i] += weight * static_cast<float>(bytes[i]);
+  }
+  void add(const Four& other, float weight) {
+    for (std::size_t i = 0; i < 4; ++i) v[i] += weight * other.v[i];
+  }
+  float dot(const Four& w) const {
+    return v[0] * w.v[0] + v[1] * w.v[1] + v[2] * w.v[2] + v[3] * w.v[3];
+  }
+};
+#else
+// Four floats, of neighbours along x.
+class Four {
+ public:
+  using D4 = hn::FixedTag<float, 4>;
+  using DI4 = hn::FixedTag<std::int32_t, 4>;
+  using DB4 = hn::FixedTag<std::uint8_t, 4>;
+
+  HWY_INLINE Four() : v_(hn::Zero(D4())) {}
+  static HWY_INLINE Four of(const float* p) {
+    Four four;
+    four.v_ = hn::LoadU(D4(), p);
+    return four;
+  }
+  HWY_INLINE void add_bytes(const std::uint8_t* bytes, float weight) {
+    const auto wide = hn::PromoteTo(DI4(), hn::LoadU(DB4(), bytes));
+    v_ = hn::MulAdd(hn::ConvertTo(D4(), wide), hn::Set(D4(), weight), v_);
+  }
+  HWY_INLINE void add(const Four& other, float weight) {
+    v_ = hn::MulAdd(other.v_, hn::Set(D4(), weight), v_);
+  }
+  HWY_INLINE float dot(const Four& w) const {
+    return hn::GetLane(hn::SumOfLanes(D4(), hn::Mul(v_, w.v_)));
+  }
+
+ private:
+  hn::Vec<D4> v_;
+};
+#endif
+
+// Of the four taps around a place, a share `f` behind the second.
+struct TapWeights {
+  std::array<float, 4> of;
+
+  HWY_INLINE explicit TapWeights(float f) {
+    constexpr float kSixth = 1.0F / 6;
+    const float g = 1 - f;
+    of = {kSixth * g * g * g, kSixth * ((3 * f - 6) * f * f + 4),
+          kSixth * ((3 * g - 6) * g * g + 4), kSixth * f * f * f};
+  }
+};
+
+// How they change with the place.
+struct TapSlopes {
+  std::array<float, 4> of;
+
+  HWY_INLINE explicit TapSlopes(float f) {
+    const float g = 1 - f;
+    of = {-0.5F * g * g, 0.5F * (3 * f - 4) * f, 0.5F * (4 - 3 * g) * g, 0.5F * f * f};
+  }
+};
+
+inline std::size_t number_of(const std::array<int, 3>& cell) {
+  return static_cast<std::size_t>((cell[2] * kBrickEdge + cell[1]) * kBrickEdge + cell[0]);
+}
+
+// A place in a brick: its cell, and how far in it.
+struct PlaceInBrick {
+  std::array<int, 3> cell;
+  std::array<float, 3> share;  // each in [0, 1]
+
+  void set_cell(const std::array<int, 3>& box) { cell = box; }
+  // `in_brick`: in cells from its corner.
+  HWY_INLINE void set_share(const Vec3& in_brick) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double share_in = in_brick[static_cast<Eigen::Index>(a)] - cell[a];
+      share[a] = std::clamp(static_cast<float>(share_in), 0.0F, 1.0F);
+    }
+  }
+};
+
+inline std::array<int, 3> bricks_along(const LabelGrid& grid) {
+  const Index3& num = grid.num_bricks();
+  return {static_cast<int>(num[0]), static_cast<int>(num[1]), static_cast<int>(num[2])};
+}
+
+// Index space.
+inline Vec3 corner_of(const std::array<int, 3>& brick) {
+  return {static_cast<double>(brick[0] * kBrickEdge - 1),
+          static_cast<double>(brick[1] * kBrickEdge - 1),
+          static_cast<double>(brick[2] * kBrickEdge - 1)};
+}
+
+// The scores of some labels of a brick at one place, as they are stored.
+struct Scores {
+  Scores() = default;
+  HWY_INLINE Scores(const LabelBrick& brick, std::uint32_t labels, const PlaceInBrick& at) {
+    const TapWeights x(at.share[0]), y(at.share[1]), z(at.share[2]);
+    const Four wx = Four::of(x.of.data());
+    const std::uint8_t* const corner =
+        brick.fine.data() + (at.cell[2] * kFineEdge + at.cell[1]) * kFineEdge + at.cell[0];
+    for (std::uint32_t left = labels; left != 0; left &= left - 1) {
+      const int l = std::countr_zero(left);
+      const std::uint8_t* slice = corner + static_cast<std::size_t>(l) * kNumFine;
+      Four sum;
+      for (std::size_t k = 0; k < 4; ++k, slice += kFineEdge * kFineEdge) {
+        Four rows;
+        for (std::size_t j = 0; j < 4; ++j) rows.add_bytes(slice + j * kFineEdge, y.of[j]);
+        sum.add(rows, z.of[k]);
+      }
+      of_label[static_cast<std::size_t>(l)] = sum.dot(wx);
+    }
+  }
+
+  std::array<float, kMostInBrick> of_label;  // of those that were asked for
+};
+
+// The one with the greatest score, of at least one.
+inline std::size_t best_of(const Scores& scores, std::uint32_t labels) {
+  auto best = static_cast<std::size_t>(std::countr_zero(labels));
+  for (std::uint32_t left = labels & (labels - 1); left != 0; left &= left - 1) {
+    const auto l = static_cast<std::size_t>(std::countr_zero(left));
+    if (scores.of_label[l] > scores.of_label[best]) best = l;
+  }
+  return best;
+}
+
+// The slope of a label's coarse score, per sample; as it is stored.
+HWY_INLINE Vec3 coarse_slope(const LabelBrick& brick, int label, const PlaceInBrick& at) {
+  std::array<int, 3> first;
+  std::array<float, 3> share;
+  for (std::size_t a = 0; a < 3; ++a) {
+    // A score stands for two samples, those before and behind it.
+    const float place = 0.5F * (static_cast<float>(at.cell[a]) + at.share[a] - 0.5F);
+    const float below = std::floor(place);
+    first[a] = static_cast<int>(below) + 1;
+    share[a] = place - below;
+  }
+  const TapWeights x(share[0]), y(share[1]), z(share[2]);
+  const TapSlopes dx(share[0]), dy(share[1]), dz(share[2]);
+  const std::uint8_t* slice = brick.coarse.data() + static_cast<std::size_t>(label) * kNumCoarse +
+                              (first[2] * kCoarseEdge + first[1]) * kCoarseEdge + first[0];
+  Four sum, along_y, along_z;
+  for (std::size_t k = 0; k < 4; ++k, slice += kCoarseEdge * kCoarseEdge) {
+    Four rows, slopes;
+    for (std::size_t j = 0; j < 4; ++j) {
+      rows.add_bytes(slice + j * kCoarseEdge, y.of[j]);
+      slopes.add_bytes(slice + j * kCoarseEdge, dy.of[j]);
+    }
+    sum.add(rows, z.of[k]);
+    along_y.add(slopes, z.of[k]);
+    along_z.add(rows, dz.of[k]);
+  }
+  const Four wx = Four::of(x.of.data());
+  return 0.5 * Vec3(sum.dot(Four::of(dx.of.data())), along_y.dot(wx), along_z.dot(wx));
+}
+
+// A ray's slopes, for walks along it.
+struct RaySlopes {
+  explicit RaySlopes(const LabelRay& ray) : origin(ray.origin), direction(ray.direction) {
+    for (int a = 0; a < 3; ++a) {
+      const double d = direction[a];
+      inverse[a] = d == 0 ? std::numeric_limits<double>::infinity() : 1 / d;
+      forward[static_cast<std::size_t>(a)] = d == 0 ? 0 : d > 0 ? 1 : -1;
+    }
+  }
+
+  Vec3 origin, direction, inverse;
+  std::array<int, 3> forward{};
+};
+
+// Steps from box to box of a regular grid along a ray.
+class BoxWalk {
+ public:
+  // Boxes of `edge` from `corner` on; `num` along each axis. The place at `begin` is in one, but
+  // for rounding.
+  BoxWalk(const RaySlopes& ray, double begin, const Vec3& corner, int edge,
+          const std::array<int, 3>& num)
+      : forward_(ray.forward), num_(num), enter_(begin) {
+    const double per_edge = 1.0 / edge;
+    for (int a = 0; a < 3; ++a) {
+      const auto i = static_cast<std::size_t>(a);
+      const double place = (ray.origin[a] + begin * ray.direction[a] - corner[a]) * per_edge;
+      box[i] = std::clamp(static_cast<int>(place), 0, num[i] - 1);
+      if (forward_[i] == 0) {
+        next_[i] = std::numeric_limits<double>::infinity();
+        continue;
+      }
+      const auto side = static_cast<double>(edge * (box[i] + (forward_[i] > 0 ? 1 : 0)));
+      next_[i] = (corner[a] + side - ray.origin[a]) * ray.inverse[a];
+      step_[i] = edge * std::abs(ray.inverse[a]);
+    }
+    find_leave();
+  }
+
+  double enter() const { return enter_; }
+  double leave() const { return std::max(enter_, leave_); }
+  // Where the ray leaves all boxes that are at most so many steps away, a little before: in the
+  // last of them.
+  double leave_after(int steps) const {
+    double leave = std::numeric_limits<double>::infinity();
+    for (std::size_t a = 0; a < 3; ++a)
+      leave = std::min(leave, next_[a] + (steps - kBack) * step_[a]);
+    return std::max(leave, enter_);
+  }
+  // Returns false if there is no next box.
+  bool advance() {
+    enter_ = leave();
+    box[axis_] += forward_[axis_];
+    if (box[axis_] < 0 || box[axis_] >= num_[axis_]) return false;
+    next_[axis_] += step_[axis_];
+    find_leave();
+    return true;
+  }
+
+  std::array<int, 3> box{};
+
+ private:
+  static constexpr double kBack = 1e-6;  // more than rounding, of a box's edge
+
+  void find_leave() {
+    axis_ = next_[0] < next_[1] ? (next_[0] < next_[2] ? 0 : 2) : (next_[1] < next_[2] ? 1 : 2);
+    leave_ = next_[axis_];
+  }
+
+  std::array<double, 3> next_{}, step_{};
+  std::array<int, 3> forward_;
+  std::array<int, 3> num_;
+  std::size_t axis_ = 0;
+  double enter_, leave_ = 0;
+};
+
+// A ray on its way.
+class Tracer {
+ public:
+  Tracer(const LabelGrid& grid, const Bodies& bodies, const LabelRay& ray,
+         std::vector<LabelCrossing>& crossings)
+      : grid_(grid),
+        bodies_(bodies),
+        ray_(ray),
+        slopes_(ray),
+        crossings_(crossings),
+        num_bricks_(bricks_along(grid)),
+        length_(ray.direction.norm()) {}
+
+  Bodies::Id walk(Rank* rank) {
+    *rank = kNoLabel;
+    BoxWalk bricks(slopes_, ray_.begin, Vec3::Constant(-1), kBrickEdge, num_bricks_);
+    do {
+      const double end = std::min(bricks.leave(), ray_.end);
+      const auto [i, j, k] = bricks.box;
+      const Rank only = grid_.only_label(grid_.brick_at(i, j, k));
+      if (only != LabelGrid::kMixed) {
+        pass(only, bricks.enter(), rank);
+      } else {
+        enter_brick(grid_.brick(i, j, k), bricks.box);
+        if (brick_->ranks.size() == 1) {
+          pass(brick_->ranks.front(), bricks.enter(), rank);
+        } else {
+          walk_cells(bricks.enter(), end, rank);
+        }
+      }
+      if (is_done_ || end >= ray_.end) break;
+      if (only == LabelGrid::kMixed) continue;
+      const int steps = grid_.steps_to_others(grid_.brick_at(i, j, k));
+      if (steps < kWorthLeap) continue;
+      const double landing = bricks.leave_after(steps - 1);
+      if (landing >= ray_.end) break;
+      bricks = BoxWalk(slopes_, landing, Vec3::Constant(-1), kBrickEdge, num_bricks_);
+    } while (bricks.advance());
+    return start_;
+  }
+
+ private:
+  void enter_brick(const LabelBrick& brick, const std::array<int, 3>& box) {
+    brick_ = &brick;
+    corner_ = corner_of(box);
+    const std::size_t num = brick.ranks.size();
+    for (std::size_t l = 0; l < num; ++l) body_[l] = bodies_.of(brick.ranks[l]);
+    for (std::size_t i = 0; i < std::min(kKnownSets, brick.candidate_sets.size()); ++i)
+      body_of_set_[i] = only_body_in(brick.candidate_sets[i]);
+    few_ = 0;
+    if (brick.adds_up && num > 1) find_few(num);
+  }
+
+  // Where there are two bodies, the labels of the one that has fewer.
+  void find_few(std::size_t num) {
+    std::uint32_t first = 0;
+    std::uint32_t second = 0;
+    for (std::size_t l = 0; l < num; ++l) {
+      if (body_[l] == body_[0]) {
+        first |= 1U << l;
+        continue;
+      }
+      if (second == 0) other_body_ = body_[l];
+      if (body_[l] != other_body_) return;
+      second |= 1U << l;
+    }
+    few_body_ = body_[0];
+    few_ = first;
+    if (second == 0 || std::popcount(first) <= std::popcount(second)) return;
+    std::swap(few_body_, other_body_);
+    few_ = second;
+  }
+
+  // Everything from here on, for a while, is that label's.
+  void pass(Rank only, double t, Rank* rank) {
+    const Bodies::Id body = bodies_.of(only);
+    if (!has_started_) {
+      start(body, only, rank);
+    } else if (body != now_) {
+      // The surface lies on the side of the box, as far as rounding lets see.
+      cross({t, now_, body, label_shown(body, only), ray_.direction});
+    }
+  }
+
+  Rank label_shown(Bodies::Id body, Rank rank) const {
+    return bodies_.all[body].is_shown ? rank : kNoLabel;
+  }
+
+  void start(Bodies::Id body, Rank label, Rank* rank) {
+    start_ = now_ = body;
+    *rank = label;
+    has_started_ = true;
+    is_done_ = bodies_.all[body].is_opaque;
+  }
+
+  void cross(const LabelCrossing& crossing) {
+    crossings_.push_back(crossing);
+    now_ = crossing.behind;
+    is_done_ = bodies_.all[now_].is_opaque;
+  }
+
+  void walk_cells(double begin, double end, Rank* rank) {
+    BoxWalk cells(slopes_, begin, corner_, 1, {kBrickEdge, kBrickEdge, kBrickEdge});
+    do {
+      const double leave = std::min(cells.leave(), end);
+      const std::size_t set = brick_->candidates[number_of(cells.box)];
+      const Bodies::Id body =
+          set < kKnownSets ? body_of_set_[set] : only_body_in(brick_->candidate_sets[set]);
+      if (body == now_ && has_started_) continue;
+      candidates_ = brick_->candidate_sets[set];
+      if (body != kSeveral) {
+        pass(brick_->ranks[static_cast<std::size_t>(std::countr_zero(candidates_))], cells.enter(),
+             rank);
+      } else if (!has_started_ || leave > safe_until_) {
+        place_.set_cell(cells.box);
+        search(cells.enter(), leave, rank);
+      }
+      if (is_done_) return;
+    } while (cells.leave() < end && cells.advance());
+  }
+
+  // kSeveral: they are not of one.
+  Bodies::Id only_body_in(std::uint32_t labels) const {
+    const Bodies::Id first = body_[static_cast<std::size_t>(std::countr_zero(labels))];
+    for (std::uint32_t left = labels & (labels - 1); left != 0; left &= left - 1)
+      if (body_[static_cast<std::size_t>(std::countr_zero(left))] != first) return kSeveral;
+    return first;
+  }
+
+  void go_to(double t) { place_.set_share(ray_.origin + t * ray_.direction - corner_); }
+
+  // The body that wins at t; `lead`: over the second.
+  HWY_INLINE Bodies::Id body_at(double t, float* lead) {
+    go_to(t);
+    if (few_ != 0) {
+      const float ahead = lead_of_few();
+      *lead = std::abs(ahead);
+      return ahead > 0 ? few_body_ : other_body_;
+    }
+    scores_ = Scores(*brick_, candidates_, place_);
+    return best_body(lead);
+  }
+
+  // By how much a body is ahead of now_ at t.
+  HWY_INLINE float lead_at(double t, Bodies::Id body) {
+    go_to(t);
+    if (few_ != 0) return body == few_body_ ? lead_of_few() : -lead_of_few();
+    scores_ = Scores(*brick_, candidates_, place_);
+    return score_of(body) - score_of(now_);
+  }
+
+  // Of two bodies whose scores add up, one says all.
+  HWY_INLINE float lead_of_few() {
+    const Scores scores(*brick_, few_, place_);
+    float sum = 0;
+    for (std::uint32_t left = few_; left != 0; left &= left - 1)
+      sum += scores.of_label[static_cast<std::size_t>(std::countr_zero(left))];
+    return 2 * sum - kScoreSteps;
+  }
+
+  float score_of(Bodies::Id body) const {
+    float sum = 0;
+    for (std::uint32_t left = candidates_; left != 0; left &= left - 1) {
+      const auto l = static_cast<std::size_t>(std::countr_zero(left));
+      if (body_[l] == body) sum += scores_.of_label[l];
+    }
+    return sum;
+  }
+
+  Bodies::Id best_body(float* lead) const {
+    Bodies::Id best = 0;
+    float most = -1;
+    float second = -1;
+    for (std::uint32_t left = candidates_; left != 0; left &= left - 1) {
+      const Bodies::Id body = body_[static_cast<std::size_t>(std::countr_zero(left))];
+      if (most >= 0 && body == best) continue;
+      const float score = score_of(body);
+      if (score > most) {
+        second = most;
+        most = score;
+        best = body;
+      } else {
+        second = std::max(second, score);
+      }
+    }
+    *lead = most - second;
+    return best;
+  }
+
+  // The body's label that is ahead of its others at a place.
+  Rank best_label(Bodies::Id body) const {
+    std::uint32_t labels = 0;
+    for (std::size_t l = 0; l < brick_->ranks.size(); ++l)
+      if (body_[l] == body) labels |= 1U << l;
+    if (labels == 0) return kNoLabel;
+    if (std::has_single_bit(labels))
+      return brick_->ranks[static_cast<std::size_t>(std::countr_zero(labels))];
+    return brick_->ranks[best_of(Scores(*brick_, labels, place_), labels)];
+  }
+
+  // Of the part of the ray that lies in the cell. Where a body leads by much, nothing changes for a
+  // while.
+  void search(double begin, double end, Rank* rank) {
+    float lead = 0;
+    if (!has_started_) {
+      const Bodies::Id first = body_at(begin, &lead);
+      start(first, best_label(first), rank);
+    }
+    const double least_step = (brick_->adds_up ? kStep : kStepInKept) / length_;
+    double from = begin;
+    while (from < end && !is_done_) {
+      const double to = std::min(std::max(from + least_step, safe_until_), end);
+      if (to < safe_until_) return;  // the whole cell
+      const Bodies::Id body = body_at(to, &lead);
+      safe_until_ = to;
+      if (body != now_) {
+        const float before = from == last_.t && few_ != 0 ? -last_.lead : lead_at(from, body);
+        const float behind = few_ != 0 ? lead : lead_at(to, body);
+        found(narrowed({from, before}, {to, behind}, body), body);
+      } else if (brick_->adds_up) {
+        safe_until_ += lead / (kScoreSteps * kSteepest * length_);
+      }
+      last_ = {to, lead};
+      from = to;
+    }
+  }
+
+  // How far a body is ahead somewhere along the ray.
+  struct LeadAt {
+    double t = 0;
+    float lead = 0;
+  };
+
+  // Where both bodies are as far: at `from` now_ is ahead, at `to` the other.
+  double narrowed(LeadAt from, LeadAt to, Bodies::Id body) {
+    int side = 0;
+    for (int i = 0; i < kMostNarrowings && (to.t - from.t) * length_ > kExact; ++i) {
+      const float gap = to.lead - from.lead;
+      const double share = gap > 0 ? std::clamp(-from.lead / gap, 0.0F, 1.0F) : 0.5;
+      const double middle = from.t + share * (to.t - from.t);
+      const float there = lead_at(middle, body);
+      if (std::abs(there) < kExactLead) return middle;
+      // Illinois: an end that stays counts half.
+      if (there < 0) {
+        from = {middle, there};
+        if (side < 0) to.lead *= 0.5F;
+        side = -1;
+      } else {
+        to = {middle, there};
+        if (side > 0) from.lead *= 0.5F;
+        side = 1;
+      }
+    }
+    return 0.5 * (from.t + to.t);
+  }
+
+  void found(double t, Bodies::Id body) {
+    go_to(t);
+    LabelCrossing crossing{t, now_, body, kNoLabel, Vec3::Zero()};
+    if (bodies_.all[body].is_shown || bodies_.all[now_].is_shown) {
+      crossing.rank = best_label(bodies_.all[body].is_shown ? body : now_);
+      for (std::uint32_t l = 0; l < brick_->ranks.size(); ++l) {
+        const bool is_told = few_ == 0 || (few_ >> l & 1U) != 0;  // by the others
+        const double sign = body_[l] == body ? 1 : body_[l] == now_ ? -1 : 0;
+        if (!is_told || sign == 0) continue;
+        crossing.into += sign * coarse_slope(*brick_, static_cast<int>(l), place_);
+      }
+    }
+    cross(crossing);
+  }
+
+  const LabelGrid& grid_;
+  const Bodies& bodies_;
+  const LabelRay& ray_;
+  const RaySlopes slopes_;
+  std::vector<LabelCrossing>& crossings_;
+  const std::array<int, 3> num_bricks_;
+  const double length_;  // of the direction, samples for each unit of t
+
+  bool has_started_ = false, is_done_ = false;
+  LeadAt last_{-std::numeric_limits<double>::infinity(), 0};  // of now_, where it was taken last
+  double safe_until_ = -std::numeric_limits<double>::infinity();  // now_ wins from here to there
+  Bodies::Id start_ = 0, now_ = 0;
+  const LabelBrick* brick_ = nullptr;
+  Vec3 corner_ = Vec3::Zero();
+  std::uint32_t candidates_ = 0;
+  static constexpr Bodies::Id kSeveral = 0xFFFF;
+  static constexpr std::size_t kKnownSets = 32;
+  std::array<Bodies::Id, kKnownSets> body_of_set_{};  // of the brick's first sets of candidates
+  std::uint32_t few_ = 0;  // 0: there are more than two bodies, or scores do not add up
+  Bodies::Id few_body_ = 0, other_body_ = 0;
+  std::array<Bodies::Id, kMostInBrick> body_{};
+  PlaceInBrick place_{};
+  Scores scores_;
+};
+
+inline Bodies::Id trace_on_target(const LabelGrid& grid, const Bodies& bodies, const LabelRay& ray,
+                                  Rank* rank, std::vector<LabelCrossing>& crossings) {
+  return Tracer(grid, bodies, ray, crossings).walk(rank);
+}
+
+inline Rank winner_on_target(const LabelGrid& grid, const Vec3& place) {
+  const RaySlopes here({place, Vec3::UnitX(), 0, 0});
+  const BoxWalk bricks(here, 0, Vec3::Constant(-1), kBrickEdge, bricks_along(grid));
+  const auto [i, j, k] = bricks.box;
+  const Rank only = grid.only_label(grid.brick_at(i, j, k));
+  if (only != LabelGrid::kMixed) return only;
+  const LabelBrick& brick = grid.brick(i, j, k);
+  if (brick.ranks.size() == 1) return brick.ranks.front();
+  const Vec3 corner = corner_of(bricks.box);
+  const BoxWalk cells(here, 0, corner, 1, {kBrickEdge, kBrickEdge, kBrickEdge});
+  PlaceInBrick at{};
+  at.set_cell(cells.box);
+  at.set_share(place - corner);
+  const std::uint32_t candidates = brick.candidate_sets[brick.candidates[number_of(cells.box)]];
+  return brick.ranks[best_of(Scores(brick, candidates, at), candidates)];
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace ovoid::labels
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+// Label maps as `ovoid render` draws them: by themselves and beside a scan. Fails if a name means
+// another label, if labels that are hidden are drawn, or if what is wrong is not named.
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "program.h"
+
+namespace ovoid::cli_tests {
+namespace {
+
+class LabelMaps : public testing::Test {
+ protected:
+  void SetUp() override {
+    expect_success({"make", "head-labels", "--size", "40", "--type", "uint8", "-o", map_});
+    std::ofstream(table_) << "1 skin 255 0 0 255\n2 Skull 0 255 0 255\n5 brain 0 0 255 255\n";
+  }
+
+  Picture picture_of(const std::string& data, const Words& more) {
+    Words words = {data, "--size", "80x80"};
+    words.insert(words.end(), more.begin(), more.end());
+    return draw(folder_, words);
+  }
+  static double sum(const Picture& image, std::size_t channel) {
+    double all = 0;
+    for (std::size_t i = channel; i < image.rgba.size(); i += 4) all += image.rgba[i];
+    return all;
+  }
+
+  Folder folder_;
+  std::string map_ = folder_ / "map.nrrd", table_ = folder_ / "names.txt",
+              picture_ = folder_ / "p.png";
+};
+
+TEST_F(LabelMaps, AMapByItselfIsDrawnByItsSurfaces) {
+  const Outcome drawn = run({"render", map_, "--size", "40x40", "-o", picture_});
+  EXPECT_EQ(drawn.exit_code, 0) << drawn.err;
+  EXPECT_NE(drawn.err.find("look like labels"), std::string::npos) << drawn.err;
+  const Picture skin = picture_of(map_, {"--label-table", table_});
+  EXPECT_GT(sum(skin, 0), 500);
+  EXPECT_LT(sum(skin, 1), 0.2 * sum(skin, 0));
+}
+
+TEST_F(LabelMaps, NamesAndNumbersMeanLabels) {
+  const Picture by_name =
+      picture_of(map_, {"--label-table", table_, "--label-opacity", "others=0,skull=1"});
+  EXPECT_EQ(by_name.rgba,
+            picture_of(map_, {"--label-table", table_, "--label-opacity", "2=1,others=0"}).rgba);
+  EXPECT_GT(sum(by_name, 1), 200);
+  EXPECT_LT(sum(by_name, 0), 0.2 * sum(by_name, 1));
+}
+
+TEST_F(LabelMaps, BesideAScanTheyAreHiddenAndShown) {
+  const std::string scan = folder_ / "scan.nrrd";
+  expect_success({"make", "head", "--size", "40", "-o", scan});
+  const Words shared = {"--labels", map_, "--label-table", table_};
+  const auto with = [&](Words more) {
+    more.insert(more.begin(), shared.begin(), shared.end());
+    return picture_of(scan, more);
+  };
+  const Picture hidden = with({"--label-opacity", "others=0"});
+  EXPECT_EQ(hidden.rgba, picture_of(scan, {}).rgba);
+  const Picture brain =
+      with({"--label-opacity", "others=0,brain=1", "--opacity", "-300:0,2000:0.05"});
+  EXPECT_GT(sum(brain, 2), 100);
+  const Picture inside =
+      with({"--inside-labels", "brain", "--label-opacity", "others=0", "--range", "0,45"});
+  const Picture outside =
+      with({"--outside-labels", "brain", "--label-opacity", "others=0", "--range", "0,45"});
+  const Picture whole = picture_of(scan, {"--range", "0,45"});
+  EXPECT_GT(sum(inside, 3), 100);
+  EXPECT_LT(sum(inside, 3), 0.8 * sum(whole, 3));
+  EXPECT_NE(outside.rgba, whole.rgba);
+}
+
+TEST_F(LabelMaps, WhatIsWrongIsNamed) {
+  expect_failure(
+      {"render", map_, "--label-table", table_, "--label-opacity", "livr=1", "-o", picture_}, 1,
+      {"--label-opacity livr", "1 (skin)"});
+  expect_failure({"render", map_, "--label-opacity", "skin", "-o", picture_}, 2, {"LABEL=A"});
+  expect_failure({"render", map_, "--label-opacity", "1=1.5", "-o", picture_}, 2, {"1.5"});
+  expect_failure({"render", map_, "--inside-labels", "1", "-o", picture_}, 2, {"--labels"});
+  expect_failure({"render", map_, "--label-table", folder_ / "none.txt", "-o", picture_}, 1,
+                 {"none.txt"});
+  const std::string scan = folder_ / "scan.nrrd";
+  expect_success({"make", "ball", "--size", "16", "-o", scan});
+  expect_failure({"render", scan, "--labels", scan, "-o", picture_}, 1,
+                 {"--labels", "is no label"});
+  expect_failure({"render", scan, "--labels", map_, "--mode", "mip", "-o", picture_}, 2,
+                 {"--mode", "--labels"});
+}
+
+}  // namespace
+}  // namespace ovoid::cli_tests

@@ -63,7 +63,7 @@ void App::draw_panel(Panel& panel, ImVec2 at, ImVec2 size) {
                    ImGuiWindowFlags_NoSavedSettings);
   // All tabs have room in a panel of the usual width.
   const ImVec2 usual = ImGui::GetStyle().FramePadding;
-  const ImVec2 narrow(usual.x / 2, usual.y);
+  const ImVec2 narrow(usual.x / 3, usual.y);
   const auto push_narrow = [&] {
     ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, narrow);
     ImGui::PushStyleVar(ImGuiStyleVar_ItemInnerSpacing, ImVec2(1, 0));  // between them

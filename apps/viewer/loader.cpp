@@ -491,9 +491,8 @@ void Loader::Impl::read_surfaces(const SurfaceTask& task, const std::stop_token&
       }
     } catch (const Error& error) {
       if (error.code() == ErrorCode::kCancelled) throw;
-      // What the others lack may be points.
-      const bool is_surface = cli::has_ending(path, ".stl") || cli::has_ending(path, ".obj");
-      if (may_be_data && !is_surface) {
+      // Of those that are dropped this alone may be points.
+      if (may_be_data && cli::has_ending(path, ".vtp")) {
         read.data.push_back(path);
       } else {
         read.errors.push_back(in_a_window(cli::one_line(error.what())));

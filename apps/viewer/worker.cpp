@@ -203,8 +203,8 @@ void Worker::Impl::set_scales(const Scene& scene) {
                      coarsest);
 }
 
-// What slices' colours span depends on the values of all of the field, of which the loader may not
-// have counted how many there are.
+// What slices' colours span depends on how often values occur, which the loader may not have
+// counted yet.
 Scenery Worker::Impl::scenery_of(const Scene& scene, const std::stop_token& token) {
   Scenery all = scene.shown->subject.scenery;
   all.geometry.insert(all.geometry.end(), scene.added.begin(), scene.added.end());

@@ -202,10 +202,16 @@ TEST_F(WindowScene, ADroppedSurfaceIsAddedAndDataAreOpened) {
 TEST_F(WindowScene, MeshesWithValuesOpenWhereTheyAreDropped) {
   if (!has_vtk()) GTEST_SKIP() << "this build has no VTK";
   ply("faces.ply", true);
+  // Fewer faces than it says: no surface, but no points either.
+  std::string lying = file("faces.ply");
+  lying.replace(lying.find("element face 4"), 14, "element face 9000000");
+  write_file(folder_ / "lying.ply", lying);
   vtp("plain.vtp", "Normals");
   vtp("values.vtp", "heat");
   view({make_head()}, std::string(kBegin) +
                           "drop $/faces.ply\nwait idle\nexpect scene.surfaces == 1\n"
+                          "drop $/lying.ply\nwait 20 frames\nwait idle\nexpect array == head\n"
+                          "expect scene.error contains lying.ply\n"
                           "drop $/plain.vtp\nwait idle\nexpect scene.surfaces == 2\n"
                           "drop $/plain.vtp $/values.vtp\nwait idle\n"
                           "expect scene.surfaces == 3\nexpect scene.error contains values.vtp\n"

@@ -30,7 +30,6 @@
 #include "io/foreign/netcdf_header.h"
 #include "io/foreign/vtk_header.h"
 #include "io/images/slice_pictures.h"
-#include "io/images/tiff.h"
 #include "io/meshes/plot3d.h"
 #include "io/read_source.h"
 #include "io/reader/reader_session.h"
@@ -174,7 +173,7 @@ inline void slice(Input input) {
 }
 
 inline void tiff(Input input) {
-  expect_dataset_or_error([&] { return io::read_tiff(*io::open_memory("fuzz.tif", input), {}); });
+  expect_dataset_or_error([&] { return io::read_source(*io::open_memory("fuzz.tif", input), {}); });
 }
 
 // A zip file of a Zarr hierarchy. What claims more memory than here is is refused.

@@ -20,7 +20,7 @@ constexpr std::string_view kAxesWithoutNames = "tczyx";  // of versions 0.1 and 
 
 // A path below the group: what a file names must not lead out of its folder.
 std::string path_below(const JsonValue& value) {
-  const std::string path = value.string();
+  std::string path = value.string();
   std::size_t begin = 0;
   while (begin <= path.size()) {
     const std::size_t end = std::min(path.find('/', begin), path.size());

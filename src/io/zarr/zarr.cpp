@@ -59,8 +59,8 @@ class ZarrReader {
       fail(ErrorCode::kFileFormat, "has no .zarray, .zgroup or zarr.json, which describe it");
     if (root->is_array)
       read_array(*root);
-    else if (std::vector<OmeImage> images = ome_images(*root); !images.empty())
-      read_images(std::move(images));
+    else if (const std::vector<OmeImage> images = ome_images(*root); !images.empty())
+      read_images(images);
     else
       read_group();
     return std::move(dataset_);
@@ -77,7 +77,7 @@ class ZarrReader {
   // --- images -----------------------------------------------------------------------------------
 
   // The root's: a block for each resolution.
-  void read_images(std::vector<OmeImage> images) {
+  void read_images(const std::vector<OmeImage>& images) {
     std::vector<std::pair<const OmeImage*, const OmeLevel*>> levels;
     for (const OmeImage& image : images)
       for (const OmeLevel& level : image.levels) levels.emplace_back(&image, &level);
@@ -313,12 +313,14 @@ class ZarrReader {
     };
     if (!std::all_of(found.begin(), found.end(), is_like_first)) {
       std::vector<ZarrNode> volumes;
+      volumes.reserve(found.size());
       for (const FoundArray& one : found) volumes.push_back(*one.node);
       fail(ErrorCode::kInvalidArgument,
            fmt::format("holds arrays of several sizes: choose one with --array:{}",
                        keys_of(volumes)));
     }
     std::vector<ChunkedArray> arrays;
+    arrays.reserve(found.size());
     for (FoundArray& one : found) arrays.push_back(std::move(one.array));
     // A channel is asked for by its own name; here the array's was.
     ReadOptions options = options_;

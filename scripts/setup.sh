@@ -17,7 +17,7 @@ declare -A groups=(
   # Its wheel is made with patchelf, and tested in a virtual environment (python3-venv).
   [build]="make g++ cmake ninja-build ccache pkg-config git python3
     libeigen3-dev libfmt-dev nlohmann-json3-dev libcli11-dev
-    libpng-dev libjpeg-dev libgif-dev zlib1g-dev libbz2-dev libopenexr-dev
+    libpng-dev libjpeg-dev libgif-dev zlib1g-dev libbz2-dev libblosc-dev libzstd-dev liblz4-dev libopenexr-dev
     libvulkan-dev libvulkan-volk-dev glslang-tools spirv-tools
     voro++-dev libhwy-dev libvtk9-dev libgdcm-dev libhdf5-dev libseccomp-dev libgtest-dev libgmock-dev
     libvulkan1 mesa-vulkan-drivers vulkan-validationlayers

@@ -70,6 +70,9 @@ const Table<DataFlags>& data_settings() {
   static const Table<D> all = {
       {"--block", word("NAME"), &D::block,
        "which of several volumes, such as a DICOM series (default: the largest)"},
+      {"--axis-order", word("ORDER"), at(&D::raw, &RawOptions::axis_order),
+       "NPY, Zarr, HDF5: the array's axes, the slowest first: letters of t, c (channels), z, y, x, "
+       "such as czyx (default: the format's rule)"},
       {"--step", integer<std::int64_t>("N", 0, 1'000'000'000), &D::step,
        "which time step, from 0 (default: the first that varies)", one_step,
        not_with("hyperslice", kGiveOne)},
@@ -207,12 +210,12 @@ const Table<ModelFlags>& relevant_settings() {
 
 void add_input_flags(Flags& flags, DataFlags* data) {
   flags.section("data");
-  flags.positionals(
-      "INPUT",
-      "a volume, mesh, particles or kernels in any format of docs/formats.md, or a "
-      "folder of DICOM files or slices; several are the time steps of one, the slices of a "
-      "DICOM series, or the parts of a format that has some",
-      &data->inputs);
+  flags.positionals("INPUT",
+                    "a volume, mesh, particles or kernels in any format of docs/formats.md, or a "
+                    "folder of DICOM files or slices, or a Zarr folder; several are the time steps "
+                    "of one, the slices of a "
+                    "DICOM series, or the parts of a format that has some",
+                    &data->inputs);
   flags.add(data_settings(), data);
   flags.section("raw data, where the name is not like x_256x256x256_uint8.raw");
   flags.add(raw_settings(), data);

@@ -32,6 +32,9 @@ struct RawOptions {
   std::optional<ScalarType> type;
   std::optional<Vec3> spacing;
   bool big_endian = false;
+  // What the axes of an array are, the slowest first, a letter for each: t, c (channels), z, y, x,
+  // as "tczyx". Of NPY, Zarr and grids in HDF5 alone; empty: as the format has it.
+  std::string axis_order;
 };
 
 // Which of an HDF5 file's arrays are read as particles, by their paths in the file.

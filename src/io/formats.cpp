@@ -38,6 +38,7 @@
 #include "io/vtk/vti_write.h"
 #include "io/vtk/vtk_set_files.h"
 #include "io/vtk/vtu_write.h"
+#include "io/zarr/zarr.h"
 #include "ovoid/error.h"
 #include "ovoid/lattice_file.h"
 
@@ -152,6 +153,7 @@ std::vector<Format> images() {
            .begins = looks_like_npy,
            .read = read_one<read_npy>,
            .says_spacing = false,
+           .says_axes = false,
            .outline = outline_of_npy,
            .writers = {{.endings = {".npy"},
                         .kinds = {kLattice},
@@ -163,6 +165,14 @@ std::vector<Format> images() {
            .begins = looks_like_tiff,
            .read = read_one<read_tiff>,
            .says_spacing = false,
+           .kinds = {kLattice}},
+          {.name = "Zarr",
+           .endings = {".zarr"},
+           .is_file = [](const ByteSource& source,
+                         std::string_view start) { return is_zarr(source, start); },
+           .read = read_zarr,
+           .says_spacing = false,
+           .says_axes = false,
            .kinds = {kLattice}},
           {.name = "folder of slices", .endings = {}, .says_spacing = false, .kinds = {kLattice}},
           {.name = kRaw,
@@ -234,6 +244,7 @@ std::vector<Format> points() {
            .begins = is_hdf5,
            .library = "HDF5",
            .says_spacing = false,  // grids of others say none
+           .says_axes = false,     // nor these
            .writers = {{.endings = {".h5"},
                         .kinds = {kLattice},
                         .write = write_lattice_file,
@@ -305,6 +316,13 @@ std::string unread_kind_of(std::string_view start) {
               fmt::format("{}: the format {} states its own layout: {} can be given for raw files "
                           "only",
                           source, format, given));
+}
+
+[[noreturn]] void refuse_axis_order(const std::string& source, std::string_view format) {
+  throw Error(ErrorCode::kInvalidArgument,
+              fmt::format("{}: is {}: an axis order can be given for NPY, Zarr and grids in HDF5 "
+                          "only",
+                          source, format));
 }
 
 std::string readable_formats() {
@@ -409,6 +427,7 @@ void refuse_unknown(const ByteSource& source) {
 }
 
 void refuse_raw_options(const std::string& source, const Format& format, const RawOptions& raw) {
+  if (!raw.axis_order.empty() && format.says_axes) refuse_axis_order(source, format.name);
   if (!format.says_layout) return;
   const char* const given = raw.dims                             ? "dimensions"
                             : raw.type                           ? "a type"
@@ -428,6 +447,8 @@ Dataset read_as(const Format& format, const ByteSource& source, const ReadOption
                             format.library, format.name));
   }
   Dataset dataset = read_foreign(format.name, source.name(), {source.name()}, options);
+  if (!options.raw.axis_order.empty() && dataset.format != kHdf5Grid)
+    refuse_axis_order(source.name(), format.name);
   if (options.raw.spacing) {
     if (dataset.format != kHdf5Grid) refuse_given(source.name(), format.name, "a spacing");
     dataset.lattice.world_from_index.linear() = options.raw.spacing->asDiagonal();

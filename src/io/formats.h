@@ -53,6 +53,7 @@ struct Format {
   const char* library = nullptr;
   bool says_layout = true;   // the flags of raw files contradict it,
   bool says_spacing = true;  // --spacing too
+  bool says_axes = true;     // and --axis-order
 
   // The files that belong to the one named, beside it and as far as they are there.
   std::vector<std::string> (*companions)(const ByteSource&) = nullptr;

@@ -11,6 +11,7 @@
 #include "io/dicom/dicom.h"
 #include "io/formats.h"
 #include "io/images/slices.h"
+#include "io/zarr/zarr.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {
@@ -119,6 +120,10 @@ std::vector<std::string> files_read_for(const std::string& path) {
     files.insert(files.end(), more.begin(), more.end());
   };
   try {
+    if (const std::string description = io::zarr_description_of(path); description != path) {
+      files.push_back(description);
+      return files;
+    }
     if (io::is_folder(path)) {
       if (io::is_slice_folder(path)) {
         add(io::slice_files_in(path));

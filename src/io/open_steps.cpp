@@ -8,6 +8,7 @@
 #include "io/core/byte_source.h"
 #include "io/reader/reader_session.h"
 #include "io/step_times.h"
+#include "io/zarr/zarr.h"
 #include "ovoid/error.h"
 #include "ovoid/io.h"
 #include "ovoid/series.h"
@@ -61,7 +62,7 @@ class FileSteps final : public StepSource {
   std::vector<double> times_of_files() const {
     std::vector<double> times;
     for (const std::string& path : paths_) {
-      const auto time = io::named_time(*io::open_file(path));
+      const auto time = io::named_time(*io::open_file(io::zarr_description_of(path)));
       if (!time) return {};
       times.push_back(*time);
     }

@@ -18,6 +18,7 @@
 #include "io/read_source.h"
 #include "io/reader/reader_session.h"
 #include "io/step_files.h"
+#include "io/zarr/zarr.h"
 #include "ovoid/error.h"
 #include "ovoid/io.h"
 
@@ -150,6 +151,9 @@ Dataset read_source(const ByteSource& source, const ReadOptions& options, const 
 
 Dataset read_dataset(const std::vector<std::string>& paths, const ReadOptions& options) {
   if (paths.empty()) throw Error(ErrorCode::kInvalidArgument, "input: no file is named");
+  std::vector<std::string> described;  // a Zarr folder stands for the file that describes it
+  for (const std::string& path : paths) described.push_back(io::zarr_description_of(path));
+  if (described != paths) return read_dataset(described, options);
   if (!options.session) {
     ReadOptions own = options;
     own.session = std::make_shared<ReaderSession>(paths);

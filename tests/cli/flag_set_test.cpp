@@ -220,6 +220,7 @@ const std::vector<Words>& samples() {
       {"--positions", "/p", "--value", "/a", "--value", "/b"},
       {"--data-folder", "/a", "--data-folder", "/b"},
       {"--dims", "4x4x4", "--type", "uint8", "--spacing", "1,1,1", "--big-endian"},
+      {"--axis-order", "czyx"},
       {"--size", "8x8", "--background", "1,1,1"},
       {"--colorbar=T", "--length-unit", "m"},
       {"--axes", "--bounding-box", "--scale-bar"},

@@ -26,6 +26,7 @@
 #include "io/images/test_png.h"
 #include "io/images/test_tiff.h"
 #include "io/pictures/pictures.h"
+#include "io/zarr/test_zarr.h"
 #include "ovoid/error.h"
 #include "ovoid/lattice_file.h"
 
@@ -146,6 +147,55 @@ inline std::vector<std::string> tiff_seeds() {
   io::TiffWriter writer(tiles);
   writer.add_page({samples(256), samples(256)});
   seeds.push_back(writer.bytes());
+  return seeds;
+}
+
+// Zip files: a group with places, an image, version 3.
+inline std::vector<std::string> zarr_seeds() {
+  io::TestZarray array;
+  array.shape = array.chunks = "[2, 3, 2]";
+  array.order = "F";
+  array.compressor = R"({"id": "zlib"})";
+  array.fill = "7";
+  io::ZarrFiles group{{".zgroup", io::kZgroup},
+                      {"v/.zarray", io::zarray(array)},
+                      {"v/0.0.0", deflated(samples(12), 15)}};
+  group["v/.zattrs"] =
+      R"({"_ARRAY_DIMENSIONS": ["z", "y", "x"], "scale_factor": 2, "missing_value": 3, "units": "K"})";
+  for (const char* const name : {"z", "y", "x"}) {
+    group[std::string(name) + "/.zarray"] =
+        io::zarray({.shape = *name == 'y' ? "[3]" : "[2]", .chunks = "[3]"});
+    group[std::string(name) + "/0"] = "\1\3\5";
+  }
+  io::ZarrFiles image{{".zgroup", io::kZgroup}};
+  image[".zattrs"] =
+      R"({"multiscales": [{"axes": [{"name": "t", "type": "time"}, {"name": "c", "type": "channel"},
+      {"name": "y", "type": "space", "unit": "nanometer"}, {"name": "x", "type": "space"}], "datasets": [
+      {"path": "0", "coordinateTransformations": [{"type": "scale", "scale": [1, 1, 2, 0.5]},
+      {"type": "translation", "translation": [0, 0, 1, 2]}]}, {"path": "1"}]}],
+      "omero": {"channels": [{"label": "a"}, {}]}})";
+  const std::pair<const char*, std::string> packs[] = {
+      {"blosc", io::with_blosc(samples(32), "lz4", 1, 2)},
+      {"blosc", io::with_blosc(samples(32), "blosclz", 2, 2)},
+      {"zstd", io::with_zstd(samples(32))},
+      {"lz4", io::with_lz4(samples(32))},
+      {"bz2", bzip2(samples(32))}};
+  std::vector<std::string> seeds{io::zip_of(group)};
+  for (const auto& [id, bytes] : packs) {
+    array = {.shape = "[2, 2, 3, 4]", .chunks = "[1, 2, 2, 4]", .dtype = ">i2", .separator = "/"};
+    array.compressor = std::string(R"({"id": ")") + id + R"("})";
+    image["0/.zarray"] = io::zarray(array);
+    image["0/0/0/0/0"] = image["0/1/0/1/0"] = bytes;
+    seeds.push_back(io::zip_of(image));
+  }
+  io::ZarrFiles third;
+  third["zarr.json"] =
+      R"({"zarr_format": 3, "node_type": "array", "shape": [1, 1, 9], "data_type": "uint8",
+      "chunk_grid": {"name": "regular", "configuration": {"chunk_shape": [1, 1, 9]}},
+      "chunk_key_encoding": {"name": "default"}, "fill_value": 0, "dimension_names": ["z", "y", "x"],
+      "codecs": [{"name": "bytes"}, {"name": "crc32c"}]})";
+  third["c/0/0/0"] = "123456789\x83\x92\x06\xe3";
+  seeds.push_back(io::zip_of(third));
   return seeds;
 }
 

@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <memory>
 #include <span>
 #include <stdexcept>
@@ -22,13 +23,13 @@
 
 #include "data/relevant_runs.h"
 #include "io/core/byte_source.h"
+#include "io/core/memory.h"
 #include "io/core/signatures.h"
 #include "io/dicom/dicom_codec.h"
 #include "io/foreign/gdcm_codec.h"
 #include "io/foreign/netcdf_header.h"
 #include "io/foreign/vtk_header.h"
 #include "io/images/slice_pictures.h"
-#include "io/images/tiff.h"
 #include "io/meshes/plot3d.h"
 #include "io/read_source.h"
 #include "io/reader/reader_session.h"
@@ -172,7 +173,18 @@ inline void slice(Input input) {
 }
 
 inline void tiff(Input input) {
-  expect_dataset_or_error([&] { return io::read_tiff(*io::open_memory("fuzz.tif", input), {}); });
+  expect_dataset_or_error([&] { return io::read_source(*io::open_memory("fuzz.tif", input), {}); });
+}
+
+// A zip file of a Zarr hierarchy. What claims more memory than here is is refused.
+inline void zarr(Input input) {
+  struct LittleMemory {
+    LittleMemory() { io::set_available_memory(std::int64_t{64} << 20); }
+    ~LittleMemory() { io::set_available_memory(std::numeric_limits<std::int64_t>::max()); }
+  } const little;
+  const io::Opener open = [input](const std::string& path) { return io::open_memory(path, input); };
+  const auto source = io::open_memory("fuzz.zip", input);
+  expect_dataset_or_error([&] { return io::read_source(*source, {}, open); });
 }
 
 inline void point_text(Input input) {

@@ -21,6 +21,7 @@ int main(int argc, char** argv) {
       {"slc", ovoid::fuzz::slc_seeds()},
       {"slice", ovoid::fuzz::slice_seeds()},
       {"tiff", ovoid::fuzz::tiff_seeds()},
+      {"zarr", ovoid::fuzz::zarr_seeds()},
       {"raw_name", ovoid::fuzz::raw_name_seeds()},
       {"dicom", ovoid::fuzz::dicom_seeds()},
       {"dicom_codec", ovoid::fuzz::dicom_codec_seeds()},

@@ -25,6 +25,7 @@ class JsonValue {
   JsonValue(const Json& json, std::string place) : json_(&json), place_(std::move(place)) {}
 
   const Json& json() const noexcept { return *json_; }
+  const std::string& place() const noexcept { return place_; }
   bool has(const char* key) const { return json_->contains(key); }
   std::size_t size() const noexcept { return json_->size(); }
 

@@ -23,18 +23,12 @@ std::int64_t bytes_of_field(ScalarType type, std::int64_t num_bytes) {
   return num_bytes + num_bytes / sample * (type == ScalarType::kFloat32 ? 4 : 2);
 }
 
-// What is kept of samples that stay in their file: a quarter of what is left, within reason.
+// Of what is kept of samples that stay in their file.
 constexpr std::int64_t kLeastPages = std::int64_t{8} << 20;
 constexpr std::int64_t kMostPages = std::int64_t{4} << 30;
 
 std::int64_t own_memory(const ReadOptions& options) {
   return available_memory() / std::max(options.processes_beside, 1);
-}
-
-std::int64_t bytes_for_pages(const ReadOptions& options) {
-  std::int64_t bytes = own_memory(options) / 4;
-  if (options.memory_limit > 0) bytes = std::min(bytes, options.memory_limit);
-  return std::clamp(bytes, kLeastPages, kMostPages);
 }
 
 // That a field may take before its samples stay in their file.
@@ -136,16 +130,22 @@ bool stays_in_file(ScalarType type, std::int64_t num_bytes, const ReadOptions& o
   return options.may_stay_in_file && would_stay_in_file(type, num_bytes, options);
 }
 
+std::int64_t memory_for_pages(const ReadOptions& options) {
+  std::int64_t bytes = own_memory(options) / 4;
+  if (options.memory_limit > 0) bytes = std::min(bytes, options.memory_limit);
+  return std::clamp(bytes, kLeastPages, kMostPages);
+}
+
 std::shared_ptr<const StoredSamples> samples_in_file(const ByteSource& source,
                                                      const StoredPlace& place,
                                                      const ReadOptions& options) {
   check_place(source, place);
   if (!place.chunked)
     return std::make_shared<SamplesInFile>(open_file(source.name()), place.offset, place,
-                                           bytes_for_pages(options));
+                                           memory_for_pages(options));
   return std::make_shared<SamplesInFile>(
       unpack_chunks(source, *place.chunked, size_of(place.type), options), 0, place,
-      bytes_for_pages(options));
+      memory_for_pages(options));
 }
 
 std::shared_ptr<const StoredSamples> samples_told(const StoredPlace& place) {

@@ -17,6 +17,10 @@ namespace ovoid::io {
 // memory that is left.
 bool stays_in_file(ScalarType type, std::int64_t num_bytes, const ReadOptions& options);
 
+// How much of samples that stay in their file may be kept in memory: a quarter of what is left,
+// within reason.
+std::int64_t memory_for_pages(const ReadOptions& options);
+
 // How samples lie in chunks, which may be packed: an array with axes from slow to fast is cut along
 // all of them, and chunks at an end are whole, too.
 struct ChunkedStorage {

@@ -6,11 +6,17 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <memory>
+#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "io/core/axis_order.h"
+#include "io/core/chunked_array.h"
+#include "io/core/missing_numbers.h"
 #include "io/core/point_arrays.h"
 #include "io/core/samples.h"
 #include "io/core/samples_in_file.h"
@@ -22,23 +28,34 @@
 namespace ovoid::io {
 namespace {
 
-// Vectors, colours and tensors have so many; any other last axis of four is one of samples.
-bool is_component_count(std::int64_t size) noexcept {
-  return (1 <= size && size <= 4) || size == 6 || size == 9;
-}
-
-// A mesh's or table's columns are no volume: two axes at least have more than one sample.
-bool is_grid(const Hdf5Dataset& dataset) {
+// What the axes of an array are; none if it is no volume.
+std::optional<std::string> grid_axes(const Hdf5Dataset& dataset, const std::string& asked) {
   const auto& dims = dataset.dims;
-  if (!dataset.type || (dims.size() != 3 && !(dims.size() == 4 && is_component_count(dims[3]))))
-    return false;
-  if (*std::min_element(dims.begin(), dims.end()) < 1) return false;
-  return std::count_if(dims.begin(), dims.begin() + 3, [](std::int64_t dim) { return dim > 1; }) >=
-         2;
+  if (!dataset.type || dims.size() < 2 || *std::min_element(dims.begin(), dims.end()) < 1)
+    return std::nullopt;
+  const std::optional<std::string> axes = asked.empty()                 ? usual_axis_order(dims)
+                                          : dims.size() == asked.size() ? std::optional(asked)
+                                                                        : std::nullopt;
+  if (!axes || (asked.empty() && dims.size() < 3)) return std::nullopt;
+  // A mesh's or table's columns are no volume: two axes at least have more than one sample.
+  int num_long = 0;
+  for (const char letter : {'x', 'y', 'z'}) {
+    const auto place = axis_place(*axes, letter);
+    if (place && dims[*place] > 1) ++num_long;
+  }
+  return num_long >= 2 ? axes : std::nullopt;
 }
 
-bool is_same_size(const Hdf5Dataset& a, const Hdf5Dataset& b) {
-  return std::equal(a.dims.begin(), a.dims.begin() + 3, b.dims.begin());
+// Axes whose samples lie as a dataset has them.
+bool is_plain(const std::string& axes) { return axes == "zyx" || axes == "zyxc"; }
+
+// The sizes along x, y, z and time.
+std::array<std::int64_t, 4> sizes_of(const Hdf5Dataset& dataset, const std::string& axes) {
+  std::array<std::int64_t, 4> sizes{1, 1, 1, 1};
+  constexpr std::string_view kLetters = "xyzt";
+  for (std::size_t i = 0; i < sizes.size(); ++i)
+    if (const auto place = axis_place(axes, kLetters[i])) sizes[i] = dataset.dims[*place];
+  return sizes;
 }
 
 class Hdf5GridReader {
@@ -53,24 +70,40 @@ class Hdf5GridReader {
     if (!opened_.is_open()) return std::nullopt;
     dataset_.source = source_.name();
     dataset_.format = "HDF5 grid";
-    const auto& dims = chosen[0]->dims;
-    dataset_.lattice.dims = {dims[2], dims[1], dims[0]};
-    std::int64_t total = 0;
-    for (const Hdf5Dataset* grid : chosen) total += file_.num_bytes(*grid);
-    ReadProgress progress(options_, total);
-    for (const Hdf5Dataset* grid : chosen) add(*grid, progress);
+    const std::string axes = axes_of(*chosen[0]);
+    const auto sizes = sizes_of(*chosen[0], axes);
+    dataset_.lattice.dims = {sizes[0], sizes[1], sizes[2]};
+    if (std::all_of(chosen.begin(), chosen.end(),
+                    [this](const Hdf5Dataset* grid) { return is_plain(axes_of(*grid)); })) {
+      std::int64_t total = 0;
+      for (const Hdf5Dataset* grid : chosen) total += file_.num_bytes(*grid);
+      ReadProgress progress(options_, total);
+      for (const Hdf5Dataset* grid : chosen) add(*grid, progress);
+    } else {
+      add_in_order(chosen);
+    }
     check_geometry(source_.name() + ": spacing", dataset_.lattice.world_from_index);
     return std::move(dataset_);
   }
 
  private:
+  std::string axes_of(const Hdf5Dataset& grid) const {
+    return *grid_axes(grid, options_.raw.axis_order);
+  }
+
   std::vector<const Hdf5Dataset*> choose() const {
     std::vector<const Hdf5Dataset*> grids;
     for (const Hdf5Dataset& dataset : file_.datasets())
-      if (is_grid(dataset)) grids.push_back(&dataset);
+      if (grid_axes(dataset, options_.raw.axis_order)) grids.push_back(&dataset);
     if (!options_.array.empty()) return named(grids);
-    for (const Hdf5Dataset* grid : grids)
-      if (!is_same_size(*grid, *grids[0])) refuse_choice(grids);
+    // Those with time or channels where there are no others, unless the order is asked for.
+    const auto is_other = [this](const Hdf5Dataset* grid) { return !is_plain(axes_of(*grid)); };
+    if (options_.raw.axis_order.empty() && !std::all_of(grids.begin(), grids.end(), is_other))
+      std::erase_if(grids, is_other);
+    for (const Hdf5Dataset* grid : grids) {
+      if (sizes_of(*grid, axes_of(*grid)) != sizes_of(*grids[0], axes_of(*grids[0])))
+        refuse_choice(grids);
+    }
     return grids;
   }
 
@@ -99,15 +132,28 @@ class Hdf5GridReader {
         fmt::format("{}: holds several grids: {}: choose one with --array", source_.name(), list));
   }
 
-  void add(const Hdf5Dataset& grid, ReadProgress& progress) {
-    const std::string where = fmt::format("{}: '{}'", source_.name(), grid.path);
-    const Hdf5Handle stored(H5Dopen2(opened_.get(), grid.path.c_str(), H5P_DEFAULT), H5Dclose);
+  // Called as it was asked for: that is how it is looked for.
+  std::string name_of_grid(const Hdf5Dataset& grid) const {
+    return options_.array.empty() ? grid.path.substr(1) : options_.array;
+  }
+
+  Hdf5Handle open_grid(const std::string& where, const Hdf5Dataset& grid) const {
+    Hdf5Handle stored(H5Dopen2(opened_.get(), grid.path.c_str(), H5P_DEFAULT), H5Dclose);
     if (!stored.is_open()) throw Error(ErrorCode::kFileFormat, fmt::format("{} is broken", where));
     checked_num_bytes(where, grid.dims, grid.type->type);
+    check_hdf5_storage(stored.get(), {where, *grid.type, grid.dims}, source_);
+    return stored;
+  }
+
+  std::string where_of(const Hdf5Dataset& grid) const {
+    return fmt::format("{}: '{}'", source_.name(), grid.path);
+  }
+
+  void add(const Hdf5Dataset& grid, ReadProgress& progress) {
+    const std::string where = where_of(grid);
+    const Hdf5Handle stored = open_grid(where, grid);
     const Hdf5Extent extent{where, *grid.type, grid.dims};
-    check_hdf5_storage(stored.get(), extent, source_);
-    // Called as it was asked for: that is how it is looked for.
-    DataArray array{options_.array.empty() ? grid.path.substr(1) : options_.array,
+    DataArray array{name_of_grid(grid),
                     extent.type.type,
                     grid.dims.size() == 4 ? static_cast<int>(grid.dims[3]) : 1,
                     num_samples(dataset_.lattice.dims),
@@ -128,7 +174,86 @@ class Hdf5GridReader {
     std::byte* to = nullptr;
     array = new_array(std::move(array), to);
     read_hdf5_storage(stored.get(), extent, to, progress);
+    hide_missing(stored.get(), where, array);
     dataset_.arrays.push_back(std::move(array));
+  }
+
+  // With time or channels, or in an order that was asked for: one step, from the rows that it lies
+  // in.
+  void add_in_order(const std::vector<const Hdf5Dataset*>& grids) {
+    std::vector<ChunkedArray> arrays;
+    std::vector<std::shared_ptr<const Hdf5Handle>> handles;
+    std::mutex mutex;  // the library's build for one thread
+    ReadOptions quiet = options_;
+    quiet.progress = {};
+    ReadProgress progress(quiet, 0);
+    for (const Hdf5Dataset* grid : grids) {
+      ChunkedArray array;
+      array.where = where_of(*grid);
+      array.name = name_of_grid(*grid);
+      array.axes = axes_of(*grid);
+      if (!options_.raw.axis_order.empty())
+        check_axis_order(array.where, array.axes, grid->dims);
+      else
+        dataset_.notes.push_back(
+            fmt::format("{}: shape ({}) taken as {}: say which axis is which with --axis-order",
+                        array.where, fmt::join(grid->dims, ", "), array.axes));
+      array.shape = array.chunk = grid->dims;
+      array.chunk[0] = 1;
+      array.type = grid->type->type;
+      array.is_big_endian = std::endian::native == std::endian::big;  // as rows are read
+      check_chunked(array);
+      const auto stored = std::make_shared<const Hdf5Handle>(open_grid(array.where, *grid));
+      handles.push_back(stored);
+      array.read = [&mutex, &progress, stored,
+                    extent = Hdf5Extent{array.where, *grid->type, grid->dims}](
+                       std::span<const std::int64_t> number, std::span<std::byte> out) {
+        const std::scoped_lock lock(mutex);
+        read_hdf5_rows(stored->get(), extent, number[0], out, progress);
+        return true;
+      };
+      arrays.push_back(std::move(array));
+    }
+    ReadOptions own = options_;
+    own.array.clear();
+    own.may_stay_in_file = false;
+    read_chunked(arrays, own, dataset_);
+    std::size_t next = 0;
+    for (std::size_t i = 0; i < arrays.size(); ++i) {
+      for (std::int64_t c = 0; c < arrays[i].num_channels(); ++c, ++next) {
+        const hid_t stored = handles[i]->get();
+        dataset_.arrays[next].unit = hdf5_text(stored, "units").value_or("");
+        scale(stored, dataset_.arrays[next]);
+        hide_missing(stored, arrays[i].where, dataset_.arrays[next]);
+      }
+    }
+    place(handles[0]->get(), grids[0]->path);
+    set_times(group_of(grids[0]->path));
+  }
+
+  // As Hdf5File::numbers() takes it; "" is the root.
+  static std::string group_of(const std::string& path) { return path.substr(0, path.rfind('/')); }
+
+  void set_times(const std::string& group) {
+    for (const char* const name : {"time", "t"}) {
+      const std::vector<double> times = file_.numbers(group, name);
+      const bool do_rise = std::adjacent_find(times.begin(), times.end(), [](double a, double b) {
+                             return !(a < b);
+                           }) == times.end();
+      if (dataset_.num_steps < 2 || static_cast<std::int64_t>(times.size()) != dataset_.num_steps ||
+          !do_rise || !std::isfinite(times.front()) || !std::isfinite(times.back()))
+        continue;
+      dataset_.times = times;
+      return;
+    }
+  }
+
+  // netCDF's words for samples that are not there.
+  void hide_missing(hid_t stored, const std::string& where, DataArray& array) {
+    std::vector<double> missing = hdf5_numbers(stored, "_FillValue", 1);
+    const std::vector<double> more = hdf5_numbers(stored, "missing_value", 1);
+    missing.insert(missing.end(), more.begin(), more.end());
+    if (!missing.empty()) hide_missing_numbers(where, missing, array, dataset_.notes);
   }
 
   // netCDF's words for what a stored number stands for.
@@ -177,20 +302,13 @@ class Hdf5GridReader {
     for (const char* const name : kNames[axis]) {
       const std::vector<double> places = file_.numbers(group, name);
       if (places.size() != count || count < 2) continue;
-      const double step = (places.back() - places.front()) / static_cast<double>(count - 1);
-      constexpr double kUneven = 1e-3;  // of a step; coordinates are often float32
-      bool is_even = std::isfinite(step) && step != 0;
-      for (std::size_t i = 0; is_even && i < count; ++i) {
-        const double even = places[0] + static_cast<double>(i) * step;
-        is_even = std::abs(places[i] - even) <= kUneven * std::abs(step);
-      }
-      if (is_even) return std::pair(places[0], step);
+      if (const auto even = even_places(places)) return even;
     }
     return std::nullopt;
   }
 
   void place_by_coordinates(const std::string& path) {
-    const std::string group = path.substr(0, path.rfind('/'));
+    const std::string group = group_of(path);
     Vec3 origin, spacing;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const auto found = coordinates(group, axis);

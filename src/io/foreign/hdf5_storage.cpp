@@ -235,30 +235,36 @@ std::optional<StoredPlace> place_of_hdf5_storage(hid_t file, hid_t dataset,
   return place;
 }
 
-void read_hdf5_storage(hid_t dataset, const Hdf5Extent& extent, std::byte* to,
-                       ReadProgress& progress) {
-  const std::int64_t num_rows = extent.dims[0], step = rows_at_once(dataset, extent);
-  const std::int64_t row_size = extent.num_bytes() / num_rows;
+void read_hdf5_rows(hid_t dataset, const Hdf5Extent& extent, std::int64_t first,
+                    std::span<std::byte> out, ReadProgress& progress) {
+  const std::int64_t row_size = extent.num_bytes() / extent.dims[0];
+  const std::int64_t num_rows = static_cast<std::int64_t>(out.size()) / row_size;
+  const std::int64_t step = rows_at_once(dataset, extent);
   const Hdf5Handle type(H5Dget_type(dataset), H5Tclose);  // as it is: no conversion
   std::array<hsize_t, Hdf5Extent::kMaxRank> start{}, count{};
   std::copy(extent.dims.begin(), extent.dims.end(), count.begin());
   for (std::int64_t row = 0; row < num_rows; row += step) {
     const std::int64_t num = std::min(step, num_rows - row);
-    start[0] = static_cast<hsize_t>(row);
+    start[0] = static_cast<hsize_t>(first + row);
     count[0] = static_cast<hsize_t>(num);
     const Hdf5Handle space(H5Dget_space(dataset), H5Sclose);
     const Hdf5Handle memory(
         H5Screate_simple(static_cast<int>(extent.dims.size()), count.data(), nullptr), H5Sclose);
-    const bool is_all = num == num_rows;  // of a single number, too, which has no axes
+    const bool is_all = num == extent.dims[0];  // of a single number, too, which has no axes
     if ((!is_all && H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, start.data(), nullptr,
                                         count.data(), nullptr) < 0) ||
         H5Dread(dataset, type.get(), is_all ? H5S_ALL : memory.get(),
-                is_all ? H5S_ALL : space.get(), H5P_DEFAULT, to + row * row_size) < 0)
+                is_all ? H5S_ALL : space.get(), H5P_DEFAULT, out.data() + row * row_size) < 0)
       fail_storage(extent, "cannot be read: is the file damaged?");
     progress.advance(num * row_size);
   }
   if (extent.type.is_big_endian != (std::endian::native == std::endian::big))
-    swap_bytes({to, static_cast<std::size_t>(extent.num_bytes())}, size_of(extent.type.type));
+    swap_bytes(out, size_of(extent.type.type));
+}
+
+void read_hdf5_storage(hid_t dataset, const Hdf5Extent& extent, std::byte* to,
+                       ReadProgress& progress) {
+  read_hdf5_rows(dataset, extent, 0, {to, static_cast<std::size_t>(extent.num_bytes())}, progress);
 }
 
 }  // namespace ovoid::io

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -30,7 +31,7 @@ std::optional<Hdf5Type> hdf5_type_of(hid_t type);
 // What is to be read. The caller has checked that the sizes are at least 1 and that num_bytes() is
 // at most kMaxNumBytes.
 struct Hdf5Extent {
-  static constexpr std::size_t kMaxRank = 4;
+  static constexpr std::size_t kMaxRank = 5;
 
   std::string where;  // file and dataset, for messages
   Hdf5Type type;
@@ -58,5 +59,9 @@ std::optional<StoredPlace> place_of_hdf5_storage(hid_t file, hid_t dataset,
 // check_hdf5_storage(). Throws Error(kFileFormat) for what is damaged, Error(kCancelled).
 void read_hdf5_storage(hid_t dataset, const Hdf5Extent& extent, std::byte* to,
                        ReadProgress& progress);
+
+// The same of the rows, along the slowest axis, from `first` on: as many as `out` takes.
+void read_hdf5_rows(hid_t dataset, const Hdf5Extent& extent, std::int64_t first,
+                    std::span<std::byte> out, ReadProgress& progress);
 
 }  // namespace ovoid::io

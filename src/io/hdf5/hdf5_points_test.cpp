@@ -249,6 +249,46 @@ TEST(Hdf5Grid, AxesBesideTheArraySayThePlace) {
   EXPECT_EQ(read_dataset({path}).kind, DatasetKind::kParticles);
 }
 
+// As netCDF-4 files have them.
+TEST(Hdf5Grid, ArraysInTimeAreSteps) {
+  const TestFolder folder;
+  const std::string path = folder.file("a.nc");
+  Hdf5Maker(path)
+      .floats("/time", {2})
+      .floats("/v", {2, 3, 4, 5}, {1, 2, 4, 5})
+      .attribute("/v", "_FillValue", {62})
+      .attribute("/v", "missing_value", {63});
+  ReadOptions options;
+  options.step = 1;
+  Dataset dataset = read_dataset({path}, options);
+  EXPECT_EQ(dataset.lattice.dims, (Index3{5, 4, 3}));
+  EXPECT_EQ(dataset.num_steps, 2);
+  EXPECT_EQ(dataset.times, (std::vector<double>{1, 2}));
+  std::vector<float> values = values_of<float>(dataset.array("v"));
+  ASSERT_EQ(values.size(), 60U);
+  EXPECT_EQ(values[0], 61);
+  EXPECT_TRUE(std::isnan(values[1]) && std::isnan(values[2]));
+  EXPECT_EQ(values[59], 120);
+  options.step.reset();
+  options.raw.axis_order = "czyx";
+  dataset = read_dataset({path}, options);
+  EXPECT_EQ(array_names(dataset), (std::vector<std::string>{"v channel 1", "v channel 2"}));
+  options.raw.axis_order = "zyxt";
+  EXPECT_EQ(read_dataset({path}, options).num_steps, 5);
+}
+
+TEST(Hdf5Grid, AnAxisOrderIsForGridsAlone) {
+  const TestFolder folder;
+  const std::string path = folder.file("a.h5");
+  Hdf5Maker(path).floats("/pos", {5, 3});
+  ReadOptions options;
+  options.raw.axis_order = "zyx";
+  EXPECT_EQ(
+      hdf5_error(path, options),
+      "invalid-argument: F: is HDF5: an axis order can be given for NPY, Zarr and grids in HDF5 "
+      "only");
+}
+
 TEST(Hdf5Grid, OneIsChosen) {
   const TestFolder folder;
   const std::string path = folder.file("a.h5");
@@ -259,7 +299,9 @@ TEST(Hdf5Grid, OneIsChosen) {
   ReadOptions options;
   options.array = "b";
   EXPECT_EQ(read_dataset({path}, options).lattice.dims, (Index3{2, 3, 4}));
-  options.array = "c";
+  options.array = "c";  // in time, which is left out where there are others
+  EXPECT_EQ(read_dataset({path}, options).num_steps, 2);
+  options.array = "d";
   EXPECT_EQ(hdf5_error(path, options).substr(0, 53),
             "file-format: F: no dataset [N, 3] is called Coordinat");
   Hdf5Maker(path).claim("/a", {1000000, 1000000, 1000}, {});

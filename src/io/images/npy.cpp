@@ -6,9 +6,12 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <memory>
 #include <vector>
 
 #include "io/core/atomic_file.h"
+#include "io/core/axis_order.h"
+#include "io/core/chunked_array.h"
 #include "io/core/sample_parts.h"
 #include "io/core/samples.h"
 #include "io/images/npy_header.h"
@@ -17,12 +20,6 @@
 
 namespace ovoid::io {
 namespace {
-
-// Is the last axis that of components? Vectors, colours and tensors have so many; any other number
-// is far more likely one of samples along x.
-bool is_component_axis(std::int64_t size) noexcept {
-  return (1 <= size && size <= 4) || size == 6 || size == 9;
-}
 
 // Fortran order, first axis fastest, to C order, last axis fastest.
 Bytes reverse_axes(SampleBuffer& samples, const std::vector<std::int64_t>& shape,
@@ -103,7 +100,7 @@ Dataset read_npy_step(const ByteSource& source, const NpyHeader& header,
       shape.size() == 5
           ? fmt::format("{}: shape {} taken as (time, z, y, x, component)", source.name(), text)
           : fmt::format("{}: shape {} taken as (time, z, y, x): {} is no number of components, "
-                        "which are 1 to 4, 6 or 9; of channels, too, --step takes one",
+                        "which are 1 to 4, 6 or 9; --axis-order says another",
                         source.name(), text, shape[3]));
   if (type.is_boolean)
     dataset.notes.push_back(fmt::format("{}: booleans become uint8", source.name()));
@@ -141,10 +138,59 @@ Dataset describe(const ByteSource& source, const NpyHeader& header, const ReadOp
   return dataset;
 }
 
+// Axes in the order that is asked for. Chunks are planes of the two that vary fastest.
+Dataset read_npy_in_order(const ByteSource& source, const NpyHeader& header,
+                          const ReadOptions& options) {
+  const NpyType type = npy_type_of(source.name(), header.descr);
+  ChunkedArray array;
+  array.where = source.name();
+  array.axes = options.raw.axis_order;
+  array.shape = header.shape;
+  array.type = type.type;
+  array.is_big_endian = type.is_big_endian;
+  array.is_first_fastest = header.is_fortran_order;
+  check_axis_order(source.name(), array.axes, array.shape);
+  check_npy_size(source, header, type.type,
+                 checked_num_bytes(source.name() + ": shape", array.shape, type.type));
+  const std::size_t rank = array.shape.size();
+  array.chunk.assign(rank, 1);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const std::size_t a = header.is_fortran_order ? i : rank - 1 - i;
+    array.chunk[a] = array.shape[a];
+  }
+  check_chunked(array);
+  // Samples that stay in the file keep it open.
+  const std::shared_ptr<const ByteSource> own =
+      options.may_stay_in_file ? open_file(source.name()) : nullptr;
+  array.read = [&source, own, offset = header.data_offset, shape = array.shape, chunk = array.chunk,
+                is_first_fastest = array.is_first_fastest](std::span<const std::int64_t> number,
+                                                           std::span<std::byte> out) {
+    std::int64_t plane = 0;  // its number
+    for (std::size_t i = 0; i < shape.size(); ++i) {
+      const std::size_t a = is_first_fastest ? shape.size() - 1 - i : i;
+      if (chunk[a] == 1) plane = plane * shape[a] + number[a];
+    }
+    const auto size = static_cast<std::int64_t>(out.size());
+    (own ? *own : source).read(offset + plane * size, out);
+    return true;
+  };
+  Dataset dataset;
+  dataset.source = source.name();
+  dataset.format = "NPY";
+  if (options.raw.spacing)
+    dataset.lattice.world_from_index.linear() = options.raw.spacing->asDiagonal();
+  check_geometry("spacing", dataset.lattice.world_from_index);
+  if (type.is_boolean)
+    dataset.notes.push_back(fmt::format("{}: booleans become uint8", source.name()));
+  read_chunked({array}, options, dataset);
+  return dataset;
+}
+
 }  // namespace
 
 Dataset read_npy(const ByteSource& source, const ReadOptions& options) {
   const NpyHeader start = read_npy_header(source);
+  if (!options.raw.axis_order.empty()) return read_npy_in_order(source, start, options);
   if (is_npy_of_points(start.shape)) return read_npy_points(source, options);
   if (has_steps(start.shape)) return read_npy_step(source, start, options);
   Dataset dataset = describe(source, start, options);

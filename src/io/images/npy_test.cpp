@@ -54,11 +54,11 @@ TEST(Npy, OtherLastAxesOfFourAreSamples) {
     EXPECT_EQ(dataset.num_steps, 2);
     EXPECT_EQ(dataset.lattice.dims, (Index3{last, 1, 1}));
     ASSERT_EQ(dataset.notes.size(), 1U);
-    EXPECT_EQ(dataset.notes[0],
-              "a.npy: shape (2, 1, 1, " + std::to_string(last) +
-                  ") taken as (time, z, y, x): " + std::to_string(last) +
-                  " is no number of components, which are 1 to 4, 6 or 9; of channels, too, --step "
-                  "takes one");
+    EXPECT_EQ(
+        dataset.notes[0],
+        "a.npy: shape (2, 1, 1, " + std::to_string(last) +
+            ") taken as (time, z, y, x): " + std::to_string(last) +
+            " is no number of components, which are 1 to 4, 6 or 9; --axis-order says another");
   }
   for (const int last : {1, 2, 3, 4, 6, 9}) {
     const Dataset dataset =
@@ -96,6 +96,39 @@ TEST(Npy, FiveAxesAndLongOnesBeginWithTime) {
   EXPECT_EQ(error_of([&] { read(with(wide, "False", "True ")); }),
             "unsupported: a.npy: shape (2, 1, 1, 72) in Fortran order: expected C order of data in "
             "time");
+}
+
+// Channels, in either order of memory, and axes that are not z, y, x.
+TEST(Npy, AxesAreInTheOrderThatIsAskedFor) {
+  std::string samples;
+  for (char i = 0; i < 48; ++i) samples += i;
+  const std::string file =
+      npy("{'descr': '|u1', 'fortran_order': False, 'shape': (2, 2, 3, 4)}", samples);
+  ReadOptions options;
+  options.raw.axis_order = "czyx";
+  Dataset dataset = read(file, options);
+  EXPECT_EQ(dataset.lattice.dims, (Index3{4, 3, 2}));
+  ASSERT_EQ(dataset.arrays.size(), 2U);
+  EXPECT_EQ(dataset.arrays[1].name, "channel 2");
+  EXPECT_EQ(values_of<char>(dataset.arrays[1]).front(), 24);
+  EXPECT_EQ(values_of<char>(dataset.arrays[1]).back(), 47);
+  options.raw.axis_order = "ctyx";
+  options.step = 1;
+  dataset = read(file, options);
+  EXPECT_EQ(dataset.num_steps, 2);
+  EXPECT_EQ(values_of<char>(dataset.arrays[0]).front(), 12);
+  // (x, y, z, component) in Fortran order: x is fastest, then y.
+  options.raw.axis_order = "xyzc";
+  options.step.reset();
+  dataset = read(with(file, "False", "True "), options);
+  EXPECT_EQ(dataset.lattice.dims, (Index3{2, 2, 3}));
+  EXPECT_EQ(dataset.array().num_components, 4);
+  const std::vector<char> values = values_of<char>(dataset.array());
+  for (int c = 0; c < 4; ++c) EXPECT_EQ(values[static_cast<std::size_t>(4 + c)], 1 + 12 * c);
+  options.raw.axis_order = "zyx";
+  EXPECT_EQ(error_of([&] { read(file, options); }),
+            "invalid-argument: a.npy: axis order 'zyx': has 3 letters, the array has 4 axes: "
+            "(2, 2, 3, 4)");
 }
 
 TEST(Npy, ByteOrderAndBooleans) {

@@ -12,6 +12,7 @@
 #include <span>
 #include <utility>
 
+#include "io/core/length_units.h"
 #include "io/core/number_fields.h"
 #include "io/core/samples.h"
 #include "io/core/text_scanner.h"
@@ -39,28 +40,6 @@ std::optional<double> length_in(std::string_view text) {
 void replace_all(std::string& text, std::string_view from, std::string_view to) {
   for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
     text.replace(at, from.size(), to);
-}
-
-// "um" for all ways of writing it; empty where a unit means no length.
-std::string plain_unit(std::string unit) {
-  replace_all(unit, "\\u00B5", "u");
-  replace_all(unit, "\xc2\xb5", "u");  // the micro sign and Greek mu, as UTF-8, and in Latin 1
-  replace_all(unit, "\xce\xbc", "u");
-  replace_all(unit, "\xb5", "u");
-  replace_all(unit, "\xc3\x85", "angstrom");
-  if (unit == "micron" || unit == "microns" || unit == "micrometer") return "um";
-  if (unit == "pixel" || unit == "pixels" || unit == "reference frame") return "";
-  return unit;
-}
-
-// Metres in a unit; empty for an unknown one.
-std::optional<double> metres_in(const std::string& unit) {
-  static const std::map<std::string, double> kUnits{
-      {"m", 1},      {"cm", 1e-2},        {"mm", 1e-3}, {"um", 1e-6},     {"nm", 1e-9},
-      {"pm", 1e-12}, {"angstrom", 1e-10}, {"km", 1e3},  {"inch", 0.0254}, {"in", 0.0254}};
-  const auto found = kUnits.find(unit);
-  if (found == kUnits.end()) return std::nullopt;
-  return found->second;
 }
 
 // A value of an XML attribute with its entities put in: the five of XML, and numbers.

@@ -374,6 +374,7 @@ std::vector<std::uint8_t> to_message(const ReaderRequest& request) {
                            {"folder", request.folder},
                            {"array", options.array},
                            {"block", options.block},
+                           {"axis_order", options.raw.axis_order},
                            {"step", options.step ? Json(*options.step) : Json()},
                            {"positions", options.hdf5.positions},
                            {"values", options.hdf5.values},
@@ -399,6 +400,7 @@ ReaderRequest request_from_message(const std::vector<std::uint8_t>& message) {
     request.folder = json.at("folder");
     request.options.array = json.at("array");
     request.options.block = json.at("block");
+    request.options.raw.axis_order = json.at("axis_order");
     if (!json.at("step").is_null()) request.options.step = json.at("step").get<std::int64_t>();
     request.options.hdf5.positions = json.at("positions");
     request.options.hdf5.values = json.at("values").get<std::vector<std::string>>();

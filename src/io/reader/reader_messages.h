@@ -15,7 +15,7 @@
 namespace ovoid::io {
 
 // A reader that speaks another version refuses every request.
-inline constexpr int kReaderProtocol = 4;
+inline constexpr int kReaderProtocol = 5;
 
 // Reads one dataset, or one step of it.
 struct ReaderRequest {
@@ -23,8 +23,8 @@ struct ReaderRequest {
   std::string source;              // what the user named, for messages
   std::vector<std::string> paths;  // files; as named, from `folder`
   std::string folder;              // the working directory
-  ReadOptions options;             // but for `raw`, `progress`, `stop` and `session`
-  std::int64_t memory = 0;         // of the host: available_memory()
+  ReadOptions options;  // but for all of `raw` save axis_order, `progress`, `stop` and `session`
+  std::int64_t memory = 0;  // of the host: available_memory()
   // What may be opened, canonical paths: regular files, and folders with all that is below them.
   std::vector<std::string> files;
   std::vector<std::string> folders;

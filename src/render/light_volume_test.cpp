@@ -31,7 +31,7 @@ Look lit_look() {
 view::ArrivingLight light_at(const Field& field, const Look& look, const Vec3& world,
                              const std::vector<ClipPlane>& planes = {}) {
   LightVolumes lights;
-  return lights.at(field, look, planes, 2, {})->at(world);
+  return lights.at({field, look, planes}, 2, {})->at(world);
 }
 
 // Smooth clouds in a box of kEdge samples, values in [0, 1].
@@ -128,7 +128,7 @@ TEST(LightVolume, IsNearToRandomRaysThroughTheFieldItself) {
   Look look = cloud_look();
   look.occlusion = look.shadows = look.scatter = 1;
   LightVolumes lights;
-  const view::LightVolume& volume = *lights.at(field, look, {}, 2, {});
+  const view::LightVolume& volume = *lights.at({field, look, {}}, 2, {});
   const double cell = volume.cell_edge;
   const double reach = kReachOfDiagonal * std::sqrt(3.0) * kEdge;
   const Vec3 towards = look.light_direction->normalized();
@@ -172,7 +172,7 @@ TEST(LightVolume, DoesNotDependOnThreads) {
   for (const Field& field : {cloud_field(), Field(KernelField(test::jittered_ellipsoids(9).source(),
                                                               Reconstruction::kNormalized))}) {
     LightVolumes one, three;
-    EXPECT_EQ(one.at(field, look, {}, 1, {})->packed, three.at(field, look, {}, 3, {})->packed);
+    EXPECT_EQ(one.at({field, look, {}}, 1, {})->packed, three.at({field, look, {}}, 3, {})->packed);
   }
 }
 
@@ -221,7 +221,7 @@ TEST(LightVolume, TurningTheLightByADegreeChangesLittle) {
   for (int degree = 0; degree <= 90; degree += 1) {
     const double angle = degree * M_PI / 180;
     look.light_direction = Vec3(std::cos(angle), 0.2, std::sin(angle));
-    const std::vector<float>& packed = lights.at(field, look, {}, 2, {})->packed;
+    const std::vector<float>& packed = lights.at({field, look, {}}, 2, {})->packed;
     double squares = 0;
     for (std::size_t i = 0; i < before.size(); ++i)
       squares +=
@@ -238,17 +238,17 @@ TEST(LightVolume, FollowsTheLook) {
   const Field field = cloud_field();
   Look look = cloud_look();
   LightVolumes lights;
-  EXPECT_EQ(lights.at(field, look, {}, 2, {}), nullptr);
+  EXPECT_EQ(lights.at({field, look, {}}, 2, {}), nullptr);
   look.occlusion = 1;
-  const std::vector<float> whole = lights.at(field, look, {}, 2, {})->packed;
+  const std::vector<float> whole = lights.at({field, look, {}}, 2, {})->packed;
   look.occlusion = 0.5;
-  EXPECT_NE(lights.at(field, look, {}, 2, {})->packed, whole);
+  EXPECT_NE(lights.at({field, look, {}}, 2, {})->packed, whole);
   look.occlusion = 1;
-  EXPECT_EQ(lights.at(field, look, {}, 2, {})->packed, whole);
+  EXPECT_EQ(lights.at({field, look, {}}, 2, {})->packed, whole);
   look.transfer_function.opacities.back().opacity = 0.9;
-  EXPECT_NE(lights.at(field, look, {}, 2, {})->packed, whole);
+  EXPECT_NE(lights.at({field, look, {}}, 2, {})->packed, whole);
   look.mode = Mode::kMaximum;
-  EXPECT_EQ(lights.at(field, look, {}, 2, {}), nullptr);
+  EXPECT_EQ(lights.at({field, look, {}}, 2, {}), nullptr);
 }
 
 // Fails if a stopped frame does not stop here.
@@ -259,7 +259,7 @@ TEST(LightVolume, CanBeStopped) {
   look.occlusion = 1;
   LightVolumes lights;
   try {
-    lights.at(cloud_field(), look, {}, 2, stop.get_token());
+    lights.at({cloud_field(), look, {}}, 2, stop.get_token());
     FAIL() << "went on";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::kCancelled);

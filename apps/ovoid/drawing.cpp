@@ -14,6 +14,7 @@
 #include "load.h"
 #include "make_geometry.h"
 #include "make_look.h"
+#include "make_over.h"
 #include "ovoid/error.h"
 #include "ovoid/framing.h"
 #include "ovoid/io.h"
@@ -44,6 +45,13 @@ std::vector<InputFile> files_to_read(const DataFlags& data, const DrawingFlags& 
   add(drawing.camera.file, "the camera of --camera");
   add(drawing.surface.within, "the mesh of --within");
   for (const std::string& file : drawing.geometry.files) add(file, "a surface of --add");
+  for (const std::string& file : drawing.over.files) {
+    const std::vector<InputFile> own = volume_inputs({file});
+    inputs.insert(inputs.end(), own.begin(), own.end());
+  }
+  for (const std::string& file : drawing.over.looks) add(file, "a look of --over-tf");
+  for (const std::string& file : drawing.over.transforms)
+    add(file, "a transform of --over-transform");
   return inputs;
 }
 
@@ -128,6 +136,7 @@ Subject make_subject(const Dataset& dataset, const Flags& flags, DrawingFlags* d
   subject.has_walls = subject.surface != nullptr &&
                       (dataset.kind == DatasetKind::kMesh || !drawing->surface.within.empty());
   subject.scenery = make_scenery(drawing->geometry, subject.modelled.field, session);
+  subject.further = make_over(*drawing, dataset, session);
   return subject;
 }
 

@@ -263,6 +263,10 @@ const std::vector<Words>& samples() {
        "--add-edges"},
       {"--slice", "z", "--slice", "1,0,0,3", "--slice-map", "viridis", "--slice-range", "0,1",
        "--slice-opacity", "0.5", "--slice-empty"},
+      {"--over", "a.nrrd", "--over", "b.nrrd", "--over-array", "x", "--over-tf", "a.json",
+       "--over-colormap", "gray", "--over-range", "0,1", "--over-opacity", "0:0,1:0.5",
+       "--over-transform", "m.txt"},
+      {"--over", "a.nrrd", "--over-preset", "mr-default"},
       {"--points=2"},
       {"--points"},
       {"--background", "none"},
@@ -329,6 +333,7 @@ FlagSet told(const cli::DataFlags& data, const cli::DrawingFlags& drawing) {
   cli::tell(cli::surface_settings(), drawing.surface, &set);
   cli::tell(cli::point_settings(), drawing.points, &set);
   cli::tell(cli::geometry_settings(), drawing.geometry, &set);
+  cli::tell(cli::over_settings(), drawing.over, &set);
   cli::tell(cli::picture_settings(), drawing, &set);
   cli::tell(cli::number_settings(), drawing.options, &set);
   cli::tell(cli::switch_settings(), drawing.options, &set);
@@ -342,6 +347,7 @@ FlagSet told_of(const Words& words) {
   cli::DrawingFlags drawing;
   Flags flags("x", "", "");
   cli::add_input_flags(flags, &data);
+  cli::add_over_flags(flags, &drawing);
   cli::add_drawing_flags(flags, &drawing);
   flags.add(cli::picture_settings(), &drawing);
   flags.add(cli::switch_settings(), &drawing.options);

@@ -266,5 +266,43 @@ TEST(LightVolume, CanBeStopped) {
   }
 }
 
+// Of further volumes extinctions are added. Fails if one is left out, put elsewhere, or cut off
+// where it reaches beyond the first.
+TEST(LightVolume, IsOfAllVolumes) {
+  const LatticeField box = test::constant_field({32, 32, 32}, 1);
+  const Vec3 middle(15.5, 15.5, 15.5);
+  Look look = lit_look();
+  look.occlusion = 0.8;
+  look.shadows = 1;
+  look.light_direction = Vec3(1, 0, 0);
+  const auto light_of = [&](double opacity, const std::vector<FurtherVolume>& further) {
+    Look own = look;
+    own.transfer_function.opacities = {{0, opacity}};
+    const Field field = box;
+    LightVolumes lights;
+    return lights.at({field, own, {}, further}, 2, {})->at(middle);
+  };
+  const auto thin = [&](const LatticeField& field, double opacity) {
+    FurtherVolume volume{field, look};
+    volume.look.transfer_function.opacities = {{0, opacity}};
+    return volume;
+  };
+  const view::ArrivingLight whole = light_of(1 - 0.95 * 0.95, {});
+  const view::ArrivingLight halves = light_of(0.05, {thin(box, 0.05)});
+  EXPECT_NEAR(halves.around, whole.around, 2e-3);
+  EXPECT_NEAR(halves.key, whole.key, 2e-3);
+  // One that lies towards the light, beside the first, hides more of it; one behind hides none.
+  const view::ArrivingLight alone = light_of(0.05, {});
+  test::FieldSetup beside;
+  beside.world_from_index = test::scaled_axes(Vec3(1, 1, 1), Vec3(32, 0, 0));
+  const view::ArrivingLight hidden =
+      light_of(0.05, {thin(test::constant_field({32, 32, 32}, 1, beside), 0.05)});
+  EXPECT_NEAR(hidden.key, alone.key * std::pow(0.95, 32), 0.03);
+  beside.world_from_index = test::scaled_axes(Vec3(1, 1, 1), Vec3(-32, 0, 0));
+  const view::ArrivingLight behind =
+      light_of(0.05, {thin(test::constant_field({32, 32, 32}, 1, beside), 0.05)});
+  EXPECT_NEAR(behind.key, alone.key, 2e-3);
+}
+
 }  // namespace
 }  // namespace ovoid

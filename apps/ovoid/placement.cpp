@@ -69,10 +69,7 @@ Affine3 matrix_of(const std::string& text, const BadPlacement& refuse) {
                                                   numbers[14] == 0 && numbers[15] == 1);
   if (!is_affine) refuse("the last row of the matrix is not 0 0 0 1");
   Affine3 out = Affine3::Identity();
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 4; ++column)
-      out.matrix()(row, column) = numbers[static_cast<std::size_t>(4 * row + column)];
-  }
+  for (int i = 0; i < 12; ++i) out.matrix()(i / 4, i % 4) = numbers[static_cast<std::size_t>(i)];
   return out;
 }
 
@@ -209,7 +206,7 @@ Affine3 placement_from_text(const std::string& text, const std::string& source, 
   if (text.find('\0') != std::string::npos)
     refuse("is no text; expected a 4x4 matrix or an ITK transform, as text");
   if (!std::string_view(text).starts_with(kItkMark)) {
-    const Affine3 matrix = matrix_of(text, refuse);
+    Affine3 matrix = matrix_of(text, refuse);
     require_invertible(matrix, refuse);
     return matrix;
   }

@@ -209,7 +209,9 @@ Frame render_samples(const FrameJob& job, int threads) {
   const Clock::time_point trace_start = Clock::now();
   const std::shared_ptr<const PixelTracer> tracer(own, &own->tracer);
   const TraceCounts counts =
-      RowPainter([&](int, int) { return tracer; }, 1, hooks, frame.image).paint(threads);
+      RowPainter([&](int, int) -> std::shared_ptr<const PixelTracer> { return tracer; }, 1, hooks,
+                 frame.image)
+          .paint(threads);
 
   FrameProfile& profile = frame.profile;
   profile.backend = "reference";

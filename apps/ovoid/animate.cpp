@@ -22,6 +22,7 @@
 #include "make_camera.h"
 #include "make_labels.h"
 #include "make_look.h"
+#include "make_over.h"
 #include "make_trail.h"
 #include "ovoid/error.h"
 #include "ovoid/io.h"
@@ -74,6 +75,7 @@ void add_flags(Flags& flags, AnimateFlags* animate) {
   flags.section("picture");
   flags.add(animate_output_settings(), animate);
   flags.add(picture_settings(), &animate->drawing);
+  add_over_flags(flags, &animate->drawing);
   add_drawing_flags(flags, &animate->drawing);
   flags.add(switch_settings(), &animate->drawing.options);
   flags.footer(
@@ -234,10 +236,14 @@ CameraSubject subject_of(const Scenery& scenery, const Field& field, const Drawi
   const RenderOptions& options = drawing.options;
   return {field,
           scenery.look,
-          scenery.described.box.world_bounds(),
+          bounds_with(scenery.described.box.world_bounds(), drawing.options.further),
           scenery.described.space,
           static_cast<double>(options.width) / options.height,
-          options.clip_planes};
+          options.clip_planes,
+          false,
+          nullptr,
+          false,
+          options.further};
 }
 
 Scenery make_scenery(const Series& series, const Chosen& chosen, const Flags& flags,
@@ -281,6 +287,7 @@ Scenery make_scenery(const Series& series, const Chosen& chosen, const Flags& fl
   }
   scenery.walls = surface_to_draw(subject, drawing);
   scenery.beside = subject.scenery;
+  drawing.options.further = subject.further;
   CameraSubject seen_subject = subject_of(scenery, field, drawing);
   if (scenery.walls.opacity > 0) seen_subject.surface = subject.surface.get();
   seen_subject.shows_all = drawing.points.size.has_value();

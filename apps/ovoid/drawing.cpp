@@ -15,6 +15,7 @@
 #include "make_geometry.h"
 #include "make_labels.h"
 #include "make_look.h"
+#include "make_over.h"
 #include "ovoid/error.h"
 #include "ovoid/framing.h"
 #include "ovoid/io.h"
@@ -47,6 +48,13 @@ std::vector<InputFile> files_to_read(const DataFlags& data, const DrawingFlags& 
   for (const std::string& file : drawing.geometry.files) add(file, "a surface of --add");
   add(drawing.labels.file, "the label map of --labels");
   add(drawing.labels.table, "the names of --label-table");
+  for (const std::string& file : drawing.over.files) {
+    const std::vector<InputFile> own = volume_inputs({file});
+    inputs.insert(inputs.end(), own.begin(), own.end());
+  }
+  for (const std::string& file : drawing.over.looks) add(file, "a look of --over-tf");
+  for (const std::string& file : drawing.over.transforms)
+    add(file, "a transform of --over-transform");
   return inputs;
 }
 
@@ -136,6 +144,7 @@ Subject make_subject(const Dataset& dataset, const Flags& flags, DrawingFlags* d
       is_of_labels && may_draw_own_labels(*drawing, session)
           ? make_own_labels(subject.modelled.field, dataset.source, *drawing, session)
           : make_labels_beside(*drawing, session);
+  subject.further = make_over(*drawing, dataset, session);
   return subject;
 }
 

@@ -12,6 +12,7 @@
 #include "draw_marks.h"
 #include "make_field.h"
 #include "make_look.h"
+#include "ovoid/further_volumes.h"
 #include "ovoid/geometry.h"
 #include "ovoid/render_mesh.h"
 #include "ovoid/render_points.h"
@@ -33,6 +34,7 @@ struct Subject {
   bool has_walls = false;                  // the surface may be seen: a mesh's, that of --within
   bool has_points = false;                 // may be drawn as balls: particles and kernels
   Scenery scenery;                         // of --add and --slice
+  std::shared_ptr<const std::vector<FurtherVolume>> further;  // of --over; null: none
 };
 
 // Of a mesh or boxes, or of the mesh of --within, with the values of what was modelled. Null if

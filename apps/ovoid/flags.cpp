@@ -196,7 +196,9 @@ void Flags::section(std::string title) { sections_.push_back({std::move(title), 
 
 void Flags::footer(std::string text) { footer_ = std::move(text); }
 
-void Flags::refuse(std::string name) { refused_.push_back(std::move(name)); }
+void Flags::refuse(std::string name, std::string why) {
+  refused_.emplace_back(std::move(name), std::move(why));
+}
 
 void Flags::add_line(const std::string& shown, const std::string& text) {
   if (sections_.empty()) sections_.emplace_back();
@@ -253,8 +255,9 @@ bool Flags::parse(const Words& words) {
   line_ = take_apart(words, forms_);
   if (!line_.problem.empty()) throw UsageError(line_.problem);
   for (const std::string& name : line_.unknown) {
-    if (std::find(refused_.begin(), refused_.end(), name) != refused_.end())
-      throw UsageError(name + ": not available in this version");
+    for (const auto& [refused, why] : refused_) {
+      if (name == refused) throw UsageError(name + ": " + why);
+    }
   }
   take_values();
   if (line_.asks_for_help) {

@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "setting.h"
@@ -52,8 +53,8 @@ class Flags {
   // Arguments that are not flags, kept in order.
   void positionals(const std::string& name, const std::string& text,
                    std::vector<std::string>* into);
-  // A flag of a later version: an error by its name. Not in the help.
-  void refuse(std::string name);
+  // A flag that others have, or a later version: an error by its name. Not in the help.
+  void refuse(std::string name, std::string why = "not available in this version");
   // A line of the help that is no flag: a name that a positional may take.
   void explain(const std::string& name, const std::string& text);
   // A paragraph printed under the flags.
@@ -102,8 +103,8 @@ class Flags {
   std::string command_, usage_, summary_, footer_;
   std::vector<Section> sections_;
   std::vector<FlagForm> forms_;
-  std::vector<Take> takes_;  // of each form
-  Words refused_;
+  std::vector<Take> takes_;                                   // of each form
+  std::vector<std::pair<std::string, std::string>> refused_;  // and why
   Words* positionals_ = nullptr;
   Line line_;
 };

@@ -57,7 +57,7 @@ Camera make_camera(const CameraFlags& flags, const CameraSubject& subject) {
   turn(camera, flags);
   if (flags.file.empty() && flags.fit == Fit::kVisible) {
     const Framing framing{subject.aspect, Framing().fill, subject.is_for_turning,
-                          subject.clip_planes};
+                          subject.clip_planes, subject.further};
     Look look = subject.look;
     if (subject.shows_all) {
       look.transfer_function.opacities.clear();

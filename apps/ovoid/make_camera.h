@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "ovoid/camera.h"
 #include "ovoid/field.h"
+#include "ovoid/further_volumes.h"
 #include "ovoid/look.h"
 #include "ovoid/render_options.h"
 #include "ovoid/surface.h"
@@ -24,6 +26,7 @@ struct CameraSubject {
   bool is_for_turning = false;       // as in Framing
   const Surface* surface = nullptr;  // what is drawn instead of the field; null: nothing
   bool shows_all = false;            // every kernel is seen, whatever the look makes of its value
+  std::shared_ptr<const std::vector<FurtherVolume>> further{};  // drawn with the field
 };
 
 // The default view of the subject, or the file's camera, with the flags applied. Throws Error.

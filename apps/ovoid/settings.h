@@ -197,6 +197,18 @@ struct LabelFlags {
   std::vector<std::string> inside, outside;  // where the field is drawn; empty: not said
 };
 
+// --over: other volumes in the picture. What is said of them is said of the first, the second ...
+struct OverFlags {
+  std::vector<std::string> files;
+  std::vector<std::string> arrays;
+  std::vector<std::string> looks;  // names, or JSON itself
+  std::vector<std::string> presets;
+  std::vector<std::string> color_maps;
+  std::vector<std::pair<double, double>> ranges;
+  std::vector<std::vector<OpacityPoint>> opacities;
+  std::vector<std::string> transforms;  // files that place them (placement.h)
+};
+
 // Particles and kernels as balls.
 struct PointFlags {
   std::optional<double> size;  // as PointStyle has it; none: the field is drawn
@@ -213,6 +225,7 @@ struct DrawingFlags {
   PointFlags points;
   GeometryFlags geometry;
   LabelFlags labels;
+  OverFlags over;
   RenderOptions options;
   TrailFlags trail;
   std::optional<ValuePlane> plane;
@@ -235,6 +248,7 @@ const Table<SurfaceFlags>& surface_settings();
 const Table<PointFlags>& point_settings();
 const Table<GeometryFlags>& geometry_settings();
 const Table<LabelFlags>& label_settings();
+const Table<OverFlags>& over_settings();
 const Table<TrailFlags>& trail_settings();
 const Table<DrawingFlags>& picture_settings();  // --size, --background
 const Table<RenderOptions>& number_settings();
@@ -249,6 +263,8 @@ void add_array_flags(Flags& flags, ModelFlags* model);
 void add_kernel_flags(Flags& flags, ModelFlags* model);
 // All that draw, section by section, from the marks to section "running", which stays open.
 void add_drawing_flags(Flags& flags, DrawingFlags* drawing);
+// Section "several volumes", of those that draw more than one.
+void add_over_flags(Flags& flags, DrawingFlags* drawing);
 
 // The other way round: the flags that say the same, in the place of those that the set has. What is
 // at its default takes no flag. `names`: these alone; empty: all of the table.

@@ -4,6 +4,7 @@
 #include "apply_crop.h"
 #include "make_camera.h"
 #include "make_look.h"
+#include "make_over.h"
 
 namespace ovoid::cli {
 
@@ -16,12 +17,14 @@ Shot make_shot(const Subject& subject, DrawingFlags* drawing, Session& session) 
   shot.walls = surface_to_draw(subject, *drawing);
   shot.points = points_to_draw(drawing->points);
   const FrameSubject drawn = frame_subject(subject, shot, *drawing);
+  drawing->options.further = subject.further;
   const RenderOptions& options = drawing->options;
   const double aspect = static_cast<double>(options.width) / options.height;
-  shot.camera =
-      make_camera(drawing->camera, {field, shot.look, shot.described.box.world_bounds(),
-                                    shot.described.space, aspect, options.clip_planes, false,
-                                    drawn.framed_surface(), shot.points.has_value()});
+  shot.camera = make_camera(
+      drawing->camera,
+      {field, shot.look, bounds_with(shot.described.box.world_bounds(), options.further),
+       shot.described.space, aspect, options.clip_planes, false, drawn.framed_surface(),
+       shot.points.has_value(), options.further});
   return shot;
 }
 

@@ -2,12 +2,14 @@
 // Where to look from, and how near, so that what a look shows of a field fills the picture.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "ovoid/camera.h"
 #include "ovoid/dataset.h"
 #include "ovoid/export.h"
 #include "ovoid/field.h"
+#include "ovoid/further_volumes.h"
 #include "ovoid/look.h"
 #include "ovoid/math.h"
 #include "ovoid/render_options.h"
@@ -32,6 +34,8 @@ struct Framing {
   // Whatever way the camera is turned around its focal point afterwards, all stays in sight.
   bool is_for_turning = false;
   std::vector<ClipPlane> clip_planes;  // as in RenderOptions: what they cut away is not looked for
+  // As in RenderOptions: what their looks show of them is to fill the picture, too.
+  std::shared_ptr<const std::vector<FurtherVolume>> further{};
 };
 
 // The camera, moved but not turned, so that what the look shows of the field fills the picture.

@@ -21,6 +21,7 @@
 #include "ovoid/field.h"
 #include "ovoid/fit.h"
 #include "ovoid/framing.h"
+#include "ovoid/further_volumes.h"
 #include "ovoid/geometry.h"
 #include "ovoid/hyperslice.h"
 #include "ovoid/image.h"

@@ -12,6 +12,7 @@
 namespace OVOID_API ovoid {
 
 class Field;
+struct FurtherVolume;
 struct Look;
 
 // What a sample stands for: the field on its slab's middle plane, or the slab's mean
@@ -93,6 +94,10 @@ struct RenderOptions {
   // Draws what this part of space has of the picture, into Frame::seen; null: the whole. On image
   // sheets alone, and in pictures without a trail or value plane.
   std::shared_ptr<const SpacePart> part;
+  // Volumes that are drawn with the field, which is a lattice then; null: none. At most
+  // kMostFurtherVolumes. In mode composite alone, without a trail, with post-convolution off or
+  // auto, and not on the vulkan back end (further_volumes.h).
+  std::shared_ptr<const std::vector<FurtherVolume>> further;
   bool skip_irrelevant = true;  // off: every block is reconstructed (time changes, pixels do not)
   // Off: covered samples are still worked out (time changes, pixels do not).
   bool stop_opaque = true;

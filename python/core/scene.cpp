@@ -95,6 +95,7 @@ DrawFlags::DrawFlags(DataFlags* data, DrawingFlags* drawing)
     : Flags("render", "DATA", "Draws data to a picture.") {
   cli::add_input_flags(*this, data);
   add(cli::picture_settings(), drawing);
+  cli::add_over_flags(*this, drawing);
   cli::add_drawing_flags(*this, drawing);
   add(cli::switch_settings(), &drawing->options);
 }

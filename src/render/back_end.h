@@ -4,7 +4,9 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 
+#include "ovoid/further_volumes.h"
 #include "ovoid/renderer.h"
 #include "view/base_plane.h"
 #include "view/light_volume.h"
@@ -22,6 +24,7 @@ struct FrameJob {
   const RenderHooks& hooks;
   const view::LightVolume* light = nullptr;  // how much of it arrives where; null: all
   const view::BasePlane* base = nullptr;     // of lattice sheets; null: image sheets
+  std::span<const FurtherVolume> further{};  // mixed with the field; their looks are completed
 };
 
 class BackEnd {

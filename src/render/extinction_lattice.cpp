@@ -378,4 +378,90 @@ ExtinctionLattice extinction_lattice(const Field& field, const Look& look,
   return out;
 }
 
+namespace {
+
+// With more empty cells around, as many as `box` needs, which is in cells.
+ExtinctionLattice grown(const ExtinctionLattice& lattice, const Bounds3& box) {
+  ExtinctionLattice out = lattice;
+  Index3 before{};
+  for (int a = 0; a < 3; ++a) {
+    const auto i = static_cast<std::size_t>(a);
+    const std::int64_t room = std::max<std::int64_t>(0, kMostCellsOfAll - lattice.dims[i]);
+    const auto end = static_cast<double>(lattice.dims[i] - 1);
+    const auto cells_for = [&](double beyond, std::int64_t most) {
+      const auto cells = std::clamp(std::ceil(beyond), 0.0, static_cast<double>(most));
+      return static_cast<std::int64_t>(cells);
+    };
+    before[i] = cells_for(-box.min()[a], room);
+    out.dims[i] += before[i] + cells_for(box.max()[a] - end, room - before[i]);
+  }
+  if (out.dims == lattice.dims) return out;
+  out.world_from_cell.translate(-Vec3(static_cast<double>(before[0]),
+                                      static_cast<double>(before[1]),
+                                      static_cast<double>(before[2])));
+  out.extinction.assign(num_cells(out.dims), 0.0F);
+  for (std::int64_t z = 0; z < lattice.dims[2]; ++z) {
+    for (std::int64_t y = 0; y < lattice.dims[1]; ++y) {
+      const float* const row =
+          &lattice
+               .extinction[static_cast<std::size_t>((z * lattice.dims[1] + y) * lattice.dims[0])];
+      std::copy_n(row, lattice.dims[0],
+                  &out.extinction[static_cast<std::size_t>(
+                      ((z + before[2]) * out.dims[1] + y + before[1]) * out.dims[0] + before[0])]);
+    }
+  }
+  return out;
+}
+
+// Between the middles of cells; nothing beyond them.
+float extinction_at(const ExtinctionLattice& lattice, const Vec3& cell) {
+  Index3 first;
+  Vec3 share;
+  for (int a = 0; a < 3; ++a) {
+    const auto i = static_cast<std::size_t>(a);
+    if (!(cell[a] >= 0 && cell[a] <= static_cast<double>(lattice.dims[i] - 1))) return 0;
+    first[i] = std::min(static_cast<std::int64_t>(cell[a]), lattice.dims[i] - 2);
+    share[a] = cell[a] - static_cast<double>(first[i]);
+  }
+  double sum = 0;
+  for (std::int64_t corner = 0; corner < 8; ++corner) {
+    const Index3 side{corner & 1, corner >> 1 & 1, corner >> 2};
+    double weight = 1;
+    for (int a = 0; a < 3; ++a)
+      weight *= side[static_cast<std::size_t>(a)] == 1 ? share[a] : 1 - share[a];
+    sum += weight *
+           lattice.extinction[static_cast<std::size_t>(
+               ((first[2] + side[2]) * lattice.dims[1] + first[1] + side[1]) * lattice.dims[0] +
+               first[0] + side[0])];
+  }
+  return static_cast<float>(sum);
+}
+
+}  // namespace
+
+void add_extinction(const ExtinctionLattice& other, ExtinctionLattice& sum) {
+  const Affine3 cell_from_other = sum.world_from_cell.inverse() * other.world_from_cell;
+  Bounds3 box;
+  for (int corner = 0; corner < 8; ++corner) {
+    Vec3 place;
+    for (int a = 0; a < 3; ++a) {
+      const auto last = static_cast<double>(other.dims[static_cast<std::size_t>(a)] - 1);
+      place[a] = (corner >> a & 1) != 0 ? last : 0.0;
+    }
+    box.extend(cell_from_other * place);
+  }
+  sum = grown(sum, box);
+  const Affine3 other_from_cell = other.world_from_cell.inverse() * sum.world_from_cell;
+  float* cell = sum.extinction.data();
+  for (std::int64_t z = 0; z < sum.dims[2]; ++z) {
+    for (std::int64_t y = 0; y < sum.dims[1]; ++y) {
+      for (std::int64_t x = 0; x < sum.dims[0]; ++x, ++cell) {
+        *cell += extinction_at(
+            other, other_from_cell * Vec3(static_cast<double>(x), static_cast<double>(y),
+                                          static_cast<double>(z)));
+      }
+    }
+  }
+}
+
 }  // namespace ovoid

@@ -38,4 +38,11 @@ ExtinctionLattice extinction_lattice(const Field& field, const Look& look,
                                      const std::vector<ClipPlane>& clip_planes, int threads,
                                      const std::stop_token& stop);
 
+// Adds what another lattice absorbs, read between its cells' middles, at the middles of all cells
+// of `sum`, which gets as many more around it as the other reaches beyond it.
+void add_extinction(const ExtinctionLattice& other, ExtinctionLattice& sum);
+
+// The most cells along an axis that a lattice has then.
+inline constexpr std::int64_t kMostCellsOfAll = 256;
+
 }  // namespace ovoid

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "render/lattice_sheets.h"
 
+#include <algorithm>
 #include <string>
+#include <vector>
 
 #include "ovoid/error.h"
 #include "view/frame_plan.h"
@@ -35,6 +37,51 @@ bool samples_share_weights(const LatticeField& field, const RenderOptions& optio
          field.reconstruction() == Reconstruction::kNormalized && options.slab != Slab::kMean;
 }
 
+// The lattice whose planes the sheets of a frame are parallel to: the one with the smallest
+// spacing.
+const LatticeField& finest_lattice(const FrameJob& job) {
+  const LatticeField* finest = job.field.lattice();
+  for (const FurtherVolume& volume : job.further) {
+    if (volume.field.default_sampling_distance() < finest->default_sampling_distance())
+      finest = &volume.field;
+  }
+  return *finest;
+}
+
+// Corners of what all but one of a frame's volumes can show, world.
+std::vector<Vec3> corners_of_others(const FrameJob& job, const LatticeField& one, double reach) {
+  std::vector<Vec3> corners;
+  const auto add = [&](const LatticeField& field) {
+    if (&field == &one) return;
+    const Bounds3 box = view::support_of(field, 1.0, reach);
+    for (int i = 0; i < 8; ++i) {
+      corners.emplace_back(field.geometry().world_from_index *
+                           box.corner(static_cast<Bounds3::CornerType>(i)));
+    }
+  };
+  add(*job.field.lattice());
+  for (const FurtherVolume& volume : job.further) add(volume.field);
+  return corners;
+}
+
+// Whether samples of the base plane are dense enough for all volumes.
+bool is_dense_enough(const view::BasePlane& base, const FrameJob& job) {
+  constexpr double kMost = view::kMostSpacings * (1 + 1e-9);
+  const auto is_dense = [&](const LatticeField& field) {
+    return view::plane_for(base, field.geometry()).samples_apart <= kMost;
+  };
+  return is_dense(*job.field.lattice()) &&
+         std::all_of(job.further.begin(), job.further.end(),
+                     [&](const FurtherVolume& volume) { return is_dense(volume.field); });
+}
+
+bool are_gentle(const FrameJob& job) {
+  return view::is_gentle(job.look, job.field.value_range()) &&
+         std::all_of(job.further.begin(), job.further.end(), [](const FurtherVolume& volume) {
+           return view::is_gentle(volume.look, volume.field.value_range());
+         });
+}
+
 }  // namespace
 
 std::optional<LatticeSheets> lattice_sheets_for(const BackEnd& back_end, const FrameJob& job,
@@ -46,13 +93,15 @@ std::optional<LatticeSheets> lattice_sheets_for(const BackEnd& back_end, const F
     if (must) throw Error(ErrorCode::kUnsupported, "sheets: lattice: " + reason);
     return std::nullopt;
   }
-  const LatticeField& field = *job.field.lattice();
+  const LatticeField& field = finest_lattice(job);
   if (!must && !samples_share_weights(field, options)) return std::nullopt;
   const double reach = options.slab == Slab::kMean
                            ? options.sampling_distance / field.geometry().spacing().minCoeff()
                            : 0.0;
   std::optional<view::BasePlane> base =
-      view::base_plane(field, view::support_of(field, 1.0, reach), job.camera, options);
+      view::base_plane(field, view::support_of(field, 1.0, reach), job.camera, options,
+                       corners_of_others(job, field, reach));
+  if (base && !job.further.empty() && !is_dense_enough(*base, job)) base.reset();
   if (!base) {
     if (must)
       throw Error(ErrorCode::kUnsupported,
@@ -62,8 +111,7 @@ std::optional<LatticeSheets> lattice_sheets_for(const BackEnd& back_end, const F
     return std::nullopt;
   }
   if (!must && static_cast<double>(base->width) * base->height > kMostSamples) return std::nullopt;
-  const bool is_wide = is_distance_free && view::is_refined(job.look, options) &&
-                       view::is_gentle(job.look, field.value_range());
+  const bool is_wide = is_distance_free && view::is_refined(job.look, options) && are_gentle(job);
   const double distance =
       options.sampling_distance * base->closeness * (is_wide ? view::kGentleDistance : 1.0);
   return LatticeSheets{*base, distance};

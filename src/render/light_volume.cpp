@@ -19,18 +19,26 @@ void append_curve(std::vector<double>& key, const std::vector<OpacityPoint>& poi
     key.insert(key.end(), {point.x, point.opacity, point.midpoint, point.sharpness});
 }
 
-// All that an extinction lattice depends on. Colours are not among it.
-std::vector<double> key_of(const Field& field, const Look& look,
-                           const std::vector<ClipPlane>& clip_planes, bool is_solid) {
+void append_look(std::vector<double>& key, const Look& look) {
   const TransferFunction& tf = look.transfer_function;
-  std::vector<double> key{static_cast<double>(field.id()), static_cast<double>(field.version()),
-                          is_solid ? 1.0 : 0.0};
-  if (!is_solid) {
-    key.insert(key.end(), {static_cast<double>(look.mode), look.isovalue, look.unit_distance,
-                           static_cast<double>(tf.scale), tf.linear_width});
-    if (look.mode != Mode::kIsosurface) append_curve(key, tf.opacities);
+  key.insert(key.end(),
+             {static_cast<double>(look.mode), look.isovalue, look.unit_distance,
+              tf.unit_distance.value_or(0), static_cast<double>(tf.scale), tf.linear_width});
+  if (look.mode != Mode::kIsosurface) append_curve(key, tf.opacities);
+}
+
+// All that an extinction lattice depends on. Colours are not among it.
+std::vector<double> key_of(const LitScene& scene) {
+  const bool is_solid = scene.solid != nullptr;
+  std::vector<double> key{static_cast<double>(scene.field.id()),
+                          static_cast<double>(scene.field.version()), is_solid ? 1.0 : 0.0};
+  if (!is_solid) append_look(key, scene.look);
+  for (const FurtherVolume& volume : scene.further) {
+    key.insert(key.end(), {static_cast<double>(volume.field.id()),
+                           static_cast<double>(volume.field.version())});
+    append_look(key, volume.look);
   }
-  for (const ClipPlane& plane : clip_planes)
+  for (const ClipPlane& plane : scene.clip_planes)
     key.insert(key.end(), {plane.normal[0], plane.normal[1], plane.normal[2], plane.offset});
   return key;
 }
@@ -72,6 +80,25 @@ void set_quads(view::LightVolume& volume) {
   }
 }
 
+// With a unit distance of its own.
+Look with_unit_distance(Look look) {
+  if (look.unit_distance == 0) look.unit_distance = *look.transfer_function.unit_distance;
+  return look;
+}
+
+ExtinctionLattice extinction_of_scene(const LitScene& scene, int threads,
+                                      const std::stop_token& stop) {
+  if (scene.solid != nullptr) return solid_lattice(*scene.solid, scene.clip_planes, threads, stop);
+  ExtinctionLattice all = extinction_lattice(scene.field, with_unit_distance(scene.look),
+                                             scene.clip_planes, threads, stop);
+  for (const FurtherVolume& volume : scene.further) {
+    add_extinction(extinction_lattice(volume.field, with_unit_distance(volume.look),
+                                      scene.clip_planes, threads, stop),
+                   all);
+  }
+  return all;
+}
+
 bool has_key_light(const Look& look) { return look.shadows > 0 && look.light_direction; }
 
 }  // namespace
@@ -81,10 +108,9 @@ bool has_light_volume(const Look& look) {
   return takes_light && (look.occlusion > 0 || has_key_light(look));
 }
 
-LightVolumes::Kept& LightVolumes::kept_for(const Field& field, const Look& look,
-                                           const std::vector<ClipPlane>& clip_planes, int threads,
-                                           const std::stop_token& stop, const Surface* solid) {
-  Key key = key_of(field, look, clip_planes, solid != nullptr);
+LightVolumes::Kept& LightVolumes::kept_for(const LitScene& scene, int threads,
+                                           const std::stop_token& stop) {
+  Key key = key_of(scene);
   const auto found =
       std::find_if(kept_.begin(), kept_.end(), [&](const Kept& kept) { return kept.key == key; });
   if (found != kept_.end()) {
@@ -92,8 +118,7 @@ LightVolumes::Kept& LightVolumes::kept_for(const Field& field, const Look& look,
     return kept_.front();
   }
   Kept fresh;
-  fresh.extinction = solid != nullptr ? solid_lattice(*solid, clip_planes, threads, stop)
-                                      : extinction_lattice(field, look, clip_planes, threads, stop);
+  fresh.extinction = extinction_of_scene(scene, threads, stop);
   fresh.key = std::move(key);
   fresh.volume.dims = fresh.extinction.dims;
   fresh.volume.cell_from_world = fresh.extinction.world_from_cell.inverse();
@@ -103,11 +128,11 @@ LightVolumes::Kept& LightVolumes::kept_for(const Field& field, const Look& look,
   return kept_.front();
 }
 
-const view::LightVolume* LightVolumes::at(const Field& field, const Look& look,
-                                          const std::vector<ClipPlane>& clip_planes, int threads,
-                                          const std::stop_token& stop, const Surface* solid) {
+const view::LightVolume* LightVolumes::at(const LitScene& scene, int threads,
+                                          const std::stop_token& stop) {
+  const Look& look = scene.look;
   if (!has_light_volume(look)) return nullptr;
-  Kept& kept = kept_for(field, look, clip_planes, threads, stop, solid);
+  Kept& kept = kept_for(scene, threads, stop);
   if (look.occlusion > 0 && kept.around.empty())
     kept.around = light_from_everywhere(kept.extinction, threads, stop);
   const bool has_key = has_key_light(look);

@@ -4,10 +4,12 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <stop_token>
 #include <vector>
 
 #include "ovoid/field.h"
+#include "ovoid/further_volumes.h"
 #include "ovoid/look.h"
 #include "ovoid/render_options.h"
 #include "ovoid/surface.h"
@@ -29,15 +31,23 @@ inline constexpr double kScatterExtinction = 0.25;
 // True if light that arrives is a matter of the look: a share of it is taken.
 bool has_light_volume(const Look& look);
 
+// What the light of a frame is made from. Unit distances are set, of looks or of their transfer
+// functions, and the look's light has a direction unless it is a headlight.
+struct LitScene {
+  const Field& field;
+  const Look& look;
+  const std::vector<ClipPlane>& clip_planes;
+  std::span<const FurtherVolume> further{};  // whose extinctions are added
+  // The surface of the field's mesh, which lets no light through, whatever the look makes of the
+  // field; null: the field.
+  const Surface* solid = nullptr;
+};
+
 class LightVolumes {
  public:
-  // The light of a frame. `unit_distance` of the look is set, and its light's direction unless it
-  // is a headlight. `solid`: the surface of the field's mesh, which lets no light through, whatever
-  // the look makes of the field; null: the field. Null where the look has none. Valid until the
-  // next call. Throws Error(kCancelled), and what the field's source throws.
-  const view::LightVolume* at(const Field& field, const Look& look,
-                              const std::vector<ClipPlane>& clip_planes, int threads,
-                              const std::stop_token& stop, const Surface* solid = nullptr);
+  // The light of a frame. Null where the look has none. Valid until the next call. Throws
+  // Error(kCancelled), and what the fields' sources throw.
+  const view::LightVolume* at(const LitScene& scene, int threads, const std::stop_token& stop);
 
  private:
   // What an extinction is made of, as numbers that are compared.
@@ -51,8 +61,7 @@ class LightVolumes {
     Key strengths;  // what the volume is made of
     view::LightVolume volume;
   };
-  Kept& kept_for(const Field& field, const Look& look, const std::vector<ClipPlane>& clip_planes,
-                 int threads, const std::stop_token& stop, const Surface* solid);
+  Kept& kept_for(const LitScene& scene, int threads, const std::stop_token& stop);
 
   std::vector<Kept> kept_;  // the last used first
 };

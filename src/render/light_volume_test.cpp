@@ -31,7 +31,7 @@ Look lit_look() {
 view::ArrivingLight light_at(const Field& field, const Look& look, const Vec3& world,
                              const std::vector<ClipPlane>& planes = {}) {
   LightVolumes lights;
-  return lights.at(field, look, planes, 2, {})->at(world);
+  return lights.at({field, look, planes}, 2, {})->at(world);
 }
 
 // Smooth clouds in a box of kEdge samples, values in [0, 1].
@@ -128,7 +128,7 @@ TEST(LightVolume, IsNearToRandomRaysThroughTheFieldItself) {
   Look look = cloud_look();
   look.occlusion = look.shadows = look.scatter = 1;
   LightVolumes lights;
-  const view::LightVolume& volume = *lights.at(field, look, {}, 2, {});
+  const view::LightVolume& volume = *lights.at({field, look, {}}, 2, {});
   const double cell = volume.cell_edge;
   const double reach = kReachOfDiagonal * std::sqrt(3.0) * kEdge;
   const Vec3 towards = look.light_direction->normalized();
@@ -172,7 +172,7 @@ TEST(LightVolume, DoesNotDependOnThreads) {
   for (const Field& field : {cloud_field(), Field(KernelField(test::jittered_ellipsoids(9).source(),
                                                               Reconstruction::kNormalized))}) {
     LightVolumes one, three;
-    EXPECT_EQ(one.at(field, look, {}, 1, {})->packed, three.at(field, look, {}, 3, {})->packed);
+    EXPECT_EQ(one.at({field, look, {}}, 1, {})->packed, three.at({field, look, {}}, 3, {})->packed);
   }
 }
 
@@ -221,7 +221,7 @@ TEST(LightVolume, TurningTheLightByADegreeChangesLittle) {
   for (int degree = 0; degree <= 90; degree += 1) {
     const double angle = degree * M_PI / 180;
     look.light_direction = Vec3(std::cos(angle), 0.2, std::sin(angle));
-    const std::vector<float>& packed = lights.at(field, look, {}, 2, {})->packed;
+    const std::vector<float>& packed = lights.at({field, look, {}}, 2, {})->packed;
     double squares = 0;
     for (std::size_t i = 0; i < before.size(); ++i)
       squares +=
@@ -238,17 +238,17 @@ TEST(LightVolume, FollowsTheLook) {
   const Field field = cloud_field();
   Look look = cloud_look();
   LightVolumes lights;
-  EXPECT_EQ(lights.at(field, look, {}, 2, {}), nullptr);
+  EXPECT_EQ(lights.at({field, look, {}}, 2, {}), nullptr);
   look.occlusion = 1;
-  const std::vector<float> whole = lights.at(field, look, {}, 2, {})->packed;
+  const std::vector<float> whole = lights.at({field, look, {}}, 2, {})->packed;
   look.occlusion = 0.5;
-  EXPECT_NE(lights.at(field, look, {}, 2, {})->packed, whole);
+  EXPECT_NE(lights.at({field, look, {}}, 2, {})->packed, whole);
   look.occlusion = 1;
-  EXPECT_EQ(lights.at(field, look, {}, 2, {})->packed, whole);
+  EXPECT_EQ(lights.at({field, look, {}}, 2, {})->packed, whole);
   look.transfer_function.opacities.back().opacity = 0.9;
-  EXPECT_NE(lights.at(field, look, {}, 2, {})->packed, whole);
+  EXPECT_NE(lights.at({field, look, {}}, 2, {})->packed, whole);
   look.mode = Mode::kMaximum;
-  EXPECT_EQ(lights.at(field, look, {}, 2, {}), nullptr);
+  EXPECT_EQ(lights.at({field, look, {}}, 2, {}), nullptr);
 }
 
 // Fails if a stopped frame does not stop here.
@@ -259,11 +259,49 @@ TEST(LightVolume, CanBeStopped) {
   look.occlusion = 1;
   LightVolumes lights;
   try {
-    lights.at(cloud_field(), look, {}, 2, stop.get_token());
+    lights.at({cloud_field(), look, {}}, 2, stop.get_token());
     FAIL() << "went on";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::kCancelled);
   }
+}
+
+// Of further volumes extinctions are added. Fails if one is left out, put elsewhere, or cut off
+// where it reaches beyond the first.
+TEST(LightVolume, IsOfAllVolumes) {
+  const LatticeField box = test::constant_field({32, 32, 32}, 1);
+  const Vec3 middle(15.5, 15.5, 15.5);
+  Look look = lit_look();
+  look.occlusion = 0.8;
+  look.shadows = 1;
+  look.light_direction = Vec3(1, 0, 0);
+  const auto light_of = [&](double opacity, const std::vector<FurtherVolume>& further) {
+    Look own = look;
+    own.transfer_function.opacities = {{0, opacity}};
+    const Field field = box;
+    LightVolumes lights;
+    return lights.at({field, own, {}, further}, 2, {})->at(middle);
+  };
+  const auto thin = [&](const LatticeField& field, double opacity) {
+    FurtherVolume volume{field, look};
+    volume.look.transfer_function.opacities = {{0, opacity}};
+    return volume;
+  };
+  const view::ArrivingLight whole = light_of(1 - 0.95 * 0.95, {});
+  const view::ArrivingLight halves = light_of(0.05, {thin(box, 0.05)});
+  EXPECT_NEAR(halves.around, whole.around, 2e-3);
+  EXPECT_NEAR(halves.key, whole.key, 2e-3);
+  // One that lies towards the light, beside the first, hides more of it; one behind hides none.
+  const view::ArrivingLight alone = light_of(0.05, {});
+  test::FieldSetup beside;
+  beside.world_from_index = test::scaled_axes(Vec3(1, 1, 1), Vec3(32, 0, 0));
+  const view::ArrivingLight hidden =
+      light_of(0.05, {thin(test::constant_field({32, 32, 32}, 1, beside), 0.05)});
+  EXPECT_NEAR(hidden.key, alone.key * std::pow(0.95, 32), 0.03);
+  beside.world_from_index = test::scaled_axes(Vec3(1, 1, 1), Vec3(-32, 0, 0));
+  const view::ArrivingLight behind =
+      light_of(0.05, {thin(test::constant_field({32, 32, 32}, 1, beside), 0.05)});
+  EXPECT_NEAR(behind.key, alone.key, 2e-3);
 }
 
 }  // namespace

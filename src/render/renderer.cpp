@@ -65,6 +65,32 @@ void require_trail(const Field& field, const Look& look, const Trail& trail,
     throw Error(ErrorCode::kInvalidArgument, "trail.field: must be on the lattice of the field");
 }
 
+// Throws Error unless the volumes can be drawn with the field.
+void require_further(const Field& field, const Look& look, bool has_trail,
+                     const RenderOptions& options) {
+  const std::vector<FurtherVolume>& volumes = *options.further;
+  if (volumes.empty()) return;
+  const auto refuse = [](const std::string& why) {
+    throw Error(ErrorCode::kUnsupported, "further volumes: " + why);
+  };
+  if (volumes.size() > kMostFurtherVolumes)
+    throw Error(ErrorCode::kInvalidArgument, fmt::format("further: {} volumes, must be at most {}",
+                                                         volumes.size(), kMostFurtherVolumes));
+  if (field.lattice() == nullptr) refuse("are for lattices, the field is a set of kernels");
+  if (look.mode != Mode::kComposite) refuse("are for the mode composite");
+  if (has_trail) refuse("are for pictures without a trail");
+  if (is_published(options.post_convolution)) refuse("are for post-convolution off and auto");
+  if (options.part != nullptr) refuse("are for whole pictures, not for parts");
+  for (std::size_t i = 0; i < volumes.size(); ++i) {
+    if (volumes[i].field.is_empty()) {
+      throw Error(ErrorCode::kInvalidArgument, fmt::format("further[{}].field: has no samples", i));
+    }
+    volumes[i].look.validate();
+    if (volumes[i].look.mode != Mode::kComposite)
+      refuse(fmt::format("further[{}].look has another mode than composite", i));
+  }
+}
+
 // Where a frame has a trail, samples are classified at their pixels, the trail's without pieces.
 view::TrailView view_of(const Trail& trail, const Look& look, const RenderOptions& options) {
   view::TrailView view{&trail.field, {}, options};
@@ -149,14 +175,13 @@ class ReferenceBackEnd final : public BackEnd {
   bool has_lattice_sheets() const noexcept override { return true; }
 
   Frame draw(const FrameJob& job) override {
-    const auto& [field, camera, look, trail, options, hooks, light, base] = job;
-    const int wanted = std::min(num_threads_, options.height);  // a thread has a row at least
-    return with_note_on_threads(
-        field.kernels() != nullptr
-            ? reference::render(*field.kernels(), camera, look, options, hooks, wanted, light)
-            : reference::render(*field.lattice(), camera, look, options, hooks, wanted, trail, base,
-                                light),
-        wanted);
+    const KernelField* const set = job.field.kernels();
+    const int wanted = std::min(num_threads_, job.options.height);  // a thread has a row at least
+    return with_note_on_threads(set != nullptr
+                                    ? reference::render(*set, job.camera, job.look, job.options,
+                                                        job.hooks, wanted, job.light)
+                                    : reference::render(job, wanted),
+                                wanted);
   }
 
  private:
@@ -168,13 +193,15 @@ class ReferenceBackEnd final : public BackEnd {
 struct __attribute__((visibility("hidden"))) Renderer::Impl {
   Frame draw(const Field& field, const Camera& camera, const Look& look, const Trail* trail,
              const RenderOptions& options, const RenderHooks& hooks);
+  // The volumes of the options as they are drawn, with looks that say everything.
+  std::vector<FurtherVolume> further_to_draw(const Camera& camera, const RenderOptions& options,
+                                             const RenderHooks& hooks);
   // Null where the look has none, or where there is no memory for it; then with a notice.
   struct LitBy {
     const view::LightVolume* volume = nullptr;
     std::string notice;
   };
-  LitBy light_for(const Field& drawn, Look look, const RenderOptions& options,
-                  const RenderHooks& hooks, const Surface* solid = nullptr);
+  LitBy light_for(const LitScene& scene, const RenderHooks& hooks);
   // `is_distance_free`: nobody asks for the sampling distance of the job.
   Frame draw_by_choice(const FrameJob& job, bool is_distance_free) const;
   static Frame draw_on(BackEnd& chosen, const FrameJob& job, bool is_distance_free);
@@ -234,12 +261,19 @@ Frame Renderer::Impl::draw(const Field& field, const Camera& camera, const Look&
   options.validate();
   require_spread(field, options);
   if (trail != nullptr) require_trail(field, look, *trail, options);
+  if (options.further != nullptr) require_further(field, look, trail != nullptr, options);
   if (field.kernels() != nullptr) require_central_differences(options);
   const int level = trail == nullptr ? coarsest_level(field, camera, options) : 0;
-  const Field& drawn = levels.at(field, level, machine.runner->num_wanted(), hooks.stop);
+  // Not for long there, if further volumes have levels, too.
+  const Field drawn = levels.at(field, level, machine.runner->num_wanted(), hooks.stop);
   const Look own_look = completed(look, field, camera);
+  const std::vector<FurtherVolume> further = further_to_draw(camera, options, hooks);
   RenderOptions own_options = options;
   own_options.sampling_distance = sheet_distance(drawn, look, options);
+  for (const FurtherVolume& volume : further) {
+    own_options.sampling_distance =
+        std::min(own_options.sampling_distance, sheet_distance(volume.field, volume.look, options));
+  }
   std::optional<view::TrailView> trail_view;
   if (trail != nullptr) {
     own_options.post_convolution = PostConvolution::kOff;
@@ -254,10 +288,11 @@ Frame Renderer::Impl::draw(const Field& field, const Camera& camera, const Look&
         view::limits_of_part(sheets, lattice, options.depth_limits.get()));
   }
   const Clock::time_point light_start = Clock::now();
-  const LitBy lit_by = light_for(drawn, own_look, options, hooks);
+  const LitBy lit_by = light_for({drawn, own_look, options.clip_planes, further}, hooks);
   const double light_ms = milliseconds_since(light_start);
-  const FrameJob job{drawn,       camera, own_look,     trail_view ? &*trail_view : nullptr,
-                     own_options, hooks,  lit_by.volume};
+  const FrameJob job{drawn,       camera, own_look,      trail_view ? &*trail_view : nullptr,
+                     own_options, hooks,  lit_by.volume, nullptr,
+                     further};
   Frame frame = draw_by_choice(job, options.sampling_distance == 0);
   if (!lit_by.notice.empty()) add_notice(frame.profile, lit_by.notice);
   if (lit_by.volume != nullptr) {
@@ -283,19 +318,29 @@ Frame Renderer::Impl::draw(const Field& field, const Camera& camera, const Look&
 SurfaceLight SurfaceLight::of(Renderer& renderer, const Field& field, const Surface* solid,
                               const Camera& camera, const Look& look, const RenderOptions& options,
                               const RenderHooks& hooks) {
+  const Look own_look = completed(look, field, camera);
   const auto [volume, notice] =
-      renderer.impl_->light_for(field, completed(look, field, camera), options, hooks, solid);
+      renderer.impl_->light_for({field, own_look, options.clip_planes, {}, solid}, hooks);
   return {volume, notice};
 }
 
-Renderer::Impl::LitBy Renderer::Impl::light_for(const Field& drawn, Look look,
-                                                const RenderOptions& options,
-                                                const RenderHooks& hooks, const Surface* solid) {
-  if (look.unit_distance == 0) look.unit_distance = *look.transfer_function.unit_distance;
+std::vector<FurtherVolume> Renderer::Impl::further_to_draw(const Camera& camera,
+                                                           const RenderOptions& options,
+                                                           const RenderHooks& hooks) {
+  std::vector<FurtherVolume> volumes;
+  if (options.further == nullptr) return volumes;
+  for (const FurtherVolume& given : *options.further) {
+    const Field field = given.field;
+    const Field& drawn = levels.at(field, coarsest_level(field, camera, options),
+                                   machine.runner->num_wanted(), hooks.stop);
+    volumes.push_back({*drawn.lattice(), completed(given.look, field, camera)});
+  }
+  return volumes;
+}
+
+Renderer::Impl::LitBy Renderer::Impl::light_for(const LitScene& scene, const RenderHooks& hooks) {
   try {
-    return {lights.at(drawn, look, options.clip_planes, machine.runner->num_wanted(), hooks.stop,
-                      solid),
-            {}};
+    return {lights.at(scene, machine.runner->num_wanted(), hooks.stop), {}};
   } catch (const std::bad_alloc&) {
     lights = {};
     return {nullptr, "light volume: no memory for it; drawn without occlusion and shadows"};
@@ -307,8 +352,8 @@ Frame Renderer::Impl::draw_on(BackEnd& chosen, const FrameJob& job, bool is_dist
   if (!sheets) return chosen.draw(job);
   RenderOptions options = job.options;
   options.sampling_distance = sheets->sampling_distance;
-  return chosen.draw(
-      {job.field, job.camera, job.look, job.trail, options, job.hooks, job.light, &sheets->base});
+  return chosen.draw({job.field, job.camera, job.look, job.trail, options, job.hooks, job.light,
+                      &sheets->base, job.further});
 }
 
 Frame Renderer::Impl::draw_by_choice(const FrameJob& job, bool is_distance_free) const {

@@ -80,7 +80,8 @@ Eigen::Vector2d stretch_at(const Mat3& picture_from_plane, const Eigen::Vector2d
 }  // namespace
 
 std::optional<BasePlane> base_plane(const LatticeField& field, const Bounds3& support,
-                                    const Camera& camera, const RenderOptions& options) {
+                                    const Camera& camera, const RenderOptions& options,
+                                    std::span<const Vec3> also) {
   const ViewAxes view = view_axes(camera, options);
   const Affine3& world_from_index = field.geometry().world_from_index;
   const Mat3 axes = world_from_index.linear();
@@ -127,6 +128,11 @@ std::optional<BasePlane> base_plane(const LatticeField& field, const Bounds3& su
     const double scale = base.is_parallel ? 1.0 : place[2];
     covered.extend(Eigen::Vector2d(place.head<2>() / scale));
     farthest = std::max(farthest, place[2]);
+  }
+  for (const Vec3& world : also) {
+    const Vec3 place = from_world * (world - view.eye);
+    if (!base.is_parallel && !(place[2] > 0)) return std::nullopt;
+    covered.extend(Eigen::Vector2d(place.head<2>() / (base.is_parallel ? 1.0 : place[2])));
   }
   Eigen::AlignedBox2d window = shown.intersection(covered);
   if (window.isEmpty()) window = Eigen::AlignedBox2d(Eigen::Vector2d(shown.center()));
@@ -189,6 +195,43 @@ std::optional<BasePlane> base_plane(const LatticeField& field, const Bounds3& su
   base.depth = {base.corner.dot(view.axis) + (base.is_parallel ? 0.0 : 1.0),
                 base.per_x.dot(view.axis), base.per_y.dot(view.axis)};
   return base;
+}
+
+PlaneOfOther plane_for(const BasePlane& base, const LatticeGeometry& lattice) {
+  constexpr double kMostDrift = 1e-3;  // spacings
+  PlaneOfOther out{base};
+  out.base.order = kOwnOrder;
+  const Mat3 index_from_world = lattice.world_from_index.linear().inverse();
+  double scale = 1;  // of the rearmost sheet that meets the lattice
+  if (!base.is_parallel) {
+    const Vec3 normal = base.per_x.cross(base.per_y);
+    const Bounds3 box = lattice.index_bounds();
+    for (int i = 0; i < 8; ++i) {
+      const Vec3 corner =
+          lattice.world_from_index * box.corner(static_cast<Bounds3::CornerType>(i));
+      const double z = normal.dot(corner - base.eye) / normal.dot(base.axis);
+      scale = i == 0 ? z : std::max(scale, z);
+    }
+  }
+  const Vec3 steps[2] = {index_from_world * base.per_x * scale,
+                         index_from_world * base.per_y * scale};
+  out.samples_apart = std::max(steps[0].norm(), steps[1].norm());
+  const std::array<double, 2> samples = {1.0 * base.width, 1.0 * base.height};
+  AxisOrder order = kOwnOrder;
+  for (std::size_t i = 0; i < 2; ++i) {
+    Eigen::Index along = 0;
+    steps[i].cwiseAbs().maxCoeff(&along);
+    order[i] = static_cast<int>(along);
+    Vec3 drift = steps[i];
+    drift[along] = 0;
+    // Rows that share weights go from lesser samples to greater ones.
+    if (!(steps[i][along] > 0) || drift.cwiseAbs().maxCoeff() * samples[i] > kMostDrift) return out;
+  }
+  order[2] = 3 - order[0] - order[1];
+  if (order[0] == order[1]) return out;
+  out.base.order = order;
+  out.is_aligned = true;
+  return out;
 }
 
 }  // namespace ovoid::view

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <optional>
+#include <span>
 
 #include "ovoid/camera.h"
 #include "ovoid/field.h"
@@ -83,8 +84,19 @@ inline constexpr double kMostSpacings = 4.0 / 3;
 // lattice, around what both show. `support`: where the field can be defined, index space. Empty
 // where sheets cannot lie like this: in perspective the camera has to be in front of the whole
 // field, and the rays that meet it within 60 degrees of the sheets' normal; in parallel projection
-// the view axis, which only oblique lattices can miss.
+// the view axis, which only oblique lattices can miss. `also`: places that the plane covers, too,
+// and that are to be in front of the camera as well; world.
 std::optional<BasePlane> base_plane(const LatticeField& field, const Bounds3& support,
-                                    const Camera& camera, const RenderOptions& options);
+                                    const Camera& camera, const RenderOptions& options,
+                                    std::span<const Vec3> also = {});
+
+// The same plane for another lattice: its axes in such an order that they run along the base
+// plane's, if they do.
+struct PlaneOfOther {
+  BasePlane base;
+  bool is_aligned = false;     // they do, up to a thousandth of a spacing all over the plane
+  double samples_apart = 0.0;  // the farthest that neighbouring samples are, spacings
+};
+PlaneOfOther plane_for(const BasePlane& base, const LatticeGeometry& lattice);
 
 }  // namespace ovoid::view

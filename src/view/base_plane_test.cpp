@@ -55,6 +55,41 @@ Vec3 seen_at(const Camera& c, const RenderOptions& options, const Eigen::Vector2
   return c.position + depth * n + scale * (across * r + along * q);
 }
 
+// Fails if samples of a lattice that lies askew, or whose rows run the other way, are taken to
+// share weights, or if rows are taken for columns.
+TEST(BasePlane, OfAnotherLattice) {
+  const LatticeField field = oblique_field();
+  const BasePlane base = *base_of(field, camera_across(field, 2, 1, true), test::picture(24, 20));
+  const Mat3 axes = field.geometry().world_from_index.linear();
+  const auto plane = [&](const Mat3& own) {
+    LatticeGeometry other{{9, 8, 7}, Affine3::Identity()};
+    other.world_from_index.linear() = own;
+    return plane_for(base, other);
+  };
+  const PlaneOfOther own = plane_for(base, field.geometry());
+  EXPECT_TRUE(own.is_aligned);
+  EXPECT_EQ(own.base.order, base.order);
+  EXPECT_LE(own.samples_apart, kMostSpacings * (1 + 1e-12));
+  const PlaneOfOther coarser = plane(2 * axes);
+  EXPECT_TRUE(coarser.is_aligned);
+  EXPECT_NEAR(coarser.samples_apart, own.samples_apart / 2, 1e-12);
+  // Its first axis is the field's last.
+  Mat3 reordered;
+  reordered << axes.col(2), axes.col(0), axes.col(1);
+  const PlaneOfOther turned = plane(reordered);
+  EXPECT_TRUE(turned.is_aligned);
+  for (std::size_t a = 0; a < 3; ++a) EXPECT_EQ(turned.base.order[a], (base.order[a] + 1) % 3);
+  Mat3 flipped = axes;
+  flipped.col(base.order[0]) *= -1;
+  EXPECT_FALSE(plane(flipped).is_aligned);
+  Mat3 along_normal = axes;
+  along_normal.col(base.order[2]) *= -1;
+  EXPECT_TRUE(plane(along_normal).is_aligned);
+  const Mat3 askew = Eigen::AngleAxisd(0.1, Vec3(0, 0, 1)).toRotationMatrix() * axes;
+  EXPECT_FALSE(plane(askew).is_aligned);
+  EXPECT_EQ(plane(askew).base.order, kOwnOrder);
+}
+
 // A grid whose spacings differ by so much that all its samples along an axis lie within a pixel:
 // the warp's filter for that pixel would have as many weights as the pixel is wide.
 TEST(BasePlane, IsNotOneThatAPixelCovers) {

@@ -267,6 +267,10 @@ const std::vector<Words>& samples() {
       {"--labels", "parts.nrrd", "--label-table", "parts.ctbl", "--label-opacity",
        "3=0.4,others=0", "--inside-labels", "1,left lung"},
       {"--labels", "parts.nrrd", "--outside-labels", "1,2"},
+      {"--over", "a.nrrd", "--over", "b.nrrd", "--over-array", "x", "--over-tf", "a.json",
+       "--over-colormap", "gray", "--over-range", "0,1", "--over-opacity", "0:0,1:0.5",
+       "--over-transform", "m.txt"},
+      {"--over", "a.nrrd", "--over-preset", "mr-default"},
       {"--points=2"},
       {"--points"},
       {"--background", "none"},
@@ -334,6 +338,7 @@ FlagSet told(const cli::DataFlags& data, const cli::DrawingFlags& drawing) {
   cli::tell(cli::point_settings(), drawing.points, &set);
   cli::tell(cli::geometry_settings(), drawing.geometry, &set);
   cli::tell(cli::label_settings(), drawing.labels, &set);
+  cli::tell(cli::over_settings(), drawing.over, &set);
   cli::tell(cli::picture_settings(), drawing, &set);
   cli::tell(cli::number_settings(), drawing.options, &set);
   cli::tell(cli::switch_settings(), drawing.options, &set);
@@ -347,6 +352,7 @@ FlagSet told_of(const Words& words) {
   cli::DrawingFlags drawing;
   Flags flags("x", "", "");
   cli::add_input_flags(flags, &data);
+  cli::add_over_flags(flags, &drawing);
   cli::add_drawing_flags(flags, &drawing);
   flags.add(cli::picture_settings(), &drawing);
   flags.add(cli::switch_settings(), &drawing.options);

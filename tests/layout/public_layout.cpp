@@ -134,6 +134,7 @@ constinit const TypeLayout OVOID_LAYOUTS[] = {
     OVOID_TYPE(TransferFunction),
     OVOID_TYPE(ValuePlane),
     OVOID_TYPE(Framing),
+    OVOID_TYPE(FurtherVolume),
     OVOID_TYPE(Surface),
     OVOID_TYPE(SurfaceStyle),
     OVOID_TYPE(PointStyle),

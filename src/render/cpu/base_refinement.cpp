@@ -228,11 +228,10 @@ bool SampleMask::is_empty(int x, int y) const noexcept {
   return std::all_of(first, first + kTileSize, [](RowWord row) { return row == 0; });
 }
 
-int first_samples_apart(const view::BasePlane& base, const LatticeField& field, const Look& look,
+int first_samples_apart(const view::BasePlane& base, double steepness, Mode mode,
                         const RenderOptions& options) {
-  const double steepness = view::steepness_of(look, field.value_range());
   // An x-ray's numbers are no colours.
-  if (options.post_convolution != PostConvolution::kAuto || look.mode == Mode::kXray ||
+  if (options.post_convolution != PostConvolution::kAuto || mode == Mode::kXray ||
       steepness > kGreatestSteepness)
     return 1;
   const double samples = static_cast<double>(base.width) * base.height;

@@ -42,7 +42,8 @@ class SampleMask {
 };
 
 // How many samples apart those are that are drawn first: 1, 2, 4 or 8; 1: all are drawn.
-int first_samples_apart(const view::BasePlane& base, const LatticeField& field, const Look& look,
+// `steepness`: of the steepest look, view::steepness_of().
+int first_samples_apart(const view::BasePlane& base, double steepness, Mode mode,
                         const RenderOptions& options);
 
 // The base plane of every n-th sample.

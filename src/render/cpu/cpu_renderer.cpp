@@ -5,8 +5,11 @@
 
 #include <algorithm>
 #include <bit>
+#include <deque>
+#include <memory>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "ovoid/error.h"
 #include "render/cpu/base_refinement.h"
@@ -60,9 +63,10 @@ void finish_patch(const CpuFrame& frame, const Look& look, const LatticeWorkspac
 struct PreparedField {
   PreparedField(const LatticeField& field, const Camera& camera, const Look& look,
                 const RenderOptions& options, const view::LightVolume* light,
-                const view::BasePlane* base, std::optional<view::RelevanceMap> relevance,
-                Runner& runner)
-      : plan(field, camera, look, options, view::LatticePlan::PieceRelevance::kPieceEnds, base) {
+                std::optional<view::PlaneOfOther> plane,
+                std::optional<view::RelevanceMap> relevance, Runner& runner)
+      : plan(field, camera, look, options, view::LatticePlan::PieceRelevance::kPieceEnds,
+             plane ? &plane->base : nullptr) {
     if (relevance) {
       plan.relevance = std::move(*relevance);
     } else {
@@ -73,11 +77,11 @@ struct PreparedField {
     frame.lattice = lattice_constants(field, plan, frame);
     frame.lattice_plan = &plan;
     frame.field = &field;
-    frame.is_on_lattice = base != nullptr;
-    frame.has_rows = base != nullptr && frame.lattice.num_sublattices == 1;
+    frame.is_on_lattice = plane && plane->is_aligned;
+    frame.has_rows = frame.is_on_lattice && frame.lattice.num_sublattices == 1;
     frame.has_only_rows =
         frame.has_rows && frame.mode != Mode::kIsosurface && !frame.is_preintegrated;
-    frame.samples_at_nodes = base == nullptr && has_nodes(frame, plan);
+    frame.samples_at_nodes = !plane && has_nodes(frame, plan);
   }
   PreparedField(const PreparedField&) = delete;
   PreparedField& operator=(const PreparedField&) = delete;
@@ -88,34 +92,113 @@ struct PreparedField {
 
 // What of a picture is drawn, and what is known beforehand.
 struct SamplesToDraw {
-  const SampleMask* mask = nullptr;             // null: all
-  std::optional<view::RelevanceMap> relevance;  // of a frame that differs in its pixels alone
+  const SampleMask* mask = nullptr;  // null: all
+  // Of a frame that differs in its pixels alone, and of its further volumes; empty: not known.
+  std::vector<view::RelevanceMap> relevance;
 };
+
+// The fields of a frame, ready to be drawn.
+struct PreparedFrame {
+  PreparedFrame(const FrameJob& job, std::vector<view::RelevanceMap> relevance, Runner& runner) {
+    const auto known = [&](std::size_t i) {
+      return relevance.empty() ? std::nullopt : std::optional(std::move(relevance[i]));
+    };
+    const auto plane_of = [&](const LatticeField& field) -> std::optional<view::PlaneOfOther> {
+      if (job.base == nullptr) return std::nullopt;
+      if (job.further.empty()) return view::PlaneOfOther{*job.base, true, 0};
+      return view::plane_for(*job.base, field.geometry());
+    };
+    const LatticeField& field = *job.field.lattice();
+    own.emplace(field, job.camera, job.look, job.options, job.light, plane_of(field), known(0),
+                runner);
+    LatticeFrame& frame = own->frame;
+    if (const view::TrailView* trail = job.trail) {
+      PreparedField& behind =
+          beside.emplace_back(*trail->field, job.camera, trail->look, trail->options, nullptr,
+                              std::nullopt, std::nullopt, runner);
+      frame.beside.push_back(&behind.frame);
+      return;
+    }
+    for (std::size_t i = 0; i < job.further.size(); ++i) {
+      const FurtherVolume& volume = job.further[i];
+      beside.emplace_back(volume.field, job.camera, volume.look, job.options, job.light,
+                          plane_of(volume.field), known(i + 1), runner);
+    }
+    if (beside.empty()) return;
+    frame.is_mixed = true;
+    frame.samples_at_nodes = false;
+    // All or none take differences, so that their blocks have the same margins.
+    bool takes_differences = frame.takes_differences;
+    for (const PreparedField& other : beside)
+      takes_differences = takes_differences || other.frame.takes_differences;
+    frame.takes_differences = takes_differences;
+    for (PreparedField& other : beside) {
+      other.frame.takes_differences = takes_differences;
+      frame.beside.push_back(&other.frame);
+    }
+  }
+
+  std::int64_t kernels_drawn() const {
+    std::int64_t sum = kernels_drawn(*own);
+    if (own->frame.is_mixed) {
+      for (const PreparedField& other : beside) sum += kernels_drawn(other);
+    }
+    return sum;
+  }
+  // For the next picture of the same frame.
+  std::vector<view::RelevanceMap> relevance() && {
+    std::vector<view::RelevanceMap> all;
+    all.push_back(std::move(own->plan.relevance));
+    for (PreparedField& other : beside) all.push_back(std::move(other.plan.relevance));
+    return all;
+  }
+
+  std::optional<PreparedField> own;
+  std::deque<PreparedField> beside;
+
+ private:
+  static std::int64_t kernels_drawn(const PreparedField& prepared) {
+    const LatticeField& field = *prepared.frame.field;
+    const int edge = field.source().brick_edge();
+    return std::min(field.num_kernels(), prepared.plan.relevance.num_relevant() * edge * edge *
+                                             edge * prepared.frame.lattice.num_sublattices);
+  }
+};
+
+using Workspaces = std::vector<std::unique_ptr<LatticeWorkspace>>;
+
+// For a frame with what is beside it. Throws Error(kOutOfMemory).
+Workspaces workspaces_for(const LatticeFrame& frame, int num_workers) {
+  Workspaces workspaces = make_workspaces<LatticeWorkspace>(num_workers);
+  if (frame.beside.empty()) return workspaces;
+  const std::size_t bytes =
+      workspaces.size() * (frame.beside.size() * sizeof(Workspace) + sizeof(MixedSamples));
+  data::allocated("the working memory of the threads", bytes, [&] {
+    for (const auto& work : workspaces) {
+      while (work->beside.size() < frame.beside.size())
+        work->beside.push_back(std::make_unique<Workspace>(kTilePlane));
+      if (frame.is_mixed) work->mixed = std::make_unique<MixedSamples>();
+    }
+    return 0;
+  });
+  return workspaces;
+}
 
 // Draws samples into a picture: on image sheets, or of a base plane; job.options has the size of
 // that. Returns what bricks are relevant.
-view::RelevanceMap draw_samples(const FrameJob& job, const Machine& machine, SamplesToDraw samples,
-                                Image& image, FrameProfile& profile) {
-  const LatticeField& field = *job.field.lattice();
+std::vector<view::RelevanceMap> draw_samples(const FrameJob& job, const Machine& machine,
+                                             SamplesToDraw samples, Image& image,
+                                             FrameProfile& profile) {
   const RenderOptions& options = job.options;
   const std::stop_token& stop = job.hooks.stop;
   const Clock::time_point start = Clock::now();
   const std::uint64_t start_ticks = read_ticks();
   Runner& runner = *machine.runner;
 
-  std::optional<PreparedField> prepared_trail;
-  if (const view::TrailView* trail = job.trail)
-    prepared_trail.emplace(*trail->field, job.camera, trail->look, trail->options, nullptr, nullptr,
-                           std::nullopt, runner);
-  PreparedField prepared(field, job.camera, job.look, options, job.light, job.base,
-                         std::move(samples.relevance), runner);
-  LatticeFrame& frame = prepared.frame;
+  PreparedFrame prepared(job, std::move(samples.relevance), runner);
+  LatticeFrame& frame = prepared.own->frame;
   frame.stop = stop;
-  if (prepared_trail) frame.trail = &prepared_trail->frame;
-  const int edge = field.source().brick_edge();
-  profile.kernels_drawn =
-      std::min(field.num_kernels(), prepared.plan.relevance.num_relevant() * edge * edge * edge *
-                                        frame.lattice.num_sublattices);
+  profile.kernels_drawn = prepared.kernels_drawn();
   const double plan_ms = ms_since(start);
 
   std::vector<TileRect> tiles =
@@ -124,7 +207,7 @@ view::RelevanceMap draw_samples(const FrameJob& job, const Machine& machine, Sam
     return (job.base != nullptr && !is_seen(*job.base, tile)) ||
            (samples.mask != nullptr && samples.mask->is_empty(tile.x0, tile.y0));
   });
-  const auto workspaces = make_workspaces<LatticeWorkspace>(runner.num_workers());
+  const Workspaces workspaces = workspaces_for(frame, runner.num_workers());
   Teller teller(job.hooks, std::ssize(tiles));
   runner.run(static_cast<int>(tiles.size()), [&](int task, int worker) {
     if (stop.stop_requested()) return;
@@ -145,10 +228,12 @@ view::RelevanceMap draw_samples(const FrameJob& job, const Machine& machine, Sam
     profile.bandwidth_peak = machine.bandwidth_peak();
   }
   for (const auto& work : workspaces) {
-    for (const WorkerStats* stats : {&work->pixels.stats, &work->nodes.stats, &work->trail.stats})
-      add_worker_stats(*stats, options.collect_profile ? ticks_per_ms : 0.0, profile);
+    const double per_ms = options.collect_profile ? ticks_per_ms : 0.0;
+    for (const WorkerStats* stats : {&work->pixels.stats, &work->nodes.stats})
+      add_worker_stats(*stats, per_ms, profile);
+    for (const auto& other : work->beside) add_worker_stats(other->stats, per_ms, profile);
   }
-  return std::move(prepared.plan.relevance);
+  return std::move(prepared).relevance();
 }
 
 // Without a picture.
@@ -158,6 +243,8 @@ Frame empty_frame(const FrameJob& job, const Machine& machine) {
   frame.profile.simd_target = machine.target.name();
   frame.profile.threads = machine.runner->num_workers();
   frame.profile.kernels_total = job.field.num_kernels();
+  for (const FurtherVolume& volume : job.further)
+    frame.profile.kernels_total += volume.field.num_kernels();
   return frame;
 }
 
@@ -180,15 +267,32 @@ RenderHooks part_of(const RenderHooks& hooks, double from, double to) {
   return part;
 }
 
+// How many samples of a base plane apart those are that are drawn first.
+int first_apart(const FrameJob& job) {
+  double steepness = view::steepness_of(job.look, job.field.value_range());
+  for (const FurtherVolume& volume : job.further) {
+    steepness = std::max(steepness, view::steepness_of(volume.look, volume.field.value_range()));
+  }
+  int n = first_samples_apart(*job.base, steepness, job.look.mode, job.options);
+  const auto apart = [&](const LatticeField& field) {
+    return view::plane_for(*job.base, field.geometry()).samples_apart;
+  };
+  for (const FurtherVolume& volume : job.further) {
+    const double most = std::max(apart(*job.field.lattice()), apart(volume.field));
+    while (n > 1 && n * most > view::kMostSpacings) n /= 2;
+  }
+  return n;
+}
+
 // A base plane's samples.
 Image draw_base_plane(const FrameJob& job, const Machine& machine, FrameProfile& profile) {
-  int n = first_samples_apart(*job.base, *job.field.lattice(), job.look, job.options);
+  int n = first_apart(job);
   // So many times samples are drawn, each time of a plane that is twice as dense.
   const int times = std::countr_zero(static_cast<unsigned>(n)) + 1;
   int number = 0;
   Image picture;
   std::optional<SampleMask> wanted;
-  std::optional<view::RelevanceMap> relevance;
+  std::vector<view::RelevanceMap> relevance;
   profile.base_samples = std::int64_t{job.base->width} * job.base->height;
   for (;; n /= 2) {
     const view::BasePlane plane = every_nth_sample(*job.base, n);
@@ -201,9 +305,10 @@ Image draw_base_plane(const FrameJob& job, const Machine& machine, FrameProfile&
     options.height = plane.height;
     const RenderHooks hooks =
         part_of(job.hooks, kShareOfBase * number / times, kShareOfBase * (number + 1) / times);
-    relevance = draw_samples(
-        {job.field, job.camera, job.look, job.trail, options, hooks, job.light, &plane}, machine,
-        {wanted ? &*wanted : nullptr, std::move(relevance)}, image, profile);
+    relevance =
+        draw_samples({job.field, job.camera, job.look, job.trail, options, hooks, job.light, &plane,
+                      job.further},
+                     machine, {wanted ? &*wanted : nullptr, std::move(relevance)}, image, profile);
     picture = std::move(image);
     if (n == 1) return picture;
     ++number;

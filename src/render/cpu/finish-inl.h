@@ -18,22 +18,14 @@ HWY_BEFORE_NAMESPACE();
 namespace ovoid::cpu {
 namespace HWY_NAMESPACE {
 
-// The samples of sheet s named by `samples`, whose values are there. Calls take_gradients() if any
-// are wanted of the samples that turn out visible. Returns whether any is.
+// Classifies and lights the samples of sheet s named by `bits`, in mode composite. Calls
+// take_gradients() if any are wanted of the samples that turn out visible. Returns whether any is.
 template <class TakeGradients>
-inline bool finish_samples(const CpuFrame& frame, const TileInHand& tile, int s,
-                           const RowBits& samples, StageClock& clock,
-                           const TakeGradients& take_gradients) {
+inline bool shade_samples(const CpuFrame& frame, const TileInHand& tile, int s, const RowBits& bits,
+                          StageClock& clock, const TakeGradients& take_gradients) {
   const BlockPlace& place = tile.place;
-  const RowBits bits =
-      place.limits == nullptr ? samples : with_path_within(frame, place, s, samples, tile.pixels);
   const Sheet& sheet = tile.ring[place.number_of(s)];
   ShadedSheet& shaded = tile.shaded;
-  if (frame.mode != Mode::kComposite) {
-    accumulate_sheet(frame, place, s, sheet.values, bits, tile.pixels);
-    clock.lap(kComposite);
-    return false;
-  }
   classify_sheet(frame, place, tile.ring, s, bits, shaded);
   const std::int64_t num_visible = count_bits(shaded.visible, place.rows);
   clock.lap(kShade);
@@ -47,7 +39,24 @@ inline bool finish_samples(const CpuFrame& frame, const TileInHand& tile, int s,
   if (frame.corrects_late) correct_sheet(frame, place, s, sheet, shaded);
   if (frame.takes_light()) light_sheet(frame, place, s, sheet, shaded);
   clock.lap(kShade);
-  composite_sheet(frame, place, s, shaded, tile.pixels);
+  return true;
+}
+
+// The samples of sheet s named by `samples`, whose values are there; the rest as shade_samples().
+template <class TakeGradients>
+inline bool finish_samples(const CpuFrame& frame, const TileInHand& tile, int s,
+                           const RowBits& samples, StageClock& clock,
+                           const TakeGradients& take_gradients) {
+  const BlockPlace& place = tile.place;
+  const RowBits bits =
+      place.limits == nullptr ? samples : with_path_within(frame, place, s, samples, tile.pixels);
+  if (frame.mode != Mode::kComposite) {
+    accumulate_sheet(frame, place, s, tile.ring[place.number_of(s)].values, bits, tile.pixels);
+    clock.lap(kComposite);
+    return false;
+  }
+  if (!shade_samples(frame, tile, s, bits, clock, take_gradients)) return false;
+  composite_sheet(frame, place, s, tile.shaded, tile.pixels);
   clock.lap(kComposite);
   return true;
 }

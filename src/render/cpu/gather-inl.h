@@ -23,7 +23,7 @@ namespace HWY_NAMESPACE {
 
 // Samples of a sheet, wherever they lie: groups are full even where few samples are active.
 template <class Taps>
-struct SampleBatch {
+struct GatherBatch {
   int count = 0;                            // samples; padded to whole groups by repeating the last
   alignas(64) float column[kBatchSamples];  // of the plane
   alignas(64) float row[kBatchSamples];
@@ -35,9 +35,9 @@ struct SampleBatch {
   int padded_count() const { return (count + group_size() - 1) / group_size() * group_size(); }
 };
 
-using ValueBatch = SampleBatch<FourTapBatch>;
+using ValueBatch = GatherBatch<FourTapBatch>;
 
-struct GradientBatch : SampleBatch<FourTapGradientBatch> {
+struct GradientBatch : GatherBatch<FourTapGradientBatch> {
   // What makes gradients of ramps constant: a factor for each component; of two sublattices, the
   // variance inside them.
   alignas(64) float correction[3][kBatchSamples];

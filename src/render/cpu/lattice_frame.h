@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <vector>
+
 #include "render/cpu/frame.h"
 #include "render/shared/lattice_values.h"
 
@@ -15,7 +17,9 @@ struct LatticeFrame : CpuFrame, LatticeTraits {
   bool is_on_lattice = false;     // sheets are parallel to the lattice's planes
   bool has_rows = false;          // of samples that share weights, on lattice sheets (rows-inl.h)
   bool has_only_rows = false;     // blocks that have rows read the lattice in no other way
-  const LatticeFrame* trail = nullptr;  // drawn behind this frame sheet by sheet; null: none
+  // Drawn with this frame sheet by sheet: further volumes, which are mixed with it, or a trail.
+  std::vector<const LatticeFrame*> beside;
+  bool is_mixed = false;  // with what is beside it; else that is behind it
 };
 
 }  // namespace ovoid::cpu

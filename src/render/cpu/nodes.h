@@ -9,7 +9,10 @@
 #pragma once
 
 #include <array>
+#include <memory>
+#include <vector>
 
+#include "ovoid/further_volumes.h"
 #include "render/cpu/filter_band.h"
 #include "render/cpu/lattice_block.h"
 
@@ -44,11 +47,27 @@ struct NodeSpan {
 // Those that pixels [first, last] take their values from.
 NodeSpan nodes_for(double node_step, int first_pixel, int last_pixel);
 
+// The fields of a frame that are mixed.
+inline constexpr std::size_t kMostLayers = 1 + kMostFurtherVolumes;
+
+// What several fields show, to be mixed.
+struct MixedSamples {
+  // Of each layer the number of a run in its batch; -1: none. The runs are of the same pixels and
+  // steps.
+  using Run = std::array<int, kMostLayers>;
+
+  int num_runs = 0;
+  std::array<Run, kMostLayers * SampleBatch::kSamples> runs;
+  SampleBatch batch{};   // a run that has been mixed
+  ShadedSheet shaded{};  // a sheet that has been
+};
+
 // What a worker needs beside the tile in hand.
 struct LatticeWorkspace {
   Workspace pixels{kTilePlane};
   Workspace nodes{kNodePlane};
-  Workspace trail{kTilePlane};                             // of LatticeFrame::trail
+  std::vector<std::unique_ptr<Workspace>> beside;          // of LatticeFrame::beside
+  std::unique_ptr<MixedSamples> mixed;                     // if the frame is mixed
   std::array<TileState, kPatchTiles * kPatchTiles> tiles;  // row by row
   std::array<TileRays, kPatchTiles * kPatchTiles> rays;
   std::array<TileLimits, kPatchTiles * kPatchTiles> limits;

@@ -15,6 +15,7 @@
 #include "render/cpu/isosurface-inl.h"
 #include "render/cpu/lattice_pieces-inl.h"
 #include "render/cpu/load-inl.h"
+#include "render/cpu/mixed-inl.h"
 #include "render/cpu/nodes.h"
 #include "render/cpu/patch-inl.h"
 #include "render/cpu/reconstruct-inl.h"
@@ -91,8 +92,8 @@ inline void finish_sheet(const LatticeFrame& frame, Workspace& work, int s, Stag
 // With differences, a sheet is finished once its far neighbour is there: so many later.
 inline int sheets_late(const CpuFrame& frame) { return frame.takes_differences ? 1 : 0; }
 
-// Sheet s of a block that is ready.
-inline void run_sheet(const LatticeFrame& frame, Workspace& work, int s, StageClock& clock) {
+// The values of sheet s of a block that is ready.
+inline void sum_sheet(const LatticeFrame& frame, Workspace& work, int s, StageClock& clock) {
   const BlockPlace& place = work.block.place;
   RowBits wanted = wanted_now(frame, work, s);
   const std::int64_t num_wanted = count_bits(wanted, place.rows);
@@ -111,6 +112,11 @@ inline void run_sheet(const LatticeFrame& frame, Workspace& work, int s, StageCl
     reconstruct_sheet(frame, work, s, wanted);
   }
   clock.lap(kReconstruct);
+}
+
+// Sheet s of a block that is ready.
+inline void run_sheet(const LatticeFrame& frame, Workspace& work, int s, StageClock& clock) {
+  sum_sheet(frame, work, s, clock);
   const int finished = s - sheets_late(frame);
   if (finished >= sheets_late(frame)) finish_sheet(frame, work, finished, clock);
 }
@@ -153,8 +159,6 @@ inline int longest_axis(const Block& block, const Part& part) {
   return spans[longest] > 0 ? longest : -1;
 }
 
-enum class PartState { kNothing, kTooLarge, kReady };
-
 // Sets up a part's block: kNothing if nothing in it is relevant, kTooLarge if its region is too
 // large for the cache and can be halved.
 inline PartState prepare_part(const LatticeFrame& frame, Workspace& work, const Part& part,
@@ -191,30 +195,47 @@ inline bool draw_part(const LatticeFrame& frame, Workspace& work, const Part& pa
   return state != PartState::kNothing;
 }
 
-// The same of the field and its trail: of every sheet first the field's samples, then the trail's.
-inline bool draw_part_of_both(const LatticeFrame& frame, LatticeWorkspace& work, const Part& part,
-                              StageClock& clock) {
-  const LatticeFrame& trail = *frame.trail;
-  const PartState own = prepare_part(frame, work.pixels, part, clock);
-  const PartState of_trail = prepare_part(trail, work.trail, part, clock);
-  if (own == PartState::kTooLarge || of_trail == PartState::kTooLarge) {
-    const int axis = longest_axis(work.pixels.block, part);
-    draw_part_of_both(frame, work, first_half(part, axis), clock);
-    draw_part_of_both(frame, work, second_half(part, axis), clock);
+// What a frame's fields have on a sheet of the frame, whose values are there: mixed, or first the
+// field's own, then what is behind it.
+inline void finish_sheet_of_all(const LatticeFrame& frame, LatticeWorkspace& work, Layers& layers,
+                                std::int64_t sheet, StageClock& clock) {
+  const auto number_in = [&](const Layer& layer) {
+    return static_cast<int>(sheet - layer.work->block.place.first_sheet);
+  };
+  if (frame.is_mixed)
+    return finish_mixed_sheet(frame, layers, *work.mixed, number_in(layers[0]), clock);
+  for (const Layer& layer : layers) {
+    if (layer.is_ready()) finish_sheet(*layer.frame, *layer.work, number_in(layer), clock);
+  }
+}
+
+// The same of a frame of several fields, sheet by sheet.
+inline bool draw_part_of_all(const LatticeFrame& frame, LatticeWorkspace& work, const Part& part,
+                             StageClock& clock) {
+  Layers layers = layers_of(frame, work);
+  bool is_relevant = false;
+  for (Layer& layer : layers) {
+    layer.state = prepare_part(*layer.frame, *layer.work, part, clock);
+    is_relevant = is_relevant || layer.state != PartState::kNothing;
+  }
+  for (const Layer& layer : layers) {
+    if (layer.state != PartState::kTooLarge) continue;
+    const int axis = longest_axis(layer.work->block, part);
+    draw_part_of_all(frame, work, first_half(part, axis), clock);
+    draw_part_of_all(frame, work, second_half(part, axis), clock);
     return true;
   }
-  int next = 0;  // sheet of the field's block
-  for (std::int64_t sheet = part.first_sheet; sheet < part.last_sheet; ++sheet) {
+  for (std::int64_t sheet = part.first_sheet; sheet < part.last_sheet && is_relevant; ++sheet) {
     if (is_closed(frame, work.pixels)) break;
-    const BlockPlace& place = work.pixels.block.place;
-    const std::int64_t last = sheet - place.first_sheet + sheets_late(frame);
-    for (; own == PartState::kReady && next < place.num_sheets && next <= last; ++next)
-      run_sheet(frame, work.pixels, next, clock);
-    if (of_trail == PartState::kReady)
-      run_sheet(trail, work.trail, static_cast<int>(sheet - work.trail.block.place.first_sheet),
-                clock);
+    for (Layer& layer : layers) {
+      const BlockPlace& place = layer.work->block.place;
+      const std::int64_t last = sheet - place.first_sheet + sheets_late(*layer.frame);
+      for (; layer.is_ready() && layer.next < place.num_sheets && layer.next <= last; ++layer.next)
+        sum_sheet(*layer.frame, *layer.work, layer.next, clock);
+    }
+    finish_sheet_of_all(frame, work, layers, sheet, clock);
   }
-  return own != PartState::kNothing || of_trail != PartState::kNothing;
+  return is_relevant;
 }
 
 // A block in which no sample is relevant.
@@ -252,21 +273,24 @@ inline void draw_tile_layer(const LatticeFrame& frame, Workspace& work, const Pa
   }
 }
 
-// The same of both fields.
-inline void draw_tile_layer_of_both(const LatticeFrame& frame, LatticeWorkspace& work,
-                                    const Part& part, StageClock& clock) {
+// The same of all fields.
+inline void draw_tile_layer_of_all(const LatticeFrame& frame, LatticeWorkspace& work,
+                                   const Part& part, StageClock& clock) {
   WorkerStats& stats = work.pixels.stats;
   WorkerStats ignored;
   ++stats.blocks_total;
   if (frame.options->stop_opaque && !work.pixels.tile->any_open(0, 0, part.x1, part.y1)) {
     ++stats.skipped_opaque;
-  } else if (may_show(*frame.trail, work.trail, part, ignored) ||
-             may_show(frame, work.pixels, part, stats)) {
-    if (draw_part_of_both(frame, work, part, clock)) {
-      ++stats.blocks_drawn;
-    } else {
-      count_without_samples(frame, stats);
-    }
+    return;
+  }
+  bool shows = false;
+  for (std::size_t i = 0; i < frame.beside.size() && !shows; ++i)
+    shows = may_show(*frame.beside[i], *work.beside[i], part, ignored);
+  if (!shows && !may_show(frame, work.pixels, part, stats)) return;
+  if (draw_part_of_all(frame, work, part, clock)) {
+    ++stats.blocks_drawn;
+  } else {
+    count_without_samples(frame, stats);
   }
 }
 
@@ -287,12 +311,10 @@ inline void draw_tiles_layer(const LatticeFrame& frame, LatticeWorkspace& work, 
   for_each_tile(patch, [&](const PatchTile& at) {
     enter_tile(frame, work, work.pixels, patch, at);
     const Part part = part_of(work.pixels.block.place, patch);
-    if (frame.trail == nullptr) {
-      draw_tile_layer(frame, work.pixels, part, clock);
-    } else {
-      enter_tile(*frame.trail, work, work.trail, patch, at);
-      draw_tile_layer_of_both(frame, work, part, clock);
-    }
+    if (frame.beside.empty()) return draw_tile_layer(frame, work.pixels, part, clock);
+    for (std::size_t i = 0; i < frame.beside.size(); ++i)
+      enter_tile(*frame.beside[i], work, *work.beside[i], patch, at);
+    draw_tile_layer_of_all(frame, work, part, clock);
   });
 }
 
@@ -357,13 +379,21 @@ inline void draw_layer(const LatticeFrame& frame, LatticeWorkspace& work, const 
 inline void render_patch_on_target(const LatticeFrame& frame, LatticeWorkspace& work,
                                    const TileRect& rect, const RowWord* wanted) {
   view::ViewLattice::SheetRange sheets = frame.lattice_plan->sheets;
-  if (frame.trail != nullptr) {
-    const view::ViewLattice::SheetRange& of_trail = frame.trail->lattice_plan->sheets;
-    sheets = {std::min(sheets.first, of_trail.first), std::max(sheets.last, of_trail.last)};
+  for (const LatticeFrame* const other : frame.beside) {
+    const view::ViewLattice::SheetRange& more = other->lattice_plan->sheets;
+    if (more.first >= more.last) continue;
+    sheets = sheets.first >= sheets.last
+                 ? more
+                 : view::ViewLattice::SheetRange{std::min(sheets.first, more.first),
+                                                 std::max(sheets.last, more.last)};
   }
   StageClock clock(work.pixels.stats.ticks, frame.options->collect_profile);
-  work.pixels.was_visible = work.trail.was_visible = {};
-  work.pixels.shaded.visible = work.trail.shaded.visible = {};
+  work.pixels.was_visible = {};
+  work.pixels.shaded.visible = {};
+  for (const auto& other : work.beside) {
+    other->was_visible = {};
+    other->shaded.visible = {};
+  }
   const int num_tiles = frame.samples_at_nodes ? kPatchTiles * kPatchTiles : 1;
   for (int t = 0; t < num_tiles; ++t) {
     const int width = rect.x1 - rect.x0 - t % kPatchTiles * kTileSize;

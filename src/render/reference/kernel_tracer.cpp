@@ -13,7 +13,7 @@ namespace ovoid::reference {
 KernelTracer::KernelTracer(const KernelField& field, KernelPlanes planes, const ViewRays& view,
                            const SheetRange& sheets, const Look& look, const RenderOptions& options,
                            const view::LightVolume* light)
-    : PixelTracer(field, view, look, options, nullptr, light),
+    : PixelTracer(field, view, look, options, {}, light),
       planes_(std::move(planes)),
       sheets_(sheets) {}
 

@@ -23,9 +23,9 @@ std::int64_t rearmost_of_group(std::int64_t sheet) {
 
 LatticeTracer::LatticeTracer(const LatticeField& field, const FieldEvaluator& evaluator,
                              const Camera& camera, const Look& look, const RenderOptions& options,
-                             const PixelTracer* trail, const view::BasePlane* base,
+                             const BesideTracer& beside, const view::BasePlane* base,
                              const view::LightVolume* light)
-    : PixelTracer(field, ViewRays(field, camera, options, base), look, options, trail, light),
+    : PixelTracer(field, ViewRays(field, camera, options, base), look, options, beside, light),
       evaluator_(evaluator),
       slab_(options.slab),
       gradient_method_(options.spread == Spread::kBilinear ? GradientMethod::kCentral

@@ -12,10 +12,9 @@ namespace ovoid::reference {
 // out anew for every pixel.
 class LatticeTracer final : public PixelTracer {
  public:
-  // Camera, look and options are valid; `field`, `evaluator` (of that field) and `trail` outlive
-  // the tracer.
+  // Camera, look and options are valid; `field` and `evaluator` (of that field) outlive the tracer.
   LatticeTracer(const LatticeField& field, const FieldEvaluator& evaluator, const Camera& camera,
-                const Look& look, const RenderOptions& options, const PixelTracer* trail = nullptr,
+                const Look& look, const RenderOptions& options, const BesideTracer& beside = {},
                 const view::BasePlane* base = nullptr, const view::LightVolume* light = nullptr);
 
  private:

@@ -17,6 +17,9 @@ namespace {
 
 constexpr double kNowhere = std::numeric_limits<double>::infinity();  // a depth
 
+// The most optical depth that colours are mixed by: docs/numerics.md, "Several volumes".
+constexpr double kMostDepthMixed = 12;
+
 double unit_distance_of(const Look& look, const Field& field) {
   if (look.unit_distance > 0) return look.unit_distance;
   return look.transfer_function.unit_distance.value_or(default_unit_distance(field));
@@ -57,7 +60,7 @@ void note_depth(double depth, Pixel& pixel) {
 }  // namespace
 
 PixelTracer::PixelTracer(const Field& field, const ViewRays& view, const Look& look,
-                         const RenderOptions& options, const PixelTracer* trail,
+                         const RenderOptions& options, const BesideTracer& beside,
                          const view::LightVolume* light)
     : look_(look),
       surfaces_(view::surfaces_of(look)),
@@ -75,8 +78,11 @@ PixelTracer::PixelTracer(const Field& field, const ViewRays& view, const Look& l
       view_(view),
       shading_{unit_distance_of(look, field), field.default_sampling_distance(),
                flat_rise_of(look, field)},
-      trail_(trail),
-      light_(light) {}
+      beside_(beside),
+      all_{this},
+      light_(light) {
+  all_.insert(all_.end(), beside.further.begin(), beside.further.end());
+}
 
 Pixel PixelTracer::trace(int x, int y, TraceCounts& counts) const {
   const PixelRay pixel = pixel_ray(x, y);
@@ -149,28 +155,33 @@ void PixelTracer::add_stops(const PixelRay& pixel, double up_to, Pixel& result) 
 }
 
 SheetRange PixelTracer::sheets_of_all(const Ray& ray) const {
-  const SheetRange own = sheets_of(ray);
-  if (trail_ == nullptr) return own;
-  const SheetRange of_trail = trail_->sheets_of_all(ray);
-  if (own.first > own.last) return of_trail;
-  if (of_trail.first > of_trail.last) return own;
-  return {std::min(own.first, of_trail.first), std::max(own.last, of_trail.last)};
+  SheetRange all = sheets_of(ray);
+  const auto join = [&](const PixelTracer& other) {
+    const SheetRange more = other.sheets_of_all(ray);
+    if (more.first > more.last) return;
+    all = all.first > all.last
+              ? more
+              : SheetRange{std::min(all.first, more.first), std::max(all.last, more.last)};
+  };
+  if (beside_.trail != nullptr) join(*beside_.trail);
+  for (const PixelTracer* further : beside_.further) join(*further);
+  return all;
 }
 
-// A sample, or the piece that ends at it, joins what is in front of it.
-void PixelTracer::add_sample(const PixelRay& pixel, const std::optional<RaySample>& start,
-                             const RaySample& at, Pixel& result, TraceCounts& counts) const {
-  ClassifiedSample seen = classified_sample(start, at);
-  if (seen.opacity == 0) return;
+// Of a sample, or the piece that ends at it.
+std::optional<PixelTracer::Share> PixelTracer::share_of_sample(
+    const PixelRay& pixel, const std::optional<RaySample>& start, const RaySample& at,
+    TraceCounts& counts) const {
+  const ClassifiedSample seen = classified_sample(start, at);
+  if (seen.opacity == 0) return std::nullopt;
   ++counts.visible;
   Vec3 slope = Vec3::Zero();
   if (uses_gradients()) {
     ++counts.gradients;
     slope = start ? piece_gradient(pixel, *start, at) : gradient(pixel, at);
   }
-  add_seen(pixel,
-           {seen, slope, clearance_at(pixel, at.z), light_at(pixel, at.z, slope), at.z, at.path},
-           result);
+  return share_of(
+      pixel, {seen, slope, clearance_at(pixel, at.z), light_at(pixel, at.z, slope), at.z, at.path});
 }
 
 // From cut faces, in smallest spacings.
@@ -202,40 +213,71 @@ Rgb PixelTracer::seen_color(const Rgb& color, const LitPlace& place,
   return dimmed;
 }
 
-// What was classified is faded, lit and composited.
-void PixelTracer::add_seen(const PixelRay& pixel, const SeenSample& seen, Pixel& result) const {
+// What was classified is faded and lit.
+PixelTracer::Share PixelTracer::share_of(const PixelRay& pixel, const SeenSample& seen) const {
   auto [color, opacity] = seen.look;
   if (!fading_.opacities.empty()) opacity *= fading_.opacity_at(seen.slope.norm());
   color = seen_color(color, lit_place(pixel, seen.slope, seen.clearance), seen.arriving);
+  return {color, opacity_over(opacity, seen.path, shading_.unit_distance), seen.z};
+}
+
+// Extinctions add, colours are mixed in proportion to them: docs/numerics.md, "Several volumes".
+PixelTracer::Share PixelTracer::mixed(const std::vector<Share>& shares) {
+  if (shares.size() == 1) return shares.front();
+  Share all{{0, 0, 0}, 0, shares.front().z};
+  double through = 1;
+  double sum = 0;
+  for (const Share& share : shares) {
+    through *= 1 - share.opacity;
+    const double depth = std::min(-std::log1p(-share.opacity), kMostDepthMixed);
+    sum += depth;
+    for (std::size_t c = 0; c < 3; ++c) all.color[c] += depth * share.color[c];
+  }
+  all.opacity = 1 - through;
+  for (double& c : all.color) c = sum > 0 ? c / sum : 0;
+  return all;
+}
+
+// What the fields show at a place joins what is in front of it.
+void PixelTracer::add_shares(const std::vector<Share>& shares, Pixel& result) {
+  if (shares.empty()) return;
+  const Share seen = mixed(shares);
   double& alpha = result.rgba[3];
-  const double a = opacity_over(opacity, seen.path, shading_.unit_distance);
-  for (std::size_t c = 0; c < 3; ++c) result.rgba[c] += (1 - alpha) * a * color[c];
-  alpha += (1 - alpha) * a;
+  for (std::size_t c = 0; c < 3; ++c) result.rgba[c] += (1 - alpha) * seen.opacity * seen.color[c];
+  alpha += (1 - alpha) * seen.opacity;
   note_depth(seen.z, result);
 }
 
 // What the trail has on a sheet.
 void PixelTracer::add_trail(const PixelRay& pixel, std::int64_t sheet, Pixel& result,
                             TraceCounts& counts) const {
-  if (trail_ == nullptr || result.rgba[3] >= opaque_at_) return;
-  const std::optional<RaySample> at = trail_->sample(pixel, sheet, counts);
-  if (at) trail_->add_sample(pixel, std::nullopt, *at, result, counts);
+  const PixelTracer* const trail = beside_.trail;
+  if (trail == nullptr || result.rgba[3] >= opaque_at_) return;
+  const std::optional<RaySample> at = trail->sample(pixel, sheet, counts);
+  if (!at) return;
+  if (const auto share = trail->share_of_sample(pixel, std::nullopt, *at, counts))
+    add_shares({*share}, result);
 }
 
 Pixel PixelTracer::composite(const PixelRay& pixel, TraceCounts& counts) const {
   Pixel result;
-  std::optional<RaySample> before;
+  std::vector<std::optional<RaySample>> before(all_.size());
   for (std::int64_t k = pixel.sheets.first; k <= pixel.sheets.last; ++k) {
     if (result.rgba[3] >= opaque_at_) break;
-    const std::optional<RaySample> own = sample(pixel, k, counts);
-    const std::optional<RaySample> at = within_limits(pixel, own);
-    if (at) {
-      add_stops(pixel, at->z, result);
-      std::optional<RaySample> start;
-      if (before && is_preintegrated_) start = front_end(pixel, *before, *at);
-      add_sample(pixel, start, *at, result, counts);
+    std::vector<Share> shares;
+    for (std::size_t i = 0; i < all_.size(); ++i) {
+      const PixelTracer& own = *all_[i];
+      const std::optional<RaySample> sample = own.sample(pixel, k, counts);
+      if (const std::optional<RaySample> at = own.within_limits(pixel, sample)) {
+        add_stops(pixel, at->z, result);
+        std::optional<RaySample> start;
+        if (before[i] && is_preintegrated_) start = own.front_end(pixel, *before[i], *at);
+        if (const auto share = own.share_of_sample(pixel, start, *at, counts))
+          shares.push_back(*share);
+      }
+      before[i] = sample;
     }
-    before = own;
+    add_shares(shares, result);
     add_trail(pixel, k, result, counts);
   }
   add_stops(pixel, std::numeric_limits<double>::infinity(), result);
@@ -277,82 +319,124 @@ int PixelTracer::num_steps(const Piece& piece, const Vec3& front_slope,
   return view::steps_for(view::kStepsPerVariation * change + (uses_gradients() ? turn : 0.0));
 }
 
-// What spans, planes and the field's end leave of a piece, front to back.
+// What a span, planes and the field's end leave of a piece.
+std::optional<ZRange> PixelTracer::part_within(const PixelRay& pixel, const Piece& piece,
+                                               const Span& span) const {
+  ZRange whole = range_of(pixel, piece);
+  if (reaches_limits_) {
+    if (!span.begins_at_seam && span.lo > view_.z_of(piece.sheet - 1))
+      whole.lo = view_.z_of(piece.sheet - 1);
+    if (!span.ends_at_seam && span.hi < view_.z_of(piece.sheet)) whole.hi = view_.z_of(piece.sheet);
+  }
+  const ZRange part =
+      view_.kept(pixel.ray, {std::max(whole.lo, span.lo), std::min(whole.hi, span.hi)});
+  if (!(part.lo < part.hi)) return std::nullopt;
+  return part;
+}
+
+// The same of all spans, front to back.
 std::vector<ZRange> PixelTracer::parts_left(const PixelRay& pixel, const Piece& piece) const {
-  const ZRange range = range_of(pixel, piece);
   std::vector<ZRange> parts;
   for (const Span& span : pixel.spans) {
-    ZRange whole = range;
-    if (reaches_limits_) {
-      if (!span.begins_at_seam && span.lo > view_.z_of(piece.sheet - 1))
-        whole.lo = view_.z_of(piece.sheet - 1);
-      if (!span.ends_at_seam && span.hi < view_.z_of(piece.sheet))
-        whole.hi = view_.z_of(piece.sheet);
-    }
-    const ZRange part =
-        view_.kept(pixel.ray, {std::max(whole.lo, span.lo), std::min(whole.hi, span.hi)});
-    if (part.lo < part.hi) parts.push_back(part);
+    if (const std::optional<ZRange> part = part_within(pixel, piece, span)) parts.push_back(*part);
   }
   return parts;
 }
 
-// The piece in steps: docs/numerics.md, "Classification", refined.
-void PixelTracer::add_piece(const PixelRay& pixel, const Piece& piece, Pixel& result,
-                            TraceCounts& counts) const {
-  if (!may_show(piece)) return;
-  for (const ZRange& part : parts_left(pixel, piece)) {
-    add_stops(pixel, part.lo, result);
-    add_part(pixel, piece, part, result, counts);
+// The pieces between two sheets in steps: docs/numerics.md, "Classification", refined, and "Several
+// volumes".
+void PixelTracer::add_pieces(const PixelRay& pixel, const std::vector<OwnedPiece>& pieces,
+                             Pixel& result, TraceCounts& counts) const {
+  for (const Span& span : pixel.spans) {
+    std::vector<std::pair<OwnedPiece, ZRange>> left;
+    double first = std::numeric_limits<double>::infinity();
+    for (const OwnedPiece& of : pieces) {
+      if (!of.owner->may_show(of.piece)) continue;
+      const std::optional<ZRange> part = of.owner->part_within(pixel, of.piece, span);
+      if (!part) continue;
+      left.emplace_back(of, *part);
+      first = std::min(first, part->lo);
+    }
+    if (left.empty()) continue;
+    add_stops(pixel, first, result);
+    if (result.rgba[3] >= opaque_at_) return;
+    std::vector<PiecePart> parts;
+    parts.reserve(left.size());
+    for (const auto& [of, part] : left)
+      parts.push_back(of.owner->part_in_steps(pixel, of.piece, part, counts));
+    add_parts(pixel, parts, result, counts);
   }
 }
 
-void PixelTracer::add_part(const PixelRay& pixel, const Piece& piece, const ZRange& part,
-                           Pixel& result, TraceCounts& counts) const {
-  if (result.rgba[3] >= opaque_at_) return;
+PixelTracer::PiecePart PixelTracer::part_in_steps(const PixelRay& pixel, const Piece& piece,
+                                                  const ZRange& part, TraceCounts& counts) const {
+  PiecePart out{.of = {this, piece}, .part = part};
   const RaySample& front = piece.front ? *piece.front : *piece.back;
   const RaySample& back = piece.back ? *piece.back : *piece.front;
-  Vec3 front_slope = Vec3::Zero();
-  Vec3 back_slope = Vec3::Zero();
   if (uses_gradients()) {
     counts.gradients += 2;
-    front_slope = gradient(pixel, front);
-    back_slope = gradient(pixel, back);
+    out.front_slope = gradient(pixel, front);
+    out.back_slope = gradient(pixel, back);
   }
   // Light goes straight from end to end, as the gradient does.
-  const view::ArrivingLight front_light = light_at(pixel, front.z, front_slope);
-  const view::ArrivingLight back_light = light_at(pixel, back.z, back_slope);
-  const double front_clearance = clearance_at(pixel, view_.z_of(piece.sheet - 1));
-  const double back_clearance = clearance_at(pixel, view_.z_of(piece.sheet));
-  const int steps = num_steps(piece, front_slope, back_slope);
-  const double length = (part.hi - part.lo) / steps;
-  for (int m = 0; m < steps && result.rgba[3] < opaque_at_; ++m) {
-    const double z = part.lo + (m + 0.5) * length;
-    const double t = (z - view_.z_of(piece.sheet - 1)) / view_.sampling_distance();
-    const double value = front.value + t * (back.value - front.value);
-    const double opacity = look_.transfer_function.opacity_at(value);
-    if (opacity == 0) continue;
-    ++counts.visible;
-    const Rgb color = color_of(front.color_value + t * (back.color_value - front.color_value));
-    add_seen(pixel,
-             {{color, opacity},
-              front_slope + t * (back_slope - front_slope),
-              std::lerp(front_clearance, back_clearance, t),
-              {std::lerp(front_light.around, back_light.around, t),
-               std::lerp(front_light.key, back_light.key, t)},
-              z,
-              length * pixel.ray.direction.norm()},
-             result);
+  out.front_light = light_at(pixel, front.z, out.front_slope);
+  out.back_light = light_at(pixel, back.z, out.back_slope);
+  out.front_clearance = clearance_at(pixel, view_.z_of(piece.sheet - 1));
+  out.back_clearance = clearance_at(pixel, view_.z_of(piece.sheet));
+  out.steps = num_steps(piece, out.front_slope, out.back_slope);
+  return out;
+}
+
+std::optional<PixelTracer::Share> PixelTracer::share_of_step(const PixelRay& pixel,
+                                                             const PiecePart& part, int step,
+                                                             int steps, TraceCounts& counts) const {
+  const Piece& piece = part.of.piece;
+  const RaySample& front = piece.front ? *piece.front : *piece.back;
+  const RaySample& back = piece.back ? *piece.back : *piece.front;
+  const double length = (part.part.hi - part.part.lo) / steps;
+  const double z = part.part.lo + (step + 0.5) * length;
+  const double t = (z - view_.z_of(piece.sheet - 1)) / view_.sampling_distance();
+  const double value = front.value + t * (back.value - front.value);
+  const double opacity = look_.transfer_function.opacity_at(value);
+  if (opacity == 0) return std::nullopt;
+  ++counts.visible;
+  const Rgb color = color_of(front.color_value + t * (back.color_value - front.color_value));
+  return share_of(pixel, {{color, opacity},
+                          part.front_slope + t * (part.back_slope - part.front_slope),
+                          std::lerp(part.front_clearance, part.back_clearance, t),
+                          {std::lerp(part.front_light.around, part.back_light.around, t),
+                           std::lerp(part.front_light.key, part.back_light.key, t)},
+                          z,
+                          length * pixel.ray.direction.norm()});
+}
+
+// In as many steps as the one of them needs that needs most.
+void PixelTracer::add_parts(const PixelRay& pixel, const std::vector<PiecePart>& parts,
+                            Pixel& result, TraceCounts& counts) {
+  int steps = 1;
+  for (const PiecePart& part : parts) steps = std::max(steps, part.steps);
+  for (int m = 0; m < steps && result.rgba[3] < parts.front().of.owner->opaque_at_; ++m) {
+    std::vector<Share> shares;
+    for (const PiecePart& part : parts) {
+      if (const auto share = part.of.owner->share_of_step(pixel, part, m, steps, counts))
+        shares.push_back(*share);
+    }
+    add_shares(shares, result);
   }
 }
 
 Pixel PixelTracer::refined(const PixelRay& pixel, TraceCounts& counts) const {
   Pixel result;
-  std::optional<RaySample> before;
+  std::vector<std::optional<RaySample>> before(all_.size());
   for (std::int64_t k = pixel.sheets.first; k <= pixel.sheets.last + 1; ++k) {
     if (result.rgba[3] >= opaque_at_) break;
-    const std::optional<RaySample> at = sample(pixel, k, counts);
-    if (before || at) add_piece(pixel, {k, before, at}, result, counts);
-    before = at;
+    std::vector<OwnedPiece> pieces;
+    for (std::size_t i = 0; i < all_.size(); ++i) {
+      const std::optional<RaySample> at = all_[i]->sample(pixel, k, counts);
+      if (before[i] || at) pieces.push_back({all_[i], {k, before[i], at}});
+      before[i] = at;
+    }
+    add_pieces(pixel, pieces, result, counts);
     add_trail(pixel, k, result, counts);
   }
   add_stops(pixel, std::numeric_limits<double>::infinity(), result);

@@ -33,6 +33,14 @@ struct TraceCounts {
   std::int64_t gradients = 0;  // samples whose gradient was used
 };
 
+class PixelTracer;
+
+// Who else draws in a frame, asked sheet by sheet for what it has there. They outlive whoever asks.
+struct BesideTracer {
+  const PixelTracer* trail = nullptr;       // behind the field; null: none
+  std::vector<const PixelTracer*> further;  // mixed with it
+};
+
 // One pixel after the other, one sample of its ray after the other: docs/numerics.md,
 // "Classification" to "Modes". What a sample is, and its gradient, is the field's matter. Immutable
 // after construction: any number of threads may trace at once.
@@ -76,11 +84,9 @@ class PixelTracer {
     Vec3 gradient;  // zero unless the look is lit
   };
 
-  // Camera, look and options are valid. `least_spacing` and `range` are the field's.
-  // `trail`, if there is one, is asked sheet by sheet for what it has there. `light`: how much of
-  // it arrives; null: all.
+  // Camera, look and options are valid. `light`: how much of it arrives; null: all.
   PixelTracer(const Field& field, const ViewRays& view, const Look& look,
-              const RenderOptions& options, const PixelTracer* trail = nullptr,
+              const RenderOptions& options, const BesideTracer& beside = {},
               const view::LightVolume* light = nullptr);
 
   // All sheets on which the ray may have a sample.
@@ -116,8 +122,16 @@ class PixelTracer {
   std::optional<RaySample> within_limits(const PixelRay& pixel, std::optional<RaySample> at) const;
   bool is_within(const PixelRay& pixel, double z) const;
   void add_stops(const PixelRay& pixel, double up_to, Pixel& result) const;
-  void add_sample(const PixelRay& pixel, const std::optional<RaySample>& start, const RaySample& at,
-                  Pixel& result, TraceCounts& counts) const;
+  // What one field shows of a step or a sample, lit.
+  struct Share {
+    Rgb color;
+    double opacity;
+    double z;
+  };
+  std::optional<Share> share_of_sample(const PixelRay& pixel, const std::optional<RaySample>& start,
+                                       const RaySample& at, TraceCounts& counts) const;
+  static Share mixed(const std::vector<Share>& shares);
+  static void add_shares(const std::vector<Share>& shares, Pixel& result);
   void add_trail(const PixelRay& pixel, std::int64_t sheet, Pixel& result,
                  TraceCounts& counts) const;
   // What was classified, and where it is composited.
@@ -128,7 +142,7 @@ class PixelTracer {
     view::ArrivingLight arriving;
     double z, path;
   };
-  void add_seen(const PixelRay& pixel, const SeenSample& seen, Pixel& result) const;
+  Share share_of(const PixelRay& pixel, const SeenSample& seen) const;
   double clearance_at(const PixelRay& pixel, double z) const;
   LitPlace lit_place(const PixelRay& pixel, const Vec3& slope, double clearance) const;
   view::ArrivingLight light_at(const PixelRay& pixel, double z, const Vec3& slope) const;
@@ -136,10 +150,30 @@ class PixelTracer {
                  const view::ArrivingLight& arriving) const;
   bool may_show(const Piece& piece) const;
   int num_steps(const Piece& piece, const Vec3& front_slope, const Vec3& back_slope) const;
-  void add_piece(const PixelRay& pixel, const Piece& piece, Pixel& result,
-                 TraceCounts& counts) const;
-  void add_part(const PixelRay& pixel, const Piece& piece, const ZRange& part, Pixel& result,
-                TraceCounts& counts) const;
+  // A field's piece, and whose it is.
+  struct OwnedPiece {
+    const PixelTracer* owner;
+    Piece piece;
+  };
+  // What a span leaves of a piece, and how it changes from end to end.
+  struct PiecePart {
+    OwnedPiece of;
+    ZRange part;
+    Vec3 front_slope = Vec3::Zero(), back_slope = Vec3::Zero();
+    view::ArrivingLight front_light{}, back_light{};
+    double front_clearance = 1, back_clearance = 1;
+    int steps = 1;  // that it needs
+  };
+  std::optional<ZRange> part_within(const PixelRay& pixel, const Piece& piece,
+                                    const Span& span) const;
+  PiecePart part_in_steps(const PixelRay& pixel, const Piece& piece, const ZRange& part,
+                          TraceCounts& counts) const;
+  std::optional<Share> share_of_step(const PixelRay& pixel, const PiecePart& part, int step,
+                                     int steps, TraceCounts& counts) const;
+  static void add_parts(const PixelRay& pixel, const std::vector<PiecePart>& parts, Pixel& result,
+                        TraceCounts& counts);
+  void add_pieces(const PixelRay& pixel, const std::vector<OwnedPiece>& pieces, Pixel& result,
+                  TraceCounts& counts) const;
   Pixel composite(const PixelRay& pixel, TraceCounts& counts) const;
   Pixel refined(const PixelRay& pixel, TraceCounts& counts) const;
   Pixel xray(const PixelRay& pixel, TraceCounts& counts) const;
@@ -175,7 +209,8 @@ class PixelTracer {
   const std::vector<float> variation_;
   const ViewRays view_;
   ShadingContext shading_;
-  const PixelTracer* const trail_;
+  const BesideTracer beside_;
+  std::vector<const PixelTracer*> all_;  // this one and those that are mixed with it
   const view::LightVolume* const light_;
 };
 

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstddef>
+#include <deque>
 #include <exception>
 #include <functional>
 #include <limits>
@@ -164,11 +165,23 @@ void count(const TraceCounts& counts, FrameProfile& profile) {
 
 namespace {
 
-// On image sheets, or the picture on a base plane, whose size `options` have.
-Frame render_samples(const LatticeField& field, const Camera& camera, const Look& look,
-                     const RenderOptions& options, const RenderHooks& hooks, int threads,
-                     const view::TrailView* trail, const view::BasePlane* base,
-                     const view::LightVolume* light) {
+// A field and who draws along its rays.
+struct TracedField {
+  TracedField(const LatticeField& field, const FrameJob& job, const Look& look,
+              const RenderOptions& options, const BesideTracer& beside,
+              const view::LightVolume* light)
+      : evaluator(field),
+        tracer(field, evaluator, job.camera, look, options, beside, job.base, light) {}
+  TracedField(const TracedField&) = delete;
+  TracedField& operator=(const TracedField&) = delete;
+
+  FieldEvaluator evaluator;
+  LatticeTracer tracer;
+};
+
+// On image sheets, or the picture on a base plane, whose size job.options has.
+Frame render_samples(const FrameJob& job, int threads) {
+  const auto& [field, camera, look, trail, options, hooks, light, base, further] = job;
   data::require_field(field);
   camera.validate();
   look.validate();
@@ -178,19 +191,23 @@ Frame render_samples(const LatticeField& field, const Camera& camera, const Look
   const Clock::time_point start = Clock::now();
   Frame frame;
   frame.image = empty_image(options);
-  const FieldEvaluator evaluator(field);
-  std::optional<FieldEvaluator> trail_evaluator;
-  std::optional<LatticeTracer> trail_tracer;
+  BesideTracer beside;
+  std::optional<TracedField> behind;
   if (trail != nullptr) {
-    trail_evaluator.emplace(*trail->field);
-    trail_tracer.emplace(*trail->field, *trail_evaluator, camera, trail->look, trail->options);
+    behind.emplace(*trail->field, job, trail->look, trail->options, BesideTracer{}, nullptr);
+    beside.trail = &behind->tracer;
   }
+  std::deque<TracedField> mixed;
+  for (const FurtherVolume& volume : further) {
+    mixed.emplace_back(volume.field, job, volume.look, options, BesideTracer{}, light);
+    beside.further.push_back(&mixed.back().tracer);
+  }
+  const auto own =
+      std::make_shared<const TracedField>(*field.lattice(), job, look, options, beside, light);
   const double copy_ms = milliseconds_since(start);
 
   const Clock::time_point trace_start = Clock::now();
-  const auto tracer =
-      std::make_shared<const LatticeTracer>(field, evaluator, camera, look, options,
-                                            trail_tracer ? &*trail_tracer : nullptr, base, light);
+  const std::shared_ptr<const PixelTracer> tracer(own, &own->tracer);
   const TraceCounts counts =
       RowPainter([&](int, int) -> std::shared_ptr<const PixelTracer> { return tracer; }, 1, hooks,
                  frame.image)
@@ -204,33 +221,37 @@ Frame render_samples(const LatticeField& field, const Camera& camera, const Look
     profile.stages_ms = {{"copy", copy_ms}, {"trace", threads * milliseconds_since(trace_start)}};
   }
   profile.kernels_total = field.num_kernels();
-  profile.kernels_drawn = evaluator.num_existing();
+  profile.kernels_drawn = own->evaluator.num_existing();
   count(counts, profile);
   return frame;
 }
 
 }  // namespace
 
-Frame render(const LatticeField& field, const Camera& camera, const Look& look,
-             const RenderOptions& options, const RenderHooks& hooks, int threads,
-             const view::TrailView* trail, const view::BasePlane* base,
-             const view::LightVolume* light) {
-  if (base == nullptr)
-    return render_samples(field, camera, look, options, hooks, threads, trail, nullptr, light);
+Frame render(const FrameJob& job, int threads) {
+  if (job.base == nullptr) return render_samples(job, threads);
+  const RenderOptions& options = job.options;
+  const RenderHooks& hooks = job.hooks;
   RenderOptions of_base = options;
-  of_base.width = base->width;
-  of_base.height = base->height;
+  of_base.width = job.base->width;
+  of_base.height = job.base->height;
   RenderHooks of_samples;
   of_samples.stop = hooks.stop;
   of_samples.progress = hooks.progress;
-  Frame frame =
-      render_samples(field, camera, look, of_base, of_samples, threads, trail, base, light);
-  frame.image = warped(*base, frame.image, options);
+  Frame frame = render_samples({job.field, job.camera, job.look, job.trail, of_base, of_samples,
+                                job.light, job.base, job.further},
+                               threads);
+  frame.image = warped(*job.base, frame.image, options);
   for (int y = 0; y < options.height; ++y) {
     if (hooks.stop.stop_requested()) throw Error(ErrorCode::kCancelled, "rendering was cancelled");
     if (hooks.tile_done) hooks.tile_done({0, y, options.width, y + 1, &frame.image});
   }
   return frame;
+}
+
+Frame render(const LatticeField& field, const Camera& camera, const Look& look,
+             const RenderOptions& options, const RenderHooks& hooks, int threads) {
+  return render({field, camera, look, nullptr, options, hooks}, threads);
 }
 
 Frame render(const KernelField& field, const Camera& camera, const Look& look,

@@ -55,6 +55,9 @@ struct VulkanRenderer::Impl {
   Frame draw(const FrameJob& job) {
     if (job.look.mode == Mode::kIsosurface && !job.look.isosurfaces.empty())
       throw Error(ErrorCode::kUnsupported, "isosurfaces: backend vulkan draws one, not several");
+    if (!job.further.empty())
+      throw Error(ErrorCode::kUnsupported,
+                  "further volumes: backend vulkan draws one, take cpu or auto");
     const bool is_fresh = !bench || !has_drawn;
     try {
       return try_to_draw(job);

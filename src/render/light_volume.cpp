@@ -58,20 +58,6 @@ std::vector<float> light_from_everywhere(const ExtinctionLattice& lattice, int t
   return light;
 }
 
-void set_quads(view::LightVolume& volume) {
-  const auto stride = static_cast<std::size_t>(volume.dims[0]);
-  const std::size_t count = volume.packed.size();
-  volume.quads.resize(4 * count);
-  const auto cell = [&](std::size_t i) { return i < count ? volume.packed[i] : 0.0F; };
-  for (std::size_t i = 0; i < count; ++i) {
-    float* const quad = &volume.quads[4 * i];
-    quad[0] = cell(i);
-    quad[1] = cell(i + 1);
-    quad[2] = cell(i + stride);
-    quad[3] = cell(i + stride + 1);
-  }
-}
-
 bool has_key_light(const Look& look) { return look.shadows > 0 && look.light_direction; }
 
 }  // namespace
@@ -141,7 +127,6 @@ const view::LightVolume* LightVolumes::at(const Field& field, const Look& look,
     }
     packed[i] = view::packed_light(light);
   }
-  set_quads(kept.volume);
   kept.volume.has_key = has_key;
   kept.strengths = std::move(strengths);
   return &kept.volume;

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The Python package against the program, and against what others do from Python: python.py [--sides N...] [--runs N] [PART...]
 
-PARTs are peers, program, threads, loop, import and interact; without any, all are measured. Run by /usr/bin/python3 with the package on
+PARTs are peers, program, memory, threads, loop, import and interact; without any, all are measured. Run by /usr/bin/python3 with the package on
 PYTHONPATH, on a screen that may be virtual (make bench BENCH=python). Each first picture is of a process of its own, peers by turns, and
 begins with the array in memory and ends with a PNG on the disk; what is imported counts. VTK's calls are those that PyVista's
 `plotter.add_volume(array); plotter.screenshot()` makes, on the processor and, with Mesa's software driver, on the graphics device."""
@@ -19,7 +19,7 @@ import time
 from magnification import OVOID
 from tables import grid
 
-PARTS = ("peers", "program", "threads", "loop", "import", "interact")
+PARTS = ("peers", "program", "memory", "threads", "loop", "import", "interact")
 LIMIT_S = 600  # of one process
 
 MAKE_ARRAY = """
@@ -168,6 +168,41 @@ def measure_program(options, folder):
     rows = [["the program, of a file", *least_and_median(program), "-"],
             ["ovoid.render, of an array", *least_and_median(package), f"{statistics.median(memory) / (side**3 / 2**20):.0%}"]]
     print("\n".join(grid([f"{side}^3 uint8", "least, s", "median, s", "memory beyond the array"], rows)))
+
+
+def measure_memory(options, folder):
+    """What is resident beside an array, step by step; the greatest of a step, and what stays after it."""
+    side = max(options.sides)
+    code = MAKE_ARRAY.format(side=side) + """
+import sys
+def tell(step):
+    print(step + "_stays", status("VmRSS") - before, step + "_most", status("VmHWM") - before)
+    with open("/proc/self/clear_refs", "w", encoding="ascii") as file:
+        file.write("5")  # the greatest begins anew
+tell("array")
+import ovoid
+ovoid.Scene
+tell("import")
+ovoid.render(array[:8, :8, :8], size=(512, 512), occlusion=0, shadows=0)
+tell("small")
+scene = ovoid.Scene(array, size=(512, 512), kernel=sys.argv[1])
+scene.render(size=(16, 16), occlusion=0, shadows=0)
+tell("field")
+scene.render(occlusion=0, shadows=0)
+tell("picture")
+scene.render()
+tell("light")
+"""
+    steps = [("import", "the package and its libraries"), ("small", "a picture of 8^3 samples, 512 x 512"), ("field", "a field of the array"),
+             ("picture", "its picture, 512 x 512"), ("light", "the same with occlusion")]
+    rows = []
+    kernels = ("gaussian", "bspline")
+    found = [run(code, folder, kernel) for kernel in kernels]
+    if None in found:
+        return
+    for step, name in steps:
+        rows.append([name, *(f"{one[step + end]:.0f}" for one in found for end in ("_stays", "_most"))])
+    print("\n".join(grid([f"MiB beyond {side**3 / 2**20:.0f} of the array, after", *(f"{kernel}{end}" for kernel in kernels for end in ("", ", most"))], rows)))
 
 
 def measure_threads(options, folder):

@@ -9,7 +9,7 @@ from sources import project_files, read_text
 
 SPDX = "SPDX-License-Identifier: Apache-2.0"
 CODE = (".h", ".cpp", ".py", ".sh", ".cmake", ".comp", ".glsl")
-BINARY = (".png", ".npy", ".exr", ".gz", ".bin", ".raw", ".vti", ".vtk", ".nrrd", ".nhdr", ".tif", ".pdf")
+BINARY = (".png", ".gif", ".npy", ".exr", ".gz", ".bin", ".raw", ".vti", ".vtk", ".nrrd", ".nhdr", ".tif", ".pdf")
 FIXTURES = ("tests/data/", "tests/golden/", "tests/fuzz/")  # inputs as they are, whatever they hold
 MAX_LINES = 1000  # a longer file is refused, one over SOFT_LINES is named
 SOFT_LINES = 600

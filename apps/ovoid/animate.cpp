@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "animation_plan.h"
+#include "camera_path.h"
 #include "check_files.h"
 #include "command.h"
 #include "drawing.h"
@@ -135,6 +136,23 @@ void check_output(const Flags& flags, const AnimateFlags& animate) {
   }
 }
 
+std::vector<InputFile> inputs_of(const AnimateFlags& animate) {
+  std::vector<InputFile> inputs = files_to_read(animate.data, animate.drawing);
+  const std::string& path = animate.animation.camera_path;
+  if (!path.empty() && !is_json(path)) inputs.push_back({path, "the keys of --camera-path"});
+  return inputs;
+}
+
+std::optional<CameraPath> path_of(const AnimationFlags& animation) {
+  if (animation.camera_path.empty()) return std::nullopt;
+  try {
+    return CameraPath::of_flag(animation.camera_path);
+  } catch (const Error& error) {
+    if (is_json(animation.camera_path)) throw UsageError(error.what());
+    throw;
+  }
+}
+
 void check_flags(const Flags& flags, const AnimateFlags& animate) {
   require_inputs(flags, animate.data);
   check_output(flags, animate);
@@ -150,7 +168,7 @@ void check_flags(const Flags& flags, const AnimateFlags& animate) {
     outputs.push_back({"--output", animate.output, names.path(0)});
     outputs.push_back({"--output", animate.output, names.record_path()});
   }
-  check_files(files_to_read(animate.data, animate.drawing), outputs);
+  check_files(inputs_of(animate), outputs);
 }
 
 // Frames must not replace what they are drawn from, whatever their number.
@@ -161,7 +179,7 @@ void check_frames_are_no_inputs(const AnimateFlags& animate, const FrameNames& n
     return fs::weakly_canonical(fs::absolute(path, ignored), ignored);
   };
   const fs::path folder = whole(names.path(0)).parent_path();
-  for (const InputFile& input : files_to_read(animate.data, animate.drawing)) {
+  for (const InputFile& input : inputs_of(animate)) {
     const fs::path path = whole(input.path);
     if (path.parent_path() != folder) continue;
     for (std::int64_t i = 0; i < num_frames; ++i) {
@@ -177,7 +195,8 @@ struct Scenery {
   Described described;
   Look look;
   ValueRange values;
-  Camera start, camera;  // before it turns: as it comes, and as near as all frames are
+  Camera start, camera;              // before it turns: as it comes, and as near as all frames are
+  std::optional<CameraTrack> track;  // of --camera-path
   SurfaceStyle walls{0, false};
   ovoid::Scenery beside;
 };
@@ -334,6 +353,7 @@ class Animator {
 
  private:
   Camera camera_of(const PlannedFrame& frame, const Scenery& scenery) const {
+    if (scenery.track) return scenery.track->at(frame.place);
     CameraFlags turned = animate_.drawing.camera;
     turned.azimuth += frame.turn;
     return turned_camera(turned, scenery.start, scenery.camera);
@@ -395,7 +415,7 @@ class Animator {
 };
 
 std::uint64_t key_of(const PlannedFrame& frame, std::uint64_t settings) {
-  return hash_of(fmt::format("{:a} {:a}", frame.time, frame.turn), settings);
+  return hash_of(fmt::format("{:a} {:a} {:a}", frame.time, frame.turn, frame.place), settings);
 }
 
 // The numbers of those that no earlier run has left whole.
@@ -489,6 +509,7 @@ void run_animate(const Words& words, Session& session) {
   add_flags(flags, &animate);
   if (!flags.parse(words)) return;
   check_flags(flags, animate);
+  const std::optional<CameraPath> path = path_of(animate.animation);
   const bool makes_film = is_film(animate.output);
   const std::string ffmpeg =
       makes_film && needs_ffmpeg(animate.output) ? find_ffmpeg(animate.output) : "";
@@ -499,17 +520,22 @@ void run_animate(const Words& words, Session& session) {
   const Chosen chosen = choose_moment(animate.data, series, session);
   if (!series.source().has_times()) note_order(animate.data.inputs, session);
   const auto plan = plan_frames(animate.animation, series.source(),
-                                chosen.is_only ? std::optional(chosen.time) : std::nullopt);
+                                chosen.is_only ? std::optional(chosen.time) : std::nullopt,
+                                path ? &*path : nullptr);
   const FrameNames names(pattern_of(animate));
   if (!makes_film)
     check_frames_are_no_inputs(animate, names, static_cast<std::int64_t>(plan.size()));
   if (makes_film) make_folder(folder_of_film(animate.output));
-  const std::uint64_t settings =
-      settings_key(session.command_line(), paths_of(files_to_read(animate.data, animate.drawing)));
+  const std::uint64_t settings = settings_key(session.command_line(), paths_of(inputs_of(animate)));
   FrameRecord record(names);
   const auto missing = missing_frames(plan, record, settings, session);
   if (!missing.empty()) {
     Scenery scenery = make_scenery(series, chosen, flags, &animate, session);
+    if (path) {
+      const CameraFlags& turns = animate.drawing.camera;
+      const Camera unturned = unturned_camera(turns, scenery.start, scenery.camera);
+      scenery.track.emplace(*path, unturned, turns);
+    }
     Animator animator(series, animate, scenery.values, session);
     const bool is_xray = animate.drawing.look.mode == Mode::kXray;
     if (is_xray && is_for_eyes(names.path(0))) animator.measure_integrals(plan[0], scenery);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "camera_path.h"
 #include "ovoid/error.h"
 #include "values.h"
 
@@ -122,9 +123,12 @@ const Table<AnimationFlags>& animation_settings() {
       {"--turn", number("DEG"), &A::turn,
        "turn the camera around the view's up axis by so much in all; 360 is a round whose last "
        "frame comes just before the first"},
+      {"--camera-path", word("FILE|JSON", Content::kCamera), &A::camera_path,
+       "keys of a camera that moves, at frames or at times: docs/time.md",
+       not_with("turn", kGiveOne)},
       {"--frames", integer<std::int64_t>("N", 1, A::kMaxFrames), &A::num_frames,
        fmt::format("so many, spread evenly over the times (default: one per step; {} of a turn "
-                   "around one step)",
+                   "around one step; of a camera path up to its last key)",
                    A::kTurnFrames),
        not_with("steps", "contradicts --steps with a STEP, which says how many there are",
                 has_stride)},
@@ -133,7 +137,7 @@ const Table<AnimationFlags>& animation_settings() {
 }
 
 std::vector<PlannedFrame> plan_frames(const AnimationFlags& animation, const StepSource& source,
-                                      std::optional<double> only) {
+                                      std::optional<double> only, const CameraPath* path) {
   std::vector<double> times;
   if (animation.times) {
     times = asked_times(*animation.times, source);
@@ -143,14 +147,23 @@ std::vector<PlannedFrame> plan_frames(const AnimationFlags& animation, const Ste
     times = step_times(animation, source);
   }
   const bool is_one_moment = times.front() == times.back();
-  if (is_one_moment && !animation.turn) {
+  if (is_one_moment && !animation.turn && path == nullptr) {
     throw Error(ErrorCode::kInvalidArgument,
-                fmt::format("'{}': one step in time, which does not move: expected --turn DEG, or "
-                            "several steps",
+                fmt::format("'{}': one step in time, which does not move: expected --turn DEG, "
+                            "--camera-path FILE, or several steps",
                             source.name()));
+  }
+  const bool is_timed = path != nullptr && path->is_timed();
+  if (is_timed && is_one_moment) {
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("{}: its keys are at times, and '{}' is drawn at one: expected keys at "
+                            "frames",
+                            path->source(), source.name()));
   }
   if (animation.num_frames) {
     times = spread_times(times, *animation.num_frames);
+  } else if (path != nullptr && !is_timed && !animation.times && !animation.steps) {
+    times = spread_times(times, path->num_frames());
   } else if (is_one_moment) {
     times.assign(AnimationFlags::kTurnFrames, times.front());
   }
@@ -158,7 +171,7 @@ std::vector<PlannedFrame> plan_frames(const AnimationFlags& animation, const Ste
   for (std::size_t i = 0; i < times.size(); ++i) {
     const double turn =
         animation.turn.value_or(0) * static_cast<double>(i) / static_cast<double>(times.size());
-    frames.push_back({times[i], turn});
+    frames.push_back({times[i], turn, is_timed ? times[i] : static_cast<double>(i)});
   }
   return frames;
 }

@@ -272,7 +272,7 @@ Json try_field(const Dataset& dataset, const ModelFlags& model, const Flags& fla
 }
 
 // A number for people: nine digits tell any two float32 values apart.
-std::string number(const Json& value) {
+std::string number_text(const Json& value) {
   return value.is_number_float() ? fmt::format("{:.9g}", value.get<double>()) : value.dump();
 }
 
@@ -281,13 +281,13 @@ std::string numbers(const Json& values) {
   std::string out;
   for (const Json& value : values) {
     if (!out.empty()) out += ' ';
-    out += number(value);
+    out += number_text(value);
   }
   return out;
 }
 
 std::string range_text(const Json& range) {
-  return range.is_null() ? "no values" : number(range[0]) + " to " + number(range[1]);
+  return range.is_null() ? "no values" : number_text(range[0]) + " to " + number_text(range[1]);
 }
 
 void print_row(const char* name, const std::string& value) { print_out("{:<26}{}\n", name, value); }
@@ -342,14 +342,14 @@ void print_lattice(const Json& json) {
 }
 
 void print_places(const Json& json) {
-  print_row("points", fmt::format("{}, {}", number(json["points"]),
+  print_row("points", fmt::format("{}, {}", number_text(json["points"]),
                                   json["position_type"].get<std::string>()));
   if (json.contains("cells")) {
     const Json& cells = json["cells"];
     std::string types;
     for (const auto& [type, count] : cells["types"].items())
-      types += fmt::format("{}{} {}", types.empty() ? ": " : ", ", number(count), type);
-    print_row("cells", number(cells["count"]) + types);
+      types += fmt::format("{}{} {}", types.empty() ? ": " : ", ", number_text(count), type);
+    print_row("cells", number_text(cells["count"]) + types);
     if (!cells["dims"].is_null()) print_row("nodes along i, j, k", numbers(cells["dims"]));
   }
   print_row("space", json["space"].get<std::string>());
@@ -364,15 +364,16 @@ void print_set(const Json& field) {
                           range_text(field["color_range"])));
   }
   print_row("reconstruction", field["reconstruction"].get<std::string>());
-  print_row("shape", fmt::format("{}, {}, cut at {} sigmas", field["shape"].get<std::string>(),
-                                 field["profile"].get<std::string>(), number(field["cutoff"])));
+  print_row("shape",
+            fmt::format("{}, {}, cut at {} sigmas", field["shape"].get<std::string>(),
+                        field["profile"].get<std::string>(), number_text(field["cutoff"])));
   for (const auto& [member, name] : {std::pair{"missing", "without a value"},
                                      {"misplaced", "without a place"},
                                      {"merged", "merged"},
                                      {"dangling", "of no cell"},
                                      {"copies", "periodic copies"},
                                      {"degenerate", "made thicker"}}) {
-    if (field[member] != 0) print_row(name, number(field[member]));
+    if (field[member] != 0) print_row(name, number_text(field[member]));
   }
   const auto quantiles = [](const Json& values) {
     std::string out;
@@ -458,13 +459,13 @@ void print_text(const Json& json) {
                                        range_text(field["range"])));
   print_distribution(field);
   if (field.contains("materials")) print_materials(field["materials"]);
-  print_row("kernels", number(field["num_kernels"]));
+  print_row("kernels", number_text(field["num_kernels"]));
   if (field.contains("kernel"))
     print_row("kernel", field["kernel"].get<std::string>() +
                             (field["prefiltered"].get<bool>() ? ", prefiltered" : ""));
   if (field.contains("shape")) print_set(field);
-  print_row("default sampling distance", number(field["default_sampling_distance"]));
-  print_row("default unit distance", number(field["default_unit_distance"]));
+  print_row("default sampling distance", number_text(field["default_sampling_distance"]));
+  print_row("default unit distance", number_text(field["default_unit_distance"]));
   print_row("memory of the field", readable_bytes(field["memory_bytes"].get<double>()));
 }
 
@@ -495,7 +496,7 @@ Json devices_json() {
 
 std::string device_text(const Json& device) {
   std::string text = fmt::format(
-      "device {}: {}, {}, {}, {}, Vulkan {}", number(device["index"]),
+      "device {}: {}, {}, {}, {}, Vulkan {}", number_text(device["index"]),
       one_line(device["name"].get<std::string>()), device["kind"].get<std::string>(),
       readable_bytes(device["memory_bytes"].get<double>()),
       one_line(device["driver"].get<std::string>()), device["vulkan"].get<std::string>());

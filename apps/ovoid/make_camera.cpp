@@ -85,4 +85,13 @@ Camera turned_camera(const CameraFlags& flags, const Camera& start, const Camera
   return camera;
 }
 
+Camera unturned_camera(const CameraFlags& flags, const Camera& start, const Camera& made) {
+  Camera camera = made;
+  const double distance = (made.position - made.focal_point).norm();
+  camera.position = made.focal_point + distance * (start.position - start.focal_point).normalized();
+  camera.view_up = start.view_up;
+  camera.zoom(1 / flags.zoom);
+  return camera;
+}
+
 }  // namespace ovoid::cli

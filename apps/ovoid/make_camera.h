@@ -38,6 +38,10 @@ Camera start_camera(const CameraFlags& flags, const CameraSubject& subject);
 // As near to its focal point as `near` is, but turned from `start` as the flags say.
 Camera turned_camera(const CameraFlags& flags, const Camera& start, const Camera& near);
 
+// The camera that was made of `start`, before the flags turned and zoomed it: it looks at the same
+// place from as far. Turning keeps no axis that could be turned about again.
+Camera unturned_camera(const CameraFlags& flags, const Camera& start, const Camera& made);
+
 // The camera that the value of --camera is: JSON itself, or a file's. Throws Error.
 Camera camera_of_flag(const std::string& value);
 

@@ -8,11 +8,11 @@
 #include <filesystem>
 #include <string_view>
 #include <system_error>
-#include <unordered_set>
 
+#include "checked_json.h"
+#include "console.h"
 #include "ovoid/error.h"
 #include "ovoid/io.h"
-#include "session.h"
 #include "suggest.h"
 #include "usage.h"
 #include "values.h"
@@ -24,58 +24,11 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMaxBytes = std::size_t{16} << 20;
-constexpr int kMaxDepth = 64;
-// Of one object: members are found one after the other, so that their number must not be the
-// file's to choose.
-constexpr std::size_t kMaxMembers = 1000;
 constexpr std::array<const char*, 5> kMembers = {"ovoid_state", "program", "inputs", "flags",
                                                  "window"};
 
 [[noreturn]] void refuse_state(const std::string& message) {
   throw Error(ErrorCode::kFileFormat, message);
-}
-
-std::string cut(const std::string& text) {
-  constexpr std::size_t kShown = 40;
-  return one_line(text.substr(0, kShown));
-}
-
-// Refuses while it is read what would take long, and what stands twice, of which one would be lost.
-class Watch {
- public:
-  explicit Watch(const std::string& path) : path_(path) {}
-
-  bool operator()(int depth, Json::parse_event_t event, const Json& parsed) {
-    if (depth > kMaxDepth)
-      refuse_state(fmt::format("{}: nested deeper than {} levels", path_, kMaxDepth));
-    if (event == Json::parse_event_t::object_start) open_.emplace_back();
-    if (event == Json::parse_event_t::object_end) open_.pop_back();
-    if (event != Json::parse_event_t::key) return true;
-    const std::string& key = parsed.get_ref<const std::string&>();
-    if (!open_.back().insert(key).second)
-      refuse_state(fmt::format("{}: '{}' stands twice in one object", path_, cut(key)));
-    if (open_.back().size() > kMaxMembers)
-      refuse_state(fmt::format("{}: an object has more than {} members", path_, kMaxMembers));
-    return true;
-  }
-
- private:
-  const std::string& path_;
-  std::vector<std::unordered_set<std::string>> open_;
-};
-
-Json parse(const std::string& text, const std::string& path) {
-  Watch watch(path);
-  const auto callback = [&watch](int depth, Json::parse_event_t event, Json& parsed) {
-    return watch(depth, event, parsed);
-  };
-  try {
-    return Json::parse(text, callback);
-  } catch (const Json::parse_error& error) {
-    refuse_state(fmt::format("{}: not JSON at byte {}", path, error.byte));
-  } catch (const Json::exception&) {
-    refuse_state(path + ": holds a number that double cannot");
-  }
 }
 
 void check_version(const Json& json, const std::string& path) {
@@ -87,8 +40,9 @@ void check_version(const Json& json, const std::string& path) {
   const Json& version = json["ovoid_state"];
   const bool is_number = version.is_number_integer() && version > 0;
   if (!is_number) {
-    refuse_state(fmt::format("{}: ovoid_state = {}: must be a whole number, from 1", path,
-                             cut(version.dump(-1, ' ', true, Json::error_handler_t::replace))));
+    refuse_state(
+        fmt::format("{}: ovoid_state = {}: must be a whole number, from 1", path,
+                    cut_line(version.dump(-1, ' ', true, Json::error_handler_t::replace))));
   }
   if (version == kStateVersion) return;
   const bool has_program = json.contains("program") && json["program"].is_string();
@@ -96,14 +50,14 @@ void check_version(const Json& json, const std::string& path) {
       ErrorCode::kUnsupported,
       fmt::format("{}: a state of version {}, this program reads version {}; {} or newer reads it",
                   path, version.dump(), kStateVersion,
-                  has_program ? "ovoid " + cut(json["program"].get<std::string>())
+                  has_program ? "ovoid " + cut_line(json["program"].get<std::string>())
                               : "the ovoid that wrote it"));
 }
 
 void check_members(const Json& json, const std::string& path) {
   for (const auto& [key, value] : json.items()) {
     if (std::find(kMembers.begin(), kMembers.end(), key) != kMembers.end()) continue;
-    refuse_state(fmt::format("{}: {}: unknown; a state has {}{}", path, cut(key),
+    refuse_state(fmt::format("{}: {}: unknown; a state has {}{}", path, cut_line(key),
                              fmt::join(kMembers, ", "),
                              did_you_mean(key, {kMembers.begin(), kMembers.end()})));
   }
@@ -185,7 +139,7 @@ std::string to_folder(const std::string& name, const fs::path& folder) {
 }  // namespace
 
 State read_state(const std::string& path) {
-  const Json json = parse(read_text_file(path, kMaxBytes), path);
+  const Json json = checked_json(read_text_file(path, kMaxBytes), path);
   check_version(json, path);
   check_members(json, path);
   State state;

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "arrays.h"
+#include "camera_path.h"
 #include "data.h"
 #include "errors.h"
 #include "film.h"
@@ -231,6 +232,25 @@ void add_data(py::module_& module) {
   module.def("simplify", report_of<simplify>);
 }
 
+// The cameras of a film's frames, whose first picture without a path is this one; `count` 0: up to
+// the last key.
+std::vector<std::string> cameras_along(const Picture& picture, const std::string& path,
+                                       std::int64_t count) {
+  const cli::CameraPath keys = cli::CameraPath::of_flag(path);
+  if (keys.is_timed()) {
+    throw Error(ErrorCode::kUnsupported,
+                keys.source() +
+                    ": its keys are at times, expected frames; `ovoid animate` draws "
+                    "files in time along it");
+  }
+  const cli::CameraTrack track(keys, picture.unturned, picture.drawing.camera);
+  std::vector<std::string> cameras;
+  const std::int64_t num_frames = count > 0 ? count : keys.num_frames();
+  for (std::int64_t frame = 0; frame < num_frames; ++frame)
+    cameras.push_back(to_text(track.at(static_cast<double>(frame))));
+  return cameras;
+}
+
 void add_picture(py::module_& module) {
   using Shared = std::shared_ptr<Picture>;
   py::class_<Picture, Shared>(module, "Picture")
@@ -243,6 +263,7 @@ void add_picture(py::module_& module) {
       .def_property_readonly("profile", [](const Picture& p) { return cli::to_json(p.profile); })
       .def_property_readonly("camera", [](const Picture& p) { return to_text(p.shot.camera); })
       .def_property_readonly("unturned", [](const Picture& p) { return to_text(p.unturned); })
+      .def("cameras_along", cameras_along)
       .def_property_readonly("look", [](const Picture& p) { return to_text(p.shot.look); })
       .def_property_readonly("values",
                              [](const Picture& p) {

@@ -68,8 +68,7 @@ std::string model_key_of(const Flags& flags, const DrawingFlags& drawing) {
          fmt::format("labels {} {}", cli::may_be_labels(drawing.look), flags.is_given("gradient"));
 }
 
-// From where the flags turn and zoom the camera to where it is. Turning keeps no axis that could be
-// turned about again.
+// From where the flags turn and zoom the camera to where it is.
 Camera unturned_camera(const cli::Subject& subject, const cli::Shot& shot,
                        const DrawingFlags& drawing) {
   const double aspect = static_cast<double>(drawing.options.width) / drawing.options.height;
@@ -80,13 +79,7 @@ Camera unturned_camera(const cli::Subject& subject, const cli::Shot& shot,
                                          .space = shot.described.space,
                                          .aspect = aspect,
                                          .clip_planes = {}});
-  Camera camera = shot.camera;
-  const double distance = (camera.position - camera.focal_point).norm();
-  camera.position =
-      camera.focal_point + distance * (start.position - start.focal_point).normalized();
-  camera.view_up = start.view_up;
-  camera.zoom(1 / drawing.camera.zoom);
-  return camera;
+  return cli::unturned_camera(drawing.camera, start, shot.camera);
 }
 
 }  // namespace

@@ -166,6 +166,38 @@ class View:
         for chosen in zip(*values):
             yield self.render(**dict(zip(series, chosen)))
 
+    def along(self, camera_path, frames=None):
+        """Pictures one after the other, along a camera's path.
+
+        Parameters
+        ----------
+        camera_path : list of dict, str or path
+            Keys, each a dict with a `frame`, and any of a camera's words (`Picture.camera`) and of azimuth, elevation, roll and zoom; or
+            a file of them. `ovoid animate --camera-path` takes the same.
+        frames : int, optional
+            So many pictures, not up to the last key.
+
+        Yields
+        ------
+        Picture
+
+        Examples
+        --------
+        >>> import numpy, ovoid
+        >>> view = ovoid.Scene(numpy.arange(27.0).reshape(3, 3, 3)).view(size=(32, 24))
+        >>> keys = [{"frame": 0}, {"frame": 4, "azimuth": 90, "zoom": 2}]
+        >>> len(list(view.along(keys)))
+        5
+        """
+        if frames is not None and (isinstance(frames, bool) or not hasattr(frames, "__index__") or not 1 <= frames.__index__() <= 1000000):
+            raise InvalidArgument(f"frames = {frames!r}: expected a whole number from 1 to 1000000")
+        # What the keys do not say is of the picture without them.
+        first = self.render()
+        cameras = first._core.cameras_along(_settings.camera_path_text(camera_path), 0 if frames is None else frames.__index__())
+        from_where = dict.fromkeys(("azimuth", "elevation", "roll", "zoom", "view", "cpos", "fit", "projection", "parallel_projection", "view_angle"))
+        for camera in cameras:
+            yield self.render(**from_where, camera=camera)
+
     def _repr_png_(self):
         return self.render()._repr_png_()
 
@@ -221,17 +253,31 @@ def render(data=None, *, spacing=None, origin=None, direction=None, affine=None,
     return scene.render(progress=progress, profile=profile)
 
 
-def animate(pictures, path, fps=25):
-    """Makes a film of pictures.
+def animate(pictures, path, fps=25, *, camera_path=None, frames=None, **settings):
+    """Makes a film of pictures, or of data along a camera's path.
 
     Parameters
     ----------
     pictures : iterable of Picture
-        Of one size, such as `View.frames` yields; each is written before the next is asked for.
+        Of one size, such as `View.frames` yields; each is written before the next is asked for. With `camera_path` a `View`, a `Scene`
+        or what `render` takes.
     path : str or path
         ``.gif``, or ``.mp4`` or ``.webm``, which ffmpeg makes.
     fps : float
         Pictures a second.
+    camera_path : list of dict, str or path, optional
+        Keys of a camera that moves, as `View.along` takes them.
+    frames : int, optional
+        With a camera path: so many pictures, not up to the last key.
+    **settings
+        With a camera path: settings of all pictures.
+
+    Examples
+    --------
+    >>> import numpy, ovoid
+    >>> data = numpy.arange(27.0).reshape(3, 3, 3)
+    >>> keys = [{"frame": 0}, {"frame": 3, "azimuth": 90, "zoom": 2}]
+    >>> ovoid.animate(data, "turn.gif", camera_path=keys, size=(64, 48))
     """
     import tempfile
 
@@ -240,13 +286,34 @@ def animate(pictures, path, fps=25):
     except (TypeError, ValueError, OverflowError):
         raise InvalidArgument(f"fps = {fps!r}: expected a number") from None
     path = os.path.abspath(os.fspath(path))
+    if not path.endswith((".gif", ".mp4", ".webm")):
+        raise InvalidArgument(f"'{path}': expected a film: .gif, .mp4 or .webm")
+    if camera_path is not None:
+        pictures = _view_of(pictures, settings).along(camera_path, frames)
+    elif frames is not None or settings:
+        raise InvalidArgument(f"{next(iter(settings), 'frames')}: is for films along a camera_path, pictures are drawn already")
     with tempfile.TemporaryDirectory() as folder:
         pattern = os.path.join(folder, "frame_%06d.png")
         count = 0
-        for count, picture in enumerate(pictures, 1):
+        for count, picture in enumerate(_each(pictures), 1):
             picture.save(pattern % (count - 1))
         if not count:
             raise InvalidArgument("animate: no pictures")
-        if not path.endswith((".gif", ".mp4", ".webm")):
-            raise InvalidArgument(f"'{path}': expected a film: .gif, .mp4 or .webm")
         _core.make_film(pattern, count, path, fps)
+
+
+def _view_of(data, settings):
+    if isinstance(data, View):
+        return data.scene.view(**{**data.settings, **settings})
+    scene = data if isinstance(data, Scene) else Scene(data, **settings)
+    return scene.view(**settings) if scene is data else scene.view()
+
+
+def _each(pictures):
+    """Pictures one after the other; an error for anything else."""
+    if isinstance(pictures, Picture) or not hasattr(pictures, "__iter__"):
+        raise InvalidArgument(f"pictures: is one {type(pictures).__name__}, expected several pictures, or a camera_path along which it is drawn")
+    for number, picture in enumerate(pictures):
+        if not isinstance(picture, Picture):
+            raise InvalidArgument(f"pictures[{number}]: is {type(picture).__name__}, expected a Picture, which render() gives")
+        yield picture

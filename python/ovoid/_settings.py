@@ -80,6 +80,16 @@ def _json(value):
         raise InvalidArgument(f"{value!r}: cannot be written as JSON: {error}") from None
 
 
+def camera_path_text(value):
+    """Keys of a camera as JSON, or the name of the file that they are in."""
+    if isinstance(value, (str, os.PathLike)):
+        return os.fspath(value)
+    text = _json(value)
+    if "NaN" in text or "Infinity" in text:
+        raise InvalidArgument(f"camera_path = {value!r}: expected finite numbers")
+    return text if text.startswith("[") else f"[{text}]"
+
+
 def _text(value, form):
     """A value as the text that the program takes: tuples with the separators of the form."""
     if isinstance(value, dict) or (isinstance(value, (list, tuple)) and any(isinstance(one, dict) for one in value)):  # a look is a list

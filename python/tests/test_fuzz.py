@@ -201,6 +201,23 @@ def test_anything(path, given):
     tried(picture.encode, ".jpg", path)
 
 
+key_words = st.one_of(words, st.sampled_from(["frame", "time", "position", "focal_point", "view_up", "view_angle", "azimuth", "elevation", "roll", "zoom"]))
+good_keys = st.fixed_dictionaries({"frame": st.integers(0, 6)}, optional={
+    "azimuth": st.floats(-1e6, 1e6), "elevation": st.floats(-200, 200), "roll": st.floats(-200, 200), "zoom": st.floats(1e-3, 1e3),
+    "position": st.lists(st.floats(-1e300, 1e300), min_size=3, max_size=3), "focal_point": st.lists(st.floats(-30, 30), min_size=3, max_size=3),
+    "view_angle": st.floats(1e-3, 179), "view_up": st.lists(st.integers(-1, 1), min_size=3, max_size=3)})
+rising = st.lists(good_keys, min_size=2, max_size=4, unique_by=lambda key: key["frame"]).map(lambda keys: sorted(keys, key=lambda key: key["frame"]))
+
+
+@fuzzed(0.5, keys=st.one_of(rising, st.lists(st.one_of(good_keys, st.dictionaries(key_words, likely, max_size=4)), max_size=4), values),
+        frames=st.one_of(st.integers(1, 4), st.sampled_from([0, -1, 2**70, 2.0, "3", True, []])), given=settings(2))
+def test_camera_paths(keys, frames, given):
+    view = tried(ovoid.Scene(DATA[0], **TINY).view, **given)
+    if view is not None:
+        for picture in tried(lambda: list(view.along(keys, frames))) or []:
+            check(picture)
+
+
 def some_data():
     z, y, x = np.mgrid[-1:1:7j, -1:1:8j, -1:1:9j]
     field = np.exp(-2 * (x**2 + y**2 + z**2))

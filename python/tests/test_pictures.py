@@ -199,6 +199,70 @@ def test_films(tmp_path, array):
         ovoid.animate([ovoid.render(array, **SMALL)], tmp_path / "film.avi")
 
 
+@pytest.mark.parametrize("pictures, settings, words", [
+    (lambda one: one, {}, "pictures: is one Picture, expected several"),
+    (lambda one: 7, {}, "pictures: is one int"),
+    (lambda one: [one, one.numpy()], {}, r"pictures\[1\]: is ndarray, expected a Picture"),
+    (lambda one: [one], {"frames": 3}, "frames: is for films along a camera_path"),
+    (lambda one: [one], {"cmap": "magma"}, "cmap: is for films along a camera_path"),
+    (lambda one: [one], {"fps": "fast"}, "fps = 'fast': expected a number"),
+])
+def test_what_makes_no_film(tmp_path, array, pictures, settings, words):
+    with pytest.raises(ovoid.InvalidArgument, match=words):
+        ovoid.animate(pictures(ovoid.render(array, size=(16, 12))), tmp_path / "film.gif", **settings)
+
+
+def test_along_a_path(tmp_path, array):
+    view = ovoid.Scene(array, **SMALL).view(cmap="magma", fit="box", view="+x")
+    first = view.render()
+    camera = view.render(azimuth=50, zoom=1.5).camera
+    keys = [{"frame": 0}, {"frame": np.int64(2), "azimuth": 90.0, "zoom": 2}, {"frame": 4, **camera, "position": np.array(camera["position"])}]
+    frames = list(view.along(keys))
+    assert len(frames) == 5
+    assert abs(frames[0].rgba - first.rgba).max() < 1e-4
+    assert abs(frames[2].rgba - view.render(azimuth=90, zoom=2).rgba).max() < 1e-4
+    assert (frames[4].numpy() == view.render(camera=camera, view=None, fit=None).numpy()).all()
+    between = [one.camera["view_angle"] for one in frames]
+    assert between[0] > between[1] > between[2]
+    # Flags turn all keys, as the program's do.
+    assert abs(list(view.update(azimuth=10).along(keys, frames=1))[0].rgba - view.render(azimuth=10).rgba).max() < 1e-4
+    (tmp_path / "path.json").write_text(json.dumps([{"frame": 0}, {"frame": 2, "azimuth": 90}]))
+    for subject in (array, ovoid.Scene(array, **SMALL), view):
+        ovoid.animate(subject, tmp_path / "path.gif", camera_path=tmp_path / "path.json", frames=3, **SMALL)
+        assert (tmp_path / "path.gif").read_bytes()[:6] == b"GIF89a"
+        (tmp_path / "path.gif").unlink()
+
+
+def test_the_program_goes_the_same_path(tmp_path, array):
+    path = tmp_path / "bumps.nrrd"
+    ovoid.write(path, array)
+    keys = '[{"frame": 0, "elevation": 10}, {"frame": 2, "azimuth": 80, "zoom": 1.5}, {"frame": 3, "position": [90, 10, 10]}]'
+    subprocess.run([PROGRAM, "animate", str(path), *FLAGS, "--fit", "box", "--camera-path", keys, "-o", str(tmp_path / "f%d.npy")], check=True, capture_output=True)
+    for number, picture in enumerate(ovoid.Scene(path, fit="box", **SMALL).view().along(keys)):
+        assert abs(picture.rgba - np.load(tmp_path / f"f{number}.npy")).max() < 1e-4
+
+
+@pytest.mark.parametrize("keys, error, words", [
+    ([], ovoid.FileFormat, "has no keys"),
+    ([{"frame": 0}], ovoid.FileFormat, "one key"),
+    ({"frame": 0}, ovoid.FileFormat, "one key"),
+    ([{"frame": 0}, {"frame": np.nan}], ovoid.InvalidArgument, "expected finite numbers"),
+    ([{"frame": 0}, {"frame": 0}], ovoid.FileFormat, "must be greater"),
+    ([{"time": 0}, {"time": 1}], ovoid.Unsupported, "at times, expected frames"),
+    ([{"frame": 0}, {"frame": 1, "pos": 1}], ovoid.FileFormat, "pos: unknown"),
+    ([object()], ovoid.InvalidArgument, "cannot be written as JSON"),
+    (7, ovoid.FileFormat, "one key"),
+    ([7, 8], ovoid.FileFormat, "must be an object"),
+    ("none.json", ovoid.NotFound, "none.json: no such file"),
+])
+def test_bad_paths(array, keys, error, words):
+    view = ovoid.Scene(array, size=(16, 12)).view()
+    with pytest.raises(error, match=words):
+        list(view.along(keys))
+    with pytest.raises(ovoid.InvalidArgument, match="frames = "):
+        list(view.along([{"frame": 0}, {"frame": 1}], frames=0))
+
+
 def test_surfaces_and_slices_in_the_scene(tmp_path, array):
     """A list is a flag that is repeated; colours are tuples or names."""
     for name, z in (("near", 20), ("far", 2)):

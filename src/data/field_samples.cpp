@@ -153,7 +153,8 @@ float most_common(const std::vector<Row>& rows) {
 
 // Whether values are flat within regions and change between them from one sample to the next. A
 // scan in whole numbers is not flat within things, and takes several samples from one to the other.
-// What lies within the background tells nothing.
+// A smooth field of many samples is flat wherever rounding leaves it a step of one; where it
+// changes by more it changes on both sides. What lies within the background tells nothing.
 bool has_sharp_regions(const BrickSource& source) {
   constexpr double kFlat = 0.4;   // of pairs: regions three samples wide have it
   constexpr double kSharp = 0.7;  // of steps: flat on one side at least
@@ -164,20 +165,25 @@ bool has_sharp_regions(const BrickSource& source) {
   std::size_t num_steps = 0;
   std::size_t num_sharp = 0;
   std::size_t num_jumps = 0;
+  std::size_t num_sharp_jumps = 0;
   for (const Row& row : rows) {
     if (row[1] == background && row[2] == background) continue;
     ++num_pairs;
     if (row[1] == row[2]) continue;
     ++num_steps;
-    if (row[0] == row[1] || row[2] == row[3]) ++num_sharp;
-    if (std::abs(row[2] - row[1]) > 1.5F) ++num_jumps;
+    const bool is_sharp = row[0] == row[1] || row[2] == row[3];
+    const bool is_jump = std::abs(row[2] - row[1]) > 1.5F;
+    num_sharp += is_sharp ? 1 : 0;
+    num_jumps += is_jump ? 1 : 0;
+    num_sharp_jumps += is_sharp && is_jump ? 1 : 0;
   }
   const auto exceeds = [](std::size_t count, double share, std::size_t of) {
     return static_cast<double>(count) >= share * static_cast<double>(of);
   };
   return num_pairs >= kFewestForLabels && num_steps > 0 &&
          exceeds(num_pairs - num_steps, kFlat, num_pairs) &&
-         exceeds(num_sharp, kSharp, num_steps) && exceeds(num_jumps, kJumpsOfLabels, num_steps);
+         exceeds(num_sharp, kSharp, num_steps) && exceeds(num_jumps, kJumpsOfLabels, num_steps) &&
+         exceeds(num_sharp_jumps, kSharp, num_jumps);
 }
 
 // The different values of all samples, rising; empty if one is no label.

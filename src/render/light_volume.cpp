@@ -66,20 +66,6 @@ std::vector<float> light_from_everywhere(const ExtinctionLattice& lattice, int t
   return light;
 }
 
-void set_quads(view::LightVolume& volume) {
-  const auto stride = static_cast<std::size_t>(volume.dims[0]);
-  const std::size_t count = volume.packed.size();
-  volume.quads.resize(4 * count);
-  const auto cell = [&](std::size_t i) { return i < count ? volume.packed[i] : 0.0F; };
-  for (std::size_t i = 0; i < count; ++i) {
-    float* const quad = &volume.quads[4 * i];
-    quad[0] = cell(i);
-    quad[1] = cell(i + 1);
-    quad[2] = cell(i + stride);
-    quad[3] = cell(i + stride + 1);
-  }
-}
-
 // With a unit distance of its own.
 Look with_unit_distance(Look look) {
   if (look.unit_distance == 0) look.unit_distance = *look.transfer_function.unit_distance;
@@ -166,7 +152,6 @@ const view::LightVolume* LightVolumes::at(const LitScene& scene, int threads,
     }
     packed[i] = view::packed_light(light);
   }
-  set_quads(kept.volume);
   kept.volume.has_key = has_key;
   kept.strengths = std::move(strengths);
   return &kept.volume;

@@ -456,6 +456,22 @@ TEST(DefaultLook, ScansInWholeNumbersAreNoLabels) {
   EXPECT_FALSE(holds_labels(field));
 }
 
+// Of many samples rounding leaves stretches of the same number with steps of one between, which are
+// as sharp as those of labels. Where the field is steep it differs by more, and is flat nowhere.
+TEST(DefaultLook, SmoothFieldsOfManySamplesAreNoLabels) {
+  constexpr std::int64_t kLong = 512, kOther = 64;
+  const auto place = [](std::int64_t i, std::int64_t count) {
+    return 2.0 * static_cast<double>(i) / static_cast<double>(count - 1) - 1;
+  };
+  const Field field = test::make_field(
+      {kLong, kOther, kOther}, [&](std::int64_t i, std::int64_t j, std::int64_t k) {
+        const double x = place(i, kLong), y = place(j, kOther), z = place(k, kOther);
+        const double ripples = std::sin(14 * x) * std::sin(14 * y) * std::sin(14 * z);
+        return std::floor(220 * std::exp(-2.5 * (x * x + y * y + z * z)) * (0.7 + 0.3 * ripples));
+      });
+  EXPECT_FALSE(holds_labels(field));
+}
+
 TEST(DefaultLook, OtherIntegersAreNoLabels) {
   EXPECT_FALSE(holds_labels(labels({0, 7.5, 2})));     // not an integer
   EXPECT_FALSE(holds_labels(labels({-1000, 0, 40})));  // CT

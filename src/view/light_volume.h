@@ -55,9 +55,6 @@ struct LightVolume {
   double cell_edge = 1;       // world: the mean edge of a cell
   bool has_key = true;        // false: all of the key's light arrives everywhere
   std::vector<float> packed;  // [dims[2]][dims[1]][dims[0]]
-  // The same with the next cell along x, along y, and along both beside each: [...][4]. At the far
-  // faces, where nobody reads, zeros.
-  std::vector<float> quads;
 
   // Straight between the middles of cells, along each axis.
   ArrivingLight at(const Vec3& world) const {

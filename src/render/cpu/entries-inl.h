@@ -20,10 +20,9 @@ struct Classified {
 };
 
 #if HWY_TARGET != HWY_SCALAR
-// Entries of the lanes k, k + 4, k + 8, ...: one 128-bit block each.
-HWY_INLINE V load_entries(const float* entries, const std::int32_t* index, int k) {
-  const hn::FixedTag<float, 4> four;
-  const auto block = [&](int lane) { return hn::Load(four, entries + 4 * index[lane]); };
+// Blocks of the lanes k, k + 4, k + 8, ...: 128 bits each.
+template <class Block>
+HWY_INLINE V load_blocks(const Block& block, int k) {
 #if HWY_MAX_BYTES >= 64
   const hn::FixedTag<float, 8> eight;
   return hn::Combine(d, hn::Combine(eight, block(k + 12), block(k + 8)),
@@ -35,11 +34,12 @@ HWY_INLINE V load_entries(const float* entries, const std::int32_t* index, int k
 #endif
 }
 
-// The four channels of every lane's entry: a 4 x 4 transposition within blocks.
-HWY_INLINE Classified transpose_entries(const float* entries, const std::int32_t* index) {
+// The four numbers of every lane's block: a 4 x 4 transposition within blocks.
+template <class Block>
+HWY_INLINE Classified transpose_blocks(const Block& block) {
   const hn::RepartitionToWide<D> pairs;
-  const V n0 = load_entries(entries, index, 0), n1 = load_entries(entries, index, 1);
-  const V n2 = load_entries(entries, index, 2), n3 = load_entries(entries, index, 3);
+  const V n0 = load_blocks(block, 0), n1 = load_blocks(block, 1);
+  const V n2 = load_blocks(block, 2), n3 = load_blocks(block, 3);
   const auto rg01 = hn::BitCast(pairs, hn::InterleaveLower(d, n0, n1));
   const auto rg23 = hn::BitCast(pairs, hn::InterleaveLower(d, n2, n3));
   const auto ba01 = hn::BitCast(pairs, hn::InterleaveUpper(d, n0, n1));
@@ -49,7 +49,29 @@ HWY_INLINE Classified transpose_entries(const float* entries, const std::int32_t
           hn::BitCast(d, hn::InterleaveLower(pairs, ba01, ba23)),
           hn::BitCast(d, hn::InterleaveUpper(pairs, ba01, ba23))};
 }
+
+// The four channels of every lane's entry.
+HWY_INLINE Classified transpose_entries(const float* entries, const std::int32_t* index) {
+  const hn::FixedTag<float, 4> four;
+  return transpose_blocks([&](int lane) { return hn::Load(four, entries + 4 * index[lane]); });
+}
+
+// Of every lane the numbers at its index, one on, `stride` on, and one and `stride` on.
+HWY_INLINE Classified transpose_squares(const float* numbers, const std::int32_t* index,
+                                        int stride) {
+  const hn::FixedTag<float, 2> two;
+  const hn::FixedTag<float, 4> four;
+  return transpose_blocks([&](int lane) {
+    const float* const first = numbers + index[lane];
+    return hn::Combine(four, hn::LoadU(two, first + stride), hn::LoadU(two, first));
+  });
+}
 #else
+HWY_INLINE Classified transpose_squares(const float* numbers, const std::int32_t* index,
+                                        int stride) {
+  const float* const n = numbers + index[0];
+  return {hn::Load(d, n), hn::Load(d, n + 1), hn::Load(d, n + stride), hn::Load(d, n + stride + 1)};
+}
 HWY_INLINE Classified transpose_entries(const float* entries, const std::int32_t* index) {
   const float* n = entries + 4 * index[0];
   return {hn::Load(d, n), hn::Load(d, n + 1), hn::Load(d, n + 2), hn::Load(d, n + 3)};

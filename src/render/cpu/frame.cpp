@@ -42,7 +42,7 @@ void set_frame(CpuFrame& frame, const Look& look, const RenderOptions& options,
   if (light != nullptr) {
     tables.constants.volume = light_constants(plan, *light);
     frame.has_key_light = light->has_key;
-    frame.light = light->quads.data();
+    frame.light = light->packed.data();
   }
   tables.table = table_in(tables.memory, tables.constants.look);
   if (frame.fades_by_gradient) tables.fading = table_in(tables.memory, tables.constants.fading);

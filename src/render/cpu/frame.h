@@ -55,7 +55,7 @@ struct CpuFrame : FrameTraits {
   FrameCamera camera;
   FrameLook look;
   bool has_key_light = false;    // as the light volume says
-  const float* light = nullptr;  // view::LightVolume::quads; null: all light arrives
+  const float* light = nullptr;  // view::LightVolume::packed; null: all light arrives
 
   // Whether light changes colours: those that are not lit by what arrives alone.
   bool takes_light() const noexcept { return is_lit || light != nullptr; }

@@ -36,7 +36,7 @@ struct ArrivingShares {
 };
 
 // The shares at places in cell coordinates.
-HWY_INLINE ArrivingShares read_light(const float* quads, const device::ivec4& dims,
+HWY_INLINE ArrivingShares read_light(const float* cells, const device::ivec4& dims,
                                      const WorldVector& place, bool has_key) {
   const auto split = [](V at, int count, V& fraction) -> V {
     const V inside = hn::Min(hn::Max(at, hn::Zero(d)), hn::Set(d, static_cast<float>(count - 1)));
@@ -57,8 +57,7 @@ HWY_INLINE ArrivingShares read_light(const float* quads, const device::ivec4& di
     // All of the key's light arrives, and what is above it is the light around.
     const auto blend = [](V a, V b, V t) { return hn::MulAdd(hn::Sub(b, a), t, a); };
     const auto around_of = [&](int offset) -> V {
-      const Classified four =
-          transpose_entries(quads + 4 * static_cast<std::size_t>(offset), index);
+      const Classified four = transpose_squares(cells + offset, index, dims.x);
       const auto without_key = [](V packed) {
         return hn::Sub(packed, hn::Set(d, device::kLightSteps * device::kLightRadix));
       };
@@ -77,7 +76,7 @@ HWY_INLINE ArrivingShares read_light(const float* quads, const device::ivec4& di
             hn::MulAdd(hn::Sub(b.key, a.key), t, a.key)};
   };
   const auto slice = [&](int offset) -> ArrivingShares {
-    const Classified four = transpose_entries(quads + 4 * static_cast<std::size_t>(offset), index);
+    const Classified four = transpose_squares(cells + offset, index, dims.x);
     return mix(mix(split_shares(four.red), split_shares(four.green), fx),
                mix(split_shares(four.blue), split_shares(four.opacity), fx), fy);
   };

@@ -121,9 +121,9 @@ Subject make_subject(const Dataset& dataset, const Flags& flags, DrawingFlags* d
   check_kind_flags(flags, dataset);
   Subject subject;
   subject.modelled = make_field(dataset, drawing->model, drawing->run.threads, session);
-  const bool is_of_labels = !flags.is_given("kernel") && may_be_labels(drawing->look) &&
-                            holds_labels(subject.modelled.field);
-  if (is_of_labels) {
+  const bool are_labels = !flags.is_given("kernel") && may_be_labels(drawing->look) &&
+                          holds_labels(subject.modelled.field);
+  if (are_labels) {
     session.note(
         "the values look like labels: drawn by their surfaces (--label-opacity, --label-table; "
         "--kernel, --tf, --colormap with --range for another look)");
@@ -141,7 +141,7 @@ Subject make_subject(const Dataset& dataset, const Flags& flags, DrawingFlags* d
                       (dataset.kind == DatasetKind::kMesh || !drawing->surface.within.empty());
   subject.scenery = make_scenery(drawing->geometry, subject.modelled.field, session);
   subject.scenery.labels =
-      is_of_labels && may_draw_own_labels(*drawing, session)
+      drawing->labels.own_surfaces || (are_labels && may_draw_own_labels(*drawing, session))
           ? make_own_labels(subject.modelled.field, dataset.source, *drawing, session)
           : make_labels_beside(*drawing, session);
   subject.further = make_over(*drawing, dataset, session);

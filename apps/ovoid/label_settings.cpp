@@ -54,6 +54,10 @@ const Table<LabelFlags>& label_settings() {
       {"--labels", word("FILE", Content::kFile), &L::file,
        "the surfaces of a label map in the data's world, such as a segmentation of the scan", lit,
        alone},
+      {"--label-surfaces", Toggle(), &L::own_surfaces,
+       "draw data that are labels by their surfaces, whatever the look says (default where nothing "
+       "says how they are drawn)",
+       for_data({DatasetKind::kLattice}, "lattices"), lit, alone, not_with("labels", kGiveOne)},
       {"--label-table", word("FILE", Content::kFile), &L::table,
        "names and colours of labels: .ctbl, .seg.nrrd, ITK-SNAP's or FreeSurfer's text, BIDS' "
        "dseg.tsv (default: the label file's own, if it has one)",

@@ -109,10 +109,16 @@ std::vector<LabelEntry> table_of(const LabelFlags& flags, const std::string& sou
   return read_label_table(source);
 }
 
-LabelSurfaces surfaces_of(const Field& field, const std::string& source,
-                          const DrawingFlags& drawing, const Session& session) {
+// `flag`: that asks for them, for messages.
+LabelSurfaces surfaces_for(const std::string& flag, const Field& field, const std::string& source,
+                           const DrawingFlags& drawing, const Session& session) {
   LabelSurfaces surfaces;
-  surfaces.map = make_label_map(*field.lattice(), drawing.run.threads, session.stop());
+  try {
+    surfaces.map = make_label_map(*field.lattice(), drawing.run.threads, session.stop());
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::kCancelled) throw;
+    throw Error(error.code(), fmt::format("{}: '{}': {}", flag, source, error.what()));
+  }
   surfaces.styles = label_styles(*surfaces.map, table_of(drawing.labels, source));
   set_opacities(surfaces.styles, drawing.labels);
   return surfaces;
@@ -127,7 +133,7 @@ bool may_draw_own_labels(const DrawingFlags& drawing, const Session& session) {
 
 LabelSurfaces make_own_labels(const Field& field, const std::string& source,
                               const DrawingFlags& drawing, Session& session) {
-  LabelSurfaces surfaces = surfaces_of(field, source, drawing, session);
+  LabelSurfaces surfaces = surfaces_for("--label-surfaces", field, source, drawing, session);
   surfaces.shows_field_elsewhere = false;
   for (LabelStyle& style : surfaces.styles) style.shows_field = false;
   return surfaces;
@@ -160,12 +166,7 @@ LabelSurfaces make_labels_beside(const DrawingFlags& drawing, Session& session) 
   options.kernel = kLabelKernel;
   options.threads = drawing.run.threads;
   const Field field = make_lattice_field(dataset, options, nullptr, session.stop());
-  LabelSurfaces surfaces;
-  try {
-    surfaces = surfaces_of(field, dataset.source, drawing, session);
-  } catch (const Error& error) {
-    throw Error(error.code(), fmt::format("--labels '{}': {}", drawing.labels.file, error.what()));
-  }
+  LabelSurfaces surfaces = surfaces_for("--labels", field, dataset.source, drawing, session);
   set_field(surfaces, drawing.labels);
   return surfaces;
 }

@@ -76,6 +76,13 @@ cli::CropFlags told_crop(const View& view, const cli::CropFlags& opened) {
 }
 
 // Of what is seen beside the field.
+cli::LabelFlags labels_of(const Document& document) {
+  if (!document.shows_labels(document.view)) return {};
+  cli::LabelFlags flags = document.launch->drawing.labels;
+  flags.own_surfaces = flags.file.empty();
+  return flags;
+}
+
 cli::GeometryFlags geometry_of(const Document& document, FlagsFor use) {
   const View& view = document.view;
   if (!document.shows_scenery(view)) return {};
@@ -197,6 +204,7 @@ cli::FlagSet flags_of(const Document& document, Size size, FlagsFor use) {
   if (document.draws_points(view)) drawing.points.size = view.points.size;
   cli::tell(cli::point_settings(), drawing.points, &flags);
   cli::tell(cli::geometry_settings(), geometry_of(document, use), &flags);
+  cli::tell(cli::label_settings(), labels_of(document), &flags);
   cli::AnnotationFlags marks = view.marks;
   if (!marks.any()) marks.length_unit.reset();
   cli::tell(cli::mark_settings(), marks, &flags);

@@ -150,6 +150,12 @@ bool Document::shows_scenery(const View& of) const {
   return is_layered(of.look.mode) && !has_trail(of) && !of.plane && !draws_points(of);
 }
 
+bool Document::shows_labels(const View& of) const {
+  return of.label_surfaces && shows_scenery(of) && has_labels();
+}
+
+bool Document::has_labels() const { return shown->subject.scenery.labels.map != nullptr; }
+
 void Document::add_surface(const std::string& file, std::shared_ptr<const Surface> surface) {
   view.added.push_back({file, std::move(surface), cli::usual_surface_color(view.added.size())});
   touch();
@@ -217,6 +223,7 @@ std::shared_ptr<Scene> Document::scene(const View& of, const RendererSetup& on, 
   made->has_trail = has_trail(of);
   if (is_layered(of.look.mode) && !made->has_trail) made->plane = of.plane;
   made->has_scenery = shows_scenery(of);
+  made->shows_labels = shows_labels(of);
   if (made->has_scenery) {
     for (const AddedSurface& added : of.added) {
       if (!added.is_hidden)

@@ -43,6 +43,7 @@ struct View {
   std::vector<AddedSurface> added;
   bool added_edges = false;         // of the faces of all of them
   cli::GeometryFlags slices;        // of it what is about slices
+  bool label_surfaces = true;       // of data that are labels, instead of the field
   std::optional<SolidShape> solid;  // is shown instead of the mesh, as soon as it is made
 };
 
@@ -124,6 +125,9 @@ class Document {
   bool draws_points(const View& of) const;
   // Whether surfaces and slices of a view are seen, if it has any.
   bool shows_scenery(const View& of) const;
+  // Whether what is shown has surfaces of labels, and a view shows them.
+  bool has_labels() const;
+  bool shows_labels(const View& of) const;
   // The surface of a file into the view, in the next usual colour.
   void add_surface(const std::string& file, std::shared_ptr<const Surface> surface);
   // The surface of a file that was read again in the place of the one before, wherever that is.

@@ -209,8 +209,14 @@ void scene_panel(Panel& panel) {
         "value plane, nor points, nor motion blur.");
     ImGui::Separator();
   }
+  bool is_changed = false;
+  if (document.has_labels()) {
+    is_changed |=
+        panel.widgets.checkbox("scene.labels", "surfaces of labels", &document.view.label_surfaces);
+    ImGui::Separator();
+  }
   surface_files_editor(panel);
-  bool is_changed = surfaces_editor(panel);
+  is_changed |= surfaces_editor(panel);
   ImGui::Separator();
   is_changed |= slices_editor(panel);
   if (is_changed) document.touch();

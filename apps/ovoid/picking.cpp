@@ -74,11 +74,13 @@ PickWords pick_words(const Subject& subject, const Shot& shot, const AnnotationF
   return words;
 }
 
-Picker::Picker(const Field& field, const Shot& shot, const RenderOptions& options)
+Picker::Picker(const Field& field, const Shot& shot, const RenderOptions& options,
+               const LabelSurfaces& labels)
     : field_(field),
       shot_(shot),
       options_(options),
       probe_(field),
+      surfaces_(labels),
       labels_(label_entries(shot.look.transfer_function)) {}
 
 Pick Picker::at(const Image& image, int x, int y) const {
@@ -86,19 +88,37 @@ Pick Picker::at(const Image& image, int x, int y) const {
 }
 
 std::optional<Label> Picker::label(const Pick& pick) const {
-  if (labels_.empty() || !pick.place) return std::nullopt;
-  constexpr int kSteps = 8;          // over a spacing
-  constexpr double kIsWhole = 1e-2;  // a label's inside, whose kernels leave that much of others
+  if (!pick.place) return std::nullopt;
+  constexpr int kSteps = 8;  // over a spacing
   const double step = default_unit_distance(field_) / kSteps;
   for (int i = 0; i <= kSteps; ++i) {
-    const FieldSample at = probe_.at(pick.place->position + i * step * pick.place->direction);
-    if (!at.is_defined || std::abs(at.value - std::round(at.value)) > kIsWhole) continue;
-    const auto found = std::find_if(labels_.begin(), labels_.end(), [&](const Label& label) {
-      return label.value == std::round(at.value);
-    });
-    if (found != labels_.end()) return *found;
+    const Vec3 at = pick.place->position + i * step * pick.place->direction;
+    if (auto found = surfaces_.map != nullptr ? label_of_surface(at) : label_of_look(at))
+      return found;
   }
   return std::nullopt;
+}
+
+std::optional<Label> Picker::label_of_surface(const Vec3& at) const {
+  const auto label = surfaces_.map->label_at(at);
+  if (!label) return std::nullopt;
+  const auto style =
+      std::find_if(surfaces_.styles.begin(), surfaces_.styles.end(),
+                   [&](const LabelStyle& one) { return one.label == *label && one.opacity > 0; });
+  if (style == surfaces_.styles.end()) return std::nullopt;
+  return Label{static_cast<double>(*label),
+               style->name.empty() ? fmt::format("{}", *label) : style->name};
+}
+
+std::optional<Label> Picker::label_of_look(const Vec3& place) const {
+  constexpr double kIsWhole = 1e-2;  // a label's inside, whose kernels leave that much of others
+  if (labels_.empty()) return std::nullopt;
+  const FieldSample at = probe_.at(place);
+  if (!at.is_defined || std::abs(at.value - std::round(at.value)) > kIsWhole) return std::nullopt;
+  const auto found = std::find_if(labels_.begin(), labels_.end(), [&](const Label& label) {
+    return label.value == std::round(at.value);
+  });
+  return found == labels_.end() ? std::nullopt : std::optional(*found);
 }
 
 Json pick_json(const Picker& picker, const Pick& pick, const PickWords& words) {

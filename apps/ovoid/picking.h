@@ -36,19 +36,26 @@ using Label = ColorBarEntry;
 // Asks the picture of a field. All arguments outlive it.
 class Picker {
  public:
-  Picker(const Field& field, const Shot& shot, const RenderOptions& options);
+  // `labels`: whose surfaces are in the picture.
+  Picker(const Field& field, const Shot& shot, const RenderOptions& options,
+         const LabelSurfaces& labels);
 
   Pick at(const Image& image, int x, int y) const;
-  // Of a look of labels the first that shows, from the place on to one spacing behind: between two
-  // labels the field passes all between them. None: the data are no labels, or no place.
+  // Of surfaces of labels, and of a look of labels, the first that shows, from the place on to one
+  // spacing behind: between two labels a field passes all between them. None: there is none, or no
+  // place.
   std::optional<Label> label(const Pick& pick) const;
 
  private:
+  std::optional<Label> label_of_surface(const Vec3& at) const;
+  std::optional<Label> label_of_look(const Vec3& place) const;
+
   const Field& field_;
   const Shot& shot_;
   const RenderOptions& options_;
   FieldProbe probe_;
-  std::vector<Label> labels_;
+  const LabelSurfaces& surfaces_;
+  std::vector<Label> labels_;  // of the look
 };
 
 // One pixel; the members of docs/command-line.md.

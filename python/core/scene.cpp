@@ -283,13 +283,14 @@ std::shared_ptr<Picture> Scene::draw(const Words& words, Manner manner, Work& wo
   picture->inputs = source_.inputs;
   picture->notes = work.notes;
   picture->field = field;
+  picture->labels = subject_->scenery.labels;
   picture->pick_words = cli::pick_words(*subject_, shot, drawing.annotation);
   picture->drawing = std::move(drawing);
   return picture;
 }
 
 std::string picked(const Picture& picture, int x, int y) {
-  const cli::Picker picker(picture.field, picture.shot, picture.drawing.options);
+  const cli::Picker picker(picture.field, picture.shot, picture.drawing.options, picture.labels);
   const cli::PickWords& words = picture.pick_words;
   nlohmann::ordered_json json = cli::pick_json(picker, picker.at(picture.image, x, y), words);
   json["unit"] = words.unit;

@@ -207,7 +207,7 @@ Frame render_samples(const FrameJob& job, int threads) {
   const double copy_ms = milliseconds_since(start);
 
   const Clock::time_point trace_start = Clock::now();
-  const std::shared_ptr<const PixelTracer> tracer(own, &own->tracer);
+  std::shared_ptr<const PixelTracer> tracer(own, &own->tracer);
   const TraceCounts counts =
       RowPainter([&](int, int) -> std::shared_ptr<const PixelTracer> { return tracer; }, 1, hooks,
                  frame.image)

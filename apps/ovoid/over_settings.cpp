@@ -27,7 +27,7 @@ const Table<OverFlags>& over_settings() {
   using O = OverFlags;
   const Rule beside = needs("over", "has no effect without --over");
   static const Table<O> all = {
-      {"--over", word("FILE"), &O::files,
+      {"--over", word("FILE", Content::kFile), &O::files,
        fmt::format("another lattice in the picture, on its own grid and at its own place in the "
                    "world, such as a PET over a CT; at a place extinctions add and colours mix "
                    "(repeatable, up to {}; what follows is said of the first, the second ...)",
@@ -46,7 +46,7 @@ const Table<OverFlags>& over_settings() {
       {"--over-range", form("LO,HI", parse_range), &O::ranges, "as --range", beside},
       {"--over-opacity", form("V:A,V:A,...", parse_opacities), &O::opacities,
        "as --opacity (default: from 0 at 0.3 of the range to 0.5 at its end)", beside},
-      {"--over-transform", word("FILE"), &O::transforms,
+      {"--over-transform", word("FILE", Content::kFile), &O::transforms,
        "where it lies: a 4x4 matrix as text, from its file's world to the picture's, or an ITK "
        ".tfm (affine, rigid, translation) from the picture to it",
        beside},

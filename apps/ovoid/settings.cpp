@@ -313,11 +313,6 @@ const Table<AnnotationFlags>& mark_settings() {
   return all;
 }
 
-};
-return all;
-}
-}
-
 const Table<TrailFlags>& trail_settings() {
   using T = TrailFlags;
   static const Table<T> all = {

@@ -237,8 +237,7 @@ void check_for_team(const Flags& flags, const RenderFlags& render) {
 void tell_picks(const RenderFlags& render, const Subject& subject, const Shot& shot,
                 const Image& image, Session& session) {
   if (render.picks.empty()) return;
-  const Picker picker(subject.modelled.field, shot, render.drawing.options,
-                      subject.scenery.labels);
+  const Picker picker(subject.modelled.field, shot, render.drawing.options, subject.scenery.labels);
   const PickWords words = pick_words(subject, shot, render.drawing.annotation);
   std::vector<Pick> picks;
   for (const auto& [x, y] : render.picks) picks.push_back(picker.at(image, x, y));

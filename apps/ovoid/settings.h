@@ -192,8 +192,8 @@ struct LabelFlags {
     double opacity = 1;
   };
   bool own_surfaces = false;  // the data are labels, and drawn by their surfaces whatever the look
-  std::string file;   // empty: the data's own, if they are labels
-  std::string table;  // of names and colours; empty: the file's own, if it has one
+  std::string file;           // empty: the data's own, if they are labels
+  std::string table;          // of names and colours; empty: the file's own, if it has one
   std::vector<Opacity> opacities;
   std::vector<std::string> inside, outside;  // where the field is drawn; empty: not said
 };

@@ -19,6 +19,7 @@
 #include "labels/label_rays.h"
 #include "ovoid/crop.h"
 #include "render/limits_by_rows.h"
+#include "render/surface_light.h"
 #include "view/light.h"
 #include "view/pixel_rays.h"
 
@@ -30,8 +31,6 @@ using labels::LabelCrossing;
 using labels::LabelRay;
 using labels::Rank;
 
-// Where light is read, in cell edges from the surface: beyond the cells that it is blurred into.
-constexpr double kEdgesAway = 2;
 // Depths of neighbouring pixels that are further apart, in spacings and in pixels, are of two
 // surfaces.
 constexpr double kJumpInSpacings = 1.0;

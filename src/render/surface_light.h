@@ -7,6 +7,9 @@
 
 namespace ovoid {
 
+// Where light is read, in cell edges from a surface: beyond the cells that it is blurred into.
+inline constexpr double kEdgesAway = 2;
+
 struct SurfaceLight {
   // The volume, of a mesh that nothing passes through, or of the field alone. Null: the look has
   // none, or there is no memory for it, which the notice then says. Valid until the renderer is

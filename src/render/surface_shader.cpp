@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/surface_light.h"
 #include "view/color_attribute.h"
 #include "view/light.h"
 
@@ -12,8 +13,6 @@ namespace {
 
 constexpr double kEdgeWidth = 0.8;   // pixels, from the middle of a line to where it has faded
 constexpr double kEdgeShade = 0.35;  // of the colour, in the middle of a line
-// Where light is read, in cell edges from the surface: beyond the cells that it is blurred into.
-constexpr double kEdgesAway = 2;
 
 void darken_edges(const SurfaceFragment& fragment, const Surface::Triangle& triangle, Rgb& color) {
   double factor = 1;

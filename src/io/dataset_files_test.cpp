@@ -269,7 +269,8 @@ TEST(DatasetFiles, ReadErrors) {
   folder.write("name.vti", "hello");
   folder.write("a.gz", "\x1f\x8b\x08");
   const std::string readable =
-      "NRRD, NIfTI, MetaImage, SLC, NPY, TIFF, folder of slices, VTK XML, legacy VTK, VTKHDF, "
+      "NRRD, NIfTI, MetaImage, SLC, NPY, TIFF, Zarr, folder of slices, VTK XML, legacy VTK, "
+      "VTKHDF, "
       "Exodus, "
       "EnSight, Enzo, STL, OBJ, "
       "PLOT3D, HDF5, CSV and other text, NPZ, PLY, LAMMPS dump, DICOM, or raw samples with "

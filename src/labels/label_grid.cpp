@@ -317,7 +317,7 @@ const LabelBrick& LabelGrid::brick(std::int64_t i, std::int64_t j, std::int64_t 
 std::size_t LabelGrid::resident_bytes() const noexcept {
   const std::size_t ranks =
       std::visit([](const auto& all) { return all.size() * sizeof(all[0]); }, ranks_);
-  const std::size_t per_brick = sizeof(Rank) + sizeof(std::uint8_t) + sizeof(LabelBrick*);
+  const std::size_t per_brick = sizeof(Rank) + sizeof(std::uint8_t) + sizeof(void*);
   return ranks + labels_.size() * sizeof(int) + only_label_.size() * per_brick + brick_bytes_;
 }
 

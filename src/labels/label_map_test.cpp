@@ -189,6 +189,24 @@ TEST(LabelMap, NothingIsSearchedBehindAnOpaqueSurface) {
   }
 }
 
+// Where several labels are one body, too, as at a cut.
+TEST(LabelMap, ARayBeginsInTheLabelThatWinsThere) {
+  const auto map = label_map({27, 25, 22}, blob_label);
+  Bodies one;
+  one.all = {{true, false}};
+  one.of_rank.assign(4, 0);
+  std::mt19937 random(22);
+  std::uniform_real_distribution<double> unit(0, 1);
+  for (int i = 0; i < 400; ++i) {
+    const Vec3 at(26 * unit(random), 24 * unit(random), 21 * unit(random));
+    std::vector<LabelCrossing> crossings;
+    Rank rank = labels::kNoLabel;
+    labels::trace(map->grid(), one, {at, Vec3::UnitZ(), 0, 21 - at.z()}, &rank, crossings);
+    EXPECT_EQ(map->labels()[rank], map->label_at(at)) << at.transpose();
+    EXPECT_TRUE(crossings.empty());
+  }
+}
+
 // Rays from all sides towards the middle of a ball.
 TEST(LabelMap, ASpheresNormalsAreWithinFiveDegrees) {
   for (const double radius : {6.0, 10.0, 20.0, 40.0}) {

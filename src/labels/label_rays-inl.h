@@ -113,7 +113,8 @@ struct TapSlopes {
 };
 
 inline std::size_t number_of(const std::array<int, 3>& cell) {
-  return static_cast<std::size_t>((cell[2] * kBrickEdge + cell[1]) * kBrickEdge + cell[0]);
+  const int number = (cell[2] * kBrickEdge + cell[1]) * kBrickEdge + cell[0];
+  return static_cast<std::size_t>(number);
 }
 
 // A place in a brick: its cell, and how far in it.
@@ -392,12 +393,17 @@ class Tracer {
           set < kKnownSets ? body_of_set_[set] : only_body_in(brick_->candidate_sets[set]);
       if (body == now_ && has_started_) continue;
       candidates_ = brick_->candidate_sets[set];
+      if (!has_started_) {
+        place_.set_cell(cells.box);
+        start_in_cell(cells.enter(), rank);
+      }
+      if (is_done_) return;
       if (body != kSeveral) {
         pass(brick_->ranks[static_cast<std::size_t>(std::countr_zero(candidates_))], cells.enter(),
              rank);
-      } else if (!has_started_ || leave > safe_until_) {
+      } else if (leave > safe_until_) {
         place_.set_cell(cells.box);
-        search(cells.enter(), leave, rank);
+        search(cells.enter(), leave);
       }
       if (is_done_) return;
     } while (cells.leave() < end && cells.advance());
@@ -482,14 +488,17 @@ class Tracer {
     return brick_->ranks[best_of(Scores(*brick_, labels, place_), labels)];
   }
 
+  // Where a body is made of several labels, too.
+  void start_in_cell(double t, Rank* rank) {
+    float lead = 0;
+    const Bodies::Id first = body_at(t, &lead);
+    start(first, best_label(first), rank);
+  }
+
   // Of the part of the ray that lies in the cell. Where a body leads by much, nothing changes for a
   // while.
-  void search(double begin, double end, Rank* rank) {
+  void search(double begin, double end) {
     float lead = 0;
-    if (!has_started_) {
-      const Bodies::Id first = body_at(begin, &lead);
-      start(first, best_label(first), rank);
-    }
     const double least_step = (brick_->adds_up ? kStep : kStepInKept) / length_;
     double from = begin;
     while (from < end && !is_done_) {

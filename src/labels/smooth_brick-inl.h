@@ -54,9 +54,10 @@ std::array<float, 2 * kReach + 1> gaussian_weights(double sigma) {
   std::array<float, 2 * kReach + 1> weights{};
   double sum = 0;
   for (int i = -kReach; i <= kReach; ++i) sum += std::exp(-0.5 * i * i / (sigma * sigma));
-  for (int i = -kReach; i <= kReach; ++i)
-    weights[static_cast<std::size_t>(i + kReach)] =
-        static_cast<float>(std::exp(-0.5 * i * i / (sigma * sigma)) / sum);
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    const double x = static_cast<double>(i) - kReach;
+    weights[i] = static_cast<float>(std::exp(-0.5 * x * x / (sigma * sigma)) / sum);
+  }
   return weights;
 }
 
@@ -136,6 +137,7 @@ inline std::vector<std::uint16_t> labels_around(const std::uint16_t* window, boo
   *is_complete = counts.size() <= kMostInBrick;
   if (!*is_complete) counts.resize(kMostInBrick);
   std::vector<std::uint16_t> labels;
+  labels.reserve(counts.size());
   for (const auto& [rank, count] : counts) labels.push_back(rank);
   return labels;
 }
@@ -167,16 +169,15 @@ inline void indicate_halves(const std::uint16_t* window, std::uint16_t rank, flo
         sums[static_cast<std::size_t>(x)] = static_cast<std::uint8_t>(sum);
       }
       float* const to = out + (z * kHalfWindow + y) * kHalfWindow;
-      for (int x = 0; x < kHalfWindow; ++x) {
-        const auto i = static_cast<std::size_t>(2 * x);
-        to[x] = 0.125F * static_cast<float>(sums[i] + sums[i + 1]);
-      }
+      for (std::size_t x = 0; x < kHalfWindow; ++x)
+        to[x] = 0.125F * static_cast<float>(sums[2 * x] + sums[2 * x + 1]);
     }
   }
 }
 
 inline std::uint8_t stored_score(float score) {
-  return static_cast<std::uint8_t>(score * kScoreSteps + 0.5F);
+  constexpr float kHalf = 0.5F;  // rounds, as no score is negative
+  return static_cast<std::uint8_t>(score * kScoreSteps + kHalf);
 }
 
 // Which samples would lose their label: it wins neither there nor at any neighbour that has it.
@@ -203,7 +204,7 @@ class LostSamples {
     for (int z = 0; z < kWinsEdge; ++z) {
       for (int y = 0; y < kWinsEdge; ++y) {
         for (int x = 0; x < kWinsEdge; ++x) {
-          const auto at = static_cast<std::size_t>((z * kWinsEdge + y) * kWinsEdge + x);
+          const std::size_t at = place(x - 1, y - 1, z - 1);
           own_[at] = window[((z + kFirst) * kWindowEdge + y + kFirst) * kWindowEdge + x + kFirst];
           wins_[at] = winner[at] == own_[at] ? 1 : 0;
         }
@@ -229,7 +230,8 @@ class LostSamples {
 
  private:
   static std::size_t place(int x, int y, int z) {
-    return static_cast<std::size_t>(((z + 1) * kWinsEdge + y + 1) * kWinsEdge + x + 1);
+    const int at = ((z + 1) * kWinsEdge + y + 1) * kWinsEdge + x + 1;
+    return static_cast<std::size_t>(at);
   }
 
   std::array<std::uint16_t, kWinsEdge * kWinsEdge * kWinsEdge> own_{};
@@ -246,10 +248,11 @@ inline CellScores scores_of_cells(const std::uint8_t* fine) {
   std::array<std::uint8_t, kFineEdge * kFineEdge * kBrickEdge> lo, hi;
   for (int row = 0; row < kFineEdge * kFineEdge; ++row) {
     const std::uint8_t* const in = fine + row * kFineEdge;
+    std::uint8_t* const least = lo.data() + row * kBrickEdge;
+    std::uint8_t* const most = hi.data() + row * kBrickEdge;
     for (int x = 0; x < kBrickEdge; ++x) {
-      const auto at = static_cast<std::size_t>(row * kBrickEdge + x);
-      lo[at] = std::min(std::min(in[x], in[x + 1]), std::min(in[x + 2], in[x + 3]));
-      hi[at] = std::max(std::max(in[x], in[x + 1]), std::max(in[x + 2], in[x + 3]));
+      least[x] = std::min(std::min(in[x], in[x + 1]), std::min(in[x + 2], in[x + 3]));
+      most[x] = std::max(std::max(in[x], in[x + 1]), std::max(in[x + 2], in[x + 3]));
     }
   }
   std::array<std::uint8_t, kFineEdge * kBrickEdge * kBrickEdge> lo2, hi2;

@@ -249,6 +249,7 @@ std::vector<LabelEntry> read_label_table(const std::string& path) {
   std::map<int, LabelEntry> last;
   for (LabelEntry& entry : all) last[entry.label] = std::move(entry);
   std::vector<LabelEntry> entries;
+  entries.reserve(last.size());
   for (auto& [label, entry] : last) entries.push_back(std::move(entry));
   return entries;
 }

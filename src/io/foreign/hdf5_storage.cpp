@@ -245,7 +245,8 @@ void read_hdf5_rows(hid_t dataset, const Hdf5Extent& extent, std::int64_t first,
   std::copy(extent.dims.begin(), extent.dims.end(), count.begin());
   for (std::int64_t row = 0; row < num_rows; row += step) {
     const std::int64_t num = std::min(step, num_rows - row);
-    start[0] = static_cast<hsize_t>(first + row);
+    const std::int64_t at = first + row;
+    start[0] = static_cast<hsize_t>(at);
     count[0] = static_cast<hsize_t>(num);
     const Hdf5Handle space(H5Dget_space(dataset), H5Sclose);
     const Hdf5Handle memory(

@@ -296,7 +296,7 @@ Scenery make_scenery(const Series& series, const Chosen& chosen, const Flags& fl
   scenery.described.box = box_of_all(seen, drawing.crop, field, &drawing.options);
   scenery.values = seen.values;
   const LookFlags look = with_range_of(seen, drawing.look, field);
-  scenery.look = make_look(look, field, subject.unit, session);
+  scenery.look = make_look(look, field, subject.unit, session, subject.usual_look);
   if (field.kernels() != nullptr && series.num_steps() > 1) {
     // Else every step would have its own.
     if (drawing.options.sampling_distance == 0)

@@ -23,6 +23,10 @@ ColorBar color_bar_for(const AnnotationFlags& flags, const Described& data, cons
     bar.unit = times_length(data.unit, data.length_unit);
   }
   if (look.mode != Mode::kXray) bar.entries = label_entries(look.transfer_function);
+  for (ColorBarEntry& entry : bar.entries) {
+    const auto found = data.label_names.find(static_cast<int>(entry.value));
+    if (found != data.label_names.end()) entry.name = found->second;
+  }
   if (!flags.title.empty()) bar.title = flags.title;
   return bar;
 }

@@ -15,7 +15,8 @@ struct Described {
   std::string unit;         // of its values
   std::string length_unit;  // of the world; patient spaces are in mm
   Space space = Space::kNone;
-  Box box;  // of what is drawn
+  std::map<int, std::string> label_names;  // of values that are labels, where they have names
+  Box box;                                 // of what is drawn
 };
 
 // All but the box. `component` is what was drawn of the arrays' tuples.

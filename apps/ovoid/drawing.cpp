@@ -120,9 +120,11 @@ Subject make_subject(const Dataset& dataset, const Flags& flags, DrawingFlags* d
                      Session& session) {
   check_kind_flags(flags, dataset);
   Subject subject;
+  const bool is_said = is_segmentation(dataset) && may_draw_own_labels(*drawing, session);
+  if (is_said) take_one_layer(dataset, &drawing->model, session);
   subject.modelled = make_field(dataset, drawing->model, drawing->run.threads, session);
   const bool are_labels = !flags.is_given("kernel") && may_be_labels(drawing->look) &&
-                          holds_labels(subject.modelled.field);
+                          (is_said || holds_labels(subject.modelled.field));
   if (are_labels) {
     session.note(
         "the values look like labels: drawn by their surfaces (--label-opacity, --label-table; "
@@ -140,10 +142,14 @@ Subject make_subject(const Dataset& dataset, const Flags& flags, DrawingFlags* d
   subject.has_walls = subject.surface != nullptr &&
                       (dataset.kind == DatasetKind::kMesh || !drawing->surface.within.empty());
   subject.scenery = make_scenery(drawing->geometry, subject.modelled.field, session);
-  subject.scenery.labels =
-      drawing->labels.own_surfaces || (are_labels && may_draw_own_labels(*drawing, session))
-          ? make_own_labels(subject.modelled.field, dataset.source, *drawing, session)
-          : make_labels_beside(*drawing, session);
+  if (drawing->labels.own_surfaces || (are_labels && may_draw_own_labels(*drawing, session))) {
+    subject.scenery.labels =
+        make_own_labels(subject.modelled.field, dataset.source, *drawing, session);
+    subject.usual_look.set(label_look(subject.scenery.labels.styles));
+    subject.described.label_names = names_of(subject.scenery.labels.styles);
+  } else {
+    subject.scenery.labels = make_labels_beside(*drawing, session);
+  }
   subject.further = make_over(*drawing, dataset, session);
   return subject;
 }

@@ -22,6 +22,7 @@ namespace ovoid::cli {
 namespace {
 
 constexpr const char* kOthers = "others";
+constexpr const char* kSegmentation = ".seg.nrrd";
 
 std::optional<int> number_of(const std::string& text) {
   int number = 0;
@@ -50,13 +51,16 @@ std::string some_labels(const std::vector<LabelStyle>& styles) {
   return styles.size() > kMost ? text + ", ..." : text;
 }
 
-// The label that a flag means, by number or name, in capitals or not.
+// Whether a flag means the label, by number or name, in capitals or not.
+bool means(const std::string& text, const LabelStyle& style) {
+  const auto number = number_of(text);
+  return number ? style.label == *number : lower(style.name) == lower(text);
+}
+
 LabelStyle& named_style(std::vector<LabelStyle>& styles, const std::string& name,
                         const std::string& flag) {
-  const auto number = number_of(name);
-  const auto found = std::find_if(styles.begin(), styles.end(), [&](const LabelStyle& style) {
-    return number ? style.label == *number : lower(style.name) == lower(name);
-  });
+  const auto found = std::find_if(styles.begin(), styles.end(),
+                                  [&](const LabelStyle& style) { return means(name, style); });
   if (found == styles.end()) {
     throw Error(ErrorCode::kInvalidArgument, fmt::format("{} {}: there is no such label, but {}",
                                                          flag, name, some_labels(styles)));
@@ -79,11 +83,9 @@ void set_opacities(std::vector<LabelStyle>& styles, const LabelFlags& flags) {
   }
 }
 
-bool is_named_opaque(const LabelFlags& flags, const LabelStyle& style) {
-  return std::any_of(flags.opacities.begin(), flags.opacities.end(), [&](const auto& named) {
-    const auto number = number_of(named.label);
-    return number ? style.label == *number : lower(style.name) == lower(named.label);
-  });
+bool has_own_opacity(const LabelFlags& flags, const LabelStyle& style) {
+  return std::any_of(flags.opacities.begin(), flags.opacities.end(),
+                     [&](const auto& named) { return means(named.label, style); });
 }
 
 // Where the field is drawn.
@@ -94,7 +96,7 @@ void set_field(LabelSurfaces& surfaces, const LabelFlags& flags) {
     for (const std::string& name : flags.inside) {
       LabelStyle& style = named_style(surfaces.styles, name, "--inside-labels");
       style.shows_field = true;
-      if (!is_named_opaque(flags, style)) style.opacity = 0;
+      if (!has_own_opacity(flags, style)) style.opacity = 0;
     }
   }
   for (const std::string& name : flags.outside)
@@ -102,16 +104,15 @@ void set_field(LabelSurfaces& surfaces, const LabelFlags& flags) {
 }
 
 // What the flag's table says, or the label file's own.
-std::vector<LabelEntry> table_of(const LabelFlags& flags, const std::string& source) {
+std::vector<LabelEntry> table_of(const LabelFlags& flags, const std::string& source, int layer) {
   if (!flags.table.empty()) return read_label_table(flags.table);
-  constexpr const char* kSegmentation = ".seg.nrrd";
   if (!has_ending(source, kSegmentation)) return {};
-  return read_label_table(source);
+  return read_label_table(source, layer);
 }
 
-// `flag`: that asks for them, for messages.
+// `flag`: that asks for them, for messages. `layer`: of the file that the field was made of.
 LabelSurfaces surfaces_for(const std::string& flag, const Field& field, const std::string& source,
-                           const DrawingFlags& drawing, const Session& session) {
+                           int layer, const DrawingFlags& drawing, const Session& session) {
   LabelSurfaces surfaces;
   try {
     surfaces.map = make_label_map(*field.lattice(), drawing.run.threads, session.stop());
@@ -119,7 +120,7 @@ LabelSurfaces surfaces_for(const std::string& flag, const Field& field, const st
     if (error.code() == ErrorCode::kCancelled) throw;
     throw Error(error.code(), fmt::format("{}: '{}': {}", flag, source, error.what()));
   }
-  surfaces.styles = label_styles(*surfaces.map, table_of(drawing.labels, source));
+  surfaces.styles = label_styles(*surfaces.map, table_of(drawing.labels, source, layer));
   set_opacities(surfaces.styles, drawing.labels);
   return surfaces;
 }
@@ -127,16 +128,38 @@ LabelSurfaces surfaces_for(const std::string& flag, const Field& field, const st
 }  // namespace
 
 bool may_draw_own_labels(const DrawingFlags& drawing, const Session& session) {
-  return may_be_labels(drawing.look) && drawing.labels.file.empty() && !drawing.plane &&
+  return uses_default_look(drawing.look) && drawing.labels.file.empty() && !drawing.plane &&
          !drawing.trail.length && !drawing.options.part && session.team() == nullptr;
+}
+
+bool is_segmentation(const Dataset& dataset) {
+  return dataset.kind == DatasetKind::kLattice && has_ending(dataset.source, kSegmentation);
+}
+
+void take_one_layer(const Dataset& dataset, ModelFlags* model, Session& session) {
+  const int num_layers = dataset.arrays.empty() ? 1 : dataset.arrays.front().num_components;
+  if (num_layers < 2 || model->component != kUsualComponent) return;
+  model->component = 0;
+  session.note(
+      fmt::format("'{}' has {} layers of segments that overlap: the first is drawn "
+                  "(--component 1 the second)",
+                  dataset.source, num_layers));
 }
 
 LabelSurfaces make_own_labels(const Field& field, const std::string& source,
                               const DrawingFlags& drawing, Session& session) {
-  LabelSurfaces surfaces = surfaces_for("--label-surfaces", field, source, drawing, session);
+  LabelSurfaces surfaces = surfaces_for("--label-surfaces", field, source,
+                                        std::max(drawing.model.component, 0), drawing, session);
   surfaces.shows_field_elsewhere = false;
   for (LabelStyle& style : surfaces.styles) style.shows_field = false;
   return surfaces;
+}
+
+std::map<int, std::string> names_of(const std::vector<LabelStyle>& styles) {
+  std::map<int, std::string> names;
+  for (const LabelStyle& style : styles)
+    if (!style.name.empty()) names.emplace(style.label, style.name);
+  return names;
 }
 
 LabelSurfaces own_labels_of_step(const Field& field, const LabelSurfaces& before, int threads,
@@ -166,7 +189,7 @@ LabelSurfaces make_labels_beside(const DrawingFlags& drawing, Session& session) 
   options.kernel = kLabelKernel;
   options.threads = drawing.run.threads;
   const Field field = make_lattice_field(dataset, options, nullptr, session.stop());
-  LabelSurfaces surfaces = surfaces_for("--labels", field, dataset.source, drawing, session);
+  LabelSurfaces surfaces = surfaces_for("--labels", field, dataset.source, 0, drawing, session);
   set_field(surfaces, drawing.labels);
   return surfaces;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -16,10 +17,18 @@ namespace ovoid::cli {
 // another look, or for what has no surfaces in it.
 bool may_draw_own_labels(const DrawingFlags& drawing, const Session& session);
 
+// Whether a file says by its name that it holds labels, however few.
+bool is_segmentation(const Dataset& dataset);
+// Of a segmentation in several layers the first, with a note, unless a component was asked for.
+void take_one_layer(const Dataset& dataset, ModelFlags* model, Session& session);
+
 // The surfaces of data that are labels; the field itself is then not drawn. `source`: the data's
 // file, which may have a table of names. Throws Error.
 LabelSurfaces make_own_labels(const Field& field, const std::string& source,
                               const DrawingFlags& drawing, Session& session);
+
+// Of those that have one.
+std::map<int, std::string> names_of(const std::vector<LabelStyle>& styles);
 
 // The same for another step of the data, in the styles of `before`. Labels that are new have their
 // own colours.

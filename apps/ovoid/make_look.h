@@ -21,6 +21,8 @@ class UsualLook {
     bool is_noisy = false;  // so much that a wider kernel is worth advising
   };
   const Found& of(const Field& field, const std::string& unit) const;
+  // That one instead.
+  void set(Look look) { found_ = Found{std::move(look)}; }
 
  private:
   mutable std::optional<Found> found_;

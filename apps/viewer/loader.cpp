@@ -328,7 +328,8 @@ ShownReady first_of_array(Data& data, double time, cli::Session& session) {
   ShownReady ready;
   cli::DrawingFlags drawing = data.drawing;
   auto made = shown_of(data, drawing, time, session);
-  ready.look = cli::make_look(data.drawing.look, made->field(), made->subject.unit, session);
+  ready.look = cli::make_look(data.drawing.look, made->field(), made->subject.unit, session,
+                              made->subject.usual_look);
   ready.gradient = drawing.options.gradient;
   if (!(drawing.model.lattice.kernel == data.drawing.model.lattice.kernel))
     ready.kernel = drawing.model.lattice.kernel;

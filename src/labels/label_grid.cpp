@@ -7,9 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <mutex>
-#include <optional>
 #include <type_traits>
-#include <unordered_map>
 
 #include "data/parallel.h"
 #include "data/scalar_visit.h"
@@ -85,6 +83,12 @@ Index3 nth_brick(const Index3& num, std::int64_t n) {
 // Every label that occurs, rising.
 std::vector<int> all_labels(const BrickSource& source, int threads, const std::stop_token& stop) {
   const Index3 num = bricks_of(source);
+  const auto require_few = [](std::size_t num_labels) {
+    if (num_labels <= kMostRanks) return;
+    throw Error(
+        ErrorCode::kInvalidArgument,
+        fmt::format("labels: more than {} different values, expected names of things", kMostRanks));
+  };
   std::mutex mutex;
   std::vector<int> all;
   data::parallel_ranges({num_samples(num), 16, threads, stop}, [&](auto begin, auto end) {
@@ -99,7 +103,7 @@ std::vector<int> all_labels(const BrickSource& source, int threads, const std::s
           const auto at = std::lower_bound(seen.begin(), seen.end(), label);
           if (at == seen.end() || *at != label) seen.insert(at, label);
         }
-        if (seen.size() > kMostRanks) throw Error(ErrorCode::kInvalidArgument, "labels: too many");
+        require_few(seen.size());
       });
     }
     const std::scoped_lock lock(mutex);
@@ -107,11 +111,7 @@ std::vector<int> all_labels(const BrickSource& source, int threads, const std::s
     std::set_union(all.begin(), all.end(), seen.begin(), seen.end(), std::back_inserter(both));
     all = std::move(both);
   });
-  if (all.size() > kMostRanks) {
-    throw Error(
-        ErrorCode::kInvalidArgument,
-        fmt::format("labels: more than {} different values, expected names of things", kMostRanks));
-  }
+  require_few(all.size());
   return all;
 }
 

@@ -15,23 +15,33 @@
 #include "labels/label_rays.h"
 #include "ovoid/error.h"
 #include "view/label_look.h"
+#include "view/look_colors.h"
 
 namespace ovoid {
 namespace {
 
-// 0, or what most corners of the map are.
+// 0, or what the map's faces show most.
 int background_of(const LabelMap& map) {
   const std::vector<int>& all = map.labels();
   if (std::binary_search(all.begin(), all.end(), 0)) return 0;
-  std::map<labels::Rank, int> counts;
+  std::map<labels::Rank, std::int64_t> counts;
   const Index3& dims = map.geometry().dims;
-  for (int c = 0; c < 8; ++c) {
-    ++counts[map.grid().rank_at((c & 1) != 0 ? dims[0] - 1 : 0, (c & 2) != 0 ? dims[1] - 1 : 0,
-                                (c & 4) != 0 ? dims[2] - 1 : 0)];
+  for (std::size_t a = 0; a < 3; ++a) {
+    const std::size_t b = (a + 1) % 3;
+    const std::size_t c = (a + 2) % 3;
+    Index3 at{};
+    for (at[b] = 0; at[b] < dims[b]; ++at[b]) {
+      for (at[c] = 0; at[c] < dims[c]; ++at[c]) {
+        for (const std::int64_t end : {std::int64_t{0}, dims[a] - 1}) {
+          at[a] = end;
+          ++counts[map.grid().rank_at(at[0], at[1], at[2])];
+        }
+      }
+    }
   }
   const auto most =
       std::max_element(counts.begin(), counts.end(),
-                       [](const auto& a, const auto& b) { return a.second < b.second; });
+                       [](const auto& x, const auto& y) { return x.second < y.second; });
   return most->first == labels::kNoLabel ? std::numeric_limits<int>::min() : all[most->first];
 }
 
@@ -88,6 +98,18 @@ std::vector<LabelStyle> label_styles(const LabelMap& map, const std::vector<Labe
     styles.push_back(std::move(style));
   }
   return styles;
+}
+
+Look label_look(const std::vector<LabelStyle>& styles) {
+  std::vector<view::LabelColor> colors;
+  for (const LabelStyle& style : styles)
+    colors.push_back({style.label, style.color, style.opacity});
+  std::sort(colors.begin(), colors.end(),
+            [](const auto& a, const auto& b) { return a.label < b.label; });
+  Look look;
+  look.transfer_function = view::label_function(colors);
+  view::set_light(look);
+  return look;
 }
 
 void LabelSurfaces::validate() const {

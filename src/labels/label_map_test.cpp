@@ -209,7 +209,7 @@ TEST(LabelMap, ARayBeginsInTheLabelThatWinsThere) {
 
 // Rays from all sides towards the middle of a ball.
 TEST(LabelMap, ASpheresNormalsAreWithinFiveDegrees) {
-  for (const double radius : {6.0, 10.0, 20.0, 40.0}) {
+  for (const double radius : {6.0, 10.0, 20.0, 40.0, 60.0}) {
     const auto side = static_cast<std::int64_t>(2 * radius + 16);
     const Vec3 center = Vec3::Constant(0.5 * static_cast<double>(side)) + Vec3(0.13, 0.37, -0.21);
     const auto map = ball_map(radius, center, side);
@@ -336,6 +336,30 @@ TEST(LabelMap, StylesAreTheTablesWhereItSaysSo) {
   EXPECT_EQ(styles[2].color, (Rgb{1, 0, 0}));
   EXPECT_EQ(styles[2].opacity, 0.5);
   EXPECT_NE(styles[1].color, styles[3].color);
+}
+
+TEST(LabelMap, TheLookByValueIsTheStyles) {
+  const auto map = label_map({27, 25, 22}, blob_label);
+  std::vector<LabelStyle> styles = label_styles(*map);
+  styles[1].opacity = 0;  // 2
+  styles[2].color = {1, 0, 0};
+  styles[2].opacity = 0.5;
+  const TransferFunction tf = label_look(styles).transfer_function;
+  EXPECT_EQ(tf.opacity_at(0), 0);
+  EXPECT_EQ(tf.opacity_at(2), 0);
+  EXPECT_NEAR(tf.opacity_at(5), 0.495, 1e-9);
+  EXPECT_NEAR(tf.opacity_at(8), 0.99, 1e-9);
+  EXPECT_EQ(tf.color_at(5), (Rgb{1, 0, 0}));
+}
+
+// No label is 0: what the faces show is not drawn, whatever the corners are.
+TEST(LabelMap, TheBackgroundIsWhatTheFacesShow) {
+  const auto map = label_map({20, 20, 20}, [](auto i, auto j, auto k) {
+    const bool is_corner = i % 19 == 0 && j % 19 == 0 && k % 19 == 0;
+    return is_corner ? 9.0F : i > 5 && i < 14 && j > 5 && j < 14 && k > 5 && k < 14 ? 3.0F : 7.0F;
+  });
+  for (const LabelStyle& style : label_styles(*map))
+    EXPECT_EQ(style.opacity, style.label == 7 ? 0 : 1) << style.label;
 }
 
 TEST(LabelMap, StylesThatAreWrongAreNamed) {

@@ -42,7 +42,7 @@ static_assert(kHalfWindow == kCoarseEdge + 2 * kCoarseReach);
 
 // Widths of the Gaussians, samples: before the B-spline, whose own is 0.58. Fine scores say where a
 // surface lies: structures of two samples stay. Coarse ones say which way it faces: the steps of a
-// sphere of up to 100 samples turn their slope by 5 degrees at most.
+// sphere of up to 60 samples turn their slope by 5 degrees at most.
 inline constexpr double kFineSigma = 0.7;
 inline constexpr double kCoarseSigma = 1.22;  // of two samples each: 2.5 samples with their means
 

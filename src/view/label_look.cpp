@@ -29,22 +29,24 @@ Rgb golden_color(std::uint64_t i, double saturation, double brightness) {
   return rgb;
 }
 
-// Labels that follow each other and share a colour.
+// Labels that follow each other and share what the first of them shows.
 struct Band {
-  int first, last;
+  LabelColor first;
+  int last;
 };
 
 // One for each label, or where they reach further than kMostLabelBands, of as many numbers each.
-std::vector<Band> bands_of(std::span<const int> labels, int background) {
-  const double width = static_cast<double>(labels.back() - labels.front()) / kMostLabelBands;
+std::vector<Band> bands_of(std::span<const LabelColor> labels) {
+  const double width =
+      static_cast<double>(labels.back().label - labels.front().label) / kMostLabelBands;
   std::vector<Band> bands;
-  for (const int label : labels) {
-    const bool joins = !bands.empty() && label - bands.back().first < width &&
-                       label != background && bands.back().last != background;
+  for (const LabelColor& label : labels) {
+    const bool joins = !bands.empty() && label.label - bands.back().first.label < width &&
+                       (label.opacity > 0) == (bands.back().first.opacity > 0);
     if (joins) {
-      bands.back().last = label;
+      bands.back().last = label.label;
     } else {
-      bands.push_back({label, label});
+      bands.push_back({label, label.label});
     }
   }
   return bands;
@@ -71,28 +73,25 @@ Rgb color_of_label(int label) {
                       std::array{1.0, 0.82}[mixed / 3 % 2]);
 }
 
-Look label_look(const std::vector<int>& labels, const FieldSamples& samples) {
-  const int background = background_of(labels, samples);
-  const std::vector<Band> bands = bands_of(labels, background);
-  Look look;
-  TransferFunction& tf = look.transfer_function;
+TransferFunction label_function(std::span<const LabelColor> labels) {
+  constexpr Rgb kTransparent{0.5, 0.5, 0.5};
+  const std::vector<Band> bands = bands_of(labels);
+  TransferFunction tf;
   tf.name = "labels";
   tf.color_space = ColorSpace::kRgb;
   const bool has_gaps = bands.size() <= kMostWithGaps;
-  const double opacity = has_gaps ? kOpacity : kLabelOpacityWithoutGaps;
-  std::size_t num_shown = 0;
   for (std::size_t i = 0; i < bands.size(); ++i) {
-    const auto [first, last] = bands[i];
+    const auto& [shown, last] = bands[i];
+    const int first = shown.label;
     const double lo = i == 0 ? first - 0.5 : 0.5 * (bands[i - 1].last + first);
-    const double hi = i + 1 == bands.size() ? last + 0.5 : 0.5 * (last + bands[i + 1].first);
-    if (first == background && bands.size() > 1) {
-      tf.colors.insert(tf.colors.end(), {{lo, {0.5, 0.5, 0.5}}, {hi, {0.5, 0.5, 0.5}}});
+    const double hi = i + 1 == bands.size() ? last + 0.5 : 0.5 * (last + bands[i + 1].first.label);
+    if (shown.opacity == 0) {
+      tf.colors.insert(tf.colors.end(), {{lo, kTransparent}, {hi, kTransparent}});
       tf.opacities.insert(tf.opacities.end(), {{.x = lo}, {.x = hi}});
       continue;
     }
-    const Rgb color =
-        labels.size() <= kFewLabels ? color_of_rank(num_shown++) : color_of_label(first);
-    tf.colors.insert(tf.colors.end(), {{lo, color}, {hi, color}});
+    const double opacity = shown.opacity * (has_gaps ? kOpacity : kLabelOpacityWithoutGaps);
+    tf.colors.insert(tf.colors.end(), {{lo, shown.color}, {hi, shown.color}});
     const double from = has_gaps ? std::lerp(first, lo, kShown) : lo;
     const double to = has_gaps ? std::lerp(last, hi, kShown) : hi;
     if (has_gaps) tf.opacities.insert(tf.opacities.end(), {{.x = lo}, {.x = from}});
@@ -100,6 +99,22 @@ Look label_look(const std::vector<int>& labels, const FieldSamples& samples) {
                         {{.x = from, .opacity = opacity}, {.x = to, .opacity = opacity}});
     if (has_gaps) tf.opacities.insert(tf.opacities.end(), {{.x = to}, {.x = hi}});
   }
+  return tf;
+}
+
+Look label_look(const std::vector<int>& labels, const FieldSamples& samples) {
+  const int background = background_of(labels, samples);
+  std::vector<LabelColor> colors;
+  std::size_t num_shown = 0;
+  for (const int label : labels) {
+    const bool is_shown = label != background || labels.size() == 1;
+    const Rgb color = !is_shown                     ? Rgb{}
+                      : labels.size() <= kFewLabels ? color_of_rank(num_shown++)
+                                                    : color_of_label(label);
+    colors.push_back({label, color, is_shown ? 1.0 : 0.0});
+  }
+  Look look;
+  look.transfer_function = label_function(colors);
   return look;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "ovoid/look.h"
@@ -24,9 +25,17 @@ inline constexpr std::size_t kFewLabels = 64;
 Rgb color_of_rank(std::size_t i);  // of the i-th label that is shown, of few
 Rgb color_of_label(int label);     // a part of the data, or another step, has the same
 
-// Each label holds from half-way to its neighbours; the background, 0 or what the faces show, is
-// transparent.
-// `labels`: rising, at least one.
+// A label as its look shows it.
+struct LabelColor {
+  int label = 0;
+  Rgb color;
+  double opacity = 1;  // 0: transparent
+};
+
+// Each label holds from half-way to its neighbours. `labels`: rising, at least one.
+TransferFunction label_function(std::span<const LabelColor> labels);
+
+// The background, 0 or what the faces show, is transparent. `labels`: rising, at least one.
 Look label_look(const std::vector<int>& labels, const FieldSamples& samples);
 
 }  // namespace ovoid::view

@@ -14,7 +14,8 @@ class LabelMaps : public testing::Test {
  protected:
   void SetUp() override {
     expect_success({"make", "head-labels", "--size", "40", "--type", "uint8", "-o", map_});
-    std::ofstream(table_) << "1 skin 255 0 0 255\n2 Skull 0 255 0 255\n5 brain 0 0 255 255\n";
+    std::ofstream(table_) << "1 skin 255 0 0 255\n2 Skull 0 255 0 255\n5 brain 0 0 255 255\n"
+                             "7 eyes 200 200 200 255\n";
   }
 
   Picture picture_of(const std::string& data, const Words& more) {
@@ -49,6 +50,51 @@ TEST_F(LabelMaps, NamesAndNumbersMeanLabels) {
             picture_of(map_, {"--label-table", table_, "--label-opacity", "2=1,others=0"}).rgba);
   EXPECT_GT(sum(by_name, 1), 200);
   EXPECT_LT(sum(by_name, 0), 0.2 * sum(by_name, 1));
+}
+
+// Light and camera go by what shows: hidden labels cast no shade, and need no room.
+TEST_F(LabelMaps, HiddenLabelsAreNotThere) {
+  const std::string alone = folder_ / "alone.nrrd";
+  const std::string bytes = read_file(map_);
+  std::string kept = bytes;
+  const std::size_t begin = kept.find("\n\n") + 2;
+  for (std::size_t i = begin; i < kept.size(); ++i)
+    if (kept[i] != 7) kept[i] = 0;
+  write_file(alone, kept);
+  const Words eyes = {"--label-table", table_, "--label-opacity", "others=0,eyes=1"};
+  EXPECT_GT(picture_of(map_, eyes).num_covered(), 300U);
+  const Words camera = {
+      "--camera", R"({"position": [0, -3, 0], "focal_point": [0, 0, 0], "view_up": [0, 0, 1]})"};
+  const Picture hidden =
+      picture_of(map_, {eyes[0], eyes[1], eyes[2], eyes[3], camera[0], camera[1]});
+  const Picture only =
+      picture_of(alone, {"--label-surfaces", eyes[0], eyes[1], camera[0], camera[1]});
+  EXPECT_GT(sum(only, 3), 20);
+  EXPECT_NEAR(sum(hidden, 3), sum(only, 3), 0.02 * sum(only, 3));
+  EXPECT_NEAR(sum(hidden, 0) / sum(hidden, 3), sum(only, 0) / sum(only, 3), 0.05);
+}
+
+// A segmentation with two layers, in each of which label 1 is another segment.
+TEST_F(LabelMaps, ASegmentationIsDrawnByItsOwnTable) {
+  std::string bytes;
+  for (int k = 0; k < 16; ++k)
+    for (int j = 0; j < 16; ++j)
+      for (int i = 0; i < 16; ++i)
+        bytes += {static_cast<char>(i > 3 && i < 9), static_cast<char>(j > 3 && j < 12)};
+  const std::string path = folder_ / "two.seg.nrrd";
+  write_file(path,
+             "NRRD0004\ntype: unsigned char\ndimension: 4\nsizes: 2 16 16 16\n"
+             "kinds: list domain domain domain\nencoding: raw\nSegment0_LabelValue:=1\n"
+             "Segment0_Layer:=0\nSegment0_Color:=1 0 0\nSegment0_Name:=first\n"
+             "Segment1_LabelValue:=1\nSegment1_Layer:=1\nSegment1_Color:=0 0 1\n\n" +
+                 bytes);
+  const Picture first = picture_of(path, {});
+  EXPECT_GT(sum(first, 0), 500);
+  EXPECT_LT(sum(first, 2), 0.3 * sum(first, 0));
+  const Picture second = picture_of(path, {"--component", "1"});
+  EXPECT_GT(sum(second, 2), 500);
+  EXPECT_LT(sum(second, 0), 0.3 * sum(second, 2));
+  EXPECT_NE(run({"render", path, "-o", picture_}).err.find("2 layers"), std::string::npos);
 }
 
 TEST_F(LabelMaps, BesideAScanTheyAreHiddenAndShown) {

@@ -184,10 +184,11 @@ std::vector<LabelEntry> entries_of_text(const std::string& path) {
 }
 
 // Of a segmentation, whose header has lines "Segment0_Name:=Liver".
-std::vector<LabelEntry> entries_of_nrrd(const io::ByteSource& source) {
+std::vector<LabelEntry> entries_of_nrrd(const io::ByteSource& source, int layer) {
   struct Segment {
     LabelEntry entry;
     bool has_label = false;
+    int layer = 0;
   };
   std::map<int, Segment> segments;
   io::HeaderLines lines(source);
@@ -212,6 +213,8 @@ std::vector<LabelEntry> entries_of_nrrd(const io::ByteSource& source) {
       if (!label) line.fail(fmt::format("'{}': expected a label", value.substr(0, 40)));
       segment.entry.label = *label;
       segment.has_label = true;
+    } else if (what == "Layer") {
+      segment.layer = label_in(io::trimmed(value)).value_or(0);
     } else if (what == "Color") {
       const auto words = io::words(value);
       Rgb rgb;
@@ -226,19 +229,19 @@ std::vector<LabelEntry> entries_of_nrrd(const io::ByteSource& source) {
   }
   std::vector<LabelEntry> entries;
   for (const auto& [number, segment] : segments)
-    if (segment.has_label) entries.push_back(segment.entry);
+    if (segment.has_label && segment.layer == layer) entries.push_back(segment.entry);
   return entries;
 }
 
 }  // namespace
 
-std::vector<LabelEntry> read_label_table(const std::string& path) {
+std::vector<LabelEntry> read_label_table(const std::string& path, int layer) {
   const auto source = io::open_file(path);
   std::array<char, 8> start{};
   const auto num = static_cast<std::size_t>(std::min<std::int64_t>(start.size(), source->size()));
   source->read(0, std::as_writable_bytes(std::span(start).first(num)));
   const bool is_nrrd = io::looks_like_nrrd({start.data(), num});
-  std::vector<LabelEntry> all = is_nrrd ? entries_of_nrrd(*source) : entries_of_text(path);
+  std::vector<LabelEntry> all = is_nrrd ? entries_of_nrrd(*source, layer) : entries_of_text(path);
   if (all.empty()) {
     throw Error(
         ErrorCode::kFileFormat,

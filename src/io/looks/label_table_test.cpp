@@ -82,6 +82,7 @@ TEST_F(LabelTable, ASegmentationsHeader) {
       "NRRD0004\ntype: unsigned char\ndimension: 3\nsizes: 1 1 1\nencoding: raw\n"
       "Segment0_Color:=1 0.5 0\nSegment0_ID:=Segment_1\nSegment0_LabelValue:=4\n"
       "Segment0_Name:=Left lung\nSegment1_LabelValue:=9\nSegment1_Name:=Heart\n"
+      "Segment3_LabelValue:=4\nSegment3_Layer:=1\nSegment3_Name:=Tumour\n"
       "Segment2_Name:=nowhere\nSegmentation_SourceRepresentation:=Binary labelmap\n\n";
   const auto entries = read_label_table(folder_.write("x.seg.nrrd", header + '\0'));
   ASSERT_EQ(entries.size(), 2U);
@@ -89,6 +90,9 @@ TEST_F(LabelTable, ASegmentationsHeader) {
   EXPECT_EQ(entries[0].name, "Left lung");
   EXPECT_EQ(entries[0].color, (Rgb{1, 0.5, 0}));
   EXPECT_EQ(entries[1].name, "Heart");
+  const auto second = read_label_table(folder_.file("x.seg.nrrd"), 1);
+  ASSERT_EQ(second.size(), 1U);
+  EXPECT_EQ(second[0].name, "Tumour");
 }
 
 TEST_F(LabelTable, WhatIsWrongIsNamed) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "ovoid/renderer.h"
+#include "ovoid/surface.h"
 #include "view/light_volume.h"
 
 namespace ovoid {

@@ -256,7 +256,7 @@ bool Flags::parse(const Words& words) {
   if (!line_.problem.empty()) throw UsageError(line_.problem);
   for (const std::string& name : line_.unknown) {
     for (const auto& [refused, why] : refused_) {
-      if (name == refused) throw UsageError(name + ": " + why);
+      if (name == refused) throw UsageError(fmt::format("{}: {}", name, why));
     }
   }
   take_values();

@@ -102,6 +102,7 @@ std::vector<LabelStyle> label_styles(const LabelMap& map, const std::vector<Labe
 
 Look label_look(const std::vector<LabelStyle>& styles) {
   std::vector<view::LabelColor> colors;
+  colors.reserve(styles.size());
   for (const LabelStyle& style : styles)
     colors.push_back({style.label, style.color, style.opacity});
   std::sort(colors.begin(), colors.end(),

@@ -152,6 +152,7 @@ Dataset read_source(const ByteSource& source, const ReadOptions& options, const 
 Dataset read_dataset(const std::vector<std::string>& paths, const ReadOptions& options) {
   if (paths.empty()) throw Error(ErrorCode::kInvalidArgument, "input: no file is named");
   std::vector<std::string> described;  // a Zarr folder stands for the file that describes it
+  described.reserve(paths.size());
   for (const std::string& path : paths) described.push_back(io::zarr_description_of(path));
   if (described != paths) return read_dataset(described, options);
   if (!options.session) {

@@ -3,6 +3,7 @@
 // the commands.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -40,7 +41,10 @@ class Script {
   // The events of the next frame. Throws Error(kInvalidArgument), naming file and line, for what is
   // not there, is not as expected, or does not come within a minute.
   std::vector<Event> next_frame(ScriptHost& host);
-  double seconds_per_frame() const noexcept { return seconds_per_frame_; }
+  // While something is waited for, frames of nothing new would only take time from it.
+  double seconds_per_frame() const noexcept {
+    return awaited_.empty() ? seconds_per_frame_ : std::max(seconds_per_frame_, kUsualFrame);
+  }
   bool is_over() const noexcept {
     const bool waits = !awaited_.empty() || until_ms_ > 0 || frames_to_wait_ > 0;
     return at_ >= lines_.size() && frames_.empty() && !waits;
@@ -56,6 +60,7 @@ class Script {
     long left;
   };
   using Frame = std::vector<Event>;
+  static constexpr double kUsualFrame = 1.0 / 60;  // seconds
 
   [[noreturn]] void fail(const std::string& what) const;
   template <typename Question>
@@ -77,7 +82,7 @@ class Script {
   std::size_t at_ = 0;
   std::vector<Loop> loops_;
   std::vector<Frame> frames_;  // to come, the next one first
-  double seconds_per_frame_ = 1.0 / 60;
+  double seconds_per_frame_ = kUsualFrame;
   // What is waited for.
   std::string awaited_;
   double until_ms_ = 0, since_ms_ = -1;

@@ -46,10 +46,10 @@ TEST_F(WindowFit, OfAScanIsTheFileOfTheCommand) {
 
 TEST_F(WindowFit, OfAMeshIsTheFileOfTheCommand) {
   const Viewed viewed =
-      view({make("fin", "fin.vtu", {"--count", "2000"}), "--array", "density"},
+      view({make("fin", "fin.vtu", {"--count", "600"}), "--array", "density"},
            "pace 0\nwait idle\nclick tab.fit\nclick fit.goal\n"
-           "click \"fit.goal/number of kernels\"\ndrag left fit.kernels -230,0\n"
-           "click fit.start\nwait idle\nexpect fit.error == \"\"\nexpect fit.kernels < 1000\n"
+           "click \"fit.goal/number of kernels\"\ndrag left fit.kernels -245,0\n"
+           "click fit.start\nwait idle\nexpect fit.error == \"\"\nexpect fit.kernels < 500\n"
            "screenshot $/within.png\nclick fit.surface@0.05,0.5\nwait idle\n"
            "screenshot $/alone.png\nwait 2 frames\n" +
                save_as("$/fit.ply") +
@@ -66,10 +66,10 @@ TEST_F(WindowFit, OfAMeshIsTheFileOfTheCommand) {
 
 // The array that is shown is what is fitted, and the fit waits until it is shown again.
 TEST_F(WindowFit, IsOfTheArrayThatWasShown) {
-  view({make("fin", "fin.vtu", {"--count", "2000"})},
+  view({make("fin", "fin.vtu", {"--count", "600"})},
        "pace 0\nwait idle\nclick tab.data\nclick data.array.pressure\nwait idle\n"
        "click tab.fit\nclick fit.goal\nclick \"fit.goal/number of kernels\"\n"
-       "drag left fit.kernels -230,0\nclick fit.start\nwait idle\n"
+       "drag left fit.kernels -245,0\nclick fit.start\nwait idle\n"
        "expect fit.is_of_shown == true\n"
        "click fit.copy\nexpect clipboard contains \"--array pressure\"\n"
        "click tab.data\nclick data.array.density\nwait idle\nexpect fit.is_of_shown == false\n"
@@ -98,7 +98,7 @@ TEST_F(WindowFit, EndsWhereOtherDataAreOpened) {
 }
 
 TEST_F(WindowFit, SaysWhyThereIsNone) {
-  view({make("fin", "fin.vtu", {"--count", "500"}), "--array", "pressure"},
+  view({make("fin", "fin.vtu", {"--count", "200"}), "--array", "pressure"},
        "pace 0\nwait idle\nclick tab.fit\ndrag left fit.psnr 600,0\nclick fit.start\n"
        "wait idle\nexpect fit.has_result == false\nexpect fit.is_compared == false\n"
        "expect fit.error contains \"kernels reach\"\n");

@@ -198,7 +198,8 @@ inline SampleBatch::Run mix_runs(const Layers& layers, const MixedSamples::Run& 
               ? mask_of(run.lanes)
               : hn::FirstN(d, static_cast<std::size_t>(std::min(run.count - first, group_size())));
       const auto load = [&](const SampleBatch::Floats& floats) {
-        return hn::LoadU(d, &floats[static_cast<std::size_t>(run.first + first)]);
+        return hn::LoadU(
+            d, &floats[static_cast<std::size_t>(run.first) + static_cast<std::size_t>(first)]);
       };
       const auto load_or_0 = [&](const SampleBatch::Floats& floats) {
         return hn::IfThenElseZero(exists, load(floats));

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "load.h"
+#include "make_channels.h"
 #include "make_geometry.h"
 #include "make_labels.h"
 #include "make_look.h"
@@ -119,11 +120,13 @@ std::shared_ptr<const Surface> surface_of(const Dataset& dataset, const DrawingF
 Subject make_subject(const Dataset& dataset, const Flags& flags, DrawingFlags* drawing,
                      Session& session) {
   check_kind_flags(flags, dataset);
+  take_channels(dataset, flags, drawing, session);
   Subject subject;
   const bool is_said = is_segmentation(dataset) && may_draw_own_labels(*drawing, session);
   if (is_said) take_one_layer(dataset, &drawing->model, session);
   subject.modelled = make_field(dataset, drawing->model, drawing->run.threads, session);
-  const bool are_labels = !flags.is_given("kernel") && may_be_labels(drawing->look) &&
+  const bool are_labels = drawing->channels.names.empty() && !flags.is_given("kernel") &&
+                          may_be_labels(drawing->look) &&
                           (is_said || holds_labels(subject.modelled.field));
   if (are_labels) {
     session.note(
@@ -150,7 +153,9 @@ Subject make_subject(const Dataset& dataset, const Flags& flags, DrawingFlags* d
   } else {
     subject.scenery.labels = make_labels_beside(*drawing, session);
   }
-  subject.further = make_over(*drawing, dataset, session);
+  subject.further = drawing->channels.names.empty() ? make_over(*drawing, dataset, session)
+                                                    : make_channels(dataset, *drawing, session);
+  drawing->options.mixing = mixing_of(*drawing);
   return subject;
 }
 

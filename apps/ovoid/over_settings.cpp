@@ -56,6 +56,7 @@ const Table<OverFlags>& over_settings() {
 
 void add_over_flags(Flags& flags, DrawingFlags* drawing) {
   flags.section("several volumes");
+  flags.add(channel_settings(), &drawing->channels);
   flags.add(over_settings(), &drawing->over);
 }
 

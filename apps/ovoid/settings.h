@@ -198,6 +198,15 @@ struct LabelFlags {
   std::vector<std::string> inside, outside;  // where the field is drawn; empty: not said
 };
 
+// --channels: arrays of the input in one picture. Colours and ranges are of the first, the second
+// ...
+struct ChannelFlags {
+  std::vector<std::string> names;  // of arrays, "all" or "rgb" alone; empty: there are none
+  std::vector<Rgb> colors;
+  std::vector<std::pair<double, double>> ranges;
+  std::optional<Mixing> mixing;  // also of --over
+};
+
 // --over: other volumes in the picture. What is said of them is said of the first, the second ...
 struct OverFlags {
   std::vector<std::string> files;
@@ -226,6 +235,7 @@ struct DrawingFlags {
   PointFlags points;
   GeometryFlags geometry;
   LabelFlags labels;
+  ChannelFlags channels;
   OverFlags over;
   RenderOptions options;
   TrailFlags trail;
@@ -249,6 +259,7 @@ const Table<SurfaceFlags>& surface_settings();
 const Table<PointFlags>& point_settings();
 const Table<GeometryFlags>& geometry_settings();
 const Table<LabelFlags>& label_settings();
+const Table<ChannelFlags>& channel_settings();
 const Table<OverFlags>& over_settings();
 const Table<TrailFlags>& trail_settings();
 const Table<DrawingFlags>& picture_settings();  // --size, --background

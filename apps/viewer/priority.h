@@ -4,7 +4,7 @@
 namespace ovoid::viewer {
 
 // How much nicer than the interface a thread is, as nice(1) counts.
-inline constexpr int kNicer = 6;       // a quarter of the time, where both want the same processor
+inline constexpr int kNicer = 6;  // a quarter of the time, where both want the same processor
 // Under a third of the time where something nicer by kNicer wants the same processor, and a tenth
 // of it beside another program's thread: work in the background goes on while a machine is busy.
 inline constexpr int kMuchNicer = 10;

@@ -14,12 +14,13 @@
 
 namespace OVOID_API ovoid {
 
-// A volume that is drawn with a frame's own field, on the same sheets: at a place extinctions add,
-// and colours are mixed in proportion to their extinction. It lies where its own geometry says, in
-// the same world as the field; the two need not overlap.
+// A volume that is drawn with a frame's own field, on the same sheets: what both show at a place is
+// mixed as RenderOptions::mixing says. In the modes maximum and minimum each volume makes a picture
+// of its own, and these are added, or averaged by their opacities. It lies where its own geometry
+// says, in the same world as the field; the two need not overlap.
 struct FurtherVolume {
   LatticeField field;  // on any lattice
-  // Mode composite. Of its light, occlusion, shadows and scatter are not used: how much light
+  // Of the frame's own mode. Of its light, occlusion, shadows and scatter are not used: how much light
   // arrives is what the frame's own look says, of the extinction of all volumes.
   Look look;
 };

@@ -10,6 +10,7 @@
 
 #include "ovoid/annotate.h"
 #include "ovoid/camera.h"
+#include "ovoid/channels.h"
 #include "ovoid/coarse.h"
 #include "ovoid/crop.h"
 #include "ovoid/dataset.h"

@@ -66,6 +66,14 @@ enum class SheetPrecision { kSingle, kHalf };
 // looks at the frame alone. Kernel sets, and the vulkan back end, have image sheets.
 enum class Sheets { kAuto, kImage, kLattice };
 
+// What a picture of several volumes shows at a place (docs/numerics.md, "Several volumes").
+//   kAveraged   extinctions add, colours are mixed in proportion to them: fogs in one room
+//   kAdded      the greatest extinction; colours add in proportion to theirs: lights of one stain
+//               each, as the channels of a microscope are
+//   kColored    the field's own extinction and light; the further volumes, on its lattice, are its
+//               colours, which add: a volume of red, green and blue
+enum class Mixing { kAveraged, kAdded, kColored };
+
 // A half space: points with dot(normal, x) >= offset are kept (world). `normal` need not have unit
 // length.
 struct ClipPlane {
@@ -95,9 +103,10 @@ struct RenderOptions {
   // sheets alone, and in pictures without a trail or value plane.
   std::shared_ptr<const SpacePart> part;
   // Volumes that are drawn with the field, which is a lattice then; null: none. At most
-  // kMostFurtherVolumes. In mode composite alone, without a trail, with post-convolution off or
-  // auto, and not on the vulkan back end (further_volumes.h).
+  // kMostFurtherVolumes. Without a trail, with post-convolution off or auto; in mode composite, not
+  // on the vulkan back end, or in the modes maximum and minimum (further_volumes.h).
   std::shared_ptr<const std::vector<FurtherVolume>> further;
+  Mixing mixing = Mixing::kAveraged;  // of the field and these
   bool skip_irrelevant = true;  // off: every block is reconstructed (time changes, pixels do not)
   // Off: covered samples are still worked out (time changes, pixels do not).
   bool stop_opaque = true;

@@ -439,7 +439,7 @@ float extinction_at(const ExtinctionLattice& lattice, const Vec3& cell) {
 
 }  // namespace
 
-void add_extinction(const ExtinctionLattice& other, ExtinctionLattice& sum) {
+void mix_extinction(const ExtinctionLattice& other, Mixing mixing, ExtinctionLattice& sum) {
   const Affine3 cell_from_other = sum.world_from_cell.inverse() * other.world_from_cell;
   Bounds3 box;
   for (int corner = 0; corner < 8; ++corner) {
@@ -456,9 +456,10 @@ void add_extinction(const ExtinctionLattice& other, ExtinctionLattice& sum) {
   for (std::int64_t z = 0; z < sum.dims[2]; ++z) {
     for (std::int64_t y = 0; y < sum.dims[1]; ++y) {
       for (std::int64_t x = 0; x < sum.dims[0]; ++x, ++cell) {
-        *cell += extinction_at(
+        const float more = extinction_at(
             other, other_from_cell * Vec3(static_cast<double>(x), static_cast<double>(y),
                                           static_cast<double>(z)));
+        *cell = mixing == Mixing::kAdded ? std::max(*cell, more) : *cell + more;
       }
     }
   }

@@ -38,9 +38,10 @@ ExtinctionLattice extinction_lattice(const Field& field, const Look& look,
                                      const std::vector<ClipPlane>& clip_planes, int threads,
                                      const std::stop_token& stop);
 
-// Adds what another lattice absorbs, read between its cells' middles, at the middles of all cells
-// of `sum`, which gets as many more around it as the other reaches beyond it.
-void add_extinction(const ExtinctionLattice& other, ExtinctionLattice& sum);
+// Mixes in what another lattice absorbs, read between its cells' middles, at the middles of all
+// cells of `sum`, which gets as many more around it as the other reaches beyond it: added, or where
+// colours are added the greater.
+void mix_extinction(const ExtinctionLattice& other, Mixing mixing, ExtinctionLattice& sum);
 
 // The most cells along an axis that a lattice has then.
 inline constexpr std::int64_t kMostCellsOfAll = 256;

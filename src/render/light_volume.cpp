@@ -33,6 +33,7 @@ std::vector<double> key_of(const LitScene& scene) {
   std::vector<double> key{static_cast<double>(scene.field.id()),
                           static_cast<double>(scene.field.version()), is_solid ? 1.0 : 0.0};
   if (!is_solid) append_look(key, scene.look);
+  key.push_back(static_cast<double>(scene.mixing));
   for (const FurtherVolume& volume : scene.further) {
     key.insert(key.end(), {static_cast<double>(volume.field.id()),
                            static_cast<double>(volume.field.version())});
@@ -77,10 +78,11 @@ ExtinctionLattice extinction_of_scene(const LitScene& scene, int threads,
   if (scene.solid != nullptr) return solid_lattice(*scene.solid, scene.clip_planes, threads, stop);
   ExtinctionLattice all = extinction_lattice(scene.field, with_unit_distance(scene.look),
                                              scene.clip_planes, threads, stop);
+  if (scene.mixing == Mixing::kColored) return all;
   for (const FurtherVolume& volume : scene.further) {
-    add_extinction(extinction_lattice(volume.field, with_unit_distance(volume.look),
+    mix_extinction(extinction_lattice(volume.field, with_unit_distance(volume.look),
                                       scene.clip_planes, threads, stop),
-                   all);
+                   scene.mixing, all);
   }
   return all;
 }

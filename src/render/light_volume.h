@@ -37,7 +37,8 @@ struct LitScene {
   const Field& field;
   const Look& look;
   const std::vector<ClipPlane>& clip_planes;
-  std::span<const FurtherVolume> further{};  // whose extinctions are added
+  std::span<const FurtherVolume> further{};
+  Mixing mixing = Mixing::kAveraged;  // of the extinctions of these with the field's
   // The surface of the field's mesh, which lets no light through, whatever the look makes of the
   // field; null: the field.
   const Surface* solid = nullptr;

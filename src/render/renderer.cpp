@@ -10,6 +10,7 @@
 
 #include "data/validate.h"
 #include "ovoid/error.h"
+#include "render/added_pictures.h"
 #include "render/back_end.h"
 #include "render/cpu/cpu_renderer.h"
 #include "render/field_levels.h"
@@ -43,6 +44,11 @@ void require_central_differences(const RenderOptions& options) {
       "gradient: kernel sets take central differences; exact and corrected are for lattices");
 }
 
+bool is_same_lattice(const LatticeGeometry& a, const LatticeGeometry& b) {
+  return a.kind == b.kind && a.dims == b.dims &&
+         a.world_from_index.matrix() == b.world_from_index.matrix();
+}
+
 // Throws Error unless the trail can be drawn with the field.
 void require_trail(const Field& field, const Look& look, const Trail& trail,
                    const RenderOptions& options) {
@@ -58,12 +64,13 @@ void require_trail(const Field& field, const Look& look, const Trail& trail,
     throw Error(ErrorCode::kUnsupported, "trail: is for pictures without depth limits");
   if (options.part != nullptr)
     throw Error(ErrorCode::kUnsupported, "trail: is for whole pictures, not for parts");
-  const LatticeGeometry& own = field.lattice()->geometry();
-  if (trail.field.is_empty() || trail.field.geometry().kind != own.kind ||
-      trail.field.geometry().dims != own.dims ||
-      trail.field.geometry().world_from_index.matrix() != own.world_from_index.matrix())
+  if (trail.field.is_empty() ||
+      !is_same_lattice(trail.field.geometry(), field.lattice()->geometry()))
     throw Error(ErrorCode::kInvalidArgument, "trail.field: must be on the lattice of the field");
 }
+
+// What is seen of each ray is one sample of each volume, which has no place in a mixture.
+bool shows_extremes(Mode mode) { return mode == Mode::kMaximum || mode == Mode::kMinimum; }
 
 // Throws Error unless the volumes can be drawn with the field.
 void require_further(const Field& field, const Look& look, bool has_trail,
@@ -77,7 +84,11 @@ void require_further(const Field& field, const Look& look, bool has_trail,
     throw Error(ErrorCode::kInvalidArgument, fmt::format("further: {} volumes, must be at most {}",
                                                          volumes.size(), kMostFurtherVolumes));
   if (field.lattice() == nullptr) refuse("are for lattices, the field is a set of kernels");
-  if (look.mode != Mode::kComposite) refuse("are for the mode composite");
+  const bool is_composite = look.mode == Mode::kComposite;
+  if (!is_composite && !shows_extremes(look.mode))
+    refuse("are for the modes composite, maximum and minimum");
+  const bool are_colors = options.mixing == Mixing::kColored;
+  if (are_colors && !is_composite) refuse("that are colours are for the mode composite");
   if (has_trail) refuse("are for pictures without a trail");
   if (is_published(options.post_convolution)) refuse("are for post-convolution off and auto");
   if (options.part != nullptr) refuse("are for whole pictures, not for parts");
@@ -86,8 +97,10 @@ void require_further(const Field& field, const Look& look, bool has_trail,
       throw Error(ErrorCode::kInvalidArgument, fmt::format("further[{}].field: has no samples", i));
     }
     volumes[i].look.validate();
-    if (volumes[i].look.mode != Mode::kComposite)
-      refuse(fmt::format("further[{}].look has another mode than composite", i));
+    if (volumes[i].look.mode != look.mode)
+      refuse(fmt::format("further[{}].look has another mode than the picture", i));
+    if (are_colors && !is_same_lattice(volumes[i].field.geometry(), field.lattice()->geometry()))
+      refuse(fmt::format("further[{}].field is on another lattice than what it colours", i));
   }
 }
 
@@ -193,6 +206,9 @@ class ReferenceBackEnd final : public BackEnd {
 struct __attribute__((visibility("hidden"))) Renderer::Impl {
   Frame draw(const Field& field, const Camera& camera, const Look& look, const Trail* trail,
              const RenderOptions& options, const RenderHooks& hooks);
+  // Each volume in a picture of its own, and what these make together.
+  Frame draw_each(const Field& field, const Camera& camera, const Look& look,
+                  const RenderOptions& options, const RenderHooks& hooks);
   // The volumes of the options as they are drawn, with looks that say everything.
   std::vector<FurtherVolume> further_to_draw(const Camera& camera, const RenderOptions& options,
                                              const RenderHooks& hooks);
@@ -261,7 +277,11 @@ Frame Renderer::Impl::draw(const Field& field, const Camera& camera, const Look&
   options.validate();
   require_spread(field, options);
   if (trail != nullptr) require_trail(field, look, *trail, options);
-  if (options.further != nullptr) require_further(field, look, trail != nullptr, options);
+  if (options.further != nullptr) {
+    require_further(field, look, trail != nullptr, options);
+    if (shows_extremes(look.mode) && !options.further->empty())
+      return draw_each(field, camera, look, options, hooks);
+  }
   if (field.kernels() != nullptr) require_central_differences(options);
   const int level = trail == nullptr ? coarsest_level(field, camera, options) : 0;
   // Not for long there, if further volumes have levels, too.
@@ -288,7 +308,8 @@ Frame Renderer::Impl::draw(const Field& field, const Camera& camera, const Look&
         view::limits_of_part(sheets, lattice, options.depth_limits.get()));
   }
   const Clock::time_point light_start = Clock::now();
-  const LitBy lit_by = light_for({drawn, own_look, options.clip_planes, further}, hooks);
+  const LitBy lit_by =
+      light_for({drawn, own_look, options.clip_planes, further, options.mixing}, hooks);
   const double light_ms = milliseconds_since(light_start);
   const FrameJob job{drawn,       camera, own_look,      trail_view ? &*trail_view : nullptr,
                      own_options, hooks,  lit_by.volume, nullptr,
@@ -320,8 +341,35 @@ SurfaceLight SurfaceLight::of(Renderer& renderer, const Field& field, const Surf
                               const RenderHooks& hooks) {
   const Look own_look = completed(look, field, camera);
   const auto [volume, notice] =
-      renderer.impl_->light_for({field, own_look, options.clip_planes, {}, solid}, hooks);
+      renderer.impl_->light_for({field, own_look, options.clip_planes, {}, {}, solid}, hooks);
   return {volume, notice};
+}
+
+Frame Renderer::Impl::draw_each(const Field& field, const Camera& camera, const Look& look,
+                                const RenderOptions& options, const RenderHooks& hooks) {
+  const std::vector<FurtherVolume>& further = *options.further;
+  RenderOptions alone = options;
+  alone.further = nullptr;
+  const auto part_of_hooks = [&](std::size_t i) {
+    RenderHooks part;  // of the picture so far there is none
+    part.stop = hooks.stop;
+    if (hooks.progress) {
+      part.progress = [&hooks, i, count = further.size() + 1](double done) {
+        hooks.progress((static_cast<double>(i) + done) / static_cast<double>(count));
+      };
+    }
+    return part;
+  };
+  Frame frame = draw(field, camera, look, nullptr, alone, part_of_hooks(0));
+  for (std::size_t i = 0; i < further.size(); ++i) {
+    const Frame other = draw(Field(further[i].field), camera, further[i].look, nullptr, alone,
+                             part_of_hooks(i + 1));
+    add_picture(other.image, frame.image);
+    add_work(other.profile, frame.profile);
+  }
+  finish_sum(options.mixing, frame.image);
+  if (hooks.tile_done) hooks.tile_done({0, 0, options.width, options.height, &frame.image});
+  return frame;
 }
 
 std::vector<FurtherVolume> Renderer::Impl::further_to_draw(const Camera& camera,

@@ -272,6 +272,8 @@ const std::vector<Words>& samples() {
        "--over-colormap", "gray", "--over-range", "0,1", "--over-opacity", "0:0,1:0.5",
        "--over-transform", "m.txt"},
       {"--over", "a.nrrd", "--over-preset", "mr-default"},
+      {"--channels", "all", "--channel-color", "1,0,0", "--channel-range", "0,1", "--mixing",
+       "averaged"},
       {"--points=2"},
       {"--points"},
       {"--background", "none"},
@@ -339,6 +341,7 @@ FlagSet told(const cli::DataFlags& data, const cli::DrawingFlags& drawing) {
   cli::tell(cli::point_settings(), drawing.points, &set);
   cli::tell(cli::geometry_settings(), drawing.geometry, &set);
   cli::tell(cli::label_settings(), drawing.labels, &set);
+  cli::tell(cli::channel_settings(), drawing.channels, &set);
   cli::tell(cli::over_settings(), drawing.over, &set);
   cli::tell(cli::picture_settings(), drawing, &set);
   cli::tell(cli::number_settings(), drawing.options, &set);

@@ -65,34 +65,60 @@ inline constexpr float kLeastThroughMixed = 6.1442124e-6F;
 
 // The sum of what layers show in a group's samples.
 struct MixedGroup {
-  HWY_INLINE MixedGroup()
-      : through(hn::Set(d, 1.0F)),
+  HWY_INLINE explicit MixedGroup(Mixing by)
+      : mixing(by),
+        through(hn::Set(d, 1.0F)),
         weight(hn::Zero(d)),
-        color{hn::Zero(d), hn::Zero(d), hn::Zero(d)} {}
+        own_color{hn::Zero(d), hn::Zero(d), hn::Zero(d)},
+        sum{hn::Zero(d), hn::Zero(d), hn::Zero(d)} {}
 
-  // `opacity`: 0 where the layer shows nothing.
-  HWY_INLINE void add(const GroupColor& own, V opacity) {
-    const V own_through = hn::Sub(hn::Set(d, 1.0F), opacity);
-    const V share = hn::Neg(vector_log2(hn::Max(own_through, hn::Set(d, kLeastThroughMixed))));
-    through = hn::Mul(through, own_through);
-    weight = hn::Add(weight, share);
-    color.red = hn::MulAdd(share, own.red, color.red);
-    color.green = hn::MulAdd(share, own.green, color.green);
-    color.blue = hn::MulAdd(share, own.blue, color.blue);
+  // `layer`: 0 is the frame's own. `opacity`: 0 where the layer shows nothing.
+  HWY_INLINE void add(std::size_t layer, const GroupColor& color, V opacity) {
+    const V one = hn::Set(d, 1.0F);
+    const V layer_through = hn::Sub(one, opacity);
+    if (mixing == Mixing::kColored) {
+      if (layer > 0) return add_colors(one, color);
+      through = layer_through;
+      own_color = color;
+      return;
+    }
+    const V share = hn::Neg(vector_log2(hn::Max(layer_through, hn::Set(d, kLeastThroughMixed))));
+    const bool is_added = mixing == Mixing::kAdded;
+    through = is_added ? hn::Min(through, layer_through) : hn::Mul(through, layer_through);
+    weight = is_added ? hn::Max(weight, share) : hn::Add(weight, share);
+    add_colors(share, color);
   }
   HWY_INLINE V opacity() const { return hn::Sub(hn::Set(d, 1.0F), through); }
-  HWY_INLINE GroupColor mean() const {
+  HWY_INLINE GroupColor color() const {
+    const V one = hn::Set(d, 1.0F);
+    if (mixing == Mixing::kColored) {
+      return {hn::Mul(hn::Min(sum.red, one), own_color.red),
+              hn::Mul(hn::Min(sum.green, one), own_color.green),
+              hn::Mul(hn::Min(sum.blue, one), own_color.blue)};
+    }
     const M is_something = hn::Gt(weight, hn::Zero(d));
-    const V inverse = hn::IfThenElseZero(
-        is_something,
-        hn::Div(hn::Set(d, 1.0F), hn::IfThenElse(is_something, weight, hn::Set(d, 1.0F))));
-    return {hn::Mul(color.red, inverse), hn::Mul(color.green, inverse),
-            hn::Mul(color.blue, inverse)};
+    const V inverse =
+        hn::IfThenElseZero(is_something, hn::Div(one, hn::IfThenElse(is_something, weight, one)));
+    return {hn::Min(hn::Mul(sum.red, inverse), one), hn::Min(hn::Mul(sum.green, inverse), one),
+            hn::Min(hn::Mul(sum.blue, inverse), one)};
   }
 
+  Mixing mixing;
   V through, weight;
-  GroupColor color;
+  GroupColor own_color, sum;
+
+ private:
+  HWY_INLINE void add_colors(V share, const GroupColor& color) {
+    sum.red = hn::MulAdd(share, color.red, sum.red);
+    sum.green = hn::MulAdd(share, color.green, sum.green);
+    sum.blue = hn::MulAdd(share, color.blue, sum.blue);
+  }
 };
+
+// Whether one layer that shows something alone is drawn as it is: not one that only has colours.
+inline bool may_be_alone(const LatticeFrame& frame) {
+  return !frame.is_mixed || frame.options->mixing != Mixing::kColored;
+}
 
 // --- samples on a sheet
 
@@ -106,7 +132,7 @@ inline void mix_sheets(const Layers& layers, int rows, ShadedSheet& mixed) {
     mixed.visible[y] = any;
     for_each_group(any, place.margin, place.columns - place.margin, [&](int column, std::uint32_t) {
       const int at = y * kTilePlane.stride + column;
-      MixedGroup sum;
+      MixedGroup sum(layers[0].frame->options->mixing);
       for (std::size_t i = 0; i < layers.count; ++i) {
         if (!layers[i].is_ready()) continue;
         const ShadedSheet& own = layers[i].work->shaded;
@@ -115,9 +141,9 @@ inline void mix_sheets(const Layers& layers, int rows, ShadedSheet& mixed) {
         const auto load = [&](const float* from) {
           return hn::IfThenElseZero(mask_of(lanes), hn::LoadU(d, from + at));
         };
-        sum.add({load(own.red), load(own.green), load(own.blue)}, load(own.alpha));
+        sum.add(i, {load(own.red), load(own.green), load(own.blue)}, load(own.alpha));
       }
-      const GroupColor color = sum.mean();
+      const GroupColor color = sum.color();
       hn::StoreU(sum.opacity(), d, mixed.alpha + at);
       hn::StoreU(color.red, d, mixed.red + at);
       hn::StoreU(color.green, d, mixed.green + at);
@@ -144,7 +170,7 @@ inline void finish_mixed_samples(const LatticeFrame& frame, Layers& layers, Mixe
   if (num_visible == 0) return;
   const TileInHand tile = layers[0].work->in_hand();
   const ShadedSheet* shaded = &visible->work->shaded;
-  if (num_visible > 1) {
+  if (num_visible > 1 || !may_be_alone(frame)) {
     mix_sheets(layers, tile.place.rows, mixed.shaded);
     shaded = &mixed.shaded;
   }
@@ -186,7 +212,7 @@ inline SampleBatch::Run mix_runs(const Layers& layers, const MixedSamples::Run& 
   }
   const int samples = out.count == 0 ? group_size() : out.count;
   for (int first = 0; first < samples; first += group_size()) {
-    MixedGroup sum;
+    MixedGroup sum(layers[0].frame->options->mixing);
     V depth = hn::Zero(d);
     M has_depth = hn::FirstN(d, 0);
     for (std::size_t i = layers.count; i-- > 0;) {
@@ -205,14 +231,14 @@ inline SampleBatch::Run mix_runs(const Layers& layers, const MixedSamples::Run& 
         return hn::IfThenElseZero(exists, load(floats));
       };
       const V opacity = hn::Max(load_or_0(batch.opacity), hn::Zero(d));
-      sum.add({load_or_0(batch.red), load_or_0(batch.green), load_or_0(batch.blue)}, opacity);
+      sum.add(i, {load_or_0(batch.red), load_or_0(batch.green), load_or_0(batch.blue)}, opacity);
       // The first layer's that shows something, or of any that is there.
       const M shows =
           hn::Or(hn::And(exists, hn::Gt(opacity, hn::Zero(d))), hn::AndNot(has_depth, exists));
       depth = hn::IfThenElse(shows, load(batch.depth), depth);
       has_depth = hn::Or(has_depth, shows);
     }
-    const GroupColor color = sum.mean();
+    const GroupColor color = sum.color();
     hn::StoreU(color.red, d, &mixed.red[static_cast<std::size_t>(first)]);
     hn::StoreU(color.green, d, &mixed.green[static_cast<std::size_t>(first)]);
     hn::StoreU(color.blue, d, &mixed.blue[static_cast<std::size_t>(first)]);
@@ -242,7 +268,7 @@ inline void flush_mixed(Layers& layers, MixedSamples& mixed) {
                               const SampleBatch::Run& run) {
       run.count == 0 ? composite_step(frame, tile, run) : composite_piece(frame, tile, run);
     };
-    if (num_layers == 1) {
+    if (num_layers == 1 && may_be_alone(*layers[0].frame)) {
       composite(*alone->frame, alone->work->in_hand(),
                 alone->work->batch.runs[static_cast<std::size_t>(runs[own])]);
       continue;
@@ -326,7 +352,7 @@ inline void finish_mixed_pieces_in_hand(Layers& layers, MixedSamples& mixed, int
     }
   }
   if (num_visible == 0) return;
-  if (num_visible == 1) {
+  if (num_visible == 1 && may_be_alone(*layers[0].frame)) {
     draw_pieces(*visible->frame, visible->work->in_hand(), s,
                 LatticePieces{*visible->frame, visible->work->block});
     clock.lap(kShade);
@@ -392,6 +418,7 @@ inline void finish_mixed_sheet(const LatticeFrame& frame, Layers& layers, MixedS
     for (int y = 0; y < place.rows; ++y) {
       bits[i][y] = work.block.bits.relevant[s][y] & open_samples(frame, place, tile.pixels, y);
       if (!frame.is_refined) bits[i][y] &= defined[y];
+      if (i > 0 && !may_be_alone(frame)) bits[i][y] &= bits[0][y];
       any[y] |= bits[i][y];
       is_any |= bits[i][y];
     }

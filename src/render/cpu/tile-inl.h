@@ -217,6 +217,7 @@ inline bool draw_part_of_all(const LatticeFrame& frame, LatticeWorkspace& work, 
   for (Layer& layer : layers) {
     layer.state = prepare_part(*layer.frame, *layer.work, part, clock);
     is_relevant = is_relevant || layer.state != PartState::kNothing;
+    if (!is_relevant && !may_be_alone(frame)) return false;
   }
   for (const Layer& layer : layers) {
     if (layer.state != PartState::kTooLarge) continue;
@@ -284,7 +285,8 @@ inline void draw_tile_layer_of_all(const LatticeFrame& frame, LatticeWorkspace& 
     return;
   }
   bool shows = false;
-  for (std::size_t i = 0; i < frame.beside.size() && !shows; ++i)
+  const std::size_t count = may_be_alone(frame) ? frame.beside.size() : 0;
+  for (std::size_t i = 0; i < count && !shows; ++i)
     shows = may_show(*frame.beside[i], *work.beside[i], part, ignored);
   if (!shows && !may_show(frame, work.pixels, part, stats)) return;
   if (draw_part_of_all(frame, work, part, clock)) {

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include "view/frame_plan.h"
@@ -221,25 +222,36 @@ PixelTracer::Share PixelTracer::share_of(const PixelRay& pixel, const SeenSample
   return {color, opacity_over(opacity, seen.path, shading_.unit_distance), seen.z};
 }
 
-// Extinctions add, colours are mixed in proportion to them: docs/numerics.md, "Several volumes".
-PixelTracer::Share PixelTracer::mixed(const std::vector<Share>& shares) {
-  if (shares.size() == 1) return shares.front();
+// docs/numerics.md, "Several volumes".
+PixelTracer::Share PixelTracer::mixed(const std::vector<Share>& shares) const {
   Share all{{0, 0, 0}, 0, shares.front().z};
+  if (beside_.mixing == Mixing::kColored && !beside_.further.empty()) {
+    if (!shares.front().is_own) return all;
+    for (const Share& share : std::span(shares).subspan(1))
+      for (std::size_t c = 0; c < 3; ++c) all.color[c] += share.color[c];
+    for (std::size_t c = 0; c < 3; ++c)
+      all.color[c] = std::min(all.color[c], 1.0) * shares.front().color[c];
+    all.opacity = shares.front().opacity;
+    return all;
+  }
+  if (shares.size() == 1) return shares.front();
+  const bool is_added = beside_.mixing == Mixing::kAdded;
   double through = 1;
-  double sum = 0;
+  double weight = 0;
   for (const Share& share : shares) {
-    through *= 1 - share.opacity;
+    const double own_through = 1 - share.opacity;
+    through = is_added ? std::min(through, own_through) : through * own_through;
     const double depth = std::min(-std::log1p(-share.opacity), kMostDepthMixed);
-    sum += depth;
+    weight = is_added ? std::max(weight, depth) : weight + depth;
     for (std::size_t c = 0; c < 3; ++c) all.color[c] += depth * share.color[c];
   }
   all.opacity = 1 - through;
-  for (double& c : all.color) c = sum > 0 ? c / sum : 0;
+  for (double& c : all.color) c = weight > 0 ? std::min(c / weight, 1.0) : 0;
   return all;
 }
 
 // What the fields show at a place joins what is in front of it.
-void PixelTracer::add_shares(const std::vector<Share>& shares, Pixel& result) {
+void PixelTracer::add_shares(const std::vector<Share>& shares, Pixel& result) const {
   if (shares.empty()) return;
   const Share seen = mixed(shares);
   double& alpha = result.rgba[3];
@@ -273,7 +285,7 @@ Pixel PixelTracer::composite(const PixelRay& pixel, TraceCounts& counts) const {
         std::optional<RaySample> start;
         if (before[i] && is_preintegrated_) start = own.front_end(pixel, *before[i], *at);
         if (const auto share = own.share_of_sample(pixel, start, *at, counts))
-          shares.push_back(*share);
+          shares.push_back({share->color, share->opacity, share->z, i == 0});
       }
       before[i] = sample;
     }
@@ -412,14 +424,14 @@ std::optional<PixelTracer::Share> PixelTracer::share_of_step(const PixelRay& pix
 
 // In as many steps as the one of them needs that needs most.
 void PixelTracer::add_parts(const PixelRay& pixel, const std::vector<PiecePart>& parts,
-                            Pixel& result, TraceCounts& counts) {
+                            Pixel& result, TraceCounts& counts) const {
   int steps = 1;
   for (const PiecePart& part : parts) steps = std::max(steps, part.steps);
   for (int m = 0; m < steps && result.rgba[3] < parts.front().of.owner->opaque_at_; ++m) {
     std::vector<Share> shares;
     for (const PiecePart& part : parts) {
       if (const auto share = part.of.owner->share_of_step(pixel, part, m, steps, counts))
-        shares.push_back(*share);
+        shares.push_back({share->color, share->opacity, share->z, part.of.owner == this});
     }
     add_shares(shares, result);
   }

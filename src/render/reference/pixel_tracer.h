@@ -39,6 +39,7 @@ class PixelTracer;
 struct BesideTracer {
   const PixelTracer* trail = nullptr;       // behind the field; null: none
   std::vector<const PixelTracer*> further;  // mixed with it
+  Mixing mixing = Mixing::kAveraged;
 };
 
 // One pixel after the other, one sample of its ray after the other: docs/numerics.md,
@@ -127,11 +128,12 @@ class PixelTracer {
     Rgb color;
     double opacity;
     double z;
+    bool is_own = true;  // of the field, not of a further volume
   };
   std::optional<Share> share_of_sample(const PixelRay& pixel, const std::optional<RaySample>& start,
                                        const RaySample& at, TraceCounts& counts) const;
-  static Share mixed(const std::vector<Share>& shares);
-  static void add_shares(const std::vector<Share>& shares, Pixel& result);
+  Share mixed(const std::vector<Share>& shares) const;
+  void add_shares(const std::vector<Share>& shares, Pixel& result) const;
   void add_trail(const PixelRay& pixel, std::int64_t sheet, Pixel& result,
                  TraceCounts& counts) const;
   // What was classified, and where it is composited.
@@ -170,8 +172,8 @@ class PixelTracer {
                           TraceCounts& counts) const;
   std::optional<Share> share_of_step(const PixelRay& pixel, const PiecePart& part, int step,
                                      int steps, TraceCounts& counts) const;
-  static void add_parts(const PixelRay& pixel, const std::vector<PiecePart>& parts, Pixel& result,
-                        TraceCounts& counts);
+  void add_parts(const PixelRay& pixel, const std::vector<PiecePart>& parts, Pixel& result,
+                 TraceCounts& counts) const;
   void add_pieces(const PixelRay& pixel, const std::vector<OwnedPiece>& pieces, Pixel& result,
                   TraceCounts& counts) const;
   Pixel composite(const PixelRay& pixel, TraceCounts& counts) const;

@@ -197,6 +197,7 @@ Frame render_samples(const FrameJob& job, int threads) {
     behind.emplace(*trail->field, job, trail->look, trail->options, BesideTracer{}, nullptr);
     beside.trail = &behind->tracer;
   }
+  beside.mixing = options.mixing;
   std::deque<TracedField> mixed;
   for (const FurtherVolume& volume : further) {
     mixed.emplace_back(volume.field, job, volume.look, options, BesideTracer{}, light);

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "make_channels.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "make_field.h"
+#include "make_look.h"
+#include "ovoid/channels.h"
+#include "ovoid/error.h"
+#include "usage.h"
+
+namespace ovoid::cli {
+namespace {
+
+constexpr std::size_t kMostChannels = kMostFurtherVolumes + 1;
+
+// Where a channel is: an array, or a component of one.
+struct Channel {
+  std::string array;
+  int component = kUsualComponent;
+};
+
+[[noreturn]] void refuse(const std::string& why) {
+  throw Error(ErrorCode::kInvalidArgument, "--channels: " + why);
+}
+
+const DataArray& chosen_array(const Dataset& dataset, const ModelFlags& model) {
+  if (dataset.arrays.empty()) refuse(fmt::format("'{}' has no arrays", dataset.source));
+  if (model.array.empty()) return dataset.arrays.front();
+  const DataArray* const found = find_array(dataset, model.array);
+  if (found == nullptr) refuse(fmt::format("there is no array '{}'", model.array));
+  return *found;
+}
+
+// The components of one array where --array names it or there is no other, else the arrays.
+std::vector<Channel> all_channels(const Dataset& dataset, const ModelFlags& model) {
+  std::vector<Channel> all;
+  if (dataset.arrays.size() > 1 && model.array.empty()) {
+    for (const DataArray& array : dataset.arrays) all.push_back({array.name});
+    return all;
+  }
+  const DataArray& array = chosen_array(dataset, model);
+  for (int i = 0; i < array.num_components; ++i) all.push_back({array.name, i});
+  return all;
+}
+
+std::string names_of(const Dataset& dataset) {
+  std::string names;
+  for (const DataArray& array : dataset.arrays)
+    names += fmt::format("{}'{}'", names.empty() ? "" : " ", array.name);
+  return names;
+}
+
+std::vector<Channel> wanted_channels(const Dataset& dataset, const DrawingFlags& drawing) {
+  std::vector<Channel> wanted;
+  const std::vector<std::string>& names = drawing.channels.names;
+  if (names == std::vector<std::string>{"all"}) {
+    wanted = all_channels(dataset, drawing.model);
+    if (wanted.size() > kMostChannels) {
+      refuse(fmt::format("'{}' has {}, at most {} are drawn together: name them, of {}",
+                         dataset.source, wanted.size(), kMostChannels, names_of(dataset)));
+    }
+    return wanted;
+  }
+  for (const std::string& name : names) {
+    if (find_array(dataset, name) == nullptr)
+      refuse(fmt::format("'{}' is not an array, expected some of {}", name, names_of(dataset)));
+    wanted.push_back({name});
+  }
+  if (wanted.size() > kMostChannels)
+    refuse(fmt::format("{} named, expected at most {}", wanted.size(), kMostChannels));
+  return wanted;
+}
+
+bool are_primaries(const DrawingFlags& drawing) {
+  return drawing.channels.names == std::vector<std::string>{"rgb"};
+}
+
+const DataArray& array_of_primaries(const Dataset& dataset, const DrawingFlags& drawing) {
+  const DataArray& array = chosen_array(dataset, drawing.model);
+  if (array.num_components == 3 || array.num_components == 4) return array;
+  refuse(
+      fmt::format("rgb: array '{}' has {} components, expected red, green, blue and perhaps "
+                  "opacity",
+                  array.name, array.num_components));
+}
+
+LatticeField field_of(const Dataset& dataset, const DrawingFlags& drawing, const Channel& channel,
+                      Session& session) {
+  ModelFlags model = drawing.model;
+  model.array = channel.array;
+  model.component = channel.component;
+  const Quiet quiet(session);
+  return *make_field(dataset, model, drawing.run.threads, session).field.lattice();
+}
+
+Rgb color_of(const ChannelFlags& flags, std::size_t i, std::size_t count) {
+  return i < flags.colors.size() ? flags.colors[i] : channel_colors(count).at(i);
+}
+
+ValueRange range_of(const ChannelFlags& flags, std::size_t i, const LatticeField& field) {
+  if (i >= flags.ranges.size()) return channel_range(field);
+  return {flags.ranges[i].first, flags.ranges[i].second};
+}
+
+// The flags about light are those of the whole picture.
+LookFlags look_of(const DrawingFlags& drawing, const Look& look) {
+  const TransferFunction& tf = look.transfer_function;
+  LookFlags own = drawing.look;
+  own.color_map.clear();
+  for (const ColorPoint& point : tf.colors) {
+    own.color_map += fmt::format("{}{},{},{},{}", own.color_map.empty() ? "" : ",", point.x,
+                                 point.rgb[0], point.rgb[1], point.rgb[2]);
+  }
+  own.opacities = tf.opacities;
+  return own;
+}
+
+}  // namespace
+
+void take_channels(const Dataset& dataset, const Flags& flags, DrawingFlags* drawing,
+                   Session& session) {
+  if (drawing->channels.names.empty()) return;
+  if (dataset.kind != DatasetKind::kLattice) refuse("are of lattices");
+  if (are_primaries(*drawing)) {
+    const DataArray& array = array_of_primaries(dataset, *drawing);
+    drawing->model.array = array.name;
+    drawing->model.component = array.num_components == 4 ? 3 : LatticeModelOptions::kMagnitude;
+    if (array.num_components == 3)
+      session.note("rgb: there is no fourth component, so what is bright is opaque");
+    return;
+  }
+  const std::vector<Channel> channels = wanted_channels(dataset, *drawing);
+  const ChannelFlags& said = drawing->channels;
+  const std::size_t most = std::max(said.colors.size(), said.ranges.size());
+  if (most > channels.size()) {
+    throw UsageError(fmt::format("{}: given {} times, for {} channels",
+                                 said.colors.size() == most ? "--channel-color" : "--channel-range",
+                                 most, channels.size()));
+  }
+  const LatticeField field = field_of(dataset, *drawing, channels[0], session);
+  drawing->model.array = channels[0].array;
+  drawing->model.component = channels[0].component;
+  drawing->look =
+      look_of(*drawing, channel_look(range_of(said, 0, field), color_of(said, 0, channels.size()),
+                                     drawing->look.mode));
+  if (!flags.is_given("background")) drawing->background = Rgb{0, 0, 0};
+}
+
+std::shared_ptr<const std::vector<FurtherVolume>> make_channels(const Dataset& dataset,
+                                                                const DrawingFlags& drawing,
+                                                                Session& session) {
+  const ChannelFlags& said = drawing.channels;
+  if (said.names.empty()) return nullptr;
+  std::vector<FurtherVolume> volumes;
+  if (are_primaries(drawing)) {
+    const DataArray& array = array_of_primaries(dataset, drawing);
+    for (int i = 0; i < 3; ++i) {
+      const LatticeField field = field_of(dataset, drawing, {array.name, i}, session);
+      const bool is_of_bytes = array.type == ScalarType::kUInt8;
+      const Look look = primary_look(is_of_bytes ? ValueRange{0, 255} : field.value_range(), i);
+      volumes.push_back({field, look});
+    }
+    return further_volumes(std::move(volumes));
+  }
+  const std::vector<Channel> channels = wanted_channels(dataset, drawing);
+  for (std::size_t i = 1; i < channels.size(); ++i) {
+    const LatticeField field = field_of(dataset, drawing, channels[i], session);
+    const Look own = channel_look(range_of(said, i, field), color_of(said, i, channels.size()),
+                                  drawing.look.mode);
+    const Quiet quiet(session);
+    volumes.push_back({field, make_look(look_of(drawing, own), Field(field), "", session)});
+  }
+  return further_volumes(std::move(volumes));
+}
+
+Mixing mixing_of(const DrawingFlags& drawing) {
+  if (are_primaries(drawing)) return Mixing::kColored;
+  return drawing.channels.mixing.value_or(drawing.channels.names.empty() ? Mixing::kAveraged
+                                                                         : Mixing::kAdded);
+}
+
+}  // namespace ovoid::cli

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// --channels: the arrays or components of one file as colours of one picture (docs/channels.md).
+#pragma once
+
+#include "flags.h"
+#include "ovoid/dataset.h"
+#include "ovoid/further_volumes.h"
+#include "session.h"
+#include "settings.h"
+
+namespace ovoid::cli {
+
+// Makes `drawing` draw the first of the wanted channels, or what red, green and blue are the
+// colours of: its model, look, background and mixing, where `flags` do not say them. Throws Error,
+// naming the flag, for a channel that is not there.
+void take_channels(const Dataset& dataset, const Flags& flags, DrawingFlags* drawing,
+                   Session& session);
+
+// The others, or red, green and blue; null: the drawing has no channels.
+std::shared_ptr<const std::vector<FurtherVolume>> make_channels(const Dataset& dataset,
+                                                                const DrawingFlags& drawing,
+                                                                Session& session);
+
+// How what is drawn together is mixed.
+Mixing mixing_of(const DrawingFlags& drawing);
+
+}  // namespace ovoid::cli

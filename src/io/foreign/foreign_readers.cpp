@@ -13,7 +13,7 @@
 #include "io/foreign/hdf5_lattice.h"
 #include "io/foreign/hdf5_points.h"
 #include "io/foreign/mesh_readers.h"
-#include "io/foreign/netcdf_header.h"
+#include "io/foreign/file_checks.h"
 #include "io/foreign/vtk_sets.h"
 #include "io/foreign/vtk_surface.h"
 #include "ovoid/error.h"

@@ -114,7 +114,7 @@ inline std::vector<std::string> slice_seeds() {
 inline std::vector<std::string> tiff_seeds() {
   const std::vector<std::string> pages{samples(12), samples(13).substr(1)};
   std::vector<std::string> seeds;
-  for (const int compression : {1, 5, 8, 32773}) {
+  for (const int compression : {1, 5, 8, 32773, 50000}) {
     io::TestTiff tiff;
     tiff.compression = compression;
     tiff.is_big_endian = compression == 5;

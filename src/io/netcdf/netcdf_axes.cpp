@@ -17,7 +17,7 @@
 namespace ovoid::io {
 namespace {
 
-constexpr std::int64_t kMostPlaces = 1'000'000;  // along an axis, that are looked at
+constexpr std::int64_t kMostCoordinates = 1'000'000;  // along an axis, that are looked at
 
 CfAxis cf_axis_of(const NetcdfVariable& coordinate) {
   return {coordinate.text("axis"), coordinate.text("standard_name"), coordinate.text("units"),
@@ -102,7 +102,7 @@ std::optional<NetcdfPlaces> netcdf_places(const ByteSource& source, const Netcdf
   for (std::size_t i = 0; i < 3; ++i) {
     coordinates[i] = coordinate_of(header, variable, axes, kLetters[i]);
     if (coordinates[i] == nullptr) continue;
-    places.along[i] = netcdf_numbers(source, header, *coordinates[i], kMostPlaces);
+    places.along[i] = netcdf_numbers(source, header, *coordinates[i], kMostCoordinates);
     if (!are_places(places.along[i])) places.along[i].clear();
     if (coordinates[i]->type == ScalarType::kFloat64) places.is_float64 = true;
   }
@@ -148,7 +148,7 @@ std::vector<double> netcdf_times(const ByteSource& source, const NetcdfHeader& h
   const NetcdfVariable* const time = coordinate_of(header, variable, axes, 't');
   if (time == nullptr) return {};
   units = time->text("units");
-  return netcdf_numbers(source, header, *time, kMostPlaces);
+  return netcdf_numbers(source, header, *time, kMostCoordinates);
 }
 
 }  // namespace ovoid::io

@@ -33,7 +33,7 @@ struct RawOptions {
   std::optional<Vec3> spacing;
   bool big_endian = false;
   // What the axes of an array are, the slowest first, a letter for each: t, c (channels), z, y, x,
-  // as "tczyx". Of NPY, Zarr and grids in HDF5 alone; empty: as the format has it.
+  // as "tczyx". Of NPY, Zarr, netCDF and grids in HDF5; empty: as the format has it.
   std::string axis_order;
 };
 

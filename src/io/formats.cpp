@@ -27,6 +27,7 @@
 #include "io/meshes/mesh_files.h"
 #include "io/meshes/plot3d.h"
 #include "io/meshes/surfaces.h"
+#include "io/netcdf/netcdf_grid.h"
 #include "io/points/lammps_dump.h"
 #include "io/points/npy_points.h"
 #include "io/points/ply.h"
@@ -174,6 +175,14 @@ std::vector<Format> images() {
            .says_spacing = false,
            .says_axes = false,
            .kinds = {kLattice}},
+          {.name = "netCDF",
+           .endings = {".nc", ".cdf"},
+           .is_file = is_netcdf_grid,
+           .read = read_one<read_netcdf_grid>,
+           .says_spacing = false,
+           .says_axes = false,
+           .kinds = {kLattice, kMesh},
+           .time = time_of_netcdf},
           {.name = "folder of slices", .endings = {}, .says_spacing = false, .kinds = {kLattice}},
           {.name = kRaw,
            .endings = {".raw", ".raw.gz"},
@@ -320,8 +329,8 @@ std::string unread_kind_of(std::string_view start) {
 
 [[noreturn]] void refuse_axis_order(const std::string& source, std::string_view format) {
   throw Error(ErrorCode::kInvalidArgument,
-              fmt::format("{}: is {}: an axis order can be given for NPY, Zarr and grids in HDF5 "
-                          "only",
+              fmt::format("{}: is {}: an axis order can be given for NPY, Zarr, netCDF and "
+                          "grids in HDF5 only",
                           source, format));
 }
 

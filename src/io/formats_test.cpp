@@ -136,6 +136,8 @@ TEST(Formats, AreToldByContentFirst) {
   EXPECT_EQ(name_of_format("g", "\x89HDF\r\n\x1a\n VTKHDF"), "VTKHDF");
   EXPECT_EQ(name_of_format("h", "\x89HDF\r\n\x1a\n"), "HDF5");
   EXPECT_EQ(name_of_format("i.vti", "nothing"), "none");
+  EXPECT_EQ(name_of_format("j.ex2", "CDF\x01 cut"), "Exodus");
+  EXPECT_EQ(name_of_format("j", "CDF\x01 cut"), "netCDF");
 }
 
 }  // namespace

@@ -145,6 +145,7 @@ TEST(Mutation, RawName) { run(fuzz::raw_name_seeds(), fuzz::raw_name); }
 TEST(Mutation, Dicom) { run(fuzz::dicom_seeds(), fuzz::dicom); }
 TEST(Mutation, VtkHeader) { run(fuzz::vtk_header_seeds(), fuzz::vtk_header); }
 TEST(Mutation, Plot3d) { run(fuzz::plot3d_seeds(), fuzz::plot3d); }
+TEST(Mutation, Netcdf) { run(fuzz::netcdf_seeds(), fuzz::netcdf, 4000); }
 TEST(Mutation, NetcdfHeader) { run(fuzz::netcdf_header_seeds(), fuzz::netcdf_header, 4000); }
 TEST(Mutation, PictureParts) { run(fuzz::picture_part_seeds(), fuzz::picture_part, 400); }
 TEST(Mutation, Look) { run(fuzz::look_seeds(), fuzz::look, 4000); }
@@ -186,10 +187,10 @@ TEST(Mutation, SeedsAreValid) {
         << i;
   }
   const std::pair<const char*, std::vector<std::string>> whole[] = {
-      {"a.nii", fuzz::nifti_seeds()},  {"a.mha", fuzz::metaimage_seeds()},
-      {"a.slc", fuzz::slc_seeds()},    {"a.csv", fuzz::point_text_seeds()},
-      {"a.npz", fuzz::npz_seeds()},    {"a.ply", fuzz::ply_seeds()},
-      {"a.dump", fuzz::lammps_seeds()}};
+      {"a.nii", fuzz::nifti_seeds()},      {"a.mha", fuzz::metaimage_seeds()},
+      {"a.nc", fuzz::netcdf_seeds()},      {"a.slc", fuzz::slc_seeds()},
+      {"a.csv", fuzz::point_text_seeds()}, {"a.npz", fuzz::npz_seeds()},
+      {"a.ply", fuzz::ply_seeds()},        {"a.dump", fuzz::lammps_seeds()}};
   for (const auto& [name, seeds] : whole) {
     for (std::size_t i = 0; i < std::min<std::size_t>(seeds.size(), 5); ++i) {  // in one file
       EXPECT_EQ(error_of([&] {

@@ -25,6 +25,7 @@
 #include "io/images/npy.h"
 #include "io/images/test_png.h"
 #include "io/images/test_tiff.h"
+#include "io/netcdf/test_netcdf.h"
 #include "io/pictures/pictures.h"
 #include "io/zarr/test_zarr.h"
 #include "ovoid/error.h"
@@ -113,7 +114,7 @@ inline std::vector<std::string> slice_seeds() {
 inline std::vector<std::string> tiff_seeds() {
   const std::vector<std::string> pages{samples(12), samples(13).substr(1)};
   std::vector<std::string> seeds;
-  for (const int compression : {1, 5, 8, 32773}) {
+  for (const int compression : {1, 5, 8, 32773, 50000}) {
     io::TestTiff tiff;
     tiff.compression = compression;
     tiff.is_big_endian = compression == 5;
@@ -197,6 +198,11 @@ inline std::vector<std::string> zarr_seeds() {
   third["c/0/0/0"] = "123456789\x83\x92\x06\xe3";
   seeds.push_back(io::zip_of(third));
   return seeds;
+}
+
+inline std::vector<std::string> netcdf_seeds() {
+  return {io::test_climate(1).bytes(), io::test_climate(5).bytes(),
+          io::test_simulation({1, 2, 3}).bytes(), io::test_simulation({1, 2, 4}).bytes()};
 }
 
 // A binary header, number by number, in either byte order.

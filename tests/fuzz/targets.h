@@ -26,8 +26,8 @@
 #include "io/core/memory.h"
 #include "io/core/signatures.h"
 #include "io/dicom/dicom_codec.h"
+#include "io/foreign/file_checks.h"
 #include "io/foreign/gdcm_codec.h"
-#include "io/foreign/netcdf_header.h"
 #include "io/foreign/vtk_header.h"
 #include "io/images/slice_pictures.h"
 #include "io/meshes/plot3d.h"
@@ -185,6 +185,10 @@ inline void zarr(Input input) {
   const io::Opener open = [input](const std::string& path) { return io::open_memory(path, input); };
   const auto source = io::open_memory("fuzz.zip", input);
   expect_dataset_or_error([&] { return io::read_source(*source, {}, open); });
+}
+
+inline void netcdf(Input input) {
+  expect_dataset_or_error([&] { return io::read_source(*io::open_memory("fuzz.nc", input), {}); });
 }
 
 inline void point_text(Input input) {

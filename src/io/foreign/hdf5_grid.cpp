@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -15,8 +14,8 @@
 #include <vector>
 
 #include "io/core/axis_order.h"
+#include "io/core/cf_conventions.h"
 #include "io/core/chunked_array.h"
-#include "io/core/missing_numbers.h"
 #include "io/core/point_arrays.h"
 #include "io/core/samples.h"
 #include "io/core/samples_in_file.h"
@@ -160,13 +159,12 @@ class Hdf5GridReader {
                     "",
                     false,
                     {}};
-    array.unit = hdf5_text(stored.get(), "units").value_or("");
-    scale(stored.get(), array);
     if (dataset_.arrays.empty()) place(stored.get(), grid.path);
     if (array.num_components == 1 &&
         stays_in_file(extent.type.type, extent.num_bytes(), options_)) {
       if (const auto at = place_of_hdf5_storage(opened_.get(), stored.get(), extent)) {
         array.stored = samples_told(*at);
+        apply_cf(stored.get(), where, array);
         dataset_.arrays.push_back(std::move(array));
         return;
       }
@@ -174,7 +172,7 @@ class Hdf5GridReader {
     std::byte* to = nullptr;
     array = new_array(std::move(array), to);
     read_hdf5_storage(stored.get(), extent, to, progress);
-    hide_missing(stored.get(), where, array);
+    apply_cf(stored.get(), where, array);
     dataset_.arrays.push_back(std::move(array));
   }
 
@@ -221,10 +219,7 @@ class Hdf5GridReader {
     std::size_t next = 0;
     for (std::size_t i = 0; i < arrays.size(); ++i) {
       for (std::int64_t c = 0; c < arrays[i].num_channels(); ++c, ++next) {
-        const hid_t stored = handles[i]->get();
-        dataset_.arrays[next].unit = hdf5_text(stored, "units").value_or("");
-        scale(stored, dataset_.arrays[next]);
-        hide_missing(stored, arrays[i].where, dataset_.arrays[next]);
+        apply_cf(handles[i]->get(), arrays[i].where, dataset_.arrays[next]);
       }
     }
     place(handles[0]->get(), grids[0]->path);
@@ -236,33 +231,30 @@ class Hdf5GridReader {
 
   void set_times(const std::string& group) {
     for (const char* const name : {"time", "t"}) {
-      const std::vector<double> times = file_.numbers(group, name);
-      const bool do_rise = std::adjacent_find(times.begin(), times.end(), [](double a, double b) {
-                             return !(a < b);
-                           }) == times.end();
-      if (dataset_.num_steps < 2 || static_cast<std::int64_t>(times.size()) != dataset_.num_steps ||
-          !do_rise || !std::isfinite(times.front()) || !std::isfinite(times.back()))
-        continue;
-      dataset_.times = times;
-      return;
+      std::vector<double> times = file_.numbers(group, name);
+      if (times.empty() || !dataset_.times.empty()) continue;
+      const std::string path = fmt::format("{}/{}", group, name);
+      const Hdf5Handle stored(H5Dopen2(opened_.get(), path.c_str(), H5P_DEFAULT), H5Dclose);
+      const std::string units =
+          stored.is_open() ? hdf5_text(stored.get(), "units").value_or("") : "";
+      set_cf_times(std::move(times), units, dataset_);
     }
   }
 
-  // netCDF's words for samples that are not there.
-  void hide_missing(hid_t stored, const std::string& where, DataArray& array) {
-    std::vector<double> missing = hdf5_numbers(stored, "_FillValue", 1);
-    const std::vector<double> more = hdf5_numbers(stored, "missing_value", 1);
-    missing.insert(missing.end(), more.begin(), more.end());
-    if (!missing.empty()) hide_missing_numbers(where, missing, array, dataset_.notes);
-  }
-
-  // netCDF's words for what a stored number stands for.
-  static void scale(hid_t stored, DataArray& array) {
-    const std::vector<double> factor = hdf5_numbers(stored, "scale_factor", 1);
-    const std::vector<double> offset = hdf5_numbers(stored, "add_offset", 1);
-    if (factor.size() == 1 && std::isfinite(factor[0]) && factor[0] != 0)
-      array.value_scale = factor[0];
-    if (offset.size() == 1 && std::isfinite(offset[0])) array.value_offset = offset[0];
+  void apply_cf(hid_t stored, const std::string& where, DataArray& array) {
+    CfNumbers numbers;
+    for (const char* const name : {"_FillValue", "missing_value"}) {
+      const std::vector<double> missing = hdf5_numbers(stored, name, 1);
+      numbers.missing.insert(numbers.missing.end(), missing.begin(), missing.end());
+    }
+    const auto number = [&](const char* name) -> std::optional<double> {
+      const std::vector<double> values = hdf5_numbers(stored, name, 1);
+      return values.size() == 1 ? std::optional(values[0]) : std::nullopt;
+    };
+    numbers.scale_factor = number("scale_factor");
+    numbers.add_offset = number("add_offset");
+    numbers.units = hdf5_text(stored, "units").value_or("");
+    apply_cf_numbers(where, numbers, array, dataset_.notes);
   }
 
   // Attributes in the order of the array's axes: z, y, x.
@@ -287,37 +279,29 @@ class Hdf5GridReader {
         dataset_.lattice.world_from_index.translation() = *origin;
       return;
     }
-    place_by_coordinates(path);
+    place_beside(path);
   }
 
-  // The places along an axis, from the dataset called like it beside the array: its first and their
-  // distance, if they are even.
-  std::optional<std::pair<double, double>> coordinates(const std::string& group,
-                                                       std::size_t axis) const {
+  // The places along an axis, from a dataset beside the array that is called like it.
+  std::vector<double> coordinates(const std::string& group, std::size_t axis) const {
     static const std::array<std::vector<const char*>, 3> kNames{
         {{"x", "lon", "longitude"},
          {"y", "lat", "latitude"},
          {"z", "lev", "level", "depth", "height", "altitude"}}};
-    const auto count = static_cast<std::size_t>(dataset_.lattice.dims[axis]);
     for (const char* const name : kNames[axis]) {
-      const std::vector<double> places = file_.numbers(group, name);
-      if (places.size() != count || count < 2) continue;
-      if (const auto even = even_places(places)) return even;
+      std::vector<double> places = file_.numbers(group, name);
+      if (static_cast<std::int64_t>(places.size()) == dataset_.lattice.dims[axis] &&
+          even_places(places))
+        return places;
     }
-    return std::nullopt;
+    return {};
   }
 
-  void place_by_coordinates(const std::string& path) {
+  void place_beside(const std::string& path) {
     const std::string group = group_of(path);
-    Vec3 origin, spacing;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const auto found = coordinates(group, axis);
-      if (!found) return;
-      origin[static_cast<Eigen::Index>(axis)] = found->first;
-      spacing[static_cast<Eigen::Index>(axis)] = found->second;
-    }
-    dataset_.lattice.world_from_index.linear() = spacing.asDiagonal();
-    dataset_.lattice.world_from_index.translation() = origin;
+    if (!place_by_coordinates({coordinates(group, 0), coordinates(group, 1), coordinates(group, 2)},
+                              dataset_))
+      return;
     dataset_.notes.push_back(
         fmt::format("{}: samples lie where the datasets beside '{}' that are "
                     "called like axes say",

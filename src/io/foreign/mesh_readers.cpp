@@ -8,7 +8,7 @@
 
 #include "io/core/signatures.h"
 #include "io/core/text_scanner.h"
-#include "io/foreign/netcdf_header.h"
+#include "io/foreign/file_checks.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {

@@ -2,6 +2,8 @@
 // TIFF files made here: for tests of the reader, and where fuzzing starts from.
 #pragma once
 
+#include <zstd.h>
+
 #include <algorithm>
 #include <cstdint>
 #include <map>
@@ -187,6 +189,11 @@ class TiffWriter {
         return lzw_packed(block);
       case 8:
         return deflated(block, 15);
+      case 50000: {
+        std::string packed(ZSTD_compressBound(block.size()), '\0');
+        packed.resize(ZSTD_compress(packed.data(), packed.size(), block.data(), block.size(), 1));
+        return packed;
+      }
       case 32773:
         return bits_packed(block);
       default:

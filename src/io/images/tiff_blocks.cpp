@@ -2,6 +2,7 @@
 #include "io/images/tiff_blocks.h"
 
 #include <fmt/format.h>
+#include <zstd.h>
 
 #include <algorithm>
 #include <array>
@@ -145,6 +146,25 @@ std::string inflate_block(std::span<const std::byte> packed, std::span<std::byte
   return {};
 }
 
+std::string unpack_zstandard(std::span<const std::byte> packed, std::span<std::byte> out) {
+  // By parts: a writer's last block may hold more than the page.
+  ZSTD_DStream* const stream = ZSTD_createDStream();
+  if (stream == nullptr) return "is packed, and memory is short";
+  ZSTD_inBuffer in{packed.data(), packed.size(), 0};
+  ZSTD_outBuffer to{out.data(), out.size(), 0};
+  std::string wrong;
+  while (to.pos < to.size && wrong.empty()) {
+    const std::size_t before = in.pos + to.pos;
+    const std::size_t left = ZSTD_decompressStream(stream, &to, &in);
+    if (ZSTD_isError(left) != 0)
+      wrong = fmt::format("Zstandard: {}", ZSTD_getErrorName(left));
+    else if (to.pos < to.size && (left == 0 || in.pos + to.pos == before))
+      wrong = kTooFew;
+  }
+  ZSTD_freeDStream(stream);
+  return wrong;
+}
+
 template <typename T>
 void sum_differences(std::span<std::byte> row, std::size_t num_in_row, std::size_t stride) {
   for (std::size_t i = stride; i < num_in_row; ++i) {
@@ -188,8 +208,6 @@ std::string tiff_compression_name(int compression) {
       return "LERC";
     case 34925:
       return "LZMA";
-    case 50000:
-      return "Zstandard";
     case 50001:
       return "WebP";
     default:
@@ -199,12 +217,14 @@ std::string tiff_compression_name(int compression) {
 
 bool is_read_compression(int compression) noexcept {
   return compression == kTiffPlain || compression == kTiffLzw || compression == kTiffDeflate ||
-         compression == kTiffOldDeflate || compression == kTiffPackBits;
+         compression == kTiffOldDeflate || compression == kTiffPackBits ||
+         compression == kTiffZstandard;
 }
 
 std::int64_t max_tiff_ratio(int compression) noexcept {
   if (compression == kTiffPlain) return 1;
   if (compression == kTiffPackBits) return 64;
+  if (compression == kTiffZstandard) return (128 << 10) / 3 + 1;
   return compression == kTiffLzw ? 4096 * 8 / 12 + 1 : kMaxDeflateRatio;
 }
 
@@ -218,6 +238,7 @@ std::string unpack_tiff(int compression, std::span<const std::byte> packed,
     return unpack_lzw(packed, out);
   }
   if (compression == kTiffPackBits) return unpack_bits(packed, out);
+  if (compression == kTiffZstandard) return unpack_zstandard(packed, out);
   if (compression != kTiffPlain) return inflate_block(packed, out);
   if (packed.size() < out.size()) return kTooFew;
   std::copy_n(packed.begin(), out.size(), out.begin());

@@ -13,7 +13,7 @@ namespace ovoid::io {
 
 // TIFF's numbers for the compressions that are read.
 inline constexpr int kTiffPlain = 1, kTiffLzw = 5, kTiffDeflate = 8, kTiffPackBits = 32773,
-                     kTiffOldDeflate = 32946;
+                     kTiffOldDeflate = 32946, kTiffZstandard = 50000;
 
 // "JPEG" and so on; the number for an unknown one.
 std::string tiff_compression_name(int compression);
@@ -21,7 +21,7 @@ std::string tiff_compression_name(int compression);
 bool is_read_compression(int compression) noexcept;
 
 // How many bytes one of such data stands for at most. Deflate: see kMaxDeflateRatio. LZW: 12 bits
-// for 4096 bytes, at best. PackBits: two for 128.
+// for 4096 bytes, at best. PackBits: two for 128. Zstandard: three, of a block, for 128 KiB.
 std::int64_t max_tiff_ratio(int compression) noexcept;
 
 // Fills `out` from packed bytes. Empty if all is well, else what is wrong.

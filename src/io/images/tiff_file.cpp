@@ -282,13 +282,13 @@ TiffPage TiffFile::page_of(const Directory& directory, std::int64_t number_in_fi
   page.compression = static_cast<int>(value(kCompression, 1) & 0xffffU);
   if (!is_read_compression(page.compression)) {
     refuse(page.number,
-           fmt::format("is compressed by {}, which is not read: expected none, LZW, deflate (zip) "
-                       "or PackBits",
+           fmt::format("is compressed by {}, which is not read: expected none, LZW, deflate (zip), "
+                       "Zstandard or PackBits",
                        tiff_compression_name(page.compression)));
   }
   page.predictor = static_cast<int>(value(kPredictor, 1) & 0xffffU);
   if (page.compression != kTiffLzw && page.compression != kTiffDeflate &&
-      page.compression != kTiffOldDeflate)
+      page.compression != kTiffOldDeflate && page.compression != kTiffZstandard)
     page.predictor = 1;
   const bool is_integer = !is_floating(page.type);
   if (page.predictor != 1 && !(page.predictor == 2 && page.bits % 8 == 0 && page.bits != 24) &&

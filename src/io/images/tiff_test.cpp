@@ -43,7 +43,7 @@ std::string reversed_pairs(std::string bytes) {
 TEST(Tiff, PagesAreSlicesInAllContainersAndCompressions) {
   for (const bool is_big_tiff : {false, true}) {
     for (const bool is_big_endian : {false, true}) {
-      for (const int compression : {1, 5, 8, 32773}) {
+      for (const int compression : {1, 5, 8, 32773, 50000}) {
         TestTiff tiff;
         tiff.is_big_tiff = is_big_tiff;
         tiff.is_big_endian = is_big_endian;
@@ -142,7 +142,7 @@ TEST(Tiff, Predictors) {
       (std::vector<std::uint16_t>{0x0100, 0x01ff}));
   // The bytes of 1.0 (3f 80 00 00) and 2.0 (40 00 00 00), the highest first, as differences.
   TestTiff floats;
-  floats.compression = 8;
+  floats.compression = 50000;
   floats.predictor = 3;
   floats.bits = 32;
   floats.format = 3;
@@ -368,7 +368,7 @@ TEST(Tiff, DamageIsTold) {
   loop.replace(writer.link(), 4, writer.number(1'000'000, 4));
   EXPECT_THAT(error(loop), HasSubstr("its next page is behind its end"));
   // Sizes that no file so small holds.
-  for (const int compression : {1, 5, 8, 32773}) {
+  for (const int compression : {1, 5, 8, 32773, 50000}) {
     TestTiff huge;
     huge.width = huge.height = 1'000'000'000;
     huge.compression = compression;
@@ -387,6 +387,10 @@ TEST(Tiff, DamageIsTold) {
   std::string damaged = tiff_file(packed, kPages);
   damaged[12] = static_cast<char>(damaged[12] ^ 0x40);
   EXPECT_THAT(error(damaged), HasSubstr("page 0: a strip or tile"));
+  packed.compression = 50000;
+  damaged = tiff_file(packed, kPages);
+  damaged[9] = static_cast<char>(damaged[9] ^ 0x40);
+  EXPECT_THAT(error(damaged), HasSubstr("page 0: a strip or tile Zstandard: "));
   TestTiff strange;
   strange.compression = 7;
   EXPECT_THAT(error(tiff_file(strange, kPages)),

@@ -6,14 +6,23 @@
 #include <system_error>
 
 #include "io/core/signatures.h"
+#include "io/netcdf/netcdf_header.h"
+#include "ovoid/error.h"
 
 namespace ovoid::io {
 
 bool is_exodus(const ByteSource& source, std::string_view start) {
-  if (start.starts_with("CDF\x01") || start.starts_with("CDF\x02") || start.starts_with("CDF\x05"))
-    return true;
-  return is_hdf5(start) && std::find(kExodusEndings.begin(), kExodusEndings.end(),
-                                     ending_of(source.name())) != kExodusEndings.end();
+  const bool is_netcdf = begins_like_netcdf(start);
+  if (!is_netcdf && !is_hdf5(start)) return false;
+  if (is_netcdf) {
+    try {
+      return is_exodus_header(read_netcdf_header(source));
+    } catch (const Error&) {
+      // Broken: by its name.
+    }
+  }
+  return std::find(kExodusEndings.begin(), kExodusEndings.end(), ending_of(source.name())) !=
+         kExodusEndings.end();
 }
 
 bool is_vtk_hdf(const ByteSource& source, std::string_view start) {

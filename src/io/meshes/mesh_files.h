@@ -13,7 +13,8 @@ namespace ovoid::io {
 inline const std::vector<std::string_view> kExodusEndings{".e",    ".ex2",   ".exo",
                                                           ".exii", ".ex2v2", ".g"};
 
-bool is_exodus(const ByteSource& source, std::string_view start);   // netCDF, or HDF5 called so
+bool is_exodus(const ByteSource& source,
+               std::string_view start);  // netCDF of Exodus', or HDF5 called so
 bool is_vtk_hdf(const ByteSource& source, std::string_view start);  // HDF5 with a group VTKHDF
 bool is_enzo(const ByteSource& source,
              std::string_view start);                           // NAME.hierarchy, or NAME beside it

@@ -334,7 +334,7 @@ class ZarrReader {
                             dataset_.notes);
       }
     }
-    place_by_coordinates(store_, *found[0].node, arrays[0].axes, dataset_);
+    place_zarr_array(store_, *found[0].node, arrays[0].axes, dataset_);
     place_as_asked();
   }
 

@@ -5,15 +5,14 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <optional>
 #include <type_traits>
 #include <utility>
 
 #include "data/scalar_visit.h"
 #include "io/core/axis_order.h"
+#include "io/core/cf_conventions.h"
 #include "io/core/length_units.h"
-#include "io/core/missing_numbers.h"
 #include "io/core/samples.h"
 #include "ovoid/error.h"
 
@@ -22,16 +21,6 @@ namespace {
 
 constexpr std::string_view kSpaceLetters = "xyz";
 constexpr std::int64_t kMostPlaces = 65'536;  // along an axis, that are looked at
-
-// "s" for "second": units of time as other formats write them.
-std::string plain_time_unit(const std::string& unit) {
-  static constexpr std::pair<const char*, const char*> kUnits[] = {
-      {"second", "s"},   {"millisecond", "ms"}, {"microsecond", "us"},
-      {"minute", "min"}, {"hour", "h"},         {"day", "d"}};
-  for (const auto& [name, plain] : kUnits)
-    if (unit == name) return plain;
-  return unit;
-}
 
 // The numbers of an array of one axis; empty if there is none, or it is too long.
 std::vector<double> zarr_numbers(const std::shared_ptr<const ZarrStore>& store,
@@ -61,19 +50,15 @@ std::vector<double> zarr_numbers(const std::shared_ptr<const ZarrStore>& store,
   }
 }
 
-void set_times(std::vector<double> times, Dataset& dataset) {
-  const bool do_rise = std::adjacent_find(times.begin(), times.end(), [](double a, double b) {
-                         return !(a < b);
-                       }) == times.end();
-  const bool are_finite =
-      std::all_of(times.begin(), times.end(), [](double time) { return std::isfinite(time); });
-  if (do_rise && are_finite) dataset.times = std::move(times);
-}
-
 std::optional<double> cf_number(const Json& attributes, const char* name) {
   const auto found = attributes.find(name);
   if (found == attributes.end() || !found->is_number()) return std::nullopt;
   return found->get<double>();
+}
+
+std::string cf_text(const Json& attributes, const char* name) {
+  const auto found = attributes.find(name);
+  return found != attributes.end() && found->is_string() ? found->get<std::string>() : "";
 }
 
 }  // namespace
@@ -106,72 +91,54 @@ void place_ome_level(const OmeImage& image, const OmeLevel& level, Dataset& data
         fmt::format("{}: lengths are in {}, as the file has them", dataset.source, unit));
   }
   const auto time = axis_place(image.axes, 't');
-  if (!time || dataset.num_steps < 2) return;
+  if (!time) return;
   std::vector<double> times;
   for (std::int64_t step = 0; step < dataset.num_steps; ++step)
     times.push_back(level.translation[*time] + static_cast<double>(step) * level.scale[*time]);
-  set_times(std::move(times), dataset);
-  if (!dataset.times.empty()) dataset.time_unit = plain_time_unit(image.units[*time]);
+  set_cf_times(std::move(times), image.units[*time], dataset);
 }
 
-void place_by_coordinates(const std::shared_ptr<const ZarrStore>& store, const ZarrNode& node,
-                          const std::string& axes, Dataset& dataset) {
+void place_zarr_array(const std::shared_ptr<const ZarrStore>& store, const ZarrNode& node,
+                      const std::string& axes, Dataset& dataset) {
   const std::vector<std::string> names = zarr_axis_names(node);
   const std::size_t slash = node.key.rfind('/');
   const std::string group = slash == std::string::npos ? "" : node.key.substr(0, slash);
   if (node.key.empty() || names.size() != axes.size()) return;
-  const auto places_along = [&](char letter) {
+  const auto key_along = [&](char letter) {
     const auto place = axis_place(axes, letter);
     return !place || names[*place].empty() || names[*place].find('/') != std::string::npos
-               ? std::vector<double>()
-               : zarr_numbers(store, zarr_key(group, names[*place]));
+               ? std::string()
+               : zarr_key(group, names[*place]);
   };
-  Vec3 spacing(0, 0, 0), origin(0, 0, 0);
-  bool is_placed = true;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const auto axis = static_cast<Eigen::Index>(i);
-    const std::int64_t count = dataset.lattice.dims[i];
-    const std::vector<double> places = places_along(kSpaceLetters[i]);
-    const auto even = even_places(places);
-    if (static_cast<std::int64_t>(places.size()) == count && even) {
-      origin[axis] = even->first;
-      spacing[axis] = even->second;
-    } else {
-      is_placed = is_placed && count == 1;
-    }
-  }
-  if (is_placed && spacing.cwiseAbs().maxCoeff() > 0) {
-    const double least =
-        (spacing.array() == 0).select(spacing.cwiseAbs().maxCoeff(), spacing.cwiseAbs()).minCoeff();
-    for (Eigen::Index axis = 0; axis < 3; ++axis)
-      if (spacing[axis] == 0) spacing[axis] = least;
-    dataset.lattice.world_from_index.linear() = spacing.asDiagonal();
-    dataset.lattice.world_from_index.translation() = origin;
+  const auto places_along = [&](char letter) {
+    const std::string key = key_along(letter);
+    return key.empty() ? std::vector<double>() : zarr_numbers(store, key);
+  };
+  if (place_by_coordinates({places_along('x'), places_along('y'), places_along('z')}, dataset)) {
     dataset.notes.push_back(fmt::format(
         "{}: samples lie where the arrays beside '{}' that are called like its axes say",
         dataset.source, node.key));
   }
   std::vector<double> times = places_along('t');
-  if (dataset.num_steps > 1 && static_cast<std::int64_t>(times.size()) == dataset.num_steps)
-    set_times(std::move(times), dataset);
+  if (times.empty()) return;
+  const auto time = find_zarr_node(*store, key_along('t'));
+  set_cf_times(std::move(times), time ? cf_text(time->attributes, "units") : "", dataset);
 }
 
 void apply_cf_attributes(const ZarrNode& node, const std::string& where, DataArray& array,
                          std::vector<std::string>& notes) {
   const Json& attributes = node.attributes;
-  std::vector<double> missing;
+  CfNumbers numbers;
   for (const char* const name : {"_FillValue", "missing_value"})
-    if (const auto number = cf_number(attributes, name)) missing.push_back(*number);
+    if (const auto number = cf_number(attributes, name)) numbers.missing.push_back(*number);
   // xarray says it so.
   if (attributes.contains("_ARRAY_DIMENSIONS"))
-    if (const auto number = cf_number(node.description, "fill_value")) missing.push_back(*number);
-  if (!missing.empty()) hide_missing_numbers(where, missing, array, notes);
-  const auto factor = cf_number(attributes, "scale_factor");
-  const auto offset = cf_number(attributes, "add_offset");
-  if (factor && std::isfinite(*factor) && *factor != 0) array.value_scale = *factor;
-  if (offset && std::isfinite(*offset)) array.value_offset = *offset;
-  const auto unit = attributes.find("units");
-  if (unit != attributes.end() && unit->is_string()) array.unit = unit->get<std::string>();
+    if (const auto number = cf_number(node.description, "fill_value"))
+      numbers.missing.push_back(*number);
+  numbers.scale_factor = cf_number(attributes, "scale_factor");
+  numbers.add_offset = cf_number(attributes, "add_offset");
+  numbers.units = cf_text(attributes, "units");
+  apply_cf_numbers(where, numbers, array, notes);
 }
 
 }  // namespace ovoid::io

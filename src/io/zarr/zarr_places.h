@@ -17,10 +17,9 @@ namespace ovoid::io {
 void place_ome_level(const OmeImage& image, const OmeLevel& level, Dataset& dataset);
 
 // By the arrays of one axis that lie beside the array and are called like its axes, as xarray
-// writes them: those of x, y and z, if all that are longer than one sample are there and even; that
-// of time, if its numbers rise. `axes`: what the names stand for.
-void place_by_coordinates(const std::shared_ptr<const ZarrStore>& store, const ZarrNode& node,
-                          const std::string& axes, Dataset& dataset);
+// writes them (io/core/cf_conventions.h). `axes`: what the names stand for.
+void place_zarr_array(const std::shared_ptr<const ZarrStore>& store, const ZarrNode& node,
+                      const std::string& axes, Dataset& dataset);
 
 // What CF's attributes say of the numbers: scale and offset, unit, and those that stand for missing
 // samples, which become NaN.

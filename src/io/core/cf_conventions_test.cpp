@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "io/core/missing_numbers.h"
+#include "io/core/cf_conventions.h"
 
 #include <gtest/gtest.h>
 

@@ -20,6 +20,7 @@
 #include "view/coverage.h"
 #include "view/isosurfaces.h"
 #include "view/light.h"
+#include "view/look_2d.h"
 #include "view/space_part.h"
 
 namespace ovoid {
@@ -43,6 +44,22 @@ void require_central_differences(const RenderOptions& options) {
       "gradient: kernel sets take central differences; exact and corrected are for lattices");
 }
 
+// Throws Error unless a look's 2-D transfer function, if it has one, says all about the picture.
+void require_2d(const Field& field, const Look& look, const RenderOptions& options) {
+  if (!look.transfer_function_2d) return;
+  const auto refuse = [](const char* why) {
+    throw Error(ErrorCode::kUnsupported, std::string("2-D transfer function: ") + why);
+  };
+  if (look.mode != Mode::kComposite) refuse("is for the mode composite");
+  if (options.classification == Classification::kPreintegrated)
+    refuse("is for the classifications refined and sampled, not for pre-integrated");
+  if (field.kernels() != nullptr && field.kernels()->has_own_color())
+    refuse("gives colours itself, which an attribute of their own cannot give, too");
+  if (look.occlusion > 0 || look.shadows > 0)
+    refuse(
+        "occlusion and shadows come from a coarse volume that knows no gradients; both must be 0");
+}
+
 // Throws Error unless the trail can be drawn with the field.
 void require_trail(const Field& field, const Look& look, const Trail& trail,
                    const RenderOptions& options) {
@@ -50,6 +67,8 @@ void require_trail(const Field& field, const Look& look, const Trail& trail,
     throw Error(ErrorCode::kUnsupported, "trail: is for lattices, the field is a set of kernels");
   if (look.mode != Mode::kComposite && look.mode != Mode::kIsosurface)
     throw Error(ErrorCode::kUnsupported, "trail: is for the modes composite and isosurface");
+  if (look.transfer_function_2d)
+    throw Error(ErrorCode::kUnsupported, "trail: is for looks without a 2-D transfer function");
   if (look.mode == Mode::kIsosurface && !look.isosurfaces.empty())
     throw Error(ErrorCode::kUnsupported, "trail: is for one isosurface, not for several");
   if (is_published(options.post_convolution))
@@ -88,6 +107,7 @@ void require_further(const Field& field, const Look& look, bool has_trail,
     volumes[i].look.validate();
     if (volumes[i].look.mode != Mode::kComposite)
       refuse(fmt::format("further[{}].look has another mode than composite", i));
+    require_2d(volumes[i].field, volumes[i].look, options);
   }
 }
 
@@ -124,7 +144,7 @@ Look completed(Look look, const Field& field, const Camera& camera) {
   if (look.light == Light::kStudio && !look.light_direction)
     look.light_direction = view::studio_key(camera);
   look.isovalue = view::solid_isovalue(look);  // what light is worked out for
-  return look;
+  return view::with_envelope(std::move(look));
 }
 
 double milliseconds_since(Clock::time_point start) {
@@ -260,6 +280,7 @@ Frame Renderer::Impl::draw(const Field& field, const Camera& camera, const Look&
   look.validate();
   options.validate();
   require_spread(field, options);
+  require_2d(field, look, options);
   if (trail != nullptr) require_trail(field, look, *trail, options);
   if (options.further != nullptr) require_further(field, look, trail != nullptr, options);
   if (field.kernels() != nullptr) require_central_differences(options);

@@ -83,8 +83,16 @@ void write_histogram_2d(const Histogram2D& histogram, const std::string& path) {
     return write_file(path, json.dump() + "\n");
   }
   const auto pixels = std::size_t{Histogram2D::kColumns} * Histogram2D::kRows;
-  const double most =
-      std::log1p(*std::max_element(histogram.counts.begin(), histogram.counts.end()));
+  // Spots of materials hold so much that arcs would be dark beside them.
+  constexpr double kBright = 0.98;
+  std::vector<std::uint32_t> found;
+  for (const std::uint32_t count : histogram.counts) {
+    if (count > 0) found.push_back(count);
+  }
+  const auto bright =
+      found.begin() + static_cast<std::ptrdiff_t>(kBright * static_cast<double>(found.size() - 1));
+  std::nth_element(found.begin(), bright, found.end());
+  const double most = std::log1p(*bright);
   Image image;
   image.width = Histogram2D::kColumns;
   image.height = Histogram2D::kRows;
@@ -95,7 +103,7 @@ void write_histogram_2d(const Histogram2D& histogram, const std::string& path) {
     const std::size_t row = Histogram2D::kRows - 1 - i / Histogram2D::kColumns;
     const std::uint32_t count =
         histogram.counts[row * Histogram2D::kColumns + i % Histogram2D::kColumns];
-    std::fill_n(&image.rgba[4 * i], 3, static_cast<float>(std::log1p(count) / most));
+    std::fill_n(&image.rgba[4 * i], 3, static_cast<float>(std::min(std::log1p(count) / most, 1.0)));
   }
   write_image(image, path);
 }

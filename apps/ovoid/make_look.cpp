@@ -204,6 +204,8 @@ void take_flag_light(Look& look, const LookFlags& flags, Session& session) {
 // Reads the 2-D transfer function of --tf2d, and refuses flags that have no effect beside one.
 void take_2d(Look& look, const LookFlags& flags, Session& session) {
   if (!flags.file_2d.empty()) {
+    if (is_json(flags.file_2d) && flags.range_2d)
+      throw Error(ErrorCode::kInvalidArgument, "--tf2d-range: is for pictures, not for JSON");
     look.transfer_function_2d = is_json(flags.file_2d)
                                     ? transfer_function_2d_from_text(flags.file_2d, "--tf2d")
                                     : read_transfer_function_2d(flags.file_2d, flags.range_2d);

@@ -108,6 +108,12 @@ void require_further(const Field& field, const Look& look, bool has_trail,
     if (volumes[i].look.mode != Mode::kComposite)
       refuse(fmt::format("further[{}].look has another mode than composite", i));
     require_2d(volumes[i].field, volumes[i].look, options);
+    if (volumes[i].look.transfer_function_2d && (look.occlusion > 0 || look.shadows > 0)) {
+      refuse(
+          fmt::format("further[{}].look has a 2-D transfer function, so that occlusion and "
+                      "shadows of the picture's look must be 0",
+                      i));
+    }
   }
 }
 

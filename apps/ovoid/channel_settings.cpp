@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The table of --channels: arrays or components of one file as colours of one picture.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <optional>
 #include <string>
@@ -12,6 +13,8 @@
 
 namespace ovoid::cli {
 namespace {
+
+using Json = nlohmann::ordered_json;
 
 std::optional<std::string> has_no_channels(const std::string& mode) {
   return if_so(mode != "composite" && mode != "maximum" && mode != "mip" && mode != "minimum",

@@ -237,8 +237,8 @@ bool is_about_inside(const DrawingFlags& drawing) {
   const LookFlags& look = drawing.look;
   const bool has_preset = !look.preset.empty() && look.preset != kCinematicPreset;  // light alone
   return look.mode != Mode::kComposite || !look.file.empty() || has_preset ||
-         !look.opacities.empty() || !look.gradient_opacities.empty() || look.unit_distance ||
-         drawing.plane;
+         !look.opacities.empty() || !look.gradient_opacities.empty() || !look.file_2d.empty() ||
+         look.unit_distance || drawing.plane;
 }
 
 // Whether there are solid cells, whatever is known of their faces.

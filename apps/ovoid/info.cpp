@@ -17,6 +17,7 @@
 #include "console.h"
 #include "environment.h"
 #include "histogram.h"
+#include "histogram_2d.h"
 #include "info.h"
 #include "load.h"
 #include "make_field.h"
@@ -530,6 +531,7 @@ void print_json(const Json& json) {
 struct InfoFlags {
   bool is_json = false;
   bool lists_devices = false;
+  std::string histogram_2d;  // a file; empty: none
 };
 
 const Table<InfoFlags>& info_settings() {
@@ -537,6 +539,9 @@ const Table<InfoFlags>& info_settings() {
       {"--json", Toggle(), &InfoFlags::is_json, "as JSON"},
       {"--devices", Toggle(), &InfoFlags::lists_devices,
        "list what can draw on this machine; needs no INPUT"},
+      {"--histogram2d", word("OUT.png|OUT.json", Content::kFile), &InfoFlags::histogram_2d,
+       "write how often values and gradients go together, as a picture (gradients upwards, the "
+       "brighter the more, by the logarithm) or as counts: for choosing the regions of --tf2d"},
   };
   return all;
 }
@@ -592,7 +597,15 @@ void run_info(const Words& words, Session& session) {
   require_inputs(flags, data);
   take_from_model(&data, &model);
   data.may_stay_in_file = true;
-  const Json json = info_json(load(data, session), model, flags, session);
+  const Dataset dataset = load(data, session);
+  const Json json = info_json(dataset, model, flags, session);
+  if (!info.histogram_2d.empty()) {
+    const Field field = make_field(dataset, model, 0, session).field;
+    const Histogram2D histogram = histogram_2d_of(field, session.stop());
+    write_histogram_2d(histogram, info.histogram_2d);
+    session.note(fmt::format("{}: values {:g} to {:g}, gradients 0 to {:g}", info.histogram_2d,
+                             histogram.value_lo, histogram.value_hi, histogram.gradient_hi));
+  }
   return info.is_json ? print_json(json) : print_text(json);
 }
 

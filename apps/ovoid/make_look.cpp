@@ -201,6 +201,43 @@ void take_flag_light(Look& look, const LookFlags& flags, Session& session) {
   }
 }
 
+// Reads the 2-D transfer function of --tf2d, and refuses flags that have no effect beside one.
+void take_2d(Look& look, const LookFlags& flags, Session& session) {
+  if (!flags.file_2d.empty()) {
+    if (is_json(flags.file_2d) && flags.range_2d)
+      throw Error(ErrorCode::kInvalidArgument, "--tf2d-range: is for pictures, not for JSON");
+    look.transfer_function_2d = is_json(flags.file_2d)
+                                    ? transfer_function_2d_from_text(flags.file_2d, "--tf2d")
+                                    : read_transfer_function_2d(flags.file_2d, flags.range_2d);
+    look.transfer_function.gradient_opacities.clear();
+    if (!flags.file.empty() && (look.occlusion > 0 || look.shadows > 0))
+      session.note(
+          "--tf2d: drawn without the look's occlusion and shadows, which know no gradients");
+    // By flags they are asked for, and refused where the picture is drawn.
+    if (!flags.occlusion) look.occlusion = 0;
+    if (!flags.shadows && !flags.scattering_blending) look.shadows = 0;
+  }
+  if (!look.transfer_function_2d) return;
+  const std::pair<const char*, bool> kOfOneDimension[] = {
+      {"--preset", !flags.preset.empty()},
+      {"--colormap", !flags.color_map.empty()},
+      {"--opacity", !flags.opacities.empty()},
+      {"--gradient-opacity", !flags.gradient_opacities.empty()},
+      {flags.is_window ? "--window" : "--range", flags.range.has_value()},
+      {"--shift", flags.shift != 0},
+      {"--log", flags.is_log},
+      {"--symlog", flags.linear_width.has_value()},
+      {"--below-color", flags.below_color.has_value()},
+      {"--above-color", flags.above_color.has_value()}};
+  for (const auto& [flag, is_given] : kOfOneDimension) {
+    if (!is_given) continue;
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("{}: has no effect beside a 2-D transfer function ({}), which gives "
+                            "colour and opacity; leave one of them out",
+                            flag, flags.file_2d.empty() ? "of --tf" : "--tf2d"));
+  }
+}
+
 // The look where one array gives all.
 Look look_of_one(const LookFlags& flags, const Field& field, const std::string& unit,
                  Session& session, const UsualLook& usual) {
@@ -233,6 +270,7 @@ Look look_of_one(const LookFlags& flags, const Field& field, const std::string& 
       surfaces.size() < 2 && (surfaces.empty() || (!surfaces[0].color && surfaces[0].opacity == 1));
   look.isosurfaces = is_plain ? std::vector<Isosurface>() : surfaces;
   if (flags.unit_distance) look.unit_distance = *flags.unit_distance;
+  take_2d(look, flags, session);
   return look;
 }
 

@@ -56,6 +56,8 @@ LookFlags look_flags(const OverFlags& over, std::size_t i, const LookFlags& pict
   own.color_map = said(over.color_maps, i);
   own.opacities = said(over.opacities, i);
   own.gradient_opacities.clear();
+  own.file_2d.clear();
+  own.range_2d.reset();
   own.range.reset();
   if (i < over.ranges.size()) own.range = over.ranges[i];
   own.shift = 0;

@@ -302,6 +302,13 @@ std::vector<OpacityPoint> parse_gradient_opacities(const std::string& text) {
   return points;
 }
 
+Ranges2D parse_ranges_2d(const std::string& text) {
+  const std::vector<double> n = parse_numbers(text, 4);
+  if (!(n[0] < n[1]) || !(n[2] < n[3]) || n[2] < 0)
+    throw BadValue("expected values from and to, and gradients >= 0 from and to, each rising");
+  return {{n[0], n[1]}, {n[2], n[3]}};
+}
+
 std::pair<double, double> parse_window(const std::string& text) {
   const std::vector<double> numbers = parse_numbers(text, 2);
   const double lo = numbers[1] - numbers[0] / 2;

@@ -50,6 +50,7 @@ SlicePlane parse_slice_plane(const std::string& text);          // "z", "axial=3
 std::string parse_color_map(const std::string& text);           // its name, or a list, as it is
 std::vector<ColorPoint> parse_colors(const std::string& text);  // "V,R,G,B,..."
 std::vector<OpacityPoint> parse_opacities(const std::string& text);           // "V:A,V:A,..."
+Ranges2D parse_ranges_2d(const std::string& text);                            // "V,V,G,G"
 std::vector<OpacityPoint> parse_gradient_opacities(const std::string& text);  // "G:A,G:A,..."
 // "W,L": the values from L - W/2 to L + W/2.
 std::pair<double, double> parse_window(const std::string& text);

@@ -139,6 +139,19 @@ const Table<LookFlags>& color_settings() {
       {"--gradient-opacity", form("G:A,G:A,...", parse_gradient_opacities), &L::gradient_opacities,
        "factor A on the opacity where the gradient has length G, value per world length",
        not_with("mode", "has no effect with --mode {1}", is_no_layer)},
+      {"--tf2d", look_file(), &L::file_2d,
+       "colour and opacity by value and gradient: JSON of regions or a table, or itself, the boxes "
+       "of a ParaView state, a PNG picture, or a grid of RGBA",
+       not_with("mode", "has no effect with --mode {1}", is_no_layer)},
+      {"--tf2d-range",
+       {"V,V,G,G", [](L& look, const std::string& text) { look.range_2d = parse_ranges_2d(text); },
+        [](const L& look) {
+          if (!look.range_2d) return Json();
+          const auto& [v, g] = *look.range_2d;
+          return Json(fmt::format("{},{},{},{}", v[0], v[1], g[0], g[1]));
+        }},
+       "of a picture's columns and rows: values from and to, gradients from and to",
+       needs("tf2d", "needs --tf2d FILE")},
       {"--range",
        {"LO,HI", [](L& look, const std::string& text) { look.range = parse_range(text); },
         [](const L& look) {

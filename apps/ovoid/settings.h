@@ -82,6 +82,8 @@ struct LookFlags {
   std::string color_map;  // by name, or a list of colours; empty: none
   std::vector<OpacityPoint> opacities;
   std::vector<OpacityPoint> gradient_opacities;
+  std::string file_2d;               // colour and opacity by value and gradient; a name, or JSON
+  std::optional<Ranges2D> range_2d;  // of a picture's
   std::optional<std::pair<double, double>> range;
   double shift = 0;        // of colours and opacities along the values
   bool is_window = false;  // `range` was given as window and level

@@ -196,6 +196,7 @@ void App::read_look_file(const std::string& path) {
     const Look read = read_look(path);
     Look& look = document_.view.look;
     look.transfer_function = read.transfer_function;
+    look.transfer_function_2d = read.transfer_function_2d;
     look.shade = read.shade;
     look.material = read.material;
     look.further_lights = read.further_lights;

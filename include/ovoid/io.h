@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -17,6 +18,7 @@
 #include "ovoid/label_style.h"
 #include "ovoid/look.h"
 #include "ovoid/transfer_function.h"
+#include "ovoid/transfer_function_2d.h"
 
 namespace ovoid {
 class ReaderSession;  // the library's own
@@ -227,6 +229,24 @@ void write_look(const Look& look, const std::string& path);
 
 // What write_look() writes. Throws Error(kInvalidArgument).
 std::string to_text(const Look& look);
+
+// A 2-D transfer function from a file (docs/looks2d.md, "Files"): JSON of our own, by itself or in
+// a look's; the first boxes of a ParaView state (.pvsm); a PNG picture, whose lowest row has the
+// least gradient; or a grid of 4 components whose x is the value and whose y the gradient, in any
+// format of read_dataset() that is told by its first bytes (VTK, NRRD). `ranges`: of a picture
+// alone, which has none; where the middles of its outermost pixels lie. At most 16 MiB are read.
+// Throws Error: kFileNotFound; kFileFormat, naming file and place; kInvalidArgument for ranges that
+// are missing or too many.
+struct Ranges2D {
+  std::array<double, 2> values{0, 1};
+  std::array<double, 2> gradients{0, 1};  // value per world length
+};
+TransferFunction2D read_transfer_function_2d(const std::string& path,
+                                             const std::optional<Ranges2D>& ranges = {});
+
+// The same of JSON in memory. `source_name` stands for the file in messages.
+TransferFunction2D transfer_function_2d_from_text(const std::string& text,
+                                                  const std::string& source_name = "text");
 
 // The same for transfer functions alone.
 TransferFunction read_transfer_function(const std::string& path, const std::string& preset = {});

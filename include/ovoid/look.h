@@ -12,6 +12,7 @@
 #include "ovoid/field.h"
 #include "ovoid/math.h"
 #include "ovoid/transfer_function.h"
+#include "ovoid/transfer_function_2d.h"
 
 namespace OVOID_API ovoid {
 
@@ -52,6 +53,12 @@ struct Look {
   // colours, over that attribute's values, stand for the transfer function's. None: the transfer
   // function's own colours, at that attribute's values.
   std::optional<TransferFunction> color_function;
+  // Colour and opacity by value and gradient (docs/looks2d.md): in mode kComposite these stand for
+  // the transfer function's. Other modes, pre-integrated classification, trails, light from a
+  // coarse volume, colours by an attribute of their own and gradient opacities are refused beside
+  // it; what has no gradient (slices, surfaces, balls) keeps the transfer function's colours. Not
+  // by the vulkan back end.
+  std::optional<TransferFunction2D> transfer_function_2d;
   Mode mode = Mode::kComposite;
   double isovalue = 0.0;  // for kIsosurface
   // For kIsosurface: these surfaces instead of the one at `isovalue`, in any order, no two at the

@@ -54,5 +54,6 @@
 #include "ovoid/space_part.h"
 #include "ovoid/surface.h"
 #include "ovoid/transfer_function.h"
+#include "ovoid/transfer_function_2d.h"
 #include "ovoid/value_plane.h"
 #include "ovoid/version.h"

@@ -395,6 +395,10 @@ std::vector<ColorBarEntry> label_entries(const TransferFunction& transfer_functi
 
 PixelBox draw_color_bar(Image& image, const Look& look, const ColorBar& bar,
                         const MarkStyle& style) {
+  if (look.transfer_function_2d) {
+    throw Error(ErrorCode::kUnsupported,
+                "colour bar: a 2-D transfer function has no colours by value alone");
+  }
   const Measures measures = annotate::measures_of(image, style);
   if (!bar.entries.empty()) return draw_entries(image, look, bar, measures);
   return RampDrawing(image, look, bar, measures).draw();

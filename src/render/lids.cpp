@@ -85,6 +85,7 @@ Look opaque_colors(const Look& look, double thickness) {
   opaque.mode = Mode::kComposite;
   opaque.transfer_function.opacities.clear();
   opaque.transfer_function.gradient_opacities.clear();
+  opaque.transfer_function_2d.reset();
   opaque.unit_distance = thickness;
   opaque.shade = false;
   opaque.occlusion = opaque.shadows = 0;

@@ -74,7 +74,9 @@ class GreatestShare {
       through_ = std::numeric_limits<double>::infinity();
       return std::abs(at.value) * path;
     }
-    double opacity = look_.transfer_function.opacity_at(at.value);
+    double opacity = look_.transfer_function_2d
+                         ? look_.transfer_function_2d->at(at.value, at.gradient.norm())[3]
+                         : look_.transfer_function.opacity_at(at.value);
     if (!fading_.opacities.empty()) opacity *= fading_.opacity_at(at.gradient.norm());
     const double share = through_ * reference::opacity_over(opacity, path, unit_distance_);
     through_ -= share;

@@ -21,6 +21,7 @@
 #include "view/coverage.h"
 #include "view/isosurfaces.h"
 #include "view/light.h"
+#include "view/look_2d.h"
 #include "view/space_part.h"
 
 namespace ovoid {
@@ -49,6 +50,22 @@ bool is_same_lattice(const LatticeGeometry& a, const LatticeGeometry& b) {
          a.world_from_index.matrix() == b.world_from_index.matrix();
 }
 
+// Throws Error unless a look's 2-D transfer function, if it has one, says all about the picture.
+void require_2d(const Field& field, const Look& look, const RenderOptions& options) {
+  if (!look.transfer_function_2d) return;
+  const auto refuse = [](const char* why) {
+    throw Error(ErrorCode::kUnsupported, std::string("2-D transfer function: ") + why);
+  };
+  if (look.mode != Mode::kComposite) refuse("is for the mode composite");
+  if (options.classification == Classification::kPreintegrated)
+    refuse("is for the classifications refined and sampled, not for pre-integrated");
+  if (field.kernels() != nullptr && field.kernels()->has_own_color())
+    refuse("gives colours itself, which an attribute of their own cannot give, too");
+  if (look.occlusion > 0 || look.shadows > 0)
+    refuse(
+        "occlusion and shadows come from a coarse volume that knows no gradients; both must be 0");
+}
+
 // Throws Error unless the trail can be drawn with the field.
 void require_trail(const Field& field, const Look& look, const Trail& trail,
                    const RenderOptions& options) {
@@ -56,6 +73,8 @@ void require_trail(const Field& field, const Look& look, const Trail& trail,
     throw Error(ErrorCode::kUnsupported, "trail: is for lattices, the field is a set of kernels");
   if (look.mode != Mode::kComposite && look.mode != Mode::kIsosurface)
     throw Error(ErrorCode::kUnsupported, "trail: is for the modes composite and isosurface");
+  if (look.transfer_function_2d)
+    throw Error(ErrorCode::kUnsupported, "trail: is for looks without a 2-D transfer function");
   if (look.mode == Mode::kIsosurface && !look.isosurfaces.empty())
     throw Error(ErrorCode::kUnsupported, "trail: is for one isosurface, not for several");
   if (is_published(options.post_convolution))
@@ -101,6 +120,13 @@ void require_further(const Field& field, const Look& look, bool has_trail,
       refuse(fmt::format("further[{}].look has another mode than the picture", i));
     if (are_colors && !is_same_lattice(volumes[i].field.geometry(), field.lattice()->geometry()))
       refuse(fmt::format("further[{}].field is on another lattice than what it colours", i));
+    require_2d(volumes[i].field, volumes[i].look, options);
+    if (volumes[i].look.transfer_function_2d && (look.occlusion > 0 || look.shadows > 0)) {
+      refuse(
+          fmt::format("further[{}].look has a 2-D transfer function, so that occlusion and "
+                      "shadows of the picture's look must be 0",
+                      i));
+    }
   }
 }
 
@@ -137,7 +163,7 @@ Look completed(Look look, const Field& field, const Camera& camera) {
   if (look.light == Light::kStudio && !look.light_direction)
     look.light_direction = view::studio_key(camera);
   look.isovalue = view::solid_isovalue(look);  // what light is worked out for
-  return look;
+  return view::with_envelope(std::move(look));
 }
 
 double milliseconds_since(Clock::time_point start) {
@@ -276,6 +302,7 @@ Frame Renderer::Impl::draw(const Field& field, const Camera& camera, const Look&
   look.validate();
   options.validate();
   require_spread(field, options);
+  require_2d(field, look, options);
   if (trail != nullptr) require_trail(field, look, *trail, options);
   if (options.further != nullptr) {
     require_further(field, look, trail != nullptr, options);

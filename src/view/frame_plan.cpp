@@ -41,7 +41,7 @@ bool draws_pieces(const Field& field, const Look& look, const RenderOptions& opt
 
 bool is_gentle(const Look& look, const ValueRange& range) {
   const TransferFunction& transfer = look.transfer_function;
-  if (!(range.lo < range.hi) || !transfer.gradient_opacities.empty() ||
+  if (!(range.lo < range.hi) || !transfer.gradient_opacities.empty() || look.transfer_function_2d ||
       transfer.scale != ValueScale::kLinear)
     return false;
   const double span = static_cast<double>(range.hi) - static_cast<double>(range.lo);
@@ -220,7 +220,7 @@ FramePlan::FramePlan(const Field& field, const ViewLattice& view_lattice, const 
                      const RenderOptions& options)
     : lattice(view_lattice),
       look_table(look.transfer_function),
-      is_faded(!look.transfer_function.gradient_opacities.empty()),
+      is_faded(!look.transfer_function.gradient_opacities.empty() || look.transfer_function_2d),
       is_preintegrated(look.mode == Mode::kComposite &&
                        options.classification == Classification::kPreintegrated),
       is_refined(view::draws_pieces(field, look, options)),

@@ -45,7 +45,8 @@ double steepness_of(const Look& look, const ValueRange& range);
 struct FramePlan {
   FramePlan(const Field& field, const ViewLattice& lattice, const Look& look,
             const RenderOptions& options);
-  // `may_matter` looks into `look_table`.
+  // `may_matter` looks into `look_table`. Of a look with a 2-D transfer function the transfer
+  // function is its envelope (view::with_envelope()).
   FramePlan(const FramePlan&) = delete;
   FramePlan& operator=(const FramePlan&) = delete;
 

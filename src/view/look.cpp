@@ -135,6 +135,11 @@ void validate_lights(const std::vector<FurtherLight>& lights) {
 void Look::validate() const {
   ovoid::validate(transfer_function);
   if (color_function) ovoid::validate(*color_function);
+  if (transfer_function_2d && !transfer_function.gradient_opacities.empty()) {
+    throw Error(ErrorCode::kInvalidArgument,
+                "gradient_opacities: have no effect beside a 2-D transfer function, which gives "
+                "opacities by gradient itself; must be empty");
+  }
   require_finite("isovalue", isovalue);
   require_isosurfaces(isosurfaces);
   require_strength("ambient", material.ambient);

@@ -9,6 +9,7 @@
 #include "data/scalar_visit.h"
 #include "data/some_kernels.h"
 #include "view/isosurfaces.h"
+#include "view/look_2d.h"
 #include "view/look_table.h"
 
 namespace ovoid::view {
@@ -23,7 +24,7 @@ class Extinction {
   Extinction(const Field& field, const Look& look)
       : mode_(look.mode),
         isovalue_(static_cast<float>(surfaces_of(look).front().value)),
-        table_(look.transfer_function) {
+        table_(with_envelope(look).transfer_function) {
     const ValueRange range = field.value_range();
     least_shown_ = range.lo + 0.02F * (range.hi - range.lo);
     double unit = look.unit_distance;

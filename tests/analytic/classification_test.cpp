@@ -92,6 +92,30 @@ TEST(GradientOpacity, IsAFactorPerUnitDistance) {
   }
 }
 
+// Along a ramp the gradient is kSlope, half-way between two rows of the table: their mean.
+TEST(Look2D, IsReadAtTheGradientPerWorldLength) {
+  for (const Backend backend : {Backend::kReference, Backend::kCpu}) {
+    for (const Classification how : {Classification::kSampled, Classification::kRefined}) {
+      Look look = uniform_look(1);
+      look.unit_distance = 1;
+      const TransferFunction2D::Rgba low{0, 0.25F, 1, 0.1F}, high{1, 0.75F, 0, 0.3F};
+      look.transfer_function_2d =
+          TransferFunction2D({-10, 60, 2}, {kSlope - 1, kSlope + 1, 2}, {low, low, high, high});
+      RenderOptions options = picture(3, 3, 0.5);
+      options.classification = how;
+      options.clip_planes = {{{0, 0, 1}, 9.5}, {{0, 0, -1}, -13.5}};
+      const Camera camera = parallel_camera({5.5, 5.5, 11.5}, {0, 0, 1}, 1);
+      const auto pixel =
+          center_pixel(Renderer(backend, 1).render(ramp(), camera, look, options).image);
+      const double alpha = 1 - std::pow(1 - 0.2, 4.0);
+      // The slope ripples by kCutOffShare, over which colours change by half of that.
+      EXPECT_NEAR(pixel.a(), alpha, kCutOffShare);
+      EXPECT_NEAR(pixel.r() / pixel.a(), 0.5, kCutOffShare);
+      EXPECT_NEAR(pixel.g() / pixel.a(), 0.5, kCutOffShare);
+    }
+  }
+}
+
 // Flat regions fade away altogether, and with them their light.
 TEST(GradientOpacity, HidesWhatIsFlat) {
   Look look = uniform_look(0.5);

@@ -231,6 +231,7 @@ const std::vector<Words>& samples() {
       {"--preset", "ct-bone"},
       {"--colormap", "gray", "--opacity", "-1:0,1:1", "--gradient-opacity", "0:0,1:1"},
       {"--colormap", "-1,0,0,0,2,1,1,1"},
+      {"--tf2d", "plane.png", "--tf2d-range", "0,255,0,12.5"},
       {"--range", "-1,1"},
       {"--window", "400,40"},
       {"--log"},

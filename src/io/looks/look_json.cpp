@@ -221,6 +221,8 @@ Look look_from(const JsonValue& preset, const io::LookFile& file, const std::str
     tf.unit_distance = value.number();
   }
   take_light(look, preset);
+  if (preset.has("TransferFunction2D"))
+    look.transfer_function_2d = io::function_2d_from(preset.member("TransferFunction2D"));
   return look;
 }
 
@@ -345,6 +347,8 @@ std::string to_text(const Look& look) {
     entry["Intensity"] = light.intensity;
     preset["Lights"].push_back(std::move(entry));
   }
+  if (look.transfer_function_2d)
+    preset["TransferFunction2D"] = io::json_of(*look.transfer_function_2d);
   return text_of(preset);
 }
 

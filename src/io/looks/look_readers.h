@@ -47,6 +47,10 @@ double number_in(std::string_view text, double lo, double hi, const std::string&
 ColorSpace color_space_called(const std::string& name, const std::string& place);
 inline constexpr std::string_view kCiede2000 = "Lab/CIEDE2000";
 
+// What a look has under "TransferFunction2D", read and written. Throws Error(kFileFormat).
+TransferFunction2D function_2d_from(const JsonValue& json);
+nlohmann::ordered_json json_of(const TransferFunction2D& function);
+
 // follow_ciede2000(), its errors beginning with `place`.
 void follow_ciede2000_of(TransferFunction& tf, const std::string& place);
 

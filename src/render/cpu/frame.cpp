@@ -2,6 +2,7 @@
 #include "render/cpu/frame.h"
 
 #include "view/isosurfaces.h"
+#include "view/look_2d.h"
 
 namespace ovoid::cpu {
 namespace {
@@ -26,6 +27,23 @@ std::vector<FrameSurface> frame_surfaces(const Look& look) {
   return surfaces;
 }
 
+ClassificationPlane plane_of(const TransferFunction2D& function, const view::FramePlan& plan) {
+  const TransferFunction2D::Axis& values = function.values();
+  const TransferFunction2D::Axis& gradients = function.gradients();
+  const auto entries_per = [](const TransferFunction2D::Axis& axis) {
+    return (axis.count - 1) / (axis.last - axis.first);
+  };
+  ClassificationPlane plane;
+  plane.entries = function.entries().front().data();
+  plane.columns = values.count;
+  plane.rows = gradients.count;
+  plane.first_value = static_cast<float>(values.first);
+  plane.columns_per_value = static_cast<float>(entries_per(values));
+  plane.first_gradient = static_cast<float>(gradients.first / plan.gradient_unit);
+  plane.rows_per_gradient = static_cast<float>(entries_per(gradients) * plan.gradient_unit);
+  return plane;
+}
+
 }  // namespace
 
 void set_frame(CpuFrame& frame, const Look& look, const RenderOptions& options,
@@ -45,15 +63,27 @@ void set_frame(CpuFrame& frame, const Look& look, const RenderOptions& options,
     frame.light = light->packed.data();
   }
   tables.table = table_in(tables.memory, tables.constants.look);
-  if (frame.fades_by_gradient) tables.fading = table_in(tables.memory, tables.constants.fading);
+  if (!look.transfer_function.gradient_opacities.empty())
+    tables.fading = table_in(tables.memory, tables.constants.fading);
+  view::Variation2D in_plane;
+  if (look.transfer_function_2d) {
+    tables.plane = plane_of(*look.transfer_function_2d, plan);
+    if (frame.is_refined) {
+      in_plane = view::variation_of(*look.transfer_function_2d, plan.look_table,
+                                    static_cast<double>(tables.constants.path_in_units));
+      tables.plane.variation = in_plane.by_gradient;
+    }
+  }
   if (frame.has_own_color) tables.color = table_in(tables.memory, tables.constants.color);
   if (frame.is_refined) {
-    const float* const variation = &tables.memory.front().x + tables.constants.variation_at;
+    const float* const variation = look.transfer_function_2d
+                                       ? in_plane.by_value.data()
+                                       : &tables.memory.front().x + tables.constants.variation_at;
     const float* const opacity = tables.table.entries + 3;
     tables.cells.resize(device::kTableCells + 1);
     for (std::size_t i = 0; i < tables.cells.size(); ++i)
       tables.cells[i] = {variation[i], variation[i + 1], opacity[4 * i], opacity[4 * i + 4]};
-    if (tables.table.steps == nullptr) {
+    if (tables.table.steps == nullptr && !look.transfer_function_2d) {
       tables.color_segments = color_segments(tables.table.entries);
       tables.variation_segments = variation_segments(tables.table.entries, variation);
     }

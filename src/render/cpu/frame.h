@@ -20,6 +20,15 @@ struct ClassificationTable {
   const float* steps = nullptr;    // [kTableCells + 1]; null if no cell has one
 };
 
+// A 2-D transfer function. An entry is red, green, blue and opacity side by side.
+struct ClassificationPlane {
+  const float* entries = nullptr;  // [rows][columns][4], 16-byte aligned; null: there is none
+  int columns = 0, rows = 0;
+  float first_value = 0, columns_per_value = 0;
+  float first_gradient = 0, rows_per_gradient = 0;  // gradients in the frame's unit
+  std::vector<float> variation;                     // [rows], by gradient, if is_refined
+};
+
 // One of the look's surfaces.
 struct FrameSurface {
   float value;
@@ -32,7 +41,10 @@ struct FrameSurface {
 struct FrameLook {
   device::LookConstants constants{};
   ClassificationTable table;
-  ClassificationTable fading;        // opacity by the gradient's length, if fades_by_gradient
+  // If fades_by_gradient, one of the two: a factor on the opacity by the gradient's length; colour
+  // and opacity by value and gradient, and then `table` is the envelope.
+  ClassificationTable fading;
+  ClassificationPlane plane;
   ClassificationTable color;         // colours by another attribute, if has_own_color
   const float* integrals = nullptr;  // [kTableCells + 2][8], if is_preintegrated
   FrameTables memory;

@@ -178,6 +178,13 @@ inline void classify_pieces(const CpuFrame& frame, const BlockPlace& place, Shee
 struct EndGradients {
   EndValues x, y, z;
 
+  HWY_INLINE EndValues lengths() const {
+    const auto length = [](V a, V b, V c) {
+      return hn::Sqrt(hn::MulAdd(a, a, hn::MulAdd(b, b, hn::Mul(c, c))));
+    };
+    return {length(x.front, y.front, z.front), length(x.back, y.back, z.back)};
+  }
+
   // The squared distance between the ends of both normals, which are shorter where the field is
   // flat.
   HWY_INLINE V turn_squared(float flat_gradient_inverse) const {
@@ -573,6 +580,12 @@ HWY_INLINE PieceGroup pieces_of(const CpuFrame& frame, const TileInHand& tile,
                       both(front.gradient[1], back.gradient[1]),
                       both(front.gradient[2], back.gradient[2])};
     group.turn_squared = group.gradient.turn_squared(frame.look.constants.flat_gradient_inverse);
+  }
+  if (frame.look.plane.entries != nullptr) {
+    const auto [front_length, back_length] = group.gradient.lengths();
+    const V by_gradient = hn::Abs(hn::Sub(plane_variation(frame.look.plane, back_length),
+                                          plane_variation(frame.look.plane, front_length)));
+    group.change = hn::MulAdd(by_gradient, hn::Set(d, view::kStepsPerVariation), group.change);
   }
   if (frame.fades_at_cuts) {
     group.clearance = {clearance_of(frame, tile.place, {at.s - 1, at.column, at.row, at.lanes}),

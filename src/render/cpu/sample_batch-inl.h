@@ -55,6 +55,18 @@ inline void fade_batch(const CpuFrame& frame, SampleBatch& batch) {
   });
 }
 
+inline void classify_batch_in_plane(const CpuFrame& frame, SampleBatch& batch) {
+  for_each_batch_group(batch, [&](int i) {
+    const WorldVector gradient = load_vector(batch.gradient, i);
+    const Classified seen = classify_in_plane(frame.look.plane, hn::Load(d, &batch.value[i]),
+                                              hn::Sqrt(dot_product(gradient, gradient)));
+    hn::Store(seen.opacity, d, &batch.opacity[i]);
+    hn::Store(seen.red, d, &batch.red[i]);
+    hn::Store(seen.green, d, &batch.green[i]);
+    hn::Store(seen.blue, d, &batch.blue[i]);
+  });
+}
+
 // How a sample of the batch is lit, or dimmed. The frame takes light.
 HWY_INLINE Lighting lighting_of(const CpuFrame& frame, const SampleBatch& batch, int i,
                                 const WorldVector& axis) {
@@ -119,9 +131,13 @@ inline void shade_batch(const CpuFrame& frame, SampleBatch& batch) {
     return frame.takes_light() ? shade_batch_in_segments<true>(frame, batch)
                                : shade_batch_in_segments<false>(frame, batch);
   }
-  classify_batch(frame, batch);
-  if (frame.has_own_color) color_batch(frame, batch);
-  if (frame.fades_by_gradient) fade_batch(frame, batch);
+  if (frame.look.plane.entries != nullptr) {
+    classify_batch_in_plane(frame, batch);
+  } else {
+    classify_batch(frame, batch);
+    if (frame.has_own_color) color_batch(frame, batch);
+    if (frame.fades_by_gradient) fade_batch(frame, batch);
+  }
   if (frame.takes_light()) light_batch(frame, batch);
   correct_batch(batch);
 }

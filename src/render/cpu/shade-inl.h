@@ -88,6 +88,51 @@ HWY_INLINE Classified classify(const ClassificationTable& table, V value) {
           mix(lo.opacity, hi.opacity)};
 }
 
+// Which two entries of `count`, of a line or a column, a place lies between. The order of operands
+// makes NaN an entry, too.
+HWY_INLINE TableCell cell_along(V place, int count) {
+  const V clamped = hn::Min(hn::Max(place, hn::Zero(d)), hn::Set(d, static_cast<float>(count - 1)));
+  const V entry = hn::Min(hn::Floor(clamped), hn::Set(d, static_cast<float>(count - 2)));
+  return {nearest_integer(entry), hn::Sub(clamped, entry)};
+}
+
+// In rows of the plane, not clamped.
+HWY_INLINE V row_of(const ClassificationPlane& plane, V gradient) {
+  return hn::Mul(hn::Sub(gradient, hn::Set(d, plane.first_gradient)),
+                 hn::Set(d, plane.rows_per_gradient));
+}
+
+// TransferFunction2D::at(), `gradient` in the frame's unit.
+HWY_INLINE Classified classify_in_plane(const ClassificationPlane& plane, V value, V gradient) {
+  const V column =
+      hn::Mul(hn::Sub(value, hn::Set(d, plane.first_value)), hn::Set(d, plane.columns_per_value));
+  const TableCell v = cell_along(column, plane.columns);
+  const TableCell g = cell_along(row_of(plane, gradient), plane.rows);
+  alignas(64) std::int32_t index[16];
+  hn::Store(hn::Add(hn::Mul(g.entry, hn::Set(di, plane.columns)), v.entry), di, index);
+  const float* const next_row =
+      plane.entries + std::size_t{4} * static_cast<std::size_t>(plane.columns);
+  const Classified a = transpose_entries(plane.entries, index);
+  const Classified b = transpose_entries(plane.entries + 4, index);
+  const Classified c = transpose_entries(next_row, index);
+  const Classified e = transpose_entries(next_row + 4, index);
+  const auto mix = [&](V p, V q, V r, V s) {
+    const V lower = hn::MulAdd(hn::Sub(q, p), v.fraction, p);
+    const V upper = hn::MulAdd(hn::Sub(s, r), v.fraction, r);
+    return hn::MulAdd(hn::Sub(upper, lower), g.fraction, lower);
+  };
+  return {mix(a.red, b.red, c.red, e.red), mix(a.green, b.green, c.green, e.green),
+          mix(a.blue, b.blue, c.blue, e.blue), mix(a.opacity, b.opacity, c.opacity, e.opacity)};
+}
+
+// How much the plane varies up to a gradient.
+HWY_INLINE V plane_variation(const ClassificationPlane& plane, V gradient) {
+  const TableCell cell = cell_along(row_of(plane, gradient), plane.rows);
+  const V lo = hn::GatherIndex(d, plane.variation.data(), cell.entry);
+  const V hi = hn::GatherIndex(d, plane.variation.data() + 1, cell.entry);
+  return hn::MulAdd(hn::Sub(hi, lo), cell.fraction, lo);
+}
+
 // x^power for x in [0, 1].
 HWY_INLINE V vector_power(V x, float power) {
   const V log = vector_log2(hn::Max(x, hn::Set(d, 1e-30F)));
@@ -267,7 +312,8 @@ inline void color_sheet(const CpuFrame& frame, const BlockPlace& place, const Sh
 }
 
 // Where opacities are corrected late: fades the visible samples by their gradients, which are
-// there, and corrects for the path. What fades away is no longer visible.
+// there, or classifies them by these, too, and corrects for the path. What fades away is no longer
+// visible.
 inline void correct_sheet(const CpuFrame& frame, const BlockPlace& place, int s, const Sheet& sheet,
                           ShadedSheet& shaded) {
   const bool has_own_path = !frame.is_parallel || frame.is_clipped;
@@ -283,7 +329,16 @@ inline void correct_sheet(const CpuFrame& frame, const BlockPlace& place, int s,
                          const V component = hn::LoadU(d, g + at);
                          squared = hn::MulAdd(component, component, squared);
                        }
-                       a = hn::Mul(a, classify(frame.look.fading, hn::Sqrt(squared)).opacity);
+                       if (frame.look.plane.entries == nullptr) {
+                         a = hn::Mul(a, classify(frame.look.fading, hn::Sqrt(squared)).opacity);
+                       } else {
+                         const Classified seen = classify_in_plane(
+                             frame.look.plane, hn::LoadU(d, sheet.values + at), hn::Sqrt(squared));
+                         a = seen.opacity;
+                         hn::StoreU(seen.red, d, shaded.red + at);
+                         hn::StoreU(seen.green, d, shaded.green + at);
+                         hn::StoreU(seen.blue, d, shaded.blue + at);
+                       }
                      }
                      V length = hn::Set(d, frame.look.constants.path_in_units);
                      if (has_own_path)

@@ -11,6 +11,7 @@
 
 #include "view/frame_plan.h"
 #include "view/isosurfaces.h"
+#include "view/look_2d.h"
 #include "view/look_variation.h"
 
 namespace ovoid::reference {
@@ -41,6 +42,13 @@ TransferFunction fading_of(const Look& look) {
   TransferFunction fading;
   fading.opacities = look.transfer_function.gradient_opacities;
   return fading;
+}
+
+view::Variation2D variation_of(const Look& look, const view::LookTable& table,
+                               double path_in_units) {
+  if (look.transfer_function_2d)
+    return view::variation_of(*look.transfer_function_2d, table, path_in_units);
+  return {view::look_variation(table, path_in_units), {}};
 }
 
 // What stands for a pixel at one place alone.
@@ -75,7 +83,7 @@ PixelTracer::PixelTracer(const Field& field, const ViewRays& view, const Look& l
       fading_(fading_of(look)),
       table_(look.transfer_function),
       variation_(
-          view::look_variation(table_, view.sampling_distance() / unit_distance_of(look, field))),
+          variation_of(look, table_, view.sampling_distance() / unit_distance_of(look, field))),
       view_(view),
       shading_{unit_distance_of(look, field), field.default_sampling_distance(),
                flat_rise_of(look, field)},
@@ -181,8 +189,8 @@ std::optional<PixelTracer::Share> PixelTracer::share_of_sample(
     ++counts.gradients;
     slope = start ? piece_gradient(pixel, *start, at) : gradient(pixel, at);
   }
-  return share_of(
-      pixel, {seen, slope, clearance_at(pixel, at.z), light_at(pixel, at.z, slope), at.z, at.path});
+  return share_of(pixel, {at.value, seen, slope, clearance_at(pixel, at.z),
+                          light_at(pixel, at.z, slope), at.z, at.path});
 }
 
 // From cut faces, in smallest spacings.
@@ -218,6 +226,11 @@ Rgb PixelTracer::seen_color(const Rgb& color, const LitPlace& place,
 PixelTracer::Share PixelTracer::share_of(const PixelRay& pixel, const SeenSample& seen) const {
   auto [color, opacity] = seen.look;
   if (!fading_.opacities.empty()) opacity *= fading_.opacity_at(seen.slope.norm());
+  if (look_.transfer_function_2d) {
+    const auto [r, g, b, a] = look_.transfer_function_2d->at(seen.value, seen.slope.norm());
+    color = {r, g, b};
+    opacity = a;
+  }
   color = seen_color(color, lit_place(pixel, seen.slope, seen.clearance), seen.arriving);
   return {color, opacity_over(opacity, seen.path, shading_.unit_distance), seen.z};
 }
@@ -320,10 +333,16 @@ int PixelTracer::num_steps(const Piece& piece, const Vec3& front_slope,
                            const Vec3& back_slope) const {
   if (!piece.front || !piece.back) return 1;
   const auto variation_to = [&](double value) {
-    return static_cast<double>(table_.read(variation_, static_cast<float>(value)));
+    return static_cast<double>(table_.read(variation_.by_value, static_cast<float>(value)));
   };
-  const double change =
-      std::abs(variation_to(piece.back->value) - variation_to(piece.front->value));
+  double change = std::abs(variation_to(piece.back->value) - variation_to(piece.front->value));
+  if (look_.transfer_function_2d) {
+    const auto variation_by = [&](const Vec3& slope) {
+      return view::variation_at(variation_.by_gradient, look_.transfer_function_2d->gradients(),
+                                slope.norm());
+    };
+    change += std::abs(variation_by(back_slope) - variation_by(front_slope));
+  }
   const auto seen_normal = [&](const Vec3& slope) -> Vec3 {
     return flatness(slope, shading_) * normal_of(slope);
   };
@@ -413,7 +432,8 @@ std::optional<PixelTracer::Share> PixelTracer::share_of_step(const PixelRay& pix
   if (opacity == 0) return std::nullopt;
   ++counts.visible;
   const Rgb color = color_of(front.color_value + t * (back.color_value - front.color_value));
-  return share_of(pixel, {{color, opacity},
+  return share_of(pixel, {value,
+                          {color, opacity},
                           part.front_slope + t * (part.back_slope - part.front_slope),
                           std::lerp(part.front_clearance, part.back_clearance, t),
                           {std::lerp(part.front_light.around, part.back_light.around, t),

@@ -15,6 +15,7 @@
 #include "ovoid/renderer.h"
 #include "render/reference/shading.h"
 #include "render/reference/view_rays.h"
+#include "view/look_2d.h"
 #include "view/look_table.h"
 
 namespace ovoid::reference {
@@ -112,7 +113,9 @@ class PixelTracer {
   const ViewRays& view() const { return view_; }
   bool is_preintegrated() const { return is_preintegrated_; }
   bool is_refined() const { return is_refined_; }
-  bool uses_gradients() const { return look_.shade || !fading_.opacities.empty(); }
+  bool uses_gradients() const {
+    return look_.shade || !fading_.opacities.empty() || look_.transfer_function_2d;
+  }
 
  private:
   ClassifiedSample classified_sample(const std::optional<RaySample>& before,
@@ -136,8 +139,10 @@ class PixelTracer {
   void add_shares(const std::vector<Share>& shares, Pixel& result) const;
   void add_trail(const PixelRay& pixel, std::int64_t sheet, Pixel& result,
                  TraceCounts& counts) const;
-  // What was classified, and where it is composited.
+  // What was classified, and where it is composited. Of a look with a 2-D transfer function the
+  // value alone has been classified so far, by its envelope.
   struct SeenSample {
+    double value;
     ClassifiedSample look;
     Vec3 slope;
     double clearance;
@@ -206,9 +211,9 @@ class PixelTracer {
   const bool reaches_limits_;  // a piece with one end reaches to a limit on its other side
   const bool is_preintegrated_;
   const bool is_refined_;
-  const TransferFunction fading_;  // opacity by the gradient's length; without points 1
-  const view::LookTable table_;    // decides about steps and what shows, never about colours
-  const std::vector<float> variation_;
+  const TransferFunction fading_;      // opacity by the gradient's length; without points 1
+  const view::LookTable table_;        // decides about steps and what shows, never about colours
+  const view::Variation2D variation_;  // by gradient of a 2-D transfer function alone
   const ViewRays view_;
   ShadingContext shading_;
   const BesideTracer beside_;

@@ -142,10 +142,10 @@ device::LookConstants look_constants(const view::FramePlan& plan, const Look& lo
   const double path_in_units = plan.lattice.sampling_distance() / plan.unit_distance;
   out.look = table_constants(plan.look_table, corrects_late ? 1.0 : path_in_units, tables);
   if (plan.color_table) out.color = table_constants(*plan.color_table, 1.0, tables);
-  if (plan.is_faded)
+  if (!look.transfer_function.gradient_opacities.empty())
     out.fading = table_constants(fading_table(look, plan.gradient_unit), 1.0, tables);
   if (plan.is_preintegrated) set_integrals(plan.look_table, out, tables);
-  if (plan.is_refined)
+  if (plan.is_refined && !look.transfer_function_2d)
     out.variation_at = 4 * append(tables, view::look_variation(plan.look_table, path_in_units));
   const Rgb color = look.transfer_function.color_at(look.isovalue);
   out.isosurface_color = device_vector(Vec3(color[0], color[1], color[2]));

@@ -55,6 +55,9 @@ struct VulkanRenderer::Impl {
   Frame draw(const FrameJob& job) {
     if (job.look.mode == Mode::kIsosurface && !job.look.isosurfaces.empty())
       throw Error(ErrorCode::kUnsupported, "isosurfaces: backend vulkan draws one, not several");
+    if (job.look.transfer_function_2d)
+      throw Error(ErrorCode::kUnsupported,
+                  "2-D transfer function: not by backend vulkan, take cpu or auto");
     if (!job.further.empty())
       throw Error(ErrorCode::kUnsupported,
                   "further volumes: backend vulkan draws one, take cpu or auto");

@@ -21,6 +21,7 @@
 #include "frame_files.h"
 #include "load.h"
 #include "make_camera.h"
+#include "make_channels.h"
 #include "make_labels.h"
 #include "make_look.h"
 #include "make_over.h"
@@ -297,6 +298,7 @@ Scenery make_scenery(const Series& series, const Chosen& chosen, const Flags& fl
   scenery.values = seen.values;
   const LookFlags look = with_range_of(seen, drawing.look, field);
   scenery.look = make_look(look, field, subject.unit, session, subject.usual_look);
+  leave_colors_to_channels(drawing, &scenery.look);
   if (field.kernels() != nullptr && series.num_steps() > 1) {
     // Else every step would have its own.
     if (drawing.options.sampling_distance == 0)

@@ -179,6 +179,11 @@ std::shared_ptr<const std::vector<FurtherVolume>> make_channels(const Dataset& d
   return further_volumes(std::move(volumes));
 }
 
+void leave_colors_to_channels(const DrawingFlags& drawing, Look* look) {
+  if (!are_primaries(drawing)) return;
+  for (ColorPoint& point : look->transfer_function.colors) point.rgb = {1, 1, 1};
+}
+
 Mixing mixing_of(const DrawingFlags& drawing) {
   if (are_primaries(drawing)) return Mixing::kColored;
   return drawing.channels.mixing.value_or(drawing.channels.names.empty() ? Mixing::kAveraged

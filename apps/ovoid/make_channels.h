@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// --channels: the arrays or components of one file as colours of one picture (docs/channels.md).
+// --channels: the arrays or components of one file as colours of one picture (docs/two-volumes.md).
 #pragma once
 
 #include "flags.h"
@@ -20,6 +20,9 @@ void take_channels(const Dataset& dataset, const Flags& flags, DrawingFlags* dra
 std::shared_ptr<const std::vector<FurtherVolume>> make_channels(const Dataset& dataset,
                                                                 const DrawingFlags& drawing,
                                                                 Session& session);
+
+// Of what red, green and blue are the colours of, the own colours go: white, which they tint.
+void leave_colors_to_channels(const DrawingFlags& drawing, Look* look);
 
 // How what is drawn together is mixed.
 Mixing mixing_of(const DrawingFlags& drawing);

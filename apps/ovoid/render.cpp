@@ -224,8 +224,8 @@ std::optional<Image> draw_in_team(Team& team, const RenderFlags& render,
 void check_for_team(const Flags& flags, const RenderFlags& render) {
   if (render.part)
     throw UsageError("--part: was started by MPI, where each process has a part already");
-  for (const char* const name : {"value-plane", "motion-blur", "over", "channels", "add", "slice", "labels",
-                                 "repeat", "dry-run", "save-look", "opaque-at", "pick"}) {
+  for (const char* const name : {"value-plane", "motion-blur", "over", "channels", "add", "slice",
+                                 "labels", "repeat", "dry-run", "save-look", "opaque-at", "pick"}) {
     if (flags.is_given(name))
       throw UsageError(
           fmt::format("--{}: is not for pictures by several processes, as MPI starts them", name));

@@ -3,6 +3,7 @@
 
 #include "apply_crop.h"
 #include "make_camera.h"
+#include "make_channels.h"
 #include "make_look.h"
 #include "make_over.h"
 
@@ -14,6 +15,7 @@ Shot make_shot(const Subject& subject, DrawingFlags* drawing, Session& session) 
   shot.described = subject.described;
   shot.described.box = apply_crop(drawing->crop, field, &drawing->options);
   shot.look = make_look(drawing->look, field, subject.unit, session, subject.usual_look);
+  leave_colors_to_channels(*drawing, &shot.look);
   shot.walls = surface_to_draw(subject, *drawing);
   shot.points = points_to_draw(drawing->points);
   const FrameSubject drawn = frame_subject(subject, shot, *drawing);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Looks of channels: docs/channels.md says what they come to.
+// Looks of channels: docs/two-volumes.md says what they come to.
 #include <algorithm>
 #include <array>
 

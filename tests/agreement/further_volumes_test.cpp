@@ -97,6 +97,79 @@ TEST(FurtherVolumesAgreement, ViewsAndClassifications) {
   }
 }
 
+// Fails if colours that add are mixed in other shares, or by another opacity, than the rule's.
+TEST(FurtherVolumesAgreement, AddedColors) {
+  for (const Classification classification : {Classification::kRefined, Classification::kSampled}) {
+    Scene scene = mixed_scene(false, Lies::kAskew);
+    scene.options.classification = classification;
+    const Image averaged = draw(scene).image;
+    scene.options.mixing = Mixing::kAdded;
+    EXPECT_TRUE(backends_agree(scene, "added"));
+    EXPECT_LT(compare(averaged, draw(scene).image).psnr_db, 45);
+  }
+}
+
+// On the first volume's own lattice: colours alone, from black to one colour.
+FurtherVolume blue_of(const LatticeField& first) {
+  FieldSetup setup;
+  setup.world_from_index = first.geometry().world_from_index;
+  Look look = embers();
+  look.transfer_function.colors = {{0, {0, 0, 0}}, {1, {0, 0, 1}}};
+  look.transfer_function.opacities = {{0, 1}, {1, 1}};
+  look.shade = false;
+  return {make_stored_field(first.geometry().dims, ripples(0.4), {}, setup), look};
+}
+
+// Fails if a volume that only colours shows where the field does not, or hides or lights anything.
+TEST(FurtherVolumesAgreement, ColoredFields) {
+  for (const Sheets sheets : {Sheets::kImage, Sheets::kLattice}) {
+    for (const Classification classification :
+         {Classification::kRefined, Classification::kSampled}) {
+      Scene scene = small_scene(Mode::kComposite, false);
+      scene.options.sheets = sheets;
+      scene.options.classification = classification;
+      const Image alone = draw(scene).image;
+      scene.options.further = further_volumes({blue_of(scene.lattice())});
+      scene.options.mixing = Mixing::kColored;
+      EXPECT_TRUE(backends_agree(scene, "colored"));
+      const Image image = draw(scene).image;
+      double blue = 0;
+      for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
+        EXPECT_EQ(image.rgba[i], 0);
+        EXPECT_EQ(image.rgba[i + 1], 0);
+        blue += image.rgba[i + 2];
+        ASSERT_NEAR(image.rgba[i + 3], alone.rgba[i + 3], 2e-3) << i / 4;
+      }
+      EXPECT_GT(blue, 1);
+    }
+  }
+}
+
+// Pictures of the volumes alone are the measure. Fails if one is left out, or counts twice.
+TEST(FurtherVolumes, MaximaAddUp) {
+  Scene scene = mixed_scene(true, Lies::kAskew);
+  scene.look.mode = Mode::kMaximum;
+  Look second = embers();
+  second.mode = Mode::kMaximum;
+  const LatticeField other = scene.options.further->front().field;
+  scene.options.further = further_volumes({{other, second}});
+  const Image first_alone = draw(without_further(scene)).image;
+  Scene alone = without_further(scene);
+  alone.field = other;
+  alone.look = second;
+  const Image second_alone = draw(alone).image;
+  for (const Mixing mixing : {Mixing::kAdded, Mixing::kAveraged}) {
+    scene.options.mixing = mixing;
+    const Image both = draw(scene).image;
+    for (std::size_t i = 0; i < both.rgba.size(); ++i) {
+      const float opacity = first_alone.rgba[i | 3] + second_alone.rgba[i | 3];
+      const float scale = mixing == Mixing::kAveraged && opacity > 1 ? 1 / opacity : 1;
+      ASSERT_NEAR(both.rgba[i],
+                  std::min(1.0F, scale * (first_alone.rgba[i] + second_alone.rgba[i])), 1e-6F);
+    }
+  }
+}
+
 // Fails if a lattice that lies along the base plane is summed by wrong rows, or one that does not
 // is taken for one that does.
 TEST(FurtherVolumesAgreement, LatticeSheets) {
@@ -306,11 +379,14 @@ TEST(FurtherVolumes, RefuseWhatTheyCannotBeDrawnWith) {
   other.look.mode = Mode::kMaximum;
   bad.options.further = further_volumes({one, other});
   expect_refused(bad, ErrorCode::kUnsupported, "further[1].look");
-  for (const Mode mode : {Mode::kXray, Mode::kMaximum, Mode::kIsosurface}) {
+  for (const Mode mode : {Mode::kXray, Mode::kMean, Mode::kIsosurface}) {
     bad = good;
     bad.look.mode = mode;
-    expect_refused(bad, ErrorCode::kUnsupported, "mode composite");
+    expect_refused(bad, ErrorCode::kUnsupported, "modes composite");
   }
+  bad = good;
+  bad.options.mixing = Mixing::kColored;
+  expect_refused(bad, ErrorCode::kUnsupported, "another lattice");
   bad = good;
   bad.options.post_convolution = PostConvolution::kCubic;
   expect_refused(bad, ErrorCode::kUnsupported, "post-convolution");

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+// Channels of one file in one picture. Fails if one has another's colour, if colours that are there
+// as numbers come out as others, or if what is wrong is not named.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <string>
+
+#include "program.h"
+
+namespace ovoid::cli_tests {
+namespace {
+
+constexpr int kSide = 12;
+
+class Channels : public testing::Test {
+ protected:
+  // An NRRD of `count` components: component c is value(c, x, y, z), a byte.
+  template <class Value>
+  std::string write_volume(const std::string& name, int count, const Value& value) {
+    std::string bytes = "NRRD0005\ntype: uint8\ndimension: 4\nsizes: " + std::to_string(count);
+    for (int axis = 0; axis < 3; ++axis) bytes += " " + std::to_string(kSide);
+    bytes += "\nkinds: vector domain domain domain\nencoding: raw\n\n";
+    for (int z = 0; z < kSide; ++z)
+      for (int y = 0; y < kSide; ++y)
+        for (int x = 0; x < kSide; ++x)
+          for (int c = 0; c < count; ++c) bytes += static_cast<char>(value(c, x, y, z));
+    write_file(folder_ / name, bytes);
+    return folder_ / name;
+  }
+  // Two stains, the one left and the other right, seen along z.
+  std::string two_stains() {
+    return write_volume("stains.nrrd", 2, [](int c, int x, int, int) {
+      return (c == 0) == (x < kSide / 2) ? 240 : x % 3;
+    });
+  }
+  Picture picture_of(const std::string& data, const Words& more) {
+    Words words = {data, "--size", "40x40", "--view", "-z"};
+    if (std::find(more.begin(), more.end(), "maximum") == more.end())
+      words.insert(words.end(), {"--no-shade", "--occlusion", "0"});
+    words.insert(words.end(), more.begin(), more.end());
+    return draw(folder_, words);
+  }
+  using Sums = std::array<double, 3>;
+  // Of a column of the picture.
+  static Sums colors_at(const Picture& image, int column) {
+    Sums sums{};
+    for (int y = 10; y < 30; ++y)
+      for (std::size_t c = 0; c < 3; ++c)
+        sums[c] += image.rgba[4 * static_cast<std::size_t>(40 * y + column) + c];
+    return sums;
+  }
+  // Of the left and the right quarter, whichever way x goes: the first is that with more red.
+  static std::array<Sums, 2> halves(const Picture& image) {
+    std::array<Sums, 2> both{colors_at(image, 13), colors_at(image, 27)};
+    if (both[0][0] < both[1][0]) std::swap(both[0], both[1]);
+    return both;
+  }
+
+  Folder folder_;
+};
+
+TEST_F(Channels, HaveTheColorsThatAreSaid) {
+  const Words said = {"--channels", "all", "--channel-color", "red", "--channel-color", "#00ff00"};
+  for (const char* const mode : {"composite", "maximum"}) {
+    Words words = said;
+    words.insert(words.end(), {"--mode", mode});
+    const auto [first, second] = halves(picture_of(two_stains(), words));
+    EXPECT_GT(first[0], 2) << mode;
+    EXPECT_LT(first[1] + first[2], 0.2 * first[0]) << mode;
+    EXPECT_GT(second[1], 2) << mode;
+    EXPECT_LT(second[0] + second[2], 0.2 * second[1]) << mode;
+  }
+}
+
+TEST_F(Channels, WithoutAWordAreGreenAndMagenta) {
+  const auto [magenta, green] = halves(picture_of(two_stains(), {"--channels", "all"}));
+  EXPECT_NEAR(magenta[0], magenta[2], 0.05 * magenta[0]);
+  EXPECT_LT(magenta[1], 0.2 * magenta[0]);
+  EXPECT_GT(green[1], 2);
+  EXPECT_LT(green[0], 0.2 * green[1]);
+}
+
+TEST_F(Channels, OfOnePlaceAddUp) {
+  const std::string same =
+      write_volume("same.nrrd", 2, [](int, int x, int, int) { return x < 2 ? x : 200; });
+  const Words said = {"--channels",      "all",     "--channel-color", "red",
+                      "--channel-color", "#00ff00", "--channel-range", "0,200",
+                      "--channel-range", "0,200"};
+  const Sums added = colors_at(picture_of(same, said), 20);
+  EXPECT_NEAR(added[0], added[1], 0.02 * added[0]);
+  Words averaged = said;
+  averaged.insert(averaged.end(), {"--mixing", "averaged"});
+  EXPECT_LT(colors_at(picture_of(same, averaged), 20)[0], 0.7 * added[0]);
+}
+
+// Fails if a colour is taken for a value, or is brighter than it is.
+TEST_F(Channels, RedGreenAndBlueAreColors) {
+  const std::array<int, 4> color{200, 100, 50, 255};
+  const std::string data = write_volume(
+      "rgba.nrrd", 4, [&](int c, int, int, int) { return color[static_cast<std::size_t>(c)]; });
+  const Picture image =
+      picture_of(data, {"--channels", "rgb", "--range", "0,255", "--opacity", "0:0.8,255:0.8"});
+  const std::size_t middle = 4 * (40 * 20 + 20);
+  for (std::size_t c = 0; c < 3; ++c)
+    EXPECT_NEAR(image.rgba[middle + c], color[c] / 255.0 * image.rgba[middle + 3], 5e-3) << c;
+  EXPECT_GT(image.rgba[middle + 3], 0.9);
+}
+
+TEST_F(Channels, SayWhatIsWrong) {
+  const std::string data = two_stains();
+  const auto refusal = [&](const Words& more) {
+    Words words = {"render", data, "-o", folder_ / "p.png"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome outcome = run(words);
+    EXPECT_NE(outcome.exit_code, 0);
+    return outcome.err;
+  };
+  const auto has = [](const std::string& text, const char* part) {
+    return testing::AssertionResult(text.find(part) != std::string::npos) << text;
+  };
+  EXPECT_TRUE(has(refusal({"--channels", "DAPI"}), "'DAPI' is not an array"));
+  EXPECT_TRUE(has(refusal({"--channels", "rgb"}), "has 2 components"));
+  EXPECT_TRUE(has(refusal({"--channels", "all,"}), "--channels"));
+  EXPECT_TRUE(has(refusal({"--channels", "all", "--mode", "xray"}), "composite"));
+  EXPECT_TRUE(has(refusal({"--channel-color", "red"}), "without --channels"));
+  EXPECT_TRUE(has(refusal({"--channels", "all", "--channel-color", "red", "--channel-color", "red",
+                           "--channel-color", "red"}),
+                  "given 3 times, for 2 channels"));
+}
+
+}  // namespace
+}  // namespace ovoid::cli_tests

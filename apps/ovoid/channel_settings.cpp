@@ -20,7 +20,7 @@ std::optional<std::string> has_no_channels(const std::string& mode) {
   return if_so(mode != "composite" && mode != "maximum" && mode != "mip" && mode != "minimum",
                mode);
 }
-std::optional<std::string> is_published_way(const std::string& way) {
+std::optional<std::string> is_published_with_channels(const std::string& way) {
   return if_so(way != "off" && way != "auto", way);
 }
 std::optional<std::string> is_one_name(const std::string& names) {
@@ -56,7 +56,8 @@ const Table<ChannelFlags>& channel_settings() {
                    kMostFurtherVolumes + 1),
        for_data({DatasetKind::kLattice}, "lattices"),
        not_with("mode", "is for --mode composite, maximum and minimum", has_no_channels),
-       not_with("post-convolution", "is for --post-convolution off and auto", is_published_way),
+       not_with("post-convolution", "is for --post-convolution off and auto",
+                is_published_with_channels),
        not_with("motion-blur points part dry-run over labels label-surfaces component colorbar "
                 "pick save-look",
                 "{0} is for one volume")},

@@ -25,15 +25,15 @@ struct Channel {
   int component = kUsualComponent;
 };
 
-[[noreturn]] void refuse(const std::string& why) {
+[[noreturn]] void refuse_channels(const std::string& why) {
   throw Error(ErrorCode::kInvalidArgument, "--channels: " + why);
 }
 
 const DataArray& chosen_array(const Dataset& dataset, const ModelFlags& model) {
-  if (dataset.arrays.empty()) refuse(fmt::format("'{}' has no arrays", dataset.source));
+  if (dataset.arrays.empty()) refuse_channels(fmt::format("'{}' has no arrays", dataset.source));
   if (model.array.empty()) return dataset.arrays.front();
   const DataArray* const found = find_array(dataset, model.array);
-  if (found == nullptr) refuse(fmt::format("there is no array '{}'", model.array));
+  if (found == nullptr) refuse_channels(fmt::format("there is no array '{}'", model.array));
   return *found;
 }
 
@@ -62,18 +62,19 @@ std::vector<Channel> wanted_channels(const Dataset& dataset, const DrawingFlags&
   if (names == std::vector<std::string>{"all"}) {
     wanted = all_channels(dataset, drawing.model);
     if (wanted.size() > kMostChannels) {
-      refuse(fmt::format("'{}' has {}, at most {} are drawn together: name them, of {}",
-                         dataset.source, wanted.size(), kMostChannels, names_of(dataset)));
+      refuse_channels(fmt::format("'{}' has {}, at most {} are drawn together: name them, of {}",
+                                  dataset.source, wanted.size(), kMostChannels, names_of(dataset)));
     }
     return wanted;
   }
   for (const std::string& name : names) {
     if (find_array(dataset, name) == nullptr)
-      refuse(fmt::format("'{}' is not an array, expected some of {}", name, names_of(dataset)));
+      refuse_channels(
+          fmt::format("'{}' is not an array, expected some of {}", name, names_of(dataset)));
     wanted.push_back({name});
   }
   if (wanted.size() > kMostChannels)
-    refuse(fmt::format("{} named, expected at most {}", wanted.size(), kMostChannels));
+    refuse_channels(fmt::format("{} named, expected at most {}", wanted.size(), kMostChannels));
   return wanted;
 }
 
@@ -84,7 +85,7 @@ bool are_primaries(const DrawingFlags& drawing) {
 const DataArray& array_of_primaries(const Dataset& dataset, const DrawingFlags& drawing) {
   const DataArray& array = chosen_array(dataset, drawing.model);
   if (array.num_components == 3 || array.num_components == 4) return array;
-  refuse(
+  refuse_channels(
       fmt::format("rgb: array '{}' has {} components, expected red, green, blue and perhaps "
                   "opacity",
                   array.name, array.num_components));
@@ -126,7 +127,7 @@ LookFlags look_of(const DrawingFlags& drawing, const Look& look) {
 void take_channels(const Dataset& dataset, const Flags& flags, DrawingFlags* drawing,
                    Session& session) {
   if (drawing->channels.names.empty()) return;
-  if (dataset.kind != DatasetKind::kLattice) refuse("are of lattices");
+  if (dataset.kind != DatasetKind::kLattice) refuse_channels("are of lattices");
   if (are_primaries(*drawing)) {
     const DataArray& array = array_of_primaries(dataset, *drawing);
     drawing->model.array = array.name;

@@ -20,8 +20,8 @@ namespace OVOID_API ovoid {
 // says, in the same world as the field; the two need not overlap.
 struct FurtherVolume {
   LatticeField field;  // on any lattice
-  // Of the frame's own mode. Of its light, occlusion, shadows and scatter are not used: how much light
-  // arrives is what the frame's own look says, of the extinction of all volumes.
+  // Of the frame's own mode. Of its light, occlusion, shadows and scatter are not used: how much
+  // light arrives is what the frame's own look says, of the extinction of all volumes.
   Look look;
 };
 

@@ -137,7 +137,11 @@ void take_channels(const Dataset& dataset, const Flags& flags, DrawingFlags* dra
     return;
   }
   const std::vector<Channel> channels = wanted_channels(dataset, *drawing);
-  const ChannelFlags& said = drawing->channels;
+  ChannelFlags& said = drawing->channels;
+  if (channels[0].component == kUsualComponent) {  // arrays, which "all" no longer is from here on
+    said.names.clear();
+    for (const Channel& channel : channels) said.names.push_back(channel.array);
+  }
   const std::size_t most = std::max(said.colors.size(), said.ranges.size());
   if (most > channels.size()) {
     throw UsageError(fmt::format("{}: given {} times, for {} channels",

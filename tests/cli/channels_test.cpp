@@ -95,6 +95,27 @@ TEST_F(Channels, OfOnePlaceAddUp) {
   EXPECT_LT(colors_at(picture_of(same, averaged), 20)[0], 0.7 * added[0]);
 }
 
+// Fails if "all" ends with the first array.
+TEST_F(Channels, AreArrays) {
+  std::string bytes = "\x93NUMPY\x01";
+  std::string header = "{'descr': '|u1', 'fortran_order': False, 'shape': (2, 12, 12, 12), }";
+  header.resize(117, ' ');
+  bytes += std::string(1, '\0') + std::string("\x76\0", 2) + header + "\n";
+  for (int c = 0; c < 2; ++c)
+    for (int i = 0; i < kSide * kSide * kSide; ++i)
+      bytes += static_cast<char>((c == 0) == (i % kSide < kSide / 2) ? 240 : i % 3);
+  write_file(folder_ / "stack.npy", bytes);
+  const Words said = {"--axis-order",    "czyx",   "--channel-color", "red",
+                      "--channel-color", "#00ff00"};
+  for (const char* const names : {"all", "channel 1,channel 2"}) {
+    Words words = said;
+    words.insert(words.end(), {"--channels", names});
+    const auto [first, second] = halves(picture_of(folder_ / "stack.npy", words));
+    EXPECT_GT(first[0], 2) << names;
+    EXPECT_GT(second[1], 2) << names;
+  }
+}
+
 // Fails if a colour is taken for a value, or is brighter than it is.
 TEST_F(Channels, RedGreenAndBlueAreColors) {
   const std::array<int, 4> color{200, 100, 50, 255};

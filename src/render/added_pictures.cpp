@@ -10,13 +10,13 @@ namespace ovoid {
 namespace {
 
 void add_stages(const FrameProfile& other, FrameProfile& sum) {
-  for (const auto& [name, ms] : other.stages_ms) {
+  for (const auto& more : other.stages_ms) {
     const auto found = std::find_if(sum.stages_ms.begin(), sum.stages_ms.end(),
-                                    [&](const auto& stage) { return stage.first == name; });
+                                    [&](const auto& stage) { return stage.first == more.first; });
     if (found == sum.stages_ms.end())
-      sum.stages_ms.emplace_back(name, ms);
+      sum.stages_ms.push_back(more);
     else
-      found->second += ms;
+      found->second += more.second;
   }
 }
 

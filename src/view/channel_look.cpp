@@ -18,10 +18,12 @@ ValueRange channel_range(const LatticeField& field) {
   const data::FieldSamples samples = data::take_samples(field.samples());
   if (samples.values.empty()) return {0, 1};
   // Most of a stained volume is unstained, and its camera's noise lies around that.
-  const double middle = data::quantile(samples.values, 0.5);
-  const double below = data::quantile(samples.values, 0.05);
-  const double hi = data::quantile(samples.values, 0.999);
-  const double lo = middle + 2 * (middle - below);
+  const auto quantile = [&](double q) {
+    return static_cast<float>(data::quantile(samples.values, q));
+  };
+  const float middle = quantile(0.5);
+  const float hi = quantile(0.999);
+  const float lo = middle + 2 * (middle - quantile(0.05));
   if (lo < hi) return {lo, hi};
   if (middle < hi) return {middle, hi};
   return field.value_range();

@@ -106,7 +106,8 @@ Rgb color_of(const ChannelFlags& flags, std::size_t i, std::size_t count) {
 
 ValueRange range_of(const ChannelFlags& flags, std::size_t i, const LatticeField& field) {
   if (i >= flags.ranges.size()) return channel_range(field);
-  return {flags.ranges[i].first, flags.ranges[i].second};
+  const auto [lo, hi] = flags.ranges[i];
+  return {static_cast<float>(lo), static_cast<float>(hi)};
 }
 
 // The flags about light are those of the whole picture.

@@ -125,6 +125,8 @@ Subject make_subject(const Dataset& dataset, const Flags& flags, DrawingFlags* d
   const bool is_said = is_segmentation(dataset) && may_draw_own_labels(*drawing, session);
   if (is_said) take_one_layer(dataset, &drawing->model, session);
   subject.modelled = make_field(dataset, drawing->model, drawing->run.threads, session);
+  if (!drawing->channels.names.empty())
+    take_channel_look(dataset, *subject.modelled.field.lattice(), drawing);
   const bool are_labels = drawing->channels.names.empty() && !flags.is_given("kernel") &&
                           may_be_labels(drawing->look) &&
                           (is_said || holds_labels(subject.modelled.field));

@@ -149,13 +149,17 @@ void take_channels(const Dataset& dataset, const Flags& flags, DrawingFlags* dra
                                  said.colors.size() == most ? "--channel-color" : "--channel-range",
                                  most, channels.size()));
   }
-  const LatticeField field = field_of(dataset, *drawing, channels[0], session);
   drawing->model.array = channels[0].array;
   drawing->model.component = channels[0].component;
-  drawing->look =
-      look_of(*drawing, channel_look(range_of(said, 0, field), color_of(said, 0, channels.size()),
-                                     drawing->look.mode));
   if (!flags.is_given("background")) drawing->background = Rgb{0, 0, 0};
+}
+
+void take_channel_look(const Dataset& dataset, const LatticeField& field, DrawingFlags* drawing) {
+  const ChannelFlags& said = drawing->channels;
+  if (said.names.empty() || are_primaries(*drawing)) return;
+  const Rgb color = color_of(said, 0, wanted_channels(dataset, *drawing).size());
+  drawing->look =
+      look_of(*drawing, channel_look(range_of(said, 0, field), color, drawing->look.mode));
 }
 
 std::shared_ptr<const std::vector<FurtherVolume>> make_channels(const Dataset& dataset,

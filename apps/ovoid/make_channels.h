@@ -10,11 +10,14 @@
 
 namespace ovoid::cli {
 
-// Makes `drawing` draw the first of the wanted channels, or what red, green and blue are the
-// colours of: its model, look, background and mixing, where `flags` do not say them. Throws Error,
-// naming the flag, for a channel that is not there.
+// Makes `drawing` model the first of the wanted channels, or what red, green and blue are the
+// colours of; channels lie before black unless `flags` name a background. Throws Error, naming the
+// flag, for a channel that is not there.
 void take_channels(const Dataset& dataset, const Flags& flags, DrawingFlags* drawing,
                    Session& session);
+
+// Then the look of the first, whose field that is.
+void take_channel_look(const Dataset& dataset, const LatticeField& field, DrawingFlags* drawing);
 
 // The others, or red, green and blue; null: the drawing has no channels.
 std::shared_ptr<const std::vector<FurtherVolume>> make_channels(const Dataset& dataset,

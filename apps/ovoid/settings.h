@@ -200,8 +200,7 @@ struct LabelFlags {
   std::vector<std::string> inside, outside;  // where the field is drawn; empty: not said
 };
 
-// --channels: arrays of the input in one picture. Colours and ranges are of the first, the second
-// ...
+// --channels: arrays of the input in one picture, each with the colour and range of its place.
 struct ChannelFlags {
   std::vector<std::string> names;  // of arrays, "all" or "rgb" alone; empty: there are none
   std::vector<Rgb> colors;

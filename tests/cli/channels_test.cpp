@@ -145,6 +145,7 @@ TEST_F(Channels, SayWhatIsWrong) {
   EXPECT_TRUE(has(refusal({"--channels", "rgb"}), "has 2 components"));
   EXPECT_TRUE(has(refusal({"--channels", "all,"}), "--channels"));
   EXPECT_TRUE(has(refusal({"--channels", "all", "--mode", "xray"}), "composite"));
+  EXPECT_TRUE(has(refusal({"--channels", "all", "--opacity", "0:0,9:1"}), "--channel-range"));
   EXPECT_TRUE(has(refusal({"--channel-color", "red"}), "without --channels"));
   EXPECT_TRUE(has(refusal({"--channels", "all", "--channel-color", "red", "--channel-color", "red",
                            "--channel-color", "red"}),

@@ -146,7 +146,7 @@ TEST_F(OverFiles, RefusesWhatCannotBeDrawn) {
           "--over-array: given 2 times, for 1 of --over");
   refused({"--over", spots_, "--over", spots_, "--over", spots_, "--over", spots_}, 2,
           "--over: given 4 times, expected at most 3");
-  refused({"--over", spots_, "--mode", "maximum"}, 2, "--over: is for --mode composite");
+  refused({"--over", spots_, "--mode", "xray"}, 2, "--over: is for --mode composite");
   refused({"--over", spots_, "--dry-run"}, 2, "--dry-run is for one volume");
   refused({"--over", folder_ / "none.nrrd"}, 1, "none.nrrd");
   refused({"--over", spots_, "--over-transform", text("m.txt", "1 2 3")}, 1,

@@ -299,6 +299,7 @@ Scenery make_scenery(const Series& series, const Chosen& chosen, const Flags& fl
   const LookFlags look = with_range_of(seen, drawing.look, field);
   scenery.look = make_look(look, field, subject.unit, session, subject.usual_look);
   leave_colors_to_channels(drawing, &scenery.look);
+  note_on_marks(drawing.annotation, scenery.look, session);
   if (field.kernels() != nullptr && series.num_steps() > 1) {
     // Else every step would have its own.
     if (drawing.options.sampling_distance == 0)

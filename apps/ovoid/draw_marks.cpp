@@ -58,6 +58,13 @@ Look look_of_bar(const Look& look) {
   return shown;
 }
 
+bool has_color_bar(const Look& look) { return !look.transfer_function_2d; }
+
+void note_on_marks(const AnnotationFlags& flags, const Look& look, Session& session) {
+  if (flags.color_bar && !has_color_bar(look))
+    session.note("--colorbar: left out, a 2-D transfer function has no colours by value alone");
+}
+
 void draw_annotations(Image& image, const AnnotationFlags& flags, const Described& described,
                       const Camera& camera, const Look& look,
                       const std::optional<Rgb>& background) {
@@ -68,10 +75,10 @@ void draw_annotations(Image& image, const AnnotationFlags& flags, const Describe
   if (flags.bounding_box) draw_bounding_box(image, camera, data.box, data.length_unit, style);
   if (flags.axes) draw_axes(image, camera, data.space, style);
   if (flags.scale_bar) draw_scale_bar(image, camera, data.length_unit, style);
-  if (flags.color_bar) {
+  if (flags.color_bar && has_color_bar(look)) {
     const Look shown = look_of_bar(look);
     draw_color_bar(image, shown, color_bar_for(flags, data, shown), style);
-  };
+  }
 }
 
 }  // namespace ovoid::cli

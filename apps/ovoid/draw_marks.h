@@ -5,6 +5,7 @@
 
 #include "make_field.h"
 #include "ovoid/annotate.h"
+#include "session.h"
 #include "settings.h"
 
 namespace ovoid::cli {
@@ -21,6 +22,11 @@ struct Described {
 
 // All but the box. `component` is what was drawn of the arrays' tuples.
 Described describe(const Dataset& dataset, const Modelled& modelled, int component);
+
+// Whether a look has colours that a bar can show: not those over value and gradient.
+bool has_color_bar(const Look& look);
+// Tells of the bar that is asked for and left out.
+void note_on_marks(const AnnotationFlags& flags, const Look& look, Session& session);
 
 // Draws the marks; an x-ray has been mapped to the colours of `look`.
 void draw_annotations(Image& image, const AnnotationFlags& flags, const Described& described,

@@ -16,6 +16,7 @@ Shot make_shot(const Subject& subject, DrawingFlags* drawing, Session& session) 
   shot.described.box = apply_crop(drawing->crop, field, &drawing->options);
   shot.look = make_look(drawing->look, field, subject.unit, session, subject.usual_look);
   leave_colors_to_channels(*drawing, &shot.look);
+  note_on_marks(drawing->annotation, shot.look, session);
   shot.walls = surface_to_draw(subject, *drawing);
   shot.points = points_to_draw(drawing->points);
   const FrameSubject drawn = frame_subject(subject, shot, *drawing);

@@ -410,6 +410,32 @@ bool points_editor(Panel& panel) {
   return is_changed;
 }
 
+// Colours and opacities along the value.
+bool curve_editors(Panel& panel) {
+  bool is_changed = opacity_editor(panel);
+  Look& look = panel.document.view.look;
+  if (look.color_function) {  // opacity and colour each have values of their own
+    is_changed |= range_editor(panel, "look.opacities", look.transfer_function);
+    ImGui::Separator();
+    is_changed |= color_editor(panel);
+    is_changed |= range_editor(panel, "look", *look.color_function);
+    ImGui::Separator();
+  } else {
+    is_changed |= color_editor(panel);
+    is_changed |= range_editor(panel, "look", look.transfer_function);
+  }
+  return is_changed;
+}
+
+// What stands in their place: it is not edited here, and can be left.
+bool function_2d_row(Panel& panel) {
+  ImGui::TextWrapped("Colour and opacity go by value and gradient.");
+  const bool is_left = panel.widgets.button("look.leave-2d", "by the value alone");
+  panel.widgets.tip("The function of --tf2d goes; undo brings it back.");
+  if (is_left) panel.document.view.look.transfer_function_2d.reset();
+  return is_left;
+}
+
 }  // namespace
 
 bool choose_color_map(Widgets& widgets, const std::string& name, const char* label,
@@ -454,18 +480,8 @@ void look_panel(Panel& panel) {
   is_changed |= choose_mode(panel);
   is_changed |= surface_editor(panel);
   is_changed |= points_editor(panel);
-  is_changed |= opacity_editor(panel);
   Look& look = document.view.look;
-  if (look.color_function) {  // opacity and colour each have values of their own
-    is_changed |= range_editor(panel, "look.opacities", look.transfer_function);
-    ImGui::Separator();
-    is_changed |= color_editor(panel);
-    is_changed |= range_editor(panel, "look", *look.color_function);
-    ImGui::Separator();
-  } else {
-    is_changed |= color_editor(panel);
-    is_changed |= range_editor(panel, "look", look.transfer_function);
-  }
+  is_changed |= look.transfer_function_2d ? function_2d_row(panel) : curve_editors(panel);
   const Field& field = document.shown->field();
   double unit = look.unit_distance;
   if (unit == 0) unit = look.transfer_function.unit_distance.value_or(default_unit_distance(field));

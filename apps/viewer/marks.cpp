@@ -157,12 +157,15 @@ void Marks::draw(const Document& document, const std::array<XrayRange, 2>& xray_
   piece.marks.color_bar = true;
   piece.size = {kColorBarWidth * line, all.height};
   piece.of = all;
-  if (has_changed || color_bar_.texture.is_empty())
-    color_bar_ = drawn(document, document.view, xray_ranges[1], piece);
-  width_at_right_ = units(color_bar_.texture.size().width + 2 * color_bar_.beside);
-  show(color_bar_, place.all.x1 - units(color_bar_.texture.size().width + color_bar_.beside),
-       place.all.y0 + units(color_bar_.y));
+  if (cli::has_color_bar(document.view.look)) {
+    if (has_changed || color_bar_.texture.is_empty())
+      color_bar_ = drawn(document, document.view, xray_ranges[1], piece);
+    width_at_right_ = units(color_bar_.texture.size().width + 2 * color_bar_.beside);
+    show(color_bar_, place.all.x1 - units(color_bar_.texture.size().width + color_bar_.beside),
+         place.all.y0 + units(color_bar_.y));
+  }
   if (!document.compares() || document.compares_fit()) return;  // one look has one bar
+  if (!cli::has_color_bar(document.other->view.look)) return;
   if (has_changed || other_color_bar_.texture.is_empty())
     other_color_bar_ = drawn(document, document.other->view, xray_ranges[0], piece);
   width_at_left_ = units(other_color_bar_.texture.size().width + 2 * other_color_bar_.beside);

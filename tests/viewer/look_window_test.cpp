@@ -350,5 +350,16 @@ TEST_F(WindowSpace, WithoutHandlesTheMouseTurns) {
   EXPECT_GT(distance(viewed.json("camera.position", 0), viewed.json("camera.position", 1)), 0.01);
 }
 
+// Fails if a function over value and gradient is not left by its button, or does not come back.
+TEST_F(WindowHands, LooksOfTwoDimensionsAreLeftAndComeBack) {
+  view({make_head(), "--tf2d",
+        R"({"Regions": [{"Values": [400, 1400], "Gradients": [0, 1000000], "Opacity": 0.9}]})"},
+       "wait idle\npicture $/both.png\nclick look.leave-2d\nwait idle\npicture $/value.png\n"
+       "click look.undo\nwait idle\npicture $/again.png\nclick look.leave-2d\n");
+  EXPECT_FALSE(file("both.png").empty());
+  EXPECT_FALSE(file("both.png") == file("value.png"));
+  EXPECT_TRUE(file("both.png") == file("again.png"));
+}
+
 }  // namespace
 }  // namespace ovoid::viewer_tests

@@ -98,16 +98,16 @@ TEST(Look2DFile, ReadsPicturesFromBelow) {
 }
 
 TEST(Look2DFile, ReadsGridsOfColors) {
-  const std::string path = written_2d("plane.vtk", R"(# vtk DataFile Version 3.0
-plane
-ASCII
-DATASET STRUCTURED_POINTS
-DIMENSIONS 2 2 1
-ORIGIN 5 1 0
-SPACING 10 3 1
-POINT_DATA 4
-SCALARS rgba float 4
-LOOKUP_TABLE default
+  const std::string path = written_2d("plane.nrrd", R"(NRRD0004
+type: float
+dimension: 4
+sizes: 4 2 2 1
+kinds: vector domain domain domain
+space dimension: 3
+space directions: none (10,0,0) (0,3,0) (0,0,1)
+space origin: (5,1,0)
+encoding: ascii
+
 1 0 0 0.5  0 1 0 0.5
 0 0 1 0.25  1 1 1 1
 )");

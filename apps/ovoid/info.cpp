@@ -48,6 +48,8 @@ Json json_of(const DataArray& array) {
   json["cell_data"] = array.is_cell_data;
   json["value_scale"] = array.value_scale;
   json["value_offset"] = array.value_offset;
+  if (array.display.color) json["color"] = *array.display.color;
+  if (array.display.range) json["shown_range"] = *array.display.range;
   return json;
 }
 
@@ -300,6 +302,22 @@ std::string scale_text(const Json& array) {
   return fmt::format(", stored x {:.9g} + {:.9g}", scale, offset);
 }
 
+// How the file says that a channel is shown.
+std::string display_text(const Json& array) {
+  std::string text;
+  if (array.contains("color")) {
+    const auto byte = [&](std::size_t i) {
+      return static_cast<int>(std::lround(255 * array["color"].at(i).get<double>()));
+    };
+    text = fmt::format(", shown in #{:02x}{:02x}{:02x}", byte(0), byte(1), byte(2));
+  }
+  if (array.contains("shown_range")) {
+    text +=
+        fmt::format("{} from {}", text.empty() ? ", shown" : "", range_text(array["shown_range"]));
+  }
+  return text;
+}
+
 void print_arrays(const Json& arrays) {
   for (const Json& array : arrays) {
     const auto unit = array["unit"].get<std::string>();
@@ -307,12 +325,12 @@ void print_arrays(const Json& arrays) {
     print_row(
         "array",
         fmt::format(
-            "'{}': {}{}, {}{}{}{}{}", one_line(array["name"].get<std::string>()),
+            "'{}': {}{}, {}{}{}{}{}{}", one_line(array["name"].get<std::string>()),
             array["type"].get<std::string>(),
             array["components"] == 1 ? "" : fmt::format(" x {}", array["components"].get<int>()),
             range_text(array["range"]), unit.empty() ? "" : ' ' + one_line(unit),
             missing == 0 ? "" : fmt::format(", {} missing", missing), scale_text(array),
-            array["cell_data"].get<bool>() ? ", per cell" : ""));
+            display_text(array), array["cell_data"].get<bool>() ? ", per cell" : ""));
   }
 }
 

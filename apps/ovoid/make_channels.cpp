@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -100,14 +101,73 @@ LatticeField field_of(const Dataset& dataset, const DrawingFlags& drawing, const
   return *make_field(dataset, model, drawing.run.threads, session).field.lattice();
 }
 
-Rgb color_of(const ChannelFlags& flags, std::size_t i, std::size_t count) {
-  return i < flags.colors.size() ? flags.colors[i] : channel_colors(count).at(i);
+ChannelDisplay display_of(const Dataset& dataset, const Channel& channel) {
+  return find_array(dataset, channel.array)->display;
 }
 
-ValueRange range_of(const ChannelFlags& flags, std::size_t i, const LatticeField& field) {
-  if (i >= flags.ranges.size()) return channel_range(field);
-  const auto [lo, hi] = flags.ranges[i];
-  return {static_cast<float>(lo), static_cast<float>(hi)};
+// The file's, where it gives each channel one and they are told apart.
+std::vector<Rgb> usual_colors(const Dataset& dataset, const std::vector<Channel>& channels) {
+  std::vector<Rgb> colors;
+  for (const Channel& channel : channels)
+    if (const auto color = display_of(dataset, channel).color) colors.push_back(*color);
+  const bool are_all = colors.size() == channels.size();
+  const bool are_same =
+      colors.size() > 1 &&
+      std::adjacent_find(colors.begin(), colors.end(), std::not_equal_to<>()) == colors.end();
+  return are_all && !are_same ? colors : channel_colors(channels.size());
+}
+
+Rgb color_of(const Dataset& dataset, const ChannelFlags& flags,
+             const std::vector<Channel>& channels, std::size_t i) {
+  return i < flags.colors.size() ? flags.colors[i] : usual_colors(dataset, channels).at(i);
+}
+
+ValueRange range_of(const ChannelFlags& flags, std::size_t i, const ChannelDisplay& display,
+                    const LatticeField& field) {
+  const auto as_floats = [](double lo, double hi) {
+    return ValueRange{static_cast<float>(lo), static_cast<float>(hi)};
+  };
+  if (i < flags.ranges.size()) return as_floats(flags.ranges[i].first, flags.ranges[i].second);
+  if (display.range) return as_floats((*display.range)[0], (*display.range)[1]);
+  return channel_range(field);
+}
+
+// What cannot be drawn of several, or says what one of them is to look like.
+constexpr const char* kOfOneVolume[] = {
+    "array", "component", "over",   "labels", "label-surfaces",   "motion-blur", "points",
+    "part",  "colorbar",  "pick",   "tf",     "preset",           "colormap",    "opacity",
+    "tf2d",  "range",     "window", "shift",  "gradient-opacity", "log",         "symlog",
+    "plane", "save-look", "kernel"};
+
+// Whether the file says in which colours its channels show, and nothing else was asked for.
+bool shows_channels_itself(const Dataset& dataset, const Flags& flags, const DrawingFlags& drawing,
+                           Session& session) {
+  const std::size_t count = dataset.arrays.size();
+  const bool has_flag = std::any_of(flags.forms().begin(), flags.forms().end(),
+                                    [](const FlagForm& form) { return form.name == "channels"; });
+  if (!has_flag || dataset.kind != DatasetKind::kLattice || count < 2) return false;
+  const bool are_shown =
+      std::all_of(dataset.arrays.begin(), dataset.arrays.end(),
+                  [](const DataArray& array) { return array.display.color.has_value(); });
+  const bool is_of_one = std::any_of(std::begin(kOfOneVolume), std::end(kOfOneVolume),
+                                     [&](const char* flag) { return flags.is_given(flag); }) ||
+                         drawing.run.backend == Backend::kVulkan;
+  const Mode mode = drawing.look.mode;
+  const bool is_mode_of_several =
+      mode == Mode::kComposite || mode == Mode::kMaximum || mode == Mode::kMinimum;
+  if (!are_shown || is_of_one || !is_mode_of_several || session.team() != nullptr) return false;
+  if (count > kMostChannels) {
+    session.note(
+        fmt::format("'{}' has {} channels, of which one is drawn: --channels NAME,... draws "
+                    "up to {} together",
+                    dataset.source, count, kMostChannels));
+    return false;
+  }
+  session.note(
+      fmt::format("its {} channels are drawn in the colours that the file names (--array "
+                  "NAME for one)",
+                  count));
+  return true;
 }
 
 // The flags about light are those of the whole picture.
@@ -127,6 +187,8 @@ LookFlags look_of(const DrawingFlags& drawing, const Look& look) {
 
 void take_channels(const Dataset& dataset, const Flags& flags, DrawingFlags* drawing,
                    Session& session) {
+  if (drawing->channels.names.empty() && shows_channels_itself(dataset, flags, *drawing, session))
+    drawing->channels.names = {"all"};
   if (drawing->channels.names.empty()) return;
   if (dataset.kind != DatasetKind::kLattice) refuse_channels("are of lattices");
   if (are_primaries(*drawing)) {
@@ -157,9 +219,10 @@ void take_channels(const Dataset& dataset, const Flags& flags, DrawingFlags* dra
 void take_channel_look(const Dataset& dataset, const LatticeField& field, DrawingFlags* drawing) {
   const ChannelFlags& said = drawing->channels;
   if (said.names.empty() || are_primaries(*drawing)) return;
-  const Rgb color = color_of(said, 0, wanted_channels(dataset, *drawing).size());
-  drawing->look =
-      look_of(*drawing, channel_look(range_of(said, 0, field), color, drawing->look.mode));
+  const std::vector<Channel> channels = wanted_channels(dataset, *drawing);
+  const ValueRange range = range_of(said, 0, display_of(dataset, channels[0]), field);
+  const Rgb color = color_of(dataset, said, channels, 0);
+  drawing->look = look_of(*drawing, channel_look(range, color, drawing->look.mode));
 }
 
 std::shared_ptr<const std::vector<FurtherVolume>> make_channels(const Dataset& dataset,
@@ -181,8 +244,8 @@ std::shared_ptr<const std::vector<FurtherVolume>> make_channels(const Dataset& d
   const std::vector<Channel> channels = wanted_channels(dataset, drawing);
   for (std::size_t i = 1; i < channels.size(); ++i) {
     const LatticeField field = field_of(dataset, drawing, channels[i], session);
-    const Look own = channel_look(range_of(said, i, field), color_of(said, i, channels.size()),
-                                  drawing.look.mode);
+    const ValueRange range = range_of(said, i, display_of(dataset, channels[i]), field);
+    const Look own = channel_look(range, color_of(dataset, said, channels, i), drawing.look.mode);
     const Quiet quiet(session);
     volumes.push_back({field, make_look(look_of(drawing, own), Field(field), "", session)});
   }

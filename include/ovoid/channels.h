@@ -21,7 +21,7 @@ ValueRange channel_range(const LatticeField& field);
 // two, then azure and amber; white for one. At most four.
 std::vector<Rgb> channel_colors(std::size_t count);
 
-// One colour, and an opacity that rises over the range from 0: to 1/2 over a unit distance in mode
+// One colour, and an opacity that rises over the range from 0: to 1/5 over a unit distance in mode
 // composite, to 1 elsewhere.
 Look channel_look(const ValueRange& range, const Rgb& color, Mode mode = Mode::kComposite);
 

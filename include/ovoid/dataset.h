@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
@@ -77,6 +78,13 @@ class StoredSamples {
   virtual std::int64_t memory_for_pages() const noexcept = 0;
 };
 
+// How a microscope's file says to show a channel [OME]: empty where it says nothing.
+struct ChannelDisplay {
+  std::optional<std::array<double, 3>> color{};  // red, green, blue: sRGB, 0 to 1
+  // Where it begins to show, and where it is as bright as it gets: first < second.
+  std::optional<std::array<double, 2>> range{};
+};
+
 // One named array of a dataset: `num_tuples` tuples of `num_components` values, component fastest.
 struct DataArray {
   std::string name;
@@ -94,6 +102,7 @@ struct DataArray {
   // component, a type that lattices show as it is. make_lattice_field() takes such arrays; whatever
   // else looks into `bytes` finds none.
   std::shared_ptr<const StoredSamples> stored{};
+  ChannelDisplay display{};
 
   bool is_scaled() const noexcept { return value_scale != 1.0 || value_offset != 0.0; }
 };

@@ -122,6 +122,8 @@ constexpr SampleKind kKinds[] = {
      Space::kLps, &make_head},
     {"head-labels", "the parts of that head as labels, 0 to 8 (seed: folds of the brain)", 128, 0,
      255, "", Space::kLps, &make_head_labels},
+    {"cells", "two stains of a cluster of cells, nuclei and membranes (seed), two channels", 96, 0,
+     1, "", Space::kNone, &make_nuclei, false, &make_membranes},
     {"frequency", "a zone plate, 0.5 + 0.5 cos(k r^2): the default size's band limit at radius 1",
      kFrequencySize, 0, 1, "", Space::kNone, &make_frequency},
     {"flat", "a linear ramp in an oblique direction", 64, 0, 1, "", Space::kNone, &make_flat},

@@ -24,6 +24,8 @@ struct SampleKind {
   Space space;
   Formula (*make)(std::uint64_t seed, double time);  // time in [0, 1], for those that move
   bool moves = false;
+  // The second of two numbers in each sample, as of a second channel; null: there is one.
+  Formula (*make_second)(std::uint64_t seed, double time) = nullptr;
 };
 
 std::span<const SampleKind> sample_kinds() noexcept;
@@ -35,5 +37,10 @@ Formula make_head(std::uint64_t seed, double time);
 // The same head's parts as labels: 1 skin and all that is under it, 2 skull and jaw, 3 spine, 4
 // teeth, 5 brain, 6 fluid, 7 eyes, 8 airways; 0 outside.
 Formula make_head_labels(std::uint64_t seed, double time);
+
+// A cluster of cells with two fluorescent stains: what is in their nuclei, and in the membranes
+// between them. `seed` chooses the cells.
+Formula make_nuclei(std::uint64_t seed, double time);
+Formula make_membranes(std::uint64_t seed, double time);
 
 }  // namespace ovoid::model

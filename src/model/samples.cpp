@@ -8,6 +8,7 @@
 #include <new>
 #include <numbers>
 #include <utility>
+#include <vector>
 
 #include "data/parallel.h"
 #include "model/lattice_steps.h"
@@ -99,11 +100,12 @@ LatticeGeometry cube_lattice(const Index3& dims) {
   return geometry;
 }
 
-// The formula at all samples; to(value) makes the stored number.
+// The formulas, one for each component, at all samples; to(value) makes the stored number.
 template <class T, class To>
-Bytes evaluate(const LatticeGeometry& geometry, const Formula& formula, const To& to) {
+Bytes evaluate(const LatticeGeometry& geometry, const std::vector<Formula>& formulas,
+               const To& to) {
   const Index3& dims = geometry.dims;
-  const auto count = static_cast<std::size_t>(num_samples(dims));
+  const std::size_t count = static_cast<std::size_t>(num_samples(dims)) * formulas.size();
   std::shared_ptr<T[]> samples;
   try {
     samples = std::make_shared_for_overwrite<T[]>(count);
@@ -115,9 +117,10 @@ Bytes evaluate(const LatticeGeometry& geometry, const Formula& formula, const To
     for (std::int64_t row = begin; row < end; ++row) {
       const std::int64_t layer = row / dims[1];
       const std::int64_t y = row - layer * dims[1];
+      T* out = samples.get() + static_cast<std::size_t>(row * dims[0]) * formulas.size();
       for (std::int64_t x = 0; x < dims[0]; ++x) {
         const Vec3 position = geometry.world_from_index * geometry.index_position({x, y, layer});
-        samples[row * dims[0] + x] = to(formula(position));
+        for (const Formula& formula : formulas) *out++ = to(formula(position));
       }
     }
   });
@@ -127,25 +130,25 @@ Bytes evaluate(const LatticeGeometry& geometry, const Formula& formula, const To
 
 // The formula's range is spread over the type's.
 template <class T>
-Bytes evaluate_scaled(const LatticeGeometry& geometry, const Formula& formula,
+Bytes evaluate_scaled(const LatticeGeometry& geometry, const std::vector<Formula>& formulas,
                       const SampleKind& kind) {
   constexpr double kFull = std::numeric_limits<T>::max();
-  return evaluate<T>(geometry, formula, [&](double value) {
+  return evaluate<T>(geometry, formulas, [&](double value) {
     const double share = (value - kind.lo) / (kind.hi - kind.lo);
     return static_cast<T>(std::lround(std::clamp(share, 0.0, 1.0) * kFull));
   });
 }
 
-Bytes evaluate_as(ScalarType type, const LatticeGeometry& geometry, const Formula& formula,
-                  const SampleKind& kind) {
+Bytes evaluate_as(ScalarType type, const LatticeGeometry& geometry,
+                  const std::vector<Formula>& formulas, const SampleKind& kind) {
   switch (type) {
     case ScalarType::kFloat32:
-      return evaluate<float>(geometry, formula,
+      return evaluate<float>(geometry, formulas,
                              [](double value) { return static_cast<float>(value); });
     case ScalarType::kUInt8:
-      return evaluate_scaled<std::uint8_t>(geometry, formula, kind);
+      return evaluate_scaled<std::uint8_t>(geometry, formulas, kind);
     case ScalarType::kUInt16:
-      return evaluate_scaled<std::uint16_t>(geometry, formula, kind);
+      return evaluate_scaled<std::uint16_t>(geometry, formulas, kind);
     default:
       throw Error(ErrorCode::kInvalidArgument,
                   fmt::format("type = {}: must be float32, uint8 or uint16", name_of(type)));
@@ -165,7 +168,10 @@ Dataset sampled(const SampleKind& kind, const LatticeGeometry& lattice, double t
   array.num_tuples = num_samples(lattice.dims);
   // Scaled to an integer type, the numbers are no longer in the unit.
   if (options.type == ScalarType::kFloat32) array.unit = kind.unit;
-  array.bytes = evaluate_as(options.type, lattice, kind.make(options.seed, time), kind);
+  std::vector<Formula> formulas{kind.make(options.seed, time)};
+  if (kind.make_second != nullptr) formulas.push_back(kind.make_second(options.seed, time));
+  array.num_components = static_cast<int>(formulas.size());
+  array.bytes = evaluate_as(options.type, lattice, formulas, kind);
   dataset.arrays.push_back(std::move(array));
   return dataset;
 }

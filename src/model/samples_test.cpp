@@ -38,7 +38,7 @@ TEST(MakeSample, EveryNameMakesADataset) {
     const Dataset dataset = make_sample(kind.name, sized(9, 8, 7));
     EXPECT_EQ(dataset.lattice.dims, (Index3{9, 8, 7}));
     const auto values = values_of<float>(dataset);
-    ASSERT_EQ(values.size(), 9U * 8U * 7U);
+    ASSERT_EQ(values.size(), 9U * 8U * 7U * (kind.make_second != nullptr ? 2U : 1U));
     for (const float value : values) {
       ASSERT_GE(value, static_cast<float>(kind.lo) - 1e-6F);
       ASSERT_LE(value, static_cast<float>(kind.hi) + 1e-6F);
@@ -47,6 +47,23 @@ TEST(MakeSample, EveryNameMakesADataset) {
     EXPECT_TRUE(std::ranges::equal(values, values_of<float>(again)));
     EXPECT_NO_THROW(make_lattice_field(dataset));
   }
+}
+
+// Fails if a stain is in the other's place, or a number is another sample's.
+TEST(MakeSample, CellsHaveNucleiWithinMembranes) {
+  const Dataset dataset = make_sample("cells", sized(40, 40, 40));
+  ASSERT_EQ(dataset.array().num_components, 2);
+  const auto values = values_of<float>(dataset);
+  std::int64_t num_nuclei = 0, num_membranes = 0, num_both = 0;
+  for (std::size_t i = 0; i < values.size(); i += 2) {
+    num_nuclei += values[i] > 0.4F;
+    num_membranes += values[i + 1] > 0.4F;
+    num_both += values[i] > 0.4F && values[i + 1] > 0.4F;
+  }
+  EXPECT_GT(num_nuclei, 500);
+  EXPECT_GT(num_membranes, num_nuclei);
+  EXPECT_LT(num_both, num_nuclei / 20);
+  EXPECT_LT(values[0] + values[1], 0.2F);  // a corner
 }
 
 // Corners stand on the corners of the cube, a single sample in its middle.

@@ -10,7 +10,7 @@ namespace ovoid {
 namespace {
 
 // Over a sample, where a channel is as bright as it gets: what lies behind shows, too.
-constexpr double kMostOfComposite = 0.5;
+constexpr double kMostOfComposite = 0.2;
 
 }  // namespace
 

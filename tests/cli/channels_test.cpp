@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <string>
 
 #include "program.h"
@@ -114,6 +115,72 @@ TEST_F(Channels, AreArrays) {
     EXPECT_GT(first[0], 2) << names;
     EXPECT_GT(second[1], 2) << names;
   }
+}
+
+// OME-Zarr of the two stains as bytes, the second of `brightness`: `channels` is what omero says.
+std::string write_ome(const Folder& folder, const std::string& name, const std::string& channels,
+                      int brightness = 240) {
+  const std::string store = folder / name;
+  std::filesystem::create_directories(store + "/0");
+  write_file(store + "/.zgroup", R"({"zarr_format": 2})");
+  write_file(store + "/.zattrs",
+             R"({"multiscales": [{"version": "0.4", "axes": [
+                  {"name": "c", "type": "channel"}, {"name": "z", "type": "space"},
+                  {"name": "y", "type": "space"}, {"name": "x", "type": "space"}],
+                "datasets": [{"path": "0", "coordinateTransformations":
+                  [{"type": "scale", "scale": [1, 1, 1, 1]}]}]}],
+                "omero": {"channels": )" +
+                 channels + "}}");
+  write_file(store + "/0/.zarray",
+             R"({"zarr_format": 2, "shape": [2, 12, 12, 12], "chunks": [1, 12, 12, 12],
+                 "dtype": "|u1", "order": "C", "compressor": null, "filters": null,
+                 "fill_value": 0})");
+  for (int c = 0; c < 2; ++c) {
+    std::string bytes;
+    for (int i = 0; i < kSide * kSide * kSide; ++i) {
+      const bool is_stained = (c == 0) == (i % kSide < kSide / 2);
+      bytes += static_cast<char>(!is_stained ? i % 3 : c == 0 ? 240 : brightness);
+    }
+    write_file(store + "/0/" + std::to_string(c) + ".0.0.0", bytes);
+  }
+  return store;
+}
+
+TEST_F(Channels, OfMicroscopesAreInTheFilesColorsWithoutAFlag) {
+  const std::string data =
+      write_ome(folder_, "stains.ome.zarr",
+                R"([{"label": "a", "color": "FF0000"}, {"label": "b", "color": "00FF00"}])");
+  const Picture alone = picture_of(data, {});
+  const auto [red, green] = halves(alone);
+  EXPECT_GT(red[0], 2);
+  EXPECT_LT(red[1] + red[2], 0.2 * red[0]);
+  EXPECT_GT(green[1], 2);
+  EXPECT_LT(green[0] + green[2], 0.2 * green[1]);
+  EXPECT_EQ(alone.rgba, picture_of(data, {"--channels", "all"}).rgba);
+  // Flags stand above the file; one array is one array.
+  const auto [first, second] = halves(picture_of(
+      data, {"--channels", "all", "--channel-color", "green", "--channel-color", "red"}));
+  EXPECT_GT(second[1], 2);
+  EXPECT_LT(first[1], 0.2 * second[1]);
+  EXPECT_NE(picture_of(data, {"--array", "a"}).rgba, alone.rgba);
+}
+
+TEST_F(Channels, TakeTheFilesRanges) {
+  const std::string data = write_ome(folder_, "dark.ome.zarr",
+                                     R"([{"color": "FF0000", "window": {"start": 0, "end": 240}},
+                                         {"color": "00FF00", "window": {"start": 0, "end": 240}}])",
+                                     24);
+  const auto [red, green] = halves(picture_of(data, {"--mode", "maximum"}));
+  EXPECT_NEAR(green[1], 0.1 * red[0], 0.03 * red[0]);
+}
+
+// Colours that are one for all, as programs write where nobody has chosen, tell nothing apart.
+TEST_F(Channels, OfOneColorAreGreenAndMagenta) {
+  const std::string data =
+      write_ome(folder_, "white.ome.zarr", R"([{"color": "FFFFFF"}, {"color": "FFFFFF"}])");
+  const auto [magenta, green] = halves(picture_of(data, {}));
+  EXPECT_LT(magenta[1], 0.2 * magenta[0]);
+  EXPECT_LT(green[0], 0.2 * green[1]);
 }
 
 // Fails if a colour is taken for a value, or is brighter than it is.

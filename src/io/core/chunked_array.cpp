@@ -144,6 +144,8 @@ DataArray empty_array(const ChunkedArray& array, std::int64_t channel) {
   result.type = array.type;
   result.num_components = array.has_components() ? static_cast<int>(array.size_of_axis('c')) : 1;
   result.num_tuples = num_samples(array.dims());
+  const auto index = static_cast<std::size_t>(channel);
+  if (index < array.channels.size()) result.display = array.channels[index].display;
   return result;
 }
 
@@ -223,12 +225,11 @@ std::string ChunkedArray::channel_name(std::int64_t channel) const {
   if (num_channels() == 1 && channels.size() != 1) return name;
   std::string number = fmt::format("channel {}", channel + 1);
   const auto index = static_cast<std::size_t>(channel);
-  if (index >= channels.size() || channels[index].empty()) {
+  if (index >= channels.size() || channels[index].name.empty()) {
     if (num_channels() == 1) return name;
     return name == "values" ? number : fmt::format("{} {}", name, number);
   }
-  const auto same = std::count(channels.begin(), channels.end(), channels[index]);
-  return same > 1 ? fmt::format("{} ({})", channels[index], number) : channels[index];
+  return name_among(channels, index, number);
 }
 
 std::int64_t num_chunk_bytes(const ChunkedArray& array) {

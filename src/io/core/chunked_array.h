@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "io/core/channel.h"
 #include "ovoid/dataset.h"
 #include "ovoid/io.h"
 
@@ -21,10 +22,10 @@ namespace ovoid::io {
 struct ChunkedArray {
   static constexpr std::int64_t kMostChunkBytes = (std::int64_t{1} << 31) - 1;
 
-  std::string where;                    // for messages: "a.zarr/0"
-  std::string name = "values";          // of the dataset's array
-  std::vector<std::string> channels{};  // their names; empty: numbered
-  std::string axes{};                   // a letter for each axis (axis_order.h), the slowest first
+  std::string where;                // for messages: "a.zarr/0"
+  std::string name = "values";      // of the dataset's array
+  std::vector<Channel> channels{};  // empty: numbered
+  std::string axes{};               // a letter for each axis (axis_order.h), the slowest first
   std::vector<std::int64_t> shape{}, chunk{};  // samples along each axis
   ScalarType type = ScalarType::kUInt8;
   bool is_big_endian = false;

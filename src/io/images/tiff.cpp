@@ -221,10 +221,8 @@ class TiffVolume {
     const auto index = static_cast<std::size_t>(channel);
     std::string number =
         stack_.num_channels == 1 ? "values" : fmt::format("channel {}", channel + 1);
-    if (stack_.channel_names.empty() || stack_.channel_names[index].empty()) return number;
-    const std::string& name = stack_.channel_names[index];
-    const auto same = std::count(stack_.channel_names.begin(), stack_.channel_names.end(), name);
-    return same > 1 ? fmt::format("{} ({})", name, number) : name;
+    if (stack_.channels.empty() || stack_.channels[index].name.empty()) return number;
+    return name_among(stack_.channels, index, number);
   }
 
   void read_frame(std::int64_t frame) {
@@ -258,6 +256,8 @@ class TiffVolume {
                       "",
                       false,
                       {}};
+      if (!stack_.channels.empty())
+        array.display = stack_.channels[static_cast<std::size_t>(channel)].display;
       array.bytes = planes(channel, frame, page.num_bytes(), progress);
       dataset_.arrays.push_back(std::move(array));
     }

@@ -37,6 +37,17 @@ std::optional<double> length_in(std::string_view text) {
   return value;
 }
 
+// Red, green, blue and opacity, the bytes of a signed number.
+std::optional<std::array<double, 3>> color_in(std::string_view text) {
+  const std::optional<double> value = parse_field(text);
+  if (!value || !(std::abs(*value) <= 0xFFFFFFFF) || *value != std::floor(*value))
+    return std::nullopt;
+  const auto bits = static_cast<std::uint32_t>(static_cast<std::int64_t>(*value));
+  return channel_color({static_cast<std::uint8_t>(bits >> 24),
+                        static_cast<std::uint8_t>(bits >> 16),
+                        static_cast<std::uint8_t>(bits >> 8)});
+}
+
 void replace_all(std::string& text, std::string_view from, std::string_view to) {
   for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
     text.replace(at, from.size(), to);
@@ -121,8 +132,10 @@ class OmeReader {
       is_inside_ = false;
     } else if (name == "Channel") {
       OmePixels& image = images_.back();
-      if (image.stack.channel_names.size() < kMostChannels)
-        image.stack.channel_names.push_back(without_entities(tag.attribute("Name")));
+      if (image.stack.channels.size() < kMostChannels) {
+        image.stack.channels.push_back({without_entities(tag.attribute("Name")),
+                                        {color_in(tag.attribute("Color")), std::nullopt}});
+      }
       if (const auto samples = count_in(tag.attribute("SamplesPerPixel")); samples.value_or(0) > 0)
         image.samples_in_pixel = *samples;
     } else if (name == "TiffData") {
@@ -209,8 +222,8 @@ class OmeReader {
       fail(fmt::format("has {} x {} x {} planes: at most {} are read", sizes[0], sizes[1], sizes[2],
                        kMaxTiffPages));
     }
-    if (static_cast<std::int64_t>(stack.channel_names.size()) != stack.num_channels)
-      stack.channel_names.clear();
+    if (static_cast<std::int64_t>(stack.channels.size()) != stack.num_channels)
+      stack.channels.clear();
     const std::array<std::size_t, 3> axes = axes_of(image);
     std::int64_t stride = 1;
     for (const std::size_t axis : axes) {

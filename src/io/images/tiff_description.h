@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "io/core/channel.h"
 #include "io/images/tiff_file.h"
 
 namespace ovoid::io {
@@ -23,7 +24,7 @@ struct TiffStack {
   std::vector<std::int64_t> directories{};
   std::int64_t first = 0;                        // page of the first plane
   std::array<std::int64_t, 3> strides{1, 0, 0};  // pages from slice to slice, channel, frame
-  std::vector<std::string> channel_names{};      // empty: not known
+  std::vector<Channel> channels{};               // empty: not known
   std::array<std::optional<double>, 3> spacing{};
   std::string length_unit{};
   std::optional<double> frame_interval{};

@@ -246,7 +246,8 @@ TEST(Tiff, OmeSaysWhichPageIsWhich) {
       ome("SizeZ=\"2\" SizeC=\"2\" SizeT=\"1\" DimensionOrder=\"XYZCT\" PhysicalSizeX=\"0.5\" "
           "PhysicalSizeY=\"500\" PhysicalSizeYUnit=\"nm\" PhysicalSizeZ=\"0.002\" "
           "PhysicalSizeZUnit=\"mm\"",
-          "<Channel Name=\"A&amp;B\"/><Channel Name=\"GFP\"/><TiffData/>");
+          "<Channel Name=\"A&amp;B\" Color=\"-16776961\"/><Channel Name=\"GFP\" "
+          "Color=\"255\"/><TiffData/>");
   const std::vector<std::string> pages{"a", "b", "c", "d"};
   Dataset dataset = read_bytes(tiff_file(tiff, pages));
   ASSERT_EQ(dataset.arrays.size(), 2U);
@@ -255,6 +256,9 @@ TEST(Tiff, OmeSaysWhichPageIsWhich) {
   EXPECT_EQ(text_of(dataset.arrays[1]), "cd");
   EXPECT_LT((dataset.lattice.world_from_index.linear().diagonal() - Vec3(0.5, 0.5, 2)).norm(),
             1e-12);
+  // Colours are red, green, blue and opacity, in a signed number; black is none.
+  EXPECT_EQ(dataset.arrays[0].display.color, (std::array{1.0, 0.0, 0.0}));
+  EXPECT_FALSE(dataset.arrays[1].display.color);
   // The channel first.
   tiff.description = with(tiff.description, "XYZCT", "XYCZT");
   EXPECT_EQ(text_of(read_bytes(tiff_file(tiff, pages)).arrays[0]), "ac");

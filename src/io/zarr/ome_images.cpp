@@ -4,8 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
+#include <charconv>
 #include <cmath>
+#include <cstdint>
+#include <string_view>
 #include <utility>
 
 #include "io/core/axis_order.h"
@@ -108,19 +112,46 @@ OmeImage read_image(const JsonValue& multiscale) {
   return image;
 }
 
-// The labels of `omero`, which viewers show; what is odd there is passed over.
-std::vector<std::string> channel_names(const Json& attributes) {
-  std::vector<std::string> names;
-  const auto omero = attributes.find("omero");
-  if (omero == attributes.end() || !omero->is_object()) return names;
-  const auto channels = omero->find("channels");
-  if (channels == omero->end() || !channels->is_array()) return names;
-  for (const Json& channel : *channels) {
-    const auto label = channel.is_object() ? channel.find("label") : channel.end();
-    const bool has_label = channel.is_object() && label != channel.end() && label->is_string();
-    names.push_back(has_label ? label->get<std::string>() : "");
+// A member of an object; null if there is none.
+Json member_of(const Json& object, const char* key) {
+  if (!object.is_object()) return {};
+  const auto found = object.find(key);
+  return found == object.end() ? Json() : *found;
+}
+
+// Six hexadecimal digits, perhaps behind "#".
+std::optional<std::array<double, 3>> color_in(const Json& value) {
+  if (!value.is_string()) return std::nullopt;
+  std::string_view digits = value.get_ref<const std::string&>();
+  if (digits.starts_with('#')) digits.remove_prefix(1);
+  std::uint32_t bits = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), bits, 16);
+  if (digits.size() != 6 || error != std::errc() || end != digits.data() + digits.size())
+    return std::nullopt;
+  return channel_color({static_cast<std::uint8_t>(bits >> 16), static_cast<std::uint8_t>(bits >> 8),
+                        static_cast<std::uint8_t>(bits)});
+}
+
+std::optional<std::array<double, 2>> range_in(const Json& window) {
+  const Json first = member_of(window, "start"), last = member_of(window, "end");
+  if (!first.is_number() || !last.is_number()) return std::nullopt;
+  const std::array range{first.get<double>(), last.get<double>()};
+  if (!std::isfinite(range[0]) || !std::isfinite(range[1]) || !(range[0] < range[1]))
+    return std::nullopt;
+  return range;
+}
+
+// What `omero` says, as viewers show it; what is odd there is passed over.
+std::vector<Channel> channels_in(const Json& attributes) {
+  std::vector<Channel> channels;
+  const Json described = member_of(member_of(attributes, "omero"), "channels");
+  if (!described.is_array()) return channels;
+  for (const Json& one : described) {
+    const Json label = member_of(one, "label");
+    channels.push_back({label.is_string() ? label.get<std::string>() : "",
+                        {color_in(member_of(one, "color")), range_in(member_of(one, "window"))}});
   }
-  return names;
+  return channels;
 }
 
 }  // namespace
@@ -135,7 +166,7 @@ std::vector<OmeImage> ome_images(const ZarrNode& group) {
   std::vector<OmeImage> images;
   for (std::size_t i = 0; i < multiscales.array().size() && i < kMostLevels; ++i) {
     images.push_back(read_image(multiscales.element(i)));
-    images.back().channel_names = channel_names(attributes);
+    images.back().channels = channels_in(attributes);
   }
   return images;
 }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "io/core/channel.h"
 #include "io/zarr/zarr_array.h"
 
 namespace ovoid::io {
@@ -16,10 +17,10 @@ struct OmeLevel {
 };
 
 struct OmeImage {
-  std::string axes;                        // a letter for each (axis_order.h)
-  std::vector<std::string> units;          // of each axis; empty: not said
-  std::vector<OmeLevel> levels;            // at least one, from fine to coarse
-  std::vector<std::string> channel_names;  // empty: not said
+  std::string axes;                // a letter for each (axis_order.h)
+  std::vector<std::string> units;  // of each axis; empty: not said
+  std::vector<OmeLevel> levels;    // at least one, from fine to coarse
+  std::vector<Channel> channels;   // empty: not said
 };
 
 // The images that a group's `multiscales` names, versions 0.1 to 0.5; none if it has none. Throws

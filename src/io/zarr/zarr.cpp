@@ -143,7 +143,8 @@ class ZarrReader {
     dataset_.format = "OME-Zarr";
     ChunkedArray array = zarr_array(store_, node);
     array.axes = image.axes;
-    array.channels = image.channel_names;
+    array.channels = image.channels;
+    for (Channel& channel : array.channels) leave_out_whole_range(array.type, channel.display);
     if (array.shape.size() != image.axes.size()) {
       fail(ErrorCode::kFileFormat, fmt::format("array '{}' has {} axes, its image {}: {}", node.key,
                                                array.shape.size(), image.axes.size(), image.axes));

@@ -203,7 +203,10 @@ ZarrFiles ome_store(const std::string& axes_with_units) {
           {"type": "scale", "scale": [1, 1, 2000, 0.5, 0.25]},
           {"type": "translation", "translation": [3, 0, 1000, 5, 6]}]},
         {"path": "s/1", "coordinateTransformations": [{"type": "scale", "scale": [1, 1, 4000, 1, 1]}]}]}],
-       "omero": {"channels": [{"label": "DAPI"}, {"label": "x"}, {"label": "x"}]}})";
+       "omero": {"channels": [
+         {"label": "DAPI", "color": "0080FF", "window": {"start": 10, "end": 900.5}},
+         {"label": "x", "color": "green", "window": {"start": 7, "end": 7}},
+         {"label": "x", "color": "#ff0000", "window": {"start": 0, "end": 65535}}]}})";
   return files;
 }
 
@@ -227,6 +230,13 @@ TEST(Zarr, ImagesHavePlacesTimesAndChannels) {
   ASSERT_EQ(dataset.arrays.size(), 3U);
   EXPECT_EQ(dataset.arrays[0].name, "DAPI");
   EXPECT_EQ(dataset.arrays[2].name, "x (channel 3)");
+  const ChannelDisplay& display = dataset.arrays[0].display;
+  EXPECT_EQ(display.color, (std::array{0.0, 128 / 255.0, 1.0}));
+  EXPECT_EQ(display.range, (std::array{10.0, 900.5}));
+  EXPECT_FALSE(dataset.arrays[1].display.color);
+  EXPECT_FALSE(dataset.arrays[1].display.range);
+  EXPECT_EQ(dataset.arrays[2].display.color, (std::array{1.0, 0.0, 0.0}));
+  EXPECT_FALSE(dataset.arrays[2].display.range);  // all that there are: nobody has chosen it
   std::vector<std::uint16_t> expected;
   for (const std::uint16_t value : expected_values({2, 3, 4}))
     expected.push_back(static_cast<std::uint16_t>(12000 + value));

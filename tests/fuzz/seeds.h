@@ -148,6 +148,15 @@ inline std::vector<std::string> tiff_seeds() {
   io::TiffWriter writer(tiles);
   writer.add_page({samples(256), samples(256)});
   seeds.push_back(writer.bytes());
+  io::TestTiff jpeg;
+  jpeg.compression = 7;
+  jpeg.width = jpeg.rows_per_strip = jpeg.height = 8;
+  seeds.push_back(io::tiff_file(jpeg, {samples(64)}));
+  jpeg.num_samples = 3;
+  jpeg.photometric = 6;
+  jpeg.has_jpeg_tables = false;
+  jpeg.jpeg.is_progressive = true;
+  seeds.push_back(io::tiff_file(jpeg, {samples(192)}));
   return seeds;
 }
 

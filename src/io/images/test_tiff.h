@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "io/core/test_deflate.h"
+#include "io/images/test_jpeg.h"
 
 namespace ovoid::io {
 
@@ -27,6 +28,8 @@ struct TestTiff {
   int resolution_unit = 2;
   std::vector<std::uint32_t> subfile_types{};  // of pages
   bool has_alpha = false;                      // in the last sample
+  TestJpeg jpeg{};                             // of compression 7; its sizes are the blocks'
+  bool has_jpeg_tables = true;                 // shared by the blocks, else each has its own
 };
 
 // The same codes as TIFF's first encoder made.
@@ -139,6 +142,12 @@ class TiffWriter {
     }
     if (tiff_.has_alpha) add(338, 3, {2});
     if (tiff_.format > 1) add(339, 3, {static_cast<std::uint64_t>(tiff_.format)});
+    if (tiff_.compression == 7 && tiff_.has_jpeg_tables) {
+      std::vector<std::uint64_t> tables;
+      for (const char byte : jpeg_tables(jpeg_of(1)))
+        tables.push_back(static_cast<unsigned char>(byte));
+      add(347, 7, tables);
+    }
     if (bytes_.size() % 2 != 0) bytes_ += '\0';
     const std::size_t at = bytes_.size();
     bytes_.replace(link_, static_cast<std::size_t>(offset_size()), number(at, offset_size()));
@@ -164,7 +173,7 @@ class TiffWriter {
   int offset_size() const { return tiff_.is_big_tiff ? 8 : 4; }
 
   void add(int tag, int type, const std::vector<std::uint64_t>& values) {
-    const int size = type == 2 ? 1 : type == 3 ? 2 : type == 16 ? 8 : 4;
+    const int size = type == 2 || type == 7 ? 1 : type == 3 ? 2 : type == 16 ? 8 : 4;
     std::string bytes;
     for (const std::uint64_t value : values) bytes += number(value, size);
     add_at(tag, type, values.size(), bytes);
@@ -183,10 +192,24 @@ class TiffWriter {
     ++num_fields_;
   }
 
+  TestJpeg jpeg_of(std::uint32_t height) const {
+    TestJpeg jpeg = tiff_.jpeg;
+    jpeg.width = tiff_.tile > 0 ? tiff_.tile : tiff_.width;
+    jpeg.height = height;
+    jpeg.num_components = tiff_.is_planar ? 1 : tiff_.num_samples;
+    jpeg.is_ycbcr = tiff_.photometric == 6;
+    jpeg.has_tables = !tiff_.has_jpeg_tables;
+    return jpeg;
+  }
+
   std::string pack(const std::string& block) const {
     switch (tiff_.compression) {
       case 5:
         return lzw_packed(block);
+      case 7: {
+        const std::size_t row = jpeg_of(1).row_size();
+        return jpeg_picture(jpeg_of(static_cast<std::uint32_t>(block.size() / row)), block);
+      }
       case 8:
         return deflated(block, 15);
       case 50000: {

@@ -196,7 +196,8 @@ std::string tiff_compression_name(int compression) {
     case 4:
       return "CCITT (fax)";
     case 6:
-    case 7:
+      return "JPEG of the old kind";
+    case kTiffJpeg:
       return "JPEG";
     case 33003:
     case 33005:
@@ -218,13 +219,14 @@ std::string tiff_compression_name(int compression) {
 bool is_read_compression(int compression) noexcept {
   return compression == kTiffPlain || compression == kTiffLzw || compression == kTiffDeflate ||
          compression == kTiffOldDeflate || compression == kTiffPackBits ||
-         compression == kTiffZstandard;
+         compression == kTiffZstandard || compression == kTiffJpeg;
 }
 
 std::int64_t max_tiff_ratio(int compression) noexcept {
   if (compression == kTiffPlain) return 1;
   if (compression == kTiffPackBits) return 64;
   if (compression == kTiffZstandard) return (128 << 10) / 3 + 1;
+  if (compression == kTiffJpeg) return 32 * 32 * 4 * 8 / 10 + 1;
   return compression == kTiffLzw ? 4096 * 8 / 12 + 1 : kMaxDeflateRatio;
 }
 

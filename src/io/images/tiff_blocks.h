@@ -12,8 +12,8 @@
 namespace ovoid::io {
 
 // TIFF's numbers for the compressions that are read.
-inline constexpr int kTiffPlain = 1, kTiffLzw = 5, kTiffDeflate = 8, kTiffPackBits = 32773,
-                     kTiffOldDeflate = 32946, kTiffZstandard = 50000;
+inline constexpr int kTiffPlain = 1, kTiffLzw = 5, kTiffJpeg = 7, kTiffDeflate = 8,
+                     kTiffPackBits = 32773, kTiffOldDeflate = 32946, kTiffZstandard = 50000;
 
 // "JPEG" and so on; the number for an unknown one.
 std::string tiff_compression_name(int compression);
@@ -21,10 +21,12 @@ std::string tiff_compression_name(int compression);
 bool is_read_compression(int compression) noexcept;
 
 // How many bytes one of such data stands for at most. Deflate: see kMaxDeflateRatio. LZW: 12 bits
-// for 4096 bytes, at best. PackBits: two for 128. Zstandard: three, of a block, for 128 KiB.
+// for 4096 bytes, at best. PackBits: two for 128. Zstandard: three, of a block, for 128 KiB. JPEG:
+// 10 blocks of a bit or more for 32 x 32 pixels of 4 components, so 3277.
 std::int64_t max_tiff_ratio(int compression) noexcept;
 
-// Fills `out` from packed bytes. Empty if all is well, else what is wrong.
+// Fills `out` from packed bytes, of any compression but JPEG. Empty if all is well, else what is
+// wrong.
 std::string unpack_tiff(int compression, std::span<const std::byte> packed,
                         std::span<std::byte> out);
 

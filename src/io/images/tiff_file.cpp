@@ -11,6 +11,7 @@
 #include "io/core/samples.h"
 #include "io/core/signatures.h"
 #include "io/images/tiff_blocks.h"
+#include "io/images/tiff_jpeg.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {
@@ -41,6 +42,7 @@ enum TiffTag : std::uint16_t {
   kTileByteCounts = 325,
   kExtraSamples = 338,
   kSampleFormat = 339,
+  kJpegTables = 347,
 };
 
 // Bytes of a value, by its type; 0 for an unknown one.
@@ -215,9 +217,24 @@ void TiffFile::set_type(TiffPage& page, const Directory& directory) const {
                                         : "complex numbers or samples of another kind",
                     bits));
   }
-  enum : std::uint64_t { kWhiteIsZero, kBlackIsZero, kRgb, kPalette, kMask };
-  const std::uint64_t photometric = value(kPhotometric, kBlackIsZero);
-  if (photometric > kMask && photometric < 32768) {
+  page.num_components = page.num_samples;
+  if (const TiffField* const extra = directory.find(kExtraSamples)) {
+    const std::vector<std::uint64_t> kinds = numbers(*extra, "extra samples");
+    for (std::size_t i = kinds.size(); i-- > 0 && page.num_components > 1;) {
+      if (kinds[i] != 1 && kinds[i] != 2) break;  // transparency
+      --page.num_components;
+    }
+  }
+}
+
+// After the type and compression.
+void TiffFile::set_colours(TiffPage& page, const Directory& directory) const {
+  enum : std::uint64_t { kWhiteIsZero, kBlackIsZero, kRgb, kPalette, kMask, kYcbcr = 6 };
+  const TiffField* const field = directory.find(kPhotometric);
+  const std::uint64_t photometric = field == nullptr ? kBlackIsZero : number(*field);
+  const bool is_jpeg = page.compression == kTiffJpeg;
+  page.is_ycbcr = is_jpeg && photometric == kYcbcr;
+  if (photometric > kMask && photometric < 32768 && !page.is_ycbcr) {
     refuse(page.number,
            fmt::format("has colours of kind {}: expected grey, red, green and blue, or "
                        "numbers of a palette",
@@ -226,13 +243,13 @@ void TiffFile::set_type(TiffPage& page, const Directory& directory) const {
   page.is_white_zero = photometric == kWhiteIsZero;
   page.is_palette = photometric == kPalette;
   page.is_stretched = page.bits < 8 && photometric <= kBlackIsZero;
-  page.num_components = page.num_samples;
-  if (const TiffField* const extra = directory.find(kExtraSamples)) {
-    const std::vector<std::uint64_t> kinds = numbers(*extra, "extra samples");
-    for (std::size_t i = kinds.size(); i-- > 0 && page.num_components > 1;) {
-      if (kinds[i] != 1 && kinds[i] != 2) break;  // transparency
-      --page.num_components;
-    }
+  if (is_jpeg && (page.bits != 8 || page.type != ScalarType::kUInt8)) {
+    refuse(page.number, fmt::format("has JPEG of {} in {} bits: expected uint8 in 8",
+                                    name_of(page.type), page.bits));
+  }
+  if (page.is_ycbcr && (page.num_samples != 3 || page.is_planar)) {
+    refuse(page.number, fmt::format("has YCbCr colours of {} samples{}: expected three, together",
+                                    page.num_samples, page.is_planar ? ", in planes" : ""));
   }
 }
 
@@ -260,6 +277,30 @@ void TiffFile::set_blocks(TiffPage& page, const Directory& directory) const {
     fail(fmt::format("page {} has strips or tiles of no size", page.number));
 }
 
+void TiffFile::set_compression(TiffPage& page, const Directory& directory) const {
+  const auto value = [&](std::uint16_t tag) {
+    const TiffField* const field = directory.find(tag);
+    return static_cast<int>((field == nullptr ? 1 : number(*field)) & 0xffffU);
+  };
+  page.compression = value(kCompression);
+  if (!is_read_compression(page.compression)) {
+    refuse(page.number,
+           fmt::format("is compressed by {}, which is not read: expected none, LZW, deflate (zip), "
+                       "Zstandard, PackBits or JPEG",
+                       tiff_compression_name(page.compression)));
+  }
+  page.predictor = value(kPredictor);
+  if (page.compression != kTiffLzw && page.compression != kTiffDeflate &&
+      page.compression != kTiffOldDeflate && page.compression != kTiffZstandard)
+    page.predictor = 1;
+  const bool is_integer = !is_floating(page.type);
+  if (page.predictor != 1 && !(page.predictor == 2 && page.bits % 8 == 0 && page.bits != 24) &&
+      !(page.predictor == 3 && !is_integer))
+    refuse(page.number, fmt::format("has predictor {} of {} bits", page.predictor, page.bits));
+  if (page.compression != kTiffJpeg) return;
+  if (const TiffField* const tables = directory.find(kJpegTables)) page.jpeg_tables = *tables;
+}
+
 TiffPage TiffFile::page_of(const Directory& directory, std::int64_t number_in_file) const {
   TiffPage page;
   page.number = number_in_file;
@@ -279,24 +320,11 @@ TiffPage TiffFile::page_of(const Directory& directory, std::int64_t number_in_fi
   set_type(page, directory);
   checked_num_bytes(fmt::format("{}: page {}", source_.name(), page.number),
                     std::array{page.width, page.height}, page.type, page.num_samples);
-  page.compression = static_cast<int>(value(kCompression, 1) & 0xffffU);
-  if (!is_read_compression(page.compression)) {
-    refuse(page.number,
-           fmt::format("is compressed by {}, which is not read: expected none, LZW, deflate (zip), "
-                       "Zstandard or PackBits",
-                       tiff_compression_name(page.compression)));
-  }
-  page.predictor = static_cast<int>(value(kPredictor, 1) & 0xffffU);
-  if (page.compression != kTiffLzw && page.compression != kTiffDeflate &&
-      page.compression != kTiffOldDeflate && page.compression != kTiffZstandard)
-    page.predictor = 1;
-  const bool is_integer = !is_floating(page.type);
-  if (page.predictor != 1 && !(page.predictor == 2 && page.bits % 8 == 0 && page.bits != 24) &&
-      !(page.predictor == 3 && !is_integer))
-    refuse(page.number, fmt::format("has predictor {} of {} bits", page.predictor, page.bits));
+  set_compression(page, directory);
   if (value(kFillOrder, 1) != 1 && page.bits < 8)
     refuse(page.number, "has its bits in the other order (FillOrder 2)");
   page.is_planar = value(kPlanar, 1) == 2 && page.num_samples > 1;
+  set_colours(page, directory);
   set_blocks(page, directory);
   return page;
 }
@@ -378,7 +406,7 @@ struct TiffFile::Blocks {
   std::vector<std::uint64_t> offsets, byte_counts;
   std::int64_t across = 1, down = 1, planes = 1;
   TiffRows rows;
-  std::vector<std::byte> packed, unpacked, spread;
+  std::vector<std::byte> jpeg_tables, packed, unpacked, spread;
 };
 
 // One of them: its place in the grid of blocks.
@@ -391,6 +419,14 @@ TiffFile::Blocks TiffFile::blocks_of(const TiffPage& page) const {
   blocks.offsets = numbers(page.offsets, "offsets of strips or tiles");
   if (page.byte_counts.count > 0)
     blocks.byte_counts = numbers(page.byte_counts, "byte counts of strips or tiles");
+  if (page.jpeg_tables.count > 0) {
+    constexpr std::uint64_t kMostTables = std::uint64_t{1} << 20;  // a few thousand in practice
+    check_inside(page.jpeg_tables.at, page.jpeg_tables.count, "JPEG tables");
+    if (page.jpeg_tables.count > kMostTables)
+      fail(fmt::format("its JPEG tables have {} bytes, more than any", page.jpeg_tables.count));
+    blocks.jpeg_tables.resize(static_cast<std::size_t>(page.jpeg_tables.count));
+    source_.read(page.jpeg_tables.at, blocks.jpeg_tables);
+  }
   const auto up = [](std::int64_t a, std::int64_t b) { return (a - 1) / b + 1; };
   blocks.across = up(page.width, page.block_width);
   blocks.down = up(page.height, page.block_height);
@@ -433,7 +469,12 @@ void TiffFile::read_block(const TiffPage& page, const BlockPlace& at, Blocks& bl
   blocks.packed.resize(static_cast<std::size_t>(used));
   source_.read(offset, blocks.packed);
   blocks.unpacked.resize(static_cast<std::size_t>(size));
-  const std::string wrong = unpack_tiff(page.compression, blocks.packed, blocks.unpacked);
+  const std::string wrong =
+      page.compression == kTiffJpeg
+          ? unpack_tiff_jpeg({blocks.jpeg_tables, page.block_width, page.block_height,
+                              blocks.rows.num_samples, page.is_ycbcr},
+                             blocks.packed, blocks.unpacked)
+          : unpack_tiff(page.compression, blocks.packed, blocks.unpacked);
   if (!wrong.empty()) fail(fmt::format("page {}: a strip or tile {}", page.number, wrong));
   finish_tiff_rows(page.predictor, blocks.rows, blocks.unpacked);
 }

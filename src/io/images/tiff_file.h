@@ -43,7 +43,9 @@ struct TiffPage {
   bool is_planar = false;     // each component has blocks of its own
   bool is_stretched = false;  // grey of fewer than 8 bits becomes one of 8
   bool is_white_zero = false, is_palette = false;
+  bool is_ycbcr = false;           // in JPEG; read as red, green and blue
   TiffField offsets, byte_counts;  // of the blocks
+  TiffField jpeg_tables;           // that the blocks share
 
   std::int64_t num_pixels() const noexcept { return width * height; }
   std::int64_t num_bytes() const noexcept {
@@ -102,7 +104,9 @@ class TiffFile {
   std::uint64_t number(const TiffField& field) const;
   std::optional<double> rational(const TiffField& field) const;
   TiffPage page_of(const Directory& directory, std::int64_t number) const;
+  void set_compression(TiffPage& page, const Directory& directory) const;
   void set_type(TiffPage& page, const Directory& directory) const;
+  void set_colours(TiffPage& page, const Directory& directory) const;
   void set_blocks(TiffPage& page, const Directory& directory) const;
   void describe(const Directory& directory);
   Blocks blocks_of(const TiffPage& page) const;

@@ -396,9 +396,9 @@ TEST(Tiff, DamageIsTold) {
   damaged[9] = static_cast<char>(damaged[9] ^ 0x40);
   EXPECT_THAT(error(damaged), HasSubstr("page 0: a strip or tile Zstandard: "));
   TestTiff strange;
-  strange.compression = 7;
+  strange.compression = 34661;
   EXPECT_THAT(error(tiff_file(strange, kPages)),
-              HasSubstr("page 0: is compressed by JPEG, which is not read: expected none, LZW"));
+              HasSubstr("page 0: is compressed by JBIG, which is not read: expected none, LZW"));
   strange = {};
   strange.bits = 16;
   strange.format = 3;

@@ -184,9 +184,9 @@ void write_file(const std::string& path, std::string_view bytes);
 void replace_file(const std::string& from, const std::string& to);
 
 // The files that read_dataset would read for `path`: it and those that it names (NRRD, MetaImage, a
-// pair of NIfTI, pieces and steps of VTK's sets, EnSight, Enzo), up to the first that is not there,
-// or the DICOM files or pictures of a folder. A file that cannot be read stands alone; reading it
-// tells why.
+// pair of NIfTI, pieces and steps of VTK's sets, EnSight, XDMF, Enzo), up to the first that is not
+// there, or the DICOM files or pictures of a folder. A file that cannot be read stands alone;
+// reading it tells why.
 std::vector<std::string> files_read_for(const std::string& path);
 
 // The files that write_dataset would write for `path`: it and the samples of a .nhdr.

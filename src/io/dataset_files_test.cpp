@@ -273,7 +273,7 @@ TEST(DatasetFiles, ReadErrors) {
       "VTK, "
       "VTKHDF, "
       "Exodus, "
-      "EnSight, Enzo, STL, OBJ, "
+      "EnSight, XDMF, Enzo, STL, OBJ, "
       "PLOT3D, HDF5, CSV and other text, NPZ, PLY, LAMMPS dump, DICOM, or raw samples with "
       "dimensions and type";
   expect("missing.nrrd", "file-not-found", "no such file");

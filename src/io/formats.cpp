@@ -39,6 +39,7 @@
 #include "io/vtk/vti_write.h"
 #include "io/vtk/vtk_set_files.h"
 #include "io/vtk/vtu_write.h"
+#include "io/xdmf/xdmf.h"
 #include "io/zarr/zarr.h"
 #include "ovoid/error.h"
 #include "ovoid/lattice_file.h"
@@ -227,6 +228,13 @@ std::vector<Format> grids() {
        .is_file = is_ensight,
        .library = "VTK",
        .companions = ensight_companions},
+      {.name = "XDMF",
+       .endings = {".xdmf", ".xmf"},
+       .is_file = is_xdmf,
+       .read = read_xdmf,
+       .companions = xdmf_companions,
+       .kinds = {kLattice, kMesh, kParticles},
+       .time = time_of_xdmf},
       {.name = "Enzo",
        .endings = {".hierarchy"},
        .is_file = is_enzo,
@@ -313,8 +321,6 @@ std::string unread_kind_of(std::string_view start) {
   if (looks_like_analyze(start)) return "an ANALYZE 7.5 header";
   if (is_gzip(start)) return "a gzip file of something other than NIfTI or text";
   if (is_bzip2(start)) return "a bzip2 file of something other than text";
-  if (start.find("<Xdmf") != std::string_view::npos)
-    return "an XDMF file, for which distributions' VTK has no reader (write VTU or VTKHDF instead)";
   if (start.starts_with("\x76\x2f\x31\x01")) return "an OpenEXR picture";
   return {};
 }

@@ -131,6 +131,8 @@ TEST(Formats, AreToldByContentFirst) {
   EXPECT_EQ(name_of_format("b_2x2x2_uint8.dat", "12345678"), "raw");
   EXPECT_EQ(name_of_format("c.dat", "1 2 3\n"), "CSV and other text");
   EXPECT_EQ(name_of_format("d.case", "FORMAT"), "EnSight");
+  EXPECT_EQ(name_of_format("d", "<?xml version=\"1.0\"?>\n<Xdmf>"), "XDMF");
+  EXPECT_EQ(name_of_format("d.xmf", "<?xml version=\"1.0\"?>\n<!-- by"), "XDMF");
   EXPECT_EQ(name_of_format("e.vti", "\xef\xbb\xbf <VTKFile type"), "VTK XML");
   EXPECT_EQ(name_of_format("f.ex2", "\x89HDF\r\n\x1a\n VTKHDF"), "Exodus");
   EXPECT_EQ(name_of_format("g", "\x89HDF\r\n\x1a\n VTKHDF"), "VTKHDF");

@@ -141,6 +141,7 @@ TEST(Mutation, Slc) { run(fuzz::slc_seeds(), fuzz::slc); }
 TEST(Mutation, Slice) { run(fuzz::slice_seeds(), fuzz::slice, 2000); }
 TEST(Mutation, Tiff) { run(fuzz::tiff_seeds(), fuzz::tiff, 6000); }
 TEST(Mutation, Zarr) { run(fuzz::zarr_seeds(), fuzz::zarr, 4000); }
+TEST(Mutation, Xdmf) { run(fuzz::xdmf_seeds(), fuzz::xdmf, 4000); }
 TEST(Mutation, RawName) { run(fuzz::raw_name_seeds(), fuzz::raw_name); }
 TEST(Mutation, Dicom) { run(fuzz::dicom_seeds(), fuzz::dicom); }
 TEST(Mutation, VtkHeader) { run(fuzz::vtk_header_seeds(), fuzz::vtk_header); }

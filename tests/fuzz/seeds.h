@@ -27,6 +27,7 @@
 #include "io/images/test_tiff.h"
 #include "io/netcdf/test_netcdf.h"
 #include "io/pictures/pictures.h"
+#include "io/xdmf/test_xdmf.h"
 #include "io/zarr/test_zarr.h"
 #include "ovoid/error.h"
 #include "ovoid/lattice_file.h"
@@ -207,6 +208,34 @@ inline std::vector<std::string> zarr_seeds() {
   third["c/0/0/0"] = "123456789\x83\x92\x06\xe3";
   seeds.push_back(io::zip_of(third));
   return seeds;
+}
+
+inline std::vector<std::string> xdmf_seeds() {
+  const auto values = [](int count) {
+    return io::xdmf_attribute("u", io::xdmf_item(std::to_string(count), io::xdmf_counting(count)));
+  };
+  const std::string rectilinear =
+      "<Topology Type=\"3DRectMesh\" Dimensions=\"3 2 2\"/><Geometry Type=\"VXVYVZ\">" +
+      io::xdmf_item("2", "0 1") + io::xdmf_item("2", "5 7") + io::xdmf_item("3", "1 4 8") +
+      "</Geometry>";
+  const std::string raw =
+      "<DataItem Dimensions=\"2 3 4\" Format=\"Binary\" Seek=\"3\" "
+      "Endian=\"Big\" NumberType=\"Int\">b</DataItem>";
+  const std::string pieces = "GridType=\"Collection\" CollectionType=\"Spatial\"";
+  const std::string mesh = io::xdmf_grid(io::kXdmfMixed + values(9), "Name=\"a\"");
+  return {
+      io::xdmf_file(io::xdmf_grid(io::kXdmfEven + values(24))),
+      io::xdmf_file(io::xdmf_grid(io::kXdmfEven + io::xdmf_attribute("f", raw))),
+      io::xdmf_file(io::xdmf_grid(rectilinear + io::xdmf_attribute("f", io::xdmf_slab()))),
+      io::xdmf_file(io::xdmf_series()),
+      io::xdmf_file(io::xdmf_grid(
+          io::kXdmfEven + io::xdmf_attribute("v", io::xdmf_join(), "AttributeType=\"Vector\""))),
+      io::xdmf_file(io::xdmf_grid(mesh + mesh, pieces)),
+      io::xdmf_file(io::xdmf_grid(io::kXdmfNodes + values(9)) + mesh),
+      io::xdmf_file(io::xdmf_item("24", io::xdmf_counting(24)) +
+                    io::xdmf_grid(io::kXdmfEven + io::xdmf_attribute("f",
+                                                                     "<DataItem Reference=\"XML\">"
+                                                                     "//DataItem[1]</DataItem>")))};
 }
 
 inline std::vector<std::string> netcdf_seeds() {

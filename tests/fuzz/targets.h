@@ -187,6 +187,15 @@ inline void zarr(Input input) {
   expect_dataset_or_error([&] { return io::read_source(*source, {}, open); });
 }
 
+// Raw files have the input's own bytes. What claims more memory than here is is refused.
+inline void xdmf(Input input) {
+  struct SomeMemory {
+    SomeMemory() { io::set_available_memory(std::int64_t{64} << 20); }
+    ~SomeMemory() { io::set_available_memory(std::numeric_limits<std::int64_t>::max()); }
+  } const some;
+  read_with_files("fuzz.xmf", input);
+}
+
 inline void netcdf(Input input) {
   expect_dataset_or_error([&] { return io::read_source(*io::open_memory("fuzz.nc", input), {}); });
 }

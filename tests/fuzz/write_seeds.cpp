@@ -22,6 +22,7 @@ int main(int argc, char** argv) {
       {"slice", ovoid::fuzz::slice_seeds()},
       {"tiff", ovoid::fuzz::tiff_seeds()},
       {"zarr", ovoid::fuzz::zarr_seeds()},
+      {"xdmf", ovoid::fuzz::xdmf_seeds()},
       {"netcdf", ovoid::fuzz::netcdf_seeds()},
       {"raw_name", ovoid::fuzz::raw_name_seeds()},
       {"dicom", ovoid::fuzz::dicom_seeds()},

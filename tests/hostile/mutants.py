@@ -165,6 +165,11 @@ def vtk_hdf_image(path):
         file.dataset("VTKHDF/PointData/v", "f4", range(24), [2, 3, 4])
 
 
+def xdmf_hdf5(path):
+    with Hdf5File(path) as file:
+        file.dataset("v", "f4", range(8), [2, 2, 2])
+
+
 def vtk_hdf_mesh(path):
     with Hdf5File(path) as file:
         file.group("VTKHDF")
@@ -273,6 +278,17 @@ def seeds(folder, program):
                               ("Enzo", "a.hierarchy", lambda path: enzo(path.parent))):
         add(kind, first, {first: b""})
         make(made[kind])
+    for kind in ("inline", "HDF5"):
+        item = '<DataItem Dimensions="2 2 2" NumberType="Float" '
+        text = " ".join(map(str, range(8))) if kind == "inline" else "a.h5:/v"
+        add(f"XDMF {kind}", "a.xdmf", {"a.xdmf":
+            '<Xdmf Version="3.0"><Domain><Grid Name="a" GridType="Collection" CollectionType="Temporal"><Grid>'
+            '<Topology TopologyType="Hexahedron" NumberOfElements="1"><DataItem Dimensions="1 8" NumberType="Int">'
+            '0 1 2 3 4 5 6 7</DataItem></Topology><Geometry GeometryType="XYZ"><DataItem Dimensions="8 3">' +
+            " ".join(map(str, CUBE)) + '</DataItem></Geometry><Time Value="1"/><Attribute Name="v" Center="Node">' +
+            item + ('Format="HDF">' if kind == "HDF5" else ">") + text +
+            "</DataItem></Attribute></Grid></Grid></Domain></Xdmf>\n"})
+    xdmf_hdf5(made["XDMF HDF5"].parent / "a.h5")
     place = folder / "HDF5 lattice"
     place.mkdir()
     subprocess.run([program, "make", "ball", "-o", place / "a.h5", "--size", "8"], check=True, capture_output=True)

@@ -3,7 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
 #include <string_view>
+#include <utility>
 
 #include "ovoid/error.h"
 
@@ -104,6 +107,16 @@ std::optional<XmlTag> XmlTagReader::next() {
       position_ = close + 1;
       continue;
     }
+    if (doctype_ == Doctype::kPassed && start == "<!DO") {
+      const std::string text = tag_text(begin);
+      // "[]" holds declarations, of entities too.
+      const auto open = text.find('[');
+      if (open == std::string::npos ||
+          text.find_first_not_of(" \t\r\n", open + 1) == text.find(']', open + 1)) {
+        position_ = begin + static_cast<std::int64_t>(text.size());
+        continue;
+      }
+    }
     // Entities could be declared there that grow without end where they are used.
     if (start.starts_with("<!")) {
       throw Error(
@@ -119,6 +132,26 @@ std::optional<XmlTag> XmlTagReader::next() {
     tag.end = position_;
     return tag;
   }
+}
+
+std::optional<std::string> without_entities(std::string_view text) {
+  static constexpr std::pair<std::string_view, char> kEntities[] = {
+      {"&quot;", '"'}, {"&amp;", '&'}, {"&lt;", '<'}, {"&gt;", '>'}, {"&apos;", '\''}};
+  std::string result;
+  while (!text.empty()) {
+    if (text.front() != '&') {
+      result += text.front();
+      text.remove_prefix(1);
+      continue;
+    }
+    const auto* const known =
+        std::find_if(std::begin(kEntities), std::end(kEntities),
+                     [&](const auto& entity) { return text.starts_with(entity.first); });
+    if (known == std::end(kEntities)) return std::nullopt;
+    result += known->second;
+    text.remove_prefix(known->first.size());
+  }
+  return result;
 }
 
 }  // namespace ovoid::io

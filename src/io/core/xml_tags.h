@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "io/core/byte_source.h"
 
@@ -26,10 +27,14 @@ struct XmlTag {
 // passed over.
 class XmlTagReader {
  public:
-  explicit XmlTagReader(const ByteSource& source) : source_(source) {}
+  // Whether a document type without declarations of its own is passed over.
+  enum class Doctype { kRefused, kPassed };
 
-  // The next tag; empty at the end of the file. Throws Error(kFileFormat) for a tag that does not
-  // end or is longer than 64 KiB.
+  explicit XmlTagReader(const ByteSource& source, Doctype doctype = Doctype::kRefused)
+      : source_(source), doctype_(doctype) {}
+
+  // The next tag; empty at the end of the file. Throws Error: kFileFormat for a tag that does not
+  // end or is longer than 64 KiB, kUnsupported for a declaration.
   std::optional<XmlTag> next();
 
  private:
@@ -38,9 +43,14 @@ class XmlTagReader {
   std::string tag_text(std::int64_t begin);
 
   const ByteSource& source_;
+  Doctype doctype_;
   std::int64_t position_ = 0;
   std::string window_;  // a piece of the file
   std::int64_t window_begin_ = 0;
 };
+
+// The value of an attribute, or text, without the five entities that XML itself knows. Nothing for
+// any other entity.
+std::optional<std::string> without_entities(std::string_view text);
 
 }  // namespace ovoid::io

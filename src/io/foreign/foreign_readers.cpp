@@ -13,6 +13,7 @@
 #include "io/foreign/hdf5_grid.h"
 #include "io/foreign/hdf5_lattice.h"
 #include "io/foreign/hdf5_points.h"
+#include "io/foreign/hdf5_xdmf.h"
 #include "io/foreign/mesh_readers.h"
 #include "io/foreign/vtk_sets.h"
 #include "io/foreign/vtk_surface.h"
@@ -57,6 +58,7 @@ const std::vector<ForeignReader>& foreign_readers() {
 #endif
 #ifdef OVOID_IO_HDF5
       {"HDF5", nullptr, read_hdf5},
+      {"XDMF", nullptr, read_xdmf_with_hdf5},
 #endif
   };
   return readers;

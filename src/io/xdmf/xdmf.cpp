@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/xdmf/xdmf.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+#include <system_error>
+#include <utility>
+
+#include "io/core/numbers.h"
+#include "io/core/samples.h"
+#include "io/core/signatures.h"
+#include "io/core/text_scanner.h"
+#include "io/core/xml_tags.h"
+#include "io/formats.h"
+#include "io/meshes/mesh_parts.h"
+#include "io/meshes/mesh_steps.h"
+#include "io/reader/reader_session.h"
+#include "io/xdmf/xdmf_grid.h"
+#include "io/xdmf/xdmf_items.h"
+#include "io/xdmf/xdmf_tree.h"
+#include "ovoid/error.h"
+
+namespace ovoid::io {
+namespace {
+
+constexpr std::int64_t kMostGrids = 100'000;
+
+// Files that items of the tree name, each once.
+std::set<std::string> xdmf_files(const XdmfTree& tree) {
+  std::set<std::string> files;
+  for (std::size_t i = 0; i < tree.elements().size(); ++i) {
+    if (!tree.attribute(i, {"Reference"}).empty()) continue;
+    if (is_xdmf_hdf5(tree, i)) files.insert(xdmf_hdf5_name(tree, i).file);
+    if (is_xdmf_binary(tree, i)) files.insert(xdmf_binary_name(tree, i));
+  }
+  return files;
+}
+
+class XdmfReader {
+ public:
+  XdmfReader(const ByteSource& source, const ReadOptions& options, const Opener& open)
+      : source_(source), options_(options), open_(open), tree_(source) {}
+
+  bool has_hdf5() const {
+    for (std::size_t i = 0; i < tree_.elements().size(); ++i)
+      if (is_xdmf_hdf5(tree_, i)) return true;
+    return false;
+  }
+
+  Dataset run() {
+    dataset_.source = source_.name();
+    dataset_.format = "XDMF";
+    const std::vector<std::size_t> domains = tree_.children(0, "Domain");
+    if (domains.empty()) tree_.fail(0, "has no Domain");
+    const std::vector<std::size_t> grids = tree_.children(domains[0], "Grid");
+    if (grids.empty()) tree_.fail(domains[0], "has no Grid");
+    if (grids.size() > 1) options_.block.clear();
+    const std::size_t chosen = grids[choose(grids)];
+    std::vector<std::size_t> steps{chosen};
+    if (is_temporal(chosen)) steps = tree_.children(chosen, "Grid");
+    if (steps.empty()) tree_.fail(chosen, "has no grids");
+    return read_mesh_step(
+        source_.name(), static_cast<std::int64_t>(steps.size()), times_of(chosen, steps), options_,
+        [&](std::int64_t step) { return read_step(steps[static_cast<std::size_t>(step)]); });
+  }
+
+ private:
+  std::string grid_type(std::size_t grid) const {
+    const std::string type = lower(tree_.attribute(grid, {"GridType", "Type"}));
+    return type.empty() ? "uniform" : type;
+  }
+
+  bool is_temporal(std::size_t grid) const {
+    return grid_type(grid) == "collection" &&
+           lower(tree_.attribute(grid, {"CollectionType"})) == "temporal";
+  }
+
+  bool has_attributes(std::size_t grid) const {
+    const std::vector<std::size_t>& inner = tree_[grid].children;
+    return std::any_of(inner.begin(), inner.end(), [&](std::size_t child) {
+      return tree_[child].name == "Attribute" ||
+             (tree_[child].name == "Grid" && has_attributes(child));
+    });
+  }
+
+  // Of several grids of the domain, the one that is read.
+  std::size_t choose(const std::vector<std::size_t>& grids) {
+    if (grids.size() == 1) return 0;
+    std::set<std::string> names;
+    for (std::size_t i = 0; i < grids.size(); ++i) {
+      const std::string told = tree_.attribute(grids[i], {"Name"});
+      const std::string base = told.empty() ? fmt::format("grid {}", i + 1) : told;
+      std::string name = base;
+      for (int n = 2; !names.insert(name).second; ++n) name = fmt::format("{} {}", base, n);
+      dataset_.blocks.push_back(
+          {name, is_temporal(grids[i])
+                     ? fmt::format("{} time steps", tree_.children(grids[i], "Grid").size())
+                     : grid_type(grids[i]).substr(0, 40)});
+    }
+    if (wanted_block_.empty()) {
+      const auto is_told = [&](std::size_t grid) { return has_attributes(grid); };
+      const auto first = std::find_if(grids.begin(), grids.end(), is_told);
+      const auto chosen =
+          static_cast<std::size_t>(first == grids.end() ? 0 : first - grids.begin());
+      dataset_.block = dataset_.blocks[chosen].name;
+      // Others without arrays are meshes that it refers to.
+      if (std::count_if(grids.begin(), grids.end(), is_told) != 1) {
+        dataset_.notes.push_back(
+            fmt::format("{}: holds {} grids, '{}' is read; choose with --block", source_.name(),
+                        grids.size(), dataset_.block));
+      }
+      return chosen;
+    }
+    for (std::size_t i = 0; i < grids.size(); ++i) {
+      dataset_.block = wanted_block_;
+      if (dataset_.blocks[i].name == wanted_block_) return i;
+    }
+    std::string known;
+    for (const DatasetBlock& block : dataset_.blocks) known += fmt::format(" '{}'", block.name);
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("{}: block '{}': no such grid: expected one of{}", source_.name(),
+                            wanted_block_, known));
+  }
+
+  // --- time
+  // ---------------------------------------------------------------------------------------
+
+  // The first Time that stands in the grid itself.
+  std::optional<std::size_t> time_element(std::size_t grid) const {
+    for (const std::size_t child : tree_[grid].children)
+      if (tree_[child].name == "Time") return child;
+    return std::nullopt;
+  }
+
+  std::optional<double> time_of(std::size_t grid) const {
+    const auto time = time_element(grid);
+    if (!time) return std::nullopt;
+    return parse_real(tree_.attribute(*time, {"Value"}));
+  }
+
+  // Empty unless all steps have one.
+  std::vector<double> times_of(std::size_t grid, const std::vector<std::size_t>& steps) const {
+    if (steps.size() > static_cast<std::size_t>(kMostGrids))
+      tree_.refuse(grid, fmt::format("has more than {} steps", kMostGrids));
+    std::vector<double> times;
+    if (is_temporal(grid)) times = listed_times(grid, steps.size());
+    if (!times.empty()) return times;
+    for (const std::size_t step : steps) {
+      const auto time = time_of(step);
+      if (!time) return {};
+      times.push_back(*time);
+    }
+    return times;
+  }
+
+  // A list of all, or start, stride and count.
+  std::vector<double> listed_times(std::size_t collection, std::size_t count) const {
+    const auto time = time_element(collection);
+    if (!time) return {};
+    const std::string type = lower(tree_.attribute(*time, {"TimeType", "Type"}));
+    const std::vector<std::size_t> items = tree_.children(*time, "DataItem");
+    if ((type != "list" && type != "hyperslab") || items.size() != 1) return {};
+    ReadProgress progress(options_, 0);
+    const XdmfNumbers numbers = XdmfItems(tree_, open_, progress).read(items[0]);
+    std::vector<double> times;
+    for (std::int64_t i = 0; i < std::min<std::int64_t>(numbers.count(), kMostGrids); ++i)
+      times.push_back(numbers.number(i));
+    if (type == "hyperslab" && times.size() == 3) {
+      const double start = times[0], stride = times[1];
+      times.clear();
+      for (std::size_t i = 0; i < count; ++i)
+        times.push_back(start + stride * static_cast<double>(i));
+    }
+    if (times.size() != count)
+      tree_.fail(*time,
+                 fmt::format("has {} times: the collection has {} grids", times.size(), count));
+    return times;
+  }
+
+  // --- one step
+  // -----------------------------------------------------------------------------------
+
+  // The uniform grids that it is made of.
+  void add_leaves(std::size_t grid, int depth, std::vector<std::size_t>& leaves) const {
+    constexpr int kDeepest = 16;
+    const std::string type = grid_type(grid);
+    if (type == "uniform") {
+      leaves.push_back(grid);
+      if (leaves.size() > static_cast<std::size_t>(kMostGrids))
+        tree_.refuse(grid, fmt::format("is one of more than {} grids", kMostGrids));
+      return;
+    }
+    if (type != "collection" && type != "tree") {
+      tree_.refuse(grid, fmt::format("is of GridType '{}', which is not read: expected Uniform, "
+                                     "Collection or Tree",
+                                     type.substr(0, 40)));
+    }
+    if (is_temporal(grid)) tree_.refuse(grid, "holds time steps within another grid");
+    if (depth == kDeepest) tree_.refuse(grid, "is too deep");
+    for (const std::size_t inner : tree_.children(grid, "Grid"))
+      add_leaves(inner, depth + 1, leaves);
+  }
+
+  Dataset read_step(std::size_t grid) {
+    std::vector<std::size_t> leaves;
+    add_leaves(grid, 0, leaves);
+    if (leaves.empty()) tree_.fail(grid, "has no grids");
+    Dataset dataset = dataset_;
+    ReadOptions quiet = options_;
+    quiet.progress = {};
+    ReadProgress progress(quiet, 0);
+    const XdmfItems items(tree_, open_, progress);
+    std::vector<MeshPart> parts;
+    for (std::size_t i = 0; i < leaves.size(); ++i) {
+      XdmfGrid one = read_xdmf_grid(tree_, items, leaves[i], options_.array, dataset.notes);
+      if (one.lattice && leaves.size() > 1) {
+        tree_.refuse(leaves[i], fmt::format("is one lattice of {}, which are not put together",
+                                            leaves.size()));
+      }
+      if (one.lattice) return lattice_of_grid(std::move(dataset), std::move(one), leaves[i]);
+      if (leaves.size() > 1) {
+        one.part.block = tree_.attribute(leaves[i], {"Name"});
+        if (one.part.block.empty()) one.part.block = fmt::format("grid {}", i + 1);
+      }
+      parts.push_back(std::move(one.part));
+    }
+    // Of several grids of the domain the one that was chosen is all that there is.
+    std::vector<DatasetBlock> blocks = std::move(dataset.blocks);
+    std::string block = std::move(dataset.block);
+    dataset.blocks.clear();
+    dataset.block.clear();
+    dataset = mesh_of_parts(std::move(dataset), std::move(parts), options_);
+    if (!blocks.empty()) {
+      dataset.blocks = std::move(blocks);
+      dataset.block = std::move(block);
+    }
+    return dataset;
+  }
+
+  Dataset lattice_of_grid(Dataset dataset, XdmfGrid grid, std::size_t element) const {
+    dataset.kind = DatasetKind::kLattice;
+    dataset.lattice = std::move(*grid.lattice);
+    dataset.arrays = std::move(grid.part.arrays);
+    if (dataset.arrays.empty()) tree_.fail(element, "has no array of numbers at nodes or cells");
+    if (!options_.array.empty()) static_cast<void>(dataset.array(options_.array));
+    shorten_notes(dataset.notes);
+    return dataset;
+  }
+
+  const ByteSource& source_;
+  ReadOptions options_;
+  std::string wanted_block_ = options_.block;
+  const Opener& open_;
+  XdmfTree tree_;
+  Dataset dataset_;
+};
+
+}  // namespace
+
+bool is_xdmf(const ByteSource& source, std::string_view start) {
+  if (start.find("<Xdmf") != std::string_view::npos) return true;
+  // A long comment may stand before it.
+  const std::string ending = ending_of(source.name());
+  return (ending == ".xdmf" || ending == ".xmf") && trimmed(start).starts_with('<');
+}
+
+Dataset read_xdmf(const ByteSource& source, const ReadOptions& options, const Opener& open) {
+  XdmfReader reader(source, options, open);
+  if (!has_xdmf_hdf5() && reader.has_hdf5()) {
+    if (has_library("HDF5")) return read_foreign("XDMF", source.name(), {source.name()}, options);
+    throw Error(ErrorCode::kUnsupported,
+                fmt::format("{}: its numbers are in HDF5: this build has no HDF5", source.name()));
+  }
+  return reader.run();
+}
+
+std::vector<std::string> xdmf_companions(const ByteSource& source) {
+  std::vector<std::string> files;
+  try {
+    for (const std::string& file : xdmf_files(XdmfTree(source))) {
+      std::error_code ignored;
+      if (std::filesystem::is_regular_file(file, ignored)) files.push_back(file);
+    }
+  } catch (const Error&) {
+    // What is broken is told by who reads it.
+  }
+  return files;
+}
+
+std::optional<double> time_of_xdmf(const ByteSource& source) {
+  XmlTagReader reader(source, XmlTagReader::Doctype::kPassed);
+  while (const auto tag = reader.next())
+    if (tag->name == "Time") return parse_real(tag->attribute("Value"));
+  return std::nullopt;
+}
+
+}  // namespace ovoid::io

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <bit>
+#include <cmath>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -159,8 +160,6 @@ void check_flags(const Flags& flags, const AnimateFlags& animate) {
   check_output(flags, animate);
   check_background(animate.drawing, animate.output);
   check_json_flags(animate.drawing);
-  if (animate.data.slice.plane)
-    throw UsageError("--hyperslice: is for render; convert writes it to a file, which turns");
   std::vector<OutputFile> outputs;
   if (is_film(animate.output)) {
     outputs.push_back({"--output", animate.output, animate.output});
@@ -210,6 +209,7 @@ struct Chosen {
 
 Chosen choose_moment(const DataFlags& data, const Series& series, Session& session) {
   if (data.time) return {*data.time, true};
+  if (data.slice.plane) return {series.times()[series.times().size() / 2], false};
   Progress progress("reading");
   ReadOptions options = read_options(data, session);
   options.progress = progress.callback();
@@ -519,7 +519,9 @@ void run_animate(const Words& words, Session& session) {
 
   take_from_model(&animate.data, &animate.drawing.model);
   animate.drawing.time_filter = animate.data.time_filter;
-  const Series series = open_series(animate.data, session);
+  const auto& plane = animate.data.slice.plane;
+  if (plane && !std::isnan(plane->offset)) animate.data.time = plane->offset;  // of the slices
+  const Series series = open_shown_series(animate.data, session);
   const Chosen chosen = choose_moment(animate.data, series, session);
   if (!series.source().has_times()) note_order(animate.data.inputs, session);
   const auto plan = plan_frames(animate.animation, series.source(),

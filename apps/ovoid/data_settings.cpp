@@ -82,9 +82,9 @@ const Table<DataFlags>& data_settings() {
        one_step, not_with("step hyperslice", kGiveOne)},
       {"--time-filter", choice(kTimeFilters), &D::time_filter,
        "kernels over time of lattices in space and time (D4*): docs/time.md (default {})"},
-      {"--hyperslice", form("A,B,C,D,E", parse_hyperplane), at(&D::slice, &SliceFlags::plane),
+      {"--hyperslice", form("A,B,C,D[,E]", parse_hyperplane), at(&D::slice, &SliceFlags::plane),
        "of lattices in time, what lies where A x + B y + C z + D t = E, in world units and "
-       "those of the times: docs/time.md",
+       "those of the times; animate goes along E if that is left out: docs/time.md",
        one_step},
       {"--slice-method", choice(kSliceMethods), at(&D::slice, &SliceFlags::method),
        "a new lattice in the plane, or the samples near it, moved onto it (default {})", of_slice},

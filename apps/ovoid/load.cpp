@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <utility>
 
 #include "environment.h"
@@ -12,6 +13,7 @@
 #include "ovoid/error.h"
 #include "ovoid/slices.h"
 #include "team.h"
+#include "usage.h"
 
 namespace ovoid::cli {
 void check_format_flags(const DataFlags& data, const Dataset& dataset) {
@@ -80,8 +82,7 @@ Dataset at_time(const DataFlags& data, double time, Session& session) {
   return dataset;
 }
 
-Dataset sliced(const DataFlags& data, Session& session) {
-  const Series series = open_series(data, session);
+HypersliceOptions slice_options(const DataFlags& data, const Session& session) {
   HypersliceOptions options;
   options.method = data.slice.method;
   options.lattice = data.slice.lattice;
@@ -90,10 +91,24 @@ Dataset sliced(const DataFlags& data, Session& session) {
   options.array = data.array;
   options.component = data.component;
   options.stop = session.stop();
-  return hyperslice(series, *data.slice.plane, options);
+  return options;
+}
+
+Dataset sliced(const DataFlags& data, Session& session) {
+  if (std::isnan(data.slice.plane->offset)) {
+    throw UsageError(
+        "--hyperslice: expected A,B,C,D,E; A,B,C,D alone is for animate, which goes along E");
+  }
+  return hyperslice(open_series(data, session), *data.slice.plane, slice_options(data, session));
 }
 
 }  // namespace
+
+Series open_shown_series(const DataFlags& data, const Session& session) {
+  if (!data.slice.plane) return open_series(data, session);
+  return Series(hyperslice_steps(std::make_shared<const Series>(open_series(data, session)),
+                                 *data.slice.plane, {}, slice_options(data, session)));
+}
 
 Dataset load(const DataFlags& data, Session& session) {
   if (data.slice.plane) {

@@ -14,6 +14,9 @@ void take_from_model(DataFlags* data, ModelFlags* model);
 
 // The steps of the inputs, within --memory-limit. Throws Error.
 Series open_series(const DataFlags& data, const Session& session, bool prefetch = true);
+// What an animation runs along, and trails are of: these steps, or with --hyperslice the slices of
+// its normal, whose times are their offsets. Throws Error.
+Series open_shown_series(const DataFlags& data, const Session& session);
 
 // What readers are told, but for progress and where the step is a matter of time.
 ReadOptions read_options(const DataFlags& data, const Session& session);

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "load.h"
 #include "make_look.h"
 #include "ovoid/error.h"
@@ -68,8 +70,12 @@ std::optional<Trail> trail_of(const DataFlags& data, const DrawingFlags& drawing
                               Session& session) {
   if (!drawing.trail.length) return std::nullopt;
   Progress progress("blurring");
-  const Series series = open_series(data, session);
-  const double time = data.time.value_or(series.times()[static_cast<std::size_t>(step)]);
+  const Series series = open_shown_series(data, session);
+  const auto& times = series.times();
+  const double time =
+      data.slice.plane
+          ? std::clamp(data.slice.plane->offset, times.front(), times.back())
+          : data.time.value_or(times[static_cast<std::size_t>(step)]);
   ModelFlags model = drawing.model;
   model.array = modelled.array;
   return make_trail(drawing.trail, series, time, model, drawing.run.threads, look,

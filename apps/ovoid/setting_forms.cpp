@@ -178,8 +178,10 @@ FurtherLight parse_further_light(const std::string& text) {
 }
 
 Hyperplane parse_hyperplane(const std::string& text) {
-  const std::vector<double> numbers = parse_numbers(text, 5);
-  Hyperplane plane{{numbers[0], numbers[1], numbers[2], numbers[3]}, numbers[4]};
+  const auto commas = std::count(text.begin(), text.end(), ',');
+  const std::vector<double> numbers = parse_numbers(text, commas == 3 ? 4 : 5);
+  Hyperplane plane{{numbers[0], numbers[1], numbers[2], numbers[3]},
+                   numbers.size() == 5 ? numbers[4] : std::numeric_limits<double>::quiet_NaN()};
   if (plane.normal == std::array<double, 4>{})
     throw BadValue("expected a, b, c and d that are not all 0");
   return plane;
@@ -385,7 +387,8 @@ std::string text_of(const Index3& dims) { return fmt::format("{}", fmt::join(dim
 std::string text_of(ScalarType type) { return name_of(type); }
 
 std::string text_of(const Hyperplane& plane) {
-  return fmt::format("{},{}", fmt::join(plane.normal, ","), plane.offset);
+  const std::string normal = fmt::format("{}", fmt::join(plane.normal, ","));
+  return std::isnan(plane.offset) ? normal : fmt::format("{},{}", normal, plane.offset);
 }
 
 std::string text_of(const ClipPlane& plane) {

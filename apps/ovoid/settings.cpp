@@ -342,11 +342,11 @@ const Table<TrailFlags>& trail_settings() {
           return trail.length ? Json(fmt::format("{},{}", *trail.length, trail.decay)) : Json();
         }},
        fmt::format("lattices in time: behind everything a trail of what was there in the last L "
-                   "units of time, what was first less by exp(-DECAY) (default {})",
+                   "units of time (with --hyperslice: of E), what was first less by exp(-DECAY) "
+                   "(default {})",
                    T{}.decay),
        not_with("mode", "is for --mode composite and isosurface", is_unlit),
-       not_with("post-convolution", "is for --post-convolution off and auto", is_published_way),
-       not_with("hyperslice", "contradicts --hyperslice, which has no time before it")},
+       not_with("post-convolution", "is for --post-convolution off and auto", is_published_way)},
       {"--trail-tf", look_file(), &T::file,
        "colours and opacities of the trail, as --tf (default: the picture's, a quarter as opaque)",
        needs("motion-blur", "has no effect without --motion-blur")},

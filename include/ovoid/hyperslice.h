@@ -3,9 +3,11 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <stop_token>
 #include <string>
+#include <vector>
 
 #include "ovoid/dataset.h"
 #include "ovoid/export.h"
@@ -61,5 +63,16 @@ struct HypersliceOptions {
 // staggered; across one axis, two to four. Source: [Neophytou 2006, section 2.3].
 Dataset hyperslice(const Series& series, const Hyperplane& plane,
                    const HypersliceOptions& options = {});
+
+// Slices by planes of one normal as the steps of a series, whose times are the offsets: what an
+// animation runs along, and trail_before() makes a trail of. `offsets` rise; empty: where the
+// data have samples, all of them. Each is made when it is read, as hyperslice() makes it; `plane`'s
+// own offset is of no account. Throws Error(kInvalidArgument) for a plane that is not across one
+// axis, as the lattices of others move along them; for SliceMethod::kExtracted; for offsets that do
+// not rise or miss the data; and what reading the first step throws.
+std::shared_ptr<const StepSource> hyperslice_steps(std::shared_ptr<const Series> series,
+                                                   const Hyperplane& plane,
+                                                   std::vector<double> offsets = {},
+                                                   const HypersliceOptions& options = {});
 
 }  // namespace ovoid

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -294,6 +295,52 @@ TEST(Hyperslice, ExtractedFieldsHaveTheSamplesValues) {
       }
     }
   }
+}
+
+// Fails if a step is not the slice at its time, or the samples' planes are not found.
+TEST(HypersliceSteps, AreSlicesOneAfterTheOther) {
+  for (const SeriesKind kind : kKinds) {
+    auto series = std::make_shared<const Series>(Sampled(kind, mixed).series);
+    for (const Hyperplane plane :
+         {Hyperplane{{0, -2, 0, 0}, 0}, Hyperplane{{0, 0, 0, 3}, 0}, Hyperplane{{1, 0, 0, 0}, 7}}) {
+      const auto steps = hyperslice_steps(series, plane);
+      const std::size_t axis = plane.normal[3] != 0 ? 3 : plane.normal[1] != 0 ? 1 : 0;
+      ASSERT_EQ(steps->num_steps(), axis == 3 ? series->num_steps() : kDims[axis]);
+      EXPECT_TRUE(std::is_sorted(steps->times().begin(), steps->times().end()));
+      const Dataset step = steps->read(2);
+      Hyperplane third = plane;
+      third.offset = steps->times()[2];
+      const Dataset slice = hyperslice(*series, third);
+      EXPECT_EQ(step.lattice.dims, slice.lattice.dims);
+      EXPECT_TRUE(std::ranges::equal(step.array().bytes.view, slice.array().bytes.view));
+      EXPECT_EQ(step.num_steps, steps->num_steps());
+      EXPECT_EQ(step.step, 2);
+      EXPECT_EQ(Series(steps).step(1)->step, 1);  // what a series asks of its steps holds
+    }
+  }
+  // World y of samples is 1 + 2 j; times begin at 2.
+  const auto series = std::make_shared<const Series>(Sampled(SeriesKind::kSteps, mixed).series);
+  EXPECT_EQ(hyperslice_steps(series, {{0, -2, 0, 0}, 0})->times().front(), -30);
+  EXPECT_EQ(hyperslice_steps(series, {{0, 0, 0, 3}, 0})->times()[1], 6.75);
+}
+
+TEST(HypersliceSteps, RefuseWhatMovesSideways) {
+  const auto series = std::make_shared<const Series>(Sampled(SeriesKind::kSteps, mixed).series);
+  const auto refusal = [&](const Hyperplane& plane, const std::vector<double>& offsets,
+                           const HypersliceOptions& options = {}) -> std::string {
+    try {
+      hyperslice_steps(series, plane, offsets, options);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "made";
+  };
+  EXPECT_EQ(refusal({{0, 0, 0, 1}, 0}, {2, 3}), "made");
+  EXPECT_THAT(refusal({{1, 0, 0, 1}, 0}, {}), HasSubstr("across one axis"));
+  EXPECT_THAT(refusal({{0, 0, 0, 1}, 0}, {3, 2}), HasSubstr("must rise"));
+  EXPECT_THAT(refusal({{0, 0, 0, 1}, 0}, {3, 200}), HasSubstr("misses the data"));
+  EXPECT_THAT(refusal({{0, 0, 0, 1}, 0}, {}, {.method = SliceMethod::kExtracted}),
+              HasSubstr("no lattices"));
 }
 
 TEST(Hyperslice, RefusesWhatIsNoPlaneOrMisses) {

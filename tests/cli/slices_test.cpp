@@ -2,6 +2,8 @@
 // Hyperslices and trails by the program.
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
 #include "program.h"
 
 namespace ovoid::cli_tests {
@@ -46,6 +48,46 @@ TEST(Hyperslices, AreDrawnToldAndWritten) {
   EXPECT_EQ(facts_of(folder / "near.ply", {})["field"]["reconstruction"], "normalized");
 }
 
+// Across time a trail of slices is one of times; along x it is the mean of slices, not one of them.
+TEST(Hyperslices, HaveTrails) {
+  if (!has_hdf5()) GTEST_SKIP() << "no HDF5";
+  const Folder folder;
+  const std::string data = tornado(folder);
+  const auto render = [&](Words how, const std::string& name) {
+    expect_success(render_words(data, folder / name, how));
+    return read_file(folder / name);
+  };
+  EXPECT_EQ(render({"--hyperslice", "0,0,0,1,5", "--motion-blur", "3,1"}, "a.png"),
+            render({"--time", "5", "--motion-blur", "3,1"}, "b.png"));
+  EXPECT_NE(render({"--hyperslice", "1,0,0,0,0.5", "--motion-blur", "0.8"}, "c.png"),
+            render({"--hyperslice", "1,0,0,0,0.5"}, "d.png"));
+}
+
+// Fails if frames are not the slices one after the other, or a plane with an offset moves.
+TEST(Hyperslices, AreAnimatedAlongTheirNormal) {
+  if (!has_hdf5()) GTEST_SKIP() << "no HDF5";
+  const Folder folder;
+  const std::string data = tornado(folder);
+  const Words look = {"--range", "0,1", "--unit-distance", "0.1"};
+  const auto animate = [&](Words how, const std::string& pattern) {
+    Words words{"animate", data, "-o", folder / pattern, "--size", "40x30"};
+    words.insert(words.end(), how.begin(), how.end());
+    words.insert(words.end(), look.begin(), look.end());
+    expect_success(words);
+  };
+  animate({"--hyperslice", "1,0,0,0"}, "x_%02d.png");
+  EXPECT_TRUE(std::filesystem::exists(folder / "x_11.png"));  // where there are samples
+  EXPECT_FALSE(std::filesystem::exists(folder / "x_12.png"));
+  animate({"--hyperslice", "1,0,0,0", "--times", "-0.5:0.5:0.5"}, "y_%02d.png");
+  Words alone = look;
+  alone.insert(alone.end(), {"--hyperslice", "1,0,0,0,0.5"});
+  expect_success(render_words(data, folder / "alone.png", alone));
+  EXPECT_EQ(read_file(folder / "y_02.png"), read_file(folder / "alone.png"));
+  EXPECT_NE(read_file(folder / "y_01.png"), read_file(folder / "y_02.png"));
+  animate({"--hyperslice", "1,0,0,0,0.5", "--turn", "90", "--frames", "2"}, "z_%02d.png");
+  EXPECT_EQ(read_file(folder / "z_00.png"), read_file(folder / "alone.png"));
+}
+
 TEST(Hyperslices, ThatMissOrContradictAreErrors) {
   if (!has_hdf5()) GTEST_SKIP() << "no HDF5";
   const Folder folder;
@@ -56,13 +98,16 @@ TEST(Hyperslices, ThatMissOrContradictAreErrors) {
   refused({"--hyperslice", "0,0,0,1,9"}, 1, {"misses the data", "0 to 7", "e = 9"});
   refused({"--hyperslice", "1,0,0,0,4"}, 1, {"misses the data"});
   refused({"--hyperslice", "0,0,0,0,4"}, 2, {"--hyperslice '0,0,0,0,4'", "not all 0"});
-  refused({"--hyperslice", "0,0,0,1"}, 2, {"--hyperslice '0,0,0,1'", "5"});
+  refused({"--hyperslice", "0,0,0,1"}, 2, {"A,B,C,D,E", "animate"});
+  refused({"--hyperslice", "0,0,1"}, 2, {"--hyperslice '0,0,1'", "5"});
   refused({"--hyperslice", "0,0,nan,1,2"}, 2, {"--hyperslice"});
   refused({"--hyperslice", "0,0,0,1,2", "--time", "2"}, 2, {"--time: contradicts --hyperslice"});
   refused({"--slice-spacing", "2"}, 2, {"--slice-spacing: has no effect without --hyperslice"});
   refused({"--hyperslice", "0,0,0,1,2", "--slice-method", "extracted", "--slice-lattice", "cc"}, 2,
           {"--slice-lattice: has no effect"});
-  refused({"--hyperslice", "0,0,0,1,2", "--motion-blur", "2"}, 2, {"--motion-blur: contradicts"});
+  refused({"--hyperslice", "1,0,0,-0.2,0.1", "--motion-blur", "2"}, 1, {"across one axis"});
+  refused({"--hyperslice", "0,0,0,1,2", "--slice-method", "extracted", "--motion-blur", "2"}, 1,
+          {"extracted"});
   const std::string galaxy = folder / "galaxy.csv";
   expect_success({"make", "galaxy", "--count", "100", "-o", galaxy});
   expect_failure({"render", galaxy, "--hyperslice", "0,0,0,1,0", "-o", folder / "a.png"}, 1,

@@ -218,6 +218,8 @@ const char* name_of_cell(CellType type) {
       return "quadratic pyramid";
     case CellType::kTriQuadraticHexahedron:
       return "triquadratic hexahedron";
+    case CellType::kPolyLine:
+      return "line of several";
     case CellType::kOther:
       break;
   }

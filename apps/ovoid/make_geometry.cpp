@@ -5,6 +5,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 #include <string_view>
@@ -49,6 +52,34 @@ TransferFunction colors_of_slices(const GeometryFlags& flags, const Histogram& h
   return colors;
 }
 
+// Faces, and tubes and balls; null: there are none.
+std::shared_ptr<const Surface> both(std::shared_ptr<const Surface> faces,
+                                    std::shared_ptr<const Surface> tubes) {
+  if (faces == nullptr) return tubes;
+  if (tubes == nullptr) return faces;
+  auto all = std::make_shared<Surface>(*faces);
+  const auto first = static_cast<std::uint32_t>(all->places.size());
+  all->places.insert(all->places.end(), tubes->places.begin(), tubes->places.end());
+  for (Surface::Triangle triangle : tubes->triangles) {
+    for (std::uint32_t& corner : triangle.corners) corner += first;
+    all->triangles.push_back(triangle);
+  }
+  all->bounds.extend(tubes->bounds);
+  return all;
+}
+
+std::pair<double, double> range_of_values(const Surface& surface) {
+  double lo = std::numeric_limits<double>::max(), hi = std::numeric_limits<double>::lowest();
+  for (const Surface::Triangle& triangle : surface.triangles) {
+    for (const float value : triangle.values) {
+      if (!std::isfinite(value)) continue;
+      lo = std::min<double>(lo, value);
+      hi = std::max<double>(hi, value);
+    }
+  }
+  return lo <= hi ? std::pair(lo, hi) : std::pair(0.0, 1.0);
+}
+
 }  // namespace
 
 Dataset read_faces(const std::string& path, Session& session) {
@@ -62,17 +93,24 @@ Dataset read_faces(const std::string& path, Session& session) {
 }
 
 std::shared_ptr<const Surface> surface_of_faces(Dataset mesh, const std::string& path,
+                                                const GeometryFlags& flags, std::size_t n,
                                                 const Session& session) {
-  if (mesh.kind != DatasetKind::kMesh && mesh.kind != DatasetKind::kBoxes) {
+  if (mesh.kind == DatasetKind::kLattice || mesh.kind == DatasetKind::kKernels) {
     throw Error(ErrorCode::kInvalidArgument,
                 fmt::format("--add: '{}' holds {}, expected a surface: .stl, .obj, .ply, .vtp "
                             "or a mesh",
-                            path, mesh.kind == DatasetKind::kLattice ? "a lattice" : "points"));
+                            path, mesh.kind == DatasetKind::kLattice ? "a lattice" : "kernels"));
   }
-  if (mesh.kind == DatasetKind::kMesh) mesh.arrays = {nothing_at_nodes(mesh)};
-  auto surface = make_surface(mesh, {}, session.stop());
-  if (surface == nullptr || surface->triangles.empty())
-    throw Error(ErrorCode::kInvalidArgument, fmt::format("--add: '{}' has no faces", path));
+  KernelModelOptions options;
+  options.array = nth(flags.arrays, n, std::string());
+  if (options.array.empty() && mesh.kind != DatasetKind::kBoxes)
+    mesh.arrays = {nothing_at_nodes(mesh)};
+  auto surface = both(make_surface(mesh, options, session.stop()),
+                      make_tubes(mesh, nth(flags.radii, n, 0.0), options, session.stop()));
+  if (surface == nullptr || surface->triangles.empty()) {
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("--add: '{}' has no faces, lines or points", path));
+  }
   return surface;
 }
 
@@ -90,8 +128,17 @@ Rgb usual_surface_color(std::size_t n) { return kGeometryColors[n % std::size(kG
 
 Geometry styled_surface(const GeometryFlags& flags, std::size_t n,
                         std::shared_ptr<const Surface> surface) {
-  return {std::move(surface), nth(flags.colors, n, usual_surface_color(n)),
-          nth(flags.opacities, n, 1.0), flags.shows_edges};
+  Geometry geometry;
+  geometry.color = nth(flags.colors, n, usual_surface_color(n));
+  geometry.opacity = nth(flags.opacities, n, 1.0);
+  geometry.shows_edges = flags.shows_edges;
+  if (surface != nullptr && !nth(flags.arrays, n, std::string()).empty()) {
+    const auto [lo, hi] = nth(flags.ranges, n, range_of_values(*surface));
+    geometry.colors = color_map(nth(flags.color_maps, n, std::string("viridis")));
+    geometry.colors->map_range(lo, lo < hi ? hi : lo + 1);
+  }
+  geometry.surface = std::move(surface);
+  return geometry;
 }
 
 std::pair<double, double> usual_slice_range(const Histogram& histogram, const ValueRange& range) {
@@ -118,11 +165,10 @@ std::vector<FieldSlice> make_slices(const GeometryFlags& flags, const Field& fie
 Scenery make_scenery(const GeometryFlags& flags, const Field& field, Session& session) {
   Scenery all;
   for (std::size_t i = 0; i < flags.files.size(); ++i) {
-    Geometry geometry = styled_surface(flags, i, nullptr);
-    if (geometry.opacity == 0) continue;
+    if (nth(flags.opacities, i, 1.0) == 0) continue;
     const std::string& path = flags.files[i];
-    geometry.surface = surface_of_faces(read_faces(path, session), path, session);
-    all.geometry.push_back(std::move(geometry));
+    all.geometry.push_back(styled_surface(
+        flags, i, surface_of_faces(read_faces(path, session), path, flags, i, session)));
   }
   if (flags.slices.empty()) return all;
   all.slices = make_slices(flags, field, histogram_of(field, session.stop()));

@@ -19,11 +19,12 @@ namespace ovoid::cli {
 // Throws Error for what is no surface.
 Scenery make_scenery(const GeometryFlags& flags, const Field& field, Session& session);
 
-// Its parts, for whoever keeps surfaces from one scene to the next. What a file says of faces, as a
-// mesh; a surface of that, for which `path` is its name. Both throw Error, which calls the file one
-// of --add.
+// Its parts, for whoever keeps surfaces from one scene to the next. What a file says of faces,
+// lines and points; the surface of that, as the flags want the n-th, for which `path` is its name.
+// Both throw Error, which calls the file one of --add.
 Dataset read_faces(const std::string& path, Session& session);
 std::shared_ptr<const Surface> surface_of_faces(Dataset mesh, const std::string& path,
+                                                const GeometryFlags& flags, std::size_t n,
                                                 const Session& session);
 // Whether there is something to be drawn but the faces: values of their own, or volume.
 bool has_more_than_faces(const Dataset& mesh);

@@ -14,6 +14,15 @@ using Json = nlohmann::ordered_json;
 
 }  // namespace
 
+namespace {
+
+std::string parse_named_color_map(const std::string& text) {
+  if (is_list_of_colors(text)) throw BadValue("expected the name of a colour map");
+  return parse_color_map(text);
+}
+
+}  // namespace
+
 const Table<GeometryFlags>& geometry_settings() {
   using G = GeometryFlags;
   const Rule beside = needs("add", "has no effect without --add");
@@ -21,7 +30,7 @@ const Table<GeometryFlags>& geometry_settings() {
   static const Table<G> all = {
       {"--add", word("FILE", Content::kFile), &G::files,
        "a surface in the scene: .stl, .obj, .ply, .vtp or a mesh's outside, in the data's "
-       "world (repeatable)",
+       "world; lines are tubes, points balls (repeatable)",
        not_with("mode", "is for --mode composite and isosurface", is_unlit),
        not_with("value-plane motion-blur points part")},
       {"--add-color", Form<Rgb>{"COLOR", parse_rgb, [](const Rgb& c) { return text_of(c); }},
@@ -29,6 +38,17 @@ const Table<GeometryFlags>& geometry_settings() {
        "of the first surface, the second, ...; the last counts for the rest (repeatable)", beside},
       {"--add-opacity", number("A", {.lo = 0, .hi = 1}), &G::opacities,
        "of each of its layers, likewise (repeatable; default 1; 0: not drawn)", beside},
+      {"--add-array", word("NAME"), &G::arrays,
+       "of the first, the second ...: the array whose values give it colours (repeatable)", beside},
+      {"--add-colormap", Form<std::string>{"NAME", parse_named_color_map, same}, &G::color_maps,
+       "those colours, likewise (repeatable; default viridis)",
+       needs("add-array", "has no effect without --add-array")},
+      {"--add-range", form("LO,HI", parse_range), &G::ranges,
+       "the values that they span, likewise (repeatable; default: all)",
+       needs("add-array", "has no effect without --add-array")},
+      {"--add-radius", number("R", {.lo = 0, .lo_open = true}), &G::radii,
+       "of lines and points, world, likewise (repeatable; default: 1/300 of their diagonal)",
+       beside},
       {"--add-edges", Toggle(), &G::shows_edges, "the edges of their faces, too", beside},
       {"--slice", form("PLANE", parse_slice_plane), &G::slices,
        "a plane of values in the scene: x, y, z, sagittal, coronal or axial, through the middle or "
@@ -36,13 +56,7 @@ const Table<GeometryFlags>& geometry_settings() {
        not_with("mode", "is for --mode composite and isosurface", is_unlit),
        not_with("value-plane motion-blur points part")},
       {"--slice-map",
-       Form<std::string>{"NAME",
-                         [](const std::string& text) {
-                           if (is_list_of_colors(text))
-                             throw BadValue("expected the name of a colour map");
-                           return parse_color_map(text);
-                         },
-                         same},
+       Form<std::string>{"NAME", parse_named_color_map, same},
        &G::slice_map, "colours of slices, as --colormap has them (default {})", of_slices},
       {"--slice-range",
        {"LO,HI", [](G& flags, const std::string& text) { flags.slice_range = parse_range(text); },

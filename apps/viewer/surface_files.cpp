@@ -23,7 +23,7 @@ SurfaceFiles::Found SurfaceFiles::find(const std::string& path, cli::Session& se
   std::erase_if(kept_, [](const auto& entry) { return entry.second.surface.expired(); });
   Dataset mesh = cli::read_faces(path, session);
   now.is_alone = !cli::has_more_than_faces(mesh);
-  Found found{cli::surface_of_faces(std::move(mesh), path, session), now.is_alone};
+  Found found{cli::surface_of_faces(std::move(mesh), path, {}, 0, session), now.is_alone};
   now.surface = found.surface;
   kept_[place] = std::move(now);
   return found;

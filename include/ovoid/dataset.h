@@ -137,6 +137,7 @@ enum class CellType : std::uint8_t {
   kQuadraticWedge,
   kQuadraticPyramid,
   kTriQuadraticHexahedron,
+  kPolyLine,  // a line through its nodes, one after the other
   kOther,
 };
 

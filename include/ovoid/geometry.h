@@ -4,6 +4,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <stop_token>
 #include <vector>
@@ -19,12 +20,14 @@
 
 namespace OVOID_API ovoid {
 
-// A surface in one colour, lit as the look lights the field.
+// A surface, lit as the look lights the field.
 struct Geometry {
-  std::shared_ptr<const Surface> surface;  // not null; of its values only NaN counts: not drawn
+  std::shared_ptr<const Surface> surface;  // not null; where a value is NaN it is not drawn
   Rgb color{0.9, 0.9, 0.9};                // each in [0, 1]
   double opacity = 1;                      // of each layer, in (0, 1]
   bool shows_edges = false;                // of the faces, as dark lines
+  // Of its values, instead of the one colour; opacities in it do not count.
+  std::optional<TransferFunction> colors{};
 
   // Throws Error(kInvalidArgument) that names what is wrong.
   void validate() const;

@@ -106,6 +106,8 @@ CellType cell_type_of(unsigned vtk_type) {
       return CellType::kVertex;
     case 3:
       return CellType::kLine;
+    case 4:
+      return CellType::kPolyLine;
     case 5:
       return CellType::kTriangle;
     case 8:  // a pixel, whose corners are in a quad's order by now

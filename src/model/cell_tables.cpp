@@ -128,6 +128,7 @@ std::array<CellTable, static_cast<std::size_t>(CellType::kOther) + 1> make_table
                                            {2, 7, 3, 12, 4, 11},
                                            {3, 8, 0, 9, 4, 12}});
   at(CellType::kTriQuadraticHexahedron) = tri_quadratic();
+  at(CellType::kPolyLine) = CellTable{};
   at(CellType::kOther) = CellTable{};
   return tables;
 }

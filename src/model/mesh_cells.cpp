@@ -126,7 +126,7 @@ double volume_of(const MeshNodes& nodes, const MeshCells& cells, std::size_t cel
     if (!nodes.is_placed(node)) return std::numeric_limits<double>::quiet_NaN();
   }
   const CellTable& table = table_of(cells.types[cell]);
-  if (cells.types[cell] == CellType::kOther) {
+  if (table.has_any_nodes()) {
     // Of a box, the edges are twice the roots of its corners' covariance.
     const Mat3 covariance = moments_of(nodes, list).covariance;
     const double trace = covariance.trace();
@@ -218,7 +218,7 @@ CellMeasures measure_cells(const ModelRun& run, const MeshNodes& nodes, const Me
           measures.volumes[c] = volume_of(nodes, cells, c);
       });
   for (std::size_t c = 0; c < cells.count(); ++c) {
-    if (cells.types[c] != CellType::kOther) continue;
+    if (!table_of(cells.types[c]).has_any_nodes()) continue;
     measures.others.push_back(static_cast<std::uint32_t>(c));
     measures.other_moments.push_back(moments_of(nodes, cells.nodes(c)));
   }

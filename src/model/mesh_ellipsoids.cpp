@@ -61,7 +61,7 @@ class NodeSums {
     if (!measures_.is_placed(corner.cell)) return;
     const double volume = std::abs(measures_.volumes[corner.cell]);
     has_cell_ = true;
-    if (cells_.types[corner.cell] == CellType::kOther) {
+    if (table_of(cells_.types[corner.cell]).has_any_nodes()) {
       add_other(corner, volume);
     } else {
       add_known(corner, volume);

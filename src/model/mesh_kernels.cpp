@@ -27,7 +27,8 @@ void note_on_cells(const ModelRun& run, const MeshCells& cells, const CellMeasur
       ++positive;
     } else if (volume < 0) {
       ++negative;
-    } else if (table_of(cells.types[c]).dimension == 3 && cells.types[c] != CellType::kOther) {
+    } else if (table_of(cells.types[c]).dimension == 3 &&
+               !table_of(cells.types[c]).has_any_nodes()) {
       ++empty;
     }
   }

@@ -29,11 +29,12 @@ namespace {
 // Behind a layer of this opacity nothing of the same surface is seen.
 constexpr float kHides = 1 - 1.0F / 512;
 
-// One colour for all values.
+// The colours of its values, or one for all.
 Look look_of(const Geometry& geometry, const Look& look) {
   Look own = look;
-  own.transfer_function = {};
-  own.transfer_function.colors = {{0, geometry.color}};
+  own.transfer_function = geometry.colors.value_or(TransferFunction());
+  own.transfer_function.opacities.clear();
+  if (!geometry.colors) own.transfer_function.colors = {{0, geometry.color}};
   own.color_function.reset();
   return own;
 }
@@ -220,6 +221,10 @@ void Geometry::validate() const {
   if (!(opacity > 0 && opacity <= 1))
     throw Error(ErrorCode::kInvalidArgument,
                 fmt::format("geometry.opacity = {}: must be in (0, 1]", opacity));
+  if (!colors) return;
+  Look look;
+  look.transfer_function = *colors;
+  look.validate();
 }
 
 void FieldSlice::validate() const {

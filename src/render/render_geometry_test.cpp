@@ -99,6 +99,22 @@ TEST(Geometry, StandsWhereThereIsNoField) {
   }
 }
 
+// Values are the x of places: from black at -20 to white at 20.
+TEST(Geometry, ValuesGiveColors) {
+  Geometry geometry{sheet_at(-6), kSceneRed};
+  geometry.colors.emplace();
+  geometry.colors->colors = {{-20, {0, 0, 0}}, {20, {1, 1, 1}}};
+  geometry.colors->opacities = {{-20, 0}, {20, 0}};  // these do not count
+  const Frame frame = drawn_with(cube_field(), without_light(), {geometry});
+  const auto left = pixel(frame.image, 15, 32), right = pixel(frame.image, 48, 32);
+  EXPECT_NEAR(std::min(left.r(), right.r()), 0.4, 0.01);
+  EXPECT_NEAR(std::max(left.r(), right.r()), 0.6, 0.01);
+  EXPECT_NEAR(left.r(), left.g(), 1e-5);
+  EXPECT_EQ(left.a(), 1);
+  geometry.colors->opacities = {{-20, 0}, {20, 2}};
+  EXPECT_THROW(drawn_with(cube_field(), without_light(), {geometry}), Error);
+}
+
 TEST(Geometry, LayersAreSeenThroughEachOther) {
   const Geometry near{sheet_at(-6), kSceneRed, 0.5};
   const Geometry far{sheet_at(6), {0, 1, 0}, 0.25};

@@ -145,13 +145,16 @@ TEST_F(GeometryFiles, WhatIsNoSurface) {
     expect_failure(words, code, said);
     EXPECT_FALSE(std::filesystem::exists(out));
   };
-  expect_success({"make", "galaxy", "--count", "50", "-o", folder_ / "points.csv"});
   refused({"--add", ball_}, 1, {"--add", "holds a lattice"});
-  refused({"--add", folder_ / "points.csv"}, 1, {"holds points"});
+  refused({"--add", stl(), "--add-array", "speed"}, 1, {"speed"});
   refused({"--add", folder_ / "missing.stl"}, 1, {"missing.stl"});
   refused({"--add", stl(200)}, 1, {"pyramid.stl", "no STL file"});
   std::ofstream(obj_) << "v 0 0 0\nv 1 0 0\nf 1 2 77\n";
   refused({"--add", obj_}, 1, {"pyramid.obj"});
+  std::ofstream(obj_) << "v 0 0 0\nv 1 0 0\nl 1\n";
+  refused({"--add", obj_}, 1, {"pyramid.obj", "a line of 1"});
+  refused({"--add", stl(), "--add-radius", "0"}, 2, {"--add-radius"});
+  refused({"--add", stl(), "--add-colormap", "hot"}, 2, {"without --add-array"});
   std::ofstream(obj_) << "v 0 0 0\n";
   refused({"--add", obj_}, 1, {"pyramid.obj"});
   refused({"--add", stl(), "--mode", "maximum"}, 2, {"--add", "composite and isosurface"});
@@ -163,6 +166,55 @@ TEST_F(GeometryFiles, WhatIsNoSurface) {
   refused({"--slice-map", "viridis"}, 2, {"without --slice"});
   refused({"--slice", "z", "--slice-map", "viridi"}, 2, {"viridis"});
   refused({"--add", stl(), "--add-opacity", "-0.1"}, 2, {"--add-opacity"});
+}
+
+// Fails if a line or a point is not drawn, or is as thick as another.
+TEST_F(GeometryFiles, LinesAreTubesAndPointsAreBalls) {
+  const std::string line = folder_ / "line.obj", points = folder_ / "points.csv";
+  std::ofstream(line) << "v -0.9 -2 0\nv 0 -2 0\nv 0.9 -2 0\nl 1 2 3\n";
+  std::ofstream(points) << "x,y,z\n0,-2,0\n";
+  const auto num_red = [&](const std::string& file, const char* radius) {
+    const Picture picture = drawn({"--opacity", "0:0", "--add", file, "--add-color", "1,0,0",
+                                   "--add-radius", radius, "--occlusion", "0"});
+    double sum = 0;
+    for (std::size_t i = 3; i < picture.rgba.size(); i += 4) sum += picture.rgba[i];
+    return sum;
+  };
+  const double pixels = num_red(line, "0.2");
+  EXPECT_GT(pixels, 100);
+  EXPECT_NEAR(num_red(line, "0.1"), pixels / 2, 0.05 * pixels);
+  const double disc = num_red(points, "0.4");
+  EXPECT_NEAR(num_red(points, "0.2"), disc / 4, 0.05 * disc);
+  EXPECT_NEAR(disc / pixels, std::acos(-1.0) * 0.16 / (1.8 * 0.4), 0.05);
+}
+
+// Streamlines: a VTP of lines with a speed at each node.
+TEST_F(GeometryFiles, ArraysGiveColors) {
+  const std::string path = folder_ / "lines.vtp";
+  std::ofstream(path)
+      << R"(<VTKFile type="PolyData" version="0.1"><PolyData><Piece NumberOfPoints="3" )"
+      << R"(NumberOfLines="1"><PointData><DataArray type="Float32" Name="speed" format="ascii">)"
+      << R"(0 5 10</DataArray></PointData><Points><DataArray type="Float32" )"
+      << R"(NumberOfComponents="3" format="ascii">-0.9 -2 0 0 -2 0 0.9 -2 0</DataArray></Points>)"
+      << R"(<Lines><DataArray type="Int32" Name="connectivity" format="ascii">0 1 2</DataArray>)"
+      << R"(<DataArray type="Int32" Name="offsets" format="ascii">3</DataArray></Lines></Piece>)"
+      << R"(</PolyData></VTKFile>)";
+  const auto colors = [&](const Words& more) {
+    Words words{"--opacity",   "0:0",   "--no-shade",     "--occlusion", "0", "--add", path,
+                "--add-array", "speed", "--add-colormap", "gray",        "--add-radius", "0.2"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Picture picture = drawn(words);
+    std::vector<float> reds;
+    for (std::size_t i = 0; i < picture.rgba.size(); i += 4)
+      if (picture.rgba[i + 3] > 0.99F) reds.push_back(picture.rgba[i]);
+    EXPECT_GT(reds.size(), 10U);
+    return std::pair(*std::min_element(reds.begin(), reds.end()),
+                     *std::max_element(reds.begin(), reds.end()));
+  };
+  const auto [least, most] = colors({});
+  EXPECT_LT(least, 0.2F);
+  EXPECT_GT(most, 0.7F);
+  EXPECT_LT(colors({"--add-range", "0,100"}).second, 0.2F);
 }
 
 // Fails if what is hidden is seen, or read, or takes the colour of the next.

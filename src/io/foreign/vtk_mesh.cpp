@@ -42,6 +42,8 @@ CellType cell_type_of(int vtk_type) {
       return CellType::kVertex;
     case VTK_LINE:
       return CellType::kLine;
+    case VTK_POLY_LINE:
+      return CellType::kPolyLine;
     case VTK_TRIANGLE:
       return CellType::kTriangle;
     case VTK_PIXEL:  // its corners are put into a quad's order

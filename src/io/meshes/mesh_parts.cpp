@@ -161,6 +161,7 @@ int num_corners(CellType type) noexcept {
       return 20;
     case CellType::kTriQuadraticHexahedron:
       return 27;
+    case CellType::kPolyLine:
     case CellType::kOther:
       return 0;
   }

@@ -44,8 +44,10 @@ class SurfaceBuilder {
       cells_.add(CellType::kTriangle, std::array{nodes[0], nodes[i - 1], nodes[i]});
   }
 
+  void add_line(const std::vector<std::uint32_t>& nodes) { cells_.add(CellType::kPolyLine, nodes); }
+
   Dataset finish(const ByteSource& source, const char* format, const ReadOptions& options) && {
-    if (cells_.types.empty()) fail_surface(source.name(), "has no faces");
+    if (cells_.types.empty()) fail_surface(source.name(), "has no faces or lines");
     Dataset dataset;
     dataset.source = source.name();
     dataset.format = format;
@@ -174,16 +176,23 @@ Dataset read_obj(const ByteSource& source, const ReadOptions& options) {
   std::vector<std::uint32_t> corners;
   while (lines.next(line)) {
     line = trimmed(line);
-    if (line.starts_with("v ") || line.starts_with("v\t")) {
-      surface.add_node(place_in(line, lines));
-    } else if (line.starts_with("f ") || line.starts_with("f\t")) {
-      if (line.back() == '\\') fail_surface(lines.where(), "lines that go on (\\) are not read");
-      corners.clear();
-      for (const std::string_view text : words(line.substr(2)))
-        corners.push_back(corner_of(text, surface.num_nodes(), lines));
-      if (corners.size() < 3)
-        fail_surface(lines.where(), fmt::format("a face of {} corners", corners.size()));
+    const auto says = [&](char what) {
+      return line.size() > 1 && line[0] == what && (line[1] == ' ' || line[1] == '\t');
+    };
+    if (says('v')) surface.add_node(place_in(line, lines));
+    if (!says('f') && !says('l')) continue;
+    if (line.back() == '\\') fail_surface(lines.where(), "lines that go on (\\) are not read");
+    corners.clear();
+    for (const std::string_view text : words(line.substr(2)))
+      corners.push_back(corner_of(text, surface.num_nodes(), lines));
+    if (corners.size() < (says('f') ? 3U : 2U)) {
+      fail_surface(lines.where(), fmt::format("a {} of {} corners", says('f') ? "face" : "line",
+                                              corners.size()));
+    }
+    if (says('f')) {
       surface.add_face(corners);
+    } else {
+      surface.add_line(corners);
     }
   }
   return std::move(surface).finish(source, "OBJ", options);

@@ -54,6 +54,8 @@ VtkCell vtk_cell(CellType type) {
       return {27, 13};
     case CellType::kTriQuadraticHexahedron:
       return {29, 27};
+    case CellType::kPolyLine:
+      return {4, 0};
     case CellType::kOther:
       break;
   }

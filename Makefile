@@ -72,7 +72,8 @@ experiments: setup  ## the tables and pictures of docs/numerics.md, measured aga
 	@build/release/bin/ovoid_experiments docs/images
 
 pictures: build  ## draw the pictures of the guide and the other pages again, by their own commands and scripts
-	@scripts/run_docs.py build/release/bin/ovoid docs/guide.md docs/annotations.md docs/time.md docs/solids.md docs/geometry.md
+	@scripts/run_docs.py build/release/bin/ovoid docs/guide.md docs/annotations.md docs/time.md docs/solids.md docs/geometry.md \
+	  docs/labels.md docs/two-volumes.md docs/looks2d.md docs/pictures.md
 	@scripts/viewer_pictures.sh
 
 install: build  ## install program, library and headers under PREFIX (/usr/local)

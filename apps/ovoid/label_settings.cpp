@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "setting_forms.h"
@@ -15,18 +17,46 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 using LabelOpacities = std::vector<LabelFlags::Opacity>;
+using LabelColors = std::vector<LabelFlags::Color>;
 using LabelNames = std::vector<std::string>;
+
+// The two sides of each LABEL=VALUE; `expected` is what there should be.
+std::vector<std::pair<std::string, std::string>> parse_pairs(const std::string& text,
+                                                             const char* expected) {
+  std::vector<std::pair<std::string, std::string>> pairs;
+  for (const std::string& part : split(text, ',')) {
+    const std::size_t equals = part.rfind('=');
+    if (equals == std::string::npos || equals == 0) throw BadValue(expected);
+    pairs.emplace_back(part.substr(0, equals), part.substr(equals + 1));
+  }
+  return pairs;
+}
 
 LabelOpacities parse_label_opacities(const std::string& text) {
   LabelOpacities opacities;
-  for (const std::string& part : split(text, ',')) {
-    const std::size_t equals = part.rfind('=');
-    if (equals == std::string::npos || equals == 0)
-      throw BadValue("expected LABEL=A,..., such as 3=0.4,liver=1,others=0");
-    opacities.push_back(
-        {part.substr(0, equals), parse_number(part.substr(equals + 1), {.lo = 0, .hi = 1})});
-  }
+  for (const auto& [label, opacity] :
+       parse_pairs(text, "expected LABEL=A,..., such as 3=0.4,liver=1,others=0"))
+    opacities.push_back({label, parse_number(opacity, {.lo = 0, .hi = 1})});
   return opacities;
+}
+
+LabelColors parse_label_colors(const std::string& text) {
+  LabelColors colors;
+  for (const auto& [label, color] :
+       parse_pairs(text, "expected LABEL=COLOR,..., such as 3=#c05030,liver=red"))
+    colors.push_back({label, parse_rgb(color)});
+  return colors;
+}
+
+// Commas stand between labels, so that colours have none in them.
+std::string text_of_label_colors(const LabelColors& colors) {
+  const auto byte = [](double part) { return static_cast<int>(std::lround(255 * part)); };
+  std::string text;
+  for (const auto& [label, rgb] : colors) {
+    text += fmt::format("{}{}=#{:02x}{:02x}{:02x}", text.empty() ? "" : ",", label, byte(rgb[0]),
+                        byte(rgb[1]), byte(rgb[2]));
+  }
+  return text;
 }
 
 std::string text_of_label_opacities(const LabelOpacities& opacities) {
@@ -70,6 +100,15 @@ const Table<LabelFlags>& label_settings() {
         }},
        "of the surfaces of labels, by number or name; \"others\" are those that are not named; 0: "
        "not drawn (default 1)",
+       lit},
+      {"--label-color",
+       {"LABEL=COLOR,...",
+        [](L& flags, const std::string& text) { flags.colors = parse_label_colors(text); },
+        [](const L& flags) {
+          return flags.colors.empty() ? Json() : Json(text_of_label_colors(flags.colors));
+        }},
+       "of the surfaces of labels, by number or name, as #rrggbb or a colour's name (default: the "
+       "table's, or one by the number)",
        lit},
       {"--inside-labels",
        {"LABEL,...",

@@ -68,7 +68,11 @@ LabelStyle& named_style(std::vector<LabelStyle>& styles, const std::string& name
   return *found;
 }
 
-void set_opacities(std::vector<LabelStyle>& styles, const LabelFlags& flags) {
+}  // namespace
+
+void style_labels(std::vector<LabelStyle>& styles, const LabelFlags& flags) {
+  for (const auto& [name, rgb] : flags.colors)
+    named_style(styles, name, "--label-color").color = rgb;
   std::set<int> named;
   for (const auto& [name, opacity] : flags.opacities) {
     if (name == kOthers) continue;
@@ -82,6 +86,8 @@ void set_opacities(std::vector<LabelStyle>& styles, const LabelFlags& flags) {
       if (!named.contains(style.label) && style.opacity > 0) style.opacity = opacity;
   }
 }
+
+namespace {
 
 bool has_own_opacity(const LabelFlags& flags, const LabelStyle& style) {
   return std::any_of(flags.opacities.begin(), flags.opacities.end(),
@@ -121,7 +127,7 @@ LabelSurfaces surfaces_for(const std::string& flag, const Field& field, const st
     throw Error(error.code(), fmt::format("{}: '{}': {}", flag, source, error.what()));
   }
   surfaces.styles = label_styles(*surfaces.map, table_of(drawing.labels, source, layer));
-  set_opacities(surfaces.styles, drawing.labels);
+  style_labels(surfaces.styles, drawing.labels);
   return surfaces;
 }
 
@@ -176,14 +182,15 @@ LabelSurfaces own_labels_of_step(const Field& field, const LabelSurfaces& before
   return surfaces;
 }
 
-LabelSurfaces make_labels_beside(const DrawingFlags& drawing, Session& session) {
-  if (drawing.labels.file.empty()) return {};
+Dataset read_labels(const std::string& path, Session& session) {
   DataFlags data;
-  data.inputs = {drawing.labels.file};
-  const Dataset dataset = [&] {
-    const Quiet quiet(session);
-    return load(data, session);
-  }();
+  data.inputs = {path};
+  const Quiet quiet(session);
+  return load(data, session);
+}
+
+LabelSurfaces make_labels_of(const Dataset& dataset, const DrawingFlags& drawing,
+                             Session& session) {
   if (dataset.kind != DatasetKind::kLattice) refuse_kind("--labels", "lattices", dataset);
   LatticeModelOptions options;
   options.kernel = kLabelKernel;
@@ -192,6 +199,11 @@ LabelSurfaces make_labels_beside(const DrawingFlags& drawing, Session& session) 
   LabelSurfaces surfaces = surfaces_for("--labels", field, dataset.source, 0, drawing, session);
   set_field(surfaces, drawing.labels);
   return surfaces;
+}
+
+LabelSurfaces make_labels_beside(const DrawingFlags& drawing, Session& session) {
+  if (drawing.labels.file.empty() || drawing.labels.is_read_apart) return {};
+  return make_labels_of(read_labels(drawing.labels.file, session), drawing, session);
 }
 
 }  // namespace ovoid::cli

@@ -35,6 +35,13 @@ std::map<int, std::string> names_of(const std::vector<LabelStyle>& styles);
 LabelSurfaces own_labels_of_step(const Field& field, const LabelSurfaces& before, int threads,
                                  const Session& session);
 
+// The colours and opacities that flags give to labels. Throws Error for a label that nobody knows.
+void style_labels(std::vector<LabelStyle>& styles, const LabelFlags& flags);
+
+// The file of --labels, and what is drawn of it. Throw Error.
+Dataset read_labels(const std::string& path, Session& session);
+LabelSurfaces make_labels_of(const Dataset& dataset, const DrawingFlags& drawing, Session& session);
+
 // Of --labels, within the field; without it none. Throws Error, also for a file that holds no
 // labels and for a label that nobody knows.
 LabelSurfaces make_labels_beside(const DrawingFlags& drawing, Session& session);

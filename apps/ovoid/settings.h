@@ -197,10 +197,16 @@ struct LabelFlags {
     std::string label;
     double opacity = 1;
   };
-  bool own_surfaces = false;  // the data are labels, and drawn by their surfaces whatever the look
-  std::string file;           // empty: the data's own, if they are labels
-  std::string table;          // of names and colours; empty: the file's own, if it has one
+  struct Color {
+    std::string label;
+    Rgb rgb{};
+  };
+  bool own_surfaces = false;   // the data are labels, and drawn by their surfaces whatever the look
+  std::string file;            // empty: the data's own, if they are labels
+  bool is_read_apart = false;  // the file is no part of a Subject
+  std::string table;           // of names and colours; empty: the file's own, if it has one
   std::vector<Opacity> opacities;
+  std::vector<Color> colors;                 // by number or name
   std::vector<std::string> inside, outside;  // where the field is drawn; empty: not said
 };
 

@@ -29,6 +29,8 @@ namespace ovoid::viewer {
 
 inline constexpr int kPanelWidth = 340;  // units, before the interface's scale
 
+bool is_look_file(const std::string& path);  // by its name
+
 double now_s();  // seconds of the steady clock
 
 class App final : public ScriptHost {
@@ -80,10 +82,12 @@ class App final : public ScriptHost {
   void grant_fit(const Wishes& wishes);
   void take_fit();
   void save_fit(const std::string& path);
-  bool take_dropped_surfaces(const std::vector<std::string>& paths);  // whether they are some
-  void read_surfaces(const std::vector<std::string>& paths, SurfaceUse use);
-  void take_surfaces(const SurfacesRead& read);
-  std::vector<std::string> surface_files() const;
+  // Whether they are taken for what may stand beside the data.
+  bool take_drop_beside(const std::vector<std::string>& paths);
+  void read_beside(BesideTask task);
+  void renew_beside(const std::vector<std::string>& files);
+  void take_beside(const BesideRead& read);
+  std::vector<std::string> files_beside() const;
   void read_look_file(const std::string& path);
   void read_state_file(const std::string& path);
   void go_to_time();
@@ -106,6 +110,7 @@ class App final : public ScriptHost {
   nlohmann::ordered_json facts() const;  // what scripts may ask for
   nlohmann::ordered_json facts_of_fit() const;
   nlohmann::ordered_json facts_of_scene() const;
+  nlohmann::ordered_json facts_of_labels() const;
   nlohmann::ordered_json facts_of_solid() const;
   void tell(const std::string& text, bool is_error = false);
   void save_the_picture(const std::string& path);
@@ -133,6 +138,7 @@ class App final : public ScriptHost {
   bool has_panel_ = true;
   bool is_over_ = false;  // the script
   bool has_chosen_tab_ = false;
+  bool is_scene_shown_ = false;  // its tab
   bool shows_help_ = false;
   bool is_moving_ = false;
   bool has_told_of_memory_ = false;
@@ -156,7 +162,7 @@ class App final : public ScriptHost {
   std::uint64_t time_version_ = 0;  // the document's, since when it has that step
   // Watched files.
   using Watched = std::vector<std::pair<std::string, std::filesystem::file_time_type>>;
-  Watched watched_, watched_surfaces_;
+  Watched watched_, watched_beside_;
   double watched_at_ = 0;
   std::optional<std::string> picture_wish_;  // saved when the full picture is there
   ImVec2 picture_at_{0, 0}, picture_extent_{1, 1};

@@ -71,6 +71,7 @@ void App::draw_panel(Panel& panel, ImVec2 at, ImVec2 size) {
   push_narrow();
   const bool has_tabs = ImGui::BeginTabBar("tabs", ImGuiTabBarFlags_FittingPolicyScroll);
   ImGui::PopStyleVar(2);
+  is_scene_shown_ = false;
   if (has_tabs) {
     for (const Tab& tab : kTabs) {
       // A control mesh has no steps in time; all other data are no solid.
@@ -84,6 +85,7 @@ void App::draw_panel(Panel& panel, ImVec2 at, ImVec2 size) {
       ImGui::PopStyleVar(2);
       widgets_.mark(fmt::format("tab.{}", tab.name));
       if (!is_open) continue;
+      is_scene_shown_ = tab.draw == scene_panel;
       if (!tab.needs_data || document_.is_open()) {
         tab.draw(panel);
       } else {

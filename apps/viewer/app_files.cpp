@@ -40,11 +40,6 @@ std::string head_of(const std::string& path) {
   return head;
 }
 
-bool is_look(const std::string& path) {
-  return cli::has_ending(path, ".json") || cli::has_ending(path, ".vp") ||
-         cli::has_ending(path, ".itf") || cli::has_ending(path, ".xml");
-}
-
 std::string free_name(const std::string& stem, const std::string& ending) {
   for (int i = 1;; ++i) {
     std::string name = fmt::format("{}-{:04}{}", stem, i, ending);
@@ -54,6 +49,11 @@ std::string free_name(const std::string& stem, const std::string& ending) {
 }
 
 }  // namespace
+
+bool is_look_file(const std::string& path) {
+  return cli::has_ending(path, ".json") || cli::has_ending(path, ".vp") ||
+         cli::has_ending(path, ".itf") || cli::has_ending(path, ".xml");
+}
 
 void App::take_load_reports() {
   for (LoadReport& report : loader_->take_reports()) {
@@ -79,9 +79,9 @@ void App::take_load_reports() {
       window_.set_title(opened->info->title + " - Ovoid");
       if (is_other) remember(opened->launch->data);
       watched_.clear();
-      if (is_other) watched_surfaces_.clear();
+      if (is_other) watched_beside_.clear();
       watch_files();
-      if (!is_other) read_surfaces(surface_files(), SurfaceUse::kRenew);
+      if (!is_other) renew_beside(files_beside());
     }
     if (auto* ready = std::get_if<ShownReady>(&report)) {
       try {
@@ -97,7 +97,7 @@ void App::take_load_reports() {
     if (auto* extras = std::get_if<std::shared_ptr<const Extras>>(&report)) {
       if ((*extras)->of == document_.shown) document_.extras = std::move(*extras);
     }
-    if (const auto* read = std::get_if<SurfacesRead>(&report)) take_surfaces(*read);
+    if (const auto* read = std::get_if<BesideRead>(&report)) take_beside(*read);
     if (auto* failed = std::get_if<LoadFailed>(&report)) {
       progress_.reset();
       waits_for_time_ = false;
@@ -129,17 +129,17 @@ void App::browse(Browsing what) {
   std::string last;
   if (what == Browsing::kLook) last = panel_state_.look_path;
   if (what == Browsing::kState) last = panel_state_.state_path;
-  if (what == Browsing::kSurface) last = panel_state_.surface_path;
+  if (what == Browsing::kBeside) last = panel_state_.beside_path;
   if (std::filesystem::path(last).parent_path().empty() && !memory_.recent().empty())
     last = memory_.recent().front().inputs.front();
   std::error_code ignored;
   std::filesystem::path folder = std::filesystem::current_path(ignored);
   if (!last.empty()) folder /= std::filesystem::path(last).parent_path();
-  const char* const title = what == Browsing::kLook      ? "Open a look - Ovoid"
-                            : what == Browsing::kState   ? "Restore a state - Ovoid"
-                            : what == Browsing::kSurface ? "Add surfaces - Ovoid"
-                                                         : "Open - Ovoid";
-  const bool takes_several = what == Browsing::kInput || what == Browsing::kSurface;
+  const char* const title = what == Browsing::kLook     ? "Open a look - Ovoid"
+                            : what == Browsing::kState  ? "Restore a state - Ovoid"
+                            : what == Browsing::kBeside ? "Add surfaces or labels - Ovoid"
+                                                        : "Open - Ovoid";
+  const bool takes_several = what == Browsing::kInput || what == Browsing::kBeside;
   dialog_.show({title, folder.string(), takes_several});
   browsing_ = what;
 }
@@ -157,9 +157,9 @@ void App::take_dialog() {
   } else if (browsing_ == Browsing::kState) {
     panel_state_.state_path = path;
     read_state_file(path);
-  } else if (browsing_ == Browsing::kSurface) {
-    panel_state_.surface_path = path;
-    read_surfaces(answer->paths, SurfaceUse::kAdd);
+  } else if (browsing_ == Browsing::kBeside) {
+    panel_state_.beside_path = path;
+    read_beside({answer->paths, BesideUse::kAdd});
   } else {
     open_files(answer->paths);
   }
@@ -178,7 +178,7 @@ void App::open(const std::vector<std::string>& words) {
 }
 
 void App::take_drop(const std::vector<std::string>& paths) {
-  if (!paths.empty() && !take_dropped_surfaces(paths)) open_files(paths);
+  if (!paths.empty() && !take_drop_beside(paths)) open_files(paths);
 }
 
 void App::open_files(const std::vector<std::string>& paths) {
@@ -186,7 +186,7 @@ void App::open_files(const std::vector<std::string>& paths) {
     if (head_of(paths.front()).find("\"ovoid_state\"") != std::string::npos)
       return read_state_file(paths.front());
   }
-  if (paths.size() == 1 && is_look(paths.front())) return read_look_file(paths.front());
+  if (paths.size() == 1 && is_look_file(paths.front())) return read_look_file(paths.front());
   open(paths);
 }
 
@@ -231,7 +231,7 @@ void App::save_state(const std::string& path) {
 void App::grant(Wishes wishes) {
   try {
     if (!wishes.open.empty()) open_files({wishes.open});
-    if (!wishes.add_surface.empty()) read_surfaces({wishes.add_surface}, SurfaceUse::kAdd);
+    if (!wishes.add_beside.empty()) read_beside({{wishes.add_beside}, BesideUse::kAdd});
     if (!wishes.read_look.empty()) read_look_file(wishes.read_look);
     if (!wishes.write_look.empty()) {
       write_look(document_.view.look, wishes.write_look);
@@ -308,7 +308,7 @@ void App::watch_files() {
   for (const std::string& input : document_.launch->data.inputs) {
     for (const std::string& file : files_read_for(input)) add(watched_, file);
   }
-  for (const std::string& file : surface_files()) add(watched_surfaces_, file);
+  for (const std::string& file : files_beside()) add(watched_beside_, file);
 }
 
 void App::watch() {
@@ -320,9 +320,9 @@ void App::watch() {
   const auto is_changed = [](const auto& entry) { return time_of(entry.first) != entry.second; };
   const bool is_data_changed = std::any_of(watched_.begin(), watched_.end(), is_changed);
   // What was removed, or is not there, may come back.
-  const std::vector<std::string> shown = surface_files();
+  const std::vector<std::string> shown = files_beside();
   Watched surfaces;
-  std::copy_if(watched_surfaces_.begin(), watched_surfaces_.end(), std::back_inserter(surfaces),
+  std::copy_if(watched_beside_.begin(), watched_beside_.end(), std::back_inserter(surfaces),
                [&](const auto& entry) {
                  return std::find(shown.begin(), shown.end(), entry.first) != shown.end() &&
                         is_changed(entry) && time_of(entry.first) != kNowhere;
@@ -341,14 +341,14 @@ void App::watch() {
     return;
   // Tried once, should it fail.
   for (auto& [path, time] : watched_) time = time_of(path);
-  for (auto& [path, time] : watched_surfaces_) {
+  for (auto& [path, time] : watched_beside_) {
     if (std::find(shown.begin(), shown.end(), path) != shown.end()) time = time_of(path);
   }
   tell("the file has changed: read again");
   if (is_data_changed) return loader_->open(document_.launch, true);  // and then the surfaces
   std::vector<std::string> paths;
   for (const auto& [path, time] : surfaces) paths.push_back(path);
-  read_surfaces(paths, SurfaceUse::kRenew);
+  renew_beside(paths);
 }
 
 }  // namespace ovoid::viewer

@@ -1,88 +1,101 @@
 // SPDX-License-Identifier: Apache-2.0
-// What stands beside the data: surfaces that are read, dropped and renewed.
+// What stands beside the data: surfaces and labels that are read, dropped and renewed.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
-#include <system_error>
 #include <utility>
 
 #include "app.h"
 
 namespace ovoid::viewer {
-namespace {
 
-// Whether a PLY file has faces, by its header: those without are points or kernels, and may be
-// large.
-bool has_faces(const std::string& path) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) return false;  // a pipe would block
-  std::ifstream file(path, std::ios::binary);
-  std::string head(std::size_t{1} << 16, '\0');
-  file.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<std::size_t>(file.gcount()));
-  std::istringstream lines(head.substr(0, head.find("end_header")));
-  for (std::string word, name; lines >> word;) {
-    double count = 0;
-    if (word == "element" && lines >> name >> count && name == "face") return count > 0;
-  }
-  return false;
-}
-
-bool may_be_surface(const std::string& path) {
-  if (cli::has_ending(path, ".ply")) return has_faces(path);
-  return cli::has_ending(path, ".stl") || cli::has_ending(path, ".obj") ||
-         cli::has_ending(path, ".vtp");
-}
-
-}  // namespace
-
-bool App::take_dropped_surfaces(const std::vector<std::string>& paths) {
-  if (!document_.is_open() || !std::all_of(paths.begin(), paths.end(), may_be_surface))
-    return false;
-  read_surfaces(paths, SurfaceUse::kDrop);
+bool App::take_drop_beside(const std::vector<std::string>& paths) {
+  if (!document_.is_open()) return false;
+  const bool are_surfaces = std::all_of(paths.begin(), paths.end(), is_surface_by_name);
+  const LabelSurfaces& own = document_.shown->subject.scenery.labels;
+  const bool may_be_labels =
+      paths.size() == 1 && own.map == nullptr && !is_look_file(paths.front()) &&
+      ((is_scene_shown_ && has_panel_) || cli::has_ending(paths.front(), ".seg.nrrd"));
+  if (!are_surfaces && !may_be_labels) return false;
+  read_beside({paths, BesideUse::kDrop});
   return true;
 }
 
-void App::read_surfaces(const std::vector<std::string>& paths, SurfaceUse use) {
-  if (paths.empty()) return;
-  if (!document_.is_open()) return tell("a surface beside the data needs data first", true);
-  panel_state_.surface_error.clear();
-  progress_ = LoadProgress{"reading " + std::filesystem::path(paths.front()).filename().string()};
-  loader_->read_surfaces(paths, use);
+void App::read_beside(BesideTask task) {
+  if (task.paths.empty()) return;
+  if (!document_.is_open())
+    return tell("a surface or labels beside the data need data first", true);
+  panel_state_.beside_error.clear();
+  const std::string first = std::filesystem::path(task.paths.front()).filename().string();
+  progress_ = LoadProgress{"reading " + first};
+  loader_->read_beside(std::move(task));
+}
+
+// Those that are shown are read again.
+void App::renew_beside(const std::vector<std::string>& files) {
+  BesideTask surfaces{{}, BesideUse::kRenew};
+  BesideTask labels{{}, BesideUse::kRenew, BesideKind::kLabels};
+  const std::optional<LabelsBeside>& shown = document_.view.labels;
+  for (const std::string& file : files)
+    (shown && shown->file == file ? labels : surfaces).paths.push_back(file);
+  read_beside(std::move(surfaces));
+  read_beside(std::move(labels));
 }
 
 // Those of the view, once each.
-std::vector<std::string> App::surface_files() const {
+std::vector<std::string> App::files_beside() const {
   std::vector<std::string> files;
-  for (const AddedSurface& added : document_.view.added) {
-    if (std::find(files.begin(), files.end(), added.file) == files.end())
-      files.push_back(added.file);
-  }
+  const auto add = [&](const std::string& file) {
+    if (std::find(files.begin(), files.end(), file) == files.end()) files.push_back(file);
+  };
+  for (const AddedSurface& added : document_.view.added) add(added.file);
+  if (document_.view.labels) add(document_.view.labels->file);
   return files;
 }
 
-void App::take_surfaces(const SurfacesRead& read) {
+void App::take_beside(const BesideRead& read) {
   progress_.reset();
   for (const auto& [path, surface] : read.files) {
-    if (read.use == SurfaceUse::kRenew) {
+    if (read.use == BesideUse::kRenew) {
       document_.renew_surface(path, surface);
     } else {
       document_.add_surface(path, surface);
     }
   }
+  for (const LabelsBeside& labels : read.labels) {
+    if (read.use == BesideUse::kRenew) {
+      document_.renew_labels(labels);
+    } else {
+      document_.set_labels(labels);
+    }
+  }
   std::vector<std::string> errors = read.errors;
   if (!read.data.empty()) {
-    if (read.files.empty() && errors.empty()) return open(read.data);
+    if (read.files.empty() && read.labels.empty() && errors.empty()) return open(read.data);
     errors.push_back(fmt::format("{}: not only surfaces: drop them by themselves to open them",
                                  fmt::join(read.data, ", ")));
   }
   for (const std::string& error : errors) tell(error, true);
-  if (!errors.empty()) panel_state_.surface_error = fmt::format("{}", fmt::join(errors, "\n"));
+  if (!errors.empty()) panel_state_.beside_error = fmt::format("{}", fmt::join(errors, "\n"));
   watch_files();
+}
+
+nlohmann::ordered_json App::facts_of_labels() const {
+  const View& view = document_.view;
+  nlohmann::ordered_json json = {{"file", view.labels ? view.labels->file : ""},
+                                 {"are_shown", document_.shows_labels(view)}};
+  const LabelSurfaces* const plain = document_.plain_labels(view);
+  json["count"] = plain == nullptr ? 0 : plain->styles.size();
+  if (plain == nullptr) return json;
+  for (const LabelStyle& style : edited(plain->styles, view.label_edits)) {
+    json[std::to_string(style.label)] = {
+        {"name", style.name},
+        {"color", std::vector<double>(style.color.begin(), style.color.end())},
+        {"opacity", style.opacity}};
+  }
+  return json;
 }
 
 nlohmann::ordered_json App::facts_of_scene() const {
@@ -92,13 +105,14 @@ nlohmann::ordered_json App::facts_of_scene() const {
   };
   nlohmann::ordered_json json = {{"surfaces", view.added.size()},
                                  {"edges", view.added_edges},
-                                 {"error", panel_state_.surface_error},
+                                 {"error", panel_state_.beside_error},
                                  {"slices", view.slices.slices.size()},
                                  {"map", view.slices.slice_map},
                                  {"opacity", view.slices.slice_opacity},
                                  {"has_range", view.slices.slice_range.has_value()},
                                  {"shows_empty", view.slices.shows_empty},
-                                 {"is_seen", document_.shows_scenery(view)}};
+                                 {"is_seen", document_.shows_scenery(view)},
+                                 {"labels", facts_of_labels()}};
   for (const AddedSurface& added : view.added) {
     json["surface"].push_back({{"file", added.file},
                                {"color", list(added.color)},

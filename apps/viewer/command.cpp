@@ -17,7 +17,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kOpacities = "surface_opacities";  // in the window's part of a state
+// In the window's part of a state.
+constexpr const char* kOpacities = "surface_opacities";
+constexpr const char* kLabelOpacities = "label_opacities";
 
 // The moment, where there are several.
 void take_time(const Document& document, cli::DataFlags& data, cli::TrailFlags& trail) {
@@ -77,9 +79,18 @@ cli::CropFlags told_crop(const View& view, const cli::CropFlags& opened) {
 
 // Of what is seen beside the field.
 cli::LabelFlags labels_of(const Document& document) {
-  if (!document.shows_labels(document.view)) return {};
-  cli::LabelFlags flags = document.launch->drawing.labels;
-  flags.own_surfaces = flags.file.empty();
+  const View& view = document.view;
+  if (!document.shows_labels(view)) return {};
+  const cli::LabelFlags& opened = document.launch->drawing.labels;
+  cli::LabelFlags flags;
+  flags.table = opened.table;
+  if (view.labels) flags.file = view.labels->file;
+  flags.own_surfaces = !view.labels;
+  if (view.labels && view.labels->file == opened.file) {
+    flags.inside = opened.inside;
+    flags.outside = opened.outside;
+  }
+  tell_label_edits(document.plain_labels(view)->styles, view.label_edits, &flags);
   return flags;
 }
 
@@ -266,6 +277,8 @@ Json window_state(const Document& document) {
   if (std::any_of(added.begin(), added.end(), is_hidden)) {
     for (const AddedSurface& surface : added) window[kOpacities].push_back(surface.opacity);
   }
+  const Json of_labels = hidden_label_opacities(document.view.label_edits);
+  if (!of_labels.is_null()) window[kLabelOpacities] = of_labels;
   return window;
 }
 
@@ -294,6 +307,8 @@ void take_window_state(const Json& window, Document& document) {
   take("interpolated", &time.is_interpolated);
   take("fastest", &time.is_fastest);
   take_opacities(window, document.view.added);
+  if (window.is_object() && window.contains(kLabelOpacities))
+    take_hidden_label_opacities(window[kLabelOpacities], &document.view.label_edits);
   if (!window.is_object() || !window.contains("rate") || !window["rate"].is_number()) return;
   const double rate = window["rate"].get<double>();
   if (std::isfinite(rate) && rate > 0) time.rate = rate;

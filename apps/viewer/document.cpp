@@ -38,19 +38,23 @@ void Document::take(const Opened& opened) {
   is_reload_ = opened.is_reload && is_open();
   launch = opened.launch;
   opened_surfaces_ = opened.surfaces;
+  opened_labels_ = opened.labels;
   extras.reset();
   fit.reset();
   control_files.clear();
   time.is_playing = false;
 }
 
+void Document::change_views(const std::function<void(View&)>& change) {
+  for (std::vector<View>* views : {&past_, &future_})
+    std::for_each(views->begin(), views->end(), change);
+  change(settled_);
+  change(view);
+  if (other) change(other->view);
+}
+
 void Document::forget_solids() {
-  for (std::vector<View>* views : {&past_, &future_}) {
-    for (View& of : *views) of.solid.reset();
-  }
-  view.solid.reset();
-  settled_.solid.reset();
-  if (other) other->view.solid.reset();
+  change_views([](View& of) { of.solid.reset(); });
 }
 
 void Document::give_up_solid() {
@@ -90,6 +94,9 @@ void Document::take(const ShownReady& ready, double aspect) {
                             is_hidden ? 1 : made.opacity, is_hidden});
     }
     opened_surfaces_.clear();
+    view.labels = std::exchange(opened_labels_, std::nullopt);
+    if (const LabelSurfaces* const labels = plain_labels(view))
+      edit_labels(label_edits_of(labels->styles, flags.labels));
     view.added_edges = flags.geometry.shows_edges;
     view.slices = flags.geometry;
     setup = flags.run;
@@ -108,6 +115,7 @@ void Document::take(const ShownReady& ready, double aspect) {
     view.look = *ready.look;
     if (mode != Mode::kIsosurface) view.look.mode = mode;
     view.solid = shown->solid;
+    if (!view.labels) view.label_edits.clear();  // other labels
     is_edited_ = true;
     remember();
   }
@@ -150,11 +158,45 @@ bool Document::shows_scenery(const View& of) const {
   return is_layered(of.look.mode) && !has_trail(of) && !of.plane && !draws_points(of);
 }
 
-bool Document::shows_labels(const View& of) const {
-  return of.label_surfaces && shows_scenery(of) && has_labels();
+const LabelSurfaces* Document::plain_labels(const View& of) const {
+  if (of.labels) return of.labels->surfaces.get();
+  const LabelSurfaces& own = shown->subject.scenery.labels;
+  return own.map != nullptr ? &own : nullptr;
 }
 
-bool Document::has_labels() const { return shown->subject.scenery.labels.map != nullptr; }
+bool Document::shows_labels(const View& of) const {
+  return shows_scenery(of) && plain_labels(of) != nullptr && (of.labels || of.label_surfaces);
+}
+
+LabelSurfaces Document::labels_of(const View& of) const {
+  if (!shows_labels(of)) return {};
+  LabelSurfaces labels = *plain_labels(of);
+  labels.styles = edited(std::move(labels.styles), of.label_edits);
+  return labels;
+}
+
+void Document::edit_labels(LabelEdits edits) {
+  const LabelSurfaces* const plain = plain_labels(view);
+  TransferFunction& tf = view.look.transfer_function;
+  if (!view.labels && plain != nullptr &&
+      shows_labels_by_value(tf, edited(plain->styles, view.label_edits)))
+    tf = label_look(edited(plain->styles, edits)).transfer_function;
+  view.label_edits = std::move(edits);
+  touch();
+}
+
+void Document::set_labels(std::optional<LabelsBeside> labels) {
+  view.labels = std::move(labels);
+  view.label_edits.clear();
+  touch();
+}
+
+void Document::renew_labels(const LabelsBeside& labels) {
+  change_views([&](View& of) {
+    if (of.labels && of.labels->file == labels.file) of.labels = labels;
+  });
+  count_up();
+}
 
 void Document::add_surface(const std::string& file, std::shared_ptr<const Surface> surface) {
   view.added.push_back({file, std::move(surface), cli::usual_surface_color(view.added.size())});
@@ -163,16 +205,11 @@ void Document::add_surface(const std::string& file, std::shared_ptr<const Surfac
 
 void Document::renew_surface(const std::string& file,
                              const std::shared_ptr<const Surface>& surface) {
-  const auto renew = [&](View& of) {
+  change_views([&](View& of) {
     for (AddedSurface& added : of.added) {
       if (added.file == file) added.surface = surface;
     }
-  };
-  for (std::vector<View>* views : {&past_, &future_})
-    std::for_each(views->begin(), views->end(), renew);
-  renew(settled_);
-  renew(view);
-  if (other) renew(other->view);
+  });
   count_up();
 }
 
@@ -223,8 +260,8 @@ std::shared_ptr<Scene> Document::scene(const View& of, const RendererSetup& on, 
   made->has_trail = has_trail(of);
   if (is_layered(of.look.mode) && !made->has_trail) made->plane = of.plane;
   made->has_scenery = shows_scenery(of);
-  made->shows_labels = shows_labels(of);
   if (made->has_scenery) {
+    made->labels = labels_of(of);
     for (const AddedSurface& added : of.added) {
       if (!added.is_hidden)
         made->added.push_back({added.surface, added.color, added.opacity, of.added_edges});
@@ -244,6 +281,7 @@ std::shared_ptr<Scene> Document::scene_of_fit(Size size) const {
   made->shown = fit_has_surface && fit->within ? fit->within : fit->shown;
   made->extras = fit->extras;
   made->has_trail = false;
+  if (!view.labels) made->labels = {};  // the data's own
   if (!made->shown->subject.has_walls) made->walls = {0, false};
   // Opacities mean what they mean in the data's picture.
   if (made->look.unit_distance == 0 && !made->look.transfer_function.unit_distance)

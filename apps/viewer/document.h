@@ -5,12 +5,14 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "fitter.h"
+#include "label_edits.h"
 #include "loader.h"
 #include "make_camera.h"
 #include "size.h"
@@ -41,10 +43,12 @@ struct View {
   cli::AnnotationFlags marks;
   Rgb background = cli::kBackground;
   std::vector<AddedSurface> added;
-  bool added_edges = false;         // of the faces of all of them
-  cli::GeometryFlags slices;        // of it what is about slices
-  bool label_surfaces = true;       // of data that are labels, instead of the field
-  std::optional<SolidShape> solid;  // is shown instead of the mesh, as soon as it is made
+  bool added_edges = false;            // of the faces of all of them
+  cli::GeometryFlags slices;           // of it what is about slices
+  bool label_surfaces = true;          // of data that are labels, instead of the field
+  std::optional<LabelsBeside> labels;  // instead of those that the data may be
+  LabelEdits label_edits;              // of the labels that are drawn
+  std::optional<SolidShape> solid;     // is shown instead of the mesh, as soon as it is made
 };
 
 // One of two settings that are compared.
@@ -125,9 +129,17 @@ class Document {
   bool draws_points(const View& of) const;
   // Whether surfaces and slices of a view are seen, if it has any.
   bool shows_scenery(const View& of) const;
-  // Whether what is shown has surfaces of labels, and a view shows them.
-  bool has_labels() const;
+  // The labels of a view, as their table has them: of a file, or of data that are labels; null:
+  // there are none. Whether the view shows them, and how.
+  const LabelSurfaces* plain_labels(const View& of) const;
   bool shows_labels(const View& of) const;
+  LabelSurfaces labels_of(const View& of) const;
+  // The edits are the view's. The look of data that are labels goes with them.
+  void edit_labels(LabelEdits edits);
+  // A label map's file, in the place of another one, or of nothing.
+  void set_labels(std::optional<LabelsBeside> labels);
+  // The one that was read again in the place of the one before, wherever that is.
+  void renew_labels(const LabelsBeside& labels);
   // The surface of a file into the view, in the next usual colour.
   void add_surface(const std::string& file, std::shared_ptr<const Surface> surface);
   // The surface of a file that was read again in the place of the one before, wherever that is.
@@ -189,6 +201,7 @@ class Document {
     ++version_;
     ++view_version_;
   }
+  void change_views(const std::function<void(View&)>& change);  // those of undo, too
   void forget_solids();  // of a mesh that was read again: they are of the one before
   bool has_trail(const View& of) const;
   std::shared_ptr<Scene> scene(const View& of, const RendererSetup& on, Size size) const;
@@ -197,6 +210,7 @@ class Document {
   std::vector<View> past_, future_;
   View settled_;  // the view when remember() was called last
   std::vector<std::shared_ptr<const Surface>> opened_surfaces_;  // for the first view
+  std::optional<LabelsBeside> opened_labels_;                    // likewise
   bool is_edited_ = false;
   bool awaits_first_ = false;
   bool is_reload_ = false;

@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "apply_crop.h"
+#include "label_edits.h"
 #include "make_camera.h"
 #include "make_look.h"
 #include "make_trail.h"
@@ -39,7 +40,7 @@ constexpr std::int64_t kLeastWorthCoarsening = 20'000;
 std::string in_a_window(const std::string& note) {
   constexpr std::string_view kAdded = "--add: ";
   if (note.starts_with(kAdded)) return note.substr(kAdded.size());
-  for (const char* const advice : {"; choose with --", "; choose one with --"}) {
+  for (const char* const advice : {"; choose with --", "; choose one with --", " (--label-"}) {
     const std::size_t at = note.find(advice);
     if (at != std::string::npos) return note.substr(0, at);
   }
@@ -49,10 +50,6 @@ std::string in_a_window(const std::string& note) {
 struct OpenTask {
   std::shared_ptr<const Launch> launch;
   bool is_reload = false;
-};
-struct SurfaceTask {
-  std::vector<std::string> paths;
-  SurfaceUse use = SurfaceUse::kAdd;
 };
 struct TimeTask {
   TimeChoice choice;
@@ -69,96 +66,6 @@ struct Data {
   std::shared_ptr<const Shown> shown;
 };
 
-std::string title_of(const cli::DataFlags& data) {
-  const std::string first = std::filesystem::path(data.inputs.front()).filename().string();
-  return data.inputs.size() == 1 ? first
-                                 : fmt::format("{} and {} more", first, data.inputs.size() - 1);
-}
-
-template <typename Value>
-void widen(ValueRange& range, const DataArray& array) {
-  const auto* const values = reinterpret_cast<const Value*>(array.bytes.view.data());
-  const std::size_t count = array.bytes.view.size() / sizeof(Value);
-  const auto step = static_cast<std::size_t>(array.num_components);
-  for (std::size_t i = 0; i < count; i += step) {
-    const double value = static_cast<double>(values[i]) * array.value_scale + array.value_offset;
-    if (!(std::abs(value) < 1e38)) continue;
-    const auto rounded = static_cast<float>(value);
-    if (range.is_empty()) range = {rounded, rounded};
-    range.lo = std::min(range.lo, rounded);
-    range.hi = std::max(range.hi, rounded);
-  }
-}
-
-ValueRange range_of(const DataArray& array) {
-  ValueRange range;
-  switch (array.type) {
-    case ScalarType::kUInt8:
-      widen<std::uint8_t>(range, array);
-      break;
-    case ScalarType::kInt8:
-      widen<std::int8_t>(range, array);
-      break;
-    case ScalarType::kUInt16:
-      widen<std::uint16_t>(range, array);
-      break;
-    case ScalarType::kInt16:
-      widen<std::int16_t>(range, array);
-      break;
-    case ScalarType::kUInt32:
-      widen<std::uint32_t>(range, array);
-      break;
-    case ScalarType::kInt32:
-      widen<std::int32_t>(range, array);
-      break;
-    case ScalarType::kUInt64:
-      widen<std::uint64_t>(range, array);
-      break;
-    case ScalarType::kInt64:
-      widen<std::int64_t>(range, array);
-      break;
-    case ScalarType::kFloat32:
-      widen<float>(range, array);
-      break;
-    case ScalarType::kFloat64:
-      widen<double>(range, array);
-      break;
-  }
-  return range;
-}
-
-bool is_control_mesh(const Dataset& dataset) {
-  const auto is_hexahedron = [](CellType type) {
-    return type == CellType::kHexahedron || type == CellType::kVoxel;
-  };
-  const std::span<const CellType> types = dataset.cells.types;
-  return dataset.kind == DatasetKind::kMesh && (dataset.cells.is_structured() || !types.empty()) &&
-         std::all_of(types.begin(), types.end(), is_hexahedron) &&
-         std::any_of(dataset.arrays.begin(), dataset.arrays.end(),
-                     [](const DataArray& array) { return !array.is_cell_data; });
-}
-
-std::shared_ptr<const DataInfo> info_of(const Dataset& dataset, const cli::DataFlags& data) {
-  auto info = std::make_shared<DataInfo>();
-  info->title = title_of(data);
-  info->source = dataset.source;
-  info->kind = dataset.kind;
-  for (const DataArray& array : dataset.arrays) {
-    info->arrays.push_back({array.name, array.unit, array.num_components, array.is_cell_data,
-                            range_of(array), cli::component_of(array, cli::kUsualComponent)});
-  }
-  info->times = dataset.times;
-  if (info->times.empty()) {
-    for (std::int64_t i = 0; i < dataset.num_steps; ++i)
-      info->times.push_back(static_cast<double>(i));
-  }
-  info->time_unit = dataset.time_unit;
-  info->is_staggered = dataset.series == SeriesKind::kStaggered;
-  info->step = dataset.step;
-  info->is_control_mesh = is_control_mesh(dataset) && info->times.size() == 1;
-  return info;
-}
-
 }  // namespace
 
 ArrayChoice choice_of(const Shown& shown) {
@@ -171,6 +78,9 @@ std::shared_ptr<Shown> make_shown(std::shared_ptr<const Dataset> dataset, const 
   // These are the view's.
   drawing.geometry.files.clear();
   drawing.geometry.slices.clear();
+  drawing.labels.is_read_apart = true;
+  drawing.labels.opacities.clear();
+  drawing.labels.colors.clear();
   made->subject = cli::make_subject(*dataset, flags, &drawing, session);
   made->dataset = std::move(dataset);
   made->time = time;
@@ -211,7 +121,7 @@ struct Loader::Impl {
   // What waits; the thread takes them in this order.
   std::optional<OpenTask> next_open;
   std::optional<ArrayChoice> next_choice;
-  std::deque<SurfaceTask> next_surfaces;
+  std::deque<BesideTask> next_beside;
   std::optional<TimeTask> next_time;
   std::optional<SolidChoice> next_solid;
   bool wants_extras = false;
@@ -257,10 +167,10 @@ struct Loader::Impl {
   void go_to(const TimeTask& task, const std::stop_token& token);
   int levels_to_leave_out(int levels) const;
   void show_solid(const SolidChoice& task, const std::stop_token& token);
-  void read_surfaces(const SurfaceTask& task, const std::stop_token& token);
+  void read_beside(const BesideTask& task, const std::stop_token& token);
   void work_out_extras(const std::stop_token& token);
   bool has_work() const {
-    return next_open || next_choice || !next_surfaces.empty() || next_time || next_solid ||
+    return next_open || next_choice || !next_beside.empty() || next_time || next_solid ||
            wants_extras;
   }
 };
@@ -350,14 +260,19 @@ void Loader::Impl::read(const OpenTask& task, const std::stop_token& token) {
   read_dataset_of(next, own, options);
   const auto info = info_of(*next.dataset, flags);
   std::vector<std::shared_ptr<const Surface>> surfaces;
+  std::optional<LabelsBeside> labels;
   if (!task.is_reload) {
     for (const std::string& file : next.drawing.geometry.files)
       surfaces.push_back(surface_files.read(file, own));
+    if (!next.drawing.labels.file.empty())
+      labels = labels_beside(next.drawing.labels.file, next.drawing, own);
   }
   report(LoadProgress{"choosing kernels for " + title_of(flags), 1});
   const double time = flags.time.value_or(info->times[static_cast<std::size_t>(info->step)]);
   ShownReady ready = first_of_array(next, time, own);
   // What can be wrong with the flags comes out here, where it keeps nothing from being shown.
+  const LabelSurfaces& drawn = labels ? *labels->surfaces : next.shown->subject.scenery.labels;
+  if (drawn.map != nullptr) label_edits_of(drawn.styles, next.drawing.labels);
   const Field& field = next.shown->field();
   RenderOptions ignored = next.drawing.options;
   const Box box = cli::apply_crop(next.drawing.crop, field, &ignored);
@@ -367,7 +282,7 @@ void Loader::Impl::read(const OpenTask& task, const std::stop_token& token) {
       camera,
       {field, *ready.look, box.world_bounds(), next.shown->subject.described.space, 1.0, {}});
   data = std::move(next);  // what was there before stays if anything went wrong
-  report(Opened{info, task.launch, task.is_reload, std::move(surfaces)});
+  report(Opened{info, task.launch, task.is_reload, std::move(surfaces), std::move(labels)});
   report(std::move(ready));
   const std::lock_guard lock(mutex);
   wants_extras = true;
@@ -475,31 +390,14 @@ void Loader::Impl::show_solid(const SolidChoice& task, const std::stop_token& to
   wants_extras = !task.is_moving;
 }
 
-void Loader::Impl::read_surfaces(const SurfaceTask& task, const std::stop_token& token) {
+void Loader::Impl::read_beside(const BesideTask& task, const std::stop_token& token) {
   cli::Session own = session(token);
-  SurfacesRead read;
-  read.use = task.use;
-  const bool may_be_data = task.use == SurfaceUse::kDrop;
-  for (const std::string& path : task.paths) {
-    report(LoadProgress{"reading " + std::filesystem::path(path).filename().string(), 0});
-    try {
-      auto surface =
-          may_be_data ? surface_files.read_if_alone(path, own) : surface_files.read(path, own);
-      if (surface != nullptr) {
-        read.files.push_back({path, std::move(surface)});
-      } else {
-        read.data.push_back(path);
-      }
-    } catch (const Error& error) {
-      if (error.code() == ErrorCode::kCancelled) throw;
-      // Of those that are dropped this alone may be points.
-      if (may_be_data && cli::has_ending(path, ".vtp")) {
-        read.data.push_back(path);
-      } else {
-        read.errors.push_back(in_a_window(cli::one_line(error.what())));
-      }
-    }
-  }
+  const cli::DrawingFlags opened = data ? data->drawing : cli::DrawingFlags();
+  BesideRead read =
+      viewer::read_beside(task, opened, surface_files, own, [&](const std::string& path) {
+        report(LoadProgress{"reading " + std::filesystem::path(path).filename().string(), 0});
+      });
+  for (std::string& error : read.errors) error = in_a_window(error);
   report(std::move(read));
   const std::lock_guard lock(mutex);
   if (data && extras_of != data->shown) wants_extras = true;  // they had to make room
@@ -523,12 +421,12 @@ void Loader::Impl::run() {
     is_working = true;
     const auto opening = std::exchange(next_open, std::nullopt);
     const auto chosen = opening ? std::nullopt : std::exchange(next_choice, std::nullopt);
-    std::optional<SurfaceTask> surfaces;
-    if (!opening && !chosen && !next_surfaces.empty()) {
-      surfaces = std::move(next_surfaces.front());
-      next_surfaces.pop_front();
+    std::optional<BesideTask> beside;
+    if (!opening && !chosen && !next_beside.empty()) {
+      beside = std::move(next_beside.front());
+      next_beside.pop_front();
     }
-    const bool is_first_served = opening || chosen || surfaces;
+    const bool is_first_served = opening || chosen || beside;
     const auto gone = is_first_served ? std::nullopt : std::exchange(next_time, std::nullopt);
     const auto solid =
         is_first_served || gone ? std::nullopt : std::exchange(next_solid, std::nullopt);
@@ -544,8 +442,8 @@ void Loader::Impl::run() {
         read(*opening, token);
       } else if (chosen) {
         choose(*chosen, token);
-      } else if (surfaces) {
-        read_surfaces(*surfaces, token);
+      } else if (beside) {
+        read_beside(*beside, token);
       } else if (gone) {
         go_to(*gone, token);
       } else if (solid) {
@@ -586,7 +484,7 @@ void Loader::open(std::shared_ptr<const Launch> launch, bool is_reload) {
   const std::lock_guard lock(impl_->mutex);
   impl_->next_open = OpenTask{std::move(launch), is_reload};
   impl_->next_choice.reset();
-  impl_->next_surfaces.clear();
+  impl_->next_beside.clear();
   impl_->next_time.reset();
   impl_->next_solid.reset();
   impl_->wants_extras = false;
@@ -617,9 +515,9 @@ void Loader::show_solid(const SolidChoice& choice) {
   impl_->wanted.notify_all();
 }
 
-void Loader::read_surfaces(const std::vector<std::string>& paths, SurfaceUse use) {
+void Loader::read_beside(BesideTask task) {
   const std::lock_guard lock(impl_->mutex);
-  impl_->next_surfaces.push_back({paths, use});
+  impl_->next_beside.push_back(std::move(task));
   impl_->stop_extra.request_stop();
   impl_->wanted.notify_all();
 }

@@ -9,6 +9,8 @@
 #include <variant>
 #include <vector>
 
+#include "beside.h"
+#include "data_info.h"
 #include "histogram.h"
 #include "launch.h"
 #include "make_solid.h"
@@ -17,28 +19,6 @@
 #include "ovoid/sampler.h"
 
 namespace ovoid::viewer {
-
-struct ArrayInfo {
-  std::string name;
-  std::string unit;
-  int num_components = 1;
-  bool is_cell_data = false;
-  ValueRange range;         // of the first component, or of the magnitude if there are several
-  int usual_component = 0;  // that is drawn if nobody names one
-};
-
-// What the input is, whatever of it is shown.
-struct DataInfo {
-  std::string title;  // of the window
-  std::string source;
-  DatasetKind kind = DatasetKind::kLattice;
-  std::vector<ArrayInfo> arrays;
-  std::vector<double> times;  // one per step; the steps' numbers where the input names none
-  std::string time_unit;
-  bool is_staggered = false;
-  std::int64_t step = 0;         // the one that was read first
-  bool is_control_mesh = false;  // hexahedra with values per node, at one time
-};
 
 // A control mesh's solid, instead of the mesh (docs/solids.md).
 struct SolidShape {
@@ -73,7 +53,8 @@ struct Extras {
   std::shared_ptr<const FieldProbe> probe;  // values at places
 };
 
-// Of `dataset`, drawn as `drawing` says, which gets what labels need. Throws Error.
+// Of `dataset`, drawn as `drawing` says, which gets what labels need; without what is the view's.
+// Throws Error.
 std::shared_ptr<Shown> make_shown(std::shared_ptr<const Dataset> dataset, const cli::Flags& flags,
                                   cli::DrawingFlags& drawing, double time, cli::Session& session);
 
@@ -91,7 +72,9 @@ struct Opened {  // files were read; `shown` follows
   std::shared_ptr<const DataInfo> info;
   std::shared_ptr<const Launch> launch;
   bool is_reload = false;
-  std::vector<std::shared_ptr<const Surface>> surfaces;  // of --add, one by one; not of a reload
+  // Not of a reload.
+  std::vector<std::shared_ptr<const Surface>> surfaces;  // of --add, one by one
+  std::optional<LabelsBeside> labels;                    // of --labels
 };
 struct ShownReady {
   std::shared_ptr<const Shown> shown;
@@ -103,25 +86,12 @@ struct ShownReady {
 struct Noted {
   std::string text;
 };
-// kAdd: into the scene; kDrop: where they are surfaces and nothing more; kRenew: in the place of
-// those that were read before.
-enum class SurfaceUse { kAdd, kDrop, kRenew };
-struct SurfacesRead {
-  struct File {
-    std::string path;
-    std::shared_ptr<const Surface> surface;
-  };
-  SurfaceUse use = SurfaceUse::kAdd;
-  std::vector<File> files;
-  std::vector<std::string> data;    // of kDrop: are to be opened instead
-  std::vector<std::string> errors;  // of those that cannot be read, one each
-};
 struct LoadFailed {
   std::string message;
   bool was_opening = false, was_solid = false;
 };
 using LoadReport = std::variant<LoadProgress, Opened, ShownReady, std::shared_ptr<const Extras>,
-                                Noted, SurfacesRead, LoadFailed>;
+                                Noted, BesideRead, LoadFailed>;
 
 struct ArrayChoice {
   std::string array;
@@ -162,8 +132,8 @@ class Loader {
   // `look`: the picture's, which a trail's is made from.
   void go_to(const TimeChoice& choice, const Look& look, bool wants_extras);
   void show_solid(const SolidChoice& choice);
-  // Files of surfaces, each of which is served.
-  void read_surfaces(const std::vector<std::string>& paths, SurfaceUse use);
+  // What is to stand beside the data; each task is served.
+  void read_beside(BesideTask task);
   void stop();  // asks what is done to end; nothing follows
 
   std::vector<LoadReport> take_reports();

@@ -96,9 +96,6 @@ void add_isosurface(Look& look, const ValueRange& range) {
   if (!has_isovalue(look, value)) look.isosurfaces.push_back({value, {}, 0.5});
 }
 
-// What --iso says: a colour as #rrggbb.
-double in_bytes(double part) { return std::round(255 * part) / 255; }
-
 bool edit_isosurface(Panel& panel, const std::string& name, Isosurface& surface) {
   Look& look = panel.document.view.look;
   Widgets& widgets = panel.widgets;
@@ -118,9 +115,7 @@ bool edit_isosurface(Panel& panel, const std::string& name, Isosurface& surface)
     is_changed = true;
   }
   if (surface.color) is_changed |= widgets.color(name + ".color", "colour", &*surface.color);
-  if (surface.color && is_changed) {
-    for (double& part : *surface.color) part = in_bytes(part);
-  }
+  if (surface.color && is_changed) surface.color = in_bytes(*surface.color);
   return is_changed;
 }
 
@@ -437,6 +432,12 @@ bool function_2d_row(Panel& panel) {
 }
 
 }  // namespace
+
+Rgb in_bytes(const Rgb& rgb) {
+  Rgb rounded = rgb;
+  for (double& part : rounded) part = std::round(255 * part) / 255;
+  return rounded;
+}
 
 bool choose_color_map(Widgets& widgets, const std::string& name, const char* label,
                       std::string* map) {

@@ -15,7 +15,7 @@
 namespace ovoid::viewer {
 
 // What the desktop's dialog is asked for.
-enum class Browsing { kNothing, kInput, kLook, kState, kSurface };
+enum class Browsing { kNothing, kInput, kLook, kState, kBeside };
 
 // What a person asked for with a button or a key, to be done after the frame.
 struct Wishes {
@@ -34,7 +34,7 @@ struct Wishes {
   bool copies_command = false;
   bool saves_picture = false;
   std::string open;                     // a file of data
-  std::string add_surface;              // a file
+  std::string add_beside;               // a file
   std::string read_look, write_look;    // paths
   std::string read_state, write_state;  // paths
 };
@@ -64,8 +64,9 @@ struct PanelState {
   std::string color_map;              // that was chosen last; empty: none
   std::vector<OpacityPoint> layered;  // opacities before a mode in which one sample makes the pixel
   bool has_handles = true;            // of crop, planes and slices, in the picture
-  std::string surface_path;
-  std::string surface_error;  // why the last one could not be read
+  std::string beside_path;
+  std::string label_filter;
+  std::string beside_error;  // why the last one could not be read
   FitState fit;
   // Of a solid.
   bool has_vertices = true;    // in the picture
@@ -104,6 +105,7 @@ void data_panel(Panel& panel);
 void look_panel(Panel& panel);
 void space_panel(Panel& panel);
 void scene_panel(Panel& panel);
+void labels_editor(Panel& panel);  // of the scene
 void time_panel(Panel& panel);
 void compare_panel(Panel& panel);
 void quality_panel(Panel& panel);
@@ -112,6 +114,8 @@ void solid_panel(Panel& panel);
 
 // NAME-fit.ply, or of a lattice NAME-fit.h5, by the name of the data.
 std::string usual_fit_path(const Document& document);
+
+Rgb in_bytes(const Rgb& rgb);  // as #rrggbb has it
 
 // One of the built-in colour maps, each of which has a strip of its colours in the list; true where
 // `map` changed. A `map` that has no name of theirs is none of the list's.

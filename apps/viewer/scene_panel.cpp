@@ -17,20 +17,22 @@ void remove_at(auto& list, std::size_t i) {
   list.erase(list.begin() + static_cast<std::ptrdiff_t>(i));
 }
 
-void surface_files_editor(Panel& panel) {
+void files_editor(Panel& panel) {
   Widgets& widgets = panel.widgets;
   PanelState& state = panel.state;
-  bool adds = widgets.text("scene.path", "a surface: .stl, .obj, .ply, .vtp, or a mesh",
-                           &state.surface_path, -118 * widgets.scale());
+  bool adds = widgets.text("scene.path", "a surface, or a label map", &state.beside_path,
+                           -118 * widgets.scale());
   ImGui::SameLine();
   adds |= widgets.button("scene.add", "add");
-  widgets.tip("A surface in the data's own world, beside them. Or drop a file on the picture.");
-  if (adds) panel.wishes.add_surface = state.surface_path;
+  widgets.tip(
+      "A surface (.stl, .obj, .ply, .vtp, a mesh) or a segmentation in the data's own world, "
+      "beside them. Or drop the file while this tab is open.");
+  if (adds) panel.wishes.add_beside = state.beside_path;
   ImGui::SameLine();
-  browse_button(panel, "scene.browse", "browse", Browsing::kSurface);
-  if (state.surface_error.empty()) return;
+  browse_button(panel, "scene.browse", "browse", Browsing::kBeside);
+  if (state.beside_error.empty()) return;
   ImGui::PushStyleColor(ImGuiCol_Text, widgets.colors().error);
-  ImGui::TextWrapped("%s", state.surface_error.c_str());
+  ImGui::TextWrapped("%s", state.beside_error.c_str());
   ImGui::PopStyleColor();
 }
 
@@ -202,20 +204,19 @@ bool slices_editor(Panel& panel) {
 void scene_panel(Panel& panel) {
   Document& document = panel.document;
   const View& view = document.view;
-  const bool has_any = !view.added.empty() || !view.slices.slices.empty();
+  const bool has_any =
+      !view.added.empty() || !view.slices.slices.empty() || view.labels.has_value();
   if (has_any && !document.shows_scenery(view)) {
     ImGui::TextWrapped(
-        "Not shown now: surfaces and slices take the modes composite and isosurface, and neither a "
+        "Not shown now: surfaces, labels and slices take the modes composite and isosurface, and "
+        "neither a "
         "value plane, nor points, nor motion blur.");
     ImGui::Separator();
   }
   bool is_changed = false;
-  if (document.has_labels()) {
-    is_changed |=
-        panel.widgets.checkbox("scene.labels", "surfaces of labels", &document.view.label_surfaces);
-    ImGui::Separator();
-  }
-  surface_files_editor(panel);
+  labels_editor(panel);
+  if (document.plain_labels(view) != nullptr) ImGui::Separator();
+  files_editor(panel);
   is_changed |= surfaces_editor(panel);
   ImGui::Separator();
   is_changed |= slices_editor(panel);

@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 
+#include "ovoid/dataset.h"
 #include "ovoid/surface.h"
 #include "session.h"
 
@@ -16,10 +17,15 @@ namespace ovoid::viewer {
 // not read again. For one thread at a time.
 class SurfaceFiles {
  public:
-  // Throws Error for what cannot be read or is no surface.
+  struct Found {
+    std::shared_ptr<const Surface> surface;  // null: a lattice
+    bool is_alone = false;                   // the file holds nothing but faces, as no values
+    std::shared_ptr<const Dataset> lattice{};
+  };
+  // Throws Error for what cannot be read, and is neither.
+  Found find(const std::string& path, cli::Session& session);
+  // The surface. Throws Error for what cannot be read or is none.
   std::shared_ptr<const Surface> read(const std::string& path, cli::Session& session);
-  // The same of a file that may be meant as data: null where it holds more than faces, as values.
-  std::shared_ptr<const Surface> read_if_alone(const std::string& path, cli::Session& session);
 
  private:
   struct Kept {
@@ -28,12 +34,6 @@ class SurfaceFiles {
     bool is_alone = false;
     std::weak_ptr<const Surface> surface;
   };
-  // The surface, and whether the file holds nothing else.
-  struct Found {
-    std::shared_ptr<const Surface> surface;
-    bool is_alone = false;
-  };
-  Found find(const std::string& path, cli::Session& session);
 
   std::map<std::filesystem::path, Kept> kept_;
 };

@@ -43,6 +43,7 @@ void Widgets::mark(const std::string& name, const Box2& box) {
   if (wanted_ == name) {
     ImGui::SetScrollFromPosY(at.y - ImGui::GetWindowPos().y, 0.5F);
     wanted_.clear();
+    has_scrolled_ = true;
   }
 }
 
@@ -171,6 +172,30 @@ bool Widgets::color(const std::string& name, const char* label, Rgb* value) {
   return is_changed;
 }
 
+bool Widgets::swatch(const std::string& name, Rgb* value) {
+  std::array<float, 3> edited = {static_cast<float>((*value)[0]), static_cast<float>((*value)[1]),
+                                 static_cast<float>((*value)[2])};
+  const std::string popup = name + "/picker";
+  const ImVec4 shown(edited[0], edited[1], edited[2], 1);
+  if (ImGui::ColorButton(hidden_label(name).c_str(), shown, ImGuiColorEditFlags_NoTooltip))
+    ImGui::OpenPopup(popup.c_str());
+  mark(name);
+  if (!ImGui::BeginPopup(popup.c_str())) return false;
+  ImGui::SetNextItemWidth(220 * scale_);
+  const bool is_changed =
+      ImGui::ColorPicker3(hidden_label(popup).c_str(), edited.data(),
+                          ImGuiColorEditFlags_NoSidePreview | ImGuiColorEditFlags_NoSmallPreview |
+                              ImGuiColorEditFlags_DisplayHex);
+  mark(popup);
+  ImGui::EndPopup();
+  if (is_changed) *value = {edited[0], edited[1], edited[2]};
+  return is_changed;
+}
+
+bool Widgets::bare_slider(const std::string& name, double* value, double lo, double hi) {
+  return slider(name, "", value, lo, hi, "%.2f");
+}
+
 bool Widgets::choice(const std::string& name, const char* label,
                      const std::vector<const char*>& options, int* chosen,
                      const std::function<void(int option)>& decorate) {
@@ -202,6 +227,33 @@ bool Widgets::text(const std::string& name, const char* hint, std::string* value
                                                    ImGuiInputTextFlags_EnterReturnsTrue);
   mark(name);
   return is_entered;
+}
+
+std::string Widgets::fitted(const std::string& text, float width) const {
+  if (ImGui::CalcTextSize(text.c_str()).x <= width) return text;
+  std::string part = text;
+  while (!part.empty()) {
+    // Whole characters go.
+    do {
+      part.pop_back();
+    } while (!part.empty() && (static_cast<unsigned char>(part.back()) & 0xC0) == 0x80);
+    const bool is_whole = part.empty() || (static_cast<unsigned char>(part.back()) & 0x80) == 0;
+    if (is_whole && ImGui::CalcTextSize((part + "...").c_str()).x <= width) break;
+  }
+  return part + "...";
+}
+
+void Widgets::begin_list(const std::string& name, int rows) {
+  const float height = static_cast<float>(rows) * ImGui::GetFrameHeightWithSpacing();
+  has_scrolled_ = false;
+  ImGui::BeginChild(hidden_label(name).c_str(), ImVec2(0, height));
+}
+
+void Widgets::end_list() {
+  ImGui::EndChild();
+  if (!std::exchange(has_scrolled_, false)) return;
+  const float middle = (ImGui::GetItemRectMin().y + ImGui::GetItemRectMax().y) / 2;
+  ImGui::SetScrollFromPosY(middle - ImGui::GetWindowPos().y, 0.5F);
 }
 
 void Widgets::row(const char* label, const std::string& value) {

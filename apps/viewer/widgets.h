@@ -56,11 +56,17 @@ class Widgets {
   bool whole(const std::string& name, const char* label, int* value, int lo, int hi);
   bool vector(const std::string& name, const char* label, Vec3* value, double speed);
   bool color(const std::string& name, const char* label, Rgb* value);
+  bool swatch(const std::string& name, Rgb* value);  // the colour alone, a click opens its editor
+  bool bare_slider(const std::string& name, double* value, double lo, double hi);
   // `decorate`, if any, draws onto an option in the opened list, which is then ImGui's last item.
   bool choice(const std::string& name, const char* label, const std::vector<const char*>& options,
               int* chosen, const std::function<void(int option)>& decorate = {});
   bool text(const std::string& name, const char* hint, std::string* value, float width = -1);
-  void row(const char* label, const std::string& value);  // text at both borders
+  void row(const char* label, const std::string& value);           // text at both borders
+  std::string fitted(const std::string& text, float width) const;  // cut where it is too wide
+  // Rows with a scroll bar of their own, so many in sight.
+  void begin_list(const std::string& name, int rows);
+  void end_list();
   // A sentence about the item before, shown while the mouse rests on it.
   void tip(const char* sentence);
   // Letters over a picture, on a ground of their own; `wrap`: the most that they are wide, 0: any.
@@ -81,7 +87,8 @@ class Widgets {
   bool typed(const std::string& name, Value* value, const Draw& draw);
 
   std::map<std::string, Place> now_, last_;
-  std::string wanted_;  // is scrolled to
+  std::string wanted_;         // is scrolled to
+  bool has_scrolled_ = false;  // in the list that is drawn, which is to come in sight, too
   // The item that the mouse rests on, and since when.
   ImVec2 rested_on_{-1, -1};
   double rests_since_ = 0;

@@ -207,7 +207,7 @@ void Worker::Impl::set_scales(const Scene& scene) {
 // counted yet.
 Scenery Worker::Impl::scenery_of(const Scene& scene, const std::stop_token& token) {
   Scenery all = scene.shown->subject.scenery;
-  if (!scene.shows_labels) all.labels = {};
+  all.labels = scene.labels;
   all.geometry.insert(all.geometry.end(), scene.added.begin(), scene.added.end());
   if (scene.slices.slices.empty()) return all;
   const Field& field = scene.shown->field();

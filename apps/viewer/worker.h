@@ -31,8 +31,8 @@ struct Scene {
   bool has_trail = false;
   SurfaceStyle walls{0, false};      // of what is shown, if it has a surface
   std::optional<PointStyle> points;  // drawn instead; none: the field
-  bool shows_labels = false;         // those that the data have, where they have any
-  bool has_scenery = false;          // the next two count, and those that the data have
+  bool has_scenery = false;          // the next three count
+  LabelSurfaces labels;              // beside the data, or what they are
   std::vector<Geometry> added;       // surfaces beside the data
   cli::GeometryFlags slices;         // of it what is about slices
   Rgb background{0, 0, 0};

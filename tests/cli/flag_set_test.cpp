@@ -268,7 +268,7 @@ const std::vector<Words>& samples() {
       {"--slice", "z", "--slice", "1,0,0,3", "--slice-map", "viridis", "--slice-range", "0,1",
        "--slice-opacity", "0.5", "--slice-empty"},
       {"--labels", "parts.nrrd", "--label-table", "parts.ctbl", "--label-opacity", "3=0.4,others=0",
-       "--inside-labels", "1,left lung"},
+       "--label-color", "3=#ff8000", "--inside-labels", "1,left lung"},
       {"--labels", "parts.nrrd", "--outside-labels", "1,2"},
       {"--label-surfaces", "--colormap", "gray"},
       {"--over", "a.nrrd", "--over", "b.nrrd", "--over-array", "x", "--over-tf", "a.json",

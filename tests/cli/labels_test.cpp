@@ -52,6 +52,17 @@ TEST_F(LabelMaps, NamesAndNumbersMeanLabels) {
   EXPECT_LT(sum(by_name, 0), 0.2 * sum(by_name, 1));
 }
 
+TEST_F(LabelMaps, FlagsGiveColours) {
+  const Words table = {"--label-table", table_};
+  const Picture by_flag =
+      picture_of(map_, {table[0], table[1], "--label-color", "skin=#00ff00,2=white,EYES=#0000ff"});
+  EXPECT_GT(sum(by_flag, 1), 500);
+  EXPECT_LT(sum(by_flag, 0), 0.2 * sum(by_flag, 1));
+  EXPECT_EQ(by_flag.rgba, picture_of(map_, {table[0], table[1], "--label-color",
+                                            "1=#00ff00,skull=#ffffff,7=blue"})
+                              .rgba);
+}
+
 // Light and camera go by what shows: hidden labels cast no shade, and need no room.
 TEST_F(LabelMaps, HiddenLabelsAreNotThere) {
   const std::string alone = folder_ / "alone.nrrd";
@@ -125,6 +136,10 @@ TEST_F(LabelMaps, WhatIsWrongIsNamed) {
       {"render", map_, "--label-table", table_, "--label-opacity", "livr=1", "-o", picture_}, 1,
       {"--label-opacity livr", "1 (skin)"});
   expect_failure({"render", map_, "--label-opacity", "skin", "-o", picture_}, 2, {"LABEL=A"});
+  expect_failure({"render", map_, "--label-color", "99=red", "-o", picture_}, 1,
+                 {"--label-color 99", "no such label"});
+  expect_failure({"render", map_, "--label-color", "1=#12345", "-o", picture_}, 2, {"#12345"});
+  expect_failure({"render", map_, "--label-color", "red", "-o", picture_}, 2, {"LABEL=COLOR"});
   expect_failure({"render", map_, "--label-opacity", "1=1.5", "-o", picture_}, 2, {"1.5"});
   expect_failure({"render", map_, "--inside-labels", "1", "-o", picture_}, 2, {"--labels"});
   expect_failure({"render", map_, "--label-table", folder_ / "none.txt", "-o", picture_}, 1,

@@ -34,9 +34,9 @@ std::string load(Loader& loader, Document& document) {
       if (auto* ready = std::get_if<ShownReady>(&report)) document.take(*ready, kAspect);
       if (auto* extras = std::get_if<std::shared_ptr<const Extras>>(&report))
         document.extras = *extras;
-      if (auto* read = std::get_if<SurfacesRead>(&report)) {
+      if (auto* read = std::get_if<BesideRead>(&report)) {
         for (const auto& [path, surface] : read->files) {
-          if (read->use == SurfaceUse::kRenew) {
+          if (read->use == BesideUse::kRenew) {
             document.renew_surface(path, surface);
           } else {
             document.add_surface(path, surface);
@@ -283,14 +283,14 @@ TEST_F(Documents, SurfacesAreReadOnce) {
   ASSERT_EQ(document_.view.added.size(), 1U);
   EXPECT_EQ(document_.view.added[0].color, (Rgb{1, 0, 0}));
   const auto surface = document_.view.added[0].surface;
-  loader_.read_surfaces({path}, SurfaceUse::kAdd);
+  loader_.read_beside({{path}, BesideUse::kAdd});
   ASSERT_EQ(load(loader_, document_), "");
   ASSERT_EQ(document_.view.added.size(), 2U);
   EXPECT_EQ(document_.view.added[1].surface, surface);
   EXPECT_EQ(told("add-color"), "[\"1,0,0\",\"0.55,0.66,0.78\"]");
   document_.remember();
   write("1.25");
-  loader_.read_surfaces({path}, SurfaceUse::kRenew);
+  loader_.read_beside({{path}, BesideUse::kRenew});
   ASSERT_EQ(load(loader_, document_), "");
   const auto renewed = document_.view.added[0].surface;
   EXPECT_NE(renewed, surface);

@@ -60,23 +60,7 @@ class WindowScene : public OnScreen {
     return "click scene.path\nkey ctrl+a\ntype " + path + "\nclick scene.add\nwait idle\n";
   }
   static constexpr const char* kBegin = "pace 0\nwait idle\nclick tab.scene\n";
-
-  // The copied command, and the state, draw the picture of the window, byte for byte.
-  void expect_same(const Viewed& viewed, const std::string& picture,
-                   const std::string& state) const {
-    const std::string command = viewed.text("clipboard");
-    const Outcome outcome = cli_tests::run({"-c", "cd '" + (folder_ / "") + "' && PATH='" +
-                                                      bin_folder() + "':\"$PATH\" && " + command},
-                                           "/bin/sh");
-    EXPECT_EQ(outcome.exit_code, 0) << command << '\n' << outcome.err;
-    EXPECT_TRUE(file("picture.png") == file(picture)) << command;
-    cli_tests::expect_success(
-        {"render", "--state", folder_ / state, "-o", folder_ / "state.png", "--backend", "cpu"});
-    EXPECT_TRUE(file("state.png") == file(picture)) << file(state);
-  }
 };
-
-constexpr const char* kSave = "picture $/window.png\nkey ctrl+c\nprint clipboard\nstate $/s.json\n";
 
 TEST_F(WindowScene, SurfacesAreThoseOfTheCommandAndTheState) {
   obj("a.obj");

@@ -160,6 +160,24 @@ class OnScreen : public ::testing::Test {
 
   std::string file(const std::string& name) const { return read_file(folder_ / name); }
 
+  // Of a script whose picture, command and state expect_same() takes.
+  static constexpr const char* kSave =
+      "picture $/window.png\nkey ctrl+c\nprint clipboard\nstate $/s.json\n";
+
+  // The copied command, and the state, draw the picture of the window, byte for byte.
+  void expect_same(const Viewed& viewed, const std::string& picture,
+                   const std::string& state) const {
+    const std::string command = viewed.text("clipboard");
+    const Outcome outcome = cli_tests::run({"-c", "cd '" + (folder_ / "") + "' && PATH='" +
+                                                      bin_folder() + "':\"$PATH\" && " + command},
+                                           "/bin/sh");
+    EXPECT_EQ(outcome.exit_code, 0) << command << '\n' << outcome.err;
+    EXPECT_TRUE(file("picture.png") == file(picture)) << command;
+    cli_tests::expect_success(
+        {"render", "--state", folder_ / state, "-o", folder_ / "state.png", "--backend", "cpu"});
+    EXPECT_TRUE(file("state.png") == file(picture)) << file(state);
+  }
+
   Folder folder_;
 };
 

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// What stands beside the data in the picture, as files have it: surfaces and labels.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "ovoid/labels.h"
+#include "session.h"
+#include "settings.h"
+#include "surface_files.h"
+
+namespace ovoid::viewer {
+
+// kAdd: into the scene; kDrop: where it is surfaces and nothing more, or may be beside lattices;
+// kRenew: in the place of what was read before.
+enum class BesideUse { kAdd, kDrop, kRenew };
+// What a file is to be; kAny: what it looks like.
+enum class BesideKind { kAny, kLabels };
+
+struct BesideTask {
+  std::vector<std::string> paths;
+  BesideUse use = BesideUse::kAdd;
+  BesideKind kind = BesideKind::kAny;
+};
+
+// A label map's file, and how it is drawn where nothing is said of single labels.
+struct LabelsBeside {
+  std::string file;
+  std::shared_ptr<const LabelSurfaces> surfaces;
+};
+
+struct BesideRead {
+  struct File {
+    std::string path;
+    std::shared_ptr<const Surface> surface;
+  };
+  BesideUse use = BesideUse::kAdd;
+  std::vector<File> files;
+  std::vector<LabelsBeside> labels;
+  std::vector<std::string> data;    // of kDrop: are to be opened instead
+  std::vector<std::string> errors;  // of those that cannot be read, one each
+};
+
+// Of .stl, .obj, .vtp, and of .ply what has faces. Opens no file but the last.
+bool is_surface_by_name(const std::string& path);
+
+// The labels of a file beside data that were opened with these flags. Throws Error.
+LabelsBeside labels_beside(const std::string& path, const cli::DrawingFlags& opened,
+                           cli::Session& session);
+
+// `told`: each path, before it is read. Throws Error(kCancelled).
+BesideRead read_beside(const BesideTask& task, const cli::DrawingFlags& opened,
+                       SurfaceFiles& surfaces, cli::Session& session,
+                       const std::function<void(const std::string& path)>& told);
+
+}  // namespace ovoid::viewer

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -57,6 +58,24 @@ std::string names_of(const Dataset& dataset) {
   return names;
 }
 
+// A number is a component of the chosen array.
+std::optional<Channel> component_called(const std::string& name, const Dataset& dataset,
+                                        const ModelFlags& model) {
+  const bool is_number = name.size() < 4 && name.find_first_not_of("0123456789") == name.npos;
+  if (!is_number) return std::nullopt;
+  const DataArray& array = chosen_array(dataset, model);
+  const int component = std::stoi(name);
+  if (array.num_components < 2 || component >= array.num_components) return std::nullopt;
+  return Channel{array.name, component};
+}
+
+Channel channel_called(const std::string& name, const Dataset& dataset, const ModelFlags& model) {
+  if (find_array(dataset, name) != nullptr) return {name};
+  if (const auto component = component_called(name, dataset, model)) return *component;
+  refuse_channels(fmt::format("'{}' is not an array, expected some of {}, or numbers of components",
+                              name, names_of(dataset)));
+}
+
 std::vector<Channel> wanted_channels(const Dataset& dataset, const DrawingFlags& drawing) {
   std::vector<Channel> wanted;
   const std::vector<std::string>& names = drawing.channels.names;
@@ -69,10 +88,10 @@ std::vector<Channel> wanted_channels(const Dataset& dataset, const DrawingFlags&
     return wanted;
   }
   for (const std::string& name : names) {
-    if (find_array(dataset, name) == nullptr)
-      refuse_channels(
-          fmt::format("'{}' is not an array, expected some of {}", name, names_of(dataset)));
-    wanted.push_back({name});
+    wanted.push_back(channel_called(name, dataset, drawing.model));
+    if ((wanted.back().component == kUsualComponent) !=
+        (wanted.front().component == kUsualComponent))
+      refuse_channels("expected names of arrays, or numbers of components, not both");
   }
   if (wanted.size() > kMostChannels)
     refuse_channels(fmt::format("{} named, expected at most {}", wanted.size(), kMostChannels));
@@ -146,6 +165,7 @@ bool shows_channels_itself(const Dataset& dataset, const Flags& flags, const Dra
   const bool has_flag = std::any_of(flags.forms().begin(), flags.forms().end(),
                                     [](const FlagForm& form) { return form.name == "channels"; });
   if (!has_flag || dataset.kind != DatasetKind::kLattice || count < 2) return false;
+  if (!drawing.model.array.empty()) return false;  // chosen in a window
   const bool are_shown =
       std::all_of(dataset.arrays.begin(), dataset.arrays.end(),
                   [](const DataArray& array) { return array.display.color.has_value(); });
@@ -170,10 +190,12 @@ bool shows_channels_itself(const Dataset& dataset, const Flags& flags, const Dra
   return true;
 }
 
-// The flags about light are those of the whole picture.
-LookFlags look_of(const DrawingFlags& drawing, const Look& look) {
+}  // namespace
+
+LookFlags channel_look_flags(const LookFlags& picture, const ValueRange& range, const Rgb& color) {
+  const Look look = channel_look(range, color, picture.mode);
   const TransferFunction& tf = look.transfer_function;
-  LookFlags own = drawing.look;
+  LookFlags own = picture;
   own.color_map.clear();
   for (const ColorPoint& point : tf.colors) {
     own.color_map += fmt::format("{}{},{},{},{}", own.color_map.empty() ? "" : ",", point.x,
@@ -183,7 +205,23 @@ LookFlags look_of(const DrawingFlags& drawing, const Look& look) {
   return own;
 }
 
-}  // namespace
+std::vector<NamedChannel> named_channels(const Dataset& dataset, const DrawingFlags& drawing,
+                                         const LatticeField& first,
+                                         const std::vector<FurtherVolume>& further) {
+  std::vector<NamedChannel> named;
+  if (drawing.channels.names.empty() || are_primaries(drawing)) return named;
+  const std::vector<Channel> channels = wanted_channels(dataset, drawing);
+  for (std::size_t i = 0; i < channels.size(); ++i) {
+    const bool is_array = channels[i].component == kUsualComponent;
+    const std::string number = std::to_string(channels[i].component);
+    const LatticeField& field = i == 0 ? first : further.at(i - 1).field;
+    named.push_back({is_array ? channels[i].array : number,
+                     is_array ? channels[i].array : "component " + number, field,
+                     range_of(drawing.channels, i, display_of(dataset, channels[i]), field),
+                     color_of(dataset, drawing.channels, channels, i)});
+  }
+  return named;
+}
 
 void take_channels(const Dataset& dataset, const Flags& flags, DrawingFlags* drawing,
                    Session& session) {
@@ -222,7 +260,7 @@ void take_channel_look(const Dataset& dataset, const LatticeField& field, Drawin
   const std::vector<Channel> channels = wanted_channels(dataset, *drawing);
   const ValueRange range = range_of(said, 0, display_of(dataset, channels[0]), field);
   const Rgb color = color_of(dataset, said, channels, 0);
-  drawing->look = look_of(*drawing, channel_look(range, color, drawing->look.mode));
+  drawing->look = channel_look_flags(drawing->look, range, color);
 }
 
 std::shared_ptr<const std::vector<FurtherVolume>> make_channels(const Dataset& dataset,
@@ -245,9 +283,10 @@ std::shared_ptr<const std::vector<FurtherVolume>> make_channels(const Dataset& d
   for (std::size_t i = 1; i < channels.size(); ++i) {
     const LatticeField field = field_of(dataset, drawing, channels[i], session);
     const ValueRange range = range_of(said, i, display_of(dataset, channels[i]), field);
-    const Look own = channel_look(range, color_of(dataset, said, channels, i), drawing.look.mode);
+    const LookFlags own =
+        channel_look_flags(drawing.look, range, color_of(dataset, said, channels, i));
     const Quiet quiet(session);
-    volumes.push_back({field, make_look(look_of(drawing, own), Field(field), "", session)});
+    volumes.push_back({field, make_look(own, Field(field), "", session)});
   }
   return further_volumes(std::move(volumes));
 }

@@ -2,6 +2,9 @@
 // --channels: the arrays or components of one file as colours of one picture (docs/two-volumes.md).
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "flags.h"
 #include "ovoid/dataset.h"
 #include "ovoid/further_volumes.h"
@@ -23,6 +26,23 @@ void take_channel_look(const Dataset& dataset, const LatticeField& field, Drawin
 std::shared_ptr<const std::vector<FurtherVolume>> make_channels(const Dataset& dataset,
                                                                 const DrawingFlags& drawing,
                                                                 Session& session);
+
+// A channel by itself.
+struct NamedChannel {
+  std::string name;   // as --channels takes it
+  std::string title;  // for people
+  LatticeField field;
+  ValueRange range;  // that the flags give it, or its own
+  Rgb color;
+};
+// Those of a drawing after take_channels(), whose fields are `first` and make_channels(); none of
+// red, green and blue.
+std::vector<NamedChannel> named_channels(const Dataset& dataset, const DrawingFlags& drawing,
+                                         const LatticeField& first,
+                                         const std::vector<FurtherVolume>& further);
+
+// What a channel's look is made by; flags about light are those of the whole picture.
+LookFlags channel_look_flags(const LookFlags& picture, const ValueRange& range, const Rgb& color);
 
 // Of what red, green and blue are the colours of, the own colours go: white, which they tint.
 void leave_colors_to_channels(const DrawingFlags& drawing, Look* look);

@@ -94,7 +94,10 @@ void place(const OverFlags& over, std::size_t i, Space space, Dataset* dataset, 
   dataset->space = space;
 }
 
-FurtherVolume volume_of(const DrawingFlags& drawing, std::size_t i, Space space, Session& session) {
+}  // namespace
+
+FurtherVolume make_over_volume(const DrawingFlags& drawing, std::size_t i, Space space,
+                               Session& session) {
   const OverFlags& over = drawing.over;
   DataFlags data;
   data.inputs = {over.files[i]};
@@ -113,8 +116,6 @@ FurtherVolume volume_of(const DrawingFlags& drawing, std::size_t i, Space space,
   return {*modelled.field.lattice(), std::move(look)};
 }
 
-}  // namespace
-
 std::shared_ptr<const std::vector<FurtherVolume>> make_over(const DrawingFlags& drawing,
                                                             const Dataset& dataset,
                                                             Session& session) {
@@ -128,7 +129,7 @@ std::shared_ptr<const std::vector<FurtherVolume>> make_over(const DrawingFlags& 
   std::vector<FurtherVolume> volumes;
   Bounds3 all = dataset.lattice.world_bounds();
   for (std::size_t i = 0; i < over.files.size(); ++i) {
-    volumes.push_back(volume_of(drawing, i, dataset.space, session));
+    volumes.push_back(make_over_volume(drawing, i, dataset.space, session));
     const Bounds3 own = volumes.back().field.world_bounds();
     if (!own.intersects(all))
       session.note(fmt::format("'{}' lies beside the others, nowhere within them", over.files[i]));

@@ -18,6 +18,10 @@ std::shared_ptr<const std::vector<FurtherVolume>> make_over(const DrawingFlags& 
                                                             const Dataset& dataset,
                                                             Session& session);
 
+// The one of that number, in a picture whose world is in `space`. Throws Error.
+FurtherVolume make_over_volume(const DrawingFlags& drawing, std::size_t number, Space space,
+                               Session& session);
+
 // The box around a field and what is drawn over it, world.
 Bounds3 bounds_with(const Bounds3& bounds,
                     const std::shared_ptr<const std::vector<FurtherVolume>>& further);

@@ -65,8 +65,9 @@ const Table<ChannelFlags>& channel_settings() {
                                      : Json(fmt::format("{}", fmt::join(flags.names, ",")));
         }},
        fmt::format("arrays of one file in one picture, each in a colour, as a microscope's are "
-                   "(at most {}; all: its arrays, or the components of --array; rgb: components "
-                   "that are red, green, blue and perhaps opacity)",
+                   "(at most {}; all: its arrays, or the components of --array, "
+                   "which numbers from 0 name, too; rgb: components that are red, green, blue and "
+                   "perhaps opacity)",
                    kMostFurtherVolumes + 1),
        for_data({DatasetKind::kLattice}, "lattices"),
        of_modes(),

@@ -111,6 +111,7 @@ class App final : public ScriptHost {
   nlohmann::ordered_json facts_of_fit() const;
   nlohmann::ordered_json facts_of_scene() const;
   nlohmann::ordered_json facts_of_labels() const;
+  nlohmann::ordered_json facts_of_several() const;
   nlohmann::ordered_json facts_of_solid() const;
   void tell(const std::string& text, bool is_error = false);
   void save_the_picture(const std::string& path);

@@ -137,7 +137,7 @@ void App::browse(Browsing what) {
   if (!last.empty()) folder /= std::filesystem::path(last).parent_path();
   const char* const title = what == Browsing::kLook     ? "Open a look - Ovoid"
                             : what == Browsing::kState  ? "Restore a state - Ovoid"
-                            : what == Browsing::kBeside ? "Add surfaces or labels - Ovoid"
+                            : what == Browsing::kBeside ? "Add to the picture - Ovoid"
                                                         : "Open - Ovoid";
   const bool takes_several = what == Browsing::kInput || what == Browsing::kBeside;
   dialog_.show({title, folder.string(), takes_several});
@@ -232,6 +232,8 @@ void App::grant(Wishes wishes) {
   try {
     if (!wishes.open.empty()) open_files({wishes.open});
     if (!wishes.add_beside.empty()) read_beside({{wishes.add_beside}, BesideUse::kAdd});
+    if (!wishes.add_labels.empty())
+      read_beside({{wishes.add_labels}, BesideUse::kAdd, BesideKind::kLabels});
     if (!wishes.read_look.empty()) read_look_file(wishes.read_look);
     if (!wishes.write_look.empty()) {
       write_look(document_.view.look, wishes.write_look);
@@ -290,7 +292,7 @@ void App::save_the_picture(const std::string& path) {
   }
   cli::DrawingFlags drawing;
   drawing.background = document_.view.background;
-  if (is_for_eyes) drawing.annotation = document_.view.marks;
+  if (is_for_eyes) drawing.annotation = document_.marks_of(document_.view);
   cli::Described described = scene.shown->subject.described;
   RenderOptions ignored;
   described.box = cli::apply_crop(crop_of(document_), scene.shown->field(), &ignored);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What stands beside the data: surfaces and labels that are read, dropped and renewed.
+// What stands beside the data: surfaces, labels and volumes that are read, dropped and renewed.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -15,21 +15,22 @@ bool App::take_drop_beside(const std::vector<std::string>& paths) {
   if (!document_.is_open()) return false;
   const bool are_surfaces = std::all_of(paths.begin(), paths.end(), is_surface_by_name);
   const LabelSurfaces& own = document_.shown->subject.scenery.labels;
-  const bool may_be_labels =
+  const bool is_meant =
       paths.size() == 1 && own.map == nullptr && !is_look_file(paths.front()) &&
       ((is_scene_shown_ && has_panel_) || cli::has_ending(paths.front(), ".seg.nrrd"));
-  if (!are_surfaces && !may_be_labels) return false;
+  if (!are_surfaces && !is_meant) return false;
   read_beside({paths, BesideUse::kDrop});
   return true;
 }
 
 void App::read_beside(BesideTask task) {
-  if (task.paths.empty()) return;
-  if (!document_.is_open())
-    return tell("a surface or labels beside the data need data first", true);
+  if (task.paths.empty() && task.renewed.empty()) return;
+  if (!document_.is_open()) return tell("what is to stand beside the data needs data first", true);
   panel_state_.beside_error.clear();
-  const std::string first = std::filesystem::path(task.paths.front()).filename().string();
+  const std::string& path = task.paths.empty() ? task.renewed[0].file : task.paths[0];
+  const std::string first = std::filesystem::path(path).filename().string();
   progress_ = LoadProgress{"reading " + first};
+  task.num_volumes = document_.view.volumes.size();
   loader_->read_beside(std::move(task));
 }
 
@@ -38,8 +39,17 @@ void App::renew_beside(const std::vector<std::string>& files) {
   BesideTask surfaces{{}, BesideUse::kRenew};
   BesideTask labels{{}, BesideUse::kRenew, BesideKind::kLabels};
   const std::optional<LabelsBeside>& shown = document_.view.labels;
-  for (const std::string& file : files)
-    (shown && shown->file == file ? labels : surfaces).paths.push_back(file);
+  const auto is_surface = [&](const std::string& file) {
+    const std::vector<AddedSurface>& added = document_.view.added;
+    return std::any_of(added.begin(), added.end(),
+                       [&](const AddedSurface& surface) { return surface.file == file; });
+  };
+  for (const std::string& file : files) {
+    if (is_surface(file)) surfaces.paths.push_back(file);
+    if (shown && shown->file == file) labels.paths.push_back(file);
+    for (const AddedVolume& added : document_.view.volumes)
+      if (added.of->source.file == file) surfaces.renewed.push_back(added.of->source);
+  }
   read_beside(std::move(surfaces));
   read_beside(std::move(labels));
 }
@@ -52,6 +62,7 @@ std::vector<std::string> App::files_beside() const {
   };
   for (const AddedSurface& added : document_.view.added) add(added.file);
   if (document_.view.labels) add(document_.view.labels->file);
+  for (const AddedVolume& added : document_.view.volumes) add(added.of->source.file);
   return files;
 }
 
@@ -71,9 +82,18 @@ void App::take_beside(const BesideRead& read) {
       document_.set_labels(labels);
     }
   }
+  for (const auto& volume : read.volumes) {
+    if (read.use == BesideUse::kRenew) {
+      document_.renew_volume(volume);
+    } else {
+      document_.add_volume(volume);
+      tell(volume->source.file + " is drawn with the data");
+    }
+  }
   std::vector<std::string> errors = read.errors;
+  const bool is_nothing_else = read.files.empty() && read.labels.empty() && read.volumes.empty();
   if (!read.data.empty()) {
-    if (read.files.empty() && read.labels.empty() && errors.empty()) return open(read.data);
+    if (is_nothing_else && errors.empty()) return open(read.data);
     errors.push_back(fmt::format("{}: not only surfaces: drop them by themselves to open them",
                                  fmt::join(read.data, ", ")));
   }
@@ -98,6 +118,33 @@ nlohmann::ordered_json App::facts_of_labels() const {
   return json;
 }
 
+nlohmann::ordered_json App::facts_of_several() const {
+  const View& view = document_.view;
+  nlohmann::ordered_json json = {{"are_seen", document_.shows_volumes(view)},
+                                 {"channels_are_seen", document_.shows_channels(view)},
+                                 {"mixing", static_cast<int>(view.options.mixing)},
+                                 {"volumes", view.volumes.size()},
+                                 {"channels", document_.shown->channels.named.size()}};
+  for (const AddedVolume& added : view.volumes) {
+    double greatest = 0;
+    for (const OpacityPoint& point : added.curves.opacities)
+      greatest = std::max(greatest, point.opacity);
+    json["volume"].push_back({{"file", added.of->source.file},
+                              {"is_hidden", added.is_hidden},
+                              {"range", {added.curves.lo(), added.curves.hi()}},
+                              {"opacity", greatest}});
+  }
+  const std::vector<ChannelStyle> styles = document_.channels_of(view);
+  for (std::size_t i = 0; i < styles.size(); ++i) {
+    const Rgb& color = styles[i].color;
+    json["channel"].push_back({{"name", document_.shown->channels.named[i].name},
+                               {"color", std::vector<double>(color.begin(), color.end())},
+                               {"range", {styles[i].range.lo, styles[i].range.hi}},
+                               {"is_hidden", styles[i].is_hidden}});
+  }
+  return json;
+}
+
 nlohmann::ordered_json App::facts_of_scene() const {
   const View& view = document_.view;
   const auto list = [](const auto& numbers) {
@@ -112,7 +159,8 @@ nlohmann::ordered_json App::facts_of_scene() const {
                                  {"has_range", view.slices.slice_range.has_value()},
                                  {"shows_empty", view.slices.shows_empty},
                                  {"is_seen", document_.shows_scenery(view)},
-                                 {"labels", facts_of_labels()}};
+                                 {"labels", facts_of_labels()},
+                                 {"several", facts_of_several()}};
   for (const AddedSurface& added : view.added) {
     json["surface"].push_back({{"file", added.file},
                                {"color", list(added.color)},

@@ -11,6 +11,7 @@
 
 #include "make_field.h"
 #include "make_labels.h"
+#include "make_over.h"
 #include "ovoid/error.h"
 #include "ovoid/look.h"
 #include "ovoid/model.h"
@@ -40,29 +41,67 @@ bool are_labels(const Dataset& dataset, const cli::DrawingFlags& opened, cli::Se
       cli::make_field(dataset, cli::ModelFlags(), opened.run.threads, session).field);
 }
 
-void take_lattice(const std::string& path, const Dataset& dataset, const cli::DrawingFlags& opened,
-                  BesideRead& read, cli::Session& session) {
+// What things stand beside, and how that was opened.
+struct Beside {
+  const Dataset& data;
+  const cli::DrawingFlags& opened;
+};
+
+std::shared_ptr<const VolumeBeside> made_volume(VolumeSource source, FurtherVolume volume,
+                                                const cli::Session& session) {
+  auto made = std::make_shared<VolumeBeside>();
+  made->source = std::move(source);
+  made->histogram = cli::histogram_of(Field(volume.field), session.stop());
+  made->volume = std::move(volume);
+  return made;
+}
+
+// `number`: how many are there already, by which colours are chosen.
+std::shared_ptr<const VolumeBeside> read_volume(const VolumeSource& source, std::size_t number,
+                                                const Beside& beside, cli::Session& session) {
+  cli::DrawingFlags drawing = beside.opened;
+  drawing.look = {};
+  drawing.look.mode = beside.opened.look.mode;
+  drawing.over = {};
+  drawing.over.files.assign(number + 1, source.file);
+  drawing.over.arrays.assign(number + 1, source.array);
+  drawing.over.transforms.assign(number + 1, source.transform);
+  FurtherVolume volume = cli::make_over_volume(drawing, number, beside.data.space, session);
+  if (!volume.field.world_bounds().intersects(beside.data.lattice.world_bounds()))
+    session.note(fmt::format("'{}' lies beside the data, nowhere within them", source.file));
+  return made_volume(source, std::move(volume), session);
+}
+
+void take_lattice(const std::string& path, const Dataset& dataset, const BesideTask& task,
+                  const Beside& beside, BesideRead& read, cli::Session& session) {
+  const cli::DrawingFlags& opened = beside.opened;
+  const std::size_t number = task.num_volumes + read.volumes.size();
   if (are_labels(dataset, opened, session)) {
     read.labels.push_back(labels_in(dataset, path, opened, session));
-  } else if (read.use == BesideUse::kDrop) {
+  } else if (beside.data.kind != DatasetKind::kLattice && read.use == BesideUse::kDrop) {
     read.data.push_back(path);
-  } else {
+  } else if (beside.data.kind != DatasetKind::kLattice) {
+    throw Error(
+        ErrorCode::kInvalidArgument,
+        fmt::format("'{}' holds a lattice, which only other lattices are drawn with", path));
+  } else if (number >= kMostFurtherVolumes) {
     throw Error(ErrorCode::kInvalidArgument,
-                fmt::format("'{}' holds a lattice whose values are no labels, expected a surface "
-                            "or a label map",
-                            path));
+                fmt::format("'{}': at most {} volumes are drawn with the data; remove one", path,
+                            kMostFurtherVolumes));
+  } else {
+    read.volumes.push_back(read_volume({path, {}, {}}, number, beside, session));
   }
 }
 
-void read_one(const std::string& path, BesideKind kind, const cli::DrawingFlags& opened,
+void read_one(const std::string& path, const BesideTask& task, const Beside& beside,
               SurfaceFiles& surfaces, BesideRead& read, cli::Session& session) {
-  if (kind == BesideKind::kLabels) {
-    read.labels.push_back(labels_beside(path, opened, session));
+  if (task.kind == BesideKind::kLabels) {
+    read.labels.push_back(labels_beside(path, beside.opened, session));
     return;
   }
   SurfaceFiles::Found found = surfaces.find(path, session);
   if (found.lattice != nullptr) {
-    take_lattice(path, *found.lattice, opened, read, session);
+    take_lattice(path, *found.lattice, task, beside, read, session);
   } else if (read.use != BesideUse::kDrop || found.is_alone) {
     read.files.push_back({path, std::move(found.surface)});
   } else {
@@ -110,15 +149,33 @@ LabelsBeside labels_beside(const std::string& path, const cli::DrawingFlags& ope
   return labels_in(cli::read_labels(path, session), path, opened, session);
 }
 
-BesideRead read_beside(const BesideTask& task, const cli::DrawingFlags& opened,
+std::vector<std::shared_ptr<const VolumeBeside>> volumes_beside(const Dataset& data,
+                                                                const cli::DrawingFlags& opened,
+                                                                cli::Session& session) {
+  std::vector<std::shared_ptr<const VolumeBeside>> all;
+  const auto volumes = cli::make_over(opened, data, session);
+  if (volumes == nullptr) return all;
+  const cli::OverFlags& over = opened.over;
+  const auto said = [](const std::vector<std::string>& words, std::size_t i) {
+    return i < words.size() ? words[i] : std::string();
+  };
+  for (std::size_t i = 0; i < volumes->size(); ++i) {
+    all.push_back(made_volume({over.files[i], said(over.arrays, i), said(over.transforms, i)},
+                              (*volumes)[i], session));
+  }
+  return all;
+}
+
+BesideRead read_beside(const BesideTask& task, const Dataset& data, const cli::DrawingFlags& opened,
                        SurfaceFiles& surfaces, cli::Session& session,
                        const std::function<void(const std::string& path)>& told) {
+  const Beside beside{data, opened};
   BesideRead read;
   read.use = task.use;
-  for (const std::string& path : task.paths) {
+  const auto take = [&](const std::string& path, const auto& read_it) {
     told(path);
     try {
-      read_one(path, task.kind, opened, surfaces, read, session);
+      read_it();
     } catch (const Error& error) {
       if (error.code() == ErrorCode::kCancelled) throw;
       if (task.use == BesideUse::kDrop && may_be_data(path)) {
@@ -127,6 +184,12 @@ BesideRead read_beside(const BesideTask& task, const cli::DrawingFlags& opened,
         read.errors.push_back(cli::one_line(error.what()));
       }
     }
+  };
+  for (const std::string& path : task.paths)
+    take(path, [&] { read_one(path, task, beside, surfaces, read, session); });
+  for (std::size_t i = 0; i < task.renewed.size(); ++i) {
+    const VolumeSource& source = task.renewed[i];
+    take(source.file, [&] { read.volumes.push_back(read_volume(source, i, beside, session)); });
   }
   return read;
 }

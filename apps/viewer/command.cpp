@@ -94,6 +94,51 @@ cli::LabelFlags labels_of(const Document& document) {
   return flags;
 }
 
+cli::ChannelFlags channels_of(const Document& document) {
+  const View& view = document.view;
+  const bool has_channels = document.shows_channels(view);
+  cli::ChannelFlags flags;
+  if (!has_channels && !document.shows_volumes(view)) return flags;
+  const ShownChannels& shown = document.shown->channels;
+  if (has_channels && shown.are_primaries()) {
+    flags.names = shown.chosen;
+    return flags;
+  }
+  const Mixing usual = has_channels ? Mixing::kAdded : Mixing::kAveraged;
+  const bool is_told = view.options.mixing != usual && view.options.mixing != Mixing::kColored;
+  if (is_told) flags.mixing = view.options.mixing;
+  if (!has_channels) return flags;
+  const std::vector<ChannelStyle> styles = document.channels_of(view);
+  for (std::size_t i = 0; i < styles.size(); ++i) {
+    if (styles[i].is_hidden) continue;
+    flags.names.push_back(shown.named[i].name);
+    flags.colors.push_back(styles[i].color);
+    flags.ranges.emplace_back(styles[i].range.lo, styles[i].range.hi);
+  }
+  return flags;
+}
+
+// Each look as a whole: what is said of one volume must be said of those before it, too.
+cli::OverFlags over_of(const Document& document) {
+  const View& view = document.view;
+  cli::OverFlags flags;
+  if (!document.shows_volumes(view)) return flags;
+  for (const AddedVolume& added : view.volumes) {
+    if (added.is_hidden) continue;
+    const VolumeSource& source = added.of->source;
+    flags.files.push_back(source.file);
+    flags.arrays.push_back(source.array);
+    flags.looks.push_back(Json::parse(to_text(document.volume_look(view, added))).dump());
+    flags.transforms.push_back(source.transform);
+  }
+  const auto drop_unsaid = [](std::vector<std::string>& words) {
+    while (!words.empty() && words.back().empty()) words.pop_back();
+  };
+  drop_unsaid(flags.arrays);
+  drop_unsaid(flags.transforms);
+  return flags;
+}
+
 cli::GeometryFlags geometry_of(const Document& document, FlagsFor use) {
   const View& view = document.view;
   if (!document.shows_scenery(view)) return {};
@@ -161,6 +206,12 @@ cli::ModelFlags model_of(const Document& document) {
   const ArrayInfo* const array = document.array_info(shown.array);
   const int usual = array != nullptr ? array->usual_component : 0;
   model.component = shown.component == usual ? cli::kUsualComponent : shown.component;
+  if (document.shows_channels(document.view)) {
+    model.component = cli::kUsualComponent;
+    const std::vector<cli::NamedChannel>& named = shown.channels.named;
+    // The only one that would be read.
+    if (!named.empty() && document.array_info(named[0].name) != nullptr) model.array.clear();
+  }
   if (document.label_kernel) model.lattice.kernel = *document.label_kernel;
   return model;
 }
@@ -194,7 +245,9 @@ cli::FlagSet flags_of(const Document& document, Size size, FlagsFor use) {
   cli::tell(cli::array_settings(), drawing.model, &flags);
   cli::tell(cli::particle_settings(), drawing.model, &flags, {"quantity"});
   if (document.label_kernel) cli::tell(cli::kernel_settings(), drawing.model, &flags, {"kernel"});
-  const cli::LookFlags look = look_of(document);
+  const bool has_channels = document.shows_channels(view);
+  const bool has_own_looks = has_channels && !document.shown->channels.are_primaries();
+  const cli::LookFlags look = has_own_looks ? document.channel_flags(view) : look_of(document);
   cli::tell(cli::color_settings(), look, &flags);
   cli::tell(cli::light_settings(), look, &flags);
   cli::CameraFlags camera;
@@ -216,7 +269,9 @@ cli::FlagSet flags_of(const Document& document, Size size, FlagsFor use) {
   cli::tell(cli::point_settings(), drawing.points, &flags);
   cli::tell(cli::geometry_settings(), geometry_of(document, use), &flags);
   cli::tell(cli::label_settings(), labels_of(document), &flags);
-  cli::AnnotationFlags marks = view.marks;
+  cli::tell(cli::channel_settings(), channels_of(document), &flags);
+  cli::tell(cli::over_settings(), over_of(document), &flags);
+  cli::AnnotationFlags marks = document.marks_of(view);
   if (!marks.any()) marks.length_unit.reset();
   cli::tell(cli::mark_settings(), marks, &flags);
   cli::tell(cli::number_settings(), drawing.options, &flags);

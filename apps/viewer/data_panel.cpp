@@ -92,7 +92,9 @@ void array_table(Panel& panel) {
   }
   ImGui::EndTable();
   choose_component(panel, choice);
-  if (!(choice == before)) panel.wishes.array = choice;
+  if (choice == before) return;
+  choice.channels.clear();
+  panel.wishes.array = choice;
 }
 
 void files_of_state(Panel& panel) {

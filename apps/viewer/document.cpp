@@ -10,6 +10,7 @@
 #include "command.h"
 #include "make_camera.h"
 #include "make_geometry.h"
+#include "make_over.h"
 #include "ovoid/crop.h"
 #include "ovoid/error.h"
 #include "ovoid/io.h"
@@ -39,6 +40,7 @@ void Document::take(const Opened& opened) {
   launch = opened.launch;
   opened_surfaces_ = opened.surfaces;
   opened_labels_ = opened.labels;
+  opened_volumes_ = opened.volumes;
   extras.reset();
   fit.reset();
   control_files.clear();
@@ -97,6 +99,9 @@ void Document::take(const ShownReady& ready, double aspect) {
     view.labels = std::exchange(opened_labels_, std::nullopt);
     if (const LabelSurfaces* const labels = plain_labels(view))
       edit_labels(label_edits_of(labels->styles, flags.labels));
+    for (auto& volume : std::exchange(opened_volumes_, {})) add_volume(std::move(volume));
+    view.options.mixing = flags.channels.mixing.value_or(Mixing::kAveraged);
+    take_channels(true);
     view.added_edges = flags.geometry.shows_edges;
     view.slices = flags.geometry;
     setup = flags.run;
@@ -105,7 +110,8 @@ void Document::take(const ShownReady& ready, double aspect) {
     take_window_state(launch->window, *this);
     other.reset();
     compare = CompareMode::kOff;
-    camera = cli::make_camera(flags.camera, camera_subject(aspect));
+    const auto drawn = scene(view, setup, {1, 1});
+    camera = cli::make_camera(flags.camera, camera_subject(*drawn, aspect));
     past_.clear();
     future_.clear();
     settled_ = view;
@@ -116,6 +122,7 @@ void Document::take(const ShownReady& ready, double aspect) {
     if (mode != Mode::kIsosurface) view.look.mode = mode;
     view.solid = shown->solid;
     if (!view.labels) view.label_edits.clear();  // other labels
+    take_channels(false);
     is_edited_ = true;
     remember();
   }
@@ -136,7 +143,8 @@ void Document::reset_camera(double aspect, const std::string& view_name) {
   const bool is_parallel = camera.parallel_projection;
   cli::CameraFlags flags;
   flags.view = view_name;
-  camera = cli::make_camera(flags, camera_subject(aspect));
+  const auto drawn = scene(view, setup, {1, 1});
+  camera = cli::make_camera(flags, camera_subject(*drawn, aspect));
   camera.parallel_projection = is_parallel;
 }
 
@@ -165,7 +173,8 @@ const LabelSurfaces* Document::plain_labels(const View& of) const {
 }
 
 bool Document::shows_labels(const View& of) const {
-  return shows_scenery(of) && plain_labels(of) != nullptr && (of.labels || of.label_surfaces);
+  return shows_scenery(of) && !shows_channels(of) && plain_labels(of) != nullptr &&
+         (of.labels || of.label_surfaces);
 }
 
 LabelSurfaces Document::labels_of(const View& of) const {
@@ -213,16 +222,17 @@ void Document::renew_surface(const std::string& file,
   count_up();
 }
 
-cli::CameraSubject Document::camera_subject(double aspect) const {
-  return {shown->field(),
-          view.look,
-          bounds(),
+cli::CameraSubject Document::camera_subject(const Scene& drawn, double aspect) const {
+  return {drawn.drawn(),
+          drawn.look,
+          cli::bounds_with(bounds(), drawn.options.further),
           shown->subject.described.space,
           aspect,
-          options_of(view, {1, 1}).clip_planes,
+          drawn.options.clip_planes,
           false,
           draws_surface(view) ? shown->subject.surface.get() : nullptr,
-          draws_points(view)};
+          draws_points(view),
+          drawn.options.further};
 }
 
 const ArrayInfo* Document::array_info(const std::string& name) const {
@@ -268,6 +278,12 @@ std::shared_ptr<Scene> Document::scene(const View& of, const RendererSetup& on, 
     }
     made->slices = of.slices;
   }
+  made->options.further = volumes_of(of);
+  if (shows_channels(of)) {
+    put_channels(of, *made);
+  } else if (made->options.mixing == Mixing::kColored) {  // of what is not shown in this mode
+    made->options.mixing = Mixing::kAveraged;
+  }
   if (draws_surface(of)) made->walls = of.surface;
   if (draws_points(of)) made->points = of.points;
   made->background = of.background;
@@ -282,6 +298,9 @@ std::shared_ptr<Scene> Document::scene_of_fit(Size size) const {
   made->extras = fit->extras;
   made->has_trail = false;
   if (!view.labels) made->labels = {};  // the data's own
+  made->field.reset();
+  made->look = view.look;
+  made->options.further = volumes_of(view);
   if (!made->shown->subject.has_walls) made->walls = {0, false};
   // Opacities mean what they mean in the data's picture.
   if (made->look.unit_distance == 0 && !made->look.transfer_function.unit_distance)

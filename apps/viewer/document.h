@@ -29,6 +29,21 @@ struct AddedSurface {
   bool is_hidden = false;
 };
 
+// A volume that is drawn with the data. The light is the view's.
+struct AddedVolume {
+  std::shared_ptr<const VolumeBeside> of;
+  TransferFunction curves;
+  double unit_distance = 0;  // as Look has it
+  bool is_hidden = false;
+};
+
+// How a channel is drawn.
+struct ChannelStyle {
+  Rgb color{1, 1, 1};
+  ValueRange range;
+  bool is_hidden = false;
+};
+
 // How the picture looks, but for the camera: what undo takes back.
 struct View {
   Look look;
@@ -48,6 +63,8 @@ struct View {
   bool label_surfaces = true;          // of data that are labels, instead of the field
   std::optional<LabelsBeside> labels;  // instead of those that the data may be
   LabelEdits label_edits;              // of the labels that are drawn
+  std::vector<AddedVolume> volumes;
+  std::vector<ChannelStyle> channels;  // of the channels that are shown, if so many are
   std::optional<SolidShape> solid;     // is shown instead of the mesh, as soon as it is made
 };
 
@@ -144,6 +161,21 @@ class Document {
   void add_surface(const std::string& file, std::shared_ptr<const Surface> surface);
   // The surface of a file that was read again in the place of the one before, wherever that is.
   void renew_surface(const std::string& file, const std::shared_ptr<const Surface>& surface);
+  // Whether a view's mode, and what else it shows, leave room for several volumes; whether these
+  // are channels of the file, or volumes beside it.
+  bool may_show_several(const View& of) const;
+  bool shows_channels(const View& of) const;
+  bool shows_volumes(const View& of) const;
+  // The view's, or those that the channels begin with.
+  std::vector<ChannelStyle> channels_of(const View& of) const;
+  // What a channel's look is made of but colour and range, and the look.
+  cli::LookFlags channel_flags(const View& of) const;
+  Look channel_look(const View& of, std::size_t channel) const;
+  Look volume_look(const View& of, const AddedVolume& volume) const;
+  void add_volume(std::shared_ptr<const VolumeBeside> volume);
+  void renew_volume(const std::shared_ptr<const VolumeBeside>& volume);
+  // Those that can be drawn: several channels have no colour bar.
+  cli::AnnotationFlags marks_of(const View& of) const;
   // The part of the data that is left by the crop.
   Bounds3 bounds() const;
   Bounds3 data_bounds() const { return shown->field().world_bounds(); }
@@ -196,12 +228,15 @@ class Document {
   std::uint64_t other_version() const noexcept { return other_version_; }
 
  private:
-  cli::CameraSubject camera_subject(double aspect) const;
+  cli::CameraSubject camera_subject(const Scene& drawn, double aspect) const;
   void count_up() noexcept {
     ++version_;
     ++view_version_;
   }
   void change_views(const std::function<void(View&)>& change);  // those of undo, too
+  void take_channels(bool is_first);
+  std::shared_ptr<const std::vector<FurtherVolume>> volumes_of(const View& of) const;
+  void put_channels(const View& of, Scene& into) const;
   void forget_solids();  // of a mesh that was read again: they are of the one before
   bool has_trail(const View& of) const;
   std::shared_ptr<Scene> scene(const View& of, const RendererSetup& on, Size size) const;
@@ -211,6 +246,7 @@ class Document {
   View settled_;  // the view when remember() was called last
   std::vector<std::shared_ptr<const Surface>> opened_surfaces_;  // for the first view
   std::optional<LabelsBeside> opened_labels_;                    // likewise
+  std::vector<std::shared_ptr<const VolumeBeside>> opened_volumes_;
   bool is_edited_ = false;
   bool awaits_first_ = false;
   bool is_reload_ = false;

@@ -58,9 +58,9 @@ std::shared_ptr<Launch> parse_launch(const std::vector<std::string>& words) {
   flags.section("window");
   flags.add(picture_settings(), &launch->drawing);
   flags.add(window_settings(), launch.get());
+  cli::add_over_flags(flags, &launch->drawing);
   cli::add_drawing_flags(flags, &launch->drawing);
   flags.add(cli::switch_settings(), &launch->drawing.options);
-  flags.refuse("--over", "is for render and animate, the window shows one volume");
   flags.footer("Keys and mouse: press ? in the window, or see docs/viewer.md.");
   if (!flags.parse(cli::with_state(words, flags.forms()))) return nullptr;
   // A state says which marks it has.

@@ -64,13 +64,33 @@ struct Data {
   std::shared_ptr<const Dataset> dataset;
   std::optional<Series> series;  // opened when another time is asked for
   std::shared_ptr<const Shown> shown;
+  Look first_channel_look;  // of the array, or of the channels, that were chosen last
 };
 
 }  // namespace
 
 ArrayChoice choice_of(const Shown& shown) {
-  return {shown.array, shown.color_array, shown.component, shown.is_density};
+  return {shown.array, shown.color_array, shown.component, shown.is_density, shown.channels.chosen};
 }
+
+namespace {
+
+// `made` is of `drawing`, whose channels have names by now. What takes long is done here.
+void take_channels_of(const cli::DrawingFlags& drawing, Shown& made) {
+  if (drawing.channels.names.empty()) return;
+  ShownChannels& channels = made.channels;
+  channels.chosen = drawing.channels.names;
+  if (made.subject.further == nullptr || made.field().lattice() == nullptr) return;
+  channels.named =
+      cli::named_channels(*made.dataset, drawing, *made.field().lattice(), *made.subject.further);
+  for (const cli::NamedChannel& channel : channels.named) {
+    const bool is_first = channels.usual.empty();
+    channels.usual.push_back(is_first ? made.subject.usual_look : cli::UsualLook());
+    channels.usual.back().of(Field(channel.field), is_first ? made.subject.unit : "");
+  }
+}
+
+}  // namespace
 
 std::shared_ptr<Shown> make_shown(std::shared_ptr<const Dataset> dataset, const cli::Flags& flags,
                                   cli::DrawingFlags& drawing, double time, cli::Session& session) {
@@ -81,6 +101,7 @@ std::shared_ptr<Shown> make_shown(std::shared_ptr<const Dataset> dataset, const 
   drawing.labels.is_read_apart = true;
   drawing.labels.opacities.clear();
   drawing.labels.colors.clear();
+  drawing.over = {};
   made->subject = cli::make_subject(*dataset, flags, &drawing, session);
   made->dataset = std::move(dataset);
   made->time = time;
@@ -88,6 +109,7 @@ std::shared_ptr<Shown> make_shown(std::shared_ptr<const Dataset> dataset, const 
   made->color_array = made->subject.modelled.color_array;
   made->component = made->subject.modelled.component;
   made->is_density = drawing.model.kernels.is_density;
+  take_channels_of(drawing, *made);
   return made;
 }
 
@@ -238,8 +260,11 @@ ShownReady first_of_array(Data& data, double time, cli::Session& session) {
   ShownReady ready;
   cli::DrawingFlags drawing = data.drawing;
   auto made = shown_of(data, drawing, time, session);
-  ready.look = cli::make_look(data.drawing.look, made->field(), made->subject.unit, session,
+  ready.look = cli::make_look(drawing.look, made->field(), made->subject.unit, session,
                               made->subject.usual_look);
+  data.drawing.channels.names = drawing.channels.names;  // what "all" are, at other times, too
+  made->channels.flags = data.drawing.look;
+  made->channels.first_look = data.first_channel_look = *ready.look;
   ready.gradient = drawing.options.gradient;
   if (!(drawing.model.lattice.kernel == data.drawing.model.lattice.kernel))
     ready.kernel = drawing.model.lattice.kernel;
@@ -261,7 +286,9 @@ void Loader::Impl::read(const OpenTask& task, const std::stop_token& token) {
   const auto info = info_of(*next.dataset, flags);
   std::vector<std::shared_ptr<const Surface>> surfaces;
   std::optional<LabelsBeside> labels;
+  std::vector<std::shared_ptr<const VolumeBeside>> volumes;
   if (!task.is_reload) {
+    volumes = volumes_beside(*next.dataset, next.drawing, own);
     for (const std::string& file : next.drawing.geometry.files)
       surfaces.push_back(surface_files.read(file, own));
     if (!next.drawing.labels.file.empty())
@@ -282,7 +309,8 @@ void Loader::Impl::read(const OpenTask& task, const std::stop_token& token) {
       camera,
       {field, *ready.look, box.world_bounds(), next.shown->subject.described.space, 1.0, {}});
   data = std::move(next);  // what was there before stays if anything went wrong
-  report(Opened{info, task.launch, task.is_reload, std::move(surfaces), std::move(labels)});
+  report(Opened{info, task.launch, task.is_reload, std::move(surfaces), std::move(labels),
+                std::move(volumes)});
   report(std::move(ready));
   const std::lock_guard lock(mutex);
   wants_extras = true;
@@ -301,6 +329,9 @@ void Loader::Impl::choose(const ArrayChoice& choice, const std::stop_token& toke
       choice.color_array == choice.array ? std::string() : choice.color_array;
   // Flags about the look were meant for the array that the data were opened with.
   drawing.look = {};
+  drawing.channels = {};
+  drawing.channels.names = choice.channels;
+  if (!choice.channels.empty()) drawing.model.component = cli::kUsualComponent;
   try {
     report(first_of_array(*data, data->shown ? data->shown->time : 0, own));
   } catch (...) {
@@ -335,6 +366,8 @@ void Loader::Impl::go_to(const TimeTask& task, const std::stop_token& token) {
   // The array by its name: at another time another one might vary first.
   if (data->shown && !model.kernels.is_density) model.array = data->shown->array;
   auto made = shown_of(*data, drawing, time, own);
+  made->channels.flags = data->drawing.look;
+  made->channels.first_look = data->first_channel_look;
   if (choice.blur_length > 0) {
     cli::TrailFlags trail = data->launch->drawing.trail;
     trail.length = choice.blur_length;
@@ -392,9 +425,9 @@ void Loader::Impl::show_solid(const SolidChoice& task, const std::stop_token& to
 
 void Loader::Impl::read_beside(const BesideTask& task, const std::stop_token& token) {
   cli::Session own = session(token);
-  const cli::DrawingFlags opened = data ? data->drawing : cli::DrawingFlags();
-  BesideRead read =
-      viewer::read_beside(task, opened, surface_files, own, [&](const std::string& path) {
+  if (!data) return;
+  BesideRead read = viewer::read_beside(
+      task, *data->dataset, data->drawing, surface_files, own, [&](const std::string& path) {
         report(LoadProgress{"reading " + std::filesystem::path(path).filename().string(), 0});
       });
   for (std::string& error : read.errors) error = in_a_window(error);

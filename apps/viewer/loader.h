@@ -13,6 +13,8 @@
 #include "data_info.h"
 #include "histogram.h"
 #include "launch.h"
+#include "make_channels.h"
+#include "make_look.h"
 #include "make_solid.h"
 #include "ovoid/dataset.h"
 #include "ovoid/look.h"
@@ -28,6 +30,18 @@ struct SolidShape {
   bool operator==(const SolidShape&) const = default;
 };
 
+// Channels of one file in one picture.
+struct ShownChannels {
+  std::vector<std::string> chosen;       // as --channels has them; empty: there are none
+  std::vector<cli::NamedChannel> named;  // none of red, green and blue
+  std::vector<cli::UsualLook> usual;     // of each, found already
+  // What light their looks have as long as nobody edits it, and the flags that say so.
+  Look first_look;
+  cli::LookFlags flags;
+
+  bool are_primaries() const { return !chosen.empty() && named.empty(); }
+};
+
 // What is drawn: one array of the data at one time. Immutable.
 struct Shown {
   cli::Subject subject;
@@ -40,6 +54,7 @@ struct Shown {
   std::shared_ptr<const Trail> trail;  // what was there before; null: none
   std::optional<SolidShape> solid;     // whose kernels these are; none: of the data themselves
   bool is_rough = false;               // a solid as it is while it moves
+  ShownChannels channels;              // that are drawn together, of which the field is the first
 
   const Field& field() const noexcept { return subject.modelled.field; }
   bool is_of(const std::optional<SolidShape>& wanted) const { return solid == wanted && !is_rough; }
@@ -73,8 +88,9 @@ struct Opened {  // files were read; `shown` follows
   std::shared_ptr<const Launch> launch;
   bool is_reload = false;
   // Not of a reload.
-  std::vector<std::shared_ptr<const Surface>> surfaces;  // of --add, one by one
-  std::optional<LabelsBeside> labels;                    // of --labels
+  std::vector<std::shared_ptr<const Surface>> surfaces;      // of --add, one by one
+  std::optional<LabelsBeside> labels;                        // of --labels
+  std::vector<std::shared_ptr<const VolumeBeside>> volumes;  // of --over
 };
 struct ShownReady {
   std::shared_ptr<const Shown> shown;
@@ -98,6 +114,7 @@ struct ArrayChoice {
   std::string color_array;  // empty: the same
   int component = 0;        // LatticeModelOptions::kMagnitude: the norm
   bool is_density = false;  // particles: their mass or number per volume; `array` is empty
+  std::vector<std::string> channels{};  // that are drawn instead, as --channels has them
   bool operator==(const ArrayChoice&) const = default;
 };
 

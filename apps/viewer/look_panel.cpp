@@ -12,16 +12,7 @@
 #include "start_page.h"
 
 namespace ovoid::viewer {
-namespace {
 
-constexpr std::array<Mode, 6> kModes = {Mode::kComposite, Mode::kXray, Mode::kMaximum,
-                                        Mode::kMinimum,   Mode::kMean, Mode::kIsosurface};
-
-TransferFunction& colors_of(Look& look) {
-  return look.color_function ? *look.color_function : look.transfer_function;
-}
-
-// From the least to the greatest of the values that are there and those that the curve names.
 ValueAxis axis_of(const TransferFunction& tf, const ValueRange& range) {
   ValueAxis axis{tf.lo(), tf.hi(), tf.scale, tf.linear_width};
   if (!range.is_empty()) {
@@ -32,6 +23,48 @@ ValueAxis axis_of(const TransferFunction& tf, const ValueRange& range) {
     axis.lo = tf.lo() > 0 ? tf.lo() : axis.hi * 1e-3;
   if (!(axis.hi > axis.lo)) axis.hi = axis.lo + 1;
   return axis;
+}
+
+void take_color_map(TransferFunction& tf, const std::string& name) {
+  TransferFunction map = color_map(name);
+  const double lo = tf.lo();
+  const double hi = tf.hi();
+  if (lo < hi) map.map_range(lo, hi, tf.scale, tf.linear_width);
+  tf.colors = map.colors;
+  tf.color_space = map.color_space;
+  tf.below_color.reset();
+  tf.above_color.reset();
+}
+
+bool range_editor(Panel& panel, const std::string& name, TransferFunction& tf) {
+  Widgets& widgets = panel.widgets;
+  double lo = tf.lo();
+  double hi = tf.hi();
+  bool is_moved = widgets.number(name + ".range.lo", "range from", &lo);
+  is_moved |= widgets.number(name + ".range.hi", "to", &hi);
+  int scale = static_cast<int>(tf.scale);
+  double linear_width = tf.linear_width;
+  bool is_scaled = widgets.choice(name + ".scale", "scale", {"linear", "log", "symlog"}, &scale);
+  if (scale == static_cast<int>(ValueScale::kSymlog)) {
+    is_scaled |= widgets.number(name + ".linear-width", "straight within", &linear_width,
+                                {.lo = 1e-300, .is_logarithmic = true});
+  }
+  if (!is_moved && !is_scaled) return false;
+  const auto wanted = static_cast<ValueScale>(scale);
+  if (wanted == ValueScale::kLog && !(hi > 0)) return false;  // nothing has a logarithm
+  if (wanted == ValueScale::kLog && !(lo > 0)) lo = hi * 1e-3;
+  if (!(lo < hi)) return false;
+  tf.map_range(lo, hi, wanted, linear_width);
+  return true;
+}
+
+namespace {
+
+constexpr std::array<Mode, 6> kModes = {Mode::kComposite, Mode::kXray, Mode::kMaximum,
+                                        Mode::kMinimum,   Mode::kMean, Mode::kIsosurface};
+
+TransferFunction& colors_of(Look& look) {
+  return look.color_function ? *look.color_function : look.transfer_function;
 }
 
 // The selected point's numbers.
@@ -196,18 +229,6 @@ bool opacity_editor(Panel& panel) {
   return is_changed;
 }
 
-// Colours of the map by name, over the span that the look has.
-void take_map(TransferFunction& tf, const std::string& name) {
-  TransferFunction map = color_map(name);
-  const double lo = tf.lo();
-  const double hi = tf.hi();
-  if (lo < hi) map.map_range(lo, hi, tf.scale, tf.linear_width);
-  tf.colors = map.colors;
-  tf.color_space = map.color_space;
-  tf.below_color.reset();
-  tf.above_color.reset();
-}
-
 bool color_editor(Panel& panel) {
   Document& document = panel.document;
   Look& look = document.view.look;
@@ -219,7 +240,7 @@ bool color_editor(Panel& panel) {
     is_changed |= edit_colors(widgets, "look.colors", tf, axis, panel.state.colors);
   }
   if (choose_color_map(widgets, "look.map", "colours", &panel.state.color_map)) {
-    take_map(tf, panel.state.color_map);
+    take_color_map(tf, panel.state.color_map);
     is_changed = true;
   }
   const int selected = panel.state.colors.selected;
@@ -232,28 +253,6 @@ bool color_editor(Panel& panel) {
     }
   }
   return is_changed;
-}
-
-bool range_editor(Panel& panel, const std::string& name, TransferFunction& tf) {
-  Widgets& widgets = panel.widgets;
-  double lo = tf.lo();
-  double hi = tf.hi();
-  bool is_moved = widgets.number(name + ".range.lo", "range from", &lo);
-  is_moved |= widgets.number(name + ".range.hi", "to", &hi);
-  int scale = static_cast<int>(tf.scale);
-  double linear_width = tf.linear_width;
-  bool is_scaled = widgets.choice(name + ".scale", "scale", {"linear", "log", "symlog"}, &scale);
-  if (scale == static_cast<int>(ValueScale::kSymlog)) {
-    is_scaled |= widgets.number(name + ".linear-width", "straight within", &linear_width,
-                                {.lo = 1e-300, .is_logarithmic = true});
-  }
-  if (!is_moved && !is_scaled) return false;
-  const auto wanted = static_cast<ValueScale>(scale);
-  if (wanted == ValueScale::kLog && !(hi > 0)) return false;  // nothing has a logarithm
-  if (wanted == ValueScale::kLog && !(lo > 0)) lo = hi * 1e-3;
-  if (!(lo < hi)) return false;
-  tf.map_range(lo, hi, wanted, linear_width);
-  return true;
 }
 
 // How much of the light arrives, whether it lights or dims.
@@ -477,12 +476,18 @@ void look_panel(Panel& panel) {
   widgets.tip("Changes of look, space and settings; not the camera (Ctrl+Z).");
   ImGui::SameLine();
   if (widgets.button("look.redo", "redo", document.can_redo())) document.redo();
-  bool is_changed = presets(panel);
+  const bool has_own_looks =
+      document.shows_channels(document.view) && !document.shown->channels.are_primaries();
+  bool is_changed = !has_own_looks && presets(panel);
   is_changed |= choose_mode(panel);
   is_changed |= surface_editor(panel);
   is_changed |= points_editor(panel);
   Look& look = document.view.look;
-  is_changed |= look.transfer_function_2d ? function_2d_row(panel) : curve_editors(panel);
+  if (has_own_looks) {
+    ImGui::TextWrapped("Each channel has a colour and a range of its own: tab scene.");
+  } else {
+    is_changed |= look.transfer_function_2d ? function_2d_row(panel) : curve_editors(panel);
+  }
   const Field& field = document.shown->field();
   double unit = look.unit_distance;
   if (unit == 0) unit = look.transfer_function.unit_distance.value_or(default_unit_distance(field));
@@ -496,9 +501,11 @@ void look_panel(Panel& panel) {
       "transparent.");
   ImGui::Separator();
   is_changed |= light_editor(panel);
-  is_changed |= gradient_editor(panel);
-  ImGui::Separator();
-  look_files(panel);
+  if (!has_own_looks) {
+    is_changed |= gradient_editor(panel);
+    ImGui::Separator();
+    look_files(panel);
+  }
   if (is_changed) document.touch();
 }
 

@@ -116,7 +116,7 @@ void Marks::draw(const Document& document, const std::array<XrayRange, 2>& xray_
                 xray_ranges,
                 all,
                 picture};
-  const cli::AnnotationFlags& wanted = document.view.marks;
+  const cli::AnnotationFlags wanted = document.marks_of(document.view);
   Piece piece;
   piece.camera = document.camera;
   piece.marks.text_px =

@@ -3,6 +3,7 @@
 // itself.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -34,6 +35,7 @@ struct Wishes {
   bool copies_command = false;
   bool saves_picture = false;
   std::string open;                     // a file of data
+  std::string add_labels;               // a file that is to be taken for them
   std::string add_beside;               // a file
   std::string read_look, write_look;    // paths
   std::string read_state, write_state;  // paths
@@ -66,7 +68,9 @@ struct PanelState {
   bool has_handles = true;            // of crop, planes and slices, in the picture
   std::string beside_path;
   std::string label_filter;
-  std::string beside_error;  // why the last one could not be read
+  std::array<CurveEditing, kMostFurtherVolumes> volume_opacities;
+  std::array<std::string, kMostFurtherVolumes> volume_maps;  // chosen last; empty: none
+  std::string beside_error;                                  // why the last one could not be read
   FitState fit;
   // Of a solid.
   bool has_vertices = true;    // in the picture
@@ -105,7 +109,10 @@ void data_panel(Panel& panel);
 void look_panel(Panel& panel);
 void space_panel(Panel& panel);
 void scene_panel(Panel& panel);
-void labels_editor(Panel& panel);  // of the scene
+// Of the scene.
+void labels_editor(Panel& panel);
+void channels_editor(Panel& panel);
+void volumes_editor(Panel& panel);
 void time_panel(Panel& panel);
 void compare_panel(Panel& panel);
 void quality_panel(Panel& panel);
@@ -114,6 +121,12 @@ void solid_panel(Panel& panel);
 
 // NAME-fit.ply, or of a lattice NAME-fit.h5, by the name of the data.
 std::string usual_fit_path(const Document& document);
+
+// The span and scale of curves by numbers; colours by a map's name, over the span that they have.
+bool range_editor(Panel& panel, const std::string& name, TransferFunction& tf);
+void take_color_map(TransferFunction& tf, const std::string& name);
+// From the least to the greatest of the values that are there and those that the curve names.
+ValueAxis axis_of(const TransferFunction& tf, const ValueRange& range);
 
 Rgb in_bytes(const Rgb& rgb);  // as #rrggbb has it
 

@@ -259,8 +259,8 @@ Picked PictureView::picked_in(const Picture& picture, int x, int y, const FieldP
   const PickKey key{shown_->number, x, y, &picture, probe};
   if (key == pick_key_) return last_picked_;
   pick_key_ = key;
-  const Pick found = ovoid::pick(
-      image, x, y, {scene.shown->field(), *probe, scene.camera, scene.look, scene.options});
+  const Pick found =
+      ovoid::pick(image, x, y, {scene.drawn(), *probe, scene.camera, scene.look, scene.options});
   last_picked_ = {found.place->position, found.place->sample.value, found.place->sample.is_defined};
   return last_picked_;
 }

@@ -20,13 +20,13 @@ void remove_at(auto& list, std::size_t i) {
 void files_editor(Panel& panel) {
   Widgets& widgets = panel.widgets;
   PanelState& state = panel.state;
-  bool adds = widgets.text("scene.path", "a surface, or a label map", &state.beside_path,
+  bool adds = widgets.text("scene.path", "surface, labels, volume", &state.beside_path,
                            -118 * widgets.scale());
   ImGui::SameLine();
   adds |= widgets.button("scene.add", "add");
   widgets.tip(
-      "A surface (.stl, .obj, .ply, .vtp, a mesh) or a segmentation in the data's own world, "
-      "beside them. Or drop the file while this tab is open.");
+      "In the data's own world, beside them: a surface (.stl, .obj, .ply, .vtp, a mesh), a "
+      "segmentation, or another volume. Or drop the file while this tab is open.");
   if (adds) panel.wishes.add_beside = state.beside_path;
   ImGui::SameLine();
   browse_button(panel, "scene.browse", "browse", Browsing::kBeside);
@@ -216,6 +216,8 @@ void scene_panel(Panel& panel) {
   bool is_changed = false;
   labels_editor(panel);
   if (document.plain_labels(view) != nullptr) ImGui::Separator();
+  channels_editor(panel);
+  volumes_editor(panel);
   files_editor(panel);
   is_changed |= surfaces_editor(panel);
   ImGui::Separator();

@@ -33,7 +33,8 @@ SurfaceFiles::Found SurfaceFiles::find(const std::string& path, cli::Session& se
 
 std::shared_ptr<const Surface> SurfaceFiles::read(const std::string& path, cli::Session& session) {
   Found found = find(path, session);
-  if (found.lattice != nullptr) cli::surface_of_faces(*found.lattice, path, {}, 0, session);  // refuses it
+  if (found.lattice != nullptr)
+    cli::surface_of_faces(*found.lattice, path, {}, 0, session);  // refuses it
   return std::move(found.surface);
 }
 

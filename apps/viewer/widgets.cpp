@@ -187,6 +187,7 @@ bool Widgets::swatch(const std::string& name, Rgb* value) {
                           ImGuiColorEditFlags_NoSidePreview | ImGuiColorEditFlags_NoSmallPreview |
                               ImGuiColorEditFlags_DisplayHex);
   mark(popup);
+  if (ImGui::IsKeyPressed(key_of_escape())) ImGui::CloseCurrentPopup();
   ImGui::EndPopup();
   if (is_changed) *value = {edited[0], edited[1], edited[2]};
   return is_changed;

@@ -53,14 +53,15 @@ struct Coarse {
 };
 
 Coarse at_level(const Scene& scene, const Level& level) {
-  const Field& full = scene.shown->field();
+  const Field& full = scene.drawn();
   Coarse coarse{&full, scene.look, scene.options};
   coarse.options.width = coarsened(scene.options.width, level.pixels);
   coarse.options.height = coarsened(scene.options.height, level.pixels);
   coarse.options.collect_profile = true;
   // Of two scenes the second may have less to coarsen than the first.
-  const int field =
-      scene.extras ? std::min(level.field, static_cast<int>(scene.extras->coarser.size())) : 0;
+  const int field = scene.has_coarser()
+                        ? std::min(level.field, static_cast<int>(scene.extras->coarser.size()))
+                        : 0;
   if (field == 0) return coarse;
   coarse.field = &scene.extras->coarser[static_cast<std::size_t>(field - 1)];
   coarse.options.sampling_distance *= std::exp2(field);
@@ -198,7 +199,7 @@ Renderer& Worker::Impl::renderer_for(const RendererSetup& chosen) {
 
 void Worker::Impl::set_scales(const Scene& scene) {
   int coarsest = 0;
-  if (scene.extras) coarsest = static_cast<int>(scene.extras->coarser.size());
+  if (scene.has_coarser()) coarsest = static_cast<int>(scene.extras->coarser.size());
   chooser.set_scales(world_pixel(scene), scene.shown->field().default_sampling_distance(),
                      coarsest);
 }
@@ -210,12 +211,12 @@ Scenery Worker::Impl::scenery_of(const Scene& scene, const std::stop_token& toke
   all.labels = scene.labels;
   all.geometry.insert(all.geometry.end(), scene.added.begin(), scene.added.end());
   if (scene.slices.slices.empty()) return all;
-  const Field& field = scene.shown->field();
-  const bool is_counted = scene.extras && scene.extras->of == scene.shown;
-  if (!is_counted && counted_of != scene.shown) {
+  const Field& field = scene.drawn();
+  const bool is_counted = scene.extras && scene.extras->of == scene.shown && !scene.field;
+  if (!is_counted && (counted_of != scene.shown || scene.field)) {
     counted_of.reset();
     histogram = cli::histogram_of(field, token);
-    counted_of = scene.shown;
+    if (!scene.field) counted_of = scene.shown;
   }
   std::vector<FieldSlice> slices =
       cli::make_slices(scene.slices, field, is_counted ? scene.extras->histogram : histogram);

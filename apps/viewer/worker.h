@@ -23,6 +23,7 @@ using Clock = std::chrono::steady_clock;
 struct Scene {
   std::shared_ptr<const Shown> shown;
   std::shared_ptr<const Extras> extras;  // of `shown`; null while it is worked out
+  std::optional<Field> field{};          // instead of that of `shown`
   Camera camera;
   Look look;
   RenderOptions options;  // the full picture's, width and height included
@@ -37,6 +38,10 @@ struct Scene {
   cli::GeometryFlags slices;         // of it what is about slices
   Rgb background{0, 0, 0};
   std::optional<std::pair<double, double>> xray_range;  // none: the picture's own
+
+  const Field& drawn() const { return field ? *field : shown->field(); }
+  // Several volumes, or another than the coarser fields are of, become coarser by pixels alone.
+  bool has_coarser() const { return extras != nullptr && !field && options.further == nullptr; }
 };
 
 struct Request {

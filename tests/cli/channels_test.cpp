@@ -75,6 +75,21 @@ TEST_F(Channels, HaveTheColorsThatAreSaid) {
   }
 }
 
+TEST_F(Channels, ComponentsHaveNumbers) {
+  const std::string stains = two_stains();
+  EXPECT_EQ(picture_of(stains, {"--channels", "0,1"}).rgba,
+            picture_of(stains, {"--channels", "all"}).rgba);
+  const Words swapped = {"--channels",      "1,0",    "--channel-color", "#ff00ff",
+                         "--channel-color", "#00ff00"};
+  EXPECT_NE(picture_of(stains, {"--channels", "1"}).rgba,
+            picture_of(stains, {"--channels", "0"}).rgba);
+  EXPECT_GT(halves(picture_of(stains, swapped))[0][0], 2);
+  const std::string out = folder_ / "p.png";
+  expect_failure({"render", stains, "-o", out, "--channels", "0,2"}, 1,
+                 {"'2' is not an array", "numbers of components"});
+  expect_failure({"render", stains, "-o", out, "--channels", "0,stains"}, 1, {"--channels"});
+}
+
 TEST_F(Channels, WithoutAWordAreGreenAndMagenta) {
   const auto [magenta, green] = halves(picture_of(two_stains(), {"--channels", "all"}));
   EXPECT_NEAR(magenta[0], magenta[2], 0.05 * magenta[0]);

@@ -154,8 +154,6 @@ TEST_F(OverFiles, RefusesWhatCannotBeDrawn) {
   const std::string points = text("p.csv", "x,y,z,v\n0,0,0,1\n1,0,0,2\n0,1,1,3\n");
   refused({"--over", points}, 1, "--over: is for lattices");
   expect_failure({"render", points, "-o", out, "--over", spots_}, 1, {"--over: is for lattices"});
-  expect_failure({"view", ball_, "--over", spots_}, 2,
-                 {"--over: is for render and animate, the window shows one volume"});
   expect_failure({"render", ball_, "-o", spots_, "--over", spots_}, 2, {"--output"});
 }
 

@@ -72,10 +72,9 @@ std::optional<Trail> trail_of(const DataFlags& data, const DrawingFlags& drawing
   Progress progress("blurring");
   const Series series = open_shown_series(data, session);
   const auto& times = series.times();
-  const double time =
-      data.slice.plane
-          ? std::clamp(data.slice.plane->offset, times.front(), times.back())
-          : data.time.value_or(times[static_cast<std::size_t>(step)]);
+  const double time = data.slice.plane
+                          ? std::clamp(data.slice.plane->offset, times.front(), times.back())
+                          : data.time.value_or(times[static_cast<std::size_t>(step)]);
   ModelFlags model = drawing.model;
   model.array = modelled.array;
   return make_trail(drawing.trail, series, time, model, drawing.run.threads, look,

@@ -55,9 +55,8 @@ const Table<GeometryFlags>& geometry_settings() {
        "with =PLACE, or NX,NY,NZ,D, world (repeatable)",
        not_with("mode", "is for --mode composite and isosurface", is_unlit),
        not_with("value-plane motion-blur points part")},
-      {"--slice-map",
-       Form<std::string>{"NAME", parse_named_color_map, same},
-       &G::slice_map, "colours of slices, as --colormap has them (default {})", of_slices},
+      {"--slice-map", Form<std::string>{"NAME", parse_named_color_map, same}, &G::slice_map,
+       "colours of slices, as --colormap has them (default {})", of_slices},
       {"--slice-range",
        {"LO,HI", [](G& flags, const std::string& text) { flags.slice_range = parse_range(text); },
         [](const G& flags) {

@@ -41,7 +41,7 @@ std::pair<Light, std::optional<Vec3>> parse_light(const std::string& text);
 std::vector<Isosurface> parse_isosurfaces(const std::string& text);  // "V[:COLOR[:A]],..."
 FurtherLight parse_further_light(const std::string& text);           // "X,Y,Z[@INTENSITY]"
 Hyperplane parse_hyperplane(const std::string& text);  // "A,B,C,D,E"; without E its offset is NaN
-ClipPlane parse_clip(const std::string& text);                       // "NX,NY,NZ,D"
+ClipPlane parse_clip(const std::string& text);         // "NX,NY,NZ,D"
 // "NX,NY,NZ,D,T", as the two planes that leave it.
 std::array<ClipPlane, 2> parse_thick_slice(const std::string& text);
 ValuePlane parse_value_plane(const std::string& text);          // "NX,NY,NZ,D[,shown]"

@@ -178,8 +178,8 @@ struct GeometryFlags {
   std::vector<std::string> files;
   std::vector<Rgb> colors;        // of the first, the second ...; the last one counts for the rest
   std::vector<double> opacities;  // likewise; 0: not drawn
-  std::vector<std::string> arrays;      // which give colours, likewise; empty, "": none
-  std::vector<std::string> color_maps;  // of these, likewise
+  std::vector<std::string> arrays;                // which give colours, likewise; empty, "": none
+  std::vector<std::string> color_maps;            // of these, likewise
   std::vector<std::pair<double, double>> ranges;  // that they span, likewise; none: all values
   std::vector<double> radii;  // world, of lines and points, likewise; none: usual_radius()
   bool shows_edges = false;

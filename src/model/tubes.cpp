@@ -237,8 +237,7 @@ LinesAndPoints lines_and_points(const model::ModelRun& run) {
   const bool is_of_cells = dataset.kind == DatasetKind::kMesh && chosen.is_cell_data;
   const MeshNodes nodes = model::load_nodes(run);
   if (dataset.kind == DatasetKind::kParticles) {
-    const auto values =
-        model::load_values(run, chosen, dataset.num_positions(), "points");
+    const auto values = model::load_values(run, chosen, dataset.num_positions(), "points");
     LinesAndPoints all;
     for (std::uint32_t i = 0; i < nodes.count(); ++i)
       if (nodes.is_placed(i)) all.points.push_back({nodes.at(i), values.columns.back()[i]});
@@ -267,11 +266,11 @@ std::shared_ptr<const Surface> make_tubes(const Dataset& dataset, double radius,
   std::size_t count = ball.triangles.size() * all.points.size();
   for (const Line& line : all.lines) count += 2 * kSides * line.size();
   if (count > kMostTriangles) {
-    throw Error(ErrorCode::kUnsupported,
-                fmt::format("'{}': {} lines and {} points would be {} triangles, at most {} are "
-                            "drawn: points are drawn as data of their own",
-                            dataset.source, all.lines.size(), all.points.size(), count,
-                            kMostTriangles));
+    throw Error(
+        ErrorCode::kUnsupported,
+        fmt::format("'{}': {} lines and {} points would be {} triangles, at most {} are "
+                    "drawn: points are drawn as data of their own",
+                    dataset.source, all.lines.size(), all.points.size(), count, kMostTriangles));
   }
   auto surface = std::make_shared<Surface>();
   surface->triangles.reserve(count);

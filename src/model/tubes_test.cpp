@@ -29,7 +29,8 @@ double enclosed_volume(const Surface& surface) {
     if (across.dot(triangle.normals[0].cast<double>()) < 0) std::swap(corners[1], corners[2]);
     volume += at(0).dot(at(1).cross(at(2))) / 6;
     for (std::size_t c = 0; c < 3; ++c)
-      ++sides[{std::min(corners[c], corners[(c + 1) % 3]), std::max(corners[c], corners[(c + 1) % 3])}];
+      ++sides[{std::min(corners[c], corners[(c + 1) % 3]),
+               std::max(corners[c], corners[(c + 1) % 3])}];
   }
   for (const auto& [side, count] : sides) EXPECT_EQ(count, 2);
   return volume;
@@ -68,8 +69,7 @@ TEST(Tubes, DoNotTwist) {
     nodes.push_back(static_cast<std::uint32_t>(i));
     if (i > 0) length += (places[nodes.size() - 1] - places[nodes.size() - 2]).norm();
   }
-  const auto surface =
-      make_tubes(mesh_dataset(places, {{CellType::kPolyLine, nodes}}), 0.02);
+  const auto surface = make_tubes(mesh_dataset(places, {{CellType::kPolyLine, nodes}}), 0.02);
   ASSERT_NE(surface, nullptr);
   const double expected = length * kShareOfCircle * std::numbers::pi * 0.0004;
   EXPECT_NEAR(enclosed_volume(*surface), expected, 0.01 * expected);
@@ -77,9 +77,10 @@ TEST(Tubes, DoNotTwist) {
 
 TEST(Tubes, OfCellsThatGoOnAreOne) {
   const std::vector<Vec3> places{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {5, 5, 5}, {6, 5, 5}};
-  const auto apart = make_tubes(
-      mesh_dataset(places, {{CellType::kLine, {0, 1}}, {CellType::kLine, {1, 2}}, {CellType::kLine, {3, 4}}}),
-      0.1);
+  const auto apart = make_tubes(mesh_dataset(places, {{CellType::kLine, {0, 1}},
+                                                      {CellType::kLine, {1, 2}},
+                                                      {CellType::kLine, {3, 4}}}),
+                                0.1);
   const auto whole = make_tubes(
       mesh_dataset(places, {{CellType::kPolyLine, {0, 1, 2}}, {CellType::kPolyLine, {3, 4}}}), 0.1);
   ASSERT_NE(apart, nullptr);
@@ -94,15 +95,17 @@ TEST(Tubes, PointsAreBalls) {
   ASSERT_NE(surface, nullptr);
   EXPECT_EQ(surface->triangles.size(), 2U * 288);
   for (const Vec3& place : surface->places)
-    EXPECT_NEAR(std::min((place - Vec3(1, 2, 3)).norm(), (place - Vec3(9, 2, 3)).norm()), 0.5, 1e-9);
+    EXPECT_NEAR(std::min((place - Vec3(1, 2, 3)).norm(), (place - Vec3(9, 2, 3)).norm()), 0.5,
+                1e-9);
 }
 
 // Nothing of what is nowhere, or has no length.
 TEST(Tubes, LeaveOutWhatHasNoPlace) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  const std::vector<Vec3> places{{0, 0, 0}, {1, 0, 0}, {nan, 0, 0}, {3, 0, 0}, {3, 0, 0}, {4, 0, 0}};
-  const auto surface = make_tubes(
-      mesh_dataset(places, {{CellType::kPolyLine, {0, 1, 2, 3, 4, 5}}}), 0.1);
+  const std::vector<Vec3> places{{0, 0, 0}, {1, 0, 0}, {nan, 0, 0},
+                                 {3, 0, 0}, {3, 0, 0}, {4, 0, 0}};
+  const auto surface =
+      make_tubes(mesh_dataset(places, {{CellType::kPolyLine, {0, 1, 2, 3, 4, 5}}}), 0.1);
   ASSERT_NE(surface, nullptr);
   for (const Vec3& place : surface->places) EXPECT_TRUE(place.allFinite());
   EXPECT_EQ(surface->triangles.size(), 2U * 12 * 2 * 2);  // from 0 to 1, and from 3 to 4

@@ -200,8 +200,9 @@ TEST_F(GeometryFiles, ArraysGiveColors) {
       << R"(<DataArray type="Int32" Name="offsets" format="ascii">3</DataArray></Lines></Piece>)"
       << R"(</PolyData></VTKFile>)";
   const auto colors = [&](const Words& more) {
-    Words words{"--opacity",   "0:0",   "--no-shade",     "--occlusion", "0", "--add", path,
-                "--add-array", "speed", "--add-colormap", "gray",        "--add-radius", "0.2"};
+    Words words{"--opacity", "0:0",          "--no-shade",  "--occlusion", "0",
+                "--add",     path,           "--add-array", "speed",       "--add-colormap",
+                "gray",      "--add-radius", "0.2"};
     words.insert(words.end(), more.begin(), more.end());
     const Picture picture = drawn(words);
     std::vector<float> reds;

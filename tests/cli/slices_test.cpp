@@ -68,8 +68,8 @@ TEST(Hyperslices, AreAnimatedAlongTheirNormal) {
   if (!has_hdf5()) GTEST_SKIP() << "no HDF5";
   const Folder folder;
   const std::string data = tornado(folder);
-  const Words look = {"--colormap", "gray", "--opacity", "0:0,1:0.3", "--range", "0,1",
-                      "--unit-distance", "0.1", "--fit", "box"};
+  const Words look = {"--colormap",      "gray", "--opacity", "0:0,1:0.3", "--range", "0,1",
+                      "--unit-distance", "0.1",  "--fit",     "box"};
   const auto animate = [&](Words how, const std::string& pattern) {
     Words words{"animate", data, "-o", folder / pattern, "--size", "40x30"};
     words.insert(words.end(), how.begin(), how.end());

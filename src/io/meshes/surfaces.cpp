@@ -186,8 +186,8 @@ Dataset read_obj(const ByteSource& source, const ReadOptions& options) {
     for (const std::string_view text : words(line.substr(2)))
       corners.push_back(corner_of(text, surface.num_nodes(), lines));
     if (corners.size() < (says('f') ? 3U : 2U)) {
-      fail_surface(lines.where(), fmt::format("a {} of {} corners", says('f') ? "face" : "line",
-                                              corners.size()));
+      fail_surface(lines.where(),
+                   fmt::format("a {} of {} corners", says('f') ? "face" : "line", corners.size()));
     }
     if (says('f')) {
       surface.add_face(corners);

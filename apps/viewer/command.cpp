@@ -142,10 +142,7 @@ cli::OverFlags over_of(const Document& document) {
 cli::GeometryFlags geometry_of(const Document& document, FlagsFor use) {
   const View& view = document.view;
   if (!document.shows_scenery(view)) return {};
-  cli::GeometryFlags flags = document.launch->drawing.geometry;
-  flags.files.clear();
-  flags.colors.clear();
-  flags.opacities.clear();
+  cli::GeometryFlags flags;
   bool has_own_colors = false;
   bool is_see_through = false;
   for (const AddedSurface& added : view.added) {

@@ -289,7 +289,13 @@ void Loader::Impl::read(const OpenTask& task, const std::stop_token& token) {
   std::vector<std::shared_ptr<const VolumeBeside>> volumes;
   if (!task.is_reload) {
     volumes = volumes_beside(*next.dataset, next.drawing, own);
-    for (const std::string& file : next.drawing.geometry.files)
+    const cli::GeometryFlags& added = next.drawing.geometry;
+    if (!added.arrays.empty() || !added.radii.empty()) {
+      own.note(
+          "the window draws what is added in one colour, lines of the usual radius: --add-array, "
+          "--add-radius and the like are for render and animate");
+    }
+    for (const std::string& file : added.files)
       surfaces.push_back(surface_files.read(file, own));
     if (!next.drawing.labels.file.empty())
       labels = labels_beside(next.drawing.labels.file, next.drawing, own);

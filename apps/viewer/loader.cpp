@@ -295,8 +295,7 @@ void Loader::Impl::read(const OpenTask& task, const std::stop_token& token) {
           "the window draws what is added in one colour, lines of the usual radius: --add-array, "
           "--add-radius and the like are for render and animate");
     }
-    for (const std::string& file : added.files)
-      surfaces.push_back(surface_files.read(file, own));
+    for (const std::string& file : added.files) surfaces.push_back(surface_files.read(file, own));
     if (!next.drawing.labels.file.empty())
       labels = labels_beside(next.drawing.labels.file, next.drawing, own);
   }

@@ -25,6 +25,7 @@ constinit const TypeLayout OVOID_LAYOUTS[] = {
     OVOID_TYPE(Box),
     OVOID_TYPE(Bytes),
     {"SharedValues", sizeof(SharedValues<double>), alignof(SharedValues<double>)},
+    OVOID_TYPE(ChannelDisplay),
     OVOID_TYPE(DataArray),
     OVOID_TYPE(DatasetBlock),
     OVOID_TYPE(Cells),

@@ -61,7 +61,8 @@ std::string names_of(const Dataset& dataset) {
 // A number is a component of the chosen array.
 std::optional<Channel> component_called(const std::string& name, const Dataset& dataset,
                                         const ModelFlags& model) {
-  const bool is_number = name.size() < 4 && name.find_first_not_of("0123456789") == name.npos;
+  const bool is_number =
+      name.size() < 4 && name.find_first_not_of("0123456789") == std::string::npos;
   if (!is_number) return std::nullopt;
   const DataArray& array = chosen_array(dataset, model);
   const int component = std::stoi(name);

@@ -19,7 +19,7 @@ std::shared_ptr<const std::vector<FurtherVolume>> make_over(const DrawingFlags& 
                                                             Session& session);
 
 // The one of that number, in a picture whose world is in `space`. Throws Error.
-FurtherVolume make_over_volume(const DrawingFlags& drawing, std::size_t number, Space space,
+FurtherVolume make_over_volume(const DrawingFlags& drawing, std::size_t i, Space space,
                                Session& session);
 
 // The box around a field and what is drawn over it, world.

@@ -99,7 +99,7 @@ void Document::take(const ShownReady& ready, double aspect) {
     view.labels = std::exchange(opened_labels_, std::nullopt);
     if (const LabelSurfaces* const labels = plain_labels(view))
       edit_labels(label_edits_of(labels->styles, flags.labels));
-    for (auto& volume : std::exchange(opened_volumes_, {})) add_volume(std::move(volume));
+    for (const auto& volume : std::exchange(opened_volumes_, {})) add_volume(volume);
     view.options.mixing = flags.channels.mixing.value_or(Mixing::kAveraged);
     take_channels(true);
     view.added_edges = flags.geometry.shows_edges;

@@ -172,7 +172,7 @@ class Document {
   cli::LookFlags channel_flags(const View& of) const;
   Look channel_look(const View& of, std::size_t channel) const;
   Look volume_look(const View& of, const AddedVolume& volume) const;
-  void add_volume(std::shared_ptr<const VolumeBeside> volume);
+  void add_volume(const std::shared_ptr<const VolumeBeside>& volume);
   void renew_volume(const std::shared_ptr<const VolumeBeside>& volume);
   // Those that can be drawn: several channels have no colour bar.
   cli::AnnotationFlags marks_of(const View& of) const;

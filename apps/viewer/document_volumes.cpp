@@ -86,6 +86,7 @@ std::vector<ChannelStyle> Document::channels_of(const View& of) const {
   const std::vector<cli::NamedChannel>& named = shown->channels.named;
   if (of.channels.size() == named.size()) return of.channels;
   std::vector<ChannelStyle> styles;
+  styles.reserve(named.size());
   for (const cli::NamedChannel& channel : named) styles.push_back({channel.color, channel.range});
   return styles;
 }
@@ -133,7 +134,7 @@ Look Document::volume_look(const View& of, const AddedVolume& volume) const {
   return look;
 }
 
-void Document::add_volume(std::shared_ptr<const VolumeBeside> volume) {
+void Document::add_volume(const std::shared_ptr<const VolumeBeside>& volume) {
   const Look& look = volume->volume.look;
   view.volumes.push_back({volume, look.transfer_function, look.unit_distance});
   touch();

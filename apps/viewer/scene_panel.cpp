@@ -69,7 +69,7 @@ constexpr std::array<const char*, 4> kAcross = {"sagittal (x)", "coronal (y)", "
 constexpr int kOblique = 3;
 
 // The axis that a slice stands across of; kOblique: none.
-int axis_of(const cli::SlicePlane& slice) {
+int sliced_axis(const cli::SlicePlane& slice) {
   for (int axis = 0; axis < kOblique; ++axis) {
     if (slice.normal == Vec3::Unit(axis)) return axis;
   }
@@ -91,7 +91,7 @@ bool slice_editor(Panel& panel, const std::string& name, cli::SlicePlane& slice)
   const Document& document = panel.document;
   Widgets& widgets = panel.widgets;
   bool is_changed = false;
-  int across = axis_of(slice);
+  int across = sliced_axis(slice);
   if (widgets.choice(name + ".across", "across", {kAcross.begin(), kAcross.end()}, &across)) {
     slice = slice_across(across, document);
     is_changed = true;

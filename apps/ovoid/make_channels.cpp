@@ -154,10 +154,10 @@ ValueRange range_of(const ChannelFlags& flags, std::size_t i, const ChannelDispl
 
 // What cannot be drawn of several, or says what one of them is to look like.
 constexpr const char* kOfOneVolume[] = {
-    "array", "component", "over",   "labels", "label-surfaces",   "motion-blur", "points",
-    "part",  "colorbar",  "pick",   "tf",     "preset",           "colormap",    "opacity",
-    "tf2d",  "range",     "window", "shift",  "gradient-opacity", "log",         "symlog",
-    "plane", "save-look", "kernel"};
+    "array",       "component", "over",   "labels",  "label-surfaces",   "motion-blur", "points",
+    "part",        "colorbar",  "pick",   "tf",      "preset",           "colormap",    "opacity",
+    "tf2d",        "range",     "window", "shift",   "gradient-opacity", "log",         "symlog",
+    "value-plane", "save-look", "kernel", "dry-run", "post-convolution"};
 
 // Whether the file says in which colours its channels show, and nothing else was asked for.
 bool shows_channels_itself(const Dataset& dataset, const Flags& flags, const DrawingFlags& drawing,

@@ -25,14 +25,18 @@ Words render_words(const std::string& data, const std::string& picture, const Wo
   return words;
 }
 
+std::string rendered(const std::string& data, const std::string& picture, const Words& how) {
+  expect_success(render_words(data, picture, how));
+  return read_file(picture);
+}
+
 // Fails if a plane is not the one that was asked for, or its slice goes on as nothing else does.
 TEST(Hyperslices, AreDrawnToldAndWritten) {
   if (!has_hdf5()) GTEST_SKIP() << "no HDF5";
   const Folder folder;
   const std::string data = tornado(folder);
-  const auto render = [&](Words how, const std::string& name) {
-    expect_success(render_words(data, folder / name, how));
-    return read_file(folder / name);
+  const auto render = [&](const Words& how, const std::string& name) {
+    return rendered(data, folder / name, how);
   };
   EXPECT_EQ(render({"--hyperslice", "0,0,0,1,2.5"}, "a.png"), render({"--time", "2.5"}, "b.png"));
   EXPECT_EQ(facts_of(data, {"--hyperslice", "1,0,0,0,0.1"})["dims"], (json{8, 12, 12}));
@@ -53,9 +57,8 @@ TEST(Hyperslices, HaveTrails) {
   if (!has_hdf5()) GTEST_SKIP() << "no HDF5";
   const Folder folder;
   const std::string data = tornado(folder);
-  const auto render = [&](Words how, const std::string& name) {
-    expect_success(render_words(data, folder / name, how));
-    return read_file(folder / name);
+  const auto render = [&](const Words& how, const std::string& name) {
+    return rendered(data, folder / name, how);
   };
   EXPECT_EQ(render({"--hyperslice", "0,0,0,1,5", "--motion-blur", "3,1"}, "a.png"),
             render({"--time", "5", "--motion-blur", "3,1"}, "b.png"));

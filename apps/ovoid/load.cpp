@@ -116,6 +116,12 @@ Dataset load(const DataFlags& data, Session& session) {
     session.notes(dataset.notes);
     return dataset;
   }
+  if (data.inputs.size() == 1) {
+    if (const auto held = session.provided(data.inputs.front())) {
+      session.notes(held->notes);
+      return *held;
+    }
+  }
   Progress progress("reading");
   ReadOptions options = read_options(data, session);
   options.progress = progress.callback();

@@ -83,6 +83,7 @@ std::pair<double, double> range_of_values(const Surface& surface) {
 }  // namespace
 
 Dataset read_faces(const std::string& path, Session& session) {
+  if (const auto held = session.provided(path)) return *held;
   ReadOptions options;
   options.faces = true;
   options.stop = session.stop();

@@ -76,6 +76,11 @@ void Session::check_stop() const {
   if (stop().stop_requested()) throw Error(ErrorCode::kCancelled, "interrupted");
 }
 
+std::shared_ptr<const Dataset> Session::provided(const std::string& name) const {
+  const auto found = provided_.find(name);
+  return found == provided_.end() ? nullptr : found->second;
+}
+
 void Session::join(Team& team) noexcept {
   team_ = &team;
   if (team.number() != 0) Interrupt::be_silent();

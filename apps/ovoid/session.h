@@ -3,13 +3,17 @@
 
 #include <chrono>
 #include <functional>
+#include <map>
+#include <memory>
 #include <optional>
 #include <stop_token>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "console.h"
 #include "interrupt.h"
+#include "ovoid/dataset.h"
 
 namespace ovoid::cli {
 
@@ -79,6 +83,12 @@ class Session {
 
   const std::string& command_line() const noexcept { return command_line_; }
 
+  // Data in memory that stand for files of these names; those that were provided before are none.
+  using Provided = std::map<std::string, std::shared_ptr<const Dataset>>;
+  void provide(Provided data) { provided_ = std::move(data); }
+  // Null: a name means a file.
+  std::shared_ptr<const Dataset> provided(const std::string& name) const;
+
   // One of several processes that draw a picture together; null: alone.
   void join(Team& team) noexcept;
   Team* team() const noexcept { return team_; }
@@ -91,6 +101,7 @@ class Session {
   Tell tell_;
   std::stop_token stop_;
   Team* team_ = nullptr;
+  Provided provided_;
 
   friend class Quiet;
 };

@@ -5,6 +5,7 @@
 #include <pybind11/stl.h>
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -35,6 +36,8 @@ using Json = nlohmann::ordered_json;
 // value_offset.
 using Arrays = std::vector<py::tuple>;
 using SharedDataset = std::shared_ptr<const Dataset>;
+// Data in memory by the names that words have for them.
+using Beside = std::map<std::string, Data>;
 
 // Names in files may hold any bytes; JSON is UTF-8.
 std::string text_of(const Json& json) {
@@ -104,6 +107,12 @@ std::pair<Data, std::vector<std::string>> data_after(const WorkOnData& make,
 
 Source source_of(const Data* data, std::vector<std::string> inputs) {
   return {data == nullptr ? nullptr : data->dataset, std::move(inputs)};
+}
+
+Asked asked_for(const cli::Words& words, const Beside& beside) {
+  Asked asked{words, {}};
+  for (const auto& [name, data] : beside) asked.beside.emplace(name, data.dataset);
+  return asked;
 }
 
 // Writes a file and tells a report, with the notes.
@@ -301,9 +310,11 @@ void add_picture(py::module_& module) {
       });
 }
 
-py::tuple histogram(Scene& scene, const cli::Words& words, bool is_logarithmic) {
+py::tuple histogram(Scene& scene, const cli::Words& words, const Beside& beside,
+                    bool is_logarithmic) {
+  const Asked asked = asked_for(words, beside);
   cli::Histogram found;
-  wait_for([&](Work& work) { found = scene.histogram(words, work); });
+  wait_for([&](Work& work) { found = scene.histogram(asked, work); });
   const cli::Histogram::Bins& bins = is_logarithmic ? found.logarithmic : found.linear;
   return py::make_tuple(
       py::array_t<std::uint64_t>(static_cast<py::ssize_t>(bins.counts.size()), bins.counts.data()),
@@ -313,9 +324,10 @@ py::tuple histogram(Scene& scene, const cli::Words& words, bool is_logarithmic) 
 using Place = std::array<double, 3>;
 Place place_of(const Vec3& at) { return {at.x(), at.y(), at.z()}; }
 
-std::pair<Place, Place> bounds(Scene& scene, const cli::Words& words) {
+std::pair<Place, Place> bounds(Scene& scene, const cli::Words& words, const Beside& beside) {
+  const Asked asked = asked_for(words, beside);
   Bounds3 box;
-  wait_for([&](Work& work) { box = scene.bounds(words, work); });
+  wait_for([&](Work& work) { box = scene.bounds(asked, work); });
   return {place_of(box.min()), place_of(box.max())};
 }
 
@@ -324,32 +336,35 @@ void add_scene(py::module_& module) {
       .def(py::init(&make_scene))
       .def(
           "draw",
-          [](Scene& scene, const cli::Words& words, bool with_stages, const py::object& on_progress,
-             int coarseness) {
+          [](Scene& scene, const cli::Words& words, const Beside& beside, bool with_stages,
+             const py::object& on_progress, int coarseness) {
+            const Asked asked = asked_for(words, beside);
             std::shared_ptr<Picture> picture;
             wait_for(
                 [&](Work& work) {
-                  picture = scene.draw(words, {with_stages, coarseness}, work);
+                  picture = scene.draw(asked, {with_stages, coarseness}, work);
                 },
                 on_progress);
             return picture;
           },
-          py::arg("words"), py::arg("with_stages"), py::arg("on_progress"),
+          py::arg("words"), py::arg("beside"), py::arg("with_stages"), py::arg("on_progress"),
           py::arg("coarseness") = 0)
       .def("bounds", bounds)
       .def("histogram", histogram)
       .def("sample",
-           [](Scene& scene, const cli::Words& words, const Data& points,
+           [](Scene& scene, const cli::Words& words, const Beside& beside, const Data& points,
               const py::object& on_progress) {
+             const Asked asked = asked_for(words, beside);
              return data_after(
-                 [&](Work& work) { return scene.sample(words, *points.dataset, work); },
+                 [&](Work& work) { return scene.sample(asked, *points.dataset, work); },
                  on_progress);
            })
       .def("resample",
-           [](Scene& scene, const cli::Words& words, const Index3& dims,
+           [](Scene& scene, const cli::Words& words, const Beside& beside, const Index3& dims,
               const std::array<std::array<double, 4>, 3>& matrix, const py::object& on_progress) {
+             const Asked asked = asked_for(words, beside);
              const LatticeGeometry lattice = geometry_of(dims, matrix);
-             return data_after([&](Work& work) { return scene.resample(words, lattice, work); },
+             return data_after([&](Work& work) { return scene.resample(asked, lattice, work); },
                                on_progress);
            });
 }

@@ -161,18 +161,20 @@ int Scene::coarsen(int coarseness, Work& work) {
 }
 
 // Parses the words and models, unless what was modelled last is the same.
-void Scene::take(Request& request, const Words& words, Session& session, Work& work) {
+void Scene::take(Request& request, const Asked& asked, Session& session, Work& work) {
   DrawingFlags& drawing = request.drawing;
-  parse(source_, words, request.flags, request.data);
+  session.provide(asked.beside);
+  parse(source_, asked.words, request.flags, request.data);
   cli::check_json_flags(drawing);
   cli::take_from_model(&request.data, &drawing.model);
 
   const std::string key = model_key_of(request.flags, drawing);
-  if (!subject_ || key != model_key_) {
+  if (!subject_ || key != model_key_ || asked.beside != beside_) {
     coarser_.clear();
     subject_.reset();
     model(request, session);
     model_key_ = key;
+    beside_ = asked.beside;
     model_notes_ = work.notes;
   } else {
     cli::check_kind_flags(request.flags, outline_);
@@ -182,45 +184,45 @@ void Scene::take(Request& request, const Words& words, Session& session, Work& w
   }
 }
 
-const Field& Scene::field(const Words& words, Session& session, Work& work) {
+const Field& Scene::field(const Asked& asked, Session& session, Work& work) {
   Request request;
-  take(request, words, session, work);
+  take(request, asked, session, work);
   return subject_->modelled.field;
 }
 
-Bounds3 Scene::bounds(const Words& words, Work& work) {
+Bounds3 Scene::bounds(const Asked& asked, Work& work) {
   const std::lock_guard lock(mutex_);
   Session session = session_of(work);
-  return field(words, session, work).world_bounds();
+  return field(asked, session, work).world_bounds();
 }
 
-cli::Histogram Scene::histogram(const Words& words, Work& work) {
+cli::Histogram Scene::histogram(const Asked& asked, Work& work) {
   const std::lock_guard lock(mutex_);
   Session session = session_of(work);
-  return cli::histogram_of(field(words, session, work), work.stop);
+  return cli::histogram_of(field(asked, session, work), work.stop);
 }
 
-Dataset Scene::sample(const Words& words, const Dataset& points, Work& work) {
+Dataset Scene::sample(const Asked& asked, const Dataset& points, Work& work) {
   const std::lock_guard lock(mutex_);
   Session session = session_of(work);
-  return cli::take_samples(points, field(words, session, work), session, progress_of(work));
+  return cli::take_samples(points, field(asked, session, work), session, progress_of(work));
 }
 
-Dataset Scene::resample(const Words& words, const LatticeGeometry& lattice, Work& work) {
+Dataset Scene::resample(const Asked& asked, const LatticeGeometry& lattice, Work& work) {
   const std::lock_guard lock(mutex_);
   Session session = session_of(work);
   ResampleOptions options;
   options.progress = progress_of(work);
   options.stop = work.stop;
-  return ovoid::resample(field(words, session, work), lattice, options);
+  return ovoid::resample(field(asked, session, work), lattice, options);
 }
 
-std::shared_ptr<Picture> Scene::draw(const Words& words, Manner manner, Work& work) {
+std::shared_ptr<Picture> Scene::draw(const Asked& asked, Manner manner, Work& work) {
   const std::lock_guard lock(mutex_);
   Session session = session_of(work);
   Request request;
   DrawingFlags& drawing = request.drawing;
-  take(request, words, session, work);
+  take(request, asked, session, work);
 
   auto picture = std::make_shared<Picture>();
   const Field& field = subject_->modelled.field;

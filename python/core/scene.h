@@ -13,6 +13,7 @@
 #include "histogram.h"
 #include "picking.h"
 #include "profile.h"
+#include "session.h"
 #include "shot.h"
 #include "source.h"
 #include "waiting.h"
@@ -24,6 +25,13 @@ namespace ovoid::python {
 class DrawFlags : public cli::Flags {
  public:
   DrawFlags(cli::DataFlags* data, cli::DrawingFlags* drawing);
+};
+
+// What is asked of a scene: flags as on a command line, and data in memory in the place of the files
+// that some of them name.
+struct Asked {
+  cli::Words words;
+  cli::Session::Provided beside;
 };
 
 // A frame, and what its files need to know.
@@ -66,22 +74,22 @@ class Scene {
   };
 
   // By flags as on a command line. Throws Error and UsageError.
-  std::shared_ptr<Picture> draw(const cli::Words& words, Manner manner, Work& work);
+  std::shared_ptr<Picture> draw(const Asked& asked, Manner manner, Work& work);
 
   // Of the field that such a picture shows; world units.
-  Bounds3 bounds(const cli::Words& words, Work& work);
-  cli::Histogram histogram(const cli::Words& words, Work& work);
+  Bounds3 bounds(const Asked& asked, Work& work);
+  cli::Histogram histogram(const Asked& asked, Work& work);
   // As cli::take_samples() and resample() do.
-  Dataset sample(const cli::Words& words, const Dataset& points, Work& work);
-  Dataset resample(const cli::Words& words, const LatticeGeometry& lattice, Work& work);
+  Dataset sample(const Asked& asked, const Dataset& points, Work& work);
+  Dataset resample(const Asked& asked, const LatticeGeometry& lattice, Work& work);
 
  private:
   struct Request;
-  void take(Request& request, const cli::Words& words, cli::Session& session, Work& work);
+  void take(Request& request, const Asked& asked, cli::Session& session, Work& work);
   void model(Request& request, cli::Session& session);
   // Makes coarser fields as far as that is worth it. Returns how often it was done.
   int coarsen(int coarseness, Work& work);
-  const Field& field(const cli::Words& words, cli::Session& session, Work& work);
+  const Field& field(const Asked& asked, cli::Session& session, Work& work);
   Renderer& renderer(const cli::Flags& flags, const RendererSetup& setup);
 
   Source source_;
@@ -90,6 +98,7 @@ class Scene {
   std::optional<cli::Subject> subject_;
   std::vector<Field> coarser_;  // made of its field when they are first drawn
   std::string model_key_;
+  cli::Session::Provided beside_;
   Dataset outline_;  // without its arrays
   std::optional<GradientMethod> gradient_of_labels_;
   std::vector<std::string> model_notes_;

@@ -6,7 +6,7 @@ What draws is loaded by the first name that is used, so that the import costs a 
 import importlib
 
 _MODULES = {
-    "_data": ("Data", "info", "particles", "read", "write"),
+    "_data": ("Data", "info", "lattice", "particles", "read", "write"),
     "_meshes": ("mesh",),
     "_errors": ("Cancelled", "DeviceLost", "Error", "FileFormat", "FileWrite", "InvalidArgument", "NotFound", "OutOfMemory",
                 "UnknownSetting", "Unsupported"),

@@ -129,6 +129,31 @@ def data_of(data, spacing=None, origin=None, direction=None, affine=None, space=
     return Data(core if space is None else core.with_facts("", str(space), []))
 
 
+def lattice(array, *, spacing=None, origin=None, direction=None, affine=None, space=None):
+    """An array with its place in the world, as data for `render` and its settings `labels` and `over`.
+
+    Parameters
+    ----------
+    array : array_like
+        (z, y, x), (z, y, x, component) or (y, x), as `render` takes it. What is an array in memory is not copied, as a rule.
+    spacing, origin, direction, affine, space
+        As `render` takes them.
+
+    Returns
+    -------
+    Data
+
+    Examples
+    --------
+    >>> import numpy, ovoid
+    >>> liver = numpy.zeros((8, 8, 8), "u1")
+    >>> liver[2:6, 2:6, 2:6] = 1
+    >>> scan = numpy.random.default_rng(1).random((16, 16, 16))
+    >>> picture = ovoid.render(scan, labels=ovoid.lattice(liver, spacing=(2, 2, 2)), size=(64, 48))
+    """
+    return data_of(array, spacing, origin, direction, affine, space)
+
+
 def particles(xyz, values=None, h=None, mass=None):
     """Points with values as data for `render`.
 

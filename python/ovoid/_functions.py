@@ -164,7 +164,7 @@ class Samples(typing.NamedTuple):
     is_defined: np.ndarray
 
 
-def samples_of(scene, points, words):
+def samples_of(scene, points, asked):
     """A scene's field at places (..., 3)."""
     places = _arrays.numbers_of(points, "points")
     if places.shape[-1:] != (3,):
@@ -175,7 +175,7 @@ def samples_of(scene, points, words):
     flat = places.reshape(-1, 3).astype("f8", copy=False)
     if not np.isfinite(flat).all():
         raise InvalidArgument("points: hold NaN or infinite coordinates")
-    found, notes = scene.sample(words, _core.particles("points", flat, []), None)
+    found, notes = scene.sample(*asked, _core.particles("points", flat, []), None)
     _log_notes(notes)
     arrays = Data(found).arrays
     gradient = np.stack([arrays["gx"], arrays["gy"], arrays["gz"]], axis=-1)
@@ -255,7 +255,7 @@ def _plane_axes(normal):
     return u, v
 
 
-def slice_of(scene, words, normal, at, size):
+def slice_of(scene, asked, normal, at, size):
     """A scene's field on a plane."""
     if isinstance(normal, str):
         if normal not in _AXES:
@@ -268,7 +268,7 @@ def slice_of(scene, words, normal, at, size):
     if isinstance(size, bool) or not isinstance(size, (int, np.integer)) or not 1 <= size <= 8192:
         raise InvalidArgument(f"size = {size!r}: expected a number of values along the longer side, 1 to 8192")
     normal = normal / length
-    lo, hi = (np.array(corner) for corner in scene.bounds(words))
+    lo, hi = (np.array(corner) for corner in scene.bounds(*asked))
     u, v = _plane_axes(normal)
     corners = np.array([[(lo, hi)[(corner >> axis) & 1][axis] for axis in range(3)] for corner in range(8)])
     place = (lo + hi) / 2 @ normal if at is None else _arrays.number(at, "at")
@@ -279,7 +279,7 @@ def slice_of(scene, words, normal, at, size):
     first = [(ends[0][i] + ends[1][i]) / 2 - (counts[i] - 1) / 2 * step for i in range(2)]
     origin = first[0] * u + first[1] * v + place * normal
     matrix = np.column_stack([u * step, v * step, np.cross(u, v) * step, origin])
-    found, notes = scene.resample(words, (int(counts[0]), int(counts[1]), 1), matrix.tolist(), None)
+    found, notes = scene.resample(*asked, (int(counts[0]), int(counts[1]), 1), matrix.tolist(), None)
     _log_notes(notes)
     values = next(iter(Data(found).arrays.values())).reshape(counts[1], counts[0])
     return Slice(values, origin, u * step, v * step)
@@ -345,9 +345,9 @@ def histogram(data, *, log=False, **settings):
     return Scene(data, **settings).histogram(log=log)
 
 
-def histogram_of(scene, words, log):
+def histogram_of(scene, asked, log):
     """A scene's counts and edges."""
-    counts, lo, hi = scene.histogram(words, bool(log))
+    counts, lo, hi = scene.histogram(*asked, bool(log))
     if not counts.size:
         return counts, np.empty(0)
     edges = np.linspace(lo, hi, counts.size + 1)

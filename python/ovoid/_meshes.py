@@ -354,6 +354,32 @@ def _merged(source, parts, notes):
     return whole
 
 
+_TRIANGLE, _STRIP, _POLYGON = 5, 6, 7
+
+
+def with_triangles(part):
+    """The part with triangles in the place of polygons, which are taken to be convex, and strips."""
+    is_strip, counts = part.types == _STRIP, np.diff(part.offsets)
+    is_split = is_strip | ((part.types == _POLYGON) & (counts > 2))
+    if not is_split.any():
+        return part
+    num_new = np.where(is_split, np.maximum(counts - 2, 0), 1)
+    cell = np.repeat(np.arange(len(counts)), num_new)  # that each new one is of
+    number = np.arange(len(cell)) - np.repeat(np.cumsum(num_new) - num_new, num_new)  # within it
+    new_counts = np.where(is_split[cell], 3, counts[cell])
+    offsets = np.concatenate([[0], np.cumsum(new_counts)])
+    corner = np.arange(offsets[-1]) - np.repeat(offsets[:-1], new_counts)
+    cell_of, number_of = np.repeat(cell, new_counts), np.repeat(number, new_counts)
+    of_strip = np.where(number_of % 2 == 1, np.array([1, 0, 2])[np.minimum(corner, 2)], corner) + number_of
+    of_polygon = np.where(corner == 0, 0, corner + number_of)
+    place = np.where(is_split[cell_of], np.where(is_strip[cell_of], of_strip, of_polygon), corner)
+    types = np.where(is_split, _TRIANGLE, part.types).astype("u1")
+    made = Part(part.points, (types[cell], offsets, part.connectivity[part.offsets[:-1][cell_of] + place]), is_surface=part.is_surface)
+    made.arrays = [(name, values[cell] if is_cell_data else values, unit, is_cell_data) for name, values, unit, is_cell_data in part.arrays]
+    made.block = part.block
+    return made
+
+
 def _make_particles(source, whole, notes):
     """Points with vertices, or with nothing between them. Arrays of vertices that are the points, one for one, become arrays of points."""
     if whole.is_surface and whole.num_cells:
@@ -369,8 +395,9 @@ def _make_particles(source, whole, notes):
     return _core.particles(source, whole.points, kept)
 
 
-def data_of_parts(source, parts, notes, form, active=None):
-    """Data of all parts: a mesh, or particles if there are no cells but vertices. `active`: the array that is drawn by itself."""
+def data_of_parts(source, parts, notes, form, active=None, faces=False):
+    """Data of all parts: a mesh, or particles if there are no cells but vertices. `active`: the array that is drawn by itself. `faces`:
+    surfaces and lines, with or without values, are meshes, too."""
     parts = [part for part in parts if len(part.points)]
     if not parts:
         raise InvalidArgument(f"{source}: has no points")
@@ -386,9 +413,9 @@ def data_of_parts(source, parts, notes, form, active=None):
         notes.append(f"{source}: {num_dropped} hidden or duplicate cells or points are left out")
     left = _chosen_blocks(source, left, notes)
     whole = left[0] if len(left) == 1 else _merged(source, left, notes)
-    if whole.is_surface or (not whole.dims and np.isin(whole.types, (1, 2)).all()):
+    if (whole.is_surface and not faces) or (not whole.dims and np.isin(whole.types, (1, 2)).all()):
         core = _make_particles(source, whole, notes)
-    elif not whole.arrays:
+    elif not whole.arrays and not faces:
         raise InvalidArgument(f"{source}: has no array of numbers at its points or cells")
     else:
         core = _core.mesh(source, whole.points, whole.types, whole.offsets, whole.connectivity, whole.dims or (0, 0, 0), whole.arrays)
@@ -397,7 +424,7 @@ def data_of_parts(source, parts, notes, form, active=None):
 
 
 def mesh(points, cells, point_data=None, cell_data=None):
-    """Cells between points, with values at either, as data for `render`.
+    """Cells between points, with values at either, as data for `render`, or for its settings `add` and `within`, with values or without.
 
     Parameters
     ----------
@@ -426,4 +453,4 @@ def mesh(points, cells, point_data=None, cell_data=None):
     part = part_of(points, cells, point_data, cell_data)
     if not part.num_cells:
         raise InvalidArgument("cells: there are none; points alone are drawn by ovoid.particles")
-    return data_of_parts("mesh", [part], [], "array")
+    return data_of_parts("mesh", [part], [], "array", faces=True)

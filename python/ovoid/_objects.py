@@ -31,14 +31,14 @@ def _is_meshio(data):
     return _has(data, "points", "cells", "point_data", "cell_data")
 
 
-def data_of_object(data):
-    """Data of an object that says itself where it is; None of others."""
+def data_of_object(data, faces=False):
+    """Data of an object that says itself where it is; None of others. `faces`: of surfaces and lines these, not their points."""
     if isinstance(data, np.ndarray):
         return None
     from . import _data, _meshes, _vtk
 
     if _vtk.is_vtk(data):
-        return _vtk.data_of_vtk(data)
+        return _vtk.data_of_vtk(data, faces)
     if is_yt_grid(data):
         return _yt_lattice(data)
     if is_table(data) or is_yt(data):
@@ -47,7 +47,7 @@ def data_of_object(data):
         notes = []
         arrays = [_numbers_alone(data, arrays, notes) for arrays in (data.point_data, data.cell_data)]
         part = _meshes.part_of(data.points, data.cells, *arrays, order=[0, 2, 1, 3, 5, 4])  # wedges stand on their other side there
-        return _meshes.data_of_parts(_name_of(data), [part], notes, "meshio")
+        return _meshes.data_of_parts(_name_of(data), [_meshes.with_triangles(part) if faces else part], notes, "meshio", faces=faces)
     if _has(data, "dataobj", "affine"):
         return _nibabel_lattice(data)
     if _has(data, "GetSpacing", "GetOrigin", "GetDirection", "GetSize"):

@@ -4,6 +4,7 @@ import logging
 import os
 
 from . import _core, _settings, _state
+from ._beside import Beside
 from ._data import data_of, is_path, paths_of
 from ._errors import InvalidArgument
 from ._picture import Picture
@@ -50,8 +51,9 @@ class Scene:
             self._core = _core.Scene(self._data._core, [])
             self._defaults = self._data._defaults
         self._spans = {}
+        self._beside = Beside(self._data)
         self.settings = settings
-        self._words(settings)  # names that there are not are found now
+        self._asked(settings)  # names that there are not are found now
 
     def _range(self, array):
         """The range of the values called `array`; None where they are not one array of numbers in memory."""
@@ -69,12 +71,14 @@ class Scene:
             self._spans[array] = ends if ends is None or (scale, offset) == (1, 0) else sorted(end * scale + offset for end in ends)
         return self._spans[array]
 
-    def _words(self, settings):
+    def _asked(self, settings):
+        """The program's words, and the data in memory that they name."""
+        settings, beside = self._beside.named(settings)
         chosen = _settings.canonical(settings, self._range)
         for name, value in self._defaults.items():
             if name not in chosen and "array" not in chosen:
                 chosen[name] = value
-        return _settings.words(chosen)
+        return _settings.words(chosen), beside
 
     def render(self, *, progress=False, profile=False, **settings):
         """Draws a frame by the scene's settings and those given here, which win.
@@ -87,7 +91,7 @@ class Scene:
             return self._draw({**self.settings, **settings}, bool(profile), on_progress)
 
     def _draw(self, settings, profile, on_progress, coarseness=0):
-        core = self._core.draw(self._words(settings), profile, on_progress, coarseness)
+        core = self._core.draw(*self._asked(settings), profile, on_progress, coarseness)
         for note in core.notes:
             _log.info("%s", note)
         return Picture(core)
@@ -100,19 +104,19 @@ class Scene:
         """The field at places, as `ovoid.sample` gives it."""
         from . import _functions
 
-        return _functions.samples_of(self._core, points, self._words(self.settings))
+        return _functions.samples_of(self._core, points, self._asked(self.settings))
 
     def slice(self, normal="z", at=None, *, size=512):
         """The field on a plane, as `ovoid.slice` gives it."""
         from . import _functions
 
-        return _functions.slice_of(self._core, self._words(self.settings), normal, at, size)
+        return _functions.slice_of(self._core, self._asked(self.settings), normal, at, size)
 
     def histogram(self, *, log=False):
         """How often values occur, as `ovoid.histogram` tells it."""
         from . import _functions
 
-        return _functions.histogram_of(self._core, self._words(self.settings), log)
+        return _functions.histogram_of(self._core, self._asked(self.settings), log)
 
 
 class View:
@@ -133,7 +137,7 @@ class View:
         """Sets settings; None takes one away. Returns the view."""
         merged = {**self.settings, **settings}
         merged = {name: value for name, value in merged.items() if value is not None}
-        self.scene._words({**self.scene.settings, **merged})
+        self.scene._asked({**self.scene.settings, **merged})
         self.settings = merged
         return self
 

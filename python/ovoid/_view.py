@@ -36,6 +36,13 @@ def _file_of(data, folder):
     return path
 
 
+def _renamed(value, names):
+    """A flag's value, or several, with other names for some files."""
+    if isinstance(value, list):
+        return [_renamed(one, names) for one in value]
+    return names.get(value, value) if isinstance(value, str) else value
+
+
 def view(data=None, *, state=None, **settings):
     """Opens the program's window, and waits until it is closed.
 
@@ -65,12 +72,16 @@ def view(data=None, *, state=None, **settings):
     window = program()
     inputs, given = _state.merged(state, settings)
     with tempfile.TemporaryDirectory(prefix="ovoid-") as folder:
-        own = None
+        own, copies = None, {}
         if data is None:
             words = _settings.words(_settings.canonical(given))
         else:
             scene = Scene(data, **given)
-            words = scene._words(scene.settings)
+            words, beside = scene._asked(scene.settings)
+            copies = {name: os.path.join(folder, name) for name in beside}
+            for name, core in beside.items():
+                core.write(copies[name])
+            words = [copies.get(word, word) for word in words]
             if is_path(data):
                 inputs = paths_of(data)
             else:
@@ -86,4 +97,6 @@ def view(data=None, *, state=None, **settings):
         found = _state.read(kept)
         if own is not None and found["inputs"] == [own]:
             found["inputs"] = []
+        names = {copy: name for name, copy in copies.items()}
+        found["flags"] = {flag: _renamed(value, names) for flag, value in found["flags"].items()}
         return found

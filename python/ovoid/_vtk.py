@@ -210,8 +210,8 @@ def _leaves(data, block=""):
         raise Unsupported(f"{data.GetClassName()}: is not drawn as an object; write it to a file and draw that")
 
 
-def data_of_vtk(data):
-    """A data object as Data."""
+def data_of_vtk(data, faces=False):
+    """A data object as Data; `faces`: of surfaces and lines these, not their points."""
     source = data.GetClassName()
     if data.IsA("vtkAlgorithm"):
         raise InvalidArgument(f"{source}: makes data; expected what it makes: Update(), then GetOutput()")
@@ -236,4 +236,6 @@ def data_of_vtk(data):
     for block, leaf in leaves:
         parts.append(_part(leaf, notes))
         parts[-1].block = block
-    return _meshes.data_of_parts(source, parts, notes, "VTK", _active(only))
+    if faces:
+        parts = [_meshes.with_triangles(part) for part in parts]
+    return _meshes.data_of_parts(source, parts, notes, "VTK", _active(only), faces)

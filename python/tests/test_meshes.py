@@ -85,7 +85,6 @@ HEAT = {"heat": [1.0, 2, 3, 4]}
     (4, {"tetra": np.zeros((0, 4), int)}, HEAT, None, "cells: there are none"),
     (4, 5, HEAT, None, "cells: is a int, expected a dict"),
     (4, [[[0, 1, 2, 3]]], HEAT, None, "cells: is a list, expected a dict"),
-    (4, TETRA, None, None, "has no array of numbers at its points or cells"),
     (4, TETRA, {"heat": [1.0, 2]}, None, r"heat: has the shape \(2,\), expected one or more for each of 4 points"),
     (4, TETRA, {"heat": list("abcd")}, None, "heat: holds <U1, expected numbers"),
     (4, TETRA, 5, None, "point_data: is a int, expected a dict"),

@@ -92,12 +92,12 @@ def test_progress_that_fails_stops_a_frame():
         raise ZeroDivisionError(f"at {fraction}")
 
     with pytest.raises(ZeroDivisionError):
-        core.draw(["--size", "2000x1500", "--backend", "reference"], False, fail)
+        core.draw(["--size", "2000x1500", "--backend", "reference"], {}, False, fail)
 
 
 def test_progress_rises():
     core, told = ovoid.Scene(bumps((48, 48, 48)))._core, []
-    core.draw(["--size", "300x200", "--backend", "reference"], False, told.append)
+    core.draw(["--size", "300x200", "--backend", "reference"], {}, False, told.append)
     assert told[-1] == 1 and told == sorted(told)
     assert ovoid.render(bumps(), progress=True, **SMALL).width == 96
 

@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Data in memory beside what is drawn: labels, further volumes, surfaces; they draw as their files do."""
+import numpy as np
+import ovoid
+import ovoid._view
+import pytest
+from conftest import SMALL, bumps
+from test_states import stand_in
+
+PLACE = {"spacing": (0.5, 1, 2), "origin": (3, -4, 5)}
+
+
+@pytest.fixture
+def labels(array):
+    """Two of them, between boxes of nothing."""
+    found = np.zeros(array.shape, "i8")
+    found[6:16, 6:18, 4:14] = 3
+    found[2:8, 12:22, 18:26] = 7
+    return found
+
+
+@pytest.fixture
+def scan_file(tmp_path, array):
+    path = tmp_path / "scan.nrrd"
+    ovoid.write(path, array, **PLACE)
+    return path
+
+
+def tetrahedron(**values):
+    points = np.array([[4, -2, 10], [14, 4, 14], [6, 14, 20], [10, 6, 36]], "f4")
+    return ovoid.mesh(points, {"triangle": np.array([[0, 1, 2], [0, 1, 3], [1, 2, 3], [0, 2, 3]], "u4")}, **values)
+
+
+def test_a_label_array_lies_where_the_scan_lies(tmp_path, array, labels, scan_file):
+    ovoid.write(tmp_path / "labels.nrrd", labels.astype("u1"), **PLACE)
+    expected = ovoid.render(scan_file, labels=tmp_path / "labels.nrrd", label_opacity="7=0.5", **SMALL)
+    picture = ovoid.render(array, **PLACE, labels=labels, label_opacity="7=0.5", **SMALL)
+    assert (picture.numpy() == expected.numpy()).all()
+    assert (picture.numpy() != ovoid.render(array, **PLACE, **SMALL).numpy()).any()
+    assert picture.command == "ovoid render data.nrrd --labels labels.nrrd --label-opacity 7=0.5 --size 96x72 -o picture.png"
+    assert (ovoid.render(array, **PLACE, state=picture.state, labels=labels).numpy() == expected.numpy()).all()
+
+
+def test_a_mask_of_bool(array, labels):
+    assert (ovoid.render(array, labels=labels == 3, **SMALL).numpy() == ovoid.render(array, labels=(labels == 3).astype("u1"), **SMALL).numpy()).all()
+
+
+def test_labels_of_another_grid(tmp_path, scan_file, labels):
+    coarse = labels[::2, ::2, ::2]
+    place = {"spacing": (1, 2, 4), "origin": (3, -4, 5)}
+    ovoid.write(tmp_path / "coarse.nrrd", coarse.astype("u1"), **place)
+    expected = ovoid.render(scan_file, labels=tmp_path / "coarse.nrrd", **SMALL)
+    assert (ovoid.render(scan_file, labels=ovoid.lattice(coarse, **place), **SMALL).numpy() == expected.numpy()).all()
+
+
+def test_volumes_over_one_another(tmp_path, array, scan_file):
+    first, second = bumps()[::-1].copy(), bumps()[:, ::-1].copy()
+    for name, values in (("first", first), ("second", second)):
+        ovoid.write(tmp_path / f"{name}.nrrd", values, **PLACE)
+    expected = ovoid.render(scan_file, over=[tmp_path / "first.nrrd", tmp_path / "second.nrrd"], over_colormap=["hot", "haline"], **SMALL)
+    both = ovoid.render(array, **PLACE, over=[first, second], over_colormap=["hot", "haline"], **SMALL)
+    mixed = ovoid.render(array, **PLACE, over=(tmp_path / "first.nrrd", second), over_colormap=["hot", "haline"], **SMALL)
+    assert (both.numpy() == expected.numpy()).all() and (mixed.numpy() == expected.numpy()).all()
+    assert "--over over.nrrd --over over-2.nrrd" in both.command
+
+
+def test_a_file_with_the_name_of_what_is_in_memory(tmp_path, monkeypatch, array):
+    monkeypatch.chdir(tmp_path)
+    ovoid.write("over.nrrd", bumps()[::-1].copy())
+    expected = ovoid.render(array, over=[bumps()[:, ::-1].copy(), bumps()[::-1].copy()], **SMALL)
+    picture = ovoid.render(array, over=[bumps()[:, ::-1].copy(), "over.nrrd"], **SMALL)
+    assert (picture.numpy() == expected.numpy()).all() and "--over over-2.nrrd --over over.nrrd" in picture.command
+
+
+def test_surfaces_of_meshes(tmp_path, array, scan_file):
+    mesh = tetrahedron(point_data={"heat": np.arange(4.0)})
+    ovoid.write(tmp_path / "mesh.vtu", mesh)
+    for settings in ({"add_color": "#4682b4"}, {"add_array": "heat"}):
+        expected = ovoid.render(scan_file, add=tmp_path / "mesh.vtu", **settings, **SMALL)
+        assert (ovoid.render(array, **PLACE, add=mesh, **settings, **SMALL).numpy() == expected.numpy()).all()
+
+
+def test_surfaces_of_other_packages(array):
+    vtk = pytest.importorskip("vtkmodules.vtkFiltersSources")
+    ball = vtk.vtkSphereSource()
+    ball.SetCenter(10, 8, 20)
+    ball.SetRadius(4)
+    ball.Update()
+    triangles = ovoid.render(array, **PLACE, add=ball.GetOutput(), add_color="red", **SMALL)
+    assert (triangles.numpy() != ovoid.render(array, **PLACE, **SMALL).numpy()).any()
+    strips = pytest.importorskip("vtkmodules.vtkFiltersCore").vtkStripper()
+    strips.SetInputConnection(ball.GetOutputPort())
+    strips.Update()
+    assert strips.GetOutput().GetNumberOfStrips() > 0
+    assert (ovoid.render(array, **PLACE, add=strips.GetOutput(), add_color="red", **SMALL).numpy() == triangles.numpy()).all()
+
+
+def test_polygons_are_split():
+    """A pentagon and a strip between a line and a triangle; their values go with the pieces."""
+    from ovoid._meshes import Part, with_triangles
+
+    cells = np.array([3, 7, 6, 5], "u1"), np.array([0, 2, 7, 11, 14]), np.array([0, 1, 0, 1, 2, 3, 4, 5, 6, 7, 8, 2, 3, 4], "u4")
+    part = Part(np.zeros((9, 3)), cells, is_surface=True)
+    part.arrays = [("number", np.arange(4.0), "", True)]
+    made = with_triangles(part)
+    assert made.types.tolist() == [3] + [5] * 6
+    assert made.offsets.tolist() == [0, 2, 5, 8, 11, 14, 17, 20]
+    assert made.connectivity.tolist() == [0, 1, 0, 1, 2, 0, 2, 3, 0, 3, 4, 5, 6, 7, 7, 6, 8, 2, 3, 4]
+    assert made.arrays[0][1].tolist() == [0, 1, 1, 1, 2, 2, 3]
+
+
+def test_a_mesh_without_values_stands_beside_others_alone(array):
+    mesh = tetrahedron()
+    assert (ovoid.render(array, **PLACE, add=mesh, **SMALL).numpy() != ovoid.render(array, **PLACE, **SMALL).numpy()).any()
+    with pytest.raises(ovoid.InvalidArgument, match="'mesh': has no arrays"):
+        ovoid.render(mesh, **SMALL)
+
+
+def test_a_scene_keeps_what_stays(array, labels):
+    scene = ovoid.Scene(array, **SMALL)
+    first = scene.render(labels=labels)
+    assert scene.render(labels=labels, azimuth=10).profile["model_ms"] == 0
+    other = scene.render(labels=labels == 7)
+    assert (other.numpy() != first.numpy()).any()
+    assert (scene.render(labels=labels).numpy() == first.numpy()).all()
+
+
+@pytest.mark.parametrize("settings, words", [
+    ({"labels": np.zeros((2, 3, 4), "u1")}, r"labels: has 4 x 3 x 2 samples, the data 28 x 24 x 20: expected as many, or ovoid\.lattice"),
+    ({"labels": np.full((20, 24, 28), 0.5)}, "labels"),
+    ({"labels": tetrahedron(point_data={"heat": np.arange(4.0)})}, "--labels: is for lattices"),
+    ({"over": tetrahedron(point_data={"heat": np.arange(4.0)})}, "--over: is for lattices"),
+    ({"add": np.zeros((20, 24, 28))}, r"add = ndarray: expected a file, ovoid\.mesh"),
+    ({"add": ovoid.lattice(np.zeros((20, 24, 28)))}, "holds a lattice, expected a surface"),
+    ({"within": 3}, r"within = int: expected a file, ovoid\.mesh"),
+])
+def test_what_cannot_stand_beside(array, settings, words):
+    with pytest.raises(ovoid.Error, match=words):
+        ovoid.render(array, **settings, **SMALL)
+
+
+def test_an_array_beside_files_has_no_place(scan_file, labels):
+    with pytest.raises(ovoid.InvalidArgument, match=r"is an array without a place, and the data are files: expected ovoid\.lattice"):
+        ovoid.render(scan_file, labels=labels, **SMALL)
+
+
+def test_the_window_gets_a_copy(tmp_path, monkeypatch, array, labels):
+    stand_in(tmp_path, monkeypatch, "file = words[words.index('--labels') + 1]\nassert open(file, 'rb').read(4) == b'NRRD'\n"
+             "json.dump({'ovoid_state': 1, 'inputs': inputs, 'flags': {'labels': file, 'size': '96x72'}}, open(kept, 'w'))")
+    state = ovoid.view(array, labels=labels)
+    assert state["flags"]["labels"] == "labels.nrrd"
+    assert (ovoid.render(array, state=state, labels=labels).numpy() == ovoid.render(array, labels=labels, **SMALL).numpy()).all()

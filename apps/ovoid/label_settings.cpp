@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "color_words.h"
 #include "setting_forms.h"
 #include "settings.h"
 #include "values.h"
@@ -50,12 +50,9 @@ LabelColors parse_label_colors(const std::string& text) {
 
 // Commas stand between labels, so that colours have none in them.
 std::string text_of_label_colors(const LabelColors& colors) {
-  const auto byte = [](double part) { return static_cast<int>(std::lround(255 * part)); };
   std::string text;
-  for (const auto& [label, rgb] : colors) {
-    text += fmt::format("{}{}=#{:02x}{:02x}{:02x}", text.empty() ? "" : ",", label, byte(rgb[0]),
-                        byte(rgb[1]), byte(rgb[2]));
-  }
+  for (const auto& [label, rgb] : colors)
+    text += fmt::format("{}{}={}", text.empty() ? "" : ",", label, hex_text(rgb));
   return text;
 }
 

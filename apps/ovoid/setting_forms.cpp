@@ -9,6 +9,7 @@
 #include <cstring>
 #include <limits>
 
+#include "color_words.h"
 #include "ovoid/crop.h"
 #include "ovoid/error.h"
 #include "session.h"
@@ -374,11 +375,7 @@ std::string text_of(const std::vector<Isosurface>& surfaces) {
   for (const Isosurface& surface : surfaces) {
     text += fmt::format("{}{}", text.empty() ? "" : ",", surface.value);
     if (surface.color || surface.opacity != 1) text += ':';
-    if (surface.color) {
-      text += '#';
-      for (const double c : *surface.color)
-        text += fmt::format("{:02x}", static_cast<int>(std::lround(255 * c)));
-    }
+    if (surface.color) text += hex_text(*surface.color);
     if (surface.opacity != 1) text += fmt::format(":{}", surface.opacity);
   }
   return text;

@@ -13,6 +13,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "color_words.h"
 #include "ovoid/io.h"
 #include "ovoid/space_part.h"
 
@@ -110,48 +111,10 @@ std::vector<double> parse_numbers(const std::string& text, std::size_t count) {
   return numbers;
 }
 
-namespace {
-
-struct NamedColor {
-  std::string_view name;
-  std::uint32_t rgb;
-};
-
-// Of CSS's, those that people name first.
-constexpr NamedColor kNamedColors[] = {
-    {"black", 0x000000},   {"white", 0xffffff},  {"gray", 0x808080},   {"grey", 0x808080},
-    {"silver", 0xc0c0c0},  {"red", 0xff0000},    {"green", 0x008000},  {"lime", 0x00ff00},
-    {"blue", 0x0000ff},    {"navy", 0x000080},   {"yellow", 0xffff00}, {"orange", 0xffa500},
-    {"brown", 0xa52a2a},   {"maroon", 0x800000}, {"cyan", 0x00ffff},   {"teal", 0x008080},
-    {"magenta", 0xff00ff}, {"purple", 0x800080}, {"pink", 0xffc0cb},   {"olive", 0x808000},
-    {"beige", 0xf5f5dc},   {"ivory", 0xfffff0}};
-
-Rgb color_of(std::uint32_t rgb) {
-  return {(rgb >> 16U & 0xffU) / 255.0, (rgb >> 8U & 0xffU) / 255.0, (rgb & 0xffU) / 255.0};
-}
-
-// "#rgb" or "#rrggbb".
-Rgb parse_hex_color(const std::string& text) {
-  std::string digits = text.substr(1);
-  if (digits.size() == 3)
-    digits = {digits[0], digits[0], digits[1], digits[1], digits[2], digits[2]};
-  std::uint32_t rgb = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), rgb, 16);
-  if (digits.size() != 6 || error != std::errc() || end != digits.data() + digits.size())
-    throw BadValue("expected #rrggbb, hexadecimal");
-  return color_of(rgb);
-}
-
-}  // namespace
-
 Rgb parse_rgb(const std::string& text) {
-  if (text.starts_with('#')) return parse_hex_color(text);
-  for (const NamedColor& color : kNamedColors) {
-    if (text == color.name) return color_of(color.rgb);
-  }
-  const bool is_word = !text.empty() && std::isalpha(static_cast<unsigned char>(text[0])) != 0;
-  if (is_word && text.find(',') == std::string::npos)
-    throw BadValue("expected a colour: white, black, gray, ..., #rrggbb, or R,G,B in [0, 1]");
+  const bool may_be_name = !text.empty() && std::isalpha(static_cast<unsigned char>(text[0])) != 0;
+  if (text.starts_with('#') || (may_be_name && text.find(',') == std::string::npos))
+    return color_of_word(text);
   const std::vector<double> rgb = parse_numbers(text, 3);
   const auto [least, greatest] = std::minmax_element(rgb.begin(), rgb.end());
   if (*least < 0 || *greatest > 1) throw BadValue("expected three numbers in [0, 1]");

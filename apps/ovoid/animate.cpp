@@ -378,7 +378,9 @@ class Animator {
           are_own_labels
               ? series_.times()[static_cast<std::size_t>(series_.nearest_step(frame.time))]
               : frame.time;
-      const Dataset dataset = data_at(series_, time, drawing, session_);
+      Dataset dataset = data_at(series_, time, drawing, session_);
+      if (auto merged = merged_layers(dataset, drawing.model.component))
+        dataset = std::move(merged->dataset);
       const Modelled modelled = make_field(dataset, drawing.model, drawing.run.threads, session_);
       field_ = modelled.field;
       surface_ = surface_of(dataset, drawing, modelled, session_);

@@ -117,13 +117,16 @@ std::shared_ptr<const Surface> surface_of(const Dataset& dataset, const DrawingF
   return surface;
 }
 
-Subject make_subject(const Dataset& dataset, const Flags& flags, DrawingFlags* drawing,
+Subject make_subject(const Dataset& given, const Flags& flags, DrawingFlags* drawing,
                      Session& session) {
-  check_kind_flags(flags, dataset);
-  take_channels(dataset, flags, drawing, session);
+  check_kind_flags(flags, given);
+  take_channels(given, flags, drawing, session);
   Subject subject;
-  const bool is_said = is_segmentation(dataset) && may_draw_own_labels(*drawing, session);
-  if (is_said) take_one_layer(dataset, &drawing->model, session);
+  const bool is_said = is_segmentation(given) && may_draw_own_labels(*drawing, session);
+  const auto merged = drawing->channels.names.empty()
+                          ? merged_layers(given, drawing->model.component)
+                          : std::nullopt;
+  const Dataset& dataset = merged ? merged->dataset : given;
   subject.modelled = make_field(dataset, drawing->model, drawing->run.threads, session);
   if (!drawing->channels.names.empty())
     take_channel_look(dataset, *subject.modelled.field.lattice(), drawing);
@@ -148,8 +151,11 @@ Subject make_subject(const Dataset& dataset, const Flags& flags, DrawingFlags* d
                       (dataset.kind == DatasetKind::kMesh || !drawing->surface.within.empty());
   subject.scenery = make_scenery(drawing->geometry, subject.modelled.field, session);
   if (drawing->labels.own_surfaces || (are_labels && may_draw_own_labels(*drawing, session))) {
+    const auto table = merged
+                           ? merged->table
+                           : table_of_file(dataset.source, std::max(drawing->model.component, 0));
     subject.scenery.labels =
-        make_own_labels(subject.modelled.field, dataset.source, *drawing, session);
+        make_own_labels(subject.modelled.field, dataset.source, table, *drawing, session);
     subject.usual_look.set(label_look(subject.scenery.labels.styles));
     subject.described.label_names = names_of(subject.scenery.labels.styles);
   } else {

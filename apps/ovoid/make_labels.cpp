@@ -109,16 +109,10 @@ void set_field(LabelSurfaces& surfaces, const LabelFlags& flags) {
     named_style(surfaces.styles, name, "--outside-labels").shows_field = false;
 }
 
-// What the flag's table says, or the label file's own.
-std::vector<LabelEntry> table_of(const LabelFlags& flags, const std::string& source, int layer) {
-  if (!flags.table.empty()) return read_label_table(flags.table);
-  if (!has_ending(source, kSegmentation)) return {};
-  return read_label_table(source, layer);
-}
-
-// `flag`: that asks for them, for messages. `layer`: of the file that the field was made of.
+// `flag`: that asks for them, for messages. `table`: the file's own, which that of the flags beats.
 LabelSurfaces surfaces_for(const std::string& flag, const Field& field, const std::string& source,
-                           int layer, const DrawingFlags& drawing, const Session& session) {
+                           const std::vector<LabelEntry>& table, const DrawingFlags& drawing,
+                           const Session& session) {
   LabelSurfaces surfaces;
   try {
     surfaces.map = make_label_map(*field.lattice(), drawing.run.threads, session.stop());
@@ -126,7 +120,8 @@ LabelSurfaces surfaces_for(const std::string& flag, const Field& field, const st
     if (error.code() == ErrorCode::kCancelled) throw;
     throw Error(error.code(), fmt::format("{}: '{}': {}", flag, source, error.what()));
   }
-  surfaces.styles = label_styles(*surfaces.map, table_of(drawing.labels, source, layer));
+  const std::string& file = drawing.labels.table;
+  surfaces.styles = label_styles(*surfaces.map, file.empty() ? table : read_label_table(file));
   style_labels(surfaces.styles, drawing.labels);
   return surfaces;
 }
@@ -142,20 +137,25 @@ bool is_segmentation(const Dataset& dataset) {
   return dataset.kind == DatasetKind::kLattice && has_ending(dataset.source, kSegmentation);
 }
 
-void take_one_layer(const Dataset& dataset, ModelFlags* model, Session& session) {
+std::vector<LabelEntry> table_of_file(const std::string& source, int layer) {
+  if (!has_ending(source, kSegmentation)) return {};
+  return read_label_table(source, layer);
+}
+
+std::optional<MergedLayers> merged_layers(const Dataset& dataset, int component) {
   const int num_layers = dataset.arrays.empty() ? 1 : dataset.arrays.front().num_components;
-  if (num_layers < 2 || model->component != kUsualComponent) return;
-  model->component = 0;
-  session.note(
-      fmt::format("'{}' has {} layers of segments that overlap: the first is drawn "
-                  "(--component 1 the second)",
-                  dataset.source, num_layers));
+  if (!is_segmentation(dataset) || num_layers < 2 || component != kUsualComponent)
+    return std::nullopt;
+  std::vector<std::vector<LabelEntry>> tables;
+  for (int layer = 0; layer < num_layers; ++layer)
+    tables.push_back(table_of_file(dataset.source, layer));
+  return merge_layers(dataset, tables);
 }
 
 LabelSurfaces make_own_labels(const Field& field, const std::string& source,
-                              const DrawingFlags& drawing, Session& session) {
-  LabelSurfaces surfaces = surfaces_for("--label-surfaces", field, source,
-                                        std::max(drawing.model.component, 0), drawing, session);
+                              const std::vector<LabelEntry>& table, const DrawingFlags& drawing,
+                              Session& session) {
+  LabelSurfaces surfaces = surfaces_for("--label-surfaces", field, source, table, drawing, session);
   surfaces.shows_field_elsewhere = false;
   for (LabelStyle& style : surfaces.styles) style.shows_field = false;
   return surfaces;
@@ -195,8 +195,11 @@ LabelSurfaces make_labels_of(const Dataset& dataset, const DrawingFlags& drawing
   LatticeModelOptions options;
   options.kernel = kLabelKernel;
   options.threads = drawing.run.threads;
-  const Field field = make_lattice_field(dataset, options, nullptr, session.stop());
-  LabelSurfaces surfaces = surfaces_for("--labels", field, dataset.source, 0, drawing, session);
+  const auto merged = merged_layers(dataset, kUsualComponent);
+  const Field field =
+      make_lattice_field(merged ? merged->dataset : dataset, options, nullptr, session.stop());
+  const auto table = merged ? merged->table : table_of_file(dataset.source, 0);
+  LabelSurfaces surfaces = surfaces_for("--labels", field, dataset.source, table, drawing, session);
   set_field(surfaces, drawing.labels);
   return surfaces;
 }

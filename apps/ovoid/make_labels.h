@@ -2,12 +2,14 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "ovoid/dataset.h"
 #include "ovoid/field.h"
 #include "ovoid/geometry.h"
+#include "ovoid/labels.h"
 #include "session.h"
 #include "settings.h"
 
@@ -19,13 +21,16 @@ bool may_draw_own_labels(const DrawingFlags& drawing, const Session& session);
 
 // Whether a file says by its name that it holds labels, however few.
 bool is_segmentation(const Dataset& dataset);
-// Of a segmentation in several layers the first, with a note, unless a component was asked for.
-void take_one_layer(const Dataset& dataset, ModelFlags* model, Session& session);
+// A segmentation's layers as one, unless there is one, or `component` asks for it (-1: does not).
+std::optional<MergedLayers> merged_layers(const Dataset& dataset, int component);
 
 // The surfaces of data that are labels; the field itself is then not drawn. `source`: the data's
-// file, which may have a table of names. Throws Error.
+// file. `table`: what it says of them. Throws Error.
 LabelSurfaces make_own_labels(const Field& field, const std::string& source,
-                              const DrawingFlags& drawing, Session& session);
+                              const std::vector<LabelEntry>& table, const DrawingFlags& drawing,
+                              Session& session);
+// What a file says of the labels in one of its layers; nothing, if it is no segmentation.
+std::vector<LabelEntry> table_of_file(const std::string& source, int layer);
 
 // Of those that have one.
 std::map<int, std::string> names_of(const std::vector<LabelStyle>& styles);

@@ -44,6 +44,7 @@ constinit const TypeLayout OVOID_LAYOUTS[] = {
     OVOID_TYPE(LabelMap),
     OVOID_TYPE(LabelStyle),
     OVOID_TYPE(LabelSurfaces),
+    OVOID_TYPE(MergedLayers),
     OVOID_TYPE(LatticeField),
     OVOID_TYPE(Field),
     OVOID_TYPE(Hyperplane),

@@ -92,11 +92,20 @@ bool is_noisy(const Look& look, const Field& field) {
   return materials_of(field).noisiness > kMuch;
 }
 
+// Whether one value of each ray is shown, over a range that nobody named.
+bool is_projection(const LookFlags& flags) {
+  return (flags.mode == Mode::kMaximum || flags.mode == Mode::kMinimum ||
+          flags.mode == Mode::kMean) &&
+         !has_own_span(flags) && !flags.range;
+}
+
 // The look that the other flags change.
 Look base_look(const LookFlags& flags, const Field& field, const std::string& unit,
                Session& session, const UsualLook& usual) {
   const ValueRange range = field.value_range();
-  Look look = uses_default_look(flags) ? usual.of(field, unit).look : ramp_look(range);
+  Look look = uses_default_look(flags) ? usual.of(field, unit).look
+              : is_projection(flags)   ? projection_look(field, flags.mode)
+                                       : ramp_look(range);
   if (uses_default_look(flags) && usual.of(field, unit).is_noisy)
     session.note("the values are noisy: drawn soft (--kernel gaussian:1.5 smooths them)");
   if (flags.mode == Mode::kMaximum || flags.mode == Mode::kMean)

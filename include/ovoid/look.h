@@ -105,6 +105,13 @@ double default_unit_distance(const Field& field);
 // 0 at the low end to 0.5 at the high end.
 Look ramp_look(const ValueRange& range, const std::string& color_map_name = "viridis");
 
+// The plainest look for pictures that show one value of each ray: kMaximum, kMinimum, kMean. The
+// range is that which rays along the field's axes show, without what few of them do and without
+// rays that meet background alone; logarithmic where most of them would be dark
+// (docs/looks.md, "Projections"). Cost and errors as of default_look(); of kernel sets some
+// thousands of values.
+Look projection_look(const Field& field, Mode mode, const std::string& color_map_name = "viridis");
+
 // A look that shows something of a field that nobody said anything about: labels get categorical
 // colours, CT in Hounsfield units skin and bone, what stands in a background its layers, what fills
 // its box its upper half (docs/looks.md, "The default look"). `unit`: the array's, if known; "HU"

@@ -27,8 +27,8 @@ class DrawFlags : public cli::Flags {
   DrawFlags(cli::DataFlags* data, cli::DrawingFlags* drawing);
 };
 
-// What is asked of a scene: flags as on a command line, and data in memory in the place of the files
-// that some of them name.
+// What is asked of a scene: flags as on a command line, and data in memory in the place of the
+// files that some of them name.
 struct Asked {
   cli::Words words;
   cli::Session::Provided beside;

@@ -55,6 +55,7 @@ OUTSIDE = [
     ("GDCM", re.compile(r"^gdcm\w*\.h"), ("src/io/foreign/", "src/io/dicom/test_dicom")),
     ("Linux's sandboxes", re.compile(r"^(linux/landlock|seccomp)\.h"), ("apps/reader/",)),
     ("HDF5", re.compile(r"^hdf5\.h"), ("src/io/",)),
+    ("OpenVDB", re.compile(r"^(openvdb|tbb)/"), ("src/io/foreign/",)),
     ("Highway", re.compile(r"^hwy/"), ("src/render/cpu/", "src/simd/", "src/labels/", "src/model/nearest_squares.cpp", "bench/")),
     ("Vulkan", re.compile(r"^(volk\.h|vulkan/)"), ("src/render/vulkan/",)),
     ("GLFW, Dear ImGui and OpenGL", re.compile(r"^(GLFW/|GL/|imgui|backends/imgui)"), ("apps/viewer/",)),

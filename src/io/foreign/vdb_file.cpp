@@ -63,9 +63,16 @@ Affine3 affine_of(const openvdb::math::Transform& transform) {
   return affine;
 }
 
+// One without a name is called as nameless arrays of other formats are.
+std::string name_of_key(const std::string& key) {
+  if (key.empty() || key == "[0]") return "values";
+  return key.front() == '[' ? "values" + key : key;
+}
+
 VdbGrid described(const VdbEntry& entry, const openvdb::GridBase& grid) {
   VdbGrid described;
-  described.name = entry.name;
+  described.name = name_of_key(entry.name);
+  described.key = entry.name;
   described.type = grid.type();
   described.values = values_of(described.type);
   described.is_of_points = described.type == kPoints;
@@ -124,12 +131,14 @@ VdbFile::VdbFile(std::string source, const std::string& path) : source_(std::mov
       grids_.push_back(described(entry, *file_->readGridMetadata(entry.name)));
   });
   std::stable_partition(grids_.begin(), grids_.end(),
-                        [](const VdbGrid& grid) { return grid.name == "density"; });
+                        [](const VdbGrid& grid) {
+                          return grid.name == "density" || grid.name == "density[0]";
+                        });
 }
 
 openvdb::GridBase::Ptr VdbFile::read(const VdbGrid& grid) {
   return guarded([&] {
-    openvdb::GridBase::Ptr read = file_->readGrid(grid.name);
+    openvdb::GridBase::Ptr read = file_->readGrid(grid.key);
     if (!read) fail(fmt::format("no grid '{}'", grid.name));
     return read;
   });

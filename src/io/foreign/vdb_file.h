@@ -32,7 +32,8 @@ struct VoxelBox {
 
 // What a file says of a grid before its voxels are read.
 struct VdbGrid {
-  std::string name;
+  std::string name;                 // "density", of several of a name "density[1]"; "values" of ""
+  std::string key;                  // what OpenVDB finds it by
   std::string type;                 // "Tree_float_5_4_3"
   std::optional<VdbValues> values;  // none: no grid of numbers that are read
   bool is_of_points = false;

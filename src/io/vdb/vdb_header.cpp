@@ -127,7 +127,7 @@ class HeaderWalk {
                        entry.name, begin, end, voxels, position_));
     }
     if (end > source_.size()) {
-      fail(fmt::format("grid '{}' ends at byte {}, the file at {}: is it truncated?", entry.name,
+      fail(fmt::format("grid '{}' ends at byte {}, the file at {}: is the file truncated?", entry.name,
                        end, source_.size()));
     }
     position_ = begin;

@@ -289,6 +289,12 @@ def seeds(folder, program):
             item + ('Format="HDF">' if kind == "HDF5" else ">") + text +
             "</DataItem></Attribute></Grid></Grid></Domain></Xdmf>\n"})
     xdmf_hdf5(made["XDMF HDF5"].parent / "a.h5")
+    make_vdb = Path(program).parent / "make_vdb"  # of the build's tests; without OpenVDB it is not there
+    if make_vdb.exists():
+        with tempfile.TemporaryDirectory() as place:
+            subprocess.run([make_vdb, place], check=True)
+            for kind in ("kinds", "points", "plain", "zip", "tiles"):
+                add(f"OpenVDB {kind}", "a.vdb", {"a.vdb": (Path(place) / f"{kind}.vdb").read_bytes()})
     place = folder / "HDF5 lattice"
     place.mkdir()
     subprocess.run([program, "make", "ball", "-o", place / "a.h5", "--size", "8"], check=True, capture_output=True)

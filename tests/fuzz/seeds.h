@@ -601,8 +601,10 @@ inline std::vector<std::string> vdb_header_seeds() {
   };
   std::string file = begin(1) + number(2, 4);
   for (const std::string& parent : {std::string(), std::string("density")}) {
-    const std::string words =
-        text(parent.empty() ? "density" : "a\x1e" "1") + text("Tree_float_5_4_3") + text(parent);
+    const std::string words = text(parent.empty() ? "density"
+                                                  : "a\x1e"
+                                                    "1") +
+                              text("Tree_float_5_4_3") + text(parent);
     const std::string data = number(6, 4) + metadata("class") + std::string(20, 'b');
     const std::size_t at = file.size() + words.size() + 24;
     file += words + number(at, 8) + number(parent.empty() ? at + 20 : 0, 8) +

@@ -64,15 +64,18 @@ openvdb::GridPtrVec kinds() {
   const auto sum = [](const Coord& at) { return at.x() + 10 * at.y() + 100 * at.z(); };
   const auto vector = [](const Coord& at) { return Vec3f(counted(at), 1.0F, -2.0F); };
   GridPtrVec grids{
-      grid_of<DoubleGrid>("temperature", 300.0, small, [&](const Coord& at) { return 0.1 * sum(at); }),
+      grid_of<DoubleGrid>("temperature", 300.0, small,
+                          [&](const Coord& at) { return 0.1 * sum(at); }),
       counted_grid(),
       grid_of<Int32Grid>("number", -1, small, sum),
-      grid_of<Int64Grid>("large", -1, small, [&](const Coord& at) { return (Int64{1} << 40) + sum(at); }),
+      grid_of<Int64Grid>("large", -1, small,
+                         [&](const Coord& at) { return (Int64{1} << 40) + sum(at); }),
       grid_of<BoolGrid>("inside", false, small, [](const Coord& at) { return at.x() != 1; }),
       grid_of<MaskGrid>("mask", false, small, [](const Coord&) { return true; }),
       grid_of<Vec3SGrid>("v", Vec3f(0.0F), small, vector),
       grid_of<Vec3DGrid>("vd", Vec3d(0.0), small, vector),
-      grid_of<Vec3IGrid>("vi", Vec3i(7), small, [](const Coord& at) { return Vec3i(at.asPointer()); })};
+      grid_of<Vec3IGrid>("vi", Vec3i(7), small,
+                         [](const Coord& at) { return Vec3i(at.asPointer()); })};
   for (const auto& grid : grids) grid->setTransform(scaled(0.5, {1, 2, 3}));
   return grids;
 }
@@ -92,11 +95,7 @@ void write_storage() {
 void write_places() {
   using namespace openvdb;
   const auto affine = counted_grid();
-  Mat4d matrix = Mat4d::identity();
-  matrix.setToRotation(Vec3d(1, 2, 3).unit(), 0.7);
-  matrix.preScale(Vec3d(0.5, 1, 2));
-  matrix.preShear(math::X_AXIS, math::Y_AXIS, 0.25);
-  matrix.postTranslate(Vec3d(4, 5, 6));
+  const Mat4d matrix(0.5, 0.25, 0, 0, -0.5, 1, 0.125, 0, 0, 0.5, 2, 0, 4, 5, 6, 1);
   affine->setTransform(Transform::createLinearTransform(matrix));
   write("affine.vdb", {affine});
   const auto frustum = counted_grid();
@@ -124,8 +123,9 @@ void write_odd() {
   write("nothing.vdb", {});
   const auto tiles = FloatGrid::create(1);
   tiles->setName("tiles");
-  tiles->fill({Coord(0), Coord(39, 8, 7)}, 4.0F);        // of 8^3 voxels, and single ones
-  tiles->fill({Coord(16, 0, 0), Coord(23, 7, 7)}, -2.0F, false);  // not active, and a value all the same
+  tiles->fill({Coord(0), Coord(39, 8, 7)}, 4.0F);  // of 8^3 voxels, and single ones
+  tiles->fill({Coord(16, 0, 0), Coord(23, 7, 7)}, -2.0F,
+              false);  // not active, and a value all the same
   tiles->pruneGrid();
   write("tiles.vdb", {tiles});
   const auto shared = counted_grid("shared");
@@ -171,18 +171,19 @@ void write_points() {
   const auto transform = scaled(0.5, {1, 2, 3});
   const points::PointAttributeVector<Vec3R> positions(places);
   const auto index = tools::createPointIndexGrid<tools::PointIndexGrid>(positions, *transform);
-  const auto grid =
-      points::createPointDataGrid<points::NullCodec, points::PointDataGrid>(*index, positions, *transform);
+  const auto grid = points::createPointDataGrid<points::NullCodec, points::PointDataGrid>(
+      *index, positions, *transform);
   grid->setName("points");
   auto& tree = grid->tree();
   points::appendAttribute<float>(tree, "size");
   points::appendAttribute<Vec3f>(tree, "v");
   points::PointAttributeVector<float> size(sizes);
   points::PointAttributeVector<Vec3f> velocity(velocities);
-  points::populateAttribute<points::PointDataTree, tools::PointIndexTree, points::PointAttributeVector<float>>(
-      tree, index->tree(), "size", size);
-  points::populateAttribute<points::PointDataTree, tools::PointIndexTree, points::PointAttributeVector<Vec3f>>(
-      tree, index->tree(), "v", velocity);
+  points::populateAttribute<points::PointDataTree, tools::PointIndexTree,
+                            points::PointAttributeVector<float>>(tree, index->tree(), "size", size);
+  points::populateAttribute<points::PointDataTree, tools::PointIndexTree,
+                            points::PointAttributeVector<Vec3f>>(tree, index->tree(), "v",
+                                                                 velocity);
   write("points.vdb", {grid});
   write("both.vdb", {grid, counted_grid()});
 }

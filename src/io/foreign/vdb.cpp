@@ -43,7 +43,9 @@ Index3 negated(const Index3& index) { return {-index[0], -index[1], -index[2]}; 
 class VdbReader {
  public:
   explicit VdbReader(const ReaderRequest& request)
-      : request_(request), options_(request.options), file_(request.source, request.paths.front()) {}
+      : request_(request),
+        options_(request.options),
+        file_(request.source, request.paths.front()) {}
 
   Dataset read() {
     dataset_.source = file_.source();
@@ -80,21 +82,23 @@ class VdbReader {
 
   [[noreturn]] void refuse_choice(const char* what, const std::string& asked,
                                   const std::vector<std::string>& names) const {
-    fail(fmt::format("{} '{}': not there: expected one of {}", what, asked,
-                     data::names_text(names)),
-         ErrorCode::kInvalidArgument);
+    fail(
+        fmt::format("{} '{}': not there: expected one of {}", what, asked, data::names_text(names)),
+        ErrorCode::kInvalidArgument);
   }
 
   [[noreturn]] void refuse(const VdbGrid& grid) const {
     const std::string name = data::name_text(grid.name);
     if (grid.values) {
-      fail(fmt::format("grid {} lies in a camera's frustum, whose voxels are no lattice: expected "
-                       "a grid of an affine transform, which OpenVDB can resample it to",
-                       name));
+      fail(
+          fmt::format("grid {} lies in a camera's frustum, whose voxels are no lattice: expected "
+                      "a grid of an affine transform, which OpenVDB can resample it to",
+                      name));
     }
-    fail(fmt::format("grid {} is of the type {}, which is not read: expected numbers, vectors of "
-                     "three or points",
-                     name, grid.type));
+    fail(
+        fmt::format("grid {} is of the type {}, which is not read: expected numbers, vectors of "
+                    "three or points",
+                    name, grid.type));
   }
 
   std::vector<std::string> names_of_blocks() const {
@@ -135,9 +139,9 @@ class VdbReader {
   void read_lattice(VdbBlock& block) {
     VoxelBox box;
     if (request_.paths.size() > 1) join_series(block, box);
-    check_geometry(fmt::format("{}: the transform of grid {}", file_.source(),
-                               data::name_text(block.name)),
-                   block.world_from_index);
+    check_geometry(
+        fmt::format("{}: the transform of grid {}", file_.source(), data::name_text(block.name)),
+        block.world_from_index);
     std::vector<openvdb::GridBase::Ptr> grids;
     for (const VdbMember& member : block.members) {
       stop_if_asked();
@@ -206,7 +210,8 @@ class VdbReader {
                                                      static_cast<double>(samples.first[2])));
   }
 
-  // The bytes of all arrays. Throws unless memory holds them: a small file may have voxels anywhere.
+  // The bytes of all arrays. Throws unless memory holds them: a small file may have voxels
+  // anywhere.
   std::int64_t checked_size(const VdbBlock& block, const VoxelBox& samples,
                             const std::vector<openvdb::GridBase::Ptr>& grids) const {
     const Index3 dims = samples.dims();
@@ -221,8 +226,8 @@ class VdbReader {
       return static_cast<std::int64_t>(num_bytes);
     std::uint64_t num_active = 0;
     for (const auto& grid : grids) num_active += grid->activeVoxelCount();
-    const char* const way_out = block.members.size() > 1 ? ", and --array NAME reads one of them"
-                                                         : "";
+    const char* const way_out =
+        block.members.size() > 1 ? ", and --array NAME reads one of them" : "";
     fail(fmt::format("{} voxels of {} are active, in a box of {}, whose samples take {:.3g} GiB of "
                      "memory: {:.3g} are free{}",
                      num_active,
@@ -235,14 +240,16 @@ class VdbReader {
 
   void tell_of_kind(const VdbGrid& grid) {
     if (grid.is_level_set) {
-      note(fmt::format("grid {} is a level set, a distance that is 0 on a surface: --mode "
-                       "isosurface --iso 0 draws that",
-                       data::name_text(grid.name)));
+      note(
+          fmt::format("grid {} is a level set, a distance that is 0 on a surface: --mode "
+                      "isosurface --iso 0 draws that",
+                      data::name_text(grid.name)));
     }
     if (grid.is_staggered) {
-      note(fmt::format("grid {} is staggered: its components are those on the faces of voxels, "
-                       "half a voxel before where they are drawn",
-                       data::name_text(grid.name)));
+      note(
+          fmt::format("grid {} is staggered: its components are those on the faces of voxels, "
+                      "half a voxel before where they are drawn",
+                      data::name_text(grid.name)));
     }
   }
 

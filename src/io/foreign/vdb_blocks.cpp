@@ -50,8 +50,8 @@ std::optional<Index3> offset_in(const Affine3& world_from_index, const VdbGrid& 
   const double voxel = axes.colwise().norm().minCoeff();
   const Mat3 difference = axes - grid.world_from_index.linear();
   if (!(difference.cwiseAbs().maxCoeff() <= kSameAxes * voxel)) return std::nullopt;
-  const Vec3 apart = axes.inverse() *
-                     (world_from_index.translation() - grid.world_from_index.translation());
+  const Vec3 apart =
+      axes.inverse() * (world_from_index.translation() - grid.world_from_index.translation());
   Index3 offset{};
   for (int a = 0; a < 3; ++a) {
     const double whole = std::round(apart[a]);
@@ -108,8 +108,7 @@ VdbSeries series_of(const std::vector<std::string>& paths, const ReadOptions& op
     for (const VdbMember& member : block->members) {
       const auto offset = offset_in(*series.world_from_index, member.grid);
       if (!offset) continue;  // another lattice: who compares the steps says so
-      series.box.add(
-          member.grid.told.moved({-(*offset)[0], -(*offset)[1], -(*offset)[2]}));
+      series.box.add(member.grid.told.moved({-(*offset)[0], -(*offset)[1], -(*offset)[2]}));
     }
   }
   return series;

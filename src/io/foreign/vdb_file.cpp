@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "io/core/byte_source.h"
+#include "io/core/memory.h"
 #include "io/vdb/vdb_header.h"
 #include "ovoid/error.h"
 
@@ -130,10 +131,9 @@ VdbFile::VdbFile(std::string source, const std::string& path) : source_(std::mov
     for (const VdbEntry& entry : header.grids)
       grids_.push_back(described(entry, *file_->readGridMetadata(entry.name)));
   });
-  std::stable_partition(grids_.begin(), grids_.end(),
-                        [](const VdbGrid& grid) {
-                          return grid.name == "density" || grid.name == "density[0]";
-                        });
+  std::stable_partition(grids_.begin(), grids_.end(), [](const VdbGrid& grid) {
+    return grid.name == "density" || grid.name == "density[0]";
+  });
 }
 
 openvdb::GridBase::Ptr VdbFile::read(const VdbGrid& grid) {
@@ -147,6 +147,13 @@ openvdb::GridBase::Ptr VdbFile::read(const VdbGrid& grid) {
 void VdbFile::fail(const std::string& what) const {
   throw Error(ErrorCode::kFileFormat,
               fmt::format("{}: OpenVDB cannot read it: {}: is the file damaged?", source_, what));
+}
+
+void VdbFile::fail_for_memory() const {
+  throw Error(ErrorCode::kOutOfMemory,
+              fmt::format("{}: OpenVDB asks for more memory than there is: is the file damaged, or "
+                          "larger than {:.3g} GiB of voxels?",
+                          source_, static_cast<double>(available_memory()) / (1 << 30)));
 }
 
 VoxelBox active_box(const openvdb::GridBase& grid) {

@@ -5,12 +5,15 @@
 #include <openvdb/openvdb.h>
 
 #include <cstdint>
+#include <exception>
 #include <memory>
+#include <new>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "ovoid/dataset.h"
+#include "ovoid/error.h"
 
 namespace ovoid::io {
 
@@ -57,18 +60,23 @@ class VdbFile {
   // With its voxels. Throws Error(kFileFormat) if OpenVDB does not read it.
   openvdb::GridBase::Ptr read(const VdbGrid& grid);
 
-  // Runs `action`, whose exceptions of OpenVDB's become Error(kFileFormat).
+  // Runs `action`, whose exceptions of OpenVDB's become Error(kFileFormat), or kOutOfMemory.
   template <typename Action>
   auto guarded(const Action& action) const {
     try {
       return action();
-    } catch (const openvdb::Exception& error) {
+    } catch (const Error&) {
+      throw;
+    } catch (const std::bad_alloc&) {
+      fail_for_memory();
+    } catch (const std::exception& error) {
       fail(error.what());
     }
   }
 
  private:
   [[noreturn]] void fail(const std::string& what) const;
+  [[noreturn]] void fail_for_memory() const;
 
   std::string source_;
   std::unique_ptr<openvdb::io::File> file_;

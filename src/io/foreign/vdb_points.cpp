@@ -30,7 +30,7 @@ using openvdb::points::PointDataGrid;
 using Leaf = openvdb::points::PointDataTree::LeafNodeType;
 
 constexpr std::string_view kPositions = "P";
-constexpr std::int64_t kMostComponents = 64;
+constexpr std::int64_t kMostAttributeComponents = 64;
 
 // Writes the values of a leaf's points behind each other.
 using WriteValues = void (*)(const AttributeArray&, std::byte*);
@@ -99,8 +99,7 @@ class PointReader {
     list_attributes(*grid);
     dataset_.kind = DatasetKind::kParticles;
     std::byte* to = nullptr;
-    dataset_.positions =
-        new_array({"", ScalarType::kFloat64, 3, num_points_, "", false, {}}, to);
+    dataset_.positions = new_array({"", ScalarType::kFloat64, 3, num_points_, "", false, {}}, to);
     ReadProgress progress(options_, num_bytes_);
     for (auto leaf = grid->tree().cbeginLeaf(); leaf; ++leaf)
       file_.guarded([&] { read_leaf(*leaf, grid->transform(), to, progress); });
@@ -139,9 +138,10 @@ class PointReader {
       attribute.name = name;
       attribute.kind = kind_of(std::string(stored.valueType()));
       attribute.stride = stored.stride();
-      const bool is_read = attribute.kind != nullptr && stored.hasConstantStride() &&
-                           !openvdb::points::isString(stored) &&
-                           attribute.stride * attribute.kind->num_components <= kMostComponents;
+      const bool is_read =
+          attribute.kind != nullptr && stored.hasConstantStride() &&
+          !openvdb::points::isString(stored) &&
+          attribute.stride * attribute.kind->num_components <= kMostAttributeComponents;
       if (!is_read) {
         left_out.push_back(name);
         continue;
@@ -153,11 +153,10 @@ class PointReader {
                                attributes_.size()),
                    num_bytes_);
     for (Attribute& attribute : attributes_) {
-      const auto components =
-          static_cast<int>(attribute.stride * attribute.kind->num_components);
-      attribute.array = new_array(
-          {attribute.name, attribute.kind->type, components, num_points_, "", false, {}},
-          attribute.to);
+      const auto components = static_cast<int>(attribute.stride * attribute.kind->num_components);
+      attribute.array =
+          new_array({attribute.name, attribute.kind->type, components, num_points_, "", false, {}},
+                    attribute.to);
     }
     if (left_out.empty()) return;
     dataset_.notes.push_back(fmt::format("{}: attributes that hold no numbers are left out: {}",

@@ -45,19 +45,18 @@ std::string find_reader_program(const std::string& source, const std::string& na
                                 std::string_view program) {
   if (!named.empty()) {
     std::error_code ignored;
-    const std::string path = program == kName
-                                 ? named
-                                 : (fs::canonical(named, ignored).parent_path() / program).string();
+    const std::string path =
+        program == kName ? named : (fs::canonical(named, ignored).parent_path() / program).string();
     if (::access(path.c_str(), X_OK) == 0) return path;
     throw Error(ErrorCode::kUnsupported,
                 fmt::format("reader_program = {}: is no program that can be started: expected {}",
                             path, program));
   }
   const fs::path folder = own_module().parent_path();
-  const std::vector<fs::path> places{
-      folder / program, folder / "../libexec/ovoid" / program,
-      folder / "../../libexec/ovoid" / program, fs::path(OVOID_READER_FOLDER) / program,
-      fs::path(kSystemFolder) / program};
+  const std::vector<fs::path> places{folder / program, folder / "../libexec/ovoid" / program,
+                                     folder / "../../libexec/ovoid" / program,
+                                     fs::path(OVOID_READER_FOLDER) / program,
+                                     fs::path(kSystemFolder) / program};
   for (const fs::path& place : places) {
     std::error_code ignored;
     if (::access(place.c_str(), X_OK) == 0) return fs::canonical(place, ignored).string();

@@ -24,7 +24,7 @@ namespace {
 constexpr std::uint32_t kOldest = 222;  // that which a grid's flags of compression came with
 constexpr std::int64_t kIdentifier = 36;
 constexpr std::int64_t kLongestText = 64 << 10;
-constexpr std::int32_t kMostGrids = 10000;
+constexpr std::int32_t kMostVdbGrids = 10000;
 constexpr std::uint32_t kMostMetadata = 100000;
 
 // OpenVDB sets a number behind a name that several grids have apart by this.
@@ -56,8 +56,8 @@ class HeaderWalk {
     pass_metadata("of the file");
     if (!header.has_offsets) return header;
     const auto count = number<std::int32_t>("the number of grids");
-    if (count < 0 || count > kMostGrids)
-      fail(fmt::format("has {} grids: expected 0 to {}", count, kMostGrids));
+    if (count < 0 || count > kMostVdbGrids)
+      fail(fmt::format("has {} grids: expected 0 to {}", count, kMostVdbGrids));
     for (std::int32_t i = 0; i < count; ++i) header.grids.push_back(entry(i));
     return header;
   }
@@ -119,16 +119,17 @@ class HeaderWalk {
     const auto begin = number<std::int64_t>(field);
     const auto voxels = number<std::int64_t>(field);
     const auto end = number<std::int64_t>(field);
-    const bool is_in_order = begin >= position_ && end >= begin &&
-                             (shares_tree || (voxels >= begin && voxels <= end));
+    const bool is_in_order =
+        begin >= position_ && end >= begin && (shares_tree || (voxels >= begin && voxels <= end));
     if (!is_in_order) {
-      fail(fmt::format("grid '{}' says that it lies from byte {} to {}, its voxels from {} on, "
-                       "behind a descriptor that ends at {}: is the file damaged?",
-                       entry.name, begin, end, voxels, position_));
+      fail(
+          fmt::format("grid '{}' says that it lies from byte {} to {}, its voxels from {} on, "
+                      "behind a descriptor that ends at {}: is the file damaged?",
+                      entry.name, begin, end, voxels, position_));
     }
     if (end > source_.size()) {
-      fail(fmt::format("grid '{}' ends at byte {}, the file at {}: is the file truncated?", entry.name,
-                       end, source_.size()));
+      fail(fmt::format("grid '{}' ends at byte {}, the file at {}: is the file truncated?",
+                       entry.name, end, source_.size()));
     }
     position_ = begin;
     skip(4, field);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a header of OpenVDB says, and what it must not: sizes and places that the file does not have.
+// What a header of OpenVDB says, and what it must not: sizes and places that the file does not
+// have.
 #include "io/vdb/vdb_header.h"
 
 #include <gmock/gmock.h>

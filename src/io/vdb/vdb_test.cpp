@@ -73,8 +73,8 @@ double counted(const Voxel& at) {
 
 double sample(const DataArray& array, std::int64_t index, int component = 0) {
   return data::visit_scalar(array.type, [&]<class T>(std::type_identity<T>) {
-    return static_cast<double>(data::load_scalar<T>(array.bytes.view.data(),
-                                                    index * array.num_components + component));
+    return static_cast<double>(
+        data::load_scalar<T>(array.bytes.view.data(), index * array.num_components + component));
   });
 }
 
@@ -143,9 +143,11 @@ TEST_F(VdbFiles, GridsOfAllKindsOfNumbersShareALattice) {
   for (const auto& [name, type] : {std::pair{"v", kFloat32}, std::pair{"vd", kFloat64}}) {
     EXPECT_EQ(dataset.array(name).num_components, 3);
     expect(name, type, 0, counted, 0);
-    expect(name, type, 0, [](const Voxel&) { return -2.0; }, 2);
+    expect(
+        name, type, 0, [](const Voxel&) { return -2.0; }, 2);
   }
-  expect("vi", kInt32, 7, [](const Voxel& at) { return static_cast<double>(at.y); }, 1);
+  expect(
+      "vi", kInt32, 7, [](const Voxel& at) { return static_cast<double>(at.y); }, 1);
 }
 
 TEST_F(VdbFiles, OneGridHasABoxOfItsOwn) {
@@ -165,16 +167,12 @@ TEST_F(VdbFiles, AreReadHoweverTheyAreStored) {
 TEST_F(VdbFiles, AreWhereTheirTransformSays) {
   const Dataset dataset = read("affine.vdb");
   expect_counted(dataset);
-  // As make_vdb builds it: each step comes before those that are there, for the points.
-  const Vec3 axis = Vec3(1, 2, 3).normalized();
-  const Mat3 turned = Eigen::AngleAxisd(0.7, axis).toRotationMatrix().transpose();
-  Mat3 sheared = Mat3::Identity();
-  sheared(0, 1) = 0.25;
-  const Mat3 rows = sheared * Vec3(0.5, 1, 2).asDiagonal() * turned;
-  const Mat3 found = dataset.lattice.world_from_index.linear();
-  const Mat3 expected = rows.transpose();
-  EXPECT_LE((found - expected).norm(), 1e-12) << found << "\n\n" << expected;
-  const Vec3 first = expected * Vec3(-4, 1, -1) + Vec3(4, 5, 6);
+  Mat3 axes;  // as make_vdb has them, a voxel's three in columns
+  axes.col(0) = Vec3(0.5, 0.25, 0);
+  axes.col(1) = Vec3(-0.5, 1, 0.125);
+  axes.col(2) = Vec3(0, 0.5, 2);
+  EXPECT_EQ(dataset.lattice.world_from_index.linear(), axes);
+  const Vec3 first = axes * Vec3(-4, 1, -1) + Vec3(4, 5, 6);
   EXPECT_LE((dataset.lattice.world_from_index.translation() - first).norm(), 1e-12);
 }
 
@@ -243,7 +241,7 @@ TEST_F(VdbFiles, ThatHoldNothingAreErrors) {
 
 TEST_F(VdbFiles, BoxesThatMemoryDoesNotHoldAreErrors) {
   const std::string text = error("far.vdb");
-  EXPECT_THAT(text, HasSubstr("out of memory: "));
+  EXPECT_THAT(text, HasSubstr("out-of-memory: "));
   EXPECT_THAT(text, HasSubstr("2 voxels of grid 'far' are active, in a box of "
                               "2000003x1000003x1000003"));
 }
@@ -304,7 +302,7 @@ TEST_F(VdbFiles, StepsOfOtherLatticesAreErrors) {
 
 TEST_F(VdbFiles, ThatAreCutShortAreErrors) {
   const std::string whole = folder.read("kinds.vdb");
-  for (std::size_t size = 16; size < whole.size(); size += whole.size() / 20) {
+  for (std::size_t size = 16; size < whole.size(); size += whole.size() / 8) {
     folder.write("cut.vdb", whole.substr(0, size));
     EXPECT_THAT(error("cut.vdb"), HasSubstr("is the file truncated?")) << size;
   }
@@ -314,7 +312,7 @@ TEST_F(VdbFiles, ThatAreCutShortAreErrors) {
 // for n times as many.
 TEST_F(VdbFiles, ThatAreDamagedEndInAnError) {
   const char* const factor = std::getenv("OVOID_MUTATIONS");
-  const int count = 60 * (factor == nullptr ? 1 : std::max(1, std::atoi(factor)));
+  const int count = 16 * (factor == nullptr ? 1 : std::max(1, std::atoi(factor)));
   std::mt19937_64 random(20261127);
   const auto below = [&](std::size_t end) { return static_cast<std::size_t>(random() % end); };
   ReadOptions options;

@@ -95,7 +95,8 @@ void write_storage() {
 void write_places() {
   using namespace openvdb;
   const auto affine = counted_grid();
-  const Mat4d matrix(0.5, 0.25, 0, 0, -0.5, 1, 0.125, 0, 0, 0.5, 2, 0, 4, 5, 6, 1);
+  const Mat4d matrix(Vec4d(0.5, 0.25, 0, 0), Vec4d(-0.5, 1, 0.125, 0), Vec4d(0, 0.5, 2, 0),
+                     Vec4d(4, 5, 6, 1));
   affine->setTransform(Transform::createLinearTransform(matrix));
   write("affine.vdb", {affine});
   const auto frustum = counted_grid();

@@ -312,7 +312,7 @@ TEST_F(VdbFiles, ThatAreCutShortAreErrors) {
 // for n times as many.
 TEST_F(VdbFiles, ThatAreDamagedEndInAnError) {
   const char* const factor = std::getenv("OVOID_MUTATIONS");
-  const int count = 16 * (factor == nullptr ? 1 : std::max(1, std::atoi(factor)));
+  const int count = 40 * (factor == nullptr ? 1 : std::max(1, std::atoi(factor)));
   std::mt19937_64 random(20261127);
   const auto below = [&](std::size_t end) { return static_cast<std::size_t>(random() % end); };
   ReadOptions options;

@@ -34,8 +34,8 @@ void read_block(std::istream& stream, char* to, std::size_t num_bytes, UnpackBlo
   const std::uint64_t stored =
       is_packed ? static_cast<std::uint64_t>(told) : 0 - static_cast<std::uint64_t>(told);
   if (is_packed ? stored > most_packed(num_bytes) : stored != num_bytes) {
-    throw openvdb::IoError(fmt::format("a block of {} bytes of voxels claims {} in the file",
-                                       num_bytes, stored));
+    throw openvdb::IoError(
+        fmt::format("a block of {} bytes of voxels claims {} in the file", num_bytes, stored));
   }
   if (to == nullptr) {  // passed over
     stream.seekg(static_cast<std::streamoff>(stored), std::ios_base::cur);

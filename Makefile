@@ -50,6 +50,7 @@ fuzz: setup  ## fuzz the readers for SECONDS (60) each
 	@scripts/fuzz.sh $(SECONDS)
 
 mutants: build  ## damage files a thousand times each, and let the program read them
+	@scripts/build.sh release test_files
 	@python3 tests/hostile/mutants.py build/release/bin/ovoid --count $(or $(COUNT),1000)
 
 bench: build  ## measure against the peers; the table goes to bench/results/ (of DATA="...": BENCH=looks first pictures, BENCH=fit fewer kernels, BENCH=simplify runs and boxes, BENCH=mappers in VTK, BENCH=processes by several, BENCH=python from Python; BENCH=solids, BENCH=sites)

@@ -11,7 +11,7 @@ declare -A checks=(
   [unity]="python3 scripts/check_unity.py"
   [test_names]="python3 scripts/check_test_names.py"
   [format]="scripts/check_format.sh"
-  [licences]="python3 scripts/check_licences.py build/release/bin/ovoid build/release/bin/ovoid-viewer build/release/bin/ovoid-read scripts/licences.txt"
+  [licences]="python3 scripts/check_licences.py build/release/bin/ovoid build/release/bin/ovoid-viewer build/release/bin/ovoid-read build/release/bin/ovoid-read-vdb scripts/licences.txt"
   [tidy]="python3 scripts/check_tidy.py"
 )
 names=("$@")

@@ -11,9 +11,10 @@ import re
 import subprocess
 import sys
 
-# The copyleft licences that do not reach over dynamic linking (LGPL), or that say so for this very use (the GCC exception).
+# The copyleft licences that do not reach over dynamic linking (LGPL), nor beyond their own files (MPL), or that say so for this very
+# use (the GCC exception).
 ACCEPTED = {"Apache-2.0", "MIT", "BSD-2-Clause", "BSD-3-Clause", "Zlib", "libpng-2.0", "bzip2-1.0.6", "0BSD", "public-domain",
-            "BSL-1.0", "IJG", "curl", "ISC", "Unicode-DFS-2016", "OLDAP-2.8", "BSD-3-Clause-Attribution", "LGPL-2.1-or-later", "LGPL-3.0-or-later",
+            "BSL-1.0", "IJG", "curl", "ISC", "Unicode-DFS-2016", "OLDAP-2.8", "BSD-3-Clause-Attribution", "LGPL-2.1-or-later", "LGPL-3.0-or-later", "MPL-2.0",
             "GPL-3.0-or-later WITH GCC-exception-3.1"}
 
 

@@ -7,7 +7,7 @@ cd "$(dirname "$0")/.."
 
 seconds=${1:?"usage: fuzz.sh SECONDS [TARGET...]"}
 targets=("${@:2}")
-((${#targets[@]})) || targets=(nrrd npy nifti metaimage slc slice tiff zarr xdmf netcdf raw_name dicom dicom_codec vtk_header plot3d netcdf_header look camera point_text npz ply lammps relevant_runs)
+((${#targets[@]})) || targets=(nrrd npy nifti metaimage slc slice tiff zarr xdmf netcdf raw_name dicom dicom_codec vtk_header plot3d netcdf_header vdb_header look camera point_text npz ply lammps relevant_runs)
 build=build/fuzz
 
 launcher=()
@@ -15,7 +15,7 @@ if command -v ccache >/dev/null; then launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=cc
 # Instrumentation goes into the library too: libFuzzer is led by the branches that the readers take.
 cmake -S . -B "$build" -G Ninja -DOVOID_VTK_MAPPERS=OFF -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++ \
   -DCMAKE_CXX_FLAGS="-fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer -UNDEBUG" \
-  -DOVOID_FUZZ=ON -DOVOID_IO_VTK=OFF -DOVOID_IO_HDF5=OFF -DOVOID_TESTS=OFF "${launcher[@]}" >"$build.log" 2>&1 ||
+  -DOVOID_FUZZ=ON -DOVOID_IO_VTK=OFF -DOVOID_IO_HDF5=OFF -DOVOID_IO_OPENVDB=OFF -DOVOID_TESTS=OFF "${launcher[@]}" >"$build.log" 2>&1 ||
   { cat "$build.log" >&2; exit 1; }
 ninja -C "$build" -j "${JOBS:-$(nproc)}" write_seeds "${targets[@]/#/fuzz_}" >"$build.log" 2>&1 ||
   { tail -50 "$build.log" >&2; exit 1; }

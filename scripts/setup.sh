@@ -20,6 +20,7 @@ declare -A groups=(
     libpng-dev libjpeg-dev libgif-dev zlib1g-dev libbz2-dev libblosc-dev libzstd-dev liblz4-dev libopenexr-dev
     libvulkan-dev libvulkan-volk-dev glslang-tools spirv-tools
     voro++-dev libhwy-dev libvtk9-dev libgdcm-dev libhdf5-dev libseccomp-dev libgtest-dev libgmock-dev
+    libopenvdb-dev libtbb-dev
     libvulkan1 mesa-vulkan-drivers vulkan-validationlayers
     dpkg-dev file
     python3-vtk9 python3-numpy

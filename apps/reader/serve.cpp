@@ -4,12 +4,14 @@
 #include <fmt/format.h>
 #include <malloc.h>
 #include <poll.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
 #include <cstring>
 #include <exception>
 #include <filesystem>
@@ -20,7 +22,6 @@
 #include <utility>
 
 #include "io/core/memory.h"
-#include "io/foreign/foreign_readers.h"
 #include "io/reader/reader_messages.h"
 #include "ovoid/error.h"
 #include "sandbox.h"
@@ -48,7 +49,8 @@ void end_with(int socket) {
 
 class Server {
  public:
-  explicit Server(io::UniqueFd socket) : link_(std::move(socket)) {}
+  Server(io::UniqueFd socket, ReadHere read_here)
+      : link_(std::move(socket)), read_here_(read_here) {}
 
   void answer(const std::vector<std::uint8_t>& message) {
     source_.clear();
@@ -84,7 +86,7 @@ class Server {
       std::memcpy(bytes.data(), &fraction, sizeof(double));
       link_.send(io::LinkMessage::kProgress, bytes);
     };
-    Dataset dataset = io::read_here(request);
+    Dataset dataset = read_here_(request);
     if (const std::string refused = take_refused_file(); !refused.empty())
       dataset.notes.push_back(refused_text(refused));
     const io::DatasetMessage answer = io::to_message(std::move(dataset));
@@ -114,21 +116,33 @@ class Server {
   }
 
   io::ReaderLink link_;
+  ReadHere read_here_;
   std::string source_;
   bool is_in_sandbox_ = false;
 };
 
-}  // namespace
-
-void serve_requests(io::UniqueFd socket) {
+[[noreturn]] void serve_requests(io::UniqueFd socket, ReadHere read) {
   // Memory is limited by addresses, of which glibc takes 64 MiB for every thread's arena.
   ::mallopt(M_ARENA_MAX, 1);
   end_with(socket.get());
-  Server server(std::move(socket));
+  Server server(std::move(socket), read);
   while (const auto message = server.link().receive())
     if (message->type == io::LinkMessage::kRequest) server.answer(message->bytes);
   // Not by exit(): what libraries do then is no part of reading.
   ::_exit(0);
+}
+
+}  // namespace
+
+int run_reader(const char* name, ReadHere read) {
+  constexpr int kSocket = 3;
+  int type = 0;
+  socklen_t size = sizeof(type);
+  if (::getsockopt(kSocket, SOL_SOCKET, SO_TYPE, &type, &size) != 0) {
+    std::fprintf(stderr, "%s: is started by Ovoid's library and has no use of its own\n", name);
+    return 2;
+  }
+  serve_requests(io::UniqueFd(kSocket), read);
 }
 
 }  // namespace ovoid::reader

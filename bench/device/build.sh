@@ -16,7 +16,7 @@ if [[ $# -gt 0 && -d $1 ]]; then
   settings+=("-DCMAKE_PREFIX_PATH=$prefix/usr" "-DCMAKE_LIBRARY_ARCHITECTURE=$(uname -m)-linux-gnu")
 fi
 cmake -S . -B build/device -G "$(command -v ninja >/dev/null && echo Ninja || echo 'Unix Makefiles')" -DCMAKE_BUILD_TYPE=Release \
-  -DOVOID_IO_VTK=OFF -DOVOID_IO_GDCM=OFF -DOVOID_IO_HDF5=OFF -DOVOID_SIMD=few -DOVOID_TESTS=OFF -DOVOID_DEVICE_BENCH=ON \
+  -DOVOID_IO_VTK=OFF -DOVOID_IO_GDCM=OFF -DOVOID_IO_HDF5=OFF -DOVOID_IO_OPENVDB=OFF -DOVOID_SIMD=few -DOVOID_TESTS=OFF -DOVOID_DEVICE_BENCH=ON \
   -DCMAKE_UNITY_BUILD=ON -DOVOID_PCH=ON "${settings[@]}"
 cmake --build build/device --target ovoid_program device_peak -j "$(nproc)"
 

@@ -32,7 +32,8 @@ from elf import is_elf, read_elf
 ROOT = bundle.ROOT
 GENERATOR = "ovoid python/wheel/back_end.py"
 # Of a build folder; the first also of the sources.
-PACKAGE, LIBRARY, READER = "python/ovoid", "bin/libovoid.so", "bin/ovoid-read"
+PACKAGE, LIBRARY = "python/ovoid", "bin/libovoid.so"
+READERS = ("bin/ovoid-read", "bin/ovoid-read-vdb")
 NOT_PORTABLE = ("_window",)  # extension modules that link the machine's graphics
 
 
@@ -113,8 +114,9 @@ def stage(folder, root, is_portable):
     library = os.path.join(folder, LIBRARY)
     if not is_portable:
         shutil.copy(library, os.path.join(package, read_elf(library).soname))
-        if os.path.exists(os.path.join(folder, READER)):
-            shutil.copy(os.path.join(folder, READER), package)
+        for reader in READERS:
+            if os.path.exists(os.path.join(folder, reader)):
+                shutil.copy(os.path.join(folder, reader), package)
     for path in bundle.elf_files(package):
         bundle.strip(path)
     return originals, library

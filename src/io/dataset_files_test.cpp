@@ -269,7 +269,8 @@ TEST(DatasetFiles, ReadErrors) {
   folder.write("name.vti", "hello");
   folder.write("a.gz", "\x1f\x8b\x08");
   const std::string readable =
-      "NRRD, NIfTI, MetaImage, SLC, NPY, TIFF, Zarr, netCDF, folder of slices, VTK XML, legacy "
+      "NRRD, NIfTI, MetaImage, SLC, NPY, TIFF, Zarr, netCDF, OpenVDB, folder of slices, VTK XML, "
+      "legacy "
       "VTK, "
       "VTKHDF, "
       "Exodus, "

@@ -83,6 +83,11 @@ bool begins_like_zip(std::string_view start) {
   return start.starts_with("PK\x03\x04") || start.starts_with("PK\x05\x06");
 }
 
+bool begins_like_vdb(std::string_view start) {
+  using namespace std::string_view_literals;
+  return start.starts_with(" BDV\0\0\0\0"sv);
+}
+
 bool begins_like_dump(std::string_view start) {
   return start.starts_with("ITEM: TIMESTEP") || start.starts_with("ITEM: UNITS");
 }
@@ -184,6 +189,12 @@ std::vector<Format> images() {
            .says_axes = false,
            .kinds = {kLattice, kMesh},
            .time = time_of_netcdf},
+          {.name = "OpenVDB",
+           .endings = {".vdb"},
+           .begins = begins_like_vdb,
+           .library = "OpenVDB",
+           .shares_lattice = true,
+           .kinds = {kLattice, kParticles}},
           {.name = "folder of slices", .endings = {}, .says_spacing = false, .kinds = {kLattice}},
           {.name = kRaw,
            .endings = {".raw", ".raw.gz"},
@@ -370,6 +381,9 @@ bool has_library([[maybe_unused]] std::string_view name) {
 #ifdef OVOID_IO_HDF5
   if (name == "HDF5") return true;
 #endif
+#ifdef OVOID_IO_OPENVDB
+  if (name == "OpenVDB") return true;
+#endif
   return false;
 }
 
@@ -453,7 +467,7 @@ void refuse_raw_options(const std::string& source, const Format& format, const R
 }
 
 Dataset read_as(const Format& format, const ByteSource& source, const ReadOptions& options,
-                const Opener& open) {
+                const Opener& open, const std::vector<std::string>& steps) {
   refuse_raw_options(source.name(), format, options.raw);
   if (format.read != nullptr) return format.read(source, options, open);
   if (!has_library(format.library)) {
@@ -461,7 +475,9 @@ Dataset read_as(const Format& format, const ByteSource& source, const ReadOption
                 fmt::format("{}: this build has no {} and cannot read {} files", source.name(),
                             format.library, format.name));
   }
-  Dataset dataset = read_foreign(format.name, source.name(), {source.name()}, options);
+  std::vector<std::string> paths{source.name()};
+  if (format.shares_lattice) paths.insert(paths.end(), steps.begin(), steps.end());
+  Dataset dataset = read_foreign(format.name, source.name(), paths, options);
   if (!options.raw.axis_order.empty() && dataset.format != kHdf5Grid)
     refuse_axis_order(source.name(), format.name);
   if (options.raw.spacing) {

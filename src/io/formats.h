@@ -51,6 +51,9 @@ struct Format {
   // Without a reader here, ovoid-read has one (io/foreign), which stands on `library`.
   Dataset (*read)(const ByteSource&, const ReadOptions&, const Opener&) = nullptr;
   const char* library = nullptr;
+  // A lattice is where something is, and of a series where something is at any time: the reader in
+  // ovoid-read is told all files.
+  bool shares_lattice = false;
   bool says_layout = true;   // the flags of raw files contradict it,
   bool says_spacing = true;  // --spacing too
   bool says_axes = true;     // and --axis-order
@@ -73,7 +76,7 @@ inline constexpr const char* kPlyFaces = "PLY surfaces";
 // The row of that name, which there must be.
 const Format& format_called(std::string_view name);
 
-// Is the library that a row names, VTK or HDF5, in this build?
+// Is the library that a row names, VTK, HDF5 or OpenVDB, in this build?
 bool has_library(std::string_view name);
 
 // The format that the file's content, or its name where that decides, has; null if it has none.
@@ -82,9 +85,10 @@ const Format* format_by_content(const ByteSource& source);
 // The same, and else raw where flags or name say dimensions and type, and tables of points by name.
 const Format* format_of(const ByteSource& source, const RawOptions& raw);
 
-// Reads a file of that format, here or in ovoid-read. Throws Error.
+// Reads a file of that format, here or in ovoid-read. `steps`: the files of the series that it is
+// one of, or none. Throws Error.
 Dataset read_as(const Format& format, const ByteSource& source, const ReadOptions& options,
-                const Opener& open);
+                const Opener& open, const std::vector<std::string>& steps = {});
 
 // Throws the Error that tells what a file without a format may be, and what is read.
 [[noreturn]] void refuse_unknown(const ByteSource& source);

@@ -148,6 +148,7 @@ TEST(Mutation, VtkHeader) { run(fuzz::vtk_header_seeds(), fuzz::vtk_header); }
 TEST(Mutation, Plot3d) { run(fuzz::plot3d_seeds(), fuzz::plot3d); }
 TEST(Mutation, Netcdf) { run(fuzz::netcdf_seeds(), fuzz::netcdf, 4000); }
 TEST(Mutation, NetcdfHeader) { run(fuzz::netcdf_header_seeds(), fuzz::netcdf_header, 4000); }
+TEST(Mutation, VdbHeader) { run(fuzz::vdb_header_seeds(), fuzz::vdb_header, 4000); }
 TEST(Mutation, PictureParts) { run(fuzz::picture_part_seeds(), fuzz::picture_part, 400); }
 TEST(Mutation, Look) { run(fuzz::look_seeds(), fuzz::look, 4000); }
 TEST(Mutation, Camera) { run(fuzz::camera_seeds(), fuzz::camera); }
@@ -223,6 +224,11 @@ TEST(Mutation, SeedsAreValid) {
         error_of([&] { check_exodus(*open_memory("a.e", std::as_bytes(std::span(netcdf[i])))); }),
         "")
         << i;
+  }
+  for (const std::string& seed : fuzz::vdb_header_seeds()) {
+    EXPECT_EQ(
+        error_of([&] { read_vdb_header(*open_memory("a.vdb", std::as_bytes(std::span(seed)))); }),
+        "");
   }
   for (const std::string& seed : fuzz::look_seeds()) {
     const fuzz::MemoryFile file(std::as_bytes(std::span(seed)));

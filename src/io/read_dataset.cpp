@@ -25,12 +25,13 @@
 namespace ovoid {
 namespace {
 
-Dataset read_any(const io::ByteSource& source, const ReadOptions& options, const io::Opener& open) {
+Dataset read_any(const io::ByteSource& source, const ReadOptions& options, const io::Opener& open,
+                 const std::vector<std::string>& steps) {
   const io::Format* const format = io::format_of(source, options.raw);
   if (format == nullptr) io::refuse_unknown(source);
   if (options.faces && format->name == std::string_view("PLY"))
     return io::read_as(io::format_called(io::kPlyFaces), source, options, open);
-  return io::read_as(*format, source, options, open);
+  return io::read_as(*format, source, options, open, steps);
 }
 
 // Readers of files that hold one volume, or one step, need not look at what was asked for.
@@ -143,8 +144,9 @@ std::optional<Dataset> read_slice_parts(const std::vector<std::string>& paths,
 
 namespace io {
 
-Dataset read_source(const ByteSource& source, const ReadOptions& options, const Opener& open) {
-  return finished([&] { return read_any(source, options, open); }, options);
+Dataset read_source(const ByteSource& source, const ReadOptions& options, const Opener& open,
+                    const std::vector<std::string>& steps) {
+  return finished([&] { return read_any(source, options, open, steps); }, options);
 }
 
 }  // namespace io

@@ -19,7 +19,7 @@ Dataset read_step_file(const std::vector<std::string>& paths, std::int64_t step,
   ReadOptions own = options;
   own.step.reset();
   const std::string& path = paths[static_cast<std::size_t>(step)];
-  Dataset dataset = read_source(*open_file(path), own, opener_of_named_files(path, own));
+  Dataset dataset = read_source(*open_file(path), own, opener_of_named_files(path, own), paths);
   if (dataset.num_steps > 1) {
     throw Error(ErrorCode::kUnsupported,
                 fmt::format("{}: has {} steps of its own: several inputs are steps of one dataset, "

@@ -68,6 +68,23 @@ TEST(Framing, WhatShowsFillsThePictureFromEverywhere) {
   }
 }
 
+// A surface around what is less is framed as that around what is more.
+TEST(Framing, IsosurfacesOfDistancesFillThePicture) {
+  Look look = ball_look();
+  look.mode = Mode::kIsosurface;
+  look.isovalue = 0.5;
+  const LatticeField more = ball_field();
+  const LatticeField less =
+      test::make_field({48, 48, 48}, [](std::int64_t i, std::int64_t j, std::int64_t k) {
+        const Vec3 place(static_cast<double>(i), static_cast<double>(j), static_cast<double>(k));
+        return (place - kBallCenter).norm() < kBallRadius ? 0.0 : 1.0;
+      });
+  const Camera start = default_camera(more.world_bounds(), Space::kNone, "three-quarter");
+  const Camera camera = framed(start, more, look);
+  EXPECT_LT(seen_at(camera, kBallCenter).norm(), 0.06 * half_height(camera));
+  EXPECT_EQ(framed(start, less, look).position, camera.position);
+}
+
 // Turned around its focal point, the ball stays within the picture.
 TEST(Framing, ForTurningAllStaysInSight) {
   const LatticeField field =

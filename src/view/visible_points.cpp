@@ -18,6 +18,34 @@ namespace {
 constexpr std::int64_t kWantedPoints = 500'000;
 constexpr std::int64_t kWantedSums = 8192;  // each takes a sum over its neighbours
 
+double sample_value(const BrickSource& source, const BrickView& view, const Index3& at) {
+  const std::int64_t place = (at[0] - view.lo[0]) + (at[1] - view.lo[1]) * view.stride_y +
+                             (at[2] - view.lo[2]) * view.stride_z;
+  const double stored = data::visit_scalar(view.type, [&]<class T>(std::type_identity<T>) {
+    return static_cast<double>(
+        data::load_scalar<T>(static_cast<const std::byte*>(view.data), place));
+  });
+  return stored * source.value_scale() + source.value_offset();
+}
+
+// Is a surface around what is less, as of a distance that is negative within? Then most corners of
+// the lattice are more.
+bool encloses_less(const Field& field, float isovalue) {
+  if (field.lattice() == nullptr) return false;
+  const BrickSource& source = field.lattice()->samples();
+  const LatticeGeometry& lattice = source.geometry();
+  const std::int64_t edge = source.brick_edge();
+  const std::int64_t layers = edge * lattice.num_sublattices();
+  int num_more = 0;
+  for (unsigned corner = 0; corner < 8; ++corner) {
+    Index3 at{};
+    for (unsigned a = 0; a < 3; ++a) at[a] = (corner >> a & 1U) != 0 ? lattice.dims[a] - 1 : 0;
+    const BrickView view = source.acquire(at[0] / edge, at[1] / edge, at[2] / layers, 0.0);
+    if (sample_value(source, view, at) >= isovalue) ++num_more;
+  }
+  return num_more > 4;
+}
+
 // Extinction by the value.
 class Extinction {
  public:
@@ -25,6 +53,7 @@ class Extinction {
       : mode_(look.mode),
         isovalue_(static_cast<float>(surfaces_of(look).front().value)),
         table_(with_envelope(look).transfer_function) {
+    encloses_less_ = mode_ == Mode::kIsosurface && encloses_less(field, isovalue_);
     const ValueRange range = field.value_range();
     least_shown_ = range.lo + 0.02F * (range.hi - range.lo);
     double unit = look.unit_distance;
@@ -42,7 +71,7 @@ class Extinction {
   double of_unit(float value) const {
     switch (mode_) {
       case Mode::kIsosurface:
-        return value >= isovalue_ ? kSolid : 0.0;
+        return (value >= isovalue_) != encloses_less_ ? kSolid : 0.0;
       case Mode::kXray:
         return value > least_shown_ ? kSolid : 0.0;
       case Mode::kMaximum:
@@ -58,6 +87,7 @@ class Extinction {
 
   Mode mode_;
   float isovalue_;  // the least
+  bool encloses_less_ = false;
   LookTable table_;
   float least_shown_ = 0;
   double per_unit_ = 1;
@@ -84,14 +114,8 @@ void add_samples(const LatticeField& field, const Extinction& extinction,
         const bool is_in_view = x >= view.lo[0] && x < view.hi[0] && y >= view.lo[1] &&
                                 y < view.hi[1] && z >= view.lo[2] && z < view.hi[2];
         if (!is_in_view) view = source.acquire(x / edge, y / edge, z / layers, 0.0);
-        const std::int64_t at =
-            (x - view.lo[0]) + (y - view.lo[1]) * view.stride_y + (z - view.lo[2]) * view.stride_z;
-        const double stored = data::visit_scalar(view.type, [&]<class T>(std::type_identity<T>) {
-          return static_cast<double>(
-              data::load_scalar<T>(static_cast<const std::byte*>(view.data), at));
-        });
-        const double here = extinction.at(
-            static_cast<float>(stored * source.value_scale() + source.value_offset()));
+        const double here =
+            extinction.at(static_cast<float>(sample_value(source, view, {x, y, z})));
         if (!(here > 0)) continue;
         const Vec3 place = lattice.world_from_index * lattice.index_position({x, y, z});
         if (!is_kept(place, planes)) continue;

@@ -583,6 +583,36 @@ inline std::vector<std::string> netcdf_header_seeds() {
           "\x89HDF\r\n\x1a\n" + std::string("\0\0\0\0\0\x08\x08\0", 8) + std::string(112, '\0')};
 }
 
+// A grid, and another that shares its tree; and a file without offsets.
+inline std::vector<std::string> vdb_header_seeds() {
+  const auto number = [](std::uint64_t value, std::size_t size) {
+    std::string bytes;
+    for (std::size_t i = 0; i < size; ++i, value >>= 8U)
+      bytes += static_cast<char>(static_cast<unsigned char>(value & 0xffU));
+    return bytes;
+  };
+  const auto text = [&](const std::string& words) { return number(words.size(), 4) + words; };
+  const auto metadata = [&](const std::string& name) {
+    return number(1, 4) + text(name) + text("string") + text("level set");
+  };
+  const auto begin = [&](char has_offsets) {
+    return std::string(" BDV\0\0\0\0", 8) + number(224, 4) + number(10, 4) + number(0, 4) +
+           has_offsets + std::string(36, 'a') + metadata("creator");
+  };
+  std::string file = begin(1) + number(2, 4);
+  for (const std::string& parent : {std::string(), std::string("density")}) {
+    const std::string words = text(parent.empty() ? "density"
+                                                  : "a\x1e"
+                                                    "1") +
+                              text("Tree_float_5_4_3") + text(parent);
+    const std::string data = number(6, 4) + metadata("class") + std::string(20, 'b');
+    const std::size_t at = file.size() + words.size() + 24;
+    file += words + number(at, 8) + number(parent.empty() ? at + 20 : 0, 8) +
+            number(at + data.size(), 8) + data;
+  }
+  return {file, begin(0) + std::string(60, 'c')};
+}
+
 inline std::vector<std::string> camera_seeds() {
   return {
       R"({"position":[0,0,5],"focal_point":[0,0,0],"view_up":[0,1,0],"parallel_projection":true,"parallel_scale":2,"view_angle":30})",

@@ -33,6 +33,7 @@
 #include "io/meshes/plot3d.h"
 #include "io/read_source.h"
 #include "io/reader/reader_session.h"
+#include "io/vdb/vdb_header.h"
 #include "ovoid/dataset.h"
 #include "ovoid/error.h"
 #include "ovoid/io.h"
@@ -368,6 +369,14 @@ inline void netcdf_header(Input input) {
     io::check_hdf5_size(*io::open_memory("fuzz.e", input));
   } catch (const Error&) {
     // Refused: as it should be.
+  }
+}
+
+inline void vdb_header(Input input) {
+  try {
+    io::read_vdb_header(*io::open_memory("fuzz.vdb", input));
+  } catch (const Error& error) {
+    require(std::string(error.what()).size() < 1000, "a message without end");
   }
 }
 

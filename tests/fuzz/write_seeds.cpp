@@ -31,6 +31,7 @@ int main(int argc, char** argv) {
       {"look", ovoid::fuzz::look_seeds()},
       {"plot3d", ovoid::fuzz::plot3d_seeds()},
       {"netcdf_header", ovoid::fuzz::netcdf_header_seeds()},
+      {"vdb_header", ovoid::fuzz::vdb_header_seeds()},
       {"picture_part", ovoid::fuzz::picture_part_seeds()},
       {"camera", ovoid::fuzz::camera_seeds()},
       {"point_text", ovoid::fuzz::point_text_seeds()},

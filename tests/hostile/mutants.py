@@ -7,7 +7,7 @@ Makes small files of the formats that other people's libraries read, or takes th
 on the result. A secret file lies beside every input, a secret variable in the environment, and some of the
 damage puts their names where a file's name stood.
 
-Counted as failures: the program ended by a signal, took more than 10 s, printed a message of more than one
+Counted as failures: the program ended by a signal or an exit code above 3 (no memory), took more than 10 s, printed a message of more than one
 line (notes are lines of their own) or of more than 2000 bytes, or wrote a secret into its output. Prints a
 table; exits with 1 if anything failed. The same seed gives the same mutants.
 """
@@ -289,6 +289,12 @@ def seeds(folder, program):
             item + ('Format="HDF">' if kind == "HDF5" else ">") + text +
             "</DataItem></Attribute></Grid></Grid></Domain></Xdmf>\n"})
     xdmf_hdf5(made["XDMF HDF5"].parent / "a.h5")
+    make_vdb = Path(program).parent / "make_vdb"  # of the build's tests; without OpenVDB it is not there
+    if make_vdb.exists():
+        with tempfile.TemporaryDirectory() as place:
+            subprocess.run([make_vdb, place], check=True)
+            for kind in ("kinds", "points", "zip", "tiles"):
+                add(f"OpenVDB {kind}", "a.vdb", {"a.vdb": (Path(place) / f"{kind}.vdb").read_bytes()})
     place = folder / "HDF5 lattice"
     place.mkdir()
     subprocess.run([program, "make", "ball", "-o", place / "a.h5", "--size", "8"], check=True, capture_output=True)
@@ -403,7 +409,7 @@ def run_one(program, kind, path, files, ending, number, seed, keep):
         bad = []
         if code is None or seconds > LONGEST_SECONDS:
             bad.append("hang")
-        if code is not None and (code < 0 or code > 2):
+        if code is not None and (code < 0 or code > 3):
             bad.append("crash")
         if len(lines) > (1 if code else 0) or any(len(line) > LONGEST_MESSAGE for line in text.split(b"\n")):
             bad.append("lines")

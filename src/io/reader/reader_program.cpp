@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <string_view>
 #include <system_error>
 #include <vector>
 
@@ -17,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kName = "ovoid-read";
+constexpr std::string_view kName = "ovoid-read";
 // Where the .deb puts it: a Python wheel, which lies anywhere, finds it there.
 constexpr const char* kSystemFolder = "/usr/libexec/ovoid";
 
@@ -36,17 +37,26 @@ fs::path own_module() {
 
 }  // namespace
 
-std::string find_reader_program(const std::string& source, const std::string& named) {
+std::string_view reader_program_of(std::string_view format) {
+  return format == "OpenVDB" ? "ovoid-read-vdb" : kName;
+}
+
+std::string find_reader_program(const std::string& source, const std::string& named,
+                                std::string_view program) {
   if (!named.empty()) {
-    if (::access(named.c_str(), X_OK) == 0) return named;
+    std::error_code ignored;
+    const std::string path =
+        program == kName ? named : (fs::canonical(named, ignored).parent_path() / program).string();
+    if (::access(path.c_str(), X_OK) == 0) return path;
     throw Error(ErrorCode::kUnsupported,
                 fmt::format("reader_program = {}: is no program that can be started: expected {}",
-                            named, kName));
+                            path, program));
   }
   const fs::path folder = own_module().parent_path();
-  const std::vector<fs::path> places{
-      folder / kName, folder / "../libexec/ovoid" / kName, folder / "../../libexec/ovoid" / kName,
-      fs::path(OVOID_READER_FOLDER) / kName, fs::path(kSystemFolder) / kName};
+  const std::vector<fs::path> places{folder / program, folder / "../libexec/ovoid" / program,
+                                     folder / "../../libexec/ovoid" / program,
+                                     fs::path(OVOID_READER_FOLDER) / program,
+                                     fs::path(kSystemFolder) / program};
   for (const fs::path& place : places) {
     std::error_code ignored;
     if (::access(place.c_str(), X_OK) == 0) return fs::canonical(place, ignored).string();
@@ -58,7 +68,7 @@ std::string find_reader_program(const std::string& source, const std::string& na
                           "nor in {}: install the package ovoid of this version (Python "
                           "wheels leave the program out), or name it by OVOID_READER (the library: "
                           "by ReadOptions::reader_program)",
-                          source, kName, folder.string(), folders));
+                          source, program, folder.string(), folders));
 }
 
 }  // namespace ovoid::io

@@ -2,13 +2,20 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 namespace ovoid::io {
 
-// The program ovoid-read that belongs to this library: `named`, unless that is empty; else beside
-// the program or shared library that this code is in, or in ../libexec/ovoid or
-// ../../libexec/ovoid from there; else where it was to be installed, or where the distribution's
-// package has it. Throws Error(kUnsupported) that says where it was looked for, to read `source`.
-std::string find_reader_program(const std::string& source, const std::string& named);
+// The program that reads a format: "ovoid-read", or "ovoid-read-vdb" for OpenVDB, whose library
+// takes so long to load that others shall not wait for it.
+std::string_view reader_program_of(std::string_view format);
+
+// The program of that name that belongs to this library: `named`, unless that is empty, or, if
+// `named` is ovoid-read and another is wanted, the one beside it; else beside the program or shared
+// library that this code is in, or in ../libexec/ovoid or ../../libexec/ovoid from there; else
+// where it was to be installed, or where the distribution's package has it. Throws
+// Error(kUnsupported) that says where it was looked for, to read `source`.
+std::string find_reader_program(const std::string& source, const std::string& named,
+                                std::string_view program = "ovoid-read");
 
 }  // namespace ovoid::io

@@ -21,6 +21,7 @@
 #include <mutex>
 #include <optional>
 #include <stop_token>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -245,10 +246,11 @@ struct ReaderSession::Impl {
   std::vector<std::string> inputs;
   std::mutex mutex;
   std::shared_ptr<io::ReaderProcess> process;
+  std::string program;             // that the process runs
   std::vector<std::string> files;  // what the process may open
   std::vector<std::string> folders;
 
-  void start(const std::string& source, const ReadOptions& options);
+  void start(const std::string& format, const std::string& source, const ReadOptions& options);
   Dataset receive(const io::ReaderHost& host);
   void report_progress(const ReadOptions& options, double fraction);
   // Throws Error(kCancelled) if the caller has stopped, and with that killed the process.
@@ -262,12 +264,16 @@ ReaderSession::ReaderSession(std::vector<std::string> inputs) : impl_(std::make_
 
 ReaderSession::~ReaderSession() = default;
 
-void ReaderSession::Impl::start(const std::string& source, const ReadOptions& options) {
-  if (process) return;
+void ReaderSession::Impl::start(const std::string& format, const std::string& source,
+                                const ReadOptions& options) {
+  const std::string_view wanted = io::reader_program_of(format);
+  if (process && program == wanted) return;
+  process.reset();
+  program = wanted;
   files = io::files_that_may_be_read(inputs, options);
   folders = io::real_data_folders(options);
-  process =
-      std::make_shared<io::ReaderProcess>(io::find_reader_program(source, options.reader_program));
+  process = std::make_shared<io::ReaderProcess>(
+      io::find_reader_program(source, options.reader_program, wanted));
 }
 
 void ReaderSession::Impl::require_running(const std::stop_token& stop) {
@@ -347,7 +353,7 @@ Dataset ReaderSession::read(const std::string& format, const std::string& source
   const std::lock_guard lock(impl_->mutex);
   if (options.stop.stop_requested())
     throw Error(ErrorCode::kCancelled, "reading: stopped by the caller");
-  impl_->start(source, options);
+  impl_->start(format, source, options);
   io::ReaderRequest request;
   request.format = format;
   request.source = source;

@@ -42,6 +42,7 @@ void Document::take(const Opened& opened) {
   opened_labels_ = opened.labels;
   opened_volumes_ = opened.volumes;
   extras.reset();
+  counted_2d.reset();
   fit.reset();
   control_files.clear();
   time.is_playing = false;
@@ -69,6 +70,7 @@ void Document::take(const ShownReady& ready, double aspect) {
   const bool is_first = std::exchange(awaits_first_, false);
   shown = ready.shown;
   if (extras && extras->of != shown) extras.reset();
+  if (counted_2d && !(choice_of(*counted_2d->of) == choice_of(*shown))) counted_2d.reset();
   if (is_first) time.now = shown->time;
   if (is_first && is_reload_) forget_solids();
   if (ready.kernel || ready.look) label_kernel = ready.kernel;

@@ -147,6 +147,8 @@ struct Loader::Impl {
   std::optional<TimeTask> next_time;
   std::optional<SolidChoice> next_solid;
   bool wants_extras = false;
+  std::shared_ptr<const Shown> next_2d;
+  std::shared_ptr<const Shown> asked_2d;  // that was asked for last, and not given up since
   bool is_over = false;
   bool is_working = false;
   std::stop_source stop;        // of what is done now
@@ -191,8 +193,9 @@ struct Loader::Impl {
   void show_solid(const SolidChoice& task, const std::stop_token& token);
   void read_beside(const BesideTask& task, const std::stop_token& token);
   void work_out_extras(const std::stop_token& token);
+  void count_2d(const std::shared_ptr<const Shown>& shown, const std::stop_token& token);
   bool has_work() const {
-    return next_open || next_choice || !next_beside.empty() || next_time || next_solid ||
+    return next_open || next_choice || !next_beside.empty() || next_time || next_solid || next_2d ||
            wants_extras;
   }
 };
@@ -447,6 +450,25 @@ void Loader::Impl::work_out_extras(const std::stop_token& token) {
   extras_of = data->shown;
 }
 
+// What it cannot be counted of keeps nothing else from being shown.
+void Loader::Impl::count_2d(const std::shared_ptr<const Shown>& shown,
+                            const std::stop_token& token) {
+  Counted2D counted;
+  counted.of = shown;
+  try {
+    counted.histogram =
+        std::make_shared<const cli::Histogram2D>(cli::histogram_2d_of(shown->field(), token));
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::kCancelled) {
+      const std::lock_guard lock(mutex);
+      if (asked_2d == shown) asked_2d.reset();  // it may be asked for again
+      return;
+    }
+    counted.error = cli::one_line(error.what());
+  }
+  report(std::move(counted));
+}
+
 void Loader::Impl::run() {
   lower_priority();
   std::unique_lock lock(mutex);
@@ -468,7 +490,9 @@ void Loader::Impl::run() {
     const auto gone = is_first_served ? std::nullopt : std::exchange(next_time, std::nullopt);
     const auto solid =
         is_first_served || gone ? std::nullopt : std::exchange(next_solid, std::nullopt);
-    if (!is_first_served && !gone && !solid) wants_extras = false;
+    const bool is_served = is_first_served || gone || solid;
+    const auto counted = is_served ? nullptr : std::exchange(next_2d, nullptr);
+    if (!is_served && !counted) wants_extras = false;
     stop = {};
     stop_extra = {};
     const std::stop_token token = stop.get_token();
@@ -486,6 +510,8 @@ void Loader::Impl::run() {
         go_to(*gone, token);
       } else if (solid) {
         show_solid(*solid, token);
+      } else if (counted) {
+        count_2d(counted, extra_token);
       } else {
         work_out_extras(extra_token);
       }
@@ -526,6 +552,8 @@ void Loader::open(std::shared_ptr<const Launch> launch, bool is_reload) {
   impl_->next_time.reset();
   impl_->next_solid.reset();
   impl_->wants_extras = false;
+  impl_->next_2d.reset();
+  impl_->asked_2d.reset();
   impl_->stop.request_stop();
   impl_->stop_extra.request_stop();
   impl_->wanted.notify_all();
@@ -550,6 +578,13 @@ void Loader::show_solid(const SolidChoice& choice) {
   const std::lock_guard lock(impl_->mutex);
   impl_->next_solid = choice;
   impl_->stop_extra.request_stop();
+  impl_->wanted.notify_all();
+}
+
+void Loader::count_2d(std::shared_ptr<const Shown> shown) {
+  const std::lock_guard lock(impl_->mutex);
+  if (impl_->asked_2d == shown) return;
+  impl_->asked_2d = impl_->next_2d = std::move(shown);
   impl_->wanted.notify_all();
 }
 

@@ -18,9 +18,7 @@ namespace ovoid::cli {
 namespace {
 
 constexpr int kPlaces = 200'000;
-// Of lattices whose samples would be too much to copy.
-constexpr int kFewerPlaces = 50'000;
-constexpr std::int64_t kMostKept = std::int64_t{1} << 26;
+constexpr int kFewerPlaces = 50'000;  // of lattices whose samples would be too much to copy
 
 struct Seen {
   double value, gradient;
@@ -54,10 +52,11 @@ std::vector<Seen> seen_at(const std::vector<Vec3>& places, const Sampler& sample
   return seen;
 }
 
-std::vector<Seen> seen_in(const Field& field, const std::stop_token& stop) {
+std::vector<Seen> seen_in(const Field& field, const std::stop_token& stop,
+                          std::int64_t most_copied) {
   const Bounds3 box = field.world_bounds();
-  const bool is_kept = field.lattice() == nullptr || field.num_kernels() <= kMostKept;
-  if (is_kept) return seen_at(places_in(box, kPlaces), FieldSampler(field), stop);
+  const bool is_copied = field.lattice() == nullptr || field.num_kernels() <= most_copied;
+  if (is_copied) return seen_at(places_in(box, kPlaces), FieldSampler(field), stop);
   // Slab by slab, so that what a file's pages hold is asked for while they are there.
   constexpr double kSlabs = 64;
   std::vector<Vec3> places = places_in(box, kFewerPlaces);
@@ -72,9 +71,10 @@ std::vector<Seen> seen_in(const Field& field, const std::stop_token& stop) {
 
 }  // namespace
 
-Histogram2D histogram_2d_of(const Field& field, const std::stop_token& stop) {
+Histogram2D histogram_2d_of(const Field& field, const std::stop_token& stop,
+                            std::int64_t most_copied) {
   constexpr double kTail = 1e-3;
-  std::vector<Seen> seen = seen_in(field, stop);
+  std::vector<Seen> seen = seen_in(field, stop, most_copied);
   if (seen.empty())
     throw Error(ErrorCode::kInvalidArgument, "no values and gradients: the field is defined nowhere");
   Histogram2D histogram;

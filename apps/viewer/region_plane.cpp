@@ -288,8 +288,9 @@ LookRegion first_region(const cli::Histogram2D* histogram, const TransferFunctio
     return region;
   };
   LookRegion usual;
-  usual.values = {rounded(axes.value_lo + span / 2, span), axes.value_hi};
-  usual.gradients = {rounded(axes.gradient_hi / 4, axes.gradient_hi), axes.gradient_hi};
+  usual.values = {rounded(axes.value_lo + span / 2, span), rounded(axes.value_hi, span)};
+  usual.gradients = {rounded(axes.gradient_hi / 4, axes.gradient_hi),
+                     rounded(axes.gradient_hi, axes.gradient_hi)};
   if (histogram == nullptr) return in_color_of_look(usual);
   const std::vector<double> steepness = steepness_by_value(*histogram, kFirstRow);
   const auto peak = std::max_element(steepness.begin(), steepness.end());
@@ -321,7 +322,7 @@ LookRegion first_region(const cli::Histogram2D* histogram, const TransferFunctio
                    value_of(static_cast<double>(columns[1] + 1))};
   region.gradients = {
       rounded(histogram->gradient_hi * middle / (2.0 * kRows), histogram->gradient_hi),
-      histogram->gradient_hi};
+      rounded(histogram->gradient_hi, histogram->gradient_hi)};
   return in_color_of_look(region);
 }
 

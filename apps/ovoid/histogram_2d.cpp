@@ -76,7 +76,8 @@ Histogram2D histogram_2d_of(const Field& field, const std::stop_token& stop,
   constexpr double kTail = 1e-3;
   std::vector<Seen> seen = seen_in(field, stop, most_copied);
   if (seen.empty())
-    throw Error(ErrorCode::kInvalidArgument, "no values and gradients: the field is defined nowhere");
+    throw Error(ErrorCode::kInvalidArgument,
+                "no values and gradients: the field is defined nowhere");
   Histogram2D histogram;
   const auto by_value = [](const Seen& a, const Seen& b) { return a.value < b.value; };
   const auto [least, greatest] = std::minmax_element(seen.begin(), seen.end(), by_value);

@@ -104,7 +104,7 @@ class Document {
   std::shared_ptr<const DataInfo> info;  // null: nothing is open
   std::shared_ptr<const Shown> shown;
   std::shared_ptr<const Extras> extras;
-  std::optional<Counted2D> counted_2d;  // of the array that is shown, maybe at another time
+  std::optional<Counted2D> counted_2d;        // of the array that is shown, maybe at another time
   std::vector<std::string> notes;             // what reading and modelling had to say
   std::vector<ControlFile> control_files;     // the one that was opened, and what was saved
   std::optional<LatticeKernel> label_kernel;  // narrow, where the data look like labels

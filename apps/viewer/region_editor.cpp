@@ -102,8 +102,7 @@ bool drag_held(std::vector<LookRegion>& regions, const Plot& plot, RegionEditing
 bool take_mouse(std::vector<LookRegion>& regions, const Plot& plot, const Reach& reach,
                 RegionEditing& editing) {
   if (!plot.is_held) editing.held.reset();
-  const RegionHit under =
-      region_under(regions, plot.plane, plot.mouse, editing.selected, reach);
+  const RegionHit under = region_under(regions, plot.plane, plot.mouse, editing.selected, reach);
   const PlanePoint at = plot.plane.at(plot.mouse.x, plot.mouse.y);
   if (plot.is_double && under.region < 0) {
     editing.held.reset();
@@ -118,8 +117,7 @@ bool take_mouse(std::vector<LookRegion>& regions, const Plot& plot, const Reach&
   }
   const ImVec2 moved = ImGui::GetIO().MouseDelta;
   if (editing.held && (moved.x != 0 || moved.y != 0)) return drag_held(regions, plot, editing);
-  if (!editing.held && ImGui::IsWindowFocused() && !ImGui::IsAnyItemActive() &&
-      is_remove_pressed())
+  if (!editing.held && ImGui::IsWindowFocused() && !ImGui::IsAnyItemActive() && is_remove_pressed())
     return remove_region(regions, editing.selected, editing);
   return false;
 }
@@ -189,8 +187,7 @@ void draw_axes(ImDrawList& list, const Plot& plot, const std::string& unit, Widg
   constexpr int kMostNumbers = 4;
   const ImU32 line = (colors.faint & ~IM_COL32_A_MASK) | (40U << IM_COL32_A_SHIFT);
   const float line_height = ImGui::GetTextLineHeight();
-  for (const double value :
-       round_numbers(plane.axes.value_lo, plane.axes.value_hi, kMostNumbers)) {
+  for (const double value : round_numbers(plane.axes.value_lo, plane.axes.value_hi, kMostNumbers)) {
     const double x = plane.x_of(value);
     list.AddLine(to_im(x, plane.y0), to_im(x, plane.y1), line);
     std::string text = fmt::format("{:.5g}", value);
@@ -214,8 +211,8 @@ void draw_axes(ImDrawList& list, const Plot& plot, const std::string& unit, Widg
   }
 }
 
-void draw_outline(ImDrawList& list, const LookRegion& region, const PlaneCanvas& plane,
-                  ImU32 color, float thickness) {
+void draw_outline(ImDrawList& list, const LookRegion& region, const PlaneCanvas& plane, ImU32 color,
+                  float thickness) {
   const auto corners = outline_of(region, plane);
   for (std::size_t i = 0; i < corners.size(); ++i)
     list.AddLine(to_im(corners[i]), to_im(corners[(i + 1) % corners.size()]), color, thickness);
@@ -301,8 +298,7 @@ bool take_regions(TransferFunction2D& function, std::vector<LookRegion> regions)
 
 bool edit_regions(Widgets& widgets, const std::string& name, TransferFunction2D& function,
                   const RegionCanvas& canvas, RegionEditing& editing) {
-  const Plot plot =
-      begin_plot(widgets, name, editing.held ? editing.held->axes : canvas.axes);
+  const Plot plot = begin_plot(widgets, name, editing.held ? editing.held->axes : canvas.axes);
   const Reach reach{9.0 * widgets.scale(), static_cast<double>(kFeet * widgets.scale())};
   std::vector<LookRegion> regions = function.regions();
   bool is_changed = false;
@@ -323,17 +319,17 @@ bool edit_regions(Widgets& widgets, const std::string& name, TransferFunction2D&
   const TransferFunction2D::Axis& gradients = function.gradients();
   const double half_value = (values.last - values.first) / (values.count - 1) / 2;
   const double half_gradient = (gradients.last - gradients.first) / (gradients.count - 1) / 2;
-  draw_picture(list, editing.colors, plane,
-               {values.first - half_value, values.last + half_value,
-                gradients.last + half_gradient},
-               gradients.first - half_gradient);
+  draw_picture(
+      list, editing.colors, plane,
+      {values.first - half_value, values.last + half_value, gradients.last + half_gradient},
+      gradients.first - half_gradient);
   list.PopClipRect();
   draw_axes(list, plot, canvas.unit, widgets);
   draw_regions(list, function.regions(), plot, reach, name, widgets, editing);
   if (plot.is_hovered || editing.held) {
-    set_cursor(editing.held ? editing.held->hit
-                            : region_under(function.regions(), plane, plot.mouse,
-                                           editing.selected, reach));
+    set_cursor(editing.held
+                   ? editing.held->hit
+                   : region_under(function.regions(), plane, plot.mouse, editing.selected, reach));
   }
   return is_changed;
 }

@@ -84,8 +84,8 @@ std::vector<double> steepness_by_value(const cli::Histogram2D& histogram, int fi
   for (int i = 0; i < kColumns; ++i) {
     for (int d = -kHalf; d <= kHalf; ++d) {
       if (i + d < 0 || i + d >= kColumns) continue;
-      smooth[static_cast<std::size_t>(i)] += (1 + std::cos(std::numbers::pi * d / (kHalf + 1))) *
-                                             raw[static_cast<std::size_t>(i + d)];
+      smooth[static_cast<std::size_t>(i)] +=
+          (1 + std::cos(std::numbers::pi * d / (kHalf + 1))) * raw[static_cast<std::size_t>(i + d)];
     }
   }
   return smooth;
@@ -136,9 +136,9 @@ PlanePoint PlaneCanvas::at(double x, double y) const {
 }
 
 const char* name_of(Grip grip) {
-  constexpr std::array kNames = {"none",         "body",     "left",      "right",
-                                 "bottom",       "top",      "bottom-left", "bottom-right",
-                                 "top-left",     "top-right", "left-foot", "right-foot"};
+  constexpr std::array kNames = {"none",     "body",      "left",        "right",
+                                 "bottom",   "top",       "bottom-left", "bottom-right",
+                                 "top-left", "top-right", "left-foot",   "right-foot"};
   return kNames[static_cast<std::size_t>(grip)];
 }
 
@@ -167,8 +167,8 @@ PlanePlace place_of(const LookRegion& region, Grip grip, const PlaneCanvas& canv
   }
   // On the side of a trapezoid.
   if (grip == Grip::kLeft || grip == Grip::kRight)
-    place.x = left + half + (grip == Grip::kLeft ? -half : half) *
-                                std::lerp(half_width_share(region), 1.0, 0.5);
+    place.x = left + half +
+              (grip == Grip::kLeft ? -half : half) * std::lerp(half_width_share(region), 1.0, 0.5);
   return place;
 }
 
@@ -258,8 +258,12 @@ LookRegion region_around(const PlanePoint& middle, const PlaneAxes& axes) {
 }
 
 Rgb color_for_region(std::span<const LookRegion> regions) {
-  constexpr std::array<Rgb, 6> kColors = {
-      {{0.9, 0.6, 0.4}, {0.4, 0.7, 1}, {0.6, 0.85, 0.4}, {1, 0.85, 0.3}, {0.8, 0.5, 0.9}, {1, 1, 1}}};
+  constexpr std::array<Rgb, 6> kColors = {{{0.9, 0.6, 0.4},
+                                           {0.4, 0.7, 1},
+                                           {0.6, 0.85, 0.4},
+                                           {1, 0.85, 0.3},
+                                           {0.8, 0.5, 0.9},
+                                           {1, 1, 1}}};
   const auto distance = [](const Rgb& a, const Rgb& b) {
     return std::abs(a[0] - b[0]) + std::abs(a[1] - b[1]) + std::abs(a[2] - b[2]);
   };

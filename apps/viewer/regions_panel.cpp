@@ -61,10 +61,9 @@ bool region_buttons(Panel& panel, std::vector<LookRegion>& regions, const PlaneA
   const auto count = static_cast<int>(regions.size());
   const bool has_one = selected >= 0 && selected < count;
   bool is_changed = false;
-  if (widgets.button("look.region.add", "add",
-                     regions.size() < TransferFunction2D::kMaxRegions)) {
-    LookRegion region = region_around(
-        {(axes.value_lo + axes.value_hi) / 2, axes.gradient_hi / 2}, axes);
+  if (widgets.button("look.region.add", "add", regions.size() < TransferFunction2D::kMaxRegions)) {
+    LookRegion region =
+        region_around({(axes.value_lo + axes.value_hi) / 2, axes.gradient_hi / 2}, axes);
     region.rgb = color_for_region(regions);
     regions.push_back(region);
     selected = count;
@@ -219,11 +218,14 @@ bool regions_editor(Panel& panel) {
   canvas.axes =
       plane_axes(canvas.histogram.get(), &function, document.shown->field().value_range());
   canvas.unit = document.shown->subject.unit;
-  bool is_changed =
-      edit_regions(panel.widgets, "look.regions", function, canvas, state.editing);
-  ImGui::TextDisabled("right: value, up: gradient%s", is_awaited ? ", counting ..." : "");
+  bool is_changed = edit_regions(panel.widgets, "look.regions", function, canvas, state.editing);
+  ImGui::TextDisabled("value to the right, gradient upwards%s", is_awaited ? ", counting" : "");
   const std::string why_not = why_not_2d(document);
-  if (!why_not.empty()) ImGui::TextWrapped("Is not drawn: %s.", why_not.c_str());
+  if (!why_not.empty()) {
+    ImGui::TextWrapped("Is not drawn: %s.", why_not.c_str());
+  } else if (document.draws_surface(document.view) && document.view.surface.opacity == 1) {
+    ImGui::TextWrapped("Lies behind the opaque surface.");
+  }
   if (function.regions().empty()) {
     ImGui::TextWrapped("A table of %d x %d entries, which is not edited here.",
                        function.values().count, function.gradients().count);

@@ -47,17 +47,17 @@ TEST_F(WindowRegions, AButtonMakesTheFirstAndAnotherLeaves) {
 }
 
 TEST_F(WindowRegions, HandsSelectMoveAndResize) {
-  const Viewed viewed = view(
-      with_two(),
-      std::string(kBegin) +
-          "expect selected_region == -1\nprint view.region\nclick look.regions.1\n"
-          "expect selected_region == 1\nexpect can_undo == false\n"
-          "drag left look.regions.1 -20,-12\nprint view.region\nexpect can_undo == true\n"
-          "drag left look.regions.top-right 15,25\nprint view.region\n"
-          "drag left look.regions.right-foot -30,0\nprint view.region\n"
-          "drag left look.regions.bottom 0,900\nprint view.region\n"
-          "key ctrl+z\nkey ctrl+z\nkey ctrl+z\nkey ctrl+z\nwait idle\nprint view.region\n"
-          "expect can_undo == false\n");
+  const Viewed viewed =
+      view(with_two(),
+           std::string(kBegin) +
+               "expect selected_region == -1\nprint view.region\nclick look.regions.1\n"
+               "expect selected_region == 1\nexpect can_undo == false\n"
+               "drag left look.regions.1 -20,-12\nprint view.region\nexpect can_undo == true\n"
+               "drag left look.regions.top-right 15,25\nprint view.region\n"
+               "drag left look.regions.right-foot -30,0\nprint view.region\n"
+               "drag left look.regions.bottom 0,900\nprint view.region\n"
+               "key ctrl+z\nkey ctrl+z\nkey ctrl+z\nkey ctrl+z\nwait idle\nprint view.region\n"
+               "expect can_undo == false\n");
   const auto region = [&](std::size_t time) { return viewed.json("view.region", time)[1]; };
   const auto number = [&](std::size_t time, const char* key, int end) {
     return region(time)[key][end].get<double>();
@@ -76,23 +76,23 @@ TEST_F(WindowRegions, HandsSelectMoveAndResize) {
 }
 
 TEST_F(WindowRegions, RegionsAreAddedRemovedAndReordered) {
-  const Viewed viewed = view(
-      with_two(),
-      std::string(kBegin) +
-          "click look.regions@0.9,0.1 double\nwait idle\nexpect view.regions == 3\n"
-          "expect selected_region == 2\nprint view.region\nkey delete\nwait 3 frames\n"
-          "expect view.regions == 2\nexpect selected_region == -1\n"
-          // By a drag, from corner to corner.
-          "drag left look.regions@0.85,0.05 30,40\nwait idle\nexpect view.regions == 3\n"
-          "print view.region\nclick look.region.lower\nexpect selected_region == 1\n"
-          "print view.region\nclick look.region.raise\nprint view.region\n"
-          "click look.region.add\nwait 3 frames\nexpect view.regions == 4\n"
-          "click look.region.remove\nwait 3 frames\nexpect view.regions == 3\n"
-          "click look.regions.2 right\nwait 3 frames\nexpect view.regions == 2\n"
-          "click look.regions.1 right\nwait 3 frames\nexpect view.regions == 1\n"
-          // Nothing is left of a function without regions.
-          "click look.regions.0 right\nwait 3 frames\nexpect view.regions == 1\n"
-          "click look.regions.0\nkey delete\nwait idle\nexpect view.regions == 1\n");
+  const Viewed viewed =
+      view(with_two(),
+           std::string(kBegin) +
+               "click look.regions@0.9,0.1 double\nwait idle\nexpect view.regions == 3\n"
+               "expect selected_region == 2\nprint view.region\nkey delete\nwait 3 frames\n"
+               "expect view.regions == 2\nexpect selected_region == -1\n"
+               // By a drag, from corner to corner.
+               "drag left look.regions@0.85,0.05 30,40\nwait idle\nexpect view.regions == 3\n"
+               "print view.region\nclick look.region.lower\nexpect selected_region == 1\n"
+               "print view.region\nclick look.region.raise\nprint view.region\n"
+               "click look.region.add\nwait 3 frames\nexpect view.regions == 4\n"
+               "click look.region.remove\nwait 3 frames\nexpect view.regions == 3\n"
+               "click look.regions.2 right\nwait 3 frames\nexpect view.regions == 2\n"
+               "click look.regions.1 right\nwait 3 frames\nexpect view.regions == 1\n"
+               // Nothing is left of a function without regions.
+               "click look.regions.0 right\nwait 3 frames\nexpect view.regions == 1\n"
+               "click look.regions.0\nkey delete\nwait idle\nexpect view.regions == 1\n");
   const auto regions = [&](std::size_t time) { return viewed.json("view.region", time); };
   EXPECT_GT(regions(0)[2]["values"][0], 900);  // where the mouse was
   EXPECT_NE(regions(0)[2]["rgb"], regions(0)[1]["rgb"]);
@@ -111,9 +111,8 @@ TEST_F(WindowRegions, NumbersShapeAndColourAreEdited) {
           "expect view.region.1.values.1 == 1234.5\n" +
           // What is no range stays as it was.
           "click look.region.values.lo double\n" + type + "2000\nkey enter\nwait 3 frames\n" +
-          "expect view.region.1.values.0 == 100\n" +
-          "click look.region.gradients.lo double\n" + type + "-5\nkey enter\nwait 3 frames\n" +
-          "expect view.region.1.gradients.0 == 0\n" +
+          "expect view.region.1.values.0 == 100\n" + "click look.region.gradients.lo double\n" +
+          type + "-5\nkey enter\nwait 3 frames\n" + "expect view.region.1.gradients.0 == 0\n" +
           "click look.region.opacity@0.25,0.5\nclick look.region.softness@0.999,0.5\n"
           "click look.region.foot@0.001,0.5\nwait idle\nprint view.region\npicture $/1.png\n"
           "click look.region.shape\nclick look.region.shape/gaussian\nwait idle\n"
@@ -133,39 +132,37 @@ TEST_F(WindowRegions, NumbersShapeAndColourAreEdited) {
 }
 
 TEST_F(WindowRegions, CommandStateAndLookDrawTheSame) {
-  const Viewed viewed =
-      view(words(),
-           std::string(kBegin) +
-               "click look.enter-2d\nwait idle\ndrag left look.regions.left 12,0\n"
-               "drag left look.regions.left-foot 20,0\nclick look.regions@0.2,0.2 double\n"
-               "wait idle\n" +
-               kSave +
-               "click look.path\nwait 2 frames\nkey ctrl+a\ntype $/look.json\nkey enter\n"
-               "wait 2 frames\nclick look.write\nwait 2 frames\n"
-               "expect message contains look.json\nclick look.leave-2d\nwait idle\n"
-               "picture $/curves.png\nclick look.read\nwait idle\nexpect view.regions == 2\n"
-               "picture $/read.png\n");
+  const Viewed viewed = view(
+      words(), std::string(kBegin) +
+                   "click look.enter-2d\nwait idle\ndrag left look.regions.left 12,0\n"
+                   "drag left look.regions.left-foot 20,0\nclick look.regions@0.2,0.2 double\n"
+                   "wait idle\n" +
+                   kSave +
+                   "click look.path\nwait 2 frames\nkey ctrl+a\ntype $/look.json\nkey enter\n"
+                   "wait 2 frames\nclick look.write\nwait 2 frames\n"
+                   "expect message contains look.json\nclick look.leave-2d\nwait idle\n"
+                   "picture $/curves.png\nclick look.read\nwait idle\nexpect view.regions == 2\n"
+                   "picture $/read.png\n");
   expect_same(viewed, "window.png", "s.json");
   EXPECT_TRUE(file("read.png") == file("window.png"));
   EXPECT_FALSE(file("curves.png") == file("window.png"));
-  const Viewed again =
-      view({"--state", folder_ / "s.json", "--size", "300x600"},
-           "pace 0\nwait idle\nprint view.region\npicture $/again.png\n");
+  const Viewed again = view({"--state", folder_ / "s.json", "--size", "300x600"},
+                            "pace 0\nwait idle\nprint view.region\npicture $/again.png\n");
   EXPECT_EQ(again.json("view.region").size(), 2U);
   EXPECT_TRUE(file("again.png") == file("window.png"));
 }
 
 // Other modes know no gradients.
 TEST_F(WindowRegions, OtherModesDrawTheCurvesAndGiveItBack) {
-  const Viewed viewed = view(
-      with_two(),
-      std::string(kBegin) +
-          "picture $/0.png\nclick look.mode\nclick look.mode/maximum\nwait idle\n"
-          "expect view.is_2d == false\npicture $/max.png\nkey ctrl+c\nprint clipboard\n"
-          "click look.mode\nclick look.mode/composite\nwait idle\nexpect view.regions == 2\n"
-          "picture $/1.png\nclick look.mode\nclick look.mode/maximum\nwait 3 frames\n"
-          "key ctrl+z\nwait idle\nexpect view.regions == 2\nexpect view.mode == composite\n"
-          "picture $/2.png\n");
+  const Viewed viewed =
+      view(with_two(),
+           std::string(kBegin) +
+               "picture $/0.png\nclick look.mode\nclick look.mode/maximum\nwait idle\n"
+               "expect view.is_2d == false\npicture $/max.png\nkey ctrl+c\nprint clipboard\n"
+               "click look.mode\nclick look.mode/composite\nwait idle\nexpect view.regions == 2\n"
+               "picture $/1.png\nclick look.mode\nclick look.mode/maximum\nwait 3 frames\n"
+               "key ctrl+z\nwait idle\nexpect view.regions == 2\nexpect view.mode == composite\n"
+               "picture $/2.png\n");
   EXPECT_FALSE(file("max.png").empty());
   EXPECT_TRUE(file("0.png") == file("1.png"));
   EXPECT_TRUE(file("0.png") == file("2.png"));
@@ -175,14 +172,15 @@ TEST_F(WindowRegions, TablesAreShownAndLeft) {
   const std::string table =
       R"({"Values": [-1000, 1000], "Gradients": [0, 20000], "Size": [2, 2],
           "RGBA": [1,0,0,0, 1,1,1,0.8, 1,0.5,0,0, 0,1,0,0.9]})";
-  const Viewed viewed = view(words({"--tf2d", table}),
-                             std::string(kBegin) +
-                                 "expect view.is_2d == true\nexpect view.regions == 0\n"
-                                 "screenshot $/table.png\nwait 2 frames\nprint version\n"
-                                 "click look.regions double\ndrag left look.regions 20,20\n"
-                                 "key delete\nwait 3 frames\nprint version\n"
-                                 "expect can_undo == false\n" +
-                                 kSave + "click look.leave-2d\nwait idle\n"
+  const Viewed viewed =
+      view(words({"--tf2d", table}), std::string(kBegin) +
+                                         "expect view.is_2d == true\nexpect view.regions == 0\n"
+                                         "screenshot $/table.png\nwait 2 frames\nprint version\n"
+                                         "click look.regions double\ndrag left look.regions 20,20\n"
+                                         "key delete\nwait 3 frames\nprint version\n"
+                                         "expect can_undo == false\n" +
+                                         kSave +
+                                         "click look.leave-2d\nwait idle\n"
                                          "expect view.is_2d == false\n");
   EXPECT_FALSE(file("table.png").empty());
   EXPECT_EQ(viewed.text("version", 0), viewed.text("version", 1));

@@ -246,6 +246,7 @@ void App::take_pictures() {
   std::optional<Pictures> pictures = worker_->take();
   if (!pictures) return;
   frames_due_ = std::max(frames_due_, 1);
+  if (pictures->number >= time_version_) waits_for_time_ = false;
   if (!pictures->error.empty()) {
     tell(pictures->error, true);
     failed_version_ = pictures->number;
@@ -259,7 +260,6 @@ void App::take_pictures() {
   const std::string& notice = status_.profile.notice;
   if (!notice.empty() && notice != told_notice_) tell(told_notice_ = notice);
   meter_.picture_shown(pictures->number, is_moving_, pictures->is_final, pictures->ms);
-  if (pictures->number >= time_version_) waits_for_time_ = false;
   for (const double ms : worker_->take_cancel_times()) meter_.cancelled(ms);
   picture_view_.take(std::move(*pictures));
   if (picture_wish_ && picture_view_.full(document_) != nullptr) {

@@ -199,6 +199,18 @@ TEST_F(WindowRegions, AreComparedWithCurves) {
   EXPECT_TRUE(file("0.png") == file("1.png"));
 }
 
+// Fails if a picture that cannot be is waited for, as a trail of such a look.
+TEST_F(WindowRegions, BesideATrailTheyAreNotDrawnAndSayWhy) {
+  const std::string path = make("tornado", "tornado.h5", {"--size", "16", "--steps", "3"});
+  view({path, "--size", "300x600", "--tf2d", kTwo},
+       std::string(kBegin) +
+           "picture $/0.png\nclick tab.time\nclick time.blur@0.05,0.5\nwait idle\n"
+           "expect message contains \"2-D transfer function\"\nclick time.blur@0.05,0.5\n"
+           "wait idle\npicture $/1.png\nclick tab.look\nclick look.leave-2d\nwait idle\n"
+           "expect view.is_2d == false\n");
+  EXPECT_TRUE(file("0.png") == file("1.png"));
+}
+
 // Where the colour comes from another array there is no such look, and the button says why.
 TEST_F(WindowRegions, AreNotForTwoArrays) {
   const std::string path = make("fin", "fin.vtu");

@@ -166,6 +166,7 @@ void App::frame(const std::vector<Event>& events, double seconds) {
       !document_.time.is_playing)
     document_.time.now = document_.shown->time;
   ask_for_solid();
+  ask_for_surfaces();
   ask_for_picture(is_moving_);
   if (is_visible)
     gui_.end();

@@ -70,6 +70,7 @@ void App::take_load_reports() {
       const bool is_other = !opened->is_reload;
       document_.take(*opened);
       asked_solid_.reset();
+      awaits_surfaces_ = false;
       fitter_->cancel();  // of what was there before
       if (is_other) {
         picture_view_.forget();
@@ -104,7 +105,7 @@ void App::take_load_reports() {
     if (const auto* read = std::get_if<BesideRead>(&report)) take_beside(*read);
     if (auto* failed = std::get_if<LoadFailed>(&report)) {
       progress_.reset();
-      waits_for_time_ = false;
+      waits_for_time_ = awaits_surfaces_ = false;
       document_.time.is_playing = false;
       if (failed->was_opening) load_error_ = failed->message;
       if (failed->was_solid) {

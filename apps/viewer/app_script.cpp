@@ -109,6 +109,7 @@ bool App::has_come_to(const std::string& state) const {
   if (!document_.is_open() || is_moving_ || waits_for_time_ || progress_) return false;
   // A solid that cannot be made is not waited for.
   if (!document_.shown->is_of(document_.view.solid) && loader_->is_busy()) return false;
+  if (!document_.surfaces_to_make().empty() && loader_->is_busy()) return false;
   const bool is_full =
       picture_view_.full(document_) != nullptr || failed_version_ == document_.version();
   if (state == "full") return is_full;

@@ -17,6 +17,7 @@
 #include "apply_crop.h"
 #include "label_edits.h"
 #include "make_camera.h"
+#include "make_geometry.h"
 #include "make_look.h"
 #include "make_trail.h"
 #include "ovoid/coarse.h"
@@ -287,18 +288,16 @@ void Loader::Impl::read(const OpenTask& task, const std::stop_token& token) {
   options.progress = [&](double fraction) { report(LoadProgress{what, fraction}); };
   read_dataset_of(next, own, options);
   const auto info = info_of(*next.dataset, flags);
-  std::vector<std::shared_ptr<const Surface>> surfaces;
+  std::vector<std::shared_ptr<const ReadSurface>> surfaces;
   std::optional<LabelsBeside> labels;
   std::vector<std::shared_ptr<const VolumeBeside>> volumes;
   if (!task.is_reload) {
     volumes = volumes_beside(*next.dataset, next.drawing, own);
     const cli::GeometryFlags& added = next.drawing.geometry;
-    if (!added.arrays.empty() || !added.radii.empty()) {
-      own.note(
-          "the window draws what is added in one colour, lines of the usual radius: --add-array, "
-          "--add-radius and the like are for render and animate");
+    for (std::size_t i = 0; i < added.files.size(); ++i) {
+      const cli::AddedStyle style = cli::added_style(added, i);
+      surfaces.push_back(surface_files.read({added.files[i], style.array, style.radius}, own));
     }
-    for (const std::string& file : added.files) surfaces.push_back(surface_files.read(file, own));
     if (!next.drawing.labels.file.empty())
       labels = labels_beside(next.drawing.labels.file, next.drawing, own);
   }

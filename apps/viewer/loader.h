@@ -96,7 +96,7 @@ struct Opened {  // files were read; `shown` follows
   std::shared_ptr<const Launch> launch;
   bool is_reload = false;
   // Not of a reload.
-  std::vector<std::shared_ptr<const Surface>> surfaces;      // of --add, one by one
+  std::vector<std::shared_ptr<const ReadSurface>> surfaces;  // of --add, one by one
   std::optional<LabelsBeside> labels;                        // of --labels
   std::vector<std::shared_ptr<const VolumeBeside>> volumes;  // of --over
 };

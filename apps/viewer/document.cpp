@@ -219,8 +219,7 @@ Geometry AddedSurface::geometry(bool shows_edges) const {
 
 void Document::add_surface(std::shared_ptr<const ReadSurface> surface) {
   const SurfaceSource source = surface->source;
-  view.added.push_back(
-      {source, std::move(surface), cli::usual_surface_color(view.added.size())});
+  view.added.push_back({source, std::move(surface), cli::usual_surface_color(view.added.size())});
   touch();
 }
 

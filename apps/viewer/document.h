@@ -260,7 +260,7 @@ class Document {
   std::vector<View> past_, future_;
   View settled_;  // the view when remember() was called last
   std::vector<std::shared_ptr<const ReadSurface>> opened_surfaces_;  // for the first view
-  std::optional<LabelsBeside> opened_labels_;                    // likewise
+  std::optional<LabelsBeside> opened_labels_;                        // likewise
   std::vector<std::shared_ptr<const VolumeBeside>> opened_volumes_;
   bool is_edited_ = false;
   bool awaits_first_ = false;

@@ -14,7 +14,8 @@ namespace fs = std::filesystem;
 constexpr std::size_t kMostKeptBytes = std::size_t{64} << 20;
 
 std::size_t bytes_of(const Dataset& mesh) {
-  std::size_t bytes = mesh.positions.bytes.view.size() + mesh.cells.connectivity.view().size_bytes() +
+  std::size_t bytes = mesh.positions.bytes.view.size() +
+                      mesh.cells.connectivity.view().size_bytes() +
                       mesh.cells.offsets.view().size_bytes();
   for (const DataArray& array : mesh.arrays) bytes += array.bytes.view.size();
   return bytes;

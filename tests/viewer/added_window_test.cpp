@@ -37,20 +37,20 @@ class WindowAdded : public OnScreen {
 
 TEST_F(WindowAdded, AnArrayGivesColoursAndUndoTakesThem) {
   points("p.csv");
-  const Viewed viewed = view(
-      words(),
-      kBegin + add("$/p.csv") +
-          "expect scene.surface.0.array == \"\"\npicture $/0.png\n"
-          "click scene.surface.0.array\nclick scene.surface.0.array/heat\nwait idle\n"
-          "expect scene.surface.0.array == heat\nexpect scene.surface.0.range.1 == 5\n"
-          "picture $/1.png\nclick scene.surface.0.map\nclick scene.surface.0.map/plasma\n"
-          "wait idle\npicture $/2.png\nclick scene.surface.0.range.usual@0.05,0.5\n"
-          "wait idle\npicture $/same.png\n" +
-          type("scene.surface.0.range.hi", "20") +
-          "expect scene.surface.0.range.1 == 20\npicture $/3.png\n" + kSave +
-          "move picture@0.1,0.9\nkey ctrl+z\nkey ctrl+z\nkey ctrl+z\nkey ctrl+z\nwait idle\n"
-          "expect scene.surface.0.array == \"\"\npicture $/undone.png\nkey ctrl+y\nwait idle\n"
-          "expect scene.surface.0.array == heat\npicture $/redone.png\n");
+  const Viewed viewed =
+      view(words(),
+           kBegin + add("$/p.csv") +
+               "expect scene.surface.0.array == \"\"\npicture $/0.png\n"
+               "click scene.surface.0.array\nclick scene.surface.0.array/heat\nwait idle\n"
+               "expect scene.surface.0.array == heat\nexpect scene.surface.0.range.1 == 5\n"
+               "picture $/1.png\nclick scene.surface.0.map\nclick scene.surface.0.map/plasma\n"
+               "wait idle\npicture $/2.png\nclick scene.surface.0.range.usual@0.05,0.5\n"
+               "wait idle\npicture $/same.png\n" +
+               type("scene.surface.0.range.hi", "20") +
+               "expect scene.surface.0.range.1 == 20\npicture $/3.png\n" + kSave +
+               "move picture@0.1,0.9\nkey ctrl+z\nkey ctrl+z\nkey ctrl+z\nkey ctrl+z\nwait idle\n"
+               "expect scene.surface.0.array == \"\"\npicture $/undone.png\nkey ctrl+y\nwait idle\n"
+               "expect scene.surface.0.array == heat\npicture $/redone.png\n");
   for (int i = 0; i < 3; ++i) {
     EXPECT_FALSE(file(std::to_string(i) + ".png") == file(std::to_string(i + 1) + ".png")) << i;
   }
@@ -64,18 +64,17 @@ TEST_F(WindowAdded, AnArrayGivesColoursAndUndoTakesThem) {
 TEST_F(WindowAdded, BallsHaveARadius) {
   points("p.csv");
   triangle("t.obj");
-  const Viewed viewed =
-      view(words(), kBegin + add("$/t.obj") + add("$/p.csv") +
-                        "expect scene.surface.1.radius == 0\npicture $/0.png\n"
-                        "click scene.surface.1.radius.usual@0.05,0.5\nwait idle\n"
-                        "expect scene.surface.1.radius > 0\n" +
-                        type("scene.surface.1.radius", "0.05") +
-                        "expect scene.surface.1.radius == 0.05\npicture $/1.png\n"
-                        "drag left scene.surface.1.radius 40,0\nwait idle\n"
-                        "expect scene.surface.1.radius > 0.05\n" +
-                        kSave +
-                        "click scene.surface.1.radius.usual@0.05,0.5\nwait idle\n"
-                        "picture $/back.png\n");
+  const Viewed viewed = view(words(), kBegin + add("$/t.obj") + add("$/p.csv") +
+                                          "expect scene.surface.1.radius == 0\npicture $/0.png\n"
+                                          "click scene.surface.1.radius.usual@0.05,0.5\nwait idle\n"
+                                          "expect scene.surface.1.radius > 0\n" +
+                                          type("scene.surface.1.radius", "0.05") +
+                                          "expect scene.surface.1.radius == 0.05\npicture $/1.png\n"
+                                          "drag left scene.surface.1.radius 40,0\nwait idle\n"
+                                          "expect scene.surface.1.radius > 0.05\n" +
+                                          kSave +
+                                          "click scene.surface.1.radius.usual@0.05,0.5\nwait idle\n"
+                                          "picture $/back.png\n");
   EXPECT_FALSE(file("0.png") == file("1.png"));
   EXPECT_FALSE(file("1.png") == file("window.png"));
   EXPECT_TRUE(file("back.png") == file("0.png"));
@@ -87,27 +86,32 @@ TEST_F(WindowAdded, SeveralAreAsFlagsHaveThem) {
   points("p.csv");
   points("q.csv", -2);
   triangle("t.obj");
-  const Viewed viewed = view(
-      words({"--add", folder_ / "p.csv", "--add", folder_ / "t.obj", "--add", folder_ / "q.csv",
-             "--add-array", "heat", "--add-array", "", "--add-array", "cold", "--add-colormap",
-             "plasma", "--add-range", "1,3", "--add-radius", "0.08", "--add-radius", "0"}),
-      std::string(kBegin) +
-          "expect scene.surface.0.array == heat\nexpect scene.surface.0.radius == 0.08\n"
-          "expect scene.surface.1.array == \"\"\nexpect scene.surface.2.array == cold\n"
-          "expect scene.surface.2.map == plasma\nexpect scene.surface.2.range.1 == 3\n"
-          "expect scene.surface.2.radius == 0\npicture $/opened.png\n"
-          "click scene.surface.0.range.usual@0.05,0.5\nclick scene.surface.1.show@0.02,0.5\n"
-          "wait idle\nexpect scene.surface.0.has_range == false\n" +
-          kSave);
-  cli_tests::expect_success(
-      {"render", make_head(), "--view", "front", "--size", "300x500", "--backend", "cpu",
-       "--background", "#1b1c20", "--add", folder_ / "p.csv", "-o", folder_ / "other.png"});
+  const Viewed viewed =
+      view(words({"--add",          folder_ / "p.csv",
+                  "--add",          folder_ / "t.obj",
+                  "--add",          folder_ / "q.csv",
+                  "--add-array",    "heat",
+                  "--add-array",    "",
+                  "--add-array",    "cold",
+                  "--add-colormap", "plasma",
+                  "--add-range",    "1,3",
+                  "--add-radius",   "0.08",
+                  "--add-radius",   "0"}),
+           std::string(kBegin) +
+               "expect scene.surface.0.array == heat\nexpect scene.surface.0.radius == 0.08\n"
+               "expect scene.surface.1.array == \"\"\nexpect scene.surface.2.array == cold\n"
+               "expect scene.surface.2.map == plasma\nexpect scene.surface.2.range.1 == 3\n"
+               "expect scene.surface.2.radius == 0\npicture $/opened.png\n"
+               "click scene.surface.0.range.usual@0.05,0.5\nclick scene.surface.1.show@0.02,0.5\n"
+               "wait idle\nexpect scene.surface.0.has_range == false\n" +
+               kSave);
   EXPECT_FALSE(file("opened.png") == file("window.png"));
   expect_same(viewed, "window.png", "s.json");
   view({"--state", folder_ / "s.json", "--size", "300x500"},
-       std::string(kBegin) + "expect scene.surfaces == 3\n"
-                             "expect scene.surface.1.is_hidden == true\n"
-                             "expect scene.surface.2.array == cold\npicture $/again.png\n");
+       std::string(kBegin) +
+           "expect scene.surfaces == 3\n"
+           "expect scene.surface.1.is_hidden == true\n"
+           "expect scene.surface.2.array == cold\npicture $/again.png\n");
   EXPECT_TRUE(file("again.png") == file("window.png"));
 }
 

@@ -71,24 +71,49 @@ bool is_in(const LookRegion& region, const PlanePoint& at) {
 
 // The steep part of what was counted at each value: by the logarithm, so that a small boundary is
 // not nothing beside a large one, times how steep it is.
-std::vector<double> steepness_by_value(const cli::Histogram2D& histogram, int first_row) {
-  constexpr int kColumns = cli::Histogram2D::kColumns;
-  constexpr int kHalf = 9;  // of the window that smooths it
+std::vector<double> steepness_by_value(const cli::Histogram2D& histogram, std::size_t first_row) {
+  constexpr std::size_t kColumns = cli::Histogram2D::kColumns;
+  constexpr std::size_t kHalf = 9;  // of the window that smooths it
   std::vector<double> raw(kColumns);
-  for (int row = first_row; row < cli::Histogram2D::kRows; ++row) {
-    for (int i = 0; i < kColumns; ++i)
-      raw[static_cast<std::size_t>(i)] +=
-          row * std::log1p(histogram.counts[static_cast<std::size_t>(row * kColumns + i)]);
+  for (std::size_t row = first_row; row < cli::Histogram2D::kRows; ++row) {
+    for (std::size_t i = 0; i < kColumns; ++i)
+      raw[i] += static_cast<double>(row) * std::log1p(histogram.counts[row * kColumns + i]);
   }
   std::vector<double> smooth(kColumns);
-  for (int i = 0; i < kColumns; ++i) {
-    for (int d = -kHalf; d <= kHalf; ++d) {
-      if (i + d < 0 || i + d >= kColumns) continue;
-      smooth[static_cast<std::size_t>(i)] +=
-          (1 + std::cos(std::numbers::pi * d / (kHalf + 1))) * raw[static_cast<std::size_t>(i + d)];
+  for (std::size_t i = 0; i < kColumns; ++i) {
+    for (std::size_t k = i < kHalf ? 0 : i - kHalf; k <= std::min(i + kHalf, kColumns - 1); ++k) {
+      const double away = std::abs(static_cast<double>(k) - static_cast<double>(i));
+      smooth[i] += (1 + std::cos(std::numbers::pi * away / (kHalf + 1))) * raw[k];
     }
   }
   return smooth;
+}
+
+// As far to both sides of the peak as it is half as much.
+std::array<std::size_t, 2> columns_of_peak(const std::vector<double>& steepness) {
+  const auto peak = std::max_element(steepness.begin(), steepness.end());
+  auto first = peak;
+  auto last = peak;
+  while (first != steepness.begin() && *std::prev(first) > *peak / 2) --first;
+  while (std::next(last) != steepness.end() && *std::next(last) > *peak / 2) ++last;
+  return {static_cast<std::size_t>(first - steepness.begin()),
+          static_cast<std::size_t>(last - steepness.begin())};
+}
+
+// The row from `first_row` on below which half of what was counted in the columns lies.
+std::size_t median_row(const cli::Histogram2D& histogram, const std::array<std::size_t, 2>& columns,
+                       std::size_t first_row) {
+  constexpr std::size_t kRows = cli::Histogram2D::kRows;
+  std::array<double, kRows> sums{};  // of this row and those below
+  double sum = 0;
+  for (std::size_t row = first_row; row < kRows; ++row) {
+    for (std::size_t i = columns[0]; i <= columns[1]; ++i)
+      sum += histogram.counts[row * cli::Histogram2D::kColumns + i];
+    sums[row] = sum;
+  }
+  std::size_t middle = first_row;
+  while (middle + 1 < kRows && 2 * sums[middle] < sum) ++middle;
+  return middle;
 }
 
 }  // namespace
@@ -282,9 +307,9 @@ Rgb color_for_region(std::span<const LookRegion> regions) {
 
 LookRegion first_region(const cli::Histogram2D* histogram, const TransferFunction& look,
                         const PlaneAxes& axes) {
-  constexpr int kColumns = cli::Histogram2D::kColumns;
-  constexpr int kRows = cli::Histogram2D::kRows;
-  constexpr int kFirstRow = kRows / 10;  // below it lies what is even
+  constexpr std::size_t kColumns = cli::Histogram2D::kColumns;
+  constexpr std::size_t kRows = cli::Histogram2D::kRows;
+  constexpr std::size_t kFirstRow = kRows / 10;  // below it lies what is even
   const double span = axes.value_hi - axes.value_lo;
   const auto in_color_of_look = [&](LookRegion region) {
     region.rgb = look.color_at((region.values[0] + region.values[1]) / 2);
@@ -297,36 +322,18 @@ LookRegion first_region(const cli::Histogram2D* histogram, const TransferFunctio
                      rounded(axes.gradient_hi, axes.gradient_hi)};
   if (histogram == nullptr) return in_color_of_look(usual);
   const std::vector<double> steepness = steepness_by_value(*histogram, kFirstRow);
-  const auto peak = std::max_element(steepness.begin(), steepness.end());
-  if (!(*peak > 0)) return in_color_of_look(usual);
-  // As far to both sides as it is half as much.
-  auto first = peak;
-  auto last = peak;
-  while (first != steepness.begin() && *std::prev(first) > *peak / 2) --first;
-  while (std::next(last) != steepness.end() && *std::next(last) > *peak / 2) ++last;
-  const auto columns = std::array{first - steepness.begin(), last - steepness.begin()};
-  std::array<double, kRows> of_row{};
-  double all = 0;
-  for (int row = kFirstRow; row < kRows; ++row) {
-    for (auto i = columns[0]; i <= columns[1]; ++i)
-      of_row[static_cast<std::size_t>(row)] +=
-          histogram->counts[static_cast<std::size_t>(row * kColumns + i)];
-    all += of_row[static_cast<std::size_t>(row)];
-  }
+  if (!(*std::max_element(steepness.begin(), steepness.end()) > 0)) return in_color_of_look(usual);
+  const std::array<std::size_t, 2> columns = columns_of_peak(steepness);
   // Half of how steep the boundary is where it is as steep as mostly: below lie its two materials.
-  int middle = kFirstRow;
-  for (double sum = of_row[kFirstRow]; 2 * sum < all && middle + 1 < kRows;)
-    sum += of_row[static_cast<std::size_t>(++middle)];
+  const auto least = static_cast<double>(median_row(*histogram, columns, kFirstRow)) / 2;
   const double counted = histogram->value_hi - histogram->value_lo;
-  const auto value_of = [&](double column) {
-    return rounded(histogram->value_lo + counted * column / kColumns, counted);
+  const auto value_of = [&](std::size_t column) {
+    return rounded(histogram->value_lo + counted * static_cast<double>(column) / kColumns, counted);
   };
   LookRegion region;
-  region.values = {value_of(static_cast<double>(columns[0])),
-                   value_of(static_cast<double>(columns[1] + 1))};
-  region.gradients = {
-      rounded(histogram->gradient_hi * middle / (2.0 * kRows), histogram->gradient_hi),
-      rounded(histogram->gradient_hi, histogram->gradient_hi)};
+  region.values = {value_of(columns[0]), value_of(columns[1] + 1)};
+  const double top = histogram->gradient_hi;
+  region.gradients = {rounded(top * least / kRows, top), rounded(top, top)};
   return in_color_of_look(region);
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "panels.h"
@@ -60,7 +61,6 @@ bool region_buttons(Panel& panel, std::vector<LookRegion>& regions, const PlaneA
   int& selected = panel.state.regions.editing.selected;
   const auto count = static_cast<int>(regions.size());
   const bool has_one = selected >= 0 && selected < count;
-  bool is_changed = false;
   if (widgets.button("look.region.add", "add", regions.size() < TransferFunction2D::kMaxRegions)) {
     LookRegion region =
         region_around({(axes.value_lo + axes.value_hi) / 2, axes.gradient_hi / 2}, axes);
@@ -76,22 +76,21 @@ bool region_buttons(Panel& panel, std::vector<LookRegion>& regions, const PlaneA
     return true;
   }
   ImGui::SameLine();
+  const auto at = regions.begin() + (has_one ? selected : 0);
   if (widgets.button("look.region.lower", "lower", has_one && selected > 0)) {
-    std::swap(regions[static_cast<std::size_t>(selected)],
-              regions[static_cast<std::size_t>(selected - 1)]);
+    std::iter_swap(at, std::prev(at));
     --selected;
-    is_changed = true;
+    return true;
   }
   widgets.tip("Behind the one before it.");
   ImGui::SameLine();
   if (widgets.button("look.region.raise", "raise", has_one && selected + 1 < count)) {
-    std::swap(regions[static_cast<std::size_t>(selected)],
-              regions[static_cast<std::size_t>(selected + 1)]);
+    std::iter_swap(at, std::next(at));
     ++selected;
-    is_changed = true;
+    return true;
   }
   widgets.tip("Over the one behind it: where both are, its colour is seen.");
-  return is_changed;
+  return false;
 }
 
 bool edit_ends(Widgets& widgets, const std::string& name, const char* label,

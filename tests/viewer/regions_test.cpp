@@ -323,9 +323,12 @@ TEST(FirstRegions, NothingIsCountedWhereNothingIs) {
 
 // Fails if what is asked of a lattice without a copy is something else.
 TEST(Histograms2D, OfLargeLatticesAreTheSameOfFewerPlaces) {
-  const LatticeField field = test::make_field(
-      {24, 24, 24},
-      [](auto i, auto j, auto k) { return static_cast<double>(i * i) + 3 * j - std::sin(k); }, {});
+  const LatticeField field = test::make_field({24, 24, 24},
+                                              [](auto i, auto j, auto k) {
+                                                return static_cast<double>(i * i + 3 * j) -
+                                                       std::sin(static_cast<double>(k));
+                                              },
+                                              {});
   const cli::Histogram2D copied = cli::histogram_2d_of(field);
   const cli::Histogram2D asked = cli::histogram_2d_of(field, {}, 0);
   const double span = copied.value_hi - copied.value_lo;
